@@ -1,0 +1,62 @@
+"""Stability maps for robots that can change their shape.
+
+The names below are the whole public interface.  They are imported on first use, so that
+`lutgen --help` need not wait for numba.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from lutgen._version import __version__
+
+if TYPE_CHECKING:
+    from lutgen.errors import InputError, LutgenError, MapFileError, RecipeError, SweepError
+    from lutgen.evaluation import evaluate
+    from lutgen.recipe import load_recipe, parse_recipe
+    from lutgen.robot import postures
+    from lutgen.channels import stability
+    from lutgen.store import load_map
+    from lutgen.sweeper import sweep
+
+_HOME = {
+    "InputError": "errors",
+    "LutgenError": "errors",
+    "MapFileError": "errors",
+    "RecipeError": "errors",
+    "SweepError": "errors",
+    "evaluate": "evaluation",
+    "load_map": "store",
+    "load_recipe": "recipe",
+    "parse_recipe": "recipe",
+    "postures": "robot",
+    "stability": "channels",
+    "sweep": "sweeper",
+}
+
+__all__ = [
+    "InputError",
+    "LutgenError",
+    "MapFileError",
+    "RecipeError",
+    "SweepError",
+    "__version__",
+    "evaluate",
+    "load_map",
+    "load_recipe",
+    "parse_recipe",
+    "postures",
+    "stability",
+    "sweep",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name from its module (PEP 562)."""
+    if name not in _HOME:
+        raise AttributeError(f"module 'lutgen' has no attribute {name!r}")
+    return getattr(import_module(f"lutgen.{_HOME[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    """Return the public names."""
+    return sorted(__all__)

@@ -1,0 +1,91 @@
+"""How a map is cut into blocks: the chunks of its file, and the rows of nodes each one holds.
+
+Owns the arithmetic of shapes and offsets only.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from lutgen.recipe import Recipe
+
+# Nodes of a block per channel: 4 MiB of float32, large enough that HDF5's cost per chunk vanishes
+# and small enough to stay in the last-level cache between computing and writing.
+BLOCK_NODES = 1 << 20
+
+
+@dataclass(frozen=True)
+class Block:
+    """One block: chunk `number` (C order) at `offset`, holding rows [first_row, last_row).
+
+    Rows are numbered through the whole map: posture * (faces * nodes) + face * nodes + v.
+    """
+
+    number: int
+    offset: tuple[int, ...]
+    first_row: int
+    last_row: int
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The blocks of one map.
+
+    `shape` and `chunk` are those of a channel's variable: parameters, face, v, u.  Every chunk is
+    a contiguous run of rows: its last axes are whole, one axis is cut, those before it are 1.
+    """
+
+    shape: tuple[int, ...]
+    chunk: tuple[int, ...]
+
+    @property
+    def nodes(self) -> int:
+        """Nodes of the map, per channel."""
+        return math.prod(self.shape)
+
+    @property
+    def chunk_nodes(self) -> int:
+        """Nodes of one chunk; the last chunk along the cut axis may be partly empty."""
+        return math.prod(self.chunk)
+
+    @property
+    def counts(self) -> tuple[int, ...]:
+        """Number of chunks along each axis."""
+        return tuple(-(-size // part) for size, part in zip(self.shape, self.chunk, strict=True))
+
+    @property
+    def count(self) -> int:
+        """Number of blocks."""
+        return math.prod(self.counts)
+
+    def blocks(self) -> Iterator[Block]:
+        """Yield every block in the order of its number."""
+        width = self.shape[-1]
+        for number in range(self.count):
+            rest, place = number, []
+            for count in reversed(self.counts):
+                rest, digit = divmod(rest, count)
+                place.append(digit)
+            offset = tuple(d * part for d, part in zip(reversed(place), self.chunk, strict=True))
+            flat = 0
+            for start, size in zip(offset, self.shape, strict=True):
+                flat = flat * size + start
+            held = math.prod(
+                min(part, size - start)
+                for part, size, start in zip(self.chunk, self.shape, offset, strict=True)
+            )
+            yield Block(number, offset, flat // width, (flat + held) // width)
+
+
+def plan(recipe: Recipe, block_nodes: int = BLOCK_NODES) -> Plan:
+    """Return the plan of a recipe's map; a row along u is never cut."""
+    shape = (*recipe.grid.shape, *recipe.chart.shape)
+    chunk = [1] * len(shape)
+    room = block_nodes
+    for axis in range(len(shape) - 1, -1, -1):
+        whole = axis == len(shape) - 1
+        chunk[axis] = shape[axis] if whole else max(1, min(shape[axis], room))
+        room //= chunk[axis]
+        if chunk[axis] < shape[axis] or room == 0:
+            break
+    return Plan(shape, tuple(chunk))

@@ -1,0 +1,175 @@
+"""`lutgen eval`: one posture under one direction."""
+
+import json
+import logging
+import math
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from lutgen.cli.options import (
+    allow_python,
+    as_json,
+    gravity,
+    open_source,
+    parameter_values,
+    parameters,
+)
+
+if TYPE_CHECKING:
+    from lutgen.recipe import Recipe
+    from lutgen.statics import Diagnosis
+    from lutgen.store import StabilityMap
+
+log = logging.getLogger("lutgen")
+
+
+@click.command("eval", short_help="Evaluate one point of a recipe (exact) or a map (interpolated).")
+@click.argument("source", type=click.Path())
+@parameters
+@gravity
+@allow_python
+@as_json
+def eval_(
+    source: str,
+    assignments: tuple[tuple[str, float], ...],
+    gravity: tuple[float, float, float],
+    allow_python: bool,
+    as_json: bool,
+) -> None:
+    """Evaluate SOURCE, a recipe (exact) or a map (interpolated), at one point.
+
+    \b
+    $ lutgen eval maps/paper_two.toml -p alpha=31 -p gamma=31
+    sdg            0.00253161
+    """
+    from lutgen.recipe import Recipe
+
+    opened = open_source(source, allow_python)
+    recipe = opened if isinstance(opened, Recipe) else opened.recipe
+    values = parameter_values(recipe, assignments)
+    for parameter, value in zip(recipe.parameters, values, strict=True):
+        if not parameter.minimum <= value <= parameter.maximum:
+            what = "used as it is" if isinstance(opened, Recipe) else "clamped"
+            log.warning("parameter %s is outside the recipe's range: %s", parameter.name, what)
+    if isinstance(opened, Recipe):
+        report = exact_report(opened, values, gravity)
+    else:
+        report = map_report(opened, values, gravity)
+    if as_json:
+        click.echo(json.dumps(report, indent=2, allow_nan=False))
+        return
+    for line in lines(report):
+        click.echo(line)
+
+
+def _number(value: float) -> float | None:
+    """Return a number for JSON, which knows neither NaN nor infinity."""
+    return float(value) if math.isfinite(value) else None
+
+
+def channel_entries(channels: dict[str, float]) -> dict[str, Any]:
+    """Return the channels under their names in the report; angles in deg."""
+    entries: dict[str, Any] = {}
+    for name, value in channels.items():
+        if name == "tip_angle":
+            entries["tip_angle_deg"] = _number(math.degrees(value))
+        elif name == "facet":
+            entries[name] = int(value)
+        else:
+            entries[name] = _number(value)
+    return entries
+
+
+def exact_report(recipe: "Recipe", values: list[float], gravity: tuple[float, ...]) -> dict[str, Any]:
+    """Return the report on one point of a recipe."""
+    from lutgen.statics import diagnose
+
+    found = diagnose(recipe, values, gravity)
+    report: dict[str, Any] = {
+        "robot": recipe.name,
+        "source": "exact",
+        "length_unit": recipe.length_unit,
+        "standing": found.standing,
+        **channel_entries(found.channels),
+        "slope_deg": _number(math.degrees(found.slope)),
+        "slides_first": found.slides,
+    }
+    if found.least_stable is not None:
+        report["least_stable_axis"] = _axis(found, found.least_stable)
+    report["axes"] = [_axis(found, index) for index in range(len(found.axes_))]
+    if found.normal_forces:
+        report["normal_forces"] = found.normal_forces
+        report["normal_forces_kind"] = found.forces_kind
+        report["heuristic_forces_eq12"] = found.heuristic_forces
+    if found.facet is not None:
+        report["support"] = {
+            "contacts": [recipe.contact_names[i] for i in found.facet.contacts],
+            "centroid": found.facet.centroid.tolist(),
+            "pierced": [_number(c) for c in found.facet.pierced],
+        }
+    report["com"] = found.com.tolist()
+    return report
+
+
+def _axis(found: "Diagnosis", index: int) -> dict[str, Any]:
+    axis = found.axes_[index]
+    return {
+        "index": index,
+        "contacts": list(axis.names),
+        "tip_angle_deg": _number(math.degrees(axis.tip_angle)),
+        "margin": _number(axis.margin),
+        "energy_margin": _number(axis.energy_margin),
+    }
+
+
+def map_report(
+    stability_map: "StabilityMap", values: list[float], gravity: tuple[float, ...]
+) -> dict[str, Any]:
+    """Return the report on one point of a map."""
+    reading = stability_map.read([values], [gravity])
+    channels = {name: float(value[0]) for name, value in reading.items()}
+    _, _, _, inside = stability_map.chart.locate([gravity])
+    if not inside[0]:
+        log.warning("the direction is off the map's chart: the map says nothing")
+        channels.pop("facet", None)
+    known = channels.get("tip_angle", channels.get("sdg", math.nan))
+    stands = known >= 0.0 if inside[0] else None
+    return {
+        "robot": stability_map.recipe.name,
+        "source": "interpolated",
+        "length_unit": stability_map.recipe.length_unit,
+        "on_chart": bool(inside[0]),
+        "standing": bool(stands) if stands is not None else None,
+        **channel_entries(channels),
+    }
+
+
+def lines(report: dict[str, Any]) -> list[str]:
+    """Return the report as text."""
+    unit = report["length_unit"]
+    length = "" if unit == "1" else f" {unit}"
+    verdict = {True: "stands", False: "tips over", None: "unknown: off the chart"}
+    text = [f"{report['robot']} ({report['source']}): {verdict[report['standing']]}"]
+    for key in ("sdg", "height", "tip_angle_deg", "margin", "energy_margin", "facet", "slope_deg"):
+        if key in report:
+            value = report[key]
+            name, suffix = (key[:-4], " deg") if key.endswith("_deg") else (key, length)
+            suffix = "" if key == "facet" else suffix
+            # JSON has null for them: no boundary at all, or no value outside the region.
+            shown = "-" if value is None else f"{value:.9g}{suffix}"
+            text.append(f"{name:<15}{shown}")
+    if report.get("slides_first") is not None:
+        text.append(f"{'slides first':<15}{'yes' if report['slides_first'] else 'no'}")
+    axis = report.get("least_stable_axis")
+    if axis is not None:
+        text.append(
+            f"{'least stable':<15}axis {axis['index']}, {' - '.join(axis['contacts'])}, "
+            f"{axis['tip_angle_deg']:.6g} deg"
+        )
+    if "normal_forces" in report:
+        text.append(f"normal forces, shares of their sum ({report['normal_forces_kind']}):")
+        for name, share in report["normal_forces"].items():
+            rough = report["heuristic_forces_eq12"][name]
+            text.append(f"  {name:<13}{share:.6f}   (paper's heuristic, Eq 12: {rough:.6f})")
+    return text

@@ -1,0 +1,130 @@
+"""Options that several commands share, and how their texts become numbers."""
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from lutgen.errors import InputError
+
+if TYPE_CHECKING:
+    from lutgen.recipe import Recipe
+    from lutgen.store import StabilityMap
+
+allow_python = click.option(
+    "--allow-python", is_flag=True, help="Run the code that the recipe names (`python = ...`)."
+)
+as_json = click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
+
+
+class Direction(click.ParamType):
+    """Three numbers x,y,z: a gravity direction in the body frame."""
+
+    name = "X,Y,Z"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[float, ...]:
+        """Return the three numbers."""
+        if isinstance(value, tuple):
+            return value
+        try:
+            numbers = tuple(float(part) for part in str(value).split(","))
+        except ValueError:
+            numbers = ()
+        if len(numbers) != 3 or not all(map(math.isfinite, numbers)) or not any(numbers):
+            self.fail(f"{value!r} is no direction; write three numbers such as 0,0,-1", param, ctx)
+        return numbers
+
+
+class Assignment(click.ParamType):
+    """A geometry parameter and its value, name=number."""
+
+    name = "NAME=VALUE"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[str, float]:
+        """Return (name, value)."""
+        if isinstance(value, tuple):
+            return value
+        name, equals, number = str(value).partition("=")
+        try:
+            result = float(number)
+        except ValueError:
+            result = math.nan
+        if not (name and equals and math.isfinite(result)):
+            self.fail(f"{value!r} is no assignment; write for example alpha=30", param, ctx)
+        return name.strip(), result
+
+
+gravity = click.option(
+    "-g",
+    "--gravity",
+    type=Direction(),
+    default="0,0,-1",
+    show_default=True,
+    help="Gravity in the body frame, pointing down (x forward, y left, z up); any length.",
+)
+parameters = click.option(
+    "-p",
+    "--parameter",
+    "assignments",
+    type=Assignment(),
+    multiple=True,
+    help="A geometry parameter, in the unit that the recipe gives it; repeat for each.",
+)
+
+
+def parameter_values(recipe: "Recipe", assignments: Sequence[tuple[str, float]]) -> list[float]:
+    """Return the internal values (rad, length) of all parameters, in recipe order."""
+    given = named_values(recipe, assignments)
+    missing = [p.name for p in recipe.parameters if p.name not in given]
+    if missing:
+        raise InputError(
+            f"{recipe.source}: parameter {missing[0]} has no value; give each of "
+            f"{', '.join(f'-p {p.name}=…' for p in recipe.parameters)}"
+        )
+    return [
+        math.radians(given[p.name]) if p.display_unit == "deg" else given[p.name]
+        for p in recipe.parameters
+    ]
+
+
+def named_values(
+    recipe: "Recipe", assignments: Sequence[tuple[str, float]]
+) -> dict[str, float]:
+    """Return the assigned values by name, in display units; refuse unknown and repeated names."""
+    known = [p.name for p in recipe.parameters]
+    given: dict[str, float] = {}
+    for name, value in assignments:
+        if name not in known:
+            raise InputError(
+                f"{recipe.source}: there is no parameter {name!r} (got -p {name}={value:g}); "
+                f"it has {', '.join(known) or 'none'}"
+            )
+        if name in given:
+            raise InputError(f"parameter {name} is given twice (got {given[name]:g} and {value:g})")
+        given[name] = value
+    return given
+
+
+def open_source(path: str, allow_python: bool = False) -> "Recipe | StabilityMap":
+    """Open a recipe (.toml) or a map (anything else)."""
+    from lutgen.recipe import load_recipe
+    from lutgen.store import load_map
+
+    if path.endswith(".toml"):
+        return load_recipe(path, allow_python=allow_python)
+    return load_map(path)
+
+
+def file_size(count: float) -> str:
+    """Return a number of bytes as people read it."""
+    unit = "B"
+    for larger in ("KiB", "MiB", "GiB"):
+        if count < 1024.0:
+            break
+        count, unit = count / 1024.0, larger
+    return f"{count:.0f} B" if unit == "B" else f"{count:.1f} {unit}"

@@ -1,0 +1,59 @@
+"""`lutgen plot`: figures of a map or a recipe."""
+
+import click
+
+from lutgen.cli.options import allow_python, gravity, named_values, open_source, parameters
+
+KINDS = ("curve", "surface", "contour", "sphere", "polar", "robot")
+
+
+@click.command(short_help="Draw a figure (PNG, SVG or PDF).")
+@click.argument("source", type=click.Path())
+@click.option("-o", "--output", required=True, type=click.Path(), help="PNG, SVG or PDF file.")
+@click.option("--kind", required=True, type=click.Choice(KINDS), help="Which figure.")
+@parameters
+@gravity
+@click.option("--channel", default="sdg", show_default=True, help="Channel to draw.")
+@click.option(
+    "--axes",
+    help="Parameters along the axes, comma separated.  [default: the first one or two]",
+)
+@allow_python
+def plot(
+    source: str,
+    output: str,
+    kind: str,
+    assignments: tuple[tuple[str, float], ...],
+    gravity: tuple[float, float, float],
+    channel: str,
+    axes: str | None,
+    allow_python: bool,
+) -> None:
+    """Draw a figure of SOURCE, a map or a recipe.
+
+    \b
+    curve    |SD_g| and height over one parameter, one gravity direction
+    contour  a channel over two parameters, one gravity direction
+    surface  the same in perspective
+    sphere   a channel over all gravity directions, one posture
+    polar    the largest tilt before tip-over for each heading, one posture
+    robot    the body: contacts, support polygon, com, gravity ray, tip-over axes
+
+    \b
+    $ lutgen plot paper_two.h5 -o map.png --kind contour
+    """
+    from lutgen.plot import draw, save
+    from lutgen.recipe import Recipe
+
+    opened = open_source(source, allow_python)
+    recipe = opened if isinstance(opened, Recipe) else opened.recipe
+    named = tuple(part.strip() for part in axes.split(",")) if axes else None
+    figure = draw(
+        kind,
+        opened,
+        params=named_values(recipe, assignments),
+        gravity=gravity,
+        channel=channel,
+        axes=named,
+    )
+    save(figure, output)

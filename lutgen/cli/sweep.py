@@ -1,0 +1,69 @@
+"""`lutgen sweep`: compute a map."""
+
+import logging
+import time
+from pathlib import Path
+
+import click
+
+from lutgen.cli.options import allow_python, file_size
+
+log = logging.getLogger("lutgen")
+
+
+@click.command(short_help="Compute a recipe's stability map.")
+@click.argument("recipe", type=click.Path())
+@click.option("-o", "--output", required=True, type=click.Path(), help="The map file (HDF5).")
+@click.option("--threads", type=int, help="Threads to compute with.  [default: all]")
+@click.option("--resume", is_flag=True, help="Go on with an interrupted sweep of the same recipe.")
+@click.option("--engine", default="local", show_default=True, help="Where blocks are computed.")
+@allow_python
+@click.pass_context
+def sweep(
+    ctx: click.Context,
+    recipe: str,
+    output: str,
+    threads: int | None,
+    resume: bool,
+    engine: str,
+    allow_python: bool,
+) -> None:
+    """Compute the map of RECIPE into an HDF5 file.
+
+    The file appears under its name when it is whole.  An interrupted sweep (Ctrl-C) leaves
+    OUTPUT.part, from which `--resume` goes on.
+
+    \b
+    $ lutgen sweep maps/paper_two.toml -o paper_two.h5
+    """
+    from lutgen.recipe import load_recipe
+    from lutgen.sweeper import sweep as run
+
+    robot = load_recipe(recipe, allow_python=allow_python)
+    quiet = bool(ctx.find_root().params.get("quiet"))
+    start = time.perf_counter()
+    # click draws the bar on a terminal only; elsewhere it prints nothing but the label.
+    with click.progressbar(
+        length=0,
+        label=robot.name,
+        file=click.get_text_stream("stderr"),
+        item_show_func=lambda rate: rate,
+        hidden=quiet or not click.get_text_stream("stderr").isatty(),
+    ) as bar:
+
+        def progress(done: int, total: int) -> None:
+            bar.length = total
+            rate = done / (time.perf_counter() - start) / 1e6
+            bar.update(done - bar.pos, f"{rate:.1f} M nodes/s")
+
+        try:
+            run(robot, output, threads=threads, resume=resume, engine=engine, progress=progress)
+        except KeyboardInterrupt:
+            raise click.ClickException(
+                f"interrupted; {output}.part holds what is done: go on with --resume"
+            ) from None
+    seconds = time.perf_counter() - start
+    if not quiet:
+        size = file_size(Path(output).stat().st_size)
+        click.echo(f"{output}: {size} in {seconds:.2f} s", err=True)
+    log.info("recipe digest %s", robot.digest)

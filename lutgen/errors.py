@@ -1,0 +1,28 @@
+"""The errors that lutgen raises on purpose.
+
+Every message is one sentence: where (file and key), what is wrong, the value
+received, and the way out.  Each class is also the builtin that a caller would
+expect, so that code which does not know lutgen can still catch it.
+"""
+
+__all__ = ["InputError", "LutgenError", "MapFileError", "RecipeError", "SweepError"]
+
+
+class LutgenError(Exception):
+    """Root of every error that lutgen raises on purpose."""
+
+
+class RecipeError(LutgenError, ValueError):
+    """A recipe file cannot be read or does not describe a robot and a sweep."""
+
+
+class InputError(LutgenError, ValueError):
+    """An argument of a function or a command is outside what it accepts."""
+
+
+class MapFileError(LutgenError, OSError):
+    """A map file is damaged, incomplete or of a format that is not understood."""
+
+
+class SweepError(LutgenError, RuntimeError):
+    """A sweep could not be computed, written or resumed."""

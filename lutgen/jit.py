@@ -1,0 +1,127 @@
+"""The one place that holds numba's flags and the place of its disk cache.
+
+``njit`` compiles without any flag that lets the compiler reorder sums or assume
+that NaN does not exist: a map must have the same bits for any number of threads
+and a NaN must stay one.
+
+numba's own disk cache looks at the file of the decorated function only, so a
+kernel keeps running the old code of a callee that was edited in another file.
+Here the cache folder is therefore named after a digest of every file that holds
+kernels.  A constant that a kernel uses must live in such a file too.  The whole
+folder may be deleted at any time.
+"""
+
+import functools
+import hashlib
+import os
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numba
+from llvmlite import binding
+from numba import prange
+
+__all__ = ["cache_folder", "njit", "prange"]
+
+# "contract" (fused multiply-add), "arcp" and "nsz" act inside one expression and do not
+# depend on the loop's length; "reassoc" would, and "nnan"/"ninf" would lose NaN.
+FASTMATH = {"contract", "arcp", "nsz"}
+
+# Files that hold kernels import this module; the text of that import marks them.
+_MARK = b"lutgen.jit"
+_PACKAGE = Path(__file__).resolve().parent
+
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+
+
+def njit(*, parallel: bool = False, inline: bool = False) -> Callable[[_Function], _Function]:
+    """Compile a kernel with the project's flags; use as ``@njit()``.
+
+    Parameters
+    ----------
+    parallel : bool
+        Whether ``prange`` loops of the function run in several threads.
+    inline : bool
+        Whether the function is always inlined.  Worth it for small functions that take
+        arrays: each array argument is seven machine words, each table of arrays dozens.
+
+    Returns
+    -------
+    callable
+        The decorator.  With ``NUMBA_DISABLE_JIT=1`` in the environment the
+        function stays plain Python.
+    """
+
+    def compile_later(function: _Function) -> _Function:
+        folder = cache_folder(str(Path(function.__code__.co_filename).resolve().parent))
+        # numba picks the folder while it decorates, from this setting.
+        before = numba.config.CACHE_DIR
+        numba.config.CACHE_DIR = folder or before
+        try:
+            compiled: _Function = numba.njit(
+                error_model="numpy",
+                fastmath=FASTMATH,
+                nogil=True,
+                cache=folder is not None,
+                parallel=parallel,
+                forceinline=inline,
+            )(function)
+        finally:
+            numba.config.CACHE_DIR = before
+        return compiled
+
+    return compile_later
+
+
+@functools.cache
+def cache_folder(source_folder: str) -> str | None:
+    """Return the folder for the compiled kernels of one folder of sources.
+
+    Parameters
+    ----------
+    source_folder : str
+        Folder of the decorated function's file.
+
+    Returns
+    -------
+    str or None
+        ``<root>/<digest>`` where the root is ``NUMBA_CACHE_DIR`` if it is set,
+        else ``lutgen`` in the user's cache folder, and the digest changes with any
+        file that holds kernels, with numba and with the processor.  None when
+        nothing can be written there: the kernels are then compiled at each start.
+    """
+    digest = hashlib.sha256()
+    for part in (numba.__version__, binding.get_host_cpu_name(), repr(sorted(FASTMATH))):
+        digest.update(part.encode() + b"\0")
+    for path in _kernel_files(Path(source_folder)):
+        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
+    folder = _cache_root() / digest.hexdigest()[:16]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError:
+        return None
+    return str(folder)
+
+
+def _kernel_files(source_folder: Path) -> list[Path]:
+    """Return the files of lutgen and of `source_folder` that hold kernels, sorted."""
+    candidates = {Path(__file__).resolve(), *_PACKAGE.rglob("*.py")}
+    if not source_folder.is_relative_to(_PACKAGE):
+        candidates.update(source_folder.glob("*.py"))
+    return sorted(path for path in candidates if path.is_file() and _MARK in path.read_bytes())
+
+
+def _cache_root() -> Path:
+    """Return the folder that holds one folder per state of the sources."""
+    chosen = os.environ.get("NUMBA_CACHE_DIR")
+    if chosen:
+        return Path(chosen)
+    user = os.environ.get("XDG_CACHE_HOME")
+    try:
+        return (Path(user) if user else Path.home() / ".cache") / "lutgen"
+    except RuntimeError:  # no home folder is known
+        return Path(tempfile.gettempdir()) / "lutgen"

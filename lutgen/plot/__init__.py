@@ -1,0 +1,7 @@
+"""Figures of a robot's stability, from a map or a recipe."""
+
+from lutgen.plot.choices import KINDS
+from lutgen.plot.figure import draw
+from lutgen.plot.style import save
+
+__all__ = ["KINDS", "draw", "save"]

@@ -1,0 +1,97 @@
+"""Axes in perspective, and how they fill their figure.
+
+Matplotlib's 3-D axes leave room for every angle of view; a printed figure has one, so the box is
+measured and enlarged until it fits the width.
+"""
+
+from collections.abc import Sequence
+from itertools import product
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d import proj3d  # type: ignore[import-untyped]
+from numpy.typing import NDArray
+
+__all__ = ["box_axes", "fit_box", "place"]
+
+Floats = NDArray[np.float64]
+
+# Space beside the box and between the parts of a figure, inches.
+MARGIN = 0.06
+ROUNDS = 3
+# Larger than the figure, because axes cut off what is drawn outside of them.
+WIDE = (-0.5, -0.5, 2.0, 2.0)
+
+
+def box_axes(figure: Figure, elevation: float, azimuth: float) -> Any:
+    """Return 3-D axes, seen from `elevation` and `azimuth` (deg), that draw in zorder."""
+    figure.set_layout_engine("none")
+    axes: Any = figure.add_axes(WIDE, projection="3d", computed_zorder=False)
+    axes.view_init(elev=elevation, azim=azimuth)
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+        axis.labelpad = 11.0
+        axis.set_tick_params(pad=3.5)
+    return axes
+
+
+def fit_box(
+    figure: Figure,
+    axes: Any,
+    heading: str,
+    handles: Sequence[Artist],
+    size: tuple[float, float] | None,
+) -> None:
+    """Add title and legend, and make the box as large as fits between them.
+
+    Without a given size (inches) the figure then loses the height that the box does not need.
+    """
+    title = figure.suptitle(heading, x=MARGIN / figure.get_figwidth(), ha="left", va="top")
+    legend = figure.legend(handles=handles, loc="lower center", ncols=2, columnspacing=1.0)
+    figure.draw_without_rendering()
+    width, height = figure.get_size_inches()
+    over = title.get_window_extent().height / figure.dpi + 2.0 * MARGIN
+    under = legend.get_window_extent().height / figure.dpi + MARGIN if handles else MARGIN
+    room = (width - 2.0 * MARGIN, height - over - under)
+    aspect = axes._box_aspect.copy()
+    zoom = 1.0
+    for _ in range(ROUNDS):
+        corner, far = _extent(figure, axes)
+        zoom *= float((np.array(room) / (far - corner)).min())
+        axes.set_box_aspect(aspect, zoom=zoom)
+        figure.draw_without_rendering()
+    corner, far = _extent(figure, axes)
+    whole = height if size is not None else over + (far - corner)[1] + under
+    # In inches: the middle of the box goes to the middle of its room.
+    shift = np.array([width, whole + under - over]) / 2.0 - (corner + far) / 2.0
+    x, y, across, up = WIDE
+    figure.set_size_inches(width, whole)
+    axes.set_position(
+        (
+            x + shift[0] / width,
+            (y * height + shift[1]) / whole,
+            across,
+            up * height / whole,
+        )
+    )
+    title.set_y(1.0 - MARGIN / whole)
+    figure.draw_without_rendering()
+
+
+def place(axes: Any, points: Floats) -> tuple[Floats, Floats]:
+    """Return where (k, 3) points are on the paper: 2-D data and display coordinates, (k, 2)."""
+    x, y, _ = proj3d.proj_transform(*points.T, axes.get_proj())
+    flat = np.column_stack([x, y])
+    return flat, np.asarray(axes.transData.transform(flat))
+
+
+def _extent(figure: Figure, axes: Any) -> tuple[Floats, Floats]:
+    """Return the lower left and upper right corner of box and labels, inches."""
+    canvas: Any = figure.canvas
+    renderer = canvas.get_renderer()
+    labels = [axis.get_tightbbox(renderer) for axis in (axes.xaxis, axes.yaxis, axes.zaxis)]
+    limits = (axes.get_xlim(), axes.get_ylim(), axes.get_zlim())
+    corners = place(axes, np.array(list(product(*limits))))[1]
+    points = np.concatenate([corners, *(label.get_points() for label in labels)])
+    return points.min(axis=0) / figure.dpi, points.max(axis=0) / figure.dpi

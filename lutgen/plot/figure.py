@@ -1,0 +1,86 @@
+"""One entry for all figures."""
+
+from collections.abc import Callable, Mapping, Sequence
+
+from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
+
+from lutgen.errors import InputError
+from lutgen.plot.choices import View, choose
+from lutgen.plot.curve import draw_curve
+from lutgen.plot.plane import draw_contour, draw_surface
+from lutgen.plot.polar import draw_polar
+from lutgen.plot.robot import draw_robot
+from lutgen.plot.sphere import draw_sphere
+from lutgen.plot.style import house_style
+from lutgen.recipe import Recipe
+from lutgen.store import StabilityMap
+
+__all__ = ["draw"]
+
+PAINTERS: dict[str, Callable[[View, tuple[float, float] | None], Figure]] = {
+    "curve": draw_curve,
+    "contour": draw_contour,
+    "surface": draw_surface,
+    "sphere": draw_sphere,
+    "polar": draw_polar,
+    "robot": draw_robot,
+}
+# Sides in inches: nothing can be read below, and pictures grow too large above.
+SMALLEST, LARGEST = 2.0, 40.0
+
+
+def draw(
+    kind: str,
+    source: StabilityMap | Recipe,
+    *,
+    params: Mapping[str, float] | None = None,
+    gravity: ArrayLike = (0.0, 0.0, -1.0),
+    channel: str = "sdg",
+    axes: Sequence[str] | None = None,
+    size: tuple[float, float] | None = None,
+) -> Figure:
+    """Draw a figure.
+
+    Parameters
+    ----------
+    kind : {"curve", "contour", "surface", "sphere", "polar", "robot"}
+        `curve`: `channel` and the height over one parameter; `contour`, `surface`: `channel`
+        over two parameters; `sphere`: `channel` over all gravity directions of the chart;
+        `polar`: largest tilt before tip-over in each heading; `robot`: the body in 3-D.
+    source : StabilityMap or Recipe
+        A map is drawn at its nodes, a recipe exactly.  Tip-over boundaries, `polar` and `robot`
+        are exact in both cases.
+    params : mapping of str to float, optional
+        Parameters in their display unit (deg for angles); the others are in the middle of their
+        range.
+    gravity : (3,) array_like
+        Direction in the body frame, pointing down; not used by `sphere` and `polar`.
+    channel : str
+        `sdg`, `height`, `tip_angle`, `margin` or `energy_margin`; not used by `polar` and
+        `robot`.
+    axes : sequence of str, optional
+        The parameters that `curve` (one), `contour` and `surface` (two) vary; by default the
+        first ones that `params` does not fix.
+    size : (float, float), optional
+        Width and height in inches; the default fits a journal's column.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Independent of pyplot; see `save`.
+
+    Raises
+    ------
+    InputError
+        For an unknown kind, parameter or channel, a value outside its range, and a direction
+        that the map does not cover.
+    """
+    view = choose(kind, source, params, gravity, channel, axes)
+    if size is not None and not all(SMALLEST <= side <= LARGEST for side in size):
+        raise InputError(
+            f"plot: a figure measures {SMALLEST:g} to {LARGEST:g} in a side (got "
+            f"{' x '.join(f'{side:g}' for side in size)}); give width and height in inches."
+        )
+    with house_style():
+        return PAINTERS[kind](view, size)

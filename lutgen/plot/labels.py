@@ -1,0 +1,171 @@
+"""Words of the figures: names with units, numbers, and the line that says what is shown.
+
+Owns every text that depends on the robot; angles become degrees here.
+"""
+
+import math
+import re
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from lutgen.plot.choices import QUANTITIES, View, to_display
+from lutgen.recipe import Recipe
+from lutgen.recipe_robot import Parameter
+
+__all__ = [
+    "HEADINGS",
+    "axis_label",
+    "channel_label",
+    "gravity_text",
+    "heading_text",
+    "length_label",
+    "number",
+    "optimum_text",
+    "parameter_text",
+    "symbol",
+    "title",
+    "with_unit",
+]
+
+GREEK = (
+    *("alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa"),
+    *("lambda", "mu", "nu", "xi", "pi", "rho", "sigma", "tau", "phi", "chi", "psi", "omega"),
+)
+SYMBOLS = {"sdg": r"$|SD_g|$", "height": r"$|OC|$"}
+NAMES = {
+    "sdg": r"stability factor $|SD_g|$",
+    "height": r"height $|OC|$",
+    "tip_angle": "tip-over angle",
+    "margin": "static stability margin",
+    "energy_margin": "energy stability margin",
+}
+# Headings of `limits.tilted` in deg.
+HEADINGS = {0: "nose down", 90: "left side down", 180: "nose up", 270: "right side down"}
+# Characters on a line of a figure one column wide.
+COLUMN = 52
+DEGREE = "\N{DEGREE SIGN}"
+MINUS = "\N{MINUS SIGN}"
+DIMENSIONLESS = "\N{EN DASH}"
+
+
+def parameter_text(parameter: Parameter) -> str:
+    """Return a parameter's name for print; a Greek letter's name becomes the letter."""
+    if parameter.name in GREEK:
+        return rf"$\{parameter.name}$"
+    return parameter.name.replace("_", " ")
+
+
+def axis_label(parameter: Parameter) -> str:
+    """Return the label of a parameter's axis, with its unit."""
+    return f"{parameter_text(parameter)} ({_unit(parameter.display_unit)})"
+
+
+def channel_label(recipe: Recipe, channel: str) -> str:
+    """Return the label of a channel's axis, with its unit."""
+    unit = "deg" if channel == "tip_angle" else recipe.length_unit
+    return f"{NAMES[channel]} ({_unit(unit)})"
+
+
+def length_label(recipe: Recipe, name: str) -> str:
+    """Return the label of an axis of lengths, with its unit."""
+    return f"{name} ({_unit(recipe.length_unit)})"
+
+
+def heading_text(heading: float) -> str:
+    """Return a heading in deg in words: one of the four, or its angle from the nose."""
+    turn = round(heading, 1) % 360.0
+    if turn in HEADINGS:
+        return HEADINGS[int(turn)]
+    side, away = ("left", turn) if turn < 180.0 else ("right", 360.0 - turn)
+    return f"{with_unit(away, 'deg')} {side} of the nose"
+
+
+def symbol(channel: str) -> str:
+    """Return the short name of a channel for a legend."""
+    return SYMBOLS.get(channel, NAMES[channel])
+
+
+def optimum_text(
+    view: View, value: float, among: ArrayLike, place: ArrayLike = (), joint: str = " at "
+) -> str:
+    """Return the words for the optimum: its value among others and where it is.
+
+    All in display units; `place` has one number per axis of the figure.
+    """
+    unit = "deg" if view.channel == "tip_angle" else view.recipe.length_unit
+    end = QUANTITIES[view.channel][:3]
+    where = []
+    for i, at in enumerate(np.atleast_1d(np.asarray(place, dtype=np.float64))):
+        parameter = view.parameter(i)
+        text = measured(float(at), view.shown(i, view.ends(i)), parameter.display_unit)
+        where.append(f"{parameter_text(parameter)} = {text}")
+    words = f"{end} {measured(value, among, unit)}"
+    return f"{words}{joint}{', '.join(where)}" if where else words
+
+
+def measured(value: float, among: ArrayLike, unit: str) -> str:
+    """Return a number with its unit, to about a thousandth of the range that it is among."""
+    spread = float(np.nanmax(among) - np.nanmin(among))
+    if not spread > 0.0:
+        return with_unit(value, unit)
+    decimals = max(3 - math.floor(math.log10(spread)), 0)
+    return _joined(f"{value:.{decimals}f}".replace("-", MINUS), unit)
+
+
+def number(value: float, digits: int = 3) -> str:
+    """Return a number with `digits` significant digits, in print typography."""
+    if not math.isfinite(value):
+        return "none"
+    if value != 0.0 and abs(value) < 1e-3:
+        mantissa, exponent = f"{value:.{digits - 2}e}".split("e")
+        return rf"${mantissa} \times 10^{{{int(exponent)}}}$"
+    text = f"{value:.{digits}g}"
+    if "e" in text:
+        text = f"{value:.0f}"
+    return text.replace("-", MINUS)
+
+
+def with_unit(value: float, unit: str, digits: int = 3) -> str:
+    """Return a number with its unit."""
+    return _joined(number(value, digits), unit)
+
+
+def _joined(text: str, unit: str) -> str:
+    if unit == "deg":
+        return f"{text}{DEGREE}"
+    return text if unit == "1" else f"{text} {unit}"
+
+
+def gravity_text(view: View) -> str:
+    """Return where gravity points, as tilt and heading."""
+    x, y, z = view.gravity_dir
+    tilt = math.degrees(math.atan2(math.hypot(x, y), -z))
+    if tilt < 0.005:
+        return "level ground"
+    if tilt > 179.995:
+        return "upside down"
+    return f"tilted {with_unit(tilt, 'deg')}, {heading_text(math.degrees(math.atan2(y, x)))}"
+
+
+def title(view: View, *, gravity: bool, more: str = "") -> str:
+    """Return the title: robot, what is fixed, and `more`, on as few lines as fit a column."""
+    fixed = [
+        f"{parameter_text(p)} = {with_unit(float(to_display(p, view.params[i])), p.display_unit)}"
+        for i, p in enumerate(view.recipe.parameters)
+        if i not in view.axes
+    ]
+    parts = [*fixed, *([gravity_text(view)] if gravity else []), *([more] if more else [])]
+    lines = [view.recipe.name]
+    for i, part in enumerate(parts):
+        longer = f"{lines[-1]}{', ' if i else ': '}{part}"
+        # A Greek letter prints as one character.
+        if len(re.sub(r"\$.*?\$", "x", longer)) > COLUMN:
+            lines.append(part)
+        else:
+            lines[-1] = longer
+    return "\n".join(lines)
+
+
+def _unit(unit: str) -> str:
+    return DIMENSIONLESS if unit == "1" else unit

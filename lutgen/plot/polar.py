@@ -1,0 +1,92 @@
+"""Polar chart: the largest tilt before tip-over in each heading, at one posture."""
+
+import math
+from typing import cast
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.projections.polar import PolarAxes
+
+from lutgen.limits import tilt_limits
+from lutgen.plot.choices import View
+from lutgen.plot.labels import HEADINGS, heading_text, title, with_unit
+from lutgen.plot.marks import HALO, tip_patch
+from lutgen.plot.style import BLUE, GREY, HATCH, ORANGE, WASH, new_figure
+
+__all__ = ["SIZE", "draw_polar"]
+
+SIZE = (3.5, 3.75)
+# Headings on the circle: every half degree, so the worst one is known to that.
+SAMPLES = 720
+# Tilts closer than this (deg) are shown as equal.
+SAME = 0.005
+
+
+def draw_polar(view: View, size: tuple[float, float] | None) -> Figure:
+    """Return the figure; its outline holds heading (rad) and largest tilt (deg)."""
+    headings = np.arange(SAMPLES) * (360.0 / SAMPLES)
+    limits = np.degrees(tilt_limits(view.recipe, view.params, np.radians(headings)))
+    worst = int(np.argmin(limits))
+    top = min(15.0 * math.ceil((limits.max() + 5.0) / 15.0), 180.0)
+    around = np.radians(np.append(headings, 360.0))
+    outline = np.append(limits, limits[0])
+    least = with_unit(float(limits[worst]), "deg")
+    figure = new_figure(size or SIZE)
+    axes = cast("PolarAxes", figure.add_subplot(projection="polar"))
+    axes.set_theta_zero_location("N")
+    figure.suptitle(title(view, gravity=False), x=0.01, ha="left")
+    axes.set_ylim(0.0, top)
+    axes.set_rgrids(_rings(top), labels=[])
+    axes.set_thetagrids(np.arange(0.0, 360.0, 45.0), labels=[])
+    for heading, name in HEADINGS.items():
+        limit = with_unit(float(limits[heading * SAMPLES // 360]), "deg")
+        axes.text(
+            math.radians(heading),
+            1.08 * top,
+            f"{name}: {limit}",
+            ha="center",
+            va="center",
+            rotation={90: 90, 270: -90}.get(heading, 0),
+        )
+    axes.fill_between(
+        around, outline, top, facecolor=WASH, edgecolor=GREY, hatch=HATCH, linewidth=0.0
+    )
+    axes.plot(around, outline, color=BLUE, label="largest tilt (deg)")
+    axes.plot(
+        np.radians(np.arange(361.0)),
+        np.full(361, limits[worst]),
+        color="black",
+        linestyle=(0, (4, 2)),
+        linewidth=0.9,
+        label=f"all headings: {least}",
+    )
+    axes.plot(
+        [around[worst]],
+        [limits[worst]],
+        linestyle="none",
+        marker="o",
+        markersize=5,
+        markerfacecolor=ORANGE,
+        markeredgecolor="white",
+        label=f"worst: {heading_text(float(headings[worst]))}",
+        zorder=5,
+    )
+    for ring in _rings(top):
+        axes.text(
+            math.radians(45.0),
+            ring,
+            with_unit(ring, "deg"),
+            fontsize=6,
+            ha="center",
+            va="center",
+            path_effects=HALO,
+        )
+    handles, _ = axes.get_legend_handles_labels()
+    figure.legend(handles=[*handles, tip_patch()], loc="outside lower center", ncols=2)
+    return figure
+
+
+def _rings(top: float) -> list[float]:
+    """Return the tilts (deg) of the circles inside the rim."""
+    step = 15.0 if top <= 90.0 else 30.0
+    return [step * i for i in range(1, math.ceil(top / step))]

@@ -1,0 +1,207 @@
+"""Robot: the body in 3-D with its support, its tip-over axes and the gravity ray."""
+
+import math
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
+from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
+    Line3DCollection,
+    Poly3DCollection,
+)
+from numpy.typing import ArrayLike, NDArray
+
+from lutgen.plot.box import box_axes, fit_box, place
+from lutgen.plot.choices import View
+from lutgen.plot.labels import length_label, title, with_unit
+from lutgen.plot.marks import write_beside
+from lutgen.plot.style import BLUE, GREEN, GREY, ORANGE, new_figure
+from lutgen.primitive import DISC, POINT, SPHERE
+from lutgen.statics import Diagnosis, diagnose
+
+__all__ = ["SIZE", "circle", "draw_robot"]
+
+Floats = NDArray[np.float64]
+
+SIZE = (3.5, 4.2)
+# Contacts are named on the picture up to this many; more names would cover it.
+NAMED = 6
+ELEVATION, AZIMUTH = 20.0, -62.0
+CORNERS = 49
+
+
+def draw_robot(view: View, size: tuple[float, float] | None) -> Figure:
+    """Return the figure, in the body frame with the com as the origin."""
+    state = diagnose(view.recipe, view.params, view.gravity_dir)
+    figure = new_figure(size or SIZE)
+    axes = box_axes(figure, ELEVATION, AZIMUTH)
+    heading = title(view, gravity=True, more=_verdict(state))
+    handles = [*_body(axes, state), *_support(axes, view, state), *_edges(axes, state)]
+    _frame(axes, view, state)
+    fit_box(figure, axes, heading, handles, size)
+    if len(state.centres) <= NAMED:
+        _name_contacts(axes, view, state)
+    return figure
+
+
+def _verdict(state: Diagnosis) -> str:
+    """Return whether the robot stands, and by how much."""
+    angle = math.degrees(state.channels["tip_angle"])
+    if abs(angle) > 179.99:
+        return "never tips over" if state.standing else "nothing to stand on"
+    away = with_unit(abs(angle), "deg")
+    return f"stands, {away} from tip-over" if state.standing else f"tips over, {away} too far"
+
+
+def _name_contacts(axes: Any, view: View, state: Diagnosis) -> None:
+    """Write the contacts' names beside them, clear of the lines."""
+    ends = [(np.zeros(3), centre) for centre in state.centres]
+    ends += [(np.asarray(axis.start), np.asarray(axis.stop)) for axis in state.axes_]
+    if state.facet is not None:
+        ends.append((np.zeros(3), np.asarray(state.facet.pierced)))
+    part = np.linspace(0.0, 1.0, 41)[:, None]
+    lines = [place(axes, start + part * (stop - start))[1] for start, stop in ends]
+    for name, centre in zip(view.recipe.contact_names, state.centres, strict=True):
+        x, y = place(axes, centre[None, :])[0][0]
+        write_beside(axes, float(x), float(y), name.replace("_", " "), lines)
+
+
+def circle(centre: ArrayLike, axis: ArrayLike, radius: float) -> Floats:
+    """Return (49, 3) points of a circle around a unit axis, the first and last the same."""
+    normal = np.asarray(axis, dtype=np.float64)
+    across = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
+    across /= np.linalg.norm(across)
+    turn = np.linspace(0.0, 2.0 * math.pi, CORNERS)[:, None]
+    rim = np.cos(turn) * across + np.sin(turn) * np.cross(normal, across)
+    return np.asarray(centre + radius * rim, dtype=np.float64)
+
+
+def _body(axes: Any, state: Diagnosis) -> list[Artist]:
+    """Draw the contacts and their links to the com."""
+    for i, centre in enumerate(state.centres):
+        _line(axes, np.zeros(3), centre, color="#a0a0a0", linewidth=0.8, zorder=2)
+        radius = float(state.radius[i])
+        if state.kind[i] == POINT:
+            axes.plot(*centre[:, None], "o", color=GREY, markersize=3.5, zorder=6)
+        elif state.kind[i] == DISC:
+            rim = circle(centre, state.axes[i], radius)
+            wheel = Poly3DCollection([rim], facecolor=(0.3, 0.3, 0.3, 0.12), edgecolor="none")
+            axes.add_collection3d(wheel)
+            axes.plot(*rim.T, color=GREY, linewidth=0.8, zorder=3)
+        elif state.kind[i] == SPHERE:
+            rims = [circle(centre, normal, radius) for normal in np.eye(3)]
+            axes.add_collection3d(Line3DCollection(rims, colors=GREY, linewidths=0.6, zorder=3))
+    axes.plot([0.0], [0.0], [0.0], "o", color="black", markersize=4.5, zorder=8)
+    kinds = sorted({("points", "spheres", "discs")[int(kind)] for kind in state.kind})
+    hollow = GREY if kinds == ["points"] else "none"
+    return [
+        _sample("centre of mass", "o", "black", 4.5),
+        _sample(f"contacts ({', '.join(kinds)})", "o", GREY, 4.5, hollow),
+    ]
+
+
+def _support(axes: Any, view: View, state: Diagnosis) -> list[Artist]:
+    """Draw gravity, the support polygon, its centre s, the pierced point D_g and |SD_g|."""
+    facet = state.facet
+    reach = 1.5 * _size(state)
+    if facet is None:
+        _arrow(axes, reach * state.gravity_dir)
+        return [Line2D([], [], color="black", linewidth=1.0, label="gravity")]
+    pierced = np.asarray(facet.pierced)
+    far = not np.isfinite(pierced).all() or np.linalg.norm(pierced) > reach
+    _arrow(axes, reach * state.gravity_dir if far else pierced)
+    polygon = Poly3DCollection([facet.points], facecolor=GREEN, alpha=0.25, edgecolor="none")
+    axes.add_collection3d(polygon)
+    polygon.set_zorder(1)
+    axes.plot(*np.transpose(facet.points), "o", color=GREEN, markersize=3, zorder=6)
+    axes.plot(*np.asarray(facet.centroid)[:, None], "s", color=BLUE, markersize=4, zorder=8)
+    handles: list[Artist] = [
+        Patch(facecolor=GREEN, alpha=0.3, label="support polygon"),
+        _sample("its centre $s$", "s", BLUE, 4),
+        Line2D([], [], color="black", linewidth=1.0, label="gravity through the com"),
+    ]
+    if not far:
+        _line(axes, facet.centroid, pierced, color=BLUE, linewidth=1.8, zorder=7)
+        axes.plot(*pierced[:, None], "D", color="black", markersize=3.5, zorder=8)
+        span = float(np.linalg.norm(pierced - np.asarray(facet.centroid)))
+        words = rf"$|SD_g|$ = {with_unit(span, view.recipe.length_unit)}"
+        handles += [
+            _sample("$D_g$, where it meets the support", "D", "black", 3.5),
+            Line2D([], [], color=BLUE, linewidth=1.8, label=words),
+        ]
+    return handles
+
+
+def _edges(axes: Any, state: Diagnosis) -> list[Artist]:
+    """Draw the tip-over axes, the least stable one in colour."""
+    handles: list[Artist] = []
+    for index, axis in enumerate(state.axes_):
+        if index != state.least_stable:
+            _line(axes, axis.start, axis.stop, color="black", linewidth=0.9, zorder=4)
+    if len(state.axes_) > 1:
+        handles.append(Line2D([], [], color="black", linewidth=0.9, label="tip-over axes"))
+    if state.least_stable is not None:
+        axis = state.axes_[state.least_stable]
+        _line(axes, axis.start, axis.stop, color=ORANGE, linewidth=2.0, zorder=5)
+        angle = with_unit(math.degrees(axis.tip_angle), "deg")
+        between = " to ".join(dict.fromkeys(name.replace("_", " ") for name in axis.names))
+        words = f"least stable, {angle}:\n{between}"
+        handles.append(Line2D([], [], color=ORANGE, linewidth=2.0, label=words))
+    return handles
+
+
+def _frame(axes: Any, view: View, state: Diagnosis) -> None:
+    """Give the three axes one scale, names with units and room for everything drawn."""
+    reach = state.radius[:, None]
+    drawn = [np.zeros((1, 3)), state.centres - reach, state.centres + reach]
+    if state.facet is not None:
+        drawn.append(np.asarray(state.facet.points))
+        pierced = np.asarray(state.facet.pierced)
+        if np.isfinite(pierced).all() and np.linalg.norm(pierced) <= 1.5 * _size(state):
+            drawn.append(pierced[None, :])
+    everything = np.concatenate(drawn)
+    low, high = everything.min(axis=0), everything.max(axis=0)
+    margin = 0.06 * float((high - low).max())
+    low, high = low - margin, high + margin
+    for index, (name, way) in enumerate((("x", "forward"), ("y", "left"), ("z", "up"))):
+        axis = (axes.xaxis, axes.yaxis, axes.zaxis)[index]
+        share = float((high - low)[index] / (high - low).max())
+        axis.set_major_locator(MaxNLocator(max(2, round(5 * share)), steps=[1, 2, 5, 10]))
+        axis.set_label_text(length_label(view.recipe, f"{name} {way}"))
+        (axes.set_xlim, axes.set_ylim, axes.set_zlim)[index](low[index], high[index])
+    axes.set_box_aspect(high - low)
+
+
+def _size(state: Diagnosis) -> float:
+    """Return the distance from the com to the furthest contact."""
+    return float(np.linalg.norm(state.centres, axis=1).max() + state.radius.max())
+
+
+def _line(axes: Any, start: ArrayLike, stop: ArrayLike, **style: Any) -> None:
+    axes.plot(*np.transpose([start, stop]), **style)
+
+
+def _arrow(axes: Any, tip: Floats) -> None:
+    """Draw the gravity ray from the com."""
+    _line(axes, np.zeros(3), tip, color="black", linewidth=1.0, zorder=7)
+    axes.quiver(
+        *(0.5 * tip), *(0.1 * tip), color="black", linewidth=1.0, arrow_length_ratio=1.0, zorder=7
+    )
+
+
+def _sample(label: str, marker: str, colour: str, size: float, face: str | None = None) -> Line2D:
+    """Return the legend's sample of a marker."""
+    return Line2D(
+        [],
+        [],
+        linestyle="none",
+        marker=marker,
+        markersize=size,
+        color=colour,
+        markerfacecolor=colour if face is None else face,
+        label=label,
+    )

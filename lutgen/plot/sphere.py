@@ -1,0 +1,187 @@
+"""Sphere: a channel over all gravity directions at one posture, in discs of equal area.
+
+Lambert's azimuthal projection seen from above, the nose at the top and left at the left: equal
+areas of paper are equal shares of the directions.  The whole sphere is two discs, around straight
+down and around straight up; a cone is one disc.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import BoundaryNorm
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from lutgen.errors import InputError
+from lutgen.limits import tilted
+from lutgen.plot.choices import View, in_display_unit, optimum
+from lutgen.plot.labels import HEADINGS, channel_label, optimum_text, title, with_unit
+from lutgen.plot.marks import (
+    HALO,
+    extend,
+    levels,
+    mark_optimum,
+    shade_tip_over,
+    tip_patch,
+)
+from lutgen.plot.style import MAP, new_figure
+
+__all__ = ["CONE_SIZE", "SPHERE_SIZE", "draw_sphere", "share_that_tips"]
+
+Floats = NDArray[np.float64]
+
+CONE_SIZE = (3.5, 3.2)
+SPHERE_SIZE = (7.0, 3.75)
+# The mesh of a disc: every half degree of tilt and every degree of heading.
+TILTS, HEADING_COUNT = 181, 361
+
+
+@dataclass(frozen=True)
+class Disc:
+    """One disc: tilts (rad) from `inner` at the middle to `outer` at the rim, and its mesh.
+
+    `x`, `y`, `values` (display unit) and `tip_angle` (rad) are (TILTS, HEADING_COUNT).
+    """
+
+    inner: float
+    outer: float
+    x: Floats
+    y: Floats
+    values: Floats
+    tip_angle: Floats
+
+
+def draw_sphere(view: View, size: tuple[float, float] | None) -> Figure:
+    """Return the figure."""
+    chart = view.recipe.chart
+    if chart.kind == "sphere":
+        spans = [(0.0, math.pi / 2.0), (math.pi, math.pi / 2.0)]
+    else:
+        if chart.nodes == 1:
+            raise InputError(
+                f"plot: the chart of {view.recipe.name} is a single gravity direction (got "
+                "nodes = 1); sweep more nodes, or draw the kinds curve, contour or surface."
+            )
+        spans = [(0.0, chart.max_tilt)]
+    discs = [_disc(view, *span) for span in spans]
+    stack = np.stack([disc.values for disc in discs])
+    best = optimum(view.channel, stack)
+    figure = new_figure(size or (SPHERE_SIZE if len(discs) > 1 else CONE_SIZE))
+    figure.suptitle(title(view, gravity=False), x=0.01, ha="left")
+    panels = figure.subplots(1, len(discs), squeeze=False)[0]
+    handles: list[Artist] = []
+    if best is not None:
+        steps = levels(stack)
+        for panel, disc in zip(panels, discs, strict=True):
+            _paint(panel, disc, steps)
+        scale = ScalarMappable(BoundaryNorm(steps, 256), MAP)
+        bar = figure.colorbar(scale, ax=list(panels), pad=0.01, aspect=30, shrink=0.9)
+        bar.set_label(channel_label(view.recipe, view.channel))
+        number, row, column = np.unravel_index(best, stack.shape)
+        disc = discs[number]
+        text = optimum_text(view, float(stack[number, row, column]), stack)
+        x, y = float(disc.x[row, column]), float(disc.y[row, column])
+        handles.append(mark_optimum(panels[number], x, y, text))
+    tips = [
+        shade_tip_over(panel, disc.x, disc.y, disc.tip_angle)
+        for panel, disc in zip(panels, discs, strict=True)
+    ]
+    if any(tips):
+        share = 100.0 * share_that_tips(view)
+        where = "all directions" if chart.kind == "sphere" else "the chart's directions"
+        handles.append(tip_patch(f"tips over ({share:.1f} % of {where})"))
+    for panel, disc in zip(panels, discs, strict=True):
+        _graticule(panel, disc)
+    figure.legend(handles=handles, loc="outside lower center", ncols=2, columnspacing=1.2)
+    return figure
+
+
+def _paint(panel: Axes, disc: Disc, steps: Floats) -> None:
+    """Colour one disc."""
+    if np.isfinite(disc.values).any():
+        under = np.clip(extend(disc.values), steps[0], steps[-1])
+        panel.contourf(disc.x, disc.y, under, levels=steps, cmap=MAP)
+        panel.contour(disc.x, disc.y, under, levels=steps[1:-1], colors=["white"], linewidths=0.4)
+
+
+def share_that_tips(view: View) -> float:
+    """Return the share of the chart's solid angle in which the posture tips over."""
+    chart = view.recipe.chart
+    angle = view.exact(view.params, chart.directions().reshape(-1, 3), "tip_angle")["tip_angle"]
+    weight = chart.solid_angle().ravel()
+    return float(weight[angle < 0.0].sum() / weight.sum())
+
+
+def _disc(view: View, inner: float, outer: float) -> Disc:
+    """Compute the mesh of one disc."""
+    tilt, heading = np.meshgrid(
+        np.linspace(inner, outer, TILTS),
+        np.linspace(0.0, 2.0 * math.pi, HEADING_COUNT),
+        indexing="ij",
+    )
+    directions = tilted(tilt.ravel(), heading.ravel())
+    radius = _radius(tilt, inner, outer)
+    values = in_display_unit(view.channel, view.drawn(view.params, directions))
+    verdict = view.exact(view.params, directions, "tip_angle")["tip_angle"]
+    # Beyond tip-over some channels go on; the hatching is there.
+    values = np.where(verdict < 0.0, np.nan, values)
+    return Disc(
+        inner,
+        outer,
+        -radius * np.sin(heading),
+        radius * np.cos(heading),
+        values.reshape(tilt.shape),
+        verdict.reshape(tilt.shape),
+    )
+
+
+def _radius(tilt: Any, inner: float, outer: float) -> Any:
+    """Return the place of a tilt between the middle (0) and the rim (1) of its disc."""
+    return np.sin(np.abs(tilt - inner) / 2.0) / math.sin(abs(outer - inner) / 2.0)
+
+
+def _graticule(panel: Axes, disc: Disc) -> None:
+    """Draw circles of equal tilt, four headings, and their names."""
+    around = np.linspace(0.0, 2.0 * math.pi, 181)
+    low, high = sorted((math.degrees(disc.inner), math.degrees(disc.outer)))
+    rings = [ring for ring in np.arange(15.0, 180.0, 15.0) if low + 1e-6 < ring < high - 1e-6]
+    style: dict[str, Any] = {"color": "black", "linewidth": 0.35, "alpha": 0.55, "zorder": 5}
+    for ring in rings:
+        radius = _radius(math.radians(ring), disc.inner, disc.outer)
+        panel.plot(radius * np.sin(around), radius * np.cos(around), **style)
+        panel.text(
+            radius * math.sqrt(0.5),
+            -radius * math.sqrt(0.5),
+            with_unit(ring, "deg"),
+            fontsize=5.5,
+            ha="center",
+            va="center",
+            zorder=6,
+            path_effects=HALO,
+        )
+    for heading in (0.0, 45.0, 90.0, 135.0):
+        x, y = -math.sin(math.radians(heading)), math.cos(math.radians(heading))
+        panel.plot([-x, x], [-y, y], **style)
+    panel.plot(np.sin(around), np.cos(around), color="black", linewidth=0.8, zorder=5)
+    for heading, name in HEADINGS.items():
+        x, y = -math.sin(math.radians(heading)), math.cos(math.radians(heading))
+        panel.text(
+            1.07 * x,
+            1.07 * y,
+            name,
+            ha="center",
+            va="center",
+            rotation=90 * round(-x) if abs(x) > 0.5 else 0,
+            fontsize=7,
+        )
+    if high > 90.0 or low > 0.0 or high == 90.0:
+        panel.set_title(f"tilt {low:g} to {high:g} deg", loc="center", pad=2)
+    panel.set_aspect("equal")
+    panel.set_xlim(-1.14, 1.14)
+    panel.set_ylim(-1.14, 1.14)
+    panel.set_axis_off()

@@ -1,0 +1,115 @@
+"""Look of the figures: type, lines and colours, and how a figure becomes a file.
+
+Everything is set on the figure itself or inside a context, so a program's own matplotlib settings
+stay untouched.  It knows nothing of robots.
+"""
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import matplotlib.style
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+from lutgen.errors import InputError
+
+__all__ = [
+    "BLUE",
+    "GREEN",
+    "GREY",
+    "HATCH",
+    "MAP",
+    "ORANGE",
+    "RESOLUTION",
+    "WASH",
+    "house_style",
+    "new_figure",
+    "save",
+]
+
+# Okabe and Ito's palette, which stays distinct for colour-blind readers.
+BLUE, ORANGE, GREEN, GREY = "#0072B2", "#D55E00", "#009E73", "#595959"
+WASH = "#f0f0f0"
+HATCH = "/////"
+# Viridis is perceptually even, also for colour-blind readers and in grey.
+MAP = "viridis"
+RESOLUTION = 200
+SETTINGS: dict[str, Any] = {
+    "font.family": "DejaVu Sans",
+    "font.size": 7.5,
+    "mathtext.fontset": "dejavusans",
+    "axes.labelsize": 7.5,
+    "axes.titlesize": 7.5,
+    "axes.titlelocation": "left",
+    "axes.linewidth": 0.6,
+    "figure.titlesize": 7.5,
+    "xtick.labelsize": 7,
+    "ytick.labelsize": 7,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.major.size": 2.5,
+    "ytick.major.size": 2.5,
+    "grid.linewidth": 0.4,
+    "grid.color": "#b0b0b0",
+    "legend.fontsize": 7,
+    "legend.frameon": False,
+    "legend.handlelength": 1.6,
+    "lines.linewidth": 1.2,
+    "hatch.linewidth": 0.4,
+    "hatch.color": GREY,
+    "pdf.fonttype": 42,
+    "svg.hashsalt": "lutgen",
+}
+# Dates would make two runs differ, and the program's name two versions of matplotlib.
+METADATA: dict[str, dict[str, Any]] = {
+    ".png": {"Software": None},
+    ".svg": {"Date": None},
+    ".pdf": {"CreationDate": None},
+}
+
+
+@contextmanager
+def house_style() -> Iterator[None]:
+    """Apply the settings inside a with block, whatever the user's own are."""
+    with matplotlib.style.context(["default", SETTINGS]):
+        yield
+
+
+def new_figure(size: tuple[float, float]) -> Figure:
+    """Return an empty figure, `size` in inches, that lays itself out."""
+    layout = ConstrainedLayoutEngine(w_pad=0.03, h_pad=0.03)
+    figure = Figure(figsize=size, layout=layout, dpi=RESOLUTION)
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def save(figure: Figure, path: str | os.PathLike[str], dpi: int = RESOLUTION) -> None:
+    """Write a figure as PNG, SVG or PDF, whichever the path ends in.
+
+    The same figure gives the same bytes; the file appears under its name only when it is whole.
+    """
+    target = Path(path)
+    suffix = target.suffix.lower()
+    if suffix not in METADATA:
+        raise InputError(
+            f"{target}: unknown kind of picture (got {suffix or 'no suffix'!r}); "
+            "end the name in .png, .svg or .pdf."
+        )
+    partial = target.with_name(f".{target.stem}.{os.getpid()}{suffix}")
+    try:
+        with house_style():
+            figure.savefig(partial, dpi=dpi, format=suffix[1:], metadata=METADATA[suffix])
+        partial.replace(target)
+    except OSError as error:
+        raise InputError(
+            f"{target}: the picture cannot be written (got {error.strerror or error}); "
+            "choose a folder that exists and is writable."
+        ) from error
+    finally:
+        partial.unlink(missing_ok=True)

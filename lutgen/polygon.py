@@ -1,0 +1,145 @@
+"""Convex polygons of contact points that lie in one plane.
+
+Owns the planar hull and the area centroid.  Corners are counter-clockwise seen from outside the
+robot, that is looking against the plane's outward normal.
+"""
+
+import math
+
+from lutgen.jit import njit
+from lutgen.vector import Vector, cross, dot, length, row, subtract
+
+
+@njit(inline=True)
+def _swap(points, labels, a: int, b: int) -> None:
+    for c in range(3):
+        points[a, c], points[b, c] = points[b, c], points[a, c]
+    labels[a, 0], labels[b, 0] = labels[b, 0], labels[a, 0]
+
+
+@njit(inline=True)
+def _reverse(points, labels, begin: int, end: int) -> None:
+    end -= 1
+    while begin < end:
+        _swap(points, labels, begin, end)
+        begin += 1
+        end -= 1
+
+
+@njit()
+def convex_polygon(points, labels, begin: int, count: int, normal: Vector, tolerance: float) -> int:
+    """Reorder coplanar points in place to the corners of their convex polygon.
+
+    Parameters
+    ----------
+    points : (k, 3) float64
+        Coplanar points; rows [begin, begin + count) are read, and overwritten.
+    labels : (k, 2) int64
+        The first column is moved along with the points.
+    begin, count : int
+        Which rows.
+    normal : tuple
+        Unit normal of the plane, outward.
+    tolerance : float
+        Points closer than this are one point; a point that stands out of an edge by less than
+        this is not a corner.
+
+    Returns
+    -------
+    int
+        Number of corners, from row `begin` on, counter-clockwise about `normal`, starting with
+        the corner of the lowest label; 0 if the points are collinear.
+
+    Notes
+    -----
+    Gift wrapping: the few touching points of a robot's facet do not repay sorting.  With equal
+    turns the furthest point wins, which drops collinear and repeated points.
+    """
+    if count < 3:
+        return 0
+    corners = 0
+    if count == 3:
+        a, b, c = row(points, begin), row(points, begin + 1), row(points, begin + 2)
+        turn = dot(cross(subtract(b, a), subtract(c, a)), normal)
+        longest = max(length(subtract(b, a)), length(subtract(c, a)), length(subtract(c, b)))
+        if abs(turn) <= tolerance * longest:
+            return 0
+        if turn < 0.0:
+            _swap(points, labels, begin + 1, begin + 2)
+        corners = 3
+    else:
+        corners = _wrap(points, labels, begin, begin + count, normal, tolerance) - begin
+    lowest = 0
+    for i in range(1, corners):
+        if labels[begin + i, 0] < labels[begin + lowest, 0]:
+            lowest = i
+    if lowest > 0:
+        # Rotate by three reversals.
+        _reverse(points, labels, begin, begin + lowest)
+        _reverse(points, labels, begin + lowest, begin + corners)
+        _reverse(points, labels, begin, begin + corners)
+    return corners if corners >= 3 else 0
+
+
+@njit()
+def _wrap(points, labels, begin, end, normal, tolerance) -> int:
+    """Bring the corners of more than three points to the front; return the row after the last."""
+    across = (1.0, 0.0, 0.0) if abs(normal[0]) < 0.9 else (0.0, 1.0, 0.0)
+    along = cross(normal, across)
+    first = begin
+    for i in range(begin + 1, end):
+        step = subtract(row(points, i), row(points, first))
+        ahead = dot(across, step)
+        # An extreme edge has two ends; its lower end is a corner, its middle is not.
+        if ahead < -tolerance or (ahead <= tolerance and dot(along, step) < 0.0):
+            first = i
+    _swap(points, labels, begin, first)
+    last = begin + 1
+    while last < end:
+        here = row(points, last - 1)
+        best = -1
+        best_arm = (0.0, 0.0, 0.0)
+        best_length = 0.0
+        for i in range(begin, end):
+            # Corners already placed cannot come again, save the first, which closes the polygon.
+            if begin < i < last or (i == begin and last == begin + 1):
+                continue
+            arm = subtract(row(points, i), here)
+            size = length(arm)
+            if size <= tolerance:
+                continue
+            turn = dot(cross(best_arm, arm), normal)
+            slack = tolerance * max(size, best_length)
+            if best < 0 or turn < -slack or (turn <= slack and size > best_length):
+                best, best_arm, best_length = i, arm, size
+        if best <= begin:
+            break
+        _swap(points, labels, last, best)
+        last += 1
+    return last
+
+
+@njit(inline=True)
+def area_centroid(points, begin: int, end: int) -> Vector:
+    """Return the area centroid of the convex polygon points[begin:end] (Eqs 22 to 26, in 3-D).
+
+    The polygon is cut into a fan of triangles from its first corner; each is weighted with its
+    own area, measured in the polygon's plane, so a vertical plane needs no special case.
+    """
+    origin = row(points, begin)
+    total = 0.0
+    x = y = z = 0.0
+    for i in range(begin + 1, end - 1):
+        a = subtract(row(points, i), origin)
+        b = subtract(row(points, i + 1), origin)
+        area = length(cross(a, b))
+        total += area
+        x += area * (a[0] + b[0])
+        y += area * (a[1] + b[1])
+        z += area * (a[2] + b[2])
+    third = 1.0 / (3.0 * total) if total > 0.0 else math.nan
+    return (
+        origin[0] + x * third,
+        origin[1] + y * third,
+        origin[2] + z * third,
+    )

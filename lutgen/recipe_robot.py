@@ -1,0 +1,264 @@
+"""The [robot] part of a recipe: parameters, links, joints and contacts.
+
+Dataclasses with every angle in radians, and the rules that a robot must keep.  How a
+robot moves is not known here (``robot.py``), nor how it is sampled (``recipe.py``).
+"""
+
+import math
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from lutgen.recipe_schema import Table, suggestion
+
+__all__ = [
+    "MAX_CONTACTS",
+    "Contact",
+    "Joint",
+    "Link",
+    "Parameter",
+    "read_contacts",
+    "read_links",
+    "read_parameters",
+]
+
+Vector = tuple[float, float, float]
+
+MAX_CONTACTS = 32
+LENGTH_UNITS = ("m", "cm", "mm", "1")
+ANGLE_UNITS = ("deg", "rad")
+ZERO: Vector = (0.0, 0.0, 0.0)
+# Names of a map file's other dimensions and variables, which no parameter may take.
+CHANNELS = ("sdg", "height", "tip_angle", "margin", "energy_margin", "facet")
+RESERVED = ("face", "v", "u", *CHANNELS)
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A geometry parameter: one axis of the map.
+
+    `minimum` and `maximum` are in `unit`, which is ``"rad"`` or the length unit;
+    `display_unit` is the recipe's own: ``"deg"``, ``"rad"`` or the length unit.
+    """
+
+    name: str
+    minimum: float
+    maximum: float
+    unit: str
+    display_unit: str
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A joint of value scale * parameter + offset (rad or length), about or along `axis`."""
+
+    kind: str
+    axis: Vector
+    parameter: str
+    scale: float
+    offset: float
+
+
+@dataclass(frozen=True)
+class Link:
+    """A rigid part: T = Trans(origin) * Rz(yaw) Ry(pitch) Rx(roll) * joint in its parent.
+
+    `origin` and `com` are in the length unit, `rpy` in rad; `com` is in the link's frame.
+    """
+
+    name: str
+    parent: str | None = None
+    origin: Vector = ZERO
+    rpy: Vector = ZERO
+    joint: Joint | None = None
+    mass: float = 0.0
+    com: Vector = ZERO
+
+
+@dataclass(frozen=True)
+class Contact:
+    """A contact primitive; `position` is its centre and `axis` a unit vector, link frame."""
+
+    name: str
+    link: str
+    position: Vector
+    radius: float = 0.0
+    axis: Vector | None = None
+
+    @property
+    def kind(self) -> str:
+        """``"point"``, ``"sphere"`` or ``"disc"``."""
+        if self.radius == 0.0:
+            return "point"
+        return "sphere" if self.axis is None else "disc"
+
+
+def read_parameters(robot: Table, length_unit: str) -> tuple[Parameter, ...]:
+    """Read ``[[robot.parameter]]`` in order."""
+    result: list[Parameter] = []
+    for table in robot.tables("parameter", ("name", "min", "max", "unit")):
+        name = table.string("name", "name the parameter")
+        if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name):
+            table.fail("name", "is not an identifier", name, "use letters, digits and _ only")
+        if name in RESERVED:
+            table.fail("name", "is reserved for the map file", name, "choose another name")
+        _unique(table, name, (p.name for p in result))
+        units = (*ANGLE_UNITS, length_unit)
+        unit = table.string("unit", f"use one of: {', '.join(units)}")
+        if unit not in units:
+            way_out = f"use one of: {', '.join(units)}"
+            table.fail("unit", "is neither an angle nor the robot's length_unit", unit, way_out)
+        low = table.number("min", f"write a number in {unit}")
+        high = table.number("max", f"write a number in {unit}")
+        if not low < high:
+            table.fail("min", f"must be below max = {high:g}", low, "swap or widen the limits")
+        result.append(
+            Parameter(
+                name,
+                to_internal(low, unit),
+                to_internal(high, unit),
+                "rad" if unit in ANGLE_UNITS else unit,
+                unit,
+            )
+        )
+    return tuple(result)
+
+
+def to_internal(value: float, unit: str) -> float:
+    """Turn a recipe's value into rad or length."""
+    return math.radians(value) if unit == "deg" else value
+
+
+LINK_KEYS = ("name", "parent", "origin", "rpy", "joint", "mass", "com")
+JOINT_KEYS = ("type", "axis", "parameter", "scale", "offset")
+
+
+def read_links(robot: Table, parameters: tuple[Parameter, ...]) -> tuple[Link, ...]:
+    """Read ``[[robot.link]]``; "body" comes first unless the recipe declares it itself."""
+    tables = robot.tables("link", LINK_KEYS)
+    links: list[Link] = []
+    for table in tables:
+        name = table.string("name", "name the link")
+        _unique(table, name, (link.name for link in links))
+        mass = table.number("mass", "write a mass in any unit", 0.0)
+        if mass < 0.0:
+            table.fail("mass", "must not be negative", mass, "write a mass of 0 or more")
+        if "mass" not in table:
+            table.refuse(("com",), "changes nothing without a mass", "give mass too")
+        com = table.vector("com", "write [x, y, z] in the link's frame", ZERO)
+        if name == "body":
+            placement = ("parent", "origin", "rpy", "joint")
+            table.refuse(placement, "is not allowed for the root link", "remove it")
+            links.append(Link(name, mass=mass, com=com))
+            continue
+        parent = table.string("parent", "name the parent link, for example 'body'")
+        origin = table.vector("origin", "write [x, y, z] in the parent's frame", ZERO)
+        roll, pitch, yaw = table.vector("rpy", "write [roll, pitch, yaw] in deg", ZERO)
+        rpy = (math.radians(roll), math.radians(pitch), math.radians(yaw))
+        links.append(Link(name, parent, origin, rpy, _read_joint(table, parameters), mass, com))
+    if any("mass" in table for table in tables) and sum(link.mass for link in links) == 0.0:
+        robot.fail(
+            "link", "masses are given but all are zero", 0.0, "give a mass or remove the mass keys"
+        )
+    if not any(link.name == "body" for link in links):
+        links.insert(0, Link("body"))
+    _check_tree(tables, links)
+    used = {link.joint.parameter for link in links if link.joint is not None}
+    for i, parameter in enumerate(parameters, 1):
+        if parameter.name not in used:
+            robot.fail(
+                f"parameter[{i}].name",
+                "is used by no joint and would change nothing",
+                parameter.name,
+                "use it in a joint or remove it",
+            )
+    return tuple(links)
+
+
+def _read_joint(link: Table, parameters: tuple[Parameter, ...]) -> Joint | None:
+    """Read the joint of a link; absent or of type "none" means a fixed link."""
+    if "joint" not in link:
+        return None
+    table = link.table("joint", JOINT_KEYS, "write joint = { type = ..., axis = ... }")
+    kind = table.string("type", "use revolute or prismatic", ("revolute", "prismatic", "none"))
+    if kind == "none":
+        table.refuse(JOINT_KEYS[1:], "means nothing for type none", "remove it or set the type")
+        return None
+    names = [p.name for p in parameters]
+    name = table.string("parameter", "name the parameter that drives the joint")
+    if name not in names:
+        way_out = suggestion(name, names, "use one of")
+        table.fail("parameter", "is not a parameter of the robot", name, way_out)
+    parameter = parameters[names.index(name)]
+    if (parameter.unit == "rad") != (kind == "revolute"):
+        needed = "an angle" if kind == "revolute" else "a length"
+        table.fail(
+            "parameter",
+            f"of a {kind} joint must be {needed}, not in {parameter.display_unit}",
+            name,
+            "change the joint's type or the parameter's unit",
+        )
+    axis = table.unit_vector("axis", "write a direction such as [0, 1, 0]")
+    scale = table.number("scale", "write a factor such as 1.0 or -1.0", 1.0)
+    if scale == 0.0:
+        table.fail("scale", "must not be zero", scale, "use 1.0, or remove the joint")
+    offset = table.number("offset", f"write a number in {parameter.display_unit}", 0.0)
+    return Joint(kind, axis, name, scale, to_internal(offset, parameter.display_unit))
+
+
+def _check_tree(tables: list[Table], links: list[Link]) -> None:
+    """Refuse unknown parents and loops."""
+    parents = {link.name: link.parent for link in links}
+    for table in tables:
+        parent = table.values.get("parent")
+        if parent is not None and parent not in parents:
+            way_out = suggestion(parent, parents, "use one of")
+            table.fail("parent", "is not a link of the robot", parent, way_out)
+    for table in tables:
+        seen = []
+        name: str | None = table.values["name"]
+        while name is not None and name not in seen:
+            seen.append(name)
+            name = parents[name]
+        if name is not None:
+            loop = " -> ".join([*seen, name])
+            table.fail("parent", "makes a loop of links", loop, "attach one of them to 'body'")
+
+
+def read_contacts(robot: Table, links: tuple[Link, ...]) -> tuple[Contact, ...]:
+    """Read ``[[robot.contact]]`` in order."""
+    tables = robot.tables("contact", ("name", "link", "position", "radius", "axis"))
+    if not 3 <= len(tables) <= MAX_CONTACTS:
+        robot.fail(
+            "contact",
+            f"a robot needs 3 to {MAX_CONTACTS} contacts",
+            len(tables),
+            "add contacts" if len(tables) < 3 else "keep those that can touch the ground",
+        )
+    names = [link.name for link in links]
+    result: list[Contact] = []
+    for table in tables:
+        name = table.string("name", "name the contact")
+        _unique(table, name, (contact.name for contact in result))
+        link = table.string("link", "name the link that carries the contact")
+        if link not in names:
+            way_out = suggestion(link, names, "use one of")
+            table.fail("link", "is not a link of the robot", link, way_out)
+        position = table.vector("position", "write [x, y, z] in the link's frame")
+        radius = table.number("radius", "write a length", 0.0)
+        if radius < 0.0:
+            table.fail("radius", "must not be negative", radius, "write a length of 0 or more")
+        axis = None
+        if "axis" in table:
+            axis = table.unit_vector("axis", "write a direction such as [0, 1, 0]")
+            if radius == 0.0:
+                got = table.values["axis"]
+                table.fail("axis", "needs a radius above 0", got, "give the disc's radius")
+        result.append(Contact(name, link, position, radius, axis))
+    return tuple(result)
+
+
+def _unique(table: Table, name: str, others: Iterable[str]) -> None:
+    """Refuse a name that was given before."""
+    if name in others:
+        table.fail("name", "is given twice", name, "choose another name")

@@ -1,0 +1,249 @@
+"""Charts of the sphere of gravity directions: direction <-> (face, u, v).
+
+Face coordinates are gnomonic, u = g[a] / |g[c]| and v = g[b] / |g[c]| without any
+change of sign, with (c, a, b) of the face table below.  This file knows nothing of
+robots or files.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lutgen.errors import InputError
+
+__all__ = ["Chart", "gravity_from_up", "unit_directions"]
+
+# Normal axis c, its sign, and the axes a (u) and b (v) of the faces -z, +x, -x, +y, -y, +z.
+FACE_NORMAL = (2, 0, 0, 1, 1, 2)
+FACE_SIGN = (-1.0, 1.0, -1.0, 1.0, -1.0, 1.0)
+FACE_U = (0, 1, 1, 0, 0, 0)
+FACE_V = (1, 2, 2, 2, 2, 1)
+
+# A node of the rim that went through a square root comes back within a few 1e-16 of it.
+_RIM = 1e-12
+
+
+@dataclass(frozen=True)
+class Chart:
+    """A chart: which directions a map covers and where its nodes are.
+
+    Parameters
+    ----------
+    kind : {"cone", "sphere"}
+        ``"cone"``: the one face around -z, a square in (u, v) whose sides are
+        `max_tilt` away from straight down.  ``"sphere"``: six faces, every direction.
+    nodes : int
+        Nodes per side of a face; 1 (cone only) means straight down and nothing else.
+    max_tilt : float
+        Radians, cone only; ignored by the sphere.
+
+    Examples
+    --------
+    >>> chart = Chart("cone", 3, math.pi / 4)
+    >>> chart.coords.round(12).tolist()
+    [-1.0, 0.0, 1.0]
+    >>> face, u, v, inside = chart.locate([[0.5, 0.0, -1.0], [0.0, 0.0, 1.0]])
+    >>> u.tolist(), inside.tolist()
+    ([0.5, nan], [True, False])
+    """
+
+    kind: str
+    nodes: int
+    max_tilt: float = math.pi / 4
+
+    def __post_init__(self) -> None:
+        if self.kind not in ("cone", "sphere"):
+            raise InputError(f"chart kind is unknown (got {self.kind!r}); use 'cone' or 'sphere'.")
+        fewest = 1 if self.kind == "cone" else 2
+        if self.nodes < fewest:
+            raise InputError(
+                f"a {self.kind} chart needs at least {fewest} node(s) per side "
+                f"(got {self.nodes}); ask for more nodes."
+            )
+        if self.kind == "cone" and not 0.0 < self.max_tilt < math.pi / 2:
+            raise InputError(
+                f"max_tilt must lie between 0 and pi/2 rad (got {self.max_tilt}); "
+                "use the chart 'sphere' for larger tilts."
+            )
+
+    @property
+    def faces(self) -> int:
+        """Number of faces: 1 or 6."""
+        return 1 if self.kind == "cone" else 6
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Nodes along face, v and u."""
+        return self.faces, self.nodes, self.nodes
+
+    @property
+    def limit(self) -> float:
+        """Largest |u| and |v| of a face; 0 for a single node."""
+        if self.nodes == 1:
+            return 0.0
+        return math.tan(self.max_tilt) if self.kind == "cone" else 1.0
+
+    @property
+    def coords(self) -> NDArray[np.float64]:
+        """Values of u (and of v) at the nodes, (nodes,), antisymmetric to the last bit."""
+        evenly = np.linspace(-self.limit, self.limit, self.nodes)
+        return np.asarray((evenly - evenly[::-1]) / 2.0)
+
+    def directions(self) -> NDArray[np.float64]:
+        """Return the gravity direction of every node.
+
+        Returns
+        -------
+        (faces, nodes, nodes, 3) float64
+            Unit vectors in the body frame, indexed by face, v, u.
+        """
+        v, u = np.meshgrid(self.coords, self.coords, indexing="ij")
+        result = np.empty((*self.shape, 3))
+        for face in range(self.faces):
+            result[face, ..., FACE_NORMAL[face]] = FACE_SIGN[face]
+            result[face, ..., FACE_U[face]] = u
+            result[face, ..., FACE_V[face]] = v
+        return result / np.sqrt(1.0 + u * u + v * v)[None, :, :, None]
+
+    def basis(self) -> NDArray[np.float64]:
+        """Return the frame of every face.
+
+        Returns
+        -------
+        (faces, 3, 3) float64
+            Rows: the middle of the face, its u axis, its v axis.  The direction at
+            (u, v) is middle + u * (u axis) + v * (v axis), not normalised.
+        """
+        result = np.zeros((self.faces, 3, 3))
+        for face in range(self.faces):
+            result[face, 0, FACE_NORMAL[face]] = FACE_SIGN[face]
+            result[face, 1, FACE_U[face]] = 1.0
+            result[face, 2, FACE_V[face]] = 1.0
+        return result
+
+    def solid_angle(self) -> NDArray[np.float64]:
+        """Return the solid angle that each node stands for.
+
+        Returns
+        -------
+        (faces, nodes, nodes) float64
+            Steradians of the node's dual cell (up to half way to its neighbours,
+            cut at the face's rim); the sum is the solid angle of the whole chart,
+            4 pi for the sphere.  The only node of a one-node chart weighs 1.
+        """
+        if self.nodes == 1:
+            return np.ones(self.shape)
+        coords = self.coords
+        bounds = np.concatenate([coords[:1], (coords[:-1] + coords[1:]) / 2.0, coords[-1:]])
+        v, u = np.meshgrid(bounds, bounds, indexing="ij")
+        # The corner function of the solid angle of a rectangle seen from distance 1.
+        corner = np.arctan(u * v / np.sqrt(1.0 + u * u + v * v))
+        cells = np.diff(np.diff(corner, axis=0), axis=1)
+        return np.ascontiguousarray(np.broadcast_to(cells, self.shape))
+
+    def locate(
+        self, gravity_dir: ArrayLike
+    ) -> tuple[NDArray[np.intp], NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
+        """Find the face of each direction and the place on it.
+
+        Parameters
+        ----------
+        gravity_dir : (m, 3) array_like
+            Directions pointing down, body frame, any length above 0.
+
+        Returns
+        -------
+        face : (m,) intp
+            The face that the largest component points to; of equal components the
+            lower face number wins, so a seam belongs to one face.
+        u, v : (m,) float64
+            Face coordinates; NaN for the cone where gravity has no component along -z.
+        inside : (m,) bool
+            Whether the chart covers the direction; always true for the sphere.
+        """
+        down = unit_directions(gravity_dir)
+        if down.ndim != 2:
+            raise InputError(
+                f"gravity_dir must have shape (m, 3) (got {down.shape}); pass rows of x, y, z."
+            )
+        if self.kind == "sphere":
+            along = np.stack(
+                [s * down[:, c] for c, s in zip(FACE_NORMAL, FACE_SIGN, strict=True)], axis=1
+            )
+            face = along.argmax(axis=1).astype(np.intp)
+        else:
+            face = np.zeros(len(down), dtype=np.intp)
+        row = np.arange(len(down))
+        depth = down[row, np.take(FACE_NORMAL, face)] * np.take(FACE_SIGN, face)
+        depth = np.where(depth > 0.0, depth, np.nan)
+        # A direction a hair below the horizon may overflow to infinity: not inside.
+        with np.errstate(over="ignore"):
+            u = down[row, np.take(FACE_U, face)] / depth
+            v = down[row, np.take(FACE_V, face)] / depth
+        rim = self.limit * (1.0 + _RIM) if self.nodes > 1 else _RIM
+        inside = (np.abs(u) <= rim) & (np.abs(v) <= rim)
+        u = np.where(inside, np.clip(u, -self.limit, self.limit), u)
+        v = np.where(inside, np.clip(v, -self.limit, self.limit), v)
+        return face, u, v, inside
+
+
+def unit_directions(vectors: ArrayLike) -> NDArray[np.float64]:
+    """Return directions with length 1.
+
+    Parameters
+    ----------
+    vectors : (..., 3) array_like
+        Any length above 0, even one whose square overflows.
+
+    Returns
+    -------
+    (..., 3) float64
+        A normalised copy.
+
+    Examples
+    --------
+    >>> unit_directions([0.0, 0.0, -9.81]).tolist()
+    [0.0, 0.0, -1.0]
+    """
+    raw = np.asarray(vectors, dtype=np.float64)
+    if raw.ndim == 0 or raw.shape[-1] != 3:
+        raise InputError(
+            f"a direction needs 3 components (got an array of shape {raw.shape}); pass x, y, z."
+        )
+    largest = np.abs(raw).max(axis=-1, keepdims=True)
+    bad = ~(np.isfinite(largest) & (largest > 0.0))
+    if bad.any():
+        first = raw.reshape(-1, 3)[bad.reshape(-1).argmax()]
+        raise InputError(
+            f"a direction must be finite and longer than 0 (got {first.tolist()}); "
+            "leave out readings without a direction."
+        )
+    # Two steps: dividing by the largest component first keeps the squares in range.
+    scaled = raw / largest
+    return np.asarray(scaled / np.sqrt((scaled * scaled).sum(axis=-1, keepdims=True)))
+
+
+def gravity_from_up(up_dir: ArrayLike) -> NDArray[np.float64]:
+    """Turn what an accelerometer at rest reads into the gravity direction.
+
+    Parameters
+    ----------
+    up_dir : (..., 3) array_like
+        Specific force in the body frame, any length above 0; on level ground it
+        points along +z.  While the robot accelerates it holds the inertial forces
+        too, and the result is then the direction that decides whether it tips.
+
+    Returns
+    -------
+    (..., 3) float64
+        Unit vectors pointing down.
+
+    Examples
+    --------
+    >>> gravity_from_up([0.0, 0.0, 9.81]).tolist()
+    [0.0, 0.0, -1.0]
+    """
+    down: NDArray[np.float64] = 0.0 - unit_directions(up_dir)
+    return down

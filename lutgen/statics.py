@@ -1,0 +1,252 @@
+"""One posture under one direction, explained: facet, tip-over axes, forces, sliding.
+
+Owns what a map does not store.  `diagnose` is for people and plots; it is exact and not fast.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lutgen.channels import (
+    CHANNELS,
+    axis_energy,
+    axis_margin,
+    checked_directions,
+    measure_postures,
+    tip_angle,
+)
+from lutgen.primitive import KIND, RADIUS, pack
+from lutgen.recipe import Recipe
+from lutgen.region import (
+    CENTROID,
+    CONVEX,
+    FACETS,
+    HEIGHT,
+    SEGMENTS,
+    SOURCE,
+    START,
+    STOP,
+    TIP_PLANE,
+    empty_region,
+    find_region,
+    limits,
+    supporting_facet,
+)
+from lutgen.robot import forward, shapes
+from lutgen.rounds import find_facets
+from lutgen.support import FIRST, VERTEX, facet_table, robot_size
+
+Vector3 = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class FacetView:
+    """The support facet: unit outward normal, height of the com above it, and its polygon.
+
+    `contacts` are the polygon's corners, counter-clockwise seen from outside, and `points` (k, 3)
+    their contact points relative to the com; `centroid` is s, `pierced` is D_g (NaN where the ray
+    runs along or away from the plane).
+    """
+
+    normal: Vector3
+    height: float
+    contacts: tuple[int, ...]
+    points: NDArray[np.float64]
+    centroid: Vector3
+    pierced: Vector3
+
+
+@dataclass(frozen=True)
+class TipAxis:
+    """A piece of the standing region's boundary: the line over which the robot would turn.
+
+    The two contacts are the same for the side of a gap, where one round contact rolls.  Angles
+    and lengths are signed as for the channels.
+    """
+
+    contacts: tuple[int, int]
+    names: tuple[str, str]
+    start: Vector3
+    stop: Vector3
+    tip_angle: float
+    margin: float
+    energy_margin: float
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Everything about one posture under one direction; lengths in the recipe's unit.
+
+    `facet` is the support facet, also where the robot tips, or None if it has none.
+    `normal_forces` are shares of the weight's component along the facet's normal, by contact
+    name: "exact" for three contacts, "minimum norm" (of all that balance) for more; empty where
+    the robot tips.  `heuristic_forces` are those of the paper's Eq 12.  `slides` is None without
+    a friction coefficient.
+    """
+
+    gravity_dir: Vector3
+    com: Vector3
+    centres: NDArray[np.float64]
+    axes: NDArray[np.float64]
+    radius: NDArray[np.float64]
+    kind: NDArray[np.int64]
+    standing: bool
+    channels: dict[str, float]
+    facet: FacetView | None
+    axes_: tuple[TipAxis, ...]
+    least_stable: int | None
+    normal_forces: dict[str, float]
+    forces_kind: str
+    heuristic_forces: dict[str, float]
+    slope: float
+    slides: bool | None
+
+
+def normal_forces(points: NDArray[np.float64], pierced: Vector3) -> NDArray[np.float64]:
+    """Return each contact's share of the normal force, (k,), adding up to 1.
+
+    Friction has no moment about axes in the contact plane, so force and moment balance about
+    D_g alone fix the shares of three contacts, whatever mu is.  Of more than three the balance
+    leaves a choice; this is the solution of the smallest sum of squares.
+
+    Parameters
+    ----------
+    points : (k, 3) float64
+        Contact points in one plane.
+    pierced : (3,) float64
+        D_g, in the same plane.
+    """
+    arms = points - pierced
+    _, spread, basis = np.linalg.svd(arms, full_matrices=False)
+    plane = basis[:2] if spread[1] > 0.0 else basis[:1]
+    balance = np.vstack([np.ones(len(points)), (arms @ plane.T).T / max(spread[0], 1e-300)])
+    wanted = np.zeros(len(balance))
+    wanted[0] = 1.0
+    shares: NDArray[np.float64] = np.linalg.lstsq(balance, wanted, rcond=None)[0]
+    return shares
+
+
+def heuristic_forces(points: NDArray[np.float64], pierced: Vector3) -> NDArray[np.float64]:
+    """Return the shares of the paper's Eq 12 without its leading minus, (k,), adding up to 1.
+
+    They do not balance moments: at a tip-over axis they still give the lifting wheel a fifth of
+    the weight.  For comparison with the paper only.
+    """
+    distance = np.linalg.norm(points - pierced, axis=1)
+    total = float(distance.sum())
+    if total == 0.0:
+        return np.full(len(points), 1.0 / len(points))
+    return np.asarray((total / (len(points) / 2.0) - distance) / total)
+
+
+def diagnose(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> Diagnosis:
+    """Explain one posture under one gravity direction.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The robot.
+    params : (k,) array_like
+        Geometry parameters, rad or length.
+    gravity_dir : (3,) array_like
+        Pointing down, body frame, any length > 0.
+    """
+    row = np.atleast_2d(np.asarray(params, np.float64))
+    down = checked_directions(gravity_dir)
+    posture = forward(recipe, row)
+    radius, kind = shapes(recipe)
+    primitives = pack(posture.centres[0], posture.axes[0], radius, kind)
+    values = measure_postures(
+        *(posture.centres, posture.axes, radius, kind, down),
+        *(CHANNELS, recipe.upright, recipe.rock_angle),
+    )
+    channels = {name: float(values[name][0, 0]) for name in CHANNELS}
+    limit = limits(recipe.upright, recipe.rock_angle)
+    table, region = facet_table(len(primitives)), empty_region(len(primitives))
+    find_facets(table, primitives, limit[2])
+    find_region(region, table, limit, robot_size(primitives))
+    g = (float(down[0, 0]), float(down[0, 1]), float(down[0, 2]))
+    k = supporting_facet(region.plate, region.count[FACETS], g)
+    names = recipe.contact_names
+    standing = channels["tip_angle"] >= 0.0
+    tip_axes = tuple(
+        _tip_axis(region, b, names, g, standing) for b in range(region.count[SEGMENTS])
+    )
+    least = min(range(len(tip_axes)), key=lambda b: abs(tip_axes[b].tip_angle), default=None)
+    if region.count[CONVEX] == 1 and tip_axes:
+        least = min(range(len(tip_axes)), key=lambda b: tip_axes[b].tip_angle)
+    facet = None if k < 0 else _facet_view(region, table, k, down[0])
+    slope = math.nan if facet is None else math.acos(min(1.0, float(facet.normal @ down[0])))
+    exact: dict[str, float] = {}
+    rough: dict[str, float] = {}
+    forces_kind = ""
+    if facet is not None and standing:
+        corners = [names[i] for i in facet.contacts]
+        exact = dict(zip(corners, map(float, normal_forces(facet.points, facet.pierced)), strict=True))
+        rough = dict(
+            zip(corners, map(float, heuristic_forces(facet.points, facet.pierced)), strict=True)
+        )
+        forces_kind = "exact" if len(corners) == 3 else "minimum norm"
+    slides = None
+    if recipe.friction is not None and facet is not None:
+        slides = math.tan(slope) > recipe.friction if slope < math.pi / 2 else True
+    return Diagnosis(
+        down[0],
+        posture.com[0],
+        posture.centres[0],
+        posture.axes[0],
+        primitives[:, RADIUS],
+        primitives[:, KIND].astype(np.int64),
+        standing,
+        channels,
+        facet,
+        tip_axes,
+        least,
+        exact,
+        forces_kind,
+        rough,
+        slope,
+        slides,
+    )
+
+
+def _facet_view(region, table, k: int, down: Vector3) -> FacetView:  # type: ignore[no-untyped-def]
+    f = region.span[k, SOURCE]
+    corners = slice(table.span[f, FIRST], table.span[f + 1, FIRST])
+    normal = table.facet[f, :3].copy()
+    height = float(region.plate[k, HEIGHT])
+    rate = float(normal @ down)
+    pierced = down * (height / rate) if rate > 0.0 else np.full(3, np.nan)
+    return FacetView(
+        normal,
+        height,
+        tuple(int(i) for i in table.link[corners, VERTEX]),
+        table.corner[corners].copy(),
+        region.plate[k, CENTROID : CENTROID + 3].copy(),
+        pierced,
+    )
+
+
+def _tip_axis(region, b, names, g, standing) -> TipAxis:  # type: ignore[no-untyped-def]
+    """Return boundary segment b with its own angle, margin and energy."""
+    i, j = (int(c) for c in region.contacts[b])
+    vectors = [tuple(region.segment[b, c : c + 3]) for c in (START, STOP, TIP_PLANE)]
+    convex = region.count[CONVEX] == 1
+    alone = region.count.copy()
+    alone[SEGMENTS] = 1
+    piece = region.segment[b : b + 1]
+    if convex:
+        sine = float(np.dot(vectors[2], g))
+        angle = math.asin(min(max(sine, -1.0), 1.0))
+    else:
+        angle = tip_angle(alone, piece, standing, g)
+    margin = axis_margin(*vectors, convex, g)
+    energy = axis_energy(*vectors, g)
+    if not convex:
+        sign = 1.0 if standing else -1.0
+        margin, energy = sign * abs(margin), sign * abs(energy)
+    return TipAxis(
+        (i, j), (names[i], names[j]), np.array(vectors[0]), np.array(vectors[1]), angle, margin, energy
+    )
