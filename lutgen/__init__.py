@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 from lutgen._version import __version__
 
 if TYPE_CHECKING:
+    from lutgen.channels import stability
     from lutgen.errors import InputError, LutgenError, MapFileError, RecipeError, SweepError
     from lutgen.evaluation import evaluate
     from lutgen.recipe import load_recipe, parse_recipe
     from lutgen.robot import postures
-    from lutgen.channels import stability
     from lutgen.store import load_map
     from lutgen.sweeper import sweep
 

@@ -24,6 +24,7 @@ from lutgen.region import (
     START,
     STOP,
     TIP_PLANE,
+    Limit,
     Region,
     empty_region,
     find_region,
@@ -32,10 +33,10 @@ from lutgen.region import (
     supporting_facet,
     vector_at,
 )
-from lutgen.sphere import unit_directions
 from lutgen.rounds import find_facets
+from lutgen.sphere import unit_directions
 from lutgen.support import MAX_PRIMITIVES, facet_table, robot_size
-from lutgen.vector import Vector, cross, dot, length, row, scale, subtract
+from lutgen.vector import Bools, Floats, Ints, Vector, cross, dot, length, row, scale, subtract
 
 CHANNELS = ("sdg", "height", "tip_angle", "margin", "energy_margin", "facet")
 # What a direction just outside the region gets where its distance rounds to zero, so that the
@@ -44,7 +45,7 @@ JUST_OUTSIDE = -1e-30
 
 
 @njit()
-def arc_distance(start, stop, normal, g) -> float:
+def arc_distance(start: Vector, stop: Vector, normal: Vector, g: Vector) -> float:
     """Return the angle (rad) from g to the great-circle arc between two contact directions."""
     if dot(cross(normal, start), g) >= 0.0 and dot(cross(stop, normal), g) >= 0.0:
         return abs(math.asin(min(max(dot(normal, g), -1.0), 1.0)))
@@ -54,7 +55,7 @@ def arc_distance(start, stop, normal, g) -> float:
 
 
 @njit()
-def tip_angle(count, segment, standing: bool, g: Vector) -> float:
+def tip_angle(count: Ints, segment: Floats, standing: bool, g: Vector) -> float:
     """Return the signed angular distance (rad) from g to the boundary of the standing region.
 
     Positive inside; pi where there is no boundary, -pi where there is no region.  For a convex
@@ -79,7 +80,7 @@ def tip_angle(count, segment, standing: bool, g: Vector) -> float:
 
 
 @njit()
-def axis_margin(start, stop, tip_plane, convex: bool, g) -> float:
+def axis_margin(start: Vector, stop: Vector, tip_plane: Vector, convex: bool, g: Vector) -> float:
     """Return the horizontal distance from the com to one tip-over axis, positive on its inner side.
 
     Everything is projected along g.  In a convex region the axis counts as a whole line (McGhee
@@ -98,18 +99,17 @@ def axis_margin(start, stop, tip_plane, convex: bool, g) -> float:
     flat_edge = subtract(edge, scale(g, dot(edge, g)))
     part = -dot(flat_start, flat_edge) / (across * across)
     part = min(max(part, 0.0), 1.0)
-    reach = length(
+    return length(
         (
             flat_start[0] + part * flat_edge[0],
             flat_start[1] + part * flat_edge[1],
             flat_start[2] + part * flat_edge[2],
         )
     )
-    return reach
 
 
 @njit()
-def axis_energy(start, stop, tip_plane, g) -> float:
+def axis_energy(start: Vector, stop: Vector, tip_plane: Vector, g: Vector) -> float:
     """Return how far the com rises while the robot turns over one axis; negative once past it.
 
     The com turns on a circle of radius rho about the axis; with U the part of `up` orthogonal to
@@ -128,13 +128,13 @@ def axis_energy(start, stop, tip_plane, g) -> float:
 
 
 @njit()
-def measure(region: Region, g: Vector, wanted, out) -> None:
+def measure(region: Region, g: Vector, wanted: Bools, out: Floats) -> None:
     """Fill `out` (6,) with the channels of one direction, in the order of `CHANNELS`.
 
     `wanted` (6,) bool skips the costly ones.  Outside the standing region `sdg` and `height` are
     NaN, `facet` is -1 and the others are negative.
     """
-    count, plate, segment = region.count, region.plate, region.segment
+    count, plate, segment = region.tally, region.plate, region.segment
     k = supporting_facet(plate, count[FACETS], g)
     convex = count[CONVEX] == 1
     if convex:
@@ -174,7 +174,9 @@ def measure(region: Region, g: Vector, wanted, out) -> None:
 
 
 @njit(parallel=True)
-def _measure_all(shapes, gravity_dir, limit, wanted):
+def _measure_all(
+    shapes: Floats, gravity_dir: Floats, limit: Limit, wanted: Bools
+) -> tuple[Floats, Ints]:
     """Return ((6, m, g) channels, 1 where a facet table was too small)."""
     m, n = shapes.shape[0], shapes.shape[1]
     out = np.empty((6, m, gravity_dir.shape[0]))
@@ -185,7 +187,7 @@ def _measure_all(shapes, gravity_dir, limit, wanted):
         values = np.empty(6)
         find_facets(table, shapes[posture], limit[2])
         find_region(region, table, limit, robot_size(shapes[posture]))
-        overflow[posture] = table.count[1]
+        overflow[posture] = table.tally[1]
         for d in range(gravity_dir.shape[0]):
             measure(region, row(gravity_dir, d), wanted, values)
             for c in range(6):
@@ -300,9 +302,7 @@ def stability(
             "give n points x, y, z for each of m postures"
         )
     if not 3 <= points.shape[1] <= MAX_PRIMITIVES:
-        raise InputError(
-            f"a posture needs 3 to {MAX_PRIMITIVES} contacts (got {points.shape[1]})"
-        )
+        raise InputError(f"a posture needs 3 to {MAX_PRIMITIVES} contacts (got {points.shape[1]})")
     if not np.isfinite(points).all():
         raise InputError("contacts must be finite numbers (got NaN or infinity)")
     n = points.shape[1]

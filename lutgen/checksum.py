@@ -43,13 +43,13 @@ def fletcher32(words: NDArray[np.uint16]) -> int:
         size = np.uint64(min(_BLOCK, n - b * _BLOCK))
         high = _fold(high + low * size + weighted[b])
         low = _fold(low + plain[b])
-    return (high << np.uint64(16)) | low
+    return int((high << np.uint64(16)) | low)
 
 
 @njit()
-def _fold(total):
+def _fold(total: np.uint64) -> np.uint64:
     """Return total modulo 65535, with 65535 for multiples of it other than zero."""
     if total == 0:
         return total
-    rest = total % np.uint64(_MODULUS)
+    rest = np.uint64(total % np.uint64(_MODULUS))
     return rest if rest > 0 else np.uint64(_MODULUS)

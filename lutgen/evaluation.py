@@ -8,10 +8,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from lutgen.channels import measure_postures
 from lutgen.errors import RecipeError
 from lutgen.recipe import Recipe
 from lutgen.robot import forward, shapes
-from lutgen.channels import measure_postures
 
 
 def evaluate(
@@ -86,8 +86,6 @@ def require_standing(recipe: Recipe) -> None:
     )
 
 
-def _any_stands(
-    recipe: Recipe, flat: NDArray[np.intp], directions: NDArray[np.float64]
-) -> bool:
+def _any_stands(recipe: Recipe, flat: NDArray[np.intp], directions: NDArray[np.float64]) -> bool:
     angle = evaluate(recipe, recipe.grid.params(flat), directions, ("tip_angle",))["tip_angle"]
     return bool((angle >= 0.0).any())

@@ -46,7 +46,7 @@ def facets(
     find_facets(table, shapes, 2.0)
     tolerance = RELATIVE_TOLERANCE * robot_size(shapes)
     found = []
-    for f in range(table.count[0]):
+    for f in range(table.tally[0]):
         if table.facet[f, 3] > tolerance:
             corners = slice(table.span[f, FIRST], table.span[f + 1, FIRST])
             mask = int(table.span[f, MASK])

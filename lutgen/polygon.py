@@ -7,18 +7,18 @@ robot, that is looking against the plane's outward normal.
 import math
 
 from lutgen.jit import njit
-from lutgen.vector import Vector, cross, dot, length, row, subtract
+from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, subtract
 
 
 @njit(inline=True)
-def _swap(points, labels, a: int, b: int) -> None:
+def _swap(points: Floats, labels: Ints, a: int, b: int) -> None:
     for c in range(3):
         points[a, c], points[b, c] = points[b, c], points[a, c]
     labels[a, 0], labels[b, 0] = labels[b, 0], labels[a, 0]
 
 
 @njit(inline=True)
-def _reverse(points, labels, begin: int, end: int) -> None:
+def _reverse(points: Floats, labels: Ints, begin: int, end: int) -> None:
     end -= 1
     while begin < end:
         _swap(points, labels, begin, end)
@@ -27,7 +27,9 @@ def _reverse(points, labels, begin: int, end: int) -> None:
 
 
 @njit()
-def convex_polygon(points, labels, begin: int, count: int, normal: Vector, tolerance: float) -> int:
+def convex_polygon(
+    points: Floats, labels: Ints, begin: int, count: int, normal: Vector, tolerance: float
+) -> int:
     """Reorder coplanar points in place to the corners of their convex polygon.
 
     Parameters
@@ -82,7 +84,9 @@ def convex_polygon(points, labels, begin: int, count: int, normal: Vector, toler
 
 
 @njit()
-def _wrap(points, labels, begin, end, normal, tolerance) -> int:
+def _wrap(
+    points: Floats, labels: Ints, begin: int, end: int, normal: Vector, tolerance: float
+) -> int:
     """Bring the corners of more than three points to the front; return the row after the last."""
     across = (1.0, 0.0, 0.0) if abs(normal[0]) < 0.9 else (0.0, 1.0, 0.0)
     along = cross(normal, across)
@@ -120,7 +124,7 @@ def _wrap(points, labels, begin, end, normal, tolerance) -> int:
 
 
 @njit(inline=True)
-def area_centroid(points, begin: int, end: int) -> Vector:
+def area_centroid(points: Floats, begin: int, end: int) -> Vector:
     """Return the area centroid of the convex polygon points[begin:end] (Eqs 22 to 26, in 3-D).
 
     The polygon is cut into a fan of triangles from its first corner; each is weighted with its

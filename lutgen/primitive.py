@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.jit import njit
-from lutgen.vector import Vector, dot, length, scale, subtract
+from lutgen.vector import Floats, Vector, dot, length, scale, subtract
 
 POINT, SPHERE, DISC = 0.0, 1.0, 2.0
 RADIUS, KIND = 6, 7
@@ -33,9 +33,9 @@ def pack(
 
 
 @njit(inline=True)
-def reach(shapes, index: int, normal: Vector) -> float:
+def reach(shapes: Floats, index: int, normal: Vector) -> float:
     """Return the support function: how far primitive `index` extends along a unit `normal`."""
-    value = (
+    value: float = (
         shapes[index, 0] * normal[0] + shapes[index, 1] * normal[1] + shapes[index, 2] * normal[2]
     )
     if shapes[index, KIND] == SPHERE:
@@ -48,7 +48,7 @@ def reach(shapes, index: int, normal: Vector) -> float:
 
 
 @njit(inline=True)
-def contact_point(shapes, index: int, normal: Vector) -> Vector:
+def contact_point(shapes: Floats, index: int, normal: Vector) -> Vector:
     """Return the point of primitive `index` that extends furthest along a unit `normal`.
 
     It is the gradient of `reach`: c for a point, c + r n for a sphere, and c + r u for a disc,

@@ -23,13 +23,15 @@ from lutgen.support import (
     FacetTable,
     matching_corner,
 )
-from lutgen.vector import Vector, cross, dot, length, row, scale, subtract, unit
+from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, scale, subtract, unit
 
+# See `limits`.
+Limit = tuple[float, float, float]
 # Kinds of facet edge.  TIP: beyond it the robot tips.  SHARED: beyond it another accepted facet
 # begins at once.  GAP: beyond it the robot rocks over two round contacts onto another facet.
 TIP, SHARED, GAP = 0, 1, 2
 NO_LIMIT = -2.0
-# Entries of Region.count.
+# Entries of Region.tally.
 FACETS, SEGMENTS, CONVEX, GAPS = 0, 1, 2, 3
 # First columns of the vectors in Region.plate, Region.edge and Region.segment.
 PLANE, FIRST_AXIS, SECOND_AXIS, CENTROID, HEIGHT = 0, 3, 6, 9, 12
@@ -42,7 +44,7 @@ SOURCE = 1
 class Region(NamedTuple):
     """Standing region of one posture as flat arrays, reused from posture to posture.
 
-    `count` (4,): accepted facets, boundary segments, 1 if the region is convex, gaps.
+    `tally` (4,): accepted facets, boundary segments, 1 if the region is convex, gaps.
     Per facet, in canonical order (ascending bit set of touching primitives): `plate` (F, 13) =
     n/h, so that (n/h) . x = 1 on its plane; two axes with which, for t = 1/((n/h) . g), the
     in-plane components of D_g - s are t (axis . g); centroid s; height h.  `span` (F + 1, 2)
@@ -54,7 +56,7 @@ class Region(NamedTuple):
     tip-over plane, start x stop pointing inward; `contacts` (B, 2) primitives.
     """
 
-    count: NDArray[np.int64]
+    tally: NDArray[np.int64]
     plate: NDArray[np.float64]
     span: NDArray[np.int64]
     edge: NDArray[np.float64]
@@ -99,25 +101,33 @@ def limits(upright: float | None, rock_angle: float | None) -> tuple[float, floa
 
 
 @njit(inline=True)
-def vector_at(array, index: int, column: int) -> Vector:
+def vector_at(array: Floats, index: int, column: int) -> Vector:
     """Return the three components that begin in a column of a packed row."""
     return array[index, column], array[index, column + 1], array[index, column + 2]
 
 
 @njit(inline=True)
-def _put(array, index, column, vector) -> None:
+def _put(array: Floats, index: int, column: int, vector: Vector) -> None:
     array[index, column] = vector[0]
     array[index, column + 1] = vector[1]
     array[index, column + 2] = vector[2]
 
 
 @njit(inline=True)
-def _is_accepted(facet, f, steepest, tolerance) -> bool:
+def _is_accepted(facet: Floats, f: int, steepest: float, tolerance: float) -> bool:
     return f >= 0 and facet[f, 3] > tolerance and -facet[f, 2] > steepest
 
 
 @njit(inline=True)
-def _rocks_onto(facet, link, f, at, steepest, least_cosine, tolerance) -> int:
+def _rocks_onto(
+    facet: Floats,
+    link: Ints,
+    f: int,
+    at: int,
+    steepest: float,
+    least_cosine: float,
+    tolerance: float,
+) -> int:
     """Return the facet onto which the robot rocks over an edge of facet f, or -1."""
     other = link[at, NEIGHBOUR]
     if (
@@ -126,23 +136,32 @@ def _rocks_onto(facet, link, f, at, steepest, least_cosine, tolerance) -> int:
         or dot(row(facet, f), row(facet, other)) < least_cosine
     ):
         return -1
-    return other
+    return int(other)
 
 
 @njit(inline=True)
-def _after(span, f, at) -> int:
+def _after(span: Ints, f: int, at: int) -> int:
     """Return the next corner of facet f, counter-clockwise."""
     return at + 1 if at + 1 < span[f + 1, FIRST] else span[f, FIRST]
 
 
 @njit(inline=True)
-def _before(span, f, at) -> int:
+def _before(span: Ints, f: int, at: int) -> int:
     """Return the previous corner of facet f, counter-clockwise."""
     return at - 1 if at > span[f, FIRST] else span[f + 1, FIRST] - 1
 
 
 @njit()
-def _enter_facets(count, facet, span, corner, plate, first, steepest, tolerance) -> int:
+def _enter_facets(
+    count: Ints,
+    facet: Floats,
+    span: Ints,
+    corner: Floats,
+    plate: Floats,
+    first: Ints,
+    steepest: float,
+    tolerance: float,
+) -> int:
     """Enter the accepted facets in canonical order; return their number."""
     accepted = 0
     for f in range(count[0]):
@@ -171,7 +190,17 @@ def _enter_facets(count, facet, span, corner, plate, first, steepest, tolerance)
 
 
 @njit()
-def _surrounded(facet, span, link, f, at, forward, steepest, least_cosine, tolerance) -> bool:
+def _surrounded(
+    facet: Floats,
+    span: Ints,
+    link: Ints,
+    f: int,
+    at: int,
+    forward: bool,
+    steepest: float,
+    least_cosine: float,
+    tolerance: float,
+) -> bool:
     """Tell whether the facets around one primitive close into a ring over which the robot rocks.
 
     Starts by crossing the edge of f that begins at corner `at`; goes round the primitive at its
@@ -195,8 +224,17 @@ def _surrounded(facet, span, link, f, at, forward, steepest, least_cosine, toler
 
 
 @njit(inline=True)
-def _add_segment(tally, segment, contacts, start, stop, inward, i, j) -> None:
-    """Append a boundary segment whose tip-over plane has the direction `inward` on its inner side."""
+def _add_segment(
+    tally: Ints,
+    segment: Floats,
+    contacts: Ints,
+    start: Vector,
+    stop: Vector,
+    inward: Vector,
+    i: int,
+    j: int,
+) -> None:
+    """Append a boundary segment; the direction `inward` is on the inner side of its plane."""
     normal = cross(start, stop)
     size = length(normal)
     if size > 0.0:
@@ -214,7 +252,21 @@ def _add_segment(tally, segment, contacts, start, stop, inward, i, j) -> None:
 
 @njit()
 def _enter_gap(
-    facet, span, corner, link, f, at, other, back, e, tally, edge, segment, contacts, limit, tolerance
+    facet: Floats,
+    span: Ints,
+    corner: Floats,
+    link: Ints,
+    f: int,
+    at: int,
+    other: int,
+    back: int,
+    e: int,
+    tally: Ints,
+    edge: Floats,
+    segment: Floats,
+    contacts: Ints,
+    limit: Limit,
+    tolerance: float,
 ) -> None:
     """Enter the two sides of the gap beyond edge `e`, where they are boundary."""
     following = _after(span, f, at)
@@ -254,7 +306,7 @@ def find_region(
     """
     facet, span, corner, link = table.facet, table.span, table.corner, table.link
     tally, plate, first, edge, about = (
-        region.count,
+        region.tally,
         region.plate,
         region.span,
         region.edge,
@@ -263,7 +315,7 @@ def find_region(
     segment, contacts = region.segment, region.contacts
     steepest, least_cosine = limit[0], limit[1]
     tolerance = RELATIVE_TOLERANCE * size
-    accepted = _enter_facets(table.count, facet, span, corner, plate, first, steepest, tolerance)
+    accepted = _enter_facets(table.tally, facet, span, corner, plate, first, steepest, tolerance)
     tally[FACETS], tally[SEGMENTS], tally[GAPS] = accepted, 0, 0
     first[0, FIRST] = 0
     e = 0
@@ -307,7 +359,7 @@ def find_region(
 
 
 @njit()
-def _is_convex(segment, segments, edge, edges) -> bool:
+def _is_convex(segment: Floats, segments: int, edge: Floats, edges: int) -> bool:
     """Tell whether every corner of every accepted facet is inside every tip-over plane."""
     for b in range(segments):
         normal = vector_at(segment, b, TIP_PLANE)
@@ -320,7 +372,7 @@ def _is_convex(segment, segments, edge, edges) -> bool:
 
 
 @njit(inline=True)
-def supporting_facet(plate, facets: int, g: Vector) -> int:
+def supporting_facet(plate: Floats, facets: int, g: Vector) -> int:
     """Return the accepted facet whose plane the ray along g pierces first, or -1.
 
     The robot's hull lies above all its facets' planes, so the plane pierced first is the one of
@@ -337,7 +389,7 @@ def supporting_facet(plate, facets: int, g: Vector) -> int:
 
 
 @njit()
-def is_standing(span, edge, link, k: int, g: Vector) -> bool:
+def is_standing(span: Ints, edge: Floats, link: Ints, k: int, g: Vector) -> bool:
     """Tell whether direction g, whose supporting facet is k, lies in the standing region.
 
     The far side of a gap needs no test: beyond the middle of it another facet supports.

@@ -27,17 +27,19 @@ from lutgen.support import (
     lowest_beyond,
     robot_size,
 )
-from lutgen.vector import Vector, cross, dot, length, row, scale, subtract
+from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, scale, subtract
 
 NEWTON_STEPS = 24
 # Halvings of a cube face: at the 7th a cell spans about half a degree.  A cell in which only three
-# primitives are left is tried from the third on.
+# primitives are left is tried from the fourth on.
 DEEPEST = 7
-FIRST_TRIED = 3
+FIRST_TRIED = 4
 
 
 @njit()
-def common_normal(shapes, i: int, j: int, k: int, start: Vector, size: float):
+def common_normal(
+    shapes: Floats, i: int, j: int, k: int, start: Vector, size: float
+) -> tuple[bool, Vector]:
     """Solve for the plane that touches three primitives; Newton from the normal `start`.
 
     The contact point is the gradient of the support function, so the plane through the three
@@ -74,7 +76,7 @@ def _cell_normal(face: int, u: float, v: float) -> Vector:
 
 
 @njit()
-def _candidates(shapes, spread, normal, radius, among):
+def _candidates(shapes: Floats, spread: Floats, normal: Vector, radius: float, among: int) -> int:
     """Return the bit set, out of `among`, of primitives that can be lowest within `radius`."""
     best = -1
     furthest = -math.inf
@@ -94,9 +96,21 @@ def _candidates(shapes, spread, normal, radius, among):
 
 
 @njit()
-def _try_triples(table, shapes, owner, normal, among, size) -> None:
-    """Look for facets on every three of the primitives `among`, beginning at `normal`."""
-    count, facet, span, corner, link = table.count, table.facet, table.span, table.corner, table.link
+def _try_triples(
+    table: FacetTable, shapes: Floats, owner: Ints, normal: Vector, among: int, size: float
+) -> float:
+    """Look for facets on every three of the primitives `among`, beginning at `normal`.
+
+    Returns the least distance from `normal` to a facet's normal; infinity if there is none.
+    """
+    nearest = math.inf
+    count, facet, span, corner, link = (
+        table.tally,
+        table.facet,
+        table.span,
+        table.corner,
+        table.link,
+    )
     n = shapes.shape[0]
     for i in range(n):
         if not among >> i & 1:
@@ -120,11 +134,16 @@ def _try_triples(table, shapes, owner, normal, among, size) -> None:
                     continue
                 height = reach(shapes, i, solved)
                 below, mask = lowest_beyond(shapes, solved, height, RELATIVE_TOLERANCE * size)
-                if below < 0:
-                    add_facet(
+                if (
+                    below < 0
+                    and add_facet(
                         *(count, facet, span, corner, link, owner),
                         *(shapes, solved, height, mask, size),
                     )
+                    >= 0
+                ):
+                    nearest = min(nearest, length(subtract(solved, normal)))
+    return nearest
 
 
 @njit()
@@ -141,7 +160,7 @@ def find_round_facets(table: FacetTable, shapes: NDArray[np.float64], lowest_up:
         Only facets whose normal's z is below this are wanted (more may be found).
     """
     n = shapes.shape[0]
-    table.count[0] = table.count[1] = 0
+    table.tally[0] = table.tally[1] = 0
     table.span[0, FIRST] = 0
     size = robot_size(shapes)
     owner = np.empty((0, 0), np.int64)
@@ -172,8 +191,10 @@ def find_round_facets(table: FacetTable, shapes: NDArray[np.float64], lowest_up:
             if members < 3:
                 continue
             if depth == DEEPEST or (members == 3 and depth >= FIRST_TRIED):
-                _try_triples(table, shapes, owner, normal, among, size)
-                continue
+                # Newton may leave the cell for another facet: then this one is not done.
+                nearest = _try_triples(table, shapes, owner, normal, among, size)
+                if depth == DEEPEST or nearest <= radius:
+                    continue
             for quarter in range(4):
                 stack[waiting, 0] = u + half * (0.5 if quarter & 1 else -0.5)
                 stack[waiting, 1] = v + half * (0.5 if quarter & 2 else -0.5)
@@ -181,11 +202,11 @@ def find_round_facets(table: FacetTable, shapes: NDArray[np.float64], lowest_up:
                 stack[waiting, 3] = depth + 1.0
                 sets[waiting] = among
                 waiting += 1
-    _join(table.count, table.facet, table.span, table.corner, table.link)
+    _join(table.tally, table.facet, table.span, table.corner, table.link)
 
 
 @njit()
-def _join(count, facet, span, corner, link) -> None:
+def _join(count: Ints, facet: Floats, span: Ints, corner: Floats, link: Ints) -> None:
     """Find for every edge the facet beyond it.
 
     Rolling over the edge i -> j ends on a facet that has j -> i.  Where several have, it is the

@@ -33,10 +33,12 @@ from lutgen.region import (
     find_region,
     limits,
     supporting_facet,
+    vector_at,
 )
 from lutgen.robot import forward, shapes
 from lutgen.rounds import find_facets
 from lutgen.support import FIRST, VERTEX, facet_table, robot_size
+from lutgen.vector import dot
 
 Vector3 = NDArray[np.float64]
 
@@ -168,14 +170,14 @@ def diagnose(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> Diagn
     find_facets(table, primitives, limit[2])
     find_region(region, table, limit, robot_size(primitives))
     g = (float(down[0, 0]), float(down[0, 1]), float(down[0, 2]))
-    k = supporting_facet(region.plate, region.count[FACETS], g)
+    k = supporting_facet(region.plate, region.tally[FACETS], g)
     names = recipe.contact_names
     standing = channels["tip_angle"] >= 0.0
     tip_axes = tuple(
-        _tip_axis(region, b, names, g, standing) for b in range(region.count[SEGMENTS])
+        _tip_axis(region, b, names, g, standing) for b in range(region.tally[SEGMENTS])
     )
     least = min(range(len(tip_axes)), key=lambda b: abs(tip_axes[b].tip_angle), default=None)
-    if region.count[CONVEX] == 1 and tip_axes:
+    if region.tally[CONVEX] == 1 and tip_axes:
         least = min(range(len(tip_axes)), key=lambda b: tip_axes[b].tip_angle)
     facet = None if k < 0 else _facet_view(region, table, k, down[0])
     slope = math.nan if facet is None else math.acos(min(1.0, float(facet.normal @ down[0])))
@@ -184,7 +186,9 @@ def diagnose(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> Diagn
     forces_kind = ""
     if facet is not None and standing:
         corners = [names[i] for i in facet.contacts]
-        exact = dict(zip(corners, map(float, normal_forces(facet.points, facet.pierced)), strict=True))
+        exact = dict(
+            zip(corners, map(float, normal_forces(facet.points, facet.pierced)), strict=True)
+        )
         rough = dict(
             zip(corners, map(float, heuristic_forces(facet.points, facet.pierced)), strict=True)
         )
@@ -232,21 +236,27 @@ def _facet_view(region, table, k: int, down: Vector3) -> FacetView:  # type: ign
 def _tip_axis(region, b, names, g, standing) -> TipAxis:  # type: ignore[no-untyped-def]
     """Return boundary segment b with its own angle, margin and energy."""
     i, j = (int(c) for c in region.contacts[b])
-    vectors = [tuple(region.segment[b, c : c + 3]) for c in (START, STOP, TIP_PLANE)]
-    convex = region.count[CONVEX] == 1
-    alone = region.count.copy()
+    start, stop, plane = (vector_at(region.segment, b, c) for c in (START, STOP, TIP_PLANE))
+    convex = region.tally[CONVEX] == 1
+    alone = region.tally.copy()
     alone[SEGMENTS] = 1
     piece = region.segment[b : b + 1]
     if convex:
-        sine = float(np.dot(vectors[2], g))
+        sine = dot(plane, g)
         angle = math.asin(min(max(sine, -1.0), 1.0))
     else:
         angle = tip_angle(alone, piece, standing, g)
-    margin = axis_margin(*vectors, convex, g)
-    energy = axis_energy(*vectors, g)
+    margin = axis_margin(start, stop, plane, convex, g)
+    energy = axis_energy(start, stop, plane, g)
     if not convex:
         sign = 1.0 if standing else -1.0
         margin, energy = sign * abs(margin), sign * abs(energy)
     return TipAxis(
-        (i, j), (names[i], names[j]), np.array(vectors[0]), np.array(vectors[1]), angle, margin, energy
+        (i, j),
+        (names[i], names[j]),
+        np.array(start),
+        np.array(stop),
+        angle,
+        margin,
+        energy,
     )

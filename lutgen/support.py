@@ -19,13 +19,15 @@ from numpy.typing import NDArray
 from lutgen.jit import njit
 from lutgen.polygon import convex_polygon
 from lutgen.primitive import RADIUS, contact_point, reach
-from lutgen.vector import cross, dot, length, row, scale, subtract
+from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, scale, subtract
 
 # Two lengths that differ by less than this part of the robot's size are the same length: contacts
 # within it of a plane touch the plane.  Hulls of rotated cubes stay whole for any noise from 0 to
 # 1e-7 with it, and break with 0.
 RELATIVE_TOLERANCE = 1e-9
 MAX_PRIMITIVES = 32
+# Two normals with a larger scalar product (1.4e-5 rad) are one; three wheels may share several.
+SAME_NORMAL = 1.0 - 1e-10
 UNKNOWN, OUTSIDE = -2, -1
 VERTEX, NEIGHBOUR = 0, 1
 FIRST, MASK = 0, 1
@@ -34,13 +36,13 @@ FIRST, MASK = 0, 1
 class FacetTable(NamedTuple):
     """Facets of one posture as flat arrays, reused from posture to posture.
 
-    `count` (2,): facets, and 1 where the table was too small.  Per facet: `facet` (F, 4) normal
+    `tally` (2,): facets, and 1 where the table was too small.  Per facet: `facet` (F, 4) normal
     and height; `span` (F + 1, 2) its first corner and the bit set of the primitives that it
     touches.  Per corner, counter-clockwise seen from outside: `corner` (E, 3) contact point;
     `link` (E, 2) primitive, and facet across the edge from this corner to the next.
     """
 
-    count: NDArray[np.int64]
+    tally: NDArray[np.int64]
     facet: NDArray[np.float64]
     span: NDArray[np.int64]
     corner: NDArray[np.float64]
@@ -62,7 +64,7 @@ def facet_table(primitives: int) -> FacetTable:
 
 
 @njit(inline=True)
-def robot_size(shapes) -> float:
+def robot_size(shapes: Floats) -> float:
     """Return the largest distance from the first primitive to any other, radii included."""
     size = 0.0
     for i in range(shapes.shape[0]):
@@ -74,8 +76,10 @@ def robot_size(shapes) -> float:
 
 
 @njit(inline=True)
-def lowest_beyond(shapes, normal, height, tolerance):
-    """Return the primitive that is furthest below a plane, or -1, and the bit set that touches it."""
+def lowest_beyond(
+    shapes: Floats, normal: Vector, height: float, tolerance: float
+) -> tuple[int, int]:
+    """Return the primitive furthest below a plane, or -1, and the bit set that touches it."""
     below = -1
     excess = tolerance
     mask = 0
@@ -90,7 +94,19 @@ def lowest_beyond(shapes, normal, height, tolerance):
 
 
 @njit()
-def add_facet(count, facet, span, corner, link, owner, shapes, normal, height, mask, size) -> int:
+def add_facet(
+    count: Ints,
+    facet: Floats,
+    span: Ints,
+    corner: Floats,
+    link: Ints,
+    owner: Ints,
+    shapes: Floats,
+    normal: Vector,
+    height: float,
+    mask: int,
+    size: float,
+) -> int:
     """Enter a plane that has no primitive below it; return its index, or -1 if it is no facet."""
     n = shapes.shape[0]
     new = count[0]
@@ -99,7 +115,7 @@ def add_facet(count, facet, span, corner, link, owner, shapes, normal, height, m
         count[1] = 1
         return OUTSIDE
     for f in range(new):
-        if span[f, MASK] == mask and dot(row(facet, f), normal) > 0.0:
+        if span[f, MASK] == mask and dot(row(facet, f), normal) > SAME_NORMAL:
             return f
     touching = 0
     for i in range(n):
@@ -110,9 +126,7 @@ def add_facet(count, facet, span, corner, link, owner, shapes, normal, height, m
             corner[begin + touching, 2] = point[2]
             link[begin + touching, VERTEX] = i
             touching += 1
-    corners = convex_polygon(
-        corner, link, begin, touching, normal, RELATIVE_TOLERANCE * size
-    )
+    corners = convex_polygon(corner, link, begin, touching, normal, RELATIVE_TOLERANCE * size)
     if corners == 0:
         return OUTSIDE
     for t in range(corners):
@@ -135,11 +149,13 @@ def add_facet(count, facet, span, corner, link, owner, shapes, normal, height, m
     span[new, MASK] = mask
     span[new + 1, FIRST] = begin + corners
     count[0] = new + 1
-    return new
+    return int(new)
 
 
 @njit(inline=True)
-def _first_touched(shapes, normal, base, outward, i, j, tolerance) -> int:
+def _first_touched(
+    shapes: Floats, normal: Vector, base: Vector, outward: Vector, i: int, j: int, tolerance: float
+) -> int:
     """Return the primitive that a plane turning about an axis in it touches first, or -1.
 
     The plane has unit `normal`, holds `base`, and its part along `outward` sinks.  Primitives `i`
@@ -148,7 +164,7 @@ def _first_touched(shapes, normal, base, outward, i, j, tolerance) -> int:
     best = -1
     best_ahead = best_depth = 0.0
     for k in range(shapes.shape[0]):
-        if k == i or k == j:
+        if k in (i, j):
             continue
         arm = subtract(row(shapes, k), base)
         ahead = dot(arm, outward)
@@ -162,8 +178,19 @@ def _first_touched(shapes, normal, base, outward, i, j, tolerance) -> int:
 
 
 @njit()
-def _roll(count, facet, span, corner, link, owner, shapes, f, at, size) -> int:
-    """Return the facet reached by rolling facet f over the edge that starts at corner `at`, or -1."""
+def _roll(
+    count: Ints,
+    facet: Floats,
+    span: Ints,
+    corner: Floats,
+    link: Ints,
+    owner: Ints,
+    shapes: Floats,
+    f: int,
+    at: int,
+    size: float,
+) -> int:
+    """Return the facet reached by rolling f over the edge that starts at corner `at`, or -1."""
     following = at + 1 if at + 1 < span[f + 1, FIRST] else span[f, FIRST]
     p, q = row(corner, at), row(corner, following)
     i, j = link[at, VERTEX], link[following, VERTEX]
@@ -178,7 +205,19 @@ def _roll(count, facet, span, corner, link, owner, shapes, f, at, size) -> int:
 
 
 @njit()
-def _enter_plane(count, facet, span, corner, link, owner, shapes, p, q, k, size) -> int:
+def _enter_plane(
+    count: Ints,
+    facet: Floats,
+    span: Ints,
+    corner: Floats,
+    link: Ints,
+    owner: Ints,
+    shapes: Floats,
+    p: Vector,
+    q: Vector,
+    k: int,
+    size: float,
+) -> int:
     """Enter the plane through points p and q and contact k, counter-clockwise, or return -1."""
     normal = cross(subtract(q, p), subtract(row(shapes, k), p))
     area = length(normal)
@@ -193,7 +232,7 @@ def _enter_plane(count, facet, span, corner, link, owner, shapes, p, q, k, size)
 
 
 @njit(inline=True)
-def matching_corner(span, link, f, at, other) -> int:
+def matching_corner(span: Ints, link: Ints, f: int, at: int, other: int) -> int:
     """Return the corner of facet `other` whose edge is that of f from `at`, reversed; or -1."""
     following = at + 1 if at + 1 < span[f + 1, FIRST] else span[f, FIRST]
     i, j = link[at, VERTEX], link[following, VERTEX]
@@ -206,8 +245,10 @@ def matching_corner(span, link, f, at, other) -> int:
 
 
 @njit()
-def _turn_onto(shapes, normal, base, outward, i, j, tolerance):
-    """Return the first contact touched by turning either way about the axis, or -1, and which way."""
+def _turn_onto(
+    shapes: Floats, normal: Vector, base: Vector, outward: Vector, i: int, j: int, tolerance: float
+) -> tuple[int, float]:
+    """Return the first contact touched by turning either way, or -1, and which way."""
     k = _first_touched(shapes, normal, base, outward, i, j, tolerance)
     if k >= 0:
         return k, 1.0
@@ -215,7 +256,16 @@ def _turn_onto(shapes, normal, base, outward, i, j, tolerance):
 
 
 @njit()
-def _seed(count, facet, span, corner, link, owner, shapes, size) -> None:
+def _seed(
+    count: Ints,
+    facet: Floats,
+    span: Ints,
+    corner: Floats,
+    link: Ints,
+    owner: Ints,
+    shapes: Floats,
+    size: float,
+) -> None:
     """Enter a first facet: lower a level plane onto a contact and turn it onto two more."""
     tolerance = RELATIVE_TOLERANCE * size
     i = 0
@@ -257,7 +307,13 @@ def find_point_facets(table: FacetTable, shapes: NDArray[np.float64], lowest_up:
         Facets are rolled onwards only from normals whose z is below this: 0 finds every facet
         that faces down and its neighbours, 2 finds all.
     """
-    count, facet, span, corner, link = table.count, table.facet, table.span, table.corner, table.link
+    count, facet, span, corner, link = (
+        table.tally,
+        table.facet,
+        table.span,
+        table.corner,
+        table.link,
+    )
     n = shapes.shape[0]
     count[0] = count[1] = 0
     span[0, FIRST] = 0
@@ -273,9 +329,12 @@ def find_point_facets(table: FacetTable, shapes: NDArray[np.float64], lowest_up:
         owner[:] = OUTSIDE
         count[0] = 0
         add_facet(count, facet, span, corner, link, owner, shapes, normal, height, mask, size)
+    faces_down = False
     f = 0
     while f < count[0]:
-        if facet[f, 2] < lowest_up:
+        faces_down = faces_down or facet[f, 2] < lowest_up
+        # The seed may face up: roll on until a facet faces down, then only over those.
+        if facet[f, 2] < lowest_up or not faces_down:
             for at in range(span[f, FIRST], span[f + 1, FIRST]):
                 if link[at, NEIGHBOUR] != UNKNOWN:
                     continue

@@ -16,15 +16,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.blocks import Block, Plan, plan
+from lutgen.channels import CHANNELS
 from lutgen.checksum import fletcher32
 from lutgen.errors import InputError, MapFileError, SweepError
 from lutgen.evaluation import require_standing
 from lutgen.primitive import pack
+from lutgen.raster import VECTOR
 from lutgen.recipe import Recipe
 from lutgen.region import limits
 from lutgen.robot import forward, shapes
-from lutgen.scan import VECTOR, scan
-from lutgen.channels import CHANNELS
+from lutgen.scan import scan
 from lutgen.store import BITMAP, COMPLETE, chunk_places, create
 
 # Parts per thread: a block's rows are not all equally dear, and small parts even that out.
@@ -155,7 +156,7 @@ def sweep(
             file.attrs[COMPLETE] = 1
             del file.attrs[BITMAP]
         _sync(part)
-        os.replace(part, target)
+        part.replace(target)
         _sync(target.parent)
     except OSError as error:
         if isinstance(error, MapFileError):
@@ -202,7 +203,7 @@ def _fill(
     done: NDArray[np.bool_],
     progress: Callable[[int, int], None] | None,
 ) -> None:
-    """Compute and write every block that is not done; note in the file what is, whatever happens."""
+    """Compute and write every block that is not done; note in the file what is, come what may."""
     computer = Computer(recipe, layout)
     width = recipe.chart.nodes
     finished = 0
@@ -226,7 +227,7 @@ def _fill(
 
 def _write(file: BinaryIO, chunk: NDArray[np.float32], place: int) -> None:
     """Write a chunk at its place in the file, however many calls the system takes for it."""
-    rest = memoryview(chunk).cast("B")
+    rest = memoryview(chunk.data).cast("B")
     while rest:
         count = os.pwrite(file.fileno(), rest, place)
         rest, place = rest[count:], place + count

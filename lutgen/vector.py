@@ -6,13 +6,21 @@ arrays would be allocated.
 
 import math
 
+import numpy as np
+from numpy.typing import NDArray
+
 from lutgen.jit import njit
 
 Vector = tuple[float, float, float]
+# The arrays that kernels hand to each other.
+Floats = NDArray[np.float64]
+Singles = NDArray[np.float32]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
 
 
 @njit(inline=True)
-def row(array, index) -> Vector:
+def row(array: Floats, index: int) -> Vector:
     """Return row `index` of an (n, 3) array as a tuple."""
     return array[index, 0], array[index, 1], array[index, 2]
 

@@ -37,7 +37,7 @@ def eval_(
     allow_python: bool,
     as_json: bool,
 ) -> None:
-    """Evaluate SOURCE, a recipe (exact) or a map (interpolated), at one point.
+    r"""Evaluate SOURCE, a recipe (exact) or a map (interpolated), at one point.
 
     \b
     $ lutgen eval maps/paper_two.toml -p alpha=31 -p gamma=31
@@ -81,7 +81,9 @@ def channel_entries(channels: dict[str, float]) -> dict[str, Any]:
     return entries
 
 
-def exact_report(recipe: "Recipe", values: list[float], gravity: tuple[float, ...]) -> dict[str, Any]:
+def exact_report(
+    recipe: "Recipe", values: list[float], gravity: tuple[float, ...]
+) -> dict[str, Any]:
     """Return the report on one point of a recipe."""
     from lutgen.statics import diagnose
 

@@ -17,6 +17,15 @@ from lutgen.errors import LutgenError, SweepError
 FAILED, BAD_INPUT = 1, 2
 
 
+class Failure(click.ClickException):
+    """One sentence, and 1 where the task failed or 2 where its input is wrong."""
+
+    def __init__(self, error: LutgenError) -> None:
+        super().__init__(str(error))
+        # click reads it from the instance; its own class has the value 1.
+        vars(self)["exit_code"] = FAILED if isinstance(error, SweepError) else BAD_INPUT
+
+
 class Group(click.Group):
     """Turns the library's errors into one sentence on stderr."""
 
@@ -25,9 +34,7 @@ class Group(click.Group):
         try:
             return super().invoke(ctx)
         except LutgenError as error:
-            failure = click.ClickException(str(error))
-            failure.exit_code = FAILED if isinstance(error, SweepError) else BAD_INPUT
-            raise failure from error
+            raise Failure(error) from error
         except BrokenPipeError:
             # The reader of our output has gone: nothing is left to say, not even at exit.
             os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
@@ -39,7 +46,7 @@ class Group(click.Group):
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing on stderr but errors.")
 @click.version_option(__version__, prog_name="lutgen")
 def main(verbose: int, quiet: bool) -> None:
-    """Stability maps for robots that can change their shape.
+    r"""Stability maps for robots that can change their shape.
 
     \b
     lutgen check maps/paper_two.toml

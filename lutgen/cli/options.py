@@ -18,7 +18,7 @@ allow_python = click.option(
 as_json = click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
 
 
-class Direction(click.ParamType):
+class Direction(click.ParamType):  # type: ignore[type-arg]
     """Three numbers x,y,z: a gravity direction in the body frame."""
 
     name = "X,Y,Z"
@@ -38,7 +38,7 @@ class Direction(click.ParamType):
         return numbers
 
 
-class Assignment(click.ParamType):
+class Assignment(click.ParamType):  # type: ignore[type-arg]
     """A geometry parameter and its value, name=number."""
 
     name = "NAME=VALUE"
@@ -92,9 +92,7 @@ def parameter_values(recipe: "Recipe", assignments: Sequence[tuple[str, float]])
     ]
 
 
-def named_values(
-    recipe: "Recipe", assignments: Sequence[tuple[str, float]]
-) -> dict[str, float]:
+def named_values(recipe: "Recipe", assignments: Sequence[tuple[str, float]]) -> dict[str, float]:
     """Return the assigned values by name, in display units; refuse unknown and repeated names."""
     known = [p.name for p in recipe.parameters]
     given: dict[str, float] = {}

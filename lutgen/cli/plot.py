@@ -29,7 +29,7 @@ def plot(
     axes: str | None,
     allow_python: bool,
 ) -> None:
-    """Draw a figure of SOURCE, a map or a recipe.
+    r"""Draw a figure of SOURCE, a map or a recipe.
 
     \b
     curve    |SD_g| and height over one parameter, one gravity direction

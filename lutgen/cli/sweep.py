@@ -1,6 +1,7 @@
 """`lutgen sweep`: compute a map."""
 
 import logging
+import sys
 import time
 from pathlib import Path
 
@@ -28,7 +29,7 @@ def sweep(
     engine: str,
     allow_python: bool,
 ) -> None:
-    """Compute the map of RECIPE into an HDF5 file.
+    r"""Compute the map of RECIPE into an HDF5 file.
 
     The file appears under its name when it is whole.  An interrupted sweep (Ctrl-C) leaves
     OUTPUT.part, from which `--resume` goes on.
@@ -36,8 +37,8 @@ def sweep(
     \b
     $ lutgen sweep maps/paper_two.toml -o paper_two.h5
     """
+    from lutgen import sweeper
     from lutgen.recipe import load_recipe
-    from lutgen.sweeper import sweep as run
 
     robot = load_recipe(recipe, allow_python=allow_python)
     quiet = bool(ctx.find_root().params.get("quiet"))
@@ -46,9 +47,9 @@ def sweep(
     with click.progressbar(
         length=0,
         label=robot.name,
-        file=click.get_text_stream("stderr"),
-        item_show_func=lambda rate: rate,
-        hidden=quiet or not click.get_text_stream("stderr").isatty(),
+        file=sys.stderr,
+        item_show_func=lambda rate: str(rate or ""),
+        hidden=quiet or not sys.stderr.isatty(),
     ) as bar:
 
         def progress(done: int, total: int) -> None:
@@ -57,7 +58,9 @@ def sweep(
             bar.update(done - bar.pos, f"{rate:.1f} M nodes/s")
 
         try:
-            run(robot, output, threads=threads, resume=resume, engine=engine, progress=progress)
+            sweeper.sweep(
+                robot, output, threads=threads, resume=resume, engine=engine, progress=progress
+            )
         except KeyboardInterrupt:
             raise click.ClickException(
                 f"interrupted; {output}.part holds what is done: go on with --resume"

@@ -204,7 +204,7 @@ def choose(
     recipe = source if isinstance(source, Recipe) else source.recipe
     if channel not in QUANTITIES:
         _refuse("channel cannot be drawn", channel, _nearest(channel, QUANTITIES))
-    if stability_map is not None and KINDS[kind] + (kind == "sphere"):
+    if stability_map is not None and KINDS[kind]:
         held = [name for name in stability_map.channels if name in QUANTITIES]
         if channel not in held:
             _refuse("channel is not in the map", channel, f"{_nearest(channel, held)} or a recipe")

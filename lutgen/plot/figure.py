@@ -49,8 +49,8 @@ def draw(
         over two parameters; `sphere`: `channel` over all gravity directions of the chart;
         `polar`: largest tilt before tip-over in each heading; `robot`: the body in 3-D.
     source : StabilityMap or Recipe
-        A map is drawn at its nodes, a recipe exactly.  Tip-over boundaries, `polar` and `robot`
-        are exact in both cases.
+        For a map, `contour` and `surface` draw its nodes and `curve` marks them.  All else, such
+        as tip-over boundaries, is evaluated exactly, as everything is for a recipe.
     params : mapping of str to float, optional
         Parameters in their display unit (deg for angles); the others are in the middle of their
         range.

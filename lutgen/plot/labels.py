@@ -15,6 +15,7 @@ from lutgen.recipe_robot import Parameter
 
 __all__ = [
     "HEADINGS",
+    "angle_text",
     "axis_label",
     "channel_label",
     "gravity_text",
@@ -78,7 +79,7 @@ def heading_text(heading: float) -> str:
     if turn in HEADINGS:
         return HEADINGS[int(turn)]
     side, away = ("left", turn) if turn < 180.0 else ("right", 360.0 - turn)
-    return f"{with_unit(away, 'deg')} {side} of the nose"
+    return f"{angle_text(away)} {side} of the nose"
 
 
 def symbol(channel: str) -> str:
@@ -131,6 +132,11 @@ def with_unit(value: float, unit: str, digits: int = 3) -> str:
     return _joined(number(value, digits), unit)
 
 
+def angle_text(degrees: float) -> str:
+    """Return an angle that was computed, to a tenth of a degree."""
+    return _joined(f"{degrees:.1f}".replace("-", MINUS), "deg")
+
+
 def _joined(text: str, unit: str) -> str:
     if unit == "deg":
         return f"{text}{DEGREE}"
@@ -145,7 +151,7 @@ def gravity_text(view: View) -> str:
         return "level ground"
     if tilt > 179.995:
         return "upside down"
-    return f"tilted {with_unit(tilt, 'deg')}, {heading_text(math.degrees(math.atan2(y, x)))}"
+    return f"tilted {angle_text(tilt)}, {heading_text(math.degrees(math.atan2(y, x)))}"
 
 
 def title(view: View, *, gravity: bool, more: str = "") -> str:

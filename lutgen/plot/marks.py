@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib import patheffects
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
+from matplotlib.contour import QuadContourSet
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.text import Annotation, Text
@@ -27,6 +28,7 @@ __all__ = [
     "degree_ticks",
     "extend",
     "jumps",
+    "label_lines",
     "label_tip_over",
     "levels",
     "mark_optimum",
@@ -52,6 +54,8 @@ STAR: dict[str, Any] = {
 # A step between two samples of this share of the whole range, and this many times as high as the
 # steps on both its sides, is a jump and not a slope.
 JUMP, STEEPER = 0.02, 4.0
+# Distance between labels of contour lines, in widths of the axes.
+APART = 0.1
 # Clear space around a note, in dots.
 CLEAR = 5.0
 HALO = [patheffects.withStroke(linewidth=1.8, foreground="white")]
@@ -86,6 +90,38 @@ def jumps(values: Floats, axis: int = 0) -> NDArray[np.bool_]:
     spread = np.nanmax(values) - np.nanmin(values)
     found = (steps > JUMP * spread) & (steps > STEEPER * beside)
     return np.asarray(np.moveaxis(found, 0, axis))
+
+
+def label_lines(axes: Axes, lines: QuadContourSet) -> None:
+    """Write its level onto the longest piece of each contour line, apart from the other labels.
+
+    Pieces too short for a label go without, and so do those whose every point is near another
+    label or the frame.
+    """
+    inverse = axes.transAxes.inverted()
+    places: list[Floats] = []
+    taken = np.empty((0, 2))
+    for level in lines.allsegs:
+        pieces = [np.asarray(axes.transData.transform(piece)) for piece in level if len(piece) > 2]
+        if not pieces:
+            continue
+        on_paper = [np.asarray(inverse.transform(piece)) for piece in pieces]
+        lengths = [np.linalg.norm(np.diff(piece, axis=0), axis=1).sum() for piece in on_paper]
+        longest = int(np.argmax(lengths))
+        piece = on_paper[longest]
+        inside = np.minimum(piece, 1.0 - piece).min(axis=1)
+        apart = np.full(len(piece), np.inf)
+        if len(taken):
+            apart = np.linalg.norm(piece[:, None] - taken, axis=2).min(axis=1)
+        # Far from other labels, but beyond APART nothing is gained and the middle is best.
+        score = np.minimum(apart, 2.0 * APART) + np.minimum(inside, APART)
+        best = int(np.argmax(score - 1e-3 * np.abs(np.arange(len(piece)) / len(piece) - 0.5)))
+        if lengths[longest] < 2.0 * APART or apart[best] < APART or inside[best] < APART / 3.0:
+            continue
+        taken = np.vstack([taken, piece[best]])
+        places.append(axes.transData.inverted().transform(pieces[longest][best]))
+    if places:
+        lines.axes.clabel(lines, fontsize=6, inline_spacing=2, manual=places)
 
 
 def tip_patch(label: str = TIPS) -> Patch:

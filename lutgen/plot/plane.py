@@ -17,6 +17,7 @@ from lutgen.plot.marks import (
     degree_ticks,
     extend,
     jumps,
+    label_lines,
     label_tip_over,
     levels,
     mark_optimum,
@@ -32,6 +33,8 @@ Floats = NDArray[np.float64]
 CONTOUR_SIZE = (3.5, 2.9)
 SURFACE_SIZE = (3.5, 3.6)
 SAMPLES = 101
+# Contour lines of this many levels between two nodes cannot be told apart.
+MERGED = 2.5
 # The floor of a surface lies this share of the range below it.
 FLOOR = 0.6
 # Lines of the mesh drawn on a surface, each way.
@@ -71,13 +74,13 @@ def draw_contour(view: View, size: tuple[float, float] | None) -> Figure:
         lines = axes.contour(
             plane.x,
             plane.y,
-            _apart(under),
+            _apart(under, steps[1] - steps[0]),
             levels=steps[1:-1],
             colors=["white"],
             linewidths=0.5,
             linestyles="solid",
         )
-        axes.clabel(lines, fontsize=6, inline_spacing=2)
+        label_lines(axes, lines)
         bar = figure.colorbar(fill, ax=axes, pad=0.02, aspect=28)
         bar.set_label(channel_label(view.recipe, view.channel))
         row, column = plane.best
@@ -165,13 +168,17 @@ def _name_axes(axes: Any, view: View, plane: Plane) -> None:
             degree_ticks(axis, low, high, "lower" if view.kind == "surface" else None)
 
 
-def _apart(values: Floats) -> Floats:
-    """Return values with NaN on both sides of every jump, which contour lines then end at."""
+def _apart(values: Floats, step: float) -> Floats:
+    """Return values with NaN on both sides of every cliff, at which contour lines then end.
+
+    A cliff is a jump, or a rise over so many levels (`step`) that their lines would merge.
+    """
     result = values.copy()
-    found = jumps(values, 0)
-    result[1:][found] = result[:-1][found] = np.nan
-    found = jumps(values, 1)
-    result[:, 1:][found] = result[:, :-1][found] = np.nan
+    for axis in (0, 1):
+        cliff = jumps(values, axis) | (np.abs(np.diff(values, axis=axis)) > MERGED * step)
+        before, after = (np.moveaxis(result, axis, 0)[part] for part in (np.s_[:-1], np.s_[1:]))
+        before[np.moveaxis(cliff, axis, 0)] = np.nan
+        after[np.moveaxis(cliff, axis, 0)] = np.nan
     return result
 
 

@@ -9,7 +9,7 @@ from matplotlib.projections.polar import PolarAxes
 
 from lutgen.limits import tilt_limits
 from lutgen.plot.choices import View
-from lutgen.plot.labels import HEADINGS, heading_text, title, with_unit
+from lutgen.plot.labels import HEADINGS, angle_text, heading_text, title, with_unit
 from lutgen.plot.marks import HALO, tip_patch
 from lutgen.plot.style import BLUE, GREY, HATCH, ORANGE, WASH, new_figure
 
@@ -18,8 +18,6 @@ __all__ = ["SIZE", "draw_polar"]
 SIZE = (3.5, 3.75)
 # Headings on the circle: every half degree, so the worst one is known to that.
 SAMPLES = 720
-# Tilts closer than this (deg) are shown as equal.
-SAME = 0.005
 
 
 def draw_polar(view: View, size: tuple[float, float] | None) -> Figure:
@@ -30,7 +28,7 @@ def draw_polar(view: View, size: tuple[float, float] | None) -> Figure:
     top = min(15.0 * math.ceil((limits.max() + 5.0) / 15.0), 180.0)
     around = np.radians(np.append(headings, 360.0))
     outline = np.append(limits, limits[0])
-    least = with_unit(float(limits[worst]), "deg")
+    least = angle_text(float(limits[worst]))
     figure = new_figure(size or SIZE)
     axes = cast("PolarAxes", figure.add_subplot(projection="polar"))
     axes.set_theta_zero_location("N")
@@ -39,7 +37,7 @@ def draw_polar(view: View, size: tuple[float, float] | None) -> Figure:
     axes.set_rgrids(_rings(top), labels=[])
     axes.set_thetagrids(np.arange(0.0, 360.0, 45.0), labels=[])
     for heading, name in HEADINGS.items():
-        limit = with_unit(float(limits[heading * SAMPLES // 360]), "deg")
+        limit = angle_text(float(limits[heading * SAMPLES // 360]))
         axes.text(
             math.radians(heading),
             1.08 * top,
@@ -58,7 +56,7 @@ def draw_polar(view: View, size: tuple[float, float] | None) -> Figure:
         color="black",
         linestyle=(0, (4, 2)),
         linewidth=0.9,
-        label=f"all headings: {least}",
+        label=f"safe in all headings: {least}",
     )
     axes.plot(
         [around[worst]],

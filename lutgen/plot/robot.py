@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lutgen.plot.box import box_axes, fit_box, place
 from lutgen.plot.choices import View
-from lutgen.plot.labels import length_label, title, with_unit
+from lutgen.plot.labels import angle_text, length_label, title, with_unit
 from lutgen.plot.marks import write_beside
 from lutgen.plot.style import BLUE, GREEN, GREY, ORANGE, new_figure
 from lutgen.primitive import DISC, POINT, SPHERE
@@ -53,7 +53,7 @@ def _verdict(state: Diagnosis) -> str:
     angle = math.degrees(state.channels["tip_angle"])
     if abs(angle) > 179.99:
         return "never tips over" if state.standing else "nothing to stand on"
-    away = with_unit(abs(angle), "deg")
+    away = angle_text(abs(angle))
     return f"stands, {away} from tip-over" if state.standing else f"tips over, {away} too far"
 
 
@@ -147,7 +147,7 @@ def _edges(axes: Any, state: Diagnosis) -> list[Artist]:
     if state.least_stable is not None:
         axis = state.axes_[state.least_stable]
         _line(axes, axis.start, axis.stop, color=ORANGE, linewidth=2.0, zorder=5)
-        angle = with_unit(math.degrees(axis.tip_angle), "deg")
+        angle = angle_text(math.degrees(axis.tip_angle))
         between = " to ".join(dict.fromkeys(name.replace("_", " ") for name in axis.names))
         words = f"least stable, {angle}:\n{between}"
         handles.append(Line2D([], [], color=ORANGE, linewidth=2.0, label=words))

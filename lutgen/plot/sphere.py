@@ -2,7 +2,7 @@
 
 Lambert's azimuthal projection seen from above, the nose at the top and left at the left: equal
 areas of paper are equal shares of the directions.  The whole sphere is two discs, around straight
-down and around straight up; a cone is one disc.
+down and around straight up; a cone is one disc.  Values are evaluated, not read from the map.
 """
 
 import math
@@ -126,8 +126,9 @@ def _disc(view: View, inner: float, outer: float) -> Disc:
     )
     directions = tilted(tilt.ravel(), heading.ravel())
     radius = _radius(tilt, inner, outer)
-    values = in_display_unit(view.channel, view.drawn(view.params, directions))
-    verdict = view.exact(view.params, directions, "tip_angle")["tip_angle"]
+    wanted = dict.fromkeys((view.channel, "tip_angle"))
+    exact = view.exact(view.params, directions, *wanted)
+    verdict, values = exact["tip_angle"], in_display_unit(view.channel, exact[view.channel])
     # Beyond tip-over some channels go on; the hatching is there.
     values = np.where(verdict < 0.0, np.nan, values)
     return Disc(

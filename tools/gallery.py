@@ -1,0 +1,279 @@
+"""Draw the figures of one map into the gallery and write its numbers into the gallery's page.
+
+    python tools/gallery.py maps/paper_two.toml build/maps/paper_two.h5 [--output maps]
+
+The figures go to OUTPUT/<name>/*.png.  In OUTPUT/README.md only the lines between the two marker
+comments of the map are written; a map without them gets a heading and markers at the end.  The
+same recipe and map give the same bytes.
+"""
+
+import argparse
+import fcntl
+import math
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lutgen import plot
+from lutgen.errors import InputError, LutgenError
+from lutgen.recipe import Recipe, load_recipe
+from lutgen.store import StabilityMap, load_map
+
+# Dots per inch: a figure is one column (3.5 in) wide and stays below 200 kB.
+RESOLUTION = 160
+WIDE_RESOLUTION = 120
+PAGE_HEAD = "# Gallery\n"
+
+
+@dataclass(frozen=True)
+class Shot:
+    """One figure: its file's name, its kind, the options of `plot.draw`, and what it shows."""
+
+    name: str
+    kind: str
+    caption: str
+    options: dict[str, Any] = field(default_factory=dict)
+
+
+# Slopes are nodes of the maps, so that the pictures show stored values.
+NOMINAL = {"alpha": 31.0, "gamma": 31.0}
+FLAT = {"front": -10.6, "rear": -10.6}
+SHOTS: dict[str, tuple[Shot, ...]] = {
+    "paper_one": (
+        Shot("robot", "robot", "the robot with wheel P1 low", {"params": {"alpha": 45.0}}),
+        Shot("curve", "curve", "stability factor and height over alpha on level ground"),
+        Shot(
+            "sphere",
+            "sphere",
+            "stability factor over the gravity directions of the cone, P1 high",
+            {"params": {"alpha": 10.0}},
+        ),
+        Shot("polar", "polar", "largest tilt per heading, P1 high", {"params": {"alpha": 10.0}}),
+    ),
+    "paper_two": (
+        Shot("contour", "contour", "stability factor over both angles on level ground"),
+        Shot("surface", "surface", "the same as a surface"),
+        Shot(
+            "robot",
+            "robot",
+            "the robot on a slope",
+            {"params": {"alpha": 20.0, "gamma": 40.0}, "gravity": (-0.35, 0.0, -1.0)},
+        ),
+        Shot(
+            "slope",
+            "contour",
+            "stability factor over both angles on a steep slope, nose up",
+            {"gravity": (-math.tan(math.radians(60.0)) / 2.0, 0.0, -1.0)},
+        ),
+        Shot("sphere", "sphere", "stability factor at the nominal posture", {"params": NOMINAL}),
+        Shot(
+            "polar",
+            "polar",
+            "largest tilt per heading with one wheel high and one low",
+            {"params": {"alpha": 20.0, "gamma": 40.0}},
+        ),
+    ),
+    "absolem": (
+        Shot(
+            "robot",
+            "robot",
+            "the robot on a slope, front flippers raised and rear ones on the ground",
+            {"params": {"front": 45.0, "rear": -10.6}, "gravity": (-0.5, 0.2, -1.0)},
+        ),
+        Shot(
+            "contour",
+            "contour",
+            "tip-over angle over both flipper pairs on level ground",
+            {"channel": "tip_angle"},
+        ),
+        Shot(
+            "slope",
+            "contour",
+            "tip-over angle over both flipper pairs, climbing a steep slope",
+            {
+                "channel": "tip_angle",
+                "gravity": (-math.tan(math.radians(75.0)) * 5.0 / 16.0, 0.0, -1.0),
+            },
+        ),
+        Shot(
+            "sphere",
+            "sphere",
+            "tip-over angle over the gravity directions, all flippers on the ground",
+            {"params": FLAT, "channel": "tip_angle"},
+        ),
+        Shot(
+            "polar_up",
+            "polar",
+            "largest tilt per heading, flippers straight up",
+            {"params": {"front": 90.0, "rear": 90.0}},
+        ),
+        Shot("polar_flat", "polar", "the same, all flippers on the ground", {"params": FLAT}),
+    ),
+    "three_leg_sphere": (
+        Shot(
+            "sphere",
+            "sphere",
+            "stability factor over all gravity directions",
+            {"params": {"spread": 40.0, "lean": 20.0}},
+        ),
+        Shot(
+            "robot",
+            "robot",
+            "the robot with leg 1 to the left",
+            {"params": {"spread": 40.0, "lean": 20.0}, "gravity": (0.25, 0.1, -1.0)},
+        ),
+        Shot(
+            "contour",
+            "contour",
+            "tip-over angle over both parameters on level ground",
+            {"channel": "tip_angle"},
+        ),
+        Shot(
+            "polar",
+            "polar",
+            "largest tilt per heading",
+            {"params": {"spread": 40.0, "lean": 20.0}},
+        ),
+    ),
+}
+
+
+def shots_of(recipe: Recipe) -> tuple[Shot, ...]:
+    """Return the figures of a recipe: its entry in the table, or what fits any robot."""
+    if recipe.name in SHOTS:
+        return SHOTS[recipe.name]
+    result = [
+        Shot("robot", "robot", "the robot in the middle of its ranges"),
+        Shot("polar", "polar", "largest tilt per heading"),
+    ]
+    channel = {"channel": next((c for c in recipe.channels if c != "facet"), "sdg")}
+    if recipe.chart.nodes > 1:
+        result.append(Shot("sphere", "sphere", "over the gravity directions", channel))
+    if len(recipe.parameters) == 1:
+        result.append(Shot("curve", "curve", "over the parameter on level ground", channel))
+    elif recipe.parameters:
+        result.append(Shot("contour", "contour", "over two parameters on level ground", channel))
+    return tuple(result)
+
+
+def draw_all(recipe: Recipe, stability_map: StabilityMap, folder: Path) -> None:
+    """Draw the figures of a map."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for shot in shots_of(recipe):
+        source = recipe if shot.kind in ("robot", "polar") else stability_map
+        figure = plot.draw(shot.kind, source, **shot.options)
+        dpi = RESOLUTION if figure.get_figwidth() < 5.0 else WIDE_RESOLUTION
+        plot.save(figure, folder / f"{shot.name}.png", dpi=dpi)
+
+
+def share_that_tips(stability_map: StabilityMap) -> float:
+    """Return the share of postures x directions (by solid angle) that tips over."""
+    weight = stability_map.chart.solid_angle()
+    name = "tip_angle" if "tip_angle" in stability_map.channels else "sdg"
+    values = stability_map.channel(name)
+    tips = values < 0.0 if name == "tip_angle" else np.isnan(values)
+    per_node = tips.reshape(-1, *weight.shape).mean(axis=0, dtype=np.float64)
+    return float((per_node * weight).sum() / weight.sum())
+
+
+def numbers(recipe: Recipe, stability_map: StabilityMap) -> list[str]:
+    """Return the table of a map's numbers, as lines of Markdown."""
+    chart = recipe.chart
+    sizes = [
+        *recipe.grid.shape,
+        *((chart.faces,) if chart.faces > 1 else ()),
+        chart.nodes,
+        chart.nodes,
+    ]
+    nodes = f"{' x '.join(str(size) for size in sizes)} = {math.prod(sizes):,}"
+    kilobytes = Path(stability_map.path).stat().st_size / 1000.0
+    size = f"{kilobytes / 1000.0:.1f} MB" if kilobytes >= 1000.0 else f"{kilobytes:.0f} kB"
+    where = "all directions" if chart.kind == "sphere" else "the cone's directions"
+    share = f"{100.0 * share_that_tips(stability_map):.1f} % of all postures x {where}"
+    return [
+        "| recipe | channels | nodes | file | tips over |",
+        "|---|---|---|---|---|",
+        f"| `{recipe.digest[:12]}` | {', '.join(recipe.channels)} | {nodes} | {size} | {share} |",
+    ]
+
+
+def block(recipe: Recipe, stability_map: StabilityMap) -> str:
+    """Return what stands between the markers of a map."""
+    lines = [*numbers(recipe, stability_map), ""]
+    for shot in shots_of(recipe):
+        wide = shot.kind == "sphere" and recipe.chart.kind == "sphere"
+        alt = f"{recipe.name}: {shot.caption}"
+        lines.append(
+            f'<img src="{recipe.name}/{shot.name}.png" width="{"98%" if wide else "49%"}" '
+            f'alt="{alt}" title="{alt}">'
+        )
+    return "\n".join(lines)
+
+
+def with_block(page: str, name: str, text: str) -> str:
+    """Return a page with the text between the markers of a map replaced."""
+    begin, end = f"<!-- gallery {name} -->", f"<!-- end of {name} -->"
+    if page.count(begin) != 1 or page.count(end) != 1 or page.index(begin) > page.index(end):
+        if begin in page or end in page:
+            raise InputError(
+                f"README.md: the markers of {name} are damaged (got {page.count(begin)} x "
+                f"'{begin}' and {page.count(end)} x '{end}'); write each once, in this order."
+            )
+        page = f"{page.rstrip()}\n\n## {name}\n\n{begin}\n{end}\n"
+    before, _, rest = page.partition(begin)
+    return f"{before}{begin}\n{text}\n{end}{rest.partition(end)[2]}"
+
+
+@contextmanager
+def locked(folder: Path) -> Iterator[None]:
+    """Keep other processes of a parallel make away from the page."""
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(handle)
+
+
+def write_page(page: Path, name: str, text: str) -> None:
+    """Bring one map's part of the page up to date."""
+    with locked(page.parent):
+        old = page.read_text(encoding="utf-8") if page.exists() else PAGE_HEAD
+        new = with_block(old, name, text)
+        if new != old or not page.exists():
+            partial = page.with_name(f".{page.name}.{os.getpid()}")
+            partial.write_text(new, encoding="utf-8")
+            partial.replace(page)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command."""
+    parser = argparse.ArgumentParser(description="Draw the gallery's figures of one map.")
+    parser.add_argument("recipe", help="maps/NAME.toml")
+    parser.add_argument("map", help="the map swept from it")
+    parser.add_argument("--output", type=Path, default=Path(__file__).resolve().parents[1] / "maps")
+    options = parser.parse_args(arguments)
+    try:
+        recipe = load_recipe(options.recipe)
+        stability_map = load_map(options.map)
+        if stability_map.recipe.digest != recipe.digest:
+            raise InputError(
+                f"{options.map}: was swept from another recipe than {options.recipe} (got digest "
+                f"{stability_map.recipe.digest[:12]} and {recipe.digest[:12]}); sweep it again."
+            )
+        draw_all(recipe, stability_map, options.output / recipe.name)
+        write_page(options.output / "README.md", recipe.name, block(recipe, stability_map))
+    except LutgenError as error:
+        print(f"gallery: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
