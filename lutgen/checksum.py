@@ -4,52 +4,73 @@ Owns nothing but the sum.  HDF5's own filter takes longer than computing the map
 all threads on data that is still in the cache, and the chunk is then written as it is.
 """
 
+from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
-from lutgen.jit import njit, prange
+from lutgen.jit import njit
 
 _BLOCK = 1 << 14
 _MODULUS = 65535
 
 
-@njit(parallel=True)
-def fletcher32(words: NDArray[np.uint16]) -> int:
+def fletcher32(words: NDArray[np.uint16], pieces: int = 1) -> int:
     """Return HDF5's Fletcher-32 of little-endian data given as 16-bit words.
 
+    Parameters
+    ----------
+    words : (n,) uint16
+        The data.
+    pieces : int
+        How many threads share the work; the answer does not depend on it.
+
+    Notes
+    -----
     HDF5 reads the words big-endian and folds its two sums modulo 65535, where a sum that is not
-    zero never folds to zero.  Each block's sums are taken apart and joined in order, so the
-    answer does not depend on the number of threads.
+    zero never folds to zero.  The sums of the pieces are taken apart and joined in order.
     """
-    n = words.shape[0]
-    blocks = (n + _BLOCK - 1) // _BLOCK
-    plain = np.zeros(blocks, np.uint64)
-    weighted = np.zeros(blocks, np.uint64)
-    for b in prange(blocks):
-        part = words[b * _BLOCK : min((b + 1) * _BLOCK, n)]
-        first = np.uint64(0)
-        second = np.uint64(0)
-        for i in range(part.shape[0]):
-            word = np.uint32(part[i])
-            swapped = ((word & np.uint32(0xFF)) << np.uint32(8)) | (word >> np.uint32(8))
-            first += np.uint64(swapped)
-            # At most 2^14 words of 2^16 with weights up to 2^14: below 2^44.
-            second += np.uint64(swapped) * np.uint64(part.shape[0] - i)
-        plain[b] = first
-        weighted[b] = second
-    low = np.uint64(0)
-    high = np.uint64(0)
-    for b in range(blocks):
-        size = np.uint64(min(_BLOCK, n - b * _BLOCK))
-        high = _fold(high + low * size + weighted[b])
-        low = _fold(low + plain[b])
-    return int((high << np.uint64(16)) | low)
+    bounds = [len(words) * piece // pieces for piece in range(pieces + 1)]
+    parts = [words[begin:end] for begin, end in pairwise(bounds)]
+    if pieces == 1:
+        sums = [_sums(words)]
+    else:
+        with ThreadPoolExecutor(pieces) as pool:
+            sums = list(pool.map(_sums, parts))
+    low = high = 0
+    for part, (plain, weighted) in zip(parts, sums, strict=True):
+        high = _fold(high + low * len(part) + int(weighted))
+        low = _fold(low + int(plain))
+    return high << 16 | low
+
+
+def _fold(total: int) -> int:
+    """Return total modulo 65535, with 65535 for multiples of it other than zero."""
+    return (total - 1) % _MODULUS + 1 if total else 0
 
 
 @njit()
-def _fold(total: np.uint64) -> np.uint64:
-    """Return total modulo 65535, with 65535 for multiples of it other than zero."""
-    if total == 0:
-        return total
-    rest = np.uint64(total % np.uint64(_MODULUS))
-    return rest if rest > 0 else np.uint64(_MODULUS)
+def _sums(words: NDArray[np.uint16]) -> tuple[np.uint64, np.uint64]:
+    """Return the folded sum of big-endian words, and of the sums up to each word."""
+    low = np.uint64(0)
+    high = np.uint64(0)
+    n = words.shape[0]
+    for begin in range(0, n, _BLOCK):
+        part = words[begin : min(begin + _BLOCK, n)]
+        plain = np.uint64(0)
+        weighted = np.uint64(0)
+        for i in range(part.shape[0]):
+            word = np.uint32(part[i])
+            swapped = ((word & np.uint32(0xFF)) << np.uint32(8)) | (word >> np.uint32(8))
+            plain += np.uint64(swapped)
+            # At most 2^14 words below 2^16 with weights up to 2^14: below 2^44.
+            weighted += np.uint64(swapped) * np.uint64(part.shape[0] - i)
+        high += low * np.uint64(part.shape[0]) + weighted
+        low += plain
+        # Multiples of the modulus other than zero must stay other than zero.
+        if high > 0:
+            high = (high - np.uint64(1)) % np.uint64(_MODULUS) + np.uint64(1)
+        if low > 0:
+            low = (low - np.uint64(1)) % np.uint64(_MODULUS) + np.uint64(1)
+    return low, high

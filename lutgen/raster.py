@@ -121,13 +121,15 @@ def _rows_of_facet(
         v = dot(point, aside)
         u = dot(point, along)
         sides = np.int64(0)
-        if u < -limit * depth:
+        # The last row may belong to this facet by the tie rule though it lies just beyond it.
+        slack = 1e-9 * (abs(depth) + abs(u) + abs(v))
+        if u < -limit * depth - slack:
             sides |= 1
-        if u > limit * depth:
+        if u > limit * depth + slack:
             sides |= 2
-        if v < -limit * depth:
+        if v < -limit * depth - slack:
             sides |= 4
-        if v > limit * depth:
+        if v > limit * depth + slack:
             sides |= 8
         # A corner outside one side of the face's pyramid; if all are outside the same, no row.
         beyond &= sides

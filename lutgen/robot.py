@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.errors import InputError
-from lutgen.jit import njit, prange
+from lutgen.jit import njit
 from lutgen.recipe import Recipe
 from lutgen.recipe_robot import Link, Vector
 
@@ -277,7 +277,7 @@ def _place(
             where[link, i] += value * _rotate(here, axis[link], i)
 
 
-@njit(parallel=True)
+@njit()
 def _forward(
     params: Floats,
     parent: Ints,
@@ -299,7 +299,7 @@ def _forward(
 ) -> None:
     """Write postures; each one is computed by itself, so threads do not change a bit."""
     links = len(parent)
-    for m in prange(len(params)):
+    for m in range(len(params)):
         turn = np.empty((links, 3, 3))
         where = np.empty((links, 3))
         work = np.empty((2, 3, 3))

@@ -161,7 +161,7 @@ def scan(
             at += rows
             frame = basis[face]
             simple = not (wanted[3] or wanted[4]) and region.tally[GAPS] == 0
-            if not simple or per_posture * nodes < FEW_DIRECTIONS:
+            if not simple or basis.shape[0] * nodes * nodes < FEW_DIRECTIONS:
                 _each_node(
                     region, frame, coords, nodes, first_row, rows, wanted, values, out[:, span_out]
                 )

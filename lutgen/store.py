@@ -251,12 +251,12 @@ def load_map(path: str | os.PathLike[str]) -> StabilityMap:
             "make one with `lutgen sweep`"
         )
     found = attributes["lutgen_format"]
-    if found != FORMAT:
+    if not np.array_equal(found, FORMAT):
         raise MapFileError(
             f"{name}: has the map format {found}, this lutgen reads {FORMAT}; "
             "install the lutgen that wrote it, or sweep again"
         )
-    if attributes.get(COMPLETE) != 1:
+    if not np.array_equal(attributes.get(COMPLETE), 1):
         raise MapFileError(
             f"{name}: is not complete (got {COMPLETE} = {attributes.get(COMPLETE)}); "
             "finish it with `lutgen sweep --resume`"
@@ -285,4 +285,6 @@ def load_map(path: str | os.PathLike[str]) -> StabilityMap:
 def verify(stability_map: StabilityMap) -> None:
     """Read every chunk and check its checksum; raise MapFileError at the first that fails."""
     for name in stability_map.channels:
+        # What is in memory already says nothing about the file.
+        stability_map._values.pop(name, None)
         stability_map.channel(name)

@@ -19,13 +19,13 @@ from lutgen.blocks import Block, Plan, plan
 from lutgen.channels import CHANNELS
 from lutgen.checksum import fletcher32
 from lutgen.errors import InputError, MapFileError, SweepError
-from lutgen.evaluation import require_standing
 from lutgen.primitive import pack
 from lutgen.raster import VECTOR
 from lutgen.recipe import Recipe
 from lutgen.region import limits
 from lutgen.robot import forward, shapes
 from lutgen.scan import scan
+from lutgen.standing import require_standing
 from lutgen.store import BITMAP, COMPLETE, chunk_places, create
 
 # Parts per thread: a block's rows are not all equally dear, and small parts even that out.
@@ -40,8 +40,7 @@ class Computer:
         self.nodes = recipe.chart.nodes
         self.rows_per_posture = recipe.chart.faces * self.nodes
         coords = recipe.chart.coords
-        v, u = np.meshgrid(coords, coords, indexing="ij")
-        self._inverse = (1.0 / np.sqrt(1.0 + u * u + v * v)).ravel()
+        self._inverse = recipe.chart.inverse_length().ravel()
         self._coords = np.concatenate([coords, np.full(VECTOR, np.inf)])
         self._basis = recipe.chart.basis()
         self._limit = limits(recipe.upright, recipe.rock_angle)
@@ -49,6 +48,11 @@ class Computer:
         self._radius, self._kind = shapes(recipe)
         # One row more than the chunk, for its checksum.
         self._out = np.full((len(CHANNELS), layout.chunk_nodes + 1), np.nan, np.float32)
+
+    @staticmethod
+    def _threads(chunk: NDArray[np.float32]) -> int:
+        """Return how many threads a chunk's checksum repays."""
+        return max(1, min(int(numba.get_num_threads()), chunk.nbytes >> 19))
 
     def compute(self, block: Block) -> dict[str, NDArray[np.float32]]:
         """Return a chunk of each channel, (chunk nodes + 1,) with its checksum in the last item.
@@ -84,7 +88,9 @@ class Computer:
             if self._wanted[row]:
                 chunk = self._out[row]
                 chunk[held:-1] = np.nan
-                chunk[-1:].view(np.uint32)[0] = fletcher32(chunk[:-1].view(np.uint16))
+                chunk[-1:].view(np.uint32)[0] = fletcher32(
+                    chunk[:-1].view(np.uint16), self._threads(chunk)
+                )
                 chunks[name] = chunk
         return chunks
 

@@ -14,7 +14,7 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -33,113 +33,58 @@ PAGE_HEAD = "# Gallery\n"
 
 @dataclass(frozen=True)
 class Shot:
-    """One figure: its file's name, its kind, the options of `plot.draw`, and what it shows."""
+    """One figure: its file's name, its kind, what it shows, and the options of `plot.draw`."""
 
     name: str
     kind: str
     caption: str
-    options: dict[str, Any] = field(default_factory=dict)
+    options: dict[str, Any]
+
+
+def shot(name: str, kind: str, caption: str, **options: Any) -> Shot:
+    """Return a figure of the table."""
+    return Shot(name, kind, caption, options)
 
 
 # Slopes are nodes of the maps, so that the pictures show stored values.
-NOMINAL = {"alpha": 31.0, "gamma": 31.0}
+CLIMB_41 = (-math.tan(math.radians(60.0)) / 2.0, 0.0, -1.0)
+CLIMB_49 = (-math.tan(math.radians(75.0)) * 5.0 / 16.0, 0.0, -1.0)
+P1_HIGH = {"alpha": 10.0}
+EVEN = {"alpha": 31.0, "gamma": 31.0}
+UNEVEN = {"alpha": 20.0, "gamma": 40.0}
 FLAT = {"front": -10.6, "rear": -10.6}
+UP = {"front": 90.0, "rear": 90.0}
+STEP = {"front": 45.0, "rear": -10.6}
+LEANING = {"spread": 40.0, "lean": 20.0}
+TIP: dict[str, Any] = {"channel": "tip_angle"}
 SHOTS: dict[str, tuple[Shot, ...]] = {
     "paper_one": (
-        Shot("robot", "robot", "the robot with wheel P1 low", {"params": {"alpha": 45.0}}),
-        Shot("curve", "curve", "stability factor and height over alpha on level ground"),
-        Shot(
-            "sphere",
-            "sphere",
-            "stability factor over the gravity directions of the cone, P1 high",
-            {"params": {"alpha": 10.0}},
-        ),
-        Shot("polar", "polar", "largest tilt per heading, P1 high", {"params": {"alpha": 10.0}}),
+        shot("robot", "robot", "the robot with wheel P1 low", params={"alpha": 45.0}),
+        shot("curve", "curve", "stability factor and height over alpha, level ground"),
+        shot("sphere", "sphere", "stability factor over gravity, P1 high", params=P1_HIGH),
+        shot("polar", "polar", "largest tilt per heading, P1 high", params=P1_HIGH),
     ),
     "paper_two": (
-        Shot("contour", "contour", "stability factor over both angles on level ground"),
-        Shot("surface", "surface", "the same as a surface"),
-        Shot(
-            "robot",
-            "robot",
-            "the robot on a slope",
-            {"params": {"alpha": 20.0, "gamma": 40.0}, "gravity": (-0.35, 0.0, -1.0)},
-        ),
-        Shot(
-            "slope",
-            "contour",
-            "stability factor over both angles on a steep slope, nose up",
-            {"gravity": (-math.tan(math.radians(60.0)) / 2.0, 0.0, -1.0)},
-        ),
-        Shot("sphere", "sphere", "stability factor at the nominal posture", {"params": NOMINAL}),
-        Shot(
-            "polar",
-            "polar",
-            "largest tilt per heading with one wheel high and one low",
-            {"params": {"alpha": 20.0, "gamma": 40.0}},
-        ),
+        shot("contour", "contour", "stability factor over both angles, level ground"),
+        shot("surface", "surface", "the same as a surface"),
+        shot("robot", "robot", "the robot climbing", params=UNEVEN, gravity=(-0.35, 0.0, -1.0)),
+        shot("slope", "contour", "stability factor, climbing steeply", gravity=CLIMB_41),
+        shot("sphere", "sphere", "stability factor over gravity, even wheels", params=EVEN),
+        shot("polar", "polar", "largest tilt per heading, uneven wheels", params=UNEVEN),
     ),
     "absolem": (
-        Shot(
-            "robot",
-            "robot",
-            "the robot on a slope, front flippers raised and rear ones on the ground",
-            {"params": {"front": 45.0, "rear": -10.6}, "gravity": (-0.5, 0.2, -1.0)},
-        ),
-        Shot(
-            "contour",
-            "contour",
-            "tip-over angle over both flipper pairs on level ground",
-            {"channel": "tip_angle"},
-        ),
-        Shot(
-            "slope",
-            "contour",
-            "tip-over angle over both flipper pairs, climbing a steep slope",
-            {
-                "channel": "tip_angle",
-                "gravity": (-math.tan(math.radians(75.0)) * 5.0 / 16.0, 0.0, -1.0),
-            },
-        ),
-        Shot(
-            "sphere",
-            "sphere",
-            "tip-over angle over the gravity directions, all flippers on the ground",
-            {"params": FLAT, "channel": "tip_angle"},
-        ),
-        Shot(
-            "polar_up",
-            "polar",
-            "largest tilt per heading, flippers straight up",
-            {"params": {"front": 90.0, "rear": 90.0}},
-        ),
-        Shot("polar_flat", "polar", "the same, all flippers on the ground", {"params": FLAT}),
+        shot("robot", "robot", "the robot on a slope", params=STEP, gravity=(-0.5, 0.2, -1.0)),
+        shot("contour", "contour", "tip-over angle over both flipper pairs, level ground", **TIP),
+        shot("slope", "contour", "tip-over angle, climbing steeply", gravity=CLIMB_49, **TIP),
+        shot("sphere", "sphere", "tip-over angle, flippers on the ground", params=FLAT, **TIP),
+        shot("polar_up", "polar", "largest tilt per heading, flippers straight up", params=UP),
+        shot("polar_flat", "polar", "the same, flippers on the ground", params=FLAT),
     ),
     "three_leg_sphere": (
-        Shot(
-            "sphere",
-            "sphere",
-            "stability factor over all gravity directions",
-            {"params": {"spread": 40.0, "lean": 20.0}},
-        ),
-        Shot(
-            "robot",
-            "robot",
-            "the robot with leg 1 to the left",
-            {"params": {"spread": 40.0, "lean": 20.0}, "gravity": (0.25, 0.1, -1.0)},
-        ),
-        Shot(
-            "contour",
-            "contour",
-            "tip-over angle over both parameters on level ground",
-            {"channel": "tip_angle"},
-        ),
-        Shot(
-            "polar",
-            "polar",
-            "largest tilt per heading",
-            {"params": {"spread": 40.0, "lean": 20.0}},
-        ),
+        shot("sphere", "sphere", "stability factor over all of gravity", params=LEANING),
+        shot("robot", "robot", "leg 1 to the left", params=LEANING, gravity=(0.25, 0.1, -1.0)),
+        shot("contour", "contour", "tip-over angle over both parameters, level ground", **TIP),
+        shot("polar", "polar", "largest tilt per heading, leg 1 to the left", params=LEANING),
     ),
 }
 
@@ -149,27 +94,27 @@ def shots_of(recipe: Recipe) -> tuple[Shot, ...]:
     if recipe.name in SHOTS:
         return SHOTS[recipe.name]
     result = [
-        Shot("robot", "robot", "the robot in the middle of its ranges"),
-        Shot("polar", "polar", "largest tilt per heading"),
+        shot("robot", "robot", "the robot in the middle of its ranges"),
+        shot("polar", "polar", "largest tilt per heading"),
     ]
-    channel = {"channel": next((c for c in recipe.channels if c != "facet"), "sdg")}
+    channel = next((name for name in recipe.channels if name != "facet"), "sdg")
     if recipe.chart.nodes > 1:
-        result.append(Shot("sphere", "sphere", "over the gravity directions", channel))
+        result.append(shot("sphere", "sphere", "over gravity", channel=channel))
     if len(recipe.parameters) == 1:
-        result.append(Shot("curve", "curve", "over the parameter on level ground", channel))
+        result.append(shot("curve", "curve", "over its parameter", channel=channel))
     elif recipe.parameters:
-        result.append(Shot("contour", "contour", "over two parameters on level ground", channel))
+        result.append(shot("contour", "contour", "over two parameters", channel=channel))
     return tuple(result)
 
 
 def draw_all(recipe: Recipe, stability_map: StabilityMap, folder: Path) -> None:
     """Draw the figures of a map."""
     folder.mkdir(parents=True, exist_ok=True)
-    for shot in shots_of(recipe):
-        source = recipe if shot.kind in ("robot", "polar") else stability_map
-        figure = plot.draw(shot.kind, source, **shot.options)
+    for each in shots_of(recipe):
+        source = recipe if each.kind in ("robot", "polar") else stability_map
+        figure = plot.draw(each.kind, source, **each.options)
         dpi = RESOLUTION if figure.get_figwidth() < 5.0 else WIDE_RESOLUTION
-        plot.save(figure, folder / f"{shot.name}.png", dpi=dpi)
+        plot.save(figure, folder / f"{each.name}.png", dpi=dpi)
 
 
 def share_that_tips(stability_map: StabilityMap) -> float:
@@ -206,11 +151,11 @@ def numbers(recipe: Recipe, stability_map: StabilityMap) -> list[str]:
 def block(recipe: Recipe, stability_map: StabilityMap) -> str:
     """Return what stands between the markers of a map."""
     lines = [*numbers(recipe, stability_map), ""]
-    for shot in shots_of(recipe):
-        wide = shot.kind == "sphere" and recipe.chart.kind == "sphere"
-        alt = f"{recipe.name}: {shot.caption}"
+    for each in shots_of(recipe):
+        wide = each.kind == "sphere" and recipe.chart.kind == "sphere"
+        alt = f"{recipe.name}: {each.caption}"
         lines.append(
-            f'<img src="{recipe.name}/{shot.name}.png" width="{"98%" if wide else "49%"}" '
+            f'<img src="{recipe.name}/{each.name}.png" width="{"98%" if wide else "49%"}" '
             f'alt="{alt}" title="{alt}">'
         )
     return "\n".join(lines)

@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import proj3d  # type: ignore[import-untyped]
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 __all__ = ["box_axes", "fit_box", "place"]
 
@@ -39,14 +39,17 @@ def box_axes(figure: Figure, elevation: float, azimuth: float) -> Any:
 def fit_box(
     figure: Figure,
     axes: Any,
+    aspect: ArrayLike,
     heading: str,
     handles: Sequence[Artist],
     size: tuple[float, float] | None,
 ) -> None:
     """Add title and legend, and make the box as large as fits between them.
 
+    `aspect` (3,) are the relative lengths of the box's sides.
     Without a given size (inches) the figure then loses the height that the box does not need.
     """
+    axes.set_box_aspect(aspect)
     title = figure.suptitle(heading, x=MARGIN / figure.get_figwidth(), ha="left", va="top")
     legend = figure.legend(handles=handles, loc="lower center", ncols=2, columnspacing=1.0)
     figure.draw_without_rendering()
@@ -54,7 +57,6 @@ def fit_box(
     over = title.get_window_extent().height / figure.dpi + 2.0 * MARGIN
     under = legend.get_window_extent().height / figure.dpi + MARGIN if handles else MARGIN
     room = (width - 2.0 * MARGIN, height - over - under)
-    aspect = axes._box_aspect.copy()
     zoom = 1.0
     for _ in range(ROUNDS):
         corner, far = _extent(figure, axes)

@@ -6,18 +6,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from lutgen.plot.choices import View, in_display_unit, optimum
 from lutgen.plot.labels import axis_label, channel_label, optimum_text, symbol, title
-from lutgen.plot.marks import (
-    PLATE,
-    TIPS,
-    degree_ticks,
-    jumps,
-    mark_optimum,
-    tip_patch,
-    write_beside,
-)
+from lutgen.plot.levels import jumps
+from lutgen.plot.marks import PLATE, TIPS, degree_ticks, mark_optimum, tip_patch, write_beside
 from lutgen.plot.style import BLUE, GREY, HATCH, ORANGE, WASH, new_figure
+from lutgen.plot.view import View, in_display_unit, optimum
 
 __all__ = ["SIZE", "draw_curve"]
 
@@ -56,7 +49,7 @@ def draw_curve(view: View, size: tuple[float, float] | None) -> Figure:
     figure.legend(
         handles=handles, loc="outside lower center", ncols=len(handles), columnspacing=1.2
     )
-    best = optimum(view.channel, exact[view.channel])
+    best = optimum(view.channel, _where_it_stands(view.channel, exact))
     if best is not None:
         value = float(in_display_unit(view.channel, exact[view.channel][best]))
         figure.draw_without_rendering()
@@ -72,12 +65,18 @@ def _samples(view: View) -> Floats:
     """Return the parameter's values: even, and once more between the neighbours of the optimum."""
     ends = view.ends(0)
     even = np.linspace(*ends, SAMPLES)
-    values = view.exact(view.postures(even), view.gravity_dir, view.channel)[view.channel]
-    best = optimum(view.channel, values)
+    wanted = dict.fromkeys((view.channel, "tip_angle"))
+    exact = view.exact(view.postures(even), view.gravity_dir, *wanted)
+    best = optimum(view.channel, _where_it_stands(view.channel, exact))
     if best is None:
         return even
     near = np.linspace(even[max(best - 1, 0)], even[min(best + 1, SAMPLES - 1)], SAMPLES)
     return np.unique(np.concatenate([even, near]))
+
+
+def _where_it_stands(channel: str, exact: dict[str, Floats]) -> Floats:
+    """Return a channel with NaN where the robot tips over, as |SD_g| has it anyway."""
+    return np.where(exact["tip_angle"] < 0.0, np.nan, exact[channel])
 
 
 def _line(

@@ -6,13 +6,14 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from lutgen.errors import InputError
-from lutgen.plot.choices import View, choose
+from lutgen.plot.choices import choose
 from lutgen.plot.curve import draw_curve
 from lutgen.plot.plane import draw_contour, draw_surface
 from lutgen.plot.polar import draw_polar
 from lutgen.plot.robot import draw_robot
 from lutgen.plot.sphere import draw_sphere
 from lutgen.plot.style import house_style
+from lutgen.plot.view import View
 from lutgen.recipe import Recipe
 from lutgen.store import StabilityMap
 
@@ -83,4 +84,9 @@ def draw(
             f"{' x '.join(f'{side:g}' for side in size)}); give width and height in inches."
         )
     with house_style():
-        return PAINTERS[kind](view, size)
+        figure = PAINTERS[kind](view, size)
+        # The layout would move a little with every further drawing: fix it, so that saving twice
+        # gives the same picture.
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")
+    return figure

@@ -9,7 +9,7 @@ import re
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lutgen.plot.choices import QUANTITIES, View, to_display
+from lutgen.plot.view import QUANTITIES, View, to_display
 from lutgen.recipe import Recipe
 from lutgen.recipe_robot import Parameter
 

@@ -1,7 +1,7 @@
 """Contour and surface: a channel over two parameters at one gravity direction."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -10,21 +10,18 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from lutgen.plot.box import box_axes, fit_box
-from lutgen.plot.choices import View, in_display_unit, optimum
 from lutgen.plot.labels import axis_label, channel_label, optimum_text, title
+from lutgen.plot.levels import apart, extend, jumps, label_lines, levels
 from lutgen.plot.marks import (
     STAR,
     degree_ticks,
-    extend,
-    jumps,
-    label_lines,
     label_tip_over,
-    levels,
     mark_optimum,
     shade_tip_over,
     tip_patch,
 )
 from lutgen.plot.style import HATCH, MAP, WASH, new_figure
+from lutgen.plot.view import View, in_display_unit, optimum
 
 __all__ = ["CONTOUR_SIZE", "SURFACE_SIZE", "draw_contour", "draw_surface"]
 
@@ -33,8 +30,6 @@ Floats = NDArray[np.float64]
 CONTOUR_SIZE = (3.5, 2.9)
 SURFACE_SIZE = (3.5, 3.6)
 SAMPLES = 101
-# Contour lines of this many levels between two nodes cannot be told apart.
-MERGED = 2.5
 # The floor of a surface lies this share of the range below it.
 FLOOR = 0.6
 # Lines of the mesh drawn on a surface, each way.
@@ -74,7 +69,7 @@ def draw_contour(view: View, size: tuple[float, float] | None) -> Figure:
         lines = axes.contour(
             plane.x,
             plane.y,
-            _apart(under, steps[1] - steps[0]),
+            apart(under, steps[1] - steps[0]),
             levels=steps[1:-1],
             colors=["white"],
             linewidths=0.5,
@@ -103,56 +98,53 @@ def draw_surface(view: View, size: tuple[float, float] | None) -> Figure:
     axes = box_axes(figure, 26.0, -125.0)
     _name_axes(axes, view, plane)
     axes.set_zlabel(channel_label(view.recipe, view.channel))
-    axes.set_box_aspect((1.0, 1.0, 0.85))
+    axes.set_zlim(0.0, 1.0)
+    axes.set_zticks([])
     handles: list[Artist] = []
     if plane.best is not None:
         steps = levels(plane.values)
-        floor = steps[0] - FLOOR * (steps[-1] - steps[0])
-        axes.set_zlim(floor, steps[-1])
+        axes.set_zlim(steps[0] - FLOOR * (steps[-1] - steps[0]), steps[-1])
         axes.set_zticks(steps[:: 1 if len(steps) < 9 else 2])
-        x, y = np.meshgrid(plane.x, plane.y)
-        under = np.clip(extend(plane.values), steps[0], steps[-1])
-        axes.contourf(x, y, under, levels=steps, cmap=MAP, zdir="z", offset=floor, zorder=1)
-        axes.plot_surface(
-            x,
-            y,
-            plane.values,
-            cmap=MAP,
-            norm=Normalize(steps[0], steps[-1]),
-            rcount=SAMPLES,
-            ccount=SAMPLES,
-            linewidth=0.0,
-            antialiased=False,
-            zorder=5,
-        )
-        if not jumps(plane.values, 0).any() and not jumps(plane.values, 1).any():
-            mesh = {"rcount": MESH, "ccount": MESH, "color": (0, 0, 0, 0.45), "linewidth": 0.35}
-            axes.plot_wireframe(x, y, plane.values, zorder=6, **mesh)
-        row, column = plane.best
-        at = float(plane.x[column]), float(plane.y[row])
-        value = float(plane.values[row, column])
-        axes.plot(*zip((*at, floor), (*at, value), strict=True), "k:", linewidth=0.8, zorder=7)
-        text = optimum_text(view, value, plane.values, at)
-        axes.plot(*at, floor, "k.", markersize=3, zorder=7)
-        (star,) = axes.plot(
-            [at[0]], [at[1]], [value], zorder=8, label=text, linestyle="none", **STAR
-        )
-        handles.append(star)
-        if (plane.tip_angle < 0.0).any():
-            fine = np.meshgrid(plane.fine_x, plane.fine_y)
-            axes.contourf(
-                *fine,
-                plane.tip_angle,
-                levels=[-4.0, 0.0],
-                colors=[WASH],
-                hatches=[HATCH],
-                zdir="z",
-                offset=floor,
-                zorder=2,
-            )
-            handles.append(tip_patch())
-    fit_box(figure, axes, title(view, gravity=True), handles, size)
+        handles.append(_raise_surface(axes, view, plane, steps))
+    if (plane.tip_angle < 0.0).any():
+        x, y = np.meshgrid(plane.fine_x, plane.fine_y)
+        shade = {"levels": [-4.0, 0.0], "colors": [WASH], "hatches": [HATCH], "zorder": 2}
+        axes.contourf(x, y, plane.tip_angle, zdir="z", offset=axes.get_zlim()[0], **shade)
+        handles.append(tip_patch())
+    fit_box(figure, axes, (1.0, 1.0, 0.85), title(view, gravity=True), handles, size)
     return figure
+
+
+def _raise_surface(axes: Any, view: View, plane: Plane, steps: Floats) -> Artist:
+    """Draw the surface, its contour chart on the floor and the optimum on both."""
+    floor = axes.get_zlim()[0]
+    x, y = np.meshgrid(plane.x, plane.y)
+    under = np.clip(extend(plane.values), steps[0], steps[-1])
+    axes.contourf(x, y, under, levels=steps, cmap=MAP, zdir="z", offset=floor, zorder=1)
+    axes.plot_surface(
+        x,
+        y,
+        plane.values,
+        cmap=MAP,
+        norm=Normalize(steps[0], steps[-1]),
+        rcount=SAMPLES,
+        ccount=SAMPLES,
+        linewidth=0.0,
+        antialiased=False,
+        zorder=5,
+    )
+    # Lines on a surface with cliffs would show through it.
+    if not jumps(plane.values, 0).any() and not jumps(plane.values, 1).any():
+        mesh = {"rcount": MESH, "ccount": MESH, "color": (0, 0, 0, 0.45), "linewidth": 0.35}
+        axes.plot_wireframe(x, y, plane.values, zorder=6, **mesh)
+    row, column = plane.best or (0, 0)
+    at = float(plane.x[column]), float(plane.y[row])
+    value = float(plane.values[row, column])
+    axes.plot(*zip((*at, floor), (*at, value), strict=True), "k:", linewidth=0.8, zorder=7)
+    axes.plot([at[0]], [at[1]], [floor], "k.", markersize=3, zorder=7)
+    text = optimum_text(view, value, plane.values, at)
+    (star,) = axes.plot([at[0]], [at[1]], [value], zorder=8, label=text, linestyle="none", **STAR)
+    return cast("Artist", star)
 
 
 def _name_axes(axes: Any, view: View, plane: Plane) -> None:
@@ -166,20 +158,6 @@ def _name_axes(axes: Any, view: View, plane: Plane) -> None:
             low, high = (plane.x, plane.y)[place][[0, -1]]
             # The lowest labels of two axes would meet in the corner of a box.
             degree_ticks(axis, low, high, "lower" if view.kind == "surface" else None)
-
-
-def _apart(values: Floats, step: float) -> Floats:
-    """Return values with NaN on both sides of every cliff, at which contour lines then end.
-
-    A cliff is a jump, or a rise over so many levels (`step`) that their lines would merge.
-    """
-    result = values.copy()
-    for axis in (0, 1):
-        cliff = jumps(values, axis) | (np.abs(np.diff(values, axis=axis)) > MERGED * step)
-        before, after = (np.moveaxis(result, axis, 0)[part] for part in (np.s_[:-1], np.s_[1:]))
-        before[np.moveaxis(cliff, axis, 0)] = np.nan
-        after[np.moveaxis(cliff, axis, 0)] = np.nan
-    return result
 
 
 def _plane(view: View) -> Plane:

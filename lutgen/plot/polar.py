@@ -8,10 +8,10 @@ from matplotlib.figure import Figure
 from matplotlib.projections.polar import PolarAxes
 
 from lutgen.limits import tilt_limits
-from lutgen.plot.choices import View
 from lutgen.plot.labels import HEADINGS, angle_text, heading_text, title, with_unit
 from lutgen.plot.marks import HALO, tip_patch
 from lutgen.plot.style import BLUE, GREY, HATCH, ORANGE, WASH, new_figure
+from lutgen.plot.view import View
 
 __all__ = ["SIZE", "draw_polar"]
 

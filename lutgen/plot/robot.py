@@ -16,10 +16,10 @@ from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.plot.box import box_axes, fit_box, place
-from lutgen.plot.choices import View
 from lutgen.plot.labels import angle_text, length_label, title, with_unit
 from lutgen.plot.marks import write_beside
 from lutgen.plot.style import BLUE, GREEN, GREY, ORANGE, new_figure
+from lutgen.plot.view import View
 from lutgen.primitive import DISC, POINT, SPHERE
 from lutgen.statics import Diagnosis, diagnose
 
@@ -41,8 +41,8 @@ def draw_robot(view: View, size: tuple[float, float] | None) -> Figure:
     axes = box_axes(figure, ELEVATION, AZIMUTH)
     heading = title(view, gravity=True, more=_verdict(state))
     handles = [*_body(axes, state), *_support(axes, view, state), *_edges(axes, state)]
-    _frame(axes, view, state)
-    fit_box(figure, axes, heading, handles, size)
+    sides = _frame(axes, view, state)
+    fit_box(figure, axes, sides, heading, handles, size)
     if len(state.centres) <= NAMED:
         _name_contacts(axes, view, state)
     return figure
@@ -154,8 +154,8 @@ def _edges(axes: Any, state: Diagnosis) -> list[Artist]:
     return handles
 
 
-def _frame(axes: Any, view: View, state: Diagnosis) -> None:
-    """Give the three axes one scale, names with units and room for everything drawn."""
+def _frame(axes: Any, view: View, state: Diagnosis) -> Floats:
+    """Name the axes, give them room for everything drawn, and return their lengths, (3,)."""
     reach = state.radius[:, None]
     drawn = [np.zeros((1, 3)), state.centres - reach, state.centres + reach]
     if state.facet is not None:
@@ -173,7 +173,7 @@ def _frame(axes: Any, view: View, state: Diagnosis) -> None:
         axis.set_major_locator(MaxNLocator(max(2, round(5 * share)), steps=[1, 2, 5, 10]))
         axis.set_label_text(length_label(view.recipe, f"{name} {way}"))
         (axes.set_xlim, axes.set_ylim, axes.set_zlim)[index](low[index], high[index])
-    axes.set_box_aspect(high - low)
+    return np.asarray(high - low)
 
 
 def _size(state: Diagnosis) -> float:

@@ -19,17 +19,11 @@ from numpy.typing import NDArray
 
 from lutgen.errors import InputError
 from lutgen.limits import tilted
-from lutgen.plot.choices import View, in_display_unit, optimum
 from lutgen.plot.labels import HEADINGS, channel_label, optimum_text, title, with_unit
-from lutgen.plot.marks import (
-    HALO,
-    extend,
-    levels,
-    mark_optimum,
-    shade_tip_over,
-    tip_patch,
-)
+from lutgen.plot.levels import apart, extend, levels
+from lutgen.plot.marks import HALO, mark_optimum, shade_tip_over, tip_patch
 from lutgen.plot.style import MAP, new_figure
+from lutgen.plot.view import View, in_display_unit, optimum
 
 __all__ = ["CONE_SIZE", "SPHERE_SIZE", "draw_sphere", "share_that_tips"]
 
@@ -106,7 +100,8 @@ def _paint(panel: Axes, disc: Disc, steps: Floats) -> None:
     if np.isfinite(disc.values).any():
         under = np.clip(extend(disc.values), steps[0], steps[-1])
         panel.contourf(disc.x, disc.y, under, levels=steps, cmap=MAP)
-        panel.contour(disc.x, disc.y, under, levels=steps[1:-1], colors=["white"], linewidths=0.4)
+        clear = apart(under, steps[1] - steps[0])
+        panel.contour(disc.x, disc.y, clear, levels=steps[1:-1], colors=["white"], linewidths=0.4)
 
 
 def share_that_tips(view: View) -> float:

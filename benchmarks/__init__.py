@@ -1,0 +1,1 @@
+"""Speed of lutgen, measured: `make bench`, see docs/benchmarks.md."""

@@ -1,0 +1,97 @@
+"""Time to find support facets and the standing region of one posture, and its share of a sweep."""
+
+from dataclasses import dataclass
+from functools import partial
+from math import radians
+
+import numba
+import numpy as np
+
+from benchmarks.cases import DISC, KIND_NAMES, POINT, SPHERE, Case, point_shapes, wheel_shapes
+from benchmarks.memory_sweep import MemorySweep
+from benchmarks.timing import interleave
+from lutgen.channels import CHANNELS
+from lutgen.jit import njit
+from lutgen.region import Limit, empty_region, find_region, limits
+from lutgen.rounds import find_facets
+from lutgen.sphere import Chart
+from lutgen.support import facet_table, robot_size
+from lutgen.vector import Floats
+
+POINT_COUNTS = (3, 4, 6, 8, 16, 32)
+WHEEL_COUNTS = (3, 4, 6, 8, 12, 32)
+DEFAULT_LIMITS = (radians(90.0), radians(30.0))
+# Postures per pass: about 10 ms whatever they cost.
+PASS_SECONDS = 0.01
+FEWEST, MOST = 4, 2048
+
+
+@dataclass(frozen=True)
+class Enumeration:
+    """Microseconds per posture, one thread, and shares of a sweep of 1,014 directions (sdg)."""
+
+    kind: str
+    contacts: int
+    limits_on: bool
+    facets_found: float
+    facets_us: float
+    region_us: float
+    sweep_us: float
+
+    @property
+    def share(self) -> float:
+        """Share of facets and region in the sweep."""
+        return (self.facets_us + self.region_us) / self.sweep_us
+
+
+@njit()
+def find_all(shapes: Floats, limit: Limit, regions: bool) -> int:
+    """Find the facets, and if asked the regions, of all postures; return how many facets."""
+    table, region = facet_table(shapes.shape[1]), empty_region(shapes.shape[1])
+    found = 0
+    for m in range(shapes.shape[0]):
+        find_facets(table, shapes[m], limit[2])
+        found += table.tally[0]
+        if regions:
+            find_region(region, table, limit, robot_size(shapes[m]))
+    return found
+
+
+def measure_enumeration() -> list[Enumeration]:
+    """Measure points inside and wheels on the ground, one thread."""
+    numba.set_num_threads(1)
+    chart = Chart("sphere", 13)
+    store = np.full(len(CHANNELS) * MOST * 6 * 13 * 13, np.nan, np.float32)
+    rows = []
+    for kind, counts in ((POINT, POINT_COUNTS), (SPHERE, WHEEL_COUNTS), (DISC, WHEEL_COUNTS)):
+        for n in counts:
+            if kind == POINT:
+                every = point_shapes(Case("inside" if n > 3 else "ground", n), MOST)
+            else:
+                every = wheel_shapes(kind, n, MOST)
+            angles = (None, None) if kind == POINT else DEFAULT_LIMITS
+            limit = limits(*angles)
+            find_all(every[:FEWEST], limit, True)
+            trial = interleave({"trial": partial(find_all, every[:FEWEST], limit, True)}, 3)
+            per_posture = trial["trial"].best / FEWEST
+            m = int(min(max(PASS_SECONDS / per_posture, FEWEST), MOST))
+            shapes = every[:m]
+            times = interleave(
+                {
+                    "facets": partial(find_all, shapes, limit, False),
+                    "region": partial(find_all, shapes, limit, True),
+                    "sweep": MemorySweep(shapes, chart, ("sdg",), store, angles).large,
+                }
+            )
+            facets, region, sweep = (times[name].median for name in ("facets", "region", "sweep"))
+            rows.append(
+                Enumeration(
+                    *(KIND_NAMES[kind], n, angles != (None, None)),
+                    facets_found=find_all(shapes, limit, False) / m,
+                    facets_us=1e6 * facets / m,
+                    region_us=1e6 * max(region - facets, 0.0) / m,
+                    sweep_us=1e6 * sweep / m,
+                )
+            )
+    numba.set_num_threads(numba.config.NUMBA_NUM_THREADS)
+    return rows

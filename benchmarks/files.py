@@ -1,0 +1,80 @@
+"""`lutgen.sweep` into an HDF5 file against writing as many bytes raw, same file system."""
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from unittest import mock
+
+from benchmarks.cases import legged_recipe
+from benchmarks.timing import Times, interleave
+from lutgen.blocks import BLOCK_NODES
+from lutgen.recipe import parse_recipe
+from lutgen.sweeper import sweep
+
+BYTES = 1 << 28
+FACE_NODES = 53
+CONTENDERS = ("raw", "sweep", "raw fsync", "sweep fsync")
+
+
+@dataclass(frozen=True)
+class FileSweep:
+    """Times of one recipe of `size` bytes for each of CONTENDERS."""
+
+    contacts: int
+    channels: tuple[str, ...]
+    threads: int
+    size: int
+    times: dict[str, Times]
+
+    def ratio(self, suffix: str = "") -> float:
+        """Return sweep / raw, medians; `suffix` is "" or " fsync"."""
+        return self.times["sweep" + suffix].median / self.times["raw" + suffix].median
+
+
+def write_raw(path: Path, buffer: bytes, size: int, sync: bool) -> None:
+    """Write `size` bytes from one reused buffer into a new file."""
+    handle = os.open(path, os.O_CREAT | os.O_TRUNC | os.O_WRONLY, 0o644)
+    view = memoryview(buffer)
+    try:
+        written = 0
+        while written < size:
+            written += os.write(handle, view[: size - written])
+        if sync:
+            os.fsync(handle)
+    finally:
+        os.close(handle)
+        path.unlink()
+
+
+def measure_file(
+    folder: Path, contacts: int, channels: tuple[str, ...], threads: int, repeats: int = 7
+) -> FileSweep:
+    """Time a sweep of about BYTES with and without waiting for the disk."""
+    nodes = BYTES // (4 * len(channels))
+    side = round((nodes / (6 * FACE_NODES**2)) ** 0.5)
+    text = legged_recipe(
+        contacts, (side, side), f'chart = "sphere"\nnodes = {FACE_NODES}', channels
+    )
+    recipe = parse_recipe(text, "bench.toml")
+    size = side * side * 6 * FACE_NODES**2 * 4 * len(channels)
+    target = folder / "map.h5"
+    buffer = bytes(range(256)) * (BLOCK_NODES // 64)
+
+    def swept() -> None:
+        sweep(recipe, target, threads)
+        target.unlink()
+
+    def swept_without_sync() -> None:
+        with mock.patch("os.fsync"):
+            swept()
+
+    runs: tuple[Callable[[], None], ...] = (
+        partial(write_raw, folder / "raw", buffer, size, False),
+        swept_without_sync,
+        partial(write_raw, folder / "raw", buffer, size, True),
+        swept,
+    )
+    times = interleave(dict(zip(CONTENDERS, runs, strict=True)), repeats)
+    return FileSweep(contacts, channels, threads, size, times)

@@ -1,0 +1,47 @@
+/* |SD_g| of many postures in many directions, written as one would: for every direction the facet
+ * whose plane the ray pierces first, its walls, a square root and a division.  The arrays are
+ * those of planes.py. */
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+
+static double dot(const double *a, const double *b)
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+void stability_factor(const double *facets, size_t most_facets, const double *walls,
+                      size_t most_walls, const int64_t *first, const int64_t *counts,
+                      size_t begin, size_t end, const double *directions, size_t count, float *out)
+{
+    for (size_t m = begin; m < end; m++) {
+        const double *facet = facets + 9 * most_facets * m;
+        const double *wall = walls + 3 * most_walls * m;
+        const int64_t *start = first + (most_facets + 1) * m;
+        const int64_t held = counts[2 * m];
+        for (size_t i = 0; i < count; i++) {
+            const double *g = directions + 3 * i;
+            double nearest = 0.0;
+            int64_t best = -1;
+            for (int64_t k = 0; k < held; k++) {
+                const double rate = dot(facet + 9 * k, g);
+                if (rate > nearest) {
+                    nearest = rate;
+                    best = k;
+                }
+            }
+            float value = NAN;
+            if (best >= 0) {
+                int stands = 1;
+                for (int64_t e = start[best]; e < start[best + 1]; e++)
+                    stands &= dot(wall + 3 * e, g) >= 0.0;
+                if (stands) {
+                    const double along = dot(facet + 9 * best + 3, g);
+                    const double aside = dot(facet + 9 * best + 6, g);
+                    value = sqrtf((float)(along * along + aside * aside)) / (float)nearest;
+                }
+            }
+            out[count * m + i] = value;
+        }
+    }
+}

@@ -1,0 +1,107 @@
+"""The speeds that are to be reached, and whether a run reached them."""
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from benchmarks.cell import Cell
+from benchmarks.files import FileSweep
+from benchmarks.process import Processes
+
+MANY = 16_384
+
+
+class Verdict(NamedTuple):
+    """A target, the worst value measured for it and where; `value` None where it was not run."""
+
+    claim: str
+    limit: float
+    at_least: bool
+    value: float | None
+    where: str
+
+    @property
+    def reached(self) -> bool:
+        """Whether the worst value is good enough."""
+        if self.value is None:
+            return False
+        return self.value >= self.limit if self.at_least else self.value <= self.limit
+
+    def line(self) -> str:
+        """Return the verdict in words."""
+        if self.value is None:
+            return f"skipped  {self.claim}: {self.where}"
+        factor = self.value / self.limit if self.at_least else self.limit / self.value
+        word = "reached" if self.reached else "MISSED "
+        how = "to spare" if self.reached else "short"
+        by = factor if self.reached else 1.0 / factor
+        return f"{word}  {self.claim}: {self.value:.3g}, {by:.2f} times {how} ({self.where})"
+
+
+def _worst(
+    claim: str, limit: float, values: Iterable[tuple[float, str]], at_least: bool = False
+) -> Verdict:
+    """Judge by the worst of several measurements."""
+    pick = min if at_least else max
+    value, where = pick(values)
+    return Verdict(claim, limit, at_least, value, where)
+
+
+def _place(cell: Cell) -> str:
+    return (
+        f"n = {cell.contacts} {cell.stance}, {cell.directions:,} directions, "
+        f"{cell.threads} thread{'s' if cell.threads > 1 else ''}"
+    )
+
+
+def verdicts(cells: list[Cell], files: list[FileSweep], processes: Processes) -> list[Verdict]:
+    """Judge a whole run."""
+    free = [cell for cell in cells if not cell.limits_on]
+    many = [cell for cell in free if cell.directions >= MANY]
+    result = []
+    for n, limit in ((3, 2.0), (8, 4.0)):
+        result.append(
+            _worst(
+                f"n = {n}: sdg takes at most {limit:g} times as long as filling memory",
+                limit,
+                [(c.ratio("fill", "sdg large"), _place(c)) for c in many if c.contacts == n],
+            )
+        )
+    result.append(
+        _worst(
+            "n >= 4: sdg at least 100 times as fast as NumPy, 1 thread",
+            100.0,
+            [
+                (c.ratio("sdg large", "numpy"), _place(c))
+                for c in many
+                if c.contacts >= 4 and c.threads == 1
+            ],
+            at_least=True,
+        )
+    )
+    for words, group in (
+        ("", many),
+        (", limits 90/30 deg", [c for c in cells if c.limits_on and c.directions >= MANY]),
+    ):
+        result.append(
+            _worst(
+                f"sdg + tip_angle take at most 2.5 times as long as sdg{words}",
+                2.5,
+                [(c.ratio("sdg large", "both large"), _place(c)) for c in group],
+            )
+        )
+    result.append(
+        _worst(
+            "sweep to HDF5 takes at most 2.5 times as long as writing the bytes raw",
+            2.5,
+            [
+                (f.ratio(), f"{' + '.join(f.channels)}, n = {f.contacts}, threads: {f.threads}")
+                for f in files
+            ],
+        )
+    )
+    claim = "lutgen --help takes less than 0.3 s"
+    if processes.help is None:
+        result.append(Verdict(claim, 0.3, False, None, "the command is not installed"))
+    else:
+        result.append(Verdict(claim, 0.3, False, processes.help.median, "median, s"))
+    return result

@@ -1,0 +1,31 @@
+"""Times of several contenders that take turns, so that whatever else the machine does hits all."""
+
+import time
+from collections.abc import Callable, Mapping
+from statistics import median
+from typing import NamedTuple
+
+REPEATS = 7
+
+
+class Times(NamedTuple):
+    """Wall times of one contender in seconds: median and best."""
+
+    median: float
+    best: float
+
+
+def interleave(
+    contenders: Mapping[str, Callable[[], object]], repeats: int = REPEATS, warm: bool = True
+) -> dict[str, Times]:
+    """Time every contender `repeats` times in turns; `warm` runs each once before that."""
+    if warm:
+        for run in contenders.values():
+            run()
+    taken: dict[str, list[float]] = {name: [] for name in contenders}
+    for _ in range(repeats):
+        for name, run in contenders.items():
+            begin = time.perf_counter()
+            run()
+            taken[name].append(time.perf_counter() - begin)
+    return {name: Times(median(every), min(every)) for name, every in taken.items()}

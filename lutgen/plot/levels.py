@@ -1,0 +1,110 @@
+"""Levels: contour lines and colours of a gridded quantity that may jump or be unknown.
+
+Works on arrays in display units; it knows nothing of robots.
+"""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.contour import QuadContourSet
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+__all__ = ["apart", "extend", "jumps", "label_lines", "levels"]
+
+Floats = NDArray[np.float64]
+
+# A step between two samples of this share of the whole range, and this many times as high as the
+# steps on both its sides, is a jump and not a slope.
+JUMP, STEEPER = 0.02, 4.0
+# Contour lines of this many levels between two nodes cannot be told apart.
+MERGED = 2.5
+# Distance between labels of contour lines, in widths of the axes.
+APART = 0.1
+
+
+def levels(values: Floats, most: int = 12) -> Floats:
+    """Return round contour levels that enclose all finite values."""
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    if not high - low > 1e-9 * max(abs(high), abs(low)):
+        spread = 0.5 * abs(high) if high != 0.0 else 1.0
+        low, high = low - spread, high + spread
+    return np.asarray(MaxNLocator(most, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high))
+
+
+def jumps(values: Floats, axis: int = 0) -> NDArray[np.bool_]:
+    """Return whether each step between neighbours along an axis is a jump to another facet.
+
+    The result is one shorter along `axis`; steps beside NaN are none.
+    """
+    steps = np.abs(np.diff(values, axis=axis))
+    steps = np.moveaxis(np.where(np.isnan(steps), 0.0, steps), axis, 0)
+    none = np.zeros_like(steps[:1])
+    beside = np.maximum(np.concatenate([none, steps[:-1]]), np.concatenate([steps[1:], none]))
+    spread = np.nanmax(values) - np.nanmin(values)
+    found = (steps > JUMP * spread) & (steps > STEEPER * beside)
+    return np.asarray(np.moveaxis(found, 0, axis))
+
+
+def apart(values: Floats, step: float) -> Floats:
+    """Return values with NaN on both sides of every cliff, at which contour lines then end.
+
+    A cliff is a jump, or a rise over so many levels (`step`) that their lines would merge.
+    """
+    result = values.copy()
+    for axis in (0, 1):
+        cliff = jumps(values, axis) | (np.abs(np.diff(values, axis=axis)) > MERGED * step)
+        before, after = (np.moveaxis(result, axis, 0)[part] for part in (np.s_[:-1], np.s_[1:]))
+        before[np.moveaxis(cliff, axis, 0)] = np.nan
+        after[np.moveaxis(cliff, axis, 0)] = np.nan
+    return result
+
+
+def label_lines(axes: Axes, lines: QuadContourSet) -> None:
+    """Write its level onto the longest piece of each contour line, apart from the other labels.
+
+    Pieces too short for a label go without, and so do those whose every point is near another
+    label or the frame.
+    """
+    inverse = axes.transAxes.inverted()
+    places: list[Floats] = []
+    taken = np.empty((0, 2))
+    for level in lines.allsegs:
+        pieces = [np.asarray(axes.transData.transform(piece)) for piece in level if len(piece) > 2]
+        if not pieces:
+            continue
+        on_paper = [np.asarray(inverse.transform(piece)) for piece in pieces]
+        lengths = [np.linalg.norm(np.diff(piece, axis=0), axis=1).sum() for piece in on_paper]
+        longest = int(np.argmax(lengths))
+        piece = on_paper[longest]
+        inside = np.minimum(piece, 1.0 - piece).min(axis=1)
+        apart = np.full(len(piece), np.inf)
+        if len(taken):
+            apart = np.linalg.norm(piece[:, None] - taken, axis=2).min(axis=1)
+        # Far from other labels, but beyond APART nothing is gained and the middle is best.
+        score = np.minimum(apart, 2.0 * APART) + np.minimum(inside, APART)
+        best = int(np.argmax(score - 1e-3 * np.abs(np.arange(len(piece)) / len(piece) - 0.5)))
+        if lengths[longest] < 2.0 * APART or apart[best] < APART or inside[best] < APART / 3.0:
+            continue
+        taken = np.vstack([taken, piece[best]])
+        places.append(axes.transData.inverted().transform(pieces[longest][best]))
+    if places:
+        lines.axes.clabel(lines, fontsize=6, inline_spacing=2, manual=places, zorder=5)
+
+
+def extend(values: Floats, steps: int = 2) -> Floats:
+    """Fill NaN next to finite values of a 2-D grid with their mean, `steps` cells wide.
+
+    Colours then reach under the hatched region, whose edge is drawn exactly, instead of ending in
+    the stairs of the grid.
+    """
+    result = values.copy()
+    rows, columns = result.shape
+    for _ in range(steps):
+        padded = np.pad(result, 1, constant_values=np.nan)
+        around = np.stack(
+            [padded[i : i + rows, j : j + columns] for i in range(3) for j in range(3)]
+        )
+        known = np.isfinite(around).sum(axis=0)
+        mean = np.nansum(around, axis=0) / np.maximum(known, 1)
+        result = np.where(np.isnan(result) & (known > 0), mean, result)
+    return result

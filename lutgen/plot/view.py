@@ -1,0 +1,192 @@
+"""View: the checked options of a figure, and the numbers that they ask for.
+
+Answers from the map where a map's own nodes are drawn, and from the exact evaluation otherwise.  It
+knows nothing of colours and paper.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lutgen.evaluation import evaluate
+from lutgen.recipe import Recipe
+from lutgen.recipe_robot import Parameter
+from lutgen.store import StabilityMap
+
+__all__ = [
+    "QUANTITIES",
+    "SLACK",
+    "View",
+    "in_display_unit",
+    "is_sealed",
+    "limits",
+    "optimum",
+    "to_display",
+    "to_internal",
+]
+
+Floats = NDArray[np.float64]
+
+# The channels that are quantities, and which end of each is the good one; the sixth channel,
+# `facet`, is an index and has no optimum.
+QUANTITIES = {
+    "sdg": "minimum",
+    "height": "minimum",
+    "tip_angle": "maximum",
+    "margin": "maximum",
+    "energy_margin": "maximum",
+}
+# A limit given in degrees comes back from radians within a few 1e-16 of itself.
+SLACK = 1e-9
+
+
+@dataclass(frozen=True)
+class View:
+    """The checked options of a figure.
+
+    `params` (k,) float64 is the posture, rad or length, with the middle of the range where the
+    caller gave none; `axes` are the columns that the figure varies; `gravity_dir` (3,) is a unit
+    vector in the body frame.
+    """
+
+    kind: str
+    recipe: Recipe
+    stability_map: StabilityMap | None
+    params: Floats
+    gravity_dir: Floats
+    channel: str
+    axes: tuple[int, ...]
+
+    def parameter(self, place: int) -> Parameter:
+        """Return the parameter on one of the figure's axes."""
+        return self.recipe.parameters[self.axes[place]]
+
+    def shown(self, place: int, values: ArrayLike) -> Floats:
+        """Turn values of the parameter on a figure's axis into its display unit."""
+        return to_display(self.parameter(place), values)
+
+    def ends(self, place: int) -> tuple[float, float]:
+        """Return the range of a figure's axis, rad or length."""
+        return limits(self.recipe, self.stability_map, self.axes[place])
+
+    def knots(self, place: int, count: int) -> Floats:
+        """Return the map's knots of a figure's axis, or `count` even values for a recipe."""
+        if self.stability_map is not None:
+            return np.asarray(self.stability_map.axes[self.axes[place]].knots)
+        return np.linspace(*self.ends(place), count)
+
+    def postures(self, *values: ArrayLike) -> Floats:
+        """Return (m, k) postures that vary the figure's axes, one (m,) array per axis."""
+        columns = [np.asarray(column, dtype=np.float64).ravel() for column in values]
+        result = np.tile(self.params, (len(columns[0]), 1))
+        for axis, column in zip(self.axes, columns, strict=True):
+            result[:, axis] = column
+        return result
+
+    def exact(
+        self, postures: ArrayLike, directions: ArrayLike, *channels: str
+    ) -> dict[str, Floats]:
+        """Return channels, each (m,), of m postures at one direction or of one at m directions.
+
+        They are evaluated, unless the robot is code that a map does not run: then the map is read.
+        """
+        rows, down = np.atleast_2d(postures), np.atleast_2d(directions)
+        if self.stability_map is not None and is_sealed(self.recipe):
+            return self._read(rows, down, channels)
+        values = evaluate(self.recipe, rows, down, channels)
+        return {name: value.ravel() for name, value in values.items()}
+
+    def drawn(self, postures: ArrayLike, directions: ArrayLike) -> Floats:
+        """Return the figure's channel, (m,): what the map says, or exact without one.
+
+        Next to a tip-over axis a map has no value where it is not sure of standing; the exact
+        value stands in there, so that a figure has no gap between its colours and the axis.
+        """
+        rows, down = np.atleast_2d(postures), np.atleast_2d(directions)
+        if self.stability_map is None:
+            return self.exact(rows, down, self.channel)[self.channel]
+        values = self._read(rows, down, (self.channel,))[self.channel]
+        unknown = np.isnan(values)
+        if unknown.any():
+            exact = self.exact(
+                rows[unknown] if len(rows) > 1 else rows,
+                down[unknown] if len(down) > 1 else down,
+                self.channel,
+            )
+            values[unknown] = exact[self.channel]
+        return values
+
+    def _read(self, rows: Floats, down: Floats, channels: tuple[str, ...]) -> dict[str, Floats]:
+        """Interpolate the map."""
+        if self.stability_map is None:
+            return {}
+        count = max(len(rows), len(down))
+        return self.stability_map.read(
+            np.broadcast_to(rows, (count, rows.shape[1])),
+            np.broadcast_to(down, (count, 3)),
+            channels,
+        )
+
+    def at_node(self) -> bool:
+        """Tell whether the fixed parameters and gravity are all at nodes of the map."""
+        if self.stability_map is None or not self.on_chart():
+            return False
+        chart = self.stability_map.chart
+        _, u, v, _ = chart.locate(self.gravity_dir[None, :])
+        apart = [np.abs(chart.coords - place).min() for place in (u[0], v[0])]
+        apart += [
+            np.abs(axis.knots - self.params[i]).min() / max(np.ptp(axis.knots), 1e-300)
+            for i, axis in enumerate(self.stability_map.axes)
+            if i not in self.axes
+        ]
+        return bool(max(apart) < SLACK)
+
+    def on_chart(self) -> bool:
+        """Tell whether there is a map and it covers the figure's gravity direction."""
+        if self.stability_map is None:
+            return False
+        return bool(self.stability_map.chart.locate(self.gravity_dir[None, :])[3][0])
+
+
+def is_sealed(recipe: Recipe) -> bool:
+    """Tell whether the robot is given by code that was not loaded, as in a map file."""
+    return recipe.python is not None and recipe.function is None
+
+
+def to_display(parameter: Parameter, value: ArrayLike) -> Floats:
+    """Turn internal values of a parameter into its display unit."""
+    values = np.asarray(value, dtype=np.float64)
+    return np.degrees(values) if parameter.display_unit == "deg" else values
+
+
+def to_internal(parameter: Parameter, value: ArrayLike) -> Floats:
+    """Turn values in a parameter's display unit into rad or length."""
+    values = np.asarray(value, dtype=np.float64)
+    return np.radians(values) if parameter.display_unit == "deg" else values
+
+
+def in_display_unit(channel: str, values: ArrayLike) -> Floats:
+    """Turn values of a channel into what is printed: angles into deg, lengths as they are."""
+    result = np.asarray(values, dtype=np.float64)
+    return np.degrees(result) if channel == "tip_angle" else result
+
+
+def optimum(channel: str, values: Floats) -> int | None:
+    """Return the flat index of the best finite value of a channel; None if there is none."""
+    flat = np.asarray(values).ravel()
+    known = np.isfinite(flat)
+    if not known.any():
+        return None
+    if QUANTITIES[channel] == "minimum":
+        return int(np.argmin(np.where(known, flat, np.inf)))
+    return int(np.argmax(np.where(known, flat, -np.inf)))
+
+
+def limits(recipe: Recipe, stability_map: StabilityMap | None, column: int) -> tuple[float, float]:
+    """Return the range of a parameter: that of the map's knots, or of the robot."""
+    if stability_map is not None:
+        knots = stability_map.axes[column].knots
+        return float(knots[0]), float(knots[-1])
+    parameter = recipe.parameters[column]
+    return parameter.minimum, parameter.maximum
