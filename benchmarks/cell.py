@@ -24,8 +24,10 @@ from lutgen.channels import CHANNELS, stability
 from lutgen.region import limits
 from lutgen.sphere import Chart
 
-# 64 MiB of float32 per channel, more than the caches hold.
+# 64 MiB of float32, more than the caches hold: for the fill, and per channel for our sweep.  Few
+# directions take so long per node that their output's size does not matter.
 NODES = 1 << 24
+FEW, NODES_OF_FEW = 4096, 1 << 22
 C_NODES = 1 << 21
 NUMPY_NODES = 1 << 18
 LimitAngles = tuple[float | None, float | None]
@@ -82,7 +84,8 @@ class Bench:
         chart = Chart("sphere", face_nodes)
         directions = chart.directions().reshape(-1, 3)
         count = len(directions)
-        shapes = point_shapes(case, -(-(nodes or self.nodes) // count))
+        wanted = nodes or min(self.nodes, NODES_OF_FEW if count < FEW else NODES)
+        shapes = point_shapes(case, -(-wanted // count))
         sdg = MemorySweep(shapes, chart, ("sdg",), self._store, limit_angles)
         both = MemorySweep(shapes, chart, ("sdg", "tip_angle"), self._store, limit_angles)
         limit = limits(*limit_angles)
@@ -92,23 +95,24 @@ class Bench:
         numpy_out = np.zeros((len(for_numpy.counts), count), np.float32)
         upright = np.ascontiguousarray(directions.T)
         agreement = self._compare(both, shapes, limit_angles, directions, for_c, for_numpy, c_out)
-        buffer = self._store[: len(shapes) * count]
+        buffer = self._store[: self.nodes]
         result = []
         for number in threads:
             numba.set_num_threads(number)
+            all_nodes = len(shapes) * count
             contenders: dict[str, tuple[Callable[[], None], int]] = {
-                "fill": (partial(fill, buffer, np.float32(1.5)), len(shapes)),
-                "sdg large": (sdg.large, len(shapes)),
-                "both large": (both.large, len(shapes)),
-                "c": (partial(self._c.run, for_c, directions, c_out, number), len(for_c.counts)),
-                "sdg reused": (sdg.reused, len(shapes)),
-                "both reused": (both.reused, len(shapes)),
+                "fill": (partial(fill, buffer, np.float32(1.5)), buffer.size),
+                "sdg large": (sdg.large, all_nodes),
+                "both large": (both.large, all_nodes),
+                "c": (partial(self._c.run, for_c, directions, c_out, number), c_out.size),
+                "sdg reused": (sdg.reused, all_nodes),
+                "both reused": (both.reused, all_nodes),
             }
             if number == 1:
                 run = partial(numpy_reference.stability_factor, for_numpy, upright, numpy_out)
-                contenders["numpy"] = (run, len(numpy_out))
+                contenders["numpy"] = (run, numpy_out.size)
             times = interleave({name: run for name, (run, _) in contenders.items()})
-            work = {name: postures * count for name, (_, postures) in contenders.items()}
+            work = {name: size for name, (_, size) in contenders.items()}
             result.append(
                 Cell(
                     *(case.stance, case.contacts, count, number, limit_angles != (None, None)),

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.jit import njit
-from lutgen.primitive import KIND, POINT, RADIUS, contact_point, reach
+from lutgen.primitive import DISC, KIND, POINT, RADIUS, contact_point, reach
 from lutgen.support import (
     FIRST,
     MASK,
@@ -34,16 +34,19 @@ NEWTON_STEPS = 24
 # primitives are left is tried from the fourth on.
 DEEPEST = 7
 FIRST_TRIED = 4
+# Newton may leave a cell by this many times its radius and still be looked at.
+SEARCHED = 8.0
 
 
 @njit()
 def common_normal(
-    shapes: Floats, i: int, j: int, k: int, start: Vector, size: float
+    shapes: Floats, i: int, j: int, k: int, start: Vector, reach_of_search: float, size: float
 ) -> tuple[bool, Vector]:
     """Solve for the plane that touches three primitives; Newton from the normal `start`.
 
     The contact point is the gradient of the support function, so the plane through the three
-    contact points of the last normal is one Newton step.  Returns (found, unit normal).
+    contact points of the last normal is one Newton step.  Gives up where a step ends further
+    than `reach_of_search` from the start.  Returns (found, unit normal).
     """
     normal = start
     for _ in range(NEWTON_STEPS):
@@ -58,13 +61,15 @@ def common_normal(
         step = scale(step, math.copysign(1.0 / area, dot(step, normal)))
         change = length(subtract(step, normal))
         normal = step
+        if length(subtract(step, start)) > reach_of_search:
+            return False, normal
         # Newton squares the error, so a step of 1e-9 leaves less than rounding.
         if change < 1e-9:
             return True, normal
     return False, normal
 
 
-@njit()
+@njit(inline=True)
 def _cell_normal(face: int, u: float, v: float) -> Vector:
     """Return the unit normal at (u, v) of a cube face, faces in the order -z +x -x +y -y +z."""
     inverse = 1.0 / math.sqrt(1.0 + u * u + v * v)
@@ -76,12 +81,36 @@ def _cell_normal(face: int, u: float, v: float) -> Vector:
 
 
 @njit()
-def _candidates(shapes: Floats, spread: Floats, normal: Vector, radius: float, among: int) -> int:
-    """Return the bit set, out of `among`, of primitives that can be lowest within `radius`."""
+def _furthest_apart(shapes: Floats, i: int, j: int) -> float:
+    """Bound the distance of the contact points of two primitives, whatever the normal.
+
+    Their radii point the same way, and so cancel, for two spheres or points and for two discs with
+    parallel axes.
+    """
+    centres = length(subtract(row(shapes, i), row(shapes, j)))
+    both = shapes[i, RADIUS] + shapes[j, RADIUS]
+    apart = abs(shapes[i, RADIUS] - shapes[j, RADIUS])
+    if shapes[i, KIND] != DISC and shapes[j, KIND] != DISC:
+        return float(centres + apart)
+    if shapes[i, KIND] == DISC and shapes[j, KIND] == DISC:
+        a = (shapes[i, 3], shapes[i, 4], shapes[i, 5])
+        b = (shapes[j, 3], shapes[j, 4], shapes[j, 5])
+        if length(cross(a, b)) < 1e-12:
+            return float(centres + apart)
+    return float(centres + both)
+
+
+@njit(inline=True)
+def _candidates(
+    shapes: Floats, spread: Floats, heights: Floats, normal: Vector, radius: float, among: int
+) -> int:
+    """Return the bit set, out of `among`, of primitives that can be lowest within `radius`.
+
+    `heights` (n,) is room to work in.
+    """
     best = -1
     furthest = -math.inf
     n = shapes.shape[0]
-    heights = np.empty(n)
     for i in range(n):
         if among >> i & 1:
             heights[i] = reach(shapes, i, normal)
@@ -97,7 +126,13 @@ def _candidates(shapes: Floats, spread: Floats, normal: Vector, radius: float, a
 
 @njit()
 def _try_triples(
-    table: FacetTable, shapes: Floats, owner: Ints, normal: Vector, among: int, size: float
+    table: FacetTable,
+    shapes: Floats,
+    owner: Ints,
+    normal: Vector,
+    among: int,
+    radius: float,
+    size: float,
 ) -> float:
     """Look for facets on every three of the primitives `among`, beginning at `normal`.
 
@@ -125,11 +160,15 @@ def _try_triples(
                 known = False
                 for f in range(count[0]):
                     # A facet of more than three primitives holds all triples of them.
-                    if span[f, MASK] & three == three and span[f, MASK] != three:
-                        known = known or dot(row(facet, f), normal) > 0.99
+                    if span[f, MASK] & three == three:
+                        away = length(subtract(row(facet, f), normal))
+                        # Three wheels alone may share a second facet close by.
+                        if away <= (radius if span[f, MASK] == three else SEARCHED * radius):
+                            nearest = min(nearest, away)
+                            known = True
                 if known:
                     continue
-                found, solved = common_normal(shapes, i, j, k, normal, size)
+                found, solved = common_normal(shapes, i, j, k, normal, SEARCHED * radius, size)
                 if not found:
                     continue
                 height = reach(shapes, i, solved)
@@ -165,10 +204,10 @@ def find_round_facets(table: FacetTable, shapes: NDArray[np.float64], lowest_up:
     size = robot_size(shapes)
     owner = np.empty((0, 0), np.int64)
     spread = np.empty((n, n))
+    heights = np.empty(n)
     for i in range(n):
         for j in range(n):
-            arm = subtract(row(shapes, i), row(shapes, j))
-            spread[i, j] = length(arm) + shapes[i, RADIUS] + shapes[j, RADIUS]
+            spread[i, j] = _furthest_apart(shapes, i, j)
     # Depth first: each level leaves three cells behind.
     stack = np.empty((3 * DEEPEST + 1, 4))
     sets = np.empty(3 * DEEPEST + 1, np.int64)
@@ -184,7 +223,7 @@ def find_round_facets(table: FacetTable, shapes: NDArray[np.float64], lowest_up:
             radius = half * math.sqrt(2.0)
             if normal[2] - radius > lowest_up:
                 continue
-            among = _candidates(shapes, spread, normal, radius, sets[waiting])
+            among = _candidates(shapes, spread, heights, normal, radius, sets[waiting])
             members = 0
             for i in range(n):
                 members += among >> i & 1
@@ -192,7 +231,7 @@ def find_round_facets(table: FacetTable, shapes: NDArray[np.float64], lowest_up:
                 continue
             if depth == DEEPEST or (members == 3 and depth >= FIRST_TRIED):
                 # Newton may leave the cell for another facet: then this one is not done.
-                nearest = _try_triples(table, shapes, owner, normal, among, size)
+                nearest = _try_triples(table, shapes, owner, normal, among, radius, size)
                 if depth == DEEPEST or nearest <= radius:
                     continue
             for quarter in range(4):

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from lutgen.channels import measure, tip_angle
+from lutgen.channels import measure
 from lutgen.jit import njit, prange
 from lutgen.raster import VECTOR, draw_facets, stability_factor
 from lutgen.region import (
@@ -24,7 +24,7 @@ from lutgen.region import (
 )
 from lutgen.rounds import find_facets
 from lutgen.support import facet_table, robot_size
-from lutgen.tilt import agree_in_sign, tip_rows
+from lutgen.tilt import agree_in_sign, arc_rows, tip_rows
 from lutgen.vector import Bools, Floats, Singles, Vector
 
 # Rows are gathered into a band of about this many nodes, which stays in the first-level cache
@@ -64,27 +64,6 @@ def _each_node(
             for c in range(6):
                 if wanted[c]:
                     out[c, r * nodes + i] = np.float32(values[c])
-
-
-@njit()
-def _tip_each_node(
-    region: Region,
-    basis: Floats,
-    coords: Floats,
-    nodes: int,
-    first_row: int,
-    rows: int,
-    squared: Singles,
-    out: Singles,
-) -> None:
-    """Fill the tip angle node by node; the drawn terms tell which nodes stand."""
-    count, segment = region.tally, region.segment
-    for r in range(rows):
-        v = coords[first_row + r]
-        for i in range(nodes):
-            standing = squared[r * nodes + i] == squared[r * nodes + i]
-            g = _node_direction(basis, coords[i], v)
-            out[r * nodes + i] = np.float32(tip_angle(count, segment, standing, g))
 
 
 @njit(parallel=True)
@@ -143,6 +122,7 @@ def scan(
         squared = np.empty(band_rows * nodes + VECTOR, np.float32)
         rate = np.empty(band_rows * nodes + VECTOR, np.float32)
         lowest = np.empty(band_rows * nodes + VECTOR)
+        cosine = np.empty(band_rows * nodes)
         span = np.empty((band_rows, 2), np.int64)
         facet_band = np.empty(band_rows * nodes if wanted[1] or wanted[5] else 0, np.int64)
         current = -1
@@ -199,12 +179,12 @@ def scan(
                         out[5, span_out.start + i] = np.float32(k) if standing else np.float32(-1)
             if wanted[2]:
                 target = out[2, span_out]
+                inverse = inverse_length[first_row * nodes : (first_row + rows) * nodes]
                 if region.tally[FACETS] == 0:
                     target[:] = np.float32(-math.pi)
                 elif region.tally[SEGMENTS] == 0:
                     target[:] = np.float32(math.pi)
                 elif region.tally[CONVEX] == 1:
-                    inverse = inverse_length[first_row * nodes : (first_row + rows) * nodes]
                     tip_rows(
                         region,
                         frame,
@@ -219,5 +199,8 @@ def scan(
                     )
                     agree_in_sign(target, span, nodes, rows)
                 else:
-                    _tip_each_node(region, frame, coords, nodes, first_row, rows, squared, target)
+                    arc_rows(
+                        *(region, frame, coords, nodes, first_row, rows, lowest, cosine),
+                        *(inverse, squared, target),
+                    )
     return int(overflow.sum())

@@ -33,8 +33,10 @@ def require_standing(recipe: Recipe) -> None:
     grid, chart = recipe.grid, recipe.chart
     coarse = [np.unique([0, axis.size // 2, axis.size - 1]) for axis in grid.axes[:6]]
     coarse += [np.array([axis.size // 2]) for axis in grid.axes[6:]]
-    index = np.stack([part.ravel() for part in np.meshgrid(*coarse, indexing="ij")], axis=1)
-    some = np.ravel_multi_index(tuple(index.T), grid.shape) if grid.axes else np.zeros(1, np.intp)
+    some = np.zeros(1, np.intp)
+    if grid.axes:
+        index = [part.ravel() for part in np.meshgrid(*coarse, indexing="ij")]
+        some = np.ravel_multi_index(tuple(index), grid.shape)
     few = Chart(chart.kind, min(chart.nodes, COARSE_NODES), chart.max_tilt)
     if _any_stands(recipe, grid.params(np.atleast_1d(some)), few):
         return

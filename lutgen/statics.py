@@ -41,6 +41,8 @@ from lutgen.support import FIRST, VERTEX, facet_table, robot_size
 from lutgen.vector import dot
 
 Vector3 = NDArray[np.float64]
+# Shares of the weight below this are zero but for rounding.
+ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
@@ -111,7 +113,8 @@ def normal_forces(points: NDArray[np.float64], pierced: Vector3) -> NDArray[np.f
 
     Friction has no moment about axes in the contact plane, so force and moment balance about
     D_g alone fix the shares of three contacts, whatever mu is.  Of more than three the balance
-    leaves a choice; this is the solution of the smallest sum of squares.
+    leaves a choice; this is the solution of the smallest sum of squares in which no contact pulls
+    at the ground.  Where D_g is outside the polygon there is none, and some share is negative.
 
     Parameters
     ----------
@@ -127,6 +130,19 @@ def normal_forces(points: NDArray[np.float64], pierced: Vector3) -> NDArray[np.f
     wanted = np.zeros(len(balance))
     wanted[0] = 1.0
     shares: NDArray[np.float64] = np.linalg.lstsq(balance, wanted, rcond=None)[0]
+    # The optimum has the form max(0, balance.T @ multipliers): find which contacts carry.
+    carries = np.ones(len(points), np.bool_)
+    for _ in range(2 * len(points)):
+        part = balance[:, carries]
+        candidate = balance.T @ np.linalg.lstsq(part @ part.T, wanted, rcond=None)[0]
+        settled = not (candidate[carries] < -ROUNDING).any()
+        if settled and not (candidate[~carries] > ROUNDING).any():
+            pushing = np.where(carries, np.maximum(candidate, 0.0), 0.0)
+            balanced = np.abs(balance @ pushing - wanted).max() < 1e3 * ROUNDING
+            return pushing if balanced else shares
+        carries = candidate > 0.0
+        if not carries.any():
+            break
     return shares
 
 

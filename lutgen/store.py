@@ -256,7 +256,7 @@ def load_map(path: str | os.PathLike[str]) -> StabilityMap:
             f"{name}: has the map format {found}, this lutgen reads {FORMAT}; "
             "install the lutgen that wrote it, or sweep again"
         )
-    if not np.array_equal(attributes.get(COMPLETE), 1):
+    if not np.array_equal(attributes.get(COMPLETE, 0), 1):
         raise MapFileError(
             f"{name}: is not complete (got {COMPLETE} = {attributes.get(COMPLETE)}); "
             "finish it with `lutgen sweep --resume`"

@@ -151,6 +151,10 @@ def sweep(
         raise InputError(f"threads must lie in 1..{most} on this machine (got {threads})")
     require_standing(recipe)
     target = Path(path)
+    if not target.name or target.is_dir():
+        raise SweepError(
+            f"{target}: cannot be written (got the path of a folder); add a name such as map.h5"
+        )
     part = target.with_name(target.name + ".part")
     layout = plan(recipe)
     before = numba.get_num_threads()
@@ -190,6 +194,9 @@ def _open_part(
                     "--resume to begin anew, or resume with the recipe it was begun with"
                 )
             bits = np.asarray(file.attrs[BITMAP], np.uint8)
+            chunks = {file[name].chunks for name in recipe.channels}
+            if chunks != {layout.chunk}:
+                raise ValueError(f"chunks {chunks} instead of {layout.chunk}")
             places = {name: chunk_places(file[name], layout) for name in recipe.channels}
     except (OSError, KeyError, RuntimeError, ValueError) as error:
         if isinstance(error, MapFileError):
@@ -223,12 +230,12 @@ def _fill(
                 finished += (block.last_row - block.first_row) * width
                 if progress is not None:
                     progress(finished, layout.nodes)
-    finally:
-        if not done.all():
-            # The data must be on the disk before the file says that it is.
-            _sync(part)
-            with h5py.File(part, "r+") as file:
-                file.attrs[BITMAP] = np.packbits(done)
+    except BaseException:
+        # The data must be on the disk before the file says that it is.
+        _sync(part)
+        with h5py.File(part, "r+") as file:
+            file.attrs[BITMAP] = np.packbits(done)
+        raise
 
 
 def _write(file: BinaryIO, chunk: NDArray[np.float32], place: int) -> None:

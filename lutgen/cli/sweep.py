@@ -4,6 +4,7 @@ import logging
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -44,6 +45,7 @@ def sweep(
     quiet = bool(ctx.find_root().params.get("quiet"))
     start = time.perf_counter()
     # click draws the bar on a terminal only; elsewhere it prints nothing but the label.
+    bar: Any
     with click.progressbar(
         length=0,
         label=robot.name,
