@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from benchmarks.cell import Cell
+from benchmarks.cell import Agreement, Cell
 from benchmarks.files import FileSweep
 from benchmarks.process import Processes
 
@@ -30,11 +30,13 @@ class Verdict(NamedTuple):
         """Return the verdict in words."""
         if self.value is None:
             return f"skipped  {self.claim}: {self.where}"
-        factor = self.value / self.limit if self.at_least else self.limit / self.value
         word = "reached" if self.reached else "MISSED "
-        how = "to spare" if self.reached else "short"
-        by = factor if self.reached else 1.0 / factor
-        return f"{word}  {self.claim}: {self.value:.3g}, {by:.2f} times {how} ({self.where})"
+        text = f"{word}  {self.claim}: {self.value:.3g}"
+        if self.limit > 0.0 and self.value > 0.0:
+            factor = self.value / self.limit if self.at_least else self.limit / self.value
+            by = factor if self.reached else 1.0 / factor
+            text += f", {by:.3g} times {'to spare' if self.reached else 'short'}"
+        return f"{text} ({self.where})"
 
 
 def _worst(
@@ -53,11 +55,30 @@ def _place(cell: Cell) -> str:
     )
 
 
+def _compared(cell: Cell) -> Iterable[tuple[str, Agreement]]:
+    return cell.agreement.items()
+
+
 def verdicts(cells: list[Cell], files: list[FileSweep], processes: Processes) -> list[Verdict]:
     """Judge a whole run."""
     free = [cell for cell in cells if not cell.limits_on]
     many = [cell for cell in free if cell.directions >= MANY]
-    result = []
+    result = [
+        _worst(
+            "largest difference between ours and C, NumPy (relative) and exact tip angles (rad)",
+            1e-5,
+            [(a.difference, f"{_place(c)}, {name}") for c in cells for name, a in _compared(c)],
+        ),
+        _worst(
+            "nodes where only one of two is NaN",
+            0.0,
+            [
+                (float(a.nan_mismatches), f"{_place(c)}, {name}")
+                for c in cells
+                for name, a in _compared(c)
+            ],
+        ),
+    ]
     for n, limit in ((3, 2.0), (8, 4.0)):
         result.append(
             _worst(

@@ -6,6 +6,9 @@ from statistics import median
 from typing import NamedTuple
 
 REPEATS = 7
+# After a parallel kernel OpenMP's threads spin for some ms, waiting for the next; whoever comes
+# after it would pay for that.
+PAUSE = 0.005
 
 
 class Times(NamedTuple):
@@ -25,6 +28,7 @@ def interleave(
     taken: dict[str, list[float]] = {name: [] for name in contenders}
     for _ in range(repeats):
         for name, run in contenders.items():
+            time.sleep(PAUSE)
             begin = time.perf_counter()
             run()
             taken[name].append(time.perf_counter() - begin)

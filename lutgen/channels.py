@@ -173,25 +173,35 @@ def measure(region: Region, g: Vector, wanted: Bools, out: Floats) -> None:
         out[4] = energy
 
 
+@njit()
+def _measure_posture(
+    shapes: Floats, gravity_dir: Floats, limit: Limit, wanted: Bools, out: Floats
+) -> int:
+    """Fill `out` (6, g) for one posture; return 1 where its facet table was too small."""
+    n = shapes.shape[0]
+    table, region = facet_table(n), empty_region(n)
+    values = np.empty(6)
+    find_facets(table, shapes, limit[2])
+    find_region(region, table, limit, robot_size(shapes))
+    for d in range(gravity_dir.shape[0]):
+        measure(region, row(gravity_dir, d), wanted, values)
+        for c in range(6):
+            out[c, d] = values[c]
+    return int(table.tally[1])
+
+
 @njit(parallel=True)
 def _measure_all(
     shapes: Floats, gravity_dir: Floats, limit: Limit, wanted: Bools
 ) -> tuple[Floats, Ints]:
-    """Return ((6, m, g) channels, 1 where a facet table was too small)."""
-    m, n = shapes.shape[0], shapes.shape[1]
-    out = np.empty((6, m, gravity_dir.shape[0]))
+    """Return ((m, 6, g) channels, 1 where a facet table was too small)."""
+    m = shapes.shape[0]
+    out = np.empty((m, 6, gravity_dir.shape[0]))
     overflow = np.zeros(m, np.int64)
     for posture in prange(m):
-        table = facet_table(n)
-        region = empty_region(n)
-        values = np.empty(6)
-        find_facets(table, shapes[posture], limit[2])
-        find_region(region, table, limit, robot_size(shapes[posture]))
-        overflow[posture] = table.tally[1]
-        for d in range(gravity_dir.shape[0]):
-            measure(region, row(gravity_dir, d), wanted, values)
-            for c in range(6):
-                out[c, posture, d] = values[c]
+        overflow[posture] = _measure_posture(
+            shapes[posture], gravity_dir, limit, wanted, out[posture]
+        )
     return out, overflow
 
 
@@ -244,7 +254,7 @@ def measure_postures(
             f"posture {int(np.flatnonzero(overflow)[0])} has more support facets than "
             f"{centre.shape[1]} contacts can have; check its radii for overlapping spheres"
         )
-    return {name: values[CHANNELS.index(name)] for name in channels}
+    return {name: values[:, CHANNELS.index(name)].copy() for name in channels}
 
 
 def stability(

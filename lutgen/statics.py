@@ -85,9 +85,10 @@ class Diagnosis:
 
     `facet` is the support facet, also where the robot tips, or None if it has none.
     `normal_forces` are shares of the weight's component along the facet's normal, by contact
-    name: "exact" for three contacts, "minimum norm" (of all that balance) for more; empty where
-    the robot tips.  `heuristic_forces` are those of the paper's Eq 12.  `slides` is None without
-    a friction coefficient.
+    name: "exact" for three contacts, "minimum norm" (of all that balance and nowhere pull) for
+    more; empty where the robot tips, and over a gap, where it rocks from one facet to another.
+    `heuristic_forces` are those of the paper's Eq 12.  `slides` is None without a friction
+    coefficient.
     """
 
     gravity_dir: Vector3
@@ -202,13 +203,13 @@ def diagnose(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> Diagn
     forces_kind = ""
     if facet is not None and standing:
         corners = [names[i] for i in facet.contacts]
-        exact = dict(
-            zip(corners, map(float, normal_forces(facet.points, facet.pierced)), strict=True)
-        )
-        rough = dict(
-            zip(corners, map(float, heuristic_forces(facet.points, facet.pierced)), strict=True)
-        )
-        forces_kind = "exact" if len(corners) == 3 else "minimum norm"
+        shares = normal_forces(facet.points, facet.pierced)
+        # Over a gap the robot rocks on two contacts, and nothing balances on this facet.
+        if shares.min() >= -1e-9:
+            exact = dict(zip(corners, shares.tolist(), strict=True))
+            heuristic = heuristic_forces(facet.points, facet.pierced)
+            rough = dict(zip(corners, heuristic.tolist(), strict=True))
+            forces_kind = "exact" if len(corners) == 3 else "minimum norm"
     slides = None
     if recipe.friction is not None and facet is not None:
         slides = math.tan(slope) > recipe.friction if slope < math.pi / 2 else True

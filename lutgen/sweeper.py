@@ -75,7 +75,7 @@ class Computer:
             rows + last - first if end - begin == 1 else self.rows_per_posture,
             self._wanted,
             numba.get_num_threads() * PARTS_PER_THREAD,
-            self._out[:, :held],
+            self._out,
         )
         if overflow:
             raise SweepError(

@@ -13,9 +13,7 @@ from lutgen.statics import Diagnosis, diagnose, heuristic_forces, normal_forces
 from tests.recipes import contact, feet, rigid, rover, tripod
 
 # The paper's wheels: circumradius 20, height 12, wheel 1 ahead.
-WHEELS = [
-    (20.0 * math.cos(a), 20.0 * math.sin(a), -12.0) for a in np.radians([0.0, 120.0, 240.0])
-]
+WHEELS = [(20.0 * math.cos(a), 20.0 * math.sin(a), -12.0) for a in np.radians([0.0, 120.0, 240.0])]
 # Pitch and heading (deg), exact shares, shares of Eq 12, largest difference; the load moves to
 # the heading + 180 deg.  Source: "exact statics" of the paper's facts.
 FORCES = [
@@ -145,6 +143,25 @@ def test_a_robot_that_tips_has_no_forces() -> None:
     assert found.channels["tip_angle"] < 0.0
 
 
+def test_over_a_gap_the_robot_stands_but_no_forces_balance_on_its_facet() -> None:
+    # Four wheels of which one hangs lower: between its two facets the robot rocks.
+    recipe = lutgen.parse_recipe(rover())
+    seen = {True: 0, False: 0}
+    for x in np.linspace(-0.3, 0.3, 13):
+        for y in np.linspace(-0.3, 0.3, 13):
+            found = diagnose(recipe, [0.3], (x, y, -1.0))
+            if not found.standing:
+                continue
+            assert found.facet is not None
+            rim = np.roll(found.facet.points, -1, 0) - found.facet.points
+            inward = np.cross(found.facet.normal, rim)
+            depth = ((found.facet.pierced - found.facet.points) * inward).sum(axis=1).min()
+            seen[depth > 0.0] += 1
+            assert bool(found.normal_forces) is bool(depth >= 0.0)
+            assert all(share >= 0.0 for share in found.normal_forces.values())
+    assert min(seen.values()) >= 3
+
+
 TABLE = [(2.0, 1.0, -1.0), (-2.0, 1.0, -1.0), (-2.0, -1.0, -1.0), (2.0, -1.0, -1.0)]
 CORNERS = {"front left": 0, "rear left": 1, "rear right": 2, "front right": 3}
 
@@ -213,7 +230,9 @@ def test_channels_of_a_diagnosis_are_those_of_evaluate(text: str) -> None:
     recipe = lutgen.parse_recipe(text)
     rng = np.random.default_rng(2)
     params = rng.uniform(
-        [p.minimum for p in recipe.parameters], [p.maximum for p in recipe.parameters], (40, len(recipe.parameters))
+        [p.minimum for p in recipe.parameters],
+        [p.maximum for p in recipe.parameters],
+        (40, len(recipe.parameters)),
     )
     gravity = rng.normal(size=(40, 3)) * [0.4, 0.4, 0.1] - [0, 0, 1]
     verdicts = set()
@@ -245,7 +264,9 @@ def test_the_support_polygon_runs_counter_clockwise_seen_from_outside() -> None:
     found = diagnose(stool(TABLE), [], (0, 0, -1))
     points = facet_of(found)
     assert sorted(map(tuple, points.tolist())) == sorted(TABLE)
-    turns = np.cross(np.roll(points, -1, 0) - points, np.roll(points, -2, 0) - np.roll(points, -1, 0))
+    turns = np.cross(
+        np.roll(points, -1, 0) - points, np.roll(points, -2, 0) - np.roll(points, -1, 0)
+    )
     assert found.facet is not None
     assert (turns @ found.facet.normal > 0.0).all()
     np.testing.assert_allclose(found.facet.normal, [0, 0, -1], atol=1e-15)

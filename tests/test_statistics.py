@@ -15,7 +15,9 @@ TETRAHEDRON = [(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)]
 SQUARE = [(1, 1, -1), (-1, 1, -1), (-1, -1, -1), (1, -1, -1)]
 
 
-def swept(folder: Path, points: list[tuple[float, ...]], head: str = "", **sweep: object) -> StabilityMap:
+def swept(
+    folder: Path, points: list[tuple[float, ...]], head: str = "", **sweep: object
+) -> StabilityMap:
     """Return the map of a stool."""
     lutgen.sweep(lutgen.parse_recipe(rigid(feet(points), head=head, **sweep)), folder / "a.h5")
     return lutgen.load_map(folder / "a.h5")

@@ -161,7 +161,9 @@ def test_a_folder_is_refused(tmp_path: Path) -> None:
     assert "is a folder" in refusal(tmp_path)
 
 
-@pytest.mark.parametrize("content", [b"", b"not HDF5 at all\n" * 100, b"\x89HDF\r\n\x1a\n" + b"x" * 99])
+@pytest.mark.parametrize(
+    "content", [b"", b"not HDF5 at all\n" * 100, b"\x89HDF\r\n\x1a\n" + b"x" * 99]
+)
 def test_a_file_that_is_no_hdf5_is_refused(content: bytes, tmp_path: Path) -> None:
     path = tmp_path / "text.h5"
     path.write_bytes(content)

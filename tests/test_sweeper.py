@@ -3,6 +3,7 @@
 import errno
 import os
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 
 import h5py
@@ -53,6 +54,7 @@ class Interrupted:
         self.after, self.calls = after, 0
 
     def __call__(self, done: int, total: int) -> None:
+        """Count the blocks."""
         self.calls += 1
         if self.calls == self.after:
             raise KeyboardInterrupt
@@ -97,7 +99,7 @@ def test_progress_rises_and_ends_at_the_number_of_nodes(
     lutgen.sweep(TRIPOD, tmp_path / "a.h5", progress=lambda *now: seen.append(now))
     done = [now for now, _ in seen]
     assert len(done) == plan(TRIPOD, BLOCK).count > 5
-    assert all(a < b for a, b in zip(done, done[1:], strict=False))
+    assert all(a < b for a, b in pairwise(done))
     assert {total for _, total in seen} == {done[-1]} == {12 * 49}
 
 
@@ -386,7 +388,9 @@ def test_the_number_of_threads_is_put_back_afterwards(tmp_path: Path) -> None:
 
 def test_expected_seconds_are_positive_and_grow_with_the_map() -> None:
     small = sweeper.expected_seconds(TRIPOD)
-    large = sweeper.expected_seconds(lutgen.parse_recipe(tripod("reach = 60, swing = 60", nodes=65)))
+    large = sweeper.expected_seconds(
+        lutgen.parse_recipe(tripod("reach = 60, swing = 60", nodes=65))
+    )
     # 15 million nodes against 588: any clock sees the difference.
     assert 0.0 < small < large
 

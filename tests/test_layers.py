@@ -1,0 +1,93 @@
+"""The one direction of imports, and the size of modules."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+import lutgen
+
+PACKAGE = Path(lutgen.__file__).resolve().parent
+ROOT = PACKAGE.parent
+# Each may import only from those before it: data goes from the recipe to the robot, its facets
+# and its channels, from there into a map, and from the map to people.
+ORDER = (
+    *("errors", "_version", "jit", "vector", "grid", "sphere"),
+    *("recipe_schema", "recipe_robot", "recipe_plugin", "recipe", "robot"),
+    *("primitive", "polygon", "support", "rounds", "facet_list", "region", "channels"),
+    *("evaluation", "statics"),
+    *("raster", "tilt", "scan", "standing"),
+    *("interpolate", "checksum", "blocks", "store", "sweeper", "statistics"),
+    *("limits", "plot", "cli"),
+)
+MODULES = sorted(p for p in PACKAGE.rglob("*.py") if p != PACKAGE / "__init__.py")
+
+
+def layer(path: Path) -> str:
+    """Return the name of a module's layer: its own, or that of its folder."""
+    return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
+
+
+def imported(path: Path, package: str = "lutgen") -> set[str]:
+    """Return the layers of a package that a file imports anywhere, also inside functions."""
+    found: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        names: list[str] = []
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: relative imports hide the layer"
+            module = node.module or ""
+            names = [module, *(f"{module}.{alias.name}" for alias in node.names)]
+        for name in names:
+            parts = name.split(".")
+            if parts[0] == package and len(parts) > 1:
+                found.add(parts[1])
+    return found & {layer(p) for p in MODULES} if package == "lutgen" else found
+
+
+def test_every_module_has_its_place_in_the_order() -> None:
+    assert {layer(path) for path in MODULES} == set(ORDER)
+    assert len(set(ORDER)) == len(ORDER)
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_a_module_imports_only_from_layers_below_it(path: Path) -> None:
+    own = ORDER.index(layer(path))
+    above = {name for name in imported(path) if ORDER.index(name) > own}
+    assert above == set()
+    # A module in a folder may import its neighbours; a plain one cannot import itself.
+    assert path.parent != PACKAGE or layer(path) not in imported(path)
+
+
+def test_the_reader_of_imports_finds_what_there_is() -> None:
+    assert {"blocks", "checksum", "scan", "store"} <= imported(PACKAGE / "sweeper.py")
+    # Inside a function:
+    assert "sweeper" in imported(PACKAGE / "cli" / "sweep.py")
+
+
+def test_no_library_module_imports_the_command_line() -> None:
+    for path in MODULES:
+        if layer(path) != "cli":
+            assert "cli" not in imported(path), path
+
+
+def test_only_figures_import_matplotlib_and_only_the_command_line_imports_click() -> None:
+    for path in MODULES:
+        roots = {
+            (node.module if isinstance(node, ast.ImportFrom) else node.names[0].name).split(".")[0]  # type: ignore[union-attr]
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+            if isinstance(node, ast.Import | ast.ImportFrom)
+        }
+        assert "matplotlib" not in roots or layer(path) == "plot", path
+        assert "click" not in roots or layer(path) == "cli", path
+
+
+def test_the_firmware_export_imports_neither_figures_nor_the_command_line() -> None:
+    for path in (ROOT / "firmware_export").rglob("*.py"):
+        assert not {"plot", "cli"} & imported(path), path
+
+
+def test_no_module_is_longer_than_400_lines() -> None:
+    for path in [*MODULES, *(ROOT / "firmware_export").rglob("*.py")]:
+        assert len(path.read_text(encoding="utf-8").splitlines()) <= 400, path

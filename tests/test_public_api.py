@@ -1,0 +1,68 @@
+"""The names that scripts may rely on."""
+
+import importlib
+import pkgutil
+import subprocess
+import sys
+
+import pytest
+
+import lutgen
+
+NAMES = [
+    "InputError",
+    "LutgenError",
+    "MapFileError",
+    "RecipeError",
+    "SweepError",
+    "__version__",
+    "evaluate",
+    "load_map",
+    "load_recipe",
+    "parse_recipe",
+    "postures",
+    "stability",
+    "sweep",
+]
+
+
+def test_the_public_names_are_these_and_no_others() -> None:
+    assert dir(lutgen) == NAMES
+    assert sorted(lutgen.__all__) == NAMES
+
+
+def test_public_functions_stay_callable_after_every_submodule_is_imported() -> None:
+    # A submodule of the same name would take a function's place in the package.
+    for module in pkgutil.walk_packages(lutgen.__path__, "lutgen."):
+        importlib.import_module(module.name)
+    for name in NAMES:
+        assert callable(getattr(lutgen, name)) or name == "__version__", name
+
+
+def test_public_names_come_from_the_library_itself() -> None:
+    for name in NAMES:
+        if name != "__version__":
+            assert getattr(lutgen, name).__module__.startswith("lutgen."), name
+
+
+def test_an_unknown_name_is_an_attribute_error() -> None:
+    with pytest.raises(AttributeError, match="no attribute 'no_such_name'"):
+        _ = lutgen.no_such_name
+
+
+def test_errors_are_lutgen_errors_and_the_builtins_that_callers_expect() -> None:
+    for name, builtin in {
+        "RecipeError": ValueError,
+        "InputError": ValueError,
+        "MapFileError": OSError,
+        "SweepError": RuntimeError,
+    }.items():
+        error = getattr(lutgen, name)
+        assert issubclass(error, lutgen.LutgenError)
+        assert issubclass(error, builtin)
+
+
+def test_importing_lutgen_imports_nothing_heavy() -> None:
+    code = "import sys, lutgen; print(*sorted({'numpy', 'numba', 'h5py'} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == []
