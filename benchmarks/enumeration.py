@@ -10,9 +10,10 @@ import numpy as np
 from benchmarks.cases import DISC, KIND_NAMES, POINT, SPHERE, Case, point_shapes, wheel_shapes
 from benchmarks.memory_sweep import MemorySweep
 from benchmarks.timing import interleave
+from lutgen.boundary import find_region
 from lutgen.channels import CHANNELS
 from lutgen.jit import njit
-from lutgen.region import Limit, empty_region, find_region, limits
+from lutgen.region import Limit, empty_region, limits
 from lutgen.rounds import find_facets
 from lutgen.sphere import Chart
 from lutgen.support import facet_table, robot_size

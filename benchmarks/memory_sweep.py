@@ -58,8 +58,7 @@ class MemorySweep:
     def reused(self) -> None:
         """Compute block after block into one buffer."""
         for begin in range(0, len(self.shapes), self._per_block):
-            shapes = self.shapes[begin : begin + self._per_block]
-            self._scan(shapes, self._block[:, : len(shapes) * self.directions])
+            self._scan(self.shapes[begin : begin + self._per_block], self._block)
 
     def values(self, channel: str, postures: int) -> NDArray[np.float32]:
         """Return a channel of the first postures, (postures, directions), computed anew."""

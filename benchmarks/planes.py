@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lutgen.boundary import find_region
 from lutgen.jit import njit
 from lutgen.region import (
     EDGE_KIND,
@@ -21,7 +22,6 @@ from lutgen.region import (
     WALL,
     Limit,
     empty_region,
-    find_region,
 )
 from lutgen.rounds import find_facets
 from lutgen.support import FIRST, facet_table, robot_size

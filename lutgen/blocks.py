@@ -12,6 +12,8 @@ from lutgen.recipe import Recipe
 # Nodes of a block per channel: 4 MiB of float32, large enough that HDF5's cost per chunk vanishes
 # and small enough to stay in the last-level cache between computing and writing.
 BLOCK_NODES = 1 << 20
+# Postures of a block, where each has few directions: their contacts must fit in the cache too.
+BLOCK_POSTURES = 1 << 14
 
 
 @dataclass(frozen=True)
@@ -83,8 +85,11 @@ def plan(recipe: Recipe, block_nodes: int = BLOCK_NODES) -> Plan:
     chunk = [1] * len(shape)
     room = block_nodes
     for axis in range(len(shape) - 1, -1, -1):
-        whole = axis == len(shape) - 1
-        chunk[axis] = shape[axis] if whole else max(1, min(shape[axis], room))
+        if axis == len(recipe.grid.shape) - 1:
+            room = min(room, BLOCK_POSTURES)
+        most = shape[axis] if axis == len(shape) - 1 else max(1, min(shape[axis], room))
+        # As few chunks as that allows, all of nearly one size: what the last one lacks is padding.
+        chunk[axis] = -(-shape[axis] // -(-shape[axis] // most))
         room //= chunk[axis]
         if chunk[axis] < shape[axis] or room == 0:
             break

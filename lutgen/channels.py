@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from lutgen.boundary import find_region
 from lutgen.errors import InputError
 from lutgen.jit import njit, prange
 from lutgen.primitive import pack
@@ -27,7 +28,6 @@ from lutgen.region import (
     Limit,
     Region,
     empty_region,
-    find_region,
     is_standing,
     limits,
     supporting_facet,

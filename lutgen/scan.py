@@ -8,6 +8,7 @@ import math
 
 import numpy as np
 
+from lutgen.boundary import find_region
 from lutgen.channels import measure
 from lutgen.jit import njit, prange
 from lutgen.raster import VECTOR, draw_facets, stability_factor
@@ -20,7 +21,6 @@ from lutgen.region import (
     Limit,
     Region,
     empty_region,
-    find_region,
 )
 from lutgen.rounds import find_facets
 from lutgen.support import facet_table, robot_size

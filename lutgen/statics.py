@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from lutgen.boundary import find_region
 from lutgen.channels import (
     CHANNELS,
     axis_energy,
@@ -30,7 +31,6 @@ from lutgen.region import (
     STOP,
     TIP_PLANE,
     empty_region,
-    find_region,
     limits,
     supporting_facet,
     vector_at,

@@ -152,9 +152,11 @@ class StabilityMap:
         if name not in self._values:
             try:
                 with h5py.File(self.path, "r") as file:
-                    self._values[name] = file[name][...]
+                    values = file[name][...]
             except (OSError, KeyError, RuntimeError) as error:
                 raise _damaged(self.path, f"channel {name} cannot be read", error) from error
+            values.setflags(write=False)
+            self._values[name] = values
         return self._values[name]
 
     def read(

@@ -189,16 +189,14 @@ def agree_in_sign(out: Singles, span: Ints, nodes: int, rows: int) -> None:
     Both come from the same planes, but a node within rounding of a boundary may fall on either
     side; the verdict and the NaN of |SD_g| must be one.
     """
-    outside = np.float32(JUST_OUTSIDE)
+    outside, boundary = np.float32(JUST_OUTSIDE), np.float32(0.0)
     for r in range(rows):
-        begin, end = span[r, 0], span[r, 1]
+        begin, end = span[r, 0], max(span[r, 0], span[r, 1])
         line = out[r * nodes : (r + 1) * nodes]
-        if begin >= end:
-            for i in range(nodes):
-                line[i] = min(line[i], outside)
-            continue
-        for i in range(max(begin - 1, 0), min(end + 1, nodes)):
-            if begin <= i < end:
-                line[i] = max(line[i], np.float32(0.0))
-            else:
-                line[i] = min(line[i], outside)
+        # The whole row: a boundary may run along it, within rounding of every node.
+        for i in range(begin):
+            line[i] = min(line[i], outside)
+        for i in range(begin, end):
+            line[i] = max(line[i], boundary)
+        for i in range(end, nodes):
+            line[i] = min(line[i], outside)

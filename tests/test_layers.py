@@ -14,7 +14,7 @@ ROOT = PACKAGE.parent
 ORDER = (
     *("errors", "_version", "jit", "vector", "grid", "sphere"),
     *("recipe_schema", "recipe_robot", "recipe_plugin", "recipe", "robot"),
-    *("primitive", "polygon", "support", "rounds", "facet_list", "region", "channels"),
+    *("primitive", "polygon", "support", "rounds", "facet_list", "region", "boundary", "channels"),
     *("evaluation", "statics"),
     *("raster", "tilt", "scan", "standing"),
     *("interpolate", "checksum", "blocks", "store", "sweeper", "statistics"),

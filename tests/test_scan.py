@@ -192,7 +192,8 @@ def test_nodes_on_shared_edges_of_closed_solids_always_stand(solid: list[list[in
             got = rows(robots, chart)
             assert not np.isnan(got["sdg"]).any()
             assert (got["tip_angle"] == np.float32(np.pi)).all()
-            assert (got["facet"] >= 0).all()
+            # Of facets that meet at a node the lower number has it, as in `measure_postures`.
+            np.testing.assert_array_equal(got["facet"], exact(robots, chart, (None, None))["facet"])
 
 
 def test_nodes_on_edges_shared_by_two_standing_facets_never_tip() -> None:
@@ -218,6 +219,24 @@ def test_a_ray_exactly_on_a_tip_over_axis_stands_with_tip_angle_zero() -> None:
     # tan(45 deg) is 1 to within 1e-16, and float32 knows smaller numbers than that.
     assert np.abs(got["tip_angle"][0, :, [0, -1]]).max() < 1e-15
     assert got["tip_angle"][0, 10, 10] == pytest.approx(np.pi / 4, rel=1e-7)
+
+
+def test_one_verdict_holds_where_tip_over_axes_run_through_nodes() -> None:
+    # Rectangles whose sides are rows and columns of nodes, at many heights: at a node on a side
+    # the two ways to compute it differ by rounding, either way.
+    chart = Chart("cone", 23, np.radians(55.0))
+    u = chart.coords
+    scales = np.random.default_rng(9).uniform(0.1, 3.0, 60)
+    corners = [
+        [[x, y, -1.0] for x in (u[5], u[17 + k % 4]) for y in (u[3 + k % 5], u[20])]
+        for k in range(60)
+    ]
+    got = rows(Robots(np.array(corners) * scales[:, None, None]), chart)
+    assert_one_verdict(got)
+    # Both sides of the rounding occur, or the test would say nothing.
+    beside = got["tip_angle"][np.abs(got["tip_angle"]) < 1e-12]
+    assert (beside >= 0.0).any()
+    assert (beside < 0.0).any()
 
 
 @pytest.mark.parametrize("channels", [FAST, CHANNELS], ids=["fast", "margins"])

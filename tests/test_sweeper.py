@@ -91,6 +91,19 @@ def test_values_depend_neither_on_threads_nor_on_the_size_of_blocks(
         verify(lutgen.load_map(tmp_path / "cut.h5"))
 
 
+def test_past_the_end_of_the_map_a_chunk_is_nan(tmp_path: Path, cut: Callable[[int], None]) -> None:
+    # Of 3 nodes of `swing` a chunk holds 2, so every other chunk is half empty.
+    cut(BLOCK)
+    lutgen.sweep(TRIPOD, tmp_path / "a.h5")
+    with h5py.File(tmp_path / "a.h5", "r") as file:
+        assert file["sdg"].chunks == (1, 2, 1, 7, 7)
+        for name in ("sdg", "tip_angle"):
+            _, raw = file[name].id.read_direct_chunk((0, 2, 0, 0, 0))
+            chunk = np.frombuffer(raw[:-4], np.float32)
+            assert np.isnan(chunk[49:]).all()
+            assert np.isfinite(chunk[:49]).any()
+
+
 def test_progress_rises_and_ends_at_the_number_of_nodes(
     tmp_path: Path, cut: Callable[[int], None]
 ) -> None:
