@@ -49,11 +49,6 @@ class Computer:
         # One row more than the chunk, for its checksum.
         self._out = np.full((len(CHANNELS), layout.chunk_nodes + 1), np.nan, np.float32)
 
-    @staticmethod
-    def _threads(chunk: NDArray[np.float32]) -> int:
-        """Return how many threads a chunk's checksum repays."""
-        return max(1, min(int(numba.get_num_threads()), chunk.nbytes >> 19))
-
     def compute(self, block: Block) -> dict[str, NDArray[np.float32]]:
         """Return a chunk of each channel, (chunk nodes + 1,) with its checksum in the last item.
 
@@ -88,9 +83,7 @@ class Computer:
             if self._wanted[row]:
                 chunk = self._out[row]
                 chunk[held:-1] = np.nan
-                chunk[-1:].view(np.uint32)[0] = fletcher32(
-                    chunk[:-1].view(np.uint16), self._threads(chunk)
-                )
+                chunk[-1:].view(np.uint32)[0] = fletcher32(chunk[:-1].view(np.uint16))
                 chunks[name] = chunk
         return chunks
 
