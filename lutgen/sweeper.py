@@ -47,7 +47,7 @@ class Computer:
         self._wanted = np.array([name in recipe.channels for name in CHANNELS])
         self._radius, self._kind = shapes(recipe)
         # One row more than the chunk, for its checksum.
-        self._out = np.full((len(CHANNELS), layout.chunk_nodes + 1), np.nan, np.float32)
+        self._out = np.empty((len(CHANNELS), layout.chunk_nodes + 1), np.float32)
 
     def compute(self, block: Block) -> dict[str, NDArray[np.float32]]:
         """Return a chunk of each channel, (chunk nodes + 1,) with its checksum in the last item.
