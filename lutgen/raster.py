@@ -30,6 +30,8 @@ from lutgen.vector import Floats, Ints, Singles, Vector, dot, row
 
 # Loops over an interval run over whole vectors of this many nodes; a mask keeps the rest.
 VECTOR = 16
+# Within this part of a step from a node, rounding could say either side of an edge.
+IN_DOUBT = 1e-6
 # Ties of two facets go to the lower index, see `region.supporting_facet`.
 TIE = 1.0 + 1e-12
 
@@ -89,7 +91,7 @@ def _interval(lines: Floats, count: int, coords: Floats, nodes: int, v: float) -
         place = lines[e, 3] + lines[e, 4] * v
         nearest = math.floor(place + 0.5)
         node = nearest if place <= nearest else nearest + 1.0
-        if abs(place - nearest) < 1e-6 or slope == 0.0:
+        if abs(place - nearest) < IN_DOUBT or slope == 0.0:
             # The root is at a node but for rounding, or there is none: the sign decides.
             at = int(min(max(nearest, 0.0), nodes - 1.0))
             value = lines[e, 0] + lines[e, 1] * v + slope * coords[at]
@@ -182,6 +184,39 @@ def stability_factor(squared: Singles, rate: Singles, out: Singles) -> None:
         out[i] = math.sqrt(squared[i]) / rate[i]
 
 
+@njit(inline=True)
+def _all_intervals(
+    lines: Floats,
+    count: int,
+    coords: Floats,
+    nodes: int,
+    first_row: int,
+    begin_row: int,
+    end_row: int,
+    begins: Floats,
+    ends: Floats,
+    doubt: Floats,
+) -> None:
+    """Fill the first node and the one after the last for rows of one facet, many rows at a time.
+
+    `doubt` receives the least distance of a root from a node, counted in nodes: where it is below
+    `IN_DOUBT` the row must be asked for with `_interval`.
+    """
+    for r in range(np.uint64(begin_row), np.uint64(end_row)):
+        begins[r] = 0.0
+        ends[r] = nodes
+        doubt[r] = 1.0
+    for e in range(count):
+        slope, origin, tilt = lines[e, 2], lines[e, 3], lines[e, 4]
+        for r in range(np.uint64(begin_row), np.uint64(end_row)):
+            place = origin + tilt * coords[np.uint64(first_row) + r]
+            nearest = math.floor(place + 0.5)
+            node = nearest if place <= nearest else nearest + 1.0
+            begins[r] = max(begins[r], node) if slope > 0.0 else begins[r]
+            ends[r] = min(ends[r], node) if slope < 0.0 else ends[r]
+            doubt[r] = min(doubt[r], abs(place - nearest)) if slope != 0.0 else 0.0
+
+
 @njit()
 def draw_facets(
     region: Region,
@@ -192,6 +227,7 @@ def draw_facets(
     rows: int,
     lines: Floats,
     span: Ints,
+    room: Floats,
     squared: Singles,
     rate: Singles,
     out_k: Ints,
@@ -200,9 +236,11 @@ def draw_facets(
 
     `squared` and `rate` receive the terms, NaN where no facet is; `span` (rows, 2) the first and
     last standing node of each row; `out_k` (rows * nodes,) the facet or is empty.
+    `lines` (e, 6) and `room` (3, rows) are room to work in.
     """
     plate, first, edge, link = region.plate, region.span, region.edge, region.link
     corner, along, aside = row(basis, 0), row(basis, 1), row(basis, 2)
+    begins, ends, doubt = room[0], room[1], room[2]
     squared[: rows * nodes] = np.float32(np.nan)
     for r in range(rows):
         span[r, 0] = nodes
@@ -227,9 +265,16 @@ def draw_facets(
         c0, b0, a0 = dot(plane, corner), dot(plane, aside), dot(plane, along)
         c1, b1, a1 = dot(w1, corner), dot(w1, aside), dot(w1, along)
         c2, b2, a2 = dot(w2, corner), dot(w2, aside), dot(w2, along)
+        _all_intervals(
+            *(lines, edges, coords, nodes, first_row, begin_row, end_row),
+            *(begins, ends, doubt),
+        )
         for r in range(begin_row, end_row):
             v = coords[first_row + r]
-            begin, end = _interval(lines, edges, coords, nodes, v)
+            if doubt[r] < IN_DOUBT:
+                begin, end = _interval(lines, edges, coords, nodes, v)
+            else:
+                begin, end = int(min(begins[r], nodes)), int(max(ends[r], 0.0))
             if begin >= end:
                 continue
             drawn = True

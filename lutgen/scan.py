@@ -94,6 +94,7 @@ def _scan_part(
     lowest = np.empty(band_rows * nodes + VECTOR)
     cosine = np.empty(band_rows * nodes)
     span = np.empty((band_rows, 2), np.int64)
+    room = np.empty((3, band_rows))
     facet_band = np.empty(band_rows * nodes if wanted[1] or wanted[5] else 0, np.int64)
     current = -1
     at = begin
@@ -125,6 +126,7 @@ def _scan_part(
             rows,
             lines,
             span,
+            room,
             squared,
             rate,
             facet_band,
