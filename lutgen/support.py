@@ -136,14 +136,12 @@ def add_facet(
             continue
         # Of points, two facets share an edge and no more: what is known needs no rolling.
         i, j = link[at, VERTEX], link[at + 1 if t + 1 < corners else begin, VERTEX]
-        other = owner[j, i]
-        owner[i, j] = at
-        if other >= 0:
-            f = 0
-            while span[f + 1, FIRST] <= other:
-                f += 1
+        facing = owner[j, i]
+        owner[i, j] = new * MAX_PRIMITIVES + t
+        if facing >= 0:
+            f = facing // MAX_PRIMITIVES
             link[at, NEIGHBOUR] = f
-            link[other, NEIGHBOUR] = new
+            link[span[f, FIRST] + facing % MAX_PRIMITIVES, NEIGHBOUR] = new
     facet[new, 0], facet[new, 1], facet[new, 2] = normal
     facet[new, 3] = height
     span[new, MASK] = mask
@@ -225,9 +223,13 @@ def _enter_plane(
         return OUTSIDE
     normal = scale(normal, 1.0 / area)
     height = dot(p, normal)
-    below, mask = lowest_beyond(shapes, normal, height, RELATIVE_TOLERANCE * size)
-    if below >= 0:
-        return OUTSIDE
+    tolerance = RELATIVE_TOLERANCE * size
+    mask = 0
+    for m in range(shapes.shape[0]):
+        over = dot(row(shapes, m), normal) - height
+        if over > tolerance:
+            return OUTSIDE
+        mask |= (1 if over >= -tolerance else 0) << m
     return add_facet(count, facet, span, corner, link, owner, shapes, normal, height, mask, size)
 
 
