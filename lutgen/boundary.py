@@ -39,6 +39,7 @@ from lutgen.support import (
     FIRST,
     MASK,
     NEIGHBOUR,
+    PLACE,
     RELATIVE_TOLERANCE,
     VERTEX,
     FacetTable,
@@ -115,6 +116,7 @@ def _enter_facets(
             accepted += 1
     for k in range(accepted):
         f = first[k, SOURCE]
+        span[f, PLACE] = k
         normal = row(facet, f)
         plane = scale(normal, 1.0 / facet[f, 3])
         centroid = area_centroid(corner, span[f, FIRST], span[f + 1, FIRST])
@@ -285,9 +287,7 @@ def find_region(
             other = link[at, NEIGHBOUR]
             boundary = True
             if other != f and _is_accepted(facet, other, steepest, tolerance):
-                for beyond in range(accepted):
-                    if first[beyond, SOURCE] == other:
-                        about[e, ACROSS] = beyond
+                about[e, ACROSS] = span[other, PLACE]
                 boundary = dot(row(facet, f), row(facet, other)) < least_cosine
                 back = matching_corner(span, link, f, at, other)
                 moved = 0.0

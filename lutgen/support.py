@@ -30,16 +30,17 @@ MAX_PRIMITIVES = 32
 SAME_NORMAL = 1.0 - 1e-10
 UNKNOWN, OUTSIDE = -2, -1
 VERTEX, NEIGHBOUR = 0, 1
-FIRST, MASK = 0, 1
+FIRST, MASK, PLACE = 0, 1, 2
 
 
 class FacetTable(NamedTuple):
     """Facets of one posture as flat arrays, reused from posture to posture.
 
     `tally` (2,): facets, and 1 where the table was too small.  Per facet: `facet` (F, 4) normal
-    and height; `span` (F + 1, 2) its first corner and the bit set of the primitives that it
-    touches.  Per corner, counter-clockwise seen from outside: `corner` (E, 3) contact point;
-    `link` (E, 2) primitive, and facet across the edge from this corner to the next.
+    and height; `span` (F + 1, 3) its first corner, the bit set of the primitives that it
+    touches, and room for its place among the accepted facets.  Per corner, counter-clockwise seen
+    from outside: `corner` (E, 3) contact point; `link` (E, 2) primitive, and facet across the edge
+    from this corner to the next.
     """
 
     tally: NDArray[np.int64]
@@ -57,7 +58,7 @@ def facet_table(primitives: int) -> FacetTable:
     return FacetTable(
         np.zeros(2, np.int64),
         np.empty((facets, 4)),
-        np.zeros((facets + 1, 2), np.int64),
+        np.zeros((facets + 1, 3), np.int64),
         np.empty((corners, 3)),
         np.empty((corners, 2), np.int64),
     )
