@@ -148,6 +148,11 @@ def sweep(
         raise SweepError(
             f"{target}: cannot be written (got the path of a folder); add a name such as map.h5"
         )
+    if not target.parent.is_dir():
+        raise SweepError(
+            f"{target}: cannot be written (got the folder {target.parent}, which does not exist); "
+            "make it first"
+        )
     part = target.with_name(target.name + ".part")
     layout = plan(recipe)
     before = numba.get_num_threads()
@@ -178,7 +183,12 @@ def _open_part(
     """Make the unfinished file, or open one to go on with; return chunk places and blocks done."""
     if not (resume and part.exists()):
         part.unlink(missing_ok=True)
-        return create(part, recipe, layout), np.zeros(layout.count, np.bool_)
+        try:
+            return create(part, recipe, layout), np.zeros(layout.count, np.bool_)
+        except BaseException:
+            # A file that is not laid out yet cannot be resumed.
+            part.unlink(missing_ok=True)
+            raise
     try:
         with h5py.File(part, "r") as file:
             if file.attrs["recipe_sha256"] != recipe.digest:

@@ -414,3 +414,16 @@ def test_a_plan_of_the_recipe_is_what_the_file_is_cut_into(tmp_path: Path) -> No
     with h5py.File(tmp_path / "a.h5", "r") as file:
         assert file["sdg"].chunks == layout.chunk
         assert file["sdg"].shape == layout.shape
+
+
+def test_an_interruption_while_the_file_is_laid_out_leaves_nothing_behind(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(path: Path, *_: object) -> None:
+        path.write_bytes(b"half a header")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(sweeper, "create", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        sweeper.sweep(TRIPOD, tmp_path / "map.h5")
+    assert list(tmp_path.iterdir()) == []

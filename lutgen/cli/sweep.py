@@ -64,8 +64,11 @@ def sweep(
                 robot, output, threads=threads, resume=resume, engine=engine, progress=progress
             )
         except KeyboardInterrupt:
+            begun = Path(f"{output}.part").exists()
             raise click.ClickException(
                 f"interrupted; {output}.part holds what is done: go on with --resume"
+                if begun
+                else "interrupted before the first block; nothing is left behind"
             ) from None
     seconds = time.perf_counter() - start
     if not quiet:
