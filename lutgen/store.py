@@ -96,6 +96,8 @@ def _variable(file: h5py.File, name: str, layout: Plan) -> h5py.Dataset:
     """Make a channel's variable with its chunks allocated but not filled."""
     create_list = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
     create_list.set_chunk(layout.chunk)
+    # No time of making in the file: the same recipe gives the same bytes.
+    create_list.set_obj_track_times(False)
     create_list.set_fletcher32()
     create_list.set_fill_value(np.array(np.nan, np.float32))
     create_list.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
