@@ -1,4 +1,4 @@
-"""Our sweep into memory: `lutgen.scan.scan`, called as `lutgen.sweeper.Computer` calls it."""
+"""Our sweep into memory: `lutgen.scan.scan`, called as `lutgen.scanner.Scanner` calls it."""
 
 from collections.abc import Sequence
 

@@ -302,7 +302,7 @@ def _forward(
     axes: Floats,
     com: Floats,
 ) -> None:
-    """Write postures; each one is computed by itself, so threads do not change a bit."""
+    """Write postures, each one computed by itself."""
     links = len(parent)
     for m in range(len(params)):
         turn = np.empty((links, 3, 3))

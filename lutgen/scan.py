@@ -27,8 +27,8 @@ from lutgen.support import facet_table, robot_size
 from lutgen.tilt import agree_in_sign, arc_rows, tip_rows
 from lutgen.vector import Bools, Floats, Singles, Vector
 
-# Rows are gathered into a band of about this many nodes, which stays in the first-level cache
-# between its passes.
+# Rows are gathered into a band of about this many nodes, which stays in the cache between
+# its passes.
 BAND = 4096
 # Below this many directions, setting up a face costs more than it saves.
 FEW_DIRECTIONS = 16

@@ -11,12 +11,8 @@ import numpy as np
 
 from lutgen.channels import CHANNELS
 from lutgen.errors import RecipeError
-from lutgen.primitive import pack
-from lutgen.raster import VECTOR
 from lutgen.recipe import Recipe
-from lutgen.region import limits
-from lutgen.robot import forward, shapes
-from lutgen.scan import scan
+from lutgen.scanner import Scanner
 from lutgen.sphere import Chart
 from lutgen.vector import Floats
 
@@ -54,20 +50,7 @@ def require_standing(recipe: Recipe) -> None:
 
 
 def _any_stands(recipe: Recipe, params: Floats, chart: Chart) -> bool:
-    postures = forward(recipe, params)
-    radius, kind = shapes(recipe)
-    rows = chart.faces * chart.nodes
-    out = np.full((len(CHANNELS), len(params) * rows * chart.nodes), np.nan, np.float32)
-    scan(
-        pack(postures.centres, postures.axes, radius, kind),
-        limits(recipe.upright, recipe.rock_angle),
-        chart.basis(),
-        np.concatenate([chart.coords, np.full(VECTOR, np.inf)]),
-        chart.inverse_length().ravel(),
-        0,
-        rows,
-        np.array([name == "sdg" for name in CHANNELS]),
-        numba.get_num_threads(),
-        out,
-    )
+    scanner = Scanner(recipe, chart, ("sdg",))
+    out = np.full((len(CHANNELS), len(params) * scanner.rows * chart.nodes), np.nan, np.float32)
+    scanner.fill(params, 0, scanner.rows, numba.get_num_threads(), out)
     return bool(np.isfinite(out[CHANNELS.index("sdg")]).any())

@@ -93,7 +93,7 @@ def _scale(
 
 
 def _variable(file: h5py.File, name: str, layout: Plan) -> h5py.Dataset:
-    """Make a channel's variable with its chunks allocated but not filled."""
+    """Make a channel's variable with all its chunks allocated."""
     create_list = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
     create_list.set_chunk(layout.chunk)
     # No time of making in the file: the same recipe gives the same bytes.

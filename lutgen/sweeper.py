@@ -19,12 +19,8 @@ from lutgen.blocks import Block, Plan, plan
 from lutgen.channels import CHANNELS
 from lutgen.checksum import fletcher32
 from lutgen.errors import InputError, MapFileError, SweepError
-from lutgen.primitive import pack
-from lutgen.raster import VECTOR
 from lutgen.recipe import Recipe
-from lutgen.region import limits
-from lutgen.robot import forward, shapes
-from lutgen.scan import scan
+from lutgen.scanner import Scanner
 from lutgen.standing import require_standing
 from lutgen.store import BITMAP, COMPLETE, chunk_places, create
 
@@ -38,15 +34,8 @@ class Computer:
     def __init__(self, recipe: Recipe, layout: Plan) -> None:
         self.recipe = recipe
         self.nodes = recipe.chart.nodes
-        self.rows_per_posture = recipe.chart.faces * self.nodes
-        coords = recipe.chart.coords
-        self._inverse = recipe.chart.inverse_length().ravel()
-        self._coords = np.concatenate([coords, np.full(VECTOR, np.inf)])
-        self._basis = recipe.chart.basis()
-        self._limit = limits(recipe.upright, recipe.rock_angle)
-        self._wanted = np.array([name in recipe.channels for name in CHANNELS])
-        self._radius, self._kind = shapes(recipe)
-        # One row more than the chunk, for its checksum.
+        self._scanner = Scanner(recipe, recipe.chart, recipe.channels)
+        # One item more than the chunk, for its checksum.
         self._out = np.empty((len(CHANNELS), layout.chunk_nodes + 1), np.float32)
 
     def compute(self, block: Block) -> dict[str, NDArray[np.float32]]:
@@ -55,36 +44,29 @@ class Computer:
         The arrays are overwritten by the next call.  Past the end of the map a chunk is NaN.
         """
         first, last = block.first_row, block.last_row
-        begin, end = first // self.rows_per_posture, -(-last // self.rows_per_posture)
-        postures = forward(self.recipe, self.recipe.grid.params(np.arange(begin, end)))
-        primitives = pack(postures.centres, postures.axes, self._radius, self._kind)
+        per_posture = self._scanner.rows
+        begin, end = first // per_posture, -(-last // per_posture)
         held = (last - first) * self.nodes
-        rows = first - begin * self.rows_per_posture
-        overflow = scan(
-            primitives,
-            self._limit,
-            self._basis,
-            self._coords,
-            self._inverse,
+        rows = first - begin * per_posture
+        overflow = self._scanner.fill(
+            self.recipe.grid.params(np.arange(begin, end)),
             rows,
-            rows + last - first if end - begin == 1 else self.rows_per_posture,
-            self._wanted,
+            rows + last - first if end - begin == 1 else per_posture,
             numba.get_num_threads() * PARTS_PER_THREAD,
             self._out,
         )
         if overflow:
             raise SweepError(
                 f"{self.recipe.source}: a posture of block {block.number} has more support facets "
-                f"than {primitives.shape[1]} contacts can have (got {overflow} such postures); "
-                "check the radii for overlapping spheres"
+                f"than {len(self.recipe.contact_names)} contacts can have (got {overflow} such "
+                "postures); check the radii for overlapping spheres"
             )
         chunks = {}
-        for row, name in enumerate(CHANNELS):
-            if self._wanted[row]:
-                chunk = self._out[row]
-                chunk[held:-1] = np.nan
-                chunk[-1:].view(np.uint32)[0] = fletcher32(chunk[:-1].view(np.uint16))
-                chunks[name] = chunk
+        for name in self.recipe.channels:
+            chunk = self._out[CHANNELS.index(name)]
+            chunk[held:-1] = np.nan
+            chunk[-1:].view(np.uint32)[0] = fletcher32(chunk[:-1].view(np.uint16))
+            chunks[name] = chunk
         return chunks
 
 

@@ -16,7 +16,7 @@ ORDER = (
     *("recipe_schema", "recipe_robot", "recipe_plugin", "recipe", "robot"),
     *("primitive", "polygon", "support", "rounds", "facet_list", "region", "boundary", "channels"),
     *("evaluation", "statics"),
-    *("raster", "tilt", "scan", "standing"),
+    *("raster", "tilt", "scan", "scanner", "standing"),
     *("interpolate", "checksum", "blocks", "store", "sweeper", "statistics"),
     *("limits", "plot", "cli"),
 )
@@ -61,7 +61,7 @@ def test_a_module_imports_only_from_layers_below_it(path: Path) -> None:
 
 
 def test_the_reader_of_imports_finds_what_there_is() -> None:
-    assert {"blocks", "checksum", "scan", "store"} <= imported(PACKAGE / "sweeper.py")
+    assert {"blocks", "checksum", "scanner", "store"} <= imported(PACKAGE / "sweeper.py")
     # Inside a function:
     assert "sweeper" in imported(PACKAGE / "cli" / "sweep.py")
 
