@@ -1,6 +1,6 @@
 # Every command of the project; `make help` lists them.
 # `maps` is also a folder, so without this line make would call it up to date.
-.PHONY: help venv maps test check bench clean
+.PHONY: help venv maps test check bench size clean
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -10,13 +10,14 @@ BIN := .venv/bin
 RECIPES := $(wildcard maps/*.toml)
 NAMES := $(RECIPES:maps/%.toml=%)
 SOURCES := $(shell find lutgen -name '*.py')
+EXPORTER := $(shell find firmware_export -name '*.py' -o -path '*/runtime/*')
 
 help: ## list the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## (.*)/\1\t\2/' | expand -t 10
 
 venv: .venv/.installed ## create .venv and install everything in it
 
-maps: $(NAMES:%=build/maps/%/figures.stamp) ## build every map of maps/ and its figures into build/maps
+maps: $(NAMES:%=build/maps/%/figures.stamp) $(NAMES:%=build/maps/%/firmware.stamp) ## build every map of maps/, its figures and its firmware export into build/maps
 
 test: .venv/.installed ## run the tests
 	$(BIN)/python -m pytest -n 2
@@ -29,6 +30,9 @@ check: .venv/.installed ## lint, format, types, spelling
 
 bench: .venv/.installed ## measure speed
 	$(BIN)/python -m benchmarks.run
+
+size: $(NAMES:%=build/maps/%/firmware.stamp) ## measure flash, RAM and stack on a Cortex-M4 (arm-none-eabi-gcc)
+	$(BIN)/python -m firmware_export.size_measure $(NAMES:%=build/maps/%/firmware)
 
 clean: ## remove build/ and the caches, keep .venv
 	rm -rf build .pytest_cache .mypy_cache .ruff_cache .hypothesis *.egg-info
@@ -50,4 +54,10 @@ build/maps/%.h5: maps/%.toml $(SOURCES) | .venv/.installed
 build/maps/%/figures.stamp: maps/%.toml build/maps/%.h5 tools/gallery.py
 	@mkdir -p $(@D)
 	$(BIN)/python tools/gallery.py $< build/maps/$*.h5
+	touch $@
+
+# The folder of an export holds nothing but its files, so the stamp stands beside it.
+build/maps/%/firmware.stamp: build/maps/%.h5 $(EXPORTER)
+	@mkdir -p $(@D)
+	$(BIN)/lutgen export $< -o build/maps/$*/firmware
 	touch $@

@@ -11,7 +11,14 @@ from lutgen._version import __version__
 
 if TYPE_CHECKING:
     from lutgen.channels import stability
-    from lutgen.errors import InputError, LutgenError, MapFileError, RecipeError, SweepError
+    from lutgen.errors import (
+        ExportError,
+        InputError,
+        LutgenError,
+        MapFileError,
+        RecipeError,
+        SweepError,
+    )
     from lutgen.evaluation import evaluate
     from lutgen.recipe import load_recipe, parse_recipe
     from lutgen.robot import postures
@@ -19,6 +26,7 @@ if TYPE_CHECKING:
     from lutgen.sweeper import sweep
 
 _HOME = {
+    "ExportError": "errors",
     "InputError": "errors",
     "LutgenError": "errors",
     "MapFileError": "errors",
@@ -34,6 +42,7 @@ _HOME = {
 }
 
 __all__ = [
+    "ExportError",
     "InputError",
     "LutgenError",
     "MapFileError",

@@ -5,7 +5,14 @@ received, and the way out.  Each class is also the builtin that a caller would
 expect, so that code which does not know lutgen can still catch it.
 """
 
-__all__ = ["InputError", "LutgenError", "MapFileError", "RecipeError", "SweepError"]
+__all__ = [
+    "ExportError",
+    "InputError",
+    "LutgenError",
+    "MapFileError",
+    "RecipeError",
+    "SweepError",
+]
 
 
 class LutgenError(Exception):
@@ -26,3 +33,7 @@ class MapFileError(LutgenError, OSError):
 
 class SweepError(LutgenError, RuntimeError):
     """A sweep could not be computed, written or resumed."""
+
+
+class ExportError(LutgenError, RuntimeError):
+    """No export meets what was asked for, or its folder could not be written or compiled."""

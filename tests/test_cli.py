@@ -417,7 +417,9 @@ def test_resuming_with_another_recipe_is_bad_input(place: Path, tmp_path: Path) 
 # help and start-up
 
 
-@pytest.mark.parametrize("command", [[], ["check"], ["sweep"], ["info"], ["eval"], ["plot"]])
+@pytest.mark.parametrize(
+    "command", [[], ["check"], ["sweep"], ["info"], ["eval"], ["plot"], ["export"]]
+)
 def test_help_is_printed_for_both_spellings(command: list[str]) -> None:
     short, long = good(*command, "-h"), good(*command, "--help")
     assert short.stdout == long.stdout
@@ -438,7 +440,9 @@ def python() -> Callable[..., subprocess.CompletedProcess[str]]:
     return start
 
 
-@pytest.mark.parametrize("arguments", [["--help"], ["eval", "--help"], ["--version"]])
+@pytest.mark.parametrize(
+    "arguments", [["--help"], ["eval", "--help"], ["export", "--help"], ["--version"]]
+)
 def test_help_imports_nothing_heavy(
     arguments: list[str], python: Callable[..., subprocess.CompletedProcess[str]]
 ) -> None:

@@ -2,8 +2,10 @@
 
 import contextlib
 import io
+import os
 import re
 import shutil
+import subprocess
 import sys
 from pathlib import Path
 
@@ -15,6 +17,7 @@ import lutgen
 from lutgen.cli import main
 
 ROOT = Path(__file__).resolve().parent.parent
+README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
 def blocks(name: str, language: str) -> list[str]:
@@ -32,7 +35,7 @@ def clone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_the_shell_commands_of_the_readme_run_and_write_their_files(clone: Path) -> None:
-    (shell,) = blocks("README.md", "sh")
+    shell, _ = blocks("README.md", "sh")
     lines = shell.splitlines()
     # CI runs `make venv` itself before it can run any test.
     assert lines[0] == "make venv"
@@ -45,6 +48,64 @@ def test_the_shell_commands_of_the_readme_run_and_write_their_files(clone: Path)
             assert re.search(r"^sdg +0\.00253160\d*$", result.stdout, re.MULTILINE)
     assert h5py.is_hdf5("paper_two.h5")
     assert (clone / "paper_two.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.fixture
+def lutgen_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Put this environment's programs first on the path."""
+    folder = str(Path(sys.executable).parent)
+    monkeypatch.setenv("PATH", os.pathsep.join([folder, os.environ["PATH"]]))
+
+
+def ran(command: str) -> str:
+    """Run a shell command in the working folder and return what it printed."""
+    done = subprocess.run(command, shell=True, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, f"{command}: {done.stderr}"
+    return done.stdout
+
+
+def test_the_readme_leads_to_a_reading_in_c_in_three_commands(
+    clone: Path, lutgen_first: None
+) -> None:
+    _, shell = blocks("README.md", "sh")
+    setup, export, compiled = shell.splitlines()
+    assert setup == "make venv"
+    printed = ran(export.replace(".venv/bin/", ""))
+    held = re.search(r"(\d+) bytes of tables", printed)
+    said = re.search(r"takes (\d+) bytes of tables, at most ([\d.]+) % off", README)
+    assert held is not None
+    assert said is not None
+    assert held[1] == said[1]
+    assert float(re.search(r"largest error [^(]*\(([\d.]+) %\)", printed)[1]) <= float(said[2])  # type: ignore[index]
+    assert re.search(r"^stands$", ran(compiled), re.MULTILINE)
+
+
+def test_everything_in_the_firmware_guide_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, lutgen_first: None
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (recipe,) = blocks("docs/firmware.md", "toml")
+    Path("stork.toml").write_text(recipe)
+    printed = [
+        ran(line) for block in blocks("docs/firmware.md", "sh") for line in block.splitlines()
+    ]
+    check, exact, export, asked, _, reading, _ = printed
+    assert check.startswith("stork: 3 contacts")
+    heights = [
+        float(re.search(r"^height +([\d.]+)", text, re.MULTILINE)[1])
+        for text in (exact, asked, reading)
+    ]  # type: ignore[index]
+    # All three answer for the same posture; 0.5 % was asked for.
+    assert max(heights) - min(heights) < 0.005 * heights[0]
+    assert "0 points said to stand that tip" in export
+    for folder, code in zip(
+        ("stork_firmware", "stork_integer"), blocks("docs/firmware.md", "c"), strict=True
+    ):
+        Path("use.c").write_text(code)
+        ran(f"cc -std=c99 -Wall -Wextra -Werror -I{folder} -fPIC -c use.c")
+        ran(
+            f"cc -std=c99 -I{folder} {folder}/stork.c {folder}/smap.c use.o -shared -fPIC -o use.so"
+        )
 
 
 def test_the_python_of_the_readme_prints_what_its_comments_say(clone: Path) -> None:

@@ -20,6 +20,22 @@ ORDER = (
     *("interpolate", "checksum", "blocks", "store", "sweeper", "statistics"),
     *("limits", "plot", "cli"),
 )
+# The same for the export: from the robot to what codecs store, how it is read again, certified,
+# chosen, written as C, and compiled.
+EXPORT = ROOT / "firmware_export"
+EXPORT_ORDER = (
+    *("quantity", "identifier", "c_array", "c_text", "exact", "model", "exported", "certificate"),
+    *("strict", "vector32", "three_points", "axis", "tip_boundary", "sample"),
+    *("contacts_modes", "contacts_fit", "contacts_guard"),
+    *("contacts_planes", "contacts_facets", "contacts_read", "contacts"),
+    *("poly_series", "poly_bound", "poly_fit", "poly_read", "poly"),
+    *("grid_spec", "grid_tables", "grid_lattice", "grid_fit", "grid_outline", "grid_verdict"),
+    *("grid_guard", "grid_tip", "grid_knots", "grid_rough", "grid_read", "grid_read_i", "grid"),
+    *("twin", "answers", "codecs", "certify_jumps", "certify_search", "certify"),
+    *("size", "c_config", "facts", "c_header", "c_source", "example", "project_files"),
+    *("report_page", "report_figure", "report", "size_measure", "package"),
+    *("candidate", "goal", "choose", "exporter", "host"),
+)
 MODULES = sorted(p for p in PACKAGE.rglob("*.py") if p != PACKAGE / "__init__.py")
 
 
@@ -86,6 +102,20 @@ def test_only_figures_import_matplotlib_and_only_the_command_line_imports_click(
 def test_the_firmware_export_imports_neither_figures_nor_the_command_line() -> None:
     for path in (ROOT / "firmware_export").rglob("*.py"):
         assert not {"plot", "cli"} & imported(path), path
+
+
+def test_the_export_imports_one_way_too() -> None:
+    modules = {path.stem: path for path in EXPORT.glob("*.py") if path.stem != "__init__"}
+    assert set(modules) == set(EXPORT_ORDER)
+    for name, path in modules.items():
+        above = EXPORT_ORDER[EXPORT_ORDER.index(name) :]
+        assert not imported(path, "firmware_export") & set(above), name
+
+
+def test_no_library_module_imports_the_export() -> None:
+    for path in MODULES:
+        if layer(path) != "cli":
+            assert not imported(path, "firmware_export"), path
 
 
 def test_no_module_is_longer_than_400_lines() -> None:

@@ -10,6 +10,7 @@ import pytest
 import lutgen
 
 NAMES = [
+    "ExportError",
     "InputError",
     "LutgenError",
     "MapFileError",
@@ -52,6 +53,7 @@ def test_an_unknown_name_is_an_attribute_error() -> None:
 
 def test_errors_are_lutgen_errors_and_the_builtins_that_callers_expect() -> None:
     for name, builtin in {
+        "ExportError": RuntimeError,
         "RecipeError": ValueError,
         "InputError": ValueError,
         "MapFileError": OSError,

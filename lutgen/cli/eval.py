@@ -3,6 +3,7 @@
 import json
 import logging
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 log = logging.getLogger("lutgen")
 
 
-@click.command("eval", short_help="Evaluate one point of a recipe (exact) or a map (interpolated).")
+@click.command("eval", short_help="Evaluate one point of a recipe, a map or an export.")
 @click.argument("source", type=click.Path())
 @parameters
 @gravity
@@ -37,7 +38,10 @@ def eval_(
     allow_python: bool,
     as_json: bool,
 ) -> None:
-    r"""Evaluate SOURCE, a recipe (exact) or a map (interpolated), at one point.
+    r"""Evaluate SOURCE at one point.
+
+    A recipe is evaluated exactly, a map by interpolation; of a folder of `lutgen export` the C
+    code is compiled and asked.
 
     \b
     $ lutgen eval maps/paper_two.toml -p alpha=31 -p gamma=31
@@ -45,6 +49,11 @@ def eval_(
     """
     from lutgen.recipe import Recipe
 
+    if Path(source).is_dir():
+        from lutgen.cli.eval_export import export_report
+
+        show(export_report(Path(source), assignments, gravity), as_json)
+        return
     opened = open_source(source, allow_python)
     recipe = opened if isinstance(opened, Recipe) else opened.recipe
     values = parameter_values(recipe, assignments)
@@ -56,6 +65,11 @@ def eval_(
         report = exact_report(opened, values, gravity)
     else:
         report = map_report(opened, values, gravity)
+    show(report, as_json)
+
+
+def show(report: dict[str, Any], as_json: bool) -> None:
+    """Print a report."""
     if as_json:
         click.echo(json.dumps(report, indent=2, allow_nan=False))
         return
@@ -153,6 +167,8 @@ def lines(report: dict[str, Any]) -> list[str]:
     length = "" if unit == "1" else f" {unit}"
     verdict = {True: "stands", False: "tips over", None: "unknown: off the chart"}
     text = [f"{report['robot']} ({report['source']}): {verdict[report['standing']]}"]
+    if "status" in report:
+        text.append(f"{'status':<15}{report['status']}")
     for key in ("sdg", "height", "tip_angle_deg", "margin", "energy_margin", "facet", "slope_deg"):
         if key in report:
             value = report[key]

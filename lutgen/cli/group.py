@@ -9,10 +9,11 @@ import click
 from lutgen._version import __version__
 from lutgen.cli.check import check
 from lutgen.cli.eval import eval_
+from lutgen.cli.export import export
 from lutgen.cli.info import info
 from lutgen.cli.plot import plot
 from lutgen.cli.sweep import sweep
-from lutgen.errors import LutgenError, SweepError
+from lutgen.errors import ExportError, LutgenError, SweepError
 
 FAILED, BAD_INPUT = 1, 2
 
@@ -23,7 +24,9 @@ class Failure(click.ClickException):
     def __init__(self, error: LutgenError) -> None:
         super().__init__(str(error))
         # click reads it from the instance; its own class has the value 1.
-        vars(self)["exit_code"] = FAILED if isinstance(error, SweepError) else BAD_INPUT
+        vars(self)["exit_code"] = (
+            FAILED if isinstance(error, ExportError | SweepError) else BAD_INPUT
+        )
 
 
 class Group(click.Group):
@@ -52,11 +55,12 @@ def main(verbose: int, quiet: bool) -> None:
     lutgen check maps/paper_two.toml
     lutgen sweep maps/paper_two.toml -o paper_two.h5
     lutgen plot paper_two.h5 -o map.png --kind contour
+    lutgen export paper_two.h5 -o firmware
     """
     level = logging.ERROR if quiet else max(logging.WARNING - 10 * verbose, logging.DEBUG)
     logging.basicConfig(level=level, format="lutgen: %(message)s")
     logging.getLogger("lutgen").setLevel(level)
 
 
-for command in (check, sweep, info, eval_, plot):
+for command in (check, sweep, info, eval_, plot, export):
     main.add_command(command)

@@ -1,7 +1,7 @@
 """Options that several commands share, and how their texts become numbers."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -79,27 +79,39 @@ parameters = click.option(
 
 def parameter_values(recipe: "Recipe", assignments: Sequence[tuple[str, float]]) -> list[float]:
     """Return the internal values (rad, length) of all parameters, in recipe order."""
-    given = named_values(recipe, assignments)
-    missing = [p.name for p in recipe.parameters if p.name not in given]
+    units = {p.name: p.display_unit for p in recipe.parameters}
+    return internal_values(recipe.source, units, assignments)
+
+
+def internal_values(
+    source: str, units: Mapping[str, str], assignments: Sequence[tuple[str, float]]
+) -> list[float]:
+    """Return the values (rad, length) of parameters with these display units, in their order."""
+    given = _named(source, list(units), assignments)
+    missing = [name for name in units if name not in given]
     if missing:
         raise InputError(
-            f"{recipe.source}: parameter {missing[0]} has no value; give each of "
-            f"{', '.join(f'-p {p.name}=…' for p in recipe.parameters)}"
+            f"{source}: parameter {missing[0]} has no value; give each of "
+            f"{', '.join(f'-p {name}=…' for name in units)}"
         )
     return [
-        math.radians(given[p.name]) if p.display_unit == "deg" else given[p.name]
-        for p in recipe.parameters
+        math.radians(given[name]) if unit == "deg" else given[name] for name, unit in units.items()
     ]
 
 
 def named_values(recipe: "Recipe", assignments: Sequence[tuple[str, float]]) -> dict[str, float]:
     """Return the assigned values by name, in display units; refuse unknown and repeated names."""
-    known = [p.name for p in recipe.parameters]
+    return _named(recipe.source, [p.name for p in recipe.parameters], assignments)
+
+
+def _named(
+    source: str, known: Sequence[str], assignments: Sequence[tuple[str, float]]
+) -> dict[str, float]:
     given: dict[str, float] = {}
     for name, value in assignments:
         if name not in known:
             raise InputError(
-                f"{recipe.source}: there is no parameter {name!r} (got -p {name}={value:g}); "
+                f"{source}: there is no parameter {name!r} (got -p {name}={value:g}); "
                 f"it has {', '.join(known) or 'none'}"
             )
         if name in given:

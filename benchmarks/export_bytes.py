@@ -1,0 +1,146 @@
+"""Bytes of paper_two's exports against what a user would otherwise take.
+
+`python -m benchmarks.export_bytes` prints a markdown table: bytes at the same largest error of
+|SD_g|, and largest error at the same bytes.  Needs the extra `bench` (scipy, zfpy).
+"""
+
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.rivals import RIVALS, Floats, Points, Result, exact_components, polynomials
+from firmware_export.answers import Truth, truth
+from firmware_export.candidate import Bench
+from firmware_export.choose import Goal, climb_codec
+from firmware_export.codecs import NAMES, codec, device
+from firmware_export.model import Model
+from firmware_export.sample import Sample, biased, join, uniform
+from lutgen.recipe import load_recipe
+
+RECIPE = Path(__file__).parents[1] / "maps" / "paper_two.toml"
+CHANNELS = ("sdg", "tip_angle", "height")
+ERRORS = (5.0, 2.5, 1.0)
+SIZES = ((1400, "1.4 kB"), (16 << 10, "16 KiB"), (64 << 10, "64 KiB"))
+# Half of them uniform, half beside the tip-over boundary and on the rims of box and chart.
+POINTS, FIT_POINTS = 500_000, 40_000
+# Beyond the seeds of choices and certificates.
+SEED, FIT_SEED = 2001, 2002
+# How accurate the largest export of the codecs that are climbed shall be, percent.
+FINEST = 0.01
+# Climbing `grid` takes longer than all the rest: bits, nodes per parameter and per side instead.
+LADDER = ((8, 3, 5), (8, 4, 7), (8, 5, 9), (16, 5, 9), (16, 7, 13))
+
+
+def points_of(sample: Sample, model: Model) -> tuple[Truth, Points]:
+    """Return the truth of a sample and its standing points as rivals take them."""
+    known = truth(model, sample)
+    standing = known.exact.tip_angle >= 0.0
+    params = np.repeat(known.sample.params[:, None], standing.shape[1], axis=1)[standing]
+    gravity = known.sample.gravity[standing]
+    u, v = (gravity[:, axis] / -gravity[:, 2] / model.chart_limit for axis in (0, 1))
+    t = (params - model.lower) / (model.upper - model.lower)
+    place = np.column_stack([t, (v + 1.0) / 2.0, (u + 1.0) / 2.0])
+    # Single precision may put a point of the rim a hair beyond it.
+    return known, Points(np.clip(place, 0.0, 1.0), known.exact.sdg[standing])
+
+
+def components_of(known: Truth, model: Model) -> Floats:
+    """Return the components (n, 2) of D_g - s at the standing points of a sample."""
+    standing = known.exact.tip_angle >= 0.0
+    return exact_components(model, known.sample.params, known.sample.gravity)[standing]
+
+
+def try_codec(bench: Bench, name: str) -> None:
+    """Encode some sizes of a codec."""
+    if name != "grid":
+        climb_codec(bench, name, Goal(None, FINEST))
+        return
+    spec = codec(name).start(bench.model, CHANNELS, "float")[0]
+    for bits, per_parameter, per_side in LADDER:
+        most = (*[per_parameter] * bench.model.k, per_side, per_side)
+        # One node stands for an axis on which a table does not depend.
+        nodes = tuple(
+            (table, tuple(1 if few == 1 else n for few, n in zip(shape, most, strict=True)))
+            for table, shape in spec.nodes
+        )
+        bench.try_out(name, replace(spec, bits=bits, nodes=nodes))
+
+
+def ours(model: Model, known: Truth, span: float) -> dict[str, list[Result]]:
+    """Measure what each codec tried on the common sample.
+
+    The tip angle is always held, and so is the height; where the guard says "tips" there is no
+    |SD_g| to compare.
+    """
+    bench = Bench(model, "paper_two", CHANNELS, "float")
+    results: dict[str, list[Result]] = {}
+    for name in NAMES:
+        try_codec(bench, name)
+        found = results[f"**{name}**, with verdict and height"] = []
+        for one in bench.tried.values():
+            if one is None or one.export.codec != name:
+                continue
+            # What is beaten on the chooser's sample need not be measured again.
+            rivals = (o for o in bench.tried.values() if o and o.export.codec == name)
+            if any(o.bytes <= one.bytes and o.error < one.error for o in rivals):
+                continue
+            off = device(one.export).compare(known).errors("sdg").max()
+            found.append(Result(one.bytes, float(100.0 * off / span), one.label))
+    return results
+
+
+def cell_bytes(results: list[Result], percent: float) -> str:
+    """Return the fewest bytes for an error, or the best that there is."""
+    good = [one for one in results if one.error <= percent]
+    if good:
+        best = min(good)
+        return f"{best.bytes:,} ({best.label})"
+    best = min(results, key=lambda one: one.error)
+    return f"- (best: {best.error:.2g} % in {best.bytes:,})"
+
+
+def cell_error(results: list[Result], size: int) -> str:
+    """Return the least error in a number of bytes."""
+    fitting = [one.error for one in results if one.bytes <= size]
+    return f"{min(fitting):.2g} %" if fitting else "-"
+
+
+def table(results: dict[str, list[Result]]) -> str:
+    """Return the markdown table."""
+    heads = [f"bytes at {percent:g} %" for percent in ERRORS] + [name for _, name in SIZES]
+    lines = [f"| | {' | '.join(heads)} |", "|---" * (len(heads) + 1) + "|"]
+    for name, found in results.items():
+        cells = [cell_bytes(found, percent) for percent in ERRORS]
+        cells += [cell_error(found, size) for size, _ in SIZES]
+        lines.append(f"| {name} | {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+def main() -> str:
+    """Measure everything; return the table."""
+    begin = time.perf_counter()
+    model = Model(load_recipe(RECIPE))
+    sample = join([part(model, POINTS // 2, SEED) for part in (uniform, biased)])
+    known, points = points_of(sample, model)
+    fit, fit_points = points_of(biased(model, FIT_POINTS, FIT_SEED), model)
+    results = ours(model, known, float(np.ptp(points.sdg)))
+    results |= polynomials(points, fit_points, components_of(fit, model))
+    for rival in RIVALS:
+        results |= rival(model, points)
+    text = table(results)
+    standing = len(points.sdg)
+    note = (
+        f"Largest error of |SD_g| in percent of its range, on {standing:,} standing points of "
+        f"{known.sample.points:,}.  Only ours hold the verdict and the height as well."
+    )
+    text += f"\n\n{note}"
+    print(text)
+    print(f"took {time.perf_counter() - begin:.0f} s", file=sys.stderr)
+    return text
+
+
+if __name__ == "__main__":
+    main()

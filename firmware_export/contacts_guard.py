@@ -1,0 +1,207 @@
+"""Guard of the `contacts` codec: how far its verdict can be off, from geometry alone.
+
+A direction g on the boundary of the real standing region points at a point x of the segment between
+two contact points (i, j), at the distance |x| >= d from the com.  The stored tip-over plane, unit
+normal m', contains the same combination of the stored contacts, so the stored clearance of g is at
+most asin(max |m' . e| / d) with e the errors of the two contacts.  That is computed with the real
+plane's normal m over a lattice of postures; between its places the errors drift (bounded slope
+times half a step), the planes turn (speed / d) and m' is not m (at most 2 |e| / d apart).  A disc's
+contact point also moves along its rim when the facet's normal turns in its rolling direction: by at
+most 2 |e| over the facet's extent in that direction, and the same again for a skewed facet.  The
+runtime merges what lies within its tolerance of a plane; a rim of radius r stays as near to it over
+sqrt(2 r tolerance).
+
+The limits `upright` and `rock_angle` compare facet normals, which the same error turns.  The
+runtime gets both limits tightened by twice 2 |e| over the facet's width.  Facets narrower than a
+twentieth of the robot, whose normals mean little, are left out.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from firmware_export.contacts_fit import Codes
+from firmware_export.contacts_modes import DENSE, Separation, evaluate
+from firmware_export.model import Model
+from lutgen.boundary import find_region
+from lutgen.jit import njit, prange
+from lutgen.primitive import pack
+from lutgen.region import (
+    FACETS,
+    PLANE,
+    POINT,
+    SEGMENTS,
+    START,
+    STOP,
+    TIP_PLANE,
+    Limit,
+    empty_region,
+    limits,
+    vector_at,
+)
+from lutgen.rounds import find_facets
+from lutgen.support import FIRST, facet_table, robot_size
+from lutgen.vector import Floats, cross, dot, length, row, subtract
+
+POSTURES = 20_000
+NARROW = 0.05
+ROUNDING = 4e-6
+"""rad; float32 rounding of a direction, of the chart's rim and of the arcsine."""
+
+
+class Guard(NamedTuple):
+    """The guard (rad), by how much limits are tightened (rad), and the sentence about both."""
+
+    angle: float
+    tighter: float
+    text: str
+
+
+@njit()
+def _measure(
+    shapes: Floats, error: Floats, limit: Limit, narrow: float, floor: float, out: Floats
+) -> None:
+    """Write what the guard needs of one posture.
+
+    The least distance of a boundary segment; the least width of a facet; the largest error across a
+    tip-over plane over the segment's distance (at least `floor`); the least extent of a facet along
+    the rolling direction of a disc.
+    """
+    n = shapes.shape[0]
+    table, region = facet_table(n), empty_region(n)
+    find_facets(table, shapes, limit[2])
+    find_region(region, table, limit, robot_size(shapes))
+    nearest = narrowest = shortest = math.inf
+    across = 0.0
+    for k in range(region.tally[FACETS]):
+        begin, end = region.span[k, FIRST], region.span[k + 1, FIRST]
+        normal = vector_at(region.plate, k, PLANE)
+        width = math.inf
+        for i in range(n):
+            hinge = (shapes[i, 3], shapes[i, 4], shapes[i, 5])
+            track = cross(hinge, normal)
+            size = length(track)
+            if size > 0.0:
+                low, high = math.inf, -math.inf
+                for e in range(begin, end):
+                    ahead = dot(vector_at(region.edge, e, POINT), track) / size
+                    low, high = min(low, ahead), max(high, ahead)
+                if high - low > narrow:
+                    shortest = min(shortest, high - low)
+        for e in range(begin, end):
+            start = vector_at(region.edge, e, POINT)
+            along = subtract(vector_at(region.edge, e + 1 if e + 1 < end else begin, POINT), start)
+            size = length(along)
+            furthest = 0.0
+            for other in range(begin, end):
+                arm = subtract(vector_at(region.edge, other, POINT), start)
+                if size > 0.0:
+                    furthest = max(furthest, length(cross(arm, along)) / size)
+            width = min(width, furthest)
+        if width > narrow:
+            narrowest = min(narrowest, width)
+    for b in range(region.tally[SEGMENTS]):
+        start = vector_at(region.segment, b, START)
+        along = subtract(vector_at(region.segment, b, STOP), start)
+        size = dot(along, along)
+        part = min(max(-dot(start, along) / size, 0.0), 1.0) if size > 0.0 else 0.0
+        distance = length(
+            (
+                start[0] + part * along[0],
+                start[1] + part * along[1],
+                start[2] + part * along[2],
+            )
+        )
+        nearest = min(nearest, distance)
+        normal = vector_at(region.segment, b, TIP_PLANE)
+        for end in range(2):
+            worst = abs(dot(normal, row(error, region.contacts[b, end])))
+            across = max(across, worst / max(distance, floor))
+    out[0], out[1], out[2], out[3] = nearest, narrowest, across, shortest
+
+
+@njit(parallel=True)
+def _measure_all(
+    shapes: Floats, error: Floats, limit: Limit, narrow: float, floor: float
+) -> Floats:
+    out = np.empty((shapes.shape[0], 4))
+    for posture in prange(shapes.shape[0]):
+        _measure(shapes[posture], error[posture], limit, narrow, floor, out[posture])
+    return out
+
+
+class Geometry:
+    """A model over a lattice of postures; what does not depend on the tables is measured once."""
+
+    def __init__(self, model: Model, separation: Separation) -> None:
+        # The search for facets of many contacts takes 30 times as long as that of three points.
+        postures = POSTURES if model.single_facet else POSTURES // 4
+        per_axis = max(2, math.floor(postures ** (1.0 / max(model.k, 1))))
+        per_axis = min(per_axis, DENSE)
+        self.step = 1.0 / (per_axis - 1) + 1.0 / (DENSE - 1)
+        knots = np.rint(np.linspace(0, DENSE - 1, per_axis)).astype(np.int64)
+        axes = np.meshgrid(*[knots] * model.k, indexing="ij")
+        self.places = (
+            np.stack(axes, axis=-1).reshape(-1, model.k) if axes else np.zeros((1, 0), int)
+        )
+        self.model = model
+        self.exact = evaluate(separation, self.places)
+        where = model.postures(
+            model.lower + (model.upper - model.lower) * (self.places / (DENSE - 1))
+        )
+        self.shapes = pack(where.centres, where.axes, model.radius, model.kind)
+        reach = float(np.sqrt((where.centres**2).sum(axis=2)).max())
+        self.size = reach + float(model.radius.max(initial=0.0))
+        found = self._measured(np.zeros((len(self.places), len(model.kind), 3)), math.inf)
+        self.nearest, self.narrowest = float(found[:, 0].min()), float(found[:, 1].min())
+        self.shortest = min(float(found[:, 3].min()), self.size)
+        if (model.kind == 1).any():  # spheres roll any way
+            self.shortest = min(self.shortest, self.narrowest)
+
+    def _measured(self, error: Floats, floor: float) -> Floats:
+        recipe = self.model.recipe
+        limit = limits(recipe.upright, recipe.rock_angle)
+        return np.asarray(_measure_all(self.shapes, error, limit, NARROW * self.size, floor))
+
+    def across(self, stored: Separation, floor: float) -> tuple[float, float]:
+        """Return the largest error across a tip-over plane over its distance, and of an axis."""
+        n = len(self.model.kind)
+        apart = evaluate(stored, self.places) - self.exact
+        centres = np.ascontiguousarray(apart[:, : 3 * n].reshape(-1, n, 3))
+        hinge = np.sqrt((apart[:, 3 * n :].reshape(len(apart), -1, 3) ** 2).sum(axis=2))
+        return float(self._measured(centres, floor)[:, 2].max()), float(hinge.max(initial=0.0))
+
+
+def contacts_guard(model: Model, geometry: Geometry, codes: Codes, merged: float) -> Guard:
+    """Return the guard of tables.
+
+    `merged` is the distance from a facet's plane within which the runtime takes a contact to touch.
+
+    A robot that stands in no posture of the lattice, or whose com may reach one of its edges, gets
+    the guard pi: nothing is then called safe.
+    """
+    delta = float(codes.position_error.max())
+    half = geometry.step / 2.0
+    moved = float(codes.speed.sum(axis=0).max(initial=0.0)) * half
+    nearest = geometry.nearest - moved
+    if not math.isfinite(nearest) or nearest <= 2.0 * delta:
+        return Guard(math.pi, 0.0, "the com may reach an edge of its support: nothing is safe")
+    across, hinge = geometry.across(codes.stored, nearest)
+    turned = (2.0 * delta + merged) / min(geometry.narrowest, geometry.size)
+    largest = float(model.radius.max(initial=0.0))
+    rolled = 4.0 * delta / geometry.shortest + 2.0 * hinge
+    round_part = largest * rolled + math.sqrt(2.0 * largest * merged)
+    between = codes.drift * half + delta * (moved + 2.0 * delta) / nearest
+    sine = min(across + between / nearest, delta / nearest) + round_part / nearest
+    angle = math.asin(min(sine, 1.0)) + ROUNDING
+    tighter = min(2.0 * turned, math.radians(5.0))
+    unit = model.recipe.length_unit
+    named = "" if unit == "1" else f" {unit}"
+    text = (
+        f"stored contacts lie within {delta:.3g}{named} of the real ones and move a tip-over plane "
+        f"by at most {math.degrees(angle):.3g} deg, {nearest:.4g}{named} being the least distance "
+        f"of an edge from the com; limits of normals are tightened by {math.degrees(tighter):.3g} "
+        "deg"
+    )
+    return Guard(angle, tighter, text)

@@ -1,0 +1,67 @@
+"""One finished export: everything that the emitter, the twin and the report need to know of it.
+
+Data only; it is made by the exporter and read by `c_source`, `package`, `report` and `twin`.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+from lutgen.recipe import Recipe
+
+__all__ = ["CHANNELS", "Export"]
+
+# Channels that the runtime can answer, in the order of smap_reading_t.
+CHANNELS = ("sdg", "tip_angle", "height")
+
+
+@dataclass(frozen=True, eq=False)
+class Export:
+    """A map's tables, chosen and certified, before it becomes C.
+
+    Parameters
+    ----------
+    name : str
+        C identifier of the descriptor, and the stem of the files.
+    recipe : Recipe
+        The robot, its parameters and chart.
+    model : Model
+        The exact function that the tables stand for.
+    codec : str
+        ``"contacts"``, ``"grid"`` or ``"poly"``.
+    arithmetic : str
+        ``"float"`` or ``"integer"``.
+    channels : tuple of str
+        Subset of `CHANNELS`, in that order.
+    tables : Tables
+        The codec's tables, with `guard` (rad), `guard_text`, `bytes`, `spec`.
+    certificate : dict, optional
+        What was measured.  Keys that the header and report print, each of which may be absent:
+        ``points`` (int, measured points), ``channels`` (name -> ``max``, ``p99``, ``rms`` in the
+        channel's unit, rad for angles, and for `sdg` also ``max_percent``, ``p99_percent``,
+        ``rms_percent`` of ``range``; ``largest_seen`` instead of ``max`` where it has no bound),
+        ``false_safe`` (int), ``given_up`` (share of the standing
+        configurations that the export calls tipping, 0..1), ``jumps`` (bool: |SD_g| jumps, so
+        that its maximum error has no bound), ``beyond`` (share of points beyond the bound asked
+        for, 0..1), ``text`` (sentences for people).  Anything else goes into the JSON only.
+    pareto : list of dict, optional
+        Candidates that the choice was made from: ``label`` (str), ``codec``, ``bytes`` (tables),
+        ``total_bytes`` (with code), ``error`` (percent), ``chosen`` (bool); rows in any order.
+    code_bytes : int, optional
+        Code of the runtime with this export's features on the target; None if not measured.
+    """
+
+    name: str
+    recipe: Recipe
+    model: Any
+    codec: str
+    arithmetic: str
+    channels: tuple[str, ...]
+    tables: Any
+    certificate: dict[str, Any] | None = None
+    pareto: list[dict[str, Any]] | None = None
+    code_bytes: int | None = None
+
+    @property
+    def integer(self) -> bool:
+        """Whether the export answers smap_read_i."""
+        return self.arithmetic == "integer"

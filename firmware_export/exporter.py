@@ -1,0 +1,231 @@
+"""An export from source to folder: what is asked for, the choice, the certificate, the files.
+
+Owns the order of the steps and the defaults; each step is a module of its own.
+"""
+
+import logging
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from firmware_export.candidate import Bench, Candidate
+from firmware_export.certificate import Certificate
+from firmware_export.certify import POINTS, certify
+from firmware_export.choose import choose, front
+from firmware_export.codecs import cells, device, usable
+from firmware_export.exported import CHANNELS, Export
+from firmware_export.goal import KNEE, Goal
+from firmware_export.identifier import check_name, default_name
+from firmware_export.model import Model
+from firmware_export.package import check_directory, write
+from firmware_export.quantity import ErrorBound, parse_error, parse_size
+from lutgen.errors import ExportError, InputError
+from lutgen.recipe import Recipe, load_recipe
+from lutgen.store import StabilityMap, load_map
+
+__all__ = ["Report", "export"]
+
+log = logging.getLogger("lutgen")
+
+# Certificates that may refuse a choice before the search is given up.
+ATTEMPTS = 6
+# Bytes of the export that is made where nothing was asked for and nothing reaches the knee.
+ROOM = 64 * 1024
+
+
+class Report(dict[str, Any]):
+    """The content of NAME_report.json, with the numbers most asked for as attributes."""
+
+    @property
+    def bytes(self) -> int | None:
+        """Bytes of flash in all, None where the code was not measured."""
+        return self["bytes"]["total"]  # type: ignore[no-any-return]
+
+    @property
+    def table_bytes(self) -> int:
+        """Bytes of the tables alone."""
+        return self["bytes"]["tables"]  # type: ignore[no-any-return]
+
+    @property
+    def guard(self) -> float:
+        """Degrees that are subtracted from the tip angle."""
+        return self["guard_deg"]  # type: ignore[no-any-return]
+
+    @property
+    def error(self) -> float | None:
+        """Percent of the range: largest error of |SD_g|, or p99 where it jumps."""
+        certificate = self["certificate"]
+        return certificate["error_percent"]  # type: ignore[no-any-return]
+
+
+def export(
+    source: str | os.PathLike[str] | StabilityMap | Recipe,
+    directory: str | os.PathLike[str],
+    name: str | None = None,
+    flash: str | int | None = None,
+    max_error: str | float | None = None,
+    channels: Sequence[str] | None = None,
+    codec: str = "auto",
+    arithmetic: str = "float",
+    allow_python: bool = False,
+    points: int = POINTS,
+    progress: Callable[[str], None] | None = None,
+) -> Report:
+    """Write a map or a recipe as C tables with their runtime.
+
+    Parameters
+    ----------
+    source : path, StabilityMap or Recipe
+        What to export.  Of a map its recipe counts: every number is computed exactly from it, none
+        is read from the map's nodes.
+    directory : path
+        The folder; it appears when it is whole.  One that holds anything but an earlier export is
+        refused.
+    name : str, optional
+        C identifier; the robot's name by default.
+    flash : str or int, optional
+        Most bytes of tables and code, such as ``"16KiB"``: the most accurate that fits is chosen.
+    max_error : str or float, optional
+        Largest error of |SD_g|, in percent of its range (``"1%"``) or in the length unit: the
+        smallest that holds it is chosen.  `height` is held to the same percentage or length.  Where
+        |SD_g| jumps it is the 99th percentile that is held.
+        With `flash` both must hold; with neither the recipe's [export] counts, and without that 1%.
+    channels : sequence of str, optional
+        Of ``"sdg"``, ``"tip_angle"`` and ``"height"``, those of the recipe by default;
+        ``"tip_angle"`` is always there.
+    codec : str
+        ``"auto"``, or the only codec that may be used.
+    arithmetic : str
+        ``"integer"`` for targets without floating point.
+    allow_python : bool
+        Whether a recipe file may run the code that its `python` key names.
+    points : int
+        Points of the certificate.
+    progress : callable, optional
+        Called with a text for people before each step.
+
+    Returns
+    -------
+    Report
+        The content of NAME_report.json.
+
+    Raises
+    ------
+    InputError
+        For arguments that mean nothing, and channels that the recipe does not hold.
+    ExportError
+        If nothing meets what is asked for, or the folder cannot be written.
+    """
+    tell = progress or log.debug
+    check_directory(directory)
+    recipe = _recipe(source, allow_python)
+    label = check_name(name) if name is not None else default_name(recipe.name)
+    held = _channels(recipe, channels)
+    size, bound = _limits(recipe, flash, max_error)
+    model = Model(recipe)
+    names = usable(model, arithmetic, codec)
+    tell(f"looking for the best of {', '.join(names)}")
+    bench = Bench(model, label, held, arithmetic)
+    chosen, certificate, bound = _certified(bench, names, size, bound, points, tell)
+    tell("writing")
+    result = certificate.as_dict() | {
+        "error_percent": certificate.error_of(certificate.bounded[0], relative=True),
+        "bound": None if bound is None else str(bound),
+        "candidates": len(bench.tried),
+    }
+    final = replace(chosen.export, certificate=result, pareto=front(bench, chosen))
+    return Report(write(final, directory))
+
+
+def _recipe(source: str | os.PathLike[str] | StabilityMap | Recipe, allow_python: bool) -> Recipe:
+    """Return the recipe of a source; refuse a robot whose code was not run."""
+    if isinstance(source, str | os.PathLike):
+        toml = Path(source).suffix == ".toml"
+        source = load_recipe(source, allow_python) if toml else load_map(source)
+    recipe = source.recipe if isinstance(source, StabilityMap) else source
+    if recipe.python is not None and recipe.function is None:
+        raise InputError(
+            f"{recipe.source}: the robot is given by code, which a map does not hold (got python = "
+            f"{recipe.python!r}); export the recipe's file with --allow-python."
+        )
+    return recipe
+
+
+def _channels(recipe: Recipe, asked: Sequence[str] | None) -> tuple[str, ...]:
+    """Return the channels to hold, in the order of the runtime."""
+    held = [name for name in CHANNELS if name in recipe.channels]
+    wanted = held if asked is None else [asked] if isinstance(asked, str) else list(asked)
+    for name in wanted:
+        if name not in CHANNELS:
+            raise InputError(
+                f"channels: {name!r} cannot be exported (got {name!r}); choose from "
+                f"{', '.join(CHANNELS)}."
+            )
+        if name not in recipe.channels and name != "tip_angle":
+            raise InputError(
+                f"{recipe.source}: has no channel {name!r} (it has {', '.join(recipe.channels)}); "
+                "add it to `sweep.gravity.channels` and sweep again."
+            )
+    return tuple(name for name in CHANNELS if name in wanted or name == "tip_angle")
+
+
+def _limits(
+    recipe: Recipe, flash: str | int | None, max_error: str | float | None
+) -> tuple[int | None, ErrorBound | None]:
+    """Return the limits asked for, or those of the recipe where there are none."""
+    if flash is None and max_error is None:
+        flash, max_error = recipe.export.flash, recipe.export.max_error
+    return (
+        parse_size(flash) if flash is not None else None,
+        parse_error(max_error) if max_error is not None else None,
+    )
+
+
+def _certified(
+    bench: Bench,
+    names: Sequence[str],
+    size: int | None,
+    bound: ErrorBound | None,
+    points: int,
+    tell: Callable[[str], None],
+) -> tuple[Candidate, Certificate, ErrorBound | None]:
+    """Return the best candidate whose certificate says what was asked for, and the bound held."""
+    if size is None and bound is None:
+        try:
+            return _certified(bench, names, None, KNEE, points, tell)
+        except ExportError:
+            return _certified(bench, names, ROOM, None, points, tell)
+    goal = Goal(size, _percent(bench, bound))
+    for _ in range(ATTEMPTS):
+        chosen = choose(bench, names, goal)
+        tell(f"certifying {chosen.label}, {chosen.total:,} bytes")
+        certificate = examine(chosen.export, bench, bound, points)
+        certificate.refuse_false_safe(f"{bench.model.recipe.source}: {chosen.label}")
+        if bound is None:
+            return chosen, certificate, bound
+        found = certificate.error(bound.relative)
+        if found <= bound.value:
+            return chosen, certificate, bound
+        # The certificate saw more than the choice; aim lower by as much.
+        goal = replace(goal, margin=goal.margin * max(1.1, 1.02 * found / bound.value))
+    raise ExportError(
+        f"{bench.model.recipe.source}: no export was certified to an error of {bound} (got "
+        f"{found:.3g} for {chosen.label}, {chosen.total:,} bytes); allow a larger error."
+    )
+
+
+def examine(export: Export, bench: Bench, bound: ErrorBound | None, points: int) -> Certificate:
+    """Certify one export."""
+    return certify(device(export), export.channels, cells(export), bound, points, jumps=bench.jumps)
+
+
+def _percent(bench: Bench, bound: ErrorBound | None) -> float | None:
+    """Return a bound in percent of the range."""
+    if bound is None or bound.relative:
+        return None if bound is None else bound.value
+    span = bench.ranges[bench.bounded[0]]
+    if span <= 0.0:
+        return KNEE.value
+    return 100.0 * bound.value / span

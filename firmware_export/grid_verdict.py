@@ -1,0 +1,173 @@
+"""Lowering of a table until no outline lies above zero, and raising it as far as that allows.
+
+Owns the exact check on the outlines of `grid_outline`; works on codes, above `zero` is safe.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lutgen.jit import njit, prange
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+# Pieces of the work, each with its own result: the same for any number of threads.
+PARTS = 8
+
+
+@njit(inline=True)
+def _cell(knots: Floats, x: float) -> int:
+    low, high = 0, len(knots) - 1
+    while high - low > 1:
+        mid = (low + high) >> 1
+        if x >= knots[mid]:
+            low = mid
+        else:
+            high = mid
+    return low
+
+
+@njit()
+def _next(knots: Floats, x0: float, dx: float, s: float) -> float:
+    """Return the smallest place > s of a piece at which it crosses a knot, at most 1."""
+    best = 1.0
+    if dx != 0.0:
+        for i in range(1, len(knots) - 1):
+            at = (knots[i] - x0) / dx
+            if s < at < best:
+                best = at
+    return best
+
+
+@njit(inline=True)
+def _bilinear(
+    piece: NDArray[np.float32], u: Floats, v: Floats, plane: Floats, i: int, j: int, at: float
+) -> float:
+    """Return the value of cell (i, j) at a place of a piece."""
+    f = (piece[0] + at * (float(piece[2]) - piece[0]) - u[j]) / (u[j + 1] - u[j])
+    g = (piece[1] + at * (float(piece[3]) - piece[1]) - v[i]) / (v[i + 1] - v[i])
+    lower = (1.0 - f) * plane[i, j] + f * plane[i, j + 1]
+    return float((1.0 - g) * lower + g * ((1.0 - f) * plane[i + 1, j] + f * plane[i + 1, j + 1]))
+
+
+@njit()
+def _piece(
+    piece: NDArray[np.float32], u: Floats, v: Floats, plane: Floats, gentle: bool, drop: Floats
+) -> None:
+    """Enter in `drop` (nv, nu) by how much nodes must fall for a piece not to lie above zero.
+
+    `gentle`: just so far that the worst place comes to zero, by the least sum of squares.
+    """
+    u0, v0 = float(piece[0]), float(piece[1])
+    du, dv = float(piece[2]) - u0, float(piece[3]) - v0
+    s = 0.0
+    for _ in range(len(u) + len(v)):
+        if s >= 1.0:
+            return
+        after = min(_next(u, u0, du, s + 1e-9), _next(v, v0, dv, s + 1e-9))
+        mid = 0.5 * (s + after)
+        i, j = _cell(v, v0 + mid * dv), _cell(u, u0 + mid * du)
+        value = np.empty(3)
+        for n in range(3):
+            value[n] = _bilinear(
+                piece, u, v, plane, i, j, s if n == 0 else mid if n == 1 else after
+            )
+        place, worst = (s, value[0]) if value[0] > value[2] else (after, value[2])
+        # The quadratic through the three: its top, if it is in between.
+        bend = value[0] - 2.0 * value[1] + value[2]
+        if bend < 0.0 and abs(value[2] - value[0]) < -2.0 * bend:
+            place = mid + 0.5 * (after - s) * -0.5 * (value[2] - value[0]) / bend
+            worst = value[1] - (value[2] - value[0]) ** 2 / (8.0 * bend)
+        if worst > 0.0:
+            f = min(max((u0 + place * du - u[j]) / (u[j + 1] - u[j]), 0.0), 1.0)
+            g = min(max((v0 + place * dv - v[i]) / (v[i + 1] - v[i]), 0.0), 1.0)
+            squares = (f * f + (1.0 - f) ** 2) * (g * g + (1.0 - g) ** 2)
+            for n in range(4):
+                share = 1.0
+                if gentle:
+                    share = (f if n & 1 else 1.0 - f) * (g if n >> 1 else 1.0 - g) / squares
+                at = drop[i + (n >> 1), j + (n & 1)]
+                drop[i + (n >> 1), j + (n & 1)] = max(at, worst * share)
+        s = after
+
+
+@njit(parallel=True)
+def _excess(
+    node: Floats,
+    index: NDArray[np.int32],
+    weight: Floats,
+    pieces: NDArray[np.float32],
+    first: Ints,
+    tips: Bools,
+    u: Floats,
+    v: Floats,
+    gentle: bool,
+    drops: Floats,
+) -> None:
+    parts, faces, rows, columns = len(drops), node.shape[1], node.shape[2], node.shape[3]
+    for part in prange(parts):
+        plane = np.empty((faces, rows, columns))
+        drop = np.empty((faces, rows, columns))
+        for p in range(part, len(index), parts):
+            for corner in range(index.shape[1]):
+                plane[:] = 0.0
+                for c in range(index.shape[2]):
+                    share = weight[p, corner, c]
+                    if share > 0.0:
+                        plane += share * node[index[p, corner, c]]
+                drop[:] = 0.0
+                flat = 0
+                for face in range(faces):
+                    for i in range(rows):
+                        for j in range(columns):
+                            if tips[p, flat]:
+                                drop[face, i, j] = max(plane[face, i, j], 0.0)
+                            flat += 1
+                    for n in range(first[p * faces + face], first[p * faces + face + 1]):
+                        _piece(pieces[n], u, v, plane[face], gentle, drop[face])
+                squares = 0.0
+                for c in range(index.shape[2]):
+                    squares += weight[p, corner, c] ** 2
+                for c in range(index.shape[2]):
+                    if weight[p, corner, c] > 0.0:
+                        share = weight[p, corner, c] / squares if gentle else 1.0
+                        goal = drops[part, index[p, corner, c]]
+                        for face in range(faces):
+                            for i in range(rows):
+                                for j in range(columns):
+                                    goal[face, i, j] = max(
+                                        goal[face, i, j], share * drop[face, i, j]
+                                    )
+
+
+def excess(
+    node: Floats,
+    index: NDArray[np.int32],
+    weight: Floats,
+    pieces: NDArray[np.float32],
+    first: Ints,
+    tips: Bools,
+    u: Floats,
+    v: Floats,
+    gentle: bool,
+) -> Floats:
+    """Return by how much each node must be lowered for the table to be nowhere above zero.
+
+    Parameters
+    ----------
+    node : (Q, faces, nv, nu) float64
+        Values less the limit that must not be reached.
+    index, weight : (P, sub-cell's corners, corners)
+        Nodes of the parameters around each corner of each sub-cell.
+    pieces, first, tips :
+        See `grid_outline.Outlines`.
+    u, v : (n,) float64
+        Knots, 0 to 1.
+    gentle : bool
+        Whether to lower nodes only by their shares, which has to be repeated; otherwise the
+        lowered table is certain to be below zero.
+    """
+    drops = np.zeros((PARTS, *node.shape))
+    _excess(node, index, weight, pieces, first, tips, u, v, gentle, drops)
+    return np.asarray(drops.max(axis=0))

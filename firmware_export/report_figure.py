@@ -1,0 +1,104 @@
+"""NAME_pareto.png: bytes of flash against error of the candidates, the chosen one marked.
+
+It draws into bytes and writes no file.  The same candidates give the same bytes.
+"""
+
+import io
+from typing import Any
+
+__all__ = ["draw_pareto"]
+
+# Okabe and Ito's palette, which stays distinct for colour-blind readers; a marker each as well.
+_LOOK = {
+    "contacts": ("#0072B2", "o"),
+    "grid": ("#D55E00", "s"),
+    "poly": ("#009E73", "^"),
+}
+_GREY = "#595959"
+_SETTINGS: dict[str, Any] = {
+    "font.family": "DejaVu Sans",
+    "font.size": 7.5,
+    "axes.labelsize": 7.5,
+    "axes.linewidth": 0.6,
+    "xtick.labelsize": 7,
+    "ytick.labelsize": 7,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "legend.fontsize": 7,
+    "legend.frameon": False,
+}
+# Inches: one column of a journal.
+_SIZE = (3.5, 2.6)
+
+
+def _size(row: dict[str, Any]) -> int:
+    return int(row.get("total_bytes") or row["bytes"])
+
+
+def draw_pareto(
+    pareto: list[dict[str, Any]], measure: str = "largest", dpi: int = 200
+) -> bytes | None:
+    """Return the plot as PNG, or None where there is nothing to plot.
+
+    Parameters
+    ----------
+    pareto : list of dict
+        See `Export.pareto`; candidates without an error above 0 are left out.
+    measure : str
+        Which error it is, such as ``largest`` or ``99th percentile``.
+    dpi : int
+        Dots per inch.
+    """
+    rows = [row for row in pareto if (row.get("error") or 0.0) > 0.0 and _size(row) > 0]
+    if not rows:
+        return None
+    import matplotlib.style
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import FuncFormatter, NullFormatter
+
+    with matplotlib.style.context(["default", _SETTINGS]):
+        figure = Figure(figsize=_SIZE, layout="constrained", dpi=dpi)
+        FigureCanvasAgg(figure)
+        axes = figure.add_subplot()
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+        for codec in sorted({str(row.get("codec", "")) for row in rows}):
+            own = sorted((row for row in rows if row.get("codec", "") == codec), key=_size)
+            colour, marker = _LOOK.get(codec, (_GREY, "D"))
+            sizes = [_size(row) for row in own]
+            errors = [float(row["error"]) for row in own]
+            axes.plot(sizes, errors, marker, ms=2.6, mew=0, color=colour, label=codec)
+        front = _front(rows)
+        axes.step(*zip(*front, strict=True), where="post", color=_GREY, lw=0.6, zorder=1)
+        for row in rows:
+            if row.get("chosen"):
+                at = (_size(row), float(row["error"]))
+                axes.plot(*at, "o", ms=8, mfc="none", mec="black", mew=0.9, label="chosen")
+        with_code = all(row.get("total_bytes") for row in rows)
+        axes.set_xlabel(f"flash: tables{' and code' if with_code else ''} [bytes]")
+        axes.set_ylabel(rf"{measure} error of $|SD_g|$ [% of range]")
+        axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.0f}"))
+        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        # Less than a decade leaves no labelled tick but the minor ones.
+        for axis, values in (
+            (axes.xaxis, [_size(row) for row in rows]),
+            (axes.yaxis, [float(row["error"]) for row in rows]),
+        ):
+            if max(values) >= 10.0 * min(values):
+                axis.set_minor_formatter(NullFormatter())
+        axes.grid(True, lw=0.3, color="#d0d0d0")
+        axes.set_axisbelow(True)
+        axes.legend(loc="best", handletextpad=0.3)
+        stream = io.BytesIO()
+        figure.savefig(stream, format="png", dpi=dpi, metadata={"Software": None})
+    return stream.getvalue()
+
+
+def _front(rows: list[dict[str, Any]]) -> list[tuple[int, float]]:
+    """Return size and error of the candidates that no smaller one beats."""
+    front: list[tuple[int, float]] = []
+    for size, error in sorted((_size(row), float(row["error"])) for row in rows):
+        if not front or error < front[-1][1]:
+            front.append((size, error))
+    return front

@@ -1,0 +1,48 @@
+/* smap: what the runtime is built with.  An export brings its own copy with just what it needs. */
+#ifndef SMAP_CONFIG_H
+#define SMAP_CONFIG_H
+
+#ifndef SMAP_CONTACTS
+#define SMAP_CONTACTS 1 /* codec `contacts`: 1 to build it */
+#endif
+#ifndef SMAP_CONTACTS_MANY
+#define SMAP_CONTACTS_MANY 1 /* ... with more than three contacts, or with round ones */
+#endif
+#ifndef SMAP_MODES
+#define SMAP_MODES 0 /* ... bits of its modes: 8, 16, or 0 to read either */
+#endif
+#ifndef SMAP_PRODUCTS
+#define SMAP_PRODUCTS 1 /* ... with joints that move joints: products of modes */
+#endif
+#ifndef SMAP_GRID
+#define SMAP_GRID 1 /* codec `grid`, read with floats by smap_read */
+#endif
+#ifndef SMAP_GRID_INTEGER
+#define SMAP_GRID_INTEGER 1 /* codec `grid`, read without floats by smap_read_i */
+#endif
+#ifndef SMAP_POLY
+#define SMAP_POLY 1 /* codec `poly` */
+#endif
+#ifndef SMAP_SPHERE
+#define SMAP_SPHERE 1 /* charts of six faces */
+#endif
+#ifndef SMAP_MAX_PARAMS
+#define SMAP_MAX_PARAMS 8 /* most geometry parameters of any map */
+#endif
+#ifndef SMAP_MAX_CONTACTS
+#define SMAP_MAX_CONTACTS 32 /* codec `contacts`: most contacts of any map */
+#endif
+#ifndef SMAP_MAX_HINGES
+#define SMAP_MAX_HINGES 32 /* codec `contacts`: most different disc axes of any map */
+#endif
+#ifndef SMAP_MAX_ENTRIES
+#define SMAP_MAX_ENTRIES 64 /* codec `contacts`: most modes and products of any map, and one */
+#endif
+#ifndef SMAP_HARDWARE_ROOT
+#define SMAP_HARDWARE_ROOT 1 /* 0: never use the processor's square root */
+#endif
+#ifndef SMAP_FLASH
+#define SMAP_FLASH /* type qualifier of tables; __flash or __memx with avr-gcc */
+#endif
+
+#endif

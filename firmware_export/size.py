@@ -1,0 +1,77 @@
+"""Bytes of code, RAM and stack of the runtime for each set of features, as measured.
+
+The measurement (`make size`, module `size_measure`) needs a cross compiler; an export does not:
+it reads runtime/sizes.json, which is committed.
+"""
+
+import json
+from collections.abc import Iterable, Mapping
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+from lutgen.errors import ExportError
+
+__all__ = ["TARGET", "code_bytes", "measured", "parse_sizes", "struct_bytes"]
+
+TARGET = "Cortex-M4, -Os"
+FILE = "sizes.json"
+
+
+def parse_sizes(text: str) -> dict[str, Any]:
+    """Return the content of sizes.json; refuse anything that is not such a file."""
+    try:
+        content = json.loads(text)
+        structs = {str(name): int(size) for name, size in content["structs"].items()}
+        sets = {
+            frozenset(map(str, row["features"])): {
+                key: int(row[key]) for key in ("code", "data", "bss", "stack")
+            }
+            for row in content["sets"]
+        }
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise ExportError(
+            f"{FILE}: is not the file of measured sizes (got {type(error).__name__}: {error}); "
+            "run `make size` with --update, or install lutgen again."
+        ) from error
+    return {"structs": structs, "sets": sets}
+
+
+@cache
+def measured() -> Mapping[str, Any]:
+    """Return ``structs`` (name -> bytes) and ``sets`` (features -> code, data, bss, stack)."""
+    try:
+        text = (files("firmware_export") / "runtime" / FILE).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise ExportError(
+            f"{FILE}: the measured sizes cannot be read (got {error}); install lutgen again."
+        ) from error
+    return parse_sizes(text)
+
+
+def struct_bytes(ctype: str) -> int | None:
+    """Return the bytes of a struct of smap.h on the target, None if it was not measured."""
+    size: int | None = measured()["structs"].get(ctype)
+    return size
+
+
+def code_bytes(features: Iterable[str]) -> int | None:
+    """Return the bytes of code of the runtime with these switches on.
+
+    Parameters
+    ----------
+    features : iterable of str
+        See `c_config.features`.
+
+    Returns
+    -------
+    int or None
+        Of exactly this set, or of the smallest measured one that contains it; None if there is
+        none.
+    """
+    wanted = frozenset(features)
+    sets = measured()["sets"]
+    if wanted in sets:
+        return int(sets[wanted]["code"])
+    larger = [int(row["code"]) for key, row in sets.items() if key > wanted]
+    return min(larger, default=None)

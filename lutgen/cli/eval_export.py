@@ -1,0 +1,96 @@
+"""`lutgen eval EXPORT_DIR`: the compiled C code of an export is asked."""
+
+import logging
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lutgen.cli.options import internal_values
+
+log = logging.getLogger("lutgen")
+
+STATUS = {
+    0: "SMAP_OK",
+    1: "SMAP_CLAMPED",
+    2: "SMAP_TIPS",
+    3: "SMAP_OFF_CHART",
+    -1: "SMAP_INVALID",
+}
+# Answers with which the robot is said to stand; nothing is known off the chart.
+STANDS, OFF_CHART = ("SMAP_OK", "SMAP_CLAMPED"), "SMAP_OFF_CHART"
+# What smap_read_i calls a channel that is not held, and its full scale.
+NOT_HELD, FULL_SCALE = 65535, 32767
+
+
+def export_report(
+    directory: Path, assignments: Sequence[tuple[str, float]], gravity: Sequence[float]
+) -> dict[str, Any]:
+    """Return the report on one point of an export.
+
+    Parameters
+    ----------
+    directory : path
+        A folder of `lutgen export`.
+    assignments : sequence of (str, float)
+        Values in the units that the recipe gave the parameters.
+    gravity : (3,) sequence of float
+        Down, any length > 0.
+    """
+    from firmware_export.host import HostLibrary
+
+    library = HostLibrary(directory)
+    content = library.report
+    units = {p["name"]: p["display_unit"] for p in content["parameters"]}
+    values = internal_values(str(directory), units, assignments)
+    for parameter, value in zip(content["parameters"], values, strict=True):
+        if not parameter["min"] <= value <= parameter["max"]:
+            log.warning("parameter %s is outside the export's range: clamped", parameter["name"])
+    if library.integer:
+        status, channels = _read_integer(library, values, gravity)
+    else:
+        codes, readings = library.read([values], [gravity])
+        status = STATUS[int(codes[0])]
+        names = ("sdg", "tip_angle", "height")
+        channels = dict(zip(names, map(float, readings[0]), strict=True))
+    report: dict[str, Any] = {
+        "robot": content["robot"],
+        "source": "compiled",
+        "length_unit": content["length_unit"],
+        "status": status,
+        "on_chart": status != OFF_CHART,
+        "standing": None if status == OFF_CHART else status in STANDS,
+    }
+    for name in content["channels"]:
+        value = channels[name] if status != OFF_CHART else math.nan
+        known = math.isfinite(value)
+        if name == "tip_angle":
+            report["tip_angle_deg"] = math.degrees(value) if known else None
+        else:
+            report[name] = value if known else None
+    return report
+
+
+def _read_integer(
+    library: Any, values: Sequence[float], gravity: Sequence[float]
+) -> tuple[str, dict[str, float]]:
+    """Ask smap_read_i; return the status and the channels in rad and length."""
+    row = []
+    for parameter, value in zip(library.report["parameters"], values, strict=True):
+        low, high = parameter["min"], parameter["max"]
+        code = round((value - low) / (high - low) * FULL_SCALE)
+        row.append(-1 if value < low else min(code, FULL_SCALE))
+    down = np.asarray(gravity, dtype=np.float64)
+    # The longest vector of the same direction that fits resolves it best.
+    down = np.rint(down / np.abs(down).max() * FULL_SCALE)
+    codes, readings = library.read_i([row], [down])
+    sdg, tip, height = (int(value) for value in readings[0])
+    steps = library.report["steps"]
+    lengths = {
+        name: math.nan if code == NOT_HELD else code * steps.get(name, math.nan)
+        for name, code in (("sdg", sdg), ("height", height))
+    }
+    sine = max(-1.0, min(1.0, tip / FULL_SCALE))
+    return STATUS[int(codes[0])], {**lengths, "tip_angle": math.asin(sine)}
