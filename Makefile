@@ -1,6 +1,6 @@
 # Every command of the project; `make help` lists them.
 # `maps` is also a folder, so without this line make would call it up to date.
-.PHONY: help venv maps test check bench size clean
+.PHONY: help venv maps exports size test check bench clean
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -30,6 +30,9 @@ check: .venv/.installed ## lint, format, types, spelling
 
 bench: .venv/.installed ## measure speed
 	$(BIN)/python -m benchmarks.run
+
+exports: .venv/.installed ## make and certify the exports that docs/design.md lists (ten minutes)
+	$(BIN)/python tools/export_table.py
 
 size: $(NAMES:%=build/maps/%/firmware.stamp) ## measure flash, RAM and stack on a Cortex-M4 (arm-none-eabi-gcc)
 	$(BIN)/python -m firmware_export.size_measure $(NAMES:%=build/maps/%/firmware)

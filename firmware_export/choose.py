@@ -12,6 +12,7 @@ from typing import Any
 from firmware_export.candidate import Bench, Candidate
 from firmware_export.codecs import codec
 from firmware_export.goal import GIVEN_UP, Goal
+from firmware_export.size import code_bytes
 from lutgen.errors import ExportError
 
 __all__ = ["choose", "front"]
@@ -110,10 +111,13 @@ def _ceiling(bench: Bench, goal: Goal) -> int:
 
 def _climb(bench: Bench, name: str, spec: Any, goal: Goal) -> list[Candidate]:
     """Climb from one size; return the candidates on the way."""
+    ceiling = _ceiling(bench, goal)
+    least = getattr(codec(name), "least_bytes", None)
+    if least is not None and least(spec) + (code_bytes(("SMAP_GRID",)) or 0) > ceiling:
+        return []  # what has been found is smaller than this can be
     now = bench.try_out(name, spec)
     if now is None:
         return []
-    ceiling = _ceiling(bench, goal)
     path, best, idle = [now], now, 0
     gains: list[float] = []
     budget = ENCODINGS.get(name, 40)

@@ -130,7 +130,7 @@ def export(
     bench = Bench(model, label, held, arithmetic)
     chosen, certificate, bound = _certified(bench, names, size, bound, points, tell)
     tell("writing")
-    result = certificate.as_dict() | {
+    result = described(certificate, chosen.export) | {
         "error_percent": certificate.error_of(certificate.bounded[0], relative=True),
         "bound": None if bound is None else str(bound),
         "candidates": len(bench.tried),
@@ -214,6 +214,12 @@ def _certified(
         f"{bench.model.recipe.source}: no export was certified to an error of {bound} (got "
         f"{found:.3g} for {chosen.label}, {chosen.total:,} bytes); allow a larger error."
     )
+
+
+def described(certificate: Certificate, export: Export) -> dict[str, Any]:
+    """Return a certificate's content with what the codec has to say to its readers."""
+    content = certificate.as_dict()
+    return content | {"text": [*content["text"], *getattr(export.tables, "notes", ())]}
 
 
 def examine(export: Export, bench: Bench, bound: ErrorBound | None, points: int) -> Certificate:

@@ -15,14 +15,15 @@ import numpy as np
 from firmware_export import grid_fit, grid_guard, grid_rough, grid_tip
 from firmware_export.grid_knots import chosen_knots
 from firmware_export.grid_lattice import Lattice, spread_knots
-from firmware_export.grid_read import read
-from firmware_export.grid_read_i import read_i
-from firmware_export.grid_spec import Spec, grow, start
-from firmware_export.grid_tables import Part, Tables, U, V, c_body
+from firmware_export.grid_spec import Spec, start
+from firmware_export.grid_tables import Part, Tables, U, V
 from firmware_export.model import Model
 from lutgen.errors import InputError
 
-__all__ = ["Spec", "Tables", "c_body", "encode", "grow", "read", "read_i", "refusal", "start"]
+__all__ = [
+    *("Spec", "Tables", "c_body", "encode", "grow", "least_bytes", "read", "read_i", "refusal"),
+    "start",
+]
 
 DTYPE: dict[int, Any] = {8: np.uint8, 16: np.uint16}
 # Parameters that smap_read_i and the tables can address, and the largest u it can.
@@ -34,6 +35,11 @@ FLOAT_PLACE, INTEGER_PLACE, INTEGER_PARTS = 0.02, 6.0, 16384.0
 # Rounding of the float path: operations after the codes, in units of 2^-24.
 OPERATIONS = 64.0
 
+SIGN_ONLY = (
+    "Of this table's tip angle only the sign is bounded: it is negative wherever the robot tips, "
+    "but where it stands the angle may be read too large; take it as a verdict, not a distance."
+)
+
 
 def refusal(model: Model, arithmetic: str) -> str | None:
     """Return why the codec cannot be used, or None."""
@@ -42,6 +48,12 @@ def refusal(model: Model, arithmetic: str) -> str | None:
     if arithmetic == "integer" and model.chart_limit > STEEPEST:
         return f"grid without floats reaches |u| = {STEEPEST} (got {model.chart_limit:.4g})"
     return None
+
+
+def least_bytes(spec: Spec) -> int:
+    """Return the bytes of a size's codes, known before anything is encoded."""
+    values = sum((2 if name == "sdg" else 1) * math.prod(shape) for name, shape in spec.nodes)
+    return values * spec.bits // 8
 
 
 def _lattice(model: Model, shape: tuple[int, ...], chosen: bool) -> Lattice:
@@ -128,4 +140,5 @@ def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
         guard = float(tip_part.step) * _misplaced(tip_part, FLOAT_PLACE, 0.0)
     largest = float(np.abs(tip_part.offset[0]) + tip_part.step * 2.0**spec.bits)
     guard += OPERATIONS * 2.0**-24 * max(largest, 1.0)
-    return Tables(spec, channels, tuple(parts), model.chart_limit, guard, text)
+    notes = () if grid_guard.is_smooth(model) else (SIGN_ONLY,)
+    return Tables(spec, channels, tuple(parts), model.chart_limit, guard, text, notes)

@@ -62,11 +62,15 @@ def active_axes(model: Model, name: str) -> tuple[bool, ...]:
         base = rng.random((12, axes))
         place = np.repeat(base[:, None], PROBES, axis=1)
         place[:, :, axis] = np.linspace(0.0, 1.0, PROBES)
-        params = model.lower + (model.upper - model.lower) * place[..., : model.k]
+        params = (
+            (model.lower + (model.upper - model.lower) * place[..., : model.k]).reshape(-1, model.k)
+            if model.k
+            else np.zeros((12 * PROBES, 0))
+        )
         face = rng.integers(model.faces, size=12)[:, None]
         u, v = ((2.0 * place[..., at] - 1.0) * model.chart_limit for at in (-1, -2))
         gravity = model.uv_to_gravity(face, u, v).reshape(-1, 1, 3)
-        exact = model.exact(params.reshape(-1, model.k), gravity)
+        exact = model.exact(params, gravity)
         value = exact.height_beyond if name == "height" else exact.along
         known = value.reshape(12, PROBES)
         with np.errstate(invalid="ignore"):

@@ -118,6 +118,8 @@ class Tables:
         rad, to be subtracted from the tip angle.
     guard_text : str
         How it was bounded, one sentence.
+    notes : tuple of str
+        What a reader must know beside the numbers, sentences.
     """
 
     spec: Spec
@@ -126,6 +128,7 @@ class Tables:
     chart_limit: float
     guard: float
     guard_text: str
+    notes: tuple[str, ...] = ()
 
     @property
     def half(self) -> np.float32:

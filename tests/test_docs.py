@@ -119,7 +119,7 @@ def test_the_python_of_the_readme_prints_what_its_comments_say(clone: Path) -> N
 
 
 def test_the_format_document_lists_every_attribute_of_a_map(clone: Path) -> None:
-    text = (ROOT / "docs/format.md").read_text(encoding="utf-8")
+    text, _ = (ROOT / "docs/format.md").read_text(encoding="utf-8").split("# The C tables")
     listed = set(re.findall(r"^\| `(\w+)` \|", text, re.MULTILINE))
     lutgen.sweep(lutgen.load_recipe("maps/paper_one.toml"), "one.h5")
     with h5py.File("one.h5") as file:

@@ -5,20 +5,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from firmware_export import contacts, package, poly, twin
+from firmware_export import contacts, grid, package, poly, twin
 from firmware_export.exported import CHANNELS, Export
 from firmware_export.host import HostLibrary
 from firmware_export.model import Model
 from firmware_export.strict import arcsine, root
 from lutgen.recipe import load_recipe
-from tests.queries import random_queries
+from tests.queries import integer_queries, random_queries
 
 SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g")
 
 
 def export_of(recipe: str, codec: str, growth: int) -> Export:
     model = Model(load_recipe(f"maps/{recipe}.toml"))
-    module = {"contacts": contacts, "poly": poly}[codec]
+    module = {"contacts": contacts, "grid": grid, "poly": poly}[codec]
     spec = module.start(model, CHANNELS, "float")[-1]
     for _ in range(growth):
         spec = module.grow(model, spec)[-1]
@@ -37,6 +37,7 @@ CASES = [
     ("three_leg_sphere", "contacts", 4, 1_000_000),
     ("absolem", "contacts", 12, 200_000),
     ("paper_two", "poly", 3, 1_000_000),
+    ("paper_two", "grid", 0, 1_000_000),
 ]
 
 
@@ -70,6 +71,27 @@ def test_the_c_code_is_clean_under_the_sanitizers(
     np.testing.assert_array_equal(status, again)
     np.testing.assert_array_equal(reading.view(np.uint32), soft_reading.view(np.uint32))
     assert np.unique(status).tolist() == answers(export)
+
+
+def integer_export() -> Export:
+    model = Model(load_recipe("maps/paper_two.toml"))
+    tables = grid.encode(model, CHANNELS, grid.start(model, CHANNELS, "integer")[0])
+    return Export("paper_two", model.recipe, model, "grid", "integer", CHANNELS, tables)
+
+
+def test_c_and_twin_agree_without_floats(tmp_path: Path) -> None:
+    export = integer_export()
+    package.write(export, tmp_path / "out")
+    params, gravity = integer_queries(export.model, 1_000_000)
+    status, reading = HostLibrary(tmp_path / "out").read_i(params, gravity)
+    twin_status, twin_reading = grid.read_i(export.tables, params, gravity, 1)
+    np.testing.assert_array_equal(status, twin_status)
+    np.testing.assert_array_equal(reading, twin_reading)
+    assert np.bincount(status + 1, minlength=5).min() > 300
+    few = 100_000
+    clean = HostLibrary(tmp_path / "out").run_driver(params[:few], gravity[:few], SANITIZERS)
+    np.testing.assert_array_equal(clean[0], status[:few])
+    np.testing.assert_array_equal(clean[1], reading[:few])
 
 
 def test_arcsine_is_right_to_3e_7_and_odd() -> None:

@@ -1,0 +1,103 @@
+"""Make, certify and write the exports whose numbers the documents quote, and print their table.
+
+    python tools/export_table.py [--output build/exports] [--only TEXT] [--points N]
+
+Each export goes to OUTPUT/<recipe>_<number>/, the table to OUTPUT/exports.md.  Sizes are given
+here, not chosen, so that every row is the same wherever it is made; `lutgen export` chooses.
+"""
+
+import argparse
+import sys
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from firmware_export import contacts, grid, package
+from firmware_export.candidate import Bench
+from firmware_export.exported import CHANNELS
+from firmware_export.exporter import described, examine
+from firmware_export.model import Model
+from firmware_export.poly_fit import Spec as PolySpec
+from lutgen.recipe import load_recipe
+
+ROOT = Path(__file__).resolve().parent.parent
+VERDICT = ("tip_angle",)
+
+
+@dataclass(frozen=True)
+class Case:
+    """One row: recipe, codec, size, arithmetic, channels."""
+
+    recipe: str
+    codec: str
+    spec: Any
+    arithmetic: str = "float"
+    channels: tuple[str, ...] = CHANNELS
+
+
+def table(bits: int, tip: tuple[int, ...], sdg: tuple[int, ...], height: int) -> grid.Spec:
+    """Return a size of the codec grid with all three channels."""
+    return grid.Spec(bits, (("tip", tip), ("sdg", sdg), ("height", (height, height, 1, 1))))
+
+
+SMALL = table(8, (5, 5, 13, 13), (7, 7, 9, 9), 7)
+LARGE = table(8, (9, 9, 17, 17), (9, 9, 15, 15), 9)
+CASES = (
+    Case("paper_two", "contacts", contacts.Spec((4, 4), 8)),
+    Case("paper_two", "contacts", contacts.Spec((9, 9), 16)),
+    Case("paper_two", "poly", PolySpec(((0, 2), (2, 0), (0, 0)))),
+    Case("paper_two", "poly", PolySpec(((0, 3), (3, 0), (0, 0)))),
+    Case("paper_two", "grid", SMALL),
+    Case("paper_two", "grid", SMALL, "integer"),
+    Case("paper_two", "grid", LARGE),
+    Case("paper_two", "grid", LARGE, "integer"),
+    Case("absolem", "contacts", contacts.Spec((255, 255), 16)),
+    Case("absolem", "grid", grid.Spec(8, (("tip", (16, 17, 12, 20)),)), "integer", VERDICT),
+)
+HEAD = (
+    "| robot | export | arithmetic | tables, B | with code, B | \\|SD_g\\| max | p99 | guard | "
+    "given up | falsely safe | points |\n|---|---|---|---|---|---|---|---|---|---|---|"
+)
+
+
+def row(case: Case, output: Path, number: int, points: int) -> str:
+    """Make one export; return its row."""
+    model = Model(load_recipe(ROOT / "maps" / f"{case.recipe}.toml"))
+    bench = Bench(model, case.recipe, case.channels, case.arithmetic)
+    made = bench.try_out(case.codec, case.spec)
+    if made is None:
+        raise SystemExit(f"{case}: the codec refuses this size")
+    certificate = described(examine(made.export, bench, None, points), made.export)
+    final = replace(made.export, certificate=certificate)
+    report = package.write(final, output / f"{case.recipe}_{number}")
+    sdg = report["certificate"]["channels"].get("sdg", {})
+    largest = f"{sdg['max_percent']:.3g} %" if "max_percent" in sdg else "jumps" if sdg else "-"
+    p99 = f"{sdg['p99_percent']:.3g} %" if sdg else "-"
+    return (
+        f"| {case.recipe} | {made.label} | {case.arithmetic} | {made.bytes:,} | {made.total:,} | "
+        f"{largest} | {p99} | {report['guard_deg']:.3g} deg | "
+        f"{100.0 * certificate['given_up']:.3g} % | {certificate['false_safe']} | "
+        f"{certificate['points']:,} |"
+    )
+
+
+def main() -> int:
+    """Print the table; return an exit code."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--output", type=Path, default=ROOT / "build" / "exports")
+    parser.add_argument("--only", default="", help="only rows in which this text occurs")
+    parser.add_argument("--points", type=int, default=500_000)
+    options = parser.parse_args()
+    options.output.mkdir(parents=True, exist_ok=True)
+    lines = HEAD.splitlines()
+    print(HEAD, flush=True)
+    for number, case in enumerate(CASES, 1):
+        if options.only in f"{case.recipe} {case.codec} {case.arithmetic}":
+            lines.append(row(case, options.output, number, options.points))
+            print(lines[-1], flush=True)
+    (options.output / "exports.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
