@@ -15,13 +15,23 @@ import numpy as np
 from firmware_export import grid_fit, grid_guard, grid_rough, grid_tip
 from firmware_export.grid_knots import chosen_knots
 from firmware_export.grid_lattice import Lattice, spread_knots
-from firmware_export.grid_spec import Spec, start
-from firmware_export.grid_tables import Part, Tables, U, V
+from firmware_export.grid_read import read
+from firmware_export.grid_read_i import read_i
+from firmware_export.grid_spec import Spec, grow, start
+from firmware_export.grid_tables import Part, Tables, U, V, c_body
 from firmware_export.model import Model
 from lutgen.errors import InputError
 
 __all__ = [
-    *("Spec", "Tables", "c_body", "encode", "grow", "least_bytes", "read", "read_i", "refusal"),
+    "Spec",
+    "Tables",
+    "c_body",
+    "encode",
+    "grow",
+    "least_bytes",
+    "read",
+    "read_i",
+    "refusal",
     "start",
 ]
 

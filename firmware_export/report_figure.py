@@ -55,7 +55,13 @@ def draw_pareto(
     import matplotlib.style
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
-    from matplotlib.ticker import FuncFormatter, NullFormatter
+    from matplotlib.ticker import (
+        FixedLocator,
+        FuncFormatter,
+        MaxNLocator,
+        NullFormatter,
+        NullLocator,
+    )
 
     with matplotlib.style.context(["default", _SETTINGS]):
         figure = Figure(figsize=_SIZE, layout="constrained", dpi=dpi)
@@ -80,13 +86,20 @@ def draw_pareto(
         axes.set_ylabel(rf"{measure} error of $|SD_g|$ [% of range]")
         axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.0f}"))
         axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        # Less than a decade leaves no labelled tick but the minor ones.
         for axis, values in (
-            (axes.xaxis, [_size(row) for row in rows]),
+            (axes.xaxis, [float(_size(row)) for row in rows]),
             (axes.yaxis, [float(row["error"]) for row in rows]),
         ):
-            if max(values) >= 10.0 * min(values):
-                axis.set_minor_formatter(NullFormatter())
+            low, high = min(values), max(values)
+            axis.set_minor_formatter(NullFormatter())
+            if high < 20.0 * low:
+                # Hardly a decade: powers of ten would leave one label or none.
+                margin = (high / low) ** 0.05
+                low, high = min(low / margin, 0.98 * low), max(high * margin, 1.02 * high)
+                ticks = MaxNLocator(4, steps=[1, 2, 5, 10]).tick_values(low, high)
+                axis.set_major_locator(FixedLocator([at for at in ticks if low <= at <= high]))
+                axis.set_minor_locator(NullLocator())
+                axis.axes.set(**{f"{axis.axis_name}lim": (low, high)})
         axes.grid(True, lw=0.3, color="#d0d0d0")
         axes.set_axisbelow(True)
         axes.legend(loc="best", handletextpad=0.3)

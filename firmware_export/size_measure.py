@@ -44,8 +44,8 @@ OPTIONS: dict[str, tuple[tuple[str, ...], ...]] = {
         ("", "SMAP_SPHERE"),
     ),
     "SMAP_POLY": (("", "SMAP_SPHERE"),),
-    "SMAP_GRID": (("", "SMAP_SPHERE"),),
-    "SMAP_GRID_INTEGER": (("", "SMAP_SPHERE"),),
+    "SMAP_GRID": (("", "SMAP_SPHERE"), ("", "SMAP_GRID_FAST")),
+    "SMAP_GRID_INTEGER": (("", "SMAP_SPHERE"), ("", "SMAP_GRID_FAST")),
 }
 # Arrays on the stack are as large as a map needs: two joints, and three points or twelve discs.
 USUAL = {"SMAP_MAX_PARAMS": 2, "SMAP_MAX_HINGES": 1, "SMAP_MAX_ENTRIES": 8}

@@ -7,7 +7,7 @@ import pytest
 
 from firmware_export import contacts, grid, package, poly, twin
 from firmware_export.exported import CHANNELS, Export
-from firmware_export.host import HostLibrary
+from firmware_export.host import FLAGS, HostLibrary
 from firmware_export.model import Model
 from firmware_export.strict import arcsine, root
 from lutgen.recipe import load_recipe
@@ -88,10 +88,22 @@ def test_c_and_twin_agree_without_floats(tmp_path: Path) -> None:
     np.testing.assert_array_equal(status, twin_status)
     np.testing.assert_array_equal(reading, twin_reading)
     assert np.bincount(status + 1, minlength=5).min() > 300
+    fast = HostLibrary(tmp_path / "out", (*FLAGS, "-DSMAP_GRID_FAST=1"))
+    np.testing.assert_array_equal(fast.read_i(params, gravity)[1], reading)
     few = 100_000
     clean = HostLibrary(tmp_path / "out").run_driver(params[:few], gravity[:few], SANITIZERS)
     np.testing.assert_array_equal(clean[0], status[:few])
     np.testing.assert_array_equal(clean[1], reading[:few])
+
+
+def test_the_fast_path_of_the_grid_has_the_same_bits(tmp_path: Path) -> None:
+    export = export_of("paper_two", "grid", 0)
+    package.write(export, tmp_path / "out")
+    params, gravity = random_queries(export.model, 200_000, seed=9)
+    status, reading = HostLibrary(tmp_path / "out").read(params, gravity)
+    fast = HostLibrary(tmp_path / "out", (*FLAGS, "-DSMAP_GRID_FAST=1")).read(params, gravity)
+    np.testing.assert_array_equal(fast[0], status)
+    np.testing.assert_array_equal(fast[1].view(np.uint32), reading.view(np.uint32))
 
 
 def test_arcsine_is_right_to_3e_7_and_odd() -> None:

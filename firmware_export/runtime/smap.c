@@ -900,11 +900,54 @@ static uint32_t grid_cell(const SMAP_FLASH smap_grid_t *grid,
   return at;
 }
 
+#if SMAP_GRID_FAST
+/* The value between the four corners of a cell's face in its two innermost axes. */
+static float grid_plane(const SMAP_FLASH smap_grid_part_t *part, uint32_t at,
+                        const uint32_t jump[GRID_AXES], const float frac[GRID_AXES])
+{
+  const uint32_t aside = at + jump[0] + jump[1];
+  float a, b, c, d;
+  if (part->codes8) {
+    const SMAP_FLASH uint8_t *const codes = part->codes8;
+    a = (float)codes[at];
+    b = (float)codes[at + jump[0]];
+    c = (float)codes[aside];
+    d = (float)codes[aside + jump[0]];
+  } else {
+    const SMAP_FLASH uint16_t *const codes = part->codes16;
+    a = (float)codes[at];
+    b = (float)codes[at + jump[0]];
+    c = (float)codes[aside];
+    d = (float)codes[aside + jump[0]];
+  }
+  a = a + (b - a) * frac[0];
+  c = c + (d - c) * frac[0];
+  return a + (c - a) * frac[1];
+}
+#endif
+
 static float grid_value(const SMAP_FLASH smap_grid_part_t *part, uint32_t at,
                         const uint32_t jump[GRID_AXES], const float frac[GRID_AXES])
 {
   float below[GRID_AXES];
   uint16_t corner;
+#if SMAP_GRID_FAST /* the same operations in the same order as below */
+  if (part->dims == 2 || part->dims == 4) {
+    float low = grid_plane(part, at, jump, frac), high;
+    uint32_t two, three;
+    if (part->dims == 2) {
+      return low;
+    }
+    /* A jump is the step along its axis less those along the axes further in. */
+    two = jump[2] + jump[1] + 2 * jump[0];
+    three = jump[3] + two + jump[1] + 2 * jump[0];
+    high = grid_plane(part, at + two, jump, frac);
+    low = low + (high - low) * frac[2];
+    high = grid_plane(part, at + three, jump, frac);
+    high = high + (grid_plane(part, at + three + two, jump, frac) - high) * frac[2];
+    return low + (high - low) * frac[3];
+  }
+#endif
   for (corner = 0;; corner++) {
     float value = part->codes8 ? (float)part->codes8[at] : (float)part->codes16[at];
     uint8_t level = 0;
@@ -996,6 +1039,36 @@ static void grid_cell_i(const SMAP_FLASH smap_grid_t *grid,
   }
 }
 
+/* The value between two, rounded down; at a node one of the weights is 0 and the node comes out. */
+static uint32_t between(uint32_t low, uint32_t high, uint32_t frac)
+{
+  return (low * (16384u - frac) + high * frac) >> 14;
+}
+
+#if SMAP_GRID_FAST
+/* The value between the four corners of a cell's face in its two innermost axes. */
+static uint32_t grid_plane_i(const SMAP_FLASH smap_grid_part_t *part, uint32_t at,
+                             const cell_t *cell)
+{
+  const uint32_t aside = at + cell->jump[0] + cell->jump[1];
+  uint32_t a, b, c, d;
+  if (part->codes8) {
+    const SMAP_FLASH uint8_t *const codes = part->codes8;
+    a = (uint32_t)codes[at] << 8;
+    b = (uint32_t)codes[at + cell->jump[0]] << 8;
+    c = (uint32_t)codes[aside] << 8;
+    d = (uint32_t)codes[aside + cell->jump[0]] << 8;
+  } else {
+    const SMAP_FLASH uint16_t *const codes = part->codes16;
+    a = codes[at];
+    b = codes[at + cell->jump[0]];
+    c = codes[aside];
+    d = codes[aside + cell->jump[0]];
+  }
+  return between(between(a, b, cell->frac[0]), between(c, d, cell->frac[0]), cell->frac[1]);
+}
+#endif
+
 /* The value of a cell in 1/65536 of the codes' range, rounded down. */
 static uint32_t grid_value_i(const SMAP_FLASH smap_grid_part_t *part, const cell_t *cell,
                              uint8_t component)
@@ -1003,12 +1076,26 @@ static uint32_t grid_value_i(const SMAP_FLASH smap_grid_part_t *part, const cell
   uint16_t below[GRID_AXES];
   uint32_t at = cell->at + component;
   uint16_t corner;
+#if SMAP_GRID_FAST /* the same operations in the same order as below */
+  if (part->dims == 2 || part->dims == 4) {
+    uint32_t low = grid_plane_i(part, at, cell), high, two, three;
+    if (part->dims == 2) {
+      return low;
+    }
+    /* A jump is the step along its axis less those along the axes further in. */
+    two = cell->jump[2] + cell->jump[1] + 2 * cell->jump[0];
+    three = cell->jump[3] + two + cell->jump[1] + 2 * cell->jump[0];
+    low = between(low, grid_plane_i(part, at + two, cell), cell->frac[2]);
+    high = grid_plane_i(part, at + three, cell);
+    high = between(high, grid_plane_i(part, at + three + two, cell), cell->frac[2]);
+    return between(low, high, cell->frac[3]);
+  }
+#endif
   for (corner = 0;; corner++) {
     uint32_t value = part->codes8 ? (uint32_t)part->codes8[at] << 8 : part->codes16[at];
     uint8_t level = 0;
     for (; (corner >> level) & 1u; level++) {
-      const uint32_t frac = cell->frac[level];
-      value = (below[level] * (16384u - frac) + value * frac) >> 14;
+      value = between(below[level], value, cell->frac[level]);
     }
     if (level == part->dims) {
       return value;
