@@ -51,7 +51,7 @@ _FLASH = """\
 
 @cache
 def runtime_file(name: str) -> str:
-    """Return the text of a file of the runtime, with the parts that it includes in place."""
+    """Return the text of a file of the runtime."""
     folder = files("firmware_export") / "runtime"
     try:
         text = (folder / name).read_text(encoding="utf-8")
@@ -60,7 +60,7 @@ def runtime_file(name: str) -> str:
             f"{name}: this file of the runtime cannot be read (got {error.strerror}); "
             "install lutgen again."
         ) from error
-    return re.sub(r'#include "(part_\w+\.c)"\n', lambda found: runtime_file(found[1]), text)
+    return text
 
 
 @cache

@@ -14,6 +14,7 @@ import pytest
 from click.testing import CliRunner
 
 import lutgen
+from firmware_export.size import measured
 from lutgen.cli import main
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -124,6 +125,16 @@ def test_the_format_document_lists_every_attribute_of_a_map(clone: Path) -> None
     lutgen.sweep(lutgen.load_recipe("maps/paper_one.toml"), "one.h5")
     with h5py.File("one.h5") as file:
         assert set(file.attrs) == listed - {"blocks_done"}
+
+
+def test_the_sizes_in_the_design_document_are_those_measured() -> None:
+    text = (ROOT / "docs/design.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\|[^|]+\| `(SMAP_[^`]+)` \| ([\d,]+) \| ([\d,]+) \|$", text, re.MULTILINE)
+    sets = measured()["sets"]
+    assert len(rows) == 7
+    for switches, code, stack in rows:
+        known = sets[frozenset(switches.split())]
+        assert (code, stack) == (f"{known['code']:,}", f"{known['stack']:,}"), switches
 
 
 def test_every_relative_link_and_picture_of_the_documents_exists() -> None:

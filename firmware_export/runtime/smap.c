@@ -153,7 +153,7 @@ static int locate(const SMAP_FLASH struct smap *map, const float gravity[3], que
 }
 #endif
 
-/* ---- geometry --------------------------------------------------------------------------------- */
+/* ---- geometry ------------------------------------------------------------------------------- */
 #if SMAP_CONTACTS || SMAP_POLY
 static float dot(const float a[3], const float b[3])
 {
@@ -477,8 +477,8 @@ static int outline(posture_t *posture, facet_t *facet)
 }
 
 /* Roll a plane with the unit normal `normal` over the contacts a - b until the next one touches, to
- * the right of a - b seen along the normal; with b = NONE over a alone, about `axis`.  Writes the new
- * normal to `next` and returns the contact that was met, or NONE. */
+ * the right of a - b seen along the normal; with b = NONE over a alone, about `axis`.  Writes the
+ * new normal to `next` and returns the contact that was met, or NONE. */
 static uint8_t roll(posture_t *posture, const float normal[3], uint8_t a, uint8_t b,
                     const float *axis, facet_t *next)
 {
@@ -1110,7 +1110,7 @@ smap_status_t smap_read_i(const smap_t *handle, const int16_t *params_q,
 {
   const SMAP_FLASH struct smap *map = (const SMAP_FLASH struct smap *)handle;
   const SMAP_FLASH smap_grid_t *grid = (const SMAP_FLASH smap_grid_t *)map->body;
-  const SMAP_FLASH smap_grid_part_t *part = grid->parts;
+  const SMAP_FLASH smap_grid_part_t *part;
   smap_status_t status = SMAP_OK;
   uint16_t place[GRID_AXES];
   uint32_t size[3], largest = 0, deep, cosine, value;
@@ -1122,8 +1122,9 @@ smap_status_t smap_read_i(const smap_t *handle, const int16_t *params_q,
   if (map->codec != SMAP_CODEC_GRID) {
     return SMAP_INVALID;
   }
+  part = grid->parts;
   for (i = 0; i < map->params; i++) {
-    place[i] = (uint16_t)(params_q[i] * 2);
+    place[i] = (uint16_t)((uint16_t)params_q[i] * 2u);
     if (params_q[i] < 0) {
       place[i] = 0;
       status = SMAP_CLAMPED;
@@ -1212,7 +1213,7 @@ smap_status_t smap_read_i(const smap_t *handle, const int16_t *params_q,
 #endif
 #endif
 #if SMAP_POLY
-/* ---- codec `poly`: three contacts as Chebyshev polynomials of the parameters ------------------ */
+/* ---- codec `poly`: three contacts as Chebyshev polynomials of the parameters ----------------- */
 
 /* Sum one contact's terms, in codes; return the codes of the next contact. */
 static const SMAP_FLASH int16_t *poly_point(const SMAP_FLASH uint8_t *shape,
