@@ -175,13 +175,10 @@ def within_side(
     contacts: int,
     axes: int,
     tolerance: np.float32,
-    steepest: np.float32,
-    least_cosine: np.float32,
     before: Vector,
     after: Vector,
     near: int,
     far: int,
-    forward: bool,
     g: Vector,
 ) -> bool:
     """Tell whether g lies within one side of the gap between two facets."""
@@ -194,12 +191,7 @@ def within_side(
     moved = subtract(stop, start)
     if dot(moved, moved) <= tolerance * tolerance:
         return True
-    if (dot(plane, g) < F0) == (dot(plane, across) < F0):
-        return True
-    return surrounded(
-        *(work, radius, hinge, contacts, axes, tolerance, steepest, least_cosine),
-        *(before, near, far, forward),
-    )
+    return bool((dot(plane, g) < F0) == (dot(plane, across) < F0))
 
 
 @njit()
@@ -351,12 +343,9 @@ def read_facets(
             ):
                 return
             m = at(other, 0)
-            if not within_side(
-                *(work, radius, hinge, contacts, axes, tolerance, steepest, least_cosine),
-                *(n, m, a, b, False, g),
-            ) or not within_side(
-                *(work, radius, hinge, contacts, axes, tolerance, steepest, least_cosine),
-                *(n, m, b, a, True, g),
+            if not (
+                within_side(work, radius, hinge, contacts, axes, tolerance, n, m, a, b, g)
+                and within_side(work, radius, hinge, contacts, axes, tolerance, n, m, b, a, g)
             ):
                 return
             if dot(m, g) * facet[3] > dot(n, g) * other[3]:

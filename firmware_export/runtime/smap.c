@@ -701,7 +701,7 @@ static uint8_t crossed(posture_t *posture, const facet_t *facet, const float g[3
 /* Tell whether g lies within one side of the gap that opens at contact `near`, between the facets
  * with the normals `from` and `to`; `far` is the gap's other contact. */
 static int within_side(posture_t *posture, const float from[3], const float to[3],
-                       uint8_t near, uint8_t far, int forward, const float g[3])
+                       uint8_t near, uint8_t far, const float g[3])
 {
   float start[3], stop[3], plane[3], across[3];
   const float tolerance = posture->body->tolerance;
@@ -715,10 +715,7 @@ static int within_side(posture_t *posture, const float from[3], const float to[3
   if (dot(stop, stop) <= tolerance * tolerance) {
     return 1;
   }
-  if ((dot(plane, g) < 0.0f) == (dot(plane, across) < 0.0f)) {
-    return 1;
-  }
-  return surrounded(posture, from, near, far, forward);
+  return (dot(plane, g) < 0.0f) == (dot(plane, across) < 0.0f);
 }
 
 /* |SD_g| on a facet: from the area centroid of its outline to the point that g pierces. */
@@ -834,8 +831,8 @@ static void contacts_read(const SMAP_FLASH smap_contacts_t *body, uint8_t params
     back = crossed(&posture, &other, g);
     if (back != NONE && other.corner[back] == b) { /* in the gap between the two */
       if (!accepted(&posture, &facet) || !rocks(&posture, facet.n, a, b, &other) ||
-          !within_side(&posture, facet.n, other.n, a, b, 0, g) ||
-          !within_side(&posture, facet.n, other.n, b, a, 1, g)) {
+          !within_side(&posture, facet.n, other.n, a, b, g) ||
+          !within_side(&posture, facet.n, other.n, b, a, g)) {
         return;
       }
       if (dot(other.n, g) * facet.height > dot(facet.n, g) * other.height) {
