@@ -54,13 +54,12 @@ def runtime_file(name: str) -> str:
     """Return the text of a file of the runtime."""
     folder = files("firmware_export") / "runtime"
     try:
-        text = (folder / name).read_text(encoding="utf-8")
+        return (folder / name).read_text(encoding="utf-8")
     except OSError as error:
         raise ExportError(
             f"{name}: this file of the runtime cannot be read (got {error.strerror}); "
             "install lutgen again."
         ) from error
-    return text
 
 
 @cache

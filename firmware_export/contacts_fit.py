@@ -144,7 +144,6 @@ def encode_codes(
     n = len(kind)
     grouped = _with_common(weights, n) if many else weights
     step = float(np.abs(grouped[..., : 3 * n + (3 if many else 0)]).max()) / WEIGHT_FULL
-    radii = np.rint(radius / step)
     step = max(step, float(radius.max()) / WEIGHT_FULL)
     radii = np.rint(radius / step).astype(np.int16)
     unit = np.full(grouped.shape[-1], step)
