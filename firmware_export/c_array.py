@@ -45,6 +45,9 @@ class CArray:
         Elements after which a new row starts, 0 for none; rows longer than a line are wrapped.
     rows : sequence of str
         A comment for each row, or nothing.
+    chunk : int
+        Elements of a chunk where SMAP_GRID_CHUNKS asks for small objects: ``@name`` is then the
+        list of the chunks' addresses.  0: one object everywhere.
     """
 
     name: str
@@ -53,6 +56,7 @@ class CArray:
     comment: str = ""
     row: int = 0
     rows: Sequence[str] = field(default=())
+    chunk: int = 0
 
     def __post_init__(self) -> None:
         if self.ctype not in CTYPES:
@@ -113,6 +117,11 @@ class CBody:
     arrays: tuple[CArray, ...]
     config: tuple[tuple[str, int], ...] = ()
     steps: tuple[tuple[str, float], ...] = ()
+
+    @property
+    def chunked(self) -> bool:
+        """Whether a table can be cut into chunks."""
+        return any(array.chunk for array in self.arrays)
 
     @property
     def bytes(self) -> int:

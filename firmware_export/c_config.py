@@ -33,6 +33,15 @@ _CODEC_SWITCH = {
 }
 # What an application may set by itself: it depends on the target, not on the map.
 _TARGET = ("SMAP_HARDWARE_ROOT", "SMAP_FLASH", "SMAP_PLACE")
+# avr-gcc makes no object of more than 32767 bytes; elsewhere one object is read faster.
+_CHUNKS = """\
+#ifndef SMAP_GRID_CHUNKS
+#ifdef __AVR__
+#define SMAP_GRID_CHUNKS 1 /* {comment} */
+#else
+#define SMAP_GRID_CHUNKS 0
+#endif
+#endif"""
 # avr-gcc reads constants from flash only where they have an address space of their own, which needs
 # C with GNU extensions; else they are copied to RAM.  Other targets have them in flash anyway.
 _FLASH = """\
@@ -40,9 +49,14 @@ _FLASH = """\
 #if defined(__AVR__) && defined(__FLASH) && !defined(__STRICT_ANSI__)
 #define SMAP_FLASH __flash /* type qualifier of tables; needs -std=gnu99 or later */
 #define SMAP_PLACE __attribute__((__progmem__)) /* attribute of descriptors */
+#ifdef __FLASH1 /* more than 64 KiB of flash */
+#define SMAP_FAR __memx /* type qualifier of what may lie anywhere in it: chunks */
+#endif
 #else
 #define SMAP_FLASH
 #endif
+#elif defined(__AVR__) && !defined(SMAP_PLACE)
+#error "SMAP_FLASH and SMAP_PLACE say the same of two things: set both, or neither"
 #endif
 #ifndef SMAP_PLACE
 #define SMAP_PLACE
@@ -141,7 +155,9 @@ def config_text(export: Export, body: CBody) -> str:
         "",
     ]
     for name, value, comment in entries():
-        if name in needed or name == "SMAP_HARDWARE_ROOT":
+        if name == "SMAP_GRID_CHUNKS" and body.chunked:
+            lines.append(_CHUNKS.format(comment=comment))
+        elif name in needed or name == "SMAP_HARDWARE_ROOT":
             setting = str(needed.get(name, value))
             lines += [f"#ifndef {name}", f"#define {name} {setting} /* {comment} */", "#endif"]
     return "\n".join([*lines, _FLASH, "", "#endif", ""])

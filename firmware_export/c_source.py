@@ -9,13 +9,20 @@ from importlib import import_module
 from firmware_export.axis import axis_numbers
 from firmware_export.c_array import CArray, CBody
 from firmware_export.c_config import entries, runtime_version, settings
-from firmware_export.c_text import aligned, literal, resolve, table
+from firmware_export.c_text import (
+    aligned,
+    comment_lines,
+    literal,
+    number_lines,
+    resolve,
+    table,
+)
 from firmware_export.exported import CHANNELS, Export
 
 __all__ = ["body_of", "source_text"]
 
-# Most bytes of one object for avr-gcc.
-_LARGEST = 32767
+# The types of smap.h for the address of a chunk.
+_CHUNK = {"uint8_t": "smap_chunk8_t", "uint16_t": "smap_chunk16_t"}
 _CODEC = {name: f"SMAP_CODEC_{name.upper()}" for name in ("contacts", "grid", "poly")}
 _BITS = dict(zip(CHANNELS, ("SMAP_SDG", "SMAP_TIP_ANGLE", "SMAP_HEIGHT"), strict=True))
 
@@ -66,6 +73,11 @@ def _checks(export: Export, body: CBody) -> str:
             continue
         lines.append(f'#error "{export.name} needs {macro} {value}: see smap_config.h"')
         lines.append("#endif")
+    if body.chunked:
+        # avr-gcc makes no object of more than 32767 bytes.
+        lines.append("#if defined(__AVR__) && !SMAP_GRID_CHUNKS")
+        lines.append(f'#error "{export.name} needs SMAP_GRID_CHUNKS 1: see smap_config.h"')
+        lines.append("#endif")
     return "\n".join(lines)
 
 
@@ -82,16 +94,28 @@ def _axes(export: Export) -> str:
 
 
 def _table(array: CArray, name: str, absent: frozenset[str]) -> str:
-    """Return the definition of a table, refused by avr-gcc if it is too large for it."""
-    text = table(array, name, "static const SMAP_FLASH", absent)
-    if array.bytes <= _LARGEST:
-        return text
-    return (
-        "#if defined(__AVR__)\n"
-        f'#error "{name}_{array.name} has {array.bytes} bytes; avr-gcc allows {_LARGEST} in one '
-        'table: export with a smaller --flash"\n'
-        f"#endif\n{text}"
-    )
+    """Return the definition of a table."""
+    head = "static const SMAP_FLASH"
+    return _chunks(array, name, head) if array.chunk else table(array, name, head, absent)
+
+
+def _chunks(array: CArray, name: str, head: str) -> str:
+    """Return the definition of a table as one object, or as chunks and the list of them.
+
+    The numbers stand there once, and the preprocessor chooses what stands between them.
+    """
+    stem, total = f"{name}_{array.name}", array.numbers.size
+    pieces = number_lines(array, array.chunk)
+    lines = comment_lines(array.comment)
+    for at, piece in enumerate(pieces):
+        count = min(array.chunk, total - at * array.chunk)
+        chunk = f"SMAP_CHUNK({array.ctype}, {stem}_{at}, {count}) = {{"
+        whole = [] if at else ["#else", f"{head} {array.ctype} {stem}[{total}] = {{"]
+        lines += ["#if SMAP_GRID_CHUNKS", *(["};"] if at else []), chunk, *whole, "#endif", *piece]
+    members = [f"  {stem}_{at}," for at in range(len(pieces))]
+    definition = f"{head} {_CHUNK[array.ctype]} {stem}[{len(pieces)}] = {{"
+    lines += ["};", "#if SMAP_GRID_CHUNKS", definition, *members, "};", "#endif"]
+    return "\n".join(lines)
 
 
 def _fields(rows: list[tuple[str, str]]) -> list[str]:

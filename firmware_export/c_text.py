@@ -11,7 +11,17 @@ import numpy as np
 
 from firmware_export.c_array import CArray
 
-__all__ = ["WIDTH", "aligned", "block_comment", "literal", "plain_text", "resolve", "table"]
+__all__ = [
+    "WIDTH",
+    "aligned",
+    "block_comment",
+    "comment_lines",
+    "literal",
+    "number_lines",
+    "plain_text",
+    "resolve",
+    "table",
+]
 
 WIDTH = 100
 _INDENT = "  "
@@ -130,19 +140,36 @@ def _struct_lines(values: Sequence[str], notes: Sequence[str]) -> list[str]:
     return lines
 
 
-def _number_lines(array: CArray) -> list[str]:
-    """Return the lines of a table of numbers, aligned, broken at rows."""
+def number_lines(array: CArray, piece: int = 0) -> list[list[str]]:
+    """Return the lines of a table of numbers, aligned, broken at rows and between pieces.
+
+    Parameters
+    ----------
+    array : CArray
+        The table, not empty.
+    piece : int
+        Elements of a piece; 0 for one piece.
+
+    Returns
+    -------
+    list of list of str
+        The lines of each piece; the last may have fewer elements.
+    """
     texts = [literal(value, array.ctype) for value in array.numbers]
     width = max(len(text) for text in texts)
     fit = max(1, (WIDTH - len(_INDENT) + 1) // (width + 2))
     length = array.row or len(texts)
+    piece = piece or len(texts)
     if length > fit:
         # Lines of equal length read better than a full one and a stub.
         fit = -(-length // -(-length // fit))
-    lines = []
-    for at in range(0, len(texts), length):
-        note = array.rows[at // length] if at // length < len(array.rows) else ""
-        row = texts[at : at + length]
+    pieces: list[list[str]] = [[] for _ in range(0, len(texts), piece)]
+    for at in sorted({*range(0, len(texts), length), *range(0, len(texts), piece)}):
+        # What is left of the row that begins, or goes on, here; and of the piece.
+        end = min(at - at % length + length, at - at % piece + piece)
+        first = at % length == 0 and at // length < len(array.rows)
+        note = array.rows[at // length] if first else ""
+        row = texts[at:end]
         parts = [
             _INDENT + ", ".join(text.rjust(width) for text in row[i : i + fit]) + ","
             for i in range(0, len(row), fit)
@@ -152,8 +179,13 @@ def _number_lines(array: CArray) -> list[str]:
             parts[0] += f" {comment}"
         elif comment:
             parts.insert(0, _INDENT + comment)
-        lines += parts
-    return lines
+        pieces[at // piece] += parts
+    return pieces
+
+
+def comment_lines(text: str) -> list[str]:
+    """Return a comment as lines that are each a comment; none for an empty text."""
+    return [f"/* {plain_text(part)} */" for part in textwrap.wrap(text, WIDTH - 6)]
 
 
 def table(array: CArray, prefix: str, head: str, absent: frozenset[str] = frozenset()) -> str:
@@ -170,9 +202,9 @@ def table(array: CArray, prefix: str, head: str, absent: frozenset[str] = frozen
     absent : frozenset of str
         Names of tables that are not there.
     """
-    lines = [f"/* {plain_text(part)} */" for part in textwrap.wrap(array.comment, WIDTH - 6)]
+    lines = comment_lines(array.comment)
     if array.plain:
-        body = _number_lines(array)
+        (body,) = number_lines(array)
         count = array.numbers.size
     else:
         body = _struct_lines([resolve(v, prefix, absent) for v in array.values], array.rows)

@@ -19,6 +19,11 @@ SPAN = 65534
 # Coordinates above every parameter's index.
 U, V = 254, 255
 CTYPE = {8: "uint8_t", 16: "uint16_t"}
+# Codes of a chunk: SMAP_CHUNK_BITS of smap.h.
+CHUNK = 8192
+# Most bytes of codes that are not cut: avr-gcc makes no larger object, and half of the first 64 KiB
+# of flash, which are all that it reads without far addresses, are left to others.
+UNCUT = 32767
 
 Floats = NDArray[np.float64]
 
@@ -193,6 +198,8 @@ def c_body(tables: Tables) -> CBody:
     knots, axes = tables.shared_knots()
     arrays = [CArray("knots", "uint16_t", knots, "Knots of the axes, 0 to 65534 over an axis.")]
     structs = []
+    large = sum(part.codes.nbytes for part in tables.parts) > UNCUT
+    chunk, mark = (CHUNK, " | SMAP_CUT") if large else (0, "")
     meaning = {
         "tip": "tip margin, sine of the tip angle times |(u, v, 1)|",
         "sdg": "components of D_g - s along two axes of the facet",
@@ -206,7 +213,8 @@ def c_body(tables: Tables) -> CBody:
             else CArray(f"{part.name}_axes", "uint16_t", np.zeros(1, np.uint16), "No axis.")
         )
         row = part.width * (part.codes.shape[-2] if part.codes.ndim > 2 else 1)
-        arrays.append(CArray(f"{part.name}_codes", CTYPE[part.bits], part.codes, label, row))
+        ctype = CTYPE[part.bits]
+        arrays.append(CArray(f"{part.name}_codes", ctype, part.codes, label, row, chunk=chunk))
         codes = f"@{part.name}_codes"
         gain, shift = part.gain
         offset = ", ".join(f"{float(x)!r}f" for x in part.offset)
@@ -214,7 +222,7 @@ def c_body(tables: Tables) -> CBody:
             f"{{ {codes if part.bits == 8 else '0'}, {codes if part.bits == 16 else '0'}, "
             f"@{part.name}_axes, {part.face_stride}u, {{ {offset} }}, {float(part.step)!r}f, "
             f"{{ {part.zero[0]}u, {part.zero[1]}u }}, {gain}u, {shift}u, {len(part.knots)}u, "
-            f"{part.width}u }}"
+            f"{part.width}u{mark} }}"
         )
     arrays.append(CArray("parts", "smap_grid_part_t", structs, "Tables.", 1))
     fields = (

@@ -4,6 +4,7 @@ import re
 import shutil
 import subprocess
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,14 @@ from firmware_export.c_array import CArray, CBody
 from firmware_export.c_config import config_text, entries, features, runtime_file, settings
 from firmware_export.c_header import axis_macros, header_text
 from firmware_export.c_source import body_of, source_text
-from firmware_export.c_text import WIDTH, block_comment, literal, plain_text, table
+from firmware_export.c_text import (
+    WIDTH,
+    block_comment,
+    literal,
+    number_lines,
+    plain_text,
+    table,
+)
 from firmware_export.exported import Export
 from firmware_export.host import compile_c
 from firmware_export.identifier import LONGEST, check_name, default_name
@@ -187,6 +195,26 @@ def test_a_table_holds_its_values_in_order_whatever_its_rows(
     assert all(len(line) <= WIDTH for line in text.split("\n"))
 
 
+@given(st.integers(1, 300), st.integers(0, 40), st.integers(1, 64), st.booleans())
+def test_pieces_of_a_table_are_full_but_the_last_and_hold_its_values_in_order(
+    count: int, row: int, piece: int, noted: bool
+) -> None:
+    values = np.arange(count)
+    notes = [f"row {i}" for i in range(count)] if noted else []
+    array = CArray("codes", "uint16_t", values, "", row, notes)
+    pieces = number_lines(array, piece)
+    bodies = [re.sub(r"/\*.*?\*/", "", "\n".join(lines)) for lines in pieces]
+    found = [[int(number) for number in re.findall(r"\d+", body)] for body in bodies]
+    assert found == [values[at : at + piece].tolist() for at in range(0, count, piece)]
+    assert all(len(line) <= WIDTH for part in pieces for line in part)
+    # A row that goes on in the next piece is announced once.
+    lines = list(chain.from_iterable(pieces))
+    said = re.findall(r"/\* (row \d+) \*/", "\n".join(lines))
+    assert said == notes[: -(-count // (row or count))]
+    # Without pieces there are no further breaks.
+    assert [lines] == number_lines(array) or piece < count
+
+
 @given(st.floats(width=32, allow_nan=False, allow_infinity=False))
 def test_a_float_reads_back_as_the_same_single(value: float) -> None:
     text = literal(value, "float")
@@ -279,15 +307,6 @@ def test_a_setting_that_the_runtime_does_not_have_is_refused() -> None:
     body = CBody("smap_poly_t", (), (), (("SMAP_NO_SUCH", 1),))
     with pytest.raises(ExportError, match="no setting SMAP_NO_SUCH"):
         settings("poly", "float", 2, 1, body)
-
-
-def test_a_table_too_large_for_avr_says_so_there_and_only_there(exports: dict[str, Export]) -> None:
-    body = body_of(exports["poly"])
-    large = CArray("large", "uint16_t", np.zeros(16384, int), "large")
-    text = source_text(exports["poly"], replace(body, arrays=(*body.arrays, large)))
-    assert text.count("__AVR__") == 1
-    assert '#error "smooth_large has 32768 bytes' in text
-    assert "__AVR__" not in source_text(exports["poly"], body)
 
 
 def test_a_table_without_elements_is_a_null_pointer(exports: dict[str, Export]) -> None:

@@ -860,6 +860,37 @@ static void contacts_read(const SMAP_FLASH smap_contacts_t *body, uint8_t params
 #define GRID_AXES (SMAP_MAX_PARAMS + 2)
 #define GRID_U 254u
 #define GRID_V 255u
+/* Of what is cut into chunks the fast path reads none faster. */
+#define GRID_FAST (SMAP_GRID_FAST && !SMAP_GRID_CHUNKS)
+
+#if SMAP_GRID_CHUNKS
+/* Where a code is: two short shifts, since a processor of 8 bits takes long for a long one. */
+#define CHUNK(at) ((uint16_t)((at) >> 8) >> (SMAP_CHUNK_BITS - 8))
+#define WITHIN(at) ((at) & (((uint16_t)1 << SMAP_CHUNK_BITS) - 1u))
+#define CODE8(part, at) code8(part, at)
+#define CODE16(part, at) code16(part, at)
+#define WIDTH(part) ((part)->width & (SMAP_CUT - 1u))
+
+static uint8_t code8(const SMAP_FLASH smap_grid_part_t *part, uint32_t at)
+{
+  if (part->width & SMAP_CUT) {
+    return ((const SMAP_FLASH smap_chunk8_t *)part->codes8)[CHUNK(at)][WITHIN(at)];
+  }
+  return ((const SMAP_FLASH uint8_t *)part->codes8)[at];
+}
+
+static uint16_t code16(const SMAP_FLASH smap_grid_part_t *part, uint32_t at)
+{
+  if (part->width & SMAP_CUT) {
+    return ((const SMAP_FLASH smap_chunk16_t *)part->codes16)[CHUNK(at)][WITHIN(at)];
+  }
+  return ((const SMAP_FLASH uint16_t *)part->codes16)[at];
+}
+#else
+#define CODE8(part, at) (part)->codes8[at]
+#define CODE16(part, at) (part)->codes16[at]
+#define WIDTH(part) (part)->width
+#endif
 
 #if SMAP_GRID
 /* Find the cell that holds the query: the first corner, the way to the next ones, the place. */
@@ -868,7 +899,7 @@ static uint32_t grid_cell(const SMAP_FLASH smap_grid_t *grid,
                           uint32_t jump[GRID_AXES], float frac[GRID_AXES])
 {
   const SMAP_FLASH uint16_t *axis = part->axes;
-  uint32_t at = query->face * part->face_stride, stride = part->width, back = 0;
+  uint32_t at = query->face * part->face_stride, stride = WIDTH(part), back = 0;
   uint8_t i;
   for (i = 0; i < part->dims; i++, axis += 3) {
     const SMAP_FLASH uint16_t *knots = grid->knots + axis[2];
@@ -897,7 +928,7 @@ static uint32_t grid_cell(const SMAP_FLASH smap_grid_t *grid,
   return at;
 }
 
-#if SMAP_GRID_FAST
+#if GRID_FAST
 /* The value between the four corners of a cell's face in its two innermost axes. */
 static float grid_plane(const SMAP_FLASH smap_grid_part_t *part, uint32_t at,
                         const uint32_t jump[GRID_AXES], const float frac[GRID_AXES])
@@ -928,7 +959,7 @@ static float grid_value(const SMAP_FLASH smap_grid_part_t *part, uint32_t at,
 {
   float below[GRID_AXES];
   uint16_t corner;
-#if SMAP_GRID_FAST /* the same operations in the same order as below */
+#if GRID_FAST /* the same operations in the same order as below */
   if (part->dims == 2 || part->dims == 4) {
     float low = grid_plane(part, at, jump, frac), high;
     uint32_t two, three;
@@ -946,7 +977,7 @@ static float grid_value(const SMAP_FLASH smap_grid_part_t *part, uint32_t at,
   }
 #endif
   for (corner = 0;; corner++) {
-    float value = part->codes8 ? (float)part->codes8[at] : (float)part->codes16[at];
+    float value = part->codes8 ? (float)CODE8(part, at) : (float)CODE16(part, at);
     uint8_t level = 0;
     for (; (corner >> level) & 1u; level++) {
       value = below[level] + (value - below[level]) * frac[level];
@@ -1012,7 +1043,7 @@ static void grid_cell_i(const SMAP_FLASH smap_grid_t *grid,
                         uint8_t params, uint8_t face, cell_t *cell)
 {
   const SMAP_FLASH uint16_t *axis = part->axes;
-  uint32_t stride = part->width, back = 0;
+  uint32_t stride = WIDTH(part), back = 0;
   uint8_t i;
   cell->at = face * part->face_stride;
   for (i = 0; i < part->dims; i++, axis += 3) {
@@ -1042,7 +1073,7 @@ static uint32_t between(uint32_t low, uint32_t high, uint32_t frac)
   return (low * (16384u - frac) + high * frac) >> 14;
 }
 
-#if SMAP_GRID_FAST
+#if GRID_FAST
 /* The value between the four corners of a cell's face in its two innermost axes. */
 static uint32_t grid_plane_i(const SMAP_FLASH smap_grid_part_t *part, uint32_t at,
                              const cell_t *cell)
@@ -1073,7 +1104,7 @@ static uint32_t grid_value_i(const SMAP_FLASH smap_grid_part_t *part, const cell
   uint16_t below[GRID_AXES];
   uint32_t at = cell->at + component;
   uint16_t corner;
-#if SMAP_GRID_FAST /* the same operations in the same order as below */
+#if GRID_FAST /* the same operations in the same order as below */
   if (part->dims == 2 || part->dims == 4) {
     uint32_t low = grid_plane_i(part, at, cell), high, two, three;
     if (part->dims == 2) {
@@ -1089,7 +1120,7 @@ static uint32_t grid_value_i(const SMAP_FLASH smap_grid_part_t *part, const cell
   }
 #endif
   for (corner = 0;; corner++) {
-    uint32_t value = part->codes8 ? (uint32_t)part->codes8[at] << 8 : part->codes16[at];
+    uint32_t value = part->codes8 ? (uint32_t)CODE8(part, at) << 8 : CODE16(part, at);
     uint8_t level = 0;
     for (; (corner >> level) & 1u; level++) {
       value = between(below[level], value, cell->frac[level]);

@@ -85,16 +85,41 @@ typedef struct {
 #define SMAP_NO_HINGE 255
 
 /* BEGIN grid (owned by the grid codec) */
+#define SMAP_CHUNK_BITS 13 /* a chunk has 2^13 codes, the last one of a table fewer */
+#if SMAP_GRID_CHUNKS
+#define SMAP_CUT 128u /* in `width`: `codes8` or `codes16` is the list of the table's chunks */
+#ifdef SMAP_FAR
+/* avr-gcc puts what has an address space into the low flash, where this much would push out of reach
+ * what plain reads must find there.  So a chunk is a plain object among the code, and its alias says
+ * how it is read; avr-gcc would warn that the alias has no value of its own. */
+#pragma GCC diagnostic ignored "-Wuninitialized"
+#define SMAP_CHUNK(type, name, count) \
+  static const SMAP_FAR type name[count] __attribute__((__alias__(#name "_data"))); \
+  static const type name##_data[count] \
+      __attribute__((__section__(".text.smap_far"), __aligned__(2)))
+#else
+#define SMAP_FAR SMAP_FLASH
+#define SMAP_CHUNK(type, name, count) static const SMAP_FLASH type name[count]
+#endif
+typedef const SMAP_FAR uint8_t *smap_chunk8_t;
+typedef const SMAP_FAR uint16_t *smap_chunk16_t;
+typedef void smap_codes8_t; /* codes or, where the table is cut, chunks */
+typedef void smap_codes16_t;
+#else
+#define SMAP_CUT 0u
+typedef uint8_t smap_codes8_t;
+typedef uint16_t smap_codes16_t;
+#endif
 typedef struct {
-  const SMAP_FLASH uint8_t *codes8; /* nodes, C order; one of the two is 0 */
-  const SMAP_FLASH uint16_t *codes16;
+  const SMAP_FLASH smap_codes8_t *codes8; /* nodes, C order; one of the two is 0 */
+  const SMAP_FLASH smap_codes16_t *codes16;
   const SMAP_FLASH uint16_t *axes; /* innermost first: coordinate, nodes, first knot */
   uint32_t face_stride;            /* codes of one face; 0: all faces are alike */
   float offset[2], step;           /* value = offset + step * code */
   uint32_t zero[2]; /* without floats: the code of 0 in 1/65536 of the codes' range; for the
                        height its value at code 0 */
   uint16_t gain;    /* and the output of one such unit, times 2^shift */
-  uint8_t shift, dims, width; /* axes, codes of a node */
+  uint8_t shift, dims, width; /* axes, codes of a node (and SMAP_CUT) */
 } smap_grid_part_t;
 typedef struct {
   const SMAP_FLASH smap_grid_part_t *parts; /* tip margin, then sdg, then height if held */

@@ -23,6 +23,9 @@
 #ifndef SMAP_GRID_FAST
 #define SMAP_GRID_FAST 0 /* ... 1 to read tables of 2 and 4 axes faster, for some 300 bytes */
 #endif
+#ifndef SMAP_GRID_CHUNKS
+#define SMAP_GRID_CHUNKS 0 /* ... 1 where objects must be small: large tables are then in chunks */
+#endif
 #ifndef SMAP_POLY
 #define SMAP_POLY 1 /* codec `poly` */
 #endif
