@@ -1,6 +1,6 @@
 # Every command of the project; `make help` lists them.
 # `maps` is also a folder, so without this line make would call it up to date.
-.PHONY: help venv maps exports size test check bench clean
+.PHONY: help venv maps paper exports size test check bench clean
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -18,6 +18,8 @@ help: ## list the targets
 venv: .venv/.installed ## create .venv and install everything in it
 
 maps: $(NAMES:%=build/maps/%/figures.stamp) $(NAMES:%=build/maps/%/firmware.stamp) ## build every map of maps/, its figures and its firmware export into build/maps
+
+paper: build/paper/gallery.stamp ## reproduce the paper: figures, tables and one page in build/paper
 
 test: .venv/.installed ## run the tests
 	$(BIN)/python -m pytest -n 2
@@ -63,4 +65,9 @@ build/maps/%/figures.stamp: maps/%.toml build/maps/%.h5 tools/gallery.py
 build/maps/%/firmware.stamp: build/maps/%.h5 $(EXPORTER)
 	@mkdir -p $(@D)
 	$(BIN)/lutgen export $< -o build/maps/$*/firmware
+	touch $@
+
+build/paper/gallery.stamp: $(SOURCES) tools/gallery.py tools/paper_gallery.py | .venv/.installed
+	$(BIN)/lutgen -v paper -o build/paper
+	$(BIN)/python tools/paper_gallery.py build/paper
 	touch $@

@@ -1,7 +1,7 @@
 """Bytes of paper_two's exports against what a user would otherwise take.
 
 `python -m benchmarks.export_bytes` prints a markdown table: bytes at the same largest error of
-|SD_g|, and largest error at the same bytes.  Needs the extra `bench` (scipy, zfpy).
+|SD_g|, and largest error at the same bytes.  Needs the extra `bench` (zfpy).
 """
 
 import sys

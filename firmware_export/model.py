@@ -11,17 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from firmware_export.exact import (
-    ALONG,
-    ASIDE,
-    BARE_HEIGHT,
-    HEIGHT_BEYOND,
-    SDG,
-    TIP_ANGLE,
-    measure_each,
-)
-from lutgen.channels import wanted_channels
-from lutgen.errors import InputError
+from lutgen.channels import CHANNELS, wanted_channels
+from lutgen.pairs import ALONG, ASIDE, HEIGHT_BEYOND, measure_each, refuse_overflow
 from lutgen.primitive import pack
 from lutgen.recipe import Recipe
 from lutgen.region import limits
@@ -136,10 +127,6 @@ class Model:
             limits(self.recipe.upright - tighter, self.recipe.rock_angle - tighter),
             wanted_channels(("tip_angle",)),
         )
-        if overflow.any():
-            raise InputError(
-                f"{self.recipe.source}: a posture has more support facets than its "
-                f"{len(self.kind)} contacts can have; check the radii for overlapping spheres"
-            )
-        rows = (SDG, BARE_HEIGHT, TIP_ANGLE, ALONG, ASIDE, HEIGHT_BEYOND)
+        refuse_overflow(self.recipe.source, overflow, len(self.kind))
+        rows = (*map(CHANNELS.index, ("sdg", "height", "tip_angle")), ALONG, ASIDE, HEIGHT_BEYOND)
         return Exact(*(np.ascontiguousarray(values[:, at]) for at in rows))

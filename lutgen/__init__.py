@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from lutgen.evaluation import evaluate
     from lutgen.recipe import load_recipe, parse_recipe
     from lutgen.robot import postures
+    from lutgen.search import optimum
     from lutgen.store import load_map
     from lutgen.sweeper import sweep
 
@@ -35,6 +36,7 @@ _HOME = {
     "evaluate": "evaluation",
     "load_map": "store",
     "load_recipe": "recipe",
+    "optimum": "search",
     "parse_recipe": "recipe",
     "postures": "robot",
     "stability": "channels",
@@ -52,6 +54,7 @@ __all__ = [
     "evaluate",
     "load_map",
     "load_recipe",
+    "optimum",
     "parse_recipe",
     "postures",
     "stability",

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lutgen.boundary import find_region
 from lutgen.errors import InputError
-from lutgen.jit import njit, prange
+from lutgen.jit import few_threads, njit, prange
 from lutgen.primitive import pack
 from lutgen.region import (
     CONVEX,
@@ -42,6 +42,9 @@ CHANNELS = ("sdg", "height", "tip_angle", "margin", "energy_margin", "facet")
 # What a direction just outside the region gets where its distance rounds to zero, so that the
 # sign alone always tells the verdict, in float32 too.
 JUST_OUTSIDE = -1e-30
+# A thread is worth waking for this many postures, half a millisecond of work for a few contacts;
+# measuring this many directions takes as long as finding the facets of a posture.
+POSTURES_A_THREAD, DIRECTIONS_A_POSTURE = 256, 64
 
 
 @njit()
@@ -243,12 +246,14 @@ def measure_postures(
     """
     wanted = wanted_channels(channels)
     directions = checked_directions(gravity_dir)
-    values, overflow = _measure_all(
-        pack(centre, axis, radius, kind),
-        directions,
-        limits(upright, rock_angle),
-        wanted,
-    )
+    work = len(centre) * (1 + len(directions) // DIRECTIONS_A_POSTURE)
+    with few_threads(work, POSTURES_A_THREAD):
+        values, overflow = _measure_all(
+            pack(centre, axis, radius, kind),
+            directions,
+            limits(upright, rock_angle),
+            wanted,
+        )
     if overflow.any():
         raise InputError(
             f"posture {int(np.flatnonzero(overflow)[0])} has more support facets than "

@@ -15,7 +15,8 @@ import functools
 import hashlib
 import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -23,7 +24,7 @@ import numba
 from llvmlite import binding
 from numba import prange
 
-__all__ = ["cache_folder", "njit", "prange"]
+__all__ = ["cache_folder", "few_threads", "njit", "prange"]
 
 # "contract" (fused multiply-add), "arcp" and "nsz" act inside one expression and do not
 # depend on the loop's length; "reassoc" would, and "nnan"/"ninf" would lose NaN.
@@ -125,3 +126,25 @@ def _cache_root() -> Path:
         return (Path(user) if user else Path.home() / ".cache") / "lutgen"
     except RuntimeError:  # no home folder is known
         return Path(tempfile.gettempdir()) / "lutgen"
+
+
+@contextmanager
+def few_threads(pieces: int, least: int) -> Iterator[None]:
+    """Run parallel kernels inside a with block on no more threads than are worth waking.
+
+    On a busy machine a thread that is woken for a few microseconds of work is waited for until the
+    machine has a core for it, which takes a thousand times as long as the work.
+
+    Parameters
+    ----------
+    pieces : int
+        Iterations of the parallel loop.
+    least : int
+        Iterations that a thread of its own is worth.
+    """
+    before = numba.get_num_threads()
+    numba.set_num_threads(max(1, min(before, pieces // least)))
+    try:
+        yield
+    finally:
+        numba.set_num_threads(before)

@@ -26,9 +26,11 @@ from lutgen.recipe_robot import (
     Joint,
     Link,
     Parameter,
+    Wheel,
     read_contacts,
     read_links,
     read_parameters,
+    read_wheels,
     to_internal,
 )
 from lutgen.recipe_schema import Table, suggestion
@@ -42,13 +44,14 @@ __all__ = [
     "Link",
     "Parameter",
     "Recipe",
+    "Wheel",
     "load_recipe",
     "parse_recipe",
 ]
 
 ROBOT_KEYS = (
     *("name", "length_unit", "friction", "upright", "rock_angle", "python"),
-    *("parameter", "link", "contact"),
+    *("parameter", "link", "contact", "wheel"),
 )
 
 
@@ -84,6 +87,11 @@ class Recipe:
     text: str
     source: str
     function: Callable[..., Any] | None = field(default=None, compare=False, repr=False)
+    wheels: tuple[Wheel, ...] = ()
+
+    def __hash__(self) -> int:
+        # Of the text alone: the robot is looked up by its recipe in every evaluation.
+        return hash(self.text)
 
     @property
     def digest(self) -> str:
@@ -178,11 +186,16 @@ def parse_recipe(
     chart, channels = _read_gravity(sweep)
     export = _read_export(root)
     function = None
+    wheels: tuple[Wheel, ...] = ()
     if python is None:
         links = read_links(robot, parameters)
         contacts = read_contacts(robot, links)
+        wheels = read_wheels(robot, contacts)
     else:
-        robot.refuse(("link", "contact"), "cannot be combined with `robot.python`", "remove it")
+        # Code gives places only: which way an axle on them points is not known.
+        robot.refuse(
+            ("link", "contact", "wheel"), "cannot be combined with `robot.python`", "remove it"
+        )
         count = 0
         if not inert:
             function, count = load_function(robot, python, parameters, allow_python)
@@ -206,6 +219,7 @@ def parse_recipe(
         text,
         source,
         function,
+        wheels,
     )
 
 

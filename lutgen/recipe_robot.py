@@ -1,4 +1,4 @@
-"""The [robot] part of a recipe: parameters, links, joints and contacts.
+"""The [robot] part of a recipe: parameters, links, joints, contacts and wheels.
 
 Dataclasses with every angle in radians, and the rules that a robot must keep.  How a
 robot moves is not known here (``robot.py``), nor how it is sampled (``recipe.py``).
@@ -17,9 +17,11 @@ __all__ = [
     "Joint",
     "Link",
     "Parameter",
+    "Wheel",
     "read_contacts",
     "read_links",
     "read_parameters",
+    "read_wheels",
 ]
 
 Vector = tuple[float, float, float]
@@ -91,6 +93,22 @@ class Contact:
         if self.radius == 0.0:
             return "point"
         return "sphere" if self.axis is None else "disc"
+
+
+@dataclass(frozen=True)
+class Wheel:
+    """A wheel on the contact of that name; `axis` is its axle, a unit vector, link frame.
+
+    `radius` is the rolling radius.  A steered wheel may turn about the ground's normal.
+    `rollers` (rad) is None or the angle gamma of a Swedish wheel: from the rolling
+    direction to the axis of the roller on the ground, anticlockwise seen from above.
+    """
+
+    contact: str
+    axis: Vector
+    radius: float
+    steered: bool = False
+    rollers: float | None = None
 
 
 def read_parameters(robot: Table, length_unit: str) -> tuple[Parameter, ...]:
@@ -256,6 +274,67 @@ def read_contacts(robot: Table, links: tuple[Link, ...]) -> tuple[Contact, ...]:
                 table.fail("axis", "needs a radius above 0", got, "give the disc's radius")
         result.append(Contact(name, link, position, radius, axis))
     return tuple(result)
+
+
+WHEEL_KEYS = ("contact", "axis", "radius", "steered", "rollers")
+# Numbers that say the same thing twice may differ by their last digits.
+SAME = 1e-9
+
+
+def read_wheels(robot: Table, contacts: tuple[Contact, ...]) -> tuple[Wheel, ...]:
+    """Read ``[[robot.wheel]]`` in order; on a disc, axis and radius are the contact's own."""
+    carriers = {contact.name: contact for contact in contacts}
+    result: list[Wheel] = []
+    for table in robot.tables("wheel", WHEEL_KEYS):
+        name = table.string("contact", "name the contact through which it touches the ground")
+        if name not in carriers:
+            way_out = suggestion(name, carriers, "use one of")
+            table.fail("contact", "is not a contact of the robot", name, way_out)
+        if any(name == wheel.contact for wheel in result):
+            table.fail("contact", "carries a wheel already", name, "give each contact one wheel")
+        disc = carriers[name] if carriers[name].kind == "disc" else None
+        steered = table.values.get("steered", False)
+        if not isinstance(steered, bool):
+            table.fail("steered", "must be true or false", steered, "write steered = true")
+        rollers = None
+        if "rollers" in table:
+            rollers = table.number("rollers", "write an angle in deg")
+            if not -90.0 < rollers < 90.0:
+                way_out = "use 0 for an omniwheel, 45 or -45 for a mecanum wheel"
+                table.fail("rollers", "must lie between -90 and 90 deg", rollers, way_out)
+            if steered:
+                table.fail("rollers", "cannot be combined with steered", rollers, "remove one")
+            rollers = math.radians(rollers)
+        axis, radius = _read_axle(table, disc), _read_radius(table, disc)
+        result.append(Wheel(name, axis, radius, steered, rollers))
+    return tuple(result)
+
+
+def _read_axle(wheel: Table, disc: Contact | None) -> Vector:
+    """Return the direction of a wheel's axle, which on a disc may only point the other way."""
+    if disc is None or disc.axis is None:
+        return wheel.unit_vector("axis", "write the axle's direction such as [0, 1, 0]")
+    if "axis" not in wheel:
+        return disc.axis
+    axis = wheel.unit_vector("axis", "write the axle's direction such as [0, 1, 0]")
+    sign = math.copysign(1.0, sum(a * b for a, b in zip(axis, disc.axis, strict=True)))
+    if math.dist(axis, [sign * c for c in disc.axis]) > SAME:
+        got = wheel.values["axis"]
+        wheel.fail("axis", "is not along the axis of its contact", got, "remove it")
+    return axis
+
+
+def _read_radius(wheel: Table, disc: Contact | None) -> float:
+    """Return a wheel's rolling radius, which on a disc is the disc's."""
+    if disc is not None and "radius" not in wheel:
+        return disc.radius
+    radius = wheel.number("radius", "write the rolling radius")
+    if radius <= 0.0:
+        wheel.fail("radius", "must be above 0", radius, "write the rolling radius")
+    if disc is not None and not math.isclose(radius, disc.radius, rel_tol=SAME):
+        what = f"differs from the {disc.radius:g} of its contact"
+        wheel.fail("radius", what, radius, "remove it")
+    return radius
 
 
 def _unique(table: Table, name: str, others: Iterable[str]) -> None:

@@ -36,7 +36,7 @@ def clone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_the_shell_commands_of_the_readme_run_and_write_their_files(clone: Path) -> None:
-    shell, _ = blocks("README.md", "sh")
+    shell, _, _ = blocks("README.md", "sh")
     lines = shell.splitlines()
     # CI runs `make venv` itself before it can run any test.
     assert lines[0] == "make venv"
@@ -49,6 +49,25 @@ def test_the_shell_commands_of_the_readme_run_and_write_their_files(clone: Path)
             assert re.search(r"^sdg +0\.00253160\d*$", result.stdout, re.MULTILINE)
     assert h5py.is_hdf5("paper_two.h5")
     assert (clone / "paper_two.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_papers_numbers_in_the_readme_are_those_of_its_commands(clone: Path) -> None:
+    *_, shell = blocks("README.md", "sh")
+    printed = {}
+    for line in shell.splitlines():
+        _, *arguments = line.split()
+        # The whole report has tests of its own.
+        if arguments[0] != "paper":
+            result = CliRunner().invoke(main, arguments)
+            assert result.exit_code == 0, f"{line}: {result.output}"
+            printed[arguments[0]] = result.stdout
+    assert "30.9568" in printed["optimum"]
+    assert "150" in printed["optimum"]
+    counts = tuple(re.findall(r"tips over at (\d+)", printed["path"]))
+    said = re.search(r"at (\d+) of 100 points with .*? at (\d+)\s+when", README, re.DOTALL)
+    assert said is not None
+    assert counts == said.groups()
+    assert len(printed) == 3
 
 
 @pytest.fixture
@@ -68,7 +87,7 @@ def ran(command: str) -> str:
 def test_the_readme_leads_to_a_reading_in_c_in_three_commands(
     clone: Path, lutgen_first: None
 ) -> None:
-    _, shell = blocks("README.md", "sh")
+    _, shell, _ = blocks("README.md", "sh")
     setup, export, compiled = shell.splitlines()
     assert setup == "make venv"
     printed = ran(export.replace(".venv/bin/", ""))

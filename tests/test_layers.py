@@ -12,19 +12,20 @@ ROOT = PACKAGE.parent
 # Each may import only from those before it: data goes from the recipe to the robot, its facets
 # and its channels, from there into a map, and from the map to people.
 ORDER = (
-    *("errors", "_version", "jit", "vector", "grid", "sphere"),
+    *("errors", "_version", "files", "jit", "vector", "grid", "sphere"),
     *("recipe_schema", "recipe_robot", "recipe_plugin", "recipe", "robot"),
     *("primitive", "polygon", "support", "rounds", "facet_list", "region", "boundary", "channels"),
-    *("evaluation", "statics"),
+    *("evaluation", "pairs", "statics", "attitude", "rolling", "wheels"),
     *("raster", "tilt", "scan", "scanner", "standing"),
     *("interpolate", "checksum", "blocks", "store", "sweeper", "statistics"),
-    *("limits", "plot", "cli"),
+    *("objective", "minimise", "acceptable", "search", "terrain", "terrain_csv", "drive"),
+    *("limits", "plot", "paper", "cli"),
 )
 # The same for the export: from the robot to what codecs store, how it is read again, certified,
 # chosen, written as C, and compiled.
 EXPORT = ROOT / "firmware_export"
 EXPORT_ORDER = (
-    *("quantity", "identifier", "c_array", "c_text", "exact", "model", "exported", "certificate"),
+    *("quantity", "identifier", "c_array", "c_text", "model", "exported", "certificate"),
     *("strict", "vector32", "three_points", "axis", "tip_boundary", "sample"),
     *("contacts_modes", "contacts_fit", "contacts_guard"),
     *("contacts_planes", "contacts_facets", "contacts_read", "contacts"),

@@ -8,7 +8,16 @@ import numpy as np
 import pytest
 
 from lutgen.errors import RecipeError
-from lutgen.recipe import Contact, ExportDefaults, Joint, Link, Parameter, load_recipe, parse_recipe
+from lutgen.recipe import (
+    Contact,
+    ExportDefaults,
+    Joint,
+    Link,
+    Parameter,
+    Wheel,
+    load_recipe,
+    parse_recipe,
+)
 
 GOOD = """
 [robot]
@@ -455,7 +464,8 @@ def test_python_without_module_and_function_is_refused(tmp_path, name):
 
 
 def test_links_or_contacts_beside_python_are_refused(tmp_path):
-    for table in ('[[robot.link]]\nname = "a"\n', '[[robot.contact]]\nname = "a"\n'):
+    wheel = '[[robot.wheel]]\ncontact = "P1"\n'
+    for table in ('[[robot.link]]\nname = "a"\n', '[[robot.contact]]\nname = "a"\n', wheel):
         text = PYTHON.replace("[sweep]", f"{table}[sweep]")
         with pytest.raises(RecipeError, match=r"cannot be combined with `robot\.python`"):
             parse_recipe(text, str(tmp_path / "coded.toml"), allow_python=True)
@@ -468,3 +478,70 @@ def test_every_recipe_of_the_project_reads_and_is_named_after_its_file(maps_fold
     }
     for path in paths:
         assert load_recipe(path).name == path.stem
+
+
+WHEELS = """
+[[robot.wheel]]
+contact = "tip"
+axis = [0, 3, 4]
+radius = 7
+steered = true
+[[robot.wheel]]
+contact = "ball"
+axis = [0, 0, -2]
+radius = 3.5
+rollers = -45
+[[robot.wheel]]
+contact = "wheel"
+"""
+ROLLING = GOOD.replace("[sweep]", f"{WHEELS}[sweep]", 1)
+
+
+def test_wheels_have_unit_axles_and_those_on_discs_are_the_discs():
+    assert parse_recipe(ROLLING).wheels == (
+        Wheel("tip", (0.0, 0.6, 0.8), 7.0, True),
+        Wheel("ball", (0.0, 0.0, -1.0), 3.5, False, math.radians(-45)),
+        Wheel("wheel", (0.0, -1.0, 0.0), 4.5),
+    )
+    assert parse_recipe(GOOD).wheels == ()
+
+
+def test_a_wheel_on_a_disc_may_repeat_its_radius_and_turn_its_axle_round():
+    repeated = 'contact = "wheel"\nradius = 4.5\naxis = [0, 5, 0]'
+    recipe = parse_recipe(ROLLING.replace('contact = "wheel"', repeated))
+    assert recipe.wheels[2] == Wheel("wheel", (0.0, 1.0, 0.0), 4.5)
+    assert recipe.contacts == parse_recipe(GOOD).contacts
+
+
+BAD_WHEELS = {
+    "unknown key": ("steered =", "stered =", "[1].stered", "True", "did you mean 'steered'"),
+    "contact missing": ('contact = "tip"', "", "[1].contact", "nothing", "name the contact"),
+    "contact unknown": ('contact = "tip"', 'contact = "tipp"', "[1].contact", "'tipp'", "'tip'"),
+    "contact twice": ('"ball"\na', '"tip"\na', "[2].contact", "'tip'", "give each contact one"),
+    "axis missing": ("axis = [0, 3, 4]", "", "[1].axis", "nothing", "write the axle's direction"),
+    "axis zero": ("[0, 3, 4]", "[0, 0, 0]", "[1].axis", "[0.0, 0.0, 0.0]", "write the axle's"),
+    "radius missing": ("radius = 7", "", "[1].radius", "nothing", "write the rolling radius"),
+    "radius zero": ("radius = 7", "radius = 0", "[1].radius", "0.0", "write the rolling radius"),
+    "radius negative": ("radius = 7", "radius = -7", "[1].radius", "-7.0", "write the rolling"),
+    "steered no bool": ("= true", "= 1", "[1].steered", "1", "write steered = true"),
+    "rollers no number": ("= -45", "= true", "[2].rollers", "True", "write an angle in deg"),
+    "rollers across": ("= -45", "= 90", "[2].rollers", "90.0", "use 0 for an omniwheel"),
+    "rollers steered": ("= -45", "= 0\nsteered = true", "[2].rollers", "0.0", "remove one"),
+    "disc's axis": ('"wheel"', '"wheel"\naxis = [0, 1, 1e-6]', "[3].axis", "[0, 1, 1e-06]", "remo"),
+    "disc's radius": ('"wheel"', '"wheel"\nradius = 4.6', "[3].radius", "4.6", "remove it"),
+    "disc's radius zero": ('"wheel"', '"wheel"\nradius = 0', "[3].radius", "0.0", "write the roll"),
+}
+
+
+@pytest.mark.parametrize("rule", BAD_WHEELS)
+def test_a_bad_wheel_is_refused_with_file_key_value_and_way_out(rule):
+    old, new, key, got, way_out = BAD_WHEELS[rule]
+    assert old in WHEELS
+    text = GOOD.replace("[sweep]", f"{WHEELS.replace(old, new, 1)}[sweep]", 1)
+    with pytest.raises(RecipeError) as caught:
+        parse_recipe(text, "bad.toml")
+    what, _, rest = str(caught.value).partition("; ")
+    assert what.startswith(f"bad.toml: key `robot.wheel{key}`: ")
+    assert got in what[what.index("(got ") :]
+    assert way_out in rest
+    assert rest.endswith(".")

@@ -12,7 +12,7 @@ from lutgen.cli.options import allow_python, as_json, file_size
 @allow_python
 @as_json
 def check(recipe: str, allow_python: bool, as_json: bool) -> None:
-    r"""Validate RECIPE and say what its sweep will cost.
+    """Validate RECIPE and say what its sweep will cost.
 
     \b
     $ lutgen check maps/paper_two.toml

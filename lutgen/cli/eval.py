@@ -38,7 +38,7 @@ def eval_(
     allow_python: bool,
     as_json: bool,
 ) -> None:
-    r"""Evaluate SOURCE at one point.
+    """Evaluate SOURCE at one point.
 
     A recipe is evaluated exactly, a map by interpolation; of a folder of `lutgen export` the C
     code is compiled and asked.

@@ -58,7 +58,7 @@ def export(
     allow_python: bool,
     as_json: bool,
 ) -> None:
-    r"""Write SOURCE, a map or a recipe, as a folder of C sources that any project can take.
+    """Write SOURCE, a map or a recipe, as a folder of C sources that any project can take.
 
     With a flash size the most exact export that fits, with a largest error the smallest that
     keeps it, with both one that does both; without either, what the recipe's [export] says.

@@ -11,8 +11,12 @@ from lutgen.cli.check import check
 from lutgen.cli.eval import eval_
 from lutgen.cli.export import export
 from lutgen.cli.info import info
+from lutgen.cli.optimum import optimum
+from lutgen.cli.paper import paper
+from lutgen.cli.path import path
 from lutgen.cli.plot import plot
 from lutgen.cli.sweep import sweep
+from lutgen.cli.wheels import wheels
 from lutgen.errors import ExportError, LutgenError, SweepError
 
 FAILED, BAD_INPUT = 1, 2
@@ -49,7 +53,7 @@ class Group(click.Group):
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing on stderr but errors.")
 @click.version_option(__version__, prog_name="lutgen")
 def main(verbose: int, quiet: bool) -> None:
-    r"""Stability maps for robots that can change their shape.
+    """Stability maps for robots that can change their shape.
 
     \b
     lutgen check maps/paper_two.toml
@@ -62,5 +66,5 @@ def main(verbose: int, quiet: bool) -> None:
     logging.getLogger("lutgen").setLevel(level)
 
 
-for command in (check, sweep, info, eval_, plot, export):
+for command in (check, sweep, info, eval_, optimum, plot, export, wheels, paper, path):
     main.add_command(command)

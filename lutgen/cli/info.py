@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 @click.option("--verify", is_flag=True, help="Read everything and check every checksum.")
 @as_json
 def info(map_file: str, verify: bool, as_json: bool) -> None:
-    r"""Print axes, channels, ranges, the share of directions that tip, and provenance.
+    """Print axes, channels, ranges, the share of directions that tip, and provenance.
 
     \b
     $ lutgen info paper_two.h5 --verify

@@ -67,6 +67,13 @@ gravity = click.option(
     show_default=True,
     help="Gravity in the body frame, pointing down (x forward, y left, z up); any length.",
 )
+convention = click.option(
+    "--convention",
+    type=click.Choice(("body", "plane")),
+    default="body",
+    show_default=True,
+    help="Whether gravity is fixed in the body, or relative to the plane that the robot stands on.",
+)
 parameters = click.option(
     "-p",
     "--parameter",

@@ -2,7 +2,14 @@
 
 import click
 
-from lutgen.cli.options import allow_python, gravity, named_values, open_source, parameters
+from lutgen.cli.options import (
+    allow_python,
+    convention,
+    gravity,
+    named_values,
+    open_source,
+    parameters,
+)
 
 KINDS = ("curve", "surface", "contour", "sphere", "polar", "robot")
 
@@ -18,6 +25,7 @@ KINDS = ("curve", "surface", "contour", "sphere", "polar", "robot")
     "--axes",
     help="Parameters along the axes, comma separated.  [default: the first one or two]",
 )
+@convention
 @allow_python
 def plot(
     source: str,
@@ -27,9 +35,10 @@ def plot(
     gravity: tuple[float, float, float],
     channel: str,
     axes: str | None,
+    convention: str,
     allow_python: bool,
 ) -> None:
-    r"""Draw a figure of SOURCE, a map or a recipe.
+    """Draw a figure of SOURCE, a map or a recipe.
 
     \b
     curve    |SD_g| and height over one parameter, one gravity direction
@@ -55,5 +64,6 @@ def plot(
         gravity=gravity,
         channel=channel,
         axes=named,
+        convention=convention,
     )
     save(figure, output)

@@ -30,7 +30,7 @@ def sweep(
     engine: str,
     allow_python: bool,
 ) -> None:
-    r"""Compute the map of RECIPE into an HDF5 file.
+    """Compute the map of RECIPE into an HDF5 file.
 
     The file appears under its name when it is whole.  An interrupted sweep (Ctrl-C) leaves
     OUTPUT.part, from which `--resume` goes on.

@@ -2,6 +2,7 @@
 
 from lutgen.plot.choices import KINDS
 from lutgen.plot.figure import draw
+from lutgen.plot.path import draw_path
 from lutgen.plot.style import save
 
-__all__ = ["KINDS", "draw", "save"]
+__all__ = ["KINDS", "draw", "draw_path", "save"]

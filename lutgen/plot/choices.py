@@ -10,6 +10,7 @@ from typing import NoReturn
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lutgen.attitude import CONVENTIONS, body_gravity
 from lutgen.errors import InputError
 from lutgen.plot.view import (
     QUANTITIES,
@@ -37,6 +38,7 @@ def choose(
     gravity: ArrayLike,
     channel: str,
     axes: Sequence[str] | None,
+    convention: str = "body",
 ) -> View:
     """Check the options of `lutgen.plot.draw` and fill in what was left out."""
     if kind not in KINDS:
@@ -64,7 +66,19 @@ def choose(
         given.get(p.name, sum(limits(recipe, stability_map, i)) / 2.0)
         for i, p in enumerate(recipe.parameters)
     ]
-    view = View(kind, recipe, stability_map, np.array(middle), direction, channel, columns)
+    if convention not in CONVENTIONS:
+        _refuse("unknown convention", convention, _nearest(convention, dict.fromkeys(CONVENTIONS)))
+    if convention == "plane":
+        if stability_map is not None:
+            _refuse("gravity of a map is fixed in the body", convention, "draw from the recipe")
+        if kind in ("sphere", "polar"):
+            _refuse(f"a {kind} turns gravity in the body itself", convention, "leave it out")
+    if convention == "plane" and kind == "robot":
+        # One posture: where gravity points in its body is all there is to know.
+        direction = body_gravity(recipe, np.array([middle]), direction, convention)[0]
+    view = View(
+        kind, recipe, stability_map, np.array(middle), direction, channel, columns, convention
+    )
     if KINDS[kind] == 2 and stability_map is not None and not view.on_chart():
         _refuse(
             "gravity is outside the map's chart",

@@ -39,6 +39,7 @@ def draw(
     gravity: ArrayLike = (0.0, 0.0, -1.0),
     channel: str = "sdg",
     axes: Sequence[str] | None = None,
+    convention: str = "body",
     size: tuple[float, float] | None = None,
 ) -> Figure:
     """Draw a figure.
@@ -63,6 +64,10 @@ def draw(
     axes : sequence of str, optional
         The parameters that `curve` (one), `contour` and `surface` (two) vary; by default the
         first ones that `params` does not fix.
+    convention : {"body", "plane"}
+        Whether gravity is fixed in the body frame, or relative to the contact plane, so that it
+        turns in the body while the shape changes (T_g, see `lutgen.attitude`).  The latter for
+        recipes only, and neither for `sphere` nor `polar`.
     size : (float, float), optional
         Width and height in inches; the default fits a journal's column.
 
@@ -77,7 +82,7 @@ def draw(
         For an unknown kind, parameter or channel, a value outside its range, and a direction
         that the map does not cover.
     """
-    view = choose(kind, source, params, gravity, channel, axes)
+    view = choose(kind, source, params, gravity, channel, axes, convention)
     if size is not None and not all(SMALLEST <= side <= LARGEST for side in size):
         raise InputError(
             f"plot: a figure measures {SMALLEST:g} to {LARGEST:g} in a side (got "

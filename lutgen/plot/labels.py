@@ -144,9 +144,13 @@ def _joined(text: str, unit: str) -> str:
 
 
 def gravity_text(view: View) -> str:
-    """Return where gravity points, as tilt and heading."""
+    """Return where gravity points, as tilt and heading; a plane's tilt is that of the ground."""
     x, y, z = view.gravity_dir
     tilt = math.degrees(math.atan2(math.hypot(x, y), -z))
+    if view.convention == "plane" and view.kind != "robot":
+        heading = heading_text(math.degrees(math.atan2(y, x)))
+        level = tilt < 0.005
+        return "on a level plane" if level else f"on a plane of {angle_text(tilt)}, {heading}"
     if tilt < 0.005:
         return "level ground"
     if tilt > 179.995:

@@ -9,7 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from lutgen.attitude import body_gravity
 from lutgen.evaluation import evaluate
+from lutgen.pairs import evaluate_pairs
 from lutgen.recipe import Recipe
 from lutgen.recipe_robot import Parameter
 from lutgen.store import StabilityMap
@@ -47,7 +49,7 @@ class View:
 
     `params` (k,) float64 is the posture, rad or length, with the middle of the range where the
     caller gave none; `axes` are the columns that the figure varies; `gravity_dir` (3,) is a unit
-    vector in the body frame.
+    vector in the frame that `convention` names, see `attitude`.
     """
 
     kind: str
@@ -57,6 +59,7 @@ class View:
     gravity_dir: Floats
     channel: str
     axes: tuple[int, ...]
+    convention: str = "body"
 
     def parameter(self, place: int) -> Parameter:
         """Return the parameter on one of the figure's axes."""
@@ -94,6 +97,11 @@ class View:
         rows, down = np.atleast_2d(postures), np.atleast_2d(directions)
         if self.stability_map is not None and is_sealed(self.recipe):
             return self._read(rows, down, channels)
+        if self.convention == "plane":
+            count = max(len(rows), len(down))
+            rows = np.broadcast_to(rows, (count, rows.shape[1]))
+            turned = body_gravity(self.recipe, rows, np.broadcast_to(down, (count, 3)), "plane")
+            return evaluate_pairs(self.recipe, rows, turned, channels)
         values = evaluate(self.recipe, rows, down, channels)
         return {name: value.ravel() for name, value in values.items()}
 

@@ -1,0 +1,236 @@
+"""Four ways to a minimum inside a box, and what each of them did on the way.
+
+Owns the methods; what is minimised is a function of rows.  The first three are the paper's:
+the smallest node of a map, Nelder-Mead (MATLAB's fminsearch), and a search that refines a mesh of
+five nodes a side.  The paper says of its search that it can end in a local minimum; `multistart`
+is the answer to that.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Step", "multistart", "nelder_mead", "refine", "smallest_node"]
+
+Floats = NDArray[np.float64]
+Cost = Callable[[Floats], Floats]
+
+NODES = 5
+LEVELS = 6
+# Of Nelder-Mead, as shares of the bounds, so that neither units nor zeros of joints matter.  For
+# the paper's 50 deg the simplex ends at the 1e-4 (deg) of MATLAB's fminsearch.
+FIRST_SIMPLEX = 0.05
+TOLERANCE = 2e-6
+EVALUATIONS = 400  # for each parameter
+# Of `multistart`: candidates for k parameters, how many of them are refined roughly (to this share
+# of the bounds), and how many of those to the end.
+CANDIDATES_LOG2 = 7
+MOST_LOG2 = 12
+STARTS = 32
+ROUGH = 0.01
+FINALISTS = 5
+# The best of them is refined again and again with these simplices, because the first one may have
+# collapsed on a crease of |SD_g|, until none of them helps or for so many rounds.
+FRESH_SIMPLICES = (FIRST_SIMPLEX, FIRST_SIMPLEX / 4.0, FIRST_SIMPLEX / 16.0)
+ROUNDS = 5
+
+
+@dataclass(frozen=True)
+class Step:
+    """The best point of one step, its cost, and the points evaluated in the step.
+
+    `nodes` (n, k) is empty where a step has no mesh; `evaluations` counts from the beginning.
+    """
+
+    point: Floats
+    cost: float
+    evaluations: int
+    nodes: Floats
+
+
+def smallest_node(cost: Cost, blocks: Iterator[Floats]) -> list[Step]:
+    """Return the best of all nodes, one step per block of nodes (n, k)."""
+    steps: list[Step] = []
+    seen = 0
+    for nodes in blocks:
+        costs = cost(nodes)
+        seen += len(nodes)
+        best = int(np.argmin(costs))
+        if not steps or costs[best] < steps[-1].cost:
+            none = np.empty((0, nodes.shape[1]))
+            steps.append(Step(nodes[best].copy(), float(costs[best]), seen, none))
+    return [Step(s.point, s.cost, seen, s.nodes) for s in steps[-1:]]
+
+
+def refine(cost: Cost, bounds: Floats, levels: int = LEVELS, ends: str = "left") -> list[Step]:
+    """Refine a mesh of 5 nodes a side around the best node, as the paper's search does.
+
+    The interval is cut into 5 equal cells, of which each gives one end as a node; the next
+    interval is the best node +- the spacing.  So the spacing shrinks to 2/5 in each level, the
+    best node of the level before is dropped with left ends as with right ones, and the search is
+    not monotone: its last value may be worse than one seen before.
+
+    Parameters
+    ----------
+    cost : callable
+        (m, k) points to (m,) costs.
+    bounds : (k, 2) float64
+        The first interval; nodes beyond it are moved onto its ends.
+    levels : int
+        Steps, of 5^k evaluations each.
+    ends : {"left", "right"}
+        Which end of each cell is its node.
+
+    Returns
+    -------
+    list of Step
+        One per level.
+    """
+    low, width = bounds[:, 0].copy(), bounds[:, 1] - bounds[:, 0]
+    first = 0 if ends == "left" else 1
+    steps: list[Step] = []
+    for level in range(levels):
+        spacing = width / NODES
+        lines = [
+            np.clip(low[i] + spacing[i] * np.arange(first, NODES + first), *bounds[i])
+            for i in range(len(bounds))
+        ]
+        nodes = np.stack([part.ravel() for part in np.meshgrid(*lines, indexing="ij")], axis=1)
+        costs = cost(nodes)
+        best = int(np.argmin(costs))
+        steps.append(Step(nodes[best].copy(), float(costs[best]), (level + 1) * len(nodes), nodes))
+        low, width = nodes[best] - spacing, 2.0 * spacing
+    return steps
+
+
+def nelder_mead(
+    cost: Cost,
+    bounds: Floats,
+    start: Floats,
+    tolerance: float = TOLERANCE,
+    simplex: float = FIRST_SIMPLEX,
+) -> list[Step]:
+    """Walk a simplex downhill from a point, within the bounds (Nelder and Mead 1965).
+
+    It ends where the simplex is small, whatever the cost does there: |SD_g| may jump.
+
+    Parameters
+    ----------
+    cost, bounds
+        As for `refine`.
+    start : (k,) float64
+        First corner of the simplex; the others lie along the axes, towards the middle.
+    tolerance, simplex : float
+        Size of the last and of the first simplex, as shares of the bounds.
+
+    Returns
+    -------
+    list of Step
+        One per iteration; the last is the result.
+    """
+    from scipy.optimize import minimize
+
+    low, width = bounds[:, 0], bounds[:, 1] - bounds[:, 0]
+    k = len(bounds)
+    seen = 0
+    steps: list[Step] = []
+    none = np.empty((0, k))
+
+    def one(share: Floats) -> float:
+        nonlocal seen
+        seen += 1
+        return float(cost((low + share * width)[None, :])[0])
+
+    def note(intermediate_result) -> None:  # type: ignore[no-untyped-def]
+        point = low + np.asarray(intermediate_result.x) * width
+        steps.append(Step(point, float(intermediate_result.fun), seen, none))
+
+    first = (start - low) / width
+    corners = np.vstack([first, first + np.diag(np.where(first > 0.5, -simplex, simplex))])
+    options = {
+        "initial_simplex": corners,
+        "xatol": tolerance,
+        "fatol": np.inf,
+        "maxfev": EVALUATIONS * k,
+    }
+    found = minimize(
+        one, first, method="Nelder-Mead", bounds=[(0.0, 1.0)] * k, callback=note, options=options
+    )
+    steps.append(Step(low + np.asarray(found.x) * width, float(found.fun), seen, none))
+    return steps
+
+
+def multistart(cost: Cost, bounds: Floats, start: Floats, seed: int = 0) -> list[Step]:
+    """Refine many points that fill the box roughly, and the best results to the end.
+
+    Each refinement is Nelder-Mead.
+
+    Parameters
+    ----------
+    cost, bounds
+        As for `refine`.
+    start : (k,) float64
+        One more point to begin from.
+    seed : int
+        Of the shift of the Sobol sequence that fills the box.
+
+    Returns
+    -------
+    list of Step
+        The best of the candidates with all of them as nodes, then one per start that improved on
+        those before; the last is the result.
+    """
+    from scipy.stats.qmc import Sobol
+
+    k = len(bounds)
+    # Shifted at random and wrapped round (Cranley and Patterson): as even as the sequence itself.
+    even = Sobol(k, scramble=False).random_base2(min(CANDIDATES_LOG2 + k // 2, MOST_LOG2))
+    even = (even + np.random.default_rng(seed).random(k)) % 1.0
+    points = np.vstack([start, bounds[:, 0] + even * (bounds[:, 1] - bounds[:, 0])])
+    costs = cost(points)
+    seen = len(points)
+    first = int(np.argmin(costs))
+    best = Step(points[first], float(costs[first]), seen, points)
+    steps = [best]
+
+    def refined(point: Floats, tolerance: float, simplex: float = FIRST_SIMPLEX) -> Step:
+        """Refine a point, and note it where it leads below the best so far."""
+        nonlocal best, seen
+        last = nelder_mead(cost, bounds, point, tolerance, simplex)[-1]
+        seen += last.evaluations
+        last = Step(last.point, last.cost, seen, last.nodes)
+        if last.cost < best.cost:
+            best = last
+            steps.append(best)
+        return last
+
+    chosen = _apart(points, costs, bounds, STARTS)
+    # The caller's own start is the first of the points.
+    rough = [refined(points[at], ROUGH) for at in dict.fromkeys([*chosen, 0])]
+    ends, end_costs = np.array([r.point for r in rough]), np.array([r.cost for r in rough])
+    for at in _apart(ends, end_costs, bounds, FINALISTS):
+        refined(ends[at], TOLERANCE)
+    for _ in range(ROUNDS):
+        before = best
+        for simplex in FRESH_SIMPLICES:
+            refined(best.point, TOLERANCE, simplex)
+        if best is before:
+            break
+    steps.append(Step(best.point, best.cost, seen, best.nodes))
+    return steps
+
+
+def _apart(points: Floats, costs: Floats, bounds: Floats, most: int) -> list[int]:
+    """Return the best points of which no two are close."""
+    scaled = (points - bounds[:, 0]) / (bounds[:, 1] - bounds[:, 0])
+    # Half the mean distance of as many evenly spread points.
+    near = 0.5 * len(points) ** (-1.0 / points.shape[1])
+    chosen: list[int] = []
+    for at in np.argsort(costs, kind="stable"):
+        if all(np.abs(scaled[at] - scaled[other]).max() >= near for other in chosen):
+            chosen.append(int(at))
+        if len(chosen) == most:
+            break
+    return chosen

@@ -1,0 +1,1 @@
+"""The published method: its equations as printed, and what is wrong with them."""

@@ -1,0 +1,136 @@
+"""What one erratum of the paper is, and the robot on which it is computed.
+
+Owns the types only; the errata themselves are in `errata_geometry`, `errata_statics` and
+`errata_text`, and their list in `errata`.
+"""
+
+from dataclasses import dataclass, field
+from typing import SupportsFloat
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+# Two ways to the same number differ by less than this: the numbers are below 1000 and pass a few
+# 3 x 3 solves, which lose some digits of 1e-16 on a narrow triangle.
+ROUNDING = 1e-9
+AXES = "xyz"
+
+
+@dataclass(frozen=True)
+class Check:
+    """One number that decides, computed in three ways.
+
+    Attributes
+    ----------
+    claim : str
+        What was computed, in words.
+    printed : float
+        What the printed form gives; NaN where it gives 0/0.
+    ours : float
+        What the corrected form gives.
+    reference : float
+        The same quantity by an independent way.
+    tolerance : float
+        How far `ours` may be from `reference`, in the unit of both; more than rounding only
+        where the paper's numbers have few digits or its geometry had to be reconstructed.
+    """
+
+    claim: str
+    printed: float
+    ours: float
+    reference: float
+    tolerance: float = ROUNDING
+
+    @property
+    def ours_agrees(self) -> bool:
+        """Whether the corrected form gives the reference."""
+        return bool(abs(self.ours - self.reference) <= self.tolerance)
+
+    @property
+    def printed_agrees(self) -> bool:
+        """Whether the printed form gives the reference; never for NaN."""
+        return bool(abs(self.printed - self.reference) <= self.tolerance)
+
+
+def check(
+    claim: str,
+    printed: SupportsFloat,
+    ours: SupportsFloat,
+    reference: SupportsFloat,
+    tolerance: float = ROUNDING,
+) -> Check:
+    """Return a check of plain floats, whatever kinds of number come in."""
+    return Check(claim, float(printed), float(ours), float(reference), tolerance)
+
+
+def coordinates(name: str, printed: Array, ours: Array, reference: Array) -> tuple[Check, ...]:
+    """Return one check for each coordinate of a point, all (3,)."""
+    return tuple(check(f"{AXES[i]} of {name}", printed[i], ours[i], reference[i]) for i in range(3))
+
+
+@dataclass(frozen=True)
+class Erratum:
+    """One place of the paper: what is printed, what is right, and the numbers that tell.
+
+    Attributes
+    ----------
+    place : str
+        Such as "Eq 27"; no two errata have the same.
+    printed, correct : str
+        Both forms in plain text.
+    why : str
+        One or two sentences.
+    checks : tuple of Check
+        Empty only for editorial slips such as a wrong cross-reference.
+    confirmed : bool
+        True for a place that was checked and is right as printed: all three numbers of each
+        check agree.
+    """
+
+    place: str
+    printed: str
+    correct: str
+    why: str
+    checks: tuple[Check, ...] = ()
+    confirmed: bool = False
+
+
+def _wheels() -> Array:
+    """Return three contacts of a scalene, slightly tilted triangle with round coordinates."""
+    return np.array([[10.0, -1.0, -6.0], [-6.0, 9.0, -6.5], [-5.0, -8.0, -7.0]])
+
+
+def _elements() -> Array:
+    """Return the places of three point masses."""
+    return np.array([[2.0, 0.0, 1.0], [-1.0, 3.0, 0.0], [0.0, -1.0, 4.0]])
+
+
+@dataclass(frozen=True, eq=False)
+class Example:
+    """The robot and the direction of gravity on which the errata are computed.
+
+    Nothing depends on this choice but the numbers: any tripod whose plane is neither horizontal
+    nor vertical shows the same errata, as long as gravity's ray and the plane's normal through
+    the com go through its triangle.
+
+    Attributes
+    ----------
+    wheels : (3, 3) float64
+        Contact points relative to the com, below it, in no particular order.
+    gravity : (3,) float64
+        Pointing down, any length.
+    elements : (k, 3) float64
+        Places of the point masses for Eqs 13 to 18, in any frame.
+    masses : (k,) float64
+        Their masses.
+    seed : int
+        Of the random directions and contact sets.
+    """
+
+    wheels: Array = field(default_factory=_wheels)
+    gravity: Array = field(default_factory=lambda: np.array([0.9, -1.5, -9.5]))
+    elements: Array = field(default_factory=_elements)
+    masses: Array = field(default_factory=lambda: np.array([1.0, 2.0, 3.0]))
+    seed: int = 20

@@ -1,0 +1,52 @@
+"""All simulations of the paper, run once."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from lutgen.paper.errata import errata
+from lutgen.paper.erratum import Erratum
+from lutgen.paper.rough import Third, Variant, third_simulation, variants
+from lutgen.paper.simulations import (
+    First,
+    MapTime,
+    Second,
+    TableRow,
+    first_simulation,
+    second_simulation,
+    table_one,
+    timed_map,
+)
+
+__all__ = ["MAP", "Results", "compute"]
+
+MAP = "paper_two.h5"
+
+
+@dataclass(frozen=True)
+class Results:
+    """All numbers of the report."""
+
+    first: First
+    second: Second
+    table: tuple[TableRow, ...]
+    fitted_radius: dict[str, float]
+    swept: MapTime
+    third: Third
+    variants: tuple[Variant, ...]
+    errata: tuple[Erratum, ...]
+
+
+def compute(folder: Path, progress: Callable[[str], None] = lambda _: None) -> Results:
+    """Run all simulations; the map goes into `folder`."""
+    progress("simulation 1")
+    first = first_simulation()
+    progress("simulation 2")
+    second = second_simulation()
+    table, radius = table_one()
+    swept = timed_map(folder / MAP)
+    progress("simulation 3")
+    third = third_simulation()
+    others = variants()
+    progress("errata")
+    return Results(first, second, table, radius, swept, third, others, errata())

@@ -1,0 +1,180 @@
+"""The paper's first two simulations, computed.
+
+Owns the numbers of Figs 8 and 10 to 15 and of Table 1; it neither draws nor prints.  Both gravity
+conventions are computed everywhere, because the paper does not say which one it means.
+"""
+
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lutgen.attitude import CONVENTIONS, body_gravity
+from lutgen.pairs import evaluate_pairs
+from lutgen.paper.published import TABLE, Row
+from lutgen.paper.robot import RADIUS, paper_recipe
+from lutgen.recipe import Recipe
+from lutgen.search import Optimum, optimum
+from lutgen.store import load_map
+from lutgen.sweeper import sweep
+
+__all__ = [
+    "LEVEL",
+    "First",
+    "MapTime",
+    "Second",
+    "TableRow",
+    "first_simulation",
+    "level_values",
+    "second_simulation",
+    "table_one",
+    "timed_map",
+]
+
+Floats = NDArray[np.float64]
+
+LEVEL = np.array([0.0, 0.0, -1.0])
+
+
+def level_values(recipe: Recipe, params: Floats, convention: str) -> dict[str, Floats]:
+    """Return sdg and height, each (m,), of m geometries on level ground."""
+    down = body_gravity(recipe, params, LEVEL, convention)
+    return evaluate_pairs(recipe, params, down, ("sdg", "height"))
+
+
+@dataclass(frozen=True)
+class First:
+    """Simulation 1: |SD_g| and |OC| over alpha, and where |SD_g| is least.
+
+    `alpha` (m,) in deg; `sdg` and `height` by convention, (m,); `best` by convention.
+    """
+
+    recipe: Recipe
+    alpha: Floats
+    sdg: dict[str, Floats]
+    height: dict[str, Floats]
+    best: dict[str, Optimum]
+
+
+def first_simulation() -> First:
+    """Compute simulation 1 (Fig 8): alpha from 0 to 50 deg, on level ground."""
+    recipe = paper_recipe(moving=1)
+    alpha = np.linspace(0.0, 50.0, 501)
+    rows = np.radians(alpha)[:, None]
+    values = {name: level_values(recipe, rows, name) for name in CONVENTIONS}
+    return First(
+        recipe,
+        alpha,
+        {name: found["sdg"] for name, found in values.items()},
+        {name: found["height"] for name, found in values.items()},
+        {name: optimum(recipe, LEVEL, "multistart", convention=name) for name in CONVENTIONS},
+    )
+
+
+@dataclass(frozen=True)
+class Second:
+    """Simulation 2: what each method finds, by (convention, method)."""
+
+    recipe: Recipe
+    found: dict[tuple[str, str], Optimum]
+
+
+def second_simulation(limit: float = 1.0) -> Second:
+    """Compute simulation 2: the three methods of the paper, and many starts.
+
+    Parameters
+    ----------
+    limit : float
+        |SD_g| up to which a geometry counts as acceptable (the paper's delta): a tenth of 10, at
+        which the paper's robot tips.
+    """
+    recipe = paper_recipe()
+    methods = ("map", "nelder-mead", "search", "multistart")
+    return Second(
+        recipe,
+        {
+            (name, method): optimum(recipe, LEVEL, method, convention=name, limit=limit)
+            for name in CONVENTIONS
+            for method in methods
+        },
+    )
+
+
+@dataclass(frozen=True)
+class MapTime:
+    """The 50 x 50 map: where it is, its least node, and how long it took.
+
+    `kernel` is the time of the evaluation alone and `file` that of the sweep into a file, seconds.
+    """
+
+    path: Path
+    nodes: int
+    alpha: float
+    gamma: float
+    sdg: float
+    kernel: float
+    file: float
+
+
+def timed_map(path: Path) -> MapTime:
+    """Sweep the paper's 50 x 50 map into an HDF5 file, and time it with compiled kernels."""
+    recipe = paper_recipe()
+    rows = recipe.grid.params(np.arange(recipe.grid.size))
+    level_values(recipe, rows, "body")
+    begin = time.perf_counter()
+    level_values(recipe, rows, "body")
+    kernel = time.perf_counter() - begin
+    # The first sweep of a process loads the compiled kernels.
+    sweep(recipe, path)
+    begin = time.perf_counter()
+    sweep(recipe, path)
+    file = time.perf_counter() - begin
+    values = load_map(path).channel("sdg")[:, :, 0, 0, 0]
+    i, j = np.unravel_index(int(np.nanargmin(values)), values.shape)
+    alpha, gamma = (
+        np.degrees(axis.knots[at]) for axis, at in zip(recipe.grid.axes, (i, j), strict=True)
+    )
+    return MapTime(path, values.size, float(alpha), float(gamma), float(values[i, j]), kernel, file)
+
+
+@dataclass(frozen=True)
+class TableRow:
+    """One column of Table 1 beside our values at the same angles.
+
+    `exact` by convention at the scale of the reconstruction; `fitted` by convention at the scale
+    that fits the four values of the searching algorithm best, and `residual` = fitted/read_as - 1.
+    """
+
+    published: Row
+    exact: dict[str, float]
+    fitted: dict[str, float]
+    residual: dict[str, float]
+
+
+def table_one() -> tuple[tuple[TableRow, ...], dict[str, float]]:
+    """Return Table 1 beside ours, and the fitted R by convention.
+
+    |SD_g| is proportional to R, which the paper does not print; the fit takes the least sum of
+    squared relative residuals over the entries of the searching algorithm.
+    """
+    recipe = paper_recipe()
+    rows = np.radians([[row.alpha, row.gamma] for row in TABLE])
+    meant = np.array([row.read_as for row in TABLE])
+    fit = np.array([row.method.startswith("searching") for row in TABLE])
+    exact = {name: level_values(recipe, rows, name)["sdg"] for name in CONVENTIONS}
+    scale = {}
+    for name, values in exact.items():
+        ratio = values[fit] / meant[fit]
+        scale[name] = float(ratio.sum() / (ratio**2).sum())
+    table = tuple(
+        TableRow(
+            row,
+            {name: float(exact[name][i]) for name in CONVENTIONS},
+            {name: float(exact[name][i] * scale[name]) for name in CONVENTIONS},
+            {name: float(exact[name][i] * scale[name] / meant[i] - 1.0) for name in CONVENTIONS},
+        )
+        for i, row in enumerate(TABLE)
+    )
+    return table, {name: RADIUS * factor for name, factor in scale.items()}
