@@ -5,6 +5,7 @@ Owns the markup and its look; it knows nothing of the paper.  Every text is esca
 
 import base64
 import html
+import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -67,9 +68,10 @@ class Page:
         self._parts.append(f"<h3>{html.escape(text)}</h3>")
 
     def paragraph(self, text: str, note: bool = False) -> None:
-        """Add a paragraph; a note stands out."""
+        """Add a paragraph; a note stands out, and what stands in backticks is code."""
         kind = ' class="note"' if note else ""
-        self._parts.append(f"<p{kind}>{html.escape(text)}</p>")
+        words = re.sub(r"`([^`]+)`", r"<code>\1</code>", html.escape(text))
+        self._parts.append(f"<p{kind}>{words}</p>")
 
     def table(
         self, head: Sequence[str], rows: Iterable[Sequence[object]], caption: str = ""
