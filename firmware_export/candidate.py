@@ -137,8 +137,8 @@ class Bench:
                 self.tried[key] = self.assess(name, tables)
         return self.tried[key]
 
-    def assess(self, name: str, tables: Any) -> Candidate:
-        """Measure tables."""
+    def bytes_of(self, name: str, tables: Any) -> tuple[Export, int, int]:
+        """Return the export of tables, their bytes, and those with descriptors and code."""
         export = Export(
             self.name,
             self.model.recipe,
@@ -153,13 +153,18 @@ class Bench:
         export = replace(export, code_bytes=code_bytes(on))
         size = flash_bytes(export, body)
         parts = (size["tables"], size["descriptors"], size["code"])
+        return export, int(size["tables"]), sum(int(part) for part in parts if part is not None)
+
+    def assess(self, name: str, tables: Any) -> Candidate:
+        """Measure tables."""
+        export, size, total = self.bytes_of(name, tables)
         asked = device(export)
         seen = [asked.compare(known) for known in self.sample]
         standing = seen[0].standing
         return Candidate(
             export,
-            int(size["tables"]),
-            sum(int(part) for part in parts if part is not None),
+            size,
+            total,
             {channel: self._error(seen, channel) for channel in self.bounded},
             float((standing & ~seen[0].answers.stands).sum() / max(int(standing.sum()), 1)),
             sum(int(one.false_safe.sum()) for one in seen),

@@ -1,7 +1,8 @@
 """The choice: which codec at which size meets a limit of flash, of error, or of both.
 
 Each codec's sizes are climbed from the smallest, one axis at a time, always where accuracy gains
-most for a byte.  All that was tried is kept: it is the table that the choice is made from.
+most for a byte; `choose_dear` does it for codecs that take long.  All that was tried is kept: it is
+the table that the choice is made from.
 """
 
 import math
@@ -10,6 +11,7 @@ from dataclasses import replace
 from typing import Any
 
 from firmware_export.candidate import Bench, Candidate
+from firmware_export.choose_dear import climb_dear
 from firmware_export.codecs import codec
 from firmware_export.goal import GIVEN_UP, Goal
 from firmware_export.size import code_bytes
@@ -76,6 +78,11 @@ def front(bench: Bench, chosen: Candidate) -> list[dict[str, Any]]:
 
 def climb_codec(bench: Bench, name: str, goal: Goal) -> None:
     """Try the sizes of a codec, each bit width in turn, until they meet the goal or cannot."""
+    dear = getattr(codec(name), "dear", None)
+    if dear is not None and dear(bench.model):
+        ceiling = _ceiling(bench, goal)
+        climb_dear(bench, name, goal, min(ceiling, goal.flash or ceiling))
+        return
     starts = codec(name).start(bench.model, bench.channels, bench.arithmetic)
     path: list[Candidate] = []
     for spec in starts:
@@ -259,6 +266,9 @@ def _refusal(bench: Bench, tried: list[Candidate], goal: Goal) -> ExportError:
     if goal.percent is not None and accurate:
         one = min(accurate, key=lambda one: one.total)
         nearest.append(f"{one.total:,} bytes are needed for that error ({one.label})")
+    notes = getattr(smallest.export.tables, "notes", ())
+    if goal.percent is not None and bench.bounded == ("tip_angle",) and notes:
+        nearest.append("only the sign of its tip angle is bounded: ask for a size of flash alone")
     return ExportError(
         f"{where}: no export meets what is asked for (got {' and '.join(asked)}); the nearest that "
         f"can be had: {'; '.join(nearest)}."

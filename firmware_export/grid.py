@@ -7,17 +7,20 @@ the C functions).
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from firmware_export import grid_fit, grid_guard, grid_rough, grid_tip
-from firmware_export.grid_knots import chosen_knots
+from firmware_export.grid_knots import balanced, chosen_knots
 from firmware_export.grid_lattice import Lattice, spread_knots
 from firmware_export.grid_read import read
 from firmware_export.grid_read_i import read_i
-from firmware_export.grid_spec import Spec, grow, start
+from firmware_export.grid_spec import CHANNEL, GROUPS, Spec, even, grow, start
 from firmware_export.grid_tables import Part, Tables, U, V, c_body
 from firmware_export.model import Model
 from lutgen.errors import InputError
@@ -25,10 +28,13 @@ from lutgen.errors import InputError
 __all__ = [
     "Spec",
     "Tables",
+    "blank",
     "c_body",
+    "dear",
     "encode",
     "grow",
     "least_bytes",
+    "of_nodes",
     "read",
     "read_i",
     "refusal",
@@ -114,33 +120,47 @@ def _misplaced(part: Part, units: float, parts: float) -> float:
     return total
 
 
+@lru_cache(maxsize=16)
+def _table(model: Model, name: str, shape: tuple[int, ...], bits: int) -> tuple[Part, str]:
+    """Return one table, and for the verdict how it was kept below the truth.
+
+    Tables do not depend on each other: sizes that share one do not fit it again.
+    """
+    text = ""
+    if name == "tip":
+        lattice, tip, text = _tip(model, shape, bits)
+        codes, offset, step = tip.codes.astype(DTYPE[bits]), [tip.offset], tip.step
+    else:
+        lattice = _lattice(model, shape, not model.single_facet)
+        node = grid_fit.fit(model, lattice, name)
+        if name == "height":
+            # Nodes where nothing stands may come out negative; the integer path has no such height.
+            node = np.maximum(node, 0.0)
+        flat, offset, step = grid_fit.quantise(node, bits)
+        codes = flat.reshape(lattice.faces, *lattice.shape, -1)
+    return _part(name, lattice, codes, offset, step), text
+
+
+def _part(
+    name: str, lattice: Lattice, codes: NDArray[Any], offset: Sequence[float], step: float
+) -> Part:
+    return Part(
+        name,
+        lattice.coordinates,
+        lattice.knots,
+        codes,
+        np.array([*offset, 0.0][:2], np.float32),
+        np.float32(step),
+    )
+
+
 def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
     """Fit and quantise the tables of one size, and bound the guard."""
     problem = refusal(model, "float")
     if problem is not None:
         raise InputError(f"{model.recipe.source}: {problem}; choose another codec.")
-    parts = []
-    text = ""
-    for name, shape in spec.nodes:
-        if name == "tip":
-            lattice, tip, text = _tip(model, shape, spec.bits)
-            dtype = DTYPE[spec.bits]
-            codes, offset, step = tip.codes.astype(dtype), [tip.offset], tip.step
-        else:
-            lattice = _lattice(model, shape, not model.single_facet)
-            node = grid_fit.fit(model, lattice, name)
-            flat, offset, step = grid_fit.quantise(node, spec.bits)
-            codes = flat.reshape(lattice.faces, *lattice.shape, -1)
-        offset = [*offset, 0.0][:2]
-        part = Part(
-            name,
-            lattice.coordinates,
-            lattice.knots,
-            codes,
-            np.array(offset, np.float32),
-            np.float32(step),
-        )
-        parts.append(part)
+    fitted = [_table(model, name, shape, spec.bits) for name, shape in spec.nodes]
+    parts, text = [part for part, _ in fitted], fitted[0][1]
     tip_part = parts[0]
     guard = 0.0
     if grid_guard.is_smooth(model):
@@ -152,3 +172,34 @@ def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
     guard += OPERATIONS * 2.0**-24 * max(largest, 1.0)
     notes = () if grid_guard.is_smooth(model) else (SIGN_ONLY,)
     return Tables(spec, channels, tuple(parts), model.chart_limit, guard, text, notes)
+
+
+def blank(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
+    """Return tables of a size before anything is fitted: as many bytes, all codes 0."""
+    parts = []
+    for name, shape in spec.nodes:
+        lattice = _lattice(model, shape, not model.single_facet)
+        codes = np.zeros(
+            (lattice.faces, *lattice.shape, 2 if name == "sdg" else 1), DTYPE[spec.bits]
+        )
+        parts.append(_part(name, lattice, codes, [0.0], 1.0))
+    return Tables(spec, channels, tuple(parts), model.chart_limit, 0.0, "")
+
+
+def dear(model: Model) -> bool:
+    """Tell whether an encoding takes so long that few can be tried: where the region jumps."""
+    return not model.single_facet
+
+
+def of_nodes(model: Model, channels: tuple[str, ...], nodes: dict[str, int], bits: int) -> Spec:
+    """Return the size whose tables have at most so many nodes each, spread over the axes.
+
+    `nodes` counts those of ``tip``, ``sdg`` and ``height``; a table has a few at least.
+    """
+    shapes = []
+    for name in GROUPS:
+        if name == "tip":
+            shapes.append((name, balanced(model, nodes.get(name, 0))))
+        elif CHANNEL[name] in channels:
+            shapes.append((name, even(model, name, nodes.get(name, 0))))
+    return Spec(bits, tuple(shapes))

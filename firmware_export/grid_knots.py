@@ -1,7 +1,8 @@
 """Knots of the codec `grid` where a robot's standing region jumps: a bounded search.
 
 Owns the cost of one linear piece between two places of an axis, estimated on lines through the
-configuration space, and the choice of knots with the least sum (dynamic programming).
+configuration space, the choice of knots with the least sum (dynamic programming), and how many
+knots of each axis go together.
 """
 
 import math
@@ -11,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware_export.grid_lattice import from_places, to_places
+from firmware_export.grid_spec import LARGEST
 from firmware_export.grid_tables import SPAN
 from firmware_export.model import Model
 from firmware_export.sample import Sample, uniform, uniform_directions
@@ -26,6 +28,8 @@ EFFORT = ((4_000, 1), (24_000, 2), (1 << 62, 4))
 SUB_CELLS = 230_400
 # Places of u and v that compete for knots; lines through the space; clip of the tip angle (rad).
 RASTER, LINES, CLIP = 33, 3_000, 0.26
+# Nodes of an axis to begin with.
+FEWEST = 3
 
 
 def places_of(model: Model) -> int:
@@ -96,18 +100,50 @@ def _axis_losses(model: Model, axis: int) -> tuple[Floats, NDArray[np.float64]]:
     return _losses(np.ascontiguousarray(np.clip(line, -CLIP, CLIP)), place), place
 
 
-def chosen_knots(model: Model, axis: int, count: int) -> NDArray[np.uint16]:
-    """Return the `count` knots that give up least, by dynamic programming."""
+@lru_cache(maxsize=16)
+def _paths(model: Model, axis: int) -> tuple[Floats, NDArray[np.int64]]:
+    """Return the least loss with each number of knots (n,), and where each last piece begins."""
     loss, place = _axis_losses(model, axis)
-    count = min(count, len(place))
     best = np.full(len(place), 1e300)
     best[0] = 0.0
-    came = []
-    for _ in range(count - 1):
+    least, came = [math.inf], []
+    for _ in range(len(place) - 1):
         total = best[:, None] + loss
         came.append(total.argmin(axis=0))
         best = total.min(axis=0)
+        least.append(float(best[-1]))
+    return np.array(least), np.array(came)
+
+
+def chosen_knots(model: Model, axis: int, count: int) -> NDArray[np.uint16]:
+    """Return the `count` knots that give up least, by dynamic programming."""
+    place = _axis_losses(model, axis)[1]
+    came = _paths(model, axis)[1]
     at = [len(place) - 1]
-    for back in reversed(came):
+    for back in came[: min(count, len(place)) - 1][::-1]:
         at.append(int(back[at[-1]]))
     return np.rint(place[at[::-1]] * SPAN).astype(np.uint16)
+
+
+def balanced(model: Model, nodes: int) -> tuple[int, ...]:
+    """Return how many nodes of each parameter, of v and of u a verdict of so many should have.
+
+    The losses of the axes are added, as if each were the only one: what a table gives up follows
+    that sum closely.  Always the axis grows that loses most per factor of nodes.
+    """
+    axes = range(model.k + 2)
+    loss = [_paths(model, axis)[0] for axis in axes]
+    shape = [FEWEST] * len(axes)
+    while True:
+        total = model.faces * math.prod(shape)
+        best, most = None, 0.0
+        for axis in axes:
+            n = shape[axis]
+            if n >= min(len(loss[axis]), LARGEST) or total // n * (n + 1) > nodes:
+                continue
+            gain = float(loss[axis][n - 1] - loss[axis][n]) / math.log((n + 1) / n)
+            if gain > most:
+                best, most = axis, gain
+        if best is None:
+            return tuple(shape)
+        shape[best] += 1

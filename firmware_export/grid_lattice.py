@@ -4,6 +4,8 @@ Owns interpolation in float64 for encoders; places are (m, k + 2): the parameter
 from 0 to 1 over its axis.
 """
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -80,6 +82,128 @@ def at_nodes(
     return np.asarray(out.sum(axis=0))
 
 
+@njit(inline=True)
+def _shares(frac: NDArray[np.float32], share: Floats) -> None:
+    """Fill the weights of a cell's corners; bit a of a corner's number is its side on axis a."""
+    share[0] = 1.0
+    for a in range(len(frac)):
+        f = float(frac[a])
+        for c in range(1 << a):
+            share[c + (1 << a)] = share[c] * f
+            share[c] *= 1.0 - f
+
+
+@njit(parallel=True)
+def _normal(
+    first: Ints,
+    frac: NDArray[np.float32],
+    offset: NDArray[np.int64],
+    importance: Floats,
+    node: Floats,
+    out: Floats,
+) -> None:
+    parts, m = len(out), len(first)
+    for part in prange(parts):
+        share = np.empty(len(offset))
+        for p in range(m * part // parts, m * (part + 1) // parts):
+            _shares(frac[p], share)
+            value = 0.0
+            for c in range(len(offset)):
+                value += share[c] * node[first[p] + offset[c]]
+            value *= importance[p]
+            for c in range(len(offset)):
+                out[part, first[p] + offset[c]] += share[c] * value
+
+
+@njit(parallel=True)
+def _spread(
+    first: Ints,
+    frac: NDArray[np.float32],
+    offset: NDArray[np.int64],
+    value: Floats,
+    power: int,
+    out: Floats,
+) -> None:
+    parts, m = len(out), len(first)
+    for part in prange(parts):
+        share = np.empty(len(offset))
+        for p in range(m * part // parts, m * (part + 1) // parts):
+            _shares(frac[p], share)
+            for c in range(len(offset)):
+                weight = share[c] * share[c] if power == 2 else share[c]
+                out[part, first[p] + offset[c]] += weight * value[p]
+
+
+@njit(parallel=True)
+def _interpolate(
+    first: Ints, frac: NDArray[np.float32], offset: NDArray[np.int64], node: Floats, out: Floats
+) -> None:
+    m = len(first)
+    for part in prange(PARTS):
+        share = np.empty(len(offset))
+        for p in range(m * part // PARTS, m * (part + 1) // PARTS):
+            _shares(frac[p], share)
+            value = 0.0
+            for c in range(len(offset)):
+                value += share[c] * node[first[p] + offset[c]]
+            out[p] = value
+
+
+class Spots:
+    """Where points lie in a lattice, in a sixth of the memory that all their corners take.
+
+    Parameters
+    ----------
+    first : (m,) int32
+        The lowest node of a point's cell.
+    frac : (m, d) float32
+        Where in the cell it lies, 0 to 1 along each axis.
+    offset : (2^d,) int64
+        From there to the other corners.
+    nodes : int
+        Of the lattice, all faces.
+    """
+
+    def __init__(
+        self, first: Ints, frac: NDArray[np.float32], offset: NDArray[np.int64], nodes: int
+    ) -> None:
+        self.first, self.frac, self.offset, self.nodes = first, frac, offset, nodes
+
+    def __len__(self) -> int:
+        return len(self.first)
+
+    def part(self, which: NDArray[Any]) -> "Spots":
+        """Return some of the points: indices, or a mask."""
+        return Spots(self.first[which], self.frac[which], self.offset, self.nodes)
+
+    def joined(self, other: "Spots") -> "Spots":
+        """Return these points and then others of the same lattice."""
+        return Spots(
+            np.concatenate([self.first, other.first]),
+            np.concatenate([self.frac, other.frac]),
+            self.offset,
+            self.nodes,
+        )
+
+    def at(self, node: Floats) -> Floats:
+        """Interpolate nodes (n,) at the points."""
+        out = np.empty(len(self.first))
+        _interpolate(self.first, self.frac, self.offset, node, out)
+        return out
+
+    def spread(self, value: Floats, power: int = 1) -> Floats:
+        """Add up values (m,) at the nodes, by the weights or (`power` 2) by their squares."""
+        out = np.zeros((PARTS, self.nodes))
+        _spread(self.first, self.frac, self.offset, value, power, out)
+        return np.asarray(out.sum(axis=0))
+
+    def normal(self, importance: Floats, node: Floats) -> Floats:
+        """Return spread(importance at(node)), in one pass."""
+        out = np.zeros((PARTS, self.nodes))
+        _normal(self.first, self.frac, self.offset, importance, node, out)
+        return np.asarray(out.sum(axis=0))
+
+
 class Lattice:
     """Knots of a table, its nodes and what the exact kernels say there.
 
@@ -116,6 +240,22 @@ class Lattice:
         x = np.ascontiguousarray(place[:, columns])
         start = face * self.face_nodes if self.faces > 1 else np.zeros(len(face), np.int64)
         return *corners(x, self._table, self.nodes), start
+
+    def spots(self, place: Floats, face: NDArray[np.int64]) -> Spots:
+        """Return where places (m, k + 2) lie; see `find`."""
+        columns = [{U: -1, V: -2}.get(c, c) for c in self.coordinates]
+        first = (face if self.faces > 1 else np.zeros_like(face)) * self.face_nodes
+        frac = np.empty((len(place), len(columns)), np.float32)
+        offset = np.zeros(1 << len(columns), np.int64)
+        stride = self.face_nodes
+        for axis, (column, knots) in enumerate(zip(columns, self.knots, strict=True)):
+            x, ends = place[:, column], knots.astype(np.float64) / SPAN
+            cell = np.clip(np.searchsorted(ends, x, side="right") - 1, 0, len(ends) - 2)
+            frac[:, axis] = (x - ends[cell]) / (ends[cell + 1] - ends[cell])
+            stride //= len(ends)
+            first = first + cell * stride
+            offset += (np.arange(len(offset)) >> axis & 1) * stride
+        return Spots(first.astype(np.int32), frac, offset, self.faces * self.face_nodes)
 
     def places(self) -> tuple[Floats, NDArray[np.int64]]:
         """Return the places (nodes, k + 2) and faces of all nodes; pruned axes in the middle."""

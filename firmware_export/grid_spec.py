@@ -3,6 +3,7 @@
 Owns which axes a table has (found by probing), the smallest sensible sizes, and how a size grows.
 """
 
+import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -92,6 +93,26 @@ def start(model: Model, channels: tuple[str, ...], arithmetic: str) -> list[Spec
             shape = tuple(n if on else 1 for n, on in zip(count, active, strict=True))
             nodes.append((name, shape))
     return [Spec(bits, tuple(nodes)) for bits in (8, 16)]
+
+
+def even(model: Model, name: str, nodes: int) -> tuple[int, ...]:
+    """Return the nodes of each axis of a table of at most so many in all, alike as far as can be.
+
+    Three at least on each axis on which the table depends.
+    """
+    active = active_axes(model, name)
+    faces = model.faces if any(active[-2:]) else 1
+    shape = [3 if on else 1 for on in active]
+    while True:
+        total = faces * math.prod(shape)
+        able = [
+            axis
+            for axis, on in enumerate(active)
+            if on and shape[axis] < LARGEST and total // shape[axis] * (shape[axis] + 1) <= nodes
+        ]
+        if not able:
+            return tuple(shape)
+        shape[min(able, key=lambda axis: shape[axis])] += 1
 
 
 def grow(model: Model, spec: Spec) -> list[Spec]:

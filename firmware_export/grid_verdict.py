@@ -31,13 +31,16 @@ def _cell(knots: Floats, x: float) -> int:
 @njit()
 def _next(knots: Floats, x0: float, dx: float, s: float) -> float:
     """Return the smallest place > s of a piece at which it crosses a knot, at most 1."""
-    best = 1.0
-    if dx != 0.0:
-        for i in range(1, len(knots) - 1):
-            at = (knots[i] - x0) / dx
-            if s < at < best:
-                best = at
-    return best
+    if dx == 0.0:
+        return 1.0
+    way = 1 if dx > 0.0 else 0
+    edge = _cell(knots, x0 + s * dx) + way
+    while 0 < edge < len(knots) - 1:
+        at = (knots[edge] - x0) / dx
+        if at > s:
+            return float(min(at, 1.0))
+        edge += 2 * way - 1
+    return 1.0
 
 
 @njit(inline=True)
@@ -68,17 +71,15 @@ def _piece(
         after = min(_next(u, u0, du, s + 1e-9), _next(v, v0, dv, s + 1e-9))
         mid = 0.5 * (s + after)
         i, j = _cell(v, v0 + mid * dv), _cell(u, u0 + mid * du)
-        value = np.empty(3)
-        for n in range(3):
-            value[n] = _bilinear(
-                piece, u, v, plane, i, j, s if n == 0 else mid if n == 1 else after
-            )
-        place, worst = (s, value[0]) if value[0] > value[2] else (after, value[2])
+        low = _bilinear(piece, u, v, plane, i, j, s)
+        middle = _bilinear(piece, u, v, plane, i, j, mid)
+        high = _bilinear(piece, u, v, plane, i, j, after)
+        place, worst = (s, low) if low > high else (after, high)
         # The quadratic through the three: its top, if it is in between.
-        bend = value[0] - 2.0 * value[1] + value[2]
-        if bend < 0.0 and abs(value[2] - value[0]) < -2.0 * bend:
-            place = mid + 0.5 * (after - s) * -0.5 * (value[2] - value[0]) / bend
-            worst = value[1] - (value[2] - value[0]) ** 2 / (8.0 * bend)
+        bend = low - 2.0 * middle + high
+        if bend < 0.0 and abs(high - low) < -2.0 * bend:
+            place = mid + 0.5 * (after - s) * -0.5 * (high - low) / bend
+            worst = middle - (high - low) ** 2 / (8.0 * bend)
         if worst > 0.0:
             f = min(max((u0 + place * du - u[j]) / (u[j + 1] - u[j]), 0.0), 1.0)
             g = min(max((v0 + place * dv - v[i]) / (v[i + 1] - v[i]), 0.0), 1.0)
@@ -103,19 +104,24 @@ def _excess(
     u: Floats,
     v: Floats,
     gentle: bool,
+    which: Ints,
     drops: Floats,
+    above: Bools,
 ) -> None:
     parts, faces, rows, columns = len(drops), node.shape[1], node.shape[2], node.shape[3]
     for part in prange(parts):
         plane = np.empty((faces, rows, columns))
         drop = np.empty((faces, rows, columns))
-        for p in range(part, len(index), parts):
+        for at in range(part, len(which), parts):
+            p = which[at]
             for corner in range(index.shape[1]):
                 plane[:] = 0.0
+                squares = 0.0
                 for c in range(index.shape[2]):
                     share = weight[p, corner, c]
+                    squares += share * share
                     if share > 0.0:
-                        plane += share * node[index[p, corner, c]]
+                        _add(plane, share, node[index[p, corner, c]])
                 drop[:] = 0.0
                 flat = 0
                 for face in range(faces):
@@ -126,19 +132,29 @@ def _excess(
                             flat += 1
                     for n in range(first[p * faces + face], first[p * faces + face + 1]):
                         _piece(pieces[n], u, v, plane[face], gentle, drop[face])
-                squares = 0.0
-                for c in range(index.shape[2]):
-                    squares += weight[p, corner, c] ** 2
+                if not drop.any():
+                    continue
+                above[at] = True
                 for c in range(index.shape[2]):
                     if weight[p, corner, c] > 0.0:
                         share = weight[p, corner, c] / squares if gentle else 1.0
-                        goal = drops[part, index[p, corner, c]]
-                        for face in range(faces):
-                            for i in range(rows):
-                                for j in range(columns):
-                                    goal[face, i, j] = max(
-                                        goal[face, i, j], share * drop[face, i, j]
-                                    )
+                        _raise(drops[part, index[p, corner, c]], share, drop)
+
+
+@njit()
+def _add(total: Floats, share: float, values: Floats) -> None:
+    for face in range(total.shape[0]):
+        for i in range(total.shape[1]):
+            for j in range(total.shape[2]):
+                total[face, i, j] += share * values[face, i, j]
+
+
+@njit()
+def _raise(most: Floats, share: float, values: Floats) -> None:
+    for face in range(most.shape[0]):
+        for i in range(most.shape[1]):
+            for j in range(most.shape[2]):
+                most[face, i, j] = max(most[face, i, j], share * values[face, i, j])
 
 
 def excess(
@@ -151,7 +167,8 @@ def excess(
     u: Floats,
     v: Floats,
     gentle: bool,
-) -> Floats:
+    which: Ints | None = None,
+) -> tuple[Floats, Ints]:
     """Return by how much each node must be lowered for the table to be nowhere above zero.
 
     Parameters
@@ -167,7 +184,18 @@ def excess(
     gentle : bool
         Whether to lower nodes only by their shares, which has to be repeated; otherwise the
         lowered table is certain to be below zero.
+    which : (S,) int64, optional
+        The sub-cells to look at; all by default.
+
+    Returns
+    -------
+    (Q, faces, nv, nu) float64
+        By how much, 0 or more.
+    (n,) int64
+        The sub-cells, of those looked at, where the table is above zero somewhere.
     """
+    which = np.arange(len(index)) if which is None else which
     drops = np.zeros((PARTS, *node.shape))
-    _excess(node, index, weight, pieces, first, tips, u, v, gentle, drops)
-    return np.asarray(drops.max(axis=0))
+    above = np.zeros(len(which), np.bool_)
+    _excess(node, index, weight, pieces, first, tips, u, v, gentle, which, drops, above)
+    return np.asarray(drops.max(axis=0)), which[above]

@@ -10,11 +10,12 @@ from typing import Any, cast
 import pytest
 
 import lutgen
+from firmware_export import candidate, grid_fit, grid_knots, grid_rough
 from firmware_export import choose as choosing
 from firmware_export.candidate import Bench, Candidate
 from firmware_export.choose import choose, front
 from firmware_export.codecs import NAMES, codec, usable
-from firmware_export.goal import Goal
+from firmware_export.goal import GIVEN_UP, Goal
 from firmware_export.model import Model
 from lutgen.errors import ExportError, InputError
 from tests.recipes import rover, tripod
@@ -279,3 +280,68 @@ def test_a_robot_that_no_codec_can_hold_is_refused_with_the_reason() -> None:
         usable(wheels, "float", "poly")
     with pytest.raises(ExportError, match="integer"):
         usable(wheels, "integer", "contacts")
+
+
+@pytest.fixture
+def wheels(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Bench]:
+    """Return a function that makes a bench of four wheels, one of which lifts off."""
+    monkeypatch.setattr(grid_fit, "FEW_POINTS", 8_000)
+    monkeypatch.setattr(grid_fit, "FEW_POOL", 20_000)
+    monkeypatch.setattr(candidate, "POINTS", 6_000)
+    monkeypatch.setattr(grid_rough, "POSTURES", 2_000)
+    monkeypatch.setattr(grid_knots, "LINES", 600)
+
+    def make(*channels: str, arithmetic: str = "integer") -> Bench:
+        return Bench(Model(lutgen.parse_recipe(rover())), "rover", channels, arithmetic)
+
+    return make
+
+
+@pytest.mark.parametrize("arithmetic", ["integer", "float"])
+def test_a_region_that_jumps_is_encoded_once_for_the_flash_there_is(
+    wheels: Callable[..., Bench], arithmetic: str
+) -> None:
+    bench = wheels("tip_angle", arithmetic=arithmetic)
+    found = choose(bench, ["grid"], Goal(1_700, None))
+    assert len(bench.tried) == 1
+    # All but what one more knot takes.
+    assert 1_550 < found.total <= 1_700
+    assert found.false_safe == 0
+    # A table that always says no would give up all.
+    assert 0.0 < found.given_up <= GIVEN_UP
+
+
+def test_a_region_that_jumps_is_encoded_a_few_times_for_an_error(
+    wheels: Callable[..., Bench],
+) -> None:
+    bench = wheels("sdg", "tip_angle")
+    goal = Goal(8_000, 40.0)
+    found = choose(bench, ["grid"], goal)
+    assert goal.holds(found)
+    assert goal.fits(found)
+    assert found.given_up <= GIVEN_UP
+    assert len(bench.tried) <= 6
+
+
+def test_what_no_table_can_hold_is_refused_after_a_few_encodings(
+    wheels: Callable[..., Bench],
+) -> None:
+    bench = wheels("sdg", "tip_angle")
+    with pytest.raises(ExportError, match="nearest that can be had"):
+        choose(bench, ["grid"], Goal(4_000, 1.0))
+    assert len(bench.tried) <= 6
+    bench = wheels("tip_angle")
+    with pytest.raises(ExportError, match=r"got 1,000 bytes of flash.*is the smallest there is"):
+        choose(bench, ["grid"], Goal(1_000, None))
+    assert len(bench.tried) == 1
+    with pytest.raises(ExportError, match="only the sign of its tip angle is bounded"):
+        choose(wheels("tip_angle"), ["grid"], Goal(None, 1.0))
+
+
+def test_a_dear_codec_is_not_encoded_where_another_has_met_the_goal(
+    wheels: Callable[..., Bench],
+) -> None:
+    bench = wheels("tip_angle", arithmetic="float")
+    found = choose(bench, ["contacts", "grid"], Goal(60_000, None))
+    assert found.export.codec == "contacts"
+    assert not any(name == "grid" for name, _ in bench.tried)

@@ -37,7 +37,6 @@ def small_samples() -> Iterator[None]:
         patch.setattr(grid_fit, "POINTS", 30_000)
         patch.setattr(grid_fit, "POOL", 60_000)
         patch.setattr(grid_rough, "POSTURES", 2_000)
-        patch.setattr(grid_rough, "ON_OUTLINES", 20_000)
         yield
 
 
@@ -225,7 +224,7 @@ def test_a_lowered_table_is_below_zero_on_every_piece() -> None:
     pieces = rng.random((40, 4)).astype(np.float32)
     index, weight = np.array([[[0, 1], [1, 0]]], np.int32), np.array([[[0.4, 0.6], [1.0, 0.0]]])
     first, tips = np.array([0, 40]), np.zeros((1, 12), np.bool_)
-    lowered = node - excess(node, index, weight, pieces, first, tips, u, v, False)
+    lowered = node - excess(node, index, weight, pieces, first, tips, u, v, False)[0]
     for share in ([0.4, 0.6], [0.0, 1.0]):
         plane = np.tensordot(share, lowered[:, 0], 1)
         along = np.linspace(0.0, 1.0, 501)[:, None, None]
@@ -239,6 +238,84 @@ def test_a_lowered_table_is_below_zero_on_every_piece() -> None:
         )
         # float32 ends of pieces, crossings skipped within 1e-9.
         assert value.max() < 1e-6
+
+
+def test_sub_cells_below_zero_need_not_be_looked_at_again() -> None:
+    rng = np.random.default_rng(10)
+    u, v = np.linspace(0.0, 1.0, 4), np.linspace(0.0, 1.0, 3)
+    node = rng.normal(size=(6, 1, 3, 4)) - 0.3
+    pieces = rng.random((50, 4)).astype(np.float32)
+    index = np.stack([np.arange(5), np.arange(1, 6)], axis=1).astype(np.int32)[:, None]
+    weight = np.full((5, 1, 2), 0.5)
+    rest = (index, weight, pieces, np.arange(0, 51, 10), rng.random((5, 12)) < 0.1, u, v)
+    whole, part, which = node.copy(), node.copy(), None
+    left = []
+    for _ in range(30):
+        whole -= 0.5 * excess(whole, *rest, True)[0]
+        drop, which = excess(part, *rest, True, which)
+        part -= 0.5 * drop
+        left.append(len(which))
+    np.testing.assert_array_equal(part, whole)
+    assert sorted(left, reverse=True) == left
+    assert set(which) == set(excess(part, *rest, True)[1])
+
+
+def test_points_of_the_training_interpolate_as_the_table_does(model: Model) -> None:
+    lattice = grid._lattice(model, (4, 5, 6, 7), False)
+    rng = np.random.default_rng(11)
+    place, face = rng.random((3_000, 4)), np.zeros(3_000, np.int64)
+    node, importance, value = rng.normal(size=840), rng.random(3_000), rng.normal(size=3_000)
+    spots = lattice.spots(place, face)
+    index, weight, start = lattice.find(place, face)
+    here = at_points(index, weight, node[:, None], start)[:, 0]
+    # Places in float32: 6e-8 of a cell, across which a few units are interpolated.
+    np.testing.assert_allclose(spots.at(node), here, atol=3e-6)
+    # The transpose.
+    assert spots.spread(value) @ node == pytest.approx(value @ spots.at(node), rel=1e-9)
+    np.testing.assert_allclose(
+        spots.normal(importance, node), spots.spread(importance * spots.at(node)), atol=1e-10
+    )
+    squares = np.bincount(index.ravel(), (weight**2 * importance[:, None]).ravel(), 840)
+    np.testing.assert_allclose(spots.spread(importance, 2), squares, atol=1e-5)
+
+
+def test_a_node_below_the_ground_does_not_shift_the_heights_without_floats(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def fit(*_: object) -> NDArray[np.float64]:
+        # One node where nothing stands: its height is no length.
+        return np.append(np.linspace(0.2, 0.4, 26), -1.0)[:, None]
+
+    monkeypatch.setattr(grid_fit, "fit", fit)
+    wheels = Model(parse_recipe(rover()))
+    part, _ = grid._table(wheels, "height", (3, 3, 3), 8)
+    heights = part.offset[0] + part.step * part.codes.ravel().astype(np.float64)
+    read = part.height_step * (
+        part.zero[0] + np.arange(256) * 256.0 * part.fine_step / part.height_step
+    )
+    np.testing.assert_allclose(heights[:26], np.linspace(0.2, 0.4, 26), atol=0.001)
+    np.testing.assert_allclose(read[part.codes.ravel()[:26]], heights[:26], atol=0.001)
+
+
+def test_bytes_are_known_before_anything_is_encoded(model: Model, tables: Tables) -> None:
+    assert grid.blank(model, CHANNELS, SMALL).bytes == tables.bytes
+    wheels = Model(parse_recipe(rover()))
+    spec = Spec(8, (("tip", (5, 5, 5)),))
+    blank, made = (make(wheels, ("tip_angle",), spec) for make in (grid.blank, grid.encode))
+    assert blank.bytes == made.bytes
+
+
+def test_nodes_are_shared_out_as_the_axes_need_and_never_more_than_asked() -> None:
+    wheels = Model(parse_recipe(rover()))
+    before = (3, 3, 3)
+    for nodes in (27, 200, 1_000, 5_000):
+        shape = grid.of_nodes(wheels, ("tip_angle",), {"tip": nodes}, 8).shape("tip")
+        # Beyond some 1,400 nodes nothing more is lost along any axis.
+        assert 0.7 * min(nodes, 1_400) <= np.prod(shape) <= nodes
+        assert all(more >= few for more, few in zip(shape, before, strict=True))
+        before = shape
+    # u and v matter more than how far one wheel is lifted.
+    assert shape[0] < min(shape[1:])
 
 
 def test_interpolation_of_the_fit_is_the_runtimes(model: Model, tables: Tables) -> None:

@@ -35,7 +35,7 @@ EXPORT_ORDER = (
     *("twin", "answers", "codecs", "certify_jumps", "certify_search", "certify"),
     *("size", "c_config", "facts", "c_header", "c_source", "example", "project_files"),
     *("report_page", "report_figure", "report", "size_measure", "package"),
-    *("candidate", "goal", "choose", "exporter", "host"),
+    *("candidate", "goal", "choose_dear", "choose", "exporter", "host"),
 )
 MODULES = sorted(p for p in PACKAGE.rglob("*.py") if p != PACKAGE / "__init__.py")
 
