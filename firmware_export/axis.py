@@ -7,7 +7,12 @@ from firmware_export.model import Model
 
 
 def axis_numbers(model: Model) -> NDArray[np.float32]:
-    """Return min, max and 1 / (max - min) of every parameter, (k, 3), as smap_axis_t holds them."""
+    """Return min, max and 1 / (max - min) of every parameter, (k, 3), as smap_axis_t holds them.
+
+    The last is rounded so that the upper end comes to 1 at most, and with it every place below.
+    """
     lower, upper = model.lower.astype(np.float32), model.upper.astype(np.float32)
-    span = upper.astype(np.float64) - lower.astype(np.float64)
-    return np.stack([lower, upper, (1.0 / span).astype(np.float32)], axis=1).reshape(-1, 3)
+    inverse = (1.0 / (upper.astype(np.float64) - lower.astype(np.float64))).astype(np.float32)
+    beyond = (upper - lower) * inverse > 1.0
+    inverse = np.where(beyond, np.nextafter(inverse, np.float32(0.0)), inverse)
+    return np.stack([lower, upper, inverse], axis=1).reshape(-1, 3)

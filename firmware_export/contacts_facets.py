@@ -11,7 +11,6 @@ from firmware_export.contacts_planes import (
     Ints,
     Singles,
     aim,
-    at,
     contact_point,
     extent,
     outline,
@@ -21,7 +20,7 @@ from firmware_export.contacts_planes import (
     support,
 )
 from firmware_export.strict import F0, F1, arcsine, njit, root
-from firmware_export.vector32 import Vector, cross, dot, normalise, subtract
+from firmware_export.vector32 import Vector, at, cross, dot, normalise, subtract
 
 WALK_STEPS = 24
 RING_STEPS = 8

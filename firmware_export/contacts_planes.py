@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware_export.strict import F0, F1, njit, root
-from firmware_export.vector32 import Vector, cross, dot, normalise, subtract
+from firmware_export.vector32 import Vector, at, cross, dot, normalise, subtract
 
 Singles = NDArray[np.float32]
 Ints = NDArray[np.int64]
@@ -22,12 +22,6 @@ FACE_ON = np.float32(1e-4)
 TINY = np.float32(1e-30)
 SMALL_TURN = np.float32(1e-6)
 HALF_TURN = np.float32(1.99)
-
-
-@njit()
-def at(array: Singles, index: int) -> Vector:
-    """Return three components that begin at an index."""
-    return array[index], array[index + 1], array[index + 2]
 
 
 @njit()

@@ -16,6 +16,8 @@ from firmware_export.three_points import read_three
 Singles = NDArray[np.float32]
 Ints = NDArray[np.int64]
 
+BELOW_ONE = np.float32(0.99999994)
+
 
 class Posture(NamedTuple):
     """The tables and the numbers of the descriptor, as smap_contacts_t holds them."""
@@ -54,30 +56,29 @@ def assemble(
     work: Singles,
 ) -> None:
     """Write positions (3 n) and, behind them, axes (3 a) of one posture to `work`."""
-    entry[0] = F1
+    entry[0] = F1 / unit
+    step = length * unit
     count = 1
     at = 0
     for i in range(len(t)):
         last = shape[i, 1] - 1
-        x = t[i] * np.float32(last)
+        x = t[i] * (np.float32(last) * BELOW_ONE)
         cell = int(x)
-        if cell >= last:
-            cell = last - 1
         frac = x - np.float32(cell)
         for _ in range(shape[i, 0]):
             low, high = modes[at + cell], modes[at + cell + 1]
-            entry[count] = (low + (high - low) * frac) * unit
+            entry[count] = low + (high - low) * frac
             count += 1
             at += last + 1
     for i in range(len(products)):
-        entry[count] = entry[products[i, 0]] * entry[products[i, 1]]
+        entry[count] = entry[products[i, 0]] * entry[products[i, 1]] * unit
         count += 1
     for i in range(3 * contacts + 3 * axes):
         work[i] = F0
     common = np.zeros(3, np.float32)
     coordinate = 0
     for term in range(len(entries)):
-        value = weights[term] * length * entry[entries[term] & 63]
+        value = weights[term] * step * entry[entries[term] & 63]
         coordinate += entries[term] >> 6
         if not many:
             work[coordinate] += value

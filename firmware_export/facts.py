@@ -3,20 +3,26 @@
 Numbers come from the export and its certificate; nothing is measured or laid out here.
 """
 
+import json
 import math
+from functools import cache
+from importlib.resources import files
 from typing import Any
 
 from firmware_export.c_array import CBody
 from firmware_export.exported import Export
 from firmware_export.size import TARGET, struct_bytes
+from lutgen.errors import ExportError
 from lutgen.recipe import Recipe
 from lutgen.recipe_robot import Parameter
 
 __all__ = [
+    "COUNTS",
     "axis_range",
     "bytes_text",
     "channel_unit",
     "chart_text",
+    "counted",
     "descriptor_bytes",
     "error_texts",
     "flash_bytes",
@@ -24,6 +30,8 @@ __all__ = [
     "share",
 ]
 
+# Beside sizes.json: what reads were counted to cost, written by `python -m targets.run --update`.
+COUNTS = "counts.json"
 MEANING = {
     "sdg": "stability factor |SD_g|, 0 at its most stable",
     "tip_angle": "angle until the robot tips, guard subtracted",
@@ -158,3 +166,43 @@ def flash_bytes(export: Export, body: CBody) -> dict[str, Any]:
         "total": None if structs is None or code is None else tables + structs + code,
         "target": TARGET,
     }
+
+
+@cache
+def _counts() -> list[dict[str, Any]]:
+    """Return the rows of counts.json; none where nothing was counted."""
+    path = files("firmware_export") / "runtime" / COUNTS
+    if not path.is_file():
+        return []
+    try:
+        rows: list[dict[str, Any]] = json.loads(path.read_text(encoding="utf-8"))["rows"]
+        for row in rows:
+            row["recipe_sha256"], row["spec"], row["arithmetic"], row["channels"], row["targets"]
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise ExportError(
+            f"{COUNTS}: is not the file of counted reads (got {type(error).__name__}: {error}); "
+            "run `make firmware` with --update, or install lutgen again."
+        ) from error
+    return rows
+
+
+def counted(export: Export) -> list[dict[str, Any]] | None:
+    """Return what a read of this very export was counted to cost, None where it was not.
+
+    Returns
+    -------
+    list of dict or None
+        Per target and compiler option ``target``, ``option``, ``unit`` (instructions or cycles),
+        ``median`` and ``max``.
+    """
+    for row in _counts():
+        same = (
+            row["recipe_sha256"] == export.recipe.digest
+            and row["spec"] == getattr(export.tables.spec, "label", None)
+            and row["arithmetic"] == export.arithmetic
+            and row["channels"] == list(export.channels)
+        )
+        if same:
+            targets: list[dict[str, Any]] = row["targets"]
+            return targets
+    return None

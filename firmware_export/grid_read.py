@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware_export.grid_tables import Tables, U
-from firmware_export.strict import F0, F1, arcsine, njit, prange, root
+from firmware_export.strict import F1, arcsine, njit, prange, root
 
 SINGLE = NDArray[np.float32]
 MIDDLE, WHOLE = np.float32(32767.0), np.float32(65534.0)
@@ -49,8 +49,7 @@ def _value(
             else:
                 upper = middle
         width_of = np.float32(np.int64(knots[begin + upper]) - np.int64(knots[begin + lower]))
-        x = (x - np.float32(knots[begin + lower])) / width_of
-        frac[i] = F0 if not x > F0 else F1 if x > F1 else x
+        frac[i] = (x - np.float32(knots[begin + lower])) / width_of
         at += lower * stride
         jump[i] = stride - back
         back += stride

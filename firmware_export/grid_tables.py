@@ -137,8 +137,12 @@ class Tables:
 
     @property
     def half(self) -> np.float32:
-        """Units of an axis for one unit of u or v."""
-        return np.float32(SPAN / 2 / self.chart_limit)
+        """Units of an axis for one unit of u or v, rounded: the rim comes to SPAN at most."""
+        limit, middle = np.float32(self.chart_limit), np.float32(SPAN // 2)
+        half = np.float32(SPAN / 2 / self.chart_limit)
+        while limit * half > middle:
+            half = np.nextafter(half, np.float32(0.0))
+        return half
 
     @property
     def limit_q(self) -> int:

@@ -15,7 +15,7 @@ from firmware_export.c_array import CBody
 from firmware_export.c_config import features, runtime_version
 from firmware_export.c_header import axis_macros
 from firmware_export.exported import Export
-from firmware_export.facts import channel_unit, flash_bytes, movement
+from firmware_export.facts import channel_unit, counted, flash_bytes, movement
 from lutgen._version import __version__
 from lutgen.errors import InputError
 
@@ -97,6 +97,7 @@ def report(export: Export, body: CBody, names: list[str]) -> dict[str, Any]:
         },
         "steps": dict(body.steps),
         "bytes": flash_bytes(export, body),
+        "counts": counted(export),
         "guard_deg": math.degrees(float(tables.guard)),
         "guard_text": tables.guard_text,
         "given_up": certificate.get("given_up"),

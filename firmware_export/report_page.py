@@ -75,6 +75,7 @@ def page(export: Export, body: CBody, content: dict[str, Any], picture: str | No
         [(a.name, a.ctype, f"{len(a.values):,}", a.comment) for a in body.arrays if not a.plain]
         + [(a.name, a.ctype, f"{a.numbers.size:,}", a.comment) for a in body.arrays if a.plain],
     )
+    lines += _counts(content["counts"])
     lines += ["## Parameters and directions", ""]
     lines += _table(
         ("parameter", "range", "what it does"),
@@ -91,6 +92,19 @@ def page(export: Export, body: CBody, content: dict[str, Any], picture: str | No
         "",
     ]
     return "\n".join(lines)
+
+
+def _counts(counts: list[dict[str, Any]] | None) -> list[str]:
+    """Return the table of what a read costs, or a line that says that it was not counted."""
+    lines = ["## Cost of a read", ""]
+    if counts is None:
+        return [*lines, "Not measured for these tables.", ""]
+    rows = [
+        (f"{c['target']}, {c['option']}", c["unit"], f"{c['median']:,}", f"{c['max']:,}")
+        for c in counts
+    ]
+    lines += ["On emulators, over 256 queries; instructions are not cycles.", ""]
+    return lines + _table(("target", "unit", "median", "most"), rows)
 
 
 def _accuracy(export: Export, content: dict[str, Any]) -> list[str]:

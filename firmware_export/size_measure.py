@@ -44,8 +44,8 @@ OPTIONS: dict[str, tuple[tuple[str, ...], ...]] = {
         ("", "SMAP_SPHERE"),
     ),
     "SMAP_POLY": (("", "SMAP_SPHERE"),),
-    "SMAP_GRID": (("", "SMAP_SPHERE"), ("", "SMAP_GRID_FAST")),
-    "SMAP_GRID_INTEGER": (("", "SMAP_SPHERE"), ("", "SMAP_GRID_FAST")),
+    "SMAP_GRID": (("", "SMAP_SPHERE"),),
+    "SMAP_GRID_INTEGER": (("", "SMAP_SPHERE"),),
 }
 # Arrays on the stack are as large as a map needs: two joints, and three points or twelve discs.
 USUAL = {"SMAP_MAX_PARAMS": 2, "SMAP_MAX_HINGES": 1, "SMAP_MAX_ENTRIES": 8}
@@ -162,7 +162,10 @@ def feature_sets() -> list[list[str]]:
 def _alone(features: Sequence[str]) -> dict[str, int]:
     """Return the settings with these switches on, all others off, and arrays of a usual size."""
     switches = [name for name, value, _ in entries() if value in ("0", "1")]
-    result = {name: int(name in features) for name in switches if name != "SMAP_HARDWARE_ROOT"}
+    result = {name: 0 for name in switches if name != "SMAP_HARDWARE_ROOT"}
+    for feature in features:  # such as SMAP_SPHERE or SMAP_MODES=8
+        name, _, value = feature.partition("=")
+        result[name] = int(value or 1)
     many = "SMAP_CONTACTS_MANY" in features
     return result | {**USUAL, "SMAP_MAX_CONTACTS": 12 if many else 3}
 

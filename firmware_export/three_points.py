@@ -3,10 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_export.strict import F0, F1, arcsine, njit, root
-from firmware_export.vector32 import Vector, cross, dot
+from firmware_export.strict import arcsine, njit, root
+from firmware_export.vector32 import Vector, at, cross, dot
 
-LARGEST = np.float32(3.402823466e38)
 THIRD = np.float32(0.333333333)
 
 
@@ -23,29 +22,27 @@ def read_three(
     `p` (9,) are the points, d the direction; sdg, tip_angle and height go to `out` (3,), which is
     left as it is (but for the height) where the facet is none.
     """
-    lowest, highest = LARGEST, -LARGEST
-    n0 = n1 = n2 = s0 = s1 = s2 = det = F0
-    for i in range(3):
-        j = 0 if i == 2 else i + 1
-        a = (p[3 * i], p[3 * i + 1], p[3 * i + 2])
-        b = (p[3 * j], p[3 * j + 1], p[3 * j + 2])
-        edge = cross(a, b)
-        along = dot(edge, d) / root(dot(edge, edge))
-        lowest = along if along < lowest else lowest
-        highest = along if along > highest else highest
-        n0, n1, n2 = n0 + edge[0], n1 + edge[1], n2 + edge[2]
-        s0, s1, s2 = s0 + a[0], s1 + a[1], s2 + a[2]
-        if i == 0:
-            det = dot(edge, (p[6], p[7], p[8]))
-    normal = (n0, n1, n2)
-    size = F1 / root(dot(normal, normal))
-    if det < F0:
-        lowest = -highest
-        size = -size
-    out[2] = det * size
-    if not out[2] > tolerance or not -n2 * size > steepest:
+    e0, e1, e2 = cross(at(p, 0), at(p, 3)), cross(at(p, 3), at(p, 6)), cross(at(p, 6), at(p, 0))
+    along0 = dot(e0, d) / root(dot(e0, e0))
+    along1 = dot(e1, d) / root(dot(e1, e1))
+    along2 = dot(e2, d) / root(dot(e2, e2))
+    normal = (e0[0] + e1[0] + e2[0], e0[1] + e1[1] + e2[1], e0[2] + e1[2] + e2[2])
+    det = dot(e0, at(p, 6))
+    steep = -normal[2]
+    size = root(dot(normal, normal))
+    out[2] = det / size
+    if not out[2] > tolerance:
+        out[2], steep = -out[2], -steep
+        along0, along1, along2 = -along0, -along1, -along2
+    if not out[2] > tolerance or not steep > steepest * size:
         return
+    lowest = along1 if along1 < along0 else along0
+    lowest = along2 if along2 < lowest else lowest
     out[1] = arcsine(lowest / root(dot(d, d)))
     det = det / dot(normal, d)
-    pierced = (det * d[0] - s0 * THIRD, det * d[1] - s1 * THIRD, det * d[2] - s2 * THIRD)
+    pierced = (
+        det * d[0] - (p[0] + p[3] + p[6]) * THIRD,
+        det * d[1] - (p[1] + p[4] + p[7]) * THIRD,
+        det * d[2] - (p[2] + p[5] + p[8]) * THIRD,
+    )
     out[0] = root(dot(pierced, pierced))

@@ -20,7 +20,6 @@ Singles = NDArray[np.float32]
 
 OK, CLAMPED, TIPS, OFF_CHART, INVALID = 0, 1, 2, 3, -1
 RIM = np.float32(1.000001)
-F1 = np.float32(1.0)
 
 
 def read(export: Export, params: ArrayLike, gravity: ArrayLike) -> tuple[NDArray[np.int8], Singles]:
@@ -55,11 +54,11 @@ def read(export: Export, params: ArrayLike, gravity: ArrayLike) -> tuple[NDArray
     finite = np.isfinite(values).all(axis=1) & np.isfinite(down).all(axis=1)
     finite &= (down != 0.0).any(axis=1)
     axes = axis_numbers(model)
-    clipped = np.clip(values, axes[:, 0], axes[:, 1])
-    status = np.where((clipped != values).any(axis=1), CLAMPED, OK).astype(np.int8)
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
-        t = np.minimum((clipped - axes[:, 0]) * axes[:, 2], F1)
+        place = (values - axes[:, 0]) * axes[:, 2]
+        t = np.clip(place, np.float32(0.0), np.float32(1.0))
         face, u, v, on_chart = _locate(model, down)
+    status = np.where((t != place).any(axis=1), CLAMPED, OK).astype(np.int8)
     status[~on_chart] = OFF_CHART
     status[~finite] = INVALID
     ask = np.flatnonzero(finite & on_chart)

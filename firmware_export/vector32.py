@@ -1,10 +1,17 @@
 """Vectors of three singles for the twins; each rounds as its namesake in runtime/smap.c."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from firmware_export.strict import F0, F1, njit, root
 
 Vector = tuple[np.float32, np.float32, np.float32]
+
+
+@njit()
+def at(array: NDArray[np.float32], index: int) -> Vector:
+    """Return three components that begin at an index."""
+    return array[index], array[index + 1], array[index + 2]
 
 
 @njit()

@@ -140,14 +140,42 @@ def test_on_avr_everything_is_read_from_flash(
     assert "progmem" not in sizes["c99"]
 
 
+def test_a_runtime_for_one_map_holds_its_tables(folders: dict[str, Path], tmp_path: Path) -> None:
+    shutil.copytree(folders["poly"], tmp_path / "copy")
+    held = {}
+    for shared in ("0", "1"):
+        for source in ("smooth", "smap"):
+            command = ["gcc", *C99, f"-DSMAP_SHARED={shared}", "-c", f"{source}.c"]
+            subprocess.run(command, cwd=tmp_path / "copy", check=True)
+            names = subprocess.run(
+                ["nm", f"{source}.o"],
+                cwd=tmp_path / "copy",
+                capture_output=True,
+                text=True,
+                check=True,
+            ).stdout
+            held[source, shared] = bool(re.search(r" [RDS] _?smooth$", names, re.MULTILINE))
+    assert held == {
+        ("smooth", "0"): False,
+        ("smap", "0"): True,
+        ("smooth", "1"): True,
+        ("smap", "1"): False,
+    }
+
+
 def test_two_maps_share_one_runtime(folders: dict[str, Path], tmp_path: Path) -> None:
     for name in ("poly", "rover"):
         for path in folders[name].glob("*.[ch]"):
             shutil.copy(path, tmp_path)
     (tmp_path / "example.c").unlink()
     # The configuration is the rover's; what the other needs is added on the command line.
-    done = build(tmp_path, *C99, *WARNINGS, "-DSMAP_POLY=1", "-DSMAP_MAX_PARAMS=2")
+    more = ("-DSMAP_POLY=1", "-DSMAP_MAX_PARAMS=2")
+    done = build(tmp_path, *C99, *WARNINGS, "-DSMAP_SHARED=1", *more)
     assert (done.returncode, done.stderr) == (0, "")
+    # A runtime that is built for the rover does not do for the other, and says so.
+    done = build(tmp_path, *C99, *more, sources=("smooth.c",))
+    assert done.returncode != 0
+    assert '#error "smooth needs SMAP_SHARED 1' in done.stderr
 
 
 # look

@@ -1,12 +1,15 @@
 """The Python twin and the compiled C of every codec: the same bits for a million queries each."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from firmware_export import contacts, grid, package, poly, twin
+from firmware_export.axis import axis_numbers
 from firmware_export.exported import CHANNELS, Export
+from firmware_export.grid_tables import SPAN
 from firmware_export.host import FLAGS, HostLibrary
 from firmware_export.model import Model
 from firmware_export.strict import arcsine, root
@@ -88,22 +91,53 @@ def test_c_and_twin_agree_without_floats(tmp_path: Path) -> None:
     np.testing.assert_array_equal(status, twin_status)
     np.testing.assert_array_equal(reading, twin_reading)
     assert np.bincount(status + 1, minlength=5).min() > 300
-    fast = HostLibrary(tmp_path / "out", (*FLAGS, "-DSMAP_GRID_FAST=1"))
-    np.testing.assert_array_equal(fast.read_i(params, gravity)[1], reading)
+    # The last is how a Cortex-M finds a whole root.
+    divides = ("-D__ARM_FEATURE_IDIV=1", "-D__ARM_FEATURE_CLZ=1")
+    for flags in (["-DSMAP_SHARED=1"], ["-Os"], divides):
+        other = HostLibrary(tmp_path / "out", (*FLAGS, *flags))
+        np.testing.assert_array_equal(other.read_i(params, gravity)[1], reading)
     few = 100_000
     clean = HostLibrary(tmp_path / "out").run_driver(params[:few], gravity[:few], SANITIZERS)
     np.testing.assert_array_equal(clean[0], status[:few])
     np.testing.assert_array_equal(clean[1], reading[:few])
 
 
-def test_the_fast_path_of_the_grid_has_the_same_bits(tmp_path: Path) -> None:
-    export = export_of("paper_two", "grid", 0)
+@pytest.mark.parametrize(("recipe", "codec", "growth"), [case[:3] for case in CASES])
+def test_a_shared_runtime_gives_the_same_bits(
+    recipe: str, codec: str, growth: int, tmp_path: Path
+) -> None:
+    export = export_of(recipe, codec, growth)
     package.write(export, tmp_path / "out")
-    params, gravity = random_queries(export.model, 200_000, seed=9)
+    params, gravity = random_queries(export.model, 50_000, seed=9)
     status, reading = HostLibrary(tmp_path / "out").read(params, gravity)
-    fast = HostLibrary(tmp_path / "out", (*FLAGS, "-DSMAP_GRID_FAST=1")).read(params, gravity)
-    np.testing.assert_array_equal(fast[0], status)
-    np.testing.assert_array_equal(fast[1].view(np.uint32), reading.view(np.uint32))
+    shared = HostLibrary(tmp_path / "out", (*FLAGS, "-DSMAP_SHARED=1")).read(params, gravity)
+    small = HostLibrary(tmp_path / "out", (*FLAGS, "-Os")).read(params, gravity)
+    for other in (shared, small):
+        np.testing.assert_array_equal(other[0], status)
+        np.testing.assert_array_equal(other[1].view(np.uint32), reading.view(np.uint32))
+
+
+def test_the_upper_end_of_an_axis_comes_to_1_at_most_and_nearly() -> None:
+    rng = np.random.default_rng(4)
+    lower = rng.normal(size=100_000) * 10.0 ** rng.uniform(-3.0, 3.0, 100_000)
+    upper = lower + 10.0 ** rng.uniform(-2.0, 2.0, len(lower))
+    numbers = axis_numbers(SimpleNamespace(lower=lower, upper=upper))  # type: ignore[arg-type]
+    place = (numbers[:, 1] - numbers[:, 0]) * numbers[:, 2]
+    assert place.dtype == np.float32
+    assert place.max() == 1.0
+    # Three roundings.
+    assert place.min() > 1.0 - 3.0 * 2.0**-24
+
+
+def test_the_rim_of_a_chart_comes_to_the_last_knot_at_most_and_nearly() -> None:
+    for limit in np.random.default_rng(5).uniform(0.1, 12.0, 2_000):
+        tables = grid.Tables(grid.Spec(8, ()), (), (), float(limit), 0.0, "")
+        rim = np.float32(limit) * tables.half
+        middle = np.float32(SPAN // 2)
+        assert rim.dtype == np.float32
+        assert 0.0 <= middle - rim < 0.01
+        assert rim + middle <= SPAN
+        assert -rim + middle >= 0.0
 
 
 def test_arcsine_is_right_to_3e_7_and_odd() -> None:

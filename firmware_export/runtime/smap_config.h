@@ -2,6 +2,11 @@
 #ifndef SMAP_CONFIG_H
 #define SMAP_CONFIG_H
 
+/* With -O2 an export's own file sets SMAP_SHARED to 0 and names its map (SMAP_ONLY, SMAP_ONLY_FILE): smap.c
+ * then takes the tables in, and the compiler makes constants of all that is known of them. */
+#ifndef SMAP_SHARED
+#define SMAP_SHARED 1 /* 0 where the runtime is built for one map alone, and faster */
+#endif
 #ifndef SMAP_CONTACTS
 #define SMAP_CONTACTS 1 /* codec `contacts`: 1 to build it */
 #endif
@@ -19,9 +24,6 @@
 #endif
 #ifndef SMAP_GRID_INTEGER
 #define SMAP_GRID_INTEGER 1 /* codec `grid`, read without floats by smap_read_i */
-#endif
-#ifndef SMAP_GRID_FAST
-#define SMAP_GRID_FAST 0 /* ... 1 to read tables of 2 and 4 axes faster, for some 300 bytes */
 #endif
 #ifndef SMAP_GRID_CHUNKS
 #define SMAP_GRID_CHUNKS 0 /* ... 1 where objects must be small: large tables are then in chunks */
