@@ -1,6 +1,6 @@
 # Every command of the project; `make help` lists them.
 # `maps` is also a folder, so without this line make would call it up to date.
-.PHONY: help venv maps paper exports size test check bench clean
+.PHONY: help venv maps paper exports size firmware cmsis verify fuzz test check bench clean
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -38,6 +38,20 @@ exports: .venv/.installed ## make and certify the exports that docs/design.md li
 
 size: $(NAMES:%=build/maps/%/firmware.stamp) ## measure flash, RAM and stack on a Cortex-M4 (arm-none-eabi-gcc)
 	$(BIN)/python -m firmware_export.size_measure $(NAMES:%=build/maps/%/firmware)
+
+verify: $(NAMES:%=build/maps/%/firmware.stamp) ## prove the C runtime (a few minutes; docs/c-runtime.md)
+	$(BIN)/python -m proofs.run
+
+fuzz: SECONDS ?= 600
+fuzz: $(NAMES:%=build/maps/%/firmware.stamp) ## fuzz every export for SECONDS=600 in all
+	$(BIN)/python -m proofs.run --only fuzz --seconds $(SECONDS)
+
+firmware: $(NAMES:%=build/maps/%/firmware.stamp) ## run every export on emulated targets: hashes, counts against the baseline, bounds
+	$(BIN)/python -m targets.run
+	$(BIN)/python -m targets.longest
+
+cmsis: .venv/.installed ## count 2-D reads beside CMSIS-DSP, whose source it downloads
+	$(BIN)/python -m targets.cmsis
 
 clean: ## remove build/ and the caches, keep .venv
 	rm -rf build .pytest_cache .mypy_cache .ruff_cache .hypothesis *.egg-info

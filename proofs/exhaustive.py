@@ -1,0 +1,56 @@
+"""Functions of smap.c that are proved by trying all that can be given to them."""
+
+import shutil
+from pathlib import Path
+
+from firmware_export.c_config import runtime_file
+from proofs.tools import FAILED, OK, Clock, Result, run
+
+__all__ = ["PROOFS", "prove"]
+
+SOURCE = Path(__file__).with_name("exhaustive.c")
+# The last two choose the whole square root of processors that can divide.
+FLAGS = (
+    *("-std=c99", "-O3", "-march=native", "-ffp-contract=off", "-DSMAP_HARDWARE_ROOT=0"),
+    *("-D__ARM_FEATURE_IDIV", "-D__ARM_FEATURE_CLZ"),
+)
+# Name in the program's output: what it shows.
+PROOFS = {
+    "between": "a value lies between its two nodes, and is the node at a node",
+    "guards": "what passes is_finite, is_positive and up_to_one is that",
+    "face": "a place that is kept is on the face",
+    "root": "square roots are correctly rounded",
+    "whole_root": "whole square roots are rounded down",
+    "cell": "the cell found is the one that holds the place",
+}
+
+
+def prove(source: str, folder: Path, patience: float, step: int = 1) -> list[Result]:
+    """Compile and run everything with this text of smap.c; `folder` is to work in.
+
+    With a step above 1 only every so many is tried, which can find a fault but proves nothing.
+    """
+    (folder / "smap.c").write_text(source, encoding="utf-8")
+    for name in ("smap.h", "smap_config.h"):
+        (folder / name).write_text(runtime_file(name), encoding="utf-8")
+    shutil.copy(SOURCE, folder / "exhaustive.c")
+    compiler = "gcc" if shutil.which("gcc") else "cc"
+    with Clock() as clock:
+        built = run(
+            [compiler, *FLAGS, f"-DSTEP={step}u", "exhaustive.c", "-o", "all", "-lm"],
+            folder,
+            patience,
+        )
+        done = run([str(folder / "all")], folder, patience) if built.code == 0 else built
+    lines = dict(line.split(" ", 1) for line in done.text.splitlines() if " " in line)
+    results = []
+    for name, claim in PROOFS.items():
+        numbers = lines.get(name, "").split()
+        if done.code or len(numbers) != 2:
+            first = next((row for row in done.text.splitlines() if "error" in row), "no answer")
+            results.append(Result("exhaustive", name, FAILED, first, clock.seconds))
+            continue
+        tried, wrong = map(int, numbers)
+        text = f"{claim}: {tried:,} tried, {wrong:,} wrong"
+        results.append(Result("exhaustive", name, FAILED if wrong else OK, text, clock.seconds))
+    return results

@@ -1,0 +1,234 @@
+"""Prove the C runtime: `python -m proofs.run [--only PART] [--strict] [--update]`.
+
+Prints one table; the exit code is 1 if anything fails.  What lacks a program is skipped, and the
+table says so; with --strict, or where the environment variable CI is set, that is a failure too.
+"""
+
+import argparse
+import os
+import sys
+import tempfile
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from firmware_export.c_config import runtime_file
+from lutgen.errors import LutgenError
+from proofs import analysers, eva, exhaustive, fuzz, structure
+from proofs.document import DOCUMENT, with_counts
+from proofs.subjects import Subject, mapped, small
+from proofs.tools import FAILED, PACKAGES, SKIPPED, Result, missing
+
+__all__ = ["main", "proved"]
+
+BUILD = Path("build")
+# Seconds of fuzzing all exports together, and of one run of the analyser.
+FUZZ_SECONDS = 24
+PATIENCE = 900.0
+JOBS = 2
+
+Job = Callable[[], list[Result]]
+
+
+def _guarded(proof: str, subject: str, job: Job) -> Job:
+    """Return the job with an error of ours as a failed row."""
+
+    def done() -> list[Result]:
+        try:
+            return job()
+        except LutgenError as error:
+            return [Result(proof, subject, FAILED, str(error))]
+
+    return done
+
+
+def proved(name: str, programs: tuple[str, ...], jobs: list[Job]) -> list[Job]:
+    """Return the jobs, or one that says which packages they lack."""
+    lacking = missing(programs)
+    if not lacking:
+        return jobs
+    row = Result(name, "everything", SKIPPED, f"needs apt-get install {' '.join(lacking)}")
+    return [lambda: [row]]
+
+
+class Plan:
+    """What is to be run, on which exports; `folder` is to work in."""
+
+    def __init__(self, folder: Path, subjects: list[Subject], patience: float) -> None:
+        self.folder = folder
+        self.subjects = subjects
+        self.patience = patience
+        self.source = runtime_file("smap.c")
+        self.document = DOCUMENT.read_text(encoding="utf-8")
+        self.found: dict[str, dict[str, int]] = {}
+
+    def _work(self, name: str) -> Path:
+        path = self.folder / name
+        path.mkdir()
+        return path
+
+    def eva(self) -> list[Job]:
+        """Return the proofs by Eva, the longest first, and a seeded fault for each codec."""
+        jobs: list[Job] = []
+        kinds: set[str] = set()
+        for subject in sorted(self.subjects, key=lambda each: each.kind != "contacts many"):
+            work = self._work(f"eva_{subject.name}")
+            jobs.append(self._eva(subject, work))
+        # Seeded into the smallest export of each kind, which the small ones are.
+        for subject in reversed(self.subjects):
+            kind = f"{subject.kind} {subject.integer}"
+            if kind not in kinds:
+                kinds.add(kind)
+                jobs.append(self._eva_fault(subject, self._work(f"fault_{subject.name}")))
+        return proved("eva", ("frama-c", "gcc"), jobs)
+
+    def _eva(self, subject: Subject, work: Path) -> Job:
+        return _guarded(
+            "eva", subject.name, lambda: [eva.prove(subject, self.source, work, self.patience)]
+        )
+
+    def _eva_fault(self, subject: Subject, work: Path) -> Job:
+        return _guarded(
+            "eva, seeded fault",
+            subject.name,
+            lambda: [eva.prove_fault_is_found(subject, self.source, work, self.patience)],
+        )
+
+    def exhaustive(self) -> list[Job]:
+        """Return what is proved by trying everything."""
+        work = self._work("exhaustive")
+        job = _guarded(
+            "exhaustive", "smap.c", lambda: exhaustive.prove(self.source, work, self.patience)
+        )
+        return proved("exhaustive", ("gcc",), [job])
+
+    def fuzz(self, seconds: int) -> list[Job]:
+        """Return a share of the seconds for each export, and a seeded fault."""
+        each = max(2, seconds * JOBS // max(1, len(self.subjects)))
+        jobs: list[Job] = []
+        for subject in self.subjects:
+            jobs.append(self._fuzz(subject, self._work(f"fuzz_{subject.name}"), each))
+        float_read = [subject for subject in self.subjects if not subject.integer][-1:]
+        for subject in float_read:
+            work = self._work(f"fuzz_fault_{subject.name}")
+            jobs.append(self._fuzz_fault(subject, work))
+        return proved("fuzz", ("clang",), jobs)
+
+    def _fuzz(self, subject: Subject, work: Path, seconds: int) -> Job:
+        return _guarded(
+            "fuzz", subject.name, lambda: [fuzz.fuzz(subject, self.source, work, seconds)]
+        )
+
+    def _fuzz_fault(self, subject: Subject, work: Path) -> Job:
+        return _guarded(
+            "fuzz, seeded fault",
+            subject.name,
+            lambda: [fuzz.fuzz_fault_is_found(subject, self.source, work)],
+        )
+
+    def analysers(self) -> list[Job]:
+        """Return one job for each analyser."""
+        jobs: list[Job] = []
+        for number, (name, (program, _, _)) in enumerate(analysers.ANALYSERS.items()):
+            work = self._work(f"analyser_{number}")
+            analysers.place(self.source, work)
+            jobs += proved(
+                "analyser", (program,), [_guarded("analyser", name, self._one(name, work))]
+            )
+        return jobs
+
+    def _one(self, name: str, work: Path) -> Job:
+        def done() -> list[Result]:
+            result, self.found[name] = analysers.analyse(name, self.document, work, self.patience)
+            return [result]
+
+        return done
+
+    def structure(self) -> list[Job]:
+        """Return what the text and the object code show."""
+        work = self._work("structure")
+        analysers.place(self.source, work)
+        job = _guarded(
+            "structure",
+            "smap.c",
+            lambda: structure.prove(self.source, self.document, work, self.patience),
+        )
+        return proved("structure", ("gcc",), [job])
+
+    def update(self) -> None:
+        """Write the counts of what the analysers found into the document."""
+        text = self.document
+        for name, found in self.found.items():
+            text = with_counts(text, analysers.heading(name), found)
+        DOCUMENT.write_text(text, encoding="utf-8")
+
+
+def _said(results: list[Result]) -> str:
+    """Return the table."""
+    head = ["proof", "subject", "result", "s", "what"]
+    rows = [head] + [[r.proof, r.subject, r.state, f"{r.seconds:.1f}", r.text] for r in results]
+    widths = [max(len(row[i]) for row in rows) for i in range(4)]
+    lines = []
+    for proof, subject, state, seconds, text in rows:
+        cells = [proof.ljust(widths[0]), subject.ljust(widths[1]), state.ljust(widths[2])]
+        lines.append("  ".join([*cells, seconds.rjust(widths[3]), text]))
+    lines.insert(1, "-" * max(map(len, lines)))
+    return "\n".join(lines)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run everything and print it; return the exit code."""
+    parser = argparse.ArgumentParser(prog="python -m proofs.run", description=__doc__)
+    parser.add_argument("--strict", action="store_true", help="what is skipped fails")
+    parser.add_argument("--update", action="store_true", help="rewrite counts in the document")
+    parser.add_argument("--only", choices=("eva", "exhaustive", "fuzz", "analysers", "structure"))
+    parser.add_argument("--maps", type=Path, default=BUILD / "maps", help="where `make maps` wrote")
+    parser.add_argument("--seconds", type=int, default=FUZZ_SECONDS, help="of fuzzing, in all")
+    parser.add_argument("--patience", type=float, default=PATIENCE, help="seconds for one program")
+    options = parser.parse_args(arguments)
+    strict = options.strict or bool(os.environ.get("CI"))
+    BUILD.mkdir(exist_ok=True)
+    try:
+        with tempfile.TemporaryDirectory(dir=BUILD, prefix="proofs-") as name:
+            folder = Path(name).absolute()
+            results, plan = _run(folder, options)
+    except LutgenError as error:
+        print(f"Error: {error}", file=sys.stderr)
+        return 1
+    print(_said(results))
+    if options.update:
+        plan.update()
+        print(f"{DOCUMENT.name} is rewritten", file=sys.stderr)
+    lacking = missing(PACKAGES)
+    if lacking:
+        print(f"not installed, so skipped: apt-get install {' '.join(lacking)}", file=sys.stderr)
+    bad = (FAILED, SKIPPED) if strict else (FAILED,)
+    return int(any(result.state in bad for result in results))
+
+
+def _run(folder: Path, options: argparse.Namespace) -> tuple[list[Result], Plan]:
+    """Run what was asked for; rows come in the order of the plan."""
+    wanted = options.only
+    subjects: list[Subject] = []
+    absent: list[Result] = []
+    if wanted in (None, "eva", "fuzz"):
+        subjects = mapped(options.maps)
+        if not subjects:
+            absent = [Result("eva, fuzz", "maps", SKIPPED, f"{options.maps} is empty: make maps")]
+        subjects += small(folder / "small")
+    plan = Plan(folder, subjects, options.patience)
+    parts = {
+        "eva": plan.eva,
+        "exhaustive": plan.exhaustive,
+        "fuzz": lambda: plan.fuzz(options.seconds),
+        "analysers": plan.analysers,
+        "structure": plan.structure,
+    }
+    jobs = [job for name, part in parts.items() if wanted in (None, name) for job in part()]
+    with ThreadPoolExecutor(JOBS) as pool:
+        rows = [row for done in pool.map(lambda job: job(), jobs) for row in done]
+    return absent + rows, plan
+
+
+if __name__ == "__main__":
+    sys.exit(main())

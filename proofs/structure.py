@@ -1,0 +1,93 @@
+"""What the text and the object code of smap.c show: loops, recursion, globals, library calls."""
+
+import re
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+
+from firmware_export.size_measure import ALLOWED, deepest
+from lutgen.errors import ExportError
+from proofs.document import listed_loops
+from proofs.tools import FAILED, OK, Clock, Result, run
+
+__all__ = ["loops", "prove", "undocumented", "writable"]
+
+FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fcallgraph-info=su", "-c", "smap.c")
+
+
+def _plain(source: str) -> str:
+    """Return C without its comments, line by line as before."""
+    return re.sub(r"/\*.*?\*/", lambda found: "\n" * found[0].count("\n"), source, flags=re.DOTALL)
+
+
+def _head(text: str, start: int) -> str:
+    """Return a loop's keyword and condition, from `start` to the bracket that closes it."""
+    depth = 0
+    for at in range(text.index("(", start), len(text)):
+        depth += {"(": 1, ")": -1}.get(text[at], 0)
+        if depth == 0:
+            return " ".join(text[start : at + 1].split())
+    raise ExportError("smap.c: a loop is not closed (got the end of the file); correct it.")
+
+
+def loops(source: str) -> Iterator[tuple[str, str]]:
+    """Yield the function and the head of every loop, in their order.
+
+    A ``do`` is given by its ``while``.  ``goto`` is refused: it can make a loop that is not seen.
+    """
+    text = _plain(source)
+    if re.search(r"\bgoto\b|\bsetjmp\b|\blongjmp\b", text):
+        raise ExportError("smap.c: jumps (got goto or longjmp); write a loop.")
+    # Where each function's body begins: a bracket in the first column.
+    starts = [(0, "")]
+    for found in re.finditer(r"^\{", text, re.MULTILINE):
+        before = text[: found.start()].rstrip()
+        signature = before[max(before.rfind(";"), before.rfind("}"), before.rfind("\n#")) + 1 :]
+        name = re.search(r"(\w+)\s*\(", signature)
+        starts.append((found.start(), name[1] if name else ""))
+    for found in re.finditer(r"\b(?:for|while)\b(?=\s*\()", text):
+        function = [name for at, name in starts if at <= found.start()][-1]
+        yield function, _head(text, found.start())
+
+
+def undocumented(source: str, document: str) -> list[str]:
+    """Return loops that the document does not list, and those it lists that are not there."""
+    present, listed = Counter(loops(source)), Counter(listed_loops(document))
+    new = [f"{name}: {head} is not listed" for name, head in present - listed]
+    gone = [f"{name}: {head} is listed and not there" for name, head in listed - present]
+    return new + gone
+
+
+def writable(listing: str) -> list[str]:
+    """Return the symbols of an ``nm`` listing that lie in memory that can be written."""
+    return re.findall(r"^[0-9a-f]+ [bBcCdDgGsS] (\S+)", listing, re.MULTILINE)
+
+
+def prove(source: str, document: str, folder: Path, patience: float) -> list[Result]:
+    """Check the runtime that lies in a folder; see `analysers.place`."""
+    results = []
+
+    def add(subject: str, wrong: str, text: str, seconds: float) -> None:
+        state = FAILED if wrong else OK
+        results.append(Result("structure", subject, state, wrong[:160] or text, seconds))
+
+    with Clock() as clock:
+        wrong = "; ".join(undocumented(source, document))
+    add("loops", wrong, f"{len(list(loops(source)))} loops, each with its bound", clock.seconds)
+    with Clock() as clock:
+        built = run(["gcc", *FLAGS, "-o", "smap.o"], folder, patience)
+        listing = run(["nm", "smap.o"], folder, patience).text if built.code == 0 else ""
+    if built.code:
+        add("object code", "smap.c does not compile", "", clock.seconds)
+        return results
+    try:
+        stack = deepest((folder / "smap.ci").read_text(encoding="utf-8"))
+        add("recursion", "", f"none; {stack} bytes of stack here, all codecs", clock.seconds)
+    except ExportError as error:
+        add("recursion", str(error), "", clock.seconds)
+    add("globals", ", ".join(writable(listing)), "none that can be written", 0.0)
+    needed = set(re.findall(r"^ +U (\S+)", listing, re.MULTILINE)) - ALLOWED
+    # The host's compiler may guard the stack.
+    needed -= {"__stack_chk_fail", "_GLOBAL_OFFSET_TABLE_"}
+    add("library", ", ".join(sorted(needed)), "memcpy and memset at most", 0.0)
+    return results

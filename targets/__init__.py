@@ -1,0 +1,1 @@
+"""The exported C on emulated microcontrollers: built, run, compared, counted (docs/targets.md)."""

@@ -1,0 +1,93 @@
+"""Bytes of code and stack of the runtime as a board's compiler makes it."""
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from firmware_export.size_measure import deepest
+from targets.boards import Board
+
+# Bytes that a call pushes on an AVR of more than 128 KiB of flash, and of less.
+RETURN = {"mega2560": 3, "mega328p": 2}
+
+
+@dataclass(frozen=True)
+class Footprint:
+    """Bytes.
+
+    `code` is that of smap.o, without the tables, which a runtime for one map takes in.  `stack`
+    is that of the deepest chain of calls within smap.c; None where the compiler does not tell.
+    """
+
+    code: int
+    stack: int | None
+
+
+def footprint(
+    name: str,
+    board: Board,
+    flags: list[str],
+    folder: Path,
+    build: Callable[[list[str], Path], None],
+    run: Callable[[list[str], Path], Any],
+) -> Footprint:
+    """Compile the map and the runtime to objects in `folder` and measure the runtime's."""
+    tool = f"{board.prefix}gcc" if board.prefix else "clang"
+    build([tool, *flags, "-c", f"{name}.c", "-o", f"{name}.o"], folder)
+    asks = {"avr": ["-fstack-usage"], "wasm": []}.get(board.family, ["-fcallgraph-info=su"])
+    build([tool, *flags, *asks, "-c", "smap.c", "-o", "smap.o"], folder)
+    if board.family == "wasm":
+        return Footprint(_wasm_code((folder / "smap.o").read_bytes()), None)
+    listing = run([f"{board.prefix}size", "-A", "smap.o"], folder).stdout
+    sizes = re.findall(r"^\.text\S*\s+(\d+)", listing, re.MULTILINE)
+    code = sum(map(int, sizes))
+    if board.family == "avr":
+        return Footprint(code, _avr_stack(board, folder, run))
+    return Footprint(code, deepest((folder / "smap.ci").read_text(encoding="utf-8")))
+
+
+def _avr_stack(board: Board, folder: Path, run: Callable[[list[str], Path], Any]) -> int:
+    """Return the deepest chain: .su has each function's bytes, the listing who calls whom.
+
+    avr-gcc 5 writes no call graph.  Its own arithmetic is not counted, as on the other boards.
+    """
+    own = {
+        name: int(size) + RETURN[board.name]
+        for name, size in re.findall(
+            r"^\S+:(\w+)\s+(\d+)\s", (folder / "smap.su").read_text(encoding="utf-8"), re.MULTILINE
+        )
+    }
+    calls: dict[str, set[str]] = {name: set() for name in own}
+    here = ""
+    for line in run([f"{board.prefix}objdump", "-dr", "smap.o"], folder).stdout.splitlines():
+        if found := re.match(r"^[0-9a-f]+ <([\w.]+)>:", line):
+            here = found[1]
+        elif (found := re.search(r"R_AVR_(?:CALL|13_PCREL)\s+([\w.]+)", line)) and here in calls:
+            target = found[1].removeprefix(".text.")
+            if target in own and target != here:
+                calls[here].add(target)
+
+    def depth(name: str) -> int:
+        return own[name] + max((depth(called) for called in calls[name]), default=0)
+
+    return max(map(depth, own), default=0)
+
+
+def _wasm_code(data: bytes) -> int:
+    """Return the bytes of a wasm object's code section, number 10."""
+    at = 8
+    while at < len(data):
+        kind, at = data[at], at + 1
+        size = shift = 0
+        while True:
+            byte, at = data[at], at + 1
+            size |= (byte & 127) << shift
+            shift += 7
+            if byte < 128:
+                break
+        if kind == 10:
+            return size
+        at += size
+    return 0

@@ -1,0 +1,227 @@
+"""One cell: an export compiled for a board, run on its emulator, and what it said."""
+
+import re
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from targets.boards import Board
+from targets.digest import START
+from targets.footprint import Footprint, footprint
+
+HERE = Path(__file__).resolve().parent
+CHIP = (
+    *("chip/image.c", "chip/counter.h", "chip/queries.S"),
+    *("wasm/run.mjs", "wasm/memory.c"),
+)
+# Seconds; an image that hangs is ended.  The slowest emulated run takes some fifty.
+PATIENCE = 300.0
+# Bytes of stack that an image on a small part is left, and the least queries worth a run.
+STACK = 700
+LEAST = 20
+# Bytes of flash by which code may grow with the number of queries.
+SPARE = 64
+# Instructions of the call that come on top of the thousand of the check.
+SLACK = 2.0
+# Instructions of the interrupt that counts the overflows of the 24-bit SysTick.
+INTERRUPT = 5
+COLOUR = re.compile(r"\x1b\[[0-9;]*m")
+
+
+class CellError(Exception):
+    """A cell that does not compile, does not run, or does not say what it should."""
+
+
+class TooLargeError(CellError):
+    """An image that the part has no room for."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """What is to be run.
+
+    Parameters
+    ----------
+    folder : Path
+        The export.
+    name : str
+        Of the map in C.
+    params : int
+        Geometry parameters.
+    integer : bool
+        Whether smap_read_i is asked.
+    rows : bytes
+        The queries, those of the hash first.
+    checked, counted : int
+        How many of each.
+    largest_only : bool
+        Whether of the counts only the largest is wanted.
+    """
+
+    folder: Path
+    name: str
+    params: int
+    integer: bool
+    rows: bytes = field(repr=False)
+    checked: int
+    counted: int
+    largest_only: bool = False
+
+    @property
+    def width(self) -> int:
+        """Bytes of a query."""
+        return (self.params + 3) * (2 if self.integer else 4)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What an image said: the hash, and the count of each query (one where only the largest)."""
+
+    hash: int
+    counts: list[int]
+    footprint: Footprint
+
+
+def run(arguments: Sequence[str], folder: Path) -> subprocess.CompletedProcess[str]:
+    """Run a program in a folder; one that cannot be run or hangs is a CellError."""
+    try:
+        return subprocess.run(
+            list(arguments),
+            cwd=folder,
+            capture_output=True,
+            text=True,
+            errors="replace",
+            stdin=subprocess.DEVNULL,
+            timeout=PATIENCE,
+            check=False,
+        )
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise CellError(f"{arguments[0]}: {type(error).__name__}") from error
+
+
+def build(arguments: Sequence[str], folder: Path) -> None:
+    """Run a compiler; what it says is the CellError's text."""
+    done = run(arguments, folder)
+    if done.returncode:
+        lines = [line for line in done.stderr.splitlines() if re.search("error|overflow", line)]
+        text = (lines or done.stderr.splitlines() or ["nothing"])[0]
+        kind = TooLargeError if "overflow" in done.stderr or "will not fit" in text else CellError
+        raise kind(f"{arguments[0]}: {text.strip()}")
+
+
+def compiler(board: Board) -> str:
+    """Return the C compiler of a board."""
+    return f"{board.prefix}gcc" if board.prefix else "clang"
+
+
+def case_header(job: Job, board: Board, start: int, checked: int, counted: int) -> str:
+    """Return case.h."""
+    settings = {
+        "MAP": job.name,
+        "PARAMS": job.params,
+        "INTEGER": int(job.integer),
+        "CHECKED": checked,
+        "COUNTED": counted,
+        "HASH_START": f"{start}u",
+        "LARGEST_ONLY": int(job.largest_only),
+    }
+    lines = [f'#include "{job.name}.h"', *(f"#define {k} {v}" for k, v in settings.items())]
+    return "\n".join(lines) + "\n"
+
+
+def execute(job: Job, board: Board, optimise: str) -> Outcome:
+    """Build and run a cell, in as many images as the part's flash asks for.
+
+    The hash goes on from one image to the next, so it does not depend on their number.
+
+    Raises
+    ------
+    TooLargeError
+        If the part has no room for the export.
+    CellError
+        If anything fails.
+    """
+    if not board.unit:
+        job = replace(job, counted=0)
+    with tempfile.TemporaryDirectory(prefix="targets-") as name:
+        folder = Path(name)
+        sources = (f"{job.name}.c", f"{job.name}.h", "smap.c", "smap.h", "smap_config.h")
+        for source in sources:
+            shutil.copy(job.folder / source, folder)
+        for path in CHIP:
+            shutil.copy(HERE / path, folder)
+        flags = [*board.flags, optimise, "-ffunction-sections", "-fdata-sections", "-I."]
+        flags += [f"-I{HERE / 'wasm'}"] if board.family == "wasm" else []
+        size = footprint(job.name, board, flags, folder, build, run)
+        room = _room(job, board, flags, folder)
+        value, counts, at = START, list[int](), 0
+        total = job.checked + job.counted
+        while at < total:
+            checked = min(max(job.checked - at, 0), room)
+            counted = min(total - at - checked, room - checked)
+            rows = job.rows[at * job.width : (at + checked + counted) * job.width]
+            (folder / "queries.bin").write_bytes(rows)
+            _link(job, board, flags, folder, case_header(job, board, value, checked, counted))
+            value, found = _listen(board, folder, checked + counted)
+            counts += found
+            at += checked + counted
+        return Outcome(value, counts, size)
+
+
+def _link(job: Job, board: Board, flags: list[str], folder: Path, header: str) -> None:
+    """Make image.elf around the objects of the map and the runtime."""
+    (folder / "case.h").write_text(header, encoding="utf-8")
+    tool = compiler(board)
+    queries = [] if board.family == "wasm" else ["queries.S"]
+    objects = [f"{job.name}.o", "smap.o"]
+    if board.family == "wasm":
+        build([tool, *flags, "-c", "memory.c", "-o", "memory.o"], folder)
+        objects.append("memory.o")
+    # Two steps, as clang takes no linker flags when it compiles.
+    build([tool, *flags, "-c", "image.c", "-o", "image.o"], folder)
+    command = [tool, *flags, *queries, "image.o", *objects, *board.link, "-o", "image.elf"]
+    build(command, folder)
+
+
+def _room(job: Job, board: Board, flags: list[str], folder: Path) -> int:
+    """Return how many queries fit a part together with everything else."""
+    total = job.checked + job.counted
+    if board.family != "avr":
+        return total
+    (folder / "queries.bin").write_bytes(job.rows[: 2 * job.width])
+    _link(job, board, flags, folder, case_header(job, board, START, 1, 1))
+    text = run([f"{board.prefix}size", "image.elf"], folder).stdout.split("\n")[1].split()
+    flash, ram = int(text[0]) + int(text[1]), int(text[1]) + int(text[2])
+    # Queries are read with 16-bit addresses, as all small tables are.
+    left = min(board.flash - flash - SPARE, 32767)
+    rows = min(total, left // job.width)
+    if rows < LEAST or ram + STACK > board.ram:
+        raise TooLargeError(f"{flash:,} bytes of flash and {ram:,} of RAM without queries")
+    return rows
+
+
+def _listen(board: Board, folder: Path, expected: int) -> tuple[int, list[int]]:
+    """Run image.elf; return its hash and its counts."""
+    done = run([*board.emulator, "image.elf"], folder)
+    text = COLOUR.sub("", done.stdout + (done.stderr if board.family == "avr" else ""))
+    lines = re.findall(r"^([hoce])([0-9a-f]{8})\.*\s*$", text, re.MULTILINE)
+    said = {kind: int(value, 16) for kind, value in lines if kind != "c"}
+    if "h" not in said or said.get("e") != expected:
+        errors = [line for line in done.stderr.splitlines() if "Error" in line]
+        last = (errors or done.stderr.splitlines() or text.splitlines() or ["nothing"])[-1]
+        raise CellError(f"{board.emulator[0]}: exit code {done.returncode}, said {last[:80]!r}")
+    ticks = [int(value, 16) for kind, value in lines if kind == "c"]
+    if board.unit == "cycles":
+        # Each overflow of the 16-bit timer takes an interrupt; `o` holds the cycles of three.
+        each = said["o"] / 3.0
+        return said["h"], [round(count - each * (count >> 16)) for count in ticks]
+    if not board.unit:
+        return said["h"], []
+    thousand = said["o"] / board.ticks
+    if abs(thousand - 1000.0) > SLACK:
+        raise CellError(f"{board.emulator[0]}: counts {thousand:.0f} for 1,000 instructions")
+    interrupts = INTERRUPT if board.family == "arm" else 0
+    return said["h"], [round(t / board.ticks) - interrupts * (t >> 24) for t in ticks]

@@ -1,0 +1,235 @@
+"""Run every export on every emulated target; compare hashes and counts; print the tables.
+
+python -m targets.run [--only m4f,m3] [--export NAME] [--update] [--strict] [--json FILE]
+
+What each row and column is, and what the numbers mean: docs/targets.md.
+"""
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from firmware_export.exported import Export
+from firmware_export.facts import COUNTS
+from firmware_export.host import HostLibrary
+from lutgen.errors import LutgenError
+from targets import baseline, queries, tables
+from targets.boards import BOARDS, OPTIMISATIONS, Board
+from targets.cases import ROOT, Case, cases, written
+from targets.digest import answer_bytes, fnv1a
+from targets.image import CellError, Job, Outcome, TooLargeError, compiler, execute
+
+
+@dataclass(frozen=True)
+class Row:
+    """A row that is ready to run: its export, its job, and the hash that every cell must give."""
+
+    case: Case
+    export: Export
+    job: Job
+    twin: int
+    host: int
+
+
+def prepared(case: Case) -> Row:
+    """Make a row: folder, queries, and the answers of the twin and of the host's compiled C."""
+    export, folder = written(case)
+    params, gravity = queries.checked(export)
+    twin = fnv1a(answer_bytes(*queries.answered(export)(params, gravity)))
+    library = HostLibrary(folder)
+    read = library.read_i if export.integer else library.read
+    host = fnv1a(answer_bytes(*read(params, gravity)))
+    rows = queries.as_bytes(params, gravity) + queries.as_bytes(*queries.counted(export))
+    job = Job(
+        *(folder, export.name, export.model.k, export.integer, rows),
+        *(queries.CHECKED, queries.COUNTED),
+    )
+    return Row(case, export, job, twin, host)
+
+
+def version(board: Board) -> str:
+    """Return the compiler's first line about itself."""
+    done = subprocess.run(
+        [compiler(board), "--version"], capture_output=True, text=True, check=False, timeout=60.0
+    )
+    return (done.stdout.splitlines() or ["unknown"])[0].strip()
+
+
+class Matrix:
+    """A run of rows on boards, and what came of it.
+
+    Attributes
+    ----------
+    found : dict
+        In the form of the baseline.
+    failures, skips : list of str
+        One line each.
+    """
+
+    def __init__(self, rows: Sequence[Row], boards: Sequence[Board]) -> None:
+        self.rows, self.boards = rows, boards
+        self.verdicts: dict[str, dict[str, list[str]]] = {row.case.name: {} for row in rows}
+        self.found: dict[str, Any] = {"compilers": {}, "rows": {}}
+        self.failures: list[str] = []
+        self.skips: list[str] = []
+        for row in rows:
+            self.found["rows"][row.case.name] = {
+                "spec": str(row.export.tables.spec.label),
+                "codec": row.export.codec,
+                "arithmetic": row.export.arithmetic,
+                "channels": list(row.export.channels),
+                "recipe_sha256": row.export.recipe.digest,
+                "tables": int(row.export.tables.bytes),
+                "boards": {},
+            }
+            if row.host != row.twin:
+                self.failures.append(
+                    f"{row.case.name} host: hash {row.host:08x}, the twin's is {row.twin:08x}"
+                )
+
+    def run(self, workers: int) -> None:
+        """Run every cell; those of the slow emulator first."""
+        usable = []
+        for board in self.boards:
+            if missing := board.missing():
+                packages = " ".join(missing)
+                self.skips.append(f"{board.title}: not installed: apt-get install {packages}")
+                for row in self.rows:
+                    self.verdicts[row.case.name][board.name] = ["skipped"]
+            else:
+                usable.append(board)
+                self.found["compilers"][board.name] = version(board)
+        usable.sort(key=lambda board: board.family != "avr")
+        with ThreadPoolExecutor(workers) as pool:
+            cells: list[tuple[Row, Board, str, Future[Outcome]]] = [
+                (row, board, option, pool.submit(execute, row.job, board, option))
+                for board in usable
+                for row in sorted(self.rows, key=lambda one: one.case.name)
+                for option in OPTIMISATIONS
+            ]
+            for row, board, option, future in cells:
+                self._take(row, board, option, future)
+
+    def _take(self, row: Row, board: Board, option: str, future: Future[Outcome]) -> None:
+        """Judge the outcome of one cell."""
+        name = row.case.name
+        words = self.verdicts[name].setdefault(board.name, [])
+        label = f"{name} {board.name} {option}"
+        cells = self.found["rows"][name]["boards"].setdefault(board.name, {})
+        try:
+            outcome = future.result()
+        except TooLargeError as error:
+            words.append("-")
+            cells[option] = {}
+            print(f"does not fit: {label}: {error}", flush=True)
+            return
+        except CellError as error:
+            words.append("FAIL")
+            self.failures.append(f"{label}: {error}")
+            return
+        words.append("ok" if outcome.hash == row.twin else "FAIL")
+        if outcome.hash != row.twin:
+            self.failures.append(f"{label}: hash {outcome.hash:08x}, the twin's is {row.twin:08x}")
+        cells[option] = baseline.numbers(outcome)
+
+
+def chosen(text: str | None, names: Sequence[str], what: str) -> list[str]:
+    """Return the names that a comma-separated option asks for; all of them without it."""
+    if text is None:
+        return list(names)
+    wanted = [name.strip() for name in text.split(",")]
+    for name in wanted:
+        if name not in names:
+            raise SystemExit(f"{what} {name!r} is unknown; use: {', '.join(names)}")
+    return wanted
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the matrix; return an exit code."""
+    parser = argparse.ArgumentParser(prog="python -m targets.run", description=__doc__)
+    parser.add_argument("--only", metavar="BOARD,...", help="of the columns")
+    parser.add_argument("--export", metavar="NAME,...", help="of the rows")
+    parser.add_argument("--update", action="store_true", help="rewrite baseline.json")
+    parser.add_argument("--strict", action="store_true", help="a skip is a failure (CI=true)")
+    parser.add_argument("--json", type=Path, help="also write every number here")
+    parser.add_argument("--table", action="store_true", help="print the baseline as Markdown")
+    parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
+    options = parser.parse_args(arguments)
+    if options.table:
+        print(tables.markdown(baseline.load(), ("m4f", "m3", "m0", "rv32imc", "mega328p")))
+        return 0
+    strict = options.strict or os.environ.get("CI") == "true"
+    begin = time.perf_counter()
+    every = {case.name: case for case in cases()}
+    names = chosen(options.export, list(every), "export")
+    by_name = {board.name: board for board in BOARDS}
+    boards = [by_name[name] for name in chosen(options.only, list(by_name), "board")]
+    try:
+        rows = [prepared(every[name]) for name in names]
+        matrix = Matrix(rows, boards)
+        matrix.run(options.workers)
+        return _report(matrix, options, strict, list(every), begin)
+    except LutgenError as error:
+        print(f"Error: {error}", file=sys.stderr)
+        return 1
+
+
+def _report(
+    matrix: Matrix, options: argparse.Namespace, strict: bool, every: list[str], begin: float
+) -> int:
+    """Print the tables and the verdict; return an exit code."""
+    wanted = {
+        row.case.name: (f"{row.twin:08x}", "ok" if row.host == row.twin else "FAIL")
+        for row in matrix.rows
+    }
+    print("\n== Hashes of 1,000 answers, -O2 and -Os")
+    print(tables.hashes(matrix.verdicts, wanted))
+    print("\n== Per read, over 256 queries; bytes of the runtime's code and stack")
+    print(tables.counts(matrix.found))
+    if options.json:
+        options.json.write_text(json.dumps(matrix.found, indent=1, sort_keys=True) + "\n", "utf-8")
+    known = baseline.load()
+    worse, better = list[str](), list[str]()
+    if options.update and not matrix.failures:
+        content = baseline.merged(known, matrix.found)
+        for name in baseline.absent(content, every):
+            del content["rows"][name]
+        baseline.save(content)
+        path = ROOT / "firmware_export" / "runtime" / COUNTS
+        part = path.with_suffix(".part")
+        of_maps = [case.name for case in cases() if case.folder is not None]
+        part.write_text(baseline.published(content, BOARDS, of_maps), encoding="utf-8")
+        part.replace(path)
+        print(f"\n{baseline.FILE.name} and {COUNTS} are rewritten")
+    else:
+        worse, better = baseline.compare(known, matrix.found)
+    sys.stdout.flush()
+    say = [f"FAIL    {line}" for line in matrix.failures]
+    say += [f"WORSE   {line}" for line in worse]
+    say += [f"BETTER  {line}" for line in better]
+    say += [f"SKIPPED {line}" for line in matrix.skips]
+    print("\n" + "\n".join(say) if say else "", flush=True)
+    if better:
+        print("Better than the baseline: run `python -m targets.run --update` and commit it.")
+    if worse:
+        print("Worse than the baseline by more than 2 %: mend it, or say why and run --update.")
+    cells = sum(len(words) for row in matrix.verdicts.values() for words in row.values())
+    skipped = "; a skip is a failure here" if strict and matrix.skips else ""
+    print(
+        f"{cells} cells, {len(matrix.failures)} failed, {len(worse)} numbers worse, "
+        f"{len(better)} better, {len(matrix.skips)} targets skipped{skipped} "
+        f"({time.perf_counter() - begin:.0f} s)"
+    )
+    return int(bool(matrix.failures or worse or (strict and matrix.skips)))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
