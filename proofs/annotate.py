@@ -59,6 +59,11 @@ HINTS = (
     Hint(r"cell->jump\[i\] = stride - back;", ("merge lower - knots;",), after=True),
     Hint(r"for \(corner = 0; corner < corners; corner\+\+\) \{", ("loop unroll 1025;",)),
     Hint(r"for \(level = 0; corner >> level & 1u; level\+\+\) \{", ("loop unroll 11;",)),
+    Hint(
+        r"value = between\(below\[level\], value, cell->frac\[level\]\);",
+        ("admit value <= 65535;",),
+        after=True,
+    ),
     Hint(r"for \(term = 0; term < shape\[params\]; term\+\+\) \{", ("loop unroll 257;",)),
     # contacts: positions
     Hint(r"for \(term = 0; term < body->terms; term\+\+\) \{", ("loop unroll 1024;",)),

@@ -3,20 +3,44 @@
 import re
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
-from firmware_export import package, report
-from firmware_export.exported import Export
+from firmware_export import grid, package, report
+from firmware_export.exported import CHANNELS, Export
+from firmware_export.model import Model
 from lutgen.errors import ExportError, InputError
+from lutgen.recipe import parse_recipe
+from targets.cases import of_four_axes
 from tests.exports import rover_export, tripod_export
+from tests.recipes import tripod
 
 __all__ = ["Subject", "mapped", "read_subject", "small"]
 
-# Small exports, so that every codec and both kinds of arithmetic are there.
+VERDICT = ("tip_angle",)
+
+
+def _all_channels(arithmetic: str, name: str) -> Export:
+    """Return the grid of four axes and three tables that `make firmware` runs, too."""
+    return replace(of_four_axes(arithmetic, CHANNELS), name=name)
+
+
+def _on_the_sphere(arithmetic: str, name: str) -> Export:
+    """Return a grid over all six faces."""
+    model = Model(parse_recipe(tripod(chart="sphere")))
+    tables = grid.encode(model, VERDICT, grid.start(model, VERDICT, arithmetic)[-1])
+    return Export(name, model.recipe, model, "grid", arithmetic, VERDICT, tables)
+
+
+# Small exports, so that every codec and both kinds of arithmetic are there, all channels and faces.
 SMALL: dict[str, Callable[[str], Export]] = {
     "grid_float": lambda name: tripod_export(name, codec="grid"),
     "grid_integer": lambda name: tripod_export(name, codec="grid", arithmetic="integer"),
+    "grid_all_float": partial(_all_channels, "float"),
+    "grid_all_integer": partial(_all_channels, "integer"),
+    "grid_sphere_float": partial(_on_the_sphere, "float"),
+    "grid_sphere_integer": partial(_on_the_sphere, "integer"),
     "poly_cone": lambda name: tripod_export(name, codec="poly"),
     "four_wheels": rover_export,
 }
