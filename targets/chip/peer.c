@@ -53,7 +53,6 @@ APART static void q15_kept(const point_t *p)
 }
 
 /* ---- ours: the table alone, and all of smap_read ---------------------------------------------- */
-#if KERNEL
 /* What smap_read has seen to before it asks a table. */
 static float held(float u)
 {
@@ -68,8 +67,8 @@ APART static void ours_table(const point_t *p)
   float frac[GRID_AXES];
   query_t query;
   uint32_t at;
-  query.u = held(p->u);
-  query.v = held(p->v);
+  query.place[0] = held(p->u);
+  query.place[1] = held(p->v);
   query.face = 0;
   at = grid_cell(grid, part, &query, jump, frac);
   answer = part->offset[0] + part->step * grid_value(part, at, jump, frac);
@@ -82,7 +81,6 @@ APART static void ours_table_i(const point_t *p)
   grid_cell_i(grid, grid->parts, p->place, 0, 0, &cell);
   answer_i = (int32_t)grid_value_i(grid->parts, &cell, 0);
 }
-#endif
 
 static float gravity[3];
 static int16_t gravity_q[3];
@@ -115,9 +113,7 @@ APART static void empty_i(const point_t *p)
 typedef void (*reader_t)(const point_t *);
 static reader_t const readers[] = {
     f32_bare, f32_kept, q31_kept, q15_kept, ours_read, ours_read_i, empty, empty_i,
-#if KERNEL
     ours_table, ours_table_i,
-#endif
 };
 
 static uint32_t bits(float value)
@@ -171,9 +167,7 @@ int main(void)
     f32_kept(&p);
     put_hex('p', bits(answer));
     answer = 0.0f;
-#if KERNEL
     ours_table(&p);
-#endif
     put_hex('p', bits(answer));
   }
   put_hex('e', POINTS);
