@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import Assignment, allow_python, as_json, gravity, named_values
+from lutgen.cli.options import (
+    Assignment,
+    allow_python,
+    as_json,
+    convention,
+    gravity,
+    named_values,
+)
 from lutgen.errors import InputError
 
 if TYPE_CHECKING:
@@ -61,14 +68,7 @@ class Interval(click.ParamType):  # type: ignore[type-arg]
     show_default=True,
     help="sdg, height, tip_angle, margin, energy_margin, or a sum such as sdg+0.1*height.",
 )
-@click.option(
-    "--convention",
-    type=click.Choice(["body", "plane"]),
-    default="body",
-    show_default=True,
-    help="Whether -g is fixed in the body, or relative to the contact plane, so that gravity turns "
-    "in the body while the robot changes its shape.",
-)
+@convention
 @click.option(
     "-p",
     "--parameter",

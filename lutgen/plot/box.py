@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import proj3d  # type: ignore[import-untyped]
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["box_axes", "fit_box", "place"]
+__all__ = ["box_axes", "extent", "fit_box", "place"]
 
 Floats = NDArray[np.float64]
 
@@ -59,11 +59,11 @@ def fit_box(
     room = (width - 2.0 * MARGIN, height - over - under)
     zoom = 1.0
     for _ in range(ROUNDS):
-        corner, far = _extent(figure, axes)
+        corner, far = extent(figure, axes)
         zoom *= float((np.array(room) / (far - corner)).min())
         axes.set_box_aspect(aspect, zoom=zoom)
         figure.draw_without_rendering()
-    corner, far = _extent(figure, axes)
+    corner, far = extent(figure, axes)
     whole = height if size is not None else over + (far - corner)[1] + under
     # In inches: the middle of the box goes to the middle of its room.
     shift = np.array([width, whole + under - over]) / 2.0 - (corner + far) / 2.0
@@ -88,7 +88,7 @@ def place(axes: Any, points: Floats) -> tuple[Floats, Floats]:
     return flat, np.asarray(axes.transData.transform(flat))
 
 
-def _extent(figure: Figure, axes: Any) -> tuple[Floats, Floats]:
+def extent(figure: Figure, axes: Any) -> tuple[Floats, Floats]:
     """Return the lower left and upper right corner of box and labels, inches."""
     canvas: Any = figure.canvas
     renderer = canvas.get_renderer()

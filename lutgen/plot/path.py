@@ -1,7 +1,6 @@
 """Path: where a robot tips over on its way, in 3-D, and what it does against it."""
 
 from collections.abc import Mapping
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,7 @@ from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
 from lutgen.drive import Drive
-from lutgen.plot.box import box_axes, place
+from lutgen.plot.box import box_axes, extent
 from lutgen.plot.labels import length_label, parameter_text
 from lutgen.plot.marks import TIPS, tip_patch
 from lutgen.plot.style import (
@@ -195,25 +194,14 @@ def _fit(figure: Figure, axes: Any, window: tuple[float, float, float, float]) -
     for _ in range(ROUNDS):
         axes.set_box_aspect(aspect, zoom=zoom)
         figure.draw_without_rendering()
-        corner, far = _extent(figure, axes)
+        corner, far = extent(figure, axes)
         zoom *= float(((width - 0.1, height - 0.1) / (far - corner)).min())
     axes.set_box_aspect(aspect, zoom=zoom)
     figure.draw_without_rendering()
-    corner, far = _extent(figure, axes)
+    corner, far = extent(figure, axes)
     shift = np.array([x + width / 2.0, y + height / 2.0]) - (corner + far) / 2.0
     box = axes.get_position(original=True)
     axes.set_position((box.x0 + shift[0] / across, box.y0 + shift[1] / up, box.width, box.height))
-
-
-def _extent(figure: Figure, axes: Any) -> tuple[Floats, Floats]:
-    """Return the lower left and upper right corner of box and labels, inches."""
-    canvas: Any = figure.canvas
-    renderer = canvas.get_renderer()
-    labels = [axis.get_tightbbox(renderer) for axis in (axes.xaxis, axes.yaxis, axes.zaxis)]
-    limits = (axes.get_xlim(), axes.get_ylim(), axes.get_zlim())
-    corners = place(axes, np.array(list(product(*limits))))[1]
-    points = np.concatenate([corners, *(label.get_points() for label in labels)])
-    return points.min(axis=0) / figure.dpi, points.max(axis=0) / figure.dpi
 
 
 def _strip(figure: Figure, k: int, count: int, run: Drive) -> Axes:
