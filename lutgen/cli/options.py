@@ -18,6 +18,15 @@ allow_python = click.option(
 as_json = click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
 
 
+def finite_numbers(value: object) -> tuple[float, ...]:
+    """Return the numbers of a text such as 0,0,-1; none where one is no finite number."""
+    try:
+        numbers = tuple(float(part) for part in str(value).split(","))
+    except ValueError:
+        return ()
+    return numbers if all(map(math.isfinite, numbers)) else ()
+
+
 class Direction(click.ParamType):  # type: ignore[type-arg]
     """Three numbers x,y,z: a gravity direction in the body frame."""
 
@@ -29,11 +38,8 @@ class Direction(click.ParamType):  # type: ignore[type-arg]
         """Return the three numbers."""
         if isinstance(value, tuple):
             return value
-        try:
-            numbers = tuple(float(part) for part in str(value).split(","))
-        except ValueError:
-            numbers = ()
-        if len(numbers) != 3 or not all(map(math.isfinite, numbers)) or not any(numbers):
+        numbers = finite_numbers(value)
+        if len(numbers) != 3 or not any(numbers):
             self.fail(f"{value!r} is no direction; write three numbers such as 0,0,-1", param, ctx)
         return numbers
 

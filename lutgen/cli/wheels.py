@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import allow_python, as_json, gravity, parameter_values, parameters
+from lutgen.cli.options import (
+    allow_python,
+    as_json,
+    finite_numbers,
+    gravity,
+    parameter_values,
+    parameters,
+)
 
 if TYPE_CHECKING:
     from lutgen.recipe import Recipe
@@ -29,11 +36,8 @@ class Velocity(click.ParamType):  # type: ignore[type-arg]
         """Return the two numbers."""
         if isinstance(value, tuple):
             return value
-        try:
-            numbers = tuple(float(part) for part in str(value).split(","))
-        except ValueError:
-            numbers = ()
-        if len(numbers) != 2 or not all(map(math.isfinite, numbers)):
+        numbers = finite_numbers(value)
+        if len(numbers) != 2:
             self.fail(f"{value!r} is no velocity; write two numbers such as 0.5,0", param, ctx)
         return numbers
 

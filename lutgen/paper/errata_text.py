@@ -17,16 +17,8 @@ from lutgen.paper.closed_form import (
     search_trace,
 )
 from lutgen.paper.erratum import Erratum, check
+from lutgen.paper.published import TABLE_1
 
-# Table 1: alpha and gamma (deg), |SD_g|, error %.
-TABLE_1 = {
-    "stability map": ("31", "31", "0.0022", "0.022"),
-    "fminsearch": ("30.9628", "30.9605", "0.00009092", "0.0009092"),
-    "search, 25 iterations": ("30", "30", "0.0821", "0.821"),
-    "search, 50 iterations": ("32", "32", "0.0566", "0.566"),
-    "search, 75 iterations": ("31.2", "31.2", "0.0131", "0.131"),
-    "search, 150 iterations": ("30.9568", "30.9568", "0.00037889", "0.0037889"),
-}
 # Of the text: fminsearch's value, the iterations of the last line, the steps.
 TEXT_FMINSEARCH = "0.0009092"
 TEXT_ITERATIONS = 150
