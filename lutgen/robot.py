@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lutgen.errors import InputError
 from lutgen.jit import njit
+from lutgen.placement import rotation
 from lutgen.recipe import Recipe
 from lutgen.recipe_robot import Link, Vector
 
@@ -172,7 +173,7 @@ def _tree(recipe: Recipe) -> Tree:
     return Tree(
         np.array([-1 if link.parent is None else row[link.parent] for link in links], np.int64),
         rows([link.origin for link in links]),
-        np.array([_rotation(link.rpy) for link in links]),
+        np.array([rotation(link.rpy) for link in links]),
         np.array([kinds[joint.kind] if joint else FIXED for joint in joints], np.int64),
         rows([joint.axis if joint else zero for joint in joints]),
         np.array([column[joint.parameter] if joint else 0 for joint in joints], np.int64),
@@ -187,26 +188,16 @@ def _tree(recipe: Recipe) -> Tree:
 
 
 def _sorted(links: tuple[Link, ...]) -> list[Link]:
-    """Return the links with every parent before its children."""
-    placed: dict[str | None, None] = {None: None}
-    result: list[Link] = []
-    while len(result) < len(links):
-        ready = [link for link in links if link.name not in placed and link.parent in placed]
-        placed.update((link.name, None) for link in ready)
-        result.extend(ready)
-    return result
-
-
-def _rotation(rpy: Vector) -> Floats:
-    """Return Rz(yaw) Ry(pitch) Rx(roll), the fixed-axis order of URDF."""
-    (cr, cp, cy), (sr, sp, sy) = np.cos(rpy).tolist(), np.sin(rpy).tolist()
-    return np.array(
-        [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-            [-sp, cp * sr, cp * cr],
-        ]
-    )
+    """Return the links by their distance from the root, so that parents come first."""
+    children: dict[str | None, list[Link]] = {}
+    for link in links:
+        children.setdefault(link.parent, []).append(link)
+    depth: dict[str, int] = {}
+    level, reached = 0, children.get(None, [])
+    while reached:
+        depth.update((link.name, level) for link in reached)
+        level, reached = level + 1, [c for link in reached for c in children.get(link.name, ())]
+    return sorted(links, key=lambda link: depth[link.name])
 
 
 @njit()

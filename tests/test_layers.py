@@ -12,8 +12,8 @@ ROOT = PACKAGE.parent
 # Each may import only from those before it: data goes from the recipe to the robot, its facets
 # and its channels, from there into a map, and from the map to people.
 ORDER = (
-    *("errors", "_version", "files", "jit", "vector", "grid", "sphere"),
-    *("recipe_schema", "recipe_robot", "recipe_plugin", "recipe", "robot"),
+    *("errors", "_version", "files", "jit", "vector", "placement", "grid", "sphere"),
+    *("recipe_schema", "urdf_xml", "urdf", "recipe_robot", "recipe_plugin", "recipe", "robot"),
     *("primitive", "polygon", "support", "rounds", "facet_list", "region", "boundary", "channels"),
     *("evaluation", "pairs", "statics", "attitude", "rolling", "wheels"),
     *("raster", "tilt", "scan", "scanner", "standing"),
