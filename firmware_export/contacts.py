@@ -174,7 +174,7 @@ def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
     tolerance = TOLERANCE * probe.geometry.size
     guard = contacts_guard(model, probe.geometry, codes, tolerance)
     upright = model.recipe.upright
-    steepest, least_cosine, _ = limits(
+    steepest, least_cosine, *_ = limits(
         upright if upright >= math.pi else upright - guard.tighter,
         max(model.recipe.rock_angle - guard.tighter, 0.0),
     )

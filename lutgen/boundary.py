@@ -56,8 +56,8 @@ def _put(array: Floats, index: int, column: int, vector: Vector) -> None:
 
 
 @njit(inline=True)
-def _is_accepted(facet: Floats, f: int, steepest: float, tolerance: float) -> bool:
-    return f >= 0 and facet[f, 3] > tolerance and -facet[f, 2] > steepest
+def _is_accepted(facet: Floats, f: int, steepest: float, lowest: float) -> bool:
+    return f >= 0 and facet[f, 3] > lowest and -facet[f, 2] > steepest
 
 
 @njit(inline=True)
@@ -68,13 +68,13 @@ def _rocks_onto(
     at: int,
     steepest: float,
     least_cosine: float,
-    tolerance: float,
+    lowest: float,
 ) -> int:
     """Return the facet onto which the robot rocks over an edge of facet f, or -1."""
     other = link[at, NEIGHBOUR]
     if (
         other == f
-        or not _is_accepted(facet, other, steepest, tolerance)
+        or not _is_accepted(facet, other, steepest, lowest)
         or dot(row(facet, f), row(facet, other)) < least_cosine
     ):
         return -1
@@ -102,12 +102,12 @@ def _enter_facets(
     plate: Floats,
     first: Ints,
     steepest: float,
-    tolerance: float,
+    lowest: float,
 ) -> int:
     """Enter the accepted facets in canonical order; return their number."""
     accepted = 0
     for f in range(count[0]):
-        if _is_accepted(facet, f, steepest, tolerance):
+        if _is_accepted(facet, f, steepest, lowest):
             place = accepted
             while place > 0 and span[first[place - 1, SOURCE], MASK] > span[f, MASK]:
                 first[place, SOURCE] = first[place - 1, SOURCE]
@@ -142,7 +142,7 @@ def _surrounded(
     forward: bool,
     steepest: float,
     least_cosine: float,
-    tolerance: float,
+    lowest: float,
 ) -> bool:
     """Tell whether the facets around one primitive close into a ring over which the robot rocks.
 
@@ -151,7 +151,7 @@ def _surrounded(
     """
     here, edge = f, at
     for _ in range(facet.shape[0]):
-        other = _rocks_onto(facet, link, here, edge, steepest, least_cosine, tolerance)
+        other = _rocks_onto(facet, link, here, edge, steepest, least_cosine, lowest)
         if other < 0:
             return False
         if other == f:
@@ -219,7 +219,7 @@ def _enter_gap(
         near, far, opposite = (p, p_far, q) if end == 0 else (q, q_far, p)
         side = (0.0, 0.0, 0.0)
         if length(subtract(near, far)) > tolerance and not _surrounded(
-            facet, span, link, f, at, end == 1, limit[0], limit[1], tolerance
+            facet, span, link, f, at, end == 1, limit[0], limit[1], max(limit[3], tolerance)
         ):
             side = unit(cross(near, far))
             side = scale(side, math.copysign(1.0, dot(side, opposite)))
@@ -244,9 +244,7 @@ def _is_convex(segment: Floats, segments: int, edge: Floats, edges: int) -> bool
 
 
 @njit()
-def find_region(
-    region: Region, table: FacetTable, limit: tuple[float, float, float], size: float
-) -> None:
+def find_region(region: Region, table: FacetTable, limit: Limit, size: float) -> None:
     """Fill `region` from the facets of one posture.
 
     Parameters
@@ -271,7 +269,8 @@ def find_region(
     segment, contacts = region.segment, region.contacts
     steepest, least_cosine = limit[0], limit[1]
     tolerance = RELATIVE_TOLERANCE * size
-    accepted = _enter_facets(table.tally, facet, span, corner, plate, first, steepest, tolerance)
+    lowest = max(limit[3], tolerance)
+    accepted = _enter_facets(table.tally, facet, span, corner, plate, first, steepest, lowest)
     tally[FACETS], tally[SEGMENTS], tally[GAPS] = accepted, 0, 0
     first[0, FIRST] = 0
     e = 0
@@ -286,7 +285,7 @@ def find_region(
             about[e, EDGE_KIND], about[e, ACROSS] = TIP, -1
             other = link[at, NEIGHBOUR]
             boundary = True
-            if other != f and _is_accepted(facet, other, steepest, tolerance):
+            if other != f and _is_accepted(facet, other, steepest, lowest):
                 about[e, ACROSS] = span[other, PLACE]
                 boundary = dot(row(facet, f), row(facet, other)) < least_cosine
                 back = matching_corner(span, link, f, at, other)

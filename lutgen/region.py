@@ -17,7 +17,7 @@ from lutgen.support import FIRST
 from lutgen.vector import Floats, Ints, Vector, dot
 
 # See `limits`.
-Limit = tuple[float, float, float]
+Limit = tuple[float, float, float, float]
 # Kinds of facet edge.  TIP: beyond it the robot tips.  SHARED: beyond it another accepted facet
 # begins at once.  GAP: beyond it the robot rocks over two round contacts onto another facet.
 TIP, SHARED, GAP = 0, 1, 2
@@ -72,8 +72,10 @@ def empty_region(primitives: int) -> Region:
     )
 
 
-def limits(upright: float | None, rock_angle: float | None) -> tuple[float, float, float]:
+def limits(upright: float | None, rock_angle: float | None, least_height: float = 0.0) -> Limit:
     """Turn the two angles (rad, None = no limit) into the cosines that the kernels compare with.
+
+    `least_height` (length) refuses facets that do not lie further than that below the com.
 
     Returns
     -------
@@ -84,11 +86,13 @@ def limits(upright: float | None, rock_angle: float | None) -> tuple[float, floa
         The robot rocks between facets whose normals have at least this scalar product.
     lowest_up : float
         From which n_z on the facet search need not go further, see `support.find_facets`.
+    least_height : float
+        A facet is accepted if the com is higher above it than this.
     """
     steepest = NO_LIMIT if upright is None or upright >= math.pi else math.cos(upright) + 1e-9
     least_cosine = NO_LIMIT if rock_angle is None else math.cos(rock_angle) - 1e-12
     lowest_up = 0.0 if steepest > 0.0 else 2.0
-    return steepest, least_cosine, lowest_up
+    return steepest, least_cosine, lowest_up, least_height
 
 
 @njit(inline=True)
