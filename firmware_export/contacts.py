@@ -55,6 +55,7 @@ class Tables:
     guard: float
     guard_text: str
     steepest: float
+    lowest: float
     least_cosine: float
     tolerance: float
     many: bool
@@ -79,6 +80,7 @@ class Tables:
             np.float32(codes.length),
             np.float32(codes.unit),
             np.float32(self.steepest),
+            np.float32(self.lowest),
             np.float32(self.least_cosine),
             np.float32(self.tolerance),
             len(codes.position_error),
@@ -185,6 +187,7 @@ def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
         guard=guard.angle,
         guard_text=guard.text,
         steepest=steepest,
+        lowest=guard.lowest,
         least_cosine=least_cosine,
         tolerance=tolerance,
         many=many,
@@ -256,6 +259,7 @@ def c_body(tables: Tables) -> CBody:
         ("length", number(codes.length)),
         ("unit", number(codes.unit)),
         ("steepest", number(tables.steepest)),
+        ("lowest", number(tables.lowest)),
         ("least_cosine", number(tables.least_cosine)),
         ("tolerance", number(tables.tolerance)),
         ("contacts", str(len(codes.position_error))),

@@ -65,6 +65,7 @@ def surrounded(
     axes: int,
     tolerance: np.float32,
     steepest: np.float32,
+    lowest: np.float32,
     least_cosine: np.float32,
     start: Vector,
     pivot: int,
@@ -78,7 +79,7 @@ def surrounded(
     for _ in range(RING_STEPS):
         a, b = (other, pivot) if forward else (pivot, other)
         if not rocks(
-            *(work, radius, hinge, contacts, axes, tolerance, steepest, least_cosine),
+            *(work, radius, hinge, contacts, axes, tolerance, steepest, lowest, least_cosine),
             *(n, a, b, facet, corner),
         ):
             return False
@@ -237,6 +238,7 @@ def boundary(
     axes: int,
     tolerance: np.float32,
     steepest: np.float32,
+    lowest: np.float32,
     least_cosine: np.float32,
     facet: Singles,
     corner: Ints,
@@ -267,7 +269,7 @@ def boundary(
             if sine >= best and (visit > 1 or dot(cross(start, stop), g) >= F0):
                 continue
             if not rocks(
-                *(work, radius, hinge, contacts, axes, tolerance, steepest, least_cosine),
+                *(work, radius, hinge, contacts, axes, tolerance, steepest, lowest, least_cosine),
                 *(n, a, b, other, other_corner),
             ):
                 best = sine if sine < best else best
@@ -291,7 +293,17 @@ def boundary(
                 if sine < best:
                     shift = subtract(moved, here)
                     if dot(shift, shift) > tolerance * tolerance and not surrounded(
-                        *(work, radius, hinge, contacts, axes, tolerance, steepest, least_cosine),
+                        *(
+                            work,
+                            radius,
+                            hinge,
+                            contacts,
+                            axes,
+                            tolerance,
+                            steepest,
+                            lowest,
+                            least_cosine,
+                        ),
                         *(n, near, far, side == 1),
                     ):
                         best = sine
@@ -307,6 +319,7 @@ def read_facets(
     axes: int,
     tolerance: np.float32,
     steepest: np.float32,
+    lowest: np.float32,
     least_cosine: np.float32,
     d: Vector,
     out: Singles,
@@ -334,10 +347,10 @@ def read_facets(
             return
         back = crossed(work, radius, hinge, contacts, axes, other, other_corner, g)
         if back != NONE and other_corner[back] == b:
-            if not -facet[2] > steepest:
+            if not (-facet[2] > steepest and facet[3] > lowest):
                 return
             if not rocks(
-                *(work, radius, hinge, contacts, axes, tolerance, steepest, least_cosine),
+                *(work, radius, hinge, contacts, axes, tolerance, steepest, lowest, least_cosine),
                 *(n, a, b, other, other_corner),
             ):
                 return
@@ -354,13 +367,13 @@ def read_facets(
         facet[:] = other
         corner[:] = other_corner
         step += 1
-    if not -facet[2] > steepest:
+    if not (-facet[2] > steepest and facet[3] > lowest):
         return
     out[0] = stability_factor(work, radius, hinge, contacts, axes, facet, corner, g)
     out[2] = facet[3]
     out[1] = arcsine(
         boundary(
-            *(work, radius, hinge, contacts, axes, tolerance, steepest, least_cosine),
+            *(work, radius, hinge, contacts, axes, tolerance, steepest, lowest, least_cosine),
             *(facet, corner, other, other_corner, g),
         )
     )

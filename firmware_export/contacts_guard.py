@@ -11,6 +11,11 @@ most 2 |e| over the facet's extent in that direction, and the same again for a s
 runtime merges what lies within its tolerance of a plane; a rim of radius r stays as near to it over
 sqrt(2 r tolerance).
 
+The least distance d is that over the lattice less what an edge moves between its places.  Where
+that is little, because a robot of many parameters has few places along each, the runtime refuses
+facets to which the com is nearer than `lowest`: their edges are then that far away, and so is a
+chord of a rolling rim but for its sag.
+
 The limits `upright` and `rock_angle` compare facet normals, which the same error turns.  The
 runtime gets both limits tightened by twice 2 |e| over the facet's width.  Facets narrower than a
 twentieth of the robot, whose normals mean little, are left out.
@@ -46,15 +51,24 @@ from lutgen.vector import Floats, cross, dot, length, row, subtract
 
 POSTURES = 20_000
 NARROW = 0.05
+# Postures and directions of each that are looked at for the heights at which the robot stands, and
+# the share of them that may be refused.
+SEEN, SEEN_DIRECTIONS, RARE = 2000, 16, 0.0005
+HEADROOM = 0.97
 ROUNDING = 4e-6
 """rad; float32 rounding of a direction, of the chart's rim and of the arcsine."""
 
 
 class Guard(NamedTuple):
-    """The guard (rad), by how much limits are tightened (rad), and the sentence about both."""
+    """What the runtime needs to be never falsely safe.
+
+    The guard (rad), by how much limits are tightened (rad), the height of the com above a facet
+    from which on it is accepted (length), and a sentence about them.
+    """
 
     angle: float
     tighter: float
+    lowest: float
     text: str
 
 
@@ -156,8 +170,20 @@ class Geometry:
         found = self._measured(np.zeros((len(self.places), len(model.kind), 3)), math.inf)
         self.nearest, self.narrowest = float(found[:, 0].min()), float(found[:, 1].min())
         self.shortest = min(float(found[:, 3].min()), self.size)
+        self.low = self._low()
         if (model.kind == 1).any():  # spheres roll any way
             self.shortest = min(self.shortest, self.narrowest)
+
+    def _low(self) -> float:
+        """Return a height that next to nothing of what stands on the chart falls below."""
+        model, rng = self.model, np.random.default_rng(0)
+        t = rng.random((SEEN, model.k))
+        params = model.lower + (model.upper - model.lower) * t
+        face = rng.integers(0, model.faces, (SEEN, SEEN_DIRECTIONS))
+        u, v = rng.uniform(-model.chart_limit, model.chart_limit, (2, *face.shape))
+        seen = model.exact(params, model.uv_to_gravity(face, u, v))
+        heights = seen.height[seen.tip_angle >= 0.0]
+        return HEADROOM * float(np.quantile(heights, RARE)) if heights.size else 0.0
 
     def _measured(self, error: Floats, floor: float) -> Floats:
         recipe = self.model.recipe
@@ -184,12 +210,16 @@ def contacts_guard(model: Model, geometry: Geometry, codes: Codes, merged: float
     delta = float(codes.position_error.max())
     half = geometry.step / 2.0
     moved = float(codes.speed.sum(axis=0).max(initial=0.0)) * half
-    nearest = geometry.nearest - moved
+    largest = float(model.radius.max(initial=0.0))
+    nearest, lowest = geometry.nearest - moved, merged
+    sag = largest * (1.0 - math.cos(model.recipe.rock_angle / 2.0))
+    if not nearest >= geometry.low - sag - delta:
+        nearest, lowest = geometry.low - sag - delta, geometry.low
     if not math.isfinite(nearest) or nearest <= 2.0 * delta:
-        return Guard(math.pi, 0.0, "the com may reach an edge of its support: nothing is safe")
+        text = "the com may reach an edge of its support: nothing is safe"
+        return Guard(math.pi, 0.0, merged, text)
     across, hinge = geometry.across(codes.stored, nearest)
     turned = (2.0 * delta + merged) / min(geometry.narrowest, geometry.size)
-    largest = float(model.radius.max(initial=0.0))
     rolled = 4.0 * delta / geometry.shortest + 2.0 * hinge
     round_part = largest * rolled + math.sqrt(2.0 * largest * merged)
     between = codes.drift * half + delta * (moved + 2.0 * delta) / nearest
@@ -204,4 +234,6 @@ def contacts_guard(model: Model, geometry: Geometry, codes: Codes, merged: float
         f"of an edge from the com; limits of normals are tightened by {math.degrees(tighter):.3g} "
         "deg"
     )
-    return Guard(angle, tighter, text)
+    if lowest > merged:
+        text += f"; facets to which the com is nearer than {lowest:.4g}{named} are refused"
+    return Guard(angle, tighter, lowest, text)

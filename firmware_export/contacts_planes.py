@@ -219,6 +219,7 @@ def rocks(
     axes: int,
     tolerance: np.float32,
     steepest: np.float32,
+    lowest: np.float32,
     least_cosine: np.float32,
     normal: Vector,
     a: int,
@@ -234,4 +235,4 @@ def rocks(
         return False
     if not outline(work, radius, hinge, contacts, axes, tolerance, facet, corner):
         return False
-    return bool(-facet[2] > steepest)
+    return bool(-facet[2] > steepest and facet[3] > lowest)

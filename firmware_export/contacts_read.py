@@ -32,6 +32,7 @@ class Posture(NamedTuple):
     length: np.float32
     unit: np.float32
     steepest: np.float32
+    lowest: np.float32
     least_cosine: np.float32
     tolerance: np.float32
     contacts: int
@@ -113,6 +114,7 @@ def _read_all(
     length: np.float32,
     unit: np.float32,
     steepest: np.float32,
+    lowest: np.float32,
     least_cosine: np.float32,
     tolerance: np.float32,
     contacts: int,
@@ -136,11 +138,21 @@ def _read_all(
             d = (gravity[q, 0], gravity[q, 1], gravity[q, 2])
             if many:
                 read_facets(
-                    *(work, radius, hinge, contacts, axes, tolerance, steepest, least_cosine),
+                    *(
+                        work,
+                        radius,
+                        hinge,
+                        contacts,
+                        axes,
+                        tolerance,
+                        steepest,
+                        lowest,
+                        least_cosine,
+                    ),
                     *(d, out[q]),
                 )
             else:
-                read_three(work, tolerance, steepest, d, out[q])
+                read_three(work, lowest, steepest, d, out[q])
 
 
 def read_contacts(posture: Posture, t: Singles, gravity: Singles, out: Singles) -> None:
@@ -163,6 +175,7 @@ def read_contacts(posture: Posture, t: Singles, gravity: Singles, out: Singles) 
         posture.length,
         posture.unit,
         posture.steepest,
+        posture.lowest,
         posture.least_cosine,
         posture.tolerance,
         contacts,

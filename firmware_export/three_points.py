@@ -12,7 +12,7 @@ THIRD = np.float32(0.333333333)
 @njit()
 def read_three(
     p: NDArray[np.float32],
-    tolerance: np.float32,
+    lowest: np.float32,
     steepest: np.float32,
     d: Vector,
     out: NDArray[np.float32],
@@ -31,14 +31,14 @@ def read_three(
     steep = -normal[2]
     size = root(dot(normal, normal))
     out[2] = det / size
-    if not out[2] > tolerance:
+    if not out[2] > lowest:
         out[2], steep = -out[2], -steep
         along0, along1, along2 = -along0, -along1, -along2
-    if not out[2] > tolerance or not steep > steepest * size:
+    if not out[2] > lowest or not steep > steepest * size:
         return
-    lowest = along1 if along1 < along0 else along0
-    lowest = along2 if along2 < lowest else lowest
-    out[1] = arcsine(lowest / root(dot(d, d)))
+    nearest = along1 if along1 < along0 else along0
+    nearest = along2 if along2 < nearest else nearest
+    out[1] = arcsine(nearest / root(dot(d, d)))
     det = det / dot(normal, d)
     pierced = (
         det * d[0] - (p[0] + p[3] + p[6]) * THIRD,

@@ -217,7 +217,7 @@ INLINE void cross(const float a[3], const float b[3], float out[3])
 
 #if SMAP_POLY || (SMAP_CONTACTS && !SMAP_CONTACTS_MANY)
 /* Read three contact points: there is one facet, and the standing region is their cone. */
-INLINE void read_three(const float p[9], float tolerance, float steepest, const float d[3],
+INLINE void read_three(const float p[9], float lowest, float steepest, const float d[3],
                        smap_reading_t *out)
 {
   float edge[9], along[3], normal[3], pierced[3], det, size, steep;
@@ -237,7 +237,7 @@ INLINE void read_three(const float p[9], float tolerance, float steepest, const 
   steep = -normal[2];
   size = root(dot(normal, normal));
   out->height = det / size;
-  if (RARELY(!(out->height > tolerance))) { /* flat, or the corners run the other way round */
+  if (RARELY(!(out->height > lowest))) { /* flat, or the corners run the other way round */
     out->height = -out->height;
     steep = -steep;
     UNROLL
@@ -245,7 +245,7 @@ INLINE void read_three(const float p[9], float tolerance, float steepest, const 
       along[i] = -along[i];
     }
   }
-  if (RARELY(!(out->height > tolerance) || !(steep > steepest * size))) {
+  if (RARELY(!(out->height > lowest) || !(steep > steepest * size))) {
     return;
   }
   size = along[1] < along[0] ? along[1] : along[0];
@@ -393,7 +393,7 @@ INLINE void contacts_read(const SMAP_FLASH smap_contacts_t *body, uint_fast8_t p
   posture_t posture;
   posture.body = body;
   assemble(&posture, params, query->t);
-  read_three(posture.p, body->tolerance, body->steepest, query->d, out);
+  read_three(posture.p, body->lowest, body->steepest, query->d, out);
 }
 
 #else /* SMAP_CONTACTS_MANY */
@@ -599,7 +599,7 @@ static uint8_t roll(posture_t *posture, const float normal[3], uint8_t a, uint8_
 
 static int accepted(const posture_t *posture, const facet_t *facet)
 {
-  return -facet->n[2] > posture->body->steepest;
+  return -facet->n[2] > posture->body->steepest && facet->height > posture->body->lowest;
 }
 
 /* Tell whether the robot rocks from a facet over its edge a - b onto another, `next`. */

@@ -77,6 +77,7 @@ typedef struct {
   float length;                       /* unit of the weights */
   float unit;                         /* value of one code */
   float steepest;                     /* a facet is accepted if -n_z is greater */
+  float lowest;                       /* and if the com is higher above it */
   float least_cosine;                 /* normals between which the robot rocks */
   float tolerance;                    /* lengths that differ by less are equal */
   uint8_t contacts, axes, product_count;
