@@ -118,7 +118,7 @@ def evaluate_pairs(
     gravity_dir: ArrayLike,
     channels: Sequence[str] = ("sdg", "tip_angle"),
 ) -> dict[str, NDArray[np.float64]]:
-    """Return the channels of m postures, each under its own gravity direction.
+    """Return the channels of m postures, each under its own gravity direction or directions.
 
     Parameters
     ----------
@@ -126,14 +126,14 @@ def evaluate_pairs(
         The robot.
     params : (m, k) array_like
         Geometry parameters, rad or length.
-    gravity_dir : (m, 3) array_like
-        Directions in the body frame, pointing down, of any length > 0.
+    gravity_dir : (m, 3) or (m, d, 3) array_like
+        Directions in the body frame, pointing down, of any length > 0; one or d for each posture.
     channels : sequence of str
         See `stability`.
 
     Returns
     -------
-    dict of str to (m,) float64
+    dict of str to (m,) or (m, d) float64
 
     Raises
     ------
@@ -152,18 +152,23 @@ def evaluate_pairs(
     wanted = wanted_channels(channels)
     where = forward(recipe, params)
     directions = np.asarray(gravity_dir, dtype=np.float64)
-    if directions.shape != (len(where.com), 3):
+    each = directions[:, None] if directions.ndim == 2 else directions
+    if each.ndim != 3 or each.shape[::2] != (len(where.com), 3):
         raise InputError(
             f"gravity_dir must have one row x, y, z for each of {len(where.com)} postures "
             f"(got the shape {directions.shape})"
         )
     radius, kind = shapes(recipe)
-    with few_threads(len(directions), POSTURES_A_THREAD):
+    with few_threads(len(each), POSTURES_A_THREAD):
         values, overflow = measure_each(
             pack(where.centres, where.axes, radius, kind),
-            np.ascontiguousarray(unit_directions(directions)[:, None, :]),
+            np.ascontiguousarray(unit_directions(each)),
             limits(recipe.upright, recipe.rock_angle),
             wanted,
         )
     refuse_overflow(recipe.source, overflow, len(kind))
-    return {name: values[:, CHANNELS.index(name), 0].copy() for name in channels}
+    found = {name: values[:, CHANNELS.index(name)] for name in channels}
+    return {
+        name: (value[:, 0] if directions.ndim == 2 else value).copy()
+        for name, value in found.items()
+    }

@@ -29,6 +29,21 @@ def test_pairs_are_the_diagonal_of_all_postures_under_all_directions(text: str) 
         np.testing.assert_array_equal(pairs[name], np.diagonal(crossed[name]), err_msg=name)
 
 
+def test_each_posture_may_have_several_directions_of_its_own() -> None:
+    recipe = lutgen.parse_recipe(tripod())
+    random = np.random.default_rng(2)
+    params = random.uniform([0.0, -0.5], [0.6, 0.8], (5, 2))
+    down = random.normal(0.0, 0.7, (5, 7, 3)) - [0.0, 0.0, 1.0]
+    together = evaluate_pairs(recipe, params, down, ALL_CHANNELS)
+    for d in range(7):
+        one = evaluate_pairs(recipe, params, down[:, d], ALL_CHANNELS)
+        for name in ALL_CHANNELS:
+            np.testing.assert_array_equal(together[name][:, d], one[name], err_msg=name)
+    for shape in ((5, 7, 2), (4, 7, 3), (5, 1, 7, 3), (3,)):
+        with pytest.raises(InputError, match="one row x, y, z for each of 5 postures"):
+            evaluate_pairs(recipe, params, np.ones(shape))
+
+
 def test_the_length_of_gravity_does_not_matter() -> None:
     recipe = lutgen.parse_recipe(tripod())
     params, down = [[0.2, 0.1], [0.3, -0.2]], np.array([[0.0, 0.5, -1.0], [0.1, 0.0, -1.0]])
