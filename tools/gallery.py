@@ -19,15 +19,20 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from lutgen import plot
 from lutgen.errors import InputError, LutgenError
+from lutgen.limit_table import even_headings, posture_limits, sweep_limits
 from lutgen.recipe import Recipe, load_recipe
+from lutgen.recipe_robot import to_internal
 from lutgen.store import StabilityMap, load_map
 
 # Dots per inch: a figure is one column (3.5 in) wide and stays below 200 kB.
 RESOLUTION = 160
 WIDE_RESOLUTION = 120
+# Of the envelope of all postures.
+HEADINGS = 72
 PAGE_HEAD = "# Gallery\n"
 
 
@@ -78,7 +83,7 @@ SHOTS: dict[str, tuple[Shot, ...]] = {
         shot("slope", "contour", "tip-over angle, climbing steeply", gravity=CLIMB_49, **TIP),
         shot("sphere", "sphere", "tip-over angle, flippers on the ground", params=FLAT, **TIP),
         shot("polar_up", "polar", "largest tilt per heading, flippers straight up", params=UP),
-        shot("polar_flat", "polar", "the same, flippers on the ground", params=FLAT),
+        shot("limits", "limits", "the same, flippers on the ground, and all postures", params=FLAT),
     ),
     "three_leg_sphere": (
         shot("sphere", "sphere", "stability factor over all of gravity", params=LEANING),
@@ -107,12 +112,23 @@ def shots_of(recipe: Recipe) -> tuple[Shot, ...]:
     return tuple(result)
 
 
+def limits_figure(recipe: Recipe, params: dict[str, float]) -> Figure:
+    """Draw the limits of a posture (display units) and of all postures of the sweep."""
+    posture = [to_internal(params[p.name], p.display_unit) for p in recipe.parameters]
+    rows = recipe.grid.params(range(recipe.grid.size))
+    swept = sweep_limits(recipe, rows, even_headings(HEADINGS))
+    return plot.draw_limits(recipe, posture_limits(recipe, posture), swept)
+
+
 def draw_all(recipe: Recipe, stability_map: StabilityMap, folder: Path) -> None:
     """Draw the figures of a map."""
     folder.mkdir(parents=True, exist_ok=True)
     for each in shots_of(recipe):
-        source = recipe if each.kind in ("robot", "polar") else stability_map
-        figure = plot.draw(each.kind, source, **each.options)
+        if each.kind == "limits":
+            figure = limits_figure(recipe, **each.options)
+        else:
+            source = recipe if each.kind in ("robot", "polar") else stability_map
+            figure = plot.draw(each.kind, source, **each.options)
         dpi = RESOLUTION if figure.get_figwidth() < 5.0 else WIDE_RESOLUTION
         plot.save(figure, folder / f"{each.name}.png", dpi=dpi)
 

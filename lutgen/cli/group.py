@@ -11,6 +11,7 @@ from lutgen.cli.check import check
 from lutgen.cli.eval import eval_
 from lutgen.cli.export import export
 from lutgen.cli.info import info
+from lutgen.cli.limits import limits
 from lutgen.cli.optimum import optimum
 from lutgen.cli.paper import paper
 from lutgen.cli.path import path
@@ -66,5 +67,5 @@ def main(verbose: int, quiet: bool) -> None:
     logging.getLogger("lutgen").setLevel(level)
 
 
-for command in (check, sweep, info, eval_, optimum, plot, export, wheels, paper, path):
+for command in (check, sweep, info, eval_, limits, optimum, plot, export, wheels, paper, path):
     main.add_command(command)

@@ -1,5 +1,6 @@
 """Options that several commands share, and how their texts become numbers."""
 
+import logging
 import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -11,6 +12,8 @@ from lutgen.errors import InputError
 if TYPE_CHECKING:
     from lutgen.recipe import Recipe
     from lutgen.store import StabilityMap
+
+log = logging.getLogger("lutgen")
 
 allow_python = click.option(
     "--allow-python", is_flag=True, help="Run the code that the recipe names (`python = ...`)."
@@ -115,6 +118,25 @@ def internal_values(
 def named_values(recipe: "Recipe", assignments: Sequence[tuple[str, float]]) -> dict[str, float]:
     """Return the assigned values by name, in display units; refuse unknown and repeated names."""
     return _named(recipe.source, [p.name for p in recipe.parameters], assignments)
+
+
+def posture_values(recipe: "Recipe", assignments: Sequence[tuple[str, float]]) -> list[float]:
+    """Return the internal values of all parameters: the middle of the range where none is given.
+
+    A value outside the recipe's range is used as it is, and a warning says so.
+    """
+    from lutgen.recipe_robot import to_internal
+
+    given = named_values(recipe, assignments)
+    values = []
+    for p in recipe.parameters:
+        value = (p.minimum + p.maximum) / 2.0
+        if p.name in given:
+            value = to_internal(given[p.name], p.display_unit)
+            if not p.minimum <= value <= p.maximum:
+                log.warning("parameter %s is outside the recipe's range: used as it is", p.name)
+        values.append(value)
+    return values
 
 
 def _named(

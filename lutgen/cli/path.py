@@ -1,21 +1,18 @@
 """`lutgen path`: a robot drives over rough terrain, with and without control."""
 
 import json
-import logging
 import math
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import Assignment, allow_python, as_json, named_values, parameters
+from lutgen.cli.options import Assignment, allow_python, as_json, parameters, posture_values
 from lutgen.cli.path_report import PAPER, lines, report, table
 from lutgen.errors import InputError
 
 if TYPE_CHECKING:
     from lutgen.drive import Drive
     from lutgen.terrain import Path
-
-log = logging.getLogger("lutgen")
 
 METHODS = ("map", "nelder-mead", "search", "multistart")
 POINTS = 100
@@ -104,14 +101,7 @@ def path(
     robot = load_recipe(recipe, allow_python=allow_python)
     ground = open_terrain(terrain, points, turn)
     units = {p.name: p.display_unit for p in robot.parameters}
-    given = named_values(robot, assignments)
-    for p in robot.parameters:
-        if p.name in given and not p.minimum <= to_internal(given[p.name], p.display_unit) <= (
-            p.maximum
-        ):
-            log.warning("parameter %s is outside the recipe's range: used as it is", p.name)
-    middle = {p.name: (p.minimum + p.maximum) / 2.0 for p in robot.parameters}
-    start = middle | {name: to_internal(value, units[name]) for name, value in given.items()}
+    start = posture_values(robot, assignments)
     limits = {name: to_internal(rate, units.get(name, "1")) for name, rate in rates}
     if len(limits) < len(rates):
         raise InputError(
@@ -129,7 +119,7 @@ def path(
             method=method,
             objective=objective,
             convention=convention,
-            params0=list(start.values()),
+            params0=start,
             headings=turning,
             **limited,
         )

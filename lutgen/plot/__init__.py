@@ -2,7 +2,8 @@
 
 from lutgen.plot.choices import KINDS
 from lutgen.plot.figure import draw
+from lutgen.plot.limits import draw_limits
 from lutgen.plot.path import draw_path
 from lutgen.plot.style import save
 
-__all__ = ["KINDS", "draw", "draw_path", "save"]
+__all__ = ["KINDS", "draw", "draw_limits", "draw_path", "save"]

@@ -1,6 +1,7 @@
 """Polar chart: the largest tilt before tip-over in each heading, at one posture."""
 
 import math
+from collections.abc import Mapping
 from typing import cast
 
 import numpy as np
@@ -13,7 +14,7 @@ from lutgen.plot.marks import HALO, tip_patch
 from lutgen.plot.style import BLUE, GREY, HATCH, ORANGE, WASH, new_figure
 from lutgen.plot.view import View
 
-__all__ = ["SIZE", "draw_polar"]
+__all__ = ["SAMPLES", "SIZE", "draw_polar", "polar_axes"]
 
 SIZE = (3.5, 3.75)
 # Headings on the circle: every half degree, so the worst one is known to that.
@@ -30,22 +31,9 @@ def draw_polar(view: View, size: tuple[float, float] | None) -> Figure:
     outline = np.append(limits, limits[0])
     least = angle_text(float(limits[worst]))
     figure = new_figure(size or SIZE)
-    axes = cast("PolarAxes", figure.add_subplot(projection="polar"))
-    axes.set_theta_zero_location("N")
+    shown = {heading: float(limits[heading * SAMPLES // 360]) for heading in HEADINGS}
+    axes = polar_axes(figure, top, shown)
     figure.suptitle(title(view, gravity=False), x=0.01, ha="left")
-    axes.set_ylim(0.0, top)
-    axes.set_rgrids(_rings(top), labels=[])
-    axes.set_thetagrids(np.arange(0.0, 360.0, 45.0), labels=[])
-    for heading, name in HEADINGS.items():
-        limit = angle_text(float(limits[heading * SAMPLES // 360]))
-        axes.text(
-            math.radians(heading),
-            1.08 * top,
-            f"{name}: {limit}",
-            ha="center",
-            va="center",
-            rotation={90: 90, 270: -90}.get(heading, 0),
-        )
     axes.fill_between(
         around, outline, top, facecolor=WASH, edgecolor=GREY, hatch=HATCH, linewidth=0.0
     )
@@ -69,6 +57,30 @@ def draw_polar(view: View, size: tuple[float, float] | None) -> Figure:
         label=f"worst: {heading_text(float(headings[worst]))}",
         zorder=5,
     )
+    handles, _ = axes.get_legend_handles_labels()
+    figure.legend(handles=[*handles, tip_patch()], loc="outside lower center", ncols=2)
+    return figure
+
+
+def polar_axes(figure: Figure, top: float, limits: Mapping[int, float]) -> PolarAxes:
+    """Return axes of heading (rad, the nose up) and tilt (deg) from 0 to `top`.
+
+    Around them are the names of the `HEADINGS`, with the limits (deg) in those.
+    """
+    axes = cast("PolarAxes", figure.add_subplot(projection="polar"))
+    axes.set_theta_zero_location("N")
+    axes.set_ylim(0.0, top)
+    axes.set_rgrids(_rings(top), labels=[])
+    axes.set_thetagrids(np.arange(0.0, 360.0, 45.0), labels=[])
+    for heading, name in HEADINGS.items():
+        axes.text(
+            math.radians(heading),
+            1.08 * top,
+            f"{name}: {angle_text(limits[heading])}",
+            ha="center",
+            va="center",
+            rotation={90: 90, 270: -90}.get(heading, 0),
+        )
     for ring in _rings(top):
         axes.text(
             math.radians(45.0),
@@ -78,10 +90,9 @@ def draw_polar(view: View, size: tuple[float, float] | None) -> Figure:
             ha="center",
             va="center",
             path_effects=HALO,
+            zorder=6,
         )
-    handles, _ = axes.get_legend_handles_labels()
-    figure.legend(handles=[*handles, tip_patch()], loc="outside lower center", ncols=2)
-    return figure
+    return axes
 
 
 def _rings(top: float) -> list[float]:
