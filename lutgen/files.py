@@ -1,4 +1,4 @@
-"""Text files that are either whole or not there.
+"""Files that are either whole or not there.
 
 Owns the temporary name, the rename, and the sentence when a disk or a path says no.
 """
@@ -11,11 +11,16 @@ from pathlib import Path
 
 from lutgen.errors import InputError
 
-__all__ = ["csv_text", "write_text"]
+__all__ = ["csv_text", "write_bytes", "write_text"]
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:
-    """Write a UTF-8 file under a temporary name and rename it.
+    """Write a UTF-8 file under a temporary name and rename it; see `write_bytes`."""
+    write_bytes(path, text.encode("utf-8"))
+
+
+def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
+    """Write a file under a temporary name and rename it.
 
     Raises
     ------
@@ -25,7 +30,7 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
     target = Path(path)
     partial = target.with_name(f".{target.name}.{os.getpid()}")
     try:
-        partial.write_text(text, encoding="utf-8", newline="")
+        partial.write_bytes(content)
         partial.replace(target)
     except OSError as error:
         raise InputError(

@@ -312,6 +312,7 @@ def test_everything_on_the_page_runs_and_prints_what_it_says(
         assert good(*arguments) == text
     assert Path("drive.csv").stat().st_size > 0
     assert Path("drive.png").read_bytes().startswith(b"\x89PNG")
+    assert Path("hill.gif").read_bytes().startswith(b"GIF89a")
     (code,) = blocks("docs/path.md", "python")
     printed: list[str] = []
     exec(

@@ -65,6 +65,9 @@ POINTS = 100
 @click.option("--headings", type=int, help="Let the robot turn, too, to this many headings.")
 @click.option("-o", "--output", type=click.Path(), help="CSV file of the last run.")
 @click.option("--plot", type=click.Path(), help="Figure (PNG, SVG or PDF).")
+@click.option(
+    "--animate", type=click.Path(), help="Film of both runs: GIF, or MP4 where ffmpeg is installed."
+)
 @allow_python
 @as_json
 def path(
@@ -83,6 +86,7 @@ def path(
     headings: int | None,
     output: str | None,
     plot: str | None,
+    animate: str | None,
     allow_python: bool,
     as_json: bool,
 ) -> None:
@@ -98,6 +102,11 @@ def path(
     from lutgen.recipe import load_recipe
     from lutgen.recipe_robot import to_internal
 
+    if animate is not None:
+        from lutgen.plot import check_animation
+
+        # The runs take their time.
+        check_animation(animate)
     robot = load_recipe(recipe, allow_python=allow_python)
     ground = open_terrain(terrain, points, turn)
     units = {p.name: p.display_unit for p in robot.parameters}
@@ -143,11 +152,15 @@ def path(
         columns = table(robot, runs[names[-1]])
         rows = zip(*(values.tolist() for values in columns.values()), strict=True)
         write_text(output, csv_text(list(columns), rows))
+    drawn = {name: runs[name] for name in (names[0], names[-1])}
     if plot is not None:
         from lutgen.plot import draw_path, save
 
-        drawn = {name: runs[name] for name in (names[0], names[-1])}
         save(draw_path(robot, drawn), plot)
+    if animate is not None:
+        from lutgen.plot import animate as write_animation
+
+        write_animation(robot, drawn, animate)
     if as_json:
         settings = {
             "terrain": terrain,

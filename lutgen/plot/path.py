@@ -33,7 +33,7 @@ from lutgen.plot.view import to_display
 from lutgen.recipe import Recipe
 from lutgen.recipe_robot import Parameter
 
-__all__ = ["RED", "draw_path"]
+__all__ = ["RED", "draw_angles", "draw_path"]
 
 Floats = NDArray[np.float64]
 
@@ -98,7 +98,7 @@ def draw_path(recipe: Recipe, runs: Mapping[str, Drive]) -> Figure:
                 va="top",
             )
         strips = [_strip(figure, k, count, last) for k in range(count)]
-        _draw_angles(strips[0], dict(drawn))
+        draw_angles(strips[0], dict(drawn))
         for axes, (unit, members) in zip(strips[1:], rows, strict=False):
             _draw_parameters(axes, recipe, unit, members, last)
         if turns:
@@ -225,7 +225,7 @@ def _legend(axes: Axes) -> None:
     legend.get_frame().set(linewidth=0.0, alpha=0.85)
 
 
-def _draw_angles(axes: Axes, runs: dict[str, Drive]) -> None:
+def draw_angles(axes: Axes, runs: dict[str, Drive]) -> None:
     """Draw the tip-over angles, and hatch below 0."""
     looks = (LOOKS[-1] | {"linewidth": 1.0}, LOOKS[0])[-len(runs) :]
     for (name, run), look in zip(runs.items(), looks, strict=True):

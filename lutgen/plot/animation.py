@@ -1,0 +1,333 @@
+"""Animation: a robot on its way over terrain, beside the same robot without control.
+
+Owns what moves from frame to frame and how frames become a GIF or an MP4.  The picture is laid out
+once; the robots are drawn in the world's frame, so that the ground under them slopes and gravity
+points down the page.
+"""
+
+import io
+import math
+import os
+import tempfile
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from subprocess import CalledProcessError
+from typing import Any
+
+import numpy as np
+from matplotlib.animation import FFMpegWriter
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
+from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
+    Line3DCollection,
+    Poly3DCollection,
+)
+from numpy.typing import NDArray
+from PIL import Image
+
+from lutgen.drive import Drive
+from lutgen.errors import InputError
+from lutgen.files import write_bytes
+from lutgen.plot.box import box_axes
+from lutgen.plot.labels import angle_text, length_label
+from lutgen.plot.path import RED, draw_angles
+from lutgen.plot.robot import circle
+from lutgen.plot.style import BLUE, GREEN, GREY, house_style, new_figure
+from lutgen.primitive import DISC, SPHERE
+from lutgen.recipe import Recipe
+from lutgen.statics import Diagnosis, diagnose
+
+__all__ = ["MOST_FRAMES", "animate", "check_animation", "to_world"]
+
+Floats = NDArray[np.float64]
+
+SUFFIXES = (".gif", ".mp4")
+# Bounds the time and the size of the file, whatever the path.
+MOST_FRAMES = 60
+# Seconds: the length of a film, and the shortest and longest time of a frame.
+LENGTH, SHORTEST, LONGEST = 7.2, 0.12, 0.5
+COLOURS = 64
+RESOLUTION = 100
+# Inches.  Both sides are whole even numbers of dots, which films need.
+WIDTH, HEIGHT = 6.4, 4.5
+ELEVATION, AZIMUTH = 14.0, -68.0
+EARTH = "#dcdcdc"
+# Half a side of the ground that is drawn and the distance of its lines, in reaches of the robot.
+GROUND, LINES = 1.15, 0.5
+
+
+def check_animation(path: str | os.PathLike[str]) -> None:
+    """Refuse a name of a kind that cannot be written here.
+
+    Raises
+    ------
+    InputError
+        For other suffixes than .gif and .mp4, and for .mp4 where there is no ffmpeg.
+    """
+    suffix = Path(path).suffix.lower()
+    if suffix not in SUFFIXES:
+        raise InputError(
+            f"{path}: unknown kind of film (got {suffix or 'no suffix'!r}); end the name in "
+            ".gif or .mp4."
+        )
+    if suffix == ".mp4" and not FFMpegWriter.isAvailable():
+        raise InputError(
+            f"{path}: an MP4 needs the program ffmpeg (got none on the path); install it, or end "
+            "the name in .gif."
+        )
+
+
+def animate(recipe: Recipe, runs: Mapping[str, Drive], path: str | os.PathLike[str]) -> int:
+    """Write a film of one or two runs along the same path.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The robot.
+    runs : mapping of str to Drive
+        One or two; the name of each is its title.
+    path : str or path
+        Ends in .gif, or in .mp4 where ffmpeg is installed.  The same runs give the same bytes of a
+        GIF.
+
+    Returns
+    -------
+    int
+        Number of frames, at most `MOST_FRAMES`, evenly spread over the points of the path.
+
+    Raises
+    ------
+    InputError
+        As `check_animation`; where the file cannot be written, and where ffmpeg fails.
+    """
+    check_animation(path)
+    drawn = dict(list(runs.items())[:2])
+    points = len(next(iter(drawn.values())).path.position)
+    count = min(points, MOST_FRAMES)
+    at = np.linspace(0, points - 1, count).round().astype(int)
+    pause = min(max(LENGTH / count, SHORTEST), LONGEST)
+    with house_style():
+        film = _Film(recipe, drawn)
+        frames = (film.frame(int(i)) for i in at)
+        gif = Path(path).suffix.lower() == ".gif"
+        content = _gif(frames, pause) if gif else _mp4(film.figure, frames, pause, path)
+    write_bytes(path, content)
+    return count
+
+
+def _gif(frames: Iterator[Floats], pause: float) -> bytes:
+    """Return frames (height, width, 3) uint8 as a GIF that repeats."""
+    pictures = [Image.fromarray(frame) for frame in frames]
+    # One palette for all, so that colours do not flicker.
+    some = [pictures[i] for i in sorted({0, len(pictures) // 2, len(pictures) - 1})]
+    joined = Image.new("RGB", (some[0].width, some[0].height * len(some)))
+    for i, picture in enumerate(some):
+        joined.paste(picture, (0, i * picture.height))
+    palette = joined.quantize(COLOURS, method=Image.Quantize.MAXCOVERAGE)
+    few = [p.quantize(palette=palette, dither=Image.Dither.NONE) for p in pictures]
+    out = io.BytesIO()
+    duration = round(1000.0 * pause)
+    few[0].save(out, format="GIF", save_all=True, append_images=few[1:], duration=duration, loop=0)
+    return out.getvalue()
+
+
+def _mp4(
+    figure: Figure, frames: Iterator[Floats], pause: float, path: str | os.PathLike[str]
+) -> bytes:
+    """Return a film that ffmpeg made of the frames."""
+    with tempfile.TemporaryDirectory() as folder:
+        target = Path(folder) / "film.mp4"
+        writer = FFMpegWriter(fps=1.0 / pause, extra_args=["-fflags", "+bitexact"])  # type: ignore[arg-type]
+        try:
+            with writer.saving(figure, str(target), RESOLUTION):
+                for _ in frames:
+                    writer.grab_frame()
+            return target.read_bytes()
+        except (CalledProcessError, OSError) as error:
+            raise InputError(
+                f"{path}: ffmpeg made no film (got {type(error).__name__}); end the name in .gif."
+            ) from error
+
+
+class _Film:
+    """The picture: a box for each run above strips of the terrain and of the tip-over angles."""
+
+    def __init__(self, recipe: Recipe, runs: dict[str, Drive]) -> None:
+        self.figure = new_figure((WIDTH, HEIGHT))
+        self.figure.set_dpi(RESOLUTION)
+        self.figure.set_layout_engine("none")
+        last = list(runs.values())[-1]
+        share = 1.0 / len(runs)
+        self.robots = [
+            _Robot(self.figure, i * share, share, recipe, name, run)
+            for i, (name, run) in enumerate(runs.items())
+        ]
+        self.distance = last.path.distance
+        strips = [self.figure.add_axes((0.1, low, 0.88, 0.14)) for low in (0.265, 0.1)]
+        for axes in strips:
+            axes.set_xlim(0.0, float(self.distance[-1]))
+            axes.yaxis.set_major_locator(MaxNLocator(3))
+            axes.yaxis.set_label_coords(-0.065, 0.5)
+        self.dot = _terrain(strips[0], recipe, last)
+        draw_angles(strips[1], runs)
+        strips[1].set_xlabel(length_label(recipe, "path length"))
+        self.cursors = [axes.axvline(0.0, color="black", linewidth=0.8) for axes in strips]
+
+    def frame(self, i: int) -> Any:
+        """Return the picture at point i, (height, width, 3) uint8."""
+        for robot in self.robots:
+            robot.move(i)
+        here = float(self.distance[i])
+        for cursor in self.cursors:
+            cursor.set_xdata([here, here])
+        self.dot.set_data([here], [self.height(i)])
+        canvas: Any = self.figure.canvas
+        canvas.draw()
+        return np.asarray(canvas.buffer_rgba())[..., :3].copy()
+
+    def height(self, i: int) -> float:
+        """Return the terrain's height at point i."""
+        return float(self.robots[-1].run.path.position[i, 2])
+
+
+def _terrain(axes: Axes, recipe: Recipe, run: Drive) -> Line2D:
+    """Draw the height of the path, and return the dot that is the robot."""
+    z = run.path.position[:, 2]
+    room = max(float(np.ptp(z)), 1e-9)
+    axes.fill_between(run.path.distance, z, z.min() - room, facecolor=EARTH, linewidth=0.0)
+    axes.plot(run.path.distance, z, color="black", linewidth=0.8)
+    axes.set_ylim(z.min() - 0.2 * room, z.max() + 0.3 * room)
+    axes.set_ylabel(length_label(recipe, "height").replace(" (", "\n("))
+    axes.tick_params(labelbottom=False)
+    (dot,) = axes.plot([], [], "o", color="black", markersize=4.5, zorder=6)
+    return dot
+
+
+class _Robot:
+    """One robot on the ground, the com in the middle of the box."""
+
+    def __init__(
+        self, figure: Figure, left: float, share: float, recipe: Recipe, name: str, run: Drive
+    ) -> None:
+        self.recipe, self.run, self.name = recipe, run, name
+        self.travel = _travel(run)
+        first = diagnose(recipe, run.params[0], run.gravity_body[0])
+        states = [
+            diagnose(recipe, p, [0.0, 0.0, -1.0])
+            for p in (run.params.min(axis=0), run.params.max(axis=0))
+        ]
+        self.reach = max(
+            float((np.linalg.norm(s.centres, axis=1) + s.radius).max()) for s in (first, *states)
+        )
+        chord = run.path.position[-1] - run.path.position[0]
+        yaw = math.degrees(math.atan2(chord[1], chord[0]))
+        axes = box_axes(figure, ELEVATION, yaw + AZIMUTH)
+        axes.set_axis_off()
+        axes.set_position((left, 0.4, share, 0.56))
+        half = 1.15 * self.reach
+        axes.set(xlim=(-half, half), ylim=(-half, half), zlim=(-half, half))
+        axes.set_box_aspect((1.0, 1.0, 1.0), zoom=1.4)
+        axes.patch.set_visible(False)
+        self.title = figure.text(left + 0.02, 0.985, name, va="top")
+        self.ground = Poly3DCollection([], facecolor=EARTH, edgecolor=GREY, linewidth=0.5)
+        self.lines = Line3DCollection([], colors=GREY, linewidths=0.3)
+        self.support = Poly3DCollection([], facecolor=GREEN, alpha=0.35, edgecolor="none")
+        self.body = Line3DCollection([], colors="black", linewidths=1.1)
+        self.wheels = Line3DCollection([], colors=GREY, linewidths=1.2)
+        for order, part in enumerate(
+            (self.ground, self.lines, self.support, self.wheels, self.body), 1
+        ):
+            part.set_zorder(order)
+            # A steep ground may leave the box; the strips below lie on top of it.
+            part.set_clip_on(False)
+            axes.add_collection3d(part, autolim=False)
+        (self.com,) = axes.plot([0.0], [0.0], [0.0], "o", color="black", markersize=4.5, zorder=8)
+        (self.plumb,) = axes.plot([], [], [], linewidth=1.2, zorder=7)
+
+    def move(self, i: int) -> None:
+        """Put the robot at point i."""
+        state = diagnose(self.recipe, self.run.params[i], self.run.gravity_body[i])
+        turn = to_world(self.run.gravity_body[i], float(self.run.heading[i]))
+        tips = bool(self.run.tips[i])
+        centres = state.centres @ turn.T
+        self.body.set_segments([np.array([np.zeros(3), centre]) for centre in centres])
+        self.wheels.set_segments([rim @ turn.T for rim in _rims(state)])
+        colour = RED if tips else "black"
+        self.body.set_color(colour)
+        self.com.set_color(colour)
+        self._stand(state, turn, i, tips)
+        angle = angle_text(math.degrees(float(self.run.channels["tip_angle"][i])))
+        self.title.set_text(f"{self.name}: {'tips over' if tips else 'stands'}, {angle}")
+        self.title.set_color(colour)
+
+    def _stand(self, state: Diagnosis, turn: Floats, i: int, tips: bool) -> None:
+        """Draw the ground under the robot, its support polygon and the plumb line."""
+        normal, height = np.array([0.0, 0.0, -1.0]), self.reach
+        corners: list[Floats] = []
+        if state.facet is not None:
+            normal, height = turn @ state.facet.normal, state.facet.height
+            corners = [state.facet.points @ turn.T]
+        self.support.set_verts(corners)
+        self.support.set_facecolor(RED if tips else GREEN)
+        foot = height * normal
+        along = _across(self.travel[i], normal)
+        if np.linalg.norm(along) < 1e-9:
+            # The robot stands with its back to a wall that the path climbs.
+            along = _across(np.eye(3)[int(np.abs(normal).argmin())], normal)
+        along /= np.linalg.norm(along)
+        across = np.cross(normal, along)
+        half, step = GROUND * self.reach, LINES * self.reach
+        sides = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) @ np.stack([along, across])
+        self.ground.set_verts([foot + half * sides])
+        # Lines that stay behind show how far the robot has come.
+        begin = -half + (-float(self.run.path.distance[i])) % step
+        places = np.arange(begin, half, step)
+        self.lines.set_segments(
+            [
+                np.array([foot + p * along - half * across, foot + p * along + half * across])
+                for p in places
+            ]
+        )
+        # Down from the com to the ground, or as far as the box goes on a wall.
+        rate = -float(normal[2])
+        length = min(height / rate, 1.3 * self.reach) if rate > 0.0 else 1.3 * self.reach
+        self.plumb.set_data_3d([0.0, 0.0], [0.0, 0.0], [0.0, -length])
+        self.plumb.set_color(RED if tips else BLUE)
+
+
+def _across(vector: Floats, normal: Floats) -> Floats:
+    """Return the part of a vector that is orthogonal to a unit normal."""
+    return np.asarray(vector - (vector @ normal) * normal)
+
+
+def _travel(run: Drive) -> Floats:
+    """Return the direction of the path at each point, world frame, (p, 3), unit."""
+    slope = np.gradient(run.path.position, run.path.distance, axis=0)
+    length = np.linalg.norm(slope, axis=1, keepdims=True)
+    return np.asarray(np.where(length > 1e-9, slope / np.maximum(length, 1e-9), [1.0, 0.0, 0.0]))
+
+
+def to_world(gravity: Floats, heading: float) -> Floats:
+    """Return the rotation (3, 3) from the body to the world: gravity down, x to its heading."""
+    up = -gravity
+    ahead = np.array([1.0, 0.0, 0.0]) - up[0] * up
+    if np.linalg.norm(ahead) < 1e-9:
+        # The nose points straight up or down: the body's own z axis tells what is ahead.
+        ahead = np.array([0.0, 0.0, -up[0]])
+    ahead /= np.linalg.norm(ahead)
+    level = np.stack([ahead, np.cross(up, ahead), up])
+    cos, sin = math.cos(heading), math.sin(heading)
+    return np.asarray(np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]]) @ level)
+
+
+def _rims(state: Diagnosis) -> list[Floats]:
+    """Return the circles of the wheels and three of each ball, (49, 3), body frame."""
+    rims = []
+    for centre, axis, radius, kind in zip(
+        state.centres, state.axes, state.radius, state.kind, strict=True
+    ):
+        normals = {DISC: [axis], SPHERE: list(np.eye(3))}.get(int(kind), [])
+        rims += [circle(centre, normal, float(radius)) for normal in normals]
+    return rims
