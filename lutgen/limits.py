@@ -186,7 +186,8 @@ def level_limits(recipe: Recipe, params: ArrayLike, convention: str = "body") ->
     -----
     It is `tip_angle` on level ground: the distance to the nearest boundary of the standing region,
     so the cap of that radius around level holds no tip-over, between headings as little as on
-    them, and in the heading of the nearest boundary point it is the limit itself.
+    them, and in the heading of the nearest boundary point it is the limit itself.  Where
+    `tip_angle` is only known from below, so is this.
     """
     rows = np.asarray(params, dtype=np.float64)
     parts = [np.empty(0)]
