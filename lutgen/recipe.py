@@ -34,6 +34,7 @@ from lutgen.recipe_robot import (
     to_internal,
 )
 from lutgen.recipe_schema import Table, suggestion
+from lutgen.recipe_urdf import read_content, read_urdf
 from lutgen.sphere import Chart
 
 __all__ = [
@@ -47,10 +48,11 @@ __all__ = [
     "Wheel",
     "load_recipe",
     "parse_recipe",
+    "recipe_digest",
 ]
 
 ROBOT_KEYS = (
-    *("name", "length_unit", "friction", "upright", "rock_angle", "python"),
+    *("name", "length_unit", "friction", "upright", "rock_angle", "python", "urdf"),
     *("parameter", "link", "contact", "wheel"),
 )
 
@@ -69,6 +71,7 @@ class Recipe:
 
     `python` is ``"module:function"`` for a robot given by code; `function` is then
     that function.  `text` is the TOML itself and `source` its file name for messages.
+    `urdf` is the content of the robot description that the recipe names.
     """
 
     name: str
@@ -88,6 +91,7 @@ class Recipe:
     source: str
     function: Callable[..., Any] | None = field(default=None, compare=False, repr=False)
     wheels: tuple[Wheel, ...] = ()
+    urdf: str | None = field(default=None, repr=False)
 
     def __hash__(self) -> int:
         # Of the text alone: the robot is looked up by its recipe in every evaluation.
@@ -95,13 +99,19 @@ class Recipe:
 
     @property
     def digest(self) -> str:
-        """SHA-256 of the text, in hex."""
-        return hashlib.sha256(self.text.encode()).hexdigest()
+        """What ``recipe_digest`` gives for the text and the description that it names."""
+        return recipe_digest(self.text, self.urdf)
 
     @property
     def contact_names(self) -> tuple[str, ...]:
         """Names of the contacts, in order."""
         return tuple(contact.name for contact in self.contacts)
+
+
+def recipe_digest(text: str, urdf: str | None = None) -> str:
+    """Return the SHA-256 of a recipe's text, in hex; a zero byte and the URDF follow the text."""
+    whole = text if urdf is None else f"{text}\0{urdf}"
+    return hashlib.sha256(whole.encode()).hexdigest()
 
 
 def load_recipe(path: str | os.PathLike[str], allow_python: bool = False) -> Recipe:
@@ -140,7 +150,11 @@ def load_recipe(path: str | os.PathLike[str], allow_python: bool = False) -> Rec
 
 
 def parse_recipe(
-    text: str, source: str = "<recipe>", allow_python: bool = False, inert: bool = False
+    text: str,
+    source: str = "<recipe>",
+    allow_python: bool = False,
+    inert: bool = False,
+    urdf: str | None = None,
 ) -> Recipe:
     """Check the text of a recipe.
 
@@ -149,11 +163,14 @@ def parse_recipe(
     text : str
         TOML.
     source : str
-        File name for messages; its folder is where the code of a `python` key is.
+        File name for messages; its folder is where the code of a `python` key and the file of a
+        `urdf` key are.
     allow_python : bool
         Whether a recipe may run the code that its `python` key names.
     inert : bool
-        Leave that code alone even so: enough to read a map, not to compute postures.
+        Leave that code alone even so, and open no file: enough to read a map.
+    urdf : str, optional
+        Content of the robot description that the recipe names, instead of the file.
 
     Returns
     -------
@@ -187,7 +204,13 @@ def parse_recipe(
     export = _read_export(root)
     function = None
     wheels: tuple[Wheel, ...] = ()
-    if python is None:
+    content = None
+    if "urdf" in robot:
+        robot.refuse(("python", "link"), "cannot be combined with `robot.urdf`", "remove it")
+        content = read_content(robot, inert) if urdf is None else urdf
+        links, contacts = read_urdf(robot, parameters, content)
+        wheels = read_wheels(robot, contacts)
+    elif python is None:
         links = read_links(robot, parameters)
         contacts = read_contacts(robot, links)
         wheels = read_wheels(robot, contacts)
@@ -220,6 +243,7 @@ def parse_recipe(
         source,
         function,
         wheels,
+        content,
     )
 
 

@@ -6,7 +6,7 @@ robot moves is not known here (``robot.py``), nor how it is sampled (``recipe.py
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from lutgen.recipe_schema import Table, suggestion
@@ -114,7 +114,9 @@ class Wheel:
 def read_parameters(robot: Table, length_unit: str) -> tuple[Parameter, ...]:
     """Read ``[[robot.parameter]]`` in order."""
     result: list[Parameter] = []
-    for table in robot.tables("parameter", ("name", "min", "max", "unit")):
+    for table in robot.tables("parameter", ("name", "min", "max", "unit", "joint")):
+        if "urdf" not in robot:
+            table.refuse(("joint",), "means nothing without `robot.urdf`", "remove it")
         name = table.string("name", "name the parameter")
         if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name):
             table.fail("name", "is not an identifier", name, "use letters, digits and _ only")
@@ -155,9 +157,11 @@ def read_links(robot: Table, parameters: tuple[Parameter, ...]) -> tuple[Link, .
     """Read ``[[robot.link]]``; "body" comes first unless the recipe declares it itself."""
     tables = robot.tables("link", LINK_KEYS)
     links: list[Link] = []
+    names: set[str] = set()
     for table in tables:
         name = table.string("name", "name the link")
-        _unique(table, name, (link.name for link in links))
+        _unique(table, name, names)
+        names.add(name)
         mass = table.number("mass", "write a mass in any unit", 0.0)
         if mass < 0.0:
             table.fail("mass", "must not be negative", mass, "write a mass of 0 or more")
@@ -232,36 +236,45 @@ def _check_tree(tables: list[Table], links: list[Link]) -> None:
         if parent is not None and parent not in parents:
             way_out = suggestion(parent, parents, "use one of")
             table.fail("parent", "is not a link of the robot", parent, way_out)
+    # Links that are known to hang from the root need not be followed again.
+    safe: set[str] = set()
     for table in tables:
-        seen = []
+        seen: dict[str, None] = {}
         name: str | None = table.values["name"]
-        while name is not None and name not in seen:
-            seen.append(name)
+        while name is not None and name not in seen and name not in safe:
+            seen[name] = None
             name = parents[name]
-        if name is not None:
-            loop = " -> ".join([*seen, name])
+        if name in seen:
+            loop = " -> ".join([*seen, str(name)])
             table.fail("parent", "makes a loop of links", loop, "attach one of them to 'body'")
+        safe.update(seen)
 
 
-def read_contacts(robot: Table, links: tuple[Link, ...]) -> tuple[Contact, ...]:
-    """Read ``[[robot.contact]]`` in order."""
+def read_contacts(
+    robot: Table,
+    links: tuple[Link, ...],
+    derive: Callable[[Table, str], list[Contact]] | None = None,
+) -> tuple[Contact, ...]:
+    """Read ``[[robot.contact]]`` in order; without a position `derive` gives a link's contacts."""
     tables = robot.tables("contact", ("name", "link", "position", "radius", "axis"))
-    if not 3 <= len(tables) <= MAX_CONTACTS:
-        robot.fail(
-            "contact",
-            f"a robot needs 3 to {MAX_CONTACTS} contacts",
-            len(tables),
-            "add contacts" if len(tables) < 3 else "keep those that can touch the ground",
-        )
-    names = [link.name for link in links]
+    names = {link.name: None for link in links}
     result: list[Contact] = []
+    used: set[str] = set()
     for table in tables:
-        name = table.string("name", "name the contact")
-        _unique(table, name, (contact.name for contact in result))
         link = table.string("link", "name the link that carries the contact")
         if link not in names:
             way_out = suggestion(link, names, "use one of")
             table.fail("link", "is not a link of the robot", link, way_out)
+        if derive is not None and "position" not in table:
+            table.refuse(("radius", "axis"), "means nothing without a position", "give position")
+            for contact in derive(table, link):
+                _unique(table, contact.name, used)
+                used.add(contact.name)
+                result.append(contact)
+            continue
+        name = table.string("name", "name the contact")
+        _unique(table, name, used)
+        used.add(name)
         position = table.vector("position", "write [x, y, z] in the link's frame")
         radius = table.number("radius", "write a length", 0.0)
         if radius < 0.0:
@@ -273,6 +286,13 @@ def read_contacts(robot: Table, links: tuple[Link, ...]) -> tuple[Contact, ...]:
                 got = table.values["axis"]
                 table.fail("axis", "needs a radius above 0", got, "give the disc's radius")
         result.append(Contact(name, link, position, radius, axis))
+    if not 3 <= len(result) <= MAX_CONTACTS:
+        robot.fail(
+            "contact",
+            f"a robot needs 3 to {MAX_CONTACTS} contacts",
+            len(result),
+            "add contacts" if len(result) < 3 else "keep those that can touch the ground",
+        )
     return tuple(result)
 
 

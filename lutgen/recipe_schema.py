@@ -15,6 +15,8 @@ __all__ = ["Table", "fail", "suggestion"]
 
 # Values are quoted in messages up to this many characters.
 _LONGEST = 60
+# Names that a message lists at most.
+_MOST = 30
 
 
 def fail(source: str, key: str, what: str, got: object, way_out: str) -> NoReturn:
@@ -31,7 +33,8 @@ def suggestion(word: str, known: Iterable[str], otherwise: str) -> str:
     close = difflib.get_close_matches(word, words, n=1)
     if close:
         return f"did you mean '{close[0]}'"
-    return f"{otherwise}: {', '.join(words)}" if words else otherwise
+    listed = [*words[:_MOST], *(["..."] if len(words) > _MOST else [])]
+    return f"{otherwise}: {', '.join(listed)}" if words else otherwise
 
 
 class Table:

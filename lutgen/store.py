@@ -5,7 +5,6 @@ allocated when the file is made and written in place with their checksums, so an
 threads or processes can fill one file and HDF5 has nothing to do meanwhile.
 """
 
-import hashlib
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -21,7 +20,7 @@ from lutgen.blocks import Plan, plan
 from lutgen.errors import InputError, LutgenError, MapFileError
 from lutgen.grid import Axis
 from lutgen.interpolate import Place, interpolate
-from lutgen.recipe import Recipe, parse_recipe
+from lutgen.recipe import Recipe, parse_recipe, recipe_digest
 from lutgen.sphere import Chart
 
 FORMAT = 1
@@ -55,6 +54,8 @@ def create(path: Path, recipe: Recipe, layout: Plan) -> dict[str, NDArray[np.int
         file.attrs["lutgen_format"] = FORMAT
         file.attrs["lutgen_version"] = __version__
         file.attrs["recipe"] = recipe.text
+        if recipe.urdf is not None:
+            file.attrs["urdf"] = recipe.urdf
         file.attrs["recipe_sha256"] = recipe.digest
         file.attrs["chart"] = recipe.chart.kind
         file.attrs[COMPLETE] = 0
@@ -267,11 +268,12 @@ def load_map(path: str | os.PathLike[str]) -> StabilityMap:
         )
     try:
         text = str(attributes["recipe"])
-        if hashlib.sha256(text.encode()).hexdigest() != attributes["recipe_sha256"]:
+        urdf = str(attributes["urdf"]) if "urdf" in attributes else None
+        if recipe_digest(text, urdf) != attributes["recipe_sha256"]:
             raise MapFileError(
                 f"{name}: its recipe does not match its digest; the file is damaged: sweep it again"
             )
-        recipe = parse_recipe(text, f"{name} (recipe inside)", inert=True)
+        recipe = parse_recipe(text, f"{name} (recipe inside)", inert=True, urdf=urdf)
         expected = plan(recipe).shape
     except (KeyError, LutgenError) as error:
         if isinstance(error, MapFileError):

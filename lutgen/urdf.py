@@ -24,6 +24,9 @@ __all__ = ["Collision", "Mimic", "UrdfJoint", "UrdfLink", "UrdfRobot", "load_urd
 # Larger files are refused: a description without its meshes is far smaller.
 MAX_BYTES = 16 * 2**20
 MAX_LINKS = 10_000
+MAX_NAME = 200
+# Sums and products over a chain of links stay far from infinity.
+LARGEST = 1e12
 JOINT_KINDS = ("fixed", "revolute", "continuous", "prismatic", "floating", "planar")
 SHAPES = {"sphere": ("radius",), "cylinder": ("radius", "length"), "box": ("size",)}
 ZERO: Vector = (0.0, 0.0, 0.0)
@@ -135,7 +138,8 @@ def parse_urdf(content: bytes | str, source: str = "<urdf>") -> UrdfRobot:
     UrdfRobot
         Checked; a text with any fault raises RecipeError.
     """
-    raw = content.encode() if isinstance(content, str) else content
+    # A lone surrogate becomes bytes that the parser refuses as no UTF-8.
+    raw = content.encode(errors="surrogatepass") if isinstance(content, str) else content
     if len(raw) > MAX_BYTES:
         raise RecipeError(
             f"{source}: is longer than {MAX_BYTES} bytes (got {len(raw)} or more); "
@@ -175,7 +179,7 @@ class _Reader:
         top = self.tree([link.name for link in links], joints)
         self.mimics(joints)
         ignored = Counter(child.tag for child in root if child.tag not in ("link", "joint"))
-        name = root.get("name", "").strip() or Path(self.source).stem
+        name = self.name(root) if root.get("name", "").strip() else Path(self.source).stem
         return UrdfRobot(name, self.source, top, tuple(links), tuple(joints), dict(ignored))
 
     def link(self, element: Element) -> UrdfLink:
@@ -255,16 +259,19 @@ class _Reader:
         and velocity alone.
         """
         limit = self.only(element, "limit", where)
-        free = (-math.inf, math.inf)
         if limit is None or kind not in ("revolute", "prismatic"):
-            return free
+            return -math.inf, math.inf
         if "lower" not in limit.attrib and "upper" not in limit.attrib:
-            return free
+            return -math.inf, math.inf
         lower = self.number(limit, "lower", where, 0.0, infinite=True)
         upper = self.number(limit, "upper", where, 0.0, infinite=True)
         if lower > upper:
             self.fail(where, "has a lower limit above the upper", (lower, upper), "swap them")
-        return lower, upper
+        if lower > LARGEST or upper < -LARGEST:
+            self.fail(where, "has limits far from zero", (lower, upper), "correct them")
+        # Writers without infinity use 1e16.
+        lower = -math.inf if lower < -LARGEST else lower
+        return lower, math.inf if upper > LARGEST else upper
 
     def placement(self, element: Element, where: str) -> tuple[Vector, Vector]:
         """Return xyz and rpy of the <origin> of an element, zero where it has none."""
@@ -274,10 +281,13 @@ class _Reader:
         return self.vector(origin, "xyz", where, ZERO), self.vector(origin, "rpy", where, ZERO)
 
     def name(self, element: Element) -> str:
-        """Return the name of a link or joint."""
+        """Return the name of the robot, a link or a joint."""
         name = element.get("name", "")
         if not name.strip():
             self.fail(f"a <{element.tag}>", "has no name", name, "name it")
+        if len(name) > MAX_NAME or not name.isprintable():
+            way_out = f"use at most {MAX_NAME} characters that can be printed"
+            self.fail(f"a <{element.tag}>", "has an unusable name", name, way_out)
         return name
 
     def only(self, element: Element, tag: str, where: str) -> Element | None:
@@ -295,25 +305,25 @@ class _Reader:
         default: float | None = None,
         infinite: bool = False,
     ) -> float:
-        """Return a finite number from an attribute; `infinite` lets infinity through."""
+        """Return a number of at most LARGEST from an attribute; `infinite` lets any through."""
         text = element.get(key)
         if text is None and default is not None:
             return default
         way_out = f"write {key}='...' with one number"
         value = _floats(text or "")
-        if len(value) != 1 or math.isnan(value[0]) or not (infinite or math.isfinite(value[0])):
+        if len(value) != 1 or math.isnan(value[0]) or not (infinite or abs(value[0]) <= LARGEST):
             self.fail(where, f"<{element.tag}> has no number as {key}", text, way_out)
         return value[0]
 
     def vector(
         self, element: Element, key: str, where: str, default: Vector | None = None
     ) -> Vector:
-        """Return three finite numbers from an attribute."""
+        """Return three numbers of at most LARGEST from an attribute."""
         text = element.get(key)
         if text is None and default is not None:
             return default
         value = _floats(text or "")
-        if len(value) != 3 or not all(map(math.isfinite, value)):
+        if len(value) != 3 or not all(abs(x) <= LARGEST for x in value):
             way_out = "write three numbers with blanks between them"
             self.fail(where, f"<{element.tag}> has no vector as {key}", text, way_out)
         return value[0], value[1], value[2]
@@ -346,8 +356,8 @@ class _Reader:
             here: str | None = name
             while here is not None and here not in safe:
                 if here in way:
-                    loop = list(way)[list(way).index(here) :]
-                    self.fail(f"link {here!r}", "is its own ancestor", loop, "remove one joint")
+                    got = list(way)
+                    self.fail(f"link {here!r}", "is its own ancestor", got, "remove one joint")
                 way[here] = None
                 here = parents.get(here)
             safe.update(way)
@@ -364,14 +374,16 @@ class _Reader:
             if master is not None and master not in follows:
                 way_out = suggestion(master, list(follows)[:100], "use one of")
                 self.fail(f"joint {name!r}", "mimics what is no joint", master, way_out)
+        safe: set[str] = set()
         for name in follows:
             way: dict[str, None] = {}
             here: str | None = name
-            while here is not None:
+            while here is not None and here not in safe:
                 if here in way:
-                    self.fail(f"joint {name!r}", "mimics itself", list(way), "remove one mimic")
+                    self.fail(f"joint {here!r}", "mimics itself", list(way), "remove one mimic")
                 way[here] = None
                 here = follows[here]
+            safe.update(way)
 
 
 def _floats(text: str) -> tuple[float, ...]:

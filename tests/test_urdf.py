@@ -1,6 +1,8 @@
 """Reading robot descriptions: what is read, and what is refused in one sentence."""
 
 import math
+import random
+import re
 import time
 from pathlib import Path
 
@@ -8,6 +10,8 @@ import pytest
 
 from lutgen.errors import RecipeError
 from lutgen.urdf import Mimic, UrdfRobot, load_urdf, parse_urdf
+from lutgen.urdf_motion import read_motion
+from lutgen.urdf_recipe import import_urdf
 from tests.robots import collision, joint, link, real, robot
 
 PAIR = link("base", 2.0) + link("arm", 1.0)
@@ -130,6 +134,10 @@ TWO = joint("j", "fixed", "base", "arm")
             "lower limit above",
         ),
         (
+            robot(PAIR, joint("j", "revolute", "base", "arm", '<limit lower="inf" upper="inf"/>')),
+            "limits far from zero",
+        ),
+        (
             robot(PAIR, joint("j", "revolute", "base", "arm", '<mimic joint="i"/>')),
             "mimics what is no joint",
         ),
@@ -153,6 +161,117 @@ def test_a_missing_file_and_a_folder_are_refused(tmp_path: Path) -> None:
     for path in (tmp_path / "none.urdf", tmp_path):
         with pytest.raises(RecipeError, match="check the path"):
             load_urdf(path)
+
+
+LITTLE = robot(link("base", 2.0))
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        LITTLE.replace('<?xml version="1.0"?>', "").encode("utf-16"),
+        LITTLE.replace('"1.0"?>', '"1.0" encoding="UTF-16"?>').encode("utf-16"),
+        LITTLE.replace('"1.0"?>', '"1.0" encoding="latin-1"?>').encode("latin-1"),
+        "\ufeff".encode() + LITTLE.encode(),
+        LITTLE.replace(
+            "<link", "<![CDATA[<link name='base'/>]]><!-- <link/> --><?php <link/> ?><link"
+        ),
+        LITTLE.replace("<robot", '<robot xmlns="urn:x" xmlns:y="urn:y" y:name="other"').replace(
+            "</robot>", '<y:link name="z"/></robot>'
+        ),
+    ],
+    ids=["utf-16", "declared utf-16", "latin-1", "byte order mark", "cdata", "namespaces"],
+)
+def test_other_encodings_cdata_comments_and_namespaces_change_nothing(content: str | bytes) -> None:
+    found = parse_urdf(content)
+    assert found.name == "little"
+    assert [(part.name, part.mass) for part in found.links] == [("base", 2.0)]
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        ("<a>" * 100_000 + "</a>" * 100_000, "nested deeper than 100"),
+        ('<x:robot xmlns:x="urn:x"/>', "is not <robot>"),
+        (robot(link("base", 1e300)), "no number as value"),
+        (robot(link("base", 1.0, "1e13 0 0")), "no vector as xyz"),
+        (robot(link("a" * 201)), "has an unusable name"),
+        (robot(link("a&#10;b")), "has an unusable name"),
+        (robot(link("a&#x9b;31m")), "has an unusable name"),
+        (robot(link("a"), name="&#x202e;"), "has an unusable name"),
+        (robot(link("base", 1.0).replace('"1.0"', '"1_0"')), "no number as value"),
+        (robot(link("base", 1.0).replace('"1.0"', f'"{"9" * 10_000}"')), "no number as value"),
+        ("\ud800", "is not XML"),
+        (bytes(range(256)) * 10, "is not XML"),
+        ("<robot>&undefined;</robot>", "is not XML"),
+        ("<robot/><robot/>", "is not XML"),
+        ("<robot a='1' a='2'/>", "is not XML"),
+        ('<?xml version="1.0" encoding="utf-7"?><robot/>', "is not XML"),
+        ('<?xml version="1.0" encoding="rot13"?><robot/>', "is not XML"),
+    ],
+)
+def test_hostile_texts_are_refused_in_one_sentence(content: str | bytes, said: str) -> None:
+    text = refusal(content)
+    assert said in text
+    # What was received is quoted, but not all of it.
+    assert len(text) < 400
+
+
+def test_five_thousand_mimics_in_a_row_are_followed_in_seconds_and_a_circle_is_refused() -> None:
+    count = 5_000
+    links = "".join(link(f"l{i}") for i in range(count + 1))
+    joints = "".join(
+        joint(f"j{i}", "continuous", f"l{i}", f"l{i + 1}", f'<mimic joint="j{i + 1}"/>')
+        for i in range(count - 1)
+    )
+    last = joint(f"j{count - 1}", "continuous", f"l{count - 1}", f"l{count}")
+    begin = time.perf_counter()
+    found = read_motion(parse_urdf(robot(links, joints, last)))
+    # Measured 0.4 s; following every mimic to its end takes a minute.
+    assert time.perf_counter() - begin < 10.0
+    assert {drive.by for drive in found.drives.values()} == {f"j{count - 1}"}
+    circle = last.replace("</joint>", '<mimic joint="j0"/></joint>')
+    assert "mimics itself" in refusal(robot(links, joints, circle))
+
+
+ODD = ("nan", "-1", "1e999", "", "base", "left_arm", "arms", "0 0 0", "fixed", "\x00", "é", "&lt;")
+
+
+def broken(rng: random.Random, text: str) -> bytes:
+    """Return a description with a few random faults, from single bits to whole elements."""
+    for _ in range(rng.randint(1, 3)):
+        kind = rng.randrange(10)
+        # Attribute values first, since most other faults end in the XML parser.
+        pattern = r"(?<==\")[^\"]*" if kind < 7 else r"<[^<>]*>"
+        places = [match.span() for match in re.finditer(pattern, text)]
+        (low, high), (first, last) = rng.choice(places), rng.choice(places)
+        other = rng.choice(ODD) if kind in (0, 1, 2) else text[first:last]
+        text = text[:low] + ("" if kind == 9 else other) + text[high:]
+    raw = bytearray(text.encode())
+    if rng.random() < 0.1:
+        raw[rng.randrange(len(raw))] ^= 1 << rng.randrange(8)
+    return bytes(raw)
+
+
+def test_no_fault_ever_leaves_the_reader_as_anything_but_a_recipe_error() -> None:
+    sound = (Path(__file__).parent / "vectors" / "rover.urdf").read_text(encoding="utf-8")
+    rng = random.Random(1)
+    end = time.perf_counter() + 2.0
+    read = refused = 0
+    lines: set[int] = set()
+    # As many as two seconds hold, but the same ones in every run as far as it gets.
+    while time.perf_counter() < end and read + refused < 3_000:
+        content = broken(rng, sound)
+        try:
+            import_urdf(parse_urdf(content, "fuzz.urdf"))
+            read += 1
+        except RecipeError as error:
+            refused += 1
+            lines.add(str(error).count("\n"))
+    # Both happen, or the faults are too harsh or too mild to show anything.
+    assert read > 20
+    assert refused > 100
+    assert lines == {0}
 
 
 def chain(count: int, inside: str = "") -> str:
