@@ -13,7 +13,7 @@ ROOT = PACKAGE.parent
 # and its channels, from there into a map, and from the map to people.
 ORDER = (
     *("errors", "_version", "files", "jit", "vector", "placement", "grid", "sphere"),
-    *("recipe_schema", "urdf_xml", "urdf", "urdf_motion"),
+    *("recipe_schema", "urdf_xml", "urdf", "urdf_motion", "urdf_xacro"),
     *("recipe_robot", "urdf_contacts", "urdf_links", "recipe_urdf", "recipe_plugin", "recipe"),
     *("urdf_choice", "urdf_text", "urdf_recipe", "robot"),
     *("primitive", "polygon", "support", "rounds", "facet_list", "region", "boundary", "channels"),

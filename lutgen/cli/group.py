@@ -10,6 +10,7 @@ from lutgen._version import __version__
 from lutgen.cli.check import check
 from lutgen.cli.eval import eval_
 from lutgen.cli.export import export
+from lutgen.cli.import_ import import_
 from lutgen.cli.info import info
 from lutgen.cli.limits import limits
 from lutgen.cli.optimum import optimum
@@ -67,5 +68,8 @@ def main(verbose: int, quiet: bool) -> None:
     logging.getLogger("lutgen").setLevel(level)
 
 
-for command in (check, sweep, info, eval_, limits, optimum, plot, export, wheels, paper, path):
+for command in (
+    *(check, sweep, info, eval_, limits, optimum, plot, export, wheels, paper, path),
+    import_,
+):
     main.add_command(command)
