@@ -7,7 +7,7 @@ robot moves is not known here (``robot.py``), nor how it is sampled (``recipe.py
 import math
 import re
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from lutgen.recipe_schema import Table, suggestion
 
@@ -79,13 +79,17 @@ class Link:
 
 @dataclass(frozen=True)
 class Contact:
-    """A contact primitive; `position` is its centre and `axis` a unit vector, link frame."""
+    """A contact primitive; `position` is its centre and `axis` a unit vector, link frame.
+
+    One that is `rolling` turns freely: a disc about its axis, a sphere in every direction.
+    """
 
     name: str
     link: str
     position: Vector
     radius: float = 0.0
     axis: Vector | None = None
+    rolling: bool = False
 
     @property
     def kind(self) -> str:
@@ -250,13 +254,16 @@ def _check_tree(tables: list[Table], links: list[Link]) -> None:
         safe.update(seen)
 
 
+CONTACT_KEYS = ("name", "link", "position", "radius", "axis", "rolling")
+
+
 def read_contacts(
     robot: Table,
     links: tuple[Link, ...],
     derive: Callable[[Table, str], list[Contact]] | None = None,
 ) -> tuple[Contact, ...]:
     """Read ``[[robot.contact]]`` in order; without a position `derive` gives a link's contacts."""
-    tables = robot.tables("contact", ("name", "link", "position", "radius", "axis"))
+    tables = robot.tables("contact", CONTACT_KEYS)
     names = {link.name: None for link in links}
     result: list[Contact] = []
     used: set[str] = set()
@@ -265,12 +272,17 @@ def read_contacts(
         if link not in names:
             way_out = suggestion(link, names, "use one of")
             table.fail("link", "is not a link of the robot", link, way_out)
+        rolling = table.values.get("rolling", False)
+        if not isinstance(rolling, bool):
+            table.fail("rolling", "must be true or false", rolling, "write rolling = true")
         if derive is not None and "position" not in table:
             table.refuse(("radius", "axis"), "means nothing without a position", "give position")
             for contact in derive(table, link):
+                if rolling and contact.radius == 0.0:
+                    table.fail("rolling", "needs a round shape", rolling, "a box slides: remove it")
                 _unique(table, contact.name, used)
                 used.add(contact.name)
-                result.append(contact)
+                result.append(replace(contact, rolling=rolling))
             continue
         name = table.string("name", "name the contact")
         _unique(table, name, used)
@@ -285,7 +297,9 @@ def read_contacts(
             if radius == 0.0:
                 got = table.values["axis"]
                 table.fail("axis", "needs a radius above 0", got, "give the disc's radius")
-        result.append(Contact(name, link, position, radius, axis))
+        if rolling and radius == 0.0:
+            table.fail("rolling", "needs a radius above 0", rolling, "a point slides: remove it")
+        result.append(Contact(name, link, position, radius, axis, rolling))
     if not 3 <= len(result) <= MAX_CONTACTS:
         robot.fail(
             "contact",

@@ -21,7 +21,8 @@ ORDER = (
     *("raster", "tilt", "scan", "scanner", "standing"),
     *("interpolate", "checksum", "blocks", "store", "sweeper", "statistics"),
     *("objective", "minimise", "acceptable", "search", "terrain", "terrain_csv", "drive"),
-    *("limits", "limit_table", "footing", "force_angle", "sliding", "plot", "paper", "cli"),
+    *("limits", "limit_table", "footing", "force_angle", "sliding", "holding", "metrics"),
+    *("plot", "paper", "cli"),
 )
 # The same for the export: from the robot to what codecs store, how it is read again, certified,
 # chosen, written as C, and compiled.

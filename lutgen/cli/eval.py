@@ -102,6 +102,7 @@ def exact_report(
     from lutgen.statics import diagnose
 
     found = diagnose(recipe, values, gravity)
+    rolling = any(contact.rolling for contact in recipe.contacts)
     report: dict[str, Any] = {
         "robot": recipe.name,
         "source": "exact",
@@ -110,6 +111,7 @@ def exact_report(
         **channel_entries(found.channels),
         "slope_deg": _number(math.degrees(found.slope)),
         "slides_first": found.slides,
+        **(_rolling_entries(recipe, values, gravity) if rolling else {}),
     }
     if found.least_stable is not None:
         report["least_stable_axis"] = _axis(found, found.least_stable)
@@ -128,7 +130,25 @@ def exact_report(
     return report
 
 
+def _rolling_entries(
+    recipe: "Recipe", values: list[float], gravity: tuple[float, ...]
+) -> dict[str, Any]:
+    """Return whether the robot rolls away, and how it tips while it rolls freely."""
+    from lutgen.evaluation import evaluate
+    from lutgen.holding import rolling_gravity, rolls
+
+    entries: dict[str, Any] = {"rolls": bool(rolls(recipe, values, [gravity])[0])}
+    down = rolling_gravity(recipe, values, gravity)
+    if down is not None:
+        angle = evaluate(recipe, [values], down, ("tip_angle",))["tip_angle"][0, 0]
+        entries["rolling_gravity"] = down.tolist()
+        entries["rolling_tip_angle_deg"] = _number(math.degrees(angle))
+    return entries
+
+
 def _axis(found: "Diagnosis", index: int) -> dict[str, Any]:
+    from lutgen.force_angle import axis_force_angle
+
     axis = found.axes_[index]
     return {
         "index": index,
@@ -136,6 +156,7 @@ def _axis(found: "Diagnosis", index: int) -> dict[str, Any]:
         "tip_angle_deg": _number(math.degrees(axis.tip_angle)),
         "margin": _number(axis.margin),
         "energy_margin": _number(axis.energy_margin),
+        "force_angle_rad": float(axis_force_angle(axis.start, axis.stop, found.gravity_dir)),
     }
 
 
@@ -179,6 +200,11 @@ def lines(report: dict[str, Any]) -> list[str]:
             text.append(f"{name:<15}{shown}")
     if report.get("slides_first") is not None:
         text.append(f"{'slides first':<15}{'yes' if report['slides_first'] else 'no'}")
+    if "rolls" in report:
+        text.append(f"{'rolls away':<15}{'yes' if report['rolls'] else 'no'}")
+    if "rolling_tip_angle_deg" in report:
+        angle = report["rolling_tip_angle_deg"]
+        text.append(f"{'rolling freely':<15}tip_angle {angle:.6g} deg")
     axis = report.get("least_stable_axis")
     if axis is not None:
         text.append(

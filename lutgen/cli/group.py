@@ -13,6 +13,7 @@ from lutgen.cli.export import export
 from lutgen.cli.import_ import import_
 from lutgen.cli.info import info
 from lutgen.cli.limits import limits
+from lutgen.cli.metrics import metrics
 from lutgen.cli.optimum import optimum
 from lutgen.cli.paper import paper
 from lutgen.cli.path import path
@@ -69,7 +70,7 @@ def main(verbose: int, quiet: bool) -> None:
 
 
 for command in (
-    *(check, sweep, info, eval_, limits, optimum, plot, export, wheels, paper, path),
-    import_,
+    *(import_, check, sweep, info, eval_, limits, metrics),
+    *(optimum, plot, export, wheels, paper, path),
 ):
     main.add_command(command)

@@ -83,6 +83,13 @@ convention = click.option(
     show_default=True,
     help="Whether gravity is fixed in the body, or relative to the plane that the robot stands on.",
 )
+tilt = click.option(
+    "--tilt",
+    type=float,
+    default=20.0,
+    show_default=True,
+    help="Of the ground in deg, for the metrics over all headings.",
+)
 parameters = click.option(
     "-p",
     "--parameter",

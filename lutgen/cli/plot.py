@@ -9,9 +9,10 @@ from lutgen.cli.options import (
     named_values,
     open_source,
     parameters,
+    tilt,
 )
 
-KINDS = ("curve", "surface", "contour", "sphere", "polar", "robot")
+KINDS = ("curve", "surface", "contour", "sphere", "polar", "metrics", "robot")
 
 
 @click.command(short_help="Draw a figure (PNG, SVG or PDF).")
@@ -26,6 +27,7 @@ KINDS = ("curve", "surface", "contour", "sphere", "polar", "robot")
     help="Parameters along the axes, comma separated.  [default: the first one or two]",
 )
 @convention
+@tilt
 @allow_python
 def plot(
     source: str,
@@ -36,6 +38,7 @@ def plot(
     channel: str,
     axes: str | None,
     convention: str,
+    tilt: float,
     allow_python: bool,
 ) -> None:
     """Draw a figure of SOURCE, a map or a recipe.
@@ -46,6 +49,7 @@ def plot(
     surface  the same in perspective
     sphere   a channel over all gravity directions, one posture
     polar    the largest tilt before tip-over for each heading, one posture
+    metrics  five metrics of stability over all headings at one tilt, one posture
     robot    the body: contacts, support polygon, com, gravity ray, tip-over axes
 
     \b
@@ -65,5 +69,6 @@ def plot(
         channel=channel,
         axes=named,
         convention=convention,
+        tilt=tilt,
     )
     save(figure, output)

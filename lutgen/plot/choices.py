@@ -4,6 +4,7 @@ Every wrong option is refused in one sentence that names the way out.
 """
 
 import difflib
+import math
 from collections.abc import Mapping, Sequence
 from typing import NoReturn
 
@@ -28,7 +29,10 @@ from lutgen.store import StabilityMap
 __all__ = ["KINDS", "choose"]
 
 # How many parameters each kind of figure varies.
-KINDS = {"curve": 1, "contour": 2, "surface": 2, "sphere": 0, "polar": 0, "robot": 0}
+KINDS = {
+    **{"curve": 1, "contour": 2, "surface": 2},
+    **{"sphere": 0, "polar": 0, "metrics": 0, "robot": 0},
+}
 
 
 def choose(
@@ -39,6 +43,7 @@ def choose(
     channel: str,
     axes: Sequence[str] | None,
     convention: str = "body",
+    tilt: float = 20.0,
 ) -> View:
     """Check the options of `lutgen.plot.draw` and fill in what was left out."""
     if kind not in KINDS:
@@ -51,7 +56,9 @@ def choose(
         held = [name for name in stability_map.channels if name in QUANTITIES]
         if channel not in held:
             _refuse("channel is not in the map", channel, f"{_nearest(channel, held)} or a recipe")
-    if kind in ("polar", "robot") and is_sealed(recipe):
+    if not 0.0 <= tilt <= 180.0:
+        _refuse("tilt must lie between 0 and 180 deg", f"{tilt:g}", "20 is the default")
+    if kind in ("polar", "metrics", "robot") and is_sealed(recipe):
         _refuse(
             f"a {kind} figure needs the robot itself",
             f"a map of `{recipe.python}`",
@@ -71,13 +78,14 @@ def choose(
     if convention == "plane":
         if stability_map is not None:
             _refuse("gravity of a map is fixed in the body", convention, "draw from the recipe")
-        if kind in ("sphere", "polar"):
-            _refuse(f"a {kind} turns gravity in the body itself", convention, "leave it out")
+        if kind in ("sphere", "polar", "metrics"):
+            _refuse(f"a {kind} figure turns gravity in the body itself", convention, "leave it out")
     if convention == "plane" and kind == "robot":
         # One posture: where gravity points in its body is all there is to know.
         direction = body_gravity(recipe, np.array([middle]), direction, convention)[0]
     view = View(
-        kind, recipe, stability_map, np.array(middle), direction, channel, columns, convention
+        *(kind, recipe, stability_map, np.array(middle), direction, channel, columns, convention),
+        math.radians(tilt),
     )
     if KINDS[kind] == 2 and stability_map is not None and not view.on_chart():
         _refuse(

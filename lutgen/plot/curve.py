@@ -12,7 +12,7 @@ from lutgen.plot.marks import PLATE, TIPS, degree_ticks, mark_optimum, tip_patch
 from lutgen.plot.style import BLUE, GREY, HATCH, ORANGE, WASH, new_figure
 from lutgen.plot.view import View, in_display_unit, optimum
 
-__all__ = ["SIZE", "draw_curve"]
+__all__ = ["SIZE", "draw_curve", "shade_intervals"]
 
 Floats = NDArray[np.float64]
 
@@ -44,7 +44,7 @@ def draw_curve(view: View, size: tuple[float, float] | None) -> Figure:
         axes.patch.set_visible(False)
     handles: list[Line2D | object] = list(lines)
     handles += _nodes(axes, view)
-    if _shade(axes, shown, exact["tip_angle"]):
+    if shade_intervals(axes, shown, exact["tip_angle"]):
         handles.append(tip_patch())
     figure.legend(
         handles=handles, loc="outside lower center", ncols=len(handles), columnspacing=1.2
@@ -124,7 +124,7 @@ def _nodes(axes: Axes, view: View) -> list[Line2D]:
     )
 
 
-def _shade(axes: Axes, shown: Floats, tip_angle: Floats) -> bool:
+def shade_intervals(axes: Axes, shown: Floats, tip_angle: Floats) -> bool:
     """Hatch and label the intervals that tip over; False if there are none."""
     tips = tip_angle < 0.0
     if not tips.any():

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from lutgen.errors import InputError
 from lutgen.plot.choices import choose
 from lutgen.plot.curve import draw_curve
+from lutgen.plot.metrics import draw_metrics
 from lutgen.plot.plane import draw_contour, draw_surface
 from lutgen.plot.polar import draw_polar
 from lutgen.plot.robot import draw_robot
@@ -25,6 +26,7 @@ PAINTERS: dict[str, Callable[[View, tuple[float, float] | None], Figure]] = {
     "surface": draw_surface,
     "sphere": draw_sphere,
     "polar": draw_polar,
+    "metrics": draw_metrics,
     "robot": draw_robot,
 }
 # Sides in inches: nothing can be read below, and pictures grow too large above.
@@ -40,16 +42,18 @@ def draw(
     channel: str = "sdg",
     axes: Sequence[str] | None = None,
     convention: str = "body",
+    tilt: float = 20.0,
     size: tuple[float, float] | None = None,
 ) -> Figure:
     """Draw a figure.
 
     Parameters
     ----------
-    kind : {"curve", "contour", "surface", "sphere", "polar", "robot"}
+    kind : {"curve", "contour", "surface", "sphere", "polar", "metrics", "robot"}
         `curve`: `channel` and the height over one parameter; `contour`, `surface`: `channel`
         over two parameters; `sphere`: `channel` over all gravity directions of the chart;
-        `polar`: largest tilt before tip-over in each heading; `robot`: the body in 3-D.
+        `polar`: largest tilt before tip-over in each heading; `metrics`: five metrics over all
+        headings at one tilt; `robot`: the body in 3-D.
     source : StabilityMap or Recipe
         For a map, `contour` and `surface` draw its nodes and `curve` marks them.  All else, such
         as tip-over boundaries, is evaluated exactly, as everything is for a recipe.
@@ -57,17 +61,20 @@ def draw(
         Parameters in their display unit (deg for angles); the others are in the middle of their
         range.
     gravity : (3,) array_like
-        Direction in the body frame, pointing down; not used by `sphere` and `polar`.
+        Direction in the body frame, pointing down; not used by `sphere`, `polar` and
+        `metrics`.
     channel : str
-        `sdg`, `height`, `tip_angle`, `margin` or `energy_margin`; not used by `polar` and
-        `robot`.
+        `sdg`, `height`, `tip_angle`, `margin` or `energy_margin`; not used by `polar`,
+        `metrics` and `robot`.
     axes : sequence of str, optional
         The parameters that `curve` (one), `contour` and `surface` (two) vary; by default the
         first ones that `params` does not fix.
     convention : {"body", "plane"}
         Whether gravity is fixed in the body frame, or relative to the contact plane, so that it
         turns in the body while the shape changes (T_g, see `lutgen.attitude`).  The latter for
-        recipes only, and neither for `sphere` nor `polar`.
+        recipes only, and not for `sphere`, `polar` and `metrics`.
+    tilt : float
+        Degrees; used by `metrics` only.
     size : (float, float), optional
         Width and height in inches; the default fits a journal's column.
 
@@ -82,7 +89,7 @@ def draw(
         For an unknown kind, parameter or channel, a value outside its range, and a direction
         that the map does not cover.
     """
-    view = choose(kind, source, params, gravity, channel, axes, convention)
+    view = choose(kind, source, params, gravity, channel, axes, convention, tilt)
     if size is not None and not all(SMALLEST <= side <= LARGEST for side in size):
         raise InputError(
             f"plot: a figure measures {SMALLEST:g} to {LARGEST:g} in a side (got "

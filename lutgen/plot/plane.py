@@ -20,6 +20,7 @@ from lutgen.plot.marks import (
     shade_tip_over,
     tip_patch,
 )
+from lutgen.plot.slip import mark_sliding
 from lutgen.plot.style import HATCH, MAP, WASH, new_figure
 from lutgen.plot.view import View, in_display_unit, optimum
 
@@ -41,8 +42,9 @@ class Plane:
     """What is drawn, in display units.
 
     `x` (nx,) and `y` (ny,) are the parameters and `values` (ny, nx) the channel, NaN where the
-    robot tips over if the channel is; `fine_x`, `fine_y`, `tip_angle` (rad) are the exact
-    verdict on a finer mesh; `best` is the optimum's place (row, column), None without values.
+    robot tips over if the channel is; `fine_x`, `fine_y`, `tip_angle` and `grip` (rad, see
+    `View.grip`) are the exact verdicts on a finer mesh; `best` is the optimum's
+    place (row, column), None without values.
     """
 
     x: Floats
@@ -51,6 +53,7 @@ class Plane:
     fine_x: Floats
     fine_y: Floats
     tip_angle: Floats
+    grip: Floats | None
     best: tuple[int, int] | None
 
 
@@ -82,10 +85,11 @@ def draw_contour(view: View, size: tuple[float, float] | None) -> Figure:
         at = float(plane.x[column]), float(plane.y[row])
         text = optimum_text(view, float(plane.values[row, column]), plane.values, at)
         handles.append(mark_optimum(axes, *at, text))
-    if shade_tip_over(axes, plane.fine_x, plane.fine_y, plane.tip_angle):
-        x, y = np.meshgrid(plane.fine_x, plane.fine_y)
-        if not label_tip_over(axes, x, y, plane.tip_angle, cells=SAMPLES // 8):
-            handles.append(tip_patch())
+    x, y = np.meshgrid(plane.fine_x, plane.fine_y)
+    handles += mark_sliding(axes, view, x, y, plane.grip, plane.tip_angle)
+    tips = shade_tip_over(axes, plane.fine_x, plane.fine_y, plane.tip_angle)
+    if tips and not label_tip_over(axes, x, y, plane.tip_angle, cells=SAMPLES // 8):
+        handles.append(tip_patch())
     if handles:
         figure.legend(handles=handles, loc="outside lower center", ncols=2, columnspacing=1.2)
     return figure
@@ -164,7 +168,9 @@ def _plane(view: View) -> Plane:
     """Compute what is drawn: at the map's nodes, or exactly on an even mesh."""
     x, y = (view.knots(place, SAMPLES) for place in (0, 1))
     fine = [np.linspace(*view.ends(place), SAMPLES) for place in (0, 1)]
-    verdict = view.exact(view.postures(*np.meshgrid(*fine)), view.gravity_dir, "tip_angle")
+    everywhere = view.postures(*np.meshgrid(*fine))
+    verdict = view.exact(everywhere, view.gravity_dir, "tip_angle")
+    grip = view.grip(everywhere, view.gravity_dir)
     values = view.drawn(view.postures(*np.meshgrid(x, y)), view.gravity_dir)
     printed = in_display_unit(view.channel, values).reshape(len(y), len(x))
     if view.channel not in ("sdg", "height"):
@@ -178,5 +184,6 @@ def _plane(view: View) -> Plane:
         view.shown(0, fine[0]),
         view.shown(1, fine[1]),
         verdict["tip_angle"].reshape(SAMPLES, SAMPLES),
+        None if grip is None else grip.reshape(SAMPLES, SAMPLES),
         None if best is None else divmod(best, len(x)),
     )

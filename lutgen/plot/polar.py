@@ -11,6 +11,7 @@ from matplotlib.projections.polar import PolarAxes
 from lutgen.limits import tilt_limits
 from lutgen.plot.labels import HEADINGS, angle_text, heading_text, title, with_unit
 from lutgen.plot.marks import HALO, tip_patch
+from lutgen.plot.slip import draw_roll_limit, draw_slide_limit
 from lutgen.plot.style import BLUE, GREY, HATCH, ORANGE, WASH, new_figure
 from lutgen.plot.view import View
 
@@ -57,6 +58,8 @@ def draw_polar(view: View, size: tuple[float, float] | None) -> Figure:
         label=f"worst: {heading_text(float(headings[worst]))}",
         zorder=5,
     )
+    draw_slide_limit(axes, view, np.append(headings, 360.0), outline)
+    draw_roll_limit(axes, view)
     handles, _ = axes.get_legend_handles_labels()
     figure.legend(handles=[*handles, tip_patch()], loc="outside lower center", ncols=2)
     return figure

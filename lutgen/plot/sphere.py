@@ -22,6 +22,7 @@ from lutgen.limits import tilted
 from lutgen.plot.labels import HEADINGS, channel_label, optimum_text, title, with_unit
 from lutgen.plot.levels import apart, extend, levels
 from lutgen.plot.marks import HALO, mark_optimum, shade_tip_over, tip_patch
+from lutgen.plot.slip import mark_sliding
 from lutgen.plot.style import MAP, new_figure
 from lutgen.plot.view import View, in_display_unit, optimum
 
@@ -39,7 +40,8 @@ TILTS, HEADING_COUNT = 181, 361
 class Disc:
     """One disc: tilts (rad) from `inner` at the middle to `outer` at the rim, and its mesh.
 
-    `x`, `y`, `values` (display unit) and `tip_angle` (rad) are (TILTS, HEADING_COUNT).
+    `x`, `y`, `values` (display unit), `tip_angle` and `grip` (rad, see `View.grip`) are (TILTS,
+    HEADING_COUNT).
     """
 
     inner: float
@@ -48,6 +50,7 @@ class Disc:
     y: Floats
     values: Floats
     tip_angle: Floats
+    grip: Floats | None
 
 
 def draw_sphere(view: View, size: tuple[float, float] | None) -> Figure:
@@ -81,6 +84,11 @@ def draw_sphere(view: View, size: tuple[float, float] | None) -> Figure:
         text = optimum_text(view, float(stack[number, row, column]), stack)
         x, y = float(disc.x[row, column]), float(disc.y[row, column])
         handles.append(mark_optimum(panels[number], x, y, text))
+    slides = [
+        mark_sliding(panel, view, disc.x, disc.y, disc.grip, disc.tip_angle)
+        for panel, disc in zip(panels, discs, strict=True)
+    ]
+    handles += next((handle for handle in slides if handle), [])
     tips = [
         shade_tip_over(panel, disc.x, disc.y, disc.tip_angle)
         for panel, disc in zip(panels, discs, strict=True)
@@ -126,6 +134,7 @@ def _disc(view: View, inner: float, outer: float) -> Disc:
     verdict, values = exact["tip_angle"], in_display_unit(view.channel, exact[view.channel])
     # Beyond tip-over some channels go on; the hatching is there.
     values = np.where(verdict < 0.0, np.nan, values)
+    grip = view.grip(view.params, directions)
     return Disc(
         inner,
         outer,
@@ -133,6 +142,7 @@ def _disc(view: View, inner: float, outer: float) -> Disc:
         radius * np.cos(heading),
         values.reshape(tilt.shape),
         verdict.reshape(tilt.shape),
+        None if grip is None else grip.reshape(tilt.shape),
     )
 
 

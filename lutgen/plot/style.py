@@ -24,7 +24,9 @@ __all__ = [
     "HATCH",
     "MAP",
     "ORANGE",
+    "PURPLE",
     "RESOLUTION",
+    "SKY",
     "WASH",
     "house_style",
     "new_figure",
@@ -33,6 +35,7 @@ __all__ = [
 
 # Okabe and Ito's palette, which stays distinct for colour-blind readers.
 BLUE, ORANGE, GREEN, GREY = "#0072B2", "#D55E00", "#009E73", "#595959"
+PURPLE, SKY = "#CC79A7", "#56B4E9"
 WASH = "#f0f0f0"
 HATCH = "/////"
 # Viridis is perceptually even, also for colour-blind readers and in grey.

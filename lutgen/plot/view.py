@@ -4,6 +4,7 @@ Answers from the map where a map's own nodes are drawn, and from the exact evalu
 knows nothing of colours and paper.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +15,7 @@ from lutgen.evaluation import evaluate
 from lutgen.pairs import evaluate_pairs
 from lutgen.recipe import Recipe
 from lutgen.recipe_robot import Parameter
+from lutgen.sliding import slopes
 from lutgen.store import StabilityMap
 
 __all__ = [
@@ -49,7 +51,8 @@ class View:
 
     `params` (k,) float64 is the posture, rad or length, with the middle of the range where the
     caller gave none; `axes` are the columns that the figure varies; `gravity_dir` (3,) is a unit
-    vector in the frame that `convention` names, see `attitude`.
+    vector in the frame that `convention` names, see `attitude`.  `tilt` (rad) is that of a figure
+    over all headings.
     """
 
     kind: str
@@ -60,6 +63,7 @@ class View:
     channel: str
     axes: tuple[int, ...]
     convention: str = "body"
+    tilt: float = 0.0
 
     def parameter(self, place: int) -> Parameter:
         """Return the parameter on one of the figure's axes."""
@@ -98,12 +102,26 @@ class View:
         if self.stability_map is not None and is_sealed(self.recipe):
             return self._read(rows, down, channels)
         if self.convention == "plane":
-            count = max(len(rows), len(down))
-            rows = np.broadcast_to(rows, (count, rows.shape[1]))
-            turned = body_gravity(self.recipe, rows, np.broadcast_to(down, (count, 3)), "plane")
+            rows, turned = self._turned(rows, down)
             return evaluate_pairs(self.recipe, rows, turned, channels)
         values = evaluate(self.recipe, rows, down, channels)
         return {name: value.ravel() for name, value in values.items()}
+
+    def grip(self, postures: ArrayLike, directions: ArrayLike) -> Floats | None:
+        """Return atan mu less the slope of the ground (rad), (m,): negative where the robot slides.
+
+        Postures and directions as for `exact`; None without friction, or without the robot itself.
+        """
+        if self.recipe.friction is None or is_sealed(self.recipe):
+            return None
+        rows, down = np.atleast_2d(postures), np.atleast_2d(directions)
+        if self.convention == "plane":
+            rows, turned = self._turned(rows, down)
+            slope = slopes(self.recipe, rows, turned[:, None, :])
+        else:
+            slope = slopes(self.recipe, rows, np.broadcast_to(down, (len(rows), *down.shape)))
+        # Without a support facet nothing holds the robot.
+        return math.atan(self.recipe.friction) - np.nan_to_num(slope.ravel(), nan=math.pi)
 
     def drawn(self, postures: ArrayLike, directions: ArrayLike) -> Floats:
         """Return the figure's channel, (m,): what the map says, or exact without one.
@@ -124,6 +142,13 @@ class View:
             )
             values[unknown] = exact[self.channel]
         return values
+
+    def _turned(self, rows: Floats, down: Floats) -> tuple[Floats, Floats]:
+        """Return as many postures as directions, and gravity as it is turned in each body."""
+        count = max(len(rows), len(down))
+        rows = np.broadcast_to(rows, (count, rows.shape[1]))
+        directions = np.broadcast_to(down, (count, 3))
+        return rows, body_gravity(self.recipe, rows, directions, "plane")
 
     def _read(self, rows: Floats, down: Floats, channels: tuple[str, ...]) -> dict[str, Floats]:
         """Interpolate the map."""

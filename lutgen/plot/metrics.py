@@ -1,0 +1,107 @@
+"""Metrics: five measures of stability over all headings at one tilt and one posture."""
+
+import math
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from lutgen.limits import tilted
+from lutgen.metrics import Metrics, compare_metrics
+from lutgen.plot.curve import shade_intervals
+from lutgen.plot.labels import (
+    HEADINGS,
+    MINUS,
+    angle_text,
+    title,
+    with_unit,
+)
+from lutgen.plot.levels import jumps
+from lutgen.plot.marks import tip_patch
+from lutgen.plot.style import BLUE, GREEN, ORANGE, PURPLE, SKY, new_figure
+from lutgen.plot.view import View
+
+__all__ = ["SIZE", "draw_metrics"]
+
+SIZE = (3.5, 3.3)
+# Headings: every half degree, both ends included.
+SAMPLES = 721
+# Facets that are slivers take 1 - |SD_g| / r far below zero, where it says no more.
+LOWEST = -0.75
+DOT: dict[str, Any] = {
+    "markerfacecolor": "white",
+    "markeredgecolor": "black",
+    "markeredgewidth": 0.8,
+    "markersize": 3.5,
+}
+LOOKS: dict[str, tuple[str, Any]] = {
+    "tip_angle": (BLUE, "-"),
+    "margin": (GREEN, (0, (6, 1.5))),
+    "energy_margin": (SKY, (0, (3, 1.5))),
+    "force_angle": (PURPLE, (0, (1, 1))),
+    "sdg": (ORANGE, (0, (6, 1.5, 1, 1.5))),
+}
+
+
+def draw_metrics(view: View, size: tuple[float, float] | None) -> Figure:
+    """Return the figure; its lines hold heading (deg) and normalised metric."""
+    heading = np.linspace(0.0, 360.0, SAMPLES)
+    found = compare_metrics(view.recipe, view.params, tilted(view.tilt, np.radians(heading)))
+    figure = new_figure(size or SIZE)
+    axes = figure.add_subplot()
+    tilt = f"tilted {angle_text(math.degrees(view.tilt))} in every heading"
+    axes.set_title(title(view, gravity=False, more=tilt))
+    axes.set_xlim(0.0, 360.0)
+    axes.set_xticks([*HEADINGS, 360], [_short(name) for name in (*HEADINGS.values(), HEADINGS[0])])
+    axes.set_xlabel("heading of the tilt")
+    axes.set_ylabel("metric / its value on level ground")
+    axes.axhline(0.0, color="black", linewidth=0.8, zorder=1.5)
+    lines = [_line(axes, view, name, heading, found) for name in LOOKS]
+    axes.set_ylim(bottom=max(axes.get_ylim()[0], LOWEST))
+    handles: list[object] = list(lines)
+    changes = [_sign_changes(axes, line) for line in lines]
+    if any(changes):
+        handles.append(Line2D([], [], linestyle="none", marker="o", label="changes sign", **DOT))
+    if shade_intervals(axes, heading, found.values["tip_angle"]):
+        handles.append(tip_patch("tips over (the verdict)"))
+    figure.legend(handles=handles, loc="outside lower center", ncols=2, columnspacing=1.2)
+    return figure
+
+
+def _short(name: str) -> str:
+    """Return a heading in two lines."""
+    return name.replace(" side", "").replace(" ", "\n")
+
+
+def _line(
+    axes: Axes, view: View, name: str, heading: NDArray[np.float64], found: Metrics
+) -> Line2D:
+    """Draw one metric; its label says by what it is divided."""
+    colour, dashes = LOOKS[name]
+    unit = view.recipe.length_unit
+    level = found.level[name]
+    label = {
+        "tip_angle": f"tip-over angle / {angle_text(math.degrees(level))}",
+        "margin": f"static margin / {with_unit(level, unit)}",
+        "energy_margin": f"energy margin / {with_unit(level, unit)}",
+        "force_angle": f"force-angle / {with_unit(level, 'rad' if unit == '1' else f'rad {unit}')}",
+        "sdg": rf"1 {MINUS} $|SD_g|$ / inscribed radius",
+    }[name]
+    values = found.normalised[name].copy()
+    values[1:][jumps(values)] = np.nan
+    (line,) = axes.plot(heading, values, color=colour, linestyle=dashes, label=label, zorder=3)
+    return line
+
+
+def _sign_changes(axes: Axes, line: Line2D) -> int:
+    """Mark where a line crosses zero and return how often it does."""
+    x, y = (np.asarray(part, dtype=np.float64) for part in line.get_data())
+    at = np.flatnonzero(np.signbit(y[:-1]) != np.signbit(y[1:]))
+    at = at[np.isfinite(y[at]) & np.isfinite(y[at + 1])]
+    place = x[at] - y[at] * (x[at + 1] - x[at]) / (y[at + 1] - y[at])
+    marks = {**DOT, "markeredgecolor": line.get_color()}
+    axes.plot(place, np.zeros(len(place)), "o", zorder=4, **marks)
+    return len(place)
