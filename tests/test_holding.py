@@ -210,6 +210,61 @@ def test_rolling_straight_it_tips_under_gravity_without_its_part_along_the_wheel
     assert angle[1] == pytest.approx(math.atan(0.4 / 0.5), abs=1e-12)
 
 
+TRICYCLE = [(0.6, 0.05), (-0.4, 0.45), (-0.35, -0.4)]
+
+
+def moved(rolling: Collection[int], heading: float, tilt: float, friction: float) -> float:
+    """Return how far MuJoCo's tricycle goes in a second after gravity has leant over slowly."""
+    mujoco = pytest.importorskip("mujoco")
+    wheels = ""
+    for i, (x, y) in enumerate(TRICYCLE):
+        look = f'type="ellipsoid" size="0.1 0.02 0.1" friction="{friction} 0 0"'
+        place = f'pos="{x} {y} -0.4"'
+        if i in rolling:
+            hinge = f'<joint type="hinge" axis="0 1 0" armature="1e-6"/><geom {look} mass="0.02"/>'
+            wheels += f"<body {place}>{hinge}</body>"
+        else:
+            wheels += f'<geom {place} {look} mass="1e-6"/>'
+    model = mujoco.MjModel.from_xml_string(
+        '<mujoco><option timestep="0.001" integrator="implicitfast" solver="Newton" '
+        'iterations="100" tolerance="1e-12" cone="elliptic" impratio="100"/>'
+        '<default><geom solref="0.004 1" solimp=".99 .999 1e-4" condim="3"/></default><worldbody>'
+        f'<geom type="plane" size="9 9 1" pos="0 0 -0.5" friction="{friction} 0 0"/><body>'
+        '<freejoint/><inertial pos="0 0 0" mass="20" diaginertia="1 1.5 2"/>'
+        f"{wheels}</body></worldbody></mujoco>"
+    )
+    state, start = mujoco.MjData(model), np.zeros(7)
+    for step in range(2500):
+        model.opt.gravity[:] = 9.81 * tilted(tilt * min(1.0, step / 1500), heading)
+        mujoco.mj_step(model, state)
+        if step == 1500:
+            start = state.qpos[:7].copy()
+    # A shift in m, and half of the quaternion's change: a robot that swings round moves too.
+    return float(np.abs(state.qpos[:7] - start).max())
+
+
+@pytest.mark.parametrize(
+    ("rolling", "heading"),
+    [((0,), 35.0), ((1,), 180.0), ((2,), 215.0), ((0, 1), 0.0), ((1, 2), 0.0)],
+)
+def test_wheels_on_hinges_roll_away_from_the_same_tilt_on(
+    rolling: tuple[int, ...], heading: float
+) -> None:
+    contacts = ""
+    for i, (x, y) in enumerate(TRICYCLE):
+        contacts += contact(f"w{i}", (x, y, -0.4), 0.1, (0, 1, 0))
+        contacts += "rolling = true\n" if i in rolling else ""
+    recipe = lutgen.parse_recipe(rigid(contacts, head="friction = 0.8"))
+    limit = float(roll_limits(recipe, [], np.radians([heading]))[0])
+    assert math.radians(2.0) < limit < math.atan(0.8) - math.radians(1.0)
+    below, beyond = (
+        moved(rolling, math.radians(heading), limit + math.radians(side), 0.8)
+        for side in (-0.4, 0.4)
+    )
+    assert below < 0.002
+    assert beyond > 0.01
+
+
 def test_no_free_rolling_with_a_brake_with_toed_wheels_or_where_it_would_turn() -> None:
     ahead, aslant = tilted(0.2, 0.0), tilted(0.2, 0.4)
     assert rolling_gravity(parsed((0, 1, 2)), [], ahead) is None
@@ -271,8 +326,9 @@ def test_polar_draws_the_limit_of_rolling_inside_that_of_sliding() -> None:
     around, radius = (np.asarray(part) for part in lines["rolls away"].get_data())
     assert radius[0] == pytest.approx(math.degrees(math.atan(0.4 / 1.4)), abs=1e-5)
     assert (radius[np.isfinite(radius)] < math.degrees(math.atan(0.8)) + 1e-5).all()
-    assert radius == pytest.approx(np.degrees(roll_limits(parsed(FRONT), [], around)), nan_ok=True)
-    free = plot.draw("polar", parsed(ALL, 0.5))
+    some = np.degrees(roll_limits(parsed(FRONT), [], around[::12]))
+    assert radius[::12] == pytest.approx(some, nan_ok=True)
+    free = plot.draw("polar", parsed(ALL, 0.1))
     assert any("rolls" in str(line.get_label()) for line in free.axes[0].get_lines())
     braked = plot.draw("polar", parsed(()))
     assert not any("rolls" in str(line.get_label()) for line in braked.axes[0].get_lines())
