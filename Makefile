@@ -43,10 +43,10 @@ verify: $(NAMES:%=build/maps/%/firmware.stamp) ## prove the C runtime (a few min
 	$(BIN)/python -m proofs.run
 
 fuzz: SECONDS ?= 600
-fuzz: $(NAMES:%=build/maps/%/firmware.stamp) ## fuzz every export for SECONDS=600 in all
+fuzz: $(NAMES:%=build/maps/%/firmware.stamp) ## fuzz the exports for SECONDS=600 in all
 	$(BIN)/python -m proofs.run --only fuzz --seconds $(SECONDS)
 
-firmware: $(NAMES:%=build/maps/%/firmware.stamp) ## run every export on emulated targets: hashes, counts against the baseline, bounds
+firmware: $(NAMES:%=build/maps/%/firmware.stamp) ## run exports on emulated targets: hashes, counts against the baseline, bounds
 	$(BIN)/python -m targets.run
 	$(BIN)/python -m targets.longest
 

@@ -1,4 +1,4 @@
-"""The exports that are proved: those of `make maps`, and one small one of each further kind."""
+"""The exports that are proved: four of `make maps`, and one small one of each further kind."""
 
 import re
 import sys
@@ -12,7 +12,7 @@ from firmware_export.exported import CHANNELS, Export
 from firmware_export.model import Model
 from lutgen.errors import ExportError, InputError
 from lutgen.recipe import parse_recipe
-from targets.cases import of_four_axes
+from targets.cases import ROBOTS, of_four_axes
 from tests.exports import rover_export, tripod_export
 from tests.recipes import tripod
 
@@ -84,8 +84,9 @@ def read_subject(folder: Path) -> Subject:
 
 
 def mapped(folder: Path) -> list[Subject]:
-    """Return the exports of ``make maps``, by name."""
-    return [read_subject(path.parent) for path in sorted(folder.glob("*/firmware/smap.h"))]
+    """Return the exports of ``make maps`` that differ in their code, by name."""
+    found = [folder / name / "firmware" for name in ROBOTS]
+    return [read_subject(path) for path in found if (path / "smap.h").is_file()]
 
 
 def small(folder: Path) -> list[Subject]:
