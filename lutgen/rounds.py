@@ -249,7 +249,9 @@ def _join(count: Ints, facet: Floats, span: Ints, corner: Floats, link: Ints) ->
     """Find for every edge the facet beyond it.
 
     Rolling over the edge i -> j ends on a facet that has j -> i.  Where several have, it is the
-    one that comes first as the normal turns outwards about the edge.
+    one that comes first as the normal turns outwards about the edge.  A facet that lies behind the
+    edge is not beyond it: two facets of three primitives share all three edges and are joined
+    over one or two of them.
     """
     for f in range(count[0]):
         normal = row(facet, f)
@@ -269,8 +271,7 @@ def _join(count: Ints, facet: Floats, span: Ints, corner: Floats, link: Ints) ->
                     if link[back, VERTEX] == j and link[ahead, VERTEX] == i:
                         beyond = row(facet, other)
                         turn = math.atan2(dot(beyond, outward), dot(beyond, normal))
-                        turn += 2.0 * math.pi if turn < 0.0 else 0.0
-                        if turn < least:
+                        if 0.0 < turn < least:
                             least = turn
                             link[at, NEIGHBOUR] = other
 

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
+from lutgen.channels import measure_postures
 from lutgen.facet_list import Facet, facets
 from tests.oracles import rounds as oracle
 from tests.oracles.rounds import DISC, POINT, SPHERE, Floats, Robot
@@ -265,3 +266,23 @@ def test_a_tripod_of_balls_has_its_facet_one_radius_below_the_centres() -> None:
     assert np.asarray(standing.points) == pytest.approx(
         centres[list(order)] - [0.0, 0.0, 0.2], abs=1e-12
     )
+
+
+def test_three_balls_in_a_row_rock_from_side_to_side_and_tip_beyond_each() -> None:
+    # Two facets, mirror images of one another, touch all three balls and share all three edges.
+    # The robot rocks between them over the outer balls; over the middle one it tips sideways.
+    centres = np.array([[0.2, 0.0, -0.3], [-0.2, 0.0, -0.3], [0.0, 0.0, -0.25]])
+    radius = np.array([0.05, 0.05, 0.0985])
+    # n . c + r of the middle ball and of the others agree where (r - R) = 0.05 cosine.
+    cosine = (0.0985 - 0.05) / 0.05
+    sine = np.sqrt(1.0 - cosine**2)
+    limit = np.arctan(0.0985 * sine / (0.25 + 0.0985 * cosine))
+    assert np.degrees(limit) == pytest.approx(3.965, abs=1e-3)
+    tilts = np.array([-limit - 1e-4, -limit + 1e-4, 0.0, limit - 1e-4, limit + 1e-4, 0.5, 1.5, 3.0])
+    gravity = np.column_stack([0.0 * tilts, np.sin(tilts), -np.cos(tilts)])
+    kind = np.full(3, SPHERE, dtype=np.int64)
+    values = measure_postures(
+        *(centres[None], np.zeros((1, 3, 3)), radius, kind, gravity, ("tip_angle",)),
+        *(np.pi / 2, np.pi / 6),
+    )["tip_angle"][0]
+    assert (values >= 0.0).tolist() == [False, True, True, True, False, False, False, False]
