@@ -1,6 +1,6 @@
 # Every command of the project; `make help` lists them.
 # `maps` is also a folder, so without this line make would call it up to date.
-.PHONY: help venv maps paper exports size firmware cmsis verify fuzz test check bench clean
+.PHONY: help venv maps paper exports size firmware cmsis verify fuzz physics test check bench clean
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -29,6 +29,9 @@ check: .venv/.installed ## lint, format, types, spelling
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/codespell
+
+physics: .venv/.physics ## compare the verdicts with a physics engine (docs/physics.md)
+	$(BIN)/python -m tests.physics.agreement
 
 bench: .venv/.installed ## measure speed
 	$(BIN)/python -m benchmarks.run
@@ -63,6 +66,14 @@ clean: ## remove build/ and the caches, keep .venv
 	  uv venv --allow-existing --python '>=3.11' .venv && uv pip install --python $(BIN)/python -e '.[test,dev]'; \
 	else \
 	  $(PYTHON) -m venv .venv && $(BIN)/python -m pip install --quiet -e '.[test,dev]'; \
+	fi
+	touch $@
+
+.venv/.physics: .venv/.installed
+	if command -v uv >/dev/null; then \
+	  uv pip install --python $(BIN)/python -e '.[physics]'; \
+	else \
+	  $(BIN)/python -m pip install --quiet -e '.[physics]'; \
 	fi
 	touch $@
 
