@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.channels import CHANNELS, wanted_channels
+from lutgen.load import measure_recipe
 from lutgen.pairs import ALONG, ASIDE, HEIGHT_BEYOND, measure_each, refuse_overflow
 from lutgen.primitive import pack
 from lutgen.recipe import Recipe
@@ -121,12 +122,16 @@ class Model:
         """
         where = self.postures(params)
         directions = np.ascontiguousarray(unit_directions(gravity))
-        values, overflow = measure_each(
-            pack(where.centres, where.axes, self.radius, self.kind),
-            directions,
-            limits(self.recipe.upright - tighter, self.recipe.rock_angle - tighter),
-            wanted_channels(("tip_angle",)),
-        )
+        wanted = wanted_channels(("tip_angle",))
+        if self.recipe.loaded:
+            values, overflow = measure_recipe(self.recipe, where, directions, wanted, tighter)
+        else:
+            values, overflow = measure_each(
+                pack(where.centres, where.axes, self.radius, self.kind),
+                directions,
+                limits(self.recipe.upright - tighter, self.recipe.rock_angle - tighter),
+                wanted,
+            )
         refuse_overflow(self.recipe.source, overflow, len(self.kind))
         rows = (*map(CHANNELS.index, ("sdg", "height", "tip_angle")), ALONG, ASIDE, HEIGHT_BEYOND)
         return Exact(*(np.ascontiguousarray(values[:, at]) for at in rows))

@@ -21,6 +21,8 @@ from lutgen.boundary import find_region
 from lutgen.channels import POSTURES_A_THREAD
 from lutgen.errors import InputError
 from lutgen.jit import few_threads, njit, prange
+from lutgen.load import limits_of, loads
+from lutgen.loaded_axes import MOMENT, MU, PHI, RHO, add, enter_walls, part
 from lutgen.pairs import refuse_overflow
 from lutgen.primitive import pack
 from lutgen.recipe import Recipe
@@ -32,7 +34,6 @@ from lutgen.region import (
     Limit,
     Region,
     empty_region,
-    limits,
     supporting_facet,
     vector_at,
 )
@@ -68,16 +69,19 @@ def _turned(up: Vector, x: Vector) -> Vector:
 
 
 @njit()
-def _lowest_wall(region: Region, k: int, g: Vector) -> float:
-    """Return the sine of the angle from g to the nearest side of facet k, negative outside."""
+def _lowest_wall(region: Region, wall: Floats, k: int, force: Vector) -> float:
+    """Return how far the resultant is inside the nearest side of facet k, negative outside.
+
+    Without a load it is the sine of the angle from gravity to that side.
+    """
     lowest = 1.0
     for e in range(region.span[k, FIRST], region.span[k + 1, FIRST]):
-        lowest = min(lowest, dot(vector_at(region.edge, e, WALL), g))
+        lowest = min(lowest, dot(vector_at(region.edge, e, WALL), force) + wall[e, MOMENT])
     return lowest
 
 
 @njit()
-def _settle(region: Region, gravity_plane: Vector) -> Vector:
+def _settle(region: Region, wall: Floats, load: Floats, gravity_plane: Vector) -> Vector:
     """Return the body's gravity direction when the robot rests on the plane.
 
     Of the facets that carry the robot when they lie on the plane, the least inclined to the
@@ -85,16 +89,19 @@ def _settle(region: Region, gravity_plane: Vector) -> Vector:
     tips; without any facet the plane is taken to be the body's own.
     """
     best, best_up = -1, -2.0
-    nearest, nearest_wall = -1, -2.0
+    nearest, nearest_wall = -1, -math.inf
+    loaded = np.abs(load[:RHO]).max() > 0.0
     for k in range(region.tally[FACETS]):
         up = scale(vector_at(region.plate, k, PLANE), -region.plate[k, HEIGHT])
         g = _turned(up, gravity_plane)
-        wall = _lowest_wall(region, k, g)
-        carries = supporting_facet(region.plate, region.tally[FACETS], g) == k and wall >= 0.0
+        inside = _lowest_wall(region, wall, k, add(g, part(load, PHI)))
+        # Under a load the zero-moment point is in this facet and not where a ray comes first.
+        first = loaded or supporting_facet(region.plate, region.tally[FACETS], g) == k
+        carries = first and inside >= 0.0
         if carries and up[2] > best_up:
             best, best_up = k, up[2]
-        if wall > nearest_wall:
-            nearest, nearest_wall = k, wall
+        if inside > nearest_wall:
+            nearest, nearest_wall = k, inside
     chosen = best if best >= 0 else nearest
     if chosen < 0:
         return gravity_plane
@@ -103,7 +110,9 @@ def _settle(region: Region, gravity_plane: Vector) -> Vector:
 
 
 @njit(parallel=True)
-def _settle_all(shapes: Floats, gravity_plane: Floats, limit: Limit) -> tuple[Floats, Ints]:
+def _settle_all(
+    shapes: Floats, load: Floats, gravity_plane: Floats, limit: Limit
+) -> tuple[Floats, Ints]:
     """Return the body's gravity directions (m, 3), and 1 where a facet table was too small."""
     m, n = shapes.shape[0], shapes.shape[1]
     down, overflow = np.empty((m, 3)), np.zeros(m, np.int64)
@@ -111,8 +120,11 @@ def _settle_all(shapes: Floats, gravity_plane: Floats, limit: Limit) -> tuple[Fl
         table, region = facet_table(n), empty_region(n)
         find_facets(table, shapes[posture], limit[2])
         find_region(region, table, limit, robot_size(shapes[posture]))
+        wall = np.zeros((region.edge.shape[0], 16))
+        if np.abs(load[posture, MU:RHO]).max() > 0.0:
+            enter_walls(region, load[posture], wall)
         down[posture, 0], down[posture, 1], down[posture, 2] = _settle(
-            region, row(gravity_plane, posture)
+            region, wall, load[posture], row(gravity_plane, posture)
         )
         overflow[posture] = table.tally[1]
     return down, overflow
@@ -164,8 +176,9 @@ def body_gravity(
     with few_threads(count, POSTURES_A_THREAD):
         down, overflow = _settle_all(
             pack(posture.centres, posture.axes, radius, kind),
+            loads(recipe, posture),
             directions,
-            limits(recipe.upright, recipe.rock_angle),
+            limits_of(recipe),
         )
     refuse_overflow(recipe.source, overflow, len(kind))
     return down

@@ -8,9 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lutgen.channels import measure_postures
+from lutgen.channels import CHANNELS, checked_directions, measure_postures, wanted_channels
+from lutgen.errors import InputError
+from lutgen.load import measure_recipe
 from lutgen.recipe import Recipe
-from lutgen.robot import forward, shapes
+from lutgen.robot import Postures, forward, shapes
 
 
 def evaluate(
@@ -36,14 +38,32 @@ def evaluate(
     Returns
     -------
     dict of str to (m, g) float64
-        As for `stability`, with the recipe's `upright` and `rock_angle`.
+        As for `stability`, with the recipe's `upright` and `rock_angle`, its forces and the
+        uncertainty of its com; with one of those `energy_margin` is NaN.
 
     Raises
     ------
     InputError
         For wrong shapes, numbers that are not finite and unknown channels.
     """
-    postures = forward(recipe, params)
+    return measure(recipe, forward(recipe, params), gravity_dir, channels)
+
+
+def measure(
+    recipe: Recipe, postures: Postures, gravity_dir: ArrayLike, channels: Sequence[str]
+) -> dict[str, NDArray[np.float64]]:
+    """Return the channels of postures that `robot.forward` has placed; see `evaluate`."""
+    if recipe.loaded:
+        wanted = wanted_channels(channels)
+        directions = checked_directions(gravity_dir)
+        values, overflow = measure_recipe(recipe, postures, directions[None], wanted)
+        if overflow.any():
+            raise InputError(
+                f"{recipe.source}: a posture has more support facets than its "
+                f"{len(recipe.contacts)} contacts can have (got it in {int(overflow.sum())} of "
+                f"{overflow.size} postures); check the radii for overlapping spheres"
+            )
+        return {name: values[:, CHANNELS.index(name)].copy() for name in channels}
     radius, kind = shapes(recipe)
     return measure_postures(
         postures.centres,

@@ -97,6 +97,11 @@ class Objective:
             raise InputError(
                 f"unknown convention {self.convention!r}; choose from {', '.join(CONVENTIONS)}"
             )
+        if self.recipe.loaded and "energy_margin" in self.weights:
+            raise InputError(
+                f"{self.recipe.source}: energy_margin is not defined under a force or with "
+                f"com_uncertainty (got the objective {self.text!r}); use margin or tip_angle"
+            )
         self.gravity = checked_directions(self.gravity)[0]
 
     def cost(self, params: ArrayLike) -> NDArray[np.float64]:

@@ -16,6 +16,7 @@ from lutgen.boundary import find_region
 from lutgen.channels import CHANNELS, POSTURES_A_THREAD, measure, wanted_channels
 from lutgen.errors import InputError
 from lutgen.jit import few_threads, njit, prange
+from lutgen.load import measure_recipe
 from lutgen.primitive import pack
 from lutgen.recipe import Recipe
 from lutgen.region import (
@@ -159,13 +160,17 @@ def evaluate_pairs(
             f"(got the shape {directions.shape})"
         )
     radius, kind = shapes(recipe)
-    with few_threads(len(each), POSTURES_A_THREAD):
-        values, overflow = measure_each(
-            pack(where.centres, where.axes, radius, kind),
-            np.ascontiguousarray(unit_directions(each)),
-            limits(recipe.upright, recipe.rock_angle),
-            wanted,
-        )
+    down = np.ascontiguousarray(unit_directions(each))
+    if recipe.loaded:
+        values, overflow = measure_recipe(recipe, where, down, wanted)
+    else:
+        with few_threads(len(each), POSTURES_A_THREAD):
+            values, overflow = measure_each(
+                pack(where.centres, where.axes, radius, kind),
+                down,
+                limits(recipe.upright, recipe.rock_angle),
+                wanted,
+            )
     refuse_overflow(recipe.source, overflow, len(kind))
     found = {name: values[:, CHANNELS.index(name)] for name in channels}
     return {

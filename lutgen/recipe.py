@@ -18,6 +18,7 @@ import numpy as np
 
 from lutgen.errors import RecipeError
 from lutgen.grid import Axis, Grid
+from lutgen.recipe_load import Force, read_com_uncertainty, read_forces, read_payloads
 from lutgen.recipe_plugin import load_function
 from lutgen.recipe_robot import (
     CHANNELS,
@@ -41,6 +42,7 @@ __all__ = [
     "CHANNELS",
     "Contact",
     "ExportDefaults",
+    "Force",
     "Joint",
     "Link",
     "Parameter",
@@ -53,7 +55,7 @@ __all__ = [
 
 ROBOT_KEYS = (
     *("name", "length_unit", "friction", "upright", "rock_angle", "python", "urdf"),
-    *("parameter", "link", "contact", "wheel"),
+    *("parameter", "link", "contact", "wheel", "payload", "force", "com_uncertainty"),
 )
 
 
@@ -72,6 +74,7 @@ class Recipe:
     `python` is ``"module:function"`` for a robot given by code; `function` is then
     that function.  `text` is the TOML itself and `source` its file name for messages.
     `urdf` is the content of the robot description that the recipe names.
+    Payloads are links; `com_uncertainty` is the radius of the ball in which the com lies.
     """
 
     name: str
@@ -92,6 +95,8 @@ class Recipe:
     function: Callable[..., Any] | None = field(default=None, compare=False, repr=False)
     wheels: tuple[Wheel, ...] = ()
     urdf: str | None = field(default=None, repr=False)
+    forces: tuple[Force, ...] = ()
+    com_uncertainty: float = 0.0
 
     def __hash__(self) -> int:
         # Of the text alone: the robot is looked up by its recipe in every evaluation.
@@ -106,6 +111,16 @@ class Recipe:
     def contact_names(self) -> tuple[str, ...]:
         """Names of the contacts, in order."""
         return tuple(contact.name for contact in self.contacts)
+
+    @property
+    def pulled(self) -> bool:
+        """Whether any force or moment acts beside the weight."""
+        return any(force.acts for force in self.forces)
+
+    @property
+    def loaded(self) -> bool:
+        """Whether stability is that of `loaded.py`: forces act, or the com is uncertain."""
+        return self.pulled or self.com_uncertainty > 0.0
 
 
 def recipe_digest(text: str, urdf: str | None = None) -> str:
@@ -205,19 +220,27 @@ def parse_recipe(
     function = None
     wheels: tuple[Wheel, ...] = ()
     content = None
+    forces: tuple[Force, ...] = ()
+    com_uncertainty = read_com_uncertainty(robot)
     if "urdf" in robot:
         robot.refuse(("python", "link"), "cannot be combined with `robot.urdf`", "remove it")
         content = read_content(robot, inert) if urdf is None else urdf
         links, contacts = read_urdf(robot, parameters, content)
         wheels = read_wheels(robot, contacts)
+        forces = read_forces(robot, links)
+        links = read_payloads(robot, links)
     elif python is None:
         links = read_links(robot, parameters)
         contacts = read_contacts(robot, links)
         wheels = read_wheels(robot, contacts)
+        forces = read_forces(robot, links)
+        links = read_payloads(robot, links)
     else:
         # Code gives places only: which way an axle on them points is not known.
         robot.refuse(
-            ("link", "contact", "wheel"), "cannot be combined with `robot.python`", "remove it"
+            ("link", "contact", "wheel", "payload", "force"),
+            "cannot be combined with `robot.python`",
+            "remove it",
         )
         count = 0
         if not inert:
@@ -225,7 +248,7 @@ def parse_recipe(
         links = (Link("body"),)
         zero = (0.0, 0.0, 0.0)
         contacts = tuple(Contact(f"P{i}", "body", zero) for i in range(1, count + 1))
-    return Recipe(
+    recipe = Recipe(
         name,
         length_unit,
         friction,
@@ -244,7 +267,17 @@ def parse_recipe(
         function,
         wheels,
         content,
+        forces,
+        com_uncertainty,
     )
+    if recipe.loaded and "energy_margin" in channels:
+        sweep.fail(
+            "channels",
+            "energy_margin is not defined under a force or with com_uncertainty",
+            list(channels),
+            "leave it out",
+        )
+    return recipe
 
 
 def _read_grid(sweep: Table, parameters: tuple[Parameter, ...]) -> Grid:

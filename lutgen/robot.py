@@ -1,4 +1,4 @@
-"""From parameter values to postures: centres of the contacts and the centre of mass.
+"""From parameter values to postures: contacts, points where forces act, and the centre of mass.
 
 One kernel walks the link tree for every posture.  What the contacts then stand on is
 not known here.
@@ -15,7 +15,8 @@ from lutgen.errors import InputError
 from lutgen.jit import njit
 from lutgen.placement import rotation
 from lutgen.recipe import Recipe
-from lutgen.recipe_robot import Link, Vector
+from lutgen.recipe_load import Force
+from lutgen.recipe_robot import Contact, Link, Vector
 
 __all__ = ["Postures", "forward", "postures", "shapes"]
 
@@ -30,12 +31,14 @@ class Postures(NamedTuple):
     """Postures of a robot, body frame, in the recipe's length unit.
 
     `centres` (m, n, 3): contact centres relative to the com; `axes` (m, n, 3): unit
-    axes of the discs, zero for other contacts; `com` (m, 3): in the recipe's frame.
+    axes of the discs, zero for other contacts; `com` (m, 3): in the recipe's frame;
+    `force_points` (m, f, 3): where the recipe's forces act, relative to the com.
     """
 
     centres: Floats
     axes: Floats
     com: Floats
+    force_points: Floats
 
 
 class Tree(NamedTuple):
@@ -51,9 +54,10 @@ class Tree(NamedTuple):
     offset: Floats  # (l,)
     mass: Floats  # (l,) share of the whole mass
     com: Floats  # (l, 3)
-    contact_link: Ints  # (n,)
-    contact_position: Floats  # (n, 3)
-    contact_axis: Floats  # (n, 3)
+    # Contacts, and after them the points where forces act, whose axes are zero.
+    point_link: Ints  # (n + f,)
+    point_position: Floats  # (n + f, 3)
+    point_axis: Floats  # (n + f, 3)
 
 
 def forward(recipe: Recipe, params: ArrayLike) -> Postures:
@@ -71,7 +75,7 @@ def forward(recipe: Recipe, params: ArrayLike) -> Postures:
     Returns
     -------
     Postures
-        Contact centres relative to the com, disc axes, and the com.
+        Contact centres relative to the com, disc axes, the com, and where forces act.
     """
     values = _checked(recipe, params)
     if recipe.python is not None and recipe.function is None:
@@ -81,11 +85,18 @@ def forward(recipe: Recipe, params: ArrayLike) -> Postures:
         )
     if recipe.function is not None:
         return _forward_python(recipe, values)
-    tree = _tree(recipe)
-    shape = (len(values), len(recipe.contacts), 3)
-    result = Postures(np.empty(shape), np.empty(shape), np.empty((len(values), 3)))
-    _forward(values, *tree, *result)
-    return result
+    contacts = len(recipe.contacts)
+    shape = (len(values), contacts + len(recipe.forces), 3)
+    points, axes, com = np.empty(shape), np.empty(shape), np.empty((len(values), 3))
+    _forward(values, *_tree(recipe), points, axes, com)
+    if not recipe.forces:
+        return Postures(points, axes, com, points[:, contacts:])
+    return Postures(
+        np.ascontiguousarray(points[:, :contacts]),
+        np.ascontiguousarray(axes[:, :contacts]),
+        com,
+        np.ascontiguousarray(points[:, contacts:]),
+    )
 
 
 def postures(recipe: Recipe, params: ArrayLike) -> tuple[Floats, Floats]:
@@ -150,7 +161,8 @@ def _forward_python(recipe: Recipe, values: Floats) -> Postures:
             f"{recipe.source}: `{recipe.python}` must return finite numbers (got NaN or "
             "infinity); correct the function."
         )
-    return Postures(contacts - com[:, None, :], np.zeros(shape), com.copy())
+    centres = contacts - com[:, None, :]
+    return Postures(centres, np.zeros(shape), com.copy(), np.empty((len(values), 0, 3)))
 
 
 @lru_cache(maxsize=16)
@@ -170,6 +182,8 @@ def _tree(recipe: Recipe) -> Tree:
         return np.array(vectors, dtype=np.float64).reshape(-1, 3)
 
     zero = (0.0, 0.0, 0.0)
+    points: list[Contact | Force] = [*recipe.contacts, *recipe.forces]
+    axes = [*(contact.axis or zero for contact in recipe.contacts), *(zero for _ in recipe.forces)]
     return Tree(
         np.array([-1 if link.parent is None else row[link.parent] for link in links], np.int64),
         rows([link.origin for link in links]),
@@ -181,9 +195,9 @@ def _tree(recipe: Recipe) -> Tree:
         np.array([joint.offset if joint else 0.0 for joint in joints]),
         share,
         rows([link.com for link in links]),
-        np.array([row[contact.link] for contact in recipe.contacts], np.int64),
-        rows([contact.position for contact in recipe.contacts]),
-        rows([contact.axis or zero for contact in recipe.contacts]),
+        np.array([row[point.link] for point in points], np.int64),
+        rows([point.position for point in points]),
+        rows(axes),
     )
 
 
@@ -286,10 +300,10 @@ def _forward(
     offset: Floats,
     mass: Floats,
     link_com: Floats,
-    contact_link: Ints,
-    contact_position: Floats,
-    contact_axis: Floats,
-    centres: Floats,
+    point_link: Ints,
+    point_position: Floats,
+    point_axis: Floats,
+    points: Floats,
     axes: Floats,
     com: Floats,
 ) -> None:
@@ -318,9 +332,9 @@ def _forward(
             )
             for i in range(3):
                 com[m, i] += mass[link] * (where[link, i] + _rotate(turn[link], link_com[link], i))
-        for n in range(len(contact_link)):
-            link = contact_link[n]
+        for n in range(len(point_link)):
+            link = point_link[n]
             for i in range(3):
-                centre = where[link, i] + _rotate(turn[link], contact_position[n], i)
-                centres[m, n, i] = centre - com[m, i]
-                axes[m, n, i] = _rotate(turn[link], contact_axis[n], i)
+                centre = where[link, i] + _rotate(turn[link], point_position[n], i)
+                points[m, n, i] = centre - com[m, i]
+                axes[m, n, i] = _rotate(turn[link], point_axis[n], i)

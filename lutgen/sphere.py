@@ -13,7 +13,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from lutgen.errors import InputError
 
-__all__ = ["Chart", "gravity_from_up", "unit_directions"]
+__all__ = ["STANDARD_GRAVITY", "Chart", "gravito_inertial", "gravity_from_up", "unit_directions"]
+
+# m/s^2.
+STANDARD_GRAVITY = 9.80665
 
 # Normal axis c, its sign, and the axes a (u) and b (v) of the faces -z, +x, -x, +y, -y, +z.
 FACE_NORMAL = (2, 0, 0, 1, 1, 2)
@@ -252,3 +255,46 @@ def gravity_from_up(up_dir: ArrayLike) -> NDArray[np.float64]:
     """
     down: NDArray[np.float64] = 0.0 - unit_directions(up_dir)
     return down
+
+
+def gravito_inertial(gravity_dir: ArrayLike, acceleration: ArrayLike) -> NDArray[np.float64]:
+    """Return the direction of gravity and inertia together, for a robot that accelerates.
+
+    Parameters
+    ----------
+    gravity_dir : (3,) array_like
+        Pointing down, body frame, any length above 0.
+    acceleration : (3,) array_like
+        Acceleration of the com, body frame, m/s^2.
+
+    Returns
+    -------
+    (3,) float64
+        Unit vector along 9.80665 g - a, g the unit gravity direction: what tips the robot, and
+        what an accelerometer reads with its sign turned (`gravity_from_up`).
+
+    Raises
+    ------
+    InputError
+        For numbers that are not finite, and in free fall, where nothing presses on the ground.
+
+    Examples
+    --------
+    Braking from forward motion tips the robot over its nose:
+
+    >>> gravito_inertial([0.0, 0.0, -1.0], [-9.80665, 0.0, 0.0]).round(3).tolist()
+    [0.707, 0.0, -0.707]
+    """
+    pull = np.asarray(acceleration, dtype=np.float64)
+    if pull.shape != (3,) or not np.isfinite(pull).all():
+        raise InputError(
+            f"an acceleration needs three finite numbers in m/s^2 (got {pull.tolist()}); "
+            "give x, y, z in the body frame"
+        )
+    felt = STANDARD_GRAVITY * unit_directions(gravity_dir) - pull
+    if not np.linalg.norm(felt) > 1e-9 * STANDARD_GRAVITY:
+        raise InputError(
+            f"the robot is in free fall (got the acceleration {pull.tolist()} m/s^2); nothing "
+            "presses it on the ground then"
+        )
+    return unit_directions(felt)

@@ -15,9 +15,12 @@ from lutgen.channels import (
     axis_energy,
     axis_margin,
     checked_directions,
-    measure_postures,
     tip_angle,
 )
+from lutgen.evaluation import measure
+from lutgen.load import MU, PHI, RHO, limits_of, loads
+from lutgen.loaded import axis_angle, loaded_margin, loaded_verdict
+from lutgen.loaded_axes import empty_axes, find_axes
 from lutgen.primitive import KIND, RADIUS, pack
 from lutgen.recipe import Recipe
 from lutgen.region import (
@@ -31,12 +34,12 @@ from lutgen.region import (
     STOP,
     TIP_PLANE,
     empty_region,
-    limits,
     supporting_facet,
     vector_at,
 )
 from lutgen.robot import forward, shapes
 from lutgen.rounds import find_facets
+from lutgen.sphere import STANDARD_GRAVITY
 from lutgen.support import FIRST, VERTEX, facet_table, robot_size
 from lutgen.vector import dot
 
@@ -51,7 +54,7 @@ class FacetView:
 
     `contacts` are the polygon's corners, counter-clockwise seen from outside, and `points` (k, 3)
     their contact points relative to the com; `centroid` is s, `pierced` is D_g (NaN where the ray
-    runs along or away from the plane).
+    runs along or away from the plane); under forces it is the zero-moment point.
     """
 
     normal: Vector3
@@ -88,7 +91,10 @@ class Diagnosis:
     name: "exact" for three contacts, "minimum norm" (of all that balance and nowhere pull) for
     more; empty where the robot tips, and over a gap, where it rocks from one facet to another.
     `heuristic_forces` are those of the paper's Eq 12.  `slides` is None without a friction
-    coefficient.
+    coefficient.  Under the recipe's forces the weight is the resultant of weight and forces,
+    `resultant` over the weight, and `slope` its angle to the normal.  `com_uncertainty` is the
+    radius of the com's ball; `force_points` (f, 3), relative to the com, and `forces` (f, 3), over
+    the weight, are where and how the recipe's forces act.
     """
 
     gravity_dir: Vector3
@@ -107,6 +113,10 @@ class Diagnosis:
     heuristic_forces: dict[str, float]
     slope: float
     slides: bool | None
+    resultant: Vector3
+    com_uncertainty: float
+    force_points: NDArray[np.float64]
+    forces: NDArray[np.float64]
 
 
 def normal_forces(points: NDArray[np.float64], pierced: Vector3) -> NDArray[np.float64]:
@@ -177,12 +187,9 @@ def diagnose(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> Diagn
     posture = forward(recipe, row)
     radius, kind = shapes(recipe)
     primitives = pack(posture.centres[0], posture.axes[0], radius, kind)
-    values = measure_postures(
-        *(posture.centres, posture.axes, radius, kind, down),
-        *(CHANNELS, recipe.upright, recipe.rock_angle),
-    )
+    values = measure(recipe, posture, down, CHANNELS)
     channels = {name: float(values[name][0, 0]) for name in CHANNELS}
-    limit = limits(recipe.upright, recipe.rock_angle)
+    limit = limits_of(recipe)
     table, region = facet_table(len(primitives)), empty_region(len(primitives))
     find_facets(table, primitives, limit[2])
     find_region(region, table, limit, robot_size(primitives))
@@ -190,14 +197,26 @@ def diagnose(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> Diagn
     k = supporting_facet(region.plate, region.tally[FACETS], g)
     names = recipe.contact_names
     standing = channels["tip_angle"] >= 0.0
+    load = loads(recipe, posture)[0]
+    axes = empty_axes(region)
+    if recipe.loaded:
+        find_axes(region, load, axes)
+        k, _, _ = loaded_verdict(region, axes, load, limit[1], g)
     tip_axes = tuple(
-        _tip_axis(region, b, names, g, standing) for b in range(region.tally[SEGMENTS])
+        _loaded_axis(region, axes, load, b, names, g, standing)
+        if recipe.loaded
+        else _tip_axis(region, b, names, g, standing)
+        for b in range(region.tally[SEGMENTS])
     )
     least = min(range(len(tip_axes)), key=lambda b: abs(tip_axes[b].tip_angle), default=None)
     if region.tally[CONVEX] == 1 and tip_axes:
         least = min(range(len(tip_axes)), key=lambda b: tip_axes[b].tip_angle)
-    facet = None if k < 0 else _facet_view(region, table, k, down[0])
-    slope = math.nan if facet is None else math.acos(min(1.0, float(facet.normal @ down[0])))
+    resultant = down[0] + load[PHI:MU]
+    facet = None if k < 0 else _facet_view(region, table, k, resultant, load[MU:RHO])
+    slope = math.nan
+    if facet is not None:
+        size = float(np.linalg.norm(resultant)) if recipe.pulled else 1.0
+        slope = math.acos(max(-1.0, min(1.0, float(facet.normal @ resultant) / size)))
     exact: dict[str, float] = {}
     rough: dict[str, float] = {}
     forces_kind = ""
@@ -230,16 +249,33 @@ def diagnose(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> Diagn
         rough,
         slope,
         slides,
+        resultant,
+        recipe.com_uncertainty,
+        posture.force_points[0],
+        _over_weight(recipe),
     )
 
 
-def _facet_view(region, table, k: int, down: Vector3) -> FacetView:  # type: ignore[no-untyped-def]
+def _over_weight(recipe: Recipe) -> NDArray[np.float64]:
+    """Return the recipe's forces (f, 3) over its weight."""
+    weight = sum(link.mass for link in recipe.links) * STANDARD_GRAVITY
+    forces = [[part / weight for part in force.force] for force in recipe.forces]
+    return np.array(forces, dtype=np.float64).reshape(-1, 3)
+
+
+def _facet_view(  # type: ignore[no-untyped-def]
+    region, table, k: int, resultant: Vector3, moment: Vector3
+) -> FacetView:
     f = region.span[k, SOURCE]
     corners = slice(table.span[f, FIRST], table.span[f + 1, FIRST])
     normal = table.facet[f, :3].copy()
     height = float(region.plate[k, HEIGHT])
-    rate = float(normal @ down)
-    pierced = down * (height / rate) if rate > 0.0 else np.full(3, np.nan)
+    rate = float(normal @ resultant)
+    pierced = np.full(3, np.nan)
+    if rate > 0.0:
+        pierced = resultant * (height / rate)
+        if moment.any():
+            pierced = pierced + np.cross(normal, moment) / rate
     return FacetView(
         normal,
         height,
@@ -276,4 +312,21 @@ def _tip_axis(region, b, names, g, standing) -> TipAxis:  # type: ignore[no-unty
         angle,
         margin,
         energy,
+    )
+
+
+def _loaded_axis(region, axes, load, b, names, g, standing) -> TipAxis:  # type: ignore[no-untyped-def]
+    """Return boundary segment b of a loaded robot, whose energy margin is not defined."""
+    i, j = (int(c) for c in region.contacts[b])
+    start, stop = (vector_at(region.segment, b, c) for c in (START, STOP))
+    convex = bool(region.tally[CONVEX] == 1)
+    row = axes.axis[b]
+    return TipAxis(
+        (i, j),
+        (names[i], names[j]),
+        np.array(start),
+        np.array(stop),
+        axis_angle(convex, row, axes.ends[b], start, stop, load, standing, g),
+        loaded_margin(convex, row, start, stop, load, standing, g),
+        math.nan,
     )

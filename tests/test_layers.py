@@ -14,9 +14,11 @@ ROOT = PACKAGE.parent
 ORDER = (
     *("errors", "_version", "files", "jit", "vector", "placement", "grid", "sphere"),
     *("recipe_schema", "urdf_xml", "urdf", "urdf_motion", "urdf_xacro"),
-    *("recipe_robot", "urdf_contacts", "urdf_links", "recipe_urdf", "recipe_plugin", "recipe"),
+    *("recipe_robot", "recipe_load", "urdf_contacts", "urdf_links", "recipe_urdf"),
+    *("recipe_plugin", "recipe"),
     *("urdf_choice", "urdf_text", "urdf_recipe", "robot"),
     *("primitive", "polygon", "support", "rounds", "facet_list", "region", "boundary", "channels"),
+    *("loaded_axes", "loaded", "load"),
     *("evaluation", "pairs", "statics", "attitude", "rolling", "wheels"),
     *("raster", "tilt", "scan", "scanner", "standing"),
     *("interpolate", "checksum", "blocks", "store", "sweeper", "statistics"),
