@@ -16,6 +16,10 @@ that is little, because a robot of many parameters has few places along each, th
 facets to which the com is nearer than `lowest`: their edges are then that far away, and so is a
 chord of a rolling rim but for its sag.
 
+The com may lie anywhere within `com_uncertainty` rho of the computed one: that turns the plane of
+an axis at the distance d by at most asin(rho / d), and the least d of all is counted everywhere.
+The runtime refuses facets that may lie less than rho below the com.
+
 The limits `upright` and `rock_angle` compare facet normals, which the same error turns.  The
 runtime gets both limits tightened by twice 2 |e| over the facet's width.  Facets narrower than a
 twentieth of the robot, whose normals mean little, are left out.
@@ -34,6 +38,7 @@ from lutgen.jit import njit, prange
 from lutgen.primitive import pack
 from lutgen.region import (
     FACETS,
+    HEIGHT,
     PLANE,
     POINT,
     SEGMENTS,
@@ -80,17 +85,18 @@ def _measure(
 
     The least distance of a boundary segment; the least width of a facet; the largest error across a
     tip-over plane over the segment's distance (at least `floor`); the least extent of a facet along
-    the rolling direction of a disc.
+    the rolling direction of a disc; the least height of the com above a facet.
     """
     n = shapes.shape[0]
     table, region = facet_table(n), empty_region(n)
     find_facets(table, shapes, limit[2])
     find_region(region, table, limit, robot_size(shapes))
-    nearest = narrowest = shortest = math.inf
+    nearest = narrowest = shortest = lowest = math.inf
     across = 0.0
     for k in range(region.tally[FACETS]):
         begin, end = region.span[k, FIRST], region.span[k + 1, FIRST]
         normal = vector_at(region.plate, k, PLANE)
+        lowest = min(lowest, region.plate[k, HEIGHT])
         width = math.inf
         for i in range(n):
             hinge = (shapes[i, 3], shapes[i, 4], shapes[i, 5])
@@ -132,14 +138,14 @@ def _measure(
         for end in range(2):
             worst = abs(dot(normal, row(error, region.contacts[b, end])))
             across = max(across, worst / max(distance, floor))
-    out[0], out[1], out[2], out[3] = nearest, narrowest, across, shortest
+    out[0], out[1], out[2], out[3], out[4] = nearest, narrowest, across, shortest, lowest
 
 
 @njit(parallel=True)
 def _measure_all(
     shapes: Floats, error: Floats, limit: Limit, narrow: float, floor: float
 ) -> Floats:
-    out = np.empty((shapes.shape[0], 4))
+    out = np.empty((shapes.shape[0], 5))
     for posture in prange(shapes.shape[0]):
         _measure(shapes[posture], error[posture], limit, narrow, floor, out[posture])
     return out
@@ -169,6 +175,7 @@ class Geometry:
         self.size = reach + float(model.radius.max(initial=0.0))
         found = self._measured(np.zeros((len(self.places), len(model.kind), 3)), math.inf)
         self.nearest, self.narrowest = float(found[:, 0].min()), float(found[:, 1].min())
+        self.lowest = float(found[:, 4].min())
         self.shortest = min(float(found[:, 3].min()), self.size)
         self.low = self._low()
         if (model.kind == 1).any():  # spheres roll any way
@@ -218,6 +225,13 @@ def contacts_guard(model: Model, geometry: Geometry, codes: Codes, merged: float
     if not math.isfinite(nearest) or nearest <= 2.0 * delta:
         text = "the com may reach an edge of its support: nothing is safe"
         return Guard(math.pi, 0.0, merged, text)
+    rho = model.recipe.com_uncertainty
+    if rho > 0.0 and nearest <= rho + 2.0 * delta:
+        text = "the uncertain com may reach an edge of its support: nothing is safe"
+        return Guard(math.pi, 0.0, lowest, text)
+    if rho > 0.0 and geometry.lowest - moved <= rho + 2.0 * delta:
+        # Then the runtime itself must tell which facets are below every com of the ball.
+        lowest = max(lowest, rho + 2.0 * delta)
     across, hinge = geometry.across(codes.stored, nearest)
     turned = (2.0 * delta + merged) / min(geometry.narrowest, geometry.size)
     rolled = 4.0 * delta / geometry.shortest + 2.0 * hinge
@@ -225,6 +239,8 @@ def contacts_guard(model: Model, geometry: Geometry, codes: Codes, merged: float
     between = codes.drift * half + delta * (moved + 2.0 * delta) / nearest
     sine = min(across + between / nearest, delta / nearest) + round_part / nearest
     angle = math.asin(min(sine, 1.0)) + ROUNDING
+    swayed = math.asin(min(rho / nearest, 1.0))
+    angle += swayed
     tighter = min(2.0 * turned, math.radians(5.0))
     unit = model.recipe.length_unit
     named = "" if unit == "1" else f" {unit}"
@@ -236,4 +252,6 @@ def contacts_guard(model: Model, geometry: Geometry, codes: Codes, merged: float
     )
     if lowest > merged:
         text += f"; facets to which the com is nearer than {lowest:.4g}{named} are refused"
+    if rho > 0.0:
+        text += f"; the com's ball of {rho:.4g}{named} takes {math.degrees(swayed):.3g} deg of it"
     return Guard(angle, tighter, lowest, text)

@@ -59,6 +59,8 @@ SIGN_ONLY = (
 
 def refusal(model: Model, arithmetic: str) -> str | None:
     """Return why the codec cannot be used, or None."""
+    if model.recipe.com_uncertainty > 0.0:
+        return "grid holds no com_uncertainty; choose the codec contacts"
     if model.k > MOST_PARAMS:
         return f"grid holds at most {MOST_PARAMS} parameters (got {model.k})"
     if arithmetic == "integer" and model.chart_limit > STEEPEST:

@@ -24,6 +24,8 @@ __all__ = ["Spec", "Tables", "c_body", "encode", "grow", "read", "refusal", "sta
 
 def refusal(model: Model, arithmetic: str) -> str | None:
     """Return why the codec cannot hold this robot, in one sentence, or None."""
+    if model.recipe.com_uncertainty > 0.0:
+        return "poly holds no com_uncertainty; choose the codec contacts"
     if arithmetic != "float":
         return "poly computes with floats only; choose the codec grid for integers"
     if not model.single_facet:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from lutgen.cli.options import (
+    acceleration,
     allow_python,
     as_json,
     gravity,
@@ -29,12 +30,14 @@ log = logging.getLogger("lutgen")
 @click.argument("source", type=click.Path())
 @parameters
 @gravity
+@acceleration
 @allow_python
 @as_json
 def eval_(
     source: str,
     assignments: tuple[tuple[str, float], ...],
-    gravity: tuple[float, float, float],
+    gravity: tuple[float, ...],
+    acceleration: tuple[float, ...] | None,
     allow_python: bool,
     as_json: bool,
 ) -> None:
@@ -48,7 +51,10 @@ def eval_(
     sdg            0.00253161
     """
     from lutgen.recipe import Recipe
+    from lutgen.sphere import gravito_inertial
 
+    if acceleration is not None:
+        gravity = tuple(gravito_inertial(gravity, acceleration).tolist())
     if Path(source).is_dir():
         from lutgen.cli.eval_export import export_report
 
@@ -127,6 +133,10 @@ def exact_report(
             "pierced": [_number(c) for c in found.facet.pierced],
         }
     report["com"] = found.com.tolist()
+    if recipe.com_uncertainty:
+        report["com_uncertainty"] = recipe.com_uncertainty
+    if recipe.pulled:
+        report["resultant_over_weight"] = found.resultant.tolist()
     return report
 
 
@@ -205,6 +215,11 @@ def lines(report: dict[str, Any]) -> list[str]:
     if "rolling_tip_angle_deg" in report:
         angle = report["rolling_tip_angle_deg"]
         text.append(f"{'rolling freely':<15}tip_angle {angle:.6g} deg")
+    if "com_uncertainty" in report:
+        text.append(f"{'for any com':<15}within {report['com_uncertainty']:g}{length}")
+    if "resultant_over_weight" in report:
+        size = math.hypot(*report["resultant_over_weight"])
+        text.append(f"{'resultant':<15}{size:.6g} of the weight")
     axis = report.get("least_stable_axis")
     if axis is not None:
         text.append(

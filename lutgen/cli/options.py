@@ -47,6 +47,23 @@ class Direction(click.ParamType):  # type: ignore[type-arg]
         return numbers
 
 
+class Acceleration(click.ParamType):  # type: ignore[type-arg]
+    """Three numbers ax,ay,az: an acceleration in the body frame, m/s^2."""
+
+    name = "AX,AY,AZ"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[float, ...]:
+        """Return the three numbers."""
+        if isinstance(value, tuple):
+            return value
+        numbers = finite_numbers(value)
+        if len(numbers) != 3:
+            self.fail(f"{value!r} is no acceleration; write for example -2,0,0", param, ctx)
+        return numbers
+
+
 class Assignment(click.ParamType):  # type: ignore[type-arg]
     """A geometry parameter and its value, name=number."""
 
@@ -75,6 +92,13 @@ gravity = click.option(
     default="0,0,-1",
     show_default=True,
     help="Gravity in the body frame, pointing down (x forward, y left, z up); any length.",
+)
+acceleration = click.option(
+    "-a",
+    "--acceleration",
+    type=Acceleration(),
+    help="Acceleration of the robot in the body frame, m/s^2: inertia then acts beside gravity. "
+    "Leave it out where gravity comes from an accelerometer, which reads both.",
 )
 convention = click.option(
     "--convention",
