@@ -18,7 +18,10 @@ from tests.test_docs import blocks
 
 CART = feet([(0.3, 0.3, -0.4), (-0.3, 0.3, -0.4), (-0.3, -0.3, -0.4), (0.3, -0.3, -0.4)])
 MASS = '[[robot.link]]\nname = "body"\nmass = 10.0\n'
-PULL = '[[robot.force]]\nname = "rope"\nlink = "body"\nposition = [0, 0, 0]\nforce = [49.03325, 0, 0]\n'
+PULL = (
+    '[[robot.force]]\nname = "rope"\nlink = "body"\nposition = [0, 0, 0]\n'
+    "force = [49.03325, 0, 0]\n"
+)
 
 
 @pytest.fixture
@@ -122,3 +125,13 @@ def test_everything_on_the_page_runs_and_prints_what_it_says(
         program, *arguments = command.split()
         assert program == "lutgen"
         assert good(*arguments).stdout == text
+
+
+def test_a_picture_of_a_loaded_robot_names_its_force_and_its_ball(
+    roped: Path, tmp_path: Path
+) -> None:
+    picture = tmp_path / "robot.svg"
+    good("plot", roped, "-o", picture, "--kind", "robot")
+    text = picture.read_text()
+    for words in ("force", "com anywhere within 0.05 m", "weight and forces together"):
+        assert words in text

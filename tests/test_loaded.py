@@ -471,7 +471,7 @@ def test_a_robot_without_masses_carries_nothing(kind: str) -> None:
     with pytest.raises(lutgen.RecipeError, match="give its links masses"):
         lutgen.parse_recipe(rigid(feet(BOX) + entry))
     with pytest.raises(lutgen.RecipeError, match="is not a link of the robot"):
-        robot(feet(BOX), entry.replace('"body"', '"boddy"'))
+        robot(feet(BOX), entry.replace('"body"', '"trunk"'))
     with pytest.raises(lutgen.RecipeError, match="is given twice"):
         robot(feet(BOX), entry + entry)
 

@@ -18,10 +18,10 @@ from numpy.typing import ArrayLike, NDArray
 from lutgen.plot.box import box_axes, fit_box, place
 from lutgen.plot.labels import angle_text, length_label, title, with_unit
 from lutgen.plot.marks import write_beside
-from lutgen.plot.style import BLUE, GREEN, GREY, ORANGE, new_figure
+from lutgen.plot.style import BLUE, GREEN, GREY, ORANGE, PURPLE, new_figure
 from lutgen.plot.view import View
 from lutgen.primitive import DISC, POINT, SPHERE
-from lutgen.statics import Diagnosis, diagnose
+from lutgen.statics import Diagnosis, FacetView, diagnose
 
 __all__ = ["SIZE", "circle", "draw_robot"]
 
@@ -40,7 +40,8 @@ def draw_robot(view: View, size: tuple[float, float] | None) -> Figure:
     figure = new_figure(size or SIZE)
     axes = box_axes(figure, ELEVATION, AZIMUTH)
     heading = title(view, gravity=True, more=_verdict(state))
-    handles = [*_body(axes, state), *_support(axes, view, state), *_edges(axes, state)]
+    handles = [*_body(axes, state), *_load(axes, view, state)]
+    handles += [*_support(axes, view, state), *_edges(axes, state)]
     sides = _frame(axes, view, state)
     fit_box(figure, axes, sides, heading, handles, size)
     if len(state.centres) <= NAMED:
@@ -95,13 +96,42 @@ def _body(axes: Any, state: Diagnosis) -> list[Artist]:
         elif state.kind[i] == SPHERE:
             rims = [circle(centre, normal, radius) for normal in np.eye(3)]
             axes.add_collection3d(Line3DCollection(rims, colors=GREY, linewidths=0.6, zorder=3))
-    axes.plot([0.0], [0.0], [0.0], "o", color="black", markersize=4.5, zorder=8)
+    # Small beside the ball in which it may lie.
+    dot = 2.0 if state.com_uncertainty > 0.0 else 4.5
+    axes.plot([0.0], [0.0], [0.0], "o", color="black", markersize=dot, zorder=8)
     kinds = sorted({("points", "spheres", "discs")[int(kind)] for kind in state.kind})
     hollow = GREY if kinds == ["points"] else "none"
     return [
-        _sample("centre of mass", "o", "black", 4.5),
+        _sample("centre of mass", "o", "black", dot),
         _sample(f"contacts ({', '.join(kinds)})", "o", GREY, 4.5, hollow),
     ]
+
+
+def _load(axes: Any, view: View, state: Diagnosis) -> list[Artist]:
+    """Draw the ball in which the com lies, and the forces: the weight is as long as the robot."""
+    handles: list[Artist] = []
+    if state.com_uncertainty > 0.0:
+        rims = [circle(np.zeros(3), normal, state.com_uncertainty) for normal in np.eye(3)]
+        axes.add_collection3d(Line3DCollection(rims, colors="black", linewidths=0.5, zorder=8))
+        words = f"com anywhere within {with_unit(state.com_uncertainty, view.recipe.length_unit)}"
+        handles.append(Line2D([], [], color="black", linewidth=0.5, label=words))
+    acting = np.linalg.norm(state.forces, axis=1) > 0.0
+    for start, force in zip(state.force_points[acting], state.forces[acting], strict=True):
+        _line(axes, np.zeros(3), start, color="#a0a0a0", linewidth=0.8, zorder=2)
+        tip = _size(state) * force
+        axes.quiver(*start, *tip, color=PURPLE, linewidth=1.6, arrow_length_ratio=0.25, zorder=9)
+    if acting.any():
+        handles.append(Line2D([], [], color=PURPLE, linewidth=1.6, label="force"))
+    return handles
+
+
+def _ray(state: Diagnosis, facet: FacetView, far: bool) -> tuple[Floats, str]:
+    """Return where the line that ends on the support at D_g begins, and what it is."""
+    if len(state.forces) == 0 or far:
+        return np.zeros(3), "gravity through the com"
+    # Without a moment it begins at the com.
+    reach = facet.height / float(facet.normal @ state.resultant)
+    return facet.pierced - reach * state.resultant, "weight and forces together"
 
 
 def _support(axes: Any, view: View, state: Diagnosis) -> list[Artist]:
@@ -113,7 +143,8 @@ def _support(axes: Any, view: View, state: Diagnosis) -> list[Artist]:
         return [Line2D([], [], color="black", linewidth=1.0, label="gravity")]
     pierced = np.asarray(facet.pierced)
     far = not np.isfinite(pierced).all() or np.linalg.norm(pierced) > reach
-    _arrow(axes, reach * state.gravity_dir if far else pierced)
+    start, what = _ray(state, facet, bool(far))
+    _arrow(axes, reach * state.gravity_dir if far else pierced, start)
     polygon = Poly3DCollection([facet.points], facecolor=GREEN, alpha=0.25, edgecolor="none")
     axes.add_collection3d(polygon)
     polygon.set_zorder(1)
@@ -122,7 +153,7 @@ def _support(axes: Any, view: View, state: Diagnosis) -> list[Artist]:
     handles: list[Artist] = [
         Patch(facecolor=GREEN, alpha=0.3, label="support polygon"),
         _sample("its centre $s$", "s", BLUE, 4),
-        Line2D([], [], color="black", linewidth=1.0, label="gravity through the com"),
+        Line2D([], [], color="black", linewidth=1.0, label=what),
     ]
     if not far:
         _line(axes, facet.centroid, pierced, color=BLUE, linewidth=1.8, zorder=7)
@@ -163,6 +194,7 @@ def _frame(axes: Any, view: View, state: Diagnosis) -> Floats:
         pierced = np.asarray(state.facet.pierced)
         if np.isfinite(pierced).all() and np.linalg.norm(pierced) <= 1.5 * _size(state):
             drawn.append(pierced[None, :])
+    drawn += [state.force_points, state.force_points + _size(state) * state.forces]
     everything = np.concatenate(drawn)
     low, high = everything.min(axis=0), everything.max(axis=0)
     margin = 0.06 * float((high - low).max())
@@ -185,11 +217,18 @@ def _line(axes: Any, start: ArrayLike, stop: ArrayLike, **style: Any) -> None:
     axes.plot(*np.transpose([start, stop]), **style)
 
 
-def _arrow(axes: Any, tip: Floats) -> None:
-    """Draw the gravity ray from the com."""
-    _line(axes, np.zeros(3), tip, color="black", linewidth=1.0, zorder=7)
+def _arrow(axes: Any, tip: Floats, start: ArrayLike = (0.0, 0.0, 0.0)) -> None:
+    """Draw the ray of gravity, by default from the com."""
+    begin = np.asarray(start, dtype=np.float64)
+    along = tip - begin
+    _line(axes, begin, tip, color="black", linewidth=1.0, zorder=7)
     axes.quiver(
-        *(0.5 * tip), *(0.1 * tip), color="black", linewidth=1.0, arrow_length_ratio=1.0, zorder=7
+        *(begin + 0.5 * along),
+        *(0.1 * along),
+        color="black",
+        linewidth=1.0,
+        arrow_length_ratio=1.0,
+        zorder=7,
     )
 
 
