@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.boundary import find_region
+from lutgen.load import limits_of, refuse_forces
 from lutgen.primitive import pack
 from lutgen.recipe import Recipe
 from lutgen.region import (
@@ -22,7 +23,6 @@ from lutgen.region import (
     START,
     STOP,
     empty_region,
-    limits,
 )
 from lutgen.robot import forward, shapes
 from lutgen.rounds import find_facets
@@ -95,10 +95,16 @@ def find_footing(recipe: Recipe, params: ArrayLike) -> Footing:
         The robot.
     params : (k,) array_like
         Geometry parameters, rad or length.
+
+    Raises
+    ------
+    InputError
+        For a recipe with forces, under which a ray of gravity does not find the facet.
     """
+    refuse_forces(recipe, "a footing (metrics, rolling)")
     posture = forward(recipe, np.atleast_2d(np.asarray(params, np.float64)))
     primitives = pack(posture.centres[0], posture.axes[0], *shapes(recipe))
-    limit = limits(recipe.upright, recipe.rock_angle)
+    limit = limits_of(recipe)
     table, region = facet_table(len(primitives)), empty_region(len(primitives))
     find_facets(table, primitives, limit[2])
     find_region(region, table, limit, robot_size(primitives))

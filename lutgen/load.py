@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.channels import DIRECTIONS_A_POSTURE, POSTURES_A_THREAD
+from lutgen.errors import InputError
 from lutgen.jit import few_threads
 from lutgen.loaded import measure_loaded
 from lutgen.loaded_axes import MU, PHI, RHO
@@ -19,7 +20,7 @@ from lutgen.region import Limit, limits
 from lutgen.robot import Postures, shapes
 from lutgen.sphere import STANDARD_GRAVITY
 
-__all__ = ["MU", "PHI", "RHO", "limits_of", "loads", "measure_recipe"]
+__all__ = ["MU", "PHI", "RHO", "limits_of", "loads", "measure_recipe", "refuse_forces"]
 
 
 def loads(recipe: Recipe, postures: Postures) -> NDArray[np.float64]:
@@ -79,4 +80,14 @@ def measure_recipe(
             np.ascontiguousarray(gravity_dir),
             limits_of(recipe, tighter),
             wanted,
+        )
+
+
+def refuse_forces(recipe: Recipe, what: str) -> None:
+    """Raise InputError for a recipe with forces where `what` knows the weight alone."""
+    if recipe.pulled:
+        names = ", ".join(force.name for force in recipe.forces if force.acts)
+        raise InputError(
+            f"{recipe.source}: key `robot.force`: {what} counts the weight and no other force (got "
+            f"{names}); leave the forces out to see it"
         )

@@ -63,6 +63,11 @@ def compare_metrics(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -
         Where the posture tips on level ground or has no tip-over axis, so that nothing normalises
         it; for wrong shapes and numbers that are not finite.
     """
+    if recipe.com_uncertainty > 0.0:
+        raise InputError(
+            f"{recipe.source}: key `robot.com_uncertainty`: metrics are those of one com (got "
+            f"{recipe.com_uncertainty:g}); leave it out to compare them"
+        )
     directions = np.vstack([LEVEL, checked_directions(gravity_dir)])
     posture = np.asarray(params, dtype=np.float64)
     found = evaluate(recipe, np.atleast_2d(posture), directions, CHANNELS)

@@ -15,10 +15,13 @@ from lutgen.channels import POSTURES_A_THREAD, checked_directions
 from lutgen.errors import InputError
 from lutgen.jit import few_threads, njit, prange
 from lutgen.limits import tilted
+from lutgen.load import limits_of, loads
+from lutgen.loaded import loaded_verdict
+from lutgen.loaded_axes import MU, PHI, add, empty_axes, find_axes, part
 from lutgen.pairs import refuse_overflow
 from lutgen.primitive import pack
 from lutgen.recipe import Recipe
-from lutgen.region import FACETS, PLANE, Limit, empty_region, limits, supporting_facet, vector_at
+from lutgen.region import FACETS, PLANE, Limit, empty_region, supporting_facet, vector_at
 from lutgen.robot import forward, shapes
 from lutgen.rounds import find_facets
 from lutgen.sphere import unit_directions
@@ -34,15 +37,25 @@ HALVINGS = 35
 
 
 @njit()
-def _slopes_of_posture(shapes: Floats, gravity_dir: Floats, limit: Limit, out: Floats) -> int:
+def _slopes_of_posture(
+    shapes: Floats, load: Floats, gravity_dir: Floats, limit: Limit, out: Floats
+) -> int:
     """Fill `out` (d,) for one posture; return 1 where its facet table was too small."""
     n = shapes.shape[0]
     table, region = facet_table(n), empty_region(n)
     find_facets(table, shapes, limit[2])
     find_region(region, table, limit, robot_size(shapes))
+    pulled = length(part(load, PHI)) + length(part(load, MU)) > 0.0
+    axes = empty_axes(region)
+    if pulled:
+        find_axes(region, load, axes)
     for d in range(gravity_dir.shape[0]):
         g = row(gravity_dir, d)
-        k = supporting_facet(region.plate, region.tally[FACETS], g)
+        if pulled:
+            k = loaded_verdict(region, axes, load, limit[1], g)[0]
+            g = add(g, part(load, PHI))
+        else:
+            k = supporting_facet(region.plate, region.tally[FACETS], g)
         out[d] = math.nan
         if k >= 0:
             # n / h: its length does not change the angle.
@@ -52,14 +65,16 @@ def _slopes_of_posture(shapes: Floats, gravity_dir: Floats, limit: Limit, out: F
 
 
 @njit(parallel=True)
-def _slopes_of_all(shapes: Floats, gravity_dir: Floats, limit: Limit) -> tuple[Floats, Ints]:
+def _slopes_of_all(
+    shapes: Floats, load: Floats, gravity_dir: Floats, limit: Limit
+) -> tuple[Floats, Ints]:
     """Return slopes (m, d), and 1 where a facet table was too small."""
     m = shapes.shape[0]
     out = np.empty((m, gravity_dir.shape[1]))
     overflow = np.zeros(m, np.int64)
     for posture in prange(m):
         overflow[posture] = _slopes_of_posture(
-            shapes[posture], gravity_dir[posture], limit, out[posture]
+            shapes[posture], load[posture], gravity_dir[posture], limit, out[posture]
         )
     return out, overflow
 
@@ -79,8 +94,8 @@ def slopes(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> NDArray
     Returns
     -------
     (m, d) float64
-        Radians in [0, pi/2): the angle between gravity and the outward normal of the support
-        facet, also where the robot tips; NaN where it has none.
+        Radians in [0, pi/2): the angle between gravity (with the recipe's forces) and the outward
+        normal of the support facet, also where the robot tips; NaN where it has none.
     """
     where = forward(recipe, params)
     directions = np.asarray(gravity_dir, dtype=np.float64)
@@ -93,8 +108,9 @@ def slopes(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> NDArray
     with few_threads(len(directions), POSTURES_A_THREAD):
         found, overflow = _slopes_of_all(
             pack(where.centres, where.axes, radius, kind),
+            loads(recipe, where),
             np.ascontiguousarray(unit_directions(directions)),
-            limits(recipe.upright, recipe.rock_angle),
+            limits_of(recipe),
         )
     refuse_overflow(recipe.source, overflow, len(kind))
     return found

@@ -12,10 +12,13 @@ from scipy.spatial import ConvexHull
 import lutgen
 from lutgen.attitude import body_gravity
 from lutgen.channels import CHANNELS
+from lutgen.force_angle import force_angle
+from lutgen.metrics import compare_metrics
 from lutgen.objective import Objective
 from lutgen.pairs import evaluate_pairs
 from lutgen.recipe import Recipe
 from lutgen.scanner import Scanner
+from lutgen.sliding import slides_first, slopes
 from lutgen.sphere import STANDARD_GRAVITY, gravito_inertial
 from lutgen.statics import diagnose
 from tests.recipes import contact, feet, rigid, tripod
@@ -431,6 +434,32 @@ def test_pairs_sweeps_and_diagnoses_read_what_evaluate_reads() -> None:
         assert min(axis.tip_angle for axis in found.axes_) == pytest.approx(
             found.channels["tip_angle"]
         )
+
+
+def test_the_slope_is_that_of_the_resultant_and_friction_is_asked_of_it() -> None:
+    recipe = moving()
+    params = recipe.grid.params(np.arange(recipe.grid.size))
+    g = recipe.chart.directions().reshape(-1, 3)
+    got = slopes(recipe, params, np.broadcast_to(g, (len(params), *g.shape)))
+    slides = slides_first(recipe, params, g)
+    assert slides.any()
+    assert not slides.all()
+    for i, j in ((0, 3), (5, 24), (11, 40)):
+        found = diagnose(recipe, params[i], g[j])
+        assert got[i, j] == pytest.approx(found.slope, abs=1e-7)
+        assert slides[i, j] == found.slides
+    # About 10 N across 64 N.
+    assert abs(got[0, 24] - diagnose(lutgen.parse_recipe(tripod()), params[0], g[24]).slope) > 0.02
+
+
+def test_what_knows_the_weight_alone_refuses_forces() -> None:
+    pulled, uncertain = robot(feet(BOX), pull((5, 0, 0))), robot(feet(BOX), rho=0.01)
+    with pytest.raises(lutgen.InputError, match="counts the weight and no other force"):
+        force_angle(pulled, [], LEVEL)
+    with pytest.raises(lutgen.InputError, match="counts the weight and no other force"):
+        compare_metrics(pulled, [], LEVEL)
+    with pytest.raises(lutgen.InputError, match="metrics are those of one com"):
+        compare_metrics(uncertain, [], LEVEL)
 
 
 def test_a_payload_moves_the_com_as_a_link_of_its_mass_does() -> None:

@@ -117,7 +117,7 @@ def exact_report(
         **channel_entries(found.channels),
         "slope_deg": _number(math.degrees(found.slope)),
         "slides_first": found.slides,
-        **(_rolling_entries(recipe, values, gravity) if rolling else {}),
+        **(_rolling_entries(recipe, values, gravity) if rolling and not recipe.pulled else {}),
     }
     if found.least_stable is not None:
         report["least_stable_axis"] = _axis(found, found.least_stable)
@@ -166,7 +166,10 @@ def _axis(found: "Diagnosis", index: int) -> dict[str, Any]:
         "tip_angle_deg": _number(math.degrees(axis.tip_angle)),
         "margin": _number(axis.margin),
         "energy_margin": _number(axis.energy_margin),
-        "force_angle_rad": float(axis_force_angle(axis.start, axis.stop, found.gravity_dir)),
+        # Under a load there is no such measure of the nominal weight alone.
+        "force_angle_rad": None
+        if found.com_uncertainty or len(found.forces)
+        else float(axis_force_angle(axis.start, axis.stop, found.gravity_dir)),
     }
 
 

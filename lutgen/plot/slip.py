@@ -45,8 +45,12 @@ def draw_slide_limit(axes: PolarAxes, view: View, headings: Floats, tips: Floats
 
 
 def draw_roll_limit(axes: PolarAxes, view: View) -> None:
-    """Draw the tilt (deg) at which the robot rolls away, if it has contacts that roll."""
-    if not any(contact.rolling for contact in view.recipe.contacts):
+    """Draw the tilt (deg) at which the robot rolls away, if it has contacts that roll.
+
+    Not under forces: what rolls is known of the weight alone.
+    """
+    rolling = any(contact.rolling for contact in view.recipe.contacts)
+    if not rolling or view.recipe.pulled:
         return
     headings = np.linspace(0.0, 360.0, ROLL_HEADINGS)
     limit = np.degrees(roll_limits(view.recipe, view.params, np.radians(headings)))
