@@ -9,6 +9,9 @@ PYTHON ?= python3
 BIN := .venv/bin
 RECIPES := $(wildcard maps/*.toml)
 NAMES := $(RECIPES:maps/%.toml=%)
+# Published robot descriptions, which are not part of this project; see maps/README.md.
+LUTGEN_ROBOTS ?= ../shared/robots
+IMPORTED := $(if $(wildcard $(LUTGEN_ROBOTS)/absolem.urdf),absolem_urdf)
 SOURCES := $(shell find lutgen -name '*.py')
 EXPORTER := $(shell find firmware_export -name '*.py' -o -path '*/runtime/*')
 
@@ -17,7 +20,8 @@ help: ## list the targets
 
 venv: .venv/.installed ## create .venv and install everything in it
 
-maps: $(NAMES:%=build/maps/%/figures.stamp) $(NAMES:%=build/maps/%/firmware.stamp) ## build every map of maps/, its figures and its firmware export into build/maps
+maps: $(NAMES:%=build/maps/%/figures.stamp) $(NAMES:%=build/maps/%/firmware.stamp) $(IMPORTED:%=build/maps/%/figures.stamp) ## build every map of maps/, its figures and its firmware export into build/maps
+	@$(if $(IMPORTED),,echo "absolem_urdf: skipped, there is no $(LUTGEN_ROBOTS)/absolem.urdf (LUTGEN_ROBOTS names the folder)")
 
 paper: build/paper/gallery.stamp ## reproduce the paper: figures, tables and one page in build/paper
 
@@ -80,6 +84,19 @@ clean: ## remove build/ and the caches, keep .venv
 build/maps/%.h5: maps/%.toml $(SOURCES) | .venv/.installed
 	@mkdir -p $(@D)
 	$(BIN)/lutgen sweep $< -o $@
+
+build/maps/absolem_urdf.toml: $(LUTGEN_ROBOTS)/absolem.urdf $(SOURCES) | .venv/.installed
+	@mkdir -p $(@D)
+	$(BIN)/lutgen import $< -o $@ --name absolem_urdf -j front_left_flipper_j \
+	  -j front_right_flipper_j -j rear_left_flipper_j -j rear_right_flipper_j
+
+build/maps/absolem_urdf.h5: build/maps/absolem_urdf.toml
+	$(BIN)/lutgen sweep $< -o $@
+
+build/maps/absolem_urdf/figures.stamp: build/maps/absolem_urdf.toml build/maps/absolem_urdf.h5 tools/gallery.py
+	@mkdir -p $(@D)
+	$(BIN)/python tools/gallery.py $< build/maps/absolem_urdf.h5
+	touch $@
 
 build/maps/%/figures.stamp: maps/%.toml build/maps/%.h5 tools/gallery.py
 	@mkdir -p $(@D)

@@ -76,6 +76,12 @@ def test_the_recipe_is_complete_for_check_and_sweep(folder: Path) -> None:
     assert level["tip_angle"][0] > 0.3
 
 
+def test_a_name_of_its_own_may_be_given(folder: Path) -> None:
+    good("import", "robot.urdf", "-o", "robot.toml", "--name", "crawler")
+    assert lutgen.load_recipe("robot.toml").name == "crawler"
+    assert run("import", "robot.urdf", "-o", "robot.toml", "--name", " ").exit_code == 2
+
+
 def test_given_points_spheres_and_joints_are_used_as_they_are(folder: Path) -> None:
     arguments = ("-c", "left_wheel", "-c", "chassis=0.3,0,-0.1,0.02", "-c", "lens=0,0,1")
     good("import", "robot.urdf", "-o", "robot.toml", *arguments, "-j", "lift", "-j", "left_axle")

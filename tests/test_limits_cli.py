@@ -178,17 +178,17 @@ def test_the_figure_holds_the_limits_and_repeats_to_the_byte(file: Path, tmp_pat
     circle = np.asarray(lines["guaranteed"].get_ydata())
     assert circle.min() == circle.max() == pytest.approx(math.degrees(found.guaranteed))
     assert (circle <= tilt + 1e-9).all()
-    best = np.asarray(lines["best posture in each heading"].get_ydata())
-    worst = np.asarray(lines["worst posture in each heading"].get_ydata())
+    best = np.asarray(lines["best posture per heading"].get_ydata())
+    worst = np.asarray(lines["worst posture per heading"].get_ydata())
     np.testing.assert_allclose(best[::10], np.degrees(np.append(swept.most, swept.most[0])))
     assert (best[::10] >= tilt[::10] - 1e-9).all()
     assert (worst[::10] <= tilt[::10] + 1e-9).all()
-    slides = np.asarray(lines["slides (friction 0.8)"].get_ydata())
+    slides = np.asarray(lines[r"slides ($\mu$ = 0.8)"].get_ydata())
     np.testing.assert_allclose(slides, math.degrees(math.atan(0.8)), atol=1e-9)
     alone = {str(line.get_label()) for line in draw_limits(robot, found).axes[0].get_lines()}
     assert not any("posture in each" in label for label in alone)
     only_best = draw_limits(robot, found, swept, worst=False).axes[0].get_lines()
-    assert "worst posture in each heading" not in {line.get_label() for line in only_best}
+    assert "worst posture per heading" not in {line.get_label() for line in only_best}
 
 
 @pytest.mark.parametrize(

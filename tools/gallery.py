@@ -34,21 +34,27 @@ WIDE_RESOLUTION = 120
 # Of the envelope of all postures.
 HEADINGS = 72
 PAGE_HEAD = "# Gallery\n"
+# Kinds that are drawn from the recipe.
+EXACT = ("robot", "polar", "metrics")
 
 
 @dataclass(frozen=True)
 class Shot:
-    """One figure: its file's name, its kind, what it shows, and the options of `plot.draw`."""
+    """One figure: its file's name, its kind, what it shows, and the options of `plot.draw`.
+
+    An `exact` one is drawn from the recipe, for maps with few nodes along an axis.
+    """
 
     name: str
     kind: str
     caption: str
     options: dict[str, Any]
+    exact: bool = False
 
 
-def shot(name: str, kind: str, caption: str, **options: Any) -> Shot:
+def shot(name: str, kind: str, caption: str, exact: bool = False, **options: Any) -> Shot:
     """Return a figure of the table."""
-    return Shot(name, kind, caption, options)
+    return Shot(name, kind, caption, options, exact)
 
 
 # Slopes are nodes of the maps, so that the pictures show stored values.
@@ -61,7 +67,20 @@ FLAT = {"front": -10.6, "rear": -10.6}
 UP = {"front": 90.0, "rear": 90.0}
 STEP = {"front": 45.0, "rear": -10.6}
 LEANING = {"spread": 40.0, "lean": 20.0}
+# The left flippers reach the ground, the right ones stand up.
+UNEQUAL = {"front_left": -10.0, "front_right": 60.0, "rear_left": -10.0, "rear_right": 60.0}
+LEFT_DOWN = {"front_left": 0.0, "rear_left": 0.0}
+TWISTED = {"front": -45.0, "rear": 0.0}
+STEERED = {"steer": 35.0, "roll": 6.0}
+REACHING = {"swing": 90.0, "boom": 20.0, "stick": -60.0}
+FORWARD = {"swing": 0.0}
+# The joints of the published description; positive angles lower a front flipper's tip.
+STAIRS = {
+    **{"front_left_flipper_j": -40.0, "front_right_flipper_j": -40.0},
+    **{"rear_left_flipper_j": 0.0, "rear_right_flipper_j": 0.0},
+}
 TIP: dict[str, Any] = {"channel": "tip_angle"}
+RIGHT: dict[str, Any] = {"params": LEFT_DOWN, "axes": ("front_right", "rear_right"), **TIP}
 SHOTS: dict[str, tuple[Shot, ...]] = {
     "paper_one": (
         shot("robot", "robot", "the robot with wheel P1 low", params={"alpha": 45.0}),
@@ -90,6 +109,42 @@ SHOTS: dict[str, tuple[Shot, ...]] = {
         shot("robot", "robot", "leg 1 to the left", params=LEANING, gravity=(0.25, 0.1, -1.0)),
         shot("contour", "contour", "tip-over angle over both parameters, level ground", **TIP),
         shot("polar", "polar", "largest tilt per heading, leg 1 to the left", params=LEANING),
+    ),
+    "marv": (
+        shot("robot", "robot", "left flippers down, right ones up", params=UNEQUAL),
+        shot("polar", "polar", "largest tilt per heading, the same posture", params=UNEQUAL),
+        shot("contour", "contour", "tip-over angle over the right flippers", True, **RIGHT),
+        shot("sphere", "sphere", "tip-over angle over gravity", params=UNEQUAL, **TIP),
+    ),
+    "markhor": (
+        shot("robot", "robot", "raised on its front flippers", params=TWISTED),
+        shot("limits", "limits", "largest tilts, and those of all postures", params=TWISTED),
+        shot("contour", "contour", "tip-over angle over both flipper pairs, level ground", **TIP),
+        shot("metrics", "metrics", "measures of stability over the heading", params=TWISTED),
+    ),
+    "articulated": (
+        shot("robot", "robot", "bent to the left and twisted", params=STEERED),
+        shot("limits", "limits", "largest tilts, and those of all postures", params=STEERED),
+        shot("contour", "contour", "tip-over angle over both joints, level ground", **TIP),
+        shot("sphere", "sphere", "tip-over angle over gravity", params=STEERED, **TIP),
+    ),
+    "excavator": (
+        shot("robot", "robot", "the arm reaches out to the left", params=REACHING),
+        shot("limits", "limits", "largest tilts, and those of all postures", params=REACHING),
+        shot(
+            "contour",
+            "contour",
+            "tip-over angle over boom and stick, arm forward",
+            params=FORWARD,
+            **TIP,
+        ),
+        shot(
+            "aside", "contour", "the same with the arm to the left", params={"swing": 90.0}, **TIP
+        ),
+    ),
+    "absolem_urdf": (
+        shot("robot", "robot", "front flippers up", params=STAIRS, gravity=(-0.4, 0.1, -1.0)),
+        shot("polar", "polar", "largest tilt per heading, the same posture", params=STAIRS),
     ),
 }
 
@@ -127,7 +182,7 @@ def draw_all(recipe: Recipe, stability_map: StabilityMap, folder: Path) -> None:
         if each.kind == "limits":
             figure = limits_figure(recipe, **each.options)
         else:
-            source = recipe if each.kind in ("robot", "polar") else stability_map
+            source = recipe if each.kind in EXACT or each.exact else stability_map
             figure = plot.draw(each.kind, source, **each.options)
         dpi = RESOLUTION if figure.get_figwidth() < 5.0 else WIDE_RESOLUTION
         plot.save(figure, folder / f"{each.name}.png", dpi=dpi)

@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import click
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 @click.command("import", short_help="Write a recipe from a robot description (URDF).")
 @click.argument("urdf", type=click.Path())
 @click.option("-o", "--output", required=True, type=click.Path(), help="Recipe to write (.toml).")
+@click.option("-n", "--name", help="The recipe's name; the robot's own by default.")
 @click.option(
     "-c",
     "--contact",
@@ -35,6 +37,7 @@ if TYPE_CHECKING:
 def import_(
     urdf: str,
     output: str,
+    name: str | None,
     contacts: tuple[str, ...],
     joints: tuple[str, ...],
     xacro: bool,
@@ -57,6 +60,10 @@ def import_(
     if not output.endswith(".toml"):
         raise InputError(f"--output: is no recipe's name (got {output!r}); end it in .toml.")
     robot = _read(urdf, xacro)
+    if name is not None:
+        if not name.strip():
+            raise InputError("--name: must not be empty (got ''); leave it out.")
+        robot = replace(robot, name=name)
     links = {link.name for link in robot.links}
     # A link's own name may have an equals sign in it.
     named = [text for text in contacts if text in links or "=" not in text]

@@ -80,8 +80,8 @@ def draw_limits(
             edge = np.maximum(most, outline)
             if worst:
                 axes.fill_between(headings, low, most, facecolor=GREEN, alpha=0.1, linewidth=0.0)
-                axes.plot(headings, low, label="worst posture in each heading", **LEAST)
-            axes.plot(headings, most, label="best posture in each heading", **BEST)
+                axes.plot(headings, low, label="worst posture per heading", **LEAST)
+            axes.plot(headings, most, label="best posture per heading", **BEST)
         axes.fill_between(
             headings, edge, top, facecolor=WASH, edgecolor=GREY, hatch=HATCH, linewidth=0.0
         )
@@ -95,7 +95,7 @@ def draw_limits(
         )
         if slides is not None and np.degrees(slides).min() < top:
             within = np.minimum(np.degrees(slides), top)
-            label = f"slides (friction {recipe.friction:g})"
+            label = f"slides ($\\mu$ = {recipe.friction:g})"
             axes.plot(headings, within, label=label, zorder=3, **SLIDES)
         if not math.isnan(posture.worst.heading):
             axes.plot(
@@ -111,7 +111,12 @@ def draw_limits(
             )
         handles, _ = axes.get_legend_handles_labels()
         label = "tips over" if swept is None else "tips over in every posture"
-        figure.legend(handles=[*handles, tip_patch(label)], loc="outside lower center", ncols=2)
+        figure.legend(
+            handles=[*handles, tip_patch(label)],
+            loc="outside lower center",
+            ncols=2,
+            columnspacing=1.0,
+        )
         # Fixed, so that saving twice gives the same picture.
         figure.draw_without_rendering()
         figure.set_layout_engine("none")

@@ -32,6 +32,8 @@ SIZE = (3.5, 4.2)
 NAMED = 6
 ELEVATION, AZIMUTH = 20.0, -62.0
 CORNERS = 49
+# Letters of two contacts' names that fit on one line of the legend.
+LONG_NAMES = 26
 
 
 def draw_robot(view: View, size: tuple[float, float] | None) -> Figure:
@@ -179,7 +181,9 @@ def _edges(axes: Any, state: Diagnosis) -> list[Artist]:
         axis = state.axes_[state.least_stable]
         _line(axes, axis.start, axis.stop, color=ORANGE, linewidth=2.0, zorder=5)
         angle = angle_text(math.degrees(axis.tip_angle))
-        between = " to ".join(dict.fromkeys(name.replace("_", " ") for name in axis.names))
+        ends = list(dict.fromkeys(name.replace("_", " ") for name in axis.names))
+        # Two long names take a line each.
+        between = (" to " if len("".join(ends)) <= LONG_NAMES else " to\n").join(ends)
         words = f"least stable, {angle}:\n{between}"
         handles.append(Line2D([], [], color=ORANGE, linewidth=2.0, label=words))
     return handles
