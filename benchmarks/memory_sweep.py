@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 
 from lutgen.blocks import BLOCK_NODES
 from lutgen.channels import CHANNELS
+from lutgen.computer import PARTS_PER_THREAD
 from lutgen.raster import VECTOR
 from lutgen.region import limits
 from lutgen.scan import scan
 from lutgen.sphere import Chart
-from lutgen.sweeper import PARTS_PER_THREAD
 
 
 class MemorySweep:

@@ -12,11 +12,12 @@ from benchmarks.cases import legged_recipe
 from benchmarks.enumeration import find_all
 from benchmarks.timing import interleave
 from lutgen.blocks import plan
+from lutgen.computer import Computer
 from lutgen.primitive import pack
 from lutgen.recipe import parse_recipe
 from lutgen.region import limits
 from lutgen.robot import forward, shapes
-from lutgen.sweeper import Computer, sweep
+from lutgen.sweeper import sweep
 
 # A million postures even out by themselves, so each stage runs once, after a small sweep.
 SIDE, SMALL_SIDE = 1000, 20

@@ -7,6 +7,8 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import numpy as np
+
 from lutgen.recipe import Recipe
 
 # Nodes of a block per channel: 4 MiB of float32, large enough that HDF5's cost per chunk vanishes
@@ -60,23 +62,23 @@ class Plan:
         """Number of blocks."""
         return math.prod(self.counts)
 
+    def block(self, number: int) -> Block:
+        """Return a block by its number, 0 <= number < count."""
+        width = self.shape[-1]
+        place = np.unravel_index(number, self.counts)
+        offset = tuple(int(d) * part for d, part in zip(place, self.chunk, strict=True))
+        flat = 0
+        for start, size in zip(offset, self.shape, strict=True):
+            flat = flat * size + start
+        held = math.prod(
+            min(part, size - start)
+            for part, size, start in zip(self.chunk, self.shape, offset, strict=True)
+        )
+        return Block(number, offset, flat // width, (flat + held) // width)
+
     def blocks(self) -> Iterator[Block]:
         """Yield every block in the order of its number."""
-        width = self.shape[-1]
-        for number in range(self.count):
-            rest, place = number, []
-            for count in reversed(self.counts):
-                rest, digit = divmod(rest, count)
-                place.append(digit)
-            offset = tuple(d * part for d, part in zip(reversed(place), self.chunk, strict=True))
-            flat = 0
-            for start, size in zip(offset, self.shape, strict=True):
-                flat = flat * size + start
-            held = math.prod(
-                min(part, size - start)
-                for part, size, start in zip(self.chunk, self.shape, offset, strict=True)
-            )
-            yield Block(number, offset, flat // width, (flat + held) // width)
+        return map(self.block, range(self.count))
 
 
 def plan(recipe: Recipe, block_nodes: int = BLOCK_NODES) -> Plan:

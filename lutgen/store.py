@@ -1,10 +1,11 @@
 """The map file: HDF5 that xarray, MATLAB and h5dump read without us.
 
-Owns the layout of format version 1 (docs/format.md) and the checks on reading.  Chunks are
-allocated when the file is made and written in place with their checksums, so any number of
+Owns the layout of format version 1 (docs/format.md) and the checks on reading.  Every chunk has
+its place when the file is laid out and is written there with its checksum, so any number of
 threads or processes can fill one file and HDF5 has nothing to do meanwhile.
 """
 
+import io
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -17,10 +18,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from lutgen._version import __version__
 from lutgen.blocks import Plan, plan
+from lutgen.checksum import fletcher32
 from lutgen.errors import InputError, LutgenError, MapFileError
 from lutgen.grid import Axis
 from lutgen.interpolate import Place, interpolate
 from lutgen.recipe import Recipe, parse_recipe, recipe_digest
+from lutgen.seal import ATTRIBUTE, UNSEALED, Seal, check_head, checksums_digest
 from lutgen.sphere import Chart
 
 FORMAT = 1
@@ -33,6 +36,8 @@ LONG_NAMES = {
     "facet": "index of the support facet",
 }
 COMPLETE, BITMAP = "complete", "blocks_done"
+# Chunks of at least so many bytes begin on a page: two processes never write to the same one.
+ALIGN_FROM, ALIGNMENT = 1 << 15, 1 << 12
 
 
 def channel_unit(name: str, length_unit: str) -> str:
@@ -40,15 +45,24 @@ def channel_unit(name: str, length_unit: str) -> str:
     return {"tip_angle": "rad", "facet": "1"}.get(name, length_unit)
 
 
-def create(path: Path, recipe: Recipe, layout: Plan) -> dict[str, NDArray[np.int64]]:
-    """Make a map file with all its space allocated and no values yet.
+def create(target: io.RawIOBase, recipe: Recipe, layout: Plan) -> dict[str, NDArray[np.int64]]:
+    """Write a map whose chunks are all zeros, that is without values yet, into a file object.
 
     Returns
     -------
     dict of str to (blocks,) int64
-        Per channel the place of every chunk in the file, in bytes.
+        Per channel the place of every chunk in the file, in bytes.  Channel after channel, block
+        after block they follow upon each other, large ones on whole pages.
     """
-    with h5py.File(path, "w", libver=("earliest", "v110")) as file:
+    with h5py.File(
+        target,
+        "w",
+        libver=("earliest", "v110"),
+        alignment_threshold=ALIGN_FROM,
+        alignment_interval=ALIGNMENT,
+    ) as file:
+        # First, so that it is found near the beginning of the file without HDF5.
+        file.attrs[ATTRIBUTE] = UNSEALED
         file.attrs["Conventions"] = "CF-1.10"
         file.attrs["title"] = f"stability map of {recipe.name}"
         file.attrs["lutgen_format"] = FORMAT
@@ -71,7 +85,6 @@ def create(path: Path, recipe: Recipe, layout: Plan) -> dict[str, NDArray[np.int
         for name in ("v", "u"):
             text = f"gnomonic face coordinate {name} of the gravity direction"
             scales.append(_scale(file, name, recipe.chart.coords, "1", text))
-        places = {}
         for name in recipe.channels:
             variable = _variable(file, name, layout)
             variable.attrs["_FillValue"] = np.array([np.nan], np.float32)
@@ -79,8 +92,12 @@ def create(path: Path, recipe: Recipe, layout: Plan) -> dict[str, NDArray[np.int
             variable.attrs["long_name"] = LONG_NAMES[name]
             for axis, scale in enumerate(scales):
                 variable.dims[axis].attach_scale(scale)
-            places[name] = chunk_places(variable, layout)
-    return places
+        # One byte per chunk first: the whole index comes to lie before the first real chunk.
+        for chunk in (b"\0", bytes(4 * (layout.chunk_nodes + 1))):
+            for name in recipe.channels:
+                for block in layout.blocks():
+                    file[name].id.write_direct_chunk(block.offset, chunk)
+        return {name: chunk_places(file[name], layout) for name in recipe.channels}
 
 
 def _scale(
@@ -94,14 +111,14 @@ def _scale(
 
 
 def _variable(file: h5py.File, name: str, layout: Plan) -> h5py.Dataset:
-    """Make a channel's variable with all its chunks allocated."""
+    """Make a channel's variable without any chunk."""
     create_list = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
     create_list.set_chunk(layout.chunk)
     # No time of making in the file: the same recipe gives the same bytes.
     create_list.set_obj_track_times(False)
     create_list.set_fletcher32()
     create_list.set_fill_value(np.array(np.nan, np.float32))
-    create_list.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+    create_list.set_alloc_time(h5py.h5d.ALLOC_TIME_INCR)
     create_list.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
     space = h5py.h5s.create_simple(layout.shape)
     h5py.h5d.create(file.id, name.encode(), h5py.h5t.IEEE_F32LE, space, create_list)
@@ -111,10 +128,12 @@ def _variable(file: h5py.File, name: str, layout: Plan) -> h5py.Dataset:
 def chunk_places(variable: h5py.Dataset, layout: Plan) -> NDArray[np.int64]:
     """Return the place of every chunk of a variable in the file, in bytes."""
     places = np.zeros(layout.count, np.int64)
-    for index in range(variable.id.get_num_chunks()):
-        info = variable.id.get_chunk_info(index)
+
+    def note(info: Any) -> None:
         grid = tuple(o // c for o, c in zip(info.chunk_offset, layout.chunk, strict=True))
         places[np.ravel_multi_index(grid, layout.counts)] = info.byte_offset
+
+    variable.id.chunk_iter(note)
     return places
 
 
@@ -122,12 +141,14 @@ def chunk_places(variable: h5py.Dataset, layout: Plan) -> NDArray[np.int64]:
 class StabilityMap:
     """A stability map on disk; values are read when they are asked for.
 
-    `path` is the file, `recipe` the recipe it was made from, `attributes` the root attributes.
+    `path` is the file, `recipe` the recipe it was made from, `attributes` the root attributes,
+    `seal` its digest (None for a file of an earlier lutgen, which has none).
     """
 
     path: str
     recipe: Recipe
     attributes: dict[str, Any]
+    seal: Seal | None = None
     _values: dict[str, NDArray[np.float32]] = field(default_factory=dict, repr=False)
 
     @property
@@ -238,12 +259,19 @@ def load_map(path: str | os.PathLike[str]) -> StabilityMap:
     """
     name = os.fspath(path)
     try:
+        seal = check_head(Path(name))
         with h5py.File(name, "r") as file:
             attributes = dict(file.attrs)
             names = set(file)
             shapes = {n: file[n].shape for n in names if isinstance(file[n], h5py.Dataset)}
     except FileNotFoundError:
         raise MapFileError(f"{name}: there is no such file; check the path") from None
+    except PermissionError as error:
+        raise MapFileError(
+            f"{name}: cannot be read (got {error.strerror}); check the permissions"
+        ) from error
+    except MapFileError:
+        raise
     except (OSError, RuntimeError, KeyError, ValueError) as error:
         if Path(name).is_dir():
             raise MapFileError(f"{name}: is a folder; name a map file") from None
@@ -285,12 +313,53 @@ def load_map(path: str | os.PathLike[str]) -> StabilityMap:
                 f"{name}: channel {channel} has the shape {shapes.get(channel)}, its recipe says "
                 f"{expected}; the file is damaged: sweep it again"
             )
-    return StabilityMap(name, recipe, attributes)
+    return StabilityMap(name, recipe, attributes, seal)
 
 
 def verify(stability_map: StabilityMap) -> None:
-    """Read every chunk and check its checksum; raise MapFileError at the first that fails."""
-    for name in stability_map.channels:
-        # What is in memory already says nothing about the file.
-        stability_map._values.pop(name, None)
-        stability_map.channel(name)
+    """Read the whole file and check it against its digest; memory for one chunk.
+
+    Raises
+    ------
+    MapFileError
+        At the first chunk whose checksum does not hold, or if head or checksums are not those of
+        the digest, or if there is none.
+    """
+    path = Path(stability_map.path)
+    seal = check_head(path)
+    if seal is None:
+        raise MapFileError(
+            f"{path}: cannot be verified (got a file without a digest, from an earlier lutgen or "
+            "damaged); sweep it again"
+        )
+    sums = []
+    try:
+        with h5py.File(path, "r") as file, path.open("rb", buffering=0) as raw:
+            for name in stability_map.channels:
+                variable = file[name]
+                layout = Plan(variable.shape, variable.chunks)
+                places = chunk_places(variable, layout)
+                sums.append(np.array([_checksum(raw, p, layout, name) for p in places], np.uint32))
+    except (OSError, RuntimeError, KeyError) as error:
+        if isinstance(error, MapFileError):
+            raise
+        raise _damaged(str(path), "cannot be read to its end", error) from error
+    own = checksums_digest(np.stack(sums))
+    if own != seal.chunks:
+        raise MapFileError(
+            f"{path}: its values do not match its digest (got {own[:12]} instead of"
+            f" {seal.chunks[:12]}); they were changed after the sweep: sweep it again"
+        )
+
+
+def _checksum(file: io.FileIO, place: int, layout: Plan, name: str) -> int:
+    """Return the checksum that stands in a chunk, which must be that of its values."""
+    chunk = np.empty(layout.chunk_nodes + 1, np.float32)
+    count = os.preadv(file.fileno(), [memoryview(chunk.data).cast("B")], place)
+    held, own = int(chunk[-1:].view(np.uint32)[0]), fletcher32(chunk[:-1].view(np.uint16))
+    if count != chunk.nbytes or held != own:
+        raise MapFileError(
+            f"{file.name}: channel {name} has values that do not match their checksum (got "
+            f"{own:08x} instead of {held:08x}); the file is damaged: sweep it again"
+        )
+    return held

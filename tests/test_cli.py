@@ -15,8 +15,8 @@ import pytest
 from click.testing import CliRunner, Result
 
 import lutgen
-from lutgen import sweeper
 from lutgen.cli import main
+from lutgen.computer import Computer
 from tests.recipes import ALL_CHANNELS, feet, rigid, tripod
 
 VECTORS = Path(__file__).parent / "vectors"
@@ -119,12 +119,12 @@ def test_sweep_writes_the_map_and_prints_nothing_on_stdout(place: Path, tmp_path
 def test_an_interrupted_sweep_says_how_to_go_on_and_does(
     place: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def interrupt(self: sweeper.Computer, block: object) -> None:
+    def interrupt(self: Computer, block: object) -> None:
         raise KeyboardInterrupt
 
     path = tmp_path / "a.h5"
     with monkeypatch.context() as patch:
-        patch.setattr(sweeper.Computer, "compute", interrupt)
+        patch.setattr(Computer, "compute", interrupt)
         result = run("sweep", place / "tripod.toml", "-o", path)
     assert result.exit_code == 1
     assert "--resume" in result.stderr

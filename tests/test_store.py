@@ -1,5 +1,7 @@
 """The map file: what others read in it, what is refused, and what `read` interpolates."""
 
+import hashlib
+import re
 import shutil
 import subprocess
 import time
@@ -11,6 +13,7 @@ import pytest
 import xarray
 
 import lutgen
+from lutgen.checksum import fletcher32
 from lutgen.errors import InputError, MapFileError
 from lutgen.store import FORMAT, StabilityMap, verify
 from tests.recipes import ALL_CHANNELS, rover, tripod
@@ -39,6 +42,13 @@ def cone(folder: Path) -> StabilityMap:
 def copy(folder: Path, tmp_path: Path) -> Path:
     """Return a copy of the cone map to be damaged."""
     return Path(shutil.copy(folder / "cone.h5", tmp_path / "copy.h5"))
+
+
+@pytest.fixture
+def unsealed(copy: Path) -> Path:
+    """Return a copy without a digest, as of an earlier lutgen, to be edited through HDF5."""
+    copy.write_bytes(copy.read_bytes().replace(b"lutgen-digest-1", b"another-digest-"))
+    return copy
 
 
 def refusal(path: Path) -> str:
@@ -99,6 +109,7 @@ def test_the_root_attributes_are_those_of_the_format(folder: Path) -> None:
     recipe = lutgen.parse_recipe(tripod(channels=ALL_CHANNELS, nodes=9, max_tilt=60.0))
     with h5py.File(folder / "cone.h5", "r") as file:
         assert dict(file.attrs) == {
+            "digest": lutgen.load_map(folder / "cone.h5").attributes["digest"],
             "Conventions": "CF-1.10",
             "title": "stability map of tripod",
             "lutgen_format": 1,
@@ -180,45 +191,45 @@ def test_hdf5_of_another_program_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("found", [FORMAT + 1, 0, "1", [1, 2]])
-def test_another_format_is_refused(copy: Path, found: object) -> None:
-    with h5py.File(copy, "r+") as file:
+def test_another_format_is_refused(unsealed: Path, found: object) -> None:
+    with h5py.File(unsealed, "r+") as file:
         file.attrs["lutgen_format"] = found
-    assert "format" in refusal(copy)
+    assert "format" in refusal(unsealed)
 
 
 @pytest.mark.parametrize("complete", [0, None, [1, 1]])
-def test_an_incomplete_map_is_refused(copy: Path, complete: object) -> None:
-    with h5py.File(copy, "r+") as file:
+def test_an_incomplete_map_is_refused(unsealed: Path, complete: object) -> None:
+    with h5py.File(unsealed, "r+") as file:
         del file.attrs["complete"]
         if complete is not None:
             file.attrs["complete"] = complete
-    assert "--resume" in refusal(copy)
+    assert "--resume" in refusal(unsealed)
 
 
-def test_a_recipe_that_does_not_match_its_digest_is_refused(copy: Path) -> None:
-    with h5py.File(copy, "r+") as file:
+def test_a_recipe_that_does_not_match_its_digest_is_refused(unsealed: Path) -> None:
+    with h5py.File(unsealed, "r+") as file:
         file.attrs["recipe"] = str(file.attrs["recipe"]).replace("-40.0", "-41.0")
-    assert "digest" in refusal(copy)
+    assert "digest" in refusal(unsealed)
 
 
 @pytest.mark.parametrize("name", ["recipe", "recipe_sha256"])
-def test_a_map_without_its_recipe_is_refused(copy: Path, name: str) -> None:
-    with h5py.File(copy, "r+") as file:
+def test_a_map_without_its_recipe_is_refused(unsealed: Path, name: str) -> None:
+    with h5py.File(unsealed, "r+") as file:
         del file.attrs[name]
-    assert "damaged" in refusal(copy)
+    assert "damaged" in refusal(unsealed)
 
 
-def test_a_channel_of_another_shape_is_refused(copy: Path) -> None:
-    with h5py.File(copy, "r+") as file:
+def test_a_channel_of_another_shape_is_refused(unsealed: Path) -> None:
+    with h5py.File(unsealed, "r+") as file:
         del file["sdg"]
         file["sdg"] = np.zeros((4, 3, 1, 9, 8), np.float32)
-    assert "(4, 3, 1, 9, 8)" in refusal(copy)
+    assert "(4, 3, 1, 9, 8)" in refusal(unsealed)
 
 
-def test_a_missing_channel_is_refused(copy: Path) -> None:
-    with h5py.File(copy, "r+") as file:
+def test_a_missing_channel_is_refused(unsealed: Path) -> None:
+    with h5py.File(unsealed, "r+") as file:
         del file["margin"]
-    assert "channel margin" in refusal(copy)
+    assert "channel margin" in refusal(unsealed)
 
 
 @pytest.mark.parametrize("share", [0.1, 0.5, 0.999])
@@ -261,6 +272,60 @@ def test_verify_looks_at_the_file_though_its_values_are_in_memory(copy: Path) ->
     with pytest.raises(MapFileError, match="channel sdg"):
         verify(stability_map)
     assert np.isfinite(before).any()
+
+
+# The digest.
+
+
+def test_a_map_without_a_digest_loads_but_is_not_verified(unsealed: Path) -> None:
+    stability_map = lutgen.load_map(unsealed)
+    assert np.isfinite(stability_map.channel("tip_angle")).all()
+    with pytest.raises(MapFileError, match="without a digest"):
+        verify(stability_map)
+
+
+@pytest.mark.parametrize("name", ["title", "units", "knots"])
+def test_a_map_that_was_edited_is_refused(copy: Path, name: str) -> None:
+    with h5py.File(copy, "r+") as file:
+        if name == "title":
+            file.attrs.modify("title", "another")
+        elif name == "units":
+            file["sdg"].attrs.modify("units", "mm")
+        else:
+            file["reach"][1] += 1e-9
+    assert "damaged or was edited" in refusal(copy)
+
+
+def test_verify_catches_values_that_were_replaced_with_their_checksum(copy: Path) -> None:
+    with h5py.File(copy, "r") as file:
+        values = file["sdg"][...]
+        head = copy.read_bytes()
+        values[0] += 1.0
+        chunk = file["sdg"].id.get_chunk_info(0)
+        raw = np.append(values.ravel(), np.float32(0.0))
+    raw[-1:].view(np.uint32)[0] = fletcher32(raw[:-1].view(np.uint16))
+    start = chunk.byte_offset
+    copy.write_bytes(head[:start] + raw.tobytes() + head[start + raw.nbytes :])
+    stability_map = lutgen.load_map(copy)
+    np.testing.assert_array_equal(stability_map.channel("sdg"), values)
+    with pytest.raises(MapFileError, match="do not match its digest"):
+        verify(stability_map)
+
+
+def test_the_digest_is_that_of_its_definition(folder: Path) -> None:
+    # docs/format.md, followed without our code.
+    content = (folder / "cone.h5").read_bytes()
+    with h5py.File(folder / "cone.h5", "r") as file:
+        text = str(file.attrs["digest"])
+        sums = b""
+        for name in ALL_CHANNELS:
+            chunk = file[name].id.get_chunk_info(0)
+            sums += content[chunk.byte_offset + chunk.size - 4 : chunk.byte_offset + chunk.size]
+    found = re.fullmatch(r"lutgen-digest-1 head=(\d+) sha256=(\w+) chunks=(\w+)", text)
+    assert found is not None
+    head = content[: int(found[1])].replace(found[2].encode(), b"0" * 64)
+    assert hashlib.sha256(head).hexdigest() == found[2]
+    assert hashlib.sha256(sums).hexdigest() == found[3]
 
 
 # What `read` interpolates.

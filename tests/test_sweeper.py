@@ -12,8 +12,9 @@ import pytest
 from numpy.typing import NDArray
 
 import lutgen
-from lutgen import sweeper
-from lutgen.blocks import Plan, plan
+from lutgen import computer, sweeper
+from lutgen.blocks import Block, Plan, plan
+from lutgen.computer import Computer
 from lutgen.errors import InputError, MapFileError, RecipeError, SweepError
 from lutgen.recipe import Recipe
 from lutgen.store import BITMAP, verify
@@ -64,13 +65,13 @@ class Interrupted:
 def counted(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """Return the list of the blocks that are computed from now on."""
     blocks: list[int] = []
-    compute = sweeper.Computer.compute
+    compute = Computer.compute
 
-    def noted(self: sweeper.Computer, block: sweeper.Block) -> dict[str, NDArray[np.float32]]:
+    def noted(self: Computer, block: Block) -> dict[str, NDArray[np.float32]]:
         blocks.append(block.number)
         return compute(self, block)
 
-    monkeypatch.setattr(sweeper.Computer, "compute", noted)
+    monkeypatch.setattr(Computer, "compute", noted)
     return blocks
 
 
@@ -260,7 +261,7 @@ def test_a_folder_without_permission_is_refused_in_a_sentence(
     def denied(source: Path, target: Path) -> None:
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(target))
 
-    monkeypatch.setattr(sweeper.os, "replace", denied)
+    monkeypatch.setattr(os, "replace", denied)
     with pytest.raises(SweepError, match="Permission denied") as caught:
         lutgen.sweep(TRIPOD, tmp_path / "a.h5")
     assert one_sentence(caught.value, tmp_path / "a.h5")
@@ -281,7 +282,7 @@ def test_a_full_disk_is_a_sentence_and_the_sweep_goes_on_when_there_is_space(
         return write(handle, data, place)
 
     with monkeypatch.context() as patch:
-        patch.setattr(sweeper.os, "pwrite", until_full)
+        patch.setattr(os, "pwrite", until_full)
         with pytest.raises(SweepError, match="No space left"):
             lutgen.sweep(TRIPOD, path)
     lutgen.sweep(TRIPOD, path, resume=True)
@@ -293,7 +294,7 @@ def test_chunks_are_whole_though_the_system_writes_them_in_pieces(
 ) -> None:
     write = os.pwrite
     lutgen.sweep(TRIPOD, tmp_path / "whole.h5")
-    monkeypatch.setattr(sweeper.os, "pwrite", lambda h, data, at: write(h, data[:1000], at))
+    monkeypatch.setattr(os, "pwrite", lambda h, data, at: write(h, data[:1000], at))
     lutgen.sweep(TRIPOD, tmp_path / "a.h5")
     assert values(tmp_path / "a.h5") == values(tmp_path / "whole.h5")
 
@@ -400,8 +401,8 @@ def test_the_number_of_threads_is_put_back_afterwards(tmp_path: Path) -> None:
 
 
 def test_expected_seconds_are_positive_and_grow_with_the_map() -> None:
-    small = sweeper.expected_seconds(TRIPOD)
-    large = sweeper.expected_seconds(
+    small = computer.expected_seconds(TRIPOD)
+    large = computer.expected_seconds(
         lutgen.parse_recipe(tripod("reach = 60, swing = 60", nodes=65))
     )
     # 15 million nodes against 588: any clock sees the difference.
@@ -419,11 +420,10 @@ def test_a_plan_of_the_recipe_is_what_the_file_is_cut_into(tmp_path: Path) -> No
 def test_an_interruption_while_the_file_is_laid_out_leaves_nothing_behind(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def interrupted(path: Path, *_: object) -> None:
-        path.write_bytes(b"half a header")
+    def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(sweeper, "create", interrupted)
+    monkeypatch.setattr(os, "fsync", interrupted)
     with pytest.raises(KeyboardInterrupt):
         sweeper.sweep(TRIPOD, tmp_path / "map.h5")
     assert list(tmp_path.iterdir()) == []

@@ -18,7 +18,11 @@ log = logging.getLogger("lutgen")
 @click.option("-o", "--output", required=True, type=click.Path(), help="The map file (HDF5).")
 @click.option("--threads", type=int, help="Threads to compute with.  [default: all]")
 @click.option("--resume", is_flag=True, help="Go on with an interrupted sweep of the same recipe.")
-@click.option("--engine", default="local", show_default=True, help="Where blocks are computed.")
+@click.option(
+    "--engine", default="local", show_default=True, help="Where blocks are computed: local or dask."
+)
+@click.option("--scheduler", metavar="ADDR", help="A running dask scheduler, tcp://HOST:8786.")
+@click.option("--workers", type=int, help="dask workers to start here.  [default: one per core]")
 @allow_python
 @click.pass_context
 def sweep(
@@ -28,12 +32,14 @@ def sweep(
     threads: int | None,
     resume: bool,
     engine: str,
+    scheduler: str | None,
+    workers: int | None,
     allow_python: bool,
 ) -> None:
     """Compute the map of RECIPE into an HDF5 file.
 
-    The file appears under its name when it is whole.  An interrupted sweep (Ctrl-C) leaves
-    OUTPUT.part, from which `--resume` goes on.
+    The file appears under its name when it is whole.  A sweep that is stopped, by Ctrl-C, a kill
+    or a power cut, leaves OUTPUT.part, from which `--resume` goes on.
 
     \b
     $ lutgen sweep maps/paper_two.toml -o paper_two.h5
@@ -61,7 +67,14 @@ def sweep(
 
         try:
             sweeper.sweep(
-                robot, output, threads=threads, resume=resume, engine=engine, progress=progress
+                robot,
+                output,
+                threads=threads,
+                resume=resume,
+                engine=engine,
+                progress=progress,
+                scheduler=scheduler,
+                workers=workers,
             )
         except KeyboardInterrupt:
             begun = Path(f"{output}.part").exists()
