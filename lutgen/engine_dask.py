@@ -34,6 +34,8 @@ BATCH = 64
 TASKS_PER_WORKER = 8
 # Tasks that are sent out at a time per worker: one to compute, one to go on with.
 AHEAD = 2
+# Seconds within which a scheduler must answer.
+REACH = 10.0
 # Seconds without any worker after which a sweep gives up.
 PATIENCE = 60.0
 # numba's threads are started by one thread of a worker at a time.
@@ -235,13 +237,13 @@ def _client(scheduler: str | None, workers: int | None, threads: int | None) -> 
                         n_workers=count,
                         threads_per_worker=max(1, cores // count),
                         memory_limit=0,
-                        dashboard_address=None,
+                        dashboard_address=":0",
                         silence_logs="ERROR",
                     )
                 )
             else:
                 address = scheduler
-            client = stack.enter_context(distributed.Client(address, timeout="10s"))
+            client = stack.enter_context(distributed.Client(address, timeout=REACH))
         except (OSError, ValueError) as error:
             raise InputError(
                 f"the scheduler {scheduler or 'of this machine'} cannot be reached (got "

@@ -113,7 +113,8 @@ class PartFile:
 
     def begun(self) -> bool:
         """Return whether the file holds anything: a layout that was cut short counts as nothing."""
-        return any(os.pread(self.handle, len(SIGNATURE), 0))
+        found = os.pread(self.handle, len(SIGNATURE), 0)
+        return found == SIGNATURE or not SIGNATURE.startswith(found.rstrip(b"\0"))
 
     def begin(self) -> None:
         """Lay the file out anew, without values."""

@@ -21,7 +21,7 @@ ORDER = (
     *("loaded_axes", "loaded", "load"),
     *("evaluation", "pairs", "statics", "attitude", "rolling", "wheels"),
     *("raster", "tilt", "scan", "scanner", "standing"),
-    *("interpolate", "checksum", "blocks", "seal", "store", "statistics"),
+    *("interpolate", "checksum", "blocks", "seal", "store", "verify", "statistics"),
     *("skeleton", "partfile", "computer", "engine_dask", "sweeper"),
     *("objective", "minimise", "acceptable", "search", "terrain", "terrain_csv", "drive"),
     *("limits", "limit_table", "footing", "force_angle", "sliding", "holding", "metrics"),

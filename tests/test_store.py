@@ -15,7 +15,8 @@ import xarray
 import lutgen
 from lutgen.checksum import fletcher32
 from lutgen.errors import InputError, MapFileError
-from lutgen.store import FORMAT, StabilityMap, verify
+from lutgen.store import FORMAT, StabilityMap
+from lutgen.verify import verify
 from tests.recipes import ALL_CHANNELS, rover, tripod
 
 

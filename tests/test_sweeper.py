@@ -17,7 +17,8 @@ from lutgen.blocks import Block, Plan, plan
 from lutgen.computer import Computer
 from lutgen.errors import InputError, MapFileError, RecipeError, SweepError
 from lutgen.recipe import Recipe
-from lutgen.store import BITMAP, verify
+from lutgen.store import BITMAP
+from lutgen.verify import verify
 from tests.recipes import ALL_CHANNELS, feet, rigid, rover, tripod
 
 ROBOTS = {

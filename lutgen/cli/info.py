@@ -24,7 +24,7 @@ def info(map_file: str, verify: bool, as_json: bool) -> None:
     """
     from lutgen.errors import MapFileError
     from lutgen.store import load_map
-    from lutgen.store import verify as check_all
+    from lutgen.verify import verify as check_all
 
     stability_map = load_map(map_file)
     if verify:
@@ -58,7 +58,7 @@ def info(map_file: str, verify: bool, as_json: bool) -> None:
 
 def describe(stability_map: "StabilityMap") -> dict[str, Any]:
     """Return the contents of `lutgen info --json`."""
-    from lutgen.statistics import share_that_tips, value_range
+    from lutgen.statistics import channel_range, share_that_tips
     from lutgen.store import channel_unit
 
     recipe = stability_map.recipe
@@ -78,7 +78,7 @@ def describe(stability_map: "StabilityMap") -> dict[str, Any]:
         )
     channels = []
     for name in stability_map.channels:
-        low, high = value_range(stability_map.channel(name))
+        low, high = channel_range(stability_map, name)
         unit = channel_unit(name, recipe.length_unit)
         if unit == "rad" and low is not None and high is not None:
             low, high, unit = math.degrees(low), math.degrees(high), "deg"
