@@ -1,6 +1,6 @@
 # Every command of the project; `make help` lists them.
 # `maps` is also a folder, so without this line make would call it up to date.
-.PHONY: help venv maps paper exports size firmware cmsis verify fuzz physics test check bench clean
+.PHONY: help venv maps paper exports size firmware cmsis verify fuzz physics test check bench soak clean
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -39,6 +39,10 @@ physics: .venv/.physics ## compare the verdicts with a physics engine (docs/phys
 
 bench: .venv/.installed ## measure speed
 	$(BIN)/python -m benchmarks.run
+
+soak: .venv/.installed ## kill, damage and fill up sweeps at length; needs 20 GB in build/ (half an hour)
+	LUTGEN_SOAK=1 $(BIN)/python -m pytest -q -s tests/test_survival.py tests/test_engines.py
+	$(BIN)/python -m benchmarks.large
 
 exports: .venv/.installed ## make and certify the exports that docs/design.md lists (ten minutes)
 	$(BIN)/python tools/export_table.py

@@ -1,10 +1,13 @@
 """`lutgen.sweep` into an HDF5 file against writing as many bytes raw, same file system."""
 
 import os
+import time
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any
 from unittest import mock
 
 from benchmarks.cases import legged_recipe
@@ -16,21 +19,54 @@ from lutgen.sweeper import sweep
 BYTES = 1 << 28
 FACE_NODES = 53
 CONTENDERS = ("raw", "sweep", "raw fsync", "sweep fsync")
+# Where the time of a sweep goes: what is called, under which name it is shown.
+STAGES = {
+    "lutgen.sweeper.lay_out": "layout",
+    "lutgen.computer.Computer.compute": "compute",
+    "lutgen.partfile.write_chunks": "write",
+    "os.fsync": "disk",
+}
 
 
 @dataclass(frozen=True)
 class FileSweep:
-    """Times of one recipe of `size` bytes for each of CONTENDERS."""
+    """Times of one recipe of `size` bytes for each of CONTENDERS, and STAGES of one sweep in s."""
 
     contacts: int
     channels: tuple[str, ...]
     threads: int
     size: int
     times: dict[str, Times]
+    stages: dict[str, float]
 
     def ratio(self, suffix: str = "") -> float:
         """Return sweep / raw, medians; `suffix` is "" or " fsync"."""
         return self.times["sweep" + suffix].median / self.times["raw" + suffix].median
+
+
+def stages_of(run: Callable[[], None]) -> dict[str, float]:
+    """Return the wall time in s of each of STAGES in a run, and of all the rest."""
+    taken = dict.fromkeys(STAGES.values(), 0.0)
+
+    def timed(name: str, real: Callable[..., Any]) -> Callable[..., Any]:
+        def measured(*arguments: Any) -> Any:
+            begin = time.perf_counter()
+            try:
+                return real(*arguments)
+            finally:
+                taken[name] += time.perf_counter() - begin
+
+        return measured
+
+    with ExitStack() as stack:
+        for target, name in STAGES.items():
+            patch = mock.patch(target)
+            real, _ = patch.get_original()  # type: ignore[attr-defined]
+            stack.enter_context(mock.patch(target, timed(name, real)))
+        begin = time.perf_counter()
+        run()
+        whole = time.perf_counter() - begin
+    return {**taken, "rest": whole - sum(taken.values())}
 
 
 def write_raw(path: Path, buffer: bytes, size: int, sync: bool) -> None:
@@ -77,4 +113,4 @@ def measure_file(
         swept,
     )
     times = interleave(dict(zip(CONTENDERS, runs, strict=True)), repeats)
-    return FileSweep(contacts, channels, threads, size, times)
+    return FileSweep(contacts, channels, threads, size, times, stages_of(swept))

@@ -103,6 +103,25 @@ def files_table(files: list[FileSweep]) -> str:
     )
 
 
+def stages_table(files: list[FileSweep]) -> str:
+    """Return where the time of a sweep to a file goes, in ms, and its throughput."""
+    stages = list(files[0].stages)
+    return table(
+        ["channels", "n", "thr", "MB/s", "M nodes/s", *(f"{name} ms" for name in stages)],
+        (
+            [
+                " + ".join(f.channels),
+                str(f.contacts),
+                str(f.threads),
+                f"{f.size / 1e6 / f.times['sweep'].median:.0f}",
+                f"{f.size / 4e6 / len(f.channels) / f.times['sweep'].median:.0f}",
+                *(f"{f.stages[name] * 1e3:.0f}" for name in stages),
+            ]
+            for f in files
+        ),
+    )
+
+
 def postures_table(sweeps: list[PostureSweep]) -> str:
     """Return rates and stages of the sweeps of a million postures."""
     names = ("kinematics", "facets", "region", "rest", "writing")

@@ -105,9 +105,10 @@ def main() -> None:
         )
         files = [
             *(measure_file(folder, 4, ("sdg",), t) for t in threads),
-            measure_file(folder, 4, ("sdg", "tip_angle"), threads[-1]),
+            *(measure_file(folder, 4, ("sdg", "tip_angle"), t) for t in threads),
         ]
         section("`lutgen.sweep` to HDF5 against raw writing, medians", report.files_table(files))
+        section("Where the time of one such sweep goes", report.stages_table(files))
         processes = measure_processes(folder)
     section("Processes", report.processes_text(processes))
     judged = verdicts(cells, files, processes)

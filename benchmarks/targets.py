@@ -59,6 +59,15 @@ def _compared(cell: Cell) -> Iterable[tuple[str, Agreement]]:
     return cell.agreement.items()
 
 
+def _same(one: Cell, other: Cell) -> bool:
+    """Return whether two cells differ in the number of threads only."""
+    return (one.contacts, one.stance, one.directions) == (
+        other.contacts,
+        other.stance,
+        other.directions,
+    )
+
+
 def verdicts(cells: list[Cell], files: list[FileSweep], processes: Processes) -> list[Verdict]:
     """Judge a whole run."""
     free = [cell for cell in cells if not cell.limits_on]
@@ -110,16 +119,34 @@ def verdicts(cells: list[Cell], files: list[FileSweep], processes: Processes) ->
                 [(c.ratio("sdg large", "both large"), _place(c)) for c in group],
             )
         )
-    result.append(
-        _worst(
-            "sweep to HDF5 takes at most 2.5 times as long as writing the bytes raw",
-            2.5,
-            [
-                (f.ratio(), f"{' + '.join(f.channels)}, n = {f.contacts}, threads: {f.threads}")
-                for f in files
-            ],
+    for words, limit, chosen in (
+        ("sweep of sdg", 2.0, [f for f in files if f.channels == ("sdg",)]),
+        ("sweep", 2.5, files),
+    ):
+        result.append(
+            _worst(
+                f"{words} to HDF5 takes at most {limit:g} times as long as writing the bytes raw",
+                limit,
+                [
+                    (f.ratio(), f"{' + '.join(f.channels)}, n = {f.contacts}, threads: {f.threads}")
+                    for f in chosen
+                ],
+            )
         )
-    )
+    pairs = [
+        (one, two)
+        for one in free
+        for two in free
+        if one.threads == 1 and two.threads == 2 and _same(one, two) and one.directions >= MANY
+    ]
+    claim = "two threads sweep at least 1.7 times as fast as one"
+    if pairs:
+        values = [
+            (two.rates["both reused"] / one.rates["both reused"], _place(two)) for one, two in pairs
+        ]
+        result.append(_worst(claim, 1.7, values, at_least=True))
+    else:
+        result.append(Verdict(claim, 1.7, True, None, "this machine has one core"))
     claim = "lutgen --help takes less than 0.3 s"
     if processes.help is None:
         result.append(Verdict(claim, 0.3, False, None, "the command is not installed"))

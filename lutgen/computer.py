@@ -18,6 +18,8 @@ from lutgen.scanner import Scanner
 
 # Parts per thread: a block's rows are not all equally dear, and small parts even that out.
 PARTS_PER_THREAD = 8
+# For an estimate: how many pieces of how many nodes, and after how many seconds it is enough.
+PIECES, PIECE, ENOUGH = 24, 1 << 15, 2.0
 
 
 class Computer:
@@ -63,12 +65,33 @@ class Computer:
 
 
 def expected_seconds(recipe: Recipe) -> float:
-    """Return how long the computing of a recipe's map takes here, from a piece of it."""
-    piece = plan(recipe, 1 << 16)
-    computer = Computer(recipe, piece)
-    middle = next(b for b in piece.blocks() if b.number >= piece.count // 2)
-    computer.compute(middle)
-    start = time.perf_counter()
-    computer.compute(middle)
-    part = (middle.last_row - middle.first_row) * recipe.chart.nodes / piece.nodes
-    return (time.perf_counter() - start) / part
+    """Return how long the computing of a recipe's map takes here, from pieces spread over it.
+
+    Postures are not equally dear: with the flippers up a robot has more facets than with them
+    level.  One thread is timed, because two wait for each other on a busy machine, and the time
+    divided by the threads.  The writing of the file comes on top, see docs/scaling.md.
+    """
+    threads = numba.get_num_threads()
+    numba.set_num_threads(1)
+    try:
+        return _seconds_of_one_thread(recipe) / threads
+    finally:
+        numba.set_num_threads(threads)
+
+
+def _seconds_of_one_thread(recipe: Recipe) -> float:
+    """Return how long one thread computes a map."""
+    pieces = plan(recipe, PIECE)
+    computer = Computer(recipe, pieces)
+    chosen = sorted({(2 * k + 1) * pieces.count // (2 * PIECES) for k in range(PIECES)})
+    computer.compute(pieces.block(chosen[0]))
+    taken = held = 0.0
+    for number in chosen:
+        block = pieces.block(number)
+        start = time.perf_counter()
+        computer.compute(block)
+        taken += time.perf_counter() - start
+        held += (block.last_row - block.first_row) * recipe.chart.nodes
+        if taken > ENOUGH:
+            break
+    return taken * pieces.nodes / held

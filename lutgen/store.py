@@ -94,8 +94,9 @@ def create(target: io.RawIOBase, recipe: Recipe, layout: Plan) -> dict[str, NDAr
         # One byte per chunk first: the whole index comes to lie before the first real chunk.
         for chunk in (b"\0", bytes(4 * (layout.chunk_nodes + 1))):
             for name in recipe.channels:
+                variable = file[name].id
                 for block in layout.blocks():
-                    file[name].id.write_direct_chunk(block.offset, chunk)
+                    variable.write_direct_chunk(block.offset, chunk)
         return {name: chunk_places(file[name], layout) for name in recipe.channels}
 
 
