@@ -71,7 +71,7 @@ def expected_seconds(recipe: Recipe) -> float:
     level.  One thread is timed, because two wait for each other on a busy machine, and the time
     divided by the threads.  The writing of the file comes on top, see docs/scaling.md.
     """
-    threads = numba.get_num_threads()
+    threads: int = numba.get_num_threads()
     numba.set_num_threads(1)
     try:
         return _seconds_of_one_thread(recipe) / threads
@@ -85,7 +85,7 @@ def _seconds_of_one_thread(recipe: Recipe) -> float:
     computer = Computer(recipe, pieces)
     chosen = sorted({(2 * k + 1) * pieces.count // (2 * PIECES) for k in range(PIECES)})
     computer.compute(pieces.block(chosen[0]))
-    taken = held = 0.0
+    taken, held = 0.0, 0
     for number in chosen:
         block = pieces.block(number)
         start = time.perf_counter()

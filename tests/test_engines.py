@@ -2,7 +2,11 @@
 
 import os
 import resource
+import shutil
 import signal
+import socket
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -17,7 +21,8 @@ from lutgen.errors import InputError, RecipeError, SweepError
 from lutgen.partfile import PartFile
 from lutgen.skeleton import lay_out
 from lutgen.verify import verify
-from tests.recipes import tripod
+from tests.recipes import rigid, tripod
+from tests.test_docs import ROOT, blocks
 
 # 54 postures of 11 x 11 nodes in 27 blocks, two channels.
 RECIPE = lutgen.parse_recipe(tripod("reach = 9, swing = 6", nodes=11))
@@ -219,3 +224,50 @@ def test_options_that_do_not_go_together_are_refused(
     with pytest.raises(InputError, match=said):
         lutgen.sweep(RECIPE, tmp_path / "a.h5", **options)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_robot_given_by_code_is_not_sent_to_workers(tmp_path: Path) -> None:
+    (tmp_path / "feet_by_code.py").write_text(
+        "import numpy as np\n"
+        "def postures(q):\n"
+        "    feet = np.tile([[1.0, 0, 0], [-1, 1, 0], [-1, -1, 0]], (len(q), 1, 1))\n"
+        "    return feet, np.tile([0.0, 0.0, 0.8], (len(q), 1))\n"
+    )
+    path = tmp_path / "code.toml"
+    path.write_text(rigid("", head='python = "feet_by_code:postures"'))
+    recipe = lutgen.load_recipe(path, allow_python=True)
+    with pytest.raises(InputError, match=r"given by code .*use the engine local"):
+        lutgen.sweep(recipe, tmp_path / "a.h5", engine="dask")
+
+
+def test_the_commands_of_the_page_on_scaling_run(tmp_path: Path) -> None:
+    (shell,) = blocks("docs/scaling.md", "sh")
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    assert shell.count(":8786") == 2
+    shell = shell.replace("8786", str(port))
+    shutil.copytree(ROOT / "maps", tmp_path / "maps")
+    # In small: fewer postures.
+    small = tmp_path / "maps" / "absolem.toml"
+    small.write_text(small.read_text().replace("= 37", "= 5"))
+    done = subprocess.run(
+        # `%1` is for shells with job control.
+        ["bash", "-m", "-e", "-c", shell],
+        cwd=tmp_path,
+        env={
+            **os.environ,
+            "PATH": os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]]),
+            "NUMBA_NUM_THREADS": "1",
+        },
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "checksums: all good" in done.stdout
+    lutgen.sweep(lutgen.load_recipe(small), tmp_path / "here.h5", threads=1)
+    here = lutgen.load_map(tmp_path / "here.h5")
+    there = lutgen.load_map(tmp_path / "absolem.h5")
+    for name in here.channels:
+        assert here.channel(name).tobytes() == there.channel(name).tobytes()
