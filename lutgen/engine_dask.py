@@ -1,8 +1,8 @@
 """Blocks computed by workers of dask.distributed.
 
-Owns what travels: the recipe as text and numbers of blocks there, checksums back.  A worker that
-finds the token that this sweep wrote beside the map writes its blocks itself; any other sends them
-back, and they are written here.
+Owns what travels: the recipe (and its URDF) as text and numbers of blocks there, checksums back.  A
+worker that finds the token that this sweep wrote beside the map writes its blocks itself; any other
+sends them back, and they are written here.
 """
 
 import os
@@ -46,6 +46,7 @@ class Job(NamedTuple):
     """What a worker has to know of a sweep, apart from the blocks."""
 
     text: str
+    urdf: str | None
     source: str
     layout: Plan
     part: str
@@ -76,8 +77,8 @@ def sees(part: Path, token: str) -> bool:
 
 
 @lru_cache(maxsize=1)
-def _computer(text: str, source: str, layout: Plan) -> Computer:
-    return Computer(parse_recipe(text, source), layout)
+def _computer(text: str, urdf: str | None, source: str, layout: Plan) -> Computer:
+    return Computer(parse_recipe(text, source, urdf=urdf), layout)
 
 
 def compute_batch(job: Job, numbers: list[int], places: NDArray[np.int64]) -> list[Result]:
@@ -96,7 +97,7 @@ def compute_batch(job: Job, numbers: list[int], places: NDArray[np.int64]) -> li
     part = Path(job.part)
     with _LOCK, ExitStack() as stack:
         numba.set_num_threads(_threads(job.threads))
-        computer = _computer(job.text, job.source, job.layout)
+        computer = _computer(job.text, job.urdf, job.source, job.layout)
         handle = -1
         for column, number in enumerate(numbers):
             chunks = list(computer.compute(job.layout.block(number)).values())
@@ -167,6 +168,7 @@ def compute_there(
         ) from None
     job = Job(
         recipe.text,
+        recipe.urdf,
         recipe.source,
         layout,
         str(file.path.resolve()),

@@ -17,8 +17,8 @@ from lutgen.blocks import plan
 from tests.recipes import tripod
 
 RECIPE = lutgen.parse_recipe(tripod("reach = 20, swing = 15", nodes=21))
-# 132,300 nodes: 1,800 blocks down to 3.
-BLOCKS = (84, 700, 7_000, 60_000)
+# 132,300 nodes: 1,800 blocks down to 8.
+BLOCKS = (84, 400, 2_000, 20_000)
 
 
 def start(path: Path, nodes: int, resume: bool, threads: int = 1) -> int:
@@ -56,8 +56,12 @@ def main(count: int, folder: Path) -> None:
     while kills < count:
         nodes = BLOCKS[kills % len(BLOCKS)]
         path = folder / "killed.h5"
+        part = Path(f"{path}.part")
         for resume in (False, True) if kills % 3 == 0 else (False,):
             process = start(path, nodes, resume, 1 + (kills % 7 == 0))
+            # Some die before there is a file, most while it is filled.
+            while kills % 4 and not resume and not part.exists() and not path.exists():
+                time.sleep(0.0002)
             time.sleep(rng.uniform(0.0, takes[nodes]))
             os.kill(process, signal.SIGKILL)
             killed = end(process) == -signal.SIGKILL
@@ -68,7 +72,6 @@ def main(count: int, folder: Path) -> None:
         if not killed:
             continue
         kills += 1
-        part = Path(f"{path}.part")
         at_once += not part.exists()
         assert end(start(path, nodes, True)) == 0
         same += path.read_bytes() == whole[nodes]

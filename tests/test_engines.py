@@ -17,11 +17,12 @@ from distributed import Client, LocalCluster
 import lutgen
 from lutgen import engine_dask, sweeper
 from lutgen.blocks import plan
+from lutgen.computer import Computer
 from lutgen.errors import InputError, RecipeError, SweepError
 from lutgen.partfile import PartFile
 from lutgen.skeleton import lay_out
 from lutgen.verify import verify
-from tests.recipes import rigid, tripod
+from tests.recipes import rigid, sweep_part, tripod
 from tests.test_docs import ROOT, blocks
 
 # 54 postures of 11 x 11 nodes in 27 blocks, two channels.
@@ -271,3 +272,25 @@ def test_the_commands_of_the_page_on_scaling_run(tmp_path: Path) -> None:
     there = lutgen.load_map(tmp_path / "absolem.h5")
     for name in here.channels:
         assert here.channel(name).tobytes() == there.channel(name).tobytes()
+
+
+def test_a_worker_gets_the_description_that_a_recipe_names(tmp_path: Path) -> None:
+    shutil.copy(ROOT / "tests" / "vectors" / "rover.urdf", tmp_path)
+    (tmp_path / "rover.toml").write_text(
+        '[robot]\nname = "rover"\nlength_unit = "m"\nurdf = "rover.urdf"\n'
+        '[[robot.parameter]]\nname = "arms"\nmin = -45.0\nmax = 45.0\nunit = "deg"\n'
+        + "".join(
+            f'[[robot.contact]]\nlink = "{link}"\n'
+            for link in ("left_arm", "right_arm", "left_wheel", "right_wheel")
+        )
+        + sweep_part("arms = 3")
+    )
+    recipe = lutgen.load_recipe(tmp_path / "rover.toml")
+    (tmp_path / "rover.urdf").unlink()
+    layout = plan(recipe)
+    computer = engine_dask._computer(recipe.text, recipe.urdf, recipe.source, layout)
+    assert computer.recipe == recipe
+    block = layout.block(0)
+    here = Computer(recipe, layout).compute(block)
+    for name, chunk in computer.compute(block).items():
+        assert chunk.tobytes() == here[name].tobytes()

@@ -16,6 +16,7 @@ from lutgen.recipe import recipe_digest
 from lutgen.robot import forward
 from lutgen.urdf import parse_urdf
 from lutgen.urdf_recipe import import_urdf
+from tests.maps import unseal
 from tests.recipes import contact, sweep_part
 
 VECTOR = Path(__file__).parent / "vectors" / "rover.urdf"
@@ -239,6 +240,7 @@ def test_a_map_whose_description_is_missing_or_changed_is_refused(
 ) -> None:
     file = path.with_suffix(".h5")
     lutgen.sweep(lutgen.load_recipe(path), file)
+    unseal(file)
     with h5py.File(file, "r+") as data:
         del data.attrs["urdf"]
         if content is not None:
@@ -253,6 +255,7 @@ def test_a_map_without_its_description_opens_no_file_even_where_the_digest_fits(
     recipe = lutgen.load_recipe(path)
     file = path.with_suffix(".h5")
     lutgen.sweep(recipe, file)
+    unseal(file)
     with h5py.File(file, "r+") as data:
         del data.attrs["urdf"]
         data.attrs["recipe_sha256"] = recipe_digest(recipe.text)

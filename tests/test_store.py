@@ -17,6 +17,7 @@ from lutgen.checksum import fletcher32
 from lutgen.errors import InputError, MapFileError
 from lutgen.store import FORMAT, StabilityMap
 from lutgen.verify import verify
+from tests.maps import unseal
 from tests.recipes import ALL_CHANNELS, rover, tripod
 
 
@@ -48,7 +49,7 @@ def copy(folder: Path, tmp_path: Path) -> Path:
 @pytest.fixture
 def unsealed(copy: Path) -> Path:
     """Return a copy without a digest, as of an earlier lutgen, to be edited through HDF5."""
-    copy.write_bytes(copy.read_bytes().replace(b"lutgen-digest-1", b"another-digest-"))
+    unseal(copy)
     return copy
 
 
