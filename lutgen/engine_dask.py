@@ -5,6 +5,8 @@ worker that finds the token that this sweep wrote beside the map writes its bloc
 sends them back, and they are written here.
 """
 
+import importlib.util
+import logging
 import os
 import secrets
 import socket
@@ -159,13 +161,11 @@ def compute_there(
     SweepError
         If no worker is left, or a task cannot be done anywhere.
     """
-    try:
-        import distributed
-    except ImportError:
+    if importlib.util.find_spec("distributed") is None:
         raise InputError(
             "the engine dask needs the package distributed (got none); install lutgen[cluster], "
             "or use the engine local"
-        ) from None
+        )
     job = Job(
         recipe.text,
         recipe.urdf,
@@ -177,8 +177,9 @@ def compute_there(
         threads if scheduler else None,
     )
     with _client(scheduler, workers, threads) as client, _token(job):
-        count = _wait_for_workers(client)
-        shared = _probe(client, job)
+        with _speaking():
+            count = _wait_for_workers(client)
+            shared = _probe(client, job)
         todo = [number for number in range(layout.count) if not file.done[number]]
         batch = max(1, min(BATCH, len(todo) // (TASKS_PER_WORKER * count))) if shared else 1
         batches = iter([todo[i : i + batch] for i in range(0, len(todo), batch)])
@@ -187,13 +188,11 @@ def compute_there(
             places = file.skeleton.places[:, numbers]
             return client.submit(compute_batch, job, numbers, places, pure=False)
 
-        asked = {submit(numbers): numbers for numbers in islice(batches, AHEAD * count)}
+        with _speaking():
+            asked = {submit(numbers): numbers for numbers in islice(batches, AHEAD * count)}
         while asked:
-            try:
-                ready = distributed.wait(list(asked), PATIENCE, "FIRST_COMPLETED").done
-            except TimeoutError:
-                _wait_for_workers(client)
-                continue
+            with _speaking():
+                ready = _some_that_are_done(client, list(asked))
             for future in ready:
                 rest = set(asked.pop(future))
                 for result in _result(future):
@@ -203,23 +202,61 @@ def compute_there(
                         file.write(result.number, result.chunks)
                     rest.discard(result.number)
                     yield result.number
-                future.release()
                 following = sorted(rest) or next(batches, [])
-                if following:
-                    asked[submit(following)] = following
+                with _speaking():
+                    future.release()
+                    if following:
+                        asked[submit(following)] = following
+
+
+def _some_that_are_done(client: Any, futures: list[Any]) -> set[Any]:
+    """Wait until tasks are done, as long as there are workers to do them."""
+    import distributed
+
+    while True:
+        try:
+            done: set[Any] = distributed.wait(futures, PATIENCE, "FIRST_COMPLETED").done
+        except TimeoutError:
+            _wait_for_workers(client)
+        else:
+            return done
+
+
+@contextmanager
+def _speaking() -> Iterator[None]:
+    """Turn whatever goes wrong between this process and the scheduler into a sentence."""
+    try:
+        yield
+    except LutgenError:
+        raise
+    except Exception as error:
+        raise SweepError(
+            f"the scheduler does not answer any more (got {_first_line(error)}); start it again, "
+            "then go on with `lutgen sweep --resume`"
+        ) from error
+
+
+def _first_line(error: Exception) -> str:
+    """Return an error's name and the first line of what it says."""
+    return " ".join(f"{type(error).__name__}: {error}".splitlines()[:1])
 
 
 def _result(future: Any) -> list[Result]:
     """Return what a task returned; what it raised becomes a sentence."""
+    from distributed.comm import CommClosedError
+
     try:
         results: list[Result] = future.result()
+    except CommClosedError:
+        with _speaking():
+            raise
     except (LutgenError, OSError):
+        # Of the task itself: the caller has sentences for those.
         raise
     except Exception as error:
-        got = f"{type(error).__name__}: {error}".splitlines()[0]
         raise SweepError(
-            f"a worker could not compute its blocks (got {got}); see its log, then go on with "
-            "`lutgen sweep --resume`"
+            f"a worker could not compute its blocks (got {_first_line(error)}); see its log, then "
+            "go on with `lutgen sweep --resume`"
         ) from error
     return results
 
@@ -231,6 +268,10 @@ def _client(scheduler: str | None, workers: int | None, threads: int | None) -> 
 
     cores = threads or numba.config.NUMBA_NUM_THREADS
     with ExitStack() as stack:
+        # It logs tracebacks of what is said here in a sentence.
+        log = logging.getLogger("distributed.client")
+        stack.callback(log.setLevel, log.level)
+        log.setLevel(logging.CRITICAL)
         try:
             if scheduler is None:
                 count = workers or cores
@@ -240,7 +281,7 @@ def _client(scheduler: str | None, workers: int | None, threads: int | None) -> 
                         threads_per_worker=max(1, cores // count),
                         memory_limit=0,
                         dashboard_address=":0",
-                        silence_logs="ERROR",
+                        silence_logs="CRITICAL",
                     )
                 )
             else:
@@ -249,7 +290,7 @@ def _client(scheduler: str | None, workers: int | None, threads: int | None) -> 
         except (OSError, ValueError) as error:
             raise InputError(
                 f"the scheduler {scheduler or 'of this machine'} cannot be reached (got "
-                f"{str(error).splitlines()[0]}); start one with `dask scheduler` and give its "
+                f"{_first_line(error)}); start one with `dask scheduler` and give its "
                 "address as tcp://HOST:8786"
             ) from error
         yield client
@@ -290,8 +331,8 @@ def _probe(client: Any, job: Job) -> bool:
         versions = set(client.run(_version).values())
     except Exception as error:
         raise SweepError(
-            f"a worker cannot run lutgen (got {type(error).__name__}: "
-            f"{str(error).splitlines()[0]}); install lutgen {__version__} for all workers"
+            f"a worker cannot run lutgen (got {_first_line(error)}); install lutgen {__version__} "
+            "for all workers"
         ) from error
     if versions - {_version()}:
         raise SweepError(

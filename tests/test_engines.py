@@ -170,7 +170,6 @@ def test_a_worker_that_cannot_write_stops_the_sweep_in_a_sentence_and_it_resumes
     tmp_path: Path, whole: bytes, cluster: LocalCluster
 ) -> None:
     with Client(cluster.scheduler_address) as client:
-        client.wait_for_workers(3, timeout=60)
         ahead = lay_out(RECIPE, plan(RECIPE, SIZE)).places[0, 10]
         client.run(resource.setrlimit, resource.RLIMIT_FSIZE, (int(ahead), resource.RLIM_INFINITY))
         with pytest.raises(SweepError, match=r"cannot be written \(got File too large\)"):
@@ -179,6 +178,35 @@ def test_a_worker_that_cannot_write_stops_the_sweep_in_a_sentence_and_it_resumes
             )
         client.run(resource.setrlimit, resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY,) * 2)
     assert swept(tmp_path / "a.h5", cluster, resume=True) == whole
+
+
+def test_a_scheduler_that_dies_is_a_sentence_and_the_sweep_resumes(
+    tmp_path: Path, whole: bytes, capfd: pytest.CaptureFixture[str]
+) -> None:
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = str(free.getsockname()[1])
+    dask = [sys.executable, "-m", "dask"]
+    common = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    scheduler = subprocess.Popen(
+        [*dask, "scheduler", "--host", "127.0.0.1", "--port", port, "--no-dashboard"], **common
+    )
+    address = f"tcp://127.0.0.1:{port}"
+    worker = subprocess.Popen(
+        [*dask, "worker", address, "--no-nanny", "--nthreads", "1", "--no-dashboard"], **common
+    )
+    options = {"scheduler": address, "progress": lambda done, total: scheduler.kill()}
+    with scheduler, worker:
+        try:
+            with pytest.raises(SweepError, match=r"not answer any more .*--resume") as caught:
+                lutgen.sweep(RECIPE, tmp_path / "a.h5", engine="dask", **options)
+        finally:
+            scheduler.kill()
+            worker.kill()
+    assert "\n" not in str(caught.value)
+    assert "Traceback" not in capfd.readouterr().err
+    lutgen.sweep(RECIPE, tmp_path / "a.h5", threads=1, resume=True)
+    assert (tmp_path / "a.h5").read_bytes() == whole
 
 
 def test_a_sweep_without_any_worker_gives_up_in_a_sentence(
