@@ -40,7 +40,7 @@ physics: .venv/.physics ## compare the verdicts with a physics engine (docs/phys
 bench: .venv/.installed ## measure speed
 	$(BIN)/python -m benchmarks.run
 
-soak: .venv/.installed ## kill, damage and fill up sweeps at length; needs 20 GB in build/ (half an hour)
+soak: .venv/.installed ## kill, damage and fill up sweeps at length; needs 20 GB in build/ (ten minutes)
 	LUTGEN_SOAK=1 $(BIN)/python -m pytest -q -s tests/test_survival.py tests/test_engines.py
 	$(BIN)/python -m benchmarks.large
 
