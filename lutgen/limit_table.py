@@ -22,7 +22,6 @@ __all__ = [
     "SweepLimits",
     "even_headings",
     "posture_limits",
-    "sliding_tilts",
     "sweep_limits",
 ]
 
@@ -212,27 +211,3 @@ def _first(tilts: Floats, sign: float) -> Ints:
     """Return the first posture of the largest sign * tilt in each heading, but for rounding."""
     value = sign * tilts
     return np.asarray((value >= value.max(axis=0) - 1e-12).argmax(axis=0))
-
-
-def sliding_tilts(
-    recipe: Recipe, params: ArrayLike, headings: ArrayLike, convention: str = "plane"
-) -> Floats | None:
-    """Return the tilt from which a posture (k,) slides in each heading, (h,) rad.
-
-    It stands on the support facet of level ground: the angle between that facet's normal and
-    gravity reaches atan(friction).  0 where it slides on level ground already; None without a
-    friction coefficient, or a facet.
-    """
-    frame = level_frames(recipe, np.asarray(params, dtype=np.float64)[None], convention)[0]
-    state = diagnose(recipe, params, -frame[:, 2])
-    if recipe.friction is None or state.facet is None:
-        return None
-    hold = math.cos(math.atan(recipe.friction))
-    psi = np.asarray(headings, dtype=np.float64)
-    # n . g = ahead sin t + below cos t, which is `hold` where it slides.
-    x, y, z = frame.T @ state.facet.normal
-    ahead, below = x * np.cos(psi) + y * np.sin(psi), -z
-    if below < hold:
-        return np.zeros(len(psi))
-    reach = np.hypot(ahead, below)
-    return np.asarray(np.arctan2(ahead, below) + np.arccos(hold / reach))

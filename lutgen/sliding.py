@@ -14,7 +14,7 @@ from lutgen.boundary import find_region
 from lutgen.channels import POSTURES_A_THREAD, checked_directions
 from lutgen.errors import InputError
 from lutgen.jit import few_threads, njit, prange
-from lutgen.limits import tilted
+from lutgen.limits import level_frames, tilted
 from lutgen.load import limits_of, loads
 from lutgen.loaded import loaded_verdict
 from lutgen.loaded_axes import MU, PHI, add, empty_axes, find_axes, part
@@ -213,7 +213,13 @@ def first_tilts(
     return after
 
 
-def slide_limits(recipe: Recipe, params: ArrayLike, headings: ArrayLike) -> NDArray[np.float64]:
+def slide_limits(
+    recipe: Recipe,
+    params: ArrayLike,
+    headings: ArrayLike,
+    convention: str = "body",
+    until: float = math.pi,
+) -> NDArray[np.float64]:
     """Return the tilt in each heading from which on friction does not hold the robot.
 
     Parameters
@@ -224,12 +230,21 @@ def slide_limits(recipe: Recipe, params: ArrayLike, headings: ArrayLike) -> NDAr
         One posture, rad or length.
     headings : (h,) array_like
         Headings of the tilt in rad.
+    convention : {"body", "plane"}
+        What is tilted, see `limits.level_frames`.
+    until : float
+        Tilt (rad) at which the search ends.
 
     Returns
     -------
     (h,) float64
         Radians: atan mu where the support facet is level in the body; a facet that is not shifts
-        it, to 0 where the robot slides on level ground already.  NaN where it never slides.
+        it, to 0 where the robot slides on level ground already.  NaN where it does not slide.
     """
     posture = np.asarray(params, dtype=np.float64)[None, :]
-    return first_tilts(lambda directions, _: slides_first(recipe, posture, directions)[0], headings)
+    frame = level_frames(recipe, posture, convention)[0]
+
+    def slides(directions: NDArray[np.float64], _: NDArray[np.intp]) -> NDArray[np.bool_]:
+        return slides_first(recipe, posture, directions @ frame.T)[0]  # type: ignore[no-any-return]
+
+    return first_tilts(slides, headings, until)

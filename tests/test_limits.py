@@ -13,12 +13,12 @@ from lutgen.limit_table import (
     FOUR,
     even_headings,
     posture_limits,
-    sliding_tilts,
     sweep_limits,
 )
 from lutgen.limits import level_frames, level_limits, tilt_limits, tilted, worst_heading
 from lutgen.pairs import evaluate_pairs
 from lutgen.recipe import Recipe, parse_recipe
+from lutgen.sliding import slide_limits
 from lutgen.statics import diagnose
 from tests.recipes import feet, rigid, rover, tripod
 
@@ -177,10 +177,8 @@ def test_the_ground_is_tilted_from_where_the_posture_stands_on_it(maps_folder: P
 
 
 def test_a_level_robot_slides_at_the_angle_of_friction() -> None:
-    found = sliding_tilts(box(), [], np.linspace(0.0, 6.0, 7))
-    assert found is not None
+    found = slide_limits(box(), [], np.linspace(0.0, 6.0, 7))
     np.testing.assert_allclose(found, math.atan(0.7), atol=1e-12)
-    assert sliding_tilts(box(head=""), [], [0.0]) is None
 
 
 def test_a_body_that_leans_slides_earlier_on_the_side_that_it_leans_to() -> None:
@@ -190,15 +188,14 @@ def test_a_body_that_leans_slides_earlier_on_the_side_that_it_leans_to() -> None
         for x, y, z in CORNERS
     ]
     recipe = parse_recipe(rigid(feet(turned), head="friction = 0.7"))
-    found = sliding_tilts(recipe, [], [0.0, math.pi], "body")
-    assert found is not None
+    found = slide_limits(recipe, [], [0.0, math.pi], "body")
     slope = math.atan(0.7)
     # The facet's outward normal is 10 deg ahead of straight down.
     np.testing.assert_allclose(found, [slope + lean, slope - lean], atol=1e-12)
     for heading, tilt in zip((0.0, math.pi), found, strict=True):
         states = [diagnose(recipe, [], tilted(tilt + d, heading)).slides for d in (-1e-9, 1e-9)]
         assert states == [False, True]
-    ground = sliding_tilts(recipe, [], [0.0, math.pi], "plane")
+    ground = slide_limits(recipe, [], [0.0, math.pi], "plane")
     np.testing.assert_allclose(ground, slope, atol=1e-12)
 
 

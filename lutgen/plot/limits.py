@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from lutgen.limit_table import PostureLimits, SweepLimits, sliding_tilts
+from lutgen.limit_table import PostureLimits, SweepLimits
 from lutgen.limits import tilt_limits
 from lutgen.plot.labels import HEADINGS, angle_text, heading_text, title
 from lutgen.plot.marks import tip_patch
@@ -15,6 +15,7 @@ from lutgen.plot.polar import SAMPLES, SIZE, polar_axes
 from lutgen.plot.style import BLUE, GREEN, GREY, HATCH, ORANGE, WASH, house_style, new_figure
 from lutgen.plot.view import View
 from lutgen.recipe import Recipe
+from lutgen.sliding import slide_limits
 
 __all__ = ["draw_limits"]
 
@@ -58,7 +59,6 @@ def draw_limits(
     least = math.degrees(posture.guaranteed)
     # Rounded down: what is printed holds, too.
     guaranteed = angle_text(math.floor(10.0 * least) / 10.0)
-    slides = sliding_tilts(recipe, posture.params, headings, posture.convention)
     largest = float(outline.max())
     if swept is not None:
         largest = max(largest, math.degrees(float(swept.most.max())))
@@ -93,10 +93,14 @@ def draw_limits(
             zorder=4,
             **GUARANTEED,
         )
-        if slides is not None and np.degrees(slides).min() < top:
-            within = np.minimum(np.degrees(slides), top)
+        if recipe.friction is not None:
+            slides = slide_limits(
+                recipe, posture.params, headings, posture.convention, math.radians(top)
+            )
+            within = np.nan_to_num(np.degrees(slides), nan=top)
             label = f"slides ($\\mu$ = {recipe.friction:g})"
-            axes.plot(headings, within, label=label, zorder=3, **SLIDES)
+            if within.min() < top:
+                axes.plot(headings, within, label=label, zorder=3, **SLIDES)
         if not math.isnan(posture.worst.heading):
             axes.plot(
                 [posture.worst.heading],
