@@ -65,6 +65,11 @@ class Tables:
         """Bytes of all tables."""
         return self.codes.bytes
 
+    @property
+    def guard_grows(self) -> bool:
+        """Whether the guard leaves narrow facets to the certificate, see `contacts_guard`."""
+        return self.many
+
     @cached_property
     def posture(self) -> Posture:
         """The tables as the twin takes them."""

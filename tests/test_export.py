@@ -1,6 +1,7 @@
 """From a recipe or a map to a folder: what is asked for is what comes out, certified."""
 
 import json
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -246,6 +247,29 @@ def test_a_guard_that_is_wrong_by_too_little_for_the_chooser_is_stopped_by_the_c
         run(tmp_path / "out", max_error="2%")
     assert examined[0].false_safe > 0
     assert list(tmp_path.iterdir()) == []
+
+
+def test_what_gets_past_the_guard_of_many_contacts_is_added_to_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    examine, found = exporter.examine, []
+    short = 0.02
+
+    def noted(export: Export, *given: Any) -> Certificate:
+        tables = replace(export.tables, guard=export.tables.guard - short)
+        found.append(examine(replace(export, tables=tables), *given))
+        return found[-1]
+
+    monkeypatch.setattr(exporter, "examine", noted)
+    path = tmp_path / "rover.toml"
+    path.write_text(rover())
+    report = run(tmp_path / "out", path, codec="contacts", max_error="5%", points=4000)
+    assert found[0].false_safe > 0 == found[-1].false_safe == report["false_safe"]
+    assert len({one.seed for one in found}) == len(found) > 1
+    # What was short is made up for, and not by more than it was raised at each attempt.
+    assert "narrower than that holds for" in report["guard_text"]
+    assert math.radians(report["guard_deg"]) > short
+    assert report["given_up"] < 0.2
 
 
 def test_a_certificate_worse_than_the_choice_leads_to_a_finer_export(
