@@ -599,7 +599,7 @@ static uint8_t roll(posture_t *posture, const float normal[3], uint8_t a, uint8_
 
 static int accepted(const posture_t *posture, const facet_t *facet)
 {
-  return -facet->n[2] > posture->body->steepest && facet->height > posture->body->lowest;
+  return (-facet->n[2] > posture->body->steepest) && (facet->height > posture->body->lowest);
 }
 
 /* Tell whether the robot rocks from a facet over its edge a - b onto another, `next`. */
