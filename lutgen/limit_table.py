@@ -144,9 +144,9 @@ def posture_limits(recipe: Recipe, params: ArrayLike, convention: str = "plane")
     >>> from lutgen.recipe import load_recipe
     >>> found = posture_limits(load_recipe("maps/absolem.toml"), np.radians([90.0, 90.0]))
     >>> [(row.name, round(math.degrees(row.tilt), 1)) for row in found.headings[::3]]
-    [('nose down', 59.0), ('right side down', 54.9)]
+    [('nose down', 59.0), ('right side down', 57.7)]
     >>> found.worst.contacts
-    ('left_track_rear', 'rear_left_root')
+    ('right_track_rear', 'left_track_rear')
     """
     posture = np.asarray(params, dtype=np.float64)
     guaranteed = float(level_limits(recipe, posture[None], convention)[0])
