@@ -34,7 +34,7 @@ log = logging.getLogger("lutgen")
 ATTEMPTS = 6
 # Certificates of one choice, each but the first after the guard was raised: by so many times what
 # was found beyond it, and by so many rad at least.
-GUARDS, BEYOND, LEAST_GUARD = 4, 2.0, 5e-4
+GUARDS, BEYOND, LEAST_GUARD, MOST_GUARD = 4, 2.0, 5e-4, 0.05
 # Bytes of the export that is made where nothing was asked for and nothing reaches the knee.
 ROOM = 64 * 1024
 
@@ -244,6 +244,8 @@ def _guarded(
         if not certificate.false_safe or not getattr(tables, "guard_grows", False):
             break
         more = BEYOND * max(-certificate.nearest, LEAST_GUARD)
+        if more > MOST_GUARD:
+            break  # no matter of narrow facets
         tell(f"raising the guard by {math.degrees(more):.2g} deg")
         text = (
             f"{tables.guard_text}; {math.degrees(more):.2g} deg of the guard are for facets "
