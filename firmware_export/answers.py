@@ -13,19 +13,23 @@ from numpy.typing import NDArray
 from firmware_export.model import Exact, Model
 from firmware_export.sample import Sample
 
-__all__ = ["Answers", "Device", "Measured", "Read", "Truth", "truth"]
+__all__ = ["Answers", "Device", "Measured", "Needs", "Read", "Truth", "truth"]
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
 # Status codes of smap_read with which the robot is said to stand.
 OK, CLAMPED = 0, 1
+# In the place of a status where nothing was asked.
+NOT_ASKED = -128
 FULL_SCALE = 32767
 # Integer reading of a channel that is not held, or of a robot that tips.
 ABSENT = 65535
 # Points that are asked at a time: bounds the memory of a certificate.
 BLOCK = 1 << 17
 
+# Exact tip angles (m, d) -> at which of the points an answer is needed.
+Needs = Callable[[Floats], Bools]
 # (n, k) and (n, 3) queries -> status (n,), reading (n, 3): sdg, tip_angle, height.
 Read = Callable[[NDArray[Any], NDArray[Any]], tuple[NDArray[Any], NDArray[Any]]]
 
@@ -111,19 +115,28 @@ class Device:
     def __init__(self, model: Model, read: Read, steps: dict[str, float] | None = None) -> None:
         self.model, self.read, self.steps = model, read, steps
 
-    def measure(self, sample: Sample) -> Measured:
-        """Ask about a sample and compute the truth."""
-        return self.compare(truth(self.model, sample, self.steps is not None))
+    def measure(self, sample: Sample, needs: Needs | None = None) -> Measured:
+        """Compute the truth of a sample and ask about its points.
 
-    def compare(self, known: Truth) -> Measured:
-        """Ask queries whose truth is known."""
+        With `needs` only about those that it marks, and all where the robot tips: an answer that
+        is falsely safe is never passed over.
+        """
+        known = truth(self.model, sample, self.steps is not None)
+        tip = known.exact.tip_angle
+        return self.compare(known, None if needs is None else needs(tip) | (tip < 0.0))
+
+    def compare(self, known: Truth, ask: Bools | None = None) -> Measured:
+        """Ask queries whose truth is known: all of them, or those that `ask` (m, d) marks.
+
+        What is not asked is left as said to tip, without a number (NaN).
+        """
         m, d = known.gravity.shape[:2]
-        status, values = np.empty(m * d, np.int8), np.empty((m * d, 3))
-        rows = max(1, BLOCK // max(d, 1))
-        for at in range(0, m, rows):
-            part = slice(at * d, (at + rows) * d)
-            queries = np.repeat(known.params[at : at + rows], d, axis=0)
-            found, reading = self.read(queries, known.gravity[at : at + rows].reshape(-1, 3))
+        status, values = np.full(m * d, NOT_ASKED, np.int8), np.full((m * d, 3), np.nan)
+        asked = np.arange(m * d) if ask is None else np.flatnonzero(ask)
+        gravity = known.gravity.reshape(-1, 3)
+        for at in range(0, len(asked), BLOCK):
+            part = asked[at : at + BLOCK]
+            found, reading = self.read(known.params[part // max(d, 1)], gravity[part])
             status[part] = found
             values[part] = self._units(reading)
         stands = (status == OK) | (status == CLAMPED)

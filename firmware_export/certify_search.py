@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_export.answers import Device, Measured
+from firmware_export.answers import Device, Measured, Needs
 from firmware_export.sample import Sample
 from firmware_export.tip_boundary import boundary, on_chart, unit
 
@@ -24,6 +24,8 @@ Value = Callable[[Measured], Floats]
 POSTURES, DIRECTIONS = 4, 6
 # First step, in shares of the box and in rad, and how it changes.
 FIRST_STEP, LONGER, SHORTER = 0.05, 1.5, 0.6
+# A shorter step moves no float32 query by more than its rounding: the walk has arrived.
+SHORTEST = 3e-8
 FINE_STEP = 0.005
 # Random directions that are tried to cross the boundary.
 TRIES = 24
@@ -49,15 +51,23 @@ def sdg_error(measured: Measured) -> Floats:
     return np.where(counts, error, -np.inf)
 
 
+def _near(tip_angle: Floats) -> NDArray[np.bool_]:
+    return np.asarray(np.abs(tip_angle) < NEAR)
+
+
+def _tips(tip_angle: Floats) -> NDArray[np.bool_]:
+    return np.asarray(tip_angle < 0.0)
+
+
 def _excess(measured: Measured) -> Floats:
     """Return by how much the answered tip angle exceeds the true one, near the boundary."""
     true, said = measured.exact.tip_angle, measured.answers.tip_angle
-    return np.where(np.abs(true) < NEAR, said - true, -np.inf)
+    return np.where(_near(true), said - true, -np.inf)
 
 
 def _clearance(measured: Measured) -> Floats:
     """Return the answered tip angle where the robot tips, -inf where it stands."""
-    tips = measured.exact.tip_angle < 0.0
+    tips = _tips(measured.exact.tip_angle)
     return np.where(tips, measured.answers.tip_angle, -np.inf)
 
 
@@ -84,6 +94,7 @@ def climb(
     rounds: int,
     seed: int,
     first_step: float = FIRST_STEP,
+    needs: Needs | None = None,
 ) -> Found:
     """Maximise a value by random steps from s starts, in the box and on the chart.
 
@@ -99,6 +110,9 @@ def climb(
         Of the random steps.
     first_step : float
         Length of the first step, in shares of the box and in rad.
+    needs : callable, optional
+        Where the value is finite only there, the exact tip angles whose points need the export's
+        answer: others are not asked, unless the robot tips there, where no answer may be safe.
 
     Returns
     -------
@@ -115,32 +129,38 @@ def climb(
     step = np.full(s, first_step)
     points = false_safe = 0
     first = None
-    row = np.arange(s)
     for _ in range(rounds):
         # Half of the coordinates move; the first candidate keeps the posture, and its first
-        # direction is the point itself.
+        # direction is the point itself.  All starts draw, whether they still walk or not, so
+        # that no walk depends on another.
         moves = rng.normal(size=(s, POSTURES, k)) * (rng.random((s, POSTURES, k)) < 0.5)
+        turn = rng.normal(size=(s, POSTURES, DIRECTIONS, 3))
+        walk = np.flatnonzero(step >= SHORTEST)
+        if len(walk) == 0:
+            break
+        moves, turn, stride = moves[walk], turn[walk], step[walk]
         moves[:, 0] = 0.0
-        q = best_q[:, None] + step[:, None, None] * moves * span
+        q = best_q[walk, None] + stride[:, None, None] * moves * span
         q = np.clip(q, model.lower, model.upper)
-        turn = rng.normal(size=(s, POSTURES, DIRECTIONS, 3)) * step[:, None, None, None]
+        turn *= stride[:, None, None, None]
         turn[:, :, 0] = 0.0
-        g = unit(best_g[:, None, None] + turn)
-        sample = Sample(q.reshape(s * POSTURES, k), g.reshape(-1, DIRECTIONS, 3))
-        measured = device.measure(sample)
+        g = unit(best_g[walk, None, None] + turn)
+        sample = Sample(q.reshape(len(walk) * POSTURES, k), g.reshape(-1, DIRECTIONS, 3))
+        measured = device.measure(sample, needs)
         held = on_chart(model, sample.gravity)
-        found = np.where(held, value(measured), -np.inf).reshape(s, -1)
+        found = np.where(held, value(measured), -np.inf).reshape(len(walk), -1)
         points += sample.points
         wrong = int(measured.false_safe.sum())
         if wrong and first is None:
             first = witness(measured)
         false_safe += wrong
-        at = found.argmax(axis=1)
-        better = found[row, at] > best
-        best = np.where(better, found[row, at], best)
-        best_q[better] = q[row, at // DIRECTIONS][better]
-        best_g[better] = g.reshape(s, -1, 3)[row, at][better]
-        step = np.clip(step * np.where(better, LONGER, SHORTER), 1e-8, 0.3)
+        at, row = found.argmax(axis=1), np.arange(len(walk))
+        better = found[row, at] > best[walk]
+        gained = walk[better]
+        best[gained] = found[row, at][better]
+        best_q[gained] = q[row, at // DIRECTIONS][better]
+        best_g[gained] = g.reshape(len(walk), -1, 3)[row, at][better]
+        step[walk] = np.minimum(stride * np.where(better, LONGER, SHORTER), 0.3)
     return Found(best_q, best_g, best, points, false_safe, first)
 
 
@@ -193,10 +213,10 @@ def worst_false_safe(
     ]
     q = np.concatenate([params for params, _ in begin])
     g = unit(np.concatenate([gravity for _, gravity in begin]))
-    excess = climb(device, q, g, _excess, rounds, seed)
+    excess = climb(device, q, g, _excess, rounds, seed, needs=_near)
     q = excess.params
     g = _just_outside(device, q, excess.gravity, seed)
-    clearance = climb(device, q, g, _clearance, rounds, seed + 1, FINE_STEP)
+    clearance = climb(device, q, g, _clearance, rounds, seed + 1, FINE_STEP, _tips)
     return Found(
         clearance.params,
         clearance.gravity,
