@@ -11,8 +11,11 @@ most 2 |e| over the facet's extent in that direction, and the same again for a s
 runtime merges what lies within its tolerance of a plane; a rim of radius r stays as near to it over
 sqrt(2 r tolerance).
 
+A robot of many parameters has few places along each: random postures join its lattice, so that the
+least width and extent of a facet are not those of the box's corners alone.
+
 The least distance d is that over the lattice less what an edge moves between its places.  Where
-that is little, because a robot of many parameters has few places along each, the runtime refuses
+that is little, as it is with few places along each parameter, the runtime refuses
 facets to which the com is nearer than `lowest`: their edges are then that far away, and so is a
 chord of a rolling rim but for its sag.
 
@@ -52,9 +55,13 @@ from lutgen.region import (
 )
 from lutgen.rounds import find_facets
 from lutgen.support import FIRST, facet_table, robot_size
-from lutgen.vector import Floats, cross, dot, length, row, subtract
+from lutgen.vector import Floats, cross, dot, length, subtract
 
 POSTURES = 20_000
+# With fewer places than this along each parameter as many random postures as RANDOM join them.
+FEW_PLACES, RANDOM = 16, 4000
+# Postures that are measured at once: bounds the memory, 14 kB of segments for each contact.
+AT_ONCE = 256
 NARROW = 0.05
 # Postures and directions of each that are looked at for the heights at which the robot stands, and
 # the share of them that may be refused.
@@ -78,21 +85,19 @@ class Guard(NamedTuple):
 
 
 @njit()
-def _measure(
-    shapes: Floats, error: Floats, limit: Limit, narrow: float, floor: float, out: Floats
-) -> None:
+def _measure(shapes: Floats, limit: Limit, narrow: float, out: Floats, segments: Floats) -> None:
     """Write what the guard needs of one posture.
 
-    The least distance of a boundary segment; the least width of a facet; the largest error across a
-    tip-over plane over the segment's distance (at least `floor`); the least extent of a facet along
-    the rolling direction of a disc; the least height of the com above a facet.
+    To `out`: the least distance of a boundary segment; the least width of a facet; the number of
+    segments; the least extent of a facet along the rolling direction of a disc; the least height
+    of the com above a facet.  To rows of `segments`: the normal of the tip-over plane, the
+    segment's distance, its two contacts.
     """
     n = shapes.shape[0]
     table, region = facet_table(n), empty_region(n)
     find_facets(table, shapes, limit[2])
     find_region(region, table, limit, robot_size(shapes))
     nearest = narrowest = shortest = lowest = math.inf
-    across = 0.0
     for k in range(region.tally[FACETS]):
         begin, end = region.span[k, FIRST], region.span[k + 1, FIRST]
         normal = vector_at(region.plate, k, PLANE)
@@ -134,21 +139,20 @@ def _measure(
             )
         )
         nearest = min(nearest, distance)
-        normal = vector_at(region.segment, b, TIP_PLANE)
-        for end in range(2):
-            worst = abs(dot(normal, row(error, region.contacts[b, end])))
-            across = max(across, worst / max(distance, floor))
-    out[0], out[1], out[2], out[3], out[4] = nearest, narrowest, across, shortest, lowest
+        for i in range(3):
+            segments[b, i] = region.segment[b, TIP_PLANE + i]
+        segments[b, 3] = distance
+        segments[b, 4], segments[b, 5] = region.contacts[b, 0], region.contacts[b, 1]
+    out[0], out[1], out[2] = nearest, narrowest, region.tally[SEGMENTS]
+    out[3], out[4] = shortest, lowest
 
 
 @njit(parallel=True)
 def _measure_all(
-    shapes: Floats, error: Floats, limit: Limit, narrow: float, floor: float
-) -> Floats:
-    out = np.empty((shapes.shape[0], 5))
+    shapes: Floats, limit: Limit, narrow: float, out: Floats, segments: Floats
+) -> None:
     for posture in prange(shapes.shape[0]):
-        _measure(shapes[posture], error[posture], limit, narrow, floor, out[posture])
-    return out
+        _measure(shapes[posture], limit, narrow, out[posture], segments[posture])
 
 
 class Geometry:
@@ -165,6 +169,10 @@ class Geometry:
         self.places = (
             np.stack(axes, axis=-1).reshape(-1, model.k) if axes else np.zeros((1, 0), int)
         )
+        if per_axis < FEW_PLACES and model.k > 0:
+            # A lattice of two or three places per axis sees corners and next to nothing between.
+            random = np.random.default_rng(1).integers(0, DENSE, (RANDOM, model.k))
+            self.places = np.concatenate([self.places, random])
         self.model = model
         self.exact = evaluate(separation, self.places)
         where = model.postures(
@@ -173,7 +181,7 @@ class Geometry:
         self.shapes = pack(where.centres, where.axes, model.radius, model.kind)
         reach = float(np.sqrt((where.centres**2).sum(axis=2)).max())
         self.size = reach + float(model.radius.max(initial=0.0))
-        found = self._measured(np.zeros((len(self.places), len(model.kind), 3)), math.inf)
+        found = self._measured()
         self.nearest, self.narrowest = float(found[:, 0].min()), float(found[:, 1].min())
         self.lowest = float(found[:, 4].min())
         self.shortest = min(float(found[:, 3].min()), self.size)
@@ -192,18 +200,38 @@ class Geometry:
         heights = seen.height[seen.tip_angle >= 0.0]
         return HEADROOM * float(np.quantile(heights, RARE)) if heights.size else 0.0
 
-    def _measured(self, error: Floats, floor: float) -> Floats:
-        recipe = self.model.recipe
+    def _measured(self) -> Floats:
+        """Return rows of `_measure` and keep the boundary's segments, which no table changes."""
+        recipe, shapes = self.model.recipe, self.shapes
         limit = limits(recipe.upright, recipe.rock_angle)
-        return np.asarray(_measure_all(self.shapes, error, limit, NARROW * self.size, floor))
+        out = np.empty((len(shapes), 5))
+        room = np.empty((AT_ONCE, len(empty_region(shapes.shape[1]).segment), 6))
+        kept, of = [np.empty((0, 6))], [np.empty(0, np.intp)]
+        for begin in range(0, len(shapes), AT_ONCE):
+            some = slice(begin, min(begin + AT_ONCE, len(shapes)))
+            _measure_all(shapes[some], limit, NARROW * self.size, out[some], room)
+            count = out[some, 2].astype(np.intp)
+            here = np.arange(room.shape[1]) < count[:, None]
+            kept.append(room[: len(count)][here])
+            of.append(np.repeat(np.arange(begin, begin + len(count)), count))
+        self._segments, self._posture = np.concatenate(kept), np.concatenate(of)
+        return out
 
     def across(self, stored: Separation, floor: float) -> tuple[float, float]:
-        """Return the largest error across a tip-over plane over its distance, and of an axis."""
+        """Return the largest error across a tip-over plane over its distance, and of an axis.
+
+        The distance counts as `floor` at least.
+        """
         n = len(self.model.kind)
         apart = evaluate(stored, self.places) - self.exact
-        centres = np.ascontiguousarray(apart[:, : 3 * n].reshape(-1, n, 3))
+        error = apart[:, : 3 * n].reshape(-1, n, 3)
         hinge = np.sqrt((apart[:, 3 * n :].reshape(len(apart), -1, 3) ** 2).sum(axis=2))
-        return float(self._measured(centres, floor)[:, 2].max()), float(hinge.max(initial=0.0))
+        normal, distance = self._segments[:, :3], np.maximum(self._segments[:, 3], floor)
+        ends = self._segments[:, 4:].astype(np.intp)
+        worst = [
+            np.abs((error[self._posture, end] * normal).sum(axis=1)) / distance for end in ends.T
+        ]
+        return float(np.max(worst, initial=0.0)), float(hinge.max(initial=0.0))
 
 
 def contacts_guard(model: Model, geometry: Geometry, codes: Codes, merged: float) -> Guard:

@@ -45,6 +45,8 @@ DTYPE: dict[int, Any] = {8: np.uint8, 16: np.uint16}
 # Parameters that smap_read_i and the tables can address, and the largest u it can.
 MOST_PARAMS = 8
 STEEPEST = 15.9
+# Nodes along each axis below which a table says little, and nodes of a table that can be fitted.
+FEWEST, MOST_NODES = 4, 1 << 18
 # By how many units of an axis (1/65534) float32 misplaces a query, and the integer path u and v;
 # and parts of a cell to which the latter rounds.
 FLOAT_PLACE, INTEGER_PLACE, INTEGER_PARTS = 0.02, 6.0, 16384.0
@@ -63,6 +65,13 @@ def refusal(model: Model, arithmetic: str) -> str | None:
         return "grid holds no com_uncertainty; choose the codec contacts"
     if model.k > MOST_PARAMS:
         return f"grid holds at most {MOST_PARAMS} parameters (got {model.k})"
+    least = model.faces * FEWEST ** (model.k + 2)
+    if least > MOST_NODES:
+        return (
+            f"grid holds a node for every combination: {FEWEST} along each of {model.k} parameters "
+            f"and of v and u are {least:,} nodes, more than the {MOST_NODES:,} that it fits; "
+            "choose the codec contacts"
+        )
     if arithmetic == "integer" and model.chart_limit > STEEPEST:
         return f"grid without floats reaches |u| = {STEEPEST} (got {model.chart_limit:.4g})"
     return None
