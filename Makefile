@@ -75,6 +75,7 @@ clean: ## remove build/ and the caches, keep .venv
 	else \
 	  $(PYTHON) -m venv .venv && $(BIN)/python -m pip install --quiet -e '.[test,dev]'; \
 	fi
+	$(BIN)/python tools/warm.py
 	touch $@
 
 .venv/.physics: .venv/.installed

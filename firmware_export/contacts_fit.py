@@ -103,7 +103,7 @@ def fit_line(function: Floats, nodes: int) -> Floats:
     for _ in range(LAWSON_STEPS):
         # A place knows two nodes only, so the normal equations have three diagonals.
         diagonal = at_nodes(weight * left * left, weight * right * right) + 1e-12
-        beside = np.bincount(cell, weight * left * right, nodes)[:-1]
+        beside = at_nodes(weight * left * right, 0.0 * right)[:-1]
         known = at_nodes(weight * left * function, weight * right * function)
         value = _three_diagonals(diagonal, beside, known)
         error = np.abs(left * value[cell] + right * value[cell + 1] - function)

@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from lutgen.cli.compiling import compiling_is_told
 from lutgen.cli.options import allow_python, file_size
 
 log = logging.getLogger("lutgen")
@@ -66,16 +67,17 @@ def sweep(
             bar.update(done - bar.pos, f"{rate:.1f} M nodes/s")
 
         try:
-            sweeper.sweep(
-                robot,
-                output,
-                threads=threads,
-                resume=resume,
-                engine=engine,
-                progress=progress,
-                scheduler=scheduler,
-                workers=workers,
-            )
+            with compiling_is_told(quiet):
+                sweeper.sweep(
+                    robot,
+                    output,
+                    threads=threads,
+                    resume=resume,
+                    engine=engine,
+                    progress=progress,
+                    scheduler=scheduler,
+                    workers=workers,
+                )
         except KeyboardInterrupt:
             begun = Path(f"{output}.part").exists()
             raise click.ClickException(
