@@ -152,8 +152,10 @@ def _climb(bench: Bench, name: str, spec: Any, goal: Goal) -> list[Candidate]:
         now = step
         path.append(now)
         if math.isfinite(goal.score(now)):
-            idle = 0 if goal.score(now) < gain * goal.score(best) else idle + 1
-        best = min(best, now, key=goal.score)
+            # Small steps may add up: they are compared with the last that was large enough.
+            idle += 1
+            if goal.score(now) < gain * goal.score(best):
+                best, idle = now, 0
     return path
 
 

@@ -247,6 +247,15 @@ def test_going_on_after_a_certificate_uses_what_was_tried(bench: Callable[..., P
     assert finer.bytes > first.bytes
 
 
+def test_steps_too_small_to_count_alone_are_followed_while_they_add_up() -> None:
+    # Three axes that each have to grow: none alone lowers the score by a tenth.
+    model = Model(lutgen.load_recipe("maps/excavator.toml"))
+    tool = Bench(model, "excavator", ("sdg", "tip_angle", "height"), "float")
+    found = choose(tool, ["contacts"], Goal(flash=16384, percent=1.0))
+    assert found.given_up <= GIVEN_UP
+    assert found.bytes < 600
+
+
 def test_the_table_of_candidates_falls_in_error_as_it_grows_in_bytes(
     bench: Callable[..., Paper],
 ) -> None:
