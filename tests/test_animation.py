@@ -1,21 +1,21 @@
 """The film of `lutgen path --animate`: frames, size, the same bytes twice, and what is red."""
 
 import math
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 from numpy.typing import NDArray
 from PIL import Image
 
-from lutgen.cli import main
 from lutgen.drive import Drive, drive
 from lutgen.plot import animate
 from lutgen.plot.animation import MOST_FRAMES, to_world
 from lutgen.recipe import Recipe, load_recipe, parse_recipe
 from lutgen.terrain import along, paper_path, turned
+from tests import commands
 from tests.recipes import feet, rigid, rover
 
 NOMINAL = [math.atan(0.6)] * 2
@@ -44,12 +44,7 @@ def frames(path: Path) -> list[NDArray[np.uint8]]:
     return result
 
 
-def run(*arguments: object) -> Result:
-    """Run a command; an exception that is not an exit fails the test."""
-    result = CliRunner().invoke(main, ["path", *map(str, arguments)])
-    if result.exception is not None and not isinstance(result.exception, SystemExit):
-        raise result.exception
-    return result
+run = partial(commands.run, "path")
 
 
 def test_a_short_path_has_a_frame_for_each_point_and_repeats_to_the_byte(

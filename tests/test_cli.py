@@ -12,41 +12,14 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 
 import lutgen
-from lutgen.cli import main
 from lutgen.computer import Computer
+from tests.commands import data, good, run
 from tests.recipes import ALL_CHANNELS, feet, rigid, tripod
 
 VECTORS = Path(__file__).parent / "vectors"
 A0 = math.degrees(math.atan(0.6))
-
-
-def run(*arguments: object) -> Result:
-    """Run a command; an exception that is not an exit fails the test."""
-    result = CliRunner().invoke(main, [str(a) for a in arguments])
-    if result.exception is not None and not isinstance(result.exception, SystemExit):
-        raise result.exception
-    return result
-
-
-def good(*arguments: object) -> Result:
-    """Run a command that must succeed."""
-    result = run(*arguments)
-    assert result.exit_code == 0, result.stderr
-    return result
-
-
-def data(*arguments: object) -> dict[str, object]:
-    """Run a command with --json; return what it prints, which must be JSON and nothing else."""
-
-    def refuse(text: str) -> None:
-        raise AssertionError(f"{text} is not JSON")
-
-    report = json.loads(good(*arguments, "--json").stdout, parse_constant=refuse)
-    assert isinstance(report, dict)
-    return report
 
 
 @pytest.fixture(scope="module")

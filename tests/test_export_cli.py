@@ -13,41 +13,15 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner, Result
 
 import lutgen
 from firmware_export import exporter, package
-from lutgen.cli import main
+from tests.commands import data, run
+from tests.commands import stdout as good
 from tests.exports import tripod_export
 from tests.recipes import tripod
 
 POINT = ("-p", "reach=0.3", "-p", "swing=10")
-
-
-def run(*arguments: object) -> Result:
-    """Run a command; an exception that is not an exit fails the test."""
-    result = CliRunner().invoke(main, [str(a) for a in arguments])
-    if result.exception is not None and not isinstance(result.exception, SystemExit):
-        raise result.exception
-    return result
-
-
-def good(*arguments: object) -> str:
-    """Return what a command that must succeed prints on stdout."""
-    result = run(*arguments)
-    assert result.exit_code == 0, result.stderr
-    return result.stdout
-
-
-def data(*arguments: object) -> dict[str, Any]:
-    """Return what a command prints with --json, which must be JSON and nothing else."""
-
-    def refuse(text: str) -> None:
-        raise AssertionError(f"{text} is not JSON")
-
-    report = json.loads(good(*arguments, "--json"), parse_constant=refuse)
-    assert isinstance(report, dict)
-    return report
 
 
 def refused(code: int, *arguments: object) -> str:

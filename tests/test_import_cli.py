@@ -10,30 +10,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 
 import lutgen
-from lutgen.cli import main
 from lutgen.sphere import gravity_from_up
+from tests.commands import run
+from tests.commands import stdout as good
 from tests.robots import collision, joint, link, real, robot
 from tests.test_docs import blocks
 
 ROVER = Path(__file__).parent / "vectors" / "rover.urdf"
-
-
-def run(*arguments: object) -> Result:
-    """Run a command; an exception that is not an exit fails the test."""
-    result = CliRunner().invoke(main, [*map(str, arguments)])
-    if result.exception is not None and not isinstance(result.exception, SystemExit):
-        raise result.exception
-    return result
-
-
-def good(*arguments: object) -> str:
-    """Return what a command that must succeed prints on stdout."""
-    result = run(*arguments)
-    assert result.exit_code == 0, result.stderr
-    return result.stdout
 
 
 @pytest.fixture

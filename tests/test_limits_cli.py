@@ -1,48 +1,25 @@
 """`lutgen limits` and its page: what it prints and draws, and how it refuses."""
 
-import json
 import math
 import re
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 
-from lutgen.cli import main
 from lutgen.limit_table import posture_limits, sweep_limits
 from lutgen.limits import tilt_limits
 from lutgen.plot import draw_limits
 from lutgen.recipe import parse_recipe
+from tests import commands
 from tests.recipes import feet, rigid, tripod
 from tests.test_docs import blocks
 
-
-def run(*arguments: object) -> Result:
-    """Run a command; an exception that is not an exit fails the test."""
-    result = CliRunner().invoke(main, ["limits", *map(str, arguments)])
-    if result.exception is not None and not isinstance(result.exception, SystemExit):
-        raise result.exception
-    return result
-
-
-def good(*arguments: object) -> str:
-    """Return what a command that must succeed prints on stdout."""
-    result = run(*arguments)
-    assert result.exit_code == 0, result.stderr
-    return result.stdout
-
-
-def data(*arguments: object) -> dict[str, Any]:
-    """Return what a command prints with --json, which must be JSON and nothing else."""
-
-    def refuse(text: str) -> None:
-        raise AssertionError(f"{text} is not JSON")
-
-    report = json.loads(good(*arguments, "--json"), parse_constant=refuse)
-    assert isinstance(report, dict)
-    return report
+run = partial(commands.run, "limits")
+good = partial(commands.stdout, "limits")
+data = partial(commands.data, "limits")
 
 
 @pytest.fixture

@@ -11,9 +11,9 @@ from firmware_export.certify import Effort, certify
 from firmware_export.codecs import device
 from firmware_export.exported import Export
 from firmware_export.model import Model
+from tests.commands import data, good, run
 from tests.exports import GROWTH
 from tests.recipes import feet, rigid, rover, tripod
-from tests.test_cli import data, good, run
 from tests.test_docs import blocks
 
 CART = feet([(0.3, 0.3, -0.4), (-0.3, 0.3, -0.4), (-0.3, -0.3, -0.4), (0.3, -0.3, -0.4)])

@@ -7,17 +7,16 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 
 import lutgen
 from lutgen import plot
-from lutgen.cli import main
 from lutgen.errors import InputError
 from lutgen.force_angle import force_angle
 from lutgen.limits import tilted
 from lutgen.metrics import METRICS, compare_metrics
 from lutgen.plot.marks import TIPS
 from lutgen.recipe import Recipe
+from tests.commands import run
 from tests.recipes import feet, rigid
 from tests.test_docs import blocks
 
@@ -83,14 +82,6 @@ def test_a_posture_that_does_not_stand_on_level_ground_is_refused() -> None:
 
 
 # The command
-
-
-def run(*arguments: object) -> Result:
-    """Run a command; an exception that is not an exit fails the test."""
-    result = CliRunner().invoke(main, list(map(str, arguments)))
-    if result.exception is not None and not isinstance(result.exception, SystemExit):
-        raise result.exception
-    return result
 
 
 def test_the_command_prints_one_row_per_heading(tmp_path: Path) -> None:

@@ -2,20 +2,18 @@
 
 import contextlib
 import io
-import json
 import math
 import re
 import shlex
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 
 import lutgen
-from lutgen.cli import main
 from lutgen.objective import Objective
+from tests import commands
 from tests.recipes import tripod
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -23,25 +21,8 @@ TWO = str(ROOT / "maps" / "paper_two.toml")
 A0 = math.degrees(math.atan(0.6))
 
 
-def run(*arguments: object) -> Result:
-    """Run the command; an exception that is not an exit fails the test."""
-    result = CliRunner().invoke(main, ["optimum", *map(str, arguments)])
-    if result.exception is not None and not isinstance(result.exception, SystemExit):
-        raise result.exception
-    return result
-
-
-def data(*arguments: object, code: int = 0) -> dict[str, Any]:
-    """Run the command with --json; its output must be JSON and nothing else."""
-
-    def refuse(text: str) -> None:
-        raise AssertionError(f"{text} is not JSON")
-
-    result = run(*arguments, "--json")
-    assert result.exit_code == code, result.stderr
-    report = json.loads(result.stdout, parse_constant=refuse)
-    assert isinstance(report, dict)
-    return report
+run = partial(commands.run, "optimum")
+data = partial(commands.data, "optimum")
 
 
 def refusal(*arguments: object) -> str:

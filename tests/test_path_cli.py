@@ -1,25 +1,24 @@
 """`lutgen path` and its page: what it prints, writes and draws, and how it refuses."""
 
 import csv
-import json
 import math
 import re
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 from matplotlib.collections import Collection
 from matplotlib.figure import Figure
 
-from lutgen.cli import main
 from lutgen.drive import Drive, drive
 from lutgen.errors import InputError
 from lutgen.plot import draw_path, save
 from lutgen.plot.path import RED
 from lutgen.recipe import Recipe, load_recipe
 from lutgen.terrain import paper_path, turned
+from tests import commands
 from tests.recipes import feet, rigid, tripod
 from tests.test_docs import blocks
 
@@ -39,30 +38,9 @@ def two(recipe: str) -> Recipe:
     return load_recipe(recipe)
 
 
-def run(*arguments: object) -> Result:
-    """Run a command; an exception that is not an exit fails the test."""
-    result = CliRunner().invoke(main, ["path", *map(str, arguments)])
-    if result.exception is not None and not isinstance(result.exception, SystemExit):
-        raise result.exception
-    return result
-
-
-def good(*arguments: object) -> str:
-    """Return what a command that must succeed prints on stdout."""
-    result = run(*arguments)
-    assert result.exit_code == 0, result.stderr
-    return result.stdout
-
-
-def data(*arguments: object) -> dict[str, Any]:
-    """Return what a command prints with --json, which must be JSON and nothing else."""
-
-    def refuse(text: str) -> None:
-        raise AssertionError(f"{text} is not JSON")
-
-    report = json.loads(good(*arguments, "--json"), parse_constant=refuse)
-    assert isinstance(report, dict)
-    return report
+run = partial(commands.run, "path")
+good = partial(commands.stdout, "path")
+data = partial(commands.data, "path")
 
 
 def by_hand(two: Recipe, points: int, **options: Any) -> Drive:

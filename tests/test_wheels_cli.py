@@ -11,8 +11,8 @@ import pytest
 
 import lutgen
 from lutgen.wheels import wheel_speeds
+from tests.commands import data, good, run
 from tests.recipes import feet, rigid
-from tests.test_cli import data, good, run
 from tests.test_docs import blocks
 
 CART = feet([(0.1, 0.25, -0.2), (0.1, -0.25, -0.2), (-0.4, 0.0, -0.2), (0.0, 0.0, -0.1)])
