@@ -17,7 +17,7 @@ DOWN = [[0.0, 0.0, -1.0]]
 
 def main() -> None:
     """Sweep, read and export a small robot once."""
-    print("compiling the kernels, about a minute and a half", file=sys.stderr)
+    print("compiling the kernels, half a minute on an idle machine", file=sys.stderr)
     start = time.perf_counter()
     recipe = lutgen.load_recipe(RECIPE)
     with tempfile.TemporaryDirectory() as folder:

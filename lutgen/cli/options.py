@@ -30,37 +30,25 @@ def finite_numbers(value: object) -> tuple[float, ...]:
     return numbers if all(map(math.isfinite, numbers)) else ()
 
 
-class Direction(click.ParamType):  # type: ignore[type-arg]
-    """Three numbers x,y,z: a gravity direction in the body frame."""
+class Numbers(click.ParamType):  # type: ignore[type-arg]
+    """Numbers separated by commas, as many as `name` has parts, such as ``X,Y,Z``.
 
-    name = "X,Y,Z"
+    `what` they are and an `example` of them are for the message; `nonzero` refuses all zeros.
+    """
 
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[float, ...]:
-        """Return the three numbers."""
-        if isinstance(value, tuple):
-            return value
-        numbers = finite_numbers(value)
-        if len(numbers) != 3 or not any(numbers):
-            self.fail(f"{value!r} is no direction; write three numbers such as 0,0,-1", param, ctx)
-        return numbers
-
-
-class Acceleration(click.ParamType):  # type: ignore[type-arg]
-    """Three numbers ax,ay,az: an acceleration in the body frame, m/s^2."""
-
-    name = "AX,AY,AZ"
+    def __init__(self, name: str, what: str, example: str, nonzero: bool = False) -> None:
+        self.name = name
+        self.what, self.example, self.nonzero = what, example, nonzero
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> tuple[float, ...]:
-        """Return the three numbers."""
+        """Return the numbers."""
         if isinstance(value, tuple):
             return value
         numbers = finite_numbers(value)
-        if len(numbers) != 3:
-            self.fail(f"{value!r} is no acceleration; write for example -2,0,0", param, ctx)
+        if len(numbers) != self.name.count(",") + 1 or (self.nonzero and not any(numbers)):
+            self.fail(f"{value!r} is no {self.what}; write {self.example}", param, ctx)
         return numbers
 
 
@@ -88,7 +76,7 @@ class Assignment(click.ParamType):  # type: ignore[type-arg]
 gravity = click.option(
     "-g",
     "--gravity",
-    type=Direction(),
+    type=Numbers("X,Y,Z", "direction", "three numbers such as 0,0,-1", nonzero=True),
     default="0,0,-1",
     show_default=True,
     help="Gravity in the body frame, pointing down (x forward, y left, z up); any length.",
@@ -96,7 +84,7 @@ gravity = click.option(
 acceleration = click.option(
     "-a",
     "--acceleration",
-    type=Acceleration(),
+    type=Numbers("AX,AY,AZ", "acceleration", "for example -2,0,0"),
     help="Acceleration of the robot in the body frame, m/s^2: inertia then acts beside gravity. "
     "Leave it out where gravity comes from an accelerometer, which reads both.",
 )

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from lutgen.cli.options import (
+    Numbers,
     allow_python,
     as_json,
-    finite_numbers,
     gravity,
     parameter_values,
     parameters,
@@ -25,28 +25,11 @@ log = logging.getLogger("lutgen")
 IMPOSSIBLE = 1
 
 
-class Velocity(click.ParamType):  # type: ignore[type-arg]
-    """Two numbers vx,vy: a velocity in the contact plane."""
-
-    name = "VX,VY"
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[float, ...]:
-        """Return the two numbers."""
-        if isinstance(value, tuple):
-            return value
-        numbers = finite_numbers(value)
-        if len(numbers) != 2:
-            self.fail(f"{value!r} is no velocity; write two numbers such as 0.5,0", param, ctx)
-        return numbers
-
-
 @click.command(short_help="Wheel speeds and steering angles of a motion.")
 @click.argument("recipe", type=click.Path())
 @click.option(
     "--velocity",
-    type=Velocity(),
+    type=Numbers("VX,VY", "velocity", "two numbers such as 0.5,0"),
     default="0,0",
     show_default=True,
     help="Of the centre of mass, forward and to the left, in length units per second.",
