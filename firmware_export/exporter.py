@@ -33,7 +33,7 @@ log = logging.getLogger("lutgen")
 # Certificates that may refuse a choice before the search is given up.
 ATTEMPTS = 6
 # Certificates of one choice, each but the first after the guard was raised: by so many times what
-# was found beyond it, and by so many rad at least.
+# was found beyond it, and by so many rad at least and at most.
 GUARDS, BEYOND, LEAST_GUARD, MOST_GUARD = 4, 2.0, 5e-4, 0.05
 # Bytes of the export that is made where nothing was asked for and nothing reaches the knee.
 ROOM = 64 * 1024

@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lutgen.channels import CHANNELS, wanted_channels
+from lutgen.channels import CHANNELS, refuse_overflow, wanted_channels
 from lutgen.load import measure_recipe
-from lutgen.pairs import ALONG, ASIDE, HEIGHT_BEYOND, measure_each, refuse_overflow
+from lutgen.pairs import ALONG, ASIDE, HEIGHT_BEYOND, measure_each
 from lutgen.primitive import pack
 from lutgen.recipe import Recipe
 from lutgen.region import limits

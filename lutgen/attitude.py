@@ -18,12 +18,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.boundary import find_region
-from lutgen.channels import POSTURES_A_THREAD
+from lutgen.channels import POSTURES_A_THREAD, refuse_overflow
 from lutgen.errors import InputError
 from lutgen.jit import few_threads, njit, prange
 from lutgen.load import limits_of, loads
 from lutgen.loaded_axes import MOMENT, MU, PHI, RHO, add, enter_walls, part
-from lutgen.pairs import refuse_overflow
 from lutgen.primitive import pack
 from lutgen.recipe import Recipe
 from lutgen.region import (

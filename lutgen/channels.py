@@ -229,6 +229,16 @@ def wanted_channels(channels: Sequence[str]) -> NDArray[np.bool_]:
     return np.array([name in channels for name in CHANNELS])
 
 
+def refuse_overflow(source: str, overflow: Ints, contacts: int) -> None:
+    """Raise InputError where a facet table was too small."""
+    if overflow.any():
+        raise InputError(
+            f"{source}: a posture has more support facets than its {contacts} contacts can have "
+            f"(got it in {int(overflow.sum())} of {overflow.size} postures); check the radii for "
+            "overlapping spheres"
+        )
+
+
 def measure_postures(
     centre: NDArray[np.float64],
     axis: NDArray[np.float64],

@@ -8,8 +8,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lutgen.channels import CHANNELS, checked_directions, measure_postures, wanted_channels
-from lutgen.errors import InputError
+from lutgen.channels import (
+    CHANNELS,
+    checked_directions,
+    measure_postures,
+    refuse_overflow,
+    wanted_channels,
+)
 from lutgen.load import measure_recipe
 from lutgen.recipe import Recipe
 from lutgen.robot import Postures, forward, shapes
@@ -57,12 +62,7 @@ def measure(
         wanted = wanted_channels(channels)
         directions = checked_directions(gravity_dir)
         values, overflow = measure_recipe(recipe, postures, directions[None], wanted)
-        if overflow.any():
-            raise InputError(
-                f"{recipe.source}: a posture has more support facets than its "
-                f"{len(recipe.contacts)} contacts can have (got it in {int(overflow.sum())} of "
-                f"{overflow.size} postures); check the radii for overlapping spheres"
-            )
+        refuse_overflow(recipe.source, overflow, len(recipe.contacts))
         return {name: values[:, CHANNELS.index(name)].copy() for name in channels}
     radius, kind = shapes(recipe)
     return measure_postures(

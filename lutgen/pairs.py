@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.boundary import find_region
-from lutgen.channels import CHANNELS, POSTURES_A_THREAD, measure, wanted_channels
+from lutgen.channels import CHANNELS, POSTURES_A_THREAD, measure, refuse_overflow, wanted_channels
 from lutgen.errors import InputError
 from lutgen.jit import few_threads, njit, prange
 from lutgen.load import measure_recipe
@@ -101,16 +101,6 @@ def measure_each(
             shapes[posture], gravity_dir[posture], limit, wanted, out[posture]
         )
     return out, overflow
-
-
-def refuse_overflow(source: str, overflow: Ints, contacts: int) -> None:
-    """Raise InputError where a facet table was too small."""
-    if overflow.any():
-        raise InputError(
-            f"{source}: a posture has more support facets than its {contacts} contacts can have "
-            f"(got it in {int(overflow.sum())} of {overflow.size} postures); check the radii for "
-            "overlapping spheres"
-        )
 
 
 def evaluate_pairs(

@@ -11,14 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.boundary import find_region
-from lutgen.channels import POSTURES_A_THREAD, checked_directions
+from lutgen.channels import POSTURES_A_THREAD, checked_directions, refuse_overflow
 from lutgen.errors import InputError
 from lutgen.jit import few_threads, njit, prange
 from lutgen.limits import level_frames, tilted
 from lutgen.load import limits_of, loads
 from lutgen.loaded import loaded_verdict
 from lutgen.loaded_axes import MU, PHI, add, empty_axes, find_axes, part
-from lutgen.pairs import refuse_overflow
 from lutgen.primitive import pack
 from lutgen.recipe import Recipe
 from lutgen.region import FACETS, PLANE, Limit, empty_region, supporting_facet, vector_at
