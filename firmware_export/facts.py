@@ -14,7 +14,7 @@ from firmware_export.exported import Export
 from firmware_export.size import TARGET, struct_bytes
 from lutgen.errors import ExportError
 from lutgen.recipe import Recipe
-from lutgen.recipe_robot import Parameter
+from lutgen.parts import Parameter
 
 __all__ = [
     "COUNTS",

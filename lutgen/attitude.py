@@ -1,7 +1,6 @@
 """The gravity transform T_g: how gravity turns in the body while the robot changes its shape.
 
-Owns the two readings of "the robot stands on this slope" and what an accelerometer says about
-body and ground.  A robot that moves its legs on given ground turns its body, and with it the
+Owns the two readings of "the robot stands on this slope".  A robot that moves its legs on given ground turns its body, and with it the
 direction of gravity in the body frame.
 
 - ``"plane"`` (P): gravity is given relative to the **contact plane**.  Its z axis is the plane's
@@ -12,7 +11,6 @@ direction of gravity in the body frame.
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -38,8 +36,7 @@ from lutgen.region import (
 )
 from lutgen.robot import forward, shapes
 from lutgen.rounds import find_facets
-from lutgen.sphere import gravity_from_up, unit_directions
-from lutgen.statics import diagnose
+from lutgen.sphere import unit_directions
 from lutgen.support import FIRST, facet_table, robot_size
 from lutgen.vector import Floats, Ints, Vector, dot, row, scale
 
@@ -47,7 +44,7 @@ CONVENTIONS = ("body", "plane")
 
 
 @njit(inline=True)
-def _turned(up: Vector, x: Vector) -> Vector:
+def turned(up: Vector, x: Vector) -> Vector:
     """Return x after the least rotation that takes the z axis to the unit vector `up`.
 
     With w = z x up = (-up_y, up_x, 0) it is x + w x x + w x (w x x) / (1 + up_z).  Upside down
@@ -92,7 +89,7 @@ def _settle(region: Region, wall: Floats, load: Floats, gravity_plane: Vector) -
     loaded = np.abs(load[:RHO]).max() > 0.0
     for k in range(region.tally[FACETS]):
         up = scale(vector_at(region.plate, k, PLANE), -region.plate[k, HEIGHT])
-        g = _turned(up, gravity_plane)
+        g = turned(up, gravity_plane)
         inside = _lowest_wall(region, wall, k, add(g, part(load, PHI)))
         # Under a load the zero-moment point is in this facet and not where a ray comes first.
         first = loaded or supporting_facet(region.plate, region.tally[FACETS], g) == k
@@ -105,7 +102,7 @@ def _settle(region: Region, wall: Floats, load: Floats, gravity_plane: Vector) -
     if chosen < 0:
         return gravity_plane
     up = scale(vector_at(region.plate, chosen, PLANE), -region.plate[chosen, HEIGHT])
-    return _turned(up, gravity_plane)
+    return turned(up, gravity_plane)
 
 
 @njit(parallel=True)
@@ -181,113 +178,3 @@ def body_gravity(
         )
     refuse_overflow(recipe.source, overflow, len(kind))
     return down
-
-
-def gravity_transform(normal: ArrayLike) -> NDArray[np.float64]:
-    """Return T_g of convention P as a matrix: from the contact plane's frame to the body frame.
-
-    Parameters
-    ----------
-    normal : (3,) array_like
-        Upward normal of the contact plane in the body frame, any length > 0.
-
-    Returns
-    -------
-    (3, 3) float64
-        The rotation that takes (0, 0, 1) to the normal and turns by the least angle.
-
-    Examples
-    --------
-    >>> gravity_transform([1, 0, 1]).round(3).tolist()
-    [[0.707, 0.0, 0.707], [0.0, 1.0, 0.0], [-0.707, 0.0, 0.707]]
-    """
-    up = tuple(unit_directions(normal).tolist())
-    columns = [_turned(up, axis) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))]
-    return np.array(columns).T + 0.0
-
-
-@dataclass(frozen=True)
-class TangentPlane:
-    """The ground under a robot, from an accelerometer reading.
-
-    `roll` and `pitch` are the body's attitude (rad): body = Ry(pitch) Rx(roll) after any heading,
-    so a lowered nose has positive pitch and a lowered right side positive roll.  `normal` (3,) is
-    the ground's upward normal in the body frame and `height` the com's distance from the ground.
-    `slope` (rad) is the ground's inclination, `downhill` (rad) the heading in which it falls (0
-    ahead, pi/2 to the left), and `gravity` (3,) the gravity direction relative to the contact
-    plane, convention P.  `standing` is the verdict in this attitude; where the robot tips, the
-    ground is taken to be the plane of the facet that gravity pierces first.
-    """
-
-    roll: float
-    pitch: float
-    normal: NDArray[np.float64]
-    height: float
-    slope: float
-    downhill: float
-    gravity: NDArray[np.float64]
-    standing: bool
-
-
-def tangent_plane(recipe: Recipe, params: ArrayLike, up_dir: ArrayLike) -> TangentPlane:
-    """Return the ground's orientation under a posture from an accelerometer reading.
-
-    Parameters
-    ----------
-    recipe : Recipe
-        The robot.
-    params : (k,) array_like
-        Geometry parameters, rad or length.
-    up_dir : (3,) array_like
-        What the accelerometer reads (specific force, body frame), any length > 0.
-
-    Raises
-    ------
-    InputError
-        Where gravity pierces no support facet: then nothing is known of the ground.
-
-    Examples
-    --------
-    Wheel 1 is low on level ground, so the body leans back, and the ground does not slope:
-
-    >>> from lutgen.recipe import load_recipe
-    >>> recipe = load_recipe("maps/paper_one.toml")
-    >>> ground = tangent_plane(recipe, [0.75], [0.143, 0.0, 0.99])
-    >>> round(math.degrees(ground.pitch), 1), round(math.degrees(ground.slope), 1)
-    (-8.2, 0.0)
-    """
-    roll, pitch = roll_pitch(up_dir)
-    down = gravity_from_up(up_dir)
-    found = diagnose(recipe, params, down)
-    if found.facet is None:
-        raise InputError(
-            f"{recipe.source}: the robot lies on no support facet (got up_dir = "
-            f"{np.asarray(up_dir, dtype=float).tolist()}); nothing is known of the ground then"
-        )
-    up = -found.facet.normal
-    gravity = gravity_transform(up).T @ down
-    slope = math.atan2(math.hypot(gravity[0], gravity[1]), -gravity[2])
-    downhill = math.atan2(gravity[1], gravity[0])
-    return TangentPlane(
-        roll, pitch, up, found.facet.height, slope, downhill, gravity, found.standing
-    )
-
-
-def roll_pitch(up_dir: ArrayLike) -> tuple[float, float]:
-    """Return the body's roll and pitch in rad from what an accelerometer at rest reads.
-
-    Parameters
-    ----------
-    up_dir : (3,) array_like
-        Specific force in the body frame, any length > 0.
-
-    Examples
-    --------
-    The nose of a robot that looks down a slope of 30 deg:
-
-    >>> roll, pitch = roll_pitch([-0.5, 0.0, 0.866025404])
-    >>> round(math.degrees(roll), 6), round(math.degrees(pitch), 6)
-    (0.0, 30.0)
-    """
-    x, y, z = unit_directions(up_dir)
-    return math.atan2(y, z), math.atan2(-x, math.hypot(y, z))

@@ -5,6 +5,9 @@ received, and the way out.  Each class is also the builtin that a caller would
 expect, so that code which does not know lutgen can still catch it.
 """
 
+import difflib
+from collections.abc import Iterable
+
 __all__ = [
     "ExportError",
     "InputError",
@@ -12,7 +15,11 @@ __all__ = [
     "MapFileError",
     "RecipeError",
     "SweepError",
+    "suggestion",
 ]
+
+# Names that a message lists at most.
+_MOST = 30
 
 
 class LutgenError(Exception):
@@ -37,3 +44,13 @@ class SweepError(LutgenError, RuntimeError):
 
 class ExportError(LutgenError, RuntimeError):
     """No export meets what was asked for, or its folder could not be written or compiled."""
+
+
+def suggestion(word: str, known: Iterable[str], otherwise: str) -> str:
+    """Return the way out for an unknown word: the closest known one, or all of them."""
+    words = list(known)
+    close = difflib.get_close_matches(word, words, n=1)
+    if close:
+        return f"did you mean '{close[0]}'"
+    listed = [*words[:_MOST], *(["..."] if len(words) > _MOST else [])]
+    return f"{otherwise}: {', '.join(listed)}" if words else otherwise

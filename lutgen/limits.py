@@ -13,7 +13,8 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lutgen.attitude import body_gravity, gravity_transform
+from lutgen.attitude import body_gravity
+from lutgen.ground import gravity_transform
 from lutgen.errors import InputError
 from lutgen.pairs import evaluate_pairs
 from lutgen.recipe import Recipe

@@ -18,23 +18,13 @@ import numpy as np
 
 from lutgen.errors import RecipeError
 from lutgen.grid import Axis, Grid
-from lutgen.recipe_load import Force, read_com_uncertainty, read_forces, read_payloads
+from lutgen.parts import Force
+from lutgen.recipe_load import read_com_uncertainty, read_forces, read_payloads
 from lutgen.recipe_plugin import load_function
-from lutgen.recipe_robot import (
-    CHANNELS,
-    LENGTH_UNITS,
-    Contact,
-    Joint,
-    Link,
-    Parameter,
-    Wheel,
-    read_contacts,
-    read_links,
-    read_parameters,
-    read_wheels,
-    to_internal,
-)
-from lutgen.recipe_schema import Table, suggestion
+from lutgen.parts import Contact, Joint, Link, Parameter, Wheel
+from lutgen.recipe_robot import CHANNELS, LENGTH_UNITS, read_contacts, read_links, read_parameters, read_wheels, to_internal
+from lutgen.errors import suggestion
+from lutgen.recipe_schema import Table
 from lutgen.recipe_urdf import read_content, read_urdf
 from lutgen.sphere import Chart
 

@@ -5,32 +5,12 @@ to stability is not known here (``load.py``, ``loaded.py``).
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
-from lutgen.recipe_robot import ZERO, Link, Vector
-from lutgen.recipe_schema import Table, suggestion
+from lutgen.parts import ZERO, Force, Link
+from lutgen.errors import suggestion
+from lutgen.recipe_schema import Table
 
-__all__ = ["Force", "read_com_uncertainty", "read_forces", "read_payloads"]
-
-
-@dataclass(frozen=True)
-class Force:
-    """A force on a link, constant in the body frame, and a moment.
-
-    `position` is where it acts, in the link's frame; `force` in N and `moment` in N times the
-    length unit, both along the body's axes.
-    """
-
-    name: str
-    link: str
-    position: Vector
-    force: Vector
-    moment: Vector = ZERO
-
-    @property
-    def acts(self) -> bool:
-        """Whether it does anything at all."""
-        return any(self.force) or any(self.moment)
+__all__ = ["read_com_uncertainty", "read_forces", "read_payloads"]
 
 
 def read_payloads(robot: Table, links: tuple[Link, ...]) -> tuple[Link, ...]:

@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from lutgen.recipe_robot import MAX_CONTACTS, Parameter
+from lutgen.parts import Parameter
+from lutgen.recipe_robot import MAX_CONTACTS
 from lutgen.recipe_schema import Table
 
 __all__ = ["load_function"]

@@ -7,112 +7,26 @@ robot moves is not known here (``robot.py``), nor how it is sampled (``recipe.py
 import math
 import re
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
-from lutgen.recipe_schema import Table, suggestion
+from lutgen.errors import suggestion
+from lutgen.parts import ZERO, Contact, Joint, Link, Parameter, Vector, Wheel
+from lutgen.recipe_schema import Table
 
 __all__ = [
     "MAX_CONTACTS",
-    "Contact",
-    "Joint",
-    "Link",
-    "Parameter",
-    "Wheel",
     "read_contacts",
     "read_links",
     "read_parameters",
     "read_wheels",
 ]
 
-Vector = tuple[float, float, float]
-
 MAX_CONTACTS = 32
 LENGTH_UNITS = ("m", "cm", "mm", "1")
 ANGLE_UNITS = ("deg", "rad")
-ZERO: Vector = (0.0, 0.0, 0.0)
 # Names of a map file's other dimensions and variables, which no parameter may take.
 CHANNELS = ("sdg", "height", "tip_angle", "margin", "energy_margin", "facet")
 RESERVED = ("face", "v", "u", *CHANNELS)
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """A geometry parameter: one axis of the map.
-
-    `minimum` and `maximum` are in `unit`, which is ``"rad"`` or the length unit;
-    `display_unit` is the recipe's own: ``"deg"``, ``"rad"`` or the length unit.
-    """
-
-    name: str
-    minimum: float
-    maximum: float
-    unit: str
-    display_unit: str
-
-
-@dataclass(frozen=True)
-class Joint:
-    """A joint of value scale * parameter + offset (rad or length), about or along `axis`."""
-
-    kind: str
-    axis: Vector
-    parameter: str
-    scale: float
-    offset: float
-
-
-@dataclass(frozen=True)
-class Link:
-    """A rigid part: T = Trans(origin) * Rz(yaw) Ry(pitch) Rx(roll) * joint in its parent.
-
-    `origin` and `com` are in the length unit, `rpy` in rad; `com` is in the link's frame.
-    """
-
-    name: str
-    parent: str | None = None
-    origin: Vector = ZERO
-    rpy: Vector = ZERO
-    joint: Joint | None = None
-    mass: float = 0.0
-    com: Vector = ZERO
-
-
-@dataclass(frozen=True)
-class Contact:
-    """A contact primitive; `position` is its centre and `axis` a unit vector, link frame.
-
-    One that is `rolling` turns freely: a disc about its axis, a sphere in every direction.
-    """
-
-    name: str
-    link: str
-    position: Vector
-    radius: float = 0.0
-    axis: Vector | None = None
-    rolling: bool = False
-
-    @property
-    def kind(self) -> str:
-        """``"point"``, ``"sphere"`` or ``"disc"``."""
-        if self.radius == 0.0:
-            return "point"
-        return "sphere" if self.axis is None else "disc"
-
-
-@dataclass(frozen=True)
-class Wheel:
-    """A wheel on the contact of that name; `axis` is its axle, a unit vector, link frame.
-
-    `radius` is the rolling radius.  A steered wheel may turn about the ground's normal.
-    `rollers` (rad) is None or the angle gamma of a Swedish wheel: from the rolling
-    direction to the axis of the roller on the ground, anticlockwise seen from above.
-    """
-
-    contact: str
-    axis: Vector
-    radius: float
-    steered: bool = False
-    rollers: float | None = None
 
 
 def read_parameters(robot: Table, length_unit: str) -> tuple[Parameter, ...]:

@@ -4,19 +4,16 @@ A ``Table`` remembers its file and key, so that each message names the place, wh
 wrong, the value received and the way out.  It does not know what a robot is.
 """
 
-import difflib
 import math
 from collections.abc import Iterable, Mapping
 from typing import Any, NoReturn
 
 from lutgen.errors import RecipeError
 
-__all__ = ["Table", "fail", "suggestion"]
+__all__ = ["Table", "fail"]
 
 # Values are quoted in messages up to this many characters.
 _LONGEST = 60
-# Names that a message lists at most.
-_MOST = 30
 
 
 def fail(source: str, key: str, what: str, got: object, way_out: str) -> NoReturn:
@@ -25,16 +22,6 @@ def fail(source: str, key: str, what: str, got: object, way_out: str) -> NoRetur
     if len(shown) > _LONGEST:
         shown = shown[: _LONGEST - 3] + "..."
     raise RecipeError(f"{source}: key `{key}`: {what} (got {shown}); {way_out}.")
-
-
-def suggestion(word: str, known: Iterable[str], otherwise: str) -> str:
-    """Return the way out for an unknown word: the closest known one, or all of them."""
-    words = list(known)
-    close = difflib.get_close_matches(word, words, n=1)
-    if close:
-        return f"did you mean '{close[0]}'"
-    listed = [*words[:_MOST], *(["..."] if len(words) > _MOST else [])]
-    return f"{otherwise}: {', '.join(listed)}" if words else otherwise
 
 
 class Table:

@@ -5,8 +5,10 @@ Owns which file such a recipe may name, and which joints of it are the recipe's 
 
 from pathlib import Path, PurePosixPath
 
-from lutgen.recipe_robot import Contact, Link, Parameter, read_contacts
-from lutgen.recipe_schema import Table, suggestion
+from lutgen.parts import Contact, Link, Parameter
+from lutgen.recipe_robot import read_contacts
+from lutgen.errors import suggestion
+from lutgen.recipe_schema import Table
 from lutgen.urdf import MAX_BYTES, UrdfRobot, parse_urdf
 from lutgen.urdf_contacts import link_contacts
 from lutgen.urdf_links import links_of

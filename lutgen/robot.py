@@ -15,8 +15,8 @@ from lutgen.errors import InputError
 from lutgen.jit import njit
 from lutgen.placement import rotation
 from lutgen.recipe import Recipe
-from lutgen.recipe_load import Force
-from lutgen.recipe_robot import Contact, Link, Vector
+from lutgen.parts import Force
+from lutgen.parts import Contact, Link, Vector
 
 __all__ = ["Postures", "forward", "postures", "shapes"]
 

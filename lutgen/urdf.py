@@ -15,7 +15,7 @@ from typing import NoReturn
 from xml.etree.ElementTree import Element
 
 from lutgen.errors import RecipeError
-from lutgen.recipe_schema import suggestion
+from lutgen.errors import suggestion
 from lutgen.urdf_xml import parse_xml
 from lutgen.vector import Vector
 

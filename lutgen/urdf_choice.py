@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.errors import RecipeError
-from lutgen.recipe_robot import Contact
-from lutgen.recipe_schema import suggestion
+from lutgen.parts import Contact
+from lutgen.errors import suggestion
 from lutgen.urdf import UrdfJoint, UrdfRobot
 from lutgen.urdf_contacts import ROUND, link_contacts
 from lutgen.urdf_links import Place, centre_of_mass, downwards, places

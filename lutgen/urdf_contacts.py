@@ -10,7 +10,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from lutgen.placement import rotation
-from lutgen.recipe_robot import Contact
+from lutgen.parts import Contact
 from lutgen.urdf import Collision, UrdfLink
 from lutgen.vector import Floats, Vector
 

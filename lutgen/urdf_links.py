@@ -9,7 +9,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from lutgen.placement import angles, axis_rotation, rotation
-from lutgen.recipe_robot import Joint, Link
+from lutgen.parts import Joint, Link
 from lutgen.urdf import UrdfJoint, UrdfRobot
 from lutgen.urdf_motion import Motion
 from lutgen.vector import Floats, Vector

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from lutgen.errors import RecipeError
-from lutgen.recipe_schema import suggestion
+from lutgen.errors import suggestion
 from lutgen.urdf import LARGEST, UrdfJoint, UrdfRobot
 
 __all__ = ["TURN", "Drive", "Motion", "read_motion"]

@@ -5,7 +5,8 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 
-from lutgen.recipe_robot import RESERVED, Contact, Link
+from lutgen.parts import Contact, Link
+from lutgen.recipe_robot import RESERVED
 from lutgen.urdf import UrdfRobot
 from lutgen.urdf_links import links_of
 from lutgen.urdf_motion import Motion

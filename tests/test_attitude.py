@@ -10,7 +10,8 @@ from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
 import lutgen
-from lutgen.attitude import body_gravity, gravity_transform, roll_pitch, tangent_plane
+from lutgen.attitude import body_gravity
+from lutgen.ground import gravity_transform, roll_pitch, tangent_plane
 from lutgen.errors import InputError
 from lutgen.pairs import evaluate_pairs
 from tests.recipes import feet, rigid, tripod

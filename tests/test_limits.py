@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import lutgen
-from lutgen.attitude import gravity_transform
+from lutgen.ground import gravity_transform
 from lutgen.errors import InputError
 from lutgen.limit_table import (
     FOUR,

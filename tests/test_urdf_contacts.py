@@ -9,7 +9,7 @@ import pytest
 import lutgen
 from lutgen.errors import RecipeError
 from lutgen.recipe import Recipe
-from lutgen.recipe_robot import Contact
+from lutgen.parts import Contact
 from lutgen.urdf import UrdfRobot, parse_urdf
 from lutgen.urdf_choice import (
     effects,

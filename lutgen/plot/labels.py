@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from lutgen.plot.view import QUANTITIES, View, to_display
 from lutgen.recipe import Recipe
-from lutgen.recipe_robot import Parameter
+from lutgen.parts import Parameter
 
 __all__ = [
     "HEADINGS",

@@ -31,7 +31,7 @@ from lutgen.plot.style import (
 )
 from lutgen.plot.view import to_display
 from lutgen.recipe import Recipe
-from lutgen.recipe_robot import Parameter
+from lutgen.parts import Parameter
 
 __all__ = ["RED", "draw_angles", "draw_path"]
 

@@ -14,7 +14,7 @@ from lutgen.attitude import body_gravity
 from lutgen.evaluation import evaluate
 from lutgen.pairs import evaluate_pairs
 from lutgen.recipe import Recipe
-from lutgen.recipe_robot import Parameter
+from lutgen.parts import Parameter
 from lutgen.sliding import slopes
 from lutgen.store import StabilityMap
 

@@ -1,0 +1,113 @@
+"""The parts of a robot: parameters, links, joints, contacts, wheels and forces.
+
+Data only, with every angle in radians; nothing is known here of how they are written down (`recipe`,
+`urdf`) or of how a robot moves.
+"""
+
+from dataclasses import dataclass
+
+__all__ = ["ZERO", "Contact", "Force", "Joint", "Link", "Parameter", "Vector", "Wheel"]
+
+Vector = tuple[float, float, float]
+
+ZERO: Vector = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A geometry parameter: one axis of the map.
+
+    `minimum` and `maximum` are in `unit`, which is ``"rad"`` or the length unit;
+    `display_unit` is the recipe's own: ``"deg"``, ``"rad"`` or the length unit.
+    """
+
+    name: str
+    minimum: float
+    maximum: float
+    unit: str
+    display_unit: str
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A joint of value scale * parameter + offset (rad or length), about or along `axis`."""
+
+    kind: str
+    axis: Vector
+    parameter: str
+    scale: float
+    offset: float
+
+
+@dataclass(frozen=True)
+class Link:
+    """A rigid part: T = Trans(origin) * Rz(yaw) Ry(pitch) Rx(roll) * joint in its parent.
+
+    `origin` and `com` are in the length unit, `rpy` in rad; `com` is in the link's frame.
+    """
+
+    name: str
+    parent: str | None = None
+    origin: Vector = ZERO
+    rpy: Vector = ZERO
+    joint: Joint | None = None
+    mass: float = 0.0
+    com: Vector = ZERO
+
+
+@dataclass(frozen=True)
+class Contact:
+    """A contact primitive; `position` is its centre and `axis` a unit vector, link frame.
+
+    One that is `rolling` turns freely: a disc about its axis, a sphere in every direction.
+    """
+
+    name: str
+    link: str
+    position: Vector
+    radius: float = 0.0
+    axis: Vector | None = None
+    rolling: bool = False
+
+    @property
+    def kind(self) -> str:
+        """``"point"``, ``"sphere"`` or ``"disc"``."""
+        if self.radius == 0.0:
+            return "point"
+        return "sphere" if self.axis is None else "disc"
+
+
+@dataclass(frozen=True)
+class Wheel:
+    """A wheel on the contact of that name; `axis` is its axle, a unit vector, link frame.
+
+    `radius` is the rolling radius.  A steered wheel may turn about the ground's normal.
+    `rollers` (rad) is None or the angle gamma of a Swedish wheel: from the rolling
+    direction to the axis of the roller on the ground, anticlockwise seen from above.
+    """
+
+    contact: str
+    axis: Vector
+    radius: float
+    steered: bool = False
+    rollers: float | None = None
+
+
+@dataclass(frozen=True)
+class Force:
+    """A force on a link, constant in the body frame, and a moment.
+
+    `position` is where it acts, in the link's frame; `force` in N and `moment` in N times the
+    length unit, both along the body's axes.
+    """
+
+    name: str
+    link: str
+    position: Vector
+    force: Vector
+    moment: Vector = ZERO
+
+    @property
+    def acts(self) -> bool:
+        """Whether it does anything at all."""
+        return any(self.force) or any(self.moment)
