@@ -35,20 +35,20 @@ check: .venv/.installed ## lint, format, types, spelling
 	$(BIN)/codespell
 
 physics: .venv/.physics ## compare the verdicts with a physics engine (docs/physics.md)
-	$(BIN)/python -m tests.physics.agreement
+	$(BIN)/python -m proofs.physics.agreement
 
 bench: .venv/.installed ## measure speed
 	$(BIN)/python -m benchmarks.run
 
 soak: .venv/.installed ## kill, damage and fill up sweeps at length; needs 20 GB in build/ (ten minutes)
-	LUTGEN_SOAK=1 $(BIN)/python -m pytest -q -s tests/test_survival.py tests/test_engines.py
+	LUTGEN_SOAK=1 $(BIN)/python -m pytest -q -s tests/mapping/test_survival.py tests/mapping/test_engines.py
 	$(BIN)/python -m benchmarks.large
 
 exports: .venv/.installed ## make and certify the exports that docs/design.md lists (ten minutes)
 	$(BIN)/python tools/export_table.py
 
 size: $(NAMES:%=build/maps/%/firmware.stamp) ## measure flash, RAM and stack on a Cortex-M4 (arm-none-eabi-gcc)
-	$(BIN)/python -m firmware_export.size_measure $(NAMES:%=build/maps/%/firmware)
+	$(BIN)/python -m targets.size $(NAMES:%=build/maps/%/firmware)
 
 verify: $(NAMES:%=build/maps/%/firmware.stamp) ## prove the C runtime (a few minutes; docs/c-runtime.md)
 	$(BIN)/python -m proofs.run

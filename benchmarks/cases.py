@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lutgen.primitive import pack
+from lutgen.support.primitive import pack
 
 POINT, SPHERE, DISC = 0, 1, 2
 KIND_NAMES = {POINT: "points", SPHERE: "spheres", DISC: "discs"}

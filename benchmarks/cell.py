@@ -20,9 +20,9 @@ from benchmarks.fill import fill
 from benchmarks.memory_sweep import MemorySweep
 from benchmarks.planes import Planes, planes
 from benchmarks.timing import interleave
-from lutgen.channels import CHANNELS, stability
-from lutgen.region import limits
-from lutgen.sphere import Chart
+from lutgen.channels.plain import CHANNELS, stability
+from lutgen.chart import Chart
+from lutgen.support.region import limits
 
 # 64 MiB of float32, more than the caches hold: for the fill, and per channel for our sweep.  Few
 # directions take so long per node that their output's size does not matter.

@@ -9,11 +9,11 @@ import numba
 from benchmarks.cases import legged_recipe
 from benchmarks.files import write_raw
 from benchmarks.report import table
-from lutgen.blocks import BLOCK_NODES, plan
-from lutgen.computer import expected_seconds
-from lutgen.recipe import Recipe, load_recipe, parse_recipe
-from lutgen.skeleton import lay_out
-from lutgen.sweeper import sweep
+from lutgen.mapping.blocks import BLOCK_NODES, plan
+from lutgen.mapping.compute import expected_seconds
+from lutgen.mapping.layout import lay_out
+from lutgen.mapping.sweeper import sweep
+from lutgen.recipe.recipe import Recipe, load_recipe, parse_recipe
 
 ROOT = Path(__file__).resolve().parent.parent
 

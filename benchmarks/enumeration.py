@@ -10,13 +10,13 @@ import numpy as np
 from benchmarks.cases import DISC, KIND_NAMES, POINT, SPHERE, Case, point_shapes, wheel_shapes
 from benchmarks.memory_sweep import MemorySweep
 from benchmarks.timing import interleave
-from lutgen.boundary import find_region
-from lutgen.channels import CHANNELS
+from lutgen.channels.plain import CHANNELS
+from lutgen.chart import Chart
 from lutgen.jit import njit
-from lutgen.region import Limit, empty_region, limits
-from lutgen.rounds import find_facets
-from lutgen.sphere import Chart
-from lutgen.support import facet_table, robot_size
+from lutgen.support.boundary import find_region
+from lutgen.support.hull import facet_table, robot_size
+from lutgen.support.region import Limit, empty_region, limits
+from lutgen.support.rounds import find_facets
 from lutgen.vector import Floats
 
 POINT_COUNTS = (3, 4, 6, 8, 16, 32)

@@ -12,13 +12,13 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.rivals import RIVALS, Floats, Points, Result, exact_components, polynomials
-from firmware_export.answers import Truth, truth
-from firmware_export.candidate import Bench
-from firmware_export.choose import Goal, climb_codec
+from firmware_export.certify.answers import Truth, truth
+from firmware_export.choose.candidate import Bench
+from firmware_export.choose.climb import Goal, climb_codec
 from firmware_export.codecs import NAMES, codec, device
-from firmware_export.model import Model
-from firmware_export.sample import Sample, biased, join, uniform
-from lutgen.recipe import load_recipe
+from firmware_export.truth.model import Model
+from firmware_export.truth.sample import Sample, biased, join, uniform
+from lutgen.recipe.recipe import load_recipe
 
 RECIPE = Path(__file__).parents[1] / "maps" / "paper_two.toml"
 CHANNELS = ("sdg", "tip_angle", "height")

@@ -12,18 +12,18 @@ from unittest import mock
 
 from benchmarks.cases import legged_recipe
 from benchmarks.timing import Times, interleave
-from lutgen.blocks import BLOCK_NODES
-from lutgen.recipe import parse_recipe
-from lutgen.sweeper import sweep
+from lutgen.mapping.blocks import BLOCK_NODES
+from lutgen.mapping.sweeper import sweep
+from lutgen.recipe.recipe import parse_recipe
 
 BYTES = 1 << 28
 FACE_NODES = 53
 CONTENDERS = ("raw", "sweep", "raw fsync", "sweep fsync")
 # Where the time of a sweep goes: what is called, under which name it is shown.
 STAGES = {
-    "lutgen.sweeper.lay_out": "layout",
-    "lutgen.computer.Computer.compute": "compute",
-    "lutgen.partfile.write_chunks": "write",
+    "lutgen.mapping.sweeper.lay_out": "layout",
+    "lutgen.mapping.compute.Computer.compute": "compute",
+    "lutgen.mapping.part.write_chunks": "write",
     "os.fsync": "disk",
 }
 

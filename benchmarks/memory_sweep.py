@@ -1,4 +1,4 @@
-"""Our sweep into memory: `lutgen.scan.scan`, called as `lutgen.scanner.Scanner` calls it."""
+"""Our sweep into memory: `lutgen.channels.scan.scan`, called as `Scanner` calls it."""
 
 from collections.abc import Sequence
 
@@ -6,13 +6,13 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from lutgen.blocks import BLOCK_NODES
-from lutgen.channels import CHANNELS
-from lutgen.computer import PARTS_PER_THREAD
-from lutgen.raster import VECTOR
-from lutgen.region import limits
-from lutgen.scan import scan
-from lutgen.sphere import Chart
+from lutgen.channels.plain import CHANNELS
+from lutgen.channels.raster import VECTOR
+from lutgen.channels.scan import scan
+from lutgen.chart import Chart
+from lutgen.mapping.blocks import BLOCK_NODES
+from lutgen.mapping.compute import PARTS_PER_THREAD
+from lutgen.support.region import limits
 
 
 class MemorySweep:

@@ -9,9 +9,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lutgen.boundary import find_region
 from lutgen.jit import njit
-from lutgen.region import (
+from lutgen.support.boundary import find_region
+from lutgen.support.hull import FIRST, facet_table, robot_size
+from lutgen.support.region import (
     EDGE_KIND,
     FACETS,
     FIRST_AXIS,
@@ -23,8 +24,7 @@ from lutgen.region import (
     Limit,
     empty_region,
 )
-from lutgen.rounds import find_facets
-from lutgen.support import FIRST, facet_table, robot_size
+from lutgen.support.rounds import find_facets
 from lutgen.vector import Floats, Ints
 
 

@@ -11,13 +11,13 @@ import numpy as np
 from benchmarks.cases import legged_recipe
 from benchmarks.enumeration import find_all
 from benchmarks.timing import interleave
-from lutgen.blocks import plan
-from lutgen.computer import Computer
-from lutgen.primitive import pack
-from lutgen.recipe import parse_recipe
-from lutgen.region import limits
-from lutgen.robot import forward, shapes
-from lutgen.sweeper import sweep
+from lutgen.mapping.blocks import plan
+from lutgen.mapping.compute import Computer
+from lutgen.mapping.sweeper import sweep
+from lutgen.recipe.kinematics import forward, shapes
+from lutgen.recipe.recipe import parse_recipe
+from lutgen.support.primitive import pack
+from lutgen.support.region import limits
 
 # A million postures even out by themselves, so each stage runs once, after a small sweep.
 SIDE, SMALL_SIDE = 1000, 20

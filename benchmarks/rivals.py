@@ -13,9 +13,9 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 
-from firmware_export.model import Model
-from firmware_export.strict import njit, prange
-from lutgen.robot import postures
+from firmware_export.truth.model import Model
+from firmware_export.twin.strict import njit, prange
+from lutgen.recipe.kinematics import postures
 
 Floats = NDArray[np.float64]
 

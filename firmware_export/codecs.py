@@ -11,11 +11,9 @@ from typing import Any, Protocol, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_export.answers import Device
-from firmware_export.c_array import CBody
-from firmware_export.exported import Export
-from firmware_export.model import Model
-from firmware_export.sample import Cells
+from firmware_export.certify import Device
+from firmware_export.emit import CBody, Export
+from firmware_export.truth import Cells, Model
 from firmware_export.twin import read
 from lutgen.errors import ExportError, InputError
 
@@ -67,7 +65,7 @@ def codec(name: str) -> Codec:
         raise InputError(
             f"codec: {name!r} is unknown (got {name!r}); use auto or one of: {', '.join(NAMES)}."
         )
-    return cast(Codec, import_module(f"firmware_export.{name}"))
+    return cast(Codec, import_module(f"firmware_export.{name}.codec"))
 
 
 def usable(model: Model, arithmetic: str, name: str = "auto") -> list[str]:

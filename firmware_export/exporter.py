@@ -11,20 +11,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from firmware_export.candidate import Bench, Candidate
-from firmware_export.certificate import Certificate
-from firmware_export.certify import POINTS, SEED, certify
-from firmware_export.choose import choose, front
+from firmware_export.certify import POINTS, SEED, Certificate, certify
+from firmware_export.choose import KNEE, Bench, Candidate, Goal, choose, front
 from firmware_export.codecs import cells, device, usable
-from firmware_export.exported import CHANNELS, Export
-from firmware_export.goal import KNEE, Goal
-from firmware_export.identifier import check_name, default_name
-from firmware_export.model import Model
-from firmware_export.package import check_directory, write
+from firmware_export.emit import CHANNELS, Export, check_directory, check_name, default_name, write
 from firmware_export.quantity import ErrorBound, parse_error, parse_size
+from firmware_export.truth import Model
 from lutgen.errors import ExportError, InputError
+from lutgen.mapping import StabilityMap, load_map
 from lutgen.recipe import Recipe, load_recipe
-from lutgen.store import StabilityMap, load_map
 
 __all__ = ["Report", "export"]
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from lutgen._version import __version__
 
 if TYPE_CHECKING:
-    from lutgen.channels import stability
+    from lutgen.channels import evaluate, stability
     from lutgen.errors import (
         ExportError,
         InputError,
@@ -19,12 +19,9 @@ if TYPE_CHECKING:
         RecipeError,
         SweepError,
     )
-    from lutgen.evaluation import evaluate
-    from lutgen.recipe import load_recipe, parse_recipe
-    from lutgen.robot import postures
+    from lutgen.mapping import load_map, sweep
+    from lutgen.recipe import load_recipe, parse_recipe, postures
     from lutgen.search import optimum
-    from lutgen.store import load_map
-    from lutgen.sweeper import sweep
 
 _HOME = {
     "ExportError": "errors",
@@ -33,14 +30,14 @@ _HOME = {
     "MapFileError": "errors",
     "RecipeError": "errors",
     "SweepError": "errors",
-    "evaluate": "evaluation",
-    "load_map": "store",
+    "evaluate": "channels",
+    "load_map": "mapping",
     "load_recipe": "recipe",
     "optimum": "search",
     "parse_recipe": "recipe",
-    "postures": "robot",
+    "postures": "recipe",
     "stability": "channels",
-    "sweep": "sweeper",
+    "sweep": "mapping",
 }
 
 __all__ = [

@@ -96,8 +96,11 @@ def cache_folder(source_folder: str) -> str | None:
     digest = hashlib.sha256()
     for part in (numba.__version__, binding.get_host_cpu_name(), repr(sorted(FASTMATH))):
         digest.update(part.encode() + b"\0")
-    for path in _kernel_files(Path(source_folder)):
-        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
+    for root in sorted({_PACKAGE, _package_of(Path(source_folder))}):
+        for path in _kernel_files(root):
+            # The same name stands in several rooms.
+            name = path.relative_to(root).as_posix()
+            digest.update(name.encode() + b"\0" + path.read_bytes() + b"\0")
     folder = _cache_root() / digest.hexdigest()[:16]
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -108,12 +111,16 @@ def cache_folder(source_folder: str) -> str | None:
     return str(folder)
 
 
-def _kernel_files(source_folder: Path) -> list[Path]:
-    """Return the files of lutgen and of `source_folder` that hold kernels, sorted."""
-    candidates = {Path(__file__).resolve(), *_PACKAGE.rglob("*.py")}
-    if not source_folder.is_relative_to(_PACKAGE):
-        candidates.update(source_folder.glob("*.py"))
-    return sorted(path for path in candidates if path.is_file() and _MARK in path.read_bytes())
+def _package_of(folder: Path) -> Path:
+    """Return the outermost package that holds a folder, or the folder itself."""
+    while (folder.parent / "__init__.py").is_file():
+        folder = folder.parent
+    return folder
+
+
+def _kernel_files(root: Path) -> list[Path]:
+    """Return the files below `root` that hold kernels, sorted."""
+    return sorted(path for path in root.rglob("*.py") if _MARK in path.read_bytes())
 
 
 def _cache_root() -> Path:

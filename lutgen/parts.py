@@ -1,7 +1,7 @@
 """The parts of a robot: parameters, links, joints, contacts, wheels and forces.
 
-Data only, with every angle in radians; nothing is known here of how they are written down (`recipe`,
-`urdf`) or of how a robot moves.
+Data only, with every angle in radians; nothing is known here of how they are written down
+(`recipe`, `urdf`) or of how a robot moves.
 """
 
 from dataclasses import dataclass

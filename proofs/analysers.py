@@ -8,10 +8,10 @@ import re
 from collections import Counter
 from pathlib import Path
 
-from firmware_export.c_config import runtime_file
-from firmware_export.size_measure import FLAGS as ARM_FLAGS
+from firmware_export.emit.config import runtime_file
 from proofs.document import findings
 from proofs.tools import FAILED, OK, Clock, Result, run
+from targets.size import FLAGS as ARM_FLAGS
 
 __all__ = ["ANALYSERS", "analyse", "compare", "heading", "place"]
 

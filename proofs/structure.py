@@ -5,10 +5,10 @@ from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
-from firmware_export.size_measure import ALLOWED, deepest
 from lutgen.errors import ExportError
 from proofs.document import listed_loops
 from proofs.tools import FAILED, OK, Clock, Result, run
+from targets.size import ALLOWED, deepest
 
 __all__ = ["loops", "prove", "undocumented", "writable"]
 

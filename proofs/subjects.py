@@ -7,14 +7,15 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
-from firmware_export import grid, package, report
-from firmware_export.exported import CHANNELS, Export
-from firmware_export.model import Model
+from firmware_export.emit import package, report
+from firmware_export.emit.export import CHANNELS, Export
+from firmware_export.grid import codec as grid
+from firmware_export.truth.model import Model
 from lutgen.errors import ExportError, InputError
-from lutgen.recipe import parse_recipe
+from lutgen.recipe.recipe import parse_recipe
 from targets.cases import ROBOTS, of_four_axes
-from tests.exports import rover_export, tripod_export
-from tests.recipes import tripod
+from tests.fixtures.exports import rover_export, tripod_export
+from tests.fixtures.recipes import tripod
 
 __all__ = ["Subject", "mapped", "read_subject", "small"]
 

@@ -15,16 +15,18 @@ from typing import Any
 
 import numpy as np
 
-from firmware_export import contacts, grid, package, report
-from firmware_export.c_config import runtime_file
-from firmware_export.c_source import body_of, source_text
 from firmware_export.codecs import codec
-from firmware_export.exported import CHANNELS, Export
-from firmware_export.grid_tables import SPAN, Part, Tables, U, V
-from firmware_export.model import Model
-from firmware_export.poly_fit import Spec as PolySpec
+from firmware_export.contacts import codec as contacts
+from firmware_export.emit import package, report
+from firmware_export.emit.config import runtime_file
+from firmware_export.emit.export import CHANNELS, Export
+from firmware_export.emit.source import body_of, source_text
+from firmware_export.grid import codec as grid
+from firmware_export.grid.tables import SPAN, Part, Tables, U, V
+from firmware_export.poly.fit import Spec as PolySpec
+from firmware_export.truth.model import Model
 from lutgen.errors import ExportError
-from lutgen.recipe import load_recipe, parse_recipe
+from lutgen.recipe.recipe import load_recipe, parse_recipe
 
 ROOT = Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build" / "targets"
@@ -34,9 +36,9 @@ ROBOTS = ("absolem", "paper_one", "paper_two", "three_leg_sphere")
 VERDICT = ("tip_angle",)
 # What tables depend on: the codecs, and the exact kernels that they ask.
 SOURCES = (
-    *("firmware_export/contacts*.py", "firmware_export/grid*.py", "firmware_export/poly*.py"),
-    *("firmware_export/model.py", "firmware_export/t*.py", "firmware_export/s[at]*.py"),
-    *("lutgen/[cfpr]*.py", "lutgen/boundary.py", "lutgen/support.py", "lutgen/sphere.py"),
+    "lutgen/*.py",
+    *(f"lutgen/{room}/*.py" for room in ("urdf", "recipe", "support", "channels")),
+    *(f"firmware_export/{room}/*.py" for room in ("truth", "contacts", "poly", "grid", "verdict")),
 )
 
 # A stool on three legs: no parameters, so that its tables have the two axes of the chart.

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from firmware_export.size_measure import deepest
 from targets.boards import Board
+from targets.size import deepest
 
 # Bytes that a call pushes on an AVR of more than 128 KiB of flash, and of less.
 RETURN = {"mega2560": 3, "mega328p": 2}

@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from firmware_export.c_source import body_of
-from firmware_export.exported import Export
+from firmware_export.emit.export import Export
+from firmware_export.emit.source import body_of
 from lutgen.errors import ExportError
 
 HEAD = re.compile(r"\b(?:for|while) \((.*)\) (?:\{|;)|\} while \((.*)\);")

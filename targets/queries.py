@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_export.exported import Export
-from firmware_export.twin import read as read_float
+from firmware_export.emit.export import Export
+from firmware_export.twin.query import read as read_float
 
 CHECKED, COUNTED, OUTSIDE = 1000, 256, 32
 KIND = CHECKED // 10  # queries of each kind
@@ -28,7 +28,7 @@ Read = Callable[[Numbers, Numbers], tuple[Numbers, Numbers]]
 def answered(export: Export) -> Read:
     """Return the twin of what the export's C code answers: params, gravity -> status, reading."""
     if export.integer:
-        from firmware_export.grid_read_i import read_i
+        from firmware_export.grid.read_integer import read_i
 
         return lambda p, g: read_i(export.tables, p, g, export.model.faces)
     return lambda p, g: read_float(export, p, g)

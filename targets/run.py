@@ -17,9 +17,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from firmware_export.exported import Export
-from firmware_export.facts import COUNTS
-from firmware_export.host import HostLibrary
+from firmware_export.device import HostLibrary
+from firmware_export.emit.export import Export
+from firmware_export.emit.facts import COUNTS
 from lutgen.errors import LutgenError
 from targets import baseline, queries, tables
 from targets.boards import BOARDS, OPTIMISATIONS, Board

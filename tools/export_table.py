@@ -12,13 +12,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from firmware_export import contacts, grid, package
-from firmware_export.candidate import Bench
-from firmware_export.exported import CHANNELS
+from firmware_export.choose.candidate import Bench
+from firmware_export.contacts import codec as contacts
+from firmware_export.emit import package
+from firmware_export.emit.export import CHANNELS
 from firmware_export.exporter import described, examine
-from firmware_export.model import Model
-from firmware_export.poly_fit import Spec as PolySpec
-from lutgen.recipe import load_recipe
+from firmware_export.grid import codec as grid
+from firmware_export.poly.fit import Spec as PolySpec
+from firmware_export.truth.model import Model
+from lutgen.recipe.recipe import load_recipe
 
 ROOT = Path(__file__).resolve().parent.parent
 VERDICT = ("tip_angle",)

@@ -22,11 +22,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from lutgen import plot
+from lutgen.analysis.tilt_table import even_headings, posture_limits, sweep_limits
 from lutgen.errors import InputError, LutgenError
-from lutgen.limit_table import even_headings, posture_limits, sweep_limits
-from lutgen.recipe import Recipe, load_recipe
-from lutgen.recipe_robot import to_internal
-from lutgen.store import StabilityMap, load_map
+from lutgen.mapping.map import StabilityMap, load_map
+from lutgen.recipe.recipe import Recipe, load_recipe
+from lutgen.recipe.robot import to_internal
 
 # Dots per inch: a figure is one column (3.5 in) wide and stays below 200 kB.
 RESOLUTION = 160

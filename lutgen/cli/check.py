@@ -18,10 +18,8 @@ def check(recipe: str, allow_python: bool, as_json: bool) -> None:
     $ lutgen check maps/paper_two.toml
     paper_two: 3 contacts (P1 P2 P3), 2 parameters, unit 1
     """
-    from lutgen.blocks import plan
-    from lutgen.computer import expected_seconds
+    from lutgen.mapping import expected_seconds, plan, require_standing
     from lutgen.recipe import load_recipe
-    from lutgen.standing import require_standing
 
     robot = load_recipe(recipe, allow_python=allow_python)
     require_standing(robot)

@@ -19,9 +19,9 @@ from lutgen.cli.options import (
 )
 
 if TYPE_CHECKING:
+    from lutgen.analysis import Diagnosis
+    from lutgen.mapping import StabilityMap
     from lutgen.recipe import Recipe
-    from lutgen.statics import Diagnosis
-    from lutgen.store import StabilityMap
 
 log = logging.getLogger("lutgen")
 
@@ -50,8 +50,8 @@ def eval_(
     $ lutgen eval maps/paper_two.toml -p alpha=31 -p gamma=31
     sdg            0.00253161
     """
+    from lutgen.chart import gravito_inertial
     from lutgen.recipe import Recipe
-    from lutgen.sphere import gravito_inertial
 
     if acceleration is not None:
         gravity = tuple(gravito_inertial(gravity, acceleration).tolist())
@@ -105,7 +105,7 @@ def exact_report(
     recipe: "Recipe", values: list[float], gravity: tuple[float, ...]
 ) -> dict[str, Any]:
     """Return the report on one point of a recipe."""
-    from lutgen.statics import diagnose
+    from lutgen.analysis import diagnose
 
     found = diagnose(recipe, values, gravity)
     rolling = any(contact.rolling for contact in recipe.contacts)
@@ -144,8 +144,8 @@ def _rolling_entries(
     recipe: "Recipe", values: list[float], gravity: tuple[float, ...]
 ) -> dict[str, Any]:
     """Return whether the robot rolls away, and how it tips while it rolls freely."""
-    from lutgen.evaluation import evaluate
-    from lutgen.holding import rolling_gravity, rolls
+    from lutgen.analysis import rolling_gravity, rolls
+    from lutgen.channels import evaluate
 
     entries: dict[str, Any] = {"rolls": bool(rolls(recipe, values, [gravity])[0])}
     down = rolling_gravity(recipe, values, gravity)
@@ -157,7 +157,7 @@ def _rolling_entries(
 
 
 def _axis(found: "Diagnosis", index: int) -> dict[str, Any]:
-    from lutgen.force_angle import axis_force_angle
+    from lutgen.analysis import axis_force_angle
 
     axis = found.axes_[index]
     return {

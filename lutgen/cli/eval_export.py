@@ -39,7 +39,7 @@ def export_report(
     gravity : (3,) sequence of float
         Down, any length > 0.
     """
-    from firmware_export.host import HostLibrary
+    from firmware_export.device import HostLibrary
 
     library = HostLibrary(directory)
     content = library.report

@@ -68,7 +68,7 @@ def export(
     $ cd firmware && cc -std=c99 *.c && ./a.out
     """
     from firmware_export import export as run
-    from firmware_export.package import check_directory
+    from firmware_export.emit import check_directory
     from firmware_export.quantity import parse_error, parse_size
 
     # What is wrong with the command is said before anything is computed.
@@ -112,7 +112,7 @@ def export(
 
 def _error_text(name: str, entry: dict[str, Any] | None, unit: str) -> str:
     """Return the errors of a channel as text."""
-    from firmware_export.facts import error_texts
+    from firmware_export.emit import error_texts
 
     if not entry:
         return "errors not measured"
@@ -122,7 +122,7 @@ def _error_text(name: str, entry: dict[str, Any] | None, unit: str) -> str:
 
 def lines(report: dict[str, Any], output: str) -> list[str]:
     """Return the report as text."""
-    from firmware_export.facts import bytes_text, share
+    from firmware_export.emit import bytes_text, share
 
     sizes = report["bytes"]
     text = [f"{report['name']}: {report['spec']}, {report['arithmetic']} arithmetic"]

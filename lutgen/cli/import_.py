@@ -53,9 +53,8 @@ def import_(
     $ lutgen import robot.urdf -o recipe.toml -c left_wheel -c right_wheel -c nose=0.3,0,-0.1
     """
     from lutgen.files import write_text
-    from lutgen.urdf_links import centre_of_mass, places
-    from lutgen.urdf_motion import read_motion
-    from lutgen.urdf_recipe import import_urdf
+    from lutgen.recipe import import_urdf
+    from lutgen.urdf import centre_of_mass, places, read_motion
 
     if not output.endswith(".toml"):
         raise InputError(f"--output: is no recipe's name (got {output!r}); end it in .toml.")
@@ -98,8 +97,7 @@ def import_(
 
 def _read(path: str, xacro: bool) -> "UrdfRobot":
     """Read a description, after expansion where it is asked for."""
-    from lutgen.urdf import load_urdf
-    from lutgen.urdf_xacro import load_xacro
+    from lutgen.urdf import load_urdf, load_xacro
 
     macros = path.endswith(".xacro")
     if xacro and not macros:

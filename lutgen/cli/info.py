@@ -9,7 +9,7 @@ import click
 from lutgen.cli.options import as_json
 
 if TYPE_CHECKING:
-    from lutgen.store import StabilityMap
+    from lutgen.mapping import StabilityMap
 
 
 @click.command(short_help="Print what a map file holds; --verify its checksums.")
@@ -23,8 +23,8 @@ def info(map_file: str, verify: bool, as_json: bool) -> None:
     $ lutgen info paper_two.h5 --verify
     """
     from lutgen.errors import MapFileError
-    from lutgen.store import load_map
-    from lutgen.verify import verify as check_all
+    from lutgen.mapping import load_map
+    from lutgen.mapping import verify as check_all
 
     stability_map = load_map(map_file)
     if verify:
@@ -58,8 +58,7 @@ def info(map_file: str, verify: bool, as_json: bool) -> None:
 
 def describe(stability_map: "StabilityMap") -> dict[str, Any]:
     """Return the contents of `lutgen info --json`."""
-    from lutgen.statistics import channel_range, share_that_tips
-    from lutgen.store import channel_unit
+    from lutgen.mapping import channel_range, channel_unit, share_that_tips
 
     recipe = stability_map.recipe
     axes = []

@@ -53,8 +53,8 @@ def limits(
     $ lutgen limits maps/absolem.toml -p front=90 -p rear=90
     guaranteed in every heading: 52.14 deg
     """
+    from lutgen.analysis import even_headings, posture_limits, sweep_limits
     from lutgen.cli.limits_report import lines, report
-    from lutgen.limit_table import even_headings, posture_limits, sweep_limits
     from lutgen.recipe import load_recipe
 
     robot = load_recipe(recipe, allow_python=allow_python)

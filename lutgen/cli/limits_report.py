@@ -7,7 +7,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from lutgen.limit_table import HeadingLimit, PostureLimits, SweepLimits
+    from lutgen.analysis import HeadingLimit, PostureLimits, SweepLimits
     from lutgen.recipe import Recipe
 
 
@@ -74,7 +74,7 @@ def report(
 
 def _all(recipe: "Recipe", swept: "SweepLimits") -> dict[str, Any]:
     """Return the limits over all postures: in the four headings, and in the worst of each."""
-    from lutgen.limit_table import FOUR, WORST
+    from lutgen.analysis import FOUR, WORST
 
     rows = []
     for i, name in enumerate(FOUR):

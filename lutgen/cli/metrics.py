@@ -10,7 +10,7 @@ from lutgen.cli.options import allow_python, as_json, parameter_values, paramete
 from lutgen.errors import InputError
 
 if TYPE_CHECKING:
-    from lutgen.metrics import Metrics
+    from lutgen.analysis import Metrics
     from lutgen.recipe import Recipe
 
 MOST = 3600
@@ -65,8 +65,7 @@ def metrics_report(
     """Return what `--json` prints; null where there is no value."""
     import numpy as np
 
-    from lutgen.limits import tilted
-    from lutgen.metrics import compare_metrics
+    from lutgen.analysis import compare_metrics, tilted
 
     around = np.arange(headings) * (360.0 / headings)
     directions = tilted(math.radians(tilt), np.radians(around))

@@ -8,14 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import (
-    Assignment,
-    allow_python,
-    as_json,
-    convention,
-    gravity,
-    named_values,
-)
+from lutgen.cli.options import Assignment, allow_python, as_json, convention, gravity, named_values
 from lutgen.errors import InputError
 
 if TYPE_CHECKING:
@@ -140,12 +133,12 @@ def optimum(
     $ lutgen optimum maps/paper_two.toml --limit 0.05
     paper_two, search: stands, sdg 0.000485608, 150 evaluations
     """
-    from lutgen import search
     from lutgen.recipe import load_recipe
+    from lutgen.search import optimum as run
 
     robot = load_recipe(recipe, allow_python=allow_python)
     box = _box(robot, assignments, bounds)
-    found = search.optimum(
+    found = run(
         robot,
         gravity,
         method,

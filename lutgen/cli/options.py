@@ -10,8 +10,8 @@ import click
 from lutgen.errors import InputError
 
 if TYPE_CHECKING:
+    from lutgen.mapping import StabilityMap
     from lutgen.recipe import Recipe
-    from lutgen.store import StabilityMap
 
 log = logging.getLogger("lutgen")
 
@@ -144,7 +144,7 @@ def posture_values(recipe: "Recipe", assignments: Sequence[tuple[str, float]]) -
 
     A value outside the recipe's range is used as it is, and a warning says so.
     """
-    from lutgen.recipe_robot import to_internal
+    from lutgen.recipe import to_internal
 
     given = named_values(recipe, assignments)
     values = []
@@ -176,8 +176,8 @@ def _named(
 
 def open_source(path: str, allow_python: bool = False) -> "Recipe | StabilityMap":
     """Open a recipe (.toml) or a map (anything else)."""
+    from lutgen.mapping import load_map
     from lutgen.recipe import load_recipe
-    from lutgen.store import load_map
 
     if path.endswith(".toml"):
         return load_recipe(path, allow_python=allow_python)

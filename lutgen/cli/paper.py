@@ -21,6 +21,6 @@ def paper(output: str) -> None:
     \b
     $ lutgen paper -o paper
     """
-    from lutgen.paper.report import write_report
+    from lutgen.paper import write_report
 
     click.echo(write_report(output, lambda what: log.info("%s", what)))

@@ -11,8 +11,7 @@ from lutgen.cli.path_report import PAPER, lines, report, table
 from lutgen.errors import InputError
 
 if TYPE_CHECKING:
-    from lutgen.drive import Drive
-    from lutgen.terrain import Path
+    from lutgen.search import Drive, Path
 
 METHODS = ("map", "nelder-mead", "search", "multistart")
 POINTS = 100
@@ -98,9 +97,8 @@ def path(
     $ lutgen path maps/paper_two.toml --turn 30 -p alpha=30.96 -p gamma=30.96
     paper_two on the paper's path: 100 points, length 38.9766
     """
-    from lutgen.drive import drive
-    from lutgen.recipe import load_recipe
-    from lutgen.recipe_robot import to_internal
+    from lutgen.recipe import load_recipe, to_internal
+    from lutgen.search import drive
 
     if animate is not None:
         from lutgen.plot import check_animation
@@ -177,8 +175,7 @@ def path(
 
 def open_terrain(terrain: str, points: int | None, turn: float) -> "Path":
     """Return the path, with the robot turned by `turn` deg."""
-    from lutgen.terrain import paper_path, turned
-    from lutgen.terrain_csv import read_path
+    from lutgen.search import paper_path, read_path, turned
 
     if not math.isfinite(turn):
         raise InputError(f"--turn must be a finite angle (got {turn:g}); give one in deg")

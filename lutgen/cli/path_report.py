@@ -8,8 +8,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from lutgen.drive import Drive
     from lutgen.recipe import Recipe
+    from lutgen.search import Drive
 
     Columns = dict[str, NDArray[np.float64]]
 

@@ -45,7 +45,7 @@ def sweep(
     \b
     $ lutgen sweep maps/paper_two.toml -o paper_two.h5
     """
-    from lutgen import sweeper
+    from lutgen.mapping import sweep as run
     from lutgen.recipe import load_recipe
 
     robot = load_recipe(recipe, allow_python=allow_python)
@@ -68,7 +68,7 @@ def sweep(
 
         try:
             with compiling_is_told(quiet):
-                sweeper.sweep(
+                run(
                     robot,
                     output,
                     threads=threads,

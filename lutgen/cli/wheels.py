@@ -7,18 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import (
-    Numbers,
-    allow_python,
-    as_json,
-    gravity,
-    parameter_values,
-    parameters,
-)
+from lutgen.cli.options import Numbers, allow_python, as_json, gravity, parameter_values, parameters
 
 if TYPE_CHECKING:
+    from lutgen.analysis import Motion
     from lutgen.recipe import Recipe
-    from lutgen.wheels import Motion
 
 log = logging.getLogger("lutgen")
 
@@ -65,8 +58,8 @@ def wheels(
     $ lutgen wheels maps/paper_two.toml --velocity 3,0 -p alpha=31 -p gamma=31
     paper_two: 3 DoF, non-steered (degree of mobility 3, of steerability 0)
     """
+    from lutgen.analysis import wheel_speeds
     from lutgen.recipe import load_recipe
-    from lutgen.wheels import wheel_speeds
 
     robot = load_recipe(recipe, allow_python=allow_python)
     values = parameter_values(robot, assignments)

@@ -2,17 +2,12 @@
 
 import numpy as np
 
+from lutgen.analysis import heuristic_forces, normal_forces
 from lutgen.channels import stability
 from lutgen.paper import printed
 from lutgen.paper.closed_form import NOMINAL, tripods
 from lutgen.paper.erratum import Array, Check, Erratum, Example, check
-from lutgen.paper.forces import (
-    RADIUS,
-    exact_forces,
-    nominal_wheels,
-    pierced_point,
-    slope_gravity,
-)
+from lutgen.paper.forces import RADIUS, exact_forces, nominal_wheels, pierced_point, slope_gravity
 from lutgen.paper.reference import (
     contour_centroid,
     edge_distance,
@@ -21,7 +16,6 @@ from lutgen.paper.reference import (
     largest_inscribed_radius,
     polygon_centre,
 )
-from lutgen.statics import heuristic_forces, normal_forces
 
 DOWN = np.array([0.0, 0.0, -1.0])
 

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from lutgen.analysis import heuristic_forces
 from lutgen.errors import InputError
 from lutgen.paper.printed import eq4_to_6, eq7, normal_of
-from lutgen.statics import heuristic_forces
 
 Array = NDArray[np.float64]
 

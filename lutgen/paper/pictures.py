@@ -10,12 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from lutgen import plot
+from lutgen.mapping import load_map
 from lutgen.paper.robot import NOMINAL_DEG
 from lutgen.paper.rough import Third
 from lutgen.paper.simulations import LEVEL, First, MapTime, Second
-from lutgen.plot.path import draw_path
-from lutgen.plot.steps import draw_steps
-from lutgen.store import load_map
+from lutgen.plot import draw_path, draw_steps
 
 __all__ = ["Picture", "draw_pictures"]
 

@@ -9,7 +9,7 @@ import numpy as np
 from lutgen.channels import stability
 from lutgen.paper import printed
 from lutgen.paper.erratum import Array
-from lutgen.polygon import area_centroid, convex_polygon
+from lutgen.support import area_centroid, convex_polygon
 
 # Weights of a fourth contact on the three wheels: behind the edge from wheel 2 to wheel 3, in
 # their plane.  The contacts in the order 1, 2, 3, 4 then make a polygon that crosses itself.

@@ -16,12 +16,7 @@ from lutgen.files import csv_text, write_text
 from lutgen.paper.page import Page
 from lutgen.paper.pictures import Picture, draw_pictures
 from lutgen.paper.results import MAP, Results, compute
-from lutgen.paper.sections import (
-    introduction,
-    simulation_one,
-    simulation_three,
-    simulation_two,
-)
+from lutgen.paper.sections import introduction, simulation_one, simulation_three, simulation_two
 from lutgen.paper.sections_checks import errata_section, forces_section, omitted_section
 from lutgen.paper.tables import tables
 

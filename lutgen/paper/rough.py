@@ -9,10 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lutgen.drive import Drive, drive
 from lutgen.paper.robot import NOMINAL, paper_recipe
 from lutgen.recipe import Recipe
-from lutgen.terrain import paper_path
+from lutgen.search import Drive, drive, paper_path
 
 __all__ = ["HEADINGS", "Third", "Variant", "third_simulation", "variants"]
 

@@ -11,14 +11,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from lutgen.attitude import CONVENTIONS, body_gravity
-from lutgen.pairs import evaluate_pairs
+from lutgen.channels import CONVENTIONS, body_gravity, evaluate_pairs
+from lutgen.mapping import load_map, sweep
 from lutgen.paper.published import TABLE, Row
 from lutgen.paper.robot import RADIUS, paper_recipe
 from lutgen.recipe import Recipe
 from lutgen.search import Optimum, optimum
-from lutgen.store import load_map
-from lutgen.sweeper import sweep
 
 __all__ = [
     "LEVEL",

@@ -27,7 +27,7 @@ from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 from PIL import Image
 
-from lutgen.drive import Drive
+from lutgen.analysis import Diagnosis, diagnose
 from lutgen.errors import InputError
 from lutgen.files import write_bytes
 from lutgen.plot.box import box_axes
@@ -35,9 +35,9 @@ from lutgen.plot.labels import angle_text, length_label
 from lutgen.plot.path import RED, draw_angles
 from lutgen.plot.robot import circle
 from lutgen.plot.style import BLUE, GREEN, GREY, house_style, new_figure
-from lutgen.primitive import DISC, SPHERE
 from lutgen.recipe import Recipe
-from lutgen.statics import Diagnosis, diagnose
+from lutgen.search import Drive
+from lutgen.support import DISC, SPHERE
 
 __all__ = ["MOST_FRAMES", "animate", "check_animation", "to_world"]
 

@@ -11,20 +11,12 @@ from typing import NoReturn
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lutgen.attitude import CONVENTIONS, body_gravity
+from lutgen.channels import CONVENTIONS, body_gravity
+from lutgen.chart import unit_directions
 from lutgen.errors import InputError
-from lutgen.plot.view import (
-    QUANTITIES,
-    SLACK,
-    View,
-    is_sealed,
-    limits,
-    to_display,
-    to_internal,
-)
+from lutgen.mapping import StabilityMap
+from lutgen.plot.view import QUANTITIES, SLACK, View, is_sealed, limits, to_display, to_internal
 from lutgen.recipe import Recipe
-from lutgen.sphere import unit_directions
-from lutgen.store import StabilityMap
 
 __all__ = ["KINDS", "choose"]
 
@@ -45,7 +37,7 @@ def choose(
     convention: str = "body",
     tilt: float = 20.0,
 ) -> View:
-    """Check the options of `lutgen.plot.draw` and fill in what was left out."""
+    """Check the options of `lutgen.plot.figure` and fill in what was left out."""
     if kind not in KINDS:
         _refuse("unknown kind of figure", kind, _nearest(kind, KINDS))
     stability_map = None if isinstance(source, Recipe) else source

@@ -6,17 +6,17 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from lutgen.errors import InputError
+from lutgen.mapping import StabilityMap
 from lutgen.plot.choices import choose
 from lutgen.plot.curve import draw_curve
 from lutgen.plot.metrics import draw_metrics
 from lutgen.plot.plane import draw_contour, draw_surface
-from lutgen.plot.polar import draw_polar
 from lutgen.plot.robot import draw_robot
 from lutgen.plot.sphere import draw_sphere
 from lutgen.plot.style import house_style
+from lutgen.plot.tilt import draw_polar
 from lutgen.plot.view import View
 from lutgen.recipe import Recipe
-from lutgen.store import StabilityMap
 
 __all__ = ["draw"]
 
@@ -71,8 +71,8 @@ def draw(
         first ones that `params` does not fix.
     convention : {"body", "plane"}
         Whether gravity is fixed in the body frame, or relative to the contact plane, so that it
-        turns in the body while the shape changes (T_g, see `lutgen.attitude`).  The latter for
-        recipes only, and not for `sphere`, `polar` and `metrics`.
+        turns in the body while the shape changes (T_g, see `lutgen.channels.settle`).  The
+        latter for recipes only, and not for `sphere`, `polar` and `metrics`.
     tilt : float
         Degrees; used by `metrics` only.
     size : (float, float), optional

@@ -9,9 +9,9 @@ import re
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lutgen.parts import Parameter
 from lutgen.plot.view import QUANTITIES, View, to_display
 from lutgen.recipe import Recipe
-from lutgen.parts import Parameter
 
 __all__ = [
     "HEADINGS",

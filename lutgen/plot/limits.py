@@ -7,15 +7,13 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from lutgen.limit_table import PostureLimits, SweepLimits
-from lutgen.limits import tilt_limits
+from lutgen.analysis import PostureLimits, SweepLimits, slide_limits, tilt_limits
 from lutgen.plot.labels import HEADINGS, angle_text, heading_text, title
 from lutgen.plot.marks import tip_patch
-from lutgen.plot.polar import SAMPLES, SIZE, polar_axes
 from lutgen.plot.style import BLUE, GREEN, GREY, HATCH, ORANGE, WASH, house_style, new_figure
+from lutgen.plot.tilt import SAMPLES, SIZE, polar_axes
 from lutgen.plot.view import View
 from lutgen.recipe import Recipe
-from lutgen.sliding import slide_limits
 
 __all__ = ["draw_limits"]
 

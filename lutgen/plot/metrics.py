@@ -9,16 +9,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from lutgen.limits import tilted
-from lutgen.metrics import Metrics, compare_metrics
+from lutgen.analysis import Metrics, compare_metrics, tilted
 from lutgen.plot.curve import shade_intervals
-from lutgen.plot.labels import (
-    HEADINGS,
-    MINUS,
-    angle_text,
-    title,
-    with_unit,
-)
+from lutgen.plot.labels import HEADINGS, MINUS, angle_text, title, with_unit
 from lutgen.plot.levels import jumps
 from lutgen.plot.marks import tip_patch
 from lutgen.plot.style import BLUE, GREEN, ORANGE, PURPLE, SKY, new_figure

@@ -15,23 +15,14 @@ from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
 )
 from numpy.typing import NDArray
 
-from lutgen.drive import Drive
+from lutgen.parts import Parameter
 from lutgen.plot.box import box_axes, extent
 from lutgen.plot.labels import length_label, parameter_text
 from lutgen.plot.marks import TIPS, tip_patch
-from lutgen.plot.style import (
-    BLUE,
-    GREEN,
-    GREY,
-    HATCH,
-    ORANGE,
-    WASH,
-    house_style,
-    new_figure,
-)
+from lutgen.plot.style import BLUE, GREEN, GREY, HATCH, ORANGE, WASH, house_style, new_figure
 from lutgen.plot.view import to_display
 from lutgen.recipe import Recipe
-from lutgen.parts import Parameter
+from lutgen.search import Drive
 
 __all__ = ["RED", "draw_angles", "draw_path"]
 

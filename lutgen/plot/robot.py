@@ -15,13 +15,13 @@ from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
 )
 from numpy.typing import ArrayLike, NDArray
 
+from lutgen.analysis import Diagnosis, FacetView, diagnose
 from lutgen.plot.box import box_axes, fit_box, place
 from lutgen.plot.labels import angle_text, length_label, title, with_unit
 from lutgen.plot.marks import write_beside
 from lutgen.plot.style import BLUE, GREEN, GREY, ORANGE, PURPLE, new_figure
 from lutgen.plot.view import View
-from lutgen.primitive import DISC, POINT, SPHERE
-from lutgen.statics import Diagnosis, FacetView, diagnose
+from lutgen.support import DISC, POINT, SPHERE
 
 __all__ = ["SIZE", "circle", "draw_robot"]
 

@@ -13,11 +13,10 @@ from matplotlib.lines import Line2D
 from matplotlib.projections.polar import PolarAxes
 from numpy.typing import NDArray
 
-from lutgen.holding import roll_limits
+from lutgen.analysis import roll_limits, slide_limits
 from lutgen.plot.labels import number
 from lutgen.plot.style import GREEN, ORANGE
 from lutgen.plot.view import View
-from lutgen.sliding import slide_limits
 
 __all__ = ["draw_roll_limit", "draw_slide_limit", "mark_sliding"]
 

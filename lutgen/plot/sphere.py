@@ -17,8 +17,8 @@ from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from lutgen.analysis import tilted
 from lutgen.errors import InputError
-from lutgen.limits import tilted
 from lutgen.plot.labels import HEADINGS, channel_label, optimum_text, title, with_unit
 from lutgen.plot.levels import apart, extend, levels
 from lutgen.plot.marks import HALO, mark_optimum, shade_tip_over, tip_patch

@@ -9,14 +9,13 @@ from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.errors import InputError
-from lutgen.objective import Objective
 from lutgen.plot.labels import axis_label, channel_label, measured, parameter_text, symbol
 from lutgen.plot.levels import extend, levels
 from lutgen.plot.marks import STAR, shade_tip_over, tip_patch
 from lutgen.plot.style import MAP, house_style, new_figure
 from lutgen.plot.view import QUANTITIES, in_display_unit, to_display
 from lutgen.recipe import Recipe
-from lutgen.search import Optimum
+from lutgen.search import Objective, Optimum
 
 __all__ = ["SIZE", "draw_steps"]
 

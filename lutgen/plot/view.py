@@ -10,13 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lutgen.attitude import body_gravity
-from lutgen.evaluation import evaluate
-from lutgen.pairs import evaluate_pairs
-from lutgen.recipe import Recipe
+from lutgen.analysis import slopes
+from lutgen.channels import body_gravity, evaluate, evaluate_pairs
+from lutgen.mapping import StabilityMap
 from lutgen.parts import Parameter
-from lutgen.sliding import slopes
-from lutgen.store import StabilityMap
+from lutgen.recipe import Recipe
 
 __all__ = [
     "QUANTITIES",

@@ -8,11 +8,11 @@ import pytest
 
 pytest.importorskip("mujoco", reason="the extra `physics` is not installed")
 
-from tests.physics import agreement, rolling, sides
-from tests.physics.body import on_solids, rigid_body
-from tests.physics.cases import CASES, drawn
-from tests.physics.release import release
-from tests.physics.start import start
+from proofs.physics import agreement, rolling, sides
+from proofs.physics.body import on_solids, rigid_body
+from proofs.physics.cases import CASES, drawn
+from proofs.physics.release import release
+from proofs.physics.start import start
 
 
 def tilted(degrees: float) -> np.ndarray:

@@ -1,0 +1,158 @@
+"""What an export answers at given points, beside what is true there.
+
+Owns the step from points to queries that the target can be asked: single precision, or the integers
+of smap_read_i.  The truth is computed at the query itself, so that rounding a point is no error.
+"""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from firmware_export.truth import Exact, Model, Sample
+
+__all__ = ["Answers", "Device", "Measured", "Needs", "Read", "Truth", "truth"]
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+# Status codes of smap_read with which the robot is said to stand.
+OK, CLAMPED = 0, 1
+# In the place of a status where nothing was asked.
+NOT_ASKED = -128
+FULL_SCALE = 32767
+# Integer reading of a channel that is not held, or of a robot that tips.
+ABSENT = 65535
+# Points that are asked at a time: bounds the memory of a certificate.
+BLOCK = 1 << 17
+
+# Exact tip angles (m, d) -> at which of the points an answer is needed.
+Needs = Callable[[Floats], Bools]
+# (n, k) and (n, 3) queries -> status (n,), reading (n, 3): sdg, tip_angle, height.
+Read = Callable[[NDArray[Any], NDArray[Any]], tuple[NDArray[Any], NDArray[Any]]]
+
+
+class Answers(NamedTuple):
+    """Answers to m postures under d directions, each (m, d).
+
+    `stands`: the verdict.  `sdg` and `height` (length unit, NaN where not held) and `tip_angle`
+    (rad, guard subtracted; negative where the robot is said to tip).
+    """
+
+    stands: Bools
+    sdg: Floats
+    tip_angle: Floats
+    height: Floats
+
+
+class Truth(NamedTuple):
+    """Queries `params` (m, k) and `gravity` (m, d, 3), what they stand for, and what is true there.
+
+    The queries are float32, or int16 as smap_read_i takes them; `sample` has the same in rad or
+    length, and `exact` is computed from that.
+    """
+
+    params: NDArray[Any]
+    gravity: NDArray[Any]
+    sample: Sample
+    exact: Exact
+
+
+class Measured(NamedTuple):
+    """A sample, the answers to it and the truth."""
+
+    sample: Sample
+    answers: Answers
+    exact: Exact
+
+    @property
+    def false_safe(self) -> Bools:
+        """Points (m, d) that are said to stand where the robot tips."""
+        return np.asarray(self.answers.stands & (self.exact.tip_angle < 0.0))
+
+    @property
+    def standing(self) -> Bools:
+        """Points (m, d) where the robot stands."""
+        return np.asarray(self.exact.tip_angle >= 0.0)
+
+    def errors(self, channel: str) -> Floats:
+        """Return the errors (n,) of a channel where the robot stands and is said to."""
+        counts = self.standing & self.answers.stands
+        return np.asarray(
+            np.abs(getattr(self.answers, channel)[counts] - getattr(self.exact, channel)[counts])
+        )
+
+
+def truth(model: Model, sample: Sample, integer: bool = False) -> Truth:
+    """Return the queries nearest to a sample, and the truth at the queries."""
+    params, gravity = sample
+    if integer:
+        span = model.upper - model.lower
+        q = np.rint((params - model.lower) / span * FULL_SCALE).astype(np.int16)
+        g = np.rint(gravity * FULL_SCALE).astype(np.int16)
+        asked = Sample(model.lower + q / FULL_SCALE * span, g.astype(np.float64))
+        return Truth(q, g, asked, model.exact(*asked))
+    single = params.astype(np.float32), gravity.astype(np.float32)
+    asked = Sample(*(array.astype(np.float64) for array in single))
+    return Truth(*single, asked, model.exact(*asked))
+
+
+class Device:
+    """Anything that answers queries about a model's robot.
+
+    Parameters
+    ----------
+    model : Model
+        The truth.
+    read : callable
+        The twin of smap_read; or, with `steps`, that of smap_read_i.
+    steps : dict of str to float, optional
+        Value of one step of the integer channels sdg and height.
+    """
+
+    def __init__(self, model: Model, read: Read, steps: dict[str, float] | None = None) -> None:
+        self.model, self.read, self.steps = model, read, steps
+
+    def measure(self, sample: Sample, needs: Needs | None = None) -> Measured:
+        """Compute the truth of a sample and ask about its points.
+
+        With `needs` only about those that it marks, and all where the robot tips: an answer that
+        is falsely safe is never passed over.
+        """
+        known = truth(self.model, sample, self.steps is not None)
+        tip = known.exact.tip_angle
+        return self.compare(known, None if needs is None else needs(tip) | (tip < 0.0))
+
+    def compare(self, known: Truth, ask: Bools | None = None) -> Measured:
+        """Ask queries whose truth is known: all of them, or those that `ask` (m, d) marks.
+
+        What is not asked is left as said to tip, without a number (NaN).
+        """
+        m, d = known.gravity.shape[:2]
+        status, values = np.full(m * d, NOT_ASKED, np.int8), np.full((m * d, 3), np.nan)
+        asked = np.arange(m * d) if ask is None else np.flatnonzero(ask)
+        gravity = known.gravity.reshape(-1, 3)
+        for at in range(0, len(asked), BLOCK):
+            part = asked[at : at + BLOCK]
+            found, reading = self.read(known.params[part // max(d, 1)], gravity[part])
+            status[part] = found
+            values[part] = self._units(reading)
+        stands = (status == OK) | (status == CLAMPED)
+        grid = (m, d)
+        answers = Answers(
+            stands.reshape(grid),
+            *(np.ascontiguousarray(values[:, column]).reshape(grid) for column in range(3)),
+        )
+        return Measured(known.sample, answers, known.exact)
+
+    def _units(self, reading: NDArray[Any]) -> Floats:
+        """Turn readings (n, 3) into float64 in the units of the float path."""
+        values = reading.astype(np.float64)
+        if self.steps is not None:
+            missing = reading[:, [0, 2]] == ABSENT
+            values[:, 1] = np.arcsin(np.clip(values[:, 1] / FULL_SCALE, -1.0, 1.0))
+            values[:, 0] *= self.steps.get("sdg", np.nan)
+            values[:, 2] *= self.steps.get("height", np.nan)
+            values[:, [0, 2]] = np.where(missing, np.nan, values[:, [0, 2]])
+        return values

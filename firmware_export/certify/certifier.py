@@ -1,0 +1,192 @@
+"""The certificate of an export: its errors, and its verdict under attack, measured independently.
+
+The points are none that a fit or a choice has seen.  On them every answer is compared with the
+exact model; then the largest error is sought from the worst points, and a point that is called safe
+and tips is sought wherever the two come close.  Nothing here knows how a codec works.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from firmware_export.certify.answers import Device, Measured
+from firmware_export.certify.certificate import Certificate
+from firmware_export.certify.jumps import Jumps, find_jumps
+from firmware_export.certify.search import (
+    Found,
+    climb,
+    sdg_error,
+    starts,
+    witness,
+    worst_false_safe,
+)
+from firmware_export.quantity import ErrorBound
+from firmware_export.truth import Cells, biased, uniform, unit
+
+__all__ = ["POINTS", "SEED", "Certificate", "Effort", "certify", "statistics"]
+
+Floats = NDArray[np.float64]
+
+POINTS = 500_000
+# Fits and choices use seeds below 1000.
+SEED = 1001
+
+
+class Effort(NamedTuple):
+    """Points to climb from and starts for false safes, of each half of the sample; rounds."""
+
+    worst: int = 100
+    starts: int = 120
+    rounds: int = 40
+
+    @classmethod
+    def of(cls, points: int) -> "Effort":
+        """Return an effort in proportion to the sample, full for POINTS and above."""
+        share = min(1.0, points / POINTS)
+        return cls(*(max(15, round(share * most)) for most in cls()))
+
+
+def statistics(seen: Sequence[Measured], channel: str) -> dict[str, float]:
+    """Return max, p99 and rms of a channel's errors over points that stand and are said to.
+
+    Infinite for an answer that is no number, and where nothing that stands is said to.
+    """
+    error = np.concatenate([one.errors(channel) for one in seen])
+    if len(error) == 0:
+        none = math.inf if any(one.standing.any() for one in seen) else 0.0
+        return {"max": none, "p99": none, "rms": none}
+    error = np.nan_to_num(error, nan=math.inf, posinf=math.inf)
+    return {
+        "max": float(error.max()),
+        "p99": float(np.quantile(error, 0.99, method="higher")),
+        "rms": float(np.sqrt(np.mean(error * error))),
+    }
+
+
+def _channel(name: str, seen: Sequence[Measured], jumps: bool, climbed: float) -> dict[str, float]:
+    """Return the entry of a channel, see `Certificate`; seen[0] is the uniform half."""
+    entry = statistics(seen, name)
+    even = statistics(seen[:1], name)
+    entry["max"] = max(entry["max"], climbed)
+    entry |= {"p99_uniform": even["p99"], "rms_uniform": even["rms"]}
+    truth = np.concatenate([getattr(one.exact, name)[one.standing] for one in seen])
+    span = float(truth.max() - truth.min()) if len(truth) else 0.0
+    # What never changes has no range to take a percentage of.
+    scale = 100.0 / span if span > 0.0 else 0.0
+    entry |= {f"{key}_percent": value * scale for key, value in entry.items()}
+    entry["range"] = span
+    if jumps and name != "tip_angle":
+        for key in ("max", "max_percent"):
+            entry[key.replace("max", "largest_seen")] = entry.pop(key)
+    return entry
+
+
+def certify(
+    device: Device,
+    channels: Sequence[str],
+    cells: Cells | None = None,
+    bound: ErrorBound | None = None,
+    points: int = POINTS,
+    seed: int = SEED,
+    jumps: Jumps | None = None,
+    effort: Effort | None = None,
+) -> Certificate:
+    """Measure an export.
+
+    Parameters
+    ----------
+    device : Device
+        What answers.
+    channels : sequence of str
+        What it holds.
+    cells : Cells, optional
+        Knots of its table, in whose middles errors are largest.
+    bound : ErrorBound, optional
+        The largest error asked for, to count the points beyond it.
+    points : int
+        At least so many are compared, half of them uniform and half where tables err most.
+    seed : int
+        None that a fit or a choice has used.
+    jumps : Jumps, optional
+        What `find_jumps` said, if it was asked before.
+    effort : Effort, optional
+        Of the searches; in proportion to `points` by default.
+
+    Returns
+    -------
+    Certificate
+        With `false_safe` above 0 the export must not be used: see `refuse_false_safe`.
+    """
+    model = device.model
+    half = -(-points // 2)
+    effort = effort or Effort.of(points)
+    even = device.measure(uniform(model, half, seed))
+    seen = [even, device.measure(biased(model, half, seed, cells))]
+    found = jumps if jumps is not None else find_jumps(model, seed)
+    worst = climb_from_worst(device, seen, effort, seed) if "sdg" in channels else None
+    attack = worst_false_safe(device, seen, effort.starts, effort.rounds, seed)
+    climbed = float(worst.value.max(initial=0.0)) if worst is not None else 0.0
+    table = {
+        name: _channel(name, seen, found.found, climbed if name == "sdg" else 0.0)
+        for name in channels
+    }
+    searches = [search for search in (worst, attack) if search is not None]
+    wrong = sum(int(one.false_safe.sum()) for one in seen)
+    wrong += sum(search.false_safe for search in searches)
+    example = next((w for w in (witness(one) for one in seen) if w is not None), None)
+    example = example or next((s.witness for s in searches if s.witness is not None), None)
+    standing = int(even.standing.sum())
+    given_up = int((even.standing & ~even.answers.stands).sum()) / max(standing, 1)
+    beyond = None
+    if bound is not None and "sdg" in channels:
+        limit = bound.value * (table["sdg"]["range"] / 100.0 if bound.relative else 1.0)
+        error = even.errors("sdg")
+        beyond = float(np.mean(~(error <= limit))) if len(error) else 0.0
+    return Certificate(
+        points=sum(one.sample.points for one in seen),
+        standing=sum(int(one.standing.sum()) for one in seen),
+        channels=table,
+        false_safe=wrong,
+        given_up=given_up,
+        jumps=found.found,
+        beyond=beyond,
+        nearest=-float(attack.value.max(initial=-np.inf)),
+        searched=sum(search.points for search in searches),
+        seed=seed,
+        text=tuple(_sentences(model.recipe.length_unit, found, table, beyond, bound)),
+        witness=example,
+    )
+
+
+def climb_from_worst(device: Device, seen: Sequence[Measured], effort: Effort, seed: int) -> Found:
+    """Maximise the |SD_g| error from the worst points of a sample."""
+    begin = [starts(one, sdg_error(one), effort.worst) for one in seen]
+    params = np.concatenate([q for q, _ in begin])
+    gravity = unit(np.concatenate([g for _, g in begin]))
+    return climb(device, params, gravity, sdg_error, effort.rounds, seed)
+
+
+def _sentences(
+    unit: str,
+    jumps: Jumps,
+    table: dict[str, dict[str, float]],
+    beyond: float | None,
+    bound: ErrorBound | None,
+) -> list[str]:
+    """Return what people should know beside the numbers."""
+    if not jumps.found or "sdg" not in table:
+        return []
+    length = "" if unit == "1" else f" {unit}"
+    text = [
+        f"|SD_g| jumps where the support facet changes (by up to {jumps.height:.3g}{length} seen), "
+        "so its largest error has no bound: judge by p99.",
+    ]
+    if bound is not None and beyond is not None:
+        text.append(
+            f"The bound asked for, {bound}, is held to p99; {100.0 * beyond:.2g} % of the standing "
+            "configurations are beyond it."
+        )
+    return text

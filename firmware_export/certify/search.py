@@ -1,0 +1,226 @@
+"""Search for the points where an export is worst, from the worst that a sample has seen.
+
+A pattern search of random steps whose length adapts: it needs no derivative, and errors of tables
+have kinks everywhere.  Many starts are walked side by side.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from firmware_export.certify.answers import Device, Measured, Needs
+from firmware_export.truth import Sample, boundary, on_chart, unit
+
+__all__ = ["Found", "climb", "sdg_error", "worst_false_safe"]
+
+Floats = NDArray[np.float64]
+# (measured) -> what is maximised, (m, d); -inf where a point does not count.
+Value = Callable[[Measured], Floats]
+
+# Candidates for each start and round: postures, and directions of each.
+POSTURES, DIRECTIONS = 4, 6
+# First step, in shares of the box and in rad, and how it changes.
+FIRST_STEP, LONGER, SHORTER = 0.05, 1.5, 0.6
+# A shorter step moves no float32 query by more than its rounding: the walk has arrived.
+SHORTEST = 3e-8
+FINE_STEP = 0.005
+# Random directions that are tried to cross the boundary.
+TRIES = 24
+# Only this near (rad) to the tip-over boundary can a verdict be made wrong by moving along it.
+NEAR = 0.05
+
+
+class Found(NamedTuple):
+    """Where a search ended: params (s, k), gravity (s, 3), value (s,), and false safes it met."""
+
+    params: Floats
+    gravity: Floats
+    value: Floats
+    points: int
+    false_safe: int
+    witness: tuple[Floats, Floats, float, float] | None
+
+
+def sdg_error(measured: Measured) -> Floats:
+    """Return the error of |SD_g| where the robot stands and is said to, else -inf."""
+    error = np.abs(measured.answers.sdg - measured.exact.sdg)
+    counts = measured.standing & measured.answers.stands & np.isfinite(error)
+    return np.where(counts, error, -np.inf)
+
+
+def _near(tip_angle: Floats) -> NDArray[np.bool_]:
+    return np.asarray(np.abs(tip_angle) < NEAR)
+
+
+def _tips(tip_angle: Floats) -> NDArray[np.bool_]:
+    return np.asarray(tip_angle < 0.0)
+
+
+def _excess(measured: Measured) -> Floats:
+    """Return by how much the answered tip angle exceeds the true one, near the boundary."""
+    true, said = measured.exact.tip_angle, measured.answers.tip_angle
+    return np.where(_near(true), said - true, -np.inf)
+
+
+def _clearance(measured: Measured) -> Floats:
+    """Return the answered tip angle where the robot tips, -inf where it stands."""
+    tips = _tips(measured.exact.tip_angle)
+    return np.where(tips, measured.answers.tip_angle, -np.inf)
+
+
+def witness(measured: Measured) -> tuple[Floats, Floats, float, float] | None:
+    """Return params, gravity, answered and true tip angle of the worst false safe, if any."""
+    wrong = measured.false_safe
+    if not wrong.any():
+        return None
+    said = np.where(wrong, measured.answers.tip_angle, -np.inf)
+    m, d = np.unravel_index(int(said.argmax()), said.shape)
+    return (
+        measured.sample.params[m],
+        measured.sample.gravity[m, d],
+        float(said[m, d]),
+        float(measured.exact.tip_angle[m, d]),
+    )
+
+
+def climb(
+    device: Device,
+    params: Floats,
+    gravity: Floats,
+    value: Value,
+    rounds: int,
+    seed: int,
+    first_step: float = FIRST_STEP,
+    needs: Needs | None = None,
+) -> Found:
+    """Maximise a value by random steps from s starts, in the box and on the chart.
+
+    Parameters
+    ----------
+    params, gravity : (s, k) and (s, 3) float64
+        Starts.
+    value : callable
+        What is maximised.
+    rounds : int
+        Steps of each start; each tries POSTURES x DIRECTIONS points.
+    seed : int
+        Of the random steps.
+    first_step : float
+        Length of the first step, in shares of the box and in rad.
+    needs : callable, optional
+        Where the value is finite only there, the exact tip angles whose points need the export's
+        answer: others are not asked, unless the robot tips there, where no answer may be safe.
+
+    Returns
+    -------
+    Found
+        The best point of each start.
+    """
+    model, rng = device.model, np.random.default_rng([seed, 2])
+    s, k = params.shape
+    span = model.upper - model.lower
+    best_q, best_g = params.copy(), gravity.copy()
+    best = np.full(s, -np.inf)
+    if s == 0:
+        return Found(best_q, best_g, best, 0, 0, None)
+    step = np.full(s, first_step)
+    points = false_safe = 0
+    first = None
+    for _ in range(rounds):
+        # Half of the coordinates move; the first candidate keeps the posture, and its first
+        # direction is the point itself.  All starts draw, whether they still walk or not, so
+        # that no walk depends on another.
+        moves = rng.normal(size=(s, POSTURES, k)) * (rng.random((s, POSTURES, k)) < 0.5)
+        turn = rng.normal(size=(s, POSTURES, DIRECTIONS, 3))
+        walk = np.flatnonzero(step >= SHORTEST)
+        if len(walk) == 0:
+            break
+        moves, turn, stride = moves[walk], turn[walk], step[walk]
+        moves[:, 0] = 0.0
+        q = best_q[walk, None] + stride[:, None, None] * moves * span
+        q = np.clip(q, model.lower, model.upper)
+        turn *= stride[:, None, None, None]
+        turn[:, :, 0] = 0.0
+        g = unit(best_g[walk, None, None] + turn)
+        sample = Sample(q.reshape(len(walk) * POSTURES, k), g.reshape(-1, DIRECTIONS, 3))
+        measured = device.measure(sample, needs)
+        held = on_chart(model, sample.gravity)
+        found = np.where(held, value(measured), -np.inf).reshape(len(walk), -1)
+        points += sample.points
+        wrong = int(measured.false_safe.sum())
+        if wrong and first is None:
+            first = witness(measured)
+        false_safe += wrong
+        at, row = found.argmax(axis=1), np.arange(len(walk))
+        better = found[row, at] > best[walk]
+        gained = walk[better]
+        best[gained] = found[row, at][better]
+        best_q[gained] = q[row, at // DIRECTIONS][better]
+        best_g[gained] = g.reshape(len(walk), -1, 3)[row, at][better]
+        step[walk] = np.minimum(stride * np.where(better, LONGER, SHORTER), 0.3)
+    return Found(best_q, best_g, best, points, false_safe, first)
+
+
+def starts(measured: Measured, value: Floats, count: int) -> tuple[Floats, Floats]:
+    """Return the points of greatest value, one of each posture: params (s, k), gravity (s, 3)."""
+    at = value.argmax(axis=1)
+    best = value[np.arange(len(at)), at]
+    order = np.argsort(-best, kind="stable")[:count]
+    order = order[np.isfinite(best[order])]
+    return measured.sample.params[order], measured.sample.gravity[order, at[order]]
+
+
+def _just_outside(device: Device, params: Floats, gravity: Floats, seed: int) -> Floats:
+    """Return for each point a direction (s, 3) near it that only just tips.
+
+    The tip angle is the distance to the boundary, so half as much again in one of many random
+    directions crosses it.  A point from where none does is returned as it is.
+    """
+    model, rng = device.model, np.random.default_rng([seed, 3])
+    here = gravity[:, None]
+    reach = 1e-6 + 1.5 * np.abs(model.exact(params, here).tip_angle)[..., None]
+    turn = rng.normal(size=(len(params), TRIES, 3))
+    turn -= (turn * here).sum(axis=-1, keepdims=True) * here
+    tried = unit(here + reach * unit(turn))
+    tip = model.exact(params, tried).tip_angle
+    stands = model.exact(params, here).tip_angle >= 0.0
+    across = np.asarray((stands != (tip >= 0.0)) & on_chart(model, tried))
+    first = across.argmax(axis=1)
+    other = tried[np.arange(len(params)), first][:, None]
+    found = np.asarray(across.any(axis=1))[:, None, None]
+    inside = np.where(found & ~stands[..., None], other, here)
+    outside = np.where(found & stands[..., None], other, here)
+    _, tips = boundary(model, params, inside, outside)
+    return np.asarray(np.where(found, tips, here)[:, 0])
+
+
+def worst_false_safe(
+    device: Device, seen: list[Measured], starts_each: int, rounds: int, seed: int
+) -> Found:
+    """Search for a point that is said to stand where the robot tips.
+
+    It starts where the answer exceeds the truth most close to the boundary, and where the answer
+    is nearest to safe among points that tip.  First the excess is maximised, which has no edge at
+    the boundary to be held up by, then the answer itself on the side that tips.
+    """
+    begin = [
+        starts(measured, value(measured), starts_each)
+        for measured in seen
+        for value in (_excess, _clearance)
+    ]
+    q = np.concatenate([params for params, _ in begin])
+    g = unit(np.concatenate([gravity for _, gravity in begin]))
+    excess = climb(device, q, g, _excess, rounds, seed, needs=_near)
+    q = excess.params
+    g = _just_outside(device, q, excess.gravity, seed)
+    clearance = climb(device, q, g, _clearance, rounds, seed + 1, FINE_STEP, _tips)
+    return Found(
+        clearance.params,
+        clearance.gravity,
+        clearance.value,
+        excess.points + clearance.points,
+        excess.false_safe + clearance.false_safe,
+        excess.witness or clearance.witness,
+    )

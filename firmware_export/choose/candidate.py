@@ -1,0 +1,171 @@
+"""One possible export, encoded and measured on the chooser's own sample.
+
+Owns the sample by which candidates are compared: neither the fits nor the certificate use it, so
+that choosing the best of many does not flatter the certificate.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from firmware_export.certify import Measured, Truth, find_jumps, statistics, truth
+from firmware_export.codecs import codec, device
+from firmware_export.emit import Export, code_bytes, features, flash_bytes
+from firmware_export.truth import Model, biased, uniform
+from lutgen.errors import InputError
+
+__all__ = ["Bench", "Candidate"]
+
+SEED = 501
+POINTS = 15_000
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """An encoded export and what the chooser measured on it.
+
+    Parameters
+    ----------
+    export : Export
+        Without certificate.
+    bytes, total : int
+        Bytes of tables; and with descriptors and code as far as those are known.
+    errors : dict of str to float
+        Per length channel its error in percent of the range: the largest, or p99 where |SD_g|
+        jumps; for an export of the tip angle alone that of the tip angle.
+    given_up : float
+        Share of the standing uniform points that are called tipping.
+    false_safe : int
+        Points that are called safe and tip; any is a fault.
+    """
+
+    export: Export
+    bytes: int
+    total: int
+    errors: dict[str, float]
+    given_up: float
+    false_safe: int
+
+    @property
+    def label(self) -> str:
+        """Short text for tables."""
+        return str(self.export.tables.spec.label)
+
+    @property
+    def error(self) -> float:
+        """The greatest of `errors`, percent."""
+        return max(self.errors.values())
+
+    def row(self, chosen: bool) -> dict[str, Any]:
+        """Return the row of the table of candidates."""
+        return {
+            "codec": self.export.codec,
+            "label": self.label,
+            "bytes": self.bytes,
+            "total_bytes": self.total,
+            "error": next(iter(self.errors.values())),
+            "errors": self.errors,
+            "given_up": self.given_up,
+            "chosen": chosen,
+        }
+
+
+class Bench:
+    """Encodes and measures candidates, each once.
+
+    Parameters
+    ----------
+    model : Model
+        The robot.
+    name : str
+        Of the export.
+    channels : tuple of str
+        What it shall hold.
+    arithmetic : str
+        ``"float"`` or ``"integer"``.
+    """
+
+    def __init__(self, model: Model, name: str, channels: tuple[str, ...], arithmetic: str) -> None:
+        self.model, self.name = model, name
+        self.channels, self.arithmetic = channels, arithmetic
+        self.tried: dict[tuple[str, Any], Candidate | None] = {}
+        self.jumps = find_jumps(model, SEED)
+
+    @cached_property
+    def sample(self) -> list[Truth]:
+        """The sample: uniform points, then biased ones."""
+        integer = self.arithmetic == "integer"
+        return [
+            truth(self.model, points(self.model, POINTS, SEED), integer)
+            for points in (uniform, biased)
+        ]
+
+    @property
+    def bounded(self) -> tuple[str, ...]:
+        """The channels whose errors count: lengths, or the tip angle where there is no other."""
+        return tuple(c for c in self.channels if c != "tip_angle") or ("tip_angle",)
+
+    def range(self, channel: str) -> float:
+        """Return the range of a channel over the standing points of the sample."""
+        values = np.concatenate(
+            [getattr(t.exact, channel)[t.exact.tip_angle >= 0.0] for t in self.sample]
+        )
+        return float(values.max() - values.min()) if len(values) else 0.0
+
+    @cached_property
+    def ranges(self) -> dict[str, float]:
+        """The ranges of the channels that count."""
+        return {channel: self.range(channel) for channel in self.bounded}
+
+    def try_out(self, name: str, spec: Any) -> Candidate | None:
+        """Return a candidate, None for a size that the codec cannot encode."""
+        key = (name, spec)
+        if key not in self.tried:
+            try:
+                tables = codec(name).encode(self.model, self.channels, spec)
+            except InputError:
+                self.tried[key] = None
+            else:
+                self.tried[key] = self.assess(name, tables)
+        return self.tried[key]
+
+    def bytes_of(self, name: str, tables: Any) -> tuple[Export, int, int]:
+        """Return the export of tables, their bytes, and those with descriptors and code."""
+        export = Export(
+            self.name,
+            self.model.recipe,
+            self.model,
+            name,
+            self.arithmetic,
+            self.channels,
+            tables,
+        )
+        body = codec(name).c_body(tables)
+        on = features(name, self.arithmetic, self.model.k, self.model.faces, body)
+        export = replace(export, code_bytes=code_bytes(on))
+        size = flash_bytes(export, body)
+        parts = (size["tables"], size["descriptors"], size["code"])
+        return export, int(size["tables"]), sum(int(part) for part in parts if part is not None)
+
+    def assess(self, name: str, tables: Any) -> Candidate:
+        """Measure tables."""
+        export, size, total = self.bytes_of(name, tables)
+        asked = device(export)
+        seen = [asked.compare(known) for known in self.sample]
+        standing = seen[0].standing
+        return Candidate(
+            export,
+            size,
+            total,
+            {channel: self._error(seen, channel) for channel in self.bounded},
+            float((standing & ~seen[0].answers.stands).sum() / max(int(standing.sum()), 1)),
+            sum(int(one.false_safe.sum()) for one in seen),
+        )
+
+    def _error(self, seen: list[Measured], channel: str) -> float:
+        found = statistics(seen, channel)
+        kind = "p99" if self.jumps.found and channel != "tip_angle" else "max"
+        span = self.ranges[channel]
+        return 100.0 * found[kind] / span if span > 0.0 else 0.0

@@ -1,0 +1,277 @@
+"""The choice: which codec at which size meets a limit of flash, of error, or of both.
+
+Each codec's sizes are climbed from the smallest, one axis at a time, always where accuracy gains
+most for a byte; `choose_dear` does it for codecs that take long.  All that was tried is kept: it is
+the table that the choice is made from.
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import Any
+
+from firmware_export.choose.candidate import Bench, Candidate
+from firmware_export.choose.foresee import climb_dear
+from firmware_export.choose.goal import GIVEN_UP, Goal
+from firmware_export.codecs import codec
+from firmware_export.emit import code_bytes
+from lutgen.errors import ExportError
+
+__all__ = ["choose", "front"]
+
+# Bytes beyond which no size is tried when flash has no limit.
+LARGEST = 1 << 18
+# Encodings that may be spent on one bit width of a codec.
+ENCODINGS = {"contacts": 80, "poly": 40, "grid": 44}
+# Steps in a row that may fail to lower the score to this share of the best before a climb is given
+# up.  All axes of the contacts may grow at once, those of other codecs only one by one.
+PATIENCE, GAIN = {"contacts": 2}, {"contacts": 0.9}
+USUAL_PATIENCE, USUAL_GAIN = 3, 0.98
+# How much steeper than so far the error may fall from here on.
+OPTIMISM = 2.0
+# Sizes that are grown at once while the goal is far.
+MOST_STEPS = 4
+
+
+def choose(bench: Bench, names: Iterable[str], goal: Goal) -> Candidate:
+    """Return the best candidate of some codecs.
+
+    With `goal.percent` the smallest that is accurate enough; without it the most accurate that
+    fits.  Of each kind one that gives up at most GIVEN_UP of what stands goes before any other.
+
+    Raises
+    ------
+    ExportError
+        If nothing meets the goal; the message says what comes nearest.
+    """
+    for name in names:
+        climb_codec(bench, name, goal)
+    tried = [one for one in bench.tried.values() if one is not None and one.export.codec in names]
+    good = [one for one in tried if goal.holds(one) and goal.fits(one)]
+    if not good:
+        raise _refusal(bench, tried, goal)
+    generous = [one for one in good if one.given_up <= GIVEN_UP]
+    if not generous:
+        return min(good, key=lambda one: (one.given_up, one.total, one.label))
+    if goal.percent is None:
+        return min(generous, key=lambda one: (one.error, one.total, one.label))
+    return min(generous, key=lambda one: (one.total, one.error, one.label))
+
+
+def front(bench: Bench, chosen: Candidate) -> list[dict[str, Any]]:
+    """Return the rows of the table of candidates: of each codec those that none of it beats."""
+    rows = []
+    for one in bench.tried.values():
+        if one is None or not math.isfinite(one.error):
+            continue
+        rivals = (o for o in bench.tried.values() if o and o.export.codec == one.export.codec)
+        beaten = any(
+            o.total <= one.total
+            and o.error <= one.error
+            and (o.total, o.error) != (one.total, one.error)
+            for o in rivals
+        )
+        if one is chosen or not beaten:
+            rows.append(one.row(one is chosen))
+    return sorted(rows, key=lambda row: (row["total_bytes"], row["error"], row["label"]))
+
+
+def climb_codec(bench: Bench, name: str, goal: Goal) -> None:
+    """Try the sizes of a codec, each bit width in turn, until they meet the goal or cannot."""
+    dear = getattr(codec(name), "dear", None)
+    if dear is not None and dear(bench.model):
+        ceiling = _ceiling(bench, goal)
+        climb_dear(bench, name, goal, min(ceiling, goal.flash or ceiling))
+        return
+    starts = codec(name).start(bench.model, bench.channels, bench.arithmetic)
+    path: list[Candidate] = []
+    for spec in starts:
+        if path:
+            # Wider codes are worth trying only where narrow ones come to an end: from where the
+            # rounding of those began to count.
+            if goal.percent is not None and _met(bench, name, goal):
+                return
+            least = min(goal.score(one) for one in path)
+            knee = next(one for one in path if goal.score(one) <= 2.0 * least)
+            spec = replace(knee.export.tables.spec, bits=spec.bits)
+        path = _climb(bench, name, spec, goal) or path
+
+
+def _met(bench: Bench, name: str, goal: Goal) -> bool:
+    return any(
+        one is not None and key[0] == name and goal.holds(one) and one.given_up <= GIVEN_UP
+        for key, one in bench.tried.items()
+    )
+
+
+def _ceiling(bench: Bench, goal: Goal) -> int:
+    """Return the bytes beyond which a candidate is of no use."""
+    if goal.percent is None:
+        return goal.flash if goal.flash is not None else LARGEST
+    found = [
+        one.total
+        for one in bench.tried.values()
+        if one is not None and goal.holds(one) and one.given_up <= GIVEN_UP
+    ]
+    return min(found, default=LARGEST)
+
+
+def _climb(bench: Bench, name: str, spec: Any, goal: Goal) -> list[Candidate]:
+    """Climb from one size; return the candidates on the way."""
+    ceiling = _ceiling(bench, goal)
+    least = getattr(codec(name), "least_bytes", None)
+    if least is not None and least(spec) + (code_bytes(("SMAP_GRID",)) or 0) > ceiling:
+        return []  # what has been found is smaller than this can be
+    now = bench.try_out(name, spec)
+    if now is None:
+        return []
+    path, best, idle = [now], now, 0
+    gains: list[float] = []
+    budget = ENCODINGS.get(name, 40)
+    leap, fine = 1, False
+    patience, gain = PATIENCE.get(name, USUAL_PATIENCE), GAIN.get(name, USUAL_GAIN)
+    while idle < patience and budget > 0:
+        if goal.percent is not None and goal.score(now) <= 1.0 and goal.holds(now):
+            if leap == 1 or fine:
+                break
+            # A leap went past the smallest that will do: from before it step by step.
+            now, fine = path[-2], True
+        if now.total > ceiling or _hopeless(path, goal, ceiling, bench):
+            break
+        leap = 1 if fine else _leap(goal.score(now))
+        options = _larger(bench, name, now.export.tables.spec, leap)
+        if not options:
+            break
+        if math.isinf(goal.score(now)):
+            # Nothing is answered yet, so nothing can be compared: the largest step.
+            options, gains = options[-1:], []
+        step, gains, spent = _step(bench, name, now, options, gains, goal, ceiling)
+        budget -= max(spent, 1)
+        if step is None:
+            break
+        now = step
+        path.append(now)
+        if math.isfinite(goal.score(now)):
+            # Small steps may add up: they are compared with the last that was large enough.
+            idle += 1
+            if goal.score(now) < gain * goal.score(best):
+                best, idle = now, 0
+    return path
+
+
+def _leap(score: float) -> int:
+    """Return how many sizes to grow at once: errors fall with the square of the nodes."""
+    return MOST_STEPS if math.isinf(score) else max(1, min(MOST_STEPS, int(math.log2(score) / 2.0)))
+
+
+def _larger(bench: Bench, name: str, spec: Any, leap: int) -> list[Any]:
+    """Return the larger sizes: each of the codec's ways to grow, `leap` times over."""
+    grow, result = codec(name).grow, []
+    for way in range(len(grow(bench.model, spec))):
+        grown = spec
+        for _ in range(leap):
+            ways = grow(bench.model, grown)
+            if way >= len(ways):
+                break
+            grown = ways[way]
+        result.append(grown)
+    return result
+
+
+def _step(
+    bench: Bench,
+    name: str,
+    now: Candidate,
+    options: list[Any],
+    gains: list[float],
+    goal: Goal,
+    ceiling: int,
+) -> tuple[Candidate | None, list[float], int]:
+    """Return the option that gains most for a byte, the gains known now, and encodings spent.
+
+    Lazily: the gains of the step before are upper bounds as good as any, so the option that was
+    best then is encoded first, and taken if it is still better than the others were.
+    """
+    fresh: dict[int, Candidate | None] = {}
+    known = list(gains) if len(gains) == len(options) else [math.inf] * len(options)
+    spent = 0
+    while True:
+        at = max(range(len(options)), key=lambda i: (known[i], -i))
+        if at in fresh:
+            break
+        spent += (name, options[at]) not in bench.tried
+        fresh[at] = bench.try_out(name, options[at])
+        known[at] = _gain(now, fresh[at], goal, ceiling)
+    step = fresh[at] if known[at] > -math.inf else None
+    return step, known, spent
+
+
+def _gain(now: Candidate, then: Candidate | None, goal: Goal, ceiling: int) -> float:
+    """Return the fall of the score's logarithm for a byte; -inf for what cannot be taken."""
+    if then is None or then.total > ceiling:
+        return -math.inf
+    before, after = goal.score(now), goal.score(then)
+    if not math.isfinite(after):
+        return 0.0 if not math.isfinite(before) else -math.inf
+    if not math.isfinite(before):
+        return 1e9
+    fall = math.log(max(before, 1e-12)) - math.log(max(after, 1e-12))
+    return fall / max(then.total - now.total, 1)
+
+
+def _hopeless(path: list[Candidate], goal: Goal, ceiling: int, bench: Bench) -> bool:
+    """Whether even a far steeper fall of the error than of late would come too late."""
+    first, now = path[max(0, len(path) - 4)], path[-1]
+    if len(path) < 5 or not (math.isfinite(goal.score(first)) and now.bytes > first.bytes):
+        return False
+    fall = math.log(max(goal.score(first), 1e-12) / max(goal.score(now), 1e-12))
+    power = OPTIMISM * max(fall, 0.0) / math.log(now.bytes / first.bytes)
+    room = max(ceiling - (now.total - now.bytes), now.bytes)
+    reach = float(goal.score(now) * (now.bytes / room) ** power)
+    if goal.percent is not None:
+        return reach > 1.0
+    rivals = (one for one in bench.tried.values() if one is not None and goal.fits(one))
+    return reach > min((goal.score(one) for one in rivals), default=math.inf)
+
+
+def _refusal(bench: Bench, tried: list[Candidate], goal: Goal) -> ExportError:
+    """Return the error that says what comes nearest to a goal that nothing meets."""
+    where = bench.model.recipe.source
+    faults = [one for one in tried if one.false_safe]
+    usable = [one for one in tried if one.false_safe == 0 and math.isfinite(one.error)]
+    if faults and not usable:
+        return ExportError(
+            f"{where}: every candidate calls some point safe where the robot tips (got "
+            f"{faults[0].false_safe} points for {faults[0].label}); this is a fault of the codec's "
+            "guard: choose another with --codec and report it."
+        )
+    if not usable:
+        return ExportError(
+            f"{where}: no codec could encode the robot (got {len(tried)} candidates without an "
+            "answer); ask for another codec."
+        )
+    asked = []
+    if goal.flash is not None:
+        asked.append(f"{goal.flash:,} bytes of flash")
+    if goal.percent is not None:
+        asked.append(f"an error of {goal.percent:.3g} % of the range")
+    nearest = []
+    fitting = [one for one in usable if goal.fits(one)]
+    smallest = min(usable, key=lambda one: one.total)
+    if fitting:
+        one = min(fitting, key=lambda one: one.error)
+        estimate = one.error * goal.margin
+        nearest.append(f"{estimate:.3g} % in {one.total:,} bytes ({one.label})")
+    else:
+        nearest.append(f"{smallest.total:,} bytes is the smallest there is ({smallest.label})")
+    accurate = [one for one in usable if goal.holds(one)]
+    if goal.percent is not None and accurate:
+        one = min(accurate, key=lambda one: one.total)
+        nearest.append(f"{one.total:,} bytes are needed for that error ({one.label})")
+    notes = getattr(smallest.export.tables, "notes", ())
+    if goal.percent is not None and bench.bounded == ("tip_angle",) and notes:
+        nearest.append("only the sign of its tip angle is bounded: ask for a size of flash alone")
+    return ExportError(
+        f"{where}: no export meets what is asked for (got {' and '.join(asked)}); the nearest that "
+        f"can be had: {'; '.join(nearest)}."
+    )

@@ -1,0 +1,4 @@
+"""Codec `contacts`: the positions of the contacts, from which the runtime finds everything.
+
+In reading order: `modes`, `fit`, `guard`, `planes`, `facets`, `read`, `codec`.
+"""

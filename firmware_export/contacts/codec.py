@@ -1,0 +1,284 @@
+"""Codec `contacts`: tables of the contacts' positions, everything else computed when it is read.
+
+The facade that the chooser and the emitter use; the parts are `contacts_modes` (what depends on
+what), `contacts_fit` (codes), `contacts_guard` (the bound) and `contacts_read` (the twin).
+"""
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+from firmware_export.contacts.fit import Codes, encode_codes
+from firmware_export.contacts.guard import Geometry, contacts_guard
+from firmware_export.contacts.modes import DENSE, Separation, separate
+from firmware_export.contacts.read import Posture, read_contacts
+from firmware_export.emit import CArray, CBody, literal
+from firmware_export.truth import Model
+from lutgen.errors import InputError
+from lutgen.support import limits
+
+__all__ = ["Spec", "Tables", "c_body", "encode", "grow", "read", "refusal", "start"]
+
+MOST_NODES = 255
+TOLERANCE = 1e-6
+"""Lengths that differ by less than this part of the robot's size are equal to the runtime.
+
+Ten times its rounding.  Contacts on one plane by design have equal codes and stay on one plane.
+"""
+
+
+@dataclass(frozen=True)
+class Spec:
+    """Nodes per parameter (2 for one that nothing depends on) and bits of the modes' codes."""
+
+    nodes: tuple[int, ...]
+    bits: int
+
+    @property
+    def label(self) -> str:
+        """Short text for tables."""
+        return f"contacts i{self.bits} {'+'.join(map(str, self.nodes)) or 'rigid'}"
+
+
+@dataclass(frozen=True, eq=False)
+class Tables:
+    """What is stored, and the numbers beside it in the descriptor."""
+
+    spec: Spec
+    channels: tuple[str, ...]
+    codes: Codes
+    guard: float
+    guard_text: str
+    steepest: float
+    lowest: float
+    least_cosine: float
+    tolerance: float
+    many: bool
+
+    @property
+    def bytes(self) -> int:
+        """Bytes of all tables."""
+        return self.codes.bytes
+
+    @property
+    def guard_grows(self) -> bool:
+        """Whether the guard leaves narrow facets to the certificate, see `contacts_guard`."""
+        return self.many
+
+    @cached_property
+    def posture(self) -> Posture:
+        """The tables as the twin takes them."""
+        codes = self.codes
+        return Posture(
+            codes.shape,
+            codes.modes.astype(np.int16),
+            codes.products,
+            codes.entries,
+            codes.weights,
+            codes.radii,
+            codes.hinges,
+            np.float32(codes.length),
+            np.float32(codes.unit),
+            np.float32(self.steepest),
+            np.float32(self.lowest),
+            np.float32(self.least_cosine),
+            np.float32(self.tolerance),
+            len(codes.position_error),
+            codes.axes,
+            self.many,
+        )
+
+
+@dataclass(eq=False)
+class _Probe:
+    """What is found out about a model once."""
+
+    model: Model
+    separation: Separation
+    geometry: Geometry = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.geometry = Geometry(self.model, self.separation)
+
+
+_PROBES: "WeakKeyDictionary[Model, _Probe | str]" = WeakKeyDictionary()
+
+
+def _probe(model: Model) -> "_Probe | str":
+    if model not in _PROBES:
+        try:
+            _PROBES[model] = _Probe(model, separate(model))
+        except InputError as error:
+            _PROBES[model] = str(error)
+    return _PROBES[model]
+
+
+def _known(model: Model) -> _Probe:
+    probe = _probe(model)
+    if isinstance(probe, str):
+        raise InputError(probe)
+    return probe
+
+
+def refusal(model: Model, arithmetic: str) -> str | None:
+    """Return why the codec cannot be used, or None."""
+    if arithmetic != "float":
+        return "codec contacts needs floating point (square roots and divisions); use --codec grid"
+    probe = _probe(model)
+    return probe if isinstance(probe, str) else None
+
+
+def start(model: Model, channels: tuple[str, ...], arithmetic: str) -> list[Spec]:
+    """Return the smallest sensible tables, once with codes of 8 bits and once of 16."""
+    nodes = tuple(_fewest(modes) for modes in _known(model).separation.modes)
+    return [Spec(nodes, bits) for bits in ((8, 16) if any(n > 2 for n in nodes) else (16,))]
+
+
+def _fewest(modes: NDArray[np.float64]) -> int:
+    """Return the nodes at which the modes are about a twentieth of their range off; 2 at least.
+
+    The best piecewise linear function is off by curvature x spacing^2 / 16.
+    """
+    if not len(modes):
+        return 2
+    curvature = float(np.abs(np.diff(modes, 2, axis=1)).max()) * (DENSE - 1) ** 2
+    return max(3, min(MOST_NODES, 1 + math.floor(math.sqrt(curvature / 16.0 / 0.05))))
+
+
+def grow(model: Model, spec: Spec) -> list[Spec]:
+    """Return the next larger tables: a quarter more nodes along one parameter, or all of them."""
+    larger = tuple(
+        nodes if nodes == 2 else min(MOST_NODES, nodes + max(1, nodes // 4)) for nodes in spec.nodes
+    )
+    found = [
+        Spec((*spec.nodes[:p], larger[p], *spec.nodes[p + 1 :]), spec.bits)
+        for p in range(len(larger))
+        if larger[p] != spec.nodes[p]
+    ]
+    if len(found) > 1:
+        found.append(Spec(larger, spec.bits))
+    return found
+
+
+def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
+    """Fit the tables of one specification."""
+    probe = _known(model)
+    many = not model.single_facet
+    try:
+        codes = encode_codes(
+            probe.separation, spec.nodes, spec.bits, model.radius, model.kind, many
+        )
+    except OverflowError as error:
+        raise InputError(
+            f"{model.recipe.source}: the contacts need {error} functions of the parameters, the "
+            "runtime has room for 64; use --codec grid"
+        ) from error
+    tolerance = TOLERANCE * probe.geometry.size
+    guard = contacts_guard(model, probe.geometry, codes, tolerance)
+    upright = model.recipe.upright
+    steepest, least_cosine, *_ = limits(
+        upright if upright >= math.pi else upright - guard.tighter,
+        max(model.recipe.rock_angle - guard.tighter, 0.0),
+    )
+    return Tables(
+        spec=spec,
+        channels=channels,
+        codes=codes,
+        guard=guard.angle,
+        guard_text=guard.text,
+        steepest=steepest,
+        lowest=guard.lowest,
+        least_cosine=least_cosine,
+        tolerance=tolerance,
+        many=many,
+    )
+
+
+def read(
+    tables: Tables,
+    t: NDArray[np.float32],
+    gravity: NDArray[np.float32],
+) -> NDArray[np.float32]:
+    """Return (m, 3) sdg, tip_angle before the guard, height: bit for bit as the C function.
+
+    Parameters
+    ----------
+    t : (m, k) float32
+        Parameters over their axes, 0 to 1.
+    gravity : (m, 3) float32
+        Directions with 1 along the normal of their face.
+    """
+    out = np.empty((len(t), 3), np.float32)
+    read_contacts(tables.posture, t, gravity, out)
+    return out
+
+
+def c_body(tables: Tables) -> CBody:
+    """Return the tables for the emitter."""
+    codes = tables.codes
+    wide = codes.modes.dtype == np.int16
+    arrays = []
+    if codes.shape.size:
+        arrays.append(
+            CArray("shape", "uint8_t", codes.shape, "per parameter: modes, nodes of each")
+        )
+    if codes.modes.size:
+        arrays.append(
+            CArray(
+                "modes",
+                "int16_t" if wide else "int8_t",
+                codes.modes,
+                "modes: functions of one parameter, node by node",
+            )
+        )
+    if codes.products.size:
+        arrays.append(CArray("products", "uint8_t", codes.products, "pairs of entries"))
+    arrays.append(
+        CArray(
+            "entries", "uint8_t", codes.entries, "per term: coordinates to go on (2 bits), entry"
+        )
+    )
+    arrays.append(CArray("weights", "int16_t", codes.weights, "per term: its weight"))
+    if codes.radii.size:
+        arrays.append(CArray("radii", "int16_t", codes.radii, "per contact: its radius"))
+        arrays.append(CArray("hinges", "uint8_t", codes.hinges, "per contact: its axis"))
+    names = {array.name for array in arrays}
+
+    def number(value: float) -> str:
+        return literal(value, "float")
+
+    fields = (
+        ("shape", "@shape" if "shape" in names else "0"),
+        ("codes8", "@modes" if "modes" in names and not wide else "0"),
+        ("codes16", "@modes" if "modes" in names and wide else "0"),
+        ("products", "@products" if "products" in names else "0"),
+        ("entries", "@entries"),
+        ("weights", "@weights"),
+        ("radii", "@radii" if "radii" in names else "0"),
+        ("hinges", "@hinges" if "hinges" in names else "0"),
+        ("length", number(codes.length)),
+        ("unit", number(codes.unit)),
+        ("steepest", number(tables.steepest)),
+        ("lowest", number(tables.lowest)),
+        ("least_cosine", number(tables.least_cosine)),
+        ("tolerance", number(tables.tolerance)),
+        ("contacts", str(len(codes.position_error))),
+        ("axes", str(codes.axes)),
+        ("product_count", str(len(codes.products))),
+        ("terms", str(len(codes.entries))),
+    )
+    contacts = len(codes.position_error)
+    modes = sum(int(row[0]) for row in codes.shape)
+    config = (
+        ("SMAP_CONTACTS_MANY", int(tables.many)),
+        ("SMAP_MODES", 16 if wide else 8),
+        ("SMAP_PRODUCTS", int(len(codes.products) > 0)),
+        ("SMAP_MAX_CONTACTS", contacts),
+        ("SMAP_MAX_HINGES", max(codes.axes, 1)),
+        ("SMAP_MAX_ENTRIES", 1 + modes + len(codes.products)),
+    )
+    return CBody("smap_contacts_t", fields, tuple(arrays), config)

@@ -1,0 +1,287 @@
+"""Guard of the `contacts` codec: how far its verdict can be off, from geometry alone.
+
+A direction g on the boundary of the real standing region points at a point x of the segment between
+two contact points (i, j), at the distance |x| >= d from the com.  The stored tip-over plane, unit
+normal m', contains the same combination of the stored contacts, so the stored clearance of g is at
+most asin(max |m' . e| / d) with e the errors of the two contacts.  That is computed with the real
+plane's normal m over a lattice of postures; between its places the errors drift (bounded slope
+times half a step), the planes turn (speed / d) and m' is not m (at most 2 |e| / d apart).  A disc's
+contact point also moves along its rim when the facet's normal turns in its rolling direction: by at
+most 2 |e| over the facet's extent in that direction, and the same again for a skewed facet.  The
+runtime merges what lies within its tolerance of a plane; a rim of radius r stays as near to it over
+sqrt(2 r tolerance).
+
+A robot of many parameters has few places along each: random postures join its lattice, so that the
+least width and extent of a facet are not those of the box's corners alone.
+
+The least distance d is that over the lattice less what an edge moves between its places.  Where
+that is little, as it is with few places along each parameter, the runtime refuses
+facets to which the com is nearer than `lowest`: their edges are then that far away, and so is a
+chord of a rolling rim but for its sag.
+
+The com may lie anywhere within `com_uncertainty` rho of the computed one: that turns the plane of
+an axis at the distance d by at most asin(rho / d), and the least d of all is counted everywhere.
+The runtime refuses facets that may lie less than rho below the com.
+
+The limits `upright` and `rock_angle` compare facet normals, which the same error turns.  The
+runtime gets both limits tightened by twice 2 |e| over the facet's width.  Facets narrower than a
+twentieth of the robot, whose normals mean little, are left out.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from firmware_export.contacts.fit import Codes
+from firmware_export.contacts.modes import DENSE, Separation, evaluate
+from firmware_export.truth import Model
+from lutgen.jit import njit, prange
+from lutgen.support import (
+    FACETS,
+    FIRST,
+    HEIGHT,
+    PLANE,
+    POINT,
+    SEGMENTS,
+    START,
+    STOP,
+    TIP_PLANE,
+    Limit,
+    empty_region,
+    facet_table,
+    find_facets,
+    find_region,
+    limits,
+    pack,
+    robot_size,
+    vector_at,
+)
+from lutgen.vector import Floats, cross, dot, length, subtract
+
+POSTURES = 20_000
+# With fewer places than this along each parameter as many random postures as RANDOM join them.
+FEW_PLACES, RANDOM = 16, 4000
+# Postures that are measured at once: bounds the memory, 14 kB of segments for each contact.
+AT_ONCE = 256
+NARROW = 0.05
+# Postures and directions of each that are looked at for the heights at which the robot stands, and
+# the share of them that may be refused.
+SEEN, SEEN_DIRECTIONS, RARE = 2000, 16, 0.0005
+HEADROOM = 0.97
+ROUNDING = 4e-6
+"""rad; float32 rounding of a direction, of the chart's rim and of the arcsine."""
+
+
+class Guard(NamedTuple):
+    """What the runtime needs to be never falsely safe.
+
+    The guard (rad), by how much limits are tightened (rad), the height of the com above a facet
+    from which on it is accepted (length), and a sentence about them.
+    """
+
+    angle: float
+    tighter: float
+    lowest: float
+    text: str
+
+
+@njit()
+def _measure(shapes: Floats, limit: Limit, narrow: float, out: Floats, segments: Floats) -> None:
+    """Write what the guard needs of one posture.
+
+    To `out`: the least distance of a boundary segment; the least width of a facet; the number of
+    segments; the least extent of a facet along the rolling direction of a disc; the least height
+    of the com above a facet.  To rows of `segments`: the normal of the tip-over plane, the
+    segment's distance, its two contacts.
+    """
+    n = shapes.shape[0]
+    table, region = facet_table(n), empty_region(n)
+    find_facets(table, shapes, limit[2])
+    find_region(region, table, limit, robot_size(shapes))
+    nearest = narrowest = shortest = lowest = math.inf
+    for k in range(region.tally[FACETS]):
+        begin, end = region.span[k, FIRST], region.span[k + 1, FIRST]
+        normal = vector_at(region.plate, k, PLANE)
+        lowest = min(lowest, region.plate[k, HEIGHT])
+        width = math.inf
+        for i in range(n):
+            hinge = (shapes[i, 3], shapes[i, 4], shapes[i, 5])
+            track = cross(hinge, normal)
+            size = length(track)
+            if size > 0.0:
+                low, high = math.inf, -math.inf
+                for e in range(begin, end):
+                    ahead = dot(vector_at(region.edge, e, POINT), track) / size
+                    low, high = min(low, ahead), max(high, ahead)
+                if high - low > narrow:
+                    shortest = min(shortest, high - low)
+        for e in range(begin, end):
+            start = vector_at(region.edge, e, POINT)
+            along = subtract(vector_at(region.edge, e + 1 if e + 1 < end else begin, POINT), start)
+            size = length(along)
+            furthest = 0.0
+            for other in range(begin, end):
+                arm = subtract(vector_at(region.edge, other, POINT), start)
+                if size > 0.0:
+                    furthest = max(furthest, length(cross(arm, along)) / size)
+            width = min(width, furthest)
+        if width > narrow:
+            narrowest = min(narrowest, width)
+    for b in range(region.tally[SEGMENTS]):
+        start = vector_at(region.segment, b, START)
+        along = subtract(vector_at(region.segment, b, STOP), start)
+        size = dot(along, along)
+        part = min(max(-dot(start, along) / size, 0.0), 1.0) if size > 0.0 else 0.0
+        distance = length(
+            (
+                start[0] + part * along[0],
+                start[1] + part * along[1],
+                start[2] + part * along[2],
+            )
+        )
+        nearest = min(nearest, distance)
+        for i in range(3):
+            segments[b, i] = region.segment[b, TIP_PLANE + i]
+        segments[b, 3] = distance
+        segments[b, 4], segments[b, 5] = region.contacts[b, 0], region.contacts[b, 1]
+    out[0], out[1], out[2] = nearest, narrowest, region.tally[SEGMENTS]
+    out[3], out[4] = shortest, lowest
+
+
+@njit(parallel=True)
+def _measure_all(
+    shapes: Floats, limit: Limit, narrow: float, out: Floats, segments: Floats
+) -> None:
+    for posture in prange(shapes.shape[0]):
+        _measure(shapes[posture], limit, narrow, out[posture], segments[posture])
+
+
+class Geometry:
+    """A model over a lattice of postures; what does not depend on the tables is measured once."""
+
+    def __init__(self, model: Model, separation: Separation) -> None:
+        # The search for facets of many contacts takes 30 times as long as that of three points.
+        postures = POSTURES if model.single_facet else POSTURES // 4
+        per_axis = max(2, math.floor(postures ** (1.0 / max(model.k, 1))))
+        per_axis = min(per_axis, DENSE)
+        self.step = 1.0 / (per_axis - 1) + 1.0 / (DENSE - 1)
+        knots = np.rint(np.linspace(0, DENSE - 1, per_axis)).astype(np.int64)
+        axes = np.meshgrid(*[knots] * model.k, indexing="ij")
+        self.places = (
+            np.stack(axes, axis=-1).reshape(-1, model.k) if axes else np.zeros((1, 0), int)
+        )
+        if per_axis < FEW_PLACES and model.k > 0:
+            # A lattice of two or three places per axis sees corners and next to nothing between.
+            random = np.random.default_rng(1).integers(0, DENSE, (RANDOM, model.k))
+            self.places = np.concatenate([self.places, random])
+        self.model = model
+        self.exact = evaluate(separation, self.places)
+        where = model.postures(
+            model.lower + (model.upper - model.lower) * (self.places / (DENSE - 1))
+        )
+        self.shapes = pack(where.centres, where.axes, model.radius, model.kind)
+        reach = float(np.sqrt((where.centres**2).sum(axis=2)).max())
+        self.size = reach + float(model.radius.max(initial=0.0))
+        found = self._measured()
+        self.nearest, self.narrowest = float(found[:, 0].min()), float(found[:, 1].min())
+        self.lowest = float(found[:, 4].min())
+        self.shortest = min(float(found[:, 3].min()), self.size)
+        self.low = self._low()
+        if (model.kind == 1).any():  # spheres roll any way
+            self.shortest = min(self.shortest, self.narrowest)
+
+    def _low(self) -> float:
+        """Return a height that next to nothing of what stands on the chart falls below."""
+        model, rng = self.model, np.random.default_rng(0)
+        t = rng.random((SEEN, model.k))
+        params = model.lower + (model.upper - model.lower) * t
+        face = rng.integers(0, model.faces, (SEEN, SEEN_DIRECTIONS))
+        u, v = rng.uniform(-model.chart_limit, model.chart_limit, (2, *face.shape))
+        seen = model.exact(params, model.uv_to_gravity(face, u, v))
+        heights = seen.height[seen.tip_angle >= 0.0]
+        return HEADROOM * float(np.quantile(heights, RARE)) if heights.size else 0.0
+
+    def _measured(self) -> Floats:
+        """Return rows of `_measure` and keep the boundary's segments, which no table changes."""
+        recipe, shapes = self.model.recipe, self.shapes
+        limit = limits(recipe.upright, recipe.rock_angle)
+        out = np.empty((len(shapes), 5))
+        room = np.empty((AT_ONCE, len(empty_region(shapes.shape[1]).segment), 6))
+        kept, of = [np.empty((0, 6))], [np.empty(0, np.intp)]
+        for begin in range(0, len(shapes), AT_ONCE):
+            some = slice(begin, min(begin + AT_ONCE, len(shapes)))
+            _measure_all(shapes[some], limit, NARROW * self.size, out[some], room)
+            count = out[some, 2].astype(np.intp)
+            here = np.arange(room.shape[1]) < count[:, None]
+            kept.append(room[: len(count)][here])
+            of.append(np.repeat(np.arange(begin, begin + len(count)), count))
+        self._segments, self._posture = np.concatenate(kept), np.concatenate(of)
+        return out
+
+    def across(self, stored: Separation, floor: float) -> tuple[float, float]:
+        """Return the largest error across a tip-over plane over its distance, and of an axis.
+
+        The distance counts as `floor` at least.
+        """
+        n = len(self.model.kind)
+        apart = evaluate(stored, self.places) - self.exact
+        error = apart[:, : 3 * n].reshape(-1, n, 3)
+        hinge = np.sqrt((apart[:, 3 * n :].reshape(len(apart), -1, 3) ** 2).sum(axis=2))
+        normal, distance = self._segments[:, :3], np.maximum(self._segments[:, 3], floor)
+        ends = self._segments[:, 4:].astype(np.intp)
+        worst = [
+            np.abs((error[self._posture, end] * normal).sum(axis=1)) / distance for end in ends.T
+        ]
+        return float(np.max(worst, initial=0.0)), float(hinge.max(initial=0.0))
+
+
+def contacts_guard(model: Model, geometry: Geometry, codes: Codes, merged: float) -> Guard:
+    """Return the guard of tables.
+
+    `merged` is the distance from a facet's plane within which the runtime takes a contact to touch.
+
+    A robot that stands in no posture of the lattice, or whose com may reach one of its edges, gets
+    the guard pi: nothing is then called safe.
+    """
+    delta = float(codes.position_error.max())
+    half = geometry.step / 2.0
+    moved = float(codes.speed.sum(axis=0).max(initial=0.0)) * half
+    largest = float(model.radius.max(initial=0.0))
+    nearest, lowest = geometry.nearest - moved, merged
+    sag = largest * (1.0 - math.cos(model.recipe.rock_angle / 2.0))
+    if not nearest >= geometry.low - sag - delta:
+        nearest, lowest = geometry.low - sag - delta, geometry.low
+    if not math.isfinite(nearest) or nearest <= 2.0 * delta:
+        text = "the com may reach an edge of its support: nothing is safe"
+        return Guard(math.pi, 0.0, merged, text)
+    rho = model.recipe.com_uncertainty
+    if rho > 0.0 and nearest <= rho + 2.0 * delta:
+        text = "the uncertain com may reach an edge of its support: nothing is safe"
+        return Guard(math.pi, 0.0, lowest, text)
+    if rho > 0.0 and geometry.lowest - moved <= rho + 2.0 * delta:
+        # Then the runtime itself must tell which facets are below every com of the ball.
+        lowest = max(lowest, rho + 2.0 * delta)
+    across, hinge = geometry.across(codes.stored, nearest)
+    turned = (2.0 * delta + merged) / min(geometry.narrowest, geometry.size)
+    rolled = 4.0 * delta / geometry.shortest + 2.0 * hinge
+    round_part = largest * rolled + math.sqrt(2.0 * largest * merged)
+    between = codes.drift * half + delta * (moved + 2.0 * delta) / nearest
+    sine = min(across + between / nearest, delta / nearest) + round_part / nearest
+    angle = math.asin(min(sine, 1.0)) + ROUNDING
+    swayed = math.asin(min(rho / nearest, 1.0))
+    angle += swayed
+    tighter = min(2.0 * turned, math.radians(5.0))
+    unit = model.recipe.length_unit
+    named = "" if unit == "1" else f" {unit}"
+    text = (
+        f"stored contacts lie within {delta:.3g}{named} of the real ones and move a tip-over plane "
+        f"by at most {math.degrees(angle):.3g} deg, {nearest:.4g}{named} being the least distance "
+        f"of an edge from the com; limits of normals are tightened by {math.degrees(tighter):.3g} "
+        "deg"
+    )
+    if lowest > merged:
+        text += f"; facets to which the com is nearer than {lowest:.4g}{named} are refused"
+    if rho > 0.0:
+        text += f"; the com's ball of {rho:.4g}{named} takes {math.degrees(swayed):.3g} deg of it"
+    return Guard(angle, tighter, lowest, text)

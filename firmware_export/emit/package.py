@@ -1,0 +1,176 @@
+"""The export folder: all its files, written whole or not at all.
+
+Owns what a folder holds and when it may be replaced; the contents come from the emitters.
+"""
+
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from firmware_export.emit import report as reports
+from firmware_export.emit.config import config_text, runtime_file
+from firmware_export.emit.example import example_text
+from firmware_export.emit.export import Export
+from firmware_export.emit.figure import draw_pareto
+from firmware_export.emit.header import header_text
+from firmware_export.emit.names import check_name
+from firmware_export.emit.page import page
+from firmware_export.emit.project_files import cmake_lists, library_json, library_properties
+from firmware_export.emit.source import body_of, source_text
+from lutgen.errors import ExportError, InputError
+
+__all__ = ["check_directory", "contents", "write"]
+
+# Names of our own unfinished work, which a power cut may leave behind.
+_STAGE = ".lutgen-export-"
+
+
+def contents(export: Export) -> tuple[dict[str, bytes], dict[str, Any]]:
+    """Return the files of an export folder by name, and the content of its report."""
+    name = check_name(export.name)
+    body = body_of(export)
+    jumps = bool((export.certificate or {}).get("jumps"))
+    picture = draw_pareto(export.pareto or [], "99th percentile of the" if jumps else "largest")
+    names = [f"{name}.h", f"{name}.c", "smap.h", "smap.c", "smap_config.h", "example.c"]
+    names += ["CMakeLists.txt", "library.json", "library.properties"]
+    names += [f"{name}{reports.SUFFIX}", f"{name}_report.md"]
+    names += [f"{name}_pareto.png"] if picture else []
+    content = reports.report(export, body, names)
+    texts = {
+        f"{name}.h": header_text(export, body),
+        f"{name}.c": source_text(export, body),
+        "smap.h": runtime_file("smap.h"),
+        "smap.c": runtime_file("smap.c"),
+        "smap_config.h": config_text(export, body),
+        "example.c": example_text(export, body),
+        "CMakeLists.txt": cmake_lists(export),
+        "library.json": library_json(export),
+        "library.properties": library_properties(export),
+        f"{name}{reports.SUFFIX}": reports.json_text(content),
+        f"{name}_report.md": page(export, body, content, f"{name}_pareto.png" if picture else None),
+    }
+    files = {key: text.encode("utf-8") for key, text in texts.items()}
+    if picture:
+        files[f"{name}_pareto.png"] = picture
+    return files, content
+
+
+def _ours(directory: Path) -> set[str]:
+    """Return the names that an earlier export into a folder left there."""
+    names: set[str] = set()
+    for path in reports.find(directory):
+        try:
+            names |= {str(name) for name in reports.load_file(path)["files"]} | {path.name}
+        except InputError:
+            continue
+    return names
+
+
+def check_directory(directory: str | os.PathLike[str]) -> Path:
+    """Return the folder that an export may be written to; refuse a file or foreign content.
+
+    A folder that does not exist, is empty or holds an earlier export and nothing else will do.
+    """
+    path = Path(directory)
+    try:
+        if not path.exists() and not path.is_symlink():
+            if not path.absolute().parent.is_dir():
+                raise InputError(
+                    f"{path}: its folder does not exist (got {path.absolute().parent.name!r}); "
+                    "make it first."
+                )
+            return path
+        if not path.is_dir():
+            raise InputError(f"{path}: is no folder (got a file); name a folder for the export.")
+        held = sorted(entry.name for entry in path.iterdir())
+        ours = _ours(path)
+    except OSError as error:
+        raise _unwritable(path, error) from error
+    for name in held:
+        foreign = name not in ours or (path / name).is_dir()
+        if foreign and not name.startswith(_STAGE):
+            raise InputError(
+                f"{path}: holds a file that is not of an export (got {name!r}); "
+                "name an empty folder, or remove it."
+            )
+    return path
+
+
+def write(export: Export, directory: str | os.PathLike[str]) -> dict[str, Any]:
+    """Write an export folder; an earlier export there is replaced.
+
+    Parameters
+    ----------
+    export : Export
+        What to write.
+    directory : path
+        See `check_directory`.
+
+    Returns
+    -------
+    dict
+        The content of NAME_report.json.
+    """
+    path = check_directory(directory)
+    files, content = contents(export)
+    try:
+        if path.is_dir():
+            _replace(path, files, f"{export.name}{reports.SUFFIX}")
+        else:
+            with _stage(path.absolute().parent) as stage:
+                _fill(stage, files)
+                stage.chmod(0o777 & ~_umask())
+                stage.rename(path)
+    except OSError as error:
+        raise _unwritable(path, error) from error
+    return content
+
+
+def _unwritable(path: Path, error: OSError) -> ExportError:
+    return ExportError(
+        f"{path}: the export cannot be written (got {error.strerror or error}); "
+        "make room, or name a folder that is writable."
+    )
+
+
+def _umask() -> int:
+    """Return the process's file mode mask, which can only be read by setting it."""
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
+
+
+@contextmanager
+def _stage(parent: Path) -> Iterator[Path]:
+    """Make a folder for unfinished files, which is gone afterwards unless it was renamed."""
+    stage = Path(tempfile.mkdtemp(prefix=_STAGE, dir=parent))
+    try:
+        yield stage
+    finally:
+        shutil.rmtree(stage, ignore_errors=True)
+
+
+def _fill(stage: Path, files: dict[str, bytes]) -> None:
+    for name, content in files.items():
+        (stage / name).write_bytes(content)
+
+
+def _replace(path: Path, files: dict[str, bytes], report: str) -> None:
+    """Move all files into a folder that exists, once they are all on its disk."""
+    old = {entry.name for entry in path.iterdir()} - set(files)
+    with _stage(path) as stage:
+        _fill(stage, files)
+        # The report first: it names the others, so that even a power cut between two moves leaves
+        # a folder that is known as an export's.
+        for name in sorted(files, key=lambda name: name != report):
+            (stage / name).replace(path / name)
+    # Their own report last, for the same reason.
+    for name in sorted(old, key=lambda name: name.endswith(reports.SUFFIX)):
+        if name.startswith(_STAGE):
+            shutil.rmtree(path / name, ignore_errors=True)
+        else:
+            (path / name).unlink(missing_ok=True)

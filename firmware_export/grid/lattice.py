@@ -1,0 +1,297 @@
+"""Lattices of the codec `grid`: knots, the cells that hold a place, and sums over their corners.
+
+Owns interpolation in float64 for encoders; places are (m, k + 2): the parameters, v and u, each
+from 0 to 1 over its axis.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from firmware_export.grid.tables import SPAN, U, V
+from firmware_export.truth import Model, Sample
+from lutgen.jit import njit, prange
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+# Pieces of the work, each with its own result: the same for any number of threads.
+PARTS = 4
+
+
+@njit(parallel=True)
+def corners(x: Floats, knots: Floats, nodes: NDArray[np.int64]) -> tuple[Ints, Floats]:
+    """Return the nodes (m, 2^d) of the cells that hold places x (m, d), and their weights.
+
+    `knots` (d, most nodes), axes outermost first, `nodes` (d,) of them each.
+    """
+    m, d = x.shape
+    index = np.empty((m, 1 << d), np.int32)
+    weight = np.empty((m, 1 << d))
+    for p in prange(m):
+        lower = np.empty(d, np.int64)
+        frac = np.empty(d)
+        for a in range(d):
+            i = 0
+            while i < nodes[a] - 2 and x[p, a] >= knots[a, i + 1]:
+                i += 1
+            lower[a] = i
+            frac[a] = (x[p, a] - knots[a, i]) / (knots[a, i + 1] - knots[a, i])
+        for c in range(1 << d):
+            share, at = 1.0, 0
+            for a in range(d):
+                upper = (c >> a) & 1
+                share *= frac[a] if upper else 1.0 - frac[a]
+                at = at * nodes[a] + lower[a] + upper
+            index[p, c] = at
+            weight[p, c] = share
+    return index, weight
+
+
+@njit(parallel=True)
+def at_points(index: Ints, weight: Floats, node: Floats, start: NDArray[np.int64]) -> Floats:
+    """Interpolate nodes (n, w) at places; `start` (m,) is the first node of the place's face."""
+    out = np.zeros((len(index), node.shape[1]))
+    for p in prange(len(index)):
+        for c in range(index.shape[1]):
+            for w in range(node.shape[1]):
+                out[p, w] += weight[p, c] * node[start[p] + index[p, c], w]
+    return out
+
+
+@njit(parallel=True)
+def _at_nodes(
+    index: Ints, weight: Floats, value: Floats, start: NDArray[np.int64], out: Floats
+) -> None:
+    for part in prange(len(out)):
+        for p in range(part, len(index), len(out)):
+            for c in range(index.shape[1]):
+                for w in range(value.shape[1]):
+                    out[part, start[p] + index[p, c], w] += weight[p, c] * value[p, w]
+
+
+def at_nodes(
+    index: Ints, weight: Floats, value: Floats, start: NDArray[np.int64], count: int
+) -> Floats:
+    """Add up values (m, w) of places at the nodes: the transpose of `at_points`."""
+    # A fixed number of parts: the same sums for any number of threads.
+    out = np.zeros((PARTS, count, value.shape[1]))
+    _at_nodes(index, weight, value, start, out)
+    return np.asarray(out.sum(axis=0))
+
+
+@njit(inline=True)
+def _shares(frac: NDArray[np.float32], share: Floats) -> None:
+    """Fill the weights of a cell's corners; bit a of a corner's number is its side on axis a."""
+    share[0] = 1.0
+    for a in range(len(frac)):
+        f = float(frac[a])
+        for c in range(1 << a):
+            share[c + (1 << a)] = share[c] * f
+            share[c] *= 1.0 - f
+
+
+@njit(parallel=True)
+def _normal(
+    first: Ints,
+    frac: NDArray[np.float32],
+    offset: NDArray[np.int64],
+    importance: Floats,
+    node: Floats,
+    out: Floats,
+) -> None:
+    parts, m = len(out), len(first)
+    for part in prange(parts):
+        share = np.empty(len(offset))
+        for p in range(m * part // parts, m * (part + 1) // parts):
+            _shares(frac[p], share)
+            value = 0.0
+            for c in range(len(offset)):
+                value += share[c] * node[first[p] + offset[c]]
+            value *= importance[p]
+            for c in range(len(offset)):
+                out[part, first[p] + offset[c]] += share[c] * value
+
+
+@njit(parallel=True)
+def _spread(
+    first: Ints,
+    frac: NDArray[np.float32],
+    offset: NDArray[np.int64],
+    value: Floats,
+    power: int,
+    out: Floats,
+) -> None:
+    parts, m = len(out), len(first)
+    for part in prange(parts):
+        share = np.empty(len(offset))
+        for p in range(m * part // parts, m * (part + 1) // parts):
+            _shares(frac[p], share)
+            for c in range(len(offset)):
+                weight = share[c] * share[c] if power == 2 else share[c]
+                out[part, first[p] + offset[c]] += weight * value[p]
+
+
+@njit(parallel=True)
+def _interpolate(
+    first: Ints, frac: NDArray[np.float32], offset: NDArray[np.int64], node: Floats, out: Floats
+) -> None:
+    m = len(first)
+    for part in prange(PARTS):
+        share = np.empty(len(offset))
+        for p in range(m * part // PARTS, m * (part + 1) // PARTS):
+            _shares(frac[p], share)
+            value = 0.0
+            for c in range(len(offset)):
+                value += share[c] * node[first[p] + offset[c]]
+            out[p] = value
+
+
+class Spots:
+    """Where points lie in a lattice, in a sixth of the memory that all their corners take.
+
+    Parameters
+    ----------
+    first : (m,) int32
+        The lowest node of a point's cell.
+    frac : (m, d) float32
+        Where in the cell it lies, 0 to 1 along each axis.
+    offset : (2^d,) int64
+        From there to the other corners.
+    nodes : int
+        Of the lattice, all faces.
+    """
+
+    def __init__(
+        self, first: Ints, frac: NDArray[np.float32], offset: NDArray[np.int64], nodes: int
+    ) -> None:
+        self.first, self.frac, self.offset, self.nodes = first, frac, offset, nodes
+
+    def __len__(self) -> int:
+        return len(self.first)
+
+    def part(self, which: NDArray[Any]) -> "Spots":
+        """Return some of the points: indices, or a mask."""
+        return Spots(self.first[which], self.frac[which], self.offset, self.nodes)
+
+    def joined(self, other: "Spots") -> "Spots":
+        """Return these points and then others of the same lattice."""
+        return Spots(
+            np.concatenate([self.first, other.first]),
+            np.concatenate([self.frac, other.frac]),
+            self.offset,
+            self.nodes,
+        )
+
+    def at(self, node: Floats) -> Floats:
+        """Interpolate nodes (n,) at the points."""
+        out = np.empty(len(self.first))
+        _interpolate(self.first, self.frac, self.offset, node, out)
+        return out
+
+    def spread(self, value: Floats, power: int = 1) -> Floats:
+        """Add up values (m,) at the nodes, by the weights or (`power` 2) by their squares."""
+        out = np.zeros((PARTS, self.nodes))
+        _spread(self.first, self.frac, self.offset, value, power, out)
+        return np.asarray(out.sum(axis=0))
+
+    def normal(self, importance: Floats, node: Floats) -> Floats:
+        """Return spread(importance at(node)), in one pass."""
+        out = np.zeros((PARTS, self.nodes))
+        _normal(self.first, self.frac, self.offset, importance, node, out)
+        return np.asarray(out.sum(axis=0))
+
+
+class Lattice:
+    """Knots of a table, its nodes and what the exact kernels say there.
+
+    Parameters
+    ----------
+    model : Model
+    coordinates : tuple of int
+        Per axis, outermost first.
+    knots : tuple of (n,) uint16
+        Per axis.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        coordinates: tuple[int, ...],
+        knots: tuple[NDArray[np.uint16], ...],
+    ) -> None:
+        self.model, self.coordinates, self.knots = model, coordinates, knots
+        self.shape = tuple(len(k) for k in knots)
+        self.face_nodes = int(np.prod(self.shape, dtype=np.int64)) if knots else 1
+        # A table without v and u is the same on every face.
+        self.faces = model.faces if {U, V} & set(coordinates) else 1
+        self.nodes = np.array(self.shape, np.int64)
+        self._table = np.zeros((len(knots), max(self.shape, default=1)))
+        for row, one in zip(self._table, knots, strict=True):
+            row[: len(one)] = one.astype(np.float64) / SPAN
+
+    def find(
+        self, place: Floats, face: NDArray[np.int64]
+    ) -> tuple[Ints, Floats, NDArray[np.int64]]:
+        """Return index, weight and start of places (m, k + 2): parameters, v, u, each 0 to 1."""
+        columns = [{U: -1, V: -2}.get(c, c) for c in self.coordinates]
+        x = np.ascontiguousarray(place[:, columns])
+        start = face * self.face_nodes if self.faces > 1 else np.zeros(len(face), np.int64)
+        return *corners(x, self._table, self.nodes), start
+
+    def spots(self, place: Floats, face: NDArray[np.int64]) -> Spots:
+        """Return where places (m, k + 2) lie; see `find`."""
+        columns = [{U: -1, V: -2}.get(c, c) for c in self.coordinates]
+        first = (face if self.faces > 1 else np.zeros_like(face)) * self.face_nodes
+        frac = np.empty((len(place), len(columns)), np.float32)
+        offset = np.zeros(1 << len(columns), np.int64)
+        stride = self.face_nodes
+        for axis, (column, knots) in enumerate(zip(columns, self.knots, strict=True)):
+            x, ends = place[:, column], knots.astype(np.float64) / SPAN
+            cell = np.clip(np.searchsorted(ends, x, side="right") - 1, 0, len(ends) - 2)
+            frac[:, axis] = (x - ends[cell]) / (ends[cell + 1] - ends[cell])
+            stride //= len(ends)
+            first = first + cell * stride
+            offset += (np.arange(len(offset)) >> axis & 1) * stride
+        return Spots(first.astype(np.int32), frac, offset, self.faces * self.face_nodes)
+
+    def places(self) -> tuple[Floats, NDArray[np.int64]]:
+        """Return the places (nodes, k + 2) and faces of all nodes; pruned axes in the middle."""
+        mesh = np.meshgrid(*[k.astype(np.float64) / SPAN for k in self.knots], indexing="ij")
+        place = np.full((self.faces * self.face_nodes, self.model.k + 2), 0.5)
+        for coordinate, values in zip(self.coordinates, mesh, strict=True):
+            place[:, {U: -1, V: -2}.get(coordinate, coordinate)] = np.tile(
+                values.ravel(), self.faces
+            )
+        return place, np.repeat(np.arange(self.faces), self.face_nodes)
+
+
+def spread_knots(model: Model, coordinate: int, count: int) -> NDArray[np.uint16]:
+    """Return regular knots of a parameter; of u and v knots at equal angles."""
+    even = np.linspace(-1.0, 1.0, count)
+    if coordinate in (U, V):
+        even = np.tan(even * np.arctan(model.chart_limit)) / model.chart_limit
+    knots = np.rint((even + 1.0) * (SPAN / 2))
+    knots[0], knots[-1] = 0, SPAN
+    return knots.astype(np.uint16)
+
+
+def to_places(model: Model, sample: Sample) -> tuple[Floats, NDArray[np.int64]]:
+    """Return the places (m d, k + 2), each 0 to 1, and the faces of a sample's points."""
+    m, d = sample.gravity.shape[:2]
+    face, u, v, _ = model.recipe.chart.locate(sample.gravity.reshape(-1, 3))
+    span = model.upper - model.lower
+    t = (sample.params - model.lower) / np.where(span > 0.0, span, 1.0)
+    place = np.empty((m * d, model.k + 2))
+    place[:, : model.k] = np.repeat(np.clip(t, 0.0, 1.0), d, axis=0)
+    place[:, -2] = np.clip((v / model.chart_limit + 1.0) / 2.0, 0.0, 1.0)
+    place[:, -1] = np.clip((u / model.chart_limit + 1.0) / 2.0, 0.0, 1.0)
+    return place, face.astype(np.int64)
+
+
+def from_places(model: Model, place: Floats, face: NDArray[np.int64]) -> tuple[Floats, Floats]:
+    """Return parameters (m, k) and directions (m, 1, 3) of places."""
+    params = model.lower + (model.upper - model.lower) * place[:, : model.k]
+    v, u = ((2.0 * place[:, at] - 1.0) * model.chart_limit for at in (-2, -1))
+    return params, model.uv_to_gravity(face, u, v)[:, None]

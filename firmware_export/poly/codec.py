@@ -1,0 +1,94 @@
+"""Codec `poly`: the three contacts of a robot as Chebyshev polynomials of its parameters.
+
+Facade of poly_series, poly_bound, poly_fit and poly_read.  For robots that stand on three points:
+they have one facet, and its corners are smooth in the parameters.  |SD_g|, height and tip angle
+follow from the corners exactly for every direction.  Polynomials of parameters and gravity could
+stand for the components of D_g - s themselves, but these are quotients in gravity: for paper_two
+that takes sixteen times the bytes (`python -m benchmarks.export_bytes` measures both).
+"""
+
+from collections.abc import Sequence
+
+from firmware_export.emit import CArray, CBody, literal
+from firmware_export.poly import fit as poly_fit
+from firmware_export.poly.bound import carries_everywhere
+from firmware_export.poly.fit import Spec, Tables, exponents
+from firmware_export.poly.read import read
+from firmware_export.poly.series import expand
+from firmware_export.truth import Model
+from lutgen.support import limits
+
+__all__ = ["Spec", "Tables", "c_body", "encode", "grow", "read", "refusal", "start"]
+
+
+def refusal(model: Model, arithmetic: str) -> str | None:
+    """Return why the codec cannot hold this robot, in one sentence, or None."""
+    if model.recipe.com_uncertainty > 0.0:
+        return "poly holds no com_uncertainty; choose the codec contacts"
+    if arithmetic != "float":
+        return "poly computes with floats only; choose the codec grid for integers"
+    if not model.single_facet:
+        return (
+            f"poly needs a robot on three point contacts (got {len(model.kind)} contacts"
+            f"{', some of them round' if model.kind.any() else ''}); choose contacts or grid"
+        )
+    series = expand(model) if model.k <= poly_fit.MOST_PARAMETERS else None
+    if series is None:
+        return (
+            "poly found no short polynomials for the contacts; the robot has too many parameters "
+            "or does not move smoothly with them; choose contacts or grid"
+        )
+    if not carries_everywhere(series, limits(model.recipe.upright, model.recipe.rock_angle)[0]):
+        return (
+            "poly needs a support facet that is accepted in every posture of the box; narrow the "
+            "parameters' limits, widen `upright`, or choose contacts or grid"
+        )
+    return None
+
+
+def start(model: Model, channels: Sequence[str], arithmetic: str) -> list[Spec]:
+    """Return the smallest sensible spec: linear in whatever a contact depends on."""
+    return [poly_fit.start(model)]
+
+
+def grow(model: Model, spec: Spec) -> list[Spec]:
+    """Return the next larger spec, or nothing at the resolution of the codes."""
+    return poly_fit.grow(model, spec)
+
+
+def encode(model: Model, channels: Sequence[str], spec: Spec) -> Tables:
+    """Shorten and quantise the contacts' series; deterministic."""
+    return poly_fit.encode(model, tuple(channels), spec)
+
+
+def c_body(tables: Tables) -> CBody:
+    """Return the struct and its tables."""
+    rows = [
+        " ".join([name, *(f"T{n}" for n in a)])
+        for name, degrees in zip(tables.contacts, tables.spec.degrees, strict=True)
+        for a in exponents(degrees)
+    ]
+    arrays = (
+        CArray(
+            "shape",
+            "uint8_t",
+            tables.shape,
+            "per contact: highest degree in each parameter, number of terms",
+            tables.shape.shape[1],
+        ),
+        CArray(
+            "codes",
+            "int16_t",
+            tables.codes,
+            "Chebyshev coefficients of x, y, z, in units of `unit`: contact, T_n in each parameter",
+            3,
+            rows,
+        ),
+    )
+    fields = (
+        ("shape", "@shape"),
+        ("codes", "@codes"),
+        ("unit", literal(tables.unit, "float")),
+        ("params", str(tables.shape.shape[1] - 1)),
+    )
+    return CBody("smap_poly_t", fields, arrays)

@@ -1,0 +1,170 @@
+"""Three point contacts as Chebyshev series in the parameters, to rounding.
+
+Owns the series that the codec `poly` shortens, and what can be said of any such series over the
+whole box without sampling it.  A robot of links is a sum of products of sines, cosines and
+lengths: its series end, to 1e-13, after a few terms for each axis.
+
+A series is an array (n_1, ..., n_k, 3): entry a is the coefficient, a point relative to the com, of
+T_a1(s_1) ... T_ak(s_k) with s = 2 t - 1, so -1 to 1 over each axis of the box.
+"""
+
+from functools import lru_cache
+from itertools import product
+
+import numpy as np
+from numpy.polynomial.chebyshev import chebvander
+from numpy.typing import NDArray
+
+from firmware_export.truth import Model
+
+Floats = NDArray[np.float64]
+
+# A series has ended where its coefficients are this part of the robot's size.
+NEGLIGIBLE = 1e-13
+# Nodes with which the end of a series along one axis is looked for; a whole turn needs 30.
+LINE_NODES = (9, 17, 33, 65)
+LINES = 5
+MOST_NODES = 200_000
+MOST_NUMBERS = 4_000_000
+CHECKS = 256
+AGREEMENT = 1e-10
+
+
+@lru_cache(maxsize=4)
+def expand(model: Model) -> tuple[Floats, ...] | None:
+    """Return the series of the three contacts, or None where there are no such short series.
+
+    Returns
+    -------
+    tuple of three (n_1, ..., n_k, 3) float64, or None
+        In the order of `rounds`; n_j = 1 along an axis on which a contact does not depend.
+    """
+    rng = np.random.default_rng(0)
+    centre = np.full(model.k, 0.5)
+    size = float(np.abs(_contacts(model, centre[None])).max())
+    counts = [_length(model, axis, rng, size) for axis in range(model.k)]
+    if None in counts or np.prod([float(n or 1) for n in counts]) > MOST_NODES:
+        return None
+    lengths = [int(n or 1) for n in counts]
+    grid = np.array(list(product(*(_nodes(n) for n in lengths))))
+    series = _contacts(model, (grid + 1.0) / 2.0).reshape(*lengths, 3, 3)
+    for axis, n in enumerate(lengths):
+        series = _along(series, axis, _transform(n))
+    order = list(rounds(model))
+    result = tuple(trim(series[..., i, :], NEGLIGIBLE * size) for i in order)
+    t = rng.random((CHECKS, model.k))
+    exact = _contacts(model, t)[:, order]
+    close = all(
+        np.abs(evaluate(one, 2.0 * t - 1.0) - exact[:, i]).max() <= AGREEMENT * size
+        for i, one in enumerate(result)
+    )
+    return result if close else None
+
+
+def rounds(model: Model) -> tuple[int, int, int]:
+    """Return the recipe's contacts in the order in which P1 . (P2 x P3) > 0 in the box's middle.
+
+    Seen from the com they then go round so that the cross product of each with the next points
+    into their cone.
+    """
+    middle = _contacts(model, np.full((1, model.k), 0.5))[0]
+    return (0, 1, 2) if np.linalg.det(middle) > 0.0 else (1, 0, 2)
+
+
+def _contacts(model: Model, t: Floats) -> Floats:
+    """Return the contacts (m, 3, 3) at places t (m, k) in [0, 1]."""
+    return model.postures(model.lower + t * (model.upper - model.lower)).centres
+
+
+def _nodes(n: int) -> Floats:
+    """Return the n zeros of T_n."""
+    return np.asarray(np.cos(np.pi * (np.arange(n) + 0.5) / n))
+
+
+def _transform(n: int) -> Floats:
+    """Return the (n, n) matrix from values at the zeros of T_n to coefficients."""
+    matrix: Floats = np.asarray(chebvander(_nodes(n), n - 1), np.float64).T * (2.0 / n)
+    matrix[0] /= 2.0
+    return matrix
+
+
+def _along(array: Floats, axis: int, matrix: Floats) -> Floats:
+    """Apply a matrix along one axis."""
+    return np.moveaxis(np.tensordot(matrix, array, (1, axis)), 0, axis)
+
+
+def _length(model: Model, axis: int, rng: np.random.Generator, size: float) -> int | None:
+    """Return how many terms the series along an axis have, or None if they do not end."""
+    bases = np.vstack([np.full(model.k, 0.5), rng.random((LINES - 1, model.k))])
+    for n in LINE_NODES:
+        t = np.repeat(bases[:, None], n, axis=1)
+        t[..., axis] = (_nodes(n) + 1.0) / 2.0
+        values = _contacts(model, t.reshape(-1, model.k)).reshape(LINES, n, 9)
+        weight = np.abs(_along(values, 1, _transform(n))).max(axis=(0, 2))
+        above = np.flatnonzero(weight > NEGLIGIBLE * size)
+        last = int(above[-1]) if len(above) else 0
+        # The last two coefficients must be gone: one alone may vanish by symmetry.
+        if last < n - 2:
+            return last + 1
+    return None
+
+
+def trim(series: Floats, smallest: float) -> Floats:
+    """Cut off the ends of a series in which no coefficient is above `smallest`."""
+    for axis in range(series.ndim - 1):
+        others = tuple(i for i in range(series.ndim) if i != axis)
+        above = np.flatnonzero(np.abs(series).max(axis=others) > smallest)
+        series = np.take(series, range(int(above[-1]) + 1 if len(above) else 1), axis)
+    return series
+
+
+def difference(one: Floats, other: Floats) -> Floats:
+    """Return one - other, series of any lengths."""
+    shape = tuple(max(a, b) for a, b in zip(one.shape, other.shape, strict=True))
+    result = np.zeros(shape)
+    result[tuple(slice(n) for n in one.shape)] = one
+    result[tuple(slice(n) for n in other.shape)] -= other
+    return result
+
+
+def evaluate(series: Floats, s: Floats) -> Floats:
+    """Return the values (m, 3) of a series at places s (m, k) in [-1, 1]."""
+    # Each place needs as much memory as the series itself.
+    at_once = max(1, MOST_NUMBERS // series.size)
+    parts = [_evaluate(series, s[i : i + at_once]) for i in range(0, len(s), at_once)]
+    return np.concatenate(parts)
+
+
+def _evaluate(series: Floats, s: Floats) -> Floats:
+    result = np.broadcast_to(series, (len(s), *series.shape))
+    for axis in range(s.shape[1]):
+        basis = np.asarray(chebvander(s[:, axis], series.shape[axis] - 1))
+        result = np.einsum("ma,ma...->m...", basis, result)
+    return result
+
+
+def on_grid(series: Floats, s: Floats) -> Floats:
+    """Return the values (c, ..., c, 3) of a series on the grid with coordinates s (c,)."""
+    for axis in range(series.ndim - 1):
+        series = _along(series, axis, np.asarray(chebvander(s, series.shape[axis] - 1)))
+    return series
+
+
+def greatest(series: Floats) -> float:
+    """Return a bound of the length of a series anywhere in the box: |T| <= 1."""
+    return float(np.linalg.norm(series, axis=-1).sum())
+
+
+def steepest(series: Floats) -> Floats:
+    """Return bounds (k,) of the lengths of the derivatives along each s: |T_n'| <= n^2."""
+    sizes = np.linalg.norm(series, axis=-1)
+    return np.array(
+        [
+            np.tensordot(
+                np.arange(n, dtype=np.float64) ** 2,
+                sizes.sum(axis=tuple(i for i in range(sizes.ndim) if i != axis)),
+                1,
+            )
+            for axis, n in enumerate(sizes.shape)
+        ]
+    )

@@ -1,0 +1,24 @@
+"""What an export stands for: the exact answers, and where they are asked.
+
+In reading order: `model`, `axis`, `tip_boundary`, `sample`.
+"""
+
+from firmware_export.truth.axis import axis_numbers
+from firmware_export.truth.model import Exact, Model
+from firmware_export.truth.sample import Cells, Sample, biased, join, uniform, uniform_directions
+from firmware_export.truth.tip_boundary import boundary, on_chart, unit
+
+__all__ = [
+    "Cells",
+    "Exact",
+    "Model",
+    "Sample",
+    "axis_numbers",
+    "biased",
+    "boundary",
+    "join",
+    "on_chart",
+    "uniform",
+    "uniform_directions",
+    "unit",
+]

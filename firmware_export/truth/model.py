@@ -1,0 +1,142 @@
+"""What is exported: a recipe's robot over its box of parameters and its chart of directions.
+
+Owns the questions that encoders, chooser and certificate ask of the robot.  Every answer comes from
+the exact kernels; nothing is read from a map's nodes.
+"""
+
+import math
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lutgen.channels import (
+    ALONG,
+    ASIDE,
+    CHANNELS,
+    HEIGHT_BEYOND,
+    measure_each,
+    measure_recipe,
+    refuse_overflow,
+    wanted_channels,
+)
+from lutgen.chart import FACE_NORMAL, FACE_SIGN, FACE_U, FACE_V, unit_directions
+from lutgen.recipe import Postures, Recipe, forward, shapes
+from lutgen.support import limits, pack
+
+Floats = NDArray[np.float64]
+
+EXPORTABLE = ("sdg", "tip_angle", "height")
+
+
+class Exact(NamedTuple):
+    """Exact channels, each (m, d) float64; lengths in the recipe's unit.
+
+    `sdg` and `height` are NaN and `tip_angle` (rad) is negative outside the standing region.
+    `along` and `aside` are the components of D_g - s along the two in-plane axes of the facet whose
+    plane gravity pierces first, `height_beyond` its height: inside the region sdg is their
+    hypotenuse, and outside they go on smoothly until no accepted facet's plane is pierced (NaN).
+    """
+
+    sdg: Floats
+    height: Floats
+    tip_angle: Floats
+    along: Floats
+    aside: Floats
+    height_beyond: Floats
+
+
+class Model:
+    """The robot of a recipe with its box and chart.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        Its `upright` and `rock_angle` (rad) may be replaced by `tightened`.
+
+    Attributes
+    ----------
+    lower, upper : (k,) float64
+        Box of the parameters: rad or the recipe's length unit.
+    faces : int
+        1 (cone) or 6 (sphere).
+    chart_limit : float
+        Largest |u| and |v|: tan(max_tilt), or 1 for the sphere.
+    """
+
+    def __init__(self, recipe: Recipe) -> None:
+        self.recipe = recipe
+        self.lower = np.array([p.minimum for p in recipe.parameters], dtype=np.float64)
+        self.upper = np.array([p.maximum for p in recipe.parameters], dtype=np.float64)
+        self.k = len(recipe.parameters)
+        self.faces = recipe.chart.faces
+        self.chart_limit = math.tan(recipe.chart.max_tilt) if recipe.chart.kind == "cone" else 1.0
+
+    @cached_property
+    def radius(self) -> Floats:
+        """Radii of the contacts (n,), 0 for points."""
+        return shapes(self.recipe)[0]
+
+    @cached_property
+    def kind(self) -> NDArray[np.int64]:
+        """Kinds of the contacts (n,): 0 point, 1 sphere, 2 disc."""
+        return shapes(self.recipe)[1]
+
+    @property
+    def single_facet(self) -> bool:
+        """Whether three points are all there is to stand on: one facet, everything smooth."""
+        return len(self.kind) == 3 and not self.kind.any()
+
+    def postures(self, params: ArrayLike) -> Postures:
+        """Return centres (m, n, 3) relative to the com, axes (m, n, 3) and com (m, 3)."""
+        return forward(self.recipe, params)
+
+    def uv_to_gravity(self, face: ArrayLike, u: ArrayLike, v: ArrayLike) -> Floats:
+        """Return the directions (..., 3), not normalised, of places on the chart's faces."""
+        faces, us, vs = np.broadcast_arrays(np.asarray(face, np.intp), u, v)
+        result = np.zeros((*faces.shape, 3))
+        for number in range(6):
+            here = faces == number
+            result[here, FACE_NORMAL[number]] = FACE_SIGN[number]
+            result[here, FACE_U[number]] = us[here]
+            result[here, FACE_V[number]] = vs[here]
+        return result
+
+    def exact(
+        self,
+        params: ArrayLike,
+        gravity: ArrayLike,
+        tighter: float = 0.0,
+    ) -> Exact:
+        """Measure m postures under d directions each.
+
+        Parameters
+        ----------
+        params : (m, k) array_like
+            rad or length.
+        gravity : (m, d, 3) array_like
+            Down, of any length > 0.
+        tighter : float
+            By how many rad `upright` and `rock_angle` are tightened.
+
+        Returns
+        -------
+        Exact
+            Six arrays (m, d).
+        """
+        where = self.postures(params)
+        directions = np.ascontiguousarray(unit_directions(gravity))
+        wanted = wanted_channels(("tip_angle",))
+        if self.recipe.loaded:
+            values, overflow = measure_recipe(self.recipe, where, directions, wanted, tighter)
+        else:
+            values, overflow = measure_each(
+                pack(where.centres, where.axes, self.radius, self.kind),
+                directions,
+                limits(self.recipe.upright - tighter, self.recipe.rock_angle - tighter),
+                wanted,
+            )
+        refuse_overflow(self.recipe.source, overflow, len(self.kind))
+        rows = (*map(CHANNELS.index, ("sdg", "height", "tip_angle")), ALONG, ASIDE, HEIGHT_BEYOND)
+        return Exact(*(np.ascontiguousarray(values[:, at]) for at in rows))

@@ -1,0 +1,280 @@
+"""Outlines of the standing region at a lattice of postures, drawn so that they hold around them.
+
+Owns the argument by which a table is safe for any robot: round contacts, gaps over which it rocks,
+facets that `upright` or `rock_angle` refuse, so that the region jumps with the parameters.
+
+The box of parameters is cut into sub-cells, none of which a knot crosses, so that in a sub-cell the
+table is multilinear in the parameters.  It is below zero at a direction throughout a sub-cell if it
+is at the sub-cell's corners.  What may tip anywhere in a sub-cell is found at its middle:
+
+- Each segment of the outline runs between two contact points.  They move by at most D from the
+  middle to any corner (measured on the contacts' centres, plus the radius times the turn of the
+  facet), so the segment, at the distance d from the com, turns by at most delta = asin(D / d).  It
+  is shifted inwards by delta, and made longer by delta at both ends.
+- Where a facet is accepted or the robot rocks at the middle but not at q, the region jumps.
+  Normals turn by at most about D / w over a facet of width w, so the region is computed with
+  `upright` and `rock_angle` tightened by that for w a quarter of the robot's size.
+
+At one posture the table is bilinear in (u, v) within a cell: on the part of a cell that tips its
+maximum is on the outline, where it is a quadratic along straight pieces, or at a corner that tips.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from firmware_export.grid import SPAN
+from firmware_export.truth import Model
+from lutgen.channels import measure
+from lutgen.chart import unit_directions
+from lutgen.errors import InputError
+from lutgen.jit import njit, prange
+from lutgen.support import (
+    RADIUS,
+    SEGMENTS,
+    START,
+    STOP,
+    TIP_PLANE,
+    Limit,
+    empty_region,
+    facet_table,
+    find_facets,
+    find_region,
+    limits,
+    pack,
+    robot_size,
+    vector_at,
+)
+from lutgen.vector import Bools, Floats, Ints, Vector, cross, dot, length, row, scale
+
+# Pieces of outline that a posture can have, and the longest arc of one (rad).
+MOST_PIECES, LONGEST = 160, 0.35
+# Width of facets that the limits are tightened for, in robot sizes.
+WIDTH = 0.25
+# Contacts move a little further to a corner than along each axis by itself.
+CURVED = 1.02
+CHUNK = 4096
+# By how many units of an axis the runtime may misplace a parameter: 1/16384 of a cell.
+MISPLACED = 4.0
+# By how much (rad) it may misplace gravity, the integer path most: u and v by 1/16384 of a cell and
+# the rounding of two divisions, each relative to the distance from the middle; at least, and per
+# unit of the chart's limit.
+ASTRAY, ASTRAY_SHARE = 4e-4, 1.1e-4
+
+
+class Outlines(NamedTuple):
+    """Outlines of a lattice of postures, and which directions may tip.
+
+    `axes`: per parameter the ends of the sub-cells, 0 to 1.  `pieces` (total, 4) float32: straight
+    pieces u0, v0, u1, v1, each 0 to 1 over the chart; those of a posture on a face begin at
+    `first` (P faces + 1,).  `tips` (P, J) bool: whether each direction asked for tips, or is within
+    the shift of the outline.  `tighter` (rad): by how much limits are tightened.
+    """
+
+    axes: tuple[NDArray[np.float64], ...]
+    pieces: NDArray[np.float32]
+    first: Ints
+    tips: Bools
+    tighter: float
+
+
+@njit(inline=True)
+def _blend(a: Vector, wa: float, b: Vector, wb: float) -> Vector:
+    return a[0] * wa + b[0] * wb, a[1] * wa + b[1] * wb, a[2] * wa + b[2] * wb
+
+
+@njit()
+def _clip(
+    p: Vector, q: Vector, basis: Floats, limit: float, out: NDArray[np.float32], at: int
+) -> int:
+    """Append the part of a chord that lies on a face; return the new count."""
+    low, high = 0.0, 1.0
+    middle, across, upward = row(basis, 0), row(basis, 1), row(basis, 2)
+    for side in range(5):
+        if side == 0:
+            f, g = dot(middle, p) - 1e-9, dot(middle, q) - 1e-9
+        else:
+            way = across if side < 3 else upward
+            sign = 1.0 if side & 1 else -1.0
+            f = limit * dot(middle, p) + sign * dot(way, p)
+            g = limit * dot(middle, q) + sign * dot(way, q)
+        if f < 0.0 and g < 0.0:
+            return at
+        if f < 0.0:
+            low = max(low, f / (f - g))
+        elif g < 0.0:
+            high = min(high, f / (f - g))
+    if low >= high:
+        return at
+    for end in range(2):
+        x = _blend(p, 1.0 - (high if end else low), q, high if end else low)
+        depth = dot(middle, x)
+        out[at, 2 * end] = min(max((dot(across, x) / depth / limit + 1.0) / 2.0, 0.0), 1.0)
+        out[at, 2 * end + 1] = min(max((dot(upward, x) / depth / limit + 1.0) / 2.0, 0.0), 1.0)
+    return at + 1
+
+
+@njit()
+def _flag(
+    tips: Bools, gravity: Floats, a: Vector, along: Vector, normal: Vector, arc: float, delta: float
+) -> None:
+    """Mark the directions within `delta` of an arc that runs from `a` the way `along`."""
+    for d in range(len(gravity)):
+        g = row(gravity, d)
+        if abs(dot(normal, g)) <= math.sin(delta):
+            place = math.atan2(dot(along, g), dot(a, g))
+            if -1.5 * delta <= place <= arc + 1.5 * delta:
+                tips[d] = True
+
+
+@njit()
+def _outline(
+    shapes: Floats,
+    moved: Floats,
+    limit: Limit,
+    basis: Floats,
+    reach: float,
+    gravity: Floats,
+    wanted: Bools,
+    slack: float,
+    out: NDArray[np.float32],
+    count: Ints,
+    tips: Bools,
+) -> None:
+    """Fill one posture: pieces and their number per face (-1: too many), and what tips."""
+    n = shapes.shape[0]
+    table, region = facet_table(n), empty_region(n)
+    find_facets(table, shapes, limit[2])
+    size = robot_size(shapes)
+    find_region(region, table, limit, size)
+    farthest = 0.0
+    for i in range(n):
+        farthest = max(farthest, moved[i])
+    values = np.empty(6)
+    for d in range(len(gravity)):
+        measure(region, row(gravity, d), wanted, values)
+        tips[d] = math.isnan(values[0])
+    turn = farthest / (WIDTH * size)
+    total = 0
+    for face in range(len(basis)):
+        begin = total
+        for b in range(region.tally[SEGMENTS]):
+            start, stop = vector_at(region.segment, b, START), vector_at(region.segment, b, STOP)
+            normal = vector_at(region.segment, b, TIP_PLANE)
+            i, j = region.contacts[b, 0], region.contacts[b, 1]
+            shift = max(moved[i] + shapes[i, RADIUS] * turn, moved[j] + shapes[j, RADIUS] * turn)
+            # Distance of the com from the segment.
+            edge = _blend(stop, 1.0, start, -1.0)
+            part = -dot(start, edge) / max(dot(edge, edge), 1e-300)
+            near = length(_blend(start, 1.0, edge, min(max(part, 0.0), 1.0)))
+            delta = math.asin(min(shift / max(near, 1e-300), 1.0)) + slack
+            a = scale(start, 1.0 / length(start))
+            along = cross(normal, a)
+            arc = math.atan2(dot(along, stop), dot(a, stop))
+            if face == 0:
+                _flag(tips, gravity, a, along, normal, arc, delta)
+            whole = arc + 2.0 * delta
+            steps = math.ceil(whole / LONGEST)
+            half = 0.5 * whole / steps
+            lean = math.atan(math.tan(delta) / math.cos(half))
+            for step in range(steps):
+                mid = -delta + (2 * step + 1) * half
+                c = _blend(a, math.cos(mid), along, math.sin(mid))
+                inner = _blend(normal, math.cos(lean), c, -math.sin(lean))
+                c = _blend(c, math.cos(lean), normal, math.sin(lean))
+                side = cross(inner, c)
+                p = _blend(c, math.cos(half * 1.02), side, -math.sin(half * 1.02))
+                q = _blend(c, math.cos(half * 1.02), side, math.sin(half * 1.02))
+                if total >= len(out):
+                    count[face] = -1
+                    return
+                total = _clip(p, q, basis[face], reach, out, total)
+        count[face] = total - begin
+
+
+@njit(parallel=True)
+def _outline_all(
+    shapes: Floats,
+    moved: Floats,
+    limit: Limit,
+    basis: Floats,
+    reach: float,
+    gravity: Floats,
+    wanted: Bools,
+    slack: float,
+) -> tuple[NDArray[np.float32], Ints, Bools]:
+    m = len(shapes)
+    out = np.empty((m, MOST_PIECES, 4), np.float32)
+    count = np.zeros((m, len(basis)), np.int64)
+    tips = np.empty((m, len(gravity)), np.bool_)
+    for p in prange(m):
+        _outline(
+            *(
+                shapes[p],
+                moved[p],
+                limit,
+                basis,
+                reach,
+                gravity,
+                wanted,
+                slack,
+                out[p],
+                count[p],
+                tips[p],
+            )
+        )
+    return out, count, tips
+
+
+def outlines(model: Model, per_axis: int, gravity: NDArray[np.float64]) -> Outlines:
+    """Return the outlines in the middles of `per_axis` sub-cells along each parameter.
+
+    `gravity` (J, 3): directions to be judged.
+    """
+    k = model.k
+    axis = np.rint(np.linspace(0.0, 1.0, per_axis + 1) * SPAN) / SPAN
+    axes = (axis,) * k
+    middle = 0.5 * (axis[1:] + axis[:-1])
+    mesh = np.meshgrid(*[middle] * k, indexing="ij")
+    place = np.stack([m.ravel() for m in mesh], axis=1) if k else np.zeros((1, 0))
+    span = model.upper - model.lower
+    where = model.postures(model.lower + span * place)
+    moved = np.zeros(where.centres.shape[:2])
+    reach = 0.5 / per_axis + MISPLACED / SPAN
+    slack = max(ASTRAY, ASTRAY_SHARE * model.chart_limit)
+    # Summed over the axes: a corner differs along all of them.
+    for a in range(k):
+        away = [
+            np.sqrt(
+                ((model.postures(model.lower + span * moved_to).centres - where.centres) ** 2).sum(
+                    axis=2
+                )
+            )
+            for moved_to in (place + half * np.eye(k)[a] for half in (-reach, reach))
+        ]
+        moved += CURVED * np.maximum(*away)
+    size = float(np.sqrt((where.centres**2).sum(axis=2)).max())
+    tighter = float(moved.max(initial=0.0)) / (WIDTH * size)
+    shapes = pack(where.centres, where.axes, model.radius, model.kind)
+    limit = limits(model.recipe.upright - tighter, max(model.recipe.rock_angle - tighter, 0.0))
+    nothing = np.zeros(6, np.bool_)
+    directions = np.ascontiguousarray(unit_directions(gravity))
+    kept, counts, flags = [], [], []
+    for begin in range(0, len(place), CHUNK):
+        part = slice(begin, begin + CHUNK)
+        out, count, tips = _outline_all(
+            *(shapes[part], moved[part], limit, model.recipe.chart.basis(), model.chart_limit),
+            *(directions, nothing, slack),
+        )
+        if (count < 0).any():
+            raise InputError(
+                f"{model.recipe.source}: a standing region has more than {MOST_PIECES} pieces of "
+                "outline; choose the codec `contacts`."
+            )
+        kept.append(out[np.arange(MOST_PIECES)[None, :] < count.sum(axis=1, keepdims=True)])
+        counts.append(count.ravel())
+        flags.append(tips)
+    first = np.concatenate([[0], np.cumsum(np.concatenate(counts))])
+    return Outlines(axes, np.concatenate(kept), first, np.concatenate(flags), tighter)

@@ -1,0 +1,57 @@
+"""Questions about one posture: forces, ground, tilt, sliding, rolling, wheels.
+
+In reading order: `diagnosis`, `ground`, `ground_contact`, `wheels`, `stance`, `force_angle`,
+`tilt`, `sliding`, `rolling`, `metrics`, `tilt_table`.
+"""
+
+from lutgen.analysis.diagnosis import (
+    Diagnosis,
+    FacetView,
+    diagnose,
+    heuristic_forces,
+    normal_forces,
+)
+from lutgen.analysis.force_angle import axis_force_angle
+from lutgen.analysis.metrics import Metrics, compare_metrics
+from lutgen.analysis.rolling import roll_limits, rolling_gravity, rolls
+from lutgen.analysis.sliding import slide_limits, slopes
+from lutgen.analysis.tilt import tilt_limits, tilted
+from lutgen.analysis.tilt_table import (
+    FOUR,
+    WORST,
+    HeadingLimit,
+    PostureLimits,
+    SweepLimits,
+    even_headings,
+    posture_limits,
+    sweep_limits,
+)
+from lutgen.analysis.wheels import Motion, wheel_speeds
+
+__all__ = [
+    "FOUR",
+    "WORST",
+    "Diagnosis",
+    "FacetView",
+    "HeadingLimit",
+    "Metrics",
+    "Motion",
+    "PostureLimits",
+    "SweepLimits",
+    "axis_force_angle",
+    "compare_metrics",
+    "diagnose",
+    "even_headings",
+    "heuristic_forces",
+    "normal_forces",
+    "posture_limits",
+    "roll_limits",
+    "rolling_gravity",
+    "rolls",
+    "slide_limits",
+    "slopes",
+    "sweep_limits",
+    "tilt_limits",
+    "tilted",
+    "wheel_speeds",
+]

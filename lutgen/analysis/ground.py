@@ -1,0 +1,129 @@
+"""The ground under a robot: what an accelerometer says about body and ground.
+
+Owns T_g as a matrix and the ground's plane in the body frame; `lutgen.channels.settle` has the
+conventions.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lutgen.analysis.diagnosis import diagnose
+from lutgen.channels import turned
+from lutgen.chart import gravity_from_up, unit_directions
+from lutgen.errors import InputError
+from lutgen.recipe import Recipe
+
+__all__ = ["TangentPlane", "gravity_transform", "roll_pitch", "tangent_plane"]
+
+
+def gravity_transform(normal: ArrayLike) -> NDArray[np.float64]:
+    """Return T_g of convention P as a matrix: from the contact plane's frame to the body frame.
+
+    Parameters
+    ----------
+    normal : (3,) array_like
+        Upward normal of the contact plane in the body frame, any length > 0.
+
+    Returns
+    -------
+    (3, 3) float64
+        The rotation that takes (0, 0, 1) to the normal and turns by the least angle.
+
+    Examples
+    --------
+    >>> gravity_transform([1, 0, 1]).round(3).tolist()
+    [[0.707, 0.0, 0.707], [0.0, 1.0, 0.0], [-0.707, 0.0, 0.707]]
+    """
+    up = tuple(unit_directions(normal).tolist())
+    columns = [turned(up, axis) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))]
+    return np.array(columns).T + 0.0
+
+
+@dataclass(frozen=True)
+class TangentPlane:
+    """The ground under a robot, from an accelerometer reading.
+
+    `roll` and `pitch` are the body's attitude (rad): body = Ry(pitch) Rx(roll) after any heading,
+    so a lowered nose has positive pitch and a lowered right side positive roll.  `normal` (3,) is
+    the ground's upward normal in the body frame and `height` the com's distance from the ground.
+    `slope` (rad) is the ground's inclination, `downhill` (rad) the heading in which it falls (0
+    ahead, pi/2 to the left), and `gravity` (3,) the gravity direction relative to the contact
+    plane, convention P.  `standing` is the verdict in this attitude; where the robot tips, the
+    ground is taken to be the plane of the facet that gravity pierces first.
+    """
+
+    roll: float
+    pitch: float
+    normal: NDArray[np.float64]
+    height: float
+    slope: float
+    downhill: float
+    gravity: NDArray[np.float64]
+    standing: bool
+
+
+def tangent_plane(recipe: Recipe, params: ArrayLike, up_dir: ArrayLike) -> TangentPlane:
+    """Return the ground's orientation under a posture from an accelerometer reading.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The robot.
+    params : (k,) array_like
+        Geometry parameters, rad or length.
+    up_dir : (3,) array_like
+        What the accelerometer reads (specific force, body frame), any length > 0.
+
+    Raises
+    ------
+    InputError
+        Where gravity pierces no support facet: then nothing is known of the ground.
+
+    Examples
+    --------
+    Wheel 1 is low on level ground, so the body leans back, and the ground does not slope:
+
+    >>> from lutgen.recipe.recipe import load_recipe
+    >>> recipe = load_recipe("maps/paper_one.toml")
+    >>> ground = tangent_plane(recipe, [0.75], [0.143, 0.0, 0.99])
+    >>> round(math.degrees(ground.pitch), 1), round(math.degrees(ground.slope), 1)
+    (-8.2, 0.0)
+    """
+    roll, pitch = roll_pitch(up_dir)
+    down = gravity_from_up(up_dir)
+    found = diagnose(recipe, params, down)
+    if found.facet is None:
+        raise InputError(
+            f"{recipe.source}: the robot lies on no support facet (got up_dir = "
+            f"{np.asarray(up_dir, dtype=float).tolist()}); nothing is known of the ground then"
+        )
+    up = -found.facet.normal
+    gravity = gravity_transform(up).T @ down
+    slope = math.atan2(math.hypot(gravity[0], gravity[1]), -gravity[2])
+    downhill = math.atan2(gravity[1], gravity[0])
+    return TangentPlane(
+        roll, pitch, up, found.facet.height, slope, downhill, gravity, found.standing
+    )
+
+
+def roll_pitch(up_dir: ArrayLike) -> tuple[float, float]:
+    """Return the body's roll and pitch in rad from what an accelerometer at rest reads.
+
+    Parameters
+    ----------
+    up_dir : (3,) array_like
+        Specific force in the body frame, any length > 0.
+
+    Examples
+    --------
+    The nose of a robot that looks down a slope of 30 deg:
+
+    >>> roll, pitch = roll_pitch([-0.5, 0.0, 0.866025404])
+    >>> round(math.degrees(roll), 6), round(math.degrees(pitch), 6)
+    (0.0, 30.0)
+    """
+    x, y, z = unit_directions(up_dir)
+    return math.atan2(y, z), math.atan2(-x, math.hypot(y, z))

@@ -1,0 +1,152 @@
+"""Where the wheels of a posture touch the ground, and which way they roll there.
+
+Owns the contact plane's frame: the plane of the support facet with its normal up, x along the
+body's x axis and y to the left, its origin below the centre of mass.  Places and directions in it
+have two components.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lutgen.analysis.diagnosis import Diagnosis, FacetView, diagnose
+from lutgen.errors import InputError
+from lutgen.recipe import Recipe, Wheel, forward
+from lutgen.support import FACE_ANGLE, RELATIVE_TOLERANCE, contact_point, pack, reach, robot_size
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class RollingContact:
+    """A wheel on the ground, in the contact plane's frame.
+
+    `point` (2,): where it touches, relative to the com; `rolling` (2,): unit vector along which
+    it drives when it spins positively about its axle, the right-hand way.
+    """
+
+    wheel: Wheel
+    point: Floats
+    rolling: Floats
+
+    @property
+    def sideways(self) -> Floats:
+        """Unit vector (2,) to the left of the rolling direction."""
+        return np.array([-self.rolling[1], self.rolling[0]])
+
+    def velocity(self, velocity: Floats, yaw_rate: float) -> Floats:
+        """Return the velocity (2,) of the robot at this contact: v + w n x (p - com)."""
+        return velocity + yaw_rate * np.array([-self.point[1], self.point[0]])
+
+
+@dataclass(frozen=True)
+class Ground:
+    """The contact plane under a posture and the wheels on it.
+
+    `up`, `ahead` and `left` (3,): the plane's normal, x and y axes, body frame.  `size`: the
+    largest distance in the plane from the com to a corner of the support polygon, by which yaw
+    rates become comparable with velocities.  `contacts`: of the wheels in recipe order, None for
+    those that hover.  `standing` is false where the robot tips.
+    """
+
+    up: Floats
+    ahead: Floats
+    left: Floats
+    size: float
+    standing: bool
+    contacts: tuple[RollingContact | None, ...]
+
+
+def find_ground(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> Ground:
+    """Find the contact plane of one posture and the wheels that touch it.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The robot, which must have wheels.
+    params : (k,) array_like
+        Geometry parameters, rad or length.
+    gravity_dir : (3,) array_like
+        Pointing down, body frame, any length > 0: it chooses the support facet and nothing else.
+
+    Returns
+    -------
+    Ground
+        A wheel touches if its contact is a corner of the support polygon or is no further than
+        1e-9 of the robot's size from the facet's plane, as for `lutgen.support.hull`.
+
+    Raises
+    ------
+    InputError
+        The robot has no wheels, or no support facet under this gravity; the body's x axis is
+        normal to the facet; or the axle of a wheel that touches is.
+    """
+    if not recipe.wheels:
+        raise InputError(
+            f"{recipe.source}: the robot has no wheels (got no [[robot.wheel]]); add one for each "
+            "contact that is a wheel: contact, axis, radius."
+        )
+    found = diagnose(recipe, params, gravity_dir)
+    if found.facet is None:
+        raise InputError(
+            f"{recipe.source}: the robot has no support facet under this gravity (got gravity_dir "
+            f"= {found.gravity_dir.tolist()}); choose another direction or posture."
+        )
+    up = -found.facet.normal
+    ahead = np.array([1.0, 0.0, 0.0]) - up[0] * up
+    length = float(np.linalg.norm(ahead))
+    if length < FACE_ANGLE:
+        raise InputError(
+            f"{recipe.source}: the body's x axis is normal to the ground, which leaves no forward "
+            f"direction (got the normal {up.tolist()}); choose another direction or posture."
+        )
+    ahead /= length
+    frame = np.array([ahead, np.cross(up, ahead)])
+    corners = found.facet.points @ frame.T
+    return Ground(
+        up,
+        frame[0],
+        frame[1],
+        float(np.linalg.norm(corners, axis=1).max()),
+        found.standing,
+        _touching(recipe, params, found, found.facet, frame),
+    )
+
+
+def wheel_axes(recipe: Recipe, params: ArrayLike) -> Floats:
+    """Return the axles (n, 3) of the wheels of one posture as unit vectors, body frame."""
+    carriers = {contact.name: contact for contact in recipe.contacts}
+    # An axle turns with its link as the axis of a disc does, so let the contacts have the axles.
+    discs = tuple(replace(carriers[wheel.contact], axis=wheel.axis) for wheel in recipe.wheels)
+    robot = replace(recipe, contacts=discs)
+    axes: Floats = forward(robot, np.atleast_2d(np.asarray(params, np.float64))).axes[0]
+    return axes
+
+
+def _touching(
+    recipe: Recipe, params: ArrayLike, found: Diagnosis, facet: FacetView, frame: Floats
+) -> tuple[RollingContact | None, ...]:
+    """Return where each wheel touches the facet's plane and how it rolls, or None."""
+    primitives = pack(found.centres, found.axes, found.radius, found.kind)
+    tolerance = RELATIVE_TOLERANCE * robot_size(primitives)
+    x, y, z = facet.normal.tolist()
+    result: list[RollingContact | None] = []
+    for wheel, axle in zip(recipe.wheels, wheel_axes(recipe, params), strict=True):
+        i = recipe.contact_names.index(wheel.contact)
+        # The facet's own corners touch, whatever rounding makes of their distance.
+        if i not in facet.contacts and reach(primitives, i, (x, y, z)) < facet.height - tolerance:
+            result.append(None)
+            continue
+        # axle x up: a wheel whose axle points left drives forward when it spins positively.
+        rolling = frame @ np.cross(axle, -facet.normal)
+        length = float(np.linalg.norm(rolling))
+        if length < FACE_ANGLE:
+            raise InputError(
+                f"{recipe.source}: the wheel on {wheel.contact} cannot roll, its axle is normal to "
+                f"the ground (got {axle.tolist()} in the body frame); correct its `axis`, or "
+                "choose another posture."
+            )
+        point = np.array(contact_point(primitives, i, (x, y, z)))
+        result.append(RollingContact(wheel, frame @ point, rolling / length))
+    return tuple(result)

@@ -1,0 +1,266 @@
+"""Where a robot slides before it tips: the slope under its support facet against friction.
+
+Owns the slope of the ground for many postures and directions, and the first tilt in each heading
+at which something happens.  Sliding never changes the verdict on tipping.
+"""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lutgen.analysis.tilt import level_frames, tilted
+from lutgen.channels import (
+    MU,
+    PHI,
+    POSTURES_A_THREAD,
+    add,
+    checked_directions,
+    empty_axes,
+    find_axes,
+    limits_of,
+    loaded_verdict,
+    loads,
+    part,
+    refuse_overflow,
+)
+from lutgen.chart import unit_directions
+from lutgen.errors import InputError
+from lutgen.jit import few_threads, njit, prange
+from lutgen.recipe import Recipe, forward, shapes
+from lutgen.support import (
+    FACETS,
+    PLANE,
+    Limit,
+    empty_region,
+    facet_table,
+    find_facets,
+    find_region,
+    pack,
+    robot_size,
+    supporting_facet,
+    vector_at,
+)
+from lutgen.vector import Floats, Ints, cross, dot, length, row
+
+__all__ = ["first_tilts", "needed_friction", "slide_limits", "slides_first", "slopes"]
+
+# Tilts between two looks (rad, 0.1 deg): what passes in less may be stepped over.
+STEP = math.radians(0.1)
+# Halvings of such a step: what begins is then known to 1e-13 rad.
+HALVINGS = 35
+
+
+@njit()
+def _slopes_of_posture(
+    shapes: Floats, load: Floats, gravity_dir: Floats, limit: Limit, out: Floats
+) -> int:
+    """Fill `out` (d,) for one posture; return 1 where its facet table was too small."""
+    n = shapes.shape[0]
+    table, region = facet_table(n), empty_region(n)
+    find_facets(table, shapes, limit[2])
+    find_region(region, table, limit, robot_size(shapes))
+    pulled = length(part(load, PHI)) + length(part(load, MU)) > 0.0
+    axes = empty_axes(region)
+    if pulled:
+        find_axes(region, load, axes)
+    for d in range(gravity_dir.shape[0]):
+        g = row(gravity_dir, d)
+        if pulled:
+            k = loaded_verdict(region, axes, load, limit[1], g)[0]
+            g = add(g, part(load, PHI))
+        else:
+            k = supporting_facet(region.plate, region.tally[FACETS], g)
+        out[d] = math.nan
+        if k >= 0:
+            # n / h: its length does not change the angle.
+            plane = vector_at(region.plate, k, PLANE)
+            out[d] = math.atan2(length(cross(plane, g)), dot(plane, g))
+    return int(table.tally[1])
+
+
+@njit(parallel=True)
+def _slopes_of_all(
+    shapes: Floats, load: Floats, gravity_dir: Floats, limit: Limit
+) -> tuple[Floats, Ints]:
+    """Return slopes (m, d), and 1 where a facet table was too small."""
+    m = shapes.shape[0]
+    out = np.empty((m, gravity_dir.shape[1]))
+    overflow = np.zeros(m, np.int64)
+    for posture in prange(m):
+        overflow[posture] = _slopes_of_posture(
+            shapes[posture], load[posture], gravity_dir[posture], limit, out[posture]
+        )
+    return out, overflow
+
+
+def slopes(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> NDArray[np.float64]:
+    """Return the slope of the ground under m postures, each with directions of its own.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The robot.
+    params : (m, k) array_like
+        Geometry parameters, rad or length.
+    gravity_dir : (m, d, 3) array_like
+        Directions in the body frame, pointing down, of any length > 0.
+
+    Returns
+    -------
+    (m, d) float64
+        Radians in [0, pi/2): the angle between gravity (with the recipe's forces) and the outward
+        normal of the support facet, also where the robot tips; NaN where it has none.
+    """
+    where = forward(recipe, params)
+    directions = np.asarray(gravity_dir, dtype=np.float64)
+    if directions.ndim != 3 or directions.shape[::2] != (len(where.com), 3):
+        raise InputError(
+            f"gravity_dir must have the shape ({len(where.com)}, d, 3) (got {directions.shape}); "
+            "give rows x, y, z for each posture"
+        )
+    radius, kind = shapes(recipe)
+    with few_threads(len(directions), POSTURES_A_THREAD):
+        found, overflow = _slopes_of_all(
+            pack(where.centres, where.axes, radius, kind),
+            loads(recipe, where),
+            np.ascontiguousarray(unit_directions(directions)),
+            limits_of(recipe),
+        )
+    refuse_overflow(recipe.source, overflow, len(kind))
+    return found
+
+
+def needed_friction(recipe: Recipe) -> float:
+    """Return the recipe's friction coefficient; refuse a recipe without one."""
+    if recipe.friction is None:
+        raise InputError(
+            f"{recipe.source}: the recipe has no friction coefficient (got no `robot.friction`); "
+            "add one, for example friction = 0.8, to learn where the robot slides."
+        )
+    return recipe.friction
+
+
+def slides_first(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> NDArray[np.bool_]:
+    """Tell whether friction fails to hold the robot on its support facet.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The robot, with a friction coefficient mu.
+    params : (m, k) array_like
+        Geometry parameters, rad or length.
+    gravity_dir : (g, 3) array_like
+        Directions in the body frame, pointing down, of any length > 0.
+
+    Returns
+    -------
+    (m, g) bool
+        True where the tangent of the slope exceeds mu, all contacts braked; at exactly mu the
+        robot holds.  False without a support facet, where there is nothing to slide on.  Where
+        the robot stands it says that it slides although it does not tip.
+
+    Raises
+    ------
+    InputError
+        Without friction in the recipe, for wrong shapes and numbers that are not finite.
+
+    Examples
+    --------
+    >>> from lutgen.recipe.recipe import load_recipe
+    >>> recipe = load_recipe("maps/three_leg_sphere.toml")  # friction 0.6: 30.96 deg
+    >>> middle = [[(p.minimum + p.maximum) / 2.0 for p in recipe.parameters]]
+    >>> slides_first(recipe, middle, [[0, 0, -1], [0.59, 0, -1], [0.61, 0, -1]])
+    array([[False, False,  True]])
+    """
+    friction = needed_friction(recipe)
+    directions = checked_directions(gravity_dir)
+    m = len(np.asarray(params, dtype=np.float64))
+    each = np.broadcast_to(directions, (m, *directions.shape))
+    return np.asarray(np.tan(np.nan_to_num(slopes(recipe, params, each))) > friction)
+
+
+def first_tilts(
+    happens: Callable[[NDArray[np.float64], NDArray[np.intp]], NDArray[np.bool_]],
+    headings: ArrayLike,
+    until: ArrayLike = math.pi,
+    step: float = STEP,
+    halvings: int = HALVINGS,
+) -> NDArray[np.float64]:
+    """Return the smallest tilt in each heading at which something happens.
+
+    Parameters
+    ----------
+    happens : callable
+        Takes directions (j, 3) and the headings' indices (j,), returns (j,) bool.
+    headings : (h,) array_like
+        Radians, as for `limits.tilted`.
+    until : float or (h,) array_like
+        Tilt (rad) at which the search in a heading ends.
+    step : float
+        Tilt (rad) between two looks; what begins and ends in between may be missed.
+    halvings : int
+        Of the last step.
+
+    Returns
+    -------
+    (h,) float64
+        Radians; NaN where it does not happen before `until`.
+    """
+    heading = np.asarray(headings, dtype=np.float64)
+    end = np.broadcast_to(np.asarray(until, dtype=np.float64), heading.shape)
+    rows = np.arange(heading.size)
+    before, after = np.zeros(heading.size), np.full(heading.size, math.nan)
+    count = 0
+    while rows.size:
+        tilt = np.minimum(count * step, end[rows])
+        found = happens(tilted(tilt, heading[rows]), rows)
+        after[rows[found]] = tilt[found]
+        goes_on = ~found & (tilt < end[rows])
+        before[rows[~found]] = tilt[~found]
+        rows, count = rows[goes_on], count + 1
+    between = np.flatnonzero(after > before)
+    for _ in range(halvings if between.size else 0):
+        middle = (before[between] + after[between]) / 2.0
+        found = happens(tilted(middle, heading[between]), between)
+        after[between[found]] = middle[found]
+        before[between[~found]] = middle[~found]
+    return after
+
+
+def slide_limits(
+    recipe: Recipe,
+    params: ArrayLike,
+    headings: ArrayLike,
+    convention: str = "body",
+    until: float = math.pi,
+) -> NDArray[np.float64]:
+    """Return the tilt in each heading from which on friction does not hold the robot.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The robot, with a friction coefficient mu.
+    params : (k,) array_like
+        One posture, rad or length.
+    headings : (h,) array_like
+        Headings of the tilt in rad.
+    convention : {"body", "plane"}
+        What is tilted, see `limits.level_frames`.
+    until : float
+        Tilt (rad) at which the search ends.
+
+    Returns
+    -------
+    (h,) float64
+        Radians: atan mu where the support facet is level in the body; a facet that is not shifts
+        it, to 0 where the robot slides on level ground already.  NaN where it does not slide.
+    """
+    posture = np.asarray(params, dtype=np.float64)[None, :]
+    frame = level_frames(recipe, posture, convention)[0]
+
+    def slides(directions: NDArray[np.float64], _: NDArray[np.intp]) -> NDArray[np.bool_]:
+        return slides_first(recipe, posture, directions @ frame.T)[0]  # type: ignore[no-any-return]
+
+    return first_tilts(slides, headings, until)

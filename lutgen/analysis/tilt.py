@@ -1,0 +1,247 @@
+"""How far postures can be tilted in each heading before they tip over.
+
+Owns the words tilt and heading: gravity at tilt t and heading psi is
+(sin t cos psi, sin t sin psi, -cos t) in the body frame, so heading 0 is nose down, +90 deg left
+side down, 180 deg nose up and -90 deg right side down.  Under convention "plane" (see `attitude`)
+the same holds in the frame of the level ground that the posture stands on, z its normal: the tilt
+is then that of the ground, as long as the robot does not rock onto another facet.  It draws
+nothing.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lutgen.analysis.ground import gravity_transform
+from lutgen.channels import body_gravity, evaluate_pairs
+from lutgen.errors import InputError
+from lutgen.recipe import Recipe
+
+__all__ = ["level_frames", "level_limits", "tilt_limits", "tilted", "worst_heading"]
+
+Floats = NDArray[np.float64]
+
+# A tip-over region crossed in less than this tilt (rad, 0.005 deg) may be stepped over.
+SHORTEST_STEP = math.radians(0.005)
+# The limit is known to this (rad), a few hundred times the rounding of tip_angle.
+KNOWN = 1e-13
+# Readings at once: bounds the memory of many postures.
+AT_ONCE = 200_000
+# The search for the worst heading: first pieces of the circle, how fine they get (rad), and how
+# many are looked into at a time, which only a region that is round itself ever has.
+PIECES, FINEST, MOST = 72, 1e-6, 20_000
+# Headings are equally bad within this (rad).
+EQUAL = 1e-12
+
+
+def tilted(tilt: ArrayLike, heading: ArrayLike) -> NDArray[np.float64]:
+    """Return gravity directions at a tilt and a heading.
+
+    Parameters
+    ----------
+    tilt, heading : array_like
+        Radians, of shapes that broadcast to one shape.
+
+    Returns
+    -------
+    (..., 3) float64
+        Unit vectors in the body frame, pointing down.
+
+    Examples
+    --------
+    >>> tilted(math.pi / 2, [0.0, math.pi / 2]).round(12).tolist()
+    [[1.0, 0.0, -0.0], [0.0, 1.0, -0.0]]
+    """
+    t, psi = np.broadcast_arrays(np.asarray(tilt, np.float64), np.asarray(heading, np.float64))
+    return np.stack([np.sin(t) * np.cos(psi), np.sin(t) * np.sin(psi), -np.cos(t)], axis=-1)
+
+
+def level_frames(recipe: Recipe, params: ArrayLike, convention: str = "body") -> Floats:
+    """Return the frames in which postures (m, k) are tilted, (m, 3, 3).
+
+    Each is a rotation into the body frame: the identity for ``"body"``, and for ``"plane"`` the
+    least one that takes z to the upward normal of the level ground under the robot.
+    """
+    rows = np.asarray(params, dtype=np.float64)
+    down = body_gravity(recipe, rows, [0.0, 0.0, -1.0], convention)
+    if convention == "body":
+        return np.broadcast_to(np.eye(3), (len(down), 3, 3))
+    return np.array([gravity_transform(-one) for one in down]).reshape(-1, 3, 3)
+
+
+def tilt_limits(
+    recipe: Recipe, params: ArrayLike, headings: ArrayLike, convention: str = "body"
+) -> Floats:
+    """Return the largest tilt before tip-over in each heading.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The robot.
+    params : (k,) or (m, k) array_like
+        One posture or several, rad or length.
+    headings : (h,) array_like
+        Headings of the tilt in rad.
+    convention : {"body", "plane"}
+        Whether body or ground is tilted from level.
+
+    Returns
+    -------
+    (h,) or (m, h) float64
+        Radians: the robot stands at every tilt from 0 up to it.  0 where it tips on level ground
+        already, pi where it never tips.
+
+    Notes
+    -----
+    `tip_angle` is 1-Lipschitz in gravity, so no tip-over lies within `tip_angle` of a standing
+    direction: the walk from level ground steps exactly that far, and at least `SHORTEST_STEP`,
+    until it has passed the limit; false position then finds it in the last step.
+    """
+    posture = np.asarray(params, dtype=np.float64)
+    heading = np.asarray(headings, dtype=np.float64)
+    if posture.ndim not in (1, 2) or heading.ndim != 1 or not np.isfinite(heading).all():
+        raise InputError(
+            f"tilt limits need postures (k,) or (m, k) and finite headings (h,) (got shapes "
+            f"{posture.shape} and {heading.shape}); pass rows of params and headings in rad."
+        )
+    rows = posture[None, :] if posture.ndim == 1 else posture
+    count = max(AT_ONCE // max(heading.size, 1), 1)
+    parts = [
+        _limits(recipe, rows[i : i + count], heading, convention)
+        for i in range(0, len(rows), count)
+    ]
+    limits = np.concatenate(parts) if parts else np.empty((0, heading.size))
+    return limits[0] if posture.ndim == 1 else limits
+
+
+def _reading(recipe: Recipe, rows: Floats, frames: Floats, down: Floats) -> Floats:
+    """Return tip_angle (m, d) of postures under directions (m, d, 3) in their frames."""
+    turned = np.einsum("mij,mdj->mdi", frames, down)
+    return evaluate_pairs(recipe, rows, turned, ("tip_angle",))["tip_angle"]
+
+
+def _limits(recipe: Recipe, rows: Floats, heading: Floats, convention: str) -> Floats:
+    """Return the limits (m, h) of postures (m, k)."""
+    frames = level_frames(recipe, rows, convention)
+
+    def reading(which: NDArray[np.intp], tilt: Floats) -> Floats:
+        return _reading(recipe, rows[which], frames[which], tilted(tilt, heading))
+
+    stands = np.zeros((len(rows), heading.size))
+    reach = reading(np.arange(len(rows)), stands)
+    # Where it tips and by how much; the same place as `stands` until it has been found.
+    tips, beyond = stands.copy(), np.zeros_like(stands)
+    walking = reach >= 0.0
+    while walking.any():
+        which = np.flatnonzero(walking.any(axis=1))
+        goes = walking[which]
+        step = np.where(goes, np.maximum(reach[which], SHORTEST_STEP), 0.0)
+        ahead = np.minimum(stands[which] + step, math.pi)
+        found = reading(which, ahead)
+        fallen, passed = goes & (found < 0.0), goes & (found >= 0.0)
+        tips[which] = np.where(fallen, ahead, np.where(passed, ahead, tips[which]))
+        beyond[which] = np.where(fallen, found, beyond[which])
+        stands[which] = np.where(passed, ahead, stands[which])
+        reach[which] = np.where(passed, found, reach[which])
+        walking[which] = passed & (ahead < math.pi)
+    rounds = 0
+    while (tips - stands > KNOWN).any():
+        which = np.flatnonzero((tips - stands > KNOWN).any(axis=1))
+        low, high = stands[which], tips[which]
+        open_ = high - low > KNOWN
+        # Between straight lines false position is done in two rounds: the second one looks just
+        # beside the first.  Every third halves, so that a kink cannot make it slow.
+        share = reach[which] / np.where(open_, reach[which] - beyond[which], 1.0)
+        guess = low + (high - low) * (0.5 if rounds % 3 == 2 else np.where(open_, share, 0.0))
+        guess = np.where(open_, np.clip(guess, low + KNOWN / 2.0, high - KNOWN / 2.0), low)
+        found = reading(which, guess)
+        fallen, passed = open_ & (found < 0.0), open_ & (found >= 0.0)
+        tips[which] = np.where(fallen, guess, high)
+        beyond[which] = np.where(fallen, found, beyond[which])
+        stands[which] = np.where(passed, guess, low)
+        reach[which] = np.where(passed, found, reach[which])
+        rounds += 1
+    return stands
+
+
+def level_limits(recipe: Recipe, params: ArrayLike, convention: str = "body") -> Floats:
+    """Return the tilt that each posture survives in every heading.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The robot.
+    params : (m, k) array_like
+        Postures, rad or length.
+    convention : {"body", "plane"}
+        Whether body or ground is tilted from level.
+
+    Returns
+    -------
+    (m,) float64
+        Radians; 0 where the robot tips on level ground, pi where it never tips.
+
+    Notes
+    -----
+    It is `tip_angle` on level ground: the distance to the nearest boundary of the standing region,
+    so the cap of that radius around level holds no tip-over, between headings as little as on
+    them, and in the heading of the nearest boundary point it is the limit itself.  Where
+    `tip_angle` is only known from below, so is this.
+    """
+    rows = np.asarray(params, dtype=np.float64)
+    parts = [np.empty(0)]
+    for i in range(0, len(rows), AT_ONCE):
+        part = rows[i : i + AT_ONCE]
+        down = body_gravity(recipe, part, [0.0, 0.0, -1.0], convention)
+        parts.append(evaluate_pairs(recipe, part, down, ("tip_angle",))["tip_angle"])
+    return np.maximum(np.concatenate(parts), 0.0)
+
+
+def worst_heading(recipe: Recipe, params: ArrayLike, convention: str = "body") -> float:
+    """Return the heading in which a posture tips over first.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The robot.
+    params : (k,) array_like
+        One posture, rad or length.
+    convention : {"body", "plane"}
+        Whether body or ground is tilted from level.
+
+    Returns
+    -------
+    float
+        Radians from -pi to pi; of equally bad headings the one nearest the nose, on the left
+        first.  NaN where the robot tips on level ground, or never.
+
+    Notes
+    -----
+    On the circle of headings at the tilt of `level_limits`, `tip_angle` is zero in the worst
+    heading and changes by at most sin(tilt) per rad.  Pieces of the circle in which it can
+    therefore not be as low as seen elsewhere are dropped, and the others are divided: no heading
+    is missed, however narrow.
+    """
+    posture = np.asarray(params, dtype=np.float64)
+    tilt = float(level_limits(recipe, posture[None], convention)[0])
+    if not 0.0 < tilt < math.pi:
+        return math.nan
+    frames = level_frames(recipe, posture[None], convention)
+    width = 2.0 * math.pi / PIECES
+    middle = width * (np.arange(PIECES) - PIECES // 2 + 1)
+    while True:
+        angle = _reading(recipe, posture[None], frames, tilted(tilt, middle)[None])[0]
+        if width <= FINEST:
+            break
+        kept = np.flatnonzero(angle - math.sin(tilt) * width / 2.0 <= np.abs(angle).min())
+        kept = np.sort(kept[np.argsort(angle[kept], kind="stable")[:MOST]])
+        # Three parts, so that the middle of a piece stays one of the headings looked at.
+        middle = (middle[kept, None] + width / 3.0 * np.array([-1.0, 0.0, 1.0])).ravel()
+        width /= 3.0
+    lowest = np.abs(angle).min()
+    equal = middle[np.abs(angle) <= lowest + EQUAL]
+    # Rounded, because the left and the right one of a pair differ in their last digits.
+    nearest = equal[np.lexsort((-np.sign(equal), np.abs(equal).round(4)))[0]]
+    beside = np.where(np.abs(middle - nearest) < 1e-4, np.abs(angle), math.inf)
+    return math.remainder(float(middle[beside.argmin()]), 2.0 * math.pi)

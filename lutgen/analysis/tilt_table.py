@@ -1,0 +1,213 @@
+"""What a designer asks of tilt limits: one posture in the four headings and the worst, or all.
+
+Owns the names of the four headings, which axis gives way and whether the robot slides first there,
+and the least and largest limits over many postures.  It prints and draws nothing.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lutgen.analysis.diagnosis import diagnose
+from lutgen.analysis.tilt import level_frames, level_limits, tilt_limits, tilted, worst_heading
+from lutgen.errors import InputError
+from lutgen.recipe import Recipe
+
+__all__ = [
+    "FOUR",
+    "HeadingLimit",
+    "PostureLimits",
+    "SweepLimits",
+    "even_headings",
+    "posture_limits",
+    "sweep_limits",
+]
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.intp]
+
+FOUR = {
+    "nose down": 0.0,
+    "left side down": math.pi / 2.0,
+    "nose up": math.pi,
+    "right side down": -math.pi / 2.0,
+}
+WORST = "worst heading"
+
+
+@dataclass(frozen=True)
+class HeadingLimit:
+    """The limit of one posture in one heading.
+
+    Attributes
+    ----------
+    name : str
+        One of `FOUR`, or "worst heading".
+    heading : float
+        Rad; NaN for the worst heading of a robot that tips on level ground, or never.
+    tilt : float
+        Rad: the robot stands up to it.
+    contacts : tuple of str
+        What it then turns over: two contacts, one on which it rolls, or none.
+    slides : bool or None
+        Whether it has slid before, tan(slope) > friction; None without a friction coefficient.
+    """
+
+    name: str
+    heading: float
+    tilt: float
+    contacts: tuple[str, ...]
+    slides: bool | None
+
+
+@dataclass(frozen=True, eq=False)
+class PostureLimits:
+    """The limits of one posture (k,): four headings, the worst, and what holds in all of them.
+
+    `guaranteed` (rad) is a bound for every heading, see `limits.level_limits`; `convention` says
+    whether body or ground is tilted.
+    """
+
+    params: Floats
+    headings: tuple[HeadingLimit, ...]
+    guaranteed: float
+    convention: str
+
+    @property
+    def worst(self) -> HeadingLimit:
+        """The worst heading."""
+        return self.headings[-1]
+
+
+@dataclass(frozen=True, eq=False)
+class SweepLimits:
+    """Least and largest limits over m postures.
+
+    Attributes
+    ----------
+    params : (m, k) float64
+        The postures, rad or length.
+    headings : (h,) float64
+        Rad.
+    least, most : (h,) float64
+        Least and largest tilt (rad) of any posture in each heading.
+    least_at, most_at : (h,) intp
+        Rows of `params`: the first posture that has it.
+    guaranteed : (m,) float64
+        What each posture survives in every heading, rad.
+    """
+
+    params: Floats
+    headings: Floats
+    least: Floats
+    most: Floats
+    least_at: Ints
+    most_at: Ints
+    guaranteed: Floats
+
+    @property
+    def weakest(self) -> int:
+        """The posture that survives least in its worst heading."""
+        return int(self.guaranteed.argmin())
+
+    @property
+    def strongest(self) -> int:
+        """The posture that survives most in its worst heading."""
+        return int(self.guaranteed.argmax())
+
+
+def even_headings(count: int) -> Floats:
+    """Return `count` evenly spaced headings (rad) from the nose to the left, (count,).
+
+    Raises
+    ------
+    InputError
+        Unless `count` is a multiple of 4, so that the four named headings are among them.
+    """
+    if count < 4 or count % 4:
+        raise InputError(
+            f"the number of headings must be a multiple of 4 (got {count}); nose, tail and both "
+            "sides are then among them"
+        )
+    return np.arange(count, dtype=np.float64) * (2.0 * math.pi / count)
+
+
+def posture_limits(recipe: Recipe, params: ArrayLike, convention: str = "plane") -> PostureLimits:
+    """Return the limits of one posture (k,), rad or length.
+
+    With convention ``"plane"`` the ground under the robot is tilted, with ``"body"`` its body.
+
+    Examples
+    --------
+    >>> from lutgen.recipe.recipe import load_recipe
+    >>> found = posture_limits(load_recipe("maps/absolem.toml"), np.radians([90.0, 90.0]))
+    >>> [(row.name, round(math.degrees(row.tilt), 1)) for row in found.headings[::3]]
+    [('nose down', 59.0), ('right side down', 57.7)]
+    >>> found.worst.contacts
+    ('right_track_rear', 'left_track_rear')
+    """
+    posture = np.asarray(params, dtype=np.float64)
+    guaranteed = float(level_limits(recipe, posture[None], convention)[0])
+    headings = dict(FOUR)
+    worst = worst_heading(recipe, posture, convention)
+    known = [*headings.values(), *([] if math.isnan(worst) else [worst])]
+    tilts = tilt_limits(recipe, posture, np.array(known), convention).tolist()
+    if math.isnan(worst):
+        tilts.append(guaranteed)
+    elif min(tilts) < tilts[-1]:
+        # A tie that rounding decided the other way.
+        tilts[-1] = min(tilts)
+        worst = known[tilts.index(tilts[-1])]
+    headings[WORST] = worst
+    frame = level_frames(recipe, posture[None], convention)[0]
+    rows = [
+        _row(recipe, posture, frame, name, heading, tilt)
+        for (name, heading), tilt in zip(headings.items(), tilts, strict=True)
+    ]
+    return PostureLimits(posture, tuple(rows), guaranteed, convention)
+
+
+def _row(
+    recipe: Recipe, posture: Floats, frame: Floats, name: str, heading: float, tilt: float
+) -> HeadingLimit:
+    """Return what happens at a limit."""
+    if tilt >= math.pi:
+        return HeadingLimit(name, heading, tilt, (), None)
+    down = tilted(tilt, 0.0 if math.isnan(heading) else heading)
+    state = diagnose(recipe, posture, frame @ down)
+    axis = None if state.least_stable is None else state.axes_[state.least_stable]
+    names = () if axis is None else tuple(dict.fromkeys(axis.names))
+    return HeadingLimit(name, heading, tilt, names, state.slides)
+
+
+def sweep_limits(
+    recipe: Recipe, params: ArrayLike, headings: ArrayLike, convention: str = "plane"
+) -> SweepLimits:
+    """Return the least and largest limits over postures (m, k) in headings (h,)."""
+    rows = np.asarray(params, dtype=np.float64)
+    heading = np.asarray(headings, dtype=np.float64)
+    if rows.ndim != 2 or not len(rows):
+        raise InputError(
+            f"limits over postures need at least one row of params (got the shape {rows.shape}); "
+            "pass for example those of recipe.grid"
+        )
+    tilts = tilt_limits(recipe, rows, heading, convention)
+    least_at, most_at = _first(tilts, -1.0), _first(tilts, 1.0)
+    across = np.arange(len(heading))
+    return SweepLimits(
+        rows,
+        heading,
+        tilts[least_at, across],
+        tilts[most_at, across],
+        least_at,
+        most_at,
+        level_limits(recipe, rows, convention),
+    )
+
+
+def _first(tilts: Floats, sign: float) -> Ints:
+    """Return the first posture of the largest sign * tilt in each heading, but for rounding."""
+    value = sign * tilts
+    return np.asarray((value >= value.max(axis=0) - 1e-12).argmax(axis=0))

@@ -1,0 +1,292 @@
+"""Facets drawn onto a face of the gravity chart, row by row.
+
+Owns the fast path to |SD_g|.  On a gnomonic face the cone of a facet is a polygon with straight
+edges, and along a row of constant v every quantity a . g is A + B u.  So the facets are drawn one
+after the other, as a graphics card draws triangles, and what is left are loops without a branch.
+`channels.measure` defines the numbers; this file only computes them quickly, in float64 up to the
+last square root and division.
+"""
+
+import math
+
+import numpy as np
+
+from lutgen.jit import njit
+from lutgen.support import (
+    ACROSS,
+    EDGE_KIND,
+    FACETS,
+    FIRST,
+    FIRST_AXIS,
+    PLANE,
+    POINT,
+    SECOND_AXIS,
+    TIP,
+    WALL,
+    Region,
+    vector_at,
+)
+from lutgen.vector import Floats, Ints, Singles, Vector, dot, row
+
+# Loops over an interval run over whole vectors of this many nodes; a mask keeps the rest.
+VECTOR = 16
+# Within this part of a step from a node, rounding could say either side of an edge.
+IN_DOUBT = 1e-6
+# Ties of two facets go to the lower index, see `region.supporting_facet`.
+TIE = 1.0 + 1e-12
+
+
+@njit()
+def _edge_lines(
+    plate: Floats,
+    first: Ints,
+    edge: Floats,
+    link: Ints,
+    k: int,
+    corner: Vector,
+    aside: Vector,
+    along: Vector,
+    origin: float,
+    per_step: float,
+    lines: Floats,
+) -> int:
+    """Fill a row of `lines` for every edge of facet k on one face; return their number.
+
+    Columns: c, b, a of the affine function c + b v + a u that is >= 0 on the facet's side; the
+    place of its root counted in nodes, as constant and factor of v; 1 where the root itself
+    belongs to the facet beyond.  `corner`, `aside`, `along` are the middle of the face and its v
+    and u axes.  A tip-over axis counts with its plane; towards a facet beyond, the edge is where
+    the two planes are pierced at once, so two neighbours never leave a node between them.
+    """
+    count = 0
+    for e in range(first[k, FIRST], first[k + 1, FIRST]):
+        beyond_wins = 0.0
+        if link[e, EDGE_KIND] == TIP:
+            plane = vector_at(edge, e, WALL)
+        else:
+            other = link[e, ACROSS]
+            mine, theirs = (TIE, 1.0) if k < other else (1.0, TIE)
+            beyond_wins = 1.0 if other < k else 0.0
+            plane = (
+                mine * plate[k, PLANE + 0] - theirs * plate[other, PLANE + 0],
+                mine * plate[k, PLANE + 1] - theirs * plate[other, PLANE + 1],
+                mine * plate[k, PLANE + 2] - theirs * plate[other, PLANE + 2],
+            )
+        level, tilt, slope = dot(plane, corner), dot(plane, aside), dot(plane, along)
+        scaled = -per_step / slope if slope != 0.0 else 0.0
+        lines[count, 0], lines[count, 1], lines[count, 2] = level, tilt, slope
+        lines[count, 3] = level * scaled - origin * per_step
+        lines[count, 4] = tilt * scaled
+        lines[count, 5] = beyond_wins
+        count += 1
+    return count
+
+
+@njit(inline=True)
+def _interval(lines: Floats, count: int, coords: Floats, nodes: int, v: float) -> tuple[int, int]:
+    """Return the nodes [begin, end) of the row at v that pass every edge."""
+    begin, end = 0.0, float(nodes)
+    for e in range(count):
+        slope = lines[e, 2]
+        place = lines[e, 3] + lines[e, 4] * v
+        nearest = math.floor(place + 0.5)
+        node = nearest if place <= nearest else nearest + 1.0
+        if abs(place - nearest) < IN_DOUBT or slope == 0.0:
+            # The root is at a node but for rounding, or there is none: the sign decides.
+            at = int(min(max(nearest, 0.0), nodes - 1.0))
+            value = lines[e, 0] + lines[e, 1] * v + slope * coords[at]
+            passed = value > 0.0 or (value == 0.0 and lines[e, 5] == 0.0)
+            if slope == 0.0:
+                if not passed:
+                    end = 0.0
+                continue
+            if 0.0 <= nearest < nodes:
+                node = nearest if passed == (slope > 0.0) else nearest + 1.0
+        if slope > 0.0:
+            begin = max(begin, node)
+        else:
+            end = min(end, node)
+    return int(min(begin, nodes)), int(max(end, 0.0))
+
+
+@njit()
+def _rows_of_facet(
+    first: Ints, edge: Floats, k: int, corner: Vector, aside: Vector, along: Vector, limit: float
+) -> tuple[float, float]:
+    """Return the span of v that facet k can have on a face, empty (1, 0) if it has none."""
+    lowest, highest = math.inf, -math.inf
+    beyond = np.int64(15)
+    behind = False
+    for e in range(first[k, FIRST], first[k + 1, FIRST]):
+        point = vector_at(edge, e, POINT)
+        depth = dot(point, corner)
+        v = dot(point, aside)
+        u = dot(point, along)
+        sides = np.int64(0)
+        # The last row may belong to this facet by the tie rule though it lies just beyond it.
+        slack = 1e-9 * (abs(depth) + abs(u) + abs(v))
+        if u < -limit * depth - slack:
+            sides |= 1
+        if u > limit * depth + slack:
+            sides |= 2
+        if v < -limit * depth - slack:
+            sides |= 4
+        if v > limit * depth + slack:
+            sides |= 8
+        # A corner outside one side of the face's pyramid; if all are outside the same, no row.
+        beyond &= sides
+        if depth <= 1e-9 * (abs(u) + abs(v)):
+            behind = True
+        else:
+            lowest, highest = min(lowest, v / depth), max(highest, v / depth)
+    if beyond != 0:
+        return 1.0, 0.0
+    if behind:
+        return -limit, limit
+    return lowest, highest
+
+
+@njit(inline=True)
+def _factor_terms(
+    squared: Singles,
+    rate: Singles,
+    offset: int,
+    coords: Floats,
+    start: int,
+    stop: int,
+    u_from: float,
+    u_to: float,
+    a1: float,
+    b1: float,
+    a2: float,
+    b2: float,
+    a0: float,
+    b0: float,
+) -> None:
+    """Set the terms of |SD_g| between two values of u, and leave the rest of the vectors alone.
+
+    Unsigned indices: numba does not look for negative ones, and the loop becomes vectors.
+    """
+    for i in range(np.uint64(start), np.uint64(stop)):
+        u = coords[i]
+        along = a1 + b1 * u
+        aside = a2 + b2 * u
+        inside = (u >= u_from) & (u <= u_to)
+        at = np.uint64(offset) + i
+        squared[at] = np.float32(along * along + aside * aside) if inside else squared[at]
+        rate[at] = np.float32(a0 + b0 * u) if inside else rate[at]
+
+
+@njit()
+def stability_factor(squared: Singles, rate: Singles, out: Singles) -> None:
+    """Last pass: |SD_g| = sqrt((w1.g)^2 + (w2.g)^2) / (a.g)."""
+    for i in range(out.shape[0]):
+        out[i] = math.sqrt(squared[i]) / rate[i]
+
+
+@njit(inline=True)
+def _all_intervals(
+    lines: Floats,
+    count: int,
+    coords: Floats,
+    nodes: int,
+    first_row: int,
+    begin_row: int,
+    end_row: int,
+    begins: Floats,
+    ends: Floats,
+    doubt: Floats,
+) -> None:
+    """Fill the first node and the one after the last for rows of one facet, many rows at a time.
+
+    `doubt` receives the least distance of a root from a node, counted in nodes: where it is below
+    `IN_DOUBT` the row must be asked for with `_interval`.
+    """
+    for r in range(np.uint64(begin_row), np.uint64(end_row)):
+        begins[r] = 0.0
+        ends[r] = nodes
+        doubt[r] = 1.0
+    for e in range(count):
+        slope, origin, tilt = lines[e, 2], lines[e, 3], lines[e, 4]
+        for r in range(np.uint64(begin_row), np.uint64(end_row)):
+            place = origin + tilt * coords[np.uint64(first_row) + r]
+            nearest = math.floor(place + 0.5)
+            node = nearest if place <= nearest else nearest + 1.0
+            begins[r] = max(begins[r], node) if slope > 0.0 else begins[r]
+            ends[r] = min(ends[r], node) if slope < 0.0 else ends[r]
+            doubt[r] = min(doubt[r], abs(place - nearest)) if slope != 0.0 else 0.0
+
+
+@njit()
+def draw_facets(
+    region: Region,
+    basis: Floats,
+    coords: Floats,
+    nodes: int,
+    first_row: int,
+    rows: int,
+    lines: Floats,
+    span: Ints,
+    room: Floats,
+    squared: Singles,
+    rate: Singles,
+    out_k: Ints,
+) -> bool:
+    """Draw all facets onto rows of one face: fill the |SD_g| terms and, if asked, the facet index.
+
+    `squared` and `rate` receive the terms, NaN where no facet is; `span` (rows, 2) the first and
+    last standing node of each row; `out_k` (rows * nodes,) the facet or is empty.
+    `lines` (e, 6) and `room` (3, rows) are room to work in.
+    """
+    plate, first, edge, link = region.plate, region.span, region.edge, region.link
+    corner, along, aside = row(basis, 0), row(basis, 1), row(basis, 2)
+    begins, ends, doubt = room[0], room[1], room[2]
+    squared[: rows * nodes] = np.float32(np.nan)
+    for r in range(rows):
+        span[r, 0] = nodes
+        span[r, 1] = 0
+    drawn = False
+    limit = coords[nodes - 1]
+    step = coords[1] - coords[0]
+    # Descending, so that the lower index has the last word wherever two overlap.
+    for k in range(region.tally[FACETS] - 1, -1, -1):
+        lowest, highest = _rows_of_facet(first, edge, k, corner, aside, along, limit)
+        if lowest > highest:
+            continue
+        begin_row = max(math.floor((max(lowest, -limit) - coords[0]) / step) - first_row, 0)
+        end_row = min(math.ceil((min(highest, limit) - coords[0]) / step) + 1 - first_row, rows)
+        if begin_row >= end_row:
+            continue
+        edges = _edge_lines(
+            plate, first, edge, link, k, corner, aside, along, coords[0], 1.0 / step, lines
+        )
+        plane = vector_at(plate, k, PLANE)
+        w1, w2 = vector_at(plate, k, FIRST_AXIS), vector_at(plate, k, SECOND_AXIS)
+        c0, b0, a0 = dot(plane, corner), dot(plane, aside), dot(plane, along)
+        c1, b1, a1 = dot(w1, corner), dot(w1, aside), dot(w1, along)
+        c2, b2, a2 = dot(w2, corner), dot(w2, aside), dot(w2, along)
+        _all_intervals(
+            *(lines, edges, coords, nodes, first_row, begin_row, end_row),
+            *(begins, ends, doubt),
+        )
+        for r in range(begin_row, end_row):
+            v = coords[first_row + r]
+            if doubt[r] < IN_DOUBT:
+                begin, end = _interval(lines, edges, coords, nodes, v)
+            else:
+                begin, end = int(min(begins[r], nodes)), int(max(ends[r], 0.0))
+            if begin >= end:
+                continue
+            drawn = True
+            span[r, 0] = min(span[r, 0], begin)
+            span[r, 1] = max(span[r, 1], end)
+            start = begin // VECTOR * VECTOR
+            stop = (end + VECTOR - 1) // VECTOR * VECTOR
+            _factor_terms(
+                *(squared, rate, r * nodes, coords, start, stop, coords[begin], coords[end - 1]),
+                *(c1 + b1 * v, a1, c2 + b2 * v, a2, c0 + b0 * v, a0),
+            )
+            if out_k.shape[0] > 0:
+                for i in range(r * nodes + begin, r * nodes + end):
+                    out_k[i] = k
+    return drawn

@@ -1,0 +1,181 @@
+"""The gravity transform T_g: how gravity turns in the body while the robot changes its shape.
+
+Owns the two readings of "the robot stands on this slope".  A robot that moves its legs on given
+ground turns its body, and with it the direction of gravity in the body frame.
+
+- ``"plane"`` (P): gravity is given relative to the **contact plane**.  Its z axis is the plane's
+  normal, upward, and its x axis is the body's x axis, carried along.  T_g is the least rotation
+  that takes the body's z axis to that normal, so on level ground the gravity direction in the
+  body frame is the outward normal of the support facet, whatever the shape.
+- ``"body"`` (F): gravity is given in the body frame and stays there; T_g is the identity.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lutgen.channels.axes import MOMENT, MU, PHI, RHO, add, enter_walls, part
+from lutgen.channels.load import limits_of, loads
+from lutgen.channels.plain import POSTURES_A_THREAD, refuse_overflow
+from lutgen.chart import unit_directions
+from lutgen.errors import InputError
+from lutgen.jit import few_threads, njit, prange
+from lutgen.recipe import Recipe, forward, shapes
+from lutgen.support import (
+    FACETS,
+    FIRST,
+    HEIGHT,
+    PLANE,
+    WALL,
+    Limit,
+    Region,
+    empty_region,
+    facet_table,
+    find_facets,
+    find_region,
+    pack,
+    robot_size,
+    supporting_facet,
+    vector_at,
+)
+from lutgen.vector import Floats, Ints, Vector, dot, row, scale
+
+CONVENTIONS = ("body", "plane")
+
+
+@njit(inline=True)
+def turned(up: Vector, x: Vector) -> Vector:
+    """Return x after the least rotation that takes the z axis to the unit vector `up`.
+
+    With w = z x up = (-up_y, up_x, 0) it is x + w x x + w x (w x x) / (1 + up_z).  Upside down
+    (within 1e-12) there are many least rotations; this is then the half turn about the x axis.
+    """
+    a, b = -up[1], up[0]
+    square = a * a + b * b
+    if up[2] < 0.0 and square < 1e-24:
+        return x[0], -x[1], -x[2]
+    first = (b * x[2], -a * x[2], a * x[1] - b * x[0])
+    # Nearly upside down 1 + up_z would lose its digits.
+    share = 1.0 / (1.0 + up[2]) if up[2] > -0.5 else (1.0 - up[2]) / square
+    return (
+        x[0] + first[0] + share * b * first[2],
+        x[1] + first[1] - share * a * first[2],
+        x[2] + first[2] + share * (a * first[1] - b * first[0]),
+    )
+
+
+@njit()
+def _lowest_wall(region: Region, wall: Floats, k: int, force: Vector) -> float:
+    """Return how far the resultant is inside the nearest side of facet k, negative outside.
+
+    Without a load it is the sine of the angle from gravity to that side.
+    """
+    lowest = 1.0
+    for e in range(region.span[k, FIRST], region.span[k + 1, FIRST]):
+        lowest = min(lowest, dot(vector_at(region.edge, e, WALL), force) + wall[e, MOMENT])
+    return lowest
+
+
+@njit()
+def _settle(region: Region, wall: Floats, load: Floats, gravity_plane: Vector) -> Vector:
+    """Return the body's gravity direction when the robot rests on the plane.
+
+    Of the facets that carry the robot when they lie on the plane, the least inclined to the
+    body's xy plane counts; if none does, the one that comes closest to carrying it, and the robot
+    tips; without any facet the plane is taken to be the body's own.
+    """
+    best, best_up = -1, -2.0
+    nearest, nearest_wall = -1, -math.inf
+    loaded = np.abs(load[:RHO]).max() > 0.0
+    for k in range(region.tally[FACETS]):
+        up = scale(vector_at(region.plate, k, PLANE), -region.plate[k, HEIGHT])
+        g = turned(up, gravity_plane)
+        inside = _lowest_wall(region, wall, k, add(g, part(load, PHI)))
+        # Under a load the zero-moment point is in this facet and not where a ray comes first.
+        first = loaded or supporting_facet(region.plate, region.tally[FACETS], g) == k
+        carries = first and inside >= 0.0
+        if carries and up[2] > best_up:
+            best, best_up = k, up[2]
+        if inside > nearest_wall:
+            nearest, nearest_wall = k, inside
+    chosen = best if best >= 0 else nearest
+    if chosen < 0:
+        return gravity_plane
+    up = scale(vector_at(region.plate, chosen, PLANE), -region.plate[chosen, HEIGHT])
+    return turned(up, gravity_plane)
+
+
+@njit(parallel=True)
+def _settle_all(
+    shapes: Floats, load: Floats, gravity_plane: Floats, limit: Limit
+) -> tuple[Floats, Ints]:
+    """Return the body's gravity directions (m, 3), and 1 where a facet table was too small."""
+    m, n = shapes.shape[0], shapes.shape[1]
+    down, overflow = np.empty((m, 3)), np.zeros(m, np.int64)
+    for posture in prange(m):
+        table, region = facet_table(n), empty_region(n)
+        find_facets(table, shapes[posture], limit[2])
+        find_region(region, table, limit, robot_size(shapes[posture]))
+        wall = np.zeros((region.edge.shape[0], 16))
+        if np.abs(load[posture, MU:RHO]).max() > 0.0:
+            enter_walls(region, load[posture], wall)
+        down[posture, 0], down[posture, 1], down[posture, 2] = _settle(
+            region, wall, load[posture], row(gravity_plane, posture)
+        )
+        overflow[posture] = table.tally[1]
+    return down, overflow
+
+
+def body_gravity(
+    recipe: Recipe, params: ArrayLike, gravity: ArrayLike, convention: str = "body"
+) -> NDArray[np.float64]:
+    """Return the gravity direction in the body frame of m postures: T_g.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The robot.
+    params : (m, k) array_like
+        Geometry parameters, rad or length.
+    gravity : (3,) or (m, 3) array_like
+        Pointing down, any length > 0; in the frame that the convention names.
+    convention : {"body", "plane"}
+        F and P of the module's head.
+
+    Returns
+    -------
+    (m, 3) float64
+        Unit vectors.  Under ``"plane"`` the robot rests on the plane with the facet that carries
+        it; where none does, with the one that comes closest, and the robot tips.
+
+    Examples
+    --------
+    >>> from lutgen.recipe.recipe import load_recipe
+    >>> recipe = load_recipe("maps/paper_one.toml")
+    >>> body_gravity(recipe, [[0.75]], [0, 0, -1], "plane").round(3)  # wheel 1 low: nose up
+    array([[-0.143,  0.   , -0.99 ]])
+    """
+    if convention not in CONVENTIONS:
+        raise InputError(f"unknown convention {convention!r}; choose from {', '.join(CONVENTIONS)}")
+    posture = forward(recipe, params)
+    count = len(posture.com)
+    given = unit_directions(gravity)
+    if given.shape not in ((3,), (count, 3)):
+        raise InputError(
+            f"gravity must have the shape (3,) or ({count}, 3) (got {given.shape}); give one "
+            "direction, or one for each posture"
+        )
+    directions = np.ascontiguousarray(np.broadcast_to(given, (count, 3)))
+    if convention == "body":
+        return directions.copy()
+    radius, kind = shapes(recipe)
+    with few_threads(count, POSTURES_A_THREAD):
+        down, overflow = _settle_all(
+            pack(posture.centres, posture.axes, radius, kind),
+            loads(recipe, posture),
+            directions,
+            limits_of(recipe),
+        )
+    refuse_overflow(recipe.source, overflow, len(kind))
+    return down

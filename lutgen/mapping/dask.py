@@ -1,0 +1,342 @@
+"""Blocks computed by workers of dask.distributed.
+
+Owns what travels: the recipe (and its URDF) as text and numbers of blocks there, checksums back.  A
+worker that finds the token that this sweep wrote beside the map writes its blocks itself; any other
+sends them back, and they are written here.
+"""
+
+import importlib.util
+import logging
+import os
+import secrets
+import socket
+import threading
+from collections.abc import Generator, Iterator
+from contextlib import ExitStack, contextmanager
+from functools import lru_cache
+from itertools import islice
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from lutgen._version import __version__
+from lutgen.errors import InputError, LutgenError, SweepError
+from lutgen.mapping.blocks import Plan
+from lutgen.mapping.compute import Computer
+from lutgen.mapping.part import PartFile, write_chunks
+from lutgen.recipe import Recipe, parse_recipe
+
+# A task computes up to so many blocks, of 1 M nodes each: half a second of work or more, against
+# ten milliseconds that a task costs.  What is sent back is one block, for the memory's sake.
+BATCH = 64
+# So many tasks per worker at least, so that all end at about the same time.
+TASKS_PER_WORKER = 8
+# Tasks that are sent out at a time per worker: one to compute, one to go on with.
+AHEAD = 2
+# Seconds within which a scheduler must answer.
+REACH = 10.0
+# Seconds without any worker after which a sweep gives up.
+PATIENCE = 60.0
+# numba's threads are started by one thread of a worker at a time.
+_LOCK = threading.Lock()
+
+
+class Job(NamedTuple):
+    """What a worker has to know of a sweep, apart from the blocks."""
+
+    text: str
+    urdf: str | None
+    source: str
+    layout: Plan
+    part: str
+    token: str
+    host: str
+    threads: int | None
+
+
+class Result(NamedTuple):
+    """One block: its checksums, and its chunks (channels, chunk nodes + 1) if they came back."""
+
+    number: int
+    sums: list[int]
+    chunks: NDArray[np.float32] | None
+
+
+def token_path(part: Path) -> Path:
+    """Return where a sweep leaves its token."""
+    return part.with_name(f".{part.name}.token")
+
+
+def sees(part: Path, token: str) -> bool:
+    """Return whether this process sees the file that the sweep with that token is writing."""
+    try:
+        return token_path(part).read_text("ascii") == token
+    except (OSError, ValueError):
+        return False
+
+
+@lru_cache(maxsize=1)
+def _computer(text: str, urdf: str | None, source: str, layout: Plan) -> Computer:
+    return Computer(parse_recipe(text, source, urdf=urdf), layout)
+
+
+def compute_batch(job: Job, numbers: list[int], places: NDArray[np.int64]) -> list[Result]:
+    """Compute blocks on a worker, and write them if it sees the file.
+
+    Parameters
+    ----------
+    job : Job
+        The sweep.
+    numbers : list of int
+        Blocks.
+    places : (channels, len(numbers)) int64
+        Where their chunks go, in bytes.
+    """
+    results = []
+    part = Path(job.part)
+    with _LOCK, ExitStack() as stack:
+        numba.set_num_threads(_threads(job.threads))
+        computer = _computer(job.text, job.urdf, job.source, job.layout)
+        handle = -1
+        for column, number in enumerate(numbers):
+            chunks = list(computer.compute(job.layout.block(number)).values())
+            # Asked before every block: a sweep that was killed and begun anew has another token.
+            if not sees(part, job.token):
+                sums = [int(chunk[-1:].view(np.uint32)[0]) for chunk in chunks]
+                results.append(Result(number, sums, np.stack(chunks)))
+                # Memory for one block only; the caller asks for the others again.
+                break
+            if handle < 0:
+                # Never read through this handle: network file systems would then write whole
+                # pages, with a neighbour's bytes in them.
+                handle = os.open(part, os.O_WRONLY)
+                stack.callback(os.close, handle)
+            results.append(Result(number, write_chunks(handle, chunks, places[:, column]), None))
+        if handle >= 0 and socket.gethostname() != job.host:
+            os.fsync(handle)
+    return results
+
+
+def _threads(wanted: int | None) -> int:
+    """Return how many threads a task may use: those that dask gave to the worker."""
+    from distributed import get_worker
+
+    own = wanted or get_worker().state.nthreads
+    most: int = numba.config.NUMBA_NUM_THREADS
+    return max(1, min(int(own), most))
+
+
+def compute_there(
+    file: PartFile,
+    recipe: Recipe,
+    layout: Plan,
+    scheduler: str | None = None,
+    workers: int | None = None,
+    threads: int | None = None,
+) -> Generator[int, None, None]:
+    """Compute every block that is not done on workers; yield its number when it is written.
+
+    Parameters
+    ----------
+    file : PartFile
+        The unfinished file.
+    recipe : Recipe
+        Not one that is given by code.
+    layout : Plan
+        Its blocks.
+    scheduler : str, optional
+        Address of a running scheduler; otherwise workers are started on this machine.
+    workers : int, optional
+        How many to start, one per core by default.
+    threads : int, optional
+        Of all workers started here together, or of each worker of a running scheduler.
+
+    Raises
+    ------
+    InputError
+        If distributed is not installed or the scheduler cannot be reached.
+    SweepError
+        If no worker is left, or a task cannot be done anywhere.
+    """
+    if importlib.util.find_spec("distributed") is None:
+        raise InputError(
+            "the engine dask needs the package distributed (got none); install lutgen[cluster], "
+            "or use the engine local"
+        )
+    job = Job(
+        recipe.text,
+        recipe.urdf,
+        recipe.source,
+        layout,
+        str(file.path.resolve()),
+        secrets.token_hex(16),
+        socket.gethostname(),
+        threads if scheduler else None,
+    )
+    with _client(scheduler, workers, threads) as client, _token(job):
+        with _speaking():
+            count = _wait_for_workers(client)
+            shared = _probe(client, job)
+        todo = [number for number in range(layout.count) if not file.done[number]]
+        batch = max(1, min(BATCH, len(todo) // (TASKS_PER_WORKER * count))) if shared else 1
+        batches = iter([todo[i : i + batch] for i in range(0, len(todo), batch)])
+
+        def submit(numbers: list[int]) -> Any:
+            places = file.skeleton.places[:, numbers]
+            return client.submit(compute_batch, job, numbers, places, pure=False)
+
+        with _speaking():
+            asked = {submit(numbers): numbers for numbers in islice(batches, AHEAD * count)}
+        while asked:
+            with _speaking():
+                ready = _some_that_are_done(client, list(asked))
+            for future in ready:
+                rest = set(asked.pop(future))
+                for result in _result(future):
+                    if result.chunks is None:
+                        file.note(result.number, result.sums)
+                    else:
+                        file.write(result.number, result.chunks)
+                    rest.discard(result.number)
+                    yield result.number
+                following = sorted(rest) or next(batches, [])
+                with _speaking():
+                    future.release()
+                    if following:
+                        asked[submit(following)] = following
+
+
+def _some_that_are_done(client: Any, futures: list[Any]) -> set[Any]:
+    """Wait until tasks are done, as long as there are workers to do them."""
+    import distributed
+
+    while True:
+        try:
+            done: set[Any] = distributed.wait(futures, PATIENCE, "FIRST_COMPLETED").done
+        except TimeoutError:
+            _wait_for_workers(client)
+        else:
+            return done
+
+
+@contextmanager
+def _speaking() -> Iterator[None]:
+    """Turn whatever goes wrong between this process and the scheduler into a sentence."""
+    try:
+        yield
+    except LutgenError:
+        raise
+    except Exception as error:
+        raise SweepError(
+            f"the scheduler does not answer any more (got {_first_line(error)}); start it again, "
+            "then go on with `lutgen sweep --resume`"
+        ) from error
+
+
+def _first_line(error: Exception) -> str:
+    """Return an error's name and the first line of what it says."""
+    return " ".join(f"{type(error).__name__}: {error}".splitlines()[:1])
+
+
+def _result(future: Any) -> list[Result]:
+    """Return what a task returned; what it raised becomes a sentence."""
+    from distributed.comm import CommClosedError
+
+    try:
+        results: list[Result] = future.result()
+    except CommClosedError:
+        with _speaking():
+            raise
+    except (LutgenError, OSError):
+        # Of the task itself: the caller has sentences for those.
+        raise
+    except Exception as error:
+        raise SweepError(
+            f"a worker could not compute its blocks (got {_first_line(error)}); see its log, then "
+            "go on with `lutgen sweep --resume`"
+        ) from error
+    return results
+
+
+@contextmanager
+def _client(scheduler: str | None, workers: int | None, threads: int | None) -> Iterator[Any]:
+    """Connect to a scheduler, or start workers for the time of the sweep."""
+    import distributed
+
+    cores = threads or numba.config.NUMBA_NUM_THREADS
+    with ExitStack() as stack:
+        # It logs tracebacks of what is said here in a sentence.
+        log = logging.getLogger("distributed.client")
+        stack.callback(log.setLevel, log.level)
+        log.setLevel(logging.CRITICAL)
+        try:
+            if scheduler is None:
+                count = workers or cores
+                address: Any = stack.enter_context(
+                    distributed.LocalCluster(
+                        n_workers=count,
+                        threads_per_worker=max(1, cores // count),
+                        memory_limit=0,
+                        dashboard_address=":0",
+                        silence_logs="CRITICAL",
+                    )
+                )
+            else:
+                address = scheduler
+            client = stack.enter_context(distributed.Client(address, timeout=REACH))
+        except (OSError, ValueError) as error:
+            raise InputError(
+                f"the scheduler {scheduler or 'of this machine'} cannot be reached (got "
+                f"{_first_line(error)}); start one with `dask scheduler` and give its "
+                "address as tcp://HOST:8786"
+            ) from error
+        yield client
+
+
+@contextmanager
+def _token(job: Job) -> Iterator[None]:
+    """Leave the token beside the map while the sweep runs."""
+    path = token_path(Path(job.part))
+    path.write_text(job.token, "ascii")
+    try:
+        yield
+    finally:
+        path.unlink(missing_ok=True)
+
+
+def _wait_for_workers(client: Any) -> int:
+    """Return the number of workers; give up after a minute without any."""
+    try:
+        client.wait_for_workers(1, timeout=PATIENCE)
+    except TimeoutError:
+        raise SweepError(
+            f"no worker is there (got none within {PATIENCE:g} s); start some with `dask worker "
+            "ADDRESS`, then go on with `lutgen sweep --resume`"
+        ) from None
+    return len(client.scheduler_info(n_workers=-1)["workers"])
+
+
+def _version() -> tuple[str, str]:
+    """Return what has to be the same everywhere for the same bits."""
+    return __version__, numba.__version__
+
+
+def _probe(client: Any, job: Job) -> bool:
+    """Return whether all workers see the file; refuse those of another version."""
+    try:
+        seen = client.run(sees, Path(job.part), job.token)
+        versions = set(client.run(_version).values())
+    except Exception as error:
+        raise SweepError(
+            f"a worker cannot run lutgen (got {_first_line(error)}); install lutgen {__version__} "
+            "for all workers"
+        ) from error
+    if versions - {_version()}:
+        raise SweepError(
+            f"workers run other versions of lutgen and numba (got {sorted(versions)}, here "
+            f"{_version()}); install the same ones everywhere"
+        )
+    return all(seen.values())

@@ -1,0 +1,342 @@
+"""The map file: HDF5 that xarray, MATLAB and h5dump read without us.
+
+Owns the layout of format version 1 (docs/format.md) and the checks on reading.  Every chunk has
+its place when the file is laid out and is written there with its checksum, so any number of
+threads or processes can fill one file and HDF5 has nothing to do meanwhile.
+"""
+
+import io
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lutgen._version import __version__
+from lutgen.chart import Chart
+from lutgen.errors import InputError, LutgenError, MapFileError
+from lutgen.grid import Axis
+from lutgen.mapping.blocks import Plan, plan
+from lutgen.mapping.interpolate import Place, interpolate
+from lutgen.mapping.seal import ATTRIBUTE, UNSEALED, Seal, check_head
+from lutgen.recipe import Recipe, parse_recipe, recipe_digest
+
+FORMAT = 1
+LONG_NAMES = {
+    "sdg": "stability factor |SD_g|",
+    "height": "height |OC| of the com above the support facet's plane",
+    "tip_angle": "signed angular distance to tip-over",
+    "margin": "static stability margin",
+    "energy_margin": "normalised energy stability margin",
+    "facet": "index of the support facet",
+}
+COMPLETE, BITMAP = "complete", "blocks_done"
+# Chunks of at least so many bytes begin on a page: two processes never write to the same one.
+ALIGN_FROM, ALIGNMENT = 1 << 15, 1 << 12
+
+
+def channel_unit(name: str, length_unit: str) -> str:
+    """Return the unit of a channel: rad, the recipe's length unit, or 1."""
+    return {"tip_angle": "rad", "facet": "1"}.get(name, length_unit)
+
+
+def create(target: io.RawIOBase, recipe: Recipe, layout: Plan) -> dict[str, NDArray[np.int64]]:
+    """Write a map whose chunks are all zeros, that is without values yet, into a file object.
+
+    Returns
+    -------
+    dict of str to (blocks,) int64
+        Per channel the place of every chunk in the file, in bytes.  Channel after channel, block
+        after block they follow upon each other, large ones on whole pages.
+    """
+    with h5py.File(
+        target,
+        "w",
+        libver=("earliest", "v110"),
+        alignment_threshold=ALIGN_FROM,
+        alignment_interval=ALIGNMENT,
+    ) as file:
+        # First, so that it is found near the beginning of the file without HDF5.
+        file.attrs[ATTRIBUTE] = UNSEALED
+        file.attrs["Conventions"] = "CF-1.10"
+        file.attrs["title"] = f"stability map of {recipe.name}"
+        file.attrs["lutgen_format"] = FORMAT
+        file.attrs["lutgen_version"] = __version__
+        file.attrs["recipe"] = recipe.text
+        if recipe.urdf is not None:
+            file.attrs["urdf"] = recipe.urdf
+        file.attrs["recipe_sha256"] = recipe.digest
+        file.attrs["chart"] = recipe.chart.kind
+        file.attrs[COMPLETE] = 0
+        file.attrs[BITMAP] = np.zeros(-(-layout.count // 8), np.uint8)
+        scales = [
+            _scale(file, axis.name, axis.knots, axis.unit, f"geometry parameter {axis.name}")
+            for axis in recipe.grid.axes
+        ]
+        faces = np.arange(recipe.chart.faces, dtype=np.int32)
+        scales.append(_scale(file, "face", faces, "1", "face of the gravity chart"))
+        file["face"].attrs["flag_values"] = faces
+        file["face"].attrs["flag_meanings"] = "-z +x -x +y -y +z"[: 3 * recipe.chart.faces - 1]
+        for name in ("v", "u"):
+            text = f"gnomonic face coordinate {name} of the gravity direction"
+            scales.append(_scale(file, name, recipe.chart.coords, "1", text))
+        for name in recipe.channels:
+            variable = _variable(file, name, layout)
+            variable.attrs["_FillValue"] = np.array([np.nan], np.float32)
+            variable.attrs["units"] = channel_unit(name, recipe.length_unit)
+            variable.attrs["long_name"] = LONG_NAMES[name]
+            for axis, scale in enumerate(scales):
+                variable.dims[axis].attach_scale(scale)
+        # One byte per chunk first: the whole index comes to lie before the first real chunk.
+        for chunk in (b"\0", bytes(4 * (layout.chunk_nodes + 1))):
+            for name in recipe.channels:
+                variable = file[name].id
+                for block in layout.blocks():
+                    variable.write_direct_chunk(block.offset, chunk)
+        return {name: chunk_places(file[name], layout) for name in recipe.channels}
+
+
+def _scale(
+    file: h5py.File, name: str, values: NDArray[Any], unit: str, long_name: str
+) -> h5py.Dataset:
+    scale = file.create_dataset(name, data=values)
+    scale.make_scale(name)
+    scale.attrs["units"] = unit
+    scale.attrs["long_name"] = long_name
+    return scale
+
+
+def _variable(file: h5py.File, name: str, layout: Plan) -> h5py.Dataset:
+    """Make a channel's variable without any chunk."""
+    create_list = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    create_list.set_chunk(layout.chunk)
+    # No time of making in the file: the same recipe gives the same bytes.
+    create_list.set_obj_track_times(False)
+    create_list.set_fletcher32()
+    create_list.set_fill_value(np.array(np.nan, np.float32))
+    create_list.set_alloc_time(h5py.h5d.ALLOC_TIME_INCR)
+    create_list.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
+    space = h5py.h5s.create_simple(layout.shape)
+    h5py.h5d.create(file.id, name.encode(), h5py.h5t.IEEE_F32LE, space, create_list)
+    return file[name]
+
+
+def chunk_places(variable: h5py.Dataset, layout: Plan) -> NDArray[np.int64]:
+    """Return the place of every chunk of a variable in the file, in bytes."""
+    places = np.zeros(layout.count, np.int64)
+
+    def note(info: Any) -> None:
+        grid = tuple(o // c for o, c in zip(info.chunk_offset, layout.chunk, strict=True))
+        places[np.ravel_multi_index(grid, layout.counts)] = info.byte_offset
+
+    variable.id.chunk_iter(note)
+    return places
+
+
+@dataclass(frozen=True)
+class StabilityMap:
+    """A stability map on disk; values are read when they are asked for.
+
+    `path` is the file, `recipe` the recipe it was made from, `attributes` the root attributes,
+    `seal` its digest (None for a file of an earlier lutgen, which has none).
+    """
+
+    path: str
+    recipe: Recipe
+    attributes: dict[str, Any]
+    seal: Seal | None = None
+    _values: dict[str, NDArray[np.float32]] = field(default_factory=dict, repr=False)
+
+    @property
+    def axes(self) -> tuple[Axis, ...]:
+        """The geometry parameters with their knots (rad or length)."""
+        return self.recipe.grid.axes
+
+    @property
+    def chart(self) -> Chart:
+        """The chart of gravity directions."""
+        return self.recipe.chart
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of the channels that the file holds."""
+        return self.recipe.channels
+
+    def channel(self, name: str) -> NDArray[np.float32]:
+        """Return all values of a channel, float32, axes (parameters..., face, v, u)."""
+        if name not in self.channels:
+            raise InputError(
+                f"{self.path}: the map has no channel {name!r} (it has "
+                f"{', '.join(self.channels)}); add it to `sweep.gravity.channels` and sweep again"
+            )
+        if name not in self._values:
+            try:
+                with h5py.File(self.path, "r") as file:
+                    values = file[name][...]
+            except Exception as error:
+                raise damaged(self.path, f"channel {name} cannot be read", error) from error
+            values.setflags(write=False)
+            self._values[name] = values
+        return self._values[name]
+
+    def pieces(self, name: str) -> Iterator[tuple[int, NDArray[np.float32]]]:
+        """Yield all values of a channel block by block, for maps that are larger than the memory.
+
+        Yields
+        ------
+        row : int
+            Number of the first row, counted through the map: posture * (faces * nodes) + face *
+            nodes + v.
+        values : (rows, nodes) float32
+            The rows of the block, along u.
+        """
+        try:
+            with h5py.File(self.path, "r") as file:
+                variable = file[name]
+                layout = Plan(variable.shape, variable.chunks)
+                for block in layout.blocks():
+                    ends = zip(block.offset, layout.chunk, strict=True)
+                    values = variable[tuple(slice(start, start + size) for start, size in ends)]
+                    yield block.first_row, values.reshape(-1, variable.shape[-1])
+        except (OSError, KeyError, RuntimeError) as error:
+            raise damaged(self.path, f"channel {name} cannot be read", error) from error
+
+    def read(
+        self, params: ArrayLike, gravity_dir: ArrayLike, channels: Sequence[str] | None = None
+    ) -> dict[str, NDArray[np.float64]]:
+        """Interpolate the map, in float64.
+
+        Parameters
+        ----------
+        params : (m, k) array_like
+            Geometry parameters, rad or length; clamped to the axes.
+        gravity_dir : (m, 3) array_like
+            One direction per row, pointing down, any length > 0.
+        channels : sequence of str, optional
+            All of the map's by default; `facet` is taken from the nearest node.
+
+        Returns
+        -------
+        dict of str to (m,) float64
+            NaN off the chart.  Beside the tip-over boundary `sdg` and `height` are means over
+            those corners that stand; they are NaN where the interpolated `tip_angle` is negative
+            or, in a map without it, where less than half of the weight stands.
+        """
+        names = tuple(channels) if channels is not None else self.channels
+        points = np.atleast_2d(np.asarray(params, np.float64))
+        if points.ndim != 2 or points.shape[1] != len(self.axes):
+            raise InputError(
+                f"params must have the shape (m, {len(self.axes)}) (got {np.shape(params)}); give "
+                f"one column for each of {', '.join(axis.name for axis in self.axes)}"
+            )
+        face, u, v, inside = self.chart.locate(gravity_dir)
+        if len(points) != len(face):
+            raise InputError(
+                f"params and gravity_dir must have as many rows (got {len(points)} and "
+                f"{len(face)}); repeat the single one"
+            )
+        places: list[Place] = []
+        for column, axis in enumerate(self.axes):
+            index, frac, _ = axis.locate(points[:, column])
+            places.append((index, frac))
+        coords = Axis("u", "1", self.chart.coords)
+        for value in (v, u):
+            index, frac, _ = coords.locate(np.where(inside, value, 0.0))
+            places.append((index, frac))
+        result = {name: self._interpolated(name, places, face, inside) for name in names}
+        if "tip_angle" in self.channels:
+            tips = self._interpolated("tip_angle", places, face, inside) < 0.0
+            for name in ("sdg", "height"):
+                if name in result:
+                    result[name] = np.where(tips, np.nan, result[name])
+        return result
+
+    def _interpolated(
+        self, name: str, places: list[Place], face: NDArray[np.intp], inside: NDArray[np.bool_]
+    ) -> NDArray[np.float64]:
+        if name == "facet":
+            places = [(i + (frac > 0.5), np.zeros_like(frac)) for i, frac in places]
+        values, present = interpolate(self.channel(name), places, (face,))
+        if "tip_angle" not in self.channels:
+            values = np.where(present < 0.5, np.nan, values)
+        return np.where(inside, values, np.nan)
+
+
+def damaged(path: str, what: str, error: Exception) -> MapFileError:
+    """Return the error of a file that is damaged."""
+    return MapFileError(f"{path}: {what} (got {error}); the file is damaged: sweep it again")
+
+
+def load_map(path: str | os.PathLike[str]) -> StabilityMap:
+    """Open a map file.
+
+    Raises
+    ------
+    MapFileError
+        If there is no such file, or it is not a lutgen map, damaged, incomplete or of a newer
+        format.
+    """
+    name = os.fspath(path)
+    try:
+        seal = check_head(Path(name))
+        with h5py.File(name, "r") as file:
+            attributes = dict(file.attrs)
+            # Names and texts must be texts, to be compared and printed.
+            "".join(map(str, [*file, *attributes.values()])).encode()
+            names = set(file)
+            shapes = {n: file[n].shape for n in names if isinstance(file[n], h5py.Dataset)}
+    except FileNotFoundError:
+        raise MapFileError(f"{name}: there is no such file; check the path") from None
+    except PermissionError as error:
+        raise MapFileError(
+            f"{name}: cannot be read (got {error.strerror}); check the permissions"
+        ) from error
+    except MapFileError:
+        raise
+    except Exception as error:
+        # Of damaged metadata without a digest h5py may raise nearly anything.
+        if Path(name).is_dir():
+            raise MapFileError(f"{name}: is a folder; name a map file") from None
+        raise MapFileError(
+            f"{name}: cannot be read as HDF5 (got {error}); is it a map written by `lutgen sweep`?"
+        ) from error
+    if "lutgen_format" not in attributes:
+        raise MapFileError(
+            f"{name}: is HDF5 but no lutgen map (got no attribute `lutgen_format`); "
+            "make one with `lutgen sweep`"
+        )
+    found = attributes["lutgen_format"]
+    if not np.array_equal(found, FORMAT):
+        raise MapFileError(
+            f"{name}: has the map format {found}, this lutgen reads {FORMAT}; "
+            "install the lutgen that wrote it, or sweep again"
+        )
+    if not np.array_equal(attributes.get(COMPLETE, 0), 1):
+        raise MapFileError(
+            f"{name}: is not complete (got {COMPLETE} = {attributes.get(COMPLETE)}); "
+            "finish it with `lutgen sweep --resume`"
+        )
+    try:
+        text = str(attributes["recipe"])
+        urdf = str(attributes["urdf"]) if "urdf" in attributes else None
+        if recipe_digest(text, urdf) != attributes["recipe_sha256"]:
+            raise MapFileError(
+                f"{name}: its recipe does not match its digest; the file is damaged: sweep it again"
+            )
+        recipe = parse_recipe(text, f"{name} (recipe inside)", inert=True, urdf=urdf)
+        expected = plan(recipe).shape
+    except (KeyError, LutgenError) as error:
+        if isinstance(error, MapFileError):
+            raise
+        raise damaged(name, "its recipe is missing or wrong", error) from error
+    for channel in recipe.channels:
+        if shapes.get(channel) != expected:
+            raise MapFileError(
+                f"{name}: channel {channel} has the shape {shapes.get(channel)}, its recipe says "
+                f"{expected}; the file is damaged: sweep it again"
+            )
+    return StabilityMap(name, recipe, attributes, seal)

@@ -1,0 +1,40 @@
+"""Numbers about a whole map, computed block by block."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lutgen.mapping.map import StabilityMap
+
+
+def value_range(values: NDArray[np.float32]) -> tuple[float | None, float | None]:
+    """Return the smallest and largest finite value, None where there is none."""
+    finite = values[np.isfinite(values)]
+    if finite.size == 0:
+        return None, None
+    return float(finite.min()), float(finite.max())
+
+
+def channel_range(stability_map: StabilityMap, name: str) -> tuple[float | None, float | None]:
+    """Return the smallest and largest finite value of a channel, None where there is none."""
+    ends = [value_range(values) for _, values in stability_map.pieces(name)]
+    low, high = ([end[k] for end in ends if end[k] is not None] for k in (0, 1))
+    return min(low, default=None), max(high, default=None)  # type: ignore[type-var]
+
+
+def share_that_tips(stability_map: StabilityMap) -> float | None:
+    """Return the share of directions in which the robot tips, averaged over the map's postures.
+
+    Each node counts with the solid angle that it stands for, so it is a share of area on the
+    sphere of the chart's directions; None for a map without `tip_angle`, `sdg` and `height`.
+    """
+    name = next((n for n in ("tip_angle", "sdg", "height") if n in stability_map.channels), None)
+    if name is None:
+        return None
+    weight = stability_map.chart.solid_angle()
+    # How many postures tip in each direction, (faces * nodes, nodes).
+    tipping = np.zeros((weight.size // weight.shape[-1], weight.shape[-1]), np.int64)
+    for row, values in stability_map.pieces(name):
+        tips = values < 0.0 if name == "tip_angle" else np.isnan(values)
+        np.add.at(tipping, np.arange(row, row + len(tips)) % len(tipping), tips)
+    mean = tipping.reshape(weight.shape) / stability_map.recipe.grid.size
+    return float((mean * weight).sum() / weight.sum())

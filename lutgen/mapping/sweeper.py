@@ -1,0 +1,181 @@
+"""The sweep: every posture and direction of a recipe, computed block by block into a map file.
+
+Owns the run: which blocks are still to be computed, where, progress, interruption and resumption.
+Numbers come from `computer`, the file from `partfile`.
+"""
+
+import os
+from collections.abc import Callable, Generator
+from contextlib import closing
+from itertools import chain
+from pathlib import Path
+
+import numba
+
+from lutgen.errors import InputError, MapFileError, SweepError
+from lutgen.mapping.blocks import Plan, plan
+from lutgen.mapping.compute import Computer
+from lutgen.mapping.layout import lay_out
+from lutgen.mapping.part import PartFile
+from lutgen.mapping.standing import require_standing
+from lutgen.recipe import Recipe
+
+ENGINES = ("local", "dask")
+
+
+def sweep(
+    recipe: Recipe,
+    path: str | os.PathLike[str],
+    threads: int | None = None,
+    resume: bool = False,
+    engine: str = "local",
+    progress: Callable[[int, int], None] | None = None,
+    scheduler: str | None = None,
+    workers: int | None = None,
+) -> None:
+    """Compute a recipe's map into an HDF5 file.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        From `load_recipe`.
+    path : path
+        The file; it appears, whole, when the sweep is done.  Until then the work is in
+        ``path.part``, which an interruption leaves behind for `resume`.
+    threads : int, optional
+        Threads to compute with; all of the machine's by default.  The values do not depend on it.
+    resume : bool
+        Go on with ``path.part`` of the same recipe, if there is one.  Blocks whose checksums do not
+        hold are computed again, so it does not matter what stopped the sweep.
+    engine : {"local", "dask"}
+        Where the blocks are computed: threads of this process, or workers of dask.distributed.
+        The file has the same bytes either way.  A script that uses "dask" without a scheduler needs
+        ``if __name__ == "__main__":``, since its workers import it.
+    progress : callable, optional
+        Called with (nodes done, nodes of the map) after every block.
+    scheduler : str, optional
+        Address of a running scheduler (``tcp://host:8786``); without it workers are started here.
+    workers : int, optional
+        How many to start here; one per core by default.
+
+    Raises
+    ------
+    InputError
+        For an unknown engine, an impossible number of threads or workers, or a robot given by
+        code with an engine other than "local".
+    RecipeError
+        If the robot stands nowhere.
+    MapFileError
+        If the unfinished file cannot be resumed.
+    SweepError
+        If the file cannot be written, the disk is too full, another sweep is writing the same
+        file, or no worker is left.
+    """
+    _require_options(recipe, engine, scheduler, workers)
+    most = numba.config.NUMBA_NUM_THREADS
+    if threads is not None and not 1 <= threads <= most:
+        raise InputError(f"threads must lie in 1..{most} on this machine (got {threads})")
+    require_standing(recipe)
+    target = Path(path)
+    if not target.name or target.is_dir():
+        raise SweepError(
+            f"{target}: cannot be written (got the path of a folder); add a name such as map.h5"
+        )
+    if not target.parent.is_dir():
+        raise SweepError(
+            f"{target}: cannot be written (got the folder {target.parent}, which does not exist); "
+            "make it first"
+        )
+    part = target.with_name(target.name + ".part")
+    before = numba.get_num_threads()
+    numba.set_num_threads(threads or most)
+    try:
+        layout = plan(recipe)
+        with PartFile(part, lay_out(recipe, layout)) as file:
+            _open(file, recipe, resume)
+            if engine == "local":
+                blocks = _compute_here(file, recipe, layout)
+            else:
+                from lutgen.mapping.dask import compute_there
+
+                blocks = compute_there(file, recipe, layout, scheduler, workers, threads)
+            _fill(file, recipe, layout, blocks, progress)
+            file.finish(target)
+    except OSError as error:
+        if isinstance(error, MapFileError):
+            raise
+        raise SweepError(
+            f"{target}: cannot be written (got {error.strerror or error}); check the path, the "
+            "permissions and the free space, then go on with `lutgen sweep --resume`"
+        ) from error
+    finally:
+        numba.set_num_threads(before)
+
+
+def _require_options(
+    recipe: Recipe, engine: str, scheduler: str | None, workers: int | None
+) -> None:
+    """Refuse engines that do not exist and options that they do not have."""
+    if engine not in ENGINES:
+        raise InputError(f"unknown engine {engine!r}; this version has: {', '.join(ENGINES)}")
+    for name, value in (("scheduler", scheduler), ("workers", workers)):
+        if value is not None and engine != "dask":
+            raise InputError(f"{name} needs the engine dask (got {value} with {engine})")
+    if workers is not None and scheduler is not None:
+        raise InputError(
+            f"workers are started for a sweep of their own only (got {workers} with the scheduler "
+            f"{scheduler}); leave one of the two out"
+        )
+    if workers is not None and workers < 1:
+        raise InputError(f"workers must be at least 1 (got {workers})")
+    if recipe.function is not None and engine != "local":
+        raise InputError(
+            f"{recipe.source}: a robot given by code is swept on this machine only (got the "
+            f"engine {engine}); use the engine local"
+        )
+
+
+def _open(file: PartFile, recipe: Recipe, resume: bool) -> None:
+    """Lay out the unfinished file, or check one to go on with."""
+    go_on = resume and file.begun()
+    try:
+        if go_on:
+            file.require_same(recipe)
+        file.require_space()
+        if not go_on:
+            file.begin()
+    except BaseException:
+        # A file that is not laid out yet is of no use.
+        if not file.begun():
+            file.path.unlink(missing_ok=True)
+        raise
+
+
+def _compute_here(file: PartFile, recipe: Recipe, layout: Plan) -> Generator[int, None, None]:
+    """Compute and write every block that is not done; yield its number."""
+    computer = Computer(recipe, layout)
+    for number in range(layout.count):
+        if not file.done[number]:
+            file.write(number, computer.compute(layout.block(number)).values())
+            yield number
+
+
+def _fill(
+    file: PartFile,
+    recipe: Recipe,
+    layout: Plan,
+    blocks: Generator[int, None, None],
+    progress: Callable[[int, int], None] | None,
+) -> None:
+    """Fill the file; say in it what is done, should anything stop that."""
+    finished = 0
+    try:
+        with closing(blocks):
+            for number in chain(file.find_done(), blocks):
+                block = layout.block(number)
+                finished += (block.last_row - block.first_row) * recipe.chart.nodes
+                if progress is not None:
+                    progress(finished, layout.nodes)
+    except BaseException:
+        file.leave()
+        raise

@@ -1,0 +1,34 @@
+"""Text into a recipe, and a recipe into postures.
+
+In reading order: `table`, `robot`, `loads`, `plugin`, `described`, `recipe`, `kinematics`,
+`candidates`, `proposal_text`, `proposal`.
+"""
+
+from lutgen.recipe.kinematics import Postures, forward, postures, shapes
+from lutgen.recipe.proposal import import_urdf
+from lutgen.recipe.recipe import (
+    Contact,
+    Parameter,
+    Recipe,
+    Wheel,
+    load_recipe,
+    parse_recipe,
+    recipe_digest,
+)
+from lutgen.recipe.robot import to_internal
+
+__all__ = [
+    "Contact",
+    "Parameter",
+    "Postures",
+    "Recipe",
+    "Wheel",
+    "forward",
+    "import_urdf",
+    "load_recipe",
+    "parse_recipe",
+    "postures",
+    "recipe_digest",
+    "shapes",
+    "to_internal",
+]

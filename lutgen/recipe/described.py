@@ -1,0 +1,161 @@
+"""Robots given by a robot description: ``[robot] urdf = "robot.urdf"``.
+
+Owns which file such a recipe may name, and which joints of it are the recipe's parameters.
+"""
+
+from pathlib import Path, PurePosixPath
+
+from lutgen.errors import suggestion
+from lutgen.parts import Contact, Link, Parameter
+from lutgen.recipe.robot import read_contacts
+from lutgen.recipe.table import Table
+from lutgen.urdf import (
+    MAX_BYTES,
+    TURN,
+    Motion,
+    UrdfRobot,
+    link_contacts,
+    links_of,
+    parse_urdf,
+    read_motion,
+)
+
+__all__ = ["read_content", "read_urdf"]
+
+# rad or m: descriptions round their limits, and so do recipes in deg.
+SAME = 1e-6
+
+
+def read_content(robot: Table, inert: bool = False) -> str:
+    """Return the text of the file that the recipe names.
+
+    Parameters
+    ----------
+    robot : Table
+        The ``[robot]`` table.  Its `urdf` is a relative path to a file in the recipe's folder or
+        below, also after following links; any other raises RecipeError.
+    inert : bool
+        Open no file: RecipeError is raised instead.
+    """
+    name = _name(robot)
+    if inert:
+        robot.fail("urdf", "is not stored beside the recipe", name, "sweep the recipe again")
+    path = PurePosixPath(name)
+    way_out = "copy the file beside the recipe and write its name"
+    if path.is_absolute() or ".." in path.parts or "\\" in name or "\0" in name:
+        robot.fail("urdf", "must be a relative path without '..'", name, way_out)
+    folder = Path(robot.source).resolve().parent
+    try:
+        target = (folder / path).resolve()
+        if not target.is_relative_to(folder):
+            robot.fail("urdf", "leads out of the recipe's folder", name, way_out)
+        if not target.is_file():
+            robot.fail("urdf", "names no file", name, way_out)
+        with target.open("rb") as file:
+            raw = file.read(MAX_BYTES + 1)
+        return raw.decode("utf-8-sig")
+    except (OSError, RuntimeError) as error:
+        robot.fail("urdf", f"cannot be read: {error}", name, way_out)
+    except UnicodeDecodeError as error:
+        line = raw.count(b"\n", 0, error.start) + 1
+        robot.fail("urdf", f"names a file whose line {line} is not UTF-8", name, "save it as UTF-8")
+
+
+def read_urdf(
+    robot: Table, parameters: tuple[Parameter, ...], content: str
+) -> tuple[tuple[Link, ...], tuple[Contact, ...]]:
+    """Return links and contacts of a recipe that names a robot description.
+
+    Parameters
+    ----------
+    robot : Table
+        The ``[robot]`` table: `urdf`, `length_unit` "m", ``[[robot.parameter]]`` and
+        ``[[robot.contact]]``.
+    parameters : tuple of Parameter
+        The recipe's parameters.  Each is the joint that its `joint` key names, or the one of its
+        own name, within that joint's limits; joints that are none stand at zero or at their limit
+        nearest to zero, and joints that mimic one follow it.
+    content : str
+        XML.
+
+    Returns
+    -------
+    links : tuple of Link
+        All links under their own names, m and kg.
+    contacts : tuple of Contact
+        Those with a position as written, the others derived from their link's collision shapes.
+    """
+    unit = robot.values["length_unit"]
+    if unit != "m":
+        robot.fail("length_unit", "of a robot description is m", unit, 'write length_unit = "m"')
+    described = parse_urdf(content, f"{robot.source}: {_name(robot)}")
+    joints = _joints(robot, parameters, described)
+    motion = read_motion(described, list(joints))
+    _check_ranges(robot, parameters, described, motion, joints)
+    links = links_of(described, motion, joints)
+    bodies = {link.name: link for link in described.links}
+
+    def derive(table: Table, name: str) -> list[Contact]:
+        base = table.string("name", "name the contacts") if "name" in table else None
+        found = link_contacts(bodies[name], base)
+        if not found:
+            kinds = [shape.kind for shape in bodies[name].collisions]
+            what = "has no collision sphere, cylinder or box, and the contact no position"
+            table.fail("link", what, kinds, "write position = [x, y, z] in the link's frame")
+        return found
+
+    return links, read_contacts(robot, links, derive)
+
+
+def _name(robot: Table) -> str:
+    """Return the path of the description as written."""
+    return robot.string("urdf", "write the name of a URDF file beside the recipe")
+
+
+def _joints(
+    robot: Table, parameters: tuple[Parameter, ...], described: UrdfRobot
+) -> dict[str, str]:
+    """Return the parameter of each joint that is one."""
+    known = {joint.name: None for joint in described.joints if joint.kind != "fixed"}
+    result: dict[str, str] = {}
+    tables = robot.tables("parameter", ("name", "min", "max", "unit", "joint"))
+    for table, parameter in zip(tables, parameters, strict=True):
+        key = "joint" if "joint" in table else "name"
+        name = table.string(key, "name a joint of the description")
+        if name not in known:
+            way_out = suggestion(name, known, "use one of")
+            table.fail(key, "is no moving joint of the description", name, way_out)
+        if name in result:
+            table.fail(key, "is the joint of another parameter already", name, "remove one")
+        result[name] = parameter.name
+    return result
+
+
+def _check_ranges(
+    robot: Table,
+    parameters: tuple[Parameter, ...],
+    described: UrdfRobot,
+    motion: Motion,
+    joints: dict[str, str],
+) -> None:
+    """Refuse parameters of the wrong unit and values that their joints cannot take."""
+    kinds = {joint.name: joint.kind for joint in described.joints}
+    for i, (parameter, joint) in enumerate(zip(parameters, joints, strict=True), 1):
+        wanted = "m" if kinds[joint] == "prismatic" else "rad"
+        if parameter.unit != wanted:
+            needed = "a length" if wanted == "m" else "an angle"
+            robot.fail(
+                f"parameter[{i}].unit",
+                f"must be {needed}: joint {joint!r} is {kinds[joint]}",
+                parameter.display_unit,
+                'write unit = "m"' if wanted == "m" else 'write unit = "deg"',
+            )
+        low, high = motion.free[joint]
+        whole = wanted == "rad" and high - low >= TURN
+        if not whole and not low - SAME <= parameter.minimum < parameter.maximum <= high + SAME:
+            robot.fail(
+                f"parameter[{i}].min",
+                f"and max must lie within {low:g} to {high:g} {wanted}, the limits of {joint!r}",
+                [parameter.minimum, parameter.maximum],
+                "narrow them or correct the description",
+            )

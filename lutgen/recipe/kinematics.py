@@ -1,0 +1,339 @@
+"""From parameter values to postures: contacts, points where forces act, and the centre of mass.
+
+One kernel walks the link tree for every posture.  What the contacts then stand on is
+not known here.
+"""
+
+import math
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lutgen.errors import InputError
+from lutgen.jit import njit
+from lutgen.parts import Contact, Force, Link, Vector
+from lutgen.recipe.recipe import Recipe
+from lutgen.rotation import rotation
+
+__all__ = ["Postures", "forward", "postures", "shapes"]
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+FIXED, REVOLUTE, PRISMATIC = 0, 1, 2
+KINDS = {"point": 0, "sphere": 1, "disc": 2}
+
+
+class Postures(NamedTuple):
+    """Postures of a robot, body frame, in the recipe's length unit.
+
+    `centres` (m, n, 3): contact centres relative to the com; `axes` (m, n, 3): unit
+    axes of the discs, zero for other contacts; `com` (m, 3): in the recipe's frame;
+    `force_points` (m, f, 3): where the recipe's forces act, relative to the com.
+    """
+
+    centres: Floats
+    axes: Floats
+    com: Floats
+    force_points: Floats
+
+
+class Tree(NamedTuple):
+    """The links as flat arrays, parents before children, and what is attached to them."""
+
+    parent: Ints  # (l,), -1 for the root
+    origin: Floats  # (l, 3)
+    rotation: Floats  # (l, 3, 3)
+    joint: Ints  # (l,) FIXED, REVOLUTE or PRISMATIC
+    axis: Floats  # (l, 3)
+    parameter: Ints  # (l,) column of params
+    scale: Floats  # (l,)
+    offset: Floats  # (l,)
+    mass: Floats  # (l,) share of the whole mass
+    com: Floats  # (l, 3)
+    # Contacts, and after them the points where forces act, whose axes are zero.
+    point_link: Ints  # (n + f,)
+    point_position: Floats  # (n + f, 3)
+    point_axis: Floats  # (n + f, 3)
+
+
+def forward(recipe: Recipe, params: ArrayLike) -> Postures:
+    """Compute postures.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The robot.
+    params : (m, k) array_like
+        One row per posture, one column per parameter, rad or length.  Values outside
+        the parameters' limits are computed like any other; NaN and infinity raise
+        InputError.
+
+    Returns
+    -------
+    Postures
+        Contact centres relative to the com, disc axes, the com, and where forces act.
+    """
+    values = _checked(recipe, params)
+    if recipe.python is not None and recipe.function is None:
+        raise InputError(
+            f"{recipe.source}: the robot is given by code that was not loaded (got python = "
+            f"{recipe.python!r}); load its recipe file with allow_python"
+        )
+    if recipe.function is not None:
+        return _forward_python(recipe, values)
+    contacts = len(recipe.contacts)
+    shape = (len(values), contacts + len(recipe.forces), 3)
+    points, axes, com = np.empty(shape), np.empty(shape), np.empty((len(values), 3))
+    _forward(values, *_tree(recipe), points, axes, com)
+    if not recipe.forces:
+        return Postures(points, axes, com, points[:, contacts:])
+    return Postures(
+        np.ascontiguousarray(points[:, :contacts]),
+        np.ascontiguousarray(axes[:, :contacts]),
+        com,
+        np.ascontiguousarray(points[:, contacts:]),
+    )
+
+
+def postures(recipe: Recipe, params: ArrayLike) -> tuple[Floats, Floats]:
+    """Compute contact centres and centres of mass.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The robot.
+    params : (m, k) array_like
+        One row per posture, rad or length.
+
+    Returns
+    -------
+    contacts : (m, n, 3) float64
+        Centres of the contacts relative to the com, body frame.
+    com : (m, 3) float64
+        Centre of mass in the recipe's frame.
+    """
+    result = forward(recipe, params)
+    return result.centres, result.com
+
+
+def shapes(recipe: Recipe) -> tuple[Floats, Ints]:
+    """Return radius (n,) and kind (n,) of the contacts: 0 point, 1 sphere, 2 disc."""
+    radius = np.array([contact.radius for contact in recipe.contacts], dtype=np.float64)
+    kind = np.array([KINDS[contact.kind] for contact in recipe.contacts], dtype=np.int64)
+    return radius, kind
+
+
+def _checked(recipe: Recipe, params: ArrayLike) -> Floats:
+    """Return params as a C-contiguous (m, k) array of finite numbers."""
+    values = np.ascontiguousarray(params, dtype=np.float64)
+    names = ", ".join(p.name for p in recipe.parameters)
+    if values.ndim != 2 or values.shape[1] != len(recipe.parameters):
+        raise InputError(
+            f"{recipe.source}: params must have shape (m, {len(recipe.parameters)}) "
+            f"(got {values.shape}); give one row per posture with the columns: {names}."
+        )
+    bad = ~np.isfinite(values)
+    if bad.any():
+        row, column = np.unravel_index(bad.argmax(), bad.shape)
+        raise InputError(
+            f"{recipe.source}: parameter `{recipe.parameters[column].name}` must be finite "
+            f"(got {values[row, column]} in row {row}); pass numbers only."
+        )
+    return values
+
+
+def _forward_python(recipe: Recipe, values: Floats) -> Postures:
+    """Call the robot's own function."""
+    function: Any = recipe.function
+    contacts, com = (np.asarray(part, dtype=np.float64) for part in function(values))
+    shape = (len(values), len(recipe.contacts), 3)
+    if contacts.shape != shape or com.shape != (len(values), 3):
+        raise InputError(
+            f"{recipe.source}: `{recipe.python}` must return contacts {shape} and com "
+            f"{(len(values), 3)} (got {contacts.shape} and {com.shape}); correct the function."
+        )
+    if not (np.isfinite(contacts).all() and np.isfinite(com).all()):
+        raise InputError(
+            f"{recipe.source}: `{recipe.python}` must return finite numbers (got NaN or "
+            "infinity); correct the function."
+        )
+    centres = contacts - com[:, None, :]
+    return Postures(centres, np.zeros(shape), com.copy(), np.empty((len(values), 0, 3)))
+
+
+@lru_cache(maxsize=16)
+def _tree(recipe: Recipe) -> Tree:
+    """Flatten the links of a recipe."""
+    links = _sorted(recipe.links)
+    row = {link.name: i for i, link in enumerate(links)}
+    column = {p.name: i for i, p in enumerate(recipe.parameters)}
+    joints = [link.joint for link in links]
+    kinds = {"revolute": REVOLUTE, "prismatic": PRISMATIC}
+    mass = np.array([link.mass for link in links])
+    total = mass.sum()
+    # Without masses the com is the origin of the recipe's frame: no link has a share.
+    share = mass / total if total > 0.0 else mass
+
+    def rows(vectors: list[Vector]) -> Floats:
+        return np.array(vectors, dtype=np.float64).reshape(-1, 3)
+
+    zero = (0.0, 0.0, 0.0)
+    points: list[Contact | Force] = [*recipe.contacts, *recipe.forces]
+    axes = [*(contact.axis or zero for contact in recipe.contacts), *(zero for _ in recipe.forces)]
+    return Tree(
+        np.array([-1 if link.parent is None else row[link.parent] for link in links], np.int64),
+        rows([link.origin for link in links]),
+        np.array([rotation(link.rpy) for link in links]),
+        np.array([kinds[joint.kind] if joint else FIXED for joint in joints], np.int64),
+        rows([joint.axis if joint else zero for joint in joints]),
+        np.array([column[joint.parameter] if joint else 0 for joint in joints], np.int64),
+        np.array([joint.scale if joint else 0.0 for joint in joints]),
+        np.array([joint.offset if joint else 0.0 for joint in joints]),
+        share,
+        rows([link.com for link in links]),
+        np.array([row[point.link] for point in points], np.int64),
+        rows([point.position for point in points]),
+        rows(axes),
+    )
+
+
+def _sorted(links: tuple[Link, ...]) -> list[Link]:
+    """Return the links by their distance from the root, so that parents come first."""
+    children: dict[str | None, list[Link]] = {}
+    for link in links:
+        children.setdefault(link.parent, []).append(link)
+    depth: dict[str, int] = {}
+    level, reached = 0, children.get(None, [])
+    while reached:
+        depth.update((link.name, level) for link in reached)
+        level, reached = level + 1, [c for link in reached for c in children.get(link.name, ())]
+    return sorted(links, key=lambda link: depth[link.name])
+
+
+@njit()
+def _turn(axis: Floats, angle: float, out: Floats) -> None:
+    """Write the rotation matrix about a unit axis (Rodrigues' formula)."""
+    c, s = math.cos(angle), math.sin(angle)
+    x, y, z, d = axis[0], axis[1], axis[2], 1.0 - c
+    out[0, 0] = c + x * x * d
+    out[0, 1] = x * y * d - z * s
+    out[0, 2] = x * z * d + y * s
+    out[1, 0] = x * y * d + z * s
+    out[1, 1] = c + y * y * d
+    out[1, 2] = y * z * d - x * s
+    out[2, 0] = x * z * d - y * s
+    out[2, 1] = y * z * d + x * s
+    out[2, 2] = c + z * z * d
+
+
+@njit()
+def _multiply(left: Floats, right: Floats, out: Floats) -> None:
+    """Write the product of two 3 x 3 matrices; `out` must be neither of them."""
+    for i in range(3):
+        for j in range(3):
+            out[i, j] = (
+                left[i, 0] * right[0, j] + left[i, 1] * right[1, j] + left[i, 2] * right[2, j]
+            )
+
+
+@njit()
+def _rotate(matrix: Floats, vector: Floats, i: int) -> float:
+    """Return component i of matrix times vector."""
+    return float(matrix[i, 0] * vector[0] + matrix[i, 1] * vector[1] + matrix[i, 2] * vector[2])
+
+
+@njit()
+def _place(
+    link: int,
+    params: Floats,
+    parent: Ints,
+    origin: Floats,
+    rotation: Floats,
+    joint: Ints,
+    axis: Floats,
+    parameter: Ints,
+    scale: Floats,
+    offset: Floats,
+    turn: Floats,
+    where: Floats,
+    work: Floats,
+) -> None:
+    """Write rotation and origin of one link in the body frame to `turn` and `where`.
+
+    `work` (2, 3, 3) is scratch; the parent's rows must have been written.
+    """
+    here = turn[link]
+    above = parent[link]
+    if above < 0:
+        here[:] = rotation[link]
+        where[link] = origin[link]
+    else:
+        _multiply(turn[above], rotation[link], here)
+        for i in range(3):
+            where[link, i] = where[above, i] + _rotate(turn[above], origin[link], i)
+    if joint[link] == FIXED:
+        return
+    value = scale[link] * params[parameter[link]] + offset[link]
+    if joint[link] == REVOLUTE:
+        work[0] = here
+        _turn(axis[link], value, work[1])
+        _multiply(work[0], work[1], here)
+    else:
+        for i in range(3):
+            where[link, i] += value * _rotate(here, axis[link], i)
+
+
+@njit()
+def _forward(
+    params: Floats,
+    parent: Ints,
+    origin: Floats,
+    rotation: Floats,
+    joint: Ints,
+    axis: Floats,
+    parameter: Ints,
+    scale: Floats,
+    offset: Floats,
+    mass: Floats,
+    link_com: Floats,
+    point_link: Ints,
+    point_position: Floats,
+    point_axis: Floats,
+    points: Floats,
+    axes: Floats,
+    com: Floats,
+) -> None:
+    """Write postures, each one computed by itself."""
+    links = len(parent)
+    for m in range(len(params)):
+        turn = np.empty((links, 3, 3))
+        where = np.empty((links, 3))
+        work = np.empty((2, 3, 3))
+        com[m] = 0.0
+        for link in range(links):
+            _place(
+                link,
+                params[m],
+                parent,
+                origin,
+                rotation,
+                joint,
+                axis,
+                parameter,
+                scale,
+                offset,
+                turn,
+                where,
+                work,
+            )
+            for i in range(3):
+                com[m, i] += mass[link] * (where[link, i] + _rotate(turn[link], link_com[link], i))
+        for n in range(len(point_link)):
+            link = point_link[n]
+            for i in range(3):
+                centre = where[link, i] + _rotate(turn[link], point_position[n], i)
+                points[m, n, i] = centre - com[m, i]
+                axes[m, n, i] = _rotate(turn[link], point_axis[n], i)

@@ -1,0 +1,175 @@
+"""Propose a recipe from a robot description, and say what the description has besides.
+
+Owns the choice between what is asked for and what is proposed; ``urdf_text.py`` writes it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from lutgen.errors import RecipeError
+from lutgen.recipe.candidates import (
+    effects,
+    inner_contacts,
+    named_contacts,
+    proposed_contacts,
+    robot_size,
+    unique_names,
+)
+from lutgen.recipe.proposal_text import carrying_links, recipe_text
+from lutgen.recipe.recipe import Contact, Recipe, parse_recipe
+from lutgen.recipe.robot import MAX_CONTACTS
+from lutgen.urdf import Motion, UrdfRobot, places, read_motion, used_shapes
+
+__all__ = ["Imported", "import_urdf"]
+
+# More joints than this are not proposed as parameters: no disk holds their map.
+MAX_PARAMETERS = 10
+# Shares of the robot's size.  A contact that moves less does not move: descriptions round their
+# angles (1.570795 for a right angle).  A joint that moves the com less, and no contact, is held:
+# each parameter makes the map several times larger.
+STILL, SLIGHT = 1e-5, 5e-3
+# Names that a sentence lists.
+LISTED = 12
+
+
+@dataclass(frozen=True)
+class Imported:
+    """A recipe's text, the recipe, and sentences on what the description has besides."""
+
+    text: str
+    recipe: Recipe
+    left_out: tuple[str, ...]
+
+
+def import_urdf(
+    robot: UrdfRobot,
+    contacts: Sequence[str] | None = None,
+    given: Sequence[Contact] = (),
+    joints: Sequence[str] | None = None,
+) -> Imported:
+    """Turn a description into a recipe.
+
+    Parameters
+    ----------
+    robot : UrdfRobot
+        The description; lengths in m.
+    contacts : sequence of str, optional
+        Links whose collision shapes touch the ground.  None: if `given` is empty, every sphere
+        and cylinder whose lowest point lies below the com at rest, else none.
+    given : sequence of Contact
+        Contacts in the frames of the description's links.
+    joints : sequence of str, optional
+        Joints that become parameters; None for all that move a contact, or the com by more than
+        0.5 % of the robot's size.
+
+    Returns
+    -------
+    Imported
+        RecipeError is raised for unknown names, where there are not 3 to 32 contacts, and where
+        more than 10 joints would become parameters without being asked for.
+    """
+    motion = read_motion(robot, joints)
+    rest = places(robot, motion)
+    _check_links(robot, given)
+    if contacts is None and not given:
+        found = proposed_contacts(robot, rest)
+    else:
+        found = [*given, *named_contacts(robot, contacts or ())]
+    if len(found) < 3:
+        raise _wrong_number(robot, len(found))
+    if joints is None:
+        motion = _proposed_motion(robot, motion, found)
+    inner = inner_contacts(robot, motion, found, rest)
+    found = unique_names([contact for contact in found if contact not in inner])
+    if not 3 <= len(found) <= MAX_CONTACTS:
+        raise _wrong_number(robot, len(found))
+    text = recipe_text(robot, motion, found)
+    recipe = parse_recipe(text, robot.source)
+    return Imported(text, recipe, tuple(_left_out(robot, motion, found, inner)))
+
+
+def _check_links(robot: UrdfRobot, given: Sequence[Contact]) -> None:
+    """Refuse contacts on unknown links."""
+    known = {link.name for link in robot.links}
+    for contact in given:
+        if contact.link not in known:
+            named_contacts(robot, [contact.link])
+
+
+def _wrong_number(robot: UrdfRobot, count: int) -> RecipeError:
+    return RecipeError(
+        f"{robot.source}: a robot needs 3 to {MAX_CONTACTS} contacts (got {count}); "
+        "name the links that touch the ground with --contact."
+    )
+
+
+def _proposed_motion(robot: UrdfRobot, motion: Motion, contacts: Sequence[Contact]) -> Motion:
+    """Hold the joints that hardly matter, and say how much they do."""
+    size = robot_size(contacts, places(robot, motion))
+    why = {}
+    chosen = []
+    for name, (way, com) in effects(robot, motion, contacts).items():
+        if way > STILL * size or com > SLIGHT * size:
+            chosen.append(name)
+        elif com > STILL * size:
+            why[name] = f"moves no contact and the com by at most {1000.0 * com:.2g} mm"
+        else:
+            why[name] = "moves neither contacts nor com"
+    if len(chosen) > MAX_PARAMETERS:
+        raise RecipeError(
+            f"{robot.source}: more than {MAX_PARAMETERS} joints move contacts or com (got "
+            f"{_listed(chosen)}); choose the parameters among them with --joint."
+        )
+    result = read_motion(robot, chosen)
+    result.held.update(why)
+    return result
+
+
+def _listed(names: Sequence[str]) -> str:
+    """Return names with commas, the first dozen of them."""
+    shown = ", ".join(names[:LISTED])
+    return shown if len(names) <= LISTED else f"{shown} and {len(names) - LISTED} more"
+
+
+def _left_out(
+    robot: UrdfRobot, motion: Motion, contacts: Sequence[Contact], inner: Sequence[Contact]
+) -> list[str]:
+    """Return one sentence for each thing of the description that the recipe does not have."""
+    result = []
+    reasons: dict[str, list[str]] = {}
+    for name, why in motion.held.items():
+        reasons.setdefault(why, []).append(name)
+    for why, names in reasons.items():
+        result.append(
+            f"joints {_listed(names)}: held, each {why}"
+            if len(names) > 1
+            else f"joint {_listed(names)}: held, {why}"
+        )
+    if inner:
+        names = [contact.name for contact in inner]
+        result.append(f"contacts between two others, which carry nothing alone: {_listed(names)}")
+    touching = {contact.link for contact in contacts} | {contact.link for contact in inner}
+    unused = [link.name for link in robot.links if link.collisions and link.name not in touching]
+    if unused:
+        result.append(f"collision shapes of links that are no contacts: {_listed(unused)}")
+    partly = {
+        link.name: sorted({shape.kind for shape in link.collisions if shape not in used})
+        for link in robot.links
+        if link.name in touching and (used := used_shapes(link)) != list(link.collisions)
+    }
+    if partly:
+        kinds = sorted({kind for found in partly.values() for kind in found})
+        result.append(f"collision shapes of kind {_listed(kinds)}: of {_listed(list(partly))}")
+    weightless = [link.name for link in robot.links if link.collisions and not link.mass]
+    if weightless:
+        result.append(f"links without mass, which weigh nothing here: {_listed(weightless)}")
+    carrying = carrying_links(robot, contacts)
+    bare = [link.name for link in robot.links if link.name not in carrying]
+    if bare:
+        result.append(f"links without mass or contacts: {_listed(bare)}")
+    if not any(link.mass > 0.0 for link in robot.links):
+        result.append("masses: none is given, so that the com is the origin of the root link")
+    if robot.ignored:
+        tags = [f"{count} <{tag}>" for tag, count in robot.ignored.items()]
+        result.append(f"other elements: {_listed(tags)}")
+    return result

@@ -1,0 +1,155 @@
+"""Write the recipe of a robot description as TOML."""
+
+import json
+import math
+import re
+from collections.abc import Mapping, Sequence
+
+from lutgen.parts import Contact, Link
+from lutgen.recipe.robot import RESERVED
+from lutgen.urdf import Motion, UrdfRobot, links_of
+
+__all__ = ["carrying_links", "recipe_text"]
+
+# Nodes of a parameter in the sweep that is proposed, and postures of the whole.
+FEWEST, MOST, POSTURES = 3, 37, 5_000
+
+
+def recipe_text(robot: UrdfRobot, motion: Motion, contacts: Sequence[Contact]) -> str:
+    """Return a complete recipe.
+
+    Parameters
+    ----------
+    robot : UrdfRobot
+        The description.
+    motion : Motion
+        Free joints become parameters.
+    contacts : sequence of Contact
+        In the frames of the description's links, each with a name of its own.
+
+    Returns
+    -------
+    str
+        TOML; links without mass and contacts, and all that hangs from them, are left out.
+    """
+    parameters = _parameter_names(motion)
+    names = _link_names(robot)
+    kinds = {joint.name: joint.kind for joint in robot.joints}
+    lines = [
+        f"# From the robot description {_quoted(robot.name)}; its root is {_quoted(robot.root)}.",
+        "# Check which contacts touch the ground, and which parameters matter.",
+        "[robot]",
+        f"name = {_quoted(robot.name)}",
+        'length_unit = "m"',
+        "upright = 90.0",
+        "rock_angle = 30.0",
+        "",
+    ]
+    for joint, (low, high) in motion.free.items():
+        unit = "m" if kinds[joint] == "prismatic" else "deg"
+        lines += ["[[robot.parameter]]", f'name = "{parameters[joint]}"']
+        lines += [f"min = {_shown(low, unit)!r}", f"max = {_shown(high, unit)!r}"]
+        lines += [f'unit = "{unit}"', ""]
+    held = {j.child: j.name for j in robot.joints if j.name in motion.held}
+    carrying = carrying_links(robot, contacts)
+    for link in links_of(robot, motion, parameters):
+        if link.name in carrying:
+            lines += _link_lines(link, names)
+            if link.name in held:
+                joint = held[link.name]
+                lines.append(f"# Held: joint {_quoted(joint)} {motion.held[joint]}.")
+            lines.append("")
+    for contact in contacts:
+        lines += ["[[robot.contact]]", f"name = {_quoted(contact.name)}"]
+        lines += [f"link = {_quoted(names[contact.link])}"]
+        lines += [f"position = {_vector(contact.position)}"]
+        lines += [f"radius = {contact.radius!r}"] if contact.radius else []
+        lines += [f"axis = {_vector(contact.axis)}"] if contact.axis else []
+        lines += [""]
+    return "\n".join([*lines, *_sweep_lines(list(parameters.values())), ""])
+
+
+def carrying_links(robot: UrdfRobot, contacts: Sequence[Contact]) -> set[str]:
+    """Return the links with mass or contacts and those that they hang from."""
+    parents = {joint.child: joint.parent for joint in robot.joints}
+    result = {robot.root}
+    needed = {link.name for link in robot.links if link.mass > 0.0} | {c.link for c in contacts}
+    for name in needed:
+        while name not in result:
+            result.add(name)
+            name = parents[name]
+    return result
+
+
+def _link_names(robot: UrdfRobot) -> dict[str, str]:
+    """Return the recipe's name of each link: its own, but "body" for the root."""
+    names = {link.name: link.name for link in robot.links}
+    if robot.root != "body":
+        # Another link of that name makes room.
+        if "body" in names:
+            names["body"] = next(n for i in range(len(names)) if (n := f"body_{i}") not in names)
+        names[robot.root] = "body"
+    return names
+
+
+def _parameter_names(motion: Motion) -> dict[str, str]:
+    """Return an identifier for each free joint."""
+    result: dict[str, str] = {}
+    for joint in motion.free:
+        base = re.sub(r"[^A-Za-z0-9_]", "_", joint)
+        if not base[0].isalpha() or base in RESERVED:
+            base = f"joint_{base}"
+        name, count = base, 1
+        while name in result.values():
+            count += 1
+            name = f"{base}_{count}"
+        result[joint] = name
+    return result
+
+
+def _link_lines(link: Link, names: Mapping[str, str]) -> list[str]:
+    """Return a link and how it is attached."""
+    lines = ["[[robot.link]]", f"name = {_quoted(names[link.name])}"]
+    if link.mass > 0.0:
+        lines += [f"mass = {link.mass!r}", f"com = {_vector(link.com)}"]
+    if link.parent is None:
+        return lines
+    lines.append(f"parent = {_quoted(names[link.parent])}")
+    lines.append(f"origin = {_vector(link.origin)}")
+    lines.append(f"rpy = {[_shown(angle, 'deg') for angle in link.rpy]}")
+    joint = link.joint
+    if joint is not None:
+        unit = "m" if joint.kind == "prismatic" else "deg"
+        moving = f'type = "{joint.kind}", axis = {_vector(joint.axis)}'
+        moving += f', parameter = "{joint.parameter}"'
+        if joint.scale != 1.0 or joint.offset:
+            moving += f", scale = {joint.scale!r}, offset = {_shown(joint.offset, unit)!r}"
+        lines.append(f"joint = {{ {moving} }}")
+    return lines
+
+
+def _sweep_lines(parameters: Sequence[str]) -> list[str]:
+    """Return the sweep: a map of a few thousand postures."""
+    lines = ["[sweep]"]
+    if parameters:
+        nodes = min(max(int(POSTURES ** (1.0 / len(parameters))), FEWEST), MOST)
+        # An odd number has a node in the middle.
+        nodes -= 1 - nodes % 2
+        lines.append(f"samples = {{ {', '.join(f'{name} = {nodes}' for name in parameters)} }}")
+    lines += ["[sweep.gravity]", 'chart = "cone"', "max_tilt = 60.0", "nodes = 33"]
+    return [*lines, 'channels = ["sdg", "tip_angle", "height"]']
+
+
+def _shown(value: float, unit: str) -> float:
+    """Return a value in its unit; 12 decimals of a degree are 2e-14 rad, of a metre 1 pm."""
+    return round(math.degrees(value) if unit == "deg" else value, 12) + 0.0
+
+
+def _vector(values: Sequence[float]) -> list[float]:
+    """Return lengths or a direction without the last digits' noise."""
+    return [_shown(value, "m") for value in values]
+
+
+def _quoted(text: str) -> str:
+    """Return a TOML string."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")

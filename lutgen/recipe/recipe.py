@@ -1,0 +1,384 @@
+"""Read and check a recipe: the robot, its sweep, and the defaults of its export.
+
+A recipe is TOML; the result is a frozen ``Recipe`` with every angle in radians.  This
+file does not compute postures (``robot.py``) and writes nothing.
+"""
+
+import hashlib
+import math
+import os
+import re
+import tomllib
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lutgen.chart import Chart
+from lutgen.errors import RecipeError, suggestion
+from lutgen.grid import Axis, Grid
+from lutgen.parts import Contact, Force, Joint, Link, Parameter, Wheel
+from lutgen.recipe.described import read_content, read_urdf
+from lutgen.recipe.loads import read_com_uncertainty, read_forces, read_payloads
+from lutgen.recipe.plugin import load_function
+from lutgen.recipe.robot import (
+    CHANNELS,
+    LENGTH_UNITS,
+    read_contacts,
+    read_links,
+    read_parameters,
+    read_wheels,
+    to_internal,
+)
+from lutgen.recipe.table import Table
+
+__all__ = [
+    "CHANNELS",
+    "Contact",
+    "ExportDefaults",
+    "Force",
+    "Joint",
+    "Link",
+    "Parameter",
+    "Recipe",
+    "Wheel",
+    "load_recipe",
+    "parse_recipe",
+    "recipe_digest",
+]
+
+ROBOT_KEYS = (
+    *("name", "length_unit", "friction", "upright", "rock_angle", "python", "urdf"),
+    *("parameter", "link", "contact", "wheel", "payload", "force", "com_uncertainty"),
+)
+
+
+@dataclass(frozen=True)
+class ExportDefaults:
+    """What ``lutgen export`` uses unless it is told otherwise, as the recipe wrote it."""
+
+    flash: str | None = None
+    max_error: str | None = None
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """A checked recipe; angles in rad, lengths in `length_unit`.
+
+    `python` is ``"module:function"`` for a robot given by code; `function` is then
+    that function.  `text` is the TOML itself and `source` its file name for messages.
+    `urdf` is the content of the robot description that the recipe names.
+    Payloads are links; `com_uncertainty` is the radius of the ball in which the com lies.
+    """
+
+    name: str
+    length_unit: str
+    friction: float | None
+    upright: float
+    rock_angle: float
+    parameters: tuple[Parameter, ...]
+    links: tuple[Link, ...]
+    contacts: tuple[Contact, ...]
+    python: str | None
+    grid: Grid
+    chart: Chart
+    channels: tuple[str, ...]
+    export: ExportDefaults
+    text: str
+    source: str
+    function: Callable[..., Any] | None = field(default=None, compare=False, repr=False)
+    wheels: tuple[Wheel, ...] = ()
+    urdf: str | None = field(default=None, repr=False)
+    forces: tuple[Force, ...] = ()
+    com_uncertainty: float = 0.0
+
+    def __hash__(self) -> int:
+        # Of the text alone: the robot is looked up by its recipe in every evaluation.
+        return hash(self.text)
+
+    @property
+    def digest(self) -> str:
+        """What ``recipe_digest`` gives for the text and the description that it names."""
+        return recipe_digest(self.text, self.urdf)
+
+    @property
+    def contact_names(self) -> tuple[str, ...]:
+        """Names of the contacts, in order."""
+        return tuple(contact.name for contact in self.contacts)
+
+    @property
+    def pulled(self) -> bool:
+        """Whether any force or moment acts beside the weight."""
+        return any(force.acts for force in self.forces)
+
+    @property
+    def loaded(self) -> bool:
+        """Whether stability is that of `loaded.py`: forces act, or the com is uncertain."""
+        return self.pulled or self.com_uncertainty > 0.0
+
+
+def recipe_digest(text: str, urdf: str | None = None) -> str:
+    """Return the SHA-256 of a recipe's text, in hex; a zero byte and the URDF follow the text."""
+    whole = text if urdf is None else f"{text}\0{urdf}"
+    return hashlib.sha256(whole.encode()).hexdigest()
+
+
+def load_recipe(path: str | os.PathLike[str], allow_python: bool = False) -> Recipe:
+    """Read a recipe file.
+
+    Parameters
+    ----------
+    path : path
+        A TOML file, UTF-8.
+    allow_python : bool
+        Whether a recipe may run the code that its `python` key names.
+
+    Returns
+    -------
+    Recipe
+        Checked; a file with any fault raises RecipeError.
+    """
+    source = os.fspath(path)
+    try:
+        raw = Path(path).read_bytes()
+    except FileNotFoundError:
+        raise RecipeError(f"{source}: there is no such file; check the path.") from None
+    except OSError as error:
+        raise RecipeError(
+            f"{source}: cannot be read (got {error.strerror}); check the path."
+        ) from error
+    try:
+        text = raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = raw.count(b"\n", 0, error.start) + 1
+        raise RecipeError(
+            f"{source}: line {line} is not UTF-8 (got byte 0x{raw[error.start]:02x}); "
+            "save the file as UTF-8."
+        ) from None
+    return parse_recipe(text, source, allow_python)
+
+
+def parse_recipe(
+    text: str,
+    source: str = "<recipe>",
+    allow_python: bool = False,
+    inert: bool = False,
+    urdf: str | None = None,
+) -> Recipe:
+    """Check the text of a recipe.
+
+    Parameters
+    ----------
+    text : str
+        TOML.
+    source : str
+        File name for messages; its folder is where the code of a `python` key and the file of a
+        `urdf` key are.
+    allow_python : bool
+        Whether a recipe may run the code that its `python` key names.
+    inert : bool
+        Leave that code alone even so, and open no file: enough to read a map.
+    urdf : str, optional
+        Content of the robot description that the recipe names, instead of the file.
+
+    Returns
+    -------
+    Recipe
+        Checked; a text with any fault raises RecipeError.
+    """
+    try:
+        values = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        last = f"at line {text.count(chr(10)) + 1}, the end of the file"
+        got = str(error).replace("at end of document", last)
+        raise RecipeError(f"{source}: is not TOML (got {got}); correct that line.") from None
+    root = Table(values, source, "", ("robot", "sweep", "export"))
+    robot = root.table("robot", ROBOT_KEYS, "add a [robot] table")
+    name = robot.string("name", "name the robot")
+    length_unit = robot.string("length_unit", "use one of: m, cm, mm, 1", LENGTH_UNITS)
+    friction = robot.number("friction", "write a number above 0") if "friction" in robot else None
+    if friction is not None and friction <= 0.0:
+        robot.fail("friction", "must be above 0", friction, "leave it out if it is not known")
+    upright = robot.number("upright", "write an angle in deg", 90.0)
+    if not 0.0 < upright <= 180.0:
+        robot.fail("upright", "must lie in (0, 180] deg", upright, "use 90, or 180 for no limit")
+    rock_angle = robot.number("rock_angle", "write an angle in deg", 30.0)
+    if not 0.0 <= rock_angle <= 180.0:
+        robot.fail("rock_angle", "must lie in [0, 180] deg", rock_angle, "30 is the default")
+    parameters = read_parameters(robot, length_unit)
+    python = robot.string("python", "write module:function") if "python" in robot else None
+    sweep = root.table("sweep", ("samples", "gravity", "channels"), "add a [sweep] table")
+    grid = _read_grid(sweep, parameters)
+    chart, channels = _read_gravity(sweep)
+    export = _read_export(root)
+    function = None
+    wheels: tuple[Wheel, ...] = ()
+    content = None
+    forces: tuple[Force, ...] = ()
+    com_uncertainty = read_com_uncertainty(robot)
+    if "urdf" in robot:
+        robot.refuse(("python", "link"), "cannot be combined with `robot.urdf`", "remove it")
+        content = read_content(robot, inert) if urdf is None else urdf
+        links, contacts = read_urdf(robot, parameters, content)
+        wheels = read_wheels(robot, contacts)
+        forces = read_forces(robot, links)
+        links = read_payloads(robot, links)
+    elif python is None:
+        links = read_links(robot, parameters)
+        contacts = read_contacts(robot, links)
+        wheels = read_wheels(robot, contacts)
+        forces = read_forces(robot, links)
+        links = read_payloads(robot, links)
+    else:
+        # Code gives places only: which way an axle on them points is not known.
+        robot.refuse(
+            ("link", "contact", "wheel", "payload", "force"),
+            "cannot be combined with `robot.python`",
+            "remove it",
+        )
+        count = 0
+        if not inert:
+            function, count = load_function(robot, python, parameters, allow_python)
+        links = (Link("body"),)
+        zero = (0.0, 0.0, 0.0)
+        contacts = tuple(Contact(f"P{i}", "body", zero) for i in range(1, count + 1))
+    recipe = Recipe(
+        name,
+        length_unit,
+        friction,
+        math.radians(upright),
+        math.radians(rock_angle),
+        parameters,
+        links,
+        contacts,
+        python,
+        grid,
+        chart,
+        channels,
+        export,
+        text,
+        source,
+        function,
+        wheels,
+        content,
+        forces,
+        com_uncertainty,
+    )
+    if recipe.loaded and "energy_margin" in channels:
+        sweep.fail(
+            "channels",
+            "energy_margin is not defined under a force or with com_uncertainty",
+            list(channels),
+            "leave it out",
+        )
+    return recipe
+
+
+def _read_grid(sweep: Table, parameters: tuple[Parameter, ...]) -> Grid:
+    """Read ``sweep.samples``: nodes or knots of each parameter."""
+    names = [p.name for p in parameters]
+    if not names and "samples" not in sweep:
+        return Grid(())
+    samples = sweep.need("samples", f"give the nodes of each parameter: {', '.join(names)}")
+    if not isinstance(samples, dict):
+        sweep.fail("samples", "must be a table", samples, "write samples = { name = 50 }")
+    for name in samples:
+        if name not in names:
+            way_out = suggestion(name, names, "use one of")
+            sweep.fail(f"samples.{name}", "is not a parameter of the robot", name, way_out)
+    table = Table(samples, sweep.source, sweep.path("samples"), names)
+    return Grid(tuple(Axis(p.name, p.unit, _read_knots(table, p)) for p in parameters))
+
+
+def _read_knots(samples: Table, parameter: Parameter) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """Return the knots of one parameter in rad or length."""
+    name = parameter.name
+    way_out = "give a number of nodes or a list of knots"
+    value = samples.need(name, way_out)
+    if isinstance(value, list):
+        if len(value) < 2:
+            samples.fail(name, "needs at least 2 knots", value, "add knots")
+        numbers = [samples.as_number(f"{name}[{i}]", v, way_out) for i, v in enumerate(value, 1)]
+        knots = [to_internal(number, parameter.display_unit) for number in numbers]
+        for i, knot in enumerate(knots):
+            if i and knot <= knots[i - 1]:
+                samples.fail(f"{name}[{i + 1}]", "does not increase", numbers[i], "sort the knots")
+            if not parameter.minimum <= knot <= parameter.maximum:
+                samples.fail(
+                    f"{name}[{i + 1}]",
+                    "lies outside the parameter's min and max",
+                    numbers[i],
+                    "widen the limits or remove the knot",
+                )
+        return np.array(knots)
+    count = samples.integer(name, way_out)
+    if count < 2:
+        samples.fail(name, "needs at least 2 nodes", count, "use 2 or more")
+    return np.linspace(parameter.minimum, parameter.maximum, count)
+
+
+def _read_gravity(sweep: Table) -> tuple[Chart, tuple[str, ...]]:
+    """Read ``[sweep.gravity]`` and the channels, which may stand there or in ``[sweep]``."""
+    table = sweep.table(
+        "gravity", ("chart", "max_tilt", "nodes", "channels"), "add a [sweep.gravity] table"
+    )
+    kind = table.string("chart", "use cone or sphere", ("cone", "sphere"))
+    nodes = table.integer("nodes", "write the nodes per side of a face")
+    fewest = 1 if kind == "cone" else 2
+    if nodes < fewest:
+        table.fail("nodes", f"must be {fewest} or more for the {kind}", nodes, "use more nodes")
+    if kind == "sphere":
+        table.refuse(("max_tilt",), "belongs to the cone only", "remove it")
+        chart = Chart(kind, nodes)
+    else:
+        tilt = table.number("max_tilt", "write the largest tilt in deg")
+        if not 0.0 < tilt <= 85.0:
+            table.fail(
+                "max_tilt",
+                "must lie in (0, 85] deg",
+                tilt,
+                "use the chart 'sphere' for larger tilts",
+            )
+        chart = Chart(kind, nodes, math.radians(tilt))
+    if "channels" in table:
+        sweep.refuse(("channels",), "is given in [sweep.gravity] too", "keep one of them")
+    where = sweep if "channels" in sweep else table
+    channels = where.strings("channels", f"choose from: {', '.join(CHANNELS)}")
+    for i, channel in enumerate(channels, 1):
+        if channel not in CHANNELS:
+            way_out = suggestion(channel, CHANNELS, "choose from")
+            where.fail(f"channels[{i}]", "is not a channel", channel, way_out)
+        if channel in channels[: i - 1]:
+            where.fail(f"channels[{i}]", "is given twice", channel, "remove one")
+    return chart, tuple(channels)
+
+
+def _read_export(root: Table) -> ExportDefaults:
+    """Read ``[export]``, which may be absent."""
+    if "export" not in root:
+        return ExportDefaults()
+    table = root.table("export", ("flash", "max_error"), "write an [export] table")
+    return ExportDefaults(
+        _quantity(
+            table, "flash", r"[0-9]+(\.[0-9]+)? ?(B|[kK]i?B|Mi?B)?", "write bytes or '16KiB'"
+        ),
+        _quantity(
+            table, "max_error", r"[0-9]*\.?[0-9]+([eE][-+]?[0-9]+)? ?%?", "write '1%' or 0.01"
+        ),
+    )
+
+
+def _quantity(table: Table, name: str, pattern: str, way_out: str) -> str | None:
+    """Return a size or share above 0 as text; a bare number becomes text too."""
+    if name not in table:
+        return None
+    value = table.values[name]
+    text = value if isinstance(value, str) else repr(table.as_number(name, value, way_out))
+    if isinstance(value, int) or text.endswith(".0"):
+        text = str(value) if isinstance(value, int) else text[:-2]
+    match = re.fullmatch(pattern, text.strip())
+    if match is None or not re.search(r"[1-9]", text.partition("e")[0]):
+        table.fail(name, "is not a quantity above 0", value, way_out)
+    return text.strip()

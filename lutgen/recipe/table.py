@@ -1,0 +1,167 @@
+"""Strict reading of TOML tables: every key is known, typed and in range, or refused.
+
+A ``Table`` remembers its file and key, so that each message names the place, what is
+wrong, the value received and the way out.  It does not know what a robot is.
+"""
+
+import math
+from collections.abc import Iterable, Mapping
+from typing import Any, NoReturn
+
+from lutgen.errors import RecipeError, suggestion
+
+__all__ = ["Table", "fail"]
+
+# Values are quoted in messages up to this many characters.
+_LONGEST = 60
+
+
+def fail(source: str, key: str, what: str, got: object, way_out: str) -> NoReturn:
+    """Raise the RecipeError ``FILE: key `KEY`: WHAT (got GOT); WAY OUT.``."""
+    shown = got if isinstance(got, str) and got.startswith("nothing") else repr(got)
+    if len(shown) > _LONGEST:
+        shown = shown[: _LONGEST - 3] + "..."
+    raise RecipeError(f"{source}: key `{key}`: {what} (got {shown}); {way_out}.")
+
+
+class Table:
+    """One TOML table together with its place in the file.
+
+    Parameters
+    ----------
+    values : mapping
+        What the TOML reader gave.
+    source : str
+        File name for messages.
+    key : str
+        Full key of the table, "" for the whole file.
+    known : iterable of str
+        The only keys that the table may hold.
+    """
+
+    def __init__(
+        self, values: Mapping[str, Any], source: str, key: str, known: Iterable[str]
+    ) -> None:
+        self.values = values
+        self.source = source
+        self.key = key
+        known = list(known)
+        for name, value in values.items():
+            if name not in known:
+                self.fail(name, "is not a known key", value, suggestion(name, known, "use one of"))
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.values
+
+    def path(self, name: str) -> str:
+        """Return the full key of an entry."""
+        if not name:
+            return self.key
+        return f"{self.key}.{name}" if self.key else name
+
+    def fail(self, name: str, what: str, got: object, way_out: str) -> NoReturn:
+        """Refuse an entry with a RecipeError."""
+        fail(self.source, self.path(name), what, got, way_out)
+
+    def need(self, name: str, way_out: str) -> Any:
+        """Return the raw value of an entry that must be there."""
+        if name not in self.values:
+            self.fail(name, "is missing", "nothing", way_out)
+        return self.values[name]
+
+    def refuse(self, names: Iterable[str], what: str, way_out: str) -> None:
+        """Refuse entries that are known but make no sense here."""
+        for name in names:
+            if name in self.values:
+                self.fail(name, what, self.values[name], way_out)
+
+    def string(self, name: str, way_out: str, choices: Iterable[str] | None = None) -> str:
+        """Return a non-empty string, one of `choices` if they are given."""
+        value = self.need(name, way_out)
+        if not isinstance(value, str):
+            self.fail(name, "must be a string", value, way_out)
+        if choices is not None:
+            if value not in choices:
+                self.fail(name, "is unknown", value, suggestion(value, choices, "use one of"))
+        elif not value.strip():
+            self.fail(name, "must not be empty", value, way_out)
+        return value
+
+    def number(self, name: str, way_out: str, default: float | None = None) -> float:
+        """Return a finite number; integers count, true and false do not."""
+        if default is not None and name not in self.values:
+            return default
+        return self.as_number(name, self.need(name, way_out), way_out)
+
+    def as_number(self, name: str, value: object, way_out: str) -> float:
+        """Return `value`, found at `name`, as a finite float."""
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            self.fail(name, "must be a number", value, way_out)
+        try:
+            result = float(value)
+        except OverflowError:
+            result = math.inf
+        if not math.isfinite(result):
+            self.fail(name, "must be finite", value, way_out)
+        return result
+
+    def integer(self, name: str, way_out: str) -> int:
+        """Return an integer; 3.0, true and false do not count."""
+        value = self.need(name, way_out)
+        if isinstance(value, bool) or not isinstance(value, int):
+            self.fail(name, "must be a whole number", value, way_out)
+        return value
+
+    def vector(
+        self,
+        name: str,
+        way_out: str,
+        default: tuple[float, float, float] | None = None,
+    ) -> tuple[float, float, float]:
+        """Return three finite numbers."""
+        if default is not None and name not in self.values:
+            return default
+        value = self.need(name, way_out)
+        if not isinstance(value, list) or len(value) != 3:
+            self.fail(name, "must be a list of three numbers", value, way_out)
+        x, y, z = (self.as_number(f"{name}[{i}]", v, way_out) for i, v in enumerate(value, 1))
+        return x, y, z
+
+    def unit_vector(self, name: str, way_out: str) -> tuple[float, float, float]:
+        """Return the direction of three numbers that are not all zero, with length 1."""
+        x, y, z = self.vector(name, way_out)
+        length = math.hypot(x, y, z)
+        if not 0.0 < length < math.inf:
+            self.fail(name, "must have a length above 0", [x, y, z], way_out)
+        return x / length, y / length, z / length
+
+    def strings(self, name: str, way_out: str) -> list[str]:
+        """Return a list of strings that is not empty."""
+        value = self.need(name, way_out)
+        if not isinstance(value, list) or not value:
+            self.fail(name, "must be a list with at least one name", value, way_out)
+        for i, entry in enumerate(value, 1):
+            if not isinstance(entry, str):
+                self.fail(f"{name}[{i}]", "must be a string", entry, way_out)
+        return value
+
+    def table(self, name: str, known: Iterable[str], way_out: str) -> "Table":
+        """Return the table below `name`, which must be there."""
+        value = self.need(name, way_out)
+        if not isinstance(value, dict):
+            self.fail(name, "must be a table", value, way_out)
+        return Table(value, self.source, self.path(name), known)
+
+    def tables(self, name: str, known: Iterable[str]) -> list["Table"]:
+        """Return the tables of an array of tables, numbered from 1; none if absent."""
+        value = self.values.get(name, [])
+        way_out = f"start each entry with [[{self.path(name)}]]"
+        if not isinstance(value, list):
+            self.fail(name, "must be an array of tables", value, way_out)
+        known = list(known)
+        result = []
+        for i, entry in enumerate(value, 1):
+            if not isinstance(entry, dict):
+                self.fail(f"{name}[{i}]", "must be a table", entry, way_out)
+            result.append(Table(entry, self.source, self.path(f"{name}[{i}]"), known))
+        return result

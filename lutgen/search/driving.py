@@ -1,0 +1,283 @@
+"""A robot driving slowly along a path, with and without changing its shape.
+
+Owns the control that the paper simulates: at each point the robot takes the geometry that was
+found for the gravity direction of an earlier point, and it may turn, too.  Where it tips is then
+the verdict of the attitude that it takes, and nothing else.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lutgen.channels import body_gravity, evaluate_pairs
+from lutgen.errors import InputError
+from lutgen.recipe import Recipe
+from lutgen.search.objective import Objective
+from lutgen.search.optima import optimum
+from lutgen.search.terrain import Path, turned
+
+__all__ = ["DRIVE_CHANNELS", "Drive", "drive"]
+
+Floats = NDArray[np.float64]
+
+DRIVE_CHANNELS = ("sdg", "height", "tip_angle", "margin")
+# No value is within this limit, so that a search does not look for acceptable ranges.
+NO_LIMIT = math.nan
+# Headings are equally good within this cost, which has rounding errors where the robot tips (the
+# cost is then around 1e9): a robot that looks the same from several sides shall not turn.
+EQUAL, ROUNDING = 1e-9, 1e-15
+
+
+@dataclass(frozen=True, eq=False)
+class Drive:
+    """One run along a path of p points.
+
+    Attributes
+    ----------
+    path : Path
+        As given: the robot in its own heading.
+    params : (p, k) float64
+        The geometry at each point, rad or length.
+    wanted : (p, k) float64
+        The geometry that control asked for; another one only where rates are limited.
+    turn : (p,) float64
+        By how much the robot is turned against the path's heading, rad, to the left.
+    heading : (p,) float64
+        Its yaw in the world, rad.
+    gravity_body : (p, 3) float64
+        Unit vectors, down, in the body frame, in the attitude that the robot takes.
+    channels : dict of str to (p,) float64
+        sdg, height, tip_angle and margin, as `evaluate` gives them.
+    evaluations : int
+        Geometries evaluated by the searches.
+    """
+
+    path: Path
+    params: Floats
+    wanted: Floats
+    turn: Floats
+    heading: Floats
+    gravity_body: Floats
+    channels: dict[str, Floats]
+    evaluations: int
+
+    @property
+    def tips(self) -> NDArray[np.bool_]:
+        """Where the robot tips over, (p,)."""
+        return np.asarray(self.channels["tip_angle"] < 0.0)
+
+    @property
+    def share(self) -> float:
+        """Share of the points at which the robot tips over."""
+        return float(self.tips.mean())
+
+
+def drive(
+    recipe: Recipe,
+    path: Path,
+    *,
+    control: bool = True,
+    lag: int = 1,
+    method: str = "search",
+    objective: str = "sdg",
+    convention: str = "plane",
+    params0: ArrayLike | None = None,
+    rates: Mapping[str, float] | None = None,
+    speed: float | None = None,
+    headings: int | None = None,
+    **options: Any,
+) -> Drive:
+    """Drive a robot along a path.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The robot.
+    path : Path
+        Where it drives, in the recipe's length unit.
+    control : bool
+        Whether the robot changes its geometry; if not, it keeps `params0`.
+    lag : int
+        Points by which control is late: point i has what was found for point i - lag, and the
+        first `lag` points have `params0` and the path's own heading.
+    method, objective, convention
+        As for `optimum`.  Under ``"plane"`` the path's gravity is relative to the ground, and the
+        robot leans as its shape makes it; under ``"body"`` the body keeps the ground's attitude.
+    params0 : (k,) array_like, optional
+        The geometry before control begins, rad or length; the middle of the ranges by default.
+    rates : mapping of str to float, optional
+        The fastest change of parameters, rad or length per second; a parameter without one follows
+        at once.  The robot begins the path in `params0`.
+    speed : float, optional
+        Length per second along the path; required with `rates`, and only with them.
+    headings : int, optional
+        Number of headings that the robot may turn to, evenly spaced, its own among them.  The turn
+        is about the ground's normal; of equally good headings the nearest to its own counts.
+    **options
+        `bounds`, `start`, `levels`, `ends` and `seed` of `optimum`.
+
+    Returns
+    -------
+    Drive
+
+    Raises
+    ------
+    InputError
+        For arguments that make no sense, among them control of a robot without parameters.
+
+    Examples
+    --------
+    The paper's robot, its wheels at 0, 120 and 240 deg, turned by 30 deg to the left:
+
+    >>> from lutgen.recipe.recipe import load_recipe
+    >>> from lutgen.search.terrain import paper_path
+    >>> robot, nominal = load_recipe("maps/paper_two.toml"), [math.atan(0.6)] * 2
+    >>> path = turned(paper_path(), math.radians(30))
+    >>> drive(robot, path, control=False, params0=nominal).share
+    0.72
+    >>> drive(robot, path, params0=nominal).share
+    0.22
+    """
+    if lag < 0:
+        raise InputError(f"control cannot be ahead of the robot (got lag {lag}); use 0 or more")
+    if control and not recipe.parameters:
+        raise InputError(
+            f"{recipe.source}: the robot has no geometry parameter to control (got none); drive it "
+            "without control (--no-control)"
+        )
+    start = _start(recipe, params0)
+    fastest = _rates(recipe, rates, speed)
+    count = len(path.position)
+    turn, wanted = np.zeros(count), np.tile(start, (count, 1))
+    evaluations = 0
+    if control or headings is not None:
+        seek = _Seeker(recipe, start, control, method, objective, convention, options)
+        turns = _turns(1 if headings is None else headings)
+        for i in range(lag, count):
+            wanted[i], turn[i] = seek.best(path.gravity[i - lag], turns)
+        evaluations = seek.evaluations
+    taken = turned(path, turn)
+    params = wanted if fastest is None else _follow(wanted, start, path, fastest)
+    gravity = body_gravity(recipe, params, taken.gravity, convention)
+    channels = evaluate_pairs(recipe, params, gravity, DRIVE_CHANNELS)
+    return Drive(path, params, wanted, turn, taken.heading, gravity, channels, evaluations)
+
+
+class _Seeker:
+    """Finds the best geometry and turn for gravity relative to the ground; keeps what it found."""
+
+    def __init__(
+        self,
+        recipe: Recipe,
+        start: Floats,
+        control: bool,
+        method: str,
+        objective: str,
+        convention: str,
+        options: Mapping[str, Any],
+    ) -> None:
+        self.recipe, self.start, self.control = recipe, start, control
+        self.method, self.objective, self.convention = method, objective, convention
+        self.options = {"limit": NO_LIMIT, **options}
+        self.evaluations = 0
+        self.known: dict[tuple[float, ...], tuple[Floats, float]] = {}
+
+    def best(self, gravity: Floats, turns: Floats) -> tuple[Floats, float]:
+        """Return the geometry (k,) and the turn (rad) for a direction (3,) on the ground."""
+        key = tuple(gravity.tolist())
+        if key not in self.known:
+            ground = Path(
+                np.zeros((len(turns), 3)), np.zeros(len(turns)), np.tile(gravity, (len(turns), 1))
+            )
+            found = [self._geometry(down) for down in turned(ground, turns).gravity]
+            costs = np.array([cost for _, cost in found])
+            least = costs.min()
+            chosen = int((costs <= least + EQUAL + ROUNDING * abs(least)).argmax())
+            self.known[key] = found[chosen][0], float(turns[chosen])
+        return self.known[key]
+
+    def _geometry(self, gravity: Floats) -> tuple[Floats, float]:
+        """Return the geometry for one heading, and its cost."""
+        goal = Objective(self.recipe, gravity, self.objective, self.convention)
+        params = self.start
+        if self.control:
+            found = optimum(
+                self.recipe,
+                gravity,
+                self.method,
+                self.objective,
+                convention=self.convention,
+                **self.options,
+            )
+            params = found.params
+            self.evaluations += found.evaluations
+        else:
+            self.evaluations += 1
+        return params, float(goal.cost(params)[0])
+
+
+def _turns(headings: int) -> Floats:
+    """Return the turns to evenly spaced headings, rad, the smallest first."""
+    if headings < 1:
+        raise InputError(f"a robot has at least one heading (got {headings}); use 1 or more")
+    whole = np.arange(headings)
+    # Half a turn and more to the left is less to the right.
+    steps = np.where(2 * whole > headings, whole - headings, whole)
+    return np.asarray(2.0 * np.pi * steps[np.argsort(np.abs(steps), kind="stable")] / headings)
+
+
+def _start(recipe: Recipe, params0: ArrayLike | None) -> Floats:
+    """Return the geometry before control begins, (k,)."""
+    if params0 is None:
+        return np.array([(p.minimum + p.maximum) / 2.0 for p in recipe.parameters])
+    start = np.array(params0, dtype=np.float64)
+    if start.shape != (len(recipe.parameters),) or not np.isfinite(start).all():
+        raise InputError(
+            f"{recipe.source}: params0 needs one finite number for each of "
+            f"{len(recipe.parameters)} parameters (got {np.asarray(params0).tolist()}); leave it "
+            "out to begin in the middle of their ranges"
+        )
+    return start
+
+
+def _rates(recipe: Recipe, rates: Mapping[str, float] | None, speed: float | None) -> Floats | None:
+    """Return the largest change of each parameter per length of path, (k,); None without rates."""
+    if not rates and speed is None:
+        return None
+    if not rates or speed is None:
+        raise InputError(
+            f"limited rates need a speed, and a speed needs rates (got rates {dict(rates or {})}, "
+            f"speed {speed}); give both or none"
+        )
+    if not 0.0 < speed < math.inf:
+        raise InputError(f"the speed must be above 0 and finite (got {speed:g}); give another one")
+    names = [p.name for p in recipe.parameters]
+    for name, rate in rates.items():
+        if name not in names:
+            raise InputError(
+                f"{recipe.source}: there is no parameter {name!r} to limit (got the rate {rate:g})"
+                f"; it has {', '.join(names) or 'none'}"
+            )
+        if not rate >= 0.0:
+            raise InputError(f"the rate of {name} must be 0 or more (got {rate:g}); turn its sign")
+    return np.array([rates.get(name, math.inf) for name in names]) / speed
+
+
+def _follow(wanted: Floats, start: Floats, path: Path, fastest: Floats) -> Floats:
+    """Return the geometry that actuators of limited speed reach at each point, (p, k)."""
+    reached = np.empty_like(wanted)
+    before, distance = start, path.distance
+    for i in range(len(wanted)):
+        step = distance[i] - distance[max(i - 1, 0)]
+        # A parameter without a limit follows even where no time passes.
+        free = np.isinf(fastest)
+        most = np.where(free, np.inf, np.where(free, 0.0, fastest) * step)
+        change = wanted[i] - before
+        # Added only where limited: so a parameter that arrives has exactly the wanted value.
+        before = np.where(np.abs(change) <= most, wanted[i], before + np.clip(change, -most, most))
+        reached[i] = before
+    return reached

@@ -1,0 +1,145 @@
+"""What a search makes small: one channel, or a weighted sum of several.
+
+Owns the words of an objective and its cost.  Channels of which more is better count with their
+sign turned, so a cost is always minimised; a geometry in which the robot tips costs more than any
+in which it stands, and the more the farther it is from standing, so that a search that begins
+there finds its way out.
+"""
+
+import re
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lutgen.channels import CONVENTIONS, body_gravity, checked_directions, evaluate_pairs
+from lutgen.errors import InputError
+from lutgen.recipe import Recipe
+
+__all__ = ["Objective", "parse_objective"]
+
+# Which end of each channel is the good one: cost = GOOD * channel.
+GOOD = {"sdg": 1.0, "height": 1.0, "tip_angle": -1.0, "margin": -1.0, "energy_margin": -1.0}
+# Added to the cost of a geometry that tips.  Larger than any length in a recipe's unit; the angle
+# by which the robot tips still counts to 1e-6 rad beside it.
+TIPS = 1e9
+# Postures evaluated at once; bounds the memory of a search over many nodes.
+AT_ONCE = 65536
+NUMBER = r"[0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]+)?"
+
+
+def parse_objective(text: str) -> dict[str, float]:
+    """Return the weight of each channel of an objective.
+
+    Parameters
+    ----------
+    text : str
+        A channel, or a sum such as ``sdg + 0.1*height``; weights are above 0, and every channel
+        pulls to its own good end: sdg and height to less, tip_angle (rad) and the margins to more.
+
+    Raises
+    ------
+    InputError
+        For anything else.
+
+    Examples
+    --------
+    >>> parse_objective("sdg + 0.1*height")
+    {'sdg': 1.0, 'height': 0.1}
+    """
+    weights: dict[str, float] = {}
+    for term in text.split("+"):
+        match = re.fullmatch(rf"\s*(?:({NUMBER})\s*\*\s*)?([a-z_]+)\s*", term)
+        name = match.group(2) if match else ""
+        weight = float(match.group(1) or 1.0) if match else 0.0
+        if name not in GOOD or name in weights or not 0.0 < weight < np.inf:
+            raise InputError(
+                f"objective {text!r} is not understood (got the term {term.strip()!r}); write one "
+                f"of {', '.join(GOOD)}, or a sum such as sdg+0.1*height with each of them once"
+            )
+        weights[name] = weight
+    return weights
+
+
+@dataclass
+class Objective:
+    """The cost of geometries of one robot on one ground, counting its evaluations.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The robot.
+    gravity : (3,) array_like
+        Pointing down, any length > 0, in the frame that `convention` names.
+    text : str
+        See `parse_objective`.
+    convention : {"body", "plane"}
+        See `attitude`.
+
+    Attributes
+    ----------
+    evaluations : int
+        Geometries evaluated so far.
+    """
+
+    recipe: Recipe
+    gravity: ArrayLike
+    text: str = "sdg"
+    convention: str = "body"
+    evaluations: int = field(default=0, init=False)
+    weights: dict[str, float] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.weights = parse_objective(self.text)
+        if self.convention not in CONVENTIONS:
+            raise InputError(
+                f"unknown convention {self.convention!r}; choose from {', '.join(CONVENTIONS)}"
+            )
+        if self.recipe.loaded and "energy_margin" in self.weights:
+            raise InputError(
+                f"{self.recipe.source}: energy_margin is not defined under a force or with "
+                f"com_uncertainty (got the objective {self.text!r}); use margin or tip_angle"
+            )
+        self.gravity = checked_directions(self.gravity)[0]
+
+    def cost(self, params: ArrayLike) -> NDArray[np.float64]:
+        """Return the cost of m geometries (m, k), rad or length, as (m,) float64.
+
+        Below `TIPS` exactly where the robot stands.
+        """
+        rows = np.atleast_2d(np.asarray(params, dtype=np.float64))
+        self.evaluations += len(rows)
+        parts = [self._cost(rows[i : i + AT_ONCE]) for i in range(0, len(rows), AT_ONCE)]
+        return np.concatenate(parts) if parts else np.empty(0)
+
+    def _cost(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+        if self.convention == "body":
+            # As `body_gravity` would, without computing the postures twice.
+            down = np.broadcast_to(np.asarray(self.gravity), (len(rows), 3))
+        else:
+            down = body_gravity(self.recipe, rows, self.gravity, self.convention)
+        found = evaluate_pairs(self.recipe, rows, down, [*{**self.weights, "tip_angle": 0.0}])
+        angle = found["tip_angle"]
+        cost = np.zeros(len(rows))
+        for name, weight in self.weights.items():
+            cost += weight * GOOD[name] * found[name]
+        # A robot that cannot tip has infinite margins: as good as can be.
+        return np.where(angle < 0.0, TIPS - angle, np.maximum(cost, -TIPS))
+
+    def value(self, cost: float) -> float:
+        """Return the objective of a cost: the channel itself where it is one.
+
+        NaN where the robot tips; infinite (a weighted sum: minus infinity) where no geometry could
+        be better, because the robot cannot tip over at all.
+        """
+        if cost >= TIPS:
+            return float("nan")
+        if cost <= -TIPS:
+            cost = -float("inf")
+        (name, *more) = self.weights
+        return cost if more else cost * GOOD[name] / self.weights[name]
+
+    def cost_of(self, value: float) -> float:
+        """Return the cost of a value of the objective; the inverse of `value`."""
+        (name, *more) = self.weights
+        return value if more else value * GOOD[name] * self.weights[name]

@@ -1,0 +1,301 @@
+"""The best geometry of a robot for a gravity direction.
+
+Owns `optimum`: it sets a method of `minimise` on the objective of a recipe and reports in the
+recipe's parameters.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lutgen.errors import InputError
+from lutgen.grid import Grid
+from lutgen.recipe import Recipe
+from lutgen.search.acceptable import acceptable_range, half_widths
+from lutgen.search.minimise import LEVELS, Step, multistart, nelder_mead, refine, smallest_node
+from lutgen.search.objective import AT_ONCE, TIPS, Objective
+
+__all__ = ["METHODS", "Optimum", "TraceStep", "optimum"]
+
+Floats = NDArray[np.float64]
+
+METHODS = ("map", "nelder-mead", "search", "multistart")
+ENDS = ("left", "right")
+# A mesh of 5 nodes a side has 390,625 nodes then, and every step is remembered.
+MOST_FOR_SEARCH = 8
+
+
+@dataclass(frozen=True)
+class TraceStep:
+    """The best geometry of one step of a search.
+
+    `params` (k,) rad or length; `value` of the objective, NaN where the robot tips; `evaluations`
+    since the beginning; `nodes` (n, k) the mesh of the step, empty where a method has none.
+    """
+
+    params: Floats
+    value: float
+    evaluations: int
+    nodes: Floats
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """What a search found; parameters in rad or the recipe's length unit.
+
+    Attributes
+    ----------
+    params : (k,) float64
+        The best geometry seen in the whole search.
+    value : float
+        The objective there: the channel's value (tip_angle in rad), or the cost of a weighted sum;
+        NaN where the robot tips.
+    standing : bool
+        Whether the robot stands there.  If not, none of the geometries tried stands, and this is
+        the one closest to standing.
+    evaluations : int
+        Geometries evaluated by the method.
+    trace : tuple of TraceStep
+        The steps of the method; the last one is where the method itself ends, which for `search`
+        may be worse than the best it has seen.
+    acceptable : (k, 2) float64
+        Largest interval of each parameter, the others kept, in which the robot stands and the
+        objective stays within the limit; NaN where the optimum itself does not.
+    delta : (k,) float64
+        The paper's +-delta: params +- delta is acceptable as far as the bounds go.
+    method, objective, convention : str
+        What was asked.
+    """
+
+    params: Floats
+    value: float
+    standing: bool
+    evaluations: int
+    trace: tuple[TraceStep, ...]
+    acceptable: Floats
+    delta: Floats
+    method: str
+    objective: str
+    convention: str
+
+
+def optimum(
+    recipe: Recipe,
+    gravity_dir: ArrayLike,
+    method: str = "search",
+    objective: str = "sdg",
+    *,
+    convention: str = "body",
+    bounds: ArrayLike | None = None,
+    start: ArrayLike | None = None,
+    limit: float | None = None,
+    levels: int = LEVELS,
+    ends: str = "left",
+    seed: int = 0,
+) -> Optimum:
+    """Return the best geometry of a robot for one gravity direction.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        A robot with at least one geometry parameter.
+    gravity_dir : (3,) array_like
+        Pointing down, any length > 0.
+    method : {"map", "nelder-mead", "search", "multistart"}
+        `map`: the best node of the recipe's sweep.  `search`: the paper's refinement, `levels`
+        steps of 5 nodes a side.  `nelder-mead`: from `start`.  `multistart`: Nelder-Mead from many
+        starts, for objectives with several minima.
+    objective : str
+        `sdg`, `height`, `tip_angle`, `margin`, `energy_margin` or a sum such as `sdg+0.1*height`.
+        The last three are maximised.
+    convention : {"body", "plane"}
+        Whether gravity is fixed in the body frame, or relative to the contact plane, so that it
+        turns in the body while the shape changes; see `attitude`.
+    bounds : (k, 2) array_like, optional
+        Where to search, rad or length; the recipe's ranges by default.  A parameter whose two
+        bounds are equal keeps that value and is not searched.
+    start : (k,) array_like, optional
+        For `nelder-mead` and `multistart`; the middle of the bounds by default.
+    limit : float, optional
+        Of the acceptable ranges: the objective's worst acceptable value.  By default all
+        geometries in which the robot stands are acceptable.
+    levels, ends
+        Of `search`: see `minimise.refine`.
+    seed : int
+        Of `multistart`.
+
+    Returns
+    -------
+    Optimum
+
+    Raises
+    ------
+    InputError
+        For a robot without a parameter to search, unknown words, bounds or starts that make no
+        sense, and for `search` with more than 8 parameters.
+
+    Examples
+    --------
+    >>> from lutgen.recipe.recipe import load_recipe
+    >>> found = optimum(load_recipe("maps/paper_two.toml"), [0, 0, -1])
+    >>> [round(float(np.degrees(step.params[0])), 4) for step in found.trace]
+    [30.0, 32.0, 31.2, 30.88, 31.008, 30.9568]
+    """
+    if method not in METHODS:
+        raise InputError(f"unknown method {method!r}; choose from {', '.join(METHODS)}")
+    if ends not in ENDS:
+        raise InputError(f"unknown ends {ends!r}; choose from {', '.join(ENDS)}")
+    if levels < 1:
+        raise InputError(f"a search needs at least one level (got {levels})")
+    goal = Objective(recipe, gravity_dir, objective, convention)
+    box = _box(recipe, bounds)
+    space = _space(recipe, box)
+    begin = space.points(_start(recipe, start, box)[None, :])[0]
+    if method == "search" and len(space.box) > MOST_FOR_SEARCH:
+        raise InputError(
+            f"{recipe.source}: the method search takes at most {MOST_FOR_SEARCH} parameters (got "
+            f"{len(space.box)}, or 5^{len(space.box)} nodes a step); use multistart, or keep some "
+            "parameters by equal bounds"
+        )
+
+    def cost(points: Floats) -> Floats:
+        return goal.cost(space.params(points))
+
+    if method == "map":
+        steps = smallest_node(cost, _nodes(recipe, space))
+    elif method == "search":
+        steps = refine(cost, space.box, levels, ends)
+    elif method == "nelder-mead":
+        steps = nelder_mead(cost, space.box, begin)
+    else:
+        steps = multistart(cost, space.box, begin, seed)
+    evaluations = goal.evaluations
+    best = min(steps, key=lambda step: step.cost)
+    # Costs of standing geometries lie below TIPS.
+    bar = np.nextafter(TIPS, 0.0) if limit is None else goal.cost_of(limit)
+    found = acceptable_range(cost, best.point, space.box, bar)
+    width = half_widths(found, best.point, space.box)
+    acceptable, delta = np.repeat(space.kept[:, None], 2, axis=1), np.zeros(len(box))
+    acceptable[space.free] = found * space.factor[:, None]
+    delta[space.free] = width * space.factor
+    if np.isnan(found).any():
+        # A kept value is no more acceptable than the geometry that it belongs to.
+        acceptable[:], delta[:] = np.nan, np.nan
+    return Optimum(
+        space.params(best.point[None, :])[0],
+        goal.value(best.cost),
+        best.cost < TIPS,
+        evaluations,
+        tuple(_named(step, goal, space) for step in steps),
+        acceptable,
+        delta,
+        method,
+        objective,
+        convention,
+    )
+
+
+@dataclass(frozen=True)
+class _Space:
+    """What a search sees of the parameters: those that are free, in the units that people read.
+
+    The paper's nodes are whole degrees.  `box` (f, 2) and `factor` (f,) belong to the free ones;
+    `free` (k,) says which they are, and `kept` (k,) has the values of the others, rad or length.
+    """
+
+    box: Floats
+    factor: Floats
+    free: NDArray[np.bool_]
+    kept: Floats
+
+    def params(self, points: Floats) -> Floats:
+        """Return whole geometries (m, k), rad or length, of points (m, f)."""
+        rows = np.tile(self.kept, (len(points), 1))
+        rows[:, self.free] = points * self.factor
+        return rows
+
+    def points(self, params: Floats) -> Floats:
+        """Return the points (m, f) of geometries (m, k)."""
+        return np.asarray(params[:, self.free] / self.factor)
+
+
+def _space(recipe: Recipe, box: Floats) -> _Space:
+    """Return the space of a search within bounds (k, 2), rad or length."""
+    free = box[:, 0] < box[:, 1]
+    if not free.any():
+        raise InputError(
+            f"{recipe.source}: the robot has no geometry parameter to search (got "
+            f"{len(box)}, all kept); leave at least one free"
+        )
+    factor = np.array(
+        [np.pi / 180.0 if p.display_unit == "deg" else 1.0 for p in recipe.parameters]
+    )[free]
+    return _Space(box[free] / factor[:, None], factor, free, box[:, 0].copy())
+
+
+def _named(step: Step, goal: Objective, space: _Space) -> TraceStep:
+    """Return a step in the recipe's own units, with the objective for the cost."""
+    return TraceStep(
+        space.params(step.point[None, :])[0],
+        goal.value(step.cost),
+        step.evaluations,
+        space.params(step.nodes),
+    )
+
+
+def _nodes(recipe: Recipe, space: _Space) -> Iterator[Floats]:
+    """Yield the nodes of the recipe's sweep inside the box, in blocks."""
+    axes = zip(recipe.grid.axes, space.free, strict=True)
+    grid = Grid(tuple(axis for axis, free in axes if free))
+    box = space.box
+    slack = 1e-12 * np.maximum(np.abs(box).max(axis=1), 1.0)
+    inside = 0
+    for begin in range(0, grid.size, AT_ONCE):
+        nodes = grid.params(np.arange(begin, min(begin + AT_ONCE, grid.size))) / space.factor
+        kept = (nodes >= box[:, 0] - slack).all(axis=1) & (nodes <= box[:, 1] + slack).all(axis=1)
+        inside += int(kept.sum())
+        if kept.any():
+            yield nodes[kept]
+    if not inside:
+        raise InputError(
+            f"{recipe.source}: no node of the sweep lies within the bounds "
+            f"(got {box.tolist()}); widen them or use the method search"
+        )
+
+
+def _box(recipe: Recipe, bounds: ArrayLike | None) -> Floats:
+    """Return the bounds (k, 2), rad or length."""
+    if bounds is None:
+        return np.array([[p.minimum, p.maximum] for p in recipe.parameters]).reshape(-1, 2)
+    box = np.array(bounds, dtype=np.float64)
+    if box.shape != (len(recipe.parameters), 2) or not np.isfinite(box).all():
+        raise InputError(
+            f"{recipe.source}: bounds must be finite and have the shape "
+            f"({len(recipe.parameters)}, 2) (got {np.asarray(bounds).tolist()}); give a lowest and "
+            "a highest value for each parameter"
+        )
+    if not (box[:, 0] <= box[:, 1]).all():
+        raise InputError(
+            f"{recipe.source}: no lower bound may be above the upper one (got {box.tolist()}); "
+            "swap them"
+        )
+    return box
+
+
+def _start(recipe: Recipe, start: ArrayLike | None, box: Floats) -> Floats:
+    """Return where a search begins (k,), rad or length."""
+    if start is None:
+        return np.asarray(box.mean(axis=1))
+    begin = np.array(start, dtype=np.float64)
+    # A NaN is not inside either.
+    inside = begin.shape == (len(box),) and bool(
+        ((begin >= box[:, 0]) & (begin <= box[:, 1])).all()
+    )
+    if not inside:
+        raise InputError(
+            f"{recipe.source}: the start must lie within the bounds, one number for each "
+            f"parameter (got {np.asarray(start).tolist()}); leave it out to begin in the middle"
+        )
+    return begin

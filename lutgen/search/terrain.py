@@ -1,0 +1,278 @@
+"""The path: points in the world, the robot's heading, and gravity relative to the ground.
+
+Owns what a terrain is to a robot that drives slowly over it: at each point of the path, how the
+ground under the robot lies.  It knows nothing of robots.  The world frame has z up; the frame of
+the ground under the robot has z along the ground's normal, upward, and x ahead, so that yaw of x
+is the robot's heading.  Gravity in that frame is what convention "plane" of `attitude` takes.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lutgen.chart import unit_directions
+from lutgen.errors import InputError
+
+__all__ = ["ATTITUDES", "LARGEST", "SPAN", "Path", "along", "paper_path", "repeated", "turned"]
+
+Floats = NDArray[np.float64]
+
+ATTITUDES = ("pitch", "surface")
+# The paper prints no interval; its sin(x)/x has no value at 0.
+SPAN = (1e-6, 4.0 * math.pi)
+# Points are equal when they are nearer than this share of the path's length, and a direction is
+# vertical when its horizontal part is this small.
+EQUAL = 1e-12
+# Coordinates whose products still are numbers.
+LARGEST = 1e100
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """Where a robot drives, p points in order.
+
+    Attributes
+    ----------
+    position : (p, 3) float64
+        Length unit, world frame, z up.
+    heading : (p,) float64
+        Yaw of the robot's x axis in the world, rad, counter-clockwise from world x.
+    gravity : (p, 3) float64
+        Unit vectors, down, in the frame of the ground under the robot: x ahead, z its normal.
+    """
+
+    position: Floats
+    heading: Floats
+    gravity: Floats
+
+    @property
+    def distance(self) -> Floats:
+        """Length of the path from its first point to each point, (p,)."""
+        steps = np.linalg.norm(np.diff(self.position, axis=0), axis=1)
+        return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+def paper_path(
+    points: int = 100, attitude: str = "pitch", span: tuple[float, float] = SPAN
+) -> Path:
+    """Return the paper's rough terrain, Eqs 30-33: x = s, y = 0.8 sin(s)/s, z = 15 sin(s)^2/s.
+
+    Parameters
+    ----------
+    points : int
+        At least 2, evenly spaced in s.
+    attitude : {"pitch", "surface"}
+        ``"pitch"``: the robot looks along world x and pitches by atan(dz/ds); its roll is 0.
+        ``"surface"``: it looks along world x on ground that is level across the path.
+    span : (float, float)
+        First and last s.
+
+    Returns
+    -------
+    Path
+        Without unit; slopes come from the derivative.  The heading is 0 throughout.
+
+    Examples
+    --------
+    >>> path = paper_path(3)
+    >>> (path.position.round(3) + 0.0).tolist()
+    [[0.0, 0.8, 0.0], [6.283, 0.0, 0.0], [12.566, 0.0, 0.0]]
+    >>> path.gravity[0].round(3)  # it begins with a climb of 86 deg
+    array([-0.998,  0.   , -0.067])
+    """
+    if points < 2:
+        raise InputError(f"a path needs at least 2 points (got {points}); ask for more points")
+    if attitude not in ATTITUDES:
+        raise InputError(f"unknown attitude {attitude!r}; choose from {', '.join(ATTITUDES)}")
+    if not -LARGEST < span[0] < span[1] < LARGEST:
+        raise InputError(f"the span of a path must ascend (got {span}); give first and last s")
+    s = np.linspace(*span, points)
+    # NumPy's sinc has pi inside, and the value 1 at 0.
+    sinc = np.sinc(s / np.pi)
+    position = np.column_stack([s, 0.8 * sinc, 15.0 * np.sin(s) * sinc])
+    climb = 15.0 * sinc * (2.0 * np.cos(s) - sinc)
+    level = np.zeros(points)
+    if attitude == "pitch":
+        pitch = np.arctan(climb)
+        gravity = np.column_stack([-np.sin(pitch), level, -np.cos(pitch)])
+    else:
+        tangent = np.column_stack([np.ones(points), 0.8 * _sinc_slope(s, sinc), climb])
+        gravity = _gravity(_level_across(tangent, _directions(tangent)), level)
+    return Path(position, level, gravity)
+
+
+def _sinc_slope(s: Floats, sinc: Floats) -> Floats:
+    """Return the derivative of sin(s)/s, by its series where the difference would cancel."""
+    small = np.abs(s) < 1e-3
+    safe = np.where(small, 1.0, s)
+    return np.where(small, -s / 3.0 + s**3 / 30.0, (np.cos(s) - sinc) / safe)
+
+
+def along(
+    position: ArrayLike, heading: ArrayLike | None = None, normal: ArrayLike | None = None
+) -> Path:
+    """Return the path through points.
+
+    Parameters
+    ----------
+    position : (p, 3) array_like
+        At least 2 points, world frame, z up; no point equals the one before it.
+    heading : (p,) array_like, optional
+        Yaw of the robot, rad.  By default it looks along the path, and on a vertical piece as on
+        the piece before it.
+    normal : (p, 3) array_like, optional
+        The ground's normals, world frame, upward (z >= 0), any length > 0.  By default the ground
+        is level across the path, and slopes along it as the path does: by central differences of
+        second order in the path's length, one-sided at both ends.
+
+    Raises
+    ------
+    InputError
+        For shapes that do not fit, numbers that are not finite, points that repeat, normals that
+        point down, and a path that turns back on itself where its direction is needed.
+
+    Examples
+    --------
+    Up a slope of 45 deg along x, looking across it with the hill to the right: gravity pulls to the
+    left.
+
+    >>> path = along([[0, 0, 0], [1, 0, 1]], heading=[np.pi / 2, np.pi / 2])
+    >>> path.gravity[0].round(3) + 0.0
+    array([ 0.   ,  0.707, -0.707])
+    """
+    points = _numbers("position", position, (None, 3))
+    if len(points) < 2:
+        raise InputError(f"a path needs at least 2 points (got {len(points)}); give more points")
+    repeat = repeated(points)
+    if repeat is not None:
+        raise InputError(
+            f"point {repeat} of the path is the one before it (got {points[repeat].tolist()}); "
+            "leave it out"
+        )
+    yaw = None if heading is None else _numbers("heading", heading, (len(points),))
+    if normal is not None:
+        up = unit_directions(_numbers("normal", normal, (len(points), 3)))
+        if (up[:, 2] < 0.0).any():
+            at = int((up[:, 2] < 0.0).argmax())
+            raise InputError(
+                f"the ground's normal at point {at} points down (got {up[at].tolist()}); "
+                "turn it round"
+            )
+    if normal is None or yaw is None:
+        tangent = _tangents(points)
+        travel = _directions(tangent)
+        if normal is None:
+            up = _level_across(tangent, travel)
+        if yaw is None:
+            yaw = np.arctan2(travel[:, 1], travel[:, 0])
+    return Path(points, yaw, _gravity(up, yaw))
+
+
+def turned(path: Path, turn: ArrayLike) -> Path:
+    """Return the path with the robot turned about the ground's normal.
+
+    Parameters
+    ----------
+    path : Path
+        The path.
+    turn : float or (p,) array_like
+        Rad, to the left; the heading becomes the yaw of the turned robot, which on a slope changes
+        by a little more or less.
+
+    Examples
+    --------
+    >>> path = along([[0, 0, 0], [1, 0, 1]])
+    >>> turned(path, np.pi).gravity[0].round(3) + 0.0
+    array([ 0.707,  0.   , -0.707])
+    """
+    angle = np.broadcast_to(np.asarray(turn, dtype=np.float64), path.heading.shape)
+    cos, sin = np.cos(angle), np.sin(angle)
+    x, y, z = path.gravity.T
+    gravity = np.column_stack([cos * x + sin * y, cos * y - sin * x, z])
+    # Of both x axes, (1, 0, 0) and (cos, sin, 0), the parts that are horizontal: their angle
+    # about the vertical.
+    yaw = np.arctan2(-z * sin, cos - x * (cos * x + sin * y))
+    return Path(path.position, path.heading + yaw, gravity)
+
+
+def repeated(position: Floats) -> int | None:
+    """Return the index of the first point of (p, 3) that equals the one before it, or None."""
+    steps = np.linalg.norm(np.diff(position, axis=0), axis=1)
+    same = steps <= EQUAL * steps.sum()
+    return int(same.argmax()) + 1 if same.any() else None
+
+
+def _numbers(name: str, values: ArrayLike, shape: tuple[int | None, ...]) -> Floats:
+    """Return a copy as float64 of the wanted shape, None being any length; refuse the rest."""
+    result = np.array(values, dtype=np.float64)
+    fits = result.ndim == len(shape) and all(
+        want in (None, have) for want, have in zip(shape, result.shape, strict=True)
+    )
+    if not fits:
+        raise InputError(
+            f"{name} must have the shape ({', '.join('p' if n is None else str(n) for n in shape)})"
+            f" (got {result.shape}); give one row for each point of the path"
+        )
+    if not (np.abs(result) < LARGEST).all():
+        at = int((~(np.abs(result) < LARGEST)).reshape(len(result), -1).any(axis=1).argmax())
+        raise InputError(
+            f"{name} must be finite (got {result[at].tolist()} at point {at}); leave the point out"
+        )
+    return result
+
+
+def _tangents(position: Floats) -> Floats:
+    """Return the path's direction at each point, (p, 3), unit."""
+    chord = np.diff(position, axis=0)
+    step = np.linalg.norm(chord, axis=1, keepdims=True)
+    chord /= step
+    # Second order also where steps differ: the tangent of the circle through three points.
+    inner = (step[1:] * chord[:-1] + step[:-1] * chord[1:]) / (step[1:] + step[:-1])
+    slope = np.vstack([chord[:1], inner, chord[-1:]])
+    length = np.linalg.norm(slope, axis=1)
+    if (length <= EQUAL).any():
+        at = int((length <= EQUAL).argmax())
+        raise InputError(
+            f"the path turns back on itself at point {at} (got {position[at].tolist()}), so it "
+            "has no direction there; give headings and the ground's normals"
+        )
+    return np.asarray(slope / length[:, None])
+
+
+def _directions(tangent: Floats) -> Floats:
+    """Return the horizontal directions of travel, (p, 2), unit; on walls the one before holds."""
+    flat = tangent[:, :2]
+    length = np.linalg.norm(flat, axis=1)
+    known = length > EQUAL * np.linalg.norm(tangent, axis=1)
+    if not known.any():
+        return np.tile([1.0, 0.0], (len(tangent), 1))
+    last = np.maximum.accumulate(np.where(known, np.arange(len(tangent)), -1))
+    # A path that begins on a wall looks as it does above it.
+    last[last < 0] = known.argmax()
+    return np.asarray((flat / np.where(known, length, 1.0)[:, None])[last])
+
+
+def _level_across(tangent: Floats, travel: Floats) -> Floats:
+    """Return the upward normals of ground that slopes along the path and is level across it."""
+    along_it = (tangent[:, :2] * travel).sum(axis=1)
+    slope = np.arctan2(tangent[:, 2], np.maximum(along_it, 0.0))
+    return np.column_stack([-np.sin(slope)[:, None] * travel, np.cos(slope)])
+
+
+def _gravity(normal: Floats, heading: Floats) -> Floats:
+    """Return gravity in the frame of the ground: z its normal, x ahead, at this yaw.
+
+    x is the direction in the ground whose horizontal part points along the heading.
+    """
+    ahead = np.column_stack([np.cos(heading), np.sin(heading), np.zeros(len(heading))])
+    into = (normal * ahead).sum(axis=1)
+    # Times the normal's z component, so that x points straight up or down on a wall ahead.
+    x = normal[:, 2:] * ahead
+    x[:, 2] -= into
+    length = np.linalg.norm(x, axis=1, keepdims=True)
+    # Along a wall, x is horizontal.
+    x = np.where(length > EQUAL, x / np.where(length > EQUAL, length, 1.0), ahead)
+    y = np.cross(normal, x)
+    return unit_directions(-np.column_stack([x[:, 2], y[:, 2], normal[:, 2]]))

@@ -1,0 +1,127 @@
+"""Paths in CSV files, as other programs write them.
+
+Owns the columns and the messages that say where a file is wrong; what a path is, `terrain` knows.
+"""
+
+import csv
+import math
+import os
+from io import StringIO
+from pathlib import Path as File
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lutgen.errors import InputError
+from lutgen.search.terrain import LARGEST, Path, along, repeated
+
+__all__ = ["COLUMNS", "read_path"]
+
+Floats = NDArray[np.float64]
+
+COLUMNS = ("x", "y", "z", "heading", "nx", "ny", "nz")
+
+
+def read_path(file: str | os.PathLike[str]) -> Path:
+    """Read a path from a CSV file.
+
+    Parameters
+    ----------
+    file : path
+        UTF-8, comma separated.  The first line names the columns in any order: x, y, z, and if
+        wanted heading (deg) and the ground's normal nx, ny, nz; see `along`.
+
+    Raises
+    ------
+    InputError
+        For anything else, with line and column.
+    """
+    rows, lines = _read_rows(file)
+    point = np.column_stack([rows[name] for name in ("x", "y", "z")])
+    repeat = repeated(point)
+    if repeat is not None:
+        raise InputError(
+            f"{os.fspath(file)}: line {lines[repeat]} repeats the point before it "
+            f"(got {point[repeat].tolist()}); leave it out"
+        )
+    heading = np.radians(rows["heading"]) if "heading" in rows else None
+    normal = np.column_stack([rows[n] for n in ("nx", "ny", "nz")]) if "nx" in rows else None
+    try:
+        return along(point, heading, normal)
+    except InputError as error:
+        raise InputError(f"{os.fspath(file)}: {error}") from error
+
+
+def _read_rows(file: str | os.PathLike[str]) -> tuple[dict[str, Floats], list[int]]:
+    """Return the columns of a CSV file by name, each (p,), and the line of each row."""
+    source = os.fspath(file)
+    try:
+        text = File(file).read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise InputError(
+            f"{source}: cannot be read (got {error.strerror}); check the path"
+        ) from error
+    except UnicodeDecodeError as error:
+        raise InputError(
+            f"{source}: is no text in UTF-8 (got byte {error.object[error.start]:#x} at place "
+            f"{error.start}); save it as CSV in UTF-8"
+        ) from error
+    reader = csv.reader(StringIO(text, newline=""))
+    rows: list[list[float]] = []
+    lines: list[int] = []
+    try:
+        names = [name.strip() for name in next(reader, [])]
+        _check_names(source, names)
+        for cells in reader:
+            if cells:
+                rows.append(_read_row(f"{source}: line {reader.line_num}", names, cells))
+                lines.append(reader.line_num)
+    except csv.Error as error:
+        raise InputError(
+            f"{source}: line {reader.line_num} is no CSV (got {error}); save it again"
+        ) from error
+    if len(rows) < 2:
+        raise InputError(f"{source}: a path needs at least 2 points (got {len(rows)}); add lines")
+    return dict(zip(names, np.array(rows).T, strict=True)), lines
+
+
+def _check_names(source: str, names: list[str]) -> None:
+    """Refuse a header that does not name the columns."""
+    got = f"(got {','.join(names) or 'nothing'})"
+    missing = [name for name in ("x", "y", "z") if name not in names]
+    if missing:
+        raise InputError(f"{source}: line 1 names no column {missing[0]} {got}; begin with x,y,z")
+    unknown = [name for name in names if name not in COLUMNS]
+    if unknown:
+        raise InputError(
+            f"{source}: line 1 names the unknown column {unknown[0]!r} {got}; leave only columns "
+            f"of {', '.join(COLUMNS)}"
+        )
+    if len(set(names)) < len(names):
+        raise InputError(f"{source}: line 1 names a column twice {got}; rename or drop one")
+    if 0 < sum(name in names for name in COLUMNS[4:]) < 3:
+        raise InputError(
+            f"{source}: line 1 names only a part of nx, ny, nz {got}; a normal needs all three"
+        )
+
+
+def _read_row(where: str, names: list[str], cells: list[str]) -> list[float]:
+    """Return the numbers of one line."""
+    if len(cells) != len(names):
+        raise InputError(
+            f"{where} must have {len(names)} cells, as the first line has (got {len(cells)}); "
+            "give one number for each column"
+        )
+    numbers = []
+    for name, cell in zip(names, cells, strict=True):
+        try:
+            number = float(cell)
+        except ValueError:
+            number = math.nan
+        if not abs(number) < LARGEST:
+            raise InputError(
+                f"{where}, column {name}: is no finite number (got {cell!r}); write one such as "
+                "1.25"
+            )
+        numbers.append(number)
+    return numbers

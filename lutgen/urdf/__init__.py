@@ -1,0 +1,30 @@
+"""A robot description of ROS, read into links, joints and contacts.
+
+In reading order: `xml`, `read`, `motion`, `links`, `contacts`, `xacro`.
+"""
+
+from lutgen.urdf.contacts import ROUND, link_contacts, used_shapes
+from lutgen.urdf.links import Place, centre_of_mass, downwards, links_of, places
+from lutgen.urdf.motion import TURN, Motion, read_motion
+from lutgen.urdf.read import MAX_BYTES, UrdfJoint, UrdfRobot, load_urdf, parse_urdf
+from lutgen.urdf.xacro import load_xacro
+
+__all__ = [
+    "MAX_BYTES",
+    "ROUND",
+    "TURN",
+    "Motion",
+    "Place",
+    "UrdfJoint",
+    "UrdfRobot",
+    "centre_of_mass",
+    "downwards",
+    "link_contacts",
+    "links_of",
+    "load_urdf",
+    "load_xacro",
+    "parse_urdf",
+    "places",
+    "read_motion",
+    "used_shapes",
+]

@@ -1,0 +1,78 @@
+"""Contact primitives from the collision shapes of a robot description.
+
+A sphere is a sphere, a cylinder its two rim discs, a box its eight corners.  Which links touch
+the ground is not known here.
+"""
+
+import itertools
+from collections.abc import Iterator
+
+import numpy as np
+
+from lutgen.parts import Contact
+from lutgen.rotation import rotation
+from lutgen.urdf.read import Collision, UrdfLink
+from lutgen.vector import Floats, Vector
+
+__all__ = ["ROUND", "link_contacts", "used_shapes"]
+
+ROUND = ("sphere", "cylinder")
+
+
+def used_shapes(link: UrdfLink) -> list[Collision]:
+    """Return the collision shapes that touch the ground, in order of the file.
+
+    Spheres and cylinders; in a link without them its boxes: a box between the wheels of a track is
+    no further out than they are, where it meets the ground.
+    """
+    shapes = [shape for shape in link.collisions if shape.kind in ROUND]
+    return shapes or [shape for shape in link.collisions if shape.kind == "box"]
+
+
+def link_contacts(link: UrdfLink, name: str | None = None) -> list[Contact]:
+    """Return the contacts of a link's collision shapes, in its frame (m).
+
+    Parameters
+    ----------
+    link : UrdfLink
+        The link.
+    name : str, optional
+        Name of the contacts, the link's by default; where there are several, the number of the
+        shape and that of the disc or corner follow it.
+
+    Returns
+    -------
+    list of Contact
+        In order of the file; empty where the link has no sphere, cylinder or box.
+    """
+    shapes = used_shapes(link)
+    result = []
+    for i, shape in enumerate(shapes, 1):
+        first = name or link.name
+        if len(shapes) > 1:
+            first += f"_{i}"
+        parts = list(_primitives(shape))
+        for k, (position, radius, axis) in enumerate(parts, 1):
+            full = first if len(parts) == 1 else f"{first}_{k}"
+            result.append(Contact(full, link.name, position, radius, axis))
+    return result
+
+
+def _primitives(shape: Collision) -> Iterator[tuple[Vector, float, Vector | None]]:
+    """Yield position, radius and axis; a radius of 0 makes a point."""
+    turn, centre = rotation(shape.rpy), np.array(shape.origin)
+    if shape.kind == "sphere":
+        yield shape.origin, shape.size[0], None
+    elif shape.kind == "cylinder":
+        radius, length = shape.size
+        for end in (0.5, -0.5):
+            axis = _vector(turn[:, 2]) if radius > 0.0 else None
+            yield _vector(centre + end * length * turn[:, 2]), radius, axis
+    else:
+        for corner in itertools.product((0.5, -0.5), repeat=3):
+            yield _vector(centre + turn @ (np.array(corner) * shape.size)), 0.0, None
+
+
+def _vector(values: Floats) -> Vector:
+    x, y, z = values.tolist()
+    return x, y, z

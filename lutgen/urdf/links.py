@@ -1,0 +1,127 @@
+"""The links of a robot description as a recipe has them, and where they are.
+
+One conversion for recipes that name a description and for recipes written from one.
+"""
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from lutgen.parts import Joint, Link
+from lutgen.rotation import angles, axis_rotation, rotation
+from lutgen.urdf.motion import Motion
+from lutgen.urdf.read import UrdfJoint, UrdfRobot
+from lutgen.vector import Floats, Vector
+
+__all__ = ["Place", "centre_of_mass", "downwards", "links_of", "places"]
+
+# Rotation (3, 3) and origin (3,) of a link in the frame of the root.
+Place = tuple[Floats, Floats]
+
+
+def downwards(robot: UrdfRobot) -> list[UrdfJoint]:
+    """Return the joints with parents before children."""
+    below: dict[str, list[UrdfJoint]] = {}
+    for joint in robot.joints:
+        below.setdefault(joint.parent, []).append(joint)
+    result = list(below.get(robot.root, ()))
+    for joint in result:
+        result += below.get(joint.child, ())
+    return result
+
+
+def links_of(robot: UrdfRobot, motion: Motion, parameters: Mapping[str, str]) -> tuple[Link, ...]:
+    """Turn all links into those of a recipe, the root first, under their own names.
+
+    Parameters
+    ----------
+    robot : UrdfRobot
+        The description.
+    motion : Motion
+        Its free and held joints.  A joint held away from zero is part of its link's placement.
+    parameters : mapping of str to str
+        Name of the parameter for each free joint.
+
+    Returns
+    -------
+    tuple of Link
+        Lengths in m, masses in kg.
+    """
+    described = {link.name: link for link in robot.links}
+    top = described[robot.root]
+    result = [Link(top.name, mass=top.mass, com=top.com)]
+    for joint in downwards(robot):
+        drive = motion.drives.get(joint.name)
+        moving = None
+        origin, rpy = joint.origin, joint.rpy
+        if drive is not None and drive.by is not None:
+            kind = "prismatic" if joint.kind == "prismatic" else "revolute"
+            moving = Joint(kind, joint.axis, parameters[drive.by], drive.scale, drive.offset)
+        elif drive is not None and drive.offset != 0.0:
+            turn, where = _moved(joint, drive.offset)
+            origin, rpy = _vector(where), angles(turn)
+        link = described[joint.child]
+        result.append(Link(link.name, joint.parent, origin, rpy, moving, link.mass, link.com))
+    return tuple(result)
+
+
+def places(
+    robot: UrdfRobot, motion: Motion, values: Mapping[str, float] | None = None
+) -> dict[str, Place]:
+    """Place every link.
+
+    Parameters
+    ----------
+    robot : UrdfRobot
+        The description.
+    motion : Motion
+        Its free and held joints.
+    values : mapping of str to float, optional
+        Values of free joints (rad or m).  Those that are not named stand at zero, or at their
+        limit nearest to zero.
+
+    Returns
+    -------
+    dict of str to (Floats, Floats)
+        Rotation (3, 3) and origin (3,) in the frame of the root, m.
+    """
+    result: dict[str, Place] = {robot.root: (np.eye(3), np.zeros(3))}
+    for joint in downwards(robot):
+        drive = motion.drives.get(joint.name)
+        value = 0.0
+        if drive is not None:
+            value = drive.offset
+            if drive.by is not None:
+                low, high = motion.free[drive.by]
+                value += drive.scale * (values or {}).get(drive.by, min(max(0.0, low), high))
+        turn, where = result[joint.parent]
+        own, origin = _moved(joint, value)
+        result[joint.child] = turn @ own, where + turn @ origin
+    return result
+
+
+def centre_of_mass(robot: UrdfRobot, where: Mapping[str, Place]) -> Floats:
+    """Return the com (3,) in the frame of the root, whose origin it is without any mass."""
+    total = math.fsum(link.mass for link in robot.links)
+    com = np.zeros(3)
+    for link in robot.links:
+        if link.mass > 0.0:
+            turn, origin = where[link.name]
+            com += link.mass / total * (origin + turn @ link.com)
+    return com
+
+
+def _moved(joint: UrdfJoint, value: float) -> Place:
+    """Return the placement of a joint's child in its parent."""
+    turn, origin = rotation(joint.rpy), np.array(joint.origin)
+    if value == 0.0 or joint.kind in ("fixed", "floating", "planar"):
+        return turn, origin
+    if joint.kind == "prismatic":
+        return turn, origin + turn @ joint.axis * value
+    return turn @ axis_rotation(joint.axis, value), origin
+
+
+def _vector(values: Floats) -> Vector:
+    x, y, z = values.tolist()
+    return x, y, z

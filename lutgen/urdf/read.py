@@ -1,0 +1,393 @@
+"""Read a robot description (URDF): links, inertials, collision shapes and joints.
+
+What this robot stands on is not known here, nor what moves it.  Only the direct children of
+<robot> count: simulators nest elements of the same names in blocks of their own.  Files that the
+description names, meshes above all, are never opened.
+"""
+
+import math
+import os
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NoReturn
+from xml.etree.ElementTree import Element
+
+from lutgen.errors import RecipeError, suggestion
+from lutgen.urdf.xml import parse_xml
+from lutgen.vector import Vector
+
+__all__ = ["Collision", "Mimic", "UrdfJoint", "UrdfLink", "UrdfRobot", "load_urdf", "parse_urdf"]
+
+# Larger files are refused: a description without its meshes is far smaller.
+MAX_BYTES = 16 * 2**20
+MAX_LINKS = 10_000
+MAX_NAME = 200
+# Sums and products over a chain of links stay far from infinity.
+LARGEST = 1e12
+JOINT_KINDS = ("fixed", "revolute", "continuous", "prismatic", "floating", "planar")
+SHAPES = {"sphere": ("radius",), "cylinder": ("radius", "length"), "box": ("size",)}
+ZERO: Vector = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Collision:
+    """A collision shape, placed in its link's frame.
+
+    `kind` is ``"sphere"`` with size (radius,), ``"cylinder"`` (radius, length; along z),
+    ``"box"`` (x, y, z), or the name of any other geometry with size ().
+    """
+
+    name: str
+    kind: str
+    size: tuple[float, ...]
+    origin: Vector = ZERO
+    rpy: Vector = ZERO
+
+
+@dataclass(frozen=True)
+class UrdfLink:
+    """A link: mass in kg, com in its frame (m); without an inertial the mass is 0."""
+
+    name: str
+    mass: float = 0.0
+    com: Vector = ZERO
+    collisions: tuple[Collision, ...] = ()
+
+
+@dataclass(frozen=True)
+class Mimic:
+    """Value of a joint: multiplier * value of `joint` + offset."""
+
+    joint: str
+    multiplier: float = 1.0
+    offset: float = 0.0
+
+
+@dataclass(frozen=True)
+class UrdfJoint:
+    """A joint: T = Trans(origin) * Rz(yaw) Ry(pitch) Rx(roll) * motion in its parent.
+
+    `kind` is one of ``JOINT_KINDS``; `axis` is a unit vector; `lower` and `upper` (rad or m)
+    are infinite where the description sets no limit.
+    """
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    origin: Vector = ZERO
+    rpy: Vector = ZERO
+    axis: Vector = (1.0, 0.0, 0.0)
+    lower: float = -math.inf
+    upper: float = math.inf
+    mimic: Mimic | None = None
+
+
+@dataclass(frozen=True)
+class UrdfRobot:
+    """A checked description: a tree of links under `root`.
+
+    `links` and `joints` are in the order of the file; `ignored` counts the other children of
+    <robot> by their tag.
+    """
+
+    name: str
+    source: str
+    root: str
+    links: tuple[UrdfLink, ...]
+    joints: tuple[UrdfJoint, ...]
+    ignored: dict[str, int]
+
+
+def load_urdf(path: str | os.PathLike[str]) -> UrdfRobot:
+    """Read a URDF file of at most 16 MiB.
+
+    Returns
+    -------
+    UrdfRobot
+        Checked; a file with any fault raises RecipeError.
+    """
+    source = os.fspath(path)
+    try:
+        with Path(path).open("rb") as file:
+            raw = file.read(MAX_BYTES + 1)
+    except FileNotFoundError:
+        raise RecipeError(f"{source}: there is no such file; check the path.") from None
+    except OSError as error:
+        raise RecipeError(
+            f"{source}: cannot be read (got {error.strerror}); check the path."
+        ) from error
+    return parse_urdf(raw, source)
+
+
+def parse_urdf(content: bytes | str, source: str = "<urdf>") -> UrdfRobot:
+    """Check the text of a URDF.
+
+    Parameters
+    ----------
+    content : bytes or str
+        XML.
+    source : str
+        File name for messages.
+
+    Returns
+    -------
+    UrdfRobot
+        Checked; a text with any fault raises RecipeError.
+    """
+    # A lone surrogate becomes bytes that the parser refuses as no UTF-8.
+    raw = content.encode(errors="surrogatepass") if isinstance(content, str) else content
+    if len(raw) > MAX_BYTES:
+        raise RecipeError(
+            f"{source}: is longer than {MAX_BYTES} bytes (got {len(raw)} or more); "
+            "remove what does not describe the robot."
+        )
+    return _Reader(source).robot(parse_xml(raw, source))
+
+
+class _Reader:
+    """Reads elements; every message names the file and the element."""
+
+    def __init__(self, source: str) -> None:
+        self.source = source
+
+    def fail(self, where: str, what: str, got: object, way_out: str) -> NoReturn:
+        """Refuse an element."""
+        shown = repr(got)
+        if len(shown) > 80:
+            shown = shown[:77] + "..."
+        raise RecipeError(f"{self.source}: {where}: {what} (got {shown}); {way_out}.")
+
+    def robot(self, root: Element) -> UrdfRobot:
+        """Read the whole description."""
+        if root.tag != "robot":
+            self.fail("root element", "is not <robot>", root.tag, "give a URDF file")
+        for element in root:
+            if element.tag.startswith("xacro:"):
+                way_out = "expand the file with xacro first"
+                self.fail("<robot>", "holds macros of xacro", element.tag, way_out)
+        links = [self.link(element) for element in root.iterfind("link")]
+        if not 1 <= len(links) <= MAX_LINKS:
+            way_out = "describe the robot's links" if not links else "leave out what carries none"
+            self.fail("<robot>", f"needs 1 to {MAX_LINKS} links", len(links), way_out)
+        joints = [self.joint(element) for element in root.iterfind("joint")]
+        self.unique("link", (link.name for link in links))
+        self.unique("joint", (joint.name for joint in joints))
+        top = self.tree([link.name for link in links], joints)
+        self.mimics(joints)
+        ignored = Counter(child.tag for child in root if child.tag not in ("link", "joint"))
+        name = self.name(root) if root.get("name", "").strip() else Path(self.source).stem
+        return UrdfRobot(name, self.source, top, tuple(links), tuple(joints), dict(ignored))
+
+    def link(self, element: Element) -> UrdfLink:
+        """Read a <link>."""
+        name = self.name(element)
+        where = f"link {name!r}"
+        shapes = tuple(
+            self.collision(part, where, i) for i, part in enumerate(element.iterfind("collision"))
+        )
+        inertial = self.only(element, "inertial", where)
+        if inertial is None:
+            return UrdfLink(name, collisions=shapes)
+        mass = self.only(inertial, "mass", where)
+        if mass is None:
+            way_out = "give it a mass or remove it"
+            self.fail(where, "has an <inertial> without <mass>", "nothing", way_out)
+        value = self.number(mass, "value", where)
+        if value < 0.0:
+            self.fail(where, "has a negative mass", value, "write a mass of 0 or more")
+        return UrdfLink(name, value, self.placement(inertial, where)[0], shapes)
+
+    def collision(self, element: Element, where: str, index: int) -> Collision:
+        """Read a <collision>; a geometry that is no sphere, cylinder or box keeps its name only."""
+        where = f"{where}, collision {index + 1}"
+        geometry = self.only(element, "geometry", where)
+        shape = next(iter(geometry), None) if geometry is not None else None
+        kind = shape.tag if shape is not None else "nothing"
+        size: tuple[float, ...] = ()
+        if shape is not None and kind == "box":
+            size = self.vector(shape, "size", where)
+        elif shape is not None:
+            size = tuple(self.number(shape, key, where) for key in SHAPES.get(kind, ()))
+        if min(size, default=0.0) < 0.0:
+            self.fail(where, f"has a {kind} of negative size", size, "write lengths of 0 or more")
+        return Collision(element.get("name", ""), kind, size, *self.placement(element, where))
+
+    def joint(self, element: Element) -> UrdfJoint:
+        """Read a <joint>."""
+        name = self.name(element)
+        where = f"joint {name!r}"
+        kind = element.get("type", "")
+        if kind not in JOINT_KINDS:
+            self.fail(where, "has an unknown type", kind, suggestion(kind, JOINT_KINDS, "use"))
+        ends = []
+        for tag in ("parent", "child"):
+            part = self.only(element, tag, where)
+            if part is None or not part.get("link"):
+                way_out = f"write <{tag} link='...'/>"
+                self.fail(where, f"names no {tag} link", "nothing", way_out)
+            ends.append(part.attrib["link"])
+        axis = (1.0, 0.0, 0.0)
+        turned = self.only(element, "axis", where)
+        if turned is not None and kind not in ("fixed", "floating"):
+            x, y, z = self.vector(turned, "xyz", where, axis)
+            length = math.hypot(x, y, z)
+            if not 0.0 < length < math.inf:
+                self.fail(
+                    where, "has an axis without direction", (x, y, z), "write for example 0 1 0"
+                )
+            axis = (x / length, y / length, z / length)
+        lower, upper = self.limits(element, kind, where)
+        mimic = self.only(element, "mimic", where)
+        follows = None
+        if mimic is not None:
+            follows = Mimic(
+                mimic.get("joint", ""),
+                self.number(mimic, "multiplier", where, 1.0),
+                self.number(mimic, "offset", where, 0.0),
+            )
+        placed = self.placement(element, where)
+        return UrdfJoint(name, kind, ends[0], ends[1], *placed, axis, lower, upper, follows)
+
+    def limits(self, element: Element, kind: str, where: str) -> tuple[float, float]:
+        """Return the limits of a joint, infinite where there are none.
+
+        URDF's own default of a missing `lower` or `upper` is 0; a <limit> with neither sets effort
+        and velocity alone.
+        """
+        limit = self.only(element, "limit", where)
+        if limit is None or kind not in ("revolute", "prismatic"):
+            return -math.inf, math.inf
+        if "lower" not in limit.attrib and "upper" not in limit.attrib:
+            return -math.inf, math.inf
+        lower = self.number(limit, "lower", where, 0.0, infinite=True)
+        upper = self.number(limit, "upper", where, 0.0, infinite=True)
+        if lower > upper:
+            self.fail(where, "has a lower limit above the upper", (lower, upper), "swap them")
+        if lower > LARGEST or upper < -LARGEST:
+            self.fail(where, "has limits far from zero", (lower, upper), "correct them")
+        # Writers without infinity use 1e16.
+        lower = -math.inf if lower < -LARGEST else lower
+        return lower, math.inf if upper > LARGEST else upper
+
+    def placement(self, element: Element, where: str) -> tuple[Vector, Vector]:
+        """Return xyz and rpy of the <origin> of an element, zero where it has none."""
+        origin = self.only(element, "origin", where)
+        if origin is None:
+            return ZERO, ZERO
+        return self.vector(origin, "xyz", where, ZERO), self.vector(origin, "rpy", where, ZERO)
+
+    def name(self, element: Element) -> str:
+        """Return the name of the robot, a link or a joint."""
+        name = element.get("name", "")
+        if not name.strip():
+            self.fail(f"a <{element.tag}>", "has no name", name, "name it")
+        if len(name) > MAX_NAME or not name.isprintable():
+            way_out = f"use at most {MAX_NAME} characters that can be printed"
+            self.fail(f"a <{element.tag}>", "has an unusable name", name, way_out)
+        return name
+
+    def only(self, element: Element, tag: str, where: str) -> Element | None:
+        """Return the one child of that tag, or None."""
+        found = element.findall(tag)
+        if len(found) > 1:
+            self.fail(where, f"has more than one <{tag}>", len(found), "keep one")
+        return found[0] if found else None
+
+    def number(
+        self,
+        element: Element,
+        key: str,
+        where: str,
+        default: float | None = None,
+        infinite: bool = False,
+    ) -> float:
+        """Return a number of at most LARGEST from an attribute; `infinite` lets any through."""
+        text = element.get(key)
+        if text is None and default is not None:
+            return default
+        way_out = f"write {key}='...' with one number"
+        value = _floats(text or "")
+        if len(value) != 1 or math.isnan(value[0]) or not (infinite or abs(value[0]) <= LARGEST):
+            self.fail(where, f"<{element.tag}> has no number as {key}", text, way_out)
+        return value[0]
+
+    def vector(
+        self, element: Element, key: str, where: str, default: Vector | None = None
+    ) -> Vector:
+        """Return three numbers of at most LARGEST from an attribute."""
+        text = element.get(key)
+        if text is None and default is not None:
+            return default
+        value = _floats(text or "")
+        if len(value) != 3 or not all(abs(x) <= LARGEST for x in value):
+            way_out = "write three numbers with blanks between them"
+            self.fail(where, f"<{element.tag}> has no vector as {key}", text, way_out)
+        return value[0], value[1], value[2]
+
+    def unique(self, what: str, names: Iterable[str]) -> None:
+        """Refuse a name that two links or two joints have."""
+        for name, count in Counter(names).items():
+            if count > 1:
+                self.fail(f"{what} {name!r}", "is given more than once", count, "rename one")
+
+    def tree(self, names: list[str], joints: list[UrdfJoint]) -> str:
+        """Return the root of the tree; refuse unknown links, two parents, loops and two roots."""
+        known = set(names)
+        parents: dict[str, str] = {}
+        for joint in joints:
+            for tag, name in (("parent", joint.parent), ("child", joint.child)):
+                if name not in known:
+                    way_out = suggestion(name, names[:100], "use one of")
+                    self.fail(
+                        f"joint {joint.name!r}", f"{tag} is no link of the robot", name, way_out
+                    )
+            if joint.child in parents:
+                got = [parents[joint.child], joint.parent]
+                self.fail(f"link {joint.child!r}", "has two parents", got, "remove one joint")
+            parents[joint.child] = joint.parent
+        # From every link upwards; a link met twice on one way lies on a loop.
+        safe: set[str] = set()
+        for name in names:
+            way: dict[str, None] = {}
+            here: str | None = name
+            while here is not None and here not in safe:
+                if here in way:
+                    got = list(way)
+                    self.fail(f"link {here!r}", "is its own ancestor", got, "remove one joint")
+                way[here] = None
+                here = parents.get(here)
+            safe.update(way)
+        roots = [name for name in names if name not in parents]
+        if len(roots) > 1:
+            way_out = "connect them with joints"
+            self.fail("<robot>", f"has {len(roots)} links without a parent", roots, way_out)
+        return roots[0]
+
+    def mimics(self, joints: list[UrdfJoint]) -> None:
+        """Refuse a mimic of an unknown joint, and joints that mimic each other in a circle."""
+        follows = {joint.name: joint.mimic.joint if joint.mimic else None for joint in joints}
+        for name, master in follows.items():
+            if master is not None and master not in follows:
+                way_out = suggestion(master, list(follows)[:100], "use one of")
+                self.fail(f"joint {name!r}", "mimics what is no joint", master, way_out)
+        safe: set[str] = set()
+        for name in follows:
+            way: dict[str, None] = {}
+            here: str | None = name
+            while here is not None and here not in safe:
+                if here in way:
+                    self.fail(f"joint {here!r}", "mimics itself", list(way), "remove one mimic")
+                way[here] = None
+                here = follows[here]
+            safe.update(way)
+
+
+def _floats(text: str) -> tuple[float, ...]:
+    """Return the numbers of a text with blanks between them; none if any is no number."""
+    try:
+        return tuple(math.nan if "_" in part else float(part) for part in text.split())
+    except ValueError:
+        return ()

@@ -1,0 +1,224 @@
+"""Measure the runtime with a cross compiler: code, RAM and stack for each set of features.
+
+    python -m targets.size [--update] [EXPORT_DIR ...]
+
+Prints a table on stdout.  With --update it rewrites runtime/sizes.json, which exports read instead
+of compiling anything.  A runtime that needs more of a library than memcpy and memset is an error.
+"""
+
+import argparse
+import json
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping, Sequence
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+from firmware_export.emit import report
+from firmware_export.emit.config import entries, runtime_file
+from firmware_export.emit.size import FILE, TARGET
+from lutgen.errors import ExportError, LutgenError
+
+__all__ = ["Measure", "deepest", "feature_sets", "main", "measure", "measure_set"]
+
+COMPILER = "arm-none-eabi-gcc"
+TARGET_FLAGS = ("-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16", "-Os")
+# Nothing of the C library is linked; picolibc has string.h.
+FLAGS = (*TARGET_FLAGS, "-std=c99", "-ffp-contract=off", "--specs=picolibc.specs")
+STRUCTS = (
+    *("smap_t", "smap_axis_t", "smap_contacts_t"),
+    *("smap_grid_t", "smap_grid_part_t", "smap_poly_t"),
+)
+# Of string.h, which every C library has.
+ALLOWED = frozenset(("memcpy", "memset"))
+# What each codec can be built with beyond its own switch; "" is without.
+OPTIONS: dict[str, tuple[tuple[str, ...], ...]] = {
+    "SMAP_CONTACTS": (
+        ("SMAP_MODES=8", "SMAP_MODES=16"),
+        ("", "SMAP_PRODUCTS"),
+        ("", "SMAP_CONTACTS_MANY"),
+        ("", "SMAP_SPHERE"),
+    ),
+    "SMAP_POLY": (("", "SMAP_SPHERE"),),
+    "SMAP_GRID": (("", "SMAP_SPHERE"),),
+    "SMAP_GRID_INTEGER": (("", "SMAP_SPHERE"),),
+}
+# Arrays on the stack are as large as a map needs: two joints, and three points or twelve discs.
+USUAL = {"SMAP_MAX_PARAMS": 2, "SMAP_MAX_HINGES": 1, "SMAP_MAX_ENTRIES": 8}
+
+Measure = dict[str, int]
+
+
+def _run(arguments: Sequence[str], folder: Path) -> str:
+    """Run a tool of the cross compiler; return what it prints."""
+    try:
+        done = subprocess.run(
+            list(arguments), cwd=folder, capture_output=True, text=True, timeout=120.0, check=False
+        )
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise ExportError(
+            f"{arguments[0]}: the cross compiler cannot be run (got {type(error).__name__}); "
+            "install gcc-arm-none-eabi and picolibc-arm-none-eabi."
+        ) from error
+    if done.returncode:
+        lines = [line for line in done.stderr.splitlines() if "error" in line] or ["nothing"]
+        raise ExportError(
+            f"{arguments[0]}: the runtime does not compile (got {lines[0]!r}); correct smap.c."
+        )
+    return done.stdout
+
+
+def _prefix() -> str:
+    return COMPILER.removesuffix("gcc")
+
+
+def _sections(text: str) -> Measure:
+    """Return code, data and bss from the output of ``size -A``."""
+    kinds = {"text": "code", "rodata": "code", "data": "data", "bss": "bss"}
+    result = {"code": 0, "data": 0, "bss": 0}
+    for name, size in re.findall(r"^\.(text|rodata|data|bss)\S*\s+(\d+)", text, re.MULTILINE):
+        result[kinds[name]] += int(size)
+    return result
+
+
+def deepest(graph: str) -> int:
+    """Return the deepest stack of any chain of calls, from GCC's call graph (VCG)."""
+    own = {
+        title: int(size)
+        for title, size in re.findall(r'node: \{ title: "([^"]+)" label: "[^"]*?(\d+) bytes', graph)
+    }
+    calls: dict[str, list[str]] = {}
+    for source, target in re.findall(
+        r'edge: \{ sourcename: "([^"]+)" targetname: "([^"]+)"', graph
+    ):
+        calls.setdefault(source, []).append(target)
+
+    def depth(title: str, seen: tuple[str, ...]) -> int:
+        if title in seen:
+            raise ExportError(f"smap.c: {title} calls itself (got a recursion); write a loop.")
+        below = [depth(name, (*seen, title)) for name in calls.get(title, ())]
+        return own.get(title, 0) + max(below, default=0)
+
+    return max((depth(title, ()) for title in own), default=0)
+
+
+def measure(config: Mapping[str, int], folder: Path) -> Measure:
+    """Compile smap.c with these settings; return bytes of code, data, bss and stack.
+
+    Parameters
+    ----------
+    config : mapping
+        Value of each macro of smap_config.h; those not named keep the runtime's own.
+    folder : path
+        Where to work.
+    """
+    for name in ("smap.c", "smap.h", "smap_config.h"):
+        (folder / name).write_text(runtime_file(name), encoding="utf-8")
+    macros = [f"-D{name}={value}" for name, value in config.items()]
+    flags = [*FLAGS, *macros, "-ffunction-sections", "-fcallgraph-info=su"]
+    _run([COMPILER, *flags, "-c", "smap.c", "-o", "smap.o"], folder)
+    missing = set(_run([f"{_prefix()}nm", "-u", "smap.o"], folder).split()[1::2])
+    if missing - ALLOWED:
+        raise ExportError(
+            f"smap.c: needs a function of a library (got {', '.join(sorted(missing - ALLOWED))}); "
+            "write it without."
+        )
+    graph = (folder / "smap.ci").read_text(encoding="utf-8")
+    return _sections(_run([f"{_prefix()}size", "-A", "smap.o"], folder)) | {"stack": deepest(graph)}
+
+
+def measure_set(features: Sequence[str], folder: Path) -> Measure:
+    """Measure the runtime with these switches on and all others off."""
+    return measure(_alone(features), folder)
+
+
+def struct_sizes(folder: Path) -> dict[str, int]:
+    """Return the bytes of each struct of smap.h on the target."""
+    (folder / "smap.h").write_text(runtime_file("smap.h"), encoding="utf-8")
+    (folder / "smap_config.h").write_text(runtime_file("smap_config.h"), encoding="utf-8")
+    lines = ["#define SMAP_INTERNAL", '#include "smap.h"']
+    lines += [f"const char size_of_{name}[sizeof({name})] = {{1}};" for name in STRUCTS]
+    (folder / "structs.c").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    flags = ["-fdata-sections", "-c", "structs.c", "-o", "structs.o"]
+    _run([COMPILER, *FLAGS, *flags], folder)
+    listing = _run([f"{_prefix()}nm", "-S", "structs.o"], folder)
+    found = re.findall(r"^\S+ (\S+) \S size_of_(\w+)", listing, re.MULTILINE)
+    return {name: int(size, 16) for size, name in found}
+
+
+def feature_sets() -> list[list[str]]:
+    """Return the sets of features that are measured: each codec alone with all its options."""
+    return [
+        [codec, *(option for option in chosen if option)]
+        for codec, options in OPTIONS.items()
+        for chosen in product(*options)
+    ]
+
+
+def _alone(features: Sequence[str]) -> dict[str, int]:
+    """Return the settings with these switches on, all others off, and arrays of a usual size."""
+    switches = [name for name, value, _ in entries() if value in ("0", "1")]
+    result = {name: 0 for name in switches if name != "SMAP_HARDWARE_ROOT"}
+    for feature in features:  # such as SMAP_SPHERE or SMAP_MODES=8
+        name, _, value = feature.partition("=")
+        result[name] = int(value or 1)
+    many = "SMAP_CONTACTS_MANY" in features
+    return result | {**USUAL, "SMAP_MAX_CONTACTS": 12 if many else 3}
+
+
+def _settings_of(directory: Path) -> dict[str, int]:
+    """Return the settings in the smap_config.h of an export."""
+    text = (directory / "smap_config.h").read_text(encoding="utf-8")
+    found = re.findall(r"#define (SMAP_\w+) (\d+)", text)
+    return {name: int(value) for name, value in found if name != "SMAP_HARDWARE_ROOT"}
+
+
+def _row(label: str, result: Measure) -> str:
+    cells = [f"{result[key]:>7,}" for key in ("code", "data", "bss", "stack")]
+    return f"{label:<58} {' '.join(cells)}"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Print the table; return an exit code."""
+    program = "python -m targets.size"
+    parser = argparse.ArgumentParser(prog=program, description=__doc__)
+    parser.add_argument("exports", nargs="*", type=Path, help="folders of `lutgen export`")
+    parser.add_argument("--update", action="store_true", help="rewrite runtime/sizes.json")
+    options = parser.parse_args(arguments)
+    if shutil.which(COMPILER) is None:
+        print(f"{COMPILER} is not installed: nothing is measured", file=sys.stderr)
+        return 1
+    try:
+        with tempfile.TemporaryDirectory(prefix="lutgen-") as name:
+            _table(Path(name), options.exports, options.update)
+    except LutgenError as error:
+        print(f"Error: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def _table(folder: Path, exports: Sequence[Path], update: bool) -> None:
+    """Measure and print everything; rewrite sizes.json if asked to."""
+    print(f"{f'{TARGET}, bytes':<58}    code    data     bss   stack")
+    rows: list[dict[str, Any]] = []
+    for features in feature_sets():
+        result = measure_set(features, folder)
+        rows.append({"features": sorted(features), **result})
+        print(_row(" ".join(sorted(name.removeprefix("SMAP_") for name in features)), result))
+    for directory in exports:
+        content = report.load(directory)
+        result = measure(_settings_of(directory), folder)
+        print(_row(f"export {content['name']} ({content['spec']})", result))
+    if update:
+        path = Path(__file__).parent / "runtime" / FILE
+        content = {"structs": struct_sizes(folder), "sets": rows}
+        path.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+        print(f"{path.name} is rewritten", file=sys.stderr)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,137 @@
+"""The force-angle measure: reference values, and no NaN with the com exactly over an edge."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+import lutgen
+from lutgen.analysis.diagnosis import diagnose
+from lutgen.analysis.force_angle import axis_force_angle, force_angle
+from lutgen.analysis.tilt import tilted
+from tests.fixtures.recipes import feet, rigid, rover
+
+Floats = NDArray[np.float64]
+
+# The polygon of hector_stability_metrics, its edges in order, and what that library prints.
+CORNERS = [(0, 0), (0, 2), (1, 2), (1, 0)]
+EDGES = [("P1", "P2"), ("P2", "P3"), ("P3", "P4"), ("P4", "P1")]
+WEIGHT = 9.81
+COMS = {
+    0.2: (
+        (0.2, 1.3, 0.8, 0.7),
+        (0.019803903, 0.640121947, 0.280624847, 0.220655562),
+        (0.387290088, 11.670279234, 5.295366915, 4.193855197),
+    ),
+    -0.2: (
+        (-0.2, 1.3, 1.2, 0.7),
+        (-0.019803903, 0.640121947, 0.562049935, 0.220655562),
+        (-0.387290088, 11.670279234, 10.312955372, 4.193855197),
+    ),
+}
+
+
+def polygon(x: float, y: float, z: float = 1.0) -> lutgen.recipe.recipe.Recipe:
+    """Return the reference polygon, its corners relative to a com."""
+    return lutgen.parse_recipe(rigid(feet([(cx - x, cy - y, -z) for cx, cy in CORNERS])))
+
+
+@pytest.mark.parametrize("x", COMS)
+def test_every_axis_of_the_reference_polygon_has_the_published_values(x: float) -> None:
+    found = diagnose(polygon(x, 0.7), [], (0, 0, -1))
+    by_names = {frozenset(axis.names): axis for axis in found.axes_}
+    axes = [by_names[frozenset(names)] for names in EDGES]
+    margin, energy, measure = COMS[x]
+    # Nine digits are printed.
+    assert [axis.margin for axis in axes] == pytest.approx(margin, abs=1e-8)
+    assert [axis.energy_margin for axis in axes] == pytest.approx(energy, abs=1e-8)
+    got = [axis_force_angle(axis.start, axis.stop, (0, 0, -WEIGHT)) for axis in axes]
+    assert got == pytest.approx(measure, abs=1e-8)
+    assert found.channels["margin"] == pytest.approx(min(margin), abs=1e-8)
+    assert found.channels["energy_margin"] == pytest.approx(min(energy), abs=1e-8)
+    whole = WEIGHT * force_angle(polygon(x, 0.7), [], [[0, 0, -1]])
+    assert whole == pytest.approx([min(measure)], abs=1e-8)
+
+
+def by_arc_cosine(start: Floats, stop: Floats, force: Floats) -> float:
+    """Return the measure as the paper writes it."""
+    a = (stop - start) / np.linalg.norm(stop - start)
+    across = np.eye(3) - np.outer(a, a)
+    arm, f = across @ start, across @ force
+    unit = f / np.linalg.norm(f)
+    lever = np.linalg.norm(-arm + (arm @ unit) * unit)
+    sign = math.copysign(1.0, np.cross(arm, f) @ a * -1.0)
+    theta = math.acos(unit @ arm / np.linalg.norm(arm))
+    return float(sign * theta * lever * np.linalg.norm(f))
+
+
+def test_it_equals_the_papers_formula_for_any_axis_and_force() -> None:
+    rng = np.random.default_rng(6)
+    for start, stop, force in rng.normal(size=(500, 3, 3)):
+        expected = by_arc_cosine(start, stop, force)
+        # An arc cosine near 0 or pi loses half of the digits.
+        assert axis_force_angle(start, stop, force) == pytest.approx(expected, rel=1e-7, abs=1e-9)
+
+
+def test_a_com_exactly_over_an_edge_is_zero_under_any_rotation() -> None:
+    turns = Rotation.random(200_000, random_state=8).as_matrix()
+    corners = np.array([(x, y - 0.7, -1.0) for x, y in CORNERS])
+    points = np.einsum("rij,pj->rpi", turns, corners)
+    force = turns @ np.array([0.0, 0.0, -WEIGHT])
+    stop = np.roll(points, -1, axis=1)
+    each = axis_force_angle(points, stop, force[:, None, :])
+    assert np.isfinite(each).all()
+    # theta and the moment are both rounding, 1e-15 and 1e-14: their product is far below this.
+    assert np.abs(each.min(axis=1)).max() < 1e-20
+    assert each.argmin(axis=1).tolist() == [0] * len(turns)
+    # The other edges keep their values: a measure that is 0 everywhere would not.
+    expected = [WEIGHT * d * math.atan(d) for d in (1.3, 1.0, 0.7)]
+    assert np.abs(each[:, 1:] - expected).max() < 1e-12
+    # An arc cosine in place of this form gives NaN, in 18 % of rotations.
+    edge = (stop - points)[:, 0] / 2.0
+    arm = points[:, 0] - (points[:, 0] * edge).sum(axis=1, keepdims=True) * edge
+    unit = force / np.linalg.norm(force, axis=1, keepdims=True)
+    cosine = (unit * arm / np.linalg.norm(arm, axis=1, keepdims=True)).sum(axis=1)
+    assert (np.abs(cosine) > 1.0).mean() > 0.05
+
+
+def test_every_channel_agrees_that_a_com_over_an_edge_is_at_the_limit() -> None:
+    turns = Rotation.random(2_000, random_state=9).as_matrix()
+    corners = np.array([(x, y - 0.7, -1.0) for x, y in CORNERS])
+    names = ("tip_angle", "margin", "energy_margin")
+    for turn in turns:
+        found = lutgen.stability(corners @ turn.T, [turn @ (0.0, 0.0, -1.0)], names)
+        for name in names:
+            assert abs(found[name][0, 0]) < 1e-14, name
+
+
+def test_its_sign_is_the_verdict_in_convex_regions_and_others() -> None:
+    rng = np.random.default_rng(3)
+    directions = np.column_stack([rng.normal(0.0, 0.8, (4_000, 2)), -np.ones(4_000)])
+    for recipe, params in ((polygon(0.2, 0.7), []), (lutgen.parse_recipe(rover()), [0.3])):
+        found = lutgen.evaluate(recipe, [params], directions, ("tip_angle", "margin"))
+        stands = found["tip_angle"][0] >= 0.0
+        measure = force_angle(recipe, params, directions)
+        assert ((measure >= 0.0) == stands).all()
+        assert 0.05 < stands.mean() < 0.95
+    product = found["tip_angle"][0] * np.abs(found["margin"][0])
+    assert measure == pytest.approx(product, abs=1e-15)
+
+
+def test_on_a_level_axis_it_is_the_product_of_tip_angle_and_margin() -> None:
+    recipe = polygon(0.5, 1.0)
+    down = tilted(np.radians([0.0, 10.0, 20.0, 30.0]), math.pi)
+    found = lutgen.evaluate(recipe, [[]], down, ("tip_angle", "margin"))
+    product = found["tip_angle"][0] * np.abs(found["margin"][0])
+    assert force_angle(recipe, [], down) == pytest.approx(product, abs=1e-14)
+    assert product[3] < 0.0 < product[2]
+
+
+def test_a_robot_that_supports_nothing_or_cannot_tip_has_an_infinite_measure() -> None:
+    line = lutgen.parse_recipe(rigid(feet([(1, 0, -1), (0, 0, -1), (-1, 0, -1)])))
+    assert force_angle(line, [], [[0, 0, -1]]).tolist() == [-math.inf]
+    around = [(1, 0, -1), (-1, 1, -1), (-1, -1, -1), (0, 0, 2)]
+    solid = lutgen.parse_recipe(rigid(feet(around), head="upright = 180.0\nrock_angle = 180.0"))
+    assert force_angle(solid, [], [[0, 0, -1], [1, 1, 1]]).tolist() == [math.inf] * 2

@@ -1,0 +1,225 @@
+"""Five metrics side by side: the numbers, `lutgen metrics`, the figure and its page."""
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import lutgen
+from lutgen import plot
+from lutgen.analysis.force_angle import force_angle
+from lutgen.analysis.metrics import METRICS, compare_metrics
+from lutgen.analysis.tilt import tilted
+from lutgen.errors import InputError
+from lutgen.plot.marks import TIPS
+from lutgen.recipe.recipe import Recipe
+from tests.docs.test_docs import blocks
+from tests.fixtures.commands import run
+from tests.fixtures.recipes import feet, rigid
+
+# 2 long, 1.2 wide, 1 high, its com a little off the centre.
+TABLE = rigid(feet([(1, 0.6, -1), (-1, 0.6, -1), (-1, -0.6, -1), (1, -0.6, -1)]), name="table")
+HEADINGS = np.radians(np.arange(0.0, 360.0, 5.0))
+
+
+@pytest.fixture(scope="module")
+def table() -> Recipe:
+    """Return the table."""
+    return lutgen.parse_recipe(TABLE)
+
+
+def test_values_are_those_of_evaluate_and_of_the_force_angle_measure(table: Recipe) -> None:
+    down = tilted(math.radians(35.0), HEADINGS)
+    found = compare_metrics(table, [], down)
+    exact = lutgen.evaluate(table, [[]], down, ("sdg", "tip_angle", "margin", "energy_margin"))
+    for name, values in exact.items():
+        assert found.values[name].tolist() == pytest.approx(values[0].tolist(), nan_ok=True)
+    assert found.values["force_angle"].tolist() == force_angle(table, [], down).tolist()
+    assert found.standing.tolist() == (exact["tip_angle"][0] >= 0.0).tolist()
+    assert 0 < found.standing.sum() < len(down)
+
+
+def test_each_is_divided_by_its_value_on_level_ground(table: Recipe) -> None:
+    found = compare_metrics(table, [], tilted(math.radians(20.0), [math.pi / 2.0]))
+    level = math.atan(0.6)
+    # To the left, across a level axis 0.6 away and 1 below.
+    arm = math.hypot(1.0, 0.6)
+    left = level - math.radians(20.0)
+    expected = {
+        "tip_angle": left / level,
+        "margin": math.sin(left) * arm / 0.6,
+        "energy_margin": arm * (1.0 - math.cos(left)) / (arm - 1.0),
+        "force_angle": left * math.sin(left) * arm / (level * 0.6),
+        # D_g has moved by tan 20 deg of the 0.6 to the nearest side.
+        "sdg": 1.0 - math.tan(math.radians(20.0)) / 0.6,
+    }
+    assert list(found.normalised) == list(METRICS)
+    for name, value in expected.items():
+        assert found.normalised[name] == pytest.approx([value], abs=1e-12), name
+    assert found.level["force_angle"] == pytest.approx(level * 0.6, abs=1e-12)
+
+
+def test_four_change_sign_with_the_verdict_and_sdg_never_later(table: Recipe) -> None:
+    for tilt in np.radians([25.0, 33.0, 44.0]):
+        found = compare_metrics(table, [], tilted(tilt, HEADINGS))
+        for name in ("tip_angle", "margin", "energy_margin", "force_angle"):
+            assert ((found.normalised[name] >= 0.0) == found.standing).all()
+        sdg = found.normalised["sdg"]
+        assert (np.isnan(sdg) == ~found.standing).all()
+    # Lengthwise the robot stands where its |SD_g| exceeds the inscribed radius.
+    assert sdg[0] < 0.0 < found.values["tip_angle"][0]
+
+
+def test_a_posture_that_does_not_stand_on_level_ground_is_refused() -> None:
+    aside = lutgen.parse_recipe(rigid(feet([(1, 0, -1), (3, 1, -1), (3, -1, -1)])))
+    with pytest.raises(
+        InputError, match=r"does not stand or cannot tip \(got a tip angle of -24.1 deg"
+    ):
+        compare_metrics(aside, [], [[0, 0, -1]])
+
+
+# The command
+
+
+def test_the_command_prints_one_row_per_heading(tmp_path: Path) -> None:
+    file = tmp_path / "table.toml"
+    file.write_text(TABLE)
+    result = run("metrics", file, "--tilt", 33, "--headings", 4)
+    assert result.exit_code == 0, result.stderr
+    head, names, level, *rows = result.stdout.splitlines()
+    assert head == "table: tilted 33 deg"
+    assert names.split()[:2] == ["heading", "deg"]
+    assert level.split()[:2] == ["level", "stands"]
+    assert [row.split()[0] for row in rows] == ["0", "90", "180", "270"]
+    assert [row.split()[1] for row in rows] == ["stands", "tips", "stands", "tips"]
+    assert " - " in rows[1]
+
+
+def test_json_has_angles_in_deg_and_null_where_there_is_no_value(tmp_path: Path) -> None:
+    file = tmp_path / "table.toml"
+    file.write_text(TABLE)
+
+    def refuse(text: str) -> None:
+        raise AssertionError(f"{text} is not JSON")
+
+    printed = run("metrics", file, "--tilt", 33, "--headings", 4, "--json").stdout
+    report: dict[str, Any] = json.loads(printed, parse_constant=refuse)
+    assert report["level"]["tip_angle_deg"] == pytest.approx(math.degrees(math.atan(0.6)))
+    left = report["headings"][1]
+    assert left["heading_deg"] == 90.0
+    assert left["standing"] is False
+    assert left["sdg"] is left["normalised"]["sdg"] is None
+    assert left["tip_angle_deg"] == pytest.approx(math.degrees(math.atan(0.6)) - 33.0)
+    assert left["force_angle_rad"] < 0.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("--tilt", 181), "between 0 and 180 deg (got 181)"),
+        (("--tilt", "nan"), "between 0 and 180 deg (got nan)"),
+        (("--headings", 0), "0 is not in the range"),
+        (("-p", "a=1"), "there is no parameter 'a'"),
+    ],
+)
+def test_wrong_input_is_refused_in_one_sentence(
+    tmp_path: Path, arguments: tuple[object, ...], said: str
+) -> None:
+    file = tmp_path / "table.toml"
+    file.write_text(TABLE)
+    result = run("metrics", file, *arguments)
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert said in result.stderr
+
+
+def test_eval_gives_every_axis_its_force_angle(tmp_path: Path) -> None:
+    file = tmp_path / "table.toml"
+    file.write_text(TABLE)
+    report = json.loads(run("eval", file, "--json").stdout)
+    got = sorted(axis["force_angle_rad"] for axis in report["axes"])
+    side, end = 0.6 * math.atan(0.6), math.atan(1.0)
+    assert got == pytest.approx([side, side, end, end], abs=1e-12)
+
+
+# The figure
+
+
+def test_the_figure_draws_five_lines_marks_their_zeros_and_hatches_the_verdict(
+    table: Recipe,
+) -> None:
+    figure = plot.draw("metrics", table, tilt=33.0)
+    (axes,) = figure.axes
+    lines = [line for line in axes.get_lines() if len(line.get_xdata()) == 721]
+    found = compare_metrics(table, [], tilted(math.radians(33.0), np.radians(np.arange(721) / 2.0)))
+    assert len(lines) == len(METRICS)
+    drawn = {str(line.get_label()).split(" /")[0]: np.asarray(line.get_ydata()) for line in lines}
+    for label, name in {
+        "tip-over angle": "tip_angle",
+        "static margin": "margin",
+        "energy margin": "energy_margin",
+        "force-angle": "force_angle",
+    }.items():
+        assert drawn[label].tolist() == found.normalised[name].tolist()
+    # It tips over its two long sides: each of the four lines has four zeros where hatching ends.
+    zeros = [np.asarray(m.get_xdata()) for m in axes.get_lines() if m.get_marker() == "o"]
+    edge = math.degrees(math.asin(0.6 / math.tan(math.radians(33.0))))
+    expected = [edge, 180.0 - edge, 180.0 + edge, 360.0 - edge]
+    assert sum(len(z) == 4 for z in zeros) >= 4
+    for places in zeros[:4]:
+        # Half a degree of heading, a straight line in between.
+        assert places == pytest.approx(expected, abs=0.05)
+    text = "\n".join(t.get_text() for legend in figure.legends for t in legend.get_texts())
+    assert f"{TIPS} (the verdict)" in text
+    assert "changes sign" in text
+    assert "static margin / 0.6 m" in text
+    level = plot.draw("metrics", table, tilt=5.0)
+    words = "\n".join(t.get_text() for legend in level.legends for t in legend.get_texts())
+    assert TIPS not in words
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"tilt": -1.0}, "tilt must lie between 0 and 180 deg (got -1)"),
+        ({"tilt": math.nan}, "tilt must lie between 0 and 180 deg (got nan)"),
+        ({"convention": "plane"}, "a metrics figure turns gravity in the body itself"),
+    ],
+)
+def test_the_figure_refuses_what_it_cannot_draw(
+    table: Recipe, options: dict[str, Any], said: str
+) -> None:
+    with pytest.raises(InputError) as caught:
+        plot.draw("metrics", table, **options)
+    assert said in str(caught.value)
+
+
+# The page
+
+
+def test_everything_on_the_page_runs_and_prints_what_it_says(
+    maps_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "maps").symlink_to(maps_folder)
+    monkeypatch.chdir(tmp_path)
+    (recipe,) = blocks("docs/metrics.md", "toml")
+    Path("trolley.toml").write_text(recipe)
+    commands = blocks("docs/metrics.md", "sh")
+    shown = blocks("docs/metrics.md", "text")
+    printed = []
+    for command in commands:
+        program, *arguments = command.replace("\\\n", " ").split()
+        assert program == "lutgen"
+        result = run(*arguments)
+        assert result.exit_code == 0, result.stderr
+        if result.stdout:
+            printed.append(result.stdout)
+    assert len(printed) == len(shown) > 0
+    for output, text in zip(printed, shown, strict=True):
+        # A page may leave out the end.
+        assert output.startswith(text)
+    assert Path("metrics.png").read_bytes().startswith(b"\x89PNG")
+    assert Path("limits.png").read_bytes().startswith(b"\x89PNG")

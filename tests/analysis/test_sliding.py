@@ -1,0 +1,169 @@
+"""Where a robot slides first: hand-worked slopes, warped feet, flippers, and the drawn line."""
+
+import math
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.contour import QuadContourSet
+
+import lutgen
+from lutgen import plot
+from lutgen.analysis.diagnosis import diagnose
+from lutgen.analysis.sliding import first_tilts, slide_limits, slides_first, slopes
+from lutgen.analysis.tilt import tilt_limits, tilted
+from lutgen.errors import InputError
+from lutgen.recipe.recipe import Recipe
+from tests.fixtures.recipes import feet, rigid, rover
+
+SQUARE = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)]
+
+
+def table(friction: float | None, rise: float = 0.0) -> Recipe:
+    """Return a table, 2 x 2 and 1 high, on ground that rises ahead by `rise` in the body frame."""
+    places = [(x, y, -1.0 + rise * x) for x, y in SQUARE]
+    head = "" if friction is None else f"friction = {friction}"
+    return lutgen.parse_recipe(rigid(feet(places), name="table", head=head))
+
+
+def test_a_level_robot_slides_where_the_tangent_of_the_tilt_exceeds_friction() -> None:
+    headings = np.radians(np.arange(0.0, 360.0, 7.0))
+    for mu in (0.05, 0.5, 0.9):
+        limits = slide_limits(table(mu), [], headings)
+        assert limits == pytest.approx(math.atan(mu), abs=1e-12)
+        for tilt, expected in ((math.atan(mu) - 1e-9, False), (math.atan(mu) + 1e-9, True)):
+            found = slides_first(table(mu), [[]], tilted(tilt, headings))
+            assert found.tolist() == [[expected] * len(headings)]
+
+
+def test_a_facet_that_is_not_level_shifts_the_limit() -> None:
+    # The ground rises by 0.2 ahead: with its nose down by atan 0.2 the robot is on level ground.
+    recipe, rise = table(0.5, 0.2), math.atan(0.2)
+    limits = slide_limits(recipe, [], np.radians([0.0, 180.0]))
+    assert limits == pytest.approx([math.atan(0.5) + rise, math.atan(0.5) - rise], abs=1e-12)
+    level = slopes(recipe, [[]], [[[math.sin(rise), 0.0, -math.cos(rise)], [0.0, 0.0, -1.0]]])
+    assert level == pytest.approx(np.array([[0.0, rise]]), abs=1e-12)
+
+
+def test_steep_ground_under_a_robot_with_slippery_feet_slides_at_no_tilt_at_all() -> None:
+    assert slide_limits(table(0.1, 0.2), [], [math.pi]).tolist() == [0.0]
+    # Its nose goes down towards the ground's own slope: at 0 it slides, later it would not.
+    assert slide_limits(table(0.1, 0.2), [], [0.0]).tolist() == [0.0]
+
+
+def test_it_is_what_diagnose_says_for_warped_feet_and_wheels_that_lift() -> None:
+    rng = np.random.default_rng(2)
+    warped = [(x, y, -1.0 + 0.2 * rng.normal()) for x, y in SQUARE]
+    cases = [
+        (lutgen.parse_recipe(rigid(feet(warped), head="friction = 0.4")), []),
+        (lutgen.parse_recipe(rover().replace("upright", "friction = 0.4\nupright")), [0.35]),
+    ]
+    for recipe, params in cases:
+        directions = np.column_stack([rng.normal(0.0, 0.5, (300, 2)), -np.ones(300)])
+        expected = [diagnose(recipe, params, g).slides for g in directions]
+        got = slides_first(recipe, [params], directions)[0]
+        assert got.tolist() == expected
+        assert 0.1 < got.mean() < 0.9
+
+
+def test_flippers_that_lift_the_nose_make_it_slide_earlier_backwards(maps_folder: Path) -> None:
+    absolem = lutgen.load_recipe(maps_folder / "absolem.toml")
+    level, lifted = np.radians([0.0, 0.0]), np.radians([-60.0, 0.0])
+    slope = float(slopes(absolem, [lifted], [[[0.0, 0.0, -1.0]]])[0, 0])
+    assert slope > math.radians(10.0)
+    back = slide_limits(absolem, lifted, [math.pi])[0]
+    assert slide_limits(absolem, level, [0.0, math.pi]) == pytest.approx(math.atan(0.8), abs=1e-12)
+    # The facet falls towards the tail: gravity leans to the tail in the body already.
+    assert abs(back - math.atan(0.8)) == pytest.approx(slope, abs=1e-9)
+    both = slides_first(absolem, [level, lifted], tilted([0.6, 0.7], [math.pi, math.pi]))
+    assert both.tolist() == [[False, True], [back < 0.6, back < 0.7]]
+
+
+def test_a_robot_without_support_slides_on_nothing() -> None:
+    line = rigid(feet([(1, 0, -1), (0, 0, -1), (-1, 0, -1)]), head="friction = 0.5")
+    assert slides_first(lutgen.parse_recipe(line), [[]], [[1, 0, -1]]).tolist() == [[False]]
+    assert np.isnan(slopes(lutgen.parse_recipe(line), [[]], [[[1, 0, -1]]])).all()
+
+
+def test_without_friction_and_with_wrong_shapes_it_is_refused() -> None:
+    with pytest.raises(InputError, match="no friction coefficient"):
+        slides_first(table(None), [[]], [[0, 0, -1]])
+    with pytest.raises(InputError, match="gravity_dir must have the shape"):
+        slopes(table(0.5), [[]], [[0, 0, -1]])
+    with pytest.raises(InputError, match="params must have shape"):
+        slides_first(table(0.5), [], [[0, 0, -1]])
+
+
+def test_the_first_tilt_is_found_to_rounding_and_ends_where_it_is_told() -> None:
+    bound = np.array([0.3, 0.7, 1.1])
+
+    def steep(directions: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        return np.arccos(-directions[:, 2]) >= bound[rows]
+
+    found = first_tilts(steep, np.zeros(3), [1.0, 1.0, 1.0])
+    assert found[:2] == pytest.approx(bound[:2], abs=1e-8)  # an arc cosine near 0.3
+    assert np.isnan(found[2])
+
+
+# Figures
+
+
+def labels(figure: mpl.figure.Figure) -> list[str]:
+    """Return the words of the legends."""
+    return [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+
+
+def test_polar_draws_the_sliding_limit_where_the_robot_still_stands() -> None:
+    figure = plot.draw("polar", table(0.8))
+    (line,) = [
+        artist
+        for artist in figure.axes[0].get_lines()
+        if str(artist.get_label()).startswith("slides")
+    ]
+    around, radius = (np.asarray(part) for part in line.get_data())
+    tips = np.degrees(tilt_limits(table(0.8), [], around))
+    # It tips at 45 deg straight ahead and at more towards a corner: it slides first at 38.7.
+    assert radius == pytest.approx(math.degrees(math.atan(0.8)), abs=1e-9)
+    assert (radius < tips).all()
+    assert labels(figure).count(r"slides ($\mu$ = 0.8)") == 1
+
+
+@pytest.mark.parametrize("kind", ["polar", "sphere"])
+def test_no_sliding_is_drawn_where_the_robot_tips_first_or_friction_is_unknown(kind: str) -> None:
+    for friction in (1.5, None):
+        assert not any("slides" in label for label in labels(plot.draw(kind, table(friction))))
+
+
+def test_sphere_dashes_the_circle_of_friction() -> None:
+    figure = plot.draw("sphere", table(0.5))
+    assert r"slides ($\mu$ = 0.5)" in labels(figure)
+    dashed = [
+        found
+        for found in figure.findobj(QuadContourSet)
+        if not found.filled and found.get_linestyles()[0][1]
+    ]
+    (circle,) = dashed
+    points = np.concatenate([path.vertices for path in circle.get_paths()])
+    # Equal areas: the radius is sin(tilt / 2) / sin(50 deg / 2); the mesh has half degrees.
+    expected = math.sin(math.atan(0.5) / 2.0) / math.sin(math.radians(25.0))
+    assert np.linalg.norm(points, axis=1) == pytest.approx(expected, abs=1e-3)
+
+
+def test_contour_marks_the_postures_that_slide(maps_folder: Path) -> None:
+    text = (maps_folder / "paper_two.toml").read_text(encoding="utf-8")
+    slippery = lutgen.parse_recipe(text.replace("[robot]", "[robot]\nfriction = 0.3", 1))
+    ahead = (0.2, 0.0, -1.0)
+    figure = plot.draw("contour", slippery, gravity=ahead)
+    assert r"slides ($\mu$ = 0.3)" in labels(figure)
+    (dashed,) = [
+        found
+        for found in figure.findobj(QuadContourSet)
+        if not found.filled and found.get_linestyles()[0][1]
+    ]
+    points = np.concatenate([path.vertices for path in dashed.get_paths() if len(path.vertices)])
+    slope = slopes(slippery, np.radians(points), np.tile(ahead, (len(points), 1, 1)))
+    assert len(points) > 20
+    assert np.tan(slope) == pytest.approx(0.3, abs=1e-3)  # a mesh of half degrees
+    plane = plot.draw("contour", slippery, gravity=ahead, convention="plane")
+    assert not any("slides" in label for label in labels(plane))  # 11 deg everywhere

@@ -1,0 +1,279 @@
+"""One posture explained: forces, tip-over axes and sliding."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import lutgen
+from lutgen.analysis.diagnosis import Diagnosis, diagnose, heuristic_forces, normal_forces
+from lutgen.channels.plain import CHANNELS
+from lutgen.recipe.recipe import Recipe
+from tests.fixtures.recipes import contact, feet, rigid, rover, tripod
+
+# The paper's wheels: circumradius 20, height 12, wheel 1 ahead.
+WHEELS = [(20.0 * math.cos(a), 20.0 * math.sin(a), -12.0) for a in np.radians([0.0, 120.0, 240.0])]
+# Pitch and heading (deg), exact shares, shares of Eq 12, largest difference; the load moves to
+# the heading + 180 deg.  Source: "exact statics" of the paper's facts.
+FORCES = [
+    (0, 0, (0.3333, 0.3333, 0.3333), (0.3333, 0.3333, 0.3333), 0.0),
+    (10, 0, (0.2628, 0.3686, 0.3686), (0.2992, 0.3504, 0.3504), 0.036),
+    (20, 0, (0.1877, 0.4061, 0.4061), (0.2658, 0.3671, 0.3671), 0.078),
+    (30, 0, (0.1024, 0.4488, 0.4488), (0.2331, 0.3834, 0.3834), 0.131),
+    (39.7, 0, (0.0012, 0.4994, 0.4994), (0.2029, 0.3986, 0.3986), 0.202),
+    (30, 180, (0.5643, 0.2179, 0.2179), (0.4542, 0.2729, 0.2729), 0.110),
+    (58, 180, (0.9735, 0.0133, 0.0133), (0.6551, 0.1725, 0.1725), 0.318),
+    (30, 90, (0.3333, 0.1333, 0.5333), (0.3243, 0.2424, 0.4334), 0.109),
+]
+
+
+def uphill(pitch: float, heading: float) -> tuple[float, float, float]:
+    """Gravity of a slope (deg) that rises towards a heading (deg)."""
+    p, h = math.radians(pitch), math.radians(heading)
+    return -math.sin(p) * math.cos(h), -math.sin(p) * math.sin(h), -math.cos(p)
+
+
+def towards(x: float, y: float, tilt: float) -> tuple[float, float, float]:
+    """Gravity tilted (deg) towards +-x or +-y."""
+    t = math.radians(tilt)
+    return math.sin(t) * x, math.sin(t) * y, -math.cos(t)
+
+
+def stool(points: list[tuple[float, float, float]], head: str = "") -> Recipe:
+    """Return a robot of point feet and no parameters."""
+    return lutgen.parse_recipe(rigid(feet(points), head=head))
+
+
+def moment(points: NDArray[np.float64], shares: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return where the resultant of the normal forces goes through the plane."""
+    return shares @ points
+
+
+@pytest.mark.parametrize(("pitch", "heading", "exact", "rough", "difference"), FORCES)
+def test_forces_on_three_wheels_equal_the_table(
+    pitch: float,
+    heading: float,
+    exact: tuple[float, ...],
+    rough: tuple[float, ...],
+    difference: float,
+) -> None:
+    found = diagnose(stool(WHEELS), [], uphill(pitch, heading))
+    assert found.standing
+    assert found.forces_kind == "exact"
+    got = [found.normal_forces[name] for name in ("P1", "P2", "P3")]
+    paper = [found.heuristic_forces[name] for name in ("P1", "P2", "P3")]
+    # Four digits are printed: half of the last one; three of the difference.
+    assert got == pytest.approx(exact, abs=5.1e-5)
+    assert paper == pytest.approx(rough, abs=5.1e-5)
+    largest = max(abs(a - b) for a, b in zip(got, paper, strict=True))
+    assert largest == pytest.approx(difference, abs=5.1e-4)
+
+
+def test_forces_on_three_wheels_are_the_barycentric_coordinates_of_gravity() -> None:
+    points = np.array(WHEELS)
+    for pitch, heading, *_ in FORCES:
+        gravity = np.array(uphill(pitch, heading))
+        b = np.linalg.solve(points.T, gravity)
+        found = diagnose(stool(WHEELS), [], gravity)
+        shares = [found.normal_forces[name] for name in ("P1", "P2", "P3")]
+        assert shares == pytest.approx(b / b.sum(), abs=1e-12)  # two 3 x 3 solves
+
+
+def polygon(n: int, seed: int) -> NDArray[np.float64]:
+    """Return n points of a convex polygon in a tilted plane below the com."""
+    rng = np.random.default_rng(seed)
+    angles = np.linspace(0.0, 2.0 * np.pi, n, endpoint=False) + rng.uniform(-0.2, 0.2, n)
+    flat = np.column_stack([1.5 * np.cos(angles), np.sin(angles)])
+    return np.column_stack([flat, -1.0 + 0.1 * flat[:, 0] - 0.2 * flat[:, 1]])
+
+
+@pytest.mark.parametrize("n", [4, 5, 6, 8])
+def test_minimum_norm_forces_balance_force_and_moment_and_have_the_smallest_norm(n: int) -> None:
+    points = polygon(n, n)
+    centre = points.mean(axis=0)
+    for share in (0.0, 0.1, 0.2):
+        pierced = centre + share * (points[0] - centre)
+        shares = normal_forces(points, pierced)
+        # Sums of at most 8 numbers of about 1.
+        assert shares.sum() == pytest.approx(1.0, abs=1e-12)
+        assert moment(points, shares) == pytest.approx(pierced, abs=1e-12)
+        rows = np.vstack([np.ones(n), points.T])
+        smallest = np.linalg.pinv(rows) @ np.array([1.0, *pierced])
+        assert shares == pytest.approx(smallest, abs=1e-12)
+
+
+def test_no_wheel_pulls_at_the_ground_anywhere_in_the_support_polygon() -> None:
+    for n in (3, 4, 5, 6, 8):
+        points = polygon(n, 40 + n)
+        rng = np.random.default_rng(n)
+        for weights in rng.dirichlet(np.full(n, 0.4), 60):
+            pierced = weights @ points
+            shares = normal_forces(points, pierced)
+            assert shares.min() >= -1e-12
+            assert shares.sum() == pytest.approx(1.0, abs=1e-9)
+            assert moment(points, shares) == pytest.approx(pierced, abs=1e-9)
+            # No mixture of these forces and others that balance has a smaller norm.
+            assert shares @ shares <= weights @ weights + 1e-12
+
+
+def test_a_centred_square_carries_a_quarter_on_each_foot() -> None:
+    square = [(1.0, 1.0, -2.0), (-1.0, 1.0, -2.0), (-1.0, -1.0, -2.0), (1.0, -1.0, -2.0)]
+    found = diagnose(stool(square), [], (0, 0, -1))
+    assert found.forces_kind == "minimum norm"
+    assert list(found.normal_forces) == [f"P{i + 1}" for i in found.facet.contacts]  # type: ignore[union-attr]
+    assert list(found.normal_forces.values()) == pytest.approx([0.25] * 4, abs=1e-15)
+    assert list(found.heuristic_forces.values()) == pytest.approx([0.25] * 4, abs=1e-15)
+
+
+def test_over_a_wheel_eq_12_says_two_thirds_and_on_an_edge_a_fifth_lifts_off() -> None:
+    points = np.array(WHEELS)
+    assert normal_forces(points, points[0]) == pytest.approx([1, 0, 0], abs=1e-12)
+    assert heuristic_forces(points, points[0]) == pytest.approx([2 / 3, 1 / 6, 1 / 6], abs=1e-12)
+    middle = (points[1] + points[2]) / 2.0
+    assert normal_forces(points, middle) == pytest.approx([0, 0.5, 0.5], abs=1e-12)
+    # Distances 30, 10 sqrt(3) twice: (2/3) - 30 / 64.64.
+    assert heuristic_forces(points, middle)[0] == pytest.approx(0.2026, abs=5e-5)
+
+
+def test_a_robot_that_tips_has_no_forces() -> None:
+    found = diagnose(stool(WHEELS), [], uphill(41.0, 0.0))
+    assert not found.standing
+    assert found.normal_forces == found.heuristic_forces == {}
+    assert found.channels["tip_angle"] < 0.0
+
+
+def test_over_a_gap_the_robot_stands_but_no_forces_balance_on_its_facet() -> None:
+    # Four wheels of which one hangs lower: between its two facets the robot rocks.
+    recipe = lutgen.parse_recipe(rover())
+    seen = {True: 0, False: 0}
+    for x in np.linspace(-0.3, 0.3, 13):
+        for y in np.linspace(-0.3, 0.3, 13):
+            found = diagnose(recipe, [0.3], (x, y, -1.0))
+            if not found.standing:
+                continue
+            assert found.facet is not None
+            rim = np.roll(found.facet.points, -1, 0) - found.facet.points
+            inward = np.cross(found.facet.normal, rim)
+            depth = ((found.facet.pierced - found.facet.points) * inward).sum(axis=1).min()
+            seen[depth > 0.0] += 1
+            assert bool(found.normal_forces) is bool(depth >= 0.0)
+            assert all(share >= 0.0 for share in found.normal_forces.values())
+    assert min(seen.values()) >= 3
+
+
+TABLE = [(2.0, 1.0, -1.0), (-2.0, 1.0, -1.0), (-2.0, -1.0, -1.0), (2.0, -1.0, -1.0)]
+CORNERS = {"front left": 0, "rear left": 1, "rear right": 2, "front right": 3}
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "tilt", "axis"),
+    [
+        (1, 0, 60, {"front left", "front right"}),
+        (-1, 0, 60, {"rear left", "rear right"}),
+        (0, 1, 10, {"front left", "rear left"}),
+        (0, -1, 10, {"front right", "rear right"}),
+        # Beyond the limits (63.4 and 45 deg) it is the axis over which the table falls.
+        (1, 0, 80, {"front left", "front right"}),
+        (0, -1, 60, {"front right", "rear right"}),
+    ],
+)
+def test_the_least_stable_axis_of_a_table_is_on_the_side_that_it_leans_to(
+    x: float, y: float, tilt: float, axis: set[str]
+) -> None:
+    contacts = "".join(contact(name, TABLE[i]) for name, i in CORNERS.items())
+    found = diagnose(lutgen.parse_recipe(rigid(contacts)), [], towards(x, y, tilt))
+    assert found.least_stable is not None
+    least = found.axes_[found.least_stable]
+    assert set(least.names) == axis
+    assert {found.axes_.index(a) for a in found.axes_} == {0, 1, 2, 3}
+    limit = math.atan(2.0 if x else 1.0)
+    assert least.tip_angle == pytest.approx(limit - math.radians(tilt), abs=1e-12)
+    assert least.tip_angle == pytest.approx(found.channels["tip_angle"], abs=1e-12)
+
+
+def test_axes_carry_their_own_margins_and_energies() -> None:
+    found = diagnose(stool(TABLE), [], (0, 0, -1))
+    by_length = {round(float(np.linalg.norm(a.stop - a.start))): a for a in found.axes_}
+    assert set(by_length) == {2, 4}
+    assert by_length[2].margin == pytest.approx(2.0, abs=1e-12)
+    assert by_length[4].margin == pytest.approx(1.0, abs=1e-12)
+    # Over an edge at the distance d the com rises from 1 to sqrt(1 + d^2).
+    assert by_length[2].energy_margin == pytest.approx(math.sqrt(5.0) - 1.0, abs=1e-12)
+    assert by_length[4].energy_margin == pytest.approx(math.sqrt(2.0) - 1.0, abs=1e-12)
+
+
+def test_the_robot_slides_exactly_beyond_the_slope_whose_tangent_is_the_friction() -> None:
+    recipe = stool(TABLE, "friction = 0.5")
+    for x, y in ((1, 0), (0, 1), (-0.6, 0.8)):
+        for tilt, slides in ((-1e-9, False), (1e-9, True)):
+            slope = math.degrees(math.atan(0.5) + tilt)
+            found = diagnose(recipe, [], towards(x, y, slope))
+            assert found.slides is slides
+            assert found.slope == pytest.approx(math.radians(slope), abs=1e-12)
+
+
+def test_the_slope_is_that_of_the_support_plane_and_not_of_the_body() -> None:
+    # The plane of the feet drops by 1 in 10 to the front; gravity along -z is no slope of the body.
+    tilted = [(x, y, z - 0.1 * x) for x, y, z in TABLE]
+    found = diagnose(stool(tilted, "friction = 0.5"), [], (0, 0, -1))
+    assert found.slope == pytest.approx(math.atan(0.1), abs=1e-9)
+    assert found.slides is False
+
+
+def test_without_friction_in_the_recipe_nothing_is_said_of_sliding() -> None:
+    assert diagnose(stool(TABLE), [], (1, 0, -1)).slides is None
+
+
+@pytest.mark.parametrize("text", [tripod(), rover()], ids=["points", "wheels"])
+def test_channels_of_a_diagnosis_are_those_of_evaluate(text: str) -> None:
+    recipe = lutgen.parse_recipe(text)
+    rng = np.random.default_rng(2)
+    params = rng.uniform(
+        [p.minimum for p in recipe.parameters],
+        [p.maximum for p in recipe.parameters],
+        (40, len(recipe.parameters)),
+    )
+    gravity = rng.normal(size=(40, 3)) * [0.4, 0.4, 0.1] - [0, 0, 1]
+    verdicts = set()
+    for row, down in zip(params, gravity, strict=True):
+        found = diagnose(recipe, row, down)
+        want = lutgen.evaluate(recipe, row[None], down[None], CHANNELS)
+        verdicts.add(found.standing)
+        for name in CHANNELS:
+            # The same kernels, compiled for one direction and for many: the last bits may differ,
+            # and near a tip-over axis they are all there is.
+            np.testing.assert_allclose(
+                found.channels[name], want[name][0, 0], rtol=1e-9, atol=1e-12, err_msg=name
+            )
+        if found.standing:
+            assert found.facet is not None
+            gap = float(np.linalg.norm(found.facet.pierced - found.facet.centroid))
+            assert gap == pytest.approx(found.channels["sdg"], rel=1e-12)
+            assert found.facet.height == found.channels["height"]
+    assert verdicts == {True, False}
+
+
+def facet_of(found: Diagnosis) -> NDArray[np.float64]:
+    """Return the corners of the support polygon."""
+    assert found.facet is not None
+    return found.facet.points
+
+
+def test_the_support_polygon_runs_counter_clockwise_seen_from_outside() -> None:
+    found = diagnose(stool(TABLE), [], (0, 0, -1))
+    points = facet_of(found)
+    assert sorted(map(tuple, points.tolist())) == sorted(TABLE)
+    turns = np.cross(
+        np.roll(points, -1, 0) - points, np.roll(points, -2, 0) - np.roll(points, -1, 0)
+    )
+    assert found.facet is not None
+    assert (turns @ found.facet.normal > 0.0).all()
+    np.testing.assert_allclose(found.facet.normal, [0, 0, -1], atol=1e-15)
+
+
+def test_a_direction_away_from_every_facet_has_no_support() -> None:
+    found = diagnose(stool(TABLE), [], (0, 0, 1))
+    assert found.facet is None
+    assert math.isnan(found.slope)
+    assert not found.standing

@@ -1,0 +1,521 @@
+"""Wheel speeds: textbook robots, rolling without slip in space, and motions that are impossible."""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
+
+import lutgen
+from lutgen.analysis.diagnosis import diagnose
+from lutgen.analysis.wheels import Motion, structure, wheel_speeds
+from lutgen.errors import InputError
+from lutgen.recipe.recipe import Recipe
+from tests.fixtures.recipes import contact, feet, rigid, tripod
+
+Floats = NDArray[np.float64]
+LEFT, RIGHT = (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)
+DOWN = (0.0, 0.0, -1.0)
+# Sums and products of a few numbers of order 1.
+ROUNDING = 1e-12
+
+
+def wheel(name: str, axis: Sequence[float] = LEFT, radius: float = 0.1, extra: str = "") -> str:
+    """Return the TOML of one wheel."""
+    return (
+        f'[[robot.wheel]]\ncontact = "{name}"\nradius = {radius!r}\n'
+        f"axis = [{', '.join(repr(float(c)) for c in axis)}]\n{extra}\n"
+    )
+
+
+def robot(points: Iterable[Sequence[float]], wheels: str, unit: str = "m") -> Recipe:
+    """Return a rigid robot of point contacts P1, P2, ... with wheels; its com is the origin."""
+    return lutgen.parse_recipe(rigid(feet(points) + wheels, unit=unit), "robot.toml")
+
+
+def speeds(motion: Motion) -> list[float]:
+    """Return the speeds of all wheels, which must all touch."""
+    assert all(w.touches and w.speed is not None for w in motion.wheels)
+    return [float(w.speed or 0.0) for w in motion.wheels]
+
+
+def differential(ahead: float = 0.1) -> Recipe:
+    """Two fixed wheels 0.5 apart, `ahead` of the com, and a caster behind."""
+    points = [(ahead, 0.25, -0.2), (ahead, -0.25, -0.2), (-0.4, 0.0, -0.2)]
+    return robot(points, wheel("P1") + wheel("P2"))
+
+
+def car() -> Recipe:
+    """Wheelbase 1.5, track 0.8, the com 0.6 ahead of the fixed rear axle, radius 0.2."""
+    points = [(0.9, 0.4, -0.5), (0.9, -0.4, -0.5), (-0.6, 0.4, -0.5), (-0.6, -0.4, -0.5)]
+    front = wheel("P1", radius=0.2, extra="steered = true")
+    front += wheel("P2", radius=0.2, extra="steered = true")
+    return robot(points, front + wheel("P3", radius=0.2) + wheel("P4", radius=0.2))
+
+
+def test_a_differential_drive_turns_by_the_difference_of_its_wheels() -> None:
+    # The com is 0.1 behind the axle, so it swings out by 0.1 per rad of turning.
+    motion = wheel_speeds(differential(), [], (0.5, -0.1), 1.0)
+    # (v -+ w b) / r = (0.5 -+ 0.25) / 0.1
+    assert speeds(motion) == pytest.approx([2.5, 7.5], abs=ROUNDING)
+    assert motion.possible
+    assert motion.slip == pytest.approx(0.0, abs=ROUNDING)
+    assert [w.steering for w in motion.wheels] == [None, None]
+    assert motion.structure.category == "2 DoF, non-steered"
+    assert (motion.structure.mobility, motion.structure.steerability) == (2, 0)
+
+
+def test_an_axle_that_points_the_other_way_only_changes_the_sign_of_its_wheel() -> None:
+    flipped = robot(
+        [(0.1, 0.25, -0.2), (0.1, -0.25, -0.2), (-0.4, 0.0, -0.2)],
+        wheel("P1") + wheel("P2", RIGHT),
+    )
+    assert speeds(wheel_speeds(flipped, [], (0.5, -0.1), 1.0)) == pytest.approx([2.5, -7.5])
+
+
+def test_a_car_steers_by_ackermann() -> None:
+    # The turning centre is on the rear axle, 2 to the left; w = 0.5.
+    motion = wheel_speeds(car(), [], (1.0, 0.3), 0.5)
+    assert motion.possible
+    left, right = math.atan2(1.5, 1.6), math.atan2(1.5, 2.4)
+    steering = [w.steering for w in motion.wheels]
+    assert steering[:2] == pytest.approx([left, right], abs=ROUNDING)
+    assert steering[2:] == [None, None]
+    radii = [math.hypot(1.5, 1.6), math.hypot(1.5, 2.4), 1.6, 2.4]
+    assert speeds(motion) == pytest.approx([0.5 * r / 0.2 for r in radii], rel=ROUNDING)
+    assert motion.structure.category == "2 DoF, steered"
+    assert (motion.structure.mobility, motion.structure.steerability) == (1, 1)
+
+
+def test_a_tricycle_steers_its_one_front_wheel() -> None:
+    points = [(1.0, 0.0, -0.5), (-0.5, 0.5, -0.5), (-0.5, -0.5, -0.5)]
+    recipe = robot(points, wheel("P1", extra="steered = true") + wheel("P2") + wheel("P3"))
+    # Reversing round a centre on the rear axle, 1.5 to the right: tan = 1.5 / 1.5.
+    motion = wheel_speeds(recipe, [], (-1.5, 0.5), 1.0)
+    assert motion.possible
+    assert motion.wheels[0].steering == pytest.approx(-math.pi / 4, abs=ROUNDING)
+    assert speeds(motion) == pytest.approx([-15.0 * math.sqrt(2.0), -20.0, -10.0], rel=ROUNDING)
+    found = motion.structure
+    assert (found.category, found.mobility, found.steerability) == ("2 DoF, steered", 1, 1)
+
+
+def test_three_omniwheels_obey_the_textbook_matrix() -> None:
+    angles = np.radians([30.0, 150.0, 270.0])
+    inward = [(-math.cos(a), -math.sin(a), 0.0) for a in angles]
+    points = [(0.3 * math.cos(a), 0.3 * math.sin(a), -0.2) for a in angles]
+    recipe = robot(
+        points,
+        "".join(wheel(f"P{i}", a, 0.05, "rollers = 0") for i, a in enumerate(inward, 1)),
+    )
+    # Speed = (-sin a vx + cos a vy + L w) / r.
+    matrix = np.stack([-np.sin(angles), np.cos(angles), np.full(3, 0.3)], axis=1) / 0.05
+    for motion in ([0.7, 0.0, 0.0], [0.0, -0.4, 0.0], [0.0, 0.0, 2.0], [0.3, 0.2, -1.0]):
+        found = wheel_speeds(recipe, [], motion[:2], motion[2])
+        assert speeds(found) == pytest.approx((matrix @ motion).tolist(), abs=ROUNDING)
+        assert found.possible
+    assert found.structure.category == "3 DoF, non-steered"
+    assert (found.structure.mobility, found.structure.steerability) == (3, 0)
+
+
+def test_four_mecanum_wheels_obey_the_textbook_matrix() -> None:
+    points = [(0.3, 0.2, -0.1), (0.3, -0.2, -0.1), (-0.3, 0.2, -0.1), (-0.3, -0.2, -0.1)]
+    rollers = (-45, 45, 45, -45)
+    recipe = robot(
+        points,
+        "".join(wheel(f"P{i}", extra=f"rollers = {g}") for i, g in enumerate(rollers, 1)),
+    )
+    # Front left, front right, rear left, rear right; half lengths 0.3 + 0.2.
+    matrix = np.array([[1, -1, -0.5], [1, 1, 0.5], [1, 1, -0.5], [1, -1, 0.5]]) / 0.1
+    for motion in ([0.7, 0.0, 0.0], [0.0, -0.4, 0.0], [0.0, 0.0, 2.0], [0.3, 0.2, -1.0]):
+        found = wheel_speeds(recipe, [], motion[:2], motion[2])
+        assert speeds(found) == pytest.approx((matrix @ motion).tolist(), abs=ROUNDING)
+        assert found.possible
+    assert found.structure.category == "3 DoF, non-steered"
+
+
+def test_the_paper_s_robot_drives_sideways_to_its_legs(maps_folder: Path) -> None:
+    recipe = lutgen.load_recipe(maps_folder / "paper_two.toml")
+    nominal = math.atan(0.6)
+    angles = np.radians([0.0, 120.0, 240.0])
+    # Axles point outward: the opposite of the textbook's signs.
+    matrix = -np.stack([-np.sin(angles), np.cos(angles), np.full(3, 20.0)], axis=1) / 3.0
+    found = wheel_speeds(recipe, [nominal, nominal], (2.0, -1.0), 0.3)
+    assert speeds(found) == pytest.approx((matrix @ [2.0, -1.0, 0.3]).tolist(), abs=ROUNDING)
+    assert structure(recipe, [0.2, 0.8]).category == "3 DoF, non-steered"
+
+
+SQUARE = [(0.5, 0.5, -0.4), (-0.5, 0.5, -0.4), (-0.5, -0.5, -0.4), (0.5, -0.5, -0.4)]
+STEERED = "steered = true"
+# Wheels on the corners of a square, from the front left on anticlockwise; what they leave.
+STRUCTURES = {
+    "all steered": ([(LEFT, STEERED)] * 4, "3 DoF, steered", 1, 2),
+    "two steered": ([(LEFT, STEERED)] * 2, "3 DoF, steered", 1, 2),
+    "one steered": ([(LEFT, STEERED)], "3 DoF, steered", 2, 1),
+    "one fixed": ([(LEFT, "")], "2 DoF, non-steered", 2, 0),
+    "one fixed, one steered": ([(LEFT, ""), (LEFT, STEERED)], "2 DoF, steered", 1, 1),
+    "one fixed, one steered beside it": (
+        [((1, 0, 0), ""), (LEFT, STEERED)],
+        "2 DoF, steered",
+        *(2, 0),
+    ),
+    "skid steering": ([(LEFT, "")] * 4, "1 DoF, non-steered", 1, 0),
+    "two that cross": ([((1, 1, 0), ""), ((1, 0, 0), "")], "1 DoF, non-steered", 1, 0),
+    "two that cross, and a steered one": (
+        [((1, 1, 0), ""), ((1, 0, 0), ""), (LEFT, STEERED)],
+        "1 DoF, steered",
+        *(1, 0),
+    ),
+    "three that do not, and a steered one": (
+        [((1, 1, 0), ""), ((1, 0, 0), ""), ((0, 1, 0), ""), (LEFT, STEERED)],
+        "0 DoF, steered",
+        *(0, 0),
+    ),
+    "three that cross in a point": (
+        [((1, 1, 0), ""), ((1, -1, 0), ""), ((1, 1, 0), "")],
+        "1 DoF, non-steered",
+        *(1, 0),
+    ),
+    "three that do not": (
+        [((1, 1, 0), ""), ((1, 0, 0), ""), ((0, 1, 0), "")],
+        "0 DoF, non-steered",
+        *(0, 0),
+    ),
+    "omniwheels": ([((1, 1, 0), "rollers = 0")] * 2, "3 DoF, non-steered", 3, 0),
+}
+
+
+@pytest.mark.parametrize("name", STRUCTURES)
+def test_the_structure_is_what_the_wheels_leave(name: str) -> None:
+    wheels, category, mobility, steerability = STRUCTURES[name]
+    text = "".join(wheel(f"P{i}", axis, extra=e) for i, (axis, e) in enumerate(wheels, 1))
+    found = structure(robot(SQUARE, text), [])
+    assert (found.category, found.mobility, found.steerability) == (
+        category,
+        mobility,
+        steerability,
+    )
+    assert found.dof == found.mobility + found.steerability
+    assert found.touching == tuple(f"P{i}" for i in range(1, len(wheels) + 1))
+
+
+def test_two_fixed_wheels_turn_about_the_crossing_of_their_axles_only() -> None:
+    points = [(1.0, 0.0, -0.5), (-0.5, 0.5, -0.5), (-0.5, -0.5, -0.5)]
+    recipe = robot(points, wheel("P1", (1, 2, 0)) + wheel("P2", LEFT))
+    # Axles: (1, 0) + a (1, 2) and x = -0.5: they cross in (-0.5, -3).
+    about = wheel_speeds(recipe, [], (-3.0, 0.5), 1.0)
+    assert about.possible
+    # Distances from the crossing: sqrt(1.5^2 + 3^2) and 3.5; both drive backward.
+    expected = [-10.0 * math.hypot(1.5, 3.0), -35.0]
+    assert speeds(about) == pytest.approx(expected, rel=ROUNDING)
+    other = wheel_speeds(recipe, [], (0.3, 1.0), 0.2)
+    assert not other.possible
+    x, y = other.nearest_velocity
+    assert other.nearest_yaw_rate != 0.0
+    assert (x, y) == pytest.approx(
+        (-3.0 * other.nearest_yaw_rate, 0.5 * other.nearest_yaw_rate), abs=ROUNDING
+    )
+
+
+def test_a_robot_that_cannot_move_has_rest_as_its_nearest_motion() -> None:
+    wheels = wheel("P1", (1, 1, 0)) + wheel("P2", (1, 0, 0)) + wheel("P3", LEFT)
+    motion = wheel_speeds(robot(SQUARE, wheels), [], (1.0, 0.0), 0.0)
+    assert not motion.possible
+    assert (motion.nearest_velocity, motion.nearest_yaw_rate) == ((0.0, 0.0), 0.0)
+    rest = wheel_speeds(robot(SQUARE, wheels), [], (0.0, 0.0), 0.0)
+    assert rest.possible
+    assert speeds(rest) == [0.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("velocity", "yaw_rate", "steering", "speed"),
+    [
+        ((1.0, 0.0), 0.0, 0.0, 10.0),
+        ((-1.0, 0.0), 0.0, 0.0, -10.0),
+        ((0.0, 1.0), 0.0, 90.0, 10.0),
+        ((0.0, -1.0), 0.0, 90.0, -10.0),
+        ((-1e-17, 1.0), 0.0, 90.0, 10.0),
+        ((-1.0, 1.0), 0.0, -45.0, -10.0 * math.sqrt(2.0)),
+        ((0.0, 0.0), 0.0, 0.0, 0.0),
+        # About the wheel itself, which then stands still.
+        ((1.5, -1.5), 3.0, 0.0, 0.0),
+    ],
+)
+def test_a_steered_wheel_turns_by_less_than_a_quarter_either_way(
+    velocity: tuple[float, float], yaw_rate: float, steering: float, speed: float
+) -> None:
+    motion = wheel_speeds(robot(SQUARE, wheel("P1", extra=STEERED)), [], velocity, yaw_rate)
+    assert motion.wheels[0].steering == pytest.approx(math.radians(steering), abs=ROUNDING)
+    assert motion.wheels[0].speed == pytest.approx(speed, abs=ROUNDING)
+
+
+def material_velocities(
+    recipe: Recipe, params: Sequence[float], gravity: Floats, axles: list[Floats], motion: Motion
+) -> tuple[list[Floats], list[Floats], Floats]:
+    """Return per wheel the velocity (3,) of the rim at the ground, and t; and the normal.
+
+    In space, with nothing of the code under test but its answers: a wheel that does not slip has
+    the rim at rest.
+    """
+    found = diagnose(recipe, params, gravity)
+    assert found.facet is not None
+    n = -found.facet.normal
+    x = np.array([1.0, 0.0, 0.0]) - n[0] * n
+    x /= np.linalg.norm(x)
+    linear = motion.velocity[0] * x + motion.velocity[1] * np.cross(n, x)
+    rims, rolling = [], []
+    for one, done, axle in zip(recipe.wheels, motion.wheels, axles, strict=True):
+        corner = found.facet.contacts.index(recipe.contact_names.index(one.contact))
+        turned = Rotation.from_rotvec((done.steering or 0.0) * n).apply(axle)
+        t = np.cross(turned, n) / np.linalg.norm(np.cross(turned, n))
+        here = linear + motion.yaw_rate * np.cross(n, found.facet.points[corner])
+        # The rim runs backward under the wheel.
+        rims.append(here - (done.speed or 0.0) * one.radius * t)
+        rolling.append(t)
+    return rims, rolling, n
+
+
+def test_rims_rest_on_the_ground_in_random_postures_and_on_random_slopes() -> None:
+    rng = np.random.default_rng(1)
+    for _ in range(100):
+        axes = rng.normal(size=(3, 3))
+        gamma = float(rng.uniform(-70.0, 70.0))
+        text = wheel("front", axes[0], 0.2, STEERED) + wheel("left", axes[1], 0.3)
+        text += wheel("right", axes[2], 0.1, f"rollers = {gamma!r}")
+        recipe = lutgen.parse_recipe(tripod(contacts=text))
+        params = [float(rng.uniform(0.0, 0.6)), math.radians(rng.uniform(-40.0, 50.0))]
+        gravity = np.array([*rng.uniform(-0.2, 0.2, 2), -1.0])
+        velocity, yaw_rate = rng.normal(size=2), float(rng.normal())
+        motion = wheel_speeds(recipe, params, velocity, yaw_rate, gravity)
+        units = axes / np.linalg.norm(axes, axis=1)[:, None]
+        # The front wheel's leg turns with the swing about z.
+        axles = [Rotation.from_euler("z", params[1]).apply(units[0]), units[1], units[2]]
+        rims, rolling, n = material_velocities(recipe, params, gravity, axles, motion)
+        steered, fixed, swedish = rims
+        assert steered == pytest.approx(np.zeros(3), abs=1e-11)  # speeds of up to 10
+        # A fixed wheel is dragged sideways by its slip, and by nothing along itself.
+        slip = motion.wheels[1].slip
+        assert slip is not None
+        assert fixed == pytest.approx(slip * np.cross(n, rolling[1]), abs=1e-11)
+        assert motion.slip == pytest.approx(abs(slip))
+        # A roller gives way across its axis only; tan(70 deg) enlarges rounding.
+        roller = Rotation.from_rotvec(math.radians(gamma) * n).apply(rolling[2])
+        assert float(swedish @ roller) == pytest.approx(0.0, abs=1e-10)
+        assert min(abs(s) for s in speeds(motion)) > 0.0
+
+
+def test_the_rims_of_leaning_wheels_rest_on_the_ground() -> None:
+    axes = np.array([(0.1, 1.0, 0.3), (0.0, 1.0, -0.2), (-0.2, 1.0, 0.1)])
+    axes /= np.linalg.norm(axes, axis=1)[:, None]
+    places = [(0.8, 0.0, -0.3), (-0.6, 0.5, -0.4), (-0.5, -0.6, -0.5)]
+    radii = (0.3, 0.2, 0.25)
+    discs = "".join(
+        contact(f"W{i}", *disc) for i, disc in enumerate(zip(places, radii, axes, strict=True), 1)
+    )
+    # Axle and radius are the disc's own.
+    wheels = "".join(f'[[robot.wheel]]\ncontact = "W{i}"\n' for i in (1, 2, 3))
+    recipe = lutgen.parse_recipe(rigid(discs + wheels))
+    motion = wheel_speeds(recipe, [], (0.6, -0.2), 0.7)
+    found = diagnose(recipe, [], DOWN)
+    assert found.facet is not None
+    _, rolling, n = material_velocities(recipe, [], np.array(DOWN), list(axes), motion)
+    x = np.array([1.0, 0.0, 0.0]) - n[0] * n
+    x /= np.linalg.norm(x)
+    linear = 0.6 * x - 0.2 * np.cross(n, x)
+    for i, done in enumerate(motion.wheels):
+        point = found.facet.points[found.facet.contacts.index(i)]
+        assert done.speed is not None
+        # The hub moves with the robot, and the rim turns about the hub.
+        rim = linear + 0.7 * np.cross(n, point)
+        rim += done.speed * np.cross(axes[i], point - np.array(places[i]))
+        # Contact points of leaning discs come from an iteration that stops at 1e-12.
+        assert float(rim @ rolling[i]) == pytest.approx(0.0, abs=1e-10)
+        assert float(rim @ np.cross(n, rolling[i])) == pytest.approx(done.slip, abs=1e-10)
+
+
+def turned(rotation: Rotation) -> Recipe:
+    """Return the car turned in its own body frame."""
+    recipe = car()
+    contacts = tuple(
+        replace(c, position=tuple(rotation.apply(c.position).tolist())) for c in recipe.contacts
+    )
+    wheels = tuple(replace(w, axis=tuple(rotation.apply(w.axis).tolist())) for w in recipe.wheels)
+    return replace(recipe, contacts=contacts, wheels=wheels)
+
+
+@pytest.mark.parametrize("yaw", [30.0, 110.0, -160.0])
+def test_a_car_that_is_built_turned_drives_the_same_for_the_turned_velocity(yaw: float) -> None:
+    rotation = Rotation.from_euler("z", yaw, degrees=True)
+    plain = wheel_speeds(car(), [], (0.8, 0.3), 0.4)
+    velocity = rotation.apply([0.8, 0.3, 0.0])[:2]
+    same(wheel_speeds(turned(rotation), [], velocity, 0.4), plain)
+
+
+@pytest.mark.parametrize("pitch", [25.0, -50.0])
+def test_a_car_that_is_built_pitched_drives_the_same_along_its_own_plane(pitch: float) -> None:
+    rotation = Rotation.from_euler("y", pitch, degrees=True)
+    found = wheel_speeds(turned(rotation), [], (0.8, 0.3), 0.4, rotation.apply(DOWN))
+    plain = wheel_speeds(car(), [], (0.8, 0.3), 0.4)
+    same(found, plain)
+    assert found.nearest_velocity == pytest.approx(plain.nearest_velocity, abs=ROUNDING)
+
+
+def same(one: Motion, other: Motion, scale: float = 1.0) -> None:
+    """Assert that the wheels of two motions do the same."""
+    assert not other.possible
+    assert not one.possible
+    assert one.structure == other.structure
+    assert speeds(one) == pytest.approx(speeds(other), rel=1e-10)
+    assert one.slip == pytest.approx(scale * other.slip, rel=1e-10)
+    assert one.nearest_yaw_rate == pytest.approx(other.nearest_yaw_rate, rel=1e-10)
+    for mine, yours in zip(one.wheels, other.wheels, strict=True):
+        assert (mine.steering is None) == (yours.steering is None)
+        assert mine.steering is None or mine.steering == pytest.approx(yours.steering, abs=1e-10)
+
+
+def test_the_unit_of_length_changes_lengths_only() -> None:
+    recipe = car()
+    contacts = tuple(
+        replace(c, position=tuple(1000.0 * x for x in c.position)) for c in recipe.contacts
+    )
+    wheels = tuple(replace(w, radius=1000.0 * w.radius) for w in recipe.wheels)
+    large = replace(recipe, contacts=contacts, wheels=wheels)
+    plain = wheel_speeds(recipe, [], (0.8, 0.3), 0.4)
+    found = wheel_speeds(large, [], (800.0, 300.0), 0.4)
+    same(found, plain, 1000.0)
+    assert found.nearest_velocity == pytest.approx([1000.0 * v for v in plain.nearest_velocity])
+
+
+def test_a_slope_changes_nothing_while_the_robot_stands_on_the_same_facet() -> None:
+    level = wheel_speeds(car(), [], (0.8, 0.3), 0.4)
+    for gravity in ((0.2, 0.1, -1.0), (-0.5, 0.3, -2.0)):
+        assert wheel_speeds(car(), [], (0.8, 0.3), 0.4, gravity) == level
+    # Beyond the front wheels: the same plane, but the robot does not stay on it.
+    tips = wheel_speeds(car(), [], (0.8, 0.3), 0.4, (3.0, 0.0, -1.0))
+    assert not tips.standing
+    assert tips == replace(level, standing=False)
+
+
+def test_a_slope_that_rocks_the_robot_lifts_another_wheel() -> None:
+    points = [(1.0, 0.0, -0.5), (0.0, 0.8, -0.5), (-1.0, 0.0, -0.45), (0.0, -0.8, -0.5)]
+    # The rear wheel's axle would lock the robot.
+    wheels = wheel("P1", extra="rollers = 0") + wheel("P2") + wheel("P3", (1, 0, 0)) + wheel("P4")
+    recipe = robot(points, wheels)
+    forward = wheel_speeds(recipe, [], (1.0, 0.0), 0.0, (0.2, 0.0, -1.0))
+    assert forward.possible
+    assert [w.touches for w in forward.wheels] == [True, True, False, True]
+    lifted = forward.wheels[2]
+    assert (lifted.contact, lifted.speed, lifted.steering, lifted.slip) == ("P3", None, None, None)
+    assert forward.structure.category == "2 DoF, non-steered"
+    back = wheel_speeds(recipe, [], (1.0, 0.0), 0.0, (-0.2, 0.0, -1.0))
+    assert [w.touches for w in back.wheels] == [False, True, True, True]
+    assert back.structure.category == "1 DoF, non-steered"
+    # The rear wheel is dragged across, the others roll.
+    assert back.slip == pytest.approx(1.0, rel=ROUNDING)
+
+
+def test_a_wheel_between_the_corners_of_the_support_polygon_touches_too() -> None:
+    middle = robot([*SQUARE, (0.0, 0.5, -0.4), (0.0, 0.0, -0.4)], wheel("P5") + wheel("P6"))
+    motion = wheel_speeds(middle, [], (1.0, 0.0), 1.0)
+    assert speeds(motion) == pytest.approx([5.0, 10.0], rel=ROUNDING)
+    above = robot([*SQUARE, (0.0, 0.5, -0.399)], wheel("P5"))
+    assert structure(above, []).touching == ()
+    assert structure(above, []).category == "3 DoF, non-steered"
+
+
+def test_a_wheel_within_a_billionth_of_the_robot_s_size_touches() -> None:
+    size = math.sqrt(2.0)  # the square's diagonal
+    for above, touching in ((0.9e-9 * size, ("P5",)), (1.1e-9 * size, ())):
+        recipe = robot([*SQUARE, (0.0, 0.0, -0.4 + above)], wheel("P5"))
+        assert structure(recipe, []).touching == touching
+
+
+def test_a_robot_on_its_back_has_its_left_where_the_ground_sees_it() -> None:
+    points = [(0.5, 0.5, 0.3), (0.5, -0.5, 0.3), (-0.5, 0.0, 0.3)]
+    text = rigid(feet(points) + wheel("P1") + wheel("P2"), head="upright = 180")
+    motion = wheel_speeds(lutgen.parse_recipe(text), [], (1.0, -0.5), 1.0, (0.0, 0.0, 1.0))
+    # Up is -z, so left is -y: P1 is the right wheel, and a spin about +y drives backward.
+    assert speeds(motion) == pytest.approx([-15.0, -5.0], rel=ROUNDING)
+    assert motion.possible
+
+
+def test_slip_is_the_smallest_that_any_speeds_and_steering_can_reach() -> None:
+    recipe = car()
+    rng = np.random.default_rng(2)
+    for _ in range(5):
+        velocity, yaw_rate = rng.normal(size=2), float(rng.normal())
+        motion = wheel_speeds(recipe, [], velocity, yaw_rate)
+        assert not motion.possible
+
+        def rims(tried: Floats, velocity=velocity, yaw_rate=yaw_rate) -> Floats:  # type: ignore[no-untyped-def]
+            rests = []
+            for i, (x, y) in enumerate([(0.9, 0.4), (0.9, -0.4), (-0.6, 0.4), (-0.6, -0.4)]):
+                angle = tried[4 + i] if i < 2 else 0.0
+                here = velocity + yaw_rate * np.array([-y, x])
+                rests.append(here - 0.2 * tried[i] * np.array([np.cos(angle), np.sin(angle)]))
+            return np.concatenate(rests)
+
+        # Steered wheels have two settings of each motion; start at several.
+        starts = rng.normal(size=(6, 6)) * 3.0
+        best = min(least_squares(rims, start).cost for start in starts)
+        assert motion.slip == pytest.approx(math.sqrt(2.0 * best), rel=1e-6)  # the search's own
+        assert math.hypot(*(w.slip or 0.0 for w in motion.wheels)) == pytest.approx(motion.slip)
+
+
+def test_the_nearest_motion_is_the_closest_of_all_that_the_car_can_do() -> None:
+    recipe = car()
+    size = math.hypot(0.9, 0.4)  # the farthest wheel
+    rng = np.random.default_rng(3)
+    for _ in range(5):
+        vx, vy, yaw_rate = rng.normal(size=3)
+        motion = wheel_speeds(recipe, [], (vx, vy), yaw_rate)
+
+        # A car drives v and turns w about its rear axle, 0.6 behind the com.
+        def distance(tried: Floats, asked=(vx, vy, yaw_rate)) -> list[float]:  # type: ignore[no-untyped-def]
+            v, w = tried
+            return [v - asked[0], 0.6 * w - asked[1], size * (w - asked[2])]
+
+        v, w = least_squares(distance, [0.0, 0.0], xtol=1e-15, ftol=1e-15, gtol=1e-15).x
+        found = (*motion.nearest_velocity, motion.nearest_yaw_rate)
+        assert found == pytest.approx((v, 0.6 * w, w), abs=1e-7)  # the search's own
+        again = wheel_speeds(recipe, [], motion.nearest_velocity, motion.nearest_yaw_rate)
+        assert again.possible
+        assert again.nearest_velocity == motion.nearest_velocity
+
+
+def test_a_motion_typed_with_six_digits_is_possible_and_one_with_four_is_not() -> None:
+    # Turning about the right rear wheel at 1/3 rad/s: v = 0.4 / 3, and 0.6 / 3 sideways.
+    assert wheel_speeds(car(), [], (0.133333, 0.2), 0.333333).possible
+    found = wheel_speeds(car(), [], (0.1333, 0.2), 0.3333)
+    assert not found.possible
+    assert found.slip == pytest.approx(2e-5 * math.sqrt(2.0), rel=1e-9)
+
+
+def test_what_cannot_be_computed_is_refused_with_the_way_out() -> None:
+    with pytest.raises(InputError, match=r"robot.toml: .*no wheels .*; add one for each contact"):
+        wheel_speeds(robot(SQUARE, ""), [], (1.0, 0.0), 0.0)
+    standing = robot(SQUARE, wheel("P2", (0, 0, 1)))
+    with pytest.raises(InputError, match=r"wheel on P2 cannot roll, .*normal .*correct its `axis`"):
+        structure(standing, [])
+    with pytest.raises(InputError, match=r"no support facet under this gravity \(got .*\[0.0, 0.0"):
+        structure(car(), [], (0, 0, 1))
+    nose = [(0.4, 0.5, 0.0), (0.4, -0.5, 0.5), (0.4, -0.5, -0.5)]
+    text = rigid(feet(nose) + wheel("P1"), head="upright = 180")
+    with pytest.raises(InputError, match=r"x axis is normal to the ground, .*; choose another"):
+        structure(lutgen.parse_recipe(text), [], (1, 0, 0))
+    for velocity in ((1.0,), (1.0, math.nan), 1.0, (1.0, 0.0, 0.0)):
+        with pytest.raises(InputError, match=r"velocity must be two finite numbers \(got "):
+            wheel_speeds(car(), [], velocity, 0.0)
+    with pytest.raises(InputError, match=r"yaw_rate must be finite \(got inf\)"):
+        wheel_speeds(car(), [], (1.0, 0.0), math.inf)
+    with pytest.raises(InputError, match=r"beyond all numbers \(got velocity \[1e\+308, 0.0\]"):
+        wheel_speeds(car(), [], (1e308, 0.0), 0.0)
+
+
+def test_a_lifted_wheel_may_have_any_axle() -> None:
+    above = robot([*SQUARE, (0.0, 0.0, -0.2)], wheel("P1") + wheel("P5", (0, 0, 1)))
+    assert [w.touches for w in wheel_speeds(above, [], (1.0, 0.0), 0.0).wheels] == [True, False]

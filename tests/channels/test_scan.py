@@ -1,0 +1,273 @@
+"""The float32 rows of a sweep against `measure_postures`, node by node."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from lutgen.channels.plain import CHANNELS, measure_postures
+from lutgen.channels.raster import VECTOR
+from lutgen.channels.scan import scan
+from lutgen.chart import Chart
+from lutgen.support.primitive import pack
+from lutgen.support.region import limits
+
+FAST = ("sdg", "height", "tip_angle", "facet")
+LIMITS = {
+    "none": (None, None),
+    "default": (np.radians(90.0), np.radians(30.0)),
+    "no rocking": (np.radians(180.0), 0.0),
+}
+CHARTS = {
+    "cone": Chart("cone", 33, np.radians(60.0)),
+    "steep cone": Chart("cone", 19, np.radians(84.0)),
+    "sphere": Chart("sphere", 13),
+}
+
+
+class Robots:
+    """Postures (m, n, ...) of one kind of robot, as `measure_postures` takes them."""
+
+    def __init__(self, centre: NDArray[np.float64], radius: float = 0.0, kind: int = 0) -> None:
+        m, n = centre.shape[:2]
+        self.centre = centre
+        self.axis = np.zeros((m, n, 3))
+        self.radius = np.full(n, radius)
+        self.kind = np.full(n, kind, np.int64)
+        if kind == 2:
+            self.axis[:] = (0.0, 1.0, 0.0)
+
+
+def random_feet(seed: int, m: int, n: int) -> Robots:
+    """Feet around and below the com, some of them above it."""
+    rng = np.random.default_rng(seed)
+    points = rng.normal(size=(m, n, 3)) * [1.0, 0.8, 0.4]
+    points[..., 2] -= 0.7
+    return Robots(points)
+
+
+def random_wheels(seed: int, m: int, n: int) -> Robots:
+    """Discs on parallel axles, roughly on one plane: their facets have gaps between them."""
+    rng = np.random.default_rng(seed)
+    points = rng.uniform(-1.0, 1.0, size=(m, n, 3))
+    points[..., 2] = rng.uniform(-0.75, -0.55, size=(m, n))
+    return Robots(points, 0.3, 2)
+
+
+def rows(
+    robots: Robots,
+    chart: Chart,
+    bounds: tuple[float | None, float | None] = (None, None),
+    channels: tuple[str, ...] = FAST,
+    parts: int = 3,
+    first: int = 0,
+    last: int | None = None,
+) -> dict[str, NDArray[np.float32]]:
+    """Scan rows [first, last) of every posture; return (m, rows, nodes) per channel."""
+    u = chart.coords
+    grid = np.meshgrid(u, u, indexing="ij")
+    inverse = (1.0 / np.sqrt(1.0 + grid[0] ** 2 + grid[1] ** 2)).ravel()
+    stop = chart.faces * chart.nodes if last is None else last
+    m = len(robots.centre)
+    out = np.full((6, m * (stop - first) * chart.nodes), 12345.0, np.float32)
+    overflow = scan(
+        pack(robots.centre, robots.axis, robots.radius, robots.kind),
+        limits(*bounds),
+        chart.basis(),
+        np.concatenate([u, np.full(VECTOR, np.inf)]),
+        inverse,
+        first,
+        stop,
+        np.array([name in channels for name in CHANNELS]),
+        parts,
+        out,
+    )
+    assert overflow == 0
+    shape = (m, stop - first, chart.nodes)
+    return {name: out[CHANNELS.index(name)].reshape(shape) for name in channels}
+
+
+def exact(
+    robots: Robots,
+    chart: Chart,
+    bounds: tuple[float | None, float | None],
+    channels: tuple[str, ...] = FAST,
+) -> dict[str, NDArray[np.float64]]:
+    """Return what `measure_postures` says, in the same shape."""
+    got = measure_postures(
+        robots.centre,
+        robots.axis,
+        robots.radius,
+        robots.kind,
+        chart.directions().reshape(-1, 3),
+        channels,
+        *bounds,
+    )
+    shape = (len(robots.centre), chart.faces * chart.nodes, chart.nodes)
+    return {name: value.reshape(shape) for name, value in got.items()}
+
+
+def assert_equal_within_float32(
+    got: dict[str, NDArray[np.float32]], want: dict[str, NDArray[np.float64]]
+) -> None:
+    """Compare every node that is not within rounding of a tip-over axis."""
+    # Both paths place a boundary to about 1e-15 rad; nearer than 1e-9 either verdict is right.
+    clear = np.abs(want["tip_angle"]) > 1e-9
+    assert clear.mean() > 0.99
+    for name, value in got.items():
+        # float32 rounds to 6e-8; |SD_g| is a square root and a quotient of rounded numbers and the
+        # arcsine is good to 3e-7.  What cancels does so in float64.
+        np.testing.assert_allclose(
+            value[clear], want[name][clear], rtol=5e-7, atol=1e-12, equal_nan=True, err_msg=name
+        )
+
+
+def assert_one_verdict(got: dict[str, NDArray[np.float32]]) -> None:
+    """`tip_angle`, `sdg`, `height` and `facet` must agree at every node, at the boundary too."""
+    tips = got["tip_angle"] < 0.0
+    np.testing.assert_array_equal(np.isnan(got["sdg"]), tips)
+    np.testing.assert_array_equal(np.isnan(got["height"]), tips)
+    np.testing.assert_array_equal(got["facet"] == -1.0, tips)
+    assert not np.isnan(got["tip_angle"]).any()
+
+
+@pytest.mark.parametrize("bounds", LIMITS.values(), ids=LIMITS)
+@pytest.mark.parametrize("chart", CHARTS.values(), ids=CHARTS)
+def test_rows_of_random_feet_equal_the_exact_channels_within_float32(
+    chart: Chart, bounds: tuple[float | None, float | None]
+) -> None:
+    for n in range(3, 9):
+        robots = random_feet(100 + n, 12, n)
+        got = rows(robots, chart, bounds)
+        want = exact(robots, chart, bounds)
+        assert_equal_within_float32(got, want)
+        assert_one_verdict(got)
+        # Neither verdict may be missing, or the comparison would say little.
+        assert 0.05 < (got["tip_angle"] < 0.0).mean() < 0.99 or bounds == (None, None)
+
+
+@pytest.mark.parametrize("bounds", LIMITS.values(), ids=LIMITS)
+@pytest.mark.parametrize("chart", CHARTS.values(), ids=CHARTS)
+def test_rows_of_wheels_with_gaps_equal_the_exact_channels_within_float32(
+    chart: Chart, bounds: tuple[float | None, float | None]
+) -> None:
+    for n in (3, 4, 6):
+        robots = random_wheels(200 + n, 6, n)
+        got = rows(robots, chart, bounds)
+        assert_equal_within_float32(got, exact(robots, chart, bounds))
+        assert_one_verdict(got)
+
+
+def test_rows_with_margins_equal_the_exact_channels_within_float32() -> None:
+    for n in (3, 5):
+        robots = random_feet(300 + n, 6, n)
+        chart, bounds = CHARTS["cone"], LIMITS["default"]
+        got = rows(robots, chart, bounds, CHANNELS)
+        assert_equal_within_float32(got, exact(robots, chart, bounds, CHANNELS))
+        assert_one_verdict(got)
+        for name in ("margin", "energy_margin"):
+            np.testing.assert_array_equal(got[name] < 0.0, got["tip_angle"] < 0.0)
+
+
+def test_channels_that_are_not_wanted_stay_untouched() -> None:
+    robots, chart = random_feet(1, 2, 4), CHARTS["cone"]
+    alone = rows(robots, chart, channels=("sdg",))["sdg"]
+    together = rows(robots, chart)["sdg"]
+    np.testing.assert_array_equal(alone, together)
+
+
+CUBE = [[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+OCTAHEDRON = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]]
+TETRAHEDRON = [[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]
+PRISM = [[2, 0, z] for z in (-1, 1)] + [[-1, y, z] for y in (-1, 1) for z in (-1, 1)]
+CLOSED = {"cube": CUBE, "octahedron": OCTAHEDRON, "tetrahedron": TETRAHEDRON, "prism": PRISM}
+
+
+@pytest.mark.parametrize("solid", CLOSED.values(), ids=CLOSED)
+def test_nodes_on_shared_edges_of_closed_solids_always_stand(solid: list[list[int]]) -> None:
+    # The edges of these solids run through nodes: u = 0, u = v, and the seams u = 1.  Scaled by
+    # thirds the planes are not exact any more, and rounding decides.
+    for factor in (1.0, 1.0 / 3.0, 0.1):
+        robots = Robots(np.array([solid], dtype=np.float64) * factor)
+        for chart in (Chart("sphere", 9), Chart("sphere", 16), Chart("cone", 17, np.pi / 4)):
+            got = rows(robots, chart)
+            assert not np.isnan(got["sdg"]).any()
+            assert (got["tip_angle"] == np.float32(np.pi)).all()
+            # Of facets that meet at a node the lower number has it, as in `measure_postures`.
+            np.testing.assert_array_equal(got["facet"], exact(robots, chart, (None, None))["facet"])
+
+
+def test_nodes_on_edges_shared_by_two_standing_facets_never_tip() -> None:
+    # Without its lid the cube has a boundary, and the edges between bottom and sides stay shared.
+    bounds = (np.radians(100.0), np.radians(100.0))
+    robots = Robots(np.array([CUBE], dtype=np.float64) / 3.0)
+    chart = Chart("sphere", 9)
+    got = rows(robots, chart, bounds)
+    assert_one_verdict(got)
+    # The lid begins where z is the largest component; its corners are at z = 1 / sqrt(3).
+    below = chart.directions().reshape(1, -1, 9, 3)[..., 2] < 1.0 / np.sqrt(3.0) - 1e-9
+    assert below.mean() > 0.7
+    assert not np.isnan(got["sdg"][below]).any()
+
+
+def test_a_ray_exactly_on_a_tip_over_axis_stands_with_tip_angle_zero() -> None:
+    # Feet at the corners of the square |x|, |y| <= 1, 1 below the com: the rim of a cone of
+    # 45 deg is its boundary.
+    robots = Robots(np.array([[[1.0, 1, -1], [-1, 1, -1], [-1, -1, -1], [1, -1, -1]]]))
+    got = rows(robots, Chart("cone", 21, np.pi / 4))
+    assert_one_verdict(got)
+    assert not np.isnan(got["sdg"]).any()
+    # tan(45 deg) is 1 to within 1e-16, and float32 knows smaller numbers than that.
+    assert np.abs(got["tip_angle"][0, :, [0, -1]]).max() < 1e-15
+    assert got["tip_angle"][0, 10, 10] == pytest.approx(np.pi / 4, rel=1e-7)
+
+
+def test_one_verdict_holds_where_tip_over_axes_run_through_nodes() -> None:
+    # Rectangles whose sides are rows and columns of nodes, at many heights: at a node on a side
+    # the two ways to compute it differ by rounding, either way.
+    chart = Chart("cone", 23, np.radians(55.0))
+    u = chart.coords
+    scales = np.random.default_rng(9).uniform(0.1, 3.0, 60)
+    corners = [
+        [[x, y, -1.0] for x in (u[5], u[17 + k % 4]) for y in (u[3 + k % 5], u[20])]
+        for k in range(60)
+    ]
+    got = rows(Robots(np.array(corners) * scales[:, None, None]), chart)
+    assert_one_verdict(got)
+    # Both sides of the rounding occur, or the test would say nothing.
+    beside = got["tip_angle"][np.abs(got["tip_angle"]) < 1e-12]
+    assert (beside >= 0.0).any()
+    assert (beside < 0.0).any()
+
+
+@pytest.mark.parametrize("channels", [FAST, CHANNELS], ids=["fast", "margins"])
+@pytest.mark.parametrize("chart", [Chart("cone", 5), Chart("cone", 40), Chart("sphere", 9)])
+def test_values_do_not_depend_on_the_number_of_parts(
+    chart: Chart, channels: tuple[str, ...]
+) -> None:
+    for robots in (random_feet(5, 5, 6), random_wheels(6, 5, 4)):
+        one = rows(robots, chart, LIMITS["default"], channels, parts=1)
+        for parts in (2, 7):
+            other = rows(robots, chart, LIMITS["default"], channels, parts=parts)
+            for name in channels:
+                assert one[name].tobytes() == other[name].tobytes(), (name, parts)
+
+
+@pytest.mark.parametrize("chart", [Chart("cone", 3), Chart("cone", 40), Chart("sphere", 4)])
+def test_values_do_not_depend_on_where_a_postures_rows_are_split(chart: Chart) -> None:
+    total = chart.faces * chart.nodes
+    for robots in (random_feet(7, 1, 6), random_wheels(8, 1, 4)):
+        whole = rows(robots, chart, LIMITS["default"])
+        for split in range(1, total):
+            for first, last in ((0, split), (split, total)):
+                piece = rows(robots, chart, LIMITS["default"], first=first, last=last, parts=2)
+                for name in FAST:
+                    assert piece[name].tobytes() == whole[name][:, first:last].tobytes(), name
+
+
+def test_a_robot_that_nothing_supports_has_no_value_and_the_lowest_tip_angle() -> None:
+    above = Robots(np.array([[[1.0, 0, 1], [-1, 1, 1], [-1, -1, 1]]]))
+    got = rows(above, CHARTS["cone"], LIMITS["default"])
+    assert np.isnan(got["sdg"]).all()
+    assert np.isnan(got["height"]).all()
+    assert (got["tip_angle"] == np.float32(-np.pi)).all()
+    assert (got["facet"] == -1.0).all()

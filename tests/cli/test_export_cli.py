@@ -1,0 +1,247 @@
+"""`lutgen export` and `lutgen eval EXPORT_DIR`: what they print, and how they refuse."""
+
+import errno
+import json
+import math
+import os
+import re
+import shutil
+import subprocess
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import lutgen
+from firmware_export import exporter
+from firmware_export.emit import package
+from tests.fixtures.commands import data, run
+from tests.fixtures.commands import stdout as good
+from tests.fixtures.exports import tripod_export
+from tests.fixtures.recipes import tripod
+
+POINT = ("-p", "reach=0.3", "-p", "swing=10")
+
+
+def refused(code: int, *arguments: object) -> str:
+    """Return the one sentence of a command that must fail with this exit code."""
+    result = run(*arguments)
+    assert result.exit_code == code, result.output
+    assert result.stdout == ""
+    said = result.stderr.splitlines()[-1]
+    assert said.startswith("Error: ")
+    return said
+
+
+# Few points, and one codec: how exact and how small an export is, other tests ask.
+QUICK = ("--codec", "contacts", "--max-error", "1%")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def few_points() -> Iterator[None]:
+    """Let certificates measure few points."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(exporter, "export", partial(exporter.export, points=2000))
+        yield
+
+
+@pytest.fixture(scope="module")
+def place(few_points: None, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with a recipe, its map and its export, which no test changes.
+
+    What the export printed is beside it.
+    """
+    folder = tmp_path_factory.mktemp("export")
+    text = tripod(channels=("sdg", "tip_angle"))
+    (folder / "tripod.toml").write_text(text)
+    lutgen.sweep(lutgen.parse_recipe(text), folder / "tripod.h5")
+    content = bytearray((folder / "tripod.h5").read_bytes())
+    (folder / "damaged.h5").write_bytes(content[: len(content) // 2])
+    (folder / "text.h5").write_text("this is no HDF5")
+    printed = good("export", folder / "tripod.h5", "-o", folder / "firmware", *QUICK)
+    (folder / "printed").write_text(printed)
+    return folder
+
+
+def test_export_prints_codec_bytes_errors_guard_and_folder(place: Path) -> None:
+    text = (place / "printed").read_text()
+    assert re.search(r"^tripod: contacts .*, float arithmetic$", text, re.M)
+    assert re.search(r"^flash +[\d,]+ bytes of tables, .* \(Cortex-M4, -Os\)$", text, re.M)
+    assert re.search(r"^sdg +largest error \S+ m \(0\.\d+ %\), p99 \S+ m", text, re.M)
+    assert re.search(r"^tip_angle +largest error \S+ deg", text, re.M)
+    assert re.search(r"^verdict +guard \S+ deg, \S+ % of the standing .* 0 points", text, re.M)
+    assert text.splitlines()[-1] == f"folder      {place / 'firmware'}"
+
+
+def test_a_recipe_gives_the_folder_of_its_map_and_json_is_the_report(
+    place: Path, tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    report = data("export", place / "tripod.toml", "-o", out, *QUICK)
+    assert report.pop("directory") == str(out)
+    assert report == json.loads((out / "tripod_report.json").read_text())
+    assert {p.name for p in out.iterdir()} == {p.name for p in (place / "firmware").iterdir()}
+    for path in out.iterdir():
+        assert path.read_bytes() == (place / "firmware" / path.name).read_bytes(), path.name
+
+
+def test_channels_and_name_are_those_asked_for(place: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    options = ("--channels", "tip_angle", "--name", "feet")
+    report = data("export", place / "tripod.h5", "-o", out, *QUICK, *options)
+    assert list(report["channels"]) == ["tip_angle"]
+    assert (out / "feet.h").is_file()
+
+
+def test_the_exported_example_runs_after_one_command(place: Path, tmp_path: Path) -> None:
+    folder = shutil.copytree(place / "firmware", tmp_path / "copy")
+    done = subprocess.run(
+        ["sh", "-c", "cc -std=c99 *.c && ./a.out"],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "stands" in done.stdout
+
+
+# eval
+
+
+def test_eval_of_an_export_is_close_to_eval_of_its_recipe(place: Path) -> None:
+    compiled = data("eval", place / "firmware", *POINT, "-g", "0.1,0.05,-1")
+    exact = data("eval", place / "tripod.toml", *POINT, "-g", "0.1,0.05,-1")
+    assert compiled["source"] == "compiled"
+    assert compiled["status"] == "SMAP_OK"
+    assert compiled["standing"] is exact["standing"] is True
+    assert compiled["robot"] == exact["robot"]
+    report = json.loads((place / "firmware" / "tripod_report.json").read_text())
+    largest = report["channels"]["sdg"]["error"]["max"]
+    assert compiled["sdg"] == pytest.approx(exact["sdg"], abs=largest)
+    largest = math.degrees(report["channels"]["tip_angle"]["error"]["max"])
+    assert compiled["tip_angle_deg"] == pytest.approx(exact["tip_angle_deg"], abs=largest)
+    assert "height" not in compiled
+
+
+def test_eval_of_an_export_prints_status_and_channels_with_units(place: Path) -> None:
+    lines = good("eval", place / "firmware", *POINT).splitlines()
+    assert lines[0] == "tripod (compiled): stands"
+    assert lines[1] == "status         SMAP_OK"
+    assert re.fullmatch(r"sdg +0\.\d+ m", lines[2])
+    assert re.fullmatch(r"tip_angle +\d+\.\d+ deg", lines[3])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "standing"),
+    [
+        (("-p", "reach=9", "-p", "swing=10"), "SMAP_CLAMPED", True),
+        ((*POINT, "-g", "1,0,-1"), "SMAP_TIPS", False),
+        ((*POINT, "-g", "0,0,1"), "SMAP_OFF_CHART", None),
+    ],
+)
+def test_eval_of_an_export_names_the_status(
+    place: Path, arguments: tuple[str, ...], status: str, standing: bool | None
+) -> None:
+    report = data("eval", place / "firmware", *arguments)
+    assert (report["status"], report["standing"]) == (status, standing)
+    assert (report["sdg"] is None) == (standing is not True)
+
+
+def test_eval_of_an_export_warns_of_a_parameter_beyond_its_end(
+    place: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    good("eval", place / "firmware", "-p", "reach=9", "-p", "swing=10")
+    assert "parameter reach is outside the export's range: clamped" in caplog.text
+
+
+def test_eval_of_an_integer_export_gives_degrees_too(tmp_path: Path) -> None:
+    export = tripod_export("whole", codec="grid", arithmetic="integer")
+    package.write(export, tmp_path / "whole")
+    report = data("eval", tmp_path / "whole", *POINT, "-g", "0.02,0.01,-0.5")
+    assert (report["status"], report["standing"]) == ("SMAP_OK", True)
+    direction = [[[0.02, 0.01, -0.5]]]
+    exact = export.model.exact([[0.3, math.radians(10.0)]], direction).tip_angle[0, 0]
+    # Of the sine, interpolated from below between few nodes.
+    assert 0.5 * exact < math.radians(report["tip_angle_deg"]) <= exact
+    below = data("eval", tmp_path / "whole", "-p", "reach=-1", "-p", "swing=10")
+    assert below["status"] in ("SMAP_CLAMPED", "SMAP_TIPS")
+
+
+def test_eval_of_an_export_knows_the_parameters(place: Path) -> None:
+    said = refused(2, "eval", place / "firmware", "-p", "reach=0.3")
+    assert "parameter swing has no value" in said
+    assert "no parameter 'swnig'" in refused(2, "eval", place / "firmware", "-p", "swnig=1")
+
+
+def test_eval_of_a_folder_that_is_no_export_is_refused(tmp_path: Path) -> None:
+    assert "is no folder of `lutgen export`" in refused(2, "eval", tmp_path)
+
+
+def test_eval_without_a_compiler_is_a_failed_task(
+    place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("CC", "no-such-compiler")
+    assert "no-such-compiler" in refused(1, "eval", place / "firmware", *POINT)
+
+
+# bad input
+
+
+@pytest.mark.parametrize(
+    ("options", "code", "fault"),
+    [
+        (("--channels", "height"), 2, "'height'"),
+        (("--channels", "speed"), 2, "'speed'"),
+        (("--codec", "contacts", "--flash", "100"), 1, "got 100 bytes of flash"),
+        (("--flash", "many"), 2, "'many' is no size"),
+        (("--flash", "0"), 2, "'0' is no size"),
+        (("--max-error", "-1%"), 2, "'-1%' is no error"),
+        (("--codec", "contacts", "--flash", "1.78kB", "--max-error", "1e-9%"), 1, "1e-09 %"),
+        (("--name", "int"), 2, "keyword"),
+        (("--name", "2legs"), 2, "no C identifier"),
+        (("--codec", "poly", "--arithmetic", "integer"), 1, "integer"),
+    ],
+)
+def test_what_cannot_be_exported_is_one_sentence_and_nothing_is_written(
+    place: Path, tmp_path: Path, options: tuple[str, ...], code: int, fault: str
+) -> None:
+    said = refused(code, "export", place / "tripod.h5", "-o", tmp_path / "out", *options)
+    assert fault in said
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["damaged.h5", "text.h5", "missing.h5", "missing.toml"])
+def test_a_source_that_cannot_be_read_is_one_sentence(
+    place: Path, tmp_path: Path, name: str
+) -> None:
+    assert name in refused(2, "export", place / name, "-o", tmp_path / "out")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_output_that_is_a_file_or_holds_foreign_files_is_refused_before_the_work(
+    place: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "file").write_text("mine")
+    # The source does not exist: the output is looked at first.
+    assert "is no folder" in refused(2, "export", place / "no.h5", "-o", tmp_path / "file")
+    assert "'file'" in refused(2, "export", place / "no.h5", "-o", tmp_path)
+    assert (tmp_path / "file").read_text() == "mine"
+
+
+def test_a_disk_that_fills_up_is_a_failed_task_that_leaves_nothing(
+    place: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def write_bytes(self: Path, data: bytes) -> int:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    def export(source: object, directory: Path, **options: object) -> dict[str, Any]:
+        return package.write(tripod_export(), directory)
+
+    monkeypatch.setattr(exporter, "export", export)
+    monkeypatch.setattr(Path, "write_bytes", write_bytes)
+    said = refused(1, "export", place / "tripod.h5", "-o", tmp_path / "out")
+    assert "No space left on device" in said
+    assert list(tmp_path.iterdir()) == []

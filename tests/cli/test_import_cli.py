@@ -1,0 +1,277 @@
+"""`lutgen import` and the page on robot descriptions: what is written, said and refused."""
+
+import builtins
+import io
+import json
+import shutil
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import lutgen
+from lutgen.chart import gravity_from_up
+from tests.docs.test_docs import blocks
+from tests.fixtures.commands import run
+from tests.fixtures.commands import stdout as good
+from tests.fixtures.robots import collision, joint, link, real, robot
+
+ROVER = Path(__file__).parent / "vectors" / "rover.urdf"
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return a folder with the rover's description, made the working folder."""
+    shutil.copy(ROVER, tmp_path / "robot.urdf")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_without_options_wheels_and_the_joints_that_matter_are_found(folder: Path) -> None:
+    report = json.loads(good("import", "robot.urdf", "-o", "robot.toml", "--json"))
+    assert report["name"] == "rover"
+    assert report["mass"] == 26.0
+    # By hand: at rest the mast is at its lower limit: (20 * 0.1 + 2 * (0.5 + 0.1)) / 26.
+    assert report["com"] == pytest.approx([(0.7 - 0.5) / 26, 0.0, 3.2 / 26])
+    assert report["parameters"] == ["arms", "lift"]
+    # The inner rims of the rear wheels lie between the outer ones; the arms move.
+    assert report["contacts"] == [
+        *("left_arm_1", "left_arm_2", "right_arm_1", "right_arm_2"),
+        *("left_wheel_2", "right_wheel_1"),
+    ]
+    assert report["left_out"] == [
+        "joints left_axle, right_axle: held, each moves neither contacts nor com",
+        "contacts between two others, which carry nothing alone: left_wheel_1, right_wheel_2",
+        "collision shapes of links that are no contacts: chassis, mast",
+        "links without mass or contacts: lens",
+        "other elements: 1 <transmission>",
+    ]
+
+
+def test_the_recipe_is_complete_for_check_and_sweep(folder: Path) -> None:
+    good("import", "robot.urdf", "-o", "robot.toml")
+    assert "6 contacts" in good("check", "robot.toml")
+    text = Path("robot.toml").read_text(encoding="utf-8")
+    few = text.replace("arms = 37", "arms = 3").replace("lift = 37", "lift = 3")
+    Path("robot.toml").write_text(few.replace("nodes = 33", "nodes = 9"), encoding="utf-8")
+    good("-q", "sweep", "robot.toml", "-o", "robot.h5")
+    level = lutgen.load_map("robot.h5").read([[0.0, 0.3]], [gravity_from_up([0, 0, 1])])
+    assert level["tip_angle"][0] > 0.3
+
+
+def test_a_name_of_its_own_may_be_given(folder: Path) -> None:
+    good("import", "robot.urdf", "-o", "robot.toml", "--name", "crawler")
+    assert lutgen.load_recipe("robot.toml").name == "crawler"
+    assert run("import", "robot.urdf", "-o", "robot.toml", "--name", " ").exit_code == 2
+
+
+def test_given_points_spheres_and_joints_are_used_as_they_are(folder: Path) -> None:
+    arguments = ("-c", "left_wheel", "-c", "chassis=0.3,0,-0.1,0.02", "-c", "lens=0,0,1")
+    good("import", "robot.urdf", "-o", "robot.toml", *arguments, "-j", "lift", "-j", "left_axle")
+    recipe = lutgen.load_recipe("robot.toml")
+    kinds = {contact.name: (contact.kind, contact.link) for contact in recipe.contacts}
+    assert kinds == {
+        "chassis_P2": ("sphere", "body"),
+        "lens_P3": ("point", "lens"),
+        "left_wheel_1": ("disc", "left_wheel"),
+        "left_wheel_2": ("disc", "left_wheel"),
+    }
+    assert [p.name for p in recipe.parameters] == ["left_axle", "lift"]
+
+
+def test_names_that_toml_or_the_map_cannot_take_are_changed(folder: Path) -> None:
+    foot = collision('sphere radius="0.1"', "{} {} -1")
+    feet = "".join(foot.format(x, y) for x in (0, 1) for y in (0, 1))
+    limits = '<axis xyz="1 0 0"/><limit lower="0" upper="1"/>'
+    text = robot(
+        link("t&quot;p\u00e9]]x", 1.0, "0 0 1"),
+        link("body", 1.0, inside=feet),
+        link("a'b", 1.0),
+        link("c", 1.0),
+        joint("j", "fixed", "t&quot;p\u00e9]]x", "body"),
+        joint("u", "prismatic", "body", "a'b", limits),
+        joint("1-2", "prismatic", "body", "c", limits),
+        name="&lt;a&gt; &quot;",
+    )
+    Path("odd.urdf").write_text(text, encoding="utf-8")
+    said = good("import", "odd.urdf", "-o", "odd.toml")
+    recipe = lutgen.load_recipe("odd.toml")
+    assert recipe.name == '<a> "'
+    assert [link.name for link in recipe.links] == ["body", "body_0", "a'b", "c"]
+    assert [p.name for p in recipe.parameters] == ["joint_u", "joint_1_2"]
+    assert len(said.splitlines()) == 4
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("none.urdf", "-o", "a.toml"), "there is no such file"),
+        (("robot.urdf", "-o", "robot.urdf"), "end it in .toml"),
+        (("robot.urdf", "-o", "none/a.toml"), "cannot be written"),
+        (("robot.urdf", "-o", "a.toml", "-c", "left_weel"), "did you mean 'left_wheel'"),
+        (("robot.urdf", "-o", "a.toml", "-c", "left_weel=0,0,0"), "did you mean 'left_wheel'"),
+        (("robot.urdf", "-o", "a.toml", "-c", "mast"), "has no collision sphere"),
+        (("robot.urdf", "-o", "a.toml", "-c", "mast=0,0"), "is no point of a link"),
+        (("robot.urdf", "-o", "a.toml", "-c", "mast=0,0,nan"), "is no point of a link"),
+        (("robot.urdf", "-o", "a.toml", "-c", "mast=0,0,0,-1"), "is no point of a link"),
+        (("robot.urdf", "-o", "a.toml", "-c", "mast=0,0,0"), "needs 3 to 32 contacts (got 1)"),
+        (("robot.urdf", "-o", "a.toml", "-j", "arm"), "did you mean 'arms'"),
+        (("robot.urdf", "-o", "a.toml", "-j", "lens_mount"), "it is fixed"),
+        (("robot.urdf", "-o", "a.toml", "-x"), "is no .xacro file"),
+        (("robot.xacro", "-o", "a.toml"), "pass --xacro if you trust it"),
+    ],
+)
+def test_what_cannot_be_imported_is_refused_in_one_sentence(
+    folder: Path, arguments: tuple[str, ...], said: str
+) -> None:
+    shutil.copy("robot.urdf", "robot.xacro")
+    result = run("import", *arguments)
+    assert result.exit_code == 2
+    assert said in result.stderr
+    assert len(result.stderr.splitlines()) == 1
+    assert not Path("a.toml").exists()
+
+
+def test_many_moving_joints_are_not_made_parameters_unasked(folder: Path) -> None:
+    foot = collision('sphere radius="0.1"')
+    legs = "".join(
+        link(f"l{i}", 1.0, inside=foot)
+        + joint(f"j{i}", "continuous", "base", f"l{i}", '<axis xyz="0 0 1"/>', f"{i} {i * i} 0")
+        for i in range(12)
+    ).replace('<collision><origin xyz="0 0 0"', '<collision><origin xyz="1 0 0"')
+    Path("many.urdf").write_text(robot(link("base", 1.0, "0 0 1"), legs), encoding="utf-8")
+    result = run("import", "many.urdf", "-o", "many.toml")
+    assert result.exit_code == 2
+    assert "more than 10 joints move contacts or com" in result.stderr
+    good("import", "many.urdf", "-o", "many.toml", *(f"-jj{i}" for i in range(12)))
+    assert len(lutgen.load_recipe("many.toml").parameters) == 12
+
+
+def test_a_joint_that_hardly_matters_is_held_unless_it_is_asked_for(folder: Path) -> None:
+    # A sensor of 10 g, 0.1 m off its axis, on a rover of 26 kg.
+    text = ROVER.read_text(encoding="utf-8").replace(
+        "</robot>",
+        link("radar", 0.01, "0.1 0 0")
+        + joint("spin", "continuous", "chassis", "radar", '<axis xyz="0 0 1"/>')
+        + "</robot>",
+    )
+    Path("radar.urdf").write_text(text, encoding="utf-8")
+    report = json.loads(good("import", "radar.urdf", "-o", "radar.toml", "--json"))
+    assert report["parameters"] == ["arms", "lift"]
+    # 2 * 0.1 m * 0.01 kg / 26.01 kg = 0.077 mm.
+    assert (
+        "joint spin: held, moves no contact and the com by at most 0.077 mm" in report["left_out"]
+    )
+    report = json.loads(good("import", "radar.urdf", "-o", "r.toml", "--json", "-j", "spin"))
+    assert report["parameters"] == ["spin"]
+
+
+def test_no_file_that_a_description_names_is_opened(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = ROVER.read_text(encoding="utf-8")
+    Path("a.urdf").write_text(text.replace("package://rover/mast.stl", "../../secret"))
+    Path("secret").write_text("x")
+    good("import", "a.urdf", "-o", "first.toml")  # all modules are loaded now
+    seen: list[str] = []
+    before = io.open
+
+    def spy(file: Any, *arguments: Any, **options: Any) -> Any:
+        seen.append(str(file))
+        return before(file, *arguments, **options)
+
+    for module in (io, builtins):
+        monkeypatch.setattr(module, "open", spy)
+    good("import", "a.urdf", "-o", "second.toml")
+    monkeypatch.undo()
+    names = {Path(name).name.partition(".toml")[0].lstrip(".") for name in seen}
+    assert names == {"a.urdf", "second"}
+
+
+XACRO = """<robot name="macro" xmlns:xacro="http://www.ros.org/wiki/xacro">
+<xacro:macro name="foot" params="x y">
+  <collision><origin xyz="${x} ${y * 0.5} -1"/><geometry><sphere radius="0.1"/></geometry>
+  </collision>
+</xacro:macro>
+<link name="base"><inertial><mass value="${1 + 1}"/></inertial>
+<xacro:foot x="1" y="1"/><xacro:foot x="1" y="-1"/><xacro:foot x="-1" y="0"/></link>
+</robot>"""
+
+
+def test_macros_are_expanded_when_asked_for(folder: Path) -> None:
+    pytest.importorskip("xacrodoc")
+    Path("robot.xacro").write_text(XACRO, encoding="utf-8")
+    report = json.loads(good("import", "-x", "robot.xacro", "-o", "robot.toml", "--json"))
+    assert (report["name"], report["mass"]) == ("macro", 2.0)
+    recipe = lutgen.load_recipe("robot.toml")
+    assert [contact.position for contact in recipe.contacts] == [
+        *((1.0, 0.5, -1.0), (1.0, -0.5, -1.0), (-1.0, 0.0, -1.0))
+    ]
+
+
+@pytest.mark.parametrize(
+    "text", [XACRO.replace("1 + 1", "1 / 0"), XACRO.replace("<link", "<"), "", "<robot/>"]
+)
+def test_macros_that_fail_are_refused_in_one_sentence(folder: Path, text: str) -> None:
+    pytest.importorskip("xacrodoc")
+    Path("robot.xacro").write_text(text, encoding="utf-8")
+    result = run("import", "-x", "robot.xacro", "-o", "robot.toml")
+    assert result.exit_code == 2
+    assert result.stderr.startswith("Error: robot.xacro: ")
+    assert len(result.stderr.splitlines()) == 1
+
+
+def test_without_the_package_one_sentence_says_how_to_get_it(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "xacrodoc", None)
+    Path("robot.xacro").write_text(XACRO, encoding="utf-8")
+    result = run("import", "-x", "robot.xacro", "-o", "robot.toml")
+    assert result.exit_code == 2
+    assert "pip install lutgen[xacro]" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("name", "contacts", "parameters"),
+    [
+        # Two rims of two wheels on each track and of two ends of each flipper; every part moves.
+        (
+            "absolem",
+            24,
+            [
+                "left_track_j",
+                *(
+                    f"{end}_{side}_flipper_j"
+                    for end in ("front", "rear")
+                    for side in ("left", "right")
+                ),
+            ],
+        ),
+        # The outer rims of four wheels.
+        ("husky", 4, []),
+    ],
+)
+def test_real_robots_are_imported_without_options(
+    folder: Path, name: str, contacts: int, parameters: list[str]
+) -> None:
+    report = json.loads(good("import", real(name), "-o", "real.toml", "--json"))
+    assert report["parameters"] == parameters
+    assert len(report["contacts"]) == contacts
+    recipe = lutgen.load_recipe("real.toml")
+    good("check", "real.toml")
+    # Level ground, flippers as they are at zero: it stands, by more than 10 deg.
+    level = lutgen.evaluate(recipe, np.zeros((1, len(parameters))), [[0, 0, -1]], ("tip_angle",))
+    assert level["tip_angle"][0, 0] > np.radians(10.0)
+
+
+def test_the_page_on_robot_descriptions_shows_what_its_commands_print(folder: Path) -> None:
+    (named,) = blocks("docs/urdf.md", "toml")
+    Path("named.toml").write_text(named, encoding="utf-8")
+    commands, shown = blocks("docs/urdf.md", "sh"), blocks("docs/urdf.md", "text")
+    assert len(commands) == len(shown) > 1
+    for command, text in zip(commands, shown, strict=True):
+        program, *arguments = command.replace("\\\n", " ").split()
+        assert program == "lutgen"
+        assert good(*arguments) == text

@@ -1,0 +1,222 @@
+"""`lutgen limits` and its page: what it prints and draws, and how it refuses."""
+
+import math
+import re
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from lutgen.analysis.tilt import tilt_limits
+from lutgen.analysis.tilt_table import posture_limits, sweep_limits
+from lutgen.plot import draw_limits
+from lutgen.recipe.recipe import parse_recipe
+from tests.docs.test_docs import blocks
+from tests.fixtures import commands
+from tests.fixtures.recipes import feet, rigid, tripod
+
+run = partial(commands.run, "limits")
+good = partial(commands.stdout, "limits")
+data = partial(commands.data, "limits")
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    """Return the path of a recipe of 4 x 3 postures."""
+    path = tmp_path / "tripod.toml"
+    path.write_text(tripod())
+    return path
+
+
+def four_feet(com: tuple[float, float, float], half: tuple[float, float]) -> str:
+    """Return a rigid robot on the corners of a rectangle on the ground z = -0.07045."""
+    x, y = half
+    body = f'[[robot.link]]\nname = "body"\nmass = 29.36\ncom = {list(com)}\n'
+    ground = [(a * x, b * y, -0.07045) for a, b in ((1, 1), (-1, 1), (-1, -1), (1, -1))]
+    return rigid(body + feet(ground), head="friction = 0.8")
+
+
+@pytest.mark.parametrize(
+    ("com", "half", "published"),
+    [
+        ((-0.0322, -0.0057, 0.0988), (0.2500, 0.2470), (59.04, 52.15, 56.18, 54.95)),
+        ((-0.0322, -0.0057, 0.0892), (0.5743, 0.3139), (75.26, 73.60, 63.46, 62.62)),
+    ],
+    ids=["flippers up", "flippers on the ground"],
+)
+def test_the_published_rectangles_of_absolem_come_out_of_the_command(
+    com: tuple[float, float, float],
+    half: tuple[float, float],
+    published: tuple[float, ...],
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "rectangle.toml"
+    path.write_text(four_feet(com, half))
+    report = data(path)
+    found = {row["name"]: row["tilt_deg"] for row in report["limits"]}
+    down, up, left, right = published
+    # Printed to 0.01 deg from a com rounded to 0.1 mm.
+    assert found["nose down"] == pytest.approx(down, abs=0.02)
+    assert found["nose up"] == pytest.approx(up, abs=0.02)
+    assert found["left side down"] == pytest.approx(left, abs=0.02)
+    assert found["right side down"] == pytest.approx(right, abs=0.02)
+    assert found["worst heading"] == pytest.approx(min(published), abs=0.02)
+    assert report["guaranteed_tilt_deg"] == pytest.approx(found["worst heading"], abs=1e-9)
+    assert report["friction_angle_deg"] == pytest.approx(math.degrees(math.atan(0.8)))
+    assert all(row["slides_first"] for row in report["limits"])
+    text = good(path)
+    assert f"{found['nose down']:.2f} deg" in text
+    assert "P1 - P4" in text or "P4 - P1" in text
+
+
+def keys(value: Any) -> set[str]:
+    """Return all keys of a report, at any depth."""
+    if isinstance(value, dict):
+        return set(value).union(*(keys(part) for part in value.values()))
+    return set().union(*map(keys, value)) if isinstance(value, list) else set()
+
+
+def test_json_has_the_numbers_of_the_library_and_angles_say_their_unit(file: Path) -> None:
+    robot = parse_recipe(tripod())
+    report = data(file, "-p", "reach=0.2", "--all", "--best", "--headings", 8)
+    assert report["posture"] == {"reach_m": 0.2, "swing_deg": pytest.approx(5.0)}
+    posture = np.array([0.2, math.radians(5.0)])
+    found = posture_limits(robot, posture)
+    assert [row["tilt_deg"] for row in report["limits"]] == [
+        pytest.approx(math.degrees(row.tilt)) for row in found.headings
+    ]
+    rows = robot.grid.params(np.arange(robot.grid.size))
+    headings = np.radians(np.arange(8) * 45.0)
+    swept = sweep_limits(robot, rows, headings)
+    best = report["best_postures"]
+    assert [row["heading_deg"] for row in best] == pytest.approx(np.degrees(headings))
+    assert [row["tilt_deg"] for row in best] == pytest.approx(np.degrees(swept.most))
+    assert best[3]["posture"]["reach_m"] == pytest.approx(rows[swept.most_at[3], 0])
+    every = report["all_postures"]
+    assert every["postures"] == 12
+    for name, place in (("nose down", 0), ("left side down", 2), ("right side down", 6)):
+        (row,) = (row for row in every["limits"] if row["name"] == name)
+        assert row["least_tilt_deg"] == pytest.approx(np.degrees(swept.least[place]))
+        assert row["largest_tilt_deg"] == pytest.approx(np.degrees(swept.most[place]))
+    worst = every["limits"][-1]
+    assert worst["name"] == "worst heading"
+    assert worst["least_tilt_deg"] == pytest.approx(np.degrees(swept.guaranteed.min()))
+    assert worst["largest_at"]["swing_deg"] == pytest.approx(np.degrees(rows[swept.strongest, 1]))
+    angles = {key for key in keys(report) if re.search("tilt|heading|angle|swing", key)}
+    assert all(key.endswith("_deg") for key in angles)
+    assert len(angles) >= 6
+
+
+def test_without_the_options_there_is_one_posture_in_the_middle(file: Path) -> None:
+    report = data(file)
+    assert report["posture"] == {"reach_m": 0.3, "swing_deg": pytest.approx(5.0)}
+    assert not {"all_postures", "best_postures"} & set(report)
+    assert report["convention"] == "plane"
+    body = data(file, "--convention", "body")
+    assert body["limits"][0]["tilt_deg"] != pytest.approx(report["limits"][0]["tilt_deg"])
+
+
+def test_what_tips_on_level_ground_is_said_in_words(tmp_path: Path) -> None:
+    path = tmp_path / "aside.toml"
+    path.write_text(rigid(feet([(1, 1, -1), (0.5, 1, -1), (0.5, -1, -1), (1, -1, -1)])))
+    text = good(path, "--all")
+    assert "it tips over on level ground" in text
+    assert "over 1 postures" in text
+    assert "1 tip over on level ground" in text
+    report = data(path)
+    assert report["limits"][-1]["heading_deg"] is None
+    assert report["guaranteed_tilt_deg"] == 0.0
+    assert report["limits"][0]["slides_first"] is None
+
+
+def test_the_guaranteed_tilt_is_rounded_down(file: Path) -> None:
+    (said,) = re.findall(r"guaranteed in every heading: ([\d.]+) deg", good(file))
+    exact = data(file)["guaranteed_tilt_deg"]
+    assert 0.0 <= exact - float(said) < 0.01
+
+
+def test_the_figure_holds_the_limits_and_repeats_to_the_byte(file: Path, tmp_path: Path) -> None:
+    for name in ("a.png", "b.png"):
+        good(file, "--all", "-o", tmp_path / name)
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+    robot = parse_recipe(tripod())
+    rows = robot.grid.params(np.arange(robot.grid.size))
+    found = posture_limits(robot, rows[4])
+    swept = sweep_limits(robot, rows, np.radians(np.arange(72) * 5.0))
+    figure = draw_limits(robot, found, swept)
+    lines = {str(line.get_label()).split(":")[0]: line for line in figure.axes[0].get_lines()}
+    heading, tilt = (np.asarray(part) for part in lines["this posture"].get_data())
+    # Radians to degrees and back.
+    expected = np.degrees(tilt_limits(robot, rows[4], heading, "plane"))
+    np.testing.assert_allclose(tilt, expected, atol=1e-9)
+    circle = np.asarray(lines["guaranteed"].get_ydata())
+    assert circle.min() == circle.max() == pytest.approx(math.degrees(found.guaranteed))
+    assert (circle <= tilt + 1e-9).all()
+    best = np.asarray(lines["best posture per heading"].get_ydata())
+    worst = np.asarray(lines["worst posture per heading"].get_ydata())
+    np.testing.assert_allclose(best[::10], np.degrees(np.append(swept.most, swept.most[0])))
+    assert (best[::10] >= tilt[::10] - 1e-9).all()
+    assert (worst[::10] <= tilt[::10] + 1e-9).all()
+    slides = np.asarray(lines[r"slides ($\mu$ = 0.8)"].get_ydata())
+    np.testing.assert_allclose(slides, math.degrees(math.atan(0.8)), atol=1e-9)
+    alone = {str(line.get_label()) for line in draw_limits(robot, found).axes[0].get_lines()}
+    assert not any("posture in each" in label for label in alone)
+    only_best = draw_limits(robot, found, swept, worst=False).axes[0].get_lines()
+    assert "worst posture per heading" not in {line.get_label() for line in only_best}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["-p", "beta=1"], "no parameter 'beta'"),
+        (["-p", "reach=0.1", "-p", "reach=0.2"], "given twice"),
+        (["--headings", 6], "must be a multiple of 4 (got 6)"),
+        (["--headings", 0], "must be a multiple of 4 (got 0)"),
+        (["-o", "limits.gif"], "unknown kind of picture"),
+        (["-o", "missing/limits.png"], "cannot be written"),
+    ],
+)
+def test_what_is_wrong_is_said_in_one_sentence(
+    file: Path,
+    arguments: list[object],
+    said: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    result = run(file, *arguments)
+    assert result.exit_code == 2, result.output
+    assert result.stdout == ""
+    (line,) = result.stderr.splitlines()
+    assert line.startswith("Error: ")
+    assert said in line
+    assert list(tmp_path.iterdir()) == [file]
+
+
+def test_a_posture_outside_its_range_is_used_as_it_is(file: Path) -> None:
+    assert data(file, "-p", "reach=0.9")["posture"]["reach_m"] == 0.9
+
+
+def test_everything_on_the_page_runs_and_prints_what_it_says(
+    maps_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "maps").symlink_to(maps_folder)
+    monkeypatch.chdir(tmp_path)
+    commands, shown = blocks("docs/limits.md", "sh"), blocks("docs/limits.md", "text")
+    assert len(commands) == len(shown) > 0
+    for command, text in zip(commands, shown, strict=True):
+        program, name, *arguments = command.split()
+        assert (program, name) == ("lutgen", "limits")
+        assert good(*arguments) == text
+    for picture in ("limits.png", "feet.png"):
+        assert Path(picture).read_bytes().startswith(b"\x89PNG")
+    (code,) = blocks("docs/limits.md", "python")
+    printed: list[str] = []
+    exec(
+        compile(code, "docs/limits.md", "exec"),
+        {"print": lambda *a: printed.append(" ".join(map(str, a)))},
+    )
+    assert printed == re.findall(r"^print\(.*\)  # (.*)$", code, re.MULTILINE)

@@ -1,0 +1,239 @@
+"""`lutgen optimum`: what it prints, in which units, and its exit codes."""
+
+import contextlib
+import io
+import math
+import re
+import shlex
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lutgen
+from lutgen.search.objective import Objective
+from tests.fixtures import commands
+from tests.fixtures.recipes import tripod
+
+ROOT = Path(__file__).resolve().parents[2]
+TWO = str(ROOT / "maps" / "paper_two.toml")
+A0 = math.degrees(math.atan(0.6))
+
+
+run = partial(commands.run, "optimum")
+data = partial(commands.data, "optimum")
+
+
+def refusal(*arguments: object) -> str:
+    """Run a command that must fail as a usage error, with one line on stderr."""
+    result = run(*arguments)
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert "Traceback" not in result.stderr
+    return result.stderr
+
+
+@pytest.fixture
+def tripod_path(tmp_path: Path) -> Path:
+    """Return the path of a recipe with a length and an angle."""
+    path = tmp_path / "tripod.toml"
+    path.write_text(tripod())
+    return path
+
+
+def test_the_text_names_value_deltas_ranges_and_evaluations() -> None:
+    result = run(TWO, "--limit", 0.05)
+    assert result.exit_code == 0
+    first, alpha, gamma = result.stdout.splitlines()
+    assert first == "paper_two, search: stands, sdg 0.000485608, 150 evaluations"
+    for name, line in (("alpha", alpha), ("gamma", gamma)):
+        assert line == (f"  {name}  30.9568 deg  +- 0.712406 deg  acceptable 30.2364 to 31.6692")
+
+
+def test_the_last_node_is_shown_beside_a_better_one_seen_before() -> None:
+    lines = run(TWO, "--levels", 2).stdout.splitlines()
+    assert lines[1].startswith("  alpha  30 deg")
+    assert lines[-1] == "last node, worse than the best seen: alpha 32 deg, gamma 32 deg: 0.0734351"
+    assert "last node" not in run(TWO).stdout
+    last = data(TWO, "--levels", 2)["last"]
+    assert last["parameters"]["alpha"]["value_deg"] == pytest.approx(32.0, abs=1e-12)
+    assert last["value"] > data(TWO, "--levels", 2)["value"]
+
+
+def test_the_trace_is_printed_when_asked_for() -> None:
+    lines = run(TWO, "--trace", "--convention", "plane").stdout.splitlines()
+    steps = [re.fullmatch(r"step (\d), (\d+) evaluations: alpha (\S+) deg, .*", x) for x in lines]
+    found = [(int(m[1]), int(m[2]), float(m[3])) for m in steps if m]
+    alphas = [30, 32, 31.2, 30.88, 31.008, 30.9568]
+    assert found == [(i, 25 * i, alpha) for i, alpha in enumerate(alphas, 1)]
+    report = data(TWO, "--trace", "--convention", "plane")
+    got = [step["parameters"]["gamma"]["value_deg"] for step in report["trace"]]
+    assert got == pytest.approx(alphas, abs=1e-12)
+    assert report["trace"][1]["value"] == pytest.approx(0.073875445, abs=1e-9)
+    assert "trace" not in data(TWO)
+
+
+def test_the_json_equals_what_python_returns_in_degrees() -> None:
+    recipe = lutgen.load_recipe(TWO)
+    found = lutgen.optimum(
+        recipe, [0.2, 0.1, -1], "nelder-mead", "tip_angle", limit=math.radians(20)
+    )
+    report = data(
+        *(TWO, "-g", "0.2,0.1,-1", "--method", "nelder-mead", "--objective", "tip_angle"),
+        *("--limit", 20),
+    )
+    assert report["value_deg"] == math.degrees(found.value)
+    assert report["evaluations"] == found.evaluations
+    assert (report["method"], report["objective"]) == ("nelder-mead", "tip_angle")
+    for i, name in enumerate(("alpha", "gamma")):
+        entry = report["parameters"][name]
+        assert entry["value_deg"] == math.degrees(found.params[i])
+        assert entry["delta_deg"] == math.degrees(found.delta[i])
+        assert entry["acceptable_deg"] == [math.degrees(x) for x in found.acceptable[i]]
+        # At the ends of its range the objective is at the limit, or the range at its bound.
+        for end in found.acceptable[i]:
+            params = found.params.copy()
+            params[i] = end
+            angle = lutgen.evaluate(recipe, [params], [0.2, 0.1, -1], ("tip_angle",))["tip_angle"]
+            at_limit = abs(math.degrees(angle[0, 0]) - 20.0) < 1e-6
+            assert at_limit or math.degrees(end) in (0.0, 50.0)
+
+
+def test_lengths_and_angles_keep_the_units_of_the_recipe(tripod_path: Path) -> None:
+    report = data(tripod_path, "--bounds", "reach=0.1:0.5", "--bounds", "swing=-10:20")
+    assert 0.1 <= report["parameters"]["reach"]["value"] <= 0.5
+    assert -10 <= report["parameters"]["swing"]["value_deg"] <= 20
+    assert "value_deg" not in report["parameters"]["reach"]
+    text = run(tripod_path).stdout
+    assert re.search(r"^  reach  [\d.]+ m  ", text, re.MULTILINE)
+    assert re.search(r"^  swing  -?[\d.]+ deg  ", text, re.MULTILINE)
+
+
+def test_a_parameter_given_a_value_keeps_it() -> None:
+    report = data(TWO, "-p", "gamma=20", "--method", "multistart")
+    assert report["parameters"]["gamma"]["value_deg"] == pytest.approx(20.0, abs=1e-12)
+    assert report["parameters"]["gamma"]["kept"] is True
+    assert report["parameters"]["alpha"]["kept"] is False
+    assert re.search(r"^  gamma  20 deg  kept$", run(TWO, "-p", "gamma=20").stdout, re.MULTILINE)
+
+
+def test_start_and_seed_reach_the_methods() -> None:
+    near = data(TWO, "--method", "nelder-mead", "--start", "alpha=31", "--start", "gamma=31")
+    far = data(TWO, "--method", "nelder-mead", "--start", "alpha=3")
+    assert near["evaluations"] != far["evaluations"]
+    seeds = [data(TWO, "--method", "multistart", "--seed", s)["evaluations"] for s in (0, 0, 1)]
+    assert seeds[0] == seeds[1] != seeds[2]
+
+
+def test_right_ends_are_other_nodes() -> None:
+    right = data(TWO, "--ends", "right", "--levels", 1, "--bounds", "alpha=3:53")
+    assert right["parameters"]["alpha"]["value_deg"] in [pytest.approx(x) for x in (33, 23)]
+
+
+def test_where_nothing_stands_the_least_bad_geometry_is_printed_and_the_exit_code_is_1() -> None:
+    report = data(TWO, "-g", "0,0,1", code=1)
+    assert report["standing"] is False
+    assert report["value"] is None
+    for entry in report["parameters"].values():
+        assert entry["value_deg"] is not None
+        assert entry["delta_deg"] is None
+        assert entry["acceptable_deg"] == [None, None]
+    result = run(TWO, "-g", "0,0,1")
+    assert result.exit_code == 1
+    assert "tips over in every geometry tried, least in this one" in result.stdout
+
+
+def test_an_optimum_beyond_the_limit_has_no_range_and_says_so(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    report = data(TWO, "--method", "map", "--limit", 1e-6)
+    assert report["standing"] is True
+    assert report["parameters"]["alpha"]["acceptable_deg"] == [None, None]
+    assert "exceeds the limit: no range is acceptable" in caplog.text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--bounds", "alpha=20"), "'alpha=20' is no interval; write for example alpha=20:40"),
+        (("--bounds", "alpha=a:b"), "is no interval"),
+        (("--bounds", "alpha=0:nan"), "is no interval"),
+        (("--bounds", "alpha=40:20"), "must be below the upper one (got 40:20)"),
+        (("--bounds", "beta=1:2"), "there is no parameter 'beta' (got --bounds beta=1:2); it has"),
+        (("--bounds", "alpha=1:2", "-p", "alpha=1"), "give it one -p or one --bounds"),
+        (("--start", "beta=1"), "there is no parameter 'beta' (got --start beta=1)"),
+        (("--start", "alpha=1", "--start", "alpha=2"), "give it one -p or one --start"),
+        (("--start", "alpha=60", "--method", "nelder-mead"), "must lie within the bounds"),
+        (("-p", "alpha=1", "-p", "gamma=2"), "no geometry parameter to search"),
+        (("-p", "alpha=1", "-p", "alpha=2"), "given twice"),
+        (("--objective", "facet"), "objective 'facet' is not understood"),
+        (("--method", "best"), "'best' is not one of"),
+        (("--levels", 0), "0 is not in the range x>=1"),
+        (("-g", "0,0,0"), "is no direction"),
+    ],
+)
+def test_wrong_input_is_one_sentence_and_exit_code_2(
+    arguments: tuple[object, ...], message: str
+) -> None:
+    assert message in refusal(TWO, *arguments)
+
+
+def test_code_in_a_recipe_is_refused_unless_allowed(tmp_path: Path) -> None:
+    text = '[robot]\nname = "code"\nlength_unit = "m"\npython = "searched:postures"\n'
+    text += '[[robot.parameter]]\nname = "x"\nmin = 0.0\nmax = 1.0\nunit = "m"\n'
+    sweep = "[sweep]\n" + tripod().split("[sweep]\n")[1].replace("reach = 4, swing = 3", "x = 3")
+    (tmp_path / "code.toml").write_text(text + sweep)
+    (tmp_path / "searched.py").write_text(
+        "import numpy as np\n\n\n"
+        "def postures(q):\n"
+        "    feet = np.array([[-1.0, 1, -1], [-1, -1, -1], [1, 0, -1]])\n"
+        "    feet = np.repeat(feet[None], len(q), axis=0)\n"
+        "    feet[:, 2, 0] += 2.0 * q[:, 0]\n"
+        "    return feet, np.zeros((len(q), 3))\n"
+    )
+    assert "--allow-python" in refusal(tmp_path / "code.toml")
+    report = data(tmp_path / "code.toml", "--allow-python", "--method", "nelder-mead")
+    # The centroid is below the com where the third foot is at 2.
+    assert report["parameters"]["x"]["value"] == pytest.approx(0.5, abs=1e-5)
+
+
+# The document
+
+
+def blocks(language: str) -> list[str]:
+    """Return the fenced code of docs/search.md."""
+    text = (ROOT / "docs" / "search.md").read_text(encoding="utf-8")
+    return re.findall(rf"^```{language}\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+
+
+def test_the_commands_of_the_document_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)
+    (shell,) = blocks("sh")
+    for line in shell.splitlines():
+        program, command, *arguments = shlex.split(line)
+        assert (program, command) == ("lutgen", "optimum")
+        assert run(*arguments).exit_code == 0, line
+
+
+def test_the_python_of_the_document_prints_what_its_comments_say(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(ROOT)
+    (code,) = blocks("python")
+    said = re.findall(r"^print\(.*\)  # (.*)$", code, re.MULTILINE)
+    assert len(said) == code.count("print(") > 3
+    printed = io.StringIO()
+    with contextlib.redirect_stdout(printed):
+        exec(compile(code, "docs/search.md", "exec"), {})
+    assert printed.getvalue().splitlines() == said
+
+
+def test_the_document_says_how_far_the_conventions_differ() -> None:
+    text = (ROOT / "docs" / "search.md").read_text(encoding="utf-8")
+    said = re.search(r"at\s+10 deg it is ([\d.]+) under `body` and ([\d.]+) under `plane`", text)
+    assert said is not None
+    recipe = lutgen.load_recipe(TWO)
+    for convention, value in zip(("body", "plane"), said.groups(), strict=True):
+        cost = Objective(recipe, [0, 0, -1], "sdg", convention).cost(np.radians([[10.0, 10.0]]))
+        assert f"{cost[0]:.2f}" == value

@@ -1,0 +1,172 @@
+"""What the README and the documents show is run here, and what they list is compared."""
+
+import contextlib
+import io
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import h5py
+import pytest
+from click.testing import CliRunner
+
+import lutgen
+from firmware_export.emit.size import measured
+from lutgen.cli import main
+
+ROOT = Path(__file__).resolve().parents[2]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def blocks(name: str, language: str) -> list[str]:
+    """Return the fenced code of one language in a document."""
+    text = (ROOT / name).read_text(encoding="utf-8")
+    return re.findall(rf"^```{language}\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+
+
+@pytest.fixture
+def clone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return a folder with the recipes in it, made the working folder."""
+    shutil.copytree(ROOT / "maps", tmp_path / "maps")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_the_shell_commands_of_the_readme_run_and_write_their_files(clone: Path) -> None:
+    shell, _, _ = blocks("README.md", "sh")
+    lines = shell.splitlines()
+    # CI runs `make venv` itself before it can run any test.
+    assert lines[0] == "make venv"
+    for line in lines[1:]:
+        program, *arguments = line.split()
+        assert program == ".venv/bin/lutgen"
+        result = CliRunner().invoke(main, arguments)
+        assert result.exit_code == 0, f"{line}: {result.output}"
+        if arguments[0] == "eval":
+            assert re.search(r"^sdg +0\.00253160\d*$", result.stdout, re.MULTILINE)
+    assert h5py.is_hdf5("paper_two.h5")
+    assert (clone / "paper_two.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_papers_numbers_in_the_readme_are_those_of_its_commands(clone: Path) -> None:
+    *_, shell = blocks("README.md", "sh")
+    printed = {}
+    for line in shell.splitlines():
+        _, *arguments = line.split()
+        # The whole report has tests of its own.
+        if arguments[0] != "paper":
+            result = CliRunner().invoke(main, arguments)
+            assert result.exit_code == 0, f"{line}: {result.output}"
+            printed[arguments[0]] = result.stdout
+    assert "30.9568" in printed["optimum"]
+    assert "150" in printed["optimum"]
+    counts = tuple(re.findall(r"tips over at (\d+)", printed["path"]))
+    said = re.search(r"at (\d+) of 100 points with .*? at (\d+)\s+when", README, re.DOTALL)
+    assert said is not None
+    assert counts == said.groups()
+    assert len(printed) == 3
+
+
+@pytest.fixture
+def lutgen_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Put this environment's programs first on the path."""
+    folder = str(Path(sys.executable).parent)
+    monkeypatch.setenv("PATH", os.pathsep.join([folder, os.environ["PATH"]]))
+
+
+def ran(command: str) -> str:
+    """Run a shell command in the working folder and return what it printed."""
+    done = subprocess.run(command, shell=True, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, f"{command}: {done.stderr}"
+    return done.stdout
+
+
+def test_the_readme_leads_to_a_reading_in_c_in_three_commands(
+    clone: Path, lutgen_first: None
+) -> None:
+    _, shell, _ = blocks("README.md", "sh")
+    setup, export, compiled = shell.splitlines()
+    assert setup == "make venv"
+    printed = ran(export.replace(".venv/bin/", ""))
+    held = re.search(r"(\d+) bytes of tables", printed)
+    said = re.search(r"takes (\d+) bytes of tables, at most ([\d.]+) % off", README)
+    assert held is not None
+    assert said is not None
+    assert held[1] == said[1]
+    assert float(re.search(r"largest error [^(]*\(([\d.]+) %\)", printed)[1]) <= float(said[2])  # type: ignore[index]
+    assert re.search(r"^stands$", ran(compiled), re.MULTILINE)
+
+
+def test_everything_in_the_firmware_guide_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, lutgen_first: None
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (recipe,) = blocks("docs/firmware.md", "toml")
+    Path("stork.toml").write_text(recipe)
+    printed = [
+        ran(line) for block in blocks("docs/firmware.md", "sh") for line in block.splitlines()
+    ]
+    check, exact, export, asked, _, reading, _ = printed
+    assert check.startswith("stork: 3 contacts")
+    heights = [
+        float(re.search(r"^height +([\d.]+)", text, re.MULTILINE)[1])
+        for text in (exact, asked, reading)
+    ]  # type: ignore[index]
+    # All three answer for the same posture; 0.5 % was asked for.
+    assert max(heights) - min(heights) < 0.005 * heights[0]
+    assert "0 points said to stand that tip" in export
+    for folder, code in zip(
+        ("stork_firmware", "stork_integer"), blocks("docs/firmware.md", "c"), strict=True
+    ):
+        Path("use.c").write_text(code)
+        ran(f"cc -std=c99 -Wall -Wextra -Werror -I{folder} -fPIC -c use.c")
+        ran(
+            f"cc -std=c99 -I{folder} {folder}/stork.c {folder}/smap.c use.o -shared -fPIC -o use.so"
+        )
+
+
+def test_the_python_of_the_readme_prints_what_its_comments_say(clone: Path) -> None:
+    (code,) = blocks("README.md", "python")
+    said = re.findall(r"^print\(.*\)  # (\[\[.*\]\]|\(.*\))", code, re.MULTILINE)
+    assert len(said) == code.count("print(")
+    printed = io.StringIO()
+    with contextlib.redirect_stdout(printed):
+        exec(compile(code, "README.md", "exec"), {})
+    assert printed.getvalue().splitlines() == said
+
+
+def test_the_format_document_lists_every_attribute_of_a_map(clone: Path) -> None:
+    text, _ = (ROOT / "docs/format.md").read_text(encoding="utf-8").split("# The C tables")
+    listed = set(re.findall(r"^\| `(\w+)` \|", text, re.MULTILINE))
+    lutgen.sweep(lutgen.load_recipe("maps/paper_one.toml"), "one.h5")
+    with h5py.File("one.h5") as file:
+        assert set(file.attrs) == listed - {"blocks_done", "urdf"}
+
+
+def test_the_sizes_in_the_design_document_are_those_measured() -> None:
+    text = (ROOT / "docs/design.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\|[^|]+\| `(SMAP_[^`]+)` \| ([\d,]+) \| ([\d,]+) \|$", text, re.MULTILINE)
+    sets = measured()["sets"]
+    assert len(rows) == 6
+    for switches, code, stack in rows:
+        known = sets[frozenset(switches.split())]
+        assert (code, stack) == (f"{known['code']:,}", f"{known['stack']:,}"), switches
+
+
+def test_every_relative_link_and_picture_of_the_documents_exists() -> None:
+    documents = [ROOT / "README.md", ROOT / "maps/README.md", *(ROOT / "docs").glob("*.md")]
+    missing = [
+        f"{document.name}: {target}"
+        for document in documents
+        for target in re.findall(r"\]\(([^)#]+)\)", document.read_text(encoding="utf-8"))
+        if "://" not in target and not (document.parent / target).exists()
+    ]
+    assert missing == []
+
+
+def test_the_readme_names_the_python_that_the_project_requires() -> None:
+    assert "Python >= 3.11" in (ROOT / "README.md").read_text(encoding="utf-8")
+    assert sys.version_info >= (3, 11)

@@ -1,0 +1,436 @@
+"""The emitted C: what it says, how it looks, and that compilers take it."""
+
+import re
+import shutil
+import subprocess
+from dataclasses import replace
+from itertools import chain
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from firmware_export.device import compile_c
+from firmware_export.emit import package
+from firmware_export.emit.array import CArray, CBody
+from firmware_export.emit.config import config_text, entries, features, runtime_file, settings
+from firmware_export.emit.export import Export
+from firmware_export.emit.header import axis_macros, header_text
+from firmware_export.emit.names import LONGEST, check_name, default_name
+from firmware_export.emit.size import code_bytes
+from firmware_export.emit.source import body_of, source_text
+from firmware_export.emit.text import WIDTH, block_comment, literal, number_lines, plain_text, table
+from lutgen.errors import ExportError, InputError
+from lutgen.recipe.recipe import parse_recipe
+from tests.fixtures.exports import rover_export, tripod_export
+from tests.fixtures.recipes import tripod
+
+WARNINGS = [
+    *("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Wdouble-promotion"),
+    "-Werror",
+]
+C99 = ["-std=c99", "-ffp-contract=off"]
+CXX = ["-x", "c++", "-std=c++17", "-ffp-contract=off"]
+KINDS = ("contacts", "poly", "rover", "grid", "integer")
+CODES = CArray("codes", "int16_t", np.array([[1, -200, 3], [40000 - 32768, 5, -6]]), "test", 3)
+
+
+@pytest.fixture(scope="module")
+def exports() -> dict[str, Export]:
+    """Return one export of each kind."""
+    return {
+        "contacts": tripod_export("feet"),
+        "poly": tripod_export("smooth", codec="poly"),
+        "rover": rover_export(),
+        "grid": tripod_export("table", codec="grid"),
+        "integer": tripod_export("whole", codec="grid", arithmetic="integer"),
+    }
+
+
+@pytest.fixture(scope="module")
+def folders(
+    exports: dict[str, Export], tmp_path_factory: pytest.TempPathFactory
+) -> dict[str, Path]:
+    """Return their folders, which no test changes."""
+    place = tmp_path_factory.mktemp("exports")
+    for name, export in exports.items():
+        package.write(export, place / name)
+    return {name: place / name for name in exports}
+
+
+def build(
+    folder: Path, *flags: str, compiler: str = "gcc", sources: tuple[str, ...] = ()
+) -> subprocess.CompletedProcess[str]:
+    """Compile the C files of a folder without linking."""
+    names = sources or tuple(sorted(path.name for path in folder.glob("*.c")))
+    command = [compiler, *flags, "-fsyntax-only", *names]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+
+
+# compilers
+
+
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+@pytest.mark.parametrize("language", [C99, CXX], ids=["C99", "C++17"])
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_compiler_takes_every_file_without_a_warning(
+    folders: dict[str, Path], kind: str, language: list[str], compiler: str
+) -> None:
+    if shutil.which(compiler) is None:
+        pytest.skip(f"{compiler} is not installed")
+    done = build(folders[kind], *language, *WARNINGS, compiler=compiler)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_tables_are_refused_by_a_runtime_of_another_version(
+    folders: dict[str, Path], tmp_path: Path
+) -> None:
+    shutil.copytree(folders["poly"], tmp_path / "copy")
+    text = (tmp_path / "copy" / "smap.h").read_text()
+    (tmp_path / "copy" / "smap.h").write_text(
+        re.sub(r"#define SMAP_VERSION \d+", "#define SMAP_VERSION 999", text)
+    )
+    done = build(tmp_path / "copy", *C99, sources=("smooth.c",))
+    assert done.returncode != 0
+    assert re.search(r'#error "smooth needs smap.h of version \d+', done.stderr)
+
+
+@pytest.mark.parametrize("setting", ["SMAP_POLY=0", "SMAP_MAX_PARAMS=1"])
+def test_tables_are_refused_by_a_runtime_that_lacks_what_they_need(
+    folders: dict[str, Path], setting: str
+) -> None:
+    done = build(folders["poly"], *C99, f"-D{setting}", sources=("smooth.c",))
+    assert done.returncode != 0
+    assert f'#error "smooth needs {setting.partition("=")[0]} ' in done.stderr
+
+
+@pytest.mark.skipif(shutil.which("avr-gcc") is None, reason="avr-gcc is not installed")
+@pytest.mark.parametrize("kind", KINDS)
+def test_on_avr_everything_is_read_from_flash(
+    folders: dict[str, Path], tmp_path: Path, kind: str
+) -> None:
+    shutil.copytree(folders[kind], tmp_path / "copy")
+    name = next((tmp_path / "copy").glob("*_report.json")).name.removesuffix("_report.json")
+    flags = ["-mmcu=atmega328p", "-Os", "-Wall", "-Wextra", "-Wno-unused-variable"]
+    sizes = {}
+    for standard in ("gnu99", "c99"):
+        for source in (f"{name}.c", "smap.c"):
+            command = ["avr-gcc", f"-std={standard}", *flags, "-c", source, "-o", f"{source}.o"]
+            done = subprocess.run(
+                command, cwd=tmp_path / "copy", capture_output=True, text=True, check=False
+            )
+            assert (done.returncode, done.stderr) == (0, "")
+        listing = ["avr-size", "-A", f"{name}.c.o"]
+        text = subprocess.run(
+            listing, cwd=tmp_path / "copy", capture_output=True, text=True, check=True
+        ).stdout
+        found = re.findall(r"^\.(data|bss|rodata|progmem)\S*\s+(\d+)", text, re.MULTILINE)
+        sizes[standard] = {section for section, size in found if int(size)}
+    assert sizes["gnu99"] == {"progmem"}
+    # Without address spaces avr-gcc has no way but RAM.
+    assert "progmem" not in sizes["c99"]
+
+
+def test_a_runtime_for_one_map_holds_its_tables(folders: dict[str, Path], tmp_path: Path) -> None:
+    shutil.copytree(folders["poly"], tmp_path / "copy")
+    held = {}
+    for shared in ("0", "1"):
+        for source in ("smooth", "smap"):
+            command = ["gcc", *C99, f"-DSMAP_SHARED={shared}", "-c", f"{source}.c"]
+            subprocess.run(command, cwd=tmp_path / "copy", check=True)
+            names = subprocess.run(
+                ["nm", f"{source}.o"],
+                cwd=tmp_path / "copy",
+                capture_output=True,
+                text=True,
+                check=True,
+            ).stdout
+            held[source, shared] = bool(re.search(r" [RDS] _?smooth$", names, re.MULTILINE))
+    assert held == {
+        ("smooth", "0"): False,
+        ("smap", "0"): True,
+        ("smooth", "1"): True,
+        ("smap", "1"): False,
+    }
+
+
+def test_two_maps_share_one_runtime(folders: dict[str, Path], tmp_path: Path) -> None:
+    for name in ("poly", "rover"):
+        for path in folders[name].glob("*.[ch]"):
+            shutil.copy(path, tmp_path)
+    (tmp_path / "example.c").unlink()
+    # The configuration is the rover's; what the other needs is added on the command line.
+    more = ("-DSMAP_POLY=1", "-DSMAP_MAX_PARAMS=2")
+    done = build(tmp_path, *C99, *WARNINGS, "-DSMAP_SHARED=1", *more)
+    assert (done.returncode, done.stderr) == (0, "")
+    # A runtime that is built for the rover does not do for the other, and says so.
+    done = build(tmp_path, *C99, *more, sources=("smooth.c",))
+    assert done.returncode != 0
+    assert '#error "smooth needs SMAP_SHARED 1' in done.stderr
+
+
+# look
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_generated_text_is_ascii_without_long_lines_tabs_or_trailing_blanks(
+    folders: dict[str, Path], kind: str
+) -> None:
+    for path in [*folders[kind].glob("*.[ch]"), folders[kind] / "CMakeLists.txt"]:
+        if path.name in ("smap.c", "smap.h"):
+            continue
+        text = path.read_bytes().decode("ascii")
+        assert text.endswith("\n")
+        assert not text.endswith("\n\n")
+        for line in text.split("\n"):
+            assert len(line) <= WIDTH, f"{path.name}: {line}"
+            assert line == line.rstrip(), f"{path.name}: {line!r}"
+            assert "\t" not in line
+
+
+def test_the_columns_of_a_table_stand_under_one_another() -> None:
+    assert table(CODES, "map", "static const").split("\n") == [
+        "/* test */",
+        "static const int16_t map_codes[6] = {",
+        "     1, -200,    3,",
+        "  7232,    5,   -6,",
+        "};",
+    ]
+
+
+@given(
+    st.lists(st.integers(-128, 127), min_size=1, max_size=300),
+    st.integers(0, 40),
+    st.booleans(),
+)
+def test_a_table_holds_its_values_in_order_whatever_its_rows(
+    values: list[int], row: int, noted: bool
+) -> None:
+    notes = [f"row {i}" for i in range(len(values))] if noted else []
+    array = CArray("codes", "int8_t", np.array(values), "", row, notes)
+    text = table(array, "map", "static const")
+    body = re.sub(r"/\*.*?\*/", "", text.partition("{")[2])
+    assert [int(number) for number in re.findall(r"-?\d+", body)] == values
+    assert all(len(line) <= WIDTH for line in text.split("\n"))
+
+
+@given(st.integers(1, 300), st.integers(0, 40), st.integers(1, 64), st.booleans())
+def test_pieces_of_a_table_are_full_but_the_last_and_hold_its_values_in_order(
+    count: int, row: int, piece: int, noted: bool
+) -> None:
+    values = np.arange(count)
+    notes = [f"row {i}" for i in range(count)] if noted else []
+    array = CArray("codes", "uint16_t", values, "", row, notes)
+    pieces = number_lines(array, piece)
+    bodies = [re.sub(r"/\*.*?\*/", "", "\n".join(lines)) for lines in pieces]
+    found = [[int(number) for number in re.findall(r"\d+", body)] for body in bodies]
+    assert found == [values[at : at + piece].tolist() for at in range(0, count, piece)]
+    assert all(len(line) <= WIDTH for part in pieces for line in part)
+    # A row that goes on in the next piece is announced once.
+    lines = list(chain.from_iterable(pieces))
+    said = re.findall(r"/\* (row \d+) \*/", "\n".join(lines))
+    assert said == notes[: -(-count // (row or count))]
+    # Without pieces there are no further breaks.
+    assert [lines] == number_lines(array) or piece < count
+
+
+@given(st.floats(width=32, allow_nan=False, allow_infinity=False))
+def test_a_float_reads_back_as_the_same_single(value: float) -> None:
+    text = literal(value, "float")
+    assert re.fullmatch(r"-?\d+\.?\d*(e[-+]\d+)?f", text)
+    assert "." in text or "e" in text
+    assert np.float32(text[:-1]).tobytes() == np.float32(value).tobytes()
+
+
+@given(st.text())
+def test_no_text_can_end_a_comment_or_continue_a_line(text: str) -> None:
+    shown = plain_text(text)
+    assert shown.isascii()
+    assert not set(re.findall(r"\*/|/\*|\\|\?\?", shown))
+    assert block_comment([text]).count("*/") == 1
+
+
+def test_a_robot_with_an_unusual_name_gives_c_that_compiles(tmp_path: Path) -> None:
+    export = tripod_export("odd", codec="poly")
+    robot = replace(export.recipe, name='a */ int x;\n /* 5° \\ "quoted" ??/')
+    package.write(replace(export, recipe=robot), tmp_path / "odd")
+    done = build(tmp_path / "odd", *C99, *WARNINGS)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+# contents
+
+
+def test_the_header_says_what_a_reader_must_know(exports: dict[str, Export]) -> None:
+    export = exports["contacts"]
+    text = header_text(export, body_of(export))
+    for part in (
+        "stability map of the robot tripod",
+        "FEET_REACH 0 .. 0.6 m shifts leg",
+        "FEET_SWING -0.6981317 .. 0.8726646 rad (-40 .. 50 deg) turns hip",
+        "up to 50 deg of pitch and of roll",
+        "bytes of tables",
+        "1,640 of code",
+        "Errors on 512,345 points",
+        "sdg 0.0123 m (0.82 %) 0.0045 m (0.3 %) 0.0011 m (0.073 %)",
+        "tip_angle 1.146 deg 0.573 deg 0.1146 deg",
+        "safe where the robot tips: 0 points",
+        "given up: 1.23 %",
+        f"Recipe sha256 {export.recipe.digest}",
+        "#define FEET_PARAMS 2",
+        "#define FEET_REACH 0",
+        "#define FEET_SWING 1",
+        "extern const smap_t feet;",
+        'extern "C" {',
+    ):
+        assert part in re.sub(r"[ \n*]+", " ", text), part
+
+
+def test_a_largest_error_without_a_bound_is_not_claimed() -> None:
+    sdg = {"largest_seen": 0.5, "largest_seen_percent": 40.0, "p99": 0.01, "rms": 0.02}
+    export = rover_export(certificate={"points": 9, "channels": {"sdg": sdg}, "jumps": True})
+    text = header_text(export, body_of(export))
+    assert "no bound, seen: 0.5 m (40 %)" in text
+
+
+def test_what_was_not_measured_is_not_claimed() -> None:
+    export = tripod_export(certificate=None, code_bytes=None, pareto=None)
+    text = header_text(export, body_of(export))
+    assert "Errors: not measured." in text
+    assert "given up: not measured" in text
+    assert "of code" not in text
+
+
+def test_only_what_the_map_needs_is_switched_on(exports: dict[str, Export]) -> None:
+    codecs = {"SMAP_CONTACTS", "SMAP_POLY", "SMAP_GRID", "SMAP_GRID_INTEGER"}
+    for name, export in exports.items():
+        body = body_of(export)
+        text = config_text(export, body)
+        on = {macro for macro, value, _ in entries() if f"#define {macro} 1 " in text}
+        own = "SMAP_GRID_INTEGER" if export.integer else f"SMAP_{export.codec.upper()}"
+        assert on & codecs == {own}
+        assert ("SMAP_CONTACTS_MANY" in on) == (name == "rover")
+        assert "SMAP_SPHERE" not in on
+        model = export.model
+        found = features(export.codec, export.arithmetic, model.k, model.faces, body)
+        assert found >= on & (codecs | {"SMAP_CONTACTS_MANY"})
+        # The size of every set that an export may have is known.
+        assert code_bytes(found) is not None
+        assert f"#define SMAP_MAX_PARAMS {max(model.k, 1)} " in text
+        # Every setting can be overridden, and is explained.
+        for macro in re.findall(r"#define (SMAP_\w+) \d", text):
+            assert f"#ifndef {macro}\n" in text
+
+
+def test_a_setting_that_the_runtime_does_not_have_is_refused() -> None:
+    body = CBody("smap_poly_t", (), (), (("SMAP_NO_SUCH", 1),))
+    with pytest.raises(ExportError, match="no setting SMAP_NO_SUCH"):
+        settings("poly", "float", 2, 1, body)
+
+
+def test_a_table_without_elements_is_a_null_pointer(exports: dict[str, Export]) -> None:
+    body = body_of(exports["poly"])
+    empty = CArray("shape", "uint8_t", np.zeros(0, int), "nothing")
+    text = source_text(exports["poly"], replace(body, arrays=(empty, *body.arrays[1:])))
+    assert "smooth_shape" not in text
+    assert re.search(r"^  0, +/\* shape \*/$", text, re.MULTILINE)
+
+
+def test_structs_that_fill_more_than_a_line_are_wrapped() -> None:
+    members = ", ".join(f"@table_{i}" for i in range(20))
+    array = CArray("parts", "smap_grid_part_t", [f"{{ {members} }}"] * 2, "Two parts.")
+    text = table(array, "map", "static const")
+    assert all(len(line) <= WIDTH for line in text.split("\n"))
+    assert re.findall(r"map_table_\d+", text) == [f"map_table_{i}" for i in range(20)] * 2
+    assert "@" not in text
+
+
+def test_the_integer_form_of_a_constant_is_rounded_and_clamped(tmp_path: Path) -> None:
+    export = replace(tripod_export("feet", codec="poly"), arithmetic="integer")
+    steps = (("sdg", 0.001), ("height", 0.0005))
+    text = header_text(export, replace(body_of(export), steps=steps))
+    for name in ("smap.h", "smap_config.h"):
+        (tmp_path / name).write_text(runtime_file(name))
+    (tmp_path / "feet.h").write_text(text)
+    low, high = export.recipe.parameters[1].minimum, export.recipe.parameters[1].maximum
+    values = [low - 1.0, low - 1e-5, low, 0.0, 0.123, 0.7, high, high + 1.0]
+    # Just below the upper end: no rounding may carry it beyond 32767.
+    values += [float(np.nextafter(np.float32(high), np.float32(0.0)))]
+    items = ", ".join(f"FEET_SWING_Q({literal(value, 'float')})" for value in values)
+    (tmp_path / "main.c").write_text(
+        '#include <stdio.h>\n#include "feet.h"\nint main(void) {\n'
+        f"  static const int16_t q[] = {{{items}}};\n"
+        f'  for (int i = 0; i < {len(values)}; i++) printf("%d\\n", q[i]);\n'
+        '  printf("%.9g %.9g\\n", (double)FEET_SDG_STEP, (double)FEET_HEIGHT_STEP);\n'
+        "  return 0;\n}\n"
+    )
+    compile_c([*C99, *WARNINGS, "main.c", "-o", "main"], tmp_path)
+    done = subprocess.run([tmp_path / "main"], capture_output=True, text=True, check=True)
+    *found, last = done.stdout.splitlines()
+    wanted = [-1, -1, *(round((v - low) / (high - low) * 32767) for v in values[2:6]), 32767, 32767]
+    # One step is 5e-5 rad, single precision of 0.87 rad is 6e-8.
+    assert [int(line) for line in found] == [*wanted, 32767]
+    assert [float(number) for number in last.split()] == pytest.approx([0.001, 0.0005], rel=1e-6)
+
+
+def test_parameters_whose_names_differ_in_case_only_get_macros_of_their_own() -> None:
+    text = tripod().replace('"reach"', '"Swing"').replace("reach =", "Swing =")
+    recipe = parse_recipe(text.replace('"swing"', '"swing"'))
+    export = replace(tripod_export(), recipe=recipe)
+    assert axis_macros(export) == ("TRIPOD_SWING", "TRIPOD_PARAM_1_SWING")
+
+
+def test_a_parameter_called_params_does_not_take_the_macro_of_that_name() -> None:
+    text = tripod().replace('"reach"', '"params"').replace("reach =", "params =")
+    export = replace(tripod_export(), recipe=parse_recipe(text))
+    assert axis_macros(export)[0] == "TRIPOD_PARAM_0_PARAMS"
+
+
+def test_values_that_do_not_fit_their_type_are_refused() -> None:
+    for ctype, value in (("uint8_t", 256), ("int8_t", -129), ("uint16_t", 0.5), ("float", np.nan)):
+        with pytest.raises(InputError, match=f"do not fit {ctype}"):
+            CArray("codes", ctype, np.array([value]))
+
+
+# names
+
+
+@pytest.mark.parametrize(
+    ("name", "fault"),
+    [
+        ("", "no C identifier"),
+        ("3legs", "no C identifier"),
+        ("a-b", "no C identifier"),
+        ("größe", "no C identifier"),
+        ("a b", "no C identifier"),
+        ("a\n", "no C identifier"),
+        ("_map", "underscore"),
+        ("a__b", "two underscores"),
+        ("smap", "smap"),
+        ("SMAP_x", "smap"),
+        ("int", "keyword"),
+        ("restrict", "keyword"),
+        ("class", "keyword"),
+        ("NULL", "taken"),
+        ("main", "taken"),
+        ("uint8_t", "taken"),
+        ("example", "taken"),
+        ("x" * (LONGEST + 1), "31 characters"),
+    ],
+)
+def test_a_name_that_c_cannot_have_is_refused(name: str, fault: str) -> None:
+    with pytest.raises(InputError, match=fault) as caught:
+        check_name(name)
+    assert repr(name) in str(caught.value)
+
+
+def test_good_names_are_taken_as_they_are() -> None:
+    for name in ("paper_two", "Map2", "x", "x" * LONGEST):
+        assert check_name(name) == name
+
+
+@given(st.text())
+def test_any_robot_has_a_name_that_c_can_have(text: str) -> None:
+    assert check_name(default_name(text))

@@ -1,0 +1,314 @@
+"""The certificate: honest exports pass it, and every way of cheating is found."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import lutgen
+from firmware_export.certify.answers import Device, Read, truth
+from firmware_export.certify.certificate import Certificate
+from firmware_export.certify.certifier import Effort, certify
+from firmware_export.certify.jumps import find_jumps
+from firmware_export.certify.search import climb, sdg_error
+from firmware_export.quantity import ErrorBound
+from firmware_export.truth.model import Model
+from firmware_export.truth.sample import Sample, biased, uniform
+from lutgen.errors import ExportError
+from tests.fixtures.recipes import feet, rigid, rover, tripod
+
+TRIPOD = Model(lutgen.parse_recipe(tripod(channels=("sdg", "tip_angle", "height"))))
+ROVER = Model(lutgen.parse_recipe(rover()))
+CHANNELS = ("sdg", "tip_angle", "height")
+POINTS, EFFORT = 10_000, Effort(20, 25, 25)
+GUARD = 1e-4
+# (normalised parameters (n, k), directions (n, 3), exact sdg, tip, height (n, 3)) -> answers (n, 3)
+Answer = Callable[[NDArray[Any], NDArray[Any], NDArray[Any]], NDArray[Any]]
+
+
+def reader(model: Model, answer: Answer, guard: float = GUARD) -> Read:
+    """Return a smap_read that answers a function of the truth, less a guard."""
+
+    def read(params: NDArray[Any], gravity: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
+        exact = model.exact(params.astype(np.float64), gravity[:, None].astype(np.float64))
+        true = np.stack([exact.sdg.ravel(), exact.tip_angle.ravel(), exact.height.ravel()], 1)
+        t = (params.astype(np.float64) - model.lower) / (model.upper - model.lower)
+        unit = gravity / np.linalg.norm(gravity, axis=1)[:, None]
+        values = np.array(answer(t, unit, true), np.float64)
+        values[:, 1] -= guard
+        tips = values[:, 1] < 0.0
+        values[tips, 0] = values[tips, 2] = np.nan
+        return np.where(tips, 2, 0).astype(np.int8), values.astype(np.float32)
+
+    return read
+
+
+def honest(t: NDArray[Any], g: NDArray[Any], true: NDArray[Any]) -> NDArray[Any]:
+    return true
+
+
+def certificate(
+    answer: Answer, model: Model = TRIPOD, guard: float = GUARD, **more: Any
+) -> Certificate:
+    """Certify a function of the truth."""
+    device = Device(model, reader(model, answer, guard))
+    return certify(device, CHANNELS, points=POINTS, effort=EFFORT, **more)
+
+
+def test_an_honest_export_passes_and_loses_only_its_guard() -> None:
+    found = certificate(honest)
+    assert found.points >= POINTS
+    assert found.false_safe == 0
+    assert found.witness is None
+    assert not found.jumps
+    for name in ("sdg", "height"):
+        # float32 of values near 1, and |SD_g| near 0 magnifies what a float32 direction loses
+        assert found.channels[name]["max_percent"] < 1e-4
+    assert found.channels["tip_angle"]["max"] == pytest.approx(GUARD, rel=0.01)
+    assert found.given_up < 10.0 * GUARD
+    # The search came as near to a false safe as the guard lets it.
+    assert found.nearest == pytest.approx(GUARD, rel=0.01)
+    found.refuse_false_safe("robot")
+
+
+def test_a_certificate_is_reproducible() -> None:
+    one, same = certificate(honest), certificate(honest)
+    assert one.as_dict() == same.as_dict()
+
+
+def test_a_relative_error_is_reported_as_what_it_is() -> None:
+    found = certificate(lambda t, g, true: true * [1.01, 1.0, 1.02])
+    sdg, height = found.channels["sdg"], found.channels["height"]
+    largest = uniform(TRIPOD, POINTS, 1)
+    values = TRIPOD.exact(*largest).sdg
+    worst = np.nanmax(values)
+    assert sdg["range"] > 0.9 * (np.nanmax(values) - np.nanmin(values))
+    # The search goes on to where |SD_g| is larger than anywhere in the sample.
+    assert 0.98 < sdg["max_percent"] < 1.3
+    assert 0.0098 * worst < sdg["max"] < 0.013 * worst
+    assert sdg["max"] > sdg["p99"] > sdg["rms"] > 0.0
+    assert height["max"] > 0.019 * np.nanmin(TRIPOD.exact(*largest).height)
+
+
+def constant(t: NDArray[Any], g: NDArray[Any], true: NDArray[Any]) -> NDArray[Any]:
+    return np.tile([0.3, 0.5, 1.0], (len(t), 1))
+
+
+def nothing(t: NDArray[Any], g: NDArray[Any], true: NDArray[Any]) -> NDArray[Any]:
+    return np.tile([0.0, GUARD, 0.0], (len(t), 1))
+
+
+def nearest_node(t: NDArray[Any], g: NDArray[Any], true: NDArray[Any]) -> NDArray[Any]:
+    node = TRIPOD.lower + np.rint(t * 8.0) / 8.0 * (TRIPOD.upper - TRIPOD.lower)
+    place = np.rint(g[:, :2] / -g[:, 2:] * 8.0) / 8.0
+    down = np.concatenate([place, -np.ones((len(g), 1))], axis=1)
+    exact = TRIPOD.exact(node, down[:, None])
+    return np.stack([exact.sdg[:, 0], exact.tip_angle[:, 0], exact.height[:, 0]], 1)
+
+
+@pytest.mark.parametrize("answer", [constant, nothing, nearest_node])
+def test_an_answer_that_does_not_look_is_refused(answer: Answer) -> None:
+    found = certificate(answer)
+    assert found.false_safe > 0
+    assert found.witness is not None
+    params, gravity, said, true = found.witness
+    assert said >= 0.0 > true
+    # The witness is a point of its own right: the exact model says the same of it.
+    again = TRIPOD.exact(params[None], gravity[None, None]).tip_angle[0, 0]
+    assert again == true
+    with pytest.raises(ExportError, match="called safe where it tips") as caught:
+        found.refuse_false_safe("robot")
+    assert "\n" not in str(caught.value)
+
+
+def test_an_export_that_never_answers_holds_no_error() -> None:
+    found = certificate(lambda t, g, true: true * 0.0 - 1.0)
+    assert found.false_safe == 0
+    assert found.given_up == 1.0
+    assert found.error(relative=True) == np.inf
+
+
+def test_an_answer_that_is_no_number_is_an_infinite_error() -> None:
+    def gap(t: NDArray[Any], g: NDArray[Any], true: NDArray[Any]) -> NDArray[Any]:
+        return np.where((t[:, :1] < 0.01) & (np.arange(3) == 0), np.nan, true)
+
+    found = certificate(gap)
+    assert found.channels["sdg"]["max"] == np.inf
+    assert np.isfinite(found.channels["height"]["max"])
+
+
+def planted(centre: tuple[float, float], width: float, height: float) -> Answer:
+    """Return an honest answer but for a tip angle that is too large about one posture."""
+
+    def answer(t: NDArray[Any], g: NDArray[Any], true: NDArray[Any]) -> NDArray[Any]:
+        far = ((t - centre) ** 2).sum(axis=1) / (2.0 * width**2)
+        return true + [[0.0, 1.0, 0.0]] * (height * np.exp(-far))[:, None]
+
+    return answer
+
+
+def in_sample(answer: Answer) -> int:
+    """Return the false safes that the certificate's sample alone has."""
+    device = Device(TRIPOD, reader(TRIPOD, answer))
+    return sum(
+        int(device.measure(draw(TRIPOD, POINTS // 2, 1001)).false_safe.sum())
+        for draw in (uniform, biased)
+    )
+
+
+def test_a_guard_that_is_too_small_in_a_spot_of_the_box_is_found_by_the_search() -> None:
+    # 2 % more than the guard covers, only within a thousandth of the box from one posture: no
+    # point of the sample is wrong.
+    answer = planted((0.371, 0.642), 0.05, 1.002 * GUARD)
+    assert in_sample(answer) == 0
+    found = certificate(answer)
+    assert found.false_safe > 0
+    assert found.nearest < 0.0
+    with pytest.raises(ExportError):
+        found.refuse_false_safe("robot")
+
+
+@pytest.mark.parametrize("corner", [(0.0, 1.0), (1.0, 1.0)])
+def test_a_false_safe_in_a_corner_of_the_box_is_found(corner: tuple[float, float]) -> None:
+    def answer(t: NDArray[Any], g: NDArray[Any], true: NDArray[Any]) -> NDArray[Any]:
+        near = (np.abs(t - corner) < 1e-5).all(axis=1)
+        return true + np.where(near, 2.0 * GUARD, 0.0)[:, None] * [0.0, 1.0, 0.0]
+
+    assert certificate(answer).false_safe > 0
+
+
+def test_a_direction_beyond_the_boundary_by_a_hair_is_found() -> None:
+    # A guard of nothing, and an answer that is too large by the resolution of a float32.
+    found = certificate(lambda t, g, true: true + np.array([0.0, 2e-7, 0.0]), guard=0.0)
+    assert found.false_safe > 0
+
+
+def test_the_largest_error_is_climbed_to_from_the_worst_points() -> None:
+    def answer(t: NDArray[Any], g: NDArray[Any], true: NDArray[Any]) -> NDArray[Any]:
+        far = ((t - (0.333, 0.777)) ** 2).sum(axis=1) + ((g - (0.1, 0.0, -0.995)) ** 2).sum(axis=1)
+        return true + [[1.0, 0.0, 0.0]] * (0.1 / (1.0 + far / 0.01**2))[:, None]
+
+    device = Device(TRIPOD, reader(TRIPOD, answer))
+    seen = max(
+        sdg_error(device.measure(draw(TRIPOD, POINTS // 2, 1001))).max()
+        for draw in (uniform, biased)
+    )
+    found = certificate(answer).channels["sdg"]["max"]
+    assert seen < 0.09
+    assert found > 0.099
+
+
+def test_a_climb_stays_in_the_box_and_keeps_the_best_point() -> None:
+    device = Device(TRIPOD, reader(TRIPOD, honest))
+    params = np.array([TRIPOD.upper, TRIPOD.lower])
+    gravity = np.tile([0.0, 0.0, -1.0], (2, 1))
+    found = climb(device, params, gravity, lambda one: one.exact.tip_angle, 30, 1)
+    inside = (found.params >= TRIPOD.lower) & (found.params <= TRIPOD.upper)
+    assert inside.all()
+    again = TRIPOD.exact(found.params, found.gravity[:, None]).tip_angle[:, 0]
+    np.testing.assert_allclose(again, found.value, atol=1e-6)  # float32 queries
+    start = TRIPOD.exact(params, gravity[:, None]).tip_angle[:, 0]
+    assert (found.value > start).all()
+
+
+def test_wheels_make_the_stability_factor_jump_and_three_points_do_not() -> None:
+    assert not find_jumps(TRIPOD, 1).found
+    jumps = find_jumps(ROVER, 1)
+    assert jumps.found
+    assert jumps.height > 0.01
+
+
+def test_four_feet_in_one_plane_are_one_facet_and_nothing_jumps() -> None:
+    table = feet([(1, 1, -1), (1, -1, -1), (-1, -1, -1), (-1, 1, -1)])
+    model = Model(lutgen.parse_recipe(rigid(table)))
+    assert not model.single_facet
+    assert not find_jumps(model, 1).found
+
+
+def test_four_feet_on_two_facets_jump() -> None:
+    table = feet([(2, 1, -1), (1, -1, -1.2), (-1, -1, -1), (-1, 1, -1.2)])
+    model = Model(lutgen.parse_recipe(rigid(table, head="rock_angle = 180.0")))
+    assert find_jumps(model, 1).found
+
+
+def test_where_the_stability_factor_jumps_no_largest_error_is_claimed() -> None:
+    bound = ErrorBound(0.5, relative=True)
+    found = certificate(lambda t, g, true: true * [1.01, 1.0, 1.0], ROVER, bound=bound)
+    assert found.jumps
+    assert "max" not in found.channels["sdg"]
+    assert found.channels["sdg"]["largest_seen"] > found.channels["sdg"]["p99"]
+    assert "max" in found.channels["tip_angle"]
+    assert found.error(relative=True) == found.channels["sdg"]["p99_percent"]
+    assert found.beyond is not None
+    assert 0.0 < found.beyond < 1.0
+    assert any("jumps" in text for text in found.text)
+
+
+def test_the_bound_is_for_the_largest_error_where_nothing_jumps() -> None:
+    bound = ErrorBound(0.5, relative=True)
+    found = certificate(lambda t, g, true: true * [1.01, 1.0, 1.0], bound=bound)
+    assert found.error(relative=True) == found.channels["sdg"]["max_percent"]
+    assert found.text == ()
+    sdg = found.channels["sdg"]
+    error = 0.01 * TRIPOD.exact(*uniform(TRIPOD, 50_000, 77)).sdg
+    share = float(np.mean(error[np.isfinite(error)] > 0.005 * sdg["range"]))
+    assert found.beyond == pytest.approx(share, abs=0.02)  # two samples of 10,000 points
+
+
+def test_an_absolute_bound_is_in_the_length_unit() -> None:
+    answer: Answer = lambda t, g, true: true + np.array([0.01, 0.0, 0.0])  # noqa: E731
+    assert certificate(answer, bound=ErrorBound(0.011, relative=False)).beyond == 0.0
+    found = certificate(answer, bound=ErrorBound(0.009, relative=False))
+    assert found.beyond == 1.0
+    assert found.error(relative=False) == pytest.approx(0.01, rel=1e-4)
+
+
+def test_the_truth_is_computed_at_the_query_itself() -> None:
+    sample = Sample(TRIPOD.lower[None] + 0.1, np.array([[[0.6, 0.0, -0.8], [0.0, 0.1, -1.0]]]))
+    single = truth(TRIPOD, sample)
+    np.testing.assert_array_equal(single.sample.params, single.params.astype(np.float64))
+    np.testing.assert_array_equal(single.sample.gravity, single.gravity.astype(np.float64))
+    whole = truth(TRIPOD, sample, integer=True)
+    assert whole.params.dtype == whole.gravity.dtype == np.int16
+    asked = whole.sample.params
+    np.testing.assert_allclose(asked, sample.params, atol=0.6 / 32767 * 1.6)  # half a step
+    np.testing.assert_array_equal(whole.exact.tip_angle, TRIPOD.exact(*whole.sample).tip_angle)
+
+
+def integers(model: Model, guard_q: int) -> Device:
+    """Return an honest device without floats: sines in 1/32767, lengths in steps of 1e-4."""
+
+    def read(params: NDArray[Any], gravity: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
+        q = model.lower + params / 32767.0 * (model.upper - model.lower)
+        exact = model.exact(q, gravity[:, None].astype(np.float64))
+        tip = np.floor(np.sin(exact.tip_angle[:, 0]) * 32767.0) - guard_q
+        tips = tip < 0
+        lengths = [
+            np.where(tips, 6.5535, np.nan_to_num(x[:, 0])) / 1e-4 for x in (exact.sdg, exact.height)
+        ]
+        reading = np.stack([np.rint(lengths[0]), tip, np.rint(lengths[1])], 1)
+        return np.where(tips, 2, 0).astype(np.int8), reading.astype(np.int64)
+
+    return Device(model, read, {"sdg": 1e-4, "height": 1e-4})
+
+
+def test_an_export_without_floats_is_certified_in_its_own_units() -> None:
+    found = certify(integers(TRIPOD, 0), CHANNELS, points=POINTS, effort=EFFORT)
+    assert found.false_safe == 0
+    # Half a step, and the step itself is what a length is rounded to.
+    assert found.channels["sdg"]["max"] == pytest.approx(0.5e-4, rel=0.01)
+    # One step of the sine, where the tip angle is steepest: below 60 deg.
+    assert found.channels["tip_angle"]["max"] < 2.0 / 32767.0
+    assert certify(integers(TRIPOD, -1), CHANNELS, points=POINTS, effort=EFFORT).false_safe > 0
+
+
+def test_the_report_of_a_certificate_has_plain_numbers_only() -> None:
+    found = replace(certificate(honest), text=("a", "b"))
+    content = found.as_dict()
+    assert content["text"] == ["a", "b"]
+    flat = [*content.values(), *(x for c in content["channels"].values() for x in c.values())]
+    for value in flat:
+        assert isinstance(value, int | float | bool | list | dict | None)

@@ -1,0 +1,319 @@
+"""From a recipe or a map to a folder: what is asked for is what comes out, certified."""
+
+import json
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import firmware_export
+import lutgen
+from firmware_export import exporter
+from firmware_export.certify.certificate import Certificate
+from firmware_export.emit.export import Export
+from firmware_export.exporter import Report
+from firmware_export.poly.fit import Tables
+from lutgen.errors import ExportError, InputError, MapFileError, RecipeError
+from tests.fixtures.recipes import feet, rigid, rover, tripod
+
+ALL = ("sdg", "tip_angle", "height")
+TEXT = tripod(nodes=5, channels=ALL)
+RECIPE = lutgen.parse_recipe(TEXT)
+POINTS = 4000
+
+
+def run(directory: Path, source: Any = RECIPE, **more: Any) -> Report:
+    """Export with a short certificate; `poly` is the codec that is encoded fastest."""
+    options: dict[str, Any] = {"codec": "poly", "points": POINTS} | more
+    return firmware_export.export(source, directory, **options)
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    """Return the files of a folder."""
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def test_an_export_is_a_folder_of_sources_with_its_report(tmp_path: Path) -> None:
+    found = run(tmp_path / "out", max_error="1%")
+    names = set(contents(tmp_path / "out"))
+    assert {"tripod.h", "tripod.c", "smap.h", "smap.c", "smap_config.h", "example.c"} <= names
+    assert found == json.loads((tmp_path / "out" / "tripod_report.json").read_text("utf-8"))
+    assert found["false_safe"] == 0
+    assert found.error is not None
+    assert found.error <= 1.0
+    assert found.error == found["channels"]["sdg"]["error"]["max_percent"]
+    assert found.guard == found["guard_deg"] > 0.0
+    assert found.bytes is None or found.bytes > found.table_bytes
+    assert found.table_bytes > 0
+    assert found["points"] >= POINTS
+
+
+def test_the_same_source_gives_the_same_bytes_from_recipe_file_and_map(tmp_path: Path) -> None:
+    (tmp_path / "robot.toml").write_text(TEXT)
+    lutgen.sweep(RECIPE, tmp_path / "robot.h5")
+    sources = (
+        RECIPE,
+        tmp_path / "robot.toml",
+        str(tmp_path / "robot.h5"),
+        lutgen.load_map(tmp_path / "robot.h5"),
+    )
+    folders = [tmp_path / f"out{i}" for i in range(len(sources))]
+    for folder, source in zip(folders, sources, strict=True):
+        run(folder, source, max_error="2%")
+    first = contents(folders[0])
+    for folder in folders[1:]:
+        assert contents(folder) == first
+
+
+def test_an_error_in_the_length_unit_is_kept(tmp_path: Path) -> None:
+    relative = run(tmp_path / "a", max_error="0.5%")
+    span = relative["certificate"]["channels"]["sdg"]["range"]
+    absolute = run(tmp_path / "b", max_error=0.005 * span)
+    for found in (relative, absolute):
+        assert found["certificate"]["channels"]["sdg"]["max"] <= 0.005 * span
+    assert absolute["certificate"]["bound"] == f"{0.005 * span:g}"
+
+
+def test_a_smaller_error_takes_more_bytes(tmp_path: Path) -> None:
+    coarse, fine = (run(tmp_path / name, max_error=name) for name in ("2%", "0.05%"))
+    assert coarse.table_bytes < fine.table_bytes
+    assert coarse.error is not None
+    assert fine.error is not None
+    assert fine.error <= 0.05 < coarse.error
+
+
+def test_flash_gives_the_most_accurate_that_fits(tmp_path: Path) -> None:
+    coarse = run(tmp_path / "coarse", max_error="1%")
+    assert coarse.bytes is not None
+    fine = run(tmp_path / "fine", flash=coarse.bytes + 100)
+    assert fine.bytes is not None
+    assert fine.bytes <= coarse.bytes + 100
+    assert fine.error is not None
+    assert coarse.error is not None
+    assert fine.error < coarse.error
+
+
+def test_without_limits_the_recipes_are_used_and_without_those_one_percent(
+    tmp_path: Path,
+) -> None:
+    default = run(tmp_path / "a")
+    assert default["certificate"]["bound"] == "1 %"
+    text = TEXT + '[export]\nmax_error = "3%"\n'
+    assert run(tmp_path / "b", lutgen.parse_recipe(text))["certificate"]["bound"] == "3 %"
+    # A limit that is given takes the place of all of the recipe's.
+    text = TEXT + '[export]\nmax_error = "3%"\nflash = "1B"\n'
+    given = run(tmp_path / "c", lutgen.parse_recipe(text), max_error="2%")
+    assert given["certificate"]["bound"] == "2 %"
+
+
+def test_a_limit_that_nothing_meets_is_refused_and_nothing_is_written(tmp_path: Path) -> None:
+    for limits in ({"flash": 10}, {"max_error": "1e-9%"}, {"flash": 10, "max_error": "1%"}):
+        with pytest.raises(ExportError, match="nearest that can be had") as caught:
+            run(tmp_path / "out", **limits)
+        assert "\n" not in str(caught.value)
+        assert list(tmp_path.iterdir()) == []
+
+
+def test_channels_are_those_of_the_recipe_and_the_verdict_is_always_there(
+    tmp_path: Path,
+) -> None:
+    assert list(run(tmp_path / "all", max_error="2%")["channels"]) == list(ALL)
+    only = run(tmp_path / "sdg", channels=["sdg"], max_error="2%")
+    assert list(only["channels"]) == ["sdg", "tip_angle"]
+    two = lutgen.parse_recipe(tripod(nodes=5))
+    assert list(run(tmp_path / "two", two, max_error="2%")["channels"]) == ["sdg", "tip_angle"]
+    verdict = run(tmp_path / "tip", two, channels=["tip_angle"], max_error="2%")
+    assert list(verdict["channels"]) == ["tip_angle"]
+
+
+def test_a_channel_that_is_not_there_is_refused(tmp_path: Path) -> None:
+    two = lutgen.parse_recipe(tripod(nodes=5))
+    with pytest.raises(InputError, match="has no channel 'height'"):
+        run(tmp_path / "a", two, channels=["height"])
+    for name in ("margin", "speed"):
+        with pytest.raises(InputError, match=f"'{name}' cannot be exported"):
+            run(tmp_path / "a", two, channels=[name])
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "words"),
+    [
+        ({"name": "int"}, InputError, "keyword"),
+        ({"name": "3legs"}, InputError, "no C identifier"),
+        ({"flash": "much"}, InputError, "flash size"),
+        ({"max_error": "-1%"}, InputError, "largest error"),
+        ({"codec": "zip"}, InputError, "codec: 'zip' is unknown"),
+        ({"arithmetic": "decimal"}, InputError, "arithmetic: 'decimal' is unknown"),
+        ({"arithmetic": "integer"}, ExportError, "poly computes with floats only"),
+        ({"source": "missing.toml"}, RecipeError, "no such file"),
+        ({"source": "missing.h5"}, MapFileError, "no such file"),
+    ],
+)
+def test_what_means_nothing_is_refused_in_a_sentence(
+    options: dict[str, Any], error: type[Exception], words: str, tmp_path: Path
+) -> None:
+    with pytest.raises(error, match=words) as caught:
+        run(tmp_path / "out", **options)
+    assert "\n" not in str(caught.value)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_robot_of_wheels_is_no_robot_for_poly(tmp_path: Path) -> None:
+    with pytest.raises(ExportError, match="three point contacts"):
+        run(tmp_path / "out", lutgen.parse_recipe(rover()))
+
+
+def test_a_folder_with_foreign_files_is_refused_before_anything_is_computed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "thesis.tex").write_text("mine")
+    monkeypatch.setattr(exporter, "Bench", None)
+    with pytest.raises(InputError, match="not of an export"):
+        run(tmp_path)
+    assert (tmp_path / "thesis.tex").read_text() == "mine"
+
+
+PLUGIN = """
+import numpy as np
+
+def postures(q):
+    feet = np.zeros((len(q), 3, 3))
+    feet[:, 0, 0] = 1.0 + q[:, 0]
+    feet[:, 1, :2] = (-1.0, 1.0)
+    feet[:, 2, :2] = (-1.0, -1.0)
+    return feet, np.tile([0.0, 0.0, 0.8], (len(q), 1))
+"""
+
+
+def test_a_robot_given_by_code_is_exported_from_its_recipe_but_not_from_a_map(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "plugin_export.py").write_text(PLUGIN)
+    head = '[robot]\nname = "plugin"\nlength_unit = "m"\npython = "plugin_export:postures"\n'
+    parameter = '[[robot.parameter]]\nname = "reach"\nmin = 0.0\nmax = 1.0\nunit = "m"\n'
+    sweep = '[sweep]\nsamples = { reach = 3 }\n[sweep.gravity]\nchart = "cone"\nnodes = 3\n'
+    path = tmp_path / "plugin.toml"
+    path.write_text(head + parameter + sweep + 'max_tilt = 40.0\nchannels = ["sdg"]\n')
+    with pytest.raises(RecipeError, match="--allow-python"):
+        run(tmp_path / "out", path)
+    found = run(tmp_path / "out", path, allow_python=True, codec="contacts", max_error="5%")
+    assert found["false_safe"] == 0
+    lutgen.sweep(lutgen.load_recipe(path, allow_python=True), tmp_path / "plugin.h5")
+    with pytest.raises(InputError, match="given by code, which a map does not hold"):
+        run(tmp_path / "other", tmp_path / "plugin.h5", allow_python=True)
+
+
+@pytest.fixture
+def tampered(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[Tables], Tables]], None]:
+    """Return a function that makes `poly` encode something else than it should."""
+    from firmware_export.poly import codec as poly
+
+    encode = poly.encode
+
+    def tamper(change: Callable[[Tables], Tables]) -> None:
+        monkeypatch.setattr(poly, "encode", lambda *given: change(encode(*given)))
+
+    return tamper
+
+
+def test_a_codec_with_a_guard_that_is_too_small_is_never_shipped(
+    tmp_path: Path, tampered: Callable[[Callable[[Tables], Tables]], None]
+) -> None:
+    tampered(lambda tables: replace(tables, guard=0.0))
+    with pytest.raises(ExportError, match="guard"):
+        run(tmp_path / "out", max_error="2%")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_guard_that_is_wrong_by_too_little_for_the_chooser_is_stopped_by_the_certificate(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    examined: list[Certificate] = []
+    examine = exporter.examine
+
+    def noted(export: Export, *given: Any) -> Certificate:
+        # As if the bound had been computed too small, behind the chooser's back.
+        found = examine(replace(export, tables=replace(export.tables, guard=0.0)), *given)
+        examined.append(found)
+        return found
+
+    monkeypatch.setattr(exporter, "examine", noted)
+    with pytest.raises(ExportError, match="called safe where it tips"):
+        run(tmp_path / "out", max_error="2%")
+    assert examined[0].false_safe > 0
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_gets_past_the_guard_of_many_contacts_is_added_to_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    examine, found = exporter.examine, []
+    short = 0.02
+
+    def noted(export: Export, *given: Any) -> Certificate:
+        tables = replace(export.tables, guard=export.tables.guard - short)
+        found.append(examine(replace(export, tables=tables), *given))
+        return found[-1]
+
+    monkeypatch.setattr(exporter, "examine", noted)
+    path = tmp_path / "rover.toml"
+    path.write_text(rover())
+    report = run(tmp_path / "out", path, codec="contacts", max_error="5%", points=4000)
+    assert found[0].false_safe > 0 == found[-1].false_safe == report["false_safe"]
+    assert len({one.seed for one in found}) == len(found) > 1
+    # What was short is made up for, and not by more than it was raised at each attempt.
+    assert "narrower than that holds for" in report["guard_text"]
+    assert math.radians(report["guard_deg"]) > short
+    assert report["given_up"] < 0.2
+
+
+def test_a_certificate_worse_than_the_choice_leads_to_a_finer_export(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    examine, seen = exporter.examine, []
+
+    def pessimist(export: Export, *given: Any) -> Certificate:
+        found = examine(export, *given)
+        seen.append(export.tables.bytes)
+        sdg = found.channels["sdg"]
+        worse = sdg | {"max_percent": 1.6 * sdg["max_percent"]}
+        return replace(found, channels=found.channels | {"sdg": worse})
+
+    usual = run(tmp_path / "usual", max_error="1%")
+    monkeypatch.setattr(exporter, "examine", pessimist)
+    found = run(tmp_path / "worse", max_error="1%")
+    assert seen[0] == usual.table_bytes
+    assert found.error is not None
+    assert found.error <= 1.0
+    assert seen == sorted(set(seen)) or len(seen) == 1
+
+
+def test_the_report_shows_what_was_chosen_from(tmp_path: Path) -> None:
+    found = run(tmp_path / "out", max_error="0.2%")
+    rows = found["pareto"]
+    assert len(rows) > 1
+    chosen = [row for row in rows if row["chosen"]]
+    assert len(chosen) == 1
+    assert chosen[0]["bytes"] == found.table_bytes
+    smaller = [row for row in rows if row["total_bytes"] < chosen[0]["total_bytes"]]
+    # Every smaller one is too inaccurate, by the chooser's own measure and its margin.
+    assert all(max(row["errors"].values()) > 0.2 / 1.3 for row in smaller)
+
+
+def test_progress_is_told_in_words(tmp_path: Path) -> None:
+    told: list[str] = []
+    run(tmp_path / "out", max_error="2%", progress=told.append)
+    assert told[0].startswith("looking for")
+    assert any(text.startswith("certifying poly") for text in told)
+
+
+def test_a_robot_without_parameters_is_exported(tmp_path: Path) -> None:
+    recipe = lutgen.parse_recipe(rigid(feet([(1, 0, -1), (-1, 1, -1), (-1, -1, -1)])))
+    found = run(tmp_path / "out", recipe, codec="contacts", max_error="1%")
+    assert found["false_safe"] == 0
+    assert np.isfinite(found["channels"]["sdg"]["error"]["max"])

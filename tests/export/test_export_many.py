@@ -1,0 +1,170 @@
+"""Robots of many parameters are exported from their recipe: no product of their axes is built."""
+
+import math
+import re
+import tracemalloc
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import lutgen
+from firmware_export.choose import candidate
+from firmware_export.contacts.guard import Geometry
+from firmware_export.contacts.modes import DENSE, evaluate, separate
+from firmware_export.exporter import Report, export
+from firmware_export.truth.model import Model
+from lutgen.errors import ExportError
+from lutgen.recipe.recipe import Recipe
+
+MIB = 1 << 20
+ABSOLEM = Path(__file__).resolve().parents[2] / "maps" / "absolem.toml"
+FLIPPERS = ("front_left", "front_right", "rear_left", "rear_right")
+
+
+def parameter(name: str, span: float) -> str:
+    return f'[[robot.parameter]]\nname = "{name}"\nmin = {-span}\nmax = {span}\nunit = "deg"\n'
+
+
+def link(name: str, parent: str, origin: str, parameter: str, mass: float) -> str:
+    return (
+        f'[[robot.link]]\nname = "{name}"\nparent = "{parent}"\norigin = {origin}\n'
+        f'joint = {{ type = "revolute", axis = [0, 1, 0], parameter = "{parameter}" }}\n'
+        f"mass = {mass}\ncom = [0, 0, -0.13]\n"
+    )
+
+
+def walker(knees: tuple[bool, bool], nodes: int) -> str:
+    """Return a robot with four legs, of one joint each or, with knees, of two."""
+    parameters, links, feet, names = "", "", "", []
+    for number, x in enumerate((0.35, -0.35)):
+        for side, y in (("left", 0.2), ("right", -0.2)):
+            leg = f"{side}_{number}"
+            joints = [(f"{leg}_thigh", "body", f"[{x}, {y}, 0.0]", 30.0, 1.5)]
+            if knees[number]:
+                joints.append((f"{leg}_shin", f"{leg}_thigh", "[0.0, 0.0, -0.3]", 40.0, 0.8))
+            for name, parent, origin, span, mass in joints:
+                parameters += parameter(name, span)
+                links += link(name, parent, origin, name, mass)
+                names.append(name)
+            foot = joints[-1][0]
+            feet += f'[[robot.contact]]\nname = "{leg}"\nlink = "{foot}"\nposition = [0, 0, -0.3]\n'
+    samples = ", ".join(f"{name} = {nodes}" for name in names)
+    return (
+        '[robot]\nname = "walker"\nlength_unit = "m"\nupright = 90.0\nrock_angle = 30.0\n'
+        f'{parameters}[[robot.link]]\nname = "body"\nmass = 20.0\ncom = [0, 0, 0.05]\n'
+        f"{links}{feet}[sweep]\nsamples = {{ {samples} }}\n[sweep.gravity]\n"
+        'chart = "cone"\nmax_tilt = 40.0\nnodes = 33\nchannels = ["sdg", "tip_angle"]\n'
+    )
+
+
+EIGHT = lutgen.parse_recipe(walker((True, True), 61))
+SIX = lutgen.parse_recipe(walker((True, False), 361))
+
+
+def absolem_with_four_flippers() -> Recipe:
+    """Return the recipe of maps/ with each flipper on a parameter of its own."""
+    text = ABSOLEM.read_text(encoding="utf-8")
+    for end in ("front", "rear"):
+        block = re.search(rf'\[\[robot.parameter\]\]\nname = "{end}"\n(.+\n)+', text)
+        assert block is not None
+        for side in ("left", "right"):
+            own = f"{end}_{side}"
+            text = text.replace(block[0], f"{block[0].replace(end, own)}\n{block[0]}")
+            start = text.index(f'name = "{own}_flipper"')
+            joint = text.index(f'parameter = "{end}"', start)
+            text = text[:joint] + text[joint:].replace(f'"{end}"', f'"{own}"', 1)
+        text = text.replace(block[0], "")
+    samples = ", ".join(f"{name} = 37" for name in FLIPPERS)
+    return lutgen.parse_recipe(re.sub("samples = .*", f"samples = {{ {samples} }}", text))
+
+
+def fewer_points(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Compare candidates on a fifth of the points: what is chosen is certified anyway."""
+    monkeypatch.setattr(candidate, "POINTS", 3000)
+
+
+def certificate(report: Report) -> dict[str, Any]:
+    content = report["certificate"]
+    assert isinstance(content, dict)
+    return content
+
+
+@pytest.mark.parametrize(("recipe", "parameters", "most"), [(EIGHT, 8, 1024), (SIX, 6, 768)])
+def test_a_robot_whose_map_would_be_petabytes_is_exported_in_bounded_memory(
+    recipe: Recipe,
+    parameters: int,
+    most: int,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    assert len(recipe.parameters) == parameters
+    # float32 of two channels: 10 to the 14 bytes and more.
+    assert 8 * recipe.grid.size * math.prod(recipe.chart.shape) > 1e14
+    fewer_points(monkeypatch)
+    report = export(recipe, tmp_path / "out", codec="contacts", points=4000)
+    # Again, because the compiler's own memory does not count and takes long to trace.
+    tracemalloc.start()
+    try:
+        export(recipe, tmp_path / "traced", codec="contacts", points=4000)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    # 8 nodes along each of 8 axes would be 128 MiB for a single number per node.
+    assert peak < 100 * MIB
+    found = certificate(report)
+    assert found["false_safe"] == 0
+    assert found["channels"]["sdg"]["p99_percent"] <= 1.0
+    assert found["given_up"] < 0.1
+    assert report.table_bytes <= most
+
+
+def test_a_grid_of_eight_parameters_is_refused_for_its_number_of_nodes(tmp_path: Path) -> None:
+    with pytest.raises(ExportError, match=r"each of 8 parameters .* 1,048,576 nodes") as caught:
+        export(EIGHT, tmp_path / "out", codec="grid", points=1000)
+    assert "\n" not in str(caught.value)
+    assert "contacts" in str(caught.value)
+    assert not (tmp_path / "out").exists()
+
+
+def test_positions_from_modes_are_the_robots_and_take_no_product_of_the_places() -> None:
+    model = Model(EIGHT)
+    separation = separate(model)
+    places = np.random.default_rng(5).integers(0, DENSE, (3000, model.k))
+    tracemalloc.start()
+    try:
+        coordinates = evaluate(separation, places)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    # All places at once would take 3,000 times 2,187 terms of 12 coordinates: 600 MiB.
+    assert peak < 40 * MIB
+    where = model.postures(model.lower + (model.upper - model.lower) * places / (DENSE - 1))
+    # A metre, rounded some thousand times.
+    assert np.abs(coordinates - where.centres.reshape(len(places), -1)).max() < 1e-11
+
+
+def test_the_guard_of_many_parameters_looks_between_the_corners_of_the_box() -> None:
+    model = Model(EIGHT)
+    geometry = Geometry(model, separate(model))
+    assert ((geometry.places % (DENSE - 1)) != 0).all(axis=1).sum() > 1000
+    # As soon as a lattice is fine, nothing random is added: paper_one has one parameter.
+    one = Model(lutgen.load_recipe(ABSOLEM.with_name("paper_one.toml")))
+    even = Geometry(one, separate(one)).places[:, 0]
+    assert np.array_equal(even, np.unique(even))
+
+
+def test_absolem_with_four_flippers_takes_less_than_2_kib_of_tables(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fewer_points(monkeypatch)
+    recipe = absolem_with_four_flippers()
+    assert [p.name for p in recipe.parameters] == [*FLIPPERS]
+    assert len({c.link for c in recipe.contacts}) == 5
+    report = export(recipe, tmp_path / "out", codec="contacts", max_error="1%", points=4000)
+    found = certificate(report)
+    assert report.table_bytes <= 2048
+    assert found["false_safe"] == 0
+    assert found["channels"]["sdg"]["p99_percent"] <= 1.0
+    assert found["given_up"] < 0.1

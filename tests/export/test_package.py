@@ -1,0 +1,310 @@
+"""The export folder: what it holds, that it is a library, and that it is whole or not there."""
+
+import errno
+import json
+import os
+import shutil
+import subprocess
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from firmware_export.emit import package, report, size
+from firmware_export.emit.export import Export
+from firmware_export.emit.figure import draw_pareto
+from firmware_export.emit.source import body_of
+from lutgen.errors import ExportError, InputError
+from tests.fixtures.exports import PARETO, rover_export, tripod_export
+
+NAMES = {
+    *("feet.c", "feet.h", "smap.c", "smap.h", "smap_config.h", "example.c"),
+    *("CMakeLists.txt", "library.json", "library.properties"),
+    *("feet_report.json", "feet_report.md", "feet_pareto.png"),
+}
+
+
+@pytest.fixture(scope="module")
+def export() -> Export:
+    """Return a small export."""
+    return tripod_export("feet", codec="poly")
+
+
+def held(folder: Path) -> dict[str, bytes]:
+    """Return the files of a folder, hidden ones too."""
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def full_disk(monkeypatch: pytest.MonkeyPatch, after: int) -> None:
+    """Let the disk be full once this many files are written."""
+    write, count = Path.write_bytes, [0]
+
+    def write_bytes(self: Path, data: bytes) -> int:
+        count[0] += 1
+        if count[0] > after:
+            write(self, data[: len(data) // 2])
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return write(self, data)
+
+    monkeypatch.setattr(Path, "write_bytes", write_bytes)
+
+
+# contents
+
+
+def test_the_folder_holds_these_files_and_its_report_lists_them(
+    export: Export, tmp_path: Path
+) -> None:
+    content = package.write(export, tmp_path / "out")
+    assert set(held(tmp_path / "out")) == NAMES
+    assert set(content["files"]) == NAMES
+    assert report.load(tmp_path / "out") == content
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
+
+
+def test_the_same_export_gives_the_same_bytes_wherever_it_goes(
+    export: Export, tmp_path: Path
+) -> None:
+    package.write(export, tmp_path / "one")
+    package.write(tripod_export("feet", codec="poly"), tmp_path / "another")
+    assert held(tmp_path / "one") == held(tmp_path / "another")
+    for name, content in held(tmp_path / "one").items():
+        assert str(tmp_path).encode() not in content, name
+
+
+def test_the_report_has_what_a_program_asks_for(export: Export, tmp_path: Path) -> None:
+    content = package.write(export, tmp_path / "out")
+    assert content["codec"] == "poly"
+    assert content["recipe_sha256"] == export.recipe.digest
+    assert content["parameters"][1] == {
+        "name": "swing",
+        "macro": "FEET_SWING",
+        "unit": "rad",
+        "display_unit": "deg",
+        "min": export.recipe.parameters[1].minimum,
+        "max": export.recipe.parameters[1].maximum,
+        "meaning": "turns hip",
+    }
+    assert content["chart"] == {"kind": "cone", "faces": 1, "max_tilt_deg": pytest.approx(50.0)}
+    assert content["channels"]["sdg"]["unit"] == "m"
+    assert content["channels"]["sdg"]["error"]["max"] == 0.0123
+    assert content["bytes"]["tables"] == body_of(export).bytes == export.tables.bytes
+    assert content["bytes"]["code"] == 1640
+    assert (content["false_safe"], content["given_up"]) == (0, 0.0123)
+    assert content["pareto"] == PARETO
+
+
+def test_the_page_shows_the_choice_and_its_picture(export: Export, tmp_path: Path) -> None:
+    package.write(export, tmp_path / "out")
+    page = (tmp_path / "out" / "feet_report.md").read_text()
+    rows = [line for line in page.split("\n") if line.startswith("| poly") or "grid u8" in line]
+    assert [row.split("|")[1].strip() for row in rows] == ["poly small", "poly large", "grid u8"]
+    assert "**chosen**" in rows[1]
+    assert "(feet_pareto.png)" in page
+    assert (tmp_path / "out" / "feet_pareto.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_without_a_choice_there_is_no_picture(export: Export, tmp_path: Path) -> None:
+    package.write(replace(export, pareto=None), tmp_path / "out")
+    assert set(held(tmp_path / "out")) == NAMES - {"feet_pareto.png"}
+    assert "chosen from" not in (tmp_path / "out" / "feet_report.md").read_text()
+    assert draw_pareto([{"label": "exact", "codec": "poly", "bytes": 1, "error": 0.0}]) is None
+
+
+# a library for others
+
+
+def run(folder: Path, *command: str) -> str:
+    """Run a command that must succeed without a warning; return what it prints."""
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    return done.stdout
+
+
+@pytest.mark.parametrize(
+    ("make", "first"), [(tripod_export, "reach        0.3 m"), (rover_export, "lift         0.4 m")]
+)
+def test_the_example_compiles_in_one_command_and_prints_the_exact_reading(
+    make: Callable[..., Export], first: str, tmp_path: Path
+) -> None:
+    export = make("robot")
+    folder = tmp_path / "out"
+    package.write(export, folder)
+    run(folder, "sh", "-c", "cc -std=c99 *.c -o ../example")
+    printed = run(tmp_path, "./example").splitlines()
+    assert printed[0] == first
+    middle = 0.5 * (export.model.lower + export.model.upper)
+    exact = export.model.exact([middle], [[[0.0, 0.0, -1.0]]])
+    values = {line.split()[0]: line.split()[1:] for line in printed if len(line.split()) == 3}
+    assert "stands" in printed
+    assert float(values["sdg"][0]) == pytest.approx(exact.sdg[0, 0], abs=0.01)
+    assert float(values["height"][0]) == pytest.approx(exact.height[0, 0], abs=0.01)
+    assert values["height"][1] == "m"
+    # The guard is subtracted, the rest is far smaller.
+    degrees = 57.29578 * (exact.tip_angle[0, 0] - float(export.tables.guard))
+    assert float(values["tip_angle"][0]) == pytest.approx(degrees, abs=1.0)
+    assert values["tip_angle"][1] == "deg"
+
+
+@pytest.mark.skipif(shutil.which("cmake") is None, reason="cmake is not installed")
+def test_cmake_builds_the_library_and_the_example(export: Export, tmp_path: Path) -> None:
+    package.write(export, tmp_path / "out")
+    run(tmp_path, "cmake", "-S", "out", "-B", "build")
+    run(tmp_path, "cmake", "--build", "build")
+    assert (tmp_path / "build" / "libsmap_feet.a").is_file()
+    assert "tip_angle" in run(tmp_path / "build", "./feet_example")
+
+
+def test_platformio_and_arduino_get_a_name_a_version_and_a_header(
+    export: Export, tmp_path: Path
+) -> None:
+    package.write(export, tmp_path / "out")
+    content = json.loads((tmp_path / "out" / "library.json").read_text())
+    lines = (tmp_path / "out" / "library.properties").read_text().splitlines()
+    properties = dict(line.split("=", 1) for line in lines)
+    assert content["name"] == properties["name"] == "smap_feet"
+    assert content["version"] == properties["version"]
+    assert len(content["version"].split(".")) == 3
+    assert content["headers"] == properties["includes"] == "feet.h"
+    # Only one of a program's files may have a main.
+    assert "-<example.c>" in content["build"]["srcFilter"]
+    run(tmp_path / "out", "cc", "-std=c99", "-DARDUINO=100", "-Werror", "-c", "example.c")
+
+
+# replacing
+
+
+def test_an_earlier_export_is_replaced_even_under_another_name(
+    export: Export, tmp_path: Path
+) -> None:
+    package.write(rover_export("old"), tmp_path / "out")
+    package.write(export, tmp_path / "out")
+    assert held(tmp_path / "out") == held(tmp_path / "out")
+    assert set(held(tmp_path / "out")) == NAMES
+
+
+def test_an_empty_folder_is_filled(export: Export, tmp_path: Path) -> None:
+    package.write(export, tmp_path)
+    assert set(held(tmp_path)) == NAMES
+
+
+def test_the_new_folder_is_as_readable_as_any(export: Export, tmp_path: Path) -> None:
+    package.write(export, tmp_path / "out")
+    (tmp_path / "plain").mkdir()
+    assert (tmp_path / "out").stat().st_mode == (tmp_path / "plain").stat().st_mode
+
+
+@pytest.mark.parametrize("foreign", ["notes.txt", "main.c", ".hidden", "sub"])
+def test_a_folder_with_foreign_content_is_refused_and_left_alone(
+    export: Export, tmp_path: Path, foreign: str
+) -> None:
+    package.write(export, tmp_path / "out")
+    if foreign == "sub":
+        (tmp_path / "out" / foreign).mkdir()
+    else:
+        (tmp_path / "out" / foreign).write_text("mine")
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    with pytest.raises(InputError, match="is not of an export") as caught:
+        package.write(export, tmp_path / "out")
+    assert repr(foreign) in str(caught.value)
+    assert {path.name for path in (tmp_path / "out").iterdir()} == names
+
+
+def test_a_folder_of_somebody_elses_sources_is_refused(export: Export, tmp_path: Path) -> None:
+    (tmp_path / "feet.c").write_text("int main(void) { return 0; }\n")
+    (tmp_path / "other_report.json").write_text('{"files": ["feet.c"]}')
+    with pytest.raises(InputError, match=r"'feet\.c'"):
+        package.write(export, tmp_path)
+    assert (tmp_path / "feet.c").read_text().startswith("int main")
+
+
+def test_a_file_or_a_missing_place_is_refused(export: Export, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("mine")
+    for place, fault in (("file", "is no folder"), ("no/such", "does not exist")):
+        with pytest.raises(InputError, match=fault):
+            package.write(export, tmp_path / place)
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+    assert (tmp_path / "file").read_text() == "mine"
+
+
+@pytest.mark.parametrize("after", [0, 3, 11])
+def test_a_full_disk_leaves_nothing_behind(
+    export: Export, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, after: int
+) -> None:
+    full_disk(monkeypatch, after)
+    with pytest.raises(ExportError, match="No space left on device"):
+        package.write(export, tmp_path / "out")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("after", [0, 3, 11])
+def test_a_full_disk_leaves_the_earlier_export_as_it_was(
+    export: Export, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, after: int
+) -> None:
+    package.write(replace(export, certificate=None), tmp_path / "out")
+    before = held(tmp_path / "out")
+    full_disk(monkeypatch, after)
+    with pytest.raises(ExportError, match="No space left on device"):
+        package.write(export, tmp_path / "out")
+    assert held(tmp_path / "out") == before
+
+
+def test_a_name_that_c_cannot_have_writes_nothing(export: Export, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="keyword"):
+        package.write(replace(export, name="int"), tmp_path / "out")
+    assert list(tmp_path.iterdir()) == []
+
+
+# reading a report back
+
+
+@pytest.mark.parametrize(
+    ("change", "fault"),
+    [
+        (lambda text: text[:100], "damaged"),
+        (lambda text: "[]", "damaged"),
+        (lambda text: "\0", "damaged"),
+        (lambda text: text.replace('"length_unit"', '"lenght_unit"'), "damaged"),
+        (lambda text: text.replace('"lutgen_export": 1', '"lutgen_export": 2'), "another format"),
+    ],
+)
+def test_a_damaged_report_is_one_sentence(
+    export: Export, tmp_path: Path, change: Callable[[str], str], fault: str
+) -> None:
+    package.write(export, tmp_path / "out")
+    path = tmp_path / "out" / "feet_report.json"
+    path.write_text(change(path.read_text()))
+    with pytest.raises(InputError, match=fault):
+        report.load(tmp_path / "out")
+
+
+# sizes
+
+
+def test_the_code_of_an_unmeasured_set_of_features_is_that_of_a_larger_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    row: dict[str, Any] = {"data": 0, "bss": 0, "stack": 100}
+    content = {
+        "structs": {"smap_t": 24},
+        "sets": [
+            {"features": ["A"], "code": 500, **row},
+            {"features": ["A", "B"], "code": 900, **row},
+            {"features": ["A", "B", "C"], "code": 1300, **row},
+        ],
+    }
+    parsed = size.parse_sizes(json.dumps(content))
+    monkeypatch.setattr(size, "measured", lambda: parsed)
+    assert size.code_bytes(["A"]) == 500
+    assert size.code_bytes(["B"]) == 900
+    assert size.code_bytes(["D"]) is None
+    assert size.struct_bytes("smap_t") == 24
+    assert size.struct_bytes("smap_grid_t") is None
+
+
+@pytest.mark.parametrize("text", ["", "{}", "[1]", '{"structs": {}, "sets": [{"code": 1}]}'])
+def test_an_unreadable_file_of_sizes_is_one_sentence(text: str) -> None:
+    with pytest.raises(ExportError, match=r"sizes\.json: is not the file of measured sizes"):
+        size.parse_sizes(text)

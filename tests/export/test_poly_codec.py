@@ -1,0 +1,246 @@
+"""The codec `poly`: contacts as polynomials, their bound in the verdict, the C that reads them."""
+
+import math
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import firmware_export
+from firmware_export.emit.text import resolve, table
+from firmware_export.poly import codec as poly
+from firmware_export.poly.fit import exponents
+from firmware_export.poly.series import evaluate, expand
+from firmware_export.truth.model import Model
+from lutgen.recipe.recipe import load_recipe, parse_recipe
+from tests.fixtures.recipes import contact, feet, rigid, rover, tripod
+
+CHANNELS = ("sdg", "tip_angle", "height")
+RUNTIME = Path(firmware_export.__file__).parent / "runtime"
+FLAGS = ("-std=c99", "-ffp-contract=off", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror")
+MAIN = """
+#define SMAP_CONTACTS 0
+#define SMAP_GRID 0
+#define SMAP_GRID_INTEGER 0
+#include "smap.c"
+#include <stdio.h>
+%s
+int main(void)
+{
+  query_t query;
+  memset(&query, 0, sizeof query);
+  while (fread(query.t, sizeof(float), %d, stdin) == %d
+         && fread(query.d, sizeof(float), 3, stdin) == 3) {
+    smap_reading_t out;
+    poly_read(&body, &query, &out);
+    fwrite(&out, sizeof out, 1, stdout);
+  }
+  return 0;
+}
+"""
+LEGS = "".join(
+    f"""
+[[robot.parameter]]
+name = "{name}"
+min = {low}
+max = {high}
+unit = "deg"
+[[robot.link]]
+name = "leg{i}"
+rpy = [0, 0, {120 * i}]
+parent = "body"
+joint = {{ type = "revolute", axis = [0, 1, 0], parameter = "{name}" }}
+"""
+    + contact(f"P{i}", (2.0, 0.0, -0.5), link=f"leg{i}")
+    for i, (name, low, high) in enumerate([("a", -5.0, 60.0), ("b", 0.0, 70.0), ("c", 10.0, 30.0)])
+)
+SAMPLES = "a = 2, b = 2, c = 2"
+ROBOTS = {
+    "paper_two": Path("maps/paper_two.toml").read_text(),
+    "masses, a length and an angle": tripod(),
+    "three legs, every direction": rigid(LEGS, samples=SAMPLES, chart="sphere"),
+    "no parameters": rigid(feet([(1, 0, -1), (-0.5, 0.8, -1.2), (-0.5, -0.9, -1)])),
+}
+
+
+def model(text: str) -> Model:
+    """Return the model of a recipe's text."""
+    return Model(parse_recipe(text, "test.toml"))
+
+
+def largest(robot: Model) -> poly.Tables:
+    """Return the tables at the end of the growth."""
+    return steps(robot)[-1]
+
+
+def steps(robot: Model) -> list[poly.Tables]:
+    """Return the tables of every step of the growth."""
+    assert poly.refusal(robot, "float") is None
+    specs = poly.start(robot, CHANNELS, "float")
+    while grown := poly.grow(robot, specs[-1]):
+        specs += grown
+    return [poly.encode(robot, CHANNELS, spec) for spec in specs]
+
+
+def queries(robot: Model, count: int, seed: int) -> tuple[NDArray[np.float32], ...]:
+    """Return t (m, k), face, u, v: a third of the coordinates on the rim of box or chart."""
+    rng = np.random.default_rng(seed)
+    t = rng.uniform(-0.25, 1.25, (count, robot.k)).clip(0.0, 1.0).astype(np.float32)
+    place = rng.uniform(-1.25, 1.25, (count, 2)).clip(-1.0, 1.0) * robot.chart_limit
+    face = rng.integers(0, robot.faces, count).astype(np.uint8)
+    return t, face, *place.astype(np.float32).T.copy()
+
+
+def errors(robot: Model, tables: poly.Tables, count: int) -> tuple[float, float, float]:
+    """Return the largest errors: sdg in % of its range, tip angle (rad), unsafe tip angle (rad)."""
+    t, face, u, v = queries(robot, count, 5)
+    params = robot.lower + t.astype(np.float64) * (robot.upper - robot.lower)
+    exact = robot.exact(params, robot.uv_to_gravity(face, u, v)[:, None])
+    got = poly.read(tables, t, face, u, v).astype(np.float64)
+    standing = exact.tip_angle[:, 0] >= 0.0
+    assert standing.mean() > 0.02
+    span = np.ptp(exact.sdg[standing, 0])
+    sdg = np.abs(got[:, 0] - exact.sdg[:, 0])[standing].max() / span * 100.0
+    off = got[:, 1] - exact.tip_angle[:, 0]
+    return float(sdg), float(np.abs(off).max()), float(off[got[:, 1] >= 0.0].max())
+
+
+@pytest.mark.parametrize("text", ROBOTS.values(), ids=ROBOTS)
+def test_no_tip_angle_is_off_by_more_than_the_guard(text: str) -> None:
+    robot = model(text)
+    for tables in steps(robot):
+        off = errors(robot, tables, 20_000)[1]
+        assert off <= tables.guard
+        # A bound ten times too large would be safe and useless; single precision has 1e-6 of it.
+        assert tables.guard < 10.0 * off + 1e-4
+
+
+def test_paper_two_takes_51_bytes_for_one_per_cent() -> None:
+    robot = Model(load_recipe("maps/paper_two.toml"))
+    # The second step of the growth: squares of both angles, nothing for the fixed leg.
+    tables = steps(robot)[1]
+    assert tables.bytes <= 51
+    assert tables.bytes == poly.c_body(tables).bytes == tables.spec.bytes
+    assert errors(robot, tables, 500_000)[0] < 1.0
+
+
+@pytest.mark.parametrize("text", ROBOTS.values(), ids=ROBOTS)
+def test_heights_are_those_of_the_facet(text: str) -> None:
+    robot = model(text)
+    t, face, u, v = queries(robot, 5_000, 9)
+    params = robot.lower + t.astype(np.float64) * (robot.upper - robot.lower)
+    exact = robot.exact(params, robot.uv_to_gravity(face, u, v)[:, None])
+    standing = exact.tip_angle[:, 0] >= 0.0
+    tables = largest(robot)
+    got = poly.read(tables, t, face, u, v)[standing, 2]
+    # A contact is off by half a code in each of x, y, z for each of its terms, the plane below the
+    # com by that times how far the com is outside the contacts' triangle: by less than 4 of these.
+    contact_off = 0.5 * float(tables.unit) * math.sqrt(3.0) * tables.shape[:, -1].max()
+    np.testing.assert_allclose(got, exact.height[standing, 0], rtol=1e-6, atol=4.0 * contact_off)
+
+
+def test_growth_ends_at_the_rounding_of_the_codes() -> None:
+    robot = Model(load_recipe("maps/paper_two.toml"))
+    found = [errors(robot, tables, 20_000)[0] for tables in steps(robot)]
+    assert found == sorted(found, reverse=True)
+    # 16 bits of 23 units are 0.0007; the error of one is 0.003 % of the range of 22.
+    assert found[-1] < 0.01
+    sizes = [tables.bytes for tables in steps(robot)]
+    assert sizes == sorted(set(sizes))
+
+
+@pytest.mark.parametrize("text", ROBOTS.values(), ids=ROBOTS)
+def test_python_and_c_give_the_same_bits(text: str, tmp_path: Path) -> None:
+    robot = model(text)
+    tables = largest(robot)
+    t, face, u, v = queries(robot, 100_000, 7)
+    program = compiled(tables, robot.k, tmp_path)
+    d = robot.uv_to_gravity(face, u, v).astype(np.float32)
+    ran = subprocess.run([program], input=np.hstack([t, d]).tobytes(), capture_output=True)
+    got = np.frombuffer(ran.stdout, np.float32).reshape(-1, 3)
+    expected = poly.read(tables, t, face, u, v)
+    assert got.tobytes() == expected.tobytes()
+
+
+def compiled(tables: poly.Tables, k: int, folder: Path) -> Path:
+    """Return a program that reads queries (t, d) and writes readings."""
+    body = poly.c_body(tables)
+    parts = [table(array, "map", "static const") for array in body.arrays]
+    fields = ", ".join(resolve(expression, "map") for _, expression in body.fields)
+    parts.append(f"static const {body.ctype} body = {{{fields}}};")
+    source = folder / "main.c"
+    source.write_text(MAIN % ("\n".join(parts), k, k))
+    program = folder / "main"
+    options = [*FLAGS, "-O2", f"-I{RUNTIME}", "-Wno-unused-function"]
+    subprocess.run(["cc", *options, str(source), "-o", str(program)], check=True)
+    return program
+
+
+@pytest.mark.parametrize("text", ROBOTS.values(), ids=ROBOTS)
+def test_series_are_the_contacts_anywhere_in_the_box(text: str) -> None:
+    robot = model(text)
+    series = expand(robot)
+    assert series is not None
+    t = np.random.default_rng(3).random((500, robot.k))
+    exact = robot.postures(robot.lower + t * (robot.upper - robot.lower)).centres
+    got = np.stack([evaluate(one, 2.0 * t - 1.0) for one in series], 1)
+    order = [int(np.abs(exact - got[:, i, None]).sum((0, 2)).argmin()) for i in range(3)]
+    assert sorted(order) == [0, 1, 2]
+    # Series are cut off at 1e-13 of the robot's size and have some dozen terms.
+    np.testing.assert_allclose(got, exact[:, order], rtol=0.0, atol=1e-11 * np.abs(exact).max())
+    assert np.all(np.linalg.det(got) > 0.0)
+
+
+def test_terms_are_counted_with_the_first_parameter_fastest() -> None:
+    assert exponents((1, 2)) == [(0, 0), (1, 0), (0, 1), (1, 1), (0, 2)]
+    assert exponents(()) == [()]
+
+
+def test_a_contact_has_terms_only_in_the_parameters_that_move_it() -> None:
+    spec = largest(Model(load_recipe("maps/paper_two.toml"))).spec
+    assert sorted(sum(n > 0 for n in degrees) for degrees in spec.degrees) == [0, 1, 1]
+
+
+def test_encoding_twice_gives_the_same_tables() -> None:
+    first, second = (largest(model(tripod())) for _ in range(2))
+    assert first.codes.tobytes() == second.codes.tobytes()
+    assert (first.guard, first.unit, first.spec) == (second.guard, second.unit, second.spec)
+
+
+@pytest.mark.parametrize(
+    ("text", "arithmetic", "reason"),
+    [
+        (tripod(), "integer", "floats only"),
+        (rover(), "float", "4 contacts, some of them round"),
+        (tripod(contacts=contact("rear", (-1, 0, -1))), "float", "4 contacts"),
+        # The body leans by up to 60 deg when the legs of one side are drawn in.
+        (rigid(LEGS, head="upright = 20.0", samples=SAMPLES), "float", "accepted in every posture"),
+        # At -40 deg the foot is above the com, and so is the plane through the other feet.
+        (
+            rigid(LEGS.replace("min = 0.0", "min = -80.0"), samples=SAMPLES),
+            "float",
+            "accepted in every posture",
+        ),
+    ],
+)
+def test_what_it_cannot_hold_is_refused_in_one_sentence(
+    text: str, arithmetic: str, reason: str
+) -> None:
+    sentence = poly.refusal(model(text), arithmetic)
+    assert sentence is not None
+    assert reason in sentence
+    assert "\n" not in sentence
+
+
+def test_a_facet_that_is_refused_in_a_corner_of_the_box_only_is_found() -> None:
+    # paper_two's facet leans most, 26 deg, where one leg is level and the other fully down.
+    text = ROBOTS["paper_two"]
+    corners = np.radians([[0, 0], [0, 50], [50, 0], [50, 50]])
+    where = model(text).postures(corners).centres
+    normal = np.cross(where[:, 1] - where[:, 0], where[:, 2] - where[:, 0])
+    lean = math.degrees(np.arccos(normal[:, 2] / np.linalg.norm(normal, axis=1)).max())
+    for beyond, holds in ((0.1, True), (-0.1, False)):
+        head = text.replace("upright = 90.0", f"upright = {lean + beyond!r}")
+        assert (poly.refusal(model(head), "float") is None) == holds

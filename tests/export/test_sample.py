@@ -1,0 +1,148 @@
+"""Where exports are measured: the whole box and chart, and where tables err most."""
+
+import numpy as np
+import pytest
+
+import lutgen
+from firmware_export.truth.model import Model
+from firmware_export.truth.sample import Cells, Sample, biased, join, uniform
+from firmware_export.truth.tip_boundary import arcs, boundary, on_chart, unit
+from tests.fixtures.recipes import feet, rigid, rover, tripod
+
+MODELS = {
+    "three points on a cone": Model(lutgen.parse_recipe(tripod())),
+    "three points on the sphere": Model(
+        lutgen.parse_recipe(tripod("reach = 3, swing = 2", chart="sphere", nodes=6))
+    ),
+    "wheels": Model(lutgen.parse_recipe(rover())),
+    "rigid": Model(lutgen.parse_recipe(rigid(feet([(1, 0, -1), (-1, 1, -1), (-1, -1, -1)])))),
+}
+each_model = pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)
+CONE, SPHERE, WHEELS = list(MODELS.values())[:3]
+
+
+def in_box(model: Model, sample: Sample) -> bool:
+    """Tell whether all postures lie in the box."""
+    return bool(((sample.params >= model.lower) & (sample.params <= model.upper)).all())
+
+
+def normalised(model: Model, sample: Sample) -> np.ndarray:
+    """Return the postures over the box, 0 to 1."""
+    return np.asarray((sample.params - model.lower) / (model.upper - model.lower))
+
+
+@each_model
+@pytest.mark.parametrize("draw", [uniform, biased])
+def test_points_lie_in_the_box_and_on_the_chart(model: Model, draw) -> None:  # type: ignore[no-untyped-def]
+    sample = draw(model, 3000, 7)
+    assert sample.points >= 3000
+    assert in_box(model, sample)
+    assert on_chart(model, sample.gravity).all()
+    length = np.linalg.norm(sample.gravity, axis=-1)
+    np.testing.assert_allclose(length, 1.0, rtol=1e-15 * 4)  # a few roundings
+
+
+@pytest.mark.parametrize("draw", [uniform, biased])
+def test_a_seed_gives_the_same_points_and_another_seed_others(draw) -> None:  # type: ignore[no-untyped-def]
+    one, same, other = (draw(CONE, 1000, seed) for seed in (1, 1, 2))
+    np.testing.assert_array_equal(one.params, same.params)
+    np.testing.assert_array_equal(one.gravity, same.gravity)
+    # Corners of the box and of the chart are in every sample, other directions in one.
+    assert np.isin(one.gravity[..., 0], other.gravity[..., 0]).mean() < 0.1
+
+
+@pytest.mark.parametrize("model", [CONE, SPHERE], ids=["cone", "sphere"])
+def test_directions_are_uniform_in_solid_angle(model: Model) -> None:
+    sample = uniform(model, 200_000, 3)
+    chart = model.recipe.chart
+    face, u, v, _ = chart.locate(sample.gravity.reshape(-1, 3))
+    bins = np.linspace(-chart.limit, chart.limit, 9)
+    corner = np.arctan(
+        bins[:, None] * bins / np.sqrt(1.0 + bins[:, None] ** 2 + bins**2)
+    )  # solid angle of a rectangle from the middle of the face
+    angle = np.diff(np.diff(corner, axis=0), axis=1)
+    expected = angle / angle.sum() * sample.points / model.faces
+    for number in range(model.faces):
+        here = face == number
+        count = np.histogram2d(u[here], v[here], (bins, bins))[0]
+        chi = ((count - expected) ** 2 / expected).sum()
+        # 64 cells: mean 63, standard deviation 11; a wrong density gives thousands.
+        assert chi < 63.0 + 5.0 * 11.3
+
+
+def test_postures_fill_the_box_more_evenly_than_chance() -> None:
+    t = normalised(CONE, uniform(CONE, 4 * 1024, 5))
+    count = np.histogram2d(t[:, 0], t[:, 1], 16, [[0, 1], [0, 1]])[0]
+    # 4 of 1024 in each of 256 cells; independent points would leave about 5 cells empty.
+    assert count.min() >= 1
+    assert count.max() <= 8
+
+
+def test_many_biased_postures_are_on_faces_and_corners_of_the_box() -> None:
+    t = normalised(CONE, biased(CONE, 8000, 5))
+    at_end = (t == 0.0) | (t == 1.0)
+    assert at_end.any(axis=1).mean() > 0.3
+    assert at_end.all(axis=1).mean() > 0.1
+    corners = {tuple(row) for row in t[at_end.all(axis=1)].tolist()}
+    assert corners == {(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)}
+
+
+@each_model
+def test_many_biased_directions_are_close_to_the_tip_over_boundary_on_both_sides(
+    model: Model,
+) -> None:
+    sample = biased(model, 4000, 5)
+    tip = model.exact(*sample).tip_angle
+    near = np.abs(tip) < 1e-3
+    assert near.mean() > 0.2
+    assert 0.3 < (tip[near] < 0.0).mean() < 0.7
+    assert (np.abs(tip) < 1e-6).mean() > 0.02
+
+
+def test_cells_of_a_table_are_met_in_their_middles() -> None:
+    knots = np.array([0.0, 0.3, 1.0])
+    cells = Cells((knots, np.array([0.0, 0.5, 1.0])), np.array([-1.0, 1.0]), np.array([-1.0, 1.0]))
+    t = normalised(CONE, biased(CONE, 4000, 5, cells))
+    for column, middles in enumerate([(0.15, 0.65), (0.25, 0.75)]):
+        for middle in middles:
+            # Half of the postures, two thirds of them in one of two middles.
+            assert np.isclose(t[:, column], middle).mean() > 0.1
+
+
+@pytest.mark.parametrize("model", [CONE, SPHERE, WHEELS], ids=["cone", "sphere", "wheels"])
+def test_the_boundary_is_enclosed_by_a_direction_that_stands_and_one_that_tips(
+    model: Model,
+) -> None:
+    rng = np.random.default_rng(1)
+    sample = uniform(model, 4000, 9)
+    inside, outside, found = arcs(model, rng, *sample)
+    assert found.mean() > 0.3
+    use = found.all(axis=1)
+    params, low, high = sample.params[use], inside[use], outside[use]
+    last, first = boundary(model, params, low, high)
+    assert (model.exact(params, last).tip_angle >= 0.0).all()
+    assert (model.exact(params, first).tip_angle < 0.0).all()
+    gap = np.linalg.norm(last - first, axis=-1)
+    # float32 resolves 1e-7; the few that are left wide stay true enclosures.
+    assert np.quantile(gap, 0.95) < 1e-7
+    # On the arc: in the plane of its ends.
+    normal = unit(np.cross(low, high))
+    assert np.abs((normal * last).sum(axis=-1)).max() < 1e-9
+
+
+def test_the_chart_holds_its_rim_and_nothing_beyond() -> None:
+    limit = CONE.chart_limit
+    rim = CONE.uv_to_gravity(0, [limit, -limit, 0.0], [0.0, limit, limit])
+    assert on_chart(CONE, unit(rim)).all()
+    beyond = CONE.uv_to_gravity(0, [limit * 1.0001, 0.0], [0.0, -limit * 1.0001])
+    assert not on_chart(CONE, beyond).any()
+    assert not on_chart(CONE, np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])).any()
+    assert on_chart(SPHERE, np.array([[0.0, 0.0, 1.0]])).all()
+
+
+def test_samples_are_joined_in_order() -> None:
+    one, other = uniform(CONE, 40, 1), uniform(CONE, 80, 2)
+    both = join([one, other])
+    assert both.points == one.points + other.points
+    np.testing.assert_array_equal(both.params[: len(one.params)], one.params)
+    np.testing.assert_array_equal(both.gravity[len(one.params) :], other.gravity)

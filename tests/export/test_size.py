@@ -1,0 +1,50 @@
+"""The measured sizes of the runtime."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from firmware_export.emit.size import measured
+from lutgen.errors import ExportError
+from targets import size as size_measure
+
+GRAPH = """\
+graph: { title: "smap.c"
+node: { title: "smap_read" label: "smap_read\\nsmap.c:9:5\\n64 bytes (static)" }
+node: { title: "smap.c:root" label: "root\\nsmap.c:3:1\\n8 bytes (static)" }
+node: { title: "smap.c:facet" label: "facet\\nsmap.c:5:1\\n40 bytes (static)" }
+edge: { sourcename: "smap_read" targetname: "smap.c:root" label: "smap.c:10:3" }
+edge: { sourcename: "smap_read" targetname: "smap.c:facet" label: "smap.c:11:3" }
+edge: { sourcename: "smap.c:facet" targetname: "smap.c:root" label: "smap.c:6:3" }
+}
+"""
+
+
+def test_the_stack_is_that_of_the_deepest_chain_of_calls() -> None:
+    assert size_measure.deepest(GRAPH) == 64 + 40 + 8
+
+
+def test_a_recursion_is_found() -> None:
+    edge = 'edge: { sourcename: "smap.c:root" targetname: "smap.c:facet" label: "" }\n'
+    with pytest.raises(ExportError, match="calls itself"):
+        size_measure.deepest(GRAPH + edge)
+
+
+@pytest.mark.skipif(
+    shutil.which(size_measure.COMPILER) is None, reason=f"{size_measure.COMPILER} is not installed"
+)
+def test_the_committed_sizes_are_those_of_the_runtime(tmp_path: Path) -> None:
+    content = measured()
+    assert content["structs"] == size_measure.struct_sizes(tmp_path)
+    sets = size_measure.feature_sets()
+    assert {frozenset(features) for features in sets} == set(content["sets"])
+    # One of each codec; `make size` measures all.
+    for codec in size_measure.OPTIONS:
+        features = next(features for features in sets if features[0] == codec)
+        known = content["sets"][frozenset(features)]
+        found = size_measure.measure_set(features, tmp_path)
+        # Another version of the compiler may differ by a few instructions.
+        assert found["code"] == pytest.approx(known["code"], rel=0.03), features
+        assert found["stack"] == pytest.approx(known["stack"], abs=16), features
+        assert (found["data"], found["bss"]) == (0, 0)

@@ -1,0 +1,127 @@
+"""Multilinear interpolation against functions that it must reproduce, and against scipy."""
+
+import itertools
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.interpolate import RegularGridInterpolator
+
+from lutgen.grid import Axis
+from lutgen.mapping.interpolate import Place, cell_corners, interpolate
+
+
+def random_axes(rng: np.random.Generator, dimensions: int) -> list[Axis]:
+    """Axes with 2 to 5 unequal steps."""
+    return [
+        Axis(f"a{d}", "1", np.cumsum(rng.uniform(0.2, 1.5, rng.integers(2, 6))) - 2.0)
+        for d in range(dimensions)
+    ]
+
+
+def random_points(
+    rng: np.random.Generator, axes: list[Axis], count: int = 200
+) -> NDArray[np.float64]:
+    """Points (count, d) anywhere between the ends of the axes."""
+    return np.stack([rng.uniform(a.knots[0], a.knots[-1], count) for a in axes], axis=1)
+
+
+def located(axes: list[Axis], points: NDArray[np.float64]) -> list[Place]:
+    """Return the places of points on all axes."""
+    return [axis.locate(points[:, d])[:2] for d, axis in enumerate(axes)]
+
+
+@pytest.mark.parametrize("dimensions", [1, 2, 3, 4, 5])
+def test_multilinear_functions_are_reproduced_between_the_nodes(dimensions: int) -> None:
+    rng = np.random.default_rng(dimensions)
+    axes = random_axes(rng, dimensions)
+    terms = list(itertools.product((0, 1), repeat=dimensions))
+    factors = rng.normal(size=len(terms))
+
+    def function(points: NDArray[np.float64]) -> NDArray[np.float64]:
+        powers = [np.prod(points ** np.array(term), axis=-1) for term in terms]
+        return np.asarray(np.tensordot(factors, powers, 1))
+
+    nodes = np.stack(np.meshgrid(*[a.knots for a in axes], indexing="ij"), axis=-1)
+    values = function(nodes)
+    points = random_points(rng, axes)
+    got, present = interpolate(values, located(axes, points))
+    want = function(points)
+    # 2^5 products of numbers below 100, each rounded to 1e-16.
+    np.testing.assert_allclose(got, want, atol=1e-11)
+    assert (present == 1.0).all()
+    # A nearest-neighbour answer would not pass.
+    nearest = tuple(np.abs(points[:, d, None] - a.knots).argmin(axis=1) for d, a in enumerate(axes))
+    assert np.abs(values[nearest] - want).mean() > 0.05
+
+
+@pytest.mark.parametrize("dimensions", [1, 2, 3, 4, 5])
+def test_random_values_are_interpolated_as_scipy_does(dimensions: int) -> None:
+    rng = np.random.default_rng(10 + dimensions)
+    axes = random_axes(rng, dimensions)
+    values = rng.normal(size=[a.size for a in axes])
+    points = random_points(rng, axes)
+    got, _ = interpolate(values, located(axes, points))
+    want = RegularGridInterpolator([a.knots for a in axes], values)(points)
+    np.testing.assert_allclose(got, want, atol=1e-13)  # sums of 32 numbers of about 1
+
+
+@pytest.mark.parametrize("dimensions", [1, 2, 3, 4, 5])
+def test_a_node_is_returned_bit_for_bit_whatever_is_around_it(dimensions: int) -> None:
+    rng = np.random.default_rng(20 + dimensions)
+    axes = random_axes(rng, dimensions)
+    values = rng.normal(size=[a.size for a in axes]).astype(np.float32)
+    values[rng.random(values.shape) < 0.3] = np.nan
+    nodes = np.stack(np.meshgrid(*[a.knots for a in axes], indexing="ij"), axis=-1)
+    got, present = interpolate(values, located(axes, nodes.reshape(-1, dimensions)))
+    np.testing.assert_array_equal(got, values.ravel().astype(np.float64))
+    np.testing.assert_array_equal(present, ~np.isnan(values.ravel()))
+
+
+def test_weights_of_a_cells_corners_add_up_to_one_and_none_is_negative() -> None:
+    rng = np.random.default_rng(4)
+    axes = random_axes(rng, 4)
+    corners = cell_corners(located(axes, random_points(rng, axes)))
+    weights = np.array([weight for _, weight in corners])
+    assert weights.shape == (16, 200)
+    assert (weights >= 0.0).all()
+    np.testing.assert_allclose(weights.sum(axis=0), 1.0, atol=1e-15)
+
+
+def test_corners_that_are_nan_are_left_out_of_the_mean() -> None:
+    axes = [Axis("v", "1", [0.0, 1.0]), Axis("u", "1", [0.0, 1.0])]
+    values = np.array([[1.0, 2.0], [np.nan, 4.0]])
+    got, present = interpolate(values, located(axes, np.array([[0.25, 0.5], [1.0, 0.25]])))
+    # Weights 3/8, 3/8, (1/8), 1/8 at the first point; only the corner 4 counts at the second.
+    assert got[0] == pytest.approx((3 * 1.0 + 3 * 2.0 + 1 * 4.0) / 7, rel=1e-15)
+    assert got[1] == 4.0
+    assert present.tolist() == pytest.approx([7 / 8, 0.25], rel=1e-15)
+
+
+def test_the_mean_is_nan_only_where_no_corner_is_a_number() -> None:
+    axes = [Axis("u", "1", [0.0, 1.0, 2.0, 3.0])]
+    values = np.array([5.0, np.nan, np.nan, 7.0])
+    points = np.array([[0.0], [0.999], [1.0], [1.5], [2.0], [2.001], [3.0]])
+    got, present = interpolate(values, located(axes, points))
+    assert np.isnan(got).tolist() == [False, False, True, True, True, False, False]
+    assert got[[0, 1, 5, 6]].tolist() == [5.0, 5.0, 7.0, 7.0]
+    assert present[[2, 3, 4]].tolist() == [0.0, 0.0, 0.0]
+
+
+def test_the_face_is_taken_as_it_is_between_parameters_and_v_u() -> None:
+    rng = np.random.default_rng(5)
+    axes = random_axes(rng, 3)
+    values = rng.normal(size=(axes[0].size, 6, axes[1].size, axes[2].size))
+    points = random_points(rng, axes)
+    face = rng.integers(0, 6, len(points))
+    got, _ = interpolate(values, located(axes, points), (face,))
+    for k in range(6):
+        alone, _ = interpolate(values[:, k], located(axes, points[face == k]))
+        np.testing.assert_array_equal(got[face == k], alone)
+
+
+def test_a_single_knot_stands_for_every_value_of_its_axis() -> None:
+    axes = [Axis("u", "1", [0.0])]
+    got, present = interpolate(np.array([3.5]), located(axes, np.array([[0.0], [0.4]])))
+    assert got.tolist() == [3.5, 3.5]
+    assert present.tolist() == [1.0, 1.0]

@@ -1,0 +1,62 @@
+"""Support facets as Python objects, for tests, plots and people."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lutgen.support.hull import FIRST, MASK, RELATIVE_TOLERANCE, VERTEX, facet_table, robot_size
+from lutgen.support.primitive import pack
+from lutgen.support.rounds import find_facets
+
+
+class Facet(NamedTuple):
+    """One support facet, for people: see `facets`."""
+
+    normal: NDArray[np.float64]
+    height: float
+    touching: tuple[int, ...]
+    polygon: tuple[int, ...]
+    points: NDArray[np.float64]
+
+
+def facets(
+    centre: NDArray[np.float64],
+    axis: NDArray[np.float64],
+    radius: NDArray[np.float64],
+    kind: NDArray[np.int64],
+) -> list[Facet]:
+    """Return every support facet that has the com above it, whichever way it faces.
+
+    Parameters
+    ----------
+    centre, axis : (n, 3) float64
+        Centres relative to the com and unit axes (zeros unless a disc), body frame.
+    radius, kind : (n,)
+        Radius (length) and 0 point, 1 sphere, 2 disc.
+
+    Returns
+    -------
+    list of Facet
+        In ascending order of the bit set of touching primitives.  Empty when all contacts are
+        collinear or the com is in or outside every facet's plane.
+    """
+    shapes = pack(centre, axis, radius, kind)
+    table = facet_table(len(shapes))
+    find_facets(table, shapes, 2.0)
+    tolerance = RELATIVE_TOLERANCE * robot_size(shapes)
+    found = []
+    for f in range(table.tally[0]):
+        if table.facet[f, 3] > tolerance:
+            corners = slice(table.span[f, FIRST], table.span[f + 1, FIRST])
+            mask = int(table.span[f, MASK])
+            found.append(
+                Facet(
+                    table.facet[f, :3].copy(),
+                    float(table.facet[f, 3]),
+                    tuple(i for i in range(len(shapes)) if mask >> i & 1),
+                    tuple(int(i) for i in table.link[corners, VERTEX]),
+                    table.corner[corners].copy(),
+                )
+            )
+    return sorted(found, key=lambda facet: sum(1 << i for i in facet.touching))

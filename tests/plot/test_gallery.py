@@ -1,0 +1,137 @@
+"""The gallery's page and pictures are a function of recipe and map, and never drift."""
+
+import importlib.util
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+import lutgen
+
+
+@pytest.fixture(scope="module")
+def gallery() -> Iterator[ModuleType]:
+    """Return tools/gallery.py as a module."""
+    path = Path(__file__).resolve().parents[2] / "tools" / "gallery.py"
+    spec = importlib.util.spec_from_file_location("gallery", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["gallery"] = module
+    spec.loader.exec_module(module)
+    yield module
+    del sys.modules["gallery"]
+
+
+@pytest.fixture(scope="module")
+def swept(maps_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """Return a recipe without an entry in the gallery's table, and its small map."""
+    folder = tmp_path_factory.mktemp("swept")
+    text = (maps_folder / "paper_two.toml").read_text(encoding="utf-8")
+    text = text.replace("alpha = 50, gamma = 50", "alpha = 6, gamma = 5")
+    text = text.replace('"paper_two"', '"newcomer"').replace("nodes = 33", "nodes = 7")
+    recipe = folder / "newcomer.toml"
+    recipe.write_text(text, encoding="utf-8")
+    lutgen.sweep(lutgen.load_recipe(recipe), folder / "newcomer.h5")
+    return recipe, folder / "newcomer.h5"
+
+
+def test_new_recipe_gets_figures_and_a_part_of_the_page_the_same_twice(
+    gallery: ModuleType, swept: tuple[Path, Path], tmp_path: Path
+) -> None:
+    recipe, map_path = swept
+    page = tmp_path / "README.md"
+    page.write_text("# Mine\n\nWritten by hand.\n", encoding="utf-8")
+    seen = []
+    for _ in range(2):
+        command = [str(recipe), str(map_path), "--output", str(tmp_path)]
+        assert gallery.main(command) == 0
+        seen.append({p.relative_to(tmp_path): p.read_bytes() for p in tmp_path.rglob("*.*")})
+    assert seen[0] == seen[1]
+    pictures = sorted(path.name for path in (tmp_path / "newcomer").iterdir())
+    assert pictures == ["contour.png", "polar.png", "robot.png", "sphere.png"]
+    assert all((tmp_path / "newcomer" / name).stat().st_size < 200_000 for name in pictures)
+    text = page.read_text(encoding="utf-8")
+    assert text.startswith("# Mine\n\nWritten by hand.\n\n## newcomer\n")
+    assert lutgen.load_recipe(recipe).digest[:12] in text
+    assert "6 x 5 x 7 x 7 = 1,470" in text
+    assert all(f'src="newcomer/{name}"' in text for name in pictures)
+
+
+def test_only_the_lines_between_the_markers_change(gallery: ModuleType) -> None:
+    page = (
+        "a\n<!-- gallery x -->\nold\n<!-- end of x -->\nb\n<!-- gallery y -->\n<!-- end of y -->\n"
+    )
+    assert gallery.with_block(page, "x", "new") == page.replace("old", "new")
+    assert gallery.with_block(page, "y", "new").count("new\n<!-- end of y -->") == 1
+    grown = gallery.with_block(page, "z", "new")
+    assert grown.startswith(page.rstrip())
+    assert gallery.with_block(grown, "z", "new") == grown
+
+
+def test_damaged_markers_and_another_recipes_map_are_refused(
+    gallery: ModuleType,
+    swept: tuple[Path, Path],
+    maps_folder: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with pytest.raises(lutgen.InputError, match="markers of x are damaged"):
+        gallery.with_block("<!-- end of x -->\n<!-- gallery x -->\n", "x", "new")
+    command = [str(maps_folder / "paper_one.toml"), str(swept[1]), "--output", str(tmp_path)]
+    assert gallery.main(command) == 1
+    assert "another recipe" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_share_that_tips_weighs_directions_by_their_solid_angle(
+    gallery: ModuleType, swept: tuple[Path, Path]
+) -> None:
+    stability_map = lutgen.load_map(swept[1])
+    weight = stability_map.chart.solid_angle()
+    tips = stability_map.channel("tip_angle") < 0.0
+    expected = np.average(tips, axis=(2, 3, 4), weights=weight).mean()
+    assert gallery.share_that_tips(stability_map) == pytest.approx(expected, rel=1e-12)
+    assert 0.1 < expected < 0.9
+
+
+def test_every_recipe_of_the_project_has_its_own_figures_and_a_place_on_the_page(
+    gallery: ModuleType, maps_folder: Path
+) -> None:
+    page = (maps_folder / "README.md").read_text(encoding="utf-8")
+    for path in sorted(maps_folder.glob("*.toml")):
+        assert path.stem in gallery.SHOTS
+        assert f"## {path.stem}\n" in page
+        assert f"<!-- gallery {path.stem} -->" in page
+        for shot in gallery.SHOTS[path.stem]:
+            picture = maps_folder / path.stem / f"{shot.name}.png"
+            assert picture.stat().st_size < 200_000
+            assert f'src="{path.stem}/{shot.name}.png"' in page
+
+
+def test_the_papers_figures_get_their_part_of_the_page(
+    gallery: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    # The gallery's module is found by the name under which the fixture registered it.
+    path = Path(__file__).resolve().parents[2] / "tools" / "paper_gallery.py"
+    spec = importlib.util.spec_from_file_location("paper_gallery", path)
+    assert spec is not None
+    assert spec.loader is not None
+    paper = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(paper)
+    report, page = tmp_path / "report", tmp_path / "README.md"
+    report.mkdir()
+    page.write_text("# Mine\n", encoding="utf-8")
+    command = [str(report), "--output", str(tmp_path)]
+    assert paper.main(command) == 1
+    assert "there is no such figure" in capsys.readouterr().err
+    for stem in paper.CAPTIONS:
+        (report / f"{stem}.png").write_bytes(stem.encode())
+    assert paper.main(command) == 0
+    text = page.read_text(encoding="utf-8")
+    for stem in paper.CAPTIONS:
+        assert (tmp_path / "paper" / f"{stem}.png").read_bytes() == stem.encode()
+        assert f'src="paper/{stem}.png"' in text

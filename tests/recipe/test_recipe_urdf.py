@@ -1,0 +1,289 @@
+"""Recipes that name a robot description: what they mean, which files they may name, and maps."""
+
+import math
+import os
+import shutil
+import time
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+import lutgen
+from lutgen.errors import LutgenError, MapFileError, RecipeError
+from lutgen.recipe.kinematics import forward
+from lutgen.recipe.proposal import import_urdf
+from lutgen.recipe.recipe import recipe_digest
+from lutgen.urdf.read import parse_urdf
+from tests.fixtures.maps import unseal
+from tests.fixtures.recipes import contact, sweep_part
+
+VECTOR = Path(__file__).parent / "vectors" / "rover.urdf"
+ROVER = VECTOR.read_text(encoding="utf-8")
+ARMS = '[[robot.parameter]]\nname = "arms"\nmin = -45.0\nmax = 45.0\nunit = "deg"\n'
+LIFT = '[[robot.parameter]]\nname = "mast"\njoint = "lift"\nmin = 0.1\nmax = 0.5\nunit = "m"\n'
+
+
+def on(link: str, name: str = "") -> str:
+    """Return a contact that is derived from its link."""
+    return f'[[robot.contact]]\nlink = "{link}"\n' + (f'name = "{name}"\n' if name else "")
+
+
+WHEELS = on("left_arm") + on("right_arm") + on("left_wheel", "rear") + on("right_wheel")
+SWEEP = sweep_part("arms = 3, mast = 2", nodes=5)
+ARMS_ONLY = sweep_part("arms = 3")
+
+
+def recipe_text(
+    urdf: str = "rover.urdf",
+    parameters: str = ARMS + LIFT,
+    contacts: str = WHEELS,
+    head: str = 'length_unit = "m"',
+    sweep: str = SWEEP,
+) -> str:
+    """Return a recipe of the rover."""
+    robot = f'[robot]\nname = "rover"\n{head}\nurdf = {urdf!r}\n'
+    return robot + parameters + contacts + sweep
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    """Return a recipe file beside the description that it names."""
+    shutil.copy(VECTOR, tmp_path / "rover.urdf")
+    file = tmp_path / "rover.toml"
+    file.write_text(recipe_text(), encoding="utf-8")
+    return file
+
+
+def refusal(text: str, urdf: str | None = ROVER) -> str:
+    with pytest.raises(RecipeError) as caught:
+        lutgen.parse_recipe(text, "r.toml", urdf=urdf)
+    said = str(caught.value)
+    assert said.startswith("r.toml: ")
+    assert said.endswith(".")
+    assert "\n" not in said
+    return said
+
+
+def test_links_masses_and_contacts_come_from_the_description(path: Path) -> None:
+    recipe = lutgen.load_recipe(path)
+    assert recipe.contact_names == (
+        *("left_arm_1", "left_arm_2", "right_arm_1", "right_arm_2"),
+        *("rear_1", "rear_2", "right_wheel_1", "right_wheel_2"),
+    )
+    angle, lift = 0.3, 0.2
+    found = forward(recipe, [[angle, lift]])
+    # By hand: 26 kg; arms of 1 kg 0.1 m out, turned down by 0.3 rad at x = 0.25; wheels at -0.25;
+    # 2 kg at 0.2 + lift + 0.3 m.
+    x = (2 * (0.25 + 0.1 * math.cos(angle)) - 2 * 0.25) / 26
+    z = (20 * 0.1 - 2 * 0.1 * math.sin(angle) + 2 * (0.5 + lift)) / 26
+    assert found.com[0].tolist() == pytest.approx([x, 0.0, z], abs=1e-15)
+    places = found.centres[0] + found.com[0]
+    out, down = 0.25 + 0.2 * math.cos(angle), -0.2 * math.sin(angle)
+    want = [[out, 0.23, down], [out, 0.27, down], [out, -0.27, down], [out, -0.23, down]]
+    want += [[-0.25, y, 0.0] for y in (0.23, 0.27, -0.27, -0.23)]
+    assert np.allclose(places, want, rtol=0, atol=1e-15)
+
+
+def test_contacts_with_a_position_name_links_of_the_description() -> None:
+    points = "".join(contact(f"P{i}", (0.1 * i, i % 2, 0.0), link="mast") for i in range(3))
+    recipe = lutgen.parse_recipe(recipe_text(contacts=points), urdf=ROVER)
+    assert {c.link for c in recipe.contacts} == {"mast"}
+    low, high = forward(recipe, [[0.0, 0.1], [0.0, 0.4]]).centres[:, 0, 2]
+    # The mast's contacts go up by 0.3 m and the com by 2 / 26 of it.
+    assert high - low == pytest.approx(0.3 * 24 / 26)
+
+
+def test_joints_that_are_no_parameters_stand_at_their_limit_nearest_to_zero() -> None:
+    text = recipe_text(parameters=ARMS, sweep=ARMS_ONLY)
+    held = forward(lutgen.parse_recipe(text, urdf=ROVER), [[0.3]])
+    free = forward(lutgen.parse_recipe(recipe_text(), urdf=ROVER), [[0.3, 0.1]])
+    assert np.allclose(held.centres, free.centres, rtol=0, atol=1e-15)
+
+
+def test_an_imported_recipe_and_one_that_names_the_description_are_the_same_robot() -> None:
+    imported = import_urdf(parse_urdf(ROVER), joints=("arms", "lift")).recipe
+    named = lutgen.parse_recipe(recipe_text(), urdf=ROVER)
+    rng = np.random.default_rng(1)
+    params = rng.uniform([-0.7, 0.1], [0.7, 0.5], (50, 2))
+    ours, theirs = forward(imported, params), forward(named, params)
+    # 1e-12: the imported one is rounded to a picometre.
+    assert np.allclose(ours.com, theirs.com, rtol=0, atol=1e-12)
+    column = [
+        named.contact_names.index(name.replace("left_wheel", "rear"))
+        for name in imported.contact_names
+    ]
+    assert np.allclose(ours.centres, theirs.centres[:, column], rtol=0, atol=2e-12)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (
+            {"head": 'length_unit = "mm"', "parameters": ARMS, "sweep": ARMS_ONLY},
+            "description is m",
+        ),
+        ({"head": 'length_unit = "m"\npython = "a:b"'}, "cannot be combined"),
+        ({"contacts": '[[robot.link]]\nname = "x"\n' + WHEELS}, "cannot be combined"),
+        ({"parameters": ARMS.replace('"arms"', '"arm"') + LIFT}, "did you mean"),
+        ({"parameters": ARMS + LIFT.replace('"lift"', '"arms"')}, "of another parameter already"),
+        ({"parameters": ARMS + LIFT.replace('"lift"', '"lens_mount"')}, "is no moving joint"),
+        ({"parameters": ARMS + LIFT.replace('"lift"', '"right_arm_joint"')}, "follows 'arms'"),
+        ({"parameters": ARMS.replace("45.0", "46.0") + LIFT}, "must lie within -0.8 to 0.8 rad"),
+        ({"parameters": ARMS + LIFT.replace('"m"', '"deg"')}, "must be a length"),
+        ({"contacts": WHEELS + on("left_wheell")}, "did you mean 'left_wheel'"),
+        ({"contacts": WHEELS + on("mast")}, "has no collision sphere, cylinder or box"),
+        ({"contacts": WHEELS + on("left_arm")}, "is given twice"),
+        (
+            {"contacts": WHEELS + on("chassis") + "radius = 0.1\n"},
+            "means nothing without a position",
+        ),
+        ({"contacts": on("left_arm")}, "needs 3 to 32 contacts"),
+        ({"contacts": on("chassis") * 5}, "is given twice"),
+        ({"urdf": ""}, "must not be empty"),
+    ],
+)
+def test_what_does_not_fit_the_description_is_refused(change: dict[str, str], said: str) -> None:
+    assert said in refusal(recipe_text(**change))
+
+
+def test_the_key_joint_needs_a_description() -> None:
+    text = '[robot]\nname = "a"\nlength_unit = "m"\n' + LIFT + sweep_part("mast = 2")
+    assert "means nothing without `robot.urdf`" in refusal(text, None)
+
+
+def test_a_fault_in_the_description_names_both_files() -> None:
+    assert refusal(recipe_text(), "<robot/>").startswith("r.toml: rover.urdf: <robot>: needs 1")
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("/etc/hostname", "../rover.urdf", "folder/../../rover.urdf", "..", ".", "folder"),
+        *("out.urdf", "out/rover.urdf", "loop.urdf", "pipe", "nothing.urdf", "..\\rover.urdf"),
+        *("rover.urdf/x", "n" * 5000, "/dev/zero"),
+    ],
+)
+def test_files_outside_the_recipes_folder_and_what_is_no_file_are_never_opened(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "inside"
+    (folder / "folder").mkdir(parents=True)
+    shutil.copy(VECTOR, tmp_path / "rover.urdf")
+    shutil.copy(VECTOR, folder / "rover.urdf")
+    (folder / "out.urdf").symlink_to(tmp_path / "rover.urdf")
+    (folder / "out").symlink_to(tmp_path)
+    (folder / "loop.urdf").symlink_to(folder / "loop.urdf")
+    os.mkfifo(folder / "pipe")
+    opened: list[Path] = []
+    before = Path.open
+
+    def spy(self: Path, *arguments: object, **options: object) -> object:
+        opened.append(self)
+        return before(self, *arguments, **options)  # type: ignore[call-overload]
+
+    text = recipe_text().replace("'rover.urdf'", f"'{name}'")
+    monkeypatch.setattr(Path, "open", spy)
+    with pytest.raises(RecipeError, match=r"robot\.urdf") as caught:
+        lutgen.parse_recipe(text, str(folder / "r.toml"))
+    assert opened == []
+    assert "copy the file beside the recipe" in str(caught.value)
+
+
+def test_a_file_in_a_folder_below_and_a_link_within_it_are_read(path: Path) -> None:
+    (path.parent / "models").mkdir()
+    shutil.move(path.parent / "rover.urdf", path.parent / "models" / "real.urdf")
+    (path.parent / "rover.urdf").symlink_to("models/real.urdf")
+    digest = lutgen.load_recipe(path).digest
+    path.write_text(recipe_text("models/real.urdf"), encoding="utf-8")
+    assert lutgen.load_recipe(path).digest != digest
+
+
+def test_a_description_that_is_not_utf_8_is_refused_with_its_line(path: Path) -> None:
+    (path.parent / "rover.urdf").write_bytes(b"<robot>\n\xe9</robot>")
+    with pytest.raises(RecipeError, match="line 2 is not UTF-8"):
+        lutgen.load_recipe(path)
+
+
+def test_the_digest_covers_the_description(path: Path) -> None:
+    first = lutgen.load_recipe(path)
+    heavier = ROVER.replace('value="20"', 'value="21"')
+    second = lutgen.parse_recipe(first.text, urdf=heavier)
+    assert first.text == second.text
+    assert first.digest != second.digest
+    assert first != second
+    # Recipes without a description keep theirs.
+    plain = lutgen.load_recipe(Path(__file__).parents[2] / "maps" / "paper_two.toml")
+    assert plain.urdf is None
+
+
+def test_a_map_reads_back_alone_when_the_description_is_gone(path: Path) -> None:
+    recipe = lutgen.load_recipe(path)
+    file = path.with_suffix(".h5")
+    lutgen.sweep(recipe, file)
+    (path.parent / "rover.urdf").unlink()
+    path.unlink()
+    found = lutgen.load_map(file)
+    assert found.recipe.digest == recipe.digest
+    assert found.attributes["urdf"] == ROVER
+    # The recipe inside still computes postures.
+    want = lutgen.evaluate(recipe, [[0.1, 0.2]], [[0, 0, -1]])
+    got = lutgen.evaluate(found.recipe, [[0.1, 0.2]], [[0, 0, -1]])
+    assert got["tip_angle"] == want["tip_angle"]
+    assert found.channel("tip_angle").shape == (3, 2, 1, 5, 5)
+
+
+@pytest.mark.parametrize("content", [None, ROVER.replace('value="20"', 'value="21"')])
+def test_a_map_whose_description_is_missing_or_changed_is_refused(
+    path: Path, content: str | None
+) -> None:
+    file = path.with_suffix(".h5")
+    lutgen.sweep(lutgen.load_recipe(path), file)
+    unseal(file)
+    with h5py.File(file, "r+") as data:
+        del data.attrs["urdf"]
+        if content is not None:
+            data.attrs["urdf"] = content
+    with pytest.raises(MapFileError, match="does not match its digest"):
+        lutgen.load_map(file)
+
+
+def test_a_map_without_its_description_opens_no_file_even_where_the_digest_fits(
+    path: Path,
+) -> None:
+    recipe = lutgen.load_recipe(path)
+    file = path.with_suffix(".h5")
+    lutgen.sweep(recipe, file)
+    unseal(file)
+    with h5py.File(file, "r+") as data:
+        del data.attrs["urdf"]
+        data.attrs["recipe_sha256"] = recipe_digest(recipe.text)
+    with pytest.raises(MapFileError, match="not stored beside the recipe"):
+        lutgen.load_map(file)
+
+
+def test_a_description_of_a_megabyte_is_stored_whole(path: Path) -> None:
+    large = ROVER.replace("</robot>", f"<!--{'x' * 1_000_000}-->\u00e4</robot>")
+    (path.parent / "rover.urdf").write_text(large, encoding="utf-8")
+    file = path.with_suffix(".h5")
+    lutgen.sweep(lutgen.load_recipe(path), file)
+    assert lutgen.load_map(file).recipe.urdf == large
+
+
+def test_ten_thousand_links_in_a_recipe_are_checked_in_seconds() -> None:
+    links = "".join(
+        f'[[robot.link]]\nname = "l{i}"\nparent = "{f"l{i - 1}" if i else "body"}"\n'
+        for i in range(10_000)
+    )
+    points = "".join(contact(f"P{i}", (i, i * i, 0.0), link="l9999") for i in range(3))
+    text = '[robot]\nname = "long"\nlength_unit = "m"\n' + links + points + sweep_part()
+    begin = time.perf_counter()
+    recipe = lutgen.parse_recipe(text)
+    # Measured 0.6 s, most of it in the TOML reader; checks quadratic in the depth take minutes.
+    assert time.perf_counter() - begin < 10.0
+    assert len(recipe.links) == 10_001
+    with pytest.raises(LutgenError, match="makes a loop"):
+        lutgen.parse_recipe(text.replace('parent = "body"', 'parent = "l9999"'))
+    with pytest.raises(LutgenError, match="is given twice"):
+        lutgen.parse_recipe(text.replace('"l5000"', '"l4999"'))

@@ -1,0 +1,387 @@
+"""The matrix of emulated targets: its pure parts, its gate, and one small run."""
+
+import copy
+import json
+import re
+import struct
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from firmware_export.device import HostLibrary
+from firmware_export.emit import package
+from firmware_export.twin import query as twin
+from lutgen.errors import ExportError
+from targets import baseline, cases, image, queries, run, tables
+from targets.boards import BOARDS, board
+from targets.cases import ROOT
+from targets.digest import START, answer_bytes, fnv1a
+from targets.footprint import Footprint
+from tests.fixtures.exports import tripod_export
+
+needs_arm = pytest.mark.skipif(
+    bool(board("m4f").missing()), reason="gcc-arm-none-eabi, picolibc or qemu-system-arm missing"
+)
+
+
+# The hash
+
+
+def test_the_hash_is_fnv_1a() -> None:
+    # Vectors of the FNV page's test suite.
+    assert fnv1a(b"") == START == 0x811C9DC5
+    assert fnv1a(b"foobar") == 0xBF9CF968
+    assert fnv1a(b"bar", fnv1a(b"foo")) == fnv1a(b"foobar")
+
+
+def test_answers_are_hashed_as_the_structs_lie_in_memory() -> None:
+    reading = np.array([[1.5, -2.0, np.nan]], np.float32)
+    bits = struct.pack("<bffI", -1, 1.5, -2.0, reading.view(np.uint32)[0, 2])
+    assert answer_bytes(np.array([-1], np.int8), reading) == bits
+    whole = np.array([[65535, -32767, 3]], np.int32)
+    assert answer_bytes(np.array([2], np.int8), whole) == struct.pack("<bHhH", 2, 65535, -32767, 3)
+
+
+def test_one_bit_of_one_answer_changes_the_hash() -> None:
+    reading = np.zeros((1000, 3), np.float32)
+    other = reading.copy()
+    other.view(np.uint32)[500, 1] ^= 1
+    status = np.zeros(1000, np.int8)
+    assert fnv1a(answer_bytes(status, reading)) != fnv1a(answer_bytes(status, other))
+
+
+# The queries
+
+
+def test_the_queries_bring_out_every_answer_and_both_sides_of_tipping() -> None:
+    export = tripod_export()
+    params, gravity = queries.checked(export)
+    assert params.shape == (1000, 2)
+    assert gravity.shape == (1000, 3)
+    status, reading = twin.read(export, params, gravity)
+    assert np.bincount(status + 1, minlength=5).min() >= 5
+    near = reading[700:900, 1][np.isin(status[700:900], (0, 1, 2))]
+    # Bisected to neighbouring floats, which are 1e-7 rad apart, and as many again.
+    assert np.median(np.abs(near)) < 1e-5
+    assert (near >= 0.0).sum() >= 50
+    assert (near < 0.0).sum() >= 50
+    everything = np.concatenate([params.ravel(), gravity.ravel()])
+    assert np.isnan(everything).any()
+    assert np.isinf(everything).any()
+    assert ((np.abs(everything) > 0) & (np.abs(everything) < 1e-38)).any()
+    assert (gravity == 0.0).all(axis=1).any()
+
+
+def test_the_queries_of_the_counts_lie_inside_but_for_the_last_32() -> None:
+    export = tripod_export()
+    params, gravity = queries.counted(export)
+    assert len(params) == 256
+    status, _ = twin.read(export, params, gravity)
+    assert not np.isin(status[:-32], (-1, 1, 3)).any()
+    assert np.isin(status[-32:], (1, 3)).any()
+
+
+def test_the_queries_are_the_same_every_time_and_stored_bit_for_bit() -> None:
+    first, second = (queries.as_bytes(*queries.checked(tripod_export())) for _ in range(2))
+    assert first == second
+    params, gravity = queries.checked(tripod_export())
+    rows = np.frombuffer(first, "<f4").reshape(1000, 5)
+    np.testing.assert_array_equal(
+        rows.view(np.uint32), np.concatenate([params, gravity], axis=1).view(np.uint32)
+    )
+
+
+# The rows
+
+
+@pytest.mark.parametrize(
+    "label",
+    [
+        *("contacts i8 4+4", "contacts i16 rigid", "poly 0x2 2x0 0x0", "poly 3 2 1"),
+        *("grid u8 tip 17x17", "grid u16 tip 5x5x13x13 sdg 7x7x9x9 height 7x7x1x1"),
+    ],
+)
+def test_a_size_is_read_back_from_its_label(label: str) -> None:
+    codec, spec = cases.spec_of(label)
+    assert label.startswith(codec)
+    assert spec.label == label
+
+
+def test_a_table_with_one_wrong_bit_is_not_taken_for_the_export(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cases, "ROOT", tmp_path)
+    monkeypatch.setattr(cases, "BUILD", tmp_path / "targets")
+    export = tripod_export()
+    package.write(export, tmp_path / "made")
+    case = cases.Case("tripod", lambda: export, tmp_path / "made")
+    _, folder = cases.written(case)
+    source = tmp_path / "made" / "tripod.c"
+    text = source.read_text()
+    assert (folder / "tripod.c").read_text() == text
+    found = re.search(r"int8_t tripod_\w+\[\d+\] = \{\s*(-?\d+)", text)
+    assert found is not None
+    wrong = str(int(found[1]) ^ 1)
+    source.write_text(text[: found.start(1)] + wrong + text[found.end(1) :])
+    with pytest.raises(ExportError, match="not those of its report"):
+        cases.written(case)
+
+
+# The gate
+
+
+def cell(**changes: int) -> dict[str, int]:
+    return {"min": 100, "median": 200, "max": 300, "code": 1000, "stack": 150} | changes
+
+
+def content(**changes: int) -> dict[str, Any]:
+    row = {
+        "spec": "s",
+        "codec": "grid",
+        "arithmetic": "float",
+        "tables": 59,
+        "recipe_sha256": "0",
+        "channels": ["sdg"],
+    }
+    return {
+        "compilers": {"m4f": "gcc 12"},
+        "rows": {"a": row | {"boards": {"m4f": {"-O2": cell(**changes)}}}},
+    }
+
+
+@pytest.mark.parametrize("measure", baseline.MEASURES)
+def test_more_than_two_percent_is_worse_or_asks_for_an_update(measure: str) -> None:
+    old = cell()[measure]
+    for factor, worse, better in ((1.02, 0, 0), (1.03, 1, 0), (0.98, 0, 0), (0.97, 0, 1)):
+        found = baseline.compare(content(), content(**{measure: round(old * factor)}))
+        assert [len(lines) for lines in found] == [worse, better]
+        if worse:
+            assert found[0][0].startswith(f"a m4f -O2 {measure}: {old:,} in the baseline")
+
+
+def test_what_the_baseline_does_not_hold_is_a_failure() -> None:
+    found = content()
+    found["rows"]["b"] = found["rows"]["a"]
+    assert baseline.compare(content(), found)[0] == ["b: is not in the baseline"]
+    found = copy.deepcopy(content())
+    found["rows"]["a"]["boards"]["m4f"]["-Os"] = cell()
+    assert baseline.compare(content(), found)[0] == ["a m4f -Os: is not in the baseline"]
+    found = copy.deepcopy(content())
+    found["rows"]["a"]["spec"] = "other"
+    assert baseline.compare(content(), found)[0] == ["a: is other, in the baseline s"]
+    found = copy.deepcopy(content())
+    found["compilers"]["m4f"] = "gcc 13"
+    assert "cannot be compared" in baseline.compare(content(), found)[0][0]
+    found = copy.deepcopy(content())
+    found["rows"]["a"]["tables"] = 62
+    assert baseline.compare(content(), found)[0] == [
+        "a tables: 59 in the baseline, now 62 (+5.1 %)"
+    ]
+
+
+def test_a_function_that_needs_no_stack_may_be_compared() -> None:
+    assert baseline.compare(content(stack=0), content(stack=0)) == ([], [])
+    assert baseline.compare(content(stack=0), content(stack=8))[0] == [
+        "a m4f -O2 stack: 0 in the baseline, now 8"
+    ]
+
+
+def test_an_export_that_no_longer_fits_a_part_is_worse() -> None:
+    found = content()
+    found["rows"]["a"]["boards"]["m4f"]["-O2"] = {}
+    worse, _ = baseline.compare(content(), found)
+    assert "a m4f -O2 code: 1000 in the baseline, now None" in worse
+    assert baseline.compare(found, found) == ([], [])
+
+
+def test_an_update_replaces_what_was_run_and_keeps_the_rest(tmp_path: Path) -> None:
+    old = content()
+    old["rows"]["b"] = copy.deepcopy(old["rows"]["a"])
+    old["rows"]["a"]["boards"]["m3"] = {"-O2": cell()}
+    made = baseline.merged(old, content(max=290))
+    assert made["rows"]["a"]["boards"] == {"m4f": {"-O2": cell(max=290)}, "m3": {"-O2": cell()}}
+    assert made["rows"]["b"] == old["rows"]["b"]
+    baseline.save(made, tmp_path / "b.json")
+    assert baseline.load(tmp_path / "b.json") == made
+    first = (tmp_path / "b.json").read_bytes()
+    baseline.save(dict(reversed(made.items())), tmp_path / "b.json")
+    assert (tmp_path / "b.json").read_bytes() == first
+
+
+def test_a_baseline_that_is_none_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "b.json").write_text("[]")
+    with pytest.raises(ExportError, match="is no baseline"):
+        baseline.load(tmp_path / "b.json")
+
+
+def test_the_committed_baseline_holds_every_row_and_board() -> None:
+    known = baseline.load()
+    assert set(known["rows"]) == {case.name for case in cases.cases()}
+    assert set(known["compilers"]) == {one.name for one in BOARDS}
+    for name, row in known["rows"].items():
+        assert set(row["boards"]) == {one.name for one in BOARDS}
+        for on, cells in row["boards"].items():
+            assert set(cells) == {"-O2", "-Os"}
+            fits = not ("74kB" in name and on == "mega328p")
+            assert all(bool(cell) == fits for cell in cells.values())
+
+
+def test_the_markdown_table_has_a_row_for_each_export_and_dashes_for_what_does_not_fit() -> None:
+    known = content()
+    known["rows"]["a"]["boards"]["mega328p"] = {"-O2": {}}
+    assert tables.markdown(known, ("m4f", "mega328p")).splitlines() == [
+        "| export | tables, B | Cortex-M4F | ATmega328P, cycles |",
+        "|---|---|---|---|",
+        "| `a` | 59 | 200 / 300 | - |",
+    ]
+
+
+# What is skipped
+
+
+def test_a_missing_compiler_is_a_loud_skip_and_a_failure_in_ci(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("targets.boards.shutil.which", lambda name: None)
+    monkeypatch.setattr(run, "prepared", lambda case: row(tmp_path))
+    monkeypatch.delenv("CI", raising=False)
+    monkeypatch.setattr(baseline, "compare", lambda known, found: ([], []))
+    arguments = ["--only", "rv32imc", "--export", "paper_one"]
+    assert run.main(arguments) == 0
+    said = capsys.readouterr().out
+    assert "SKIPPED RV32IMC: not installed: apt-get install gcc-riscv64-unknown-elf" in said
+    assert "1 targets skipped" in said
+    assert run.main([*arguments, "--strict"]) == 1
+    monkeypatch.setenv("CI", "true")
+    assert run.main(arguments) == 1
+
+
+def row(folder: Path) -> run.Row:
+    """Return a row of a small export, its hashes right."""
+    export = tripod_export()
+    package.write(export, folder / "firmware")
+    params, gravity = queries.checked(export)
+    right = fnv1a(answer_bytes(*twin.read(export, params, gravity)))
+    rows = queries.as_bytes(params, gravity) + queries.as_bytes(*queries.counted(export))
+    job = image.Job(folder / "firmware", export.name, 2, False, rows, 1000, 256)
+    case = cases.Case("tripod", lambda: export)
+    return run.Row(case, export, job, right, right)
+
+
+def test_a_wrong_hash_and_a_failed_cell_are_failures(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    one = row(tmp_path)
+
+    def fake(job: image.Job, on: Any, option: str) -> image.Outcome:
+        if option == "-Os":
+            raise image.CellError("qemu: said nothing")
+        return image.Outcome(one.twin ^ 1, [5, 6, 7], Footprint(1, 2))
+
+    monkeypatch.setattr(run, "execute", fake)
+    monkeypatch.setattr(run, "version", lambda on: "1")
+    monkeypatch.setattr("targets.boards.shutil.which", lambda name: name)
+    matrix = run.Matrix([one], [board("m3")])
+    matrix.run(1)
+    assert matrix.verdicts == {"tripod": {"m3": ["FAIL", "FAIL"]}}
+    assert matrix.failures == [
+        f"tripod m3 -O2: hash {one.twin ^ 1:08x}, the twin's is {one.twin:08x}",
+        "tripod m3 -Os: qemu: said nothing",
+    ]
+    assert "FAIL" in tables.hashes(matrix.verdicts, {"tripod": ("0", "ok")})
+
+
+# The run itself
+
+
+@needs_arm
+def test_an_emulated_m4f_answers_as_the_twin_and_the_host_do(tmp_path: Path) -> None:
+    one = row(tmp_path)
+    params, gravity = queries.checked(one.export)
+    host = HostLibrary(one.job.folder).read(params, gravity)
+    assert fnv1a(answer_bytes(*host)) == one.twin
+    first = image.execute(one.job, board("m4f"), "-O2")
+    assert first.hash == one.twin
+    assert len(first.counts) == 256
+    assert min(first.counts) > 20
+    # The counts of an emulator are exact, so a second run has the same.
+    assert image.execute(one.job, board("m4f"), "-O2") == first
+
+
+@needs_arm
+def test_an_image_with_one_wrong_bit_in_a_table_has_another_hash(tmp_path: Path) -> None:
+    one = row(tmp_path)
+    source = one.job.folder / "tripod.c"
+    text = source.read_text()
+    found = re.search(r"int8_t tripod_\w+\[\d+\] = \{\s*(-?\d+)", text)
+    assert found is not None
+    wrong = text[: found.start(1)] + str(int(found[1]) ^ 1) + text[found.end(1) :]
+    source.write_text(wrong)
+    job = replace(one.job, counted=1)
+    assert image.execute(job, board("m4f"), "-Os").hash != one.twin
+
+
+@needs_arm
+def test_what_does_not_compile_is_a_failed_cell(tmp_path: Path) -> None:
+    one = row(tmp_path)
+    (one.job.folder / "smap.c").write_text("int x = ;\n")
+    with pytest.raises(image.CellError, match="error: expected expression"):
+        image.execute(one.job, board("m4f"), "-O2")
+
+
+# What reports tell
+
+
+def test_a_report_tells_the_counts_of_just_the_export_that_was_counted(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from firmware_export.emit import facts
+    from firmware_export.emit.page import page
+    from firmware_export.emit.report import report
+    from firmware_export.emit.source import body_of
+
+    export = tripod_export()
+    known = content(max=290)
+    known["rows"]["a"] |= {
+        "spec": export.tables.spec.label,
+        "recipe_sha256": export.recipe.digest,
+        "channels": list(export.channels),
+    }
+    rows = json.loads(baseline.published(known, BOARDS, ["a", "b"]))["rows"]
+    monkeypatch.setattr(facts, "_counts", lambda: rows)
+    expected = {"target": "Cortex-M4F", "option": "-O2", "unit": "instructions"}
+    assert facts.counted(export) == [expected | {"median": 200, "max": 290}]
+    body = body_of(export)
+    text = page(export, body, report(export, body, []), None)
+    assert "| Cortex-M4F, -O2 | instructions | 200 | 290 |" in text
+    other = replace(export, channels=("tip_angle",))
+    assert facts.counted(other) is None
+    assert "Not measured for these tables." in page(other, body, report(other, body, []), None)
+
+
+# Beside CMSIS-DSP
+
+
+@needs_arm
+def test_without_a_network_the_comparison_says_so_and_ends(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from targets import cmsis
+
+    monkeypatch.setattr(cmsis, "BUILD", tmp_path)
+    failed = subprocess.CompletedProcess([], 1)
+    monkeypatch.setattr("targets.cmsis.subprocess.run", lambda *_, **__: failed)
+    assert cmsis.main([]) == 0
+    assert capsys.readouterr().out == (
+        "SKIPPED CMSIS-DSP: its source cannot be downloaded (pip download cmsisdsp).\n"
+    )
+
+
+def test_the_readme_shows_the_baseline() -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    shown = text.partition("<!-- counts -->\n")[2].partition("\n<!-- end of counts -->")[0]
+    assert shown == tables.markdown(baseline.load(), ("m4f", "m3", "m0", "rv32imc", "mega328p"))

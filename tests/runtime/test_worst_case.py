@@ -1,0 +1,97 @@
+"""The bound of a read: every loop has one, and the machine code is summed up as by hand."""
+
+from pathlib import Path
+
+import pytest
+
+from firmware_export.emit.config import runtime_file
+from lutgen.errors import ExportError
+from targets import loops
+from targets.listing import parse
+from targets.longest import bounded, measured
+from targets.worst import Bounds
+from tests.runtime.test_targets import needs_arm, row
+
+
+def test_every_loop_of_the_runtime_has_a_bound() -> None:
+    source = runtime_file("smap.c")
+    shape = loops.Shape(8, 32, 32, 8, 8, 255, 10, 255)
+    found = loops.bounds(source, shape)
+    assert len(found) > 40
+    assert all(0 < rounds <= 1024 for rounds in found.values())
+    # And none is listed that is not there.
+    assert set(loops.LOOPS) == set(loops.heads(source).values())
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["  while (!ready) {", "  for (i = 0; i < other; i++) {", "  goto again;", "  } while (x);"],
+)
+def test_a_loop_that_is_not_listed_is_refused(line: str) -> None:
+    source = runtime_file("smap.c") + f"\nvoid f(void)\n{{\n{line}\n}}\n"
+    with pytest.raises(ExportError, match="bound"):
+        loops.bounds(source, loops.Shape(2))
+
+
+def test_the_halvings_of_a_binary_search_are_counted_by_trying() -> None:
+    for nodes in range(2, 300):
+        left, steps = nodes - 1, 0
+        while left > 1:
+            left, steps = (left + 1) >> 1, steps + 1
+        assert loops.Shape(1, nodes=nodes).halvings == steps
+
+
+def test_a_jump_by_address_is_not_followed() -> None:
+    for text in ("tbb\t[pc, r3]", "add\tpc, r3", "ldr.w\tpc, [r3]"):
+        with pytest.raises(ExportError, match="table of branches"):
+            parse(f"00000000 <f>:\n       0:\t{text}\n")
+    for text in ("pop\t{r4, pc}", "ldr.w\tpc, [sp], #4", "bx\tlr"):
+        (only,) = parse(f"00000000 <f>:\n       0:\t{text}\n")["f"]
+        assert not only.falls
+
+
+# Lines 3 and 5 of a made-up smap.c have the heads of an outer and an inner loop.
+LISTING = """\
+00000000 <inner>:
+inner():
+smap.c:1
+       0:\tadds\tr0, #1
+       2:\tbx\tlr
+
+00000010 <outer>:
+outer():
+smap.c:3
+      10:\tmovs\tr4, #4
+smap.c:5
+      12:\tmovs\tr5, #3
+smap.c:6
+      14:\tbl\t0 <inner>
+smap.c:5
+      18:\tsubs\tr5, #1
+      1a:\tbne.n\t14 <outer+0x4>
+smap.c:3
+      1c:\tsubs\tr4, #1
+      1e:\tbne.n\t12 <outer+0x2>
+      20:\tbx\tlr
+"""
+
+
+def test_the_bound_of_nested_loops_is_what_one_counts_by_hand() -> None:
+    bounds = Bounds(parse(LISTING), {3: 4, 5: 3}, [0, 2], {})
+    assert bounds.of("inner") == 2
+    # A round of the inner loop: 3 instructions and the callee's 2.  It goes round 3 times, and
+    # once more as it may be left at its end: 4 x 5 = 20.  A round of the outer: 1 + 20 + 2 = 23;
+    # again once more than 4: 5 x 23.  And one before and one after.
+    assert bounds.of("outer") == 1 + 5 * 23 + 1
+
+
+def test_a_loop_without_a_known_head_has_no_bound() -> None:
+    with pytest.raises(ExportError, match="of no head"):
+        Bounds(parse(LISTING), {3: 4}, [0, 2], {}).of("outer")
+
+
+@needs_arm
+def test_no_read_of_a_small_export_takes_longer_than_its_bound(tmp_path: Path) -> None:
+    one = row(tmp_path)
+    seen = measured(one, 2000)
+    assert seen <= bounded(one) < 3 * seen

@@ -1,0 +1,285 @@
+"""Driving: the paper's percentages point by point, lag, rates, turning, and what is refused."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from lutgen.channels.each import evaluate_pairs
+from lutgen.channels.settle import body_gravity
+from lutgen.errors import InputError
+from lutgen.recipe.recipe import Recipe, load_recipe, parse_recipe
+from lutgen.search.driving import Drive, drive
+from lutgen.search.optima import optimum
+from lutgen.search.terrain import Path, along, paper_path, turned
+from tests.fixtures.recipes import feet, rigid
+
+NOMINAL = [math.atan(0.6)] * 2
+FLAT = along([[0, 0, 0], [4, 0, 0], [8, 0, 0], [12, 0, 0], [12.5, 0, 0]])
+# Where the paper's robot tips over: without control, with it, and with right-end nodes.
+FIXED = [
+    *(*range(9), *range(10, 24), *range(26, 36), *range(38, 48), *range(52, 60)),
+    *(*range(64, 72), *range(77, 84), *range(90, 96)),
+]
+LEFT = [*range(8), *range(11, 23), 30, 31]
+
+
+@pytest.fixture(scope="module")
+def robot(maps_folder: Any) -> Recipe:
+    """Return the paper's robot with its wheels at 30, 150 and 270 deg."""
+    text = (maps_folder / "paper_two.toml").read_text(encoding="utf-8")
+    for old, new in (
+        ("rpy = [0, 0, 0]", "rpy = [0, 0, 30]"),
+        ("rpy = [0, 0, 120]", "rpy = [0, 0, 150]"),
+        ("073525, 240]", "073525, 270]"),
+    ):
+        assert text.count(old) == 1
+        text = text.replace(old, new)
+    return parse_recipe(text)
+
+
+def at(run: Drive) -> list[int]:
+    """Return the points at which a run tips over."""
+    return np.flatnonzero(run.tips).tolist()
+
+
+def percent(robot: Recipe, path: Path, **options: Any) -> float:
+    return round(100.0 * drive(robot, path, params0=NOMINAL, **options).share, 9)
+
+
+# The paper's simulation
+
+
+def test_without_control_the_robot_tips_over_at_72_of_100_points(robot: Recipe) -> None:
+    run = drive(robot, paper_path(), control=False, params0=NOMINAL)
+    assert at(run) == FIXED
+    assert run.share == 0.72
+    assert run.evaluations == 0
+    assert (run.params == NOMINAL).all()
+
+
+@pytest.mark.parametrize("lag", [0, 1])
+def test_with_control_it_tips_over_at_22(robot: Recipe, lag: int) -> None:
+    run = drive(robot, paper_path(), params0=NOMINAL, lag=lag)
+    assert at(run) == LEFT
+    assert run.evaluations == 150 * (100 - lag)
+
+
+def test_the_paper_robot_of_the_maps_does_the_same_turned_by_30_degrees(maps_folder: Any) -> None:
+    two = load_recipe(maps_folder / "paper_two.toml")
+    path = turned(paper_path(), math.radians(30.0))
+    assert at(drive(two, path, control=False, params0=NOMINAL)) == FIXED
+    assert at(drive(two, path, params0=NOMINAL)) == LEFT
+
+
+def test_right_ends_give_24_and_without_lag_23(robot: Recipe) -> None:
+    assert percent(robot, paper_path(), ends="right") == 24
+    assert percent(robot, paper_path(), ends="right", lag=0) == 23
+
+
+def test_a_body_that_keeps_the_attitude_of_the_ground_tips_over_at_28(robot: Recipe) -> None:
+    assert percent(robot, paper_path(), convention="body", ends="right") == 28
+
+
+@pytest.mark.parametrize(
+    ("path", "fixed", "changing"),
+    [
+        (paper_path(1000), 72.7, 21.5),
+        (paper_path(attitude="surface"), 72, 21),
+        (paper_path(span=(4.0 * math.pi / 100.0, 4.0 * math.pi)), 73, 22),
+        (paper_path(span=(0.1, 4.0 * math.pi)), 73, 22),
+        (paper_path(span=(1e-6, 12.5)), 75, 23),
+        (paper_path(span=(1e-6, 13.0)), 70, 22),
+        (paper_path(span=(1e-6, 12.0)), 77, 24),
+    ],
+)
+def test_other_readings_of_the_path_give_nearly_the_same(
+    robot: Recipe, path: Path, fixed: float, changing: float
+) -> None:
+    assert percent(robot, path, control=False) == fixed
+    assert percent(robot, path) == changing
+
+
+# What a run is
+
+
+def test_a_run_is_the_verdict_of_the_attitudes_that_the_robot_takes(robot: Recipe) -> None:
+    run = drive(robot, paper_path(20), params0=NOMINAL, headings=3)
+    taken = turned(run.path, run.turn)
+    down = body_gravity(robot, run.params, taken.gravity, "plane")
+    np.testing.assert_array_equal(run.gravity_body, down)
+    np.testing.assert_array_equal(run.heading, taken.heading)
+    exact = evaluate_pairs(robot, run.params, down, ["sdg", "height", "tip_angle", "margin"])
+    assert list(run.channels) == list(exact)
+    for name, values in exact.items():
+        np.testing.assert_array_equal(run.channels[name], values)
+    np.testing.assert_array_equal(run.tips, exact["tip_angle"] < 0.0)
+
+
+def test_control_takes_what_the_search_finds_for_the_point_before(robot: Recipe) -> None:
+    path = paper_path(7)
+    run = drive(robot, path, params0=NOMINAL, method="nelder-mead", objective="tip_angle")
+    assert (run.params[0] == NOMINAL).all()
+    for i in range(6):
+        found = optimum(robot, path.gravity[i], "nelder-mead", "tip_angle", convention="plane")
+        np.testing.assert_array_equal(run.params[i + 1], found.params)
+
+
+@pytest.mark.parametrize("lag", [1, 3])
+def test_lag_shifts_what_control_does(robot: Recipe, lag: int) -> None:
+    path = paper_path(12)
+    at_once = drive(robot, path, lag=0, headings=3)
+    late = drive(robot, path, lag=lag, headings=3)
+    np.testing.assert_array_equal(late.params[lag:], at_once.params[:-lag])
+    np.testing.assert_array_equal(late.turn[lag:], at_once.turn[:-lag])
+    # Before that the middle of the ranges, and no turn.
+    assert (late.params[:lag] == math.radians(25.0)).all()
+    assert (late.turn[:lag] == 0.0).all()
+    assert len(np.unique(at_once.params)) > 2
+    assert len(np.unique(at_once.turn)) > 1
+
+
+def test_a_lag_longer_than_the_path_is_no_control(robot: Recipe) -> None:
+    run = drive(robot, paper_path(5), lag=5, params0=NOMINAL)
+    assert (run.params == NOMINAL).all()
+    assert run.evaluations == 0
+
+
+def test_equal_ground_is_searched_once(robot: Recipe) -> None:
+    run = drive(robot, FLAT, lag=0)
+    assert run.evaluations == 150
+    np.testing.assert_allclose(np.degrees(run.params), 30.9568)
+
+
+# Rates
+
+
+def test_a_limited_parameter_goes_there_as_fast_as_it_can(robot: Recipe) -> None:
+    rates = {"alpha": math.radians(2.0)}
+    start = np.radians([20.0, 20.0])
+    run = drive(robot, FLAT, params0=start, rates=rates, speed=2.0, lag=0)
+    # 2 deg/s at 2 per second and steps of 4, 4, 4 and 0.5: 4, 4, 4 and 0.5 deg each.
+    np.testing.assert_allclose(np.degrees(run.params[:, 0]), [20, 24, 28, 30.9568, 30.9568])
+    # gamma has no limit, and follows at once.
+    np.testing.assert_allclose(np.degrees(run.params[:, 1]), 30.9568)
+    np.testing.assert_allclose(np.degrees(run.wanted), 30.9568)
+    # What is reached is what is judged.
+    assert run.channels["sdg"][0] > 0.1
+    assert run.channels["sdg"][3] < 0.001
+
+
+def test_without_time_there_is_little_change(robot: Recipe) -> None:
+    start = np.radians([20.0, 40.0])
+    rates = {"alpha": math.radians(2.0), "gamma": math.radians(4.0)}
+    run = drive(robot, FLAT, params0=start, rates=rates, speed=2.0, lag=3)
+    # Nothing is wanted before point 3, and it then goes up and down.
+    expected = [[20, 40], [20, 40], [20, 40], [24, 32], [24.5, 31]]
+    np.testing.assert_allclose(np.degrees(run.params), expected)
+
+
+@pytest.mark.parametrize("lag", [0, 1])
+def test_an_unlimited_rate_is_no_limit_and_no_rate_is_no_control(robot: Recipe, lag: int) -> None:
+    path = paper_path(15)
+    free = drive(robot, path, params0=NOMINAL, lag=lag)
+    endless = {"alpha": math.inf, "gamma": math.inf}
+    run = drive(robot, path, params0=NOMINAL, lag=lag, rates=endless, speed=1.0)
+    np.testing.assert_array_equal(run.params, free.params)
+    run = drive(robot, path, params0=NOMINAL, lag=lag, rates={"alpha": 0, "gamma": 0}, speed=1.0)
+    assert (run.params == NOMINAL).all()
+    np.testing.assert_array_equal(run.wanted, free.params)
+
+
+# Turning
+
+
+@pytest.mark.parametrize("control", [True, False])
+def test_a_robot_that_may_turn_is_at_least_as_good(robot: Recipe, control: bool) -> None:
+    path = paper_path(40)
+    options: dict[str, Any] = {"control": control, "lag": 0, "params0": NOMINAL}
+    straight = drive(robot, path, **options)
+    free = drive(robot, path, headings=8, **options)
+    assert not (free.tips & ~straight.tips).any()
+    both = ~straight.tips
+    better = straight.channels["sdg"] - free.channels["sdg"]
+    # Headings within 1e-9 are equally good.
+    assert (better[both] >= -1e-9).all()
+    assert free.tips.sum() < straight.tips.sum()
+    assert set(np.round(np.degrees(free.turn)) % 45) == {0}
+    assert free.evaluations <= 8 * (150 if control else 1) * 40
+
+
+def test_of_turning_and_changing_shape_both_together_do_most(robot: Recipe) -> None:
+    assert percent(robot, paper_path(), control=False, headings=12) == 54
+    assert percent(robot, paper_path(), headings=12) == 15
+    # |SD_g| of the regular triangle is the same in all headings; its tip angle is not.
+    turning = {"control": False, "headings": 12, "objective": "tip_angle"}
+    assert percent(robot, paper_path(), **turning) == 48
+
+
+@pytest.mark.parametrize("slope", [0.5, 1.2])
+def test_a_robot_that_looks_the_same_from_three_sides_does_not_turn(
+    robot: Recipe, slope: float
+) -> None:
+    # Standing on the gentle slope and tipping over on the steep one.
+    path = along([[0, 0, 0], [1, 0, math.tan(slope)], [2, 0.5, 2 * math.tan(slope)]])
+    run = drive(robot, path, control=False, lag=0, params0=NOMINAL, headings=3)
+    assert run.tips.all() == (slope > 1.0)
+    assert (run.turn == 0.0).all()
+
+
+def test_a_long_robot_turns_its_long_side_to_the_slope() -> None:
+    # Four times as long as wide: it stands lengthwise on 30 deg, not across.
+    text = feet([(2, 0.5, -1), (2, -0.5, -1), (-2, 0.5, -1), (-2, -0.5, -1)])
+    path = along([[0, 0, 0], [0, 1, math.tan(math.radians(30.0))]], heading=[0.0, 0.0])
+    options: dict[str, Any] = {"control": False, "lag": 0, "objective": "tip_angle"}
+    recipe = parse_recipe(rigid(text))
+    assert drive(recipe, path, **options).share == 1.0
+    run = drive(recipe, path, headings=4, **options)
+    assert run.share == 0.0
+    # Both ways along the slope are as good; the first is to the left.
+    np.testing.assert_allclose(run.turn, math.pi / 2)
+    # Then the sides are nearest: their planes are inclined by atan(1/2) to the com's vertical.
+    sine = math.cos(math.radians(30.0)) * math.sin(math.atan(0.5))
+    np.testing.assert_allclose(run.channels["tip_angle"], math.asin(sine))
+
+
+def test_one_heading_is_its_own(robot: Recipe) -> None:
+    path = turned(paper_path(10), 0.3)
+    one, none = drive(robot, path, headings=1), drive(robot, path)
+    np.testing.assert_array_equal(one.params, none.params)
+    np.testing.assert_array_equal(one.heading, path.heading)
+
+
+# What is refused
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"lag": -1}, "got lag -1"),
+        ({"headings": 0}, "at least one heading"),
+        ({"method": "guess"}, "unknown method 'guess'"),
+        ({"objective": "facet"}, "objective 'facet'"),
+        ({"convention": "world"}, "unknown convention 'world'"),
+        ({"params0": [0.1]}, "one finite number for each of 2 parameters"),
+        ({"params0": [0.1, math.nan]}, "one finite number for each of 2 parameters"),
+        ({"rates": {"alpha": 1.0}}, "need a speed"),
+        ({"speed": 1.0}, "need a speed, and a speed needs rates"),
+        ({"rates": {"alpha": 1.0}, "speed": 0.0}, "speed must be above 0"),
+        ({"rates": {"alpha": 1.0}, "speed": math.nan}, "speed must be above 0"),
+        ({"rates": {"alpha": -1.0}, "speed": 1.0}, "rate of alpha must be 0 or more"),
+        ({"rates": {"beta": 1.0}, "speed": 1.0}, "no parameter 'beta'"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(robot: Recipe, options: dict[str, Any], said: str) -> None:
+    with pytest.raises(InputError) as caught:
+        drive(robot, FLAT, **options)
+    assert said in str(caught.value)
+
+
+def test_a_rigid_robot_is_driven_without_control_only() -> None:
+    recipe = parse_recipe(rigid(feet([(1, 0, -1), (-1, 1, -1), (-1, -1, -1)])))
+    with pytest.raises(InputError, match="no geometry parameter"):
+        drive(recipe, FLAT)
+    assert drive(recipe, FLAT, control=False).share == 0.0

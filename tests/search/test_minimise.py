@@ -1,0 +1,156 @@
+"""The four methods on plain functions, of which the minimum is known."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from lutgen.search.minimise import multistart, nelder_mead, refine, smallest_node
+
+Floats = NDArray[np.float64]
+BOX = np.array([[-3.0, 5.0], [0.0, 2.0]])
+
+
+class Counted:
+    """A cost function that keeps the rows that it was asked for."""
+
+    def __init__(self, function: Callable[[Floats], Floats]) -> None:
+        self.function = function
+        self.rows: list[Floats] = []
+
+    def __call__(self, points: Floats) -> Floats:
+        """Return the costs."""
+        self.rows.extend(points.copy())
+        return self.function(points)
+
+
+def bowl(points: Floats) -> Floats:
+    """Return a quadratic with its minimum at (1, 1, ...)."""
+    return np.asarray(((points - 1.0) ** 2 * np.arange(1, points.shape[1] + 1)).sum(axis=1))
+
+
+def waves(points: Floats) -> Floats:
+    """Return Rastrigin's function about (0.7, 0.7, ...): one minimum in each unit square."""
+    x = points - 0.7
+    return np.asarray((x**2 - np.cos(2.0 * np.pi * x) + 1.0).sum(axis=1))
+
+
+def test_the_mesh_has_five_nodes_a_side_which_are_the_left_ends_of_equal_cells() -> None:
+    (step,) = refine(bowl, np.array([[0.0, 50.0], [100.0, 200.0]]), 1)
+    assert sorted(set(step.nodes[:, 0])) == [0.0, 10.0, 20.0, 30.0, 40.0]
+    assert sorted(set(step.nodes[:, 1])) == [100.0, 120.0, 140.0, 160.0, 180.0]
+    assert len(step.nodes) == step.evaluations == 25
+    (step,) = refine(bowl, np.array([[0.0, 50.0]]), 1, "right")
+    assert step.nodes[:, 0].tolist() == [10.0, 20.0, 30.0, 40.0, 50.0]
+
+
+def test_each_interval_is_the_best_node_with_one_spacing_to_either_side() -> None:
+    steps = refine(bowl, np.array([[-25.0, 25.0]]), 4)
+    # By hand: 5 is 4 away from 1, -5 is 6 away; spacings 10, 4, 1.6, 0.64.  Sums of decimals.
+    hand = [
+        [-25, -15, -5, 5, 15],
+        [-5, -1, 3, 7, 11],
+        [-5, -3.4, -1.8, -0.2, 1.4],
+        [-0.2, 0.44, 1.08, 1.72, 2.36],
+    ]
+    for step, nodes in zip(steps, hand, strict=True):
+        assert step.nodes[:, 0] == pytest.approx(nodes, abs=1e-13)
+    assert [float(step.point[0]) for step in steps] == pytest.approx([5, -1, 1.4, 1.08], abs=1e-13)
+    # Worse than 5 to 1.4 would be; -1 is better than 5, 1.4 better than -1: costs 16, 4, 0.16.
+    assert [step.cost for step in steps] == pytest.approx([16, 4, 0.16, 0.0064], abs=1e-12)
+
+
+def test_nodes_never_leave_the_bounds() -> None:
+    for ends in ("left", "right"):
+        for step in refine(lambda x: x[:, 0], np.array([[2.0, 7.0], [0.0, 1.0]]), 6, ends):
+            assert step.nodes.min(axis=0).tolist() >= [2.0, 0.0]
+            assert (step.nodes.max(axis=0) <= [7.0, 1.0]).all()
+
+
+@pytest.mark.parametrize("k", [1, 2, 4])
+def test_every_step_of_the_mesh_takes_five_to_the_k_evaluations(k: int) -> None:
+    cost = Counted(bowl)
+    steps = refine(cost, np.array([[-1.0, 4.0]] * k), 3)
+    assert [step.evaluations for step in steps] == [5**k, 2 * 5**k, 3 * 5**k]
+    assert len(cost.rows) == 3 * 5**k
+
+
+def test_the_smallest_node_of_several_blocks_is_found_and_the_first_of_equals() -> None:
+    blocks = [np.array([[3.0], [2.0]]), np.array([[1.5], [0.5]]), np.array([[4.0]])]
+    cost = Counted(bowl)
+    (step,) = smallest_node(cost, iter(blocks))
+    assert (step.point.tolist(), step.cost, step.evaluations) == ([1.5], 0.25, 5)
+    assert len(cost.rows) == 5
+
+
+@pytest.mark.parametrize("start", [(-3.0, 0.0), (5.0, 2.0), (0.0, 0.0), (1.0, 1.0), (4.9, 0.01)])
+def test_nelder_mead_ends_at_the_minimum_from_anywhere_and_counts(start: tuple[float, ...]) -> None:
+    cost = Counted(bowl)
+    steps = nelder_mead(cost, BOX, np.array(start))
+    # The last simplex is 2e-6 of the bounds, which are 8 and 2 wide.
+    assert steps[-1].point == pytest.approx([1.0, 1.0], abs=2e-5)
+    assert steps[-1].evaluations == len(cost.rows)
+    costs = [step.cost for step in steps]
+    assert costs == sorted(costs, reverse=True)
+    assert bowl(steps[-1].point[None, :])[0] == pytest.approx(steps[-1].cost, abs=1e-15)
+    assert (np.array(cost.rows) >= BOX[:, 0]).all()
+    assert (np.array(cost.rows) <= BOX[:, 1]).all()
+
+
+def test_nelder_mead_finds_a_minimum_on_the_edge_of_the_bounds() -> None:
+    steps = nelder_mead(lambda x: x[:, 0] - x[:, 1], BOX, np.array([2.0, 1.0]))
+    assert steps[-1].point == pytest.approx([-3.0, 2.0], abs=2e-5)
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1e3])
+@pytest.mark.parametrize("shift", [0.0, -1024.0])
+def test_nelder_mead_takes_the_same_way_in_any_unit_and_with_any_zero(
+    scale: float, shift: float
+) -> None:
+    start = np.array([3.0, 1.5])
+    plain = nelder_mead(waves, BOX, start)[-1]
+    other = nelder_mead(
+        lambda x: waves(x / scale - shift) * scale, (BOX + shift) * scale, (start + shift) * scale
+    )[-1]
+    assert other.point / scale - shift == pytest.approx(plain.point, abs=2e-5)
+
+
+@pytest.mark.parametrize("k", [1, 2])
+def test_multistart_finds_the_lowest_of_many_minima_from_anywhere(k: int) -> None:
+    box = np.array([[-4.0, 5.0]] * k)
+    random = np.random.default_rng(k)
+    lost = 0
+    for seed in range(10):
+        start = random.uniform(-4.0, 5.0, k)
+        cost = Counted(waves)
+        steps = multistart(cost, box, start, seed)
+        assert steps[-1].point == pytest.approx([0.7] * k, abs=1e-4)
+        assert steps[-1].evaluations == len(cost.rows)
+        costs = [step.cost for step in steps]
+        assert costs == sorted(costs, reverse=True)
+        # The caller's own start is one of those refined.
+        assert any((row == start).all() for row in cost.rows)
+        lost += bool(nelder_mead(waves, box, start)[-1].cost > 0.1)
+    # A guard that any method passes proves nothing.
+    assert lost >= 3
+
+
+def test_multistart_is_a_function_of_its_seed() -> None:
+    start = np.array([0.0, 1.0])
+    one, again, other = (multistart(waves, BOX, start, seed) for seed in (3, 3, 4))
+    assert one[0].nodes.tolist() == again[0].nodes.tolist()
+    assert one[-1].point.tolist() == again[-1].point.tolist()
+    assert one[0].nodes.tolist() != other[0].nodes.tolist()
+
+
+def test_the_candidates_fill_the_box_evenly() -> None:
+    nodes = multistart(bowl, BOX, np.array([0.0, 1.0]), 7)[0].nodes[1:]
+    share = (nodes - BOX[:, 0]) / (BOX[:, 1] - BOX[:, 0])
+    assert share.min() >= 0.0
+    assert share.max() < 1.0
+    # 256 points of a digital net: an even share of them in each of 8 x 8 cells, but for the
+    # shift.  Independent random points leave a cell empty or overfull nearly always.
+    counts = np.histogram2d(share[:, 0], share[:, 1], bins=8)[0]
+    assert counts.min() >= 2
+    assert counts.max() <= 6

@@ -1,0 +1,267 @@
+"""Paths: attitudes known by hand, the paper's slopes, and files that are refused with a line."""
+
+import math
+from pathlib import Path as File
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from lutgen.errors import InputError
+from lutgen.search.terrain import Path, along, paper_path, turned
+from lutgen.search.terrain_csv import read_path
+
+Floats = NDArray[np.float64]
+
+SLOPE = math.radians(25.0)
+SIN, COS = math.sin(SLOPE), math.cos(SLOPE)
+# The ground z = x tan(25 deg), and gravity on it for a robot that looks up, left, down and right.
+UPHILL = (-SIN, 0.0, COS)
+BY_HEADING = {0: (-SIN, 0, -COS), 90: (0, SIN, -COS), 180: (SIN, 0, -COS), 270: (0, -SIN, -COS)}
+
+
+def on_slope(xy: Floats) -> Floats:
+    """Return points (p, 3) of the slope above (p, 2)."""
+    return np.column_stack([xy, xy[:, 0] * math.tan(SLOPE)])
+
+
+# The paper's path
+
+
+def test_the_papers_path_has_its_equations_and_no_gap_at_zero() -> None:
+    path = paper_path(5, span=(-2.0, 2.0))
+    s = np.array([-2.0, -1.0, 1.0, 2.0])
+    others = path.position[[0, 1, 3, 4]]
+    np.testing.assert_allclose(others[:, 0], s)
+    np.testing.assert_allclose(others[:, 1], 0.8 * np.sin(s) / s)
+    np.testing.assert_allclose(others[:, 2], 15.0 * np.sin(s) ** 2 / s)
+    np.testing.assert_allclose(path.position[2], [0.0, 0.8, 0.0], atol=1e-15)
+    # dz/dx = 15 at 0.
+    np.testing.assert_allclose(path.gravity[2, 0] / path.gravity[2, 2], 15.0)
+
+
+@pytest.mark.parametrize("attitude", ["pitch", "surface"])
+def test_the_papers_slopes_are_those_of_its_own_points(attitude: str) -> None:
+    # A spacing of 1.2e-4: central differences err by less than 1e-6.
+    path = paper_path(100_001, attitude, (-2.0, 10.0))
+    if attitude == "pitch":
+        climb = np.gradient(path.position[:, 2], path.position[:, 0])
+        expected = np.column_stack([-climb, np.zeros_like(climb), -np.ones_like(climb)])
+        expected /= np.linalg.norm(expected, axis=1)[:, None]
+    else:
+        expected = along(path.position, np.zeros(len(path.position))).gravity
+    np.testing.assert_allclose(path.gravity[1:-1], expected[1:-1], atol=1e-6)
+    assert (path.heading == 0.0).all()
+
+
+def test_72_of_the_papers_100_points_are_steeper_than_the_nominal_robot_can_stand() -> None:
+    # Edge at (2/3) * 17.3205 / 2 from the com's foot, com 12 above: tan = 0.96225.
+    climb = np.abs(paper_path().gravity[:, 0] / paper_path().gravity[:, 2])
+    assert int((climb > 0.96225).sum()) == 72
+    assert int((paper_path(1000).gravity[:, 0] ** 2 > 0.96225**2 / (1 + 0.96225**2)).sum()) == 727
+
+
+# Attitudes
+
+
+@pytest.mark.parametrize("heading", BY_HEADING)
+def test_on_a_plane_gravity_is_as_the_heading_says(heading: int) -> None:
+    points = on_slope(np.array([[0.0, 0.0], [1.0, 2.0], [0.5, 3.0]]))
+    yaw = np.full(3, math.radians(heading))
+    path = along(points, yaw, np.tile(np.multiply(UPHILL, 7.0), (3, 1)))
+    np.testing.assert_allclose(path.gravity, np.tile(BY_HEADING[heading], (3, 1)), atol=1e-15)
+    assert (path.heading == yaw).all()
+
+
+@pytest.mark.parametrize("heading", BY_HEADING)
+def test_without_normals_the_ground_slopes_as_the_path_and_is_level_across(heading: int) -> None:
+    # Straight up the fall line, unevenly spaced: the plane is known from the path alone.
+    points = on_slope(np.array([[0.0, 4.0], [0.1, 4.0], [2.0, 4.0], [2.5, 4.0]]))
+    path = along(points, np.full(4, math.radians(heading)))
+    np.testing.assert_allclose(path.gravity, np.tile(BY_HEADING[heading], (4, 1)), atol=1e-14)
+
+
+@pytest.mark.parametrize("heading", range(0, 360, 45))
+def test_without_a_heading_the_robot_looks_along_the_path(heading: int) -> None:
+    way = np.array([math.cos(math.radians(heading)), math.sin(math.radians(heading))])
+    path = along(on_slope(np.outer([0.0, 1.0, 3.0], way)))
+    np.testing.assert_allclose(
+        np.exp(1j * path.heading), np.exp(1j * math.radians(heading)), atol=1e-14
+    )
+    climb = math.tan(SLOPE) * way[0]
+    expected = np.array([-climb, 0.0, -1.0]) / math.hypot(climb, 1.0)
+    np.testing.assert_allclose(path.gravity, np.tile(expected, (3, 1)), atol=1e-14)
+
+
+def test_round_a_cone_gravity_stays_on_the_side_of_the_axis() -> None:
+    # Counter-clockwise inside a funnel: the wall rises to the right.
+    angle = np.linspace(0.0, 2.0 * np.pi, 400)
+    circle = np.column_stack([np.cos(angle), np.sin(angle), np.full(400, 3.0)])
+    normal = np.column_stack([-SIN * np.cos(angle), -SIN * np.sin(angle), np.full(400, COS)])
+    path = along(circle, normal=normal)
+    # One-sided differences look half a step, 0.45 deg, aside at both ends.
+    np.testing.assert_allclose(path.gravity[1:-1], np.tile([0.0, SIN, -COS], (398, 1)), atol=1e-9)
+    np.testing.assert_allclose(path.gravity, np.tile([0.0, SIN, -COS], (400, 1)), atol=0.01)
+    # Without normals nobody knows of the wall.
+    np.testing.assert_allclose(along(circle).gravity, [[0, 0, -1]] * 400, atol=1e-15)
+
+
+def test_a_circle_has_its_own_tangents_although_the_points_are_uneven() -> None:
+    # Neighbouring steps of 1 to 5: the direction between both neighbours would be 2.3 deg off.
+    angle = np.cumsum([0.0, *(0.02, 0.1) * 7])
+    path = along(np.column_stack([np.sin(angle), 0.0 * angle, 1.0 - np.cos(angle)]))
+    pitch = np.arctan2(-path.gravity[:, 0], -path.gravity[:, 2])
+    np.testing.assert_allclose(pitch[1:-1], angle[1:-1], atol=1e-13)
+    # At the ends the chord: half a step aside.
+    np.testing.assert_allclose(pitch[[0, -1]], [0.01, angle[-1] - 0.05], atol=1e-13)
+
+
+def test_a_wall_is_as_steep_as_a_wall_and_the_heading_before_it_holds() -> None:
+    up = [[0, 0, 0], [0, 1, 0], [0, 1, 1], [0, 1, 2], [0, 1, 3], [0, 2, 3]]
+    path = along(up)
+    np.testing.assert_allclose(path.heading, np.pi / 2)
+    np.testing.assert_allclose(path.gravity[3], [-1.0, 0.0, 0.0], atol=1e-15)
+    down = along(np.array(up)[::-1])
+    np.testing.assert_allclose(down.heading, -np.pi / 2)
+    np.testing.assert_allclose(down.gravity[2], [1.0, 0.0, 0.0], atol=1e-15)
+    # A path that begins on the wall, and one that is nothing else.
+    np.testing.assert_allclose(along(up[2:]).gravity[0], [-1.0, 0.0, 0.0], atol=1e-15)
+    np.testing.assert_allclose(along([[0, 0, 0], [0, 0, 1]]).gravity, [[-1, 0, 0]] * 2, atol=1e-15)
+    # Along a wall the robot lies on its side.
+    side = along([[0, 0, 0], [0, 1, 0]], normal=[[-1, 0, 0]] * 2)
+    np.testing.assert_allclose(side.gravity, [[0, 1, 0]] * 2, atol=1e-15)
+
+
+def test_distance_is_the_length_of_the_path() -> None:
+    path = along([[0, 0, 0], [3, 4, 0], [3, 4, 12]])
+    assert path.distance.tolist() == [0.0, 5.0, 17.0]
+
+
+# Turning
+
+
+@given(
+    slope=st.floats(0.0, 1.5),
+    fall=st.floats(-3.0, 3.0),
+    heading=st.floats(-3.0, 3.0),
+    turn=st.floats(-3.0, 3.0),
+)
+def test_a_turned_robot_has_the_gravity_of_its_new_heading(
+    slope: float, fall: float, heading: float, turn: float
+) -> None:
+    up = np.array(
+        [math.sin(slope) * math.cos(fall), math.sin(slope) * math.sin(fall), math.cos(slope)]
+    )
+    points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]
+    path = along(points, [heading] * 2, [up] * 2)
+    there = turned(path, turn)
+    again = along(points, there.heading, [up] * 2)
+    # On ground of 86 deg a yaw is known to 1e-16 / cos(86 deg).
+    np.testing.assert_allclose(there.gravity, again.gravity, atol=1e-12)
+    # The turn is about the normal: gravity turns by it the other way, seen from above.
+    before, after = (complex(*p.gravity[0, :2]) for p in (path, there))
+    assert abs(after - before * np.exp(-1j * turn)) < 1e-14
+    np.testing.assert_allclose(turned(there, -turn).gravity, path.gravity, atol=1e-14)
+
+
+def test_on_level_ground_a_turn_is_the_change_of_heading() -> None:
+    path = turned(along([[0, 0, 0], [1, 0, 0], [2, 0, 0]]), [0.0, 0.5, -1.0])
+    np.testing.assert_allclose(path.heading, [0.0, 0.5, -1.0])
+
+
+# What is refused
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ({"position": [[0, 0, 0]]}, "at least 2 points (got 1)"),
+        ({"position": [[0, 0], [1, 0]]}, r"position must have the shape (p, 3)"),
+        ({"position": [[0, 0, 0], [math.nan, 0, 0]]}, "at point 1"),
+        ({"position": [[0, 0, 0], [1, 0, 0], [1, 0, 0]]}, "point 2 of the path is the one before"),
+        ({"position": [[0, 0, 0], [1, 0, 0], [0, 0, 0]]}, "turns back on itself at point 1"),
+        ({"position": [[0, 0, 0], [1, 0, 0]], "heading": [0.0]}, "heading must have the shape"),
+        (
+            {"position": [[0, 0, 0], [1, 0, 0]], "normal": [[0, 0, 1], [0, 0, -1]]},
+            "normal at point 1 points down",
+        ),
+        ({"position": [[0, 0, 0], [1, 0, 0]], "normal": [[0, 0, 1], [0, 0, 0]]}, "longer than 0"),
+    ],
+)
+def test_what_is_no_path_is_refused(arguments: dict[str, list[object]], said: str) -> None:
+    with pytest.raises(InputError) as caught:
+        along(**arguments)  # type: ignore[arg-type]
+    assert said in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [{"points": 1}, {"attitude": "roll"}, {"span": (1.0, 1.0)}, {"span": (0, math.inf)}],
+)
+def test_what_is_no_paper_path_is_refused(arguments: dict[str, object]) -> None:
+    with pytest.raises(InputError):
+        paper_path(**arguments)  # type: ignore[arg-type]
+
+
+# Files
+
+
+def written(folder: File, text: str) -> Path:
+    file = folder / "path.csv"
+    file.write_bytes(text.encode())
+    return read_path(file)
+
+
+def test_a_file_gives_the_path_that_its_numbers_give(tmp_path: File) -> None:
+    path = written(tmp_path, "x,y,z\n0,0,0\n1.5,0,1e0\n\n2.5,1,-1\n")
+    expected = along([[0, 0, 0], [1.5, 0, 1], [2.5, 1, -1]])
+    for name in ("position", "heading", "gravity"):
+        np.testing.assert_array_equal(getattr(path, name), getattr(expected, name))
+
+
+def test_columns_come_in_any_order_and_headings_in_degrees(tmp_path: File) -> None:
+    # A byte order mark, spaces, and line ends of another system.
+    path = written(
+        tmp_path, "\ufeffnz, nx,ny,heading,z,y,x\r\n1,0,0,90,3,2,1\r\n1,1,0,-90,3,2,2\r\n"
+    )
+    np.testing.assert_allclose(path.position, [[1, 2, 3], [2, 2, 3]])
+    np.testing.assert_allclose(path.heading, [np.pi / 2, -np.pi / 2])
+    np.testing.assert_allclose(path.gravity[1], [0, 0.5**0.5, -(0.5**0.5)], atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "line 1 names no column x (got nothing)"),
+        ("x,y\n0,0\n", "line 1 names no column z (got x,y)"),
+        ("x,y,z,yaw\n0,0,0,0\n", "the unknown column 'yaw'"),
+        ("x,y,z,x\n0,0,0,0\n", "line 1 names a column twice"),
+        ("x,y,z,nx\n0,0,0,0\n", "only a part of nx, ny, nz"),
+        ("x,y,z\n", "at least 2 points (got 0)"),
+        ("x,y,z\n0,0,0\n", "at least 2 points (got 1)"),
+        ("x,y,z\n0,0,0\n1,0\n", "line 3 must have 3 cells"),
+        ("x,y,z\n0,0,0\n\n1,0,up\n", "line 4, column z: is no finite number (got 'up')"),
+        ("x,y,z\n0,0,0\n1,nan,0\n", "line 3, column y: is no finite number (got 'nan')"),
+        ("x,y,z\n0,0,0\n1,1e999,0\n", "line 3, column y: is no finite number (got '1e999')"),
+        ("x,y,z\n0,0,0\n\n1,0,0\n1,0,0\n", "line 5 repeats the point before it"),
+        ("x,y,z\n0,0,0\n1,0,0\n0,0,0\n", "turns back on itself at point 1"),
+        ("x,y,z\n0,0,0\n1,0,\x00\n", "line 3"),
+    ],
+)
+def test_a_faulty_file_is_refused_with_its_place(tmp_path: File, text: str, said: str) -> None:
+    with pytest.raises(InputError) as caught:
+        written(tmp_path, text)
+    assert said in str(caught.value)
+    assert str(tmp_path / "path.csv") in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_what_is_no_text_or_no_file_is_refused(tmp_path: File) -> None:
+    (tmp_path / "utf16.csv").write_bytes("x,y,z\n".encode("utf-16"))
+    with pytest.raises(InputError, match="no text in UTF-8"):
+        read_path(tmp_path / "utf16.csv")
+    for missing in (tmp_path, tmp_path / "none.csv"):
+        with pytest.raises(InputError, match="cannot be read"):
+            read_path(missing)

@@ -1,0 +1,314 @@
+"""Reading robot descriptions: what is read, and what is refused in one sentence."""
+
+import math
+import random
+import re
+import time
+from pathlib import Path
+
+import pytest
+
+from lutgen.errors import RecipeError
+from lutgen.recipe.proposal import import_urdf
+from lutgen.urdf.motion import read_motion
+from lutgen.urdf.read import Mimic, UrdfRobot, load_urdf, parse_urdf
+from tests.fixtures.robots import collision, joint, link, real, robot
+
+PAIR = link("base", 2.0) + link("arm", 1.0)
+
+
+def refusal(content: str | bytes) -> str:
+    """Return the sentence with which a description is refused."""
+    with pytest.raises(RecipeError) as caught:
+        parse_urdf(content, "bad.urdf")
+    text = str(caught.value)
+    assert text.startswith("bad.urdf: ")
+    assert text.endswith(".")
+    assert "\n" not in text
+    return text
+
+
+def test_links_hold_mass_com_and_placed_collision_shapes() -> None:
+    shapes = (
+        collision('sphere radius="0.25"', "1 2 3")
+        + collision('cylinder radius="0.5" length="2"', rpy="1.5 0 0")
+        + collision('box size="1 2 3"')
+        + collision('mesh filename="package://nowhere/../../etc/passwd"')
+    )
+    (found,) = parse_urdf(robot(link("base", 2.5, "0.1 0.2 0.3", shapes))).links
+    assert (found.mass, found.com) == (2.5, (0.1, 0.2, 0.3))
+    kinds = [(c.kind, c.size) for c in found.collisions]
+    assert kinds == [
+        ("sphere", (0.25,)),
+        ("cylinder", (0.5, 2.0)),
+        ("box", (1.0, 2.0, 3.0)),
+        ("mesh", ()),
+    ]
+    assert found.collisions[0].origin == (1.0, 2.0, 3.0)
+    assert found.collisions[1].rpy == (1.5, 0.0, 0.0)
+
+
+def test_a_link_without_inertial_weighs_nothing() -> None:
+    assert [part.mass for part in parse_urdf(robot(link("base"))).links] == [0.0]
+
+
+@pytest.mark.parametrize(
+    "kind", ["fixed", "revolute", "continuous", "prismatic", "floating", "planar"]
+)
+def test_every_type_of_joint_is_read(kind: str) -> None:
+    inside = '<axis xyz="0 3 4"/><limit lower="-1" upper="2" effort="1" velocity="1"/>'
+    (found,) = parse_urdf(
+        robot(PAIR, joint("j", kind, "base", "arm", inside, "1 2 3", "0.1 0.2 0.3"))
+    ).joints
+    assert (found.kind, found.parent, found.child) == (kind, "base", "arm")
+    assert (found.origin, found.rpy) == ((1.0, 2.0, 3.0), (0.1, 0.2, 0.3))
+    if kind not in ("fixed", "floating"):
+        assert found.axis == (0.0, 0.6, 0.8)
+    limited = kind in ("revolute", "prismatic")
+    assert (found.lower, found.upper) == ((-1.0, 2.0) if limited else (-math.inf, math.inf))
+
+
+def test_axis_limits_and_mimic_have_the_defaults_of_the_format() -> None:
+    third = link("tip")
+    follow = joint("k", "revolute", "arm", "tip", '<mimic joint="j"/><limit upper="1"/>')
+    first, second = parse_urdf(
+        robot(PAIR, third, joint("j", "revolute", "base", "arm"), follow)
+    ).joints
+    assert first.axis == (1.0, 0.0, 0.0)
+    assert (first.lower, first.upper) == (-math.inf, math.inf)
+    assert second.mimic == Mimic("j", 1.0, 0.0)
+    assert (second.lower, second.upper) == (0.0, 1.0)
+
+
+def test_elements_nested_in_other_blocks_and_unknown_ones_are_not_read() -> None:
+    block = f"<gazebo>{link('base', 9.0)}{joint('j', 'fixed', 'a', 'b')}</gazebo>"
+    other = '<transmission><joint name="j"/></transmission><colour/><colour/>'
+    found = parse_urdf(robot(block, PAIR, other, joint("j", "fixed", "base", "arm")))
+    assert [part.name for part in found.links] == ["base", "arm"]
+    assert found.ignored == {"gazebo": 1, "transmission": 1, "colour": 2}
+    assert found.root == "base"
+
+
+BOMB = (
+    '<?xml version="1.0"?><!DOCTYPE robot [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;">]>'
+    '<robot name="&b;"/>'
+)
+OUTSIDE = '<!DOCTYPE robot [<!ENTITY x SYSTEM "file:///etc/hostname">]><robot name="&x;"/>'
+TWO = joint("j", "fixed", "base", "arm")
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (BOMB, "has a document type declaration"),
+        (OUTSIDE, "has a document type declaration"),
+        ("<!DOCTYPE robot SYSTEM 'http://x/y.dtd'><robot/>", "has a document type declaration"),
+        ("<a>" * 200 + "</a>" * 200, "nested deeper than 100"),
+        ("<robot", "is not XML"),
+        ("", "is not XML"),
+        (b"\xff\xfe\x00", "is not XML"),
+        ('<?xml version="1.0" encoding="klingon"?><robot/>', "is not XML"),
+        ("<sdf/>", "is not <robot>"),
+        (robot(), "needs 1 to 10000 links"),
+        (robot("<xacro:macro/>").replace("<robot", "<robot xmlns:xacro='x'"), "expand the file"),
+        (robot(link("base"), "<link/>"), "a <link>: has no name"),
+        (robot(link("base"), link("base")), "link 'base': is given more than once"),
+        (robot(PAIR), "has 2 links without a parent"),
+        (robot(PAIR, link("c"), TWO, joint("j", "fixed", "arm", "c")), "joint 'j': is given more"),
+        (robot(PAIR, joint("j", "fixed", "bse", "arm")), "did you mean 'base'"),
+        (robot(PAIR, joint("j", "fixed", "base", "")), "names no child link"),
+        (robot(PAIR, joint("j", "hinge", "base", "arm")), "has an unknown type"),
+        (robot(PAIR, TWO, joint("k", "fixed", "base", "arm")), "has two parents"),
+        (robot(PAIR, TWO, joint("k", "fixed", "arm", "base")), "is its own ancestor"),
+        (robot(PAIR, joint("j", "fixed", "arm", "arm")), "is its own ancestor"),
+        (
+            robot(link("o"), PAIR, TWO, joint("k", "fixed", "arm", "base")),
+            "is its own ancestor",
+        ),
+        (robot(PAIR, joint("j", "revolute", "base", "arm", '<axis xyz="0 0 0"/>')), "axis without"),
+        (robot(PAIR, joint("j", "revolute", "base", "arm", '<axis xyz="0 1"/>')), "no vector"),
+        (robot(PAIR, joint("j", "fixed", "base", "arm", xyz="0 nan 0")), "no vector as xyz"),
+        (robot(PAIR, joint("j", "fixed", "base", "arm", xyz="${x} 0 0")), "no vector as xyz"),
+        (
+            robot(PAIR, joint("j", "revolute", "base", "arm", '<limit lower="2" upper="1"/>')),
+            "lower limit above",
+        ),
+        (
+            robot(PAIR, joint("j", "revolute", "base", "arm", '<limit lower="inf" upper="inf"/>')),
+            "limits far from zero",
+        ),
+        (
+            robot(PAIR, joint("j", "revolute", "base", "arm", '<mimic joint="i"/>')),
+            "mimics what is no joint",
+        ),
+        (
+            robot(PAIR, joint("j", "revolute", "base", "arm", '<mimic joint="j"/>')),
+            "mimics itself",
+        ),
+        (robot('<link name="a"><inertial/></link>'), "without <mass>"),
+        (robot(link("a", -1.0)), "negative mass"),
+        (robot(link("a", math.inf)), "no number as value"),
+        (robot(link("a", inside=collision('sphere radius="-1"'))), "negative size"),
+        (robot(link("a", inside=collision('box size="1 2"'))), "no vector as size"),
+        (robot(link("a", inside="<inertial/><inertial/>")), "more than one <inertial>"),
+    ],
+)
+def test_a_fault_is_refused_in_one_sentence(content: str | bytes, said: str) -> None:
+    assert said in refusal(content)
+
+
+def test_a_missing_file_and_a_folder_are_refused(tmp_path: Path) -> None:
+    for path in (tmp_path / "none.urdf", tmp_path):
+        with pytest.raises(RecipeError, match="check the path"):
+            load_urdf(path)
+
+
+LITTLE = robot(link("base", 2.0))
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        LITTLE.replace('<?xml version="1.0"?>', "").encode("utf-16"),
+        LITTLE.replace('"1.0"?>', '"1.0" encoding="UTF-16"?>').encode("utf-16"),
+        LITTLE.replace('"1.0"?>', '"1.0" encoding="latin-1"?>').encode("latin-1"),
+        "\ufeff".encode() + LITTLE.encode(),
+        LITTLE.replace(
+            "<link", "<![CDATA[<link name='base'/>]]><!-- <link/> --><?php <link/> ?><link"
+        ),
+        LITTLE.replace("<robot", '<robot xmlns="urn:x" xmlns:y="urn:y" y:name="other"').replace(
+            "</robot>", '<y:link name="z"/></robot>'
+        ),
+    ],
+    ids=["utf-16", "declared utf-16", "latin-1", "byte order mark", "cdata", "namespaces"],
+)
+def test_other_encodings_cdata_comments_and_namespaces_change_nothing(content: str | bytes) -> None:
+    found = parse_urdf(content)
+    assert found.name == "little"
+    assert [(part.name, part.mass) for part in found.links] == [("base", 2.0)]
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        ("<a>" * 100_000 + "</a>" * 100_000, "nested deeper than 100"),
+        ('<x:robot xmlns:x="urn:x"/>', "is not <robot>"),
+        (robot(link("base", 1e300)), "no number as value"),
+        (robot(link("base", 1.0, "1e13 0 0")), "no vector as xyz"),
+        (robot(link("a" * 201)), "has an unusable name"),
+        (robot(link("a&#10;b")), "has an unusable name"),
+        (robot(link("a&#x9b;31m")), "has an unusable name"),
+        (robot(link("a"), name="&#x202e;"), "has an unusable name"),
+        (robot(link("base", 1.0).replace('"1.0"', '"1_0"')), "no number as value"),
+        (robot(link("base", 1.0).replace('"1.0"', f'"{"9" * 10_000}"')), "no number as value"),
+        ("\ud800", "is not XML"),
+        (bytes(range(256)) * 10, "is not XML"),
+        ("<robot>&undefined;</robot>", "is not XML"),
+        ("<robot/><robot/>", "is not XML"),
+        ("<robot a='1' a='2'/>", "is not XML"),
+        ('<?xml version="1.0" encoding="utf-7"?><robot/>', "is not XML"),
+        ('<?xml version="1.0" encoding="rot13"?><robot/>', "is not XML"),
+    ],
+)
+def test_hostile_texts_are_refused_in_one_sentence(content: str | bytes, said: str) -> None:
+    text = refusal(content)
+    assert said in text
+    # What was received is quoted, but not all of it.
+    assert len(text) < 400
+
+
+def test_five_thousand_mimics_in_a_row_are_followed_in_seconds_and_a_circle_is_refused() -> None:
+    count = 5_000
+    links = "".join(link(f"l{i}") for i in range(count + 1))
+    joints = "".join(
+        joint(f"j{i}", "continuous", f"l{i}", f"l{i + 1}", f'<mimic joint="j{i + 1}"/>')
+        for i in range(count - 1)
+    )
+    last = joint(f"j{count - 1}", "continuous", f"l{count - 1}", f"l{count}")
+    begin = time.perf_counter()
+    found = read_motion(parse_urdf(robot(links, joints, last)))
+    # Measured 0.4 s; following every mimic to its end takes a minute.
+    assert time.perf_counter() - begin < 10.0
+    assert {drive.by for drive in found.drives.values()} == {f"j{count - 1}"}
+    circle = last.replace("</joint>", '<mimic joint="j0"/></joint>')
+    assert "mimics itself" in refusal(robot(links, joints, circle))
+
+
+ODD = ("nan", "-1", "1e999", "", "base", "left_arm", "arms", "0 0 0", "fixed", "\x00", "é", "&lt;")
+
+
+def broken(rng: random.Random, text: str) -> bytes:
+    """Return a description with a few random faults, from single bits to whole elements."""
+    for _ in range(rng.randint(1, 3)):
+        kind = rng.randrange(10)
+        # Attribute values first, since most other faults end in the XML parser.
+        pattern = r"(?<==\")[^\"]*" if kind < 7 else r"<[^<>]*>"
+        places = [match.span() for match in re.finditer(pattern, text)]
+        (low, high), (first, last) = rng.choice(places), rng.choice(places)
+        other = rng.choice(ODD) if kind in (0, 1, 2) else text[first:last]
+        text = text[:low] + ("" if kind == 9 else other) + text[high:]
+    raw = bytearray(text.encode())
+    if rng.random() < 0.1:
+        raw[rng.randrange(len(raw))] ^= 1 << rng.randrange(8)
+    return bytes(raw)
+
+
+def test_no_fault_ever_leaves_the_reader_as_anything_but_a_recipe_error() -> None:
+    sound = (Path(__file__).parent / "vectors" / "rover.urdf").read_text(encoding="utf-8")
+    rng = random.Random(1)
+    end = time.perf_counter() + 2.0
+    read = refused = 0
+    lines: set[int] = set()
+    # As many as two seconds hold, but the same ones in every run as far as it gets.
+    while time.perf_counter() < end and read + refused < 3_000:
+        content = broken(rng, sound)
+        try:
+            import_urdf(parse_urdf(content, "fuzz.urdf"))
+            read += 1
+        except RecipeError as error:
+            refused += 1
+            lines.add(str(error).count("\n"))
+    # Both happen, or the faults are too harsh or too mild to show anything.
+    assert read > 20
+    assert refused > 100
+    assert lines == {0}
+
+
+def chain(count: int, inside: str = "") -> str:
+    """Return links in a row."""
+    links = "".join(link(f"l{i}", 1.0, inside=inside) for i in range(count))
+    return robot(links, *(joint(f"j{i}", "fixed", f"l{i}", f"l{i + 1}") for i in range(count - 1)))
+
+
+def test_ten_thousand_links_in_a_row_are_read_in_seconds_and_one_more_is_refused() -> None:
+    begin = time.perf_counter()
+    assert len(parse_urdf(chain(10_000)).links) == 10_000
+    # Measured well below a second; a reader that is quadratic in the depth takes minutes.
+    assert time.perf_counter() - begin < 10.0
+    assert "needs 1 to 10000 links" in refusal(chain(10_001))
+
+
+def test_ten_megabytes_are_read_and_more_than_sixteen_are_refused() -> None:
+    begin = time.perf_counter()
+    text = robot(link("base", inside="<visual><x/></visual>" * 500_000))
+    assert len(text) > 10_000_000
+    assert isinstance(parse_urdf(text), UrdfRobot)
+    assert time.perf_counter() - begin < 20.0
+    assert "is longer than" in refusal(text + " " * 7_000_000)
+
+
+def test_a_file_whose_joints_name_links_that_it_does_not_have_is_refused() -> None:
+    text = robot(link("ctu/base", 1.0), link("ctu/arm"), joint("j", "fixed", "base", "arm"))
+    assert "joint 'j': parent is no link of the robot (got 'base')" in refusal(text)
+
+
+@pytest.mark.parametrize(
+    ("name", "links", "moving", "mass"),
+    # Sums of the files' <mass> values.
+    [("absolem", 39, 7, 38.13414), ("husky", 29, 4, 57.432003)],
+)
+def test_real_descriptions_are_read(name: str, links: int, moving: int, mass: float) -> None:
+    found = load_urdf(real(name))
+    assert len(found.links) == links == len(found.joints) + 1
+    assert sum(j.kind != "fixed" for j in found.joints) == moving
+    assert sum(part.mass for part in found.links) == pytest.approx(mass, abs=1e-6)
