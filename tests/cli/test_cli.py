@@ -18,7 +18,7 @@ from lutgen.mapping.compute import Computer
 from tests.fixtures.commands import data, good, run
 from tests.fixtures.recipes import ALL_CHANNELS, feet, rigid, tripod
 
-VECTORS = Path(__file__).parent / "vectors"
+VECTORS = Path(__file__).parents[1] / "vectors"
 A0 = math.degrees(math.atan(0.6))
 
 

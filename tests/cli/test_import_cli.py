@@ -18,7 +18,7 @@ from tests.fixtures.commands import run
 from tests.fixtures.commands import stdout as good
 from tests.fixtures.robots import collision, joint, link, real, robot
 
-ROVER = Path(__file__).parent / "vectors" / "rover.urdf"
+ROVER = Path(__file__).parents[1] / "vectors" / "rover.urdf"
 
 
 @pytest.fixture

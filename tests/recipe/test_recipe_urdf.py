@@ -19,7 +19,7 @@ from lutgen.urdf.read import parse_urdf
 from tests.fixtures.maps import unseal
 from tests.fixtures.recipes import contact, sweep_part
 
-VECTOR = Path(__file__).parent / "vectors" / "rover.urdf"
+VECTOR = Path(__file__).parents[1] / "vectors" / "rover.urdf"
 ROVER = VECTOR.read_text(encoding="utf-8")
 ARMS = '[[robot.parameter]]\nname = "arms"\nmin = -45.0\nmax = 45.0\nunit = "deg"\n'
 LIFT = '[[robot.parameter]]\nname = "mast"\njoint = "lift"\nmin = 0.1\nmax = 0.5\nunit = "m"\n'

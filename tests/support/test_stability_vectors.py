@@ -11,7 +11,7 @@ import lutgen
 from tests.oracles import points as oracle
 from tests.oracles.points import Floats
 
-VECTORS = Path(__file__).parent / "vectors"
+VECTORS = Path(__file__).parents[1] / "vectors"
 
 RADIUS = sqrt(20.0**2 + 12.0**2)
 A0 = atan(0.6)
