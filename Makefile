@@ -12,21 +12,32 @@ NAMES := $(RECIPES:maps/%.toml=%)
 # Published robot descriptions, which are not part of this project; see maps/README.md.
 LUTGEN_ROBOTS ?= ../shared/robots
 IMPORTED := $(if $(wildcard $(LUTGEN_ROBOTS)/absolem.urdf),absolem_urdf)
+FIGURES := $(patsubst %,build/maps/%/figures.stamp,$(NAMES) $(IMPORTED))
+EXPORTS := $(NAMES:%=build/maps/%/firmware.stamp)
+# Recipes lie in maps/, imported ones in build/maps.
+vpath %.toml maps build/maps
 SOURCES := $(shell find lutgen -name '*.py')
 EXPORTER := $(shell find firmware_export -name '*.py' -o -path '*/runtime/*')
+UV := $(shell command -v uv 2>/dev/null)
+VENV := $(if $(UV),uv venv --quiet --allow-existing --python '>=3.11',$(PYTHON) -m venv) .venv
+INSTALL := $(if $(UV),uv pip install --quiet --python $(BIN)/python,$(BIN)/python -m pip install -qq) -e
+# Sweeps use all cores, the search for tables mostly one: two at a time, unless make was told
+# otherwise (-j1, -j4), and nobody's output in the middle of another's.
+TWO := $(if $(filter output-sync,$(.FEATURES)),--output-sync) -j2
 
 help: ## list the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## (.*)/\1\t\2/' | expand -t 10
 
 venv: .venv/.installed ## create .venv and install everything in it
 
-maps: $(NAMES:%=build/maps/%/figures.stamp) $(NAMES:%=build/maps/%/firmware.stamp) $(IMPORTED:%=build/maps/%/figures.stamp) ## build every map of maps/, its figures and its firmware export into build/maps
+maps: .venv/.installed ## build every map of maps/, its figures and its firmware export into build/maps
+	@$(MAKE) --no-print-directory $(if $(findstring jobserver,$(MAKEFLAGS)),,$(TWO)) $(FIGURES) $(EXPORTS)
 	@$(if $(IMPORTED),,echo "absolem_urdf: skipped, there is no $(LUTGEN_ROBOTS)/absolem.urdf (LUTGEN_ROBOTS names the folder)")
 
 paper: build/paper/gallery.stamp ## reproduce the paper: figures, tables and one page in build/paper
 
-test: .venv/.installed ## run the tests
-	$(BIN)/python -m pytest -n 2
+test: .venv/.installed ## run the tests; those that need tools which are not here are skipped
+	$(BIN)/python -m pytest -n 2 --skipped-to build/skipped.txt
 
 check: .venv/.installed ## lint, format, types, spelling
 	$(BIN)/ruff check .
@@ -47,17 +58,17 @@ soak: .venv/.installed ## kill, damage and fill up sweeps at length; needs 20 GB
 exports: .venv/.installed ## make and certify the exports that docs/design.md lists (ten minutes)
 	$(BIN)/python tools/export_table.py
 
-size: $(NAMES:%=build/maps/%/firmware.stamp) ## measure flash, RAM and stack on a Cortex-M4 (arm-none-eabi-gcc)
+size: $(EXPORTS) ## measure flash, RAM and stack on a Cortex-M4 (arm-none-eabi-gcc)
 	$(BIN)/python -m targets.size $(NAMES:%=build/maps/%/firmware)
 
-verify: $(NAMES:%=build/maps/%/firmware.stamp) ## prove the C runtime (a few minutes; docs/c-runtime.md)
+verify: $(EXPORTS) ## prove the C runtime (a few minutes; docs/c-runtime.md)
 	$(BIN)/python -m proofs.run
 
 fuzz: SECONDS ?= 600
-fuzz: $(NAMES:%=build/maps/%/firmware.stamp) ## fuzz the exports for SECONDS=600 in all
+fuzz: $(EXPORTS) ## fuzz the exports for SECONDS=600 in all
 	$(BIN)/python -m proofs.run --only fuzz --seconds $(SECONDS)
 
-firmware: $(NAMES:%=build/maps/%/firmware.stamp) ## run exports on emulated targets: hashes, counts against the baseline, bounds
+firmware: $(EXPORTS) ## run exports on emulated targets: hashes, counts against the baseline, bounds
 	$(BIN)/python -m targets.run
 	$(BIN)/python -m targets.longest
 
@@ -70,51 +81,37 @@ clean: ## remove build/ and the caches, keep .venv
 
 # The stamp is the last thing written, so an interrupted installation starts again.
 .venv/.installed: pyproject.toml
-	if command -v uv >/dev/null; then \
-	  uv venv --allow-existing --python '>=3.11' .venv && uv pip install --python $(BIN)/python -e '.[test,dev]'; \
-	else \
-	  $(PYTHON) -m venv .venv && $(BIN)/python -m pip install --quiet -e '.[test,dev]'; \
-	fi
-	$(BIN)/python tools/warm.py
-	touch $@
+	@echo "installing numpy, numba and others into .venv: a minute or two"
+	@$(VENV)
+	@$(INSTALL) '.[test,dev]'
+	@$(BIN)/python tools/warm.py
+	@touch $@
 
 .venv/.physics: .venv/.installed
-	if command -v uv >/dev/null; then \
-	  uv pip install --python $(BIN)/python -e '.[physics]'; \
-	else \
-	  $(BIN)/python -m pip install --quiet -e '.[physics]'; \
-	fi
-	touch $@
-
-build/maps/%.h5: maps/%.toml $(SOURCES) | .venv/.installed
-	@mkdir -p $(@D)
-	$(BIN)/lutgen sweep $< -o $@
+	@$(INSTALL) '.[physics]'
+	@touch $@
 
 build/maps/absolem_urdf.toml: $(LUTGEN_ROBOTS)/absolem.urdf $(SOURCES) | .venv/.installed
 	@mkdir -p $(@D)
 	$(BIN)/lutgen import $< -o $@ --name absolem_urdf -j front_left_flipper_j \
 	  -j front_right_flipper_j -j rear_left_flipper_j -j rear_right_flipper_j
 
-build/maps/absolem_urdf.h5: build/maps/absolem_urdf.toml
+build/maps/%.h5: %.toml $(SOURCES) | .venv/.installed
+	@mkdir -p $(@D)
 	$(BIN)/lutgen sweep $< -o $@
 
-build/maps/absolem_urdf/figures.stamp: build/maps/absolem_urdf.toml build/maps/absolem_urdf.h5 tools/gallery.py
-	@mkdir -p $(@D)
-	$(BIN)/python tools/gallery.py $< build/maps/absolem_urdf.h5
-	touch $@
-
-build/maps/%/figures.stamp: maps/%.toml build/maps/%.h5 tools/gallery.py
+build/maps/%/figures.stamp: %.toml build/maps/%.h5 tools/gallery.py
 	@mkdir -p $(@D)
 	$(BIN)/python tools/gallery.py $< build/maps/$*.h5
-	touch $@
+	@touch $@
 
 # The folder of an export holds nothing but its files, so the stamp stands beside it.
 build/maps/%/firmware.stamp: build/maps/%.h5 $(EXPORTER)
 	@mkdir -p $(@D)
 	$(BIN)/lutgen export $< -o build/maps/$*/firmware
-	touch $@
+	@touch $@
 
 build/paper/gallery.stamp: $(SOURCES) tools/gallery.py tools/paper_gallery.py | .venv/.installed
 	$(BIN)/lutgen -v paper -o build/paper
 	$(BIN)/python tools/paper_gallery.py build/paper
-	touch $@
+	@touch $@

@@ -1,14 +1,73 @@
-"""Fixtures that several test files share."""
+"""Fixtures that several test files share, and what happens to tests that cannot run here."""
 
+from collections.abc import Generator
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
+from tests.fixtures.needs import ROBOTS, lacking
+
 # The first call of a kernel compiles it, so a deadline would fail at random; the examples
 # are the same in every run, so a failure can be repeated.
 settings.register_profile("lutgen", deadline=None, derandomize=True, max_examples=100)
 settings.load_profile("lutgen")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the two options by which continuous integration runs every test exactly once."""
+    group = parser.getgroup("tests that are skipped")
+    group.addoption(
+        "--skipped-to",
+        metavar="FILE",
+        type=Path,
+        help="write the names of the tests that were skipped, one a line, to FILE",
+    )
+    group.addoption("--nothing-skipped", action="store_true", help="a test that is skipped fails")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Skip the tests that need what is not here, and say what that is."""
+    for item in items:
+        names = [name for mark in item.iter_markers("needs") for name in mark.args]
+        missing = "; ".join(filter(None, map(lacking, names)))
+        if missing:
+            item.add_marker(pytest.mark.skip(reason=missing))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(
+    item: pytest.Item,
+) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Turn a skip into a failure where nothing may be skipped."""
+    report = yield
+    if report.skipped and item.config.getoption("nothing_skipped"):
+        report.outcome = "failed"
+    return report
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report(
+    collector: pytest.Collector,
+) -> Generator[None, pytest.CollectReport, pytest.CollectReport]:
+    """Turn the skip of a whole file into an error where nothing may be skipped."""
+    report = yield
+    if report.skipped and collector.config.getoption("nothing_skipped"):
+        report.outcome = "failed"
+    return report
+
+
+def pytest_terminal_summary(
+    terminalreporter: pytest.TerminalReporter, config: pytest.Config
+) -> None:
+    """Write down what was skipped; the real robots' files cannot be installed, so without them."""
+    place = config.getoption("skipped_to")
+    if place is None:
+        return
+    reports = terminalreporter.stats.get("skipped", [])
+    names = {report.nodeid for report in reports if ROBOTS not in str(report.longrepr)}
+    place.parent.mkdir(parents=True, exist_ok=True)
+    place.write_text("".join(f"{name}\n" for name in sorted(names)), encoding="utf-8")
 
 
 @pytest.fixture(scope="session")

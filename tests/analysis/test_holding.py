@@ -215,7 +215,8 @@ TRICYCLE = [(0.6, 0.05), (-0.4, 0.45), (-0.35, -0.4)]
 
 def moved(rolling: Collection[int], heading: float, tilt: float, friction: float) -> float:
     """Return how far MuJoCo's tricycle goes in a second after gravity has leant over slowly."""
-    mujoco = pytest.importorskip("mujoco")
+    import mujoco
+
     wheels = ""
     for i, (x, y) in enumerate(TRICYCLE):
         look = f'type="ellipsoid" size="0.1 0.02 0.1" friction="{friction} 0 0"'
@@ -243,6 +244,7 @@ def moved(rolling: Collection[int], heading: float, tilt: float, friction: float
     return float(np.abs(state.qpos[:7] - start).max())
 
 
+@pytest.mark.needs("mujoco")
 @pytest.mark.parametrize(
     ("rolling", "heading"),
     [((0,), 35.0), ((1,), 180.0), ((2,), 215.0), ((0, 1), 0.0), ((1, 2), 0.0)],

@@ -201,7 +201,6 @@ XACRO = """<robot name="macro" xmlns:xacro="http://www.ros.org/wiki/xacro">
 
 
 def test_macros_are_expanded_when_asked_for(folder: Path) -> None:
-    pytest.importorskip("xacrodoc")
     Path("robot.xacro").write_text(XACRO, encoding="utf-8")
     report = json.loads(good("import", "-x", "robot.xacro", "-o", "robot.toml", "--json"))
     assert (report["name"], report["mass"]) == ("macro", 2.0)
@@ -215,7 +214,6 @@ def test_macros_are_expanded_when_asked_for(folder: Path) -> None:
     "text", [XACRO.replace("1 + 1", "1 / 0"), XACRO.replace("<link", "<"), "", "<robot/>"]
 )
 def test_macros_that_fail_are_refused_in_one_sentence(folder: Path, text: str) -> None:
-    pytest.importorskip("xacrodoc")
     Path("robot.xacro").write_text(text, encoding="utf-8")
     result = run("import", "-x", "robot.xacro", "-o", "robot.toml")
     assert result.exit_code == 2
@@ -233,6 +231,7 @@ def test_without_the_package_one_sentence_says_how_to_get_it(
     assert "pip install lutgen[xacro]" in result.stderr
 
 
+@pytest.mark.needs("robots")
 @pytest.mark.parametrize(
     ("name", "contacts", "parameters"),
     [

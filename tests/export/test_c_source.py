@@ -33,6 +33,11 @@ WARNINGS = [
 ]
 C99 = ["-std=c99", "-ffp-contract=off"]
 CXX = ["-x", "c++", "-std=c++17", "-ffp-contract=off"]
+COMPILERS = [pytest.param(name, marks=pytest.mark.needs(name)) for name in ("gcc", "clang")]
+LANGUAGES = [
+    pytest.param(C99, id="C99"),
+    pytest.param(CXX, id="C++17", marks=pytest.mark.needs("g++")),
+]
 KINDS = ("contacts", "poly", "rover", "grid", "integer")
 CODES = CArray("codes", "int16_t", np.array([[1, -200, 3], [40000 - 32768, 5, -6]]), "test", 3)
 
@@ -61,7 +66,7 @@ def folders(
 
 
 def build(
-    folder: Path, *flags: str, compiler: str = "gcc", sources: tuple[str, ...] = ()
+    folder: Path, *flags: str, compiler: str = "cc", sources: tuple[str, ...] = ()
 ) -> subprocess.CompletedProcess[str]:
     """Compile the C files of a folder without linking."""
     names = sources or tuple(sorted(path.name for path in folder.glob("*.c")))
@@ -72,14 +77,12 @@ def build(
 # compilers
 
 
-@pytest.mark.parametrize("compiler", ["gcc", "clang"])
-@pytest.mark.parametrize("language", [C99, CXX], ids=["C99", "C++17"])
+@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("language", LANGUAGES)
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_compiler_takes_every_file_without_a_warning(
     folders: dict[str, Path], kind: str, language: list[str], compiler: str
 ) -> None:
-    if shutil.which(compiler) is None:
-        pytest.skip(f"{compiler} is not installed")
     done = build(folders[kind], *language, *WARNINGS, compiler=compiler)
     assert (done.returncode, done.stderr) == (0, "")
 
@@ -106,7 +109,7 @@ def test_tables_are_refused_by_a_runtime_that_lacks_what_they_need(
     assert f'#error "smooth needs {setting.partition("=")[0]} ' in done.stderr
 
 
-@pytest.mark.skipif(shutil.which("avr-gcc") is None, reason="avr-gcc is not installed")
+@pytest.mark.needs("avr-gcc")
 @pytest.mark.parametrize("kind", KINDS)
 def test_on_avr_everything_is_read_from_flash(
     folders: dict[str, Path], tmp_path: Path, kind: str
@@ -138,7 +141,7 @@ def test_a_runtime_for_one_map_holds_its_tables(folders: dict[str, Path], tmp_pa
     held = {}
     for shared in ("0", "1"):
         for source in ("smooth", "smap"):
-            command = ["gcc", *C99, f"-DSMAP_SHARED={shared}", "-c", f"{source}.c"]
+            command = ["cc", *C99, f"-DSMAP_SHARED={shared}", "-c", f"{source}.c"]
             subprocess.run(command, cwd=tmp_path / "copy", check=True)
             names = subprocess.run(
                 ["nm", f"{source}.o"],

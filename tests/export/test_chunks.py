@@ -26,7 +26,9 @@ CHUNKS = (*FLAGS, "-DSMAP_GRID_CHUNKS=1")
 KINDS = [("float", 8), ("float", 16), ("integer", 8), ("integer", 16)]
 WARNINGS = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Wdouble-promotion"]
 
-needs_avr = pytest.mark.skipif(shutil.which("avr-gcc") is None, reason="avr-gcc is not installed")
+needs_avr = pytest.mark.needs("avr-gcc")
+COMPILERS = [pytest.param(name, marks=pytest.mark.needs(name)) for name in ("gcc", "clang")]
+LANGUAGES = ["c", pytest.param("c++", marks=pytest.mark.needs("g++"))]
 
 
 def made_up(name: str, bits: int, shape: tuple[int, ...], width: int) -> Part:
@@ -141,13 +143,11 @@ def test_the_exporter_and_the_runtime_agree_on_the_size_of_a_chunk() -> None:
     assert CHUNK * np.dtype(np.uint16).itemsize <= LARGEST
 
 
-@pytest.mark.parametrize("compiler", ["gcc", "clang"])
-@pytest.mark.parametrize("language", ["c", "c++"])
+@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("language", LANGUAGES)
 def test_a_build_in_chunks_compiles_without_a_warning(
     large: dict[tuple[str, int], tuple[Export, Path]], language: str, compiler: str
 ) -> None:
-    if shutil.which(compiler) is None:
-        pytest.skip(f"{compiler} is not installed")
     standard = "c99" if language == "c" else "c++17"
     options = ["-x", language, f"-std={standard}", "-ffp-contract=off", *WARNINGS, *CHUNKS[-1:]]
     for export, folder in large.values():

@@ -3,7 +3,6 @@
 import errno
 import json
 import os
-import shutil
 import subprocess
 from collections.abc import Callable
 from dataclasses import replace
@@ -148,7 +147,7 @@ def test_the_example_compiles_in_one_command_and_prints_the_exact_reading(
     assert values["tip_angle"][1] == "deg"
 
 
-@pytest.mark.skipif(shutil.which("cmake") is None, reason="cmake is not installed")
+@pytest.mark.needs("cmake")
 def test_cmake_builds_the_library_and_the_example(export: Export, tmp_path: Path) -> None:
     package.write(export, tmp_path / "out")
     run(tmp_path, "cmake", "-S", "out", "-B", "build")

@@ -1,6 +1,5 @@
 """The measured sizes of the runtime."""
 
-import shutil
 from pathlib import Path
 
 import pytest
@@ -31,9 +30,7 @@ def test_a_recursion_is_found() -> None:
         size_measure.deepest(GRAPH + edge)
 
 
-@pytest.mark.skipif(
-    shutil.which(size_measure.COMPILER) is None, reason=f"{size_measure.COMPILER} is not installed"
-)
+@pytest.mark.needs(size_measure.COMPILER)
 def test_the_committed_sizes_are_those_of_the_runtime(tmp_path: Path) -> None:
     content = measured()
     assert content["structs"] == size_measure.struct_sizes(tmp_path)

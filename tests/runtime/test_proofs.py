@@ -13,16 +13,12 @@ from proofs import analysers, eva, exhaustive, run, structure
 from proofs.annotate import ADMITS, MUTANTS, annotate, mutate
 from proofs.document import DOCUMENT, cells, findings, with_counts
 from proofs.subjects import read_subject
-from proofs.tools import FAILED, OK, PACKAGES, SKIPPED, Result, missing
+from proofs.tools import FAILED, OK, PACKAGES, SKIPPED, Result
 from tests.fixtures.exports import tripod_export
 
 SOURCE = runtime_file("smap.c")
 TEXT = DOCUMENT.read_text(encoding="utf-8")
 PATIENCE = 120.0
-
-needs_gcc = pytest.mark.skipif(bool(missing(["gcc"])), reason="gcc is not installed")
-needs_eva = pytest.mark.skipif(bool(missing(["frama-c", "gcc"])), reason="frama-c: not installed")
-needs_cppcheck = pytest.mark.skipif(bool(missing(["cppcheck"])), reason="cppcheck: not installed")
 
 
 # the document
@@ -136,7 +132,7 @@ def test_an_alarm_is_told_by_its_line() -> None:
     assert eva.alarms(text, "int a;\n  a = b[3];\n") == ["a = b[3];"]
 
 
-@needs_eva
+@pytest.mark.needs("frama-c", "gcc")
 def test_eva_proves_a_small_export_and_finds_its_seeded_fault(tmp_path: Path) -> None:
     package.write(tripod_export("feet", codec="poly"), tmp_path / "feet")
     subject = read_subject(tmp_path / "feet")
@@ -150,7 +146,7 @@ def test_eva_proves_a_small_export_and_finds_its_seeded_fault(tmp_path: Path) ->
     assert broken.state == FAILED
 
 
-@needs_gcc
+@pytest.mark.needs("gcc")
 @pytest.mark.parametrize(
     ("name", "text", "instead"),
     [
@@ -176,7 +172,7 @@ def test_what_is_tried_everywhere_finds_a_fault(
 # structure and analysers
 
 
-@needs_gcc
+@pytest.mark.needs("gcc")
 def test_globals_recursion_and_library_calls_are_found(tmp_path: Path) -> None:
     analysers.place(SOURCE, tmp_path)
     states = [row.state for row in structure.prove(SOURCE, TEXT, tmp_path, PATIENCE)]
@@ -204,7 +200,7 @@ def test_a_finding_that_is_not_listed_fails_and_so_does_another_number() -> None
     assert analysers.compare({"10.4": 86}, known) == "12.1 is no longer found"
 
 
-@needs_cppcheck
+@pytest.mark.needs("cppcheck")
 def test_the_misra_table_is_what_cppcheck_finds_and_another_rule_fails(tmp_path: Path) -> None:
     analysers.place(SOURCE, tmp_path)
     result, found = analysers.analyse("MISRA", TEXT, tmp_path, PATIENCE)

@@ -23,9 +23,7 @@ from targets.digest import START, answer_bytes, fnv1a
 from targets.footprint import Footprint
 from tests.fixtures.exports import tripod_export
 
-needs_arm = pytest.mark.skipif(
-    bool(board("m4f").missing()), reason="gcc-arm-none-eabi, picolibc or qemu-system-arm missing"
-)
+needs_arm = pytest.mark.needs(*board("m4f").packages)
 
 
 # The hash

@@ -302,6 +302,7 @@ def test_a_file_whose_joints_name_links_that_it_does_not_have_is_refused() -> No
     assert "joint 'j': parent is no link of the robot (got 'base')" in refusal(text)
 
 
+@pytest.mark.needs("robots")
 @pytest.mark.parametrize(
     ("name", "links", "moving", "mass"),
     # Sums of the files' <mass> values.

@@ -3,7 +3,6 @@
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -38,7 +37,8 @@ def oracle(path: Path, values: dict[str, float]) -> tuple[float, list[float]]:
 
     With a fixed root it leaves the mass of the root link out, and it does not know mimics here.
     """
-    pinocchio: Any = pytest.importorskip("pinocchio")
+    import pinocchio
+
     model = pinocchio.buildModelFromUrdf(str(path), pinocchio.JointModelFreeFlyer())
     data = model.createData()
     step = np.zeros(model.nv)
@@ -50,6 +50,7 @@ def oracle(path: Path, values: dict[str, float]) -> tuple[float, list[float]]:
     return float(data.mass[0]), com.tolist()
 
 
+@pytest.mark.needs("robots", "pinocchio")
 @pytest.mark.parametrize("name", NAMES)
 def test_an_independent_library_finds_the_same_mass_and_com_in_every_posture(name: str) -> None:
     path = real(name)
@@ -79,6 +80,7 @@ def named_recipe(path: Path, motion: Motion, robot: UrdfRobot) -> str:
     return text + sweep_part(", ".join(f"q{i} = 2" for i in range(len(motion.free))))
 
 
+@pytest.mark.needs("robots", "pinocchio")
 @pytest.mark.parametrize("name", NAMES)
 def test_a_recipe_that_names_the_description_has_the_same_com(name: str) -> None:
     path = real(name)
@@ -94,6 +96,7 @@ def test_a_recipe_that_names_the_description_has_the_same_com(name: str) -> None
         assert found.tolist() == pytest.approx(want, abs=1e-9)
 
 
+@pytest.mark.needs("robots")
 @pytest.mark.parametrize(
     ("name", "mass", "com"),
     # Published with these files (51.134 and 75.432 kg), by a library that gives 1 kg to every
