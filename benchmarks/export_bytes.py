@@ -12,10 +12,12 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.rivals import RIVALS, Floats, Points, Result, exact_components, polynomials
-from firmware_export.certify.answers import Truth, truth
-from firmware_export.choose.candidate import Bench
-from firmware_export.choose.climb import Goal, climb_codec
-from firmware_export.codecs import NAMES, codec, device
+from firmware_export.certify.answers import Truth, device, truth
+from firmware_export.choose.choice import Goal
+from firmware_export.choose.choice import try_codec as try_sizes
+from firmware_export.choose.trials import Trials
+from firmware_export.codecs import usable
+from firmware_export.protocol import CodecInfo
 from firmware_export.truth.model import Model
 from firmware_export.truth.sample import Sample, biased, join, uniform
 from lutgen.recipe.recipe import load_recipe
@@ -53,20 +55,20 @@ def components_of(known: Truth, model: Model) -> Floats:
     return exact_components(model, known.sample.params, known.sample.gravity)[standing]
 
 
-def try_codec(bench: Bench, name: str) -> None:
+def try_codec(trials: Trials, codec: CodecInfo) -> None:
     """Encode some sizes of a codec."""
-    if name != "grid":
-        climb_codec(bench, name, Goal(None, FINEST))
+    if codec.name != "grid":
+        try_sizes(trials, codec, Goal(None, FINEST))
         return
-    spec = codec(name).start(bench.model, CHANNELS, "float")[0]
+    spec = codec.sizes(trials.model, CHANNELS, "float")[0]
     for bits, per_parameter, per_side in LADDER:
-        most = (*[per_parameter] * bench.model.k, per_side, per_side)
+        most = (*[per_parameter] * trials.model.k, per_side, per_side)
         # One node stands for an axis on which a table does not depend.
         nodes = tuple(
             (table, tuple(1 if few == 1 else n for few, n in zip(shape, most, strict=True)))
             for table, shape in spec.nodes
         )
-        bench.try_out(name, replace(spec, bits=bits, nodes=nodes))
+        trials.try_out(codec, replace(spec, bits=bits, nodes=nodes))
 
 
 def ours(model: Model, known: Truth, span: float) -> dict[str, list[Result]]:
@@ -75,17 +77,15 @@ def ours(model: Model, known: Truth, span: float) -> dict[str, list[Result]]:
     The tip angle is always held, and so is the height; where the guard says "tips" there is no
     |SD_g| to compare.
     """
-    bench = Bench(model, "paper_two", CHANNELS, "float")
+    trials = Trials(model, "paper_two", CHANNELS, "float")
     results: dict[str, list[Result]] = {}
-    for name in NAMES:
-        try_codec(bench, name)
-        found = results[f"**{name}**, with verdict and height"] = []
-        for one in bench.tried.values():
-            if one is None or one.export.codec != name:
-                continue
+    for codec in usable(model, "float"):
+        try_codec(trials, codec)
+        found = results[f"**{codec.name}**, with verdict and height"] = []
+        own = [one for one in trials.candidates if one.export.codec == codec.name]
+        for one in own:
             # What is beaten on the chooser's sample need not be measured again.
-            rivals = (o for o in bench.tried.values() if o and o.export.codec == name)
-            if any(o.bytes <= one.bytes and o.error < one.error for o in rivals):
+            if any(o.bytes <= one.bytes and o.error < one.error for o in own):
                 continue
             off = device(one.export).compare(known).errors("sdg").max()
             found.append(Result(one.bytes, float(100.0 * off / span), one.label))

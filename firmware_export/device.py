@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from firmware_export.emit import report
+from firmware_export.emit import load_report
 from lutgen.errors import ExportError, InputError
 
 __all__ = ["FLAGS", "HostLibrary", "compile_c"]
@@ -131,7 +131,7 @@ class HostLibrary:
     def __init__(self, directory: str | os.PathLike[str], flags: Sequence[str] = FLAGS) -> None:
         self._source = Path(directory).absolute()
         self._flags = tuple(flags)
-        self.report = report.load(Path(directory))
+        self.report = load_report(Path(directory))
         self.name = str(self.report["name"])
         self.params = len(self.report["parameters"])
         self.integer = self.report["arithmetic"] == "integer"

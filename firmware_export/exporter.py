@@ -11,10 +11,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from firmware_export.certify import POINTS, SEED, Certificate, certify
-from firmware_export.choose import KNEE, Bench, Candidate, Goal, choose, front
-from firmware_export.codecs import cells, device, usable
-from firmware_export.emit import CHANNELS, Export, check_directory, check_name, default_name, write
+from firmware_export.certify import POINTS, SEED, Certificate, certify, device
+from firmware_export.choose import KNEE, Candidate, Goal, Trials, choose, front
+from firmware_export.codecs import codec as info
+from firmware_export.codecs import usable
+from firmware_export.emit import check_directory, check_name, default_name, write
+from firmware_export.protocol import CHANNELS, CodecInfo, Export
 from firmware_export.quantity import ErrorBound, parse_error, parse_size
 from firmware_export.truth import Model
 from lutgen.errors import ExportError, InputError
@@ -124,17 +126,17 @@ def export(
     held = _channels(recipe, channels)
     size, bound = _limits(recipe, flash, max_error)
     model = Model(recipe)
-    names = usable(model, arithmetic, codec)
-    tell(f"looking for the best of {', '.join(names)}")
-    bench = Bench(model, label, held, arithmetic)
-    chosen, certificate, bound = _certified(bench, names, size, bound, points, tell)
+    codecs = usable(model, arithmetic, codec)
+    tell(f"looking for the best of {', '.join(one.name for one in codecs)}")
+    trials = Trials(model, label, held, arithmetic)
+    chosen, certificate, bound = _certified(trials, codecs, size, bound, points, tell)
     tell("writing")
     result = described(certificate, chosen.export) | {
         "error_percent": certificate.error_of(certificate.bounded[0], relative=True),
         "bound": None if bound is None else str(bound),
-        "candidates": len(bench.tried),
+        "candidates": len(trials.tried),
     }
-    final = replace(chosen.export, certificate=result, pareto=front(bench, chosen))
+    final = replace(chosen.export, certificate=result, pareto=front(trials, chosen))
     return Report(write(final, directory))
 
 
@@ -189,8 +191,8 @@ def _limits(
 
 
 def _certified(
-    bench: Bench,
-    names: Sequence[str],
+    trials: Trials,
+    codecs: Sequence[CodecInfo],
     size: int | None,
     bound: ErrorBound | None,
     points: int,
@@ -199,15 +201,15 @@ def _certified(
     """Return the best candidate whose certificate says what was asked for, and the bound held."""
     if size is None and bound is None:
         try:
-            return _certified(bench, names, None, KNEE, points, tell)
+            return _certified(trials, codecs, None, KNEE, points, tell)
         except ExportError:
-            return _certified(bench, names, ROOM, None, points, tell)
-    goal = Goal(size, _percent(bench, bound))
+            return _certified(trials, codecs, ROOM, None, points, tell)
+    goal = Goal(size, _percent(trials, bound))
     for _ in range(ATTEMPTS):
-        chosen = choose(bench, names, goal)
+        chosen = choose(trials, codecs, goal)
         tell(f"certifying {chosen.label}, {chosen.total:,} bytes")
-        chosen, certificate = _guarded(chosen, bench, bound, points, tell)
-        certificate.refuse_false_safe(f"{bench.model.recipe.source}: {chosen.label}")
+        chosen, certificate = _guarded(chosen, trials, bound, points, tell)
+        certificate.refuse_false_safe(f"{trials.model.recipe.source}: {chosen.label}")
         if bound is None:
             return chosen, certificate, bound
         found = certificate.error(bound.relative)
@@ -216,14 +218,14 @@ def _certified(
         # The certificate saw more than the choice; aim lower by as much.
         goal = replace(goal, margin=goal.margin * max(1.1, 1.02 * found / bound.value))
     raise ExportError(
-        f"{bench.model.recipe.source}: no export was certified to an error of {bound} (got "
+        f"{trials.model.recipe.source}: no export was certified to an error of {bound} (got "
         f"{found:.3g} for {chosen.label}, {chosen.total:,} bytes); allow a larger error."
     )
 
 
 def _guarded(
     chosen: Candidate,
-    bench: Bench,
+    trials: Trials,
     bound: ErrorBound | None,
     points: int,
     tell: Callable[[str], None],
@@ -233,10 +235,10 @@ def _guarded(
     Only where a codec says that its guard leaves something to the certificate: facets so narrow
     that their normals mean little.  Each certificate hunts from points that no other has seen.
     """
-    certificate = examine(chosen.export, bench, bound, points)
+    certificate = examine(chosen.export, trials, bound, points)
     for attempt in range(1, GUARDS):
         tables = chosen.export.tables
-        if not certificate.false_safe or not getattr(tables, "guard_grows", False):
+        if not certificate.false_safe or not tables.guard_grows:
             break
         more = BEYOND * max(-certificate.nearest, LEAST_GUARD)
         if more > MOST_GUARD:
@@ -248,30 +250,29 @@ def _guarded(
         )
         tables = replace(tables, guard=tables.guard + more, guard_text=text)
         chosen = replace(chosen, export=replace(chosen.export, tables=tables))
-        certificate = examine(chosen.export, bench, bound, points, SEED + attempt)
+        certificate = examine(chosen.export, trials, bound, points, SEED + attempt)
     return chosen, certificate
 
 
 def described(certificate: Certificate, export: Export) -> dict[str, Any]:
     """Return a certificate's content with what the codec has to say to its readers."""
     content = certificate.as_dict()
-    return content | {"text": [*content["text"], *getattr(export.tables, "notes", ())]}
+    return content | {"text": [*content["text"], *export.tables.notes]}
 
 
 def examine(
-    export: Export, bench: Bench, bound: ErrorBound | None, points: int, seed: int = SEED
+    export: Export, trials: Trials, bound: ErrorBound | None, points: int, seed: int = SEED
 ) -> Certificate:
     """Certify one export."""
-    return certify(
-        device(export), export.channels, cells(export), bound, points, seed, jumps=bench.jumps
-    )
+    cells = info(export.codec).cells(export.model, export.tables)
+    return certify(device(export), export.channels, cells, bound, points, seed, jumps=trials.jumps)
 
 
-def _percent(bench: Bench, bound: ErrorBound | None) -> float | None:
+def _percent(trials: Trials, bound: ErrorBound | None) -> float | None:
     """Return a bound in percent of the range."""
     if bound is None or bound.relative:
         return None if bound is None else bound.value
-    span = bench.ranges[bench.bounded[0]]
+    span = trials.ranges[trials.bounded[0]]
     if span <= 0.0:
         return KNEE.value
     return 100.0 * bound.value / span

@@ -8,8 +8,8 @@ from functools import partial
 from pathlib import Path
 
 from firmware_export.emit import package, report
-from firmware_export.emit.export import CHANNELS, Export
 from firmware_export.grid import codec as grid
+from firmware_export.protocol.exported import CHANNELS, Export
 from firmware_export.truth.model import Model
 from lutgen.errors import ExportError, InputError
 from lutgen.recipe.recipe import parse_recipe
@@ -75,7 +75,7 @@ def read_subject(folder: Path) -> Subject:
     InputError
         It is no folder of ``lutgen export``.
     """
-    content = report.load(folder)
+    content = report.load_report(folder)
     settings = (folder / "smap_config.h").read_text(encoding="utf-8")
     many = re.search(r"#define SMAP_CONTACTS_MANY 1", settings) is not None
     codec = str(content["codec"])

@@ -6,7 +6,6 @@ What takes long to fit is kept in build/targets/tables, by the digest of what it
 
 import hashlib
 import pickle
-import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
@@ -15,15 +14,13 @@ from typing import Any
 
 import numpy as np
 
-from firmware_export.codecs import codec
-from firmware_export.contacts import codec as contacts
+from firmware_export.codecs import codec, usable
 from firmware_export.emit import package, report
 from firmware_export.emit.config import runtime_file
-from firmware_export.emit.export import CHANNELS, Export
 from firmware_export.emit.source import body_of, source_text
 from firmware_export.grid import codec as grid
 from firmware_export.grid.tables import SPAN, Part, Tables, U, V
-from firmware_export.poly.fit import Spec as PolySpec
+from firmware_export.protocol.exported import CHANNELS, Export
 from firmware_export.truth.model import Model
 from lutgen.errors import ExportError
 from lutgen.recipe.recipe import load_recipe, parse_recipe
@@ -38,7 +35,10 @@ VERDICT = ("tip_angle",)
 SOURCES = (
     "lutgen/*.py",
     *(f"lutgen/{room}/*.py" for room in ("urdf", "recipe", "support", "channels")),
-    *(f"firmware_export/{room}/*.py" for room in ("truth", "contacts", "poly", "grid", "verdict")),
+    *(
+        f"firmware_export/{room}/*.py"
+        for room in ("truth", "protocol", "contacts", "poly", "grid", "verdict")
+    ),
 )
 
 # A stool on three legs: no parameters, so that its tables have the two axes of the chart.
@@ -98,26 +98,9 @@ class Case:
 
 
 def spec_of(label: str) -> tuple[str, Any]:
-    """Return the codec and the size that a report names.
-
-    Examples
-    --------
-    >>> spec_of("contacts i8 4+4")
-    ('contacts', Spec(nodes=(4, 4), bits=8))
-    >>> spec_of("poly 0x2 2x0 0x0")[1].degrees
-    ((0, 2), (2, 0), (0, 0))
-    >>> spec_of("grid u8 tip 17x17 sdg 9x9")[1].nodes
-    (('tip', (17, 17)), ('sdg', (9, 9)))
-    """
-    name, *words = label.split()
-    if name == "contacts":
-        counts = () if words[1] == "rigid" else tuple(map(int, words[1].split("+")))
-        return name, contacts.Spec(counts, int(words[0][1:]))
-    if name == "poly":
-        return name, PolySpec(tuple(tuple(map(int, re.findall(r"\d+", w))) for w in words))
-    tables = zip(words[1::2], words[2::2], strict=True)
-    nodes = tuple((table, tuple(map(int, shape.split("x")))) for table, shape in tables)
-    return name, grid.Spec(int(words[0][1:]), nodes)
+    """Return the codec and the size that a report names."""
+    name = label.split()[0]
+    return name, codec(name).read_label(label)
 
 
 def encoded(model: Model, name: str, channels: tuple[str, ...], spec: Any) -> Any:
@@ -129,7 +112,7 @@ def encoded(model: Model, name: str, channels: tuple[str, ...], spec: Any) -> An
     path = BUILD / "tables" / f"{hashlib.sha256(text).hexdigest()[:24]}.pickle"
     if path.is_file():
         return pickle.loads(path.read_bytes())
-    tables = codec(name).encode(model, channels, spec)
+    tables = usable(model, "float", name)[0].encode(model, channels, spec)
     path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_suffix(".part")
     part.write_bytes(pickle.dumps(tables))
@@ -144,7 +127,7 @@ def of_map(name: str) -> Export:
         raise ExportError(
             f"{directory.relative_to(ROOT)}: is not there (got no folder); run `make maps`."
         )
-    content = report.load(directory)
+    content = report.load_report(directory)
     model = Model(load_recipe(ROOT / "maps" / f"{name}.toml"))
     kind, spec = spec_of(content["spec"])
     channels = tuple(channel for channel in CHANNELS if channel in content["channels"])

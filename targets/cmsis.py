@@ -22,8 +22,8 @@ from statistics import median_low
 import numpy as np
 
 from firmware_export.emit import package
-from firmware_export.emit.export import Export
 from firmware_export.grid.tables import SPAN
+from firmware_export.protocol.exported import Export
 from lutgen.errors import LutgenError
 from targets.boards import Board, board
 from targets.cases import BUILD, of_stool

@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from firmware_export.emit.export import Export
 from firmware_export.emit.source import body_of
+from firmware_export.protocol.exported import Export
 from lutgen.errors import ExportError
 
 HEAD = re.compile(r"\b(?:for|while) \((.*)\) (?:\{|;)|\} while \((.*)\);")

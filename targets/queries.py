@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_export.emit.export import Export
-from firmware_export.twin.query import read as read_float
+from firmware_export.certify.query import read as read_float
+from firmware_export.protocol.exported import Export
 
 CHECKED, COUNTED, OUTSIDE = 1000, 256, 32
 KIND = CHECKED // 10  # queries of each kind

@@ -18,8 +18,8 @@ from pathlib import Path
 from typing import Any
 
 from firmware_export.device import HostLibrary
-from firmware_export.emit.export import Export
 from firmware_export.emit.facts import COUNTS
+from firmware_export.protocol.exported import Export
 from lutgen.errors import LutgenError
 from targets import baseline, queries, tables
 from targets.boards import BOARDS, OPTIMISATIONS, Board

@@ -18,6 +18,7 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
+from firmware_export.codecs import CODECS
 from firmware_export.emit import report
 from firmware_export.emit.config import entries, runtime_file
 from firmware_export.emit.size import FILE, TARGET
@@ -29,23 +30,17 @@ COMPILER = "arm-none-eabi-gcc"
 TARGET_FLAGS = ("-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16", "-Os")
 # Nothing of the C library is linked; picolibc has string.h.
 FLAGS = (*TARGET_FLAGS, "-std=c99", "-ffp-contract=off", "--specs=picolibc.specs")
-STRUCTS = (
-    *("smap_t", "smap_axis_t", "smap_contacts_t"),
-    *("smap_grid_t", "smap_grid_part_t", "smap_poly_t"),
+# Each once, though codecs may share some.
+STRUCTS = tuple(
+    dict.fromkeys(("smap_t", "smap_axis_t", *(name for info in CODECS for name in info.structs)))
 )
 # Of string.h, which every C library has.
 ALLOWED = frozenset(("memcpy", "memset"))
 # What each codec can be built with beyond its own switch; "" is without.
 OPTIONS: dict[str, tuple[tuple[str, ...], ...]] = {
-    "SMAP_CONTACTS": (
-        ("SMAP_MODES=8", "SMAP_MODES=16"),
-        ("", "SMAP_PRODUCTS"),
-        ("", "SMAP_CONTACTS_MANY"),
-        ("", "SMAP_SPHERE"),
-    ),
-    "SMAP_POLY": (("", "SMAP_SPHERE"),),
-    "SMAP_GRID": (("", "SMAP_SPHERE"),),
-    "SMAP_GRID_INTEGER": (("", "SMAP_SPHERE"),),
+    switch: (*info.options, ("", "SMAP_SPHERE"))
+    for info in CODECS
+    for switch in info.switches.values()
 }
 # Arrays on the stack are as large as a map needs: two joints, and three points or twelve discs.
 USUAL = {"SMAP_MAX_PARAMS": 2, "SMAP_MAX_HINGES": 1, "SMAP_MAX_ENTRIES": 8}
@@ -210,7 +205,7 @@ def _table(folder: Path, exports: Sequence[Path], update: bool) -> None:
         rows.append({"features": sorted(features), **result})
         print(_row(" ".join(sorted(name.removeprefix("SMAP_") for name in features)), result))
     for directory in exports:
-        content = report.load(directory)
+        content = report.load_report(directory)
         result = measure(_settings_of(directory), folder)
         print(_row(f"export {content['name']} ({content['spec']})", result))
     if update:

@@ -12,13 +12,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from firmware_export.choose.candidate import Bench
+from firmware_export.choose.trials import Trials
+from firmware_export.codecs import usable
 from firmware_export.contacts import codec as contacts
 from firmware_export.emit import package
-from firmware_export.emit.export import CHANNELS
 from firmware_export.exporter import described, examine
 from firmware_export.grid import codec as grid
 from firmware_export.poly.fit import Spec as PolySpec
+from firmware_export.protocol.exported import CHANNELS
 from firmware_export.truth.model import Model
 from lutgen.recipe.recipe import load_recipe
 
@@ -65,11 +66,11 @@ HEAD = (
 def row(case: Case, output: Path, number: int, points: int) -> str:
     """Make one export; return its row."""
     model = Model(load_recipe(ROOT / "maps" / f"{case.recipe}.toml"))
-    bench = Bench(model, case.recipe, case.channels, case.arithmetic)
-    made = bench.try_out(case.codec, case.spec)
+    trials = Trials(model, case.recipe, case.channels, case.arithmetic)
+    made = trials.try_out(usable(model, case.arithmetic, case.codec)[0], case.spec)
     if made is None:
         raise SystemExit(f"{case}: the codec refuses this size")
-    certificate = described(examine(made.export, bench, None, points), made.export)
+    certificate = described(examine(made.export, trials, None, points), made.export)
     final = replace(made.export, certificate=certificate)
     report = package.write(final, output / f"{case.recipe}_{number}")
     sdg = report["certificate"]["channels"].get("sdg", {})

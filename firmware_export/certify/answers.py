@@ -5,14 +5,17 @@ of smap_read_i.  The truth is computed at the query itself, so that rounding a p
 """
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from firmware_export.certify.query import integers, read
+from firmware_export.protocol import Export
 from firmware_export.truth import Exact, Model, Sample
 
-__all__ = ["Answers", "Device", "Measured", "Needs", "Read", "Truth", "truth"]
+__all__ = ["Answers", "Device", "Measured", "Needs", "Read", "Truth", "device", "truth"]
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -156,3 +159,10 @@ class Device:
             values[:, 2] *= self.steps.get("height", np.nan)
             values[:, [0, 2]] = np.where(missing, np.nan, values[:, [0, 2]])
         return values
+
+
+def device(export: Export) -> Device:
+    """Return what answers as the export's C code does."""
+    if not export.integer:
+        return Device(export.model, partial(read, export))
+    return Device(export.model, *integers(export))

@@ -1,10 +1,10 @@
 """The search for the smallest tables that keep what was asked.
 
-In reading order: `candidate`, `goal`, `foresee`, `climb`.
+In reading order: `trials`, `goal`, `foresee`, `choice`.
 """
 
-from firmware_export.choose.candidate import Bench, Candidate
-from firmware_export.choose.climb import choose, front
+from firmware_export.choose.choice import choose, front
 from firmware_export.choose.goal import KNEE, Goal
+from firmware_export.choose.trials import Candidate, Trials
 
-__all__ = ["KNEE", "Bench", "Candidate", "Goal", "choose", "front"]
+__all__ = ["KNEE", "Candidate", "Goal", "Trials", "choose", "front"]

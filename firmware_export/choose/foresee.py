@@ -6,13 +6,13 @@ For flash alone that is all there is room for.  For an error every table starts 
 that is farthest from its goal grows by as much as its error has to fall.
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
-from firmware_export.choose.candidate import Bench, Candidate
 from firmware_export.choose.goal import GIVEN_UP, Goal
-from firmware_export.codecs import codec
+from firmware_export.choose.trials import Candidate, Trials
+from firmware_export.protocol import CodecInfo, Foresight
 
-__all__ = ["climb_dear"]
+__all__ = ["foresee"]
 
 # Shares of the nodes of each table: the verdict first.
 SHARES = {"tip": 0.85, "sdg": 0.12, "height": 0.03}
@@ -27,24 +27,64 @@ LEAST_GROWTH, MOST_GROWTH, GAIN = 1.4, 4.0, 0.93
 COARSE = 0.4
 
 
-def climb_dear(bench: Bench, name: str, goal: Goal, ceiling: int) -> None:
-    """Try the few sizes of a codec that may meet a goal in at most `ceiling` bytes.
+Nodes = dict[str, int]
+
+
+class _Sizes(NamedTuple):
+    """The sizes of a codec, by the nodes of each table, that take at most `ceiling` bytes."""
+
+    trials: Trials
+    codec: CodecInfo
+    foresight: Foresight
+    bits: int
+    ceiling: int
+
+    def spec(self, nodes: Nodes) -> Any:
+        trials = self.trials
+        return self.foresight.of_nodes(trials.model, trials.channels, nodes, self.bits)
+
+    def try_out(self, nodes: Nodes) -> Candidate | None:
+        return self.trials.try_out(self.codec, self.spec(nodes))
+
+    def fits(self, nodes: Nodes) -> bool:
+        """Tell whether a size, code included, keeps to the ceiling; nothing is fitted."""
+        trials = self.trials
+        blank = self.foresight.blank(trials.model, trials.channels, self.spec(nodes))
+        return trials.bytes_of(self.codec, blank)[2] <= self.ceiling
+
+    def largest(self, nodes: Nodes, share: dict[str, float], most: int) -> Nodes:
+        """Return `nodes` and as many more as fit, at most `most`, handed out by `share`."""
+
+        def more(count: int) -> Nodes:
+            return nodes | {at: nodes.get(at, 0) + int(part * count) for at, part in share.items()}
+
+        low, high = 0, most
+        while low < high:
+            middle = (low + high + 1) // 2
+            low, high = (middle, high) if self.fits(more(middle)) else (low, middle - 1)
+        return more(low)
+
+
+def foresee(
+    trials: Trials, codec: CodecInfo, foresight: Foresight, goal: Goal, ceiling: int
+) -> None:
+    """Try the few sizes of a costly codec that may meet a goal in at most `ceiling` bytes.
 
     The smallest size is tried if none is small enough, for the refusal to name it.  Nothing is
     tried where another codec has met the goal and this one could not be better.
     """
-    rivals = [one for one in bench.tried.values() if one is not None and _good(one, goal)]
+    rivals = [one for one in trials.candidates if goal.serves(one) and goal.fits(one)]
     if goal.percent is None and any(goal.score(one) <= 1.0 for one in rivals):
         return
     bits = 8 if goal.percent is None or goal.aim >= COARSE else 16
-    held = [table for table in SHARES if table == "tip" or table in bench.channels]
+    sizes = _Sizes(trials, codec, foresight, bits, ceiling)
+    held = [table for table in SHARES if table == "tip" or table in trials.channels]
     whole = sum(SHARES[table] for table in held)
     share = {table: SHARES[table] / whole for table in held}
-    most = MOST if goal.percent is None else FIRST
-    nodes = _largest(bench, name, {}, share, bits, ceiling, most)
-    if rivals and _bytes(bench, name, nodes, bits) > ceiling:
+    nodes = sizes.largest({}, share, MOST if goal.percent is None else FIRST)
+    if rivals and not sizes.fits(nodes):
         return
-    now = _try(bench, name, nodes, bits)
+    now = sizes.try_out(nodes)
     if goal.percent is None:
         return
     stuck: set[str] = set()
@@ -65,18 +105,13 @@ def climb_dear(bench: Bench, name: str, goal: Goal, ceiling: int) -> None:
             return
         growth = min(max(term * term, LEAST_GROWTH), MOST_GROWTH)
         room = MOST - sum(nodes.values())
-        extra = min(int((growth - 1.0) * nodes[table]), room)
-        larger = _largest(bench, name, nodes, {table: 1.0}, bits, ceiling, extra)
-        if _spec(bench, name, larger, bits) == now.export.tables.spec:
+        larger = sizes.largest(nodes, {table: 1.0}, min(int((growth - 1.0) * nodes[table]), room))
+        if sizes.spec(larger) == now.export.tables.spec:
             stuck.add(table)
             continue
-        nodes, now = larger, _try(bench, name, larger, bits)
+        nodes, now = larger, sizes.try_out(larger)
         if now is not None and _term(now, table, goal) > GAIN * term:
             stuck.add(table)
-
-
-def _good(one: Candidate, goal: Goal) -> bool:
-    return goal.holds(one) and goal.fits(one) and one.given_up <= GIVEN_UP
 
 
 def _term(one: Candidate, table: str, goal: Goal) -> float:
@@ -84,41 +119,3 @@ def _term(one: Candidate, table: str, goal: Goal) -> float:
     if table == "tip":
         return one.given_up / GIVEN_UP
     return one.errors[table] / goal.aim
-
-
-def _spec(bench: Bench, name: str, nodes: dict[str, int], bits: int) -> Any:
-    tool: Any = codec(name)
-    return tool.of_nodes(bench.model, bench.channels, nodes, bits)
-
-
-def _bytes(bench: Bench, name: str, nodes: dict[str, int], bits: int) -> int:
-    """Return the bytes of a size, code included; nothing is fitted."""
-    tool: Any = codec(name)
-    blank = tool.blank(bench.model, bench.channels, _spec(bench, name, nodes, bits))
-    return bench.bytes_of(name, blank)[2]
-
-
-def _try(bench: Bench, name: str, nodes: dict[str, int], bits: int) -> Candidate | None:
-    return bench.try_out(name, _spec(bench, name, nodes, bits))
-
-
-def _largest(
-    bench: Bench,
-    name: str,
-    nodes: dict[str, int],
-    share: dict[str, float],
-    bits: int,
-    ceiling: int,
-    most: int,
-) -> dict[str, int]:
-    """Return `nodes` and as many more as fit, at most `most`, handed out by `share`."""
-
-    def more(count: int) -> dict[str, int]:
-        return nodes | {at: nodes.get(at, 0) + int(part * count) for at, part in share.items()}
-
-    low, high = 0, most
-    while low < high:
-        middle = (low + high + 1) // 2
-        fits = _bytes(bench, name, more(middle), bits) <= ceiling
-        low, high = (middle, high) if fits else (low, middle - 1)
-    return more(low)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from firmware_export.choose.candidate import Candidate
+from firmware_export.choose.trials import Candidate
 from firmware_export.quantity import ErrorBound
 
 __all__ = ["GIVEN_UP", "KNEE", "Goal"]
@@ -47,6 +47,10 @@ class Goal:
     def fits(self, one: Candidate) -> bool:
         """Whether a candidate is small enough."""
         return one.false_safe == 0 and (self.flash is None or one.total <= self.flash)
+
+    def serves(self, one: Candidate) -> bool:
+        """Whether a candidate is accurate enough and gives up little of what stands."""
+        return self.holds(one) and one.given_up <= GIVEN_UP
 
     def score(self, one: Candidate) -> float:
         """Return how far a candidate is from the goal: 1 where it just meets it.

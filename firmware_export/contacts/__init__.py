@@ -2,3 +2,7 @@
 
 In reading order: `modes`, `fit`, `guard`, `planes`, `facets`, `read`, `codec`.
 """
+
+from firmware_export.contacts.codec import INFO
+
+__all__ = ["INFO"]

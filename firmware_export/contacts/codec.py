@@ -16,12 +16,13 @@ from firmware_export.contacts.fit import Codes, encode_codes
 from firmware_export.contacts.guard import Geometry, contacts_guard
 from firmware_export.contacts.modes import DENSE, Separation, separate
 from firmware_export.contacts.read import Posture, read_contacts
-from firmware_export.emit import CArray, CBody, literal
-from firmware_export.truth import Model
+from firmware_export.protocol import CArray, CBody, CodecInfo, literal
+from firmware_export.protocol import Tables as AnyTables
+from firmware_export.truth import Cells, Model
 from lutgen.errors import InputError
 from lutgen.support import limits
 
-__all__ = ["Spec", "Tables", "c_body", "encode", "grow", "read", "refusal", "start"]
+__all__ = ["INFO", "Spec", "Tables", "c_body", "encode", "grow", "read", "refusal", "start"]
 
 MOST_NODES = 255
 TOLERANCE = 1e-6
@@ -43,9 +44,22 @@ class Spec:
         """Short text for tables."""
         return f"contacts i{self.bits} {'+'.join(map(str, self.nodes)) or 'rigid'}"
 
+    @classmethod
+    def of_label(cls, label: str) -> "Spec":
+        """Return the size with a label.
+
+        Examples
+        --------
+        >>> Spec.of_label("contacts i8 4+4")
+        Spec(nodes=(4, 4), bits=8)
+        """
+        _, bits, counts = label.split()
+        nodes = () if counts == "rigid" else tuple(map(int, counts.split("+")))
+        return cls(nodes, int(bits[1:]))
+
 
 @dataclass(frozen=True, eq=False)
-class Tables:
+class Tables(AnyTables):
     """What is stored, and the numbers beside it in the descriptor."""
 
     spec: Spec
@@ -282,3 +296,34 @@ def c_body(tables: Tables) -> CBody:
         ("SMAP_MAX_ENTRIES", 1 + modes + len(codes.products)),
     )
     return CBody("smap_contacts_t", fields, tuple(arrays), config)
+
+
+def cells(model: Model, tables: Tables) -> Cells:
+    """Return the knots of the tables: nodes of the parameters, and the rim of the chart."""
+    rim = np.array([-model.chart_limit, model.chart_limit])
+    return Cells(tuple(np.linspace(0.0, 1.0, max(n, 2)) for n in tables.spec.nodes), rim, rim)
+
+
+INFO = CodecInfo(
+    name="contacts",
+    enum="SMAP_CODEC_CONTACTS",
+    switches={"float": "SMAP_CONTACTS"},
+    structs=("smap_contacts_t",),
+    look=("#0072B2", "o"),
+    refusal=refusal,
+    sizes=start,
+    grow=grow,
+    encode=encode,
+    c_body=c_body,
+    read_label=Spec.of_label,
+    options=(
+        ("SMAP_MODES=8", "SMAP_MODES=16"),
+        ("", "SMAP_PRODUCTS"),
+        ("", "SMAP_CONTACTS_MANY"),
+    ),
+    cells=cells,
+    encodings=80,
+    # All axes may grow at once, those of other codecs only one by one.
+    patience=2,
+    gain=0.9,
+)

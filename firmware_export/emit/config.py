@@ -8,8 +8,8 @@ import re
 from functools import cache
 from importlib.resources import files
 
-from firmware_export.emit.array import CBody
-from firmware_export.emit.export import Export
+from firmware_export.codecs import codec as info
+from firmware_export.protocol import CBody, Export
 from lutgen.errors import ExportError
 
 __all__ = [
@@ -25,12 +25,6 @@ __all__ = [
 # (name, the runtime's own value, comment)
 Entry = tuple[str, str, str]
 _ENTRY = re.compile(r"#ifndef (\w+)\n#define \1(?: (\S+))? /\* (.*?) \*/\n#endif\n", re.DOTALL)
-_CODEC_SWITCH = {
-    ("contacts", "float"): "SMAP_CONTACTS",
-    ("grid", "float"): "SMAP_GRID",
-    ("grid", "integer"): "SMAP_GRID_INTEGER",
-    ("poly", "float"): "SMAP_POLY",
-}
 # What an application may set by itself: it depends on the target, not on the map.
 _TARGET = ("SMAP_HARDWARE_ROOT", "SMAP_FLASH", "SMAP_PLACE")
 # avr-gcc makes no object of more than 32767 bytes; elsewhere one object is read faster.
@@ -123,7 +117,7 @@ def settings(codec: str, arithmetic: str, k: int, faces: int, body: CBody) -> di
         Its `config` adds to and overrides what the codec needs.
     """
     given = dict(body.config)
-    given.setdefault(_CODEC_SWITCH[codec, arithmetic], 1)
+    given.setdefault(info(codec).switches[arithmetic], 1)
     given.setdefault("SMAP_MAX_PARAMS", max(k, 1))
     given.setdefault("SMAP_SPHERE", int(faces == 6))
     known = {name for name, _, _ in entries()}

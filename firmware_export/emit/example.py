@@ -2,10 +2,9 @@
 
 import math
 
-from firmware_export.emit.array import CBody
-from firmware_export.emit.export import Export
 from firmware_export.emit.names import macro
-from firmware_export.emit.text import literal, plain_text
+from firmware_export.emit.text import plain_text
+from firmware_export.protocol import CBody, Export, literal
 
 __all__ = ["example_text"]
 

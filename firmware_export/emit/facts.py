@@ -9,9 +9,8 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
-from firmware_export.emit.array import CBody
-from firmware_export.emit.export import Export
 from firmware_export.emit.size import TARGET, struct_bytes
+from firmware_export.protocol import CBody, Export
 from lutgen.errors import ExportError
 from lutgen.parts import Parameter
 from lutgen.recipe import Recipe

@@ -6,14 +6,10 @@ It draws into bytes and writes no file.  The same candidates give the same bytes
 import io
 from typing import Any
 
+from firmware_export.codecs import codec as info
+
 __all__ = ["draw_pareto"]
 
-# Okabe and Ito's palette, which stays distinct for colour-blind readers; a marker each as well.
-_LOOK = {
-    "contacts": ("#0072B2", "o"),
-    "grid": ("#D55E00", "s"),
-    "poly": ("#009E73", "^"),
-}
 _GREY = "#595959"
 _SETTINGS: dict[str, Any] = {
     "font.family": "DejaVu Sans",
@@ -71,7 +67,7 @@ def draw_pareto(
         axes.set_yscale("log")
         for codec in sorted({str(row.get("codec", "")) for row in rows}):
             own = sorted((row for row in rows if row.get("codec", "") == codec), key=_size)
-            colour, marker = _LOOK.get(codec, (_GREY, "D"))
+            colour, marker = info(codec).look
             sizes = [_size(row) for row in own]
             errors = [float(row["error"]) for row in own]
             axes.plot(sizes, errors, marker, ms=2.6, mew=0, color=colour, label=codec)

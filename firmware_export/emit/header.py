@@ -6,9 +6,7 @@ Owns the names of the macros.  The numbers are worded by `facts`.
 import math
 from typing import Any
 
-from firmware_export.emit.array import CBody
 from firmware_export.emit.config import runtime_version
-from firmware_export.emit.export import Export
 from firmware_export.emit.facts import (
     MEANING,
     axis_range,
@@ -22,7 +20,8 @@ from firmware_export.emit.facts import (
     share,
 )
 from firmware_export.emit.names import macro
-from firmware_export.emit.text import block_comment, literal
+from firmware_export.emit.text import block_comment
+from firmware_export.protocol import CBody, Export, literal
 from lutgen._version import __version__
 
 __all__ = ["axis_macros", "header_text"]

@@ -14,13 +14,13 @@ from typing import Any
 from firmware_export.emit import report as reports
 from firmware_export.emit.config import config_text, runtime_file
 from firmware_export.emit.example import example_text
-from firmware_export.emit.export import Export
 from firmware_export.emit.figure import draw_pareto
 from firmware_export.emit.header import header_text
 from firmware_export.emit.names import check_name
 from firmware_export.emit.page import page
 from firmware_export.emit.project_files import cmake_lists, library_json, library_properties
 from firmware_export.emit.source import body_of, source_text
+from firmware_export.protocol import Export
 from lutgen.errors import ExportError, InputError
 
 __all__ = ["check_directory", "contents", "write"]

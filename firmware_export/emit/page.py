@@ -3,8 +3,6 @@
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from firmware_export.emit.array import CBody
-from firmware_export.emit.export import Export
 from firmware_export.emit.facts import (
     MEANING,
     axis_range,
@@ -16,6 +14,7 @@ from firmware_export.emit.facts import (
     share,
 )
 from firmware_export.emit.size import TARGET
+from firmware_export.protocol import CBody, Export
 
 __all__ = ["page", "pareto_rows"]
 

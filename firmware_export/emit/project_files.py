@@ -2,8 +2,8 @@
 
 import json
 
-from firmware_export.emit.export import Export
 from firmware_export.emit.text import plain_text
+from firmware_export.protocol import Export
 from lutgen._version import __version__
 
 __all__ = ["cmake_lists", "library_json", "library_properties"]

@@ -1,7 +1,7 @@
 """NAME_report.json and NAME_report.md: everything about an export, for programs and for people.
 
 The JSON is also how a folder is recognised as an export and how its code is asked without C being
-parsed: `load` reads it back.
+parsed: `load_report` reads it back.
 """
 
 import json
@@ -11,15 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from firmware_export.emit.array import CBody
 from firmware_export.emit.config import features, runtime_version
-from firmware_export.emit.export import Export
 from firmware_export.emit.facts import channel_unit, counted, flash_bytes, movement
 from firmware_export.emit.header import axis_macros
+from firmware_export.protocol import CBody, Export
 from lutgen._version import __version__
 from lutgen.errors import InputError
 
-__all__ = ["FORMAT", "SUFFIX", "find", "json_text", "load", "load_file", "report"]
+__all__ = ["FORMAT", "SUFFIX", "find", "json_text", "load_file", "load_report", "report"]
 
 FORMAT = 1
 MARKER = "lutgen_export"
@@ -121,7 +120,7 @@ def find(directory: Path) -> list[Path]:
     return sorted(path for path in directory.glob(f"*{SUFFIX}") if path.is_file())
 
 
-def load(directory: Path) -> dict[str, Any]:
+def load_report(directory: Path) -> dict[str, Any]:
     """Return the report of an export folder; refuse a folder that is none."""
     found = find(directory)
     if len(found) != 1:

@@ -4,27 +4,21 @@ Owns the order and the look of the file.  The codec says what its tables are (`C
 how constants are written, and smap.h what the structs hold.
 """
 
-from importlib import import_module
-
-from firmware_export.emit.array import CArray, CBody
+from firmware_export.codecs import codec
 from firmware_export.emit.config import entries, runtime_version, settings
-from firmware_export.emit.export import CHANNELS, Export
-from firmware_export.emit.text import aligned, comment_lines, literal, number_lines, resolve, table
-from firmware_export.truth import axis_numbers
+from firmware_export.emit.text import aligned, comment_lines, number_lines, resolve, table
+from firmware_export.protocol import CHANNELS, CArray, CBody, Export, axis_numbers, literal
 
 __all__ = ["body_of", "source_text"]
 
 # The types of smap.h for the address of a chunk.
 _CHUNK = {"uint8_t": "smap_chunk8_t", "uint16_t": "smap_chunk16_t"}
-_CODEC = {name: f"SMAP_CODEC_{name.upper()}" for name in ("contacts", "grid", "poly")}
 _BITS = dict(zip(CHANNELS, ("SMAP_SDG", "SMAP_TIP_ANGLE", "SMAP_HEIGHT"), strict=True))
 
 
 def body_of(export: Export) -> CBody:
     """Return the codec's struct and tables of an export."""
-    codec = import_module(f"firmware_export.{export.codec}.codec")
-    body: CBody = codec.c_body(export.tables)
-    return body
+    return codec(export.codec).c_body(export.tables)
 
 
 def source_text(export: Export, body: CBody) -> str:
@@ -136,7 +130,7 @@ def _body(body: CBody, name: str, absent: frozenset[str]) -> str:
 def _descriptor(export: Export) -> str:
     model = export.model
     rows = [
-        ("codec", _CODEC[export.codec]),
+        ("codec", codec(export.codec).enum),
         ("params", str(model.k)),
         ("channels", " | ".join(_BITS[channel] for channel in export.channels)),
         ("faces of the chart", str(model.faces)),

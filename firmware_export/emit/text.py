@@ -7,16 +7,13 @@ import re
 import textwrap
 from collections.abc import Iterable, Sequence
 
-import numpy as np
-
-from firmware_export.emit.array import CArray
+from firmware_export.protocol import CArray, literal
 
 __all__ = [
     "WIDTH",
     "aligned",
     "block_comment",
     "comment_lines",
-    "literal",
     "number_lines",
     "plain_text",
     "resolve",
@@ -25,22 +22,6 @@ __all__ = [
 
 WIDTH = 100
 _INDENT = "  "
-
-
-def literal(value: float | np.generic, ctype: str) -> str:
-    """Return a constant of a type as C writes it.
-
-    Examples
-    --------
-    >>> literal(0.1, "float"), literal(3, "float"), literal(-7, "int8_t")
-    ('0.1f', '3.0f', '-7')
-    """
-    if ctype == "float":
-        # NumPy prints the shortest decimal that reads back as the same single.
-        return f"{np.float32(value)!s}f"
-    if ctype == "uint32_t":
-        return f"{int(value)}u"
-    return str(int(value))
 
 
 def plain_text(text: str) -> str:

@@ -4,9 +4,48 @@ In reading order: `spec`, `tables`, `lattice`, `fit`, `guard`, `margin`, `read`,
 `codec`.
 """
 
-from firmware_export.grid.lattice import Lattice, corners, from_places, to_places
+from firmware_export.grid.codec import (
+    DTYPE,
+    INFO,
+    lattice_of,
+    length_table,
+    part_of,
+    read_i,
+    rounding,
+    tip_part,
+    too_large,
+)
+from firmware_export.grid.guard import is_smooth
+from firmware_export.grid.lattice import Lattice, corners, from_places, spread_knots, to_places
 from firmware_export.grid.margin import Codes
-from firmware_export.grid.spec import LARGEST
-from firmware_export.grid.tables import SPAN, U, V
+from firmware_export.grid.spec import CHANNEL, GROUPS, LARGEST, Spec, active_axes
+from firmware_export.grid.tables import SPAN, Part, Tables, U, V
 
-__all__ = ["LARGEST", "SPAN", "Codes", "Lattice", "U", "V", "corners", "from_places", "to_places"]
+__all__ = [
+    "CHANNEL",
+    "DTYPE",
+    "GROUPS",
+    "INFO",
+    "LARGEST",
+    "SPAN",
+    "Codes",
+    "Lattice",
+    "Part",
+    "Spec",
+    "Tables",
+    "U",
+    "V",
+    "active_axes",
+    "corners",
+    "from_places",
+    "is_smooth",
+    "lattice_of",
+    "length_table",
+    "part_of",
+    "read_i",
+    "rounding",
+    "spread_knots",
+    "tip_part",
+    "to_places",
+    "too_large",
+]

@@ -1,13 +1,12 @@
 """Codec `grid`: multilinear tables over the parameters and the chart, with fitted nodes.
 
-Facade of the codec protocol; the parts are in `grid_spec` (sizes), `grid_fit` (stability factor and
-height), `grid_tip` and `grid_guard` (the verdict of three points), `grid_rough`, `grid_outline` and
-`grid_verdict` (that of any robot), `grid_tables` (layout), `grid_read` and `grid_read_i` (twins of
-the C functions).
+Facade of the codec protocol for three contacts whose facet is accepted in every posture; the parts
+are in `spec` (sizes), `fit` (stability factor and height), `margin` and `guard` (the verdict) and
+`tables` (layout).  Where the standing region jumps, the room `verdict` makes the same tables.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any
@@ -15,34 +14,38 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_export.grid import fit as grid_fit
-from firmware_export.grid import guard as grid_guard
-from firmware_export.grid import margin as grid_tip
+from firmware_export.grid import fit as fitting
+from firmware_export.grid import guard, margin
 from firmware_export.grid.lattice import Lattice, spread_knots
 from firmware_export.grid.read import read
 from firmware_export.grid.read_integer import read_i
-from firmware_export.grid.spec import CHANNEL, GROUPS, Spec, even, grow, start
+from firmware_export.grid.spec import Spec, grow, start
 from firmware_export.grid.tables import Part, Tables, U, V, c_body
-from firmware_export.truth import Model
-from firmware_export.verdict import balanced, chosen_knots
-from firmware_export.verdict import train as grid_rough
+from firmware_export.protocol import CodecInfo
+from firmware_export.truth import Cells, Model
 from lutgen.errors import InputError
 
 __all__ = [
+    "INFO",
     "Spec",
     "Tables",
-    "blank",
     "c_body",
-    "dear",
     "encode",
     "grow",
-    "least_bytes",
-    "of_nodes",
+    "lattice_of",
+    "length_table",
+    "part_of",
     "read",
     "read_i",
     "refusal",
+    "rounding",
     "start",
+    "tip_part",
+    "too_large",
 ]
+
+# (model, coordinate, count) -> the knots of an axis, uint16.
+Knots = Callable[[Model, int, int], NDArray[np.uint16]]
 
 DTYPE: dict[int, Any] = {8: np.uint8, 16: np.uint16}
 # Parameters that smap_read_i and the tables can address, and the largest u it can.
@@ -56,14 +59,9 @@ FLOAT_PLACE, INTEGER_PLACE, INTEGER_PARTS = 0.02, 6.0, 16384.0
 # Rounding of the float path: operations after the codes, in units of 2^-24.
 OPERATIONS = 64.0
 
-SIGN_ONLY = (
-    "Of this table's tip angle only the sign is bounded: it is negative wherever the robot tips, "
-    "but where it stands the angle may be read too large; take it as a verdict, not a distance."
-)
 
-
-def refusal(model: Model, arithmetic: str) -> str | None:
-    """Return why the codec cannot be used, or None."""
+def too_large(model: Model, arithmetic: str) -> str | None:
+    """Return why no table of this kind can hold a robot, or None."""
     if model.recipe.com_uncertainty > 0.0:
         return "grid holds no com_uncertainty; choose the codec contacts"
     if model.k > MOST_PARAMS:
@@ -80,42 +78,19 @@ def refusal(model: Model, arithmetic: str) -> str | None:
     return None
 
 
-def least_bytes(spec: Spec) -> int:
-    """Return the bytes of a size's codes, known before anything is encoded."""
-    values = sum((2 if name == "sdg" else 1) * math.prod(shape) for name, shape in spec.nodes)
-    return values * spec.bits // 8
+def refusal(model: Model, arithmetic: str) -> str | None:
+    """Return why the codec cannot be used, or None."""
+    problem = too_large(model, arithmetic)
+    if problem is None and not guard.is_smooth(model):
+        return "grid is fitted to three contacts whose facet is accepted in every posture"
+    return problem
 
 
-def _lattice(model: Model, shape: tuple[int, ...], chosen: bool) -> Lattice:
-    """Return a table's lattice: knots spread evenly, or `chosen` for what they give up."""
+def lattice_of(model: Model, shape: tuple[int, ...], knots: Knots = spread_knots) -> Lattice:
+    """Return a table's lattice: the nodes of each parameter, of v and of u."""
     names = [*range(model.k), V, U]
-    held = [(at, c, n) for at, (c, n) in enumerate(zip(names, shape, strict=True)) if n > 1]
-    knots = [
-        chosen_knots(model, at, n) if chosen else spread_knots(model, c, n) for at, c, n in held
-    ]
-    return Lattice(model, tuple(c for _, c, _ in held), tuple(knots))
-
-
-def _tip(model: Model, shape: tuple[int, ...], bits: int) -> tuple[Lattice, grid_tip.Codes, str]:
-    """Return the verdict's table, and how it was kept below the truth."""
-    if grid_guard.is_smooth(model):
-        lattice = _lattice(model, shape, False)
-        aims = grid_guard.targets(model, lattice)
-        text = (
-            "the table is below the tip margin everywhere: concave in (u, v), second derivatives "
-            f"bounded in the parameters (at most {aims.remainder:.2g} taken off), codes rounded "
-            "down; the guard covers the rounding of the arithmetic."
-        )
-        return lattice, grid_tip.fit(model, lattice, aims, bits), text
-    lattice = _lattice(model, shape, True)
-    codes, found = grid_rough.fit(model, lattice, bits)
-    text = (
-        f"the table is below zero on every outline of the standing region in the "
-        f"{len(found.tips)} sub-cells of the parameters, moved inwards by what the contacts move "
-        f"within a sub-cell, with `upright` and `rock_angle` tightened by "
-        f"{math.degrees(found.tighter):.2g} deg; the guard covers the rounding of the arithmetic."
-    )
-    return lattice, codes, text
+    held = [(c, n) for c, n in zip(names, shape, strict=True) if n > 1]
+    return Lattice(model, tuple(c for c, _ in held), tuple(knots(model, c, n) for c, n in held))
 
 
 def _misplaced(part: Part, units: float, parts: float) -> float:
@@ -134,30 +109,40 @@ def _misplaced(part: Part, units: float, parts: float) -> float:
     return total
 
 
+# Tables do not depend on each other: sizes that share one do not fit it again.
 @lru_cache(maxsize=16)
-def _table(model: Model, name: str, shape: tuple[int, ...], bits: int) -> tuple[Part, str]:
-    """Return one table, and for the verdict how it was kept below the truth.
-
-    Tables do not depend on each other: sizes that share one do not fit it again.
-    """
-    text = ""
-    if name == "tip":
-        lattice, tip, text = _tip(model, shape, bits)
-        codes, offset, step = tip.codes.astype(DTYPE[bits]), [tip.offset], tip.step
-    else:
-        lattice = _lattice(model, shape, not model.single_facet)
-        node = grid_fit.fit(model, lattice, name)
-        if name == "height":
-            # Nodes where nothing stands may come out negative; the integer path has no such height.
-            node = np.maximum(node, 0.0)
-        flat, offset, step = grid_fit.quantise(node, bits)
-        codes = flat.reshape(lattice.faces, *lattice.shape, -1)
-    return _part(name, lattice, codes, offset, step), text
+def _tip_table(model: Model, shape: tuple[int, ...], bits: int) -> tuple[Part, str]:
+    """Return the verdict's table, and how it was kept below the truth."""
+    lattice = lattice_of(model, shape)
+    aims = guard.targets(model, lattice)
+    codes = margin.fit(model, lattice, aims, bits)
+    text = (
+        "the table is below the tip margin everywhere: concave in (u, v), second derivatives "
+        f"bounded in the parameters (at most {aims.remainder:.2g} taken off), codes rounded "
+        "down; the guard covers the rounding of the arithmetic."
+    )
+    return tip_part(lattice, codes, bits), text
 
 
-def _part(
+@lru_cache(maxsize=16)
+def length_table(
+    model: Model, name: str, shape: tuple[int, ...], bits: int, knots: Knots = spread_knots
+) -> Part:
+    """Return the table ``sdg`` or ``height``."""
+    lattice = lattice_of(model, shape, knots)
+    node = fitting.fit(model, lattice, name)
+    if name == "height":
+        # Nodes where nothing stands may come out negative; the integer path has no such height.
+        node = np.maximum(node, 0.0)
+    flat, offset, step = fitting.quantise(node, bits)
+    codes = flat.reshape(lattice.faces, *lattice.shape, -1)
+    return part_of(name, lattice, codes, offset, step)
+
+
+def part_of(
     name: str, lattice: Lattice, codes: NDArray[Any], offset: Sequence[float], step: float
 ) -> Part:
+    """Return codes (faces, n..., width) on a lattice as a table."""
     return Part(
         name,
         lattice.coordinates,
@@ -168,52 +153,56 @@ def _part(
     )
 
 
+def tip_part(lattice: Lattice, codes: margin.Codes, bits: int) -> Part:
+    """Return the verdict's codes as a table."""
+    return part_of("tip", lattice, codes.codes.astype(DTYPE[bits]), [codes.offset], codes.step)
+
+
+def rounding(tip: Part) -> float:
+    """Return by how much (rad) the arithmetic may read a tip angle too high."""
+    largest = float(np.abs(tip.offset[0]) + tip.step * 2.0**tip.bits)
+    return OPERATIONS * 2.0**-24 * max(largest, 1.0)
+
+
 def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
     """Fit and quantise the tables of one size, and bound the guard."""
     problem = refusal(model, "float")
     if problem is not None:
         raise InputError(f"{model.recipe.source}: {problem}; choose another codec.")
-    fitted = [_table(model, name, shape, spec.bits) for name, shape in spec.nodes]
-    parts, text = [part for part, _ in fitted], fitted[0][1]
-    tip_part = parts[0]
-    guard = 0.0
-    if grid_guard.is_smooth(model):
-        # Elsewhere the outlines leave room for it.
-        remainder = (1 << (16 - spec.bits)) * _misplaced(tip_part, INTEGER_PLACE, INTEGER_PARTS)
-        parts[0] = replace(tip_part, remainder=math.ceil(remainder))
-        guard = float(tip_part.step) * _misplaced(tip_part, FLOAT_PLACE, 0.0)
-    largest = float(np.abs(tip_part.offset[0]) + tip_part.step * 2.0**spec.bits)
-    guard += OPERATIONS * 2.0**-24 * max(largest, 1.0)
-    notes = () if grid_guard.is_smooth(model) else (SIGN_ONLY,)
-    return Tables(spec, channels, tuple(parts), model.chart_limit, guard, text, notes)
+    (_, shape), *lengths = spec.nodes
+    tip, text = _tip_table(model, shape, spec.bits)
+    remainder = (1 << (16 - spec.bits)) * _misplaced(tip, INTEGER_PLACE, INTEGER_PARTS)
+    parts = [replace(tip, remainder=math.ceil(remainder))]
+    parts += [length_table(model, name, shape, spec.bits) for name, shape in lengths]
+    off = float(tip.step) * _misplaced(tip, FLOAT_PLACE, 0.0) + rounding(tip)
+    return Tables(spec, channels, tuple(parts), model.chart_limit, off, text)
 
 
-def blank(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
-    """Return tables of a size before anything is fitted: as many bytes, all codes 0."""
-    parts = []
-    for name, shape in spec.nodes:
-        lattice = _lattice(model, shape, not model.single_facet)
-        codes = np.zeros(
-            (lattice.faces, *lattice.shape, 2 if name == "sdg" else 1), DTYPE[spec.bits]
-        )
-        parts.append(_part(name, lattice, codes, [0.0], 1.0))
-    return Tables(spec, channels, tuple(parts), model.chart_limit, 0.0, "")
+def cells(model: Model, tables: Tables) -> Cells:
+    """Return the knots of the tables: of |SD_g| where it is held, since that is what is bounded."""
+    part = next((part for part in tables.parts if part.name == "sdg"), tables.parts[0])
+    knots = {
+        coordinate: places.astype(np.float64) / places[-1]
+        for coordinate, places in zip(part.coordinates, part.knots, strict=True)
+    }
+    ends = np.array([0.0, 1.0])
+    v, u = ((2.0 * knots.get(at, ends) - 1.0) * model.chart_limit for at in (V, U))
+    return Cells(tuple(knots.get(at, ends) for at in range(model.k)), u, v)
 
 
-def dear(model: Model) -> bool:
-    """Tell whether an encoding takes so long that few can be tried: where the region jumps."""
-    return not model.single_facet
-
-
-def of_nodes(model: Model, channels: tuple[str, ...], nodes: dict[str, int], bits: int) -> Spec:
-    """Return the size whose tables have at most so many nodes each, spread over the axes.
-
-    `nodes` counts those of ``tip``, ``sdg`` and ``height``; a table has a few at least.
-    """
-    shapes = []
-    for name in GROUPS:
-        if name == "tip":
-            shapes.append((name, balanced(model, nodes.get(name, 0))))
-        elif CHANNEL[name] in channels:
-            shapes.append((name, even(model, name, nodes.get(name, 0))))
-    return Spec(bits, tuple(shapes))
+INFO = CodecInfo(
+    name="grid",
+    enum="SMAP_CODEC_GRID",
+    switches={"float": "SMAP_GRID", "integer": "SMAP_GRID_INTEGER"},
+    structs=("smap_grid_t", "smap_grid_part_t"),
+    look=("#D55E00", "s"),
+    refusal=refusal,
+    sizes=start,
+    grow=grow,
+    encode=encode,
+    c_body=c_body,
+    read_label=Spec.of_label,
+    bytes=lambda spec: int(spec.bytes),
+    cells=cells,
+    encodings=44,
+)

@@ -14,8 +14,6 @@ from firmware_export.truth import Model
 GROUPS = ("tip", "sdg", "height")
 CHANNEL = {"tip": "tip_angle", "sdg": "sdg", "height": "height"}
 LARGEST = 65
-# Nodes of each axis to begin with where the region jumps.
-ROUGH = 9
 # Places looked at per axis when asking whether a value depends on it.
 PROBES = 9
 SEED = 20
@@ -42,6 +40,26 @@ class Spec:
         """Short text, such as ``grid u8 tip 7x7x13x13 sdg 5x5x9x9``."""
         parts = [f"{name} {'x'.join(map(str, nodes))}" for name, nodes in self.nodes]
         return f"grid u{self.bits} {' '.join(parts)}"
+
+    @classmethod
+    def of_label(cls, label: str) -> "Spec":
+        """Return the size with a label.
+
+        Examples
+        --------
+        >>> Spec.of_label("grid u8 tip 17x17 sdg 9x9").nodes
+        (('tip', (17, 17)), ('sdg', (9, 9)))
+        """
+        _, bits, *words = label.split()
+        tables = zip(words[::2], words[1::2], strict=True)
+        nodes = tuple((name, tuple(map(int, shape.split("x")))) for name, shape in tables)
+        return cls(int(bits[1:]), nodes)
+
+    @property
+    def bytes(self) -> int:
+        """Bytes of the codes, known before anything is encoded."""
+        values = sum((2 if name == "sdg" else 1) * math.prod(shape) for name, shape in self.nodes)
+        return values * self.bits // 8
 
     def shape(self, name: str) -> tuple[int, ...]:
         """Nodes of a table, parameters first, then v and u."""
@@ -87,39 +105,14 @@ def start(model: Model, channels: tuple[str, ...], arithmetic: str) -> list[Spec
     for name in GROUPS:
         if CHANNEL[name] in channels or name == "tip":
             active = active_axes(model, name)
-            # A region that jumps needs knots where it does.
-            few = 3 if model.single_facet else ROUGH if name == "tip" else 5
-            count = [few] * model.k + [5 if model.single_facet else few] * 2
+            count = [3] * model.k + [5, 5]
             shape = tuple(n if on else 1 for n, on in zip(count, active, strict=True))
             nodes.append((name, shape))
     return [Spec(bits, tuple(nodes)) for bits in (8, 16)]
 
 
-def even(model: Model, name: str, nodes: int) -> tuple[int, ...]:
-    """Return the nodes of each axis of a table of at most so many in all, alike as far as can be.
-
-    Three at least on each axis on which the table depends.
-    """
-    active = active_axes(model, name)
-    faces = model.faces if any(active[-2:]) else 1
-    shape = [3 if on else 1 for on in active]
-    while True:
-        total = faces * math.prod(shape)
-        able = [
-            axis
-            for axis, on in enumerate(active)
-            if on and shape[axis] < LARGEST and total // shape[axis] * (shape[axis] + 1) <= nodes
-        ]
-        if not able:
-            return tuple(shape)
-        shape[min(able, key=lambda axis: shape[axis])] += 1
-
-
 def grow(model: Model, spec: Spec) -> list[Spec]:
-    """Return the next larger sizes: one axis of one table each, v and u together.
-
-    Tables of robots whose region jumps take long to fit and are grown in larger steps.
-    """
+    """Return the next larger sizes: one axis of one table each, v and u together."""
     result = []
     for at, (name, shape) in enumerate(spec.nodes):
         for axis in range(model.k + 1):
@@ -127,8 +120,6 @@ def grow(model: Model, spec: Spec) -> list[Spec]:
                 continue
             # v and u are alike: an odd number keeps a knot in the middle.
             more = shape[axis] + (2 if axis == model.k or shape[axis] >= 9 else 1)
-            if not model.single_facet:
-                more = shape[axis] + max(2, shape[axis] // 4)
             larger = list(shape)
             larger[axis] = more
             if axis == model.k:

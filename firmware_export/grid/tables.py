@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_export.emit import CArray, CBody
 from firmware_export.grid.spec import Spec
+from firmware_export.protocol import CArray, CBody
+from firmware_export.protocol import Tables as AnyTables
 
 SPAN = 65534
 # Coordinates above every parameter's index.
@@ -106,7 +107,7 @@ class Part:
 
 
 @dataclass(frozen=True, eq=False)
-class Tables:
+class Tables(AnyTables):
     """An encoded grid.
 
     Parameters

@@ -2,3 +2,7 @@
 
 In reading order: `series`, `bound`, `fit`, `read`, `codec`.
 """
+
+from firmware_export.poly.codec import INFO
+
+__all__ = ["INFO"]

@@ -9,16 +9,16 @@ that takes sixteen times the bytes (`python -m benchmarks.export_bytes` measures
 
 from collections.abc import Sequence
 
-from firmware_export.emit import CArray, CBody, literal
 from firmware_export.poly import fit as poly_fit
 from firmware_export.poly.bound import carries_everywhere
 from firmware_export.poly.fit import Spec, Tables, exponents
 from firmware_export.poly.read import read
 from firmware_export.poly.series import expand
+from firmware_export.protocol import CArray, CBody, CodecInfo, literal
 from firmware_export.truth import Model
 from lutgen.support import limits
 
-__all__ = ["Spec", "Tables", "c_body", "encode", "grow", "read", "refusal", "start"]
+__all__ = ["INFO", "Spec", "Tables", "c_body", "encode", "grow", "read", "refusal", "start"]
 
 
 def refusal(model: Model, arithmetic: str) -> str | None:
@@ -92,3 +92,18 @@ def c_body(tables: Tables) -> CBody:
         ("params", str(tables.shape.shape[1] - 1)),
     )
     return CBody("smap_poly_t", fields, arrays)
+
+
+INFO = CodecInfo(
+    name="poly",
+    enum="SMAP_CODEC_POLY",
+    switches={"float": "SMAP_POLY"},
+    structs=("smap_poly_t",),
+    look=("#009E73", "^"),
+    refusal=refusal,
+    sizes=start,
+    grow=grow,
+    encode=encode,
+    c_body=c_body,
+    read_label=Spec.of_label,
+)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from firmware_export.poly.bound import guard
 from firmware_export.poly.series import Floats, expand, rounds
+from firmware_export.protocol import Tables as AnyTables
 from firmware_export.truth import Model
 from lutgen.errors import InputError
 
@@ -41,6 +42,17 @@ class Spec:
         """Short text for tables and reports."""
         return "poly " + " ".join("x".join(str(n) for n in one) or "0" for one in self.degrees)
 
+    @classmethod
+    def of_label(cls, label: str) -> "Spec":
+        """Return the size with a label.
+
+        Examples
+        --------
+        >>> Spec.of_label("poly 0x2 2x0 0x0").degrees
+        ((0, 2), (2, 0), (0, 0))
+        """
+        return cls(tuple(tuple(map(int, one.split("x"))) for one in label.split()[1:]))
+
     @property
     def bytes(self) -> int:
         """Bytes of the tables."""
@@ -48,7 +60,7 @@ class Spec:
 
 
 @dataclass(frozen=True, eq=False)
-class Tables:
+class Tables(AnyTables):
     """An encoded robot.
 
     Parameters

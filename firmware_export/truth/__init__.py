@@ -1,9 +1,8 @@
 """What an export stands for: the exact answers, and where they are asked.
 
-In reading order: `model`, `axis`, `tip_boundary`, `sample`.
+In reading order: `model`, `tip_boundary`, `sample`.
 """
 
-from firmware_export.truth.axis import axis_numbers
 from firmware_export.truth.model import Exact, Model
 from firmware_export.truth.sample import Cells, Sample, biased, join, uniform, uniform_directions
 from firmware_export.truth.tip_boundary import boundary, on_chart, unit
@@ -13,7 +12,6 @@ __all__ = [
     "Exact",
     "Model",
     "Sample",
-    "axis_numbers",
     "biased",
     "boundary",
     "join",

@@ -1,9 +1,8 @@
 """The C runtime, in Python.
 
-In reading order: `strict`, `vector32`, `three_points`, `query`.
+In reading order: `strict`, `vector32`, `three_points`.
 """
 
-from firmware_export.twin.query import read
 from firmware_export.twin.strict import F0, F1, PI, arcsine, njit, prange, root
 from firmware_export.twin.three_points import read_three
 from firmware_export.twin.vector32 import Vector, at, cross, dot, normalise, subtract
@@ -17,6 +16,7 @@ __all__ = [
     "at",
     "cross",
     "dot",
+    "integers",
     "njit",
     "normalise",
     "prange",

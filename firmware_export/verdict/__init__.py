@@ -1,8 +1,8 @@
-"""The verdict's table where a robot's standing region jumps.
+"""Codec `grid` where a robot's standing region jumps.
 
-In reading order: `outline`, `lower`, `knots`, `train`.
+In reading order: `outline`, `lower`, `knots`, `train`, `codec`.
 """
 
-from firmware_export.verdict.knots import balanced, chosen_knots
+from firmware_export.verdict.codec import INFO
 
-__all__ = ["balanced", "chosen_knots"]
+__all__ = ["INFO"]

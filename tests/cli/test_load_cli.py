@@ -6,12 +6,12 @@ from pathlib import Path
 import pytest
 
 import lutgen
+from firmware_export.certify.answers import device
 from firmware_export.certify.certifier import Effort, certify
-from firmware_export.codecs import device
 from firmware_export.contacts import codec as contacts
-from firmware_export.emit.export import Export
 from firmware_export.grid import codec as grid
 from firmware_export.poly import codec as poly
+from firmware_export.protocol.exported import Export
 from firmware_export.truth.model import Model
 from tests.docs.test_docs import blocks
 from tests.fixtures.commands import data, good, run

@@ -14,14 +14,14 @@ from hypothesis import strategies as st
 
 from firmware_export.device import compile_c
 from firmware_export.emit import package
-from firmware_export.emit.array import CArray, CBody
 from firmware_export.emit.config import config_text, entries, features, runtime_file, settings
-from firmware_export.emit.export import Export
 from firmware_export.emit.header import axis_macros, header_text
 from firmware_export.emit.names import LONGEST, check_name, default_name
 from firmware_export.emit.size import code_bytes
 from firmware_export.emit.source import body_of, source_text
-from firmware_export.emit.text import WIDTH, block_comment, literal, number_lines, plain_text, table
+from firmware_export.emit.text import WIDTH, block_comment, number_lines, plain_text, table
+from firmware_export.protocol.array import CArray, CBody, literal
+from firmware_export.protocol.exported import Export
 from lutgen.errors import ExportError, InputError
 from lutgen.recipe.recipe import parse_recipe
 from tests.fixtures.exports import rover_export, tripod_export

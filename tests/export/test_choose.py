@@ -1,7 +1,7 @@
 """The chooser: the best of what a codec can do, on codecs whose errors are known formulas."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from types import SimpleNamespace
@@ -10,13 +10,13 @@ from typing import Any, cast
 import pytest
 
 import lutgen
-from firmware_export.choose import candidate
-from firmware_export.choose import climb as choosing
-from firmware_export.choose.candidate import Bench, Candidate
-from firmware_export.choose.climb import choose, front
+from firmware_export.choose import trials
+from firmware_export.choose.choice import choose, front
 from firmware_export.choose.goal import GIVEN_UP, Goal
-from firmware_export.codecs import NAMES, codec, usable
+from firmware_export.choose.trials import Candidate, Trials
+from firmware_export.codecs import codec, named, usable
 from firmware_export.grid import fit as grid_fit
+from firmware_export.protocol.info import CodecInfo, Tables
 from firmware_export.truth.model import Model
 from firmware_export.verdict import knots as grid_knots
 from firmware_export.verdict import train as grid_rough
@@ -71,22 +71,33 @@ class Formula:
         return fit + 50.0 / 2**spec.bits
 
 
-class Paper(Bench):
-    """A bench that measures nothing: candidates are what the formula says."""
+class Tabled(Tables):
+    """Tables of which only the size is known."""
 
-    def __init__(self, codecs: dict[str, Formula]) -> None:
-        self.codecs, self.tried, self.encoded = codecs, {}, 0
+    def __init__(self, spec: Spec) -> None:
+        self.spec = spec
+
+
+class Paper(Trials):
+    """Trials that measure nothing: candidates are what the formula says."""
+
+    def __init__(self, formulas: dict[str, Formula]) -> None:
+        self.formulas, self.tried, self.encoded = formulas, {}, 0
+        self.infos = {
+            name: replace(codec(name), sizes=one.start, grow=one.grow, bytes=None)
+            for name, one in formulas.items()
+        }
         self.model = cast(Model, SimpleNamespace(recipe=SimpleNamespace(source="paper.toml")))
         self.channels, self.arithmetic = ("sdg", "tip_angle"), "float"
 
-    def try_out(self, name: str, spec: Any) -> Candidate | None:
+    def try_out(self, codec: CodecInfo, spec: Any) -> Candidate | None:
         """Return the formula's candidate."""
-        if (name, spec) not in self.tried:
+        if (codec, spec) not in self.tried:
             self.encoded += 1
-            formula = self.codecs[name]
+            formula = self.formulas[codec.name]
             size = formula.size(spec)
-            export = cast(Any, SimpleNamespace(codec=name, tables=SimpleNamespace(spec=spec)))
-            self.tried[name, spec] = Candidate(
+            export = cast(Any, SimpleNamespace(codec=codec.name, tables=Tabled(spec)))
+            self.tried[codec, spec] = Candidate(
                 export,
                 size,
                 size + CODE,
@@ -94,18 +105,20 @@ class Paper(Bench):
                 formula.given_up(spec),
                 formula.false_safe(spec),
             )
-        return self.tried[name, spec]
+        return self.tried[codec, spec]
 
 
-@pytest.fixture
-def bench(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Paper]:
-    """Return a function that makes a bench of some codecs."""
+def bench(**formulas: Formula) -> Paper:
+    """Return trials of some codecs."""
+    return Paper(formulas)
 
-    def make(**codecs: Formula) -> Paper:
-        monkeypatch.setattr(choosing, "codec", lambda name: codecs[name])
-        return Paper(codecs)
 
-    return make
+def best(tool: Trials, names: Sequence[str], goal: Goal) -> Candidate:
+    """Return the best candidate of the codecs with some names."""
+    if isinstance(tool, Paper):
+        return choose(tool, [tool.infos[name] for name in names], goal)
+    found = [one for name in names for one in usable(tool.model, tool.arithmetic, name)]
+    return choose(tool, found, goal)
 
 
 def smallest(formula: Formula, percent: float) -> int:
@@ -115,11 +128,9 @@ def smallest(formula: Formula, percent: float) -> int:
 
 
 @pytest.mark.parametrize("percent", [20.0, 5.0, 2.0, 1.0])
-def test_the_smallest_that_holds_an_error_is_near_the_best_of_all_sizes(
-    bench: Callable[..., Paper], percent: float
-) -> None:
+def test_the_smallest_that_holds_an_error_is_near_the_best_of_all_sizes(percent: float) -> None:
     paper = bench(grid=Formula())
-    found = choose(paper, ["grid"], Goal(None, percent))
+    found = best(paper, ["grid"], Goal(None, percent))
     aim = percent / 1.3
     assert found.error <= aim
     # Greedy, one axis at a time: within a third of the best of 100,000 sizes.
@@ -127,58 +138,56 @@ def test_the_smallest_that_holds_an_error_is_near_the_best_of_all_sizes(
     assert paper.encoded <= 60
 
 
-def test_axes_grow_as_they_need(bench: Callable[..., Paper]) -> None:
-    found = choose(bench(grid=Formula()), ["grid"], Goal(None, 2.0))
+def test_axes_grow_as_they_need() -> None:
+    found = best(bench(grid=Formula()), ["grid"], Goal(None, 2.0))
     # Weights 20, 5 and 1.
     nodes = found.export.tables.spec.nodes
     assert nodes[0] > nodes[1] > nodes[2]
 
 
-def test_the_most_accurate_that_fits_uses_the_flash(bench: Callable[..., Paper]) -> None:
-    found = choose(bench(grid=Formula()), ["grid"], Goal(4096 + CODE, None))
+def test_the_most_accurate_that_fits_uses_the_flash() -> None:
+    found = best(bench(grid=Formula()), ["grid"], Goal(4096 + CODE, None))
     assert found.total <= 4096 + CODE
     sizes = (Spec(nodes, bits) for nodes in product(range(3, 40), repeat=3) for bits in (8, 16))
-    best = min(Formula().error(spec) for spec in sizes if Formula().size(spec) <= 4096)
-    assert found.error <= 1.3 * best
+    least = min(Formula().error(spec) for spec in sizes if Formula().size(spec) <= 4096)
+    assert found.error <= 1.3 * least
 
 
-def test_code_counts_as_flash(bench: Callable[..., Paper]) -> None:
+def test_code_counts_as_flash() -> None:
     with pytest.raises(ExportError, match="smallest there is"):
-        choose(bench(grid=Formula()), ["grid"], Goal(CODE, None))
+        best(bench(grid=Formula()), ["grid"], Goal(CODE, None))
 
 
-def test_wider_codes_are_used_where_narrow_ones_are_too_coarse(
-    bench: Callable[..., Paper],
-) -> None:
+def test_wider_codes_are_used_where_narrow_ones_are_too_coarse() -> None:
     # u8 rounds to 0.2 %.
-    found = choose(bench(grid=Formula(weights=(2.0, 1.0, 1.0))), ["grid"], Goal(None, 0.25))
+    found = best(bench(grid=Formula(weights=(2.0, 1.0, 1.0))), ["grid"], Goal(None, 0.25))
     assert found.export.tables.spec.bits == 16
-    coarse = choose(bench(grid=Formula(weights=(2.0, 1.0, 1.0))), ["grid"], Goal(None, 2.0))
+    coarse = best(bench(grid=Formula(weights=(2.0, 1.0, 1.0))), ["grid"], Goal(None, 2.0))
     assert coarse.export.tables.spec.bits == 8
 
 
-def test_of_two_codecs_the_better_is_chosen(bench: Callable[..., Paper]) -> None:
+def test_of_two_codecs_the_better_is_chosen() -> None:
     small = Formula(weights=(0.2, 0.05, 0.01))
     for order in (["poly", "grid"], ["grid", "poly"]):
-        found = choose(bench(poly=small, grid=Formula()), order, Goal(None, 1.0))
+        found = best(bench(poly=small, grid=Formula()), order, Goal(None, 1.0))
         assert found.export.codec == "poly"
 
 
-def test_a_codec_that_cannot_win_is_given_up_early(bench: Callable[..., Paper]) -> None:
+def test_a_codec_that_cannot_win_is_given_up_early() -> None:
     alone = bench(grid=Formula())
-    choose(alone, ["grid"], Goal(None, 0.5))
+    best(alone, ["grid"], Goal(None, 0.5))
     both = bench(poly=Formula(weights=(0.2, 0.05, 0.01)), grid=Formula())
-    choose(both, ["poly", "grid"], Goal(None, 0.5))
-    tried = sum(name == "grid" for name, _ in both.tried)
+    best(both, ["poly", "grid"], Goal(None, 0.5))
+    tried = sum(one.name == "grid" for one, _ in both.tried)
     assert 0 < tried < alone.encoded / 2
 
 
-def test_both_limits_hold_or_the_error_names_the_nearest(bench: Callable[..., Paper]) -> None:
-    found = choose(bench(grid=Formula()), ["grid"], Goal(10_000, 2.0))
+def test_both_limits_hold_or_the_error_names_the_nearest() -> None:
+    found = best(bench(grid=Formula()), ["grid"], Goal(10_000, 2.0))
     assert found.total <= 10_000
     assert found.error <= 2.0 / 1.3
     with pytest.raises(ExportError) as caught:
-        choose(bench(grid=Formula()), ["grid"], Goal(1050, 2.0))
+        best(bench(grid=Formula()), ["grid"], Goal(1050, 2.0))
     text = str(caught.value)
     assert "\n" not in text
     assert "1,050 bytes of flash and an error of 2 %" in text
@@ -187,46 +196,36 @@ def test_both_limits_hold_or_the_error_names_the_nearest(bench: Callable[..., Pa
     assert "are needed for that error" in text
 
 
-def test_an_error_that_nothing_reaches_is_refused_with_the_nearest(
-    bench: Callable[..., Paper],
-) -> None:
+def test_an_error_that_nothing_reaches_is_refused_with_the_nearest() -> None:
     with pytest.raises(ExportError, match=r"nearest that can be had: [0-9.]+ % in [0-9,]+ bytes"):
-        choose(bench(grid=Formula(largest=6)), ["grid"], Goal(None, 0.01))
+        best(bench(grid=Formula(largest=6)), ["grid"], Goal(None, 0.01))
 
 
-def test_an_export_that_gives_up_little_goes_before_a_smaller_one(
-    bench: Callable[..., Paper],
-) -> None:
+def test_an_export_that_gives_up_little_goes_before_a_smaller_one() -> None:
     formula = Formula(given_up=lambda spec: 2.0 / spec.nodes[2] ** 2)
-    found = choose(bench(grid=formula), ["grid"], Goal(None, 5.0))
+    found = best(bench(grid=formula), ["grid"], Goal(None, 5.0))
     # At most 5 %: 7 nodes of an axis that the error alone would leave at 3.
     assert found.given_up <= 0.05
     assert found.export.tables.spec.nodes[2] >= 7
 
 
-def test_where_all_give_up_much_the_one_that_gives_up_least_is_chosen(
-    bench: Callable[..., Paper],
-) -> None:
+def test_where_all_give_up_much_the_one_that_gives_up_least_is_chosen() -> None:
     formula = Formula(given_up=lambda spec: 0.3 + 1.0 / spec.nodes[2], largest=12)
     paper = bench(grid=formula)
-    found = choose(paper, ["grid"], Goal(None, 5.0))
+    found = best(paper, ["grid"], Goal(None, 5.0))
     holding = [one for one in paper.tried.values() if one and one.error <= 5.0 / 1.3]
     assert found.given_up == min(one.given_up for one in holding)
 
 
-def test_a_candidate_that_calls_a_tipping_robot_safe_is_never_chosen(
-    bench: Callable[..., Paper],
-) -> None:
+def test_a_candidate_that_calls_a_tipping_robot_safe_is_never_chosen() -> None:
     formula = Formula(false_safe=lambda spec: int(spec.bits == 8))
-    found = choose(bench(grid=formula), ["grid"], Goal(None, 2.0))
+    found = best(bench(grid=formula), ["grid"], Goal(None, 2.0))
     assert found.export.tables.spec.bits == 16
     with pytest.raises(ExportError, match="fault of the codec's guard"):
-        choose(bench(grid=Formula(false_safe=lambda spec: 1)), ["grid"], Goal(None, 2.0))
+        best(bench(grid=Formula(false_safe=lambda spec: 1)), ["grid"], Goal(None, 2.0))
 
 
-def test_a_codec_that_answers_nothing_at_first_is_grown_until_it_does(
-    bench: Callable[..., Paper],
-) -> None:
+def test_a_codec_that_answers_nothing_at_first_is_grown_until_it_does() -> None:
     class Silent(Formula):
         def error(self, spec: Spec) -> float:
             return math.inf if min(spec.nodes) < 6 else super().error(spec)
@@ -234,18 +233,18 @@ def test_a_codec_that_answers_nothing_at_first_is_grown_until_it_does(
         def grow(self, model: Any, spec: Spec) -> list[Spec]:
             return [*super().grow(model, spec), Spec(tuple(n + 1 for n in spec.nodes), spec.bits)]
 
-    found = choose(bench(grid=Silent()), ["grid"], Goal(None, 2.0))
+    found = best(bench(grid=Silent()), ["grid"], Goal(None, 2.0))
     assert found.error <= 2.0
 
 
-def test_going_on_after_a_certificate_uses_what_was_tried(bench: Callable[..., Paper]) -> None:
+def test_going_on_after_a_certificate_uses_what_was_tried() -> None:
     paper = bench(grid=Formula())
-    first = choose(paper, ["grid"], Goal(None, 2.0))
+    first = best(paper, ["grid"], Goal(None, 2.0))
     before = paper.encoded
-    again = choose(paper, ["grid"], Goal(None, 2.0))
+    again = best(paper, ["grid"], Goal(None, 2.0))
     assert again is first
     assert paper.encoded == before
-    finer = choose(paper, ["grid"], Goal(None, 2.0, margin=1.6))
+    finer = best(paper, ["grid"], Goal(None, 2.0, margin=1.6))
     assert finer.error <= 2.0 / 1.6
     assert finer.bytes > first.bytes
 
@@ -253,17 +252,15 @@ def test_going_on_after_a_certificate_uses_what_was_tried(bench: Callable[..., P
 def test_steps_too_small_to_count_alone_are_followed_while_they_add_up() -> None:
     # Three axes that each have to grow: none alone lowers the score by a tenth.
     model = Model(lutgen.load_recipe("maps/excavator.toml"))
-    tool = Bench(model, "excavator", ("sdg", "tip_angle", "height"), "float")
-    found = choose(tool, ["contacts"], Goal(flash=16384, percent=1.0))
+    tool = Trials(model, "excavator", ("sdg", "tip_angle", "height"), "float")
+    found = best(tool, ["contacts"], Goal(flash=16384, percent=1.0))
     assert found.given_up <= GIVEN_UP
     assert found.bytes < 600
 
 
-def test_the_table_of_candidates_falls_in_error_as_it_grows_in_bytes(
-    bench: Callable[..., Paper],
-) -> None:
+def test_the_table_of_candidates_falls_in_error_as_it_grows_in_bytes() -> None:
     paper = bench(poly=Formula(weights=(0.2, 0.05, 0.01)), grid=Formula())
-    chosen = choose(paper, ["poly", "grid"], Goal(None, 0.5))
+    chosen = best(paper, ["poly", "grid"], Goal(None, 0.5))
     rows = front(paper, chosen)
     assert [row["label"] for row in rows if row["chosen"]] == [chosen.label]
     for name in ("poly", "grid"):
@@ -277,9 +274,10 @@ def test_the_table_of_candidates_falls_in_error_as_it_grows_in_bytes(
 
 def test_codecs_are_named_and_tried_in_order() -> None:
     model = Model(lutgen.parse_recipe(tripod()))
-    assert usable(model, "float") == list(NAMES)
-    assert usable(model, "float", "poly") == ["poly"]
-    assert usable(model, "integer") == ["grid"]
+    assert [one.name for one in usable(model, "float")] == ["contacts", "poly", "grid"]
+    assert usable(model, "float", "poly") == named("poly")
+    (grid,) = usable(model, "integer")
+    assert grid is codec("grid")
     with pytest.raises(InputError, match="unknown"):
         codec("zip")
     with pytest.raises(InputError, match="unknown"):
@@ -295,26 +293,26 @@ def test_a_robot_that_no_codec_can_hold_is_refused_with_the_reason() -> None:
 
 
 @pytest.fixture
-def wheels(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Bench]:
+def wheels(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Trials]:
     """Return a function that makes a bench of four wheels, one of which lifts off."""
     monkeypatch.setattr(grid_fit, "FEW_POINTS", 8_000)
     monkeypatch.setattr(grid_fit, "FEW_POOL", 20_000)
-    monkeypatch.setattr(candidate, "POINTS", 6_000)
+    monkeypatch.setattr(trials, "POINTS", 6_000)
     monkeypatch.setattr(grid_rough, "POSTURES", 2_000)
     monkeypatch.setattr(grid_knots, "LINES", 600)
 
-    def make(*channels: str, arithmetic: str = "integer") -> Bench:
-        return Bench(Model(lutgen.parse_recipe(rover())), "rover", channels, arithmetic)
+    def make(*channels: str, arithmetic: str = "integer") -> Trials:
+        return Trials(Model(lutgen.parse_recipe(rover())), "rover", channels, arithmetic)
 
     return make
 
 
 @pytest.mark.parametrize("arithmetic", ["integer", "float"])
 def test_a_region_that_jumps_is_encoded_once_for_the_flash_there_is(
-    wheels: Callable[..., Bench], arithmetic: str
+    wheels: Callable[..., Trials], arithmetic: str
 ) -> None:
     bench = wheels("tip_angle", arithmetic=arithmetic)
-    found = choose(bench, ["grid"], Goal(1_700, None))
+    found = best(bench, ["grid"], Goal(1_700, None))
     assert len(bench.tried) == 1
     # All but what one more knot takes.
     assert 1_550 < found.total <= 1_700
@@ -324,11 +322,11 @@ def test_a_region_that_jumps_is_encoded_once_for_the_flash_there_is(
 
 
 def test_a_region_that_jumps_is_encoded_a_few_times_for_an_error(
-    wheels: Callable[..., Bench],
+    wheels: Callable[..., Trials],
 ) -> None:
     bench = wheels("sdg", "tip_angle")
     goal = Goal(8_000, 40.0)
-    found = choose(bench, ["grid"], goal)
+    found = best(bench, ["grid"], goal)
     assert goal.holds(found)
     assert goal.fits(found)
     assert found.given_up <= GIVEN_UP
@@ -336,24 +334,24 @@ def test_a_region_that_jumps_is_encoded_a_few_times_for_an_error(
 
 
 def test_what_no_table_can_hold_is_refused_after_a_few_encodings(
-    wheels: Callable[..., Bench],
+    wheels: Callable[..., Trials],
 ) -> None:
     bench = wheels("sdg", "tip_angle")
     with pytest.raises(ExportError, match="nearest that can be had"):
-        choose(bench, ["grid"], Goal(4_000, 1.0))
+        best(bench, ["grid"], Goal(4_000, 1.0))
     assert len(bench.tried) <= 6
     bench = wheels("tip_angle")
     with pytest.raises(ExportError, match=r"got 1,000 bytes of flash.*is the smallest there is"):
-        choose(bench, ["grid"], Goal(1_000, None))
+        best(bench, ["grid"], Goal(1_000, None))
     assert len(bench.tried) == 1
     with pytest.raises(ExportError, match="only the sign of its tip angle is bounded"):
-        choose(wheels("tip_angle"), ["grid"], Goal(None, 1.0))
+        best(wheels("tip_angle"), ["grid"], Goal(None, 1.0))
 
 
-def test_a_dear_codec_is_not_encoded_where_another_has_met_the_goal(
-    wheels: Callable[..., Bench],
+def test_a_costly_codec_is_not_encoded_where_another_has_met_the_goal(
+    wheels: Callable[..., Trials],
 ) -> None:
     bench = wheels("tip_angle", arithmetic="float")
-    found = choose(bench, ["contacts", "grid"], Goal(60_000, None))
+    found = best(bench, ["contacts", "grid"], Goal(60_000, None))
     assert found.export.codec == "contacts"
-    assert not any(name == "grid" for name, _ in bench.tried)
+    assert not any(one.name == "grid" for one, _ in bench.tried)

@@ -9,14 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from firmware_export.certify import query as twin
 from firmware_export.device import FLAGS, HostLibrary
 from firmware_export.emit import package
 from firmware_export.emit.config import runtime_file
-from firmware_export.emit.export import CHANNELS, Export
 from firmware_export.emit.source import body_of
 from firmware_export.grid.read_integer import read_i
 from firmware_export.grid.tables import CHUNK, SPAN, Part, U, V
-from firmware_export.twin import query as twin
+from firmware_export.protocol.exported import CHANNELS, Export
 from tests.fixtures.exports import tripod_export
 from tests.fixtures.queries import integer_queries, random_queries
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from firmware_export.certify.query import CLAMPED, OK, TIPS, read
 from firmware_export.contacts import codec as contacts
 from firmware_export.contacts.fit import Codes, fit_line
 from firmware_export.contacts.modes import DENSE, Coordinates, evaluate, separate
-from firmware_export.emit.export import CHANNELS, Export
+from firmware_export.protocol.exported import CHANNELS, Export
 from firmware_export.truth.model import Model
-from firmware_export.twin.query import CLAMPED, OK, TIPS, read
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import load_recipe, parse_recipe
 from tests.fixtures.recipes import contact, rigid, rover, sweep_part, tripod

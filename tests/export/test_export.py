@@ -14,9 +14,9 @@ import firmware_export
 import lutgen
 from firmware_export import exporter
 from firmware_export.certify.certificate import Certificate
-from firmware_export.emit.export import Export
 from firmware_export.exporter import Report
 from firmware_export.poly.fit import Tables
+from firmware_export.protocol.exported import Export
 from lutgen.errors import ExportError, InputError, MapFileError, RecipeError
 from tests.fixtures.recipes import feet, rigid, rover, tripod
 
@@ -172,7 +172,7 @@ def test_a_folder_with_foreign_files_is_refused_before_anything_is_computed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "thesis.tex").write_text("mine")
-    monkeypatch.setattr(exporter, "Bench", None)
+    monkeypatch.setattr(exporter, "Trials", None)
     with pytest.raises(InputError, match="not of an export"):
         run(tmp_path)
     assert (tmp_path / "thesis.tex").read_text() == "mine"

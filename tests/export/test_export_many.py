@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import lutgen
-from firmware_export.choose import candidate
+from firmware_export.choose import trials
 from firmware_export.contacts.guard import Geometry
 from firmware_export.contacts.modes import DENSE, evaluate, separate
 from firmware_export.exporter import Report, export
@@ -82,7 +82,7 @@ def absolem_with_four_flippers() -> Recipe:
 
 def fewer_points(monkeypatch: pytest.MonkeyPatch) -> None:
     """Compare candidates on a fifth of the points: what is chosen is certified anyway."""
-    monkeypatch.setattr(candidate, "POINTS", 3000)
+    monkeypatch.setattr(trials, "POINTS", 3000)
 
 
 def certificate(report: Report) -> dict[str, Any]:

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from firmware_export.certify.query import OK, TIPS, read
 from firmware_export.device import HostLibrary
 from firmware_export.emit import package
-from firmware_export.emit.export import CHANNELS, Export
 from firmware_export.grid import codec as grid
 from firmware_export.grid import fit as grid_fit
 from firmware_export.grid import guard as grid_guard
@@ -18,8 +18,9 @@ from firmware_export.grid.lattice import at_points
 from firmware_export.grid.read import interpolate
 from firmware_export.grid.spec import Spec, active_axes, grow, start
 from firmware_export.grid.tables import SPAN, Tables, U, V
+from firmware_export.protocol.exported import CHANNELS, Export
 from firmware_export.truth.model import Model
-from firmware_export.twin.query import OK, TIPS, read
+from firmware_export.verdict import codec as verdict
 from firmware_export.verdict import train as grid_rough
 from firmware_export.verdict.lower import excess
 from firmware_export.verdict.outline import outlines
@@ -141,7 +142,7 @@ def test_an_encoding_is_the_same_each_time(model: Model, tables: Tables) -> None
 
 
 def test_the_target_is_below_the_margin_at_every_posture(model: Model) -> None:
-    lattice = grid._lattice(model, (5, 5, 7, 7), False)
+    lattice = grid.lattice_of(model, (5, 5, 7, 7))
     aims = grid_guard.targets(model, lattice)
     params = model.lower + (model.upper - model.lower) * aims.place
     u, v = ((2.0 * lattice.knots[at] / SPAN - 1.0) * model.chart_limit for at in (3, 2))
@@ -199,7 +200,7 @@ def test_the_integer_path_is_never_above_the_truth(model: Model, tables: Tables)
 
 def test_a_robot_on_wheels_is_never_called_safe_where_it_tips() -> None:
     wheels = Model(parse_recipe(rover()))
-    tables = grid.encode(wheels, ("tip_angle",), Spec(8, (("tip", (9, 11, 11)),)))
+    tables = verdict.encode(wheels, ("tip_angle",), Spec(8, (("tip", (9, 11, 11)),)))
     query = places(wheels, 60_000, 6)
     safe = grid.read(tables, *query)[:, 1] - np.float32(tables.guard) >= 0.0
     exact = truth(wheels, *query).tip_angle[:, 0]
@@ -265,7 +266,7 @@ def test_sub_cells_below_zero_need_not_be_looked_at_again() -> None:
 
 
 def test_points_of_the_training_interpolate_as_the_table_does(model: Model) -> None:
-    lattice = grid._lattice(model, (4, 5, 6, 7), False)
+    lattice = grid.lattice_of(model, (4, 5, 6, 7))
     rng = np.random.default_rng(11)
     place, face = rng.random((3_000, 4)), np.zeros(3_000, np.int64)
     node, importance, value = rng.normal(size=840), rng.random(3_000), rng.normal(size=3_000)
@@ -292,7 +293,7 @@ def test_a_node_below_the_ground_does_not_shift_the_heights_without_floats(
 
     monkeypatch.setattr(grid_fit, "fit", fit)
     wheels = Model(parse_recipe(rover()))
-    part, _ = grid._table(wheels, "height", (3, 3, 3), 8)
+    part = grid.length_table(wheels, "height", (3, 3, 3), 8)
     heights = part.offset[0] + part.step * part.codes.ravel().astype(np.float64)
     read = part.height_step * (
         part.zero[0] + np.arange(256) * 256.0 * part.fine_step / part.height_step
@@ -302,10 +303,10 @@ def test_a_node_below_the_ground_does_not_shift_the_heights_without_floats(
 
 
 def test_bytes_are_known_before_anything_is_encoded(model: Model, tables: Tables) -> None:
-    assert grid.blank(model, CHANNELS, SMALL).bytes == tables.bytes
+    assert verdict.blank(model, CHANNELS, SMALL).bytes == tables.bytes
     wheels = Model(parse_recipe(rover()))
     spec = Spec(8, (("tip", (5, 5, 5)),))
-    blank, made = (make(wheels, ("tip_angle",), spec) for make in (grid.blank, grid.encode))
+    blank, made = (make(wheels, ("tip_angle",), spec) for make in (verdict.blank, verdict.encode))
     assert blank.bytes == made.bytes
 
 
@@ -313,7 +314,7 @@ def test_nodes_are_shared_out_as_the_axes_need_and_never_more_than_asked() -> No
     wheels = Model(parse_recipe(rover()))
     before = (3, 3, 3)
     for nodes in (27, 200, 1_000, 5_000):
-        shape = grid.of_nodes(wheels, ("tip_angle",), {"tip": nodes}, 8).shape("tip")
+        shape = verdict.of_nodes(wheels, ("tip_angle",), {"tip": nodes}, 8).shape("tip")
         # Beyond some 1,400 nodes nothing more is lost along any axis.
         assert 0.7 * min(nodes, 1_400) <= np.prod(shape) <= nodes
         assert all(more >= few for more, few in zip(shape, before, strict=True))
@@ -324,7 +325,7 @@ def test_nodes_are_shared_out_as_the_axes_need_and_never_more_than_asked() -> No
 
 def test_interpolation_of_the_fit_is_the_runtimes(model: Model, tables: Tables) -> None:
     part = tables.parts[1]
-    lattice = grid._lattice(model, SMALL.shape("sdg"), False)
+    lattice = grid.lattice_of(model, SMALL.shape("sdg"))
     assert lattice.coordinates == (0, 1, V, U)
     t, face, u, v = places(model, 5_000, 9)
     place = np.column_stack([t, (v / model.chart_limit + 1) / 2, (u / model.chart_limit + 1) / 2])

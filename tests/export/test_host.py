@@ -7,7 +7,7 @@ import pytest
 
 from firmware_export.device import HostLibrary
 from firmware_export.emit import package
-from firmware_export.emit.export import Export
+from firmware_export.protocol.exported import Export
 from lutgen.errors import ExportError, InputError
 from tests.fixtures.exports import rover_export, tripod_export
 

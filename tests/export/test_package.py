@@ -12,9 +12,9 @@ from typing import Any
 import pytest
 
 from firmware_export.emit import package, report, size
-from firmware_export.emit.export import Export
 from firmware_export.emit.figure import draw_pareto
 from firmware_export.emit.source import body_of
+from firmware_export.protocol.exported import Export
 from lutgen.errors import ExportError, InputError
 from tests.fixtures.exports import PARETO, rover_export, tripod_export
 
@@ -59,7 +59,7 @@ def test_the_folder_holds_these_files_and_its_report_lists_them(
     content = package.write(export, tmp_path / "out")
     assert set(held(tmp_path / "out")) == NAMES
     assert set(content["files"]) == NAMES
-    assert report.load(tmp_path / "out") == content
+    assert report.load_report(tmp_path / "out") == content
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
 
 
@@ -276,7 +276,7 @@ def test_a_damaged_report_is_one_sentence(
     path = tmp_path / "out" / "feet_report.json"
     path.write_text(change(path.read_text()))
     with pytest.raises(InputError, match=fault):
-        report.load(tmp_path / "out")
+        report.load_report(tmp_path / "out")
 
 
 # sizes

@@ -6,16 +6,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from firmware_export.certify import query as twin
 from firmware_export.contacts import codec as contacts
 from firmware_export.device import FLAGS, HostLibrary
 from firmware_export.emit import package
-from firmware_export.emit.export import CHANNELS, Export
 from firmware_export.grid import codec as grid
 from firmware_export.grid.tables import SPAN
 from firmware_export.poly import codec as poly
-from firmware_export.truth.axis import axis_numbers
+from firmware_export.protocol.axis import axis_numbers
+from firmware_export.protocol.exported import CHANNELS, Export
 from firmware_export.truth.model import Model
-from firmware_export.twin import query as twin
 from firmware_export.twin.strict import arcsine, root
 from lutgen.recipe.recipe import load_recipe
 from tests.fixtures.queries import integer_queries, random_queries

@@ -14,7 +14,7 @@ ROOT = Path(lutgen.__file__).resolve().parents[1]
 ORDER = {
     "lutgen": "errors _version files jit vector rotation grid chart parts "
     "urdf recipe support channels mapping analysis search plot paper cli",
-    "firmware_export": "quantity truth emit twin contacts poly verdict grid codecs "
+    "firmware_export": "quantity truth protocol twin contacts poly grid verdict codecs emit "
     "certify choose exporter device",
 }
 # Distinct imports from one room to another, and the longest chain of them, at most.

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from firmware_export.certify import query as twin
 from firmware_export.device import HostLibrary
 from firmware_export.emit import package
-from firmware_export.twin import query as twin
 from lutgen.errors import ExportError
 from targets import baseline, cases, image, queries, run, tables
 from targets.boards import BOARDS, board

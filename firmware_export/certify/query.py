@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from firmware_export.emit import Export
-from firmware_export.truth import Model, axis_numbers
-from firmware_export.twin.strict import PI
+from firmware_export.protocol import Export, axis_numbers
+from firmware_export.truth import Model
+from firmware_export.twin import PI
 from lutgen.chart import FACE_NORMAL, FACE_SIGN, FACE_U, FACE_V
 from lutgen.errors import InputError
 
@@ -111,3 +111,13 @@ def _locate(
         held &= np.abs(place) <= limit * RIM
         places.append(np.clip(place, -limit, limit))
     return face, places[0], places[1], held
+
+
+def integers(export: Export) -> tuple[Any, dict[str, float]]:
+    """Return what answers as smap_read_i does, and the value of one step of each channel."""
+    module: Any = import_module(f"firmware_export.{export.codec}.codec")
+
+    def ask(params: NDArray[Any], gravity: NDArray[Any]) -> Any:
+        return module.read_i(export.tables, params, gravity, export.model.faces)
+
+    return ask, dict(module.c_body(export.tables).steps)

@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from firmware_export.certify import Measured, Truth, find_jumps, statistics, truth
-from firmware_export.codecs import codec, device
-from firmware_export.emit import Export, code_bytes, features, flash_bytes
+from firmware_export.certify import Measured, Truth, device, find_jumps, statistics, truth
+from firmware_export.emit import code_bytes, features, flash_bytes
+from firmware_export.protocol import CodecInfo, Export
 from firmware_export.truth import Model, biased, uniform
 from lutgen.errors import InputError
 
-__all__ = ["Bench", "Candidate"]
+__all__ = ["Candidate", "Trials"]
 
 SEED = 501
 POINTS = 15_000
@@ -72,7 +72,7 @@ class Candidate:
         }
 
 
-class Bench:
+class Trials:
     """Encodes and measures candidates, each once.
 
     Parameters
@@ -90,7 +90,7 @@ class Bench:
     def __init__(self, model: Model, name: str, channels: tuple[str, ...], arithmetic: str) -> None:
         self.model, self.name = model, name
         self.channels, self.arithmetic = channels, arithmetic
-        self.tried: dict[tuple[str, Any], Candidate | None] = {}
+        self.tried: dict[tuple[CodecInfo, Any], Candidate | None] = {}
         self.jumps = find_jumps(model, SEED)
 
     @cached_property
@@ -119,39 +119,39 @@ class Bench:
         """The ranges of the channels that count."""
         return {channel: self.range(channel) for channel in self.bounded}
 
-    def try_out(self, name: str, spec: Any) -> Candidate | None:
+    @property
+    def candidates(self) -> list[Candidate]:
+        """What was tried and could be encoded."""
+        return [one for one in self.tried.values() if one is not None]
+
+    def try_out(self, codec: CodecInfo, spec: Any) -> Candidate | None:
         """Return a candidate, None for a size that the codec cannot encode."""
-        key = (name, spec)
+        key = (codec, spec)
         if key not in self.tried:
             try:
-                tables = codec(name).encode(self.model, self.channels, spec)
+                tables = codec.encode(self.model, self.channels, spec)
             except InputError:
                 self.tried[key] = None
             else:
-                self.tried[key] = self.assess(name, tables)
+                self.tried[key] = self.assess(codec, tables)
         return self.tried[key]
 
-    def bytes_of(self, name: str, tables: Any) -> tuple[Export, int, int]:
+    def bytes_of(self, codec: CodecInfo, tables: Any) -> tuple[Export, int, int]:
         """Return the export of tables, their bytes, and those with descriptors and code."""
+        model = self.model
         export = Export(
-            self.name,
-            self.model.recipe,
-            self.model,
-            name,
-            self.arithmetic,
-            self.channels,
-            tables,
+            *(self.name, model.recipe, model, codec.name, self.arithmetic, self.channels, tables)
         )
-        body = codec(name).c_body(tables)
-        on = features(name, self.arithmetic, self.model.k, self.model.faces, body)
+        body = codec.c_body(tables)
+        on = features(codec.name, self.arithmetic, model.k, model.faces, body)
         export = replace(export, code_bytes=code_bytes(on))
         size = flash_bytes(export, body)
         parts = (size["tables"], size["descriptors"], size["code"])
         return export, int(size["tables"]), sum(int(part) for part in parts if part is not None)
 
-    def assess(self, name: str, tables: Any) -> Candidate:
+    def assess(self, codec: CodecInfo, tables: Any) -> Candidate:
         """Measure tables."""
-        export, size, total = self.bytes_of(name, tables)
+        export, size, total = self.bytes_of(codec, tables)
         asked = device(export)
         seen = [asked.compare(known) for known in self.sample]
         standing = seen[0].standing

@@ -1,39 +1,33 @@
 """The choice: which codec at which size meets a limit of flash, of error, or of both.
 
-Each codec's sizes are climbed from the smallest, one axis at a time, always where accuracy gains
-most for a byte; `choose_dear` does it for codecs that take long.  All that was tried is kept: it is
-the table that the choice is made from.
+Each codec's sizes are grown from the smallest, one axis at a time, always where accuracy gains
+most for a byte; `foresee` does it for codecs that take long.  All that was tried is kept: it is the
+table that the choice is made from.
 """
 
 import math
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from firmware_export.choose.candidate import Bench, Candidate
-from firmware_export.choose.foresee import climb_dear
+from firmware_export.choose.foresee import foresee
 from firmware_export.choose.goal import GIVEN_UP, Goal
-from firmware_export.codecs import codec
+from firmware_export.choose.trials import Candidate, Trials
 from firmware_export.emit import code_bytes
+from firmware_export.protocol import CodecInfo
 from lutgen.errors import ExportError
 
-__all__ = ["choose", "front"]
+__all__ = ["choose", "front", "try_codec"]
 
 # Bytes beyond which no size is tried when flash has no limit.
 LARGEST = 1 << 18
-# Encodings that may be spent on one bit width of a codec.
-ENCODINGS = {"contacts": 80, "poly": 40, "grid": 44}
-# Steps in a row that may fail to lower the score to this share of the best before a climb is given
-# up.  All axes of the contacts may grow at once, those of other codecs only one by one.
-PATIENCE, GAIN = {"contacts": 2}, {"contacts": 0.9}
-USUAL_PATIENCE, USUAL_GAIN = 3, 0.98
 # How much steeper than so far the error may fall from here on.
 OPTIMISM = 2.0
 # Sizes that are grown at once while the goal is far.
 MOST_STEPS = 4
 
 
-def choose(bench: Bench, names: Iterable[str], goal: Goal) -> Candidate:
+def choose(trials: Trials, codecs: Sequence[CodecInfo], goal: Goal) -> Candidate:
     """Return the best candidate of some codecs.
 
     With `goal.percent` the smallest that is accurate enough; without it the most accurate that
@@ -44,12 +38,12 @@ def choose(bench: Bench, names: Iterable[str], goal: Goal) -> Candidate:
     ExportError
         If nothing meets the goal; the message says what comes nearest.
     """
-    for name in names:
-        climb_codec(bench, name, goal)
-    tried = [one for one in bench.tried.values() if one is not None and one.export.codec in names]
+    for codec in codecs:
+        try_codec(trials, codec, goal)
+    tried = [one for (codec, _), one in trials.tried.items() if one and codec in codecs]
     good = [one for one in tried if goal.holds(one) and goal.fits(one)]
     if not good:
-        raise _refusal(bench, tried, goal)
+        raise _refusal(trials, tried, goal)
     generous = [one for one in good if one.given_up <= GIVEN_UP]
     if not generous:
         return min(good, key=lambda one: (one.given_up, one.total, one.label))
@@ -58,94 +52,83 @@ def choose(bench: Bench, names: Iterable[str], goal: Goal) -> Candidate:
     return min(generous, key=lambda one: (one.total, one.error, one.label))
 
 
-def front(bench: Bench, chosen: Candidate) -> list[dict[str, Any]]:
+def front(trials: Trials, chosen: Candidate) -> list[dict[str, Any]]:
     """Return the rows of the table of candidates: of each codec those that none of it beats."""
     rows = []
-    for one in bench.tried.values():
-        if one is None or not math.isfinite(one.error):
+    for one in trials.candidates:
+        if not math.isfinite(one.error):
             continue
-        rivals = (o for o in bench.tried.values() if o and o.export.codec == one.export.codec)
         beaten = any(
             o.total <= one.total
             and o.error <= one.error
             and (o.total, o.error) != (one.total, one.error)
-            for o in rivals
+            for o in trials.candidates
+            if o.export.codec == one.export.codec
         )
         if one is chosen or not beaten:
             rows.append(one.row(one is chosen))
     return sorted(rows, key=lambda row: (row["total_bytes"], row["error"], row["label"]))
 
 
-def climb_codec(bench: Bench, name: str, goal: Goal) -> None:
+def try_codec(trials: Trials, codec: CodecInfo, goal: Goal) -> None:
     """Try the sizes of a codec, each bit width in turn, until they meet the goal or cannot."""
-    dear = getattr(codec(name), "dear", None)
-    if dear is not None and dear(bench.model):
-        ceiling = _ceiling(bench, goal)
-        climb_dear(bench, name, goal, min(ceiling, goal.flash or ceiling))
+    foresight = codec.costly(trials.model)
+    if foresight is not None:
+        ceiling = _ceiling(trials, goal)
+        foresee(trials, codec, foresight, goal, min(ceiling, goal.flash or ceiling))
         return
-    starts = codec(name).start(bench.model, bench.channels, bench.arithmetic)
     path: list[Candidate] = []
-    for spec in starts:
+    for spec in codec.sizes(trials.model, trials.channels, trials.arithmetic):
         if path:
             # Wider codes are worth trying only where narrow ones come to an end: from where the
             # rounding of those began to count.
-            if goal.percent is not None and _met(bench, name, goal):
+            if goal.percent is not None and any(
+                one and own is codec and goal.serves(one) for (own, _), one in trials.tried.items()
+            ):
                 return
             least = min(goal.score(one) for one in path)
             knee = next(one for one in path if goal.score(one) <= 2.0 * least)
             spec = replace(knee.export.tables.spec, bits=spec.bits)
-        path = _climb(bench, name, spec, goal) or path
+        path = grow_sizes(trials, codec, spec, goal) or path
 
 
-def _met(bench: Bench, name: str, goal: Goal) -> bool:
-    return any(
-        one is not None and key[0] == name and goal.holds(one) and one.given_up <= GIVEN_UP
-        for key, one in bench.tried.items()
-    )
-
-
-def _ceiling(bench: Bench, goal: Goal) -> int:
+def _ceiling(trials: Trials, goal: Goal) -> int:
     """Return the bytes beyond which a candidate is of no use."""
     if goal.percent is None:
         return goal.flash if goal.flash is not None else LARGEST
-    found = [
-        one.total
-        for one in bench.tried.values()
-        if one is not None and goal.holds(one) and one.given_up <= GIVEN_UP
-    ]
+    found = [one.total for one in trials.candidates if goal.serves(one)]
     return min(found, default=LARGEST)
 
 
-def _climb(bench: Bench, name: str, spec: Any, goal: Goal) -> list[Candidate]:
-    """Climb from one size; return the candidates on the way."""
-    ceiling = _ceiling(bench, goal)
-    least = getattr(codec(name), "least_bytes", None)
-    if least is not None and least(spec) + (code_bytes(("SMAP_GRID",)) or 0) > ceiling:
-        return []  # what has been found is smaller than this can be
-    now = bench.try_out(name, spec)
+def grow_sizes(trials: Trials, codec: CodecInfo, spec: Any, goal: Goal) -> list[Candidate]:
+    """Grow from one size; return the candidates on the way."""
+    ceiling = _ceiling(trials, goal)
+    if codec.bytes is not None:
+        code = code_bytes([codec.switches[trials.arithmetic]]) or 0
+        if codec.bytes(spec) + code > ceiling:
+            return []  # what has been found is smaller than this can be
+    now = trials.try_out(codec, spec)
     if now is None:
         return []
     path, best, idle = [now], now, 0
     gains: list[float] = []
-    budget = ENCODINGS.get(name, 40)
-    leap, fine = 1, False
-    patience, gain = PATIENCE.get(name, USUAL_PATIENCE), GAIN.get(name, USUAL_GAIN)
-    while idle < patience and budget > 0:
+    budget, leap, fine = codec.encodings, 1, False
+    while idle < codec.patience and budget > 0:
         if goal.percent is not None and goal.score(now) <= 1.0 and goal.holds(now):
             if leap == 1 or fine:
                 break
             # A leap went past the smallest that will do: from before it step by step.
             now, fine = path[-2], True
-        if now.total > ceiling or _hopeless(path, goal, ceiling, bench):
+        if now.total > ceiling or _hopeless(path, goal, ceiling, trials):
             break
         leap = 1 if fine else _leap(goal.score(now))
-        options = _larger(bench, name, now.export.tables.spec, leap)
+        options = _larger(trials, codec, now.export.tables.spec, leap)
         if not options:
             break
         if math.isinf(goal.score(now)):
             # Nothing is answered yet, so nothing can be compared: the largest step.
             options, gains = options[-1:], []
-        step, gains, spent = _step(bench, name, now, options, gains, goal, ceiling)
+        step, gains, spent = _step(trials, codec, now, options, gains, goal, ceiling)
         budget -= max(spent, 1)
         if step is None:
             break
@@ -154,7 +137,7 @@ def _climb(bench: Bench, name: str, spec: Any, goal: Goal) -> list[Candidate]:
         if math.isfinite(goal.score(now)):
             # Small steps may add up: they are compared with the last that was large enough.
             idle += 1
-            if goal.score(now) < gain * goal.score(best):
+            if goal.score(now) < codec.gain * goal.score(best):
                 best, idle = now, 0
     return path
 
@@ -164,13 +147,13 @@ def _leap(score: float) -> int:
     return MOST_STEPS if math.isinf(score) else max(1, min(MOST_STEPS, int(math.log2(score) / 2.0)))
 
 
-def _larger(bench: Bench, name: str, spec: Any, leap: int) -> list[Any]:
+def _larger(trials: Trials, codec: CodecInfo, spec: Any, leap: int) -> list[Any]:
     """Return the larger sizes: each of the codec's ways to grow, `leap` times over."""
-    grow, result = codec(name).grow, []
-    for way in range(len(grow(bench.model, spec))):
+    grow, result = codec.grow, []
+    for way in range(len(grow(trials.model, spec))):
         grown = spec
         for _ in range(leap):
-            ways = grow(bench.model, grown)
+            ways = grow(trials.model, grown)
             if way >= len(ways):
                 break
             grown = ways[way]
@@ -179,8 +162,8 @@ def _larger(bench: Bench, name: str, spec: Any, leap: int) -> list[Any]:
 
 
 def _step(
-    bench: Bench,
-    name: str,
+    trials: Trials,
+    codec: CodecInfo,
     now: Candidate,
     options: list[Any],
     gains: list[float],
@@ -199,8 +182,8 @@ def _step(
         at = max(range(len(options)), key=lambda i: (known[i], -i))
         if at in fresh:
             break
-        spent += (name, options[at]) not in bench.tried
-        fresh[at] = bench.try_out(name, options[at])
+        spent += (codec, options[at]) not in trials.tried
+        fresh[at] = trials.try_out(codec, options[at])
         known[at] = _gain(now, fresh[at], goal, ceiling)
     step = fresh[at] if known[at] > -math.inf else None
     return step, known, spent
@@ -219,7 +202,7 @@ def _gain(now: Candidate, then: Candidate | None, goal: Goal, ceiling: int) -> f
     return fall / max(then.total - now.total, 1)
 
 
-def _hopeless(path: list[Candidate], goal: Goal, ceiling: int, bench: Bench) -> bool:
+def _hopeless(path: list[Candidate], goal: Goal, ceiling: int, trials: Trials) -> bool:
     """Whether even a far steeper fall of the error than of late would come too late."""
     first, now = path[max(0, len(path) - 4)], path[-1]
     if len(path) < 5 or not (math.isfinite(goal.score(first)) and now.bytes > first.bytes):
@@ -230,13 +213,13 @@ def _hopeless(path: list[Candidate], goal: Goal, ceiling: int, bench: Bench) -> 
     reach = float(goal.score(now) * (now.bytes / room) ** power)
     if goal.percent is not None:
         return reach > 1.0
-    rivals = (one for one in bench.tried.values() if one is not None and goal.fits(one))
+    rivals = (one for one in trials.candidates if goal.fits(one))
     return reach > min((goal.score(one) for one in rivals), default=math.inf)
 
 
-def _refusal(bench: Bench, tried: list[Candidate], goal: Goal) -> ExportError:
+def _refusal(trials: Trials, tried: list[Candidate], goal: Goal) -> ExportError:
     """Return the error that says what comes nearest to a goal that nothing meets."""
-    where = bench.model.recipe.source
+    where = trials.model.recipe.source
     faults = [one for one in tried if one.false_safe]
     usable = [one for one in tried if one.false_safe == 0 and math.isfinite(one.error)]
     if faults and not usable:
@@ -268,8 +251,8 @@ def _refusal(bench: Bench, tried: list[Candidate], goal: Goal) -> ExportError:
     if goal.percent is not None and accurate:
         one = min(accurate, key=lambda one: one.total)
         nearest.append(f"{one.total:,} bytes are needed for that error ({one.label})")
-    notes = getattr(smallest.export.tables, "notes", ())
-    if goal.percent is not None and bench.bounded == ("tip_angle",) and notes:
+    notes = smallest.export.tables.notes
+    if goal.percent is not None and trials.bounded == ("tip_angle",) and notes:
         nearest.append("only the sign of its tip angle is bounded: ask for a size of flash alone")
     return ExportError(
         f"{where}: no export meets what is asked for (got {' and '.join(asked)}); the nearest that "

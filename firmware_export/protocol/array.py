@@ -1,6 +1,7 @@
 """What a codec hands to the emitter of C: arrays of codes, and the struct that points at them.
 
-This file knows no C beyond the names of its integer types and float; `c_source` prints it.
+This file knows no C beyond the names of its integer types and float, and how their constants are
+written; `emit.source` prints the rest.
 """
 
 from collections.abc import Sequence
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 
 from lutgen.errors import InputError
 
-__all__ = ["CTYPES", "CArray", "CBody"]
+__all__ = ["CTYPES", "CArray", "CBody", "literal"]
 
 # The types of tables and the NumPy types of the same width.
 CTYPES: dict[str, type[np.generic]] = {
@@ -127,3 +128,19 @@ class CBody:
     def bytes(self) -> int:
         """Bytes of flash of all tables of numbers."""
         return sum(array.bytes for array in self.arrays)
+
+
+def literal(value: float | np.generic, ctype: str) -> str:
+    """Return a constant of a type as C writes it.
+
+    Examples
+    --------
+    >>> literal(0.1, "float"), literal(3, "float"), literal(-7, "int8_t")
+    ('0.1f', '3.0f', '-7')
+    """
+    if ctype == "float":
+        # NumPy prints the shortest decimal that reads back as the same single.
+        return f"{np.float32(value)!s}f"
+    if ctype == "uint32_t":
+        return f"{int(value)}u"
+    return str(int(value))

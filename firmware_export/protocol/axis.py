@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_export.truth.model import Model
+from firmware_export.truth import Model
 
 
 def axis_numbers(model: Model) -> NDArray[np.float32]:

@@ -1,0 +1,141 @@
+"""What a codec is to the rest of the export: one `CodecInfo` each, listed in `codecs`.
+
+Owns the protocol.  Whoever chooses, certifies, measures or writes an export asks only what stands
+here; everything else about a codec is its room's own.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Protocol
+
+from firmware_export.protocol.array import CBody
+from firmware_export.truth import Cells, Model
+
+__all__ = ["CodecInfo", "Foresight", "Spec", "Tables"]
+
+
+class Spec(Protocol):
+    """A size that can be asked for; hashable, two that are equal give the same tables."""
+
+    @property
+    def label(self) -> str:
+        """Short text for tables and reports, such as ``contacts i8 4+4``."""
+
+
+class Tables:
+    """What a codec has encoded.
+
+    Attributes
+    ----------
+    spec : Spec
+        The size that was asked for.
+    guard : float
+        Angle (rad) that is subtracted from tip_angle.
+    guard_text : str
+        How it was bounded, one sentence.
+    bytes : int
+        Bytes of all tables of numbers.
+    """
+
+    spec: Any
+    guard: float
+    guard_text: str
+
+    @property
+    def bytes(self) -> int:
+        """Bytes of all tables of numbers."""
+        raise NotImplementedError
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader must know beside the numbers, sentences."""
+        return ()
+
+    @property
+    def guard_grows(self) -> bool:
+        """Whether the guard leaves something to the certificate, which may raise it."""
+        return False
+
+
+class Foresight(NamedTuple):
+    """What is known of a size before it is encoded, of a codec whose encoding takes a minute.
+
+    `of_nodes` (model, channels, nodes by table, bits) returns the size whose tables have at most so
+    many nodes, spread over their axes as serves best; `blank` (model, channels, spec) returns
+    tables of a size with all codes 0, as many bytes as the real ones.
+    """
+
+    of_nodes: Callable[[Model, tuple[str, ...], dict[str, int], int], Any]
+    blank: Callable[[Model, tuple[str, ...], Any], Any]
+
+
+def _cheap(model: Model) -> Foresight | None:
+    return None
+
+
+def _no_cells(model: Model, tables: Any) -> Cells | None:
+    return None
+
+
+@dataclass(frozen=True, eq=False)
+class CodecInfo:
+    """A codec.
+
+    Parameters
+    ----------
+    name : str
+        What people and reports call it.  Two codecs may share a name and the C that reads their
+        tables: then at most one of them holds a given robot.
+    enum : str
+        The member of smap_codec_t.
+    switches : mapping of str to str
+        The switch of smap_config.h for each arithmetic that the codec has.
+    structs : tuple of str
+        The structs of smap.h that its descriptors are made of.
+    look : (str, str)
+        Colour and marker of its candidates in figures.
+    refusal : callable
+        (model, arithmetic) -> why the codec cannot hold this robot, in one sentence, or None.
+    sizes : callable
+        (model, channels, arithmetic) -> the smallest sensible sizes, one for each bit width.
+    grow : callable
+        (model, spec) -> the next larger sizes, such as one for each axis.
+    encode : callable
+        (model, channels, spec) -> tables, fitted and quantised; the same for the same arguments.
+    c_body : callable
+        (tables) -> the struct and arrays for C.
+    read_label : callable
+        (label) -> the size with that label.
+    options : tuple of tuple of str
+        What its code can be built with beside its switch: of each tuple one; "" is without.
+    bytes : callable, optional
+        (spec) -> bytes of the tables at least, known before anything is encoded.
+    cells : callable
+        (model, tables) -> the knots of the tables, or None where there are none.
+    costly : callable
+        (model) -> `Foresight` where an encoding takes so long that few can be tried, else None.
+    encodings : int
+        Encodings that may be spent on one bit width.
+    patience, gain : int, float
+        Steps in a row that may fail to lower the score to this share of the best before no larger
+        size is tried.
+    """
+
+    name: str
+    enum: str
+    switches: Mapping[str, str]
+    structs: tuple[str, ...]
+    look: tuple[str, str]
+    refusal: Callable[[Model, str], str | None]
+    sizes: Callable[[Model, tuple[str, ...], str], list[Any]]
+    grow: Callable[[Model, Any], list[Any]]
+    encode: Callable[[Model, tuple[str, ...], Any], Any]
+    c_body: Callable[[Any], CBody]
+    read_label: Callable[[str], Any]
+    options: tuple[tuple[str, ...], ...] = ()
+    bytes: Callable[[Any], int] | None = None
+    cells: Callable[[Model, Any], Cells | None] = _no_cells
+    costly: Callable[[Model], Foresight | None] = _cheap
+    encodings: int = 40
+    patience: int = 3
+    gain: float = 0.98
