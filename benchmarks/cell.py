@@ -85,21 +85,23 @@ class Bench:
         directions = chart.directions().reshape(-1, 3)
         count = len(directions)
         wanted = nodes or min(self.nodes, NODES_OF_FEW if count < FEW else NODES)
-        shapes = point_shapes(case, -(-wanted // count))
-        sdg = MemorySweep(shapes, chart, ("sdg",), self._store, limit_angles)
-        both = MemorySweep(shapes, chart, ("sdg", "tip_angle"), self._store, limit_angles)
+        primitives = point_shapes(case, -(-wanted // count))
+        sdg = MemorySweep(primitives, chart, ("sdg",), self._store, limit_angles)
+        both = MemorySweep(primitives, chart, ("sdg", "tip_angle"), self._store, limit_angles)
         limit = limits(*limit_angles)
-        for_c = planes(shapes[: max(C_NODES // count, 1)], limit)
-        for_numpy = planes(shapes[: max(NUMPY_NODES // count, 1)], limit)
+        for_c = planes(primitives[: max(C_NODES // count, 1)], limit)
+        for_numpy = planes(primitives[: max(NUMPY_NODES // count, 1)], limit)
         c_out = np.zeros((len(for_c.counts), count), np.float32)
         numpy_out = np.zeros((len(for_numpy.counts), count), np.float32)
         upright = np.ascontiguousarray(directions.T)
-        agreement = self._compare(both, shapes, limit_angles, directions, for_c, for_numpy, c_out)
+        agreement = self._compare(
+            both, primitives, limit_angles, directions, for_c, for_numpy, c_out
+        )
         buffer = self._store[: self.nodes]
         result = []
         for number in threads:
             numba.set_num_threads(number)
-            all_nodes = len(shapes) * count
+            all_nodes = len(primitives) * count
             contenders: dict[str, tuple[Callable[[], None], int]] = {
                 "fill": (partial(fill, buffer, np.float32(1.5)), buffer.size),
                 "sdg large": (sdg.large, all_nodes),
@@ -127,7 +129,7 @@ class Bench:
     def _compare(
         self,
         ours: MemorySweep,
-        shapes: NDArray[np.float64],
+        primitives: NDArray[np.float64],
         limit_angles: LimitAngles,
         directions: NDArray[np.float64],
         for_c: Planes,
@@ -140,7 +142,7 @@ class Bench:
         by_numpy = np.empty((few, len(directions)), np.float32)
         numpy_reference.stability_factor(for_numpy, np.ascontiguousarray(directions.T), by_numpy)
         exact = stability(
-            shapes[:few, :, :3], directions, ("tip_angle",), limit_angles[0], limit_angles[1]
+            primitives[:few, :, :3], directions, ("tip_angle",), limit_angles[0], limit_angles[1]
         )["tip_angle"]
         sdg = ours.values("sdg", len(c_out))
         return {

@@ -46,15 +46,15 @@ class Enumeration:
 
 
 @njit()
-def find_all(shapes: Floats, limit: Limit, regions: bool) -> int:
+def find_all(primitives: Floats, limit: Limit, regions: bool) -> int:
     """Find the facets, and if asked the regions, of all postures; return how many facets."""
-    table, region = facet_table(shapes.shape[1]), empty_region(shapes.shape[1])
+    table, region = facet_table(primitives.shape[1]), empty_region(primitives.shape[1])
     found = 0
-    for m in range(shapes.shape[0]):
-        find_facets(table, shapes[m], limit[2])
+    for m in range(primitives.shape[0]):
+        find_facets(table, primitives[m], limit[2])
         found += table.tally[0]
         if regions:
-            find_region(region, table, limit, robot_size(shapes[m]))
+            find_region(region, table, limit, robot_size(primitives[m]))
     return found
 
 
@@ -76,19 +76,19 @@ def measure_enumeration() -> list[Enumeration]:
             trial = interleave({"trial": partial(find_all, every[:FEWEST], limit, True)}, 3)
             per_posture = trial["trial"].best / FEWEST
             m = int(min(max(PASS_SECONDS / per_posture, FEWEST), MOST))
-            shapes = every[:m]
+            primitives = every[:m]
             times = interleave(
                 {
-                    "facets": partial(find_all, shapes, limit, False),
-                    "region": partial(find_all, shapes, limit, True),
-                    "sweep": MemorySweep(shapes, chart, ("sdg",), store, angles).large,
+                    "facets": partial(find_all, primitives, limit, False),
+                    "region": partial(find_all, primitives, limit, True),
+                    "sweep": MemorySweep(primitives, chart, ("sdg",), store, angles).large,
                 }
             )
             facets, region, sweep = (times[name].median for name in ("facets", "region", "sweep"))
             rows.append(
                 Enumeration(
                     *(KIND_NAMES[kind], n, angles != (None, None)),
-                    facets_found=find_all(shapes, limit, False) / m,
+                    facets_found=find_all(primitives, limit, False) / m,
                     facets_us=1e6 * facets / m,
                     region_us=1e6 * max(region - facets, 0.0) / m,
                     sweep_us=1e6 * sweep / m,

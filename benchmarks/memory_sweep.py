@@ -25,13 +25,13 @@ class MemorySweep:
 
     def __init__(
         self,
-        shapes: NDArray[np.float64],
+        primitives: NDArray[np.float64],
         chart: Chart,
         channels: Sequence[str],
         store: NDArray[np.float32],
         limit_angles: tuple[float | None, float | None] = (None, None),
     ) -> None:
-        self.shapes = shapes
+        self.primitives = primitives
         self.rows = chart.faces * chart.nodes
         self.directions = self.rows * chart.nodes
         v, u = np.meshgrid(chart.coords, chart.coords, indexing="ij")
@@ -39,7 +39,7 @@ class MemorySweep:
         inverse = (1.0 / np.sqrt(1.0 + u * u + v * v)).ravel()
         self._setting = (limits(*limit_angles), chart.basis(), coords, inverse)
         self._wanted = np.array([name in channels for name in CHANNELS])
-        size = len(CHANNELS) * len(shapes) * self.directions
+        size = len(CHANNELS) * len(primitives) * self.directions
         self._out = store[:size].reshape(len(CHANNELS), -1)
         self._per_block = max(BLOCK_NODES // self.directions, 1)
         # One item more than the block, as the sweep has for the checksum.
@@ -47,18 +47,18 @@ class MemorySweep:
             (len(CHANNELS), self._per_block * self.directions + 1), np.nan, np.float32
         )
 
-    def _scan(self, shapes: NDArray[np.float64], out: NDArray[np.float32]) -> None:
+    def _scan(self, primitives: NDArray[np.float64], out: NDArray[np.float32]) -> None:
         parts = numba.get_num_threads() * PARTS_PER_THREAD
-        scan(shapes, *self._setting, 0, self.rows, self._wanted, parts, out)
+        scan(primitives, *self._setting, 0, self.rows, self._wanted, parts, out)
 
     def large(self) -> None:
         """Compute everything in one call into the large output."""
-        self._scan(self.shapes, self._out)
+        self._scan(self.primitives, self._out)
 
     def reused(self) -> None:
         """Compute block after block into one buffer."""
-        for begin in range(0, len(self.shapes), self._per_block):
-            self._scan(self.shapes[begin : begin + self._per_block], self._block)
+        for begin in range(0, len(self.primitives), self._per_block):
+            self._scan(self.primitives[begin : begin + self._per_block], self._block)
 
     def values(self, channel: str, postures: int) -> NDArray[np.float32]:
         """Return a channel of the first postures, (postures, directions), computed anew."""

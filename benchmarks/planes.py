@@ -46,7 +46,7 @@ class Planes(NamedTuple):
 
 @njit()
 def _copy(
-    shapes: Floats,
+    primitives: Floats,
     limit: Limit,
     facets: Floats,
     walls: Floats,
@@ -54,10 +54,10 @@ def _copy(
     tips: Floats,
     counts: Ints,
 ) -> None:
-    table, region = facet_table(shapes.shape[1]), empty_region(shapes.shape[1])
-    for m in range(shapes.shape[0]):
-        find_facets(table, shapes[m], limit[2])
-        find_region(region, table, limit, robot_size(shapes[m]))
+    table, region = facet_table(primitives.shape[1]), empty_region(primitives.shape[1])
+    for m in range(primitives.shape[0]):
+        find_facets(table, primitives[m], limit[2])
+        find_region(region, table, limit, robot_size(primitives[m]))
         counts[m, 0] = region.tally[FACETS]
         counts[m, 1] = region.tally[SEGMENTS]
         wall = 0
@@ -74,9 +74,9 @@ def _copy(
             tips[m, b] = region.segment[b, TIP_PLANE : TIP_PLANE + 3]
 
 
-def planes(shapes: NDArray[np.float64], limit: Limit) -> Planes:
+def planes(primitives: NDArray[np.float64], limit: Limit) -> Planes:
     """Return the planes of postures (m, n, 8) of points under the limits of `region.limits`."""
-    m, n = shapes.shape[:2]
+    m, n = primitives.shape[:2]
     result = Planes(
         np.zeros((m, 2 * n, 9)),
         np.zeros((m, 6 * n, 3)),
@@ -84,5 +84,5 @@ def planes(shapes: NDArray[np.float64], limit: Limit) -> Planes:
         np.zeros((m, 12 * n, 3)),
         np.zeros((m, 2), np.int64),
     )
-    _copy(shapes, limit, *result)
+    _copy(primitives, limit, *result)
     return result

@@ -14,7 +14,7 @@ from benchmarks.timing import interleave
 from lutgen.mapping.blocks import plan
 from lutgen.mapping.compute import Computer
 from lutgen.mapping.sweeper import sweep
-from lutgen.recipe.kinematics import forward, shapes
+from lutgen.recipe.kinematics import forward, radii_and_kinds
 from lutgen.recipe.recipe import parse_recipe
 from lutgen.support.primitive import pack
 from lutgen.support.region import limits
@@ -50,7 +50,7 @@ def measure_postures(folder: Path, contacts: int, threads: int) -> PostureSweep:
     numba.set_num_threads(threads)
     # Finding facets has no parallel form of its own: one thread, a tenth of the postures.
     some = forward(recipe, grid.params(np.arange(0, grid.size, 10)))
-    primitives = pack(some.centres, some.axes, *shapes(recipe))
+    primitives = pack(some.centres, some.axes, *radii_and_kinds(recipe))
     limit = limits(recipe.upright, recipe.rock_angle)
 
     def kinematics() -> None:

@@ -151,7 +151,7 @@ def _recipe(source: str | os.PathLike[str] | StabilityMap | Recipe, allow_python
             f"{recipe.source}: the robot is given by code, which a map does not hold (got python = "
             f"{recipe.python!r}); export the recipe's file with --allow-python."
         )
-    if recipe.pulled:
+    if recipe.has_wrench:
         names = ", ".join(force.name for force in recipe.forces if force.acts)
         raise InputError(
             f"{recipe.source}: key `robot.force`: the C runtime knows the weight and no other "

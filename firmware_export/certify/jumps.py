@@ -69,7 +69,7 @@ def _close_in(
 
 def find_jumps(model: Model, seed: int) -> Jumps:
     """Look for jumps of |SD_g| between directions of one posture, and between postures."""
-    if model.single_facet:
+    if model.is_tripod:
         return Jumps(False, 0.0, 0.0)
     rng = np.random.default_rng([seed, 4])
     q = uniform(model, POSTURES, seed).params[:POSTURES]

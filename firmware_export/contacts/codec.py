@@ -181,7 +181,7 @@ def grow(model: Model, spec: Spec) -> list[Spec]:
 def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
     """Fit the tables of one specification."""
     probe = _known(model)
-    many = not model.single_facet
+    many = not model.is_tripod
     try:
         codes = encode_codes(
             probe.separation, spec.nodes, spec.bits, model.radius, model.kind, many

@@ -87,7 +87,9 @@ class Guard(NamedTuple):
 
 
 @njit()
-def _measure(shapes: Floats, limit: Limit, narrow: float, out: Floats, segments: Floats) -> None:
+def _measure(
+    primitives: Floats, limit: Limit, narrow: float, out: Floats, segments: Floats
+) -> None:
     """Write what the guard needs of one posture.
 
     To `out`: the least distance of a boundary segment; the least width of a facet; the number of
@@ -95,10 +97,10 @@ def _measure(shapes: Floats, limit: Limit, narrow: float, out: Floats, segments:
     of the com above a facet.  To rows of `segments`: the normal of the tip-over plane, the
     segment's distance, its two contacts.
     """
-    n = shapes.shape[0]
+    n = primitives.shape[0]
     table, region = facet_table(n), empty_region(n)
-    find_facets(table, shapes, limit[2])
-    find_region(region, table, limit, robot_size(shapes))
+    find_facets(table, primitives, limit[2])
+    find_region(region, table, limit, robot_size(primitives))
     nearest = narrowest = shortest = lowest = math.inf
     for k in range(region.tally[FACETS]):
         begin, end = region.span[k, FIRST], region.span[k + 1, FIRST]
@@ -106,8 +108,8 @@ def _measure(shapes: Floats, limit: Limit, narrow: float, out: Floats, segments:
         lowest = min(lowest, region.plate[k, HEIGHT])
         width = math.inf
         for i in range(n):
-            hinge = (shapes[i, 3], shapes[i, 4], shapes[i, 5])
-            track = cross(hinge, normal)
+            axle = (primitives[i, 3], primitives[i, 4], primitives[i, 5])
+            track = cross(axle, normal)
             size = length(track)
             if size > 0.0:
                 low, high = math.inf, -math.inf
@@ -151,10 +153,10 @@ def _measure(shapes: Floats, limit: Limit, narrow: float, out: Floats, segments:
 
 @njit(parallel=True)
 def _measure_all(
-    shapes: Floats, limit: Limit, narrow: float, out: Floats, segments: Floats
+    primitives: Floats, limit: Limit, narrow: float, out: Floats, segments: Floats
 ) -> None:
-    for posture in prange(shapes.shape[0]):
-        _measure(shapes[posture], limit, narrow, out[posture], segments[posture])
+    for posture in prange(primitives.shape[0]):
+        _measure(primitives[posture], limit, narrow, out[posture], segments[posture])
 
 
 class Geometry:
@@ -162,7 +164,7 @@ class Geometry:
 
     def __init__(self, model: Model, separation: Separation) -> None:
         # The search for facets of many contacts takes 30 times as long as that of three points.
-        postures = POSTURES if model.single_facet else POSTURES // 4
+        postures = POSTURES if model.is_tripod else POSTURES // 4
         per_axis = max(2, math.floor(postures ** (1.0 / max(model.k, 1))))
         per_axis = min(per_axis, DENSE)
         self.step = 1.0 / (per_axis - 1) + 1.0 / (DENSE - 1)
@@ -180,7 +182,7 @@ class Geometry:
         where = model.postures(
             model.lower + (model.upper - model.lower) * (self.places / (DENSE - 1))
         )
-        self.shapes = pack(where.centres, where.axes, model.radius, model.kind)
+        self.primitives = pack(where.centres, where.axes, model.radius, model.kind)
         reach = float(np.sqrt((where.centres**2).sum(axis=2)).max())
         self.size = reach + float(model.radius.max(initial=0.0))
         found = self._measured()
@@ -204,14 +206,14 @@ class Geometry:
 
     def _measured(self) -> Floats:
         """Return rows of `_measure` and keep the boundary's segments, which no table changes."""
-        recipe, shapes = self.model.recipe, self.shapes
+        recipe, primitives = self.model.recipe, self.primitives
         limit = limits(recipe.upright, recipe.rock_angle)
-        out = np.empty((len(shapes), 5))
-        room = np.empty((AT_ONCE, len(empty_region(shapes.shape[1]).segment), 6))
+        out = np.empty((len(primitives), 5))
+        room = np.empty((AT_ONCE, len(empty_region(primitives.shape[1]).segment), 6))
         kept, of = [np.empty((0, 6))], [np.empty(0, np.intp)]
-        for begin in range(0, len(shapes), AT_ONCE):
-            some = slice(begin, min(begin + AT_ONCE, len(shapes)))
-            _measure_all(shapes[some], limit, NARROW * self.size, out[some], room)
+        for begin in range(0, len(primitives), AT_ONCE):
+            some = slice(begin, min(begin + AT_ONCE, len(primitives)))
+            _measure_all(primitives[some], limit, NARROW * self.size, out[some], room)
             count = out[some, 2].astype(np.intp)
             here = np.arange(room.shape[1]) < count[:, None]
             kept.append(room[: len(count)][here])

@@ -119,7 +119,7 @@ def solve(
 
 def fit(model: Model, lattice: Lattice, name: str) -> Floats:
     """Return the nodes (faces n..., w) of ``sdg`` (along, aside) or ``height``."""
-    points, pool = (POINTS, POOL) if model.single_facet else (FEW_POINTS, FEW_POOL)
+    points, pool = (POINTS, POOL) if model.is_tripod else (FEW_POINTS, FEW_POOL)
     place, face, value = _cached(model, name, points, SEED)
     pool_place, pool_face, pool_value = _cached(model, name, pool, SEED + 1)
     length = np.sqrt((value * value).sum(axis=1))

@@ -76,7 +76,7 @@ def planes(model: Model, params: Floats) -> tuple[Floats, Floats]:
 
 def is_smooth(model: Model) -> bool:
     """Tell whether `targets` applies: three points whose facet is accepted all over the box."""
-    if not model.single_facet:
+    if not model.is_tripod:
         return False
     count = max(3, round(POSTURES ** (1.0 / max(model.k, 1))))
     axis = np.linspace(0.0, 1.0, count)

@@ -27,7 +27,7 @@ def refusal(model: Model, arithmetic: str) -> str | None:
         return "poly holds no com_uncertainty; choose the codec contacts"
     if arithmetic != "float":
         return "poly computes with floats only; choose the codec grid for integers"
-    if not model.single_facet:
+    if not model.is_tripod:
         return (
             f"poly needs a robot on three point contacts (got {len(model.kind)} contacts"
             f"{', some of them round' if model.kind.any() else ''}); choose contacts or grid"

@@ -22,7 +22,7 @@ from lutgen.channels import (
     wanted_channels,
 )
 from lutgen.chart import FACE_NORMAL, FACE_SIGN, FACE_U, FACE_V, unit_directions
-from lutgen.recipe import Postures, Recipe, forward, shapes
+from lutgen.recipe import Postures, Recipe, forward, radii_and_kinds
 from lutgen.support import limits, pack
 
 Floats = NDArray[np.float64]
@@ -76,15 +76,15 @@ class Model:
     @cached_property
     def radius(self) -> Floats:
         """Radii of the contacts (n,), 0 for points."""
-        return shapes(self.recipe)[0]
+        return radii_and_kinds(self.recipe)[0]
 
     @cached_property
     def kind(self) -> NDArray[np.int64]:
         """Kinds of the contacts (n,): 0 point, 1 sphere, 2 disc."""
-        return shapes(self.recipe)[1]
+        return radii_and_kinds(self.recipe)[1]
 
     @property
-    def single_facet(self) -> bool:
+    def is_tripod(self) -> bool:
         """Whether three points are all there is to stand on: one facet, everything smooth."""
         return len(self.kind) == 3 and not self.kind.any()
 

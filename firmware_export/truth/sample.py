@@ -55,7 +55,7 @@ class Cells(NamedTuple):
 
 def per_posture(model: Model) -> int:
     """Return how many directions each posture should be given."""
-    return FEW if model.single_facet else MANY
+    return FEW if model.is_tripod else MANY
 
 
 def join(samples: Sequence[Sample]) -> Sample:

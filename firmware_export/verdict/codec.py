@@ -66,7 +66,7 @@ def _chosen(model: Model, coordinate: int, count: int) -> NDArray[np.uint16]:
 
 def _knots(model: Model) -> Any:
     """Return how the knots of |SD_g| and of the height are found."""
-    return spread_knots if model.single_facet else _chosen
+    return spread_knots if model.is_tripod else _chosen
 
 
 @lru_cache(maxsize=16)
@@ -142,7 +142,7 @@ def of_nodes(model: Model, channels: tuple[str, ...], nodes: dict[str, int], bit
 
 def costly(model: Model) -> Foresight | None:
     """Return what is known of a size beforehand where an encoding takes a minute, else None."""
-    return None if model.single_facet else Foresight(of_nodes, blank)
+    return None if model.is_tripod else Foresight(of_nodes, blank)
 
 
 INFO = replace(GRID, refusal=refusal, encode=encode, costly=costly)

@@ -131,7 +131,7 @@ def _flag(
 
 @njit()
 def _outline(
-    shapes: Floats,
+    primitives: Floats,
     moved: Floats,
     limit: Limit,
     basis: Floats,
@@ -144,10 +144,10 @@ def _outline(
     tips: Bools,
 ) -> None:
     """Fill one posture: pieces and their number per face (-1: too many), and what tips."""
-    n = shapes.shape[0]
+    n = primitives.shape[0]
     table, region = facet_table(n), empty_region(n)
-    find_facets(table, shapes, limit[2])
-    size = robot_size(shapes)
+    find_facets(table, primitives, limit[2])
+    size = robot_size(primitives)
     find_region(region, table, limit, size)
     farthest = 0.0
     for i in range(n):
@@ -164,7 +164,9 @@ def _outline(
             start, stop = vector_at(region.segment, b, START), vector_at(region.segment, b, STOP)
             normal = vector_at(region.segment, b, TIP_PLANE)
             i, j = region.contacts[b, 0], region.contacts[b, 1]
-            shift = max(moved[i] + shapes[i, RADIUS] * turn, moved[j] + shapes[j, RADIUS] * turn)
+            shift = max(
+                moved[i] + primitives[i, RADIUS] * turn, moved[j] + primitives[j, RADIUS] * turn
+            )
             # Distance of the com from the segment.
             edge = _blend(stop, 1.0, start, -1.0)
             part = -dot(start, edge) / max(dot(edge, edge), 1e-300)
@@ -196,7 +198,7 @@ def _outline(
 
 @njit(parallel=True)
 def _outline_all(
-    shapes: Floats,
+    primitives: Floats,
     moved: Floats,
     limit: Limit,
     basis: Floats,
@@ -205,14 +207,14 @@ def _outline_all(
     wanted: Bools,
     slack: float,
 ) -> tuple[NDArray[np.float32], Ints, Bools]:
-    m = len(shapes)
+    m = len(primitives)
     out = np.empty((m, MOST_PIECES, 4), np.float32)
     count = np.zeros((m, len(basis)), np.int64)
     tips = np.empty((m, len(gravity)), np.bool_)
     for p in prange(m):
         _outline(
             *(
-                shapes[p],
+                primitives[p],
                 moved[p],
                 limit,
                 basis,
@@ -257,7 +259,7 @@ def outlines(model: Model, per_axis: int, gravity: NDArray[np.float64]) -> Outli
         moved += CURVED * np.maximum(*away)
     size = float(np.sqrt((where.centres**2).sum(axis=2)).max())
     tighter = float(moved.max(initial=0.0)) / (WIDTH * size)
-    shapes = pack(where.centres, where.axes, model.radius, model.kind)
+    primitives = pack(where.centres, where.axes, model.radius, model.kind)
     limit = limits(model.recipe.upright - tighter, max(model.recipe.rock_angle - tighter, 0.0))
     nothing = np.zeros(6, np.bool_)
     directions = np.ascontiguousarray(unit_directions(gravity))
@@ -265,7 +267,7 @@ def outlines(model: Model, per_axis: int, gravity: NDArray[np.float64]) -> Outli
     for begin in range(0, len(place), CHUNK):
         part = slice(begin, begin + CHUNK)
         out, count, tips = _outline_all(
-            *(shapes[part], moved[part], limit, model.recipe.chart.basis(), model.chart_limit),
+            *(primitives[part], moved[part], limit, model.recipe.chart.basis(), model.chart_limit),
             *(directions, nothing, slack),
         )
         if (count < 0).any():

@@ -28,7 +28,7 @@ from lutgen.channels import (
     tip_angle,
 )
 from lutgen.chart import STANDARD_GRAVITY
-from lutgen.recipe import Recipe, forward, shapes
+from lutgen.recipe import Recipe, forward, radii_and_kinds
 from lutgen.support import (
     CENTROID,
     CONVEX,
@@ -117,7 +117,7 @@ class Diagnosis:
     standing: bool
     channels: dict[str, float]
     facet: FacetView | None
-    axes_: tuple[TipAxis, ...]
+    tip_over_axes: tuple[TipAxis, ...]
     least_stable: int | None
     normal_forces: dict[str, float]
     forces_kind: str
@@ -196,7 +196,7 @@ def diagnose(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> Diagn
     row = np.atleast_2d(np.asarray(params, np.float64))
     down = checked_directions(gravity_dir)
     posture = forward(recipe, row)
-    radius, kind = shapes(recipe)
+    radius, kind = radii_and_kinds(recipe)
     primitives = pack(posture.centres[0], posture.axes[0], radius, kind)
     values = measure_moved(recipe, posture, down, CHANNELS)
     channels = {name: float(values[name][0, 0]) for name in CHANNELS}
@@ -226,7 +226,7 @@ def diagnose(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> Diagn
     facet = None if k < 0 else _facet_view(region, table, k, resultant, load[MU:RHO])
     slope = math.nan
     if facet is not None:
-        size = float(np.linalg.norm(resultant)) if recipe.pulled else 1.0
+        size = float(np.linalg.norm(resultant)) if recipe.has_wrench else 1.0
         slope = math.acos(max(-1.0, min(1.0, float(facet.normal @ resultant) / size)))
     exact: dict[str, float] = {}
     rough: dict[str, float] = {}

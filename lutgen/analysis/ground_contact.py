@@ -13,7 +13,14 @@ from numpy.typing import ArrayLike, NDArray
 from lutgen.analysis.diagnosis import Diagnosis, FacetView, diagnose
 from lutgen.errors import InputError
 from lutgen.recipe import Recipe, Wheel, forward
-from lutgen.support import FACE_ANGLE, RELATIVE_TOLERANCE, contact_point, pack, reach, robot_size
+from lutgen.support import (
+    FACE_ANGLE,
+    RELATIVE_TOLERANCE,
+    pack,
+    robot_size,
+    support_contact,
+    support_height,
+)
 
 Floats = NDArray[np.float64]
 
@@ -135,7 +142,10 @@ def _touching(
     for wheel, axle in zip(recipe.wheels, wheel_axes(recipe, params), strict=True):
         i = recipe.contact_names.index(wheel.contact)
         # The facet's own corners touch, whatever rounding makes of their distance.
-        if i not in facet.contacts and reach(primitives, i, (x, y, z)) < facet.height - tolerance:
+        if (
+            i not in facet.contacts
+            and support_height(primitives, i, (x, y, z)) < facet.height - tolerance
+        ):
             result.append(None)
             continue
         # axle x up: a wheel whose axle points left drives forward when it spins positively.
@@ -147,6 +157,6 @@ def _touching(
                 f"the ground (got {axle.tolist()} in the body frame); correct its `axis`, or "
                 "choose another posture."
             )
-        point = np.array(contact_point(primitives, i, (x, y, z)))
+        point = np.array(support_contact(primitives, i, (x, y, z)))
         result.append(RollingContact(wheel, frame @ point, rolling / length))
     return tuple(result)

@@ -28,7 +28,7 @@ from lutgen.channels import (
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 from lutgen.jit import few_threads, njit, prange
-from lutgen.recipe import Recipe, forward, shapes
+from lutgen.recipe import Recipe, forward, radii_and_kinds
 from lutgen.support import (
     FACETS,
     PLANE,
@@ -54,13 +54,13 @@ HALVINGS = 35
 
 @njit()
 def _slopes_of_posture(
-    shapes: Floats, load: Floats, gravity_dir: Floats, limit: Limit, out: Floats
+    primitives: Floats, load: Floats, gravity_dir: Floats, limit: Limit, out: Floats
 ) -> int:
     """Fill `out` (d,) for one posture; return 1 where its facet table was too small."""
-    n = shapes.shape[0]
+    n = primitives.shape[0]
     table, region = facet_table(n), empty_region(n)
-    find_facets(table, shapes, limit[2])
-    find_region(region, table, limit, robot_size(shapes))
+    find_facets(table, primitives, limit[2])
+    find_region(region, table, limit, robot_size(primitives))
     pulled = length(part(load, PHI)) + length(part(load, MU)) > 0.0
     axes = empty_axes(region)
     if pulled:
@@ -82,15 +82,15 @@ def _slopes_of_posture(
 
 @njit(parallel=True)
 def _slopes_of_all(
-    shapes: Floats, load: Floats, gravity_dir: Floats, limit: Limit
+    primitives: Floats, load: Floats, gravity_dir: Floats, limit: Limit
 ) -> tuple[Floats, Ints]:
     """Return slopes (m, d), and 1 where a facet table was too small."""
-    m = shapes.shape[0]
+    m = primitives.shape[0]
     out = np.empty((m, gravity_dir.shape[1]))
     overflow = np.zeros(m, np.int64)
     for posture in prange(m):
         overflow[posture] = _slopes_of_posture(
-            shapes[posture], load[posture], gravity_dir[posture], limit, out[posture]
+            primitives[posture], load[posture], gravity_dir[posture], limit, out[posture]
         )
     return out, overflow
 
@@ -120,7 +120,7 @@ def slopes(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> NDArray
             f"gravity_dir must have the shape ({len(where.com)}, d, 3) (got {directions.shape}); "
             "give rows x, y, z for each posture"
         )
-    radius, kind = shapes(recipe)
+    radius, kind = radii_and_kinds(recipe)
     with few_threads(len(directions), POSTURES_A_THREAD):
         found, overflow = _slopes_of_all(
             pack(where.centres, where.axes, radius, kind),

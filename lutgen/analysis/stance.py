@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.channels import limits_of, refuse_forces
-from lutgen.recipe import Recipe, forward, shapes
+from lutgen.recipe import Recipe, forward, radii_and_kinds
 from lutgen.support import (
     CENTROID,
     CONVEX,
@@ -105,7 +105,7 @@ def find_footing(recipe: Recipe, params: ArrayLike) -> Footing:
     """
     refuse_forces(recipe, "a footing (metrics, rolling)")
     posture = forward(recipe, np.atleast_2d(np.asarray(params, np.float64)))
-    primitives = pack(posture.centres[0], posture.axes[0], *shapes(recipe))
+    primitives = pack(posture.centres[0], posture.axes[0], *radii_and_kinds(recipe))
     limit = limits_of(recipe)
     table, region = facet_table(len(primitives)), empty_region(len(primitives))
     find_facets(table, primitives, limit[2])

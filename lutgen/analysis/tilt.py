@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.analysis.ground import gravity_transform
-from lutgen.channels import body_gravity, evaluate_pairs
+from lutgen.channels import body_gravity, evaluate_each
 from lutgen.errors import InputError
 from lutgen.recipe import Recipe
 
@@ -118,7 +118,7 @@ def tilt_limits(
 def _reading(recipe: Recipe, rows: Floats, frames: Floats, down: Floats) -> Floats:
     """Return tip_angle (m, d) of postures under directions (m, d, 3) in their frames."""
     turned = np.einsum("mij,mdj->mdi", frames, down)
-    return evaluate_pairs(recipe, rows, turned, ("tip_angle",))["tip_angle"]
+    return evaluate_each(recipe, rows, turned, ("tip_angle",))["tip_angle"]
 
 
 def _limits(recipe: Recipe, rows: Floats, heading: Floats, convention: str) -> Floats:
@@ -194,7 +194,7 @@ def level_limits(recipe: Recipe, params: ArrayLike, convention: str = "body") ->
     for i in range(0, len(rows), AT_ONCE):
         part = rows[i : i + AT_ONCE]
         down = body_gravity(recipe, part, [0.0, 0.0, -1.0], convention)
-        parts.append(evaluate_pairs(recipe, part, down, ("tip_angle",))["tip_angle"])
+        parts.append(evaluate_each(recipe, part, down, ("tip_angle",))["tip_angle"])
     return np.maximum(np.concatenate(parts), 0.0)
 
 

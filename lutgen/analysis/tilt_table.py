@@ -177,7 +177,7 @@ def _row(
         return HeadingLimit(name, heading, tilt, (), None)
     down = tilted(tilt, 0.0 if math.isnan(heading) else heading)
     state = diagnose(recipe, posture, frame @ down)
-    axis = None if state.least_stable is None else state.axes_[state.least_stable]
+    axis = None if state.least_stable is None else state.tip_over_axes[state.least_stable]
     names = () if axis is None else tuple(dict.fromkeys(axis.names))
     return HeadingLimit(name, heading, tilt, names, state.slides)
 

@@ -5,7 +5,7 @@ In reading order: `plain`, `axes`, `loaded`, `load`, `settle`, `evaluation`, `ea
 """
 
 from lutgen.channels.axes import MU, PHI, add, empty_axes, find_axes, part
-from lutgen.channels.each import ALONG, ASIDE, HEIGHT_BEYOND, evaluate_pairs, measure_each
+from lutgen.channels.each import ALONG, ASIDE, HEIGHT_BEYOND, evaluate_each, measure_each
 from lutgen.channels.evaluation import evaluate, measure_moved
 from lutgen.channels.load import RHO, limits_of, loads, measure_recipe, refuse_forces
 from lutgen.channels.loaded import axis_angle, loaded_margin, loaded_verdict
@@ -45,7 +45,7 @@ __all__ = [
     "checked_directions",
     "empty_axes",
     "evaluate",
-    "evaluate_pairs",
+    "evaluate_each",
     "find_axes",
     "limits_of",
     "loaded_margin",

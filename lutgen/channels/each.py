@@ -23,7 +23,7 @@ from lutgen.channels.plain import (
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 from lutgen.jit import few_threads, njit, prange
-from lutgen.recipe import Recipe, forward, shapes
+from lutgen.recipe import Recipe, forward, radii_and_kinds
 from lutgen.support import (
     FACETS,
     FIRST_AXIS,
@@ -50,14 +50,14 @@ ROWS = HEIGHT_BEYOND + 1
 
 @njit()
 def _measure_posture(
-    shapes: Floats, gravity_dir: Floats, limit: Limit, wanted: Bools, out: Floats
+    primitives: Floats, gravity_dir: Floats, limit: Limit, wanted: Bools, out: Floats
 ) -> int:
     """Fill `out` (9, d) for one posture; return 1 where its facet table was too small."""
-    n = shapes.shape[0]
+    n = primitives.shape[0]
     table, region = facet_table(n), empty_region(n)
     values = np.empty(6)
-    find_facets(table, shapes, limit[2])
-    find_region(region, table, limit, robot_size(shapes))
+    find_facets(table, primitives, limit[2])
+    find_region(region, table, limit, robot_size(primitives))
     for d in range(gravity_dir.shape[0]):
         g = row(gravity_dir, d)
         measure(region, g, wanted, values)
@@ -75,13 +75,13 @@ def _measure_posture(
 
 @njit(parallel=True)
 def measure_each(
-    shapes: Floats, gravity_dir: Floats, limit: Limit, wanted: Bools
+    primitives: Floats, gravity_dir: Floats, limit: Limit, wanted: Bools
 ) -> tuple[NDArray[np.float64], Ints]:
     """Measure m postures under d directions each.
 
     Parameters
     ----------
-    shapes : (m, n, 8) float64
+    primitives : (m, n, 8) float64
         As `primitive.pack` makes them.
     gravity_dir : (m, d, 3) float64
         Unit directions, pointing down.
@@ -99,17 +99,17 @@ def measure_each(
     (m,) int64
         1 where a facet table was too small.
     """
-    m = shapes.shape[0]
+    m = primitives.shape[0]
     out = np.empty((m, ROWS, gravity_dir.shape[1]))
     overflow = np.zeros(m, np.int64)
     for posture in prange(m):
         overflow[posture] = _measure_posture(
-            shapes[posture], gravity_dir[posture], limit, wanted, out[posture]
+            primitives[posture], gravity_dir[posture], limit, wanted, out[posture]
         )
     return out, overflow
 
 
-def evaluate_pairs(
+def evaluate_each(
     recipe: Recipe,
     params: ArrayLike,
     gravity_dir: ArrayLike,
@@ -142,7 +142,7 @@ def evaluate_pairs(
     >>> from lutgen.recipe.recipe import load_recipe
     >>> recipe = load_recipe("maps/paper_one.toml")
     >>> level, steep = [0.0, 0.0, -1.0], [-1.0, 0.0, -1.0]
-    >>> found = evaluate_pairs(recipe, [[0.5], [0.5]], [level, steep])
+    >>> found = evaluate_each(recipe, [[0.5], [0.5]], [level, steep])
     >>> found["sdg"].round(3), np.degrees(found["tip_angle"]).round(1)
     (array([0.156,   nan]), array([39.8, -5.2]))
     """
@@ -155,7 +155,7 @@ def evaluate_pairs(
             f"gravity_dir must have one row x, y, z for each of {len(where.com)} postures "
             f"(got the shape {directions.shape})"
         )
-    radius, kind = shapes(recipe)
+    radius, kind = radii_and_kinds(recipe)
     down = np.ascontiguousarray(unit_directions(each))
     if recipe.loaded:
         values, overflow = measure_recipe(recipe, where, down, wanted)

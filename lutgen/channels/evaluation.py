@@ -16,7 +16,7 @@ from lutgen.channels.plain import (
     refuse_overflow,
     wanted_channels,
 )
-from lutgen.recipe import Postures, Recipe, forward, shapes
+from lutgen.recipe import Postures, Recipe, forward, radii_and_kinds
 
 
 def evaluate(
@@ -63,7 +63,7 @@ def measure_moved(
         values, overflow = measure_recipe(recipe, postures, directions[None], wanted)
         refuse_overflow(recipe.source, overflow, len(recipe.contacts))
         return {name: values[:, CHANNELS.index(name)].copy() for name in channels}
-    radius, kind = shapes(recipe)
+    radius, kind = radii_and_kinds(recipe)
     return measure_postures(
         postures.centres,
         postures.axes,

@@ -15,7 +15,7 @@ from lutgen.channels.plain import DIRECTIONS_A_POSTURE, POSTURES_A_THREAD
 from lutgen.chart import STANDARD_GRAVITY
 from lutgen.errors import InputError
 from lutgen.jit import few_threads
-from lutgen.recipe import Postures, Recipe, shapes
+from lutgen.recipe import Postures, Recipe, radii_and_kinds
 from lutgen.support import Limit, limits, pack
 
 __all__ = ["MU", "PHI", "RHO", "limits_of", "loads", "measure_recipe", "refuse_forces"]
@@ -39,7 +39,7 @@ def loads(recipe: Recipe, postures: Postures) -> NDArray[np.float64]:
     """
     result = np.zeros((len(postures.com), 7))
     result[:, RHO] = recipe.com_uncertainty
-    if recipe.pulled:
+    if recipe.has_wrench:
         weight = sum(link.mass for link in recipe.links) * STANDARD_GRAVITY
         force = np.array([one.force for one in recipe.forces]) / weight
         moment = np.array([one.moment for one in recipe.forces]) / weight
@@ -69,7 +69,7 @@ def measure_recipe(
 
     `gravity_dir` (m, d, 3) or (1, d, 3) are unit directions; `tighter` as in `limits_of`.
     """
-    radius, kind = shapes(recipe)
+    radius, kind = radii_and_kinds(recipe)
     work = len(postures.com) * (1 + gravity_dir.shape[1] // DIRECTIONS_A_POSTURE)
     with few_threads(work, POSTURES_A_THREAD):
         return measure_loaded(
@@ -83,7 +83,7 @@ def measure_recipe(
 
 def refuse_forces(recipe: Recipe, what: str) -> None:
     """Raise InputError for a recipe with forces where `what` knows the weight alone."""
-    if recipe.pulled:
+    if recipe.has_wrench:
         names = ", ".join(force.name for force in recipe.forces if force.acts)
         raise InputError(
             f"{recipe.source}: key `robot.force`: {what} counts the weight and no other force (got "

@@ -303,15 +303,15 @@ def _measure(
 
 @njit()
 def _measure_posture(
-    shapes: Floats, load: Floats, gravity_dir: Floats, limit: Limit, wanted: Bools, out: Floats
+    primitives: Floats, load: Floats, gravity_dir: Floats, limit: Limit, wanted: Bools, out: Floats
 ) -> int:
     """Fill `out` (9, d) for one posture; return 1 where its facet table was too small."""
-    n = shapes.shape[0]
+    n = primitives.shape[0]
     table, region = facet_table(n), empty_region(n)
     axes = empty_axes(region)
     values = np.empty(6)
-    find_facets(table, shapes, limit[2])
-    find_region(region, table, limit, robot_size(shapes))
+    find_facets(table, primitives, limit[2])
+    find_region(region, table, limit, robot_size(primitives))
     find_axes(region, load, axes)
     for d in range(gravity_dir.shape[0]):
         g = row(gravity_dir, d)
@@ -331,13 +331,13 @@ def _measure_posture(
 
 @njit(parallel=True)
 def measure_loaded(
-    shapes: Floats, load: Floats, gravity_dir: Floats, limit: Limit, wanted: Bools
+    primitives: Floats, load: Floats, gravity_dir: Floats, limit: Limit, wanted: Bools
 ) -> tuple[NDArray[np.float64], Ints]:
     """Measure m postures under d directions.
 
     Parameters
     ----------
-    shapes : (m, n, 8) float64
+    primitives : (m, n, 8) float64
         As `primitive.pack` makes them.
     load : (m, 7) float64
         From `load.loads`.
@@ -355,12 +355,12 @@ def measure_loaded(
     (m,) int64
         1 where a facet table was too small.
     """
-    m = shapes.shape[0]
+    m = primitives.shape[0]
     out = np.empty((m, ROWS, gravity_dir.shape[1]))
     overflow = np.zeros(m, np.int64)
     for posture in prange(m):
         overflow[posture] = _measure_posture(
-            shapes[posture],
+            primitives[posture],
             load[posture],
             gravity_dir[np.int64(posture) % np.int64(gravity_dir.shape[0])],
             limit,

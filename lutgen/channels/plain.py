@@ -180,14 +180,14 @@ def measure(region: Region, g: Vector, wanted: Bools, out: Floats) -> None:
 
 @njit()
 def _measure_posture(
-    shapes: Floats, gravity_dir: Floats, limit: Limit, wanted: Bools, out: Floats
+    primitives: Floats, gravity_dir: Floats, limit: Limit, wanted: Bools, out: Floats
 ) -> int:
     """Fill `out` (6, g) for one posture; return 1 where its facet table was too small."""
-    n = shapes.shape[0]
+    n = primitives.shape[0]
     table, region = facet_table(n), empty_region(n)
     values = np.empty(6)
-    find_facets(table, shapes, limit[2])
-    find_region(region, table, limit, robot_size(shapes))
+    find_facets(table, primitives, limit[2])
+    find_region(region, table, limit, robot_size(primitives))
     for d in range(gravity_dir.shape[0]):
         measure(region, row(gravity_dir, d), wanted, values)
         for c in range(6):
@@ -197,15 +197,15 @@ def _measure_posture(
 
 @njit(parallel=True)
 def _measure_all(
-    shapes: Floats, gravity_dir: Floats, limit: Limit, wanted: Bools
+    primitives: Floats, gravity_dir: Floats, limit: Limit, wanted: Bools
 ) -> tuple[Floats, Ints]:
     """Return ((m, 6, g) channels, 1 where a facet table was too small)."""
-    m = shapes.shape[0]
+    m = primitives.shape[0]
     out = np.empty((m, 6, gravity_dir.shape[0]))
     overflow = np.zeros(m, np.int64)
     for posture in prange(m):
         overflow[posture] = _measure_posture(
-            shapes[posture], gravity_dir, limit, wanted, out[posture]
+            primitives[posture], gravity_dir, limit, wanted, out[posture]
         )
     return out, overflow
 

@@ -69,7 +69,7 @@ def _each_node(
 
 @njit()
 def _scan_part(
-    shapes: Floats,
+    primitives: Floats,
     limit: Limit,
     basis: Floats,
     coords: Floats,
@@ -83,7 +83,7 @@ def _scan_part(
 ) -> int:
     """Fill rows [begin, end) of a block, counted through its postures; see `scan`."""
     nodes = coords.shape[0] - VECTOR
-    n = shapes.shape[1]
+    n = primitives.shape[1]
     overflow = 0
     table, region = facet_table(n), empty_region(n)
     values = np.empty(6)
@@ -103,8 +103,8 @@ def _scan_part(
         posture = at // per_posture
         if posture != current:
             current = posture
-            find_facets(table, shapes[posture], limit[2])
-            find_region(region, table, limit, robot_size(shapes[posture]))
+            find_facets(table, primitives[posture], limit[2])
+            find_region(region, table, limit, robot_size(primitives[posture]))
             overflow += table.tally[1]
         line = first + at - posture * per_posture
         face, first_row = line // nodes, line % nodes
@@ -179,7 +179,7 @@ def _scan_part(
 
 @njit(parallel=True)
 def scan(
-    shapes: Floats,
+    primitives: Floats,
     limit: Limit,
     basis: Floats,
     coords: Floats,
@@ -194,7 +194,7 @@ def scan(
 
     Parameters
     ----------
-    shapes : (m, n, 8) float64
+    primitives : (m, n, 8) float64
         Primitives of every posture, relative to the com, rows of `primitive.pack`.
     limit : tuple
         See `region.limits`.
@@ -220,13 +220,13 @@ def scan(
         Number of postures with more facets than a table holds; 0 unless spheres overlap oddly.
     """
     per_posture = last - first
-    total = shapes.shape[0] * per_posture
+    total = primitives.shape[0] * per_posture
     overflow = np.zeros(parts, np.int64)
     # The loop holds nothing but a call: numba takes long over large parallel bodies.
     for part in prange(parts):
         begin, end = part * total // parts, (part + 1) * total // parts
         overflow[part] = _scan_part(
-            *(shapes, limit, basis, coords, inverse_length, first, per_posture, wanted),
+            *(primitives, limit, basis, coords, inverse_length, first, per_posture, wanted),
             *(begin, end, out),
         )
     return int(overflow.sum())

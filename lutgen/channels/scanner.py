@@ -13,7 +13,7 @@ from lutgen.channels.plain import CHANNELS, wanted_channels
 from lutgen.channels.raster import VECTOR
 from lutgen.channels.scan import scan
 from lutgen.chart import Chart
-from lutgen.recipe import Postures, Recipe, forward, shapes
+from lutgen.recipe import Postures, Recipe, forward, radii_and_kinds
 from lutgen.support import limits, pack
 from lutgen.vector import Floats, Singles
 
@@ -35,7 +35,7 @@ class Scanner:
         self._basis = chart.basis()
         self._limit = limits(recipe.upright, recipe.rock_angle)
         self._wanted = wanted_channels(channels)
-        self._radius, self._kind = shapes(recipe)
+        self._radius, self._kind = radii_and_kinds(recipe)
         # Of loaded robots alone: of the others the kernel makes the directions itself.
         self._directions = chart.directions().reshape(self.rows, -1, 3) if recipe.loaded else None
 

@@ -21,7 +21,7 @@ from lutgen.channels.plain import POSTURES_A_THREAD, refuse_overflow
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 from lutgen.jit import few_threads, njit, prange
-from lutgen.recipe import Recipe, forward, shapes
+from lutgen.recipe import Recipe, forward, radii_and_kinds
 from lutgen.support import (
     FACETS,
     FIRST,
@@ -108,15 +108,15 @@ def _settle(region: Region, wall: Floats, load: Floats, gravity_plane: Vector) -
 
 @njit(parallel=True)
 def _settle_all(
-    shapes: Floats, load: Floats, gravity_plane: Floats, limit: Limit
+    primitives: Floats, load: Floats, gravity_plane: Floats, limit: Limit
 ) -> tuple[Floats, Ints]:
     """Return the body's gravity directions (m, 3), and 1 where a facet table was too small."""
-    m, n = shapes.shape[0], shapes.shape[1]
+    m, n = primitives.shape[0], primitives.shape[1]
     down, overflow = np.empty((m, 3)), np.zeros(m, np.int64)
     for posture in prange(m):
         table, region = facet_table(n), empty_region(n)
-        find_facets(table, shapes[posture], limit[2])
-        find_region(region, table, limit, robot_size(shapes[posture]))
+        find_facets(table, primitives[posture], limit[2])
+        find_region(region, table, limit, robot_size(primitives[posture]))
         wall = np.zeros((region.edge.shape[0], 16))
         if np.abs(load[posture, MU:RHO]).max() > 0.0:
             enter_walls(region, load[posture], wall)
@@ -169,7 +169,7 @@ def body_gravity(
     directions = np.ascontiguousarray(np.broadcast_to(given, (count, 3)))
     if convention == "body":
         return directions.copy()
-    radius, kind = shapes(recipe)
+    radius, kind = radii_and_kinds(recipe)
     with few_threads(count, POSTURES_A_THREAD):
         down, overflow = _settle_all(
             pack(posture.centres, posture.axes, radius, kind),

@@ -117,11 +117,11 @@ def exact_report(
         **channel_entries(found.channels),
         "slope_deg": _number(math.degrees(found.slope)),
         "slides_first": found.slides,
-        **(_rolling_entries(recipe, values, gravity) if rolling and not recipe.pulled else {}),
+        **(_rolling_entries(recipe, values, gravity) if rolling and not recipe.has_wrench else {}),
     }
     if found.least_stable is not None:
         report["least_stable_axis"] = _axis(found, found.least_stable)
-    report["axes"] = [_axis(found, index) for index in range(len(found.axes_))]
+    report["axes"] = [_axis(found, index) for index in range(len(found.tip_over_axes))]
     if found.normal_forces:
         report["normal_forces"] = found.normal_forces
         report["normal_forces_kind"] = found.forces_kind
@@ -135,7 +135,7 @@ def exact_report(
     report["com"] = found.com.tolist()
     if recipe.com_uncertainty:
         report["com_uncertainty"] = recipe.com_uncertainty
-    if recipe.pulled:
+    if recipe.has_wrench:
         report["resultant_over_weight"] = found.resultant.tolist()
     return report
 
@@ -159,7 +159,7 @@ def _rolling_entries(
 def _axis(found: "Diagnosis", index: int) -> dict[str, Any]:
     from lutgen.analysis import axis_force_angle
 
-    axis = found.axes_[index]
+    axis = found.tip_over_axes[index]
     return {
         "index": index,
         "contacts": list(axis.names),

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from lutgen.channels import CONVENTIONS, body_gravity, evaluate_pairs
+from lutgen.channels import CONVENTIONS, body_gravity, evaluate_each
 from lutgen.mapping import load_map, sweep
 from lutgen.paper.published import TABLE, Row
 from lutgen.paper.robot import RADIUS, paper_recipe
@@ -39,7 +39,7 @@ LEVEL = np.array([0.0, 0.0, -1.0])
 def level_values(recipe: Recipe, params: Floats, convention: str) -> dict[str, Floats]:
     """Return sdg and height, each (m,), of m geometries on level ground."""
     down = body_gravity(recipe, params, LEVEL, convention)
-    return evaluate_pairs(recipe, params, down, ("sdg", "height"))
+    return evaluate_each(recipe, params, down, ("sdg", "height"))
 
 
 @dataclass(frozen=True)

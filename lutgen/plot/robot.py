@@ -63,7 +63,7 @@ def _verdict(state: Diagnosis) -> str:
 def _name_contacts(axes: Any, view: View, state: Diagnosis) -> None:
     """Write the contacts' names beside them, clear of the lines."""
     ends = [(np.zeros(3), centre) for centre in state.centres]
-    ends += [(np.asarray(axis.start), np.asarray(axis.stop)) for axis in state.axes_]
+    ends += [(np.asarray(axis.start), np.asarray(axis.stop)) for axis in state.tip_over_axes]
     if state.facet is not None:
         ends.append((np.zeros(3), np.asarray(state.facet.pierced)))
     part = np.linspace(0.0, 1.0, 41)[:, None]
@@ -172,13 +172,13 @@ def _support(axes: Any, view: View, state: Diagnosis) -> list[Artist]:
 def _edges(axes: Any, state: Diagnosis) -> list[Artist]:
     """Draw the tip-over axes, the least stable one in colour."""
     handles: list[Artist] = []
-    for index, axis in enumerate(state.axes_):
+    for index, axis in enumerate(state.tip_over_axes):
         if index != state.least_stable:
             _line(axes, axis.start, axis.stop, color="black", linewidth=0.9, zorder=4)
-    if len(state.axes_) > 1:
+    if len(state.tip_over_axes) > 1:
         handles.append(Line2D([], [], color="black", linewidth=0.9, label="tip-over axes"))
     if state.least_stable is not None:
-        axis = state.axes_[state.least_stable]
+        axis = state.tip_over_axes[state.least_stable]
         _line(axes, axis.start, axis.stop, color=ORANGE, linewidth=2.0, zorder=5)
         angle = angle_text(math.degrees(axis.tip_angle))
         ends = list(dict.fromkeys(name.replace("_", " ") for name in axis.names))

@@ -49,7 +49,7 @@ def draw_roll_limit(axes: PolarAxes, view: View) -> None:
     Not under forces: what rolls is known of the weight alone.
     """
     rolling = any(contact.rolling for contact in view.recipe.contacts)
-    if not rolling or view.recipe.pulled:
+    if not rolling or view.recipe.has_wrench:
         return
     headings = np.linspace(0.0, 360.0, ROLL_HEADINGS)
     limit = np.degrees(roll_limits(view.recipe, view.params, np.radians(headings)))

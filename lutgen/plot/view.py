@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.analysis import slopes
-from lutgen.channels import body_gravity, evaluate, evaluate_pairs
+from lutgen.channels import body_gravity, evaluate, evaluate_each
 from lutgen.mapping import StabilityMap
 from lutgen.parts import Parameter
 from lutgen.recipe import Recipe
@@ -101,7 +101,7 @@ class View:
             return self._read(rows, down, channels)
         if self.convention == "plane":
             rows, turned = self._turned(rows, down)
-            return evaluate_pairs(self.recipe, rows, turned, channels)
+            return evaluate_each(self.recipe, rows, turned, channels)
         values = evaluate(self.recipe, rows, down, channels)
         return {name: value.ravel() for name, value in values.items()}
 

@@ -4,7 +4,7 @@ In reading order: `table`, `robot`, `loads`, `plugin`, `described`, `recipe`, `k
 `candidates`, `proposal_text`, `proposal`.
 """
 
-from lutgen.recipe.kinematics import Postures, forward, postures, shapes
+from lutgen.recipe.kinematics import Postures, forward, postures, radii_and_kinds
 from lutgen.recipe.proposal import import_urdf
 from lutgen.recipe.recipe import (
     Contact,
@@ -28,7 +28,7 @@ __all__ = [
     "load_recipe",
     "parse_recipe",
     "postures",
+    "radii_and_kinds",
     "recipe_digest",
-    "shapes",
     "to_internal",
 ]

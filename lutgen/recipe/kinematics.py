@@ -17,7 +17,7 @@ from lutgen.parts import Contact, Force, Link, Vector
 from lutgen.recipe.recipe import Recipe
 from lutgen.rotation import rotation
 
-__all__ = ["Postures", "forward", "postures", "shapes"]
+__all__ = ["Postures", "forward", "postures", "radii_and_kinds"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -119,7 +119,7 @@ def postures(recipe: Recipe, params: ArrayLike) -> tuple[Floats, Floats]:
     return result.centres, result.com
 
 
-def shapes(recipe: Recipe) -> tuple[Floats, Ints]:
+def radii_and_kinds(recipe: Recipe) -> tuple[Floats, Ints]:
     """Return radius (n,) and kind (n,) of the contacts: 0 point, 1 sphere, 2 disc."""
     radius = np.array([contact.radius for contact in recipe.contacts], dtype=np.float64)
     kind = np.array([KINDS[contact.kind] for contact in recipe.contacts], dtype=np.int64)

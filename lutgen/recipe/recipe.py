@@ -109,14 +109,14 @@ class Recipe:
         return tuple(contact.name for contact in self.contacts)
 
     @property
-    def pulled(self) -> bool:
+    def has_wrench(self) -> bool:
         """Whether any force or moment acts beside the weight."""
         return any(force.acts for force in self.forces)
 
     @property
     def loaded(self) -> bool:
         """Whether stability is that of `loaded.py`: forces act, or the com is uncertain."""
-        return self.pulled or self.com_uncertainty > 0.0
+        return self.has_wrench or self.com_uncertainty > 0.0
 
 
 def recipe_digest(text: str, urdf: str | None = None) -> str:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lutgen.channels import body_gravity, evaluate_pairs
+from lutgen.channels import body_gravity, evaluate_each
 from lutgen.errors import InputError
 from lutgen.recipe import Recipe
 from lutgen.search.objective import Objective
@@ -163,7 +163,7 @@ def drive(
     taken = turned(path, turn)
     params = wanted if fastest is None else _follow(wanted, start, path, fastest)
     gravity = body_gravity(recipe, params, taken.gravity, convention)
-    channels = evaluate_pairs(recipe, params, gravity, DRIVE_CHANNELS)
+    channels = evaluate_each(recipe, params, gravity, DRIVE_CHANNELS)
     return Drive(path, params, wanted, turn, taken.heading, gravity, channels, evaluations)
 
 

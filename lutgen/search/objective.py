@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lutgen.channels import CONVENTIONS, body_gravity, checked_directions, evaluate_pairs
+from lutgen.channels import CONVENTIONS, body_gravity, checked_directions, evaluate_each
 from lutgen.errors import InputError
 from lutgen.recipe import Recipe
 
@@ -118,7 +118,7 @@ class Objective:
             down = np.broadcast_to(np.asarray(self.gravity), (len(rows), 3))
         else:
             down = body_gravity(self.recipe, rows, self.gravity, self.convention)
-        found = evaluate_pairs(self.recipe, rows, down, [*{**self.weights, "tip_angle": 0.0}])
+        found = evaluate_each(self.recipe, rows, down, [*{**self.weights, "tip_angle": 0.0}])
         angle = found["tip_angle"]
         cost = np.zeros(len(rows))
         for name, weight in self.weights.items():

@@ -19,9 +19,9 @@ from lutgen.support.primitive import (
     KIND,
     RADIUS,
     SPHERE,
-    contact_point,
     pack,
-    reach,
+    support_contact,
+    support_height,
 )
 from lutgen.support.region import (
     ACROSS,
@@ -91,7 +91,6 @@ __all__ = [
     "Limit",
     "Region",
     "area_centroid",
-    "contact_point",
     "convex_polygon",
     "empty_region",
     "facet_table",
@@ -100,8 +99,9 @@ __all__ = [
     "is_standing",
     "limits",
     "pack",
-    "reach",
     "robot_size",
+    "support_contact",
+    "support_height",
     "supporting_facet",
     "vector_at",
 ]

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from lutgen.jit import njit
 from lutgen.support.polygon import convex_polygon
-from lutgen.support.primitive import RADIUS, contact_point, reach
+from lutgen.support.primitive import RADIUS, support_contact, support_height
 from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, scale, subtract
 
 # Two lengths that differ by less than this part of the robot's size are the same length: contacts
@@ -65,27 +65,27 @@ def facet_table(primitives: int) -> FacetTable:
 
 
 @njit(inline=True)
-def robot_size(shapes: Floats) -> float:
+def robot_size(primitives: Floats) -> float:
     """Return the largest distance from the first primitive to any other, radii included."""
     size = 0.0
-    for i in range(shapes.shape[0]):
-        dx = shapes[i, 0] - shapes[0, 0]
-        dy = shapes[i, 1] - shapes[0, 1]
-        dz = shapes[i, 2] - shapes[0, 2]
-        size = max(size, math.sqrt(dx * dx + dy * dy + dz * dz) + shapes[i, RADIUS])
+    for i in range(primitives.shape[0]):
+        dx = primitives[i, 0] - primitives[0, 0]
+        dy = primitives[i, 1] - primitives[0, 1]
+        dz = primitives[i, 2] - primitives[0, 2]
+        size = max(size, math.sqrt(dx * dx + dy * dy + dz * dz) + primitives[i, RADIUS])
     return size
 
 
 @njit(inline=True)
 def lowest_beyond(
-    shapes: Floats, normal: Vector, height: float, tolerance: float
+    primitives: Floats, normal: Vector, height: float, tolerance: float
 ) -> tuple[int, int]:
     """Return the primitive furthest below a plane, or -1, and the bit set that touches it."""
     below = -1
     excess = tolerance
     mask = 0
-    for m in range(shapes.shape[0]):
-        over = reach(shapes, m, normal) - height
+    for m in range(primitives.shape[0]):
+        over = support_height(primitives, m, normal) - height
         if over > excess:
             excess = over
             below = m
@@ -102,14 +102,14 @@ def add_facet(
     corner: Floats,
     link: Ints,
     owner: Ints,
-    shapes: Floats,
+    primitives: Floats,
     normal: Vector,
     height: float,
     mask: int,
     size: float,
 ) -> int:
     """Enter a plane that has no primitive below it; return its index, or -1 if it is no facet."""
-    n = shapes.shape[0]
+    n = primitives.shape[0]
     new = count[0]
     begin = span[new, FIRST]
     if new + 1 >= facet.shape[0] or begin + n > link.shape[0]:
@@ -121,7 +121,7 @@ def add_facet(
     touching = 0
     for i in range(n):
         if mask >> i & 1:
-            point = contact_point(shapes, i, normal)
+            point = support_contact(primitives, i, normal)
             corner[begin + touching, 0] = point[0]
             corner[begin + touching, 1] = point[1]
             corner[begin + touching, 2] = point[2]
@@ -153,7 +153,13 @@ def add_facet(
 
 @njit(inline=True)
 def _first_touched(
-    shapes: Floats, normal: Vector, base: Vector, outward: Vector, i: int, j: int, tolerance: float
+    primitives: Floats,
+    normal: Vector,
+    base: Vector,
+    outward: Vector,
+    i: int,
+    j: int,
+    tolerance: float,
 ) -> int:
     """Return the primitive that a plane turning about an axis in it touches first, or -1.
 
@@ -162,10 +168,10 @@ def _first_touched(
     """
     best = -1
     best_ahead = best_depth = 0.0
-    for k in range(shapes.shape[0]):
+    for k in range(primitives.shape[0]):
         if k in (i, j):
             continue
-        arm = subtract(row(shapes, k), base)
+        arm = subtract(row(primitives, k), base)
         ahead = dot(arm, outward)
         depth = max(-dot(arm, normal), 0.0)
         if depth <= tolerance and ahead <= tolerance:
@@ -184,7 +190,7 @@ def _roll(
     corner: Floats,
     link: Ints,
     owner: Ints,
-    shapes: Floats,
+    primitives: Floats,
     f: int,
     at: int,
     size: float,
@@ -196,11 +202,11 @@ def _roll(
     outward = cross(subtract(q, p), row(facet, f))
     outward = scale(outward, 1.0 / length(outward))
     tolerance = RELATIVE_TOLERANCE * size
-    k = _first_touched(shapes, row(facet, f), p, outward, i, j, tolerance)
+    k = _first_touched(primitives, row(facet, f), p, outward, i, j, tolerance)
     if k < 0:
         # All contacts lie in this plane.
         return OUTSIDE
-    return _enter_plane(count, facet, span, corner, link, owner, shapes, q, p, k, size)
+    return _enter_plane(count, facet, span, corner, link, owner, primitives, q, p, k, size)
 
 
 @njit()
@@ -211,14 +217,14 @@ def _enter_plane(
     corner: Floats,
     link: Ints,
     owner: Ints,
-    shapes: Floats,
+    primitives: Floats,
     p: Vector,
     q: Vector,
     k: int,
     size: float,
 ) -> int:
     """Enter the plane through points p and q and contact k, counter-clockwise, or return -1."""
-    normal = cross(subtract(q, p), subtract(row(shapes, k), p))
+    normal = cross(subtract(q, p), subtract(row(primitives, k), p))
     area = length(normal)
     if not area > RELATIVE_TOLERANCE * size * size:
         return OUTSIDE
@@ -226,12 +232,14 @@ def _enter_plane(
     height = dot(p, normal)
     tolerance = RELATIVE_TOLERANCE * size
     mask = 0
-    for m in range(shapes.shape[0]):
-        over = dot(row(shapes, m), normal) - height
+    for m in range(primitives.shape[0]):
+        over = dot(row(primitives, m), normal) - height
         if over > tolerance:
             return OUTSIDE
         mask |= (1 if over >= -tolerance else 0) << m
-    return add_facet(count, facet, span, corner, link, owner, shapes, normal, height, mask, size)
+    return add_facet(
+        count, facet, span, corner, link, owner, primitives, normal, height, mask, size
+    )
 
 
 @njit(inline=True)
@@ -249,13 +257,19 @@ def matching_corner(span: Ints, link: Ints, f: int, at: int, other: int) -> int:
 
 @njit()
 def _turn_onto(
-    shapes: Floats, normal: Vector, base: Vector, outward: Vector, i: int, j: int, tolerance: float
+    primitives: Floats,
+    normal: Vector,
+    base: Vector,
+    outward: Vector,
+    i: int,
+    j: int,
+    tolerance: float,
 ) -> tuple[int, float]:
     """Return the first contact touched by turning either way, or -1, and which way."""
-    k = _first_touched(shapes, normal, base, outward, i, j, tolerance)
+    k = _first_touched(primitives, normal, base, outward, i, j, tolerance)
     if k >= 0:
         return k, 1.0
-    return _first_touched(shapes, normal, base, scale(outward, -1.0), i, j, tolerance), -1.0
+    return _first_touched(primitives, normal, base, scale(outward, -1.0), i, j, tolerance), -1.0
 
 
 @njit()
@@ -266,21 +280,21 @@ def _seed(
     corner: Floats,
     link: Ints,
     owner: Ints,
-    shapes: Floats,
+    primitives: Floats,
     size: float,
 ) -> None:
     """Enter a first facet: lower a level plane onto a contact and turn it onto two more."""
     tolerance = RELATIVE_TOLERANCE * size
     i = 0
-    for k in range(1, shapes.shape[0]):
-        if shapes[k, 2] < shapes[i, 2]:
+    for k in range(1, primitives.shape[0]):
+        if primitives[k, 2] < primitives[i, 2]:
             i = k
     down, ahead = (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)
-    base = row(shapes, i)
-    j, way = _turn_onto(shapes, down, base, ahead, i, i, tolerance)
+    base = row(primitives, i)
+    j, way = _turn_onto(primitives, down, base, ahead, i, i, tolerance)
     if j < 0:
         return
-    arm = subtract(row(shapes, j), base)
+    arm = subtract(row(primitives, j), base)
     # Turned until arm lies in it, the plane has the normal x n + d m, where m is the sinking
     # direction, x how far ahead the contact is and d how deep.
     x, depth = way * dot(arm, ahead), max(-dot(arm, down), 0.0)
@@ -288,23 +302,23 @@ def _seed(
     normal = (way * depth / breadth, 0.0, -x / breadth)
     outward = cross(arm, normal)
     outward = scale(outward, 1.0 / length(outward))
-    k, way = _turn_onto(shapes, normal, base, outward, i, j, tolerance)
+    k, way = _turn_onto(primitives, normal, base, outward, i, j, tolerance)
     if k < 0:
         return
     # Counter-clockwise about the new normal: outward is to the right of base -> j.
-    p, q = (row(shapes, j), base) if way > 0.0 else (base, row(shapes, j))
-    _enter_plane(count, facet, span, corner, link, owner, shapes, p, q, k, size)
+    p, q = (row(primitives, j), base) if way > 0.0 else (base, row(primitives, j))
+    _enter_plane(count, facet, span, corner, link, owner, primitives, p, q, k, size)
 
 
 @njit()
-def find_point_facets(table: FacetTable, shapes: NDArray[np.float64], lowest_up: float) -> None:
+def find_point_facets(table: FacetTable, primitives: NDArray[np.float64], lowest_up: float) -> None:
     """Fill `table` with the facets of the hull of point contacts.
 
     Parameters
     ----------
     table : FacetTable
         Overwritten.
-    shapes : (n, 8) float64
+    primitives : (n, 8) float64
         Rows of `primitive.pack`, relative to the com; only the centres are read.
     lowest_up : float
         Facets are rolled onwards only from normals whose z is below this: 0 finds every facet
@@ -317,12 +331,12 @@ def find_point_facets(table: FacetTable, shapes: NDArray[np.float64], lowest_up:
         table.corner,
         table.link,
     )
-    n = shapes.shape[0]
+    n = primitives.shape[0]
     count[0] = count[1] = 0
     span[0, FIRST] = 0
-    size = robot_size(shapes)
+    size = robot_size(primitives)
     owner = np.full((n, n), OUTSIDE, np.int64)
-    _seed(count, facet, span, corner, link, owner, shapes, size)
+    _seed(count, facet, span, corner, link, owner, primitives, size)
     if count[0] == 0:
         return
     if facet[0, 3] < 0.0 and span[0, MASK] == (1 << n) - 1:
@@ -331,7 +345,7 @@ def find_point_facets(table: FacetTable, shapes: NDArray[np.float64], lowest_up:
         height, mask = -facet[0, 3], span[0, MASK]
         owner[:] = OUTSIDE
         count[0] = 0
-        add_facet(count, facet, span, corner, link, owner, shapes, normal, height, mask, size)
+        add_facet(count, facet, span, corner, link, owner, primitives, normal, height, mask, size)
     faces_down = False
     f = 0
     while f < count[0]:
@@ -341,7 +355,7 @@ def find_point_facets(table: FacetTable, shapes: NDArray[np.float64], lowest_up:
             for at in range(span[f, FIRST], span[f + 1, FIRST]):
                 if link[at, NEIGHBOUR] != UNKNOWN:
                     continue
-                other = _roll(count, facet, span, corner, link, owner, shapes, f, at, size)
+                other = _roll(count, facet, span, corner, link, owner, primitives, f, at, size)
                 link[at, NEIGHBOUR] = other
                 if other >= 0 and other != f:
                     back = matching_corner(span, link, f, at, other)

@@ -33,38 +33,40 @@ def pack(
 
 
 @njit(inline=True)
-def reach(shapes: Floats, index: int, normal: Vector) -> float:
+def support_height(primitives: Floats, index: int, normal: Vector) -> float:
     """Return the support function: how far primitive `index` extends along a unit `normal`."""
     value: float = (
-        shapes[index, 0] * normal[0] + shapes[index, 1] * normal[1] + shapes[index, 2] * normal[2]
+        primitives[index, 0] * normal[0]
+        + primitives[index, 1] * normal[1]
+        + primitives[index, 2] * normal[2]
     )
-    if shapes[index, KIND] == SPHERE:
-        value += shapes[index, RADIUS]
-    elif shapes[index, KIND] == DISC:
-        hinge = (shapes[index, 3], shapes[index, 4], shapes[index, 5])
-        radial = subtract(normal, scale(hinge, dot(normal, hinge)))
-        value += shapes[index, RADIUS] * length(radial)
+    if primitives[index, KIND] == SPHERE:
+        value += primitives[index, RADIUS]
+    elif primitives[index, KIND] == DISC:
+        axle = (primitives[index, 3], primitives[index, 4], primitives[index, 5])
+        radial = subtract(normal, scale(axle, dot(normal, axle)))
+        value += primitives[index, RADIUS] * length(radial)
     return value
 
 
 @njit(inline=True)
-def contact_point(shapes: Floats, index: int, normal: Vector) -> Vector:
+def support_contact(primitives: Floats, index: int, normal: Vector) -> Vector:
     """Return the point of primitive `index` that extends furthest along a unit `normal`.
 
-    It is the gradient of `reach`: c for a point, c + r n for a sphere, and c + r u for a disc,
-    with u the normalised part of n orthogonal to the disc's axis.  A disc that lies on its face
-    has no such point: the answer is NaN.
+    It is the gradient of `support_height`: c for a point, c + r n for a sphere, and c + r u for a
+    disc, with u the normalised part of n orthogonal to the disc's axis.  A disc that lies on its
+    face has no such point: the answer is NaN.
     """
-    x, y, z = shapes[index, 0], shapes[index, 1], shapes[index, 2]
-    if shapes[index, KIND] == SPHERE:
-        r = shapes[index, RADIUS]
+    x, y, z = primitives[index, 0], primitives[index, 1], primitives[index, 2]
+    if primitives[index, KIND] == SPHERE:
+        r = primitives[index, RADIUS]
         return x + r * normal[0], y + r * normal[1], z + r * normal[2]
-    if shapes[index, KIND] == DISC:
-        hinge = (shapes[index, 3], shapes[index, 4], shapes[index, 5])
-        radial = subtract(normal, scale(hinge, dot(normal, hinge)))
+    if primitives[index, KIND] == DISC:
+        axle = (primitives[index, 3], primitives[index, 4], primitives[index, 5])
+        radial = subtract(normal, scale(axle, dot(normal, axle)))
         size = length(radial)
         if size < FACE_ANGLE:
             return math.nan, math.nan, math.nan
-        r = shapes[index, RADIUS] / size
+        r = primitives[index, RADIUS] / size
         return x + r * radial[0], y + r * radial[1], z + r * radial[2]
     return x, y, z

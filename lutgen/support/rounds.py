@@ -26,7 +26,7 @@ from lutgen.support.hull import (
     lowest_beyond,
     robot_size,
 )
-from lutgen.support.primitive import DISC, KIND, POINT, RADIUS, contact_point, reach
+from lutgen.support.primitive import DISC, KIND, POINT, RADIUS, support_contact, support_height
 from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, scale, subtract
 
 NEWTON_STEPS = 24
@@ -40,7 +40,7 @@ SEARCHED = 8.0
 
 @njit()
 def common_normal(
-    shapes: Floats, i: int, j: int, k: int, start: Vector, reach_of_search: float, size: float
+    primitives: Floats, i: int, j: int, k: int, start: Vector, reach_of_search: float, size: float
 ) -> tuple[bool, Vector]:
     """Solve for the plane that touches three primitives; Newton from the normal `start`.
 
@@ -50,9 +50,9 @@ def common_normal(
     """
     normal = start
     for _ in range(NEWTON_STEPS):
-        p = contact_point(shapes, i, normal)
-        q = contact_point(shapes, j, normal)
-        r = contact_point(shapes, k, normal)
+        p = support_contact(primitives, i, normal)
+        q = support_contact(primitives, j, normal)
+        r = support_contact(primitives, k, normal)
         step = cross(subtract(q, p), subtract(r, p))
         area = length(step)
         # Written so that NaN (a disc on its face) fails too.
@@ -81,20 +81,20 @@ def _cell_normal(face: int, u: float, v: float) -> Vector:
 
 
 @njit()
-def _furthest_apart(shapes: Floats, i: int, j: int) -> float:
+def _furthest_apart(primitives: Floats, i: int, j: int) -> float:
     """Bound the distance of the contact points of two primitives, whatever the normal.
 
     Their radii point the same way, and so cancel, for two spheres or points and for two discs with
     parallel axes.
     """
-    centres = length(subtract(row(shapes, i), row(shapes, j)))
-    both = shapes[i, RADIUS] + shapes[j, RADIUS]
-    apart = abs(shapes[i, RADIUS] - shapes[j, RADIUS])
-    if shapes[i, KIND] != DISC and shapes[j, KIND] != DISC:
+    centres = length(subtract(row(primitives, i), row(primitives, j)))
+    both = primitives[i, RADIUS] + primitives[j, RADIUS]
+    apart = abs(primitives[i, RADIUS] - primitives[j, RADIUS])
+    if primitives[i, KIND] != DISC and primitives[j, KIND] != DISC:
         return float(centres + apart)
-    if shapes[i, KIND] == DISC and shapes[j, KIND] == DISC:
-        a = (shapes[i, 3], shapes[i, 4], shapes[i, 5])
-        b = (shapes[j, 3], shapes[j, 4], shapes[j, 5])
+    if primitives[i, KIND] == DISC and primitives[j, KIND] == DISC:
+        a = (primitives[i, 3], primitives[i, 4], primitives[i, 5])
+        b = (primitives[j, 3], primitives[j, 4], primitives[j, 5])
         if length(cross(a, b)) < 1e-12:
             return float(centres + apart)
     return float(centres + both)
@@ -102,7 +102,7 @@ def _furthest_apart(shapes: Floats, i: int, j: int) -> float:
 
 @njit(inline=True)
 def _candidates(
-    shapes: Floats, spread: Floats, heights: Floats, normal: Vector, radius: float, among: int
+    primitives: Floats, spread: Floats, heights: Floats, normal: Vector, radius: float, among: int
 ) -> int:
     """Return the bit set, out of `among`, of primitives that can be lowest within `radius`.
 
@@ -110,10 +110,10 @@ def _candidates(
     """
     best = -1
     furthest = -math.inf
-    n = shapes.shape[0]
+    n = primitives.shape[0]
     for i in range(n):
         if among >> i & 1:
-            heights[i] = reach(shapes, i, normal)
+            heights[i] = support_height(primitives, i, normal)
             if heights[i] > furthest:
                 furthest = heights[i]
                 best = i
@@ -127,7 +127,7 @@ def _candidates(
 @njit()
 def _try_triples(
     table: FacetTable,
-    shapes: Floats,
+    primitives: Floats,
     owner: Ints,
     normal: Vector,
     among: int,
@@ -146,7 +146,7 @@ def _try_triples(
         table.corner,
         table.link,
     )
-    n = shapes.shape[0]
+    n = primitives.shape[0]
     for i in range(n):
         if not among >> i & 1:
             continue
@@ -168,16 +168,16 @@ def _try_triples(
                             known = True
                 if known:
                     continue
-                found, solved = common_normal(shapes, i, j, k, normal, SEARCHED * radius, size)
+                found, solved = common_normal(primitives, i, j, k, normal, SEARCHED * radius, size)
                 if not found:
                     continue
-                height = reach(shapes, i, solved)
-                below, mask = lowest_beyond(shapes, solved, height, RELATIVE_TOLERANCE * size)
+                height = support_height(primitives, i, solved)
+                below, mask = lowest_beyond(primitives, solved, height, RELATIVE_TOLERANCE * size)
                 if (
                     below < 0
                     and add_facet(
                         *(count, facet, span, corner, link, owner),
-                        *(shapes, solved, height, mask, size),
+                        *(primitives, solved, height, mask, size),
                     )
                     >= 0
                 ):
@@ -186,28 +186,28 @@ def _try_triples(
 
 
 @njit()
-def find_round_facets(table: FacetTable, shapes: NDArray[np.float64], lowest_up: float) -> None:
+def find_round_facets(table: FacetTable, primitives: NDArray[np.float64], lowest_up: float) -> None:
     """Fill `table` with the support facets of any primitives.
 
     Parameters
     ----------
     table : FacetTable
         Overwritten.
-    shapes : (n, 8) float64
+    primitives : (n, 8) float64
         Rows of `primitive.pack`, relative to the com.
     lowest_up : float
         Only facets whose normal's z is below this are wanted (more may be found).
     """
-    n = shapes.shape[0]
+    n = primitives.shape[0]
     table.tally[0] = table.tally[1] = 0
     table.span[0, FIRST] = 0
-    size = robot_size(shapes)
+    size = robot_size(primitives)
     owner = np.empty((0, 0), np.int64)
     spread = np.empty((n, n))
     heights = np.empty(n)
     for i in range(n):
         for j in range(n):
-            spread[i, j] = _furthest_apart(shapes, i, j)
+            spread[i, j] = _furthest_apart(primitives, i, j)
     # Depth first: each level leaves three cells behind.
     stack = np.empty((3 * DEEPEST + 1, 4))
     sets = np.empty(3 * DEEPEST + 1, np.int64)
@@ -223,7 +223,7 @@ def find_round_facets(table: FacetTable, shapes: NDArray[np.float64], lowest_up:
             radius = half * math.sqrt(2.0)
             if normal[2] - radius > lowest_up:
                 continue
-            among = _candidates(shapes, spread, heights, normal, radius, sets[waiting])
+            among = _candidates(primitives, spread, heights, normal, radius, sets[waiting])
             members = 0
             for i in range(n):
                 members += among >> i & 1
@@ -231,7 +231,7 @@ def find_round_facets(table: FacetTable, shapes: NDArray[np.float64], lowest_up:
                 continue
             if depth == DEEPEST or (members == 3 and depth >= FIRST_TRIED):
                 # Newton may leave the cell for another facet: then this one is not done.
-                nearest = _try_triples(table, shapes, owner, normal, among, radius, size)
+                nearest = _try_triples(table, primitives, owner, normal, among, radius, size)
                 if depth == DEEPEST or nearest <= radius:
                     continue
             for quarter in range(4):
@@ -277,10 +277,10 @@ def _join(count: Ints, facet: Floats, span: Ints, corner: Floats, link: Ints) ->
 
 
 @njit()
-def find_facets(table: FacetTable, shapes: NDArray[np.float64], lowest_up: float) -> None:
+def find_facets(table: FacetTable, primitives: NDArray[np.float64], lowest_up: float) -> None:
     """Fill `table` with the support facets of one posture, see the two searches."""
-    for i in range(shapes.shape[0]):
-        if shapes[i, KIND] != POINT:
-            find_round_facets(table, shapes, lowest_up)
+    for i in range(primitives.shape[0]):
+        if primitives[i, KIND] != POINT:
+            find_round_facets(table, primitives, lowest_up)
             return
-    find_point_facets(table, shapes, lowest_up)
+    find_point_facets(table, primitives, lowest_up)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.channels.plain import measure_postures
-from lutgen.recipe.kinematics import forward, shapes
+from lutgen.recipe.kinematics import forward, radii_and_kinds
 from lutgen.recipe.recipe import Recipe
 
 Floats = NDArray[np.float64]
@@ -116,7 +116,7 @@ def on_solids(solids: tuple[Solid, ...], mass: float = 10.0) -> Posture:
 def recipe_postures(recipe: Recipe, params: Floats) -> list[Posture]:
     """Return the postures of a recipe's robot at params (m, k), with its true mass."""
     found = forward(recipe, params)
-    radius, kind = shapes(recipe)
+    radius, kind = radii_and_kinds(recipe)
     metre = METRES[recipe.length_unit]
     mass = sum(link.mass for link in recipe.links) or 10.0
     return [

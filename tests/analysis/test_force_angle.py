@@ -41,7 +41,7 @@ def polygon(x: float, y: float, z: float = 1.0) -> lutgen.recipe.recipe.Recipe:
 @pytest.mark.parametrize("x", COMS)
 def test_every_axis_of_the_reference_polygon_has_the_published_values(x: float) -> None:
     found = diagnose(polygon(x, 0.7), [], (0, 0, -1))
-    by_names = {frozenset(axis.names): axis for axis in found.axes_}
+    by_names = {frozenset(axis.names): axis for axis in found.tip_over_axes}
     axes = [by_names[frozenset(names)] for names in EDGES]
     margin, energy, measure = COMS[x]
     # Nine digits are printed.

@@ -12,7 +12,7 @@ from lutgen.analysis.ground import gravity_transform
 from lutgen.analysis.sliding import slide_limits
 from lutgen.analysis.tilt import level_frames, level_limits, tilt_limits, tilted, worst_heading
 from lutgen.analysis.tilt_table import FOUR, even_headings, posture_limits, sweep_limits
-from lutgen.channels.each import evaluate_pairs
+from lutgen.channels.each import evaluate_each
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import Recipe, parse_recipe
 from tests.fixtures.recipes import feet, rigid, rover, tripod
@@ -160,7 +160,7 @@ def test_the_ground_is_tilted_from_where_the_posture_stands_on_it(maps_folder: P
     limit = tilt_limits(one, posture, [heading], "plane")[0]
     for tilt, stands in ((limit - 1e-9, True), (limit + 1e-9, False)):
         down = (frame @ tilted(tilt, heading))[None]
-        angle = evaluate_pairs(one, posture[None], down, ("tip_angle",))["tip_angle"][0]
+        angle = evaluate_each(one, posture[None], down, ("tip_angle",))["tip_angle"][0]
         assert (angle >= 0.0) is np.bool_(stands)
     # Its nose is 8 deg up on level ground, so the ground may fall by that much more than the body.
     both = [tilt_limits(one, posture, [0.0], which)[0] for which in CONVENTIONS]

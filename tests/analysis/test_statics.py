@@ -184,9 +184,9 @@ def test_the_least_stable_axis_of_a_table_is_on_the_side_that_it_leans_to(
     contacts = "".join(contact(name, TABLE[i]) for name, i in CORNERS.items())
     found = diagnose(lutgen.parse_recipe(rigid(contacts)), [], towards(x, y, tilt))
     assert found.least_stable is not None
-    least = found.axes_[found.least_stable]
+    least = found.tip_over_axes[found.least_stable]
     assert set(least.names) == axis
-    assert {found.axes_.index(a) for a in found.axes_} == {0, 1, 2, 3}
+    assert {found.tip_over_axes.index(a) for a in found.tip_over_axes} == {0, 1, 2, 3}
     limit = math.atan(2.0 if x else 1.0)
     assert least.tip_angle == pytest.approx(limit - math.radians(tilt), abs=1e-12)
     assert least.tip_angle == pytest.approx(found.channels["tip_angle"], abs=1e-12)
@@ -194,7 +194,7 @@ def test_the_least_stable_axis_of_a_table_is_on_the_side_that_it_leans_to(
 
 def test_axes_carry_their_own_margins_and_energies() -> None:
     found = diagnose(stool(TABLE), [], (0, 0, -1))
-    by_length = {round(float(np.linalg.norm(a.stop - a.start))): a for a in found.axes_}
+    by_length = {round(float(np.linalg.norm(a.stop - a.start))): a for a in found.tip_over_axes}
     assert set(by_length) == {2, 4}
     assert by_length[2].margin == pytest.approx(2.0, abs=1e-12)
     assert by_length[4].margin == pytest.approx(1.0, abs=1e-12)

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 import lutgen
 from lutgen.analysis.ground import gravity_transform, roll_pitch, tangent_plane
-from lutgen.channels.each import evaluate_pairs
+from lutgen.channels.each import evaluate_each
 from lutgen.channels.settle import body_gravity
 from lutgen.errors import InputError
 from tests.fixtures.recipes import feet, rigid, tripod
@@ -86,7 +86,7 @@ def test_on_level_ground_gravity_is_the_outward_normal_of_the_support_facet() ->
     assert down == pytest.approx(outward, abs=1e-13)  # a cross product of lengths of about 20
     # All |P_i| are equal, so the com is above the circumcentre, whose distance from each is
     # the same: |SD_g| is the distance of circumcentre and centroid.
-    sdg = evaluate_pairs(recipe, params, down, ("sdg",))["sdg"]
+    sdg = evaluate_each(recipe, params, down, ("sdg",))["sdg"]
     centre = (outward * contacts[:, 0]).sum(axis=1, keepdims=True) * outward
     assert sdg == pytest.approx(np.linalg.norm(contacts.mean(axis=1) - centre, axis=1), abs=1e-12)
 
@@ -130,7 +130,7 @@ def test_robots_with_several_facets_settle_as_a_slow_hull_says() -> None:
         recipe = lutgen.parse_recipe(rigid(feet(points.tolist())))
         down = body_gravity(recipe, np.empty((1, 0)), gravity, "plane")
         assert down[0] == pytest.approx(settled(points, gravity), abs=1e-11)
-        tipping = evaluate_pairs(recipe, np.empty((1, 0)), down)["tip_angle"][0] < 0.0
+        tipping = evaluate_each(recipe, np.empty((1, 0)), down)["tip_angle"][0] < 0.0
         tips, stands = tips + int(tipping), stands + int(not tipping)
     assert tips > 5
     assert stands > 40

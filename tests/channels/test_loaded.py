@@ -14,7 +14,7 @@ from lutgen.analysis.diagnosis import diagnose
 from lutgen.analysis.force_angle import force_angle
 from lutgen.analysis.metrics import compare_metrics
 from lutgen.analysis.sliding import slides_first, slopes
-from lutgen.channels.each import evaluate_pairs
+from lutgen.channels.each import evaluate_each
 from lutgen.channels.plain import CHANNELS
 from lutgen.channels.scanner import Scanner
 from lutgen.channels.settle import body_gravity
@@ -128,7 +128,7 @@ def test_a_drawbar_tips_a_box_where_the_lever_rule_says() -> None:
     size = math.hypot(half, high)
     tilt = math.acos(force * height / WEIGHT / size) - math.atan2(high, half)
     found = diagnose(box, [], LEVEL)
-    rear = next(axis for axis in found.axes_ if set(axis.names) == {"P2", "P3"})
+    rear = next(axis for axis in found.tip_over_axes if set(axis.names) == {"P2", "P3"})
     assert rear.tip_angle == pytest.approx(tilt, abs=1e-12)
     assert found.channels["tip_angle"] == pytest.approx(tilt, abs=1e-12)
     just = [[-math.sin(tilt + d), 0, -math.cos(tilt + d)] for d in (-1e-9, 1e-9)]
@@ -426,12 +426,12 @@ def test_pairs_sweeps_and_diagnoses_read_what_evaluate_reads() -> None:
             mapped = out[CHANNELS.index(name)]
             assert (mapped == want.ravel().astype(np.float32)).sum() == np.isfinite(want).sum()
     for i, j in ((0, 3), (5, 24), (11, 40)):
-        pair = evaluate_pairs(recipe, params[[i]], g[[j]], names)
+        pair = evaluate_each(recipe, params[[i]], g[[j]], names)
         found = diagnose(recipe, params[i], g[j])
         for name in names:
             assert pair[name][0] == pytest.approx(got[name][i, j], abs=0, nan_ok=True)
             assert found.channels[name] == pytest.approx(got[name][i, j], abs=0, nan_ok=True)
-        assert min(axis.tip_angle for axis in found.axes_) == pytest.approx(
+        assert min(axis.tip_angle for axis in found.tip_over_axes) == pytest.approx(
             found.channels["tip_angle"]
         )
 

@@ -1,12 +1,12 @@
-"""Each posture under its own gravity: `evaluate_pairs` is the diagonal of `evaluate`."""
+"""Each posture under its own gravity: `evaluate_each` is the diagonal of `evaluate`."""
 
 import numpy as np
 import pytest
 
 import lutgen
-from lutgen.channels.each import ALONG, ASIDE, HEIGHT_BEYOND, evaluate_pairs, measure_each
+from lutgen.channels.each import ALONG, ASIDE, HEIGHT_BEYOND, evaluate_each, measure_each
 from lutgen.errors import InputError
-from lutgen.recipe.kinematics import forward, shapes
+from lutgen.recipe.kinematics import forward, radii_and_kinds
 from lutgen.support.primitive import pack
 from lutgen.support.region import limits
 from tests.fixtures.recipes import ALL_CHANNELS, rover, tripod
@@ -20,7 +20,7 @@ def test_pairs_are_the_diagonal_of_all_postures_under_all_directions(text: str) 
     high = np.array([p.maximum for p in recipe.parameters])
     params = random.uniform(low, high, (60, len(low)))
     down = random.normal(0.0, 0.7, (60, 3)) - [0.0, 0.0, 1.0]
-    pairs = evaluate_pairs(recipe, params, down, ALL_CHANNELS)
+    pairs = evaluate_each(recipe, params, down, ALL_CHANNELS)
     crossed = lutgen.evaluate(recipe, params, down, ALL_CHANNELS)
     # A guard that never sees the robot tip, or stand, sees half.
     assert 10 < (pairs["tip_angle"] < 0.0).sum() < 50
@@ -34,28 +34,28 @@ def test_each_posture_may_have_several_directions_of_its_own() -> None:
     random = np.random.default_rng(2)
     params = random.uniform([0.0, -0.5], [0.6, 0.8], (5, 2))
     down = random.normal(0.0, 0.7, (5, 7, 3)) - [0.0, 0.0, 1.0]
-    together = evaluate_pairs(recipe, params, down, ALL_CHANNELS)
+    together = evaluate_each(recipe, params, down, ALL_CHANNELS)
     for d in range(7):
-        one = evaluate_pairs(recipe, params, down[:, d], ALL_CHANNELS)
+        one = evaluate_each(recipe, params, down[:, d], ALL_CHANNELS)
         for name in ALL_CHANNELS:
             np.testing.assert_array_equal(together[name][:, d], one[name], err_msg=name)
     for shape in ((5, 7, 2), (4, 7, 3), (5, 1, 7, 3), (3,)):
         with pytest.raises(InputError, match="one row x, y, z for each of 5 postures"):
-            evaluate_pairs(recipe, params, np.ones(shape))
+            evaluate_each(recipe, params, np.ones(shape))
 
 
 def test_the_length_of_gravity_does_not_matter() -> None:
     recipe = lutgen.parse_recipe(tripod())
     params, down = [[0.2, 0.1], [0.3, -0.2]], np.array([[0.0, 0.5, -1.0], [0.1, 0.0, -1.0]])
-    one = evaluate_pairs(recipe, params, down, ("sdg",))["sdg"]
+    one = evaluate_each(recipe, params, down, ("sdg",))["sdg"]
     # 4 is a power of two: the unit vectors are the same to the last bit.
-    np.testing.assert_array_equal(evaluate_pairs(recipe, params, 4.0 * down, ("sdg",))["sdg"], one)
+    np.testing.assert_array_equal(evaluate_each(recipe, params, 4.0 * down, ("sdg",))["sdg"], one)
 
 
 def test_the_stability_factor_goes_on_beyond_the_standing_region_on_the_same_plane() -> None:
     recipe = lutgen.parse_recipe(tripod())
     posture = forward(recipe, [[0.3, 0.1]])
-    radius, kind = shapes(recipe)
+    radius, kind = radii_and_kinds(recipe)
     tilts = np.radians(np.linspace(0.0, 70.0, 141))
     down = np.stack([-np.sin(tilts), 0.0 * tilts, -np.cos(tilts)], axis=1)
     packed = pack(posture.centres, posture.axes, radius, kind)
@@ -80,6 +80,6 @@ def test_the_stability_factor_goes_on_beyond_the_standing_region_on_the_same_pla
 def test_directions_that_are_not_one_per_posture_are_refused() -> None:
     recipe = lutgen.parse_recipe(tripod())
     with pytest.raises(InputError, match=r"for each of 2 postures \(got the shape \(1, 3\)\)"):
-        evaluate_pairs(recipe, [[0.2, 0.1], [0.3, 0.1]], [[0, 0, -1]])
+        evaluate_each(recipe, [[0.2, 0.1], [0.3, 0.1]], [[0, 0, -1]])
     with pytest.raises(InputError, match="unknown channel 'sgd'"):
-        evaluate_pairs(recipe, [[0.2, 0.1]], [[0, 0, -1]], ("sgd",))
+        evaluate_each(recipe, [[0.2, 0.1]], [[0, 0, -1]], ("sgd",))

@@ -224,7 +224,7 @@ def test_wheels_make_the_stability_factor_jump_and_three_points_do_not() -> None
 def test_four_feet_in_one_plane_are_one_facet_and_nothing_jumps() -> None:
     table = feet([(1, 1, -1), (1, -1, -1), (-1, -1, -1), (-1, 1, -1)])
     model = Model(lutgen.parse_recipe(rigid(table)))
-    assert not model.single_facet
+    assert not model.is_tripod
     assert not find_jumps(model, 1).found
 
 

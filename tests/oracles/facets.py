@@ -41,10 +41,10 @@ def facets(
         In ascending order of the bit set of touching primitives.  Empty when all contacts are
         collinear or the com is in or outside every facet's plane.
     """
-    shapes = pack(centre, axis, radius, kind)
-    table = facet_table(len(shapes))
-    find_facets(table, shapes, 2.0)
-    tolerance = RELATIVE_TOLERANCE * robot_size(shapes)
+    primitives = pack(centre, axis, radius, kind)
+    table = facet_table(len(primitives))
+    find_facets(table, primitives, 2.0)
+    tolerance = RELATIVE_TOLERANCE * robot_size(primitives)
     found = []
     for f in range(table.tally[0]):
         if table.facet[f, 3] > tolerance:
@@ -54,7 +54,7 @@ def facets(
                 Facet(
                     table.facet[f, :3].copy(),
                     float(table.facet[f, 3]),
-                    tuple(i for i in range(len(shapes)) if mask >> i & 1),
+                    tuple(i for i in range(len(primitives)) if mask >> i & 1),
                     tuple(int(i) for i in table.link[corners, VERTEX]),
                     table.corner[corners].copy(),
                 )

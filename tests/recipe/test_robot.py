@@ -10,7 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from lutgen.errors import InputError
-from lutgen.recipe.kinematics import forward, postures, shapes
+from lutgen.recipe.kinematics import forward, postures, radii_and_kinds
 from lutgen.recipe.recipe import load_recipe, parse_recipe
 
 SWEEP = """
@@ -97,7 +97,7 @@ def test_only_discs_have_an_axis():
     assert not result.axes[0, [0, 2]].any()
     # One rotation of a unit vector.
     assert np.linalg.norm(result.axes[0, 1]) == pytest.approx(1.0, abs=1e-15)
-    radius, kind = shapes(leg())
+    radius, kind = radii_and_kinds(leg())
     assert (radius.tolist(), kind.tolist()) == ([0.0, 0.5, 0.25], [0, 2, 1])
     assert (radius.dtype, kind.dtype) == (np.float64, np.int64)
 

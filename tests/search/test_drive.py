@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lutgen.channels.each import evaluate_pairs
+from lutgen.channels.each import evaluate_each
 from lutgen.channels.settle import body_gravity
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import Recipe, load_recipe, parse_recipe
@@ -110,7 +110,7 @@ def test_a_run_is_the_verdict_of_the_attitudes_that_the_robot_takes(robot: Recip
     down = body_gravity(robot, run.params, taken.gravity, "plane")
     np.testing.assert_array_equal(run.gravity_body, down)
     np.testing.assert_array_equal(run.heading, taken.heading)
-    exact = evaluate_pairs(robot, run.params, down, ["sdg", "height", "tip_angle", "margin"])
+    exact = evaluate_each(robot, run.params, down, ["sdg", "height", "tip_angle", "margin"])
     assert list(run.channels) == list(exact)
     for name, values in exact.items():
         np.testing.assert_array_equal(run.channels[name], values)

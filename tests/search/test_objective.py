@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 
 import lutgen
-from lutgen.channels.each import evaluate_pairs
+from lutgen.channels.each import evaluate_each
 from lutgen.channels.settle import body_gravity
 from lutgen.errors import InputError
 from lutgen.search.objective import TIPS, Objective, parse_objective
@@ -54,7 +54,7 @@ def test_the_cost_is_the_channel_with_its_good_end_down(
     rows = geometries()
     cost = goal.cost(rows)
     down = body_gravity(recipe, rows, TILTED, convention)
-    found = evaluate_pairs(recipe, rows, down, (text, "tip_angle"))
+    found = evaluate_each(recipe, rows, down, (text, "tip_angle"))
     stands = found["tip_angle"] >= 0.0
     assert 20 < stands.sum() < 380
     np.testing.assert_array_equal(cost[stands], sign * found[text][stands])

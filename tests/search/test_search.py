@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 import lutgen
-from lutgen.channels.each import evaluate_pairs
+from lutgen.channels.each import evaluate_each
 from lutgen.channels.settle import body_gravity
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import Recipe
@@ -67,7 +67,7 @@ def measured(recipe: Recipe, degrees: object, convention: str) -> dict[str, Floa
     """Return sdg and height on level ground."""
     params = np.radians(np.array(degrees, dtype=float).reshape(-1, len(recipe.parameters)))
     down = body_gravity(recipe, params, LEVEL, convention)
-    return evaluate_pairs(recipe, params, down, ("sdg", "height"))
+    return evaluate_each(recipe, params, down, ("sdg", "height"))
 
 
 @pytest.mark.parametrize(("convention", "column"), [("plane", 1), ("body", 2)])
