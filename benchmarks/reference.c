@@ -1,3 +1,5 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
 /* |SD_g| of many postures in many directions, written as one would: for every direction the facet
  * whose plane the ray pierces first, its walls, a square root and a division.  The arrays are
  * those of planes.py. */

@@ -1,3 +1,5 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
 /* Frama-C Eva starts at `prove`: every bit pattern as a query, once through the table. */
 #include "@NAME@.h"
 

@@ -1,3 +1,5 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
 /* What is proved by trying everything.  smap.c itself is included, so it is its own functions,
  * compiled with all codecs, that are asked.  Prints one line for each proof: its name, what was
  * tried, and how often it failed. */

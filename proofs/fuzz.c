@@ -1,3 +1,5 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
 /* libFuzzer asks one export; what must hold of every answer is checked here, what must hold of every
  * access by the sanitizers. */
 #define SMAP_INTERNAL

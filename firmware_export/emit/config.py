@@ -9,6 +9,7 @@ from functools import cache
 from importlib.resources import files
 
 from firmware_export.codecs import codec as info
+from firmware_export.emit.text import LICENCE
 from firmware_export.protocol import CBody, Export
 from lutgen.errors import ExportError
 
@@ -173,4 +174,4 @@ def config_text(export: Export, body: CBody) -> str:
         elif name in needed or name == "SMAP_HARDWARE_ROOT":
             setting = str(needed.get(name, value))
             lines += [f"#ifndef {name}", f"#define {name} {setting} /* {comment} */", "#endif"]
-    return "\n".join([*lines, _FLASH, "", "#endif", ""])
+    return LICENCE + "\n".join([*lines, _FLASH, "", "#endif", ""])

@@ -20,7 +20,7 @@ from firmware_export.emit.facts import (
     share,
 )
 from firmware_export.emit.names import macro
-from firmware_export.emit.text import block_comment
+from firmware_export.emit.text import LICENCE, block_comment
 from firmware_export.protocol import CBody, Export, literal
 from lutgen._version import __version__
 
@@ -61,7 +61,7 @@ def header_text(export: Export, body: CBody) -> str:
         "#ifdef __cplusplus\n}\n#endif",
         f"#endif /* {guard} */",
     ]
-    return "\n\n".join(parts) + "\n"
+    return LICENCE + "\n\n".join(parts) + "\n"
 
 
 def _title(export: Export) -> str:

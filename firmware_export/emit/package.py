@@ -36,7 +36,7 @@ def contents(export: Export) -> tuple[dict[str, bytes], dict[str, Any]]:
     jumps = bool((export.certificate or {}).get("jumps"))
     picture = draw_pareto(export.pareto or [], "99th percentile of the" if jumps else "largest")
     names = [f"{name}.h", f"{name}.c", "smap.h", "smap.c", "smap_config.h", "example.c"]
-    names += ["CMakeLists.txt", "library.json", "library.properties"]
+    names += ["CMakeLists.txt", "library.json", "library.properties", "LICENSE"]
     names += [f"{name}{reports.SUFFIX}", f"{name}_report.md"]
     names += [f"{name}_pareto.png"] if picture else []
     content = reports.report(export, body, names)
@@ -50,6 +50,7 @@ def contents(export: Export) -> tuple[dict[str, bytes], dict[str, Any]]:
         "CMakeLists.txt": cmake_lists(export),
         "library.json": library_json(export),
         "library.properties": library_properties(export),
+        "LICENSE": runtime_file("LICENSE"),
         f"{name}{reports.SUFFIX}": reports.json_text(content),
         f"{name}_report.md": page(export, body, content, f"{name}_pareto.png" if picture else None),
     }

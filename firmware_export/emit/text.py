@@ -10,6 +10,7 @@ from collections.abc import Iterable, Sequence
 from firmware_export.protocol import CArray, literal
 
 __all__ = [
+    "LICENCE",
     "WIDTH",
     "aligned",
     "block_comment",
@@ -20,6 +21,8 @@ __all__ = [
     "table",
 ]
 
+# On top of every file of C, as the licence asks.
+LICENCE = "/* SPDX-License-Identifier: MIT\n * Copyright (c) The lutgen authors */\n"
 WIDTH = 100
 _INDENT = "  "
 

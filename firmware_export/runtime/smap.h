@@ -1,3 +1,5 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
 /* smap: reads the stability map of a variable-geometry robot from flash.
  *
  * C99, no heap, no globals, no recursion, every loop bounded; stdint.h and string.h only.

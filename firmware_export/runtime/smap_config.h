@@ -1,3 +1,5 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
 /* smap: what the runtime is built with.  An export brings its own copy with just what it needs. */
 #ifndef SMAP_CONFIG_H
 #define SMAP_CONFIG_H

@@ -1,3 +1,5 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
 /* How a program on a target writes a character and reads a counter that goes up. */
 #ifndef COUNTER_H
 #define COUNTER_H

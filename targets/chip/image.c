@@ -1,3 +1,5 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
 /* The program that runs on a target: asks the map what queries.bin holds, prints a hash of the
  * answers and how long each of the counted ones took.  case.h is written by targets/image.py. */
 #include "case.h"

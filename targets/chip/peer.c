@@ -1,3 +1,5 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
 /* Bilinear reads side by side: CMSIS-DSP's and ours, over one table.  peer.h is written by
  * targets/cmsis.py: the map, its table three times, and the queries. */
 #include "smap.c"

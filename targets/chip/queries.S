@@ -1,3 +1,5 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
 /* The queries as they are in queries.bin: nothing that a compiler could round.
  * And a thousand instructions, to see whether a counter counts them. */
 #ifdef __AVR__

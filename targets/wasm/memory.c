@@ -1,3 +1,5 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
 /* memcpy and memset for WebAssembly without a C library. */
 #include "string.h"
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) The lutgen authors
 // Runs image.elf, a WebAssembly module: writes the queries into its memory, prints what it says.
 import { readFileSync } from "node:fs";
 

@@ -1,3 +1,5 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
 /* What smap.c needs of string.h, for WebAssembly without a C library: see memory.c. */
 #ifndef STRING_H
 #define STRING_H

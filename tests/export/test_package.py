@@ -20,7 +20,7 @@ from tests.fixtures.exports import PARETO, rover_export, tripod_export
 
 NAMES = {
     *("feet.c", "feet.h", "smap.c", "smap.h", "smap_config.h", "example.c"),
-    *("CMakeLists.txt", "library.json", "library.properties"),
+    *("CMakeLists.txt", "library.json", "library.properties", "LICENSE"),
     *("feet_report.json", "feet_report.md", "feet_pareto.png"),
 }
 
@@ -162,7 +162,7 @@ def test_platformio_and_arduino_get_a_name_a_version_and_a_header(
     package.write(export, tmp_path / "out")
     content = json.loads((tmp_path / "out" / "library.json").read_text())
     lines = (tmp_path / "out" / "library.properties").read_text().splitlines()
-    properties = dict(line.split("=", 1) for line in lines)
+    properties = dict(line.split("=", 1) for line in lines if not line.startswith("#"))
     assert content["name"] == properties["name"] == "smap_feet"
     assert content["version"] == properties["version"]
     assert len(content["version"].split(".")) == 3

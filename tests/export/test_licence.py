@@ -1,0 +1,51 @@
+"""The licence: in every file of C, and whole in every export."""
+
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from firmware_export.emit import package
+from tests.fixtures.exports import tripod_export
+
+ROOT = Path(__file__).resolve().parents[2]
+LINES = ["SPDX-License-Identifier: MIT", "Copyright (c) The lutgen authors"]
+SOURCES = sorted(
+    path
+    for room in ("benchmarks", "firmware_export", "proofs", "targets")
+    for path in (ROOT / room).rglob("*")
+    if path.suffix in (".c", ".h", ".S", ".mjs")
+)
+
+
+def on_top(text: str) -> list[str]:
+    """Return the first two lines of a file without the marks of a comment."""
+    return [line.strip("/*# ") for line in text.splitlines()[:2]]
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=lambda path: str(path.relative_to(ROOT)))
+def test_every_file_of_c_says_its_licence(path: Path) -> None:
+    assert on_top(path.read_text(encoding="utf-8")) == LINES
+
+
+def test_the_files_of_c_are_found() -> None:
+    found = {path.name for path in SOURCES}
+    assert {"smap.c", "smap.h", "smap_config.h", "image.c", "fuzz.c", "queries.S"} <= found
+
+
+@pytest.mark.parametrize("arithmetic", ["float", "integer"])
+def test_every_file_of_an_export_says_its_licence_and_the_export_holds_it(
+    tmp_path: Path, arithmetic: str
+) -> None:
+    package.write(tripod_export("feet", codec="grid", arithmetic=arithmetic), tmp_path / "out")
+    texts = {path.name: path for path in (tmp_path / "out").iterdir()}
+    for name in ("feet.c", "feet.h", "smap.c", "smap.h", "smap_config.h", "example.c"):
+        assert on_top(texts[name].read_text(encoding="utf-8")) == LINES, name
+    for name in ("CMakeLists.txt", "library.properties"):
+        assert on_top(texts[name].read_text(encoding="utf-8")) == LINES, name
+    assert texts["LICENSE"].read_bytes() == (ROOT / "LICENSE").read_bytes()
+
+
+def test_the_licence_is_part_of_the_package() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    assert "runtime/LICENSE" in project["tool"]["setuptools"]["package-data"]["firmware_export"]
