@@ -6,6 +6,9 @@
 
 SHELL := /bin/bash
 PYTHON ?= python3
+# Where the environment forbids to keep what Python compiles, the tests' two processes and the
+# programs that they start spend a minute on compiling the same files again.
+export PYTHONDONTWRITEBYTECODE :=
 BIN := .venv/bin
 RECIPES := $(wildcard maps/*.toml)
 NAMES := $(RECIPES:maps/%.toml=%)
@@ -37,7 +40,7 @@ maps: .venv/.installed ## build every map of maps/, its figures and its firmware
 paper: build/paper/gallery.stamp ## reproduce the paper: figures, tables and one page in build/paper
 
 test: .venv/.installed ## run the tests; those that need tools which are not here are skipped
-	$(BIN)/python -m pytest -n 2 --skipped-to build/skipped.txt
+	$(BIN)/python -m pytest -n 2 --dist worksteal -rs --skipped-to build/skipped.txt
 
 check: .venv/.installed ## lint, format, types, spelling
 	$(BIN)/ruff check .
@@ -80,7 +83,7 @@ clean: ## remove build/ and the caches, keep .venv
 	find . -name __pycache__ -not -path './.venv/*' -prune -exec rm -rf {} +
 
 # The stamp is the last thing written, so an interrupted installation starts again.
-.venv/.installed: pyproject.toml
+.venv/.installed: pyproject.toml $(wildcard setup.py) $(wildcard firmware_export/runtime/*.[ch])
 	@echo "installing numpy, numba and others into .venv: a minute or two"
 	@$(VENV)
 	@$(INSTALL) '.[test,dev]'
