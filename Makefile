@@ -48,7 +48,7 @@ check: .venv/.installed ## lint, format, types, spelling
 	$(BIN)/mypy
 	$(BIN)/codespell
 
-physics: .venv/.physics ## compare the verdicts with a physics engine (docs/physics.md)
+physics: .venv/.physics ## compare the verdicts with a physics engine (docs/measured/physics.md)
 	$(BIN)/python -m proofs.physics.agreement
 
 bench: .venv/.installed ## measure speed
@@ -64,7 +64,7 @@ exports: .venv/.installed ## make and certify the exports that docs/design.md li
 size: $(EXPORTS) ## measure flash, RAM and stack on a Cortex-M4 (arm-none-eabi-gcc)
 	$(BIN)/python -m targets.size $(NAMES:%=build/maps/%/firmware)
 
-verify: $(EXPORTS) ## prove the C runtime (a few minutes; docs/c-runtime.md)
+verify: $(EXPORTS) ## prove the C runtime (a few minutes; docs/measured/c-runtime.md)
 	$(BIN)/python -m proofs.run
 
 fuzz: SECONDS ?= 600

@@ -1,1 +1,1 @@
-"""Speed of lutgen, measured: `make bench`, see docs/benchmarks.md."""
+"""Speed of lutgen, measured: `make bench`, see docs/measured/benchmarks.md."""

@@ -1,7 +1,7 @@
 """Static analysers over the whole runtime: what they find must be known and explained.
 
-Known findings are the tables of docs/c-runtime.md.  A finding that is not there fails, and so does
-another number of them, which `--update` writes into the document.
+Known findings are the tables of docs/measured/c-runtime.md.  A finding that is not there fails, and
+so does another number of them, which `--update` writes into the document.
 """
 
 import re

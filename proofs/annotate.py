@@ -3,7 +3,7 @@
 Annotations are C comments, so the code that is proved is the code that is exported.  ``split``,
 ``merge`` and ``loop unroll`` only tell the analyser which states to keep apart.  ``assert`` is
 proved by the analyser itself.  ``admit`` is taken as true: each has its own proof, which
-docs/c-runtime.md lists beside it.
+docs/measured/c-runtime.md lists beside it.
 """
 
 import re

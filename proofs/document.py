@@ -1,4 +1,4 @@
-"""The tables of docs/c-runtime.md that a run is compared with."""
+"""The tables of docs/measured/c-runtime.md that a run is compared with."""
 
 import re
 from pathlib import Path
@@ -7,7 +7,7 @@ from lutgen.errors import InputError
 
 __all__ = ["DOCUMENT", "cells", "findings", "listed_loops", "with_counts"]
 
-DOCUMENT = Path(__file__).resolve().parent.parent / "docs" / "c-runtime.md"
+DOCUMENT = Path(__file__).resolve().parent.parent / "docs" / "measured" / "c-runtime.md"
 
 
 def cells(text: str, heading: str) -> list[list[str]]:
@@ -22,7 +22,8 @@ def cells(text: str, heading: str) -> list[list[str]]:
     rows = re.findall(r"^\|(.*)\|$", part[1], re.M) if part else []
     if len(rows) < 3:
         raise InputError(
-            f"docs/c-runtime.md: has no table of that name (got {heading!r}); write it again."
+            f"docs/measured/c-runtime.md: has no table of that name (got {heading!r}); "
+            "write it again."
         )
     return [[cell.strip().strip("`") for cell in re.split(r"(?<!\\)\|", row)] for row in rows[2:]]
 

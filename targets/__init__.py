@@ -1,1 +1,1 @@
-"""The exported C on emulated microcontrollers: built, run, compared, counted (docs/targets.md)."""
+"""The exported C on emulated microcontrollers: built, run, counted (docs/measured/targets.md)."""

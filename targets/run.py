@@ -2,7 +2,7 @@
 
 python -m targets.run [--only m4f,m3] [--export NAME] [--update] [--strict] [--json FILE]
 
-What each row and column is, and what the numbers mean: docs/targets.md.
+What each row and column is, and what the numbers mean: docs/measured/targets.md.
 """
 
 import argparse

@@ -3,7 +3,7 @@
 Owns the channels of loaded robots in float64; without a load `channels` is faster and has the same
 meaning.  Verdict and `tip_angle` are exact under forces alone or an uncertain com alone, but for
 forces with a moment on a region that is not convex; with both they are bounds from below, see
-docs/conventions.md.
+docs/reference/conventions.md.
 """
 
 import math

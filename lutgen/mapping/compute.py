@@ -68,7 +68,7 @@ def expected_seconds(recipe: Recipe) -> float:
 
     Postures are not equally dear: with the flippers up a robot has more facets than with them
     level.  One thread is timed, because two wait for each other on a busy machine, and the time
-    divided by the threads.  The writing of the file comes on top, see docs/scaling.md.
+    divided by the threads.  The writing of the file comes on top, see docs/measured/scaling.md.
     """
     threads: int = numba.get_num_threads()
     numba.set_num_threads(1)

@@ -1,8 +1,8 @@
 """The map file: HDF5 that xarray, MATLAB and h5dump read without us.
 
-Owns the layout of format version 1 (docs/format.md) and the checks on reading.  Every chunk has
-its place when the file is laid out and is written there with its checksum, so any number of
-threads or processes can fill one file and HDF5 has nothing to do meanwhile.
+Owns the layout of format version 1 (docs/reference/format.md) and the checks on reading.  Every
+chunk has its place when the file is laid out and is written there with its checksum, so any number
+of threads or processes can fill one file and HDF5 has nothing to do meanwhile.
 """
 
 import io

@@ -1,7 +1,8 @@
 """The digest that a finished map file carries, and the check of its head before HDF5 reads it.
 
-Owns the text of the attribute `digest` (docs/format.md): SHA-256 of the file's head, which is all
-that is not values, and of the checksums of its chunks.  Damage anywhere shows in one of the two.
+Owns the text of the attribute `digest` (docs/reference/format.md): SHA-256 of the file's head,
+which is all that is not values, and of the checksums of its chunks.  Damage anywhere shows in one
+of the two.
 HDF5 can crash on damaged metadata, so the head is compared before HDF5 sees it.
 """
 

@@ -1,5 +1,5 @@
 """Whether robots tip in a physics engine (MuJoCo) when lutgen says that they do.
 
 The engine knows nothing of facets, gaps and tip-over axes: a body is put on a slope, let go and
-watched.  `docs/physics.md` says what is compared and what came out.
+watched.  `docs/measured/physics.md` says what is compared and what came out.
 """

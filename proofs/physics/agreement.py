@@ -2,8 +2,8 @@
 
 python -m proofs.physics.agreement [--cases N] [--processes N] [--update]
 
-`--update` writes what was measured to docs/physics.json and its tables into docs/physics.md.
-Exits with 1 where a target is missed.
+`--update` writes what was measured to docs/measured/physics.json and its tables into physics.md
+beside it.  Exits with 1 where a target is missed.
 """
 
 import argparse
@@ -25,7 +25,8 @@ from proofs.physics.real import real_cases
 from proofs.physics.release import DOWN, release
 
 ROOT = Path(__file__).resolve().parent.parent.parent
-PAGE, STORED = ROOT / "docs" / "physics.md", ROOT / "docs" / "physics.json"
+MEASURED = ROOT / "docs" / "measured"
+PAGE, STORED = MEASURED / "physics.md", MEASURED / "physics.json"
 # Verdicts nearer to the limit than this (deg) are beyond the engine's own accuracy.
 CLEAR = 0.1
 # Targets: share of all verdicts that agree; shares that wrong predictions must stay below.
@@ -166,7 +167,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--cases", type=int, default=0, help="of each kind (default: all)")
     parser.add_argument("--processes", type=int, default=2)
-    parser.add_argument("--update", action="store_true", help="write docs/physics.md and .json")
+    parser.add_argument(
+        "--update", action="store_true", help=f"write {PAGE.name} and {STORED.name}"
+    )
     options = parser.parse_args()
     began = time.monotonic()
     jobs = [

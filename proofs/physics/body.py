@@ -20,7 +20,7 @@ METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "1": 1.0}
 # A point is a ball, and the rim of a disc a cylinder, of this radius and half width: far below the
 # engine's own penetration of about 1e-5 m.
 TINY = 1e-6
-# The settings of the engine: facts on why are in docs/physics.md.
+# The settings of the engine: facts on why are in docs/measured/physics.md.
 OPTION = (
     'timestep="0.001" integrator="implicitfast" solver="Newton" iterations="100" '
     'tolerance="1e-12" cone="elliptic" impratio="100"'

@@ -205,10 +205,10 @@ def test_everything_on_the_page_runs_and_prints_what_it_says(
 ) -> None:
     (tmp_path / "maps").symlink_to(maps_folder)
     monkeypatch.chdir(tmp_path)
-    (recipe,) = blocks("docs/metrics.md", "toml")
+    (recipe,) = blocks("docs/guide/metrics.md", "toml")
     Path("trolley.toml").write_text(recipe)
-    commands = blocks("docs/metrics.md", "sh")
-    shown = blocks("docs/metrics.md", "text")
+    commands = blocks("docs/guide/metrics.md", "sh")
+    shown = blocks("docs/guide/metrics.md", "text")
     printed = []
     for command in commands:
         program, *arguments = command.replace("\\\n", " ").split()

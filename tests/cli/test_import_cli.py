@@ -266,9 +266,9 @@ def test_real_robots_are_imported_without_options(
 
 
 def test_the_page_on_robot_descriptions_shows_what_its_commands_print(folder: Path) -> None:
-    (named,) = blocks("docs/urdf.md", "toml")
+    (named,) = blocks("docs/guide/urdf.md", "toml")
     Path("named.toml").write_text(named, encoding="utf-8")
-    commands, shown = blocks("docs/urdf.md", "sh"), blocks("docs/urdf.md", "text")
+    commands, shown = blocks("docs/guide/urdf.md", "sh"), blocks("docs/guide/urdf.md", "text")
     assert len(commands) == len(shown) > 1
     for command, text in zip(commands, shown, strict=True):
         program, *arguments = command.replace("\\\n", " ").split()

@@ -205,7 +205,7 @@ def test_everything_on_the_page_runs_and_prints_what_it_says(
 ) -> None:
     (tmp_path / "maps").symlink_to(maps_folder)
     monkeypatch.chdir(tmp_path)
-    commands, shown = blocks("docs/limits.md", "sh"), blocks("docs/limits.md", "text")
+    commands, shown = blocks("docs/guide/limits.md", "sh"), blocks("docs/guide/limits.md", "text")
     assert len(commands) == len(shown) > 0
     for command, text in zip(commands, shown, strict=True):
         program, name, *arguments = command.split()
@@ -213,10 +213,10 @@ def test_everything_on_the_page_runs_and_prints_what_it_says(
         assert good(*arguments) == text
     for picture in ("limits.png", "feet.png"):
         assert Path(picture).read_bytes().startswith(b"\x89PNG")
-    (code,) = blocks("docs/limits.md", "python")
+    (code,) = blocks("docs/guide/limits.md", "python")
     printed: list[str] = []
     exec(
-        compile(code, "docs/limits.md", "exec"),
+        compile(code, "docs/guide/limits.md", "exec"),
         {"print": lambda *a: printed.append(" ".join(map(str, a)))},
     )
     assert printed == re.findall(r"^print\(.*\)  # (.*)$", code, re.MULTILINE)

@@ -119,9 +119,9 @@ def test_everything_on_the_page_runs_and_prints_what_it_says(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    (recipe,) = blocks("docs/load.md", "toml")
+    (recipe,) = blocks("docs/guide/load.md", "toml")
     Path("tractor.toml").write_text(recipe)
-    commands, shown = blocks("docs/load.md", "sh"), blocks("docs/load.md", "text")
+    commands, shown = blocks("docs/guide/load.md", "sh"), blocks("docs/guide/load.md", "text")
     assert len(commands) == len(shown) == 2
     for command, text in zip(commands, shown, strict=True):
         program, *arguments = command.split()

@@ -202,8 +202,8 @@ def test_code_in_a_recipe_is_refused_unless_allowed(tmp_path: Path) -> None:
 
 
 def blocks(language: str) -> list[str]:
-    """Return the fenced code of docs/search.md."""
-    text = (ROOT / "docs" / "search.md").read_text(encoding="utf-8")
+    """Return the fenced code of docs/guide/search.md."""
+    text = (ROOT / "docs" / "guide" / "search.md").read_text(encoding="utf-8")
     return re.findall(rf"^```{language}\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
 
 
@@ -225,12 +225,12 @@ def test_the_python_of_the_document_prints_what_its_comments_say(
     assert len(said) == code.count("print(") > 3
     printed = io.StringIO()
     with contextlib.redirect_stdout(printed):
-        exec(compile(code, "docs/search.md", "exec"), {})
+        exec(compile(code, "docs/guide/search.md", "exec"), {})
     assert printed.getvalue().splitlines() == said
 
 
 def test_the_document_says_how_far_the_conventions_differ() -> None:
-    text = (ROOT / "docs" / "search.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "guide" / "search.md").read_text(encoding="utf-8")
     said = re.search(r"at\s+10 deg it is ([\d.]+) under `body` and ([\d.]+) under `plane`", text)
     assert said is not None
     recipe = lutgen.load_recipe(TWO)

@@ -280,9 +280,9 @@ def test_everything_on_the_page_runs_and_prints_what_it_says(
 ) -> None:
     (tmp_path / "maps").symlink_to(maps_folder)
     monkeypatch.chdir(tmp_path)
-    (hill,) = blocks("docs/path.md", "csv")
+    (hill,) = blocks("docs/guide/path.md", "csv")
     Path("hill.csv").write_text(hill)
-    commands, shown = blocks("docs/path.md", "sh"), blocks("docs/path.md", "text")
+    commands, shown = blocks("docs/guide/path.md", "sh"), blocks("docs/guide/path.md", "text")
     assert len(commands) == len(shown) > 0
     for command, text in zip(commands, shown, strict=True):
         program, name, *arguments = command.replace("\\\n", " ").split()
@@ -291,10 +291,10 @@ def test_everything_on_the_page_runs_and_prints_what_it_says(
     assert Path("drive.csv").stat().st_size > 0
     assert Path("drive.png").read_bytes().startswith(b"\x89PNG")
     assert Path("hill.gif").read_bytes().startswith(b"GIF89a")
-    (code,) = blocks("docs/path.md", "python")
+    (code,) = blocks("docs/guide/path.md", "python")
     printed: list[str] = []
     exec(
-        compile(code, "docs/path.md", "exec"),
+        compile(code, "docs/guide/path.md", "exec"),
         {"print": lambda *a: printed.append(" ".join(map(str, a)))},
     )
     assert printed == re.findall(r"^print\(.*\)  # (.*)$", code, re.MULTILINE)

@@ -170,16 +170,16 @@ def test_everything_in_the_guide_to_wheels_runs_and_prints_what_it_shows(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    (recipe,) = blocks("docs/wheels.md", "toml")
+    (recipe,) = blocks("docs/guide/wheels.md", "toml")
     Path("buggy.toml").write_text(recipe)
-    commands, shown = blocks("docs/wheels.md", "sh"), blocks("docs/wheels.md", "text")
+    commands, shown = blocks("docs/guide/wheels.md", "sh"), blocks("docs/guide/wheels.md", "text")
     assert len(commands) == len(shown) == 2
     for command, text, code in zip(commands, shown, (0, 1), strict=True):
         program, *arguments = command.split()
         assert program == "lutgen"
         result = run(*arguments)
         assert (result.exit_code, result.stdout) == (code, text)
-    (python,) = blocks("docs/wheels.md", "python")
+    (python,) = blocks("docs/guide/wheels.md", "python")
     said = re.findall(r"^print\(.*\)  # (.*)$", python, re.MULTILINE)
     printed = io.StringIO()
     with contextlib.redirect_stdout(printed):

@@ -271,7 +271,7 @@ def test_a_robot_given_by_code_is_not_sent_to_workers(tmp_path: Path) -> None:
 
 
 def test_the_commands_of_the_page_on_scaling_run(tmp_path: Path) -> None:
-    (shell,) = blocks("docs/scaling.md", "sh")
+    (shell,) = blocks("docs/measured/scaling.md", "sh")
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]

@@ -316,7 +316,7 @@ def test_verify_catches_values_that_were_replaced_with_their_checksum(copy: Path
 
 
 def test_the_digest_is_that_of_its_definition(folder: Path) -> None:
-    # docs/format.md, followed without our code.
+    # docs/reference/format.md, followed without our code.
     content = (folder / "cone.h5").read_bytes()
     with h5py.File(folder / "cone.h5", "r") as file:
         text = str(file.attrs["digest"])
