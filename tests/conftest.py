@@ -68,9 +68,3 @@ def pytest_terminal_summary(
     names = {report.nodeid for report in reports if ROBOTS not in str(report.longrepr)}
     place.parent.mkdir(parents=True, exist_ok=True)
     place.write_text("".join(f"{name}\n" for name in sorted(names)), encoding="utf-8")
-
-
-@pytest.fixture(scope="session")
-def maps_folder() -> Path:
-    """Return the folder with the recipes of the project."""
-    return Path(__file__).resolve().parent.parent / "maps"

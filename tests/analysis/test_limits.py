@@ -1,7 +1,6 @@
 """Tilt limits: hand-worked boxes, brute force over headings, and all postures against loops."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,6 +14,7 @@ from lutgen.analysis.tilt_table import FOUR, even_headings, posture_limits, swee
 from lutgen.channels.each import evaluate_each
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import Recipe, parse_recipe
+from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, rigid, rover, tripod
 
 AHEAD, BEHIND, LEFT, RIGHT, HEIGHT = 0.30, 0.25, 0.20, 0.15, 0.40
@@ -101,7 +101,7 @@ def random_postures() -> list[tuple[str, Recipe, np.ndarray]]:
     """Return robots of points and of discs with postures all over their ranges."""
     random = np.random.default_rng(11)
     robots = [("tripod", parse_recipe(tripod())), ("rover", parse_recipe(rover()))]
-    robots.append(("absolem", lutgen.load_recipe(Path(__file__).parents[2] / "maps/absolem.toml")))
+    robots.append(("absolem", lutgen.load_recipe(MAPS / "absolem.toml")))
     return [
         (
             name,
@@ -149,8 +149,8 @@ def test_many_postures_at_once_have_the_limits_of_each_alone(convention: str) ->
     )
 
 
-def test_the_ground_is_tilted_from_where_the_posture_stands_on_it(maps_folder: Path) -> None:
-    one = lutgen.load_recipe(maps_folder / "paper_one.toml")
+def test_the_ground_is_tilted_from_where_the_posture_stands_on_it() -> None:
+    one = lutgen.load_recipe(MAPS / "paper_one.toml")
     posture = np.array([0.75])
     facet = diagnose(one, posture, [0.0, 0.0, -1.0]).facet
     assert facet is not None

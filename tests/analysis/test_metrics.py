@@ -16,8 +16,9 @@ from lutgen.analysis.tilt import tilted
 from lutgen.errors import InputError
 from lutgen.plot.marks import TIPS
 from lutgen.recipe.recipe import Recipe
-from tests.docs.test_docs import blocks
 from tests.fixtures.commands import run
+from tests.fixtures.documents import blocks
+from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, rigid
 
 # 2 long, 1.2 wide, 1 high, its com a little off the centre.
@@ -201,9 +202,9 @@ def test_the_figure_refuses_what_it_cannot_draw(
 
 
 def test_everything_on_the_page_runs_and_prints_what_it_says(
-    maps_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    (tmp_path / "maps").symlink_to(maps_folder)
+    (tmp_path / "maps").symlink_to(MAPS)
     monkeypatch.chdir(tmp_path)
     (recipe,) = blocks("docs/guide/metrics.md", "toml")
     Path("trolley.toml").write_text(recipe)

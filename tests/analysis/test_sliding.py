@@ -1,7 +1,6 @@
 """Where a robot slides first: hand-worked slopes, warped feet, flippers, and the drawn line."""
 
 import math
-from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
@@ -15,6 +14,7 @@ from lutgen.analysis.sliding import first_tilts, slide_limits, slides_first, slo
 from lutgen.analysis.tilt import tilt_limits, tilted
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import Recipe
+from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, rigid, rover
 
 SQUARE = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)]
@@ -67,8 +67,8 @@ def test_it_is_what_diagnose_says_for_warped_feet_and_wheels_that_lift() -> None
         assert 0.1 < got.mean() < 0.9
 
 
-def test_flippers_that_lift_the_nose_make_it_slide_earlier_backwards(maps_folder: Path) -> None:
-    absolem = lutgen.load_recipe(maps_folder / "absolem.toml")
+def test_flippers_that_lift_the_nose_make_it_slide_earlier_backwards() -> None:
+    absolem = lutgen.load_recipe(MAPS / "absolem.toml")
     level, lifted = np.radians([0.0, 0.0]), np.radians([-60.0, 0.0])
     slope = float(slopes(absolem, [lifted], [[[0.0, 0.0, -1.0]]])[0, 0])
     assert slope > math.radians(10.0)
@@ -150,8 +150,8 @@ def test_sphere_dashes_the_circle_of_friction() -> None:
     assert np.linalg.norm(points, axis=1) == pytest.approx(expected, abs=1e-3)
 
 
-def test_contour_marks_the_postures_that_slide(maps_folder: Path) -> None:
-    text = (maps_folder / "paper_two.toml").read_text(encoding="utf-8")
+def test_contour_marks_the_postures_that_slide() -> None:
+    text = (MAPS / "paper_two.toml").read_text(encoding="utf-8")
     slippery = lutgen.parse_recipe(text.replace("[robot]", "[robot]\nfriction = 0.3", 1))
     ahead = (0.2, 0.0, -1.0)
     figure = plot.draw("contour", slippery, gravity=ahead)

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,6 +15,7 @@ from lutgen.analysis.diagnosis import diagnose
 from lutgen.analysis.wheels import Motion, structure, wheel_speeds
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import Recipe
+from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import contact, feet, rigid, tripod
 
 Floats = NDArray[np.float64]
@@ -138,8 +138,8 @@ def test_four_mecanum_wheels_obey_the_textbook_matrix() -> None:
     assert found.structure.category == "3 DoF, non-steered"
 
 
-def test_the_paper_s_robot_drives_sideways_to_its_legs(maps_folder: Path) -> None:
-    recipe = lutgen.load_recipe(maps_folder / "paper_two.toml")
+def test_the_paper_s_robot_drives_sideways_to_its_legs() -> None:
+    recipe = lutgen.load_recipe(MAPS / "paper_two.toml")
     nominal = math.atan(0.6)
     angles = np.radians([0.0, 120.0, 240.0])
     # Axles point outward: the opposite of the textbook's signs.

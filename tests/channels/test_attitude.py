@@ -1,7 +1,6 @@
 """T_g: how gravity turns in the body, and what an accelerometer says of body and ground."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,10 +13,10 @@ from lutgen.analysis.ground import gravity_transform, roll_pitch, tangent_plane
 from lutgen.channels.each import evaluate_each
 from lutgen.channels.settle import body_gravity
 from lutgen.errors import InputError
+from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, rigid, tripod
 
 Floats = NDArray[np.float64]
-MAPS = Path(__file__).parents[2] / "maps"
 UP = np.array([0.0, 0.0, 1.0])
 # A product of two rotations of unit vectors.
 ROUNDING = 1e-14

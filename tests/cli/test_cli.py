@@ -16,9 +16,9 @@ import pytest
 import lutgen
 from lutgen.mapping.compute import Computer
 from tests.fixtures.commands import data, good, run
+from tests.fixtures.places import MAPS, VECTORS
 from tests.fixtures.recipes import ALL_CHANNELS, feet, rigid, tripod
 
-VECTORS = Path(__file__).parents[1] / "vectors"
 A0 = math.degrees(math.atan(0.6))
 
 
@@ -161,8 +161,8 @@ def paper_rows() -> Iterator[dict[str, str]]:
     yield from csv.DictReader(line for line in lines if not line.startswith("#"))
 
 
-def test_eval_of_the_papers_robot_equals_its_table_in_both_conventions(maps_folder: Path) -> None:
-    recipe = lutgen.load_recipe(maps_folder / "paper_two.toml")
+def test_eval_of_the_papers_robot_equals_its_table_in_both_conventions() -> None:
+    recipe = lutgen.load_recipe(MAPS / "paper_two.toml")
     rows = list(paper_rows())
     assert {row["convention"] for row in rows} == {"P", "F"}
     for row in rows:
@@ -175,7 +175,7 @@ def test_eval_of_the_papers_robot_equals_its_table_in_both_conventions(maps_fold
             up = np.cross(p2 - p1, p3 - p1)
             gravity = ",".join(repr(float(-x)) for x in up)
         point = ("-p", f"alpha={alpha!r}", "-p", f"gamma={gamma!r}", "-g", gravity)
-        report = data("eval", maps_folder / "paper_two.toml", *point)
+        report = data("eval", MAPS / "paper_two.toml", *point)
         # Half of the last printed digit, which for most rows is far below 1e-6.
         assert report["sdg"] == pytest.approx(
             float(row["sdg"]), abs=0.51 * float(row["unit_of_last_digit"])

@@ -13,12 +13,13 @@ import pytest
 
 import lutgen
 from lutgen.chart import gravity_from_up
-from tests.docs.test_docs import blocks
 from tests.fixtures.commands import run
 from tests.fixtures.commands import stdout as good
+from tests.fixtures.documents import blocks
+from tests.fixtures.places import VECTORS
 from tests.fixtures.robots import collision, joint, link, real, robot
 
-ROVER = Path(__file__).parents[1] / "vectors" / "rover.urdf"
+ROVER = VECTORS / "rover.urdf"
 
 
 @pytest.fixture

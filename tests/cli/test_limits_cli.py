@@ -13,8 +13,9 @@ from lutgen.analysis.tilt import tilt_limits
 from lutgen.analysis.tilt_table import posture_limits, sweep_limits
 from lutgen.plot import draw_limits
 from lutgen.recipe.recipe import parse_recipe
-from tests.docs.test_docs import blocks
 from tests.fixtures import commands
+from tests.fixtures.documents import blocks
+from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, rigid, tripod
 
 run = partial(commands.run, "limits")
@@ -201,9 +202,9 @@ def test_a_posture_outside_its_range_is_used_as_it_is(file: Path) -> None:
 
 
 def test_everything_on_the_page_runs_and_prints_what_it_says(
-    maps_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    (tmp_path / "maps").symlink_to(maps_folder)
+    (tmp_path / "maps").symlink_to(MAPS)
     monkeypatch.chdir(tmp_path)
     commands, shown = blocks("docs/guide/limits.md", "sh"), blocks("docs/guide/limits.md", "text")
     assert len(commands) == len(shown) > 0

@@ -14,10 +14,10 @@ import pytest
 import lutgen
 from lutgen.search.objective import Objective
 from tests.fixtures import commands
+from tests.fixtures.places import MAPS, ROOT
 from tests.fixtures.recipes import tripod
 
-ROOT = Path(__file__).resolve().parents[2]
-TWO = str(ROOT / "maps" / "paper_two.toml")
+TWO = str(MAPS / "paper_two.toml")
 A0 = math.degrees(math.atan(0.6))
 
 

@@ -18,8 +18,9 @@ from lutgen.plot.path import RED
 from lutgen.recipe.recipe import Recipe, load_recipe
 from lutgen.search.driving import Drive, drive
 from lutgen.search.terrain import paper_path, turned
-from tests.docs.test_docs import blocks
 from tests.fixtures import commands
+from tests.fixtures.documents import blocks
+from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, rigid, tripod
 
 NOMINAL = 30.963756532073525
@@ -27,9 +28,9 @@ PAPER = ("--turn", 30, "-p", f"alpha={NOMINAL}", "-p", f"gamma={NOMINAL}")
 
 
 @pytest.fixture(scope="module")
-def recipe(maps_folder: Path) -> str:
+def recipe() -> str:
     """Return the path of the paper's recipe."""
-    return str(maps_folder / "paper_two.toml")
+    return str(MAPS / "paper_two.toml")
 
 
 @pytest.fixture(scope="module")
@@ -276,9 +277,9 @@ def test_a_geometry_outside_its_range_is_used_and_said(recipe: str) -> None:
 
 
 def test_everything_on_the_page_runs_and_prints_what_it_says(
-    maps_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    (tmp_path / "maps").symlink_to(maps_folder)
+    (tmp_path / "maps").symlink_to(MAPS)
     monkeypatch.chdir(tmp_path)
     (hill,) = blocks("docs/guide/path.md", "csv")
     Path("hill.csv").write_text(hill)

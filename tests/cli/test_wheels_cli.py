@@ -11,8 +11,9 @@ import pytest
 
 import lutgen
 from lutgen.analysis.wheels import wheel_speeds
-from tests.docs.test_docs import blocks
 from tests.fixtures.commands import data, good, run
+from tests.fixtures.documents import blocks
+from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, rigid
 
 CART = feet([(0.1, 0.25, -0.2), (0.1, -0.25, -0.2), (-0.4, 0.0, -0.2), (0.0, 0.0, -0.1)])
@@ -99,8 +100,8 @@ def test_steering_is_printed_in_degrees_and_negative_velocities_are_read(tmp_pat
     assert "P1         -14.1421           -45" in good("wheels", path, "--velocity", "-1,1").stdout
 
 
-def test_parameters_and_gravity_choose_the_posture_and_its_ground(maps_folder: Path) -> None:
-    recipe = maps_folder / "paper_two.toml"
+def test_parameters_and_gravity_choose_the_posture_and_its_ground() -> None:
+    recipe = MAPS / "paper_two.toml"
     report = data(
         *("wheels", recipe, "-p", "alpha=10", "-p", "gamma=40"),
         *("-g", "0.1,0,-1", "--velocity", "2,1", "--yaw-rate", "-30"),

@@ -16,21 +16,16 @@ from click.testing import CliRunner
 import lutgen
 from firmware_export.emit.size import measured
 from lutgen.cli import main
+from tests.fixtures.documents import blocks
+from tests.fixtures.places import MAPS, ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-
-
-def blocks(name: str, language: str) -> list[str]:
-    """Return the fenced code of one language in a document."""
-    text = (ROOT / name).read_text(encoding="utf-8")
-    return re.findall(rf"^```{language}\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
 
 
 @pytest.fixture
 def clone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Return a folder with the recipes in it, made the working folder."""
-    shutil.copytree(ROOT / "maps", tmp_path / "maps")
+    shutil.copytree(MAPS, tmp_path / "maps")
     monkeypatch.chdir(tmp_path)
     return tmp_path
 

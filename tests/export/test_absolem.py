@@ -10,6 +10,7 @@ import lutgen
 from lutgen.analysis.tilt import tilt_limits, tilted
 from lutgen.recipe.kinematics import forward
 from lutgen.recipe.recipe import Recipe
+from tests.fixtures.places import MAPS
 
 UP = np.radians([[90.0, 90.0]])
 NOSE_DOWN = 0.0
@@ -17,15 +18,15 @@ WHEEL = 0.089
 
 
 @pytest.fixture(scope="module")
-def absolem(maps_folder: Path) -> Recipe:
+def absolem() -> Recipe:
     """Return the robot."""
-    return lutgen.load_recipe(maps_folder / "absolem.toml")
+    return lutgen.load_recipe(MAPS / "absolem.toml")
 
 
 @pytest.fixture(scope="module")
-def small(maps_folder: Path) -> Recipe:
+def small() -> Recipe:
     """Return the same robot with a map of 3 x 3 postures."""
-    text = (maps_folder / "absolem.toml").read_text(encoding="utf-8")
+    text = (MAPS / "absolem.toml").read_text(encoding="utf-8")
     few = text.replace(
         "samples = { front = 37, rear = 37 }",
         "samples = { front = [-30.0, 45.0, 90.0], rear = [-30.0, 45.0, 90.0] }",

@@ -17,9 +17,10 @@ from firmware_export.exporter import Report, export
 from firmware_export.truth.model import Model
 from lutgen.errors import ExportError
 from lutgen.recipe.recipe import Recipe
+from tests.fixtures.places import MAPS
 
 MIB = 1 << 20
-ABSOLEM = Path(__file__).resolve().parents[2] / "maps" / "absolem.toml"
+ABSOLEM = MAPS / "absolem.toml"
 FLIPPERS = ("front_left", "front_right", "rear_left", "rear_right")
 
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from lutgen.jit import cache_folder, njit, prange
+from tests.fixtures.places import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 CALLEE = "from lutgen.jit import njit\n@njit()\ndef inner(x):\n    return x + {}\n"
 CALLER = (
     "from lutgen.jit import njit\n"

@@ -7,9 +7,8 @@ from pathlib import Path
 
 import pytest
 
-import lutgen
+from tests.fixtures.places import ROOT
 
-ROOT = Path(lutgen.__file__).resolve().parents[1]
 # A room sees only rooms before it.  Files of the ground floor are rooms of one file.
 ORDER = {
     "lutgen": "errors _version files jit vector rotation grid chart parts "

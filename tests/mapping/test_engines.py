@@ -23,7 +23,8 @@ from lutgen.mapping.compute import Computer
 from lutgen.mapping.layout import lay_out
 from lutgen.mapping.part import PartFile
 from lutgen.mapping.verification import verify
-from tests.docs.test_docs import ROOT, blocks
+from tests.fixtures.documents import blocks
+from tests.fixtures.places import ROOT
 from tests.fixtures.recipes import rigid, sweep_part, tripod
 
 # 54 postures of 11 x 11 nodes in 27 blocks, two channels.

@@ -24,6 +24,7 @@ from lutgen.mapping.blocks import Block, plan
 from lutgen.mapping.compute import Computer
 from lutgen.mapping.verification import verify
 from lutgen.recipe.recipe import Recipe
+from tests.fixtures.places import ROOT
 from tests.fixtures.recipes import tripod
 
 SOAK = "LUTGEN_SOAK" in os.environ
@@ -442,7 +443,7 @@ def ran(module: str, count: int, tmp_path: Path) -> str:
         [sys.executable, "-m", module, str(count), str(tmp_path)],
         capture_output=True,
         text=True,
-        cwd=Path(__file__).parents[2],
+        cwd=ROOT,
         env={**os.environ, "NUMBA_THREADING_LAYER": "workqueue"},
         timeout=1800 if SOAK else 300,
     )

@@ -16,8 +16,8 @@ from lutgen.paper.robot import NOMINAL, RADIUS, paper_recipe
 from lutgen.paper.simulations import first_simulation, second_simulation, table_one, timed_map
 from lutgen.recipe.kinematics import forward
 from lutgen.recipe.recipe import load_recipe
+from tests.fixtures.places import MAPS
 
-MAPS = Path(__file__).resolve().parents[2] / "maps"
 BOTH = ("plane", "body")
 
 

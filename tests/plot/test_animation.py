@@ -16,6 +16,7 @@ from lutgen.recipe.recipe import Recipe, load_recipe, parse_recipe
 from lutgen.search.driving import Drive, drive
 from lutgen.search.terrain import along, paper_path, turned
 from tests.fixtures import commands
+from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, rigid, rover
 
 NOMINAL = [math.atan(0.6)] * 2
@@ -24,9 +25,9 @@ SIZE = (640, 450)
 
 
 @pytest.fixture(scope="module")
-def two(maps_folder: Path) -> Recipe:
+def two() -> Recipe:
     """Return the paper's robot."""
-    return load_recipe(maps_folder / "paper_two.toml")
+    return load_recipe(MAPS / "paper_two.toml")
 
 
 def by_hand(two: Recipe, points: int, **options: bool) -> Drive:
@@ -118,10 +119,8 @@ def test_wheels_and_robots_without_support_are_drawn(text: str, tmp_path: Path) 
     assert animate(robot, {"still": still}, tmp_path / "film.gif") == 3
 
 
-def test_the_command_writes_the_film_of_the_library(
-    two: Recipe, maps_folder: Path, tmp_path: Path
-) -> None:
-    recipe, film = maps_folder / "paper_two.toml", tmp_path / "film.gif"
+def test_the_command_writes_the_film_of_the_library(two: Recipe, tmp_path: Path) -> None:
+    recipe, film = MAPS / "paper_two.toml", tmp_path / "film.gif"
     angles = [f"{name}={math.degrees(NOMINAL[0])!r}" for name in ("alpha", "gamma")]
     given = ("-p", angles[0], "-p", angles[1], "--turn", 30, "--points", 4)
     result = run(recipe, *given, "--animate", film)
@@ -142,11 +141,11 @@ def test_the_command_writes_the_film_of_the_library(
     ],
 )
 def test_what_cannot_be_written_is_said_in_one_sentence(
-    maps_folder: Path, name: str, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    name: str, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("PATH", str(tmp_path))
-    result = run(maps_folder / "paper_two.toml", "--points", 2, "--animate", name)
+    result = run(MAPS / "paper_two.toml", "--points", 2, "--animate", name)
     assert result.exit_code == 2, result.output
     assert result.stdout == ""
     (line,) = result.stderr.splitlines()

@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 
 import lutgen
+from tests.fixtures.places import MAPS, ROOT
 
 
 @pytest.fixture(scope="module")
 def gallery() -> Iterator[ModuleType]:
     """Return tools/gallery.py as a module."""
-    path = Path(__file__).resolve().parents[2] / "tools" / "gallery.py"
+    path = ROOT / "tools" / "gallery.py"
     spec = importlib.util.spec_from_file_location("gallery", path)
     assert spec is not None
     assert spec.loader is not None
@@ -27,10 +28,10 @@ def gallery() -> Iterator[ModuleType]:
 
 
 @pytest.fixture(scope="module")
-def swept(maps_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+def swept(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     """Return a recipe without an entry in the gallery's table, and its small map."""
     folder = tmp_path_factory.mktemp("swept")
-    text = (maps_folder / "paper_two.toml").read_text(encoding="utf-8")
+    text = (MAPS / "paper_two.toml").read_text(encoding="utf-8")
     text = text.replace("alpha = 50, gamma = 50", "alpha = 6, gamma = 5")
     text = text.replace('"paper_two"', '"newcomer"').replace("nodes = 33", "nodes = 7")
     recipe = folder / "newcomer.toml"
@@ -75,13 +76,12 @@ def test_only_the_lines_between_the_markers_change(gallery: ModuleType) -> None:
 def test_damaged_markers_and_another_recipes_map_are_refused(
     gallery: ModuleType,
     swept: tuple[Path, Path],
-    maps_folder: Path,
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     with pytest.raises(lutgen.InputError, match="markers of x are damaged"):
         gallery.with_block("<!-- end of x -->\n<!-- gallery x -->\n", "x", "new")
-    command = [str(maps_folder / "paper_one.toml"), str(swept[1]), "--output", str(tmp_path)]
+    command = [str(MAPS / "paper_one.toml"), str(swept[1]), "--output", str(tmp_path)]
     assert gallery.main(command) == 1
     assert "another recipe" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
@@ -99,15 +99,15 @@ def test_share_that_tips_weighs_directions_by_their_solid_angle(
 
 
 def test_every_recipe_of_the_project_has_its_own_figures_and_a_place_on_the_page(
-    gallery: ModuleType, maps_folder: Path
+    gallery: ModuleType,
 ) -> None:
-    page = (maps_folder / "README.md").read_text(encoding="utf-8")
-    for path in sorted(maps_folder.glob("*.toml")):
+    page = (MAPS / "README.md").read_text(encoding="utf-8")
+    for path in sorted(MAPS.glob("*.toml")):
         assert path.stem in gallery.SHOTS
         assert f"## {path.stem}\n" in page
         assert f"<!-- gallery {path.stem} -->" in page
         for shot in gallery.SHOTS[path.stem]:
-            picture = maps_folder / path.stem / f"{shot.name}.png"
+            picture = MAPS / path.stem / f"{shot.name}.png"
             assert picture.stat().st_size < 200_000
             assert f'src="{path.stem}/{shot.name}.png"' in page
 
@@ -116,7 +116,7 @@ def test_the_papers_figures_get_their_part_of_the_page(
     gallery: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     # The gallery's module is found by the name under which the fixture registered it.
-    path = Path(__file__).resolve().parents[2] / "tools" / "paper_gallery.py"
+    path = ROOT / "tools" / "paper_gallery.py"
     spec = importlib.util.spec_from_file_location("paper_gallery", path)
     assert spec is not None
     assert spec.loader is not None

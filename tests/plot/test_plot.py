@@ -20,6 +20,7 @@ from lutgen.errors import InputError
 from lutgen.mapping.map import StabilityMap
 from lutgen.plot.view import QUANTITIES
 from lutgen.recipe.recipe import Recipe
+from tests.fixtures.places import MAPS
 
 DOWN = (0.0, 0.0, -1.0)
 # Half of the hatched figures: the paper's robot with its nose up, where some postures tip over.
@@ -56,9 +57,9 @@ channels = ["tip_angle"]
 
 
 @pytest.fixture(scope="module")
-def two(maps_folder: Path) -> Recipe:
+def two() -> Recipe:
     """Return the paper's robot with two parameters."""
-    return lutgen.load_recipe(maps_folder / "paper_two.toml")
+    return lutgen.load_recipe(MAPS / "paper_two.toml")
 
 
 @pytest.fixture(scope="module")
@@ -187,8 +188,8 @@ def test_dots_of_a_curve_are_the_nodes_of_the_map(two_map: StabilityMap) -> None
     assert "map" not in [line.get_label() for line in aside.axes[0].get_lines()]
 
 
-def test_curve_breaks_its_line_where_another_facet_takes_over(maps_folder: Path) -> None:
-    absolem = lutgen.load_recipe(maps_folder / "absolem.toml")
+def test_curve_breaks_its_line_where_another_facet_takes_over() -> None:
+    absolem = lutgen.load_recipe(MAPS / "absolem.toml")
     figure = plot.draw("curve", absolem, params={"rear": 0.0})
     x, y = figure.axes[0].get_lines()[0].get_data()
     # At -10 deg the front flippers leave the ground and |SD_g| falls from 0.21 to 0.03 m.
@@ -327,8 +328,8 @@ def test_polar_chart_of_a_rectangle_has_the_closed_form_limits(table: Recipe) ->
         assert f"{name}: {math.degrees(limit):.1f}\N{DEGREE SIGN}" in text
 
 
-def test_polar_chart_marks_the_worst_heading_of_its_outline(maps_folder: Path) -> None:
-    tripod = lutgen.load_recipe(maps_folder / "three_leg_sphere.toml")
+def test_polar_chart_marks_the_worst_heading_of_its_outline() -> None:
+    tripod = lutgen.load_recipe(MAPS / "three_leg_sphere.toml")
     figure = plot.draw("polar", tripod, params={"spread": 40.0, "lean": 20.0})
     lines = {line.get_label(): line for line in figure.axes[0].get_lines()}
     heading, limit = lines["largest tilt (deg)"].get_data()
@@ -343,8 +344,8 @@ def test_polar_chart_marks_the_worst_heading_of_its_outline(maps_folder: Path) -
     assert worst >= math.degrees(level) - 1e-9
 
 
-def test_tilt_limit_is_the_first_crossing_of_the_boundary(maps_folder: Path) -> None:
-    absolem = lutgen.load_recipe(maps_folder / "absolem.toml")
+def test_tilt_limit_is_the_first_crossing_of_the_boundary() -> None:
+    absolem = lutgen.load_recipe(MAPS / "absolem.toml")
     posture = np.radians([40.0, 40.0])
     headings = np.radians(np.arange(0.0, 360.0, 7.0))
     limits = tilt_limits(absolem, posture, headings)
@@ -374,8 +375,8 @@ def test_tilt_limit_is_zero_for_what_cannot_stand_and_pi_for_what_cannot_fall(
     assert tilt_limits(lutgen.parse_recipe(cube), [], [0.3]).tolist() == [math.pi]
 
 
-def test_robot_is_drawn_to_one_scale_with_its_factor_written(maps_folder: Path) -> None:
-    absolem = lutgen.load_recipe(maps_folder / "absolem.toml")
+def test_robot_is_drawn_to_one_scale_with_its_factor_written() -> None:
+    absolem = lutgen.load_recipe(MAPS / "absolem.toml")
     gravity = (0.2, 0.1, -1.0)
     params = {"front": 30.0, "rear": 20.0}
     figure = plot.draw("robot", absolem, params=params, gravity=gravity)

@@ -471,8 +471,8 @@ def test_links_or_contacts_beside_python_are_refused(tmp_path):
             parse_recipe(text, str(tmp_path / "coded.toml"), allow_python=True)
 
 
-def test_every_recipe_of_the_project_reads_and_is_named_after_its_file(maps_folder):
-    paths = sorted(maps_folder.glob("*.toml"))
+def test_every_recipe_of_the_project_reads_and_is_named_after_its_file(MAPS):
+    paths = sorted(MAPS.glob("*.toml"))
     assert {path.stem for path in paths} >= {
         *("absolem", "paper_one", "paper_two", "three_leg_sphere")
     }

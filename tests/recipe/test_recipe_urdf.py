@@ -17,9 +17,10 @@ from lutgen.recipe.proposal import import_urdf
 from lutgen.recipe.recipe import recipe_digest
 from lutgen.urdf.read import parse_urdf
 from tests.fixtures.maps import unseal
+from tests.fixtures.places import MAPS, VECTORS
 from tests.fixtures.recipes import contact, sweep_part
 
-VECTOR = Path(__file__).parents[1] / "vectors" / "rover.urdf"
+VECTOR = VECTORS / "rover.urdf"
 ROVER = VECTOR.read_text(encoding="utf-8")
 ARMS = '[[robot.parameter]]\nname = "arms"\nmin = -45.0\nmax = 45.0\nunit = "deg"\n'
 LIFT = '[[robot.parameter]]\nname = "mast"\njoint = "lift"\nmin = 0.1\nmax = 0.5\nunit = "m"\n'
@@ -214,7 +215,7 @@ def test_the_digest_covers_the_description(path: Path) -> None:
     assert first.digest != second.digest
     assert first != second
     # Recipes without a description keep theirs.
-    plain = lutgen.load_recipe(Path(__file__).parents[2] / "maps" / "paper_two.toml")
+    plain = lutgen.load_recipe(MAPS / "paper_two.toml")
     assert plain.urdf is None
 
 

@@ -290,22 +290,22 @@ def paper_vector(elevation, azimuth):
     return math.hypot(20.0, 12.0) * np.array(place)
 
 
-def test_the_paper_s_wheels_are_at_their_elevations_below_the_body(maps_folder):
+def test_the_paper_s_wheels_are_at_their_elevations_below_the_body(MAPS):
     nominal = math.atan(0.6)
     alpha, gamma = 0.2, 0.7
     third = 2.0 * math.pi / 3.0
     wheels = [paper_vector(alpha, 0), paper_vector(gamma, third), paper_vector(nominal, 2 * third)]
-    two, com = postures(load_recipe(maps_folder / "paper_two.toml"), [[alpha, gamma]])
+    two, com = postures(load_recipe(MAPS / "paper_two.toml"), [[alpha, gamma]])
     # The recipe's constants have 17 digits; lengths up to 24.
     np.testing.assert_allclose(two[0], wheels, rtol=0, atol=1e-13)
     assert not com.any()
-    one, _ = postures(load_recipe(maps_folder / "paper_one.toml"), [[alpha]])
+    one, _ = postures(load_recipe(MAPS / "paper_one.toml"), [[alpha]])
     wheels[1] = paper_vector(nominal, third)
     np.testing.assert_allclose(one[0], wheels, rtol=0, atol=1e-13)
 
 
-def test_absolem_weighs_29_kg_and_has_its_published_com_with_the_flippers_up(maps_folder):
-    recipe = load_recipe(maps_folder / "absolem.toml")
+def test_absolem_weighs_29_kg_and_has_its_published_com_with_the_flippers_up(MAPS):
+    recipe = load_recipe(MAPS / "absolem.toml")
     # Sum of decimal numbers.
     assert sum(link.mass for link in recipe.links) == pytest.approx(29.360, abs=1e-12)
     up = forward(recipe, [[math.pi / 2, math.pi / 2]])
@@ -313,8 +313,8 @@ def test_absolem_weighs_29_kg_and_has_its_published_com_with_the_flippers_up(map
     np.testing.assert_allclose(up.com, [[-0.0322, -0.0057, 0.0988]], rtol=0, atol=1e-4)
 
 
-def test_absolem_flippers_point_outward_at_zero_and_rise_with_a_positive_angle(maps_folder):
-    recipe = load_recipe(maps_folder / "absolem.toml")
+def test_absolem_flippers_point_outward_at_zero_and_rise_with_a_positive_angle(MAPS):
+    recipe = load_recipe(MAPS / "absolem.toml")
     tips = [i for i, name in enumerate(recipe.contact_names) if name.endswith("_tip")]
     names = [recipe.contact_names[i] for i in tips]
     side = np.array([1.0 if "left" in name else -1.0 for name in names])
@@ -330,14 +330,14 @@ def test_absolem_flippers_point_outward_at_zero_and_rise_with_a_positive_angle(m
         np.testing.assert_allclose(places[row], wanted, rtol=0, atol=1e-15)
 
 
-def test_absolem_discs_keep_their_axes_across_the_robot(maps_folder):
-    result = forward(load_recipe(maps_folder / "absolem.toml"), [[0.7, -2.0]])
+def test_absolem_discs_keep_their_axes_across_the_robot(MAPS):
+    result = forward(load_recipe(MAPS / "absolem.toml"), [[0.7, -2.0]])
     # One or two rotations about y, and a yaw of half a turn.
     np.testing.assert_allclose(np.abs(result.axes[0]), [[0, 1, 0]] * 12, rtol=0, atol=1e-15)
 
 
-def test_the_tripod_s_lean_moves_its_com_and_its_first_foot_sideways(maps_folder):
-    recipe = load_recipe(maps_folder / "three_leg_sphere.toml")
+def test_the_tripod_s_lean_moves_its_com_and_its_first_foot_sideways(MAPS):
+    recipe = load_recipe(MAPS / "three_leg_sphere.toml")
     straight, left = forward(recipe, [[0.8, 0.0], [0.8, 0.5]]).com
     # Straight: the three legs cancel; 0.4 of 3.2 kg swings by 0.125 cos(0.8) sin(0.5).
     assert straight[:2] == pytest.approx([0.0, 0.0], abs=1e-15)
@@ -370,7 +370,7 @@ def test_a_robot_given_by_code_is_shifted_to_its_com(tmp_path):
         forward(recipe, [[9.0]])
 
 
-def test_plain_python_gives_the_same_postures_as_the_compiled_kernel(maps_folder):
+def test_plain_python_gives_the_same_postures_as_the_compiled_kernel(MAPS):
     script = (
         "import sys, numpy as np\n"
         "from lutgen.recipe.recipe import load_recipe\n"
@@ -378,11 +378,11 @@ def test_plain_python_gives_the_same_postures_as_the_compiled_kernel(maps_folder
         "result = forward(load_recipe(sys.argv[1]), [[0.3, -1.2]])\n"
         "print(*np.concatenate([part.ravel() for part in result]).tolist())\n"
     )
-    path = maps_folder / "absolem.toml"
+    path = MAPS / "absolem.toml"
     plain = subprocess.run(
         [sys.executable, "-c", script, str(path)],
         env={**os.environ, "NUMBA_DISABLE_JIT": "1"},
-        cwd=maps_folder.parent,
+        cwd=MAPS.parent,
         capture_output=True,
         text=True,
         check=True,

@@ -1,7 +1,6 @@
 """How far each parameter may be off: the paper's +-delta."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,10 +8,10 @@ from numpy.typing import NDArray
 
 import lutgen
 from lutgen.search.acceptable import STEPS, acceptable_range, half_widths
+from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, rigid
 
 Floats = NDArray[np.float64]
-MAPS = Path(__file__).parents[2] / "maps"
 A0 = math.atan(0.6)
 RADIUS = math.sqrt(20.0**2 + 12.0**2)
 

@@ -26,9 +26,9 @@ LEFT = [*range(8), *range(11, 23), 30, 31]
 
 
 @pytest.fixture(scope="module")
-def robot(maps_folder: Any) -> Recipe:
+def robot(MAPS: Any) -> Recipe:
     """Return the paper's robot with its wheels at 30, 150 and 270 deg."""
-    text = (maps_folder / "paper_two.toml").read_text(encoding="utf-8")
+    text = (MAPS / "paper_two.toml").read_text(encoding="utf-8")
     for old, new in (
         ("rpy = [0, 0, 0]", "rpy = [0, 0, 30]"),
         ("rpy = [0, 0, 120]", "rpy = [0, 0, 150]"),
@@ -66,8 +66,8 @@ def test_with_control_it_tips_over_at_22(robot: Recipe, lag: int) -> None:
     assert run.evaluations == 150 * (100 - lag)
 
 
-def test_the_paper_robot_of_the_maps_does_the_same_turned_by_30_degrees(maps_folder: Any) -> None:
-    two = load_recipe(maps_folder / "paper_two.toml")
+def test_the_paper_robot_of_the_maps_does_the_same_turned_by_30_degrees(MAPS: Any) -> None:
+    two = load_recipe(MAPS / "paper_two.toml")
     path = turned(paper_path(), math.radians(30.0))
     assert at(drive(two, path, control=False, params0=NOMINAL)) == FIXED
     assert at(drive(two, path, params0=NOMINAL)) == LEFT

@@ -2,7 +2,6 @@
 
 import math
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,10 +15,10 @@ from lutgen.recipe.recipe import Recipe
 from lutgen.search.minimise import multistart, nelder_mead, refine
 from lutgen.search.objective import Objective
 from lutgen.search.optima import METHODS
+from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import contact, sweep_part, tripod
 
 Floats = NDArray[np.float64]
-MAPS = Path(__file__).parents[2] / "maps"
 LEVEL = [0.0, 0.0, -1.0]
 A0 = math.atan(0.6)
 HEIGHT = 12.0

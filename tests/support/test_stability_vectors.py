@@ -2,16 +2,14 @@
 
 import csv
 from math import asin, atan, cos, degrees, pi, radians, sin, sqrt, tan
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import lutgen
+from tests.fixtures.places import VECTORS
 from tests.oracles import points as oracle
 from tests.oracles.points import Floats
-
-VECTORS = Path(__file__).parents[1] / "vectors"
 
 RADIUS = sqrt(20.0**2 + 12.0**2)
 A0 = atan(0.6)

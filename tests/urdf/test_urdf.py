@@ -12,6 +12,7 @@ from lutgen.errors import RecipeError
 from lutgen.recipe.proposal import import_urdf
 from lutgen.urdf.motion import read_motion
 from lutgen.urdf.read import Mimic, UrdfRobot, load_urdf, parse_urdf
+from tests.fixtures.places import VECTORS
 from tests.fixtures.robots import collision, joint, link, real, robot
 
 PAIR = link("base", 2.0) + link("arm", 1.0)
@@ -254,7 +255,7 @@ def broken(rng: random.Random, text: str) -> bytes:
 
 
 def test_no_fault_ever_leaves_the_reader_as_anything_but_a_recipe_error() -> None:
-    sound = (Path(__file__).parents[1] / "vectors" / "rover.urdf").read_text(encoding="utf-8")
+    sound = (VECTORS / "rover.urdf").read_text(encoding="utf-8")
     rng = random.Random(1)
     end = time.perf_counter() + 2.0
     read = refused = 0
