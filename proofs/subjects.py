@@ -13,9 +13,9 @@ from firmware_export.protocol.exported import CHANNELS, Export
 from firmware_export.truth.model import Model
 from lutgen.errors import ExportError, InputError
 from lutgen.recipe.recipe import parse_recipe
+from proofs.exports import rover_export, tripod_export
+from proofs.recipes import tripod
 from targets.cases import ROBOTS, of_four_axes
-from tests.fixtures.exports import rover_export, tripod_export
-from tests.fixtures.recipes import tripod
 
 __all__ = ["Subject", "mapped", "read_subject", "small"]
 

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import settings
 
 from tests.fixtures.needs import ROBOTS, lacking
+from tests.fixtures.recipes import tripod
 
 # The first call of a kernel compiles it, so a deadline would fail at random; the examples
 # are the same in every run, so a failure can be repeated.
@@ -68,3 +69,11 @@ def pytest_terminal_summary(
     names = {report.nodeid for report in reports if ROBOTS not in str(report.longrepr)}
     place.parent.mkdir(parents=True, exist_ok=True)
     place.write_text("".join(f"{name}\n" for name in sorted(names)), encoding="utf-8")
+
+
+@pytest.fixture
+def tripod_path(tmp_path: Path) -> Path:
+    """Return the path of a recipe of 4 x 3 postures, in a length and an angle."""
+    path = tmp_path / "tripod.toml"
+    path.write_text(tripod())
+    return path

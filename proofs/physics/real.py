@@ -1,8 +1,8 @@
 """Real robots from their URDF files, where those are; both are other people's files."""
 
 from lutgen.urdf.read import load_urdf
+from proofs.descriptions import FOLDER
 from proofs.physics.cases import Case, any_direction, any_posture
-from tests.fixtures.robots import FOLDER
 
 # Name of the file, and up to which tilt (deg) it is tried.
 ROBOTS = {"absolem": 80.0, "husky": 75.0}

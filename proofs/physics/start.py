@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from proofs.physics.body import DISC, SPHERE, Floats, Posture
-from tests.oracles.facets import Facet, facets
+from proofs.physics.facets import Facet, facets
 
 # Nearer than this (rad, 0.02 deg) to a ridge the engine's softness decides which way a robot
 # turns, and it may go on from the next facet: there gravity, which has turned with it in the

@@ -23,14 +23,6 @@ good = partial(commands.stdout, "limits")
 data = partial(commands.data, "limits")
 
 
-@pytest.fixture
-def file(tmp_path: Path) -> Path:
-    """Return the path of a recipe of 4 x 3 postures."""
-    path = tmp_path / "tripod.toml"
-    path.write_text(tripod())
-    return path
-
-
 def four_feet(com: tuple[float, float, float], half: tuple[float, float]) -> str:
     """Return a rigid robot on the corners of a rectangle on the ground z = -0.07045."""
     x, y = half
@@ -79,9 +71,9 @@ def keys(value: Any) -> set[str]:
     return set().union(*map(keys, value)) if isinstance(value, list) else set()
 
 
-def test_json_has_the_numbers_of_the_library_and_angles_say_their_unit(file: Path) -> None:
+def test_json_has_the_numbers_of_the_library_and_angles_say_their_unit(tripod_path: Path) -> None:
     robot = parse_recipe(tripod())
-    report = data(file, "-p", "reach=0.2", "--all", "--best", "--headings", 8)
+    report = data(tripod_path, "-p", "reach=0.2", "--all", "--best", "--headings", 8)
     assert report["posture"] == {"reach_m": 0.2, "swing_deg": pytest.approx(5.0)}
     posture = np.array([0.2, math.radians(5.0)])
     found = posture_limits(robot, posture)
@@ -110,12 +102,12 @@ def test_json_has_the_numbers_of_the_library_and_angles_say_their_unit(file: Pat
     assert len(angles) >= 6
 
 
-def test_without_the_options_there_is_one_posture_in_the_middle(file: Path) -> None:
-    report = data(file)
+def test_without_the_options_there_is_one_posture_in_the_middle(tripod_path: Path) -> None:
+    report = data(tripod_path)
     assert report["posture"] == {"reach_m": 0.3, "swing_deg": pytest.approx(5.0)}
     assert not {"all_postures", "best_postures"} & set(report)
     assert report["convention"] == "plane"
-    body = data(file, "--convention", "body")
+    body = data(tripod_path, "--convention", "body")
     assert body["limits"][0]["tilt_deg"] != pytest.approx(report["limits"][0]["tilt_deg"])
 
 
@@ -132,15 +124,17 @@ def test_what_tips_on_level_ground_is_said_in_words(tmp_path: Path) -> None:
     assert report["limits"][0]["slides_first"] is None
 
 
-def test_the_guaranteed_tilt_is_rounded_down(file: Path) -> None:
-    (said,) = re.findall(r"guaranteed in every heading: ([\d.]+) deg", good(file))
-    exact = data(file)["guaranteed_tilt_deg"]
+def test_the_guaranteed_tilt_is_rounded_down(tripod_path: Path) -> None:
+    (said,) = re.findall(r"guaranteed in every heading: ([\d.]+) deg", good(tripod_path))
+    exact = data(tripod_path)["guaranteed_tilt_deg"]
     assert 0.0 <= exact - float(said) < 0.01
 
 
-def test_the_figure_holds_the_limits_and_repeats_to_the_byte(file: Path, tmp_path: Path) -> None:
+def test_the_figure_holds_the_limits_and_repeats_to_the_byte(
+    tripod_path: Path, tmp_path: Path
+) -> None:
     for name in ("a.png", "b.png"):
-        good(file, "--all", "-o", tmp_path / name)
+        good(tripod_path, "--all", "-o", tmp_path / name)
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
     robot = parse_recipe(tripod())
@@ -181,24 +175,24 @@ def test_the_figure_holds_the_limits_and_repeats_to_the_byte(file: Path, tmp_pat
     ],
 )
 def test_what_is_wrong_is_said_in_one_sentence(
-    file: Path,
+    tripod_path: Path,
     arguments: list[object],
     said: str,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    result = run(file, *arguments)
+    result = run(tripod_path, *arguments)
     assert result.exit_code == 2, result.output
     assert result.stdout == ""
     (line,) = result.stderr.splitlines()
     assert line.startswith("Error: ")
     assert said in line
-    assert list(tmp_path.iterdir()) == [file]
+    assert list(tmp_path.iterdir()) == [tripod_path]
 
 
-def test_a_posture_outside_its_range_is_used_as_it_is(file: Path) -> None:
-    assert data(file, "-p", "reach=0.9")["posture"]["reach_m"] == 0.9
+def test_a_posture_outside_its_range_is_used_as_it_is(tripod_path: Path) -> None:
+    assert data(tripod_path, "-p", "reach=0.9")["posture"]["reach_m"] == 0.9
 
 
 def test_everything_on_the_page_runs_and_prints_what_it_says(

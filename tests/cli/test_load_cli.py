@@ -13,9 +13,9 @@ from firmware_export.grid import codec as grid
 from firmware_export.poly import codec as poly
 from firmware_export.protocol.exported import Export
 from firmware_export.truth.model import Model
+from proofs.exports import GROWTH
 from tests.fixtures.commands import data, good, run
 from tests.fixtures.documents import blocks
-from tests.fixtures.exports import GROWTH
 from tests.fixtures.recipes import feet, rigid, rover, tripod
 
 CART = feet([(0.3, 0.3, -0.4), (-0.3, 0.3, -0.4), (-0.3, -0.3, -0.4), (0.3, -0.3, -0.4)])

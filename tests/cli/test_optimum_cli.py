@@ -14,6 +14,7 @@ import pytest
 import lutgen
 from lutgen.search.objective import Objective
 from tests.fixtures import commands
+from tests.fixtures.documents import blocks
 from tests.fixtures.places import MAPS, ROOT
 from tests.fixtures.recipes import tripod
 
@@ -32,14 +33,6 @@ def refusal(*arguments: object) -> str:
     assert result.stdout == ""
     assert "Traceback" not in result.stderr
     return result.stderr
-
-
-@pytest.fixture
-def tripod_path(tmp_path: Path) -> Path:
-    """Return the path of a recipe with a length and an angle."""
-    path = tmp_path / "tripod.toml"
-    path.write_text(tripod())
-    return path
 
 
 def test_the_text_names_value_deltas_ranges_and_evaluations() -> None:
@@ -201,15 +194,9 @@ def test_code_in_a_recipe_is_refused_unless_allowed(tmp_path: Path) -> None:
 # The document
 
 
-def blocks(language: str) -> list[str]:
-    """Return the fenced code of docs/guide/search.md."""
-    text = (ROOT / "docs" / "guide" / "search.md").read_text(encoding="utf-8")
-    return re.findall(rf"^```{language}\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
-
-
 def test_the_commands_of_the_document_run(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
-    (shell,) = blocks("sh")
+    (shell,) = blocks("docs/guide/search.md", "sh")
     for line in shell.splitlines():
         program, command, *arguments = shlex.split(line)
         assert (program, command) == ("lutgen", "optimum")
@@ -220,7 +207,7 @@ def test_the_python_of_the_document_prints_what_its_comments_say(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.chdir(ROOT)
-    (code,) = blocks("python")
+    (code,) = blocks("docs/guide/search.md", "python")
     said = re.findall(r"^print\(.*\)  # (.*)$", code, re.MULTILINE)
     assert len(said) == code.count("print(") > 3
     printed = io.StringIO()

@@ -24,7 +24,7 @@ from firmware_export.protocol.array import CArray, CBody, literal
 from firmware_export.protocol.exported import Export
 from lutgen.errors import ExportError, InputError
 from lutgen.recipe.recipe import parse_recipe
-from tests.fixtures.exports import rover_export, tripod_export
+from proofs.exports import rover_export, tripod_export
 from tests.fixtures.recipes import tripod
 
 WARNINGS = [

@@ -17,7 +17,8 @@ from firmware_export.emit.source import body_of
 from firmware_export.grid.read_integer import read_i
 from firmware_export.grid.tables import CHUNK, SPAN, Part, U, V
 from firmware_export.protocol.exported import CHANNELS, Export
-from tests.fixtures.exports import tripod_export
+from proofs.exports import tripod_export
+from tests.fixtures.programs import run
 from tests.fixtures.queries import integer_queries, random_queries
 
 LARGEST = 32767  # bytes of one object of avr-gcc
@@ -156,13 +157,6 @@ def test_a_build_in_chunks_compiles_without_a_warning(
 
 
 # avr-gcc
-
-
-def run(folder: Path, *command: str) -> str:
-    """Run a command that must succeed without a warning; return what it prints."""
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr) == (0, "")
-    return done.stdout
 
 
 def sections(folder: Path, name: str) -> dict[str, int]:

@@ -18,6 +18,7 @@ from firmware_export.exporter import Report
 from firmware_export.poly.fit import Tables
 from firmware_export.protocol.exported import Export
 from lutgen.errors import ExportError, InputError, MapFileError, RecipeError
+from tests.fixtures.programs import contents
 from tests.fixtures.recipes import feet, rigid, rover, tripod
 
 ALL = ("sdg", "tip_angle", "height")
@@ -30,11 +31,6 @@ def run(directory: Path, source: Any = RECIPE, **more: Any) -> Report:
     """Export with a short certificate; `poly` is the codec that is encoded fastest."""
     options: dict[str, Any] = {"codec": "poly", "points": POINTS} | more
     return firmware_export.export(source, directory, **options)
-
-
-def contents(folder: Path) -> dict[str, bytes]:
-    """Return the files of a folder."""
-    return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
 def test_an_export_is_a_folder_of_sources_with_its_report(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ from firmware_export.device import HostLibrary
 from firmware_export.emit import package
 from firmware_export.protocol.exported import Export
 from lutgen.errors import ExportError, InputError
-from tests.fixtures.exports import rover_export, tripod_export
+from proofs.exports import rover_export, tripod_export
 
 OK, CLAMPED, TIPS, OFF_CHART, INVALID = 0, 1, 2, 3, -1
 SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g")

@@ -3,7 +3,6 @@
 import errno
 import json
 import os
-import subprocess
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -16,7 +15,8 @@ from firmware_export.emit.figure import draw_pareto
 from firmware_export.emit.source import body_of
 from firmware_export.protocol.exported import Export
 from lutgen.errors import ExportError, InputError
-from tests.fixtures.exports import PARETO, rover_export, tripod_export
+from proofs.exports import PARETO, rover_export, tripod_export
+from tests.fixtures.programs import contents, run
 
 NAMES = {
     *("feet.c", "feet.h", "smap.c", "smap.h", "smap_config.h", "example.c"),
@@ -29,11 +29,6 @@ NAMES = {
 def export() -> Export:
     """Return a small export."""
     return tripod_export("feet", codec="poly")
-
-
-def held(folder: Path) -> dict[str, bytes]:
-    """Return the files of a folder, hidden ones too."""
-    return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
 def full_disk(monkeypatch: pytest.MonkeyPatch, after: int) -> None:
@@ -57,7 +52,7 @@ def test_the_folder_holds_these_files_and_its_report_lists_them(
     export: Export, tmp_path: Path
 ) -> None:
     content = package.write(export, tmp_path / "out")
-    assert set(held(tmp_path / "out")) == NAMES
+    assert set(contents(tmp_path / "out")) == NAMES
     assert set(content["files"]) == NAMES
     assert report.load_report(tmp_path / "out") == content
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
@@ -68,8 +63,8 @@ def test_the_same_export_gives_the_same_bytes_wherever_it_goes(
 ) -> None:
     package.write(export, tmp_path / "one")
     package.write(tripod_export("feet", codec="poly"), tmp_path / "another")
-    assert held(tmp_path / "one") == held(tmp_path / "another")
-    for name, content in held(tmp_path / "one").items():
+    assert contents(tmp_path / "one") == contents(tmp_path / "another")
+    for name, content in contents(tmp_path / "one").items():
         assert str(tmp_path).encode() not in content, name
 
 
@@ -107,19 +102,12 @@ def test_the_page_shows_the_choice_and_its_picture(export: Export, tmp_path: Pat
 
 def test_without_a_choice_there_is_no_picture(export: Export, tmp_path: Path) -> None:
     package.write(replace(export, pareto=None), tmp_path / "out")
-    assert set(held(tmp_path / "out")) == NAMES - {"feet_pareto.png"}
+    assert set(contents(tmp_path / "out")) == NAMES - {"feet_pareto.png"}
     assert "chosen from" not in (tmp_path / "out" / "feet_report.md").read_text()
     assert draw_pareto([{"label": "exact", "codec": "poly", "bytes": 1, "error": 0.0}]) is None
 
 
 # a library for others
-
-
-def run(folder: Path, *command: str) -> str:
-    """Run a command that must succeed without a warning; return what it prints."""
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr) == (0, "")
-    return done.stdout
 
 
 @pytest.mark.parametrize(
@@ -180,13 +168,13 @@ def test_an_earlier_export_is_replaced_even_under_another_name(
 ) -> None:
     package.write(rover_export("old"), tmp_path / "out")
     package.write(export, tmp_path / "out")
-    assert held(tmp_path / "out") == held(tmp_path / "out")
-    assert set(held(tmp_path / "out")) == NAMES
+    assert contents(tmp_path / "out") == contents(tmp_path / "out")
+    assert set(contents(tmp_path / "out")) == NAMES
 
 
 def test_an_empty_folder_is_filled(export: Export, tmp_path: Path) -> None:
     package.write(export, tmp_path)
-    assert set(held(tmp_path)) == NAMES
+    assert set(contents(tmp_path)) == NAMES
 
 
 def test_the_new_folder_is_as_readable_as_any(export: Export, tmp_path: Path) -> None:
@@ -243,11 +231,11 @@ def test_a_full_disk_leaves_the_earlier_export_as_it_was(
     export: Export, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, after: int
 ) -> None:
     package.write(replace(export, certificate=None), tmp_path / "out")
-    before = held(tmp_path / "out")
+    before = contents(tmp_path / "out")
     full_disk(monkeypatch, after)
     with pytest.raises(ExportError, match="No space left on device"):
         package.write(export, tmp_path / "out")
-    assert held(tmp_path / "out") == before
+    assert contents(tmp_path / "out") == before
 
 
 def test_a_name_that_c_cannot_have_writes_nothing(export: Export, tmp_path: Path) -> None:

@@ -25,6 +25,11 @@ ON = 1e-9
 TIE = 1e-8
 
 
+def unit(vectors: Floats) -> Floats:
+    """Return vectors scaled to length one along the last axis."""
+    return np.asarray(vectors / np.sqrt((vectors**2).sum(axis=-1, keepdims=True)))
+
+
 @dataclass(frozen=True)
 class Facet:
     """Support facet: outward unit normal (3,), height, contacts on it, ccw polygon."""

@@ -12,9 +12,9 @@ from lutgen.errors import ExportError, InputError
 from proofs import analysers, eva, exhaustive, run, structure
 from proofs.annotate import ADMITS, MUTANTS, annotate, mutate
 from proofs.document import DOCUMENT, cells, findings, with_counts
+from proofs.exports import tripod_export
 from proofs.subjects import read_subject
 from proofs.tools import FAILED, OK, PACKAGES, SKIPPED, Result
-from tests.fixtures.exports import tripod_export
 
 SOURCE = runtime_file("smap.c")
 TEXT = DOCUMENT.read_text(encoding="utf-8")

@@ -16,12 +16,12 @@ from firmware_export.certify import query as twin
 from firmware_export.device import HostLibrary
 from firmware_export.emit import package
 from lutgen.errors import ExportError
+from proofs.exports import tripod_export
 from targets import baseline, cases, image, queries, run, tables
 from targets.boards import BOARDS, board
 from targets.cases import ROOT
 from targets.digest import START, answer_bytes, fnv1a
 from targets.footprint import Footprint
-from tests.fixtures.exports import tripod_export
 
 needs_arm = pytest.mark.needs(*board("m4f").packages)
 

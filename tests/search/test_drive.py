@@ -13,6 +13,7 @@ from lutgen.recipe.recipe import Recipe, load_recipe, parse_recipe
 from lutgen.search.driving import Drive, drive
 from lutgen.search.optima import optimum
 from lutgen.search.terrain import Path, along, paper_path, turned
+from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, rigid
 
 NOMINAL = [math.atan(0.6)] * 2
@@ -26,7 +27,7 @@ LEFT = [*range(8), *range(11, 23), 30, 31]
 
 
 @pytest.fixture(scope="module")
-def robot(MAPS: Any) -> Recipe:
+def robot() -> Recipe:
     """Return the paper's robot with its wheels at 30, 150 and 270 deg."""
     text = (MAPS / "paper_two.toml").read_text(encoding="utf-8")
     for old, new in (
@@ -66,7 +67,7 @@ def test_with_control_it_tips_over_at_22(robot: Recipe, lag: int) -> None:
     assert run.evaluations == 150 * (100 - lag)
 
 
-def test_the_paper_robot_of_the_maps_does_the_same_turned_by_30_degrees(MAPS: Any) -> None:
+def test_the_paper_robot_of_the_maps_does_the_same_turned_by_30_degrees() -> None:
     two = load_recipe(MAPS / "paper_two.toml")
     path = turned(paper_path(), math.radians(30.0))
     assert at(drive(two, path, control=False, params0=NOMINAL)) == FIXED

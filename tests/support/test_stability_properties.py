@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 import lutgen
 from lutgen.recipe.recipe import Recipe
 from tests.oracles import points as oracle
-from tests.oracles.points import Floats
+from tests.oracles.points import Floats, unit
 
 CHANNELS = ("sdg", "height", "tip_angle", "margin", "energy_margin", "facet")
 LENGTHS = ("sdg", "height", "margin", "energy_margin")
@@ -46,11 +46,6 @@ real = st.floats(-1.0, 1.0, allow_subnormal=False).map(lambda x: round(x, 6))
 real_robots = st.lists(
     st.tuples(real, real, st.floats(-1.0, -0.1).map(lambda x: round(x, 6))), min_size=3, max_size=8
 ).map(np.array)
-
-
-def unit(vectors: Floats) -> Floats:
-    """Vectors scaled to length one along the last axis."""
-    return np.asarray(vectors / np.sqrt((vectors**2).sum(axis=-1, keepdims=True)))
 
 
 def directions(seed: int, count: int) -> Floats:

@@ -12,8 +12,9 @@ import pytest
 from scipy.optimize import minimize
 
 from lutgen.channels.plain import measure_postures
+from proofs.physics.facets import Facet, facets
 from tests.oracles import rounds as oracle
-from tests.oracles.facets import Facet, facets
+from tests.oracles.points import unit
 from tests.oracles.rounds import DISC, POINT, SPHERE, Floats, Robot
 
 TOTAL = 2000
@@ -24,11 +25,6 @@ SETS = ("mixture", "discs", "wheels", "rectangle")
 NORMAL = 1e-7
 # Distances are sums of a few terms of the robot's size; iterations stop at about 1e-12 of it.
 ON = 1e-9
-
-
-def unit(vectors: Floats) -> Floats:
-    """Vectors scaled to length one along the last axis."""
-    return np.asarray(vectors / np.sqrt((vectors**2).sum(axis=-1, keepdims=True)))
 
 
 def random_robot(rng: np.random.Generator, count: int) -> tuple[str, Robot]:

@@ -1,4 +1,4 @@
-"""Support facets as Python objects, for tests, plots and people."""
+"""Support facets as Python objects, for proofs and tests; the product has tables of them."""
 
 from typing import NamedTuple
 

@@ -1,0 +1,9 @@
+"""Where descriptions of real robots are: they are other people's files, and not kept here."""
+
+import os
+from pathlib import Path
+
+__all__ = ["FOLDER"]
+
+ROOT = Path(__file__).resolve().parent.parent
+FOLDER = Path(os.environ.get("LUTGEN_ROBOTS", ROOT.parent / "shared" / "robots"))
