@@ -1,6 +1,6 @@
 """Files that are either whole or not there.
 
-Owns the temporary name, the rename, and the sentence when a disk or a path says no.
+Owns the temporary name, the rename, and the error messages for a full disk and a bad path.
 """
 
 import csv

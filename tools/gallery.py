@@ -40,7 +40,7 @@ EXACT = ("robot", "polar", "metrics")
 
 @dataclass(frozen=True)
 class Shot:
-    """One figure: its file's name, its kind, what it shows, and the options of `plot.draw`.
+    """One figure: its file's name, its kind, what it shows, and the options of `lutgen.plot.draw`.
 
     An `exact` one is drawn from the recipe, for maps with few nodes along an axis.
     """

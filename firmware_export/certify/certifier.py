@@ -109,7 +109,7 @@ def certify(
     points : int
         At least so many are compared, half of them uniform and half where tables err most.
     seed : int
-        None that a fit or a choice has used.
+        Of the points: a number that no fit and no choice has used.
     jumps : Jumps, optional
         What `find_jumps` said, if it was asked before.
     effort : Effort, optional

@@ -1,7 +1,7 @@
 """Codec `contacts`: tables of the contacts' positions, everything else computed when it is read.
 
-The facade that the chooser and the emitter use; the parts are `contacts_modes` (what depends on
-what), `contacts_fit` (codes), `contacts_guard` (the bound) and `contacts_read` (the twin).
+The facade that the chooser and the emitter use; the parts are `modes` (what depends on
+what), `fit` (codes), `guard` (the bound) and `contacts_read` (the twin).
 """
 
 import math

@@ -1,6 +1,6 @@
 """Bytes of code, RAM and stack of the runtime for each set of features, as measured.
 
-The measurement (`make size`, module `size_measure`) needs a cross compiler; an export does not:
+The measurement (`make size`, `targets.size`) needs a cross compiler; an export does not:
 it reads runtime/sizes.json, which is committed.
 """
 
@@ -61,7 +61,7 @@ def code_bytes(features: Iterable[str]) -> int | None:
     Parameters
     ----------
     features : iterable of str
-        See `c_config.features`.
+        See `config.features`.
 
     Returns
     -------

@@ -1,6 +1,6 @@
 """NAME.c: the tables of an export as constants.
 
-Owns the order and the look of the file.  The codec says what its tables are (`CBody`), `c_text`
+Owns the order and the look of the file.  The codec says what its tables are (`CBody`), `text`
 how constants are written, and smap.h what the structs hold.
 """
 

@@ -2,7 +2,7 @@
 
 Owns the proof that one accepted facet carries the robot everywhere, and the bound of the error
 of the polynomials in the verdict.  Both divide the box into cells, compute at the cells' middles
-and add what a function can change on the way to a cell's rim, from `poly_series.steepest`.
+and add what a function can change on the way to a cell's rim, from `series.steepest`.
 
 The three contacts P1, P2, P3, seen from the com, span a cone; E_i = P_i x P_(i+1) are its inward
 edge normals, E_1 + E_2 + E_3 is the facet's normal, outward, and V = E_1 . P3 > 0 says that the com
@@ -44,7 +44,7 @@ def carries_everywhere(series: Sequence[Floats], least: float) -> bool:
     Parameters
     ----------
     series : three series
-        Of `poly_series.expand`.
+        Of `series.expand`.
     least : float
         A facet is accepted if -n_z is greater than this.
     """

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
-/* smap: the runtime.  See smap.h for what it promises and docs/reference/format.md for the tables. */
+/* smap: the runtime.  Its promises are in smap.h, its tables in docs/reference/format.md. */
 #define SMAP_INTERNAL
 #include "smap.h"
 

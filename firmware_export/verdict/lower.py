@@ -1,6 +1,6 @@
 """Lowering of a table until no outline lies above zero, and raising it as far as that allows.
 
-Owns the exact check on the outlines of `grid_outline`; works on codes, above `zero` is safe.
+Owns the exact check on the outlines of `outline`; works on codes, above `zero` is safe.
 """
 
 import numpy as np
@@ -178,7 +178,7 @@ def excess(
     index, weight : (P, sub-cell's corners, corners)
         Nodes of the parameters around each corner of each sub-cell.
     pieces, first, tips :
-        See `grid_outline.Outlines`.
+        See `outline.Outlines`.
     u, v : (n,) float64
         Knots, 0 to 1.
     gentle : bool

@@ -2,9 +2,9 @@
 
 Owns the fit for robots whose standing region is not one smooth cone.  What matters is the sign.
 The table is trained like a support vector machine with a squared hinge: standing directions pull
-it above zero, tipping ones and the outlines of `grid_outline` push it below, where it resembles the
-tip margin it is only loosely bound to it.  Then it is rounded down to codes and lowered until no
-outline is above zero (`grid_verdict`), which is the proof; training only makes that cheap.
+it above zero, tipping ones and the outlines of `outline` push it below.  How large the tip margin is
+binds it only loosely.  Then it is rounded down to codes and lowered until no
+outline is above zero (`lower`), which is the proof; training only makes that cheap.
 """
 
 import math
@@ -31,9 +31,9 @@ ROUNDS, STEPS = 14, 12
 # neighbours fall too), how far below zero (codes), and how far it must be in the end.
 PACES = (0.15, 0.15, 0.2, 0.2, 0.25, 0.3, 0.4, 0.5, 0.7, 1.0, 1.0)
 SPARE, TINY = 0.1, 1e-3
-# Rounds before which outlines above zero are sought, and how far below zero these must be.
 # Margin and range of the table, and the weights of value, of tipping points and of the prior.
 MARGIN, REACH, VALUE, PUSH, PRIOR = 0.02, 0.6, 0.02, 8.0, 1e-3
+# Rounds before which outlines above zero are sought, and how far below zero these must be.
 MINING, FIRM = (3, 5, 7, 9, 11), 0.004
 # Standing points nearer to the outline than this (rad) are left out of training.
 NEAR = 0.005

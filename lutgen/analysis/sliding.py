@@ -195,7 +195,7 @@ def first_tilts(
     happens : callable
         Takes directions (j, 3) and the headings' indices (j,), returns (j,) bool.
     headings : (h,) array_like
-        Radians, as for `limits.tilted`.
+        Radians, as for `tilt.tilted`.
     until : float or (h,) array_like
         Tilt (rad) at which the search in a heading ends.
     step : float
@@ -247,7 +247,7 @@ def slide_limits(
     headings : (h,) array_like
         Headings of the tilt in rad.
     convention : {"body", "plane"}
-        What is tilted, see `limits.level_frames`.
+        What is tilted, see `tilt.level_frames`.
     until : float
         Tilt (rad) at which the search ends.
 

@@ -2,7 +2,7 @@
 
 Owns the words tilt and heading: gravity at tilt t and heading psi is
 (sin t cos psi, sin t sin psi, -cos t) in the body frame, so heading 0 is nose down, +90 deg left
-side down, 180 deg nose up and -90 deg right side down.  Under convention "plane" (see `attitude`)
+side down, 180 deg nose up and -90 deg right side down.  Under convention "plane" (see `settle`)
 the same holds in the frame of the level ground that the posture stands on, z its normal: the tilt
 is then that of the ground, as long as the robot does not rock onto another facet.  It draws
 nothing.
@@ -94,7 +94,7 @@ def tilt_limits(
 
     Notes
     -----
-    `tip_angle` is 1-Lipschitz in gravity, so no tip-over lies within `tip_angle` of a standing
+    `tip_angle` changes no faster than gravity turns, so no tip-over lies within `tip_angle` of a standing
     direction: the walk from level ground steps exactly that far, and at least `SHORTEST_STEP`,
     until it has passed the limit; false position then finds it in the last step.
     """

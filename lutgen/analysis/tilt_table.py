@@ -66,7 +66,7 @@ class HeadingLimit:
 class PostureLimits:
     """The limits of one posture (k,): four headings, the worst, and what holds in all of them.
 
-    `guaranteed` (rad) is a bound for every heading, see `limits.level_limits`; `convention` says
+    `guaranteed` (rad) is a bound for every heading, see `tilt.level_limits`; `convention` says
     whether body or ground is tilted.
     """
 

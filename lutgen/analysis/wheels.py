@@ -1,7 +1,7 @@
 """Inverse kinematics of the wheels: from the robot's velocity to wheel speeds and steering.
 
 Owns the rolling constraints and what follows from them: degrees of freedom, sideways slip, and
-the nearest motion without it.  Where wheels touch and which way they roll is `rolling.py`'s.
+the nearest motion without it.  Where wheels touch and which way they roll is `rolling`'s.
 """
 
 import math

@@ -56,7 +56,7 @@ def evaluate(
 def measure_moved(
     recipe: Recipe, postures: Postures, gravity_dir: ArrayLike, channels: Sequence[str]
 ) -> dict[str, NDArray[np.float64]]:
-    """Return the channels of postures that `robot.forward` has placed; see `evaluate`."""
+    """Return the channels of postures that `kinematics.forward` has placed; see `evaluate`."""
     if recipe.loaded:
         wanted = wanted_channels(channels)
         directions = checked_directions(gravity_dir)

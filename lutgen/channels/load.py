@@ -29,7 +29,7 @@ def loads(recipe: Recipe, postures: Postures) -> NDArray[np.float64]:
     recipe : Recipe
         Its forces are in N and its masses in kg; moments in N times the length unit.
     postures : Postures
-        From `robot.forward`.
+        From `kinematics.forward`.
 
     Returns
     -------

@@ -1,9 +1,9 @@
 """Stability under a load: forces beside the weight, and a com that lies anywhere in a ball.
 
-Owns the channels of loaded robots in float64; without a load `channels` is faster and has the same
-meaning.  Verdict and `tip_angle` are exact under forces alone or an uncertain com alone, but for
-forces with a moment on a region that is not convex; with both they are bounds from below, see
-docs/reference/conventions.md.
+Owns the channels of loaded robots in float64; without a load `plain` is faster and has the same
+meaning.  Verdict and `tip_angle` are exact under forces alone and under an uncertain com alone, with
+one exception: where forces have a moment and the region is not convex they are bounds from below.
+Under both together they are such bounds, too (docs/reference/conventions.md).
 """
 
 import math
@@ -63,7 +63,7 @@ from lutgen.support import (
 )
 from lutgen.vector import Bools, Floats, Ints, Vector, cross, dot, length, row, scale, subtract
 
-# As in `pairs.measure_each`: the six channels, then along, aside and height beyond the region.
+# As in `each.measure_each`: the six channels, then along, aside and height beyond the region.
 ROWS = len(CHANNELS) + 3
 
 
@@ -277,7 +277,7 @@ def _measure(
     wanted: Bools,
     out: Floats,
 ) -> None:
-    """Fill `out` (6,) with the channels of one direction, see `channels.measure`."""
+    """Fill `out` (6,) with the channels of one direction, see `plain.measure`."""
     count, segment = region.tally, region.segment
     k, standing, angle = loaded_verdict(region, axes, load, least_cosine, g)
     out[0] = out[1] = out[4] = math.nan
@@ -351,7 +351,7 @@ def measure_loaded(
     Returns
     -------
     (m, 9, d) float64
-        As `pairs.measure_each`; its last three rows are NaN under a moment.
+        As `each.measure_each`; its last three rows are NaN under a moment.
     (m,) int64
         1 where a facet table was too small.
     """

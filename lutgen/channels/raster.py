@@ -3,7 +3,7 @@
 Owns the fast path to |SD_g|.  On a gnomonic face the cone of a facet is a polygon with straight
 edges, and along a row of constant v every quantity a . g is A + B u.  So the facets are drawn one
 after the other, as a graphics card draws triangles, and what is left are loops without a branch.
-`channels.measure` defines the numbers; this file only computes them quickly, in float64 up to the
+`plain.measure` defines the numbers; this file only computes them quickly, in float64 up to the
 last square root and division.
 """
 

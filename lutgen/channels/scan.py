@@ -1,7 +1,7 @@
 """Blocks of a map: the channels of many postures over rows of directions, in float32.
 
 Owns the one parallel loop of a sweep.  Robots without gaps go the fast way through `raster` and
-`tilt`; whatever those do not cover is computed node by node with `channels.measure`.
+`tilt`; whatever those do not cover is computed node by node with `plain.measure`.
 """
 
 import math
@@ -199,7 +199,7 @@ def scan(
     limit : tuple
         See `region.limits`.
     basis : (faces, 3, 3) float64
-        Per face its middle, its u axis and its v axis (see `sphere.Chart.basis`).
+        Per face its middle, its u axis and its v axis (see `chart.Chart.basis`).
     coords : (nodes + VECTOR,) float64
         Values of u and v at the nodes, and infinity for padding (never inside an interval).
     inverse_length : (nodes * nodes,) float64
@@ -207,7 +207,7 @@ def scan(
     first, last : int
         Rows [first, last) of the faces * nodes rows of a posture.
     wanted : (6,) bool
-        Channels to fill, in the order of `channels.CHANNELS`.
+        Channels to fill, in the order of `plain.CHANNELS`.
     parts : int
         How many parts the work is cut into; the values do not depend on it.
     out : (6, at least m * (last - first) * nodes) float32

@@ -1,6 +1,6 @@
 """Multilinear interpolation in float64: the reference that every decoder is held to.
 
-Owns the arithmetic on arrays; the map file is `store`'s.
+Owns the arithmetic on arrays; the map file is `map`'s.
 """
 
 from collections.abc import Sequence

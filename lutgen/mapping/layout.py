@@ -19,7 +19,7 @@ from lutgen.recipe import Recipe
 
 
 class Image(io.RawIOBase):
-    """A file in memory of which zeros past the last other byte take no room.
+    """A file in memory; the zeros at its end are counted and not stored.
 
     `head` holds the bytes up to there; `size` is the size of the file.
     """

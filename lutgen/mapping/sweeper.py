@@ -1,7 +1,7 @@
 """The sweep: every posture and direction of a recipe, computed block by block into a map file.
 
 Owns the run: which blocks are still to be computed, where, progress, interruption and resumption.
-Numbers come from `computer`, the file from `partfile`.
+Numbers come from `compute`, the file from `part`.
 """
 
 import os
@@ -41,11 +41,11 @@ def sweep(
         From `load_recipe`.
     path : path
         The file; it appears, whole, when the sweep is done.  Until then the work is in
-        ``path.part``, which an interruption leaves behind for `resume`.
+        PATH.part, which an interruption leaves behind for `resume`.
     threads : int, optional
         Threads to compute with; all of the machine's by default.  The values do not depend on it.
     resume : bool
-        Go on with ``path.part`` of the same recipe, if there is one.  Blocks whose checksums do not
+        Go on with PATH.part of the same recipe, if there is one.  Blocks whose checksums do not
         hold are computed again, so it does not matter what stopped the sweep.
     engine : {"local", "dask"}
         Where the blocks are computed: threads of this process, or workers of dask.distributed.

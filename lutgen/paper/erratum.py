@@ -1,6 +1,6 @@
 """What one erratum of the paper is, and the robot on which it is computed.
 
-Owns the types only; the errata themselves are in `errata_geometry`, `errata_statics` and
+Owns the types only; the errata themselves are in `errata_plane`, `errata_statics` and
 `errata_text`, and their list in `errata`.
 """
 

@@ -41,7 +41,7 @@ NAMES = {
     "margin": "static stability margin",
     "energy_margin": "energy stability margin",
 }
-# Headings of `limits.tilted` in deg.
+# Headings of `tilt.tilted` in deg.
 HEADINGS = {0: "nose down", 90: "left side down", 180: "nose up", 270: "right side down"}
 # Characters on a line of a figure one column wide.
 COLUMN = 52

@@ -1,6 +1,6 @@
 """Propose a recipe from a robot description, and say what the description has besides.
 
-Owns the choice between what is asked for and what is proposed; ``urdf_text.py`` writes it.
+Owns the choice between what is asked for and what is proposed; `proposal_text` writes it.
 """
 
 from collections.abc import Sequence

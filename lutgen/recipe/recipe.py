@@ -1,7 +1,7 @@
 """Read and check a recipe: the robot, its sweep, and the defaults of its export.
 
 A recipe is TOML; the result is a frozen ``Recipe`` with every angle in radians.  This
-file does not compute postures (``robot.py``) and writes nothing.
+file does not compute postures (`kinematics`) and writes nothing.
 """
 
 import hashlib
@@ -277,7 +277,7 @@ def parse_recipe(
 
 
 def _read_grid(sweep: Table, parameters: tuple[Parameter, ...]) -> Grid:
-    """Read ``sweep.samples``: nodes or knots of each parameter."""
+    """Read `samples` of [sweep]: nodes or knots of each parameter."""
     names = [p.name for p in parameters]
     if not names and "samples" not in sweep:
         return Grid(())

@@ -1,7 +1,7 @@
 """The [robot] part of a recipe: parameters, links, joints, contacts and wheels.
 
 Dataclasses with every angle in radians, and the rules that a robot must keep.  How a
-robot moves is not known here (``robot.py``), nor how it is sampled (``recipe.py``).
+robot moves is not known here (`kinematics`), nor how it is sampled (`recipe`).
 """
 
 import math

@@ -17,7 +17,7 @@ _LONGEST = 60
 
 
 def fail(source: str, key: str, what: str, got: object, way_out: str) -> NoReturn:
-    """Raise the RecipeError ``FILE: key `KEY`: WHAT (got GOT); WAY OUT.``."""
+    """Raise the RecipeError FILE: key KEY: WHAT (got GOT); WAY OUT.."""
     shown = got if isinstance(got, str) and got.startswith("nothing") else repr(got)
     if len(shown) > _LONGEST:
         shown = shown[: _LONGEST - 3] + "..."

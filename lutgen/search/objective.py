@@ -74,7 +74,7 @@ class Objective:
     text : str
         See `parse_objective`.
     convention : {"body", "plane"}
-        See `attitude`.
+        See `settle`.
 
     Attributes
     ----------

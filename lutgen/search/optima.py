@@ -112,7 +112,7 @@ def optimum(
         The last three are maximised.
     convention : {"body", "plane"}
         Whether gravity is fixed in the body frame, or relative to the contact plane, so that it
-        turns in the body while the shape changes; see `attitude`.
+        turns in the body while the shape changes; see `settle`.
     bounds : (k, 2) array_like, optional
         Where to search, rad or length; the recipe's ranges by default.  A parameter whose two
         bounds are equal keeps that value and is not searched.

@@ -252,7 +252,7 @@ def find_region(region: Region, table: FacetTable, limit: Limit, size: float) ->
     region : Region
         Overwritten.
     table : FacetTable
-        As `support.find_facets` leaves it.
+        As `rounds.find_facets` leaves it.
     limit : tuple
         See `limits`.
     size : float

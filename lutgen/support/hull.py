@@ -135,7 +135,8 @@ def add_facet(
         link[at, NEIGHBOUR] = UNKNOWN
         if owner.shape[0] == 0:
             continue
-        # Of points, two facets share an edge and no more: what is known needs no rolling.
+        # Two facets of points have one edge in common at most, so the plane need not be rolled over
+        # an edge whose two facets are known.
         i, j = link[at, VERTEX], link[at + 1 if t + 1 < corners else begin, VERTEX]
         facing = owner[j, i]
         owner[i, j] = new * MAX_PRIMITIVES + t

@@ -85,7 +85,7 @@ def limits(upright: float | None, rock_angle: float | None, least_height: float 
     least_cosine : float
         The robot rocks between facets whose normals have at least this scalar product.
     lowest_up : float
-        From which n_z on the facet search need not go further, see `support.find_facets`.
+        From which n_z on the facet search need not go further, see `rounds.find_facets`.
     least_height : float
         A facet is accepted if the com is higher above it than this.
     """
