@@ -30,8 +30,8 @@ MOST_STEPS = 4
 def choose(trials: Trials, codecs: Sequence[CodecInfo], goal: Goal) -> Candidate:
     """Return the best candidate of some codecs.
 
-    With `goal.percent` the smallest that is accurate enough; without it the most accurate that
-    fits.  Of each kind one that gives up at most GIVEN_UP of what stands goes before any other.
+    With a percentage in the goal the smallest that is accurate enough; without it the most accurate
+    that fits.  Of each kind one that gives up at most GIVEN_UP of what stands goes before others.
 
     Raises
     ------

@@ -59,7 +59,7 @@ def block_comment(lines: Iterable[str]) -> str:
 
 
 def resolve(expression: str, prefix: str, absent: frozenset[str] = frozenset()) -> str:
-    """Return an expression in which ``@codes`` has become the prefix and _codes, or 0 if it is absent.
+    """Return an expression in which ``@codes`` has become the prefix and _codes, or 0.
 
     Examples
     --------

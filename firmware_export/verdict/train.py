@@ -2,9 +2,9 @@
 
 Owns the fit for robots whose standing region is not one smooth cone.  What matters is the sign.
 The table is trained like a support vector machine with a squared hinge: standing directions pull
-it above zero, tipping ones and the outlines of `outline` push it below.  How large the tip margin is
-binds it only loosely.  Then it is rounded down to codes and lowered until no
-outline is above zero (`lower`), which is the proof; training only makes that cheap.
+it above zero, tipping ones and the outlines of `outline` push it below.  How large the tip margin
+is binds it only loosely.  Then it is rounded down to codes and lowered until no outline is above
+zero (`lower`), which is the proof; training only makes that cheap.
 """
 
 import math

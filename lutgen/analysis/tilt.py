@@ -94,9 +94,9 @@ def tilt_limits(
 
     Notes
     -----
-    `tip_angle` changes no faster than gravity turns, so no tip-over lies within `tip_angle` of a standing
-    direction: the walk from level ground steps exactly that far, and at least `SHORTEST_STEP`,
-    until it has passed the limit; false position then finds it in the last step.
+    `tip_angle` changes no faster than gravity turns, so no tip-over lies within `tip_angle` of a
+    standing direction: the walk from level ground steps exactly that far, and at least
+    `SHORTEST_STEP`, until it has passed the limit; false position then finds it in the last step.
     """
     posture = np.asarray(params, dtype=np.float64)
     heading = np.asarray(headings, dtype=np.float64)

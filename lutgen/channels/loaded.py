@@ -1,9 +1,9 @@
 """Stability under a load: forces beside the weight, and a com that lies anywhere in a ball.
 
 Owns the channels of loaded robots in float64; without a load `plain` is faster and has the same
-meaning.  Verdict and `tip_angle` are exact under forces alone and under an uncertain com alone, with
-one exception: where forces have a moment and the region is not convex they are bounds from below.
-Under both together they are such bounds, too (docs/reference/conventions.md).
+meaning.  Verdict and `tip_angle` are exact under forces alone and under an uncertain com alone,
+with one exception: where forces have a moment and the region is not convex they are bounds from
+below.  Under both together they are such bounds, too (docs/reference/conventions.md).
 """
 
 import math

@@ -34,7 +34,7 @@ def dotted(path: Path) -> str:
 
 
 def room_of(module: str) -> str:
-    """Return the room that holds a module: ``package.room``."""
+    """Return the room that holds a module, with its package."""
     return ".".join(module.split(".")[:2])
 
 

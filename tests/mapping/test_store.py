@@ -374,8 +374,9 @@ def test_reading_between_the_nodes_of_a_fine_map_is_near_the_exact_value(tmp_pat
             for k in range(len(params))
         ]
     ).ravel()
-    # The angle changes no faster than gravity turns, but has a kink where another axis becomes the nearest:
-    # in a cell of 6 deg of tilt that costs at most half of the cell, and hardly anything elsewhere.
+    # The angle changes no faster than gravity turns, but has a kink where another axis becomes the
+    # nearest: in a cell of 6 deg of tilt that costs at most half of the cell, hardly anything
+    # elsewhere.
     assert np.abs(got - want).max() < np.radians(3.0)
     assert np.abs(got - want).mean() < np.radians(0.2)
 

@@ -24,7 +24,7 @@ LIMITS = (radians(90.0), radians(30.0))
 DOWN = np.array([[0.0, 0.0, -1.0]])
 
 # Two evaluations of one quantity by different roundings, per unit of size: 1e-16 times the
-# conditioning that `steady` lets through.
+# conditioning of the robots drawn here.
 SAME = 1e-9
 
 # The same examples on every run; compiling a kernel inside the first one takes seconds, and
