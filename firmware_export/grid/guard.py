@@ -1,6 +1,6 @@
 """Tip margins of a robot on three points, and how far a table of them may rise above the truth.
 
-Owns the targets under which `grid_tip` keeps the table.  On three points the standing region is the
+Owns the targets under which `margin` keeps the table.  On three points the standing region is the
 cone m_e . g >= 0 of three tip-over planes, if their facet is accepted, and mu = min over e of
 m_e . (u, v, 1) with the middle and axes of the face for 1, u and v.
 

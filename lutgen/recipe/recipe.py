@@ -115,7 +115,7 @@ class Recipe:
 
     @property
     def loaded(self) -> bool:
-        """Whether stability is that of `loaded.py`: forces act, or the com is uncertain."""
+        """Whether stability is that of `loaded`: forces act, or the com is uncertain."""
         return self.has_wrench or self.com_uncertainty > 0.0
 
 
