@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from firmware_export.emit import package
-from tests.fixtures.exports import tripod_export
+from proofs.exports import tripod_export
+from tests.fixtures.places import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 LINES = ["SPDX-License-Identifier: MIT", "Copyright (c) The lutgen authors"]
 SOURCES = sorted(
     path
