@@ -23,6 +23,9 @@ from typing import Any, TypeVar
 import numba
 from llvmlite import binding
 from numba import prange
+from numba.core.caching import FunctionCache
+from numba.core.registry import CPUDispatcher
+from numba.core.runtime import rtsys
 
 __all__ = ["cache_folder", "few_threads", "njit", "prange"]
 
@@ -35,6 +38,21 @@ _MARK = b"lutgen.jit"
 _PACKAGE = Path(__file__).resolve().parent
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
+
+
+class _Kernels(FunctionCache):  # type: ignore[misc]
+    """numba's disk cache without what only compiling needs.
+
+    numba imports all that it can compile, and with it scipy's linear algebra, before it loads
+    machine code: a quarter of the time of a short command.  A compilation imports it by itself.
+    """
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Return the machine code for a signature, or None where there is none."""
+        # Machine code counts references to arrays; what is imported otherwise would begin it.
+        rtsys.initialize(target_context)
+        with self._guard_against_spurious_io_errors():
+            return self._load_overload(sig, target_context)
 
 
 def njit(*, parallel: bool = False, inline: bool = False) -> Callable[[_Function], _Function]:
@@ -56,21 +74,22 @@ def njit(*, parallel: bool = False, inline: bool = False) -> Callable[[_Function
     """
 
     def compile_later(function: _Function) -> _Function:
-        folder = cache_folder(str(Path(function.__code__.co_filename).resolve().parent))
-        # numba picks the folder while it decorates, from this setting.
-        before = numba.config.CACHE_DIR
-        numba.config.CACHE_DIR = folder or before
-        try:
-            compiled: _Function = numba.njit(
-                error_model="numpy",
-                fastmath=FASTMATH,
-                nogil=True,
-                cache=folder is not None,
-                parallel=parallel,
-                forceinline=inline,
-            )(function)
-        finally:
-            numba.config.CACHE_DIR = before
+        compiled: _Function = numba.njit(
+            error_model="numpy",
+            fastmath=FASTMATH,
+            nogil=True,
+            parallel=parallel,
+            forceinline=inline,
+        )(function)
+        folder = cache_folder(str(Path(function.__code__.co_filename).parent))
+        if isinstance(compiled, CPUDispatcher) and folder is not None:
+            # numba picks the folder from this setting.
+            before = numba.config.CACHE_DIR
+            numba.config.CACHE_DIR = folder
+            try:
+                compiled._cache = _Kernels(function)
+            finally:
+                numba.config.CACHE_DIR = before
         return compiled
 
     return compile_later
@@ -93,10 +112,16 @@ def cache_folder(source_folder: str) -> str | None:
         file that holds kernels, with numba and with the processor.  None when
         nothing can be written there: the kernels are then compiled at each start.
     """
+    return _folder(_package_of(Path(source_folder).resolve()))
+
+
+@functools.cache
+def _folder(package: Path) -> str | None:
+    """Return the folder for the compiled kernels of one package, or of a folder of loose files."""
     digest = hashlib.sha256()
     for part in (numba.__version__, binding.get_host_cpu_name(), repr(sorted(FASTMATH))):
         digest.update(part.encode() + b"\0")
-    for root in sorted({_PACKAGE, _package_of(Path(source_folder))}):
+    for root in sorted({_PACKAGE, package}):
         for path in _kernel_files(root):
             # The same name stands in several rooms.
             name = path.relative_to(root).as_posix()

@@ -176,11 +176,12 @@ def _named(
 
 def open_source(path: str, allow_python: bool = False) -> "Recipe | StabilityMap":
     """Open a recipe (.toml) or a map (anything else)."""
-    from lutgen.mapping import load_map
-    from lutgen.recipe import load_recipe
-
     if path.endswith(".toml"):
+        from lutgen.recipe import load_recipe
+
         return load_recipe(path, allow_python=allow_python)
+    from lutgen.mapping import load_map
+
     return load_map(path)
 
 

@@ -52,6 +52,19 @@ def test_an_edited_callee_in_another_file_is_not_served_from_the_old_cache(tmp_p
     assert len(list((cache / "lutgen").iterdir())) == 2
 
 
+def test_what_is_loaded_from_the_cache_needs_nothing_that_only_compiling_needs(tmp_path):
+    (tmp_path / "caller.py").write_text(CALLER)
+    (tmp_path / "callee.py").write_text(CALLEE.format(1))
+    tell = "import sys; print(outer(1.0), 'scipy.linalg' in sys.modules)"
+    code = f"from caller import outer; {tell}"
+    assert run(tmp_path, code, XDG_CACHE_HOME=tmp_path / "cache") == "20.0 True"
+    assert run(tmp_path, code, XDG_CACHE_HOME=tmp_path / "cache") == "20.0 False"
+    # What is not in the cache is compiled in the same process.
+    code = f"{code}; print(outer(1), 'scipy.linalg' in sys.modules)"
+    found = run(tmp_path, code, XDG_CACHE_HOME=tmp_path / "cache")
+    assert found == "20.0 False\n20.0 True"
+
+
 def test_a_file_without_kernels_does_not_cost_a_compilation(tmp_path):
     (tmp_path / "caller.py").write_text(CALLER)
     (tmp_path / "callee.py").write_text(CALLEE.format(1))
