@@ -1,8 +1,8 @@
 """The `lutgen` command: one module per verb, results on stdout, progress and logs on stderr.
 
-In reading order: `options`, `check`, `compiling`, `eval_export`, `eval`, `export`, `import_`,
-`info`, `limits_report`, `limits`, `metrics`, `optimum`, `paper`, `path_report`, `path`, `plot`,
-`sweep`, `wheels`, `group`.
+In reading order: `options`, `table`, `check`, `compiling`, `eval_export`, `eval`, `export`,
+`import_`, `info`, `limits`, `metrics`, `optimum`, `paper`, `path`, `plot`, `sweep`, `wheels`,
+`group`.
 """
 
 from lutgen.cli.group import main

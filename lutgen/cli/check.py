@@ -1,75 +1,96 @@
 """`lutgen check`: validate a recipe and say what its sweep will cost."""
 
-import json
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import allow_python, as_json, file_size
+from lutgen.cli.options import allow_python, as_json, asks, file_size
+from lutgen.cli.table import show
+
+if TYPE_CHECKING:
+    from lutgen.grid import Axis
+    from lutgen.recipe import Parameter, Recipe
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What the command line says."""
+
+    allow_python: bool = allow_python()
+    as_json: bool = as_json()
 
 
 @click.command(short_help="Validate a recipe; print robot, nodes, file size and run time.")
 @click.argument("recipe", type=click.Path())
-@allow_python
-@as_json
-def check(recipe: str, allow_python: bool, as_json: bool) -> None:
+@asks(Asked)
+def check(recipe: str, asked: Asked) -> None:
     """Validate RECIPE and say what its sweep will cost.
 
     \b
     $ lutgen check maps/paper_two.toml
     paper_two: 3 contacts (P1 P2 P3), 2 parameters, unit 1
     """
-    from lutgen.mapping import expected_seconds, plan, require_standing
+    from lutgen.mapping import require_standing
     from lutgen.recipe import load_recipe
 
-    robot = load_recipe(recipe, allow_python=allow_python)
+    robot = load_recipe(recipe, allow_python=asked.allow_python)
     require_standing(robot)
+    report = check_report(robot)
+    show(report, check_lines(report), asked.as_json)
+
+
+def check_report(robot: "Recipe") -> dict[str, Any]:
+    """Return what `--json` prints."""
+    from lutgen.mapping import expected_seconds, plan
+
     layout = plan(robot)
-    values = layout.nodes * len(robot.channels)
-    size = 4 * layout.count * layout.chunk_nodes * len(robot.channels)
-    seconds = expected_seconds(robot)
-    axes = {
-        p.name: {
-            "from": _shown(axis.knots[0], p.display_unit),
-            "to": _shown(axis.knots[-1], p.display_unit),
-            "unit": p.display_unit,
-            "nodes": axis.size,
-        }
-        for p, axis in zip(robot.parameters, robot.grid.axes, strict=True)
+    return {
+        "name": robot.name,
+        "digest": robot.digest,
+        "length_unit": robot.length_unit,
+        "contacts": list(robot.contact_names),
+        "parameters": {
+            p.name: axis_entry(p, axis)
+            for p, axis in zip(robot.parameters, robot.grid.axes, strict=True)
+        },
+        "chart": {"kind": robot.chart.kind, "shape": list(robot.chart.shape)},
+        "channels": list(robot.channels),
+        "nodes": layout.nodes,
+        "file_bytes": 4 * layout.count * layout.chunk_nodes * len(robot.channels),
+        "seconds": round(expected_seconds(robot), 3),
     }
-    if as_json:
-        report = {
-            "name": robot.name,
-            "digest": robot.digest,
-            "length_unit": robot.length_unit,
-            "contacts": list(robot.contact_names),
-            "parameters": axes,
-            "chart": {"kind": robot.chart.kind, "shape": list(robot.chart.shape)},
-            "channels": list(robot.channels),
-            "nodes": layout.nodes,
-            "file_bytes": size,
-            "seconds": round(seconds, 3),
-        }
-        click.echo(json.dumps(report, indent=2))
-        return
-    names = " ".join(robot.contact_names)
-    click.echo(
-        f"{robot.name}: {len(robot.contact_names)} contacts ({names}), "
-        f"{len(axes)} parameters, unit {robot.length_unit}"
-    )
+
+
+def axis_entry(parameter: "Parameter", axis: "Axis") -> dict[str, Any]:
+    """Return the ends of a map's axis in the unit that the recipe gives the parameter."""
+    ends = [float(axis.knots[0]), float(axis.knots[-1])]
+    if parameter.display_unit == "deg":
+        ends = [round(math.degrees(value), 9) for value in ends]
+    unit = parameter.display_unit
+    return {"from": ends[0], "to": ends[1], "unit": unit, "nodes": axis.size}
+
+
+def grid_lines(axes: Mapping[str, dict[str, Any]], chart: dict[str, Any]) -> Iterator[str]:
+    """Return the axes of a map as text."""
     for name, axis in axes.items():
-        click.echo(
-            f"  {name}: {axis['from']:g} to {axis['to']:g} {axis['unit']}, {axis['nodes']} nodes"
-        )
-    faces, side, _ = robot.chart.shape
-    click.echo(f"  gravity: {robot.chart.kind}, {faces} face(s) of {side} x {side} nodes")
-    click.echo(f"  channels: {' '.join(robot.channels)}")
-    click.echo(
-        f"sweep: {layout.nodes:,} nodes, {values:,} values, {file_size(size)}, "
-        f"about {seconds:.1f} s of computing"
+        yield f"  {name}: {axis['from']:g} to {axis['to']:g} {axis['unit']}, {axis['nodes']} nodes"
+    faces, side, _ = chart["shape"]
+    yield f"  gravity: {chart['kind']}, {faces} face(s) of {side} x {side} nodes"
+
+
+def check_lines(report: dict[str, Any]) -> Iterator[str]:
+    """Return the report as text."""
+    contacts, channels, nodes = report["contacts"], report["channels"], report["nodes"]
+    yield (
+        f"{report['name']}: {len(contacts)} contacts ({' '.join(contacts)}), "
+        f"{len(report['parameters'])} parameters, unit {report['length_unit']}"
     )
-
-
-def _shown(value: float, unit: str) -> float:
-    import math
-
-    return round(math.degrees(value), 9) if unit == "deg" else float(value)
+    yield from grid_lines(report["parameters"], report["chart"])
+    yield f"  channels: {' '.join(channels)}"
+    yield (
+        f"sweep: {nodes:,} nodes, {nodes * len(channels):,} values, "
+        f"{file_size(report['file_bytes'])}, about {report['seconds']:.1f} s of computing"
+    )

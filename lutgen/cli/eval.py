@@ -1,22 +1,26 @@
 """`lutgen eval`: one posture under one direction."""
 
-import json
 import logging
 import math
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from lutgen.cli.options import (
-    acceleration,
+    Numbers,
     allow_python,
     as_json,
+    asks,
     gravity,
     open_source,
+    option,
     parameter_values,
     parameters,
 )
+from lutgen.cli.table import cell, channel_entries, degrees, number, show, unit_text
 
 if TYPE_CHECKING:
     from lutgen.analysis import Diagnosis
@@ -25,22 +29,34 @@ if TYPE_CHECKING:
 
 log = logging.getLogger("lutgen")
 
+VERDICT = {True: "stands", False: "tips over", None: "unknown: off the chart"}
+VALUES = ("sdg", "height", "tip_angle_deg", "margin", "energy_margin", "facet", "slope_deg")
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What the command line says."""
+
+    assignments: tuple[tuple[str, float], ...] = parameters()
+    gravity: tuple[float, float, float] = gravity()
+    acceleration: tuple[float, float, float] | None = option(
+        "-a",
+        "--acceleration",
+        type=Numbers("AX,AY,AZ", "acceleration", "for example -2,0,0"),
+        help=(
+            "Acceleration of the robot in the body frame, m/s^2: inertia then acts beside "
+            "gravity. Leave it out where gravity comes from an accelerometer, which reads "
+            "both."
+        ),
+    )
+    allow_python: bool = allow_python()
+    as_json: bool = as_json()
+
 
 @click.command("eval", short_help="Evaluate one point of a recipe, a map or an export.")
 @click.argument("source", type=click.Path())
-@parameters
-@gravity
-@acceleration
-@allow_python
-@as_json
-def eval_(
-    source: str,
-    assignments: tuple[tuple[str, float], ...],
-    gravity: tuple[float, ...],
-    acceleration: tuple[float, ...] | None,
-    allow_python: bool,
-    as_json: bool,
-) -> None:
+@asks(Asked)
+def eval_(source: str, asked: Asked) -> None:
     """Evaluate SOURCE at one point.
 
     A recipe is evaluated exactly, a map by interpolation; of a folder of `lutgen export` the C
@@ -50,55 +66,28 @@ def eval_(
     $ lutgen eval maps/paper_two.toml -p alpha=31 -p gamma=31
     sdg            0.00253161
     """
+    report = _report(source, asked)
+    show(report, lines(report), asked.as_json)
+
+
+def _report(source: str, asked: Asked) -> dict[str, Any]:
+    """Return what `--json` prints; null where there is no value."""
     from lutgen.chart import gravito_inertial
     from lutgen.recipe import Recipe
 
-    if acceleration is not None:
-        gravity = tuple(gravito_inertial(gravity, acceleration).tolist())
+    gravity: tuple[float, ...] = asked.gravity
+    if asked.acceleration is not None:
+        gravity = tuple(gravito_inertial(gravity, asked.acceleration).tolist())
     if Path(source).is_dir():
         from lutgen.cli.eval_export import export_report
 
-        show(export_report(Path(source), assignments, gravity), as_json)
-        return
-    opened = open_source(source, allow_python)
-    recipe = opened if isinstance(opened, Recipe) else opened.recipe
-    values = parameter_values(recipe, assignments)
-    for parameter, value in zip(recipe.parameters, values, strict=True):
-        if not parameter.minimum <= value <= parameter.maximum:
-            what = "used as it is" if isinstance(opened, Recipe) else "clamped"
-            log.warning("parameter %s is outside the recipe's range: %s", parameter.name, what)
+        return export_report(Path(source), asked.assignments, gravity)
+    opened = open_source(source, asked.allow_python)
     if isinstance(opened, Recipe):
-        report = exact_report(opened, values, gravity)
-    else:
-        report = map_report(opened, values, gravity)
-    show(report, as_json)
-
-
-def show(report: dict[str, Any], as_json: bool) -> None:
-    """Print a report."""
-    if as_json:
-        click.echo(json.dumps(report, indent=2, allow_nan=False))
-        return
-    for line in lines(report):
-        click.echo(line)
-
-
-def _number(value: float) -> float | None:
-    """Return a number for JSON, which knows neither NaN nor infinity."""
-    return float(value) if math.isfinite(value) else None
-
-
-def channel_entries(channels: dict[str, float]) -> dict[str, Any]:
-    """Return the channels under their names in the report; angles in deg."""
-    entries: dict[str, Any] = {}
-    for name, value in channels.items():
-        if name == "tip_angle":
-            entries["tip_angle_deg"] = _number(math.degrees(value))
-        elif name == "facet":
-            entries[name] = int(value)
-        else:
-            entries[name] = _number(value)
-    return entries
+        return exact_report(opened, parameter_values(opened, asked.assignments), gravity)
+    return map_report(
+        opened, parameter_values(opened.recipe, asked.assignments, "clamped"), gravity
+    )
 
 
 def exact_report(
@@ -115,7 +104,7 @@ def exact_report(
         "length_unit": recipe.length_unit,
         "standing": found.standing,
         **channel_entries(found.channels),
-        "slope_deg": _number(math.degrees(found.slope)),
+        "slope_deg": degrees(found.slope),
         "slides_first": found.slides,
         **(_rolling_entries(recipe, values, gravity) if rolling and not recipe.has_wrench else {}),
     }
@@ -130,7 +119,7 @@ def exact_report(
         report["support"] = {
             "contacts": [recipe.contact_names[i] for i in found.facet.contacts],
             "centroid": found.facet.centroid.tolist(),
-            "pierced": [_number(c) for c in found.facet.pierced],
+            "pierced": [number(c) for c in found.facet.pierced],
         }
     report["com"] = found.com.tolist()
     if recipe.com_uncertainty:
@@ -152,7 +141,7 @@ def _rolling_entries(
     if down is not None:
         angle = evaluate(recipe, [values], down, ("tip_angle",))["tip_angle"][0, 0]
         entries["rolling_gravity"] = down.tolist()
-        entries["rolling_tip_angle_deg"] = _number(math.degrees(angle))
+        entries["rolling_tip_angle_deg"] = degrees(angle)
     return entries
 
 
@@ -163,9 +152,9 @@ def _axis(found: "Diagnosis", index: int) -> dict[str, Any]:
     return {
         "index": index,
         "contacts": list(axis.names),
-        "tip_angle_deg": _number(math.degrees(axis.tip_angle)),
-        "margin": _number(axis.margin),
-        "energy_margin": _number(axis.energy_margin),
+        "tip_angle_deg": degrees(axis.tip_angle),
+        "margin": number(axis.margin),
+        "energy_margin": number(axis.energy_margin),
         # Under a load there is no such measure of the nominal weight alone.
         "force_angle_rad": None
         if found.com_uncertainty or len(found.forces)
@@ -195,43 +184,40 @@ def map_report(
     }
 
 
-def lines(report: dict[str, Any]) -> list[str]:
+def lines(report: dict[str, Any]) -> Iterator[str]:
     """Return the report as text."""
-    unit = report["length_unit"]
-    length = "" if unit == "1" else f" {unit}"
-    verdict = {True: "stands", False: "tips over", None: "unknown: off the chart"}
-    text = [f"{report['robot']} ({report['source']}): {verdict[report['standing']]}"]
-    if "status" in report:
-        text.append(f"{'status':<15}{report['status']}")
-    for key in ("sdg", "height", "tip_angle_deg", "margin", "energy_margin", "facet", "slope_deg"):
-        if key in report:
-            value = report[key]
-            name, suffix = (key[:-4], " deg") if key.endswith("_deg") else (key, length)
-            suffix = "" if key == "facet" else suffix
-            # JSON has null for them: no boundary at all, or no value outside the region.
-            shown = "-" if value is None else f"{value:.9g}{suffix}"
-            text.append(f"{name:<15}{shown}")
-    if report.get("slides_first") is not None:
-        text.append(f"{'slides first':<15}{'yes' if report['slides_first'] else 'no'}")
-    if "rolls" in report:
-        text.append(f"{'rolls away':<15}{'yes' if report['rolls'] else 'no'}")
-    if "rolling_tip_angle_deg" in report:
-        angle = report["rolling_tip_angle_deg"]
-        text.append(f"{'rolling freely':<15}tip_angle {angle:.6g} deg")
-    if "com_uncertainty" in report:
-        text.append(f"{'for any com':<15}within {report['com_uncertainty']:g}{length}")
-    if "resultant_over_weight" in report:
-        size = math.hypot(*report["resultant_over_weight"])
-        text.append(f"{'resultant':<15}{size:.6g} of the weight")
-    axis = report.get("least_stable_axis")
-    if axis is not None:
-        text.append(
-            f"{'least stable':<15}axis {axis['index']}, {' - '.join(axis['contacts'])}, "
-            f"{axis['tip_angle_deg']:.6g} deg"
-        )
+    length = unit_text(report["length_unit"])
+    yield f"{report['robot']} ({report['source']}): {VERDICT[report['standing']]}"
+    for name, text in _entries(report, length):
+        yield f"{name:<15}{text}"
     if "normal_forces" in report:
-        text.append(f"normal forces, shares of their sum ({report['normal_forces_kind']}):")
+        yield f"normal forces, shares of their sum ({report['normal_forces_kind']}):"
         for name, share in report["normal_forces"].items():
             rough = report["heuristic_forces_eq12"][name]
-            text.append(f"  {name:<13}{share:.6f}   (paper's heuristic, Eq 12: {rough:.6f})")
-    return text
+            yield f"  {name:<13}{share:.6f}   (paper's heuristic, Eq 12: {rough:.6f})"
+
+
+def _entries(report: dict[str, Any], length: str) -> Iterator[tuple[str, str]]:
+    """Return the names and texts of what there is one of."""
+    if "status" in report:
+        yield "status", report["status"]
+    for key in VALUES:
+        if key in report:
+            name, is_angle, _ = key.partition("_deg")
+            unit = " deg" if is_angle else "" if key == "facet" else length
+            # JSON has null for them: no boundary at all, or no value outside the region.
+            yield name, cell(report[key], ".9g", unit)
+    for name, key in (("slides first", "slides_first"), ("rolls away", "rolls")):
+        if report.get(key) is not None:
+            yield name, "yes" if report[key] else "no"
+    if "rolling_tip_angle_deg" in report:
+        yield "rolling freely", f"tip_angle {report['rolling_tip_angle_deg']:.6g} deg"
+    if "com_uncertainty" in report:
+        yield "for any com", f"within {report['com_uncertainty']:g}{length}"
+    if "resultant_over_weight" in report:
+        yield "resultant", f"{math.hypot(*report['resultant_over_weight']):.6g} of the weight"
+    if "least_stable_axis" in report:
+        axis = report["least_stable_axis"]
+        contacts = " - ".join(axis["contacts"])
+        angle = f"{axis['tip_angle_deg']:.6g} deg"
+        yield "least stable", f"axis {axis['index']}, {contacts}, {angle}"

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from lutgen.cli.options import internal_values
+from lutgen.cli.options import Assignments, internal_values
+from lutgen.cli.table import channel_entries
 
 log = logging.getLogger("lutgen")
 
@@ -26,7 +27,7 @@ NOT_HELD, FULL_SCALE = 65535, 32767
 
 
 def export_report(
-    directory: Path, assignments: Sequence[tuple[str, float]], gravity: Sequence[float]
+    directory: Path, assignments: Assignments, gravity: Sequence[float]
 ) -> dict[str, Any]:
     """Return the report on one point of an export.
 
@@ -55,22 +56,18 @@ def export_report(
         status = STATUS[int(codes[0])]
         names = ("sdg", "tip_angle", "height")
         channels = dict(zip(names, map(float, readings[0]), strict=True))
-    report: dict[str, Any] = {
+    known = status != OFF_CHART
+    return {
         "robot": content["robot"],
         "source": "compiled",
         "length_unit": content["length_unit"],
         "status": status,
-        "on_chart": status != OFF_CHART,
-        "standing": None if status == OFF_CHART else status in STANDS,
+        "on_chart": known,
+        "standing": status in STANDS if known else None,
+        **channel_entries(
+            {name: channels[name] if known else math.nan for name in content["channels"]}
+        ),
     }
-    for name in content["channels"]:
-        value = channels[name] if status != OFF_CHART else math.nan
-        known = math.isfinite(value)
-        if name == "tip_angle":
-            report["tip_angle_deg"] = math.degrees(value) if known else None
-        else:
-            report[name] = value if known else None
-    return report
 
 
 def _read_integer(

@@ -1,13 +1,15 @@
 """`lutgen export`: C tables, runtime and report."""
 
-import json
 import logging
 import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import click
 
-from lutgen.cli.options import allow_python, as_json, open_source
+from lutgen.cli.options import allow_python, as_json, asks, open_source, option
+from lutgen.cli.table import show
 
 log = logging.getLogger("lutgen")
 
@@ -15,49 +17,49 @@ CODECS = ("auto", "contacts", "grid", "poly")
 ARITHMETIC = ("float", "integer")
 
 
+@dataclass(frozen=True)
+class Asked:
+    """What the command line says."""
+
+    output: str = option(
+        "-o",
+        "--output",
+        required=True,
+        type=click.Path(),
+        help="The folder; it appears when whole.",
+    )
+    name: str | None = option(
+        "--name", help="C identifier of the map.  [default: the robot's name]"
+    )
+    flash: str | None = option(
+        "--flash", metavar="SIZE", help="Most bytes of tables and code: 16KiB, 64k (of 1000), 4096."
+    )
+    max_error: str | None = option(
+        "--max-error",
+        metavar="X",
+        help="Largest error of |SD_g|: 1% of its range, or 0.05 in the length unit.",
+    )
+    channels: str | None = option(
+        "--channels",
+        metavar="A,B",
+        help="Of sdg, tip_angle, height; tip_angle is always there.  [default: the recipe's]",
+    )
+    codec: str = option("--codec", type=click.Choice(CODECS), default="auto")
+    arithmetic: str = option(
+        "--arithmetic",
+        type=click.Choice(ARITHMETIC),
+        default="float",
+        help="integer: for processors without floating point.",
+    )
+    allow_python: bool = allow_python()
+    as_json: bool = as_json()
+
+
 @click.command(short_help="Write a map as C tables with a small runtime.")
 @click.argument("source", type=click.Path())
-@click.option(
-    "-o", "--output", required=True, type=click.Path(), help="The folder; it appears when whole."
-)
-@click.option("--name", help="C identifier of the map.  [default: the robot's name]")
-@click.option(
-    "--flash", metavar="SIZE", help="Most bytes of tables and code: 16KiB, 64k (of 1000), 4096."
-)
-@click.option(
-    "--max-error",
-    metavar="X",
-    help="Largest error of |SD_g|: 1% of its range, or 0.05 in the length unit.",
-)
-@click.option(
-    "--channels",
-    metavar="A,B",
-    help="Of sdg, tip_angle, height; tip_angle is always there.  [default: the recipe's]",
-)
-@click.option("--codec", type=click.Choice(CODECS), default="auto", show_default=True)
-@click.option(
-    "--arithmetic",
-    type=click.Choice(ARITHMETIC),
-    default="float",
-    show_default=True,
-    help="integer: for processors without floating point.",
-)
-@allow_python
-@as_json
+@asks(Asked)
 @click.pass_context
-def export(
-    ctx: click.Context,
-    source: str,
-    output: str,
-    name: str | None,
-    flash: str | None,
-    max_error: str | None,
-    channels: str | None,
-    codec: str,
-    arithmetic: str,
-    allow_python: bool,
-    as_json: bool,
-) -> None:
+def export(ctx: click.Context, source: str, asked: Asked) -> None:
     """Write SOURCE, a map or a recipe, as a folder of C sources that any project can take.
 
     With a flash size the most exact export that fits, with a largest error the smallest that
@@ -72,12 +74,12 @@ def export(
     from firmware_export.quantity import parse_error, parse_size
 
     # What is wrong with the command is said before anything is computed.
-    check_directory(output)
-    if flash is not None:
-        parse_size(flash)
-    if max_error is not None:
-        parse_error(max_error)
-    wanted = tuple(part.strip() for part in channels.split(",")) if channels is not None else None
+    check_directory(asked.output)
+    if asked.flash is not None:
+        parse_size(asked.flash)
+    if asked.max_error is not None:
+        parse_error(asked.max_error)
+    wanted = asked.channels
     quiet = bool(ctx.find_root().params.get("quiet"))
     watched = not quiet and sys.stderr.isatty()
 
@@ -88,14 +90,14 @@ def export(
 
     try:
         report = run(
-            open_source(source, allow_python),
-            output,
-            name=name,
-            flash=flash,
-            max_error=max_error,
-            channels=wanted,
-            codec=codec,
-            arithmetic=arithmetic,
+            open_source(source, asked.allow_python),
+            asked.output,
+            name=asked.name,
+            flash=asked.flash,
+            max_error=asked.max_error,
+            channels=None if wanted is None else [part.strip() for part in wanted.split(",")],
+            codec=asked.codec,
+            arithmetic=asked.arithmetic,
             progress=progress,
         )
     except KeyboardInterrupt:
@@ -103,40 +105,34 @@ def export(
     finally:
         if watched:
             click.echo("\r\033[K", nl=False, err=True)
-    if as_json:
-        click.echo(json.dumps({"directory": output, **report}, indent=2, allow_nan=False))
-        return
-    for line in lines(report, output):
-        click.echo(line)
+    told = {"directory": asked.output, **report}
+    show(told, lines(told), asked.as_json)
 
 
-def _error_text(name: str, entry: dict[str, Any] | None, unit: str) -> str:
-    """Return the errors of a channel as text."""
-    from firmware_export.emit import error_texts
-
-    if not entry:
-        return "errors not measured"
-    largest, p99, rms = error_texts(name, entry, unit)
-    return f"largest error {largest}, p99 {p99}, RMS {rms}"
-
-
-def lines(report: dict[str, Any], output: str) -> list[str]:
+def lines(report: dict[str, Any]) -> Iterator[str]:
     """Return the report as text."""
-    from firmware_export.emit import bytes_text, share
+    yield f"{report['name']}: {report['spec']}, {report['arithmetic']} arithmetic"
+    for name, text in _entries(report):
+        yield f"{name:<12}{text}"
 
-    sizes = report["bytes"]
-    text = [f"{report['name']}: {report['spec']}, {report['arithmetic']} arithmetic"]
-    text.append(f"{'flash':<12}{bytes_text(sizes)}")
+
+def _entries(report: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    from firmware_export.emit import bytes_text, error_texts, share
+
+    yield "flash", bytes_text(report["bytes"])
     for name, channel in report["channels"].items():
-        errors = _error_text(name, channel["error"], report["length_unit"])
-        text.append(f"{name:<12}{errors}")
+        text = "errors not measured"
+        if channel["error"]:
+            largest, p99, rms = error_texts(name, channel["error"], report["length_unit"])
+            text = f"largest error {largest}, p99 {p99}, RMS {rms}"
+        yield name, text
     unsafe = report["false_safe"]
-    text.append(
-        f"{'verdict':<12}guard {report['guard_deg']:.3g} deg, "
-        f"{share(report['given_up'])} of the standing configurations given up, "
-        + ("not certified" if unsafe is None else f"{unsafe} points said to stand that tip")
+    yield (
+        "verdict",
+        f"guard {report['guard_deg']:.3g} deg, "
+        f"{share(report['given_up'])} of the stable configurations reported unsafe, "
+        + ("not certified" if unsafe is None else f"{unsafe} points said to stand that tip"),
     )
-    certificate = report["certificate"] or {}
-    text += [f"{'note':<12}{note}" for note in certificate.get("text", ())]
-    text.append(f"{'folder':<12}{output}")
-    return text
+    for note in (report["certificate"] or {}).get("text", ()):
+        yield "note", note
+    yield "folder", report["directory"]

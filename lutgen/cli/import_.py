@@ -1,13 +1,14 @@
 """`lutgen import`: a recipe to start from, out of a robot description."""
 
-import json
 import math
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import as_json, finite_numbers
+from lutgen.cli.options import as_json, asks, finite_numbers, option
+from lutgen.cli.table import show
 from lutgen.errors import InputError
 
 if TYPE_CHECKING:
@@ -15,34 +16,40 @@ if TYPE_CHECKING:
     from lutgen.urdf import UrdfRobot
 
 
+@dataclass(frozen=True)
+class Asked:
+    """What the command line says."""
+
+    output: str = option(
+        "-o", "--output", required=True, type=click.Path(), help="Recipe to write (.toml)."
+    )
+    name: str | None = option("-n", "--name", help="The recipe's name; the robot's own by default.")
+    contacts: tuple[str, ...] = option(
+        "-c",
+        "--contact",
+        multiple=True,
+        metavar="LINK[=X,Y,Z[,R]]",
+        help=(
+            "A link whose collision shapes touch the ground, or a point or sphere on it (m); "
+            "repeat."
+        ),
+    )
+    joints: tuple[str, ...] = option(
+        "-j", "--joint", multiple=True, help="A joint that becomes a parameter; repeat."
+    )
+    xacro: bool = option(
+        "-x",
+        "--xacro",
+        is_flag=True,
+        help="Expand a .xacro file: evaluates it, reads its includes.",
+    )
+    as_json: bool = as_json()
+
+
 @click.command("import", short_help="Write a recipe from a robot description (URDF).")
 @click.argument("urdf", type=click.Path())
-@click.option("-o", "--output", required=True, type=click.Path(), help="Recipe to write (.toml).")
-@click.option("-n", "--name", help="The recipe's name; the robot's own by default.")
-@click.option(
-    "-c",
-    "--contact",
-    "contacts",
-    multiple=True,
-    metavar="LINK[=X,Y,Z[,R]]",
-    help="A link whose collision shapes touch the ground, or a point or sphere on it (m); repeat.",
-)
-@click.option(
-    "-j", "--joint", "joints", multiple=True, help="A joint that becomes a parameter; repeat."
-)
-@click.option(
-    "-x", "--xacro", is_flag=True, help="Expand a .xacro file: evaluates it, reads its includes."
-)
-@as_json
-def import_(
-    urdf: str,
-    output: str,
-    name: str | None,
-    contacts: tuple[str, ...],
-    joints: tuple[str, ...],
-    xacro: bool,
-    as_json: bool,
-) -> None:
+@asks(Asked)
+def import_(urdf: str, asked: Asked) -> None:
     """Write a recipe from the robot description URDF and say what it leaves out.
 
     Without --contact, spheres and cylinders that reach below the centre of mass touch the ground.
@@ -56,43 +63,39 @@ def import_(
     from lutgen.recipe import import_urdf
     from lutgen.urdf import centre_of_mass, places, read_motion
 
-    if not output.endswith(".toml"):
-        raise InputError(f"--output: is no recipe's name (got {output!r}); end it in .toml.")
-    robot = _read(urdf, xacro)
-    if name is not None:
-        if not name.strip():
+    if not asked.output.endswith(".toml"):
+        raise InputError(f"--output: is no recipe's name (got {asked.output!r}); end it in .toml.")
+    robot = _read(urdf, asked.xacro)
+    if asked.name is not None:
+        if not asked.name.strip():
             raise InputError("--name: must not be empty (got ''); leave it out.")
-        robot = replace(robot, name=name)
+        robot = replace(robot, name=asked.name)
     links = {link.name for link in robot.links}
     # A link's own name may have an equals sign in it.
-    named = [text for text in contacts if text in links or "=" not in text]
-    points = [_point(text, i) for i, text in enumerate(contacts, 1) if text not in named]
-    made = import_urdf(robot, named if contacts else None, points, joints or None)
+    named = [text for text in asked.contacts if text in links or "=" not in text]
+    points = [_point(text, i) for i, text in enumerate(asked.contacts, 1) if text not in named]
+    made = import_urdf(robot, named if asked.contacts else None, points, asked.joints or None)
     recipe = made.recipe
-    com = centre_of_mass(robot, places(robot, read_motion(robot, ()))).tolist()
-    mass = math.fsum(link.mass for link in robot.links)
-    write_text(output, made.text)
-    if as_json:
-        report = {
-            "name": recipe.name,
-            "mass": mass,
-            "com": com,
-            "parameters": [p.name for p in recipe.parameters],
-            "contacts": list(recipe.contact_names),
-            "left_out": list(made.left_out),
-        }
-        click.echo(json.dumps(report, indent=2))
-        return
-    place = ", ".join(f"{x:.4f}" for x in com)
-    click.echo(f"{recipe.name}: {mass:.6g} kg, com at rest ({place}) m from {robot.root}")
-    for what, names in (
-        ("contacts", recipe.contact_names),
-        ("parameters", [p.name for p in recipe.parameters]),
-    ):
-        click.echo(f"  {what} ({len(names)}): {' '.join(names) or '-'}")
-    click.echo("left out:" if made.left_out else "nothing left out")
-    for what in made.left_out:
-        click.echo(f"  {what}")
+    report = {
+        "name": recipe.name,
+        "mass": math.fsum(link.mass for link in robot.links),
+        "com": centre_of_mass(robot, places(robot, read_motion(robot, ()))).tolist(),
+        "parameters": [p.name for p in recipe.parameters],
+        "contacts": list(recipe.contact_names),
+        "left_out": list(made.left_out),
+    }
+    write_text(asked.output, made.text)
+    show(report, import_lines(report, robot.root), asked.as_json)
+
+
+def import_lines(report: dict[str, Any], root: str) -> Iterator[str]:
+    """Return the report as text."""
+    place = ", ".join(f"{x:.4f}" for x in report["com"])
+    yield f"{report['name']}: {report['mass']:.6g} kg, com at rest ({place}) m from {root}"
+    for what in ("contacts", "parameters"):
+        yield f"  {what} ({len(report[what])}): {' '.join(report[what]) or '-'}"
+    yield "left out:" if report["left_out"] else "nothing left out"
+    yield from (f"  {what}" for what in report["left_out"])
 
 
 def _read(path: str, xacro: bool) -> "UrdfRobot":

@@ -1,48 +1,62 @@
 """`lutgen limits`: how far a robot can be tilted, in one posture or in all."""
 
-import json
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import allow_python, as_json, parameters, posture_values
+from lutgen.cli.options import (
+    allow_python,
+    as_json,
+    asks,
+    option,
+    parameters,
+    posture_values,
+)
+from lutgen.cli.table import aligned, by_unit, cell, degrees, show
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from lutgen.analysis import PostureLimits, SweepLimits
+    from lutgen.recipe import Recipe
 
 # The curves of the figure have this many headings or more.
 FIGURE = 72
 
 
+@dataclass(frozen=True)
+class Asked:
+    """What the command line says."""
+
+    assignments: tuple[tuple[str, float], ...] = parameters()
+    over_all: bool = option("--all", is_flag=True, help="Also over all postures of the sweep.")
+    best: bool = option(
+        "--best", is_flag=True, help="Also the best posture of the sweep in each heading."
+    )
+    headings: int = option(
+        "--headings", default=24, help="How many the table of --best has; a multiple of 4."
+    )
+    convention: str = option(
+        "--convention",
+        type=click.Choice(("plane", "body")),
+        default="plane",
+        help="Whether the ground under the robot is tilted from level, or its body.",
+    )
+    output: str | None = option(
+        "-o", "--output", type=click.Path(), help="Figure (PNG, SVG or PDF)."
+    )
+    allow_python: bool = allow_python()
+    as_json: bool = as_json()
+
+
 @click.command(short_help="Largest tilt nose down, nose up, left, right and in the worst heading.")
 @click.argument("recipe", type=click.Path())
-@parameters
-@click.option("--all", "over_all", is_flag=True, help="Also over all postures of the sweep.")
-@click.option("--best", is_flag=True, help="Also the best posture of the sweep in each heading.")
-@click.option(
-    "--headings",
-    type=int,
-    default=24,
-    show_default=True,
-    help="How many the table of --best has; a multiple of 4.",
-)
-@click.option(
-    "--convention",
-    type=click.Choice(("plane", "body")),
-    default="plane",
-    show_default=True,
-    help="Whether the ground under the robot is tilted from level, or its body.",
-)
-@click.option("-o", "--output", type=click.Path(), help="Figure (PNG, SVG or PDF).")
-@allow_python
-@as_json
-def limits(
-    recipe: str,
-    assignments: tuple[tuple[str, float], ...],
-    over_all: bool,
-    best: bool,
-    headings: int,
-    convention: str,
-    output: str | None,
-    allow_python: bool,
-    as_json: bool,
-) -> None:
+@asks(Asked)
+def limits(recipe: str, asked: Asked) -> None:
     """Print how far RECIPE can be tilted before it tips over.
 
     From level, with its shape kept: nose down, left side down, nose up, right side down and in its
@@ -54,25 +68,164 @@ def limits(
     guaranteed in every heading: 52.14 deg
     """
     from lutgen.analysis import even_headings, posture_limits, sweep_limits
-    from lutgen.cli.limits_report import lines, report
     from lutgen.recipe import load_recipe
 
-    robot = load_recipe(recipe, allow_python=allow_python)
+    robot = load_recipe(recipe, allow_python=asked.allow_python)
     # Refused before the work, which takes as many as the figure needs.
-    around = even_headings(headings)
-    found = posture_limits(robot, posture_values(robot, assignments), convention)
+    around = even_headings(asked.headings)
+    found = posture_limits(robot, posture_values(robot, asked.assignments), asked.convention)
     swept = None
-    if over_all or best:
+    if asked.over_all or asked.best:
         grid = robot.grid
-        around = even_headings(headings * -(-FIGURE // headings))
-        swept = sweep_limits(robot, grid.params(range(grid.size)), around, convention)
-    if output is not None:
+        around = even_headings(asked.headings * -(-FIGURE // asked.headings))
+        swept = sweep_limits(robot, grid.params(range(grid.size)), around, asked.convention)
+    if asked.output is not None:
         from lutgen.plot import draw_limits, save
 
-        save(draw_limits(robot, found, swept, worst=over_all), output)
-    told = report(robot, found, swept, over_all, headings if best else 0)
-    if as_json:
-        click.echo(json.dumps(told, indent=2, allow_nan=False))
-        return
-    for line in lines(told):
-        click.echo(line)
+        save(draw_limits(robot, found, swept, worst=asked.over_all), asked.output)
+    report = limits_report(robot, found)
+    if swept is not None and asked.over_all:
+        report["all_postures"] = _all(robot, swept)
+    if swept is not None and asked.best:
+        report["best_postures"] = _best(robot, swept, asked.headings)
+    show(report, limits_lines(report), asked.as_json)
+
+
+def _posture(recipe: "Recipe", params: "NDArray[np.float64]") -> dict[str, float]:
+    """Return a posture in display units, named with them."""
+    return {name: float(value) for name, value in by_unit(recipe, params).items()}
+
+
+def limits_report(recipe: "Recipe", found: "PostureLimits") -> dict[str, Any]:
+    """Return what `--json` prints of one posture; null where there is no value."""
+    mu = recipe.friction
+    return {
+        "robot": recipe.name,
+        "length_unit": recipe.length_unit,
+        "convention": found.convention,
+        "posture": _posture(recipe, found.params),
+        "friction": mu,
+        "friction_angle_deg": None if mu is None else math.degrees(math.atan(mu)),
+        "limits": [
+            {
+                "name": row.name,
+                "heading_deg": degrees(row.heading),
+                "tilt_deg": math.degrees(row.tilt),
+                "contacts": list(row.contacts),
+                "slides_first": row.slides,
+            }
+            for row in found.headings
+        ],
+        "guaranteed_tilt_deg": math.degrees(found.guaranteed),
+    }
+
+
+def _best(recipe: "Recipe", swept: "SweepLimits", count: int) -> list[dict[str, Any]]:
+    """Return the best posture in each of `count` headings, of which `swept` has a multiple."""
+    return [
+        {
+            "heading_deg": math.degrees(swept.headings[i]),
+            "tilt_deg": math.degrees(swept.most[i]),
+            "posture": _posture(recipe, swept.params[swept.most_at[i]]),
+        }
+        for i in range(0, len(swept.headings), len(swept.headings) // count)
+    ]
+
+
+def _all(recipe: "Recipe", swept: "SweepLimits") -> dict[str, Any]:
+    """Return the limits over all postures: in the four headings, and in the worst of each."""
+    from lutgen.analysis import FOUR, WORST
+
+    rows = []
+    for i, name in enumerate(FOUR):
+        # The headings go round evenly from the nose to the left.
+        at = i * len(swept.headings) // len(FOUR)
+        least, most = int(swept.least_at[at]), int(swept.most_at[at])
+        rows.append((name, swept.least[at], least, swept.most[at], most))
+    weakest, strongest = swept.weakest, swept.strongest
+    guaranteed = swept.guaranteed
+    rows.append((WORST, guaranteed[weakest], weakest, guaranteed[strongest], strongest))
+    return {
+        "postures": len(swept.params),
+        "tip_on_level_ground": int((guaranteed <= 0.0).sum()),
+        "limits": [
+            {
+                "name": name,
+                "least_tilt_deg": math.degrees(least),
+                "least_at": _posture(recipe, swept.params[least_at]),
+                "largest_tilt_deg": math.degrees(most),
+                "largest_at": _posture(recipe, swept.params[most_at]),
+            }
+            for name, least, least_at, most, most_at in rows
+        ],
+    }
+
+
+def _words(posture: dict[str, float]) -> str:
+    """Return a posture as text."""
+    parts = []
+    for key, value in posture.items():
+        name, _, unit = key.rpartition("_")
+        known = unit in ("deg", "rad", "m", "cm", "mm") and name
+        parts.append(f"{name} = {value:.6g} {unit}" if known else f"{key} = {value:.6g}")
+    return ", ".join(parts) or "-"
+
+
+def _angle(angle: float) -> str:
+    return "never" if angle >= 180.0 else f"{angle:.2f} deg"
+
+
+def _event(row: dict[str, Any]) -> Iterator[str]:
+    """Return what happens at a limit: over which axis, and whether it has slid before."""
+    yield " - ".join(row["contacts"]) or "-"
+    yield {None: "-", True: "slides first", False: "tips first"}[row["slides_first"]]
+
+
+def limits_lines(report: dict[str, Any]) -> Iterator[str]:
+    """Return the report as text."""
+    tilted = {"plane": "ground", "body": "body"}[report["convention"]]
+    yield f"{report['robot']}: tilt of the {tilted} from level until the robot tips over"
+    if report["posture"]:
+        yield _words(report["posture"])
+    rubs = report["friction"] is not None
+    rows = [["heading", "", "tilt", "turns over", "friction"]]
+    for row in report["limits"]:
+        heading = cell(row["heading_deg"], ".1f", " deg")
+        rows.append([row["name"], heading, _angle(row["tilt_deg"]), *_event(row)])
+    yield from aligned([row if rubs else row[:-1] for row in rows])
+    if report["guaranteed_tilt_deg"] <= 0.0:
+        yield "it tips over on level ground"
+    else:
+        # Rounded down: what is printed holds, too.
+        guaranteed = math.floor(100.0 * report["guaranteed_tilt_deg"]) / 100.0
+        yield f"guaranteed in every heading: {_angle(guaranteed)}"
+    if rubs:
+        yield (
+            f"slides on slopes above {report['friction_angle_deg']:.2f} deg "
+            f"(friction {report['friction']:g})"
+        )
+    if "all_postures" in report:
+        yield from _all_lines(report["all_postures"])
+    if "best_postures" in report:
+        rows = [["heading", "tilt", "best posture"]]
+        for row in report["best_postures"]:
+            heading = f"{row['heading_deg']:.1f} deg"
+            rows.append([heading, _angle(row["tilt_deg"]), _words(row["posture"])])
+        yield ""
+        yield from aligned(rows)
+
+
+def _all_lines(found: dict[str, Any]) -> Iterator[str]:
+    """Return the limits over all postures as text."""
+    tipping = found["tip_on_level_ground"]
+    more = f", of which {tipping} tip over on level ground" if tipping else ""
+    rows = [["heading", "least", "at", "largest", "at"]]
+    for row in found["limits"]:
+        ends = ((row[f"{end}_tilt_deg"], row[f"{end}_at"]) for end in ("least", "largest"))
+        rows.append([row["name"], *(text for a, at in ends for text in (_angle(a), _words(at)))])
+    yield ""
+    yield f"over {found['postures']} postures of the sweep{more}"
+    yield from aligned(rows)
+    where = found["limits"][-1]["largest_at"]
+    if where:
+        yield f"best posture: {_words(where)}"

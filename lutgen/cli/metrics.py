@@ -1,12 +1,22 @@
 """`lutgen metrics`: five metrics of stability side by side."""
 
-import json
 import math
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import allow_python, as_json, parameter_values, parameters, tilt
+from lutgen.cli.options import (
+    allow_python,
+    as_json,
+    asks,
+    option,
+    parameter_values,
+    parameters,
+    tilt,
+)
+from lutgen.cli.table import aligned, cell, channel_entries, number, show, unit_text
 from lutgen.errors import InputError
 
 if TYPE_CHECKING:
@@ -16,27 +26,26 @@ if TYPE_CHECKING:
 MOST = 3600
 
 
+@dataclass(frozen=True)
+class Asked:
+    """What the command line says."""
+
+    assignments: tuple[tuple[str, float], ...] = parameters()
+    tilt: float = tilt()
+    headings: int = option(
+        "--headings",
+        type=click.IntRange(1, MOST),
+        default=24,
+        help="How many headings, evenly spaced, the first nose down.",
+    )
+    allow_python: bool = allow_python()
+    as_json: bool = as_json()
+
+
 @click.command(short_help="Compare five metrics over all headings.")
 @click.argument("recipe", type=click.Path())
-@parameters
-@tilt
-@click.option(
-    "--headings",
-    type=click.IntRange(1, MOST),
-    default=24,
-    show_default=True,
-    help="How many headings, evenly spaced, the first nose down.",
-)
-@allow_python
-@as_json
-def metrics(
-    recipe: str,
-    assignments: tuple[tuple[str, float], ...],
-    tilt: float,
-    headings: int,
-    allow_python: bool,
-    as_json: bool,
-) -> None:
+@asks(Asked)
+def metrics(recipe: str, asked: Asked) -> None:
     """Print |SD_g|, tip-over angle, static and energy margin, and force-angle of one posture.
 
     The force-angle measure is that of a weight of 1.  Only the tip-over angle's sign is a verdict.
@@ -47,16 +56,14 @@ def metrics(
     """
     from lutgen.recipe import load_recipe
 
-    if not 0.0 <= tilt <= 180.0:
-        raise InputError(f"--tilt must lie between 0 and 180 deg (got {tilt:g}); 20 is the default")
-    robot = load_recipe(recipe, allow_python=allow_python)
-    values = parameter_values(robot, assignments)
-    report = metrics_report(robot, values, tilt, headings)
-    if as_json:
-        click.echo(json.dumps(report, indent=2, allow_nan=False))
-        return
-    for line in metrics_lines(report):
-        click.echo(line)
+    if not 0.0 <= asked.tilt <= 180.0:
+        raise InputError(
+            f"--tilt must lie between 0 and 180 deg (got {asked.tilt:g}); 20 is the default"
+        )
+    robot = load_recipe(recipe, allow_python=asked.allow_python)
+    values = parameter_values(robot, asked.assignments)
+    report = metrics_report(robot, values, asked.tilt, asked.headings)
+    show(report, metrics_lines(report), asked.as_json)
 
 
 def metrics_report(
@@ -74,41 +81,26 @@ def metrics_report(
         "robot": recipe.name,
         "length_unit": recipe.length_unit,
         "tilt_deg": tilt,
-        "level": _values(found.level),
+        "level": channel_entries(found.level),
         "headings": [_at(found, i, float(heading)) for i, heading in enumerate(around)],
     }
 
 
 def _at(found: "Metrics", index: int, heading: float) -> dict[str, Any]:
     """Return the entry of one heading."""
-    normalised = {name: float(values[index]) for name, values in found.normalised.items()}
     return {
         "heading_deg": heading,
         "standing": bool(found.standing[index]),
-        **_values({name: float(values[index]) for name, values in found.values.items()}),
-        "normalised": {name: _number(value) for name, value in normalised.items()},
+        **channel_entries({name: float(values[index]) for name, values in found.values.items()}),
+        "normalised": {
+            name: number(float(values[index])) for name, values in found.normalised.items()
+        },
     }
 
 
-def _values(values: dict[str, float]) -> dict[str, float | None]:
-    """Return metrics under their names in the report, as `lutgen eval` has them."""
-    entries: dict[str, float | None] = {}
-    for name, value in values.items():
-        if name == "tip_angle":
-            entries["tip_angle_deg"] = _number(math.degrees(value))
-        else:
-            entries["force_angle_rad" if name == "force_angle" else name] = _number(value)
-    return entries
-
-
-def _number(value: float) -> float | None:
-    return value if math.isfinite(value) else None
-
-
-def metrics_lines(report: dict[str, Any]) -> list[str]:
+def metrics_lines(report: dict[str, Any]) -> Iterator[str]:
     """Return the report as text: one row per heading, and one for level ground."""
-    unit = report["length_unit"]
-    length = "" if unit == "1" else f" {unit}"
+    length = unit_text(report["length_unit"])
     columns = {
         "sdg": f"sdg{length}",
         "tip_angle_deg": "tip_angle deg",
@@ -116,19 +108,13 @@ def metrics_lines(report: dict[str, Any]) -> list[str]:
         "energy_margin": f"energy{length}",
         "force_angle_rad": f"force_angle rad{length}",
     }
-
-    def row(name: str, verdict: str, cells: list[str]) -> str:
-        widths = [max(len(title), 10) for title in columns.values()]
-        numbers = [f"{cell:>{width}}" for cell, width in zip(cells, widths, strict=True)]
-        return "  ".join([f"{name:>11}", f"{verdict:<9}", *numbers])
-
-    def cells(entry: dict[str, Any]) -> list[str]:
-        return ["-" if entry[key] is None else f"{entry[key]:.6g}" for key in columns]
-
-    text = [f"{report['robot']}: tilted {report['tilt_deg']:g} deg"]
-    text.append(row("heading deg", "verdict", list(columns.values())))
-    text.append(row("level", "stands", cells(report["level"])))
-    for entry in report["headings"]:
+    rows = [["heading deg", "verdict", *columns.values()]]
+    for entry in ({"heading_deg": None, "standing": True, **report["level"]}, *report["headings"]):
+        heading = entry["heading_deg"]
+        name = "level" if heading is None else f"{heading:g}"
         verdict = "stands" if entry["standing"] else "tips over"
-        text.append(row(f"{entry['heading_deg']:g}", verdict, cells(entry)))
-    return text
+        rows.append([name, verdict, *(cell(entry[key]) for key in columns)])
+    yield f"{report['robot']}: tilted {report['tilt_deg']:g} deg"
+    yield from aligned(
+        rows, [">11", "<9", *(f">{max(len(title), 10)}" for title in columns.values())]
+    )

@@ -1,8 +1,10 @@
 """Options that several commands share, and how their texts become numbers."""
 
+import functools
 import logging
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import field, fields
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -14,11 +16,6 @@ if TYPE_CHECKING:
     from lutgen.recipe import Recipe
 
 log = logging.getLogger("lutgen")
-
-allow_python = click.option(
-    "--allow-python", is_flag=True, help="Run the code that the recipe names (`python = ...`)."
-)
-as_json = click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
 
 
 def finite_numbers(value: object) -> tuple[float, ...]:
@@ -53,74 +50,106 @@ class Numbers(click.ParamType):  # type: ignore[type-arg]
 
 
 class Assignment(click.ParamType):  # type: ignore[type-arg]
-    """A geometry parameter and its value, name=number."""
+    """A geometry parameter and one number for it, name=number, or as many between colons.
 
-    name = "NAME=VALUE"
+    `name`, `what` and the `example` are for the help and the message.
+    """
+
+    def __init__(
+        self, name: str = "NAME=VALUE", what: str = "assignment", example: str = "alpha=30"
+    ) -> None:
+        self.name, self.what, self.example = name, what, example
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[str, float]:
-        """Return (name, value)."""
+    ) -> tuple[Any, ...]:
+        """Return (name, value), or (name, low, high)."""
         if isinstance(value, tuple):
             return value
-        name, equals, number = str(value).partition("=")
-        try:
-            result = float(number)
-        except ValueError:
-            result = math.nan
-        if not (name and equals and math.isfinite(result)):
-            self.fail(f"{value!r} is no assignment; write for example alpha=30", param, ctx)
-        return name.strip(), result
+        name, equals, rest = str(value).partition("=")
+        numbers = finite_numbers(rest.replace(":", ",")) if "," not in rest else ()
+        if not (name and equals and len(numbers) == self.name.count(":") + 1):
+            self.fail(f"{value!r} is no {self.what}; write for example {self.example}", param, ctx)
+        return (name.strip(), *numbers)
 
 
-gravity = click.option(
+def option(*flags: str, **settings: Any) -> Any:
+    """Return a field of a dataclass that `asks` turns into an option of the command line.
+
+    `settings` are those of `click.option`; the help shows each default that is given.
+    """
+    settings.setdefault("show_default", "default" in settings)
+    return field(metadata={"option": (flags, settings)})
+
+
+def asks(kind: type) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Give a command the options of a dataclass, in its order, and one value of it as `asked`."""
+
+    def decorate(command: Callable[..., None]) -> Callable[..., None]:
+        @functools.wraps(command)
+        def run(*args: Any, **given: Any) -> None:
+            asked = kind(**{name: given.pop(name) for name in names})
+            command(*args, **given, asked=asked)
+
+        names = [part.name for part in fields(kind)]
+        for part in reversed(fields(kind)):
+            flags, settings = part.metadata["option"]
+            run = click.option(part.name, *flags, **settings)(run)
+        return run
+
+    return decorate
+
+
+Assignments = tuple[tuple[str, float], ...]
+allow_python = functools.partial(
+    option,
+    "--allow-python",
+    is_flag=True,
+    help="Run the code that the recipe names (`python = ...`).",
+)
+as_json = functools.partial(option, "--json", is_flag=True, help="Print the result as JSON.")
+gravity = functools.partial(
+    option,
     "-g",
     "--gravity",
     type=Numbers("X,Y,Z", "direction", "three numbers such as 0,0,-1", nonzero=True),
     default="0,0,-1",
-    show_default=True,
     help="Gravity in the body frame, pointing down (x forward, y left, z up); any length.",
 )
-acceleration = click.option(
-    "-a",
-    "--acceleration",
-    type=Numbers("AX,AY,AZ", "acceleration", "for example -2,0,0"),
-    help="Acceleration of the robot in the body frame, m/s^2: inertia then acts beside gravity. "
-    "Leave it out where gravity comes from an accelerometer, which reads both.",
-)
-convention = click.option(
-    "--convention",
-    type=click.Choice(("body", "plane")),
-    default="body",
-    show_default=True,
-    help="Whether gravity is fixed in the body, or relative to the plane that the robot stands on.",
-)
-tilt = click.option(
-    "--tilt",
-    type=float,
-    default=20.0,
-    show_default=True,
-    help="Of the ground in deg, for the metrics over all headings.",
-)
-parameters = click.option(
+parameters = functools.partial(
+    option,
     "-p",
     "--parameter",
-    "assignments",
     type=Assignment(),
     multiple=True,
     help="A geometry parameter, in the unit that the recipe gives it; repeat for each.",
 )
+convention = functools.partial(
+    option,
+    "--convention",
+    type=click.Choice(("body", "plane")),
+    default="body",
+    help="Whether gravity is fixed in the body, or relative to the plane that the robot stands on.",
+)
+tilt = functools.partial(
+    option, "--tilt", default=20.0, help="Of the ground in deg, for the metrics over all headings."
+)
 
 
-def parameter_values(recipe: "Recipe", assignments: Sequence[tuple[str, float]]) -> list[float]:
-    """Return the internal values (rad, length) of all parameters, in recipe order."""
-    units = {p.name: p.display_unit for p in recipe.parameters}
-    return internal_values(recipe.source, units, assignments)
-
-
-def internal_values(
-    source: str, units: Mapping[str, str], assignments: Sequence[tuple[str, float]]
+def parameter_values(
+    recipe: "Recipe", assignments: Assignments, outside: str = "used as it is"
 ) -> list[float]:
+    """Return the internal values (rad, length) of all parameters, in recipe order.
+
+    A warning says what becomes of a value `outside` the recipe's range.
+    """
+    units = {p.name: p.display_unit for p in recipe.parameters}
+    values = internal_values(recipe.source, units, assignments)
+    _warn(recipe, values, outside)
+    return values
+
+
+def internal_values(source: str, units: Mapping[str, str], assignments: Assignments) -> list[float]:
     """Return the values (rad, length) of parameters with these display units, in their order."""
     given = _named(source, list(units), assignments)
     missing = [name for name in units if name not in given]
@@ -134,12 +163,12 @@ def internal_values(
     ]
 
 
-def named_values(recipe: "Recipe", assignments: Sequence[tuple[str, float]]) -> dict[str, float]:
+def named_values(recipe: "Recipe", assignments: Assignments) -> dict[str, float]:
     """Return the assigned values by name, in display units; refuse unknown and repeated names."""
     return _named(recipe.source, [p.name for p in recipe.parameters], assignments)
 
 
-def posture_values(recipe: "Recipe", assignments: Sequence[tuple[str, float]]) -> list[float]:
+def posture_values(recipe: "Recipe", assignments: Assignments) -> list[float]:
     """Return the internal values of all parameters: the middle of the range where none is given.
 
     A value outside the recipe's range is used as it is, and a warning says so.
@@ -147,20 +176,23 @@ def posture_values(recipe: "Recipe", assignments: Sequence[tuple[str, float]]) -
     from lutgen.recipe import to_internal
 
     given = named_values(recipe, assignments)
-    values = []
-    for p in recipe.parameters:
-        value = (p.minimum + p.maximum) / 2.0
-        if p.name in given:
-            value = to_internal(given[p.name], p.display_unit)
-            if not p.minimum <= value <= p.maximum:
-                log.warning("parameter %s is outside the recipe's range: used as it is", p.name)
-        values.append(value)
+    values = [
+        to_internal(given[p.name], p.display_unit)
+        if p.name in given
+        else (p.minimum + p.maximum) / 2.0
+        for p in recipe.parameters
+    ]
+    _warn(recipe, values, "used as it is")
     return values
 
 
-def _named(
-    source: str, known: Sequence[str], assignments: Sequence[tuple[str, float]]
-) -> dict[str, float]:
+def _warn(recipe: "Recipe", values: Sequence[float], outside: str) -> None:
+    for p, value in zip(recipe.parameters, values, strict=True):
+        if not p.minimum <= value <= p.maximum:
+            log.warning("parameter %s is outside the recipe's range: %s", p.name, outside)
+
+
+def _named(source: str, known: Sequence[str], assignments: Assignments) -> dict[str, float]:
     given: dict[str, float] = {}
     for name, value in assignments:
         if name not in known:

@@ -1,94 +1,98 @@
 """`lutgen path`: a robot drives over rough terrain, with and without control."""
 
-import json
 import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import Assignment, allow_python, as_json, parameters, posture_values
-from lutgen.cli.path_report import PAPER, lines, report, table
+from lutgen.cli.options import (
+    Assignment,
+    allow_python,
+    as_json,
+    asks,
+    option,
+    parameters,
+    posture_values,
+)
+from lutgen.cli.table import by_unit, number, show, unit_text
 from lutgen.errors import InputError
 
 if TYPE_CHECKING:
+    from lutgen.recipe import Recipe
     from lutgen.search import Drive, Path
 
 METHODS = ("map", "nelder-mead", "search", "multistart")
-POINTS = 100
+PAPER, POINTS = "paper", 100
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What the command line says."""
+
+    terrain: str = option(
+        "--terrain",
+        default=PAPER,
+        metavar="paper|FILE.csv",
+        help=(
+            "The paper's path, or a file with columns x,y,z and if wanted heading (deg), nx,ny,nz."
+        ),
+    )
+    points: int | None = option(
+        "--points", type=int, help=f"Of the paper's path.  [default: {POINTS}]"
+    )
+    turn: float = option(
+        "--turn",
+        default=0.0,
+        help="Turn the robot by this angle against the path's heading, deg, to the left.",
+    )
+    assignments: tuple[tuple[str, float], ...] = parameters()
+    no_control: bool = option(
+        "--no-control", is_flag=True, help="Only drive without changing the shape."
+    )
+    lag: int = option("--lag", default=1, help="Points by which control is late.")
+    method: str = option("--method", type=click.Choice(METHODS), default="search")
+    objective: str = option(
+        "--objective",
+        default="sdg",
+        help="What control makes best: a channel, or a sum such as sdg+0.1*height.",
+    )
+    convention: str = option(
+        "--convention",
+        type=click.Choice(("plane", "body")),
+        default="plane",
+        help="Whether the path gives the attitude of the ground or that of the body.",
+    )
+    rates: tuple[tuple[str, float], ...] = option(
+        "--rate",
+        type=Assignment(),
+        multiple=True,
+        help="The fastest change of a parameter, per second (deg/s for angles); repeat for each.",
+    )
+    speed: float | None = option(
+        "--speed", type=float, help="Along the path, length per second; with --rate."
+    )
+    headings: int | None = option(
+        "--headings", type=int, help="Let the robot turn, too, to this many headings."
+    )
+    output: str | None = option(
+        "-o", "--output", type=click.Path(), help="CSV file of the last run."
+    )
+    plot: str | None = option("--plot", type=click.Path(), help="Figure (PNG, SVG or PDF).")
+    animate: str | None = option(
+        "--animate",
+        type=click.Path(),
+        help="Film of both runs: GIF, or MP4 where ffmpeg is installed.",
+    )
+    allow_python: bool = allow_python()
+    as_json: bool = as_json()
 
 
 @click.command(short_help="Drive over rough terrain: where does the robot tip over?")
 @click.argument("recipe", type=click.Path())
-@click.option(
-    "--terrain",
-    default=PAPER,
-    show_default=True,
-    metavar="paper|FILE.csv",
-    help="The paper's path, or a file with columns x,y,z and if wanted heading (deg), nx,ny,nz.",
-)
-@click.option("--points", type=int, help=f"Of the paper's path.  [default: {POINTS}]")
-@click.option(
-    "--turn",
-    type=float,
-    default=0.0,
-    show_default=True,
-    help="Turn the robot by this angle against the path's heading, deg, to the left.",
-)
-@parameters
-@click.option("--no-control", is_flag=True, help="Only drive without changing the shape.")
-@click.option(
-    "--lag", type=int, default=1, show_default=True, help="Points by which control is late."
-)
-@click.option("--method", type=click.Choice(METHODS), default="search", show_default=True)
-@click.option(
-    "--objective",
-    default="sdg",
-    show_default=True,
-    help="What control makes best: a channel, or a sum such as sdg+0.1*height.",
-)
-@click.option(
-    "--convention",
-    type=click.Choice(("plane", "body")),
-    default="plane",
-    show_default=True,
-    help="Whether the path gives the attitude of the ground or that of the body.",
-)
-@click.option(
-    "--rate",
-    "rates",
-    type=Assignment(),
-    multiple=True,
-    help="The fastest change of a parameter, per second (deg/s for angles); repeat for each.",
-)
-@click.option("--speed", type=float, help="Along the path, length per second; with --rate.")
-@click.option("--headings", type=int, help="Let the robot turn, too, to this many headings.")
-@click.option("-o", "--output", type=click.Path(), help="CSV file of the last run.")
-@click.option("--plot", type=click.Path(), help="Figure (PNG, SVG or PDF).")
-@click.option(
-    "--animate", type=click.Path(), help="Film of both runs: GIF, or MP4 where ffmpeg is installed."
-)
-@allow_python
-@as_json
-def path(
-    recipe: str,
-    terrain: str,
-    points: int | None,
-    turn: float,
-    assignments: tuple[tuple[str, float], ...],
-    no_control: bool,
-    lag: int,
-    method: str,
-    objective: str,
-    convention: str,
-    rates: tuple[tuple[str, float], ...],
-    speed: float | None,
-    headings: int | None,
-    output: str | None,
-    plot: str | None,
-    animate: str | None,
-    allow_python: bool,
-    as_json: bool,
-) -> None:
+@asks(Asked)
+def path(recipe: str, asked: Asked) -> None:
     """Drive RECIPE along a path and count where it tips over, with a fixed shape and with control.
 
     -p gives the geometry before control begins; the middle of the range where it is left out.
@@ -97,86 +101,85 @@ def path(
     $ lutgen path maps/paper_two.toml --turn 30 -p alpha=30.96 -p gamma=30.96
     paper_two on the paper's path: 100 points, length 38.9766
     """
-    from lutgen.recipe import load_recipe, to_internal
-    from lutgen.search import drive
+    from lutgen.recipe import load_recipe
 
-    if animate is not None:
+    if asked.animate is not None:
         from lutgen.plot import check_animation
 
         # The runs take their time.
-        check_animation(animate)
-    robot = load_recipe(recipe, allow_python=allow_python)
-    ground = open_terrain(terrain, points, turn)
-    units = {p.name: p.display_unit for p in robot.parameters}
-    start = posture_values(robot, assignments)
-    limits = {name: to_internal(rate, units.get(name, "1")) for name, rate in rates}
-    if len(limits) < len(rates):
-        raise InputError(
-            f"a rate is given twice (got {', '.join(f'{n}={r:g}' for n, r in rates)}); give one "
-            "for each parameter"
-        )
-
-    def run(control: bool, turning: int | None) -> "Drive":
-        limited: dict[str, Any] = {"rates": limits, "speed": speed} if control else {}
-        return drive(
-            robot,
-            ground,
-            control=control,
-            lag=lag,
-            method=method,
-            objective=objective,
-            convention=convention,
-            params0=start,
-            headings=turning,
-            **limited,
-        )
-
-    if no_control and (rates or speed is not None):
-        raise InputError(
-            "a shape that does not change has no rates (got --no-control with --rate or --speed); "
-            "leave one of them out"
-        )
-    runs = {"fixed shape": run(False, None)}
-    if headings is not None:
-        runs["turning"] = run(False, headings)
-    if not no_control:
-        runs["changing shape"] = run(True, None)
-    if headings is not None and not no_control:
-        runs["changing shape and turning"] = run(True, headings)
+        check_animation(asked.animate)
+    robot = load_recipe(recipe, allow_python=asked.allow_python)
+    runs = drives(robot, asked)
     names = list(runs)
-    if output is not None:
+    if asked.output is not None:
         from lutgen.files import csv_text, write_text
 
         columns = table(robot, runs[names[-1]])
         rows = zip(*(values.tolist() for values in columns.values()), strict=True)
-        write_text(output, csv_text(list(columns), rows))
+        write_text(asked.output, csv_text(list(columns), rows))
     drawn = {name: runs[name] for name in (names[0], names[-1])}
-    if plot is not None:
+    if asked.plot is not None:
         from lutgen.plot import draw_path, save
 
-        save(draw_path(robot, drawn), plot)
-    if animate is not None:
-        from lutgen.plot import animate as write_animation
+        save(draw_path(robot, drawn), asked.plot)
+    if asked.animate is not None:
+        from lutgen.plot import animate
 
-        write_animation(robot, drawn, animate)
-    if as_json:
-        settings = {
-            "terrain": terrain,
-            "method": method,
-            "objective": objective,
-            "convention": convention,
-            "lag": lag,
-        }
-        click.echo(json.dumps(report(robot, runs, settings), indent=2, allow_nan=False))
-        return
-    for line in lines(robot, terrain, runs):
-        click.echo(line)
+        animate(robot, drawn, asked.animate)
+    show(path_report(robot, runs, asked), path_lines(robot, runs, asked.terrain), asked.as_json)
 
 
-def open_terrain(terrain: str, points: int | None, turn: float) -> "Path":
-    """Return the path, with the robot turned by `turn` deg."""
+def drives(robot: "Recipe", asked: Asked) -> "dict[str, Drive]":
+    """Return the runs by name: with the fixed shape first, with all that is allowed last."""
+    from lutgen.recipe import to_internal
+    from lutgen.search import drive
+
+    ground = open_terrain(asked)
+    units = {p.name: p.display_unit for p in robot.parameters}
+    start = posture_values(robot, asked.assignments)
+    rates = {name: to_internal(rate, units.get(name, "1")) for name, rate in asked.rates}
+    if len(rates) < len(asked.rates):
+        raise InputError(
+            f"a rate is given twice (got {', '.join(f'{n}={r:g}' for n, r in asked.rates)}); give "
+            "one for each parameter"
+        )
+    if asked.no_control and (rates or asked.speed is not None):
+        raise InputError(
+            "a shape that does not change has no rates (got --no-control with --rate or --speed); "
+            "leave one of them out"
+        )
+
+    def run(control: bool, headings: int | None) -> "Drive":
+        return drive(
+            robot,
+            ground,
+            control=control,
+            lag=asked.lag,
+            method=asked.method,
+            objective=asked.objective,
+            convention=asked.convention,
+            params0=start,
+            headings=headings,
+            rates=rates if control else None,
+            speed=asked.speed if control else None,
+        )
+
+    turns = [None] if asked.headings is None else [None, asked.headings]
+    names = {False: ("fixed shape", "turning")}
+    if not asked.no_control:
+        names[True] = ("changing shape", "changing shape and turning")
+    return {
+        name: run(control, headings)
+        for control, both in names.items()
+        for name, headings in zip(both, turns, strict=False)
+    }
+
+
+def open_terrain(asked: Asked) -> "Path":
+    """Return the path, with the robot turned."""
     from lutgen.search import paper_path, read_path, turned
 
+    terrain, points, turn = asked.terrain, asked.points, asked.turn
     if not math.isfinite(turn):
         raise InputError(f"--turn must be a finite angle (got {turn:g}); give one in deg")
     if terrain == PAPER:
@@ -188,3 +191,82 @@ def open_terrain(terrain: str, points: int | None, turn: float) -> "Path":
     else:
         ground = read_path(terrain)
     return turned(ground, math.radians(turn)) if turn else ground
+
+
+def table(recipe: "Recipe", run: "Drive") -> dict[str, Any]:
+    """Return what `-o` writes: the columns of a run by name, each (p,)."""
+    import numpy as np
+
+    columns: dict[str, Any] = dict(zip("xyz", run.path.position.T, strict=True))
+    columns["heading_deg"] = np.degrees(run.heading)
+    columns |= by_unit(recipe, run.params)
+    if (run.wanted != run.params).any():
+        columns |= by_unit(recipe, run.wanted, "_wanted")
+    columns |= {f"gravity_{axis}": run.gravity_body[:, i] for i, axis in enumerate("xyz")}
+    columns |= {
+        "sdg": run.channels["sdg"],
+        "height": run.channels["height"],
+        "tip_angle_deg": np.degrees(run.channels["tip_angle"]),
+        "margin": run.channels["margin"],
+        "tips": run.tips,
+    }
+    return columns
+
+
+def path_report(recipe: "Recipe", runs: Mapping[str, "Drive"], asked: Asked) -> dict[str, Any]:
+    """Return what `--json` prints; null where a number is not finite."""
+    import numpy as np
+
+    ground = next(iter(runs.values())).path
+    return {
+        "robot": recipe.name,
+        "length_unit": recipe.length_unit,
+        "terrain": asked.terrain,
+        "method": asked.method,
+        "objective": asked.objective,
+        "convention": asked.convention,
+        "lag": asked.lag,
+        "points": len(ground.position),
+        "length": float(ground.distance[-1]),
+        "path": {axis: ground.position[:, i].tolist() for i, axis in enumerate("xyz")},
+        "runs": [
+            {
+                "name": name,
+                "share": run.share,
+                "tips_at": np.flatnonzero(run.tips).tolist(),
+                "least_tip_angle_deg": math.degrees(run.channels["tip_angle"].min()),
+                "least_at": int(run.channels["tip_angle"].argmin()),
+                "evaluations": run.evaluations,
+                "heading_deg": np.degrees(run.heading).tolist(),
+                "turn_deg": np.degrees(run.turn).tolist(),
+                "params": {k: v.tolist() for k, v in by_unit(recipe, run.params).items()},
+                "wanted": {k: v.tolist() for k, v in by_unit(recipe, run.wanted).items()},
+                "gravity_body": run.gravity_body.tolist(),
+                "tip_angle_deg": np.degrees(run.channels["tip_angle"]).tolist(),
+                **{
+                    channel: [number(value) for value in run.channels[channel]]
+                    for channel in ("sdg", "height", "margin")
+                },
+            }
+            for name, run in runs.items()
+        ],
+    }
+
+
+def path_lines(recipe: "Recipe", runs: Mapping[str, "Drive"], terrain: str) -> Iterator[str]:
+    """Return the report as text."""
+    unit = unit_text(recipe.length_unit)
+    where = "the paper's path" if terrain == PAPER else terrain
+    ground = next(iter(runs.values())).path
+    count = len(ground.position)
+    yield f"{recipe.name} on {where}: {count} points, length {ground.distance[-1]:.6g}{unit}"
+    width = max(map(len, runs))
+    for name, run in runs.items():
+        angle = run.channels["tip_angle"]
+        least = int(angle.argmin())
+        at = ", ".join(f"{value:.4g}" for value in ground.position[least])
+        yield (
+            f"{name:<{width}}  tips over at {int(run.tips.sum())} points "
+            f"({100.0 * run.share:.3g} %), least tip angle {math.degrees(angle[least]):.4g} deg at "
+            f"point {least} ({at})"
+        )

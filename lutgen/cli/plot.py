@@ -1,46 +1,49 @@
 """`lutgen plot`: figures of a map or a recipe."""
 
+from dataclasses import dataclass
+
 import click
 
 from lutgen.cli.options import (
     allow_python,
+    asks,
     convention,
     gravity,
     named_values,
     open_source,
+    option,
     parameters,
     tilt,
 )
 
+# Those of `lutgen.plot`, which takes a second to import.
 KINDS = ("curve", "surface", "contour", "sphere", "polar", "metrics", "robot")
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What the command line says."""
+
+    output: str = option(
+        "-o", "--output", required=True, type=click.Path(), help="PNG, SVG or PDF file."
+    )
+    kind: str = option("--kind", required=True, type=click.Choice(KINDS), help="Which figure.")
+    assignments: tuple[tuple[str, float], ...] = parameters()
+    gravity: tuple[float, float, float] = gravity()
+    channel: str = option("--channel", default="sdg", help="Channel to draw.")
+    axes: str | None = option(
+        "--axes",
+        help="Parameters along the axes, comma separated.  [default: the first one or two]",
+    )
+    convention: str = convention()
+    tilt: float = tilt()
+    allow_python: bool = allow_python()
 
 
 @click.command(short_help="Draw a figure (PNG, SVG or PDF).")
 @click.argument("source", type=click.Path())
-@click.option("-o", "--output", required=True, type=click.Path(), help="PNG, SVG or PDF file.")
-@click.option("--kind", required=True, type=click.Choice(KINDS), help="Which figure.")
-@parameters
-@gravity
-@click.option("--channel", default="sdg", show_default=True, help="Channel to draw.")
-@click.option(
-    "--axes",
-    help="Parameters along the axes, comma separated.  [default: the first one or two]",
-)
-@convention
-@tilt
-@allow_python
-def plot(
-    source: str,
-    output: str,
-    kind: str,
-    assignments: tuple[tuple[str, float], ...],
-    gravity: tuple[float, float, float],
-    channel: str,
-    axes: str | None,
-    convention: str,
-    tilt: float,
-    allow_python: bool,
-) -> None:
+@asks(Asked)
+def plot(source: str, asked: Asked) -> None:
     """Draw a figure of SOURCE, a map or a recipe.
 
     \b
@@ -58,17 +61,17 @@ def plot(
     from lutgen.plot import draw, save
     from lutgen.recipe import Recipe
 
-    opened = open_source(source, allow_python)
+    opened = open_source(source, asked.allow_python)
     recipe = opened if isinstance(opened, Recipe) else opened.recipe
-    named = tuple(part.strip() for part in axes.split(",")) if axes else None
+    axes = tuple(part.strip() for part in asked.axes.split(",")) if asked.axes else None
     figure = draw(
-        kind,
+        asked.kind,
         opened,
-        params=named_values(recipe, assignments),
-        gravity=gravity,
-        channel=channel,
-        axes=named,
-        convention=convention,
-        tilt=tilt,
+        params=named_values(recipe, asked.assignments),
+        gravity=asked.gravity,
+        channel=asked.channel,
+        axes=axes,
+        convention=asked.convention,
+        tilt=asked.tilt,
     )
-    save(figure, output)
+    save(figure, asked.output)

@@ -3,40 +3,48 @@
 import logging
 import sys
 import time
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import click
 
 from lutgen.cli.compiling import compiling_is_told
-from lutgen.cli.options import allow_python, file_size
+from lutgen.cli.options import allow_python, asks, file_size, option
 
 log = logging.getLogger("lutgen")
 
 
+@dataclass(frozen=True)
+class Asked:
+    """What the command line says."""
+
+    output: str = option(
+        "-o", "--output", required=True, type=click.Path(), help="The map file (HDF5)."
+    )
+    threads: int | None = option(
+        "--threads", type=int, help="Threads to compute with.  [default: all]"
+    )
+    resume: bool = option(
+        "--resume", is_flag=True, help="Go on with an interrupted sweep of the same recipe."
+    )
+    engine: str = option(
+        "--engine", default="local", help="Where blocks are computed: local or dask."
+    )
+    scheduler: str | None = option(
+        "--scheduler", metavar="ADDR", help="A running dask scheduler, tcp://HOST:8786."
+    )
+    workers: int | None = option(
+        "--workers", type=int, help="dask workers to start here.  [default: one per core]"
+    )
+    allow_python: bool = allow_python()
+
+
 @click.command(short_help="Compute a recipe's stability map.")
 @click.argument("recipe", type=click.Path())
-@click.option("-o", "--output", required=True, type=click.Path(), help="The map file (HDF5).")
-@click.option("--threads", type=int, help="Threads to compute with.  [default: all]")
-@click.option("--resume", is_flag=True, help="Go on with an interrupted sweep of the same recipe.")
-@click.option(
-    "--engine", default="local", show_default=True, help="Where blocks are computed: local or dask."
-)
-@click.option("--scheduler", metavar="ADDR", help="A running dask scheduler, tcp://HOST:8786.")
-@click.option("--workers", type=int, help="dask workers to start here.  [default: one per core]")
-@allow_python
+@asks(Asked)
 @click.pass_context
-def sweep(
-    ctx: click.Context,
-    recipe: str,
-    output: str,
-    threads: int | None,
-    resume: bool,
-    engine: str,
-    scheduler: str | None,
-    workers: int | None,
-    allow_python: bool,
-) -> None:
+def sweep(ctx: click.Context, recipe: str, asked: Asked) -> None:
     """Compute the map of RECIPE into an HDF5 file.
 
     The file appears under its name when it is whole.  A sweep that is stopped, by Ctrl-C, a kill
@@ -48,7 +56,7 @@ def sweep(
     from lutgen.mapping import sweep as run
     from lutgen.recipe import load_recipe
 
-    robot = load_recipe(recipe, allow_python=allow_python)
+    robot = load_recipe(recipe, allow_python=asked.allow_python)
     quiet = bool(ctx.find_root().params.get("quiet"))
     start = time.perf_counter()
     # click draws the bar on a terminal only; elsewhere it prints nothing but the label.
@@ -70,23 +78,23 @@ def sweep(
             with compiling_is_told(quiet):
                 run(
                     robot,
-                    output,
-                    threads=threads,
-                    resume=resume,
-                    engine=engine,
+                    asked.output,
+                    threads=asked.threads,
+                    resume=asked.resume,
+                    engine=asked.engine,
                     progress=progress,
-                    scheduler=scheduler,
-                    workers=workers,
+                    scheduler=asked.scheduler,
+                    workers=asked.workers,
                 )
         except KeyboardInterrupt:
-            begun = Path(f"{output}.part").exists()
+            begun = Path(f"{asked.output}.part").exists()
             raise click.ClickException(
-                f"interrupted; {output}.part holds what is done: go on with --resume"
+                f"interrupted; {asked.output}.part holds what is done: go on with --resume"
                 if begun
                 else "interrupted before the first block; nothing is left behind"
             ) from None
     seconds = time.perf_counter() - start
     if not quiet:
-        size = file_size(Path(output).stat().st_size)
-        click.echo(f"{output}: {size} in {seconds:.2f} s", err=True)
+        size = file_size(Path(asked.output).stat().st_size)
+        click.echo(f"{asked.output}: {size} in {seconds:.2f} s", err=True)
     log.info("recipe digest %s", robot.digest)

@@ -1,13 +1,24 @@
 """`lutgen wheels`: wheel speeds and steering angles of a motion."""
 
-import json
 import logging
 import math
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import Numbers, allow_python, as_json, gravity, parameter_values, parameters
+from lutgen.cli.options import (
+    Numbers,
+    allow_python,
+    as_json,
+    asks,
+    gravity,
+    option,
+    parameter_values,
+    parameters,
+)
+from lutgen.cli.table import aligned, cell, degrees, show
 
 if TYPE_CHECKING:
     from lutgen.analysis import Motion
@@ -18,37 +29,30 @@ log = logging.getLogger("lutgen")
 IMPOSSIBLE = 1
 
 
+@dataclass(frozen=True)
+class Asked:
+    """What the command line says."""
+
+    velocity: tuple[float, float] = option(
+        "--velocity",
+        type=Numbers("VX,VY", "velocity", "two numbers such as 0.5,0"),
+        default="0,0",
+        help="Of the centre of mass, forward and to the left, in length units per second.",
+    )
+    yaw_rate: float = option(
+        "--yaw-rate", default=0.0, help="About the ground's upward normal, deg/s."
+    )
+    assignments: tuple[tuple[str, float], ...] = parameters()
+    gravity: tuple[float, float, float] = gravity()
+    allow_python: bool = allow_python()
+    as_json: bool = as_json()
+
+
 @click.command(short_help="Wheel speeds and steering angles of a motion.")
 @click.argument("recipe", type=click.Path())
-@click.option(
-    "--velocity",
-    type=Numbers("VX,VY", "velocity", "two numbers such as 0.5,0"),
-    default="0,0",
-    show_default=True,
-    help="Of the centre of mass, forward and to the left, in length units per second.",
-)
-@click.option(
-    "--yaw-rate",
-    type=float,
-    default=0.0,
-    show_default=True,
-    help="About the ground's upward normal, deg/s.",
-)
-@parameters
-@gravity
-@allow_python
-@as_json
+@asks(Asked)
 @click.pass_context
-def wheels(
-    ctx: click.Context,
-    recipe: str,
-    velocity: tuple[float, float],
-    yaw_rate: float,
-    assignments: tuple[tuple[str, float], ...],
-    gravity: tuple[float, float, float],
-    allow_python: bool,
-    as_json: bool,
-) -> None:
+def wheels(ctx: click.Context, recipe: str, asked: Asked) -> None:
     """Print how fast each wheel of RECIPE spins, and how far it is steered, for a motion.
 
     Exit code 1 where no wheel speeds give this motion without dragging a wheel sideways; the
@@ -61,25 +65,16 @@ def wheels(
     from lutgen.analysis import wheel_speeds
     from lutgen.recipe import load_recipe
 
-    robot = load_recipe(recipe, allow_python=allow_python)
-    values = parameter_values(robot, assignments)
-    for parameter, value in zip(robot.parameters, values, strict=True):
-        if not parameter.minimum <= value <= parameter.maximum:
-            log.warning("parameter %s is outside the recipe's range: used as it is", parameter.name)
-    motion = wheel_speeds(robot, values, velocity, math.radians(yaw_rate), gravity)
+    robot = load_recipe(recipe, allow_python=asked.allow_python)
+    values = parameter_values(robot, asked.assignments)
+    motion = wheel_speeds(
+        robot, values, asked.velocity, math.radians(asked.yaw_rate), asked.gravity
+    )
     if not motion.standing:
         log.warning("the robot tips over: the wheels of the facet below its com are taken to touch")
-    if as_json:
-        click.echo(json.dumps(motion_report(robot, motion), indent=2, allow_nan=False))
-    else:
-        for line in motion_lines(robot, motion):
-            click.echo(line)
+    show(motion_report(robot, motion), motion_lines(robot, motion), asked.as_json)
     if not motion.possible:
         ctx.exit(IMPOSSIBLE)
-
-
-def _degrees(value: float | None) -> float | None:
-    return None if value is None else math.degrees(value)
 
 
 def motion_report(recipe: "Recipe", motion: "Motion") -> dict[str, Any]:
@@ -97,19 +92,19 @@ def motion_report(recipe: "Recipe", motion: "Motion") -> dict[str, Any]:
             "degree_of_steerability": found.steerability,
         },
         "velocity": list(motion.velocity),
-        "yaw_rate_deg_s": _degrees(motion.yaw_rate),
+        "yaw_rate_deg_s": degrees(motion.yaw_rate),
         "possible": motion.possible,
         "slip": motion.slip,
         "nearest": {
             "velocity": list(motion.nearest_velocity),
-            "yaw_rate_deg_s": _degrees(motion.nearest_yaw_rate),
+            "yaw_rate_deg_s": degrees(motion.nearest_yaw_rate),
         },
         "wheels": [
             {
                 "contact": wheel.contact,
                 "touches": wheel.touches,
                 "speed_rad_s": wheel.speed,
-                "steering_deg": _degrees(wheel.steering),
+                "steering_deg": degrees(wheel.steering),
                 "slip": wheel.slip,
             }
             for wheel in motion.wheels
@@ -117,37 +112,27 @@ def motion_report(recipe: "Recipe", motion: "Motion") -> dict[str, Any]:
     }
 
 
-def motion_lines(recipe: "Recipe", motion: "Motion") -> list[str]:
+def motion_lines(recipe: "Recipe", motion: "Motion") -> Iterator[str]:
     """Return the report as text."""
     found = motion.structure
     # The paper's lengths are ratios and have no unit.
     unit = "1/s" if recipe.length_unit == "1" else f"{recipe.length_unit}/s"
-    width = max(len("wheel"), *(len(wheel.contact) for wheel in motion.wheels))
-    text = [
+    yield (
         f"{recipe.name}: {found.category} (degree of mobility {found.mobility}, of steerability "
-        f"{found.steerability})",
-        f"{'wheel':<{width}}  {'speed rad/s':>12}  {'steering deg':>12}  {f'slip {unit}':>12}",
-    ]
+        f"{found.steerability})"
+    )
+    rows = [["wheel", "speed rad/s", "steering deg", f"slip {unit}"]]
     for wheel in motion.wheels:
-        if not wheel.touches:
-            text.append(f"{wheel.contact:<{width}}  {'lifted':>12}")
-            continue
-        cells = (wheel.speed, _degrees(wheel.steering), wheel.slip)
-        text.append(f"{wheel.contact:<{width}}  " + "  ".join(map(_cell, cells)))
+        values = (wheel.speed, degrees(wheel.steering), wheel.slip)
+        cells = [cell(_rounded(value)) for value in values] if wheel.touches else ["lifted"]
+        rows.append([wheel.contact, *cells])
+    yield from aligned(rows, [f"<{max(len(row[0]) for row in rows)}", *(3 * [">12"])])
     if not motion.possible:
-        x, y = motion.nearest_velocity
-        text.append(f"impossible: the wheels slip sideways by {motion.slip:.6g} {unit} in all")
-        text.append(
-            f"nearest possible: velocity {_rounded(x):.9g},{_rounded(y):.9g} {unit}, "
-            f"yaw rate {_rounded(math.degrees(motion.nearest_yaw_rate)):.9g} deg/s"
-        )
-    return text
+        x, y, yaw = map(_rounded, (*motion.nearest_velocity, math.degrees(motion.nearest_yaw_rate)))
+        yield f"impossible: the wheels slip sideways by {motion.slip:.6g} {unit} in all"
+        yield f"nearest possible: velocity {x:.9g},{y:.9g} {unit}, yaw rate {yaw:.9g} deg/s"
 
 
-def _cell(value: float | None) -> str:
-    return f"{'-' if value is None else f'{_rounded(value):.6g}':>12}"
-
-
-def _rounded(value: float) -> float:
+def _rounded(value: float | None) -> float | None:
     """Return a number for people: what rounding leaves of zero is zero, and zero has no sign."""
-    return 0.0 if abs(value) < 1e-12 else value
+    return 0.0 if value is not None and abs(value) < 1e-12 else value

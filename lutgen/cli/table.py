@@ -1,0 +1,85 @@
+"""What commands print: a report as JSON or as lines, numbers for either, columns.
+
+Owns how a number that is none is said: null in JSON, a dash in text.
+"""
+
+import json
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from lutgen.recipe import Recipe
+
+# What channels and metrics are called in a report where their own name has no unit.
+KEYS = {"tip_angle": "tip_angle_deg", "force_angle": "force_angle_rad"}
+
+
+def show(report: Mapping[str, Any], lines: Iterable[str], as_json: bool) -> None:
+    """Print a report: as JSON, or the lines that say the same."""
+    if as_json:
+        click.echo(json.dumps(report, indent=2, allow_nan=False))
+        return
+    for line in lines:
+        click.echo(line)
+
+
+def number(value: float) -> float | None:
+    """Return a number for JSON, which knows neither NaN nor infinity."""
+    return float(value) if math.isfinite(value) else None
+
+
+def degrees(value: float | None) -> float | None:
+    """Return an angle (rad) in deg for JSON."""
+    return None if value is None else number(math.degrees(value))
+
+
+def channel_entries(values: Mapping[str, float]) -> dict[str, float | None]:
+    """Return channels or metrics under their names in a report; tip-over angles in deg."""
+    entries: dict[str, float | None] = {}
+    for name, value in values.items():
+        shown = number(math.degrees(value) if name == "tip_angle" else value)
+        entries[KEYS.get(name, name)] = int(value) if name == "facet" else shown
+    return entries
+
+
+def by_unit(
+    recipe: "Recipe", params: "NDArray[np.float64]", ending: str = ""
+) -> "dict[str, NDArray[np.float64]]":
+    """Return parameters (..., k) in their display units, each (...), named with them."""
+    import numpy as np
+
+    entries = {}
+    for i, p in enumerate(recipe.parameters):
+        unit = "" if p.display_unit == "1" else f"_{p.display_unit}"
+        values = params[..., i]
+        entries[f"{p.name}{ending}{unit}"] = (
+            np.degrees(values) if p.display_unit == "deg" else values
+        )
+    return entries
+
+
+def unit_text(unit: str) -> str:
+    """Return what follows a length; those of unit 1 are ratios."""
+    return "" if unit == "1" else f" {unit}"
+
+
+def cell(value: float | None, form: str = ".6g", unit: str = "") -> str:
+    """Return a number as text, a dash where there is none."""
+    return "-" if value is None else f"{value:{form}}{unit}"
+
+
+def aligned(rows: Sequence[Sequence[str]], forms: Sequence[str] = ()) -> list[str]:
+    """Return rows as lines with a column each under `forms`, by default as wide as they need."""
+    if not forms:
+        forms = [f"<{max(map(len, column))}" for column in zip(*rows, strict=True)]
+    # A row may end early.
+    return [
+        "  ".join(f"{text:{form}}" for text, form in zip(row, forms, strict=False)).rstrip()
+        for row in rows
+    ]
