@@ -71,7 +71,9 @@ def test_export_prints_codec_bytes_errors_guard_and_folder(place: Path) -> None:
     assert re.search(r"^flash +[\d,]+ bytes of tables, .* \(Cortex-M4, -Os\)$", text, re.M)
     assert re.search(r"^sdg +largest error \S+ m \(0\.\d+ %\), p99 \S+ m", text, re.M)
     assert re.search(r"^tip_angle +largest error \S+ deg", text, re.M)
-    assert re.search(r"^verdict +guard \S+ deg, \S+ % of the stable .* reported unsafe, 0 points", text, re.M)
+    assert re.search(
+        r"^verdict +guard \S+ deg, \S+ % of the stable .* reported unsafe, 0 points", text, re.M
+    )
     assert text.splitlines()[-1] == f"folder      {place / 'firmware'}"
 
 
