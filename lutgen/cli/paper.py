@@ -15,8 +15,8 @@ def paper(output: str) -> None:
     """Compute the paper's three simulations again and write a report.
 
     The folder gets paper.html, which needs no other file, and beside it the figures as PNG, the
-    numbers as CSV and the stability map as HDF5.  It takes well below a minute once the kernels
-    are compiled.
+    numbers as CSV and the stability map as HDF5.  It takes about half a minute of one core once the
+    kernels are compiled.
 
     \b
     $ lutgen paper -o paper

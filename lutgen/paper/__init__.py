@@ -1,9 +1,12 @@
 """The published method: its equations as printed, and what is wrong with them.
 
-In reading order: `printed`, `forces`, `closed_form`, `erratum`, `errata_path`, `reference`,
-`triples`, `errata_plane`, `errata_polygon`, `errata_statics`, `published`, `errata_text`,
-`errata`, `page`, `robot`, `rough`, `simulations`, `pictures`, `results`, `tables`, `sections`,
-`sections_checks`, `report`.
+The words are data: `errata.toml` those of the errata, `page.md.in` those of the page, and
+`published.toml` what the paper prints.
+
+In reading order: `nominal`, `printed`, `published`, `closed_form`, `erratum`, `checks_path`,
+`forces`, `reference`, `triples`, `checks_plane`, `checks_polygon`, `checks_statics`,
+`checks_text`, `errata`, `markup`, `page`, `robot`, `rough`, `simulations`, `results`, `pictures`,
+`numbers`, `tables`, `page_tables`, `report`.
 """
 
 from lutgen.paper.report import write_report

@@ -1,88 +1,109 @@
-"""The robot of the paper's simulations, its search and its path, in closed form.
+"""The simulations of the paper in closed form: its search, and its path with and without control.
 
-Owns a reconstruction: the paper prints no geometry.  Recipes, maps and the search of the library
-have no part in it, so that it can serve as a second way.  Angles in rad unless a name ends in
-`_deg`.
+Owns a second way: recipes, maps and the search of the library have no part in it.  Angles in rad
+unless a name ends in `_deg`; the search of all points of a path runs at once.
 """
 
 import math
+from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-from lutgen.channels import stability
-from lutgen.paper.forces import HEIGHT, RADIUS
+from lutgen.paper.nominal import DOWN, NOMINAL, TO_THE_LEFT, Array, tripods
 from lutgen.paper.printed import eq33
+from lutgen.paper.published import ROUNDING_DEG
 
-Array = NDArray[np.float64]
-
-# The nominal elevation of the wheels, printed as 30.964 deg, and their distance from the com.
-NOMINAL = math.atan(HEIGHT / RADIUS)
-REACH = math.hypot(RADIUS, HEIGHT)
-# The range of the search (deg), the nodes per parameter, and how far it goes at most.
+# The range of the search (deg), the nodes per parameter, its levels, and how far to look at most.
 RANGE_DEG = (0.0, 50.0)
 NODES = 5
+LEVELS = 6
 MOST_LEVELS = 12
-# Half a unit in the fourth decimal place, as the angles of Table 1 are printed.
-PRINTED_DEG = 5e-5
+# Added to the cost of a shape that tips: more than any |SD_g|.
+TIPS = 1e6
 
 
-def tripods(alpha: Array, gamma: Array, azimuth_deg: float = 0.0) -> Array:
-    """Return the contacts of simulation 2, (m, 3, 3), wheel 1 at `azimuth_deg`.
+def stability_factors(wheels: Array, gravity: Array) -> tuple[Array, Array]:
+    """Return |SD_g| and the tip-over angle of tripods, (...) each.
 
     Parameters
     ----------
-    alpha, gamma : (m,) float64
-        Elevation of wheels 1 and 2 below the body's xy plane, rad.  Wheel 3 stays at `NOMINAL`.
-    azimuth_deg : float
-        The others follow after 120 and 240 deg.
+    wheels : (..., 3, 3) float64
+        Contacts relative to the com.
+    gravity : (..., 3) float64
+        Unit vectors, down.
     """
-    down = np.stack([alpha, gamma, np.full_like(alpha, NOMINAL)], axis=1)
-    around = np.broadcast_to(np.radians(azimuth_deg + np.array([0.0, 120.0, 240.0])), down.shape)
-    level = np.cos(down)
-    return REACH * np.stack([level * np.cos(around), level * np.sin(around), -np.sin(down)], axis=2)
+    ahead = np.roll(wheels, -1, axis=-2)
+    normal = np.cross(ahead[..., 0, :] - wheels[..., 0, :], ahead[..., 1, :] - wheels[..., 0, :])
+    along = (normal * wheels[..., 0, :]).sum(axis=-1) / (normal * gravity).sum(axis=-1)
+    apart = gravity * along[..., None] - wheels.mean(axis=-2)
+    # Inward normals of the planes through the com and one edge.
+    planes = np.cross(wheels, ahead)
+    planes *= np.sign((planes * wheels.mean(axis=-2)[..., None, :]).sum(axis=-1))[..., None]
+    planes /= np.linalg.norm(planes, axis=-1, keepdims=True)
+    inside = (planes * gravity[..., None, :]).sum(axis=-1)
+    return np.linalg.norm(apart, axis=-1), np.arcsin(inside.min(axis=-1))
 
 
 def factor_at(alpha_deg: float, gamma_deg: float) -> float:
     """Return |SD_g| of simulation 2 with gravity along the body's -z."""
-    shape = tripods(np.radians([alpha_deg]), np.radians([gamma_deg]))
-    return float(stability(shape, [[0.0, 0.0, -1.0]], ("sdg",))["sdg"][0, 0])
+    shape = tripods(np.radians(alpha_deg), np.radians(gamma_deg))
+    return float(stability_factors(shape, DOWN)[0])
 
 
-def search_trace(levels: int) -> list[float]:
-    """Return the angle (deg) of the best node of each level of the paper's search.
+def second_optimum_deg() -> float:
+    """Return alpha = gamma < 0 of the other shape whose wheels make an equilateral triangle."""
+
+    def uneven(angle: float) -> float:
+        one, two, three = tripods(np.array(angle), np.array(angle))
+        return float(np.linalg.norm(two - one) - np.linalg.norm(three - two))
+
+    from scipy.optimize import brentq
+
+    return math.degrees(brentq(uneven, -0.5, 0.0))
+
+
+def search(cost: Callable[[Array], Array], runs: int, levels: int = LEVELS) -> Array:
+    """Return the best node (deg) of each level of the paper's search, (levels, runs, 2).
 
     Parameters
     ----------
+    cost : callable
+        Of alpha and gamma, (runs, 25, 2) rad; returns (runs, 25).
+    runs : int
+        Searches at once.
     levels : int
         How many times 5 x 5 nodes.
 
-    Returns
-    -------
-    list of float
-        Of alpha; gamma's is the same.  The five nodes are the left ends of five cells of the
-        interval; the next interval is one cell to either side of the best node.
+    Notes
+    -----
+    The five nodes are the left ends of five cells of the interval; the next interval is one cell
+    to either side of the best node.
     """
-    low, width = RANGE_DEG[0], RANGE_DEG[1] - RANGE_DEG[0]
-    start = [low, low]
+    low, width = np.full((runs, 2), RANGE_DEG[0]), RANGE_DEG[1] - RANGE_DEG[0]
+    cells = np.stack(np.meshgrid(*[np.arange(NODES)] * 2, indexing="ij"), axis=-1).reshape(-1, 2)
     trace = []
     for _ in range(levels):
         step = width / NODES
-        nodes = [s + step * np.arange(NODES) for s in start]
-        alpha, gamma = (grid.ravel() for grid in np.meshgrid(*nodes, indexing="ij"))
-        shapes = tripods(np.radians(alpha), np.radians(gamma))
-        factor = stability(shapes, [[0.0, 0.0, -1.0]], ("sdg",))["sdg"][:, 0]
-        best = int(factor.argmin())
-        trace.append(float(alpha[best]))
-        start = [float(alpha[best]) - step, float(gamma[best]) - step]
-        width = 2.0 * step
-    return trace
+        nodes = np.clip(low[:, None] + step * cells, *RANGE_DEG)
+        best = cost(np.radians(nodes)).argmin(axis=1)
+        trace.append(nodes[np.arange(runs), best])
+        low, width = trace[-1] - step, 2.0 * step
+    return np.array(trace)
+
+
+def search_trace(levels: int) -> list[float]:
+    """Return alpha (deg) of each level with gravity along the body's -z; gamma is the same."""
+
+    def cost(angles: Array) -> Array:
+        return stability_factors(tripods(angles[..., 0], angles[..., 1]), DOWN)[0]
+
+    return [float(angle) for angle in search(cost, 1, levels)[:, 0, 0]]
 
 
 def levels_until(angle_deg: float) -> int:
     """Return how many levels the search needs to print `angle_deg`; 0 if it never does."""
     trace = search_trace(MOST_LEVELS)
-    hits = [i + 1 for i, angle in enumerate(trace) if abs(angle - angle_deg) < PRINTED_DEG]
+    hits = [i + 1 for i, angle in enumerate(trace) if abs(angle - angle_deg) < ROUNDING_DEG]
     return hits[0] if hits else 0
 
 
@@ -98,21 +119,46 @@ def path_height(x: float) -> float:
     return 0.0 if x == 0.0 else eq33(x)
 
 
-def tipping_points(places: Array) -> int:
-    """Return at how many places of the path the uncontrolled robot tips.
+def path_gravity(places: Array) -> Array:
+    """Return gravity on the path, (m, 3): the robot heads along x and pitches with dz/ds."""
+    pitch = np.arctan([path_slope(float(s)) for s in places])
+    return np.column_stack([-np.sin(pitch), np.zeros(len(pitch)), -np.cos(pitch)])
+
+
+def leaning(wheels: Array, gravity: Array) -> Array:
+    """Return gravity, (..., 3), in the body that leans as its wheels' plane makes it: T_g.
+
+    The turn is the smallest that takes z to the normal of the wheels' plane.
+    """
+    normal = np.cross(wheels[..., 1, :] - wheels[..., 0, :], wheels[..., 2, :] - wheels[..., 0, :])
+    normal *= np.sign(normal[..., 2:])
+    normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
+    # Rodrigues' formula: v + w x v + w x (w x v)/(1 + z.n) with w = z x n.
+    turn = np.cross(-DOWN, normal)
+    first = np.cross(turn, np.broadcast_to(gravity, turn.shape))
+    return np.asarray(gravity + first + np.cross(turn, first) / (1.0 + normal[..., 2:]))
+
+
+def tipping_points(places: Array, control: bool = False) -> int:
+    """Return at how many places of the path the robot tips.
 
     Parameters
     ----------
     places : (m,) float64
         Values of s, in order along the path.
-
-    Notes
-    -----
-    The robot has its nominal shape, wheels at 30, 150 and 270 deg, heads along x and pitches
-    with dz/ds.
+    control : bool
+        Whether the robot takes the shape that the search finds for the place before; else, and
+        at the first place, it has the nominal one.
     """
-    pitch = np.arctan([path_slope(float(s)) for s in places])
-    gravity = np.column_stack([-np.sin(pitch), np.zeros(len(pitch)), -np.cos(pitch)])
-    shape = tripods(np.array([NOMINAL]), np.array([NOMINAL]), 30.0)
-    angle = stability(shape, gravity, ("tip_angle",))["tip_angle"][0]
-    return int((angle < 0.0).sum())
+    gravity = path_gravity(places)
+    angles = np.full((len(places), 2), NOMINAL)
+    if control:
+
+        def cost(nodes: Array) -> Array:
+            shape = tripods(nodes[..., 0], nodes[..., 1], TO_THE_LEFT)
+            factor, tip = stability_factors(shape, leaning(shape, gravity[:-1, None]))
+            return np.where(tip < 0.0, TIPS - tip, factor)
+
+        angles[1:] = np.radians(search(cost, len(places) - 1)[-1])
+    shape = tripods(angles[:, 0], angles[:, 1], TO_THE_LEFT)
+    return int((stability_factors(shape, leaning(shape, gravity))[1] < 0.0).sum())

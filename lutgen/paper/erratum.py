@@ -1,9 +1,10 @@
 """What one erratum of the paper is, and the robot on which it is computed.
 
-Owns the types only; the errata themselves are in `errata_plane`, `errata_statics` and
-`errata_text`, and their list in `errata`.
+Owns the types only; the words of the errata are in `errata.toml`, their checks in the files
+`checks_*`, and `errata` puts both together.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import SupportsFloat
 
@@ -16,6 +17,9 @@ Array = NDArray[np.float64]
 # 3 x 3 solves, which lose some digits of 1e-16 on a narrow triangle.
 ROUNDING = 1e-9
 AXES = "xyz"
+# Three contacts of a scalene, slightly tilted triangle, and the places of three point masses.
+WHEELS = ((10.0, -1.0, -6.0), (-6.0, 9.0, -6.5), (-5.0, -8.0, -7.0))
+ELEMENTS = ((2.0, 0.0, 1.0), (-1.0, 3.0, 0.0), (0.0, -1.0, 4.0))
 
 
 @dataclass(frozen=True)
@@ -25,7 +29,7 @@ class Check:
     Attributes
     ----------
     claim : str
-        What was computed, in words.
+        What was computed, in words; formulas between dollar signs, see `markup`.
     printed : float
         What the printed form gives; NaN where it gives 0/0.
     ours : float
@@ -54,6 +58,10 @@ class Check:
         return bool(abs(self.printed - self.reference) <= self.tolerance)
 
 
+# What one function checks: one number after the other.
+Checks = Iterator[Check]
+
+
 def check(
     claim: str,
     printed: SupportsFloat,
@@ -65,46 +73,27 @@ def check(
     return Check(claim, float(printed), float(ours), float(reference), tolerance)
 
 
-def coordinates(name: str, printed: Array, ours: Array, reference: Array) -> tuple[Check, ...]:
+def coordinates(name: str, printed: Array, ours: Array, reference: Array) -> Checks:
     """Return one check for each coordinate of a point, all (3,)."""
-    return tuple(check(f"{AXES[i]} of {name}", printed[i], ours[i], reference[i]) for i in range(3))
+    for i, axis in enumerate(AXES):
+        yield check(f"${axis}$ of {name}", printed[i], ours[i], reference[i])
 
 
 @dataclass(frozen=True)
 class Erratum:
     """One place of the paper: what is printed, what is right, and the numbers that tell.
 
-    Attributes
-    ----------
-    place : str
-        Such as "Eq 27"; no two errata have the same.
-    printed, correct : str
-        Both forms in plain text.
-    why : str
-        One or two sentences.
-    checks : tuple of Check
-        Empty only for editorial slips such as a wrong cross-reference.
-    confirmed : bool
-        True for a place that was checked and is right as printed: all three numbers of each
-        check agree.
+    `place` is such as "Eq 27", and no two errata have the same; `printed`, `correct` and `why`
+    have formulas between dollar signs, see `markup`; there is at least one check.  `confirmed`
+    is True for a place that was checked and is right as printed: all three numbers agree.
     """
 
     place: str
     printed: str
     correct: str
     why: str
-    checks: tuple[Check, ...] = ()
+    checks: tuple[Check, ...]
     confirmed: bool = False
-
-
-def _wheels() -> Array:
-    """Return three contacts of a scalene, slightly tilted triangle with round coordinates."""
-    return np.array([[10.0, -1.0, -6.0], [-6.0, 9.0, -6.5], [-5.0, -8.0, -7.0]])
-
-
-def _elements() -> Array:
-    """Return the places of three point masses."""
-    return np.array([[2.0, 0.0, 1.0], [-1.0, 3.0, 0.0], [0.0, -1.0, 4.0]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,8 +118,8 @@ class Example:
         Of the random directions and contact sets.
     """
 
-    wheels: Array = field(default_factory=_wheels)
+    wheels: Array = field(default_factory=lambda: np.array(WHEELS))
     gravity: Array = field(default_factory=lambda: np.array([0.9, -1.5, -9.5]))
-    elements: Array = field(default_factory=_elements)
+    elements: Array = field(default_factory=lambda: np.array(ELEMENTS))
     masses: Array = field(default_factory=lambda: np.array([1.0, 2.0, 3.0]))
     seed: int = 20

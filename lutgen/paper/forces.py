@@ -12,13 +12,11 @@ from numpy.typing import NDArray
 
 from lutgen.analysis import heuristic_forces
 from lutgen.errors import InputError
+from lutgen.paper.nominal import nominal_wheels
 from lutgen.paper.printed import eq4_to_6, eq7, normal_of
 
 Array = NDArray[np.float64]
 
-# The paper's nominal robot: circumradius, height of the com.
-RADIUS = 20.0
-HEIGHT = 12.0
 # Pitch and heading (deg).  The slope rises towards the heading, seen from the com; wheel 1 is at
 # heading 0.  39.7 and 58 deg are close to tipping, atan(10/12) = 39.81 and atan(20/12) = 59.04.
 SLOPES = ((0, 0), (10, 0), (20, 0), (30, 0), (39.7, 0), (30, 180), (58, 180), (30, 90))
@@ -33,37 +31,26 @@ class ForceRow:
 
     pitch_deg: float
     heading_deg: float
-    exact: tuple[float, float, float]
-    heuristic: tuple[float, float, float]
+    exact: tuple[float, ...]
+    heuristic: tuple[float, ...]
     largest_error: float
 
 
 @dataclass(frozen=True)
 class ForceStatistics:
-    """Largest error of the three shares by Eq 12, over random loads inside random triangles.
+    """Largest error of the three shares by Eq 12, over random loads inside triangles.
 
-    Attributes
-    ----------
-    triangles : str
-        "equilateral", or "random": corners uniform in a square.
-    mean, p95, worst : float
-        Over the loads, as shares of |N_g|; p95 is the 95th percentile.
-    negative : float
-        Share of the loads for which Eq 12 lets a wheel pull at the ground.
+    `triangles` is "equilateral", or "random": corners uniform in a square.  `mean`, `p95` (the
+    95th percentile) and `worst` are over the loads; `negative` is the share of the loads for
+    which Eq 12 lets a wheel pull at the ground.
     """
 
     triangles: str
+    loads: int
     mean: float
     p95: float
     worst: float
     negative: float
-
-
-def nominal_wheels() -> Array:
-    """Return the contacts of the nominal robot, (3, 3), wheel 1 ahead."""
-    azimuth = np.radians([0.0, 120.0, 240.0])
-    below = np.full(3, -HEIGHT)
-    return np.column_stack([RADIUS * np.cos(azimuth), RADIUS * np.sin(azimuth), below])
 
 
 def slope_gravity(pitch: float, heading: float) -> Array:
@@ -78,24 +65,15 @@ def exact_forces(wheels: Array, gravity: Array) -> Array:
     Parameters
     ----------
     wheels : (3, 3) float64
-        Contact points relative to the com, not in a plane with it.
+        Contact points relative to the com, not in a plane with it; else `InputError`.
     gravity : (3,) float64
         Pointing down, any length, not parallel to the contact plane.
-
-    Returns
-    -------
-    (3,) float64
-        Adding up to 1; one is negative where the robot tips, zero on the tip-over axis.
-
-    Raises
-    ------
-    InputError
-        If the contact plane goes through the com.
 
     Notes
     -----
     With b = inv([P1 P2 P3]) g, D_g = sum(b_i P_i) / sum(b), so b / sum(b) are the forces whose
-    resultant goes through D_g.  Friction acts in the plane and has no moment about its axes.
+    resultant goes through D_g: negative where the robot tips, zero on the tip-over axis.
+    Friction acts in the plane and has no moment about its axes.
     """
     try:
         b = np.linalg.solve(wheels.T, gravity)
@@ -113,13 +91,7 @@ def pierced_point(wheels: Array, gravity: Array) -> Array:
 
 
 def force_table(wheels: Array | None = None) -> tuple[ForceRow, ...]:
-    """Return exact and heuristic forces at the pitches of `SLOPES`.
-
-    Parameters
-    ----------
-    wheels : (3, 3) float64, optional
-        Contact points; the paper's nominal robot by default.
-    """
+    """Return exact and heuristic forces on `wheels` (3, 3), by default the nominal robot's."""
     points = nominal_wheels() if wheels is None else wheels
     rows = []
     for pitch, heading in SLOPES:
@@ -127,26 +99,15 @@ def force_table(wheels: Array | None = None) -> tuple[ForceRow, ...]:
         exact = exact_forces(points, gravity)
         rough = heuristic_forces(points, pierced_point(points, gravity))
         error = float(np.abs(exact - rough).max())
-        first, second = ((float(f[0]), float(f[1]), float(f[2])) for f in (exact, rough))
-        rows.append(ForceRow(pitch, heading, first, second, error))
+        rows.append(ForceRow(pitch, heading, tuple(exact.tolist()), tuple(rough.tolist()), error))
     return tuple(rows)
 
 
 def force_statistics(loads: int = 200_000, seed: int = 20) -> tuple[ForceStatistics, ...]:
-    """Return the error of Eq 12 over loads uniform in equilateral and in random triangles.
+    """Return the error of Eq 12 over `loads` uniform in equilateral and in random triangles.
 
-    Parameters
-    ----------
-    loads : int
-        Of each kind.
-    seed : int
-        Of the generator.
-
-    Returns
-    -------
-    tuple of ForceStatistics
-        Equilateral, random.  The latter depends on how triangles are drawn: with Gaussian
-        corners Eq 12 is negative about as often, with corners on a circle a third more often.
+    The latter depends on how triangles are drawn: with Gaussian corners Eq 12 is negative about
+    as often, with corners on a circle a third more often.
     """
     rng = np.random.default_rng(seed)
     shares = rng.dirichlet(np.ones(3), loads)
@@ -164,10 +125,5 @@ def _statistics(name: str, corners: Array, shares: Array) -> ForceStatistics:
     # Eq 12 for n_a = 3, over all loads at once.
     rough = 2.0 / 3.0 - distance / distance.sum(axis=1, keepdims=True)
     error = np.abs(rough - shares).max(axis=1)
-    return ForceStatistics(
-        name,
-        float(error.mean()),
-        float(np.quantile(error, 0.95)),
-        float(error.max()),
-        float((rough < 0.0).any(axis=1).mean()),
-    )
+    found = error.mean(), np.quantile(error, 0.95), error.max(), (rough < 0.0).any(axis=1).mean()
+    return ForceStatistics(name, len(error), *map(float, found))

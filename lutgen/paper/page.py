@@ -1,128 +1,165 @@
-"""One HTML page that needs no other file: headings, paragraphs, tables and embedded pictures.
+"""One HTML page that needs no other file, made of a template, tables and pictures.
 
-Owns the markup and its look; it knows nothing of the paper.  Every text is escaped here.
+Owns the blocks of the template, a small part of Markdown: headings, paragraphs, notes after `>`,
+and `![caption](name)`, where the name is that of a picture or, after `table:`, of a table.
 """
 
 import base64
 import html
+import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib.resources import files
 from pathlib import Path
 
-__all__ = ["Page"]
+from lutgen.paper.markup import inline, minus, plain
 
-STYLE = """
-body { font: 16px/1.5 Georgia, 'DejaVu Serif', serif; color: #1a1a1a; background: #fff;
-       max-width: 62rem; margin: 2rem auto; padding: 0 1.25rem; }
-h1 { font-size: 1.7rem; line-height: 1.25; }
-h2 { font-size: 1.3rem; margin-top: 2.6rem; border-bottom: 1px solid #bbb; }
-h3 { font-size: 1.08rem; margin-top: 1.8rem; }
-nav ol { columns: 2; }
-table { border-collapse: collapse; margin: 1rem 0 1.4rem;
-        font: 14px/1.4 'DejaVu Sans', Arial, sans-serif; }
-caption { text-align: left; font-weight: bold; padding-bottom: .4rem; }
-th, td { padding: .25rem .7rem .25rem 0; text-align: left; vertical-align: top; }
-thead th { border-bottom: 1.5px solid #333; }
-tbody tr { border-bottom: 1px solid #ddd; }
-td.number, th.number { text-align: right; font-variant-numeric: tabular-nums;
-                       white-space: nowrap; }
-figure { display: inline-block; vertical-align: top; margin: .6rem 1.2rem .6rem 0;
-         max-width: 100%; }
-figure img { max-width: 100%; }
-figcaption { font: 13px/1.4 'DejaVu Sans', Arial, sans-serif; max-width: 28rem; color: #333; }
-p.note { border-left: 3px solid #0072B2; padding-left: .8rem; }
-code { font-size: .92em; }
-@media print { body { margin: 0; max-width: none; } }
-"""
+__all__ = ["Picture", "Table", "render", "shown_together"]
+
+STYLE = files(__package__).joinpath("page.css").read_text(encoding="utf-8")
+# What is smaller is rounding, and shown as 0.
+NOISE = 1e-12
+EMBEDDED = re.compile(r"!\[(.*)\]\((.*)\)")
 
 
-class Page:
-    """A page that grows from top to bottom.
+@dataclass(frozen=True)
+class Picture:
+    """A PNG file and its width on a page in CSS pixels."""
 
-    Parameters
+    path: Path
+    width: int
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of cells under a head.
+
+    Attributes
     ----------
-    title : str
-        Of the page and its first heading.
+    head : sequence of (str, str)
+        Words, and how the column's numbers are written: a format specification, or "" for a
+        column of text.
+    rows : sequence of sequences
+        Numbers, texts, or None for an empty cell.
+    """
+
+    head: Sequence[tuple[str, str]]
+    rows: Sequence[Sequence[object]]
+
+    def html(self, caption: str) -> str:
+        """Return the table as HTML; columns of numbers stand right-aligned."""
+        kinds = [' class="number"' if spec else "" for _, spec in self.head]
+        head = [
+            f"<th{kind}>{inline(w)}</th>" for (w, _), kind in zip(self.head, kinds, strict=True)
+        ]
+        lines = ["<table>", f"<caption>{inline(caption)}</caption>"]
+        lines.append(f"<thead><tr>{''.join(head)}</tr></thead><tbody>")
+        for row in self.rows:
+            cells = (
+                f"<td{kind}>{_cell(value, spec)}</td>"
+                for value, (_, spec), kind in zip(row, self.head, kinds, strict=True)
+            )
+            lines.append(f"<tr>{''.join(cells)}</tr>")
+        return "\n".join([*lines, "</tbody></table>"])
+
+
+def _cell(value: object, spec: str) -> str:
+    if value is None:
+        return "\u2013"
+    if isinstance(value, str):
+        return minus(html.escape(value)) if spec else inline(value)
+    text = minus(format(value, spec))
+    # A small number: 1.23e-06 is 1.23 times a power of ten.
+    power = re.fullmatch(r"(.*)e(.)0*(\d+)", text)
+    if not power:
+        return text
+    sign = "\u2212" if power[2] == "-" else ""
+    return f"{power[1]}\u00b710<sup>{sign}{power[3]}</sup>"
+
+
+def shown_together(values: Sequence[float], digits: int = 6) -> list[str]:
+    """Return numbers as text with the same decimals: as many as the largest of them needs.
 
     Examples
     --------
-    >>> page = Page("Numbers")
-    >>> page.heading("First", "first")
-    >>> page.table(["name", "value"], [["a < b", 1.5]], caption="Two columns.")
-    >>> "a &lt; b" in page.text() and '<td class="number">1.5</td>' in page.text()
+    >>> shown_together([0.0022, -0.001979, 0.0])
+    ['0.002200', '-0.001979', '0.000000']
+    >>> shown_together([float("nan"), 72.0, 4.0])
+    ['0/0', '72', '4']
+    """
+    finite = [value for value in values if not math.isnan(value)]
+    largest = max((abs(value) for value in finite), default=0.0)
+    most = max(0, digits - 1 - math.floor(math.log10(largest))) if largest > NOISE else 0
+    decimals = next(
+        d
+        for d in range(most + 1)
+        if d == most or all(abs(round(v, d) - v) < 0.5 * 10.0**-most for v in finite)
+    )
+    # Adding 0 turns -0.0 into 0.0.
+    texts = (f"{round(value, decimals) + 0.0:.{decimals}f}" for value in values)
+    return ["0/0" if text == "nan" else text for text in texts]
+
+
+def render(text: str, pictures: Mapping[str, Picture], tables: Mapping[str, Table]) -> str:
+    r"""Return the page.
+
+    Parameters
+    ----------
+    text : str
+        The template, its numbers filled in; its first line is the title.
+    pictures : mapping of str to Picture
+        By the names of their files.
+    tables : mapping of str to Table
+        By name.
+
+    Examples
+    --------
+    >>> text = "# Numbers\n\n## First\n\n![Two.](table:two)"
+    >>> page = render(text, {}, {"two": Table([("a", "")], [["<"]])})
+    >>> '<h2 id="first">First</h2>' in page and "<td>&lt;</td>" in page
     True
     """
-
-    def __init__(self, title: str) -> None:
-        self.title = title
-        self._parts: list[str] = []
-        self._contents: list[tuple[str, str]] = []
-
-    def heading(self, text: str, anchor: str) -> None:
-        """Begin a section, which the contents list."""
-        self._contents.append((anchor, text))
-        self._parts.append(f'<h2 id="{html.escape(anchor)}">{html.escape(text)}</h2>')
-
-    def subheading(self, text: str) -> None:
-        """Begin a part of a section."""
-        self._parts.append(f"<h3>{html.escape(text)}</h3>")
-
-    def paragraph(self, text: str, note: bool = False) -> None:
-        """Add a paragraph; a note stands out, and what stands in backticks is code."""
-        kind = ' class="note"' if note else ""
-        words = re.sub(r"`([^`]+)`", r"<code>\1</code>", html.escape(text))
-        self._parts.append(f"<p{kind}>{words}</p>")
-
-    def table(
-        self, head: Sequence[str], rows: Iterable[Sequence[object]], caption: str = ""
-    ) -> None:
-        """Add a table; floats and ints stand right-aligned, floats with 6 significant digits."""
-        body = [list(row) for row in rows]
-        numeric = [
-            bool(body)
-            and all(isinstance(row[i], int | float) or row[i] in ("", "-") for row in body)
-            for i in range(len(head))
-        ]
-        lines = ["<table>"]
-        if caption:
-            lines.append(f"<caption>{html.escape(caption)}</caption>")
-        lines.append("<thead><tr>")
-        lines += [_cell("th", text, numeric[i]) for i, text in enumerate(head)]
-        lines.append("</tr></thead><tbody>")
-        for row in body:
-            cells = "".join(_cell("td", value, numeric[i]) for i, value in enumerate(row))
-            lines.append(f"<tr>{cells}</tr>")
-        lines.append("</tbody></table>")
-        self._parts.append("\n".join(lines))
-
-    def picture(self, path: Path, caption: str, width: int) -> None:
-        """Embed a PNG file, `width` in CSS pixels."""
-        data = base64.b64encode(path.read_bytes()).decode("ascii")
-        words = html.escape(caption)
-        self._parts.append(
-            f'<figure><img width="{width}" alt="{words}" src="data:image/png;base64,{data}">'
-            f"<figcaption>{words}</figcaption></figure>"
-        )
-
-    def text(self) -> str:
-        """Return the whole page."""
-        title = html.escape(self.title)
-        listed = "".join(
-            f'<li><a href="#{html.escape(anchor)}">{html.escape(text)}</a></li>'
-            for anchor, text in self._contents
-        )
-        return (
-            '<!DOCTYPE html>\n<html lang="en-GB">\n<head>\n<meta charset="utf-8">\n'
-            '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-            f"<title>{title}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n"
-            f"<h1>{title}</h1>\n<nav><ol>{listed}</ol></nav>\n"
-            + "\n".join(self._parts)
-            + "\n</body>\n</html>\n"
-        )
+    first, *blocks = text.strip().split("\n\n")
+    title = first.removeprefix("# ")
+    parts, listed = [], []
+    for block in blocks:
+        if block.startswith("## "):
+            anchor = re.sub(r"\W+", "-", block[3:].lower()).strip("-")
+            listed.append(f'<li><a href="#{anchor}">{inline(block[3:])}</a></li>')
+            parts.append(f'<h2 id="{anchor}">{inline(block[3:])}</h2>')
+        elif block.startswith("!["):
+            parts += [_embedded(line, pictures, tables) for line in block.splitlines()]
+        else:
+            parts.append(_words(block))
+    return (
+        '<!DOCTYPE html>\n<html lang="en-GB">\n<head>\n<meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f"<title>{html.escape(plain(title))}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n"
+        f"<h1>{inline(title)}</h1>\n<nav><ol>{''.join(listed)}</ol></nav>\n"
+        + "\n".join(parts)
+        + "\n</body>\n</html>\n"
+    )
 
 
-def _cell(tag: str, value: object, numeric: bool) -> str:
-    """Return one cell of a table."""
-    text = f"{value:.6g}" if isinstance(value, float) else str(value)
-    kind = ' class="number"' if numeric else ""
-    return f"<{tag}{kind}>{html.escape(text)}</{tag}>"
+def _words(block: str) -> str:
+    if block.startswith("### "):
+        return f"<h3>{inline(block[4:])}</h3>"
+    if block.startswith("> "):
+        return f'<p class="note">{inline(block[2:])}</p>'
+    return f"<p>{inline(block)}</p>"
+
+
+def _embedded(line: str, pictures: Mapping[str, Picture], tables: Mapping[str, Table]) -> str:
+    """Return a table, or a figure with its picture in it."""
+    match = EMBEDDED.fullmatch(line)
+    assert match, line
+    caption, name = match.groups()
+    if name.startswith("table:"):
+        return tables[name.removeprefix("table:")].html(caption)
+    picture = pictures[name]
+    data = base64.b64encode(picture.path.read_bytes()).decode("ascii")
+    return (
+        f'<figure><img width="{picture.width}" alt="{html.escape(plain(caption))}" '
+        f'src="data:image/png;base64,{data}"><figcaption>{inline(caption)}</figcaption></figure>'
+    )

@@ -1,13 +1,15 @@
-"""What the paper prints of its results: Table 1 and the two shares of simulation 3."""
+"""What the paper prints, read from `published.toml`: Table 1, captions, and a few numbers."""
 
+import tomllib
 from dataclasses import dataclass
+from importlib.resources import files
 
-__all__ = ["CONTROLLED", "TABLE", "TABLE_1", "UNCONTROLLED", "Row"]
+PRINTED = tomllib.loads(files(__package__).joinpath("published.toml").read_text(encoding="utf-8"))
 
 
 @dataclass(frozen=True)
 class Row:
-    """One column of Table 1: angles in deg, |SD_g| in the paper's ratios.
+    """One column of Table 1: angles in deg, |SD_g| in the paper's ratios, its share of 10 in %.
 
     `read_as` is |SD_g| as we take it to be meant, where the print contradicts itself.
     """
@@ -17,36 +19,36 @@ class Row:
     alpha: float
     gamma: float
     sdg: float
+    percent: float
     read_as: float
 
-
-# As printed: alpha and gamma (deg), |SD_g|, error %.
-TABLE_1 = {
-    "stability map": ("31", "31", "0.0022", "0.022"),
-    "fminsearch": ("30.9628", "30.9605", "0.00009092", "0.0009092"),
-    "search, 25 iterations": ("30", "30", "0.0821", "0.821"),
-    "search, 50 iterations": ("32", "32", "0.0566", "0.566"),
-    "search, 75 iterations": ("31.2", "31.2", "0.0131", "0.131"),
-    "search, 150 iterations": ("30.9568", "30.9568", "0.00037889", "0.0037889"),
-}
-# The entries in the paper's order: our name for the method, and its evaluations.
-_ORDER = {
-    "stability map": ("stability map", 2500),
-    "fminsearch": ("fminsearch", 49),
-    "search, 25 iterations": ("searching algorithm, step 1", 25),
-    "search, 50 iterations": ("searching algorithm, step 2", 50),
-    "search, 75 iterations": ("searching algorithm, step 3", 75),
-    "search, 150 iterations": ("searching algorithm, step 6", 150),
-}
-# The one entry that is read as a misprint, see the errata.
-_READ_AS = {"search, 25 iterations": 0.0521}
+    @property
+    def searching(self) -> bool:
+        """Whether the entry is one of the searching algorithm."""
+        return self.method.startswith("searching")
 
 
-def _row(entry: str) -> Row:
-    alpha, gamma, sdg, _ = map(float, TABLE_1[entry])
-    return Row(*_ORDER[entry], alpha, gamma, sdg, _READ_AS.get(entry, sdg))
+def _row(entry: dict[str, str]) -> Row:
+    alpha, gamma = map(float, entry["angles_deg"])
+    sdg, percent = float(entry["sdg"]), float(entry["percent"])
+    read_as = float(entry.get("read_as", sdg))
+    return Row(entry["method"], int(entry["iterations"]), alpha, gamma, sdg, percent, read_as)
 
 
-TABLE = tuple(map(_row, TABLE_1))
-# Shares of the path on which the robot tips over, simulation 3.
-UNCONTROLLED, CONTROLLED = 0.72, 0.22
+TABLE = tuple(map(_row, PRINTED["table"]))
+# |SD_g| at which the robot tips over, the points of the path, and how many of these tip.
+TIPS_AT = float(PRINTED["tips_at"])
+POINTS = int(PRINTED["points"])
+UNCONTROLLED, CONTROLLED = int(PRINTED["uncontrolled"]), int(PRINTED["controlled"])
+ROUNDING_DEG = float(PRINTED["rounding_deg"])
+
+
+def entry(words: str) -> Row:
+    """Return the entry of Table 1 whose method ends with these words, such as "step 2"."""
+    (found,) = (row for row in TABLE if row.method.endswith(words))
+    return found
+
+
+def numbers_of(kind: str, words: str) -> list[int]:
+    """Return the numbers of the paper's "equations" or "figures" whose text has these words."""
+    return [int(number) for number, text in PRINTED[kind].items() if words in text]

@@ -93,23 +93,6 @@ def incentre(triangle: Array) -> Array:
 
 
 def largest_inscribed_radius(triangle: Array) -> float:
-    """Return the largest distance from all edges by linear programming."""
-    from scipy.optimize import linprog
-
-    along = triangle[1] - triangle[0]
-    first = along / np.linalg.norm(along)
-    other = triangle[2] - triangle[0]
-    second = other - (other @ first) * first
-    second = second / np.linalg.norm(second)
-    flat = (triangle - triangle[0]) @ np.column_stack([first, second])
-    edge = np.roll(flat, -1, axis=0) - flat
-    # The third corner has a positive second coordinate: the inside is to the left.
-    inward = np.column_stack([-edge[:, 1], edge[:, 0]]) / np.linalg.norm(edge, axis=1)[:, None]
-    limit = -(inward * flat).sum(axis=1)
-    found = linprog(
-        [0.0, 0.0, -1.0],
-        A_ub=np.column_stack([-inward, np.ones(3)]),
-        b_ub=limit,
-        bounds=[(None, None)] * 3,
-    )
-    return float(found.x[2])
+    """Return the largest distance from all edges: twice the area over the perimeter."""
+    edges = np.roll(triangle, -1, axis=0) - triangle
+    return float(np.linalg.norm(np.cross(*edges[:2])) / np.linalg.norm(edges, axis=1).sum())

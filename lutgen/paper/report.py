@@ -1,6 +1,6 @@
 """`lutgen paper`: everything in one folder, and one page that shows it.
 
-Owns the folder and the order of the page.
+Owns the folder; the words of the page are in `page.md.in`.
 """
 
 import os
@@ -8,21 +8,22 @@ import shutil
 import tempfile
 import time
 from collections.abc import Callable
+from importlib.resources import files
 from pathlib import Path
 
-from lutgen._version import __version__
 from lutgen.errors import InputError
 from lutgen.files import csv_text, write_text
-from lutgen.paper.page import Page
-from lutgen.paper.pictures import Picture, draw_pictures
-from lutgen.paper.results import MAP, Results, compute
-from lutgen.paper.sections import introduction, simulation_one, simulation_three, simulation_two
-from lutgen.paper.sections_checks import errata_section, forces_section, omitted_section
+from lutgen.paper.numbers import page_numbers
+from lutgen.paper.page import Picture, render
+from lutgen.paper.page_tables import page_tables
+from lutgen.paper.pictures import draw_pictures
+from lutgen.paper.results import Results, compute
 from lutgen.paper.tables import tables
 
-__all__ = ["PAGE", "build_page", "write_report"]
+__all__ = ["PAGE", "TEMPLATE", "build_page", "write_report"]
 
 PAGE = "paper.html"
+TEMPLATE = files(__package__).joinpath("page.md.in").read_text(encoding="utf-8")
 
 
 def write_report(
@@ -61,11 +62,10 @@ def write_report(
     try:
         results = compute(work, progress)
         progress("figures")
-        pictures = draw_pictures(work, results.first, results.second, results.swept, results.third)
+        pictures = draw_pictures(work, results)
         for name, (head, rows) in tables(results).items():
             write_text(work / name, csv_text(head, rows))
-        page = build_page(results, pictures, lambda: time.perf_counter() - begin)
-        write_text(work / PAGE, page.text())
+        write_text(work / PAGE, build_page(results, pictures, time.perf_counter() - begin))
         for made in sorted(work.iterdir()):
             made.replace(target / made.name)
     except OSError as error:
@@ -78,28 +78,7 @@ def write_report(
     return target / PAGE
 
 
-def build_page(
-    results: Results, pictures: dict[str, Picture], elapsed: Callable[[], float]
-) -> Page:
-    """Return the page."""
-    page = Page("Variable robot geometry against tip-over: the paper's simulations, computed again")
-
-    def show(*stems: str) -> None:
-        for stem in stems:
-            each = pictures[stem]
-            page.picture(each.path, f"{each.number}: {each.caption}.", each.width)
-
-    introduction(page, show)
-    simulation_one(page, results, show)
-    simulation_two(page, results, show)
-    simulation_three(page, results, show)
-    errata_section(page, results)
-    forces_section(page)
-    omitted_section(page)
-    page.heading("How this page was made", "made")
-    page.paragraph(
-        f"lutgen {__version__} computed and drew everything on this page in {elapsed():.0f} "
-        "seconds; `lutgen paper -o DIR` does it again.  Beside it stand the figures, the numbers "
-        f"as CSV, and the map as HDF5 ({MAP})."
-    )
-    return page
+def build_page(results: Results, pictures: dict[str, Picture], seconds: float) -> str:
+    """Return the page: the template with its numbers, tables and pictures."""
+    filled = TEMPLATE.format_map(page_numbers(results, seconds))
+    return render(filled, pictures, page_tables(results))

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from lutgen.paper.errata import errata
 from lutgen.paper.erratum import Erratum
+from lutgen.paper.forces import ForceRow, ForceStatistics, force_statistics, force_table
 from lutgen.paper.rough import Third, Variant, third_simulation, variants
 from lutgen.paper.simulations import (
     First,
@@ -17,6 +18,7 @@ from lutgen.paper.simulations import (
     table_one,
     timed_map,
 )
+from lutgen.paper.triples import TripleStatistics, triple_statistics
 
 __all__ = ["MAP", "Results", "compute"]
 
@@ -35,6 +37,9 @@ class Results:
     third: Third
     variants: tuple[Variant, ...]
     errata: tuple[Erratum, ...]
+    forces: tuple[ForceRow, ...]
+    loads: tuple[ForceStatistics, ...]
+    triples: TripleStatistics
 
 
 def compute(folder: Path, progress: Callable[[str], None] = lambda _: None) -> Results:
@@ -47,6 +52,7 @@ def compute(folder: Path, progress: Callable[[str], None] = lambda _: None) -> R
     swept = timed_map(folder / MAP)
     progress("simulation 3")
     third = third_simulation()
-    others = variants()
+    others = variants(third)
     progress("errata")
-    return Results(first, second, table, radius, swept, third, others, errata())
+    statics = force_table(), force_statistics(), triple_statistics()
+    return Results(first, second, table, radius, swept, third, others, errata(), *statics)

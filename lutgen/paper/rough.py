@@ -6,20 +6,25 @@ with the two percentages that it prints, and the variants show how much hangs on
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from lutgen.paper.robot import NOMINAL, paper_recipe
+from lutgen.paper.checks_path import equal_spacing
+from lutgen.paper.closed_form import tipping_points
+from lutgen.paper.nominal import AHEAD, NOMINAL, TO_THE_LEFT
+from lutgen.paper.published import POINTS
+from lutgen.paper.robot import paper_recipe
 from lutgen.recipe import Recipe
 from lutgen.search import Drive, drive, paper_path
 
 __all__ = ["HEADINGS", "Third", "Variant", "third_simulation", "variants"]
 
-# P1 ahead to the left, P2 back to the left, the fixed P3 to the right; travel is along x.
-AZIMUTHS = (30.0, 150.0, 270.0)
-POINTS = 100
 # Headings among which the robot may turn.
 HEADINGS = 24
+# Points of the path besides the paper's number.
+OTHER_POINTS = (50, 200, 500, 1000)
+BEHIND = (60.0, -60.0, 180.0)
 
 
 @dataclass(frozen=True)
@@ -40,21 +45,20 @@ class Third:
 
 def third_simulation() -> Third:
     """Compute simulation 3 (Figs 16 and 17) and the run in which the robot may turn."""
-    recipe = paper_recipe(azimuths=AZIMUTHS)
-    path = paper_path(POINTS)
-    nominal = np.full(2, NOMINAL)
-
-    def run(**options: object) -> Drive:
-        return drive(recipe, path, params0=nominal, **options)  # type: ignore[arg-type]
-
+    recipe = paper_recipe(azimuths=TO_THE_LEFT)
     return Third(
         recipe,
-        run(control=False),
-        run(),
-        run(lag=0),
-        run(control=False, headings=HEADINGS),
-        run(headings=HEADINGS),
+        _run(recipe, control=False),
+        _run(recipe),
+        _run(recipe, lag=0),
+        _run(recipe, control=False, headings=HEADINGS),
+        _run(recipe, headings=HEADINGS),
     )
+
+
+def _run(recipe: Recipe, attitude: str = "pitch", **options: Any) -> Drive:
+    """Drive from the nominal shape along the paper's path."""
+    return drive(recipe, paper_path(POINTS, attitude), params0=np.full(2, NOMINAL), **options)
 
 
 @dataclass(frozen=True)
@@ -67,36 +71,40 @@ class Variant:
     control: float
 
 
-def variants() -> tuple[Variant, ...]:
-    """Return the shares for other numbers of points and other readings of the paper."""
-    nominal = np.full(2, NOMINAL)
-    recipe = paper_recipe(azimuths=AZIMUTHS)
+def variants(third: Third) -> tuple[Variant, ...]:
+    """Return the shares for other numbers of points and other readings of the paper.
 
-    def shares(
-        name: str,
-        points: int = POINTS,
-        robot: Recipe = recipe,
-        attitude: str = "pitch",
-        **options: object,
-    ) -> Variant:
-        path = paper_path(points, attitude)
+    Parameters
+    ----------
+    third : Third
+        The reading from which each variant departs in one thing.
+    """
+    fixed, recipe = third.fixed.share, third.recipe
+
+    def shares(name: str, robot: Recipe, attitude: str = "pitch", **options: Any) -> Variant:
         where = {key: options[key] for key in ("convention",) if key in options}
-        without = drive(robot, path, control=False, params0=nominal, **where)  # type: ignore[arg-type]
-        control = drive(robot, path, params0=nominal, **options)  # type: ignore[arg-type]
-        return Variant(name, points, without.share, control.share)
+        without = _run(robot, attitude, control=False, **where)
+        return Variant(name, POINTS, without.share, _run(robot, attitude, **options).share)
 
-    ahead, behind = (
-        paper_recipe(azimuths=(0.0, 120.0, 240.0)),
-        paper_recipe(azimuths=(60.0, -60.0, 180.0)),
-    )
     return (
-        shares("the reading above"),
-        *(shares("other number of points", points=count) for count in (50, 200, 500, 1000)),
-        shares("nodes of the search at the right ends of its cells", ends="right"),
-        shares("no lag: the geometry found for the point itself", lag=0),
-        shares("ground level across the path, heading kept", attitude="surface"),
-        shares("gravity fixed in the body while the legs move (F)", convention="body"),
-        shares("P1 ahead", robot=ahead),
-        shares("P1 and P2 ahead, P3 behind", robot=behind),
-        shares("tip-over angle as the objective instead of |SD_g|", objective="tip_angle"),
+        Variant("the reading above", POINTS, fixed, third.lagged.share),
+        *map(_more_points, OTHER_POINTS),
+        shares("nodes of the search at the right ends of its cells", recipe, ends="right"),
+        Variant(
+            "no lag: the geometry found for the point itself", POINTS, fixed, third.prompt.share
+        ),
+        shares("ground level across the path, heading kept", recipe, "surface"),
+        shares("gravity fixed in the body while the legs move (F)", recipe, convention="body"),
+        shares("P1 ahead", paper_recipe(azimuths=AHEAD)),
+        shares("P1 and P2 ahead, P3 behind", paper_recipe(azimuths=BEHIND)),
+        shares(
+            "tip-over angle as the objective instead of $|SD_g|$", recipe, objective="tip_angle"
+        ),
     )
+
+
+def _more_points(points: int) -> Variant:
+    """Return the shares for another number of points, in closed form: it takes no time."""
+    places = equal_spacing(points)
+    tips = [tipping_points(places, control) / points for control in (False, True)]
+    return Variant("other number of points", points, *tips)

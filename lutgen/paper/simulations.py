@@ -13,32 +13,23 @@ from numpy.typing import NDArray
 
 from lutgen.channels import CONVENTIONS, body_gravity, evaluate_each
 from lutgen.mapping import load_map, sweep
+from lutgen.paper.nominal import DOWN, RADIUS
 from lutgen.paper.published import TABLE, Row
-from lutgen.paper.robot import RADIUS, paper_recipe
+from lutgen.paper.robot import paper_recipe
 from lutgen.recipe import Recipe
 from lutgen.search import Optimum, optimum
 
-__all__ = [
-    "LEVEL",
-    "First",
-    "MapTime",
-    "Second",
-    "TableRow",
-    "first_simulation",
-    "level_values",
-    "second_simulation",
-    "table_one",
-    "timed_map",
-]
-
 Floats = NDArray[np.float64]
 
-LEVEL = np.array([0.0, 0.0, -1.0])
+# |SD_g| up to which a shape counts as acceptable (the paper's delta): a tenth of that at which the
+# paper's robot tips.
+LIMIT = 1.0
+METHODS = ("map", "nelder-mead", "search", "multistart")
 
 
 def level_values(recipe: Recipe, params: Floats, convention: str) -> dict[str, Floats]:
     """Return sdg and height, each (m,), of m geometries on level ground."""
-    down = body_gravity(recipe, params, LEVEL, convention)
+    down = body_gravity(recipe, params, DOWN, convention)
     return evaluate_each(recipe, params, down, ("sdg", "height"))
 
 
@@ -60,15 +51,12 @@ def first_simulation() -> First:
     """Compute simulation 1 (Fig 8): alpha from 0 to 50 deg, on level ground."""
     recipe = paper_recipe(moving=1)
     alpha = np.linspace(0.0, 50.0, 501)
-    rows = np.radians(alpha)[:, None]
-    values = {name: level_values(recipe, rows, name) for name in CONVENTIONS}
-    return First(
-        recipe,
-        alpha,
-        {name: found["sdg"] for name, found in values.items()},
-        {name: found["height"] for name, found in values.items()},
-        {name: optimum(recipe, LEVEL, "multistart", convention=name) for name in CONVENTIONS},
-    )
+    found = First(recipe, alpha, {}, {}, {})
+    for name in CONVENTIONS:
+        values = level_values(recipe, np.radians(alpha)[:, None], name)
+        found.sdg[name], found.height[name] = values["sdg"], values["height"]
+        found.best[name] = optimum(recipe, DOWN, "multistart", convention=name)
+    return found
 
 
 @dataclass(frozen=True)
@@ -79,23 +67,15 @@ class Second:
     found: dict[tuple[str, str], Optimum]
 
 
-def second_simulation(limit: float = 1.0) -> Second:
-    """Compute simulation 2: the three methods of the paper, and many starts.
-
-    Parameters
-    ----------
-    limit : float
-        |SD_g| up to which a geometry counts as acceptable (the paper's delta): a tenth of 10, at
-        which the paper's robot tips.
-    """
+def second_simulation() -> Second:
+    """Compute simulation 2: the three methods of the paper, and many starts."""
     recipe = paper_recipe()
-    methods = ("map", "nelder-mead", "search", "multistart")
     return Second(
         recipe,
         {
-            (name, method): optimum(recipe, LEVEL, method, convention=name, limit=limit)
+            (name, method): optimum(recipe, DOWN, method, convention=name, limit=LIMIT)
             for name in CONVENTIONS
-            for method in methods
+            for method in METHODS
         },
     )
 
@@ -158,21 +138,17 @@ def table_one() -> tuple[tuple[TableRow, ...], dict[str, float]]:
     squared relative residuals over the entries of the searching algorithm.
     """
     recipe = paper_recipe()
-    rows = np.radians([[row.alpha, row.gamma] for row in TABLE])
+    params = np.radians([[row.alpha, row.gamma] for row in TABLE])
     meant = np.array([row.read_as for row in TABLE])
-    fit = np.array([row.method.startswith("searching") for row in TABLE])
-    exact = {name: level_values(recipe, rows, name)["sdg"] for name in CONVENTIONS}
-    scale = {}
-    for name, values in exact.items():
+    fit = np.array([row.searching for row in TABLE])
+    rows = [TableRow(row, {}, {}, {}) for row in TABLE]
+    radius = {}
+    for name in CONVENTIONS:
+        values = level_values(recipe, params, name)["sdg"]
         ratio = values[fit] / meant[fit]
-        scale[name] = float(ratio.sum() / (ratio**2).sum())
-    table = tuple(
-        TableRow(
-            row,
-            {name: float(exact[name][i]) for name in CONVENTIONS},
-            {name: float(exact[name][i] * scale[name]) for name in CONVENTIONS},
-            {name: float(exact[name][i] * scale[name] / meant[i] - 1.0) for name in CONVENTIONS},
-        )
-        for i, row in enumerate(TABLE)
-    )
-    return table, {name: RADIUS * factor for name, factor in scale.items()}
+        scale = float(ratio.sum() / (ratio**2).sum())
+        radius[name] = RADIUS * scale
+        for row, value, said in zip(rows, values.tolist(), meant.tolist(), strict=True):
+            row.exact[name], row.fitted[name] = value, value * scale
+            row.residual[name] = value * scale / said - 1.0
+    return tuple(rows), radius

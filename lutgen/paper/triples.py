@@ -14,22 +14,17 @@ Array = NDArray[np.float64]
 
 # A contact this far from a plane, relative to the largest coordinate, is on it.
 ON_PLANE = 1e-9
+# Contacts of the random sets, in turn.
+CONTACTS = (4, 5, 6, 7)
 
 
 @dataclass(frozen=True)
 class TripleStatistics:
     """How often the paper's tests found the hull's facet.
 
-    Attributes
-    ----------
-    sets : int
-        Random contact sets.
-    agree : int
-        Of these, with the same wheels by both ways, none included.
-    tipping : int
-        Of these, with no facet under gravity's ray.
-    most_passing : int
-        Largest number of triples of one set that passed both tests.
+    Of `sets` random sets of contacts, `agree` have the same wheels by both ways, none included,
+    and `tipping` no facet under gravity's ray; `most_passing` is the largest number of triples of
+    one set that passed both tests.
     """
 
     sets: int
@@ -39,57 +34,36 @@ class TripleStatistics:
 
 
 def passing_triples(contacts: Array, gravity: Array) -> list[tuple[int, int, int]]:
-    """Return the triples that pass both tests of the paper, in ascending order.
+    """Return the triples of contacts (n, 3) that pass both tests of the paper, in order.
 
-    Parameters
-    ----------
-    contacts : (n, 3) float64
-        Contact points relative to the com.
-    gravity : (3,) float64
-        Pointing down, any length.
-
-    Returns
-    -------
-    list of tuple
-        At most one where no four contacts are coplanar.  "Point error": another contact lies
-        beyond the triple's plane along gravity.  "Intersection error": gravity's ray misses the
-        inside of the triangle.  Collinear triples, planes parallel to gravity and planes through
-        the com never pass.
+    At most one where no four contacts are coplanar.  "Point error": another contact lies beyond
+    the triple's plane along gravity.  "Intersection error": gravity's ray misses the inside of
+    the triangle.  Collinear triples, planes parallel to gravity and planes through the com never
+    pass.
     """
     near = ON_PLANE * float(np.abs(contacts).max())
-    found: list[tuple[int, int, int]] = []
-    for triple in combinations(range(len(contacts)), 3):
-        corners = contacts[list(triple)]
-        across = np.cross(corners[1] - corners[0], corners[2] - corners[0])
-        length = float(np.linalg.norm(across))
-        if length <= near * near or abs(across @ gravity) <= 0.0:
-            continue
-        outward = across / length * np.sign(across @ gravity)
-        if ((contacts - corners[0]) @ outward > near).any():
-            continue
-        if abs(outward @ corners[0]) > near and (np.linalg.solve(corners.T, gravity) > 0.0).all():
-            found.append(triple)
-    return found
+    triples = list(combinations(range(len(contacts)), 3))
+    corners = contacts[np.array(triples)]
+    first = corners[:, 0]
+    across = np.cross(corners[:, 1] - first, corners[:, 2] - first)
+    length, rate = np.linalg.norm(across, axis=1), across @ gravity
+    # Neither collinear nor parallel to gravity.
+    kept = (length > near * near) & (rate != 0.0)
+    outward = across / np.where(kept, length, 1.0)[:, None] * np.sign(rate)[:, None]
+    offset = (outward * first).sum(axis=1)
+    kept &= (outward @ contacts.T - offset[:, None] <= near).all(axis=1) & (np.abs(offset) > near)
+    return [
+        triples[i]
+        for i in np.flatnonzero(kept)
+        if (np.linalg.solve(corners[i].T, gravity) > 0.0).all()
+    ]
 
 
 def leaving_facet(contacts: Array, gravity: Array) -> tuple[int, int, int] | None:
-    """Return the facet of the convex hull through which gravity's ray leaves it.
+    """Return the facet of the convex hull through which gravity's ray leaves it, if any.
 
-    Parameters
-    ----------
-    contacts : (n, 3) float64
-        At least four points that are not coplanar.
-    gravity : (3,) float64
-        Pointing down, any length.
-
-    Returns
-    -------
-    tuple or None
-        Its three contacts in ascending order; None if the ray misses the hull.
-
-    Notes
-    -----
-    The hull is cut out of the ray by one half-space after the other; no triangle is looked at.
+    The hull of at least four contacts (n, 3) is cut out of the ray by one half-space after the
+    other; no triangle is looked at.
     """
     from scipy.spatial import ConvexHull
 
@@ -110,24 +84,15 @@ def leaving_facet(contacts: Array, gravity: Array) -> tuple[int, int, int] | Non
 
 
 def triple_statistics(sets: int = 2000, seed: int = 20) -> TripleStatistics:
-    """Compare the paper's tests with the hull on random sets of 4 to 7 contacts.
+    """Compare the paper's tests with the hull on random sets of contacts.
 
-    Parameters
-    ----------
-    sets : int
-        How many.
-    seed : int
-        Of the contacts, uniform in a cube around the com, and of gravity, uniform on the sphere.
-
-    Returns
-    -------
-    TripleStatistics
-        With `agree` equal to `sets` and `most_passing` equal to 1 if the tests are right.
+    Contacts are uniform in a cube around the com, gravity is uniform on the sphere.  If the tests
+    are right, `agree` is `sets` and `most_passing` is 1.
     """
     rng = np.random.default_rng(seed)
     agree = tipping = most = 0
     for i in range(sets):
-        contacts = rng.uniform(-1.0, 1.0, (4 + i % 4, 3))
+        contacts = rng.uniform(-1.0, 1.0, (CONTACTS[i % len(CONTACTS)], 3))
         gravity = rng.normal(size=3)
         passing = passing_triples(contacts, gravity)
         facet = leaving_facet(contacts, gravity)

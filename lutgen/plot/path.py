@@ -89,6 +89,10 @@ def draw_path(recipe: Recipe, runs: Mapping[str, Drive]) -> Figure:
                 va="top",
             )
         strips = [_strip(figure, k, count, last) for k in range(count)]
+        if len(drawn) > 1:
+            for letter, axes in zip("cdef", strips, strict=False):
+                top = axes.get_position().y1
+                figure.text(0.06 / size[0], top, f"({letter})", va="top")
         draw_angles(strips[0], dict(drawn))
         for axes, (unit, members) in zip(strips[1:], rows, strict=False):
             _draw_parameters(axes, recipe, unit, members, last)

@@ -2,7 +2,6 @@
 
 import math
 from fractions import Fraction
-from statistics import NormalDist
 
 import numpy as np
 import pytest
@@ -11,32 +10,27 @@ from numpy.typing import NDArray
 from lutgen.analysis.diagnosis import heuristic_forces, normal_forces
 from lutgen.channels.plain import stability
 from lutgen.errors import InputError
-from lutgen.paper import closed_form, errata_polygon, errata_text, printed, reference
-from lutgen.paper.errata import (
-    Erratum,
-    Example,
-    errata,
+from lutgen.paper import checks_polygon, checks_text, closed_form, printed, reference
+from lutgen.paper.checks_path import equal_spacing, gaussian_spacing, steeper_than_the_limit
+from lutgen.paper.checks_statics import line_distances, point_distances
+from lutgen.paper.errata import CHECKS, ROWS, errata
+from lutgen.paper.erratum import Erratum, Example
+from lutgen.paper.forces import (
+    exact_forces,
     force_statistics,
     force_table,
-    triple_statistics,
+    pierced_point,
+    slope_gravity,
 )
-from lutgen.paper.errata_path import equal_spacing, steeper_than_the_limit
-from lutgen.paper.errata_plane import four_contacts
-from lutgen.paper.errata_statics import line_distances, point_distances
-from lutgen.paper.forces import exact_forces, nominal_wheels, pierced_point, slope_gravity
-from lutgen.paper.triples import leaving_facet, passing_triples
+from lutgen.paper.nominal import DOWN, NOMINAL_DEG, nominal_wheels, tripods
+from lutgen.paper.published import PRINTED, numbers_of
+from lutgen.paper.reference import four_contacts
+from lutgen.paper.triples import leaving_facet, passing_triples, triple_statistics
 
 Array = NDArray[np.float64]
 
 FOUND = errata()
 NAMES = [erratum.place for erratum in FOUND]
-# Only wrong cross-references and words have no number.
-EDITORIAL = {
-    "text before Eq 14",
-    "text after Figure 9, minimum of the stability map",
-    "third method, figure references",
-    "path simulation, text",
-}
 # Places whose numbers are those of the example robot; the others are counts or the paper's robot.
 OF_THE_EXAMPLE = {
     "Eq 3",
@@ -94,7 +88,43 @@ def test_every_place_is_listed_once_and_says_what_why_and_how() -> None:
             assert text.strip()
         assert (erratum.correct.startswith("as printed")) is erratum.confirmed, erratum.place
         assert erratum.printed != erratum.correct
-    assert {e.place for e in FOUND if not e.checks} == EDITORIAL
+
+
+def test_every_erratum_names_its_checks_and_every_check_serves_one_erratum() -> None:
+    named = [name for row in ROWS for name in row["checks"]]
+    assert all(row["checks"] for row in ROWS)
+    assert sorted(named) == sorted(CHECKS)
+    assert all(erratum.checks for erratum in FOUND)
+
+
+@pytest.mark.parametrize(
+    ("place", "kind", "number", "wrong"),
+    [
+        ("text before Eq 14", "equations", "13", "S_M"),
+        ("text after Figure 9, minimum of the stability map", "figures", "10", "A map."),
+        ("third method, figure references", "figures", "13", "The result of the 2nd step."),
+    ],
+)
+def test_a_reference_to_a_number_is_looked_up_in_what_the_paper_prints(
+    monkeypatch: pytest.MonkeyPatch, place: str, kind: str, number: str, wrong: str
+) -> None:
+    (row,) = (row for row in ROWS if row["place"] == place)
+    (name,) = row["checks"]
+    said = {**PRINTED[kind], number: wrong, "40": PRINTED[kind][number]}
+    monkeypatch.setitem(PRINTED, kind, said)
+    try:
+        agree = [c.ours_agrees for c in CHECKS[name](Example())]
+    except ValueError:
+        # No number, or more than one, has the words.
+        return
+    assert not all(agree)
+
+
+def test_words_of_equations_and_captions_are_found_by_number() -> None:
+    assert numbers_of("equations", "S_MO") == [13]
+    assert numbers_of("figures", "stability map") == [10, 11]
+    assert list(PRINTED["figures"]) == [str(number) for number in range(1, 18)]
+    assert list(PRINTED["equations"]) == [str(number) for number in range(1, 22)]
 
 
 @pytest.mark.parametrize("erratum", [e for e in FOUND if not e.confirmed], ids=lambda e: e.place)
@@ -199,7 +229,7 @@ def test_eq_27_by_hand_in_fractions() -> None:
     literal = offset - (a * sx + b * sy) / c
     normal, corner = np.array([-13.5, -8.5, 262.0]), np.array([10.0, -1.0, -6.0])
     assert printed.eq27(normal, corner, -1 / 3, 0.0) == pytest.approx(float(literal), rel=1e-14)
-    corrected = errata_polygon.eq27_corrected(normal, corner, -1 / 3, 0.0)
+    corrected = checks_polygon.eq27_corrected(normal, corner, -1 / 3, 0.0)
     assert corrected == pytest.approx(-6.5, rel=1e-14)
     # With the normal scaled to c = 1, and only then, the printed form is right.
     assert printed.eq27(normal / 262.0, corner, -1 / 3, 0.0) == pytest.approx(-6.5, rel=1e-14)
@@ -429,7 +459,7 @@ def test_the_robot_in_closed_form_has_the_known_stability_factors() -> None:
 
 
 def test_the_first_order_line_touches_the_model_at_the_optimum() -> None:
-    nominal = math.degrees(closed_form.NOMINAL)
+    nominal = NOMINAL_DEG
     for da, dg in ((1.0, 1.0), (1.0, 0.0), (-1.0, 1.0), (0.3, -0.8)):
         step = 1e-3
         # (h/3) sqrt(da^2 + dg^2 - da dg) with h = 12; second order is a thousandth of it.
@@ -442,7 +472,7 @@ def test_the_search_takes_six_levels_and_is_not_monotone() -> None:
     trace = closed_form.search_trace(6)
     # Five left ends of [0, 50], then of the cells beside the best: worked out by hand.
     assert trace == pytest.approx([30, 32, 31.2, 30.88, 31.008, 30.9568], abs=1e-9)
-    assert trace == pytest.approx(errata_text.nearest_nodes(6), abs=1e-9)
+    assert trace == pytest.approx(checks_text.nearest_nodes(6), abs=1e-9)
     values = [closed_form.factor_at(angle, angle) for angle in trace]
     assert values[1] > values[0]
     assert closed_form.levels_until(30.9568) == 6
@@ -458,17 +488,17 @@ def test_percentages_are_those_of_the_table() -> None:
 
 
 def test_the_entry_at_30_deg_has_one_and_a_half_times_the_slope_of_that_at_32() -> None:
-    nominal = math.degrees(closed_form.NOMINAL)
+    nominal = NOMINAL_DEG
     slope = 0.0566 / (32.0 - nominal)
     assert slope == pytest.approx(0.0546, abs=5e-5)
     assert 0.0821 / (nominal - 30.0) == pytest.approx(0.0852, abs=5e-5)
     assert 0.0521 / (nominal - 30.0) == pytest.approx(0.0541, abs=5e-5)
-    first = by_place(FOUND)["Table 1 and text, 30 deg"].checks[0]
+    first = by_place(FOUND)["Table 1 and text, 30°"].checks[0]
     assert first.reference == pytest.approx(slope * (nominal - 30.0), rel=1e-12)
 
 
 def test_lines_through_the_entries_of_table_1_end_at_two_different_optima() -> None:
-    angle = by_place(FOUND)["Table 1, 31 to 32 deg"].checks[1]
+    angle = by_place(FOUND)["Table 1, 31° to 32°"].checks[1]
     # 31.2 - 0.0131 * 0.8/0.0435 and 30.9568 + 0.00037889 * 0.8/0.0435.
     assert angle.printed == pytest.approx(30.95908, abs=5e-6)
     assert angle.reference == pytest.approx(30.96377, abs=5e-6)
@@ -507,16 +537,27 @@ def test_the_uncontrolled_robot_tips_on_72_of_100_points_and_wherever_it_is_too_
     assert closed_form.tipping_points(np.linspace(12.5, 4.0 * np.pi, 20)) == 0
 
 
-def test_gaussian_spacings_of_the_path_tip_on_71_to_74_points_too() -> None:
+def test_with_control_the_closed_form_tips_on_the_known_points() -> None:
+    # Found with the library's recipe, search and drive.
+    for points, tips in ((50, 12), (100, 22), (200, 43), (500, 108), (1000, 215)):
+        assert closed_form.tipping_points(equal_spacing(points), control=True) == tips
+
+
+def test_gaussian_spacings_of_the_path_tip_without_control_as_often_and_with_it_do_not() -> None:
     # Nothing is printed of the Gaussian: mean in the middle, several standard deviations.
-    normal = NormalDist()
-    quantiles = np.array([normal.inv_cdf((i + 0.5) / 100) for i in range(100)])
-    end = 4.0 * np.pi
-    counts = [
-        closed_form.tipping_points(np.clip(end / 2 + end / parts * quantiles, 1e-6, end))
-        for parts in (4, 5, 6, 8)
-    ]
-    assert all(71 <= count <= 74 for count in counts)
+    spacings = [gaussian_spacing(100, parts) for parts in (4, 5, 6, 8)]
+    assert all((np.diff(places) >= 0.0).all() and places[0] > 0.0 for places in spacings)
+    assert all(71 <= closed_form.tipping_points(places) <= 74 for places in spacings)
+    checks = by_place(FOUND)["path simulation, text"].checks
+    assert [c.printed for c in checks] == [16, 11, 9, 4]
+
+
+def test_the_second_shape_of_the_paper_is_equilateral_too() -> None:
+    angle = closed_form.second_optimum_deg()
+    assert angle == pytest.approx(-6.25, abs=5e-3)
+    shape = tripods(*np.radians([[angle], [angle]]))
+    down = closed_form.leaning(shape, DOWN)
+    assert closed_form.stability_factors(shape, down)[0] < 1e-9
 
 
 def test_the_centroid_is_not_the_direction_of_the_largest_tip_angle() -> None:
