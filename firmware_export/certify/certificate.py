@@ -27,7 +27,7 @@ class Certificate:
         half; also ``range`` and the same in percent of it, ``..._percent``.
     false_safe : int
         Points of the sample and of the search that are called safe and tip.
-    given_up : float
+    false_tip : float
         Share of the standing points of the uniform half that are called tipping.
     jumps : bool
         Whether |SD_g| jumps, so that its error has no bound; see `find_jumps`.
@@ -46,7 +46,7 @@ class Certificate:
     standing: int
     channels: dict[str, dict[str, float]]
     false_safe: int
-    given_up: float
+    false_tip: float
     jumps: bool
     beyond: float | None
     nearest: float
@@ -62,7 +62,7 @@ class Certificate:
             "standing": self.standing,
             "channels": self.channels,
             "false_safe": self.false_safe,
-            "given_up": self.given_up,
+            "false_tip": self.false_tip,
             "jumps": self.jumps,
             "beyond": self.beyond,
             "nearest_false_safe_rad": self.nearest,

@@ -139,7 +139,7 @@ def certify(
     example = next((w for w in (witness(one) for one in seen) if w is not None), None)
     example = example or next((s.witness for s in searches if s.witness is not None), None)
     standing = int(even.standing.sum())
-    given_up = int((even.standing & ~even.answers.stands).sum()) / max(standing, 1)
+    false_tip = int((even.standing & ~even.answers.stands).sum()) / max(standing, 1)
     beyond = None
     if bound is not None and "sdg" in channels:
         limit = bound.value * (table["sdg"]["range"] / 100.0 if bound.relative else 1.0)
@@ -150,7 +150,7 @@ def certify(
         standing=sum(int(one.standing.sum()) for one in seen),
         channels=table,
         false_safe=wrong,
-        given_up=given_up,
+        false_tip=false_tip,
         jumps=found.found,
         beyond=beyond,
         nearest=-float(attack.value.max(initial=-np.inf)),

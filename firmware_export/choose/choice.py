@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import Any
 
 from firmware_export.choose.foresee import foresee
-from firmware_export.choose.goal import GIVEN_UP, Goal
+from firmware_export.choose.goal import MOST_FALSE_TIP, Goal
 from firmware_export.choose.trials import Candidate, Trials
 from firmware_export.emit import code_bytes
 from firmware_export.protocol import CodecInfo
@@ -31,7 +31,8 @@ def choose(trials: Trials, codecs: Sequence[CodecInfo], goal: Goal) -> Candidate
     """Return the best candidate of some codecs.
 
     With a percentage in the goal the smallest that is accurate enough; without it the most accurate
-    that fits.  Of each kind one that gives up at most GIVEN_UP of what stands goes before others.
+    that fits.  Of each kind one that reports at most MOST_FALSE_TIP of what is stable as unsafe
+    goes before others.
 
     Raises
     ------
@@ -44,9 +45,9 @@ def choose(trials: Trials, codecs: Sequence[CodecInfo], goal: Goal) -> Candidate
     good = [one for one in tried if goal.holds(one) and goal.fits(one)]
     if not good:
         raise _refusal(trials, tried, goal)
-    generous = [one for one in good if one.given_up <= GIVEN_UP]
+    generous = [one for one in good if one.false_tip <= MOST_FALSE_TIP]
     if not generous:
-        return min(good, key=lambda one: (one.given_up, one.total, one.label))
+        return min(good, key=lambda one: (one.false_tip, one.total, one.label))
     if goal.percent is None:
         return min(generous, key=lambda one: (one.error, one.total, one.label))
     return min(generous, key=lambda one: (one.total, one.error, one.label))

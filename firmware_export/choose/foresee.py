@@ -8,7 +8,7 @@ that is farthest from its goal grows by as much as its error has to fall.
 
 from typing import Any, NamedTuple
 
-from firmware_export.choose.goal import GIVEN_UP, Goal
+from firmware_export.choose.goal import MOST_FALSE_TIP, Goal
 from firmware_export.choose.trials import Candidate, Trials
 from firmware_export.protocol import CodecInfo, Foresight
 
@@ -117,5 +117,5 @@ def foresee(
 def _term(one: Candidate, table: str, goal: Goal) -> float:
     """Return how far a table is from what it is wanted for: 1 where it just serves."""
     if table == "tip":
-        return one.given_up / GIVEN_UP
+        return one.false_tip / MOST_FALSE_TIP
     return one.errors[table] / goal.aim

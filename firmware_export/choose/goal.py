@@ -8,12 +8,12 @@ import numpy as np
 from firmware_export.choose.trials import Candidate
 from firmware_export.quantity import ErrorBound
 
-__all__ = ["GIVEN_UP", "KNEE", "Goal"]
+__all__ = ["KNEE", "MOST_FALSE_TIP", "Goal"]
 
 # Percent: what is aimed at when nothing is asked for.
 KNEE = ErrorBound(1.0, relative=True)
-# Share of the standing configurations that an export should give up at most.
-GIVEN_UP = 0.05
+# Share of the stable configurations that an export should report unsafe at most.
+MOST_FALSE_TIP = 0.05
 
 
 @dataclass(frozen=True)
@@ -49,8 +49,8 @@ class Goal:
         return one.false_safe == 0 and (self.flash is None or one.total <= self.flash)
 
     def serves(self, one: Candidate) -> bool:
-        """Whether a candidate is accurate enough and gives up little of what stands."""
-        return self.holds(one) and one.given_up <= GIVEN_UP
+        """Whether a candidate is accurate enough and reports little of what is stable unsafe."""
+        return self.holds(one) and one.false_tip <= MOST_FALSE_TIP
 
     def score(self, one: Candidate) -> float:
         """Return how far a candidate is from the goal: 1 where it just meets it.
@@ -59,7 +59,7 @@ class Goal:
         """
         aim = self.aim or KNEE.value / self.margin
         terms = [error / aim for error in one.errors.values()]
-        terms.append(one.given_up / GIVEN_UP)
+        terms.append(one.false_tip / MOST_FALSE_TIP)
         if not all(map(math.isfinite, terms)):
             return math.inf
         return float(np.sum(np.array(terms) ** 4) ** 0.25)

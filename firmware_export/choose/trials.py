@@ -35,7 +35,7 @@ class Candidate:
     errors : dict of str to float
         Per length channel its error in percent of the range: the largest, or p99 where |SD_g|
         jumps; for an export of the tip angle alone that of the tip angle.
-    given_up : float
+    false_tip : float
         Share of the standing uniform points that are called tipping.
     false_safe : int
         Points that are called safe and tip; any is a fault.
@@ -45,7 +45,7 @@ class Candidate:
     bytes: int
     total: int
     errors: dict[str, float]
-    given_up: float
+    false_tip: float
     false_safe: int
 
     @property
@@ -67,7 +67,7 @@ class Candidate:
             "total_bytes": self.total,
             "error": next(iter(self.errors.values())),
             "errors": self.errors,
-            "given_up": self.given_up,
+            "false_tip": self.false_tip,
             "chosen": chosen,
         }
 

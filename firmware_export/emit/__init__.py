@@ -1,15 +1,16 @@
 """An export written as C, with its report.
 
-In reading order: `names`, `text`, `size`, `config`, `facts`, `header`, `source`, `example`,
-`project_files`, `page`, `figure`, `report`, `package`.
+In reading order: `names`, `text`, `size`, `config`, `facts`, `words`, `header`, `source`,
+`example`, `project_files`, `page`, `figure`, `report`, `package`.
 """
 
 from firmware_export.emit.config import features
-from firmware_export.emit.facts import bytes_text, error_texts, flash_bytes, share
+from firmware_export.emit.facts import flash_bytes
 from firmware_export.emit.names import check_name, default_name
 from firmware_export.emit.package import check_directory, write
 from firmware_export.emit.report import load_report
 from firmware_export.emit.size import code_bytes
+from firmware_export.emit.words import bytes_text, errors_of, share
 
 __all__ = [
     "bytes_text",
@@ -17,7 +18,7 @@ __all__ = [
     "check_name",
     "code_bytes",
     "default_name",
-    "error_texts",
+    "errors_of",
     "features",
     "flash_bytes",
     "load_report",

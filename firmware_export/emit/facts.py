@@ -1,6 +1,7 @@
-"""The facts of an export as texts: one wording for the header, the report and the command line.
+"""The facts of an export, gathered once: the content of NAME_report.json.
 
-Numbers come from the export and its certificate; nothing is measured or laid out here.
+The header, the example, the page and the command line print what stands here, in the words of
+`words`; nothing is measured or laid out here.
 """
 
 import json
@@ -9,64 +10,41 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
+import numpy as np
+
+from firmware_export.emit.config import features, runtime_version
+from firmware_export.emit.names import macro
 from firmware_export.emit.size import TARGET, struct_bytes
 from firmware_export.protocol import CBody, Export
+from lutgen._version import __version__
 from lutgen.errors import ExportError
 from lutgen.parts import Parameter
 from lutgen.recipe import Recipe
 
-__all__ = [
-    "COUNTS",
-    "axis_range",
-    "bytes_text",
-    "channel_unit",
-    "chart_text",
-    "counted",
-    "descriptor_bytes",
-    "error_texts",
-    "flash_bytes",
-    "movement",
-    "share",
-]
+__all__ = ["COUNTS", "FORMAT", "MARKER", "axis_macros", "counted", "flash_bytes", "report"]
 
+FORMAT = 1
+MARKER = "lutgen_export"
 # Beside sizes.json: what reads were counted to cost, written by `python -m targets.run --update`.
 COUNTS = "counts.json"
-MEANING = {
-    "sdg": "stability factor |SD_g|, 0 at its most stable",
-    "tip_angle": "angle until the robot tips, guard subtracted",
-    "height": "|OC|, height of the centre of mass over its support",
-}
 
 
-def number(value: float, digits: int = 4) -> str:
-    """Return a number with a few significant digits; a dash for what is not known.
-
-    Examples
-    --------
-    >>> number(0.0123456), number(1234567.0), number(math.nan)
-    ('0.01235', '1234567', '-')
-    """
-    if not math.isfinite(value):
-        return "-"
-    return f"{value:.0f}" if abs(value) >= 10.0**digits else f"{value:.{digits}g}"
-
-
-def channel_unit(channel: str, recipe: Recipe) -> str:
-    """Return the unit in which the C code answers a channel."""
-    return "rad" if channel == "tip_angle" else recipe.length_unit
+def axis_macros(export: Export) -> tuple[str, ...]:
+    """Return the macro of each parameter's index, all different."""
+    stem = macro(export.name)
+    taken = {f"{stem}_{word}" for word in ("H", "PARAMS", "SDG_STEP", "HEIGHT_STEP")}
+    names: list[str] = []
+    for index, parameter in enumerate(export.recipe.parameters):
+        name = f"{stem}_{macro(parameter.name)}"
+        # Names that differ in case only, or that are another macro.
+        if name in taken or any(name == f"{other}_Q" for other in names):
+            name = f"{stem}_PARAM_{index}_{macro(parameter.name)}"
+        taken |= {name, f"{name}_Q"}
+        names.append(name)
+    return tuple(names)
 
 
-def axis_range(parameter: Parameter) -> str:
-    """Return the range of a parameter in the unit of the C code, and in deg."""
-    unit = "" if parameter.unit == "1" else f" {parameter.unit}"
-    text = f"{number(parameter.minimum, 7)} .. {number(parameter.maximum, 7)}{unit}"
-    if parameter.unit == "rad":
-        low, high = math.degrees(parameter.minimum), math.degrees(parameter.maximum)
-        text += f" ({number(low)} .. {number(high)} deg)"
-    return text
-
-
-def movement(parameter: Parameter, recipe: Recipe) -> str:
+def _movement(parameter: Parameter, recipe: Recipe) -> str:
     """Return what a parameter does to the robot."""
     verbs = {"revolute": "turns", "prismatic": "shifts"}
     parts = []
@@ -81,47 +59,7 @@ def movement(parameter: Parameter, recipe: Recipe) -> str:
     return " and ".join(parts) or "parameter of the recipe's own function"
 
 
-def chart_text(recipe: Recipe) -> str:
-    """Return which directions the map holds."""
-    if recipe.chart.kind == "sphere":
-        return "every direction"
-    tilt = number(math.degrees(recipe.chart.max_tilt))
-    return f"up to {tilt} deg of pitch and of roll from straight down"
-
-
-def share(value: float | None) -> str:
-    """Return a share 0..1 in percent.
-
-    Examples
-    --------
-    >>> share(0.0123), share(0.0), share(None)
-    ('1.23 %', '0 %', 'not measured')
-    """
-    return "not measured" if value is None else f"{100.0 * value:.3g} %"
-
-
-def error_texts(channel: str, entry: dict[str, Any], length_unit: str) -> tuple[str, str, str]:
-    """Return maximum, 99th percentile and RMS error of a channel, with units."""
-    unit = "" if length_unit == "1" else f" {length_unit}"
-    texts = []
-    for name in ("max", "p99", "rms"):
-        # A channel that jumps has no largest error, only a largest one that was seen.
-        key = "largest_seen" if name == "max" and entry.get("max") is None else name
-        value = entry.get(key)
-        if value is None:
-            texts.append("-")
-            continue
-        seen = "no bound, seen: " if key == "largest_seen" else ""
-        if channel == "tip_angle":
-            texts.append(f"{seen}{number(math.degrees(value))} deg")
-            continue
-        percent = entry.get(f"{key}_percent")
-        extra = "" if percent is None else f" ({number(percent, 3)} %)"
-        texts.append(f"{seen}{number(value)}{unit}{extra}")
-    return texts[0], texts[1], texts[2]
-
-
-def descriptor_bytes(export: Export, body: CBody) -> int | None:
+def _descriptor_bytes(export: Export, body: CBody) -> int | None:
     """Return the bytes of the structs on the target, None where a size was not measured."""
     counts = [("smap_t", 1), (body.ctype, 1), ("smap_axis_t", export.model.k)]
     counts += [(array.ctype, len(array.values)) for array in body.arrays if not array.plain]
@@ -134,28 +72,9 @@ def descriptor_bytes(export: Export, body: CBody) -> int | None:
     return total
 
 
-def bytes_text(sizes: dict[str, Any]) -> str:
-    """Return the bytes of flash in words; `sizes` has tables, descriptors, code, total, target.
-
-    Examples
-    --------
-    >>> bytes_text({"tables": 66, "descriptors": None, "code": 1200, "total": None, "target": "M4"})
-    '66 bytes of tables, 1,200 of code (M4)'
-    """
-    text = f"{sizes['tables']:,} bytes of tables"
-    if sizes["descriptors"] is not None:
-        text += f", {sizes['descriptors']:,} of descriptors"
-    if sizes["code"] is not None:
-        text += f", {sizes['code']:,} of code"
-    if sizes["total"] is not None:
-        text += f", {sizes['total']:,} together"
-    known = sizes["descriptors"] is not None or sizes["code"] is not None
-    return f"{text} ({sizes['target']})" if known else text
-
-
 def flash_bytes(export: Export, body: CBody) -> dict[str, Any]:
     """Return the bytes of an export: tables, descriptors, code, total (None: not measured)."""
-    structs, tables, code = descriptor_bytes(export, body), int(export.tables.bytes), None
+    structs, tables, code = _descriptor_bytes(export, body), int(export.tables.bytes), None
     if export.code_bytes is not None:
         code = int(export.code_bytes)
     return {
@@ -197,7 +116,7 @@ def counted(export: Export) -> list[dict[str, Any]] | None:
     for row in _counts():
         same = (
             row["recipe_sha256"] == export.recipe.digest
-            and row["spec"] == getattr(export.tables.spec, "label", None)
+            and row["spec"] == export.tables.spec.label
             and row["arithmetic"] == export.arithmetic
             and row["channels"] == list(export.channels)
         )
@@ -205,3 +124,91 @@ def counted(export: Export) -> list[dict[str, Any]] | None:
             targets: list[dict[str, Any]] = row["targets"]
             return targets
     return None
+
+
+def plain(value: Any) -> Any:
+    """Return a value as JSON knows it: no NumPy types, no NaN, no infinity."""
+    if isinstance(value, dict):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray):
+        return plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, bool | np.bool_):
+        return bool(value)
+    if isinstance(value, int | np.integer):
+        return int(value)
+    if isinstance(value, float | np.floating):
+        return float(value) if math.isfinite(value) else None
+    return value if value is None or isinstance(value, str) else str(value)
+
+
+def report(export: Export, body: CBody, names: list[str]) -> dict[str, Any]:
+    """Return the content of NAME_report.json, from which all other texts are printed.
+
+    Parameters
+    ----------
+    export : Export
+        The export.
+    body : CBody
+        Its tables.
+    names : list of str
+        The files of the folder.
+    """
+    recipe, model, tables = export.recipe, export.model, export.tables
+    certificate = export.certificate or {}
+    errors = certificate.get("channels", {})
+    content = {
+        MARKER: FORMAT,
+        "name": export.name,
+        "robot": recipe.name,
+        "lutgen_version": __version__,
+        "smap_version": runtime_version(),
+        "recipe_sha256": recipe.digest,
+        "length_unit": recipe.length_unit,
+        "codec": export.codec,
+        "spec": tables.spec.label,
+        "arithmetic": export.arithmetic,
+        "features": sorted(features(export.codec, export.arithmetic, model.k, model.faces, body)),
+        "parameters": [
+            {
+                "name": parameter.name,
+                "macro": name,
+                "unit": parameter.unit,
+                "display_unit": parameter.display_unit,
+                "min": low,
+                "max": high,
+                "meaning": _movement(parameter, recipe),
+            }
+            for parameter, name, low, high in zip(
+                recipe.parameters, axis_macros(export), model.lower, model.upper, strict=True
+            )
+        ],
+        "chart": {
+            "kind": recipe.chart.kind,
+            "faces": model.faces,
+            "max_tilt_deg": math.degrees(recipe.chart.max_tilt)
+            if recipe.chart.kind == "cone"
+            else None,
+        },
+        "channels": {
+            channel: {
+                "unit": "rad" if channel == "tip_angle" else recipe.length_unit,
+                "error": errors.get(channel),
+            }
+            for channel in export.channels
+        },
+        "steps": dict(body.steps),
+        "bytes": flash_bytes(export, body),
+        "counts": counted(export),
+        "guard_deg": math.degrees(float(tables.guard)),
+        "guard_text": tables.guard_text,
+        "false_tip": certificate.get("false_tip"),
+        "false_safe": certificate.get("false_safe"),
+        "points": certificate.get("points"),
+        "certificate": certificate or None,
+        "pareto": export.pareto,
+        "files": names,
+    }
+    result: dict[str, Any] = plain(content)
+    return result

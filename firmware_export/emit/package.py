@@ -14,6 +14,7 @@ from typing import Any
 from firmware_export.emit import report as reports
 from firmware_export.emit.config import config_text, runtime_file
 from firmware_export.emit.example import example_text
+from firmware_export.emit.facts import report
 from firmware_export.emit.figure import draw_pareto
 from firmware_export.emit.header import header_text
 from firmware_export.emit.names import check_name
@@ -39,20 +40,20 @@ def contents(export: Export) -> tuple[dict[str, bytes], dict[str, Any]]:
     names += ["CMakeLists.txt", "library.json", "library.properties", "LICENSE"]
     names += [f"{name}{reports.SUFFIX}", f"{name}_report.md"]
     names += [f"{name}_pareto.png"] if picture else []
-    content = reports.report(export, body, names)
+    content = report(export, body, names)
     texts = {
-        f"{name}.h": header_text(export, body),
+        f"{name}.h": header_text(content),
         f"{name}.c": source_text(export, body),
         "smap.h": runtime_file("smap.h"),
         "smap.c": runtime_file("smap.c"),
         "smap_config.h": config_text(export, body),
-        "example.c": example_text(export, body),
+        "example.c": example_text(content),
         "CMakeLists.txt": cmake_lists(export),
         "library.json": library_json(export),
         "library.properties": library_properties(export),
         "LICENSE": runtime_file("LICENSE"),
         f"{name}{reports.SUFFIX}": reports.json_text(content),
-        f"{name}_report.md": page(export, body, content, f"{name}_pareto.png" if picture else None),
+        f"{name}_report.md": page(content, body, f"{name}_pareto.png" if picture else None),
     }
     files = {key: text.encode("utf-8") for key, text in texts.items()}
     if picture:
@@ -160,14 +161,14 @@ def _fill(stage: Path, files: dict[str, bytes]) -> None:
         (stage / name).write_bytes(content)
 
 
-def _replace(path: Path, files: dict[str, bytes], report: str) -> None:
+def _replace(path: Path, files: dict[str, bytes], first: str) -> None:
     """Move all files into a folder that exists, once they are all on its disk."""
     old = {entry.name for entry in path.iterdir()} - set(files)
     with _stage(path) as stage:
         _fill(stage, files)
         # The report first: it names the others, so that even a power cut between two moves leaves
         # a folder that is known as an export's.
-        for name in sorted(files, key=lambda name: name != report):
+        for name in sorted(files, key=lambda name: name != first):
             (stage / name).replace(path / name)
     # Their own report last, for the same reason.
     for name in sorted(old, key=lambda name: name.endswith(reports.SUFFIX)):

@@ -3,18 +3,16 @@
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from firmware_export.emit.facts import (
+from firmware_export.emit.words import (
+    FALSE_TIP,
     MEANING,
     axis_range,
-    channel_unit,
     chart_text,
-    error_texts,
-    movement,
+    errors_of,
     number,
     share,
 )
-from firmware_export.emit.size import TARGET
-from firmware_export.protocol import CBody, Export
+from firmware_export.protocol import CBody
 
 __all__ = ["page", "pareto_rows"]
 
@@ -44,46 +42,47 @@ def pareto_rows(pareto: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
     )
 
 
-def page(export: Export, body: CBody, content: dict[str, Any], picture: str | None) -> str:
+def page(content: dict[str, Any], body: CBody, picture: str | None) -> str:
     """Return NAME_report.md.
 
     Parameters
     ----------
-    export, body
-        The export and its tables.
     content : dict
-        See `report.report`.
+        See `facts.report`.
+    body : CBody
+        The tables.
     picture : str, optional
         File name of the plot of bytes against error.
     """
-    recipe = export.recipe
+    sizes, tables = content["bytes"], sorted(body.arrays, key=lambda array: array.plain)
     lines = [
-        f"# Firmware export {export.name}",
+        f"# Firmware export {content['name']}",
         "",
-        f"Stability map of the robot {' '.join(recipe.name.split())}, codec `{export.codec}` "
-        f"({content['spec']}), {export.arithmetic} arithmetic.",
+        f"Stability map of the robot {' '.join(content['robot'].split())}, codec "
+        f"`{content['codec']}` ({content['spec']}), {content['arithmetic']} arithmetic.",
         "",
         "## Flash",
         "",
     ]
-    sizes = content["bytes"]
     rows = [(part, _count(sizes[part])) for part in ("tables", "descriptors", "code", "total")]
-    lines += _table((f"part ({TARGET})", "bytes"), rows)
+    lines += _table((f"part ({sizes['target']})", "bytes"), rows)
     lines += _table(
         ("table", "type", "elements", "holds"),
-        [(a.name, a.ctype, f"{len(a.values):,}", a.comment) for a in body.arrays if not a.plain]
-        + [(a.name, a.ctype, f"{a.numbers.size:,}", a.comment) for a in body.arrays if a.plain],
+        [
+            (a.name, a.ctype, f"{a.numbers.size if a.plain else len(a.values):,}", a.comment)
+            for a in tables
+        ],
     )
     lines += _counts(content["counts"])
     lines += ["## Parameters and directions", ""]
     lines += _table(
         ("parameter", "range", "what it does"),
-        [(p.name, axis_range(p), movement(p, recipe)) for p in recipe.parameters],
+        [(p["name"], axis_range(p), p["meaning"]) for p in content["parameters"]],
     )
-    lines += [f"Gravity: {chart_text(recipe)}.", "", "## Accuracy", ""]
-    lines += _accuracy(export, content)
-    if export.pareto:
-        lines += _choice(export, picture)
+    lines += [f"Gravity: {chart_text(content['chart'])}.", "", "## Accuracy", ""]
+    lines += _accuracy(content)
+    if content["pareto"]:
+        lines += _choice(content, picture)
     lines += ["## Provenance", ""]
     lines += [
         f"Recipe sha256 `{content['recipe_sha256']}`, lutgen {content['lutgen_version']}, "
@@ -106,55 +105,49 @@ def _counts(counts: list[dict[str, Any]] | None) -> list[str]:
     return lines + _table(("target", "unit", "median", "most"), rows)
 
 
-def _accuracy(export: Export, content: dict[str, Any]) -> list[str]:
+def _accuracy(content: dict[str, Any]) -> list[str]:
     """Return the lines on errors and on the verdict."""
-    recipe, lines = export.recipe, []
-    rows = []
-    for channel in export.channels:
-        entry = content["channels"][channel]["error"]
-        errors = (
-            error_texts(channel, entry, recipe.length_unit) if entry else ("not measured", "", "")
-        )
-        unit = channel_unit(channel, recipe)
-        rows.append((f"`{channel}`", MEANING[channel], unit, *errors))
-    lines += _table(("channel", "meaning", "unit", "largest error", "p99", "RMS"), rows)
+    certificate, unsafe = content["certificate"] or {}, content["false_safe"]
+    rows = [
+        (f"`{name}`", MEANING[name], content["channels"][name]["unit"], *texts)
+        for name, texts in errors_of(content).items()
+        for texts in [texts or ("not measured", "", "")]
+    ]
+    lines = _table(("channel", "meaning", "unit", "largest error", "p99", "RMS"), rows)
     if content["points"]:
         lines.append(f"Measured on {content['points']:,} points that the fit has not seen.")
-    certificate = export.certificate or {}
     if certificate.get("beyond") is not None:
         lines.append(f"Share of points beyond the error asked for: {share(certificate['beyond'])}.")
-    lines += [str(text) for text in certificate.get("text", ())]
-    lines += ["", "The verdict:", ""]
-    unsafe = content["false_safe"]
-    lines += [
+    return [
+        *lines,
+        *certificate.get("text", ()),
+        "",
+        "The verdict:",
+        "",
         f"- answered safe where the robot tips: "
         f"{'not measured' if unsafe is None else f'{unsafe:,} points'}",
         f"- guard subtracted from `tip_angle`: {number(content['guard_deg'])} deg "
         f"({content['guard_text']})",
-        f"- standing configurations given up: {share(content['given_up'])}",
+        f"- {FALSE_TIP}: {share(content['false_tip'])}",
         "",
     ]
-    return lines
 
 
-def _choice(export: Export, picture: str | None) -> list[str]:
+def _choice(content: dict[str, Any], picture: str | None) -> list[str]:
     """Return the table of candidates and the plot."""
-    lines = ["## What it was chosen from", ""]
-    rows = []
-    for row in pareto_rows(export.pareto or ()):
-        mark = "**chosen**" if row.get("chosen") else ""
-        error = row.get("error")
-        rows.append(
-            (
-                str(row.get("label", "")),
-                _count(row["bytes"]),
-                _count(row.get("total_bytes")),
-                "-" if error is None else f"{number(error, 3)} %",
-                mark,
-            )
+    rows = [
+        (
+            str(row.get("label", "")),
+            _count(row["bytes"]),
+            _count(row.get("total_bytes")),
+            "-" if row.get("error") is None else f"{number(row['error'], 3)} %",
+            "**chosen**" if row.get("chosen") else "",
         )
-    kind = "p99" if (export.certificate or {}).get("jumps") else "largest"
-    lines += _table(("candidate", "bytes of tables", "with code", f"{kind} error of sdg", ""), rows)
+        for row in pareto_rows(content["pareto"])
+    ]
+    kind = "p99" if (content["certificate"] or {}).get("jumps") else "largest"
+    head = ("candidate", "bytes of tables", "with code", f"{kind} error of sdg", "")
+    lines = ["## What it was chosen from", "", *_table(head, rows)]
     if picture:
         lines += [f"![Bytes against error]({picture})", ""]
     return lines

@@ -1,113 +1,19 @@
-"""NAME_report.json and NAME_report.md: everything about an export, for programs and for people.
+"""NAME_report.json: the facts of an export, for programs.
 
-The JSON is also how a folder is recognised as an export and how its code is asked without C being
-parsed: `load_report` reads it back.
+It is also how a folder is recognised as an export and how its code is asked without C being parsed:
+`load_report` reads it back.
 """
 
 import json
-import math
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from firmware_export.emit.config import features, runtime_version
-from firmware_export.emit.facts import channel_unit, counted, flash_bytes, movement
-from firmware_export.emit.header import axis_macros
-from firmware_export.protocol import CBody, Export
-from lutgen._version import __version__
+from firmware_export.emit.facts import FORMAT, MARKER
 from lutgen.errors import InputError
 
-__all__ = ["FORMAT", "SUFFIX", "find", "json_text", "load_file", "load_report", "report"]
+__all__ = ["SUFFIX", "find", "json_text", "load_file", "load_report"]
 
-FORMAT = 1
-MARKER = "lutgen_export"
 SUFFIX = "_report.json"
-
-
-def plain(value: Any) -> Any:
-    """Return a value as JSON knows it: no NumPy types, no NaN, no infinity."""
-    if isinstance(value, dict):
-        return {str(key): plain(item) for key, item in value.items()}
-    if isinstance(value, np.ndarray):
-        return plain(value.tolist())
-    if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
-    if isinstance(value, bool | np.bool_):
-        return bool(value)
-    if isinstance(value, int | np.integer):
-        return int(value)
-    if isinstance(value, float | np.floating):
-        return float(value) if math.isfinite(value) else None
-    return value if value is None or isinstance(value, str) else str(value)
-
-
-def report(export: Export, body: CBody, names: list[str]) -> dict[str, Any]:
-    """Return the content of NAME_report.json.
-
-    Parameters
-    ----------
-    export : Export
-        The export.
-    body : CBody
-        Its tables.
-    names : list of str
-        The files of the folder.
-    """
-    recipe, model, tables = export.recipe, export.model, export.tables
-    certificate = export.certificate or {}
-    errors = certificate.get("channels", {})
-    content = {
-        MARKER: FORMAT,
-        "name": export.name,
-        "robot": recipe.name,
-        "lutgen_version": __version__,
-        "smap_version": runtime_version(),
-        "recipe_sha256": recipe.digest,
-        "length_unit": recipe.length_unit,
-        "codec": export.codec,
-        "spec": getattr(tables.spec, "label", str(tables.spec)),
-        "arithmetic": export.arithmetic,
-        "features": sorted(features(export.codec, export.arithmetic, model.k, model.faces, body)),
-        "parameters": [
-            {
-                "name": parameter.name,
-                "macro": name,
-                "unit": parameter.unit,
-                "display_unit": parameter.display_unit,
-                "min": low,
-                "max": high,
-                "meaning": movement(parameter, recipe),
-            }
-            for parameter, name, low, high in zip(
-                recipe.parameters, axis_macros(export), model.lower, model.upper, strict=True
-            )
-        ],
-        "chart": {
-            "kind": recipe.chart.kind,
-            "faces": model.faces,
-            "max_tilt_deg": math.degrees(recipe.chart.max_tilt)
-            if recipe.chart.kind == "cone"
-            else None,
-        },
-        "channels": {
-            channel: {"unit": channel_unit(channel, recipe), "error": errors.get(channel)}
-            for channel in export.channels
-        },
-        "steps": dict(body.steps),
-        "bytes": flash_bytes(export, body),
-        "counts": counted(export),
-        "guard_deg": math.degrees(float(tables.guard)),
-        "guard_text": tables.guard_text,
-        "given_up": certificate.get("given_up"),
-        "false_safe": certificate.get("false_safe"),
-        "points": certificate.get("points"),
-        "certificate": certificate or None,
-        "pareto": export.pareto,
-        "files": names,
-    }
-    result: dict[str, Any] = plain(content)
-    return result
 
 
 def json_text(content: dict[str, Any]) -> str:

@@ -129,7 +129,7 @@ def fit(model: Model, lattice: Lattice, aims: Targets, bits: int) -> Codes:
             _raise(index, weight, aim, first, order, code, most)
         by_face = np.moveaxis(code.reshape(shape), 1, 0)
         result = Codes(by_face.reshape(lattice.faces, *lattice.shape, 1), lowest, step)
-        lost = given_up(model, lattice, result)
+        lost = false_tip(model, lattice, result)
         # A lower cap hides how stable the robot is: it must be worth it.
         if lost < 0.97 * fewest:
             best, fewest = result, lost
@@ -137,7 +137,7 @@ def fit(model: Model, lattice: Lattice, aims: Targets, bits: int) -> Codes:
     return best
 
 
-def given_up(model: Model, lattice: Lattice, codes: Codes) -> float:
+def false_tip(model: Model, lattice: Lattice, codes: Codes) -> float:
     """Return the share of the standing configurations that the table calls tipping."""
     place, face = standing_places(model)
     node = codes.offset + codes.step * codes.codes.reshape(-1, 1).astype(np.float64)

@@ -39,7 +39,7 @@ class Export:
         ``points`` (int, measured points), ``channels`` (name -> ``max``, ``p99``, ``rms`` in the
         channel's unit, rad for angles, and for `sdg` also ``max_percent``, ``p99_percent``,
         ``rms_percent`` of ``range``; ``largest_seen`` instead of ``max`` where it has no bound),
-        ``false_safe`` (int), ``given_up`` (share of the standing
+        ``false_safe`` (int), ``false_tip`` (share of the standing
         configurations that the export calls tipping, 0..1), ``jumps`` (bool: |SD_g| jumps, so
         that its maximum error has no bound), ``beyond`` (share of points beyond the bound asked
         for, 0..1), ``text`` (sentences for people).  Anything else goes into the JSON only.

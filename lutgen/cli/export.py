@@ -117,20 +117,17 @@ def lines(report: dict[str, Any]) -> Iterator[str]:
 
 
 def _entries(report: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    from firmware_export.emit import bytes_text, error_texts, share
+    from firmware_export.emit import bytes_text, errors_of, share
 
     yield "flash", bytes_text(report["bytes"])
-    for name, channel in report["channels"].items():
-        text = "errors not measured"
-        if channel["error"]:
-            largest, p99, rms = error_texts(name, channel["error"], report["length_unit"])
-            text = f"largest error {largest}, p99 {p99}, RMS {rms}"
-        yield name, text
+    for name, errors in errors_of(report).items():
+        text = "largest error {}, p99 {}, RMS {}".format(*errors) if errors else ""
+        yield name, text or "errors not measured"
     unsafe = report["false_safe"]
     yield (
         "verdict",
         f"guard {report['guard_deg']:.3g} deg, "
-        f"{share(report['given_up'])} of the stable configurations reported unsafe, "
+        f"{share(report['false_tip'])} of the stable configurations reported unsafe, "
         + ("not certified" if unsafe is None else f"{unsafe} points said to stand that tip"),
     )
     for note in (report["certificate"] or {}).get("text", ()):

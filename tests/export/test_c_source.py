@@ -15,7 +15,8 @@ from hypothesis import strategies as st
 from firmware_export.device import compile_c
 from firmware_export.emit import package
 from firmware_export.emit.config import config_text, entries, features, runtime_file, settings
-from firmware_export.emit.header import axis_macros, header_text
+from firmware_export.emit.facts import axis_macros, report
+from firmware_export.emit.header import header_text
 from firmware_export.emit.names import LONGEST, check_name, default_name
 from firmware_export.emit.size import code_bytes
 from firmware_export.emit.source import body_of, source_text
@@ -268,7 +269,7 @@ def test_a_robot_with_an_unusual_name_gives_c_that_compiles(tmp_path: Path) -> N
 
 def test_the_header_says_what_a_reader_must_know(exports: dict[str, Export]) -> None:
     export = exports["contacts"]
-    text = header_text(export, body_of(export))
+    text = header_text(report(export, body_of(export), []))
     for part in (
         "stability map of the robot tripod",
         "FEET_REACH 0 .. 0.6 m shifts leg",
@@ -280,7 +281,7 @@ def test_the_header_says_what_a_reader_must_know(exports: dict[str, Export]) -> 
         "sdg 0.0123 m (0.82 %) 0.0045 m (0.3 %) 0.0011 m (0.073 %)",
         "tip_angle 1.146 deg 0.573 deg 0.1146 deg",
         "safe where the robot tips: 0 points",
-        "given up: 1.23 %",
+        "stable configurations reported unsafe: 1.23 %",
         f"Recipe sha256 {export.recipe.digest}",
         "#define FEET_PARAMS 2",
         "#define FEET_REACH 0",
@@ -294,15 +295,15 @@ def test_the_header_says_what_a_reader_must_know(exports: dict[str, Export]) -> 
 def test_a_largest_error_without_a_bound_is_not_claimed() -> None:
     sdg = {"largest_seen": 0.5, "largest_seen_percent": 40.0, "p99": 0.01, "rms": 0.02}
     export = rover_export(certificate={"points": 9, "channels": {"sdg": sdg}, "jumps": True})
-    text = header_text(export, body_of(export))
+    text = header_text(report(export, body_of(export), []))
     assert "no bound, seen: 0.5 m (40 %)" in text
 
 
 def test_what_was_not_measured_is_not_claimed() -> None:
     export = tripod_export(certificate=None, code_bytes=None, pareto=None)
-    text = header_text(export, body_of(export))
+    text = header_text(report(export, body_of(export), []))
     assert "Errors: not measured." in text
-    assert "given up: not measured" in text
+    assert "reported unsafe: not measured" in re.sub(r"[ \n*]+", " ", text)
     assert "of code" not in text
 
 
@@ -351,9 +352,9 @@ def test_structs_that_fill_more_than_a_line_are_wrapped() -> None:
 
 
 def test_the_integer_form_of_a_constant_is_rounded_and_clamped(tmp_path: Path) -> None:
-    export = replace(tripod_export("feet", codec="poly"), arithmetic="integer")
+    export = tripod_export("feet", codec="grid", arithmetic="integer")
     steps = (("sdg", 0.001), ("height", 0.0005))
-    text = header_text(export, replace(body_of(export), steps=steps))
+    text = header_text(report(export, replace(body_of(export), steps=steps), []))
     for name in ("smap.h", "smap_config.h"):
         (tmp_path / name).write_text(runtime_file(name))
     (tmp_path / "feet.h").write_text(text)

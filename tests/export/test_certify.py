@@ -68,7 +68,7 @@ def test_an_honest_export_passes_and_loses_only_its_guard() -> None:
         # float32 of values near 1, and |SD_g| near 0 magnifies what a float32 direction loses
         assert found.channels[name]["max_percent"] < 1e-4
     assert found.channels["tip_angle"]["max"] == pytest.approx(GUARD, rel=0.01)
-    assert found.given_up < 10.0 * GUARD
+    assert found.false_tip < 10.0 * GUARD
     # The search came as near to a false safe as the guard lets it.
     assert found.nearest == pytest.approx(GUARD, rel=0.01)
     found.refuse_false_safe("robot")
@@ -127,7 +127,7 @@ def test_an_answer_that_does_not_look_is_refused(answer: Answer) -> None:
 def test_an_export_that_never_answers_holds_no_error() -> None:
     found = certificate(lambda t, g, true: true * 0.0 - 1.0)
     assert found.false_safe == 0
-    assert found.given_up == 1.0
+    assert found.false_tip == 1.0
     assert found.error(relative=True) == np.inf
 
 

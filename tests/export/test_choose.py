@@ -12,7 +12,7 @@ import pytest
 import lutgen
 from firmware_export.choose import trials
 from firmware_export.choose.choice import choose, front
-from firmware_export.choose.goal import GIVEN_UP, Goal
+from firmware_export.choose.goal import MOST_FALSE_TIP, Goal
 from firmware_export.choose.trials import Candidate, Trials
 from firmware_export.codecs import codec, named, usable
 from firmware_export.grid import fit as grid_fit
@@ -46,7 +46,7 @@ class Formula:
     weights: tuple[float, ...] = (20.0, 5.0, 1.0)
     bits: tuple[int, ...] = (8, 16)
     largest: int = 60
-    given_up: Callable[[Spec], float] = lambda spec: 0.0
+    false_tip: Callable[[Spec], float] = lambda spec: 0.0
     false_safe: Callable[[Spec], int] = lambda spec: 0
 
     def start(self, model: Any, channels: Any, arithmetic: str) -> list[Spec]:
@@ -102,7 +102,7 @@ class Paper(Trials):
                 size,
                 size + CODE,
                 {"sdg": formula.error(spec)},
-                formula.given_up(spec),
+                formula.false_tip(spec),
                 formula.false_safe(spec),
             )
         return self.tried[codec, spec]
@@ -202,19 +202,19 @@ def test_an_error_that_nothing_reaches_is_refused_with_the_nearest() -> None:
 
 
 def test_an_export_that_gives_up_little_goes_before_a_smaller_one() -> None:
-    formula = Formula(given_up=lambda spec: 2.0 / spec.nodes[2] ** 2)
+    formula = Formula(false_tip=lambda spec: 2.0 / spec.nodes[2] ** 2)
     found = best(bench(grid=formula), ["grid"], Goal(None, 5.0))
     # At most 5 %: 7 nodes of an axis that the error alone would leave at 3.
-    assert found.given_up <= 0.05
+    assert found.false_tip <= 0.05
     assert found.export.tables.spec.nodes[2] >= 7
 
 
 def test_where_all_give_up_much_the_one_that_gives_up_least_is_chosen() -> None:
-    formula = Formula(given_up=lambda spec: 0.3 + 1.0 / spec.nodes[2], largest=12)
+    formula = Formula(false_tip=lambda spec: 0.3 + 1.0 / spec.nodes[2], largest=12)
     paper = bench(grid=formula)
     found = best(paper, ["grid"], Goal(None, 5.0))
     holding = [one for one in paper.tried.values() if one and one.error <= 5.0 / 1.3]
-    assert found.given_up == min(one.given_up for one in holding)
+    assert found.false_tip == min(one.false_tip for one in holding)
 
 
 def test_a_candidate_that_calls_a_tipping_robot_safe_is_never_chosen() -> None:
@@ -254,7 +254,7 @@ def test_steps_too_small_to_count_alone_are_followed_while_they_add_up() -> None
     model = Model(lutgen.load_recipe("maps/excavator.toml"))
     tool = Trials(model, "excavator", ("sdg", "tip_angle", "height"), "float")
     found = best(tool, ["contacts"], Goal(flash=16384, percent=1.0))
-    assert found.given_up <= GIVEN_UP
+    assert found.false_tip <= MOST_FALSE_TIP
     assert found.bytes < 600
 
 
@@ -318,7 +318,7 @@ def test_a_region_that_jumps_is_encoded_once_for_the_flash_there_is(
     assert 1_550 < found.total <= 1_700
     assert found.false_safe == 0
     # A table that always says no would give up all.
-    assert 0.0 < found.given_up <= GIVEN_UP
+    assert 0.0 < found.false_tip <= MOST_FALSE_TIP
 
 
 def test_a_region_that_jumps_is_encoded_a_few_times_for_an_error(
@@ -329,7 +329,7 @@ def test_a_region_that_jumps_is_encoded_a_few_times_for_an_error(
     found = best(bench, ["grid"], goal)
     assert goal.holds(found)
     assert goal.fits(found)
-    assert found.given_up <= GIVEN_UP
+    assert found.false_tip <= MOST_FALSE_TIP
     assert len(bench.tried) <= 6
 
 

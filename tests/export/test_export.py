@@ -265,7 +265,7 @@ def test_what_gets_past_the_guard_of_many_contacts_is_added_to_it(
     # What was short is made up for, and not by more than it was raised at each attempt.
     assert "narrower than that holds for" in report["guard_text"]
     assert math.radians(report["guard_deg"]) > short
-    assert report["given_up"] < 0.2
+    assert report["false_tip"] < 0.2
 
 
 def test_a_certificate_worse_than_the_choice_leads_to_a_finer_export(

@@ -86,7 +86,7 @@ def test_the_report_has_what_a_program_asks_for(export: Export, tmp_path: Path) 
     assert content["channels"]["sdg"]["error"]["max"] == 0.0123
     assert content["bytes"]["tables"] == body_of(export).bytes == export.tables.bytes
     assert content["bytes"]["code"] == 1640
-    assert (content["false_safe"], content["given_up"]) == (0, 0.0123)
+    assert (content["false_safe"], content["false_tip"]) == (0, 0.0123)
     assert content["pareto"] == PARETO
 
 

@@ -339,7 +339,6 @@ def test_a_report_tells_the_counts_of_just_the_export_that_was_counted(
 ) -> None:
     from firmware_export.emit import facts
     from firmware_export.emit.page import page
-    from firmware_export.emit.report import report
     from firmware_export.emit.source import body_of
 
     export = tripod_export()
@@ -354,11 +353,11 @@ def test_a_report_tells_the_counts_of_just_the_export_that_was_counted(
     expected = {"target": "Cortex-M4F", "option": "-O2", "unit": "instructions"}
     assert facts.counted(export) == [expected | {"median": 200, "max": 290}]
     body = body_of(export)
-    text = page(export, body, report(export, body, []), None)
+    text = page(facts.report(export, body, []), body, None)
     assert "| Cortex-M4F, -O2 | instructions | 200 | 290 |" in text
     other = replace(export, channels=("tip_angle",))
     assert facts.counted(other) is None
-    assert "Not measured for these tables." in page(other, body, report(other, body, []), None)
+    assert "Not measured for these tables." in page(facts.report(other, body, []), body, None)
 
 
 # Beside CMSIS-DSP

@@ -1,0 +1,114 @@
+"""The content of a report in words: one wording for the header, the page and the command line."""
+
+import math
+from typing import Any
+
+__all__ = [
+    "FALSE_TIP",
+    "MEANING",
+    "axis_range",
+    "bytes_text",
+    "chart_text",
+    "error_texts",
+    "errors_of",
+    "number",
+    "share",
+]
+
+MEANING = {
+    "sdg": "stability factor |SD_g|, 0 at its most stable",
+    "tip_angle": "angle until the robot tips, guard subtracted",
+    "height": "|OC|, height of the centre of mass over its support",
+}
+FALSE_TIP = "stable configurations reported unsafe"
+
+
+def number(value: float, digits: int = 4) -> str:
+    """Return a number with a few significant digits; a dash for what is not known.
+
+    Examples
+    --------
+    >>> number(0.0123456), number(1234567.0), number(math.nan)
+    ('0.01235', '1234567', '-')
+    """
+    if not math.isfinite(value):
+        return "-"
+    return f"{value:.0f}" if abs(value) >= 10.0**digits else f"{value:.{digits}g}"
+
+
+def axis_range(parameter: dict[str, Any]) -> str:
+    """Return the range of a report's parameter in the unit of the C code, and in deg."""
+    unit = "" if parameter["unit"] == "1" else f" {parameter['unit']}"
+    low, high = parameter["min"], parameter["max"]
+    text = f"{number(low, 7)} .. {number(high, 7)}{unit}"
+    if parameter["unit"] == "rad":
+        text += f" ({number(math.degrees(low))} .. {number(math.degrees(high))} deg)"
+    return text
+
+
+def chart_text(chart: dict[str, Any]) -> str:
+    """Return which directions the map holds."""
+    if chart["kind"] == "sphere":
+        return "every direction"
+    return f"up to {number(chart['max_tilt_deg'])} deg of pitch and of roll from straight down"
+
+
+def share(value: float | None) -> str:
+    """Return a share 0..1 in percent.
+
+    Examples
+    --------
+    >>> share(0.0123), share(0.0), share(None)
+    ('1.23 %', '0 %', 'not measured')
+    """
+    return "not measured" if value is None else f"{100.0 * value:.3g} %"
+
+
+def error_texts(channel: str, entry: dict[str, Any], length_unit: str) -> tuple[str, str, str]:
+    """Return maximum, 99th percentile and RMS error of a channel, with units."""
+    unit = "" if length_unit == "1" else f" {length_unit}"
+    texts = []
+    for name in ("max", "p99", "rms"):
+        # A channel that jumps has no largest error, only a largest one that was seen.
+        key = "largest_seen" if name == "max" and entry.get("max") is None else name
+        value = entry.get(key)
+        if value is None:
+            texts.append("-")
+            continue
+        seen = "no bound, seen: " if key == "largest_seen" else ""
+        if channel == "tip_angle":
+            texts.append(f"{seen}{number(math.degrees(value))} deg")
+            continue
+        percent = entry.get(f"{key}_percent")
+        extra = "" if percent is None else f" ({number(percent, 3)} %)"
+        texts.append(f"{seen}{number(value)}{unit}{extra}")
+    return texts[0], texts[1], texts[2]
+
+
+def errors_of(content: dict[str, Any]) -> dict[str, tuple[str, str, str] | None]:
+    """Return `error_texts` of each channel of a report, None for what was not measured."""
+    return {
+        name: error_texts(name, channel["error"], content["length_unit"])
+        if channel["error"]
+        else None
+        for name, channel in content["channels"].items()
+    }
+
+
+def bytes_text(sizes: dict[str, Any]) -> str:
+    """Return the bytes of flash in words; `sizes` has tables, descriptors, code, total, target.
+
+    Examples
+    --------
+    >>> bytes_text({"tables": 66, "descriptors": None, "code": 1200, "total": None, "target": "M4"})
+    '66 bytes of tables, 1,200 of code (M4)'
+    """
+    text = f"{sizes['tables']:,} bytes of tables"
+    if sizes["descriptors"] is not None:
+        text += f", {sizes['descriptors']:,} of descriptors"
+    if sizes["code"] is not None:
+        text += f", {sizes['code']:,} of code"
+    if sizes["total"] is not None:
+        text += f", {sizes['total']:,} together"
+    known = sizes["descriptors"] is not None or sizes["code"] is not None
+    return f"{text} ({sizes['target']})" if known else text
