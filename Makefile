@@ -34,7 +34,7 @@ help: ## list the targets
 venv: .venv/.installed ## create .venv and install everything in it
 
 maps: .venv/.installed ## build every map of maps/, its figures and its firmware export into build/maps
-	@$(MAKE) --no-print-directory $(if $(findstring jobserver,$(MAKEFLAGS)),,$(TWO)) $(FIGURES) $(EXPORTS)
+	@$(MAKE) --no-print-directory $(if $(filter -j%,$(MAKEFLAGS)),,$(TWO)) $(FIGURES) $(EXPORTS)
 	@$(if $(IMPORTED),,echo "absolem_urdf: skipped, there is no $(LUTGEN_ROBOTS)/absolem.urdf (LUTGEN_ROBOTS names the folder)")
 
 paper: build/paper/gallery.stamp ## reproduce the paper: figures, tables and one page in build/paper
