@@ -1,17 +1,16 @@
 """Figures of a robot's stability, from a map or a recipe.
 
 In reading order: `box`, `view`, `labels`, `style`, `marks`, `path`, `robot`, `animation`,
-`choices`, `levels`, `curve`, `metrics`, `slip`, `plane`, `sphere`, `tilt`, `figure`, `limits`,
-`steps`.
+`levels`, `curve`, `metrics`, `plane`, `sphere`, `tilt`, `kinds`, `choices`, `figure`, `steps`.
 """
 
 from lutgen.plot.animation import animate, check_animation
-from lutgen.plot.choices import KINDS
 from lutgen.plot.figure import draw
-from lutgen.plot.limits import draw_limits
+from lutgen.plot.kinds import KINDS
 from lutgen.plot.path import draw_path
 from lutgen.plot.steps import draw_steps
 from lutgen.plot.style import save
+from lutgen.plot.tilt import draw_limits
 
 __all__ = [
     "KINDS",

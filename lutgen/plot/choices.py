@@ -6,7 +6,7 @@ Every wrong option is refused in one sentence that names the way out.
 import difflib
 import math
 from collections.abc import Mapping, Sequence
-from typing import NoReturn
+from typing import NoReturn, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,52 +15,54 @@ from lutgen.channels import CONVENTIONS, body_gravity
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 from lutgen.mapping import StabilityMap
+from lutgen.plot.kinds import KINDS
 from lutgen.plot.view import QUANTITIES, SLACK, View, is_sealed, limits, to_display, to_internal
 from lutgen.recipe import Recipe
 
-__all__ = ["KINDS", "choose"]
+__all__ = ["Choices", "choose"]
 
-# How many parameters each kind of figure varies.
-KINDS = {
-    **{"curve": 1, "contour": 2, "surface": 2},
-    **{"sphere": 0, "polar": 0, "metrics": 0, "robot": 0},
-}
+DOWN = (0.0, 0.0, -1.0)
 
 
-def choose(
-    kind: str,
-    source: StabilityMap | Recipe,
-    params: Mapping[str, float] | None,
-    gravity: ArrayLike,
-    channel: str,
-    axes: Sequence[str] | None,
-    convention: str = "body",
-    tilt: float = 20.0,
-) -> View:
+class Choices(TypedDict, total=False):
+    """What may be asked of a figure, see `lutgen.plot.draw`."""
+
+    params: Mapping[str, float] | None
+    gravity: ArrayLike
+    channel: str
+    axes: Sequence[str] | None
+    convention: str
+    tilt: float
+
+
+def choose(kind: str, source: StabilityMap | Recipe, asked: Choices) -> View:
     """Check the options of `lutgen.plot.figure` and fill in what was left out."""
+    channel, convention = asked.get("channel", "sdg"), asked.get("convention", "body")
+    tilt = asked.get("tilt", 20.0)
     if kind not in KINDS:
         _refuse("unknown kind of figure", kind, _nearest(kind, KINDS))
     stability_map = None if isinstance(source, Recipe) else source
     recipe = source if isinstance(source, Recipe) else source.recipe
     if channel not in QUANTITIES:
         _refuse("channel cannot be drawn", channel, _nearest(channel, QUANTITIES))
-    if stability_map is not None and KINDS[kind]:
+    if stability_map is not None and KINDS[kind].varies:
         held = [name for name in stability_map.channels if name in QUANTITIES]
         if channel not in held:
             _refuse("channel is not in the map", channel, f"{_nearest(channel, held)} or a recipe")
     if not 0.0 <= tilt <= 180.0:
         _refuse("tilt must lie between 0 and 180 deg", f"{tilt:g}", "20 is the default")
-    if kind in ("polar", "metrics", "robot") and is_sealed(recipe):
+    if KINDS[kind].of_robot and is_sealed(recipe):
         _refuse(
             f"a {kind} figure needs the robot itself",
             f"a map of `{recipe.python}`",
             "draw it from the recipe, with its code allowed",
         )
-    direction = unit_directions(np.asarray(gravity, dtype=np.float64))
+    direction = unit_directions(np.asarray(asked.get("gravity", DOWN), dtype=np.float64))
     if direction.shape != (3,):
-        _refuse("gravity must be one direction", np.shape(gravity), "give x, y, z")
-    given = {name: _value(recipe, stability_map, name, v) for name, v in (params or {}).items()}
-    columns = _columns(kind, recipe, given, axes)
+        _refuse("gravity must be one direction", np.shape(asked["gravity"]), "give x, y, z")
+    params = asked.get("params") or {}
+    given = {name: _value(recipe, stability_map, name, v) for name, v in params.items()}
+    columns = _columns(kind, recipe, given, asked.get("axes"))
     middle = [
         given.get(p.name, sum(limits(recipe, stability_map, i)) / 2.0)
         for i, p in enumerate(recipe.parameters)
@@ -70,7 +72,7 @@ def choose(
     if convention == "plane":
         if stability_map is not None:
             _refuse("gravity of a map is fixed in the body", convention, "draw from the recipe")
-        if kind in ("sphere", "polar", "metrics"):
+        if KINDS[kind].turns:
             _refuse(f"a {kind} figure turns gravity in the body itself", convention, "leave it out")
     if convention == "plane" and kind == "robot":
         # One posture: where gravity points in its body is all there is to know.
@@ -79,7 +81,7 @@ def choose(
         *(kind, recipe, stability_map, np.array(middle), direction, channel, columns, convention),
         math.radians(tilt),
     )
-    if KINDS[kind] == 2 and stability_map is not None and not view.on_chart():
+    if KINDS[kind].varies == 2 and stability_map is not None and not view.on_chart():
         _refuse(
             "gravity is outside the map's chart",
             ", ".join(f"{x:g}" for x in direction),
@@ -93,7 +95,7 @@ def _columns(
 ) -> tuple[int, ...]:
     """Return the columns of the parameters that the figure varies."""
     names = [parameter.name for parameter in recipe.parameters]
-    count = KINDS[kind]
+    count = KINDS[kind].varies
     if axes is None:
         free = [name for name in names if name not in given]
         if len(free) < count:

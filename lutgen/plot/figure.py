@@ -1,34 +1,18 @@
 """One entry for all figures."""
 
-from collections.abc import Callable, Mapping, Sequence
+from typing import Unpack
 
 from matplotlib.figure import Figure
-from numpy.typing import ArrayLike
 
 from lutgen.errors import InputError
 from lutgen.mapping import StabilityMap
-from lutgen.plot.choices import choose
-from lutgen.plot.curve import draw_curve
-from lutgen.plot.metrics import draw_metrics
-from lutgen.plot.plane import draw_contour, draw_surface
-from lutgen.plot.robot import draw_robot
-from lutgen.plot.sphere import draw_sphere
-from lutgen.plot.style import house_style
-from lutgen.plot.tilt import draw_polar
-from lutgen.plot.view import View
+from lutgen.plot.choices import Choices, choose
+from lutgen.plot.kinds import KINDS
+from lutgen.plot.style import house_style, settled
 from lutgen.recipe import Recipe
 
 __all__ = ["draw"]
 
-PAINTERS: dict[str, Callable[[View, tuple[float, float] | None], Figure]] = {
-    "curve": draw_curve,
-    "contour": draw_contour,
-    "surface": draw_surface,
-    "sphere": draw_sphere,
-    "polar": draw_polar,
-    "metrics": draw_metrics,
-    "robot": draw_robot,
-}
 # Sides in inches: nothing can be read below, and pictures grow too large above.
 SMALLEST, LARGEST = 2.0, 40.0
 
@@ -37,13 +21,8 @@ def draw(
     kind: str,
     source: StabilityMap | Recipe,
     *,
-    params: Mapping[str, float] | None = None,
-    gravity: ArrayLike = (0.0, 0.0, -1.0),
-    channel: str = "sdg",
-    axes: Sequence[str] | None = None,
-    convention: str = "body",
-    tilt: float = 20.0,
     size: tuple[float, float] | None = None,
+    **asked: Unpack[Choices],
 ) -> Figure:
     """Draw a figure.
 
@@ -89,16 +68,11 @@ def draw(
         For an unknown kind, parameter or channel, a value outside its range, and a direction
         that the map does not cover.
     """
-    view = choose(kind, source, params, gravity, channel, axes, convention, tilt)
+    view = choose(kind, source, asked)
     if size is not None and not all(SMALLEST <= side <= LARGEST for side in size):
         raise InputError(
             f"plot: a figure measures {SMALLEST:g} to {LARGEST:g} in a side (got "
             f"{' x '.join(f'{side:g}' for side in size)}); give width and height in inches."
         )
     with house_style():
-        figure = PAINTERS[kind](view, size)
-        # The layout would move a little with every further drawing: fix it, so that saving twice
-        # gives the same picture.
-        figure.draw_without_rendering()
-        figure.set_layout_engine("none")
-    return figure
+        return settled(KINDS[kind].paint(view, size))

@@ -24,6 +24,7 @@ __all__ = [
     "number",
     "optimum_text",
     "parameter_text",
+    "slide_label",
     "symbol",
     "title",
     "with_unit",
@@ -85,6 +86,11 @@ def heading_text(heading: float) -> str:
 def symbol(channel: str) -> str:
     """Return the short name of a channel for a legend."""
     return SYMBOLS.get(channel, NAMES[channel])
+
+
+def slide_label(recipe: Recipe) -> str:
+    """Return a legend's words for the limit of friction."""
+    return rf"slides ($\mu$ = {number(recipe.friction or 0.0)})"
 
 
 def optimum_text(

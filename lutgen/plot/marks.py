@@ -1,13 +1,15 @@
-"""Marks that several kinds of figure share: the tip-over region, the optimum, notes, ticks.
+"""Marks that several kinds of figure share: what tips over or slides, the optimum, notes.
 
 Works on arrays in display units; it knows nothing of robots.
 """
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib import patheffects
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.lines import Line2D
@@ -17,16 +19,18 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
 
-from lutgen.plot.style import GREY, HATCH, WASH
+from lutgen.plot.style import GREY, HATCH, ORANGE, WASH
 
 __all__ = [
     "HALO",
     "PLATE",
+    "SLIDE_DASHES",
     "STAR",
     "TIPS",
     "degree_ticks",
     "label_tip_over",
     "mark_optimum",
+    "mark_sliding",
     "roomiest",
     "shade_tip_over",
     "tip_patch",
@@ -48,6 +52,8 @@ STAR: dict[str, Any] = {
 }
 # Clear space around a note, in dots.
 CLEAR = 5.0
+# The line where sliding begins.
+SLIDE_DASHES = (0, (4, 2))
 HALO = [patheffects.withStroke(linewidth=1.8, foreground="white")]
 PLATE = {"facecolor": "white", "edgecolor": "none", "pad": 0.8, "alpha": 0.9}
 
@@ -114,6 +120,26 @@ def mark_optimum(axes: Axes, x: float, y: float, text: str) -> Line2D:
         **STAR,
     )
     return star
+
+
+def mark_sliding(
+    axes: Axes, mesh: tuple[Floats, Floats], grip: Floats | None, tip_angle: Floats, label: str
+) -> list[Artist]:
+    """Dot where the robot slides (`grip` < 0) and dash the line where that begins.
+
+    All (rows, columns) as the `mesh` of places; below the hatching of what tips over.  Returns the
+    handle for the legend; none where nothing slides that stands.
+    """
+    if grip is None or not ((grip < 0.0) & (tip_angle >= 0.0)).any():
+        return []
+    dots = axes.contourf(
+        *mesh, grip, levels=[-2.0 * math.pi, 0.0], colors=["none"], hatches=["..."]
+    )
+    dots.set(zorder=2.4, hatchcolor=ORANGE)
+    if ((grip >= 0.0) & (tip_angle >= 0.0)).any():
+        look: dict[str, Any] = {"colors": [ORANGE], "linewidths": 1.0, "linestyles": [SLIDE_DASHES]}
+        axes.contour(*mesh, grip, levels=[0.0], zorder=2.5, **look)
+    return [Line2D([], [], color=ORANGE, linestyle=SLIDE_DASHES, label=label)]
 
 
 def write_beside(

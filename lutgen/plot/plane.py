@@ -10,17 +10,17 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from lutgen.plot.box import box_axes, fit_box
-from lutgen.plot.labels import axis_label, channel_label, optimum_text, title
+from lutgen.plot.labels import axis_label, channel_label, optimum_text, slide_label, title
 from lutgen.plot.levels import apart, extend, jumps, label_lines, levels
 from lutgen.plot.marks import (
     STAR,
     degree_ticks,
     label_tip_over,
     mark_optimum,
+    mark_sliding,
     shade_tip_over,
     tip_patch,
 )
-from lutgen.plot.slip import mark_sliding
 from lutgen.plot.style import HATCH, MAP, WASH, new_figure
 from lutgen.plot.view import View, in_display_unit, optimum
 
@@ -86,7 +86,7 @@ def draw_contour(view: View, size: tuple[float, float] | None) -> Figure:
         text = optimum_text(view, float(plane.values[row, column]), plane.values, at)
         handles.append(mark_optimum(axes, *at, text))
     x, y = np.meshgrid(plane.fine_x, plane.fine_y)
-    handles += mark_sliding(axes, view, x, y, plane.grip, plane.tip_angle)
+    handles += mark_sliding(axes, (x, y), plane.grip, plane.tip_angle, slide_label(view.recipe))
     tips = shade_tip_over(axes, plane.fine_x, plane.fine_y, plane.tip_angle)
     if tips and not label_tip_over(axes, x, y, plane.tip_angle, cells=SAMPLES // 8):
         handles.append(tip_patch())

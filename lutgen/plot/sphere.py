@@ -19,10 +19,9 @@ from numpy.typing import NDArray
 
 from lutgen.analysis import tilted
 from lutgen.errors import InputError
-from lutgen.plot.labels import HEADINGS, channel_label, optimum_text, title, with_unit
+from lutgen.plot.labels import HEADINGS, channel_label, optimum_text, slide_label, title, with_unit
 from lutgen.plot.levels import apart, extend, levels
-from lutgen.plot.marks import HALO, mark_optimum, shade_tip_over, tip_patch
-from lutgen.plot.slip import mark_sliding
+from lutgen.plot.marks import HALO, mark_optimum, mark_sliding, shade_tip_over, tip_patch
 from lutgen.plot.style import MAP, new_figure
 from lutgen.plot.view import View, in_display_unit, optimum
 
@@ -85,7 +84,7 @@ def draw_sphere(view: View, size: tuple[float, float] | None) -> Figure:
         x, y = float(disc.x[row, column]), float(disc.y[row, column])
         handles.append(mark_optimum(panels[number], x, y, text))
     slides = [
-        mark_sliding(panel, view, disc.x, disc.y, disc.grip, disc.tip_angle)
+        mark_sliding(panel, (disc.x, disc.y), disc.grip, disc.tip_angle, slide_label(view.recipe))
         for panel, disc in zip(panels, discs, strict=True)
     ]
     handles += next((handle for handle in slides if handle), [])

@@ -12,7 +12,7 @@ from lutgen.errors import InputError
 from lutgen.plot.labels import axis_label, channel_label, measured, parameter_text, symbol
 from lutgen.plot.levels import extend, levels
 from lutgen.plot.marks import STAR, shade_tip_over, tip_patch
-from lutgen.plot.style import MAP, house_style, new_figure
+from lutgen.plot.style import MAP, house_style, new_figure, settled
 from lutgen.plot.view import QUANTITIES, in_display_unit, to_display
 from lutgen.recipe import Recipe
 from lutgen.search import Objective, Optimum
@@ -70,10 +70,7 @@ def draw_steps(
             f"{', '.join(str(step + 1) for step in known) or 'none'}."
         )
     with house_style():
-        figure = _draw(recipe, found, gravity, steps, size or SIZE)
-        figure.draw_without_rendering()
-        figure.set_layout_engine("none")
-    return figure
+        return settled(_draw(recipe, found, gravity, steps, size or SIZE))
 
 
 def _draw(

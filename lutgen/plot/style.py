@@ -31,6 +31,7 @@ __all__ = [
     "house_style",
     "new_figure",
     "save",
+    "settled",
 ]
 
 # Okabe and Ito's palette, which stays distinct for colour-blind readers.
@@ -89,6 +90,14 @@ def new_figure(size: tuple[float, float]) -> Figure:
     layout = ConstrainedLayoutEngine(w_pad=0.03, h_pad=0.03)
     figure = Figure(figsize=size, layout=layout, dpi=RESOLUTION)
     FigureCanvasAgg(figure)
+    return figure
+
+
+def settled(figure: Figure) -> Figure:
+    """Return a figure with its layout fixed, so that saving twice gives the same picture."""
+    # The layout would move a little with every further drawing.
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
     return figure
 
 

@@ -1,74 +1,155 @@
-"""Polar chart: the largest tilt before tip-over in each heading, at one posture."""
+"""Tilt charts: the largest tilt before tip-over in each heading, of one posture or of all.
+
+Beside it the tilts at which friction or brakes give way before that.
+"""
 
 import math
-from collections.abc import Mapping
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.projections.polar import PolarAxes
+from numpy.typing import NDArray
 
-from lutgen.analysis import tilt_limits
-from lutgen.plot.labels import HEADINGS, angle_text, heading_text, title, with_unit
-from lutgen.plot.marks import HALO, tip_patch
-from lutgen.plot.slip import draw_roll_limit, draw_slide_limit
-from lutgen.plot.style import BLUE, GREY, HATCH, ORANGE, WASH, new_figure
+from lutgen.analysis import PostureLimits, SweepLimits, roll_limits, slide_limits, tilt_limits
+from lutgen.plot.labels import (
+    HEADINGS,
+    angle_text,
+    heading_text,
+    slide_label,
+    title,
+    with_unit,
+)
+from lutgen.plot.marks import HALO, SLIDE_DASHES, tip_patch
+from lutgen.plot.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    HATCH,
+    ORANGE,
+    WASH,
+    house_style,
+    new_figure,
+    settled,
+)
 from lutgen.plot.view import View
+from lutgen.recipe import Recipe
 
-__all__ = ["SAMPLES", "SIZE", "draw_polar", "polar_axes"]
+__all__ = ["draw_limits", "draw_polar"]
+
+Floats = NDArray[np.float64]
+Look = dict[str, Any]
 
 SIZE = (3.5, 3.75)
-# Headings on the circle: every half degree, so the worst one is known to that.
+# Headings around the circle (rad), the first at both ends: every half degree, so that the worst
+# one is known to that.
 SAMPLES = 720
+AROUND = np.radians(np.arange(SAMPLES + 1) * (360.0 / SAMPLES))
+# Headings at which rolling is judged: every fifth degree, so that sideways is among them.
+ROLL_HEADINGS = 73
+DOWN = (0.0, 0.0, -1.0)
+TILTED = {"plane": "tilt of the ground", "body": "tilt of the body"}
+GUARANTEED: Look = {"color": "black", "linestyle": (0, (4, 2)), "linewidth": 0.9}
+SLIDES: Look = {"color": GREY, "linestyle": (0, (1, 1.2)), "linewidth": 1.2}
+BEST: Look = {"color": GREEN, "linewidth": 1.0}
+LEAST: Look = {"color": ORANGE, "linewidth": 1.0, "linestyle": (0, (5, 1))}
 
 
 def draw_polar(view: View, size: tuple[float, float] | None) -> Figure:
     """Return the figure; its outline holds heading (rad) and largest tilt (deg)."""
-    headings = np.arange(SAMPLES) * (360.0 / SAMPLES)
-    limits = np.degrees(tilt_limits(view.recipe, view.params, np.radians(headings)))
-    worst = int(np.argmin(limits))
-    top = min(15.0 * math.ceil((limits.max() + 5.0) / 15.0), 180.0)
-    around = np.radians(np.append(headings, 360.0))
-    outline = np.append(limits, limits[0])
-    least = angle_text(float(limits[worst]))
+    outline = np.degrees(tilt_limits(view.recipe, view.params, AROUND))
+    worst = int(np.argmin(outline[:-1]))
     figure = new_figure(size or SIZE)
-    shown = {heading: float(limits[heading * SAMPLES // 360]) for heading in HEADINGS}
-    axes = polar_axes(figure, top, shown)
+    top = _top(outline)
+    axes = _polar_axes(figure, top, outline)
     figure.suptitle(title(view, gravity=False), x=0.01, ha="left")
-    axes.fill_between(
-        around, outline, top, facecolor=WASH, edgecolor=GREY, hatch=HATCH, linewidth=0.0
-    )
-    axes.plot(around, outline, color=BLUE, label="largest tilt (deg)")
-    axes.plot(
-        np.radians(np.arange(361.0)),
-        np.full(361, limits[worst]),
-        color="black",
-        linestyle=(0, (4, 2)),
-        linewidth=0.9,
-        label=f"safe in all headings: {least}",
-    )
-    axes.plot(
-        [around[worst]],
-        [limits[worst]],
-        linestyle="none",
-        marker="o",
-        markersize=5,
-        markerfacecolor=ORANGE,
-        markeredgecolor="white",
-        label=f"worst: {heading_text(float(headings[worst]))}",
-        zorder=5,
-    )
-    draw_slide_limit(axes, view, np.append(headings, 360.0), outline)
-    draw_roll_limit(axes, view)
-    handles, _ = axes.get_legend_handles_labels()
-    figure.legend(handles=[*handles, tip_patch()], loc="outside lower center", ncols=2)
+    _hatch(axes, outline, top)
+    axes.plot(AROUND, outline, color=BLUE, label="largest tilt (deg)")
+    least = float(outline[worst])
+    _circle(axes, least, label=f"safe in all headings: {angle_text(least)}")
+    _mark_worst(axes, float(AROUND[worst]), least)
+    _slide_limit(axes, view, outline)
+    _roll_limit(axes, view)
+    _legend(figure, axes, "tips over")
     return figure
 
 
-def polar_axes(figure: Figure, top: float, limits: Mapping[int, float]) -> PolarAxes:
+def draw_limits(
+    recipe: Recipe,
+    posture: PostureLimits,
+    swept: SweepLimits | None = None,
+    *,
+    worst: bool = True,
+) -> Figure:
+    """Draw the largest tilt before tip-over in each heading.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The robot.
+    posture : PostureLimits
+        Of one posture: its outline, its worst heading, the circle that holds in all headings, and
+        from where on it slides.
+    swept : SweepLimits, optional
+        Of all postures: the best of them in each heading, and with `worst` the worst, too.
+    worst : bool
+        See `swept`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    outline = np.degrees(tilt_limits(recipe, posture.params, AROUND, posture.convention))
+    view = View("polar", recipe, None, posture.params, np.array(DOWN), "tip_angle", ())
+    with house_style():
+        figure = new_figure(SIZE)
+        top = _top(outline if swept is None else np.append(outline, np.degrees(swept.most)))
+        axes = _polar_axes(figure, top, outline)
+        more = TILTED[posture.convention]
+        figure.suptitle(title(view, gravity=False, more=more), x=0.01, ha="left")
+        edge = outline if swept is None else _sweep(axes, swept, outline, worst)
+        _hatch(axes, edge, top)
+        axes.plot(AROUND, outline, color=BLUE, label="this posture", zorder=4)
+        least = math.degrees(posture.guaranteed)
+        # Rounded down: what is printed holds, too.
+        guaranteed = angle_text(math.floor(10.0 * least) / 10.0)
+        _circle(axes, least, label=f"guaranteed: {guaranteed}", zorder=4)
+        if recipe.friction is not None:
+            slides = slide_limits(
+                recipe, posture.params, AROUND, posture.convention, math.radians(top)
+            )
+            within = np.nan_to_num(np.degrees(slides), nan=top)
+            if within.min() < top:
+                axes.plot(AROUND, within, label=slide_label(recipe), zorder=3, **SLIDES)
+        if not math.isnan(posture.worst.heading):
+            _mark_worst(axes, posture.worst.heading, math.degrees(posture.worst.tilt))
+        label = "tips over" if swept is None else "tips over in every posture"
+        _legend(figure, axes, label, columnspacing=1.0)
+        return settled(figure)
+
+
+def _sweep(axes: PolarAxes, swept: SweepLimits, outline: Floats, worst: bool) -> Floats:
+    """Draw the best posture in each heading, and the worst; return the tilts no posture passes."""
+    most, least = (
+        np.degrees(np.interp(AROUND, swept.headings, tilts, period=2.0 * math.pi))
+        for tilts in (swept.most, swept.least)
+    )
+    if worst:
+        axes.fill_between(AROUND, least, most, facecolor=GREEN, alpha=0.1, linewidth=0.0)
+        axes.plot(AROUND, least, label="worst posture per heading", **LEAST)
+    axes.plot(AROUND, most, label="best posture per heading", **BEST)
+    return np.asarray(np.maximum(most, outline))
+
+
+def _top(tilts: Floats) -> float:
+    """Return the tilt (deg) of the rim: room for the largest."""
+    return min(15.0 * math.ceil((float(tilts.max()) + 5.0) / 15.0), 180.0)
+
+
+def _polar_axes(figure: Figure, top: float, outline: Floats) -> PolarAxes:
     """Return axes of heading (rad, the nose up) and tilt (deg) from 0 to `top`.
 
-    Around them are the names of the `HEADINGS`, with the limits (deg) in those.
+    Around them are the names of the `HEADINGS`, with the outline's tilts (deg) in those.
     """
     axes = cast("PolarAxes", figure.add_subplot(projection="polar"))
     axes.set_theta_zero_location("N")
@@ -79,7 +160,7 @@ def polar_axes(figure: Figure, top: float, limits: Mapping[int, float]) -> Polar
         axes.text(
             math.radians(heading),
             1.08 * top,
-            f"{name}: {angle_text(limits[heading])}",
+            f"{name}: {angle_text(float(outline[heading * SAMPLES // 360]))}",
             ha="center",
             va="center",
             rotation={90: 90, 270: -90}.get(heading, 0),
@@ -102,3 +183,63 @@ def _rings(top: float) -> list[float]:
     """Return the tilts (deg) of the circles inside the rim."""
     step = 15.0 if top <= 90.0 else 30.0
     return [step * i for i in range(1, math.ceil(top / step))]
+
+
+def _hatch(axes: PolarAxes, edge: Floats, top: float) -> None:
+    """Hatch the tilts (deg) beyond an edge."""
+    axes.fill_between(AROUND, edge, top, facecolor=WASH, edgecolor=GREY, hatch=HATCH, linewidth=0.0)
+
+
+def _circle(axes: PolarAxes, tilt: float, **look: Any) -> None:
+    """Draw the tilt (deg) that is safe in all headings."""
+    around = np.radians(np.arange(361.0))
+    axes.plot(around, np.full(len(around), tilt), **GUARANTEED, **look)
+
+
+def _mark_worst(axes: PolarAxes, heading: float, tilt: float) -> None:
+    """Mark the worst heading (rad) and its tilt (deg)."""
+    axes.plot(
+        [heading],
+        [tilt],
+        linestyle="none",
+        marker="o",
+        markersize=5,
+        markerfacecolor=ORANGE,
+        markeredgecolor="white",
+        label=f"worst: {heading_text(math.degrees(heading))}",
+        zorder=5,
+    )
+
+
+def _slide_limit(axes: PolarAxes, view: View, tips: Floats) -> None:
+    """Draw the tilt (deg) at which the robot slides, where it has not tipped before."""
+    if view.recipe.friction is None:
+        return
+    limit = np.degrees(slide_limits(view.recipe, view.params, AROUND))
+    limit = np.where(limit < tips, limit, np.nan)
+    if np.isfinite(limit).any():
+        look: Look = {"color": ORANGE, "linestyle": SLIDE_DASHES}
+        axes.plot(AROUND, limit, label=slide_label(view.recipe), **look)
+
+
+def _roll_limit(axes: PolarAxes, view: View) -> None:
+    """Draw the tilt (deg) at which the robot rolls away, if it has contacts that roll.
+
+    Not under forces: what rolls is known of the weight alone.
+    """
+    rolling = any(contact.rolling for contact in view.recipe.contacts)
+    if not rolling or view.recipe.has_wrench:
+        return
+    headings = np.radians(np.linspace(0.0, 360.0, ROLL_HEADINGS))
+    limit = np.degrees(roll_limits(view.recipe, view.params, headings))
+    # A limit of nothing lies in the middle, where no line can be seen.
+    label = "rolls away" if np.nanmax(limit, initial=0.0) > 0.1 else "rolls on any slope"
+    if np.isfinite(limit).any():
+        axes.plot(headings, limit, color=GREEN, linestyle=(0, (1, 1)), label=label)
+
+
+def _legend(figure: Figure, axes: PolarAxes, tips: str, **settings: Any) -> None:
+    handles, _ = axes.get_legend_handles_labels()
+    figure.legend(
+        handles=[*handles, tip_patch(tips)], loc="outside lower center", ncols=2, **settings
+    )
