@@ -74,7 +74,7 @@ nodes = 11
 channels = ["sdg", "tip_angle", "height"]
 """
 STOOL_SPEC = grid.Spec(8, (("tip", (17, 17)),))
-# A row of docs/design.md's table of exports.
+# A row of the table in docs/measured/exports.md.
 FOUR_AXES = grid.Spec(8, (("tip", (5, 5, 13, 13)), ("sdg", (7, 7, 9, 9)), ("height", (7, 7, 1, 1))))
 
 

@@ -20,12 +20,17 @@ from typing import Any
 from firmware_export.device import HostLibrary
 from firmware_export.emit.facts import COUNTS
 from firmware_export.protocol.exported import Export
-from lutgen.errors import LutgenError
+from lutgen.errors import InputError, LutgenError
 from targets import baseline, queries, tables
 from targets.boards import BOARDS, OPTIMISATIONS, Board
 from targets.cases import ROOT, Case, cases, written
 from targets.digest import answer_bytes, fnv1a
 from targets.image import CellError, Job, Outcome, TooLargeError, compiler, execute
+
+PAGE = ROOT / "docs" / "measured" / "targets.md"
+# The columns of its table, which stands between two marks.
+SHOWN = ("m4f", "m3", "m0", "rv32imc", "mega328p")
+BEGIN, END = "<!-- counts -->\n", "\n<!-- end of counts -->"
 
 
 @dataclass(frozen=True)
@@ -157,14 +162,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m targets.run", description=__doc__)
     parser.add_argument("--only", metavar="BOARD,...", help="of the columns")
     parser.add_argument("--export", metavar="NAME,...", help="of the rows")
-    parser.add_argument("--update", action="store_true", help="rewrite baseline.json")
+    parser.add_argument(
+        "--update", action="store_true", help="rewrite baseline.json and targets.md"
+    )
     parser.add_argument("--strict", action="store_true", help="a skip is a failure (CI=true)")
     parser.add_argument("--json", type=Path, help="also write every number here")
     parser.add_argument("--table", action="store_true", help="print the baseline as Markdown")
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     options = parser.parse_args(arguments)
     if options.table:
-        print(tables.markdown(baseline.load(), ("m4f", "m3", "m0", "rv32imc", "mega328p")))
+        print(tables.markdown(baseline.load(), SHOWN))
         return 0
     strict = options.strict or os.environ.get("CI") == "true"
     begin = time.perf_counter()
@@ -180,6 +187,26 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except LutgenError as error:
         print(f"Error: {error}", file=sys.stderr)
         return 1
+
+
+def shown(page: str, content: dict[str, Any]) -> str:
+    """Return the document with its table of counts made from a baseline."""
+    head, begin, rest = page.partition(BEGIN)
+    _, end, tail = rest.partition(END)
+    if not (begin and end):
+        raise InputError(
+            f"{PAGE.name}: has no table of counts (got no marks); put {BEGIN.strip()} and "
+            f"{END.strip()} where it belongs."
+        )
+    return head + begin + tables.markdown(content, SHOWN) + end + tail
+
+
+def _show(content: dict[str, Any]) -> None:
+    """Write the table of the document."""
+    page = shown(PAGE.read_text(encoding="utf-8"), content)
+    part = PAGE.with_suffix(".part")
+    part.write_text(page, encoding="utf-8")
+    part.replace(PAGE)
 
 
 def _report(
@@ -203,12 +230,13 @@ def _report(
         for name in baseline.absent(content, every):
             del content["rows"][name]
         baseline.save(content)
+        _show(content)
         path = ROOT / "firmware_export" / "runtime" / COUNTS
         part = path.with_suffix(".part")
         of_maps = [case.name for case in cases() if case.folder is not None]
         part.write_text(baseline.published(content, BOARDS, of_maps), encoding="utf-8")
         part.replace(path)
-        print(f"\n{baseline.FILE.name} and {COUNTS} are rewritten")
+        print(f"\n{baseline.FILE.name}, {COUNTS} and {PAGE.name} are rewritten")
     else:
         worse, better = baseline.compare(known, matrix.found)
     sys.stdout.flush()

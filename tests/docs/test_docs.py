@@ -16,10 +16,12 @@ from click.testing import CliRunner
 import lutgen
 from firmware_export.emit.size import measured
 from lutgen.cli import main
+from targets import baseline
 from tests.fixtures.documents import blocks
 from tests.fixtures.places import MAPS, ROOT
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+PAPER = "docs/guide/paper.md"
 
 
 @pytest.fixture
@@ -31,7 +33,7 @@ def clone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_the_shell_commands_of_the_readme_run_and_write_their_files(clone: Path) -> None:
-    shell, _, _ = blocks("README.md", "sh")
+    shell, _ = blocks("README.md", "sh")
     lines = shell.splitlines()
     # CI runs `make venv` itself before it can run any test.
     assert lines[0] == "make venv"
@@ -46,8 +48,8 @@ def test_the_shell_commands_of_the_readme_run_and_write_their_files(clone: Path)
     assert (clone / "paper_two.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_the_papers_numbers_in_the_readme_are_those_of_its_commands(clone: Path) -> None:
-    *_, shell = blocks("README.md", "sh")
+def test_the_papers_numbers_in_the_guide_are_those_of_its_commands(clone: Path) -> None:
+    (shell,) = blocks(PAPER, "sh")
     printed = {}
     for line in shell.splitlines():
         _, *arguments = line.split()
@@ -59,7 +61,8 @@ def test_the_papers_numbers_in_the_readme_are_those_of_its_commands(clone: Path)
     assert "30.9568" in printed["optimum"]
     assert "150" in printed["optimum"]
     counts = tuple(re.findall(r"tips over at (\d+)", printed["path"]))
-    said = re.search(r"at (\d+) of 100 points with .*? at (\d+)\s+when", README, re.DOTALL)
+    page = (ROOT / PAPER).read_text(encoding="utf-8")
+    said = re.search(r"at (\d+) of 100 points with .*? at (\d+)\s+when", page, re.DOTALL)
     assert said is not None
     assert counts == said.groups()
     assert len(printed) == 3
@@ -82,7 +85,7 @@ def ran(command: str) -> str:
 def test_the_readme_leads_to_a_reading_in_c_in_three_commands(
     clone: Path, lutgen_first: None
 ) -> None:
-    _, shell, _ = blocks("README.md", "sh")
+    _, shell = blocks("README.md", "sh")
     setup, export, compiled = shell.splitlines()
     assert setup == "make venv"
     printed = ran(export.replace(".venv/bin/", ""))
@@ -123,13 +126,13 @@ def test_everything_in_the_firmware_guide_runs(
         )
 
 
-def test_the_python_of_the_readme_prints_what_its_comments_say(clone: Path) -> None:
-    (code,) = blocks("README.md", "python")
+def test_the_python_of_the_guide_prints_what_its_comments_say(clone: Path) -> None:
+    (code,) = blocks("docs/guide/python.md", "python")
     said = re.findall(r"^print\(.*\)  # (\[\[.*\]\]|\(.*\))", code, re.MULTILINE)
     assert len(said) == code.count("print(")
     printed = io.StringIO()
     with contextlib.redirect_stdout(printed):
-        exec(compile(code, "README.md", "exec"), {})
+        exec(compile(code, "docs/guide/python.md", "exec"), {})
     assert printed.getvalue().splitlines() == said
 
 
@@ -142,14 +145,56 @@ def test_the_format_document_lists_every_attribute_of_a_map(clone: Path) -> None
         assert set(file.attrs) == listed - {"blocks_done", "urdf"}
 
 
-def test_the_sizes_in_the_design_document_are_those_measured() -> None:
-    text = (ROOT / "docs/design.md").read_text(encoding="utf-8")
+def test_the_sizes_in_the_document_are_those_measured() -> None:
+    text = (ROOT / "docs/measured/targets.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\|[^|]+\| `(SMAP_[^`]+)` \| ([\d,]+) \| ([\d,]+) \|$", text, re.MULTILINE)
     sets = measured()["sets"]
     assert len(rows) == 6
     for switches, code, stack in rows:
         known = sets[frozenset(switches.split())]
         assert (code, stack) == (f"{known['code']:,}", f"{known['stack']:,}"), switches
+
+
+def test_the_readme_is_short() -> None:
+    assert len(README.splitlines()) <= 100
+
+
+def table(text: str, first: str) -> dict[str, list[str]]:
+    """Return the table whose head begins so: the cells of each row by its first one."""
+    rows = text[text.index(first) :].split("\n\n")[0].splitlines()
+    cells = [[cell.strip() for cell in re.split(r"(?<!\\)\|", row)[1:-1]] for row in rows]
+    return {row[0]: row[1:] for row in cells}
+
+
+def test_the_costs_in_the_readme_are_those_of_the_baseline_and_of_the_exports() -> None:
+    costs = table(README, "| | `contacts`")
+    rows = baseline.load()["rows"]
+    columns = [rows[name] for name in ("paper_two", "grid_4d_all_float", "grid_4d_all_integer")]
+    columns.append(rows["absolem"])
+    small = [row["boards"]["m4f"]["-Os"] for row in columns]
+    fast = [row["boards"]["m4f"]["-O2"] for row in columns]
+    assert costs["tables, bytes"] == [f"{row['tables']:,}" for row in columns]
+    assert costs["code, bytes, `-Os`"] == [f"{cell['code']:,}" for cell in small]
+    assert costs["instructions, median / largest of 256 reads, `-O2`"] == [
+        f"{cell['median']:,} / {cell['max']:,}" for cell in fast
+    ]
+    page = (ROOT / "docs/measured/exports.md").read_text(encoding="utf-8")
+    measured_errors = {
+        (robot, spec, arithmetic): error
+        for robot, spec, arithmetic, _, _, error in re.findall(
+            r"^\| (\w+) \| ([^|]+) \| (\w+) \| ([^|]+) \| ([^|]+) \| ([^|]+) \|", page, re.MULTILINE
+        )
+    }
+    assert costs["largest error of \\|SD_g\\|, of its range"] == [
+        *(measured_errors["paper_two", row["spec"], row["arithmetic"]] for row in columns[:3]),
+        measured_errors["absolem", "contacts i16 255+255", "float"],
+    ]
+    said = re.search(r"points in ([\d.]+) kB of code and (\d+) bytes of\s+stack", README)
+    assert said is not None
+    assert said.groups() == (f"{small[0]['code'] / 1000:.1f}", str(small[0]["stack"]))
+    many = re.search(r"take ([\d.]+) kB, ([\d.]+) kB of stack", README)
+    assert many is not None
+    assert many.groups() == tuple(f"{small[3][key] / 1000:.1f}" for key in ("code", "stack"))
 
 
 def test_the_readme_names_the_python_that_the_project_requires() -> None:

@@ -15,11 +15,10 @@ import pytest
 from firmware_export.certify import query as twin
 from firmware_export.device import HostLibrary
 from firmware_export.emit import package
-from lutgen.errors import ExportError
+from lutgen.errors import ExportError, InputError
 from proofs.exports import tripod_export
 from targets import baseline, cases, image, queries, run, tables
 from targets.boards import BOARDS, board
-from targets.cases import ROOT
 from targets.digest import START, answer_bytes, fnv1a
 from targets.footprint import Footprint
 
@@ -378,7 +377,12 @@ def test_without_a_network_the_comparison_says_so_and_ends(
     )
 
 
-def test_the_readme_shows_the_baseline() -> None:
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    shown = text.partition("<!-- counts -->\n")[2].partition("\n<!-- end of counts -->")[0]
-    assert shown == tables.markdown(baseline.load(), ("m4f", "m3", "m0", "rv32imc", "mega328p"))
+def test_the_document_shows_the_baseline_and_update_writes_it() -> None:
+    page = run.PAGE.read_text(encoding="utf-8")
+    assert run.shown(page, baseline.load()) == page
+    less = baseline.load()
+    dropped, *_ = less["rows"]
+    del less["rows"][dropped]
+    assert f"| `{dropped}` |" not in run.shown(page, less)
+    with pytest.raises(InputError, match=r"^targets\.md: has no table of counts"):
+        run.shown("# Without marks\n", less)
