@@ -62,3 +62,18 @@ def test_every_page_can_be_reached_from_the_readme() -> None:
             if "://" not in target and end not in seen:
                 waiting.append(end)
     assert set(DOCUMENTS) - seen == set()
+
+
+@pytest.mark.parametrize("page", DOCUMENTS, ids=lambda page: str(page.relative_to(ROOT)))
+def test_every_source_that_a_document_names_with_its_folder_is_there(page: Path) -> None:
+    text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
+    missing = []
+    for name in re.findall(r"`((?:[a-z_]+/)+[a-z_]*(?:\.(?:py|[ch]))?)`", text):
+        # In full, or from a package on, as in `search/driving`.
+        folders = [ROOT / folder for folder in ("", "lutgen", "firmware_export")]
+        known = any((folder / name.split("/")[0]).is_dir() for folder in folders)
+        homes = [folder / name for folder in folders]
+        there = any(home.exists() or home.with_suffix(".py").exists() for home in homes)
+        if known and not there and not name.startswith("build/"):
+            missing.append(name)
+    assert missing == []

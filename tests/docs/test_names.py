@@ -22,7 +22,7 @@ SOURCES = sorted(
 # Tokens between two statements.
 BETWEEN = {tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT}
 # A name that ends like this is that of a file; links to files are followed elsewhere.
-FILES = {"c", "h", "o", "csv", "gif", "h5", "json", "md", "part", "png", "toml", "urdf"}
+FILES = {"c", "h", "o", "csv", "gif", "h5", "in", "json", "md", "part", "png", "toml", "urdf"}
 
 
 def fenced(text: str) -> str:
@@ -119,6 +119,8 @@ def exists(name: str) -> bool:
     of the C runtime count as classes.
     """
     head, _, rest = name.partition(".")
+    if rest == "py":
+        return head in modules()
     if head in PACKAGES:
         return importable(name)
     homes = [f"{module}.{rest}" for module in modules().get(head, [])]
@@ -147,6 +149,8 @@ def test_every_dotted_name_that_a_file_mentions_is_there(path: Path) -> None:
         ("lutgen.search", True),
         ("lutgen.support.find_the_facets", False),
         ("lutgen.statics.diagnose", False),
+        ("rounds.py", True),
+        ("urdf_text.py", False),
         ("rounds.find_facets", True),
         ("rounds.find_feet", False),
         ("hull.find_facets", False),
