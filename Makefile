@@ -83,7 +83,7 @@ clean: ## remove build/ and the caches, keep .venv
 	find . -name __pycache__ -not -path './.venv/*' -prune -exec rm -rf {} +
 
 # The stamp is the last thing written, so an interrupted installation starts again.
-.venv/.installed: pyproject.toml $(wildcard setup.py) $(wildcard firmware_export/runtime/*.[ch])
+.venv/.installed: pyproject.toml setup.py $(wildcard firmware_export/runtime/*.[ch])
 	@echo "installing numpy, numba and others into .venv: a minute or two"
 	@$(VENV)
 	@$(INSTALL) '.[test,dev]'

@@ -14,7 +14,7 @@ from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 
 from firmware_export.truth.model import Model
-from firmware_export.twin.strict import njit, prange
+from lutgen.jit import njit, prange
 from lutgen.recipe.kinematics import postures
 
 Floats = NDArray[np.float64]

@@ -1,6 +1,6 @@
 """The rows of the matrix: the exports of `make maps`, small grids, and a table beyond 64 KB.
 
-Owns how a row becomes an `Export` (for the Python twin) and a folder of C with the present runtime.
+Owns how a row becomes an `Export` (for the host) and a folder of C with the present runtime.
 What takes long to fit is kept in build/targets/tables, by the digest of what it depends on.
 """
 

@@ -30,7 +30,7 @@ def answer_bytes(status: NDArray[Any], reading: NDArray[Any]) -> bytes:
     ----------
     status : (m,) int8
     reading : (m, 3) float32 or int32
-        Of `query.read`, or of `read_i`: those become 16 bits each.
+        Of `Host.read`, or of `read_i`: those become 16 bits each.
     """
     if reading.dtype == np.float32:
         words = np.ascontiguousarray(reading, "<f4").view(np.uint8)

@@ -3,13 +3,12 @@
 The same for every run and machine: made by a seeded generator, kept as bits in queries.bin.
 """
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_export.certify.query import read as read_float
+from firmware_export.certify import device
 from firmware_export.protocol.exported import Export
 
 CHECKED, COUNTED, OUTSIDE = 1000, 256, 32
@@ -22,16 +21,6 @@ FULL_SCALE = 32767
 STANDS = (0, 1)
 
 Numbers = NDArray[Any]
-Read = Callable[[Numbers, Numbers], tuple[Numbers, Numbers]]
-
-
-def answered(export: Export) -> Read:
-    """Return the twin of what the export's C code answers: params, gravity -> status, reading."""
-    if export.integer:
-        from firmware_export.grid.read_integer import read_i
-
-        return lambda p, g: read_i(export.tables, p, g, export.model.faces)
-    return lambda p, g: read_float(export, p, g)
 
 
 def _directions(export: Export, rng: np.random.Generator, count: int, reach: float) -> Numbers:
@@ -68,7 +57,7 @@ def _boundary(export: Export, rng: np.random.Generator) -> tuple[Numbers, Number
 
     Bisects between a direction that stands and one that tips, of the same posture.
     """
-    read = answered(export)
+    read = device(export).read
     scale = 20_000.0 if export.integer else 1.0
     t = rng.uniform(0.0, 1.0, (40 * KIND, export.model.k))
     gravity = _directions(export, rng, len(t), 1.0) * scale

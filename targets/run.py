@@ -17,13 +17,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from firmware_export.device import HostLibrary
+from firmware_export.certify import device
 from firmware_export.emit.facts import COUNTS
 from firmware_export.protocol.exported import Export
 from lutgen.errors import InputError, LutgenError
 from targets import baseline, queries, tables
 from targets.boards import BOARDS, OPTIMISATIONS, Board
 from targets.cases import ROOT, Case, cases, written
+from targets.compiled import HostLibrary
 from targets.digest import answer_bytes, fnv1a
 from targets.image import CellError, Job, Outcome, TooLargeError, compiler, execute
 
@@ -35,29 +36,32 @@ BEGIN, END = "<!-- counts -->\n", "\n<!-- end of counts -->"
 
 @dataclass(frozen=True)
 class Row:
-    """A row that is ready to run: its export, its job, and the hash that every cell must give."""
+    """A row that is ready to run: its export, its job, and the hash that every cell must give.
+
+    `own` is that of what the folder compiles to on this machine.
+    """
 
     case: Case
     export: Export
     job: Job
-    twin: int
-    host: int
+    wanted: int
+    own: int
 
 
 def prepared(case: Case) -> Row:
-    """Make a row: folder, queries, and the answers of the twin and of the host's compiled C."""
+    """Make a row: folder, queries, and what the certified C answers, and the folder's own."""
     export, folder = written(case)
     params, gravity = queries.checked(export)
-    twin = fnv1a(answer_bytes(*queries.answered(export)(params, gravity)))
+    wanted = fnv1a(answer_bytes(*device(export).read(params, gravity)))
     library = HostLibrary(folder)
     read = library.read_i if export.integer else library.read
-    host = fnv1a(answer_bytes(*read(params, gravity)))
+    own = fnv1a(answer_bytes(*read(params, gravity)))
     rows = queries.as_bytes(params, gravity) + queries.as_bytes(*queries.counted(export))
     job = Job(
         *(folder, export.name, export.model.k, export.integer, rows),
         *(queries.CHECKED, queries.COUNTED),
     )
-    return Row(case, export, job, twin, host)
+    return Row(case, export, job, wanted, own)
 
 
 def version(board: Board) -> str:
@@ -95,9 +99,9 @@ class Matrix:
                 "tables": int(row.export.tables.bytes),
                 "boards": {},
             }
-            if row.host != row.twin:
+            if row.own != row.wanted:
                 self.failures.append(
-                    f"{row.case.name} host: hash {row.host:08x}, the twin's is {row.twin:08x}"
+                    f"{row.case.name} own build: hash {row.own:08x}, the host's is {row.wanted:08x}"
                 )
 
     def run(self, workers: int) -> None:
@@ -140,9 +144,10 @@ class Matrix:
             words.append("FAIL")
             self.failures.append(f"{label}: {error}")
             return
-        words.append("ok" if outcome.hash == row.twin else "FAIL")
-        if outcome.hash != row.twin:
-            self.failures.append(f"{label}: hash {outcome.hash:08x}, the twin's is {row.twin:08x}")
+        words.append("ok" if outcome.hash == row.wanted else "FAIL")
+        if outcome.hash != row.wanted:
+            said = f"{label}: hash {outcome.hash:08x}, the host's is {row.wanted:08x}"
+            self.failures.append(said)
         cells[option] = baseline.numbers(outcome)
 
 
@@ -214,7 +219,7 @@ def _report(
 ) -> int:
     """Print the tables and the verdict; return an exit code."""
     wanted = {
-        row.case.name: (f"{row.twin:08x}", "ok" if row.host == row.twin else "FAIL")
+        row.case.name: (f"{row.wanted:08x}", "ok" if row.own == row.wanted else "FAIL")
         for row in matrix.rows
     }
     print("\n== Hashes of 1,000 answers, -O2 and -Os")

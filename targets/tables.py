@@ -25,7 +25,7 @@ def hashes(verdicts: dict[str, dict[str, list[str]]], wanted: dict[str, tuple[st
     verdicts : dict
         Row -> board -> a word for each of -O2 and -Os.
     wanted : dict
-        Row -> hash of the twin, and what the host's compiled C says of it.
+        Row -> hash of the certified C, and what the folder's own build says of it.
     """
     boards = [one.name for one in BOARDS if any(one.name in row for row in verdicts.values())]
     rows = []
@@ -35,7 +35,7 @@ def hashes(verdicts: dict[str, dict[str, list[str]]], wanted: dict[str, tuple[st
             for cell in (row.get(board, ["-"]) for board in boards)
         ]
         rows.append([name, *wanted[name], *words])
-    return columns(["export", "twin", "host", *boards], rows)
+    return columns(["export", "host", "own", *boards], rows)
 
 
 def _number(value: int | None) -> str:

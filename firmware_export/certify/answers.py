@@ -5,17 +5,17 @@ of smap_read_i.  The truth is computed at the query itself, so that rounding a p
 """
 
 from collections.abc import Callable
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_export.certify.query import integers, read
-from firmware_export.protocol import Export
+from firmware_export.codecs import codec
+from firmware_export.host import Host
+from firmware_export.protocol import Export, describe
 from firmware_export.truth import Exact, Model, Sample
 
-__all__ = ["Answers", "Device", "Measured", "Needs", "Read", "Truth", "device", "truth"]
+__all__ = ["Answers", "Measured", "Needs", "Read", "Reader", "Truth", "device", "truth"]
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -101,7 +101,7 @@ def truth(model: Model, sample: Sample, integer: bool = False) -> Truth:
     return Truth(*single, asked, model.exact(*asked))
 
 
-class Device:
+class Reader:
     """Anything that answers queries about a model's robot.
 
     Parameters
@@ -109,7 +109,7 @@ class Device:
     model : Model
         The truth.
     read : callable
-        The twin of smap_read; or, with `steps`, that of smap_read_i.
+        Asks smap_read; or, with `steps`, smap_read_i.
     steps : dict of str to float, optional
         Value of one step of the integer channels sdg and height.
     """
@@ -161,8 +161,11 @@ class Device:
         return values
 
 
-def device(export: Export) -> Device:
-    """Return what answers as the export's C code does."""
-    if not export.integer:
-        return Device(export.model, partial(read, export))
-    return Device(export.model, *integers(export))
+def device(export: Export) -> Reader:
+    """Return what answers as the microcontroller will: the C that ships, with these tables."""
+    info = codec(export.codec)
+    body = info.c_body(export.tables)
+    host = Host(describe(export, info.enum, body))
+    if export.integer:
+        return Reader(export.model, host.read_i, dict(body.steps))
+    return Reader(export.model, host.read)

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_export.certify.answers import Device, Measured
+from firmware_export.certify.answers import Measured, Reader
 from firmware_export.certify.certificate import Certificate
 from firmware_export.certify.jumps import Jumps, find_jumps
 from firmware_export.certify.search import (
@@ -85,7 +85,7 @@ def _channel(name: str, seen: Sequence[Measured], jumps: bool, climbed: float) -
 
 
 def certify(
-    device: Device,
+    reader: Reader,
     channels: Sequence[str],
     cells: Cells | None = None,
     bound: ErrorBound | None = None,
@@ -98,7 +98,7 @@ def certify(
 
     Parameters
     ----------
-    device : Device
+    reader : Reader
         What answers.
     channels : sequence of str
         What it holds.
@@ -120,14 +120,14 @@ def certify(
     Certificate
         With `false_safe` above 0 the export must not be used: see `refuse_false_safe`.
     """
-    model = device.model
+    model = reader.model
     half = -(-points // 2)
     effort = effort or Effort.of(points)
-    even = device.measure(uniform(model, half, seed))
-    seen = [even, device.measure(biased(model, half, seed, cells))]
+    even = reader.measure(uniform(model, half, seed))
+    seen = [even, reader.measure(biased(model, half, seed, cells))]
     found = jumps if jumps is not None else find_jumps(model, seed)
-    worst = climb_from_worst(device, seen, effort, seed) if "sdg" in channels else None
-    attack = worst_false_safe(device, seen, effort.starts, effort.rounds, seed)
+    worst = climb_from_worst(reader, seen, effort, seed) if "sdg" in channels else None
+    attack = worst_false_safe(reader, seen, effort.starts, effort.rounds, seed)
     climbed = float(worst.value.max(initial=0.0)) if worst is not None else 0.0
     table = {
         name: _channel(name, seen, found.found, climbed if name == "sdg" else 0.0)
@@ -161,12 +161,12 @@ def certify(
     )
 
 
-def climb_from_worst(device: Device, seen: Sequence[Measured], effort: Effort, seed: int) -> Found:
+def climb_from_worst(reader: Reader, seen: Sequence[Measured], effort: Effort, seed: int) -> Found:
     """Maximise the |SD_g| error from the worst points of a sample."""
     begin = [starts(one, sdg_error(one), effort.worst) for one in seen]
     params = np.concatenate([q for q, _ in begin])
     gravity = unit(np.concatenate([g for _, g in begin]))
-    return climb(device, params, gravity, sdg_error, effort.rounds, seed)
+    return climb(reader, params, gravity, sdg_error, effort.rounds, seed)
 
 
 def _sentences(

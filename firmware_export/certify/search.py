@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_export.certify.answers import Device, Measured, Needs
+from firmware_export.certify.answers import Measured, Needs, Reader
 from firmware_export.truth import Sample, boundary, on_chart, unit
 
 __all__ = ["Found", "climb", "sdg_error", "worst_false_safe"]
@@ -86,7 +86,7 @@ def witness(measured: Measured) -> tuple[Floats, Floats, float, float] | None:
 
 
 def climb(
-    device: Device,
+    reader: Reader,
     params: Floats,
     gravity: Floats,
     value: Value,
@@ -118,7 +118,7 @@ def climb(
     Found
         The best point of each start.
     """
-    model, rng = device.model, np.random.default_rng([seed, 2])
+    model, rng = reader.model, np.random.default_rng([seed, 2])
     s, k = params.shape
     span = model.upper - model.lower
     best_q, best_g = params.copy(), gravity.copy()
@@ -145,7 +145,7 @@ def climb(
         turn[:, :, 0] = 0.0
         g = unit(best_g[walk, None, None] + turn)
         sample = Sample(q.reshape(len(walk) * POSTURES, k), g.reshape(-1, DIRECTIONS, 3))
-        measured = device.measure(sample, needs)
+        measured = reader.measure(sample, needs)
         held = on_chart(model, sample.gravity)
         found = np.where(held, value(measured), -np.inf).reshape(len(walk), -1)
         points += sample.points
@@ -172,13 +172,13 @@ def starts(measured: Measured, value: Floats, count: int) -> tuple[Floats, Float
     return measured.sample.params[order], measured.sample.gravity[order, at[order]]
 
 
-def _just_outside(device: Device, params: Floats, gravity: Floats, seed: int) -> Floats:
+def _just_outside(reader: Reader, params: Floats, gravity: Floats, seed: int) -> Floats:
     """Return for each point a direction (s, 3) near it that only just tips.
 
     The tip angle is the distance to the boundary, so half as much again in one of many random
     directions crosses it.  A point from where none does is returned as it is.
     """
-    model, rng = device.model, np.random.default_rng([seed, 3])
+    model, rng = reader.model, np.random.default_rng([seed, 3])
     here = gravity[:, None]
     reach = 1e-6 + 1.5 * np.abs(model.exact(params, here).tip_angle)[..., None]
     turn = rng.normal(size=(len(params), TRIES, 3))
@@ -197,7 +197,7 @@ def _just_outside(device: Device, params: Floats, gravity: Floats, seed: int) ->
 
 
 def worst_false_safe(
-    device: Device, seen: list[Measured], starts_each: int, rounds: int, seed: int
+    reader: Reader, seen: list[Measured], starts_each: int, rounds: int, seed: int
 ) -> Found:
     """Search for a point that is said to stand where the robot tips.
 
@@ -212,10 +212,10 @@ def worst_false_safe(
     ]
     q = np.concatenate([params for params, _ in begin])
     g = unit(np.concatenate([gravity for _, gravity in begin]))
-    excess = climb(device, q, g, _excess, rounds, seed, needs=_near)
+    excess = climb(reader, q, g, _excess, rounds, seed, needs=_near)
     q = excess.params
-    g = _just_outside(device, q, excess.gravity, seed)
-    clearance = climb(device, q, g, _clearance, rounds, seed + 1, FINE_STEP, _tips)
+    g = _just_outside(reader, q, excess.gravity, seed)
+    clearance = climb(reader, q, g, _clearance, rounds, seed + 1, FINE_STEP, _tips)
     return Found(
         clearance.params,
         clearance.gravity,

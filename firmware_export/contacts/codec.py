@@ -1,12 +1,11 @@
 """Codec `contacts`: tables of the contacts' positions, everything else computed when it is read.
 
-The facade that the chooser and the emitter use; the parts are `modes` (what depends on
-what), `fit` (codes), `guard` (the bound) and `contacts_read` (the twin).
+The facade that the chooser and the emitter use; the parts are `modes` (what depends on what), `fit`
+(codes) and `guard` (the bound).
 """
 
 import math
 from dataclasses import dataclass, field
-from functools import cached_property
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -15,14 +14,13 @@ from numpy.typing import NDArray
 from firmware_export.contacts.fit import Codes, encode_codes
 from firmware_export.contacts.guard import Geometry, contacts_guard
 from firmware_export.contacts.modes import DENSE, Separation, separate
-from firmware_export.contacts.read import Posture, read_contacts
 from firmware_export.protocol import CArray, CBody, CodecInfo, literal
 from firmware_export.protocol import Tables as AnyTables
 from firmware_export.truth import Cells, Model
 from lutgen.errors import InputError
 from lutgen.support import limits
 
-__all__ = ["INFO", "Spec", "Tables", "c_body", "encode", "grow", "read", "refusal", "start"]
+__all__ = ["INFO", "Spec", "Tables", "c_body", "encode", "grow", "refusal", "start"]
 
 MOST_NODES = 255
 TOLERANCE = 1e-6
@@ -82,29 +80,6 @@ class Tables(AnyTables):
     def guard_grows(self) -> bool:
         """Whether the guard leaves narrow facets to the certificate, see `contacts_guard`."""
         return self.many
-
-    @cached_property
-    def posture(self) -> Posture:
-        """The tables as the twin takes them."""
-        codes = self.codes
-        return Posture(
-            codes.shape,
-            codes.modes.astype(np.int16),
-            codes.products,
-            codes.entries,
-            codes.weights,
-            codes.radii,
-            codes.hinges,
-            np.float32(codes.length),
-            np.float32(codes.unit),
-            np.float32(self.steepest),
-            np.float32(self.lowest),
-            np.float32(self.least_cosine),
-            np.float32(self.tolerance),
-            len(codes.position_error),
-            codes.axes,
-            self.many,
-        )
 
 
 @dataclass(eq=False)
@@ -210,25 +185,6 @@ def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
         tolerance=tolerance,
         many=many,
     )
-
-
-def read(
-    tables: Tables,
-    t: NDArray[np.float32],
-    gravity: NDArray[np.float32],
-) -> NDArray[np.float32]:
-    """Return (m, 3) sdg, tip_angle before the guard, height: bit for bit as the C function.
-
-    Parameters
-    ----------
-    t : (m, k) float32
-        Parameters over their axes, 0 to 1.
-    gravity : (m, 3) float32
-        Directions with 1 along the normal of their face.
-    """
-    out = np.empty((len(t), 3), np.float32)
-    read_contacts(tables.posture, t, gravity, out)
-    return out
 
 
 def c_body(tables: Tables) -> CBody:

@@ -3,6 +3,7 @@
 Owns what a folder holds and when it may be replaced; the contents come from the emitters.
 """
 
+import hashlib
 import os
 import shutil
 import tempfile
@@ -20,8 +21,8 @@ from firmware_export.emit.header import header_text
 from firmware_export.emit.names import check_name
 from firmware_export.emit.page import page
 from firmware_export.emit.project_files import cmake_lists, library_json, library_properties
-from firmware_export.emit.source import body_of, source_text
-from firmware_export.protocol import Export
+from firmware_export.emit.source import body_of, described, source_text
+from firmware_export.protocol import Export, stored
 from lutgen.errors import ExportError, InputError
 
 __all__ = ["check_directory", "contents", "write"]
@@ -31,7 +32,10 @@ _STAGE = ".lutgen-export-"
 
 
 def contents(export: Export) -> tuple[dict[str, bytes], dict[str, Any]]:
-    """Return the files of an export folder by name, and the content of its report."""
+    """Return the files of an export folder by name, and the content of its report.
+
+    The report also holds the tables, so that they can be asked, and the digest of NAME.c.
+    """
     name = check_name(export.name)
     body = body_of(export)
     jumps = bool((export.certificate or {}).get("jumps"))
@@ -41,9 +45,12 @@ def contents(export: Export) -> tuple[dict[str, bytes], dict[str, Any]]:
     names += [f"{name}{reports.SUFFIX}", f"{name}_report.md"]
     names += [f"{name}_pareto.png"] if picture else []
     content = report(export, body, names)
+    source = source_text(export, body)
+    digest = hashlib.sha256(source.encode("utf-8")).hexdigest()
+    content["tables"] = {"source_sha256": digest, **stored(described(export, body))}
     texts = {
         f"{name}.h": header_text(content),
-        f"{name}.c": source_text(export, body),
+        f"{name}.c": source,
         "smap.h": runtime_file("smap.h"),
         "smap.c": runtime_file("smap.c"),
         "smap_config.h": config_text(export, body),

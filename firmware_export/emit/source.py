@@ -6,14 +6,20 @@ how constants are written, and smap.h what the structs hold.
 
 from firmware_export.codecs import codec
 from firmware_export.emit.config import entries, runtime_version, settings
-from firmware_export.emit.text import LICENCE, aligned, comment_lines, number_lines, resolve, table
-from firmware_export.protocol import CHANNELS, CArray, CBody, Export, axis_numbers, literal
+from firmware_export.emit.text import LICENCE, comment_lines, number_lines, resolve, table
+from firmware_export.protocol import CArray, CBody, Descriptor, Export, describe
 
-__all__ = ["body_of", "source_text"]
+__all__ = ["body_of", "described", "source_text"]
 
 # The types of smap.h for the address of a chunk.
 _CHUNK = {"uint8_t": "smap_chunk8_t", "uint16_t": "smap_chunk16_t"}
-_BITS = dict(zip(CHANNELS, ("SMAP_SDG", "SMAP_TIP_ANGLE", "SMAP_HEIGHT"), strict=True))
+# What stands beside the members of the map's struct whose names say too little.
+_MEANING = {"faces": "faces of the chart", "chart_limit": "largest |u|, |v|", "guard": "guard, rad"}
+
+
+def described(export: Export, body: CBody) -> Descriptor:
+    """Return the descriptor of an export, whose struct and tables are `body`."""
+    return describe(export, codec(export.codec).enum, body)
 
 
 def body_of(export: Export) -> CBody:
@@ -30,12 +36,10 @@ def source_text(export: Export, body: CBody) -> str:
         _checks(export, body),
         "#if SMAP_SHARED || defined(SMAP_TABLES) /* else smap.c takes this file in */",
     ]
-    if export.model.k:
-        parts.append(_axes(export))
-    absent = frozenset(array.name for array in body.arrays if not len(array.values))
-    parts += [_table(array, name, absent) for array in body.arrays if array.name not in absent]
-    parts.append(_body(body, name, absent))
-    parts.append(_descriptor(export))
+    content = described(export, body)
+    absent = frozenset(array.name for array in content.arrays if not len(array.values))
+    parts += [_table(array, name, absent) for array in content.arrays if array.name not in absent]
+    parts += _structs(content, name, absent)
     return "\n\n".join([*parts, "#endif"]) + "\n"
 
 
@@ -74,18 +78,6 @@ def _checks(export: Export, body: CBody) -> str:
     return "\n".join(lines)
 
 
-def _axes(export: Export) -> str:
-    """Return the table of the parameters' axes."""
-    rows = [
-        (tuple(literal(value, "float") for value in row), f"{parameter.name}, {parameter.unit}")
-        for row, parameter in zip(axis_numbers(export.model), export.recipe.parameters, strict=True)
-    ]
-    head = (
-        "/* Axes: lower end, upper end, 1 / (upper - lower) */\nstatic const SMAP_FLASH smap_axis_t"
-    )
-    return "\n".join([f"{head} {export.name}_axes[{len(rows)}] = {{", *aligned(rows), "};"])
-
-
 def _table(array: CArray, name: str, absent: frozenset[str]) -> str:
     """Return the definition of a table."""
     head = "static const SMAP_FLASH"
@@ -121,22 +113,18 @@ def _fields(rows: list[tuple[str, str]]) -> list[str]:
     return lines
 
 
-def _body(body: CBody, name: str, absent: frozenset[str]) -> str:
-    rows = [(field, resolve(expression, name, absent)) for field, expression in body.fields]
-    head = f"static const SMAP_FLASH {body.ctype} {name}_body = {{"
-    return "\n".join([head, *_fields(rows), "};"])
+def _structs(content: Descriptor, name: str, absent: frozenset[str]) -> list[str]:
+    """Return the definitions of the codec's struct and of the map."""
 
+    def resolved(fields: tuple[tuple[str, str], ...]) -> list[tuple[str, str]]:
+        return [
+            (_MEANING.get(field, field), resolve(expression, name, absent))
+            for field, expression in fields
+        ]
 
-def _descriptor(export: Export) -> str:
-    model = export.model
-    rows = [
-        ("codec", codec(export.codec).enum),
-        ("params", str(model.k)),
-        ("channels", " | ".join(_BITS[channel] for channel in export.channels)),
-        ("faces of the chart", str(model.faces)),
-        ("largest |u|, |v|", literal(model.chart_limit, "float")),
-        ("guard, rad", literal(export.tables.guard, "float")),
-        ("axes", f"{export.name}_axes" if model.k else "0"),
-        ("body", f"&{export.name}_body"),
+    body = f"static const SMAP_FLASH {content.ctype} {name}_body = {{"
+    whole = f"const smap_t {name} SMAP_PLACE = {{"
+    return [
+        "\n".join([head, *_fields(resolved(fields)), "};"])
+        for head, fields in ((body, content.body), (whole, content.map))
     ]
-    return "\n".join([f"const smap_t {export.name} SMAP_PLACE = {{", *_fields(rows), "};"])

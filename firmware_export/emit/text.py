@@ -7,7 +7,7 @@ import re
 import textwrap
 from collections.abc import Iterable, Sequence
 
-from firmware_export.protocol import CArray, literal
+from firmware_export.protocol import CArray, literal, members
 
 __all__ = [
     "LICENCE",
@@ -88,23 +88,9 @@ def aligned(rows: Sequence[tuple[Sequence[str], str]]) -> list[str]:
     return lines
 
 
-def _cells(expression: str) -> list[str] | None:
-    """Return the members of a braced initialiser, None for any other expression."""
-    text = expression.strip()
-    if not (text.startswith("{") and text.endswith("}")):
-        return None
-    cells, depth, start = [], 0, 1
-    for at, character in enumerate(text[:-1]):
-        depth += (character in "{(") - (character in "})")
-        if character == "," and depth == 1:
-            cells.append(text[start:at].strip())
-            start = at + 1
-    return [*cells, text[start:-1].strip()]
-
-
 def _struct_lines(values: Sequence[str], notes: Sequence[str]) -> list[str]:
     """Return the lines of structs or pointers: a row each, or a member each where rows are long."""
-    rows = [_cells(value) for value in values]
+    rows = [members(value) for value in values]
     found = [row for row in rows if row is not None]
     if len(found) < len(rows) or len({len(row) for row in found}) != 1:
         return [f"{_INDENT}{value}," for value in values]

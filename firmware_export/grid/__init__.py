@@ -1,7 +1,6 @@
 """Codec `grid`: multilinear tables over the parameters and the chart.
 
-In reading order: `spec`, `tables`, `lattice`, `fit`, `guard`, `margin`, `read`, `read_integer`,
-`codec`.
+In reading order: `spec`, `tables`, `lattice`, `fit`, `guard`, `margin`, `codec`.
 """
 
 from firmware_export.grid.codec import (
@@ -10,7 +9,6 @@ from firmware_export.grid.codec import (
     lattice_of,
     length_table,
     part_of,
-    read_i,
     rounding,
     tip_part,
     too_large,
@@ -42,7 +40,6 @@ __all__ = [
     "lattice_of",
     "length_table",
     "part_of",
-    "read_i",
     "rounding",
     "spread_knots",
     "tip_part",

@@ -17,8 +17,6 @@ from numpy.typing import NDArray
 from firmware_export.grid import fit as fitting
 from firmware_export.grid import guard, margin
 from firmware_export.grid.lattice import Lattice, spread_knots
-from firmware_export.grid.read import read
-from firmware_export.grid.read_integer import read_i
 from firmware_export.grid.spec import Spec, grow, start
 from firmware_export.grid.tables import Part, Tables, U, V, c_body
 from firmware_export.protocol import CodecInfo
@@ -35,8 +33,6 @@ __all__ = [
     "lattice_of",
     "length_table",
     "part_of",
-    "read",
-    "read_i",
     "refusal",
     "rounding",
     "start",

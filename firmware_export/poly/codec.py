@@ -1,6 +1,6 @@
 """Codec `poly`: the three contacts of a robot as Chebyshev polynomials of its parameters.
 
-Facade of poly_series, poly_bound, poly_fit and poly_read.  For robots that stand on three points:
+Facade of poly_series, poly_bound and poly_fit.  For robots that stand on three points:
 they have one facet, and its corners are smooth in the parameters.  |SD_g|, height and tip angle
 follow from the corners exactly for every direction.  Polynomials of parameters and gravity could
 stand for the components of D_g - s themselves, but these are quotients in gravity: for paper_two
@@ -12,13 +12,12 @@ from collections.abc import Sequence
 from firmware_export.poly import fit as poly_fit
 from firmware_export.poly.bound import carries_everywhere
 from firmware_export.poly.fit import Spec, Tables, exponents
-from firmware_export.poly.read import read
 from firmware_export.poly.series import expand
 from firmware_export.protocol import CArray, CBody, CodecInfo, literal
 from firmware_export.truth import Model
 from lutgen.support import limits
 
-__all__ = ["INFO", "Spec", "Tables", "c_body", "encode", "grow", "read", "refusal", "start"]
+__all__ = ["INFO", "Spec", "Tables", "c_body", "encode", "grow", "refusal", "start"]
 
 
 def refusal(model: Model, arithmetic: str) -> str | None:

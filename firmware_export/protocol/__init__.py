@@ -1,22 +1,29 @@
 """What every codec hands to those who choose, certify and write exports.
 
-In reading order: `axis`, `array`, `exported`, `info`.
+In reading order: `axis`, `array`, `exported`, `descriptor`, `info`.
 """
 
-from firmware_export.protocol.array import CArray, CBody, literal
+from firmware_export.protocol.array import CTYPES, CArray, CBody, literal
 from firmware_export.protocol.axis import axis_numbers
+from firmware_export.protocol.descriptor import Descriptor, describe, members, restored, stored
 from firmware_export.protocol.exported import CHANNELS, Export
 from firmware_export.protocol.info import CodecInfo, Foresight, Spec, Tables
 
 __all__ = [
     "CHANNELS",
+    "CTYPES",
     "CArray",
     "CBody",
     "CodecInfo",
+    "Descriptor",
     "Export",
     "Foresight",
     "Spec",
     "Tables",
     "axis_numbers",
+    "describe",
     "literal",
+    "members",
+    "restored",
+    "stored",
 ]

@@ -1,4 +1,4 @@
-"""The numbers of a parameter's axis as the descriptor holds them, for C and for its twin."""
+"""The numbers of a parameter's axis as the descriptor holds them, as C takes them."""
 
 import numpy as np
 from numpy.typing import NDArray

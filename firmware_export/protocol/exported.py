@@ -1,6 +1,6 @@
-"""One finished export: everything that the emitter, the twin and the report need to know of it.
+"""One finished export: everything that the emitter, the host and the report need to know of it.
 
-Data only; it is made by the exporter and read by `source`, `package`, `report` and `twin`.
+Data only; it is made by the exporter and read by `source`, `package`, `report` and the host.
 """
 
 from dataclasses import dataclass

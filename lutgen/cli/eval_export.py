@@ -1,15 +1,18 @@
-"""`lutgen eval EXPORT_DIR`: the compiled C code of an export is asked."""
+"""`lutgen eval EXPORT_DIR`: the C runtime is asked, with the tables of an export."""
 
 import logging
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from lutgen.cli.options import Assignments, internal_values
 from lutgen.cli.table import channel_entries
+
+if TYPE_CHECKING:
+    from firmware_export.device import ExportFolder
 
 log = logging.getLogger("lutgen")
 
@@ -40,19 +43,19 @@ def export_report(
     gravity : (3,) sequence of float
         Down, any length > 0.
     """
-    from firmware_export.device import HostLibrary
+    from firmware_export.device import ExportFolder
 
-    library = HostLibrary(directory)
-    content = library.report
+    folder = ExportFolder(directory)
+    content = folder.report
     units = {p["name"]: p["display_unit"] for p in content["parameters"]}
     values = internal_values(str(directory), units, assignments)
     for parameter, value in zip(content["parameters"], values, strict=True):
         if not parameter["min"] <= value <= parameter["max"]:
             log.warning("parameter %s is outside the export's range: clamped", parameter["name"])
-    if library.integer:
-        status, channels = _read_integer(library, values, gravity)
+    if folder.integer:
+        status, channels = _read_integer(folder, values, gravity)
     else:
-        codes, readings = library.read([values], [gravity])
+        codes, readings = folder.host.read([values], [gravity])
         status = STATUS[int(codes[0])]
         names = ("sdg", "tip_angle", "height")
         channels = dict(zip(names, map(float, readings[0]), strict=True))
@@ -71,20 +74,20 @@ def export_report(
 
 
 def _read_integer(
-    library: Any, values: Sequence[float], gravity: Sequence[float]
+    folder: "ExportFolder", values: Sequence[float], gravity: Sequence[float]
 ) -> tuple[str, dict[str, float]]:
     """Ask smap_read_i; return the status and the channels in rad and length."""
     row = []
-    for parameter, value in zip(library.report["parameters"], values, strict=True):
+    for parameter, value in zip(folder.report["parameters"], values, strict=True):
         low, high = parameter["min"], parameter["max"]
         code = round((value - low) / (high - low) * FULL_SCALE)
         row.append(-1 if value < low else min(code, FULL_SCALE))
     down = np.asarray(gravity, dtype=np.float64)
     # The longest vector of the same direction that fits resolves it best.
     down = np.rint(down / np.abs(down).max() * FULL_SCALE)
-    codes, readings = library.read_i([row], [down])
+    codes, readings = folder.host.read_i([row], [down])
     sdg, tip, height = (int(value) for value in readings[0])
-    steps = library.report["steps"]
+    steps = folder.report["steps"]
     lengths = {
         name: math.nan if code == NOT_HELD else code * steps.get(name, math.nan)
         for name, code in (("sdg", sdg), ("height", height))

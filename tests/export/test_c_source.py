@@ -12,7 +12,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_export.device import compile_c
 from firmware_export.emit import package
 from firmware_export.emit.config import config_text, entries, features, runtime_file, settings
 from firmware_export.emit.facts import axis_macros, report
@@ -26,6 +25,7 @@ from firmware_export.protocol.exported import Export
 from lutgen.errors import ExportError, InputError
 from lutgen.recipe.recipe import parse_recipe
 from proofs.exports import rover_export, tripod_export
+from targets.compiled import compile_c
 from tests.fixtures.recipes import tripod
 
 WARNINGS = [

@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 import lutgen
-from firmware_export.certify.answers import Device, Read, truth
+from firmware_export.certify.answers import Read, Reader, truth
 from firmware_export.certify.certificate import Certificate
 from firmware_export.certify.certifier import Effort, certify
 from firmware_export.certify.jumps import find_jumps
@@ -54,7 +54,7 @@ def certificate(
     answer: Answer, model: Model = TRIPOD, guard: float = GUARD, **more: Any
 ) -> Certificate:
     """Certify a function of the truth."""
-    device = Device(model, reader(model, answer, guard))
+    device = Reader(model, reader(model, answer, guard))
     return certify(device, CHANNELS, points=POINTS, effort=EFFORT, **more)
 
 
@@ -152,7 +152,7 @@ def planted(centre: tuple[float, float], width: float, height: float) -> Answer:
 
 def in_sample(answer: Answer) -> int:
     """Return the false safes that the certificate's sample alone has."""
-    device = Device(TRIPOD, reader(TRIPOD, answer))
+    device = Reader(TRIPOD, reader(TRIPOD, answer))
     return sum(
         int(device.measure(draw(TRIPOD, POINTS // 2, 1001)).false_safe.sum())
         for draw in (uniform, biased)
@@ -191,7 +191,7 @@ def test_the_largest_error_is_climbed_to_from_the_worst_points() -> None:
         far = ((t - (0.333, 0.777)) ** 2).sum(axis=1) + ((g - (0.1, 0.0, -0.995)) ** 2).sum(axis=1)
         return true + [[1.0, 0.0, 0.0]] * (0.1 / (1.0 + far / 0.01**2))[:, None]
 
-    device = Device(TRIPOD, reader(TRIPOD, answer))
+    device = Reader(TRIPOD, reader(TRIPOD, answer))
     seen = max(
         sdg_error(device.measure(draw(TRIPOD, POINTS // 2, 1001))).max()
         for draw in (uniform, biased)
@@ -202,7 +202,7 @@ def test_the_largest_error_is_climbed_to_from_the_worst_points() -> None:
 
 
 def test_a_climb_stays_in_the_box_and_keeps_the_best_point() -> None:
-    device = Device(TRIPOD, reader(TRIPOD, honest))
+    device = Reader(TRIPOD, reader(TRIPOD, honest))
     params = np.array([TRIPOD.upper, TRIPOD.lower])
     gravity = np.tile([0.0, 0.0, -1.0], (2, 1))
     found = climb(device, params, gravity, lambda one: one.exact.tip_angle, 30, 1)
@@ -278,7 +278,7 @@ def test_the_truth_is_computed_at_the_query_itself() -> None:
     np.testing.assert_array_equal(whole.exact.tip_angle, TRIPOD.exact(*whole.sample).tip_angle)
 
 
-def integers(model: Model, guard_q: int) -> Device:
+def integers(model: Model, guard_q: int) -> Reader:
     """Return an honest device without floats: sines in 1/32767, lengths in steps of 1e-4."""
 
     def read(params: NDArray[Any], gravity: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
@@ -292,7 +292,7 @@ def integers(model: Model, guard_q: int) -> Device:
         reading = np.stack([np.rint(lengths[0]), tip, np.rint(lengths[1])], 1)
         return np.where(tips, 2, 0).astype(np.int8), reading.astype(np.int64)
 
-    return Device(model, read, {"sdg": 1e-4, "height": 1e-4})
+    return Reader(model, read, {"sdg": 1e-4, "height": 1e-4})
 
 
 def test_an_export_without_floats_is_certified_in_its_own_units() -> None:

@@ -9,15 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from firmware_export.certify import query as twin
-from firmware_export.device import FLAGS, HostLibrary
+from firmware_export.certify.answers import device
 from firmware_export.emit import package
 from firmware_export.emit.config import runtime_file
 from firmware_export.emit.source import body_of
-from firmware_export.grid.read_integer import read_i
 from firmware_export.grid.tables import CHUNK, SPAN, Part, U, V
 from firmware_export.protocol.exported import CHANNELS, Export
 from proofs.exports import tripod_export
+from targets.compiled import FLAGS, HostLibrary
 from tests.fixtures.programs import run
 from tests.fixtures.queries import integer_queries, random_queries
 
@@ -82,7 +81,7 @@ def answers(
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_table_in_chunks_reads_like_one_in_a_piece_and_like_the_twin(
+def test_a_table_in_chunks_reads_like_one_in_a_piece_and_on_the_host(
     large: dict[tuple[str, int], tuple[Export, Path]], kind: tuple[str, int]
 ) -> None:
     export, folder = large[kind]
@@ -93,14 +92,10 @@ def test_a_table_in_chunks_reads_like_one_in_a_piece_and_like_the_twin(
     # Readings that a constant, or a table of which one chunk only is read, would not give.
     assert np.bincount(status + 1, minlength=5).min() > 20
     assert len(np.unique(reading[status == 0], axis=0)) > 10_000
-    if export.integer:
-        params, gravity = integer_queries(export.model, 100_000)
-        twin_status, other = read_i(export.tables, params, gravity, export.model.faces)
-        np.testing.assert_array_equal(cut, other)
-    else:
-        twin_status, single = twin.read(export, *random_queries(export.model, 100_000))
-        np.testing.assert_array_equal(cut, single.view(np.uint32))
-    np.testing.assert_array_equal(cut_status, twin_status)
+    make = integer_queries if export.integer else random_queries
+    host_status, host = device(export).read(*make(export.model, 100_000))
+    np.testing.assert_array_equal(host_status, cut_status)
+    np.testing.assert_array_equal(host if export.integer else host.view(np.uint32), cut)
 
 
 def test_no_query_reads_beyond_a_chunk(

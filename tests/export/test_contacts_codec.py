@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from firmware_export.certify.query import CLAMPED, OK, TIPS, read
+from firmware_export.certify.answers import device
 from firmware_export.contacts import codec as contacts
 from firmware_export.contacts.fit import Codes, fit_line
 from firmware_export.contacts.modes import DENSE, Coordinates, evaluate, separate
@@ -15,6 +15,8 @@ from firmware_export.truth.model import Model
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import load_recipe, parse_recipe
 from tests.fixtures.recipes import contact, rigid, rover, sweep_part, tripod
+
+OK, CLAMPED, TIPS = 0, 1, 2
 
 
 def model_of(name: str) -> Model:
@@ -44,7 +46,7 @@ def asked(
 ) -> tuple[NDArray[np.int8], NDArray[np.float32]]:
     """Return status (m, d) and reading (m, d, 3)."""
     m, d = gravity.shape[:2]
-    status, reading = read(export, np.repeat(params, d, axis=0), gravity.reshape(-1, 3))
+    status, reading = device(export).read(np.repeat(params, d, axis=0), gravity.reshape(-1, 3))
     return status.reshape(m, d), reading.reshape(m, d, 3)
 
 
@@ -75,7 +77,7 @@ def test_a_rigid_robot_needs_no_modes() -> None:
     corners = [(0.3, 0.2, -0.4), (-0.3, 0.2, -0.4), (0.0, -0.3, -0.4)]
     model = Model(parse_recipe(rigid("".join(contact(f"P{i}", p) for i, p in enumerate(corners)))))
     export = made(model, 3)
-    status, reading = read(export, np.zeros((1, 0)), [[0.0, 0.0, -1.0]])
+    status, reading = device(export).read(np.zeros((1, 0)), [[0.0, 0.0, -1.0]])
     assert status[0] == OK
     exact = model.exact(np.zeros((1, 0)), [[[0.0, 0.0, -1.0]]])
     # Positions are stored to 16 bits: 0.4 / 32767 and some.
@@ -226,7 +228,7 @@ def test_the_reading_depends_on_the_direction_of_gravity_alone() -> None:
     model = model_of("absolem")
     export = made(model, 33)
     params, gravity = queries(model, 300, 1, 9)
-    first, same = (read(export, params, gravity[:, 0] * scale) for scale in (1.0, 1024.0))
+    first, same = (device(export).read(params, gravity[:, 0] * scale) for scale in (1.0, 1024.0))
     np.testing.assert_array_equal(first[0], same[0])
     np.testing.assert_array_equal(first[1], same[1])
 
@@ -234,7 +236,7 @@ def test_the_reading_depends_on_the_direction_of_gravity_alone() -> None:
 def test_parameters_outside_are_clamped_and_said_so() -> None:
     model = model_of("paper_two")
     export = made(model, 9)
-    inside = read(export, np.radians([[50.0, 31.0]]), [[0.0, 0.0, -1.0]])
-    outside = read(export, np.radians([[57.0, 31.0]]), [[0.0, 0.0, -1.0]])
+    inside = device(export).read(np.radians([[50.0, 31.0]]), [[0.0, 0.0, -1.0]])
+    outside = device(export).read(np.radians([[57.0, 31.0]]), [[0.0, 0.0, -1.0]])
     assert (inside[0][0], outside[0][0]) == (OK, CLAMPED)
     np.testing.assert_array_equal(inside[1], outside[1])

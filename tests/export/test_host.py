@@ -1,172 +1,141 @@
-"""The compiled C of an export, asked from Python."""
+"""The C runtime on this machine: its bits, its structs, and what it refuses."""
 
+import csv
+import ctypes
+import json
+import shutil
+import subprocess
+import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from firmware_export.device import HostLibrary
-from firmware_export.emit import package
-from firmware_export.protocol.exported import Export
+from firmware_export.certify.answers import device
+from firmware_export.device import ExportFolder
+from firmware_export.emit import load_report, package
+from firmware_export.emit.source import body_of, described
+from firmware_export.host import Host, library
+from firmware_export.host.layout import structs
+from firmware_export.protocol import Descriptor, restored, stored
 from lutgen.errors import ExportError, InputError
-from proofs.exports import rover_export, tripod_export
+from proofs.exports import tripod_export
+from targets.compiled import HostLibrary, compile_c
+from tests.fixtures.frozen import HEAD, PLACE, exports, rows
 
-OK, CLAMPED, TIPS, OFF_CHART, INVALID = 0, 1, 2, 3, -1
-SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g")
-
-
-@pytest.fixture(scope="module")
-def export() -> Export:
-    """Return a small export."""
-    return tripod_export("feet", codec="poly")
+NAMES = sorted(path.stem for path in PLACE.glob("*.json"))
+POINT = ([[0.31, 0.2]], [[0.1, 0.1, -1.0]])
 
 
 @pytest.fixture(scope="module")
-def folder(export: Export, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return its folder, which no test changes."""
-    place = tmp_path_factory.mktemp("host") / "feet"
-    package.write(export, place)
-    return place
+def content() -> Descriptor:
+    export = tripod_export()
+    return described(export, body_of(export))
 
 
-def queries(export: Export, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return random queries inside the box and chart, float32."""
-    rng = np.random.default_rng(5)
-    model = export.model
-    params = rng.uniform(model.lower, model.upper, (count, model.k))
-    limit = model.chart_limit
-    u, v = rng.uniform(-limit, limit, (2, count))
-    gravity = np.stack([u, v, np.full(count, -1.0)], axis=1)
-    return params.astype(np.float32), gravity.astype(np.float32)
+# The bits
 
 
-def test_the_c_code_answers_what_is_true(export: Export, folder: Path) -> None:
-    params, gravity = queries(export, 2000)
-    status, reading = HostLibrary(folder).read(params, gravity)
-    exact = export.model.exact(params, gravity[:, None])
-    stands = status == OK
-    assert stands.mean() > 0.1
-    assert set(status) == {OK, TIPS}
-    assert np.all(exact.tip_angle[stands, 0] >= 0.0)
-    # Some ten times the largest position error of these small tables.
-    np.testing.assert_allclose(reading[stands, 0], exact.sdg[stands, 0], atol=0.01)
-    np.testing.assert_allclose(reading[stands, 2], exact.height[stands, 0], atol=0.01)
-    guard = float(export.tables.guard)
-    np.testing.assert_allclose(reading[stands, 1], exact.tip_angle[stands, 0] - guard, atol=0.01)
-    assert np.isnan(reading[~stands][:, [0, 2]]).all()
+@pytest.mark.parametrize("name", NAMES)
+def test_the_answers_are_the_frozen_ones(name: str) -> None:
+    held = json.loads((PLACE / f"{name}.json").read_text())
+    with (PLACE / f"{name}.csv").open(newline="") as file:
+        head, *known = csv.reader(file)
+    assert tuple(head) == HEAD
+    integer = held["integer"]
+
+    def numbers(text: str) -> list[int]:
+        return [int(word, 10 if integer else 16) for word in text.split()]
+
+    asked = [np.array([numbers(row[at]) for row in known]) for at in (0, 1)]
+    host = Host(restored(held))
+    if integer:
+        params, gravity = (array.astype(np.int16) for array in asked)
+        status, reading = host.read_i(params, gravity)
+    else:
+        params, gravity = (array.astype(np.uint32).view(np.float32) for array in asked)
+        status, reading = host.read(params, gravity)
+    assert rows(params, gravity, status, reading) == [tuple(row) for row in known]
+    # Every answer that the chart knows is among them.
+    assert {-1, 0, 1, 2} <= set(status.tolist())
 
 
-def test_an_integer_export_is_asked_with_integers(tmp_path: Path) -> None:
-    export = tripod_export("whole", codec="grid", arithmetic="integer")
-    package.write(export, tmp_path / "whole")
-    params, gravity = queries(export, 2000)
-    model = export.model
-    params_q = np.rint((params - model.lower) / (model.upper - model.lower) * 32767)
-    gravity_q = np.rint(gravity * 1000)
-    library = HostLibrary(tmp_path / "whole")
-    status, reading = library.read_i(params_q, gravity_q)
-    params = model.lower + params_q / 32767 * (model.upper - model.lower)
-    exact = model.exact(params, gravity_q[:, None])
-    stands = status == OK
-    assert stands.any()
-    assert np.all(exact.tip_angle[stands, 0] >= 0.0)
-    # A lower bound of the angle: its sine, interpolated from below; half a step for rounding.
-    assert np.all(reading[stands, 1] / 32767 <= np.sin(exact.tip_angle[stands, 0]) + 0.5 / 32767)
-    assert np.all(reading[stands][:, [0, 2]] == 65535)
-    alone_status, alone = library.run_driver(params_q, gravity_q, SANITIZERS)
-    np.testing.assert_array_equal(alone_status, status)
-    np.testing.assert_array_equal(alone, reading)
-    with pytest.raises(InputError, match="use read_i"):
-        library.read(params, gravity)
+def test_the_frozen_maps_are_of_every_codec_and_arithmetic() -> None:
+    assert sorted(export.name for export in exports()) == NAMES
 
 
-def test_what_is_no_query_is_answered_as_unsafe(folder: Path) -> None:
-    library = HostLibrary(folder)
-    inf, nan = np.inf, np.nan
-    cases = [
-        ((0.3, 0.1), (0, 0, 0), INVALID),
-        ((0.3, 0.1), (nan, 0, -1), INVALID),
-        ((0.3, 0.1), (0, -inf, -1), INVALID),
-        ((nan, 0.1), (0, 0, -1), INVALID),
-        ((0.3, inf), (0, 0, -1), INVALID),
-        ((0.3, 0.1), (0, 0, 1), OFF_CHART),
-        ((0.3, 0.1), (5, 0, -1), OFF_CHART),
-        ((9.0, 0.1), (0, 0, -1), CLAMPED),
-    ]
-    status, reading = library.read([c[0] for c in cases], [c[1] for c in cases])
-    assert status.tolist() == [c[2] for c in cases]
-    unsafe = status != CLAMPED
-    assert np.all(reading[unsafe, 1] < 0.0)
-    assert np.isnan(reading[unsafe, 0]).all()
-
-
-def test_a_program_with_sanitizers_answers_the_same_and_finds_no_fault(
-    export: Export, folder: Path
+def test_many_queries_are_answered_in_order_whatever_the_threads(
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    params, gravity = queries(export, 500)
-    params[::7, 0] = np.nan
-    gravity[::11, 1] = np.inf
-    gravity[::13] = 0.0
-    params[::5, 1] = 1e30
-    gravity[::17] *= np.float32(1e-38)
-    library = HostLibrary(folder)
-    status, reading = library.read(params, gravity)
-    alone_status, alone = library.run_driver(params, gravity, SANITIZERS)
-    np.testing.assert_array_equal(alone_status, status)
-    np.testing.assert_array_equal(alone.view(np.uint32), reading.view(np.uint32))
-    assert {OK, CLAMPED, INVALID} <= set(status.tolist())
+    read = device(tripod_export()).read
+    rng = np.random.default_rng(1)
+    params, gravity = rng.random((50_001, 2)), rng.normal(size=(50_001, 3)) - [0, 0, 2]
+    found = []
+    for cores in (1, 2, 7):
+        monkeypatch.setattr("firmware_export.host.reader.os.cpu_count", lambda cores=cores: cores)
+        found.append(read(params, gravity))
+    for status, reading in found[1:]:
+        np.testing.assert_array_equal(status, found[0][0])
+        assert reading.tobytes() == found[0][1].tobytes()
+    single = [read(params[at : at + 1], gravity[at : at + 1])[1] for at in (0, 25_000, 50_000)]
+    assert np.concatenate(single).tobytes() == found[0][1][[0, 25_000, 50_000]].tobytes()
 
 
-def test_a_fault_of_the_code_is_an_error_of_the_driver(folder: Path, tmp_path: Path) -> None:
-    package.write(tripod_export("feet", codec="poly"), tmp_path / "feet")
-    source = tmp_path / "feet" / "feet.c"
-    text = source.read_text()
-    # One axis less than the descriptor says: the runtime then reads beyond the table.
-    lines = text.split("\n")
-    last = next(i for i, line in enumerate(lines) if "/* swing, rad */" in line)
-    lines[last] = ""
-    source.write_text("\n".join(lines).replace("feet_axes[2]", "feet_axes[1]"))
-    with pytest.raises(ExportError, match="failed"):
-        HostLibrary(tmp_path / "feet").run_driver([[0.1, 0.1]], [[0, 0, -1]], SANITIZERS)
+# The structs
 
 
-def test_two_exports_of_one_name_do_not_mix(folder: Path, tmp_path: Path) -> None:
-    package.write(tripod_export("feet", codec="contacts"), tmp_path / "feet")
-    one, other = HostLibrary(folder), HostLibrary(tmp_path / "feet")
-    point = ([[0.31, 0.2]], [[0.1, 0.1, -1.0]])
-    first, second = one.read(*point)[1], other.read(*point)[1]
-    assert first.tobytes() != second.tobytes()
-    assert one.read(*point)[1].tobytes() == first.tobytes()
+def test_structs_lie_as_the_c_compiler_lays_them_out(tmp_path: Path) -> None:
+    fields = [(struct, name) for struct, kind in structs().items() for name, *_ in kind._fields_]
+    assert len(fields) > 40
+    tag = {name: name if name.endswith("_t") else f"struct {name}" for name in structs()}
+    numbers = [f"sizeof({tag[struct]})" for struct in structs()]
+    for struct, name in fields:
+        numbers.append(f"offsetof({tag[struct]}, {name})")
+        numbers.append(f"sizeof((({tag[struct]} *)0)->{name})")
+    (tmp_path / "main.c").write_text(
+        "#define SMAP_INTERNAL\n#include <stddef.h>\n#include <stdio.h>\n"
+        '#include "smap.h"\nint main(void)\n{\n'
+        + "".join(f'  printf("%d\\n", (int){number});\n' for number in numbers)
+        + "  return 0;\n}\n"
+    )
+    compile_c(["-std=c99", "-I", str(library.RUNTIME), "main.c", "-o", "main"], tmp_path)
+    said = subprocess.run([tmp_path / "main"], capture_output=True, text=True, check=True).stdout
+    ours = [ctypes.sizeof(kind) for kind in structs().values()]
+    for struct, name in fields:
+        member = getattr(structs()[struct], name)
+        ours += [member.offset, member.size]
+    assert [int(word) for word in said.split()] == ours
 
 
-def test_a_robot_without_parameters_to_spare_is_read_too(tmp_path: Path) -> None:
-    export = rover_export()
-    package.write(export, tmp_path / "out")
-    params, gravity = queries(export, 200)
-    status, _ = HostLibrary(tmp_path / "out").read(params, gravity)
-    assert set(status.tolist()) <= {OK, TIPS}
-    assert (status == OK).any()
+def test_a_descriptor_survives_its_way_through_the_report(content: Descriptor) -> None:
+    text = json.dumps(stored(content))
+    assert json.dumps(stored(restored(json.loads(text)))) == text
+    first, second = Host(content).read(*POINT), Host(restored(json.loads(text))).read(*POINT)
+    assert first[1].tobytes() == second[1].tobytes()
 
 
-# faults
-
-
-def test_a_missing_compiler_is_one_sentence(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("CC", "no-such-compiler -O2")
-    with pytest.raises(ExportError, match="no-such-compiler: the C compiler cannot be run"):
-        HostLibrary(folder).read([[0.1, 0.1]], [[0, 0, -1]])
-
-
-def test_the_compiler_of_the_environment_is_used(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("field", "expression", "said"),
+    [
+        ("codec", "SMAP_CODEC_WISHED", "cannot be read"),
+        ("guard", "narrow", "cannot be read"),
+        ("body", "@nothing", "cannot be read"),
+        ("faces", "256", "does not fit its field of 1 bytes"),
+        ("colour", "1", "its fields are not those of smap.h"),
+    ],
+)
+def test_what_is_no_descriptor_is_refused_in_one_sentence(
+    content: Descriptor, field: str, expression: str, said: str
 ) -> None:
-    monkeypatch.setenv("CC", "cc -DSMAP_POLY=0")
-    with pytest.raises(ExportError, match="needs SMAP_POLY"):
-        HostLibrary(folder).read([[0.1, 0.1]], [[0, 0, -1]])
+    wrong = replace(content, map=tuple((dict(content.map) | {field: expression}).items()))
+    with pytest.raises(ExportError, match=said) as caught:
+        Host(wrong)
+    assert "\n" not in str(caught.value)
 
 
-def test_queries_of_another_shape_are_refused(folder: Path) -> None:
-    library = HostLibrary(folder)
+def test_queries_of_another_shape_are_refused(content: Descriptor) -> None:
+    host = Host(content)
     for params, gravity in (
         ([[0.1]], [[0, 0, -1]]),
         ([[0.1, 0.1]], [[0, 0]]),
@@ -174,14 +143,99 @@ def test_queries_of_another_shape_are_refused(folder: Path) -> None:
         ([0.1, 0.1], [0, 0, -1]),
     ):
         with pytest.raises(InputError, match="must have the shapes"):
-            library.read(params, gravity)
+            host.read(params, gravity)
 
 
-def test_floats_are_not_asked_with_integers(folder: Path) -> None:
-    with pytest.raises(InputError, match=r"use read\."):
-        HostLibrary(folder).read_i([[0, 0]], [[0, 0, -1]])
+# The library
 
 
-def test_a_folder_that_is_no_export_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="is no folder of `lutgen export`"):
-        HostLibrary(tmp_path)
+@pytest.fixture
+def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return a copy of the runtime's folder that is used instead of it."""
+    place = shutil.copytree(library.RUNTIME, tmp_path / "runtime")
+    monkeypatch.setattr(library, "RUNTIME", place)
+    monkeypatch.setattr(library, "library", library.library.__wrapped__)
+    return place
+
+
+def test_without_the_library_one_sentence_says_how_to_build_it(elsewhere: Path) -> None:
+    for path in elsewhere.glob("_host*"):
+        path.unlink()
+    with pytest.raises(ExportError, match=r"install a C compiler and build it with `python setup"):
+        library.library()
+
+
+def test_a_library_of_other_sources_is_refused(elsewhere: Path) -> None:
+    assert library.library().smap_sources()
+    (elsewhere / "smap.c").write_text((elsewhere / "smap.c").read_text() + "\n/* changed */\n")
+    with pytest.raises(ExportError, match="was built from other files"):
+        library.library()
+
+
+def test_a_damaged_library_is_one_sentence(elsewhere: Path) -> None:
+    (path,) = elsewhere.glob("_host*")
+    path.unlink()
+    path.write_bytes(b"\x7fELF and no more")
+    with pytest.raises(ExportError, match="cannot be loaded"):
+        library.library()
+
+
+def test_without_the_library_lutgen_is_imported_and_a_recipe_evaluated(elsewhere: Path) -> None:
+    for path in elsewhere.glob("_host*"):
+        path.unlink()
+    program = (
+        "import sys; from pathlib import Path; import firmware_export.host.library as library; "
+        f"library.RUNTIME = Path({str(elsewhere)!r}); from lutgen.cli import main; "
+        "sys.argv = ['lutgen', 'eval', 'maps/paper_two.toml', '-p', 'alpha=31', '-p', 'gamma=31']; "
+        "main()"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "sdg" in done.stdout
+
+
+# The folder
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """Return the folder of a small export."""
+    package.write(tripod_export("feet"), tmp_path / "feet")
+    return tmp_path / "feet"
+
+
+def test_a_folder_is_read_without_a_compiler(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    status, reading = HostLibrary(folder).read(*POINT)
+    monkeypatch.setenv("PATH", "")
+    monkeypatch.setenv("CC", "no-such-compiler")
+    found = ExportFolder(folder).host.read(*POINT)
+    assert found[0].tolist() == status.tolist() == [0]
+    assert found[1].tobytes() == reading.tobytes()
+
+
+def test_a_folder_whose_c_file_was_changed_is_refused(folder: Path) -> None:
+    path = folder / "feet.c"
+    path.write_text(path.read_text().replace("0.0f", "0.5f", 1))
+    with pytest.raises(InputError, match=r"feet\.c: is not the file that was exported"):
+        ExportFolder(folder)
+    path.unlink()
+    with pytest.raises(InputError, match=r"feet\.c: cannot be read"):
+        ExportFolder(folder)
+
+
+def test_a_folder_of_an_older_version_is_refused(folder: Path) -> None:
+    report = load_report(folder)
+    del report["tables"]
+    (folder / "feet_report.json").write_text(json.dumps(report))
+    with pytest.raises(InputError, match="its report holds no tables to ask"):
+        ExportFolder(folder)
+
+
+@pytest.mark.parametrize("damage", [{}, {"arrays": 3}, {"arrays": {"modes": {"type": "int8_t"}}}])
+def test_a_folder_with_damaged_tables_is_refused(folder: Path, damage: dict[str, object]) -> None:
+    report = load_report(folder)
+    tables = report["tables"]
+    report["tables"] = {**tables, **damage} if damage else {"source_sha256": "0"}
+    (folder / "feet_report.json").write_text(json.dumps(report))
+    with pytest.raises(InputError, match="the tables of its report are damaged"):
+        ExportFolder(folder)

@@ -1,45 +1,22 @@
 """The codec `poly`: contacts as polynomials, their bound in the verdict, the C that reads them."""
 
 import math
-import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-import firmware_export
-from firmware_export.emit.text import resolve, table
 from firmware_export.poly import codec as poly
 from firmware_export.poly.fit import exponents
 from firmware_export.poly.series import evaluate, expand
-from firmware_export.truth.model import Model
+from firmware_export.protocol import Export
+from firmware_export.truth.model import Exact, Model
 from lutgen.recipe.recipe import load_recipe, parse_recipe
+from proofs.exports import before_guard
 from tests.fixtures.recipes import contact, feet, rigid, rover, tripod
 
 CHANNELS = ("sdg", "tip_angle", "height")
-RUNTIME = Path(firmware_export.__file__).parent / "runtime"
-FLAGS = ("-std=c99", "-ffp-contract=off", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror")
-MAIN = """
-#define SMAP_CONTACTS 0
-#define SMAP_GRID 0
-#define SMAP_GRID_INTEGER 0
-#include "smap.c"
-#include <stdio.h>
-%s
-int main(void)
-{
-  query_t query;
-  memset(&query, 0, sizeof query);
-  while (fread(query.t, sizeof(float), %d, stdin) == %d
-         && fread(query.d, sizeof(float), 3, stdin) == 3) {
-    smap_reading_t out;
-    poly_read(&body, &query, &out);
-    fwrite(&out, sizeof out, 1, stdout);
-  }
-  return 0;
-}
-"""
 LEGS = "".join(
     f"""
 [[robot.parameter]]
@@ -84,21 +61,24 @@ def steps(robot: Model) -> list[poly.Tables]:
     return [poly.encode(robot, CHANNELS, spec) for spec in specs]
 
 
-def queries(robot: Model, count: int, seed: int) -> tuple[NDArray[np.float32], ...]:
-    """Return t (m, k), face, u, v: a third of the coordinates on the rim of box or chart."""
+def asked(
+    robot: Model, tables: poly.Tables, count: int, seed: int
+) -> tuple[NDArray[np.float64], Exact]:
+    """Return readings (m, 3) before the guard, and the truth; a third of the places are on rims."""
     rng = np.random.default_rng(seed)
-    t = rng.uniform(-0.25, 1.25, (count, robot.k)).clip(0.0, 1.0).astype(np.float32)
-    place = rng.uniform(-1.25, 1.25, (count, 2)).clip(-1.0, 1.0) * robot.chart_limit
-    face = rng.integers(0, robot.faces, count).astype(np.uint8)
-    return t, face, *place.astype(np.float32).T.copy()
+    t = rng.uniform(-0.25, 1.25, (count, robot.k)).clip(0.0, 1.0)
+    params = (robot.lower + t * (robot.upper - robot.lower)).astype(np.float32)
+    u, v = rng.uniform(-1.25, 1.25, (2, count)).clip(-1.0, 1.0) * robot.chart_limit
+    face = rng.integers(0, robot.faces, count)
+    gravity = robot.uv_to_gravity(face, u, v).astype(np.float32)
+    export = Export("robot", robot.recipe, robot, "poly", "float", CHANNELS, tables)
+    exact = robot.exact(params.astype(np.float64), gravity[:, None].astype(np.float64))
+    return before_guard(export, params, gravity).astype(np.float64), exact
 
 
 def errors(robot: Model, tables: poly.Tables, count: int) -> tuple[float, float, float]:
     """Return the largest errors: sdg in % of its range, tip angle (rad), unsafe tip angle (rad)."""
-    t, face, u, v = queries(robot, count, 5)
-    params = robot.lower + t.astype(np.float64) * (robot.upper - robot.lower)
-    exact = robot.exact(params, robot.uv_to_gravity(face, u, v)[:, None])
-    got = poly.read(tables, t, face, u, v).astype(np.float64)
+    got, exact = asked(robot, tables, count, 5)
     standing = exact.tip_angle[:, 0] >= 0.0
     assert standing.mean() > 0.02
     span = np.ptp(exact.sdg[standing, 0])
@@ -129,12 +109,10 @@ def test_paper_two_takes_51_bytes_for_one_per_cent() -> None:
 @pytest.mark.parametrize("text", ROBOTS.values(), ids=ROBOTS)
 def test_heights_are_those_of_the_facet(text: str) -> None:
     robot = model(text)
-    t, face, u, v = queries(robot, 5_000, 9)
-    params = robot.lower + t.astype(np.float64) * (robot.upper - robot.lower)
-    exact = robot.exact(params, robot.uv_to_gravity(face, u, v)[:, None])
-    standing = exact.tip_angle[:, 0] >= 0.0
     tables = largest(robot)
-    got = poly.read(tables, t, face, u, v)[standing, 2]
+    reading, exact = asked(robot, tables, 5_000, 9)
+    standing = exact.tip_angle[:, 0] >= 0.0
+    got = reading[standing, 2]
     # A contact is off by half a code in each of x, y, z for each of its terms, the plane below the
     # com by that times how far the com is outside the contacts' triangle: by less than 4 of these.
     contact_off = 0.5 * float(tables.unit) * math.sqrt(3.0) * tables.shape[:, -1].max()
@@ -149,33 +127,6 @@ def test_growth_ends_at_the_rounding_of_the_codes() -> None:
     assert found[-1] < 0.01
     sizes = [tables.bytes for tables in steps(robot)]
     assert sizes == sorted(set(sizes))
-
-
-@pytest.mark.parametrize("text", ROBOTS.values(), ids=ROBOTS)
-def test_python_and_c_give_the_same_bits(text: str, tmp_path: Path) -> None:
-    robot = model(text)
-    tables = largest(robot)
-    t, face, u, v = queries(robot, 100_000, 7)
-    program = compiled(tables, robot.k, tmp_path)
-    d = robot.uv_to_gravity(face, u, v).astype(np.float32)
-    ran = subprocess.run([program], input=np.hstack([t, d]).tobytes(), capture_output=True)
-    got = np.frombuffer(ran.stdout, np.float32).reshape(-1, 3)
-    expected = poly.read(tables, t, face, u, v)
-    assert got.tobytes() == expected.tobytes()
-
-
-def compiled(tables: poly.Tables, k: int, folder: Path) -> Path:
-    """Return a program that reads queries (t, d) and writes readings."""
-    body = poly.c_body(tables)
-    parts = [table(array, "map", "static const") for array in body.arrays]
-    fields = ", ".join(resolve(expression, "map") for _, expression in body.fields)
-    parts.append(f"static const {body.ctype} body = {{{fields}}};")
-    source = folder / "main.c"
-    source.write_text(MAIN % ("\n".join(parts), k, k))
-    program = folder / "main"
-    options = [*FLAGS, "-O2", f"-I{RUNTIME}", "-Wno-unused-function"]
-    subprocess.run(["cc", *options, str(source), "-o", str(program)], check=True)
-    return program
 
 
 @pytest.mark.parametrize("text", ROBOTS.values(), ids=ROBOTS)

@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from firmware_export.certify import query as twin
-from firmware_export.device import HostLibrary
+from firmware_export.certify.answers import device
 from firmware_export.emit import package
 from lutgen.errors import ExportError, InputError
 from proofs.exports import tripod_export
 from targets import baseline, cases, image, queries, run, tables
 from targets.boards import BOARDS, board
+from targets.compiled import HostLibrary
 from targets.digest import START, answer_bytes, fnv1a
 from targets.footprint import Footprint
 
@@ -59,7 +59,7 @@ def test_the_queries_bring_out_every_answer_and_both_sides_of_tipping() -> None:
     params, gravity = queries.checked(export)
     assert params.shape == (1000, 2)
     assert gravity.shape == (1000, 3)
-    status, reading = twin.read(export, params, gravity)
+    status, reading = device(export).read(params, gravity)
     assert np.bincount(status + 1, minlength=5).min() >= 5
     near = reading[700:900, 1][np.isin(status[700:900], (0, 1, 2))]
     # Bisected to neighbouring floats, which are 1e-7 rad apart, and as many again.
@@ -77,7 +77,7 @@ def test_the_queries_of_the_counts_lie_inside_but_for_the_last_32() -> None:
     export = tripod_export()
     params, gravity = queries.counted(export)
     assert len(params) == 256
-    status, _ = twin.read(export, params, gravity)
+    status, _ = device(export).read(params, gravity)
     assert not np.isin(status[:-32], (-1, 1, 3)).any()
     assert np.isin(status[-32:], (1, 3)).any()
 
@@ -262,7 +262,7 @@ def row(folder: Path) -> run.Row:
     export = tripod_export()
     package.write(export, folder / "firmware")
     params, gravity = queries.checked(export)
-    right = fnv1a(answer_bytes(*twin.read(export, params, gravity)))
+    right = fnv1a(answer_bytes(*device(export).read(params, gravity)))
     rows = queries.as_bytes(params, gravity) + queries.as_bytes(*queries.counted(export))
     job = image.Job(folder / "firmware", export.name, 2, False, rows, 1000, 256)
     case = cases.Case("tripod", lambda: export)
@@ -277,7 +277,7 @@ def test_a_wrong_hash_and_a_failed_cell_are_failures(
     def fake(job: image.Job, on: Any, option: str) -> image.Outcome:
         if option == "-Os":
             raise image.CellError("qemu: said nothing")
-        return image.Outcome(one.twin ^ 1, [5, 6, 7], Footprint(1, 2))
+        return image.Outcome(one.wanted ^ 1, [5, 6, 7], Footprint(1, 2))
 
     monkeypatch.setattr(run, "execute", fake)
     monkeypatch.setattr(run, "version", lambda on: "1")
@@ -286,7 +286,7 @@ def test_a_wrong_hash_and_a_failed_cell_are_failures(
     matrix.run(1)
     assert matrix.verdicts == {"tripod": {"m3": ["FAIL", "FAIL"]}}
     assert matrix.failures == [
-        f"tripod m3 -O2: hash {one.twin ^ 1:08x}, the twin's is {one.twin:08x}",
+        f"tripod m3 -O2: hash {one.wanted ^ 1:08x}, the host's is {one.wanted:08x}",
         "tripod m3 -Os: qemu: said nothing",
     ]
     assert "FAIL" in tables.hashes(matrix.verdicts, {"tripod": ("0", "ok")})
@@ -296,13 +296,13 @@ def test_a_wrong_hash_and_a_failed_cell_are_failures(
 
 
 @needs_arm
-def test_an_emulated_m4f_answers_as_the_twin_and_the_host_do(tmp_path: Path) -> None:
+def test_an_emulated_m4f_answers_as_the_host_does(tmp_path: Path) -> None:
     one = row(tmp_path)
     params, gravity = queries.checked(one.export)
     host = HostLibrary(one.job.folder).read(params, gravity)
-    assert fnv1a(answer_bytes(*host)) == one.twin
+    assert fnv1a(answer_bytes(*host)) == one.wanted
     first = image.execute(one.job, board("m4f"), "-O2")
-    assert first.hash == one.twin
+    assert first.hash == one.wanted
     assert len(first.counts) == 256
     assert min(first.counts) > 20
     # The counts of an emulator are exact, so a second run has the same.
@@ -319,7 +319,7 @@ def test_an_image_with_one_wrong_bit_in_a_table_has_another_hash(tmp_path: Path)
     wrong = text[: found.start(1)] + str(int(found[1]) ^ 1) + text[found.end(1) :]
     source.write_text(wrong)
     job = replace(one.job, counted=1)
-    assert image.execute(job, board("m4f"), "-Os").hash != one.twin
+    assert image.execute(job, board("m4f"), "-Os").hash != one.wanted
 
 
 @needs_arm

@@ -1,0 +1,8 @@
+"""The C runtime on this machine, asked with tables in memory.
+
+In reading order: `library`, `layout`, `memory`, `reader`.
+"""
+
+from firmware_export.host.reader import Host
+
+__all__ = ["Host"]

@@ -1,0 +1,54 @@
+"""The runtime's C code, built for this machine when lutgen was installed.
+
+Owns where the library is and that it was built from the files beside it; see runtime/batch.c.
+"""
+
+import ctypes
+import hashlib
+from functools import cache
+from importlib.machinery import EXTENSION_SUFFIXES
+from pathlib import Path
+
+from lutgen.errors import ExportError
+
+__all__ = ["library"]
+
+RUNTIME = Path(__file__).resolve().parent.parent / "runtime"
+STEM = "_host"
+WAY_OUT = "install a C compiler and build it with `python setup.py build_ext --inplace`."
+
+
+@cache
+def library() -> ctypes.CDLL:
+    """Return the library.
+
+    Raises
+    ------
+    ExportError
+        If it was not built, or from another smap.c.
+    """
+    found = [RUNTIME / f"{STEM}{suffix}" for suffix in EXTENSION_SUFFIXES]
+    path = next((path for path in found if path.is_file()), None)
+    if path is None:
+        raise ExportError(
+            f"{RUNTIME}: the C runtime was not built for this machine (got no file {STEM}"
+            f"{EXTENSION_SUFFIXES[0]}), so no export can be certified or read; {WAY_OUT}"
+        )
+    try:
+        loaded = ctypes.CDLL(str(path))
+    except OSError as error:
+        raise ExportError(f"{path}: cannot be loaded (got {error}); {WAY_OUT}") from error
+    loaded.smap_sources.restype = ctypes.c_char_p
+    built = loaded.smap_sources().decode("ascii")
+    if built != sources_digest():
+        raise ExportError(
+            f"{path}: was built from other files than those beside it (got the digest "
+            f"{built[:12]}); {WAY_OUT}"
+        )
+    return loaded
+
+
+def sources_digest() -> str:
+    """Return the digest of the runtime's files, as setup.py computes it."""
+    files = sorted(RUNTIME.glob("*.[ch]"))
+    return hashlib.sha256(b"\0".join(path.read_bytes() for path in files)).hexdigest()

@@ -1,0 +1,39 @@
+"""Builds the C runtime for this machine; all else about the package is in pyproject.toml."""
+
+import hashlib
+from pathlib import Path
+
+from setuptools import Extension, setup
+from setuptools.command.build_ext import build_ext
+
+RUNTIME = Path("firmware_export/runtime")
+SOURCES = sorted(RUNTIME.glob("*.[ch]"))
+# The library tells what it was built from: `firmware_export.host` refuses one of other sources.
+DIGEST = hashlib.sha256(b"\0".join(path.read_bytes() for path in SOURCES)).hexdigest()
+# Each operation rounds once, as on the targets; whatever CFLAGS say, these stand behind them.
+FLAGS = ["-std=c99", "-O2", "-ffp-contract=off", "-fno-fast-math"]
+
+
+class BuildLibrary(build_ext):
+    """A plain library for ctypes and no module: it needs no header of Python, and exports none."""
+
+    def get_export_symbols(self, ext: Extension) -> list[str]:
+        """Return the names to export: those of the extension alone."""
+        return ext.export_symbols
+
+
+setup(
+    cmdclass={"build_ext": BuildLibrary},
+    ext_modules=[
+        Extension(
+            "firmware_export.runtime._host",
+            [str(RUNTIME / name) for name in ("batch.c", "batch_three.c")],
+            define_macros=[("SMAP_SOURCES", f'"{DIGEST}"')],
+            extra_compile_args=FLAGS,
+            export_symbols=["batch_many", "batch_three", "batch_i_many", "smap_sources"],
+            depends=[str(path) for path in SOURCES],
+            # Without a compiler everything but exports can be installed.
+            optional=True,
+        )
+    ],
+)
