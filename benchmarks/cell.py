@@ -20,9 +20,10 @@ from benchmarks.fill import fill
 from benchmarks.memory_sweep import MemorySweep
 from benchmarks.planes import Planes, planes
 from benchmarks.timing import interleave
-from lutgen.channels.plain import CHANNELS, stability
+from lutgen.channels.evaluation import stability
+from lutgen.channels.plain import CHANNELS
 from lutgen.chart import Chart
-from lutgen.support.region import limits
+from lutgen.support.region import acceptance
 
 # 64 MiB of float32, more than the caches hold: for the fill, and per channel for our sweep.  Few
 # directions take so long per node that their output's size does not matter.
@@ -88,9 +89,9 @@ class Bench:
         primitives = point_shapes(case, -(-wanted // count))
         sdg = MemorySweep(primitives, chart, ("sdg",), self._store, limit_angles)
         both = MemorySweep(primitives, chart, ("sdg", "tip_angle"), self._store, limit_angles)
-        limit = limits(*limit_angles)
-        for_c = planes(primitives[: max(C_NODES // count, 1)], limit)
-        for_numpy = planes(primitives[: max(NUMPY_NODES // count, 1)], limit)
+        accept = acceptance(*limit_angles)
+        for_c = planes(primitives[: max(C_NODES // count, 1)], accept)
+        for_numpy = planes(primitives[: max(NUMPY_NODES // count, 1)], accept)
         c_out = np.zeros((len(for_c.counts), count), np.float32)
         numpy_out = np.zeros((len(for_numpy.counts), count), np.float32)
         upright = np.ascontiguousarray(directions.T)

@@ -15,7 +15,7 @@ from lutgen.chart import Chart
 from lutgen.jit import njit
 from lutgen.support.boundary import find_region
 from lutgen.support.hull import facet_table, robot_size
-from lutgen.support.region import Limit, empty_region, limits
+from lutgen.support.region import Acceptance, acceptance, empty_region
 from lutgen.support.rounds import find_facets
 from lutgen.vector import Floats
 
@@ -46,15 +46,15 @@ class Enumeration:
 
 
 @njit()
-def find_all(primitives: Floats, limit: Limit, regions: bool) -> int:
+def find_all(primitives: Floats, accept: Acceptance, regions: bool) -> int:
     """Find the facets, and if asked the regions, of all postures; return how many facets."""
     table, region = facet_table(primitives.shape[1]), empty_region(primitives.shape[1])
     found = 0
     for m in range(primitives.shape[0]):
-        find_facets(table, primitives[m], limit[2])
+        find_facets(table, primitives[m], accept.lowest_up)
         found += table.tally[0]
         if regions:
-            find_region(region, table, limit, robot_size(primitives[m]))
+            find_region(region, table, accept, robot_size(primitives[m]))
     return found
 
 
@@ -71,16 +71,16 @@ def measure_enumeration() -> list[Enumeration]:
             else:
                 every = wheel_shapes(kind, n, MOST)
             angles = (None, None) if kind == POINT else DEFAULT_LIMITS
-            limit = limits(*angles)
-            find_all(every[:FEWEST], limit, True)
-            trial = interleave({"trial": partial(find_all, every[:FEWEST], limit, True)}, 3)
+            accept = acceptance(*angles)
+            find_all(every[:FEWEST], accept, True)
+            trial = interleave({"trial": partial(find_all, every[:FEWEST], accept, True)}, 3)
             per_posture = trial["trial"].best / FEWEST
             m = int(min(max(PASS_SECONDS / per_posture, FEWEST), MOST))
             primitives = every[:m]
             times = interleave(
                 {
-                    "facets": partial(find_all, primitives, limit, False),
-                    "region": partial(find_all, primitives, limit, True),
+                    "facets": partial(find_all, primitives, accept, False),
+                    "region": partial(find_all, primitives, accept, True),
                     "sweep": MemorySweep(primitives, chart, ("sdg",), store, angles).large,
                 }
             )
@@ -88,7 +88,7 @@ def measure_enumeration() -> list[Enumeration]:
             rows.append(
                 Enumeration(
                     *(KIND_NAMES[kind], n, angles != (None, None)),
-                    facets_found=find_all(primitives, limit, False) / m,
+                    facets_found=find_all(primitives, accept, False) / m,
                     facets_us=1e6 * facets / m,
                     region_us=1e6 * max(region - facets, 0.0) / m,
                     sweep_us=1e6 * sweep / m,

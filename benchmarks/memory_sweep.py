@@ -2,17 +2,14 @@
 
 from collections.abc import Sequence
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from lutgen.channels.plain import CHANNELS
-from lutgen.channels.raster import VECTOR
-from lutgen.channels.scan import scan
+from lutgen.channels.plain import CHANNELS, Setting, wanted_channels
+from lutgen.channels.scan import nodes_of, scan
 from lutgen.chart import Chart
 from lutgen.mapping.blocks import BLOCK_NODES
-from lutgen.mapping.compute import PARTS_PER_THREAD
-from lutgen.support.region import limits
+from lutgen.support.region import acceptance
 
 
 class MemorySweep:
@@ -34,11 +31,8 @@ class MemorySweep:
         self.primitives = primitives
         self.rows = chart.faces * chart.nodes
         self.directions = self.rows * chart.nodes
-        v, u = np.meshgrid(chart.coords, chart.coords, indexing="ij")
-        coords = np.concatenate([chart.coords, np.full(VECTOR, np.inf)])
-        inverse = (1.0 / np.sqrt(1.0 + u * u + v * v)).ravel()
-        self._setting = (limits(*limit_angles), chart.basis(), coords, inverse)
-        self._wanted = np.array([name in channels for name in CHANNELS])
+        self._nodes = nodes_of(chart)
+        self._setting = Setting(acceptance(*limit_angles), wanted_channels(channels))
         size = len(CHANNELS) * len(primitives) * self.directions
         self._out = store[:size].reshape(len(CHANNELS), -1)
         self._per_block = max(BLOCK_NODES // self.directions, 1)
@@ -48,8 +42,7 @@ class MemorySweep:
         )
 
     def _scan(self, primitives: NDArray[np.float64], out: NDArray[np.float32]) -> None:
-        parts = numba.get_num_threads() * PARTS_PER_THREAD
-        scan(primitives, *self._setting, 0, self.rows, self._wanted, parts, out)
+        scan(primitives, self._setting, self._nodes, (0, self.rows), out)
 
     def large(self) -> None:
         """Compute everything in one call into the large output."""

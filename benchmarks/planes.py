@@ -14,14 +14,14 @@ from lutgen.support.boundary import find_region
 from lutgen.support.hull import FIRST, facet_table, robot_size
 from lutgen.support.region import (
     EDGE_KIND,
+    EDGE_PLANE,
     FACETS,
     FIRST_AXIS,
     PLANE,
     SEGMENTS,
     SHARED,
     TIP_PLANE,
-    WALL,
-    Limit,
+    Acceptance,
     empty_region,
 )
 from lutgen.support.rounds import find_facets
@@ -47,7 +47,7 @@ class Planes(NamedTuple):
 @njit()
 def _copy(
     primitives: Floats,
-    limit: Limit,
+    accept: Acceptance,
     facets: Floats,
     walls: Floats,
     first: Ints,
@@ -56,25 +56,25 @@ def _copy(
 ) -> None:
     table, region = facet_table(primitives.shape[1]), empty_region(primitives.shape[1])
     for m in range(primitives.shape[0]):
-        find_facets(table, primitives[m], limit[2])
-        find_region(region, table, limit, robot_size(primitives[m]))
+        find_facets(table, primitives[m], accept.lowest_up)
+        find_region(region, table, accept, robot_size(primitives[m]))
         counts[m, 0] = region.tally[FACETS]
         counts[m, 1] = region.tally[SEGMENTS]
         wall = 0
         for k in range(region.tally[FACETS]):
-            facets[m, k, 0:3] = region.plate[k, PLANE : PLANE + 3]
-            facets[m, k, 3:9] = region.plate[k, FIRST_AXIS : FIRST_AXIS + 6]
+            facets[m, k, 0:3] = region.facet[k, PLANE : PLANE + 3]
+            facets[m, k, 3:9] = region.facet[k, FIRST_AXIS : FIRST_AXIS + 6]
             first[m, k] = wall
             for e in range(region.span[k, FIRST], region.span[k + 1, FIRST]):
                 if region.link[e, EDGE_KIND] != SHARED:
-                    walls[m, wall] = region.edge[e, WALL : WALL + 3]
+                    walls[m, wall] = region.edge[e, EDGE_PLANE : EDGE_PLANE + 3]
                     wall += 1
         first[m, region.tally[FACETS]] = wall
         for b in range(region.tally[SEGMENTS]):
             tips[m, b] = region.segment[b, TIP_PLANE : TIP_PLANE + 3]
 
 
-def planes(primitives: NDArray[np.float64], limit: Limit) -> Planes:
+def planes(primitives: NDArray[np.float64], accept: Acceptance) -> Planes:
     """Return the planes of postures (m, n, 8) of points under the limits of `region.limits`."""
     m, n = primitives.shape[:2]
     result = Planes(
@@ -84,5 +84,5 @@ def planes(primitives: NDArray[np.float64], limit: Limit) -> Planes:
         np.zeros((m, 12 * n, 3)),
         np.zeros((m, 2), np.int64),
     )
-    _copy(primitives, limit, *result)
+    _copy(primitives, accept, *result)
     return result

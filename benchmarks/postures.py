@@ -17,7 +17,7 @@ from lutgen.mapping.sweeper import sweep
 from lutgen.recipe.kinematics import forward, radii_and_kinds
 from lutgen.recipe.recipe import parse_recipe
 from lutgen.support.primitive import pack
-from lutgen.support.region import limits
+from lutgen.support.region import acceptance
 
 # A million postures even out by themselves, so each stage runs once, after a small sweep.
 SIDE, SMALL_SIDE = 1000, 20
@@ -51,12 +51,12 @@ def measure_postures(folder: Path, contacts: int, threads: int) -> PostureSweep:
     # Finding facets has no parallel form of its own: one thread, a tenth of the postures.
     some = forward(recipe, grid.params(np.arange(0, grid.size, 10)))
     primitives = pack(some.centres, some.axes, *radii_and_kinds(recipe))
-    limit = limits(recipe.upright, recipe.rock_angle)
+    accept = acceptance(recipe.upright, recipe.rock_angle)
 
     def kinematics() -> None:
         forward(recipe, grid.params(np.arange(block.first_row, block.last_row)))
 
-    find_all(primitives[:2], limit, True)
+    find_all(primitives[:2], accept, True)
 
     def whole() -> None:
         for every in layout.blocks():
@@ -69,8 +69,8 @@ def measure_postures(folder: Path, contacts: int, threads: int) -> PostureSweep:
     times = interleave(
         {
             "kinematics": kinematics,
-            "facets": partial(find_all, primitives, limit, False),
-            "facets + region": partial(find_all, primitives, limit, True),
+            "facets": partial(find_all, primitives, accept, False),
+            "facets + region": partial(find_all, primitives, accept, True),
             "memory": whole,
             "writing": write,
             "file": partial(sweep, recipe, target, threads),

@@ -15,23 +15,25 @@ import functools
 import hashlib
 import os
 import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
 from llvmlite import binding
-from numba import prange
+from numba import prange, types
 from numba.core.caching import FunctionCache
 from numba.core.registry import CPUDispatcher
 from numba.core.runtime import rtsys
 
-__all__ = ["cache_folder", "few_threads", "njit", "prange"]
+__all__ = ["cache_folder", "in_threads", "njit", "prange"]
 
 # "contract" (fused multiply-add), "arcp" and "nsz" act inside one expression and do not
 # depend on the loop's length; "reassoc" would, and "nnan"/"ninf" would lose NaN.
 FASTMATH = {"contract", "arcp", "nsz"}
+
+# Pieces of work are not all equally dear, and small parts even that out.
+PARTS_PER_THREAD = 8
 
 # Files that hold kernels import this module; the text of that import marks them.
 _MARK = b"lutgen.jit"
@@ -80,7 +82,11 @@ def njit(*, parallel: bool = False, inline: bool = False) -> Callable[[_Function
             nogil=True,
             parallel=parallel,
             forceinline=inline,
+            # Nobody calls a kernel from C.
+            no_cfunc_wrapper=True,
         )(function)
+        if isinstance(compiled, CPUDispatcher):
+            _forget_literals(compiled)
         folder = cache_folder(str(Path(function.__code__.co_filename).parent))
         if isinstance(compiled, CPUDispatcher) and folder is not None:
             # numba picks the folder from this setting.
@@ -93,6 +99,22 @@ def njit(*, parallel: bool = False, inline: bool = False) -> Callable[[_Function
         return compiled
 
     return compile_later
+
+
+def _forget_literals(compiled: Any) -> None:
+    """Let calls with literal integers share one compiled form.
+
+    numba compiles a callee once for each literal that a caller hands on, and once more for a
+    variable: a counter that starts at 0 doubles everything below it.  After inlining the machine
+    code is the same.
+    """
+    find = compiled.get_call_template
+
+    def find_without(args: tuple[Any, ...], kws: dict[str, Any]) -> Any:
+        plain = {name: types.unliteral(kind) for name, kind in kws.items()}
+        return find(tuple(map(types.unliteral, args)), plain)
+
+    compiled.get_call_template = find_without
 
 
 @functools.cache
@@ -160,23 +182,37 @@ def _cache_root() -> Path:
         return Path(tempfile.gettempdir()) / "lutgen"
 
 
-@contextmanager
-def few_threads(pieces: int, least: int) -> Iterator[None]:
-    """Run parallel kernels inside a with block on no more threads than are worth waking.
+def in_threads(kernel: Callable[..., int], pieces: int, *arguments: object, least: int = 1) -> int:
+    """Call a kernel on parts of a range, in as many threads as that is worth.
 
-    On a busy machine a thread that is woken for a few microseconds of work is waited for until the
-    machine has a core for it, which takes a thousand times as long as the work.
+    Kernels release Python's lock, so Python's own threads are enough, and no kernel is compiled a
+    second time for the sake of threads.  On a busy machine a thread that is woken for a few
+    microseconds of work is waited for until the machine has a core for it, which takes a thousand
+    times as long as the work.
 
     Parameters
     ----------
+    kernel : callable
+        Called as ``kernel(begin, end, *arguments)``; its answers are added up.
     pieces : int
-        Iterations of the parallel loop.
+        The parts make up range(pieces).
+    arguments : object
+        The same for every part.
     least : int
-        Iterations that a thread of its own is worth.
+        Pieces that a thread of its own is worth.
+
+    Returns
+    -------
+    int
+        The sum of the kernel's answers.
     """
-    before = numba.get_num_threads()
-    numba.set_num_threads(max(1, min(before, pieces // least)))
-    try:
-        yield
-    finally:
-        numba.set_num_threads(before)
+    threads = 1 if pieces < 2 * least else min(numba.get_num_threads(), pieces // least)
+    if threads == 1:
+        return int(kernel(0, pieces, *arguments))
+    from concurrent.futures import ThreadPoolExecutor
+
+    parts = min(threads * PARTS_PER_THREAD, pieces)
+    bounds = [part * pieces // parts for part in range(parts + 1)]
+    with ThreadPoolExecutor(threads) as pool:
+        answers = pool.map(lambda a, b: kernel(a, b, *arguments), bounds[:-1], bounds[1:])
+        return int(sum(answers))

@@ -18,7 +18,7 @@ from firmware_export.protocol import CArray, CBody, CodecInfo, literal
 from firmware_export.protocol import Tables as AnyTables
 from firmware_export.truth import Cells, Model
 from lutgen.errors import InputError
-from lutgen.support import limits
+from lutgen.support import acceptance
 
 __all__ = ["INFO", "Spec", "Tables", "c_body", "encode", "grow", "refusal", "start"]
 
@@ -169,7 +169,7 @@ def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
     tolerance = TOLERANCE * probe.geometry.size
     guard = contacts_guard(model, probe.geometry, codes, tolerance)
     upright = model.recipe.upright
-    steepest, least_cosine, *_ = limits(
+    accept = acceptance(
         upright if upright >= math.pi else upright - guard.tighter,
         max(model.recipe.rock_angle - guard.tighter, 0.0),
     )
@@ -179,9 +179,9 @@ def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
         codes=codes,
         guard=guard.angle,
         guard_text=guard.text,
-        steepest=steepest,
+        steepest=accept.steepest,
         lowest=guard.lowest,
-        least_cosine=least_cosine,
+        least_cosine=accept.least_cosine,
         tolerance=tolerance,
         many=many,
     )

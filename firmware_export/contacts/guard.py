@@ -36,7 +36,7 @@ import numpy as np
 from firmware_export.contacts.fit import Codes
 from firmware_export.contacts.modes import DENSE, Separation, evaluate
 from firmware_export.truth import Model
-from lutgen.jit import njit, prange
+from lutgen.jit import in_threads, njit
 from lutgen.support import (
     FACETS,
     FIRST,
@@ -47,14 +47,12 @@ from lutgen.support import (
     START,
     STOP,
     TIP_PLANE,
-    Limit,
+    Acceptance,
+    acceptance,
     empty_region,
     facet_table,
-    find_facets,
-    find_region,
-    limits,
     pack,
-    robot_size,
+    stand,
     vector_at,
 )
 from lutgen.vector import Floats, cross, dot, length, subtract
@@ -88,7 +86,7 @@ class Guard(NamedTuple):
 
 @njit()
 def _measure(
-    primitives: Floats, limit: Limit, narrow: float, out: Floats, segments: Floats
+    primitives: Floats, acceptance: Acceptance, narrow: float, out: Floats, segments: Floats
 ) -> None:
     """Write what the guard needs of one posture.
 
@@ -99,13 +97,12 @@ def _measure(
     """
     n = primitives.shape[0]
     table, region = facet_table(n), empty_region(n)
-    find_facets(table, primitives, limit[2])
-    find_region(region, table, limit, robot_size(primitives))
+    stand(table, region, primitives, acceptance)
     nearest = narrowest = shortest = lowest = math.inf
     for k in range(region.tally[FACETS]):
         begin, end = region.span[k, FIRST], region.span[k + 1, FIRST]
-        normal = vector_at(region.plate, k, PLANE)
-        lowest = min(lowest, region.plate[k, HEIGHT])
+        normal = vector_at(region.facet, k, PLANE)
+        lowest = min(lowest, region.facet[k, HEIGHT])
         width = math.inf
         for i in range(n):
             axle = (primitives[i, 3], primitives[i, 4], primitives[i, 5])
@@ -151,12 +148,19 @@ def _measure(
     out[3], out[4] = shortest, lowest
 
 
-@njit(parallel=True)
-def _measure_all(
-    primitives: Floats, limit: Limit, narrow: float, out: Floats, segments: Floats
-) -> None:
-    for posture in prange(primitives.shape[0]):
-        _measure(primitives[posture], limit, narrow, out[posture], segments[posture])
+@njit()
+def _measure_some(
+    begin: int,
+    end: int,
+    primitives: Floats,
+    acceptance: Acceptance,
+    narrow: float,
+    out: Floats,
+    segments: Floats,
+) -> int:
+    for posture in range(begin, end):
+        _measure(primitives[posture], acceptance, narrow, out[posture], segments[posture])
+    return end - begin
 
 
 class Geometry:
@@ -207,13 +211,16 @@ class Geometry:
     def _measured(self) -> Floats:
         """Return rows of `_measure` and keep the boundary's segments, which no table changes."""
         recipe, primitives = self.model.recipe, self.primitives
-        limit = limits(recipe.upright, recipe.rock_angle)
+        accept = acceptance(recipe.upright, recipe.rock_angle)
         out = np.empty((len(primitives), 5))
         room = np.empty((AT_ONCE, len(empty_region(primitives.shape[1]).segment), 6))
         kept, of = [np.empty((0, 6))], [np.empty(0, np.intp)]
         for begin in range(0, len(primitives), AT_ONCE):
             some = slice(begin, min(begin + AT_ONCE, len(primitives)))
-            _measure_all(primitives[some], limit, NARROW * self.size, out[some], room)
+            in_threads(
+                *(_measure_some, some.stop - begin, primitives[some], accept),
+                *(NARROW * self.size, out[some], room),
+            )
             count = out[some, 2].astype(np.intp)
             here = np.arange(room.shape[1]) < count[:, None]
             kept.append(room[: len(count)][here])

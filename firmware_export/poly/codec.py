@@ -15,7 +15,7 @@ from firmware_export.poly.fit import Spec, Tables, exponents
 from firmware_export.poly.series import expand
 from firmware_export.protocol import CArray, CBody, CodecInfo, literal
 from firmware_export.truth import Model
-from lutgen.support import limits
+from lutgen.support import acceptance
 
 __all__ = ["INFO", "Spec", "Tables", "c_body", "encode", "grow", "refusal", "start"]
 
@@ -37,7 +37,9 @@ def refusal(model: Model, arithmetic: str) -> str | None:
             "poly found no short polynomials for the contacts; the robot has too many parameters "
             "or does not move smoothly with them; choose contacts or grid"
         )
-    if not carries_everywhere(series, limits(model.recipe.upright, model.recipe.rock_angle)[0]):
+    if not carries_everywhere(
+        series, acceptance(model.recipe.upright, model.recipe.rock_angle).steepest
+    ):
         return (
             "poly needs a support facet that is accepted in every posture of the box; narrow the "
             "parameters' limits, widen `upright`, or choose contacts or grid"

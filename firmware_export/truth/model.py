@@ -16,14 +16,11 @@ from lutgen.channels import (
     ASIDE,
     CHANNELS,
     HEIGHT_BEYOND,
-    measure_each,
     measure_recipe,
-    refuse_overflow,
     wanted_channels,
 )
 from lutgen.chart import FACE_NORMAL, FACE_SIGN, FACE_U, FACE_V, unit_directions
 from lutgen.recipe import Postures, Recipe, forward, radii_and_kinds
-from lutgen.support import limits, pack
 
 Floats = NDArray[np.float64]
 
@@ -126,17 +123,8 @@ class Model:
             Six arrays (m, d).
         """
         where = self.postures(params)
-        directions = np.ascontiguousarray(unit_directions(gravity))
+        directions = unit_directions(gravity)
         wanted = wanted_channels(("tip_angle",))
-        if self.recipe.loaded:
-            values, overflow = measure_recipe(self.recipe, where, directions, wanted, tighter)
-        else:
-            values, overflow = measure_each(
-                pack(where.centres, where.axes, self.radius, self.kind),
-                directions,
-                limits(self.recipe.upright - tighter, self.recipe.rock_angle - tighter),
-                wanted,
-            )
-        refuse_overflow(self.recipe.source, overflow, len(self.kind))
+        values = measure_recipe(self.recipe, where, directions, wanted, tighter)
         rows = (*map(CHANNELS.index, ("sdg", "height", "tip_angle")), ALONG, ASIDE, HEIGHT_BEYOND)
         return Exact(*(np.ascontiguousarray(values[:, at]) for at in rows))

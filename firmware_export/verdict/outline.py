@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from firmware_export.grid import SPAN
 from firmware_export.truth import Model
-from lutgen.channels import measure
+from lutgen.channels import CHANNELS, measure, wanted_channels
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 from lutgen.jit import njit, prange
@@ -37,14 +37,13 @@ from lutgen.support import (
     START,
     STOP,
     TIP_PLANE,
-    Limit,
+    Acceptance,
+    acceptance,
     empty_region,
     facet_table,
-    find_facets,
-    find_region,
-    limits,
     pack,
     robot_size,
+    stand,
     vector_at,
 )
 from lutgen.vector import Bools, Floats, Ints, Vector, cross, dot, length, row, scale
@@ -133,7 +132,7 @@ def _flag(
 def _outline(
     primitives: Floats,
     moved: Floats,
-    limit: Limit,
+    acceptance: Acceptance,
     basis: Floats,
     reach: float,
     gravity: Floats,
@@ -146,13 +145,12 @@ def _outline(
     """Fill one posture: pieces and their number per face (-1: too many), and what tips."""
     n = primitives.shape[0]
     table, region = facet_table(n), empty_region(n)
-    find_facets(table, primitives, limit[2])
+    stand(table, region, primitives, acceptance)
     size = robot_size(primitives)
-    find_region(region, table, limit, size)
     farthest = 0.0
     for i in range(n):
         farthest = max(farthest, moved[i])
-    values = np.empty(6)
+    values = np.empty(len(CHANNELS))
     for d in range(len(gravity)):
         measure(region, row(gravity, d), wanted, values)
         tips[d] = math.isnan(values[0])
@@ -200,7 +198,7 @@ def _outline(
 def _outline_all(
     primitives: Floats,
     moved: Floats,
-    limit: Limit,
+    acceptance: Acceptance,
     basis: Floats,
     reach: float,
     gravity: Floats,
@@ -216,7 +214,7 @@ def _outline_all(
             *(
                 primitives[p],
                 moved[p],
-                limit,
+                acceptance,
                 basis,
                 reach,
                 gravity,
@@ -260,14 +258,14 @@ def outlines(model: Model, per_axis: int, gravity: NDArray[np.float64]) -> Outli
     size = float(np.sqrt((where.centres**2).sum(axis=2)).max())
     tighter = float(moved.max(initial=0.0)) / (WIDTH * size)
     primitives = pack(where.centres, where.axes, model.radius, model.kind)
-    limit = limits(model.recipe.upright - tighter, max(model.recipe.rock_angle - tighter, 0.0))
-    nothing = np.zeros(6, np.bool_)
+    accept = acceptance(model.recipe.upright - tighter, max(model.recipe.rock_angle - tighter, 0.0))
+    nothing = wanted_channels(())
     directions = np.ascontiguousarray(unit_directions(gravity))
     kept, counts, flags = [], [], []
     for begin in range(0, len(place), CHUNK):
         part = slice(begin, begin + CHUNK)
         out, count, tips = _outline_all(
-            *(primitives[part], moved[part], limit, model.recipe.chart.basis(), model.chart_limit),
+            *(primitives[part], moved[part], accept, model.recipe.chart.basis(), model.chart_limit),
             *(directions, nothing, slack),
         )
         if (count < 0).any():

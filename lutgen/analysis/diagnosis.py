@@ -14,18 +14,18 @@ from lutgen.channels import (
     MU,
     PHI,
     RHO,
+    acceptance_of,
     axis_angle,
     axis_energy,
     axis_margin,
     checked_directions,
     empty_axes,
     find_axes,
-    limits_of,
     loaded_margin,
     loaded_verdict,
-    loads,
     measure_moved,
     tip_angle,
+    wrenches,
 )
 from lutgen.chart import STANDARD_GRAVITY
 from lutgen.recipe import Recipe, forward, radii_and_kinds
@@ -45,10 +45,8 @@ from lutgen.support import (
     VERTEX,
     empty_region,
     facet_table,
-    find_facets,
-    find_region,
     pack,
-    robot_size,
+    stand,
     supporting_facet,
     vector_at,
 )
@@ -200,21 +198,20 @@ def diagnose(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> Diagn
     primitives = pack(posture.centres[0], posture.axes[0], radius, kind)
     values = measure_moved(recipe, posture, down, CHANNELS)
     channels = {name: float(values[name][0, 0]) for name in CHANNELS}
-    limit = limits_of(recipe)
+    acceptance = acceptance_of(recipe)
     table, region = facet_table(len(primitives)), empty_region(len(primitives))
-    find_facets(table, primitives, limit[2])
-    find_region(region, table, limit, robot_size(primitives))
+    stand(table, region, primitives, acceptance)
     g = (float(down[0, 0]), float(down[0, 1]), float(down[0, 2]))
-    k = supporting_facet(region.plate, region.tally[FACETS], g)
+    k = supporting_facet(region.facet, region.tally[FACETS], g)
     names = recipe.contact_names
     standing = channels["tip_angle"] >= 0.0
-    load = loads(recipe, posture)[0]
+    wrench = wrenches(recipe, posture)[0]
     axes = empty_axes(region)
     if recipe.loaded:
-        find_axes(region, load, axes)
-        k, _, _ = loaded_verdict(region, axes, load, limit[1], g)
+        find_axes(region, wrench, axes)
+        k, _, _ = loaded_verdict(region, axes, wrench, acceptance.least_cosine, g)
     tip_axes = tuple(
-        _loaded_axis(region, axes, load, b, names, g, standing)
+        _loaded_axis(region, axes, wrench, b, names, g, standing)
         if recipe.loaded
         else _tip_axis(region, b, names, g, standing)
         for b in range(region.tally[SEGMENTS])
@@ -222,8 +219,8 @@ def diagnose(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> Diagn
     least = min(range(len(tip_axes)), key=lambda b: abs(tip_axes[b].tip_angle), default=None)
     if region.tally[CONVEX] == 1 and tip_axes:
         least = min(range(len(tip_axes)), key=lambda b: tip_axes[b].tip_angle)
-    resultant = down[0] + load[PHI:MU]
-    facet = None if k < 0 else _facet_view(region, table, k, resultant, load[MU:RHO])
+    resultant = down[0] + wrench[PHI:MU]
+    facet = None if k < 0 else _facet_view(region, table, k, resultant, wrench[MU:RHO])
     slope = math.nan
     if facet is not None:
         size = float(np.linalg.norm(resultant)) if recipe.has_wrench else 1.0
@@ -280,7 +277,7 @@ def _facet_view(  # type: ignore[no-untyped-def]
     f = region.span[k, SOURCE]
     corners = slice(table.span[f, FIRST], table.span[f + 1, FIRST])
     normal = table.facet[f, :3].copy()
-    height = float(region.plate[k, HEIGHT])
+    height = float(region.facet[k, HEIGHT])
     rate = float(normal @ resultant)
     pierced = np.full(3, np.nan)
     if rate > 0.0:
@@ -292,7 +289,7 @@ def _facet_view(  # type: ignore[no-untyped-def]
         height,
         tuple(int(i) for i in table.link[corners, VERTEX]),
         table.corner[corners].copy(),
-        region.plate[k, CENTROID : CENTROID + 3].copy(),
+        region.facet[k, CENTROID : CENTROID + 3].copy(),
         pierced,
     )
 
@@ -326,7 +323,7 @@ def _tip_axis(region, b, names, g, standing) -> TipAxis:  # type: ignore[no-unty
     )
 
 
-def _loaded_axis(region, axes, load, b, names, g, standing) -> TipAxis:  # type: ignore[no-untyped-def]
+def _loaded_axis(region, axes, wrench, b, names, g, standing) -> TipAxis:  # type: ignore[no-untyped-def]
     """Return boundary segment b of a loaded robot, whose energy margin is not defined."""
     i, j = (int(c) for c in region.contacts[b])
     start, stop = (vector_at(region.segment, b, c) for c in (START, STOP))
@@ -337,7 +334,7 @@ def _loaded_axis(region, axes, load, b, names, g, standing) -> TipAxis:  # type:
         (names[i], names[j]),
         np.array(start),
         np.array(stop),
-        axis_angle(convex, row, axes.ends[b], start, stop, load, standing, g),
-        loaded_margin(convex, row, start, stop, load, standing, g),
+        axis_angle(convex, row, axes.ends[b], start, stop, wrench, standing, g),
+        loaded_margin(convex, row, start, stop, wrench, standing, g),
         math.nan,
     )

@@ -15,34 +15,32 @@ from lutgen.channels import (
     MU,
     PHI,
     POSTURES_A_THREAD,
+    acceptance_of,
     add,
     checked_directions,
     empty_axes,
     find_axes,
-    limits_of,
     loaded_verdict,
-    loads,
     part,
     refuse_overflow,
+    wrenches,
 )
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
-from lutgen.jit import few_threads, njit, prange
+from lutgen.jit import in_threads, njit
 from lutgen.recipe import Recipe, forward, radii_and_kinds
 from lutgen.support import (
     FACETS,
     PLANE,
-    Limit,
+    Acceptance,
     empty_region,
     facet_table,
-    find_facets,
-    find_region,
     pack,
-    robot_size,
+    stand,
     supporting_facet,
     vector_at,
 )
-from lutgen.vector import Floats, Ints, cross, dot, length, row
+from lutgen.vector import Floats, cross, dot, length, row
 
 __all__ = ["first_tilts", "needed_friction", "slide_limits", "slides_first", "slopes"]
 
@@ -53,46 +51,39 @@ HALVINGS = 35
 
 
 @njit()
-def _slopes_of_posture(
-    primitives: Floats, load: Floats, gravity_dir: Floats, limit: Limit, out: Floats
+def _slopes_of_some(
+    begin: int,
+    end: int,
+    primitives: Floats,
+    wrench: Floats,
+    gravity_dir: Floats,
+    acceptance: Acceptance,
+    out: Floats,
 ) -> int:
-    """Fill `out` (d,) for one posture; return 1 where its facet table was too small."""
-    n = primitives.shape[0]
+    """Fill `out` (m, d) for postures [begin, end); return how many tables were too small."""
+    n = primitives.shape[1]
     table, region = facet_table(n), empty_region(n)
-    find_facets(table, primitives, limit[2])
-    find_region(region, table, limit, robot_size(primitives))
-    pulled = length(part(load, PHI)) + length(part(load, MU)) > 0.0
     axes = empty_axes(region)
-    if pulled:
-        find_axes(region, load, axes)
-    for d in range(gravity_dir.shape[0]):
-        g = row(gravity_dir, d)
-        if pulled:
-            k = loaded_verdict(region, axes, load, limit[1], g)[0]
-            g = add(g, part(load, PHI))
-        else:
-            k = supporting_facet(region.plate, region.tally[FACETS], g)
-        out[d] = math.nan
-        if k >= 0:
-            # n / h: its length does not change the angle.
-            plane = vector_at(region.plate, k, PLANE)
-            out[d] = math.atan2(length(cross(plane, g)), dot(plane, g))
-    return int(table.tally[1])
-
-
-@njit(parallel=True)
-def _slopes_of_all(
-    primitives: Floats, load: Floats, gravity_dir: Floats, limit: Limit
-) -> tuple[Floats, Ints]:
-    """Return slopes (m, d), and 1 where a facet table was too small."""
-    m = primitives.shape[0]
-    out = np.empty((m, gravity_dir.shape[1]))
-    overflow = np.zeros(m, np.int64)
-    for posture in prange(m):
-        overflow[posture] = _slopes_of_posture(
-            primitives[posture], load[posture], gravity_dir[posture], limit, out[posture]
-        )
-    return out, overflow
+    overflow = 0
+    for posture in range(begin, end):
+        load = wrench[posture]
+        overflow += stand(table, region, primitives[posture], acceptance)
+        has_wrench = length(part(load, PHI)) + length(part(load, MU)) > 0.0
+        if has_wrench:
+            find_axes(region, load, axes)
+        for d in range(gravity_dir.shape[1]):
+            g = row(gravity_dir[posture], d)
+            if has_wrench:
+                k = loaded_verdict(region, axes, load, acceptance.least_cosine, g)[0]
+                g = add(g, part(load, PHI))
+            else:
+                k = supporting_facet(region.facet, region.tally[FACETS], g)
+            out[posture, d] = math.nan
+            if k >= 0:
+                # n / h: its length does not change the angle.
+                plane = vector_at(region.facet, k, PLANE)
+                out[posture, d] = math.atan2(length(cross(plane, g)), dot(plane, g))
+    return overflow
 
 
 def slopes(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> NDArray[np.float64]:
@@ -121,14 +112,14 @@ def slopes(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> NDArray
             "give rows x, y, z for each posture"
         )
     radius, kind = radii_and_kinds(recipe)
-    with few_threads(len(directions), POSTURES_A_THREAD):
-        found, overflow = _slopes_of_all(
-            pack(where.centres, where.axes, radius, kind),
-            loads(recipe, where),
-            np.ascontiguousarray(unit_directions(directions)),
-            limits_of(recipe),
-        )
-    refuse_overflow(recipe.source, overflow, len(kind))
+    found = np.empty(directions.shape[:2])
+    overflow = in_threads(
+        *(_slopes_of_some, len(found), pack(where.centres, where.axes, radius, kind)),
+        *(wrenches(recipe, where), np.ascontiguousarray(unit_directions(directions))),
+        *(acceptance_of(recipe), found),
+        least=POSTURES_A_THREAD,
+    )
+    refuse_overflow(recipe.source, overflow, len(found), len(kind))
     return found
 
 

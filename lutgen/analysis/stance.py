@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lutgen.channels import limits_of, refuse_forces
+from lutgen.channels import acceptance_of, refuse_forces
 from lutgen.recipe import Recipe, forward, radii_and_kinds
 from lutgen.support import (
     CENTROID,
@@ -24,10 +24,8 @@ from lutgen.support import (
     VERTEX,
     empty_region,
     facet_table,
-    find_facets,
-    find_region,
     pack,
-    robot_size,
+    stand,
 )
 
 __all__ = ["Footing", "GroundFacet", "find_footing"]
@@ -106,10 +104,8 @@ def find_footing(recipe: Recipe, params: ArrayLike) -> Footing:
     refuse_forces(recipe, "a footing (metrics, rolling)")
     posture = forward(recipe, np.atleast_2d(np.asarray(params, np.float64)))
     primitives = pack(posture.centres[0], posture.axes[0], *radii_and_kinds(recipe))
-    limit = limits_of(recipe)
     table, region = facet_table(len(primitives)), empty_region(len(primitives))
-    find_facets(table, primitives, limit[2])
-    find_region(region, table, limit, robot_size(primitives))
+    stand(table, region, primitives, acceptance_of(recipe))
     facets = []
     for k in range(region.tally[FACETS]):
         f = region.span[k, SOURCE]
@@ -117,10 +113,10 @@ def find_footing(recipe: Recipe, params: ArrayLike) -> Footing:
         facets.append(
             GroundFacet(
                 table.facet[f, :3].copy(),
-                float(region.plate[k, HEIGHT]),
+                float(region.facet[k, HEIGHT]),
                 tuple(int(i) for i in table.link[corners, VERTEX]),
                 table.corner[corners].copy(),
-                region.plate[k, CENTROID : CENTROID + 3].copy(),
+                region.facet[k, CENTROID : CENTROID + 3].copy(),
             )
         )
     sides = region.segment[: region.tally[SEGMENTS]]

@@ -1,29 +1,36 @@
 """Standing regions and directions of gravity into numbers.
 
-In reading order: `plain`, `axes`, `loaded`, `load`, `settle`, `evaluation`, `each`, `raster`,
-`tilt_rows`, `scan`, `scanner`.
+In reading order: `axes`, `plain`, `loaded`, `wrench`, `evaluation`, `raster`, `tilt_rows`,
+`scan`, `settle`.
 """
 
 from lutgen.channels.axes import MU, PHI, add, empty_axes, find_axes, part
-from lutgen.channels.each import ALONG, ASIDE, HEIGHT_BEYOND, evaluate_each, measure_each
-from lutgen.channels.evaluation import evaluate, measure_moved
-from lutgen.channels.load import RHO, limits_of, loads, measure_recipe, refuse_forces
+from lutgen.channels.evaluation import (
+    POSTURES_A_THREAD,
+    evaluate,
+    evaluate_each,
+    measure_moved,
+    measure_recipe,
+    stability,
+)
 from lutgen.channels.loaded import axis_angle, loaded_margin, loaded_verdict
 from lutgen.channels.plain import (
+    ALONG,
+    ASIDE,
     CHANNELS,
+    HEIGHT_BEYOND,
     JUST_OUTSIDE,
-    POSTURES_A_THREAD,
     axis_energy,
     axis_margin,
     checked_directions,
     measure,
     refuse_overflow,
-    stability,
     tip_angle,
     wanted_channels,
 )
-from lutgen.channels.scanner import Scanner
+from lutgen.channels.scan import Scanner
 from lutgen.channels.settle import CONVENTIONS, body_gravity, turned
+from lutgen.channels.wrench import RHO, acceptance_of, refuse_forces, wrenches
 
 __all__ = [
     "ALONG",
@@ -37,6 +44,7 @@ __all__ = [
     "POSTURES_A_THREAD",
     "RHO",
     "Scanner",
+    "acceptance_of",
     "add",
     "axis_angle",
     "axis_energy",
@@ -47,12 +55,9 @@ __all__ = [
     "evaluate",
     "evaluate_each",
     "find_axes",
-    "limits_of",
     "loaded_margin",
     "loaded_verdict",
-    "loads",
     "measure",
-    "measure_each",
     "measure_moved",
     "measure_recipe",
     "part",
@@ -62,4 +67,5 @@ __all__ = [
     "tip_angle",
     "turned",
     "wanted_channels",
+    "wrenches",
 ]

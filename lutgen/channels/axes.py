@@ -1,4 +1,4 @@
-"""Tip-over axes of one posture under a load: what a force and an uncertain com do to each.
+"""Tip-over axes of one posture under a wrench: what a force and an uncertain com do to each.
 
 Owns the functionals.  Let g be the unit gravity direction and, over the weight W, phi the sum of
 the forces and mu their moment about the com.  The moment of weight and forces about the axis from p
@@ -22,6 +22,7 @@ from lutgen.jit import njit
 from lutgen.support import (
     ACROSS,
     EDGE_KIND,
+    EDGE_PLANE,
     FACETS,
     FIRST,
     GAP,
@@ -35,13 +36,12 @@ from lutgen.support import (
     START,
     STOP,
     TIP_PLANE,
-    WALL,
     Region,
     vector_at,
 )
 from lutgen.vector import Floats, Vector, cross, dot, length, scale, subtract, unit
 
-# First columns of a load: phi, mu, rho.
+# First columns of a wrench: phi, mu, rho.
 PHI, MU, RHO = 0, 3, 6
 # First columns of the rows of Axes.
 NORMAL, ALONG, TOWARDS, DISTANCE, MOMENT, OFFSET = 0, 3, 6, 9, 10, 11
@@ -51,16 +51,16 @@ NEVER, ALWAYS = 1.0, -1.0
 
 
 class Axes(NamedTuple):
-    """Edges of facets and boundary of a posture's standing region under its load.
+    """Edges of facets and boundary of a posture's standing region under its wrench.
 
-    `wall` (E, 16) per edge of a facet and `axis` (B, 16) per boundary segment: m; e; unit vector
-    from the com towards the axis; d; the moment's part of L; o; sine and cosine of beta; o with the
-    uncertainty's bound; least distance of the segment from the com.
+    `edge_plane` (E, 16) per edge of a facet and `axis` (B, 16) per boundary segment: m; e; unit
+    vector from the com towards the axis; d; the moment's part of L; o; sine and cosine of beta; o
+    with the uncertainty's bound; least distance of the segment from the com.
     `ends` (B, 4, 3): without a moment, the directions g under which the resultant goes through the
     ends of a segment; NaN for none.
     """
 
-    wall: NDArray[np.float64]
+    edge_plane: NDArray[np.float64]
     axis: NDArray[np.float64]
     ends: NDArray[np.float64]
 
@@ -83,9 +83,9 @@ def add(a: Vector, b: Vector) -> Vector:
 
 
 @njit(inline=True)
-def part(load: Floats, column: int) -> Vector:
-    """Return phi or mu of a load."""
-    return load[column], load[column + 1], load[column + 2]
+def part(wrench: Floats, column: int) -> Vector:
+    """Return phi or mu of a wrench."""
+    return wrench[column], wrench[column + 1], wrench[column + 2]
 
 
 @njit()
@@ -106,14 +106,14 @@ def corner_direction(point: Vector, phi: Vector, sign: float) -> Vector:
 
 
 @njit()
-def _enter(start: Vector, stop: Vector, normal: Vector, load: Floats, out: Floats) -> None:
+def _enter(start: Vector, stop: Vector, normal: Vector, wrench: Floats, out: Floats) -> None:
     """Fill the row of the axis from start to stop, whose plane has the inward unit `normal`."""
-    mu, rho = part(load, MU), load[RHO]
+    mu, rho = part(wrench, MU), wrench[RHO]
     along = unit(subtract(stop, start))
     foot = subtract(start, scale(along, dot(start, along)))
     d = length(foot)
     moment = dot(along, mu) / d if d > 0.0 else 0.0
-    offset = dot(normal, part(load, PHI)) + moment
+    offset = dot(normal, part(wrench, PHI)) + moment
     sine = min(rho / d, 1.0) if d > 0.0 else 1.0
     out[NORMAL], out[NORMAL + 1], out[NORMAL + 2] = normal
     out[ALONG], out[ALONG + 1], out[ALONG + 2] = along
@@ -131,53 +131,53 @@ def _enter(start: Vector, stop: Vector, normal: Vector, load: Floats, out: Float
 
 
 @njit()
-def enter_walls(region: Region, load: Floats, wall: Floats) -> None:
+def enter_edge_planes(region: Region, wrench: Floats, edge_plane: Floats) -> None:
     """Fill the rows of the edges of the facets."""
     for k in range(region.tally[FACETS]):
         begin, end = region.span[k, FIRST], region.span[k + 1, FIRST]
         for e in range(begin, end):
             p = vector_at(region.edge, e, POINT)
             q = vector_at(region.edge, e + 1 if e + 1 < end else begin, POINT)
-            _enter(p, q, vector_at(region.edge, e, WALL), load, wall[e])
+            _enter(p, q, vector_at(region.edge, e, EDGE_PLANE), wrench, edge_plane[e])
 
 
 @njit()
-def find_axes(region: Region, load: Floats, axes: Axes) -> None:
-    """Fill `axes` from the region and the load (7,) of one posture."""
-    enter_walls(region, load, axes.wall)
+def find_axes(region: Region, wrench: Floats, axes: Axes) -> None:
+    """Fill `axes` from the region and the wrench (7,) of one posture."""
+    enter_edge_planes(region, wrench, axes.edge_plane)
     for b in range(region.tally[SEGMENTS]):
         start, stop = vector_at(region.segment, b, START), vector_at(region.segment, b, STOP)
-        _enter(start, stop, vector_at(region.segment, b, TIP_PLANE), load, axes.axis[b])
+        _enter(start, stop, vector_at(region.segment, b, TIP_PLANE), wrench, axes.axis[b])
         for root in range(4):
             point = start if root < 2 else stop
-            g = corner_direction(point, part(load, PHI), 1.0 if root % 2 == 0 else -1.0)
+            g = corner_direction(point, part(wrench, PHI), 1.0 if root % 2 == 0 else -1.0)
             axes.ends[b, root, 0], axes.ends[b, root, 1], axes.ends[b, root, 2] = g
 
 
 @njit()
 def rest(
-    region: Region, wall: Floats, force: Vector, first: int, least_cosine: float
+    region: Region, edge_plane: Floats, force: Vector, first: int, least_cosine: float
 ) -> tuple[int, bool]:
     """Return the facet on which the robot comes to rest under a resultant, and whether it does.
 
-    Begins on facet `first`.  L of its walls tells where the zero-moment point is: beyond an edge
+    Begins on facet `first`.  L of its edges tells where the zero-moment point is: beyond an edge
     that another facet shares, that facet is next, for which L of the edge is the opposite; beyond
     a gap's edge and between its sides the robot rocks; beyond any other edge it tips.  Going round
     a corner for ever, which only a twist makes possible, is no tipping.  The sides of gaps do
     without the moment: with one the verdict is not this one.
     """
     k = first
-    plate, edge, link = region.plate, region.edge, region.link
+    facet, edge, link = region.facet, region.edge, region.link
     for _ in range(region.tally[FACETS] + 1):
         beyond = -1
         tips = False
         for e in range(region.span[k, FIRST], region.span[k + 1, FIRST]):
-            lever = dot(vector_at(edge, e, WALL), force) + wall[e, MOMENT]
+            lever = dot(vector_at(edge, e, EDGE_PLANE), force) + edge_plane[e, MOMENT]
             if link[e, EDGE_KIND] == SHARED:
                 if lever < -1e-12:
                     other = link[e, ACROSS]
-                    cosine = dot(vector_at(plate, k, PLANE), vector_at(plate, other, PLANE))
-                    cosine *= plate[k, HEIGHT] * plate[other, HEIGHT]
+                    cosine = dot(vector_at(facet, k, PLANE), vector_at(facet, other, PLANE))
+                    cosine *= facet[k, HEIGHT] * facet[other, HEIGHT]
                     if cosine < least_cosine:
                         tips = True
                     else:
@@ -211,7 +211,7 @@ def pierced_first(region: Region, force: Vector, mu: Vector) -> int:
         return best
     through = scale(cross(force, mu), 1.0 / square)
     for k in range(region.tally[FACETS]):
-        plane = vector_at(region.plate, k, PLANE)
+        plane = vector_at(region.facet, k, PLANE)
         rate = dot(plane, force)
         if rate > 0.0:
             reach = (1.0 - dot(plane, through)) / rate

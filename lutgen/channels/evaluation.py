@@ -1,6 +1,9 @@
-"""Stability of a recipe's robot at any parameters and any directions, exactly.
+"""Stability of postures under directions of gravity, exactly: nothing is sampled or interpolated.
 
-Owns the step from a recipe to the kernels; nothing here is sampled or interpolated.
+Owns the loop over postures, and the steps to it from contacts and from a recipe.  `evaluate`
+crosses every posture with every direction; for `evaluate_each` each posture has its own.  A
+measurement also continues the stability factor to where the robot tips, because a table's nodes
+there must hold something smooth and a search that starts there must find its way out.
 """
 
 from collections.abc import Sequence
@@ -8,15 +11,207 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lutgen.channels.load import measure_recipe
+from lutgen.channels.loaded import measure_loaded
 from lutgen.channels.plain import (
     CHANNELS,
+    HEIGHT_BEYOND,
+    Setting,
     checked_directions,
-    measure_postures,
+    go_beyond,
+    measure,
     refuse_overflow,
     wanted_channels,
 )
+from lutgen.channels.wrench import acceptance_of, wrenches
+from lutgen.chart import unit_directions
+from lutgen.errors import InputError
+from lutgen.jit import in_threads, njit
 from lutgen.recipe import Postures, Recipe, forward, radii_and_kinds
+from lutgen.support import (
+    MAX_PRIMITIVES,
+    acceptance,
+    empty_region,
+    facet_table,
+    pack,
+    stand,
+)
+from lutgen.vector import Floats, row
+
+# A thread is worth waking for this many postures, half a millisecond of work for a few contacts;
+# measuring this many directions takes as long as finding the facets of a posture.
+POSTURES_A_THREAD, DIRECTIONS_A_POSTURE = 256, 64
+ROWS = HEIGHT_BEYOND + 1
+
+
+@njit()
+def measure_some(
+    begin: int, end: int, primitives: Floats, gravity_dir: Floats, setting: Setting, out: Floats
+) -> int:
+    """Measure postures [begin, end); return how many have more facets than a table holds.
+
+    Parameters and `out` as in `measure_postures`.
+    """
+    acceptance, wanted = setting
+    n = primitives.shape[1]
+    table, region = facet_table(n), empty_region(n)
+    values = np.empty(len(CHANNELS))
+    overflow = 0
+    for posture in range(begin, end):
+        overflow += stand(table, region, primitives[posture], acceptance)
+        directions = gravity_dir[posture % gravity_dir.shape[0]]
+        for d in range(directions.shape[0]):
+            g = row(directions, d)
+            measure(region, g, wanted, values)
+            for c in range(len(CHANNELS)):
+                out[posture, c, d] = values[c]
+            if out.shape[1] > len(CHANNELS):
+                go_beyond(region, g, True, out[posture, :, d])
+    return overflow
+
+
+def measure_postures(
+    primitives: Floats,
+    wrench: Floats | None,
+    gravity_dir: Floats,
+    setting: Setting,
+    rows: int = ROWS,
+) -> tuple[NDArray[np.float64], int]:
+    """Measure m postures under d directions.
+
+    Parameters
+    ----------
+    primitives : (m, n, 8) float64
+        As `primitive.pack` makes them.
+    wrench : (m, 7) float64 or None
+        From `wrench.wrenches`; None for the weight alone, which is faster.
+    gravity_dir : (m, d, 3) or (1, d, 3) float64
+        Unit directions, pointing down, of each posture or of all.
+    setting : Setting
+        Which facets count, and the channels asked for; sdg, height and facet are computed always.
+    rows : int
+        `ROWS`, or fewer where what lies beyond the region is not wanted.
+
+    Returns
+    -------
+    (m, rows, d) float64
+        The channels in the order of `CHANNELS`, then rows ALONG, ASIDE and HEIGHT_BEYOND: the
+        in-plane components of D_g - s on the facet whose plane gravity pierces first, and its
+        height, NaN where no accepted facet's plane is pierced, and under a moment.
+    int
+        Postures with more facets than a table holds.
+    """
+    out = np.empty((len(primitives), rows, gravity_dir.shape[1]))
+    directions = np.ascontiguousarray(gravity_dir)
+    least = max(POSTURES_A_THREAD // (1 + gravity_dir.shape[1] // DIRECTIONS_A_POSTURE), 1)
+    if wrench is None:
+        arguments = (primitives, directions, setting, out)
+        return out, in_threads(measure_some, len(primitives), *arguments, least=least)
+    loaded = (primitives, wrench, directions, setting, out)
+    return out, in_threads(measure_loaded, len(primitives), *loaded, least=least)
+
+
+def measure_recipe(
+    recipe: Recipe,
+    postures: Postures,
+    gravity_dir: NDArray[np.float64],
+    wanted: NDArray[np.bool_],
+    tighter: float = 0.0,
+    rows: int = ROWS,
+) -> NDArray[np.float64]:
+    """Measure postures of a recipe, (m, rows, d); see `measure_postures`.
+
+    `tighter` (rad) is taken from `upright` and from `rock_angle`.
+    """
+    radius, kind = radii_and_kinds(recipe)
+    values, overflow = measure_postures(
+        pack(postures.centres, postures.axes, radius, kind),
+        wrenches(recipe, postures) if recipe.loaded else None,
+        gravity_dir,
+        Setting(acceptance_of(recipe, tighter), wanted),
+        rows,
+    )
+    refuse_overflow(recipe.source, overflow, len(values), len(kind))
+    return values
+
+
+def measure_primitives(
+    primitives: Floats,
+    gravity_dir: ArrayLike,
+    channels: Sequence[str],
+    upright: float | None,
+    rock_angle: float | None,
+) -> dict[str, NDArray[np.float64]]:
+    """Return the channels of m postures of any primitives; parameters and result as `stability`.
+
+    `primitives` (m, n, 8) float64 are rows of `primitive.pack`, relative to the com.
+    """
+    directions = checked_directions(gravity_dir)[None]
+    setting = Setting(acceptance(upright, rock_angle), wanted_channels(channels))
+    values, overflow = measure_postures(primitives, None, directions, setting, len(CHANNELS))
+    refuse_overflow("contacts", overflow, *primitives.shape[:2])
+    return {name: values[:, CHANNELS.index(name)].copy() for name in channels}
+
+
+def stability(
+    contacts: ArrayLike,
+    gravity_dir: ArrayLike,
+    channels: Sequence[str] = ("sdg", "tip_angle"),
+    upright: float | None = None,
+    rock_angle: float | None = None,
+) -> dict[str, NDArray[np.float64]]:
+    """Return the stability of m sets of point contacts under g gravity directions.
+
+    Parameters
+    ----------
+    contacts : (m, n, 3) array_like
+        Contact points relative to the com, body frame, any length unit; (n, 3) for one set.
+    gravity_dir : (g, 3) array_like
+        Directions of gravity in the body frame, pointing down, of any length > 0.
+    channels : sequence of str
+        Names from `CHANNELS`.
+    upright, rock_angle : float, optional
+        Limits in rad (see the conventions); None for no limit.
+
+    Returns
+    -------
+    dict of str to (m, g) float64
+        `sdg`, `height`, `margin` and `energy_margin` in the contacts' unit, `tip_angle` in rad.
+        Outside the standing region `sdg` and `height` are NaN and the others negative; exactly on
+        a tip-over axis `tip_angle` is 0; it is pi for a robot that cannot tip, -pi for contacts
+        that support nothing (collinear, or all above the com).
+
+    Raises
+    ------
+    InputError
+        For wrong shapes, numbers that are not finite, fewer than 3 or more than 32 contacts, and
+        unknown channels.
+
+    Examples
+    --------
+    A table of 2 x 1 with its com 1 above the ground, tilted 45 degrees to its long side:
+
+    >>> import numpy as np
+    >>> feet = np.array([[1, .5, -1], [-1, .5, -1], [-1, -.5, -1], [1, -.5, -1]])
+    >>> reading = stability(feet, [[0, 0, -1], [1, 0, -1]])
+    >>> np.degrees(reading["tip_angle"]).round(3)
+    array([[26.565,  0.   ]])
+    >>> reading["sdg"].round(3)
+    array([[0., 1.]])
+    """
+    points = np.array(contacts, dtype=np.float64)
+    if points.ndim == 2:
+        points = points[None]
+    if points.ndim != 3 or points.shape[2] != 3:
+        raise InputError(
+            f"contacts must have the shape (m, n, 3) (got {np.shape(contacts)}); "
+            "give n points x, y, z for each of m postures"
+        )
+    if not 3 <= points.shape[1] <= MAX_PRIMITIVES:
+        raise InputError(f"a posture needs 3 to {MAX_PRIMITIVES} contacts (got {points.shape[1]})")
+    if not np.isfinite(points).all():
+        raise InputError("contacts must be finite numbers (got NaN or infinity)")
+    primitives = pack(points, np.zeros_like(points), 0.0, 0)
+    return measure_primitives(primitives, gravity_dir, channels, upright, rock_angle)
 
 
 def evaluate(
@@ -57,20 +252,61 @@ def measure_moved(
     recipe: Recipe, postures: Postures, gravity_dir: ArrayLike, channels: Sequence[str]
 ) -> dict[str, NDArray[np.float64]]:
     """Return the channels of postures that `kinematics.forward` has placed; see `evaluate`."""
-    if recipe.loaded:
-        wanted = wanted_channels(channels)
-        directions = checked_directions(gravity_dir)
-        values, overflow = measure_recipe(recipe, postures, directions[None], wanted)
-        refuse_overflow(recipe.source, overflow, len(recipe.contacts))
-        return {name: values[:, CHANNELS.index(name)].copy() for name in channels}
-    radius, kind = radii_and_kinds(recipe)
-    return measure_postures(
-        postures.centres,
-        postures.axes,
-        radius,
-        kind,
-        gravity_dir,
-        channels,
-        recipe.upright,
-        recipe.rock_angle,
-    )
+    wanted = wanted_channels(channels)
+    directions = checked_directions(gravity_dir)[None]
+    values = measure_recipe(recipe, postures, directions, wanted, rows=len(CHANNELS))
+    return {name: values[:, CHANNELS.index(name)].copy() for name in channels}
+
+
+def evaluate_each(
+    recipe: Recipe,
+    params: ArrayLike,
+    gravity_dir: ArrayLike,
+    channels: Sequence[str] = ("sdg", "tip_angle"),
+) -> dict[str, NDArray[np.float64]]:
+    """Return the channels of m postures, each under its own gravity direction or directions.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The robot.
+    params : (m, k) array_like
+        Geometry parameters, rad or length.
+    gravity_dir : (m, 3) or (m, d, 3) array_like
+        Directions in the body frame, pointing down, of any length > 0; one or d for each posture.
+    channels : sequence of str
+        See `stability`.
+
+    Returns
+    -------
+    dict of str to (m,) or (m, d) float64
+
+    Raises
+    ------
+    InputError
+        For wrong shapes, numbers that are not finite and unknown channels.
+
+    Examples
+    --------
+    >>> from lutgen.recipe.recipe import load_recipe
+    >>> recipe = load_recipe("maps/paper_one.toml")
+    >>> level, steep = [0.0, 0.0, -1.0], [-1.0, 0.0, -1.0]
+    >>> found = evaluate_each(recipe, [[0.5], [0.5]], [level, steep])
+    >>> found["sdg"].round(3), np.degrees(found["tip_angle"]).round(1)
+    (array([0.156,   nan]), array([39.8, -5.2]))
+    """
+    wanted = wanted_channels(channels)
+    where = forward(recipe, params)
+    directions = np.asarray(gravity_dir, dtype=np.float64)
+    each = directions[:, None] if directions.ndim == 2 else directions
+    if each.ndim != 3 or each.shape[::2] != (len(where.com), 3):
+        raise InputError(
+            f"gravity_dir must have one row x, y, z for each of {len(where.com)} postures "
+            f"(got the shape {directions.shape})"
+        )
+    values = measure_recipe(recipe, where, unit_directions(each), wanted, rows=len(CHANNELS))
+    found = {name: values[:, CHANNELS.index(name)] for name in channels}
+    return {
+        name: (value[:, 0] if directions.ndim == 2 else value).copy()
+        for name, value in found.items()
+    }

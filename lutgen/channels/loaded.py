@@ -1,6 +1,6 @@
-"""Stability under a load: forces beside the weight, and a com that lies anywhere in a ball.
+"""Stability under a wrench: forces beside the weight, and a com that lies anywhere in a ball.
 
-Owns the channels of loaded robots in float64; without a load `plain` is faster and has the same
+Owns the channels of loaded robots in float64; without a wrench `plain` is faster and has the same
 meaning.  Verdict and `tip_angle` are exact under forces alone and under an uncertain com alone,
 with one exception: where forces have a moment and the region is not convex they are bounds from
 below.  Under both together they are such bounds, too (docs/reference/conventions.md).
@@ -9,7 +9,6 @@ below.  Under both together they are such bounds, too (docs/reference/convention
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lutgen.channels.axes import (
     ALONG,
@@ -36,35 +35,34 @@ from lutgen.channels.axes import (
     rest,
     zero_moment_point,
 )
-from lutgen.channels.plain import CHANNELS, JUST_OUTSIDE, arc_distance, axis_margin
-from lutgen.jit import njit, prange
+from lutgen.channels.plain import (
+    CHANNELS,
+    JUST_OUTSIDE,
+    Setting,
+    arc_distance,
+    axis_margin,
+    go_beyond,
+)
+from lutgen.jit import njit
 from lutgen.support import (
     CENTROID,
     CONVEX,
     FACETS,
     FIRST,
-    FIRST_AXIS,
     HEIGHT,
     PLANE,
-    SECOND_AXIS,
     SEGMENTS,
     START,
     STOP,
-    Limit,
     Region,
     empty_region,
     facet_table,
-    find_facets,
-    find_region,
     is_standing,
-    robot_size,
+    stand,
     supporting_facet,
     vector_at,
 )
-from lutgen.vector import Bools, Floats, Ints, Vector, cross, dot, length, row, scale, subtract
-
-# As in `each.measure_each`: the six channels, then along, aside and height beyond the region.
-ROWS = len(CHANNELS) + 3
+from lutgen.vector import Bools, Floats, Vector, cross, dot, length, row, scale, subtract
 
 
 @njit(inline=True)
@@ -150,13 +148,13 @@ def whole_axis_angle(axis: Floats, g: Vector) -> float:
 
 
 @njit(inline=True)
-def counts_whole(convex: bool, load: Floats) -> bool:
+def counts_whole(convex: bool, wrench: Floats) -> bool:
     """Tell whether axes count as whole lines: of convex regions, and where only a bound is known.
 
     That is under a moment, and under a force with an uncertain com.
     """
-    pulled = length(part(load, PHI)) > 0.0 and load[RHO] > 0.0
-    return convex or pulled or length(part(load, MU)) > 0.0
+    pulled = length(part(wrench, PHI)) > 0.0 and wrench[RHO] > 0.0
+    return convex or pulled or length(part(wrench, MU)) > 0.0
 
 
 @njit()
@@ -166,17 +164,17 @@ def axis_angle(
     ends: Floats,
     start: Vector,
     stop: Vector,
-    load: Floats,
+    wrench: Floats,
     standing: bool,
     g: Vector,
 ) -> float:
-    """Return the signed angle (rad) from g to one boundary segment under a load.
+    """Return the signed angle (rad) from g to one boundary segment under a wrench.
 
     Where the axis does not count as a whole line, `standing` of the nominal com gives the sign.
     """
-    if counts_whole(convex, load):
+    if counts_whole(convex, wrench):
         return whole_axis_angle(axis, g)
-    rho, phi = load[RHO], part(load, PHI)
+    rho, phi = wrench[RHO], part(wrench, PHI)
     if rho == 0.0:
         away = loaded_arc(axis, ends, start, stop, phi, g)
         return away if standing else -away
@@ -192,7 +190,7 @@ def loaded_margin(
     axis: Floats,
     start: Vector,
     stop: Vector,
-    load: Floats,
+    wrench: Floats,
     standing: bool,
     g: Vector,
 ) -> float:
@@ -202,8 +200,8 @@ def loaded_margin(
     counts a twist as well; of another one it is the segment, and `standing` gives the sign.  A com
     delta away moves the weight alone, so it takes rho |e x g| / |e x F|, at most rho / |F|.
     """
-    rho, mu = load[RHO], part(load, MU)
-    force = add(g, part(load, PHI))
+    rho, mu = wrench[RHO], part(wrench, MU)
+    force = add(g, part(wrench, PHI))
     size = length(force)
     if size < 1e-12:
         return -math.inf
@@ -220,17 +218,17 @@ def loaded_margin(
 
 
 @njit()
-def _lowest_wall(region: Region, wall: Floats, k: int, g: Vector) -> float:
-    """Return the least signed angle (rad) from g to the walls of one facet."""
+def _lowest_edge_plane(region: Region, edge_plane: Floats, k: int, g: Vector) -> float:
+    """Return the least signed angle (rad) from g to the edge planes of one facet."""
     lowest = math.pi
     for e in range(region.span[k, FIRST], region.span[k + 1, FIRST]):
-        lowest = min(lowest, whole_axis_angle(wall[e], g))
+        lowest = min(lowest, whole_axis_angle(edge_plane[e], g))
     return lowest
 
 
 @njit()
 def loaded_verdict(
-    region: Region, axes: Axes, load: Floats, least_cosine: float, g: Vector
+    region: Region, axes: Axes, wrench: Floats, least_cosine: float, g: Vector
 ) -> tuple[int, bool, float]:
     """Return the facet that carries, whether the robot stands, and its tip angle (rad).
 
@@ -239,27 +237,27 @@ def loaded_verdict(
     angles counts.
     """
     count, segment = region.tally, region.segment
-    force, mu = add(g, part(load, PHI)), part(load, MU)
+    force, mu = add(g, part(wrench, PHI)), part(wrench, MU)
     convex = count[CONVEX] == 1
     if count[FACETS] == 0:
         return -1, False, -math.pi
-    if length(part(load, PHI)) + length(mu) > 0.0:
+    if length(part(wrench, PHI)) + length(mu) > 0.0:
         k = pierced_first(region, force, mu)
         standing = k >= 0
         if standing:
-            k, standing = rest(region, axes.wall, force, k, least_cosine)
+            k, standing = rest(region, axes.edge_plane, force, k, least_cosine)
     else:
-        k = supporting_facet(region.plate, count[FACETS], g)
+        k = supporting_facet(region.facet, count[FACETS], g)
         standing = is_standing(region.span, region.edge, region.link, k, g)
-    whole = counts_whole(convex, load)
+    whole = counts_whole(convex, wrench)
     angle = math.pi if standing or whole else -math.pi
     for b in range(count[SEGMENTS]):
         start, stop = vector_at(segment, b, START), vector_at(segment, b, STOP)
-        here = axis_angle(convex, axes.axis[b], axes.ends[b], start, stop, load, standing, g)
+        here = axis_angle(convex, axes.axis[b], axes.ends[b], start, stop, wrench, standing, g)
         angle = min(angle, here) if standing or whole else max(angle, here)
     if whole and not convex:
         for f in range(count[FACETS]):
-            here = _lowest_wall(region, axes.wall, f, g)
+            here = _lowest_edge_plane(region, axes.edge_plane, f, g)
             if here > angle:
                 angle = here
                 k = f if here >= 0.0 else k
@@ -271,23 +269,23 @@ def loaded_verdict(
 def _measure(
     region: Region,
     axes: Axes,
-    load: Floats,
+    wrench: Floats,
     least_cosine: float,
     g: Vector,
     wanted: Bools,
     out: Floats,
 ) -> None:
-    """Fill `out` (6,) with the channels of one direction, see `plain.measure`."""
+    """Fill `out` (6,) with the channels of one direction, see `channels.measure`."""
     count, segment = region.tally, region.segment
-    k, standing, angle = loaded_verdict(region, axes, load, least_cosine, g)
+    k, standing, angle = loaded_verdict(region, axes, wrench, least_cosine, g)
     out[0] = out[1] = out[4] = math.nan
     out[2] = angle
     out[5] = -1.0
     if standing:
-        plane = vector_at(region.plate, k, PLANE)
-        pierced = zero_moment_point(plane, add(g, part(load, PHI)), part(load, MU))
-        out[0] = length(subtract(pierced, vector_at(region.plate, k, CENTROID)))
-        out[1] = region.plate[k, HEIGHT]
+        plane = vector_at(region.facet, k, PLANE)
+        pierced = zero_moment_point(plane, add(g, part(wrench, PHI)), part(wrench, MU))
+        out[0] = length(subtract(pierced, vector_at(region.facet, k, CENTROID)))
+        out[1] = region.facet[k, HEIGHT]
         out[5] = k
     if not wanted[3]:
         return
@@ -296,75 +294,43 @@ def _measure(
     margin = -math.inf if outward or count[FACETS] == 0 else math.inf
     for b in range(count[SEGMENTS]):
         start, stop = vector_at(segment, b, START), vector_at(segment, b, STOP)
-        away = loaded_margin(convex, axes.axis[b], start, stop, load, standing, g)
+        away = loaded_margin(convex, axes.axis[b], start, stop, wrench, standing, g)
         margin = max(margin, away) if outward else min(margin, away)
     out[3] = max(margin, 0.0) if standing else min(margin, JUST_OUTSIDE)
 
 
 @njit()
-def _measure_posture(
-    primitives: Floats, load: Floats, gravity_dir: Floats, limit: Limit, wanted: Bools, out: Floats
+def measure_loaded(
+    begin: int,
+    end: int,
+    primitives: Floats,
+    wrench: Floats,
+    gravity_dir: Floats,
+    setting: Setting,
+    out: Floats,
 ) -> int:
-    """Fill `out` (9, d) for one posture; return 1 where its facet table was too small."""
-    n = primitives.shape[0]
+    """Measure postures [begin, end); as `evaluation.measure_some`, with wrenches (m, 7).
+
+    All wanted channels but margin are computed always; energy_margin is NaN, and so are the last
+    three rows under a moment.
+    """
+    acceptance, wanted = setting
+    n = primitives.shape[1]
     table, region = facet_table(n), empty_region(n)
     axes = empty_axes(region)
-    values = np.empty(6)
-    find_facets(table, primitives, limit[2])
-    find_region(region, table, limit, robot_size(primitives))
-    find_axes(region, load, axes)
-    for d in range(gravity_dir.shape[0]):
-        g = row(gravity_dir, d)
-        _measure(region, axes, load, limit[1], g, wanted, values)
-        for c in range(6):
-            out[c, d] = values[c]
-        force = add(g, part(load, PHI))
-        k = supporting_facet(region.plate, region.tally[FACETS], force)
-        out[6, d] = out[7, d] = out[8, d] = math.nan
-        if k >= 0 and length(part(load, MU)) == 0.0:
-            reach = 1.0 / dot(vector_at(region.plate, k, PLANE), force)
-            out[6, d] = dot(vector_at(region.plate, k, FIRST_AXIS), force) * reach
-            out[7, d] = dot(vector_at(region.plate, k, SECOND_AXIS), force) * reach
-            out[8, d] = region.plate[k, HEIGHT]
-    return int(table.tally[1])
-
-
-@njit(parallel=True)
-def measure_loaded(
-    primitives: Floats, load: Floats, gravity_dir: Floats, limit: Limit, wanted: Bools
-) -> tuple[NDArray[np.float64], Ints]:
-    """Measure m postures under d directions.
-
-    Parameters
-    ----------
-    primitives : (m, n, 8) float64
-        As `primitive.pack` makes them.
-    load : (m, 7) float64
-        From `load.loads`.
-    gravity_dir : (m, d, 3) or (1, d, 3) float64
-        Unit directions, pointing down, of each posture or of all.
-    limit : tuple
-        See `region.limits`; its least height is rho.
-    wanted : (6,) bool
-        Which of `CHANNELS` to compute; all but margin are computed always, energy_margin is NaN.
-
-    Returns
-    -------
-    (m, 9, d) float64
-        As `each.measure_each`; its last three rows are NaN under a moment.
-    (m,) int64
-        1 where a facet table was too small.
-    """
-    m = primitives.shape[0]
-    out = np.empty((m, ROWS, gravity_dir.shape[1]))
-    overflow = np.zeros(m, np.int64)
-    for posture in prange(m):
-        overflow[posture] = _measure_posture(
-            primitives[posture],
-            load[posture],
-            gravity_dir[np.int64(posture) % np.int64(gravity_dir.shape[0])],
-            limit,
-            wanted,
-            out[posture],
-        )
-    return out, overflow
+    values = np.empty(len(CHANNELS))
+    overflow = 0
+    for posture in range(begin, end):
+        load = wrench[posture]
+        overflow += stand(table, region, primitives[posture], acceptance)
+        find_axes(region, load, axes)
+        directions = gravity_dir[posture % gravity_dir.shape[0]]
+        for d in range(directions.shape[0]):
+            g = row(directions, d)
+            _measure(region, axes, load, acceptance.least_cosine, g, wanted, values)
+            for c in range(len(CHANNELS)):
+                out[posture, c, d] = values[c]
+            if out.shape[1] > len(CHANNELS):
+                known = length(part(load, MU)) == 0.0
+                go_beyond(region, add(g, part(load, PHI)), known, out[posture, :, d])
+    return overflow

@@ -1,4 +1,4 @@
-"""Stability of one posture under one gravity direction, and over many of both.
+"""Stability of one posture under one gravity direction.
 
 Owns the definitions of the six channels in float64; `scan` computes the same numbers in rows for
 a sweep.  All directions are unit vectors in the body frame, pointing down.
@@ -6,47 +6,46 @@ a sweep.  All directions are unit vectors in the body frame, pointing down.
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
-from lutgen.jit import few_threads, njit, prange
+from lutgen.jit import njit
 from lutgen.support import (
     CONVEX,
     FACETS,
     FIRST_AXIS,
     HEIGHT,
-    MAX_PRIMITIVES,
     PLANE,
     SECOND_AXIS,
     SEGMENTS,
     START,
     STOP,
     TIP_PLANE,
-    Limit,
+    Acceptance,
     Region,
-    empty_region,
-    facet_table,
-    find_facets,
-    find_region,
     is_standing,
-    limits,
-    pack,
-    robot_size,
     supporting_facet,
     vector_at,
 )
-from lutgen.vector import Bools, Floats, Ints, Vector, cross, dot, length, row, scale, subtract
+from lutgen.vector import Bools, Floats, Ints, Vector, cross, dot, length, scale, subtract
 
 CHANNELS = ("sdg", "height", "tip_angle", "margin", "energy_margin", "facet")
+# Rows of a measurement after those of the channels: how |SD_g| goes on beyond the standing region.
+ALONG, ASIDE, HEIGHT_BEYOND = len(CHANNELS), len(CHANNELS) + 1, len(CHANNELS) + 2
 # What a direction just outside the region gets where its distance rounds to zero, so that the
 # sign alone always tells the verdict, in float32 too.
 JUST_OUTSIDE = -1e-30
-# A thread is worth waking for this many postures, half a millisecond of work for a few contacts;
-# measuring this many directions takes as long as finding the facets of a posture.
-POSTURES_A_THREAD, DIRECTIONS_A_POSTURE = 256, 64
+
+
+class Setting(NamedTuple):
+    """What every posture of a measurement shares: which facets count, and channels asked for."""
+
+    acceptance: Acceptance
+    wanted: NDArray[np.bool_]
 
 
 @njit()
@@ -134,13 +133,13 @@ def axis_energy(start: Vector, stop: Vector, tip_plane: Vector, g: Vector) -> fl
 
 @njit()
 def measure(region: Region, g: Vector, wanted: Bools, out: Floats) -> None:
-    """Fill `out` (6,) with the channels of one direction, in the order of `CHANNELS`.
+    """Fill `out` with the channels of one direction, in the order of `CHANNELS`.
 
-    `wanted` (6,) bool skips the costly ones.  Outside the standing region `sdg` and `height` are
+    `wanted` (bool) skips the costly ones.  Outside the standing region `sdg` and `height` are
     NaN, `facet` is -1 and the others are negative.
     """
-    count, plate, segment = region.tally, region.plate, region.segment
-    k = supporting_facet(plate, count[FACETS], g)
+    count, facet, segment = region.tally, region.facet, region.segment
+    k = supporting_facet(facet, count[FACETS], g)
     convex = count[CONVEX] == 1
     if convex:
         standing = k >= 0
@@ -151,10 +150,10 @@ def measure(region: Region, g: Vector, wanted: Bools, out: Floats) -> None:
     out[0] = out[1] = math.nan
     out[5] = -1.0
     if standing:
-        along = dot(vector_at(plate, k, FIRST_AXIS), g)
-        aside = dot(vector_at(plate, k, SECOND_AXIS), g)
-        out[0] = math.sqrt(along * along + aside * aside) / dot(vector_at(plate, k, PLANE), g)
-        out[1] = plate[k, HEIGHT]
+        along = dot(vector_at(facet, k, FIRST_AXIS), g)
+        aside = dot(vector_at(facet, k, SECOND_AXIS), g)
+        out[0] = math.sqrt(along * along + aside * aside) / dot(vector_at(facet, k, PLANE), g)
+        out[1] = facet[k, HEIGHT]
         out[5] = k
     if wanted[2]:
         out[2] = tip_angle(count, segment, standing, g)
@@ -179,35 +178,19 @@ def measure(region: Region, g: Vector, wanted: Bools, out: Floats) -> None:
 
 
 @njit()
-def _measure_posture(
-    primitives: Floats, gravity_dir: Floats, limit: Limit, wanted: Bools, out: Floats
-) -> int:
-    """Fill `out` (6, g) for one posture; return 1 where its facet table was too small."""
-    n = primitives.shape[0]
-    table, region = facet_table(n), empty_region(n)
-    values = np.empty(6)
-    find_facets(table, primitives, limit[2])
-    find_region(region, table, limit, robot_size(primitives))
-    for d in range(gravity_dir.shape[0]):
-        measure(region, row(gravity_dir, d), wanted, values)
-        for c in range(6):
-            out[c, d] = values[c]
-    return int(table.tally[1])
+def go_beyond(region: Region, force: Vector, known: bool, out: Floats) -> None:
+    """Fill `out` from ALONG on: the components of D_g - s and the height, inside or outside.
 
-
-@njit(parallel=True)
-def _measure_all(
-    primitives: Floats, gravity_dir: Floats, limit: Limit, wanted: Bools
-) -> tuple[Floats, Ints]:
-    """Return ((m, 6, g) channels, 1 where a facet table was too small)."""
-    m = primitives.shape[0]
-    out = np.empty((m, 6, gravity_dir.shape[0]))
-    overflow = np.zeros(m, np.int64)
-    for posture in prange(m):
-        overflow[posture] = _measure_posture(
-            primitives[posture], gravity_dir, limit, wanted, out[posture]
-        )
-    return out, overflow
+    NaN where they are not `known`, and where the force (the direction of gravity without others)
+    leaves through no accepted facet's plane.
+    """
+    out[ALONG] = out[ASIDE] = out[HEIGHT_BEYOND] = math.nan
+    k = supporting_facet(region.facet, region.tally[FACETS], force)
+    if k >= 0 and known:
+        reach = 1.0 / dot(vector_at(region.facet, k, PLANE), force)
+        out[ALONG] = dot(vector_at(region.facet, k, FIRST_AXIS), force) * reach
+        out[ASIDE] = dot(vector_at(region.facet, k, SECOND_AXIS), force) * reach
+        out[HEIGHT_BEYOND] = region.facet[k, HEIGHT]
 
 
 def checked_directions(gravity_dir: ArrayLike) -> NDArray[np.float64]:
@@ -231,115 +214,11 @@ def wanted_channels(channels: Sequence[str]) -> NDArray[np.bool_]:
     return np.array([name in channels for name in CHANNELS])
 
 
-def refuse_overflow(source: str, overflow: Ints, contacts: int) -> None:
-    """Raise InputError where a facet table was too small."""
-    if overflow.any():
+def refuse_overflow(source: str, overflow: int, postures: int, contacts: int) -> None:
+    """Raise InputError where facet tables of `overflow` postures were too small."""
+    if overflow:
         raise InputError(
             f"{source}: a posture has more support facets than its {contacts} contacts can have "
-            f"(got it in {int(overflow.sum())} of {overflow.size} postures); check the radii for "
-            "overlapping spheres"
+            f"(got it in {overflow} of {postures} postures); check the radii for overlapping "
+            "spheres"
         )
-
-
-def measure_postures(
-    centre: NDArray[np.float64],
-    axis: NDArray[np.float64],
-    radius: NDArray[np.float64],
-    kind: NDArray[np.int64],
-    gravity_dir: ArrayLike,
-    channels: Sequence[str],
-    upright: float | None,
-    rock_angle: float | None,
-) -> dict[str, NDArray[np.float64]]:
-    """Return the channels, each (m, g) float64, of m postures of round or pointed contacts.
-
-    `centre` and `axis` are (m, n, 3), relative to the com; `radius` and `kind` (n,) as in
-    `primitive`; the angles are in rad, None for no limit.
-    """
-    wanted = wanted_channels(channels)
-    directions = checked_directions(gravity_dir)
-    work = len(centre) * (1 + len(directions) // DIRECTIONS_A_POSTURE)
-    with few_threads(work, POSTURES_A_THREAD):
-        values, overflow = _measure_all(
-            pack(centre, axis, radius, kind),
-            directions,
-            limits(upright, rock_angle),
-            wanted,
-        )
-    if overflow.any():
-        raise InputError(
-            f"posture {int(np.flatnonzero(overflow)[0])} has more support facets than "
-            f"{centre.shape[1]} contacts can have; check its radii for overlapping spheres"
-        )
-    return {name: values[:, CHANNELS.index(name)].copy() for name in channels}
-
-
-def stability(
-    contacts: ArrayLike,
-    gravity_dir: ArrayLike,
-    channels: Sequence[str] = ("sdg", "tip_angle"),
-    upright: float | None = None,
-    rock_angle: float | None = None,
-) -> dict[str, NDArray[np.float64]]:
-    """Return the stability of m sets of point contacts under g gravity directions.
-
-    Parameters
-    ----------
-    contacts : (m, n, 3) array_like
-        Contact points relative to the com, body frame, any length unit; (n, 3) for one set.
-    gravity_dir : (g, 3) array_like
-        Directions of gravity in the body frame, pointing down, of any length > 0.
-    channels : sequence of str
-        Names from `CHANNELS`.
-    upright, rock_angle : float, optional
-        Limits in rad (see the conventions); None for no limit.
-
-    Returns
-    -------
-    dict of str to (m, g) float64
-        `sdg`, `height`, `margin` and `energy_margin` in the contacts' unit, `tip_angle` in rad.
-        Outside the standing region `sdg` and `height` are NaN and the others negative; exactly on
-        a tip-over axis `tip_angle` is 0; it is pi for a robot that cannot tip, -pi for contacts
-        that support nothing (collinear, or all above the com).
-
-    Raises
-    ------
-    InputError
-        For wrong shapes, numbers that are not finite, fewer than 3 or more than 32 contacts, and
-        unknown channels.
-
-    Examples
-    --------
-    A table of 2 x 1 with its com 1 above the ground, tilted 45 degrees to its long side:
-
-    >>> import numpy as np
-    >>> feet = np.array([[1, .5, -1], [-1, .5, -1], [-1, -.5, -1], [1, -.5, -1]])
-    >>> reading = stability(feet, [[0, 0, -1], [1, 0, -1]])
-    >>> np.degrees(reading["tip_angle"]).round(3)
-    array([[26.565,  0.   ]])
-    >>> reading["sdg"].round(3)
-    array([[0., 1.]])
-    """
-    points = np.array(contacts, dtype=np.float64)
-    if points.ndim == 2:
-        points = points[None]
-    if points.ndim != 3 or points.shape[2] != 3:
-        raise InputError(
-            f"contacts must have the shape (m, n, 3) (got {np.shape(contacts)}); "
-            "give n points x, y, z for each of m postures"
-        )
-    if not 3 <= points.shape[1] <= MAX_PRIMITIVES:
-        raise InputError(f"a posture needs 3 to {MAX_PRIMITIVES} contacts (got {points.shape[1]})")
-    if not np.isfinite(points).all():
-        raise InputError("contacts must be finite numbers (got NaN or infinity)")
-    n = points.shape[1]
-    return measure_postures(
-        points,
-        np.zeros_like(points),
-        np.zeros(n),
-        np.zeros(n, np.int64),
-        gravity_dir,
-        channels,
-        upright,
-        rock_angle,
-    )

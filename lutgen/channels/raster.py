@@ -8,13 +8,16 @@ last square root and division.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lutgen.jit import njit
 from lutgen.support import (
     ACROSS,
     EDGE_KIND,
+    EDGE_PLANE,
     FACETS,
     FIRST,
     FIRST_AXIS,
@@ -22,11 +25,10 @@ from lutgen.support import (
     POINT,
     SECOND_AXIS,
     TIP,
-    WALL,
     Region,
     vector_at,
 )
-from lutgen.vector import Floats, Ints, Singles, Vector, dot, row
+from lutgen.vector import Floats, Singles, Vector, dot, row
 
 # Loops over an interval run over whole vectors of this many nodes; a mask keeps the rest.
 VECTOR = 16
@@ -36,41 +38,64 @@ IN_DOUBT = 1e-6
 TIE = 1.0 + 1e-12
 
 
+class Rows(NamedTuple):
+    """Some rows of one face.
+
+    `basis` (3, 3): middle of the face, its u axis and its v axis; `coords` (nodes + VECTOR,):
+    values of u and v at the nodes, then infinity; `nodes` in a row; the `first` row, and how many
+    are `held`; `inverse` (held * nodes,): 1 / |(u, v, 1)|.
+    """
+
+    basis: NDArray[np.float64]
+    coords: NDArray[np.float64]
+    nodes: int
+    first: int
+    held: int
+    inverse: NDArray[np.float64]
+
+
+class Drawing(NamedTuple):
+    """What `draw_facets` fills, for as many rows as it has room for.
+
+    `squared` and `rate` (rows * nodes + VECTOR,): the terms of |SD_g|, NaN where no facet is;
+    `span` (rows, 2): first and last standing node of each row; `facet` (rows * nodes,): the facet,
+    or empty where nobody asks.  `lines` (e, 6) and `room` (3, rows) are room to work in.
+    """
+
+    squared: NDArray[np.float32]
+    rate: NDArray[np.float32]
+    span: NDArray[np.int64]
+    facet: NDArray[np.int64]
+    lines: NDArray[np.float64]
+    room: NDArray[np.float64]
+
+
 @njit()
-def _edge_lines(
-    plate: Floats,
-    first: Ints,
-    edge: Floats,
-    link: Ints,
-    k: int,
-    corner: Vector,
-    aside: Vector,
-    along: Vector,
-    origin: float,
-    per_step: float,
-    lines: Floats,
-) -> int:
+def _edge_lines(region: Region, rows: Rows, k: int, lines: Floats) -> int:
     """Fill a row of `lines` for every edge of facet k on one face; return their number.
 
     Columns: c, b, a of the affine function c + b v + a u that is >= 0 on the facet's side; the
     place of its root counted in nodes, as constant and factor of v; 1 where the root itself
-    belongs to the facet beyond.  `corner`, `aside`, `along` are the middle of the face and its v
-    and u axes.  A tip-over axis counts with its plane; towards a facet beyond, the edge is where
-    the two planes are pierced at once, so two neighbours never leave a node between them.
+    belongs to the facet beyond.  A tip-over axis counts with its plane; towards a facet beyond,
+    the edge is where the two planes are pierced at once, so two neighbours never leave a node
+    between them.
     """
+    facet, first, edge, link = region.facet, region.span, region.edge, region.link
+    corner, along, aside = row(rows.basis, 0), row(rows.basis, 1), row(rows.basis, 2)
+    origin, per_step = rows.coords[0], 1.0 / (rows.coords[1] - rows.coords[0])
     count = 0
     for e in range(first[k, FIRST], first[k + 1, FIRST]):
         beyond_wins = 0.0
         if link[e, EDGE_KIND] == TIP:
-            plane = vector_at(edge, e, WALL)
+            plane = vector_at(edge, e, EDGE_PLANE)
         else:
             other = link[e, ACROSS]
             mine, theirs = (TIE, 1.0) if k < other else (1.0, TIE)
             beyond_wins = 1.0 if other < k else 0.0
             plane = (
-                mine * plate[k, PLANE + 0] - theirs * plate[other, PLANE + 0],
-                mine * plate[k, PLANE + 1] - theirs * plate[other, PLANE + 1],
-                mine * plate[k, PLANE + 2] - theirs * plate[other, PLANE + 2],
+                mine * facet[k, PLANE + 0] - theirs * facet[other, PLANE + 0],
+                mine * facet[k, PLANE + 1] - theirs * facet[other, PLANE + 1],
+                mine * facet[k, PLANE + 2] - theirs * facet[other, PLANE + 2],
             )
         level, tilt, slope = dot(plane, corner), dot(plane, aside), dot(plane, along)
         scaled = -per_step / slope if slope != 0.0 else 0.0
@@ -110,10 +135,11 @@ def _interval(lines: Floats, count: int, coords: Floats, nodes: int, v: float) -
 
 
 @njit()
-def _rows_of_facet(
-    first: Ints, edge: Floats, k: int, corner: Vector, aside: Vector, along: Vector, limit: float
-) -> tuple[float, float]:
+def _rows_of_facet(region: Region, rows: Rows, k: int) -> tuple[float, float]:
     """Return the span of v that facet k can have on a face, empty (1, 0) if it has none."""
+    first, edge = region.span, region.edge
+    corner, along, aside = row(rows.basis, 0), row(rows.basis, 1), row(rows.basis, 2)
+    limit = rows.coords[rows.nodes - 1]
     lowest, highest = math.inf, -math.inf
     beyond = np.int64(15)
     behind = False
@@ -152,21 +178,20 @@ def _factor_terms(
     rate: Singles,
     offset: int,
     coords: Floats,
-    start: int,
-    stop: int,
-    u_from: float,
-    u_to: float,
-    a1: float,
-    b1: float,
-    a2: float,
-    b2: float,
-    a0: float,
-    b0: float,
+    interval: tuple[int, int],
+    level: Vector,
+    slope: Vector,
 ) -> None:
-    """Set the terms of |SD_g| between two values of u, and leave the rest of the vectors alone.
+    """Set the terms of |SD_g| on nodes [begin, end) of a row, and leave the rest of vectors alone.
 
+    `level` and `slope` give w1.g, w2.g and a.g as functions of u.
     Unsigned indices: numba does not look for negative ones, and the loop becomes vectors.
     """
+    begin, end = interval
+    start, stop = begin // VECTOR * VECTOR, (end + VECTOR - 1) // VECTOR * VECTOR
+    u_from, u_to = coords[begin], coords[end - 1]
+    a1, a2, a0 = level
+    b1, b2, b0 = slope
     for i in range(np.uint64(start), np.uint64(stop)):
         u = coords[i]
         along = a1 + b1 * u
@@ -186,25 +211,18 @@ def stability_factor(squared: Singles, rate: Singles, out: Singles) -> None:
 
 @njit(inline=True)
 def _all_intervals(
-    lines: Floats,
-    count: int,
-    coords: Floats,
-    nodes: int,
-    first_row: int,
-    begin_row: int,
-    end_row: int,
-    begins: Floats,
-    ends: Floats,
-    doubt: Floats,
+    lines: Floats, count: int, rows: Rows, begin_row: int, end_row: int, room: Floats
 ) -> None:
     """Fill the first node and the one after the last for rows of one facet, many rows at a time.
 
-    `doubt` receives the least distance of a root from a node, counted in nodes: where it is below
-    `IN_DOUBT` the row must be asked for with `_interval`.
+    The third row of `room` receives the least distance of a root from a node, counted in nodes:
+    where it is below `IN_DOUBT` the row must be asked for with `_interval`.
     """
+    begins, ends, doubt = room[0], room[1], room[2]
+    coords, first_row = rows.coords, rows.first
     for r in range(np.uint64(begin_row), np.uint64(end_row)):
         begins[r] = 0.0
-        ends[r] = nodes
+        ends[r] = rows.nodes
         doubt[r] = 1.0
     for e in range(count):
         slope, origin, tilt = lines[e, 2], lines[e, 3], lines[e, 4]
@@ -218,31 +236,15 @@ def _all_intervals(
 
 
 @njit()
-def draw_facets(
-    region: Region,
-    basis: Floats,
-    coords: Floats,
-    nodes: int,
-    first_row: int,
-    rows: int,
-    lines: Floats,
-    span: Ints,
-    room: Floats,
-    squared: Singles,
-    rate: Singles,
-    out_k: Ints,
-) -> bool:
-    """Draw all facets onto rows of one face: fill the |SD_g| terms and, if asked, the facet index.
-
-    `squared` and `rate` receive the terms, NaN where no facet is; `span` (rows, 2) the first and
-    last standing node of each row; `out_k` (rows * nodes,) the facet or is empty.
-    `lines` (e, 6) and `room` (3, rows) are room to work in.
-    """
-    plate, first, edge, link = region.plate, region.span, region.edge, region.link
+def draw_facets(region: Region, rows: Rows, drawing: Drawing) -> bool:
+    """Draw all facets onto rows of one face; tell whether there were any."""
+    squared, rate, span, lines = drawing.squared, drawing.rate, drawing.span, drawing.lines
+    basis, coords, nodes = rows.basis, rows.coords, rows.nodes
+    facet = region.facet
     corner, along, aside = row(basis, 0), row(basis, 1), row(basis, 2)
-    begins, ends, doubt = room[0], room[1], room[2]
-    squared[: rows * nodes] = np.float32(np.nan)
-    for r in range(rows):
+    begins, ends, doubt = drawing.room[0], drawing.room[1], drawing.room[2]
+    squared[: rows.held * nodes] = np.float32(np.nan)
+    for r in range(rows.held):
         span[r, 0] = nodes
         span[r, 1] = 0
     drawn = False
@@ -250,27 +252,23 @@ def draw_facets(
     step = coords[1] - coords[0]
     # Descending, so that the lower index has the last word wherever two overlap.
     for k in range(region.tally[FACETS] - 1, -1, -1):
-        lowest, highest = _rows_of_facet(first, edge, k, corner, aside, along, limit)
+        lowest, highest = _rows_of_facet(region, rows, k)
         if lowest > highest:
             continue
-        begin_row = max(math.floor((max(lowest, -limit) - coords[0]) / step) - first_row, 0)
-        end_row = min(math.ceil((min(highest, limit) - coords[0]) / step) + 1 - first_row, rows)
+        begin_row = max(math.floor((max(lowest, -limit) - coords[0]) / step) - rows.first, 0)
+        end_row = math.ceil((min(highest, limit) - coords[0]) / step) + 1 - rows.first
+        end_row = min(end_row, rows.held)
         if begin_row >= end_row:
             continue
-        edges = _edge_lines(
-            plate, first, edge, link, k, corner, aside, along, coords[0], 1.0 / step, lines
-        )
-        plane = vector_at(plate, k, PLANE)
-        w1, w2 = vector_at(plate, k, FIRST_AXIS), vector_at(plate, k, SECOND_AXIS)
+        edges = _edge_lines(region, rows, k, lines)
+        plane = vector_at(facet, k, PLANE)
+        w1, w2 = vector_at(facet, k, FIRST_AXIS), vector_at(facet, k, SECOND_AXIS)
         c0, b0, a0 = dot(plane, corner), dot(plane, aside), dot(plane, along)
         c1, b1, a1 = dot(w1, corner), dot(w1, aside), dot(w1, along)
         c2, b2, a2 = dot(w2, corner), dot(w2, aside), dot(w2, along)
-        _all_intervals(
-            *(lines, edges, coords, nodes, first_row, begin_row, end_row),
-            *(begins, ends, doubt),
-        )
+        _all_intervals(lines, edges, rows, begin_row, end_row, drawing.room)
         for r in range(begin_row, end_row):
-            v = coords[first_row + r]
+            v = coords[rows.first + r]
             if doubt[r] < IN_DOUBT:
                 begin, end = _interval(lines, edges, coords, nodes, v)
             else:
@@ -280,13 +278,11 @@ def draw_facets(
             drawn = True
             span[r, 0] = min(span[r, 0], begin)
             span[r, 1] = max(span[r, 1], end)
-            start = begin // VECTOR * VECTOR
-            stop = (end + VECTOR - 1) // VECTOR * VECTOR
+            level = (c1 + b1 * v, c2 + b2 * v, c0 + b0 * v)
             _factor_terms(
-                *(squared, rate, r * nodes, coords, start, stop, coords[begin], coords[end - 1]),
-                *(c1 + b1 * v, a1, c2 + b2 * v, a2, c0 + b0 * v, a0),
+                *(squared, rate, r * nodes, coords, (begin, end), level, (a1, a2, a0)),
             )
-            if out_k.shape[0] > 0:
+            if drawing.facet.shape[0] > 0:
                 for i in range(r * nodes + begin, r * nodes + end):
-                    out_k[i] = k
+                    drawing.facet[i] = k
     return drawn

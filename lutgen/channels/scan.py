@@ -1,30 +1,36 @@
 """Blocks of a map: the channels of many postures over rows of directions, in float32.
 
-Owns the one parallel loop of a sweep.  Robots without gaps go the fast way through `raster` and
-`tilt`; whatever those do not cover is computed node by node with `plain.measure`.
+Owns the loop of a sweep.  Robots without gaps go the fast way through `raster` and `tilt_rows`;
+whatever those do not cover is computed node by node with `plain.measure`, and robots under a wrench
+with `evaluation.measure_postures`.
 """
 
 import math
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from lutgen.channels.plain import measure
-from lutgen.channels.raster import VECTOR, draw_facets, stability_factor
+from lutgen.channels.evaluation import measure_postures
+from lutgen.channels.plain import CHANNELS, Setting, measure, wanted_channels
+from lutgen.channels.raster import VECTOR, Drawing, Rows, draw_facets, stability_factor
 from lutgen.channels.tilt_rows import agree_in_sign, arc_rows, tip_rows
-from lutgen.jit import njit, prange
+from lutgen.channels.wrench import acceptance_of, wrenches
+from lutgen.chart import Chart
+from lutgen.jit import in_threads, njit
+from lutgen.recipe import Recipe, forward, radii_and_kinds
 from lutgen.support import (
     CONVEX,
     FACETS,
     GAPS,
     HEIGHT,
     SEGMENTS,
-    Limit,
     Region,
     empty_region,
     facet_table,
-    find_facets,
-    find_region,
-    robot_size,
+    pack,
+    stand,
 )
 from lutgen.vector import Bools, Floats, Singles, Vector
 
@@ -33,6 +39,28 @@ from lutgen.vector import Bools, Floats, Singles, Vector
 BAND = 4096
 # Below this many directions, setting up a face costs more than it saves.
 FEW_DIRECTIONS = 16
+# Readings of a loaded robot that are held in float64 at once, 48 bytes each.
+AT_ONCE = 1 << 17
+
+
+class Nodes(NamedTuple):
+    """The nodes of a chart, as the kernel reads them.
+
+    `basis` (faces, 3, 3): per face its middle, its u axis and its v axis (see
+    `chart.Chart.basis`); `coords` (nodes + VECTOR,): values of u and v at the nodes, and infinity
+    for padding (never inside an interval); `inverse` (nodes * nodes,): 1 / |(u, v, 1)| of the
+    nodes of a face.
+    """
+
+    basis: NDArray[np.float64]
+    coords: NDArray[np.float64]
+    inverse: NDArray[np.float64]
+
+
+def nodes_of(chart: Chart) -> Nodes:
+    """Return the nodes of a chart."""
+    coords = np.concatenate([chart.coords, np.full(VECTOR, np.inf)])
+    return Nodes(chart.basis(), coords, chart.inverse_length().ravel())
 
 
 @njit()
@@ -46,149 +74,100 @@ def _node_direction(basis: Floats, u: float, v: float) -> Vector:
 
 
 @njit()
-def _each_node(
-    region: Region,
-    basis: Floats,
-    coords: Floats,
-    nodes: int,
-    first_row: int,
-    rows: int,
-    wanted: Bools,
-    values: Floats,
-    out: Singles,
-) -> None:
+def _each_node(region: Region, rows: Rows, wanted: Bools, values: Floats, out: Singles) -> None:
     """Fill the wanted channels of rows of one face node by node, for any region."""
-    for r in range(rows):
-        v = coords[first_row + r]
-        for i in range(nodes):
-            measure(region, _node_direction(basis, coords[i], v), wanted, values)
-            for c in range(6):
+    for r in range(rows.held):
+        v = rows.coords[rows.first + r]
+        for i in range(rows.nodes):
+            measure(region, _node_direction(rows.basis, rows.coords[i], v), wanted, values)
+            for c in range(len(CHANNELS)):
                 if wanted[c]:
-                    out[c, r * nodes + i] = np.float32(values[c])
+                    out[c, r * rows.nodes + i] = np.float32(values[c])
 
 
 @njit()
-def _scan_part(
-    primitives: Floats,
-    limit: Limit,
-    basis: Floats,
-    coords: Floats,
-    inverse_length: Floats,
-    first: int,
-    per_posture: int,
-    wanted: Bools,
+def scan_part(
     begin: int,
     end: int,
+    primitives: Floats,
+    setting: Setting,
+    chart: Nodes,
+    span: tuple[int, int],
     out: Singles,
 ) -> int:
     """Fill rows [begin, end) of a block, counted through its postures; see `scan`."""
+    acceptance, wanted = setting
+    first, per_posture = span[0], span[1] - span[0]
+    coords = chart.coords
     nodes = coords.shape[0] - VECTOR
     n = primitives.shape[1]
     overflow = 0
     table, region = facet_table(n), empty_region(n)
-    values = np.empty(6)
-    lines = np.empty((table.link.shape[0], 6))
+    values = np.empty(len(CHANNELS))
     planes = np.empty((region.segment.shape[0] + 4, 3))
     band_rows = max(BAND // nodes, 1)
-    squared = np.empty(band_rows * nodes + VECTOR, np.float32)
-    rate = np.empty(band_rows * nodes + VECTOR, np.float32)
+    drawing = Drawing(
+        np.empty(band_rows * nodes + VECTOR, np.float32),
+        np.empty(band_rows * nodes + VECTOR, np.float32),
+        np.empty((band_rows, 2), np.int64),
+        np.empty(band_rows * nodes if wanted[1] or wanted[5] else 0, np.int64),
+        np.empty((table.link.shape[0], 6)),
+        np.empty((3, band_rows)),
+    )
+    squared = drawing.squared
     lowest = np.empty(band_rows * nodes + VECTOR)
     cosine = np.empty(band_rows * nodes)
-    span = np.empty((band_rows, 2), np.int64)
-    room = np.empty((3, band_rows))
-    facet_band = np.empty(band_rows * nodes if wanted[1] or wanted[5] else 0, np.int64)
     current = -1
     at = begin
     while at < end:
         posture = at // per_posture
         if posture != current:
             current = posture
-            find_facets(table, primitives[posture], limit[2])
-            find_region(region, table, limit, robot_size(primitives[posture]))
-            overflow += table.tally[1]
+            overflow += stand(table, region, primitives[posture], acceptance)
         line = first + at - posture * per_posture
         face, first_row = line // nodes, line % nodes
-        rows = min(band_rows, nodes - first_row, end - at, (posture + 1) * per_posture - at)
-        span_out = slice(at * nodes, (at + rows) * nodes)
-        at += rows
-        frame = basis[face]
+        held = min(band_rows, nodes - first_row, end - at, (posture + 1) * per_posture - at)
+        place = slice(at * nodes, (at + held) * nodes)
+        at += held
+        inverse = chart.inverse[first_row * nodes : (first_row + held) * nodes]
+        rows = Rows(chart.basis[face], coords, nodes, first_row, held, inverse)
         simple = not (wanted[3] or wanted[4]) and region.tally[GAPS] == 0
-        if not simple or basis.shape[0] * nodes * nodes < FEW_DIRECTIONS:
-            _each_node(
-                region, frame, coords, nodes, first_row, rows, wanted, values, out[:, span_out]
-            )
+        if not simple or chart.basis.shape[0] * nodes * nodes < FEW_DIRECTIONS:
+            _each_node(region, rows, wanted, values, out[:, place])
             continue
-        drawn = draw_facets(
-            region,
-            frame,
-            coords,
-            nodes,
-            first_row,
-            rows,
-            lines,
-            span,
-            room,
-            squared,
-            rate,
-            facet_band,
-        )
-        count = rows * nodes
+        drawn = draw_facets(region, rows, drawing)
+        count = held * nodes
         if wanted[0]:
-            target = out[0, span_out]
+            target = out[0, place]
             if drawn:
-                stability_factor(squared[:count], rate[:count], target)
+                stability_factor(squared[:count], drawing.rate[:count], target)
             else:
                 target[:] = np.float32(np.nan)
         if wanted[1] or wanted[5]:
             for i in range(count):
                 standing = squared[i] == squared[i]
-                k = facet_band[i] if standing else 0
+                k = drawing.facet[i] if standing else 0
                 if wanted[1]:
-                    high = np.float32(region.plate[k, HEIGHT]) if standing else np.float32(np.nan)
-                    out[1, span_out.start + i] = high
+                    high = np.float32(region.facet[k, HEIGHT]) if standing else np.float32(np.nan)
+                    out[1, place.start + i] = high
                 if wanted[5]:
-                    out[5, span_out.start + i] = np.float32(k) if standing else np.float32(-1)
+                    out[5, place.start + i] = np.float32(k) if standing else np.float32(-1)
         if wanted[2]:
-            target = out[2, span_out]
-            inverse = inverse_length[first_row * nodes : (first_row + rows) * nodes]
+            target = out[2, place]
             if region.tally[FACETS] == 0:
                 target[:] = np.float32(-math.pi)
             elif region.tally[SEGMENTS] == 0:
                 target[:] = np.float32(math.pi)
             elif region.tally[CONVEX] == 1:
-                tip_rows(
-                    region,
-                    frame,
-                    coords,
-                    nodes,
-                    first_row,
-                    rows,
-                    planes,
-                    lowest,
-                    inverse,
-                    target,
-                )
-                agree_in_sign(target, span, nodes, rows)
+                tip_rows(region, rows, planes, lowest, target)
+                agree_in_sign(target, drawing.span, nodes, held)
             else:
-                arc_rows(
-                    *(region, frame, coords, nodes, first_row, rows, lowest, cosine),
-                    *(inverse, squared, target),
-                )
+                arc_rows(region, rows, squared, lowest, cosine, target)
     return overflow
 
 
-@njit(parallel=True)
 def scan(
-    primitives: Floats,
-    limit: Limit,
-    basis: Floats,
-    coords: Floats,
-    inverse_length: Floats,
-    first: int,
-    last: int,
-    wanted: Bools,
-    parts: int,
-    out: Singles,
+    primitives: Floats, setting: Setting, chart: Nodes, span: tuple[int, int], out: Singles
 ) -> int:
     """Fill the channels of a block of postures over a range of rows.
 
@@ -196,21 +175,13 @@ def scan(
     ----------
     primitives : (m, n, 8) float64
         Primitives of every posture, relative to the com, rows of `primitive.pack`.
-    limit : tuple
-        See `region.limits`.
-    basis : (faces, 3, 3) float64
-        Per face its middle, its u axis and its v axis (see `chart.Chart.basis`).
-    coords : (nodes + VECTOR,) float64
-        Values of u and v at the nodes, and infinity for padding (never inside an interval).
-    inverse_length : (nodes * nodes,) float64
-        1 / sqrt(1 + u^2 + v^2) of the nodes of a face.
-    first, last : int
-        Rows [first, last) of the faces * nodes rows of a posture.
-    wanted : (6,) bool
-        Channels to fill, in the order of `plain.CHANNELS`.
-    parts : int
-        How many parts the work is cut into; the values do not depend on it.
-    out : (6, at least m * (last - first) * nodes) float32
+    setting : Setting
+        Which facets count, and the channels to fill.
+    chart : Nodes
+        The directions.
+    span : tuple of int
+        First row and the one after the last, of the faces * nodes rows of a posture.
+    out : (6, at least m * rows * nodes) float32
         Filled from the left where wanted.  C-contiguous: of a strided array the compiler makes
         loops three times as slow.
 
@@ -219,14 +190,53 @@ def scan(
     int
         Number of postures with more facets than a table holds; 0 unless spheres overlap oddly.
     """
-    per_posture = last - first
-    total = primitives.shape[0] * per_posture
-    overflow = np.zeros(parts, np.int64)
-    # The loop holds nothing but a call: numba takes long over large parallel bodies.
-    for part in prange(parts):
-        begin, end = part * total // parts, (part + 1) * total // parts
-        overflow[part] = _scan_part(
-            *(primitives, limit, basis, coords, inverse_length, first, per_posture, wanted),
-            *(begin, end, out),
-        )
-    return int(overflow.sum())
+    lines = len(primitives) * (span[1] - span[0])
+    return in_threads(scan_part, lines, primitives, setting, chart, span, out)
+
+
+class Scanner:
+    """Fills channels of any postures of a recipe over rows of a chart.
+
+    `rows` is the number of rows of a posture: faces * nodes.  Loaded robots are measured node by
+    node.
+    """
+
+    def __init__(self, recipe: Recipe, chart: Chart, channels: Sequence[str]) -> None:
+        self._recipe = recipe
+        self.rows = chart.faces * chart.nodes
+        self._nodes = nodes_of(chart)
+        self._setting = Setting(acceptance_of(recipe), wanted_channels(channels))
+        self._radius, self._kind = radii_and_kinds(recipe)
+        # Of loaded robots alone: of the others the kernel makes the directions itself.
+        self._directions = chart.directions().reshape(self.rows, -1, 3) if recipe.loaded else None
+
+    def fill(self, params: Floats, first: int, last: int, out: Singles) -> int:
+        """Fill `out` for postures (m, k) over rows [first, last) of each; see `scan`."""
+        postures = forward(self._recipe, params)
+        primitives = pack(postures.centres, postures.axes, self._radius, self._kind)
+        if self._directions is None:
+            return scan(primitives, self._setting, self._nodes, (first, last), out)
+        directions = self._directions[first:last].reshape(1, -1, 3)
+        return self._fill_loaded(primitives, wrenches(self._recipe, postures), directions, out)
+
+    def _fill_loaded(
+        self, primitives: Floats, wrench: Floats, directions: Floats, out: Singles
+    ) -> int:
+        """Fill `out` for a loaded robot, some postures and directions at a time."""
+        count = directions.shape[1]
+        few = max(1, AT_ONCE // count)
+        overflow = 0
+        for begin in range(0, len(primitives), few):
+            some = slice(begin, begin + few)
+            for at in range(0, count, AT_ONCE):
+                part = directions[:, at : at + AT_ONCE]
+                values, over = measure_postures(
+                    primitives[some], wrench[some], part, self._setting, len(CHANNELS)
+                )
+                overflow += over
+                held = values.shape[2]
+                for channel in np.flatnonzero(self._setting.wanted):
+                    for i, value in enumerate(values[:, channel]):
+                        place = (begin + i) * count + at
+                        out[channel, place : place + held] = value
+        return overflow

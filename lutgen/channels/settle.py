@@ -15,31 +15,30 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lutgen.channels.axes import MOMENT, MU, PHI, RHO, add, enter_walls, part
-from lutgen.channels.load import limits_of, loads
-from lutgen.channels.plain import POSTURES_A_THREAD, refuse_overflow
+from lutgen.channels.axes import MOMENT, MU, PHI, RHO, add, enter_edge_planes, part
+from lutgen.channels.evaluation import POSTURES_A_THREAD
+from lutgen.channels.plain import refuse_overflow
+from lutgen.channels.wrench import acceptance_of, wrenches
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
-from lutgen.jit import few_threads, njit, prange
+from lutgen.jit import in_threads, njit
 from lutgen.recipe import Recipe, forward, radii_and_kinds
 from lutgen.support import (
+    EDGE_PLANE,
     FACETS,
     FIRST,
     HEIGHT,
     PLANE,
-    WALL,
-    Limit,
+    Acceptance,
     Region,
     empty_region,
     facet_table,
-    find_facets,
-    find_region,
     pack,
-    robot_size,
+    stand,
     supporting_facet,
     vector_at,
 )
-from lutgen.vector import Floats, Ints, Vector, dot, row, scale
+from lutgen.vector import Floats, Vector, dot, row, scale
 
 CONVENTIONS = ("body", "plane")
 
@@ -66,19 +65,21 @@ def turned(up: Vector, x: Vector) -> Vector:
 
 
 @njit()
-def _lowest_wall(region: Region, wall: Floats, k: int, force: Vector) -> float:
+def _lowest_edge_plane(region: Region, edge_plane: Floats, k: int, force: Vector) -> float:
     """Return how far the resultant is inside the nearest side of facet k, negative outside.
 
-    Without a load it is the sine of the angle from gravity to that side.
+    Without forces it is the sine of the angle from gravity to that side.
     """
     lowest = 1.0
     for e in range(region.span[k, FIRST], region.span[k + 1, FIRST]):
-        lowest = min(lowest, dot(vector_at(region.edge, e, WALL), force) + wall[e, MOMENT])
+        lowest = min(
+            lowest, dot(vector_at(region.edge, e, EDGE_PLANE), force) + edge_plane[e, MOMENT]
+        )
     return lowest
 
 
 @njit()
-def _settle(region: Region, wall: Floats, load: Floats, gravity_plane: Vector) -> Vector:
+def _settle(region: Region, edge_plane: Floats, wrench: Floats, gravity_plane: Vector) -> Vector:
     """Return the body's gravity direction when the robot rests on the plane.
 
     Of the facets that carry the robot when they lie on the plane, the least inclined to the
@@ -86,45 +87,49 @@ def _settle(region: Region, wall: Floats, load: Floats, gravity_plane: Vector) -
     tips; without any facet the plane is taken to be the body's own.
     """
     best, best_up = -1, -2.0
-    nearest, nearest_wall = -1, -math.inf
-    loaded = np.abs(load[:RHO]).max() > 0.0
+    nearest, nearest_inside = -1, -math.inf
+    loaded = np.abs(wrench[:RHO]).max() > 0.0
     for k in range(region.tally[FACETS]):
-        up = scale(vector_at(region.plate, k, PLANE), -region.plate[k, HEIGHT])
+        up = scale(vector_at(region.facet, k, PLANE), -region.facet[k, HEIGHT])
         g = turned(up, gravity_plane)
-        inside = _lowest_wall(region, wall, k, add(g, part(load, PHI)))
-        # Under a load the zero-moment point is in this facet and not where a ray comes first.
-        first = loaded or supporting_facet(region.plate, region.tally[FACETS], g) == k
+        inside = _lowest_edge_plane(region, edge_plane, k, add(g, part(wrench, PHI)))
+        # Under a wrench the zero-moment point is in this facet and not where a ray comes first.
+        first = loaded or supporting_facet(region.facet, region.tally[FACETS], g) == k
         carries = first and inside >= 0.0
         if carries and up[2] > best_up:
             best, best_up = k, up[2]
-        if inside > nearest_wall:
-            nearest, nearest_wall = k, inside
+        if inside > nearest_inside:
+            nearest, nearest_inside = k, inside
     chosen = best if best >= 0 else nearest
     if chosen < 0:
         return gravity_plane
-    up = scale(vector_at(region.plate, chosen, PLANE), -region.plate[chosen, HEIGHT])
+    up = scale(vector_at(region.facet, chosen, PLANE), -region.facet[chosen, HEIGHT])
     return turned(up, gravity_plane)
 
 
-@njit(parallel=True)
-def _settle_all(
-    primitives: Floats, load: Floats, gravity_plane: Floats, limit: Limit
-) -> tuple[Floats, Ints]:
-    """Return the body's gravity directions (m, 3), and 1 where a facet table was too small."""
-    m, n = primitives.shape[0], primitives.shape[1]
-    down, overflow = np.empty((m, 3)), np.zeros(m, np.int64)
-    for posture in prange(m):
-        table, region = facet_table(n), empty_region(n)
-        find_facets(table, primitives[posture], limit[2])
-        find_region(region, table, limit, robot_size(primitives[posture]))
-        wall = np.zeros((region.edge.shape[0], 16))
-        if np.abs(load[posture, MU:RHO]).max() > 0.0:
-            enter_walls(region, load[posture], wall)
+@njit()
+def _settle_some(
+    begin: int,
+    end: int,
+    primitives: Floats,
+    wrench: Floats,
+    gravity_plane: Floats,
+    acceptance: Acceptance,
+    down: Floats,
+) -> int:
+    """Fill the body's gravity directions `down` (m, 3); return how many tables were too small."""
+    n = primitives.shape[1]
+    table, region = facet_table(n), empty_region(n)
+    overflow = 0
+    for posture in range(begin, end):
+        overflow += stand(table, region, primitives[posture], acceptance)
+        edge_plane = np.zeros((region.edge.shape[0], 16))
+        if np.abs(wrench[posture, MU:RHO]).max() > 0.0:
+            enter_edge_planes(region, wrench[posture], edge_plane)
         down[posture, 0], down[posture, 1], down[posture, 2] = _settle(
-            region, wall, load[posture], row(gravity_plane, posture)
+            region, edge_plane, wrench[posture], row(gravity_plane, posture)
         )
-        overflow[posture] = table.tally[1]
-    return down, overflow
+    return overflow
 
 
 def body_gravity(
@@ -170,12 +175,11 @@ def body_gravity(
     if convention == "body":
         return directions.copy()
     radius, kind = radii_and_kinds(recipe)
-    with few_threads(count, POSTURES_A_THREAD):
-        down, overflow = _settle_all(
-            pack(posture.centres, posture.axes, radius, kind),
-            loads(recipe, posture),
-            directions,
-            limits_of(recipe),
-        )
-    refuse_overflow(recipe.source, overflow, len(kind))
+    down = np.empty((count, 3))
+    overflow = in_threads(
+        *(_settle_some, count, pack(posture.centres, posture.axes, radius, kind)),
+        *(wrenches(recipe, posture), directions, acceptance_of(recipe), down),
+        least=POSTURES_A_THREAD,
+    )
+    refuse_overflow(recipe.source, overflow, count, len(kind))
     return down

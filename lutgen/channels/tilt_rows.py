@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from lutgen.channels.plain import JUST_OUTSIDE
-from lutgen.channels.raster import VECTOR
+from lutgen.channels.raster import VECTOR, Rows
 from lutgen.jit import njit
 from lutgen.support import SEGMENTS, START, STOP, TIP_PLANE, Region, vector_at
 from lutgen.vector import Floats, Ints, Singles, cross, dot, row, unit
@@ -74,20 +74,10 @@ def _arcsines(sine: Floats, inverse_length: Floats, out: Singles) -> None:
 
 
 @njit()
-def tip_rows(
-    region: Region,
-    basis: Floats,
-    coords: Floats,
-    nodes: int,
-    first_row: int,
-    rows: int,
-    planes: Floats,
-    lowest: Floats,
-    inverse: Floats,
-    out: Singles,
-) -> None:
+def tip_rows(region: Region, rows: Rows, planes: Floats, lowest: Floats, out: Singles) -> None:
     """Fill `out` with the tip angle of a convex region on rows of one face."""
-    corner, along, aside = row(basis, 0), row(basis, 1), row(basis, 2)
+    coords, nodes = rows.coords, rows.nodes
+    corner, along, aside = row(rows.basis, 0), row(rows.basis, 1), row(rows.basis, 2)
     segment, count = region.segment, region.tally[SEGMENTS]
     padded = (count + 3) // 4 * 4
     for b in range(padded):
@@ -96,23 +86,16 @@ def tip_rows(
         planes[b, 0], planes[b, 1] = dot(plane, corner), dot(plane, aside)
         planes[b, 2] = dot(plane, along)
     width = (nodes + VECTOR - 1) // VECTOR * VECTOR
-    for r in range(rows):
+    for r in range(rows.held):
         # The last vector of a row runs into the next one, which is set after it.
         for b in range(0, padded, 4):
-            _lowest_of_four(lowest, r * nodes, coords, width, planes, b, coords[first_row + r])
-    _arcsines(lowest[: rows * nodes], inverse, out)
+            _lowest_of_four(lowest, r * nodes, coords, width, planes, b, coords[rows.first + r])
+    _arcsines(lowest[: rows.held * nodes], rows.inverse, out)
 
 
 @njit(inline=True)
 def _nearest_arc(
-    sine: Floats,
-    cosine: Floats,
-    offset: int,
-    coords: Floats,
-    width: int,
-    inverse: Floats,
-    arc: Floats,
-    v: float,
+    sine: Floats, cosine: Floats, offset: int, rows: Rows, arc: Floats, v: float
 ) -> None:
     """Lower `sine` and raise `cosine` by one boundary arc, along a row.
 
@@ -125,7 +108,8 @@ def _nearest_arc(
     t0, t1 = arc[2, 0] + arc[2, 1] * v, arc[2, 2]
     p0, p1 = arc[3, 0] + arc[3, 1] * v, arc[3, 2]
     q0, q1 = arc[4, 0] + arc[4, 1] * v, arc[4, 2]
-    for i in range(np.uint64(width)):
+    coords, inverse = rows.coords, rows.inverse
+    for i in range(np.uint64(rows.nodes)):
         u = coords[i]
         at = np.uint64(offset) + i
         within = (f0 + f1 * u >= 0.0) & (t0 + t1 * u >= 0.0)
@@ -137,26 +121,16 @@ def _nearest_arc(
 
 @njit()
 def arc_rows(
-    region: Region,
-    basis: Floats,
-    coords: Floats,
-    nodes: int,
-    first_row: int,
-    rows: int,
-    sine: Floats,
-    cosine: Floats,
-    inverse: Floats,
-    squared: Singles,
-    out: Singles,
+    region: Region, rows: Rows, squared: Singles, sine: Floats, cosine: Floats, out: Singles
 ) -> None:
     """Fill `out` with the tip angle of a region that is not convex, on rows of one face.
 
-    `sine` and `cosine` (rows * nodes,) are room to work in, `inverse` holds 1 / |(u, v, 1)| and
-    `squared` is NaN where the robot does not stand.
+    `sine` and `cosine` (rows * nodes,) are room to work in, and `squared` is NaN where the robot
+    does not stand.
     """
     segment = region.segment
-    corner, along, aside = row(basis, 0), row(basis, 1), row(basis, 2)
-    count = rows * nodes
+    corner, along, aside = row(rows.basis, 0), row(rows.basis, 1), row(rows.basis, 2)
+    count = rows.held * rows.nodes
     # No arc has been near yet: larger than any sine.
     sine[:count] = 2.0
     cosine[:count] = -1.0
@@ -169,9 +143,8 @@ def arc_rows(
         ):
             arc[place, 0], arc[place, 1] = dot(vector, corner), dot(vector, aside)
             arc[place, 2] = dot(vector, along)
-        for r in range(rows):
-            v = coords[first_row + r]
-            _nearest_arc(sine, cosine, r * nodes, coords, nodes, inverse, arc, v)
+        for r in range(rows.held):
+            _nearest_arc(sine, cosine, r * rows.nodes, rows, arc, rows.coords[rows.first + r])
     outside = np.float32(JUST_OUTSIDE)
     for i in range(count):
         beside = _arcsine(sine[i]) if sine[i] <= 1.0 else np.float32(math.pi)

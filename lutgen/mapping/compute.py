@@ -15,8 +15,6 @@ from lutgen.mapping.blocks import Block, Plan, plan
 from lutgen.mapping.checksum import fletcher32
 from lutgen.recipe import Recipe
 
-# Parts per thread: a block's rows are not all equally dear, and small parts even that out.
-PARTS_PER_THREAD = 8
 # For an estimate: how many pieces of how many nodes, and after how many seconds it is enough.
 PIECES, PIECE, ENOUGH = 24, 1 << 15, 2.0
 
@@ -45,7 +43,6 @@ class Computer:
             self.recipe.grid.params(np.arange(begin, end)),
             rows,
             rows + last - first if end - begin == 1 else per_posture,
-            numba.get_num_threads() * PARTS_PER_THREAD,
             self._out,
         )
         if overflow:

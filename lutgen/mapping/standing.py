@@ -6,7 +6,6 @@ compiled first.
 
 import math
 
-import numba
 import numpy as np
 
 from lutgen.channels import CHANNELS, Scanner
@@ -51,5 +50,5 @@ def require_standing(recipe: Recipe) -> None:
 def _any_stands(recipe: Recipe, params: Floats, chart: Chart) -> bool:
     scanner = Scanner(recipe, chart, ("sdg",))
     out = np.full((len(CHANNELS), len(params) * scanner.rows * chart.nodes), np.nan, np.float32)
-    scanner.fill(params, 0, scanner.rows, numba.get_num_threads(), out)
+    scanner.fill(params, 0, scanner.rows, out)
     return bool(np.isfinite(out[CHANNELS.index("sdg")]).any())

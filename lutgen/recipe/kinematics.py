@@ -87,7 +87,7 @@ def forward(recipe: Recipe, params: ArrayLike) -> Postures:
     contacts = len(recipe.contacts)
     shape = (len(values), contacts + len(recipe.forces), 3)
     points, axes, com = np.empty(shape), np.empty(shape), np.empty((len(values), 3))
-    _forward(values, *_tree(recipe), points, axes, com)
+    _forward(values, _tree(recipe), points, axes, com)
     if not recipe.forces:
         return Postures(points, axes, com, points[:, contacts:])
     return Postures(
@@ -247,88 +247,46 @@ def _rotate(matrix: Floats, vector: Floats, i: int) -> float:
 
 @njit()
 def _place(
-    link: int,
-    params: Floats,
-    parent: Ints,
-    origin: Floats,
-    rotation: Floats,
-    joint: Ints,
-    axis: Floats,
-    parameter: Ints,
-    scale: Floats,
-    offset: Floats,
-    turn: Floats,
-    where: Floats,
-    work: Floats,
+    link: int, params: Floats, tree: Tree, turn: Floats, where: Floats, work: Floats
 ) -> None:
     """Write rotation and origin of one link in the body frame to `turn` and `where`.
 
     `work` (2, 3, 3) is scratch; the parent's rows must have been written.
     """
     here = turn[link]
-    above = parent[link]
+    above = tree.parent[link]
     if above < 0:
-        here[:] = rotation[link]
-        where[link] = origin[link]
+        here[:] = tree.rotation[link]
+        where[link] = tree.origin[link]
     else:
-        _multiply(turn[above], rotation[link], here)
+        _multiply(turn[above], tree.rotation[link], here)
         for i in range(3):
-            where[link, i] = where[above, i] + _rotate(turn[above], origin[link], i)
-    if joint[link] == FIXED:
+            where[link, i] = where[above, i] + _rotate(turn[above], tree.origin[link], i)
+    if tree.joint[link] == FIXED:
         return
-    value = scale[link] * params[parameter[link]] + offset[link]
-    if joint[link] == REVOLUTE:
+    value = tree.scale[link] * params[tree.parameter[link]] + tree.offset[link]
+    if tree.joint[link] == REVOLUTE:
         work[0] = here
-        _turn(axis[link], value, work[1])
+        _turn(tree.axis[link], value, work[1])
         _multiply(work[0], work[1], here)
     else:
         for i in range(3):
-            where[link, i] += value * _rotate(here, axis[link], i)
+            where[link, i] += value * _rotate(here, tree.axis[link], i)
 
 
 @njit()
-def _forward(
-    params: Floats,
-    parent: Ints,
-    origin: Floats,
-    rotation: Floats,
-    joint: Ints,
-    axis: Floats,
-    parameter: Ints,
-    scale: Floats,
-    offset: Floats,
-    mass: Floats,
-    link_com: Floats,
-    point_link: Ints,
-    point_position: Floats,
-    point_axis: Floats,
-    points: Floats,
-    axes: Floats,
-    com: Floats,
-) -> None:
+def _forward(params: Floats, tree: Tree, points: Floats, axes: Floats, com: Floats) -> None:
     """Write postures, each one computed by itself."""
-    links = len(parent)
+    links = len(tree.parent)
+    mass, link_com = tree.mass, tree.com
+    point_link, point_position = tree.point_link, tree.point_position
+    turn = np.empty((links, 3, 3))
+    where = np.empty((links, 3))
+    work = np.empty((2, 3, 3))
     for m in range(len(params)):
-        turn = np.empty((links, 3, 3))
-        where = np.empty((links, 3))
-        work = np.empty((2, 3, 3))
         com[m] = 0.0
         for link in range(links):
-            _place(
-                link,
-                params[m],
-                parent,
-                origin,
-                rotation,
-                joint,
-                axis,
-                parameter,
-                scale,
-                offset,
-                turn,
-                where,
-                work,
-            )
+            _place(link, params[m], tree, turn, where, work)
             for i in range(3):
                 com[m, i] += mass[link] * (where[link, i] + _rotate(turn[link], link_com[link], i))
         for n in range(len(point_link)):
@@ -336,4 +294,4 @@ def _forward(
             for i in range(3):
                 centre = where[link, i] + _rotate(turn[link], point_position[n], i)
                 points[m, n, i] = centre - com[m, i]
-                axes[m, n, i] = _rotate(turn[link], point_axis[n], i)
+                axes[m, n, i] = _rotate(turn[link], tree.point_axis[n], i)

@@ -3,7 +3,7 @@
 In reading order: `primitive`, `polygon`, `hull`, `rounds`, `region`, `boundary`.
 """
 
-from lutgen.support.boundary import find_region
+from lutgen.support.boundary import stand
 from lutgen.support.hull import (
     FIRST,
     MAX_PRIMITIVES,
@@ -28,6 +28,7 @@ from lutgen.support.region import (
     CENTROID,
     CONVEX,
     EDGE_KIND,
+    EDGE_PLANE,
     FACETS,
     FIRST_AXIS,
     GAP,
@@ -45,16 +46,14 @@ from lutgen.support.region import (
     STOP,
     TIP,
     TIP_PLANE,
-    WALL,
-    Limit,
+    Acceptance,
     Region,
+    acceptance,
     empty_region,
     is_standing,
-    limits,
     supporting_facet,
     vector_at,
 )
-from lutgen.support.rounds import find_facets
 
 __all__ = [
     "ACROSS",
@@ -62,6 +61,7 @@ __all__ = [
     "CONVEX",
     "DISC",
     "EDGE_KIND",
+    "EDGE_PLANE",
     "FACETS",
     "FACE_ANGLE",
     "FIRST",
@@ -87,19 +87,17 @@ __all__ = [
     "TIP",
     "TIP_PLANE",
     "VERTEX",
-    "WALL",
-    "Limit",
+    "Acceptance",
     "Region",
+    "acceptance",
     "area_centroid",
     "convex_polygon",
     "empty_region",
     "facet_table",
-    "find_facets",
-    "find_region",
     "is_standing",
-    "limits",
     "pack",
     "robot_size",
+    "stand",
     "support_contact",
     "support_height",
     "supporting_facet",

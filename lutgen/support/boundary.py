@@ -16,6 +16,7 @@ from lutgen.support.hull import (
     VERTEX,
     FacetTable,
     matching_corner,
+    robot_size,
 )
 from lutgen.support.polygon import area_centroid
 from lutgen.support.region import (
@@ -23,6 +24,7 @@ from lutgen.support.region import (
     CENTROID,
     CONVEX,
     EDGE_KIND,
+    EDGE_PLANE,
     FACETS,
     FIRST_AXIS,
     GAP,
@@ -40,11 +42,11 @@ from lutgen.support.region import (
     STOP,
     TIP,
     TIP_PLANE,
-    WALL,
-    Limit,
+    Acceptance,
     Region,
     vector_at,
 )
+from lutgen.support.rounds import find_facets
 from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, scale, subtract, unit
 
 
@@ -56,26 +58,18 @@ def _put(array: Floats, index: int, column: int, vector: Vector) -> None:
 
 
 @njit(inline=True)
-def _is_accepted(facet: Floats, f: int, steepest: float, lowest: float) -> bool:
-    return f >= 0 and facet[f, 3] > lowest and -facet[f, 2] > steepest
+def _is_accepted(facet: Floats, f: int, accept: Acceptance) -> bool:
+    return f >= 0 and facet[f, 3] > accept.least_height and -facet[f, 2] > accept.steepest
 
 
 @njit(inline=True)
-def _rocks_onto(
-    facet: Floats,
-    link: Ints,
-    f: int,
-    at: int,
-    steepest: float,
-    least_cosine: float,
-    lowest: float,
-) -> int:
+def _rocks_onto(facet: Floats, link: Ints, f: int, at: int, accept: Acceptance) -> int:
     """Return the facet onto which the robot rocks over an edge of facet f, or -1."""
     other = link[at, NEIGHBOUR]
     if (
         other == f
-        or not _is_accepted(facet, other, steepest, lowest)
-        or dot(row(facet, f), row(facet, other)) < least_cosine
+        or not _is_accepted(facet, other, accept)
+        or dot(row(facet, f), row(facet, other)) < accept.least_cosine
     ):
         return -1
     return int(other)
@@ -99,15 +93,14 @@ def _enter_facets(
     facet: Floats,
     span: Ints,
     corner: Floats,
-    plate: Floats,
+    entered: Floats,
     first: Ints,
-    steepest: float,
-    lowest: float,
+    accept: Acceptance,
 ) -> int:
     """Enter the accepted facets in canonical order; return their number."""
     accepted = 0
     for f in range(count[0]):
-        if _is_accepted(facet, f, steepest, lowest):
+        if _is_accepted(facet, f, accept):
             place = accepted
             while place > 0 and span[first[place - 1, SOURCE], MASK] > span[f, MASK]:
                 first[place, SOURCE] = first[place - 1, SOURCE]
@@ -124,25 +117,17 @@ def _enter_facets(
         across = (1.0, 0.0, 0.0) if abs(normal[0]) < 0.9 else (0.0, 1.0, 0.0)
         e1 = unit(subtract(across, scale(normal, dot(across, normal))))
         e2 = cross(normal, e1)
-        _put(plate, k, PLANE, plane)
-        _put(plate, k, FIRST_AXIS, subtract(e1, scale(plane, dot(e1, centroid))))
-        _put(plate, k, SECOND_AXIS, subtract(e2, scale(plane, dot(e2, centroid))))
-        _put(plate, k, CENTROID, centroid)
-        plate[k, HEIGHT] = facet[f, 3]
+        _put(entered, k, PLANE, plane)
+        _put(entered, k, FIRST_AXIS, subtract(e1, scale(plane, dot(e1, centroid))))
+        _put(entered, k, SECOND_AXIS, subtract(e2, scale(plane, dot(e2, centroid))))
+        _put(entered, k, CENTROID, centroid)
+        entered[k, HEIGHT] = facet[f, 3]
     return accepted
 
 
 @njit()
 def _surrounded(
-    facet: Floats,
-    span: Ints,
-    link: Ints,
-    f: int,
-    at: int,
-    forward: bool,
-    steepest: float,
-    least_cosine: float,
-    lowest: float,
+    facet: Floats, span: Ints, link: Ints, f: int, at: int, forward: bool, accept: Acceptance
 ) -> bool:
     """Tell whether the facets around one primitive close into a ring over which the robot rocks.
 
@@ -151,7 +136,7 @@ def _surrounded(
     """
     here, edge = f, at
     for _ in range(facet.shape[0]):
-        other = _rocks_onto(facet, link, here, edge, steepest, least_cosine, lowest)
+        other = _rocks_onto(facet, link, here, edge, accept)
         if other < 0:
             return False
         if other == f:
@@ -168,66 +153,54 @@ def _surrounded(
 
 @njit(inline=True)
 def _add_segment(
-    tally: Ints,
-    segment: Floats,
-    contacts: Ints,
-    start: Vector,
-    stop: Vector,
-    inward: Vector,
-    i: int,
-    j: int,
+    region: Region, start: Vector, stop: Vector, inward: Vector, i: int, j: int
 ) -> None:
     """Append a boundary segment; the direction `inward` is on the inner side of its plane."""
     normal = cross(start, stop)
     size = length(normal)
     if size > 0.0:
-        b = tally[SEGMENTS]
+        b = region.tally[SEGMENTS]
         if dot(normal, inward) < 0.0:
             start, stop = stop, start
             size = -size
-        _put(segment, b, START, start)
-        _put(segment, b, STOP, stop)
-        _put(segment, b, TIP_PLANE, scale(normal, 1.0 / size))
-        contacts[b, 0] = i
-        contacts[b, 1] = j
-        tally[SEGMENTS] = b + 1
+        _put(region.segment, b, START, start)
+        _put(region.segment, b, STOP, stop)
+        _put(region.segment, b, TIP_PLANE, scale(normal, 1.0 / size))
+        region.contacts[b, 0] = i
+        region.contacts[b, 1] = j
+        region.tally[SEGMENTS] = b + 1
 
 
 @njit()
 def _enter_gap(
-    facet: Floats,
-    span: Ints,
-    corner: Floats,
-    link: Ints,
+    table: FacetTable,
+    region: Region,
     f: int,
     at: int,
-    other: int,
-    back: int,
     e: int,
-    tally: Ints,
-    edge: Floats,
-    segment: Floats,
-    contacts: Ints,
-    limit: Limit,
+    accept: Acceptance,
     tolerance: float,
 ) -> None:
     """Enter the two sides of the gap beyond edge `e`, where they are boundary."""
+    facet, span, corner, link = table.facet, table.span, table.corner, table.link
     following = _after(span, f, at)
+    other = link[at, NEIGHBOUR]
+    back = matching_corner(span, link, f, at, other)
     p, q = row(corner, at), row(corner, following)
     q_far, p_far = row(corner, back), row(corner, _after(span, other, back))
     for end in range(2):
         near, far, opposite = (p, p_far, q) if end == 0 else (q, q_far, p)
         side = (0.0, 0.0, 0.0)
         if length(subtract(near, far)) > tolerance and not _surrounded(
-            facet, span, link, f, at, end == 1, limit[0], limit[1], max(limit[3], tolerance)
+            facet, span, link, f, at, end == 1, accept
         ):
             side = unit(cross(near, far))
             side = scale(side, math.copysign(1.0, dot(side, opposite)))
             # Each gap is entered from both its facets; its sides are boundary once.
             if f < other:
                 i = link[at if end == 0 else following, VERTEX]
-                _add_segment(tally, segment, contacts, near, far, opposite, i, i)
-        _put(edge, e, SIDE_FROM if end == 0 else SIDE_TO, side)
+                _add_segment(region, near, far, opposite, i, i)
+        _put(region.edge, e, SIDE_FROM if end == 0 else SIDE_TO, side)
 
 
 @njit()
@@ -244,7 +217,7 @@ def _is_convex(segment: Floats, segments: int, edge: Floats, edges: int) -> bool
 
 
 @njit()
-def find_region(region: Region, table: FacetTable, limit: Limit, size: float) -> None:
+def find_region(region: Region, table: FacetTable, acceptance: Acceptance, size: float) -> None:
     """Fill `region` from the facets of one posture.
 
     Parameters
@@ -253,24 +226,21 @@ def find_region(region: Region, table: FacetTable, limit: Limit, size: float) ->
         Overwritten.
     table : FacetTable
         As `rounds.find_facets` leaves it.
-    limit : tuple
-        See `limits`.
+    acceptance : Acceptance
+        Which facets count.
     size : float
         Size of the robot, for the tolerance.
     """
     facet, span, corner, link = table.facet, table.span, table.corner, table.link
-    tally, plate, first, edge, about = (
-        region.tally,
-        region.plate,
-        region.span,
-        region.edge,
-        region.link,
-    )
-    segment, contacts = region.segment, region.contacts
-    steepest, least_cosine = limit[0], limit[1]
+    tally, first, edge, about = region.tally, region.span, region.edge, region.link
     tolerance = RELATIVE_TOLERANCE * size
-    lowest = max(limit[3], tolerance)
-    accepted = _enter_facets(table.tally, facet, span, corner, plate, first, steepest, lowest)
+    accept = Acceptance(
+        acceptance.steepest,
+        acceptance.least_cosine,
+        acceptance.lowest_up,
+        max(acceptance.least_height, tolerance),
+    )
+    accepted = _enter_facets(table.tally, facet, span, corner, region.facet, first, accept)
     tally[FACETS], tally[SEGMENTS], tally[GAPS] = accepted, 0, 0
     first[0, FIRST] = 0
     e = 0
@@ -279,15 +249,15 @@ def find_region(region: Region, table: FacetTable, limit: Limit, size: float) ->
         for at in range(span[f, FIRST], span[f + 1, FIRST]):
             following = _after(span, f, at)
             p, q = row(corner, at), row(corner, following)
-            wall = unit(cross(p, q))
+            edge_plane = unit(cross(p, q))
             _put(edge, e, POINT, p)
-            _put(edge, e, WALL, wall)
+            _put(edge, e, EDGE_PLANE, edge_plane)
             about[e, EDGE_KIND], about[e, ACROSS] = TIP, -1
             other = link[at, NEIGHBOUR]
             boundary = True
-            if other != f and _is_accepted(facet, other, steepest, lowest):
+            if other != f and _is_accepted(facet, other, accept):
                 about[e, ACROSS] = span[other, PLACE]
-                boundary = dot(row(facet, f), row(facet, other)) < least_cosine
+                boundary = dot(row(facet, f), row(facet, other)) < accept.least_cosine
                 back = matching_corner(span, link, f, at, other)
                 moved = 0.0
                 if back >= 0:
@@ -299,13 +269,33 @@ def find_region(region: Region, table: FacetTable, limit: Limit, size: float) ->
                 elif not boundary:
                     about[e, EDGE_KIND] = GAP
                     tally[GAPS] += 1
-                    _enter_gap(
-                        *(facet, span, corner, link, f, at, other, back, e),
-                        *(tally, edge, segment, contacts, limit, tolerance),
-                    )
+                    _enter_gap(table, region, f, at, e, accept, tolerance)
             if boundary:
                 i, j = link[at, VERTEX], link[following, VERTEX]
-                _add_segment(tally, segment, contacts, p, q, wall, i, j)
+                _add_segment(region, p, q, edge_plane, i, j)
             e += 1
         first[k + 1, FIRST] = e
-    tally[CONVEX] = 1 if _is_convex(segment, tally[SEGMENTS], edge, e) else 0
+    tally[CONVEX] = 1 if _is_convex(region.segment, tally[SEGMENTS], edge, e) else 0
+
+
+@njit()
+def stand(table: FacetTable, region: Region, primitives: Floats, acceptance: Acceptance) -> int:
+    """Find the facets and the standing region of one posture.
+
+    Parameters
+    ----------
+    table, region : FacetTable, Region
+        Overwritten; as `facet_table` and `empty_region` make them for so many primitives.
+    primitives : (n, 8) float64
+        Rows of `primitive.pack`, relative to the com.
+    acceptance : Acceptance
+        Which facets count.
+
+    Returns
+    -------
+    int
+        1 where the table was too small, which only spheres that overlap oddly do.
+    """
+    find_facets(table, primitives, acceptance.lowest_up)
+    find_region(region, table, acceptance, robot_size(primitives))
+    return int(table.tally[1])

@@ -139,13 +139,7 @@ def _try_triples(
     Returns the least distance from `normal` to a facet's normal; infinity if there is none.
     """
     nearest = math.inf
-    count, facet, span, corner, link = (
-        table.tally,
-        table.facet,
-        table.span,
-        table.corner,
-        table.link,
-    )
+    count, facet, span = table.tally, table.facet, table.span
     n = primitives.shape[0]
     for i in range(n):
         if not among >> i & 1:
@@ -175,11 +169,7 @@ def _try_triples(
                 below, mask = lowest_beyond(primitives, solved, height, RELATIVE_TOLERANCE * size)
                 if (
                     below < 0
-                    and add_facet(
-                        *(count, facet, span, corner, link, owner),
-                        *(primitives, solved, height, mask, size),
-                    )
-                    >= 0
+                    and add_facet(table, owner, primitives, solved, height, mask, size) >= 0
                 ):
                     nearest = min(nearest, length(subtract(solved, normal)))
     return nearest

@@ -9,9 +9,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from lutgen.channels.plain import measure_postures
+from lutgen.channels.evaluation import measure_primitives
 from lutgen.recipe.kinematics import forward, radii_and_kinds
 from lutgen.recipe.recipe import Recipe
+from lutgen.support.primitive import pack
 
 Floats = NDArray[np.float64]
 
@@ -63,9 +64,9 @@ class Posture:
 
     def tip_angle(self, gravity_dir: Floats, com_shift: Floats | float = 0.0) -> float:
         """Return lutgen's tip angle (rad), if wanted with the com off by a vector."""
-        values = measure_postures(
-            *((self.centres - com_shift)[None], self.axes[None], self.radius, self.kind),
-            *(gravity_dir, ("tip_angle",), self.upright, self.rock_angle),
+        primitives = pack((self.centres - com_shift)[None], self.axes[None], self.radius, self.kind)
+        values = measure_primitives(
+            primitives, gravity_dir, ("tip_angle",), self.upright, self.rock_angle
         )
         return float(values["tip_angle"][0, 0])
 

@@ -11,7 +11,7 @@ from lutgen.analysis.ground import gravity_transform
 from lutgen.analysis.sliding import slide_limits
 from lutgen.analysis.tilt import level_frames, level_limits, tilt_limits, tilted, worst_heading
 from lutgen.analysis.tilt_table import FOUR, even_headings, posture_limits, sweep_limits
-from lutgen.channels.each import evaluate_each
+from lutgen.channels.evaluation import evaluate_each
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import Recipe, parse_recipe
 from tests.fixtures.places import MAPS

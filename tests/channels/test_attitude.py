@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 import lutgen
 from lutgen.analysis.ground import gravity_transform, roll_pitch, tangent_plane
-from lutgen.channels.each import evaluate_each
+from lutgen.channels.evaluation import evaluate_each
 from lutgen.channels.settle import body_gravity
 from lutgen.errors import InputError
 from tests.fixtures.places import MAPS

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from lutgen.channels.scanner import Scanner
 from numpy.typing import NDArray
 from scipy.optimize import linprog
 from scipy.spatial import ConvexHull
@@ -14,9 +15,8 @@ from lutgen.analysis.diagnosis import diagnose
 from lutgen.analysis.force_angle import force_angle
 from lutgen.analysis.metrics import compare_metrics
 from lutgen.analysis.sliding import slides_first, slopes
-from lutgen.channels.each import evaluate_each
+from lutgen.channels.evaluation import evaluate_each
 from lutgen.channels.plain import CHANNELS
-from lutgen.channels.scanner import Scanner
 from lutgen.channels.settle import body_gravity
 from lutgen.chart import STANDARD_GRAVITY, gravito_inertial
 from lutgen.recipe.recipe import Recipe

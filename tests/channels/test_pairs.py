@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 
 import lutgen
-from lutgen.channels.each import ALONG, ASIDE, HEIGHT_BEYOND, evaluate_each, measure_each
+from lutgen.channels.evaluation import evaluate_each, measure_recipe
+from lutgen.channels.plain import ALONG, ASIDE, HEIGHT_BEYOND
 from lutgen.errors import InputError
-from lutgen.recipe.kinematics import forward, radii_and_kinds
-from lutgen.support.primitive import pack
-from lutgen.support.region import limits
+from lutgen.recipe.kinematics import forward
 from tests.fixtures.recipes import ALL_CHANNELS, rover, tripod
 
 
@@ -55,13 +54,9 @@ def test_the_length_of_gravity_does_not_matter() -> None:
 def test_the_stability_factor_goes_on_beyond_the_standing_region_on_the_same_plane() -> None:
     recipe = lutgen.parse_recipe(tripod())
     posture = forward(recipe, [[0.3, 0.1]])
-    radius, kind = radii_and_kinds(recipe)
     tilts = np.radians(np.linspace(0.0, 70.0, 141))
     down = np.stack([-np.sin(tilts), 0.0 * tilts, -np.cos(tilts)], axis=1)
-    packed = pack(posture.centres, posture.axes, radius, kind)
-    limit = limits(recipe.upright, recipe.rock_angle)
-    values, overflow = measure_each(packed, down[None], limit, np.ones(6, dtype=bool))
-    assert not overflow.any()
+    values = measure_recipe(recipe, posture, down[None], np.ones(6, dtype=bool))
     sdg, height = values[0, 0], values[0, 1]
     stands = ~np.isnan(sdg)
     assert 20 < stands.sum() < 120

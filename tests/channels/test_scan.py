@@ -1,15 +1,17 @@
-"""The float32 rows of a sweep against `measure_postures`, node by node."""
+"""The float32 rows of a sweep against `measure_primitives`, node by node."""
+
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from lutgen.channels.plain import CHANNELS, measure_postures
-from lutgen.channels.raster import VECTOR
-from lutgen.channels.scan import scan
+from lutgen.channels.evaluation import measure_primitives
+from lutgen.channels.plain import CHANNELS, Setting, wanted_channels
+from lutgen.channels.scan import nodes_of, scan_part
 from lutgen.chart import Chart
 from lutgen.support.primitive import pack
-from lutgen.support.region import limits
+from lutgen.support.region import acceptance
 
 FAST = ("sdg", "height", "tip_angle", "facet")
 LIMITS = {
@@ -25,7 +27,7 @@ CHARTS = {
 
 
 class Robots:
-    """Postures (m, n, ...) of one kind of robot, as `measure_postures` takes them."""
+    """Postures (m, n, ...) of one kind of robot, as `measure_primitives` takes them."""
 
     def __init__(self, centre: NDArray[np.float64], radius: float = 0.0, kind: int = 0) -> None:
         m, n = centre.shape[:2]
@@ -63,25 +65,18 @@ def rows(
     last: int | None = None,
 ) -> dict[str, NDArray[np.float32]]:
     """Scan rows [first, last) of every posture; return (m, rows, nodes) per channel."""
-    u = chart.coords
-    grid = np.meshgrid(u, u, indexing="ij")
-    inverse = (1.0 / np.sqrt(1.0 + grid[0] ** 2 + grid[1] ** 2)).ravel()
     stop = chart.faces * chart.nodes if last is None else last
     m = len(robots.centre)
     out = np.full((6, m * (stop - first) * chart.nodes), 12345.0, np.float32)
-    overflow = scan(
-        pack(robots.centre, robots.axis, robots.radius, robots.kind),
-        limits(*bounds),
-        chart.basis(),
-        np.concatenate([u, np.full(VECTOR, np.inf)]),
-        inverse,
-        first,
-        stop,
-        np.array([name in channels for name in CHANNELS]),
-        parts,
-        out,
-    )
-    assert overflow == 0
+    lines = m * (stop - first)
+    bounds_of_parts = [part * lines // parts for part in range(parts + 1)]
+    for begin, end in pairwise(bounds_of_parts):
+        overflow = scan_part(
+            *(begin, end, pack(robots.centre, robots.axis, robots.radius, robots.kind)),
+            *(Setting(acceptance(*bounds), wanted_channels(channels)), nodes_of(chart)),
+            *((first, stop), out),
+        )
+        assert overflow == 0
     shape = (m, stop - first, chart.nodes)
     return {name: out[CHANNELS.index(name)].reshape(shape) for name in channels}
 
@@ -92,16 +87,9 @@ def exact(
     bounds: tuple[float | None, float | None],
     channels: tuple[str, ...] = FAST,
 ) -> dict[str, NDArray[np.float64]]:
-    """Return what `measure_postures` says, in the same shape."""
-    got = measure_postures(
-        robots.centre,
-        robots.axis,
-        robots.radius,
-        robots.kind,
-        chart.directions().reshape(-1, 3),
-        channels,
-        *bounds,
-    )
+    """Return what `measure_primitives` says, in the same shape."""
+    primitives = pack(robots.centre, robots.axis, robots.radius, robots.kind)
+    got = measure_primitives(primitives, chart.directions().reshape(-1, 3), channels, *bounds)
     shape = (len(robots.centre), chart.faces * chart.nodes, chart.nodes)
     return {name: value.reshape(shape) for name, value in got.items()}
 
@@ -192,7 +180,7 @@ def test_nodes_on_shared_edges_of_closed_solids_always_stand(solid: list[list[in
             got = rows(robots, chart)
             assert not np.isnan(got["sdg"]).any()
             assert (got["tip_angle"] == np.float32(np.pi)).all()
-            # Of facets that meet at a node the lower number has it, as in `measure_postures`.
+            # Of facets that meet at a node the lower number has it, as in `measure_primitives`.
             np.testing.assert_array_equal(got["facet"], exact(robots, chart, (None, None))["facet"])
 
 

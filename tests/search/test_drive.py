@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lutgen.channels.each import evaluate_each
+from lutgen.channels.evaluation import evaluate_each
 from lutgen.channels.settle import body_gravity
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import Recipe, load_recipe, parse_recipe

@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 import lutgen
-from lutgen.channels.each import evaluate_each
+from lutgen.channels.evaluation import evaluate_each
 from lutgen.channels.settle import body_gravity
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import Recipe

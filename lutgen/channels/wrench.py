@@ -1,0 +1,64 @@
+"""The wrench of each posture of a recipe: resultant of its forces over the weight, and com ball.
+
+Owns the step from a recipe's forces to what `loaded` computes with.  A wrench is one row of seven
+numbers: phi (3), the sum of the forces over the weight; mu (3), their moment about the com over the
+weight, a length; and the radius rho of the ball in which the com lies.  Body frame.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lutgen.channels.axes import MU, PHI, RHO
+from lutgen.chart import STANDARD_GRAVITY
+from lutgen.errors import InputError
+from lutgen.recipe import Postures, Recipe
+from lutgen.support import Acceptance, acceptance
+
+__all__ = ["MU", "PHI", "RHO", "acceptance_of", "refuse_forces", "wrenches"]
+
+
+def wrenches(recipe: Recipe, postures: Postures) -> NDArray[np.float64]:
+    """Return the wrenches (m, 7) of postures of a recipe.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        Its forces are in N and its masses in kg; moments in N times the length unit.
+    postures : Postures
+        From `kinematics.forward`.
+
+    Returns
+    -------
+    (m, 7) float64
+        Per posture phi = sum f / W and mu = (sum (p - com) x f + moment) / W with the weight
+        W = mass x 9.80665 m/s^2, and the com's uncertainty rho (length); zeros without forces.
+    """
+    result = np.zeros((len(postures.com), 7))
+    result[:, RHO] = recipe.com_uncertainty
+    if recipe.has_wrench:
+        weight = sum(link.mass for link in recipe.links) * STANDARD_GRAVITY
+        force = np.array([one.force for one in recipe.forces]) / weight
+        moment = np.array([one.moment for one in recipe.forces]) / weight
+        turning = np.cross(postures.force_points, force) + moment
+        result[:, PHI:MU] = force.sum(axis=0)
+        result[:, MU:RHO] = turning.sum(axis=1)
+    return result
+
+
+def acceptance_of(recipe: Recipe, tighter: float = 0.0) -> Acceptance:
+    """Return the acceptance of a recipe: a facet counts for every com in the ball or not at all.
+
+    `tighter` (rad) is taken from `upright` and from `rock_angle`.
+    """
+    upright, rock_angle = recipe.upright - tighter, recipe.rock_angle - tighter
+    return acceptance(upright, rock_angle, recipe.com_uncertainty)
+
+
+def refuse_forces(recipe: Recipe, what: str) -> None:
+    """Raise InputError for a recipe with forces where `what` knows the weight alone."""
+    if recipe.has_wrench:
+        names = ", ".join(force.name for force in recipe.forces if force.acts)
+        raise InputError(
+            f"{recipe.source}: key `robot.force`: {what} counts the weight and no other force (got "
+            f"{names}); leave the forces out to see it"
+        )
