@@ -75,7 +75,7 @@ def _copy(
 
 
 def planes(primitives: NDArray[np.float64], accept: Acceptance) -> Planes:
-    """Return the planes of postures (m, n, 8) of points under the limits of `region.limits`."""
+    """Return the planes of postures (m, n, 8) of points under the limits of `region.acceptance`."""
     m, n = primitives.shape[:2]
     result = Planes(
         np.zeros((m, 2 * n, 9)),

@@ -275,7 +275,7 @@ def _measure(
     wanted: Bools,
     out: Floats,
 ) -> None:
-    """Fill `out` (6,) with the channels of one direction, see `channels.measure`."""
+    """Fill `out` (6,) with the channels of one direction, see `plain.measure`."""
     count, segment = region.tally, region.segment
     k, standing, angle = loaded_verdict(region, axes, wrench, least_cosine, g)
     out[0] = out[1] = out[4] = math.nan

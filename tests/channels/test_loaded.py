@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from lutgen.channels.scanner import Scanner
+from lutgen.channels.scan import Scanner
 from numpy.typing import NDArray
 from scipy.optimize import linprog
 from scipy.spatial import ConvexHull
@@ -420,7 +420,7 @@ def test_pairs_sweeps_and_diagnoses_read_what_evaluate_reads() -> None:
     scanner = Scanner(recipe, recipe.chart, names)
     for first, last in ((0, scanner.rows), (2, 5)):
         out = np.full((6, len(params) * (last - first) * recipe.chart.nodes), 7.0, np.float32)
-        assert scanner.fill(params, first, last, 2, out) == 0
+        assert scanner.fill(params, first, last, out) == 0
         for name in names:
             want = got[name].reshape(len(params), scanner.rows, -1)[:, first:last]
             mapped = out[CHANNELS.index(name)]
