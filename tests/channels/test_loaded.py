@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from lutgen.channels.scan import Scanner
 from numpy.typing import NDArray
 from scipy.optimize import linprog
 from scipy.spatial import ConvexHull
@@ -17,6 +16,7 @@ from lutgen.analysis.metrics import compare_metrics
 from lutgen.analysis.sliding import slides_first, slopes
 from lutgen.channels.evaluation import evaluate_each
 from lutgen.channels.plain import CHANNELS
+from lutgen.channels.scan import Scanner
 from lutgen.channels.settle import body_gravity
 from lutgen.chart import STANDARD_GRAVITY, gravito_inertial
 from lutgen.recipe.recipe import Recipe
