@@ -6,8 +6,8 @@ import numpy as np
 
 from lutgen.paper import printed
 from lutgen.paper.closed_form import path_height, path_slope, tipping_points
-from lutgen.paper.erratum import Array, Checks, Example, check
-from lutgen.paper.nominal import NOMINAL, TO_THE_LEFT, tripods
+from lutgen.paper.erratum import Checks, Example, check
+from lutgen.paper.nominal import NOMINAL, TO_THE_LEFT, Array, tripods
 from lutgen.paper.published import CONTROLLED, POINTS, UNCONTROLLED
 
 # The end of the path is reconstructed; at its beginning sin(x)/x has no value.
@@ -67,6 +67,3 @@ def uncontrolled(_: Example) -> Checks:
     claim = f"of {POINTS} points at equal spacing on $[0, 4 π]$, those at which the robot tips"
     found = tipping_points(equal_spacing(POINTS))
     yield check(claim, UNCONTROLLED, found, steeper_than_the_limit(POINTS))
-
-
-CHECKS = (singularities, spacing, uncontrolled)

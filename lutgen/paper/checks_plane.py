@@ -5,16 +5,10 @@ from itertools import combinations
 import numpy as np
 
 from lutgen.channels import stability
-from lutgen.paper import printed
-from lutgen.paper.erratum import Array, Checks, Example, check, coordinates
+from lutgen.paper import printed, reference
+from lutgen.paper.erratum import Checks, Example, check, coordinates
 from lutgen.paper.forces import pierced_point
-from lutgen.paper.reference import (
-    contour_centroid,
-    foot_by_least_squares,
-    four_contacts,
-    pierced_by_solving,
-    stability_factor,
-)
+from lutgen.paper.nominal import Array
 from lutgen.paper.triples import CONTACTS, passing_triples, triple_statistics
 
 
@@ -30,7 +24,7 @@ def direction_of_line(example: Example) -> Checks:
     wheels, gravity = example.wheels, example.gravity
     t1 = printed.eq7(printed.normal_of(wheels), wheels[0], gravity)
     along, ours = gravity * (1.0 + t1), printed.eq4_to_6(gravity, t1)
-    truth = pierced_by_solving(wheels, gravity)
+    truth = reference.pierced_by_solving(wheels, gravity)
     yield check("$z$ of $D_g$, with $t_1$ of Eq 7", along[2], ours[2], truth[2])
 
 
@@ -40,7 +34,7 @@ def pierced_point_of_eq_7(example: Example) -> Checks:
     normal = printed.normal_of(wheels)
     form = printed.eq4_to_6(gravity, printed.eq7(normal, wheels[0], gravity))
     short = gravity * (normal @ wheels[0]) / (normal @ gravity)
-    yield from coordinates("$D_g$", form, short, pierced_by_solving(wheels, gravity))
+    yield from coordinates("$D_g$", form, short, reference.pierced_by_solving(wheels, gravity))
 
 
 def line_or_ray(example: Example) -> Checks:
@@ -77,15 +71,15 @@ def triple_and_hull(example: Example) -> Checks:
 
 def coplanar_wheels(example: Example) -> Checks:
     """Compare four wheels in a plane: the first triple, the polygon, and Green's theorem."""
-    contacts, gravity = four_contacts(example.wheels), example.gravity
+    contacts, gravity = reference.four_contacts(example.wheels), example.gravity
     passing = passing_triples(contacts, gravity)
-    pierced = pierced_by_solving(contacts, gravity)
+    pierced = reference.pierced_by_solving(contacts, gravity)
     holding = sum(_holds(contacts[list(t)], pierced) for t in combinations(range(4), 3))
     yield check("triples of four coplanar contacts that pass both tests", 1, len(passing), holding)
     first = contacts[list(passing[0])].mean(axis=0)
     form = printed.eq29(pierced_point(contacts, gravity), first)
-    truth = np.linalg.norm(pierced - contour_centroid(contacts))
-    ours = stability_factor(contacts, gravity)
+    truth = np.linalg.norm(pierced - reference.contour_centroid(contacts))
+    ours = reference.stability_factor(contacts, gravity)
     yield check("$|SD_g|$ on four coplanar contacts", form, ours, truth)
 
 
@@ -95,7 +89,7 @@ def foot_of_eq_11(example: Example) -> Checks:
     normal = printed.normal_of(wheels)
     form = printed.eq8_to_11(normal, wheels[0])
     short = normal * (normal @ wheels[0]) / (normal @ normal)
-    yield from coordinates("$D_c$", form, short, foot_by_least_squares(wheels))
+    yield from coordinates("$D_c$", form, short, reference.foot_by_least_squares(wheels))
 
 
 def name_of_foot(example: Example) -> Checks:
@@ -115,15 +109,3 @@ def _holds(triangle: Array, point: Array) -> bool:
     ahead = np.roll(arms, -1, axis=0)
     turns = arms[:, 0] * ahead[:, 1] - arms[:, 1] * ahead[:, 0]
     return bool((turns > 0.0).all() or (turns < 0.0).all())
-
-
-CHECKS = (
-    combinations_of_three,
-    direction_of_line,
-    pierced_point_of_eq_7,
-    line_or_ray,
-    triple_and_hull,
-    coplanar_wheels,
-    foot_of_eq_11,
-    name_of_foot,
-)

@@ -2,19 +2,11 @@
 
 import numpy as np
 
-from lutgen.paper import printed
-from lutgen.paper.erratum import AXES, Array, Checks, Example, check, coordinates
+from lutgen.paper import printed, reference
+from lutgen.paper.erratum import AXES, Checks, Example, check, coordinates
 from lutgen.paper.forces import pierced_point
-from lutgen.paper.nominal import nominal_wheels
+from lutgen.paper.nominal import Array, nominal_wheels
 from lutgen.paper.published import TIPS_AT
-from lutgen.paper.reference import (
-    contour_centroid,
-    factor_at_tipping,
-    four_contacts,
-    pierced_by_solving,
-    polygon_centre,
-    stability_factor,
-)
 
 # Weights of a fifth contact on the three wheels, outside all edges, and the share by which it is
 # pulled from the plane towards the com.
@@ -30,8 +22,12 @@ def eq27_corrected(normal: Array, contact: Array, sx: float, sy: float) -> float
 
 def vertex_mean(example: Example) -> Checks:
     """Compare the centre of four contacts: mean of the corners, of the area, by Green's theorem."""
-    contacts = four_contacts(example.wheels)
-    mean, ours, truth = contacts.mean(axis=0), polygon_centre(contacts), contour_centroid(contacts)
+    contacts = reference.four_contacts(example.wheels)
+    mean, ours, truth = (
+        contacts.mean(axis=0),
+        reference.polygon_centre(contacts),
+        reference.contour_centroid(contacts),
+    )
     yield from coordinates("the centre of four contacts", mean, ours, truth)
 
 
@@ -47,13 +43,13 @@ def projected_area(example: Example) -> Checks:
 
 def fan_of_triangles(example: Example) -> Checks:
     """Compare the centre by a fan in any order, of the ordered polygon, by Green's theorem."""
-    contacts = four_contacts(example.wheels)
+    contacts = reference.four_contacts(example.wheels)
     fifth = LIFT * (FIFTH @ example.wheels)
     around = np.vstack([contacts[[0, 1]], contacts[[3, 2]]])
     # The polygon's order with the fifth between the first and the second contact.
     hovering = printed.eq25_26(np.vstack([around[:1], fifth, around[1:]]))
     unordered = printed.eq25_26(contacts)
-    ours, truth = polygon_centre(contacts), contour_centroid(contacts)
+    ours, truth = reference.polygon_centre(contacts), reference.contour_centroid(contacts)
     for i in (0, 1):
         claim = f"${AXES[i]}$ of the centre of four contacts"
         yield check(f"{claim}, in the order of their numbers", unordered[i], ours[i], truth[i])
@@ -67,7 +63,7 @@ def vertical_plane(example: Example) -> Checks:
     wheels[:, 0] = wheels[0, 0]
     sx, sy = printed.eq25_26(wheels)
     form = np.array([sx, sy, printed.eq27(printed.normal_of(wheels), wheels[0], sx, sy)])
-    ours, truth = polygon_centre(wheels), wheels.mean(axis=0)
+    ours, truth = reference.polygon_centre(wheels), wheels.mean(axis=0)
     yield from coordinates("the centre in a vertical plane", form, ours, truth)
 
 
@@ -90,29 +86,21 @@ def height_of_eq_27(example: Example) -> Checks:
 def stability_factor_of_eq_29(example: Example) -> Checks:
     """Compare |SD_g| of Eq 29, of the library, and with D_g by solving."""
     wheels, gravity = example.wheels, example.gravity
-    form = printed.eq29(pierced_point(wheels, gravity), polygon_centre(wheels))
-    truth = np.linalg.norm(pierced_by_solving(wheels, gravity) - wheels.mean(axis=0))
+    form = printed.eq29(pierced_point(wheels, gravity), reference.polygon_centre(wheels))
+    truth = np.linalg.norm(reference.pierced_by_solving(wheels, gravity) - wheels.mean(axis=0))
     claim = "$|SD_g|$ with $s_z$ of the corrected Eq 27"
-    yield check(claim, form, stability_factor(wheels, gravity), truth)
+    yield check(claim, form, reference.stability_factor(wheels, gravity), truth)
 
 
 def limit_of_10(_: Example) -> Checks:
     """Compare where |SD_g| tips: the printed 10, from the triangle, and by tilting."""
     wheels = nominal_wheels()
     radius = float(np.hypot(*wheels[0, :2]))
-    over_wheel, over_edge = factor_at_tipping(wheels, 0.0), factor_at_tipping(2.0 * wheels, np.pi)
+    over_wheel, over_edge = (
+        reference.factor_at_tipping(wheels, 0.0),
+        reference.factor_at_tipping(2.0 * wheels, np.pi),
+    )
     claim = "$|SD_g|$ at which {}".format
     yield check(claim("the nominal robot tips over a wheel"), TIPS_AT, radius, over_wheel)
     twice = 2.0 * radius * np.cos(np.pi / 3)
     yield check(claim("a robot of twice the size tips over an edge"), TIPS_AT, twice, over_edge)
-
-
-CHECKS = (
-    vertex_mean,
-    projected_area,
-    fan_of_triangles,
-    vertical_plane,
-    height_of_eq_27,
-    stability_factor_of_eq_29,
-    limit_of_10,
-)

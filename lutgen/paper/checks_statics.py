@@ -4,18 +4,10 @@ import numpy as np
 
 from lutgen.analysis import heuristic_forces, normal_forces
 from lutgen.channels import stability
-from lutgen.paper import printed
-from lutgen.paper.erratum import Array, Checks, Example, check
+from lutgen.paper import printed, reference
+from lutgen.paper.erratum import Checks, Example, check
 from lutgen.paper.forces import exact_forces, pierced_point, slope_gravity
-from lutgen.paper.nominal import CIRCUMRADIUS, DOWN, NOMINAL, nominal_wheels, tripods
-from lutgen.paper.reference import (
-    contour_centroid,
-    edge_distance,
-    four_contacts,
-    incentre,
-    largest_inscribed_radius,
-    polygon_centre,
-)
+from lutgen.paper.nominal import CIRCUMRADIUS, DOWN, NOMINAL, Array, nominal_wheels, tripods
 
 
 def line_distances(wheels: Array, gravity: Array) -> Array:
@@ -105,10 +97,10 @@ def equal_loads(example: Example) -> Checks:
 
 def open_loads(example: Example) -> Checks:
     """Compare four wheels: where equal loads act, and how many loads balance leaves open."""
-    contacts = four_contacts(example.wheels)
+    contacts = reference.four_contacts(example.wheels)
     resultant = np.full(4, 0.25) @ contacts
-    ours = np.linalg.norm(resultant - polygon_centre(contacts))
-    truth = np.linalg.norm(resultant - contour_centroid(contacts))
+    ours = np.linalg.norm(resultant - reference.polygon_centre(contacts))
+    truth = np.linalg.norm(resultant - reference.contour_centroid(contacts))
     yield check("distance from $S$ of the resultant of four equal loads", 0, ours, truth)
     arms = contacts - contacts[0]
     left = len(contacts) - np.linalg.matrix_rank(np.vstack([np.ones(4), arms.T]))
@@ -119,10 +111,11 @@ def incentre_distance(example: Example) -> Checks:
     """Compare the largest distance from all edges: at S, at the incentre, area over perimeter."""
     wheels = example.wheels
     at_centre, at_incentre = (
-        edge_distance(wheels, point) for point in (wheels.mean(axis=0), incentre(wheels))
+        reference.edge_distance(wheels, point)
+        for point in (wheels.mean(axis=0), reference.incentre(wheels))
     )
     claim = "largest possible distance of $D_g$ from the nearest edge"
-    yield check(claim, at_centre, at_incentre, largest_inscribed_radius(wheels))
+    yield check(claim, at_centre, at_incentre, reference.largest_inscribed_radius(wheels))
 
 
 def objective(example: Example) -> Checks:
@@ -140,19 +133,6 @@ def objective(example: Example) -> Checks:
     foot = printed.eq8_to_11(printed.normal_of(example.wheels), example.wheels[0])
     low, high = example.wheels, example.wheels + foot
     angle = stability(np.stack([high, low]), foot[None], ("tip_angle",))["tip_angle"][:, 0]
-    truth = np.arctan(edge_distance(low, foot) / np.linalg.norm(foot))
+    truth = np.arctan(reference.edge_distance(low, foot) / np.linalg.norm(foot))
     claim = "tip angle (rad) over the foot of the com, at twice the height and at the height"
     yield check(claim, angle[0], angle[1], truth)
-
-
-CHECKS = (
-    two_ratios,
-    sign_of_eq_12,
-    moments_of_eq_12,
-    static_moment,
-    torque_about_polygon,
-    equal_loads,
-    open_loads,
-    incentre_distance,
-    objective,
-)

@@ -146,17 +146,3 @@ def entry_of_fminsearch(_: Example) -> Checks:
     line, model = min(map(expected_by_line, around)), min(map(expected_by_model, around))
     claim = f"the least $|SD_g|$ within the rounding of the printed angles, {AT_SCALE}"
     yield check(claim, row.sdg, line, model, RATIO * line)
-
-
-CHECKS = (
-    equation_of_static_moment,
-    figures_of_map,
-    figures_of_steps,
-    fminsearch_in_text,
-    percentages,
-    steps_of_search,
-    angles_of_search,
-    entry_at_30,
-    entry_at_31,
-    entry_of_fminsearch,
-)

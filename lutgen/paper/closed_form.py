@@ -23,14 +23,9 @@ TIPS = 1e6
 
 
 def stability_factors(wheels: Array, gravity: Array) -> tuple[Array, Array]:
-    """Return |SD_g| and the tip-over angle of tripods, (...) each.
+    """Return |SD_g| and the tip-over angle, (...) each.
 
-    Parameters
-    ----------
-    wheels : (..., 3, 3) float64
-        Contacts relative to the com.
-    gravity : (..., 3) float64
-        Unit vectors, down.
+    Of contacts relative to the com, (..., 3, 3), and gravity, (..., 3) unit vectors.
     """
     ahead = np.roll(wheels, -1, axis=-2)
     normal = np.cross(ahead[..., 0, :] - wheels[..., 0, :], ahead[..., 1, :] - wheels[..., 0, :])
@@ -65,19 +60,9 @@ def second_optimum_deg() -> float:
 def search(cost: Callable[[Array], Array], runs: int, levels: int = LEVELS) -> Array:
     """Return the best node (deg) of each level of the paper's search, (levels, runs, 2).
 
-    Parameters
-    ----------
-    cost : callable
-        Of alpha and gamma, (runs, 25, 2) rad; returns (runs, 25).
-    runs : int
-        Searches at once.
-    levels : int
-        How many times 5 x 5 nodes.
-
-    Notes
-    -----
     The five nodes are the left ends of five cells of the interval; the next interval is one cell
-    to either side of the best node.
+    to either side of the best node.  `cost` takes alpha and gamma, (runs, 25, 2) rad, and returns
+    (runs, 25).
     """
     low, width = np.full((runs, 2), RANGE_DEG[0]), RANGE_DEG[1] - RANGE_DEG[0]
     cells = np.stack(np.meshgrid(*[np.arange(NODES)] * 2, indexing="ij"), axis=-1).reshape(-1, 2)
@@ -140,15 +125,10 @@ def leaning(wheels: Array, gravity: Array) -> Array:
 
 
 def tipping_points(places: Array, control: bool = False) -> int:
-    """Return at how many places of the path the robot tips.
+    """Return at how many places of the path, (m,) values of s in order, the robot tips.
 
-    Parameters
-    ----------
-    places : (m,) float64
-        Values of s, in order along the path.
-    control : bool
-        Whether the robot takes the shape that the search finds for the place before; else, and
-        at the first place, it has the nominal one.
+    Under control it takes the shape that the search finds for the place before; else, and at the
+    first place, it has the nominal one.
     """
     gravity = path_gravity(places)
     angles = np.full((len(places), 2), NOMINAL)

@@ -8,37 +8,29 @@ check.
 import tomllib
 from collections.abc import Callable
 from importlib.resources import files
+from inspect import isfunction, signature
 from typing import Any
 
 from lutgen.paper import checks_path, checks_plane, checks_polygon, checks_statics, checks_text
 from lutgen.paper.erratum import Checks, Erratum, Example
 
-__all__ = ["CHECKS", "errata", "joined"]
-
 ROWS: list[dict[str, Any]] = tomllib.loads(
     files(__package__).joinpath("errata.toml").read_text(encoding="utf-8")
 )["erratum"]
-# The checks by the names that the table of errata gives them.
+# The checks by the names that the table of errata gives them: what these files have that takes an
+# example and nothing else.
 CHECKS: dict[str, Callable[[Example], Checks]] = {
-    each.__name__: each
+    name: each
     for part in (checks_plane, checks_statics, checks_polygon, checks_text, checks_path)
-    for each in part.CHECKS
+    for name, each in vars(part).items()
+    if isfunction(each) and [p.annotation for p in signature(each).parameters.values()] == [Example]
 }
 
 
 def errata(example: Example | None = None) -> tuple[Erratum, ...]:
-    """Return every erratum of the paper and the places confirmed as printed.
+    """Return every erratum of the paper and the places confirmed as printed, in its order.
 
-    Parameters
-    ----------
-    example : Example, optional
-        The robot and the direction of gravity on which they are computed; `Example()` by
-        default.  The verdicts do not depend on it, the numbers do.
-
-    Returns
-    -------
-    tuple of Erratum
-        In the order of the paper.
+    The verdicts do not depend on the example, `Example()` by default; the numbers do.
     """
     robot = Example() if example is None else example
     return tuple(joined(row, robot) for row in ROWS)

@@ -9,9 +9,8 @@ from dataclasses import dataclass, field
 from typing import SupportsFloat
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from lutgen.paper.nominal import Array
 
 # Two ways to the same number differ by less than this: the numbers are below 1000 and pass a few
 # 3 x 3 solves, which lose some digits of 1e-16 on a narrow triangle.
@@ -26,19 +25,11 @@ ELEMENTS = ((2.0, 0.0, 1.0), (-1.0, 3.0, 0.0), (0.0, -1.0, 4.0))
 class Check:
     """One number that decides, computed in three ways.
 
-    Attributes
-    ----------
-    claim : str
-        What was computed, in words; formulas between dollar signs, see `markup`.
-    printed : float
-        What the printed form gives; NaN where it gives 0/0.
-    ours : float
-        What the corrected form gives.
-    reference : float
-        The same quantity by an independent way.
-    tolerance : float
-        How far `ours` may be from `reference`, in the unit of both; more than rounding only
-        where the paper's numbers have few digits or its geometry had to be reconstructed.
+    `claim` says in words what was computed, formulas between dollar signs, see `markup`.
+    `printed` is what the printed form gives, NaN for 0/0; `ours` what the corrected form gives;
+    `reference` the same quantity by an independent way.  `ours` may be `tolerance` from the
+    reference: more than rounding only where the paper's numbers have few digits or its geometry
+    had to be reconstructed.
     """
 
     claim: str
@@ -104,18 +95,9 @@ class Example:
     nor vertical shows the same errata, as long as gravity's ray and the plane's normal through
     the com go through its triangle.
 
-    Attributes
-    ----------
-    wheels : (3, 3) float64
-        Contact points relative to the com, below it, in no particular order.
-    gravity : (3,) float64
-        Pointing down, any length.
-    elements : (k, 3) float64
-        Places of the point masses for Eqs 13 to 18, in any frame.
-    masses : (k,) float64
-        Their masses.
-    seed : int
-        Of the random directions and contact sets.
+    Wheels (3, 3) relative to the com, below it, in no particular order; gravity (3,) pointing
+    down, any length; places (k, 3) and masses (k,) of the elements for Eqs 13 to 18, in any
+    frame; the seed of the random directions and contact sets.
     """
 
     wheels: Array = field(default_factory=lambda: np.array(WHEELS))

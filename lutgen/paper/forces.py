@@ -8,14 +8,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lutgen.analysis import heuristic_forces
 from lutgen.errors import InputError
-from lutgen.paper.nominal import nominal_wheels
+from lutgen.paper.nominal import Array, nominal_wheels
 from lutgen.paper.printed import eq4_to_6, eq7, normal_of
-
-Array = NDArray[np.float64]
 
 # Pitch and heading (deg).  The slope rises towards the heading, seen from the com; wheel 1 is at
 # heading 0.  39.7 and 58 deg are close to tipping, atan(10/12) = 39.81 and atan(20/12) = 59.04.

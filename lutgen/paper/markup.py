@@ -7,8 +7,6 @@ Latin and Greek letters are italic, names of functions upright, and a minus is a
 import html
 import re
 
-__all__ = ["inline", "minus", "plain"]
-
 GREEK = {"alpha": "\u03b1", "gamma": "\u03b3", "delta": "\u03b4", "sigma": "\u03c3"}
 UPRIGHT = {"sin", "cos", "atan", "min", "max", "\u03a3", "\u03c0"}
 MINUS = "\u2212"

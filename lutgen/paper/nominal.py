@@ -29,12 +29,8 @@ DOWN = np.array([0.0, 0.0, -1.0])
 def tripods(alpha: Array, gamma: Array, azimuths_deg: tuple[float, ...] = AHEAD) -> Array:
     """Return the contacts of simulation 2, (..., 3, 3), body frame.
 
-    Parameters
-    ----------
-    alpha, gamma : (...) float64
-        Elevation of wheels 1 and 2 below the body's xy plane.  Wheel 3 stays at `NOMINAL`.
-    azimuths_deg : tuple of float
-        Of the three wheels, from the body's x axis.
+    `alpha` and `gamma`, (...), are the elevations of wheels 1 and 2 below the body's xy plane;
+    wheel 3 stays at `NOMINAL`.  Azimuths count from the body's x axis.
     """
     below = np.stack([alpha, gamma, np.full_like(alpha, NOMINAL)], axis=-1)
     around = np.broadcast_to(np.radians(azimuths_deg), below.shape)

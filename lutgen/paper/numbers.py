@@ -17,21 +17,11 @@ from lutgen.paper.rough import HEADINGS
 from lutgen.paper.simulations import LIMIT
 from lutgen.paper.triples import CONTACTS
 
-__all__ = ["page_numbers"]
-
 HOUR = 3600.0
 
 
 def page_numbers(results: Results, seconds: float) -> dict[str, Any]:
-    """Return what the template's placeholders stand for.
-
-    Parameters
-    ----------
-    results : Results
-        All simulations.
-    seconds : float
-        How long computing and drawing took.
-    """
+    """Return what the template's placeholders stand for; `seconds` is how long all of it took."""
     return {
         **_paper_and_robot(),
         **_simulations(results),
@@ -110,10 +100,7 @@ def _scale(results: Results) -> dict[str, Any]:
         "read_as": first.read_as,
         "misprint": first.sdg,
         "worst_percent": 100.0 * max(abs(r) for row in searching for r in row.residual.values()),
-        "step_1_deg": first.alpha,
-        "step_2_deg": second.alpha,
-        "step_3_deg": third.alpha,
-        "step_6_deg": last.alpha,
+        **{f"step_{i}_deg": entry(f"step {i}").alpha for i in (1, 2, 3, 6)},
         "zero_of_line": third.alpha - third.sdg / slope,
         "zero_of_last": last.alpha + last.sdg / slope,
     }
@@ -134,7 +121,6 @@ def _path(results: Results) -> dict[str, Any]:
 
 def _errata_and_forces(results: Results) -> dict[str, Any]:
     confirmed = [each.confirmed for each in results.errata]
-    # Of the slopes with wheel 1 uphill, that on which it carries least.
     near_tip = min(results.forces, key=lambda row: row.exact[0])
     found = results.triples
     return {

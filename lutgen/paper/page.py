@@ -15,8 +15,6 @@ from pathlib import Path
 
 from lutgen.paper.markup import inline, minus, plain
 
-__all__ = ["Picture", "Table", "render", "shown_together"]
-
 STYLE = files(__package__).joinpath("page.css").read_text(encoding="utf-8")
 # What is smaller is rounding, and shown as 0.
 NOISE = 1e-12
@@ -35,13 +33,8 @@ class Picture:
 class Table:
     """Rows of cells under a head.
 
-    Attributes
-    ----------
-    head : sequence of (str, str)
-        Words, and how the column's numbers are written: a format specification, or "" for a
-        column of text.
-    rows : sequence of sequences
-        Numbers, texts, or None for an empty cell.
+    A head is words, and how the column's numbers are written: a format specification, or "" for a
+    column of text.  Cells are numbers, texts, or None for an empty cell.
     """
 
     head: Sequence[tuple[str, str]]
@@ -104,14 +97,7 @@ def shown_together(values: Sequence[float], digits: int = 6) -> list[str]:
 def render(text: str, pictures: Mapping[str, Picture], tables: Mapping[str, Table]) -> str:
     r"""Return the page.
 
-    Parameters
-    ----------
-    text : str
-        The template, its numbers filled in; its first line is the title.
-    pictures : mapping of str to Picture
-        By the names of their files.
-    tables : mapping of str to Table
-        By name.
+    `text` is the template, its numbers filled in, and its first line the title.
 
     Examples
     --------

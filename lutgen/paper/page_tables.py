@@ -1,6 +1,6 @@
 """The tables of the page, by the names that its template gives them."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +11,6 @@ from lutgen.paper.published import CONTROLLED, UNCONTROLLED
 from lutgen.paper.results import Results
 from lutgen.paper.rough import HEADINGS
 from lutgen.paper.tables import CONVENTION_ORDER as ORDER
-
-__all__ = ["CURVE_EVERY", "page_tables"]
 
 # P and F are how the two readings are often told apart.
 LETTERS = {"plane": "P", "body": "F"}
@@ -29,17 +27,7 @@ ALPHA, GAMMA = ("$alpha$ (°)", ".4f"), ("$gamma$ (°)", ".4f")
 
 def page_tables(results: Results) -> dict[str, Table]:
     """Return all tables of the page by name."""
-    build: tuple[Callable[[Results], Table], ...] = (
-        curve,
-        methods,
-        steps,
-        table_one,
-        fitted,
-        runs,
-        variants,
-        forces,
-        loads,
-    )
+    build = (curve, methods, steps, table_one, fitted, runs, variants, forces, loads)
     found = {each.__name__: each(results) for each in build}
     for name, confirmed in (("wrong", False), ("right", True)):
         group = [(i, e) for i, e in enumerate(results.errata, 1) if e.confirmed is confirmed]

@@ -16,8 +16,6 @@ from lutgen.paper.published import PRINTED
 from lutgen.paper.results import Results
 from lutgen.plot import draw_path, draw_steps
 
-__all__ = ["UNEVEN", "draw_pictures", "painters"]
-
 RESOLUTION = 200
 UNEVEN = {"alpha": 20.0, "gamma": 40.0}
 # As printed: at the exact angle |SD_g| would be rounding noise.

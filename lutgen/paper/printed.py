@@ -6,9 +6,8 @@ body frame with the com at the origin; lengths have any one unit.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from lutgen.paper.nominal import Array
 
 
 def normal_of(points: Array) -> Array:

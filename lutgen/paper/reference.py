@@ -8,7 +8,7 @@ import numpy as np
 
 from lutgen.channels import stability
 from lutgen.paper import printed
-from lutgen.paper.erratum import Array
+from lutgen.paper.nominal import Array
 from lutgen.support import area_centroid, convex_polygon
 
 # Weights of a fourth contact on the three wheels: behind the edge from wheel 2 to wheel 3, in

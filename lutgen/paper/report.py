@@ -20,8 +20,6 @@ from lutgen.paper.pictures import draw_pictures
 from lutgen.paper.results import Results, compute
 from lutgen.paper.tables import tables
 
-__all__ = ["PAGE", "TEMPLATE", "build_page", "write_report"]
-
 PAGE = "paper.html"
 TEMPLATE = files(__package__).joinpath("page.md.in").read_text(encoding="utf-8")
 
@@ -34,7 +32,8 @@ def write_report(
     Parameters
     ----------
     directory : path
-        Made if it is not there.  Files of an earlier report are replaced; others stay.
+        Made if it is not there.  Files of an earlier report are replaced; others stay.  Where it
+        cannot be written, `InputError` says so.
     progress : callable
         Is told what is being done.
 
@@ -42,11 +41,6 @@ def write_report(
     -------
     pathlib.Path
         The page.
-
-    Raises
-    ------
-    InputError
-        Where the folder cannot be written.
     """
     begin = time.perf_counter()
     target = Path(directory)

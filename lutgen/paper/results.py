@@ -4,23 +4,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from lutgen.paper import simulations
 from lutgen.paper.errata import errata
 from lutgen.paper.erratum import Erratum
 from lutgen.paper.forces import ForceRow, ForceStatistics, force_statistics, force_table
 from lutgen.paper.rough import Third, Variant, third_simulation, variants
-from lutgen.paper.simulations import (
-    First,
-    MapTime,
-    Second,
-    TableRow,
-    first_simulation,
-    second_simulation,
-    table_one,
-    timed_map,
-)
 from lutgen.paper.triples import TripleStatistics, triple_statistics
-
-__all__ = ["MAP", "Results", "compute"]
 
 MAP = "paper_two.h5"
 
@@ -29,11 +18,11 @@ MAP = "paper_two.h5"
 class Results:
     """All numbers of the report."""
 
-    first: First
-    second: Second
-    table: tuple[TableRow, ...]
+    first: simulations.First
+    second: simulations.Second
+    table: tuple[simulations.TableRow, ...]
     fitted_radius: dict[str, float]
-    swept: MapTime
+    swept: simulations.MapTime
     third: Third
     variants: tuple[Variant, ...]
     errata: tuple[Erratum, ...]
@@ -45,11 +34,11 @@ class Results:
 def compute(folder: Path, progress: Callable[[str], None] = lambda _: None) -> Results:
     """Run all simulations; the map goes into `folder`."""
     progress("simulation 1")
-    first = first_simulation()
+    first = simulations.first_simulation()
     progress("simulation 2")
-    second = second_simulation()
-    table, radius = table_one()
-    swept = timed_map(folder / MAP)
+    second = simulations.second_simulation()
+    table, radius = simulations.table_one()
+    swept = simulations.timed_map(folder / MAP)
     progress("simulation 3")
     third = third_simulation()
     others = variants(third)

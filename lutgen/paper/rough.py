@@ -18,8 +18,6 @@ from lutgen.paper.robot import paper_recipe
 from lutgen.recipe import Recipe
 from lutgen.search import Drive, drive, paper_path
 
-__all__ = ["HEADINGS", "Third", "Variant", "third_simulation", "variants"]
-
 # Headings among which the robot may turn.
 HEADINGS = 24
 # Points of the path besides the paper's number.
@@ -72,13 +70,7 @@ class Variant:
 
 
 def variants(third: Third) -> tuple[Variant, ...]:
-    """Return the shares for other numbers of points and other readings of the paper.
-
-    Parameters
-    ----------
-    third : Third
-        The reading from which each variant departs in one thing.
-    """
+    """Return the shares for readings of the paper that depart from the `third` in one thing."""
     fixed, recipe = third.fixed.share, third.recipe
 
     def shares(name: str, robot: Recipe, attitude: str = "pitch", **options: Any) -> Variant:

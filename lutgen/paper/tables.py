@@ -12,9 +12,6 @@ from lutgen.paper.markup import plain
 from lutgen.paper.results import Results
 from lutgen.search import Drive
 
-__all__ = ["CONVENTION_ORDER", "tables"]
-
-# A header and its rows.
 Csv = tuple[Sequence[str], list[list[object]]]
 
 # The paper's T_g first.

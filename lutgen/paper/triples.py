@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from lutgen.paper.nominal import Array
 
 # A contact this far from a plane, relative to the largest coordinate, is on it.
 ON_PLANE = 1e-9
