@@ -6,11 +6,13 @@ Data only, with every angle in radians; nothing is known here of how they are wr
 
 from dataclasses import dataclass
 
-__all__ = ["ZERO", "Contact", "Force", "Joint", "Link", "Parameter", "Vector", "Wheel"]
+__all__ = ["KINDS", "ZERO", "Contact", "Force", "Joint", "Link", "Parameter", "Vector", "Wheel"]
 
 Vector = tuple[float, float, float]
 
 ZERO: Vector = (0.0, 0.0, 0.0)
+# Contact primitives; in arrays a kind is its place here.
+KINDS = ("point", "sphere", "disc")
 
 
 @dataclass(frozen=True)

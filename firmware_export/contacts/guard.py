@@ -44,6 +44,7 @@ from lutgen.support import (
     PLANE,
     POINT,
     SEGMENTS,
+    SPHERE,
     START,
     STOP,
     TIP_PLANE,
@@ -194,7 +195,7 @@ class Geometry:
         self.lowest = float(found[:, 4].min())
         self.shortest = min(float(found[:, 3].min()), self.size)
         self.low = self._low()
-        if (model.kind == 1).any():  # spheres roll any way
+        if (model.kind == SPHERE).any():  # spheres roll any way
             self.shortest = min(self.shortest, self.narrowest)
 
     def _low(self) -> float:

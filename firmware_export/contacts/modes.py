@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from firmware_export.truth import Model
 from lutgen.errors import InputError
+from lutgen.support import DISC
 
 Floats = NDArray[np.float64]
 
@@ -56,7 +57,7 @@ class Coordinates:
         some = model.postures(self.at(random.random((4, model.k)))).axes
         self.hinge_of = np.full(len(model.kind), -1, np.int64)
         self.leaders: list[int] = []
-        for i in np.flatnonzero(model.kind == 2):
+        for i in np.flatnonzero(model.kind == DISC):
             for h, leader in enumerate(self.leaders):
                 # An axis and its opposite are one hinge.
                 apart = np.abs(some[:, i] - some[:, leader]).max()

@@ -33,11 +33,10 @@ from lutgen.files import write_bytes
 from lutgen.plot.box import box_axes
 from lutgen.plot.labels import angle_text, length_label
 from lutgen.plot.path import RED, draw_angles
-from lutgen.plot.robot import circle
+from lutgen.plot.robot import rims
 from lutgen.plot.style import BLUE, GREEN, GREY, house_style, new_figure
 from lutgen.recipe import Recipe
 from lutgen.search import Drive
-from lutgen.support import DISC, SPHERE
 
 __all__ = ["MOST_FRAMES", "animate", "check_animation", "to_world"]
 
@@ -253,7 +252,9 @@ class _Robot:
         tips = bool(self.run.tips[i])
         centres = state.centres @ turn.T
         self.body.set_segments([np.array([np.zeros(3), centre]) for centre in centres])
-        self.wheels.set_segments([rim @ turn.T for rim in _rims(state)])
+        self.wheels.set_segments(
+            [rim @ turn.T for i in range(len(state.kind)) for rim in rims(state, i)]
+        )
         colour = RED if tips else "black"
         self.body.set_color(colour)
         self.com.set_color(colour)
@@ -320,14 +321,3 @@ def to_world(gravity: Floats, heading: float) -> Floats:
     level = np.stack([ahead, np.cross(up, ahead), up])
     cos, sin = math.cos(heading), math.sin(heading)
     return np.asarray(np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]]) @ level)
-
-
-def _rims(state: Diagnosis) -> list[Floats]:
-    """Return the circles of the wheels and three of each ball, (49, 3), body frame."""
-    rims = []
-    for centre, axis, radius, kind in zip(
-        state.centres, state.axes, state.radius, state.kind, strict=True
-    ):
-        normals = {DISC: [axis], SPHERE: list(np.eye(3))}.get(int(kind), [])
-        rims += [circle(centre, normal, float(radius)) for normal in normals]
-    return rims

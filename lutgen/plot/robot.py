@@ -16,14 +16,15 @@ from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.analysis import Diagnosis, FacetView, diagnose
+from lutgen.parts import KINDS
 from lutgen.plot.box import box_axes, fit_box, place
 from lutgen.plot.labels import angle_text, length_label, title, with_unit
 from lutgen.plot.marks import write_beside
 from lutgen.plot.style import BLUE, GREEN, GREY, ORANGE, PURPLE, new_figure
 from lutgen.plot.view import View
-from lutgen.support import DISC, POINT, SPHERE
+from lutgen.support import DISC, SPHERE
 
-__all__ = ["SIZE", "circle", "draw_robot"]
+__all__ = ["SIZE", "draw_robot", "rims"]
 
 Floats = NDArray[np.float64]
 
@@ -83,25 +84,30 @@ def circle(centre: ArrayLike, axis: ArrayLike, radius: float) -> Floats:
     return np.asarray(centre + radius * rim, dtype=np.float64)
 
 
+def rims(state: Diagnosis, index: int) -> list[Floats]:
+    """Return the circles that show a contact, (49, 3) each: of a wheel one, of a ball three."""
+    normals = {DISC: [state.axes[index]], SPHERE: list(np.eye(3))}
+    centre, radius = state.centres[index], float(state.radius[index])
+    return [circle(centre, normal, radius) for normal in normals.get(int(state.kind[index]), [])]
+
+
 def _body(axes: Any, state: Diagnosis) -> list[Artist]:
     """Draw the contacts and their links to the com."""
     for i, centre in enumerate(state.centres):
         _line(axes, np.zeros(3), centre, color="#a0a0a0", linewidth=0.8, zorder=2)
-        radius = float(state.radius[i])
-        if state.kind[i] == POINT:
+        found = rims(state, i)
+        if not found:
             axes.plot(*centre[:, None], "o", color=GREY, markersize=3.5, zorder=6)
         elif state.kind[i] == DISC:
-            rim = circle(centre, state.axes[i], radius)
-            wheel = Poly3DCollection([rim], facecolor=(0.3, 0.3, 0.3, 0.12), edgecolor="none")
+            wheel = Poly3DCollection(found, facecolor=(0.3, 0.3, 0.3, 0.12), edgecolor="none")
             axes.add_collection3d(wheel)
-            axes.plot(*rim.T, color=GREY, linewidth=0.8, zorder=3)
-        elif state.kind[i] == SPHERE:
-            rims = [circle(centre, normal, radius) for normal in np.eye(3)]
-            axes.add_collection3d(Line3DCollection(rims, colors=GREY, linewidths=0.6, zorder=3))
+            axes.plot(*found[0].T, color=GREY, linewidth=0.8, zorder=3)
+        else:
+            axes.add_collection3d(Line3DCollection(found, colors=GREY, linewidths=0.6, zorder=3))
     # Small beside the ball in which it may lie.
     dot = 2.0 if state.com_uncertainty > 0.0 else 4.5
     axes.plot([0.0], [0.0], [0.0], "o", color="black", markersize=dot, zorder=8)
-    kinds = sorted({("points", "spheres", "discs")[int(kind)] for kind in state.kind})
+    kinds = sorted({f"{KINDS[int(kind)]}s" for kind in state.kind})
     hollow = GREY if kinds == ["points"] else "none"
     return [
         _sample("centre of mass", "o", "black", dot),

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lutgen.errors import InputError
 from lutgen.jit import njit
-from lutgen.parts import Contact, Force, Link, Vector
+from lutgen.parts import KINDS, Contact, Force, Link, Vector
 from lutgen.recipe.recipe import Recipe
 from lutgen.rotation import rotation
 
@@ -23,7 +23,6 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 FIXED, REVOLUTE, PRISMATIC = 0, 1, 2
-KINDS = {"point": 0, "sphere": 1, "disc": 2}
 
 
 class Postures(NamedTuple):
@@ -120,9 +119,9 @@ def postures(recipe: Recipe, params: ArrayLike) -> tuple[Floats, Floats]:
 
 
 def radii_and_kinds(recipe: Recipe) -> tuple[Floats, Ints]:
-    """Return radius (n,) and kind (n,) of the contacts: 0 point, 1 sphere, 2 disc."""
+    """Return radius (n,) and kind (n,), a place in `KINDS`, of the contacts."""
     radius = np.array([contact.radius for contact in recipe.contacts], dtype=np.float64)
-    kind = np.array([KINDS[contact.kind] for contact in recipe.contacts], dtype=np.int64)
+    kind = np.array([KINDS.index(contact.kind) for contact in recipe.contacts], dtype=np.int64)
     return radius, kind
 
 

@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.jit import njit
+from lutgen.parts import KINDS
 from lutgen.vector import Floats, Vector, dot, length, scale, subtract
 
-POINT, SPHERE, DISC = 0.0, 1.0, 2.0
+POINT, SPHERE, DISC = (float(KINDS.index(kind)) for kind in ("point", "sphere", "disc"))
 RADIUS, KIND = 6, 7
 # A disc whose axis is within this angle (rad) of the plane's normal lies on its face and has no
 # single point of contact.
