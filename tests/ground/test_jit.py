@@ -1,5 +1,7 @@
 """The project's decorator: flags, cache and its staleness, and life without a compiler."""
 
+import ast
+import functools
 import os
 import subprocess
 import sys
@@ -9,7 +11,7 @@ import numba
 import numpy as np
 import pytest
 
-from lutgen.jit import cache_folder, njit, prange
+from lutgen.jit import cache_folder, in_threads, njit, prange
 from tests.fixtures.places import ROOT
 
 CALLEE = "from lutgen.jit import njit\n@njit()\ndef inner(x):\n    return x + {}\n"
@@ -71,6 +73,158 @@ def test_a_file_without_kernels_does_not_cost_a_compilation(tmp_path):
     assert run(tmp_path, OUTER, XDG_CACHE_HOME=tmp_path / "cache") == "20.0 0"
     (tmp_path / "notes.py").write_text("x = 1\n")
     assert run(tmp_path, OUTER, XDG_CACHE_HOME=tmp_path / "cache") == "20.0 1"
+
+
+def two_rooms(folder):
+    """Write a package with a caller and a callee in files of the same name, in two rooms."""
+    package = folder / "house"
+    for room in ("", "near", "far"):
+        (package / room).mkdir()
+        (package / room / "__init__.py").write_text("")
+    near = CALLER.replace("from callee import inner", "from house.far.codec import inner")
+    (package / "near" / "codec.py").write_text(near)
+    (package / "far" / "codec.py").write_text(CALLEE.format(1))
+    return package
+
+
+def test_a_callee_edited_in_another_room_is_not_served_from_the_old_cache(tmp_path):
+    package = two_rooms(tmp_path)
+    outer = OUTER.replace("from caller import", "from house.near.codec import")
+    cache = tmp_path / "cache"
+    assert run(tmp_path, outer, XDG_CACHE_HOME=cache) == "20.0 0"
+    assert run(tmp_path, outer, XDG_CACHE_HOME=cache) == "20.0 1"
+    (package / "far" / "codec.py").write_text(CALLEE.format(2))
+    assert run(tmp_path, outer, XDG_CACHE_HOME=cache) == "30.0 0"
+
+
+def test_files_of_one_name_in_two_rooms_count_each(tmp_path):
+    package = two_rooms(tmp_path)
+    code = f"from lutgen.jit import cache_folder; print(cache_folder({str(package / 'near')!r}))"
+    folders = [run(tmp_path, code, XDG_CACHE_HOME=tmp_path / "cache")]
+    for room in ("far", "near"):
+        path = package / room / "codec.py"
+        path.write_text(path.read_text() + "# edited\n")
+        folders.append(run(tmp_path, code, XDG_CACHE_HOME=tmp_path / "cache"))
+    assert len(set(folders)) == 3
+
+
+# What marks a file whose bytes the cache's digest covers, see `lutgen.jit`.
+MARK = "lutgen.jit"
+
+
+@functools.cache
+def parsed(path):
+    """Return the module-level definitions and imports of a file, and what its kernels read."""
+    defined, imported, read = {}, {}, set()
+    for node in ast.parse(path.read_text()).body:
+        if isinstance(node, ast.ImportFrom):
+            imported |= {one.asname or one.name: (node.module, one.name) for one in node.names}
+        elif isinstance(node, ast.Assign | ast.AnnAssign):
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            names = [n.id for t in targets for n in ast.walk(t) if isinstance(n, ast.Name)]
+            defined |= dict.fromkeys(names, names_in([node.value] if node.value else []))
+        elif isinstance(node, ast.FunctionDef | ast.ClassDef):
+            defined[node.name] = set()
+            if any("njit" in ast.unparse(one) for one in node.decorator_list):
+                read |= names_in(node.body)
+    return defined, imported, read
+
+
+def names_in(nodes):
+    """Return the names that are read below some nodes."""
+    every = (n for node in nodes for n in ast.walk(node))
+    return {n.id for n in every if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Load)}
+
+
+def unseen(root, package):
+    """Return what kernels of a package read from files that the cache's digest does not cover."""
+    found = []
+    for path in sorted((root / package).rglob("*.py")):
+        if MARK not in path.read_text():
+            continue
+        waiting = [(path, name) for name in sorted(parsed(path)[2])]
+        followed = set()
+        while waiting:
+            place = waiting.pop()
+            if place in followed:
+                continue
+            followed.add(place)
+            where, name = place
+            defined, imported, _ = parsed(where)
+            if name in defined:
+                waiting += [(where, value) for value in defined[name]]
+                if MARK not in where.read_text():
+                    found.append(f"{path.relative_to(root)} reads {name}")
+            elif name in imported and imported[name][0].split(".")[0] in PACKAGES:
+                module, original = imported[name]
+                target = root.joinpath(*module.split("."))
+                target = target / "__init__.py" if target.is_dir() else target.with_suffix(".py")
+                waiting.append((target, original))
+    return found
+
+
+PACKAGES = {"lutgen", "firmware_export", "benchmarks", "house"}
+
+
+@pytest.mark.parametrize("package", sorted(PACKAGES - {"house"}))
+def test_all_that_a_kernel_reads_is_in_files_that_the_cache_s_digest_covers(package):
+    assert unseen(ROOT, package) == []
+
+
+def test_a_constant_from_a_file_without_kernels_would_be_found(tmp_path):
+    package = two_rooms(tmp_path)
+    (package / "numbers.py").write_text("STEP = 2\n")
+    path = package / "near" / "codec.py"
+    text = "from house.numbers import STEP\nHALF = STEP / 2\n" + path.read_text()
+    path.write_text(text.replace("10.0 *", "HALF *"))
+    assert unseen(tmp_path, "house") == ["house/near/codec.py reads STEP"]
+
+
+def test_work_is_shared_among_threads_and_its_answers_are_added_up():
+    before = numba.get_num_threads()
+    done = np.zeros(1000)
+
+    def fill(begin, end, out):
+        out[begin:end] += 1.0
+        return end - begin
+
+    try:
+        for threads in range(1, numba.config.NUMBA_NUM_THREADS + 1):
+            numba.set_num_threads(threads)
+            done[:] = 0.0
+            assert in_threads(fill, 1000, done, least=100) == 1000
+            assert (done == 1.0).all()
+        assert in_threads(fill, 0, done) == 0
+    finally:
+        numba.set_num_threads(before)
+
+
+def test_an_error_in_a_thread_is_raised_where_the_work_was_asked_for():
+    def fail(begin, end):
+        raise ValueError(f"{begin} to {end}")
+
+    with pytest.raises(ValueError, match="0 to"):
+        in_threads(fail, 1000)
+
+
+@njit()
+def literal_steps(n):
+    """Count with a variable that starts as a literal."""
+    k = 0
+    while k < n:
+        k = one_more(k)
+    return k
+
+
+@njit()
+def one_more(k):
+    """Add one."""
+    return k + 1
+
+
+def test_a_counter_that_starts_at_a_literal_compiles_its_callee_once():
+    assert literal_steps(3) == 3
+    assert len(one_more.signatures) == 1
 
 
 def test_the_cache_goes_where_numba_s_own_variable_says(tmp_path):
