@@ -239,6 +239,14 @@ def _multiply(left: Floats, right: Floats, out: Floats) -> None:
 
 
 @njit()
+def _copy(matrix: Floats, out: Floats) -> None:
+    """Copy a 3 x 3 matrix; assigning a slice would compile the sentences of its errors, too."""
+    for i in range(3):
+        for j in range(3):
+            out[i, j] = matrix[i, j]
+
+
+@njit()
 def _rotate(matrix: Floats, vector: Floats, i: int) -> float:
     """Return component i of matrix times vector."""
     return float(matrix[i, 0] * vector[0] + matrix[i, 1] * vector[1] + matrix[i, 2] * vector[2])
@@ -255,8 +263,9 @@ def _place(
     here = turn[link]
     above = tree.parent[link]
     if above < 0:
-        here[:] = tree.rotation[link]
-        where[link] = tree.origin[link]
+        _copy(tree.rotation[link], here)
+        for i in range(3):
+            where[link, i] = tree.origin[link, i]
     else:
         _multiply(turn[above], tree.rotation[link], here)
         for i in range(3):
@@ -265,7 +274,7 @@ def _place(
         return
     value = tree.scale[link] * params[tree.parameter[link]] + tree.offset[link]
     if tree.joint[link] == REVOLUTE:
-        work[0] = here
+        _copy(here, work[0])
         _turn(tree.axis[link], value, work[1])
         _multiply(work[0], work[1], here)
     else:
@@ -283,7 +292,7 @@ def _forward(params: Floats, tree: Tree, points: Floats, axes: Floats, com: Floa
     where = np.empty((links, 3))
     work = np.empty((2, 3, 3))
     for m in range(len(params)):
-        com[m] = 0.0
+        com[m, 0] = com[m, 1] = com[m, 2] = 0.0
         for link in range(links):
             _place(link, params[m], tree, turn, where, work)
             for i in range(3):
