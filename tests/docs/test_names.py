@@ -132,9 +132,11 @@ def exists(name: str) -> bool:
     return any(map(importable, homes)) if homes else importable(name)
 
 
-@pytest.mark.parametrize(
-    "path", [*SOURCES, *DOCUMENTS], ids=lambda path: str(path.relative_to(ROOT))
-)
+# The changelog says what names were before.
+PRESENT = [page for page in DOCUMENTS if page.name != "CHANGELOG.md"]
+
+
+@pytest.mark.parametrize("path", [*SOURCES, *PRESENT], ids=lambda path: str(path.relative_to(ROOT)))
 def test_every_dotted_name_that_a_file_mentions_is_there(path: Path) -> None:
     # A page may also name what stands in its own examples.
     shown = fenced(path.read_text(encoding="utf-8")) if path.suffix == ".md" else ""
