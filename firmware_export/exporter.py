@@ -16,11 +16,12 @@ from firmware_export.choose import KNEE, Candidate, Goal, Trials, choose, front
 from firmware_export.codecs import codec as info
 from firmware_export.codecs import usable
 from firmware_export.emit import check_directory, check_name, default_name, write
-from firmware_export.protocol import CHANNELS, CodecInfo, Export
+from firmware_export.protocol import CodecInfo, Export
 from firmware_export.quantity import ErrorBound, parse_error, parse_size
 from firmware_export.truth import Model
 from lutgen.errors import ExportError, InputError
 from lutgen.mapping import StabilityMap, load_map
+from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import Recipe, load_recipe
 
 __all__ = ["Report", "export"]
@@ -162,20 +163,20 @@ def _recipe(source: str | os.PathLike[str] | StabilityMap | Recipe, allow_python
 
 def _channels(recipe: Recipe, asked: Sequence[str] | None) -> tuple[str, ...]:
     """Return the channels to hold, in the order of the runtime."""
-    held = [name for name in CHANNELS if name in recipe.channels]
+    held = [name for name in EXPORTABLE if name in recipe.channels]
     wanted = held if asked is None else [asked] if isinstance(asked, str) else list(asked)
     for name in wanted:
-        if name not in CHANNELS:
+        if name not in EXPORTABLE:
             raise InputError(
                 f"channels: {name!r} cannot be exported (got {name!r}); choose from "
-                f"{', '.join(CHANNELS)}."
+                f"{', '.join(EXPORTABLE)}."
             )
         if name not in recipe.channels and name != "tip_angle":
             raise InputError(
                 f"{recipe.source}: has no channel {name!r} (it has {', '.join(recipe.channels)}); "
                 "add it to `sweep.gravity.channels` and sweep again."
             )
-    return tuple(name for name in CHANNELS if name in wanted or name == "tip_angle")
+    return tuple(name for name in EXPORTABLE if name in wanted or name == "tip_angle")
 
 
 def _limits(

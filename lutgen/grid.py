@@ -163,14 +163,14 @@ class Grid:
                 f"node numbers must be integers of shape (m,) (got {nodes.dtype} of shape "
                 f"{nodes.shape}); pass for example numpy.arange(grid.size)."
             )
-        rest = nodes.astype(np.intp)
-        if rest.size and (rest.min() < 0 or rest.max() >= self.size):
+        remainder = nodes.astype(np.intp)
+        if remainder.size and (remainder.min() < 0 or remainder.max() >= self.size):
             raise InputError(
-                f"node numbers must lie in 0..{self.size - 1} (got {rest.min()}..{rest.max()}); "
-                "stay below grid.size."
+                f"node numbers must lie in 0..{self.size - 1} (got {remainder.min()}.."
+                f"{remainder.max()}); stay below grid.size."
             )
-        values = np.empty((rest.size, len(self.axes)))
+        values = np.empty((remainder.size, len(self.axes)))
         for column in range(len(self.axes) - 1, -1, -1):
-            rest, index = np.divmod(rest, self.axes[column].size)
+            remainder, index = np.divmod(remainder, self.axes[column].size)
             values[:, column] = self.axes[column].knots[index]
         return values

@@ -1,18 +1,44 @@
 """The parts of a robot: parameters, links, joints, contacts, wheels and forces.
 
-Data only, with every angle in radians; nothing is known here of how they are written down
-(`recipe`, `urdf`) or of how a robot moves.
+Data with every angle in radians, and the order of the tree that links make; nothing is known here
+of how they are written down (`recipe`, `urdf`) or of how a robot moves.
 """
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
-__all__ = ["KINDS", "ZERO", "Contact", "Force", "Joint", "Link", "Parameter", "Vector", "Wheel"]
+__all__ = [
+    "KINDS",
+    "ZERO",
+    "Contact",
+    "Force",
+    "Joint",
+    "Link",
+    "Parameter",
+    "Vector",
+    "Wheel",
+    "parents_first",
+    "to_display",
+    "to_internal",
+]
 
 Vector = tuple[float, float, float]
 
 ZERO: Vector = (0.0, 0.0, 0.0)
 # Contact primitives; in arrays a kind is its place here.
 KINDS = ("point", "sphere", "disc")
+
+
+def to_internal(values: Any, unit: str) -> Any:
+    """Turn a number or an array of numbers that people write into rad or length."""
+    return values * (math.pi / 180.0) if unit == "deg" else values
+
+
+def to_display(values: Any, unit: str) -> Any:
+    """Turn rad or length into a unit that people read; the inverse of `to_internal`."""
+    return values * (180.0 / math.pi) if unit == "deg" else values
 
 
 @dataclass(frozen=True)
@@ -28,6 +54,14 @@ class Parameter:
     maximum: float
     unit: str
     display_unit: str
+
+    def shown(self, values: Any) -> Any:
+        """Turn values, numbers or arrays, into the unit in which the recipe writes them."""
+        return to_display(values, self.display_unit)
+
+    def stored(self, values: Any) -> Any:
+        """Turn values in the recipe's unit into rad or length."""
+        return to_internal(values, self.display_unit)
 
 
 @dataclass(frozen=True)
@@ -113,3 +147,40 @@ class Force:
     def acts(self) -> bool:
         """Whether it does anything at all."""
         return any(self.force) or any(self.moment)
+
+
+def parents_first(parents: Mapping[str, str | None]) -> tuple[list[str], list[str]]:
+    """Return the names with parents before children, or a loop.
+
+    Parameters
+    ----------
+    parents : mapping of str to str or None
+        The parent of every name, itself a name; None for a root.
+
+    Returns
+    -------
+    order : list of str
+        By the distance from the root, otherwise as given; empty where there is a loop.
+    loop : list of str
+        The way from a name upwards until one is met again, which is the last; empty without one.
+
+    Examples
+    --------
+    >>> parents_first({"foot": "leg", "leg": "body", "body": None})
+    (['body', 'leg', 'foot'], [])
+    >>> parents_first({"foot": "leg", "leg": "foot"})
+    ([], ['foot', 'leg', 'foot'])
+    """
+    depth: dict[str, int] = {}
+    for name in parents:
+        way: dict[str, None] = {}
+        here: str | None = name
+        # Names that are known to hang from a root need not be followed again.
+        while here is not None and here not in depth:
+            if here in way:
+                return [], [*way, here]
+            way[here] = None
+            here = parents[here]
+        above = -1 if here is None else depth[here]
+        depth |= {one: above + rise for rise, one in enumerate(reversed(way), 1)}
+    return sorted(parents, key=depth.__getitem__), []

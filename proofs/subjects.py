@@ -9,9 +9,10 @@ from pathlib import Path
 
 from firmware_export.emit import package, report
 from firmware_export.grid import codec as grid
-from firmware_export.protocol.exported import CHANNELS, Export
+from firmware_export.protocol.exported import Export
 from firmware_export.truth.model import Model
 from lutgen.errors import ExportError, InputError
+from lutgen.quantities import EXPORTABLE
 from lutgen.recipe.recipe import parse_recipe
 from proofs.exports import rover_export, tripod_export
 from proofs.recipes import tripod
@@ -24,7 +25,7 @@ VERDICT = ("tip_angle",)
 
 def _all_channels(arithmetic: str, name: str) -> Export:
     """Return the grid of four axes and three tables that `make firmware` runs, too."""
-    return replace(of_four_axes(arithmetic, CHANNELS), name=name)
+    return replace(of_four_axes(arithmetic, EXPORTABLE), name=name)
 
 
 def _on_the_sphere(arithmetic: str, name: str) -> Export:

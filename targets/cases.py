@@ -20,9 +20,10 @@ from firmware_export.emit.config import runtime_file
 from firmware_export.emit.source import body_of, source_text
 from firmware_export.grid import codec as grid
 from firmware_export.grid.tables import SPAN, Part, Tables, U, V
-from firmware_export.protocol.exported import CHANNELS, Export
+from firmware_export.protocol.exported import Export
 from firmware_export.truth.model import Model
 from lutgen.errors import ExportError
+from lutgen.quantities import EXPORTABLE
 from lutgen.recipe.recipe import load_recipe, parse_recipe
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -130,7 +131,7 @@ def of_map(name: str) -> Export:
     content = report.load_report(directory)
     model = Model(load_recipe(ROOT / "maps" / f"{name}.toml"))
     kind, spec = spec_of(content["spec"])
-    channels = tuple(channel for channel in CHANNELS if channel in content["channels"])
+    channels = tuple(channel for channel in EXPORTABLE if channel in content["channels"])
     tables = encoded(model, kind, channels, spec)
     return Export(
         content["name"], model.recipe, model, kind, content["arithmetic"], channels, tables
@@ -147,7 +148,7 @@ def of_stool(arithmetic: str) -> Export:
 def of_four_axes(arithmetic: str, channels: tuple[str, ...]) -> Export:
     """Return a grid of the paper's second robot, all of it or its first table alone."""
     model = Model(load_recipe(ROOT / "maps" / "paper_two.toml"))
-    tables = encoded(model, "grid", CHANNELS, FOUR_AXES)
+    tables = encoded(model, "grid", EXPORTABLE, FOUR_AXES)
     if channels == VERDICT:
         spec = replace(FOUR_AXES, nodes=FOUR_AXES.nodes[:1])
         tables = replace(tables, spec=spec, channels=channels, parts=tables.parts[:1])
@@ -172,7 +173,7 @@ def cases() -> list[Case]:
     rows = [Case(name, partial(of_map, name), MAPS / name / "firmware") for name in ROBOTS]
     for arithmetic in ("float", "integer"):
         rows.append(Case(f"grid_2d_{arithmetic}", partial(of_stool, arithmetic)))
-        for words, channels in (("4d", VERDICT), ("4d_all", CHANNELS)):
+        for words, channels in (("4d", VERDICT), ("4d_all", EXPORTABLE)):
             make = partial(of_four_axes, arithmetic, channels)
             rows.append(Case(f"grid_{words}_{arithmetic}", make))
         rows.append(Case(f"grid_74kB_{arithmetic}", partial(of_noise, arithmetic)))

@@ -19,6 +19,7 @@ from firmware_export.protocol import CBody, Export
 from lutgen._version import __version__
 from lutgen.errors import ExportError
 from lutgen.parts import Parameter
+from lutgen.quantities import QUANTITIES
 from lutgen.recipe import Recipe
 
 __all__ = ["COUNTS", "FORMAT", "MARKER", "axis_macros", "counted", "flash_bytes", "report"]
@@ -193,7 +194,7 @@ def report(export: Export, body: CBody, names: list[str]) -> dict[str, Any]:
         },
         "channels": {
             channel: {
-                "unit": "rad" if channel == "tip_angle" else recipe.length_unit,
+                "unit": QUANTITIES[channel].stored_unit(recipe.length_unit),
                 "error": errors.get(channel),
             }
             for channel in export.channels

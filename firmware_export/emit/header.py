@@ -10,7 +10,6 @@ from firmware_export.emit.names import macro
 from firmware_export.emit.text import LICENCE, block_comment
 from firmware_export.emit.words import (
     FALSE_TIP,
-    MEANING,
     axis_range,
     bytes_text,
     chart_text,
@@ -19,6 +18,7 @@ from firmware_export.emit.words import (
     share,
 )
 from firmware_export.protocol import literal
+from lutgen.quantities import QUANTITIES
 
 __all__ = ["header_text"]
 
@@ -79,10 +79,13 @@ def _reading(content: dict[str, Any], channel: str) -> tuple[str, str]:
     unit = content["channels"][channel]["unit"]
     unit = "ratio of lengths" if unit == "1" else unit
     if content["arithmetic"] == "float":
-        return channel, f"{MEANING[channel]} ({unit})"
+        return channel, f"{QUANTITIES[channel].in_c} ({unit})"
     if channel == "tip_angle":
         return "tip", "sine of the angle until the robot tips, guard subtracted (1/32767)"
-    return channel, f"{MEANING[channel]} ({macro(content['name'])}_{channel.upper()}_STEP, {unit})"
+    return (
+        channel,
+        f"{QUANTITIES[channel].in_c} ({macro(content['name'])}_{channel.upper()}_STEP, {unit})",
+    )
 
 
 def _errors(content: dict[str, Any]) -> list[str]:

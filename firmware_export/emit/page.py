@@ -5,7 +5,6 @@ from typing import Any
 
 from firmware_export.emit.words import (
     FALSE_TIP,
-    MEANING,
     axis_range,
     chart_text,
     errors_of,
@@ -13,6 +12,7 @@ from firmware_export.emit.words import (
     share,
 )
 from firmware_export.protocol import CBody
+from lutgen.quantities import QUANTITIES
 
 __all__ = ["page", "pareto_rows"]
 
@@ -109,7 +109,7 @@ def _accuracy(content: dict[str, Any]) -> list[str]:
     """Return the lines on errors and on the verdict."""
     certificate, unsafe = content["certificate"] or {}, content["false_safe"]
     rows = [
-        (f"`{name}`", MEANING[name], content["channels"][name]["unit"], *texts)
+        (f"`{name}`", QUANTITIES[name].in_c, content["channels"][name]["unit"], *texts)
         for name, texts in errors_of(content).items()
         for texts in [texts or ("not measured", "", "")]
     ]

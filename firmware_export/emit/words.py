@@ -5,7 +5,6 @@ from typing import Any
 
 __all__ = [
     "FALSE_TIP",
-    "MEANING",
     "axis_range",
     "bytes_text",
     "chart_text",
@@ -15,11 +14,6 @@ __all__ = [
     "share",
 ]
 
-MEANING = {
-    "sdg": "stability factor |SD_g|, 0 at its most stable",
-    "tip_angle": "angle until the robot tips, guard subtracted",
-    "height": "|OC|, height of the centre of mass over its support",
-}
 FALSE_TIP = "stable configurations reported unsafe"
 
 

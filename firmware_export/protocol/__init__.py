@@ -6,11 +6,10 @@ In reading order: `axis`, `array`, `exported`, `descriptor`, `info`.
 from firmware_export.protocol.array import CTYPES, CArray, CBody, literal
 from firmware_export.protocol.axis import axis_numbers
 from firmware_export.protocol.descriptor import Descriptor, describe, members, restored, stored
-from firmware_export.protocol.exported import CHANNELS, Export
+from firmware_export.protocol.exported import Export
 from firmware_export.protocol.info import CodecInfo, Foresight, Spec, Tables
 
 __all__ = [
-    "CHANNELS",
     "CTYPES",
     "CArray",
     "CBody",

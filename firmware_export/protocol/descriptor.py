@@ -13,11 +13,9 @@ import numpy as np
 
 from firmware_export.protocol.array import CTYPES, CArray, CBody, literal
 from firmware_export.protocol.axis import axis_numbers
-from firmware_export.protocol.exported import CHANNELS, Export
+from firmware_export.protocol.exported import Export
 
 __all__ = ["Descriptor", "describe", "members", "restored", "stored"]
-
-_BITS = dict(zip(CHANNELS, ("SMAP_SDG", "SMAP_TIP_ANGLE", "SMAP_HEIGHT"), strict=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +48,7 @@ def describe(export: Export, enum: str, body: CBody) -> Descriptor:
     fields = (
         ("codec", enum),
         ("params", str(model.k)),
-        ("channels", " | ".join(_BITS[channel] for channel in export.channels)),
+        ("channels", " | ".join(f"SMAP_{channel.upper()}" for channel in export.channels)),
         ("faces", str(model.faces)),
         ("chart_limit", literal(model.chart_limit, "float")),
         ("guard", literal(export.tables.guard, "float")),

@@ -8,10 +8,7 @@ from typing import Any
 
 from lutgen.recipe import Recipe
 
-__all__ = ["CHANNELS", "Export"]
-
-# Channels that the runtime can answer, in the order of smap_reading_t.
-CHANNELS = ("sdg", "tip_angle", "height")
+__all__ = ["Export"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +28,7 @@ class Export:
     arithmetic : str
         ``"float"`` or ``"integer"``.
     channels : tuple of str
-        Subset of `CHANNELS`, in that order.
+        Subset of `quantities.EXPORTABLE`, in that order.
     tables : Tables
         The codec's tables, with `guard` (rad), `guard_text`, `bytes`, `spec`.
     certificate : dict, optional

@@ -14,17 +14,15 @@ from numpy.typing import ArrayLike, NDArray
 from lutgen.channels import (
     ALONG,
     ASIDE,
-    CHANNELS,
     HEIGHT_BEYOND,
     measure_recipe,
     wanted_channels,
 )
 from lutgen.chart import FACE_NORMAL, FACE_SIGN, FACE_U, FACE_V, unit_directions
+from lutgen.quantities import CHANNELS
 from lutgen.recipe import Postures, Recipe, forward, radii_and_kinds
 
 Floats = NDArray[np.float64]
-
-EXPORTABLE = ("sdg", "tip_angle", "height")
 
 
 class Exact(NamedTuple):

@@ -27,10 +27,11 @@ from numpy.typing import NDArray
 
 from firmware_export.grid import SPAN
 from firmware_export.truth import Model
-from lutgen.channels import CHANNELS, measure, wanted_channels
+from lutgen.channels import measure, wanted_channels
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 from lutgen.jit import njit, prange
+from lutgen.quantities import CHANNELS
 from lutgen.support import (
     RADIUS,
     SEGMENTS,

@@ -1,20 +1,19 @@
 """Questions about one posture: forces, ground, tilt, sliding, rolling, wheels.
 
-In reading order: `diagnosis`, `ground`, `ground_contact`, `wheels`, `stance`, `force_angle`,
-`tilt`, `sliding`, `rolling`, `metrics`, `tilt_table`.
+In reading order: `stance`, `diagnosis`, `ground`, `ground_contact`, `wheels`, `tilt`, `sliding`,
+`rolling`, `metrics`, `tilt_table`.
 """
 
 from lutgen.analysis.diagnosis import (
     Diagnosis,
-    FacetView,
     diagnose,
     heuristic_forces,
     normal_forces,
 )
-from lutgen.analysis.force_angle import axis_force_angle
-from lutgen.analysis.metrics import Metrics, compare_metrics
+from lutgen.analysis.metrics import Metrics, axis_force_angle, compare_metrics
 from lutgen.analysis.rolling import roll_limits, rolling_gravity, rolls
 from lutgen.analysis.sliding import slide_limits, slopes
+from lutgen.analysis.stance import Facet, Posture
 from lutgen.analysis.tilt import tilt_limits, tilted
 from lutgen.analysis.tilt_table import (
     FOUR,
@@ -26,16 +25,17 @@ from lutgen.analysis.tilt_table import (
     posture_limits,
     sweep_limits,
 )
-from lutgen.analysis.wheels import Motion, wheel_speeds
+from lutgen.analysis.wheels import Motion, structure, wheel_speeds
 
 __all__ = [
     "FOUR",
     "WORST",
     "Diagnosis",
-    "FacetView",
+    "Facet",
     "HeadingLimit",
     "Metrics",
     "Motion",
+    "Posture",
     "PostureLimits",
     "SweepLimits",
     "axis_force_angle",
@@ -50,6 +50,7 @@ __all__ = [
     "rolls",
     "slide_limits",
     "slopes",
+    "structure",
     "sweep_limits",
     "tilt_limits",
     "tilted",

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from lutgen.analysis.stance import Facet, Posture
 from lutgen.channels import (
-    CHANNELS,
     MU,
     PHI,
     RHO,
@@ -25,53 +25,27 @@ from lutgen.channels import (
     loaded_verdict,
     measure_moved,
     tip_angle,
-    wrenches,
 )
 from lutgen.chart import STANDARD_GRAVITY
-from lutgen.recipe import Recipe, forward, radii_and_kinds
+from lutgen.quantities import CHANNELS
+from lutgen.recipe import Recipe
 from lutgen.support import (
-    CENTROID,
     CONVEX,
     FACETS,
-    FIRST,
-    HEIGHT,
     KIND,
     RADIUS,
     SEGMENTS,
-    SOURCE,
     START,
     STOP,
     TIP_PLANE,
-    VERTEX,
-    empty_region,
-    facet_table,
-    pack,
-    stand,
     supporting_facet,
     vector_at,
 )
-from lutgen.vector import dot
+from lutgen.vector import Vector, dot
 
 Vector3 = NDArray[np.float64]
 # Shares of the weight below this are zero but for rounding.
 ROUNDING = 1e-12
-
-
-@dataclass(frozen=True)
-class FacetView:
-    """The support facet: unit outward normal, height of the com above it, and its polygon.
-
-    `contacts` are the polygon's corners, counter-clockwise seen from outside, and `points` (k, 3)
-    their contact points relative to the com; `centroid` is s, `pierced` is D_g (NaN where the ray
-    runs along or away from the plane); under forces it is the zero-moment point.
-    """
-
-    normal: Vector3
-    height: float
-    contacts: tuple[int, ...]
-    points: NDArray[np.float64]
-    centroid: Vector3
-    pierced: Vector3
 
 
 @dataclass(frozen=True)
@@ -95,7 +69,8 @@ class TipAxis:
 class Diagnosis:
     """Everything about one posture under one direction; lengths in the recipe's unit.
 
-    `facet` is the support facet, also where the robot tips, or None if it has none.
+    `facet` is the support facet, also where the robot tips, or None if it has none; `pierced` (3,)
+    is D_g in its plane, under forces the zero-moment point, and NaN without a facet.
     `normal_forces` are shares of the weight's component along the facet's normal, by contact
     name: "exact" for three contacts, "minimum norm" (of all that balance and nowhere pull) for
     more; empty where the robot tips, and over a gap, where it rocks from one facet to another.
@@ -109,12 +84,13 @@ class Diagnosis:
     gravity_dir: Vector3
     com: Vector3
     centres: NDArray[np.float64]
-    axes: NDArray[np.float64]
+    disc_axes: NDArray[np.float64]
     radius: NDArray[np.float64]
     kind: NDArray[np.int64]
     standing: bool
     channels: dict[str, float]
-    facet: FacetView | None
+    facet: Facet | None
+    pierced: Vector3
     tip_over_axes: tuple[TipAxis, ...]
     least_stable: int | None
     normal_forces: dict[str, float]
@@ -179,62 +155,40 @@ def heuristic_forces(points: NDArray[np.float64], pierced: Vector3) -> NDArray[n
     return np.asarray((total / (len(points) / 2.0) - distance) / total)
 
 
-def diagnose(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> Diagnosis:
-    """Explain one posture under one gravity direction.
-
-    Parameters
-    ----------
-    recipe : Recipe
-        The robot.
-    params : (k,) array_like
-        Geometry parameters, rad or length.
-    gravity_dir : (3,) array_like
-        Pointing down, body frame, any length > 0.
-    """
-    row = np.atleast_2d(np.asarray(params, np.float64))
+def diagnose(posture: Posture, gravity_dir: ArrayLike) -> Diagnosis:
+    """Explain one posture under one gravity direction (3,): down, body frame, any length > 0."""
+    recipe, placed, wrench = posture.recipe, posture.placed, posture.wrench
     down = checked_directions(gravity_dir)
-    posture = forward(recipe, row)
-    radius, kind = radii_and_kinds(recipe)
-    primitives = pack(posture.centres[0], posture.axes[0], radius, kind)
-    values = measure_moved(recipe, posture, down, CHANNELS)
+    values = measure_moved(recipe, placed, down, CHANNELS)
     channels = {name: float(values[name][0, 0]) for name in CHANNELS}
-    acceptance = acceptance_of(recipe)
-    table, region = facet_table(len(primitives)), empty_region(len(primitives))
-    stand(table, region, primitives, acceptance)
+    stance = posture.stance
     g = (float(down[0, 0]), float(down[0, 1]), float(down[0, 2]))
-    k = supporting_facet(region.facet, region.tally[FACETS], g)
-    names = recipe.contact_names
     standing = channels["tip_angle"] >= 0.0
-    wrench = wrenches(recipe, posture)[0]
-    axes = empty_axes(region)
     if recipe.loaded:
-        find_axes(region, wrench, axes)
-        k, _, _ = loaded_verdict(region, axes, wrench, acceptance.least_cosine, g)
-    tip_axes = tuple(
-        _loaded_axis(region, axes, wrench, b, names, g, standing)
-        if recipe.loaded
-        else _tip_axis(region, b, names, g, standing)
-        for b in range(region.tally[SEGMENTS])
-    )
+        k, tip_axes = _loaded_axes(posture, g, standing)
+    else:
+        k = supporting_facet(stance.region.facet, stance.region.tally[FACETS], g)
+        tip_axes = _tip_axes(posture, g, standing)
     least = min(range(len(tip_axes)), key=lambda b: abs(tip_axes[b].tip_angle), default=None)
-    if region.tally[CONVEX] == 1 and tip_axes:
+    if stance.convex and tip_axes:
         least = min(range(len(tip_axes)), key=lambda b: tip_axes[b].tip_angle)
     resultant = down[0] + wrench[PHI:MU]
-    facet = None if k < 0 else _facet_view(region, table, k, resultant, wrench[MU:RHO])
-    slope = math.nan
-    if facet is not None:
+    facet, pierced, slope = None, np.full(3, np.nan), math.nan
+    if k >= 0:
+        facet = stance.facets[k]
+        pierced = facet.pierced(resultant, wrench[MU:RHO])
         size = float(np.linalg.norm(resultant)) if recipe.has_wrench else 1.0
         slope = math.acos(max(-1.0, min(1.0, float(facet.normal @ resultant) / size)))
     exact: dict[str, float] = {}
     rough: dict[str, float] = {}
     forces_kind = ""
     if facet is not None and standing:
-        corners = [names[i] for i in facet.contacts]
-        shares = normal_forces(facet.points, facet.pierced)
+        corners = [recipe.contact_names[i] for i in facet.contacts]
+        shares = normal_forces(facet.points, pierced)
         # Over a gap the robot rocks on two contacts, and nothing balances on this facet.
         if shares.min() >= -1e-9:
             exact = dict(zip(corners, shares.tolist(), strict=True))
-            heuristic = heuristic_forces(facet.points, facet.pierced)
+            heuristic = heuristic_forces(facet.points, pierced)
             rough = dict(zip(corners, heuristic.tolist(), strict=True))
             forces_kind = "exact" if len(corners) == 3 else "minimum norm"
     slides = None
@@ -242,14 +196,15 @@ def diagnose(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> Diagn
         slides = math.tan(slope) > recipe.friction if slope < math.pi / 2 else True
     return Diagnosis(
         down[0],
-        posture.com[0],
-        posture.centres[0],
-        posture.axes[0],
-        primitives[:, RADIUS],
-        primitives[:, KIND].astype(np.int64),
+        placed.com[0],
+        placed.centres[0],
+        placed.axes[0],
+        posture.primitives[:, RADIUS],
+        posture.primitives[:, KIND].astype(np.int64),
         standing,
         channels,
         facet,
+        pierced,
         tip_axes,
         least,
         exact,
@@ -259,7 +214,7 @@ def diagnose(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> Diagn
         slides,
         resultant,
         recipe.com_uncertainty,
-        posture.force_points[0],
+        placed.force_points[0],
         _over_weight(recipe),
     )
 
@@ -271,70 +226,47 @@ def _over_weight(recipe: Recipe) -> NDArray[np.float64]:
     return np.array(forces, dtype=np.float64).reshape(-1, 3)
 
 
-def _facet_view(  # type: ignore[no-untyped-def]
-    region, table, k: int, resultant: Vector3, moment: Vector3
-) -> FacetView:
-    f = region.span[k, SOURCE]
-    corners = slice(table.span[f, FIRST], table.span[f + 1, FIRST])
-    normal = table.facet[f, :3].copy()
-    height = float(region.facet[k, HEIGHT])
-    rate = float(normal @ resultant)
-    pierced = np.full(3, np.nan)
-    if rate > 0.0:
-        pierced = resultant * (height / rate)
-        if moment.any():
-            pierced = pierced + np.cross(normal, moment) / rate
-    return FacetView(
-        normal,
-        height,
-        tuple(int(i) for i in table.link[corners, VERTEX]),
-        table.corner[corners].copy(),
-        region.facet[k, CENTROID : CENTROID + 3].copy(),
-        pierced,
-    )
-
-
-def _tip_axis(region, b, names, g, standing) -> TipAxis:  # type: ignore[no-untyped-def]
-    """Return boundary segment b with its own angle, margin and energy."""
-    i, j = (int(c) for c in region.contacts[b])
-    start, stop, plane = (vector_at(region.segment, b, c) for c in (START, STOP, TIP_PLANE))
-    convex = region.tally[CONVEX] == 1
+def _tip_axes(posture: Posture, g: Vector, standing: bool) -> tuple[TipAxis, ...]:
+    """Return the boundary segments, each with its own angle, margin and energy."""
+    region, convex = posture.stance.region, posture.stance.convex
     alone = region.tally.copy()
     alone[SEGMENTS] = 1
-    piece = region.segment[b : b + 1]
-    if convex:
-        sine = dot(plane, g)
-        angle = math.asin(min(max(sine, -1.0), 1.0))
-    else:
-        angle = tip_angle(alone, piece, standing, g)
-    margin = axis_margin(start, stop, plane, convex, g)
-    energy = axis_energy(start, stop, plane, g)
-    if not convex:
-        sign = 1.0 if standing else -1.0
-        margin, energy = sign * abs(margin), sign * abs(energy)
-    return TipAxis(
-        (i, j),
-        (names[i], names[j]),
-        np.array(start),
-        np.array(stop),
-        angle,
-        margin,
-        energy,
-    )
+    axes = []
+    for b in range(region.tally[SEGMENTS]):
+        start, stop, plane = (vector_at(region.segment, b, c) for c in (START, STOP, TIP_PLANE))
+        margin = axis_margin(start, stop, plane, convex, g)
+        energy = axis_energy(start, stop, plane, g)
+        if convex:
+            angle = math.asin(min(max(dot(plane, g), -1.0), 1.0))
+        else:
+            angle = tip_angle(alone, region.segment[b : b + 1], standing, g)
+            sign = 1.0 if standing else -1.0
+            margin, energy = sign * abs(margin), sign * abs(energy)
+        axes.append(_tip_axis(posture, b, angle, margin, energy))
+    return tuple(axes)
 
 
-def _loaded_axis(region, axes, wrench, b, names, g, standing) -> TipAxis:  # type: ignore[no-untyped-def]
-    """Return boundary segment b of a loaded robot, whose energy margin is not defined."""
-    i, j = (int(c) for c in region.contacts[b])
-    start, stop = (vector_at(region.segment, b, c) for c in (START, STOP))
+def _loaded_axes(posture: Posture, g: Vector, standing: bool) -> tuple[int, tuple[TipAxis, ...]]:
+    """Return the facet on the ground, and the boundary segments; none has an energy margin."""
+    region, wrench = posture.stance.region, posture.wrench
+    found = empty_axes(region)
+    find_axes(region, wrench, found)
+    k, _, _ = loaded_verdict(region, found, wrench, acceptance_of(posture.recipe).least_cosine, g)
     convex = bool(region.tally[CONVEX] == 1)
-    row = axes.axis[b]
+    axes = []
+    for b in range(region.tally[SEGMENTS]):
+        start, stop = (vector_at(region.segment, b, c) for c in (START, STOP))
+        row, ends = found.axis[b], found.ends[b]
+        angle = axis_angle(convex, row, ends, start, stop, wrench, standing, g)
+        margin = loaded_margin(convex, row, start, stop, wrench, standing, g)
+        axes.append(_tip_axis(posture, b, angle, margin, math.nan))
+    return k, tuple(axes)
+
+
+def _tip_axis(posture: Posture, b: int, angle: float, margin: float, energy: float) -> TipAxis:
+    """Return boundary segment b with its numbers."""
+    stance, names = posture.stance, posture.recipe.contact_names
+    i, j = (int(c) for c in stance.region.contacts[b])
     return TipAxis(
-        (i, j),
-        (names[i], names[j]),
-        np.array(start),
-        np.array(stop),
-        axis_angle(convex, row, axes.ends[b], start, stop, wrench, standing, g),
-        loaded_margin(convex, row, start, stop, wrench, standing, g),
-        math.nan,
+        (i, j), (names[i], names[j]), stance.start[b], stance.stop[b], angle, margin, energy
     )

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.analysis.diagnosis import diagnose
+from lutgen.analysis.stance import Posture
 from lutgen.channels import turned
 from lutgen.chart import gravity_from_up, unit_directions
 from lutgen.errors import InputError
-from lutgen.recipe import Recipe
 
 __all__ = ["TangentPlane", "gravity_transform", "roll_pitch", "tangent_plane"]
 
@@ -65,15 +65,12 @@ class TangentPlane:
     standing: bool
 
 
-def tangent_plane(recipe: Recipe, params: ArrayLike, up_dir: ArrayLike) -> TangentPlane:
+def tangent_plane(posture: Posture, up_dir: ArrayLike) -> TangentPlane:
     """Return the ground's orientation under a posture from an accelerometer reading.
 
     Parameters
     ----------
-    recipe : Recipe
-        The robot.
-    params : (k,) array_like
-        Geometry parameters, rad or length.
+    posture : Posture
     up_dir : (3,) array_like
         What the accelerometer reads (specific force, body frame), any length > 0.
 
@@ -88,16 +85,16 @@ def tangent_plane(recipe: Recipe, params: ArrayLike, up_dir: ArrayLike) -> Tange
 
     >>> from lutgen.recipe.recipe import load_recipe
     >>> recipe = load_recipe("maps/paper_one.toml")
-    >>> ground = tangent_plane(recipe, [0.75], [0.143, 0.0, 0.99])
+    >>> ground = tangent_plane(Posture(recipe, [0.75]), [0.143, 0.0, 0.99])
     >>> round(math.degrees(ground.pitch), 1), round(math.degrees(ground.slope), 1)
     (-8.2, 0.0)
     """
     roll, pitch = roll_pitch(up_dir)
     down = gravity_from_up(up_dir)
-    found = diagnose(recipe, params, down)
+    found = diagnose(posture, down)
     if found.facet is None:
         raise InputError(
-            f"{recipe.source}: the robot lies on no support facet (got up_dir = "
+            f"{posture.recipe.source}: the robot lies on no support facet (got up_dir = "
             f"{np.asarray(up_dir, dtype=float).tolist()}); nothing is known of the ground then"
         )
     up = -found.facet.normal

@@ -10,13 +10,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lutgen.analysis.diagnosis import Diagnosis, FacetView, diagnose
+from lutgen.analysis.diagnosis import diagnose
+from lutgen.analysis.stance import Facet, Posture
 from lutgen.errors import InputError
-from lutgen.recipe import Recipe, Wheel, forward
+from lutgen.recipe import Wheel, forward
 from lutgen.support import (
     FACE_ANGLE,
     RELATIVE_TOLERANCE,
-    pack,
     robot_size,
     support_contact,
     support_height,
@@ -49,31 +49,25 @@ class RollingContact:
 
 @dataclass(frozen=True)
 class Ground:
-    """The contact plane under a posture and the wheels on it.
+    """What a posture's wheels have to roll on.
 
-    `up`, `ahead` and `left` (3,): the plane's normal, x and y axes, body frame.  `size`: the
-    largest distance in the plane from the com to a corner of the support polygon, by which yaw
-    rates become comparable with velocities.  `contacts`: of the wheels in recipe order, None for
-    those that hover.  `standing` is false where the robot tips.
+    `size`: the largest distance in the plane from the com to a corner of the support polygon, by
+    which yaw rates become comparable with velocities.  `contacts`: of the wheels in recipe order,
+    None for those that hover.  `standing` is false where the robot tips.
     """
 
-    up: Floats
-    ahead: Floats
-    left: Floats
     size: float
     standing: bool
     contacts: tuple[RollingContact | None, ...]
 
 
-def find_ground(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> Ground:
+def find_ground(posture: Posture, gravity_dir: ArrayLike) -> Ground:
     """Find the contact plane of one posture and the wheels that touch it.
 
     Parameters
     ----------
-    recipe : Recipe
-        The robot, which must have wheels.
-    params : (k,) array_like
-        Geometry parameters, rad or length.
+    posture : Posture
+        Of a robot with wheels.
     gravity_dir : (3,) array_like
         Pointing down, body frame, any length > 0: it chooses the support facet and nothing else.
 
@@ -89,57 +83,48 @@ def find_ground(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> Gr
         The robot has no wheels, or no support facet under this gravity; the body's x axis is
         normal to the facet; or the axle of a wheel that touches is.
     """
-    if not recipe.wheels:
+    source = posture.recipe.source
+    if not posture.recipe.wheels:
         raise InputError(
-            f"{recipe.source}: the robot has no wheels (got no [[robot.wheel]]); add one for each "
+            f"{source}: the robot has no wheels (got no [[robot.wheel]]); add one for each "
             "contact that is a wheel: contact, axis, radius."
         )
-    found = diagnose(recipe, params, gravity_dir)
+    found = diagnose(posture, gravity_dir)
     if found.facet is None:
         raise InputError(
-            f"{recipe.source}: the robot has no support facet under this gravity (got gravity_dir "
+            f"{source}: the robot has no support facet under this gravity (got gravity_dir "
             f"= {found.gravity_dir.tolist()}); choose another direction or posture."
         )
-    up = -found.facet.normal
-    ahead = np.array([1.0, 0.0, 0.0]) - up[0] * up
-    length = float(np.linalg.norm(ahead))
-    if length < FACE_ANGLE:
+    facet, forward_axis = found.facet, np.array([1.0, 0.0, 0.0])
+    if float(np.linalg.norm(facet.along(forward_axis))) < FACE_ANGLE:
         raise InputError(
-            f"{recipe.source}: the body's x axis is normal to the ground, which leaves no forward "
-            f"direction (got the normal {up.tolist()}); choose another direction or posture."
+            f"{source}: the body's x axis is normal to the ground, which leaves no forward "
+            f"direction (got the normal {(-facet.normal).tolist()}); choose another direction or "
+            "posture."
         )
-    ahead /= length
-    frame = np.array([ahead, np.cross(up, ahead)])
-    corners = found.facet.points @ frame.T
-    return Ground(
-        up,
-        frame[0],
-        frame[1],
-        float(np.linalg.norm(corners, axis=1).max()),
-        found.standing,
-        _touching(recipe, params, found, found.facet, frame),
-    )
+    # The y axis of this room's questions about driving points to the left.
+    frame = facet.frame(forward_axis) * [[1.0], [-1.0]]
+    size = float(np.linalg.norm(facet.points @ frame.T, axis=1).max())
+    return Ground(size, found.standing, _touching(posture, facet, frame))
 
 
-def wheel_axes(recipe: Recipe, params: ArrayLike) -> Floats:
+def wheel_axes(posture: Posture) -> Floats:
     """Return the axles (n, 3) of the wheels of one posture as unit vectors, body frame."""
+    recipe = posture.recipe
     carriers = {contact.name: contact for contact in recipe.contacts}
     # An axle turns with its link as the axis of a disc does, so let the contacts have the axles.
     discs = tuple(replace(carriers[wheel.contact], axis=wheel.axis) for wheel in recipe.wheels)
-    robot = replace(recipe, contacts=discs)
-    axes: Floats = forward(robot, np.atleast_2d(np.asarray(params, np.float64))).axes[0]
+    axes: Floats = forward(replace(recipe, contacts=discs), posture.row).axes[0]
     return axes
 
 
-def _touching(
-    recipe: Recipe, params: ArrayLike, found: Diagnosis, facet: FacetView, frame: Floats
-) -> tuple[RollingContact | None, ...]:
+def _touching(posture: Posture, facet: Facet, frame: Floats) -> tuple[RollingContact | None, ...]:
     """Return where each wheel touches the facet's plane and how it rolls, or None."""
-    primitives = pack(found.centres, found.axes, found.radius, found.kind)
+    recipe, primitives = posture.recipe, posture.primitives
     tolerance = RELATIVE_TOLERANCE * robot_size(primitives)
     x, y, z = facet.normal.tolist()
     result: list[RollingContact | None] = []
-    for wheel, axle in zip(recipe.wheels, wheel_axes(recipe, params), strict=True):
+    for wheel, axle in zip(recipe.wheels, wheel_axes(posture), strict=True):
         i = recipe.contact_names.index(wheel.contact)
         # The facet's own corners touch, whatever rounding makes of their distance.
         if (

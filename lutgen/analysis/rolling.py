@@ -12,16 +12,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from lutgen.analysis.diagnosis import normal_forces
 from lutgen.analysis.sliding import first_tilts
-from lutgen.analysis.stance import Footing, GroundFacet, find_footing
+from lutgen.analysis.stance import Facet, Posture
 from lutgen.analysis.tilt import tilt_limits
 from lutgen.channels import checked_directions, evaluate
 from lutgen.jit import njit
-from lutgen.recipe import Recipe
-from lutgen.vector import Floats, Ints
+from lutgen.support import DISC, SPHERE
+from lutgen.vector import Floats
 
 __all__ = ["held_share", "roll_limits", "rolling_gravity", "rolls"]
 
-BRAKED, DISC, BALL = 0, 1, 2
+# Contacts that roll are told apart by their kinds; a braked one counts as none of them.
+BRAKED = -1.0
 # What rolls resists by this share of its load, so that every motion costs something.
 RESISTANCE = 1e-12
 # Golden sections of each search: intervals shrink to 3e-13 of their lengths.
@@ -37,7 +38,7 @@ STEP, HALVINGS = math.radians(2.0), 24
 
 @njit()
 def _resistance(
-    motion: Ints, load: Floats, arm: Floats, roll: Floats, aside: float, turn: float
+    motion: Floats, load: Floats, arm: Floats, roll: Floats, aside: float, turn: float
 ) -> float:
     """Return the power, per unit of friction, that a motion of the plane costs.
 
@@ -49,7 +50,7 @@ def _resistance(
         y = aside + turn * arm[i, 0]
         if motion[i] == BRAKED:
             total += load[i] * math.hypot(x, y)
-        elif motion[i] == BALL:
+        elif motion[i] == SPHERE:
             total += load[i] * RESISTANCE * math.hypot(x, y)
         else:
             along = x * roll[i, 0] + y * roll[i, 1]
@@ -59,7 +60,7 @@ def _resistance(
 
 
 @njit()
-def _best_aside(motion: Ints, load: Floats, arm: Floats, roll: Floats, turn: float) -> float:
+def _best_aside(motion: Floats, load: Floats, arm: Floats, roll: Floats, turn: float) -> float:
     """Return the least resistance over all `aside` at one `turn`; it is convex in `aside`."""
     low, high = math.inf, -math.inf
     for i in range(len(motion)):
@@ -67,8 +68,8 @@ def _best_aside(motion: Ints, load: Floats, arm: Floats, roll: Floats, turn: flo
         place = -turn * arm[i, 0]
         if motion[i] == DISC:
             x = 1.0 - turn * arm[i, 1]
-            a, b, rest = roll[i, 0], roll[i, 1], RESISTANCE * RESISTANCE
-            place += x * a * b * (1.0 - rest) / (a * a + rest * b * b)
+            a, b, little = roll[i, 0], roll[i, 1], RESISTANCE * RESISTANCE
+            place += x * a * b * (1.0 - little) / (a * a + little * b * b)
         low, high = min(low, place), max(high, place)
     # Logarithmic, because the interval may be of any size while the minimum is near 0.
     low, high = math.asinh(low), math.asinh(high)
@@ -88,13 +89,13 @@ def _best_aside(motion: Ints, load: Floats, arm: Floats, roll: Floats, turn: flo
 
 
 @njit()
-def least_resistance(motion: Ints, load: Floats, arm: Floats, roll: Floats) -> float:
+def least_resistance(motion: Floats, load: Floats, arm: Floats, roll: Floats) -> float:
     """Return the least resistance, per unit of friction, of all motions that go 1 downhill.
 
     Parameters
     ----------
-    motion : (k,) int64
-        BRAKED, DISC (rolling) or BALL (rolling in every direction).
+    motion : (k,) float64
+        BRAKED, DISC (rolling along) or SPHERE (rolling in every direction).
     load : (k,) float64
         Shares of the normal force, adding up to 1.
     arm : (k, 2) float64
@@ -125,7 +126,7 @@ def least_resistance(motion: Ints, load: Floats, arm: Floats, roll: Floats) -> f
     return min(at_first, at_second)
 
 
-def held_share(recipe: Recipe, footing: Footing, facet: GroundFacet, direction: Floats) -> float:
+def held_share(posture: Posture, facet: Facet, direction: Floats) -> float:
     """Return the share of friction that holds the robot against gravity's pull downhill.
 
     The robot holds its place while tan(slope) <= mu x share.  The share is the least, over all
@@ -136,11 +137,9 @@ def held_share(recipe: Recipe, footing: Footing, facet: GroundFacet, direction: 
 
     Parameters
     ----------
-    recipe : Recipe
-        The robot, some of whose contacts roll.
-    footing : Footing
-        Of the posture.
-    facet : GroundFacet
+    posture : Posture
+        Of a robot some of whose contacts roll.
+    facet : Facet
         On the ground.
     direction : (3,) float64
         Gravity, a unit vector.
@@ -150,24 +149,22 @@ def held_share(recipe: Recipe, footing: Footing, facet: GroundFacet, direction: 
     float
         In [0, 1]; 1 without a rolling contact among the facet's, and on level ground.
     """
-    rolling = [recipe.contacts[i].rolling for i in facet.contacts]
-    downhill = direction - float(facet.normal @ direction) * facet.normal
-    steepness = float(np.linalg.norm(downhill))
-    if not any(rolling) or steepness < LEVEL:
+    contacts = [posture.recipe.contacts[i] for i in facet.contacts]
+    if not any(one.rolling for one in contacts):
         return 1.0
-    # x, y and the outward normal are right-handed.
-    frame = np.array([downhill / steepness, np.cross(facet.normal, downhill / steepness)])
+    if float(np.linalg.norm(facet.along(direction))) < LEVEL:
+        return 1.0
+    frame = facet.frame(direction)
     load = np.maximum(normal_forces(facet.points, facet.pierced(direction)), 0.0)
     arm = facet.points @ frame.T
-    roll = np.cross(footing.axes[list(facet.contacts)], facet.normal) @ frame.T
+    roll = np.cross(posture.disc_axes[list(facet.contacts)], facet.normal) @ frame.T
     size = np.linalg.norm(roll, axis=1, keepdims=True)
     motion = [
-        BRAKED if not rolls else DISC if recipe.contacts[i].kind == "disc" else BALL
-        for i, rolls in zip(facet.contacts, rolling, strict=True)
+        BRAKED if not one.rolling else DISC if one.kind == "disc" else SPHERE for one in contacts
     ]
     return float(
         least_resistance(
-            np.array(motion, np.int64),
+            np.array(motion),
             load / load.sum(),
             arm / np.abs(arm).max(),
             roll / np.where(size > 0.0, size, 1.0),
@@ -175,15 +172,13 @@ def held_share(recipe: Recipe, footing: Footing, facet: GroundFacet, direction: 
     )
 
 
-def rolls(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> NDArray[np.bool_]:
+def rolls(posture: Posture, gravity_dir: ArrayLike) -> NDArray[np.bool_]:
     """Tell whether one posture rolls away from where it stands.
 
     Parameters
     ----------
-    recipe : Recipe
-        The robot.  Without a friction coefficient braked contacts that carry load never slip.
-    params : (k,) array_like
-        Geometry parameters, rad or length.
+    posture : Posture
+        Without a friction coefficient braked contacts that carry load never slip.
     gravity_dir : (g, 3) array_like
         Directions in the body frame, pointing down, of any length > 0.
 
@@ -196,16 +191,15 @@ def rolls(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> NDArray[
         False where it tips, and on level ground.
     """
     directions = checked_directions(gravity_dir)
-    posture = np.asarray(params, dtype=np.float64)
-    footing = find_footing(recipe, posture)
-    angle = evaluate(recipe, posture[None, :], directions, ("tip_angle",))["tip_angle"][0]
+    recipe, stance = posture.recipe, posture.stance_of_weight()
+    angle = evaluate(recipe, posture.row, directions, ("tip_angle",))["tip_angle"][0]
     answer = np.zeros(len(directions), np.bool_)
-    for d, k in enumerate(footing.under(directions)):
+    for d, k in enumerate(stance.under(directions)):
         if k < 0 or angle[d] < 0.0:
             continue
-        facet = footing.facets[k]
+        facet = stance.facets[k]
         if any(recipe.contacts[i].rolling for i in facet.contacts):
-            share = held_share(recipe, footing, facet, directions[d])
+            share = held_share(posture, facet, directions[d])
             slope = math.acos(min(1.0, float(facet.normal @ directions[d])))
             if recipe.friction is None:
                 answer[d] = share < NOTHING
@@ -214,15 +208,12 @@ def rolls(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> NDArray[
     return answer
 
 
-def roll_limits(recipe: Recipe, params: ArrayLike, headings: ArrayLike) -> Floats:
+def roll_limits(posture: Posture, headings: ArrayLike) -> Floats:
     """Return the tilt in each heading from which on the robot rolls away.
 
     Parameters
     ----------
-    recipe : Recipe
-        The robot.
-    params : (k,) array_like
-        One posture, rad or length.
+    posture : Posture
     headings : (h,) array_like
         Headings of the tilt in rad.
 
@@ -231,13 +222,11 @@ def roll_limits(recipe: Recipe, params: ArrayLike, headings: ArrayLike) -> Float
     (h,) float64
         Radians, by looking every 2 deg; NaN where it tips over before it rolls.
     """
-    end = tilt_limits(recipe, params, headings)
-    return first_tilts(lambda down, _: rolls(recipe, params, down), headings, end, STEP, HALVINGS)
+    end = tilt_limits(posture.recipe, posture.params, headings)
+    return first_tilts(lambda down, _: rolls(posture, down), headings, end, STEP, HALVINGS)
 
 
-def rolling_gravity(
-    recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike
-) -> NDArray[np.float64] | None:
+def rolling_gravity(posture: Posture, gravity_dir: ArrayLike) -> NDArray[np.float64] | None:
     """Return the direction of gravity and inertia together while the robot rolls freely.
 
     With massless wheels nothing resists along the common rolling direction t: the robot gains
@@ -246,10 +235,7 @@ def rolling_gravity(
 
     Parameters
     ----------
-    recipe : Recipe
-        The robot.
-    params : (k,) array_like
-        Geometry parameters, rad or length.
+    posture : Posture
     gravity_dir : (3,) array_like
         Direction in the body frame, pointing down, of any length > 0.
 
@@ -261,17 +247,17 @@ def rolling_gravity(
         pulls sideways with all discs on one axle, so that the robot would turn.
     """
     down = checked_directions(gravity_dir)
-    footing = find_footing(recipe, params)
-    k = int(footing.under(down)[0])
+    recipe, stance = posture.recipe, posture.stance_of_weight()
+    k = int(stance.under(down)[0])
     if k < 0:
         return None
-    facet, direction = footing.facets[k], down[0]
+    facet, direction = stance.facets[k], down[0]
     if not all(recipe.contacts[i].rolling for i in facet.contacts):
         return None
     discs = [i for i in facet.contacts if recipe.contacts[i].kind == "disc"]
-    rest = float(facet.normal @ direction) * facet.normal
+    remainder = float(facet.normal @ direction) * facet.normal
     if discs:
-        roll = np.cross(footing.axes[discs], facet.normal)
+        roll = np.cross(posture.disc_axes[discs], facet.normal)
         roll /= np.linalg.norm(roll, axis=1, keepdims=True)
         aside = np.cross(facet.normal, roll[0])
         if np.abs(roll @ aside).max() > NOTHING:
@@ -280,5 +266,5 @@ def rolling_gravity(
         places = facet.points[[facet.contacts.index(i) for i in discs]] @ roll[0]
         if abs(sideways) > LEVEL and np.ptp(places) < NOTHING * np.abs(facet.points).max():
             return None
-        rest = rest + sideways * aside
-    return np.asarray(rest / np.linalg.norm(rest))
+        remainder = remainder + sideways * aside
+    return np.asarray(remainder / np.linalg.norm(remainder))

@@ -10,7 +10,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from lutgen.analysis.stance import Posture
 from lutgen.analysis.tilt import level_frames, tilted
+from lutgen.bracket import halve
 from lutgen.channels import (
     MU,
     PHI,
@@ -212,17 +214,18 @@ def first_tilts(
         before[rows[~found]] = tilt[~found]
         rows, count = rows[goes_on], count + 1
     between = np.flatnonzero(after > before)
-    for _ in range(halvings if between.size else 0):
-        middle = (before[between] + after[between]) / 2.0
-        found = happens(tilted(middle, heading[between]), between)
-        after[between[found]] = middle[found]
-        before[between[~found]] = middle[~found]
+    if between.size:
+        _, after[between] = halve(
+            lambda middle: happens(tilted(middle, heading[between]), between),
+            before[between],
+            after[between],
+            halvings,
+        )
     return after
 
 
 def slide_limits(
-    recipe: Recipe,
-    params: ArrayLike,
+    posture: Posture,
     headings: ArrayLike,
     convention: str = "body",
     until: float = math.pi,
@@ -231,10 +234,8 @@ def slide_limits(
 
     Parameters
     ----------
-    recipe : Recipe
-        The robot, with a friction coefficient mu.
-    params : (k,) array_like
-        One posture, rad or length.
+    posture : Posture
+        Of a robot with a friction coefficient mu.
     headings : (h,) array_like
         Headings of the tilt in rad.
     convention : {"body", "plane"}
@@ -248,10 +249,10 @@ def slide_limits(
         Radians: atan mu where the support facet is level in the body; a facet that is not shifts
         it, to 0 where the robot slides on level ground already.  NaN where it does not slide.
     """
-    posture = np.asarray(params, dtype=np.float64)[None, :]
-    frame = level_frames(recipe, posture, convention)[0]
+    recipe, row = posture.recipe, posture.row
+    frame = level_frames(recipe, row, convention)[0]
 
     def slides(directions: NDArray[np.float64], _: NDArray[np.intp]) -> NDArray[np.bool_]:
-        return slides_first(recipe, posture, directions @ frame.T)[0]  # type: ignore[no-any-return]
+        return slides_first(recipe, row, directions @ frame.T)[0]  # type: ignore[no-any-return]
 
     return first_tilts(slides, headings, until)

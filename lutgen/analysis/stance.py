@@ -1,16 +1,19 @@
-"""Footing of one posture: its support facets with their polygons, and its tip-over axes.
+"""One posture of a robot as Python sees it: its support facets and its tip-over axes.
 
-Owns the step from the kernels' flat arrays to what questions about many directions of one posture
-need: which facet lies on the ground is then one matrix product.
+Owns the step from the kernels' flat arrays to objects, for questions about one posture.  Every
+function of this room that asks about one posture takes a `Posture`; those that take many at once
+take a recipe and (m, k) rows of geometry parameters.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lutgen.channels import acceptance_of, refuse_forces
-from lutgen.recipe import Recipe, forward, radii_and_kinds
+from lutgen.channels import acceptance_of, refuse_forces, wrenches
+from lutgen.errors import InputError
+from lutgen.recipe import Postures, Recipe, forward, radii_and_kinds
 from lutgen.support import (
     CENTROID,
     CONVEX,
@@ -22,23 +25,24 @@ from lutgen.support import (
     START,
     STOP,
     VERTEX,
+    Region,
     empty_region,
     facet_table,
     pack,
     stand,
 )
 
-__all__ = ["Footing", "GroundFacet", "find_footing"]
+__all__ = ["Facet", "Posture", "Stance"]
 
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class GroundFacet:
-    """An accepted facet: unit outward normal, height of the com, and its support polygon.
+@dataclass(frozen=True, eq=False)
+class Facet:
+    """An accepted support facet: unit outward normal, height of the com, and its polygon.
 
     `contacts` are the polygon's corners, counter-clockwise seen from outside, and `points` (k, 3)
-    their contact points relative to the com; `centroid` (3,) is s.
+    their contact points relative to the com; `centroid` (3,) is s.  Body frame, recipe's unit.
     """
 
     normal: Floats
@@ -54,25 +58,48 @@ class GroundFacet:
         arms = np.cross(self.points - self.centroid, sides)
         return float((np.linalg.norm(arms, axis=1) / np.linalg.norm(sides, axis=1)).min())
 
-    def pierced(self, gravity_dir: Floats) -> Floats:
-        """Return D_g (3,), where the ray along a direction pierces the facet's plane."""
-        return np.asarray(gravity_dir * (self.height / float(self.normal @ gravity_dir)))
+    def pierced(self, direction: Floats, moment: Floats | None = None) -> Floats:
+        """Return D_g (3,), where the ray along a direction pierces the facet's plane.
+
+        With the moment of forces about the com it is the zero-moment point.  NaN where the ray
+        runs along or away from the plane.
+        """
+        rate = float(self.normal @ direction)
+        if not rate > 0.0:
+            return np.full(3, np.nan)
+        pierced = np.asarray(direction * (self.height / rate))
+        if moment is not None and moment.any():
+            pierced = pierced + np.cross(self.normal, moment) / rate
+        return pierced
+
+    def along(self, direction: Floats) -> Floats:
+        """Return the part (3,) of a direction in the facet's plane."""
+        return np.asarray(direction - float(self.normal @ direction) * self.normal)
+
+    def frame(self, ahead: Floats) -> Floats:
+        """Return the unit axes x and y (2, 3) of the plane.
+
+        x runs along the part of `ahead` in it, which must not vanish; x, y and the outward normal
+        are right-handed, so that y points to the right of x seen from above the ground.
+        """
+        x = self.along(ahead)
+        x = x / float(np.linalg.norm(x))
+        return np.array([x, np.cross(self.normal, x)])
 
 
-@dataclass(frozen=True)
-class Footing:
+@dataclass(frozen=True, eq=False)
+class Stance:
     """Facets in canonical order, and the boundary of the standing region.
 
-    `axes` (n, 3) are the discs' unit axes, zero for other contacts.  `start` and `stop` (b, 3)
-    are the tip-over axes' ends relative to the com, start x stop pointing inward; `convex` tells
-    whether the standing region is.
+    `start` and `stop` (b, 3) are the tip-over axes' ends relative to the com, start x stop
+    pointing inward; `convex` tells whether the standing region is.  `region` is the kernels' own.
     """
 
-    facets: tuple[GroundFacet, ...]
-    axes: Floats
+    facets: tuple[Facet, ...]
     start: Floats
     stop: Floats
     convex: bool
+    region: Region
 
     def under(self, gravity_dir: Floats) -> NDArray[np.intp]:
         """Return the index (g,) of the facet on the ground for (g, 3) directions; -1 for none."""
@@ -86,44 +113,88 @@ class Footing:
         return np.where(highest > 0.0, nearest, -1)
 
 
-def find_footing(recipe: Recipe, params: ArrayLike) -> Footing:
-    """Find the facets on which one posture can stand, and its tip-over axes.
+class Posture:
+    """One geometry of a robot.
 
     Parameters
     ----------
     recipe : Recipe
         The robot.
     params : (k,) array_like
-        Geometry parameters, rad or length.
+        Geometry parameters, rad or the recipe's length unit.
 
-    Raises
-    ------
-    InputError
-        For a recipe with forces, under which a ray of gravity does not find the facet.
+    Attributes
+    ----------
+    row : (1, k) float64
+        The parameters, as functions of many postures take them.
+
+    Examples
+    --------
+    >>> from lutgen.recipe.recipe import load_recipe
+    >>> posture = Posture(load_recipe("maps/paper_one.toml"), [0.75])
+    >>> [facet.contacts for facet in posture.stance.facets]
+    [(0, 2, 1)]
     """
-    refuse_forces(recipe, "a footing (metrics, rolling)")
-    posture = forward(recipe, np.atleast_2d(np.asarray(params, np.float64)))
-    primitives = pack(posture.centres[0], posture.axes[0], *radii_and_kinds(recipe))
-    table, region = facet_table(len(primitives)), empty_region(len(primitives))
-    stand(table, region, primitives, acceptance_of(recipe))
-    facets = []
-    for k in range(region.tally[FACETS]):
-        f = region.span[k, SOURCE]
-        corners = slice(table.span[f, FIRST], table.span[f + 1, FIRST])
-        facets.append(
-            GroundFacet(
-                table.facet[f, :3].copy(),
-                float(region.facet[k, HEIGHT]),
-                tuple(int(i) for i in table.link[corners, VERTEX]),
-                table.corner[corners].copy(),
-                region.facet[k, CENTROID : CENTROID + 3].copy(),
+
+    def __init__(self, recipe: Recipe, params: ArrayLike) -> None:
+        self.recipe = recipe
+        self.params = np.asarray(params, dtype=np.float64)
+        if self.params.ndim != 1:
+            raise InputError(
+                f"one posture needs params of the shape ({len(recipe.parameters)},) (got the shape "
+                f"{self.params.shape}); pass one number per geometry parameter"
             )
+        self.row = self.params[None]
+
+    @cached_property
+    def placed(self) -> Postures:
+        """Where everything is, of one posture: centres (1, n, 3), axes (1, n, 3), com (1, 3)."""
+        return forward(self.recipe, self.row)
+
+    @property
+    def disc_axes(self) -> Floats:
+        """The discs' unit axes (n, 3), zero for other contacts."""
+        return np.asarray(self.placed.axes[0])
+
+    @cached_property
+    def primitives(self) -> Floats:
+        """The contacts as the kernels take them (n, 8), relative to the com."""
+        return pack(self.placed.centres[0], self.placed.axes[0], *radii_and_kinds(self.recipe))
+
+    @cached_property
+    def wrench(self) -> Floats:
+        """Forces and moment over the weight, and the com's uncertainty (7,)."""
+        return np.asarray(wrenches(self.recipe, self.placed)[0])
+
+    @cached_property
+    def stance(self) -> Stance:
+        """Facets and tip-over axes."""
+        primitives = self.primitives
+        table, region = facet_table(len(primitives)), empty_region(len(primitives))
+        stand(table, region, primitives, acceptance_of(self.recipe))
+        facets = []
+        for k in range(region.tally[FACETS]):
+            f = region.span[k, SOURCE]
+            corners = slice(table.span[f, FIRST], table.span[f + 1, FIRST])
+            facets.append(
+                Facet(
+                    table.facet[f, :3].copy(),
+                    float(region.facet[k, HEIGHT]),
+                    tuple(int(i) for i in table.link[corners, VERTEX]),
+                    table.corner[corners].copy(),
+                    region.facet[k, CENTROID : CENTROID + 3].copy(),
+                )
+            )
+        sides = region.segment[: region.tally[SEGMENTS]]
+        return Stance(
+            tuple(facets),
+            sides[:, START : START + 3].copy(),
+            sides[:, STOP : STOP + 3].copy(),
+            bool(region.tally[CONVEX] == 1),
+            region,
         )
-    sides = region.segment[: region.tally[SEGMENTS]]
-    return Footing(
-        tuple(facets),
-        posture.axes[0],
-        sides[:, START : START + 3].copy(),
-        sides[:, STOP : STOP + 3].copy(),
-        bool(region.tally[CONVEX] == 1),
-    )
+
+    def stance_of_weight(self) -> Stance:
+        """Return the stance; refuse forces, under which a ray of gravity finds no facet."""
+        refuse_forces(self.recipe, "an answer on metrics or rolling")
+        return self.stance

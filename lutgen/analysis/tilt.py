@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.analysis.ground import gravity_transform
+from lutgen.analysis.stance import Posture
 from lutgen.channels import body_gravity, evaluate_each
 from lutgen.errors import InputError
 from lutgen.recipe import Recipe
@@ -198,15 +199,12 @@ def level_limits(recipe: Recipe, params: ArrayLike, convention: str = "body") ->
     return np.maximum(np.concatenate(parts), 0.0)
 
 
-def worst_heading(recipe: Recipe, params: ArrayLike, convention: str = "body") -> float:
+def worst_heading(posture: Posture, convention: str = "body") -> float:
     """Return the heading in which a posture tips over first.
 
     Parameters
     ----------
-    recipe : Recipe
-        The robot.
-    params : (k,) array_like
-        One posture, rad or length.
+    posture : Posture
     convention : {"body", "plane"}
         Whether body or ground is tilted from level.
 
@@ -223,15 +221,15 @@ def worst_heading(recipe: Recipe, params: ArrayLike, convention: str = "body") -
     therefore not be as low as seen elsewhere are dropped, and the others are divided: no heading
     is missed, however narrow.
     """
-    posture = np.asarray(params, dtype=np.float64)
-    tilt = float(level_limits(recipe, posture[None], convention)[0])
+    recipe, row = posture.recipe, posture.row
+    tilt = float(level_limits(recipe, row, convention)[0])
     if not 0.0 < tilt < math.pi:
         return math.nan
-    frames = level_frames(recipe, posture[None], convention)
+    frames = level_frames(recipe, row, convention)
     width = 2.0 * math.pi / PIECES
     middle = width * (np.arange(PIECES) - PIECES // 2 + 1)
     while True:
-        angle = _reading(recipe, posture[None], frames, tilted(tilt, middle)[None])[0]
+        angle = _reading(recipe, row, frames, tilted(tilt, middle)[None])[0]
         if width <= FINEST:
             break
         kept = np.flatnonzero(angle - math.sin(tilt) * width / 2.0 <= np.abs(angle).min())

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.analysis.diagnosis import diagnose
+from lutgen.analysis.stance import Posture
 from lutgen.analysis.tilt import level_frames, level_limits, tilt_limits, tilted, worst_heading
 from lutgen.errors import InputError
 from lutgen.recipe import Recipe
@@ -134,26 +135,26 @@ def even_headings(count: int) -> Floats:
     return np.arange(count, dtype=np.float64) * (2.0 * math.pi / count)
 
 
-def posture_limits(recipe: Recipe, params: ArrayLike, convention: str = "plane") -> PostureLimits:
-    """Return the limits of one posture (k,), rad or length.
+def posture_limits(posture: Posture, convention: str = "plane") -> PostureLimits:
+    """Return the limits of one posture.
 
     With convention ``"plane"`` the ground under the robot is tilted, with ``"body"`` its body.
 
     Examples
     --------
     >>> from lutgen.recipe.recipe import load_recipe
-    >>> found = posture_limits(load_recipe("maps/absolem.toml"), np.radians([90.0, 90.0]))
+    >>> found = posture_limits(Posture(load_recipe("maps/absolem.toml"), np.radians([90, 90])))
     >>> [(row.name, round(math.degrees(row.tilt), 1)) for row in found.headings[::3]]
     [('nose down', 59.0), ('right side down', 57.7)]
     >>> found.worst.contacts
     ('right_track_rear', 'left_track_rear')
     """
-    posture = np.asarray(params, dtype=np.float64)
-    guaranteed = float(level_limits(recipe, posture[None], convention)[0])
+    recipe, params = posture.recipe, posture.params
+    guaranteed = float(level_limits(recipe, posture.row, convention)[0])
     headings = dict(FOUR)
-    worst = worst_heading(recipe, posture, convention)
+    worst = worst_heading(posture, convention)
     known = [*headings.values(), *([] if math.isnan(worst) else [worst])]
-    tilts = tilt_limits(recipe, posture, np.array(known), convention).tolist()
+    tilts = tilt_limits(recipe, params, np.array(known), convention).tolist()
     if math.isnan(worst):
         tilts.append(guaranteed)
     elif min(tilts) < tilts[-1]:
@@ -161,22 +162,20 @@ def posture_limits(recipe: Recipe, params: ArrayLike, convention: str = "plane")
         tilts[-1] = min(tilts)
         worst = known[tilts.index(tilts[-1])]
     headings[WORST] = worst
-    frame = level_frames(recipe, posture[None], convention)[0]
+    frame = level_frames(recipe, posture.row, convention)[0]
     rows = [
-        _row(recipe, posture, frame, name, heading, tilt)
+        _row(posture, frame, name, heading, tilt)
         for (name, heading), tilt in zip(headings.items(), tilts, strict=True)
     ]
-    return PostureLimits(posture, tuple(rows), guaranteed, convention)
+    return PostureLimits(params, tuple(rows), guaranteed, convention)
 
 
-def _row(
-    recipe: Recipe, posture: Floats, frame: Floats, name: str, heading: float, tilt: float
-) -> HeadingLimit:
+def _row(posture: Posture, frame: Floats, name: str, heading: float, tilt: float) -> HeadingLimit:
     """Return what happens at a limit."""
     if tilt >= math.pi:
         return HeadingLimit(name, heading, tilt, (), None)
     down = tilted(tilt, 0.0 if math.isnan(heading) else heading)
-    state = diagnose(recipe, posture, frame @ down)
+    state = diagnose(posture, frame @ down)
     axis = None if state.least_stable is None else state.tip_over_axes[state.least_stable]
     names = () if axis is None else tuple(dict.fromkeys(axis.names))
     return HeadingLimit(name, heading, tilt, names, state.slides)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.analysis.ground_contact import Ground, RollingContact, find_ground
+from lutgen.analysis.stance import Posture
 from lutgen.errors import InputError
 from lutgen.recipe import Recipe
 
@@ -89,7 +90,7 @@ class Motion:
     standing: bool
 
 
-def structure(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike = LEVEL) -> Structure:
+def structure(posture: Posture, gravity_dir: ArrayLike = LEVEL) -> Structure:
     """Categorise the robot by the degrees of freedom that its wheels leave it.
 
     Contacts without a wheel are taken to slide or swivel and constrain nothing, like wheels that
@@ -97,10 +98,8 @@ def structure(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike = LEVEL)
 
     Parameters
     ----------
-    recipe : Recipe
-        The robot, which must have wheels.
-    params : (k,) array_like
-        Geometry parameters, rad or length.
+    posture : Posture
+        Of a robot with wheels.
     gravity_dir : (3,) array_like
         Pointing down, body frame, any length > 0: it chooses the support facet and nothing else.
 
@@ -114,12 +113,11 @@ def structure(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike = LEVEL)
     InputError
         As for `lutgen.analysis.ground_contact.find_ground`.
     """
-    return _structure(find_ground(recipe, params, gravity_dir))
+    return _structure(find_ground(posture, gravity_dir))
 
 
 def wheel_speeds(
-    recipe: Recipe,
-    params: ArrayLike,
+    posture: Posture,
     velocity: ArrayLike,
     yaw_rate: float,
     gravity_dir: ArrayLike = LEVEL,
@@ -133,10 +131,8 @@ def wheel_speeds(
 
     Parameters
     ----------
-    recipe : Recipe
-        The robot, which must have wheels.
-    params : (k,) array_like
-        Geometry parameters, rad or length.
+    posture : Posture
+        Of a robot with wheels.
     velocity : (2,) array_like
         Velocity of the centre of mass, length per second: along the part of the body's x axis in
         the contact plane, and to the left of it.
@@ -164,15 +160,15 @@ def wheel_speeds(
         )
     if not math.isfinite(yaw_rate):
         raise InputError(f"yaw_rate must be finite (got {yaw_rate}); give an angle per second")
-    ground = find_ground(recipe, params, gravity_dir)
+    ground = find_ground(posture, gravity_dir)
     with np.errstate(over="ignore", invalid="ignore"):
-        motion = _motion(recipe, ground, asked, float(yaw_rate))
+        motion = _motion(posture.recipe, ground, asked, float(yaw_rate))
     results = [motion.slip, motion.nearest_yaw_rate, *motion.nearest_velocity]
     results += [wheel.speed for wheel in motion.wheels if wheel.speed is not None]
     if not all(map(math.isfinite, results)):
         raise InputError(
-            f"{recipe.source}: the motion gives wheel speeds beyond all numbers (got velocity "
-            f"{asked.tolist()} and yaw_rate {yaw_rate}); choose a slower one"
+            f"{posture.recipe.source}: the motion gives wheel speeds beyond all numbers (got "
+            f"velocity {asked.tolist()} and yaw_rate {yaw_rate}); choose a slower one"
         )
     return motion
 

@@ -17,7 +17,6 @@ from lutgen.channels.loaded import axis_angle, loaded_margin, loaded_verdict
 from lutgen.channels.plain import (
     ALONG,
     ASIDE,
-    CHANNELS,
     HEIGHT_BEYOND,
     JUST_OUTSIDE,
     axis_energy,
@@ -35,7 +34,6 @@ from lutgen.channels.wrench import RHO, acceptance_of, refuse_forces, wrenches
 __all__ = [
     "ALONG",
     "ASIDE",
-    "CHANNELS",
     "CONVENTIONS",
     "HEIGHT_BEYOND",
     "JUST_OUTSIDE",

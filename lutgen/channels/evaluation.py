@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from lutgen.channels.loaded import measure_loaded
 from lutgen.channels.plain import (
-    CHANNELS,
     HEIGHT_BEYOND,
     Setting,
     checked_directions,
@@ -26,6 +25,7 @@ from lutgen.channels.wrench import acceptance_of, wrenches
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 from lutgen.jit import in_threads, njit
+from lutgen.quantities import CHANNELS
 from lutgen.recipe import Postures, Recipe, forward, radii_and_kinds
 from lutgen.support import (
     MAX_PRIMITIVES,

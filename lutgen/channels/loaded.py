@@ -36,7 +36,6 @@ from lutgen.channels.axes import (
     zero_moment_point,
 )
 from lutgen.channels.plain import (
-    CHANNELS,
     JUST_OUTSIDE,
     Setting,
     arc_distance,
@@ -44,6 +43,7 @@ from lutgen.channels.plain import (
     go_beyond,
 )
 from lutgen.jit import njit
+from lutgen.quantities import CHANNELS
 from lutgen.support import (
     CENTROID,
     CONVEX,
@@ -275,10 +275,10 @@ def _measure(
     wanted: Bools,
     out: Floats,
 ) -> None:
-    """Fill `out` (6,) with the channels of one direction, see `plain.measure`."""
+    """Fill `out` with the channels of one direction, see `plain.measure`."""
     count, segment = region.tally, region.segment
     k, standing, angle = loaded_verdict(region, axes, wrench, least_cosine, g)
-    out[0] = out[1] = out[4] = math.nan
+    out[:] = math.nan
     out[2] = angle
     out[5] = -1.0
     if standing:

@@ -1,6 +1,6 @@
 """Stability of one posture under one gravity direction.
 
-Owns the definitions of the six channels in float64; `scan` computes the same numbers in rows for
+Owns the definitions of the channels in float64; `scan` computes the same numbers in rows for
 a sweep.  All directions are unit vectors in the body frame, pointing down.
 """
 
@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 from lutgen.jit import njit
+from lutgen.quantities import CHANNELS, wanted
 from lutgen.support import (
     CONVEX,
     FACETS,
@@ -33,7 +34,6 @@ from lutgen.support import (
 )
 from lutgen.vector import Bools, Floats, Ints, Vector, cross, dot, length, scale, subtract
 
-CHANNELS = ("sdg", "height", "tip_angle", "margin", "energy_margin", "facet")
 # Rows of a measurement after those of the channels: how |SD_g| goes on beyond the standing region.
 ALONG, ASIDE, HEIGHT_BEYOND = len(CHANNELS), len(CHANNELS) + 1, len(CHANNELS) + 2
 # What a direction just outside the region gets where its distance rounds to zero, so that the
@@ -208,10 +208,7 @@ def checked_directions(gravity_dir: ArrayLike) -> NDArray[np.float64]:
 
 def wanted_channels(channels: Sequence[str]) -> NDArray[np.bool_]:
     """Return the mask over `CHANNELS`; refuse an unknown name."""
-    for name in channels:
-        if name not in CHANNELS:
-            raise InputError(f"unknown channel {name!r}; choose from {', '.join(CHANNELS)}")
-    return np.array([name in channels for name in CHANNELS])
+    return np.array(wanted(channels))
 
 
 def refuse_overflow(source: str, overflow: int, postures: int, contacts: int) -> None:

@@ -13,12 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.channels.evaluation import measure_postures
-from lutgen.channels.plain import CHANNELS, Setting, measure, wanted_channels
+from lutgen.channels.plain import Setting, measure, wanted_channels
 from lutgen.channels.raster import VECTOR, Drawing, Rows, draw_facets, stability_factor
 from lutgen.channels.tilt_rows import agree_in_sign, arc_rows, tip_rows
 from lutgen.channels.wrench import acceptance_of, wrenches
 from lutgen.chart import Chart
 from lutgen.jit import in_threads, njit
+from lutgen.quantities import CHANNELS
 from lutgen.recipe import Recipe, forward, radii_and_kinds
 from lutgen.support import (
     CONVEX,

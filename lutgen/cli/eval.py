@@ -21,6 +21,7 @@ from lutgen.cli.options import (
     parameters,
 )
 from lutgen.cli.table import cell, channel_entries, degrees, number, show, unit_text
+from lutgen.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     from lutgen.analysis import Diagnosis
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 log = logging.getLogger("lutgen")
 
 VERDICT = {True: "stands", False: "tips over", None: "unknown: off the chart"}
-VALUES = ("sdg", "height", "tip_angle_deg", "margin", "energy_margin", "facet", "slope_deg")
+VALUES = {one.json: one.unit for one in QUANTITIES.values()} | {"slope_deg": "rad"}
 
 
 @dataclass(frozen=True)
@@ -94,9 +95,9 @@ def exact_report(
     recipe: "Recipe", values: list[float], gravity: tuple[float, ...]
 ) -> dict[str, Any]:
     """Return the report on one point of a recipe."""
-    from lutgen.analysis import diagnose
+    from lutgen.analysis import Posture, diagnose
 
-    found = diagnose(recipe, values, gravity)
+    found = diagnose(Posture(recipe, values), gravity)
     rolling = any(contact.rolling for contact in recipe.contacts)
     report: dict[str, Any] = {
         "robot": recipe.name,
@@ -119,7 +120,7 @@ def exact_report(
         report["support"] = {
             "contacts": [recipe.contact_names[i] for i in found.facet.contacts],
             "centroid": found.facet.centroid.tolist(),
-            "pierced": [number(c) for c in found.facet.pierced],
+            "pierced": [number(c) for c in found.pierced],
         }
     report["com"] = found.com.tolist()
     if recipe.com_uncertainty:
@@ -133,11 +134,11 @@ def _rolling_entries(
     recipe: "Recipe", values: list[float], gravity: tuple[float, ...]
 ) -> dict[str, Any]:
     """Return whether the robot rolls away, and how it tips while it rolls freely."""
-    from lutgen.analysis import rolling_gravity, rolls
+    from lutgen.analysis import Posture, rolling_gravity, rolls
     from lutgen.channels import evaluate
 
-    entries: dict[str, Any] = {"rolls": bool(rolls(recipe, values, [gravity])[0])}
-    down = rolling_gravity(recipe, values, gravity)
+    entries: dict[str, Any] = {"rolls": bool(rolls(Posture(recipe, values), [gravity])[0])}
+    down = rolling_gravity(Posture(recipe, values), gravity)
     if down is not None:
         angle = evaluate(recipe, [values], down, ("tip_angle",))["tip_angle"][0, 0]
         entries["rolling_gravity"] = down.tolist()
@@ -201,12 +202,11 @@ def _entries(report: dict[str, Any], length: str) -> Iterator[tuple[str, str]]:
     """Return the names and texts of what there is one of."""
     if "status" in report:
         yield "status", report["status"]
-    for key in VALUES:
+    for key, kind in VALUES.items():
         if key in report:
-            name, is_angle, _ = key.partition("_deg")
-            unit = " deg" if is_angle else "" if key == "facet" else length
+            unit = {"rad": " deg", "1": ""}.get(kind, length)
             # JSON has null for them: no boundary at all, or no value outside the region.
-            yield name, cell(report[key], ".9g", unit)
+            yield key.removesuffix("_deg"), cell(report[key], ".9g", unit)
     for name, key in (("slides first", "slides_first"), ("rolls away", "rolls")):
         if report.get(key) is not None:
             yield name, "yes" if report[key] else "no"

@@ -10,6 +10,7 @@ import numpy as np
 
 from lutgen.cli.options import Assignments, internal_values
 from lutgen.cli.table import channel_entries
+from lutgen.quantities import EXPORTABLE
 
 if TYPE_CHECKING:
     from firmware_export.device import ExportFolder
@@ -57,8 +58,7 @@ def export_report(
     else:
         codes, readings = folder.host.read([values], [gravity])
         status = STATUS[int(codes[0])]
-        names = ("sdg", "tip_angle", "height")
-        channels = dict(zip(names, map(float, readings[0]), strict=True))
+        channels = dict(zip(EXPORTABLE, map(float, readings[0]), strict=True))
     known = status != OFF_CHART
     return {
         "robot": content["robot"],

@@ -10,6 +10,7 @@ import click
 
 from lutgen.cli.options import allow_python, as_json, asks, open_source, option
 from lutgen.cli.table import show
+from lutgen.quantities import EXPORTABLE
 
 log = logging.getLogger("lutgen")
 
@@ -42,7 +43,7 @@ class Asked:
     channels: str | None = option(
         "--channels",
         metavar="A,B",
-        help="Of sdg, tip_angle, height; tip_angle is always there.  [default: the recipe's]",
+        help=f"Of {', '.join(EXPORTABLE)}; tip_angle is always there.  [default: the recipe's]",
     )
     codec: str = option("--codec", type=click.Choice(CODECS), default="auto")
     arithmetic: str = option(

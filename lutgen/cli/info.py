@@ -1,6 +1,5 @@
 """`lutgen info`: what a map file holds."""
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -10,6 +9,7 @@ import click
 from lutgen.cli.check import axis_entry, grid_lines
 from lutgen.cli.options import as_json, asks, option
 from lutgen.cli.table import cell, show
+from lutgen.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     from lutgen.mapping import StabilityMap
@@ -51,15 +51,15 @@ def info(map_file: str, asked: Asked) -> None:
 
 def info_report(stability_map: "StabilityMap") -> dict[str, Any]:
     """Return what `--json` prints."""
-    from lutgen.mapping import channel_range, channel_unit, share_that_tips
+    from lutgen.mapping import channel_range, share_that_tips
 
     recipe, attributes = stability_map.recipe, stability_map.attributes
     channels = []
     for name in stability_map.channels:
         low, high = channel_range(stability_map, name)
-        unit = channel_unit(name, recipe.length_unit)
-        if unit == "rad" and low is not None and high is not None:
-            low, high, unit = math.degrees(low), math.degrees(high), "deg"
+        one, unit = QUANTITIES[name], QUANTITIES[name].stored_unit(recipe.length_unit)
+        if low is not None and high is not None:
+            low, high, unit = one.shown(low), one.shown(high), one.shown_unit(recipe.length_unit)
         channels.append({"name": name, "unit": unit, "min": low, "max": high})
     return {
         "title": str(attributes["title"]),

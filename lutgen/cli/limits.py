@@ -67,13 +67,15 @@ def limits(recipe: str, asked: Asked) -> None:
     $ lutgen limits maps/absolem.toml -p front=90 -p rear=90
     guaranteed in every heading: 52.14 deg
     """
-    from lutgen.analysis import even_headings, posture_limits, sweep_limits
+    from lutgen.analysis import Posture, even_headings, posture_limits, sweep_limits
     from lutgen.recipe import load_recipe
 
     robot = load_recipe(recipe, allow_python=asked.allow_python)
     # Refused before the work, which takes as many as the figure needs.
     around = even_headings(asked.headings)
-    found = posture_limits(robot, posture_values(robot, asked.assignments), asked.convention)
+    found = posture_limits(
+        Posture(robot, posture_values(robot, asked.assignments)), asked.convention
+    )
     swept = None
     if asked.over_all or asked.best:
         grid = robot.grid

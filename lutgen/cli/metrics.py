@@ -72,11 +72,11 @@ def metrics_report(
     """Return what `--json` prints; null where there is no value."""
     import numpy as np
 
-    from lutgen.analysis import compare_metrics, tilted
+    from lutgen.analysis import Posture, compare_metrics, tilted
 
     around = np.arange(headings) * (360.0 / headings)
     directions = tilted(math.radians(tilt), np.radians(around))
-    found = compare_metrics(recipe, values, directions)
+    found = compare_metrics(Posture(recipe, values), directions)
     return {
         "robot": recipe.name,
         "length_unit": recipe.length_unit,

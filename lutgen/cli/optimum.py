@@ -20,6 +20,7 @@ from lutgen.cli.options import (
 )
 from lutgen.cli.table import cell, number, show, unit_text
 from lutgen.errors import InputError
+from lutgen.quantities import QUANTITIES, RANKED
 
 if TYPE_CHECKING:
     from lutgen.recipe import Recipe
@@ -47,7 +48,7 @@ class Asked:
     objective: str = option(
         "--objective",
         default="sdg",
-        help="sdg, height, tip_angle, margin, energy_margin, or a sum such as sdg+0.1*height.",
+        help=f"{', '.join(RANKED)}, or a sum such as sdg+0.1*height.",
     )
     convention: str = convention()
     assignments: tuple[tuple[str, float], ...] = option(
@@ -108,12 +109,12 @@ def optimum(ctx: click.Context, recipe: str, asked: Asked) -> None:
     $ lutgen optimum maps/paper_two.toml --limit 0.05
     paper_two, search: stands, sdg 0.000485608, 150 evaluations
     """
-    from lutgen.recipe import load_recipe, to_internal
+    from lutgen.recipe import load_recipe
     from lutgen.search import optimum as run
 
     robot = load_recipe(recipe, allow_python=asked.allow_python)
     box = _box(robot, asked)
-    unit = "deg" if asked.objective == "tip_angle" else "1"
+    one = QUANTITIES.get(asked.objective.strip())
     found = run(
         robot,
         asked.gravity,
@@ -122,7 +123,7 @@ def optimum(ctx: click.Context, recipe: str, asked: Asked) -> None:
         convention=asked.convention,
         bounds=box,
         start=_start(robot, asked, box),
-        limit=None if asked.limit is None else to_internal(asked.limit, unit),
+        limit=asked.limit if asked.limit is None or one is None else one.stored(asked.limit),
         levels=asked.levels,
         ends=asked.ends,
         seed=asked.seed,
@@ -139,8 +140,6 @@ def optimum(ctx: click.Context, recipe: str, asked: Asked) -> None:
 
 def _box(robot: "Recipe", asked: Asked) -> list[tuple[float, float]]:
     """Return the bounds (rad, length) of all parameters; those of a kept one are equal."""
-    from lutgen.recipe import to_internal
-
     box = {name: (value, value) for name, value in named_values(robot, asked.assignments).items()}
     for name, low, high in asked.bounds:
         _known(robot, "--bounds", f"{name}={low:g}:{high:g}", name)
@@ -156,7 +155,7 @@ def _box(robot: "Recipe", asked: Asked) -> list[tuple[float, float]]:
             )
         box[name] = (low, high)
     return [
-        (to_internal(box[p.name][0], p.display_unit), to_internal(box[p.name][1], p.display_unit))
+        (p.stored(box[p.name][0]), p.stored(box[p.name][1]))
         if p.name in box
         else (p.minimum, p.maximum)
         for p in robot.parameters
@@ -165,8 +164,6 @@ def _box(robot: "Recipe", asked: Asked) -> list[tuple[float, float]]:
 
 def _start(robot: "Recipe", asked: Asked, box: Sequence[tuple[float, float]]) -> list[float] | None:
     """Return where the search begins (rad, length): in the middle where nothing is said."""
-    from lutgen.recipe import to_internal
-
     begin = [(low + high) / 2.0 for low, high in box]
     given = set(dict(asked.assignments))
     for name, value in asked.start:
@@ -177,7 +174,7 @@ def _start(robot: "Recipe", asked: Asked, box: Sequence[tuple[float, float]]) ->
                 "give it one -p or one --start"
             )
         given.add(name)
-        begin[index] = to_internal(value, robot.parameters[index].display_unit)
+        begin[index] = robot.parameters[index].stored(value)
     return begin if asked.start else None
 
 
@@ -201,9 +198,15 @@ def _entry(unit: str, key: str, value: float | Sequence[float]) -> dict[str, Any
     return {name: [number(turn(part)) for part in value]}
 
 
+def _unit(robot: "Recipe", found: "Optimum") -> str:
+    """Return the unit of the objective; sums have the channels' units mixed."""
+    one = QUANTITIES.get(found.objective.strip())
+    return one.shown_unit(robot.length_unit) if one else robot.length_unit
+
+
 def _steps(robot: "Recipe", found: "Optimum") -> list[dict[str, Any]]:
     """Return the steps of the method."""
-    unit = "deg" if found.objective.strip() == "tip_angle" else robot.length_unit
+    unit = _unit(robot, found)
     return [
         {
             "parameters": {
@@ -219,7 +222,7 @@ def _steps(robot: "Recipe", found: "Optimum") -> list[dict[str, Any]]:
 
 def optimum_report(robot: "Recipe", found: "Optimum", kept: Sequence[bool]) -> dict[str, Any]:
     """Return what `--json` prints; null where there is no value."""
-    unit = "deg" if found.objective.strip() == "tip_angle" else robot.length_unit
+    unit = _unit(robot, found)
     last = _steps(robot, found)[-1]
     del last["evaluations"]
     return {

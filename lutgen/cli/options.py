@@ -173,13 +173,9 @@ def posture_values(recipe: "Recipe", assignments: Assignments) -> list[float]:
 
     A value outside the recipe's range is used as it is, and a warning says so.
     """
-    from lutgen.recipe import to_internal
-
     given = named_values(recipe, assignments)
     values = [
-        to_internal(given[p.name], p.display_unit)
-        if p.name in given
-        else (p.minimum + p.maximum) / 2.0
+        p.stored(given[p.name]) if p.name in given else (p.minimum + p.maximum) / 2.0
         for p in recipe.parameters
     ]
     _warn(recipe, values, "used as it is")

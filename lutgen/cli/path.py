@@ -131,7 +131,7 @@ def path(recipe: str, asked: Asked) -> None:
 
 def drives(robot: "Recipe", asked: Asked) -> "dict[str, Drive]":
     """Return the runs by name: with the fixed shape first, with all that is allowed last."""
-    from lutgen.recipe import to_internal
+    from lutgen.parts import to_internal
     from lutgen.search import drive
 
     ground = open_terrain(asked)

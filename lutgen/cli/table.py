@@ -10,14 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from lutgen.quantities import QUANTITIES
+
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
     from lutgen.recipe import Recipe
-
-# What channels and metrics are called in a report where their own name has no unit.
-KEYS = {"tip_angle": "tip_angle_deg", "force_angle": "force_angle_rad"}
 
 
 def show(report: Mapping[str, Any], lines: Iterable[str], as_json: bool) -> None:
@@ -43,8 +42,12 @@ def channel_entries(values: Mapping[str, float]) -> dict[str, float | None]:
     """Return channels or metrics under their names in a report; tip-over angles in deg."""
     entries: dict[str, float | None] = {}
     for name, value in values.items():
-        shown = number(math.degrees(value) if name == "tip_angle" else value)
-        entries[KEYS.get(name, name)] = int(value) if name == "facet" else shown
+        one = QUANTITIES.get(name)
+        if one is None:
+            # The force-angle measure is no channel.
+            entries[f"{name}_rad"] = number(value)
+        else:
+            entries[one.json] = int(value) if one.unit == "1" else number(one.shown(value))
     return entries
 
 
@@ -52,15 +55,11 @@ def by_unit(
     recipe: "Recipe", params: "NDArray[np.float64]", ending: str = ""
 ) -> "dict[str, NDArray[np.float64]]":
     """Return parameters (..., k) in their display units, each (...), named with them."""
-    import numpy as np
-
     entries = {}
     for i, p in enumerate(recipe.parameters):
         unit = "" if p.display_unit == "1" else f"_{p.display_unit}"
         values = params[..., i]
-        entries[f"{p.name}{ending}{unit}"] = (
-            np.degrees(values) if p.display_unit == "deg" else values
-        )
+        entries[f"{p.name}{ending}{unit}"] = p.shown(values)
     return entries
 
 

@@ -62,13 +62,13 @@ def wheels(ctx: click.Context, recipe: str, asked: Asked) -> None:
     $ lutgen wheels maps/paper_two.toml --velocity 3,0 -p alpha=31 -p gamma=31
     paper_two: 3 DoF, non-steered (degree of mobility 3, of steerability 0)
     """
-    from lutgen.analysis import wheel_speeds
+    from lutgen.analysis import Posture, wheel_speeds
     from lutgen.recipe import load_recipe
 
     robot = load_recipe(recipe, allow_python=asked.allow_python)
     values = parameter_values(robot, asked.assignments)
     motion = wheel_speeds(
-        robot, values, asked.velocity, math.radians(asked.yaw_rate), asked.gravity
+        Posture(robot, values), asked.velocity, math.radians(asked.yaw_rate), asked.gravity
     )
     if not motion.standing:
         log.warning("the robot tips over: the wheels of the facet below its com are taken to touch")

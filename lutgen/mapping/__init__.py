@@ -1,13 +1,12 @@
 """A recipe into a map file, and a map file into values.
 
 In reading order: `interpolate`, `checksum`, `blocks`, `seal`, `map`, `verification`,
-`statistics`, `layout`, `part`, `standing`, `compute`, `dask`, `sweeper`.
+`statistics`, `layout`, `part`, `compute`, `dask`, `sweeper`.
 """
 
 from lutgen.mapping.blocks import plan
-from lutgen.mapping.compute import expected_seconds
-from lutgen.mapping.map import StabilityMap, channel_unit, load_map
-from lutgen.mapping.standing import require_standing
+from lutgen.mapping.compute import expected_seconds, require_standing
+from lutgen.mapping.map import StabilityMap, load_map
 from lutgen.mapping.statistics import channel_range, share_that_tips
 from lutgen.mapping.sweeper import sweep
 from lutgen.mapping.verification import verify
@@ -15,7 +14,6 @@ from lutgen.mapping.verification import verify
 __all__ = [
     "StabilityMap",
     "channel_range",
-    "channel_unit",
     "expected_seconds",
     "load_map",
     "plan",

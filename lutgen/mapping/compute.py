@@ -1,22 +1,29 @@
 """Blocks of one recipe, computed into buffers that are kept.
 
-Owns the memory of a sweep: one chunk per channel, whatever the size of the map.
+Owns the memory of a sweep: one chunk per channel, whatever the size of the map.  With the same
+kernel, since a second one would have to be compiled first, it looks for one standing node before a
+sweep.
 """
 
+import math
 import time
 
 import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from lutgen.channels import CHANNELS, Scanner
-from lutgen.errors import SweepError
+from lutgen.channels import Scanner
+from lutgen.chart import Chart
+from lutgen.errors import RecipeError, SweepError
 from lutgen.mapping.blocks import Block, Plan, plan
 from lutgen.mapping.checksum import fletcher32
+from lutgen.quantities import CHANNELS
 from lutgen.recipe import Recipe
 
 # For an estimate: how many pieces of how many nodes, and after how many seconds it is enough.
 PIECES, PIECE, ENOUGH = 24, 1 << 15, 2.0
+# For the check that the robot stands at all: directions a side, and readings at once.
+COARSE_NODES, AT_ONCE = 9, 200_000
 
 
 class Computer:
@@ -91,3 +98,39 @@ def _seconds_of_one_thread(recipe: Recipe) -> float:
         if taken > ENOUGH:
             break
     return taken * pieces.nodes / held
+
+
+def require_standing(recipe: Recipe) -> None:
+    """Refuse a recipe whose robot stands in none of its postures, in no direction of its chart.
+
+    Looks at 3 knots of every parameter (at most 729 postures) and 9 x 9 directions of each face;
+    only where that finds nothing does it look at every node.
+    """
+    grid, chart = recipe.grid, recipe.chart
+    coarse = [np.unique([0, axis.size // 2, axis.size - 1]) for axis in grid.axes[:6]]
+    coarse += [np.array([axis.size // 2]) for axis in grid.axes[6:]]
+    some = np.zeros(1, np.intp)
+    if grid.axes:
+        index = [part.ravel() for part in np.meshgrid(*coarse, indexing="ij")]
+        some = np.ravel_multi_index(tuple(index), grid.shape)
+    few = Chart(chart.kind, min(chart.nodes, COARSE_NODES), chart.max_tilt)
+    if _any_stands(recipe, grid.params(np.atleast_1d(some)), few):
+        return
+    step = max(1, AT_ONCE // math.prod(chart.shape))
+    for begin in range(0, grid.size, step):
+        nodes = np.arange(begin, min(begin + step, grid.size))
+        if _any_stands(recipe, grid.params(nodes), chart):
+            return
+    raise RecipeError(
+        f"{recipe.source}: key `robot.contact`: the robot stands in none of its {grid.size} "
+        f"postures under any of the {math.prod(chart.shape)} gravity directions of its chart (got "
+        f"contacts {', '.join(recipe.contact_names)}); check that the contacts lie below the "
+        "centre of mass (z up) and are not collinear, or raise `robot.upright`"
+    )
+
+
+def _any_stands(recipe: Recipe, params: NDArray[np.float64], chart: Chart) -> bool:
+    scanner = Scanner(recipe, chart, ("sdg",))
+    out = np.full((len(CHANNELS), len(params) * scanner.rows * chart.nodes), np.nan, np.float32)
+    scanner.fill(params, 0, scanner.rows, out)
+    return bool(np.isfinite(out[CHANNELS.index("sdg")]).any())

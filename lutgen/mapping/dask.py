@@ -177,7 +177,7 @@ def compute_there(
         threads if scheduler else None,
     )
     with _client(scheduler, workers, threads) as client, _token(job):
-        with _speaking():
+        with _as_sweep_error():
             count = _wait_for_workers(client)
             shared = _probe(client, job)
         todo = [number for number in range(layout.count) if not file.done[number]]
@@ -188,22 +188,22 @@ def compute_there(
             places = file.skeleton.places[:, numbers]
             return client.submit(compute_batch, job, numbers, places, pure=False)
 
-        with _speaking():
+        with _as_sweep_error():
             asked = {submit(numbers): numbers for numbers in islice(batches, AHEAD * count)}
         while asked:
-            with _speaking():
+            with _as_sweep_error():
                 ready = _some_that_are_done(client, list(asked))
             for future in ready:
-                rest = set(asked.pop(future))
+                remaining = set(asked.pop(future))
                 for result in _result(future):
                     if result.chunks is None:
                         file.note(result.number, result.sums)
                     else:
                         file.write(result.number, result.chunks)
-                    rest.discard(result.number)
+                    remaining.discard(result.number)
                     yield result.number
-                following = sorted(rest) or next(batches, [])
-                with _speaking():
+                following = sorted(remaining) or next(batches, [])
+                with _as_sweep_error():
                     future.release()
                     if following:
                         asked[submit(following)] = following
@@ -223,7 +223,7 @@ def _some_that_are_done(client: Any, futures: list[Any]) -> set[Any]:
 
 
 @contextmanager
-def _speaking() -> Iterator[None]:
+def _as_sweep_error() -> Iterator[None]:
     """Turn whatever goes wrong between this process and the scheduler into a sentence."""
     try:
         yield
@@ -248,7 +248,7 @@ def _result(future: Any) -> list[Result]:
     try:
         results: list[Result] = future.result()
     except CommClosedError:
-        with _speaking():
+        with _as_sweep_error():
             raise
     except (LutgenError, OSError):
         # Of the task itself: the caller has sentences for those.

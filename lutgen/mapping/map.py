@@ -23,25 +23,13 @@ from lutgen.grid import Axis
 from lutgen.mapping.blocks import Plan, plan
 from lutgen.mapping.interpolate import Place, interpolate
 from lutgen.mapping.seal import ATTRIBUTE, UNSEALED, Seal, check_head
+from lutgen.quantities import QUANTITIES
 from lutgen.recipe import Recipe, parse_recipe, recipe_digest
 
 FORMAT = 1
-LONG_NAMES = {
-    "sdg": "stability factor |SD_g|",
-    "height": "height |OC| of the com above the support facet's plane",
-    "tip_angle": "signed angular distance to tip-over",
-    "margin": "static stability margin",
-    "energy_margin": "normalised energy stability margin",
-    "facet": "index of the support facet",
-}
 COMPLETE, BITMAP = "complete", "blocks_done"
 # Chunks of at least so many bytes begin on a page: two processes never write to the same one.
 ALIGN_FROM, ALIGNMENT = 1 << 15, 1 << 12
-
-
-def channel_unit(name: str, length_unit: str) -> str:
-    """Return the unit of a channel: rad, the recipe's length unit, or 1."""
-    return {"tip_angle": "rad", "facet": "1"}.get(name, length_unit)
 
 
 def create(target: io.RawIOBase, recipe: Recipe, layout: Plan) -> dict[str, NDArray[np.int64]]:
@@ -87,8 +75,8 @@ def create(target: io.RawIOBase, recipe: Recipe, layout: Plan) -> dict[str, NDAr
         for name in recipe.channels:
             variable = _variable(file, name, layout)
             variable.attrs["_FillValue"] = np.array([np.nan], np.float32)
-            variable.attrs["units"] = channel_unit(name, recipe.length_unit)
-            variable.attrs["long_name"] = LONG_NAMES[name]
+            variable.attrs["units"] = QUANTITIES[name].stored_unit(recipe.length_unit)
+            variable.attrs["long_name"] = QUANTITIES[name].title
             for axis, scale in enumerate(scales):
                 variable.dims[axis].attach_scale(scale)
         # One byte per chunk first: the whole index comes to lie before the first real chunk.

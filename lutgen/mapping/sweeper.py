@@ -14,10 +14,9 @@ import numba
 
 from lutgen.errors import InputError, MapFileError, SweepError
 from lutgen.mapping.blocks import Plan, plan
-from lutgen.mapping.compute import Computer
+from lutgen.mapping.compute import Computer, require_standing
 from lutgen.mapping.layout import lay_out
 from lutgen.mapping.part import PartFile
-from lutgen.mapping.standing import require_standing
 from lutgen.recipe import Recipe
 
 ENGINES = ("local", "dask")

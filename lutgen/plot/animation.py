@@ -27,7 +27,7 @@ from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 from PIL import Image
 
-from lutgen.analysis import Diagnosis, diagnose
+from lutgen.analysis import Diagnosis, Posture, diagnose
 from lutgen.errors import InputError
 from lutgen.files import write_bytes
 from lutgen.plot.box import box_axes
@@ -212,9 +212,9 @@ class _Robot:
     ) -> None:
         self.recipe, self.run, self.name = recipe, run, name
         self.travel = _travel(run)
-        first = diagnose(recipe, run.params[0], run.gravity_body[0])
+        first = diagnose(Posture(recipe, run.params[0]), run.gravity_body[0])
         states = [
-            diagnose(recipe, p, [0.0, 0.0, -1.0])
+            diagnose(Posture(recipe, p), [0.0, 0.0, -1.0])
             for p in (run.params.min(axis=0), run.params.max(axis=0))
         ]
         self.reach = max(
@@ -247,7 +247,7 @@ class _Robot:
 
     def move(self, i: int) -> None:
         """Put the robot at point i."""
-        state = diagnose(self.recipe, self.run.params[i], self.run.gravity_body[i])
+        state = diagnose(Posture(self.recipe, self.run.params[i]), self.run.gravity_body[i])
         turn = to_world(self.run.gravity_body[i], float(self.run.heading[i]))
         tips = bool(self.run.tips[i])
         centres = state.centres @ turn.T

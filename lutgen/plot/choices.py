@@ -16,7 +16,8 @@ from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 from lutgen.mapping import StabilityMap
 from lutgen.plot.kinds import KINDS
-from lutgen.plot.view import QUANTITIES, SLACK, View, is_sealed, limits, to_display, to_internal
+from lutgen.plot.view import SLACK, View, is_sealed, limits
+from lutgen.quantities import RANKED
 from lutgen.recipe import Recipe
 
 __all__ = ["Choices", "choose"]
@@ -43,10 +44,10 @@ def choose(kind: str, source: StabilityMap | Recipe, asked: Choices) -> View:
         _refuse("unknown kind of figure", kind, _nearest(kind, KINDS))
     stability_map = None if isinstance(source, Recipe) else source
     recipe = source if isinstance(source, Recipe) else source.recipe
-    if channel not in QUANTITIES:
-        _refuse("channel cannot be drawn", channel, _nearest(channel, QUANTITIES))
+    if channel not in RANKED:
+        _refuse("channel cannot be drawn", channel, _nearest(channel, RANKED))
     if stability_map is not None and KINDS[kind].varies:
-        held = [name for name in stability_map.channels if name in QUANTITIES]
+        held = [name for name in stability_map.channels if name in RANKED]
         if channel not in held:
             _refuse("channel is not in the map", channel, f"{_nearest(channel, held)} or a recipe")
     if not 0.0 <= tilt <= 180.0:
@@ -123,10 +124,10 @@ def _value(recipe: Recipe, stability_map: StabilityMap | None, name: str, value:
     column = names.index(name)
     parameter = recipe.parameters[column]
     low, high = limits(recipe, stability_map, column)
-    inside = float(to_internal(parameter, value))
+    inside = float(parameter.stored(value))
     slack = SLACK * (high - low)
     if not low - slack <= inside <= high + slack:
-        shown = to_display(parameter, [low, high])
+        shown = parameter.shown(np.array([low, high]))
         unit = "" if parameter.display_unit == "1" else f" {parameter.display_unit}"
         _refuse(
             f"parameter `{name}` is outside its range",

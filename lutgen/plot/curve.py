@@ -10,7 +10,8 @@ from lutgen.plot.labels import axis_label, channel_label, optimum_text, symbol, 
 from lutgen.plot.levels import jumps
 from lutgen.plot.marks import PLATE, TIPS, degree_ticks, mark_optimum, tip_patch, write_beside
 from lutgen.plot.style import BLUE, GREY, HATCH, ORANGE, WASH, new_figure
-from lutgen.plot.view import View, in_display_unit, optimum
+from lutgen.plot.view import View, optimum
+from lutgen.quantities import QUANTITIES
 
 __all__ = ["SIZE", "draw_curve", "shade_intervals"]
 
@@ -51,7 +52,7 @@ def draw_curve(view: View, size: tuple[float, float] | None) -> Figure:
     )
     best = optimum(view.channel, _where_it_stands(view.channel, exact))
     if best is not None:
-        value = float(in_display_unit(view.channel, exact[view.channel][best]))
+        value = float(QUANTITIES[view.channel].shown(exact[view.channel][best]))
         figure.draw_without_rendering()
         paths = [line.get_transform().transform(line.get_xydata()) for line in lines]
         text = optimum_text(view, value, lines[0].get_ydata(), shown[best : best + 1], "\n")
@@ -89,7 +90,7 @@ def _line(
     dashes: str | tuple[float, tuple[float, float]],
 ) -> Line2D:
     """Draw one channel on its own axis, broken where it jumps to another facet."""
-    values = np.array(in_display_unit(channel, exact[channel]))
+    values = np.array(QUANTITIES[channel].shown(exact[channel]))
     known = np.isfinite(values)
     if known.any():
         low, high = values[known].min(), values[known].max()
@@ -110,7 +111,7 @@ def _nodes(axes: Axes, view: View) -> list[Line2D]:
         return []
     knots = view.knots(0, 0)
     postures = view.postures(knots)
-    values = in_display_unit(view.channel, view.drawn(postures, view.gravity_dir))
+    values = QUANTITIES[view.channel].shown(view.drawn(postures, view.gravity_dir))
     label = "map nodes" if view.at_node() else "map, interpolated"
     return axes.plot(
         view.shown(0, knots),

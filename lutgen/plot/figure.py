@@ -43,8 +43,7 @@ def draw(
         Direction in the body frame, pointing down; not used by `sphere`, `polar` and
         `metrics`.
     channel : str
-        `sdg`, `height`, `tip_angle`, `margin` or `energy_margin`; not used by `polar`,
-        `metrics` and `robot`.
+        One of `quantities.RANKED`; not used by `polar`, `metrics` and `robot`.
     axes : sequence of str, optional
         The parameters that `curve` (one), `contour` and `surface` (two) vary; by default the
         first ones that `params` does not fix.

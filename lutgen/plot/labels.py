@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lutgen.parts import Parameter
-from lutgen.plot.view import QUANTITIES, View, to_display
+from lutgen.plot.view import View
+from lutgen.quantities import QUANTITIES
 from lutgen.recipe import Recipe
 
 __all__ = [
@@ -34,14 +35,6 @@ GREEK = (
     *("alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa"),
     *("lambda", "mu", "nu", "xi", "pi", "rho", "sigma", "tau", "phi", "chi", "psi", "omega"),
 )
-SYMBOLS = {"sdg": r"$|SD_g|$", "height": r"$|OC|$"}
-NAMES = {
-    "sdg": r"stability factor $|SD_g|$",
-    "height": r"height $|OC|$",
-    "tip_angle": "tip-over angle",
-    "margin": "static stability margin",
-    "energy_margin": "energy stability margin",
-}
 # Headings of `tilt.tilted` in deg.
 HEADINGS = {0: "nose down", 90: "left side down", 180: "nose up", 270: "right side down"}
 # Characters on a line of a figure one column wide.
@@ -65,8 +58,8 @@ def axis_label(parameter: Parameter) -> str:
 
 def channel_label(recipe: Recipe, channel: str) -> str:
     """Return the label of a channel's axis, with its unit."""
-    unit = "deg" if channel == "tip_angle" else recipe.length_unit
-    return f"{NAMES[channel]} ({_unit(unit)})"
+    unit = QUANTITIES[channel].shown_unit(recipe.length_unit)
+    return f"{QUANTITIES[channel].label} ({_unit(unit)})"
 
 
 def length_label(recipe: Recipe, name: str) -> str:
@@ -85,7 +78,7 @@ def heading_text(heading: float) -> str:
 
 def symbol(channel: str) -> str:
     """Return the short name of a channel for a legend."""
-    return SYMBOLS.get(channel, NAMES[channel])
+    return QUANTITIES[channel].symbol
 
 
 def slide_label(recipe: Recipe) -> str:
@@ -100,8 +93,8 @@ def optimum_text(
 
     All in display units; `place` has one number per axis of the figure.
     """
-    unit = "deg" if view.channel == "tip_angle" else view.recipe.length_unit
-    end = QUANTITIES[view.channel][:3]
+    one = QUANTITIES[view.channel]
+    unit, end = one.shown_unit(view.recipe.length_unit), str(one.better)[:3]
     where = []
     for i, at in enumerate(np.atleast_1d(np.asarray(place, dtype=np.float64))):
         parameter = view.parameter(i)
@@ -167,7 +160,7 @@ def gravity_text(view: View) -> str:
 def title(view: View, *, gravity: bool, more: str = "") -> str:
     """Return the title: robot, what is fixed, and `more`, on as few lines as fit a column."""
     fixed = [
-        f"{parameter_text(p)} = {with_unit(float(to_display(p, view.params[i])), p.display_unit)}"
+        f"{parameter_text(p)} = {with_unit(float(p.shown(view.params[i])), p.display_unit)}"
         for i, p in enumerate(view.recipe.parameters)
         if i not in view.axes
     ]

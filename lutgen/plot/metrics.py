@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from lutgen.analysis import Metrics, compare_metrics, tilted
+from lutgen.analysis import Metrics, Posture, compare_metrics, tilted
 from lutgen.plot.curve import shade_intervals
 from lutgen.plot.labels import HEADINGS, MINUS, angle_text, title, with_unit
 from lutgen.plot.levels import jumps
@@ -42,7 +42,9 @@ LOOKS: dict[str, tuple[str, Any]] = {
 def draw_metrics(view: View, size: tuple[float, float] | None) -> Figure:
     """Return the figure; its lines hold heading (deg) and normalised metric."""
     heading = np.linspace(0.0, 360.0, SAMPLES)
-    found = compare_metrics(view.recipe, view.params, tilted(view.tilt, np.radians(heading)))
+    found = compare_metrics(
+        Posture(view.recipe, view.params), tilted(view.tilt, np.radians(heading))
+    )
     figure = new_figure(size or SIZE)
     axes = figure.add_subplot()
     tilt = f"tilted {angle_text(math.degrees(view.tilt))} in every heading"

@@ -20,7 +20,6 @@ from lutgen.plot.box import box_axes, extent
 from lutgen.plot.labels import length_label, parameter_text
 from lutgen.plot.marks import TIPS, tip_patch
 from lutgen.plot.style import BLUE, GREEN, GREY, HATCH, ORANGE, WASH, house_style, new_figure
-from lutgen.plot.view import to_display
 from lutgen.recipe import Recipe
 from lutgen.search import Drive
 
@@ -244,7 +243,7 @@ def _draw_parameters(
     distance = run.path.distance
     for place_, (i, parameter) in enumerate(members):
         look = LOOKS[place_ % len(LOOKS)]
-        wanted, reached = (to_display(parameter, v[:, i]) for v in (run.wanted, run.params))
+        wanted, reached = (parameter.shown(v[:, i]) for v in (run.wanted, run.params))
         if (wanted != reached).any():
             axes.step(distance, wanted, where="mid", alpha=0.5, **look | {"linewidth": 0.5})
         label = parameter_text(parameter)

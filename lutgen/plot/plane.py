@@ -22,7 +22,8 @@ from lutgen.plot.marks import (
     tip_patch,
 )
 from lutgen.plot.style import HATCH, MAP, WASH, new_figure
-from lutgen.plot.view import View, in_display_unit, optimum
+from lutgen.plot.view import View, optimum
+from lutgen.quantities import QUANTITIES
 
 __all__ = ["CONTOUR_SIZE", "SURFACE_SIZE", "draw_contour", "draw_surface"]
 
@@ -172,7 +173,7 @@ def _plane(view: View) -> Plane:
     verdict = view.exact(everywhere, view.gravity_dir, "tip_angle")
     grip = view.grip(everywhere, view.gravity_dir)
     values = view.drawn(view.postures(*np.meshgrid(x, y)), view.gravity_dir)
-    printed = in_display_unit(view.channel, values).reshape(len(y), len(x))
+    printed = QUANTITIES[view.channel].shown(values).reshape(len(y), len(x))
     if view.channel not in ("sdg", "height"):
         # The others go on below zero beyond tip-over, where the hatching is.
         printed = np.where(printed < 0.0, np.nan, printed)

@@ -15,7 +15,7 @@ from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
 )
 from numpy.typing import ArrayLike, NDArray
 
-from lutgen.analysis import Diagnosis, FacetView, diagnose
+from lutgen.analysis import Diagnosis, Facet, Posture, diagnose
 from lutgen.parts import KINDS
 from lutgen.plot.box import box_axes, fit_box, place
 from lutgen.plot.labels import angle_text, length_label, title, with_unit
@@ -39,7 +39,7 @@ LONG_NAMES = 26
 
 def draw_robot(view: View, size: tuple[float, float] | None) -> Figure:
     """Return the figure, in the body frame with the com as the origin."""
-    state = diagnose(view.recipe, view.params, view.gravity_dir)
+    state = diagnose(Posture(view.recipe, view.params), view.gravity_dir)
     figure = new_figure(size or SIZE)
     axes = box_axes(figure, ELEVATION, AZIMUTH)
     heading = title(view, gravity=True, more=_verdict(state))
@@ -66,7 +66,7 @@ def _name_contacts(axes: Any, view: View, state: Diagnosis) -> None:
     ends = [(np.zeros(3), centre) for centre in state.centres]
     ends += [(np.asarray(axis.start), np.asarray(axis.stop)) for axis in state.tip_over_axes]
     if state.facet is not None:
-        ends.append((np.zeros(3), np.asarray(state.facet.pierced)))
+        ends.append((np.zeros(3), np.asarray(state.pierced)))
     part = np.linspace(0.0, 1.0, 41)[:, None]
     lines = [place(axes, start + part * (stop - start))[1] for start, stop in ends]
     for name, centre in zip(view.recipe.contact_names, state.centres, strict=True):
@@ -86,7 +86,7 @@ def circle(centre: ArrayLike, axis: ArrayLike, radius: float) -> Floats:
 
 def rims(state: Diagnosis, index: int) -> list[Floats]:
     """Return the circles that show a contact, (49, 3) each: of a wheel one, of a ball three."""
-    normals = {DISC: [state.axes[index]], SPHERE: list(np.eye(3))}
+    normals = {DISC: [state.disc_axes[index]], SPHERE: list(np.eye(3))}
     centre, radius = state.centres[index], float(state.radius[index])
     return [circle(centre, normal, radius) for normal in normals.get(int(state.kind[index]), [])]
 
@@ -133,13 +133,13 @@ def _load(axes: Any, view: View, state: Diagnosis) -> list[Artist]:
     return handles
 
 
-def _ray(state: Diagnosis, facet: FacetView, far: bool) -> tuple[Floats, str]:
+def _ray(state: Diagnosis, facet: Facet, far: bool) -> tuple[Floats, str]:
     """Return where the line that ends on the support at D_g begins, and what it is."""
     if len(state.forces) == 0 or far:
         return np.zeros(3), "gravity through the com"
     # Without a moment it begins at the com.
     reach = facet.height / float(facet.normal @ state.resultant)
-    return facet.pierced - reach * state.resultant, "weight and forces together"
+    return state.pierced - reach * state.resultant, "weight and forces together"
 
 
 def _support(axes: Any, view: View, state: Diagnosis) -> list[Artist]:
@@ -149,7 +149,7 @@ def _support(axes: Any, view: View, state: Diagnosis) -> list[Artist]:
     if facet is None:
         _arrow(axes, reach * state.gravity_dir)
         return [Line2D([], [], color="black", linewidth=1.0, label="gravity")]
-    pierced = np.asarray(facet.pierced)
+    pierced = np.asarray(state.pierced)
     far = not np.isfinite(pierced).all() or np.linalg.norm(pierced) > reach
     start, what = _ray(state, facet, bool(far))
     _arrow(axes, reach * state.gravity_dir if far else pierced, start)
@@ -201,7 +201,7 @@ def _frame(axes: Any, view: View, state: Diagnosis) -> Floats:
     drawn = [np.zeros((1, 3)), state.centres - reach, state.centres + reach]
     if state.facet is not None:
         drawn.append(np.asarray(state.facet.points))
-        pierced = np.asarray(state.facet.pierced)
+        pierced = np.asarray(state.pierced)
         if np.isfinite(pierced).all() and np.linalg.norm(pierced) <= 1.5 * _size(state):
             drawn.append(pierced[None, :])
     drawn += [state.force_points, state.force_points + _size(state) * state.forces]

@@ -23,7 +23,8 @@ from lutgen.plot.labels import HEADINGS, channel_label, optimum_text, slide_labe
 from lutgen.plot.levels import apart, extend, levels
 from lutgen.plot.marks import HALO, mark_optimum, mark_sliding, shade_tip_over, tip_patch
 from lutgen.plot.style import MAP, new_figure
-from lutgen.plot.view import View, in_display_unit, optimum
+from lutgen.plot.view import View, optimum
+from lutgen.quantities import QUANTITIES
 
 __all__ = ["CONE_SIZE", "SPHERE_SIZE", "draw_sphere", "share_that_tips"]
 
@@ -130,7 +131,7 @@ def _disc(view: View, inner: float, outer: float) -> Disc:
     radius = _radius(tilt, inner, outer)
     wanted = dict.fromkeys((view.channel, "tip_angle"))
     exact = view.exact(view.params, directions, *wanted)
-    verdict, values = exact["tip_angle"], in_display_unit(view.channel, exact[view.channel])
+    verdict, values = exact["tip_angle"], QUANTITIES[view.channel].shown(exact[view.channel])
     # Beyond tip-over some channels go on; the hatching is there.
     values = np.where(verdict < 0.0, np.nan, values)
     grip = view.grip(view.params, directions)

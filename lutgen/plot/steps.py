@@ -13,7 +13,7 @@ from lutgen.plot.labels import axis_label, channel_label, measured, parameter_te
 from lutgen.plot.levels import extend, levels
 from lutgen.plot.marks import STAR, shade_tip_over, tip_patch
 from lutgen.plot.style import MAP, house_style, new_figure, settled
-from lutgen.plot.view import QUANTITIES, in_display_unit, to_display
+from lutgen.quantities import QUANTITIES, RANKED
 from lutgen.recipe import Recipe
 from lutgen.search import Objective, Optimum
 
@@ -56,7 +56,7 @@ def draw_steps(
     InputError
         For other robots, objectives and methods, and steps that the search did not make.
     """
-    if len(recipe.parameters) != 2 or found.objective not in QUANTITIES:
+    if len(recipe.parameters) != 2 or found.objective not in RANKED:
         raise InputError(
             "plot: the steps of a search are drawn over two parameters and one channel (got "
             f"{len(recipe.parameters)} parameters and the objective {found.objective}); "
@@ -93,8 +93,8 @@ def _draw(
     mesh = np.stack([part.ravel() for part in np.meshgrid(*lines)], axis=1)
     costs = goal.cost(mesh)
     printed = np.array([goal.value(cost) for cost in costs]).reshape(SAMPLES, SAMPLES)
-    values = in_display_unit(found.objective, printed)
-    x, y = (to_display(recipe.parameters[i], lines[i]) for i in (0, 1))
+    values = QUANTITIES[found.objective].shown(printed)
+    x, y = (recipe.parameters[i].shown(lines[i]) for i in (0, 1))
     figure = new_figure(size)
     axes = figure.add_subplot()
     one = len(steps) == 1
@@ -126,8 +126,8 @@ def _nodes(axes, recipe: Recipe, found: Optimum, step: int, order: int) -> Line2
     """Draw the nodes of a step."""
     nodes = found.trace[step].nodes
     (line,) = axes.plot(
-        to_display(recipe.parameters[0], nodes[:, 0]),
-        to_display(recipe.parameters[1], nodes[:, 1]),
+        recipe.parameters[0].shown(nodes[:, 0]),
+        recipe.parameters[1].shown(nodes[:, 1]),
         linestyle="none",
         marker=MARKERS[order % len(MARKERS)],
         markersize=4.0 - 0.5 * min(order, 3),
@@ -143,15 +143,15 @@ def _nodes(axes, recipe: Recipe, found: Optimum, step: int, order: int) -> Line2
 def _best(axes, recipe: Recipe, found: Optimum, step: int, order: int, spread: float) -> Line2D:  # type: ignore[no-untyped-def]
     """Mark the best node of a step and name it."""
     at = found.trace[step]
-    spacing = to_display(recipe.parameters[0], np.diff(np.unique(at.nodes[:, 0])).max())
+    spacing = recipe.parameters[0].shown(np.diff(np.unique(at.nodes[:, 0])).max())
     among = np.array([0.0, spread * spacing])
-    place = [float(to_display(p, at.params[i])) for i, p in enumerate(recipe.parameters)]
+    place = [float(p.shown(at.params[i])) for i, p in enumerate(recipe.parameters)]
     where = ", ".join(
         f"{parameter_text(p)} = {measured(place[i], among, p.display_unit)}"
         for i, p in enumerate(recipe.parameters)
     )
-    value = float(in_display_unit(found.objective, at.value))
-    unit = "deg" if found.objective == "tip_angle" else recipe.length_unit
+    value = float(QUANTITIES[found.objective].shown(at.value))
+    unit = QUANTITIES[found.objective].shown_unit(recipe.length_unit)
     shown = measured(value, [0.0, max(abs(value), 1e-9)], unit)
     style = {**STAR, "markersize": STAR["markersize"] - 1.5 * min(order, 3)}
     (star,) = axes.plot(

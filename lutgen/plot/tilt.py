@@ -11,7 +11,14 @@ from matplotlib.figure import Figure
 from matplotlib.projections.polar import PolarAxes
 from numpy.typing import NDArray
 
-from lutgen.analysis import PostureLimits, SweepLimits, roll_limits, slide_limits, tilt_limits
+from lutgen.analysis import (
+    Posture,
+    PostureLimits,
+    SweepLimits,
+    roll_limits,
+    slide_limits,
+    tilt_limits,
+)
 from lutgen.plot.labels import (
     HEADINGS,
     angle_text,
@@ -116,7 +123,7 @@ def draw_limits(
         _circle(axes, least, label=f"guaranteed: {guaranteed}", zorder=4)
         if recipe.friction is not None:
             slides = slide_limits(
-                recipe, posture.params, AROUND, posture.convention, math.radians(top)
+                Posture(recipe, posture.params), AROUND, posture.convention, math.radians(top)
             )
             within = np.nan_to_num(np.degrees(slides), nan=top)
             if within.min() < top:
@@ -215,7 +222,7 @@ def _slide_limit(axes: PolarAxes, view: View, tips: Floats) -> None:
     """Draw the tilt (deg) at which the robot slides, where it has not tipped before."""
     if view.recipe.friction is None:
         return
-    limit = np.degrees(slide_limits(view.recipe, view.params, AROUND))
+    limit = np.degrees(slide_limits(Posture(view.recipe, view.params), AROUND))
     limit = np.where(limit < tips, limit, np.nan)
     if np.isfinite(limit).any():
         look: Look = {"color": ORANGE, "linestyle": SLIDE_DASHES}
@@ -231,7 +238,7 @@ def _roll_limit(axes: PolarAxes, view: View) -> None:
     if not rolling or view.recipe.has_wrench:
         return
     headings = np.radians(np.linspace(0.0, 360.0, ROLL_HEADINGS))
-    limit = np.degrees(roll_limits(view.recipe, view.params, headings))
+    limit = np.degrees(roll_limits(Posture(view.recipe, view.params), headings))
     # A limit of nothing lies in the middle, where no line can be seen.
     label = "rolls away" if np.nanmax(limit, initial=0.0) > 0.1 else "rolls on any slope"
     if np.isfinite(limit).any():

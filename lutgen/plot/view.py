@@ -14,31 +14,19 @@ from lutgen.analysis import slopes
 from lutgen.channels import body_gravity, evaluate, evaluate_each
 from lutgen.mapping import StabilityMap
 from lutgen.parts import Parameter
+from lutgen.quantities import QUANTITIES
 from lutgen.recipe import Recipe
 
 __all__ = [
-    "QUANTITIES",
     "SLACK",
     "View",
-    "in_display_unit",
     "is_sealed",
     "limits",
     "optimum",
-    "to_display",
-    "to_internal",
 ]
 
 Floats = NDArray[np.float64]
 
-# The channels that are quantities, and which end of each is the good one; the sixth channel,
-# `facet`, is an index and has no optimum.
-QUANTITIES = {
-    "sdg": "minimum",
-    "height": "minimum",
-    "tip_angle": "maximum",
-    "margin": "maximum",
-    "energy_margin": "maximum",
-}
 # A limit given in degrees comes back from radians within a few 1e-16 of itself.
 SLACK = 1e-9
 
@@ -69,7 +57,7 @@ class View:
 
     def shown(self, place: int, values: ArrayLike) -> Floats:
         """Turn values of the parameter on a figure's axis into its display unit."""
-        return to_display(self.parameter(place), values)
+        return np.asarray(self.parameter(place).shown(np.asarray(values, dtype=np.float64)))
 
     def ends(self, place: int) -> tuple[float, float]:
         """Return the range of a figure's axis, rad or length."""
@@ -185,31 +173,13 @@ def is_sealed(recipe: Recipe) -> bool:
     return recipe.python is not None and recipe.function is None
 
 
-def to_display(parameter: Parameter, value: ArrayLike) -> Floats:
-    """Turn internal values of a parameter into its display unit."""
-    values = np.asarray(value, dtype=np.float64)
-    return np.degrees(values) if parameter.display_unit == "deg" else values
-
-
-def to_internal(parameter: Parameter, value: ArrayLike) -> Floats:
-    """Turn values in a parameter's display unit into rad or length."""
-    values = np.asarray(value, dtype=np.float64)
-    return np.radians(values) if parameter.display_unit == "deg" else values
-
-
-def in_display_unit(channel: str, values: ArrayLike) -> Floats:
-    """Turn values of a channel into what is printed: angles into deg, lengths as they are."""
-    result = np.asarray(values, dtype=np.float64)
-    return np.degrees(result) if channel == "tip_angle" else result
-
-
 def optimum(channel: str, values: Floats) -> int | None:
     """Return the flat index of the best finite value of a channel; None if there is none."""
     flat = np.asarray(values).ravel()
     known = np.isfinite(flat)
     if not known.any():
         return None
-    if QUANTITIES[channel] == "minimum":
+    if QUANTITIES[channel].better == "minimum":
         return int(np.argmin(np.where(known, flat, np.inf)))
     return int(np.argmax(np.where(known, flat, -np.inf)))
 

@@ -15,7 +15,6 @@ from lutgen.recipe.recipe import (
     parse_recipe,
     recipe_digest,
 )
-from lutgen.recipe.robot import to_internal
 
 __all__ = [
     "Contact",
@@ -30,5 +29,4 @@ __all__ = [
     "postures",
     "radii_and_kinds",
     "recipe_digest",
-    "to_internal",
 ]

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lutgen.errors import InputError
 from lutgen.jit import njit
-from lutgen.parts import KINDS, Contact, Force, Link, Vector
+from lutgen.parts import KINDS, Contact, Force, Vector, parents_first
 from lutgen.recipe.recipe import Recipe
 from lutgen.rotation import rotation
 
@@ -166,7 +166,9 @@ def _forward_python(recipe: Recipe, values: Floats) -> Postures:
 @lru_cache(maxsize=16)
 def _tree(recipe: Recipe) -> Tree:
     """Flatten the links of a recipe."""
-    links = _sorted(recipe.links)
+    order, _ = parents_first({link.name: link.parent for link in recipe.links})
+    named = {link.name: link for link in recipe.links}
+    links = [named[name] for name in order]
     row = {link.name: i for i, link in enumerate(links)}
     column = {p.name: i for i, p in enumerate(recipe.parameters)}
     joints = [link.joint for link in links]
@@ -197,19 +199,6 @@ def _tree(recipe: Recipe) -> Tree:
         rows([point.position for point in points]),
         rows(axes),
     )
-
-
-def _sorted(links: tuple[Link, ...]) -> list[Link]:
-    """Return the links by their distance from the root, so that parents come first."""
-    children: dict[str | None, list[Link]] = {}
-    for link in links:
-        children.setdefault(link.parent, []).append(link)
-    depth: dict[str, int] = {}
-    level, reached = 0, children.get(None, [])
-    while reached:
-        depth.update((link.name, level) for link in reached)
-        level, reached = level + 1, [c for link in reached for c in children.get(link.name, ())]
-    return sorted(links, key=lambda link: depth[link.name])
 
 
 @njit()

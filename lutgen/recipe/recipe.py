@@ -20,22 +20,20 @@ from lutgen.chart import Chart
 from lutgen.errors import RecipeError, suggestion
 from lutgen.grid import Axis, Grid
 from lutgen.parts import Contact, Force, Joint, Link, Parameter, Wheel
+from lutgen.quantities import CHANNELS, UNLOADED
 from lutgen.recipe.described import read_content, read_urdf
 from lutgen.recipe.loads import read_com_uncertainty, read_forces, read_payloads
 from lutgen.recipe.plugin import load_function
 from lutgen.recipe.robot import (
-    CHANNELS,
     LENGTH_UNITS,
     read_contacts,
     read_links,
     read_parameters,
     read_wheels,
-    to_internal,
 )
 from lutgen.recipe.table import Table
 
 __all__ = [
-    "CHANNELS",
     "Contact",
     "ExportDefaults",
     "Force",
@@ -266,10 +264,11 @@ def parse_recipe(
         forces,
         com_uncertainty,
     )
-    if recipe.loaded and "energy_margin" in channels:
+    undefined = [name for name in UNLOADED if name in channels]
+    if recipe.loaded and undefined:
         sweep.fail(
             "channels",
-            "energy_margin is not defined under a force or with com_uncertainty",
+            f"{undefined[0]} is not defined under a force or with com_uncertainty",
             list(channels),
             "leave it out",
         )
@@ -301,7 +300,7 @@ def _read_knots(samples: Table, parameter: Parameter) -> np.ndarray[Any, np.dtyp
         if len(value) < 2:
             samples.fail(name, "needs at least 2 knots", value, "add knots")
         numbers = [samples.as_number(f"{name}[{i}]", v, way_out) for i, v in enumerate(value, 1)]
-        knots = [to_internal(number, parameter.display_unit) for number in numbers]
+        knots = [parameter.stored(number) for number in numbers]
         for i, knot in enumerate(knots):
             if i and knot <= knots[i - 1]:
                 samples.fail(f"{name}[{i + 1}]", "does not increase", numbers[i], "sort the knots")

@@ -10,7 +10,18 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 from lutgen.errors import suggestion
-from lutgen.parts import ZERO, Contact, Joint, Link, Parameter, Vector, Wheel
+from lutgen.parts import (
+    ZERO,
+    Contact,
+    Joint,
+    Link,
+    Parameter,
+    Vector,
+    Wheel,
+    parents_first,
+    to_internal,
+)
+from lutgen.quantities import CHANNELS
 from lutgen.recipe.table import Table
 
 __all__ = [
@@ -25,7 +36,6 @@ MAX_CONTACTS = 32
 LENGTH_UNITS = ("m", "cm", "mm", "1")
 ANGLE_UNITS = ("deg", "rad")
 # Names of a map file's other dimensions and variables, which no parameter may take.
-CHANNELS = ("sdg", "height", "tip_angle", "margin", "energy_margin", "facet")
 RESERVED = ("face", "v", "u", *CHANNELS)
 
 
@@ -60,11 +70,6 @@ def read_parameters(robot: Table, length_unit: str) -> tuple[Parameter, ...]:
             )
         )
     return tuple(result)
-
-
-def to_internal(value: float, unit: str) -> float:
-    """Turn a recipe's value into rad or length."""
-    return math.radians(value) if unit == "deg" else value
 
 
 LINK_KEYS = ("name", "parent", "origin", "rpy", "joint", "mass", "com")
@@ -143,7 +148,7 @@ def _read_joint(link: Table, parameters: tuple[Parameter, ...]) -> Joint | None:
     if scale == 0.0:
         table.fail("scale", "must not be zero", scale, "use 1.0, or remove the joint")
     offset = table.number("offset", f"write a number in {parameter.display_unit}", 0.0)
-    return Joint(kind, axis, name, scale, to_internal(offset, parameter.display_unit))
+    return Joint(kind, axis, name, scale, parameter.stored(offset))
 
 
 def _check_tree(tables: list[Table], links: list[Link]) -> None:
@@ -154,18 +159,11 @@ def _check_tree(tables: list[Table], links: list[Link]) -> None:
         if parent is not None and parent not in parents:
             way_out = suggestion(parent, parents, "use one of")
             table.fail("parent", "is not a link of the robot", parent, way_out)
-    # Links that are known to hang from the root need not be followed again.
-    safe: set[str] = set()
+    _, loop = parents_first(parents)
     for table in tables:
-        seen: dict[str, None] = {}
-        name: str | None = table.values["name"]
-        while name is not None and name not in seen and name not in safe:
-            seen[name] = None
-            name = parents[name]
-        if name in seen:
-            loop = " -> ".join([*seen, str(name)])
-            table.fail("parent", "makes a loop of links", loop, "attach one of them to 'body'")
-        safe.update(seen)
+        if loop and table.values["name"] == loop[0]:
+            way = " -> ".join(loop)
+            table.fail("parent", "makes a loop of links", way, "attach one of them to 'body'")
 
 
 CONTACT_KEYS = ("name", "link", "position", "radius", "axis", "rolling")

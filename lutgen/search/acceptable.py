@@ -8,6 +8,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from lutgen.bracket import halve
+
 __all__ = ["acceptable_range", "half_widths"]
 
 Floats = NDArray[np.float64]
@@ -80,11 +82,6 @@ def _walk(cost: Cost, best: Floats, axis: int, end: float, limit: float) -> floa
     if not bad.any():
         return float(end)
     first = int(bad.argmax())
-    inside, outside = float(line[first]), float(line[first + 1])
-    for _ in range(HALVINGS):
-        middle = (inside + outside) / 2.0
-        if costs(np.array([middle]))[0] <= limit:
-            inside = middle
-        else:
-            outside = middle
-    return inside
+    ends = line[first : first + 1], line[first + 1 : first + 2]
+    inside, _ = halve(lambda values: ~(costs(values) <= limit), *ends, HALVINGS)
+    return float(inside[0])

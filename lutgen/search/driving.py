@@ -155,7 +155,8 @@ def drive(
     turn, wanted = np.zeros(count), np.tile(start, (count, 1))
     evaluations = 0
     if control or headings is not None:
-        seek = _Seeker(recipe, start, control, method, objective, convention, options)
+        asked = {"method": method, "objective": objective, "convention": convention, **options}
+        seek = _Seeker(recipe, start, control, asked)
         turns = _turns(1 if headings is None else headings)
         for i in range(lag, count):
             wanted[i], turn[i] = seek.best(path.gravity[i - lag], turns)
@@ -171,18 +172,11 @@ class _Seeker:
     """Finds the best geometry and turn for gravity relative to the ground; keeps what it found."""
 
     def __init__(
-        self,
-        recipe: Recipe,
-        start: Floats,
-        control: bool,
-        method: str,
-        objective: str,
-        convention: str,
-        options: Mapping[str, Any],
+        self, recipe: Recipe, start: Floats, control: bool, asked: Mapping[str, Any]
     ) -> None:
+        """`asked` are the keywords of `optimum`."""
         self.recipe, self.start, self.control = recipe, start, control
-        self.method, self.objective, self.convention = method, objective, convention
-        self.options = {"limit": NO_LIMIT, **options}
+        self.asked = {"limit": NO_LIMIT, **asked}
         self.evaluations = 0
         self.known: dict[tuple[float, ...], tuple[Floats, float]] = {}
 
@@ -202,17 +196,10 @@ class _Seeker:
 
     def _geometry(self, gravity: Floats) -> tuple[Floats, float]:
         """Return the geometry for one heading, and its cost."""
-        goal = Objective(self.recipe, gravity, self.objective, self.convention)
+        goal = Objective(self.recipe, gravity, self.asked["objective"], self.asked["convention"])
         params = self.start
         if self.control:
-            found = optimum(
-                self.recipe,
-                gravity,
-                self.method,
-                self.objective,
-                convention=self.convention,
-                **self.options,
-            )
+            found = optimum(self.recipe, gravity, **self.asked)
             params = found.params
             self.evaluations += found.evaluations
         else:

@@ -14,12 +14,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from lutgen.channels import CONVENTIONS, body_gravity, checked_directions, evaluate_each
 from lutgen.errors import InputError
+from lutgen.quantities import QUANTITIES, RANKED, UNLOADED
 from lutgen.recipe import Recipe
 
 __all__ = ["Objective", "parse_objective"]
 
-# Which end of each channel is the good one: cost = GOOD * channel.
-GOOD = {"sdg": 1.0, "height": 1.0, "tip_angle": -1.0, "margin": -1.0, "energy_margin": -1.0}
 # Added to the cost of a geometry that tips.  Larger than any length in a recipe's unit; the angle
 # by which the robot tips still counts to 1e-6 rad beside it.
 TIPS = 1e9
@@ -35,7 +34,7 @@ def parse_objective(text: str) -> dict[str, float]:
     ----------
     text : str
         A channel, or a sum such as ``sdg + 0.1*height``; weights are above 0, and every channel
-        pulls to its own good end: sdg and height to less, tip_angle (rad) and the margins to more.
+        pulls to its own good end: see `lutgen.quantities`.
 
     Raises
     ------
@@ -52,10 +51,10 @@ def parse_objective(text: str) -> dict[str, float]:
         match = re.fullmatch(rf"\s*(?:({NUMBER})\s*\*\s*)?([a-z_]+)\s*", term)
         name = match.group(2) if match else ""
         weight = float(match.group(1) or 1.0) if match else 0.0
-        if name not in GOOD or name in weights or not 0.0 < weight < np.inf:
+        if name not in RANKED or name in weights or not 0.0 < weight < np.inf:
             raise InputError(
                 f"objective {text!r} is not understood (got the term {term.strip()!r}); write one "
-                f"of {', '.join(GOOD)}, or a sum such as sdg+0.1*height with each of them once"
+                f"of {', '.join(RANKED)}, or a sum such as sdg+0.1*height with each of them once"
             )
         weights[name] = weight
     return weights
@@ -95,9 +94,10 @@ class Objective:
             raise InputError(
                 f"unknown convention {self.convention!r}; choose from {', '.join(CONVENTIONS)}"
             )
-        if self.recipe.loaded and "energy_margin" in self.weights:
+        undefined = [name for name in UNLOADED if name in self.weights]
+        if self.recipe.loaded and undefined:
             raise InputError(
-                f"{self.recipe.source}: energy_margin is not defined under a force or with "
+                f"{self.recipe.source}: {undefined[0]} is not defined under a force or with "
                 f"com_uncertainty (got the objective {self.text!r}); use margin or tip_angle"
             )
         self.gravity = checked_directions(self.gravity)[0]
@@ -122,7 +122,7 @@ class Objective:
         angle = found["tip_angle"]
         cost = np.zeros(len(rows))
         for name, weight in self.weights.items():
-            cost += weight * GOOD[name] * found[name]
+            cost += weight * QUANTITIES[name].sign * found[name]
         # A robot that cannot tip has infinite margins: as good as can be.
         return np.where(angle < 0.0, TIPS - angle, np.maximum(cost, -TIPS))
 
@@ -137,9 +137,9 @@ class Objective:
         if cost <= -TIPS:
             cost = -float("inf")
         (name, *more) = self.weights
-        return cost if more else cost * GOOD[name] / self.weights[name]
+        return cost if more else cost * QUANTITIES[name].sign / self.weights[name]
 
     def cost_of(self, value: float) -> float:
         """Return the cost of a value of the objective; the inverse of `value`."""
         (name, *more) = self.weights
-        return value if more else value * GOOD[name] * self.weights[name]
+        return value if more else value * QUANTITIES[name].sign * self.weights[name]

@@ -108,8 +108,8 @@ def optimum(
         steps of 5 nodes a side.  `nelder-mead`: from `start`.  `multistart`: Nelder-Mead from many
         starts, for objectives with several minima.
     objective : str
-        `sdg`, `height`, `tip_angle`, `margin`, `energy_margin` or a sum such as `sdg+0.1*height`.
-        The last three are maximised.
+        A channel of `quantities.RANKED`, made as small or as large as is better, or a sum such as
+        `sdg+0.1*height`.
     convention : {"body", "plane"}
         Whether gravity is fixed in the body frame, or relative to the contact plane, so that it
         turns in the body while the shape changes; see `settle`.

@@ -15,6 +15,7 @@ from typing import NoReturn
 from xml.etree.ElementTree import Element
 
 from lutgen.errors import RecipeError, suggestion
+from lutgen.parts import parents_first
 from lutgen.urdf.xml import parse_xml
 from lutgen.vector import Vector
 
@@ -348,18 +349,9 @@ class _Reader:
                 got = [parents[joint.child], joint.parent]
                 self.fail(f"link {joint.child!r}", "has two parents", got, "remove one joint")
             parents[joint.child] = joint.parent
-        # From every link upwards; a link met twice on one way lies on a loop.
-        safe: set[str] = set()
-        for name in names:
-            way: dict[str, None] = {}
-            here: str | None = name
-            while here is not None and here not in safe:
-                if here in way:
-                    got = list(way)
-                    self.fail(f"link {here!r}", "is its own ancestor", got, "remove one joint")
-                way[here] = None
-                here = parents.get(here)
-            safe.update(way)
+        _, loop = parents_first({name: parents.get(name) for name in names})
+        if loop:
+            self.fail(f"link {loop[-1]!r}", "is its own ancestor", loop[:-1], "remove one joint")
         roots = [name for name in names if name not in parents]
         if len(roots) > 1:
             way_out = "connect them with joints"
@@ -373,16 +365,9 @@ class _Reader:
             if master is not None and master not in follows:
                 way_out = suggestion(master, list(follows)[:100], "use one of")
                 self.fail(f"joint {name!r}", "mimics what is no joint", master, way_out)
-        safe: set[str] = set()
-        for name in follows:
-            way: dict[str, None] = {}
-            here: str | None = name
-            while here is not None and here not in safe:
-                if here in way:
-                    self.fail(f"joint {here!r}", "mimics itself", list(way), "remove one mimic")
-                way[here] = None
-                here = follows[here]
-            safe.update(way)
+        _, loop = parents_first(follows)
+        if loop:
+            self.fail(f"joint {loop[-1]!r}", "mimics itself", loop[:-1], "remove one mimic")
 
 
 def _floats(text: str) -> tuple[float, ...]:

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 import lutgen
 from lutgen.analysis.diagnosis import Diagnosis, diagnose, heuristic_forces, normal_forces
-from lutgen.channels.plain import CHANNELS
+from lutgen.analysis.stance import Posture
+from lutgen.quantities import CHANNELS
 from lutgen.recipe.recipe import Recipe
 from tests.fixtures.recipes import contact, feet, rigid, rover, tripod
 
@@ -58,7 +59,7 @@ def test_forces_on_three_wheels_equal_the_table(
     rough: tuple[float, ...],
     difference: float,
 ) -> None:
-    found = diagnose(stool(WHEELS), [], uphill(pitch, heading))
+    found = diagnose(Posture(stool(WHEELS), []), uphill(pitch, heading))
     assert found.standing
     assert found.forces_kind == "exact"
     got = [found.normal_forces[name] for name in ("P1", "P2", "P3")]
@@ -75,7 +76,7 @@ def test_forces_on_three_wheels_are_the_barycentric_coordinates_of_gravity() -> 
     for pitch, heading, *_ in FORCES:
         gravity = np.array(uphill(pitch, heading))
         b = np.linalg.solve(points.T, gravity)
-        found = diagnose(stool(WHEELS), [], gravity)
+        found = diagnose(Posture(stool(WHEELS), []), gravity)
         shares = [found.normal_forces[name] for name in ("P1", "P2", "P3")]
         assert shares == pytest.approx(b / b.sum(), abs=1e-12)  # two 3 x 3 solves
 
@@ -119,7 +120,7 @@ def test_no_wheel_pulls_at_the_ground_anywhere_in_the_support_polygon() -> None:
 
 def test_a_centred_square_carries_a_quarter_on_each_foot() -> None:
     square = [(1.0, 1.0, -2.0), (-1.0, 1.0, -2.0), (-1.0, -1.0, -2.0), (1.0, -1.0, -2.0)]
-    found = diagnose(stool(square), [], (0, 0, -1))
+    found = diagnose(Posture(stool(square), []), (0, 0, -1))
     assert found.forces_kind == "minimum norm"
     assert list(found.normal_forces) == [f"P{i + 1}" for i in found.facet.contacts]  # type: ignore[union-attr]
     assert list(found.normal_forces.values()) == pytest.approx([0.25] * 4, abs=1e-15)
@@ -137,7 +138,7 @@ def test_over_a_wheel_eq_12_says_two_thirds_and_on_an_edge_a_fifth_lifts_off() -
 
 
 def test_a_robot_that_tips_has_no_forces() -> None:
-    found = diagnose(stool(WHEELS), [], uphill(41.0, 0.0))
+    found = diagnose(Posture(stool(WHEELS), []), uphill(41.0, 0.0))
     assert not found.standing
     assert found.normal_forces == found.heuristic_forces == {}
     assert found.channels["tip_angle"] < 0.0
@@ -149,13 +150,13 @@ def test_over_a_gap_the_robot_stands_but_no_forces_balance_on_its_facet() -> Non
     seen = {True: 0, False: 0}
     for x in np.linspace(-0.3, 0.3, 13):
         for y in np.linspace(-0.3, 0.3, 13):
-            found = diagnose(recipe, [0.3], (x, y, -1.0))
+            found = diagnose(Posture(recipe, [0.3]), (x, y, -1.0))
             if not found.standing:
                 continue
             assert found.facet is not None
             rim = np.roll(found.facet.points, -1, 0) - found.facet.points
             inward = np.cross(found.facet.normal, rim)
-            depth = ((found.facet.pierced - found.facet.points) * inward).sum(axis=1).min()
+            depth = ((found.pierced - found.facet.points) * inward).sum(axis=1).min()
             seen[depth > 0.0] += 1
             assert bool(found.normal_forces) is bool(depth >= 0.0)
             assert all(share >= 0.0 for share in found.normal_forces.values())
@@ -182,7 +183,7 @@ def test_the_least_stable_axis_of_a_table_is_on_the_side_that_it_leans_to(
     x: float, y: float, tilt: float, axis: set[str]
 ) -> None:
     contacts = "".join(contact(name, TABLE[i]) for name, i in CORNERS.items())
-    found = diagnose(lutgen.parse_recipe(rigid(contacts)), [], towards(x, y, tilt))
+    found = diagnose(Posture(lutgen.parse_recipe(rigid(contacts)), []), towards(x, y, tilt))
     assert found.least_stable is not None
     least = found.tip_over_axes[found.least_stable]
     assert set(least.names) == axis
@@ -193,7 +194,7 @@ def test_the_least_stable_axis_of_a_table_is_on_the_side_that_it_leans_to(
 
 
 def test_axes_carry_their_own_margins_and_energies() -> None:
-    found = diagnose(stool(TABLE), [], (0, 0, -1))
+    found = diagnose(Posture(stool(TABLE), []), (0, 0, -1))
     by_length = {round(float(np.linalg.norm(a.stop - a.start))): a for a in found.tip_over_axes}
     assert set(by_length) == {2, 4}
     assert by_length[2].margin == pytest.approx(2.0, abs=1e-12)
@@ -208,7 +209,7 @@ def test_the_robot_slides_exactly_beyond_the_slope_whose_tangent_is_the_friction
     for x, y in ((1, 0), (0, 1), (-0.6, 0.8)):
         for tilt, slides in ((-1e-9, False), (1e-9, True)):
             slope = math.degrees(math.atan(0.5) + tilt)
-            found = diagnose(recipe, [], towards(x, y, slope))
+            found = diagnose(Posture(recipe, []), towards(x, y, slope))
             assert found.slides is slides
             assert found.slope == pytest.approx(math.radians(slope), abs=1e-12)
 
@@ -216,13 +217,13 @@ def test_the_robot_slides_exactly_beyond_the_slope_whose_tangent_is_the_friction
 def test_the_slope_is_that_of_the_support_plane_and_not_of_the_body() -> None:
     # The plane of the feet drops by 1 in 10 to the front; gravity along -z is no slope of the body.
     tilted = [(x, y, z - 0.1 * x) for x, y, z in TABLE]
-    found = diagnose(stool(tilted, "friction = 0.5"), [], (0, 0, -1))
+    found = diagnose(Posture(stool(tilted, "friction = 0.5"), []), (0, 0, -1))
     assert found.slope == pytest.approx(math.atan(0.1), abs=1e-9)
     assert found.slides is False
 
 
 def test_without_friction_in_the_recipe_nothing_is_said_of_sliding() -> None:
-    assert diagnose(stool(TABLE), [], (1, 0, -1)).slides is None
+    assert diagnose(Posture(stool(TABLE), []), (1, 0, -1)).slides is None
 
 
 @pytest.mark.parametrize("text", [tripod(), rover()], ids=["points", "wheels"])
@@ -237,7 +238,7 @@ def test_channels_of_a_diagnosis_are_those_of_evaluate(text: str) -> None:
     gravity = rng.normal(size=(40, 3)) * [0.4, 0.4, 0.1] - [0, 0, 1]
     verdicts = set()
     for row, down in zip(params, gravity, strict=True):
-        found = diagnose(recipe, row, down)
+        found = diagnose(Posture(recipe, row), down)
         want = lutgen.evaluate(recipe, row[None], down[None], CHANNELS)
         verdicts.add(found.standing)
         for name in CHANNELS:
@@ -248,7 +249,7 @@ def test_channels_of_a_diagnosis_are_those_of_evaluate(text: str) -> None:
             )
         if found.standing:
             assert found.facet is not None
-            gap = float(np.linalg.norm(found.facet.pierced - found.facet.centroid))
+            gap = float(np.linalg.norm(found.pierced - found.facet.centroid))
             assert gap == pytest.approx(found.channels["sdg"], rel=1e-12)
             assert found.facet.height == found.channels["height"]
     assert verdicts == {True, False}
@@ -261,7 +262,7 @@ def facet_of(found: Diagnosis) -> NDArray[np.float64]:
 
 
 def test_the_support_polygon_runs_counter_clockwise_seen_from_outside() -> None:
-    found = diagnose(stool(TABLE), [], (0, 0, -1))
+    found = diagnose(Posture(stool(TABLE), []), (0, 0, -1))
     points = facet_of(found)
     assert sorted(map(tuple, points.tolist())) == sorted(TABLE)
     turns = np.cross(
@@ -273,7 +274,7 @@ def test_the_support_polygon_runs_counter_clockwise_seen_from_outside() -> None:
 
 
 def test_a_direction_away_from_every_facet_has_no_support() -> None:
-    found = diagnose(stool(TABLE), [], (0, 0, 1))
+    found = diagnose(Posture(stool(TABLE), []), (0, 0, 1))
     assert found.facet is None
     assert math.isnan(found.slope)
     assert not found.standing

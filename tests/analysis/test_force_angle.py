@@ -9,7 +9,8 @@ from scipy.spatial.transform import Rotation
 
 import lutgen
 from lutgen.analysis.diagnosis import diagnose
-from lutgen.analysis.force_angle import axis_force_angle, force_angle
+from lutgen.analysis.metrics import axis_force_angle, force_angle
+from lutgen.analysis.stance import Posture
 from lutgen.analysis.tilt import tilted
 from tests.fixtures.recipes import feet, rigid, rover
 
@@ -40,7 +41,7 @@ def polygon(x: float, y: float, z: float = 1.0) -> lutgen.recipe.recipe.Recipe:
 
 @pytest.mark.parametrize("x", COMS)
 def test_every_axis_of_the_reference_polygon_has_the_published_values(x: float) -> None:
-    found = diagnose(polygon(x, 0.7), [], (0, 0, -1))
+    found = diagnose(Posture(polygon(x, 0.7), []), (0, 0, -1))
     by_names = {frozenset(axis.names): axis for axis in found.tip_over_axes}
     axes = [by_names[frozenset(names)] for names in EDGES]
     margin, energy, measure = COMS[x]
@@ -51,7 +52,7 @@ def test_every_axis_of_the_reference_polygon_has_the_published_values(x: float) 
     assert got == pytest.approx(measure, abs=1e-8)
     assert found.channels["margin"] == pytest.approx(min(margin), abs=1e-8)
     assert found.channels["energy_margin"] == pytest.approx(min(energy), abs=1e-8)
-    whole = WEIGHT * force_angle(polygon(x, 0.7), [], [[0, 0, -1]])
+    whole = WEIGHT * force_angle(Posture(polygon(x, 0.7), []), [[0, 0, -1]])
     assert whole == pytest.approx([min(measure)], abs=1e-8)
 
 
@@ -113,7 +114,7 @@ def test_its_sign_is_the_verdict_in_convex_regions_and_others() -> None:
     for recipe, params in ((polygon(0.2, 0.7), []), (lutgen.parse_recipe(rover()), [0.3])):
         found = lutgen.evaluate(recipe, [params], directions, ("tip_angle", "margin"))
         stands = found["tip_angle"][0] >= 0.0
-        measure = force_angle(recipe, params, directions)
+        measure = force_angle(Posture(recipe, params), directions)
         assert ((measure >= 0.0) == stands).all()
         assert 0.05 < stands.mean() < 0.95
     product = found["tip_angle"][0] * np.abs(found["margin"][0])
@@ -125,13 +126,13 @@ def test_on_a_level_axis_it_is_the_product_of_tip_angle_and_margin() -> None:
     down = tilted(np.radians([0.0, 10.0, 20.0, 30.0]), math.pi)
     found = lutgen.evaluate(recipe, [[]], down, ("tip_angle", "margin"))
     product = found["tip_angle"][0] * np.abs(found["margin"][0])
-    assert force_angle(recipe, [], down) == pytest.approx(product, abs=1e-14)
+    assert force_angle(Posture(recipe, []), down) == pytest.approx(product, abs=1e-14)
     assert product[3] < 0.0 < product[2]
 
 
 def test_a_robot_that_supports_nothing_or_cannot_tip_has_an_infinite_measure() -> None:
     line = lutgen.parse_recipe(rigid(feet([(1, 0, -1), (0, 0, -1), (-1, 0, -1)])))
-    assert force_angle(line, [], [[0, 0, -1]]).tolist() == [-math.inf]
+    assert force_angle(Posture(line, []), [[0, 0, -1]]).tolist() == [-math.inf]
     around = [(1, 0, -1), (-1, 1, -1), (-1, -1, -1), (0, 0, 2)]
     solid = lutgen.parse_recipe(rigid(feet(around), head="upright = 180.0\nrock_angle = 180.0"))
-    assert force_angle(solid, [], [[0, 0, -1], [1, 1, 1]]).tolist() == [math.inf] * 2
+    assert force_angle(Posture(solid, []), [[0, 0, -1], [1, 1, 1]]).tolist() == [math.inf] * 2

@@ -10,8 +10,8 @@ import pytest
 
 import lutgen
 from lutgen import plot
-from lutgen.analysis.force_angle import force_angle
-from lutgen.analysis.metrics import METRICS, compare_metrics
+from lutgen.analysis.metrics import METRICS, compare_metrics, force_angle
+from lutgen.analysis.stance import Posture
 from lutgen.analysis.tilt import tilted
 from lutgen.errors import InputError
 from lutgen.plot.marks import TIPS
@@ -34,17 +34,17 @@ def table() -> Recipe:
 
 def test_values_are_those_of_evaluate_and_of_the_force_angle_measure(table: Recipe) -> None:
     down = tilted(math.radians(35.0), HEADINGS)
-    found = compare_metrics(table, [], down)
+    found = compare_metrics(Posture(table, []), down)
     exact = lutgen.evaluate(table, [[]], down, ("sdg", "tip_angle", "margin", "energy_margin"))
     for name, values in exact.items():
         assert found.values[name].tolist() == pytest.approx(values[0].tolist(), nan_ok=True)
-    assert found.values["force_angle"].tolist() == force_angle(table, [], down).tolist()
+    assert found.values["force_angle"].tolist() == force_angle(Posture(table, []), down).tolist()
     assert found.standing.tolist() == (exact["tip_angle"][0] >= 0.0).tolist()
     assert 0 < found.standing.sum() < len(down)
 
 
 def test_each_is_divided_by_its_value_on_level_ground(table: Recipe) -> None:
-    found = compare_metrics(table, [], tilted(math.radians(20.0), [math.pi / 2.0]))
+    found = compare_metrics(Posture(table, []), tilted(math.radians(20.0), [math.pi / 2.0]))
     level = math.atan(0.6)
     # To the left, across a level axis 0.6 away and 1 below.
     arm = math.hypot(1.0, 0.6)
@@ -65,7 +65,7 @@ def test_each_is_divided_by_its_value_on_level_ground(table: Recipe) -> None:
 
 def test_four_change_sign_with_the_verdict_and_sdg_never_later(table: Recipe) -> None:
     for tilt in np.radians([25.0, 33.0, 44.0]):
-        found = compare_metrics(table, [], tilted(tilt, HEADINGS))
+        found = compare_metrics(Posture(table, []), tilted(tilt, HEADINGS))
         for name in ("tip_angle", "margin", "energy_margin", "force_angle"):
             assert ((found.normalised[name] >= 0.0) == found.standing).all()
         sdg = found.normalised["sdg"]
@@ -79,7 +79,7 @@ def test_a_posture_that_does_not_stand_on_level_ground_is_refused() -> None:
     with pytest.raises(
         InputError, match=r"does not stand or cannot tip \(got a tip angle of -24.1 deg"
     ):
-        compare_metrics(aside, [], [[0, 0, -1]])
+        compare_metrics(Posture(aside, []), [[0, 0, -1]])
 
 
 # The command
@@ -155,7 +155,9 @@ def test_the_figure_draws_five_lines_marks_their_zeros_and_hatches_the_verdict(
     figure = plot.draw("metrics", table, tilt=33.0)
     (axes,) = figure.axes
     lines = [line for line in axes.get_lines() if len(line.get_xdata()) == 721]
-    found = compare_metrics(table, [], tilted(math.radians(33.0), np.radians(np.arange(721) / 2.0)))
+    found = compare_metrics(
+        Posture(table, []), tilted(math.radians(33.0), np.radians(np.arange(721) / 2.0))
+    )
     assert len(lines) == len(METRICS)
     drawn = {str(line.get_label()).split(" /")[0]: np.asarray(line.get_ydata()) for line in lines}
     for label, name in {

@@ -16,7 +16,7 @@ import lutgen
 from lutgen import plot
 from lutgen.analysis.diagnosis import diagnose, normal_forces
 from lutgen.analysis.rolling import held_share, roll_limits, rolling_gravity, rolls
-from lutgen.analysis.stance import find_footing
+from lutgen.analysis.stance import Posture
 from lutgen.analysis.tilt import tilted
 from lutgen.cli import main
 from lutgen.errors import RecipeError
@@ -59,10 +59,10 @@ def test_a_cart_braked_at_one_axle_rolls_where_that_axles_load_times_friction_is
     # With the nose down by t the rear axle carries (1 - tan t) / 2, uphill, and tan t = 0.8 x that.
     rear_braked, front_braked = math.atan(0.4 / 1.4), math.atan(0.4 / 0.6)
     # 1e-7 deg is how far the limit is halved.
-    assert roll_limits(parsed(FRONT), [], [0.0, math.pi]) == pytest.approx(
+    assert roll_limits(Posture(parsed(FRONT), []), [0.0, math.pi]) == pytest.approx(
         [rear_braked, front_braked], abs=2e-8
     )
-    assert roll_limits(parsed(REAR), [], [0.0, math.pi]) == pytest.approx(
+    assert roll_limits(Posture(parsed(REAR), []), [0.0, math.pi]) == pytest.approx(
         [front_braked, rear_braked], abs=2e-8
     )
 
@@ -71,46 +71,46 @@ def test_a_cart_without_brakes_rolls_on_any_slope_but_straight_across_its_wheels
     for friction in (0.5, None):
         free = parsed(ALL, friction)
         down = tilted(math.radians(0.01), np.radians([0.0, 30.0, 89.0, 180.0, 300.0]))
-        assert rolls(free, [], down).all()
-        assert not rolls(free, [], [[0.0, 0.0, -1.0]]).any()
+        assert rolls(Posture(free, []), down).all()
+        assert not rolls(Posture(free, []), [[0.0, 0.0, -1.0]]).any()
     # Across them friction holds it up to atan 0.5.
     across = tilted([math.atan(0.5) - 1e-6, math.atan(0.5) + 1e-6], LEFT)
-    assert rolls(parsed(ALL, 0.5), [], across).tolist() == [False, True]
-    assert rolls(parsed(ALL, None), [], across).tolist() == [False, False]
+    assert rolls(Posture(parsed(ALL, 0.5), []), across).tolist() == [False, True]
+    assert rolls(Posture(parsed(ALL, None), []), across).tolist() == [False, False]
 
 
 def test_a_braked_robot_never_rolls() -> None:
-    assert not rolls(parsed(()), [], tilted(0.65, np.linspace(0.0, 6.0, 40))).any()
-    assert np.isnan(roll_limits(parsed(()), [], [0.0, LEFT])).all()
+    assert not rolls(Posture(parsed(()), []), tilted(0.65, np.linspace(0.0, 6.0, 40))).any()
+    assert np.isnan(roll_limits(Posture(parsed(()), []), [0.0, LEFT])).all()
 
 
 def test_without_friction_brakes_hold_whatever_carries_load() -> None:
     gentle, steep = (tilted(tilt, np.linspace(0.0, 6.0, 25)) for tilt in (0.3, 0.6))
     for rolling in (FRONT, REAR, (0,), (0, 1, 2), (0, 3)):
-        assert not rolls(parsed(rolling, None), [], gentle).any()
+        assert not rolls(Posture(parsed(rolling, None), []), gentle).any()
     # Leaning to the front left the rear right wheel, the only braked one, carries nothing.
-    corner = diagnose(parsed((0, 1, 2)), [], tilted(0.6, math.radians(45.0)))
+    corner = diagnose(Posture(parsed((0, 1, 2)), []), tilted(0.6, math.radians(45.0)))
     assert corner.normal_forces["w3"] == 0.0
-    assert rolls(parsed((0, 1, 2), None), [], tilted(0.6, math.radians(45.0))).all()
-    assert not rolls(parsed(FRONT, None), [], steep).any()
+    assert rolls(Posture(parsed((0, 1, 2), None), []), tilted(0.6, math.radians(45.0))).all()
+    assert not rolls(Posture(parsed(FRONT, None), []), steep).any()
 
 
 def test_a_robot_on_balls_swings_round_its_only_brake() -> None:
     # The rear right wheel is braked and the others are balls: gravity has an arm about it.
     caster = parsed((0, 1, 2), None, ball=(0, 1, 2))
-    assert rolls(caster, [], tilted(0.2, [0.0, LEFT, 1.0])).all()
+    assert rolls(Posture(caster, []), tilted(0.2, [0.0, LEFT, 1.0])).all()
     # Straight from the brake to the com there is no arm: it hangs, or is balanced.
     away = math.atan2(0.4, 0.5)
-    assert not rolls(caster, [], tilted(0.2, [away, away + math.pi])).any()
-    assert rolls(caster, [], tilted(0.2, [away + 1e-3])).all()
+    assert not rolls(Posture(caster, []), tilted(0.2, [away, away + math.pi])).any()
+    assert rolls(Posture(caster, []), tilted(0.2, [away + 1e-3])).all()
 
 
 def test_on_balls_alone_it_rolls_in_every_direction() -> None:
     ball = parsed(ALL, 0.9, ball=ALL)
     headings = np.linspace(0.0, 6.0, 30)
-    assert rolls(ball, [], tilted(1e-3, headings)).all()
+    assert rolls(Posture(ball, []), tilted(1e-3, headings)).all()
     for heading in headings:
-        down = rolling_gravity(ball, [], tilted(0.3, heading))
+        down = rolling_gravity(Posture(ball, []), tilted(0.3, heading))
         assert down == pytest.approx([0.0, 0.0, -1.0], abs=1e-15)
 
 
@@ -119,8 +119,8 @@ def by_forces(recipe: Recipe, direction: Floats, sides: int = 360) -> float:
 
     A linear programme over the forces themselves; the circle of friction is a polygon inside it.
     """
-    footing = find_footing(recipe, [])
-    facet = footing.facets[int(footing.under(direction[None, :])[0])]
+    posture = Posture(recipe, [])
+    facet = posture.stance.facets[int(posture.stance.under(direction[None, :])[0])]
     downhill = direction - (facet.normal @ direction) * facet.normal
     downhill /= np.linalg.norm(downhill)
     load = np.maximum(normal_forces(facet.points, facet.pierced(direction)), 0.0)
@@ -143,7 +143,7 @@ def by_forces(recipe: Recipe, direction: Floats, sides: int = 360) -> float:
             rows.append(row)
             limits.append(load[place] * math.cos(math.pi / sides))
         if part.rolling:
-            t = np.cross(footing.axes[i], facet.normal)
+            t = np.cross(posture.disc_axes[i], facet.normal)
             t /= np.linalg.norm(t)
             row = np.zeros(count + 1)
             row[2 * place : 2 * place + 2] = (
@@ -176,9 +176,9 @@ def test_the_held_share_is_what_friction_forces_can_balance() -> None:
             rng.uniform(0.0, 2.0 * math.pi, 4), (0.1, 0.3, 0.5, 0.6), strict=True
         ):
             direction = tilted(tilt, heading)
-            footing = find_footing(recipe, [])
-            facet = footing.facets[int(footing.under(direction[None, :])[0])]
-            share = held_share(recipe, footing, facet, direction)
+            posture = Posture(recipe, [])
+            facet = posture.stance.facets[int(posture.stance.under(direction[None, :])[0])]
+            share = held_share(posture, facet, direction)
             # The polygon of 360 sides lies inside the circle by 4e-5.
             assert by_forces(recipe, direction) == pytest.approx(share, rel=1e-4, abs=1e-7)
             seen.append(share)
@@ -192,18 +192,18 @@ def test_the_share_does_not_depend_on_the_unit_of_length() -> None:
     text = cart((0, 1, 2)).replace('"m"', '"mm"').replace("0.4", "400.0").replace("0.5", "500.0")
     large = lutgen.parse_recipe(text.replace("radius = 0.1", "radius = 100.0"))
     headings = np.radians([10.0, 80.0, 200.0])
-    expected = roll_limits(recipe, [], headings)
-    assert roll_limits(large, [], headings) == pytest.approx(expected, abs=1e-7)
+    expected = roll_limits(Posture(recipe, []), headings)
+    assert roll_limits(Posture(large, []), headings) == pytest.approx(expected, abs=1e-7)
     assert (np.diff(expected) != 0.0).all()
 
 
 def test_rolling_straight_it_tips_under_gravity_without_its_part_along_the_wheels() -> None:
     down = np.array([0.6, 0.3, -1.0]) / math.sqrt(1.45)
-    free = rolling_gravity(parsed(ALL), [], down)
+    free = rolling_gravity(Posture(parsed(ALL), []), down)
     assert free == pytest.approx(np.array([0.0, 0.3, -1.0]) / math.sqrt(1.09), abs=1e-15)
     # Held on that slope it tips over its nose (0.5 ahead, 0.5 high) from 45 deg on; rolling never.
     steep = tilted(math.radians(50.0), 0.0)
-    rolling = rolling_gravity(parsed(ALL), [], steep)
+    rolling = rolling_gravity(Posture(parsed(ALL), []), steep)
     assert rolling is not None
     angle = lutgen.evaluate(parsed(ALL), [[]], [steep, rolling], ("tip_angle",))["tip_angle"][0]
     assert angle[0] == pytest.approx(math.radians(-5.0), abs=1e-12)
@@ -257,7 +257,7 @@ def test_wheels_on_hinges_roll_away_from_the_same_tilt_on(
         contacts += contact(f"w{i}", (x, y, -0.4), 0.1, (0, 1, 0))
         contacts += "rolling = true\n" if i in rolling else ""
     recipe = lutgen.parse_recipe(rigid(contacts, head="friction = 0.8"))
-    limit = float(roll_limits(recipe, [], np.radians([heading]))[0])
+    limit = float(roll_limits(Posture(recipe, []), np.radians([heading]))[0])
     assert math.radians(2.0) < limit < math.atan(0.8) - math.radians(1.0)
     below, beyond = (
         moved(rolling, math.radians(heading), limit + math.radians(side), 0.8)
@@ -269,13 +269,13 @@ def test_wheels_on_hinges_roll_away_from_the_same_tilt_on(
 
 def test_no_free_rolling_with_a_brake_with_toed_wheels_or_where_it_would_turn() -> None:
     ahead, aslant = tilted(0.2, 0.0), tilted(0.2, 0.4)
-    assert rolling_gravity(parsed((0, 1, 2)), [], ahead) is None
-    assert rolling_gravity(parsed(ALL, toe=0.1), [], ahead) is None
+    assert rolling_gravity(Posture(parsed((0, 1, 2)), []), ahead) is None
+    assert rolling_gravity(Posture(parsed(ALL, toe=0.1), []), ahead) is None
     # One axle and two balls: ahead it rolls straight, aslant the balls swing downhill.
     tail = parsed(ALL, ball=REAR)
-    assert rolling_gravity(tail, [], ahead) is not None
-    assert rolling_gravity(tail, [], aslant) is None
-    assert rolling_gravity(parsed(ALL), [], aslant) is not None
+    assert rolling_gravity(Posture(tail, []), ahead) is not None
+    assert rolling_gravity(Posture(tail, []), aslant) is None
+    assert rolling_gravity(Posture(parsed(ALL), []), aslant) is not None
 
 
 def test_the_verdict_channels_and_maps_do_not_know_of_rolling() -> None:
@@ -317,7 +317,7 @@ def test_eval_says_whether_it_rolls_and_how_it_tips_then(tmp_path: Path) -> None
         assert ("rolling_gravity" in report) is (rolling == ALL)
         if rolling == ALL:
             down = np.array([0.0, 0.2, -1.0])
-            angle = diagnose(parsed(ALL), [], down).channels["tip_angle"]
+            angle = diagnose(Posture(parsed(ALL), []), down).channels["tip_angle"]
             assert report["rolling_tip_angle_deg"] == pytest.approx(math.degrees(angle))
             assert report["rolling_gravity"] == pytest.approx(down / np.linalg.norm(down))
 
@@ -328,7 +328,7 @@ def test_polar_draws_the_limit_of_rolling_inside_that_of_sliding() -> None:
     around, radius = (np.asarray(part) for part in lines["rolls away"].get_data())
     assert radius[0] == pytest.approx(math.degrees(math.atan(0.4 / 1.4)), abs=1e-5)
     assert (radius[np.isfinite(radius)] < math.degrees(math.atan(0.8)) + 1e-5).all()
-    some = np.degrees(roll_limits(parsed(FRONT), [], around[::12]))
+    some = np.degrees(roll_limits(Posture(parsed(FRONT), []), around[::12]))
     assert radius[::12] == pytest.approx(some, nan_ok=True)
     free = plot.draw("polar", parsed(ALL, 0.1))
     assert any("rolls" in str(line.get_label()) for line in free.axes[0].get_lines())

@@ -11,6 +11,7 @@ import lutgen
 from lutgen import plot
 from lutgen.analysis.diagnosis import diagnose
 from lutgen.analysis.sliding import first_tilts, slide_limits, slides_first, slopes
+from lutgen.analysis.stance import Posture
 from lutgen.analysis.tilt import tilt_limits, tilted
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import Recipe
@@ -30,7 +31,7 @@ def table(friction: float | None, rise: float = 0.0) -> Recipe:
 def test_a_level_robot_slides_where_the_tangent_of_the_tilt_exceeds_friction() -> None:
     headings = np.radians(np.arange(0.0, 360.0, 7.0))
     for mu in (0.05, 0.5, 0.9):
-        limits = slide_limits(table(mu), [], headings)
+        limits = slide_limits(Posture(table(mu), []), headings)
         assert limits == pytest.approx(math.atan(mu), abs=1e-12)
         for tilt, expected in ((math.atan(mu) - 1e-9, False), (math.atan(mu) + 1e-9, True)):
             found = slides_first(table(mu), [[]], tilted(tilt, headings))
@@ -40,16 +41,16 @@ def test_a_level_robot_slides_where_the_tangent_of_the_tilt_exceeds_friction() -
 def test_a_facet_that_is_not_level_shifts_the_limit() -> None:
     # The ground rises by 0.2 ahead: with its nose down by atan 0.2 the robot is on level ground.
     recipe, rise = table(0.5, 0.2), math.atan(0.2)
-    limits = slide_limits(recipe, [], np.radians([0.0, 180.0]))
+    limits = slide_limits(Posture(recipe, []), np.radians([0.0, 180.0]))
     assert limits == pytest.approx([math.atan(0.5) + rise, math.atan(0.5) - rise], abs=1e-12)
     level = slopes(recipe, [[]], [[[math.sin(rise), 0.0, -math.cos(rise)], [0.0, 0.0, -1.0]]])
     assert level == pytest.approx(np.array([[0.0, rise]]), abs=1e-12)
 
 
 def test_steep_ground_under_a_robot_with_slippery_feet_slides_at_no_tilt_at_all() -> None:
-    assert slide_limits(table(0.1, 0.2), [], [math.pi]).tolist() == [0.0]
+    assert slide_limits(Posture(table(0.1, 0.2), []), [math.pi]).tolist() == [0.0]
     # Its nose goes down towards the ground's own slope: at 0 it slides, later it would not.
-    assert slide_limits(table(0.1, 0.2), [], [0.0]).tolist() == [0.0]
+    assert slide_limits(Posture(table(0.1, 0.2), []), [0.0]).tolist() == [0.0]
 
 
 def test_it_is_what_diagnose_says_for_warped_feet_and_wheels_that_lift() -> None:
@@ -61,7 +62,7 @@ def test_it_is_what_diagnose_says_for_warped_feet_and_wheels_that_lift() -> None
     ]
     for recipe, params in cases:
         directions = np.column_stack([rng.normal(0.0, 0.5, (300, 2)), -np.ones(300)])
-        expected = [diagnose(recipe, params, g).slides for g in directions]
+        expected = [diagnose(Posture(recipe, params), g).slides for g in directions]
         got = slides_first(recipe, [params], directions)[0]
         assert got.tolist() == expected
         assert 0.1 < got.mean() < 0.9
@@ -72,8 +73,10 @@ def test_flippers_that_lift_the_nose_make_it_slide_earlier_backwards() -> None:
     level, lifted = np.radians([0.0, 0.0]), np.radians([-60.0, 0.0])
     slope = float(slopes(absolem, [lifted], [[[0.0, 0.0, -1.0]]])[0, 0])
     assert slope > math.radians(10.0)
-    back = slide_limits(absolem, lifted, [math.pi])[0]
-    assert slide_limits(absolem, level, [0.0, math.pi]) == pytest.approx(math.atan(0.8), abs=1e-12)
+    back = slide_limits(Posture(absolem, lifted), [math.pi])[0]
+    assert slide_limits(Posture(absolem, level), [0.0, math.pi]) == pytest.approx(
+        math.atan(0.8), abs=1e-12
+    )
     # The facet falls towards the tail: gravity leans to the tail in the body already.
     assert abs(back - math.atan(0.8)) == pytest.approx(slope, abs=1e-9)
     both = slides_first(absolem, [level, lifted], tilted([0.6, 0.7], [math.pi, math.pi]))

@@ -9,6 +9,7 @@ import lutgen
 from lutgen.analysis.diagnosis import diagnose
 from lutgen.analysis.ground import gravity_transform
 from lutgen.analysis.sliding import slide_limits
+from lutgen.analysis.stance import Posture
 from lutgen.analysis.tilt import level_frames, level_limits, tilt_limits, tilted, worst_heading
 from lutgen.analysis.tilt_table import FOUR, even_headings, posture_limits, sweep_limits
 from lutgen.channels.evaluation import evaluate_each
@@ -45,7 +46,7 @@ def nodes(recipe: Recipe) -> np.ndarray:
 @pytest.mark.parametrize("convention", CONVENTIONS)
 @pytest.mark.parametrize(("unit", "scale"), [("m", 1.0), ("mm", 1000.0), ("1", 3.0)])
 def test_a_box_tips_where_its_com_passes_the_edge(convention: str, unit: str, scale: float) -> None:
-    found = posture_limits(box(unit=unit, scale=scale), [], convention)
+    found = posture_limits(Posture(box(unit=unit, scale=scale), []), convention)
     reaches = {
         "nose down": (AHEAD, {"P1", "P4"}),
         "left side down": (LEFT, {"P1", "P2"}),
@@ -73,25 +74,27 @@ def test_the_worst_heading_points_at_the_nearest_edge(turn: float) -> None:
     recipe = parse_recipe(rigid(feet(corners)))
     expected = math.remainder(turn - math.pi / 2.0, 2.0 * math.pi)
     # The circle of headings is divided until its pieces are 1e-6 rad.
-    assert worst_heading(recipe, []) == pytest.approx(expected, abs=1e-6)
+    assert worst_heading(Posture(recipe, [])) == pytest.approx(expected, abs=1e-6)
 
 
 def test_of_equally_bad_headings_the_one_nearest_the_nose_and_on_the_left_counts() -> None:
     square = [(0.3, 0.3, -0.5), (-0.3, 0.3, -0.5), (-0.3, -0.3, -0.5), (0.3, -0.3, -0.5)]
-    assert worst_heading(parse_recipe(rigid(feet(square))), []) == pytest.approx(0.0, abs=1e-6)
+    assert worst_heading(Posture(parse_recipe(rigid(feet(square))), [])) == pytest.approx(
+        0.0, abs=1e-6
+    )
     diamond = [(0.4, 0.0, -0.5), (0.0, 0.4, -0.5), (-0.4, 0.0, -0.5), (0.0, -0.4, -0.5)]
-    found = worst_heading(parse_recipe(rigid(feet(diamond))), [])
+    found = worst_heading(Posture(parse_recipe(rigid(feet(diamond))), []))
     assert found == pytest.approx(math.pi / 4.0, abs=1e-6)
 
 
 def test_what_cannot_stand_has_no_limit_and_what_cannot_fall_has_no_axis() -> None:
     above = parse_recipe(rigid(feet([(x, y, -z) for x, y, z in CORNERS]), head="friction = 0.7"))
-    found = posture_limits(above, [])
+    found = posture_limits(Posture(above, []))
     assert found.guaranteed == 0.0
     assert [row.tilt for row in found.headings] == [0.0] * 5
     assert math.isnan(found.worst.heading)
     free = "upright = 180.0\nrock_angle = 180.0\nfriction = 0.7"
-    found = posture_limits(parse_recipe(rigid(feet(CUBE), head=free)), [])
+    found = posture_limits(Posture(parse_recipe(rigid(feet(CUBE), head=free)), []))
     assert found.guaranteed == math.pi
     assert {(row.tilt, row.contacts, row.slides) for row in found.headings} == {(math.pi, (), None)}
     assert math.isnan(found.worst.heading)
@@ -125,7 +128,7 @@ def test_no_heading_of_a_fine_grid_is_worse_than_guaranteed(
     fine = np.linspace(-math.pi, math.pi, 1441)
     standing = 0
     for posture in rows:
-        found = posture_limits(robot, posture, convention)
+        found = posture_limits(Posture(robot, posture), convention)
         tilts = tilt_limits(robot, posture, fine, convention)
         # The walk itself knows its limits to 1e-13 rad.
         assert tilts.min() >= found.guaranteed - 1e-12
@@ -145,14 +148,14 @@ def test_many_postures_at_once_have_the_limits_of_each_alone(convention: str) ->
     np.testing.assert_array_equal(together, alone)
     np.testing.assert_array_equal(
         level_limits(robot, rows, convention),
-        [posture_limits(robot, row, convention).guaranteed for row in rows],
+        [posture_limits(Posture(robot, row), convention).guaranteed for row in rows],
     )
 
 
 def test_the_ground_is_tilted_from_where_the_posture_stands_on_it() -> None:
     one = lutgen.load_recipe(MAPS / "paper_one.toml")
     posture = np.array([0.75])
-    facet = diagnose(one, posture, [0.0, 0.0, -1.0]).facet
+    facet = diagnose(Posture(one, posture), [0.0, 0.0, -1.0]).facet
     assert facet is not None
     (frame,) = level_frames(one, posture[None], "plane")
     np.testing.assert_allclose(frame, gravity_transform(-facet.normal), atol=1e-12)
@@ -172,7 +175,7 @@ def test_the_ground_is_tilted_from_where_the_posture_stands_on_it() -> None:
 
 
 def test_a_level_robot_slides_at_the_angle_of_friction() -> None:
-    found = slide_limits(box(), [], np.linspace(0.0, 6.0, 7))
+    found = slide_limits(Posture(box(), []), np.linspace(0.0, 6.0, 7))
     np.testing.assert_allclose(found, math.atan(0.7), atol=1e-12)
 
 
@@ -183,14 +186,16 @@ def test_a_body_that_leans_slides_earlier_on_the_side_that_it_leans_to() -> None
         for x, y, z in CORNERS
     ]
     recipe = parse_recipe(rigid(feet(turned), head="friction = 0.7"))
-    found = slide_limits(recipe, [], [0.0, math.pi], "body")
+    found = slide_limits(Posture(recipe, []), [0.0, math.pi], "body")
     slope = math.atan(0.7)
     # The facet's outward normal is 10 deg ahead of straight down.
     np.testing.assert_allclose(found, [slope + lean, slope - lean], atol=1e-12)
     for heading, tilt in zip((0.0, math.pi), found, strict=True):
-        states = [diagnose(recipe, [], tilted(tilt + d, heading)).slides for d in (-1e-9, 1e-9)]
+        states = [
+            diagnose(Posture(recipe, []), tilted(tilt + d, heading)).slides for d in (-1e-9, 1e-9)
+        ]
         assert states == [False, True]
-    ground = slide_limits(recipe, [], [0.0, math.pi], "plane")
+    ground = slide_limits(Posture(recipe, []), [0.0, math.pi], "plane")
     np.testing.assert_allclose(ground, slope, atol=1e-12)
 
 
@@ -215,7 +220,7 @@ def test_limits_over_all_postures_are_those_of_a_double_loop(text: str, conventi
     np.testing.assert_allclose(every[found.least_at, across], found.least, atol=1e-12)
     np.testing.assert_allclose(every[found.most_at, across], found.most, atol=1e-12)
     assert (found.most - found.least).max() > 0.02
-    alone = [posture_limits(robot, row, convention).guaranteed for row in nodes(robot)]
+    alone = [posture_limits(Posture(robot, row), convention).guaranteed for row in nodes(robot)]
     assert found.guaranteed.tolist() == alone
     assert found.weakest == int(np.argmin(alone))
     assert found.strongest == int(np.argmax(alone))
@@ -231,4 +236,4 @@ def test_headings_without_the_four_and_shapes_that_do_not_fit_are_refused() -> N
     with pytest.raises(InputError, match="finite headings"):
         tilt_limits(box(), [], [math.nan])
     with pytest.raises(InputError, match="unknown convention"):
-        posture_limits(box(), [], "world")
+        posture_limits(Posture(box(), []), "world")

@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 
 import lutgen
 from lutgen.analysis.diagnosis import diagnose
+from lutgen.analysis.stance import Posture
 from lutgen.analysis.wheels import Motion, structure, wheel_speeds
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import Recipe
@@ -60,7 +61,7 @@ def car() -> Recipe:
 
 def test_a_differential_drive_turns_by_the_difference_of_its_wheels() -> None:
     # The com is 0.1 behind the axle, so it swings out by 0.1 per rad of turning.
-    motion = wheel_speeds(differential(), [], (0.5, -0.1), 1.0)
+    motion = wheel_speeds(Posture(differential(), []), (0.5, -0.1), 1.0)
     # (v -+ w b) / r = (0.5 -+ 0.25) / 0.1
     assert speeds(motion) == pytest.approx([2.5, 7.5], abs=ROUNDING)
     assert motion.possible
@@ -75,12 +76,14 @@ def test_an_axle_that_points_the_other_way_only_changes_the_sign_of_its_wheel() 
         [(0.1, 0.25, -0.2), (0.1, -0.25, -0.2), (-0.4, 0.0, -0.2)],
         wheel("P1") + wheel("P2", RIGHT),
     )
-    assert speeds(wheel_speeds(flipped, [], (0.5, -0.1), 1.0)) == pytest.approx([2.5, -7.5])
+    assert speeds(wheel_speeds(Posture(flipped, []), (0.5, -0.1), 1.0)) == pytest.approx(
+        [2.5, -7.5]
+    )
 
 
 def test_a_car_steers_by_ackermann() -> None:
     # The turning centre is on the rear axle, 2 to the left; w = 0.5.
-    motion = wheel_speeds(car(), [], (1.0, 0.3), 0.5)
+    motion = wheel_speeds(Posture(car(), []), (1.0, 0.3), 0.5)
     assert motion.possible
     left, right = math.atan2(1.5, 1.6), math.atan2(1.5, 2.4)
     steering = [w.steering for w in motion.wheels]
@@ -96,7 +99,7 @@ def test_a_tricycle_steers_its_one_front_wheel() -> None:
     points = [(1.0, 0.0, -0.5), (-0.5, 0.5, -0.5), (-0.5, -0.5, -0.5)]
     recipe = robot(points, wheel("P1", extra="steered = true") + wheel("P2") + wheel("P3"))
     # Reversing round a centre on the rear axle, 1.5 to the right: tan = 1.5 / 1.5.
-    motion = wheel_speeds(recipe, [], (-1.5, 0.5), 1.0)
+    motion = wheel_speeds(Posture(recipe, []), (-1.5, 0.5), 1.0)
     assert motion.possible
     assert motion.wheels[0].steering == pytest.approx(-math.pi / 4, abs=ROUNDING)
     assert speeds(motion) == pytest.approx([-15.0 * math.sqrt(2.0), -20.0, -10.0], rel=ROUNDING)
@@ -115,7 +118,7 @@ def test_three_omniwheels_obey_the_textbook_matrix() -> None:
     # Speed = (-sin a vx + cos a vy + L w) / r.
     matrix = np.stack([-np.sin(angles), np.cos(angles), np.full(3, 0.3)], axis=1) / 0.05
     for motion in ([0.7, 0.0, 0.0], [0.0, -0.4, 0.0], [0.0, 0.0, 2.0], [0.3, 0.2, -1.0]):
-        found = wheel_speeds(recipe, [], motion[:2], motion[2])
+        found = wheel_speeds(Posture(recipe, []), motion[:2], motion[2])
         assert speeds(found) == pytest.approx((matrix @ motion).tolist(), abs=ROUNDING)
         assert found.possible
     assert found.structure.category == "3 DoF, non-steered"
@@ -132,7 +135,7 @@ def test_four_mecanum_wheels_obey_the_textbook_matrix() -> None:
     # Front left, front right, rear left, rear right; half lengths 0.3 + 0.2.
     matrix = np.array([[1, -1, -0.5], [1, 1, 0.5], [1, 1, -0.5], [1, -1, 0.5]]) / 0.1
     for motion in ([0.7, 0.0, 0.0], [0.0, -0.4, 0.0], [0.0, 0.0, 2.0], [0.3, 0.2, -1.0]):
-        found = wheel_speeds(recipe, [], motion[:2], motion[2])
+        found = wheel_speeds(Posture(recipe, []), motion[:2], motion[2])
         assert speeds(found) == pytest.approx((matrix @ motion).tolist(), abs=ROUNDING)
         assert found.possible
     assert found.structure.category == "3 DoF, non-steered"
@@ -144,9 +147,9 @@ def test_the_paper_s_robot_drives_sideways_to_its_legs() -> None:
     angles = np.radians([0.0, 120.0, 240.0])
     # Axles point outward: the opposite of the textbook's signs.
     matrix = -np.stack([-np.sin(angles), np.cos(angles), np.full(3, 20.0)], axis=1) / 3.0
-    found = wheel_speeds(recipe, [nominal, nominal], (2.0, -1.0), 0.3)
+    found = wheel_speeds(Posture(recipe, [nominal, nominal]), (2.0, -1.0), 0.3)
     assert speeds(found) == pytest.approx((matrix @ [2.0, -1.0, 0.3]).tolist(), abs=ROUNDING)
-    assert structure(recipe, [0.2, 0.8]).category == "3 DoF, non-steered"
+    assert structure(Posture(recipe, [0.2, 0.8])).category == "3 DoF, non-steered"
 
 
 SQUARE = [(0.5, 0.5, -0.4), (-0.5, 0.5, -0.4), (-0.5, -0.5, -0.4), (0.5, -0.5, -0.4)]
@@ -193,7 +196,7 @@ STRUCTURES = {
 def test_the_structure_is_what_the_wheels_leave(name: str) -> None:
     wheels, category, mobility, steerability = STRUCTURES[name]
     text = "".join(wheel(f"P{i}", axis, extra=e) for i, (axis, e) in enumerate(wheels, 1))
-    found = structure(robot(SQUARE, text), [])
+    found = structure(Posture(robot(SQUARE, text), []))
     assert (found.category, found.mobility, found.steerability) == (
         category,
         mobility,
@@ -207,12 +210,12 @@ def test_two_fixed_wheels_turn_about_the_crossing_of_their_axles_only() -> None:
     points = [(1.0, 0.0, -0.5), (-0.5, 0.5, -0.5), (-0.5, -0.5, -0.5)]
     recipe = robot(points, wheel("P1", (1, 2, 0)) + wheel("P2", LEFT))
     # Axles: (1, 0) + a (1, 2) and x = -0.5: they cross in (-0.5, -3).
-    about = wheel_speeds(recipe, [], (-3.0, 0.5), 1.0)
+    about = wheel_speeds(Posture(recipe, []), (-3.0, 0.5), 1.0)
     assert about.possible
     # Distances from the crossing: sqrt(1.5^2 + 3^2) and 3.5; both drive backward.
     expected = [-10.0 * math.hypot(1.5, 3.0), -35.0]
     assert speeds(about) == pytest.approx(expected, rel=ROUNDING)
-    other = wheel_speeds(recipe, [], (0.3, 1.0), 0.2)
+    other = wheel_speeds(Posture(recipe, []), (0.3, 1.0), 0.2)
     assert not other.possible
     x, y = other.nearest_velocity
     assert other.nearest_yaw_rate != 0.0
@@ -223,10 +226,10 @@ def test_two_fixed_wheels_turn_about_the_crossing_of_their_axles_only() -> None:
 
 def test_a_robot_that_cannot_move_has_rest_as_its_nearest_motion() -> None:
     wheels = wheel("P1", (1, 1, 0)) + wheel("P2", (1, 0, 0)) + wheel("P3", LEFT)
-    motion = wheel_speeds(robot(SQUARE, wheels), [], (1.0, 0.0), 0.0)
+    motion = wheel_speeds(Posture(robot(SQUARE, wheels), []), (1.0, 0.0), 0.0)
     assert not motion.possible
     assert (motion.nearest_velocity, motion.nearest_yaw_rate) == ((0.0, 0.0), 0.0)
-    rest = wheel_speeds(robot(SQUARE, wheels), [], (0.0, 0.0), 0.0)
+    rest = wheel_speeds(Posture(robot(SQUARE, wheels), []), (0.0, 0.0), 0.0)
     assert rest.possible
     assert speeds(rest) == [0.0, 0.0, 0.0]
 
@@ -248,7 +251,9 @@ def test_a_robot_that_cannot_move_has_rest_as_its_nearest_motion() -> None:
 def test_a_steered_wheel_turns_by_less_than_a_quarter_either_way(
     velocity: tuple[float, float], yaw_rate: float, steering: float, speed: float
 ) -> None:
-    motion = wheel_speeds(robot(SQUARE, wheel("P1", extra=STEERED)), [], velocity, yaw_rate)
+    motion = wheel_speeds(
+        Posture(robot(SQUARE, wheel("P1", extra=STEERED)), []), velocity, yaw_rate
+    )
     assert motion.wheels[0].steering == pytest.approx(math.radians(steering), abs=ROUNDING)
     assert motion.wheels[0].speed == pytest.approx(speed, abs=ROUNDING)
 
@@ -261,7 +266,7 @@ def material_velocities(
     In space, with nothing of the code under test but its answers: a wheel that does not slip has
     the rim at rest.
     """
-    found = diagnose(recipe, params, gravity)
+    found = diagnose(Posture(recipe, params), gravity)
     assert found.facet is not None
     n = -found.facet.normal
     x = np.array([1.0, 0.0, 0.0]) - n[0] * n
@@ -290,7 +295,7 @@ def test_rims_rest_on_the_ground_in_random_postures_and_on_random_slopes() -> No
         params = [float(rng.uniform(0.0, 0.6)), math.radians(rng.uniform(-40.0, 50.0))]
         gravity = np.array([*rng.uniform(-0.2, 0.2, 2), -1.0])
         velocity, yaw_rate = rng.normal(size=2), float(rng.normal())
-        motion = wheel_speeds(recipe, params, velocity, yaw_rate, gravity)
+        motion = wheel_speeds(Posture(recipe, params), velocity, yaw_rate, gravity)
         units = axes / np.linalg.norm(axes, axis=1)[:, None]
         # The front wheel's leg turns with the swing about z.
         axles = [Rotation.from_euler("z", params[1]).apply(units[0]), units[1], units[2]]
@@ -319,8 +324,8 @@ def test_the_rims_of_leaning_wheels_rest_on_the_ground() -> None:
     # Axle and radius are the disc's own.
     wheels = "".join(f'[[robot.wheel]]\ncontact = "W{i}"\n' for i in (1, 2, 3))
     recipe = lutgen.parse_recipe(rigid(discs + wheels))
-    motion = wheel_speeds(recipe, [], (0.6, -0.2), 0.7)
-    found = diagnose(recipe, [], DOWN)
+    motion = wheel_speeds(Posture(recipe, []), (0.6, -0.2), 0.7)
+    found = diagnose(Posture(recipe, []), DOWN)
     assert found.facet is not None
     _, rolling, n = material_velocities(recipe, [], np.array(DOWN), list(axes), motion)
     x = np.array([1.0, 0.0, 0.0]) - n[0] * n
@@ -350,16 +355,16 @@ def turned(rotation: Rotation) -> Recipe:
 @pytest.mark.parametrize("yaw", [30.0, 110.0, -160.0])
 def test_a_car_that_is_built_turned_drives_the_same_for_the_turned_velocity(yaw: float) -> None:
     rotation = Rotation.from_euler("z", yaw, degrees=True)
-    plain = wheel_speeds(car(), [], (0.8, 0.3), 0.4)
+    plain = wheel_speeds(Posture(car(), []), (0.8, 0.3), 0.4)
     velocity = rotation.apply([0.8, 0.3, 0.0])[:2]
-    same(wheel_speeds(turned(rotation), [], velocity, 0.4), plain)
+    same(wheel_speeds(Posture(turned(rotation), []), velocity, 0.4), plain)
 
 
 @pytest.mark.parametrize("pitch", [25.0, -50.0])
 def test_a_car_that_is_built_pitched_drives_the_same_along_its_own_plane(pitch: float) -> None:
     rotation = Rotation.from_euler("y", pitch, degrees=True)
-    found = wheel_speeds(turned(rotation), [], (0.8, 0.3), 0.4, rotation.apply(DOWN))
-    plain = wheel_speeds(car(), [], (0.8, 0.3), 0.4)
+    found = wheel_speeds(Posture(turned(rotation), []), (0.8, 0.3), 0.4, rotation.apply(DOWN))
+    plain = wheel_speeds(Posture(car(), []), (0.8, 0.3), 0.4)
     same(found, plain)
     assert found.nearest_velocity == pytest.approx(plain.nearest_velocity, abs=ROUNDING)
 
@@ -384,18 +389,18 @@ def test_the_unit_of_length_changes_lengths_only() -> None:
     )
     wheels = tuple(replace(w, radius=1000.0 * w.radius) for w in recipe.wheels)
     large = replace(recipe, contacts=contacts, wheels=wheels)
-    plain = wheel_speeds(recipe, [], (0.8, 0.3), 0.4)
-    found = wheel_speeds(large, [], (800.0, 300.0), 0.4)
+    plain = wheel_speeds(Posture(recipe, []), (0.8, 0.3), 0.4)
+    found = wheel_speeds(Posture(large, []), (800.0, 300.0), 0.4)
     same(found, plain, 1000.0)
     assert found.nearest_velocity == pytest.approx([1000.0 * v for v in plain.nearest_velocity])
 
 
 def test_a_slope_changes_nothing_while_the_robot_stands_on_the_same_facet() -> None:
-    level = wheel_speeds(car(), [], (0.8, 0.3), 0.4)
+    level = wheel_speeds(Posture(car(), []), (0.8, 0.3), 0.4)
     for gravity in ((0.2, 0.1, -1.0), (-0.5, 0.3, -2.0)):
-        assert wheel_speeds(car(), [], (0.8, 0.3), 0.4, gravity) == level
+        assert wheel_speeds(Posture(car(), []), (0.8, 0.3), 0.4, gravity) == level
     # Beyond the front wheels: the same plane, but the robot does not stay on it.
-    tips = wheel_speeds(car(), [], (0.8, 0.3), 0.4, (3.0, 0.0, -1.0))
+    tips = wheel_speeds(Posture(car(), []), (0.8, 0.3), 0.4, (3.0, 0.0, -1.0))
     assert not tips.standing
     assert tips == replace(level, standing=False)
 
@@ -405,13 +410,13 @@ def test_a_slope_that_rocks_the_robot_lifts_another_wheel() -> None:
     # The rear wheel's axle would lock the robot.
     wheels = wheel("P1", extra="rollers = 0") + wheel("P2") + wheel("P3", (1, 0, 0)) + wheel("P4")
     recipe = robot(points, wheels)
-    forward = wheel_speeds(recipe, [], (1.0, 0.0), 0.0, (0.2, 0.0, -1.0))
+    forward = wheel_speeds(Posture(recipe, []), (1.0, 0.0), 0.0, (0.2, 0.0, -1.0))
     assert forward.possible
     assert [w.touches for w in forward.wheels] == [True, True, False, True]
     lifted = forward.wheels[2]
     assert (lifted.contact, lifted.speed, lifted.steering, lifted.slip) == ("P3", None, None, None)
     assert forward.structure.category == "2 DoF, non-steered"
-    back = wheel_speeds(recipe, [], (1.0, 0.0), 0.0, (-0.2, 0.0, -1.0))
+    back = wheel_speeds(Posture(recipe, []), (1.0, 0.0), 0.0, (-0.2, 0.0, -1.0))
     assert [w.touches for w in back.wheels] == [False, True, True, True]
     assert back.structure.category == "1 DoF, non-steered"
     # The rear wheel is dragged across, the others roll.
@@ -420,24 +425,24 @@ def test_a_slope_that_rocks_the_robot_lifts_another_wheel() -> None:
 
 def test_a_wheel_between_the_corners_of_the_support_polygon_touches_too() -> None:
     middle = robot([*SQUARE, (0.0, 0.5, -0.4), (0.0, 0.0, -0.4)], wheel("P5") + wheel("P6"))
-    motion = wheel_speeds(middle, [], (1.0, 0.0), 1.0)
+    motion = wheel_speeds(Posture(middle, []), (1.0, 0.0), 1.0)
     assert speeds(motion) == pytest.approx([5.0, 10.0], rel=ROUNDING)
     above = robot([*SQUARE, (0.0, 0.5, -0.399)], wheel("P5"))
-    assert structure(above, []).touching == ()
-    assert structure(above, []).category == "3 DoF, non-steered"
+    assert structure(Posture(above, [])).touching == ()
+    assert structure(Posture(above, [])).category == "3 DoF, non-steered"
 
 
 def test_a_wheel_within_a_billionth_of_the_robot_s_size_touches() -> None:
     size = math.sqrt(2.0)  # the square's diagonal
     for above, touching in ((0.9e-9 * size, ("P5",)), (1.1e-9 * size, ())):
         recipe = robot([*SQUARE, (0.0, 0.0, -0.4 + above)], wheel("P5"))
-        assert structure(recipe, []).touching == touching
+        assert structure(Posture(recipe, [])).touching == touching
 
 
 def test_a_robot_on_its_back_has_its_left_where_the_ground_sees_it() -> None:
     points = [(0.5, 0.5, 0.3), (0.5, -0.5, 0.3), (-0.5, 0.0, 0.3)]
     text = rigid(feet(points) + wheel("P1") + wheel("P2"), head="upright = 180")
-    motion = wheel_speeds(lutgen.parse_recipe(text), [], (1.0, -0.5), 1.0, (0.0, 0.0, 1.0))
+    motion = wheel_speeds(Posture(lutgen.parse_recipe(text), []), (1.0, -0.5), 1.0, (0.0, 0.0, 1.0))
     # Up is -z, so left is -y: P1 is the right wheel, and a spin about +y drives backward.
     assert speeds(motion) == pytest.approx([-15.0, -5.0], rel=ROUNDING)
     assert motion.possible
@@ -448,7 +453,7 @@ def test_slip_is_the_smallest_that_any_speeds_and_steering_can_reach() -> None:
     rng = np.random.default_rng(2)
     for _ in range(5):
         velocity, yaw_rate = rng.normal(size=2), float(rng.normal())
-        motion = wheel_speeds(recipe, [], velocity, yaw_rate)
+        motion = wheel_speeds(Posture(recipe, []), velocity, yaw_rate)
         assert not motion.possible
 
         def rims(tried: Floats, velocity=velocity, yaw_rate=yaw_rate) -> Floats:  # type: ignore[no-untyped-def]
@@ -472,7 +477,7 @@ def test_the_nearest_motion_is_the_closest_of_all_that_the_car_can_do() -> None:
     rng = np.random.default_rng(3)
     for _ in range(5):
         vx, vy, yaw_rate = rng.normal(size=3)
-        motion = wheel_speeds(recipe, [], (vx, vy), yaw_rate)
+        motion = wheel_speeds(Posture(recipe, []), (vx, vy), yaw_rate)
 
         # A car drives v and turns w about its rear axle, 0.6 behind the com.
         def distance(tried: Floats, asked=(vx, vy, yaw_rate)) -> list[float]:  # type: ignore[no-untyped-def]
@@ -482,40 +487,43 @@ def test_the_nearest_motion_is_the_closest_of_all_that_the_car_can_do() -> None:
         v, w = least_squares(distance, [0.0, 0.0], xtol=1e-15, ftol=1e-15, gtol=1e-15).x
         found = (*motion.nearest_velocity, motion.nearest_yaw_rate)
         assert found == pytest.approx((v, 0.6 * w, w), abs=1e-7)  # the search's own
-        again = wheel_speeds(recipe, [], motion.nearest_velocity, motion.nearest_yaw_rate)
+        again = wheel_speeds(Posture(recipe, []), motion.nearest_velocity, motion.nearest_yaw_rate)
         assert again.possible
         assert again.nearest_velocity == motion.nearest_velocity
 
 
 def test_a_motion_typed_with_six_digits_is_possible_and_one_with_four_is_not() -> None:
     # Turning about the right rear wheel at 1/3 rad/s: v = 0.4 / 3, and 0.6 / 3 sideways.
-    assert wheel_speeds(car(), [], (0.133333, 0.2), 0.333333).possible
-    found = wheel_speeds(car(), [], (0.1333, 0.2), 0.3333)
+    assert wheel_speeds(Posture(car(), []), (0.133333, 0.2), 0.333333).possible
+    found = wheel_speeds(Posture(car(), []), (0.1333, 0.2), 0.3333)
     assert not found.possible
     assert found.slip == pytest.approx(2e-5 * math.sqrt(2.0), rel=1e-9)
 
 
 def test_what_cannot_be_computed_is_refused_with_the_way_out() -> None:
     with pytest.raises(InputError, match=r"robot.toml: .*no wheels .*; add one for each contact"):
-        wheel_speeds(robot(SQUARE, ""), [], (1.0, 0.0), 0.0)
+        wheel_speeds(Posture(robot(SQUARE, ""), []), (1.0, 0.0), 0.0)
     standing = robot(SQUARE, wheel("P2", (0, 0, 1)))
     with pytest.raises(InputError, match=r"wheel on P2 cannot roll, .*normal .*correct its `axis`"):
-        structure(standing, [])
+        structure(Posture(standing, []))
     with pytest.raises(InputError, match=r"no support facet under this gravity \(got .*\[0.0, 0.0"):
-        structure(car(), [], (0, 0, 1))
+        structure(Posture(car(), []), (0, 0, 1))
     nose = [(0.4, 0.5, 0.0), (0.4, -0.5, 0.5), (0.4, -0.5, -0.5)]
     text = rigid(feet(nose) + wheel("P1"), head="upright = 180")
     with pytest.raises(InputError, match=r"x axis is normal to the ground, .*; choose another"):
-        structure(lutgen.parse_recipe(text), [], (1, 0, 0))
+        structure(Posture(lutgen.parse_recipe(text), []), (1, 0, 0))
     for velocity in ((1.0,), (1.0, math.nan), 1.0, (1.0, 0.0, 0.0)):
         with pytest.raises(InputError, match=r"velocity must be two finite numbers \(got "):
-            wheel_speeds(car(), [], velocity, 0.0)
+            wheel_speeds(Posture(car(), []), velocity, 0.0)
     with pytest.raises(InputError, match=r"yaw_rate must be finite \(got inf\)"):
-        wheel_speeds(car(), [], (1.0, 0.0), math.inf)
+        wheel_speeds(Posture(car(), []), (1.0, 0.0), math.inf)
     with pytest.raises(InputError, match=r"beyond all numbers \(got velocity \[1e\+308, 0.0\]"):
-        wheel_speeds(car(), [], (1e308, 0.0), 0.0)
+        wheel_speeds(Posture(car(), []), (1e308, 0.0), 0.0)
 
 
 def test_a_lifted_wheel_may_have_any_axle() -> None:
     above = robot([*SQUARE, (0.0, 0.0, -0.2)], wheel("P1") + wheel("P5", (0, 0, 1)))
-    assert [w.touches for w in wheel_speeds(above, [], (1.0, 0.0), 0.0).wheels] == [True, False]
+    assert [w.touches for w in wheel_speeds(Posture(above, []), (1.0, 0.0), 0.0).wheels] == [
+        True,
+        False,
+    ]

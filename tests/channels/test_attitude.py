@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 import lutgen
 from lutgen.analysis.ground import gravity_transform, roll_pitch, tangent_plane
+from lutgen.analysis.stance import Posture
 from lutgen.channels.evaluation import evaluate_each
 from lutgen.channels.settle import body_gravity
 from lutgen.errors import InputError
@@ -170,7 +171,7 @@ def test_signs_of_roll_and_pitch(reading: tuple[float, ...], roll: float, pitch:
 def test_a_level_robot_on_a_slope_knows_where_it_falls(
     reading: tuple[float, ...], heading: float
 ) -> None:
-    ground = tangent_plane(lutgen.parse_recipe(rigid(feet(TABLE))), [], reading)
+    ground = tangent_plane(Posture(lutgen.parse_recipe(rigid(feet(TABLE))), []), reading)
     assert math.degrees(ground.downhill) == pytest.approx(heading, abs=1e-12)
     assert math.tan(ground.slope) == pytest.approx(0.3, abs=1e-12)
     assert ground.height == pytest.approx(0.5, abs=1e-15)
@@ -200,7 +201,7 @@ def test_a_robot_put_on_a_known_slope_finds_slope_downhill_roll_and_pitch_again(
             ]
         )
         up_dir = -9.81 * body_from_plane @ gravity
-        ground = tangent_plane(recipe, params, up_dir)
+        ground = tangent_plane(Posture(recipe, params), up_dir)
         assert ground.slope == pytest.approx(slope, abs=1e-12)
         # atan2 of a tilt of at least 1e-3 or so.
         assert ground.downhill == pytest.approx(downhill, abs=1e-11)
@@ -219,7 +220,7 @@ def test_a_robot_put_on_a_known_slope_finds_slope_downhill_roll_and_pitch_again(
 def test_nothing_is_known_of_the_ground_where_gravity_pierces_no_facet() -> None:
     recipe = lutgen.parse_recipe(rigid(feet(TABLE)))
     with pytest.raises(InputError, match=r"lies on no support facet \(got up_dir = \[0.0, 0.0, -1"):
-        tangent_plane(recipe, [], [0, 0, -1])
+        tangent_plane(Posture(recipe, []), [0, 0, -1])
 
 
 def test_wrong_words_and_shapes_are_refused() -> None:

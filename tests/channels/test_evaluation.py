@@ -5,7 +5,7 @@ import pytest
 
 import lutgen
 from lutgen.errors import InputError, RecipeError
-from lutgen.mapping.standing import require_standing
+from lutgen.mapping.compute import require_standing
 from tests.fixtures.recipes import ALL_CHANNELS, feet, rigid, rover, tripod
 
 FEET = [(1.0, 0.0, -1.0), (-1.0, 1.0, -1.0), (-1.0, -1.0, -1.0)]

@@ -11,14 +11,14 @@ from scipy.spatial import ConvexHull
 
 import lutgen
 from lutgen.analysis.diagnosis import diagnose
-from lutgen.analysis.force_angle import force_angle
-from lutgen.analysis.metrics import compare_metrics
+from lutgen.analysis.metrics import compare_metrics, force_angle
 from lutgen.analysis.sliding import slides_first, slopes
+from lutgen.analysis.stance import Posture
 from lutgen.channels.evaluation import evaluate_each
-from lutgen.channels.plain import CHANNELS
 from lutgen.channels.scan import Scanner
 from lutgen.channels.settle import body_gravity
 from lutgen.chart import STANDARD_GRAVITY, gravito_inertial
+from lutgen.quantities import CHANNELS
 from lutgen.recipe.recipe import Recipe
 from lutgen.search.objective import Objective
 from tests.fixtures.recipes import contact, feet, rigid, tripod
@@ -127,7 +127,7 @@ def test_a_drawbar_tips_a_box_where_the_lever_rule_says() -> None:
     box = robot(feet(BOX), pull((-force, 0, 0), (-0.4, 0, height - high)))
     size = math.hypot(half, high)
     tilt = math.acos(force * height / WEIGHT / size) - math.atan2(high, half)
-    found = diagnose(box, [], LEVEL)
+    found = diagnose(Posture(box, []), LEVEL)
     rear = next(axis for axis in found.tip_over_axes if set(axis.names) == {"P2", "P3"})
     assert rear.tip_angle == pytest.approx(tilt, abs=1e-12)
     assert found.channels["tip_angle"] == pytest.approx(tilt, abs=1e-12)
@@ -137,7 +137,7 @@ def test_a_drawbar_tips_a_box_where_the_lever_rule_says() -> None:
     # (a - P z / W) cos(slope of the resultant).
     back = force * height / WEIGHT
     assert found.facet is not None
-    assert found.facet.pierced == pytest.approx([-back, 0, -high], abs=1e-12)
+    assert found.pierced == pytest.approx([-back, 0, -high], abs=1e-12)
     assert found.channels["sdg"] == pytest.approx(back, abs=1e-12)
     lean = math.atan2(force, WEIGHT)
     assert rear.margin == pytest.approx((half - back) * math.cos(lean), abs=1e-12)
@@ -272,17 +272,17 @@ def test_about_the_zero_moment_point_no_moment_lies_in_the_plane() -> None:
     for _ in range(20):
         force, place = rng.normal(size=3) * 0.1, rng.normal(size=3) * 0.2
         loaded = robot(feet(BOX), pull(force * WEIGHT, place))
-        found = diagnose(loaded, [], LEVEL)
+        found = diagnose(Posture(loaded, []), LEVEL)
         assert found.facet is not None
-        about = np.cross(place - found.facet.pierced, force)
-        about += np.cross(-found.facet.pierced, LEVEL)
+        about = np.cross(place - found.pierced, force)
+        about += np.cross(-found.pierced, LEVEL)
         assert np.cross(found.facet.normal, about) == pytest.approx(np.zeros(3), abs=1e-12)
         assert found.facet.points @ found.facet.normal == pytest.approx(0.5)
-        apart = float(np.linalg.norm(found.facet.pierced - found.facet.centroid))
+        apart = float(np.linalg.norm(found.pierced - found.facet.centroid))
         assert found.channels["sdg"] == pytest.approx(apart, abs=1e-12)
         points = np.array([BOX[int(n[1]) - 1] for n in found.normal_forces])
         centre = np.array(list(found.normal_forces.values())) @ points
-        assert centre == pytest.approx(found.facet.pierced, abs=1e-9)
+        assert centre == pytest.approx(found.pierced, abs=1e-9)
 
 
 # An uncertain com
@@ -427,7 +427,7 @@ def test_pairs_sweeps_and_diagnoses_read_what_evaluate_reads() -> None:
             assert (mapped == want.ravel().astype(np.float32)).sum() == np.isfinite(want).sum()
     for i, j in ((0, 3), (5, 24), (11, 40)):
         pair = evaluate_each(recipe, params[[i]], g[[j]], names)
-        found = diagnose(recipe, params[i], g[j])
+        found = diagnose(Posture(recipe, params[i]), g[j])
         for name in names:
             assert pair[name][0] == pytest.approx(got[name][i, j], abs=0, nan_ok=True)
             assert found.channels[name] == pytest.approx(got[name][i, j], abs=0, nan_ok=True)
@@ -445,21 +445,24 @@ def test_the_slope_is_that_of_the_resultant_and_friction_is_asked_of_it() -> Non
     assert slides.any()
     assert not slides.all()
     for i, j in ((0, 3), (5, 24), (11, 40)):
-        found = diagnose(recipe, params[i], g[j])
+        found = diagnose(Posture(recipe, params[i]), g[j])
         assert got[i, j] == pytest.approx(found.slope, abs=1e-7)
         assert slides[i, j] == found.slides
     # About 10 N across 64 N.
-    assert abs(got[0, 24] - diagnose(lutgen.parse_recipe(tripod()), params[0], g[24]).slope) > 0.02
+    assert (
+        abs(got[0, 24] - diagnose(Posture(lutgen.parse_recipe(tripod()), params[0]), g[24]).slope)
+        > 0.02
+    )
 
 
 def test_what_knows_the_weight_alone_refuses_forces() -> None:
     pulled, uncertain = robot(feet(BOX), pull((5, 0, 0))), robot(feet(BOX), rho=0.01)
     with pytest.raises(lutgen.InputError, match="counts the weight and no other force"):
-        force_angle(pulled, [], LEVEL)
+        force_angle(Posture(pulled, []), LEVEL)
     with pytest.raises(lutgen.InputError, match="counts the weight and no other force"):
-        compare_metrics(pulled, [], LEVEL)
+        compare_metrics(Posture(pulled, []), LEVEL)
     with pytest.raises(lutgen.InputError, match="metrics are those of one com"):
-        compare_metrics(uncertain, [], LEVEL)
+        compare_metrics(Posture(uncertain, []), LEVEL)
 
 
 def test_a_payload_moves_the_com_as_a_link_of_its_mass_does() -> None:

@@ -7,9 +7,10 @@ import pytest
 from numpy.typing import NDArray
 
 from lutgen.channels.evaluation import measure_primitives
-from lutgen.channels.plain import CHANNELS, Setting, wanted_channels
+from lutgen.channels.plain import Setting, wanted_channels
 from lutgen.channels.scan import nodes_of, scan_part
 from lutgen.chart import Chart
+from lutgen.quantities import CHANNELS
 from lutgen.support.primitive import pack
 from lutgen.support.region import acceptance
 

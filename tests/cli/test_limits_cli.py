@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from lutgen.analysis.stance import Posture
 from lutgen.analysis.tilt import tilt_limits
 from lutgen.analysis.tilt_table import posture_limits, sweep_limits
 from lutgen.plot import draw_limits
@@ -76,7 +77,7 @@ def test_json_has_the_numbers_of_the_library_and_angles_say_their_unit(tripod_pa
     report = data(tripod_path, "-p", "reach=0.2", "--all", "--best", "--headings", 8)
     assert report["posture"] == {"reach_m": 0.2, "swing_deg": pytest.approx(5.0)}
     posture = np.array([0.2, math.radians(5.0)])
-    found = posture_limits(robot, posture)
+    found = posture_limits(Posture(robot, posture))
     assert [row["tilt_deg"] for row in report["limits"]] == [
         pytest.approx(math.degrees(row.tilt)) for row in found.headings
     ]
@@ -139,7 +140,7 @@ def test_the_figure_holds_the_limits_and_repeats_to_the_byte(
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
     robot = parse_recipe(tripod())
     rows = robot.grid.params(np.arange(robot.grid.size))
-    found = posture_limits(robot, rows[4])
+    found = posture_limits(Posture(robot, rows[4]))
     swept = sweep_limits(robot, rows, np.radians(np.arange(72) * 5.0))
     figure = draw_limits(robot, found, swept)
     lines = {str(line.get_label()).split(":")[0]: line for line in figure.axes[0].get_lines()}

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import lutgen
+from lutgen.analysis.stance import Posture
 from lutgen.analysis.wheels import wheel_speeds
 from tests.fixtures.commands import data, good, run
 from tests.fixtures.documents import blocks
@@ -78,7 +79,7 @@ def test_an_impossible_motion_is_printed_in_full_and_exits_with_1(cart: Path) ->
     report = json.loads(as_json.stdout)
     assert report["possible"] is False
     assert report["slip"] == pytest.approx(0.1 * math.sqrt(2.0))
-    exact = wheel_speeds(lutgen.load_recipe(cart), [], (0.5, 0.0), 1.0)
+    exact = wheel_speeds(Posture(lutgen.load_recipe(cart), []), (0.5, 0.0), 1.0)
     assert report["nearest"]["velocity"] == pytest.approx(exact.nearest_velocity)
 
 
@@ -107,8 +108,7 @@ def test_parameters_and_gravity_choose_the_posture_and_its_ground() -> None:
         *("-g", "0.1,0,-1", "--velocity", "2,1", "--yaw-rate", "-30"),
     )
     exact = wheel_speeds(
-        lutgen.load_recipe(recipe),
-        [math.radians(10.0), math.radians(40.0)],
+        Posture(lutgen.load_recipe(recipe), [math.radians(10.0), math.radians(40.0)]),
         (2.0, 1.0),
         math.radians(-30.0),
         (0.1, 0.0, -1.0),

@@ -14,7 +14,8 @@ from firmware_export.emit import package
 from firmware_export.emit.config import runtime_file
 from firmware_export.emit.source import body_of
 from firmware_export.grid.tables import CHUNK, SPAN, Part, U, V
-from firmware_export.protocol.exported import CHANNELS, Export
+from firmware_export.protocol.exported import Export
+from lutgen.quantities import EXPORTABLE
 from proofs.exports import tripod_export
 from targets.compiled import FLAGS, HostLibrary
 from tests.fixtures.programs import run
@@ -51,8 +52,8 @@ def large_export(name: str, arithmetic: str, bits: int, tip: int = 21) -> Export
         made_up("sdg", bits, (9, 8, 7, 6), 2),
         made_up("height", bits, (9, 9), 1),
     )
-    tables = replace(export.tables, parts=parts, channels=CHANNELS)
-    return replace(export, tables=tables, channels=CHANNELS)
+    tables = replace(export.tables, parts=parts, channels=EXPORTABLE)
+    return replace(export, tables=tables, channels=EXPORTABLE)
 
 
 @pytest.fixture(scope="module")

@@ -10,9 +10,10 @@ from firmware_export.certify.answers import device
 from firmware_export.contacts import codec as contacts
 from firmware_export.contacts.fit import Codes, fit_line
 from firmware_export.contacts.modes import DENSE, Coordinates, evaluate, separate
-from firmware_export.protocol.exported import CHANNELS, Export
+from firmware_export.protocol.exported import Export
 from firmware_export.truth.model import Model
 from lutgen.errors import InputError
+from lutgen.quantities import EXPORTABLE
 from lutgen.recipe.recipe import load_recipe, parse_recipe
 from tests.fixtures.recipes import contact, rigid, rover, sweep_part, tripod
 
@@ -24,10 +25,10 @@ def model_of(name: str) -> Model:
 
 
 def made(model: Model, nodes: int, bits: int = 16) -> Export:
-    spec = contacts.start(model, CHANNELS, "float")[-1]
+    spec = contacts.start(model, EXPORTABLE, "float")[-1]
     spec = contacts.Spec(tuple(nodes if n > 2 else n for n in spec.nodes), bits)
-    tables = contacts.encode(model, CHANNELS, spec)
-    return Export("robot", model.recipe, model, "contacts", "float", CHANNELS, tables)
+    tables = contacts.encode(model, EXPORTABLE, spec)
+    return Export("robot", model.recipe, model, "contacts", "float", EXPORTABLE, tables)
 
 
 def queries(
@@ -122,7 +123,7 @@ def test_contacts_that_are_no_sum_of_products_are_refused(tmp_path: Path) -> Non
     assert refusal is not None
     assert "--codec grid" in refusal
     with pytest.raises(InputError, match="--codec grid"):
-        contacts.encode(model, CHANNELS, contacts.Spec((3, 3), 16))
+        contacts.encode(model, EXPORTABLE, contacts.Spec((3, 3), 16))
 
 
 def test_integers_are_refused() -> None:

@@ -17,12 +17,13 @@ from firmware_export.grid import guard as grid_guard
 from firmware_export.grid.lattice import at_points
 from firmware_export.grid.spec import Spec, active_axes, grow, start
 from firmware_export.grid.tables import SPAN, Part, Tables, U, V
-from firmware_export.protocol.exported import CHANNELS, Export
+from firmware_export.protocol.exported import Export
 from firmware_export.truth.model import Exact, Model
 from firmware_export.verdict import codec as verdict
 from firmware_export.verdict import train as grid_rough
 from firmware_export.verdict.lower import excess
 from firmware_export.verdict.outline import outlines
+from lutgen.quantities import EXPORTABLE
 from lutgen.recipe.recipe import load_recipe, parse_recipe
 from proofs.exports import before_guard
 from tests.fixtures.recipes import rover
@@ -49,7 +50,7 @@ def small_samples() -> Iterator[None]:
 
 @pytest.fixture(scope="module")
 def tables(model: Model, small_samples: None) -> Tables:
-    return grid.encode(model, CHANNELS, SMALL)
+    return grid.encode(model, EXPORTABLE, SMALL)
 
 
 def places(model: Model, count: int, seed: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
@@ -142,7 +143,7 @@ def test_the_stability_factor_keeps_to_a_few_per_cent(model: Model, tables: Tabl
 def test_a_height_that_does_not_depend_on_gravity_has_no_axes_for_it(model: Model) -> None:
     assert active_axes(model, "height") == (True, True, False, False)
     assert active_axes(model, "sdg") == (True, True, True, True)
-    assert start(model, CHANNELS, "float")[0].shape("height")[-2:] == (1, 1)
+    assert start(model, EXPORTABLE, "float")[0].shape("height")[-2:] == (1, 1)
 
 
 def test_growing_adds_nodes_to_one_axis_of_one_table(model: Model) -> None:
@@ -154,7 +155,7 @@ def test_growing_adds_nodes_to_one_axis_of_one_table(model: Model) -> None:
 
 
 def test_an_encoding_is_the_same_each_time(model: Model, tables: Tables) -> None:
-    again = grid.encode(model, CHANNELS, SMALL)
+    again = grid.encode(model, EXPORTABLE, SMALL)
     for one, other in zip(tables.parts, again.parts, strict=True):
         np.testing.assert_array_equal(one.codes, other.codes)
 
@@ -293,7 +294,7 @@ def test_a_node_below_the_ground_does_not_shift_the_heights_without_floats(
 
 
 def test_bytes_are_known_before_anything_is_encoded(model: Model, tables: Tables) -> None:
-    assert verdict.blank(model, CHANNELS, SMALL).bytes == tables.bytes
+    assert verdict.blank(model, EXPORTABLE, SMALL).bytes == tables.bytes
     wheels = Model(parse_recipe(rover()))
     spec = Spec(8, (("tip", (5, 5, 5)),))
     blank, made = (make(wheels, ("tip_angle",), spec) for make in (verdict.blank, verdict.encode))

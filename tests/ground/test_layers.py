@@ -11,7 +11,7 @@ from tests.fixtures.places import ROOT
 
 # A room sees only rooms before it.  Files of the ground floor are rooms of one file.
 ORDER = {
-    "lutgen": "errors _version files jit vector rotation grid chart parts "
+    "lutgen": "errors _version files jit vector rotation grid bracket chart parts quantities "
     "urdf recipe support channels mapping analysis search plot paper cli",
     "firmware_export": "quantity truth protocol host contacts poly grid verdict codecs emit "
     "certify choose exporter device",

@@ -18,7 +18,7 @@ from lutgen import plot
 from lutgen.analysis.tilt import tilt_limits, tilted
 from lutgen.errors import InputError
 from lutgen.mapping.map import StabilityMap
-from lutgen.plot.view import QUANTITIES
+from lutgen.quantities import RANKED
 from lutgen.recipe.recipe import Recipe
 from tests.fixtures.places import MAPS
 
@@ -142,7 +142,7 @@ def test_title_tells_the_posture_and_where_gravity_points(two: Recipe) -> None:
     assert "level ground" in words(plot.draw("curve", two))
 
 
-@pytest.mark.parametrize("channel", sorted(QUANTITIES))
+@pytest.mark.parametrize("channel", sorted(RANKED))
 def test_lines_of_a_curve_are_the_exact_values(two: Recipe, channel: str) -> None:
     figure = plot.draw("curve", two, params={"gamma": 40.0}, channel=channel, gravity=(0.2, 0, -1))
     shown = {channel: figure.axes[0].get_lines()[0]}

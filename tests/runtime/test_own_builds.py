@@ -15,8 +15,9 @@ from firmware_export.grid.tables import SPAN
 from firmware_export.host.library import RUNTIME
 from firmware_export.poly import codec as poly
 from firmware_export.protocol.axis import axis_numbers
-from firmware_export.protocol.exported import CHANNELS, Export
+from firmware_export.protocol.exported import Export
 from firmware_export.truth.model import Model
+from lutgen.quantities import EXPORTABLE
 from lutgen.recipe.recipe import load_recipe
 from targets.compiled import FLAGS, HostLibrary, compile_c
 from tests.fixtures.queries import integer_queries, random_queries
@@ -27,11 +28,11 @@ SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g")
 def export_of(recipe: str, codec: str, growth: int) -> Export:
     model = Model(load_recipe(f"maps/{recipe}.toml"))
     module = {"contacts": contacts, "grid": grid, "poly": poly}[codec]
-    spec = module.start(model, CHANNELS, "float")[-1]
+    spec = module.start(model, EXPORTABLE, "float")[-1]
     for _ in range(growth):
         spec = module.grow(model, spec)[-1]
-    tables = module.encode(model, CHANNELS, spec)
-    return Export(recipe, model.recipe, model, codec, "float", CHANNELS, tables)
+    tables = module.encode(model, EXPORTABLE, spec)
+    return Export(recipe, model.recipe, model, codec, "float", EXPORTABLE, tables)
 
 
 def answers(export: Export) -> list[int]:
@@ -86,8 +87,8 @@ def test_the_c_code_is_clean_under_the_sanitizers(
 
 def integer_export() -> Export:
     model = Model(load_recipe("maps/paper_two.toml"))
-    tables = grid.encode(model, CHANNELS, grid.start(model, CHANNELS, "integer")[0])
-    return Export("paper_two", model.recipe, model, "grid", "integer", CHANNELS, tables)
+    tables = grid.encode(model, EXPORTABLE, grid.start(model, EXPORTABLE, "integer")[0])
+    return Export("paper_two", model.recipe, model, "grid", "integer", EXPORTABLE, tables)
 
 
 def test_every_build_gives_the_same_numbers_without_floats(tmp_path: Path) -> None:

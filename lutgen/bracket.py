@@ -1,0 +1,40 @@
+"""Closing in on the place where something begins.
+
+Owns the halving of brackets, for many places at once.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["halve"]
+
+Floats = NDArray[np.float64]
+
+
+def halve(
+    happens: Callable[[Floats], NDArray[np.bool_]], before: Floats, after: Floats, times: int
+) -> tuple[Floats, Floats]:
+    """Return brackets (n,) that are 2^times narrower.
+
+    Parameters
+    ----------
+    happens : callable
+        Takes places (n,), returns (n,) bool.
+    before, after : (n,) float64
+        Where it does not happen, and where it does.
+    times : int
+        Halvings.
+
+    Examples
+    --------
+    >>> before, after = halve(lambda x: x * x > 2.0, np.array([1.0]), np.array([2.0]), 40)
+    >>> before.round(9).tolist()
+    [1.414213562]
+    """
+    for _ in range(times):
+        middle = (before + after) / 2.0
+        found = happens(middle)
+        before, after = np.where(found, before, middle), np.where(found, middle, after)
+    return before, after
