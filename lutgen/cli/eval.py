@@ -61,7 +61,7 @@ def eval_(source: str, asked: Asked) -> None:
     """Evaluate SOURCE at one point.
 
     A recipe is evaluated exactly, a map by interpolation; of a folder of `lutgen export` the C
-    code is compiled and asked.
+    runtime is asked.
 
     \b
     $ lutgen eval maps/paper_two.toml -p alpha=31 -p gamma=31

@@ -37,7 +37,7 @@ class Choices(TypedDict, total=False):
 
 
 def choose(kind: str, source: StabilityMap | Recipe, asked: Choices) -> View:
-    """Check the options of `lutgen.plot.figure` and fill in what was left out."""
+    """Check the options of `lutgen.plot.draw` and fill in what was left out."""
     channel, convention = asked.get("channel", "sdg"), asked.get("convention", "body")
     tilt = asked.get("tilt", 20.0)
     if kind not in KINDS:

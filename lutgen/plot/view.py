@@ -37,8 +37,8 @@ class View:
 
     `params` (k,) float64 is the posture, rad or length, with the middle of the range where the
     caller gave none; `axes` are the columns that the figure varies; `gravity_dir` (3,) is a unit
-    vector in the frame that `convention` names, see `ground`.  `tilt` (rad) is that of a figure
-    over all headings.
+    vector in the frame that `convention` names, see `lutgen.channels.settle`.
+    `tilt` (rad) is that of a figure over all headings.
     """
 
     kind: str

@@ -4,8 +4,9 @@ In reading order: `table`, `robot`, `loads`, `plugin`, `described`, `recipe`, `k
 `candidates`, `proposal_text`, `proposal`.
 """
 
+from typing import TYPE_CHECKING, Any
+
 from lutgen.recipe.kinematics import Postures, forward, postures, radii_and_kinds
-from lutgen.recipe.proposal import import_urdf
 from lutgen.recipe.recipe import (
     Contact,
     Parameter,
@@ -15,6 +16,9 @@ from lutgen.recipe.recipe import (
     parse_recipe,
     recipe_digest,
 )
+
+if TYPE_CHECKING:
+    from lutgen.recipe.proposal import import_urdf
 
 __all__ = [
     "Contact",
@@ -30,3 +34,12 @@ __all__ = [
     "radii_and_kinds",
     "recipe_digest",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Import on first use what reads robot descriptions (PEP 562)."""
+    if name != "import_urdf":
+        raise AttributeError(f"module 'lutgen.recipe' has no attribute {name!r}")
+    from lutgen.recipe.proposal import import_urdf
+
+    return import_urdf

@@ -21,7 +21,6 @@ from lutgen.errors import RecipeError, suggestion
 from lutgen.grid import Axis, Grid
 from lutgen.parts import Contact, Force, Joint, Link, Parameter, Wheel
 from lutgen.quantities import CHANNELS, UNLOADED
-from lutgen.recipe.described import read_content, read_urdf
 from lutgen.recipe.loads import read_com_uncertainty, read_forces, read_payloads
 from lutgen.recipe.plugin import load_function
 from lutgen.recipe.robot import (
@@ -218,6 +217,9 @@ def parse_recipe(
     com_uncertainty = read_com_uncertainty(robot)
     if "urdf" in robot:
         robot.refuse(("python", "link"), "cannot be combined with `robot.urdf`", "remove it")
+        # What reads descriptions takes a while to import, and few recipes have one.
+        from lutgen.recipe.described import read_content, read_urdf
+
         content = read_content(robot, inert) if urdf is None else urdf
         links, contacts = read_urdf(robot, parameters, content)
         wheels = read_wheels(robot, contacts)

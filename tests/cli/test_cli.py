@@ -9,12 +9,15 @@ import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import click
 import h5py
 import numpy as np
 import pytest
 
 import lutgen
+from lutgen.cli import main
 from lutgen.mapping.compute import Computer
+from lutgen.plot import KINDS
 from tests.fixtures.commands import data, good, run
 from tests.fixtures.places import MAPS, VECTORS
 from tests.fixtures.recipes import ALL_CHANNELS, feet, rigid, tripod
@@ -429,6 +432,29 @@ def test_help_imports_nothing_heavy(
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines()[-1].strip() == "heavy:"
     assert len(done.stdout.splitlines()) > 1
+
+
+def test_a_recipe_is_evaluated_without_what_only_maps_figures_and_compiling_need(
+    place: Path, python: Callable[..., subprocess.CompletedProcess[str]]
+) -> None:
+    point = ["eval", str(place / "tripod.toml"), *POINT]
+    code = (
+        "import sys\nfrom lutgen.cli import main\n"
+        f"try:\n    main({point!r})\nexcept SystemExit as end:\n    assert not end.code\n"
+        "heavy = {'h5py', 'matplotlib', 'lutgen.urdf', 'scipy.linalg'} & set(sys.modules)\n"
+        "print('heavy:', *sorted(heavy))\n"
+    )
+    # The first may have to compile.
+    for _ in range(2):
+        done = python("-c", code)
+        assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines()[-1].strip() == "heavy:"
+
+
+def test_the_command_offers_the_kinds_of_figures_that_there_are() -> None:
+    offered = next(p.type for p in main.commands["plot"].params if p.name == "kind")
+    assert isinstance(offered, click.Choice)
+    assert set(offered.choices) == set(KINDS)
 
 
 def test_the_command_in_a_process_of_its_own_keeps_stdout_for_results(
