@@ -11,7 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from firmware_export.certify import POINTS, SEED, Certificate, certify, device
+from firmware_export.certify import POINTS, SEED, Certificate, Effort, certify, device
 from firmware_export.choose import KNEE, Candidate, Goal, Trials, choose, front
 from firmware_export.codecs import codec as info
 from firmware_export.codecs import usable
@@ -266,7 +266,9 @@ def examine(
 ) -> Certificate:
     """Certify one export."""
     cells = info(export.codec).cells(export.model, export.tables)
-    return certify(device(export), export.channels, cells, bound, points, seed, jumps=trials.jumps)
+    return certify(
+        device(export), export.channels, cells, bound, Effort.of(points), seed, trials.jumps
+    )
 
 
 def _percent(trials: Trials, bound: ErrorBound | None) -> float | None:

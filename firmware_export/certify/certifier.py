@@ -7,16 +7,17 @@ and tips is sought wherever the two come close.  Nothing here knows how a codec 
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from firmware_export.certify.answers import Measured, Reader
-from firmware_export.certify.certificate import Certificate
 from firmware_export.certify.jumps import Jumps, find_jumps
 from firmware_export.certify.search import (
     Found,
+    Walk,
     climb,
     sdg_error,
     starts,
@@ -25,6 +26,7 @@ from firmware_export.certify.search import (
 )
 from firmware_export.quantity import ErrorBound
 from firmware_export.truth import Cells, biased, uniform, unit
+from lutgen.errors import ExportError
 
 __all__ = ["POINTS", "SEED", "Certificate", "Effort", "certify", "statistics"]
 
@@ -36,8 +38,12 @@ SEED = 1001
 
 
 class Effort(NamedTuple):
-    """Points to climb from and starts for false safes, of each half of the sample; rounds."""
+    """Points compared, of each half those to climb from and starts for false safes, and rounds.
 
+    At least so many points are compared, half of them uniform and half where tables err most.
+    """
+
+    points: int = POINTS
     worst: int = 100
     starts: int = 120
     rounds: int = 40
@@ -46,7 +52,100 @@ class Effort(NamedTuple):
     def of(cls, points: int) -> "Effort":
         """Return an effort in proportion to the sample, full for POINTS and above."""
         share = min(1.0, points / POINTS)
-        return cls(*(max(15, round(share * most)) for most in cls()))
+        return cls(points, *(max(15, round(share * most)) for most in cls()[1:]))
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """What was measured on an export.
+
+    Parameters
+    ----------
+    points : int
+        Points compared, those of the two searches not counted; `standing` of them stand.
+    channels : dict
+        Per channel ``max`` (absent where |SD_g| jumps: then ``largest_seen``), ``p99``, ``rms`` in
+        the channel's unit over all points, ``p99_uniform`` and ``rms_uniform`` over the uniform
+        half; also ``range`` and the same in percent of it, ``..._percent``.
+    false_safe : int
+        Points of the sample and of the search that are called safe and tip.
+    false_tip : float
+        Share of the standing points of the uniform half that are called tipping.
+    jumps : bool
+        Whether |SD_g| jumps, so that its error has no bound; see `find_jumps`.
+    beyond : float, optional
+        Share of the standing uniform points whose |SD_g| error is beyond the bound asked for.
+    nearest : float
+        rad by which the search failed to find a false safe: the least by which the answer to a
+        point that tips was below 0.
+    searched : int
+        Points that the searches tried.
+    witness : tuple, optional
+        Parameters, gravity, answered and true tip angle of a false safe.
+    """
+
+    points: int
+    standing: int
+    channels: dict[str, dict[str, float]]
+    false_safe: int
+    false_tip: float
+    jumps: bool
+    beyond: float | None
+    nearest: float
+    searched: int
+    seed: int
+    text: tuple[str, ...] = ()
+    witness: tuple[Floats, Floats, float, float] | None = field(default=None, compare=False)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return what the header and the report print; plain numbers and texts."""
+        return {
+            "points": self.points,
+            "standing": self.standing,
+            "channels": self.channels,
+            "false_safe": self.false_safe,
+            "false_tip": self.false_tip,
+            "jumps": self.jumps,
+            "beyond": self.beyond,
+            "nearest_false_safe_rad": self.nearest,
+            "searched": self.searched,
+            "seed": self.seed,
+            "text": list(self.text),
+        }
+
+    @property
+    def bounded(self) -> tuple[str, ...]:
+        """The channels that a bound is for: lengths, or the tip angle where there is no other."""
+        return tuple(name for name in self.channels if name != "tip_angle") or ("tip_angle",)
+
+    def error_of(self, channel: str, relative: bool) -> float:
+        """Return the largest error of a channel, or p99 where |SD_g| jumps.
+
+        In percent of its range, or in its unit.
+        """
+        name = "p99" if self.jumps and channel != "tip_angle" else "max"
+        return self.channels[channel][f"{name}_percent" if relative else name]
+
+    def error(self, relative: bool) -> float:
+        """Return what is compared with a bound."""
+        return max(self.error_of(channel, relative) for channel in self.bounded)
+
+    def refuse_false_safe(self, label: str) -> None:
+        """Raise ExportError if a point is called safe where the robot tips."""
+        if not self.false_safe:
+            return
+        where = ""
+        if self.witness is not None:
+            params, gravity, said, true = self.witness
+            where = (
+                f", for one at parameters {np.round(params, 7).tolist()} and gravity "
+                f"{np.round(gravity, 7).tolist()}: {said:.3g} rad for {true:.3g}"
+            )
+        raise ExportError(
+            f"{label}: the certificate found the robot called safe where it tips (got "
+            f"{self.false_safe} points{where}); nothing was written: this is a fault of the "
+            "codec's guard, choose another with --codec and report it."
+        )
 
 
 def statistics(seen: Sequence[Measured], channel: str) -> dict[str, float]:
@@ -89,10 +188,9 @@ def certify(
     channels: Sequence[str],
     cells: Cells | None = None,
     bound: ErrorBound | None = None,
-    points: int = POINTS,
+    effort: Effort | None = None,
     seed: int = SEED,
     jumps: Jumps | None = None,
-    effort: Effort | None = None,
 ) -> Certificate:
     """Measure an export.
 
@@ -106,14 +204,12 @@ def certify(
         Knots of its table, in whose middles errors are largest.
     bound : ErrorBound, optional
         The largest error asked for, to count the points beyond it.
-    points : int
-        At least so many are compared, half of them uniform and half where tables err most.
+    effort : Effort, optional
+        Points, and what the searches may take.
     seed : int
         Of the points: a number that no fit and no choice has used.
     jumps : Jumps, optional
         What `find_jumps` said, if it was asked before.
-    effort : Effort, optional
-        Of the searches; in proportion to `points` by default.
 
     Returns
     -------
@@ -121,8 +217,8 @@ def certify(
         With `false_safe` above 0 the export must not be used: see `refuse_false_safe`.
     """
     model = reader.model
-    half = -(-points // 2)
-    effort = effort or Effort.of(points)
+    effort = effort or Effort()
+    half = -(-effort.points // 2)
     even = reader.measure(uniform(model, half, seed))
     seen = [even, reader.measure(biased(model, half, seed, cells))]
     found = jumps if jumps is not None else find_jumps(model, seed)
@@ -166,7 +262,7 @@ def climb_from_worst(reader: Reader, seen: Sequence[Measured], effort: Effort, s
     begin = [starts(one, sdg_error(one), effort.worst) for one in seen]
     params = np.concatenate([q for q, _ in begin])
     gravity = unit(np.concatenate([g for _, g in begin]))
-    return climb(reader, params, gravity, sdg_error, effort.rounds, seed)
+    return climb(reader, params, gravity, sdg_error, Walk(effort.rounds, seed))
 
 
 def _sentences(

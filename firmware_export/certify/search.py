@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from firmware_export.certify.answers import Measured, Needs, Reader
 from firmware_export.truth import Sample, boundary, on_chart, unit
 
-__all__ = ["Found", "climb", "sdg_error", "worst_false_safe"]
+__all__ = ["Found", "Walk", "climb", "sdg_error", "worst_false_safe"]
 
 Floats = NDArray[np.float64]
 # (measured) -> what is maximised, (m, d); -inf where a point does not count.
@@ -30,6 +30,20 @@ FINE_STEP = 0.005
 TRIES = 24
 # Only this near (rad) to the tip-over boundary can a verdict be made wrong by moving along it.
 NEAR = 0.05
+
+
+class Walk(NamedTuple):
+    """How a search goes: steps of each start, the first of `first_step`, and what is asked.
+
+    `first_step` is in shares of the box and in rad.  `needs` tells, where the value is finite only
+    there, at which exact tip angles the export's answer is needed: others are not asked, unless
+    the robot tips there, where no answer may be safe.
+    """
+
+    rounds: int
+    seed: int
+    first_step: float = FIRST_STEP
+    needs: Needs | None = None
 
 
 class Found(NamedTuple):
@@ -85,16 +99,7 @@ def witness(measured: Measured) -> tuple[Floats, Floats, float, float] | None:
     )
 
 
-def climb(
-    reader: Reader,
-    params: Floats,
-    gravity: Floats,
-    value: Value,
-    rounds: int,
-    seed: int,
-    first_step: float = FIRST_STEP,
-    needs: Needs | None = None,
-) -> Found:
+def climb(reader: Reader, params: Floats, gravity: Floats, value: Value, walk: Walk) -> Found:
     """Maximise a value by random steps from s starts, in the box and on the chart.
 
     Parameters
@@ -103,63 +108,56 @@ def climb(
         Starts.
     value : callable
         What is maximised.
-    rounds : int
-        Steps of each start; each tries POSTURES x DIRECTIONS points.
-    seed : int
-        Of the random steps.
-    first_step : float
-        Length of the first step, in shares of the box and in rad.
-    needs : callable, optional
-        Where the value is finite only there, the exact tip angles whose points need the export's
-        answer: others are not asked, unless the robot tips there, where no answer may be safe.
+    walk : Walk
+        How far, and what is asked.
 
     Returns
     -------
     Found
         The best point of each start.
     """
-    model, rng = reader.model, np.random.default_rng([seed, 2])
+    model, rng = reader.model, np.random.default_rng([walk.seed, 2])
     s, k = params.shape
     span = model.upper - model.lower
     best_q, best_g = params.copy(), gravity.copy()
     best = np.full(s, -np.inf)
     if s == 0:
         return Found(best_q, best_g, best, 0, 0, None)
-    step = np.full(s, first_step)
+    step = np.full(s, walk.first_step)
     points = false_safe = 0
     first = None
-    for _ in range(rounds):
+    for _ in range(walk.rounds):
         # Half of the coordinates move; the first candidate keeps the posture, and its first
         # direction is the point itself.  All starts draw, whether they still walk or not, so
         # that no walk depends on another.
         moves = rng.normal(size=(s, POSTURES, k)) * (rng.random((s, POSTURES, k)) < 0.5)
         turn = rng.normal(size=(s, POSTURES, DIRECTIONS, 3))
-        walk = np.flatnonzero(step >= SHORTEST)
-        if len(walk) == 0:
+        able = np.flatnonzero(step >= SHORTEST)
+        if len(able) == 0:
             break
-        moves, turn, stride = moves[walk], turn[walk], step[walk]
+        moves, turn, stride = moves[able], turn[able], step[able]
         moves[:, 0] = 0.0
-        q = best_q[walk, None] + stride[:, None, None] * moves * span
+        q = best_q[able, None] + stride[:, None, None] * moves * span
         q = np.clip(q, model.lower, model.upper)
         turn *= stride[:, None, None, None]
         turn[:, :, 0] = 0.0
-        g = unit(best_g[walk, None, None] + turn)
-        sample = Sample(q.reshape(len(walk) * POSTURES, k), g.reshape(-1, DIRECTIONS, 3))
-        measured = reader.measure(sample, needs)
+        g = unit(best_g[able, None, None] + turn)
+        sample = Sample(q.reshape(len(able) * POSTURES, k), g.reshape(-1, DIRECTIONS, 3))
+        measured = reader.measure(sample, walk.needs)
         held = on_chart(model, sample.gravity)
-        found = np.where(held, value(measured), -np.inf).reshape(len(walk), -1)
+        found = np.where(held, value(measured), -np.inf).reshape(len(able), -1)
         points += sample.points
         wrong = int(measured.false_safe.sum())
         if wrong and first is None:
             first = witness(measured)
         false_safe += wrong
-        at, row = found.argmax(axis=1), np.arange(len(walk))
-        better = found[row, at] > best[walk]
-        gained = walk[better]
+        at, row = found.argmax(axis=1), np.arange(len(able))
+        better = found[row, at] > best[able]
+        gained = able[better]
         best[gained] = found[row, at][better]
         best_q[gained] = q[row, at // DIRECTIONS][better]
-        best_g[gained] = g.reshape(len(walk), -1, 3)[row, at][better]
-        step[walk] = np.minimum(stride * np.where(better, LONGER, SHORTER), 0.3)
+        best_g[gained] = g.reshape(len(able), -1, 3)[row, at][better]
+        step[able] = np.minimum(stride * np.where(better, LONGER, SHORTER), 0.3)
     return Found(best_q, best_g, best, points, false_safe, first)
 
 
@@ -212,10 +210,10 @@ def worst_false_safe(
     ]
     q = np.concatenate([params for params, _ in begin])
     g = unit(np.concatenate([gravity for _, gravity in begin]))
-    excess = climb(reader, q, g, _excess, rounds, seed, needs=_near)
+    excess = climb(reader, q, g, _excess, Walk(rounds, seed, needs=_near))
     q = excess.params
     g = _just_outside(reader, q, excess.gravity, seed)
-    clearance = climb(reader, q, g, _clearance, rounds, seed + 1, FINE_STEP, _tips)
+    clearance = climb(reader, q, g, _clearance, Walk(rounds, seed + 1, FINE_STEP, _tips))
     return Found(
         clearance.params,
         clearance.gravity,

@@ -76,9 +76,7 @@ def _prior(lattice: Lattice, name: str, largest: float) -> Floats:
 
 
 def solve(
-    index: Ints,
-    weight: Floats,
-    start: NDArray[np.int64],
+    at: tuple[Ints, Floats, NDArray[np.int64]],
     way: Floats,
     importance: Floats,
     residual: Floats,
@@ -86,8 +84,11 @@ def solve(
     prior: float,
     steps: int = STEPS,
 ) -> Floats:
-    """Return the change of the nodes: weighted least squares along `way`, weaker across it."""
-    count = len(pull)
+    """Return the change of the nodes: weighted least squares along `way`, weaker across it.
+
+    `at`: index, weight and first node of each point, see `Lattice.find`.
+    """
+    (index, weight, start), count = at, len(pull)
 
     def counted(value: Floats) -> Floats:
         along = (value * way).sum(axis=1, keepdims=True) * way
@@ -144,9 +145,7 @@ def fit(model: Model, lattice: Lattice, name: str) -> Floats:
             across = miss - (miss * way).sum(axis=1, keepdims=True) * way
             wanted = (length - size)[:, None] * way + ACROSS**2 * across
             node = node + solve(
-                index,
-                weight,
-                start,
+                (index, weight, start),
                 way,
                 importance,
                 importance[:, None] * wanted,

@@ -3,6 +3,8 @@
 Owns the exact check on the outlines of `outline`; works on codes, above `zero` is safe.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,6 +16,23 @@ Bools = NDArray[np.bool_]
 
 # Pieces of the work, each with its own result: the same for any number of threads.
 PARTS = 8
+
+
+class Places(NamedTuple):
+    """Where a table must not be above zero.
+
+    `nodes`, `weight` (P, sub-cell's corners, corners): nodes of the parameters around each corner
+    of each sub-cell.  `pieces`, `first`, `tips`: see `outline.Outlines`.  `u`, `v` (n,) float64:
+    knots, 0 to 1.
+    """
+
+    nodes: NDArray[np.int32]
+    weight: Floats
+    pieces: NDArray[np.float32]
+    first: Ints
+    tips: Bools
+    u: Floats
+    v: Floats
 
 
 @njit(inline=True)
@@ -95,19 +114,9 @@ def _piece(
 
 @njit(parallel=True)
 def _excess(
-    node: Floats,
-    index: NDArray[np.int32],
-    weight: Floats,
-    pieces: NDArray[np.float32],
-    first: Ints,
-    tips: Bools,
-    u: Floats,
-    v: Floats,
-    gentle: bool,
-    which: Ints,
-    drops: Floats,
-    above: Bools,
+    node: Floats, places: Places, gentle: bool, which: Ints, drops: Floats, above: Bools
 ) -> None:
+    index, weight, pieces, first, tips, u, v = places
     parts, faces, rows, columns = len(drops), node.shape[1], node.shape[2], node.shape[3]
     for part in prange(parts):
         plane = np.empty((faces, rows, columns))
@@ -158,16 +167,7 @@ def _raise(most: Floats, share: float, values: Floats) -> None:
 
 
 def excess(
-    node: Floats,
-    index: NDArray[np.int32],
-    weight: Floats,
-    pieces: NDArray[np.float32],
-    first: Ints,
-    tips: Bools,
-    u: Floats,
-    v: Floats,
-    gentle: bool,
-    which: Ints | None = None,
+    node: Floats, places: Places, gentle: bool, which: Ints | None = None
 ) -> tuple[Floats, Ints]:
     """Return by how much each node must be lowered for the table to be nowhere above zero.
 
@@ -175,12 +175,8 @@ def excess(
     ----------
     node : (Q, faces, nv, nu) float64
         Values less the limit that must not be reached.
-    index, weight : (P, sub-cell's corners, corners)
-        Nodes of the parameters around each corner of each sub-cell.
-    pieces, first, tips :
-        See `outline.Outlines`.
-    u, v : (n,) float64
-        Knots, 0 to 1.
+    places : Places
+        Where.
     gentle : bool
         Whether to lower nodes only by their shares, which has to be repeated; otherwise the
         lowered table is certain to be below zero.
@@ -194,8 +190,8 @@ def excess(
     (n,) int64
         The sub-cells, of those looked at, where the table is above zero somewhere.
     """
-    which = np.arange(len(index)) if which is None else which
+    which = np.arange(len(places.nodes)) if which is None else which
     drops = np.zeros((PARTS, *node.shape))
     above = np.zeros(len(which), np.bool_)
-    _excess(node, index, weight, pieces, first, tips, u, v, gentle, which, drops, above)
+    _excess(node, places, gentle, which, drops, above)
     return np.asarray(drops.max(axis=0)), which[above]

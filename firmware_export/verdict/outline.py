@@ -80,6 +80,20 @@ class Outlines(NamedTuple):
     tighter: float
 
 
+class _View(NamedTuple):
+    """What is the same for all postures.
+
+    `basis` (faces, 3, 3) and `reach`: the chart.  `gravity` (J, 3): directions to be judged.
+    `wanted`: no channel.  `slack` (rad): added to every shift.
+    """
+
+    basis: Floats
+    reach: float
+    gravity: Floats
+    wanted: Bools
+    slack: float
+
+
 @njit(inline=True)
 def _blend(a: Vector, wa: float, b: Vector, wb: float) -> Vector:
     return a[0] * wa + b[0] * wb, a[1] * wa + b[1] * wb, a[2] * wa + b[2] * wb
@@ -134,16 +148,13 @@ def _outline(
     primitives: Floats,
     moved: Floats,
     acceptance: Acceptance,
-    basis: Floats,
-    reach: float,
-    gravity: Floats,
-    wanted: Bools,
-    slack: float,
+    view: _View,
     out: NDArray[np.float32],
     count: Ints,
     tips: Bools,
 ) -> None:
     """Fill one posture: pieces and their number per face (-1: too many), and what tips."""
+    basis, reach, gravity, wanted, slack = view
     n = primitives.shape[0]
     table, region = facet_table(n), empty_region(n)
     stand(table, region, primitives, acceptance)
@@ -197,35 +208,14 @@ def _outline(
 
 @njit(parallel=True)
 def _outline_all(
-    primitives: Floats,
-    moved: Floats,
-    acceptance: Acceptance,
-    basis: Floats,
-    reach: float,
-    gravity: Floats,
-    wanted: Bools,
-    slack: float,
+    primitives: Floats, moved: Floats, acceptance: Acceptance, view: _View
 ) -> tuple[NDArray[np.float32], Ints, Bools]:
     m = len(primitives)
     out = np.empty((m, MOST_PIECES, 4), np.float32)
-    count = np.zeros((m, len(basis)), np.int64)
-    tips = np.empty((m, len(gravity)), np.bool_)
+    count = np.zeros((m, len(view.basis)), np.int64)
+    tips = np.empty((m, len(view.gravity)), np.bool_)
     for p in prange(m):
-        _outline(
-            *(
-                primitives[p],
-                moved[p],
-                acceptance,
-                basis,
-                reach,
-                gravity,
-                wanted,
-                slack,
-                out[p],
-                count[p],
-                tips[p],
-            )
-        )
+        _outline(primitives[p], moved[p], acceptance, view, out[p], count[p], tips[p])
     return out, count, tips
 
 
@@ -260,15 +250,13 @@ def outlines(model: Model, per_axis: int, gravity: NDArray[np.float64]) -> Outli
     tighter = float(moved.max(initial=0.0)) / (WIDTH * size)
     primitives = pack(where.centres, where.axes, model.radius, model.kind)
     accept = acceptance(model.recipe.upright - tighter, max(model.recipe.rock_angle - tighter, 0.0))
-    nothing = wanted_channels(())
     directions = np.ascontiguousarray(unit_directions(gravity))
+    chart, nothing = model.recipe.chart, wanted_channels(())
+    view = _View(chart.basis(), model.chart_limit, directions, nothing, slack)
     kept, counts, flags = [], [], []
     for begin in range(0, len(place), CHUNK):
         part = slice(begin, begin + CHUNK)
-        out, count, tips = _outline_all(
-            *(primitives[part], moved[part], accept, model.recipe.chart.basis(), model.chart_limit),
-            *(directions, nothing, slack),
-        )
+        out, count, tips = _outline_all(primitives[part], moved[part], accept, view)
         if (count < 0).any():
             raise InputError(
                 f"{model.recipe.source}: a standing region has more than {MOST_PIECES} pieces of "

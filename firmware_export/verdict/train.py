@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from firmware_export.grid import SPAN, Codes, Lattice, U, V, corners, to_places
 from firmware_export.truth import Model, Sample, uniform, uniform_directions
 from firmware_export.verdict.knots import sub_cells
-from firmware_export.verdict.lower import excess
+from firmware_export.verdict.lower import Places, excess
 from firmware_export.verdict.outline import Outlines, outlines
 
 Floats = NDArray[np.float64]
@@ -187,16 +187,16 @@ def fit(model: Model, lattice: Lattice, bits: int) -> tuple[Codes, Outlines]:
     level = np.moveaxis(((node - offset) / step).reshape(shape), 0, -3)
     level = np.ascontiguousarray(level.reshape(-1, lattice.faces, *lattice.shape[-2:]))
     index, weight = _sub_cell_corners(lattice, found)
-    outline = (index, weight, found.pieces, found.first, found.tips, u, v)
+    places = Places(index, weight, found.pieces, found.first, found.tips, u, v)
     zero = -offset / step
     which = None
     for pace in PACES:
         # Nodes only fall: a sub-cell that is below zero stays so and is not looked at again.
-        drop, which = excess(level - (zero - SPARE), *outline, True, which)
+        drop, which = excess(level - (zero - SPARE), places, True, which)
         level -= pace * drop
     code = np.maximum(np.floor(level), 0.0)
     # The proof: all sub-cells.
-    code -= np.ceil(excess(code - (zero - TINY), *outline, False)[0])
+    code -= np.ceil(excess(code - (zero - TINY), places, False)[0])
     by_params = np.maximum(code, 0.0)
     code = np.moveaxis(by_params.reshape(*shape[1:-2], shape[0], *shape[-2:]), -3, 0)
     return Codes(code.astype(np.int64)[..., None], offset, step), found

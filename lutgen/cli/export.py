@@ -14,7 +14,6 @@ from lutgen.quantities import EXPORTABLE
 
 log = logging.getLogger("lutgen")
 
-CODECS = ("auto", "contacts", "grid", "poly")
 ARITHMETIC = ("float", "integer")
 
 
@@ -45,7 +44,13 @@ class Asked:
         metavar="A,B",
         help=f"Of {', '.join(EXPORTABLE)}; tip_angle is always there.  [default: the recipe's]",
     )
-    codec: str = option("--codec", type=click.Choice(CODECS), default="auto")
+    # Their names are asked of `codecs` below: importing that takes longer than --help may.
+    codec: str = option(
+        "--codec",
+        metavar="NAME",
+        default="auto",
+        help="auto, or the only one that may be used; any other name is answered with all.",
+    )
     arithmetic: str = option(
         "--arithmetic",
         type=click.Choice(ARITHMETIC),
@@ -71,11 +76,13 @@ def export(ctx: click.Context, source: str, asked: Asked) -> None:
     $ cd firmware && cc -std=c99 *.c && ./a.out
     """
     from firmware_export import export as run
+    from firmware_export.codecs import named
     from firmware_export.emit import check_directory
     from firmware_export.quantity import parse_error, parse_size
 
     # What is wrong with the command is said before anything is computed.
     check_directory(asked.output)
+    named(asked.codec)
     if asked.flash is not None:
         parse_size(asked.flash)
     if asked.max_error is not None:

@@ -107,9 +107,7 @@ def test_no_export_of_an_uncertain_com_calls_a_robot_safe_that_some_com_tips() -
             pareto=[],
             code_bytes=0,
         )
-        found = certify(
-            device(export), ("sdg", "tip_angle"), points=20_000, effort=Effort(20, 25, 25)
-        )
+        found = certify(device(export), ("sdg", "tip_angle"), effort=Effort(20_000, 20, 25, 25))
         assert found.false_safe == 0
         assert found.false_tip < lost
         assert "the com's ball of 0.03 m takes" in tables.guard_text

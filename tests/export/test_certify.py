@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 
 import lutgen
 from firmware_export.certify.answers import Read, Reader, truth
-from firmware_export.certify.certificate import Certificate
-from firmware_export.certify.certifier import Effort, certify
+from firmware_export.certify.certifier import Certificate, Effort, certify
 from firmware_export.certify.jumps import find_jumps
-from firmware_export.certify.search import climb, sdg_error
+from firmware_export.certify.search import Walk, climb, sdg_error
 from firmware_export.quantity import ErrorBound
 from firmware_export.truth.model import Model
 from firmware_export.truth.sample import Sample, biased, uniform
@@ -23,7 +22,8 @@ from tests.fixtures.recipes import feet, rigid, rover, tripod
 TRIPOD = Model(lutgen.parse_recipe(tripod(channels=("sdg", "tip_angle", "height"))))
 ROVER = Model(lutgen.parse_recipe(rover()))
 CHANNELS = ("sdg", "tip_angle", "height")
-POINTS, EFFORT = 10_000, Effort(20, 25, 25)
+POINTS = 10_000
+EFFORT = Effort(POINTS, 20, 25, 25)
 GUARD = 1e-4
 # (normalised parameters (n, k), directions (n, 3), exact sdg, tip, height (n, 3)) -> answers (n, 3)
 Answer = Callable[[NDArray[Any], NDArray[Any], NDArray[Any]], NDArray[Any]]
@@ -55,7 +55,7 @@ def certificate(
 ) -> Certificate:
     """Certify a function of the truth."""
     device = Reader(model, reader(model, answer, guard))
-    return certify(device, CHANNELS, points=POINTS, effort=EFFORT, **more)
+    return certify(device, CHANNELS, effort=EFFORT, **more)
 
 
 def test_an_honest_export_passes_and_loses_only_its_guard() -> None:
@@ -205,7 +205,7 @@ def test_a_climb_stays_in_the_box_and_keeps_the_best_point() -> None:
     device = Reader(TRIPOD, reader(TRIPOD, honest))
     params = np.array([TRIPOD.upper, TRIPOD.lower])
     gravity = np.tile([0.0, 0.0, -1.0], (2, 1))
-    found = climb(device, params, gravity, lambda one: one.exact.tip_angle, 30, 1)
+    found = climb(device, params, gravity, lambda one: one.exact.tip_angle, Walk(30, 1))
     inside = (found.params >= TRIPOD.lower) & (found.params <= TRIPOD.upper)
     assert inside.all()
     again = TRIPOD.exact(found.params, found.gravity[:, None]).tip_angle[:, 0]
@@ -296,13 +296,13 @@ def integers(model: Model, guard_q: int) -> Reader:
 
 
 def test_an_export_without_floats_is_certified_in_its_own_units() -> None:
-    found = certify(integers(TRIPOD, 0), CHANNELS, points=POINTS, effort=EFFORT)
+    found = certify(integers(TRIPOD, 0), CHANNELS, effort=EFFORT)
     assert found.false_safe == 0
     # Half a step, and the step itself is what a length is rounded to.
     assert found.channels["sdg"]["max"] == pytest.approx(0.5e-4, rel=0.01)
     # One step of the sine, where the tip angle is steepest: below 60 deg.
     assert found.channels["tip_angle"]["max"] < 2.0 / 32767.0
-    assert certify(integers(TRIPOD, -1), CHANNELS, points=POINTS, effort=EFFORT).false_safe > 0
+    assert certify(integers(TRIPOD, -1), CHANNELS, effort=EFFORT).false_safe > 0
 
 
 def test_the_report_of_a_certificate_has_plain_numbers_only() -> None:

@@ -13,7 +13,7 @@ import pytest
 import firmware_export
 import lutgen
 from firmware_export import exporter
-from firmware_export.certify.certificate import Certificate
+from firmware_export.certify.certifier import Certificate
 from firmware_export.exporter import Report
 from firmware_export.poly.fit import Tables
 from firmware_export.protocol.exported import Export

@@ -21,7 +21,7 @@ from firmware_export.protocol.exported import Export
 from firmware_export.truth.model import Exact, Model
 from firmware_export.verdict import codec as verdict
 from firmware_export.verdict import train as grid_rough
-from firmware_export.verdict.lower import excess
+from firmware_export.verdict.lower import Places, excess
 from firmware_export.verdict.outline import outlines
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe.recipe import load_recipe, parse_recipe
@@ -220,15 +220,16 @@ def test_a_lowered_table_is_below_zero_on_every_piece() -> None:
     pieces = rng.random((40, 4)).astype(np.float32)
     index, weight = np.array([[[0, 1], [1, 0]]], np.int32), np.array([[[0.4, 0.6], [1.0, 0.0]]])
     first, tips = np.array([0, 40]), np.zeros((1, 12), np.bool_)
-    lowered = node - excess(node, index, weight, pieces, first, tips, u, v, False)[0]
+    places = Places(index, weight, pieces, first, tips, u, v)
+    lowered = node - excess(node, places, False)[0]
     for share in ([0.4, 0.6], [0.0, 1.0]):
         plane = np.tensordot(share, lowered[:, 0], 1)
         along = np.linspace(0.0, 1.0, 501)[:, None, None]
-        places = pieces[:, :2] + along * (pieces[:, 2:] - pieces[:, :2])
-        i = np.clip(np.searchsorted(v, places[..., 1], "right") - 1, 0, 1)
-        j = np.clip(np.searchsorted(u, places[..., 0], "right") - 1, 0, 2)
-        g = (places[..., 1] - v[i]) / np.diff(v)[i]
-        f = (places[..., 0] - u[j]) / np.diff(u)[j]
+        at = pieces[:, :2] + along * (pieces[:, 2:] - pieces[:, :2])
+        i = np.clip(np.searchsorted(v, at[..., 1], "right") - 1, 0, 1)
+        j = np.clip(np.searchsorted(u, at[..., 0], "right") - 1, 0, 2)
+        g = (at[..., 1] - v[i]) / np.diff(v)[i]
+        f = (at[..., 0] - u[j]) / np.diff(u)[j]
         value = (1 - g) * ((1 - f) * plane[i, j] + f * plane[i, j + 1]) + g * (
             (1 - f) * plane[i + 1, j] + f * plane[i + 1, j + 1]
         )
@@ -243,17 +244,18 @@ def test_sub_cells_below_zero_need_not_be_looked_at_again() -> None:
     pieces = rng.random((50, 4)).astype(np.float32)
     index = np.stack([np.arange(5), np.arange(1, 6)], axis=1).astype(np.int32)[:, None]
     weight = np.full((5, 1, 2), 0.5)
-    rest = (index, weight, pieces, np.arange(0, 51, 10), rng.random((5, 12)) < 0.1, u, v)
+    tips = rng.random((5, 12)) < 0.1
+    places = Places(index, weight, pieces, np.arange(0, 51, 10), tips, u, v)
     whole, part, which = node.copy(), node.copy(), None
     left = []
     for _ in range(30):
-        whole -= 0.5 * excess(whole, *rest, True)[0]
-        drop, which = excess(part, *rest, True, which)
+        whole -= 0.5 * excess(whole, places, True)[0]
+        drop, which = excess(part, places, True, which)
         part -= 0.5 * drop
         left.append(len(which))
     np.testing.assert_array_equal(part, whole)
     assert sorted(left, reverse=True) == left
-    assert set(which) == set(excess(part, *rest, True)[1])
+    assert set(which) == set(excess(part, places, True)[1])
 
 
 def test_points_of_the_training_interpolate_as_the_table_does(model: Model) -> None:
