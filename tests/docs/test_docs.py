@@ -189,7 +189,7 @@ def test_the_costs_in_the_readme_are_those_of_the_baseline_and_of_the_exports() 
         *(measured_errors["paper_two", row["spec"], row["arithmetic"]] for row in columns[:3]),
         measured_errors["absolem", "contacts i16 255+255", "float"],
     ]
-    said = re.search(r"points in ([\d.]+) kB of code and (\d+) bytes of\s+stack", README)
+    said = re.search(r"contacts in ([\d.]+) kB of code and (\d+) bytes of\s+stack", README)
     assert said is not None
     assert said.groups() == (f"{small[0]['code'] / 1000:.1f}", str(small[0]["stack"]))
     many = re.search(r"take ([\d.]+) kB, ([\d.]+) kB of stack", README)
