@@ -22,7 +22,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from lutgen import plot
-from lutgen.analysis.tilt_table import even_headings, posture_limits, sweep_limits
+from lutgen.analysis import Posture, even_headings, posture_limits, sweep_limits
 from lutgen.errors import InputError, LutgenError
 from lutgen.mapping.map import StabilityMap, load_map
 from lutgen.recipe.recipe import Recipe, load_recipe
@@ -172,7 +172,7 @@ def limits_figure(recipe: Recipe, params: dict[str, float]) -> Figure:
     posture = [to_internal(params[p.name], p.display_unit) for p in recipe.parameters]
     rows = recipe.grid.params(range(recipe.grid.size))
     swept = sweep_limits(recipe, rows, even_headings(HEADINGS))
-    return plot.draw_limits(recipe, posture_limits(recipe, posture), swept)
+    return plot.draw_limits(recipe, posture_limits(Posture(recipe, posture)), swept)
 
 
 def draw_all(recipe: Recipe, stability_map: StabilityMap, folder: Path) -> None:

@@ -73,7 +73,7 @@ def draw_polar(view: View, size: tuple[float, float] | None) -> Figure:
     _hatch(axes, outline, top)
     axes.plot(AROUND, outline, color=BLUE, label="largest tilt (deg)")
     least = float(outline[worst])
-    _circle(axes, least, label=f"safe in all headings: {angle_text(least)}")
+    _circle(axes, AROUND[::2], least, label=f"safe in all headings: {angle_text(least)}")
     _mark_worst(axes, float(AROUND[worst]), least)
     _slide_limit(axes, view, outline)
     _roll_limit(axes, view)
@@ -120,7 +120,7 @@ def draw_limits(
         least = math.degrees(posture.guaranteed)
         # Rounded down: what is printed holds, too.
         guaranteed = angle_text(math.floor(10.0 * least) / 10.0)
-        _circle(axes, least, label=f"guaranteed: {guaranteed}", zorder=4)
+        _circle(axes, AROUND, least, label=f"guaranteed: {guaranteed}", zorder=4)
         if recipe.friction is not None:
             slides = slide_limits(
                 Posture(recipe, posture.params), AROUND, posture.convention, math.radians(top)
@@ -197,9 +197,8 @@ def _hatch(axes: PolarAxes, edge: Floats, top: float) -> None:
     axes.fill_between(AROUND, edge, top, facecolor=WASH, edgecolor=GREY, hatch=HATCH, linewidth=0.0)
 
 
-def _circle(axes: PolarAxes, tilt: float, **look: Any) -> None:
-    """Draw the tilt (deg) that is safe in all headings."""
-    around = np.radians(np.arange(361.0))
+def _circle(axes: PolarAxes, around: Floats, tilt: float, **look: Any) -> None:
+    """Draw the tilt (deg) that is safe in all headings (rad)."""
     axes.plot(around, np.full(len(around), tilt), **GUARANTEED, **look)
 
 
