@@ -104,6 +104,8 @@ def scan_part(
     n = primitives.shape[1]
     overflow = 0
     table, region = facet_table(n), empty_region(n)
+    # Only these are drawn in rows.
+    in_rows = wanted.sum() == wanted[0] + wanted[1] + wanted[2] + wanted[5]
     values = np.empty(len(CHANNELS))
     planes = np.empty((region.segment.shape[0] + 4, 3))
     band_rows = max(BAND // nodes, 1)
@@ -132,7 +134,7 @@ def scan_part(
         at += held
         inverse = chart.inverse[first_row * nodes : (first_row + held) * nodes]
         rows = Rows(chart.basis[face], coords, nodes, first_row, held, inverse)
-        simple = not (wanted[3] or wanted[4]) and region.tally[GAPS] == 0
+        simple = in_rows and region.tally[GAPS] == 0
         if not simple or chart.basis.shape[0] * nodes * nodes < FEW_DIRECTIONS:
             _each_node(region, rows, wanted, values, out[:, place])
             continue
