@@ -16,6 +16,7 @@ from firmware_export.choose import KNEE, Candidate, Goal, Trials, choose, front
 from firmware_export.codecs import codec as info
 from firmware_export.codecs import usable
 from firmware_export.emit import check_directory, check_name, default_name, write
+from firmware_export.host import load_library
 from firmware_export.protocol import CodecInfo, Export
 from firmware_export.quantity import ErrorBound, parse_error, parse_size
 from firmware_export.truth import Model
@@ -122,6 +123,7 @@ def export(
     """
     tell = progress or log.debug
     check_directory(directory)
+    load_library()  # what is certified with must be there before the minutes of a fit
     recipe = _recipe(source, allow_python)
     label = check_name(name) if name is not None else default_name(recipe.name)
     held = _channels(recipe, channels)

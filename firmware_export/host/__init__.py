@@ -3,6 +3,7 @@
 In reading order: `library`, `layout`, `memory`, `reader`.
 """
 
+from firmware_export.host.library import load_library
 from firmware_export.host.reader import Host
 
-__all__ = ["Host"]
+__all__ = ["Host", "load_library"]

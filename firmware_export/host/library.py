@@ -11,15 +11,17 @@ from pathlib import Path
 
 from lutgen.errors import ExportError
 
-__all__ = ["library"]
+__all__ = ["load_library"]
 
 RUNTIME = Path(__file__).resolve().parent.parent / "runtime"
 STEM = "_host"
-WAY_OUT = "install a C compiler and build it with `python setup.py build_ext --inplace`."
+WAY_OUT = (
+    "install a C compiler, then lutgen again (in a checkout `python setup.py build_ext --inplace`)."
+)
 
 
 @cache
-def library() -> ctypes.CDLL:
+def load_library() -> ctypes.CDLL:
     """Return the library.
 
     Raises

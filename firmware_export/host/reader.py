@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from firmware_export.host.layout import structs
-from firmware_export.host.library import library
+from firmware_export.host.library import load_library
 from firmware_export.host.memory import Memory
 from firmware_export.protocol import Descriptor
 from lutgen.errors import InputError
@@ -37,7 +37,8 @@ class Host:
         self._memory = Memory(descriptor)
         # Three points are read by other code, which the switch of the tables asks for.
         three = descriptor.config.get("SMAP_CONTACTS_MANY") == 0
-        self._batch = library().batch_three if three else library().batch_many
+        library = load_library()
+        self._batch = library.batch_three if three else library.batch_many
 
     def read(
         self, params: ArrayLike, gravity: ArrayLike
@@ -81,7 +82,9 @@ class Host:
             sdg and height in steps, tip in 1 / 32767.
         """
         asked = (params_q, gravity_q)
-        status, reading = self._ask(library().batch_i_many, np.int16, "smap_reading_i_t", asked)
+        status, reading = self._ask(
+            load_library().batch_i_many, np.int16, "smap_reading_i_t", asked
+        )
         columns = [reading[name].astype(np.int32) for name in ("sdg", "tip", "height")]
         return status, np.stack(columns, axis=1)
 

@@ -154,22 +154,22 @@ def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Return a copy of the runtime's folder that is used instead of it."""
     place = shutil.copytree(library.RUNTIME, tmp_path / "runtime")
     monkeypatch.setattr(library, "RUNTIME", place)
-    monkeypatch.setattr(library, "library", library.library.__wrapped__)
+    monkeypatch.setattr(library, "load_library", library.load_library.__wrapped__)
     return place
 
 
 def test_without_the_library_one_sentence_says_how_to_build_it(elsewhere: Path) -> None:
     for path in elsewhere.glob("_host*"):
         path.unlink()
-    with pytest.raises(ExportError, match=r"install a C compiler and build it with `python setup"):
-        library.library()
+    with pytest.raises(ExportError, match=r"install a C compiler, then lutgen again"):
+        library.load_library()
 
 
 def test_a_library_of_other_sources_is_refused(elsewhere: Path) -> None:
-    assert library.library().smap_sources()
+    assert library.load_library().smap_sources()
     (elsewhere / "smap.c").write_text((elsewhere / "smap.c").read_text() + "\n/* changed */\n")
     with pytest.raises(ExportError, match="was built from other files"):
-        library.library()
+        library.load_library()
 
 
 def test_a_damaged_library_is_one_sentence(elsewhere: Path) -> None:
@@ -177,7 +177,7 @@ def test_a_damaged_library_is_one_sentence(elsewhere: Path) -> None:
     path.unlink()
     path.write_bytes(b"\x7fELF and no more")
     with pytest.raises(ExportError, match="cannot be loaded"):
-        library.library()
+        library.load_library()
 
 
 def test_without_the_library_lutgen_is_imported_and_a_recipe_evaluated(elsewhere: Path) -> None:
