@@ -42,14 +42,9 @@ class Postures(NamedTuple):
 class Tree(NamedTuple):
     """The links as flat arrays, parents before children, and what is attached to them."""
 
-    parent: Ints  # (l,), -1 for the root
-    origin: Floats  # (l, 3)
+    link: Ints  # (l, 3): parent, -1 for the root; FIXED, REVOLUTE or PRISMATIC; column of params
+    motion: Floats  # (l, 8): origin; joint's axis, scale and offset
     rotation: Floats  # (l, 3, 3)
-    joint: Ints  # (l,) FIXED, REVOLUTE or PRISMATIC
-    axis: Floats  # (l, 3)
-    parameter: Ints  # (l,) column of params
-    scale: Floats  # (l,)
-    offset: Floats  # (l,)
     mass: Floats  # (l,) share of the whole mass
     com: Floats  # (l, 3)
     # Contacts, and after them the points where forces act, whose axes are zero.
@@ -184,15 +179,24 @@ def _tree(recipe: Recipe) -> Tree:
     zero = (0.0, 0.0, 0.0)
     points: list[Contact | Force] = [*recipe.contacts, *recipe.forces]
     axes = [*(contact.axis or zero for contact in recipe.contacts), *(zero for _ in recipe.forces)]
+    parents = [-1 if link.parent is None else row[link.parent] for link in links]
+    steps = [(j.scale, j.offset) if j else (0.0, 0.0) for j in joints]
     return Tree(
-        np.array([-1 if link.parent is None else row[link.parent] for link in links], np.int64),
-        rows([link.origin for link in links]),
+        np.array(
+            [
+                (parent, kinds[j.kind] if j else FIXED, column[j.parameter] if j else 0)
+                for parent, j in zip(parents, joints, strict=True)
+            ],
+            np.int64,
+        ),
+        np.hstack(
+            [
+                rows([link.origin for link in links]),
+                rows([j.axis if j else zero for j in joints]),
+                steps,
+            ]
+        ),
         np.array([rotation(link.rpy) for link in links]),
-        np.array([kinds[joint.kind] if joint else FIXED for joint in joints], np.int64),
-        rows([joint.axis if joint else zero for joint in joints]),
-        np.array([column[joint.parameter] if joint else 0 for joint in joints], np.int64),
-        np.array([joint.scale if joint else 0.0 for joint in joints]),
-        np.array([joint.offset if joint else 0.0 for joint in joints]),
         share,
         rows([link.com for link in links]),
         np.array([row[point.link] for point in points], np.int64),
@@ -243,47 +247,56 @@ def _rotate(matrix: Floats, vector: Floats, i: int) -> float:
 
 @njit()
 def _place(
-    link: int, params: Floats, tree: Tree, turn: Floats, where: Floats, work: Floats
+    link: int,
+    params: Floats,
+    tree_link: Ints,
+    motion: Floats,
+    rotation: Floats,
+    turn: Floats,
+    where: Floats,
 ) -> None:
     """Write rotation and origin of one link in the body frame to `turn` and `where`.
 
-    `work` (2, 3, 3) is scratch; the parent's rows must have been written.
+    `turn` has two matrices more than there are links, as scratch; the parent's rows must have been
+    written.
     """
-    here = turn[link]
-    above = tree.parent[link]
+    here, axis = turn[link], motion[link, 3:6]
+    above, joint = tree_link[link, 0], tree_link[link, 1]
     if above < 0:
-        _copy(tree.rotation[link], here)
+        _copy(rotation[link], here)
         for i in range(3):
-            where[link, i] = tree.origin[link, i]
+            where[link, i] = motion[link, i]
     else:
-        _multiply(turn[above], tree.rotation[link], here)
+        _multiply(turn[above], rotation[link], here)
         for i in range(3):
-            where[link, i] = where[above, i] + _rotate(turn[above], tree.origin[link], i)
-    if tree.joint[link] == FIXED:
+            where[link, i] = where[above, i] + _rotate(turn[above], motion[link], i)
+    if joint == FIXED:
         return
-    value = tree.scale[link] * params[tree.parameter[link]] + tree.offset[link]
-    if tree.joint[link] == REVOLUTE:
-        _copy(here, work[0])
-        _turn(tree.axis[link], value, work[1])
-        _multiply(work[0], work[1], here)
+    value = motion[link, 6] * params[tree_link[link, 2]] + motion[link, 7]
+    if joint == REVOLUTE:
+        before, about = turn[turn.shape[0] - 2], turn[turn.shape[0] - 1]
+        _copy(here, before)
+        _turn(axis, value, about)
+        _multiply(before, about, here)
     else:
         for i in range(3):
-            where[link, i] += value * _rotate(here, tree.axis[link], i)
+            where[link, i] += value * _rotate(here, axis, i)
 
 
 @njit()
 def _forward(params: Floats, tree: Tree, points: Floats, axes: Floats, com: Floats) -> None:
     """Write postures, each one computed by itself."""
-    links = len(tree.parent)
+    # Taken out of the tuple once: numba counts references each time.
+    tree_link, motion, rotation = tree.link, tree.motion, tree.rotation
     mass, link_com = tree.mass, tree.com
-    point_link, point_position = tree.point_link, tree.point_position
-    turn = np.empty((links, 3, 3))
+    point_link, point_position, point_axis = tree.point_link, tree.point_position, tree.point_axis
+    links = len(tree_link)
+    turn = np.empty((links + 2, 3, 3))
     where = np.empty((links, 3))
-    work = np.empty((2, 3, 3))
     for m in range(len(params)):
         com[m, 0] = com[m, 1] = com[m, 2] = 0.0
         for link in range(links):
-            _place(link, params[m], tree, turn, where, work)
+            _place(link, params[m], tree_link, motion, rotation, turn, where)
             for i in range(3):
                 com[m, i] += mass[link] * (where[link, i] + _rotate(turn[link], link_com[link], i))
         for n in range(len(point_link)):
@@ -291,4 +304,4 @@ def _forward(params: Floats, tree: Tree, points: Floats, axes: Floats, com: Floa
             for i in range(3):
                 centre = where[link, i] + _rotate(turn[link], point_position[n], i)
                 points[m, n, i] = centre - com[m, i]
-                axes[m, n, i] = _rotate(turn[link], tree.point_axis[n], i)
+                axes[m, n, i] = _rotate(turn[link], point_axis[n], i)
