@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import h5py
@@ -14,9 +15,11 @@ import pytest
 from click.testing import CliRunner
 
 import lutgen
+from firmware_export import exporter
 from firmware_export.emit.size import measured
 from lutgen.cli import main
 from targets import baseline
+from tests.fixtures.commands import stdout
 from tests.fixtures.documents import blocks
 from tests.fixtures.places import MAPS, ROOT
 
@@ -99,13 +102,22 @@ def test_the_readme_leads_to_a_reading_in_c_in_three_commands(
 
 
 def test_everything_in_the_firmware_guide_runs(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, lutgen_first: None
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
+    # `make maps` certifies on half a million points; that both guards hold is seen on fewer.
+    monkeypatch.setattr(exporter, "export", partial(exporter.export, points=20_000))
+
+    def printed_by(line: str) -> str:
+        program, *arguments = line.split()
+        return stdout(*arguments) if program == "lutgen" else ran(line)
+
     (recipe,) = blocks("docs/guide/firmware.md", "toml")
     Path("stork.toml").write_text(recipe)
     printed = [
-        ran(line) for block in blocks("docs/guide/firmware.md", "sh") for line in block.splitlines()
+        printed_by(line)
+        for block in blocks("docs/guide/firmware.md", "sh")
+        for line in block.splitlines()
     ]
     check, exact, export, asked, _, reading, _ = printed
     assert check.startswith("stork: 3 contacts")

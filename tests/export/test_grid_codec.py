@@ -20,12 +20,12 @@ from firmware_export.grid.tables import SPAN, Part, Tables, U, V
 from firmware_export.protocol.exported import Export
 from firmware_export.truth.model import Exact, Model
 from firmware_export.verdict import codec as verdict
-from firmware_export.verdict import train as grid_rough
 from firmware_export.verdict.lower import Places, excess
 from firmware_export.verdict.outline import outlines
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe.recipe import load_recipe, parse_recipe
 from proofs.exports import before_guard
+from tests.fixtures.fits import few_points
 from tests.fixtures.recipes import rover
 
 OK = 0
@@ -40,11 +40,8 @@ def model() -> Model:
 
 @pytest.fixture(scope="module", autouse=True)
 def small_samples() -> Iterator[None]:
-    """Fit on a tenth of the points: enough for tables of a few kB."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(grid_fit, "POINTS", 30_000)
-        patch.setattr(grid_fit, "POOL", 60_000)
-        patch.setattr(grid_rough, "POSTURES", 2_000)
+    """Fit on few points."""
+    with few_points():
         yield
 
 

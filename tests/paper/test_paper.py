@@ -3,6 +3,7 @@
 import csv
 import math
 import re
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from click.testing import CliRunner
 
 from lutgen.cli import main
 from lutgen.mapping.map import load_map
+from lutgen.paper import report as write
 from lutgen.paper.nominal import NOMINAL, RADIUS
 from lutgen.paper.published import TABLE
 from lutgen.paper.robot import paper_recipe
@@ -199,13 +201,20 @@ def test_the_csv_files_hold_what_the_page_shows(report: Path) -> None:
             assert math.isfinite(float(row["reference"])), row
 
 
-def test_a_second_report_replaces_the_first_and_leaves_other_files(report: Path) -> None:
-    assert (report / "mine.txt").read_text() == "not the report's"
-    assert not [path for path in report.iterdir() if path.name.startswith(".")]
-    before = {path.name: path.read_bytes() for path in report.glob("*.csv")}
-    done = CliRunner().invoke(main, ["paper", "-o", str(report)])
+def test_a_second_report_replaces_the_first_and_leaves_other_files(
+    report: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = Path(shutil.copytree(report, tmp_path / "report"))
+    # Everything is computed again; to draw it again would show no more.
+    monkeypatch.setattr(write, "draw_pictures", lambda folder, results: {})
+    monkeypatch.setattr(write, "build_page", lambda *_: "another page")
+    done = CliRunner().invoke(main, ["paper", "-o", str(folder)])
     assert done.exit_code == 0
-    assert {path.name: path.read_bytes() for path in report.glob("*.csv")} == before
+    files = {path.name: path.read_bytes() for path in report.iterdir()}
+    assert files["mine.txt"] == b"not the report's"
+    assert not [name for name in files if name.startswith(".")]
+    files["paper.html"] = b"another page"
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == files
 
 
 def test_a_folder_that_cannot_be_made_is_refused_in_one_sentence(tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 """What exports compile to by themselves, of every codec: the bits that the certificate saw."""
 
 import ctypes
+import functools
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -20,18 +21,21 @@ from firmware_export.truth.model import Model
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe.recipe import load_recipe
 from targets.compiled import FLAGS, HostLibrary, compile_c
+from tests.fixtures.fits import few_points
 from tests.fixtures.queries import integer_queries, random_queries
 
 SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g")
 
 
+@functools.cache
 def export_of(recipe: str, codec: str, growth: int) -> Export:
     model = Model(load_recipe(f"maps/{recipe}.toml"))
     module = {"contacts": contacts, "grid": grid, "poly": poly}[codec]
     spec = module.start(model, EXPORTABLE, "float")[-1]
     for _ in range(growth):
         spec = module.grow(model, spec)[-1]
-    tables = module.encode(model, EXPORTABLE, spec)
+    with few_points():
+        tables = module.encode(model, EXPORTABLE, spec)
     return Export(recipe, model.recipe, model, codec, "float", EXPORTABLE, tables)
 
 
@@ -87,7 +91,8 @@ def test_the_c_code_is_clean_under_the_sanitizers(
 
 def integer_export() -> Export:
     model = Model(load_recipe("maps/paper_two.toml"))
-    tables = grid.encode(model, EXPORTABLE, grid.start(model, EXPORTABLE, "integer")[0])
+    with few_points():
+        tables = grid.encode(model, EXPORTABLE, grid.start(model, EXPORTABLE, "integer")[0])
     return Export("paper_two", model.recipe, model, "grid", "integer", EXPORTABLE, tables)
 
 
