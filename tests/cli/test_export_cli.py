@@ -182,11 +182,17 @@ def test_eval_of_a_folder_that_is_no_export_is_refused(tmp_path: Path) -> None:
     assert "is no folder of `lutgen export`" in refused(2, "eval", tmp_path)
 
 
-def test_eval_without_a_compiler_is_a_failed_task(
-    place: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_eval_needs_no_compiler(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    known = good("eval", place / "firmware", *POINT)
     monkeypatch.setenv("CC", "no-such-compiler")
-    assert "no-such-compiler" in refused(1, "eval", place / "firmware", *POINT)
+    assert good("eval", place / "firmware", *POINT) == known
+
+
+def test_eval_refuses_a_folder_whose_code_was_changed(place: Path, tmp_path: Path) -> None:
+    folder = shutil.copytree(place / "firmware", tmp_path / "firmware")
+    source = folder / "tripod.c"
+    source.write_text(source.read_text() + "/* changed */\n")
+    assert "is not the file that was exported" in refused(2, "eval", folder, *POINT)
 
 
 # bad input
