@@ -27,7 +27,8 @@ __all__ = [
 Vector = tuple[float, float, float]
 
 ZERO: Vector = (0.0, 0.0, 0.0)
-# Contact primitives; in arrays a kind is its place here.
+# Contact primitives; in arrays a kind is its place here.  Kernels know these places, so the digest
+# of their cache must cover this file, and does by the name of `lutgen.jit`.
 KINDS = ("point", "sphere", "disc")
 
 

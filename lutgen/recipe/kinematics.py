@@ -251,7 +251,7 @@ def _place(
     params: Floats,
     tree_link: Ints,
     motion: Floats,
-    rotation: Floats,
+    fixed: Floats,
     turn: Floats,
     where: Floats,
 ) -> None:
@@ -263,11 +263,11 @@ def _place(
     here, axis = turn[link], motion[link, 3:6]
     above, joint = tree_link[link, 0], tree_link[link, 1]
     if above < 0:
-        _copy(rotation[link], here)
+        _copy(fixed[link], here)
         for i in range(3):
             where[link, i] = motion[link, i]
     else:
-        _multiply(turn[above], rotation[link], here)
+        _multiply(turn[above], fixed[link], here)
         for i in range(3):
             where[link, i] = where[above, i] + _rotate(turn[above], motion[link], i)
     if joint == FIXED:
@@ -287,7 +287,7 @@ def _place(
 def _forward(params: Floats, tree: Tree, points: Floats, axes: Floats, com: Floats) -> None:
     """Write postures, each one computed by itself."""
     # Taken out of the tuple once: numba counts references each time.
-    tree_link, motion, rotation = tree.link, tree.motion, tree.rotation
+    tree_link, motion, fixed = tree.link, tree.motion, tree.rotation
     mass, link_com = tree.mass, tree.com
     point_link, point_position, point_axis = tree.point_link, tree.point_position, tree.point_axis
     links = len(tree_link)
@@ -296,7 +296,7 @@ def _forward(params: Floats, tree: Tree, points: Floats, axes: Floats, com: Floa
     for m in range(len(params)):
         com[m, 0] = com[m, 1] = com[m, 2] = 0.0
         for link in range(links):
-            _place(link, params[m], tree_link, motion, rotation, turn, where)
+            _place(link, params[m], tree_link, motion, fixed, turn, where)
             for i in range(3):
                 com[m, i] += mass[link] * (where[link, i] + _rotate(turn[link], link_com[link], i))
         for n in range(len(point_link)):

@@ -368,6 +368,9 @@ def test_bad_input_is_one_sentence_and_an_exit_code(
 ) -> None:
     folder = Path(shutil.copytree(place, tmp_path / "here"))
     monkeypatch.chdir(folder)
+    # Python keeps what it compiled of a recipe's code, if it may.
+    shutil.rmtree(folder / "__pycache__", ignore_errors=True)
+    monkeypatch.setattr("sys.dont_write_bytecode", True)
     before = sorted(p.name for p in folder.iterdir())
     result = run(*arguments)
     assert result.exit_code == code, result.output

@@ -12,10 +12,11 @@ import pytest
 
 import firmware_export
 import lutgen
-from firmware_export import exporter
+from firmware_export import codecs, exporter
 from firmware_export.certify.certifier import Certificate
 from firmware_export.exporter import Report
 from firmware_export.poly.fit import Tables
+from firmware_export.protocol import CodecInfo
 from firmware_export.protocol.exported import Export
 from lutgen.errors import ExportError, InputError, MapFileError, RecipeError
 from tests.fixtures.programs import contents
@@ -207,12 +208,13 @@ def test_a_robot_given_by_code_is_exported_from_its_recipe_but_not_from_a_map(
 @pytest.fixture
 def tampered(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[Tables], Tables]], None]:
     """Return a function that makes `poly` encode something else than it should."""
-    from firmware_export.poly import codec as poly
-
-    encode = poly.encode
 
     def tamper(change: Callable[[Tables], Tables]) -> None:
-        monkeypatch.setattr(poly, "encode", lambda *given: change(encode(*given)))
+        def changed(info: CodecInfo) -> CodecInfo:
+            return replace(info, encode=lambda *given: change(info.encode(*given)))
+
+        rows = [changed(info) if info.name == "poly" else info for info in codecs.CODECS]
+        monkeypatch.setattr(codecs, "CODECS", tuple(rows))
 
     return tamper
 

@@ -18,6 +18,7 @@ from lutgen.recipe.recipe import (
     load_recipe,
     parse_recipe,
 )
+from tests.fixtures.places import MAPS
 
 GOOD = """
 [robot]
@@ -471,7 +472,7 @@ def test_links_or_contacts_beside_python_are_refused(tmp_path):
             parse_recipe(text, str(tmp_path / "coded.toml"), allow_python=True)
 
 
-def test_every_recipe_of_the_project_reads_and_is_named_after_its_file(MAPS):
+def test_every_recipe_of_the_project_reads_and_is_named_after_its_file():
     paths = sorted(MAPS.glob("*.toml"))
     assert {path.stem for path in paths} >= {
         *("absolem", "paper_one", "paper_two", "three_leg_sphere")

@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 from lutgen.errors import InputError
 from lutgen.recipe.kinematics import forward, postures, radii_and_kinds
 from lutgen.recipe.recipe import load_recipe, parse_recipe
+from tests.fixtures.places import MAPS
 
 SWEEP = """
 [sweep.gravity]
@@ -290,7 +291,7 @@ def paper_vector(elevation, azimuth):
     return math.hypot(20.0, 12.0) * np.array(place)
 
 
-def test_the_paper_s_wheels_are_at_their_elevations_below_the_body(MAPS):
+def test_the_paper_s_wheels_are_at_their_elevations_below_the_body():
     nominal = math.atan(0.6)
     alpha, gamma = 0.2, 0.7
     third = 2.0 * math.pi / 3.0
@@ -304,7 +305,7 @@ def test_the_paper_s_wheels_are_at_their_elevations_below_the_body(MAPS):
     np.testing.assert_allclose(one[0], wheels, rtol=0, atol=1e-13)
 
 
-def test_absolem_weighs_29_kg_and_has_its_published_com_with_the_flippers_up(MAPS):
+def test_absolem_weighs_29_kg_and_has_its_published_com_with_the_flippers_up():
     recipe = load_recipe(MAPS / "absolem.toml")
     # Sum of decimal numbers.
     assert sum(link.mass for link in recipe.links) == pytest.approx(29.360, abs=1e-12)
@@ -313,7 +314,7 @@ def test_absolem_weighs_29_kg_and_has_its_published_com_with_the_flippers_up(MAP
     np.testing.assert_allclose(up.com, [[-0.0322, -0.0057, 0.0988]], rtol=0, atol=1e-4)
 
 
-def test_absolem_flippers_point_outward_at_zero_and_rise_with_a_positive_angle(MAPS):
+def test_absolem_flippers_point_outward_at_zero_and_rise_with_a_positive_angle():
     recipe = load_recipe(MAPS / "absolem.toml")
     tips = [i for i, name in enumerate(recipe.contact_names) if name.endswith("_tip")]
     names = [recipe.contact_names[i] for i in tips]
@@ -330,13 +331,13 @@ def test_absolem_flippers_point_outward_at_zero_and_rise_with_a_positive_angle(M
         np.testing.assert_allclose(places[row], wanted, rtol=0, atol=1e-15)
 
 
-def test_absolem_discs_keep_their_axes_across_the_robot(MAPS):
+def test_absolem_discs_keep_their_axes_across_the_robot():
     result = forward(load_recipe(MAPS / "absolem.toml"), [[0.7, -2.0]])
     # One or two rotations about y, and a yaw of half a turn.
     np.testing.assert_allclose(np.abs(result.axes[0]), [[0, 1, 0]] * 12, rtol=0, atol=1e-15)
 
 
-def test_the_tripod_s_lean_moves_its_com_and_its_first_foot_sideways(MAPS):
+def test_the_tripod_s_lean_moves_its_com_and_its_first_foot_sideways():
     recipe = load_recipe(MAPS / "three_leg_sphere.toml")
     straight, left = forward(recipe, [[0.8, 0.0], [0.8, 0.5]]).com
     # Straight: the three legs cancel; 0.4 of 3.2 kg swings by 0.125 cos(0.8) sin(0.5).
@@ -370,7 +371,7 @@ def test_a_robot_given_by_code_is_shifted_to_its_com(tmp_path):
         forward(recipe, [[9.0]])
 
 
-def test_plain_python_gives_the_same_postures_as_the_compiled_kernel(MAPS):
+def test_plain_python_gives_the_same_postures_as_the_compiled_kernel():
     script = (
         "import sys, numpy as np\n"
         "from lutgen.recipe.recipe import load_recipe\n"
