@@ -24,8 +24,8 @@ SECONDS, CHUNK = 4.0, 50
 STILL, REST = math.radians(0.001), 8
 # A balance is as unstable as a pencil on its point, so it is not watched for long: what counts is
 # which contacts carry in `LAST` steps after `FIRST` (ms).  One under a hundredth of the weight
-# flutters, which is why one instant would not do.
-FIRST, LAST = 100, 50
+# flutters, which is why one instant would not do: seen to be in the air for 60 ms on end.
+FIRST, LAST = 100, 100
 
 
 @dataclass(frozen=True)
