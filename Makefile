@@ -20,7 +20,7 @@ EXPORTS := $(NAMES:%=build/maps/%/firmware.stamp)
 # Recipes lie in maps/, imported ones in build/maps.
 vpath %.toml maps build/maps
 SOURCES := $(shell find lutgen -name '*.py')
-EXPORTER := $(shell find firmware_export -name '*.py' -o -path '*/runtime/*')
+EXPORTER := $(shell find firmware_export -name '*.py' -o -path '*/runtime/*' -not -name '*.so')
 UV := $(shell command -v uv 2>/dev/null)
 VENV := $(if $(UV),uv venv --quiet --allow-existing --python '>=3.11',$(PYTHON) -m venv) .venv
 INSTALL := $(if $(UV),uv pip install --quiet --python $(BIN)/python,$(BIN)/python -m pip install -qq) -e
