@@ -1,6 +1,7 @@
 """Builds the C runtime for this machine; all else about the package is in pyproject.toml."""
 
 import hashlib
+import shutil
 from pathlib import Path
 
 from setuptools import Extension, setup
@@ -16,6 +17,16 @@ FLAGS = ["-std=c99", "-O2", "-ffp-contract=off", "-fno-fast-math"]
 
 class BuildLibrary(build_ext):
     """A plain library for ctypes and no module: it needs no header of Python, and exports none."""
+
+    def build_extensions(self) -> None:
+        """Build with the compiler that is here: Python's own was another machine's, perhaps."""
+        here = next(filter(shutil.which, ("cc", "gcc", "clang")), None)
+        if here is not None:
+            for step in ("compiler", "compiler_so", "linker_so"):
+                words = getattr(self.compiler, step, None)
+                if words and not shutil.which(words[0]):
+                    self.compiler.set_executable(step, [here, *words[1:]])
+        super().build_extensions()
 
     def get_export_symbols(self, ext: Extension) -> list[str]:
         """Return the names to export: those of the extension alone."""
