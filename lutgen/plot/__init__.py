@@ -1,12 +1,11 @@
 """Figures of a robot's stability, from a map or a recipe.
 
-In reading order: `box`, `view`, `labels`, `style`, `marks`, `path`, `robot`, `animation`,
-`levels`, `curve`, `metrics`, `plane`, `sphere`, `tilt`, `kinds`, `choices`, `figure`, `steps`.
+In reading order: `box`, `view`, `labels`, `style`, `marks`, `levels`, `path`, `robot`, `animation`,
+`curve`, `metrics`, `plane`, `sphere`, `tilt`, `choices`, `figure`, `steps`.
 """
 
 from lutgen.plot.animation import animate, check_animation
-from lutgen.plot.figure import draw
-from lutgen.plot.kinds import KINDS
+from lutgen.plot.figure import KINDS, draw
 from lutgen.plot.path import draw_path
 from lutgen.plot.steps import draw_steps
 from lutgen.plot.style import save

@@ -30,15 +30,13 @@ from PIL import Image
 from lutgen.analysis import Diagnosis, Posture, diagnose
 from lutgen.errors import InputError
 from lutgen.files import write_bytes
-from lutgen.plot.box import box_axes
+from lutgen.plot.box import box_axes, set_limits
 from lutgen.plot.labels import angle_text, length_label
 from lutgen.plot.path import RED, draw_angles
 from lutgen.plot.robot import rims
 from lutgen.plot.style import BLUE, GREEN, GREY, house_style, new_figure
 from lutgen.recipe import Recipe
 from lutgen.search import Drive
-
-__all__ = ["MOST_FRAMES", "animate", "check_animation", "to_world"]
 
 Floats = NDArray[np.float64]
 
@@ -52,6 +50,7 @@ RESOLUTION = 100
 # Inches.  Both sides are whole even numbers of dots, which films need.
 WIDTH, HEIGHT = 6.4, 4.5
 ELEVATION, AZIMUTH = 14.0, -68.0
+DOWN = (0.0, 0.0, -1.0)
 EARTH = "#dcdcdc"
 # Half a side of the ground that is drawn and the distance of its lines, in reaches of the robot.
 GROUND, LINES = 1.15, 0.5
@@ -118,14 +117,12 @@ def animate(recipe: Recipe, runs: Mapping[str, Drive], path: str | os.PathLike[s
 
 def _gif(frames: Iterator[Floats], pause: float) -> bytes:
     """Return frames (height, width, 3) uint8 as a GIF that repeats."""
-    pictures = [Image.fromarray(frame) for frame in frames]
+    pictures = list(frames)
     # One palette for all, so that colours do not flicker.
     some = [pictures[i] for i in sorted({0, len(pictures) // 2, len(pictures) - 1})]
-    joined = Image.new("RGB", (some[0].width, some[0].height * len(some)))
-    for i, picture in enumerate(some):
-        joined.paste(picture, (0, i * picture.height))
+    joined = Image.fromarray(np.concatenate(some))
     palette = joined.quantize(COLOURS, method=Image.Quantize.MAXCOVERAGE)
-    few = [p.quantize(palette=palette, dither=Image.Dither.NONE) for p in pictures]
+    few = [Image.fromarray(p).quantize(palette=palette, dither=Image.Dither.NONE) for p in pictures]
     out = io.BytesIO()
     duration = round(1000.0 * pause)
     few[0].save(out, format="GIF", save_all=True, append_images=few[1:], duration=duration, loop=0)
@@ -163,10 +160,10 @@ class _Film:
             _Robot(self.figure, i * share, share, recipe, name, run)
             for i, (name, run) in enumerate(runs.items())
         ]
-        self.distance = last.path.distance
+        self.path = last.path
         strips = [self.figure.add_axes((0.1, low, 0.88, 0.14)) for low in (0.265, 0.1)]
         for axes in strips:
-            axes.set_xlim(0.0, float(self.distance[-1]))
+            axes.set_xlim(0.0, float(self.path.distance[-1]))
             axes.yaxis.set_major_locator(MaxNLocator(3))
             axes.yaxis.set_label_coords(-0.065, 0.5)
         self.dot = _terrain(strips[0], recipe, last)
@@ -178,17 +175,13 @@ class _Film:
         """Return the picture at point i, (height, width, 3) uint8."""
         for robot in self.robots:
             robot.move(i)
-        here = float(self.distance[i])
+        here, height = float(self.path.distance[i]), float(self.path.position[i, 2])
         for cursor in self.cursors:
             cursor.set_xdata([here, here])
-        self.dot.set_data([here], [self.height(i)])
+        self.dot.set_data([here], [height])
         canvas: Any = self.figure.canvas
         canvas.draw()
         return np.asarray(canvas.buffer_rgba())[..., :3].copy()
-
-    def height(self, i: int) -> float:
-        """Return the terrain's height at point i."""
-        return float(self.robots[-1].run.path.position[i, 2])
 
 
 def _terrain(axes: Axes, recipe: Recipe, run: Drive) -> Line2D:
@@ -212,32 +205,31 @@ class _Robot:
     ) -> None:
         self.recipe, self.run, self.name = recipe, run, name
         self.travel = _travel(run)
-        first = diagnose(Posture(recipe, run.params[0]), run.gravity_body[0])
+        # Where contacts are does not depend on gravity.
         states = [
-            diagnose(Posture(recipe, p), [0.0, 0.0, -1.0])
-            for p in (run.params.min(axis=0), run.params.max(axis=0))
+            diagnose(Posture(recipe, params), DOWN)
+            for params in (run.params[0], run.params.min(axis=0), run.params.max(axis=0))
         ]
         self.reach = max(
-            float((np.linalg.norm(s.centres, axis=1) + s.radius).max()) for s in (first, *states)
+            float((np.linalg.norm(s.centres, axis=1) + s.radius).max()) for s in states
         )
         chord = run.path.position[-1] - run.path.position[0]
         yaw = math.degrees(math.atan2(chord[1], chord[0]))
         axes = box_axes(figure, ELEVATION, yaw + AZIMUTH)
         axes.set_axis_off()
         axes.set_position((left, 0.4, share, 0.56))
-        half = 1.15 * self.reach
-        axes.set(xlim=(-half, half), ylim=(-half, half), zlim=(-half, half))
+        half = np.full(3, 1.15 * self.reach)
+        set_limits(axes, -half, half)
         axes.set_box_aspect((1.0, 1.0, 1.0), zoom=1.4)
         axes.patch.set_visible(False)
         self.title = figure.text(left + 0.02, 0.985, name, va="top")
         self.ground = Poly3DCollection([], facecolor=EARTH, edgecolor=GREY, linewidth=0.5)
         self.lines = Line3DCollection([], colors=GREY, linewidths=0.3)
         self.support = Poly3DCollection([], facecolor=GREEN, alpha=0.35, edgecolor="none")
-        self.body = Line3DCollection([], colors="black", linewidths=1.1)
         self.wheels = Line3DCollection([], colors=GREY, linewidths=1.2)
-        for order, part in enumerate(
-            (self.ground, self.lines, self.support, self.wheels, self.body), 1
-        ):
+        self.body = Line3DCollection([], colors="black", linewidths=1.1)
+        parts = (self.ground, self.lines, self.support, self.wheels, self.body)
+        for order, part in enumerate(parts, 1):
             part.set_zorder(order)
             # A steep ground may leave the box; the strips below lie on top of it.
             part.set_clip_on(False)
@@ -265,7 +257,7 @@ class _Robot:
 
     def _stand(self, state: Diagnosis, turn: Floats, i: int, tips: bool) -> None:
         """Draw the ground under the robot, its support polygon and the plumb line."""
-        normal, height = np.array([0.0, 0.0, -1.0]), self.reach
+        normal, height = np.array(DOWN), self.reach
         corners: list[Floats] = []
         if state.facet is not None:
             normal, height = turn @ state.facet.normal, state.facet.height
@@ -284,16 +276,12 @@ class _Robot:
         self.ground.set_verts([foot + half * sides])
         # Lines that stay behind show how far the robot has come.
         begin = -half + (-float(self.run.path.distance[i])) % step
-        places = np.arange(begin, half, step)
-        self.lines.set_segments(
-            [
-                np.array([foot + p * along - half * across, foot + p * along + half * across])
-                for p in places
-            ]
-        )
+        middles = foot + np.arange(begin, half, step)[:, None] * along
+        ends = [middles - half * across, middles + half * across]
+        self.lines.set_segments(np.stack(ends, axis=1))
         # Down from the com to the ground, or as far as the box goes on a wall.
-        rate = -float(normal[2])
-        length = min(height / rate, 1.3 * self.reach) if rate > 0.0 else 1.3 * self.reach
+        rate, furthest = -float(normal[2]), 1.3 * self.reach
+        length = min(height / rate, furthest) if rate > 0.0 else furthest
         self.plumb.set_data_3d([0.0, 0.0], [0.0, 0.0], [0.0, -length])
         self.plumb.set_color(RED if tips else BLUE)
 

@@ -14,8 +14,6 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import proj3d  # type: ignore[import-untyped]
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["box_axes", "extent", "fit_box", "place"]
-
 Floats = NDArray[np.float64]
 
 # Space beside the box and between the parts of a figure, inches.
@@ -36,46 +34,47 @@ def box_axes(figure: Figure, elevation: float, azimuth: float) -> Any:
     return axes
 
 
+def set_limits(axes: Any, low: ArrayLike, high: ArrayLike) -> None:
+    """Set the limits of the three axes, (3,) each."""
+    ends = np.transpose([low, high]).tolist()
+    axes.set(**dict(zip(("xlim", "ylim", "zlim"), ends, strict=True)))
+
+
+def enlarge(figure: Figure, axes: Any, aspect: ArrayLike, room: Floats) -> tuple[Floats, Floats]:
+    """Make a box with sides like `aspect` (3,) fill `room` (2,), inches; return its `extent`."""
+    zoom = 1.0
+    for _ in range(ROUNDS):
+        axes.set_box_aspect(aspect, zoom=zoom)
+        figure.draw_without_rendering()
+        corner, far = extent(figure, axes)
+        zoom *= float((room / (far - corner)).min())
+    axes.set_box_aspect(aspect, zoom=zoom)
+    figure.draw_without_rendering()
+    return extent(figure, axes)
+
+
 def fit_box(
-    figure: Figure,
-    axes: Any,
-    aspect: ArrayLike,
-    heading: str,
-    handles: Sequence[Artist],
-    size: tuple[float, float] | None,
+    figure: Figure, axes: Any, aspect: ArrayLike, heading: str, handles: Sequence[Artist]
 ) -> None:
     """Add title and legend, and make the box as large as fits between them.
 
-    `aspect` (3,) are the relative lengths of the box's sides.
-    Without a given size (inches) the figure then loses the height that the box does not need.
+    `aspect` (3,) are the relative lengths of the box's sides.  The figure then loses the height
+    that the box does not need.
     """
-    axes.set_box_aspect(aspect)
     title = figure.suptitle(heading, x=MARGIN / figure.get_figwidth(), ha="left", va="top")
     legend = figure.legend(handles=handles, loc="lower center", ncols=2, columnspacing=1.0)
-    figure.draw_without_rendering()
     width, height = figure.get_size_inches()
     over = title.get_window_extent().height / figure.dpi + 2.0 * MARGIN
     under = legend.get_window_extent().height / figure.dpi + MARGIN if handles else MARGIN
-    room = (width - 2.0 * MARGIN, height - over - under)
-    zoom = 1.0
-    for _ in range(ROUNDS):
-        corner, far = extent(figure, axes)
-        zoom *= float((np.array(room) / (far - corner)).min())
-        axes.set_box_aspect(aspect, zoom=zoom)
-        figure.draw_without_rendering()
-    corner, far = extent(figure, axes)
-    whole = height if size is not None else over + (far - corner)[1] + under
+    room = np.array([width - 2.0 * MARGIN, height - over - under])
+    corner, far = enlarge(figure, axes, aspect, room)
+    whole = over + (far - corner)[1] + under
     # In inches: the middle of the box goes to the middle of its room.
     shift = np.array([width, whole + under - over]) / 2.0 - (corner + far) / 2.0
     x, y, across, up = WIDE
     figure.set_size_inches(width, whole)
     axes.set_position(
-        (
-            x + shift[0] / width,
-            (y * height + shift[1]) / whole,
-            across,
-            up * height / whole,
-        )
+        (x + shift[0] / width, (y * height + shift[1]) / whole, across, up * height / whole)
     )
     title.set_y(1.0 - MARGIN / whole)
     figure.draw_without_rendering()

@@ -5,24 +5,39 @@ Every wrong option is refused in one sentence that names the way out.
 
 import difflib
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import NoReturn, TypedDict
 
 import numpy as np
+from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from lutgen.channels import CONVENTIONS, body_gravity
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 from lutgen.mapping import StabilityMap
-from lutgen.plot.kinds import KINDS
 from lutgen.plot.view import SLACK, View, is_sealed, limits
 from lutgen.quantities import RANKED
 from lutgen.recipe import Recipe
 
-__all__ = ["Choices", "choose"]
-
 DOWN = (0.0, 0.0, -1.0)
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of figure: how it is drawn, and what may be asked of it.
+
+    `paint` draws it; `varies` is the number of parameters along its axes; `of_robot` tells whether
+    it needs the robot itself, and not a map of code that is not run; `turns` whether it turns
+    gravity in the body itself.
+    """
+
+    name: str
+    paint: Callable[[View], Figure]
+    varies: int = 0
+    of_robot: bool = False
+    turns: bool = False
 
 
 class Choices(TypedDict, total=False):
@@ -36,31 +51,29 @@ class Choices(TypedDict, total=False):
     tilt: float
 
 
-def choose(kind: str, source: StabilityMap | Recipe, asked: Choices) -> View:
+def choose(kind: Kind, source: StabilityMap | Recipe, asked: Choices) -> View:
     """Check the options of `lutgen.plot.draw` and fill in what was left out."""
     channel, convention = asked.get("channel", "sdg"), asked.get("convention", "body")
     tilt = asked.get("tilt", 20.0)
-    if kind not in KINDS:
-        _refuse("unknown kind of figure", kind, _nearest(kind, KINDS))
     stability_map = None if isinstance(source, Recipe) else source
     recipe = source if isinstance(source, Recipe) else source.recipe
     if channel not in RANKED:
-        _refuse("channel cannot be drawn", channel, _nearest(channel, RANKED))
-    if stability_map is not None and KINDS[kind].varies:
+        refuse("channel cannot be drawn", channel, nearest(channel, RANKED))
+    if stability_map is not None and kind.varies:
         held = [name for name in stability_map.channels if name in RANKED]
         if channel not in held:
-            _refuse("channel is not in the map", channel, f"{_nearest(channel, held)} or a recipe")
+            refuse("channel is not in the map", channel, f"{nearest(channel, held)} or a recipe")
     if not 0.0 <= tilt <= 180.0:
-        _refuse("tilt must lie between 0 and 180 deg", f"{tilt:g}", "20 is the default")
-    if KINDS[kind].of_robot and is_sealed(recipe):
-        _refuse(
-            f"a {kind} figure needs the robot itself",
+        refuse("tilt must lie between 0 and 180 deg", f"{tilt:g}", "20 is the default")
+    if kind.of_robot and is_sealed(recipe):
+        refuse(
+            f"a {kind.name} figure needs the robot itself",
             f"a map of `{recipe.python}`",
             "draw it from the recipe, with its code allowed",
         )
     direction = unit_directions(np.asarray(asked.get("gravity", DOWN), dtype=np.float64))
     if direction.shape != (3,):
-        _refuse("gravity must be one direction", np.shape(asked["gravity"]), "give x, y, z")
+        refuse("gravity must be one direction", np.shape(asked["gravity"]), "give x, y, z")
     params = asked.get("params") or {}
     given = {name: _value(recipe, stability_map, name, v) for name, v in params.items()}
     columns = _columns(kind, recipe, given, asked.get("axes"))
@@ -69,21 +82,22 @@ def choose(kind: str, source: StabilityMap | Recipe, asked: Choices) -> View:
         for i, p in enumerate(recipe.parameters)
     ]
     if convention not in CONVENTIONS:
-        _refuse("unknown convention", convention, _nearest(convention, dict.fromkeys(CONVENTIONS)))
+        refuse("unknown convention", convention, nearest(convention, CONVENTIONS))
     if convention == "plane":
         if stability_map is not None:
-            _refuse("gravity of a map is fixed in the body", convention, "draw from the recipe")
-        if KINDS[kind].turns:
-            _refuse(f"a {kind} figure turns gravity in the body itself", convention, "leave it out")
-    if convention == "plane" and kind == "robot":
-        # One posture: where gravity points in its body is all there is to know.
-        direction = body_gravity(recipe, np.array([middle]), direction, convention)[0]
+            refuse("gravity of a map is fixed in the body", convention, "draw from the recipe")
+        if kind.turns:
+            what = f"a {kind.name} figure turns gravity in the body itself"
+            refuse(what, convention, "leave it out")
+        if kind.name == "robot":
+            # One posture: where gravity points in its body is all there is to know.
+            direction = body_gravity(recipe, np.array([middle]), direction, convention)[0]
     view = View(
-        *(kind, recipe, stability_map, np.array(middle), direction, channel, columns, convention),
-        math.radians(tilt),
+        *(kind.name, recipe, stability_map, np.array(middle), direction, channel, columns),
+        *(convention, math.radians(tilt)),
     )
-    if KINDS[kind].varies == 2 and stability_map is not None and not view.on_chart():
-        _refuse(
+    if kind.varies == 2 and stability_map is not None and not view.on_chart():
+        refuse(
             "gravity is outside the map's chart",
             ", ".join(f"{x:g}" for x in direction),
             "choose a direction that the map covers, or draw from the recipe",
@@ -92,36 +106,42 @@ def choose(kind: str, source: StabilityMap | Recipe, asked: Choices) -> View:
 
 
 def _columns(
-    kind: str, recipe: Recipe, given: Mapping[str, float], axes: Sequence[str] | None
+    kind: Kind, recipe: Recipe, given: Mapping[str, float], axes: Sequence[str] | None
 ) -> tuple[int, ...]:
     """Return the columns of the parameters that the figure varies."""
     names = [parameter.name for parameter in recipe.parameters]
-    count = KINDS[kind].varies
+    count = kind.varies
     if axes is None:
         free = [name for name in names if name not in given]
         if len(free) < count:
-            _refuse(
-                f"a {kind} varies {count} parameter(s) of {recipe.name}",
+            refuse(
+                f"a {kind.name} varies {count} parameter(s) of {recipe.name}",
                 f"{len(free)} that are free",
                 f"leave more of these unset: {', '.join(names) or 'none, it has no parameters'}",
             )
         return tuple(names.index(name) for name in free[:count])
     if len(axes) != count or len(set(axes)) != count:
-        _refuse(f"a {kind} needs {count} different axes", ", ".join(axes) or "none", "correct axes")
+        what = f"a {kind.name} needs {count} different axes"
+        refuse(what, ", ".join(axes) or "none", "correct axes")
+    columns = []
     for name in axes:
-        if name not in names:
-            _refuse(f"unknown parameter of {recipe.name}", name, _nearest(name, names))
+        columns.append(_column(recipe, name))
         if name in given:
-            _refuse("parameter is both fixed and an axis", name, "leave it out of one of them")
-    return tuple(names.index(name) for name in axes)
+            refuse("parameter is both fixed and an axis", name, "leave it out of one of them")
+    return tuple(columns)
+
+
+def _column(recipe: Recipe, name: str) -> int:
+    """Return the place of a parameter."""
+    names = [parameter.name for parameter in recipe.parameters]
+    if name not in names:
+        refuse(f"unknown parameter of {recipe.name}", name, nearest(name, names))
+    return names.index(name)
 
 
 def _value(recipe: Recipe, stability_map: StabilityMap | None, name: str, value: float) -> float:
     """Return a given parameter value in rad or length, inside its range."""
-    names = [parameter.name for parameter in recipe.parameters]
-    if name not in names:
-        _refuse(f"unknown parameter of {recipe.name}", name, _nearest(name, names))
-    column = names.index(name)
+    column = _column(recipe, name)
     parameter = recipe.parameters[column]
     low, high = limits(recipe, stability_map, column)
     inside = float(parameter.stored(value))
@@ -129,7 +149,7 @@ def _value(recipe: Recipe, stability_map: StabilityMap | None, name: str, value:
     if not low - slack <= inside <= high + slack:
         shown = parameter.shown(np.array([low, high]))
         unit = "" if parameter.display_unit == "1" else f" {parameter.display_unit}"
-        _refuse(
+        refuse(
             f"parameter `{name}` is outside its range",
             f"{value:g}",
             f"choose from {shown[0]:g} to {shown[1]:g}{unit}",
@@ -137,7 +157,7 @@ def _value(recipe: Recipe, stability_map: StabilityMap | None, name: str, value:
     return min(max(inside, low), high)
 
 
-def _nearest(name: str, known: Sequence[str] | Mapping[str, object]) -> str:
+def nearest(name: str, known: Iterable[str]) -> str:
     """Return the way out of a misspelt name."""
     names = list(known)
     close = difflib.get_close_matches(name, names, 1)
@@ -146,5 +166,6 @@ def _nearest(name: str, known: Sequence[str] | Mapping[str, object]) -> str:
     return f"choose from {', '.join(names) or 'none'}"
 
 
-def _refuse(what: str, got: object, way_out: str) -> NoReturn:
+def refuse(what: str, got: object, way_out: str) -> NoReturn:
+    """Say what is wrong with an option, what it was, and the way out."""
     raise InputError(f"plot: {what} (got {got}); {way_out}.")

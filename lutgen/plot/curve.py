@@ -1,19 +1,20 @@
 """Curve: a channel and the height |OC| over one parameter at one gravity direction."""
 
+from typing import Any
+
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from lutgen.plot.labels import axis_label, channel_label, optimum_text, symbol, title
-from lutgen.plot.levels import jumps
-from lutgen.plot.marks import PLATE, TIPS, degree_ticks, mark_optimum, tip_patch, write_beside
-from lutgen.plot.style import BLUE, GREY, HATCH, ORANGE, WASH, new_figure
+from lutgen.plot.labels import channel_label, name_axes, optimum_text, title
+from lutgen.plot.levels import intervals, jumps
+from lutgen.plot.marks import CENTRED, HATCHED, PLATE, TIPS, mark_optimum, tip_patch, write_beside
+from lutgen.plot.style import BLUE, ORANGE, new_figure
 from lutgen.plot.view import View, optimum
 from lutgen.quantities import QUANTITIES
-
-__all__ = ["SIZE", "draw_curve", "shade_intervals"]
 
 Floats = NDArray[np.float64]
 
@@ -23,19 +24,15 @@ SAMPLES = 401
 NARROW = 0.2
 
 
-def draw_curve(view: View, size: tuple[float, float] | None) -> Figure:
+def draw_curve(view: View) -> Figure:
     """Return the figure; its lines hold the data in display units."""
     values = _samples(view)
     shown = view.shown(0, values)
-    wanted = dict.fromkeys((view.channel, "height", "tip_angle"))
-    exact = view.exact(view.postures(values), view.gravity_dir, *wanted)
-    figure = new_figure(size or SIZE)
+    exact = _exact(view, values)
+    figure = new_figure(SIZE)
     axes = figure.add_subplot()
     axes.set_title(title(view, gravity=True))
-    axes.set_xlabel(axis_label(view.parameter(0)))
-    axes.set_xlim(shown[0], shown[-1])
-    if view.parameter(0).display_unit == "deg":
-        degree_ticks(axes.xaxis, shown[0], shown[-1])
+    name_axes(axes, view, shown)
     lines = [_line(axes, view, view.channel, shown, exact, BLUE, "-")]
     if view.channel != "height":
         twin = axes.twinx()
@@ -43,41 +40,43 @@ def draw_curve(view: View, size: tuple[float, float] | None) -> Figure:
         # The twin is drawn last; lift the first axes, whose notes belong on top.
         axes.set_zorder(twin.get_zorder() + 1)
         axes.patch.set_visible(False)
-    handles: list[Line2D | object] = list(lines)
-    handles += _nodes(axes, view)
+    handles: list[Artist] = [*lines, *_nodes(axes, view)]
     if shade_intervals(axes, shown, exact["tip_angle"]):
         handles.append(tip_patch())
     figure.legend(
         handles=handles, loc="outside lower center", ncols=len(handles), columnspacing=1.2
     )
-    best = optimum(view.channel, _where_it_stands(view.channel, exact))
+    best = _best(view, exact)
     if best is not None:
+        at = float(shown[best])
         value = float(QUANTITIES[view.channel].shown(exact[view.channel][best]))
+        text = optimum_text(view, value, lines[0].get_ydata(), at, "\n")
         figure.draw_without_rendering()
         paths = [line.get_transform().transform(line.get_xydata()) for line in lines]
-        text = optimum_text(view, value, lines[0].get_ydata(), shown[best : best + 1], "\n")
-        mark_optimum(axes, float(shown[best]), value, text)
-        clear = [path[np.isfinite(path).all(axis=1)] for path in paths]
-        write_beside(axes, float(shown[best]), value, text, clear)
+        mark_optimum(axes, at, value, text)
+        write_beside(axes, at, value, text, paths)
     return figure
 
 
 def _samples(view: View) -> Floats:
     """Return the parameter's values: even, and once more between the neighbours of the optimum."""
-    ends = view.ends(0)
-    even = np.linspace(*ends, SAMPLES)
-    wanted = dict.fromkeys((view.channel, "tip_angle"))
-    exact = view.exact(view.postures(even), view.gravity_dir, *wanted)
-    best = optimum(view.channel, _where_it_stands(view.channel, exact))
+    even = np.linspace(*view.ends(0), SAMPLES)
+    best = _best(view, _exact(view, even))
     if best is None:
         return even
     near = np.linspace(even[max(best - 1, 0)], even[min(best + 1, SAMPLES - 1)], SAMPLES)
     return np.unique(np.concatenate([even, near]))
 
 
-def _where_it_stands(channel: str, exact: dict[str, Floats]) -> Floats:
-    """Return a channel with NaN where the robot tips over, as |SD_g| has it anyway."""
-    return np.where(exact["tip_angle"] < 0.0, np.nan, exact[channel])
+def _exact(view: View, values: Floats) -> dict[str, Floats]:
+    """Return what is drawn at values of the parameter."""
+    return view.exact(view.postures(values), view.gravity_dir, view.channel, "height", "tip_angle")
+
+
+def _best(view: View, exact: dict[str, Floats]) -> int | None:
+    """Return the best sample where the robot stands, if it does anywhere."""
+    # |SD_g| is NaN where it tips over anyway.
+    return optimum(view.channel, np.where(exact["tip_angle"] < 0.0, np.nan, exact[view.channel]))
 
 
 def _line(
@@ -101,7 +100,8 @@ def _line(
         axes.set_yticks([])
     axes.set_ylabel(channel_label(view.recipe, channel), color=colour)
     axes.tick_params(axis="y", colors=colour)
-    (line,) = axes.plot(shown, values, color=colour, linestyle=dashes, label=symbol(channel))
+    label = QUANTITIES[channel].symbol
+    (line,) = axes.plot(shown, values, color=colour, linestyle=dashes, label=label)
     return line
 
 
@@ -111,43 +111,22 @@ def _nodes(axes: Axes, view: View) -> list[Line2D]:
         return []
     knots = view.knots(0, 0)
     postures = view.postures(knots)
-    values = QUANTITIES[view.channel].shown(view.drawn(postures, view.gravity_dir))
+    values = QUANTITIES[view.channel].shown(view.drawn(postures))
     label = "map nodes" if view.at_node() else "map, interpolated"
-    return axes.plot(
-        view.shown(0, knots),
-        values,
-        linestyle="none",
-        marker="o",
-        markersize=2.2,
-        markerfacecolor=BLUE,
-        markeredgewidth=0.0,
-        label=label,
-    )
+    look: dict[str, Any] = {"markersize": 2.2, "markerfacecolor": BLUE, "markeredgewidth": 0.0}
+    return axes.plot(view.shown(0, knots), values, "o", label=label, **look)
 
 
 def shade_intervals(axes: Axes, shown: Floats, tip_angle: Floats) -> bool:
     """Hatch and label the intervals that tip over; False if there are none."""
-    tips = tip_angle < 0.0
-    if not tips.any():
-        return False
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], tips, [False]]).astype(int)))
-    for begin, end in edges.reshape(-1, 2):
-        low = _crossing(shown, tip_angle, begin)
-        high = _crossing(shown, tip_angle, end)
-        axes.axvspan(
-            low, high, facecolor=WASH, edgecolor=GREY, hatch=HATCH, linewidth=0.0, zorder=0.5
-        )
+    found = intervals(tip_angle < 0.0)
+    for ends in found:
+        low, high = (_crossing(shown, tip_angle, sample) for sample in ends)
+        axes.axvspan(low, high, linewidth=0.0, zorder=0.5, **HATCHED)
         if high - low > NARROW * (shown[-1] - shown[0]):
-            axes.text(
-                (low + high) / 2.0,
-                0.5,
-                TIPS,
-                transform=axes.get_xaxis_transform(),
-                ha="center",
-                va="center",
-                bbox=PLATE,
-            )
-    return True
+            across = axes.get_xaxis_transform()
+            axes.text((low + high) / 2.0, 0.5, TIPS, transform=across, bbox=PLATE, **CENTRED)
+    return len(found) > 0
 
 
 def _crossing(shown: Floats, tip_angle: Floats, sample: int) -> float:

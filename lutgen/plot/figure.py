@@ -1,29 +1,36 @@
-"""One entry for all figures."""
+"""The kinds of figures, and one entry for all."""
 
 from typing import Unpack
 
 from matplotlib.figure import Figure
 
-from lutgen.errors import InputError
 from lutgen.mapping import StabilityMap
-from lutgen.plot.choices import Choices, choose
-from lutgen.plot.kinds import KINDS
-from lutgen.plot.style import house_style, settled
+from lutgen.plot.choices import Choices, Kind, choose, nearest, refuse
+from lutgen.plot.curve import draw_curve
+from lutgen.plot.metrics import draw_metrics
+from lutgen.plot.plane import draw_contour, draw_surface
+from lutgen.plot.robot import draw_robot
+from lutgen.plot.sphere import draw_sphere
+from lutgen.plot.style import in_house_style
+from lutgen.plot.tilt import draw_polar
 from lutgen.recipe import Recipe
 
-__all__ = ["draw"]
+KINDS = {
+    kind.name: kind
+    for kind in (
+        Kind("curve", draw_curve, varies=1),
+        Kind("contour", draw_contour, varies=2),
+        Kind("surface", draw_surface, varies=2),
+        Kind("sphere", draw_sphere, turns=True),
+        Kind("polar", draw_polar, of_robot=True, turns=True),
+        Kind("metrics", draw_metrics, of_robot=True, turns=True),
+        Kind("robot", draw_robot, of_robot=True),
+    )
+}
 
-# Sides in inches: nothing can be read below, and pictures grow too large above.
-SMALLEST, LARGEST = 2.0, 40.0
 
-
-def draw(
-    kind: str,
-    source: StabilityMap | Recipe,
-    *,
-    size: tuple[float, float] | None = None,
-    **asked: Unpack[Choices],
-) -> Figure:
+@in_house_style
+def draw(kind: str, source: StabilityMap | Recipe, **asked: Unpack[Choices]) -> Figure:
     """Draw a figure.
 
     Parameters
@@ -53,8 +60,6 @@ def draw(
         latter for recipes only, and not for `sphere`, `polar` and `metrics`.
     tilt : float
         Degrees; used by `metrics` only.
-    size : (float, float), optional
-        Width and height in inches; the default fits a journal's column.
 
     Returns
     -------
@@ -67,11 +72,6 @@ def draw(
         For an unknown kind, parameter or channel, a value outside its range, and a direction
         that the map does not cover.
     """
-    view = choose(kind, source, asked)
-    if size is not None and not all(SMALLEST <= side <= LARGEST for side in size):
-        raise InputError(
-            f"plot: a figure measures {SMALLEST:g} to {LARGEST:g} in a side (got "
-            f"{' x '.join(f'{side:g}' for side in size)}); give width and height in inches."
-        )
-    with house_style():
-        return settled(KINDS[kind].paint(view, size))
+    if kind not in KINDS:
+        refuse("unknown kind of figure", kind, nearest(kind, KINDS))
+    return KINDS[kind].paint(choose(KINDS[kind], source, asked))

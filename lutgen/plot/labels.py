@@ -5,38 +5,24 @@ Owns every text that depends on the robot; angles become degrees here.
 
 import math
 import re
+from typing import Any
 
 import numpy as np
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike
 
+from lutgen.analysis import FOUR
 from lutgen.parts import Parameter
 from lutgen.plot.view import View
 from lutgen.quantities import QUANTITIES
 from lutgen.recipe import Recipe
 
-__all__ = [
-    "HEADINGS",
-    "angle_text",
-    "axis_label",
-    "channel_label",
-    "gravity_text",
-    "heading_text",
-    "length_label",
-    "number",
-    "optimum_text",
-    "parameter_text",
-    "slide_label",
-    "symbol",
-    "title",
-    "with_unit",
-]
-
 GREEK = (
     *("alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa"),
     *("lambda", "mu", "nu", "xi", "pi", "rho", "sigma", "tau", "phi", "chi", "psi", "omega"),
 )
-# Headings of `tilt.tilted` in deg.
-HEADINGS = {0: "nose down", 90: "left side down", 180: "nose up", 270: "right side down"}
+# Headings in deg, from 0 up.
+HEADINGS = {round(math.degrees(heading)) % 360: name for name, heading in FOUR.items()}
 # Characters on a line of a figure one column wide.
 COLUMN = 52
 DEGREE = "\N{DEGREE SIGN}"
@@ -54,6 +40,19 @@ def parameter_text(parameter: Parameter) -> str:
 def axis_label(parameter: Parameter) -> str:
     """Return the label of a parameter's axis, with its unit."""
     return f"{parameter_text(parameter)} ({_unit(parameter.display_unit)})"
+
+
+def name_axes(axes: Any, view: View, *shown: ArrayLike) -> None:
+    """Label and limit the axes of the parameters that a figure varies, by their values as shown."""
+    for place, (letter, values) in enumerate(zip("xy", shown, strict=False)):
+        parameter = view.parameter(place)
+        low, high = np.asarray(values)[[0, -1]]
+        axes.set(**{f"{letter}label": axis_label(parameter), f"{letter}lim": (low, high)})
+        if parameter.display_unit == "deg" and high - low > 100.0:
+            # Degrees that divide a turn.  In a box the lowest labels of two axes would meet.
+            rounds, prune = [1, 1.5, 3, 4.5, 6, 9, 10], "lower" if view.kind == "surface" else None
+            locator = MaxNLocator(7, steps=rounds, prune=prune)
+            getattr(axes, f"{letter}axis").set_major_locator(locator)
 
 
 def channel_label(recipe: Recipe, channel: str) -> str:
@@ -76,11 +75,6 @@ def heading_text(heading: float) -> str:
     return f"{angle_text(away)} {side} of the nose"
 
 
-def symbol(channel: str) -> str:
-    """Return the short name of a channel for a legend."""
-    return QUANTITIES[channel].symbol
-
-
 def slide_label(recipe: Recipe) -> str:
     """Return a legend's words for the limit of friction."""
     return rf"slides ($\mu$ = {number(recipe.friction or 0.0)})"
@@ -96,7 +90,7 @@ def optimum_text(
     one = QUANTITIES[view.channel]
     unit, end = one.shown_unit(view.recipe.length_unit), str(one.better)[:3]
     where = []
-    for i, at in enumerate(np.atleast_1d(np.asarray(place, dtype=np.float64))):
+    for i, at in enumerate(np.atleast_1d(place)):
         parameter = view.parameter(i)
         text = measured(float(at), view.shown(i, view.ends(i)), parameter.display_unit)
         where.append(f"{parameter_text(parameter)} = {text}")
@@ -113,22 +107,20 @@ def measured(value: float, among: ArrayLike, unit: str) -> str:
     return _joined(f"{value:.{decimals}f}".replace("-", MINUS), unit)
 
 
-def number(value: float, digits: int = 3) -> str:
-    """Return a number with `digits` significant digits, in print typography."""
+def number(value: float) -> str:
+    """Return a number with three significant digits, in print typography."""
     if not math.isfinite(value):
         return "none"
     if value != 0.0 and abs(value) < 1e-3:
-        mantissa, exponent = f"{value:.{digits - 2}e}".split("e")
+        mantissa, exponent = f"{value:.1e}".split("e")
         return rf"${mantissa} \times 10^{{{int(exponent)}}}$"
-    text = f"{value:.{digits}g}"
-    if "e" in text:
-        text = f"{value:.0f}"
-    return text.replace("-", MINUS)
+    text = f"{value:.3g}"
+    return (f"{value:.0f}" if "e" in text else text).replace("-", MINUS)
 
 
-def with_unit(value: float, unit: str, digits: int = 3) -> str:
+def with_unit(value: float, unit: str) -> str:
     """Return a number with its unit."""
-    return _joined(number(value, digits), unit)
+    return _joined(number(value), unit)
 
 
 def angle_text(degrees: float) -> str:
@@ -146,15 +138,14 @@ def gravity_text(view: View) -> str:
     """Return where gravity points, as tilt and heading; a plane's tilt is that of the ground."""
     x, y, z = view.gravity_dir
     tilt = math.degrees(math.atan2(math.hypot(x, y), -z))
+    words = f"{angle_text(tilt)}, {heading_text(math.degrees(math.atan2(y, x)))}"
     if view.convention == "plane" and view.kind != "robot":
-        heading = heading_text(math.degrees(math.atan2(y, x)))
-        level = tilt < 0.005
-        return "on a level plane" if level else f"on a plane of {angle_text(tilt)}, {heading}"
+        return "on a level plane" if tilt < 0.005 else f"on a plane of {words}"
     if tilt < 0.005:
         return "level ground"
     if tilt > 179.995:
         return "upside down"
-    return f"tilted {angle_text(tilt)}, {heading_text(math.degrees(math.atan2(y, x)))}"
+    return f"tilted {words}"
 
 
 def title(view: View, *, gravity: bool, more: str = "") -> str:

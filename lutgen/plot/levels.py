@@ -3,13 +3,16 @@
 Works on arrays in display units; it knows nothing of robots.
 """
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.contour import QuadContourSet
 from matplotlib.ticker import MaxNLocator
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-__all__ = ["apart", "extend", "jumps", "label_lines", "levels"]
+from lutgen.plot.style import MAP
 
 Floats = NDArray[np.float64]
 
@@ -22,13 +25,26 @@ MERGED = 2.5
 APART = 0.1
 
 
-def levels(values: Floats, most: int = 12) -> Floats:
+def levels(values: Floats) -> Floats:
     """Return round contour levels that enclose all finite values."""
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
     if not high - low > 1e-9 * max(abs(high), abs(low)):
         spread = 0.5 * abs(high) if high != 0.0 else 1.0
         low, high = low - spread, high + spread
-    return np.asarray(MaxNLocator(most, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high))
+    return np.asarray(MaxNLocator(12, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high))
+
+
+def fill(axes: Any, x: Floats, y: Floats, values: Floats, steps: Floats, **look: Any) -> Any:
+    """Colour a quantity between levels, as far as under the hatching of what is unknown."""
+    return axes.contourf(x, y, _extend(values, steps), levels=steps, cmap=MAP, **look)
+
+
+def outline(
+    axes: Axes, x: Floats, y: Floats, values: Floats, steps: Floats, **look: Any
+) -> QuadContourSet:
+    """Draw the lines of levels in white; they end at cliffs."""
+    clear = _apart(_extend(values, steps), steps[1] - steps[0])
+    return axes.contour(x, y, clear, levels=steps[1:-1], colors=["white"], **look)
 
 
 def jumps(values: Floats, axis: int = 0) -> NDArray[np.bool_]:
@@ -45,7 +61,12 @@ def jumps(values: Floats, axis: int = 0) -> NDArray[np.bool_]:
     return np.asarray(np.moveaxis(found, 0, axis))
 
 
-def apart(values: Floats, step: float) -> Floats:
+def intervals(mask: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """Return where each run of True begins and ends in a mask, (k, 2), the ends beyond it."""
+    return np.flatnonzero(np.diff(np.pad(mask.astype(int), 1))).reshape(-1, 2)
+
+
+def _apart(values: Floats, step: float) -> Floats:
     """Return values with NaN on both sides of every cliff, at which contour lines then end.
 
     A cliff is a jump, or a rise over so many levels (`step`) that their lines would merge.
@@ -91,20 +112,16 @@ def label_lines(axes: Axes, lines: QuadContourSet) -> None:
         lines.axes.clabel(lines, fontsize=6, inline_spacing=2, manual=places, zorder=5)
 
 
-def extend(values: Floats, steps: int = 2) -> Floats:
-    """Fill NaN next to finite values of a 2-D grid with their mean, `steps` cells wide.
+def _extend(values: Floats, steps: Floats) -> Floats:
+    """Fill NaN next to finite values of a 2-D grid with their mean, two cells wide.
 
     Colours then reach under the hatched region, whose edge is drawn exactly, instead of ending in
-    the stairs of the grid.
+    the stairs of the grid.  Between the first and the last level.
     """
-    result = values.copy()
-    rows, columns = result.shape
-    for _ in range(steps):
-        padded = np.pad(result, 1, constant_values=np.nan)
-        around = np.stack(
-            [padded[i : i + rows, j : j + columns] for i in range(3) for j in range(3)]
-        )
-        known = np.isfinite(around).sum(axis=0)
-        mean = np.nansum(around, axis=0) / np.maximum(known, 1)
+    result = values
+    for _ in range(2):
+        around = sliding_window_view(np.pad(result, 1, constant_values=np.nan), result.shape)
+        known = np.isfinite(around).sum(axis=(0, 1))
+        mean = np.nansum(around, axis=(0, 1)) / np.maximum(known, 1)
         result = np.where(np.isnan(result) & (known > 0), mean, result)
-    return result
+    return np.clip(result, steps[0], steps[-1])

@@ -11,39 +11,26 @@ import numpy as np
 from matplotlib import patheffects
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.axis import Axis
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.text import Annotation, Text
-from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_cdt
 
 from lutgen.plot.style import GREY, HATCH, ORANGE, WASH
-
-__all__ = [
-    "HALO",
-    "PLATE",
-    "SLIDE_DASHES",
-    "STAR",
-    "TIPS",
-    "degree_ticks",
-    "label_tip_over",
-    "mark_optimum",
-    "mark_sliding",
-    "roomiest",
-    "shade_tip_over",
-    "tip_patch",
-    "write_beside",
-]
 
 Floats = NDArray[np.float64]
 
 TIPS = "tips over"
+HATCHED: dict[str, Any] = {"facecolor": WASH, "edgecolor": GREY, "hatch": HATCH}
+# The same for contours of the tip-over angle (rad).
+TIPPED: dict[str, Any] = {"levels": [-4.0, 0.0], "colors": [WASH], "hatches": [HATCH]}
 # Places for a note around its point, in points, the best first.
 AROUND = ((7, 6), (-7, 6), (7, -6), (-7, -6), (0, 9), (0, -9), (9, 0), (-9, 0))
 FAR = tuple((times * x, times * y) for times in (2.5, 5) for x, y in AROUND)
 STAR: dict[str, Any] = {
+    "linestyle": "none",
     "marker": "*",
     "markersize": 8.5,
     "markerfacecolor": "white",
@@ -54,71 +41,42 @@ STAR: dict[str, Any] = {
 CLEAR = 5.0
 # The line where sliding begins.
 SLIDE_DASHES = (0, (4, 2))
+CENTRED: dict[str, Any] = {"ha": "center", "va": "center"}
 HALO = [patheffects.withStroke(linewidth=1.8, foreground="white")]
 PLATE = {"facecolor": "white", "edgecolor": "none", "pad": 0.8, "alpha": 0.9}
 
 
-def degree_ticks(axis: Axis, low: float, high: float, prune: str | None = None) -> None:
-    """Put ticks at degrees that divide a turn, where an axis spans a good part of one."""
-    if high - low > 100.0:
-        steps = [1, 1.5, 3, 4.5, 6, 9, 10]
-        axis.set_major_locator(MaxNLocator(7, steps=steps, prune=prune))
-
-
 def tip_patch(label: str = TIPS) -> Patch:
     """Return the legend's sample of the tip-over region."""
-    return Patch(facecolor=WASH, edgecolor=GREY, hatch=HATCH, linewidth=0.4, label=label)
+    return Patch(linewidth=0.4, label=label, **HATCHED)
 
 
 def shade_tip_over(axes: Axes, x: Floats, y: Floats, tip_angle: Floats) -> bool:
     """Hatch where `tip_angle` < 0 and draw the line where it is 0; False if nothing tips."""
     if not (tip_angle < 0.0).any():
         return False
-    axes.contourf(x, y, tip_angle, levels=[-4.0, 0.0], colors=[WASH], hatches=[HATCH], zorder=3)
+    axes.contourf(x, y, tip_angle, zorder=3, **TIPPED)
     if (tip_angle >= 0.0).any():
         axes.contour(x, y, tip_angle, levels=[0.0], colors=["black"], linewidths=0.9, zorder=4)
     return True
 
 
 def label_tip_over(axes: Axes, x: Floats, y: Floats, tip_angle: Floats, cells: int) -> bool:
-    """Write "tips over" into the hatched region; False if it is nowhere `cells` cells deep."""
-    place = roomiest(tip_angle < 0.0)
-    if place is None or place[2] < cells:
+    """Write "tips over" deepest in the hatched region; False if that is less than `cells` cells."""
+    depth = distance_transform_cdt(np.pad(tip_angle < 0.0, 1), "taxicab")
+    if depth.max() < cells:
         return False
-    across, up = x[place[:2]], y[place[:2]]
-    axes.text(across, up, TIPS, ha="center", va="center", bbox=PLATE, zorder=6)
+    rows, columns = np.nonzero(depth == depth.max())
+    middle = np.argmin((rows - rows.mean()) ** 2 + (columns - columns.mean()) ** 2)
+    # Without the padding.
+    place = rows[middle] - 1, columns[middle] - 1
+    axes.text(x[place], y[place], TIPS, bbox=PLATE, zorder=6, **CENTRED)
     return True
-
-
-def roomiest(mask: NDArray[np.bool_]) -> tuple[int, int, int] | None:
-    """Return row, column and depth in cells of the point deepest inside a region of a grid."""
-    inside = np.pad(mask, 1)
-    deepest = None
-    depth = 0
-    while inside.any():
-        depth += 1
-        rows, columns = np.nonzero(inside)
-        middle = int(np.argmin((rows - rows.mean()) ** 2 + (columns - columns.mean()) ** 2))
-        deepest = int(rows[middle]) - 1, int(columns[middle]) - 1, depth
-        shrunk = inside.copy()
-        for step in (1, -1):
-            shrunk &= np.roll(inside, step, axis=0) & np.roll(inside, step, axis=1)
-        inside = shrunk
-    return deepest
 
 
 def mark_optimum(axes: Axes, x: float, y: float, text: str) -> Line2D:
     """Mark a point with a star and return it; its label is `text`, for a legend."""
-    (star,) = axes.plot(
-        [x],
-        [y],
-        linestyle="none",
-        zorder=8,
-        clip_on=False,
-        label=text,
-        in_layout=False,
-        **STAR,
-    )
+    (star,) = axes.plot([x], [y], zorder=8, clip_on=False, label=text, in_layout=False, **STAR)
     return star
 
 
@@ -165,31 +123,15 @@ def write_beside(
         figure.draw_without_rendering()
         # Axes in perspective reach beyond the paper.
         window = Bbox.intersection(axes.get_window_extent(), figure.bbox) or window
-    best: tuple[float, float] = AROUND[0]
-    least = np.inf
-    for offset in (*AROUND, *FAR):
+
+    def cost(offset: tuple[float, float]) -> float:
         _move(note, offset)
         # Of the text alone: the leader to the point does not count.
         box = Text.get_window_extent(note).padded(CLEAR)
-        outside = (
-            max(window.x0 - box.x0, 0.0)
-            + max(box.x1 - window.x1, 0.0)
-            + max(window.y0 - box.y0, 0.0)
-            + max(box.y1 - window.y1, 0.0)
-        )
-        covered = sum(
-            int(
-                (
-                    (points > (box.x0, box.y0)).all(axis=1)
-                    & (points < (box.x1, box.y1)).all(axis=1)
-                ).sum()
-            )
-            for points in obstacles
-        )
-        cost = 1000.0 * outside + covered
-        if cost < least:
-            best, least = offset, cost
-    _move(note, best)
+        outside = np.maximum(np.array([window.min, box.max]) - [box.min, window.max], 0.0).sum()
+        return float(1000.0 * outside + sum(map(box.count_contains, obstacles)))
+
+    _move(note, min((*AROUND, *FAR), key=cost))
 
 
 def _move(note: Annotation, offset: tuple[float, float]) -> None:

@@ -4,6 +4,7 @@ import math
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -17,14 +18,14 @@ from lutgen.plot.marks import tip_patch
 from lutgen.plot.style import BLUE, GREEN, ORANGE, PURPLE, SKY, new_figure
 from lutgen.plot.view import View
 
-__all__ = ["SIZE", "draw_metrics"]
-
 SIZE = (3.5, 3.3)
 # Headings: every half degree, both ends included.
 SAMPLES = 721
 # Facets that are slivers take 1 - |SD_g| / r far below zero, where it says no more.
 LOWEST = -0.75
 DOT: dict[str, Any] = {
+    "linestyle": "none",
+    "marker": "o",
     "markerfacecolor": "white",
     "markeredgecolor": "black",
     "markeredgewidth": 0.8,
@@ -39,36 +40,32 @@ LOOKS: dict[str, tuple[str, Any]] = {
 }
 
 
-def draw_metrics(view: View, size: tuple[float, float] | None) -> Figure:
+def draw_metrics(view: View) -> Figure:
     """Return the figure; its lines hold heading (deg) and normalised metric."""
     heading = np.linspace(0.0, 360.0, SAMPLES)
-    found = compare_metrics(
-        Posture(view.recipe, view.params), tilted(view.tilt, np.radians(heading))
-    )
-    figure = new_figure(size or SIZE)
+    posture = Posture(view.recipe, view.params)
+    found = compare_metrics(posture, tilted(view.tilt, np.radians(heading)))
+    figure = new_figure(SIZE)
     axes = figure.add_subplot()
     tilt = f"tilted {angle_text(math.degrees(view.tilt))} in every heading"
     axes.set_title(title(view, gravity=False, more=tilt))
     axes.set_xlim(0.0, 360.0)
-    axes.set_xticks([*HEADINGS, 360], [_short(name) for name in (*HEADINGS.values(), HEADINGS[0])])
+    # In two lines.
+    short = [name.replace(" side", "").replace(" ", "\n") for name in HEADINGS.values()]
+    axes.set_xticks([*HEADINGS, 360], [*short, short[0]])
     axes.set_xlabel("heading of the tilt")
     axes.set_ylabel("metric / its value on level ground")
     axes.axhline(0.0, color="black", linewidth=0.8, zorder=1.5)
     lines = [_line(axes, view, name, heading, found) for name in LOOKS]
     axes.set_ylim(bottom=max(axes.get_ylim()[0], LOWEST))
-    handles: list[object] = list(lines)
+    handles: list[Artist] = list(lines)
     changes = [_sign_changes(axes, line) for line in lines]
     if any(changes):
-        handles.append(Line2D([], [], linestyle="none", marker="o", label="changes sign", **DOT))
+        handles.append(Line2D([], [], label="changes sign", **DOT))
     if shade_intervals(axes, heading, found.values["tip_angle"]):
         handles.append(tip_patch("tips over (the verdict)"))
     figure.legend(handles=handles, loc="outside lower center", ncols=2, columnspacing=1.2)
     return figure
-
-
-def _short(name: str) -> str:
-    """Return a heading in two lines."""
-    return name.replace(" side", "").replace(" ", "\n")
 
 
 def _line(
@@ -97,6 +94,5 @@ def _sign_changes(axes: Axes, line: Line2D) -> int:
     at = np.flatnonzero(np.signbit(y[:-1]) != np.signbit(y[1:]))
     at = at[np.isfinite(y[at]) & np.isfinite(y[at + 1])]
     place = x[at] - y[at] * (x[at + 1] - x[at]) / (y[at + 1] - y[at])
-    marks = {**DOT, "markeredgecolor": line.get_color()}
-    axes.plot(place, np.zeros(len(place)), "o", zorder=4, **marks)
+    axes.plot(place, np.zeros(len(place)), zorder=4, **DOT | {"markeredgecolor": line.get_color()})
     return len(place)

@@ -1,6 +1,7 @@
 """Path: where a robot tips over on its way, in 3-D, and what it does against it."""
 
 from collections.abc import Mapping
+from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -15,22 +16,20 @@ from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
 )
 from numpy.typing import NDArray
 
-from lutgen.parts import Parameter
-from lutgen.plot.box import box_axes, extent
+from lutgen.plot.box import box_axes, enlarge, set_limits
 from lutgen.plot.labels import length_label, parameter_text
-from lutgen.plot.marks import TIPS, tip_patch
-from lutgen.plot.style import BLUE, GREEN, GREY, HATCH, ORANGE, WASH, house_style, new_figure
+from lutgen.plot.levels import intervals
+from lutgen.plot.marks import HATCHED, TIPS, tip_patch
+from lutgen.plot.style import BLUE, GREEN, GREY, ORANGE, in_house_style, new_figure
 from lutgen.recipe import Recipe
 from lutgen.search import Drive
-
-__all__ = ["RED", "draw_angles", "draw_path"]
 
 Floats = NDArray[np.float64]
 
 # Tip-over is red, as in the paper; the line is also thicker, for those who do not see red.
 RED = "#C8102E"
-STANDING = {"color": "black", "linewidth": 0.9}
-TIPPING = {"color": RED, "linewidth": 2.6}
+STANDING: dict[str, Any] = {"color": "black", "linewidth": 0.9}
+TIPPING: dict[str, Any] = {"color": RED, "linewidth": 2.6}
 CURTAIN = "#e4e4e4"
 LOOKS: tuple[dict[str, Any], ...] = (
     {"color": BLUE, "linestyle": "-"},
@@ -44,11 +43,11 @@ HEADING, LEGEND, LABEL, GAP, LEFT, RIGHT = 0.24, 0.24, 0.34, 0.13, 0.66, 0.12
 ELEVATION, AZIMUTH = 16.0, -68.0
 # Each side of the box is at least this share of the longest, so that a flat path has room.
 THINNEST = 0.3
-ROUNDS = 3
 # Points; seen nearly from the side, the ticks of z need more room.
 TICK_PAD, LABEL_PAD = (3.5, 3.5, 6.0), 14.0
 
 
+@in_house_style
 def draw_path(recipe: Recipe, runs: Mapping[str, Drive]) -> Figure:
     """Draw one or two runs along the same path.
 
@@ -67,57 +66,43 @@ def draw_path(recipe: Recipe, runs: Mapping[str, Drive]) -> Figure:
     """
     drawn = list(runs.items())[:2]
     last = drawn[-1][1]
-    with house_style():
-        rows = [(unit, _in_unit(recipe, unit)) for unit in _units(recipe, last)]
-        turns = bool(np.any(last.turn))
-        count = 1 + len(rows) + turns
-        below = LEGEND + LABEL + count * STRIP + (count - 1) * GAP
-        size = (COLUMN * len(drawn), BOX + HEADING + below + GAP)
-        figure = new_figure(size)
-        boxes = [box_axes(figure, ELEVATION, AZIMUTH) for _ in drawn]
-        for i, ((name, run), axes) in enumerate(zip(drawn, boxes, strict=True)):
-            _raise_path(axes, recipe, run)
-            _fit(figure, axes, (COLUMN * i, below + GAP, COLUMN, BOX))
-            text = (
-                f"{recipe.name}, {name}: {TIPS} at {int(run.tips.sum())} of {run.tips.size} points"
-            )
-            figure.text(
-                (COLUMN * i + 0.06) / size[0],
-                1.0 - 0.06 / size[1],
-                f"({'ab'[i]}) {text}" if len(drawn) > 1 else text,
-                va="top",
-            )
-        strips = [_strip(figure, k, count, last) for k in range(count)]
-        if len(drawn) > 1:
-            for letter, axes in zip("cdef", strips, strict=False):
-                top = axes.get_position().y1
-                figure.text(0.06 / size[0], top, f"({letter})", va="top")
-        draw_angles(strips[0], dict(drawn))
-        for axes, (unit, members) in zip(strips[1:], rows, strict=False):
-            _draw_parameters(axes, recipe, unit, members, last)
-        if turns:
-            _draw_turns(strips[-1], last)
-        strips[-1].set_xlabel(length_label(recipe, "path length"))
-        strips[-1].tick_params(labelbottom=True)
-        handles: list[Artist] = [
-            Line2D([], [], label="stands", **STANDING),  # type: ignore[arg-type]
-            Line2D([], [], label=TIPS, **TIPPING),  # type: ignore[arg-type]
-            tip_patch("tip-over angle < 0"),
-        ]
-        figure.legend(handles=handles, loc="lower center", ncols=3, columnspacing=1.4)
-        figure.draw_without_rendering()
+    rows = _by_unit(recipe) if np.ptp(last.params, axis=0).any() else {}
+    turns = bool(np.any(last.turn))
+    count = 1 + len(rows) + turns
+    below = LEGEND + LABEL + count * STRIP + (count - 1) * GAP
+    size = (COLUMN * len(drawn), BOX + HEADING + below + GAP)
+    figure = new_figure(size)
+    boxes = [box_axes(figure, ELEVATION, AZIMUTH) for _ in drawn]
+    for i, ((name, run), axes) in enumerate(zip(drawn, boxes, strict=True)):
+        _raise_path(axes, recipe, run)
+        _fit(figure, axes, (COLUMN * i, below + GAP, COLUMN, BOX))
+        text = f"{recipe.name}, {name}: {TIPS} at {int(run.tips.sum())} of {run.tips.size} points"
+        letter = f"({'ab'[i]}) " if len(drawn) > 1 else ""
+        at = ((COLUMN * i + 0.06) / size[0], 1.0 - 0.06 / size[1])
+        figure.text(*at, f"{letter}{text}", va="top")
+    strips = [_strip(figure, k, count, last) for k in range(count)]
+    if len(drawn) > 1:
+        for letter, axes in zip("cdef", strips, strict=False):
+            figure.text(0.06 / size[0], axes.get_position().y1, f"({letter})", va="top")
+    draw_angles(strips[0], dict(drawn))
+    for axes, unit in zip(strips[1:], rows, strict=False):
+        _draw_parameters(axes, recipe, unit, rows[unit], last)
+    if turns:
+        _draw_turns(strips[-1], last)
+    strips[-1].set_xlabel(length_label(recipe, "path length"))
+    strips[-1].tick_params(labelbottom=True)
+    stands, tips = Line2D([], [], label="stands", **STANDING), Line2D([], [], label=TIPS, **TIPPING)
+    handles: list[Artist] = [stands, tips, tip_patch("tip-over angle < 0")]
+    figure.legend(handles=handles, loc="lower center", ncols=3, columnspacing=1.4)
     return figure
 
 
-def _units(recipe: Recipe, run: Drive) -> list[str]:
-    """Return the units of the parameters, if they change."""
-    if not np.ptp(run.params, axis=0).any():
-        return []
-    return list(dict.fromkeys(p.display_unit for p in recipe.parameters))
-
-
-def _in_unit(recipe: Recipe, unit: str) -> list[tuple[int, Parameter]]:
-    return [(i, p) for i, p in enumerate(recipe.parameters) if p.display_unit == unit]
+def _by_unit(recipe: Recipe) -> dict[str, list[int]]:
+    """Return the columns of the parameters that share a unit, by unit."""
+    found: dict[str, list[int]] = {}
+    for column, parameter in enumerate(recipe.parameters):
+        found.setdefault(parameter.display_unit, []).append(column)
+    return found
 
 
 def _raise_path(axes: Any, recipe: Recipe, run: Drive) -> None:
@@ -127,15 +112,9 @@ def _raise_path(axes: Any, recipe: Recipe, run: Drive) -> None:
     longest = float((high - low).max())
     half = np.maximum((high - low) * 1.04, THINNEST * longest) / 2.0
     middle = (low + high) / 2.0
-    axes.set(
-        xlim=(middle[0] - half[0], middle[0] + half[0]),
-        ylim=(middle[1] - half[1], middle[1] + half[1]),
-        zlim=(middle[2] - half[2], middle[2] + half[2]),
-        xlabel=length_label(recipe, "x"),
-        ylabel=length_label(recipe, "y"),
-        zlabel=length_label(recipe, "z"),
-    )
-    for i, axis in enumerate((axes.xaxis, axes.yaxis, axes.zaxis)):
+    set_limits(axes, middle - half, middle + half)
+    for i, (name, axis) in enumerate({"x": axes.xaxis, "y": axes.yaxis, "z": axes.zaxis}.items()):
+        axis.set_label_text(length_label(recipe, name))
         axis.set_major_locator(MaxNLocator(max(round(6 * half[i] / half.max()), 2), prune="lower"))
         # Matplotlib moves labels away from the box by a share of its other two sides.
         stretch = half.max() / np.delete(half, i).max()
@@ -152,17 +131,9 @@ def _raise_path(axes: Any, recipe: Recipe, run: Drive) -> None:
     axes.plot(*foot.T, color=GREY, linewidth=0.4, zorder=3)
     for tips, look in ((False, STANDING), (True, TIPPING)):
         parts = _parts(points, run.tips == tips)
-        if not parts:
-            continue
-        axes.add_collection3d(
-            Line3DCollection(
-                parts,
-                colors=look["color"],
-                linewidths=look["linewidth"],
-                capstyle="butt",
-                zorder=5 + tips,
-            )
-        )
+        if parts:
+            lines = Line3DCollection(parts, capstyle="butt", zorder=5 + tips, **look)
+            axes.add_collection3d(lines)
 
 
 def _parts(points: Floats, kept: NDArray[np.bool_]) -> list[Floats]:
@@ -170,8 +141,7 @@ def _parts(points: Floats, kept: NDArray[np.bool_]) -> list[Floats]:
     between = (points[1:] + points[:-1]) / 2.0
     fine = np.empty((2 * len(points) - 1, 3))
     fine[::2], fine[1::2] = points, between
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], kept, [False]]).astype(int)))
-    return [fine[max(2 * begin - 1, 0) : 2 * (end - 1) + 2] for begin, end in edges.reshape(-1, 2)]
+    return [fine[max(2 * begin - 1, 0) : 2 * end] for begin, end in intervals(kept)]
 
 
 def _fit(figure: Figure, axes: Any, window: tuple[float, float, float, float]) -> None:
@@ -184,15 +154,7 @@ def _fit(figure: Figure, axes: Any, window: tuple[float, float, float, float]) -
     axes.set_position(
         ((x - width) / across, (y - height) / up, 3.0 * width / across, 3.0 * height / up)
     )
-    zoom = 1.0
-    for _ in range(ROUNDS):
-        axes.set_box_aspect(aspect, zoom=zoom)
-        figure.draw_without_rendering()
-        corner, far = extent(figure, axes)
-        zoom *= float(((width - 0.1, height - 0.1) / (far - corner)).min())
-    axes.set_box_aspect(aspect, zoom=zoom)
-    figure.draw_without_rendering()
-    corner, far = extent(figure, axes)
+    corner, far = enlarge(figure, axes, aspect, np.array([width - 0.1, height - 0.1]))
     shift = np.array([x + width / 2.0, y + height / 2.0]) - (corner + far) / 2.0
     box = axes.get_position(original=True)
     axes.set_position((box.x0 + shift[0] / across, box.y0 + shift[1] / up, box.width, box.height))
@@ -227,7 +189,7 @@ def draw_angles(axes: Axes, runs: dict[str, Drive]) -> None:
         axes.plot(run.path.distance, angle, label=name, zorder=4, **look)
     low, high = axes.get_ylim()
     low, high = min(low, -0.05 * high), max(high, 0.05 * abs(low))
-    axes.axhspan(low, 0.0, facecolor=WASH, edgecolor=GREY, hatch=HATCH, linewidth=0.0, zorder=0.5)
+    axes.axhspan(low, 0.0, linewidth=0.0, zorder=0.5, **HATCHED)
     axes.axhline(0.0, color="black", linewidth=0.7, zorder=2)
     # Room for the legend above the lines.
     axes.set_ylim(low, high + (0.3 * (high - low) if len(runs) > 1 else 0.0))
@@ -236,22 +198,20 @@ def draw_angles(axes: Axes, runs: dict[str, Drive]) -> None:
         _legend(axes)
 
 
-def _draw_parameters(
-    axes: Axes, recipe: Recipe, unit: str, members: list[tuple[int, Parameter]], run: Drive
-) -> None:
+def _draw_parameters(axes: Axes, recipe: Recipe, unit: str, columns: list[int], run: Drive) -> None:
     """Draw the parameters of one unit; thin where the robot wanted what it had not reached."""
     distance = run.path.distance
-    for place_, (i, parameter) in enumerate(members):
-        look = LOOKS[place_ % len(LOOKS)]
+    for i, look in zip(columns, cycle(LOOKS), strict=False):
+        parameter = recipe.parameters[i]
         wanted, reached = (parameter.shown(v[:, i]) for v in (run.wanted, run.params))
         if (wanted != reached).any():
             axes.step(distance, wanted, where="mid", alpha=0.5, **look | {"linewidth": 0.5})
         label = parameter_text(parameter)
         axes.step(distance, reached, where="mid", label=label, **look)
-    named = {"1": length_label(recipe, "geometry")}.get(unit, f"geometry ({unit})")
+    named = length_label(recipe, "geometry") if unit == "1" else f"geometry ({unit})"
     axes.set_ylabel(named.replace(" (", "\n("))
     axes.margins(y=0.08)
-    if len(members) <= 2 * len(LOOKS):
+    if len(columns) <= 2 * len(LOOKS):
         _legend(axes)
 
 

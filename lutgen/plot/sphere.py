@@ -20,13 +20,11 @@ from numpy.typing import NDArray
 from lutgen.analysis import tilted
 from lutgen.errors import InputError
 from lutgen.plot.labels import HEADINGS, channel_label, optimum_text, slide_label, title, with_unit
-from lutgen.plot.levels import apart, extend, levels
-from lutgen.plot.marks import HALO, mark_optimum, mark_sliding, shade_tip_over, tip_patch
+from lutgen.plot.levels import fill, levels, outline
+from lutgen.plot.marks import CENTRED, HALO, mark_optimum, mark_sliding, shade_tip_over, tip_patch
 from lutgen.plot.style import MAP, new_figure
 from lutgen.plot.view import View, optimum
 from lutgen.quantities import QUANTITIES
-
-__all__ = ["CONE_SIZE", "SPHERE_SIZE", "draw_sphere", "share_that_tips"]
 
 Floats = NDArray[np.float64]
 
@@ -53,66 +51,55 @@ class Disc:
     grip: Floats | None
 
 
-def draw_sphere(view: View, size: tuple[float, float] | None) -> Figure:
+def draw_sphere(view: View) -> Figure:
     """Return the figure."""
     chart = view.recipe.chart
-    if chart.kind == "sphere":
-        spans = [(0.0, math.pi / 2.0), (math.pi, math.pi / 2.0)]
-    else:
-        if chart.nodes == 1:
-            raise InputError(
-                f"plot: the chart of {view.recipe.name} is a single gravity direction (got "
-                "nodes = 1); sweep more nodes, or draw the kinds curve, contour or surface."
-            )
-        spans = [(0.0, chart.max_tilt)]
+    whole = chart.kind == "sphere"
+    if not whole and chart.nodes == 1:
+        raise InputError(
+            f"plot: the chart of {view.recipe.name} is a single gravity direction (got "
+            "nodes = 1); sweep more nodes, or draw the kinds curve, contour or surface."
+        )
+    half = math.pi / 2.0
+    spans = [(0.0, half), (math.pi, half)] if whole else [(0.0, chart.max_tilt)]
     discs = [_disc(view, *span) for span in spans]
     stack = np.stack([disc.values for disc in discs])
     best = optimum(view.channel, stack)
-    figure = new_figure(size or (SPHERE_SIZE if len(discs) > 1 else CONE_SIZE))
+    figure = new_figure(SPHERE_SIZE if whole else CONE_SIZE)
     figure.suptitle(title(view, gravity=False), x=0.01, ha="left")
     panels = figure.subplots(1, len(discs), squeeze=False)[0]
     handles: list[Artist] = []
     if best is not None:
         steps = levels(stack)
         for panel, disc in zip(panels, discs, strict=True):
-            _paint(panel, disc, steps)
+            if np.isfinite(disc.values).any():
+                fill(panel, disc.x, disc.y, disc.values, steps)
+                outline(panel, disc.x, disc.y, disc.values, steps, linewidths=0.4)
         scale = ScalarMappable(BoundaryNorm(steps, 256), MAP)
-        bar = figure.colorbar(scale, ax=list(panels), pad=0.01, aspect=30, shrink=0.9)
-        bar.set_label(channel_label(view.recipe, view.channel))
-        number, row, column = np.unravel_index(best, stack.shape)
-        disc = discs[number]
-        text = optimum_text(view, float(stack[number, row, column]), stack)
-        x, y = float(disc.x[row, column]), float(disc.y[row, column])
-        handles.append(mark_optimum(panels[number], x, y, text))
-    slides = [
-        mark_sliding(panel, (disc.x, disc.y), disc.grip, disc.tip_angle, slide_label(view.recipe))
-        for panel, disc in zip(panels, discs, strict=True)
-    ]
-    handles += next((handle for handle in slides if handle), [])
-    tips = [
-        shade_tip_over(panel, disc.x, disc.y, disc.tip_angle)
-        for panel, disc in zip(panels, discs, strict=True)
-    ]
-    if any(tips):
-        share = 100.0 * share_that_tips(view)
-        where = "all directions" if chart.kind == "sphere" else "the chart's directions"
-        handles.append(tip_patch(f"tips over ({share:.1f} % of {where})"))
+        label = channel_label(view.recipe, view.channel)
+        figure.colorbar(scale, ax=list(panels), pad=0.01, aspect=30, shrink=0.9, label=label)
+        number, *node = np.unravel_index(best, stack.shape)
+        x, y, value = (
+            float(part[*node]) for part in (discs[number].x, discs[number].y, stack[number])
+        )
+        handles.append(mark_optimum(panels[number], x, y, optimum_text(view, value, stack)))
+    slides: list[Artist] = []
+    tips = False
     for panel, disc in zip(panels, discs, strict=True):
+        mesh, label = (disc.x, disc.y), slide_label(view.recipe)
+        slides += mark_sliding(panel, mesh, disc.grip, disc.tip_angle, label)
+        tips |= shade_tip_over(panel, *mesh, disc.tip_angle)
         _graticule(panel, disc)
+    handles += slides[:1]
+    if tips:
+        share = 100.0 * _share_that_tips(view)
+        where = "all directions" if whole else "the chart's directions"
+        handles.append(tip_patch(f"tips over ({share:.1f} % of {where})"))
     figure.legend(handles=handles, loc="outside lower center", ncols=2, columnspacing=1.2)
     return figure
 
 
-def _paint(panel: Axes, disc: Disc, steps: Floats) -> None:
-    """Colour one disc."""
-    if np.isfinite(disc.values).any():
-        under = np.clip(extend(disc.values), steps[0], steps[-1])
-        panel.contourf(disc.x, disc.y, under, levels=steps, cmap=MAP)
-        clear = apart(under, steps[1] - steps[0])
-        panel.contour(disc.x, disc.y, clear, levels=steps[1:-1], colors=["white"], linewidths=0.4)
-
-
-def share_that_tips(view: View) -> float:
+def _share_that_tips(view: View) -> float:
     """Return the share of the chart's solid angle in which the posture tips over."""
     chart = view.recipe.chart
     angle = view.exact(view.params, chart.directions().reshape(-1, 3), "tip_angle")["tip_angle"]
@@ -129,21 +116,15 @@ def _disc(view: View, inner: float, outer: float) -> Disc:
     )
     directions = tilted(tilt.ravel(), heading.ravel())
     radius = _radius(tilt, inner, outer)
-    wanted = dict.fromkeys((view.channel, "tip_angle"))
-    exact = view.exact(view.params, directions, *wanted)
-    verdict, values = exact["tip_angle"], QUANTITIES[view.channel].shown(exact[view.channel])
+    x, y = -radius * np.sin(heading), radius * np.cos(heading)
+    exact = view.exact(view.params, directions, view.channel, "tip_angle")
+    exact = {name: values.reshape(tilt.shape) for name, values in exact.items()}
+    tip_angle, values = exact["tip_angle"], QUANTITIES[view.channel].shown(exact[view.channel])
     # Beyond tip-over some channels go on; the hatching is there.
-    values = np.where(verdict < 0.0, np.nan, values)
+    values = np.where(tip_angle < 0.0, np.nan, values)
     grip = view.grip(view.params, directions)
-    return Disc(
-        inner,
-        outer,
-        -radius * np.sin(heading),
-        radius * np.cos(heading),
-        values.reshape(tilt.shape),
-        verdict.reshape(tilt.shape),
-        None if grip is None else grip.reshape(tilt.shape),
-    )
+    grip = None if grip is None else grip.reshape(tilt.shape)
+    return Disc(inner, outer, x, y, values, tip_angle, grip)
 
 
 def _radius(tilt: Any, inner: float, outer: float) -> Any:
@@ -160,31 +141,17 @@ def _graticule(panel: Axes, disc: Disc) -> None:
     for ring in rings:
         radius = _radius(math.radians(ring), disc.inner, disc.outer)
         panel.plot(radius * np.sin(around), radius * np.cos(around), **style)
-        panel.text(
-            radius * math.sqrt(0.5),
-            -radius * math.sqrt(0.5),
-            with_unit(ring, "deg"),
-            fontsize=5.5,
-            ha="center",
-            va="center",
-            zorder=6,
-            path_effects=HALO,
-        )
+        corner = (radius * math.sqrt(0.5), -radius * math.sqrt(0.5))
+        words = with_unit(ring, "deg")
+        panel.text(*corner, words, fontsize=5.5, zorder=6, path_effects=HALO, **CENTRED)
     for heading in (0.0, 45.0, 90.0, 135.0):
         x, y = -math.sin(math.radians(heading)), math.cos(math.radians(heading))
         panel.plot([-x, x], [-y, y], **style)
     panel.plot(np.sin(around), np.cos(around), color="black", linewidth=0.8, zorder=5)
     for heading, name in HEADINGS.items():
         x, y = -math.sin(math.radians(heading)), math.cos(math.radians(heading))
-        panel.text(
-            1.07 * x,
-            1.07 * y,
-            name,
-            ha="center",
-            va="center",
-            rotation=90 * round(-x) if abs(x) > 0.5 else 0,
-            fontsize=7,
-        )
+        turn = 90 * round(-x) if abs(x) > 0.5 else 0
+        panel.text(1.07 * x, 1.07 * y, name, rotation=turn, fontsize=7, **CENTRED)
     if high > 90.0 or low > 0.0 or high == 90.0:
         panel.set_title(f"tilt {low:g} to {high:g} deg", loc="center", pad=2)
     panel.set_aspect("equal")

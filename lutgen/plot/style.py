@@ -4,11 +4,12 @@ Everything is set on the figure itself or inside a context, so a program's own m
 stay untouched.  It knows nothing of robots.
 """
 
+import functools
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, ParamSpec
 
 import matplotlib.style
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -17,22 +18,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from lutgen.errors import InputError
 
-__all__ = [
-    "BLUE",
-    "GREEN",
-    "GREY",
-    "HATCH",
-    "MAP",
-    "ORANGE",
-    "PURPLE",
-    "RESOLUTION",
-    "SKY",
-    "WASH",
-    "house_style",
-    "new_figure",
-    "save",
-    "settled",
-]
+P = ParamSpec("P")
 
 # Okabe and Ito's palette, which stays distinct for colour-blind readers.
 BLUE, ORANGE, GREEN, GREY = "#0072B2", "#D55E00", "#009E73", "#595959"
@@ -93,12 +79,19 @@ def new_figure(size: tuple[float, float]) -> Figure:
     return figure
 
 
-def settled(figure: Figure) -> Figure:
-    """Return a figure with its layout fixed, so that saving twice gives the same picture."""
-    # The layout would move a little with every further drawing.
-    figure.draw_without_rendering()
-    figure.set_layout_engine("none")
-    return figure
+def in_house_style(paint: Callable[P, Figure]) -> Callable[P, Figure]:
+    """Make a function draw with the settings, and fix the layout of the figure that it returns."""
+
+    @functools.wraps(paint)
+    def painted(*args: P.args, **kwargs: P.kwargs) -> Figure:
+        with house_style():
+            figure = paint(*args, **kwargs)
+            # The layout would move a little with every further drawing, and so would two savings.
+            figure.draw_without_rendering()
+            figure.set_layout_engine("none")
+            return figure
+
+    return painted
 
 
 def save(figure: Figure, path: str | os.PathLike[str], dpi: int = RESOLUTION) -> None:

@@ -19,30 +19,11 @@ from lutgen.analysis import (
     slide_limits,
     tilt_limits,
 )
-from lutgen.plot.labels import (
-    HEADINGS,
-    angle_text,
-    heading_text,
-    slide_label,
-    title,
-    with_unit,
-)
-from lutgen.plot.marks import HALO, SLIDE_DASHES, tip_patch
-from lutgen.plot.style import (
-    BLUE,
-    GREEN,
-    GREY,
-    HATCH,
-    ORANGE,
-    WASH,
-    house_style,
-    new_figure,
-    settled,
-)
+from lutgen.plot.labels import HEADINGS, angle_text, heading_text, slide_label, title, with_unit
+from lutgen.plot.marks import CENTRED, HALO, HATCHED, SLIDE_DASHES, tip_patch
+from lutgen.plot.style import BLUE, GREEN, GREY, ORANGE, in_house_style, new_figure
 from lutgen.plot.view import View
 from lutgen.recipe import Recipe
-
-__all__ = ["draw_limits", "draw_polar"]
 
 Floats = NDArray[np.float64]
 Look = dict[str, Any]
@@ -62,25 +43,29 @@ BEST: Look = {"color": GREEN, "linewidth": 1.0}
 LEAST: Look = {"color": ORANGE, "linewidth": 1.0, "linestyle": (0, (5, 1))}
 
 
-def draw_polar(view: View, size: tuple[float, float] | None) -> Figure:
+def draw_polar(view: View) -> Figure:
     """Return the figure; its outline holds heading (rad) and largest tilt (deg)."""
+    posture = Posture(view.recipe, view.params)
     outline = np.degrees(tilt_limits(view.recipe, view.params, AROUND))
-    worst = int(np.argmin(outline[:-1]))
-    figure = new_figure(size or SIZE)
-    top = _top(outline)
-    axes = _polar_axes(figure, top, outline)
-    figure.suptitle(title(view, gravity=False), x=0.01, ha="left")
-    _hatch(axes, outline, top)
+    axes = _polar_axes(title(view, gravity=False), outline, outline)
+    _hatch(axes, outline)
     axes.plot(AROUND, outline, color=BLUE, label="largest tilt (deg)")
+    worst = int(np.argmin(outline[:-1]))
     least = float(outline[worst])
     _circle(axes, AROUND[::2], least, label=f"safe in all headings: {angle_text(least)}")
     _mark_worst(axes, float(AROUND[worst]), least)
-    _slide_limit(axes, view, outline)
-    _roll_limit(axes, view)
-    _legend(figure, axes, "tips over")
-    return figure
+    if view.recipe.friction is not None:
+        slides = np.degrees(slide_limits(posture, AROUND))
+        # Where the robot has not tipped before.
+        slides = np.where(slides < outline, slides, np.nan)
+        if np.isfinite(slides).any():
+            look: Look = {"color": ORANGE, "linestyle": SLIDE_DASHES}
+            axes.plot(AROUND, slides, label=slide_label(view.recipe), **look)
+    _roll_limit(axes, posture)
+    return _with_legend(axes, "tips over")
 
 
+@in_house_style
 def draw_limits(
     recipe: Recipe,
     posture: PostureLimits,
@@ -108,31 +93,27 @@ def draw_limits(
     """
     outline = np.degrees(tilt_limits(recipe, posture.params, AROUND, posture.convention))
     view = View("polar", recipe, None, posture.params, np.array(DOWN), "tip_angle", ())
-    with house_style():
-        figure = new_figure(SIZE)
-        top = _top(outline if swept is None else np.append(outline, np.degrees(swept.most)))
-        axes = _polar_axes(figure, top, outline)
-        more = TILTED[posture.convention]
-        figure.suptitle(title(view, gravity=False, more=more), x=0.01, ha="left")
-        edge = outline if swept is None else _sweep(axes, swept, outline, worst)
-        _hatch(axes, edge, top)
-        axes.plot(AROUND, outline, color=BLUE, label="this posture", zorder=4)
-        least = math.degrees(posture.guaranteed)
-        # Rounded down: what is printed holds, too.
-        guaranteed = angle_text(math.floor(10.0 * least) / 10.0)
-        _circle(axes, AROUND, least, label=f"guaranteed: {guaranteed}", zorder=4)
-        if recipe.friction is not None:
-            slides = slide_limits(
-                Posture(recipe, posture.params), AROUND, posture.convention, math.radians(top)
-            )
-            within = np.nan_to_num(np.degrees(slides), nan=top)
-            if within.min() < top:
-                axes.plot(AROUND, within, label=slide_label(recipe), zorder=3, **SLIDES)
-        if not math.isnan(posture.worst.heading):
-            _mark_worst(axes, posture.worst.heading, math.degrees(posture.worst.tilt))
-        label = "tips over" if swept is None else "tips over in every posture"
-        _legend(figure, axes, label, columnspacing=1.0)
-        return settled(figure)
+    heading = title(view, gravity=False, more=TILTED[posture.convention])
+    drawn = outline if swept is None else np.append(outline, np.degrees(swept.most))
+    axes = _polar_axes(heading, outline, drawn)
+    _hatch(axes, outline if swept is None else _sweep(axes, swept, outline, worst))
+    axes.plot(AROUND, outline, color=BLUE, label="this posture", zorder=4)
+    least = math.degrees(posture.guaranteed)
+    # Rounded down: what is printed holds, too.
+    guaranteed = angle_text(math.floor(10.0 * least) / 10.0)
+    _circle(axes, AROUND, least, label=f"guaranteed: {guaranteed}", zorder=4)
+    if recipe.friction is not None:
+        top = axes.get_rmax()
+        slides = slide_limits(
+            Posture(recipe, posture.params), AROUND, posture.convention, math.radians(top)
+        )
+        within = np.nan_to_num(np.degrees(slides), nan=top)
+        if within.min() < top:
+            axes.plot(AROUND, within, label=slide_label(recipe), zorder=3, **SLIDES)
+    if not math.isnan(posture.worst.heading):
+        _mark_worst(axes, posture.worst.heading, math.degrees(posture.worst.tilt))
+    tips = "tips over" if swept is None else "tips over in every posture"
+    return _with_legend(axes, tips, columnspacing=1.0)
 
 
 def _sweep(axes: PolarAxes, swept: SweepLimits, outline: Floats, worst: bool) -> Floats:
@@ -148,53 +129,35 @@ def _sweep(axes: PolarAxes, swept: SweepLimits, outline: Floats, worst: bool) ->
     return np.asarray(np.maximum(most, outline))
 
 
-def _top(tilts: Floats) -> float:
-    """Return the tilt (deg) of the rim: room for the largest."""
-    return min(15.0 * math.ceil((float(tilts.max()) + 5.0) / 15.0), 180.0)
+def _polar_axes(heading: str, outline: Floats, drawn: Floats) -> PolarAxes:
+    """Return axes of heading (rad, the nose up) and tilt (deg) with room for what is `drawn`.
 
-
-def _polar_axes(figure: Figure, top: float, outline: Floats) -> PolarAxes:
-    """Return axes of heading (rad, the nose up) and tilt (deg) from 0 to `top`.
-
-    Around them are the names of the `HEADINGS`, with the outline's tilts (deg) in those.
+    In a new figure of that title.  Around them are the names of the `HEADINGS`, with the outline's
+    tilts (deg) in those.
     """
+    figure = new_figure(SIZE)
+    figure.suptitle(heading, x=0.01, ha="left")
     axes = cast("PolarAxes", figure.add_subplot(projection="polar"))
     axes.set_theta_zero_location("N")
+    top = min(15.0 * math.ceil((float(drawn.max()) + 5.0) / 15.0), 180.0)
     axes.set_ylim(0.0, top)
-    axes.set_rgrids(_rings(top), labels=[])
+    step = 15.0 if top <= 90.0 else 30.0
+    rings = np.arange(step, top, step)
+    axes.set_rgrids(rings, labels=[])
     axes.set_thetagrids(np.arange(0.0, 360.0, 45.0), labels=[])
-    for heading, name in HEADINGS.items():
-        axes.text(
-            math.radians(heading),
-            1.08 * top,
-            f"{name}: {angle_text(float(outline[heading * SAMPLES // 360]))}",
-            ha="center",
-            va="center",
-            rotation={90: 90, 270: -90}.get(heading, 0),
-        )
-    for ring in _rings(top):
-        axes.text(
-            math.radians(45.0),
-            ring,
-            with_unit(ring, "deg"),
-            fontsize=6,
-            ha="center",
-            va="center",
-            path_effects=HALO,
-            zorder=6,
-        )
+    for degrees, name in HEADINGS.items():
+        words = f"{name}: {angle_text(float(outline[degrees * SAMPLES // 360]))}"
+        turn = {90: 90, 270: -90}.get(degrees, 0)
+        axes.text(math.radians(degrees), 1.08 * top, words, rotation=turn, **CENTRED)
+    look: Look = {"fontsize": 6, "path_effects": HALO, "zorder": 6, **CENTRED}
+    for ring in rings:
+        axes.text(math.radians(45.0), ring, with_unit(ring, "deg"), **look)
     return axes
 
 
-def _rings(top: float) -> list[float]:
-    """Return the tilts (deg) of the circles inside the rim."""
-    step = 15.0 if top <= 90.0 else 30.0
-    return [step * i for i in range(1, math.ceil(top / step))]
-
-
-def _hatch(axes: PolarAxes, edge: Floats, top: float) -> None:
+def _hatch(axes: PolarAxes, edge: Floats) -> None:
     """Hatch the tilts (deg) beyond an edge."""
-    axes.fill_between(AROUND, edge, top, facecolor=WASH, edgecolor=GREY, hatch=HATCH, linewidth=0.0)
+    axes.fill_between(AROUND, edge, axes.get_rmax(), linewidth=0.0, **HATCHED)
 
 
 def _circle(axes: PolarAxes, around: Floats, tilt: float, **look: Any) -> None:
@@ -204,48 +167,31 @@ def _circle(axes: PolarAxes, around: Floats, tilt: float, **look: Any) -> None:
 
 def _mark_worst(axes: PolarAxes, heading: float, tilt: float) -> None:
     """Mark the worst heading (rad) and its tilt (deg)."""
-    axes.plot(
-        [heading],
-        [tilt],
-        linestyle="none",
-        marker="o",
-        markersize=5,
-        markerfacecolor=ORANGE,
-        markeredgecolor="white",
-        label=f"worst: {heading_text(math.degrees(heading))}",
-        zorder=5,
-    )
+    look: Look = {"markersize": 5, "markerfacecolor": ORANGE, "markeredgecolor": "white"}
+    label = f"worst: {heading_text(math.degrees(heading))}"
+    axes.plot([heading], [tilt], "o", label=label, zorder=5, **look)
 
 
-def _slide_limit(axes: PolarAxes, view: View, tips: Floats) -> None:
-    """Draw the tilt (deg) at which the robot slides, where it has not tipped before."""
-    if view.recipe.friction is None:
-        return
-    limit = np.degrees(slide_limits(Posture(view.recipe, view.params), AROUND))
-    limit = np.where(limit < tips, limit, np.nan)
-    if np.isfinite(limit).any():
-        look: Look = {"color": ORANGE, "linestyle": SLIDE_DASHES}
-        axes.plot(AROUND, limit, label=slide_label(view.recipe), **look)
-
-
-def _roll_limit(axes: PolarAxes, view: View) -> None:
+def _roll_limit(axes: PolarAxes, posture: Posture) -> None:
     """Draw the tilt (deg) at which the robot rolls away, if it has contacts that roll.
 
     Not under forces: what rolls is known of the weight alone.
     """
-    rolling = any(contact.rolling for contact in view.recipe.contacts)
-    if not rolling or view.recipe.has_wrench:
+    rolling = any(contact.rolling for contact in posture.recipe.contacts)
+    if not rolling or posture.recipe.has_wrench:
         return
     headings = np.radians(np.linspace(0.0, 360.0, ROLL_HEADINGS))
-    limit = np.degrees(roll_limits(Posture(view.recipe, view.params), headings))
+    limit = np.degrees(roll_limits(posture, headings))
     # A limit of nothing lies in the middle, where no line can be seen.
     label = "rolls away" if np.nanmax(limit, initial=0.0) > 0.1 else "rolls on any slope"
     if np.isfinite(limit).any():
         axes.plot(headings, limit, color=GREEN, linestyle=(0, (1, 1)), label=label)
 
 
-def _legend(figure: Figure, axes: PolarAxes, tips: str, **settings: Any) -> None:
+def _with_legend(axes: PolarAxes, tips: str, **settings: Any) -> Figure:
+    """Return the figure of the axes, its legend below them."""
     handles, _ = axes.get_legend_handles_labels()
-    figure.legend(
-        handles=[*handles, tip_patch(tips)], loc="outside lower center", ncols=2, **settings
-    )
+    handles.append(tip_patch(tips))
+    figure = cast("Figure", axes.figure)
+    figure.legend(handles=handles, loc="outside lower center", ncols=2, **settings)
+    return figure

@@ -11,19 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.analysis import slopes
-from lutgen.channels import body_gravity, evaluate, evaluate_each
+from lutgen.channels import body_gravity, evaluate_each
 from lutgen.mapping import StabilityMap
 from lutgen.parts import Parameter
 from lutgen.quantities import QUANTITIES
 from lutgen.recipe import Recipe
-
-__all__ = [
-    "SLACK",
-    "View",
-    "is_sealed",
-    "limits",
-    "optimum",
-]
 
 Floats = NDArray[np.float64]
 
@@ -86,11 +78,8 @@ class View:
         """
         rows, down = np.atleast_2d(postures), np.atleast_2d(directions)
         if self.stability_map is not None and is_sealed(self.recipe):
-            return self._read(rows, down, channels)
-        if self.convention == "plane":
-            rows, turned = self._turned(rows, down)
-            return evaluate_each(self.recipe, rows, turned, channels)
-        values = evaluate(self.recipe, rows, down, channels)
+            return self.stability_map.read(*_paired(rows, down), channels)
+        values = evaluate_each(self.recipe, rows, self._in_bodies(rows, down), channels)
         return {name: value.ravel() for name, value in values.items()}
 
     def grip(self, postures: ArrayLike, directions: ArrayLike) -> Floats | None:
@@ -101,51 +90,32 @@ class View:
         if self.recipe.friction is None or is_sealed(self.recipe):
             return None
         rows, down = np.atleast_2d(postures), np.atleast_2d(directions)
-        if self.convention == "plane":
-            rows, turned = self._turned(rows, down)
-            slope = slopes(self.recipe, rows, turned[:, None, :])
-        else:
-            slope = slopes(self.recipe, rows, np.broadcast_to(down, (len(rows), *down.shape)))
+        slope = slopes(self.recipe, rows, self._in_bodies(rows, down))
         # Without a support facet nothing holds the robot.
         return math.atan(self.recipe.friction) - np.nan_to_num(slope.ravel(), nan=math.pi)
 
-    def drawn(self, postures: ArrayLike, directions: ArrayLike) -> Floats:
-        """Return the figure's channel, (m,): what the map says, or exact without one.
+    def drawn(self, postures: Floats) -> Floats:
+        """Return the figure's channel of (m, k) postures, (m,): as in the map, exact without one.
 
         Next to a tip-over axis a map has no value where it is not sure of standing; the exact
         value stands in there, so that a figure has no gap between its colours and the axis.
         """
-        rows, down = np.atleast_2d(postures), np.atleast_2d(directions)
         if self.stability_map is None:
-            return self.exact(rows, down, self.channel)[self.channel]
-        values = self._read(rows, down, (self.channel,))[self.channel]
+            return self.exact(postures, self.gravity_dir, self.channel)[self.channel]
+        pairs = _paired(postures, self.gravity_dir[None, :])
+        values = self.stability_map.read(*pairs, (self.channel,))[self.channel]
         unknown = np.isnan(values)
         if unknown.any():
-            exact = self.exact(
-                rows[unknown] if len(rows) > 1 else rows,
-                down[unknown] if len(down) > 1 else down,
-                self.channel,
-            )
+            exact = self.exact(postures[unknown], self.gravity_dir, self.channel)
             values[unknown] = exact[self.channel]
         return values
 
-    def _turned(self, rows: Floats, down: Floats) -> tuple[Floats, Floats]:
-        """Return as many postures as directions, and gravity as it is turned in each body."""
-        count = max(len(rows), len(down))
-        rows = np.broadcast_to(rows, (count, rows.shape[1]))
-        directions = np.broadcast_to(down, (count, 3))
-        return rows, body_gravity(self.recipe, rows, directions, "plane")
-
-    def _read(self, rows: Floats, down: Floats, channels: tuple[str, ...]) -> dict[str, Floats]:
-        """Interpolate the map."""
-        if self.stability_map is None:
-            return {}
-        count = max(len(rows), len(down))
-        return self.stability_map.read(
-            np.broadcast_to(rows, (count, rows.shape[1])),
-            np.broadcast_to(down, (count, 3)),
-            channels,
-        )
+    def _in_bodies(self, rows: Floats, down: Floats) -> Floats:
+        """Return directions (d, 3) in the body of each of m postures, (m, d, 3)."""
+        if self.convention == "plane":
+            # Figures of many directions have gravity fixed in the body.
+            return body_gravity(self.recipe, rows, down[0], "plane")[:, None]
+        return np.broadcast_to(down, (len(rows), *down.shape))
 
     def at_node(self) -> bool:
         """Tell whether the fixed parameters and gravity are all at nodes of the map."""
@@ -166,6 +136,12 @@ class View:
         if self.stability_map is None:
             return False
         return bool(self.stability_map.chart.locate(self.gravity_dir[None, :])[3][0])
+
+
+def _paired(rows: Floats, down: Floats) -> tuple[Floats, Floats]:
+    """Return as many postures as directions, of which one may stand for all."""
+    count = max(len(rows), len(down))
+    return np.broadcast_to(rows, (count, rows.shape[1])), np.broadcast_to(down, (count, 3))
 
 
 def is_sealed(recipe: Recipe) -> bool:
