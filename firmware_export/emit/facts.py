@@ -170,7 +170,7 @@ def report(export: Export, body: CBody, names: list[str]) -> dict[str, Any]:
         "codec": export.codec,
         "spec": tables.spec.label,
         "arithmetic": export.arithmetic,
-        "features": sorted(features(export.codec, export.arithmetic, model.k, model.faces, body)),
+        "features": sorted(features(export, body)),
         "parameters": [
             {
                 "name": parameter.name,

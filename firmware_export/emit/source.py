@@ -56,7 +56,7 @@ def _checks(export: Export, body: CBody) -> str:
         f'#error "{export.name} needs SMAP_SHARED 1: the runtime is built for another map"',
         "#endif",
     ]
-    needed = settings(export.codec, export.arithmetic, export.model.k, export.model.faces, body)
+    needed = settings(export, body)
     # Of these switches 0 is the general case.
     general = {name for name, value, _ in entries() if value == "0"}
     for macro, value in needed.items():

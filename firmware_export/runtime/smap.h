@@ -63,10 +63,23 @@ typedef struct {
   float inverse_span; /* 1 / (max - min) */
 } smap_axis_t;
 
+/* Each codec has switches, which smap_config.h may set first, and a struct. */
 enum { SMAP_CODEC_CONTACTS = 1, SMAP_CODEC_GRID = 2, SMAP_CODEC_POLY = 3 };
 enum { SMAP_SDG = 1, SMAP_TIP_ANGLE = 2, SMAP_HEIGHT = 4 }; /* bits of `channels` */
 
 /* contacts: positions relative to the centre of mass as sums of weighted products of 1-D tables */
+#ifndef SMAP_CONTACTS
+#define SMAP_CONTACTS 1 /* codec `contacts`: 1 to build it */
+#endif
+#ifndef SMAP_CONTACTS_MANY
+#define SMAP_CONTACTS_MANY 1 /* ... with more than three contacts, or with round ones */
+#endif
+#ifndef SMAP_MODES
+#define SMAP_MODES 0 /* ... bits of its modes: 8, 16, or 0 to read either */
+#endif
+#ifndef SMAP_PRODUCTS
+#define SMAP_PRODUCTS 1 /* ... with joints that move joints: products of modes */
+#endif
 typedef struct {
   const SMAP_FLASH uint8_t *shape; /* per parameter: number of modes, nodes of each */
   const SMAP_FLASH int8_t *codes8; /* modes, one after the other; one of the two is 0 */
@@ -88,6 +101,15 @@ typedef struct {
 #define SMAP_NO_HINGE 255
 
 /* BEGIN grid (owned by the grid codec) */
+#ifndef SMAP_GRID
+#define SMAP_GRID 1 /* codec `grid`, read with floats by smap_read */
+#endif
+#ifndef SMAP_GRID_INTEGER
+#define SMAP_GRID_INTEGER 1 /* codec `grid`, read without floats by smap_read_i */
+#endif
+#ifndef SMAP_GRID_CHUNKS
+#define SMAP_GRID_CHUNKS 0 /* ... 1 where objects must be small: large tables are then in chunks */
+#endif
 #define SMAP_CHUNK_BITS 13 /* a chunk has 2^13 codes, the last one of a table fewer */
 #if SMAP_GRID_CHUNKS
 #define SMAP_CUT 128u /* in `width`: `codes8` or `codes16` is the list of the table's chunks */
@@ -135,6 +157,9 @@ typedef struct {
 
 /* BEGIN poly (owned by the poly codec) */
 /* poly: the three contacts relative to the centre of mass as Chebyshev polynomials */
+#ifndef SMAP_POLY
+#define SMAP_POLY 1 /* codec `poly` */
+#endif
 typedef struct {
   const SMAP_FLASH uint8_t *shape; /* per contact: degree in each parameter, number of terms */
   const SMAP_FLASH int16_t *codes; /* per term: x, y, z */

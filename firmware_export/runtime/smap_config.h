@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
-/* smap: what the runtime is built with.  An export brings its own copy with just what it needs. */
+/* smap: what the runtime is built with, beside its codecs: their switches stand with their structs in
+ * smap.h.  An export brings its own copy, which sets all of them to just what it needs. */
 #ifndef SMAP_CONFIG_H
 #define SMAP_CONFIG_H
 
@@ -8,30 +9,6 @@
  * then takes the tables in, and the compiler makes constants of all that is known of them. */
 #ifndef SMAP_SHARED
 #define SMAP_SHARED 1 /* 0 where the runtime is built for one map alone, and faster */
-#endif
-#ifndef SMAP_CONTACTS
-#define SMAP_CONTACTS 1 /* codec `contacts`: 1 to build it */
-#endif
-#ifndef SMAP_CONTACTS_MANY
-#define SMAP_CONTACTS_MANY 1 /* ... with more than three contacts, or with round ones */
-#endif
-#ifndef SMAP_MODES
-#define SMAP_MODES 0 /* ... bits of its modes: 8, 16, or 0 to read either */
-#endif
-#ifndef SMAP_PRODUCTS
-#define SMAP_PRODUCTS 1 /* ... with joints that move joints: products of modes */
-#endif
-#ifndef SMAP_GRID
-#define SMAP_GRID 1 /* codec `grid`, read with floats by smap_read */
-#endif
-#ifndef SMAP_GRID_INTEGER
-#define SMAP_GRID_INTEGER 1 /* codec `grid`, read without floats by smap_read_i */
-#endif
-#ifndef SMAP_GRID_CHUNKS
-#define SMAP_GRID_CHUNKS 0 /* ... 1 where objects must be small: large tables are then in chunks */
-#endif
-#ifndef SMAP_POLY
-#define SMAP_POLY 1 /* codec `poly` */
 #endif
 #ifndef SMAP_SPHERE
 #define SMAP_SPHERE 1 /* charts of six faces */

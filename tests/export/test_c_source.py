@@ -317,21 +317,20 @@ def test_only_what_the_map_needs_is_switched_on(exports: dict[str, Export]) -> N
         assert on & codecs == {own}
         assert ("SMAP_CONTACTS_MANY" in on) == (name == "rover")
         assert "SMAP_SPHERE" not in on
-        model = export.model
-        found = features(export.codec, export.arithmetic, model.k, model.faces, body)
+        found = features(export, body)
         assert found >= on & (codecs | {"SMAP_CONTACTS_MANY"})
         # The size of every set that an export may have is known.
         assert code_bytes(found) is not None
-        assert f"#define SMAP_MAX_PARAMS {max(model.k, 1)} " in text
+        assert f"#define SMAP_MAX_PARAMS {max(export.model.k, 1)} " in text
         # Every setting can be overridden, and is explained.
         for macro in re.findall(r"#define (SMAP_\w+) \d", text):
             assert f"#ifndef {macro}\n" in text
 
 
-def test_a_setting_that_the_runtime_does_not_have_is_refused() -> None:
+def test_a_setting_that_the_runtime_does_not_have_is_refused(exports: dict[str, Export]) -> None:
     body = CBody("smap_poly_t", (), (), (("SMAP_NO_SUCH", 1),))
     with pytest.raises(ExportError, match="no setting SMAP_NO_SUCH"):
-        settings("poly", "float", 2, 1, body)
+        settings(exports["poly"], body)
 
 
 def test_a_table_without_elements_is_a_null_pointer(exports: dict[str, Export]) -> None:
