@@ -91,10 +91,10 @@ def truth(model: Model, sample: Sample, integer: bool = False) -> Truth:
     """Return the queries nearest to a sample, and the truth at the queries."""
     params, gravity = sample
     if integer:
-        span = model.upper - model.lower
-        q = np.rint((params - model.lower) / span * FULL_SCALE).astype(np.int16)
+        share = (params - model.lower) / (model.upper - model.lower)
+        q = np.rint(share * FULL_SCALE).astype(np.int16)
         g = np.rint(gravity * FULL_SCALE).astype(np.int16)
-        asked = Sample(model.lower + q / FULL_SCALE * span, g.astype(np.float64))
+        asked = Sample(model.at(q / FULL_SCALE), g.astype(np.float64))
         return Truth(q, g, asked, model.exact(*asked))
     single = params.astype(np.float32), gravity.astype(np.float32)
     asked = Sample(*(array.astype(np.float64) for array in single))

@@ -35,7 +35,7 @@ import numpy as np
 
 from firmware_export.contacts.fit import Codes
 from firmware_export.contacts.modes import DENSE, Separation, evaluate
-from firmware_export.truth import Model
+from firmware_export.truth import Model, combinations
 from lutgen.jit import in_threads, njit
 from lutgen.support import (
     FACETS,
@@ -174,19 +174,14 @@ class Geometry:
         per_axis = min(per_axis, DENSE)
         self.step = 1.0 / (per_axis - 1) + 1.0 / (DENSE - 1)
         knots = np.rint(np.linspace(0, DENSE - 1, per_axis)).astype(np.int64)
-        axes = np.meshgrid(*[knots] * model.k, indexing="ij")
-        self.places = (
-            np.stack(axes, axis=-1).reshape(-1, model.k) if axes else np.zeros((1, 0), int)
-        )
+        self.places = combinations([knots] * model.k)
         if per_axis < FEW_PLACES and model.k > 0:
             # A lattice of two or three places per axis sees corners and next to nothing between.
             random = np.random.default_rng(1).integers(0, DENSE, (RANDOM, model.k))
             self.places = np.concatenate([self.places, random])
         self.model = model
         self.exact = evaluate(separation, self.places)
-        where = model.postures(
-            model.lower + (model.upper - model.lower) * (self.places / (DENSE - 1))
-        )
+        where = model.postures(model.at(self.places / (DENSE - 1)))
         self.primitives = pack(where.centres, where.axes, model.radius, model.kind)
         reach = float(np.sqrt((where.centres**2).sum(axis=2)).max())
         self.size = reach + float(model.radius.max(initial=0.0))
@@ -201,8 +196,7 @@ class Geometry:
     def _low(self) -> float:
         """Return a height that next to nothing of what stands on the chart falls below."""
         model, rng = self.model, np.random.default_rng(0)
-        t = rng.random((SEEN, model.k))
-        params = model.lower + (model.upper - model.lower) * t
+        params = model.at(rng.random((SEEN, model.k)))
         face = rng.integers(0, model.faces, (SEEN, SEEN_DIRECTIONS))
         u, v = rng.uniform(-model.chart_limit, model.chart_limit, (2, *face.shape))
         seen = model.exact(params, model.uv_to_gravity(face, u, v))

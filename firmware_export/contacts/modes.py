@@ -54,7 +54,7 @@ class Coordinates:
     def __init__(self, model: Model) -> None:
         self.model = model
         random = np.random.default_rng(11)
-        some = model.postures(self.at(random.random((4, model.k)))).axes
+        some = model.postures(model.at(random.random((4, model.k)))).axes
         self.hinge_of = np.full(len(model.kind), -1, np.int64)
         self.leaders: list[int] = []
         for i in np.flatnonzero(model.kind == DISC):
@@ -68,13 +68,9 @@ class Coordinates:
                 self.hinge_of[i] = len(self.leaders)
                 self.leaders.append(int(i))
 
-    def at(self, t: Floats) -> Floats:
-        """Return parameters (m, k) for places (m, k) in 0..1 along the axes."""
-        return np.asarray(self.model.lower + (self.model.upper - self.model.lower) * t)
-
     def __call__(self, t: Floats) -> Floats:
         """Return (m, c) coordinates at places (m, k)."""
-        where = self.model.postures(self.at(t))
+        where = self.model.postures(self.model.at(t))
         parts = (where.centres, where.axes[:, self.leaders])
         return np.concatenate([part.reshape(len(t), -1) for part in parts], axis=1)
 

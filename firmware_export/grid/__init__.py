@@ -13,8 +13,9 @@ from firmware_export.grid.codec import (
     tip_part,
     too_large,
 )
+from firmware_export.grid.fit import conjugate
 from firmware_export.grid.guard import is_smooth
-from firmware_export.grid.lattice import Lattice, corners, from_places, spread_knots, to_places
+from firmware_export.grid.lattice import Lattice, from_places, spread_knots, to_places
 from firmware_export.grid.margin import Codes
 from firmware_export.grid.spec import CHANNEL, GROUPS, LARGEST, Spec, active_axes
 from firmware_export.grid.tables import SPAN, Part, Tables, U, V
@@ -34,7 +35,7 @@ __all__ = [
     "U",
     "V",
     "active_axes",
-    "corners",
+    "conjugate",
     "from_places",
     "is_smooth",
     "lattice_of",

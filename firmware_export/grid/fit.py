@@ -8,6 +8,8 @@ across the vector weighted down, then gives every point a weight that grows with
 worst join the sample.
 """
 
+from collections.abc import Callable
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -75,6 +77,30 @@ def _prior(lattice: Lattice, name: str, largest: float) -> Floats:
     return np.asarray(value * np.minimum(1.0, CLIP * largest / np.maximum(length, 1e-300)))
 
 
+def conjugate(
+    right: Floats, scale: Floats, image: Callable[[Floats], Floats], steps: int
+) -> Floats:
+    """Return what `image` turns into `right`, nearly: least squares by conjugate gradients.
+
+    `scale` is the diagonal of `image`, which is linear, symmetric and positive.
+    """
+    change = np.zeros_like(right)
+    left = right.copy()
+    way = step = left / scale
+    product = float((left * step).sum())
+    for _ in range(steps):
+        turned = image(way)
+        curvature = float((way * turned).sum())
+        if curvature <= 0.0 or product <= 0.0:
+            break
+        change += product / curvature * way
+        left -= product / curvature * turned
+        step = left / scale
+        before, product = product, float((left * step).sum())
+        way = step + product / before * way
+    return change
+
+
 def solve(
     at: tuple[Ints, Floats, NDArray[np.int64]],
     way: Floats,
@@ -82,7 +108,6 @@ def solve(
     residual: Floats,
     pull: Floats,
     prior: float,
-    steps: int = STEPS,
 ) -> Floats:
     """Return the change of the nodes: weighted least squares along `way`, weaker across it.
 
@@ -97,25 +122,12 @@ def solve(
     right = at_nodes(index, weight, residual, start, count) - prior * pull
     ones = np.ones((1, right.shape[1]))
     scale = at_nodes(index, weight * weight, importance[:, None] * ones, start, count) + prior
-    change = np.zeros_like(right)
-    left = right.copy()
-    step = left / scale
-    product = float((left * step).sum())
-    direction = step.copy()
-    for _ in range(steps):
-        image = at_nodes(
-            index, weight, counted(at_points(index, weight, direction, start)), start, count
-        )
-        image += prior * direction
-        curvature = float((direction * image).sum())
-        if curvature <= 0.0 or product <= 0.0:
-            break
-        change += product / curvature * direction
-        left -= product / curvature * image
-        step = left / scale
-        before, product = product, float((left * step).sum())
-        direction = step + product / before * direction
-    return change
+
+    def image(change: Floats) -> Floats:
+        value = counted(at_points(index, weight, change, start))
+        return at_nodes(index, weight, value, start, count) + prior * change
+
+    return conjugate(right, scale, image, STEPS)
 
 
 def fit(model: Model, lattice: Lattice, name: str) -> Floats:
@@ -171,23 +183,13 @@ def fit(model: Model, lattice: Lattice, name: str) -> Floats:
     return best
 
 
-_POINTS: dict[
-    tuple[int, str, int, int], tuple[Model, tuple[Floats, NDArray[np.int64], Floats]]
-] = {}
-
-
+@lru_cache(maxsize=8)
 def _cached(
     model: Model, name: str, points: int, seed: int
 ) -> tuple[Floats, NDArray[np.int64], Floats]:
     """Return `_standing` of a sample: half of it uniform, half where tables err most."""
-    key = (id(model), name, points, seed)
-    if key not in _POINTS:
-        if len(_POINTS) > 8:
-            _POINTS.clear()
-        sample = join([uniform(model, points // 2, seed), biased(model, points // 2, seed)])
-        # The model is kept so that its id is not used again.
-        _POINTS[key] = (model, _standing(model, sample, name))
-    return _POINTS[key][1]
+    sample = join([uniform(model, points // 2, seed), biased(model, points // 2, seed)])
+    return _standing(model, sample, name)
 
 
 def quantise(node: Floats, bits: int) -> tuple[NDArray[Any], list[float], float]:

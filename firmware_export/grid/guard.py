@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware_export.grid.lattice import Lattice
-from firmware_export.grid.tables import SPAN, U, V
-from firmware_export.truth import Model
+from firmware_export.grid.tables import U
+from firmware_export.truth import Model, combinations
 
 Floats = NDArray[np.float64]
 
@@ -46,9 +46,8 @@ class Targets(NamedTuple):
     remainder: float
 
 
-def subdivided(knots: NDArray[np.uint16], parts: int) -> Floats:
-    """Return the knots, 0 to 1, with `parts` - 1 further places in every cell."""
-    ends = knots.astype(np.float64) / SPAN
+def subdivided(ends: Floats, parts: int) -> Floats:
+    """Return the ends of cells with `parts` - 1 further places in every cell."""
     inner = ends[:-1, None] + np.diff(ends)[:, None] * np.arange(parts) / parts
     return np.append(inner.ravel(), ends[-1])
 
@@ -79,10 +78,8 @@ def is_smooth(model: Model) -> bool:
     if not model.is_tripod:
         return False
     count = max(3, round(POSTURES ** (1.0 / max(model.k, 1))))
-    axis = np.linspace(0.0, 1.0, count)
-    mesh = np.meshgrid(*[axis] * model.k, indexing="ij")
-    place = np.stack([m.ravel() for m in mesh], axis=1) if model.k else np.zeros((1, 0))
-    clearance = planes(model, model.lower + (model.upper - model.lower) * place)[1]
+    place = combinations([np.linspace(0.0, 1.0, count)] * model.k)
+    clearance = planes(model, model.at(place))[1]
     return bool(clearance.min() > CLEAR)
 
 
@@ -93,31 +90,21 @@ def targets(model: Model, lattice: Lattice) -> Targets:
     wanted = (POSTURES / total) ** (1.0 / max(len(cells), 1))
     parts = min(max(round(wanted), FEWEST), MOST)
     axes = [np.array([0.0, 0.5, 1.0])] * model.k
-    for coordinate, knots in zip(lattice.coordinates, lattice.knots, strict=True):
+    for coordinate, ends in zip(lattice.coordinates, lattice.ends, strict=True):
         if coordinate < U:
-            axes[coordinate] = subdivided(knots, parts)
+            axes[coordinate] = subdivided(ends, parts)
     shape = tuple(len(axis) for axis in axes)
-    mesh = np.meshgrid(*axes, indexing="ij")
-    place = np.stack([m.ravel() for m in mesh], axis=1) if model.k else np.zeros((1, 0))
-    span = model.upper - model.lower
-    normal = planes(model, model.lower + span * place)[0]
-
-    u, v = (
-        (2.0 * lattice.knots[lattice.coordinates.index(c)].astype(np.float64) / SPAN - 1.0)
-        * model.chart_limit
-        for c in (U, V)
-    )
-    face, vs, us = np.meshgrid(np.arange(model.faces), v, u, indexing="ij")
-    direction = model.uv_to_gravity(face, us, vs).reshape(-1, 3)
+    place = combinations(axes)
+    normal = planes(model, model.at(place))[0]
+    direction = lattice.directions()
     margin = np.einsum("pec,jc->pej", normal, direction)
 
     allowance = np.zeros_like(margin)
     for a, axis in enumerate(axes):
         if len(axis) < 3:
             continue
-        allowance += _curvature(margin.reshape(*shape, *margin.shape[1:]), axis, a).reshape(
-            margin.shape
-        )
+        grid = margin.reshape(*shape, *margin.shape[1:])
+        allowance += _curvature(grid, axis, a).reshape(margin.shape)
     # The largest of all postures around: those of the sub-cells that meet here and one beyond.
     grid = allowance.reshape(*shape, *margin.shape[1:])
     for a in range(model.k):

@@ -4,13 +4,14 @@ Owns interpolation in float64 for encoders; places are (m, k + 2): the parameter
 from 0 to 1 over its axis.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from firmware_export.grid.tables import SPAN, U, V
-from firmware_export.truth import Model, Sample
+from firmware_export.truth import Model, Sample, combinations
 from lutgen.jit import njit, prange
 
 Floats = NDArray[np.float64]
@@ -18,6 +19,7 @@ Ints = NDArray[np.int32]
 
 # Pieces of the work, each with its own result: the same for any number of threads.
 PARTS = 4
+NOTHING = np.empty(0)
 
 
 @njit(parallel=True)
@@ -92,26 +94,13 @@ def _shares(frac: NDArray[np.float32], share: Floats) -> None:
             share[c] *= 1.0 - f
 
 
-@njit(parallel=True)
-def _normal(
-    first: Ints,
-    frac: NDArray[np.float32],
-    offset: NDArray[np.int64],
-    importance: Floats,
-    node: Floats,
-    out: Floats,
-) -> None:
-    parts, m = len(out), len(first)
-    for part in prange(parts):
-        share = np.empty(len(offset))
-        for p in range(m * part // parts, m * (part + 1) // parts):
-            _shares(frac[p], share)
-            value = 0.0
-            for c in range(len(offset)):
-                value += share[c] * node[first[p] + offset[c]]
-            value *= importance[p]
-            for c in range(len(offset)):
-                out[part, first[p] + offset[c]] += share[c] * value
+@njit(inline=True)
+def _sum(share: Floats, node: Floats, first: int, offset: NDArray[np.int64]) -> float:
+    """Return the sum over a cell's corners of their shares of the nodes."""
+    value = 0.0
+    for c in range(len(offset)):
+        value += share[c] * node[first + offset[c]]
+    return value
 
 
 @njit(parallel=True)
@@ -120,17 +109,22 @@ def _spread(
     frac: NDArray[np.float32],
     offset: NDArray[np.int64],
     value: Floats,
+    node: Floats,
     power: int,
     out: Floats,
 ) -> None:
+    """Add up values at the nodes, each times what `node` (empty: 1) comes to at its place."""
     parts, m = len(out), len(first)
     for part in prange(parts):
         share = np.empty(len(offset))
         for p in range(m * part // parts, m * (part + 1) // parts):
             _shares(frac[p], share)
+            amount = value[p]
+            if len(node):
+                amount *= _sum(share, node, first[p], offset)
             for c in range(len(offset)):
                 weight = share[c] * share[c] if power == 2 else share[c]
-                out[part, first[p] + offset[c]] += weight * value[p]
+                out[part, first[p] + offset[c]] += weight * amount
 
 
 @njit(parallel=True)
@@ -142,10 +136,7 @@ def _interpolate(
         share = np.empty(len(offset))
         for p in range(m * part // PARTS, m * (part + 1) // PARTS):
             _shares(frac[p], share)
-            value = 0.0
-            for c in range(len(offset)):
-                value += share[c] * node[first[p] + offset[c]]
-            out[p] = value
+            out[p] = _sum(share, node, first[p], offset)
 
 
 class Spots:
@@ -190,16 +181,13 @@ class Spots:
         _interpolate(self.first, self.frac, self.offset, node, out)
         return out
 
-    def spread(self, value: Floats, power: int = 1) -> Floats:
-        """Add up values (m,) at the nodes, by the weights or (`power` 2) by their squares."""
-        out = np.zeros((PARTS, self.nodes))
-        _spread(self.first, self.frac, self.offset, value, power, out)
-        return np.asarray(out.sum(axis=0))
+    def spread(self, value: Floats, node: Floats = NOTHING, power: int = 1) -> Floats:
+        """Add up values (m,) at the nodes, by the weights or (`power` 2) by their squares.
 
-    def normal(self, importance: Floats, node: Floats) -> Floats:
-        """Return spread(importance at(node)), in one pass."""
+        With `node` (n,) each value counts times `at(node)`, in one pass.
+        """
         out = np.zeros((PARTS, self.nodes))
-        _normal(self.first, self.frac, self.offset, importance, node, out)
+        _spread(self.first, self.frac, self.offset, value, node, power, out)
         return np.asarray(out.sum(axis=0))
 
 
@@ -226,29 +214,34 @@ class Lattice:
         self.face_nodes = int(np.prod(self.shape, dtype=np.int64)) if knots else 1
         # A table without v and u is the same on every face.
         self.faces = model.faces if {U, V} & set(coordinates) else 1
-        self.nodes = np.array(self.shape, np.int64)
-        self._table = np.zeros((len(knots), max(self.shape, default=1)))
-        for row, one in zip(self._table, knots, strict=True):
-            row[: len(one)] = one.astype(np.float64) / SPAN
+        # The ends of the cells, 0 to 1, and the columns of a place that they are for.
+        self.ends = tuple(k.astype(np.float64) / SPAN for k in knots)
+        self.columns = [{U: -1, V: -2}.get(c, c) for c in coordinates]
 
     def find(
         self, place: Floats, face: NDArray[np.int64]
     ) -> tuple[Ints, Floats, NDArray[np.int64]]:
         """Return index, weight and start of places (m, k + 2): parameters, v, u, each 0 to 1."""
-        columns = [{U: -1, V: -2}.get(c, c) for c in self.coordinates]
-        x = np.ascontiguousarray(place[:, columns])
         start = face * self.face_nodes if self.faces > 1 else np.zeros(len(face), np.int64)
-        return *corners(x, self._table, self.nodes), start
+        return *_cells(place[:, self.columns], self.ends), start
+
+    def posture_corners(self, place: Floats) -> tuple[Ints, Floats]:
+        """Return index and weight (m, 2^axes) among the parameters' nodes of places (m, k...).
+
+        Rounding must not make a posture at a knot lean on the next one.
+        """
+        held = [(c, ends) for c, ends in zip(self.coordinates, self.ends, strict=True) if c < U]
+        index, weight = _cells(place[:, [c for c, _ in held]], [ends for _, ends in held])
+        return index, np.where(weight < 1e-9, 0.0, weight)
 
     def spots(self, place: Floats, face: NDArray[np.int64]) -> Spots:
         """Return where places (m, k + 2) lie; see `find`."""
-        columns = [{U: -1, V: -2}.get(c, c) for c in self.coordinates]
         first = (face if self.faces > 1 else np.zeros_like(face)) * self.face_nodes
-        frac = np.empty((len(place), len(columns)), np.float32)
-        offset = np.zeros(1 << len(columns), np.int64)
+        frac = np.empty((len(place), len(self.ends)), np.float32)
+        offset = np.zeros(1 << len(self.ends), np.int64)
         stride = self.face_nodes
-        for axis, (column, knots) in enumerate(zip(columns, self.knots, strict=True)):
-            x, ends = place[:, column], knots.astype(np.float64) / SPAN
+        for axis, (column, ends) in enumerate(zip(self.columns, self.ends, strict=True)):
+            x = place[:, column]
             cell = np.clip(np.searchsorted(ends, x, side="right") - 1, 0, len(ends) - 2)
             frac[:, axis] = (x - ends[cell]) / (ends[cell + 1] - ends[cell])
             stride //= len(ends)
@@ -258,13 +251,24 @@ class Lattice:
 
     def places(self) -> tuple[Floats, NDArray[np.int64]]:
         """Return the places (nodes, k + 2) and faces of all nodes; pruned axes in the middle."""
-        mesh = np.meshgrid(*[k.astype(np.float64) / SPAN for k in self.knots], indexing="ij")
         place = np.full((self.faces * self.face_nodes, self.model.k + 2), 0.5)
-        for coordinate, values in zip(self.coordinates, mesh, strict=True):
-            place[:, {U: -1, V: -2}.get(coordinate, coordinate)] = np.tile(
-                values.ravel(), self.faces
-            )
+        place[:, self.columns] = np.tile(combinations(self.ends), (self.faces, 1))
         return place, np.repeat(np.arange(self.faces), self.face_nodes)
+
+    def directions(self) -> Floats:
+        """Return the directions (faces v u, 3) of the knots of v and u on every face."""
+        v, u = (2.0 * self.ends[self.coordinates.index(c)] - 1.0 for c in (V, U))
+        limit = self.model.chart_limit
+        face, vs, us = np.meshgrid(np.arange(self.model.faces), v * limit, u * limit, indexing="ij")
+        return self.model.uv_to_gravity(face, us, vs).reshape(-1, 3)
+
+
+def _cells(x: Floats, axes: Sequence[Floats]) -> tuple[Ints, Floats]:
+    """Return `corners` of places x (m, d) among the knots of d axes."""
+    table = np.zeros((len(axes), max(map(len, axes), default=1)))
+    for row, knots in zip(table, axes, strict=True):
+        row[: len(knots)] = knots
+    return corners(np.ascontiguousarray(x), table, np.array([len(k) for k in axes], np.int64))
 
 
 def spread_knots(model: Model, coordinate: int, count: int) -> NDArray[np.uint16]:
@@ -292,6 +296,5 @@ def to_places(model: Model, sample: Sample) -> tuple[Floats, NDArray[np.int64]]:
 
 def from_places(model: Model, place: Floats, face: NDArray[np.int64]) -> tuple[Floats, Floats]:
     """Return parameters (m, k) and directions (m, 1, 3) of places."""
-    params = model.lower + (model.upper - model.lower) * place[:, : model.k]
     v, u = ((2.0 * place[:, at] - 1.0) * model.chart_limit for at in (-2, -1))
-    return params, model.uv_to_gravity(face, u, v)[:, None]
+    return model.at(place[:, : model.k]), model.uv_to_gravity(face, u, v)[:, None]

@@ -5,6 +5,7 @@ its nodes, is lowered where it is above a target, floored to codes, and then rai
 until every node touches a target.
 """
 
+import math
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -12,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware_export.grid.guard import Targets, neighbours
-from firmware_export.grid.lattice import Lattice, at_points, corners, to_places
-from firmware_export.grid.tables import SPAN, U
+from firmware_export.grid.lattice import Lattice, at_points, to_places
 from firmware_export.truth import Model, uniform
 from lutgen.jit import njit, prange
 
@@ -88,16 +88,9 @@ def _raise(
 
 def fit(model: Model, lattice: Lattice, aims: Targets, bits: int) -> Codes:
     """Return the codes (faces, parameters..., v, u, 1) of mu; v and u are the last axes."""
-    knots = [k for k, c in zip(lattice.knots, lattice.coordinates, strict=True) if c < U]
-    columns = [c for c in lattice.coordinates if c < U]
-    table = np.zeros((len(knots), max((len(k) for k in knots), default=1)))
-    for row, one in zip(table, knots, strict=True):
-        row[: len(one)] = one.astype(np.float64) / SPAN
-    nodes = np.array([len(k) for k in knots], np.int64)
-    index, weight = corners(np.ascontiguousarray(aims.place[:, columns]), table, nodes)
-    # Rounding must not make a posture at a knot lean on the next one.
-    weight = np.where(weight < 1e-9, 0.0, weight)
-    count = int(np.prod(nodes, dtype=np.int64))
+    nodes = lattice.shape[:-2]
+    index, weight = lattice.posture_corners(aims.place)
+    count = math.prod(nodes)
     whole = np.argmax(weight, axis=1)
     at_node = weight[np.arange(len(weight)), whole] >= 1.0 - 1e-8
     node = np.empty((count, aims.target.shape[1]))

@@ -81,11 +81,7 @@ def active_axes(model: Model, name: str) -> tuple[bool, ...]:
         base = rng.random((12, axes))
         place = np.repeat(base[:, None], PROBES, axis=1)
         place[:, :, axis] = np.linspace(0.0, 1.0, PROBES)
-        params = (
-            (model.lower + (model.upper - model.lower) * place[..., : model.k]).reshape(-1, model.k)
-            if model.k
-            else np.zeros((12 * PROBES, 0))
-        )
+        params = model.at(place[..., : model.k].reshape(12 * PROBES, model.k))
         face = rng.integers(model.faces, size=12)[:, None]
         u, v = ((2.0 * place[..., at] - 1.0) * model.chart_limit for at in (-1, -2))
         gravity = model.uv_to_gravity(face, u, v).reshape(-1, 1, 3)

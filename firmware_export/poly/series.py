@@ -9,13 +9,12 @@ T_a1(s_1) ... T_ak(s_k) with s = 2 t - 1, so -1 to 1 over each axis of the box.
 """
 
 from functools import lru_cache
-from itertools import product
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 
-from firmware_export.truth import Model
+from firmware_export.truth import Model, combinations
 
 Floats = NDArray[np.float64]
 
@@ -46,7 +45,7 @@ def expand(model: Model) -> tuple[Floats, ...] | None:
     if None in counts or np.prod([float(n or 1) for n in counts]) > MOST_NODES:
         return None
     lengths = [int(n or 1) for n in counts]
-    grid = np.array(list(product(*(_nodes(n) for n in lengths))))
+    grid = combinations([_nodes(n) for n in lengths])
     series = _contacts(model, (grid + 1.0) / 2.0).reshape(*lengths, 3, 3)
     for axis, n in enumerate(lengths):
         series = _along(series, axis, _transform(n))
@@ -73,7 +72,7 @@ def rounds(model: Model) -> tuple[int, int, int]:
 
 def _contacts(model: Model, t: Floats) -> Floats:
     """Return the contacts (m, 3, 3) at places t (m, k) in [0, 1]."""
-    return model.postures(model.lower + t * (model.upper - model.lower)).centres
+    return model.postures(model.at(t)).centres
 
 
 def _nodes(n: int) -> Floats:

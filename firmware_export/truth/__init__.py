@@ -3,7 +3,7 @@
 In reading order: `model`, `tip_boundary`, `sample`.
 """
 
-from firmware_export.truth.model import Exact, Model
+from firmware_export.truth.model import Exact, Model, combinations
 from firmware_export.truth.sample import Cells, Sample, biased, join, uniform, uniform_directions
 from firmware_export.truth.tip_boundary import boundary, on_chart, unit
 
@@ -14,6 +14,7 @@ __all__ = [
     "Sample",
     "biased",
     "boundary",
+    "combinations",
     "join",
     "on_chart",
     "uniform",

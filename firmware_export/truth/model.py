@@ -5,8 +5,9 @@ the exact kernels; nothing is read from a map's nodes.
 """
 
 import math
+from collections.abc import Sequence
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,6 +24,12 @@ from lutgen.quantities import CHANNELS
 from lutgen.recipe import Postures, Recipe, forward, radii_and_kinds
 
 Floats = NDArray[np.float64]
+
+
+def combinations(axes: Sequence[NDArray[Any]]) -> NDArray[Any]:
+    """Return every combination (m, k) of places on k axes, the last one fastest."""
+    mesh = np.meshgrid(*axes, indexing="ij")
+    return np.stack([one.ravel() for one in mesh], axis=1) if mesh else np.zeros((1, 0))
 
 
 class Exact(NamedTuple):
@@ -82,6 +89,10 @@ class Model:
     def is_tripod(self) -> bool:
         """Whether three points are all there is to stand on: one facet, everything smooth."""
         return len(self.kind) == 3 and not self.kind.any()
+
+    def at(self, t: Floats) -> Floats:
+        """Return the parameters (..., k), rad or length, for places (..., k) in 0..1 of the box."""
+        return np.asarray(self.lower + (self.upper - self.lower) * t)
 
     def postures(self, params: ArrayLike) -> Postures:
         """Return centres (m, n, 3) relative to the com, axes (m, n, 3) and com (m, 3)."""

@@ -84,8 +84,7 @@ def _spread(rng: np.random.Generator, count: int, dimensions: int) -> Floats:
 
 def to_box(model: Model, t: Floats) -> Floats:
     """Turn normalised parameters into the recipe's; the ends are met exactly."""
-    inner = model.lower + t * (model.upper - model.lower)
-    return np.asarray(np.where(t >= 1.0, model.upper, inner))
+    return np.asarray(np.where(t >= 1.0, model.upper, model.at(t)))
 
 
 def uniform_directions(model: Model, rng: np.random.Generator, shape: tuple[int, ...]) -> Floats:

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware_export.grid import SPAN
-from firmware_export.truth import Model
+from firmware_export.truth import Model, combinations
 from lutgen.channels import measure, wanted_channels
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
@@ -228,21 +228,15 @@ def outlines(model: Model, per_axis: int, gravity: NDArray[np.float64]) -> Outli
     axis = np.rint(np.linspace(0.0, 1.0, per_axis + 1) * SPAN) / SPAN
     axes = (axis,) * k
     middle = 0.5 * (axis[1:] + axis[:-1])
-    mesh = np.meshgrid(*[middle] * k, indexing="ij")
-    place = np.stack([m.ravel() for m in mesh], axis=1) if k else np.zeros((1, 0))
-    span = model.upper - model.lower
-    where = model.postures(model.lower + span * place)
+    place = combinations([middle] * k)
+    where = model.postures(model.at(place))
     moved = np.zeros(where.centres.shape[:2])
     reach = 0.5 / per_axis + MISPLACED / SPAN
     slack = max(ASTRAY, ASTRAY_SHARE * model.chart_limit)
     # Summed over the axes: a corner differs along all of them.
     for a in range(k):
         away = [
-            np.sqrt(
-                ((model.postures(model.lower + span * moved_to).centres - where.centres) ** 2).sum(
-                    axis=2
-                )
-            )
+            np.sqrt(((model.postures(model.at(moved_to)).centres - where.centres) ** 2).sum(axis=2))
             for moved_to in (place + half * np.eye(k)[a] for half in (-reach, reach))
         ]
         moved += CURVED * np.maximum(*away)

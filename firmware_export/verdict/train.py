@@ -13,7 +13,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_export.grid import SPAN, Codes, Lattice, U, V, corners, to_places
+from firmware_export.grid import Codes, Lattice, conjugate, to_places
 from firmware_export.truth import Model, Sample, uniform, uniform_directions
 from firmware_export.verdict.knots import sub_cells
 from firmware_export.verdict.lower import Places, excess
@@ -83,7 +83,7 @@ def _knot_points(
         axis[index + rng.integers(0, 2, len(posture))]
         for axis, index in zip(found.axes, at, strict=True)
     ]
-    v, u = (k.astype(np.float64) / SPAN for k in lattice.knots[-2:])
+    v, u = lattice.ends[-2:]
     face, row, column = np.unravel_index(knot, (faces, len(v), len(u)))
     return np.column_stack([*params, v[row], u[column]]), face.astype(np.int64)
 
@@ -123,27 +123,13 @@ class _Points:
         self.aim, self.distance = self.aim[order], self.distance[order]
 
     def change(self, weigh: Floats, miss: Floats, prior: float) -> Floats:
-        """Return the change of the nodes (n,) that takes weighted misses away, by least squares.
-
-        Conjugate gradients, scaled by the diagonal.
-        """
+        """Return the change of the nodes (n,) that takes weighted misses away, by least squares."""
         prior *= len(miss) / self.spots.nodes
-        left = self.spots.spread(weigh * miss)
-        scale = self.spots.spread(weigh, 2) + prior
-        change = np.zeros_like(left)
-        step = left / scale
-        product, way = float((left * step).sum()), step
-        for _ in range(STEPS):
-            image = self.spots.normal(weigh, way) + prior * way
-            curvature = float((way * image).sum())
-            if curvature <= 0.0 or product <= 0.0:
-                break
-            change += product / curvature * way
-            left -= product / curvature * image
-            step = left / scale
-            before, product = product, float((left * step).sum())
-            way = step + product / before * way
-        return change
+        right = self.spots.spread(weigh * miss)
+        scale = self.spots.spread(weigh, power=2) + prior
+        return conjugate(
+            right, scale, lambda way: self.spots.spread(weigh, way) + prior * way, STEPS
+        )
 
 
 def train(model: Model, lattice: Lattice, found: Outlines) -> Floats:
@@ -174,19 +160,17 @@ def train(model: Model, lattice: Lattice, found: Outlines) -> Floats:
 
 def fit(model: Model, lattice: Lattice, bits: int) -> tuple[Codes, Outlines]:
     """Return the codes (faces, parameters..., v, u, 1), and the outlines that they respect."""
-    u, v = (lattice.knots[lattice.coordinates.index(c)].astype(np.float64) / SPAN for c in (U, V))
-    face, vs, us = np.meshgrid(np.arange(model.faces), v, u, indexing="ij")
-    limit, nodes = model.chart_limit, lattice.faces * lattice.face_nodes
-    gravity = model.uv_to_gravity(face, (2.0 * us - 1.0) * limit, (2.0 * vs - 1.0) * limit)
-    found = outlines(model, sub_cells(model, nodes), gravity.reshape(-1, 3))
+    nodes = lattice.faces * lattice.face_nodes
+    found = outlines(model, sub_cells(model, nodes), lattice.directions())
     node = train(model, lattice, found)
 
     step = float(np.float32(2.0 * REACH / (2**bits - 1) * (1.0 + 1e-6)))
     offset = float(np.float32(-REACH))
-    shape = (lattice.faces, *lattice.shape[:-2], *lattice.shape[-2:])
+    shape = (lattice.faces, *lattice.shape)
     level = np.moveaxis(((node - offset) / step).reshape(shape), 0, -3)
     level = np.ascontiguousarray(level.reshape(-1, lattice.faces, *lattice.shape[-2:]))
     index, weight = _sub_cell_corners(lattice, found)
+    v, u = lattice.ends[-2:]
     places = Places(index, weight, found.pieces, found.first, found.tips, u, v)
     zero = -offset / step
     which = None
@@ -204,11 +188,6 @@ def fit(model: Model, lattice: Lattice, bits: int) -> tuple[Codes, Outlines]:
 
 def _sub_cell_corners(lattice: Lattice, found: Outlines) -> tuple[NDArray[np.int32], Floats]:
     """Return index and weight (P, 2^k, corners) of the parameters' nodes at sub-cells' corners."""
-    knots = lattice.knots[:-2]
-    columns = lattice.coordinates[:-2]
-    table = np.zeros((len(knots), max((len(k) for k in knots), default=1)))
-    for row, one in zip(table, knots, strict=True):
-        row[: len(one)] = one.astype(np.float64) / SPAN
     counts = tuple(len(axis) - 1 for axis in found.axes)
     at = np.unravel_index(np.arange(math.prod(counts)), counts) if counts else ()
     indices, weights = [], []
@@ -216,9 +195,7 @@ def _sub_cell_corners(lattice: Lattice, found: Outlines) -> tuple[NDArray[np.int
         place = np.zeros((math.prod(counts), len(counts)))
         for a, (axis, position) in enumerate(zip(found.axes, at, strict=True)):
             place[:, a] = axis[position + (corner >> a & 1)]
-        index, weight = corners(
-            np.ascontiguousarray(place[:, list(columns)]), table, np.array([len(k) for k in knots])
-        )
+        index, weight = lattice.posture_corners(place)
         indices.append(index)
-        weights.append(np.where(weight < 1e-9, 0.0, weight))
+        weights.append(weight)
     return np.stack(indices, axis=1), np.stack(weights, axis=1)

@@ -268,7 +268,7 @@ def test_points_of_the_training_interpolate_as_the_table_does(model: Model) -> N
     # The transpose.
     assert spots.spread(value) @ node == pytest.approx(value @ spots.at(node), rel=1e-9)
     np.testing.assert_allclose(
-        spots.normal(importance, node), spots.spread(importance * spots.at(node)), atol=1e-10
+        spots.spread(importance, node), spots.spread(importance * spots.at(node)), atol=1e-10
     )
     squares = np.bincount(index.ravel(), (weight**2 * importance[:, None]).ravel(), 840)
     np.testing.assert_allclose(spots.spread(importance, 2), squares, atol=1e-5)
