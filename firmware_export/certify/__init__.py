@@ -4,7 +4,17 @@ In reading order: `answers`, `jumps`, `search`, `certifier`.
 """
 
 from firmware_export.certify.answers import Measured, Reader, Truth, device, truth
-from firmware_export.certify.certifier import POINTS, SEED, Certificate, Effort, certify, statistics
+from firmware_export.certify.certifier import (
+    POINTS,
+    SEED,
+    Certificate,
+    Effort,
+    bounded,
+    certify,
+    judged_by,
+    span_of,
+    statistics,
+)
 from firmware_export.certify.jumps import find_jumps
 
 __all__ = [
@@ -15,9 +25,12 @@ __all__ = [
     "Measured",
     "Reader",
     "Truth",
+    "bounded",
     "certify",
     "device",
     "find_jumps",
+    "judged_by",
+    "span_of",
     "statistics",
     "truth",
 ]

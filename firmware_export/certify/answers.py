@@ -79,6 +79,12 @@ class Measured(NamedTuple):
         """Points (m, d) where the robot stands."""
         return np.asarray(self.exact.tip_angle >= 0.0)
 
+    @property
+    def false_tip(self) -> float:
+        """Share of the standing points that are said to tip."""
+        standing = self.standing
+        return int((standing & ~self.answers.stands).sum()) / max(int(standing.sum()), 1)
+
     def errors(self, channel: str) -> Floats:
         """Return the errors (n,) of a channel where the robot stands and is said to."""
         counts = self.standing & self.answers.stands

@@ -6,17 +6,16 @@ and tips is sought wherever the two come close.  Nothing here knows how a codec 
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_export.certify.answers import Measured, Reader
+from firmware_export.certify.answers import Measured, Reader, Truth
 from firmware_export.certify.jumps import Jumps, find_jumps
 from firmware_export.certify.search import (
-    Found,
     Walk,
     climb,
     sdg_error,
@@ -25,7 +24,7 @@ from firmware_export.certify.search import (
     worst_false_safe,
 )
 from firmware_export.quantity import ErrorBound
-from firmware_export.truth import Cells, biased, uniform, unit
+from firmware_export.truth import Cells, biased, uniform
 from lutgen.errors import ExportError
 
 __all__ = ["POINTS", "SEED", "Certificate", "Effort", "certify", "statistics"]
@@ -99,31 +98,22 @@ class Certificate:
 
     def as_dict(self) -> dict[str, Any]:
         """Return what the header and the report print; plain numbers and texts."""
+        names = {"nearest": "nearest_false_safe_rad"}
         return {
-            "points": self.points,
-            "standing": self.standing,
-            "channels": self.channels,
-            "false_safe": self.false_safe,
-            "false_tip": self.false_tip,
-            "jumps": self.jumps,
-            "beyond": self.beyond,
-            "nearest_false_safe_rad": self.nearest,
-            "searched": self.searched,
-            "seed": self.seed,
-            "text": list(self.text),
+            names.get(name, name): value for name, value in vars(self).items() if name != "witness"
         }
 
     @property
     def bounded(self) -> tuple[str, ...]:
-        """The channels that a bound is for: lengths, or the tip angle where there is no other."""
-        return tuple(name for name in self.channels if name != "tip_angle") or ("tip_angle",)
+        """The channels that a bound is for."""
+        return bounded(self.channels)
 
     def error_of(self, channel: str, relative: bool) -> float:
         """Return the largest error of a channel, or p99 where |SD_g| jumps.
 
         In percent of its range, or in its unit.
         """
-        name = "p99" if self.jumps and channel != "tip_angle" else "max"
+        name = judged_by(channel, self.jumps)
         return self.channels[channel][f"{name}_percent" if relative else name]
 
     def error(self, relative: bool) -> float:
@@ -146,6 +136,23 @@ class Certificate:
             f"{self.false_safe} points{where}); nothing was written: this is a fault of the "
             "codec's guard, choose another with --codec and report it."
         )
+
+
+def bounded(channels: Iterable[str]) -> tuple[str, ...]:
+    """Return the channels that a bound is for: lengths, or the tip angle where it is alone."""
+    return tuple(name for name in channels if name != "tip_angle") or ("tip_angle",)
+
+
+def judged_by(channel: str, jumps: bool) -> str:
+    """Return which of the `statistics` is compared with a bound."""
+    return "p99" if jumps and channel != "tip_angle" else "max"
+
+
+def span_of(seen: Sequence[Measured] | Sequence[Truth], channel: str) -> float:
+    """Return the range of a channel over the points that stand."""
+    exact = [one.exact for one in seen]
+    values = np.concatenate([getattr(one, channel)[one.tip_angle >= 0.0] for one in exact])
+    return float(values.max() - values.min()) if len(values) else 0.0
 
 
 def statistics(seen: Sequence[Measured], channel: str) -> dict[str, float]:
@@ -171,8 +178,7 @@ def _channel(name: str, seen: Sequence[Measured], jumps: bool, climbed: float) -
     even = statistics(seen[:1], name)
     entry["max"] = max(entry["max"], climbed)
     entry |= {"p99_uniform": even["p99"], "rms_uniform": even["rms"]}
-    truth = np.concatenate([getattr(one.exact, name)[one.standing] for one in seen])
-    span = float(truth.max() - truth.min()) if len(truth) else 0.0
+    span = span_of(seen, name)
     # What never changes has no range to take a percentage of.
     scale = 100.0 / span if span > 0.0 else 0.0
     entry |= {f"{key}_percent": value * scale for key, value in entry.items()}
@@ -222,7 +228,10 @@ def certify(
     even = reader.measure(uniform(model, half, seed))
     seen = [even, reader.measure(biased(model, half, seed, cells))]
     found = jumps if jumps is not None else find_jumps(model, seed)
-    worst = climb_from_worst(reader, seen, effort, seed) if "sdg" in channels else None
+    worst = None
+    if "sdg" in channels:
+        begin = starts(seen, (sdg_error,), effort.worst)
+        worst = climb(reader, *begin, sdg_error, Walk(effort.rounds, seed))
     attack = worst_false_safe(reader, seen, effort.starts, effort.rounds, seed)
     climbed = float(worst.value.max(initial=0.0)) if worst is not None else 0.0
     table = {
@@ -234,8 +243,6 @@ def certify(
     wrong += sum(search.false_safe for search in searches)
     example = next((w for w in (witness(one) for one in seen) if w is not None), None)
     example = example or next((s.witness for s in searches if s.witness is not None), None)
-    standing = int(even.standing.sum())
-    false_tip = int((even.standing & ~even.answers.stands).sum()) / max(standing, 1)
     beyond = None
     if bound is not None and "sdg" in channels:
         limit = bound.value * (table["sdg"]["range"] / 100.0 if bound.relative else 1.0)
@@ -246,7 +253,7 @@ def certify(
         standing=sum(int(one.standing.sum()) for one in seen),
         channels=table,
         false_safe=wrong,
-        false_tip=false_tip,
+        false_tip=even.false_tip,
         jumps=found.found,
         beyond=beyond,
         nearest=-float(attack.value.max(initial=-np.inf)),
@@ -255,14 +262,6 @@ def certify(
         text=tuple(_sentences(model.recipe.length_unit, found, table, beyond, bound)),
         witness=example,
     )
-
-
-def climb_from_worst(reader: Reader, seen: Sequence[Measured], effort: Effort, seed: int) -> Found:
-    """Maximise the |SD_g| error from the worst points of a sample."""
-    begin = [starts(one, sdg_error(one), effort.worst) for one in seen]
-    params = np.concatenate([q for q, _ in begin])
-    gravity = unit(np.concatenate([g for _, g in begin]))
-    return climb(reader, params, gravity, sdg_error, Walk(effort.rounds, seed))
 
 
 def _sentences(

@@ -4,7 +4,7 @@ A pattern search of random steps whose length adapts: it needs no derivative, an
 have kinks everywhere.  Many starts are walked side by side.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -161,13 +161,22 @@ def climb(reader: Reader, params: Floats, gravity: Floats, value: Value, walk: W
     return Found(best_q, best_g, best, points, false_safe, first)
 
 
-def starts(measured: Measured, value: Floats, count: int) -> tuple[Floats, Floats]:
-    """Return the points of greatest value, one of each posture: params (s, k), gravity (s, 3)."""
-    at = value.argmax(axis=1)
-    best = value[np.arange(len(at)), at]
-    order = np.argsort(-best, kind="stable")[:count]
-    order = order[np.isfinite(best[order])]
-    return measured.sample.params[order], measured.sample.gravity[order, at[order]]
+def starts(seen: Sequence[Measured], values: Sequence[Value], count: int) -> tuple[Floats, Floats]:
+    """Return params (s, k) and gravity (s, 3) of the points of greatest value.
+
+    Of each sample and for each value `count` at most, one of each posture.
+    """
+    params, gravity = [], []
+    for measured in seen:
+        for value in values:
+            found = value(measured)
+            at = found.argmax(axis=1)
+            best = found[np.arange(len(at)), at]
+            order = np.argsort(-best, kind="stable")[:count]
+            order = order[np.isfinite(best[order])]
+            params.append(measured.sample.params[order])
+            gravity.append(measured.sample.gravity[order, at[order]])
+    return np.concatenate(params), unit(np.concatenate(gravity))
 
 
 def _just_outside(reader: Reader, params: Floats, gravity: Floats, seed: int) -> Floats:
@@ -203,22 +212,13 @@ def worst_false_safe(
     is nearest to safe among points that tip.  First the excess is maximised, which has no edge at
     the boundary to be held up by, then the answer itself on the side that tips.
     """
-    begin = [
-        starts(measured, value(measured), starts_each)
-        for measured in seen
-        for value in (_excess, _clearance)
-    ]
-    q = np.concatenate([params for params, _ in begin])
-    g = unit(np.concatenate([gravity for _, gravity in begin]))
+    q, g = starts(seen, (_excess, _clearance), starts_each)
     excess = climb(reader, q, g, _excess, Walk(rounds, seed, needs=_near))
     q = excess.params
     g = _just_outside(reader, q, excess.gravity, seed)
     clearance = climb(reader, q, g, _clearance, Walk(rounds, seed + 1, FINE_STEP, _tips))
-    return Found(
-        clearance.params,
-        clearance.gravity,
-        clearance.value,
-        excess.points + clearance.points,
-        excess.false_safe + clearance.false_safe,
-        excess.witness or clearance.witness,
+    return clearance._replace(
+        points=excess.points + clearance.points,
+        false_safe=excess.false_safe + clearance.false_safe,
+        witness=excess.witness or clearance.witness,
     )

@@ -8,9 +8,17 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-import numpy as np
-
-from firmware_export.certify import Measured, Truth, device, find_jumps, statistics, truth
+from firmware_export.certify import (
+    Measured,
+    Truth,
+    bounded,
+    device,
+    find_jumps,
+    judged_by,
+    span_of,
+    statistics,
+    truth,
+)
 from firmware_export.emit import code_bytes, features, flash_bytes
 from firmware_export.protocol import CodecInfo, Export
 from firmware_export.truth import Model, biased, uniform
@@ -104,20 +112,13 @@ class Trials:
 
     @property
     def bounded(self) -> tuple[str, ...]:
-        """The channels whose errors count: lengths, or the tip angle where there is no other."""
-        return tuple(c for c in self.channels if c != "tip_angle") or ("tip_angle",)
-
-    def range(self, channel: str) -> float:
-        """Return the range of a channel over the standing points of the sample."""
-        values = np.concatenate(
-            [getattr(t.exact, channel)[t.exact.tip_angle >= 0.0] for t in self.sample]
-        )
-        return float(values.max() - values.min()) if len(values) else 0.0
+        """The channels whose errors count."""
+        return bounded(self.channels)
 
     @cached_property
     def ranges(self) -> dict[str, float]:
-        """The ranges of the channels that count."""
-        return {channel: self.range(channel) for channel in self.bounded}
+        """The ranges of the channels that count, over the standing points of the sample."""
+        return {channel: span_of(self.sample, channel) for channel in self.bounded}
 
     @property
     def candidates(self) -> list[Candidate]:
@@ -153,18 +154,16 @@ class Trials:
         export, size, total = self.bytes_of(codec, tables)
         asked = device(export)
         seen = [asked.compare(known) for known in self.sample]
-        standing = seen[0].standing
         return Candidate(
             export,
             size,
             total,
             {channel: self._error(seen, channel) for channel in self.bounded},
-            float((standing & ~seen[0].answers.stands).sum() / max(int(standing.sum()), 1)),
+            seen[0].false_tip,
             sum(int(one.false_safe.sum()) for one in seen),
         )
 
     def _error(self, seen: list[Measured], channel: str) -> float:
-        found = statistics(seen, channel)
-        kind = "p99" if self.jumps.found and channel != "tip_angle" else "max"
+        found = statistics(seen, channel)[judged_by(channel, self.jumps.found)]
         span = self.ranges[channel]
-        return 100.0 * found[kind] / span if span > 0.0 else 0.0
+        return 100.0 * found / span if span > 0.0 else 0.0

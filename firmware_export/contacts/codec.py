@@ -5,8 +5,9 @@ The facade that the chooser and the emitter use; the parts are `modes` (what dep
 """
 
 import math
-from dataclasses import dataclass, field
-from weakref import WeakKeyDictionary
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,48 +83,33 @@ class Tables(AnyTables):
         return self.many
 
 
-@dataclass(eq=False)
-class _Probe:
+class _Probe(NamedTuple):
     """What is found out about a model once."""
 
-    model: Model
     separation: Separation
-    geometry: Geometry = field(init=False)
-
-    def __post_init__(self) -> None:
-        self.geometry = Geometry(self.model, self.separation)
+    geometry: Geometry
 
 
-_PROBES: "WeakKeyDictionary[Model, _Probe | str]" = WeakKeyDictionary()
-
-
-def _probe(model: Model) -> "_Probe | str":
-    if model not in _PROBES:
-        try:
-            _PROBES[model] = _Probe(model, separate(model))
-        except InputError as error:
-            _PROBES[model] = str(error)
-    return _PROBES[model]
-
-
-def _known(model: Model) -> _Probe:
-    probe = _probe(model)
-    if isinstance(probe, str):
-        raise InputError(probe)
-    return probe
+@lru_cache(maxsize=4)
+def _probe(model: Model) -> _Probe:
+    separation = separate(model)
+    return _Probe(separation, Geometry(model, separation))
 
 
 def refusal(model: Model, arithmetic: str) -> str | None:
     """Return why the codec cannot be used, or None."""
     if arithmetic != "float":
         return "codec contacts needs floating point (square roots and divisions); use --codec grid"
-    probe = _probe(model)
-    return probe if isinstance(probe, str) else None
+    try:
+        _probe(model)
+    except InputError as error:
+        return str(error)
+    return None
 
 
 def start(model: Model, channels: tuple[str, ...], arithmetic: str) -> list[Spec]:
     """Return the smallest sensible tables, once with codes of 8 bits and once of 16."""
-    nodes = tuple(_fewest(modes) for modes in _known(model).separation.modes)
+    nodes = tuple(_fewest(modes) for modes in _probe(model).separation.modes)
     return [Spec(nodes, bits) for bits in ((8, 16) if any(n > 2 for n in nodes) else (16,))]
 
 
@@ -155,7 +141,7 @@ def grow(model: Model, spec: Spec) -> list[Spec]:
 
 def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
     """Fit the tables of one specification."""
-    probe = _known(model)
+    probe = _probe(model)
     many = not model.is_tripod
     try:
         codes = encode_codes(
@@ -191,67 +177,49 @@ def c_body(tables: Tables) -> CBody:
     """Return the tables for the emitter."""
     codes = tables.codes
     wide = codes.modes.dtype == np.int16
-    arrays = []
-    if codes.shape.size:
-        arrays.append(
-            CArray("shape", "uint8_t", codes.shape, "per parameter: modes, nodes of each")
-        )
-    if codes.modes.size:
-        arrays.append(
-            CArray(
-                "modes",
-                "int16_t" if wide else "int8_t",
-                codes.modes,
-                "modes: functions of one parameter, node by node",
-            )
-        )
-    if codes.products.size:
-        arrays.append(CArray("products", "uint8_t", codes.products, "pairs of entries"))
-    arrays.append(
-        CArray(
-            "entries", "uint8_t", codes.entries, "per term: coordinates to go on (2 bits), entry"
-        )
+    rows = (
+        ("shape", "uint8_t", codes.shape, "per parameter: modes, nodes of each"),
+        (
+            *("modes", "int16_t" if wide else "int8_t", codes.modes),
+            "modes: functions of one parameter, node by node",
+        ),
+        ("products", "uint8_t", codes.products, "pairs of entries"),
+        ("entries", "uint8_t", codes.entries, "per term: coordinates to go on (2 bits), entry"),
+        ("weights", "int16_t", codes.weights, "per term: its weight"),
+        ("radii", "int16_t", codes.radii, "per contact: its radius"),
+        ("hinges", "uint8_t", codes.hinges, "per contact: its axis"),
     )
-    arrays.append(CArray("weights", "int16_t", codes.weights, "per term: its weight"))
-    if codes.radii.size:
-        arrays.append(CArray("radii", "int16_t", codes.radii, "per contact: its radius"))
-        arrays.append(CArray("hinges", "uint8_t", codes.hinges, "per contact: its axis"))
-    names = {array.name for array in arrays}
-
-    def number(value: float) -> str:
-        return literal(value, "float")
-
+    arrays = tuple(CArray(*row) for row in rows if row[2].size)
+    place = {name: "0" for name, *_ in rows} | {one.name: f"@{one.name}" for one in arrays}
+    numbers = {
+        "length": codes.length,
+        "unit": codes.unit,
+        "steepest": tables.steepest,
+        "lowest": tables.lowest,
+        "least_cosine": tables.least_cosine,
+        "tolerance": tables.tolerance,
+    }
     fields = (
-        ("shape", "@shape" if "shape" in names else "0"),
-        ("codes8", "@modes" if "modes" in names and not wide else "0"),
-        ("codes16", "@modes" if "modes" in names and wide else "0"),
-        ("products", "@products" if "products" in names else "0"),
-        ("entries", "@entries"),
-        ("weights", "@weights"),
-        ("radii", "@radii" if "radii" in names else "0"),
-        ("hinges", "@hinges" if "hinges" in names else "0"),
-        ("length", number(codes.length)),
-        ("unit", number(codes.unit)),
-        ("steepest", number(tables.steepest)),
-        ("lowest", number(tables.lowest)),
-        ("least_cosine", number(tables.least_cosine)),
-        ("tolerance", number(tables.tolerance)),
+        ("shape", place["shape"]),
+        ("codes8", "0" if wide else place["modes"]),
+        ("codes16", place["modes"] if wide else "0"),
+        *((name, place[name]) for name in ("products", "entries", "weights", "radii", "hinges")),
+        *((name, literal(value, "float")) for name, value in numbers.items()),
         ("contacts", str(len(codes.position_error))),
         ("axes", str(codes.axes)),
         ("product_count", str(len(codes.products))),
         ("terms", str(len(codes.entries))),
     )
-    contacts = len(codes.position_error)
     modes = sum(int(row[0]) for row in codes.shape)
     config = (
         ("SMAP_CONTACTS_MANY", int(tables.many)),
         ("SMAP_MODES", 16 if wide else 8),
         ("SMAP_PRODUCTS", int(len(codes.products) > 0)),
-        ("SMAP_MAX_CONTACTS", contacts),
+        ("SMAP_MAX_CONTACTS", len(codes.position_error)),
         ("SMAP_MAX_HINGES", max(codes.axes, 1)),
         ("SMAP_MAX_ENTRIES", 1 + modes + len(codes.products)),
     )
-    return CBody("smap_contacts_t", fields, tuple(arrays), config)
+    return CBody("smap_contacts_t", fields, arrays, config)
 
 
 def cells(model: Model, tables: Tables) -> Cells:

@@ -7,11 +7,16 @@ stand for the components of D_g - s themselves, but these are quotients in gravi
 that takes sixteen times the bytes (`python -m benchmarks.export_bytes` measures both).
 """
 
-from collections.abc import Sequence
-
-from firmware_export.poly import fit as poly_fit
 from firmware_export.poly.bound import carries_everywhere
-from firmware_export.poly.fit import Spec, Tables, exponents
+from firmware_export.poly.fit import (
+    MOST_PARAMETERS,
+    Spec,
+    Tables,
+    encode,
+    exponents,
+    grow,
+    start,
+)
 from firmware_export.poly.series import expand
 from firmware_export.protocol import CArray, CBody, CodecInfo, literal
 from firmware_export.truth import Model
@@ -31,7 +36,7 @@ def refusal(model: Model, arithmetic: str) -> str | None:
             f"poly needs a robot on three point contacts (got {len(model.kind)} contacts"
             f"{', some of them round' if model.kind.any() else ''}); choose contacts or grid"
         )
-    series = expand(model) if model.k <= poly_fit.MOST_PARAMETERS else None
+    series = expand(model) if model.k <= MOST_PARAMETERS else None
     if series is None:
         return (
             "poly found no short polynomials for the contacts; the robot has too many parameters "
@@ -45,21 +50,6 @@ def refusal(model: Model, arithmetic: str) -> str | None:
             "parameters' limits, widen `upright`, or choose contacts or grid"
         )
     return None
-
-
-def start(model: Model, channels: Sequence[str], arithmetic: str) -> list[Spec]:
-    """Return the smallest sensible spec: linear in whatever a contact depends on."""
-    return [poly_fit.start(model)]
-
-
-def grow(model: Model, spec: Spec) -> list[Spec]:
-    """Return the next larger spec, or nothing at the resolution of the codes."""
-    return poly_fit.grow(model, spec)
-
-
-def encode(model: Model, channels: Sequence[str], spec: Spec) -> Tables:
-    """Shorten and quantise the contacts' series; deterministic."""
-    return poly_fit.encode(model, tuple(channels), spec)
 
 
 def c_body(tables: Tables) -> CBody:

@@ -141,9 +141,10 @@ def residual(series: Floats, degrees: tuple[int, ...]) -> float:
     return float(sizes.sum()) - kept
 
 
-def start(model: Model) -> Spec:
+def start(model: Model, channels: tuple[str, ...], arithmetic: str) -> list[Spec]:
     """Return the smallest sensible spec: linear in whatever a contact depends on."""
-    return Spec(tuple(tuple(min(n - 1, 1) for n in s.shape[:-1]) for s in series_of(model)))
+    series = series_of(model)
+    return [Spec(tuple(tuple(min(n - 1, 1) for n in one.shape[:-1]) for one in series))]
 
 
 def grow(model: Model, spec: Spec) -> list[Spec]:

@@ -4,6 +4,7 @@ Owns the protocol.  Whoever chooses, certifies, measures or writes an export ask
 here; everything else about a codec is its room's own.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
@@ -22,7 +23,7 @@ class Spec(Protocol):
         """Short text for tables and reports, such as ``contacts i8 4+4``."""
 
 
-class Tables:
+class Tables(ABC):
     """What a codec has encoded.
 
     Attributes
@@ -33,8 +34,6 @@ class Tables:
         Angle (rad) that is subtracted from tip_angle.
     guard_text : str
         How it was bounded, one sentence.
-    bytes : int
-        Bytes of all tables of numbers.
     """
 
     spec: Any
@@ -42,9 +41,9 @@ class Tables:
     guard_text: str
 
     @property
+    @abstractmethod
     def bytes(self) -> int:
         """Bytes of all tables of numbers."""
-        raise NotImplementedError
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -67,14 +66,6 @@ class Foresight(NamedTuple):
 
     of_nodes: Callable[[Model, tuple[str, ...], dict[str, int], int], Any]
     blank: Callable[[Model, tuple[str, ...], Any], Any]
-
-
-def _cheap(model: Model) -> Foresight | None:
-    return None
-
-
-def _no_cells(model: Model, tables: Any) -> Cells | None:
-    return None
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,8 +125,8 @@ class CodecInfo:
     read_label: Callable[[str], Any]
     options: tuple[tuple[str, ...], ...] = ()
     bytes: Callable[[Any], int] | None = None
-    cells: Callable[[Model, Any], Cells | None] = _no_cells
-    costly: Callable[[Model], Foresight | None] = _cheap
+    cells: Callable[[Model, Any], Cells | None] = lambda model, tables: None
+    costly: Callable[[Model], Foresight | None] = lambda model: None
     encodings: int = 40
     patience: int = 3
     gain: float = 0.98
