@@ -15,8 +15,6 @@ from firmware_export.host import Host
 from firmware_export.protocol import Export, describe
 from firmware_export.truth import Exact, Model, Sample
 
-__all__ = ["Answers", "Measured", "Needs", "Read", "Reader", "Truth", "device", "truth"]
-
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 

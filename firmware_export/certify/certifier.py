@@ -27,8 +27,6 @@ from firmware_export.quantity import ErrorBound
 from firmware_export.truth import Cells, biased, uniform
 from lutgen.errors import ExportError
 
-__all__ = ["POINTS", "SEED", "Certificate", "Effort", "certify", "statistics"]
-
 Floats = NDArray[np.float64]
 
 POINTS = 500_000

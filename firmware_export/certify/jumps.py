@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 
 from firmware_export.truth import Model, uniform, uniform_directions, unit
 
-__all__ = ["Jumps", "find_jumps"]
-
 Floats = NDArray[np.float64]
 
 # Halvings after which the first and the second difference is taken.  From pairs about 1 apart the

@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 from firmware_export.certify.answers import Measured, Needs, Reader
 from firmware_export.truth import Sample, boundary, on_chart, unit
 
-__all__ = ["Found", "Walk", "climb", "sdg_error", "worst_false_safe"]
-
 Floats = NDArray[np.float64]
 # (measured) -> what is maximised, (m, d); -inf where a point does not count.
 Value = Callable[[Measured], Floats]

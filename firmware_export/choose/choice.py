@@ -17,8 +17,6 @@ from firmware_export.emit import code_bytes
 from firmware_export.protocol import CodecInfo
 from lutgen.errors import ExportError
 
-__all__ = ["choose", "front", "try_codec"]
-
 # Bytes beyond which no size is tried when flash has no limit.
 LARGEST = 1 << 18
 # How much steeper than so far the error may fall from here on.

@@ -12,8 +12,6 @@ from firmware_export.choose.goal import MOST_FALSE_TIP, Goal
 from firmware_export.choose.trials import Candidate, Trials
 from firmware_export.protocol import CodecInfo, Foresight
 
-__all__ = ["foresee"]
-
 # Shares of the nodes of each table: the verdict first.
 SHARES = {"tip": 0.85, "sdg": 0.12, "height": 0.03}
 # Nodes of all tables: at first where an error is asked for, and at most.

@@ -8,8 +8,6 @@ import numpy as np
 from firmware_export.choose.trials import Candidate
 from firmware_export.quantity import ErrorBound
 
-__all__ = ["KNEE", "MOST_FALSE_TIP", "Goal"]
-
 # Percent: what is aimed at when nothing is asked for.
 KNEE = ErrorBound(1.0, relative=True)
 # Share of the stable configurations that an export should report unsafe at most.

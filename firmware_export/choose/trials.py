@@ -24,8 +24,6 @@ from firmware_export.protocol import CodecInfo, Export
 from firmware_export.truth import Model, biased, uniform
 from lutgen.errors import InputError
 
-__all__ = ["Candidate", "Trials"]
-
 SEED = 501
 POINTS = 15_000
 

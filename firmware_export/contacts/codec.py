@@ -21,8 +21,6 @@ from firmware_export.truth import Cells, Model
 from lutgen.errors import InputError
 from lutgen.support import acceptance
 
-__all__ = ["INFO", "Spec", "Tables", "c_body", "encode", "grow", "refusal", "start"]
-
 MOST_NODES = 255
 TOLERANCE = 1e-6
 """Lengths that differ by less than this part of the robot's size are equal to the runtime.

@@ -14,16 +14,6 @@ from firmware_export.emit.text import LICENCE
 from firmware_export.protocol import CBody, Export
 from lutgen.errors import ExportError
 
-__all__ = [
-    "Entry",
-    "config_text",
-    "entries",
-    "features",
-    "runtime_file",
-    "runtime_version",
-    "settings",
-]
-
 # (name, the runtime's own value, comment)
 Entry = tuple[str, str, str]
 _ENTRY = re.compile(r"#ifndef (\w+)\n#define \1(?: (\S+))? /\* (.*?) \*/\n#endif\n", re.DOTALL)

@@ -7,8 +7,6 @@ from firmware_export.emit.names import macro
 from firmware_export.emit.text import LICENCE, plain_text
 from firmware_export.protocol import literal
 
-__all__ = ["example_text"]
-
 _STATES = (
     ("SMAP_OK", "stands"),
     ("SMAP_CLAMPED", "stands in the nearest posture of the map"),

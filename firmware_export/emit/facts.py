@@ -22,8 +22,6 @@ from lutgen.parts import Parameter
 from lutgen.quantities import QUANTITIES
 from lutgen.recipe import Recipe
 
-__all__ = ["COUNTS", "FORMAT", "MARKER", "axis_macros", "counted", "flash_bytes", "report"]
-
 FORMAT = 1
 MARKER = "lutgen_export"
 # Beside sizes.json: what reads were counted to cost, written by `python -m targets.run --update`.

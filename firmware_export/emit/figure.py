@@ -8,8 +8,6 @@ from typing import Any
 
 from firmware_export.codecs import codec as info
 
-__all__ = ["draw_pareto"]
-
 _GREY = "#595959"
 _SETTINGS: dict[str, Any] = {
     "font.family": "DejaVu Sans",

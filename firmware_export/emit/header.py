@@ -20,8 +20,6 @@ from firmware_export.emit.words import (
 from firmware_export.protocol import literal
 from lutgen.quantities import QUANTITIES
 
-__all__ = ["header_text"]
-
 
 def header_text(content: dict[str, Any]) -> str:
     """Return NAME.h from the content of NAME_report.json."""

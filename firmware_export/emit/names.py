@@ -4,8 +4,6 @@ import re
 
 from lutgen.errors import InputError
 
-__all__ = ["LONGEST", "check_name", "default_name", "macro"]
-
 # C99 distinguishes external names by their first 31 characters only.
 LONGEST = 31
 

@@ -25,8 +25,6 @@ from firmware_export.emit.source import body_of, described, source_text
 from firmware_export.protocol import Export, stored
 from lutgen.errors import ExportError, InputError
 
-__all__ = ["check_directory", "contents", "write"]
-
 # Names of our own unfinished work, which a power cut may leave behind.
 _STAGE = ".lutgen-export-"
 

@@ -14,8 +14,6 @@ from firmware_export.emit.words import (
 from firmware_export.protocol import CBody
 from lutgen.quantities import QUANTITIES
 
-__all__ = ["page", "pareto_rows"]
-
 
 def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
     """Return a Markdown table."""

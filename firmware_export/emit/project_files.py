@@ -6,8 +6,6 @@ from firmware_export.emit.text import plain_text
 from firmware_export.protocol import Export
 from lutgen._version import __version__
 
-__all__ = ["cmake_lists", "library_json", "library_properties"]
-
 # As `text.LICENCE`, for files whose comments begin so.
 _LICENCE = "# SPDX-License-Identifier: MIT\n# Copyright (c) The lutgen authors"
 

@@ -11,8 +11,6 @@ from typing import Any
 from firmware_export.emit.facts import FORMAT, MARKER
 from lutgen.errors import InputError
 
-__all__ = ["SUFFIX", "find", "json_text", "load_file", "load_report"]
-
 SUFFIX = "_report.json"
 
 

@@ -12,8 +12,6 @@ from typing import Any
 
 from lutgen.errors import ExportError
 
-__all__ = ["TARGET", "code_bytes", "measured", "parse_sizes", "struct_bytes"]
-
 TARGET = "Cortex-M4, -Os"
 FILE = "sizes.json"
 

@@ -9,8 +9,6 @@ from firmware_export.emit.config import entries, runtime_version, settings
 from firmware_export.emit.text import LICENCE, comment_lines, number_lines, resolve, table
 from firmware_export.protocol import CArray, CBody, Descriptor, Export, describe
 
-__all__ = ["body_of", "described", "source_text"]
-
 # The types of smap.h for the address of a chunk.
 _CHUNK = {"uint8_t": "smap_chunk8_t", "uint16_t": "smap_chunk16_t"}
 # What stands beside the members of the map's struct whose names say too little.

@@ -9,18 +9,6 @@ from collections.abc import Iterable, Sequence
 
 from firmware_export.protocol import CArray, literal, members
 
-__all__ = [
-    "LICENCE",
-    "WIDTH",
-    "aligned",
-    "block_comment",
-    "comment_lines",
-    "number_lines",
-    "plain_text",
-    "resolve",
-    "table",
-]
-
 # On top of every file of C, as the licence asks.
 LICENCE = "/* SPDX-License-Identifier: MIT\n * Copyright (c) The lutgen authors */\n"
 WIDTH = 100

@@ -3,17 +3,6 @@
 import math
 from typing import Any
 
-__all__ = [
-    "FALSE_TIP",
-    "axis_range",
-    "bytes_text",
-    "chart_text",
-    "error_texts",
-    "errors_of",
-    "number",
-    "share",
-]
-
 FALSE_TIP = "stable configurations reported unsafe"
 
 

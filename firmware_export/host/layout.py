@@ -8,8 +8,6 @@ from typing import Any
 from firmware_export.host.library import RUNTIME
 from firmware_export.protocol import CTYPES
 
-__all__ = ["constants", "structs"]
-
 _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 _STRUCT = re.compile(
     r"(?:typedef struct|struct (?P<tag>\w+)) \{(?P<body>.*?)\}\s*(?P<name>\w*);", re.DOTALL

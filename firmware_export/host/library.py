@@ -11,8 +11,6 @@ from pathlib import Path
 
 from lutgen.errors import ExportError
 
-__all__ = ["load_library"]
-
 RUNTIME = Path(__file__).resolve().parent.parent / "runtime"
 STEM = "_host"
 WAY_OUT = (

@@ -12,8 +12,6 @@ from firmware_export.host.layout import constants, structs
 from firmware_export.protocol import CArray, Descriptor, members
 from lutgen.errors import ExportError
 
-__all__ = ["Memory"]
-
 
 class Memory:
     """A map in memory; it stays where it is as long as this object lives.

@@ -18,8 +18,6 @@ from firmware_export.host.memory import Memory
 from firmware_export.protocol import Descriptor
 from lutgen.errors import InputError
 
-__all__ = ["Host"]
-
 # Queries that a thread of its own is worth: a tenth of a millisecond of the fastest codec.
 PIECE = 4096
 

@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 
 from lutgen.errors import InputError
 
-__all__ = ["CTYPES", "CArray", "CBody", "literal"]
-
 # The types of tables and the NumPy types of the same width.
 CTYPES: dict[str, type[np.generic]] = {
     "uint8_t": np.uint8,

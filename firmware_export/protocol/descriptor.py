@@ -15,8 +15,6 @@ from firmware_export.protocol.array import CTYPES, CArray, CBody, literal
 from firmware_export.protocol.axis import axis_numbers
 from firmware_export.protocol.exported import Export
 
-__all__ = ["Descriptor", "describe", "members", "restored", "stored"]
-
 
 @dataclass(frozen=True, eq=False)
 class Descriptor:

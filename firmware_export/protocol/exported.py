@@ -8,8 +8,6 @@ from typing import Any
 
 from lutgen.recipe import Recipe
 
-__all__ = ["Export"]
-
 
 @dataclass(frozen=True, eq=False)
 class Export:

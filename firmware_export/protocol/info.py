@@ -12,8 +12,6 @@ from typing import Any, NamedTuple, Protocol
 from firmware_export.protocol.array import CBody
 from firmware_export.truth import Cells, Model
 
-__all__ = ["CodecInfo", "Foresight", "Spec", "Tables"]
-
 
 class Spec(Protocol):
     """A size that can be asked for; hashable, two that are equal give the same tables."""

@@ -16,17 +16,6 @@ from numpy.typing import NDArray
 from firmware_export.truth.model import Model
 from firmware_export.truth.tip_boundary import beside_boundary, unit
 
-__all__ = [
-    "Cells",
-    "Sample",
-    "biased",
-    "join",
-    "per_posture",
-    "to_box",
-    "uniform",
-    "uniform_directions",
-]
-
 Floats = NDArray[np.float64]
 
 # Directions per posture: exact evaluation costs by the posture where facets have to be searched.

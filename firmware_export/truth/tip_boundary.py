@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 
 from firmware_export.truth.model import Model
 
-__all__ = ["arcs", "beside_boundary", "boundary", "on_chart", "unit"]
-
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 

@@ -42,8 +42,6 @@ from firmware_export.verdict import train
 from firmware_export.verdict.knots import balanced, chosen_knots
 from lutgen.errors import InputError
 
-__all__ = ["INFO", "blank", "encode", "of_nodes", "refusal"]
-
 SIGN_ONLY = (
     "Of this table's tip angle only the sign is bounded: it is negative wherever the robot tips, "
     "but where it stands the angle may be read too large; take it as a verdict, not a distance."
