@@ -14,9 +14,7 @@ from firmware_export.codecs import codec
 from firmware_export.host import Host
 from firmware_export.protocol import Export, describe
 from firmware_export.truth import Exact, Model, Sample
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
+from lutgen.vector import Bools, Floats
 
 # Status codes of smap_read with which the robot is said to stand.
 OK, CLAMPED = 0, 1

@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from firmware_export.certify.answers import Measured, Reader, Truth
 from firmware_export.certify.jumps import Jumps, find_jumps
@@ -26,8 +25,7 @@ from firmware_export.certify.search import (
 from firmware_export.quantity import ErrorBound
 from firmware_export.truth import Cells, biased, uniform
 from lutgen.errors import ExportError
-
-Floats = NDArray[np.float64]
+from lutgen.vector import Floats
 
 POINTS = 500_000
 # Fits and choices use seeds below 1000.

@@ -7,11 +7,9 @@ interpolates can bound its largest error there.
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from firmware_export.truth import Model, uniform, uniform_directions, unit
-
-Floats = NDArray[np.float64]
+from lutgen.vector import Floats
 
 # Halvings after which the first and the second difference is taken.  From pairs about 1 apart the
 # second are some 1e-10 apart: what is smooth differs by nothing there.

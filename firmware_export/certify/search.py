@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from firmware_export.certify.answers import Measured, Needs, Reader
 from firmware_export.truth import Sample, boundary, on_chart, unit
+from lutgen.vector import Floats
 
-Floats = NDArray[np.float64]
 # (measured) -> what is maximised, (m, d); -inf where a point does not count.
 Value = Callable[[Measured], Floats]
 

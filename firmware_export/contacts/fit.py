@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware_export.contacts.modes import DENSE, Separation
-
-Floats = NDArray[np.float64]
+from lutgen.vector import Floats
 
 LAWSON_STEPS = 30
 MOST_ENTRIES = 64

@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 from firmware_export.truth import Model
 from lutgen.errors import InputError
 from lutgen.support import DISC
-
-Floats = NDArray[np.float64]
+from lutgen.vector import Floats
 
 DENSE = 1025
 """Places per parameter at which modes are known."""

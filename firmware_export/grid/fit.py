@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from firmware_export.grid.lattice import Lattice, at_nodes, at_points, from_places, to_places
 from firmware_export.truth import Model, Sample, biased, join, uniform
+from lutgen.vector import Floats
 
-Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
 SEED = 41

@@ -23,8 +23,7 @@ from numpy.typing import NDArray
 from firmware_export.grid.lattice import Lattice
 from firmware_export.grid.tables import U
 from firmware_export.truth import Model, combinations
-
-Floats = NDArray[np.float64]
+from lutgen.vector import Floats
 
 # Postures of the lattice, about, and sub-cells of a cell at least and at most.
 POSTURES = 4_000

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from firmware_export.grid.tables import SPAN, U, V
 from firmware_export.truth import Model, Sample, combinations
 from lutgen.jit import njit, prange
+from lutgen.vector import Floats
 
-Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
 # Pieces of the work, each with its own result: the same for any number of threads.

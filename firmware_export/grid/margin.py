@@ -16,8 +16,8 @@ from firmware_export.grid.guard import Targets, neighbours
 from firmware_export.grid.lattice import Lattice, at_points, to_places
 from firmware_export.truth import Model, uniform
 from lutgen.jit import njit, prange
+from lutgen.vector import Floats
 
-Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
 PASSES = 3

@@ -26,8 +26,6 @@ CHUNK = 8192
 # of flash, which are all that it reads without far addresses, are left to others.
 UNCUT = 32767
 
-Floats = NDArray[np.float64]
-
 
 @dataclass(frozen=True, eq=False)
 class Part:

@@ -25,12 +25,10 @@ from collections.abc import Sequence
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
 from firmware_export.poly.series import difference, evaluate, greatest, on_grid, steepest
 from firmware_export.truth import Model
-
-Floats = NDArray[np.float64]
+from lutgen.vector import Floats
 
 GUARD_CELLS = 250_000
 # Cells that the proof of `carries_everywhere` may look at before it gives up.

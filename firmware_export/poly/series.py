@@ -12,11 +12,9 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebvander
-from numpy.typing import NDArray
 
 from firmware_export.truth import Model, combinations
-
-Floats = NDArray[np.float64]
+from lutgen.vector import Floats
 
 # A series has ended where its coefficients are this part of the robot's size.
 NEGLIGIBLE = 1e-13

@@ -22,8 +22,7 @@ from lutgen.channels import (
 from lutgen.chart import FACE_NORMAL, FACE_SIGN, FACE_U, FACE_V, unit_directions
 from lutgen.quantities import CHANNELS
 from lutgen.recipe import Postures, Recipe, forward, radii_and_kinds
-
-Floats = NDArray[np.float64]
+from lutgen.vector import Floats
 
 
 def combinations(axes: Sequence[NDArray[Any]]) -> NDArray[Any]:

@@ -11,12 +11,10 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from firmware_export.truth.model import Model
 from firmware_export.truth.tip_boundary import beside_boundary, unit
-
-Floats = NDArray[np.float64]
+from lutgen.vector import Floats
 
 # Directions per posture: exact evaluation costs by the posture where facets have to be searched.
 FEW, MANY = 4, 40

@@ -4,12 +4,9 @@ Tables err most beside it, and nowhere else can a verdict be wrong by little.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from firmware_export.truth.model import Model
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
+from lutgen.vector import Bools, Floats
 
 # Steps to the boundary: most brackets are then narrower than a float32 resolves.
 STEPS = 11

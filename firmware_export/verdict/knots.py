@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from firmware_export.grid import LARGEST, SPAN, from_places, to_places
 from firmware_export.truth import Model, Sample, uniform, uniform_directions
 from lutgen.jit import njit, prange
-
-Floats = NDArray[np.float64]
+from lutgen.vector import Floats
 
 SEED = 71
 # Places of a parameter that compete for knots, at most; sub-cells between two of them for tables of

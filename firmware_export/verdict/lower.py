@@ -9,10 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.jit import njit, prange
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
+from lutgen.vector import Bools, Floats, Ints
 
 # Pieces of the work, each with its own result: the same for any number of threads.
 PARTS = 8

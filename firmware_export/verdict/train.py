@@ -18,8 +18,7 @@ from firmware_export.truth import Model, Sample, uniform, uniform_directions
 from firmware_export.verdict.knots import sub_cells
 from firmware_export.verdict.lower import Places, excess
 from firmware_export.verdict.outline import Outlines, outlines
-
-Floats = NDArray[np.float64]
+from lutgen.vector import Floats
 
 SEED = 71
 # Points of training: postures at most, directions of each, and points per node: configurations,
