@@ -22,11 +22,10 @@ POSTURES, DIRECTIONS, PAIRS = 48, 40, 256
 
 
 class Jumps(NamedTuple):
-    """`found`; `height` of the largest jump seen (length unit); pairs that ended on a jump."""
+    """`found`; `height` of the largest jump seen (length unit)."""
 
     found: bool
     height: float
-    share: float
 
 
 def _sdg(model: Model, params: Floats, gravity: Floats) -> Floats:
@@ -38,11 +37,8 @@ def _close_in(
 ) -> tuple[Floats, Floats]:
     """Halve pairs of points, keeping the half over which |SD_g| changes more.
 
-    Returns
-    -------
-    early, late : (m, d) float64
-        The difference that is left after EARLY and after LATE halvings; 0 for pairs that came to
-        a place where the robot tips.
+    Returns the differences (m, d) that are left after EARLY and after LATE halvings; 0 for pairs
+    that came to a place where the robot tips.
     """
     (low_q, high_q), (low_g, high_g) = params, gravity
     low, high = _sdg(model, low_q, low_g), _sdg(model, high_q, high_g)
@@ -66,7 +62,7 @@ def _close_in(
 def find_jumps(model: Model, seed: int) -> Jumps:
     """Look for jumps of |SD_g| between directions of one posture, and between postures."""
     if model.is_tripod:
-        return Jumps(False, 0.0, 0.0)
+        return Jumps(False, 0.0)
     rng = np.random.default_rng([seed, 4])
     q = uniform(model, POSTURES, seed).params[:POSTURES]
     q = rng.uniform(model.lower, model.upper, (POSTURES, model.k)) if len(q) < POSTURES else q
@@ -81,6 +77,4 @@ def find_jumps(model: Model, seed: int) -> Jumps:
         late = np.concatenate([late.ravel(), across[1].ravel()])
     span = float(np.nanmax(values) - np.nanmin(values)) if np.isfinite(values).any() else 0.0
     jumps = (late > KEPT * early) & (late > LEAST * span)
-    return Jumps(
-        bool(jumps.any()), float(np.max(late, where=jumps, initial=0.0)), float(jumps.mean())
-    )
+    return Jumps(bool(jumps.any()), float(np.max(late, where=jumps, initial=0.0)))

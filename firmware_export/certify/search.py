@@ -100,19 +100,7 @@ def witness(measured: Measured) -> tuple[Floats, Floats, float, float] | None:
 def climb(reader: Reader, params: Floats, gravity: Floats, value: Value, walk: Walk) -> Found:
     """Maximise a value by random steps from s starts, in the box and on the chart.
 
-    Parameters
-    ----------
-    params, gravity : (s, k) and (s, 3) float64
-        Starts.
-    value : callable
-        What is maximised.
-    walk : Walk
-        How far, and what is asked.
-
-    Returns
-    -------
-    Found
-        The best point of each start.
+    `params` (s, k) and `gravity` (s, 3) are the starts; the best point of each is returned.
     """
     model, rng = reader.model, np.random.default_rng([walk.seed, 2])
     s, k = params.shape

@@ -72,20 +72,10 @@ class Codes:
 
 
 def fit_line(function: Floats, nodes: int) -> Floats:
-    """Return the nodes of the piecewise linear function nearest to dense values.
+    """Return the nodes (nodes,) of the piecewise linear function nearest to dense values (DENSE,).
 
     Weighted least squares, weights raised where the error is large (Lawson), so that the largest
-    error is nearly as small as it can be.
-
-    Parameters
-    ----------
-    function : (DENSE,) float64
-    nodes : int
-        At least 2.
-
-    Returns
-    -------
-    (nodes,) float64
+    error is nearly as small as it can be.  There are 2 nodes at least.
     """
     x = np.linspace(0.0, nodes - 1.0, len(function))
     cell = np.minimum(x.astype(np.intp), nodes - 2)

@@ -31,12 +31,10 @@ def example_text(content: dict[str, Any]) -> str:
     return f"{head}{middle}  return status < 0;\n}}\n#endif\n"
 
 
-def _switch(indent: str = "  ") -> str:
+def _switch() -> str:
     """Return the statement that prints the verdict."""
-    lines = [f"{indent}switch (status) {{"]
-    for value, text in _STATES:
-        lines += [f"{indent}case {value}:", f'{indent}  puts("{text}");', f"{indent}  break;"]
-    return "\n".join([*lines, f"{indent}}}"]) + "\n"
+    cases = [f'  case {value}:\n    puts("{text}");\n    break;\n' for value, text in _STATES]
+    return f"  switch (status) {{\n{''.join(cases)}  }}\n"
 
 
 def _print(label: str, form: str, expression: str, unit: str, condition: str = "") -> str:

@@ -106,11 +106,8 @@ def _counts() -> list[dict[str, Any]]:
 def counted(export: Export) -> list[dict[str, Any]] | None:
     """Return what a read of this very export was counted to cost, None where it was not.
 
-    Returns
-    -------
-    list of dict or None
-        Per target and compiler option ``target``, ``option``, ``unit`` (instructions or cycles),
-        ``median`` and ``max``.
+    Per target and compiler option ``target``, ``option``, ``unit`` (instructions or cycles),
+    ``median`` and ``max``.
     """
     for row in _counts():
         same = (
@@ -145,14 +142,7 @@ def plain(value: Any) -> Any:
 def report(export: Export, body: CBody, names: list[str]) -> dict[str, Any]:
     """Return the content of NAME_report.json, from which all other texts are printed.
 
-    Parameters
-    ----------
-    export : Export
-        The export.
-    body : CBody
-        Its tables.
-    names : list of str
-        The files of the folder.
+    `names` are the files of the folder.
     """
     recipe, model, tables = export.recipe, export.model, export.tables
     certificate = export.certificate or {}

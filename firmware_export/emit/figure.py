@@ -22,26 +22,18 @@ _SETTINGS: dict[str, Any] = {
     "legend.frameon": False,
 }
 # Inches: one column of a journal.
-_SIZE = (3.5, 2.6)
+_SIZE, _DPI = (3.5, 2.6), 200
 
 
 def _size(row: dict[str, Any]) -> int:
     return int(row.get("total_bytes") or row["bytes"])
 
 
-def draw_pareto(
-    pareto: list[dict[str, Any]], measure: str = "largest", dpi: int = 200
-) -> bytes | None:
+def draw_pareto(pareto: list[dict[str, Any]], measure: str = "largest") -> bytes | None:
     """Return the plot as PNG, or None where there is nothing to plot.
 
-    Parameters
-    ----------
-    pareto : list of dict
-        See `Export.pareto`; candidates without an error above 0 are left out.
-    measure : str
-        Which error it is, such as ``largest`` or ``99th percentile``.
-    dpi : int
-        Dots per inch.
+    Candidates without an error above 0 are left out; `measure` says which error it is, such as
+    ``largest`` or ``99th percentile``.
     """
     rows = [row for row in pareto if (row.get("error") or 0.0) > 0.0 and _size(row) > 0]
     if not rows:
@@ -58,7 +50,7 @@ def draw_pareto(
     )
 
     with matplotlib.style.context(["default", _SETTINGS]):
-        figure = Figure(figsize=_SIZE, layout="constrained", dpi=dpi)
+        figure = Figure(figsize=_SIZE, layout="constrained", dpi=_DPI)
         FigureCanvasAgg(figure)
         axes = figure.add_subplot()
         axes.set_xscale("log")
@@ -98,7 +90,7 @@ def draw_pareto(
         axes.set_axisbelow(True)
         axes.legend(loc="best", handletextpad=0.3)
         stream = io.BytesIO()
-        figure.savefig(stream, format="png", dpi=dpi, metadata={"Software": None})
+        figure.savefig(stream, format="png", dpi=_DPI, metadata={"Software": None})
     return stream.getvalue()
 
 

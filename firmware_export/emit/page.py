@@ -28,29 +28,10 @@ def _count(value: int | None) -> str:
     return "not measured" if value is None else f"{value:,}"
 
 
-def pareto_rows(pareto: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return the candidates from the smallest to the largest."""
-    return sorted(
-        pareto,
-        key=lambda row: (
-            row.get("total_bytes") or row["bytes"],
-            row["error"] if row.get("error") is not None else float("inf"),
-            str(row.get("label", "")),
-        ),
-    )
-
-
 def page(content: dict[str, Any], body: CBody, picture: str | None) -> str:
-    """Return NAME_report.md.
+    """Return NAME_report.md from the content of NAME_report.json and its tables.
 
-    Parameters
-    ----------
-    content : dict
-        See `facts.report`.
-    body : CBody
-        The tables.
-    picture : str, optional
-        File name of the plot of bytes against error.
+    `picture` is the file name of the plot of bytes against error.
     """
     sizes, tables = content["bytes"], sorted(body.arrays, key=lambda array: array.plain)
     lines = [
@@ -141,7 +122,7 @@ def _choice(content: dict[str, Any], picture: str | None) -> list[str]:
             "-" if row.get("error") is None else f"{number(row['error'], 3)} %",
             "**chosen**" if row.get("chosen") else "",
         )
-        for row in pareto_rows(content["pareto"])
+        for row in content["pareto"]
     ]
     kind = "p99" if (content["certificate"] or {}).get("jumps") else "largest"
     head = ("candidate", "bytes of tables", "with code", f"{kind} error of sdg", "")

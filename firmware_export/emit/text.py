@@ -99,19 +99,10 @@ def _struct_lines(values: Sequence[str], notes: Sequence[str]) -> list[str]:
 
 
 def number_lines(array: CArray, piece: int = 0) -> list[list[str]]:
-    """Return the lines of a table of numbers, aligned, broken at rows and between pieces.
+    """Return the lines of a table of numbers that is not empty, broken at rows and between pieces.
 
-    Parameters
-    ----------
-    array : CArray
-        The table, not empty.
-    piece : int
-        Elements of a piece; 0 for one piece.
-
-    Returns
-    -------
-    list of list of str
-        The lines of each piece; the last may have fewer elements.
+    There is one list for each piece of `piece` elements, of which the last may have fewer; one for
+    all with 0.
     """
     texts = [literal(value, array.ctype) for value in array.numbers]
     width = max(len(text) for text in texts)
@@ -147,18 +138,10 @@ def comment_lines(text: str) -> list[str]:
 
 
 def table(array: CArray, prefix: str, head: str, absent: frozenset[str] = frozenset()) -> str:
-    """Return the definition of one table.
+    """Return the definition of a table that is not empty.
 
-    Parameters
-    ----------
-    array : CArray
-        The table, not empty.
-    prefix : str
-        The export's name.
-    head : str
-        What stands before the element type, such as ``static const SMAP_FLASH``.
-    absent : frozenset of str
-        Names of tables that are not there.
+    `head` stands before the element type, such as ``static const SMAP_FLASH``; `absent` names the
+    tables that are not there.
     """
     lines = comment_lines(array.comment)
     if array.plain:

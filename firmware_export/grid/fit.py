@@ -53,17 +53,12 @@ def _prior(lattice: Lattice, name: str, largest: float) -> Floats:
     while np.isnan(value).any() and not np.isnan(value).all():
         # Nodes whose direction pierces no facet's plane take the mean of their neighbours.
         total, known = np.zeros_like(value), np.zeros((len(value), 1))
-        for axis in range(1, len(shape)):
-            for step in (1, -1):
-                grid = value.reshape(*shape, -1)
-                moved = np.full_like(grid, np.nan)
-                to, come = [slice(None)] * grid.ndim, [slice(None)] * grid.ndim
-                to[axis], come[axis] = (
-                    (slice(1, None), slice(None, -1))
-                    if step > 0
-                    else (slice(None, -1), slice(1, None))
-                )
-                moved[tuple(to)] = grid[tuple(come)]
+        grid = value.reshape(*shape, -1)
+        for axis, count in list(enumerate(shape))[1:]:
+            rim = [(int(at == axis),) * 2 for at in range(grid.ndim)]
+            padded = np.pad(grid, rim, constant_values=np.nan)
+            for first in (0, 2):
+                moved = np.take(padded, range(first, first + count), axis)
                 here = moved.reshape(value.shape)
                 there = ~np.isnan(here).any(axis=1, keepdims=True)
                 total += np.where(there, here, 0.0)

@@ -61,10 +61,6 @@ class Spec:
         values = sum((2 if name == "sdg" else 1) * math.prod(shape) for name, shape in self.nodes)
         return values * self.bits // 8
 
-    def shape(self, name: str) -> tuple[int, ...]:
-        """Nodes of a table, parameters first, then v and u."""
-        return dict(self.nodes)[name]
-
 
 @lru_cache(maxsize=8)
 def active_axes(model: Model, name: str) -> tuple[bool, ...]:

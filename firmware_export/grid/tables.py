@@ -118,12 +118,6 @@ class Tables(AnyTables):
         ``tip``, then ``sdg`` and ``height`` if held.
     chart_limit : float
         Largest |u| and |v|.
-    guard : float
-        rad, to be subtracted from the tip angle.
-    guard_text : str
-        How it was bounded, one sentence.
-    notes : tuple of str
-        What a reader must know beside the numbers, sentences.
     """
 
     spec: Spec
@@ -154,14 +148,14 @@ class Tables(AnyTables):
         return math.ceil(self.guard * 32767.0)
 
     @property
-    def sdg_step(self) -> float:
-        """Value of one unit of `smap_reading_i_t.sdg`; 0 where it is not held."""
-        return next((2.0 * part.fine_step for part in self.parts if part.name == "sdg"), 0.0)
-
-    @property
-    def height_step(self) -> float:
-        """Value of one unit of `smap_reading_i_t.height`; 0 where it is not held."""
-        return next((part.height_step for part in self.parts if part.name == "height"), 0.0)
+    def steps(self) -> tuple[tuple[str, float], ...]:
+        """Value of one unit of `smap_reading_i_t` for each length that is held."""
+        steps = {
+            part.name: part.height_step if part.name == "height" else 2.0 * part.fine_step
+            for part in self.parts
+            if part.name != "tip"
+        }
+        return tuple((name, step) for name, step in steps.items() if step > 0.0)
 
     def shared_knots(self) -> tuple[NDArray[np.uint16], list[NDArray[np.uint16]]]:
         """Return the knots of all axes, equal ones once, and per part (axes, 3) uint16.
@@ -235,9 +229,4 @@ def c_body(tables: Tables) -> CBody:
         ("limit", f"{tables.limit_q}u"),
         ("guard", f"{tables.guard_q}u"),
     )
-    steps = tuple(
-        (name, step)
-        for name, step in (("sdg", tables.sdg_step), ("height", tables.height_step))
-        if step > 0.0
-    )
-    return CBody("smap_grid_t", fields, tuple(arrays), steps=steps)
+    return CBody("smap_grid_t", fields, tuple(arrays), steps=tables.steps)

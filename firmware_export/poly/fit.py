@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware_export.poly.bound import guard
-from firmware_export.poly.series import Floats, expand, rounds
+from firmware_export.poly.series import expand, rounds
 from firmware_export.protocol import Tables as AnyTables
 from firmware_export.truth import Model
 from lutgen.errors import InputError
+from lutgen.vector import Floats
 
 LARGEST_CODE = 32767
 # A contact's number of terms is one byte; the runtime counts degrees in 4 bits of a word.
@@ -53,11 +54,6 @@ class Spec:
         """
         return cls(tuple(tuple(map(int, one.split("x"))) for one in label.split()[1:]))
 
-    @property
-    def bytes(self) -> int:
-        """Bytes of the tables."""
-        return sum(6 * len(exponents(one)) + len(one) + 1 for one in self.degrees)
-
 
 @dataclass(frozen=True, eq=False)
 class Tables(AnyTables):
@@ -76,10 +72,6 @@ class Tables(AnyTables):
         Per contact its degrees, and its number of terms.
     unit : float32
         Length of one code.
-    guard : float
-        rad; bound of the error of the tip angle.
-    guard_text : str
-        How that is known.
     """
 
     spec: Spec

@@ -1,13 +1,12 @@
 """What every codec hands to those who choose, certify and write exports.
 
-In reading order: `axis`, `array`, `exported`, `descriptor`, `info`.
+In reading order: `array`, `exported`, `descriptor`, `info`.
 """
 
 from firmware_export.protocol.array import CTYPES, CArray, CBody, literal
-from firmware_export.protocol.axis import axis_numbers
 from firmware_export.protocol.descriptor import Descriptor, describe, members, restored, stored
 from firmware_export.protocol.exported import Export
-from firmware_export.protocol.info import CodecInfo, Foresight, Spec, Tables
+from firmware_export.protocol.info import CodecInfo, Foresight, Tables
 
 __all__ = [
     "CTYPES",
@@ -17,9 +16,7 @@ __all__ = [
     "Descriptor",
     "Export",
     "Foresight",
-    "Spec",
     "Tables",
-    "axis_numbers",
     "describe",
     "literal",
     "members",

@@ -10,10 +10,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from firmware_export.protocol.array import CTYPES, CArray, CBody, literal
-from firmware_export.protocol.axis import axis_numbers
 from firmware_export.protocol.exported import Export
+from firmware_export.truth import Model
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +68,18 @@ def _axes(export: Export) -> CArray:
     return CArray(
         "axes", "smap_axis_t", rows, "Axes: lower end, upper end, 1 / (upper - lower)", 1, notes
     )
+
+
+def axis_numbers(model: Model) -> NDArray[np.float32]:
+    """Return min, max and 1 / (max - min) of every parameter, (k, 3), as smap_axis_t holds them.
+
+    The last is rounded so that the upper end comes to 1 at most, and with it every place below.
+    """
+    lower, upper = model.lower.astype(np.float32), model.upper.astype(np.float32)
+    inverse = (1.0 / (upper.astype(np.float64) - lower.astype(np.float64))).astype(np.float32)
+    beyond = (upper - lower) * inverse > 1.0
+    inverse = np.where(beyond, np.nextafter(inverse, np.float32(0.0)), inverse)
+    return np.stack([lower, upper, inverse], axis=1).reshape(-1, 3)
 
 
 def stored(content: Descriptor) -> dict[str, Any]:

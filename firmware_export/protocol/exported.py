@@ -40,7 +40,7 @@ class Export:
         for, 0..1), ``text`` (sentences for people).  Anything else goes into the JSON only.
     pareto : list of dict, optional
         Candidates that the choice was made from: ``label`` (str), ``codec``, ``bytes`` (tables),
-        ``total_bytes`` (with code), ``error`` (percent), ``chosen`` (bool); rows in any order.
+        ``total_bytes`` (with code), ``error`` (percent), ``chosen`` (bool); the smallest first.
     code_bytes : int, optional
         Code of the runtime with this export's features on the target; None if not measured.
     """

@@ -7,18 +7,10 @@ here; everything else about a codec is its room's own.
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 from firmware_export.protocol.array import CBody
 from firmware_export.truth import Cells, Model
-
-
-class Spec(Protocol):
-    """A size that can be asked for; hashable, two that are equal give the same tables."""
-
-    @property
-    def label(self) -> str:
-        """Short text for tables and reports, such as ``contacts i8 4+4``."""
 
 
 class Tables(ABC):
@@ -26,8 +18,9 @@ class Tables(ABC):
 
     Attributes
     ----------
-    spec : Spec
-        The size that was asked for.
+    spec : object
+        The size that was asked for: hashable, and two that are equal give the same tables.  Its
+        `label` is a short text for tables and reports, such as ``contacts i8 4+4``.
     guard : float
         Angle (rad) that is subtracted from tip_angle.
     guard_text : str

@@ -173,19 +173,15 @@ def excess(
     node : (Q, faces, nv, nu) float64
         Values less the limit that must not be reached.
     places : Places
-        Where.
+        Where; of its sub-cells those of `which` (S,), all by default.
     gentle : bool
         Whether to lower nodes only by their shares, which has to be repeated; otherwise the
         lowered table is certain to be below zero.
-    which : (S,) int64, optional
-        The sub-cells to look at; all by default.
 
     Returns
     -------
-    (Q, faces, nv, nu) float64
-        By how much, 0 or more.
-    (n,) int64
-        The sub-cells, of those looked at, where the table is above zero somewhere.
+    (Q, faces, nv, nu) float64, (n,) int64
+        By how much, 0 or more; the sub-cells where the table is above zero somewhere.
     """
     which = np.arange(len(places.nodes)) if which is None else which
     drops = np.zeros((PARTS, *node.shape))

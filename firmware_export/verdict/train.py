@@ -50,6 +50,15 @@ def _points(model: Model) -> tuple[Floats, NDArray[np.int64], Floats]:
     return place, face, model.exact(sample.params, sample.gravity).tip_angle.ravel()
 
 
+def _corners(found: Outlines, posture: NDArray[np.int64], rng: np.random.Generator) -> list[Floats]:
+    """Return of each parameter its values (n,) at random corners of the sub-cells of postures."""
+    at = np.unravel_index(posture, tuple(len(axis) - 1 for axis in found.axes))
+    return [
+        axis[index + rng.integers(0, 2, len(posture))]
+        for axis, index in zip(found.axes, at, strict=True)
+    ]
+
+
 def _outline_points(
     found: Outlines, faces: int, count: int, seed: int
 ) -> tuple[Floats, NDArray[np.int64]]:
@@ -58,10 +67,7 @@ def _outline_points(
     piece = rng.integers(len(found.pieces), size=count)
     owner = np.searchsorted(found.first, piece, side="right") - 1
     posture, face = owner // faces, owner % faces
-    at = np.unravel_index(posture, tuple(len(axis) - 1 for axis in found.axes))
-    params = [
-        axis[index + rng.integers(0, 2, count)] for axis, index in zip(found.axes, at, strict=True)
-    ]
+    params = _corners(found, posture, rng)
     ends = found.pieces[piece].astype(np.float64)
     along = rng.random((count, 1))
     uv = ends[:, :2] + along * (ends[:, 2:] - ends[:, :2])
@@ -77,11 +83,7 @@ def _knot_points(
     knot = rng.integers(found.tips.shape[1], size=count)
     tips = found.tips[posture, knot]
     posture, knot = posture[tips], knot[tips]
-    at = np.unravel_index(posture, tuple(len(axis) - 1 for axis in found.axes))
-    params = [
-        axis[index + rng.integers(0, 2, len(posture))]
-        for axis, index in zip(found.axes, at, strict=True)
-    ]
+    params = _corners(found, posture, rng)
     v, u = lattice.ends[-2:]
     face, row, column = np.unravel_index(knot, (faces, len(v), len(u)))
     return np.column_stack([*params, v[row], u[column]]), face.astype(np.int64)

@@ -74,6 +74,8 @@ class Formula:
 class Tabled(Tables):
     """Tables of which only the size is known."""
 
+    bytes = 0
+
     def __init__(self, spec: Spec) -> None:
         self.spec = spec
 

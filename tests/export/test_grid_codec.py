@@ -140,7 +140,7 @@ def test_the_stability_factor_keeps_to_a_few_per_cent(model: Model, tables: Tabl
 def test_a_height_that_does_not_depend_on_gravity_has_no_axes_for_it(model: Model) -> None:
     assert active_axes(model, "height") == (True, True, False, False)
     assert active_axes(model, "sdg") == (True, True, True, True)
-    assert start(model, EXPORTABLE, "float")[0].shape("height")[-2:] == (1, 1)
+    assert start(model, EXPORTABLE, "float")[0].nodes[-1][1][-2:] == (1, 1)
 
 
 def test_growing_adds_nodes_to_one_axis_of_one_table(model: Model) -> None:
@@ -304,7 +304,7 @@ def test_nodes_are_shared_out_as_the_axes_need_and_never_more_than_asked() -> No
     wheels = Model(parse_recipe(rover()))
     before = (3, 3, 3)
     for nodes in (27, 200, 1_000, 5_000):
-        shape = verdict.of_nodes(wheels, ("tip_angle",), {"tip": nodes}, 8).shape("tip")
+        shape = verdict.of_nodes(wheels, ("tip_angle",), {"tip": nodes}, 8).nodes[0][1]
         # Beyond some 1,400 nodes nothing more is lost along any axis.
         assert 0.7 * min(nodes, 1_400) <= np.prod(shape) <= nodes
         assert all(more >= few for more, few in zip(shape, before, strict=True))
@@ -315,7 +315,7 @@ def test_nodes_are_shared_out_as_the_axes_need_and_never_more_than_asked() -> No
 
 def test_interpolation_of_the_fit_is_the_runtimes(model: Model, tables: Tables) -> None:
     part = tables.parts[1]
-    lattice = grid.lattice_of(model, SMALL.shape("sdg"))
+    lattice = grid.lattice_of(model, dict(SMALL.nodes)["sdg"])
     assert lattice.coordinates == (0, 1, V, U)
     params, gravity = places(model, 5_000, 9)
     t = (params - model.lower) / (model.upper - model.lower)

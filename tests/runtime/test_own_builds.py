@@ -15,7 +15,7 @@ from firmware_export.grid import codec as grid
 from firmware_export.grid.tables import SPAN
 from firmware_export.host.library import RUNTIME
 from firmware_export.poly import codec as poly
-from firmware_export.protocol.axis import axis_numbers
+from firmware_export.protocol.descriptor import axis_numbers
 from firmware_export.protocol.exported import Export
 from firmware_export.truth.model import Model
 from lutgen.quantities import EXPORTABLE
