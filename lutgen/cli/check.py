@@ -2,12 +2,11 @@
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import allow_python, as_json, asks, file_size
+from lutgen.cli.options import RecipeOptions, asks, file_size
 from lutgen.cli.table import show
 
 if TYPE_CHECKING:
@@ -15,18 +14,10 @@ if TYPE_CHECKING:
     from lutgen.recipe import Parameter, Recipe
 
 
-@dataclass(frozen=True)
-class Asked:
-    """What the command line says."""
-
-    allow_python: bool = allow_python()
-    as_json: bool = as_json()
-
-
 @click.command(short_help="Validate a recipe; print robot, nodes, file size and run time.")
 @click.argument("recipe", type=click.Path())
-@asks(Asked)
-def check(recipe: str, asked: Asked) -> None:
+@asks(RecipeOptions)
+def check(recipe: str, asked: RecipeOptions) -> None:
     """Validate RECIPE and say what its sweep will cost.
 
     \b

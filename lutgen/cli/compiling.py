@@ -14,13 +14,7 @@ MESSAGE = "compiling the kernels: about half a minute on an idle machine, kept f
 
 @contextmanager
 def compiling_is_told(quiet: bool) -> Iterator[None]:
-    """Say so on stderr, once, when a kernel inside the with block is not in the cache.
-
-    Parameters
-    ----------
-    quiet : bool
-        Say nothing.
-    """
+    """Unless `quiet`, say so once on stderr when a kernel in the with block is not in the cache."""
     from numba.core import event
 
     class Notice(event.Listener):  # type: ignore[misc]

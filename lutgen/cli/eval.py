@@ -1,6 +1,5 @@
 """`lutgen eval`: one posture under one direction."""
 
-import logging
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -9,49 +8,34 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import (
-    Numbers,
-    allow_python,
-    as_json,
-    asks,
-    gravity,
-    open_source,
-    option,
-    parameter_values,
-    parameters,
-)
+from lutgen.cli import options
+from lutgen.cli.options import RecipeOptions, asks, log, option
 from lutgen.cli.table import cell, channel_entries, degrees, number, show, unit_text
 from lutgen.quantities import QUANTITIES
 
 if TYPE_CHECKING:
-    from lutgen.analysis import Diagnosis
+    from lutgen.analysis import Diagnosis, Posture
     from lutgen.mapping import StabilityMap
-    from lutgen.recipe import Recipe
-
-log = logging.getLogger("lutgen")
 
 VERDICT = {True: "stands", False: "tips over", None: "unknown: off the chart"}
 VALUES = {one.json: one.unit for one in QUANTITIES.values()} | {"slope_deg": "rad"}
 
 
 @dataclass(frozen=True)
-class Asked:
+class Asked(RecipeOptions):
     """What the command line says."""
 
-    assignments: tuple[tuple[str, float], ...] = parameters()
-    gravity: tuple[float, float, float] = gravity()
+    assignments: tuple[tuple[str, float], ...] = options.parameters()
+    gravity: tuple[float, float, float] = options.gravity()
     acceleration: tuple[float, float, float] | None = option(
         "-a",
-        "--acceleration",
-        type=Numbers("AX,AY,AZ", "acceleration", "for example -2,0,0"),
+        type=options.Numbers("AX,AY,AZ", "acceleration", "for example -2,0,0"),
         help=(
             "Acceleration of the robot in the body frame, m/s^2: inertia then acts beside "
             "gravity. Leave it out where gravity comes from an accelerometer, which reads "
             "both."
         ),
     )
-    allow_python: bool = allow_python()
-    as_json: bool = as_json()
 
 
 @click.command("eval", short_help="Evaluate one point of a recipe, a map or an export.")
@@ -73,6 +57,7 @@ def eval_(source: str, asked: Asked) -> None:
 
 def _report(source: str, asked: Asked) -> dict[str, Any]:
     """Return what `--json` prints; null where there is no value."""
+    from lutgen.analysis import Posture
     from lutgen.chart import gravito_inertial
     from lutgen.recipe import Recipe
 
@@ -83,21 +68,20 @@ def _report(source: str, asked: Asked) -> dict[str, Any]:
         from lutgen.cli.eval_export import export_report
 
         return export_report(Path(source), asked.assignments, gravity)
-    opened = open_source(source, asked.allow_python)
+    opened = options.open_source(source, asked.allow_python)
     if isinstance(opened, Recipe):
-        return exact_report(opened, parameter_values(opened, asked.assignments), gravity)
-    return map_report(
-        opened, parameter_values(opened.recipe, asked.assignments, "clamped"), gravity
-    )
+        return exact_report(
+            Posture(opened, options.parameter_values(opened, asked.assignments)), gravity
+        )
+    values = options.parameter_values(opened.recipe, asked.assignments, "clamped")
+    return map_report(opened, values, gravity)
 
 
-def exact_report(
-    recipe: "Recipe", values: list[float], gravity: tuple[float, ...]
-) -> dict[str, Any]:
+def exact_report(posture: "Posture", gravity: tuple[float, ...]) -> dict[str, Any]:
     """Return the report on one point of a recipe."""
-    from lutgen.analysis import Posture, diagnose
+    from lutgen.analysis import diagnose
 
-    found = diagnose(Posture(recipe, values), gravity)
+    recipe, found = posture.recipe, diagnose(posture, gravity)
     rolling = any(contact.rolling for contact in recipe.contacts)
     report: dict[str, Any] = {
         "robot": recipe.name,
@@ -107,7 +91,7 @@ def exact_report(
         **channel_entries(found.channels),
         "slope_deg": degrees(found.slope),
         "slides_first": found.slides,
-        **(_rolling_entries(recipe, values, gravity) if rolling and not recipe.has_wrench else {}),
+        **(_rolling_entries(posture, gravity) if rolling and not recipe.has_wrench else {}),
     }
     if found.least_stable is not None:
         report["least_stable_axis"] = _axis(found, found.least_stable)
@@ -130,17 +114,15 @@ def exact_report(
     return report
 
 
-def _rolling_entries(
-    recipe: "Recipe", values: list[float], gravity: tuple[float, ...]
-) -> dict[str, Any]:
+def _rolling_entries(posture: "Posture", gravity: tuple[float, ...]) -> dict[str, Any]:
     """Return whether the robot rolls away, and how it tips while it rolls freely."""
-    from lutgen.analysis import Posture, rolling_gravity, rolls
+    from lutgen.analysis import rolling_gravity, rolls
     from lutgen.channels import evaluate
 
-    entries: dict[str, Any] = {"rolls": bool(rolls(Posture(recipe, values), [gravity])[0])}
-    down = rolling_gravity(Posture(recipe, values), gravity)
+    entries: dict[str, Any] = {"rolls": bool(rolls(posture, [gravity])[0])}
+    down = rolling_gravity(posture, gravity)
     if down is not None:
-        angle = evaluate(recipe, [values], down, ("tip_angle",))["tip_angle"][0, 0]
+        angle = evaluate(posture.recipe, posture.row, down, ("tip_angle",))["tip_angle"][0, 0]
         entries["rolling_gravity"] = down.tolist()
         entries["rolling_tip_angle_deg"] = degrees(angle)
     return entries
@@ -169,18 +151,17 @@ def map_report(
     """Return the report on one point of a map."""
     reading = stability_map.read([values], [gravity])
     channels = {name: float(value[0]) for name, value in reading.items()}
-    _, _, _, inside = stability_map.chart.locate([gravity])
-    if not inside[0]:
+    on_chart = bool(stability_map.chart.locate([gravity])[3][0])
+    if not on_chart:
         log.warning("the direction is off the map's chart: the map says nothing")
         channels.pop("facet", None)
     known = channels.get("tip_angle", channels.get("sdg", math.nan))
-    stands = known >= 0.0 if inside[0] else None
     return {
         "robot": stability_map.recipe.name,
         "source": "interpolated",
         "length_unit": stability_map.recipe.length_unit,
-        "on_chart": bool(inside[0]),
-        "standing": bool(stands) if stands is not None else None,
+        "on_chart": on_chart,
+        "standing": known >= 0.0 if on_chart else None,
         **channel_entries(channels),
     }
 

@@ -1,6 +1,5 @@
 """`lutgen eval EXPORT_DIR`: the C runtime is asked, with the tables of an export."""
 
-import logging
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -8,14 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lutgen.cli.options import Assignments, internal_values
+from lutgen.cli.options import Assignments, internal_values, log
 from lutgen.cli.table import channel_entries
 from lutgen.quantities import EXPORTABLE
 
 if TYPE_CHECKING:
     from firmware_export.device import ExportFolder
-
-log = logging.getLogger("lutgen")
 
 STATUS = {
     0: "SMAP_OK",
@@ -33,16 +30,9 @@ NOT_HELD, FULL_SCALE = 65535, 32767
 def export_report(
     directory: Path, assignments: Assignments, gravity: Sequence[float]
 ) -> dict[str, Any]:
-    """Return the report on one point of an export.
+    """Return the report on one point of an export, a folder of `lutgen export`.
 
-    Parameters
-    ----------
-    directory : path
-        A folder of `lutgen export`.
-    assignments : sequence of (str, float)
-        Values in the units that the recipe gave the parameters.
-    gravity : (3,) sequence of float
-        Down, any length > 0.
+    Values are assigned in the units that the recipe gave the parameters; gravity (3,) points down.
     """
     from firmware_export.device import ExportFolder
 

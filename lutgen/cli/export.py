@@ -1,6 +1,5 @@
 """`lutgen export`: C tables, runtime and report."""
 
-import logging
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -8,57 +7,41 @@ from typing import Any
 
 import click
 
-from lutgen.cli.options import allow_python, as_json, asks, open_source, option
+from lutgen.cli.options import RecipeOptions, asks, log, open_source, option, output
 from lutgen.cli.table import show
 from lutgen.quantities import EXPORTABLE
-
-log = logging.getLogger("lutgen")
 
 ARITHMETIC = ("float", "integer")
 
 
 @dataclass(frozen=True)
-class Asked:
+class Asked(RecipeOptions):
     """What the command line says."""
 
-    output: str = option(
-        "-o",
-        "--output",
-        required=True,
-        type=click.Path(),
-        help="The folder; it appears when whole.",
-    )
-    name: str | None = option(
-        "--name", help="C identifier of the map.  [default: the robot's name]"
-    )
+    output: str = output(required=True, help="The folder; it appears when whole.")
+    name: str | None = option(help="C identifier of the map.  [default: the robot's name]")
     flash: str | None = option(
-        "--flash", metavar="SIZE", help="Most bytes of tables and code: 16KiB, 64k (of 1000), 4096."
+        metavar="SIZE", help="Most bytes of tables and code: 16KiB, 64k (of 1000), 4096."
     )
     max_error: str | None = option(
-        "--max-error",
         metavar="X",
         help="Largest error of |SD_g|: 1% of its range, or 0.05 in the length unit.",
     )
     channels: str | None = option(
-        "--channels",
         metavar="A,B",
         help=f"Of {', '.join(EXPORTABLE)}; tip_angle is always there.  [default: the recipe's]",
     )
     # Their names are asked of `codecs` below: importing that takes longer than --help may.
     codec: str = option(
-        "--codec",
         metavar="NAME",
         default="auto",
         help="auto, or the only one that may be used; any other name is answered with all.",
     )
     arithmetic: str = option(
-        "--arithmetic",
         type=click.Choice(ARITHMETIC),
         default="float",
         help="integer: for processors without floating point.",
     )
-    allow_python: bool = allow_python()
-    as_json: bool = as_json()
 
 
 @click.command(short_help="Write a map as C tables with a small runtime.")

@@ -25,17 +25,6 @@ from lutgen.errors import ExportError, LutgenError, SweepError
 FAILED, BAD_INPUT = 1, 2
 
 
-class Failure(click.ClickException):
-    """One sentence, and 1 where the task failed or 2 where its input is wrong."""
-
-    def __init__(self, error: LutgenError) -> None:
-        super().__init__(str(error))
-        # click reads it from the instance; its own class has the value 1.
-        vars(self)["exit_code"] = (
-            FAILED if isinstance(error, ExportError | SweepError) else BAD_INPUT
-        )
-
-
 class Group(click.Group):
     """Turns the library's errors into one sentence on stderr."""
 
@@ -44,7 +33,11 @@ class Group(click.Group):
         try:
             return super().invoke(ctx)
         except LutgenError as error:
-            raise Failure(error) from error
+            failure = click.ClickException(str(error))
+            failed = isinstance(error, ExportError | SweepError)
+            # click reads it from the instance; the class has the value 1.
+            vars(failure)["exit_code"] = FAILED if failed else BAD_INPUT
+            raise failure from error
         except BrokenPipeError:
             # The reader of our output has gone: nothing is left to say, not even at exit.
             os.dup2(os.open(os.devnull, os.O_WRONLY), 1)

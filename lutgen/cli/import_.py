@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import as_json, asks, finite_numbers, option
+from lutgen.cli.options import as_json, asks, finite_numbers, option, output
 from lutgen.cli.table import show
 from lutgen.errors import InputError
 
@@ -20,10 +20,8 @@ if TYPE_CHECKING:
 class Asked:
     """What the command line says."""
 
-    output: str = option(
-        "-o", "--output", required=True, type=click.Path(), help="Recipe to write (.toml)."
-    )
-    name: str | None = option("-n", "--name", help="The recipe's name; the robot's own by default.")
+    output: str = output(required=True, help="Recipe to write (.toml).")
+    name: str | None = option("-n", help="The recipe's name; the robot's own by default.")
     contacts: tuple[str, ...] = option(
         "-c",
         "--contact",
@@ -38,10 +36,7 @@ class Asked:
         "-j", "--joint", multiple=True, help="A joint that becomes a parameter; repeat."
     )
     xacro: bool = option(
-        "-x",
-        "--xacro",
-        is_flag=True,
-        help="Expand a .xacro file: evaluates it, reads its includes.",
+        "-x", is_flag=True, help="Expand a .xacro file: evaluates it, reads its includes."
     )
     as_json: bool = as_json()
 

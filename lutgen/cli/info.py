@@ -19,9 +19,7 @@ if TYPE_CHECKING:
 class Asked:
     """What the command line says."""
 
-    verify: bool = option(
-        "--verify", is_flag=True, help="Read everything and check every checksum."
-    )
+    verify: bool = option(is_flag=True, help="Read everything and check every checksum.")
     as_json: bool = as_json()
 
 

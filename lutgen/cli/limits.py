@@ -7,20 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import (
-    allow_python,
-    as_json,
-    asks,
-    option,
-    parameters,
-    posture_values,
-)
+from lutgen.cli import options
+from lutgen.cli.options import RecipeOptions, asks, option
 from lutgen.cli.table import aligned, by_unit, cell, degrees, show
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from lutgen.analysis import PostureLimits, SweepLimits
     from lutgen.recipe import Recipe
 
@@ -29,28 +20,17 @@ FIGURE = 72
 
 
 @dataclass(frozen=True)
-class Asked:
+class Asked(RecipeOptions):
     """What the command line says."""
 
-    assignments: tuple[tuple[str, float], ...] = parameters()
+    assignments: tuple[tuple[str, float], ...] = options.parameters()
     over_all: bool = option("--all", is_flag=True, help="Also over all postures of the sweep.")
-    best: bool = option(
-        "--best", is_flag=True, help="Also the best posture of the sweep in each heading."
+    best: bool = option(is_flag=True, help="Also the best posture of the sweep in each heading.")
+    headings: int = option(default=24, help="How many the table of --best has; a multiple of 4.")
+    convention: str = options.convention(
+        "plane", "body", "Whether the ground under the robot is tilted from level, or its body."
     )
-    headings: int = option(
-        "--headings", default=24, help="How many the table of --best has; a multiple of 4."
-    )
-    convention: str = option(
-        "--convention",
-        type=click.Choice(("plane", "body")),
-        default="plane",
-        help="Whether the ground under the robot is tilted from level, or its body.",
-    )
-    output: str | None = option(
-        "-o", "--output", type=click.Path(), help="Figure (PNG, SVG or PDF)."
-    )
-    allow_python: bool = allow_python()
-    as_json: bool = as_json()
+    output: str | None = options.output(help="Figure (PNG, SVG or PDF).")
 
 
 @click.command(short_help="Largest tilt nose down, nose up, left, right and in the worst heading.")
@@ -74,7 +54,7 @@ def limits(recipe: str, asked: Asked) -> None:
     # Refused before the work, which takes as many as the figure needs.
     around = even_headings(asked.headings)
     found = posture_limits(
-        Posture(robot, posture_values(robot, asked.assignments)), asked.convention
+        Posture(robot, options.posture_values(robot, asked.assignments)), asked.convention
     )
     swept = None
     if asked.over_all or asked.best:
@@ -93,11 +73,6 @@ def limits(recipe: str, asked: Asked) -> None:
     show(report, limits_lines(report), asked.as_json)
 
 
-def _posture(recipe: "Recipe", params: "NDArray[np.float64]") -> dict[str, float]:
-    """Return a posture in display units, named with them."""
-    return {name: float(value) for name, value in by_unit(recipe, params).items()}
-
-
 def limits_report(recipe: "Recipe", found: "PostureLimits") -> dict[str, Any]:
     """Return what `--json` prints of one posture; null where there is no value."""
     mu = recipe.friction
@@ -105,7 +80,7 @@ def limits_report(recipe: "Recipe", found: "PostureLimits") -> dict[str, Any]:
         "robot": recipe.name,
         "length_unit": recipe.length_unit,
         "convention": found.convention,
-        "posture": _posture(recipe, found.params),
+        "posture": by_unit(recipe, found.params),
         "friction": mu,
         "friction_angle_deg": None if mu is None else math.degrees(math.atan(mu)),
         "limits": [
@@ -128,7 +103,7 @@ def _best(recipe: "Recipe", swept: "SweepLimits", count: int) -> list[dict[str, 
         {
             "heading_deg": math.degrees(swept.headings[i]),
             "tilt_deg": math.degrees(swept.most[i]),
-            "posture": _posture(recipe, swept.params[swept.most_at[i]]),
+            "posture": by_unit(recipe, swept.params[swept.most_at[i]]),
         }
         for i in range(0, len(swept.headings), len(swept.headings) // count)
     ]
@@ -154,9 +129,9 @@ def _all(recipe: "Recipe", swept: "SweepLimits") -> dict[str, Any]:
             {
                 "name": name,
                 "least_tilt_deg": math.degrees(least),
-                "least_at": _posture(recipe, swept.params[least_at]),
+                "least_at": by_unit(recipe, swept.params[least_at]),
                 "largest_tilt_deg": math.degrees(most),
-                "largest_at": _posture(recipe, swept.params[most_at]),
+                "largest_at": by_unit(recipe, swept.params[most_at]),
             }
             for name, least, least_at, most, most_at in rows
         ],

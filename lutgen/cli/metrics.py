@@ -7,15 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import (
-    allow_python,
-    as_json,
-    asks,
-    option,
-    parameter_values,
-    parameters,
-    tilt,
-)
+from lutgen.cli.options import RecipeOptions, asks, option, parameter_values, parameters, tilt
 from lutgen.cli.table import aligned, cell, channel_entries, number, show, unit_text
 from lutgen.errors import InputError
 
@@ -27,19 +19,16 @@ MOST = 3600
 
 
 @dataclass(frozen=True)
-class Asked:
+class Asked(RecipeOptions):
     """What the command line says."""
 
     assignments: tuple[tuple[str, float], ...] = parameters()
     tilt: float = tilt()
     headings: int = option(
-        "--headings",
         type=click.IntRange(1, MOST),
         default=24,
         help="How many headings, evenly spaced, the first nose down.",
     )
-    allow_python: bool = allow_python()
-    as_json: bool = as_json()
 
 
 @click.command(short_help="Compare five metrics over all headings.")

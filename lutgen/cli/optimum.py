@@ -1,6 +1,5 @@
 """`lutgen optimum`: the best geometry for a gravity direction."""
 
-import logging
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -8,97 +7,74 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import (
-    Assignment,
-    allow_python,
-    as_json,
-    asks,
-    convention,
-    gravity,
-    named_values,
-    option,
-)
+from lutgen.cli import options
+from lutgen.cli.options import RecipeOptions, asks, log, option
 from lutgen.cli.table import cell, number, show, unit_text
 from lutgen.errors import InputError
+from lutgen.parts import to_display
 from lutgen.quantities import QUANTITIES, RANKED
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from lutgen.recipe import Recipe
     from lutgen.search import Optimum
 
-log = logging.getLogger("lutgen")
-
-TIPS = 1
-
 
 @dataclass(frozen=True)
-class Asked:
+class Asked(RecipeOptions):
     """What the command line says."""
 
-    gravity: tuple[float, float, float] = gravity()
-    method: str = option(
-        "--method",
-        type=click.Choice(["map", "nelder-mead", "search", "multistart"]),
-        default="search",
+    gravity: tuple[float, float, float] = options.gravity()
+    method: str = options.method(
         help=(
             "map: best node of the recipe's sweep; search: the paper's refined mesh; nelder-"
             "mead: one simplex; multistart: many, for objectives with several minima."
         ),
     )
     objective: str = option(
-        "--objective",
         default="sdg",
         help=f"{', '.join(RANKED)}, or a sum such as sdg+0.1*height.",
     )
-    convention: str = convention()
-    assignments: tuple[tuple[str, float], ...] = option(
-        "-p",
-        "--parameter",
-        type=Assignment(),
-        multiple=True,
+    convention: str = options.convention()
+    assignments: tuple[tuple[str, float], ...] = options.parameters(
         help=(
             "Keep this parameter at a value, in the recipe's unit, and search the others; "
             "repeatable."
-        ),
+        )
     )
     bounds: tuple[tuple[str, float, float], ...] = option(
-        "--bounds",
-        type=Assignment("NAME=LOW:HIGH", "interval", "alpha=20:40"),
+        type=options.Assignment("NAME=LOW:HIGH", "interval", "alpha=20:40"),
         multiple=True,
         help="Where to search, in the recipe's unit; by default the recipe's range; repeatable.",
     )
     start: tuple[tuple[str, float], ...] = option(
-        "--start",
-        type=Assignment(),
+        type=options.Assignment(),
         multiple=True,
         help="Where nelder-mead and multistart begin; by default in the middle; repeatable.",
     )
     limit: float | None = option(
-        "--limit",
         type=float,
         help=(
             "Worst acceptable value of the objective (deg for tip_angle) for the acceptable "
             "ranges; by default all geometries that stand are acceptable."
         ),
     )
-    levels: int = option("--levels", type=click.IntRange(min=1), default=6, help="Steps of search.")
+    levels: int = option(type=click.IntRange(min=1), default=6, help="Steps of search.")
     ends: str = option(
-        "--ends",
         type=click.Choice(["left", "right"]),
         default="left",
         help="Of search: which end of each of its 5 cells is a node.",
     )
-    seed: int = option("--seed", type=click.IntRange(min=0), default=0, help="Of multistart.")
-    trace: bool = option("--trace", is_flag=True, help="Print the steps of the method too.")
-    allow_python: bool = allow_python()
-    as_json: bool = as_json()
+    seed: int = option(type=click.IntRange(min=0), default=0, help="Of multistart.")
+    trace: bool = option(is_flag=True, help="Print the steps of the method too.")
 
 
 @click.command(short_help="Best geometry for a gravity direction.")
 @click.argument("recipe", type=click.Path())
 @asks(Asked)
-@click.pass_context
-def optimum(ctx: click.Context, recipe: str, asked: Asked) -> None:
+def optimum(recipe: str, asked: Asked) -> None:
     """Print the best geometry of RECIPE for a gravity direction.
 
     With +- how far each parameter may be off, and the interval in which it may lie, the others
@@ -130,19 +106,22 @@ def optimum(ctx: click.Context, recipe: str, asked: Asked) -> None:
     )
     if asked.limit is not None and found.standing and math.isnan(found.delta[0]):
         log.warning("the best geometry exceeds the limit: no range is acceptable")
-    report = optimum_report(robot, found, [low == high for low, high in box])
+    kept = [low == high for low, high in box]
+    report = optimum_report(robot, found, kept)
     if asked.trace:
         report["trace"] = _steps(robot, found)
-    show(report, optimum_lines(report), asked.as_json)
-    if not found.standing:
-        ctx.exit(TIPS)
+    show(report, optimum_lines(robot, found, kept, asked.trace), asked.as_json, found.standing)
 
 
 def _box(robot: "Recipe", asked: Asked) -> list[tuple[float, float]]:
     """Return the bounds (rad, length) of all parameters; those of a kept one are equal."""
-    box = {name: (value, value) for name, value in named_values(robot, asked.assignments).items()}
+    box = {
+        name: (value, value)
+        for name, value in options.named_values(robot, asked.assignments).items()
+    }
+    names = [p.name for p in robot.parameters]
     for name, low, high in asked.bounds:
-        _known(robot, "--bounds", f"{name}={low:g}:{high:g}", name)
+        options.require_known(robot.source, names, name, f"--bounds {name}={low:g}:{high:g}")
         if name in box:
             raise InputError(
                 f"parameter {name} is bounded or kept twice (got --bounds {name}={low:g}:{high:g} "
@@ -164,38 +143,33 @@ def _box(robot: "Recipe", asked: Asked) -> list[tuple[float, float]]:
 
 def _start(robot: "Recipe", asked: Asked, box: Sequence[tuple[float, float]]) -> list[float] | None:
     """Return where the search begins (rad, length): in the middle where nothing is said."""
-    begin = [(low + high) / 2.0 for low, high in box]
-    given = set(dict(asked.assignments))
+    given = dict(asked.assignments)
+    names = [p.name for p in robot.parameters]
     for name, value in asked.start:
-        index = _known(robot, "--start", f"{name}={value:g}", name)
+        options.require_known(robot.source, names, name, f"--start {name}={value:g}")
         if name in given:
             raise InputError(
                 f"parameter {name} has a value already (got --start {name}={value:g} as well); "
                 "give it one -p or one --start"
             )
-        given.add(name)
-        begin[index] = robot.parameters[index].stored(value)
+        given[name] = value
+    begin = [
+        p.stored(given[p.name]) if p.name in given else (low + high) / 2.0
+        for p, (low, high) in zip(robot.parameters, box, strict=True)
+    ]
     return begin if asked.start else None
 
 
-def _known(robot: "Recipe", option: str, got: str, name: str) -> int:
-    """Return the number of a parameter."""
-    names = [p.name for p in robot.parameters]
-    if name not in names:
-        raise InputError(
-            f"{robot.source}: there is no parameter {name!r} (got {option} {got}); it has "
-            f"{', '.join(names) or 'none'}"
-        )
-    return names.index(name)
-
-
-def _entry(unit: str, key: str, value: float | Sequence[float]) -> dict[str, Any]:
+def _entry(key: str, values: "float | NDArray[np.float64]", unit: str) -> dict[str, Any]:
     """Return one entry with its unit in the key: deg and rad are said, lengths are not."""
-    turn = math.degrees if unit == "deg" else float
+    shown = to_display(values, unit)
     name = f"{key}_{unit}" if unit in ("deg", "rad") else key
-    if isinstance(value, float):
-        return {name: number(turn(value))}
-    return {name: [number(turn(part)) for part in value]}
+    return {name: number(shown) if isinstance(shown, float) else [*map(number, shown)]}
+
+
+def _text(value: float, unit: str) -> str:
+    """Return a number (rad, length) as text; a dash where it is not finite."""
+    return cell(number(to_display(value, unit)), unit=unit_text(unit))
 
 
 def _unit(robot: "Recipe", found: "Optimum") -> str:
@@ -210,10 +184,10 @@ def _steps(robot: "Recipe", found: "Optimum") -> list[dict[str, Any]]:
     return [
         {
             "parameters": {
-                p.name: _entry(p.display_unit, "value", float(value))
+                p.name: _entry("value", value, p.display_unit)
                 for p, value in zip(robot.parameters, step.params, strict=True)
             },
-            **_entry(unit, "value", step.value),
+            **_entry("value", step.value, unit),
             "evaluations": step.evaluations,
         }
         for step in found.trace
@@ -232,13 +206,13 @@ def optimum_report(robot: "Recipe", found: "Optimum", kept: Sequence[bool]) -> d
         "objective": found.objective,
         "convention": found.convention,
         "standing": found.standing,
-        **_entry(unit, "value", found.value),
+        **_entry("value", found.value, unit),
         "evaluations": found.evaluations,
         "parameters": {
             p.name: {
-                **_entry(p.display_unit, "value", float(found.params[i])),
-                **_entry(p.display_unit, "delta", float(found.delta[i])),
-                **_entry(p.display_unit, "acceptable", found.acceptable[i].tolist()),
+                **_entry("value", found.params[i], p.display_unit),
+                **_entry("delta", found.delta[i], p.display_unit),
+                **_entry("acceptable", found.acceptable[i], p.display_unit),
                 "kept": kept[i],
             }
             for i, p in enumerate(robot.parameters)
@@ -248,38 +222,42 @@ def optimum_report(robot: "Recipe", found: "Optimum", kept: Sequence[bool]) -> d
     }
 
 
-def optimum_lines(report: dict[str, Any]) -> Iterator[str]:
+def optimum_lines(
+    robot: "Recipe", found: "Optimum", kept: Sequence[bool], traced: bool
+) -> Iterator[str]:
     """Return the report as text."""
-    length = unit_text(report["length_unit"])
+    unit = _unit(robot, found)
 
-    def value(entry: dict[str, Any], key: str = "value") -> str:
-        for name, unit in ((f"{key}_deg", " deg"), (f"{key}_rad", " rad"), (key, length)):
-            if name in entry:
-                return cell(entry[name], unit=unit)
-        raise KeyError(key)
+    def shape(params: "NDArray[np.float64]") -> list[str]:
+        return [
+            _text(value, p.display_unit) for p, value in zip(robot.parameters, params, strict=True)
+        ]
 
-    def places(step: dict[str, Any]) -> str:
-        where = ", ".join(f"{name} {value(at)}" for name, at in step["parameters"].items())
-        shown = value(step)
-        return f"{where}: {'tips over' if shown == '-' else shown}"
+    def node(step: int) -> str:
+        at = found.trace[step]
+        names = (p.name for p in robot.parameters)
+        where = ", ".join(map(" ".join, zip(names, shape(at.params), strict=True)))
+        value = _text(at.value, unit)
+        return f"{where}: {'tips over' if value == '-' else value}"
 
     verdict = (
-        f"stands, {report['objective']} {value(report)}"
-        if report["standing"]
+        f"stands, {found.objective} {_text(found.value, unit)}"
+        if found.standing
         else "tips over in every geometry tried, least in this one"
     )
-    yield f"{report['robot']}, {report['method']}: {verdict}, {report['evaluations']} evaluations"
-    parameters, last = report["parameters"], report["last"]
-    width = max(map(len, parameters))
-    for name, entry in parameters.items():
-        low, high = next(entry[key] for key in entry if key.startswith("acceptable"))
+    yield f"{robot.name}, {found.method}: {verdict}, {found.evaluations} evaluations"
+    best = shape(found.params)
+    width = max(len(p.name) for p in robot.parameters)
+    for i, p in enumerate(robot.parameters):
+        low, high = p.shown(found.acceptable[i])
         more = ""
-        if entry["kept"]:
+        if kept[i]:
             more = "  kept"
-        elif low is not None:
-            more = f"  +- {value(entry, 'delta')}  acceptable {low:.6g} to {high:.6g}"
-        yield f"  {name:<{width}}  {value(entry)}{more}"
-    if any(value(last["parameters"][name]) != value(entry) for name, entry in parameters.items()):
-        yield f"last node, worse than the best seen: {places(last)}"
-    for index, step in enumerate(report.get("trace", []), 1):
-        yield f"step {index}, {step['evaluations']} evaluations: {places(step)}"
+        elif math.isfinite(low):
+            delta = _text(found.delta[i], p.display_unit)
+            more = f"  +- {delta}  acceptable {low:.6g} to {high:.6g}"
+        yield f"  {p.name:<{width}}  {best[i]}{more}"
+    if shape(found.trace[-1].params) != best:
+        yield f"last node, worse than the best seen: {node(-1)}"
+    for i, step in enumerate(found.trace if traced else ()):
+        yield f"step {i + 1}, {step.evaluations} evaluations: {node(i)}"

@@ -4,12 +4,13 @@ import functools
 import logging
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import field, fields
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from lutgen.errors import InputError
+from lutgen.parts import to_internal
 
 if TYPE_CHECKING:
     from lutgen.mapping import StabilityMap
@@ -76,24 +77,30 @@ class Assignment(click.ParamType):  # type: ignore[type-arg]
 def option(*flags: str, **settings: Any) -> Any:
     """Return a field of a dataclass that `asks` turns into an option of the command line.
 
-    `settings` are those of `click.option`; the help shows each default that is given.
+    It is called like the field where no long flag is given.  `settings` are those of
+    `click.option`; the help shows each default that is given.
     """
     settings.setdefault("show_default", "default" in settings)
     return field(metadata={"option": (flags, settings)})
 
 
 def asks(kind: type) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Give a command the options of a dataclass, in its order, and one value of it as `asked`."""
+    """Give a command the options of a dataclass, and one value of it as `asked`.
+
+    They come in the order of the fields, those that the dataclass inherits last.
+    """
 
     def decorate(command: Callable[..., None]) -> Callable[..., None]:
         @functools.wraps(command)
         def run(*args: Any, **given: Any) -> None:
-            asked = kind(**{name: given.pop(name) for name in names})
+            asked = kind(**{part.name: given.pop(part.name) for part in parts})
             command(*args, **given, asked=asked)
 
-        names = [part.name for part in fields(kind)]
-        for part in reversed(fields(kind)):
+        parts = sorted(fields(kind), key=lambda part: part.name not in kind.__annotations__)
+        for part in reversed(parts):
             flags, settings = part.metadata["option"]
+            if not any(flag.startswith("--") for flag in flags):
+                flags = (*flags, f"--{part.name.replace('_', '-')}")
             run = click.option(part.name, *flags, **settings)(run)
         return run
 
@@ -102,16 +109,12 @@ def asks(kind: type) -> Callable[[Callable[..., None]], Callable[..., None]]:
 
 Assignments = tuple[tuple[str, float], ...]
 allow_python = functools.partial(
-    option,
-    "--allow-python",
-    is_flag=True,
-    help="Run the code that the recipe names (`python = ...`).",
+    option, is_flag=True, help="Run the code that the recipe names (`python = ...`)."
 )
 as_json = functools.partial(option, "--json", is_flag=True, help="Print the result as JSON.")
 gravity = functools.partial(
     option,
     "-g",
-    "--gravity",
     type=Numbers("X,Y,Z", "direction", "three numbers such as 0,0,-1", nonzero=True),
     default="0,0,-1",
     help="Gravity in the body frame, pointing down (x forward, y left, z up); any length.",
@@ -124,16 +127,33 @@ parameters = functools.partial(
     multiple=True,
     help="A geometry parameter, in the unit that the recipe gives it; repeat for each.",
 )
-convention = functools.partial(
+method = functools.partial(
     option,
-    "--convention",
-    type=click.Choice(("body", "plane")),
-    default="body",
-    help="Whether gravity is fixed in the body, or relative to the plane that the robot stands on.",
+    type=click.Choice(["map", "nelder-mead", "search", "multistart"]),
+    default="search",
 )
+output = functools.partial(option, "-o", type=click.Path())
 tilt = functools.partial(
-    option, "--tilt", default=20.0, help="Of the ground in deg, for the metrics over all headings."
+    option, default=20.0, help="Of the ground in deg, for the metrics over all headings."
 )
+
+
+def convention(
+    default: str = "body",
+    other: str = "plane",
+    help: str = "Whether gravity is fixed in the body, or relative to the plane that the robot "
+    "stands on.",
+) -> Any:
+    """Return the option that says to what gravity is fixed; the help lists the default first."""
+    return option(type=click.Choice((default, other)), default=default, help=help)
+
+
+@dataclass(frozen=True)
+class RecipeOptions:
+    """What all commands are asked that report on a recipe."""
+
+    allow_python: bool = allow_python()
+    as_json: bool = as_json()
 
 
 def parameter_values(
@@ -158,9 +178,7 @@ def internal_values(source: str, units: Mapping[str, str], assignments: Assignme
             f"{source}: parameter {missing[0]} has no value; give each of "
             f"{', '.join(f'-p {name}=…' for name in units)}"
         )
-    return [
-        math.radians(given[name]) if unit == "deg" else given[name] for name, unit in units.items()
-    ]
+    return [to_internal(given[name], unit) for name, unit in units.items()]
 
 
 def named_values(recipe: "Recipe", assignments: Assignments) -> dict[str, float]:
@@ -191,15 +209,20 @@ def _warn(recipe: "Recipe", values: Sequence[float], outside: str) -> None:
 def _named(source: str, known: Sequence[str], assignments: Assignments) -> dict[str, float]:
     given: dict[str, float] = {}
     for name, value in assignments:
-        if name not in known:
-            raise InputError(
-                f"{source}: there is no parameter {name!r} (got -p {name}={value:g}); "
-                f"it has {', '.join(known) or 'none'}"
-            )
+        require_known(source, known, name, f"-p {name}={value:g}")
         if name in given:
             raise InputError(f"parameter {name} is given twice (got {given[name]:g} and {value:g})")
         given[name] = value
     return given
+
+
+def require_known(source: str, known: Sequence[str], name: str, got: str) -> None:
+    """Refuse the name of a parameter that a robot does not have; `got` is the option with it."""
+    if name not in known:
+        raise InputError(
+            f"{source}: there is no parameter {name!r} (got {got}); it has "
+            f"{', '.join(known) or 'none'}"
+        )
 
 
 def open_source(path: str, allow_python: bool = False) -> "Recipe | StabilityMap":

@@ -1,10 +1,8 @@
 """`lutgen paper`: the paper's simulations, figures and table in one folder."""
 
-import logging
-
 import click
 
-log = logging.getLogger("lutgen")
+from lutgen.cli.options import log
 
 
 @click.command(short_help="Reproduce the paper: figures, tables, one page.")

@@ -7,86 +7,59 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import (
-    Assignment,
-    allow_python,
-    as_json,
-    asks,
-    option,
-    parameters,
-    posture_values,
-)
+from lutgen.cli import options
+from lutgen.cli.options import RecipeOptions, asks, option
 from lutgen.cli.table import by_unit, number, show, unit_text
 from lutgen.errors import InputError
+from lutgen.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     from lutgen.recipe import Recipe
     from lutgen.search import Drive, Path
 
-METHODS = ("map", "nelder-mead", "search", "multistart")
 PAPER, POINTS = "paper", 100
 
 
 @dataclass(frozen=True)
-class Asked:
+class Asked(RecipeOptions):
     """What the command line says."""
 
     terrain: str = option(
-        "--terrain",
         default=PAPER,
         metavar="paper|FILE.csv",
         help=(
             "The paper's path, or a file with columns x,y,z and if wanted heading (deg), nx,ny,nz."
         ),
     )
-    points: int | None = option(
-        "--points", type=int, help=f"Of the paper's path.  [default: {POINTS}]"
-    )
+    points: int | None = option(type=int, help=f"Of the paper's path.  [default: {POINTS}]")
     turn: float = option(
-        "--turn",
         default=0.0,
         help="Turn the robot by this angle against the path's heading, deg, to the left.",
     )
-    assignments: tuple[tuple[str, float], ...] = parameters()
-    no_control: bool = option(
-        "--no-control", is_flag=True, help="Only drive without changing the shape."
-    )
-    lag: int = option("--lag", default=1, help="Points by which control is late.")
-    method: str = option("--method", type=click.Choice(METHODS), default="search")
+    assignments: tuple[tuple[str, float], ...] = options.parameters()
+    no_control: bool = option(is_flag=True, help="Only drive without changing the shape.")
+    lag: int = option(default=1, help="Points by which control is late.")
+    method: str = options.method()
     objective: str = option(
-        "--objective",
         default="sdg",
         help="What control makes best: a channel, or a sum such as sdg+0.1*height.",
     )
-    convention: str = option(
-        "--convention",
-        type=click.Choice(("plane", "body")),
-        default="plane",
-        help="Whether the path gives the attitude of the ground or that of the body.",
+    convention: str = options.convention(
+        "plane", "body", "Whether the path gives the attitude of the ground or that of the body."
     )
     rates: tuple[tuple[str, float], ...] = option(
         "--rate",
-        type=Assignment(),
+        type=options.Assignment(),
         multiple=True,
         help="The fastest change of a parameter, per second (deg/s for angles); repeat for each.",
     )
-    speed: float | None = option(
-        "--speed", type=float, help="Along the path, length per second; with --rate."
-    )
-    headings: int | None = option(
-        "--headings", type=int, help="Let the robot turn, too, to this many headings."
-    )
-    output: str | None = option(
-        "-o", "--output", type=click.Path(), help="CSV file of the last run."
-    )
-    plot: str | None = option("--plot", type=click.Path(), help="Figure (PNG, SVG or PDF).")
+    speed: float | None = option(type=float, help="Along the path, length per second; with --rate.")
+    headings: int | None = option(type=int, help="Let the robot turn, too, to this many headings.")
+    output: str | None = options.output(help="CSV file of the last run.")
+    plot: str | None = option(type=click.Path(), help="Figure (PNG, SVG or PDF).")
     animate: str | None = option(
-        "--animate",
-        type=click.Path(),
-        help="Film of both runs: GIF, or MP4 where ffmpeg is installed.",
+        type=click.Path(), help="Film of both runs: GIF, or MP4 where ffmpeg is installed."
     )
-    allow_python: bool = allow_python()
-    as_json: bool = as_json()
 
 
 @click.command(short_help="Drive over rough terrain: where does the robot tip over?")
@@ -115,8 +88,7 @@ def path(recipe: str, asked: Asked) -> None:
         from lutgen.files import csv_text, write_text
 
         columns = table(robot, runs[names[-1]])
-        rows = zip(*(values.tolist() for values in columns.values()), strict=True)
-        write_text(asked.output, csv_text(list(columns), rows))
+        write_text(asked.output, csv_text(list(columns), zip(*columns.values(), strict=True)))
     drawn = {name: runs[name] for name in (names[0], names[-1])}
     if asked.plot is not None:
         from lutgen.plot import draw_path, save
@@ -136,7 +108,7 @@ def drives(robot: "Recipe", asked: Asked) -> "dict[str, Drive]":
 
     ground = open_terrain(asked)
     units = {p.name: p.display_unit for p in robot.parameters}
-    start = posture_values(robot, asked.assignments)
+    start = options.posture_values(robot, asked.assignments)
     rates = {name: to_internal(rate, units.get(name, "1")) for name, rate in asked.rates}
     if len(rates) < len(asked.rates):
         raise InputError(
@@ -194,22 +166,19 @@ def open_terrain(asked: Asked) -> "Path":
 
 
 def table(recipe: "Recipe", run: "Drive") -> dict[str, Any]:
-    """Return what `-o` writes: the columns of a run by name, each (p,)."""
+    """Return what `-o` writes: the columns of a run by name, each of p numbers."""
     import numpy as np
 
-    columns: dict[str, Any] = dict(zip("xyz", run.path.position.T, strict=True))
-    columns["heading_deg"] = np.degrees(run.heading)
+    columns: dict[str, Any] = dict(zip("xyz", run.path.position.T.tolist(), strict=True))
+    columns["heading_deg"] = np.degrees(run.heading).tolist()
     columns |= by_unit(recipe, run.params)
     if (run.wanted != run.params).any():
         columns |= by_unit(recipe, run.wanted, "_wanted")
-    columns |= {f"gravity_{axis}": run.gravity_body[:, i] for i, axis in enumerate("xyz")}
-    columns |= {
-        "sdg": run.channels["sdg"],
-        "height": run.channels["height"],
-        "tip_angle_deg": np.degrees(run.channels["tip_angle"]),
-        "margin": run.channels["margin"],
-        "tips": run.tips,
-    }
+    columns |= {f"gravity_{axis}": run.gravity_body[:, i].tolist() for i, axis in enumerate("xyz")}
+    for name, values in run.channels.items():
+        one = QUANTITIES[name]
+        columns[one.json] = one.shown(values).tolist()
+    columns["tips"] = run.tips.tolist()
     return columns
 
 
@@ -239,8 +208,8 @@ def path_report(recipe: "Recipe", runs: Mapping[str, "Drive"], asked: Asked) -> 
                 "evaluations": run.evaluations,
                 "heading_deg": np.degrees(run.heading).tolist(),
                 "turn_deg": np.degrees(run.turn).tolist(),
-                "params": {k: v.tolist() for k, v in by_unit(recipe, run.params).items()},
-                "wanted": {k: v.tolist() for k, v in by_unit(recipe, run.wanted).items()},
+                "params": by_unit(recipe, run.params),
+                "wanted": by_unit(recipe, run.wanted),
                 "gravity_body": run.gravity_body.tolist(),
                 "tip_angle_deg": np.degrees(run.channels["tip_angle"]).tolist(),
                 **{

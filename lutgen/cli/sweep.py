@@ -1,6 +1,5 @@
 """`lutgen sweep`: compute a map."""
 
-import logging
 import sys
 import time
 from dataclasses import dataclass
@@ -10,32 +9,22 @@ from typing import Any
 import click
 
 from lutgen.cli.compiling import compiling_is_told
-from lutgen.cli.options import allow_python, asks, file_size, option
-
-log = logging.getLogger("lutgen")
+from lutgen.cli.options import allow_python, asks, file_size, log, option, output
 
 
 @dataclass(frozen=True)
 class Asked:
     """What the command line says."""
 
-    output: str = option(
-        "-o", "--output", required=True, type=click.Path(), help="The map file (HDF5)."
-    )
-    threads: int | None = option(
-        "--threads", type=int, help="Threads to compute with.  [default: all]"
-    )
-    resume: bool = option(
-        "--resume", is_flag=True, help="Go on with an interrupted sweep of the same recipe."
-    )
-    engine: str = option(
-        "--engine", default="local", help="Where blocks are computed: local or dask."
-    )
+    output: str = output(required=True, help="The map file (HDF5).")
+    threads: int | None = option(type=int, help="Threads to compute with.  [default: all]")
+    resume: bool = option(is_flag=True, help="Go on with an interrupted sweep of the same recipe.")
+    engine: str = option(default="local", help="Where blocks are computed: local or dask.")
     scheduler: str | None = option(
-        "--scheduler", metavar="ADDR", help="A running dask scheduler, tcp://HOST:8786."
+        metavar="ADDR", help="A running dask scheduler, tcp://HOST:8786."
     )
     workers: int | None = option(
-        "--workers", type=int, help="dask workers to start here.  [default: one per core]"
+        type=int, help="dask workers to start here.  [default: one per core]"
     )
     allow_python: bool = allow_python()
 

@@ -18,14 +18,18 @@ if TYPE_CHECKING:
 
     from lutgen.recipe import Recipe
 
+# Exit code of a question whose answer is no.
+NO = 1
 
-def show(report: Mapping[str, Any], lines: Iterable[str], as_json: bool) -> None:
-    """Print a report: as JSON, or the lines that say the same."""
-    if as_json:
-        click.echo(json.dumps(report, indent=2, allow_nan=False))
-        return
-    for line in lines:
+
+def show(
+    report: Mapping[str, Any], lines: Iterable[str], as_json: bool, answer: bool = True
+) -> None:
+    """Print a report: as JSON, or the lines that say the same; exit where the answer is no."""
+    for line in [json.dumps(report, indent=2, allow_nan=False)] if as_json else lines:
         click.echo(line)
+    if not answer:
+        click.get_current_context().exit(NO)
 
 
 def number(value: float) -> float | None:
@@ -51,15 +55,12 @@ def channel_entries(values: Mapping[str, float]) -> dict[str, float | None]:
     return entries
 
 
-def by_unit(
-    recipe: "Recipe", params: "NDArray[np.float64]", ending: str = ""
-) -> "dict[str, NDArray[np.float64]]":
-    """Return parameters (..., k) in their display units, each (...), named with them."""
+def by_unit(recipe: "Recipe", params: "NDArray[np.float64]", ending: str = "") -> dict[str, Any]:
+    """Return parameters (..., k) in their display units, named with them: numbers or lists."""
     entries = {}
     for i, p in enumerate(recipe.parameters):
         unit = "" if p.display_unit == "1" else f"_{p.display_unit}"
-        values = params[..., i]
-        entries[f"{p.name}{ending}{unit}"] = p.shown(values)
+        entries[f"{p.name}{ending}{unit}"] = p.shown(params[..., i]).tolist()
     return entries
 
 

@@ -1,6 +1,5 @@
 """`lutgen wheels`: wheel speeds and steering angles of a motion."""
 
-import logging
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -8,51 +7,33 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import (
-    Numbers,
-    allow_python,
-    as_json,
-    asks,
-    gravity,
-    option,
-    parameter_values,
-    parameters,
-)
+from lutgen.cli import options
+from lutgen.cli.options import RecipeOptions, asks, log, option
 from lutgen.cli.table import aligned, cell, degrees, show
 
 if TYPE_CHECKING:
     from lutgen.analysis import Motion
     from lutgen.recipe import Recipe
 
-log = logging.getLogger("lutgen")
-
-IMPOSSIBLE = 1
-
 
 @dataclass(frozen=True)
-class Asked:
+class Asked(RecipeOptions):
     """What the command line says."""
 
     velocity: tuple[float, float] = option(
-        "--velocity",
-        type=Numbers("VX,VY", "velocity", "two numbers such as 0.5,0"),
+        type=options.Numbers("VX,VY", "velocity", "two numbers such as 0.5,0"),
         default="0,0",
         help="Of the centre of mass, forward and to the left, in length units per second.",
     )
-    yaw_rate: float = option(
-        "--yaw-rate", default=0.0, help="About the ground's upward normal, deg/s."
-    )
-    assignments: tuple[tuple[str, float], ...] = parameters()
-    gravity: tuple[float, float, float] = gravity()
-    allow_python: bool = allow_python()
-    as_json: bool = as_json()
+    yaw_rate: float = option(default=0.0, help="About the ground's upward normal, deg/s.")
+    assignments: tuple[tuple[str, float], ...] = options.parameters()
+    gravity: tuple[float, float, float] = options.gravity()
 
 
 @click.command(short_help="Wheel speeds and steering angles of a motion.")
 @click.argument("recipe", type=click.Path())
 @asks(Asked)
-@click.pass_context
-def wheels(ctx: click.Context, recipe: str, asked: Asked) -> None:
+def wheels(recipe: str, asked: Asked) -> None:
     """Print how fast each wheel of RECIPE spins, and how far it is steered, for a motion.
 
     Exit code 1 where no wheel speeds give this motion without dragging a wheel sideways; the
@@ -66,15 +47,14 @@ def wheels(ctx: click.Context, recipe: str, asked: Asked) -> None:
     from lutgen.recipe import load_recipe
 
     robot = load_recipe(recipe, allow_python=asked.allow_python)
-    values = parameter_values(robot, asked.assignments)
+    values = options.parameter_values(robot, asked.assignments)
     motion = wheel_speeds(
         Posture(robot, values), asked.velocity, math.radians(asked.yaw_rate), asked.gravity
     )
     if not motion.standing:
         log.warning("the robot tips over: the wheels of the facet below its com are taken to touch")
-    show(motion_report(robot, motion), motion_lines(robot, motion), asked.as_json)
-    if not motion.possible:
-        ctx.exit(IMPOSSIBLE)
+    report = motion_report(robot, motion)
+    show(report, motion_lines(robot, motion), asked.as_json, motion.possible)
 
 
 def motion_report(recipe: "Recipe", motion: "Motion") -> dict[str, Any]:

@@ -1,6 +1,6 @@
 """Questions that vary the posture: optima, and paths over terrain.
 
-In reading order: `objective`, `acceptable`, `minimise`, `optima`, `terrain`, `terrain_csv`,
+In reading order: `objective`, `minimise`, `acceptable`, `optima`, `terrain`, `terrain_csv`,
 `driving`.
 """
 

@@ -3,17 +3,12 @@
 Owns the walk outwards from a geometry to where the cost first exceeds a limit.
 """
 
-from collections.abc import Callable
-
 import numpy as np
-from numpy.typing import NDArray
 
 from lutgen.bracket import halve
+from lutgen.search.minimise import Cost, Floats
 
 __all__ = ["acceptable_range", "half_widths"]
-
-Floats = NDArray[np.float64]
-Cost = Callable[[Floats], Floats]
 
 # Steps of the walk across the bounds; a violation narrower than one step may be stepped over.
 STEPS = 256
@@ -24,21 +19,8 @@ HALVINGS = 36
 def acceptable_range(cost: Cost, best: Floats, bounds: Floats, limit: float) -> Floats:
     """Return the largest interval of each parameter in which the cost stays within a limit.
 
-    Parameters
-    ----------
-    cost : callable
-        (m, k) geometries to (m,) costs.
-    best : (k,) float64
-        The geometry in the middle; the other parameters keep its values.
-    bounds : (k, 2) float64
-        Where the intervals end at the latest.
-    limit : float
-        Largest acceptable cost.
-
-    Returns
-    -------
-    (k, 2) float64
-        NaN throughout where `best` itself exceeds the limit.
+    (k, 2), NaN throughout where the geometry `best` (k,) itself exceeds the limit.  While one
+    parameter varies the others keep its values; intervals end at the `bounds` (k, 2) at the latest.
 
     Examples
     --------

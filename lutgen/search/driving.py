@@ -7,7 +7,7 @@ the verdict of the attitude that it takes, and nothing else.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -156,7 +156,7 @@ def drive(
     evaluations = 0
     if control or headings is not None:
         asked = {"method": method, "objective": objective, "convention": convention, **options}
-        seek = _Seeker(recipe, start, control, asked)
+        seek = _Seeker(recipe, start, control, {"limit": NO_LIMIT, **asked})
         turns = _turns(1 if headings is None else headings)
         for i in range(lag, count):
             wanted[i], turn[i] = seek.best(path.gravity[i - lag], turns)
@@ -168,17 +168,19 @@ def drive(
     return Drive(path, params, wanted, turn, taken.heading, gravity, channels, evaluations)
 
 
+@dataclass
 class _Seeker:
-    """Finds the best geometry and turn for gravity relative to the ground; keeps what it found."""
+    """Finds the best geometry and turn for gravity relative to the ground; keeps what it found.
 
-    def __init__(
-        self, recipe: Recipe, start: Floats, control: bool, asked: Mapping[str, Any]
-    ) -> None:
-        """`asked` are the keywords of `optimum`."""
-        self.recipe, self.start, self.control = recipe, start, control
-        self.asked = {"limit": NO_LIMIT, **asked}
-        self.evaluations = 0
-        self.known: dict[tuple[float, ...], tuple[Floats, float]] = {}
+    `asked` are the keywords of `optimum`.
+    """
+
+    recipe: Recipe
+    start: Floats
+    control: bool
+    asked: Mapping[str, Any]
+    evaluations: int = 0
+    known: dict[tuple[float, ...], tuple[Floats, float]] = field(default_factory=dict)
 
     def best(self, gravity: Floats, turns: Floats) -> tuple[Floats, float]:
         """Return the geometry (k,) and the turn (rad) for a direction (3,) on the ground."""

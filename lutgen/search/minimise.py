@@ -7,14 +7,15 @@ is the answer to that.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Step", "multistart", "nelder_mead", "refine", "smallest_node"]
+__all__ = ["Cost", "Floats", "Step", "multistart", "nelder_mead", "refine", "smallest_node"]
 
 Floats = NDArray[np.float64]
+# Takes (m, k) points and returns (m,) costs.
 Cost = Callable[[Floats], Floats]
 
 NODES = 5
@@ -39,13 +40,15 @@ ROUNDS = 5
 
 @dataclass(frozen=True)
 class Step:
-    """The best point of one step, its cost, and the points evaluated in the step.
+    """The best point of one step of a search, and the value there.
 
-    `nodes` (n, k) is empty where a step has no mesh; `evaluations` counts from the beginning.
+    In this file points are those of the box, and values are costs; in an `Optimum` `params` (k,) is
+    in rad or length, and `value` that of the objective, NaN where the robot tips.  `evaluations`
+    counts from the beginning; `nodes` (n, k) is empty where a step has no mesh.
     """
 
-    point: Floats
-    cost: float
+    params: Floats
+    value: float
     evaluations: int
     nodes: Floats
 
@@ -58,35 +61,20 @@ def smallest_node(cost: Cost, blocks: Iterator[Floats]) -> list[Step]:
         costs = cost(nodes)
         seen += len(nodes)
         best = int(np.argmin(costs))
-        if not steps or costs[best] < steps[-1].cost:
+        if not steps or costs[best] < steps[-1].value:
             none = np.empty((0, nodes.shape[1]))
             steps.append(Step(nodes[best].copy(), float(costs[best]), seen, none))
-    return [Step(s.point, s.cost, seen, s.nodes) for s in steps[-1:]]
+    return [replace(best_node, evaluations=seen) for best_node in steps[-1:]]
 
 
 def refine(cost: Cost, bounds: Floats, levels: int = LEVELS, ends: str = "left") -> list[Step]:
     """Refine a mesh of 5 nodes a side around the best node, as the paper's search does.
 
-    The interval is cut into 5 equal cells, of which each gives one end as a node; the next
-    interval is the best node +- the spacing.  So the spacing shrinks to 2/5 in each level, the
+    The interval, `bounds` (k, 2) at first, is cut into 5 equal cells, of which each gives its left
+    or right end as a node, moved onto the bounds where it is beyond; the next interval is the best
+    node +- the spacing.  So the spacing shrinks to 2/5 in each level of 5^k evaluations, the
     best node of the level before is dropped with left ends as with right ones, and the search is
     not monotone: its last value may be worse than one seen before.
-
-    Parameters
-    ----------
-    cost : callable
-        (m, k) points to (m,) costs.
-    bounds : (k, 2) float64
-        The first interval; nodes beyond it are moved onto its ends.
-    levels : int
-        Steps, of 5^k evaluations each.
-    ends : {"left", "right"}
-        Which end of each cell is its node.
-
-    Returns
-    -------
-    list of Step
-        One per level.
     """
     low, width = bounds[:, 0].copy(), bounds[:, 1] - bounds[:, 0]
     first = 0 if ends == "left" else 1
@@ -114,21 +102,10 @@ def nelder_mead(
 ) -> list[Step]:
     """Walk a simplex downhill from a point, within the bounds (Nelder and Mead 1965).
 
-    It ends where the simplex is small, whatever the cost does there: |SD_g| may jump.
-
-    Parameters
-    ----------
-    cost, bounds
-        As for `refine`.
-    start : (k,) float64
-        First corner of the simplex; the others lie along the axes, towards the middle.
-    tolerance, simplex : float
-        Size of the last and of the first simplex, as shares of the bounds.
-
-    Returns
-    -------
-    list of Step
-        One per iteration; the last is the result.
+    `start` (k,) is the first corner of the simplex; the others lie along the axes, towards the
+    middle.  Its size, as a share of the bounds (k, 2), is `simplex` at first and `tolerance` at
+    last: it ends where the simplex is small, whatever the cost does there, since |SD_g| may jump.
+    One step per iteration; the last is the result.
     """
     from scipy.optimize import minimize
 
@@ -165,22 +142,9 @@ def nelder_mead(
 def multistart(cost: Cost, bounds: Floats, start: Floats, seed: int = 0) -> list[Step]:
     """Refine many points that fill the box roughly, and the best results to the end.
 
-    Each refinement is Nelder-Mead.
-
-    Parameters
-    ----------
-    cost, bounds
-        As for `refine`.
-    start : (k,) float64
-        One more point to begin from.
-    seed : int
-        Of the shift of the Sobol sequence that fills the box.
-
-    Returns
-    -------
-    list of Step
-        The best of the candidates with all of them as nodes, then one per start that improved on
-        those before; the last is the result.
+    Each refinement is Nelder-Mead.  The points are a Sobol sequence, shifted by `seed`, and
+    `start` (k,).  The first step is the best of these candidates with all of them as nodes, then
+    comes one per start that improved on those before; the last is the result.
     """
     from scipy.stats.qmc import Sobol
 
@@ -200,8 +164,8 @@ def multistart(cost: Cost, bounds: Floats, start: Floats, seed: int = 0) -> list
         nonlocal best, seen
         last = nelder_mead(cost, bounds, point, tolerance, simplex)[-1]
         seen += last.evaluations
-        last = Step(last.point, last.cost, seen, last.nodes)
-        if last.cost < best.cost:
+        last = replace(last, evaluations=seen)
+        if last.value < best.value:
             best = last
             steps.append(best)
         return last
@@ -209,16 +173,16 @@ def multistart(cost: Cost, bounds: Floats, start: Floats, seed: int = 0) -> list
     chosen = _apart(points, costs, bounds, STARTS)
     # The caller's own start is the first of the points.
     rough = [refined(points[at], ROUGH) for at in dict.fromkeys([*chosen, 0])]
-    ends, end_costs = np.array([r.point for r in rough]), np.array([r.cost for r in rough])
+    ends, end_costs = np.array([r.params for r in rough]), np.array([r.value for r in rough])
     for at in _apart(ends, end_costs, bounds, FINALISTS):
         refined(ends[at], TOLERANCE)
     for _ in range(ROUNDS):
         before = best
         for simplex in FRESH_SIMPLICES:
-            refined(best.point, TOLERANCE, simplex)
+            refined(best.params, TOLERANCE, simplex)
         if best is before:
             break
-    steps.append(Step(best.point, best.cost, seen, best.nodes))
+    steps.append(replace(best, evaluations=seen))
     return steps
 
 

@@ -28,18 +28,10 @@ NUMBER = r"[0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]+)?"
 
 
 def parse_objective(text: str) -> dict[str, float]:
-    """Return the weight of each channel of an objective.
+    """Return the weight of each channel of an objective; `InputError` for anything else.
 
-    Parameters
-    ----------
-    text : str
-        A channel, or a sum such as ``sdg + 0.1*height``; weights are above 0, and every channel
-        pulls to its own good end: see `lutgen.quantities`.
-
-    Raises
-    ------
-    InputError
-        For anything else.
+    It is a channel, or a sum such as ``sdg + 0.1*height``; weights are above 0, and every channel
+    pulls to its own good end: see `lutgen.quantities`.
 
     Examples
     --------

@@ -5,7 +5,7 @@ recipe's parameters.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,7 +17,7 @@ from lutgen.search.acceptable import acceptable_range, half_widths
 from lutgen.search.minimise import LEVELS, Step, multistart, nelder_mead, refine, smallest_node
 from lutgen.search.objective import AT_ONCE, TIPS, Objective
 
-__all__ = ["METHODS", "Optimum", "TraceStep", "optimum"]
+__all__ = ["METHODS", "Optimum", "optimum"]
 
 Floats = NDArray[np.float64]
 
@@ -25,20 +25,6 @@ METHODS = ("map", "nelder-mead", "search", "multistart")
 ENDS = ("left", "right")
 # A mesh of 5 nodes a side has 390,625 nodes then, and every step is remembered.
 MOST_FOR_SEARCH = 8
-
-
-@dataclass(frozen=True)
-class TraceStep:
-    """The best geometry of one step of a search.
-
-    `params` (k,) rad or length; `value` of the objective, NaN where the robot tips; `evaluations`
-    since the beginning; `nodes` (n, k) the mesh of the step, empty where a method has none.
-    """
-
-    params: Floats
-    value: float
-    evaluations: int
-    nodes: Floats
 
 
 @dataclass(frozen=True)
@@ -57,7 +43,7 @@ class Optimum:
         the one closest to standing.
     evaluations : int
         Geometries evaluated by the method.
-    trace : tuple of TraceStep
+    trace : tuple of Step
         The steps of the method; the last one is where the method itself ends, which for `search`
         may be worse than the best it has seen.
     acceptable : (k, 2) float64
@@ -73,7 +59,7 @@ class Optimum:
     value: float
     standing: bool
     evaluations: int
-    trace: tuple[TraceStep, ...]
+    trace: tuple[Step, ...]
     acceptable: Floats
     delta: Floats
     method: str
@@ -172,21 +158,22 @@ def optimum(
     else:
         steps = multistart(cost, space.box, begin, seed)
     evaluations = goal.evaluations
-    best = min(steps, key=lambda step: step.cost)
+    best = min(steps, key=lambda step: step.value)
     # Costs of standing geometries lie below TIPS.
     bar = np.nextafter(TIPS, 0.0) if limit is None else goal.cost_of(limit)
-    found = acceptable_range(cost, best.point, space.box, bar)
-    width = half_widths(found, best.point, space.box)
+    found = acceptable_range(cost, best.params, space.box, bar)
+    width = half_widths(found, best.params, space.box)
     acceptable, delta = np.repeat(space.kept[:, None], 2, axis=1), np.zeros(len(box))
     acceptable[space.free] = found * space.factor[:, None]
     delta[space.free] = width * space.factor
     if np.isnan(found).any():
         # A kept value is no more acceptable than the geometry that it belongs to.
         acceptable[:], delta[:] = np.nan, np.nan
+    shown = _named(best, goal, space)
     return Optimum(
-        space.params(best.point[None, :])[0],
-        goal.value(best.cost),
-        best.cost < TIPS,
+        shown.params,
+        shown.value,
+        best.value < TIPS,
         evaluations,
         tuple(_named(step, goal, space) for step in steps),
         acceptable,
@@ -235,13 +222,13 @@ def _space(recipe: Recipe, box: Floats) -> _Space:
     return _Space(box[free] / factor[:, None], factor, free, box[:, 0].copy())
 
 
-def _named(step: Step, goal: Objective, space: _Space) -> TraceStep:
-    """Return a step in the recipe's own units, with the objective for the cost."""
-    return TraceStep(
-        space.params(step.point[None, :])[0],
-        goal.value(step.cost),
-        step.evaluations,
-        space.params(step.nodes),
+def _named(step: Step, goal: Objective, space: _Space) -> Step:
+    """Return a step of a method in rad or length, with the objective for the cost."""
+    return replace(
+        step,
+        params=space.params(step.params[None, :])[0],
+        value=goal.value(step.value),
+        nodes=space.params(step.nodes),
     )
 
 

@@ -113,25 +113,17 @@ def _sinc_slope(s: Floats, sinc: Floats) -> Floats:
 def along(
     position: ArrayLike, heading: ArrayLike | None = None, normal: ArrayLike | None = None
 ) -> Path:
-    """Return the path through points.
+    """Return the path through points (p, 3), at least 2, world frame, z up.
 
-    Parameters
-    ----------
-    position : (p, 3) array_like
-        At least 2 points, world frame, z up; no point equals the one before it.
-    heading : (p,) array_like, optional
-        Yaw of the robot, rad.  By default it looks along the path, and on a vertical piece as on
-        the piece before it.
-    normal : (p, 3) array_like, optional
-        The ground's normals, world frame, upward (z >= 0), any length > 0.  By default the ground
-        is level across the path, and slopes along it as the path does: by central differences of
-        second order in the path's length, one-sided at both ends.
+    `heading` (p,) is the robot's yaw, rad; by default it looks along the path, and on a vertical
+    piece as on the piece before it.  `normal` (p, 3) are the ground's normals, world frame, upward
+    (z >= 0), any length > 0; by default the ground is level across the path, and slopes along it as
+    the path does: by central differences of second order in the path's length, one-sided at both
+    ends.
 
-    Raises
-    ------
-    InputError
-        For shapes that do not fit, numbers that are not finite, points that repeat, normals that
-        point down, and a path that turns back on itself where its direction is needed.
+    `InputError` for shapes that do not fit, numbers that are not finite, a point that equals the
+    one before it, normals that point down, and a path that turns back on itself where its
+    direction is needed.
 
     Examples
     --------

@@ -56,9 +56,9 @@ def test_each_interval_is_the_best_node_with_one_spacing_to_either_side() -> Non
     ]
     for step, nodes in zip(steps, hand, strict=True):
         assert step.nodes[:, 0] == pytest.approx(nodes, abs=1e-13)
-    assert [float(step.point[0]) for step in steps] == pytest.approx([5, -1, 1.4, 1.08], abs=1e-13)
+    assert [float(step.params[0]) for step in steps] == pytest.approx([5, -1, 1.4, 1.08], abs=1e-13)
     # Worse than 5 to 1.4 would be; -1 is better than 5, 1.4 better than -1: costs 16, 4, 0.16.
-    assert [step.cost for step in steps] == pytest.approx([16, 4, 0.16, 0.0064], abs=1e-12)
+    assert [step.value for step in steps] == pytest.approx([16, 4, 0.16, 0.0064], abs=1e-12)
 
 
 def test_nodes_never_leave_the_bounds() -> None:
@@ -80,7 +80,7 @@ def test_the_smallest_node_of_several_blocks_is_found_and_the_first_of_equals() 
     blocks = [np.array([[3.0], [2.0]]), np.array([[1.5], [0.5]]), np.array([[4.0]])]
     cost = Counted(bowl)
     (step,) = smallest_node(cost, iter(blocks))
-    assert (step.point.tolist(), step.cost, step.evaluations) == ([1.5], 0.25, 5)
+    assert (step.params.tolist(), step.value, step.evaluations) == ([1.5], 0.25, 5)
     assert len(cost.rows) == 5
 
 
@@ -89,18 +89,18 @@ def test_nelder_mead_ends_at_the_minimum_from_anywhere_and_counts(start: tuple[f
     cost = Counted(bowl)
     steps = nelder_mead(cost, BOX, np.array(start))
     # The last simplex is 2e-6 of the bounds, which are 8 and 2 wide.
-    assert steps[-1].point == pytest.approx([1.0, 1.0], abs=2e-5)
+    assert steps[-1].params == pytest.approx([1.0, 1.0], abs=2e-5)
     assert steps[-1].evaluations == len(cost.rows)
-    costs = [step.cost for step in steps]
+    costs = [step.value for step in steps]
     assert costs == sorted(costs, reverse=True)
-    assert bowl(steps[-1].point[None, :])[0] == pytest.approx(steps[-1].cost, abs=1e-15)
+    assert bowl(steps[-1].params[None, :])[0] == pytest.approx(steps[-1].value, abs=1e-15)
     assert (np.array(cost.rows) >= BOX[:, 0]).all()
     assert (np.array(cost.rows) <= BOX[:, 1]).all()
 
 
 def test_nelder_mead_finds_a_minimum_on_the_edge_of_the_bounds() -> None:
     steps = nelder_mead(lambda x: x[:, 0] - x[:, 1], BOX, np.array([2.0, 1.0]))
-    assert steps[-1].point == pytest.approx([-3.0, 2.0], abs=2e-5)
+    assert steps[-1].params == pytest.approx([-3.0, 2.0], abs=2e-5)
 
 
 @pytest.mark.parametrize("scale", [1e-3, 1e3])
@@ -113,7 +113,7 @@ def test_nelder_mead_takes_the_same_way_in_any_unit_and_with_any_zero(
     other = nelder_mead(
         lambda x: waves(x / scale - shift) * scale, (BOX + shift) * scale, (start + shift) * scale
     )[-1]
-    assert other.point / scale - shift == pytest.approx(plain.point, abs=2e-5)
+    assert other.params / scale - shift == pytest.approx(plain.params, abs=2e-5)
 
 
 @pytest.mark.parametrize("k", [1, 2])
@@ -125,13 +125,13 @@ def test_multistart_finds_the_lowest_of_many_minima_from_anywhere(k: int) -> Non
         start = random.uniform(-4.0, 5.0, k)
         cost = Counted(waves)
         steps = multistart(cost, box, start, seed)
-        assert steps[-1].point == pytest.approx([0.7] * k, abs=1e-4)
+        assert steps[-1].params == pytest.approx([0.7] * k, abs=1e-4)
         assert steps[-1].evaluations == len(cost.rows)
-        costs = [step.cost for step in steps]
+        costs = [step.value for step in steps]
         assert costs == sorted(costs, reverse=True)
         # The caller's own start is one of those refined.
         assert any((row == start).all() for row in cost.rows)
-        lost += bool(nelder_mead(waves, box, start)[-1].cost > 0.1)
+        lost += bool(nelder_mead(waves, box, start)[-1].value > 0.1)
     # A guard that any method passes proves nothing.
     assert lost >= 3
 
@@ -140,7 +140,7 @@ def test_multistart_is_a_function_of_its_seed() -> None:
     start = np.array([0.0, 1.0])
     one, again, other = (multistart(waves, BOX, start, seed) for seed in (3, 3, 4))
     assert one[0].nodes.tolist() == again[0].nodes.tolist()
-    assert one[-1].point.tolist() == again[-1].point.tolist()
+    assert one[-1].params.tolist() == again[-1].params.tolist()
     assert one[0].nodes.tolist() != other[0].nodes.tolist()
 
 

@@ -385,14 +385,14 @@ def test_multistart_finds_the_global_optimum_from_every_one_of_many_starts(
     many = one = 0
     for seed in range(starts):
         start = random.uniform(BOX[:, 0], BOX[:, 1])
-        final = multistart(cost, BOX, start, seed)[-1].cost
+        final = multistart(cost, BOX, start, seed)[-1].value
         many += int(final <= enough)
         assert final >= lowest - 1e-5  # or the brute force has missed the optimum
-        one += int(nelder_mead(cost, BOX, start)[-1].cost <= enough)
+        one += int(nelder_mead(cost, BOX, start)[-1].value <= enough)
     assert many == starts
     # What the paper's own ways find: they are the reason for multistart.
     assert one < starts / 2
-    assert min(step.cost for step in refine(cost, BOX)) > lowest + 1e-3
+    assert min(step.value for step in refine(cost, BOX)) > lowest + 1e-3
 
 
 def test_multistart_finds_the_global_optimum_of_a_robot_on_tracks() -> None:
@@ -409,8 +409,8 @@ def test_multistart_finds_the_global_optimum_of_a_robot_on_tracks() -> None:
     assert cost(mesh).min() > lowest
     for seed in (1, 2):
         start = np.random.default_rng(seed).uniform(BOX[:, 0], BOX[:, 1])
-        assert multistart(cost, BOX, start, seed)[-1].cost == pytest.approx(lowest, abs=1e-6)
-    assert min(step.cost for step in refine(cost, BOX)) > lowest + 1e-3
+        assert multistart(cost, BOX, start, seed)[-1].value == pytest.approx(lowest, abs=1e-6)
+    assert min(step.value for step in refine(cost, BOX)) > lowest + 1e-3
 
 
 # Refusals
