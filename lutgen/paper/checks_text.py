@@ -39,6 +39,13 @@ def expected_by_line(row: Row) -> float:
     return SCALE.sdg * distance(row) / distance(SCALE)
 
 
+def zeros_of_lines() -> tuple[float, float, float]:
+    """Return where |SD_g| (deg) is zero by two entries and by the last one, and their slope."""
+    third, last = entry("step 3"), entry("step 6")
+    slope = (SCALE.sdg - third.sdg) / (SCALE.alpha - third.alpha)
+    return third.alpha - third.sdg / slope, last.alpha + last.sdg / slope, slope
+
+
 def nearest_nodes(levels: int) -> list[float]:
     """Return the node (deg) nearest to the nominal angle at each level of the search."""
     low, width = RANGE_DEG[0], RANGE_DEG[1] - RANGE_DEG[0]
@@ -117,18 +124,18 @@ def entry_at_30(_: Example) -> Checks:
 
 def entry_at_31(_: Example) -> Checks:
     """Compare the value at 31 deg, and where lines through the entries around it become zero."""
-    row, third, last = entry("stability map"), entry("step 3"), entry("step 6")
+    row = entry("stability map")
     line, model = expected_by_line(row), expected_by_model(row)
     yield check(f"$|SD_g|$ at {row.alpha:g}°, {AT_SCALE}", row.sdg, line, model, RATIO * line)
-    slope = (SCALE.sdg - third.sdg) / (SCALE.alpha - third.alpha)
+    zero, zero_of_last, slope = zeros_of_lines()
     yield check(
-        f"angle (°) of $|SD_g| = 0$: the line through {third.alpha:g}° and {SCALE.alpha:g}°; "
-        "the nominal angle; the entry of step 6 and the same slope",
-        third.alpha - third.sdg / slope,
+        f"angle (°) of $|SD_g| = 0$: the line through {entry('step 3').alpha:g}° and "
+        f"{SCALE.alpha:g}°; the nominal angle; the entry of step 6 and the same slope",
+        zero,
         NOMINAL_DEG,
-        last.alpha + last.sdg / slope,
+        zero_of_last,
         # The printed angle is rounded, and the slope is right to 1 % of 0.007 deg.
-        ROUNDING_DEG + 0.01 * last.sdg / slope,
+        ROUNDING_DEG + 0.01 * entry("step 6").sdg / slope,
     )
 
 

@@ -38,16 +38,6 @@ class Check:
     reference: float
     tolerance: float = ROUNDING
 
-    @property
-    def ours_agrees(self) -> bool:
-        """Whether the corrected form gives the reference."""
-        return bool(abs(self.ours - self.reference) <= self.tolerance)
-
-    @property
-    def printed_agrees(self) -> bool:
-        """Whether the printed form gives the reference; never for NaN."""
-        return bool(abs(self.printed - self.reference) <= self.tolerance)
-
 
 # What one function checks: one number after the other.
 Checks = Iterator[Check]

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from lutgen.analysis import heuristic_forces
-from lutgen.errors import InputError
 from lutgen.paper.nominal import Array, nominal_wheels
 from lutgen.paper.printed import eq4_to_6, eq7, normal_of
 
@@ -59,26 +58,14 @@ def slope_gravity(pitch: float, heading: float) -> Array:
 def exact_forces(wheels: Array, gravity: Array) -> Array:
     """Return the normal forces on three wheels, (3,), as shares of |N_g|.
 
-    Parameters
-    ----------
-    wheels : (3, 3) float64
-        Contact points relative to the com, not in a plane with it; else `InputError`.
-    gravity : (3,) float64
-        Pointing down, any length, not parallel to the contact plane.
+    Contact points (3, 3) are relative to the com and not in a plane with it; gravity (3,) points
+    down, with any length, and is not parallel to the contact plane.
 
-    Notes
-    -----
     With b = inv([P1 P2 P3]) g, D_g = sum(b_i P_i) / sum(b), so b / sum(b) are the forces whose
     resultant goes through D_g: negative where the robot tips, zero on the tip-over axis.
     Friction acts in the plane and has no moment about its axes.
     """
-    try:
-        b = np.linalg.solve(wheels.T, gravity)
-    except np.linalg.LinAlgError:
-        raise InputError(
-            f"the contact plane must not go through the com (got {wheels.tolist()}); "
-            "give contacts below the com."
-        ) from None
+    b = np.linalg.solve(wheels.T, gravity)
     return np.asarray(b / b.sum())
 
 

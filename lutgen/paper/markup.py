@@ -31,7 +31,7 @@ def inline(text: str) -> str:
         if code:
             done.append(f"<code>{html.escape(code)}</code>")
         if formula:
-            done.append(f'<span class="formula">{_formula(formula)}</span>')
+            done.append(f'<span class="formula">{TOKEN.sub(_token, formula)}</span>')
     return "".join(done)
 
 
@@ -43,10 +43,6 @@ def plain(text: str) -> str:
 def minus(text: str) -> str:
     """Return text with true minus signs before its numbers."""
     return re.sub(r"(?<![\w\u2013)])-(?=\d)", MINUS, text)
-
-
-def _formula(text: str) -> str:
-    return TOKEN.sub(_token, text)
 
 
 def _token(match: re.Match[str]) -> str:

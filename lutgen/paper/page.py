@@ -18,6 +18,8 @@ from lutgen.paper.markup import inline, minus, plain
 STYLE = files(__package__).joinpath("page.css").read_text(encoding="utf-8")
 # What is smaller is rounding, and shown as 0.
 NOISE = 1e-12
+# Blocks of words by the mark that they begin with.
+WORDS = {"### ": "<h3>{}</h3>", "> ": '<p class="note">{}</p>', "": "<p>{}</p>"}
 EMBEDDED = re.compile(r"!\[(.*)\]\((.*)\)")
 
 
@@ -117,7 +119,8 @@ def render(text: str, pictures: Mapping[str, Picture], tables: Mapping[str, Tabl
         elif block.startswith("!["):
             parts += [_embedded(line, pictures, tables) for line in block.splitlines()]
         else:
-            parts.append(_words(block))
+            mark = next(mark for mark in WORDS if block.startswith(mark))
+            parts.append(WORDS[mark].format(inline(block.removeprefix(mark))))
     return (
         '<!DOCTYPE html>\n<html lang="en-GB">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
@@ -126,14 +129,6 @@ def render(text: str, pictures: Mapping[str, Picture], tables: Mapping[str, Tabl
         + "\n".join(parts)
         + "\n</body>\n</html>\n"
     )
-
-
-def _words(block: str) -> str:
-    if block.startswith("### "):
-        return f"<h3>{inline(block[4:])}</h3>"
-    if block.startswith("> "):
-        return f'<p class="note">{inline(block[2:])}</p>'
-    return f"<p>{inline(block)}</p>"
 
 
 def _embedded(line: str, pictures: Mapping[str, Picture], tables: Mapping[str, Table]) -> str:

@@ -49,7 +49,7 @@ def methods(results: Results) -> Table:
     rows = []
     for name in ORDER:
         for method, words in METHODS.items():
-            found = results.second.found[name, method]
+            found = results.second[name, method]
             alpha, gamma, *ranges = np.degrees([*found.params, *found.delta]).tolist()
             rows.append(
                 [words, LETTERS[name], found.evaluations, alpha, gamma, found.value, *ranges]
@@ -62,7 +62,7 @@ def methods(results: Results) -> Table:
 
 def steps(results: Results) -> Table:
     """Return the steps of the searching algorithm."""
-    traces = [results.second.found[name, "search"].trace for name in ORDER]
+    traces = [results.second[name, "search"].trace for name in ORDER]
     rows = [
         [i + 1, at.evaluations, *np.degrees(at.params).tolist(), *(t[i].value for t in traces)]
         for i, at in enumerate(traces[0])
@@ -108,11 +108,11 @@ def runs(results: Results) -> Table:
     """Return where the robot tips in each run of simulation 3."""
     third = results.third
     listed = (
-        ("without control", third.fixed, UNCONTROLLED),
-        ("with control, one step late", third.lagged, CONTROLLED),
-        ("with control, without the lag", third.prompt, None),
-        (f"turning only, {HEADINGS} headings", third.turning, None),
-        (f"control and {HEADINGS} headings, one step late", third.both, None),
+        ("without control", third["fixed"], UNCONTROLLED),
+        ("with control, one step late", third["lagged"], CONTROLLED),
+        ("with control, without the lag", third["prompt"], None),
+        (f"turning only, {HEADINGS} headings", third["turning"], None),
+        (f"control and {HEADINGS} headings, one step late", third["both"], None),
     )
     head = [("run", ""), ("points that tip", "d"), ("the paper", "d"), ("which, from 0", "")]
     rows = [[words, int(run.tips.sum()), said, _ranges(run.tips)] for words, run, said in listed]

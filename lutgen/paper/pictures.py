@@ -10,10 +10,11 @@ from typing import Any
 
 from lutgen import plot
 from lutgen.mapping import load_map
-from lutgen.paper.nominal import DOWN
+from lutgen.paper.nominal import DOWN, TO_THE_LEFT
 from lutgen.paper.page import Picture
 from lutgen.paper.published import PRINTED
 from lutgen.paper.results import Results
+from lutgen.paper.robot import paper_recipe
 from lutgen.plot import draw_path, draw_steps
 
 RESOLUTION = 200
@@ -28,9 +29,9 @@ PIXELS = 96.0 * 1.15
 def painters(results: Results) -> dict[str, Callable[[], Any]]:
     """Return what draws each figure, by the stem of its file."""
     stability_map = load_map(results.swept.path)
-    one, two, third = results.first.recipe, results.second.recipe, results.third
-    search = results.second.found["plane", "search"]
-    runs = {"without control": third.fixed, "with control": third.lagged}
+    one, two, third = paper_recipe(moving=1), paper_recipe(), results.third
+    search = results.second["plane", "search"]
+    runs = {"without control": third["fixed"], "with control": third["lagged"]}
     robot, curve = partial(plot.draw, "robot"), partial(plot.draw, "curve")
     contour, steps = partial(plot.draw, "contour"), partial(draw_steps, two, search, DOWN)
     return {
@@ -46,7 +47,7 @@ def painters(results: Results) -> dict[str, Callable[[], Any]]:
         "fig14_step": partial(steps, (1,)),
         "fig15_step": partial(steps, (2,)),
         "fig15_last": partial(steps, (5,)),
-        "fig16_17_path": partial(draw_path, third.recipe, runs),
+        "fig16_17_path": partial(draw_path, paper_recipe(azimuths=TO_THE_LEFT), runs),
     }
 
 

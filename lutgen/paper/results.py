@@ -8,8 +8,9 @@ from lutgen.paper import simulations
 from lutgen.paper.errata import errata
 from lutgen.paper.erratum import Erratum
 from lutgen.paper.forces import ForceRow, ForceStatistics, force_statistics, force_table
-from lutgen.paper.rough import Third, Variant, third_simulation, variants
+from lutgen.paper.rough import Variant, third_simulation, variants
 from lutgen.paper.triples import TripleStatistics, triple_statistics
+from lutgen.search import Drive, Optimum
 
 MAP = "paper_two.h5"
 
@@ -19,11 +20,11 @@ class Results:
     """All numbers of the report."""
 
     first: simulations.First
-    second: simulations.Second
+    second: dict[tuple[str, str], Optimum]
     table: tuple[simulations.TableRow, ...]
     fitted_radius: dict[str, float]
     swept: simulations.MapTime
-    third: Third
+    third: dict[str, Drive]
     variants: tuple[Variant, ...]
     errata: tuple[Erratum, ...]
     forces: tuple[ForceRow, ...]

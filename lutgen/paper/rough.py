@@ -23,35 +23,21 @@ HEADINGS = 24
 # Points of the path besides the paper's number.
 OTHER_POINTS = (50, 200, 500, 1000)
 BEHIND = (60.0, -60.0, 180.0)
+# What the runs are asked: without control, with the geometry found for the point before or for the
+# point itself, with the heading alone free to turn, and with heading and shape.
+RUNS: dict[str, dict[str, Any]] = {
+    "fixed": {"control": False},
+    "lagged": {},
+    "prompt": {"lag": 0},
+    "turning": {"control": False, "headings": HEADINGS},
+    "both": {"headings": HEADINGS},
+}
 
 
-@dataclass(frozen=True)
-class Third:
-    """The runs of simulation 3, of 100 points each.
-
-    `fixed` without control, `lagged` with the geometry found for the point before, `prompt`
-    with that for the point itself; `turning` may turn its heading only, `both` heading and shape.
-    """
-
-    recipe: Recipe
-    fixed: Drive
-    lagged: Drive
-    prompt: Drive
-    turning: Drive
-    both: Drive
-
-
-def third_simulation() -> Third:
-    """Compute simulation 3 (Figs 16 and 17) and the run in which the robot may turn."""
+def third_simulation() -> dict[str, Drive]:
+    """Compute simulation 3 (Figs 16 and 17) and the runs in which the robot may turn."""
     recipe = paper_recipe(azimuths=TO_THE_LEFT)
-    return Third(
-        recipe,
-        _run(recipe, control=False),
-        _run(recipe),
-        _run(recipe, lag=0),
-        _run(recipe, control=False, headings=HEADINGS),
-        _run(recipe, headings=HEADINGS),
-    )
+    return {name: _run(recipe, **options) for name, options in RUNS.items()}
 
 
 def _run(recipe: Recipe, attitude: str = "pitch", **options: Any) -> Drive:
@@ -69,9 +55,9 @@ class Variant:
     control: float
 
 
-def variants(third: Third) -> tuple[Variant, ...]:
+def variants(third: dict[str, Drive]) -> tuple[Variant, ...]:
     """Return the shares for readings of the paper that depart from the `third` in one thing."""
-    fixed, recipe = third.fixed.share, third.recipe
+    fixed, recipe = third["fixed"].share, paper_recipe(azimuths=TO_THE_LEFT)
 
     def shares(name: str, robot: Recipe, attitude: str = "pitch", **options: Any) -> Variant:
         where = {key: options[key] for key in ("convention",) if key in options}
@@ -79,11 +65,11 @@ def variants(third: Third) -> tuple[Variant, ...]:
         return Variant(name, POINTS, without.share, _run(robot, attitude, **options).share)
 
     return (
-        Variant("the reading above", POINTS, fixed, third.lagged.share),
+        Variant("the reading above", POINTS, fixed, third["lagged"].share),
         *map(_more_points, OTHER_POINTS),
         shares("nodes of the search at the right ends of its cells", recipe, ends="right"),
         Variant(
-            "no lag: the geometry found for the point itself", POINTS, fixed, third.prompt.share
+            "no lag: the geometry found for the point itself", POINTS, fixed, third["prompt"].share
         ),
         shares("ground level across the path, heading kept", recipe, "surface"),
         shares("gravity fixed in the body while the legs move (F)", recipe, convention="body"),

@@ -24,6 +24,7 @@ Floats = NDArray[np.float64]
 # |SD_g| up to which a shape counts as acceptable (the paper's delta): a tenth of that at which the
 # paper's robot tips.
 LIMIT = 1.0
+# The three methods of the paper, and many starts.
 METHODS = ("map", "nelder-mead", "search", "multistart")
 
 
@@ -40,7 +41,6 @@ class First:
     `alpha` (m,) in deg; `sdg` and `height` by convention, (m,); `best` by convention.
     """
 
-    recipe: Recipe
     alpha: Floats
     sdg: dict[str, Floats]
     height: dict[str, Floats]
@@ -51,7 +51,7 @@ def first_simulation() -> First:
     """Compute simulation 1 (Fig 8): alpha from 0 to 50 deg, on level ground."""
     recipe = paper_recipe(moving=1)
     alpha = np.linspace(0.0, 50.0, 501)
-    found = First(recipe, alpha, {}, {}, {})
+    found = First(alpha, {}, {}, {})
     for name in CONVENTIONS:
         values = level_values(recipe, np.radians(alpha)[:, None], name)
         found.sdg[name], found.height[name] = values["sdg"], values["height"]
@@ -59,25 +59,14 @@ def first_simulation() -> First:
     return found
 
 
-@dataclass(frozen=True)
-class Second:
-    """Simulation 2: what each method finds, by (convention, method)."""
-
-    recipe: Recipe
-    found: dict[tuple[str, str], Optimum]
-
-
-def second_simulation() -> Second:
-    """Compute simulation 2: the three methods of the paper, and many starts."""
+def second_simulation() -> dict[tuple[str, str], Optimum]:
+    """Compute simulation 2: what each method finds, by (convention, method)."""
     recipe = paper_recipe()
-    return Second(
-        recipe,
-        {
-            (name, method): optimum(recipe, DOWN, method, convention=name, limit=LIMIT)
-            for name in CONVENTIONS
-            for method in METHODS
-        },
-    )
+    return {
+        (name, method): optimum(recipe, DOWN, method, convention=name, limit=LIMIT)
+        for name in CONVENTIONS
+        for method in METHODS
+    }
 
 
 @dataclass(frozen=True)

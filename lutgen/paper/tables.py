@@ -67,18 +67,22 @@ def _steps(results: Results) -> Csv:
         [
             [name, i + 1, step.evaluations, *np.degrees(step.params).tolist(), step.value]
             for name in CONVENTION_ORDER
-            for i, step in enumerate(results.second.found[name, "search"].trace)
+            for i, step in enumerate(results.second[name, "search"].trace)
         ],
     )
 
 
 def _path(results: Results) -> Csv:
     third = results.third
-    runs = {"without": third.fixed, "control": third.lagged, "turning_and_control": third.both}
+    runs = {
+        "without": third["fixed"],
+        "control": third["lagged"],
+        "turning_and_control": third["both"],
+    }
     kinds = ("alpha_deg", "gamma_deg", "heading_deg", "tip_angle_deg", "tips")
     head = ["point", "x", "y", "z", *(f"{name}_{kind}" for name in runs for kind in kinds)]
     rows: list[list[object]] = []
-    for i, place in enumerate(third.fixed.path.position.tolist()):
+    for i, place in enumerate(third["fixed"].path.position.tolist()):
         rows.append([i, *place, *(cell for run in runs.values() for cell in _at(run, i))])
     return head, rows
 

@@ -78,7 +78,7 @@ def test_simulation_1_has_the_known_heights_and_stability_factors() -> None:
 def test_the_searching_algorithm_makes_the_papers_six_steps() -> None:
     second = second_simulation()
     for name in BOTH:
-        trace = second.found[name, "search"].trace
+        trace = second[name, "search"].trace
         got = np.degrees([step.params for step in trace])
         # A node is a sum of a few numbers in deg, turned into rad and back.
         assert got == pytest.approx(
