@@ -19,13 +19,16 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
     write_bytes(path, text.encode("utf-8"))
 
 
-def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
+def write_bytes(
+    path: str | os.PathLike[str], content: bytes, failed: str = "cannot be written"
+) -> None:
     """Write a file under a temporary name and rename it.
 
     Raises
     ------
     InputError
-        Where the file cannot be written; what was there before is untouched.
+        Where the file cannot be written, in the words of `failed`; what was there before is
+        untouched.
     """
     target = Path(path)
     partial = target.with_name(f".{target.name}.{os.getpid()}")
@@ -34,7 +37,7 @@ def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
         partial.replace(target)
     except OSError as error:
         raise InputError(
-            f"{target}: cannot be written (got {error.strerror or error}); "
+            f"{target}: {failed} (got {error.strerror or error}); "
             "choose a folder that exists and is writable."
         ) from error
     finally:

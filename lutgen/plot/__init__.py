@@ -1,7 +1,7 @@
 """Figures of a robot's stability, from a map or a recipe.
 
 In reading order: `box`, `view`, `labels`, `style`, `marks`, `levels`, `path`, `robot`, `animation`,
-`curve`, `metrics`, `plane`, `sphere`, `tilt`, `choices`, `figure`, `steps`.
+`curve`, `metrics`, `plane`, `sphere`, `tilt`, `figure`, `steps`.
 """
 
 from lutgen.plot.animation import animate, check_animation

@@ -20,10 +20,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
-from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
-    Line3DCollection,
-    Poly3DCollection,
-)
+from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 from numpy.typing import NDArray
 from PIL import Image
 
@@ -31,16 +28,15 @@ from lutgen.analysis import Diagnosis, Posture, diagnose
 from lutgen.errors import InputError
 from lutgen.files import write_bytes
 from lutgen.plot.box import box_axes, set_limits
-from lutgen.plot.labels import angle_text, length_label
+from lutgen.plot.labels import angle_text, unit_label
 from lutgen.plot.path import RED, draw_angles
 from lutgen.plot.robot import rims
-from lutgen.plot.style import BLUE, GREEN, GREY, house_style, new_figure
+from lutgen.plot.style import BLUE, GREEN, GREY, house_style, known_suffix, new_figure
 from lutgen.recipe import Recipe
 from lutgen.search import Drive
 
 Floats = NDArray[np.float64]
 
-SUFFIXES = (".gif", ".mp4")
 # Bounds the time and the size of the file, whatever the path.
 MOST_FRAMES = 60
 # Seconds: the length of a film, and the shortest and longest time of a frame.
@@ -64,13 +60,7 @@ def check_animation(path: str | os.PathLike[str]) -> None:
     InputError
         For other suffixes than .gif and .mp4, and for .mp4 where there is no ffmpeg.
     """
-    suffix = Path(path).suffix.lower()
-    if suffix not in SUFFIXES:
-        raise InputError(
-            f"{path}: unknown kind of film (got {suffix or 'no suffix'!r}); end the name in "
-            ".gif or .mp4."
-        )
-    if suffix == ".mp4" and not FFMpegWriter.isAvailable():
+    if known_suffix(path, "film", (".gif", ".mp4")) == ".mp4" and not FFMpegWriter.isAvailable():
         raise InputError(
             f"{path}: an MP4 needs the program ffmpeg (got none on the path); install it, or end "
             "the name in .gif."
@@ -168,7 +158,7 @@ class _Film:
             axes.yaxis.set_label_coords(-0.065, 0.5)
         self.dot = _terrain(strips[0], recipe, last)
         draw_angles(strips[1], runs)
-        strips[1].set_xlabel(length_label(recipe, "path length"))
+        strips[1].set_xlabel(unit_label("path length", recipe.length_unit))
         self.cursors = [axes.axvline(0.0, color="black", linewidth=0.8) for axes in strips]
 
     def frame(self, i: int) -> Any:
@@ -190,8 +180,8 @@ def _terrain(axes: Axes, recipe: Recipe, run: Drive) -> Line2D:
     room = max(float(np.ptp(z)), 1e-9)
     axes.fill_between(run.path.distance, z, z.min() - room, facecolor=EARTH, linewidth=0.0)
     axes.plot(run.path.distance, z, color="black", linewidth=0.8)
-    axes.set_ylim(z.min() - 0.2 * room, z.max() + 0.3 * room)
-    axes.set_ylabel(length_label(recipe, "height").replace(" (", "\n("))
+    label = unit_label("height", recipe.length_unit).replace(" (", "\n(")
+    axes.set(ylim=(z.min() - 0.2 * room, z.max() + 0.3 * room), ylabel=label)
     axes.tick_params(labelbottom=False)
     (dot,) = axes.plot([], [], "o", color="black", markersize=4.5, zorder=6)
     return dot

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from lutgen.plot.labels import channel_label, name_axes, optimum_text, title
-from lutgen.plot.levels import intervals, jumps
+from lutgen.plot.levels import crossings, jumps
 from lutgen.plot.marks import CENTRED, HATCHED, PLATE, TIPS, mark_optimum, tip_patch, write_beside
 from lutgen.plot.style import BLUE, ORANGE, new_figure
 from lutgen.plot.view import View, optimum
@@ -33,10 +33,11 @@ def draw_curve(view: View) -> Figure:
     axes = figure.add_subplot()
     axes.set_title(title(view, gravity=True))
     name_axes(axes, view, shown)
-    lines = [_line(axes, view, view.channel, shown, exact, BLUE, "-")]
+    lines = [_line(axes, view, view.channel, shown, exact, color=BLUE)]
     if view.channel != "height":
         twin = axes.twinx()
-        lines.append(_line(twin, view, "height", shown, exact, ORANGE, (0, (4, 1.5))))
+        dashed = {"color": ORANGE, "linestyle": (0, (4, 1.5))}
+        lines.append(_line(twin, view, "height", shown, exact, **dashed))
         # The twin is drawn last; lift the first axes, whose notes belong on top.
         axes.set_zorder(twin.get_zorder() + 1)
         axes.patch.set_visible(False)
@@ -80,13 +81,7 @@ def _best(view: View, exact: dict[str, Floats]) -> int | None:
 
 
 def _line(
-    axes: Axes,
-    view: View,
-    channel: str,
-    shown: Floats,
-    exact: dict[str, Floats],
-    colour: str,
-    dashes: str | tuple[float, tuple[float, float]],
+    axes: Axes, view: View, channel: str, shown: Floats, exact: dict[str, Floats], **look: Any
 ) -> Line2D:
     """Draw one channel on its own axis, broken where it jumps to another facet."""
     values = np.array(QUANTITIES[channel].shown(exact[channel]))
@@ -98,10 +93,9 @@ def _line(
         values[1:][jumps(values)] = np.nan
     else:
         axes.set_yticks([])
-    axes.set_ylabel(channel_label(view.recipe, channel), color=colour)
-    axes.tick_params(axis="y", colors=colour)
-    label = QUANTITIES[channel].symbol
-    (line,) = axes.plot(shown, values, color=colour, linestyle=dashes, label=label)
+    axes.set_ylabel(channel_label(view.recipe, channel), color=look["color"])
+    axes.tick_params(axis="y", colors=look["color"])
+    (line,) = axes.plot(shown, values, label=QUANTITIES[channel].symbol, **look)
     return line
 
 
@@ -110,8 +104,7 @@ def _nodes(axes: Axes, view: View) -> list[Line2D]:
     if not view.on_chart():
         return []
     knots = view.knots(0, 0)
-    postures = view.postures(knots)
-    values = QUANTITIES[view.channel].shown(view.drawn(postures))
+    values = QUANTITIES[view.channel].shown(view.drawn(view.postures(knots)))
     label = "map nodes" if view.at_node() else "map, interpolated"
     look: dict[str, Any] = {"markersize": 2.2, "markerfacecolor": BLUE, "markeredgewidth": 0.0}
     return axes.plot(view.shown(0, knots), values, "o", label=label, **look)
@@ -119,20 +112,11 @@ def _nodes(axes: Axes, view: View) -> list[Line2D]:
 
 def shade_intervals(axes: Axes, shown: Floats, tip_angle: Floats) -> bool:
     """Hatch and label the intervals that tip over; False if there are none."""
-    found = intervals(tip_angle < 0.0)
-    for ends in found:
-        low, high = (_crossing(shown, tip_angle, sample) for sample in ends)
+    tips = tip_angle < 0.0
+    ends = [*shown[:1][tips[:1]], *crossings(shown, tip_angle, tips), *shown[-1:][tips[-1:]]]
+    for low, high in zip(ends[::2], ends[1::2], strict=True):
         axes.axvspan(low, high, linewidth=0.0, zorder=0.5, **HATCHED)
         if high - low > NARROW * (shown[-1] - shown[0]):
             across = axes.get_xaxis_transform()
             axes.text((low + high) / 2.0, 0.5, TIPS, transform=across, bbox=PLATE, **CENTRED)
-    return len(found) > 0
-
-
-def _crossing(shown: Floats, tip_angle: Floats, sample: int) -> float:
-    """Return where `tip_angle` is 0 between a sample and the one before it."""
-    if sample == 0 or sample == len(shown):
-        return float(shown[min(sample, len(shown) - 1)])
-    before, after = tip_angle[sample - 1], tip_angle[sample]
-    part = before / (before - after)
-    return float(shown[sample - 1] + part * (shown[sample] - shown[sample - 1]))
+    return bool(tips.any())

@@ -39,7 +39,7 @@ def parameter_text(parameter: Parameter) -> str:
 
 def axis_label(parameter: Parameter) -> str:
     """Return the label of a parameter's axis, with its unit."""
-    return f"{parameter_text(parameter)} ({_unit(parameter.display_unit)})"
+    return unit_label(parameter_text(parameter), parameter.display_unit)
 
 
 def name_axes(axes: Any, view: View, *shown: ArrayLike) -> None:
@@ -49,21 +49,22 @@ def name_axes(axes: Any, view: View, *shown: ArrayLike) -> None:
         low, high = np.asarray(values)[[0, -1]]
         axes.set(**{f"{letter}label": axis_label(parameter), f"{letter}lim": (low, high)})
         if parameter.display_unit == "deg" and high - low > 100.0:
-            # Degrees that divide a turn.  In a box the lowest labels of two axes would meet.
-            rounds, prune = [1, 1.5, 3, 4.5, 6, 9, 10], "lower" if view.kind == "surface" else None
-            locator = MaxNLocator(7, steps=rounds, prune=prune)
+            # Degrees that divide a turn.
+            locator = MaxNLocator(7, steps=[1, 1.5, 3, 4.5, 6, 9, 10])
+            if view.kind == "surface":
+                # The lowest labels of two axes would meet in the corner of the box.
+                locator.set_params(prune="lower")
             getattr(axes, f"{letter}axis").set_major_locator(locator)
 
 
 def channel_label(recipe: Recipe, channel: str) -> str:
     """Return the label of a channel's axis, with its unit."""
-    unit = QUANTITIES[channel].shown_unit(recipe.length_unit)
-    return f"{QUANTITIES[channel].label} ({_unit(unit)})"
+    return unit_label(QUANTITIES[channel].label, QUANTITIES[channel].shown_unit(recipe.length_unit))
 
 
-def length_label(recipe: Recipe, name: str) -> str:
-    """Return the label of an axis of lengths, with its unit."""
-    return f"{name} ({_unit(recipe.length_unit)})"
+def unit_label(name: str, unit: str) -> str:
+    """Return the label of an axis, with its unit."""
+    return f"{name} ({DIMENSIONLESS if unit == '1' else unit})"
 
 
 def heading_text(heading: float) -> str:
@@ -165,7 +166,3 @@ def title(view: View, *, gravity: bool, more: str = "") -> str:
         else:
             lines[-1] = longer
     return "\n".join(lines)
-
-
-def _unit(unit: str) -> str:
-    return DIMENSIONLESS if unit == "1" else unit

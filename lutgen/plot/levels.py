@@ -61,9 +61,11 @@ def jumps(values: Floats, axis: int = 0) -> NDArray[np.bool_]:
     return np.asarray(np.moveaxis(found, 0, axis))
 
 
-def intervals(mask: NDArray[np.bool_]) -> NDArray[np.intp]:
-    """Return where each run of True begins and ends in a mask, (k, 2), the ends beyond it."""
-    return np.flatnonzero(np.diff(np.pad(mask.astype(int), 1))).reshape(-1, 2)
+def crossings(x: Floats, y: Floats, below: NDArray[np.bool_]) -> Floats:
+    """Return where a line crosses 0, between samples of which one is `below`."""
+    at = np.flatnonzero(below[:-1] != below[1:])
+    at = at[np.isfinite(y[at]) & np.isfinite(y[at + 1])]
+    return np.asarray(x[at] - y[at] * (x[at + 1] - x[at]) / (y[at + 1] - y[at]))
 
 
 def _apart(values: Floats, step: float) -> Floats:
@@ -86,28 +88,26 @@ def label_lines(axes: Axes, lines: QuadContourSet) -> None:
     Pieces too short for a label go without, and so do those whose every point is near another
     label or the frame.
     """
-    inverse = axes.transAxes.inverted()
+    to_paper = axes.transData - axes.transAxes
     places: list[Floats] = []
     taken = np.empty((0, 2))
     for level in lines.allsegs:
-        pieces = [np.asarray(axes.transData.transform(piece)) for piece in level if len(piece) > 2]
+        pieces = [piece for piece in level if len(piece) > 2]
         if not pieces:
             continue
-        on_paper = [np.asarray(inverse.transform(piece)) for piece in pieces]
+        on_paper = [np.asarray(to_paper.transform(piece)) for piece in pieces]
         lengths = [np.linalg.norm(np.diff(piece, axis=0), axis=1).sum() for piece in on_paper]
         longest = int(np.argmax(lengths))
         piece = on_paper[longest]
         inside = np.minimum(piece, 1.0 - piece).min(axis=1)
-        apart = np.full(len(piece), np.inf)
-        if len(taken):
-            apart = np.linalg.norm(piece[:, None] - taken, axis=2).min(axis=1)
+        apart = np.linalg.norm(piece[:, None] - taken, axis=2).min(axis=1, initial=np.inf)
         # Far from other labels, but beyond APART nothing is gained and the middle is best.
         score = np.minimum(apart, 2.0 * APART) + np.minimum(inside, APART)
         best = int(np.argmax(score - 1e-3 * np.abs(np.arange(len(piece)) / len(piece) - 0.5)))
         if lengths[longest] < 2.0 * APART or apart[best] < APART or inside[best] < APART / 3.0:
             continue
         taken = np.vstack([taken, piece[best]])
-        places.append(axes.transData.inverted().transform(pieces[longest][best]))
+        places.append(pieces[longest][best])
     if places:
         lines.axes.clabel(lines, fontsize=6, inline_spacing=2, manual=places, zorder=5)
 

@@ -16,7 +16,6 @@ from matplotlib.patches import Patch
 from matplotlib.text import Annotation, Text
 from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_cdt
 
 from lutgen.plot.style import GREY, HATCH, ORANGE, WASH
 
@@ -63,6 +62,9 @@ def shade_tip_over(axes: Axes, x: Floats, y: Floats, tip_angle: Floats) -> bool:
 
 def label_tip_over(axes: Axes, x: Floats, y: Floats, tip_angle: Floats, cells: int) -> bool:
     """Write "tips over" deepest in the hatched region; False if that is less than `cells` cells."""
+    # Loading it takes a while, and few figures need it.
+    from scipy.ndimage import distance_transform_cdt
+
     depth = distance_transform_cdt(np.pad(tip_angle < 0.0, 1), "taxicab")
     if depth.max() < cells:
         return False
@@ -81,14 +83,14 @@ def mark_optimum(axes: Axes, x: float, y: float, text: str) -> Line2D:
 
 
 def mark_sliding(
-    axes: Axes, mesh: tuple[Floats, Floats], grip: Floats | None, tip_angle: Floats, label: str
+    axes: Axes, mesh: tuple[Floats, Floats], grip: Floats, tip_angle: Floats, label: str
 ) -> list[Artist]:
     """Dot where the robot slides (`grip` < 0) and dash the line where that begins.
 
     All (rows, columns) as the `mesh` of places; below the hatching of what tips over.  Returns the
     handle for the legend; none where nothing slides that stands.
     """
-    if grip is None or not ((grip < 0.0) & (tip_angle >= 0.0)).any():
+    if not ((grip < 0.0) & (tip_angle >= 0.0)).any():
         return []
     dots = axes.contourf(
         *mesh, grip, levels=[-2.0 * math.pi, 0.0], colors=["none"], hatches=["..."]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from lutgen.analysis import Metrics, Posture, compare_metrics, tilted
 from lutgen.plot.curve import shade_intervals
 from lutgen.plot.labels import HEADINGS, MINUS, angle_text, title, with_unit
-from lutgen.plot.levels import jumps
+from lutgen.plot.levels import crossings, jumps
 from lutgen.plot.marks import tip_patch
 from lutgen.plot.style import BLUE, GREEN, ORANGE, PURPLE, SKY, new_figure
 from lutgen.plot.view import View
@@ -53,8 +53,7 @@ def draw_metrics(view: View) -> Figure:
     # In two lines.
     short = [name.replace(" side", "").replace(" ", "\n") for name in HEADINGS.values()]
     axes.set_xticks([*HEADINGS, 360], [*short, short[0]])
-    axes.set_xlabel("heading of the tilt")
-    axes.set_ylabel("metric / its value on level ground")
+    axes.set(xlabel="heading of the tilt", ylabel="metric / its value on level ground")
     axes.axhline(0.0, color="black", linewidth=0.8, zorder=1.5)
     lines = [_line(axes, view, name, heading, found) for name in LOOKS]
     axes.set_ylim(bottom=max(axes.get_ylim()[0], LOWEST))
@@ -91,8 +90,6 @@ def _line(
 def _sign_changes(axes: Axes, line: Line2D) -> int:
     """Mark where a line crosses zero and return how often it does."""
     x, y = (np.asarray(part, dtype=np.float64) for part in line.get_data())
-    at = np.flatnonzero(np.signbit(y[:-1]) != np.signbit(y[1:]))
-    at = at[np.isfinite(y[at]) & np.isfinite(y[at + 1])]
-    place = x[at] - y[at] * (x[at + 1] - x[at]) / (y[at + 1] - y[at])
+    place = crossings(x, y, np.signbit(y))
     axes.plot(place, np.zeros(len(place)), zorder=4, **DOT | {"markeredgecolor": line.get_color()})
     return len(place)

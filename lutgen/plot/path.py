@@ -10,15 +10,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
-from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
-    Line3DCollection,
-    Poly3DCollection,
-)
+from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 from numpy.typing import NDArray
 
 from lutgen.plot.box import box_axes, enlarge, set_limits
-from lutgen.plot.labels import length_label, parameter_text
-from lutgen.plot.levels import intervals
+from lutgen.plot.labels import parameter_text, unit_label
 from lutgen.plot.marks import HATCHED, TIPS, tip_patch
 from lutgen.plot.style import BLUE, GREEN, GREY, ORANGE, in_house_style, new_figure
 from lutgen.recipe import Recipe
@@ -89,7 +85,7 @@ def draw_path(recipe: Recipe, runs: Mapping[str, Drive]) -> Figure:
         _draw_parameters(axes, recipe, unit, rows[unit], last)
     if turns:
         _draw_turns(strips[-1], last)
-    strips[-1].set_xlabel(length_label(recipe, "path length"))
+    strips[-1].set_xlabel(unit_label("path length", recipe.length_unit))
     strips[-1].tick_params(labelbottom=True)
     stands, tips = Line2D([], [], label="stands", **STANDING), Line2D([], [], label=TIPS, **TIPPING)
     handles: list[Artist] = [stands, tips, tip_patch("tip-over angle < 0")]
@@ -114,7 +110,7 @@ def _raise_path(axes: Any, recipe: Recipe, run: Drive) -> None:
     middle = (low + high) / 2.0
     set_limits(axes, middle - half, middle + half)
     for i, (name, axis) in enumerate({"x": axes.xaxis, "y": axes.yaxis, "z": axes.zaxis}.items()):
-        axis.set_label_text(length_label(recipe, name))
+        axis.set_label_text(unit_label(name, recipe.length_unit))
         axis.set_major_locator(MaxNLocator(max(round(6 * half[i] / half.max()), 2), prune="lower"))
         # Matplotlib moves labels away from the box by a share of its other two sides.
         stretch = half.max() / np.delete(half, i).max()
@@ -141,7 +137,8 @@ def _parts(points: Floats, kept: NDArray[np.bool_]) -> list[Floats]:
     between = (points[1:] + points[:-1]) / 2.0
     fine = np.empty((2 * len(points) - 1, 3))
     fine[::2], fine[1::2] = points, between
-    return [fine[max(2 * begin - 1, 0) : 2 * end] for begin, end in intervals(kept)]
+    edges = np.flatnonzero(np.diff(np.pad(kept.astype(int), 1))).reshape(-1, 2)
+    return [fine[max(2 * begin - 1, 0) : 2 * end] for begin, end in edges]
 
 
 def _fit(figure: Figure, axes: Any, window: tuple[float, float, float, float]) -> None:
@@ -208,7 +205,7 @@ def _draw_parameters(axes: Axes, recipe: Recipe, unit: str, columns: list[int], 
             axes.step(distance, wanted, where="mid", alpha=0.5, **look | {"linewidth": 0.5})
         label = parameter_text(parameter)
         axes.step(distance, reached, where="mid", label=label, **look)
-    named = length_label(recipe, "geometry") if unit == "1" else f"geometry ({unit})"
+    named = unit_label("geometry", recipe.length_unit if unit == "1" else unit)
     axes.set_ylabel(named.replace(" (", "\n("))
     axes.margins(y=0.08)
     if len(columns) <= 2 * len(LOOKS):
@@ -218,6 +215,4 @@ def _draw_parameters(axes: Axes, recipe: Recipe, unit: str, columns: list[int], 
 def _draw_turns(axes: Axes, run: Drive) -> None:
     """Draw by how much the robot is turned against the path's heading."""
     axes.step(run.path.distance, np.degrees(run.turn), where="mid", **LOOKS[0])
-    axes.set_ylabel("turn\n(deg)")
-    axes.set_ylim(-200.0, 200.0)
-    axes.set_yticks([-180.0, -90.0, 0.0, 90.0, 180.0])
+    axes.set(ylabel="turn\n(deg)", ylim=(-200.0, 200.0), yticks=range(-180, 181, 90))

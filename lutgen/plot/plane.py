@@ -52,7 +52,7 @@ class Plane:
     fine_x: Floats
     fine_y: Floats
     tip_angle: Floats
-    grip: Floats | None
+    grip: Floats
     best: tuple[float, float, float, str] | None
 
 
@@ -89,9 +89,7 @@ def draw_surface(view: View) -> Figure:
     figure = new_figure(SURFACE_SIZE)
     axes = box_axes(figure, 26.0, -125.0)
     name_axes(axes, view, plane.x[0], plane.y[:, 0])
-    axes.set_zlabel(channel_label(view.recipe, view.channel))
-    axes.set_zlim(0.0, 1.0)
-    axes.set_zticks([])
+    axes.set(zlabel=channel_label(view.recipe, view.channel), zlim=(0.0, 1.0), zticks=[])
     handles: list[Artist] = []
     if plane.best is not None:
         steps = levels(plane.values)
@@ -134,15 +132,14 @@ def _plane(view: View) -> Plane:
     mesh = np.meshgrid(*(view.knots(place, SAMPLES) for place in (0, 1)))
     fine = np.meshgrid(*(np.linspace(*view.ends(place), SAMPLES) for place in (0, 1)))
     everywhere = view.postures(*fine)
-    tip_angle = view.exact(everywhere, view.gravity_dir, "tip_angle")["tip_angle"]
-    grip = view.grip(everywhere, view.gravity_dir)
+    verdict = view.exact(everywhere, view.gravity_dir, "tip_angle")["tip_angle"]
+    tip_angle = verdict.reshape(fine[0].shape)
+    grip = view.grip(everywhere, view.gravity_dir).reshape(fine[0].shape)
     x, y, fine_x, fine_y = (view.shown(i, part[i]) for part in (mesh, fine) for i in (0, 1))
     values = QUANTITIES[view.channel].shown(view.drawn(view.postures(*mesh))).reshape(x.shape)
     if view.channel not in ("sdg", "height"):
         # The others go on below zero beyond tip-over, where the hatching is.
         values = np.where(values < 0.0, np.nan, values)
-    tip_angle = tip_angle.reshape(fine_x.shape)
-    grip = None if grip is None else grip.reshape(fine_x.shape)
     best, at = None, optimum(view.channel, values)
     if at is not None:
         place, value = (float(x.flat[at]), float(y.flat[at])), float(values.flat[at])

@@ -9,16 +9,13 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
-from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
-    Line3DCollection,
-    Poly3DCollection,
-)
+from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 from numpy.typing import NDArray
 
 from lutgen.analysis import Diagnosis, Facet, Posture, diagnose
 from lutgen.parts import KINDS
 from lutgen.plot.box import box_axes, fit_box, place, set_limits
-from lutgen.plot.labels import angle_text, length_label, title, with_unit
+from lutgen.plot.labels import angle_text, title, unit_label, with_unit
 from lutgen.plot.marks import write_beside
 from lutgen.plot.style import BLUE, GREEN, GREY, ORANGE, PURPLE, new_figure
 from lutgen.plot.view import View
@@ -33,6 +30,7 @@ ELEVATION, AZIMUTH = 20.0, -62.0
 CORNERS = 49
 # Letters of two contacts' names that fit on one line of the legend.
 LONG_NAMES = 26
+LINK: dict[str, Any] = {"color": "#a0a0a0", "linewidth": 0.8, "zorder": 2}
 
 
 def draw_robot(view: View) -> Figure:
@@ -91,7 +89,7 @@ def rims(state: Diagnosis, index: int) -> list[Floats]:
 def _body(axes: Any, state: Diagnosis) -> list[Artist]:
     """Draw the contacts and their links to the com."""
     for i, centre in enumerate(state.centres):
-        _line(axes, np.zeros(3), centre, color="#a0a0a0", linewidth=0.8, zorder=2)
+        _line(axes, np.zeros(3), centre, **LINK)
         found = rims(state, i)
         if not found:
             axes.plot(*centre[:, None], "o", color=GREY, markersize=3.5, zorder=6)
@@ -121,7 +119,7 @@ def _load(axes: Any, view: View, state: Diagnosis) -> list[Artist]:
         handles.append(Line2D([], [], color="black", linewidth=0.5, label=words))
     acting = state.forces.any(axis=1)
     for start, force in zip(state.force_points[acting], state.forces[acting], strict=True):
-        _line(axes, np.zeros(3), start, color="#a0a0a0", linewidth=0.8, zorder=2)
+        _line(axes, np.zeros(3), start, **LINK)
         tip = _size(state) * force
         axes.quiver(*start, *tip, color=PURPLE, linewidth=1.6, arrow_length_ratio=0.25, zorder=9)
     if acting.any():
@@ -200,7 +198,7 @@ def _frame(axes: Any, view: View, state: Diagnosis) -> Floats:
     named = {"x forward": axes.xaxis, "y left": axes.yaxis, "z up": axes.zaxis}
     for (name, axis), share in zip(named.items(), sides / sides.max(), strict=True):
         axis.set_major_locator(MaxNLocator(max(2, round(5 * share)), steps=[1, 2, 5, 10]))
-        axis.set_label_text(length_label(view.recipe, name))
+        axis.set_label_text(unit_label(name, view.recipe.length_unit))
     set_limits(axes, low, high)
     return np.asarray(sides)
 

@@ -48,7 +48,7 @@ class Disc:
     y: Floats
     values: Floats
     tip_angle: Floats
-    grip: Floats | None
+    grip: Floats
 
 
 def draw_sphere(view: View) -> Figure:
@@ -109,11 +109,8 @@ def _share_that_tips(view: View) -> float:
 
 def _disc(view: View, inner: float, outer: float) -> Disc:
     """Compute the mesh of one disc."""
-    tilt, heading = np.meshgrid(
-        np.linspace(inner, outer, TILTS),
-        np.linspace(0.0, 2.0 * math.pi, HEADING_COUNT),
-        indexing="ij",
-    )
+    around = np.linspace(0.0, 2.0 * math.pi, HEADING_COUNT)
+    tilt, heading = np.meshgrid(np.linspace(inner, outer, TILTS), around, indexing="ij")
     directions = tilted(tilt.ravel(), heading.ravel())
     radius = _radius(tilt, inner, outer)
     x, y = -radius * np.sin(heading), radius * np.cos(heading)
@@ -122,8 +119,7 @@ def _disc(view: View, inner: float, outer: float) -> Disc:
     tip_angle, values = exact["tip_angle"], QUANTITIES[view.channel].shown(exact[view.channel])
     # Beyond tip-over some channels go on; the hatching is there.
     values = np.where(tip_angle < 0.0, np.nan, values)
-    grip = view.grip(view.params, directions)
-    grip = None if grip is None else grip.reshape(tilt.shape)
+    grip = view.grip(view.params, directions).reshape(tilt.shape)
     return Disc(inner, outer, x, y, values, tip_angle, grip)
 
 
@@ -152,9 +148,7 @@ def _graticule(panel: Axes, disc: Disc) -> None:
         x, y = -math.sin(math.radians(heading)), math.cos(math.radians(heading))
         turn = 90 * round(-x) if abs(x) > 0.5 else 0
         panel.text(1.07 * x, 1.07 * y, name, rotation=turn, fontsize=7, **CENTRED)
-    if high > 90.0 or low > 0.0 or high == 90.0:
+    if high >= 90.0 or low > 0.0:
         panel.set_title(f"tilt {low:g} to {high:g} deg", loc="center", pad=2)
-    panel.set_aspect("equal")
-    panel.set_xlim(-1.14, 1.14)
-    panel.set_ylim(-1.14, 1.14)
+    panel.set(aspect="equal", xlim=(-1.14, 1.14), ylim=(-1.14, 1.14))
     panel.set_axis_off()

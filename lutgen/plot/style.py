@@ -5,8 +5,9 @@ stay untouched.  It knows nothing of robots.
 """
 
 import functools
+import io
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, ParamSpec
@@ -17,6 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from lutgen.errors import InputError
+from lutgen.files import write_bytes
 
 P = ParamSpec("P")
 
@@ -94,27 +96,26 @@ def in_house_style(paint: Callable[P, Figure]) -> Callable[P, Figure]:
     return painted
 
 
+def known_suffix(path: str | os.PathLike[str], kind: str, known: Iterable[str]) -> str:
+    """Return what a name ends in, in small letters; refuse what is not known."""
+    suffix = Path(path).suffix.lower()
+    *most, last = known
+    if suffix not in (*most, last):
+        raise InputError(
+            f"{path}: unknown kind of {kind} (got {suffix or 'no suffix'!r}); "
+            f"end the name in {', '.join(most)} or {last}."
+        )
+    return suffix
+
+
 def save(figure: Figure, path: str | os.PathLike[str], dpi: int = RESOLUTION) -> None:
     """Write a figure as PNG, SVG or PDF, whichever the path ends in.
 
     The same figure gives the same bytes; the file appears under its name only when it is whole.
     """
     target = Path(path)
-    suffix = target.suffix.lower()
-    if suffix not in METADATA:
-        raise InputError(
-            f"{target}: unknown kind of picture (got {suffix or 'no suffix'!r}); "
-            "end the name in .png, .svg or .pdf."
-        )
-    partial = target.with_name(f".{target.stem}.{os.getpid()}{suffix}")
-    try:
-        with house_style():
-            figure.savefig(partial, dpi=dpi, format=suffix[1:], metadata=METADATA[suffix])
-        partial.replace(target)
-    except OSError as error:
-        raise InputError(
-            f"{target}: the picture cannot be written (got {error.strerror or error}); "
-            "choose a folder that exists and is writable."
-        ) from error
-    finally:
-        partial.unlink(missing_ok=True)
+    suffix = known_suffix(target, "picture", METADATA)
+    picture = io.BytesIO()
+    with house_style():
+        figure.savefig(picture, dpi=dpi, format=suffix[1:], metadata=METADATA[suffix])
+    write_bytes(target, picture.getvalue(), failed="the picture cannot be written")

@@ -82,14 +82,14 @@ class View:
         values = evaluate_each(self.recipe, rows, self._in_bodies(rows, down), channels)
         return {name: value.ravel() for name, value in values.items()}
 
-    def grip(self, postures: ArrayLike, directions: ArrayLike) -> Floats | None:
+    def grip(self, postures: ArrayLike, directions: ArrayLike) -> Floats:
         """Return atan mu less the slope of the ground (rad), (m,): negative where the robot slides.
 
-        Postures and directions as for `exact`; None without friction, or without the robot itself.
+        Postures and directions as for `exact`; NaN without friction, or without the robot itself.
         """
-        if self.recipe.friction is None or is_sealed(self.recipe):
-            return None
         rows, down = np.atleast_2d(postures), np.atleast_2d(directions)
+        if self.recipe.friction is None or is_sealed(self.recipe):
+            return np.full(len(rows) * len(down), np.nan)
         slope = slopes(self.recipe, rows, self._in_bodies(rows, down))
         # Without a support facet nothing holds the robot.
         return math.atan(self.recipe.friction) - np.nan_to_num(slope.ravel(), nan=math.pi)
@@ -151,13 +151,8 @@ def is_sealed(recipe: Recipe) -> bool:
 
 def optimum(channel: str, values: Floats) -> int | None:
     """Return the flat index of the best finite value of a channel; None if there is none."""
-    flat = np.asarray(values).ravel()
-    known = np.isfinite(flat)
-    if not known.any():
-        return None
-    if QUANTITIES[channel].better == "minimum":
-        return int(np.argmin(np.where(known, flat, np.inf)))
-    return int(np.argmax(np.where(known, flat, -np.inf)))
+    cost = QUANTITIES[channel].sign * np.where(np.isfinite(values), values, np.nan)
+    return None if np.isnan(cost).all() else int(np.nanargmin(cost))
 
 
 def limits(recipe: Recipe, stability_map: StabilityMap | None, column: int) -> tuple[float, float]:
