@@ -11,6 +11,7 @@ from lutgen.paper.published import CONTROLLED, UNCONTROLLED
 from lutgen.paper.results import Results
 from lutgen.paper.rough import HEADINGS
 from lutgen.paper.tables import CONVENTION_ORDER as ORDER
+from lutgen.paper.tables import curve_rows
 
 # P and F are how the two readings are often told apart.
 LETTERS = {"plane": "P", "body": "F"}
@@ -37,11 +38,8 @@ def page_tables(results: Results) -> dict[str, Table]:
 
 def curve(results: Results) -> Table:
     """Return |SD_g| and |OC| over alpha."""
-    first = results.first
-    columns = [values[name] for name in ORDER for values in (first.sdg, first.height)]
     head = [(f"${q}$, {LETTERS[n]}", ".5f") for n in ORDER for q in ("|SD_g|", "|OC|")]
-    rows = np.column_stack([first.alpha, *columns])[::CURVE_EVERY].tolist()
-    return Table([("$alpha$ (°)", ".0f"), *head], rows)
+    return Table([("$alpha$ (°)", ".0f"), *head], curve_rows(results.first)[::CURVE_EVERY])
 
 
 def methods(results: Results) -> Table:

@@ -6,7 +6,6 @@ own exact functions.  Contacts are relative to the com, body frame, any one unit
 
 import numpy as np
 
-from lutgen.bracket import halve
 from lutgen.channels import stability
 from lutgen.paper import printed
 from lutgen.paper.nominal import Array
@@ -15,8 +14,6 @@ from lutgen.support import area_centroid, convex_polygon
 # Weights of a fourth contact on the three wheels: behind the edge from wheel 2 to wheel 3, in
 # their plane.  The contacts in the order 1, 2, 3, 4 then make a polygon that crosses itself.
 FOURTH = np.array([-0.8, 1.1, 0.7])
-# Until neighbouring numbers are told apart.
-HALVINGS = 60
 
 
 def four_contacts(wheels: Array) -> Array:
@@ -69,15 +66,17 @@ def stability_factor(contacts: Array, gravity: Array) -> float:
 
 def factor_at_tipping(wheels: Array, heading: float) -> float:
     """Return |SD_g| where gravity, tilted more and more to `heading` (rad), tips the robot."""
-
-    def factors(tilt: Array) -> Array:
-        level = np.sin(tilt)
-        down = [level * np.cos(heading), level * np.sin(heading), -np.cos(tilt)]
-        return np.asarray(stability(wheels[None], np.column_stack(down), ("sdg",))["sdg"][0])
-
-    level, wall = np.zeros(1), np.full(1, np.pi / 2)
-    stands, _ = halve(lambda tilt: np.isnan(factors(tilt)), level, wall, HALVINGS)
-    return float(factors(stands)[0])
+    stands, tips = 0.0, np.pi / 2
+    last = np.nan
+    for _ in range(60):
+        tilt = (stands + tips) / 2.0
+        level = np.sin(tilt) * np.array([np.cos(heading), np.sin(heading)])
+        factor = stability_factor(wheels, np.append(level, -np.cos(tilt)))
+        if np.isnan(factor):
+            tips = tilt
+        else:
+            stands, last = tilt, factor
+    return float(last)
 
 
 def edge_distance(triangle: Array, point: Array) -> float:

@@ -8,8 +8,6 @@ import numpy as np
 from lutgen.bracket import halve
 from lutgen.search.minimise import Cost, Floats
 
-__all__ = ["acceptable_range", "half_widths"]
-
 # Steps of the walk across the bounds; a violation narrower than one step may be stepped over.
 STEPS = 256
 # Halvings of the last step: the end of the range is then known to 1e-13 of the bounds.

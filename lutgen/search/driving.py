@@ -18,11 +18,7 @@ from lutgen.errors import InputError
 from lutgen.recipe import Recipe
 from lutgen.search.objective import Objective
 from lutgen.search.optima import optimum
-from lutgen.search.terrain import Path, turned
-
-__all__ = ["DRIVE_CHANNELS", "Drive", "drive"]
-
-Floats = NDArray[np.float64]
+from lutgen.search.terrain import Floats, Path, turned
 
 DRIVE_CHANNELS = ("sdg", "height", "tip_angle", "margin")
 # No value is within this limit, so that a search does not look for acceptable ranges.

@@ -12,8 +12,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Cost", "Floats", "Step", "multistart", "nelder_mead", "refine", "smallest_node"]
-
 Floats = NDArray[np.float64]
 # Takes (m, k) points and returns (m,) costs.
 Cost = Callable[[Floats], Floats]

@@ -17,8 +17,6 @@ from lutgen.errors import InputError
 from lutgen.quantities import QUANTITIES, RANKED, UNLOADED
 from lutgen.recipe import Recipe
 
-__all__ = ["Objective", "parse_objective"]
-
 # Added to the cost of a geometry that tips.  Larger than any length in a recipe's unit; the angle
 # by which the robot tips still counts to 1e-6 rad beside it.
 TIPS = 1e9

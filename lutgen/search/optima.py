@@ -13,13 +13,10 @@ from numpy.typing import ArrayLike, NDArray
 from lutgen.errors import InputError
 from lutgen.grid import Grid
 from lutgen.recipe import Recipe
+from lutgen.search import minimise
 from lutgen.search.acceptable import acceptable_range, half_widths
-from lutgen.search.minimise import LEVELS, Step, multistart, nelder_mead, refine, smallest_node
+from lutgen.search.minimise import LEVELS, Floats, Step
 from lutgen.search.objective import AT_ONCE, TIPS, Objective
-
-__all__ = ["METHODS", "Optimum", "optimum"]
-
-Floats = NDArray[np.float64]
 
 METHODS = ("map", "nelder-mead", "search", "multistart")
 ENDS = ("left", "right")
@@ -150,13 +147,13 @@ def optimum(
         return goal.cost(space.params(points))
 
     if method == "map":
-        steps = smallest_node(cost, _nodes(recipe, space))
+        steps = minimise.smallest_node(cost, _nodes(recipe, space))
     elif method == "search":
-        steps = refine(cost, space.box, levels, ends)
+        steps = minimise.refine(cost, space.box, levels, ends)
     elif method == "nelder-mead":
-        steps = nelder_mead(cost, space.box, begin)
+        steps = minimise.nelder_mead(cost, space.box, begin)
     else:
-        steps = multistart(cost, space.box, begin, seed)
+        steps = minimise.multistart(cost, space.box, begin, seed)
     evaluations = goal.evaluations
     best = min(steps, key=lambda step: step.value)
     # Costs of standing geometries lie below TIPS.

@@ -15,8 +15,6 @@ from numpy.typing import ArrayLike, NDArray
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 
-__all__ = ["ATTITUDES", "LARGEST", "SPAN", "Path", "along", "paper_path", "repeated", "turned"]
-
 Floats = NDArray[np.float64]
 
 ATTITUDES = ("pitch", "surface")

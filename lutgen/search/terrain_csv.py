@@ -10,14 +10,9 @@ from io import StringIO
 from pathlib import Path as File
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lutgen.errors import InputError
-from lutgen.search.terrain import LARGEST, Path, along, repeated
-
-__all__ = ["COLUMNS", "read_path"]
-
-Floats = NDArray[np.float64]
+from lutgen.search.terrain import LARGEST, Floats, Path, along, repeated
 
 COLUMNS = ("x", "y", "z", "heading", "nx", "ny", "nz")
 
