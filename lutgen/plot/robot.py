@@ -19,7 +19,6 @@ from lutgen.plot.labels import angle_text, title, unit_label, with_unit
 from lutgen.plot.marks import write_beside
 from lutgen.plot.style import BLUE, GREEN, GREY, ORANGE, PURPLE, new_figure
 from lutgen.plot.view import View
-from lutgen.support import DISC, SPHERE
 
 Floats = NDArray[np.float64]
 
@@ -81,9 +80,9 @@ def circle(centre: Floats, normal: Floats, radius: float) -> Floats:
 
 def rims(state: Diagnosis, index: int) -> list[Floats]:
     """Return the circles that show a contact, (49, 3) each: of a wheel one, of a ball three."""
-    normals = {DISC: [state.disc_axes[index]], SPHERE: list(np.eye(3))}
+    normals = {"disc": [state.disc_axes[index]], "sphere": list(np.eye(3)), "point": []}
     centre, radius = state.centres[index], float(state.radius[index])
-    return [circle(centre, normal, radius) for normal in normals.get(int(state.kind[index]), [])]
+    return [circle(centre, normal, radius) for normal in normals[KINDS[state.kind[index]]]]
 
 
 def _body(axes: Any, state: Diagnosis) -> list[Artist]:
@@ -93,7 +92,7 @@ def _body(axes: Any, state: Diagnosis) -> list[Artist]:
         found = rims(state, i)
         if not found:
             axes.plot(*centre[:, None], "o", color=GREY, markersize=3.5, zorder=6)
-        elif state.kind[i] == DISC:
+        elif KINDS[state.kind[i]] == "disc":
             wheel = Poly3DCollection(found, facecolor=(0.3, 0.3, 0.3, 0.12), edgecolor="none")
             axes.add_collection3d(wheel)
             axes.plot(*found[0].T, color=GREY, linewidth=0.8, zorder=3)
@@ -102,7 +101,7 @@ def _body(axes: Any, state: Diagnosis) -> list[Artist]:
     # Small beside the ball in which it may lie.
     dot = 2.0 if state.com_uncertainty > 0.0 else 4.5
     com = _mark(axes, np.zeros(3), "o", "black", dot, label="centre of mass")
-    kinds = sorted({f"{KINDS[int(kind)]}s" for kind in state.kind})
+    kinds = sorted({f"{KINDS[kind]}s" for kind in state.kind})
     hollow = GREY if kinds == ["points"] else "none"
     look: dict[str, Any] = {"color": GREY, "markersize": 4.5, "markerfacecolor": hollow}
     words = f"contacts ({', '.join(kinds)})"
