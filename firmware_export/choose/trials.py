@@ -79,19 +79,7 @@ class Candidate:
 
 
 class Trials:
-    """Encodes and measures candidates, each once.
-
-    Parameters
-    ----------
-    model : Model
-        The robot.
-    name : str
-        Of the export.
-    channels : tuple of str
-        What it shall hold.
-    arithmetic : str
-        ``"float"`` or ``"integer"``.
-    """
+    """Encodes and measures candidates, each once; what it is made of is told in `Export`."""
 
     def __init__(self, model: Model, name: str, channels: tuple[str, ...], arithmetic: str) -> None:
         self.model, self.name = model, name

@@ -62,20 +62,14 @@ def _descriptor_bytes(export: Export, body: CBody) -> int | None:
     """Return the bytes of the structs on the target, None where a size was not measured."""
     counts = [("smap_t", 1), (body.ctype, 1), ("smap_axis_t", export.model.k)]
     counts += [(array.ctype, len(array.values)) for array in body.arrays if not array.plain]
-    total = 0
-    for ctype, count in counts:
-        size = struct_bytes(ctype)
-        if size is None:
-            return None
-        total += count * size
-    return total
+    sizes = [struct_bytes(ctype) for ctype, _ in counts]
+    known = [count * size for (_, count), size in zip(counts, sizes, strict=True) if size]
+    return sum(known) if len(known) == len(sizes) else None
 
 
 def flash_bytes(export: Export, body: CBody) -> dict[str, Any]:
     """Return the bytes of an export: tables, descriptors, code, total (None: not measured)."""
-    structs, tables, code = _descriptor_bytes(export, body), int(export.tables.bytes), None
-    if export.code_bytes is not None:
-        code = int(export.code_bytes)
+    structs, tables, code = _descriptor_bytes(export, body), body.bytes, export.code_bytes
     return {
         "tables": tables,
         "descriptors": structs,

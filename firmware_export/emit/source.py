@@ -36,7 +36,12 @@ def source_text(export: Export, body: CBody) -> str:
     ]
     content = described(export, body)
     absent = frozenset(array.name for array in content.arrays if not len(array.values))
-    parts += [_table(array, name, absent) for array in content.arrays if array.name not in absent]
+    head = "static const SMAP_FLASH"
+    parts += [
+        _chunks(array, name, head) if array.chunk else table(array, name, head, absent)
+        for array in content.arrays
+        if array.name not in absent
+    ]
     parts += _structs(content, name, absent)
     return "\n\n".join([*parts, "#endif"]) + "\n"
 
@@ -44,42 +49,32 @@ def source_text(export: Export, body: CBody) -> str:
 def _checks(export: Export, body: CBody) -> str:
     """Return the lines that refuse a runtime of another version or without what is needed."""
     version = runtime_version()
-    lines = [
-        f"#if SMAP_VERSION != {version}",
-        f'#error "{export.name} needs smap.h of version {version}: use the one exported with it"',
-        "#endif",
+    needs = [
+        (
+            f"SMAP_VERSION != {version}",
+            f"smap.h of version {version}: use the one exported with it",
+        ),
+        (
+            f"!SMAP_SHARED && !defined(SMAP_BUILT_FOR_{export.name})",
+            "SMAP_SHARED 1: the runtime is built for another map",
+        ),
     ]
-    lines += [
-        f"#if !SMAP_SHARED && !defined(SMAP_BUILT_FOR_{export.name})",
-        f'#error "{export.name} needs SMAP_SHARED 1: the runtime is built for another map"',
-        "#endif",
-    ]
-    needed = settings(export, body)
     # Of these switches 0 is the general case.
     general = {name for name, value, _ in entries() if value == "0"}
-    for macro, value in needed.items():
+    for macro, value in settings(export, body).items():
         if macro.startswith("SMAP_MAX_"):
-            lines.append(f"#if {macro} < {value}")
-        elif value and macro in general:
-            lines.append(f"#if {macro} != 0 && {macro} != {value}")
-        elif value:
-            lines.append(f"#if !{macro}")
+            wanting = f"{macro} < {value}"
         else:
-            continue
-        lines.append(f'#error "{export.name} needs {macro} {value}: see smap_config.h"')
-        lines.append("#endif")
+            wanting = f"{macro} != 0 && {macro} != {value}" if macro in general else f"!{macro}"
+        if value:
+            needs.append((wanting, f"{macro} {value}: see smap_config.h"))
     if body.chunked:
         # avr-gcc makes no object of more than 32767 bytes.
-        lines.append("#if defined(__AVR__) && !SMAP_GRID_CHUNKS")
-        lines.append(f'#error "{export.name} needs SMAP_GRID_CHUNKS 1: see smap_config.h"')
-        lines.append("#endif")
-    return "\n".join(lines)
-
-
-def _table(array: CArray, name: str, absent: frozenset[str]) -> str:
-    """Return the definition of a table."""
-    head = "static const SMAP_FLASH"
-    return _chunks(array, name, head) if array.chunk else table(array, name, head, absent)
+        wanting = "defined(__AVR__) && !SMAP_GRID_CHUNKS"
+        needs.append((wanting, "SMAP_GRID_CHUNKS 1: see smap_config.h"))
+    return "\n".join(
+        f'#if {wanting}\n#error "{export.name} needs {need}"\n#endif' for wanting, need in needs
+    )
 
 
 def _chunks(array: CArray, name: str, head: str) -> str:

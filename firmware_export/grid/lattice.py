@@ -142,16 +142,8 @@ def _interpolate(
 class Spots:
     """Where points lie in a lattice, in a sixth of the memory that all their corners take.
 
-    Parameters
-    ----------
-    first : (m,) int32
-        The lowest node of a point's cell.
-    frac : (m, d) float32
-        Where in the cell it lies, 0 to 1 along each axis.
-    offset : (2^d,) int64
-        From there to the other corners.
-    nodes : int
-        Of the lattice, all faces.
+    `first` (m,) is the lowest node of a point's cell, `frac` (m, d) where in the cell it lies, 0 to
+    1 along each axis, `offset` (2^d,) leads to the other corners; `nodes` are those of all faces.
     """
 
     def __init__(
@@ -194,20 +186,11 @@ class Spots:
 class Lattice:
     """Knots of a table, its nodes and what the exact kernels say there.
 
-    Parameters
-    ----------
-    model : Model
-    coordinates : tuple of int
-        Per axis, outermost first.
-    knots : tuple of (n,) uint16
-        Per axis.
+    `coordinates` and `knots` (n,) are those of its axes, the outermost first; see `Part`.
     """
 
     def __init__(
-        self,
-        model: Model,
-        coordinates: tuple[int, ...],
-        knots: tuple[NDArray[np.uint16], ...],
+        self, model: Model, coordinates: tuple[int, ...], knots: tuple[NDArray[np.uint16], ...]
     ) -> None:
         self.model, self.coordinates, self.knots = model, coordinates, knots
         self.shape = tuple(len(k) for k in knots)

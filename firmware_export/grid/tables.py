@@ -138,16 +138,6 @@ class Tables(AnyTables):
         return half
 
     @property
-    def limit_q(self) -> int:
-        """The chart's limit for the integer path; rounded up, so that the rim is held."""
-        return math.ceil(self.chart_limit * 8192.0 * 32768.0 / 32767.0)
-
-    @property
-    def guard_q(self) -> int:
-        """The guard for the integer path, in 1/32767, rounded up."""
-        return math.ceil(self.guard * 32767.0)
-
-    @property
     def steps(self) -> tuple[tuple[str, float], ...]:
         """Value of one unit of `smap_reading_i_t` for each length that is held."""
         steps = {
@@ -226,7 +216,8 @@ def c_body(tables: Tables) -> CBody:
         ("parts", "@parts"),
         ("knots", "@knots"),
         ("half", f"{float(tables.half)!r}f"),
-        ("limit", f"{tables.limit_q}u"),
-        ("guard", f"{tables.guard_q}u"),
+        # Both rounded up: so the rim is held, and the guard is not less than it must be.
+        ("limit", f"{math.ceil(tables.chart_limit * 8192.0 * 32768.0 / 32767.0)}u"),
+        ("guard", f"{math.ceil(tables.guard * 32767.0)}u"),
     )
     return CBody("smap_grid_t", fields, tuple(arrays), steps=tables.steps)

@@ -14,19 +14,9 @@ from lutgen.errors import ExportError
 
 
 class Memory:
-    """A map in memory; it stays where it is as long as this object lives.
+    """The map of a descriptor in memory; it stays where it is as long as this object lives.
 
-    Parameters
-    ----------
-    descriptor : Descriptor
-        Of the map.
-
-    Attributes
-    ----------
-    address : int
-        Of its ``struct smap``.
-    params : int
-        Its parameters.
+    `address` is that of its ``struct smap``, `params` the number of its parameters.
     """
 
     def __init__(self, descriptor: Descriptor) -> None:

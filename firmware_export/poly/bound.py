@@ -39,12 +39,7 @@ HALF_UNIT = 2.0**-24
 def carries_everywhere(series: Sequence[Floats], least: float) -> bool:
     """Tell whether the com is above the contacts' plane and the facet accepted in all postures.
 
-    Parameters
-    ----------
-    series : three series
-        Of `series.expand`.
-    least : float
-        A facet is accepted if -n_z is greater than this.
+    `series` are the three of `series.expand`; a facet is accepted if -n_z is greater than `least`.
     """
     sizes = [greatest(one) for one in series]
     slopes = [steepest(one) for one in series]

@@ -101,13 +101,9 @@ def arcs(
 ) -> tuple[Floats, Floats, Bools]:
     """Pair directions of each posture: one that stands with one that tips.
 
-    Returns
-    -------
-    inside, outside : (m, d, 3) float64
-        Ends of arcs, as many as there are directions; each direction is one of them, if the
-        posture has any of the other verdict.
-    found : (m, d) bool
-        Whether directions of both kinds were found on the chart.
+    Returns the ends (m, d, 3) of as many arcs as there are directions, each of which is one of
+    them if the posture has any of the other verdict, the standing ones first; and whether (m, d)
+    directions of both kinds were found on the chart.
     """
     pool = _wider(model, rng, params, gravity)
     stands = model.exact(params, pool).tip_angle >= 0.0
