@@ -7,8 +7,7 @@ stay untouched.  It knows nothing of robots.
 import functools
 import io
 import os
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, ParamSpec
 
@@ -66,11 +65,8 @@ METADATA: dict[str, dict[str, Any]] = {
 }
 
 
-@contextmanager
-def house_style() -> Iterator[None]:
-    """Apply the settings inside a with block, whatever the user's own are."""
-    with matplotlib.style.context(["default", SETTINGS]):
-        yield
+# Applies the settings inside a with block, whatever the user's own are.
+house_style = functools.partial(matplotlib.style.context, ["default", SETTINGS])
 
 
 def new_figure(size: tuple[float, float]) -> Figure:
