@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 # The curves of the figure have this many headings or more.
 FIGURE = 72
+FIRST = {None: "-", True: "slides first", False: "tips first"}
 
 
 @dataclass(frozen=True)
@@ -152,12 +153,6 @@ def _angle(angle: float) -> str:
     return "never" if angle >= 180.0 else f"{angle:.2f} deg"
 
 
-def _event(row: dict[str, Any]) -> Iterator[str]:
-    """Return what happens at a limit: over which axis, and whether it has slid before."""
-    yield " - ".join(row["contacts"]) or "-"
-    yield {None: "-", True: "slides first", False: "tips first"}[row["slides_first"]]
-
-
 def limits_lines(report: dict[str, Any]) -> Iterator[str]:
     """Return the report as text."""
     tilted = {"plane": "ground", "body": "body"}[report["convention"]]
@@ -168,7 +163,8 @@ def limits_lines(report: dict[str, Any]) -> Iterator[str]:
     rows = [["heading", "", "tilt", "turns over", "friction"]]
     for row in report["limits"]:
         heading = cell(row["heading_deg"], ".1f", " deg")
-        rows.append([row["name"], heading, _angle(row["tilt_deg"]), *_event(row)])
+        axis, first = " - ".join(row["contacts"]) or "-", FIRST[row["slides_first"]]
+        rows.append([row["name"], heading, _angle(row["tilt_deg"]), axis, first])
     yield from aligned([row if rubs else row[:-1] for row in rows])
     if report["guaranteed_tilt_deg"] <= 0.0:
         yield "it tips over on level ground"

@@ -12,8 +12,7 @@ from lutgen.cli.table import aligned, cell, channel_entries, number, show, unit_
 from lutgen.errors import InputError
 
 if TYPE_CHECKING:
-    from lutgen.analysis import Metrics
-    from lutgen.recipe import Recipe
+    from lutgen.analysis import Metrics, Posture
 
 MOST = 3600
 
@@ -43,6 +42,7 @@ def metrics(recipe: str, asked: Asked) -> None:
     \b
     $ lutgen metrics maps/paper_two.toml -p alpha=31 -p gamma=31 --tilt 20
     """
+    from lutgen.analysis import Posture
     from lutgen.recipe import load_recipe
 
     if not 0.0 <= asked.tilt <= 180.0:
@@ -50,25 +50,22 @@ def metrics(recipe: str, asked: Asked) -> None:
             f"--tilt must lie between 0 and 180 deg (got {asked.tilt:g}); 20 is the default"
         )
     robot = load_recipe(recipe, allow_python=asked.allow_python)
-    values = parameter_values(robot, asked.assignments)
-    report = metrics_report(robot, values, asked.tilt, asked.headings)
+    posture = Posture(robot, parameter_values(robot, asked.assignments))
+    report = metrics_report(posture, asked.tilt, asked.headings)
     show(report, metrics_lines(report), asked.as_json)
 
 
-def metrics_report(
-    recipe: "Recipe", values: list[float], tilt: float, headings: int
-) -> dict[str, Any]:
+def metrics_report(posture: "Posture", tilt: float, headings: int) -> dict[str, Any]:
     """Return what `--json` prints; null where there is no value."""
     import numpy as np
 
-    from lutgen.analysis import Posture, compare_metrics, tilted
+    from lutgen.analysis import compare_metrics, tilted
 
     around = np.arange(headings) * (360.0 / headings)
-    directions = tilted(math.radians(tilt), np.radians(around))
-    found = compare_metrics(Posture(recipe, values), directions)
+    found = compare_metrics(posture, tilted(math.radians(tilt), np.radians(around)))
     return {
-        "robot": recipe.name,
-        "length_unit": recipe.length_unit,
+        "robot": posture.recipe.name,
+        "length_unit": posture.recipe.length_unit,
         "tilt_deg": tilt,
         "level": channel_entries(found.level),
         "headings": [_at(found, i, float(heading)) for i, heading in enumerate(around)],

@@ -31,11 +31,10 @@ class Asked(RecipeOptions):
         help=(
             "map: best node of the recipe's sweep; search: the paper's refined mesh; nelder-"
             "mead: one simplex; multistart: many, for objectives with several minima."
-        ),
+        )
     )
     objective: str = option(
-        default="sdg",
-        help=f"{', '.join(RANKED)}, or a sum such as sdg+0.1*height.",
+        default="sdg", help=f"{', '.join(RANKED)}, or a sum such as sdg+0.1*height."
     )
     convention: str = options.convention()
     assignments: tuple[tuple[str, float], ...] = options.parameters(

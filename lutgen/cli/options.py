@@ -127,11 +127,8 @@ parameters = functools.partial(
     multiple=True,
     help="A geometry parameter, in the unit that the recipe gives it; repeat for each.",
 )
-method = functools.partial(
-    option,
-    type=click.Choice(["map", "nelder-mead", "search", "multistart"]),
-    default="search",
-)
+METHODS = ("map", "nelder-mead", "search", "multistart")
+method = functools.partial(option, type=click.Choice(METHODS), default="search")
 output = functools.partial(option, "-o", type=click.Path())
 tilt = functools.partial(
     option, default=20.0, help="Of the ground in deg, for the metrics over all headings."
