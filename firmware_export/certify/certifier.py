@@ -95,9 +95,10 @@ class Certificate:
     def as_dict(self) -> dict[str, Any]:
         """Return what the header and the report print; plain numbers and texts."""
         names = {"nearest": "nearest_false_safe_rad"}
-        return {
+        content = {
             names.get(name, name): value for name, value in vars(self).items() if name != "witness"
         }
+        return content | {"text": list(self.text)}
 
     @property
     def bounded(self) -> tuple[str, ...]:

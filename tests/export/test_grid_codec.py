@@ -271,7 +271,7 @@ def test_points_of_the_training_interpolate_as_the_table_does(model: Model) -> N
         spots.spread(importance, node), spots.spread(importance * spots.at(node)), atol=1e-10
     )
     squares = np.bincount(index.ravel(), (weight**2 * importance[:, None]).ravel(), 840)
-    np.testing.assert_allclose(spots.spread(importance, 2), squares, atol=1e-5)
+    np.testing.assert_allclose(spots.spread(importance, power=2), squares, atol=1e-5)
 
 
 def test_a_node_below_the_ground_does_not_shift_the_heights_without_floats(
