@@ -70,7 +70,7 @@ class Drawing(NamedTuple):
     room: NDArray[np.float64]
 
 
-@njit()
+@njit(inline=True)
 def _edge_lines(region: Region, rows: Rows, k: int, lines: Floats) -> int:
     """Fill a row of `lines` for every edge of facet k on one face; return their number.
 
@@ -134,7 +134,7 @@ def _interval(lines: Floats, count: int, coords: Floats, nodes: int, v: float) -
     return int(min(begin, nodes)), int(max(end, 0.0))
 
 
-@njit()
+@njit(inline=True)
 def _rows_of_facet(region: Region, rows: Rows, k: int) -> tuple[float, float]:
     """Return the span of v that facet k can have on a face, empty (1, 0) if it has none."""
     first, edge = region.span, region.edge
@@ -235,7 +235,7 @@ def _all_intervals(
             doubt[r] = min(doubt[r], abs(place - nearest)) if slope != 0.0 else 0.0
 
 
-@njit()
+@njit(inline=True)
 def draw_facets(region: Region, rows: Rows, drawing: Drawing) -> bool:
     """Draw all facets onto rows of one face; tell whether there were any."""
     squared, rate, span, lines = drawing.squared, drawing.rate, drawing.span, drawing.lines

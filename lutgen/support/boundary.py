@@ -153,36 +153,48 @@ def _surrounded(
 
 @njit(inline=True)
 def _add_segment(
-    region: Region, start: Vector, stop: Vector, inward: Vector, i: int, j: int
+    tally: Ints,
+    segment: Floats,
+    contacts: Ints,
+    start: Vector,
+    stop: Vector,
+    inward: Vector,
+    i: int,
+    j: int,
 ) -> None:
     """Append a boundary segment; the direction `inward` is on the inner side of its plane."""
     normal = cross(start, stop)
     size = length(normal)
     if size > 0.0:
-        b = region.tally[SEGMENTS]
+        b = tally[SEGMENTS]
         if dot(normal, inward) < 0.0:
             start, stop = stop, start
             size = -size
-        _put(region.segment, b, START, start)
-        _put(region.segment, b, STOP, stop)
-        _put(region.segment, b, TIP_PLANE, scale(normal, 1.0 / size))
-        region.contacts[b, 0] = i
-        region.contacts[b, 1] = j
-        region.tally[SEGMENTS] = b + 1
+        _put(segment, b, START, start)
+        _put(segment, b, STOP, stop)
+        _put(segment, b, TIP_PLANE, scale(normal, 1.0 / size))
+        contacts[b, 0] = i
+        contacts[b, 1] = j
+        tally[SEGMENTS] = b + 1
 
 
 @njit()
 def _enter_gap(
-    table: FacetTable,
-    region: Region,
+    facet: Floats,
+    span: Ints,
+    corner: Floats,
+    link: Ints,
     f: int,
     at: int,
     e: int,
+    tally: Ints,
+    edge: Floats,
+    segment: Floats,
+    contacts: Ints,
     accept: Acceptance,
     tolerance: float,
 ) -> None:
     """Enter the two sides of the gap beyond edge `e`, where they are boundary."""
-    facet, span, corner, link = table.facet, table.span, table.corner, table.link
     following = _after(span, f, at)
     other = link[at, NEIGHBOUR]
     back = matching_corner(span, link, f, at, other)
@@ -199,8 +211,8 @@ def _enter_gap(
             # Each gap is entered from both its facets; its sides are boundary once.
             if f < other:
                 i = link[at if end == 0 else following, VERTEX]
-                _add_segment(region, near, far, opposite, i, i)
-        _put(region.edge, e, SIDE_FROM if end == 0 else SIDE_TO, side)
+                _add_segment(tally, segment, contacts, near, far, opposite, i, i)
+        _put(edge, e, SIDE_FROM if end == 0 else SIDE_TO, side)
 
 
 @njit()
@@ -216,7 +228,7 @@ def _is_convex(segment: Floats, segments: int, edge: Floats, edges: int) -> bool
     return True
 
 
-@njit()
+@njit(inline=True)
 def find_region(region: Region, table: FacetTable, acceptance: Acceptance, size: float) -> None:
     """Fill `region` from the facets of one posture.
 
@@ -233,6 +245,7 @@ def find_region(region: Region, table: FacetTable, acceptance: Acceptance, size:
     """
     facet, span, corner, link = table.facet, table.span, table.corner, table.link
     tally, first, edge, about = region.tally, region.span, region.edge, region.link
+    segment, contacts = region.segment, region.contacts
     tolerance = RELATIVE_TOLERANCE * size
     accept = Acceptance(
         acceptance.steepest,
@@ -269,16 +282,19 @@ def find_region(region: Region, table: FacetTable, acceptance: Acceptance, size:
                 elif not boundary:
                     about[e, EDGE_KIND] = GAP
                     tally[GAPS] += 1
-                    _enter_gap(table, region, f, at, e, accept, tolerance)
+                    _enter_gap(
+                        *(facet, span, corner, link, f, at, e),
+                        *(tally, edge, segment, contacts, accept, tolerance),
+                    )
             if boundary:
                 i, j = link[at, VERTEX], link[following, VERTEX]
-                _add_segment(region, p, q, edge_plane, i, j)
+                _add_segment(tally, segment, contacts, p, q, edge_plane, i, j)
             e += 1
         first[k + 1, FIRST] = e
-    tally[CONVEX] = 1 if _is_convex(region.segment, tally[SEGMENTS], edge, e) else 0
+    tally[CONVEX] = 1 if _is_convex(segment, tally[SEGMENTS], edge, e) else 0
 
 
-@njit()
+@njit(inline=True)
 def stand(table: FacetTable, region: Region, primitives: Floats, acceptance: Acceptance) -> int:
     """Find the facets and the standing region of one posture.
 

@@ -169,7 +169,11 @@ def _try_triples(
                 below, mask = lowest_beyond(primitives, solved, height, RELATIVE_TOLERANCE * size)
                 if (
                     below < 0
-                    and add_facet(table, owner, primitives, solved, height, mask, size) >= 0
+                    and add_facet(
+                        *(count, facet, span, table.corner, table.link, owner, primitives),
+                        *(solved, height, mask, size),
+                    )
+                    >= 0
                 ):
                     nearest = min(nearest, length(subtract(solved, normal)))
     return nearest
@@ -266,7 +270,7 @@ def _join(count: Ints, facet: Floats, span: Ints, corner: Floats, link: Ints) ->
                             link[at, NEIGHBOUR] = other
 
 
-@njit()
+@njit(inline=True)
 def find_facets(table: FacetTable, primitives: NDArray[np.float64], lowest_up: float) -> None:
     """Fill `table` with the support facets of one posture, see the two searches."""
     for i in range(primitives.shape[0]):
