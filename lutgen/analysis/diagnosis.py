@@ -41,9 +41,8 @@ from lutgen.support import (
     supporting_facet,
     vector_at,
 )
-from lutgen.vector import Vector, dot
+from lutgen.vector import Floats, Vector, dot
 
-Vector3 = NDArray[np.float64]
 # Shares of the weight below this are zero but for rounding.
 ROUNDING = 1e-12
 
@@ -58,8 +57,8 @@ class TipAxis:
 
     contacts: tuple[int, int]
     names: tuple[str, str]
-    start: Vector3
-    stop: Vector3
+    start: Floats
+    stop: Floats
     tip_angle: float
     margin: float
     energy_margin: float
@@ -81,16 +80,16 @@ class Diagnosis:
     the weight, are where and how the recipe's forces act.
     """
 
-    gravity_dir: Vector3
-    com: Vector3
-    centres: NDArray[np.float64]
-    disc_axes: NDArray[np.float64]
-    radius: NDArray[np.float64]
+    gravity_dir: Floats
+    com: Floats
+    centres: Floats
+    disc_axes: Floats
+    radius: Floats
     kind: NDArray[np.int64]
     standing: bool
     channels: dict[str, float]
     facet: Facet | None
-    pierced: Vector3
+    pierced: Floats
     tip_over_axes: tuple[TipAxis, ...]
     least_stable: int | None
     normal_forces: dict[str, float]
@@ -98,13 +97,13 @@ class Diagnosis:
     heuristic_forces: dict[str, float]
     slope: float
     slides: bool | None
-    resultant: Vector3
+    resultant: Floats
     com_uncertainty: float
-    force_points: NDArray[np.float64]
-    forces: NDArray[np.float64]
+    force_points: Floats
+    forces: Floats
 
 
-def normal_forces(points: NDArray[np.float64], pierced: Vector3) -> NDArray[np.float64]:
+def normal_forces(points: Floats, pierced: Floats) -> Floats:
     """Return each contact's share of the normal force, (k,), adding up to 1.
 
     Friction has no moment about axes in the contact plane, so force and moment balance about
@@ -125,7 +124,7 @@ def normal_forces(points: NDArray[np.float64], pierced: Vector3) -> NDArray[np.f
     balance = np.vstack([np.ones(len(points)), (arms @ plane.T).T / max(spread[0], 1e-300)])
     wanted = np.zeros(len(balance))
     wanted[0] = 1.0
-    shares: NDArray[np.float64] = np.linalg.lstsq(balance, wanted, rcond=None)[0]
+    shares: Floats = np.linalg.lstsq(balance, wanted, rcond=None)[0]
     # The optimum has the form max(0, balance.T @ multipliers): find which contacts carry.
     carries = np.ones(len(points), np.bool_)
     for _ in range(2 * len(points)):
@@ -142,7 +141,7 @@ def normal_forces(points: NDArray[np.float64], pierced: Vector3) -> NDArray[np.f
     return shares
 
 
-def heuristic_forces(points: NDArray[np.float64], pierced: Vector3) -> NDArray[np.float64]:
+def heuristic_forces(points: Floats, pierced: Floats) -> Floats:
     """Return the shares of the paper's Eq 12 without its leading minus, (k,), adding up to 1.
 
     They do not balance moments: at a tip-over axis they still give the lifting wheel a fifth of
@@ -219,7 +218,7 @@ def diagnose(posture: Posture, gravity_dir: ArrayLike) -> Diagnosis:
     )
 
 
-def _over_weight(recipe: Recipe) -> NDArray[np.float64]:
+def _over_weight(recipe: Recipe) -> Floats:
     """Return the recipe's forces (f, 3) over its weight."""
     weight = sum(link.mass for link in recipe.links) * STANDARD_GRAVITY
     forces = [[part / weight for part in force.force] for force in recipe.forces]

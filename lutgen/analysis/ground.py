@@ -16,8 +16,6 @@ from lutgen.channels import turned
 from lutgen.chart import gravity_from_up, unit_directions
 from lutgen.errors import InputError
 
-__all__ = ["TangentPlane", "gravity_transform", "roll_pitch", "tangent_plane"]
-
 
 def gravity_transform(normal: ArrayLike) -> NDArray[np.float64]:
     """Return T_g of convention P as a matrix: from the contact plane's frame to the body frame.

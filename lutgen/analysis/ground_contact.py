@@ -8,12 +8,13 @@ have two components.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from lutgen.analysis.diagnosis import diagnose
 from lutgen.analysis.stance import Facet, Posture
 from lutgen.errors import InputError
-from lutgen.recipe import Wheel, forward
+from lutgen.parts import Wheel
+from lutgen.recipe import forward
 from lutgen.support import (
     FACE_ANGLE,
     RELATIVE_TOLERANCE,
@@ -21,8 +22,7 @@ from lutgen.support import (
     support_contact,
     support_height,
 )
-
-Floats = NDArray[np.float64]
+from lutgen.vector import Floats
 
 
 @dataclass(frozen=True)

@@ -13,10 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from lutgen.analysis.stance import Posture, Stance
 from lutgen.channels import JUST_OUTSIDE, checked_directions, evaluate
 from lutgen.errors import InputError
-
-__all__ = ["METRICS", "Metrics", "axis_force_angle", "compare_metrics", "force_angle"]
-
-Floats = NDArray[np.float64]
+from lutgen.vector import Floats
 
 METRICS = ("sdg", "tip_angle", "margin", "energy_margin", "force_angle")
 CHANNELS = ("sdg", "tip_angle", "margin", "energy_margin")

@@ -19,8 +19,6 @@ from lutgen.jit import njit
 from lutgen.support import DISC, SPHERE
 from lutgen.vector import Floats
 
-__all__ = ["held_share", "roll_limits", "rolling_gravity", "rolls"]
-
 # Contacts that roll are told apart by their kinds; a braked one counts as none of them.
 BRAKED = -1.0
 # What rolls resists by this share of its load, so that every motion costs something.
@@ -226,7 +224,7 @@ def roll_limits(posture: Posture, headings: ArrayLike) -> Floats:
     return first_tilts(lambda down, _: rolls(posture, down), headings, end, STEP, HALVINGS)
 
 
-def rolling_gravity(posture: Posture, gravity_dir: ArrayLike) -> NDArray[np.float64] | None:
+def rolling_gravity(posture: Posture, gravity_dir: ArrayLike) -> Floats | None:
     """Return the direction of gravity and inertia together while the robot rolls freely.
 
     With massless wheels nothing resists along the common rolling direction t: the robot gains

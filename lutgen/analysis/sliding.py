@@ -44,8 +44,6 @@ from lutgen.support import (
 )
 from lutgen.vector import Floats, cross, dot, length, row
 
-__all__ = ["first_tilts", "needed_friction", "slide_limits", "slides_first", "slopes"]
-
 # Tilts between two looks (rad, 0.1 deg): what passes in less may be stepped over.
 STEP = math.radians(0.1)
 # Halvings of such a step: what begins is then known to 1e-13 rad.
@@ -88,7 +86,7 @@ def _slopes_of_some(
     return overflow
 
 
-def slopes(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> NDArray[np.float64]:
+def slopes(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> Floats:
     """Return the slope of the ground under m postures, each with directions of its own.
 
     Parameters
@@ -175,12 +173,12 @@ def slides_first(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> N
 
 
 def first_tilts(
-    happens: Callable[[NDArray[np.float64], NDArray[np.intp]], NDArray[np.bool_]],
+    happens: Callable[[Floats, NDArray[np.intp]], NDArray[np.bool_]],
     headings: ArrayLike,
     until: ArrayLike = math.pi,
     step: float = STEP,
     halvings: int = HALVINGS,
-) -> NDArray[np.float64]:
+) -> Floats:
     """Return the smallest tilt in each heading at which something happens.
 
     Parameters
@@ -229,7 +227,7 @@ def slide_limits(
     headings: ArrayLike,
     convention: str = "body",
     until: float = math.pi,
-) -> NDArray[np.float64]:
+) -> Floats:
     """Return the tilt in each heading from which on friction does not hold the robot.
 
     Parameters
@@ -252,7 +250,7 @@ def slide_limits(
     recipe, row = posture.recipe, posture.row
     frame = level_frames(recipe, row, convention)[0]
 
-    def slides(directions: NDArray[np.float64], _: NDArray[np.intp]) -> NDArray[np.bool_]:
+    def slides(directions: Floats, _: NDArray[np.intp]) -> NDArray[np.bool_]:
         return slides_first(recipe, row, directions @ frame.T)[0]  # type: ignore[no-any-return]
 
     return first_tilts(slides, headings, until)

@@ -31,10 +31,7 @@ from lutgen.support import (
     pack,
     stand,
 )
-
-__all__ = ["Facet", "Posture", "Stance"]
-
-Floats = NDArray[np.float64]
+from lutgen.vector import Floats
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,10 +18,7 @@ from lutgen.analysis.stance import Posture
 from lutgen.channels import body_gravity, evaluate_each
 from lutgen.errors import InputError
 from lutgen.recipe import Recipe
-
-__all__ = ["level_frames", "level_limits", "tilt_limits", "tilted", "worst_heading"]
-
-Floats = NDArray[np.float64]
+from lutgen.vector import Floats
 
 # A tip-over region crossed in less than this tilt (rad, 0.005 deg) may be stepped over.
 SHORTEST_STEP = math.radians(0.005)
@@ -36,7 +33,7 @@ PIECES, FINEST, MOST = 72, 1e-6, 20_000
 EQUAL = 1e-12
 
 
-def tilted(tilt: ArrayLike, heading: ArrayLike) -> NDArray[np.float64]:
+def tilted(tilt: ArrayLike, heading: ArrayLike) -> Floats:
     """Return gravity directions at a tilt and a heading.
 
     Parameters

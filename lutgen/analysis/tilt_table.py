@@ -15,18 +15,8 @@ from lutgen.analysis.stance import Posture
 from lutgen.analysis.tilt import level_frames, level_limits, tilt_limits, tilted, worst_heading
 from lutgen.errors import InputError
 from lutgen.recipe import Recipe
+from lutgen.vector import Floats
 
-__all__ = [
-    "FOUR",
-    "HeadingLimit",
-    "PostureLimits",
-    "SweepLimits",
-    "even_headings",
-    "posture_limits",
-    "sweep_limits",
-]
-
-Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
 
 FOUR = {

@@ -8,16 +8,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from lutgen.analysis.ground_contact import Ground, RollingContact, find_ground
 from lutgen.analysis.stance import Posture
 from lutgen.errors import InputError
 from lutgen.recipe import Recipe
+from lutgen.vector import Floats
 
-__all__ = ["Motion", "Structure", "WheelMotion", "structure", "wheel_speeds"]
-
-Floats = NDArray[np.float64]
 LEVEL = (0.0, 0.0, -1.0)
 # Below this share nothing counts: a slip of the motion's speed, a singular value of the largest.
 # A millionth is what numbers typed with six digits leave over, and axles that cross a million

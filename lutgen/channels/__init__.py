@@ -4,7 +4,7 @@ In reading order: `axes`, `plain`, `loaded`, `wrench`, `evaluation`, `raster`, `
 `scan`, `settle`.
 """
 
-from lutgen.channels.axes import MU, PHI, add, empty_axes, find_axes, part
+from lutgen.channels.axes import MU, PHI, RHO, add, empty_axes, find_axes, part
 from lutgen.channels.evaluation import (
     POSTURES_A_THREAD,
     evaluate,
@@ -29,7 +29,7 @@ from lutgen.channels.plain import (
 )
 from lutgen.channels.scan import Scanner
 from lutgen.channels.settle import CONVENTIONS, body_gravity, turned
-from lutgen.channels.wrench import RHO, acceptance_of, refuse_forces, wrenches
+from lutgen.channels.wrench import acceptance_of, refuse_forces, wrenches
 
 __all__ = [
     "ALONG",

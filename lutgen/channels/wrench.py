@@ -14,8 +14,6 @@ from lutgen.errors import InputError
 from lutgen.recipe import Postures, Recipe
 from lutgen.support import Acceptance, acceptance
 
-__all__ = ["MU", "PHI", "RHO", "acceptance_of", "refuse_forces", "wrenches"]
-
 
 def wrenches(recipe: Recipe, postures: Postures) -> NDArray[np.float64]:
     """Return the wrenches (m, 7) of postures of a recipe.

@@ -11,7 +11,8 @@ from lutgen.cli.table import show
 
 if TYPE_CHECKING:
     from lutgen.grid import Axis
-    from lutgen.recipe import Parameter, Recipe
+    from lutgen.parts import Parameter
+    from lutgen.recipe import Recipe
 
 
 @click.command(short_help="Validate a recipe; print robot, nodes, file size and run time.")

@@ -12,7 +12,7 @@ from lutgen.cli.table import show
 from lutgen.errors import InputError
 
 if TYPE_CHECKING:
-    from lutgen.recipe import Contact
+    from lutgen.parts import Contact
     from lutgen.urdf import UrdfRobot
 
 
@@ -110,7 +110,7 @@ def _read(path: str, xacro: bool) -> "UrdfRobot":
 
 def _point(text: str, index: int) -> "Contact":
     """Return the contact of ``LINK=X,Y,Z[,R]``."""
-    from lutgen.recipe import Contact
+    from lutgen.parts import Contact
 
     link, _, numbers = text.rpartition("=")
     values = finite_numbers(numbers)

@@ -7,25 +7,14 @@ In reading order: `table`, `robot`, `loads`, `plugin`, `described`, `recipe`, `k
 from typing import TYPE_CHECKING, Any
 
 from lutgen.recipe.kinematics import Postures, forward, postures, radii_and_kinds
-from lutgen.recipe.recipe import (
-    Contact,
-    Parameter,
-    Recipe,
-    Wheel,
-    load_recipe,
-    parse_recipe,
-    recipe_digest,
-)
+from lutgen.recipe.recipe import Recipe, load_recipe, parse_recipe, recipe_digest
 
 if TYPE_CHECKING:
     from lutgen.recipe.proposal import import_urdf
 
 __all__ = [
-    "Contact",
-    "Parameter",
     "Postures",
     "Recipe",
-    "Wheel",
     "forward",
     "import_urdf",
     "load_recipe",

@@ -26,8 +26,6 @@ from lutgen.urdf import (
 )
 from lutgen.vector import Floats
 
-__all__ = ["effects", "inner_contacts", "named_contacts", "proposed_contacts", "robot_size"]
-
 MAX_CANDIDATES = 200
 # Lengths that differ by less than this share of the robot's size are equal: descriptions round
 # their angles (1.570795 for a right angle).

@@ -20,8 +20,6 @@ from lutgen.urdf import (
     read_motion,
 )
 
-__all__ = ["read_content", "read_urdf"]
-
 # rad or m: descriptions round their limits, and so do recipes in deg.
 SAME = 1e-6
 

@@ -9,18 +9,14 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from lutgen.errors import InputError
 from lutgen.jit import njit
-from lutgen.parts import KINDS, Contact, Force, Vector, parents_first
+from lutgen.parts import KINDS, Contact, Force, parents_first
 from lutgen.recipe.recipe import Recipe
 from lutgen.rotation import rotation
-
-__all__ = ["Postures", "forward", "postures", "radii_and_kinds"]
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from lutgen.vector import Floats, Ints, Vector
 
 FIXED, REVOLUTE, PRISMATIC = 0, 1, 2
 

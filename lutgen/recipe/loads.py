@@ -10,8 +10,6 @@ from lutgen.errors import suggestion
 from lutgen.parts import ZERO, Force, Link
 from lutgen.recipe.table import Table
 
-__all__ = ["read_com_uncertainty", "read_forces", "read_payloads"]
-
 
 def read_payloads(robot: Table, links: tuple[Link, ...]) -> tuple[Link, ...]:
     """Read ``[[robot.payload]]``: the links, and after them one massive link for each payload."""

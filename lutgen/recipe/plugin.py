@@ -17,8 +17,6 @@ from lutgen.parts import Parameter
 from lutgen.recipe.robot import MAX_CONTACTS
 from lutgen.recipe.table import Table
 
-__all__ = ["load_function"]
-
 
 def load_function(
     robot: Table, name: str, parameters: tuple[Parameter, ...], allow_python: bool

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from lutgen.errors import RecipeError
+from lutgen.parts import Contact
 from lutgen.recipe.candidates import (
     effects,
     inner_contacts,
@@ -16,11 +17,9 @@ from lutgen.recipe.candidates import (
     unique_names,
 )
 from lutgen.recipe.proposal_text import carrying_links, recipe_text
-from lutgen.recipe.recipe import Contact, Recipe, parse_recipe
+from lutgen.recipe.recipe import Recipe, parse_recipe
 from lutgen.recipe.robot import MAX_CONTACTS
 from lutgen.urdf import Motion, UrdfRobot, places, read_motion, used_shapes
-
-__all__ = ["Imported", "import_urdf"]
 
 # More joints than this are not proposed as parameters: no disk holds their map.
 MAX_PARAMETERS = 10

@@ -9,8 +9,6 @@ from lutgen.parts import Contact, Link
 from lutgen.recipe.robot import RESERVED
 from lutgen.urdf import Motion, UrdfRobot, links_of
 
-__all__ = ["carrying_links", "recipe_text"]
-
 # Nodes of a parameter in the sweep that is proposed, and postures of the whole.
 FEWEST, MOST, POSTURES = 3, 37, 5_000
 

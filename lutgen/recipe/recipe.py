@@ -19,7 +19,7 @@ import numpy as np
 from lutgen.chart import Chart
 from lutgen.errors import RecipeError, suggestion
 from lutgen.grid import Axis, Grid
-from lutgen.parts import Contact, Force, Joint, Link, Parameter, Wheel
+from lutgen.parts import Contact, Force, Link, Parameter, Wheel
 from lutgen.quantities import CHANNELS, UNLOADED
 from lutgen.recipe.loads import read_com_uncertainty, read_forces, read_payloads
 from lutgen.recipe.plugin import load_function
@@ -31,20 +31,6 @@ from lutgen.recipe.robot import (
     read_wheels,
 )
 from lutgen.recipe.table import Table
-
-__all__ = [
-    "Contact",
-    "ExportDefaults",
-    "Force",
-    "Joint",
-    "Link",
-    "Parameter",
-    "Recipe",
-    "Wheel",
-    "load_recipe",
-    "parse_recipe",
-    "recipe_digest",
-]
 
 ROBOT_KEYS = (
     *("name", "length_unit", "friction", "upright", "rock_angle", "python", "urdf"),

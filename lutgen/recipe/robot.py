@@ -24,14 +24,6 @@ from lutgen.parts import (
 from lutgen.quantities import CHANNELS
 from lutgen.recipe.table import Table
 
-__all__ = [
-    "MAX_CONTACTS",
-    "read_contacts",
-    "read_links",
-    "read_parameters",
-    "read_wheels",
-]
-
 MAX_CONTACTS = 32
 LENGTH_UNITS = ("m", "cm", "mm", "1")
 ANGLE_UNITS = ("deg", "rad")

@@ -10,8 +10,6 @@ from typing import Any, NoReturn
 
 from lutgen.errors import RecipeError, suggestion
 
-__all__ = ["Table", "fail"]
-
 # Values are quoted in messages up to this many characters.
 _LONGEST = 60
 

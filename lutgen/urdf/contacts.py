@@ -14,8 +14,6 @@ from lutgen.rotation import rotation
 from lutgen.urdf.read import Collision, UrdfLink
 from lutgen.vector import Floats, Vector
 
-__all__ = ["ROUND", "link_contacts", "used_shapes"]
-
 ROUND = ("sphere", "cylinder")
 
 

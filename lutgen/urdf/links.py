@@ -14,8 +14,6 @@ from lutgen.urdf.motion import Motion
 from lutgen.urdf.read import UrdfJoint, UrdfRobot
 from lutgen.vector import Floats, Vector
 
-__all__ = ["Place", "centre_of_mass", "downwards", "links_of", "places"]
-
 # Rotation (3, 3) and origin (3,) of a link in the frame of the root.
 Place = tuple[Floats, Floats]
 

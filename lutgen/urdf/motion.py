@@ -11,8 +11,6 @@ from dataclasses import dataclass
 from lutgen.errors import RecipeError, suggestion
 from lutgen.urdf.read import LARGEST, UrdfJoint, UrdfRobot
 
-__all__ = ["TURN", "Drive", "Motion", "read_motion"]
-
 TURN = 2.0 * math.pi
 
 

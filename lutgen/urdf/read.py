@@ -19,8 +19,6 @@ from lutgen.parts import parents_first
 from lutgen.urdf.xml import parse_xml
 from lutgen.vector import Vector
 
-__all__ = ["Collision", "Mimic", "UrdfJoint", "UrdfLink", "UrdfRobot", "load_urdf", "parse_urdf"]
-
 # Larger files are refused: a description without its meshes is far smaller.
 MAX_BYTES = 16 * 2**20
 MAX_LINKS = 10_000

@@ -10,8 +10,6 @@ import warnings
 from lutgen.errors import InputError, RecipeError
 from lutgen.urdf.read import UrdfRobot, parse_urdf
 
-__all__ = ["load_xacro"]
-
 
 def load_xacro(path: str | os.PathLike[str]) -> UrdfRobot:
     """Expand a xacro file and check the description that comes out.

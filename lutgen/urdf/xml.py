@@ -10,8 +10,6 @@ from xml.parsers import expat
 
 from lutgen.errors import RecipeError
 
-__all__ = ["parse_xml"]
-
 MAX_DEPTH = 100
 
 

@@ -8,16 +8,8 @@ import numpy as np
 import pytest
 
 from lutgen.errors import RecipeError
-from lutgen.recipe.recipe import (
-    Contact,
-    ExportDefaults,
-    Joint,
-    Link,
-    Parameter,
-    Wheel,
-    load_recipe,
-    parse_recipe,
-)
+from lutgen.parts import Contact, Joint, Link, Parameter, Wheel
+from lutgen.recipe.recipe import ExportDefaults, load_recipe, parse_recipe
 from tests.fixtures.places import MAPS
 
 GOOD = """
