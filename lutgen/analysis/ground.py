@@ -18,22 +18,9 @@ from lutgen.errors import InputError
 
 
 def gravity_transform(normal: ArrayLike) -> NDArray[np.float64]:
-    """Return T_g of convention P as a matrix: from the contact plane's frame to the body frame.
+    """Return T_g of convention P (3, 3): from the contact plane's frame to the body frame.
 
-    Parameters
-    ----------
-    normal : (3,) array_like
-        Upward normal of the contact plane in the body frame, any length > 0.
-
-    Returns
-    -------
-    (3, 3) float64
-        The rotation that takes (0, 0, 1) to the normal and turns by the least angle.
-
-    Examples
-    --------
-    >>> gravity_transform([1, 0, 1]).round(3).tolist()
-    [[0.707, 0.0, 0.707], [0.0, 1.0, 0.0], [-0.707, 0.0, 0.707]]
+    It takes (0, 0, 1) to the plane's upward normal (body frame, any length > 0) by the least angle.
     """
     up = tuple(unit_directions(normal).tolist())
     columns = [turned(up, axis) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))]
@@ -105,20 +92,6 @@ def tangent_plane(posture: Posture, up_dir: ArrayLike) -> TangentPlane:
 
 
 def roll_pitch(up_dir: ArrayLike) -> tuple[float, float]:
-    """Return the body's roll and pitch in rad from what an accelerometer at rest reads.
-
-    Parameters
-    ----------
-    up_dir : (3,) array_like
-        Specific force in the body frame, any length > 0.
-
-    Examples
-    --------
-    The nose of a robot that looks down a slope of 30 deg:
-
-    >>> roll, pitch = roll_pitch([-0.5, 0.0, 0.866025404])
-    >>> round(math.degrees(roll), 6), round(math.degrees(pitch), 6)
-    (0.0, 30.0)
-    """
+    """Return the body's roll and pitch (rad) from what an accelerometer at rest reads (3,)."""
     x, y, z = unit_directions(up_dir)
     return math.atan2(y, z), math.atan2(-x, math.hypot(y, z))

@@ -64,24 +64,10 @@ class Ground:
 def find_ground(posture: Posture, gravity_dir: ArrayLike) -> Ground:
     """Find the contact plane of one posture and the wheels that touch it.
 
-    Parameters
-    ----------
-    posture : Posture
-        Of a robot with wheels.
-    gravity_dir : (3,) array_like
-        Pointing down, body frame, any length > 0: it chooses the support facet and nothing else.
-
-    Returns
-    -------
-    Ground
-        A wheel touches if its contact is a corner of the support polygon or is no further than
-        1e-9 of the robot's size from the facet's plane, as for `lutgen.support.hull`.
-
-    Raises
-    ------
-    InputError
-        The robot has no wheels, or no support facet under this gravity; the body's x axis is
-        normal to the facet; or the axle of a wheel that touches is.
+    A wheel touches if its contact is a corner of the support polygon or is no further than 1e-9 of
+    the robot's size from the facet's plane, as for `lutgen.support.hull`.  InputError is raised
+    without wheels or without a support facet under this gravity (3,), and where the body's x axis,
+    or the axle of a wheel that touches, is normal to the facet.
     """
     source = posture.recipe.source
     if not posture.recipe.wheels:

@@ -15,8 +15,8 @@ from lutgen.channels import JUST_OUTSIDE, checked_directions, evaluate
 from lutgen.errors import InputError
 from lutgen.vector import Floats
 
-METRICS = ("sdg", "tip_angle", "margin", "energy_margin", "force_angle")
 CHANNELS = ("sdg", "tip_angle", "margin", "energy_margin")
+METRICS = (*CHANNELS, "force_angle")
 LEVEL = np.array([[0.0, 0.0, -1.0]])
 
 
@@ -67,7 +67,7 @@ def compare_metrics(posture: Posture, gravity_dir: ArrayLike) -> Metrics:
     values = {name: channel[0] for name, channel in found.items()}
     standing = values["tip_angle"] >= 0.0
     stance = posture.stance_of_weight()
-    values["force_angle"] = _force_angle(stance, directions, values["tip_angle"], values["margin"])
+    values["force_angle"] = force_angle(stance, directions, values["tip_angle"], values["margin"])
     level = values["tip_angle"][0]
     if not level > 0.0 or not len(stance.start):
         degrees = f"{np.degrees(level):.3g} deg"
@@ -133,32 +133,14 @@ def axis_force_angle(start: ArrayLike, stop: ArrayLike, force: ArrayLike) -> Flo
     return np.asarray(angle * np.abs(moment))
 
 
-def force_angle(posture: Posture, gravity_dir: ArrayLike) -> Floats:
-    """Return the force-angle measure of one posture under g directions, for its own weight.
+def force_angle(stance: Stance, directions: Floats, angle: Floats, margin: Floats) -> Floats:
+    """Return the force-angle measure (g,), rad x length for a weight of 1, under unit directions.
 
-    Parameters
-    ----------
-    posture : Posture
-    gravity_dir : (g, 3) array_like
-        Directions in the body frame, pointing down, of any length > 0.
-
-    Returns
-    -------
-    (g,) float64
-        rad x length, for a weight of 1: the smallest over the tip-over axes, with the sign of the
-        verdict; infinite without an axis, minus infinity without a support facet.  Where the
-        standing region is not convex an axis ends at a corner of the region, and the measure is
-        the product of `tip_angle` and `margin`, which it equals on a level axis.
+    It is the smallest over the tip-over axes, with the sign of the verdict; infinite without an
+    axis, minus infinity without a support facet.  Where the standing region is not convex an axis
+    ends at a corner of the region, and the measure is the product of `tip_angle` and `margin` (g,),
+    which it equals on a level axis.
     """
-    directions = checked_directions(gravity_dir)
-    wanted = ("tip_angle", "margin")
-    found = evaluate(posture.recipe, posture.row, directions, wanted)
-    angle, margin = (found[name][0] for name in wanted)
-    return _force_angle(posture.stance_of_weight(), directions, angle, margin)
-
-
-def _force_angle(stance: Stance, directions: Floats, angle: Floats, margin: Floats) -> Floats:
-    """Return the measure under (g, 3) unit directions whose `tip_angle` and `margin` are known."""
     standing = angle >= 0.0
     if not (stance.facets and len(stance.start)):
         return np.where(standing, np.inf, -np.inf)

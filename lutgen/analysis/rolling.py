@@ -90,22 +90,11 @@ def _best_aside(motion: Floats, load: Floats, arm: Floats, roll: Floats, turn: f
 def least_resistance(motion: Floats, load: Floats, arm: Floats, roll: Floats) -> float:
     """Return the least resistance, per unit of friction, of all motions that go 1 downhill.
 
-    Parameters
-    ----------
-    motion : (k,) float64
-        BRAKED, DISC (rolling along) or SPHERE (rolling in every direction).
-    load : (k,) float64
-        Shares of the normal force, adding up to 1.
-    arm : (k, 2) float64
-        From below the com to the contact points, x downhill, in units of the robot's size.
-    roll : (k, 2) float64
-        Unit rolling directions of the discs.
-
-    Returns
-    -------
-    float
-        In [0, 1] but for rounding: 1 where all contacts are braked, 0 where gravity finds a motion
-        in which all contacts that carry load roll.
+    `motion` (k,) is BRAKED, DISC (rolling along) or SPHERE (rolling in every direction), `load`
+    (k,) the shares of the normal force, `arm` (k, 2) leads from below the com to the contact
+    points, x downhill, in units of the robot's size, and `roll` (k, 2) are the unit rolling
+    directions of the discs.  In [0, 1] but for rounding: 1 where all contacts are braked, 0 where
+    gravity finds a motion in which all contacts that carry load roll.
     """
     high = math.asinh(1.0 / NEAREST)
     low = -high
@@ -131,26 +120,12 @@ def held_share(posture: Posture, facet: Facet, direction: Floats) -> float:
     motions of the robot in its contact plane that go downhill (shifts and turns), of what friction
     takes from them, divided by what it would take with every contact braked: by the theorem of
     virtual power (limit analysis, exact for given normal forces) friction forces that balance
-    gravity exist if and only if no motion gains more than it costs.
-
-    Parameters
-    ----------
-    posture : Posture
-        Of a robot some of whose contacts roll.
-    facet : Facet
-        On the ground.
-    direction : (3,) float64
-        Gravity, a unit vector.
-
-    Returns
-    -------
-    float
-        In [0, 1]; 1 without a rolling contact among the facet's, and on level ground.
+    gravity (3,), a unit vector, exist if and only if no motion gains more than it costs.  1 without
+    a rolling contact among the facet's, and on level ground.
     """
     contacts = [posture.recipe.contacts[i] for i in facet.contacts]
-    if not any(one.rolling for one in contacts):
-        return 1.0
-    if float(np.linalg.norm(facet.along(direction))) < LEVEL:
+    level = float(np.linalg.norm(facet.along(direction))) < LEVEL
+    if level or not any(one.rolling for one in contacts):
         return 1.0
     frame = facet.frame(direction)
     load = np.maximum(normal_forces(facet.points, facet.pierced(direction)), 0.0)

@@ -179,25 +179,11 @@ def first_tilts(
     step: float = STEP,
     halvings: int = HALVINGS,
 ) -> Floats:
-    """Return the smallest tilt in each heading at which something happens.
+    """Return the smallest tilt (h,) in each heading at which something happens, all in rad.
 
-    Parameters
-    ----------
-    happens : callable
-        Takes directions (j, 3) and the headings' indices (j,), returns (j,) bool.
-    headings : (h,) array_like
-        Radians, as for `tilt.tilted`.
-    until : float or (h,) array_like
-        Tilt (rad) at which the search in a heading ends.
-    step : float
-        Tilt (rad) between two looks; what begins and ends in between may be missed.
-    halvings : int
-        Of the last step.
-
-    Returns
-    -------
-    (h,) float64
-        Radians; NaN where it does not happen before `until`.
+    `happens` takes directions (j, 3) and the headings' indices (j,) and returns (j,) bool.  What
+    begins and ends between two looks, a `step` apart, may be missed; the last step is halved.  NaN
+    where it does not happen before `until`, a tilt for all headings or for each.
     """
     heading = np.asarray(headings, dtype=np.float64)
     end = np.broadcast_to(np.asarray(until, dtype=np.float64), heading.shape)

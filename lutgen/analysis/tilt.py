@@ -130,18 +130,25 @@ def _limits(recipe: Recipe, rows: Floats, heading: Floats, convention: str) -> F
     reach = reading(np.arange(len(rows)), stands)
     # Where it tips and by how much; the same place as `stands` until it has been found.
     tips, beyond = stands.copy(), np.zeros_like(stands)
+
+    def keep(which: NDArray[np.intp], goes: NDArray[np.bool_], at: Floats) -> NDArray[np.bool_]:
+        """Keep where it tips or still stands, as read at tilts; return where it stands."""
+        found = reading(which, at)
+        fallen, passed = goes & (found < 0.0), goes & (found >= 0.0)
+        tips[which] = np.where(fallen, at, tips[which])
+        beyond[which] = np.where(fallen, found, beyond[which])
+        stands[which] = np.where(passed, at, stands[which])
+        reach[which] = np.where(passed, found, reach[which])
+        return np.asarray(passed)
+
     walking = reach >= 0.0
     while walking.any():
         which = np.flatnonzero(walking.any(axis=1))
         goes = walking[which]
         step = np.where(goes, np.maximum(reach[which], SHORTEST_STEP), 0.0)
         ahead = np.minimum(stands[which] + step, math.pi)
-        found = reading(which, ahead)
-        fallen, passed = goes & (found < 0.0), goes & (found >= 0.0)
-        tips[which] = np.where(fallen, ahead, np.where(passed, ahead, tips[which]))
-        beyond[which] = np.where(fallen, found, beyond[which])
-        stands[which] = np.where(passed, ahead, stands[which])
-        reach[which] = np.where(passed, found, reach[which])
+        passed = keep(which, goes, ahead)
+        tips[which] = np.where(passed, ahead, tips[which])
         walking[which] = passed & (ahead < math.pi)
     rounds = 0
     while (tips - stands > KNOWN).any():
@@ -153,39 +160,19 @@ def _limits(recipe: Recipe, rows: Floats, heading: Floats, convention: str) -> F
         share = reach[which] / np.where(open_, reach[which] - beyond[which], 1.0)
         guess = low + (high - low) * (0.5 if rounds % 3 == 2 else np.where(open_, share, 0.0))
         guess = np.where(open_, np.clip(guess, low + KNOWN / 2.0, high - KNOWN / 2.0), low)
-        found = reading(which, guess)
-        fallen, passed = open_ & (found < 0.0), open_ & (found >= 0.0)
-        tips[which] = np.where(fallen, guess, high)
-        beyond[which] = np.where(fallen, found, beyond[which])
-        stands[which] = np.where(passed, guess, low)
-        reach[which] = np.where(passed, found, reach[which])
+        keep(which, open_, guess)
         rounds += 1
     return stands
 
 
 def level_limits(recipe: Recipe, params: ArrayLike, convention: str = "body") -> Floats:
-    """Return the tilt that each posture survives in every heading.
+    """Return the tilt (m,), rad, that each posture (m, k) survives in every heading.
 
-    Parameters
-    ----------
-    recipe : Recipe
-        The robot.
-    params : (m, k) array_like
-        Postures, rad or length.
-    convention : {"body", "plane"}
-        Whether body or ground is tilted from level.
-
-    Returns
-    -------
-    (m,) float64
-        Radians; 0 where the robot tips on level ground, pi where it never tips.
-
-    Notes
-    -----
-    It is `tip_angle` on level ground: the distance to the nearest boundary of the standing region,
-    so the cap of that radius around level holds no tip-over, between headings as little as on
-    them, and in the heading of the nearest boundary point it is the limit itself.  Where
-    `tip_angle` is only known from below, so is this.
+    0 where the robot tips on level ground, pi where it never tips.  It is
+    `tip_angle` on level ground: the distance to the nearest boundary of the standing region, so the
+    cap of that radius around level holds no tip-over, between headings as little as on them, and in
+    the heading of the nearest boundary point it is the limit itself.  Where `tip_angle` is only
+    known from below, so is this.
     """
     rows = np.asarray(params, dtype=np.float64)
     parts = [np.empty(0)]
@@ -197,22 +184,11 @@ def level_limits(recipe: Recipe, params: ArrayLike, convention: str = "body") ->
 
 
 def worst_heading(posture: Posture, convention: str = "body") -> float:
-    """Return the heading in which a posture tips over first.
+    """Return the heading (rad, -pi to pi) in which a posture tips over first.
 
-    Parameters
-    ----------
-    posture : Posture
-    convention : {"body", "plane"}
-        Whether body or ground is tilted from level.
+    Of equally bad headings the one nearest the nose, on the left first; NaN where the robot tips on
+    level ground, or never.
 
-    Returns
-    -------
-    float
-        Radians from -pi to pi; of equally bad headings the one nearest the nose, on the left
-        first.  NaN where the robot tips on level ground, or never.
-
-    Notes
-    -----
     On the circle of headings at the tilt of `level_limits`, `tip_angle` is zero in the worst
     heading and changes by at most sin(tilt) per rad.  Pieces of the circle in which it can
     therefore not be as low as seen elsewhere are dropped, and the others are divided: no heading

@@ -30,20 +30,12 @@ WORST = "worst heading"
 
 @dataclass(frozen=True)
 class HeadingLimit:
-    """The limit of one posture in one heading.
+    """The limit of one posture in one heading, named by `FOUR` or "worst heading"; angles in rad.
 
-    Attributes
-    ----------
-    name : str
-        One of `FOUR`, or "worst heading".
-    heading : float
-        Rad; NaN for the worst heading of a robot that tips on level ground, or never.
-    tilt : float
-        Rad: the robot stands up to it.
-    contacts : tuple of str
-        What it then turns over: two contacts, one on which it rolls, or none.
-    slides : bool or None
-        Whether it has slid before, tan(slope) > friction; None without a friction coefficient.
+    `heading` is NaN for the worst heading of a robot that tips on level ground, or never; the robot
+    stands up to `tilt`.  `contacts` are what it then turns over: two contacts, one on which it
+    rolls, or none.  `slides` tells whether it has slid before, tan(slope) > friction; None without
+    a friction coefficient.
     """
 
     name: str
@@ -74,20 +66,11 @@ class PostureLimits:
 
 @dataclass(frozen=True, eq=False)
 class SweepLimits:
-    """Least and largest limits over m postures.
+    """Least and largest limits over m postures, `params` (m, k), in `headings` (h,), rad.
 
-    Attributes
-    ----------
-    params : (m, k) float64
-        The postures, rad or length.
-    headings : (h,) float64
-        Rad.
-    least, most : (h,) float64
-        Least and largest tilt (rad) of any posture in each heading.
-    least_at, most_at : (h,) intp
-        Rows of `params`: the first posture that has it.
-    guaranteed : (m,) float64
-        What each posture survives in every heading, rad.
+    `least` and `most` (h,) are the least and largest tilt (rad) of any posture in each heading,
+    `least_at` and `most_at` (h,) rows of `params`: the first posture that has it.  `guaranteed`
+    (m,) is what each posture survives in every heading, rad.
     """
 
     params: Floats

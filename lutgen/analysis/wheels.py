@@ -97,19 +97,9 @@ def structure(posture: Posture, gravity_dir: ArrayLike = LEVEL) -> Structure:
     Parameters
     ----------
     posture : Posture
-        Of a robot with wheels.
+        Of a robot with wheels; InputError is raised as by `ground_contact.find_ground`.
     gravity_dir : (3,) array_like
         Pointing down, body frame, any length > 0: it chooses the support facet and nothing else.
-
-    Returns
-    -------
-    Structure
-        Of this posture on its support facet.
-
-    Raises
-    ------
-    InputError
-        As for `lutgen.analysis.ground_contact.find_ground`.
     """
     return _structure(find_ground(posture, gravity_dir))
 
@@ -222,14 +212,9 @@ def _wheel_motion(contact: RollingContact, velocity: Floats, still: float) -> Wh
 def _free_motions(ground: Ground) -> tuple[float, Floats]:
     """Return the largest slip per motion of size 1, and an orthonormal basis of those without.
 
-    Motions are (vx, vy, yaw rate * size), so that neither depends on the unit of length.
-
-    Returns
-    -------
-    stretch : float
-        The largest singular value of the constraints, 0 without fixed wheels.
-    basis : (3, dof) float64
-        The null space of the constraints, one motion per column.
+    Motions are (vx, vy, yaw rate * size), so that neither depends on the unit of length.  The slip
+    is the largest singular value of the fixed wheels' constraints, 0 without any; the basis
+    (3, dof) is their null space, one motion per column.
     """
     rows = [
         [*contact.sideways, contact.sideways @ contact.velocity(np.zeros(2), 1.0) / ground.size]

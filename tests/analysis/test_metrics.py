@@ -38,7 +38,10 @@ def test_values_are_those_of_evaluate_and_of_the_force_angle_measure(table: Reci
     exact = lutgen.evaluate(table, [[]], down, ("sdg", "tip_angle", "margin", "energy_margin"))
     for name, values in exact.items():
         assert found.values[name].tolist() == pytest.approx(values[0].tolist(), nan_ok=True)
-    assert found.values["force_angle"].tolist() == force_angle(Posture(table, []), down).tolist()
+    angle, margin = exact["tip_angle"][0], exact["margin"][0]
+    measure = force_angle(Posture(table, []).stance, down, angle, margin)
+    # The directions are made unit vectors a second time.
+    assert found.values["force_angle"] == pytest.approx(measure, abs=1e-15)
     assert found.standing.tolist() == (exact["tip_angle"][0] >= 0.0).tolist()
     assert 0 < found.standing.sum() < len(down)
 

@@ -11,7 +11,7 @@ from scipy.spatial import ConvexHull
 
 import lutgen
 from lutgen.analysis.diagnosis import diagnose
-from lutgen.analysis.metrics import compare_metrics, force_angle
+from lutgen.analysis.metrics import compare_metrics
 from lutgen.analysis.sliding import slides_first, slopes
 from lutgen.analysis.stance import Posture
 from lutgen.channels.evaluation import evaluate_each
@@ -457,8 +457,6 @@ def test_the_slope_is_that_of_the_resultant_and_friction_is_asked_of_it() -> Non
 
 def test_what_knows_the_weight_alone_refuses_forces() -> None:
     pulled, uncertain = robot(feet(BOX), pull((5, 0, 0))), robot(feet(BOX), rho=0.01)
-    with pytest.raises(lutgen.InputError, match="counts the weight and no other force"):
-        force_angle(Posture(pulled, []), LEVEL)
     with pytest.raises(lutgen.InputError, match="counts the weight and no other force"):
         compare_metrics(Posture(pulled, []), LEVEL)
     with pytest.raises(lutgen.InputError, match="metrics are those of one com"):
