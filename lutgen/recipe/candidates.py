@@ -52,15 +52,7 @@ def named_contacts(robot: UrdfRobot, names: Sequence[str]) -> list[Contact]:
 
 
 def proposed_contacts(robot: UrdfRobot, where: Mapping[str, Place]) -> list[Contact]:
-    """Return the spheres and rim discs whose lowest point lies below the com.
-
-    Parameters
-    ----------
-    robot : UrdfRobot
-        The description.
-    where : mapping of str to (Floats, Floats)
-        Places of the links at rest.
-    """
+    """Return the spheres and rim discs whose lowest point lies below the com, at rest."""
     com = centre_of_mass(robot, where)
     result = []
     for link in robot.links:
@@ -102,23 +94,8 @@ def inner_contacts(
     A disc in the convex hull of two discs about parallel axes touches a plane only together with
     them, and between their two points, so that no support polygon changes without it: the road
     wheels of a track but the first and the last, if they stand in a line, and the inner rims of
-    a pair of wheels.  The same for spheres and points.  The three must be rigidly connected.
-
-    Parameters
-    ----------
-    robot : UrdfRobot
-        The description.
-    motion : Motion
-        Which joints move.
-    contacts : sequence of Contact
-        In the frames of their links.
-    where : mapping of str to (Floats, Floats)
-        Places of the links at rest.
-
-    Returns
-    -------
-    list of Contact
-        Of equal ones all but the last.
+    a pair of wheels.  The same for spheres and points.  The three must be rigidly connected; of
+    equal ones all but the last are returned.
     """
     parts = _rigid_parts(robot, motion)
     part = np.array([parts[contact.link] for contact in contacts])
@@ -170,21 +147,9 @@ def effects(
 ) -> dict[str, tuple[float, float]]:
     """Return how far each free joint moves the contacts and the com at most.
 
-    Parameters
-    ----------
-    robot : UrdfRobot
-        The description.
-    motion : Motion
-        Which joints move.
-    contacts : sequence of Contact
-        In the frames of their links.
-
-    Returns
-    -------
-    dict of str to (float, float)
-        Bounds (m) on the way of a contact point that is fixed in its link, 0 for a wheel on its own
-        axle, and on the way of the com, from one end of the joint's range to the other with all
-        other joints at random values: a joint may move something in such a posture only.
+    Bounds (m) on the way of a contact point that is fixed in its link, 0 for a wheel on its own
+    axle, and on the way of the com, from one end of the joint's range to the other with all other
+    joints at random values: a joint may move something in such a posture only.
     """
     rng = np.random.default_rng(0)
     values = {name: rng.uniform(low, high) for name, (low, high) in motion.free.items()}

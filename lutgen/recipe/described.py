@@ -5,7 +5,6 @@ Owns which file such a recipe may name, and which joints of it are the recipe's 
 
 from pathlib import Path, PurePosixPath
 
-from lutgen.errors import suggestion
 from lutgen.parts import Contact, Link, Parameter
 from lutgen.recipe.robot import read_contacts
 from lutgen.recipe.table import Table
@@ -25,15 +24,10 @@ SAME = 1e-6
 
 
 def read_content(robot: Table, inert: bool = False) -> str:
-    """Return the text of the file that the recipe names.
+    """Return the text of the file that the ``[robot]`` table names.
 
-    Parameters
-    ----------
-    robot : Table
-        The ``[robot]`` table.  Its `urdf` is a relative path to a file in the recipe's folder or
-        below, also after following links; any other raises RecipeError.
-    inert : bool
-        Open no file: RecipeError is raised instead.
+    Its `urdf` is a relative path to a file in the recipe's folder or below, also after following
+    links; any other raises RecipeError, and so does every one where `inert` forbids to open files.
     """
     name = _name(robot)
     if inert:
@@ -62,26 +56,12 @@ def read_content(robot: Table, inert: bool = False) -> str:
 def read_urdf(
     robot: Table, parameters: tuple[Parameter, ...], content: str
 ) -> tuple[tuple[Link, ...], tuple[Contact, ...]]:
-    """Return links and contacts of a recipe that names a robot description.
+    """Return links and contacts of a recipe whose ``[robot]`` table names a robot description.
 
-    Parameters
-    ----------
-    robot : Table
-        The ``[robot]`` table: `urdf`, `length_unit` "m", ``[[robot.parameter]]`` and
-        ``[[robot.contact]]``.
-    parameters : tuple of Parameter
-        The recipe's parameters.  Each is the joint that its `joint` key names, or the one of its
-        own name, within that joint's limits; joints that are none stand at zero or at their limit
-        nearest to zero, and joints that mimic one follow it.
-    content : str
-        XML.
-
-    Returns
-    -------
-    links : tuple of Link
-        All links under their own names, m and kg.
-    contacts : tuple of Contact
-        Those with a position as written, the others derived from their link's collision shapes.
+    Each parameter is the joint that its `joint` key names, or the one of its own name, within that
+    joint's limits; joints that are none stand at zero or at their limit nearest to zero, and joints
+    that mimic one follow it.  `content` is XML.  The links are all, under their own names, m and
+    kg; contacts with a position are as written, the others derived from collision shapes.
     """
     unit = robot.values["length_unit"]
     if unit != "m":
@@ -114,15 +94,13 @@ def _joints(
     robot: Table, parameters: tuple[Parameter, ...], described: UrdfRobot
 ) -> dict[str, str]:
     """Return the parameter of each joint that is one."""
-    known = {joint.name: None for joint in described.joints if joint.kind != "fixed"}
+    known = [joint.name for joint in described.joints if joint.kind != "fixed"]
     result: dict[str, str] = {}
     tables = robot.tables("parameter", ("name", "min", "max", "unit", "joint"))
     for table, parameter in zip(tables, parameters, strict=True):
         key = "joint" if "joint" in table else "name"
-        name = table.string(key, "name a joint of the description")
-        if name not in known:
-            way_out = suggestion(name, known, "use one of")
-            table.fail(key, "is no moving joint of the description", name, way_out)
+        way_out = "name a joint of the description"
+        name = table.one_of(key, way_out, known, "is no moving joint of the description")
         if name in result:
             table.fail(key, "is the joint of another parameter already", name, "remove one")
         result[name] = parameter.name

@@ -4,21 +4,18 @@ Owns the rules of ``[[robot.payload]]``, ``[[robot.force]]`` and ``com_uncertain
 to stability is not known here (`load`, `loaded`).
 """
 
-from collections.abc import Iterable
-
-from lutgen.errors import suggestion
 from lutgen.parts import ZERO, Force, Link
+from lutgen.recipe.robot import carrier
 from lutgen.recipe.table import Table
 
 
 def read_payloads(robot: Table, links: tuple[Link, ...]) -> tuple[Link, ...]:
     """Read ``[[robot.payload]]``: the links, and after them one massive link for each payload."""
-    names = [link.name for link in links]
     result = list(links)
     for table in robot.tables("payload", ("name", "link", "position", "mass")):
         _refuse_massless(table, "mass", links, "moves no com of a robot without masses")
-        name = _name(table, "payload", (link.name for link in result))
-        link = _carrier(table, "payload", names)
+        name = table.new_name("payload", (link.name for link in result))
+        link = carrier(table, "payload", links)
         position = table.vector("position", "write [x, y, z] in the link's frame")
         mass = table.number("mass", "write the payload's mass in the unit of the links' masses")
         if mass <= 0.0:
@@ -29,12 +26,11 @@ def read_payloads(robot: Table, links: tuple[Link, ...]) -> tuple[Link, ...]:
 
 def read_forces(robot: Table, links: tuple[Link, ...]) -> tuple[Force, ...]:
     """Read ``[[robot.force]]`` in order; `links` without the payloads, which carry none."""
-    names = [link.name for link in links]
     result: list[Force] = []
     for table in robot.tables("force", ("name", "link", "position", "force", "moment")):
         _refuse_massless(table, "force", links, "has no weight to compare with without masses")
-        name = _name(table, "force", (force.name for force in result))
-        link = _carrier(table, "force", names)
+        name = table.new_name("force", (force.name for force in result))
+        link = carrier(table, "force", links)
         position = table.vector("position", "write [x, y, z] in the link's frame")
         force = table.vector("force", "write [x, y, z] in N along the body's axes")
         moment = table.vector("moment", "write [x, y, z] in N times the length unit", ZERO)
@@ -55,20 +51,3 @@ def _refuse_massless(table: Table, key: str, links: tuple[Link, ...], what: str)
     """Refuse an entry of a robot whose com is the origin by definition."""
     if not any(link.mass for link in links):
         table.fail(key, what, table.values.get(key, "nothing"), "give its links masses in kg")
-
-
-def _name(table: Table, noun: str, others: Iterable[str]) -> str:
-    """Return the name, which no other may have."""
-    name = table.string("name", f"name the {noun}")
-    if name in others:
-        table.fail("name", "is given twice", name, "choose another name")
-    return name
-
-
-def _carrier(table: Table, noun: str, names: list[str]) -> str:
-    """Return the link that carries the entry."""
-    link = table.string("link", f"name the link that carries the {noun}")
-    if link not in names:
-        way_out = suggestion(link, names, "use one of")
-        table.fail("link", "is not a link of the robot", link, way_out)
-    return link

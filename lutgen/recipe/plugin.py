@@ -23,23 +23,8 @@ def load_function(
 ) -> tuple[Callable[..., Any], int]:
     """Import a posture function and call it once at the middle of its parameters.
 
-    Parameters
-    ----------
-    robot : Table
-        The ``[robot]`` table, for its file name.
-    name : str
-        ``"module:function"``; the module is looked for in the recipe's folder first.
-    parameters : tuple of Parameter
-        Their middle is the posture that is tried.
-    allow_python : bool
-        Whether code may run at all.
-
-    Returns
-    -------
-    function : callable
-        ``q (m, k) -> contacts (m, n, 3), com (m, 3)``.
-    count : int
-        Number of contacts n.
+    The module of `name`, ``"module:function"``, is looked for in the recipe's folder first; without
+    `allow_python` no code runs.  Returns ``q (m, k) -> contacts (m, n, 3), com (m, 3)`` and n.
     """
     if not allow_python:
         robot.fail("python", "runs code", name, "pass --allow-python if you trust it")

@@ -14,21 +14,10 @@ FEWEST, MOST, POSTURES = 3, 37, 5_000
 
 
 def recipe_text(robot: UrdfRobot, motion: Motion, contacts: Sequence[Contact]) -> str:
-    """Return a complete recipe.
+    """Return a complete recipe, TOML, whose parameters are the free joints.
 
-    Parameters
-    ----------
-    robot : UrdfRobot
-        The description.
-    motion : Motion
-        Free joints become parameters.
-    contacts : sequence of Contact
-        In the frames of the description's links, each with a name of its own.
-
-    Returns
-    -------
-    str
-        TOML; links without mass and contacts, and all that hangs from them, are left out.
+    `contacts` are in the frames of the description's links, each with a name of its own; links
+    without mass and contacts, and all that hangs from them, are left out.
     """
     parameters = _parameter_names(motion)
     names = _link_names(robot)

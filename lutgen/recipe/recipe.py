@@ -19,7 +19,7 @@ import numpy as np
 from lutgen.chart import Chart
 from lutgen.errors import RecipeError, suggestion
 from lutgen.grid import Axis, Grid
-from lutgen.parts import Contact, Force, Link, Parameter, Wheel
+from lutgen.parts import ZERO, Contact, Force, Link, Parameter, Wheel
 from lutgen.quantities import CHANNELS, UNLOADED
 from lutgen.recipe.loads import read_com_uncertainty, read_forces, read_payloads
 from lutgen.recipe.plugin import load_function
@@ -196,10 +196,7 @@ def parse_recipe(
     grid = _read_grid(sweep, parameters)
     chart, channels = _read_gravity(sweep)
     export = _read_export(root)
-    function = None
-    wheels: tuple[Wheel, ...] = ()
-    content = None
-    forces: tuple[Force, ...] = ()
+    function = content = None
     com_uncertainty = read_com_uncertainty(robot)
     if "urdf" in robot:
         robot.refuse(("python", "link"), "cannot be combined with `robot.urdf`", "remove it")
@@ -208,15 +205,9 @@ def parse_recipe(
 
         content = read_content(robot, inert) if urdf is None else urdf
         links, contacts = read_urdf(robot, parameters, content)
-        wheels = read_wheels(robot, contacts)
-        forces = read_forces(robot, links)
-        links = read_payloads(robot, links)
     elif python is None:
         links = read_links(robot, parameters)
         contacts = read_contacts(robot, links)
-        wheels = read_wheels(robot, contacts)
-        forces = read_forces(robot, links)
-        links = read_payloads(robot, links)
     else:
         # Code gives places only: which way an axle on them points is not known.
         robot.refuse(
@@ -228,8 +219,10 @@ def parse_recipe(
         if not inert:
             function, count = load_function(robot, python, parameters, allow_python)
         links = (Link("body"),)
-        zero = (0.0, 0.0, 0.0)
-        contacts = tuple(Contact(f"P{i}", "body", zero) for i in range(1, count + 1))
+        contacts = tuple(Contact(f"P{i}", "body", ZERO) for i in range(1, count + 1))
+    wheels = read_wheels(robot, contacts)
+    forces = read_forces(robot, links)
+    links = read_payloads(robot, links)
     recipe = Recipe(
         name,
         length_unit,

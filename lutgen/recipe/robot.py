@@ -6,7 +6,7 @@ robot moves is not known here (`kinematics`), nor how it is sampled (`recipe`).
 
 import math
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import replace
 
 from lutgen.errors import suggestion
@@ -37,12 +37,11 @@ def read_parameters(robot: Table, length_unit: str) -> tuple[Parameter, ...]:
     for table in robot.tables("parameter", ("name", "min", "max", "unit", "joint")):
         if "urdf" not in robot:
             table.refuse(("joint",), "means nothing without `robot.urdf`", "remove it")
-        name = table.string("name", "name the parameter")
+        name = table.new_name("parameter", (p.name for p in result))
         if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name):
             table.fail("name", "is not an identifier", name, "use letters, digits and _ only")
         if name in RESERVED:
             table.fail("name", "is reserved for the map file", name, "choose another name")
-        _unique(table, name, (p.name for p in result))
         units = (*ANGLE_UNITS, length_unit)
         unit = table.string("unit", f"use one of: {', '.join(units)}")
         if unit not in units:
@@ -72,11 +71,8 @@ def read_links(robot: Table, parameters: tuple[Parameter, ...]) -> tuple[Link, .
     """Read ``[[robot.link]]``; "body" comes first unless the recipe declares it itself."""
     tables = robot.tables("link", LINK_KEYS)
     links: list[Link] = []
-    names: set[str] = set()
     for table in tables:
-        name = table.string("name", "name the link")
-        _unique(table, name, names)
-        names.add(name)
+        name = table.new_name("link", (link.name for link in links))
         mass = table.number("mass", "write a mass in any unit", 0.0)
         if mass < 0.0:
             table.fail("mass", "must not be negative", mass, "write a mass of 0 or more")
@@ -122,10 +118,8 @@ def _read_joint(link: Table, parameters: tuple[Parameter, ...]) -> Joint | None:
         table.refuse(JOINT_KEYS[1:], "means nothing for type none", "remove it or set the type")
         return None
     names = [p.name for p in parameters]
-    name = table.string("parameter", "name the parameter that drives the joint")
-    if name not in names:
-        way_out = suggestion(name, names, "use one of")
-        table.fail("parameter", "is not a parameter of the robot", name, way_out)
+    way_out = "name the parameter that drives the joint"
+    name = table.one_of("parameter", way_out, names, "is not a parameter of the robot")
     parameter = parameters[names.index(name)]
     if (parameter.unit == "rad") != (kind == "revolute"):
         needed = "an angle" if kind == "revolute" else "a length"
@@ -158,6 +152,13 @@ def _check_tree(tables: list[Table], links: list[Link]) -> None:
             table.fail("parent", "makes a loop of links", way, "attach one of them to 'body'")
 
 
+def carrier(table: Table, noun: str, links: tuple[Link, ...]) -> str:
+    """Return the name of the link that carries a part of the robot."""
+    way_out = f"name the link that carries the {noun}"
+    names = [link.name for link in links]
+    return table.one_of("link", way_out, names, "is not a link of the robot")
+
+
 CONTACT_KEYS = ("name", "link", "position", "radius", "axis", "rolling")
 
 
@@ -167,15 +168,9 @@ def read_contacts(
     derive: Callable[[Table, str], list[Contact]] | None = None,
 ) -> tuple[Contact, ...]:
     """Read ``[[robot.contact]]`` in order; without a position `derive` gives a link's contacts."""
-    tables = robot.tables("contact", CONTACT_KEYS)
-    names = {link.name: None for link in links}
     result: list[Contact] = []
-    used: set[str] = set()
-    for table in tables:
-        link = table.string("link", "name the link that carries the contact")
-        if link not in names:
-            way_out = suggestion(link, names, "use one of")
-            table.fail("link", "is not a link of the robot", link, way_out)
+    for table in robot.tables("contact", CONTACT_KEYS):
+        link = carrier(table, "contact", links)
         rolling = table.values.get("rolling", False)
         if not isinstance(rolling, bool):
             table.fail("rolling", "must be true or false", rolling, "write rolling = true")
@@ -184,13 +179,10 @@ def read_contacts(
             for contact in derive(table, link):
                 if rolling and contact.radius == 0.0:
                     table.fail("rolling", "needs a round shape", rolling, "a box slides: remove it")
-                _unique(table, contact.name, used)
-                used.add(contact.name)
+                table.refuse_twice(contact.name, (other.name for other in result))
                 result.append(replace(contact, rolling=rolling))
             continue
-        name = table.string("name", "name the contact")
-        _unique(table, name, used)
-        used.add(name)
+        name = table.new_name("contact", (other.name for other in result))
         position = table.vector("position", "write [x, y, z] in the link's frame")
         radius = table.number("radius", "write a length", 0.0)
         if radius < 0.0:
@@ -224,10 +216,8 @@ def read_wheels(robot: Table, contacts: tuple[Contact, ...]) -> tuple[Wheel, ...
     carriers = {contact.name: contact for contact in contacts}
     result: list[Wheel] = []
     for table in robot.tables("wheel", WHEEL_KEYS):
-        name = table.string("contact", "name the contact through which it touches the ground")
-        if name not in carriers:
-            way_out = suggestion(name, carriers, "use one of")
-            table.fail("contact", "is not a contact of the robot", name, way_out)
+        way_out = "name the contact through which it touches the ground"
+        name = table.one_of("contact", way_out, carriers, "is not a contact of the robot")
         if any(name == wheel.contact for wheel in result):
             table.fail("contact", "carries a wheel already", name, "give each contact one wheel")
         disc = carriers[name] if carriers[name].kind == "disc" else None
@@ -273,9 +263,3 @@ def _read_radius(wheel: Table, disc: Contact | None) -> float:
         what = f"differs from the {disc.radius:g} of its contact"
         wheel.fail("radius", what, radius, "remove it")
     return radius
-
-
-def _unique(table: Table, name: str, others: Iterable[str]) -> None:
-    """Refuse a name that was given before."""
-    if name in others:
-        table.fail("name", "is given twice", name, "choose another name")

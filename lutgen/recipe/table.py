@@ -25,16 +25,8 @@ def fail(source: str, key: str, what: str, got: object, way_out: str) -> NoRetur
 class Table:
     """One TOML table together with its place in the file.
 
-    Parameters
-    ----------
-    values : mapping
-        What the TOML reader gave.
-    source : str
-        File name for messages.
-    key : str
-        Full key of the table, "" for the whole file.
-    known : iterable of str
-        The only keys that the table may hold.
+    `values` are what the TOML reader gave, `source` is the file's name and `key` the full key of
+    the table, "" for the whole file; the table may hold `known` keys only.
     """
 
     def __init__(
@@ -84,6 +76,24 @@ class Table:
         elif not value.strip():
             self.fail(name, "must not be empty", value, way_out)
         return value
+
+    def one_of(self, name: str, way_out: str, choices: Iterable[str], what: str) -> str:
+        """Return one of `choices`; `what` is said of any other string."""
+        value = self.string(name, way_out)
+        if value not in choices:
+            self.fail(name, what, value, suggestion(value, choices, "use one of"))
+        return value
+
+    def new_name(self, noun: str, others: Iterable[str]) -> str:
+        """Return the name of a part, which no other may have."""
+        name = self.string("name", f"name the {noun}")
+        self.refuse_twice(name, others)
+        return name
+
+    def refuse_twice(self, name: str, others: Iterable[str]) -> None:
+        """Refuse a name that was given before."""
+        if name in others:
+            self.fail("name", "is given twice", name, "choose another name")
 
     def number(self, name: str, way_out: str, default: float | None = None) -> float:
         """Return a finite number; integers count, true and false do not."""
