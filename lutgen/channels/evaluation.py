@@ -76,29 +76,14 @@ def measure_postures(
     setting: Setting,
     rows: int = ROWS,
 ) -> tuple[NDArray[np.float64], int]:
-    """Measure m postures under d directions.
+    """Measure m postures under d directions, (m, rows, d); count those with too many facets.
 
-    Parameters
-    ----------
-    primitives : (m, n, 8) float64
-        As `primitive.pack` makes them.
-    wrench : (m, 7) float64 or None
-        From `wrench.wrenches`; None for the weight alone, which is faster.
-    gravity_dir : (m, d, 3) or (1, d, 3) float64
-        Unit directions, pointing down, of each posture or of all.
-    setting : Setting
-        Which facets count, and the channels asked for; sdg, height and facet are computed always.
-    rows : int
-        `ROWS`, or fewer where what lies beyond the region is not wanted.
-
-    Returns
-    -------
-    (m, rows, d) float64
-        The channels in the order of `CHANNELS`, then rows ALONG, ASIDE and HEIGHT_BEYOND: the
-        in-plane components of D_g - s on the facet whose plane gravity pierces first, and its
-        height, NaN where no accepted facet's plane is pierced, and under a moment.
-    int
-        Postures with more facets than a table holds.
+    `primitives` (m, n, 8) are rows of `primitive.pack`, `wrench` (m, 7) those of `wrench.wrenches`,
+    or None for the weight alone, which is faster; the unit directions (m, d, 3) or (1, d, 3) point
+    down; of the channels sdg, height and facet are computed always.  The rows are the channels in
+    the order of `CHANNELS`, then ALONG, ASIDE and HEIGHT_BEYOND: the in-plane components of D_g - s
+    on the facet whose plane gravity pierces first, and its height, NaN where no accepted facet's
+    plane is pierced, and under a moment; fewer than `ROWS` where these are not wanted.
     """
     out = np.empty((len(primitives), rows, gravity_dir.shape[1]))
     directions = np.ascontiguousarray(gravity_dir)

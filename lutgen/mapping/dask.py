@@ -86,14 +86,7 @@ def _computer(text: str, urdf: str | None, source: str, layout: Plan) -> Compute
 def compute_batch(job: Job, numbers: list[int], places: NDArray[np.int64]) -> list[Result]:
     """Compute blocks on a worker, and write them if it sees the file.
 
-    Parameters
-    ----------
-    job : Job
-        The sweep.
-    numbers : list of int
-        Blocks.
-    places : (channels, len(numbers)) int64
-        Where their chunks go, in bytes.
+    `places` (channels, len(numbers)) are where their chunks go, in bytes.
     """
     results = []
     part = Path(job.part)
@@ -133,33 +126,17 @@ def compute_there(
     file: PartFile,
     recipe: Recipe,
     layout: Plan,
-    scheduler: str | None = None,
-    workers: int | None = None,
-    threads: int | None = None,
+    scheduler: str | None,
+    workers: int | None,
+    threads: int | None,
 ) -> Generator[int, None, None]:
     """Compute every block that is not done on workers; yield its number when it is written.
 
-    Parameters
-    ----------
-    file : PartFile
-        The unfinished file.
-    recipe : Recipe
-        Not one that is given by code.
-    layout : Plan
-        Its blocks.
-    scheduler : str, optional
-        Address of a running scheduler; otherwise workers are started on this machine.
-    workers : int, optional
-        How many to start, one per core by default.
-    threads : int, optional
-        Of all workers started here together, or of each worker of a running scheduler.
-
-    Raises
-    ------
-    InputError
-        If distributed is not installed or the scheduler cannot be reached.
-    SweepError
-        If no worker is left, or a task cannot be done anywhere.
+    The recipe is not one that is given by code.  `scheduler` is the address of a running one;
+    without it so many workers are started on this machine, one per core by default.  `threads` are
+    those of all workers started here together, or of each worker of a running scheduler.
+    InputError is raised where distributed is not installed or the scheduler cannot be reached,
+    SweepError where no worker is left, or a task cannot be done anywhere.
     """
     if importlib.util.find_spec("distributed") is None:
         raise InputError(

@@ -14,19 +14,12 @@ Place = tuple[NDArray[np.intp], NDArray[np.float64]]
 def cell_corners(
     places: Sequence[Place],
 ) -> list[tuple[tuple[NDArray[np.intp], ...], NDArray[np.float64]]]:
-    """Return the 2^d corners of each query's cell with their weights.
+    """Return the 2^d corners of each query's cell with their weights, (indices, weight (m,)).
 
-    Parameters
-    ----------
-    places : sequence of (index (m,), frac (m,))
-        Per axis the lower knot and the place inside the cell, as `Axis.locate` gives them; an
-        index may stand on the last knot where frac is 0.
-
-    Returns
-    -------
-    list of (indices, weight (m,))
-        Corners that weigh nothing for every query are left out.  The weights of a query add up
-        to 1, and at a node the node's weight is exactly 1.
+    `places` are per axis the lower knot (m,) and the place inside the cell (m,), as `Axis.locate`
+    gives them; an index may stand on the last knot where frac is 0.  Corners that weigh nothing
+    for every query are left out.  The weights of a query add up to 1, and at a node the node's
+    weight is exactly 1.
     """
     corners: list[tuple[tuple[NDArray[np.intp], ...], NDArray[np.float64]]] = []
     for corner in range(1 << len(places)):
@@ -48,25 +41,13 @@ def cell_corners(
 def interpolate(
     values: NDArray[np.floating], places: Sequence[Place], extra: tuple[NDArray[np.intp], ...] = ()
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Interpolate, leaving NaN nodes out.
+    """Interpolate, leaving NaN nodes out; return results (m,) and shares (m,).
 
-    Parameters
-    ----------
-    values : array
-        Axes in the order of `places`, with those of `extra` (taken as they are) in between: first
-        the geometry parameters, then face, then v and u.
-    places : sequence
-        See `cell_corners`; the last two belong to v and u.
-    extra : tuple of (m,) intp
-        The face of each query.
-
-    Returns
-    -------
-    result : (m,) float64
-        Mean of the cell's corners that are not NaN, with their weights made to add up to 1; NaN
-        where no corner with a weight is a number.
-    present : (m,) float64
-        Share of the weight that was on numbers; 1 away from the tip-over boundary.
+    The axes of `values` are in the order of `places` (see `cell_corners`), whose last two are v and
+    u, with those of `extra` in between, taken as they are: the face of each query (m,).  A result
+    is the mean of the cell's corners that are not NaN, with their weights made to add up to 1, and
+    NaN where no corner with a weight is a number.  A share is that of the weight that was on
+    numbers: 1 away from the tip-over boundary.
     """
     queries = len(places[-1][0])
     total = np.zeros(queries)

@@ -27,21 +27,9 @@ class Image(io.RawIOBase):
     def __init__(self, head: bytes = b"", size: int = 0) -> None:
         self.head, self.size, self._at = bytearray(head), size, 0
 
-    def readable(self) -> bool:
-        """Return that it can be read."""
-        return True
-
-    def seekable(self) -> bool:
-        """Return that it has places."""
-        return True
-
     def seek(self, offset: int, whence: int = io.SEEK_SET) -> int:
         """Go to a place."""
         self._at = offset + {io.SEEK_SET: 0, io.SEEK_CUR: self._at, io.SEEK_END: self.size}[whence]
-        return self._at
-
-    def tell(self) -> int:
-        """Return the place."""
         return self._at
 
     def readinto(self, buffer: memoryview) -> int:  # type: ignore[override]

@@ -35,11 +35,8 @@ ALIGN_FROM, ALIGNMENT = 1 << 15, 1 << 12
 def create(target: io.RawIOBase, recipe: Recipe, layout: Plan) -> dict[str, NDArray[np.int64]]:
     """Write a map whose chunks are all zeros, that is without values yet, into a file object.
 
-    Returns
-    -------
-    dict of str to (blocks,) int64
-        Per channel the place of every chunk in the file, in bytes.  Channel after channel, block
-        after block they follow upon each other, large ones on whole pages.
+    Returns per channel the place of every chunk (blocks,) in the file, in bytes.  Channel after
+    channel, block after block they follow upon each other, large ones on whole pages.
     """
     with h5py.File(
         target,

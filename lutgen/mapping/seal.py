@@ -40,39 +40,19 @@ def checksums_digest(sums: NDArray[np.uint32]) -> str:
 
 
 def sealed(head: bytes, sums: NDArray[np.uint32]) -> bytes:
-    """Return a head with the digest in it.
-
-    Parameters
-    ----------
-    head : bytes
-        All of the file before its values, with `UNSEALED` as the digest.
-    sums : (channels, blocks) uint32
-        Checksums of the chunks.
-    """
+    """Return a head, with `UNSEALED` as its digest, with that of itself and of the checksums."""
     chunks = checksums_digest(sums)
-    ready = head.replace(UNSEALED.encode(), _TEXT.format(len(head), "0" * 64, chunks).encode(), 1)
-    own = hashlib.sha256(ready).hexdigest()
-    return ready.replace(
-        _TEXT.format(len(head), "0" * 64, chunks).encode(),
-        _TEXT.format(len(head), own, chunks).encode(),
-        1,
-    )
+
+    def with_digest(own: str) -> bytes:
+        return head.replace(UNSEALED.encode(), _TEXT.format(len(head), own, chunks).encode(), 1)
+
+    return with_digest(hashlib.sha256(with_digest("0" * 64)).hexdigest())
 
 
 def check_head(path: Path) -> Seal | None:
-    """Check the head of a map file against its digest.
+    """Check the head of a map file against its digest; MapFileError or OSError is raised.
 
-    Returns
-    -------
-    Seal or None
-        None for a file without a digest: foreign, unfinished, or of an earlier lutgen.
-
-    Raises
-    ------
-    MapFileError
-        If the head is not what the digest says.
-    OSError
-        If the file cannot be read.
+    None for a file without a digest: foreign, unfinished, or of an earlier lutgen.
     """
     with path.open("rb") as file:
         found = _PATTERN.search(file.read(_SEARCHED))

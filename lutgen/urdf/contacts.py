@@ -11,8 +11,9 @@ import numpy as np
 
 from lutgen.parts import Contact
 from lutgen.rotation import rotation
+from lutgen.urdf.links import as_vector
 from lutgen.urdf.read import Collision, UrdfLink
-from lutgen.vector import Floats, Vector
+from lutgen.vector import Vector
 
 ROUND = ("sphere", "cylinder")
 
@@ -28,20 +29,11 @@ def used_shapes(link: UrdfLink) -> list[Collision]:
 
 
 def link_contacts(link: UrdfLink, name: str | None = None) -> list[Contact]:
-    """Return the contacts of a link's collision shapes, in its frame (m).
+    """Return the contacts of a link's collision shapes, in its frame (m), in order of the file.
 
-    Parameters
-    ----------
-    link : UrdfLink
-        The link.
-    name : str, optional
-        Name of the contacts, the link's by default; where there are several, the number of the
-        shape and that of the disc or corner follow it.
-
-    Returns
-    -------
-    list of Contact
-        In order of the file; empty where the link has no sphere, cylinder or box.
+    They have the given name, the link's by default; where there are several, the number of the
+    shape and that of the disc or corner follow it.  Empty where the link has no sphere, cylinder or
+    box.
     """
     shapes = used_shapes(link)
     result = []
@@ -64,13 +56,8 @@ def _primitives(shape: Collision) -> Iterator[tuple[Vector, float, Vector | None
     elif shape.kind == "cylinder":
         radius, length = shape.size
         for end in (0.5, -0.5):
-            axis = _vector(turn[:, 2]) if radius > 0.0 else None
-            yield _vector(centre + end * length * turn[:, 2]), radius, axis
+            axis = as_vector(turn[:, 2]) if radius > 0.0 else None
+            yield as_vector(centre + end * length * turn[:, 2]), radius, axis
     else:
         for corner in itertools.product((0.5, -0.5), repeat=3):
-            yield _vector(centre + turn @ (np.array(corner) * shape.size)), 0.0, None
-
-
-def _vector(values: Floats) -> Vector:
-    x, y, z = values.tolist()
-    return x, y, z
+            yield as_vector(centre + turn @ (np.array(corner) * shape.size)), 0.0, None

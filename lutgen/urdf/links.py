@@ -30,21 +30,10 @@ def downwards(robot: UrdfRobot) -> list[UrdfJoint]:
 
 
 def links_of(robot: UrdfRobot, motion: Motion, parameters: Mapping[str, str]) -> tuple[Link, ...]:
-    """Turn all links into those of a recipe, the root first, under their own names.
+    """Turn all links into those of a recipe (m, kg), the root first, under their own names.
 
-    Parameters
-    ----------
-    robot : UrdfRobot
-        The description.
-    motion : Motion
-        Its free and held joints.  A joint held away from zero is part of its link's placement.
-    parameters : mapping of str to str
-        Name of the parameter for each free joint.
-
-    Returns
-    -------
-    tuple of Link
-        Lengths in m, masses in kg.
+    A joint held away from zero is part of its link's placement; `parameters` has the name of the
+    parameter for each free joint.
     """
     described = {link.name: link for link in robot.links}
     top = described[robot.root]
@@ -58,7 +47,7 @@ def links_of(robot: UrdfRobot, motion: Motion, parameters: Mapping[str, str]) ->
             moving = Joint(kind, joint.axis, parameters[drive.by], drive.scale, drive.offset)
         elif drive is not None and drive.offset != 0.0:
             turn, where = _moved(joint, drive.offset)
-            origin, rpy = _vector(where), angles(turn)
+            origin, rpy = as_vector(where), angles(turn)
         link = described[joint.child]
         result.append(Link(link.name, joint.parent, origin, rpy, moving, link.mass, link.com))
     return tuple(result)
@@ -67,22 +56,10 @@ def links_of(robot: UrdfRobot, motion: Motion, parameters: Mapping[str, str]) ->
 def places(
     robot: UrdfRobot, motion: Motion, values: Mapping[str, float] | None = None
 ) -> dict[str, Place]:
-    """Place every link.
+    """Place every link: rotation (3, 3) and origin (3,) in the frame of the root, m.
 
-    Parameters
-    ----------
-    robot : UrdfRobot
-        The description.
-    motion : Motion
-        Its free and held joints.
-    values : mapping of str to float, optional
-        Values of free joints (rad or m).  Those that are not named stand at zero, or at their
-        limit nearest to zero.
-
-    Returns
-    -------
-    dict of str to (Floats, Floats)
-        Rotation (3, 3) and origin (3,) in the frame of the root, m.
+    Free joints without one of the `values` (rad or m) stand at zero, or at their limit nearest to
+    zero.
     """
     result: dict[str, Place] = {robot.root: (np.eye(3), np.zeros(3))}
     for joint in downwards(robot):
@@ -120,6 +97,7 @@ def _moved(joint: UrdfJoint, value: float) -> Place:
     return turn @ axis_rotation(joint.axis, value), origin
 
 
-def _vector(values: Floats) -> Vector:
+def as_vector(values: Floats) -> Vector:
+    """Return an array (3,) as a vector of the recipe."""
     x, y, z = values.tolist()
     return x, y, z

@@ -14,20 +14,10 @@ MAX_DEPTH = 100
 
 
 def parse_xml(content: bytes, source: str) -> Element:
-    """Return the root element.
+    """Return the root element of XML in an encoding that it declares, UTF-8 otherwise.
 
-    Parameters
-    ----------
-    content : bytes
-        XML in an encoding that it declares, UTF-8 otherwise.
-    source : str
-        File name for messages.
-
-    Returns
-    -------
-    Element
-        RecipeError is raised for what is not well-formed, for a document type declaration and
-        for elements nested deeper than 100.
+    RecipeError is raised for what is not well-formed, for a document type declaration and for
+    elements nested deeper than 100.
     """
     builder = TreeBuilder()
     depth = 0
