@@ -168,9 +168,8 @@ def diagnose(posture: Posture, gravity_dir: ArrayLike) -> Diagnosis:
     else:
         k = supporting_facet(stance.region.facet, stance.region.tally[FACETS], g)
         tip_axes = _tip_axes(posture, g, standing)
-    least = min(range(len(tip_axes)), key=lambda b: abs(tip_axes[b].tip_angle), default=None)
-    if stance.convex and tip_axes:
-        least = min(range(len(tip_axes)), key=lambda b: tip_axes[b].tip_angle)
+    angles = [axis.tip_angle if stance.convex else abs(axis.tip_angle) for axis in tip_axes]
+    least = angles.index(min(angles)) if angles else None
     resultant = down[0] + wrench[PHI:MU]
     facet, pierced, slope = None, np.full(3, np.nan), math.nan
     if k >= 0:

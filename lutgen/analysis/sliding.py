@@ -16,28 +16,25 @@ from lutgen.bracket import halve
 from lutgen.channels import (
     MU,
     PHI,
-    POSTURES_A_THREAD,
     acceptance_of,
     add,
     checked_directions,
     empty_axes,
     find_axes,
+    for_each_posture,
     loaded_verdict,
     part,
-    refuse_overflow,
-    wrenches,
 )
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
-from lutgen.jit import in_threads, njit
-from lutgen.recipe import Recipe, forward, radii_and_kinds
+from lutgen.jit import njit
+from lutgen.recipe import Recipe, forward
 from lutgen.support import (
     FACETS,
     PLANE,
     Acceptance,
     empty_region,
     facet_table,
-    pack,
     stand,
     supporting_facet,
     vector_at,
@@ -111,15 +108,9 @@ def slopes(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> Floats:
             f"gravity_dir must have the shape ({len(where.com)}, d, 3) (got {directions.shape}); "
             "give rows x, y, z for each posture"
         )
-    radius, kind = radii_and_kinds(recipe)
     found = np.empty(directions.shape[:2])
-    overflow = in_threads(
-        *(_slopes_of_some, len(found), pack(where.centres, where.axes, radius, kind)),
-        *(wrenches(recipe, where), np.ascontiguousarray(unit_directions(directions))),
-        *(acceptance_of(recipe), found),
-        least=POSTURES_A_THREAD,
-    )
-    refuse_overflow(recipe.source, overflow, len(found), len(kind))
+    units = np.ascontiguousarray(unit_directions(directions))
+    for_each_posture(_slopes_of_some, recipe, where, units, acceptance_of(recipe), found)
     return found
 
 

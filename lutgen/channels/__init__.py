@@ -6,9 +6,9 @@ In reading order: `axes`, `plain`, `loaded`, `wrench`, `evaluation`, `raster`, `
 
 from lutgen.channels.axes import MU, PHI, RHO, add, empty_axes, find_axes, part
 from lutgen.channels.evaluation import (
-    POSTURES_A_THREAD,
     evaluate,
     evaluate_each,
+    for_each_posture,
     measure_moved,
     measure_recipe,
     stability,
@@ -23,7 +23,6 @@ from lutgen.channels.plain import (
     axis_margin,
     checked_directions,
     measure,
-    refuse_overflow,
     tip_angle,
     wanted_channels,
 )
@@ -39,7 +38,6 @@ __all__ = [
     "JUST_OUTSIDE",
     "MU",
     "PHI",
-    "POSTURES_A_THREAD",
     "RHO",
     "Scanner",
     "acceptance_of",
@@ -53,6 +51,7 @@ __all__ = [
     "evaluate",
     "evaluate_each",
     "find_axes",
+    "for_each_posture",
     "loaded_margin",
     "loaded_verdict",
     "measure",
@@ -60,7 +59,6 @@ __all__ = [
     "measure_recipe",
     "part",
     "refuse_forces",
-    "refuse_overflow",
     "stability",
     "tip_angle",
     "turned",

@@ -6,7 +6,7 @@ measurement also continues the stability factor to where the robot tips, because
 there must hold something smooth and a search that starts there must find its way out.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -93,6 +93,19 @@ def measure_postures(
         return out, in_threads(measure_some, len(primitives), *arguments, least=least)
     loaded = (primitives, wrench, directions, setting, out)
     return out, in_threads(measure_loaded, len(primitives), *loaded, least=least)
+
+
+def for_each_posture(
+    kernel: Callable[..., int], recipe: Recipe, postures: Postures, *arguments: object
+) -> None:
+    """Call ``kernel(begin, end, primitives, wrench, *arguments)`` on parts of a recipe's postures.
+
+    It returns how many of [begin, end) have more facets than a table holds, which none may have.
+    """
+    primitives = pack(postures.centres, postures.axes, *radii_and_kinds(recipe))
+    everything = (primitives, wrenches(recipe, postures), *arguments)
+    overflow = in_threads(kernel, len(primitives), *everything, least=POSTURES_A_THREAD)
+    refuse_overflow(recipe.source, overflow, *primitives.shape[:2])
 
 
 def measure_recipe(

@@ -16,13 +16,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.channels.axes import MOMENT, MU, PHI, RHO, add, enter_edge_planes, part
-from lutgen.channels.evaluation import POSTURES_A_THREAD
-from lutgen.channels.plain import refuse_overflow
-from lutgen.channels.wrench import acceptance_of, wrenches
+from lutgen.channels.evaluation import for_each_posture
+from lutgen.channels.wrench import acceptance_of
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
-from lutgen.jit import in_threads, njit
-from lutgen.recipe import Recipe, forward, radii_and_kinds
+from lutgen.jit import njit
+from lutgen.recipe import Recipe, forward
 from lutgen.support import (
     EDGE_PLANE,
     FACETS,
@@ -33,7 +32,6 @@ from lutgen.support import (
     Region,
     empty_region,
     facet_table,
-    pack,
     stand,
     supporting_facet,
     vector_at,
@@ -174,12 +172,6 @@ def body_gravity(
     directions = np.ascontiguousarray(np.broadcast_to(given, (count, 3)))
     if convention == "body":
         return directions.copy()
-    radius, kind = radii_and_kinds(recipe)
     down = np.empty((count, 3))
-    overflow = in_threads(
-        *(_settle_some, count, pack(posture.centres, posture.axes, radius, kind)),
-        *(wrenches(recipe, posture), directions, acceptance_of(recipe), down),
-        least=POSTURES_A_THREAD,
-    )
-    refuse_overflow(recipe.source, overflow, count, len(kind))
+    for_each_posture(_settle_some, recipe, posture, directions, acceptance_of(recipe), down)
     return down
