@@ -88,11 +88,9 @@ def measure_postures(
     out = np.empty((len(primitives), rows, gravity_dir.shape[1]))
     directions = np.ascontiguousarray(gravity_dir)
     least = max(POSTURES_A_THREAD // (1 + gravity_dir.shape[1] // DIRECTIONS_A_POSTURE), 1)
-    if wrench is None:
-        arguments = (primitives, directions, setting, out)
-        return out, in_threads(measure_some, len(primitives), *arguments, least=least)
-    loaded = (primitives, wrench, directions, setting, out)
-    return out, in_threads(measure_loaded, len(primitives), *loaded, least=least)
+    kernel, load = (measure_some, ()) if wrench is None else (measure_loaded, (wrench,))
+    arguments = (primitives, *load, directions, setting, out)
+    return out, in_threads(kernel, len(primitives), *arguments, least=least)
 
 
 def for_each_posture(
@@ -303,8 +301,6 @@ def evaluate_each(
             f"(got the shape {directions.shape})"
         )
     values = measure_recipe(recipe, where, unit_directions(each), wanted, rows=len(CHANNELS))
-    found = {name: values[:, CHANNELS.index(name)] for name in channels}
-    return {
-        name: (value[:, 0] if directions.ndim == 2 else value).copy()
-        for name, value in found.items()
-    }
+    if directions.ndim == 2:
+        values = values[:, :, 0]
+    return {name: values[:, CHANNELS.index(name)].copy() for name in channels}

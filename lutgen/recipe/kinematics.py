@@ -78,8 +78,6 @@ def forward(recipe: Recipe, params: ArrayLike) -> Postures:
     shape = (len(values), contacts + len(recipe.forces), 3)
     points, axes, com = np.empty(shape), np.empty(shape), np.empty((len(values), 3))
     _forward(values, _tree(recipe), points, axes, com)
-    if not recipe.forces:
-        return Postures(points, axes, com, points[:, contacts:])
     return Postures(
         np.ascontiguousarray(points[:, :contacts]),
         np.ascontiguousarray(axes[:, :contacts]),

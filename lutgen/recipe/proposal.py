@@ -69,7 +69,9 @@ def import_urdf(
     """
     motion = read_motion(robot, joints)
     rest = places(robot, motion)
-    _check_links(robot, given)
+    links = {link.name for link in robot.links}
+    # An unknown link is refused in the same words, whoever names it.
+    named_contacts(robot, [contact.link for contact in given if contact.link not in links])
     if contacts is None and not given:
         found = proposed_contacts(robot, rest)
     else:
@@ -85,14 +87,6 @@ def import_urdf(
     text = recipe_text(robot, motion, found)
     recipe = parse_recipe(text, robot.source)
     return Imported(text, recipe, tuple(_left_out(robot, motion, found, inner)))
-
-
-def _check_links(robot: UrdfRobot, given: Sequence[Contact]) -> None:
-    """Refuse contacts on unknown links."""
-    known = {link.name for link in robot.links}
-    for contact in given:
-        if contact.link not in known:
-            named_contacts(robot, [contact.link])
 
 
 def _wrong_number(robot: UrdfRobot, count: int) -> RecipeError:
@@ -144,31 +138,31 @@ def _left_out(
             if len(names) > 1
             else f"joint {_listed(names)}: held, {why}"
         )
-    if inner:
-        names = [contact.name for contact in inner]
-        result.append(f"contacts between two others, which carry nothing alone: {_listed(names)}")
     touching = {contact.link for contact in contacts} | {contact.link for contact in inner}
-    unused = [link.name for link in robot.links if link.collisions and link.name not in touching]
-    if unused:
-        result.append(f"collision shapes of links that are no contacts: {_listed(unused)}")
     partly = {
         link.name: sorted({shape.kind for shape in link.collisions if shape not in used})
         for link in robot.links
         if link.name in touching and (used := used_shapes(link)) != list(link.collisions)
     }
-    if partly:
-        kinds = sorted({kind for found in partly.values() for kind in found})
-        result.append(f"collision shapes of kind {_listed(kinds)}: of {_listed(list(partly))}")
-    weightless = [link.name for link in robot.links if link.collisions and not link.mass]
-    if weightless:
-        result.append(f"links without mass, which weigh nothing here: {_listed(weightless)}")
+    kinds = sorted({kind for found in partly.values() for kind in found})
     carrying = carrying_links(robot, contacts)
-    bare = [link.name for link in robot.links if link.name not in carrying]
-    if bare:
-        result.append(f"links without mass or contacts: {_listed(bare)}")
-    if not any(link.mass > 0.0 for link in robot.links):
-        result.append("masses: none is given, so that the com is the origin of the root link")
-    if robot.ignored:
-        tags = [f"{count} <{tag}>" for tag, count in robot.ignored.items()]
-        result.append(f"other elements: {_listed(tags)}")
-    return result
+    shaped = [link for link in robot.links if link.collisions]
+    heavy = any(link.mass > 0.0 for link in robot.links)
+    named = {
+        "contacts between two others, which carry nothing alone: ": [one.name for one in inner],
+        "collision shapes of links that are no contacts: ": [
+            link.name for link in shaped if link.name not in touching
+        ],
+        f"collision shapes of kind {_listed(kinds)}: of ": list(partly),
+        "links without mass, which weigh nothing here: ": [
+            link.name for link in shaped if not link.mass
+        ],
+        "links without mass or contacts: ": [
+            link.name for link in robot.links if link.name not in carrying
+        ],
+        "masses: ": []
+        if heavy
+        else ["none is given, so that the com is the origin of the root link"],
+        "other elements: ": [f"{count} <{tag}>" for tag, count in robot.ignored.items()],
+    }
+    return result + [what + _listed(names) for what, names in named.items() if names]
