@@ -4,12 +4,7 @@ In reading order: `stance`, `diagnosis`, `ground`, `ground_contact`, `wheels`, `
 `rolling`, `metrics`, `tilt_table`.
 """
 
-from lutgen.analysis.diagnosis import (
-    Diagnosis,
-    diagnose,
-    heuristic_forces,
-    normal_forces,
-)
+from lutgen.analysis.diagnosis import Diagnosis, diagnose, heuristic_forces, normal_forces
 from lutgen.analysis.metrics import Metrics, axis_force_angle, compare_metrics
 from lutgen.analysis.rolling import roll_limits, rolling_gravity, rolls
 from lutgen.analysis.sliding import slide_limits, slopes
@@ -18,7 +13,6 @@ from lutgen.analysis.tilt import tilt_limits, tilted
 from lutgen.analysis.tilt_table import (
     FOUR,
     WORST,
-    HeadingLimit,
     PostureLimits,
     SweepLimits,
     even_headings,
@@ -32,7 +26,6 @@ __all__ = [
     "WORST",
     "Diagnosis",
     "Facet",
-    "HeadingLimit",
     "Metrics",
     "Motion",
     "Posture",

@@ -17,7 +17,6 @@ from lutgen.urdf import (
     ROUND,
     Motion,
     Place,
-    UrdfJoint,
     UrdfRobot,
     centre_of_mass,
     downwards,
@@ -160,8 +159,8 @@ def effects(
     moment, mass = _carried(robot, where)
     result = dict.fromkeys(motion.free, (0.0, 0.0))
     for joint in robot.joints:
-        drive = motion.drives.get(joint.name)
-        if drive is None or drive.by is None:
+        drive = motion.drive(joint.name)
+        if drive.by is None:
             continue
         low, high = motion.free[drive.by]
         span = abs(drive.scale) * (high - low)
@@ -225,11 +224,7 @@ def _carried(
 def _rigid_parts(robot: UrdfRobot, motion: Motion) -> dict[str, str]:
     """Return for each link the first link of the part that moves as one."""
     result = {robot.root: robot.root}
-
-    def moves(joint: UrdfJoint) -> bool:
-        drive = motion.drives.get(joint.name)
-        return drive is not None and drive.by is not None
-
     for joint in downwards(robot):
-        result[joint.child] = joint.child if moves(joint) else result[joint.parent]
+        moves = motion.drive(joint.name).by is not None
+        result[joint.child] = joint.child if moves else result[joint.parent]
     return result

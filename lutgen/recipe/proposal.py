@@ -147,7 +147,6 @@ def _left_out(
     kinds = sorted({kind for found in partly.values() for kind in found})
     carrying = carrying_links(robot, contacts)
     shaped = [link for link in robot.links if link.collisions]
-    heavy = any(link.mass > 0.0 for link in robot.links)
     named = {
         "contacts between two others, which carry nothing alone: ": [one.name for one in inner],
         "collision shapes of links that are no contacts: ": [
@@ -160,9 +159,8 @@ def _left_out(
         "links without mass or contacts: ": [
             link.name for link in robot.links if link.name not in carrying
         ],
-        "masses: ": []
-        if heavy
-        else ["none is given, so that the com is the origin of the root link"],
-        "other elements: ": [f"{count} <{tag}>" for tag, count in robot.ignored.items()],
     }
+    if not any(link.mass > 0.0 for link in robot.links):
+        named["masses: "] = ["none is given, so that the com is the origin of the root link"]
+    named["other elements: "] = [f"{count} <{tag}>" for tag, count in robot.ignored.items()]
     return result + [what + _listed(names) for what, names in named.items() if names]

@@ -6,7 +6,7 @@ In reading order: `xml`, `read`, `motion`, `links`, `contacts`, `xacro`.
 from lutgen.urdf.contacts import ROUND, link_contacts, used_shapes
 from lutgen.urdf.links import Place, centre_of_mass, downwards, links_of, places
 from lutgen.urdf.motion import TURN, Motion, read_motion
-from lutgen.urdf.read import MAX_BYTES, UrdfJoint, UrdfRobot, load_urdf, parse_urdf
+from lutgen.urdf.read import MAX_BYTES, UrdfRobot, load_urdf, parse_urdf
 from lutgen.urdf.xacro import load_xacro
 
 __all__ = [
@@ -15,7 +15,6 @@ __all__ = [
     "TURN",
     "Motion",
     "Place",
-    "UrdfJoint",
     "UrdfRobot",
     "centre_of_mass",
     "downwards",

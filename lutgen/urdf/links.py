@@ -39,13 +39,13 @@ def links_of(robot: UrdfRobot, motion: Motion, parameters: Mapping[str, str]) ->
     top = described[robot.root]
     result = [Link(top.name, mass=top.mass, com=top.com)]
     for joint in downwards(robot):
-        drive = motion.drives.get(joint.name)
+        drive = motion.drive(joint.name)
         moving = None
         origin, rpy = joint.origin, joint.rpy
-        if drive is not None and drive.by is not None:
+        if drive.by is not None:
             kind = "prismatic" if joint.kind == "prismatic" else "revolute"
             moving = Joint(kind, joint.axis, parameters[drive.by], drive.scale, drive.offset)
-        elif drive is not None and drive.offset != 0.0:
+        elif drive.offset != 0.0:
             turn, where = _moved(joint, drive.offset)
             origin, rpy = as_vector(where), angles(turn)
         link = described[joint.child]
@@ -63,13 +63,11 @@ def places(
     """
     result: dict[str, Place] = {robot.root: (np.eye(3), np.zeros(3))}
     for joint in downwards(robot):
-        drive = motion.drives.get(joint.name)
-        value = 0.0
-        if drive is not None:
-            value = drive.offset
-            if drive.by is not None:
-                low, high = motion.free[drive.by]
-                value += drive.scale * (values or {}).get(drive.by, min(max(0.0, low), high))
+        drive = motion.drive(joint.name)
+        value = drive.offset
+        if drive.by is not None:
+            low, high = motion.free[drive.by]
+            value += drive.scale * (values or {}).get(drive.by, min(max(0.0, low), high))
         turn, where = result[joint.parent]
         own, origin = _moved(joint, value)
         result[joint.child] = turn @ own, where + turn @ origin

@@ -31,6 +31,10 @@ class Motion:
     drives: dict[str, Drive]
     held: dict[str, str]
 
+    def drive(self, joint: str) -> Drive:
+        """Return what drives a joint; a fixed one stands at 0."""
+        return self.drives.get(joint, Drive(None, 0.0, 0.0))
+
 
 def read_motion(robot: UrdfRobot, chosen: Sequence[str] | None = None) -> Motion:
     """Sort the joints.
