@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from firmware_export.codecs import codec, usable
+from firmware_export.codecs import CODECS, codec, usable
 from firmware_export.emit import package, report
 from firmware_export.emit.config import runtime_file
 from firmware_export.emit.source import body_of, source_text
@@ -36,10 +36,8 @@ VERDICT = ("tip_angle",)
 SOURCES = (
     "lutgen/*.py",
     *(f"lutgen/{room}/*.py" for room in ("urdf", "recipe", "support", "channels")),
-    *(
-        f"firmware_export/{room}/*.py"
-        for room in ("truth", "protocol", "contacts", "poly", "grid", "verdict")
-    ),
+    *(f"firmware_export/{room}/*.py" for room in ("truth", "protocol")),
+    *sorted({f"firmware_export/{info.encode.__module__.split('.')[1]}/*.py" for info in CODECS}),
 )
 
 # A stool on three legs: no parameters, so that its tables have the two axes of the chart.

@@ -46,6 +46,8 @@ def shape_of(export: Export) -> Shape:
         dims = max(len(part.knots) for part in tables.parts)
         nodes = max(len(knots) for part in tables.parts for knots in part.knots)
         return Shape(k, dims=dims, nodes=nodes)
+    if export.codec not in ("contacts", "poly"):  # no loop over anything but parameters
+        return Shape(k)
     body: Any = body_of(export)
     arrays = {array.name: array.numbers.size for array in body.arrays if array.plain}
     if export.codec == "poly":

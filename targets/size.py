@@ -23,9 +23,12 @@ from firmware_export.emit import report
 from firmware_export.emit.config import entries, runtime_file
 from firmware_export.emit.size import FILE, TARGET
 from lutgen.errors import ExportError, LutgenError
+from targets.cases import ROOT
 
 __all__ = ["Measure", "deepest", "feature_sets", "main", "measure", "measure_set"]
 
+# What exports read instead of compiling.
+SIZES = ROOT / "firmware_export" / "runtime" / FILE
 COMPILER = "arm-none-eabi-gcc"
 TARGET_FLAGS = ("-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16", "-Os")
 # Nothing of the C library is linked; picolibc has string.h.
@@ -209,10 +212,9 @@ def _table(folder: Path, exports: Sequence[Path], update: bool) -> None:
         result = measure(_settings_of(directory), folder)
         print(_row(f"export {content['name']} ({content['spec']})", result))
     if update:
-        path = Path(__file__).parent / "runtime" / FILE
         content = {"structs": struct_sizes(folder), "sets": rows}
-        path.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
-        print(f"{path.name} is rewritten", file=sys.stderr)
+        SIZES.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+        print(f"{SIZES.name} is rewritten", file=sys.stderr)
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ from firmware_export.certify import (
 from firmware_export.emit import code_bytes, features, flash_bytes
 from firmware_export.protocol import CodecInfo, Export
 from firmware_export.truth import Model, biased, uniform
-from lutgen.errors import InputError
+from lutgen.errors import ExportError, InputError
 
 SEED = 501
 POINTS = 15_000
@@ -132,8 +132,14 @@ class Trials:
         body = codec.c_body(tables)
         export = replace(export, code_bytes=code_bytes(features(export, body)))
         size = flash_bytes(export, body)
+        if size["descriptors"] is None or size["code"] is None:
+            raise ExportError(
+                f"{codec.name}: the runtime was never measured with it (got no row of sizes.json "
+                f"for {', '.join(sorted(features(export, body)))}), so its bytes cannot be "
+                "compared; run `python -m targets.size --update` with arm-none-eabi-gcc."
+            )
         parts = (size["tables"], size["descriptors"], size["code"])
-        return export, int(size["tables"]), sum(int(part) for part in parts if part is not None)
+        return export, int(size["tables"]), sum(map(int, parts))
 
     def assess(self, codec: CodecInfo, tables: Any) -> Candidate:
         """Measure tables."""

@@ -69,9 +69,9 @@ class CodecInfo:
         What people and reports call it.  Two codecs may share a name and the C that reads their
         tables: then at most one of them holds a given robot.
     enum : str
-        The member of smap_codec_t.
+        Its member of the enumeration of codecs in smap.h.
     switches : mapping of str to str
-        The switch of smap_config.h for each arithmetic that the codec has.
+        The switch of smap.h for each arithmetic that the codec has.
     structs : tuple of str
         The structs of smap.h that its descriptors are made of.
     look : (str, str)

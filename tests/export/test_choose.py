@@ -251,6 +251,19 @@ def test_going_on_after_a_certificate_uses_what_was_tried() -> None:
     assert finer.bytes > first.bytes
 
 
+def test_code_that_was_never_measured_is_not_taken_for_none(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(trials, "code_bytes", lambda features: None)
+    tool = Trials(Model(lutgen.parse_recipe(tripod())), "tripod", ("tip_angle",), "float")
+    poly = codec("poly")
+    tables = poly.encode(
+        tool.model, tool.channels, poly.sizes(tool.model, tool.channels, "float")[0]
+    )
+    with pytest.raises(ExportError, match="never measured"):
+        tool.bytes_of(poly, tables)
+
+
 def test_steps_too_small_to_count_alone_are_followed_while_they_add_up() -> None:
     # Three axes that each have to grow: none alone lowers the score by a tenth.
     model = Model(lutgen.load_recipe("maps/excavator.toml"))

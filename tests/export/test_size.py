@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from firmware_export.emit.size import measured
+from firmware_export.emit.size import measured, parse_sizes
 from lutgen.errors import ExportError
 from targets import size as size_measure
 
@@ -45,3 +45,17 @@ def test_the_committed_sizes_are_those_of_the_runtime(tmp_path: Path) -> None:
         assert found["code"] == pytest.approx(known["code"], rel=0.03), features
         assert found["stack"] == pytest.approx(known["stack"], abs=16), features
         assert (found["data"], found["bss"]) == (0, 0)
+
+
+@pytest.mark.needs(size_measure.COMPILER)
+def test_an_update_rewrites_the_file_that_exports_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert parse_sizes(size_measure.SIZES.read_text()) == measured()
+    one = size_measure.feature_sets()[0]
+    monkeypatch.setattr(size_measure, "SIZES", tmp_path / "sizes.json")
+    monkeypatch.setattr(size_measure, "feature_sets", lambda: [one])
+    assert size_measure.main(["--update"]) == 0
+    written = parse_sizes((tmp_path / "sizes.json").read_text())
+    assert written["structs"] == measured()["structs"]
+    assert set(written["sets"]) == {frozenset(one)}
