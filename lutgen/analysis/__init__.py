@@ -1,12 +1,20 @@
 """Questions about one posture: forces, ground, tilt, sliding, rolling, wheels.
 
-In reading order: `stance`, `diagnosis`, `ground`, `ground_contact`, `wheels`, `tilt`, `sliding`,
-`rolling`, `metrics`, `tilt_table`.
+In reading order: `stance`, `forces`, `diagnosis`, `ground`, `ground_contact`, `wheels`, `tilt`,
+`sliding`, `resistance`, `rolling`, `metrics`, `tilt_table`.
 """
 
-from lutgen.analysis.diagnosis import Diagnosis, diagnose, heuristic_forces, normal_forces
+from lutgen.analysis.diagnosis import Diagnosis, diagnose
+from lutgen.analysis.forces import heuristic_forces, load_corners, normal_forces
 from lutgen.analysis.metrics import Metrics, axis_force_angle, compare_metrics
-from lutgen.analysis.rolling import roll_limits, rolling_gravity, rolls
+from lutgen.analysis.rolling import (
+    hold_limits,
+    holds,
+    may_hold,
+    roll_limits,
+    rolling_gravity,
+    rolls,
+)
 from lutgen.analysis.sliding import slide_limits, slopes
 from lutgen.analysis.stance import Facet, Posture
 from lutgen.analysis.tilt import tilt_limits, tilted
@@ -36,6 +44,10 @@ __all__ = [
     "diagnose",
     "even_headings",
     "heuristic_forces",
+    "hold_limits",
+    "holds",
+    "load_corners",
+    "may_hold",
     "normal_forces",
     "posture_limits",
     "roll_limits",

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from lutgen.analysis.forces import heuristic_forces, load_corners, smallest_load
 from lutgen.analysis.stance import Facet, Posture
 from lutgen.channels import (
     MU,
@@ -43,8 +44,8 @@ from lutgen.support import (
 )
 from lutgen.vector import Floats, Vector, dot
 
-# Shares of the weight below this are zero but for rounding.
-ROUNDING = 1e-12
+# Shares of the weight nearer than this are one, as far as the balance is kept.
+BALANCED = 1e-9
 
 
 @dataclass(frozen=True)
@@ -70,9 +71,11 @@ class Diagnosis:
 
     `facet` is the support facet, also where the robot tips, or None if it has none; `pierced` (3,)
     is D_g in its plane, under forces the zero-moment point, and NaN without a facet.
-    `normal_forces` are shares of the weight's component along the facet's normal, by contact
-    name: "exact" for three contacts, "minimum norm" (of all that balance and nowhere pull) for
-    more; empty where the robot tips, and over a gap, where it rocks from one facet to another.
+    `normal_forces` are shares of the weight's component along the facet's normal, by name of all
+    contacts that touch it: "exact" where only one distribution balances, as for three contacts not
+    in a line, "minimum norm" (of all that balance and nowhere pull) elsewhere; empty where the
+    robot tips, and over a gap, where it rocks from one facet to another.  `normal_ranges` are the
+    least and the largest share that each can carry, one distribution per bound.
     `heuristic_forces` are those of the paper's Eq 12.  `slides` is None without a friction
     coefficient.  Under the recipe's forces the weight is the resultant of weight and forces,
     `resultant` over the weight, and `slope` its angle to the normal.  `com_uncertainty` is the
@@ -94,6 +97,7 @@ class Diagnosis:
     least_stable: int | None
     normal_forces: dict[str, float]
     forces_kind: str
+    normal_ranges: dict[str, tuple[float, float]]
     heuristic_forces: dict[str, float]
     slope: float
     slides: bool | None
@@ -101,57 +105,6 @@ class Diagnosis:
     com_uncertainty: float
     force_points: Floats
     forces: Floats
-
-
-def normal_forces(points: Floats, pierced: Floats) -> Floats:
-    """Return each contact's share of the normal force, (k,), adding up to 1.
-
-    Friction has no moment about axes in the contact plane, so force and moment balance about
-    D_g alone fix the shares of three contacts, whatever mu is.  Of more than three the balance
-    leaves a choice; this is the solution of the smallest sum of squares in which no contact pulls
-    at the ground.  Where D_g is outside the polygon there is none, and some share is negative.
-
-    Parameters
-    ----------
-    points : (k, 3) float64
-        Contact points in one plane.
-    pierced : (3,) float64
-        D_g, in the same plane.
-    """
-    arms = points - pierced
-    _, spread, basis = np.linalg.svd(arms, full_matrices=False)
-    plane = basis[:2] if spread[1] > 0.0 else basis[:1]
-    balance = np.vstack([np.ones(len(points)), (arms @ plane.T).T / max(spread[0], 1e-300)])
-    wanted = np.zeros(len(balance))
-    wanted[0] = 1.0
-    shares: Floats = np.linalg.lstsq(balance, wanted, rcond=None)[0]
-    # The optimum has the form max(0, balance.T @ multipliers): find which contacts carry.
-    carries = np.ones(len(points), np.bool_)
-    for _ in range(2 * len(points)):
-        part = balance[:, carries]
-        candidate = balance.T @ np.linalg.lstsq(part @ part.T, wanted, rcond=None)[0]
-        settled = not (candidate[carries] < -ROUNDING).any()
-        if settled and not (candidate[~carries] > ROUNDING).any():
-            pushing = np.where(carries, np.maximum(candidate, 0.0), 0.0)
-            balanced = np.abs(balance @ pushing - wanted).max() < 1e3 * ROUNDING
-            return pushing if balanced else shares
-        carries = candidate > 0.0
-        if not carries.any():
-            break
-    return shares
-
-
-def heuristic_forces(points: Floats, pierced: Floats) -> Floats:
-    """Return the shares of the paper's Eq 12 without its leading minus, (k,), adding up to 1.
-
-    They do not balance moments: at a tip-over axis they still give the lifting wheel a fifth of
-    the weight.  For comparison with the paper only.
-    """
-    distance = np.linalg.norm(points - pierced, axis=1)
-    total = float(distance.sum())
-    if total == 0.0:
-        return np.full(len(points), 1.0 / len(points))
-    return np.asarray((total / (len(points) / 2.0) - distance) / total)
 
 
 def diagnose(posture: Posture, gravity_dir: ArrayLike) -> Diagnosis:
@@ -178,17 +131,22 @@ def diagnose(posture: Posture, gravity_dir: ArrayLike) -> Diagnosis:
         size = float(np.linalg.norm(resultant)) if recipe.has_wrench else 1.0
         slope = math.acos(max(-1.0, min(1.0, float(facet.normal @ resultant) / size)))
     exact: dict[str, float] = {}
+    ranges: dict[str, tuple[float, float]] = {}
     rough: dict[str, float] = {}
     forces_kind = ""
     if facet is not None and standing:
-        corners = [recipe.contact_names[i] for i in facet.contacts]
-        shares = normal_forces(facet.points, pierced)
+        points = facet.touching_points
+        loads = load_corners(points, pierced)
         # Over a gap the robot rocks on two contacts, and nothing balances on this facet.
-        if shares.min() >= -1e-9:
-            exact = dict(zip(corners, shares.tolist(), strict=True))
-            heuristic = heuristic_forces(facet.points, pierced)
-            rough = dict(zip(corners, heuristic.tolist(), strict=True))
-            forces_kind = "exact" if len(corners) == 3 else "minimum norm"
+        if len(loads):
+            names = [recipe.contact_names[i] for i in facet.touching]
+            low, high = loads.min(axis=0), loads.max(axis=0)
+            exact = dict(zip(names, smallest_load(points, pierced, loads).tolist(), strict=True))
+            bounds = zip(low.tolist(), high.tolist(), strict=True)
+            ranges = dict(zip(names, bounds, strict=True))
+            rough = dict(zip(names, heuristic_forces(points, pierced).tolist(), strict=True))
+            unique = float((high - low).max()) < BALANCED
+            forces_kind = "exact" if unique else "minimum norm"
     slides = None
     if recipe.friction is not None and facet is not None:
         slides = math.tan(slope) > recipe.friction if slope < math.pi / 2 else True
@@ -207,6 +165,7 @@ def diagnose(posture: Posture, gravity_dir: ArrayLike) -> Diagnosis:
         least,
         exact,
         forces_kind,
+        ranges,
         rough,
         slope,
         slides,

@@ -20,6 +20,7 @@ from lutgen.support import (
     FACETS,
     FIRST,
     HEIGHT,
+    MASK,
     SEGMENTS,
     SOURCE,
     START,
@@ -30,6 +31,7 @@ from lutgen.support import (
     facet_table,
     pack,
     stand,
+    support_contact,
 )
 from lutgen.vector import Floats
 
@@ -39,7 +41,9 @@ class Facet:
     """An accepted support facet: unit outward normal, height of the com, and its polygon.
 
     `contacts` are the polygon's corners, counter-clockwise seen from outside, and `points` (k, 3)
-    their contact points relative to the com; `centroid` (3,) is s.  Body frame, recipe's unit.
+    their contact points relative to the com; `centroid` (3,) is s.  `touching` are all contacts
+    in the facet's plane, the corners first and then, in the recipe's order, those on its sides and
+    inside, and `touching_points` (t, 3) theirs.  Body frame, recipe's unit.
     """
 
     normal: Floats
@@ -47,6 +51,8 @@ class Facet:
     contacts: tuple[int, ...]
     points: Floats
     centroid: Floats
+    touching: tuple[int, ...]
+    touching_points: Floats
 
     @property
     def inradius(self) -> float:
@@ -172,14 +178,22 @@ class Posture:
         facets = []
         for k in range(region.tally[FACETS]):
             f = region.span[k, SOURCE]
-            corners = slice(table.span[f, FIRST], table.span[f + 1, FIRST])
+            at = slice(table.span[f, FIRST], table.span[f + 1, FIRST])
+            normal, mask = table.facet[f, :3].copy(), int(table.span[f, MASK])
+            corners = tuple(int(i) for i in table.link[at, VERTEX])
+            others = [i for i in range(len(primitives)) if mask >> i & 1 and i not in corners]
+            x, y, z = normal.tolist()
+            inner = [support_contact(primitives, i, (x, y, z)) for i in others]
+            points = table.corner[at].copy()
             facets.append(
                 Facet(
-                    table.facet[f, :3].copy(),
+                    normal,
                     float(region.facet[k, HEIGHT]),
-                    tuple(int(i) for i in table.link[corners, VERTEX]),
-                    table.corner[corners].copy(),
+                    corners,
+                    points,
                     region.facet[k, CENTROID : CENTROID + 3].copy(),
+                    (*corners, *others),
+                    np.vstack([points, np.array(inner).reshape(-1, 3)]),
                 )
             )
         sides = region.segment[: region.tally[SEGMENTS]]

@@ -99,6 +99,9 @@ def exact_report(posture: "Posture", gravity: tuple[float, ...]) -> dict[str, An
     if found.normal_forces:
         report["normal_forces"] = found.normal_forces
         report["normal_forces_kind"] = found.forces_kind
+        report["normal_forces_range"] = {
+            name: list(bounds) for name, bounds in found.normal_ranges.items()
+        }
         report["heuristic_forces_eq12"] = found.heuristic_forces
     if found.facet is not None:
         report["support"] = {
@@ -115,11 +118,14 @@ def exact_report(posture: "Posture", gravity: tuple[float, ...]) -> dict[str, An
 
 
 def _rolling_entries(posture: "Posture", gravity: tuple[float, ...]) -> dict[str, Any]:
-    """Return whether the robot rolls away, and how it tips while it rolls freely."""
-    from lutgen.analysis import rolling_gravity, rolls
+    """Return whether the robot holds or rolls away, and how it tips while it rolls freely."""
+    from lutgen.analysis import holds, may_hold, rolling_gravity, rolls
     from lutgen.channels import evaluate
 
-    entries: dict[str, Any] = {"rolls": bool(rolls(posture, [gravity])[0])}
+    entries: dict[str, Any] = {
+        name: bool(verdict(posture, [gravity])[0])
+        for name, verdict in (("holds", holds), ("may_hold", may_hold), ("rolls", rolls))
+    }
     down = rolling_gravity(posture, gravity)
     if down is not None:
         angle = evaluate(posture.recipe, posture.row, down, ("tip_angle",))["tip_angle"][0, 0]
@@ -179,6 +185,14 @@ def lines(report: dict[str, Any]) -> Iterator[str]:
             yield f"  {name:<13}{share:.6f}   (paper's heuristic, Eq 12: {rough:.6f})"
 
 
+def _rolls_away(report: dict[str, Any]) -> str:
+    """Return the verdict of every and of some load on rolling in words."""
+    if report["rolls"]:
+        return "yes"
+    depends = report["may_hold"] and not report["holds"]
+    return "may: it depends on how the contacts share the load" if depends else "no"
+
+
 def _entries(report: dict[str, Any], length: str) -> Iterator[tuple[str, str]]:
     """Return the names and texts of what there is one of."""
     if "status" in report:
@@ -188,9 +202,10 @@ def _entries(report: dict[str, Any], length: str) -> Iterator[tuple[str, str]]:
             unit = {"rad": " deg", "1": ""}.get(kind, length)
             # JSON has null for them: no boundary at all, or no value outside the region.
             yield key.removesuffix("_deg"), cell(report[key], ".9g", unit)
-    for name, key in (("slides first", "slides_first"), ("rolls away", "rolls")):
-        if report.get(key) is not None:
-            yield name, "yes" if report[key] else "no"
+    if report.get("slides_first") is not None:
+        yield "slides first", "yes" if report["slides_first"] else "no"
+    if "rolls" in report:
+        yield "rolls away", _rolls_away(report)
     if "rolling_tip_angle_deg" in report:
         yield "rolling freely", f"tip_angle {report['rolling_tip_angle_deg']:.6g} deg"
     if "com_uncertainty" in report:

@@ -59,16 +59,26 @@ def metrics_report(posture: "Posture", tilt: float, headings: int) -> dict[str, 
     """Return what `--json` prints; null where there is no value."""
     import numpy as np
 
-    from lutgen.analysis import compare_metrics, tilted
+    from lutgen.analysis import compare_metrics, holds, may_hold, tilted
 
     around = np.arange(headings) * (360.0 / headings)
-    found = compare_metrics(posture, tilted(math.radians(tilt), np.radians(around)))
+    down = tilted(math.radians(tilt), np.radians(around))
+    found = compare_metrics(posture, down)
+    held: list[dict[str, bool]] = [{} for _ in around]
+    if any(contact.rolling for contact in posture.recipe.contacts):
+        every, some = holds(posture, down), may_hold(posture, down)
+        held = [
+            {"holds": bool(one), "may_hold": bool(other)}
+            for one, other in zip(every, some, strict=True)
+        ]
     return {
         "robot": posture.recipe.name,
         "length_unit": posture.recipe.length_unit,
         "tilt_deg": tilt,
         "level": channel_entries(found.level),
-        "headings": [_at(found, i, float(heading)) for i, heading in enumerate(around)],
+        "headings": [
+            {**_at(found, i, float(heading)), **held[i]} for i, heading in enumerate(around)
+        ],
     }
 
 
@@ -94,13 +104,16 @@ def metrics_lines(report: dict[str, Any]) -> Iterator[str]:
         "energy_margin": f"energy{length}",
         "force_angle_rad": f"force_angle rad{length}",
     }
-    rows = [["heading deg", "verdict", *columns.values()]]
+    rolling = "holds" in report["headings"][0]
+    rows = [["heading deg", "verdict", *columns.values(), *(["holds"] if rolling else [])]]
     for entry in ({"heading_deg": None, "standing": True, **report["level"]}, *report["headings"]):
         heading = entry["heading_deg"]
         name = "level" if heading is None else f"{heading:g}"
         verdict = "stands" if entry["standing"] else "tips over"
         rows.append([name, verdict, *(cell(entry[key]) for key in columns)])
+        if rolling:
+            held = "yes" if entry.get("holds", True) else "may" if entry["may_hold"] else "no"
+            rows[-1].append(held)
     yield f"{report['robot']}: tilted {report['tilt_deg']:g} deg"
-    yield from aligned(
-        rows, [">11", "<9", *(f">{max(len(title), 10)}" for title in columns.values())]
-    )
+    widths = [">11", "<9", *(f">{max(len(title), 10)}" for title in columns.values())]
+    yield from aligned(rows, [*widths, *([">5"] if rolling else [])])

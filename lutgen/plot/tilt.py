@@ -15,6 +15,7 @@ from lutgen.analysis import (
     Posture,
     PostureLimits,
     SweepLimits,
+    hold_limits,
     roll_limits,
     slide_limits,
     tilt_limits,
@@ -175,7 +176,8 @@ def _mark_worst(axes: PolarAxes, heading: float, tilt: float) -> None:
 def _roll_limit(axes: PolarAxes, posture: Posture) -> None:
     """Draw the tilt (deg) at which the robot rolls away, if it has contacts that roll.
 
-    Not under forces: what rolls is known of the weight alone.
+    A fainter line is where it ceases to hold under every load, if that is earlier.  Not under
+    forces: what rolls is known of the weight alone.
     """
     rolling = any(contact.rolling for contact in posture.recipe.contacts)
     if not rolling or posture.recipe.has_wrench:
@@ -186,6 +188,10 @@ def _roll_limit(axes: PolarAxes, posture: Posture) -> None:
     label = "rolls away" if np.nanmax(limit, initial=0.0) > 0.1 else "rolls on any slope"
     if np.isfinite(limit).any():
         axes.plot(headings, limit, color=GREEN, linestyle=(0, (1, 1)), label=label)
+    sure = np.degrees(hold_limits(posture, headings))
+    if np.isfinite(sure).any() and not np.allclose(sure, limit, atol=0.1, equal_nan=True):
+        look: Look = {"color": GREEN, "linestyle": (0, (1, 3)), "linewidth": 1.0}
+        axes.plot(headings, sure, label="holds for certain within", **look)
 
 
 def _with_legend(axes: PolarAxes, tips: str, **settings: Any) -> Figure:

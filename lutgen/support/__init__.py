@@ -6,6 +6,7 @@ In reading order: `primitive`, `polygon`, `hull`, `rounds`, `region`, `boundary`
 from lutgen.support.boundary import stand
 from lutgen.support.hull import (
     FIRST,
+    MASK,
     MAX_PRIMITIVES,
     RELATIVE_TOLERANCE,
     VERTEX,
@@ -70,6 +71,7 @@ __all__ = [
     "GAPS",
     "HEIGHT",
     "KIND",
+    "MASK",
     "MAX_PRIMITIVES",
     "PLANE",
     "POINT",

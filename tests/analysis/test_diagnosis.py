@@ -5,9 +5,11 @@ import math
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.optimize import linprog
 
 import lutgen
-from lutgen.analysis.diagnosis import Diagnosis, diagnose, heuristic_forces, normal_forces
+from lutgen.analysis.diagnosis import Diagnosis, diagnose
+from lutgen.analysis.forces import heuristic_forces, load_corners, normal_forces
 from lutgen.analysis.stance import Posture
 from lutgen.quantities import CHANNELS
 from lutgen.recipe.recipe import Recipe
@@ -116,6 +118,97 @@ def test_no_wheel_pulls_at_the_ground_anywhere_in_the_support_polygon() -> None:
             assert moment(points, shares) == pytest.approx(pierced, abs=1e-9)
             # No mixture of these forces and others that balance has a smaller norm.
             assert shares @ shares <= weights @ weights + 1e-12
+
+
+def contacts_of_any_kind(rng: np.random.Generator, kind: int) -> NDArray[np.float64]:
+    """Return 3 to 11 contacts of any plane: anywhere, on a lattice, in a line, in two rows."""
+    k = int(rng.integers(3, 12))
+    flat = rng.normal(size=(k, 2))
+    if kind == 1:
+        flat = np.round(flat * 2.0) / 2.0
+    if kind == 2:
+        flat = np.outer(rng.normal(size=k), [1.0, 0.3]) + np.array([0.1, 0.2])
+    if kind == 3:
+        flat = np.column_stack([np.arange(k) // 2 * 0.5, np.where(np.arange(k) % 2, -0.4, 0.4)])
+    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    return np.asarray(np.column_stack([flat, np.full(k, -1.0)]) @ turn * 10 ** rng.uniform(-3, 3))
+
+
+def test_2000_sets_of_contacts_inside_and_in_lines_balance_and_none_pulls() -> None:
+    rng = np.random.default_rng(11)
+    inside = 0
+    for trial in range(2000):
+        points = contacts_of_any_kind(rng, trial % 4)
+        # D_g anywhere among the contacts, on the line of two of them or on one.
+        weights = rng.dirichlet(np.full(len(points), 0.4))
+        if trial % 3 == 0:
+            weights = np.eye(len(points))[rng.integers(len(points), size=2)].mean(axis=0)
+        pierced = weights @ points
+        size = np.ptp(points, axis=0).max()
+        shares = normal_forces(points, pierced)
+        loads = load_corners(points, pierced)
+        for load in (shares, *loads):
+            assert load.min() >= 0.0
+            # A billionth of the weight.
+            assert load.sum() == pytest.approx(1.0, abs=1e-9)
+            assert moment(points, load) == pytest.approx(pierced, abs=1e-9 * size)
+        # No other load is smaller: towards every corner of the set the norm grows.
+        assert (loads @ shares).min() >= shares @ shares - 1e-9
+        inside += int(len(loads) > 4)
+    assert inside > 500
+
+
+def test_the_range_of_each_share_is_that_of_two_linear_programmes() -> None:
+    rng = np.random.default_rng(12)
+    wide = 0
+    for trial in range(60):
+        points = contacts_of_any_kind(rng, trial % 4)
+        k, size = len(points), np.ptp(points, axis=0).max()
+        pierced = rng.dirichlet(np.full(k, 0.5)) @ points
+        loads = load_corners(points, pierced)
+        rows = np.vstack([np.ones(k), ((points - pierced) / size).T])
+        for i in range(k):
+            for sign, mine in ((1.0, loads[:, i].min()), (-1.0, loads[:, i].max())):
+                best = linprog(sign * np.eye(k)[i], A_eq=rows, b_eq=[1.0, 0.0, 0.0, 0.0])
+                # linprog's own tolerance.
+                assert sign * best.fun == pytest.approx(mine, abs=1e-7)
+            wide += int(np.ptp(loads[:, i]) > 0.1)
+    assert wide > 100
+
+
+def test_of_a_table_with_a_fifth_foot_all_five_carry_and_each_is_given_its_range() -> None:
+    # The fifth foot is in the middle, below the com: it carries anything from none to all.
+    found = diagnose(Posture(stool([*TABLE, (0.0, 0.0, -1.0)]), []), (0, 0, -1))
+    assert found.forces_kind == "minimum norm"
+    assert sorted(found.normal_forces) == ["P1", "P2", "P3", "P4", "P5"]
+    # Five numbers of about 1.
+    assert list(found.normal_forces.values()) == pytest.approx([0.2] * 5, abs=1e-14)
+    assert found.normal_ranges["P5"] == pytest.approx((0.0, 1.0), abs=1e-14)
+    assert found.normal_ranges["P1"] == pytest.approx((0.0, 0.5), abs=1e-14)
+
+
+def test_three_feet_and_a_fourth_between_two_of_them_are_not_exact() -> None:
+    # D_g at the centroid: P3 carries a third, and P1, P2 and P4 between them share the rest.
+    feet_of_four = [(1.0, 1.0, -1.0), (-1.0, 1.0, -1.0), (0.0, -2.0, -1.0), (0.0, 1.0, -1.0)]
+    found = diagnose(Posture(stool(feet_of_four), []), (0, 0, -1))
+    assert found.facet is not None
+    assert len(found.facet.contacts) == 3
+    assert len(found.normal_forces) == 4
+    assert found.forces_kind == "minimum norm"
+    assert found.normal_ranges["P3"] == pytest.approx((1 / 3, 1 / 3), abs=1e-14)
+    assert found.normal_ranges["P4"] == pytest.approx((0.0, 2 / 3), abs=1e-14)
+    assert found.normal_forces["P4"] == pytest.approx(2 / 9, abs=1e-14)
+    three = diagnose(Posture(stool(feet_of_four[:3]), []), (0, 0, -1))
+    assert three.forces_kind == "exact"
+    assert {high - low for low, high in three.normal_ranges.values()} == {0.0}
+
+
+def test_on_an_edge_only_that_edges_feet_carry_and_of_two_the_shares_are_exact() -> None:
+    points = np.array(TABLE)
+    loads = load_corners(points, np.array([2.0, 0.5, -1.0]))
+    assert loads.tolist() == [pytest.approx([0.75, 0.0, 0.0, 0.25], abs=1e-14)]
+    assert len(load_corners(points, np.array([2.001, 0.5, -1.0]))) == 0
+    assert load_corners(points, points[2]).tolist() == [[0.0, 0.0, 1.0, 0.0]]
 
 
 def test_a_centred_square_carries_a_quarter_on_each_foot() -> None:

@@ -14,13 +14,23 @@ from scipy.optimize import linprog
 
 import lutgen
 from lutgen import plot
-from lutgen.analysis.diagnosis import diagnose, normal_forces
-from lutgen.analysis.rolling import held_share, roll_limits, rolling_gravity, rolls
+from lutgen.analysis.diagnosis import diagnose
+from lutgen.analysis.forces import load_corners
+from lutgen.analysis.rolling import (
+    held_share,
+    hold_limits,
+    holds,
+    may_hold,
+    roll_limits,
+    rolling_gravity,
+    rolls,
+)
 from lutgen.analysis.stance import Posture
 from lutgen.analysis.tilt import tilted
 from lutgen.cli import main
-from lutgen.errors import RecipeError
+from lutgen.errors import InputError, RecipeError
 from lutgen.recipe.recipe import Recipe
+from tests.fixtures.places import ROOT
 from tests.fixtures.recipes import contact, feet, rigid
 
 Floats = NDArray[np.float64]
@@ -88,10 +98,19 @@ def test_without_friction_brakes_hold_whatever_carries_load() -> None:
     gentle, steep = (tilted(tilt, np.linspace(0.0, 6.0, 25)) for tilt in (0.3, 0.6))
     for rolling in (FRONT, REAR, (0,), (0, 1, 2), (0, 3)):
         assert not rolls(Posture(parsed(rolling, None), []), gentle).any()
-    # Leaning to the front left the rear right wheel, the only braked one, carries nothing.
-    corner = diagnose(Posture(parsed((0, 1, 2)), []), tilted(0.6, math.radians(45.0)))
+    # Leaning to the front left the rear right wheel, the only braked one, need not carry anything,
+    # and could carry something: whether it does, decides.
+    lean = tilted(0.6, math.radians(45.0))
+    corner = diagnose(Posture(parsed((0, 1, 2)), []), lean)
     assert corner.normal_forces["w3"] == 0.0
-    assert rolls(Posture(parsed((0, 1, 2), None), []), tilted(0.6, math.radians(45.0))).all()
+    assert corner.normal_ranges["w3"][1] > 0.1
+    assert not holds(Posture(parsed((0, 1, 2), None), []), lean).any()
+    assert may_hold(Posture(parsed((0, 1, 2), None), []), lean).all()
+    # On a tripod without it nothing is open, and it rolls.
+    three = "".join(
+        contact(f"w{i}", (*PLACES[i], -0.4), 0.1, (0, 1, 0)) + "rolling = true\n" for i in (0, 1, 2)
+    )
+    assert rolls(Posture(lutgen.parse_recipe(rigid(three)), []), tilted(0.3, 0.7)).all()
     assert not rolls(Posture(parsed(FRONT, None), []), steep).any()
 
 
@@ -114,77 +133,219 @@ def test_on_balls_alone_it_rolls_in_every_direction() -> None:
         assert down == pytest.approx([0.0, 0.0, -1.0], abs=1e-15)
 
 
-def by_forces(recipe: Recipe, direction: Floats, sides: int = 360) -> float:
+def by_forces(
+    posture: Posture, direction: Floats, load: Floats | None = None, sides: int = 360
+) -> float:
     """Return the largest downhill pull that friction forces balance, per unit of friction.
 
-    A linear programme over the forces themselves; the circle of friction is a polygon inside it.
+    A linear programme over the forces themselves, and without a load over the normal forces, too;
+    the circle of friction is a polygon inside it.
     """
-    posture = Posture(recipe, [])
     facet = posture.stance.facets[int(posture.stance.under(direction[None, :])[0])]
-    downhill = direction - (facet.normal @ direction) * facet.normal
-    downhill /= np.linalg.norm(downhill)
-    load = np.maximum(normal_forces(facet.points, facet.pierced(direction)), 0.0)
-    columns = []
-    bounds: list[tuple[float | None, float | None]] = []
-    rows, limits = [], []
-    count = 2 * len(facet.contacts)
-    for place, i in enumerate(facet.contacts):
-        part = recipe.contacts[i]
-        for axis in (downhill, np.cross(facet.normal, downhill)):
-            columns.append([axis @ downhill, axis @ np.cross(facet.normal, downhill), 0.0])
-            columns[-1][2] = float(facet.normal @ np.cross(facet.points[place], axis))
+    frame, points = facet.frame(direction), facet.touching_points
+    places, count = points @ frame.T, len(facet.touching)
+    # Unknown: forces downhill and across of each contact, the normal forces, the pull.
+    width = 3 * count + 1
+    rows, limits, same = [], [], []
+    for place, i in enumerate(facet.touching):
+        part = posture.recipe.contacts[i]
+        force = slice(2 * place, 2 * place + 2)
         if part.rolling and part.kind == "sphere":
-            bounds += [(0.0, 0.0), (0.0, 0.0)]
+            for axis in np.eye(2):
+                same.append(np.zeros(width))
+                same[-1][force] = axis
             continue
-        bounds += [(None, None), (None, None)]
         for angle in np.arange(sides) * (2.0 * math.pi / sides):
-            row = np.zeros(count + 1)
-            row[2 * place : 2 * place + 2] = math.cos(angle), math.sin(angle)
-            rows.append(row)
-            limits.append(load[place] * math.cos(math.pi / sides))
+            rows.append(np.zeros(width))
+            rows[-1][force] = math.cos(angle), math.sin(angle)
+            rows[-1][2 * count + place] = -math.cos(math.pi / sides)
+            limits.append(0.0)
         if part.rolling:
-            t = np.cross(posture.disc_axes[i], facet.normal)
-            t /= np.linalg.norm(t)
-            row = np.zeros(count + 1)
-            row[2 * place : 2 * place + 2] = (
-                t @ downhill,
-                t @ np.cross(facet.normal, downhill),
-            )
-            rows += [row, -row]
-            limits += [0.0, 0.0]
-    balance = np.column_stack([np.array(columns).T, [1.0, 0.0, 0.0]])
+            t = frame @ np.cross(posture.disc_axes[i], facet.normal)
+            same.append(np.zeros(width))
+            same[-1][force] = t / np.linalg.norm(t)
+    balance = np.zeros((3, width))
+    balance[0, 0 : 2 * count : 2] = balance[1, 1 : 2 * count : 2] = 1.0
+    balance[0, -1] = 1.0
+    balance[2, 0 : 2 * count : 2], balance[2, 1 : 2 * count : 2] = -places[:, 1], places[:, 0]
+    upright = np.zeros((3, width))
+    upright[0, 2 * count : -1] = 1.0
+    upright[1:, 2 * count : -1] = (places - facet.pierced(direction) @ frame.T).T
+    carried = [(0.0, None)] * count if load is None else [(share, share) for share in load]
+    equal = [*same, *balance, *(upright if load is None else [])]
+    wanted = np.zeros(len(equal))
+    if load is None:
+        wanted[-3] = 1.0
     best = linprog(
-        -np.eye(count + 1)[-1],
+        -np.eye(width)[-1],
         A_ub=np.array(rows),
         b_ub=limits,
-        A_eq=balance,
-        b_eq=np.zeros(3),
-        bounds=[*bounds, (0.0, None)],
+        A_eq=np.array(equal),
+        b_eq=wanted,
+        bounds=[*[(None, None)] * (2 * count), *carried, (0.0, None)],
     )
     assert best.status == 0
     return float(best.x[-1])
 
 
-def test_the_held_share_is_what_friction_forces_can_balance() -> None:
+def test_the_held_shares_are_what_friction_forces_balance_under_the_worst_and_the_best_load() -> (
+    None
+):
     rng = np.random.default_rng(5)
     seen = []
-    for rolling, toe in itertools.product(
-        [(0,), FRONT, (0, 3), (0, 2), (0, 1, 2), ALL], (0.0, 0.3)
-    ):
-        recipe = parsed(rolling, 0.8, ball=(0,) if len(rolling) == 1 else (), toe=toe)
-        for heading, tilt in zip(
-            rng.uniform(0.0, 2.0 * math.pi, 4), (0.1, 0.3, 0.5, 0.6), strict=True
-        ):
+    kinds = list(itertools.product([(0,), FRONT, (0, 3), (0, 2), (0, 1, 2), ALL], (0.0, 0.3)))
+    postures = [
+        Posture(parsed(rolling, 0.8, ball=(0,) if len(rolling) == 1 else (), toe=toe), [])
+        for rolling, toe in kinds
+    ]
+    postures += [six(MIDDLE), six(ENDS), six((0, 3))]
+    for posture in postures:
+        for heading, tilt in zip(rng.uniform(0.0, 2.0 * math.pi, 2), (0.1, 0.5), strict=True):
             direction = tilted(tilt, heading)
-            posture = Posture(recipe, [])
             facet = posture.stance.facets[int(posture.stance.under(direction[None, :])[0])]
-            share = held_share(posture, facet, direction)
+            every = held_share(posture, facet, direction)
+            some = held_share(posture, facet, direction, "some")
+            assert every <= some + 1e-10  # what a search misses
             # The polygon of 360 sides lies inside the circle by 4e-5.
-            assert by_forces(recipe, direction) == pytest.approx(share, rel=1e-4, abs=1e-7)
-            seen.append(share)
-    assert min(seen) < 1e-6
-    assert sum(0.05 < share < 0.95 for share in seen) > 20
-    assert max(seen) <= 1.0 + 1e-9
+            assert by_forces(posture, direction) == pytest.approx(some, rel=1e-4, abs=1e-7)
+            loads = load_corners(facet.touching_points, facet.pierced(direction))
+            worst = min(by_forces(posture, direction, load) for load in loads)
+            assert worst == pytest.approx(every, rel=1e-4, abs=1e-7)
+            # Mixtures lie between.
+            mixed = by_forces(posture, direction, rng.dirichlet(np.ones(len(loads))) @ loads)
+            assert every * (1.0 - 1e-4) - 1e-7 <= mixed <= some * (1.0 + 1e-4) + 1e-7
+            seen.append((every, some))
+    assert min(every for every, _ in seen) < 1e-6
+    assert sum(0.05 < every < 0.95 for every, _ in seen) > 8
+    assert sum(some - every > 0.1 for every, some in seen) > 8
+    assert max(some for _, some in seen) <= 1.0
+
+
+def test_the_guides_trolley_holds_and_rolls_from_the_tilts_that_the_guide_gives_on() -> None:
+    page = (ROOT / "docs/guide/metrics.md").read_text(encoding="utf-8")
+    posture = Posture(parsed(FRONT, 0.7), [])
+    limits = (hold_limits(posture, [0.0])[0], roll_limits(posture, [0.0])[0])
+    said = [f"{math.degrees(limit):.2f} deg" for limit in limits]
+    assert said == ["13.78 deg", "14.53 deg"]
+    assert all(one in page for one in said)
+
+
+def test_other_loads_than_every_and_some_are_refused() -> None:
+    posture = Posture(parsed(FRONT), [])
+    facet = posture.stance.facets[0]
+    with pytest.raises(InputError, match=r'must be "every" or "some" \(got .most.\)'):
+        held_share(posture, facet, tilted(0.1, 0.0), "most")  # type: ignore[arg-type]
+
+
+# Three axles: the middle one is on no corner of the polygon.
+SIX = [(x, y) for x in (0.5, 0.0, -0.5) for y in (0.4, -0.4)]
+MIDDLE, ENDS = (2, 3), (0, 1, 4, 5)
+
+
+def six(rolling: Collection[int], friction: float | None = 0.7, height: float = 0.5) -> Posture:
+    """Return a six-wheeler."""
+    wheels = ""
+    for i, (x, y) in enumerate(SIX):
+        wheels += contact(f"w{i}", (x, y, 0.1 - height), 0.1, (0, 1, 0))
+        wheels += "rolling = true\n" if i in rolling else ""
+    head = "" if friction is None else f"friction = {friction}"
+    return Posture(lutgen.parse_recipe(rigid(wheels, head=head)), [])
+
+
+def ahead(*slopes: float) -> Floats:
+    """Return gravity with the nose down by slopes, given by their tangents."""
+    return tilted(np.arctan(slopes), 0.0)
+
+
+def test_a_six_wheeler_whose_middle_wheels_roll_may_hold_and_does_not_hold_for_certain() -> None:
+    # The middle wheels may carry 1 - tan t of the load, and need not carry any.
+    down = ahead(0.02, 0.3, 0.6, 0.69)
+    assert not holds(six(MIDDLE), down).any()
+    assert may_hold(six(MIDDLE), down).all()
+    assert not rolls(six(MIDDLE), down).any()
+    assert rolls(six(MIDDLE), ahead(0.71)).all()  # beyond 0.7 no load holds
+    assert holds(six(MIDDLE), [[0.0, 0.0, -1.0]]).all()
+    # With the front wheels rolling they may carry no more than 0.55 of it.
+    assert holds(six((0, 1)), ahead(0.1)).all()
+
+
+def test_a_six_wheeler_braked_in_the_middle_holds_as_far_as_these_wheels_may_carry_it() -> None:
+    # D_g is tan t x 0.5 ahead, so that they carry up to 1 - tan t: 0.7 (1 - tan t) = tan t.
+    limit = 0.7 / 1.7
+    assert may_hold(six(ENDS), ahead(0.02, limit - 1e-7, limit + 1e-7)).tolist() == [1, 1, 0]
+    assert rolls(six(ENDS), ahead(0.02, limit - 1e-7, limit + 1e-7)).tolist() == [0, 0, 1]
+    assert not holds(six(ENDS), ahead(0.02)).any()
+    # 1e-7 deg is how far a limit is halved.
+    assert roll_limits(six(ENDS), [0.0]) == pytest.approx([math.atan(limit)], abs=2e-8)
+    assert hold_limits(six(ENDS), [0.0])[0] < 2e-8
+    # A lower robot leaves its middle more of the load: 0.7 (1 - 0.4 tan t) = tan t.
+    low = 0.7 / 1.28
+    assert may_hold(six(ENDS, height=0.2), ahead(low - 1e-7, low + 1e-7)).tolist() == [1, 0]
+
+
+def test_braked_or_rolling_all_over_a_six_wheeler_is_like_its_four_corners() -> None:
+    down = ahead(0.3, 0.7 - 1e-9, 0.7 + 1e-9)
+    for verdict in (holds, may_hold):
+        assert verdict(six(()), down).tolist() == [1, 1, 0]
+        assert not verdict(six(range(6)), down).any()
+    assert rolls(six(range(6)), down).all()
+    assert not rolls(six(()), down).any()
+    aside = tilted(np.arctan([0.5, 0.7 - 1e-6, 0.7 + 1e-6]), LEFT)
+    for verdict in (holds, may_hold):
+        assert verdict(six(range(6)), aside).tolist() == [1, 1, 0]
+
+
+def test_a_brake_in_the_line_of_two_wheels_may_hold_what_these_need_not_leave_to_it() -> None:
+    # Three contacts in a line along x, the middle one braked, and a foot aside.
+    where = [(0.5, 0.4), (0.0, 0.4), (-0.5, 0.4), (0.0, -0.4)]
+    robot = ""
+    for i, (x, y) in enumerate(where):
+        robot += contact(f"w{i}", (x, y, -0.4), 0.1, None)
+        robot += "" if i == 1 else "rolling = true\n"
+    posture = Posture(lutgen.parse_recipe(rigid(robot, head="friction = 0.8")), [])
+    facet = posture.stance.facets[0]
+    assert facet.touching == (*facet.contacts, 1)
+    # With the left side down by t the line carries (1 + 0.5 tan t / 0.4) / 2: all of it on the
+    # brake, below the com, or none.
+    for slope in (0.1, 0.5, 0.7):
+        direction = tilted(math.atan(slope), LEFT)
+        share = held_share(posture, facet, direction, "some")
+        assert share == pytest.approx((1.0 + 1.25 * slope) / 2.0, abs=1e-9)  # as far as it searches
+        assert held_share(posture, facet, direction) < 1e-9
+        found = diagnose(posture, direction)
+        assert found.normal_ranges["w1"] == pytest.approx((0.0, share), abs=1e-9)
+        assert found.forces_kind == "minimum norm"
+
+
+def test_every_load_implies_some_and_a_contact_inside_the_polygon_forbids_none() -> None:
+    rng = np.random.default_rng(8)
+    counts = {"holds": 0, "may only": 0, "rolls": 0, "gained": 0}
+    for _ in range(60):
+        angles = np.sort(rng.uniform(0.0, 5.6, 4)) + np.arange(4) * 0.2
+        corners = np.column_stack([np.cos(angles), np.sin(angles)])
+        weights = rng.dirichlet(np.ones(4))
+        robot = ""
+        for i, (x, y) in enumerate([*corners, weights @ corners]):
+            a = rng.uniform(0.0, math.pi)
+            axis = None if rng.random() < 0.2 else (math.cos(a), math.sin(a), 0.0)
+            one = contact(f"w{i}", (x, y, -0.2), 0.1, axis)
+            last = one + ("rolling = true\n" if rng.random() < 0.6 else "")
+            robot += last
+        fewer = robot.removesuffix(last)
+        down = tilted(rng.uniform(0.05, 0.7, 6), rng.uniform(0.0, 6.0, 6))
+        answers = []
+        for text in (fewer, robot):
+            posture = Posture(lutgen.parse_recipe(rigid(text, head="friction = 0.8")), [])
+            every, some, away = (f(posture, down) for f in (holds, may_hold, rolls))
+            assert not (every & ~some).any()
+            assert not (some & away).any()
+            answers.append(some)
+            counts["holds"] += int(every.sum())
+            counts["may only"] += int((some & ~every).sum())
+            counts["rolls"] += int(away.sum())
+        assert not (answers[0] & ~answers[1]).any()
+        counts["gained"] += int((answers[1] & ~answers[0]).sum())
+    assert min(counts.values()) > 0, counts
 
 
 def test_the_share_does_not_depend_on_the_unit_of_length() -> None:
@@ -213,12 +374,18 @@ def test_rolling_straight_it_tips_under_gravity_without_its_part_along_the_wheel
 TRICYCLE = [(0.6, 0.05), (-0.4, 0.45), (-0.35, -0.4)]
 
 
-def moved(rolling: Collection[int], heading: float, tilt: float, friction: float) -> float:
-    """Return how far MuJoCo's tricycle goes in a second after gravity has leant over slowly."""
+def moved(
+    rolling: Collection[int],
+    heading: float,
+    tilt: float,
+    friction: float,
+    places: list[tuple[float, float]] = TRICYCLE,
+) -> float:
+    """Return how far MuJoCo's wheels go in a second after gravity has leant over slowly."""
     import mujoco
 
     wheels = ""
-    for i, (x, y) in enumerate(TRICYCLE):
+    for i, (x, y) in enumerate(places):
         look = f'type="ellipsoid" size="0.1 0.02 0.1" friction="{friction} 0 0"'
         place = f'pos="{x} {y} -0.4"'
         if i in rolling:
@@ -267,6 +434,22 @@ def test_wheels_on_hinges_roll_away_from_the_same_tilt_on(
     assert beyond > 0.01
 
 
+@pytest.mark.needs("mujoco")
+@pytest.mark.parametrize("rolling", [MIDDLE, ENDS, (0, 1), (2, 3, 4, 5)])
+def test_six_wheels_on_hinges_stay_where_they_hold_and_go_where_they_roll(
+    rolling: tuple[int, ...],
+) -> None:
+    stayed = set()
+    for slope in (0.1, 0.35, 0.5, 0.69):
+        way = moved(rolling, 0.0, math.atan(slope), 0.7, SIX)
+        # What springs give is microns, and what rolls or slips goes centimetres in a second; what
+        # lies between creeps, and says nothing.
+        assert way < 0.01 or not holds(six(rolling), ahead(slope)).any()
+        assert way > 0.002 or may_hold(six(rolling), ahead(slope)).all()
+        stayed |= {True} if way < 0.002 else {False} if way > 0.01 else set()
+    assert stayed == {True, False}
+
+
 def test_no_free_rolling_with_a_brake_with_toed_wheels_or_where_it_would_turn() -> None:
     ahead, aslant = tilted(0.2, 0.0), tilted(0.2, 0.4)
     assert rolling_gravity(Posture(parsed((0, 1, 2)), []), ahead) is None
@@ -311,6 +494,9 @@ def test_eval_says_whether_it_rolls_and_how_it_tips_then(tmp_path: Path) -> None
         report = json.loads(CliRunner().invoke(main, [*asked, "--json"]).stdout)
         text = CliRunner().invoke(main, asked).stdout
         assert report.get("rolls") is {ALL: True, REAR: False, (): None}[rolling]
+        assert (
+            report.get("holds") is report.get("may_hold") is {ALL: False, REAR: True}.get(rolling)
+        )  # type: ignore[call-overload]
         assert ("rolls away     yes" in text) is (rolling == ALL)
         assert ("rolls away     no" in text) is (rolling == REAR)
         assert ("rolling freely tip_angle " in text) is (rolling == ALL)
@@ -322,6 +508,28 @@ def test_eval_says_whether_it_rolls_and_how_it_tips_then(tmp_path: Path) -> None
             assert report["rolling_gravity"] == pytest.approx(down / np.linalg.norm(down))
 
 
+def test_eval_and_metrics_say_where_it_depends_on_how_the_contacts_share_the_load(
+    tmp_path: Path,
+) -> None:
+    file = tmp_path / "cart.toml"
+    file.write_text(cart(FRONT, 0.7), encoding="utf-8")
+    # At 14 deg nose down the brakes carry (1 - tan t) / 2 at the rear; on one of them it turns.
+    down = ["eval", str(file), "-g", f"{math.tan(math.radians(14.0))},0,-1"]
+    report = json.loads(CliRunner().invoke(main, [*down, "--json"]).stdout)
+    assert (report["holds"], report["may_hold"], report["rolls"]) == (False, True, False)
+    assert "rolls away     may: it depends on how" in CliRunner().invoke(main, down).stdout
+    low, high = report["normal_forces_range"]["w2"]
+    assert low == pytest.approx(0.0, abs=1e-12)
+    assert high == pytest.approx((1.0 - math.tan(math.radians(14.0))) / 2.0, abs=1e-12)
+    around = ["metrics", str(file), "--tilt", "14", "--headings", "2"]
+    rows = CliRunner().invoke(main, around).stdout.splitlines()
+    assert [row.split()[-1] for row in rows[1:]] == ["holds", "yes", "may", "yes"]
+    entries = json.loads(CliRunner().invoke(main, [*around, "--json"]).stdout)["headings"]
+    assert [(one["holds"], one["may_hold"]) for one in entries] == [(False, True), (True, True)]
+    file.write_text(cart(()), encoding="utf-8")
+    assert "holds" not in CliRunner().invoke(main, around).stdout
+
+
 def test_polar_draws_the_limit_of_rolling_inside_that_of_sliding() -> None:
     figure = plot.draw("polar", parsed(FRONT))
     lines = {str(line.get_label()): line for line in figure.axes[0].get_lines()}
@@ -330,6 +538,10 @@ def test_polar_draws_the_limit_of_rolling_inside_that_of_sliding() -> None:
     assert (radius[np.isfinite(radius)] < math.degrees(math.atan(0.8)) + 1e-5).all()
     some = np.degrees(roll_limits(Posture(parsed(FRONT), []), around[::12]))
     assert radius[::12] == pytest.approx(some, nan_ok=True)
+    sure = np.asarray(lines["holds for certain within"].get_ydata())
+    every = np.degrees(hold_limits(Posture(parsed(FRONT), []), around[::12]))
+    assert sure[::12] == pytest.approx(every, nan_ok=True)
+    assert sure[0] < radius[0] - 0.5
     free = plot.draw("polar", parsed(ALL, 0.1))
     assert any("rolls" in str(line.get_label()) for line in free.axes[0].get_lines())
     braked = plot.draw("polar", parsed(()))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from lutgen.analysis.diagnosis import heuristic_forces, normal_forces
+from lutgen.analysis.forces import heuristic_forces, normal_forces
 from lutgen.channels.evaluation import stability
 from lutgen.paper import checks_polygon, checks_text, closed_form, printed, reference
 from lutgen.paper.checks_path import equal_spacing, gaussian_spacing, steeper_than_the_limit

@@ -1,0 +1,161 @@
+"""Normal forces: what each contact on the ground may carry, and how much it does.
+
+Owns the loads that balance: of more than three contacts, and of those that lie in a line or inside
+the support polygon, statics leaves the distribution open.  All of them are the mixtures of a few,
+the corners of that set, each of which rests on three contacts at most.
+"""
+
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lutgen.vector import Floats
+
+# Of the contacts' spread: D_g nearer than this to a contact, or to the line of two, is on it.  A
+# tenth of what the balance may miss.
+ON = 1e-10
+# Shares of the weight below this are zero but for rounding.
+ROUNDING = 1e-13
+
+
+def load_corners(points: Floats, pierced: Floats) -> Floats:
+    """Return the corners (c, k) of the set of all loads that balance and nowhere pull.
+
+    A load is each contact's share of the normal force; it balances if it adds up to 1 and its
+    centre is D_g.  The set is bounded and convex, so a share's least and largest value, and the
+    least of every concave function of the shares, are found at its corners.  A corner rests on
+    contacts of which none can be left out: one under D_g, two with D_g between them, or three
+    round it.
+
+    Parameters
+    ----------
+    points : (k, 3) float64
+        Contact points in one plane, in any order; any may lie in a line or inside the others.
+    pierced : (3,) float64
+        D_g, in the same plane.
+
+    Returns
+    -------
+    (c, k) float64
+        A load per row.  No row where D_g is outside the polygon by more than 1e-10 of the contacts'
+        spread; one where the balance leaves no choice.
+    """
+    arm = _flat(points, pierced)
+    k, near = len(arm), np.hypot(*arm.T) <= ON
+    corners = [np.eye(k)[near]]
+    pairs = np.array(list(combinations(range(k), 2)), np.intp).reshape(-1, 2)
+    a, b = arm[pairs[:, 0]], arm[pairs[:, 1]]
+    side = b - a
+    length = np.maximum(np.hypot(*side.T), 1e-300)
+    between = (a * b).sum(axis=1) < 0.0
+    between &= ~near[pairs].any(axis=1) & (np.abs(_cross(a, b)) <= ON * length)
+    along = -(a * side).sum(axis=1) / np.maximum((side * side).sum(axis=1), 1e-300)
+    corners.append(_rows(pairs[between], np.column_stack([1.0 - along, along])[between], k))
+    triples = np.array(list(combinations(range(k), 3)), np.intp).reshape(-1, 3)
+    turns, depths = [], []
+    for t in range(3):
+        p, q = arm[triples[:, (t + 1) % 3]], arm[triples[:, (t + 2) % 3]]
+        turns.append(_cross(p, q))
+        depths.append(turns[-1] / np.maximum(np.hypot(*(q - p).T), 1e-300))
+    turn, depth = np.column_stack(turns), np.column_stack(depths)
+    round_it = (depth > ON).all(axis=1) | (depth < -ON).all(axis=1)
+    inside = turn[round_it]
+    corners.append(_rows(triples[round_it], inside / inside.sum(axis=1, keepdims=True), k))
+    return np.vstack(corners)
+
+
+def normal_forces(points: Floats, pierced: Floats) -> Floats:
+    """Return each contact's share of the normal force, (k,), adding up to 1.
+
+    Friction has no moment about axes in the contact plane, so force and moment balance about
+    D_g alone fix the shares of three contacts, whatever mu is.  Of more than three, or three in a
+    line, the balance may leave a choice; this is the solution of the smallest sum of squares in
+    which no contact pulls at the ground.  Where D_g is outside the polygon there is none, and some
+    share is negative, or, of contacts in a line, the moments do not balance.
+
+    Parameters
+    ----------
+    points : (k, 3) float64
+        Contact points in one plane, in any order; any may lie in a line or inside the others.
+    pierced : (3,) float64
+        D_g, in the same plane.
+    """
+    return smallest_load(points, pierced, load_corners(points, pierced))
+
+
+def smallest_load(points: Floats, pierced: Floats, corners: Floats) -> Floats:
+    """Return the same as `normal_forces`, with the corners (c, k) of `load_corners` known."""
+    balance = np.vstack([np.ones(len(points)), _flat(points, pierced).T])
+    if not len(corners):
+        return _smallest(balance)
+    # From the middle of all loads that balance down to the smallest: an active-set method, each
+    # step of which balances and nowhere pulls.
+    shares: Floats = corners.mean(axis=0)
+    able = shares > 0.0
+    carries = able.copy()
+    for _ in range(20 * len(points)):
+        target = np.zeros(len(points))
+        target[carries] = _smallest(balance[:, carries])
+        falls = carries & (target < -ROUNDING)
+        if falls.any():
+            steps = np.full(len(points), np.inf)
+            steps[falls] = shares[falls] / (shares[falls] - target[falls])
+            first = int(np.argmin(steps))
+            shares = np.maximum(shares + steps[first] * (target - shares), 0.0)
+            shares[first] = 0.0
+            carries[first] = False
+            continue
+        shares = np.maximum(target, 0.0)
+        # At the smallest load the shares are an affine function of the place, or 0 below it.
+        affine = np.linalg.lstsq(balance[:, carries].T, shares[carries], rcond=None)[0]
+        gain = np.where(able & ~carries, affine @ balance, 0.0)
+        if gain.max() <= ROUNDING:
+            break
+        carries[int(np.argmax(gain))] = True
+    return shares
+
+
+def heuristic_forces(points: Floats, pierced: Floats) -> Floats:
+    """Return the shares of the paper's Eq 12 without its leading minus, (k,), adding up to 1.
+
+    They do not balance moments: at a tip-over axis they still give the lifting wheel a fifth of
+    the weight.  For comparison with the paper only.
+    """
+    distance = np.linalg.norm(points - pierced, axis=1)
+    total = float(distance.sum())
+    if total == 0.0:
+        return np.full(len(points), 1.0 / len(points))
+    return np.asarray((total / (len(points) / 2.0) - distance) / total)
+
+
+def _flat(points: Floats, pierced: Floats) -> Floats:
+    """Return the contacts relative to D_g in their plane (k, 2), in units of their spread."""
+    arms = points - pierced
+    middle = points - points.mean(axis=0)
+    # The plane is that of the contacts and D_g together: contacts in a line have none.
+    _, spread, basis = np.linalg.svd(np.vstack([middle, arms]), full_matrices=False)
+    if spread[0] == 0.0:
+        return np.zeros((len(points), 2))
+    plane = basis[:2] if len(basis) > 1 else np.vstack([basis, np.zeros(3)])
+    flat = arms @ plane.T
+    return np.asarray(flat / np.abs(np.vstack([flat, middle @ plane.T])).max())
+
+
+def _cross(a: Floats, b: Floats) -> Floats:
+    """Return the cross products (n,) of vectors (n, 2) in the plane."""
+    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+
+
+def _rows(places: NDArray[np.intp], shares: Floats, k: int) -> Floats:
+    """Return loads (n, k) with the shares (n, j) at their places (n, j) and 0 elsewhere."""
+    loads = np.zeros((len(places), k))
+    np.put_along_axis(loads, places, shares, axis=1)
+    return loads
+
+
+def _smallest(balance: Floats) -> Floats:
+    """Return the shares of the smallest sum of squares that balance, whether they pull or not."""
+    wanted = np.zeros(len(balance))
+    wanted[0] = 1.0
+    return np.asarray(np.linalg.lstsq(balance, wanted, rcond=None)[0])
