@@ -1,7 +1,7 @@
 """Questions about one posture: forces, ground, tilt, sliding, rolling, wheels.
 
 In reading order: `stance`, `forces`, `diagnosis`, `ground`, `ground_contact`, `wheels`, `tilt`,
-`sliding`, `resistance`, `rolling`, `metrics`, `tilt_table`.
+`sliding`, `resistance`, `rolling`, `metrics`, `tilt_table`, `balance`, `uneven_region`, `uneven`.
 """
 
 from lutgen.analysis.diagnosis import Diagnosis, diagnose
@@ -27,13 +27,16 @@ from lutgen.analysis.tilt_table import (
     posture_limits,
     sweep_limits,
 )
+from lutgen.analysis.uneven import Equilibrium, Footing, equilibrium
 from lutgen.analysis.wheels import Motion, structure, wheel_speeds
 
 __all__ = [
     "FOUR",
     "WORST",
     "Diagnosis",
+    "Equilibrium",
     "Facet",
+    "Footing",
     "Metrics",
     "Motion",
     "Posture",
@@ -42,6 +45,7 @@ __all__ = [
     "axis_force_angle",
     "compare_metrics",
     "diagnose",
+    "equilibrium",
     "even_headings",
     "heuristic_forces",
     "hold_limits",

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 # Exit code of a question whose answer is no.
 NO = 1
+# Exit code of a verdict that a robot does not stand.
+TIPS = 3
 
 
 def show(

@@ -1,7 +1,8 @@
 """Figures of a robot's stability, from a map or a recipe.
 
 In reading order: `box`, `view`, `labels`, `style`, `marks`, `levels`, `path`, `robot`, `animation`,
-`curve`, `metrics`, `plane`, `sphere`, `tilt`, `figure`, `steps`.
+`curve`, `metrics`, `plane`, `sphere`, `tilt`, `figure`, `steps`,
+`uneven`.
 """
 
 from lutgen.plot.animation import animate, check_animation
@@ -10,12 +11,14 @@ from lutgen.plot.path import draw_path
 from lutgen.plot.steps import draw_steps
 from lutgen.plot.style import save
 from lutgen.plot.tilt import draw_limits
+from lutgen.plot.uneven import draw_footing
 
 __all__ = [
     "KINDS",
     "animate",
     "check_animation",
     "draw",
+    "draw_footing",
     "draw_limits",
     "draw_path",
     "draw_steps",

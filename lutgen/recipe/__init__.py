@@ -8,19 +8,24 @@ from typing import TYPE_CHECKING, Any
 
 from lutgen.recipe.kinematics import Postures, forward, postures, radii_and_kinds
 from lutgen.recipe.recipe import Recipe, load_recipe, parse_recipe, recipe_digest
+from lutgen.recipe.robot import LENGTH_UNITS
+from lutgen.recipe.table import parse_table, read_text
 
 if TYPE_CHECKING:
     from lutgen.recipe.proposal import import_urdf
 
 __all__ = [
+    "LENGTH_UNITS",
     "Postures",
     "Recipe",
     "forward",
     "import_urdf",
     "load_recipe",
     "parse_recipe",
+    "parse_table",
     "postures",
     "radii_and_kinds",
+    "read_text",
     "recipe_digest",
 ]
 

@@ -8,16 +8,14 @@ import hashlib
 import math
 import os
 import re
-import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from lutgen.chart import Chart
-from lutgen.errors import RecipeError, suggestion
+from lutgen.errors import suggestion
 from lutgen.grid import Axis, Grid
 from lutgen.parts import ZERO, Contact, Force, Link, Parameter, Wheel
 from lutgen.quantities import CHANNELS, UNLOADED
@@ -30,7 +28,7 @@ from lutgen.recipe.robot import (
     read_parameters,
     read_wheels,
 )
-from lutgen.recipe.table import Table
+from lutgen.recipe.table import Table, parse_table, read_text
 
 ROBOT_KEYS = (
     *("name", "length_unit", "friction", "upright", "rock_angle", "python", "urdf"),
@@ -123,24 +121,7 @@ def load_recipe(path: str | os.PathLike[str], allow_python: bool = False) -> Rec
     Recipe
         Checked; a file with any fault raises RecipeError.
     """
-    source = os.fspath(path)
-    try:
-        raw = Path(path).read_bytes()
-    except FileNotFoundError:
-        raise RecipeError(f"{source}: there is no such file; check the path.") from None
-    except OSError as error:
-        raise RecipeError(
-            f"{source}: cannot be read (got {error.strerror}); check the path."
-        ) from error
-    try:
-        text = raw.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = raw.count(b"\n", 0, error.start) + 1
-        raise RecipeError(
-            f"{source}: line {line} is not UTF-8 (got byte 0x{raw[error.start]:02x}); "
-            "save the file as UTF-8."
-        ) from None
-    return parse_recipe(text, source, allow_python)
+    return parse_recipe(read_text(path), os.fspath(path), allow_python)
 
 
 def parse_recipe(
@@ -171,13 +152,7 @@ def parse_recipe(
     Recipe
         Checked; a text with any fault raises RecipeError.
     """
-    try:
-        values = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        last = f"at line {text.count(chr(10)) + 1}, the end of the file"
-        got = str(error).replace("at end of document", last)
-        raise RecipeError(f"{source}: is not TOML (got {got}); correct that line.") from None
-    root = Table(values, source, "", ("robot", "sweep", "export"))
+    root = parse_table(text, source, ("robot", "sweep", "export"))
     robot = root.table("robot", ROBOT_KEYS, "add a [robot] table")
     name = robot.string("name", "name the robot")
     length_unit = robot.string("length_unit", "use one of: m, cm, mm, 1", LENGTH_UNITS)

@@ -5,7 +5,10 @@ wrong, the value received and the way out.  It does not know what a robot is.
 """
 
 import math
+import os
+import tomllib
 from collections.abc import Iterable, Mapping
+from pathlib import Path
 from typing import Any, NoReturn
 
 from lutgen.errors import RecipeError, suggestion
@@ -20,6 +23,38 @@ def fail(source: str, key: str, what: str, got: object, way_out: str) -> NoRetur
     if len(shown) > _LONGEST:
         shown = shown[: _LONGEST - 3] + "..."
     raise RecipeError(f"{source}: key `{key}`: {what} (got {shown}); {way_out}.")
+
+
+def read_text(path: str | os.PathLike[str]) -> str:
+    """Return the text of a file, which must be UTF-8."""
+    source = os.fspath(path)
+    try:
+        raw = Path(path).read_bytes()
+    except FileNotFoundError:
+        raise RecipeError(f"{source}: there is no such file; check the path.") from None
+    except OSError as error:
+        raise RecipeError(
+            f"{source}: cannot be read (got {error.strerror}); check the path."
+        ) from error
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = raw.count(b"\n", 0, error.start) + 1
+        raise RecipeError(
+            f"{source}: line {line} is not UTF-8 (got byte 0x{raw[error.start]:02x}); "
+            "save the file as UTF-8."
+        ) from None
+
+
+def parse_table(text: str, source: str, known: Iterable[str]) -> "Table":
+    """Return the table that a whole TOML file is."""
+    try:
+        values = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        last = f"at line {text.count(chr(10)) + 1}, the end of the file"
+        got = str(error).replace("at end of document", last)
+        raise RecipeError(f"{source}: is not TOML (got {got}); correct that line.") from None
+    return Table(values, source, "", known)
 
 
 class Table:

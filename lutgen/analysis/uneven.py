@@ -1,0 +1,228 @@
+"""Static equilibrium on uneven ground: each contact has a normal and a friction of its own.
+
+Owns the verdict and the region of centres of mass that hold (Bretl and Lall, "Testing Static
+Equilibrium for Legged Robots", IEEE T-RO 24(4), 2008).  Knows nothing of recipes and postures.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from lutgen.analysis.balance import MISSING, Balance, Scene
+from lutgen.analysis.uneven_region import margin_in, reaches_the_box, region_of
+from lutgen.chart import unit_directions
+from lutgen.errors import InputError
+from lutgen.vector import Floats
+
+# Sides of the pyramids of a verdict, until those inside and outside the cones agree.
+FEWEST, MOST = 16, 256
+# Sides of the pyramids of the region and of the forces.
+SIDES = 64
+# The largest number that is taken: squares and products of such are finite.
+LARGEST = 1e100
+
+
+@dataclass(frozen=True, eq=False)
+class Footing:
+    """Named contacts on uneven ground and the weight that they are to hold.
+
+    As `equilibrium` takes them: `points` and `normals` (n, 3), `friction` (n,), `com` and
+    `gravity_dir` (3,); lengths in `length_unit`.  `title` is for people.
+    """
+
+    title: str
+    length_unit: str
+    names: tuple[str, ...]
+    points: Floats
+    normals: Floats
+    friction: Floats
+    com: Floats
+    gravity_dir: Floats
+
+    def equilibrium(self) -> "Equilibrium":
+        """Tell whether they hold it."""
+        return equilibrium(self.points, self.normals, self.friction, self.com, self.gravity_dir)
+
+
+@dataclass(frozen=True, eq=False)
+class Equilibrium:
+    """Whether a weight on contacts is in balance, and where else it would be.
+
+    Attributes
+    ----------
+    holds : bool or None
+        None where pyramids of 256 sides inside and outside the cones do not agree: friction is
+        within 1e-4 of what is just enough.
+    forces : (n, 3) float64 or None
+        One admissible set as shares of the weight, in the frame of the input: the one with the
+        least largest normal force among pyramids of 64 sides.  None unless it holds.
+    region : (k, 2) float64
+        Corners of the com positions that hold, along `axes`, counter-clockwise seen from above: a
+        polygon, the two ends of a line, a point, or none.  An inner approximation, by pyramids of
+        64 sides inside the cones and to 1e-4 of its diameter.
+    axes : (2, 3) float64
+        Horizontal unit axes: the part of the frame's x across gravity (of y where gravity is
+        within 6 deg of x), and the one to the left of it.
+    is_open : bool
+        Whether the region reaches the end of the search, 100 sizes from the contacts' middle.
+    margin : float
+        Least horizontal distance from the com to the region's boundary, a length; negative outside,
+        -inf without a region, inf where it has no boundary within the search.  On a line or point
+        0.  The region is an inner one, so that a com at the very limit may hold with a margin just
+        below 0.
+    """
+
+    holds: bool | None
+    forces: Floats | None
+    region: Floats
+    axes: Floats
+    is_open: bool
+    margin: float
+
+
+def equilibrium(
+    points: ArrayLike,
+    normals: ArrayLike,
+    friction: ArrayLike,
+    com: ArrayLike,
+    gravity_dir: ArrayLike = (0.0, 0.0, -1.0),
+) -> Equilibrium:
+    """Tell whether contacts on uneven ground can hold a weight.
+
+    Parameters
+    ----------
+    points : (n, 3) array_like
+        Where the robot touches the ground, n >= 1; any frame, any unit.
+    normals : (n, 3) array_like
+        Out of the ground towards the robot, of any length > 0.
+    friction : float or (n,) array_like
+        Coulomb's coefficient, >= 0: of all contacts, or of each.
+    com : (3,) array_like
+        Centre of mass.
+    gravity_dir : (3,) array_like
+        Down, of any length > 0.
+
+    Returns
+    -------
+    Equilibrium
+        It holds if and only if forces f_i in the friction cones carry the weight: sum f_i = -g and
+        sum (p_i - com) x f_i = 0 (Bretl and Lall, Eqs 1 to 3), to within 1e-7 of the weight and
+        of weight x size; at the limit it holds.  The size is the largest distance of a contact
+        from their middle; of one contact alone, that of the com from it.
+
+    Raises
+    ------
+    InputError
+        For wrong shapes, numbers that are not finite, directions of length 0 and friction below 0.
+
+    Examples
+    --------
+    Two feet on the walls of a ditch, 45 deg steep, 2 wide:
+
+    >>> walls = [[1, 0, 1], [-1, 0, 1]]
+    >>> found = equilibrium([[-1, 0, 0], [1, 0, 0]], walls, 0.5, [0.3, 0, 1])
+    >>> found.holds, round(float(found.region[:, 0].max()), 6)
+    (True, 0.8)
+    """
+    places = _numbers("points", points)
+    if places.ndim != 2 or places.shape[1] != 3 or not len(places):
+        raise InputError(
+            f"points must have the shape (n, 3) with n >= 1 (got {places.shape}); "
+            "give a row x, y, z for each contact"
+        )
+    outward = _numbers("normals", normals)
+    if outward.shape != places.shape:
+        raise InputError(
+            f"normals must have the shape of points, {places.shape} (got {outward.shape}); "
+            "give a row x, y, z for each contact"
+        )
+    middle = _numbers("com", com)
+    down = _numbers("gravity_dir", gravity_dir)
+    for name, vector in (("com", middle), ("gravity_dir", down)):
+        if vector.shape != (3,):
+            raise InputError(
+                f"{name} must be three numbers (got the shape {vector.shape}); give x, y, z"
+            )
+    mu = _numbers("friction", friction)
+    if mu.shape not in ((), (len(places),)) or (mu < 0.0).any():
+        raise InputError(
+            f"friction must be one number >= 0 or {len(places)} of them (got {mu.tolist()}); "
+            "give a coefficient for all contacts or for each"
+        )
+    # Sideways, left and up, as rows.
+    frame = _level_frame(np.asarray(unit_directions(down)))
+    origin = places.mean(axis=0)
+    size = float(np.linalg.norm(places - origin, axis=1).max())
+    away = float(np.linalg.norm(middle - origin))
+    # Contacts that rounding alone keeps apart are one.
+    size = size if size > 1e-9 * away else away
+    size = size or 1.0
+    scene = Scene(
+        (places - origin) @ frame.T / size,
+        unit_directions(outward) @ frame.T,
+        np.broadcast_to(mu, (len(places),)),
+    )
+    place = (frame[:2] @ (middle - origin)) / size
+    holds = _verdict(scene, place)
+    forces = None
+    if holds:
+        forces = _forces(scene, place) @ frame
+    region = region_of(Balance.of(scene, SIDES))
+    return Equilibrium(
+        holds,
+        forces,
+        region * size + frame[:2] @ origin,
+        frame[:2],
+        reaches_the_box(region),
+        margin_in(region, place) * size,
+    )
+
+
+def _numbers(name: str, values: ArrayLike) -> Floats:
+    """Return an argument as finite numbers, or refuse it."""
+    try:
+        result = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(
+            f"{name} must be numbers in rows of equal length (got {values!r}); write them as a list"
+        ) from None
+    if not (np.abs(result) < LARGEST).all():
+        raise InputError(
+            f"{name} must be finite, and below {LARGEST:g} (got {result.tolist()}); "
+            "give numbers of another size"
+        )
+    return result
+
+
+def _level_frame(down: Floats) -> Floats:
+    """Return the axes (3, 3) of `Equilibrium.axes`, and up."""
+    # cos 6 deg: beyond it too little of x is level to name a heading.
+    ahead = np.array([1.0, 0.0, 0.0] if abs(down[0]) < 0.9945 else [0.0, 1.0, 0.0])
+    ahead = ahead - (ahead @ down) * down
+    ahead /= np.linalg.norm(ahead)
+    # Zero has no sign.
+    return np.array([ahead, np.cross(-down, ahead), -down]) + 0.0
+
+
+def _verdict(scene: Scene, com: Floats) -> bool | None:
+    """Tell whether a com (2,) holds: pyramids inside the cones say yes, those around them no."""
+    sides = FEWEST
+    while sides <= MOST:
+        if Balance.of(scene, sides).missing(com)[0] <= MISSING:
+            return True
+        if Balance.of(scene, sides, outside=True).missing(com)[0] > MISSING:
+            return False
+        sides *= 2
+    return None
+
+
+def _forces(scene: Scene, com: Floats) -> Floats:
+    """Return forces (n, 3) for a com (2,) that holds, from the first pyramids that carry it."""
+    sides = SIDES
+    while True:
+        balance = Balance.of(scene, sides)
+        missing, strengths, _ = balance.missing(com)
+        if missing <= MISSING or sides >= MOST:
+            return balance.gentlest(strengths)
+        sides *= 2
