@@ -16,6 +16,8 @@ from lutgen.vector import Floats
 # the solver is asked for, below.
 MISSING = 1e-7
 ACCURACY = {"primal_feasibility_tolerance": 1e-9, "dual_feasibility_tolerance": 1e-9}
+# Steps of one programme, a hundred times what real scenes take: rounding may make it go in circles.
+STEPS = 20_000
 # Half a side of the square in which the com is sought, in sizes.
 BOX = 100.0
 # Tried in turn: each gives up on some programmes that the others solve.
@@ -149,7 +151,7 @@ def _solved(
     from scipy.optimize import linprog
 
     for method in METHODS:
-        options: dict[str, Any] = dict(ACCURACY)
+        options: dict[str, Any] = {**ACCURACY, "maxiter": STEPS}
         found = linprog(
             cost, A_eq=rows, b_eq=right, bounds=bounds, method=method, options=options, **more
         )

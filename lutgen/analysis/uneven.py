@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lutgen.analysis.balance import MISSING, Balance, Scene
+from lutgen.analysis.balance import BOX, MISSING, Balance, Scene
 from lutgen.analysis.uneven_region import margin_in, reaches_the_box, region_of
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
@@ -21,6 +21,8 @@ FEWEST, MOST = 16, 256
 SIDES = 64
 # The largest number that is taken: squares and products of such are finite.
 LARGEST = 1e100
+# More friction than this is a wall, and no ground; the programmes lose their accuracy beyond.
+ROUGHEST = 1e6
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +70,8 @@ class Equilibrium:
         Whether the region reaches the end of the search, 100 sizes from the contacts' middle.
     margin : float
         Least horizontal distance from the com to the region's boundary, a length; negative outside,
-        -inf without a region, inf where it has no boundary within the search.  On a line or point
+        -inf without a region, inf where it has no boundary within the search or the com is held
+        beyond that.  On a line or point
         0.  The region is an inner one, so that a com at the very limit may hold with a margin just
         below 0.
     """
@@ -97,7 +100,7 @@ def equilibrium(
     normals : (n, 3) array_like
         Out of the ground towards the robot, of any length > 0.
     friction : float or (n,) array_like
-        Coulomb's coefficient, >= 0: of all contacts, or of each.
+        Coulomb's coefficient, 0 to 1e6: of all contacts, or of each.
     com : (3,) array_like
         Centre of mass.
     gravity_dir : (3,) array_like
@@ -114,7 +117,8 @@ def equilibrium(
     Raises
     ------
     InputError
-        For wrong shapes, numbers that are not finite, directions of length 0 and friction below 0.
+        For wrong shapes, numbers that are not finite, directions of length 0, and friction outside
+        0 to 1e6.
 
     Examples
     --------
@@ -145,9 +149,11 @@ def equilibrium(
                 f"{name} must be three numbers (got the shape {vector.shape}); give x, y, z"
             )
     mu = _numbers("friction", friction)
-    if mu.shape not in ((), (len(places),)) or (mu < 0.0).any():
+    shapes = ((), (len(places),))
+    if mu.shape not in shapes or not ((mu >= 0.0) & (mu <= ROUGHEST)).all():
         raise InputError(
-            f"friction must be one number >= 0 or {len(places)} of them (got {mu.tolist()}); "
+            f"friction must be one number from 0 to {ROUGHEST:g} or {len(places)} of them "
+            f"(got {mu.tolist()}); "
             "give a coefficient for all contacts or for each"
         )
     # Sideways, left and up, as rows.
@@ -169,13 +175,20 @@ def equilibrium(
     if holds:
         forces = _forces(scene, place) @ frame
     region = region_of(Balance.of(scene, SIDES))
+    margin = margin_in(region, place) * size
+    if holds and (np.abs(place) > BOX).any():
+        # Held outside the search: what the region ends at is not its boundary.
+        margin = np.inf
+    if holds is False:
+        # Both are rounded; of two answers the verdict is the safe one.
+        margin = min(margin, 0.0)
     return Equilibrium(
         holds,
         forces,
         region * size + frame[:2] @ origin,
         frame[:2],
         reaches_the_box(region),
-        margin_in(region, place) * size,
+        margin,
     )
 
 

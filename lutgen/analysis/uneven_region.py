@@ -14,6 +14,8 @@ GAP = 1e-4
 # Lengths below it, of the size or the diameter, are none: a farthest com is known to about the
 # solver's accuracy of 1e-9, times as much as a com moves with a wrench in flat scenes.
 SAME = 1e-6
+# A round region takes some 200 corners to GAP; where rounding keeps finding more, there is an end.
+MOST_CORNERS = 1000
 
 
 def region_of(balance: Balance) -> Floats:
@@ -40,7 +42,7 @@ def region_of(balance: Balance) -> Floats:
         return ends[0][None]
     corners = [ends[i], ends[j]]
     at = 0
-    while at < len(corners):
+    while at < len(corners) < MOST_CORNERS:
         here, there = corners[at], corners[(at + 1) % len(corners)]
         x, y = (there - here) / np.linalg.norm(there - here)
         # To the right of a side, the corners being counter-clockwise.

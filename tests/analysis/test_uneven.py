@@ -288,8 +288,8 @@ GOOD = {
         ("points", np.full((4, 3), 1e200), "below 1e+100"),
         ("normals", FLAT[:3], "normals must have the shape of points"),
         ("normals", np.zeros((4, 3)), "direction"),
-        ("friction", -0.1, "friction must be one number >= 0 or 4"),
-        ("friction", [0.5, 0.5], "friction must be one number >= 0 or 4"),
+        ("friction", -0.1, "friction must be one number from 0 to 1e"),
+        ("friction", [0.5, 0.5], "friction must be one number from 0 to 1e"),
         ("friction", [0.5, 0.5, 0.5, math.nan], "friction must be finite"),
         ("friction", math.inf, "friction must be finite"),
         ("com", [0.0, 1.0], "com must be three numbers"),
@@ -303,3 +303,19 @@ def test_what_is_wrong_is_said_in_one_sentence(name: str, value: object, said: s
         equilibrium(**(GOOD | {name: value}))  # type: ignore[arg-type]
     assert said in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_a_com_that_is_held_far_beyond_the_search_has_no_boundary_near() -> None:
+    # Feet pressed between two walls, friction above 1: they hold any arm.
+    points = [[-1.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0]]
+    walls = [[1, 0, 0], [1, 0, 0], [-1, 0, 0], [-1, 0, 0]]
+    for far in (10.0, 1e4):
+        found = equilibrium(points, walls, 1.5, [far, 0.0, 0.0])
+        assert found.holds
+        assert found.is_open
+        assert found.margin > 0.0
+
+
+def test_friction_that_is_a_wall_is_refused() -> None:
+    with pytest.raises(InputError, match="from 0 to 1e"):
+        equilibrium([[0, 0, 0]], [[0, 0, 1]], 1e9, [0, 0, 1])
