@@ -16,6 +16,7 @@ __all__ = [
     "RecipeError",
     "SweepError",
     "suggestion",
+    "unreadable",
 ]
 
 # Names that a message lists at most.
@@ -44,6 +45,13 @@ class SweepError(LutgenError, RuntimeError):
 
 class ExportError(LutgenError, RuntimeError):
     """No export meets what was asked for, or its folder could not be written or compiled."""
+
+
+def unreadable(source: str, error: OSError) -> RecipeError:
+    """Return the error for a recipe or a description that the system does not let us read."""
+    if isinstance(error, FileNotFoundError):
+        return RecipeError(f"{source}: there is no such file; check the path.")
+    return RecipeError(f"{source}: cannot be read (got {error.strerror}); check the path.")
 
 
 def suggestion(word: str, known: Iterable[str], otherwise: str) -> str:

@@ -15,13 +15,7 @@ from lutgen.analysis.stance import Facet, Posture
 from lutgen.errors import InputError
 from lutgen.parts import Wheel
 from lutgen.recipe import forward
-from lutgen.support import (
-    FACE_ANGLE,
-    RELATIVE_TOLERANCE,
-    robot_size,
-    support_contact,
-    support_height,
-)
+from lutgen.support import FACE_ANGLE
 from lutgen.vector import Floats
 
 
@@ -64,8 +58,7 @@ class Ground:
 def find_ground(posture: Posture, gravity_dir: ArrayLike) -> Ground:
     """Find the contact plane of one posture and the wheels that touch it.
 
-    A wheel touches if its contact is a corner of the support polygon or is no further than 1e-9 of
-    the robot's size from the facet's plane, as for `lutgen.support.hull`.  InputError is raised
+    A wheel touches if its contact is one of the facet's `touching`.  InputError is raised
     without wheels or without a support facet under this gravity (3,), and where the body's x axis,
     or the axle of a wheel that touches, is normal to the facet.
     """
@@ -106,17 +99,11 @@ def wheel_axes(posture: Posture) -> Floats:
 
 def _touching(posture: Posture, facet: Facet, frame: Floats) -> tuple[RollingContact | None, ...]:
     """Return where each wheel touches the facet's plane and how it rolls, or None."""
-    recipe, primitives = posture.recipe, posture.primitives
-    tolerance = RELATIVE_TOLERANCE * robot_size(primitives)
-    x, y, z = facet.normal.tolist()
+    recipe = posture.recipe
     result: list[RollingContact | None] = []
     for wheel, axle in zip(recipe.wheels, wheel_axes(posture), strict=True):
         i = recipe.contact_names.index(wheel.contact)
-        # The facet's own corners touch, whatever rounding makes of their distance.
-        if (
-            i not in facet.contacts
-            and support_height(primitives, i, (x, y, z)) < facet.height - tolerance
-        ):
+        if i not in facet.touching:
             result.append(None)
             continue
         # axle x up: a wheel whose axle points left drives forward when it spins positively.
@@ -128,6 +115,6 @@ def _touching(posture: Posture, facet: Facet, frame: Floats) -> tuple[RollingCon
                 f"the ground (got {axle.tolist()} in the body frame); correct its `axis`, or "
                 "choose another posture."
             )
-        point = np.array(support_contact(primitives, i, (x, y, z)))
+        point = facet.touching_points[facet.touching.index(i)]
         result.append(RollingContact(wheel, frame @ point, rolling / length))
     return tuple(result)

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
-from lutgen.errors import RecipeError, suggestion
+from lutgen.errors import RecipeError, suggestion, unreadable
 
 # Values are quoted in messages up to this many characters.
 _LONGEST = 60
@@ -30,12 +30,8 @@ def read_text(path: str | os.PathLike[str]) -> str:
     source = os.fspath(path)
     try:
         raw = Path(path).read_bytes()
-    except FileNotFoundError:
-        raise RecipeError(f"{source}: there is no such file; check the path.") from None
     except OSError as error:
-        raise RecipeError(
-            f"{source}: cannot be read (got {error.strerror}); check the path."
-        ) from error
+        raise unreadable(source, error) from error
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:

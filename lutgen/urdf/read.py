@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import NoReturn
 from xml.etree.ElementTree import Element
 
-from lutgen.errors import RecipeError, suggestion
+from lutgen.errors import RecipeError, suggestion, unreadable
 from lutgen.parts import parents_first
 from lutgen.urdf.xml import parse_xml
 from lutgen.vector import Vector
@@ -112,12 +112,8 @@ def load_urdf(path: str | os.PathLike[str]) -> UrdfRobot:
     try:
         with Path(path).open("rb") as file:
             raw = file.read(MAX_BYTES + 1)
-    except FileNotFoundError:
-        raise RecipeError(f"{source}: there is no such file; check the path.") from None
     except OSError as error:
-        raise RecipeError(
-            f"{source}: cannot be read (got {error.strerror}); check the path."
-        ) from error
+        raise unreadable(source, error) from error
     return parse_urdf(raw, source)
 
 
