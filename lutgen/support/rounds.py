@@ -140,6 +140,7 @@ def _try_triples(
     """
     nearest = math.inf
     count, facet, span = table.tally, table.facet, table.span
+    corner, link = table.corner, table.link
     n = primitives.shape[0]
     for i in range(n):
         if not among >> i & 1:
@@ -170,7 +171,7 @@ def _try_triples(
                 if (
                     below < 0
                     and add_facet(
-                        *(count, facet, span, table.corner, table.link, owner, primitives),
+                        *(count, facet, span, corner, link, owner, primitives),
                         *(solved, height, mask, size),
                     )
                     >= 0
