@@ -1,11 +1,13 @@
 """Questions about one posture: forces, ground, tilt, sliding, rolling, wheels.
 
 In reading order: `stance`, `forces`, `diagnosis`, `ground`, `ground_contact`, `wheels`, `tilt`,
-`sliding`, `resistance`, `rolling`, `metrics`, `tilt_table`, `balance`, `uneven_region`, `uneven`.
+`rocking`, `ground_walk`, `ground_tilt`, `sliding`, `resistance`, `rolling`, `metrics`,
+`tilt_table`, `balance`, `uneven_region`, `uneven`.
 """
 
 from lutgen.analysis.diagnosis import Diagnosis, diagnose
 from lutgen.analysis.forces import heuristic_forces, load_corners, normal_forces
+from lutgen.analysis.ground_tilt import GroundTilt, ground_limits, ground_tilt
 from lutgen.analysis.metrics import Metrics, axis_force_angle, compare_metrics
 from lutgen.analysis.rolling import (
     hold_limits,
@@ -37,6 +39,7 @@ __all__ = [
     "Equilibrium",
     "Facet",
     "Footing",
+    "GroundTilt",
     "Metrics",
     "Motion",
     "Posture",
@@ -47,6 +50,8 @@ __all__ = [
     "diagnose",
     "equilibrium",
     "even_headings",
+    "ground_limits",
+    "ground_tilt",
     "heuristic_forces",
     "hold_limits",
     "holds",

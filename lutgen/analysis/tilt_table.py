@@ -1,16 +1,20 @@
 """What a designer asks of tilt limits: one posture in the four headings and the worst, or all.
 
 Owns the names of the four headings, which axis gives way and whether the robot slides first there,
-and the least and largest limits over many postures.  It prints and draws nothing.
+and the least and largest limits over many postures.  *Body tilt* is how far the robot itself turns,
+as an accelerometer in it sees it (`tilt`); *ground tilt* the slope of the ground under a robot that
+is seated on it anew at each tilt (`ground_tilt`).  It prints and draws nothing.
 """
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.analysis.diagnosis import diagnose
+from lutgen.analysis.ground_tilt import GroundTilt, ground_tilt
 from lutgen.analysis.stance import Posture
 from lutgen.analysis.tilt import level_frames, level_limits, tilt_limits, tilted, worst_heading
 from lutgen.errors import InputError
@@ -33,9 +37,9 @@ class HeadingLimit:
     """The limit of one posture in one heading, named by `FOUR` or "worst heading"; angles in rad.
 
     `heading` is NaN for the worst heading of a robot that tips on level ground, or never; the robot
-    stands up to `tilt`.  `contacts` are what it then turns over: two contacts, one on which it
-    rolls, or none.  `slides` tells whether it has slid before, tan(slope) > friction; None without
-    a friction coefficient.
+    stands up to the body tilt `tilt`.  `contacts` are what it then turns over: two contacts, one on
+    which it rolls, or none.  `slides` tells whether it has slid before, tan(slope) > friction; None
+    without a friction coefficient.
     """
 
     name: str
@@ -49,19 +53,33 @@ class HeadingLimit:
 class PostureLimits:
     """The limits of one posture (k,): four headings, the worst, and what holds in all of them.
 
-    `guaranteed` (rad) is a bound for every heading, see `tilt.level_limits`; `convention` says
-    whether body or ground is tilted.
+    `headings` and `guaranteed` (rad, a bound for every heading, see `tilt.level_limits`) are of
+    body tilt against tipping over alone; `convention` says whether it is counted from the attitude
+    on level ground or from that of a level body.  `ground` are the limits of ground tilt, and
+    `slide` (rad) is the slope up to which friction holds the robot, all its contacts braked: None
+    where it is not known, or forces act beside the weight.
     """
 
     params: Floats
     headings: tuple[HeadingLimit, ...]
     guaranteed: float
     convention: str
+    ground: GroundTilt
+    slide: float | None
 
     @property
     def worst(self) -> HeadingLimit:
-        """The worst heading."""
+        """The worst heading of body tilt."""
         return self.headings[-1]
+
+    @property
+    def guaranteed_ground(self) -> float:
+        """Slope (rad) of the ground up to which the robot stands in every heading.
+
+        It neither tips over nor, where `slide` is known, slides.
+        """
+        tips = self.ground.guaranteed
+        return tips if self.slide is None else min(tips, self.slide)
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,9 +88,10 @@ class SweepLimits:
 
     `least` and `most` (h,) are the least and largest tilt (rad) of any posture in each heading,
     `least_at` and `most_at` (h,) rows of `params`: the first posture that has it.  `guaranteed`
-    (m,) is what each posture survives in every heading, rad.
+    (m,) is what each posture survives in every heading, rad.  All of this is body tilt.
     """
 
+    recipe: Recipe
     params: Floats
     headings: Floats
     least: Floats
@@ -80,6 +99,15 @@ class SweepLimits:
     least_at: Ints
     most_at: Ints
     guaranteed: Floats
+
+    @cached_property
+    def guaranteed_ground(self) -> Floats:
+        """What each posture survives in every heading of ground tilt, (m,), rad; not sliding.
+
+        See `GroundTilt.guaranteed`; some hundredths of a second for each posture.
+        """
+        found = (ground_tilt(Posture(self.recipe, row)).guaranteed for row in self.params)
+        return np.fromiter(found, np.float64, len(self.params))
 
     @property
     def weakest(self) -> int:
@@ -111,7 +139,8 @@ def even_headings(count: int) -> Floats:
 def posture_limits(posture: Posture, convention: str = "plane") -> PostureLimits:
     """Return the limits of one posture.
 
-    With convention ``"plane"`` the ground under the robot is tilted, with ``"body"`` its body.
+    With convention ``"plane"`` body tilt is counted from how the robot stands on level ground, with
+    ``"body"`` from where its own z axis is vertical.  Ground tilt has no such choice.
 
     Examples
     --------
@@ -140,7 +169,19 @@ def posture_limits(posture: Posture, convention: str = "plane") -> PostureLimits
         _row(posture, frame, name, heading, tilt)
         for (name, heading), tilt in zip(headings.items(), tilts, strict=True)
     ]
-    return PostureLimits(params, tuple(rows), guaranteed, convention)
+    ground, slide = ground_tilt(posture), slide_angle(recipe)
+    return PostureLimits(params, tuple(rows), guaranteed, convention, ground, slide)
+
+
+def slide_angle(recipe: Recipe) -> float | None:
+    """Return the slope (rad) up to which a robot does not slide, all contacts braked: atan mu.
+
+    Exact on one plane, whichever contacts carry.  None without friction in the recipe, and where
+    forces act beside the weight.
+    """
+    if recipe.friction is None or recipe.has_wrench:
+        return None
+    return math.atan(recipe.friction)
 
 
 def _row(posture: Posture, frame: Floats, name: str, heading: float, tilt: float) -> HeadingLimit:
@@ -169,6 +210,7 @@ def sweep_limits(
     least_at, most_at = _first(tilts, -1.0), _first(tilts, 1.0)
     across = np.arange(len(heading))
     return SweepLimits(
+        recipe,
         rows,
         heading,
         tilts[least_at, across],

@@ -1,0 +1,157 @@
+"""Ground tilt: rocking by hand, what a physics engine measured, and bounds that are bounds."""
+
+import math
+
+import numpy as np
+import pytest
+
+import lutgen
+from lutgen.analysis.ground_tilt import ground_limits, ground_tilt
+from lutgen.analysis.sliding import slopes
+from lutgen.analysis.stance import Posture
+from lutgen.analysis.tilt import level_frames, level_limits, tilt_limits, tilted
+from lutgen.analysis.tilt_table import posture_limits
+from lutgen.recipe.recipe import Recipe, parse_recipe
+from tests.fixtures.places import MAPS
+from tests.fixtures.recipes import feet, rigid
+
+ALL_ROUND = np.radians(np.arange(0.0, 360.0, 5.0))
+BOX = [(0.30, 0.20, -0.4), (-0.25, 0.20, -0.4), (-0.25, -0.15, -0.4), (0.30, -0.15, -0.4)]
+# A sledge: flat under the com for 0.1 m to both ends, then rising by 20 deg for another 0.3 m.
+FLAT, RISES, HIGH, WIDE, BEND = 0.1, 0.3, 0.5, 0.6, math.radians(20.0)
+
+
+def sledge(rock_angle: float) -> Posture:
+    """Return a sledge on eight points."""
+    up = -HIGH + RISES * math.tan(BEND)
+    points = [
+        (x, y, z)
+        for x, z in ((FLAT, -HIGH), (FLAT + RISES, up), (-FLAT, -HIGH), (-FLAT - RISES, up))
+        for y in (WIDE, -WIDE)
+    ]
+    return Posture(parse_recipe(rigid(feet(points), head=f"rock_angle = {rock_angle}")), [])
+
+
+def test_a_robot_that_does_not_rock_has_the_same_limit_on_the_ground_as_in_its_body() -> None:
+    for head in ("friction = 0.7", "com_uncertainty = 0.03"):
+        posture = Posture(parse_recipe(rigid(feet(BOX), head=head)), [])
+        found = ground_tilt(posture)
+        body = tilt_limits(posture.recipe, [], ALL_ROUND, "plane")
+        # The walk of the body knows its limits to 1e-13 rad; a hundred times that for both.
+        np.testing.assert_allclose(found.limits(ALL_ROUND), body, atol=1e-11)
+        level = level_limits(posture.recipe, posture.row, "plane")[0]
+        assert found.guaranteed == pytest.approx(level, abs=1e-11)
+        assert found.guaranteed < level
+        assert found.worst == pytest.approx(-math.pi / 2.0, abs=1e-9)  # rounding
+        assert set(found.contacts(found.worst)) == {"P3", "P4"}
+
+
+def test_forces_move_the_limit_on_the_ground_as_they_do_in_the_body() -> None:
+    body = '[[robot.link]]\nname = "body"\nmass = 10.0\n'
+    pull = '[[robot.force]]\nname = "pull"\nlink = "body"\nforce = [15.0, 5.0, -3.0]\n'
+    recipe = parse_recipe(rigid(body + feet(BOX) + pull + "position = [0.1, 0.0, 0.3]\n"))
+    found = ground_tilt(Posture(recipe, []))
+    body_tilt = tilt_limits(recipe, [], ALL_ROUND, "plane")
+    np.testing.assert_allclose(found.limits(ALL_ROUND), body_tilt, atol=1e-11)  # as above
+    assert np.ptp(body_tilt) > 0.3
+    assert posture_limits(Posture(recipe, [])).slide is None
+
+
+def test_a_sledge_rocks_onto_its_nose_and_tips_at_the_slope_that_is_under_it_there() -> None:
+    rocks, falls = sledge(30.0), sledge(10.0)
+    # Gravity through the tip of the nose, from the normal of the plane that it stands on then.
+    tip = math.atan((FLAT + RISES) / (HIGH - RISES * math.tan(BEND)))
+    for heading in (0.0, math.pi):
+        found = ground_tilt(rocks).limits([heading])[0]
+        assert found == pytest.approx(tip - BEND, abs=1e-12)  # closed form, some roundings
+        assert ground_tilt(falls).limits([heading])[0] == pytest.approx(
+            math.atan(FLAT / HIGH), abs=1e-12
+        )
+        # An accelerometer sees the bend, too: body tilt is larger by it.
+        body = tilt_limits(rocks.recipe, [], [heading], "plane")[0]
+        assert body == pytest.approx(tip, abs=1e-12)
+    assert tip - BEND > math.atan(FLAT / HIGH) + 0.1
+    # It tips over where a corner of its nose comes under the com, or over a side: the half angle
+    # ahead decides between them, and both are beside it.
+    sides = ground_tilt(rocks).limits([math.pi / 2.0, -math.pi / 2.0])
+    np.testing.assert_allclose(sides, math.atan(WIDE / HIGH), atol=1e-12)
+
+
+def test_a_slope_is_never_above_90_deg_however_far_the_robot_may_rock() -> None:
+    cube = [(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)]
+    free = "upright = 180.0\nrock_angle = 180.0"
+    posture = Posture(parse_recipe(rigid(feet(cube), head=free)), [])
+    # No attitude tips it over, yet from 45 deg on it rolls from face to face.
+    assert level_limits(posture.recipe, posture.row)[0] == math.pi
+    assert ground_tilt(posture).limits([0.0])[0] == pytest.approx(math.pi / 4.0, abs=1e-9)
+    absolem = lutgen.load_recipe(MAPS / "absolem.toml")
+    rows = random_rows(absolem, 20)
+    body = tilt_limits(absolem, rows, ALL_ROUND, "plane")
+    assert body.max() > math.radians(79.0)
+    assert ground_limits(absolem, rows, ALL_ROUND).max() < math.radians(72.0)
+
+
+def test_what_tips_on_level_ground_has_no_limit() -> None:
+    aside = Posture(parse_recipe(rigid(feet([(x + 1.0, y, z) for x, y, z in BOX]))), [])
+    found = ground_tilt(aside)
+    assert (found.guaranteed, found.least, found.contacts(0.0)) == (0.0, 0.0, ())
+    assert found.limits([0.0, 1.0]).tolist() == [0.0, 0.0]
+    assert math.isnan(found.worst)
+
+
+def test_an_articulated_robot_tips_on_the_ground_where_a_physics_engine_says_so() -> None:
+    robot = lutgen.load_recipe(MAPS / "articulated.toml")
+    posture = Posture(robot, np.radians([45.0, 15.0]))
+    found = ground_tilt(posture)
+    # MuJoCo, the ground tilted slowly: 36.2 and 48.0 deg.  A wheel's width of rubber and the lag of
+    # a tilt that takes seconds are worth up to 2 deg, and make its limits larger.
+    for heading, measured in ((120.0, 36.2), (75.0, 48.0)):
+        limit = math.degrees(found.limits([math.radians(heading)])[0])
+        assert measured - 2.0 < limit < measured
+    assert 34.0 < math.degrees(found.guaranteed) < 36.0
+    body = math.degrees(level_limits(robot, posture.row, "plane")[0])
+    assert body > 38.0
+
+
+def random_rows(robot: Recipe, count: int, seed: int = 3) -> np.ndarray:
+    """Return postures all over a robot's ranges."""
+    low, high = ([getattr(p, end) for p in robot.parameters] for end in ("minimum", "maximum"))
+    return np.random.default_rng(seed).uniform(low, high, (count, len(low)))
+
+
+@pytest.mark.parametrize("convention", ["plane", "body"])
+@pytest.mark.parametrize("name", ["articulated", "absolem", "markhor", "marv"])
+def test_the_guaranteed_slope_is_never_above_the_slope_under_a_robot_that_tips_over(
+    name: str, convention: str
+) -> None:
+    robot = lutgen.load_recipe(MAPS / f"{name}.toml")
+    rows = random_rows(robot, 40)
+    limits = tilt_limits(robot, rows, ALL_ROUND, convention)
+    frames = level_frames(robot, rows, convention)
+    downs = np.einsum("mij,mhj->mhi", frames, tilted(limits, np.tile(ALL_ROUND, (40, 1))))
+    # Where it stands at all with that attitude to begin with.
+    slope = np.where((limits > 0.0) & (limits < math.pi), slopes(robot, rows, downs), np.inf)
+    least = slope.min(axis=1)
+    guaranteed = np.array([ground_tilt(Posture(robot, row)).guaranteed for row in rows])
+    assert (guaranteed <= least).all()
+    assert np.degrees(guaranteed).mean() > 25.0
+    # Body tilt's bound is none for the ground.
+    assert (level_limits(robot, rows, "plane") > least + 0.01).sum() >= 4
+
+
+@pytest.mark.parametrize("name", ["articulated", "absolem", "marv"])
+def test_no_heading_of_a_fine_grid_is_worse_than_the_worst(name: str) -> None:
+    robot = lutgen.load_recipe(MAPS / f"{name}.toml")
+    fine = np.linspace(-math.pi, math.pi, 3601)
+    rocking = 0
+    for row in random_rows(robot, 6):
+        found = ground_tilt(Posture(robot, row))
+        tilts = found.limits(fine)
+        assert tilts.min() >= found.least - 1e-12  # rounding
+        # At a tenth of a degree the least is missed by a step of the steepest edge at most.
+        assert tilts.min() <= found.least + math.radians(0.1)
+        assert found.limits([found.worst])[0] == pytest.approx(found.least, abs=1e-9)
+        assert found.guaranteed < found.least
+        body = tilt_limits(robot, row, fine[::40], "plane")
+        rocking += bool((np.abs(body - tilts[::40]) > 0.02).any())
+    assert rocking >= 2
