@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.analysis.diagnosis import diagnose
-from lutgen.analysis.ground_tilt import GroundTilt, ground_tilt
+from lutgen.analysis.ground_outline import GroundTilt, ground_tilt
 from lutgen.analysis.stance import Posture
 from lutgen.analysis.tilt import level_frames, level_limits, tilt_limits, tilted, worst_heading
 from lutgen.errors import InputError
