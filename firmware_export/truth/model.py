@@ -132,7 +132,9 @@ class Model:
         """
         where = self.postures(params)
         directions = unit_directions(gravity)
-        wanted = wanted_channels(("tip_angle",))
-        values = measure_recipe(self.recipe, where, directions, wanted, tighter)
-        rows = (*map(CHANNELS.index, ("sdg", "height", "tip_angle")), ALONG, ASIDE, HEIGHT_BEYOND)
-        return Exact(*(np.ascontiguousarray(values[:, at]) for at in rows))
+        names = ("sdg", "height", "tip_angle")
+        wanted = wanted_channels(names)
+        values = measure_recipe(self.recipe, where, directions, wanted, tighter, HEIGHT_BEYOND + 1)
+        return Exact(
+            *(values[at] for at in (*map(CHANNELS.index, names), ALONG, ASIDE, HEIGHT_BEYOND))
+        )

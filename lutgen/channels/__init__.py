@@ -1,9 +1,10 @@
 """Standing regions and directions of gravity into numbers.
 
-In reading order: `axes`, `plain`, `loaded`, `wrench`, `evaluation`, `raster`, `tilt_rows`,
-`scan`, `settle`.
+In reading order: `angles`, `axes`, `plain`, `block`, `loaded`, `wrench`, `evaluation`, `raster`,
+`tilt_rows`, `scan`, `settle`.
 """
 
+from lutgen.channels.angles import JUST_OUTSIDE, tip_angle
 from lutgen.channels.axes import MU, PHI, RHO, add, empty_axes, find_axes, part
 from lutgen.channels.evaluation import (
     evaluate,
@@ -18,12 +19,10 @@ from lutgen.channels.plain import (
     ALONG,
     ASIDE,
     HEIGHT_BEYOND,
-    JUST_OUTSIDE,
     axis_energy,
     axis_margin,
     checked_directions,
     measure,
-    tip_angle,
     wanted_channels,
 )
 from lutgen.channels.scan import Scanner

@@ -11,6 +11,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from lutgen.channels.axes import MU, PHI, add, empty_axes, find_axes, part
+from lutgen.channels.block import BLOCK, empty_block, measure_block, worth_blocks
 from lutgen.channels.loaded import measure_loaded
 from lutgen.channels.plain import (
     HEIGHT_BEYOND,
@@ -35,37 +37,73 @@ from lutgen.support import (
     pack,
     stand,
 )
-from lutgen.vector import Floats, row
+from lutgen.vector import Floats, length, row
 
+# Pieces of work for a thread: this many directions of one posture.
+STRETCH = 2048
 # A thread is worth waking for this many postures, half a millisecond of work for a few contacts;
 # measuring this many directions takes as long as finding the facets of a posture.
-POSTURES_A_THREAD, DIRECTIONS_A_POSTURE = 256, 64
+POSTURES_A_THREAD, DIRECTIONS_A_POSTURE = 256, 128
 ROWS = HEIGHT_BEYOND + 1
 
 
 @njit()
 def measure_some(
-    begin: int, end: int, primitives: Floats, gravity_dir: Floats, setting: Setting, out: Floats
+    begin: int,
+    end: int,
+    primitives: Floats,
+    wrench: Floats | None,
+    gravity_dir: Floats,
+    setting: Setting,
+    out: Floats,
 ) -> int:
-    """Measure postures [begin, end); return how many have more facets than a table holds.
+    """Measure stretches [begin, end), which count through the directions of posture after posture.
 
-    Parameters and `out` as in `measure_postures`.
+    Parameters and `out` as in `measure_postures`.  Returns how many of the postures that begin
+    there have more facets than a table holds.  Compiled apart for the weight alone, where wrench
+    is None: whoever needs no forces does not wait for their machine code.
     """
     acceptance, wanted = setting
-    n = primitives.shape[1]
+    n, count = primitives.shape[1], gravity_dir.shape[1]
+    per_posture = (count + STRETCH - 1) // STRETCH
     table, region = facet_table(n), empty_region(n)
-    values = np.empty(len(CHANNELS))
-    overflow = 0
-    for posture in range(begin, end):
-        overflow += stand(table, region, primitives[posture], acceptance)
-        directions = gravity_dir[posture % gravity_dir.shape[0]]
-        for d in range(directions.shape[0]):
-            g = row(directions, d)
-            measure(region, g, wanted, values)
-            for c in range(len(CHANNELS)):
-                out[posture, c, d] = values[c]
-            if out.shape[1] > len(CHANNELS):
-                go_beyond(region, g, True, out[posture, :, d])
+    if wrench is not None:
+        axes = empty_axes(region)
+    room, values = empty_block(), np.empty(ROWS)
+    current, overflow = -1, 0
+    for piece in range(begin, end):
+        posture, first = piece // per_posture, piece % per_posture * STRETCH
+        if posture != current:
+            current = posture
+            too_many = stand(table, region, primitives[posture], acceptance)
+            overflow += too_many if first == 0 else 0
+            if wrench is not None:
+                find_axes(region, wrench[posture], axes)
+        directions = gravity_dir[posture % gravity_dir.shape[0], first : first + STRETCH]
+        if wrench is None and worth_blocks(region.tally, wanted, directions.shape[0]):
+            for at in range(0, directions.shape[0], BLOCK):
+                some = directions[at : at + BLOCK]
+                measure_block(region, some, wanted, room, posture, first + at, out)
+        else:
+            for d in range(directions.shape[0]):
+                g = row(directions, d)
+                if wrench is None:
+                    measure(region, g, wanted, values)
+                else:
+                    least_cosine = acceptance.least_cosine
+                    measure_loaded(region, axes, wrench[posture], least_cosine, g, wanted, values)
+                for c in range(len(CHANNELS)):
+                    if wanted[c]:
+                        out[c, posture, first + d] = values[c]
+        if out.shape[0] > len(CHANNELS):
+            for d in range(directions.shape[0]):
+                force, known = row(directions, d), True
+                if wrench is not None:
+                    force = add(force, part(wrench[posture], PHI))
+                    known = length(part(wrench[posture], MU)) == 0.0
+                go_beyond(region, force, known, values)
+                for c in range(len(CHANNELS), ROWS):
+                    out[c, posture, first + d] = values[c]
     return overflow
 
 
@@ -74,23 +112,24 @@ def measure_postures(
     wrench: Floats | None,
     gravity_dir: Floats,
     setting: Setting,
-    rows: int = ROWS,
+    rows: int = len(CHANNELS),
 ) -> tuple[NDArray[np.float64], int]:
-    """Measure m postures under d directions, (m, rows, d); count those with too many facets.
+    """Measure m postures under d directions, (rows, m, d); count those with too many facets.
 
     `primitives` (m, n, 8) are rows of `primitive.pack`, `wrench` (m, 7) those of `wrench.wrenches`,
     or None for the weight alone, which is faster; the unit directions (m, d, 3) or (1, d, 3) point
-    down; of the channels sdg, height and facet are computed always.  The rows are the channels in
-    the order of `CHANNELS`, then ALONG, ASIDE and HEIGHT_BEYOND: the in-plane components of D_g - s
-    on the facet whose plane gravity pierces first, and its height, NaN where no accepted facet's
-    plane is pierced, and under a moment; fewer than `ROWS` where these are not wanted.
+    down.  The rows are the channels in the order of `CHANNELS`, filled where they are wanted; if
+    there are `ROWS`, also ALONG, ASIDE and HEIGHT_BEYOND: the in-plane components of D_g - s on the
+    facet whose plane gravity pierces first, and its height, NaN where no accepted facet's plane is
+    pierced, and under a moment.  What nobody wants is never touched and takes no memory.
     """
-    out = np.empty((len(primitives), rows, gravity_dir.shape[1]))
+    out = np.empty((rows, len(primitives), gravity_dir.shape[1]))
     directions = np.ascontiguousarray(gravity_dir)
-    least = max(POSTURES_A_THREAD // (1 + gravity_dir.shape[1] // DIRECTIONS_A_POSTURE), 1)
-    kernel, load = (measure_some, ()) if wrench is None else (measure_loaded, (wrench,))
-    arguments = (primitives, *load, directions, setting, out)
-    return out, in_threads(kernel, len(primitives), *arguments, least=least)
+    stretches = -(-gravity_dir.shape[1] // STRETCH)
+    long = min(gravity_dir.shape[1], STRETCH)
+    least = max(POSTURES_A_THREAD // (1 + long // DIRECTIONS_A_POSTURE), 1)
+    arguments = (primitives, wrench, directions, setting, out)
+    return out, in_threads(measure_some, len(primitives) * stretches, *arguments, least=least)
 
 
 def for_each_posture(
@@ -112,9 +151,9 @@ def measure_recipe(
     gravity_dir: NDArray[np.float64],
     wanted: NDArray[np.bool_],
     tighter: float = 0.0,
-    rows: int = ROWS,
+    rows: int = len(CHANNELS),
 ) -> NDArray[np.float64]:
-    """Measure postures of a recipe, (m, rows, d); see `measure_postures`.
+    """Measure postures of a recipe, (rows, m, d); see `measure_postures`.
 
     `tighter` (rad) is taken from `upright` and from `rock_angle`.
     """
@@ -126,7 +165,7 @@ def measure_recipe(
         Setting(acceptance_of(recipe, tighter), wanted),
         rows,
     )
-    refuse_overflow(recipe.source, overflow, len(values), len(kind))
+    refuse_overflow(recipe.source, overflow, values.shape[1], len(kind))
     return values
 
 
@@ -143,9 +182,9 @@ def measure_primitives(
     """
     directions = checked_directions(gravity_dir)[None]
     setting = Setting(acceptance(upright, rock_angle), wanted_channels(channels))
-    values, overflow = measure_postures(primitives, None, directions, setting, len(CHANNELS))
+    values, overflow = measure_postures(primitives, None, directions, setting)
     refuse_overflow("contacts", overflow, *primitives.shape[:2])
-    return {name: values[:, CHANNELS.index(name)].copy() for name in channels}
+    return {name: values[CHANNELS.index(name)] for name in channels}
 
 
 def stability(
@@ -250,8 +289,8 @@ def measure_moved(
     """Return the channels of postures that `kinematics.forward` has placed; see `evaluate`."""
     wanted = wanted_channels(channels)
     directions = checked_directions(gravity_dir)[None]
-    values = measure_recipe(recipe, postures, directions, wanted, rows=len(CHANNELS))
-    return {name: values[:, CHANNELS.index(name)].copy() for name in channels}
+    values = measure_recipe(recipe, postures, directions, wanted)
+    return {name: values[CHANNELS.index(name)] for name in channels}
 
 
 def evaluate_each(
@@ -300,7 +339,7 @@ def evaluate_each(
             f"gravity_dir must have one row x, y, z for each of {len(where.com)} postures "
             f"(got the shape {directions.shape})"
         )
-    values = measure_recipe(recipe, where, unit_directions(each), wanted, rows=len(CHANNELS))
+    values = measure_recipe(recipe, where, unit_directions(each), wanted)
     if directions.ndim == 2:
         values = values[:, :, 0]
-    return {name: values[:, CHANNELS.index(name)].copy() for name in channels}
+    return {name: values[CHANNELS.index(name)] for name in channels}

@@ -8,8 +8,7 @@ below.  Under both together they are such bounds, too (docs/reference/convention
 
 import math
 
-import numpy as np
-
+from lutgen.channels.angles import JUST_OUTSIDE, arc_distance
 from lutgen.channels.axes import (
     ALONG,
     ALWAYS,
@@ -28,20 +27,12 @@ from lutgen.channels.axes import (
     TOWARDS,
     Axes,
     add,
-    empty_axes,
-    find_axes,
     part,
     pierced_first,
     rest,
     zero_moment_point,
 )
-from lutgen.channels.plain import (
-    JUST_OUTSIDE,
-    Setting,
-    arc_distance,
-    axis_margin,
-    go_beyond,
-)
+from lutgen.channels.plain import axis_margin
 from lutgen.jit import njit
 from lutgen.quantities import CHANNELS
 from lutgen.support import (
@@ -55,14 +46,11 @@ from lutgen.support import (
     START,
     STOP,
     Region,
-    empty_region,
-    facet_table,
     is_standing,
-    stand,
     supporting_facet,
     vector_at,
 )
-from lutgen.vector import Bools, Floats, Vector, cross, dot, length, row, scale, subtract
+from lutgen.vector import Bools, Floats, Vector, cross, dot, length, scale, subtract
 
 
 @njit(inline=True)
@@ -266,7 +254,7 @@ def loaded_verdict(
 
 
 @njit()
-def _measure(
+def measure_loaded(
     region: Region,
     axes: Axes,
     wrench: Floats,
@@ -275,10 +263,13 @@ def _measure(
     wanted: Bools,
     out: Floats,
 ) -> None:
-    """Fill `out` with the channels of one direction, see `plain.measure`."""
+    """Fill `out` with the channels of one direction, see `plain.measure`.
+
+    All wanted channels but margin are computed always; energy_margin is NaN.
+    """
     count, segment = region.tally, region.segment
     k, standing, angle = loaded_verdict(region, axes, wrench, least_cosine, g)
-    out[:] = math.nan
+    out[: len(CHANNELS)] = math.nan
     out[2] = angle
     out[5] = -1.0
     if standing:
@@ -297,40 +288,3 @@ def _measure(
         away = loaded_margin(convex, axes.axis[b], start, stop, wrench, standing, g)
         margin = max(margin, away) if outward else min(margin, away)
     out[3] = max(margin, 0.0) if standing else min(margin, JUST_OUTSIDE)
-
-
-@njit()
-def measure_loaded(
-    begin: int,
-    end: int,
-    primitives: Floats,
-    wrench: Floats,
-    gravity_dir: Floats,
-    setting: Setting,
-    out: Floats,
-) -> int:
-    """Measure postures [begin, end); as `evaluation.measure_some`, with wrenches (m, 7).
-
-    All wanted channels but margin are computed always; energy_margin is NaN, and so are the last
-    three rows under a moment.
-    """
-    acceptance, wanted = setting
-    n = primitives.shape[1]
-    table, region = facet_table(n), empty_region(n)
-    axes = empty_axes(region)
-    values = np.empty(len(CHANNELS))
-    overflow = 0
-    for posture in range(begin, end):
-        load = wrench[posture]
-        overflow += stand(table, region, primitives[posture], acceptance)
-        find_axes(region, load, axes)
-        directions = gravity_dir[posture % gravity_dir.shape[0]]
-        for d in range(directions.shape[0]):
-            g = row(directions, d)
-            _measure(region, axes, load, acceptance.least_cosine, g, wanted, values)
-            for c in range(len(CHANNELS)):
-                out[posture, c, d] = values[c]
-            if out.shape[1] > len(CHANNELS):
-                known = length(part(load, MU)) == 0.0
-                go_beyond(region, add(g, part(load, PHI)), known, out[posture, :, d])
-    return overflow

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from lutgen.channels.angles import JUST_OUTSIDE, tip_angle
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 from lutgen.jit import njit
@@ -32,13 +33,10 @@ from lutgen.support import (
     supporting_facet,
     vector_at,
 )
-from lutgen.vector import Bools, Floats, Ints, Vector, cross, dot, length, scale, subtract
+from lutgen.vector import Bools, Floats, Vector, cross, dot, length, scale, subtract
 
 # Rows of a measurement after those of the channels: how |SD_g| goes on beyond the standing region.
 ALONG, ASIDE, HEIGHT_BEYOND = len(CHANNELS), len(CHANNELS) + 1, len(CHANNELS) + 2
-# What a direction just outside the region gets where its distance rounds to zero, so that the
-# sign alone always tells the verdict, in float32 too.
-JUST_OUTSIDE = -1e-30
 
 
 class Setting(NamedTuple):
@@ -48,42 +46,7 @@ class Setting(NamedTuple):
     wanted: NDArray[np.bool_]
 
 
-@njit()
-def arc_distance(start: Vector, stop: Vector, normal: Vector, g: Vector) -> float:
-    """Return the angle (rad) from g to the great-circle arc between two contact directions."""
-    if dot(cross(normal, start), g) >= 0.0 and dot(cross(stop, normal), g) >= 0.0:
-        return abs(math.asin(min(max(dot(normal, g), -1.0), 1.0)))
-    near_start = length(subtract(g, scale(start, 1.0 / length(start))))
-    near_stop = length(subtract(g, scale(stop, 1.0 / length(stop))))
-    return 2.0 * math.asin(min(0.5 * min(near_start, near_stop), 1.0))
-
-
-@njit()
-def tip_angle(count: Ints, segment: Floats, standing: bool, g: Vector) -> float:
-    """Return the signed angular distance (rad) from g to the boundary of the standing region.
-
-    Positive inside; pi where there is no boundary, -pi where there is no region.  For a convex
-    region it is the smallest asin(m . g) over the tip-over planes, inside and outside: the angle
-    of the force-angle measure of Papadopoulos and Rey for a pure gravity load.
-    """
-    if count[FACETS] == 0:
-        return -math.pi
-    if count[SEGMENTS] == 0:
-        return math.pi
-    if count[CONVEX] == 1:
-        lowest = 2.0
-        for b in range(count[SEGMENTS]):
-            lowest = min(lowest, dot(vector_at(segment, b, TIP_PLANE), g))
-        angle = math.asin(min(max(lowest, -1.0), 1.0))
-        return max(angle, 0.0) if standing else min(angle, JUST_OUTSIDE)
-    nearest = math.pi
-    for b in range(count[SEGMENTS]):
-        start, stop = vector_at(segment, b, START), vector_at(segment, b, STOP)
-        nearest = min(nearest, arc_distance(start, stop, vector_at(segment, b, TIP_PLANE), g))
-    return nearest if standing else min(-nearest, JUST_OUTSIDE)
-
-
-@njit()
+@njit(inline=True)
 def axis_margin(start: Vector, stop: Vector, tip_plane: Vector, convex: bool, g: Vector) -> float:
     """Return the horizontal distance from the com to one tip-over axis, positive on its inner side.
 
@@ -112,7 +75,7 @@ def axis_margin(start: Vector, stop: Vector, tip_plane: Vector, convex: bool, g:
     )
 
 
-@njit()
+@njit(inline=True)
 def axis_energy(start: Vector, stop: Vector, tip_plane: Vector, g: Vector) -> float:
     """Return how far the com rises while the robot turns over one axis; negative once past it.
 

@@ -233,13 +233,11 @@ class Scanner:
             some = slice(begin, begin + few)
             for at in range(0, count, AT_ONCE):
                 part = directions[:, at : at + AT_ONCE]
-                values, over = measure_postures(
-                    primitives[some], wrench[some], part, self._setting, len(CHANNELS)
-                )
+                values, over = measure_postures(primitives[some], wrench[some], part, self._setting)
                 overflow += over
                 held = values.shape[2]
                 for channel in np.flatnonzero(self._setting.wanted):
-                    for i, value in enumerate(values[:, channel]):
+                    for i, value in enumerate(values[channel]):
                         place = (begin + i) * count + at
                         out[channel, place : place + held] = value
         return overflow

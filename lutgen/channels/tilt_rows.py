@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from lutgen.channels.plain import JUST_OUTSIDE
+from lutgen.channels.angles import JUST_OUTSIDE
 from lutgen.channels.raster import VECTOR, Rows
 from lutgen.jit import njit
 from lutgen.support import SEGMENTS, START, STOP, TIP_PLANE, Region, vector_at

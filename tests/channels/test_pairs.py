@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import lutgen
-from lutgen.channels.evaluation import evaluate_each, measure_recipe
+from lutgen.channels.evaluation import ROWS, evaluate_each, measure_recipe
 from lutgen.channels.plain import ALONG, ASIDE, HEIGHT_BEYOND
 from lutgen.errors import InputError
 from lutgen.recipe.kinematics import forward
@@ -56,14 +56,14 @@ def test_the_stability_factor_goes_on_beyond_the_standing_region_on_the_same_pla
     posture = forward(recipe, [[0.3, 0.1]])
     tilts = np.radians(np.linspace(0.0, 70.0, 141))
     down = np.stack([-np.sin(tilts), 0.0 * tilts, -np.cos(tilts)], axis=1)
-    values = measure_recipe(recipe, posture, down[None], np.ones(6, dtype=bool))
-    sdg, height = values[0, 0], values[0, 1]
+    values = measure_recipe(recipe, posture, down[None], np.ones(6, dtype=bool), rows=ROWS)[:, 0]
+    sdg, height = values[0], values[1]
     stands = ~np.isnan(sdg)
     assert 20 < stands.sum() < 120
-    beyond = np.hypot(values[0, ALONG], values[0, ASIDE])
+    beyond = np.hypot(values[ALONG], values[ASIDE])
     # The in-plane components of D_g - s; a square root and two products.
     np.testing.assert_allclose(beyond[stands], sdg[stands], rtol=1e-12)
-    np.testing.assert_array_equal(values[0, HEIGHT_BEYOND][stands], height[stands])
+    np.testing.assert_array_equal(values[HEIGHT_BEYOND][stands], height[stands])
     # D_g - s on the plane of the three feet, from the definitions.
     feet = posture.centres[0]
     normal = np.cross(feet[1] - feet[0], feet[2] - feet[0])

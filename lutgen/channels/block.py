@@ -1,0 +1,205 @@
+"""A convex standing region under a block of directions, pass by pass.
+
+Owns the fast way to the channels where there are many directions for a posture: the coordinates of
+a block lie side by side, each pass goes over all of them with one plane, and the compiler makes
+vector instructions of it.  The numbers are those of `plain.measure` to the last bit.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lutgen.channels.angles import JUST_OUTSIDE, signed_angle
+from lutgen.channels.plain import axis_energy, axis_margin
+from lutgen.jit import njit
+from lutgen.support import (
+    CONVEX,
+    FACETS,
+    FIRST_AXIS,
+    GAPS,
+    HEIGHT,
+    PLANE,
+    SECOND_AXIS,
+    SEGMENTS,
+    START,
+    STOP,
+    TIP_PLANE,
+    Region,
+    vector_at,
+)
+from lutgen.vector import Bools, Floats, Ints, Vector, dot
+
+# Directions of a block: its arrays stay in the nearest cache, 2 KB each.
+BLOCK = 256
+# For fewer directions `plain.measure` is faster.
+FEWEST = 3
+# Channels that `measure_block` fills; whoever wants a later one gets all node by node.
+KNOWN = 6
+
+
+class Block(NamedTuple):
+    """Room for a block: its directions' coordinates, and what is known of each.
+
+    `numbers` (6, BLOCK): x; y; z; the largest (n/h) . g; the least m . g over the tip-over planes;
+    the least margin or rise.  `first` (BLOCK,): the facet whose plane is pierced first, or -1.
+    """
+
+    numbers: NDArray[np.float64]
+    first: NDArray[np.int64]
+
+
+@njit()
+def empty_block() -> Block:
+    """Return room for a block of directions."""
+    return Block(np.empty((6, BLOCK)), np.empty(BLOCK, np.int64))
+
+
+@njit(inline=True)
+def worth_blocks(tally: Ints, wanted: Bools, directions: int) -> bool:
+    """Tell whether a region's wanted channels can be measured in blocks, and faster so."""
+    fits = tally[CONVEX] == 1 and tally[GAPS] == 0 and not wanted[KNOWN:].any()
+    return fits and directions >= FEWEST
+
+
+@njit()
+def _take(directions: Floats, x: Floats, y: Floats, z: Floats) -> None:
+    for i in range(np.uint64(directions.shape[0])):
+        x[i], y[i], z[i] = directions[i, 0], directions[i, 1], directions[i, 2]
+
+
+@njit()
+def _pierce(
+    plane: Vector, k: int, x: Floats, y: Floats, z: Floats, rate: Floats, first: Ints
+) -> None:
+    """Let facet k take the directions whose ray pierces its plane before those of lower facets.
+
+    The rule for ties is that of `support.supporting_facet`.
+    """
+    for i in range(np.uint64(x.shape[0])):
+        here = dot(plane, (x[i], y[i], z[i]))
+        sooner = here > rate[i] * (1.0 + 1e-12)
+        rate[i] = here if sooner else rate[i]
+        first[i] = k if sooner else first[i]
+
+
+@njit()
+def _lower(plane: Vector, x: Floats, y: Floats, z: Floats, lowest: Floats) -> None:
+    for i in range(np.uint64(x.shape[0])):
+        lowest[i] = min(lowest[i], dot(plane, (x[i], y[i], z[i])))
+
+
+@njit(inline=True)
+def _stands(first: int, lowest: float) -> bool:
+    standing: bool = (first >= 0) & (lowest >= 0.0)
+    return standing
+
+
+@njit()
+def _factors(
+    facet: Floats,
+    x: Floats,
+    y: Floats,
+    z: Floats,
+    rate: Floats,
+    first: Ints,
+    lowest: Floats,
+    out: Floats,
+) -> None:
+    """Fill `out` with |SD_g|, NaN where the robot does not stand."""
+    for i in range(np.uint64(out.shape[0])):
+        k, g = max(first[i], 0), (x[i], y[i], z[i])
+        along = dot(vector_at(facet, k, FIRST_AXIS), g)
+        aside = dot(vector_at(facet, k, SECOND_AXIS), g)
+        factor = math.sqrt(along * along + aside * aside) / rate[i]
+        out[i] = factor if _stands(first[i], lowest[i]) else math.nan
+
+
+@njit()
+def _heights(facet: Floats, first: Ints, lowest: Floats, out: Floats) -> None:
+    for i in range(out.shape[0]):
+        out[i] = facet[first[i], HEIGHT] if _stands(first[i], lowest[i]) else math.nan
+
+
+@njit()
+def _angles(first: Ints, lowest: Floats, out: Floats) -> None:
+    for i in range(np.uint64(out.shape[0])):
+        out[i] = signed_angle(lowest[i], _stands(first[i], lowest[i]))
+
+
+@njit()
+def _nearer(
+    start: Vector, stop: Vector, plane: Vector, x: Floats, y: Floats, z: Floats, least: Floats
+) -> None:
+    """Lower `least` to the margin of one axis."""
+    for i in range(np.uint64(x.shape[0])):
+        least[i] = min(least[i], axis_margin(start, stop, plane, True, (x[i], y[i], z[i])))
+
+
+@njit()
+def _easier(
+    start: Vector, stop: Vector, plane: Vector, x: Floats, y: Floats, z: Floats, least: Floats
+) -> None:
+    """Lower `least` to the rise of the com over one axis."""
+    for i in range(np.uint64(x.shape[0])):
+        least[i] = min(least[i], axis_energy(start, stop, plane, (x[i], y[i], z[i])))
+
+
+@njit()
+def _margins(least: Floats, first: Ints, lowest: Floats, out: Floats) -> None:
+    """Give a margin the sign of the verdict."""
+    for i in range(np.uint64(out.shape[0])):
+        standing = _stands(first[i], lowest[i])
+        out[i] = max(least[i], 0.0) if standing else min(least[i], JUST_OUTSIDE)
+
+
+@njit()
+def measure_block(
+    region: Region,
+    directions: Floats,
+    wanted: Bools,
+    room: Block,
+    posture: int,
+    begin: int,
+    out: Floats,
+) -> None:
+    """Fill out[:, posture, begin:] with the wanted rows of at most BLOCK directions (d, 3)."""
+    facet, segment, tally = region.facet, region.segment, region.tally
+    facets, segments, count = tally[FACETS], tally[SEGMENTS], directions.shape[0]
+    here = slice(begin, begin + count)
+    numbers, first = room.numbers, room.first[:count]
+    x, y, z = numbers[0, :count], numbers[1, :count], numbers[2, :count]
+    rate, lowest, least = numbers[3, :count], numbers[4, :count], numbers[5, :count]
+    _take(directions, x, y, z)
+    rate[:], first[:], lowest[:] = 0.0, -1, 2.0
+    for k in range(facets):
+        _pierce(vector_at(facet, k, PLANE), k, x, y, z, rate, first)
+    for b in range(segments):
+        _lower(vector_at(segment, b, TIP_PLANE), x, y, z, lowest)
+    if wanted[0]:
+        _factors(facet, x, y, z, rate, first, lowest, out[0, posture, here])
+    if wanted[1]:
+        _heights(facet, first, lowest, out[1, posture, here])
+    if wanted[2]:
+        target = out[2, posture, here]
+        if facets == 0:
+            target[:] = -math.pi
+        elif segments == 0:
+            target[:] = math.pi
+        else:
+            _angles(first, lowest, target)
+    for c in range(3, 5):
+        if wanted[c]:
+            least[:] = math.inf if facets > 0 else -math.inf
+            for b in range(segments):
+                start, stop = vector_at(segment, b, START), vector_at(segment, b, STOP)
+                plane = vector_at(segment, b, TIP_PLANE)
+                if c == 3:
+                    _nearer(start, stop, plane, x, y, z, least)
+                else:
+                    _easier(start, stop, plane, x, y, z, least)
+            _margins(least, first, lowest, out[c, posture, here])
+    if wanted[5]:
+        for i in range(count):
+            out[5, posture, begin + i] = first[i] if _stands(first[i], lowest[i]) else -1.0
