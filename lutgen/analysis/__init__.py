@@ -27,6 +27,7 @@ from lutgen.analysis.tilt_table import (
     SweepLimits,
     even_headings,
     posture_limits,
+    rounded_down,
     sweep_limits,
 )
 from lutgen.analysis.uneven import Equilibrium, Footing, equilibrium
@@ -62,6 +63,7 @@ __all__ = [
     "roll_limits",
     "rolling_gravity",
     "rolls",
+    "rounded_down",
     "slide_limits",
     "slopes",
     "structure",

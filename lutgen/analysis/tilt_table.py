@@ -8,6 +8,7 @@ is seated on it anew at each tilt (`ground_tilt`).  It prints and draws nothing.
 
 import math
 from dataclasses import dataclass
+from decimal import ROUND_FLOOR, Decimal
 from functools import cached_property
 
 import numpy as np
@@ -118,6 +119,19 @@ class SweepLimits:
     def strongest(self) -> int:
         """The posture that survives most in its worst heading."""
         return int(self.guaranteed.argmax())
+
+
+def rounded_down(angle: float, decimals: int = 2) -> float:
+    """Return a limit in deg rounded down, so that what is printed holds, too.
+
+    Exact in decimals: 100 x 52.149999999999999 is 5215 in float64.
+
+    Examples
+    --------
+    >>> rounded_down(22.765, 1), rounded_down(52.149999999999999)
+    (22.7, 52.14)
+    """
+    return float(Decimal(angle).quantize(Decimal(1).scaleb(-decimals), ROUND_FLOOR))
 
 
 def even_headings(count: int) -> Floats:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 # The curves of the figure have this many headings or more.
 FIGURE = 72
+WORST_GROUND = "worst on the ground"
 FIRST = {None: "-", True: "slides first", False: "tips first"}
 
 
@@ -29,7 +30,9 @@ class Asked(RecipeOptions):
     best: bool = option(is_flag=True, help="Also the best posture of the sweep in each heading.")
     headings: int = option(default=24, help="How many the table of --best has; a multiple of 4.")
     convention: str = options.convention(
-        "plane", "body", "Whether the ground under the robot is tilted from level, or its body."
+        "plane",
+        "body",
+        "Whether body tilt counts from level ground under it, or from a level body.",
     )
     output: str | None = options.output(help="Figure (PNG, SVG or PDF).")
 
@@ -40,13 +43,15 @@ class Asked(RecipeOptions):
 def limits(recipe: str, asked: Asked) -> None:
     """Print how far RECIPE can be tilted before it tips over.
 
-    From level, with its shape kept: nose down, left side down, nose up, right side down and in its
-    worst heading.  It stands at the guaranteed tilt in every heading, also between those listed.
-    -p gives the posture; the middle of the range where it is left out.
+    With its shape kept: nose down, left side down, nose up, right side down and in its worst
+    heading.  Body tilt is the robot's own, as an accelerometer in it sees it; ground tilt is the
+    slope of the ground, on which it may rock from rest to rest.  What is guaranteed holds in every
+    heading, also between those listed, and all limits are rounded down.  -p gives the posture; the
+    middle of the range where it is left out.
 
     \b
     $ lutgen limits maps/absolem.toml -p front=90 -p rear=90
-    guaranteed in every heading: 52.14 deg
+    guaranteed ground tilt in every heading: 38.65 deg (sliding included; ...)
     """
     from lutgen.analysis import Posture, even_headings, posture_limits, sweep_limits
     from lutgen.recipe import load_recipe
@@ -75,27 +80,50 @@ def limits(recipe: str, asked: Asked) -> None:
 
 
 def limits_report(recipe: "Recipe", found: "PostureLimits") -> dict[str, Any]:
-    """Return what `--json` prints of one posture; null where there is no value."""
-    mu = recipe.friction
+    """Return what `--json` prints of one posture; null where there is no value.
+
+    Without "ground" in their names tilts are those of the body, and count tipping over alone.
+    """
+    mu, ground = recipe.friction, found.ground
+    slopes = ground.limits(
+        [0.0 if math.isnan(row.heading) else row.heading for row in found.headings]
+    )
     return {
         "robot": recipe.name,
         "length_unit": recipe.length_unit,
         "convention": found.convention,
         "posture": by_unit(recipe, found.params),
         "friction": mu,
-        "friction_angle_deg": None if mu is None else math.degrees(math.atan(mu)),
+        "friction_angle_deg": None if mu is None else _down(math.atan(mu)),
         "limits": [
             {
                 "name": row.name,
                 "heading_deg": degrees(row.heading),
-                "tilt_deg": math.degrees(row.tilt),
+                "tilt_deg": _down(row.tilt),
                 "contacts": list(row.contacts),
                 "slides_first": row.slides,
+                "ground_tilt_deg": _down(slope),
+                "ground_contacts": list(ground.contacts(row.heading)),
             }
-            for row in found.headings
+            for row, slope in zip(found.headings, slopes.tolist(), strict=True)
         ],
-        "guaranteed_tilt_deg": math.degrees(found.guaranteed),
+        "guaranteed_tilt_deg": _down(found.guaranteed),
+        "guaranteed_body_tilt_deg": _down(found.guaranteed),
+        "guaranteed_ground_tilt_deg": _down(found.guaranteed_ground),
+        "guaranteed_ground_tip_deg": _down(ground.guaranteed),
+        "ground_sliding_included": found.slide is not None,
+        "worst_ground_heading_deg": degrees(ground.worst),
+        "worst_ground_tilt_deg": _down(ground.least),
+        "worst_ground_contacts": list(ground.contacts(ground.worst)),
+        "forces_act": recipe.has_wrench,
     }
+
+
+def _down(angle: float) -> float:
+    """Return an angle in deg, from rad, rounded down at its tenth decimal."""
+    from lutgen.analysis import rounded_down
+
+    return rounded_down(math.degrees(angle), 10)
 
 
 def _best(recipe: "Recipe", swept: "SweepLimits", count: int) -> list[dict[str, Any]]:
@@ -103,7 +131,7 @@ def _best(recipe: "Recipe", swept: "SweepLimits", count: int) -> list[dict[str, 
     return [
         {
             "heading_deg": math.degrees(swept.headings[i]),
-            "tilt_deg": math.degrees(swept.most[i]),
+            "tilt_deg": _down(swept.most[i]),
             "posture": by_unit(recipe, swept.params[swept.most_at[i]]),
         }
         for i in range(0, len(swept.headings), len(swept.headings) // count)
@@ -123,19 +151,27 @@ def _all(recipe: "Recipe", swept: "SweepLimits") -> dict[str, Any]:
     weakest, strongest = swept.weakest, swept.strongest
     guaranteed = swept.guaranteed
     rows.append((WORST, guaranteed[weakest], weakest, guaranteed[strongest], strongest))
+    slopes = swept.guaranteed_ground
+    low, high = int(slopes.argmin()), int(slopes.argmax())
     return {
         "postures": len(swept.params),
         "tip_on_level_ground": int((guaranteed <= 0.0).sum()),
         "limits": [
             {
                 "name": name,
-                "least_tilt_deg": math.degrees(least),
+                "least_tilt_deg": _down(least),
                 "least_at": by_unit(recipe, swept.params[least_at]),
-                "largest_tilt_deg": math.degrees(most),
+                "largest_tilt_deg": _down(most),
                 "largest_at": by_unit(recipe, swept.params[most_at]),
             }
             for name, least, least_at, most, most_at in rows
         ],
+        "ground": {
+            "least_guaranteed_tip_deg": _down(slopes[low]),
+            "least_at": by_unit(recipe, swept.params[low]),
+            "largest_guaranteed_tip_deg": _down(slopes[high]),
+            "largest_at": by_unit(recipe, swept.params[high]),
+        },
     }
 
 
@@ -150,37 +186,41 @@ def _words(posture: dict[str, float]) -> str:
 
 
 def _angle(angle: float) -> str:
-    return "never" if angle >= 180.0 else f"{angle:.2f} deg"
+    """Return a limit as text: rounded down, so that what is printed holds, too."""
+    from lutgen.analysis import rounded_down
+
+    # The tenth decimal is rounded down already.
+    return "never" if angle >= 180.0 - 1e-9 else f"{rounded_down(angle):.2f} deg"
 
 
 def limits_lines(report: dict[str, Any]) -> Iterator[str]:
     """Return the report as text."""
-    tilted = {"plane": "ground", "body": "body"}[report["convention"]]
-    yield f"{report['robot']}: tilt of the {tilted} from level until the robot tips over"
+    start = {"plane": "it stands on level ground", "body": "its body is level"}
+    yield f"{report['robot']}: largest tilt before it tips over"
     if report["posture"]:
         yield _words(report["posture"])
+    yield f"body tilt: of the robot, as it senses it, from where {start[report['convention']]}"
+    yield "ground tilt: slope of the ground, the robot seated on it anew at each tilt"
     rubs = report["friction"] is not None
-    rows = [["heading", "", "tilt", "turns over", "friction"]]
+    rows = [["heading", "", "body tilt", "turns over", "ground tilt", "turns over", "friction"]]
     for row in report["limits"]:
-        heading = cell(row["heading_deg"], ".1f", " deg")
-        axis, first = " - ".join(row["contacts"]) or "-", FIRST[row["slides_first"]]
-        rows.append([row["name"], heading, _angle(row["tilt_deg"]), axis, first])
+        heading, first = cell(row["heading_deg"], ".1f", " deg"), FIRST[row["slides_first"]]
+        rows.append([row["name"], heading, *_of_both(row), first])
+    worst = report["worst_ground_heading_deg"]
+    if worst is not None:
+        tilt, axis = _angle(report["worst_ground_tilt_deg"]), report["worst_ground_contacts"]
+        rows.append([WORST_GROUND, f"{worst:.1f} deg", "", "", tilt, " - ".join(axis) or "-", ""])
     yield from aligned([row if rubs else row[:-1] for row in rows])
-    if report["guaranteed_tilt_deg"] <= 0.0:
-        yield "it tips over on level ground"
-    else:
-        # Rounded down: what is printed holds, too.
-        guaranteed = math.floor(100.0 * report["guaranteed_tilt_deg"]) / 100.0
-        yield f"guaranteed in every heading: {_angle(guaranteed)}"
+    yield from _guaranteed_lines(report)
     if rubs:
         yield (
-            f"slides on slopes above {report['friction_angle_deg']:.2f} deg "
-            f"(friction {report['friction']:g})"
+            f"slides on slopes above {_angle(report['friction_angle_deg'])} "
+            f"(friction {report['friction']:g}, all contacts braked)"
         )
     if "all_postures" in report:
         yield from _all_lines(report["all_postures"])
     if "best_postures" in report:
-        rows = [["heading", "tilt", "best posture"]]
+        rows = [["heading", "body tilt", "best posture"]]
         for row in report["best_postures"]:
             heading = f"{row['heading_deg']:.1f} deg"
             rows.append([heading, _angle(row["tilt_deg"]), _words(row["posture"])])
@@ -188,14 +228,44 @@ def limits_lines(report: dict[str, Any]) -> Iterator[str]:
         yield from aligned(rows)
 
 
+def _of_both(row: dict[str, Any]) -> list[str]:
+    """Return the cells of a heading: body tilt, what it turns over, and the same of the ground."""
+    cells = []
+    for before in ("", "ground_"):
+        names = " - ".join(row[f"{before}contacts"]) or "-"
+        cells += [_angle(row[f"{before}tilt_deg"]), names]
+    return cells
+
+
+def _guaranteed_lines(report: dict[str, Any]) -> Iterator[str]:
+    """Return what holds in every heading, and what of."""
+    tips = report["guaranteed_ground_tip_deg"]
+    if max(report["guaranteed_tilt_deg"], tips) <= 0.0:
+        yield "it tips over on level ground"
+        return
+    body, ground = (_angle(report[f"guaranteed_{of}_tilt_deg"]) for of in ("body", "ground"))
+    yield f"guaranteed body tilt in every heading: {body} (tipping over; sliding not included)"
+    if report["ground_sliding_included"]:
+        more = "" if ground == _angle(tips) else f"; tipping over alone {_angle(tips)}"
+        words = f"sliding included{more}"
+    else:
+        why = "forces act" if report["forces_act"] else "friction is not known"
+        words = f"tipping over; sliding not included, {why}"
+    yield f"guaranteed ground tilt in every heading: {ground} ({words})"
+
+
 def _all_lines(found: dict[str, Any]) -> Iterator[str]:
     """Return the limits over all postures as text."""
     tipping = found["tip_on_level_ground"]
     more = f", of which {tipping} tip over on level ground" if tipping else ""
-    rows = [["heading", "least", "at", "largest", "at"]]
+    rows = [["body tilt", "least", "at", "largest", "at"]]
     for row in found["limits"]:
         ends = ((row[f"{end}_tilt_deg"], row[f"{end}_at"]) for end in ("least", "largest"))
         rows.append([row["name"], *(text for a, at in ends for text in (_angle(a), _words(at)))])
+    ground = found["ground"]
+    ends = ((ground[f"{e}_guaranteed_tip_deg"], ground[f"{e}_at"]) for e in ("least", "largest"))
+    name = "ground tilt, guaranteed"
+    rows.append([name, *(text for a, at in ends for text in (_angle(a), _words(at)))])
     yield ""
     yield f"over {found['postures']} postures of the sweep{more}"
     yield from aligned(rows)

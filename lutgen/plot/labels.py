@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike
 
-from lutgen.analysis import FOUR
+from lutgen.analysis import FOUR, rounded_down
 from lutgen.parts import Parameter
 from lutgen.plot.view import View
 from lutgen.quantities import QUANTITIES
@@ -127,6 +127,11 @@ def with_unit(value: float, unit: str) -> str:
 def angle_text(degrees: float) -> str:
     """Return an angle that was computed, to a tenth of a degree."""
     return _joined(f"{degrees:.1f}".replace("-", MINUS), "deg")
+
+
+def limit_text(degrees: float) -> str:
+    """Return a limit to a tenth of a degree, rounded down, so that what is printed holds, too."""
+    return angle_text(rounded_down(degrees, 1))
 
 
 def _joined(text: str, unit: str) -> str:

@@ -1,6 +1,8 @@
 """Tilt charts: the largest tilt before tip-over in each heading, of one posture or of all.
 
-Beside it the tilts at which friction or brakes give way before that.
+A colour is a thing: blue is body tilt, what an accelerometer in the robot sees, and purple ground
+tilt, the slope of the ground under a robot that rocks.  Solid is the limit in each heading, dashed
+what is guaranteed in all.  Beside them are the tilts at which friction or brakes give way.
 """
 
 import math
@@ -16,45 +18,45 @@ from lutgen.analysis import (
     PostureLimits,
     SweepLimits,
     hold_limits,
+    posture_limits,
     roll_limits,
     slide_limits,
     tilt_limits,
 )
-from lutgen.plot.labels import HEADINGS, angle_text, heading_text, slide_label, title, with_unit
+from lutgen.plot.labels import HEADINGS, heading_text, limit_text, slide_label, title, with_unit
 from lutgen.plot.marks import CENTRED, HALO, HATCHED, SLIDE_DASHES, tip_patch
-from lutgen.plot.style import BLUE, GREEN, GREY, ORANGE, in_house_style, new_figure
+from lutgen.plot.style import BLUE, GREEN, GREY, ORANGE, PURPLE, in_house_style, new_figure
 from lutgen.plot.view import View
 from lutgen.recipe import Recipe
 
 Floats = NDArray[np.float64]
 Look = dict[str, Any]
 
-SIZE = (3.5, 3.75)
-# Headings around the circle (rad), the first at both ends: every half degree, so that the worst
-# one is known to that.
+SIZE = (3.5, 4.1)
+# Headings around the circle (rad), the first at both ends: every half degree.
 SAMPLES = 720
 AROUND = np.radians(np.arange(SAMPLES + 1) * (360.0 / SAMPLES))
 # Headings at which rolling is judged: every fifth degree, so that sideways is among them.
 ROLL_HEADINGS = 73
 DOWN = (0.0, 0.0, -1.0)
-TILTED = {"plane": "tilt of the ground", "body": "tilt of the body"}
-GUARANTEED: Look = {"color": "black", "linestyle": (0, (4, 2)), "linewidth": 0.9}
+FROM = {"plane": "tilt from level ground", "body": "tilt from a level body"}
+BODY: Look = {"color": BLUE, "linewidth": 1.8, "zorder": 4}
+GROUND: Look = {"color": PURPLE, "linewidth": 1.0, "zorder": 4.2}
+GUARANTEED: Look = {"linestyle": (0, (4, 2)), "linewidth": 1.0}
 SLIDES: Look = {"color": GREY, "linestyle": (0, (1, 1.2)), "linewidth": 1.2}
 BEST: Look = {"color": GREEN, "linewidth": 1.0}
 LEAST: Look = {"color": ORANGE, "linewidth": 1.0, "linestyle": (0, (5, 1))}
 
 
 def draw_polar(view: View) -> Figure:
-    """Return the figure; its outline holds heading (rad) and largest tilt (deg)."""
+    """Return the figure; its outline holds heading (rad) and largest body tilt (deg)."""
     posture = Posture(view.recipe, view.params)
+    found = posture_limits(posture, "body")
     outline = np.degrees(tilt_limits(view.recipe, view.params, AROUND))
-    axes = _polar_axes(title(view, gravity=False), outline, outline)
+    words = title(view, gravity=False, more=FROM["body"])
+    axes = _polar_axes(words, outline, _ground(found), outline)
     _hatch(axes, outline)
-    axes.plot(AROUND, outline, color=BLUE, label="largest tilt (deg)")
-    worst = int(np.argmin(outline[:-1]))
-    least = float(outline[worst])
-    _circle(axes, AROUND[::2], least, label=f"safe in all headings: {angle_text(least)}")
-    _mark_worst(axes, float(AROUND[worst]), least)
+    _outlines(axes, found, outline)
     if view.recipe.friction is not None:
         slides = np.degrees(slide_limits(posture, AROUND))
         # Where the robot has not tipped before.
@@ -63,7 +65,7 @@ def draw_polar(view: View) -> Figure:
             look: Look = {"color": ORANGE, "linestyle": SLIDE_DASHES}
             axes.plot(AROUND, slides, label=slide_label(view.recipe), **look)
     _roll_limit(axes, posture)
-    return _with_legend(axes, "tips over")
+    return _with_legend(axes, "tips over (body tilt)")
 
 
 @in_house_style
@@ -74,17 +76,17 @@ def draw_limits(
     *,
     worst: bool = True,
 ) -> Figure:
-    """Draw the largest tilt before tip-over in each heading.
+    """Draw the largest tilt before tip-over in each heading: body tilt, and ground tilt.
 
     Parameters
     ----------
     recipe : Recipe
         The robot.
     posture : PostureLimits
-        Of one posture: its outline, its worst heading, the circle that holds in all headings, and
-        from where on it slides.
+        Of one posture, for body tilt and for ground tilt: its outline, its worst heading, and the
+        circle that holds in all headings; and from where on it slides.
     swept : SweepLimits, optional
-        Of all postures: the best of them in each heading, and with `worst` the worst, too.
+        Body tilt of all postures: the best of them in each heading, and with `worst` the worst.
     worst : bool
         See `swept`.
 
@@ -94,15 +96,11 @@ def draw_limits(
     """
     outline = np.degrees(tilt_limits(recipe, posture.params, AROUND, posture.convention))
     view = View("polar", recipe, None, posture.params, np.array(DOWN), "tip_angle", ())
-    heading = title(view, gravity=False, more=TILTED[posture.convention])
-    drawn = outline if swept is None else np.append(outline, np.degrees(swept.most))
-    axes = _polar_axes(heading, outline, drawn)
+    heading = title(view, gravity=False, more=FROM[posture.convention])
+    most = outline if swept is None else np.append(outline, np.degrees(swept.most))
+    axes = _polar_axes(heading, outline, _ground(posture), most)
     _hatch(axes, outline if swept is None else _sweep(axes, swept, outline, worst))
-    axes.plot(AROUND, outline, color=BLUE, label="this posture", zorder=4)
-    least = math.degrees(posture.guaranteed)
-    # Rounded down: what is printed holds, too.
-    guaranteed = angle_text(math.floor(10.0 * least) / 10.0)
-    _circle(axes, AROUND, least, label=f"guaranteed: {guaranteed}", zorder=4)
+    _outlines(axes, posture, outline)
     if recipe.friction is not None:
         top = axes.get_rmax()
         slides = slide_limits(
@@ -111,10 +109,8 @@ def draw_limits(
         within = np.nan_to_num(np.degrees(slides), nan=top)
         if within.min() < top:
             axes.plot(AROUND, within, label=slide_label(recipe), zorder=3, **SLIDES)
-    if not math.isnan(posture.worst.heading):
-        _mark_worst(axes, posture.worst.heading, math.degrees(posture.worst.tilt))
-    tips = "tips over" if swept is None else "tips over in every posture"
-    return _with_legend(axes, tips, columnspacing=1.0)
+    tips = "tips over (body tilt)" if swept is None else "tips over in every posture"
+    return _with_legend(axes, tips)
 
 
 def _sweep(axes: PolarAxes, swept: SweepLimits, outline: Floats, worst: bool) -> Floats:
@@ -130,26 +126,28 @@ def _sweep(axes: PolarAxes, swept: SweepLimits, outline: Floats, worst: bool) ->
     return np.asarray(np.maximum(most, outline))
 
 
-def _polar_axes(heading: str, outline: Floats, drawn: Floats) -> PolarAxes:
+def _polar_axes(words: str, outline: Floats, ground: Floats, drawn: Floats) -> PolarAxes:
     """Return axes of heading (rad, the nose up) and tilt (deg) with room for what is `drawn`.
 
-    In a new figure of that title.  Around them are the names of the `HEADINGS`, with the outline's
-    tilts (deg) in those.
+    In a new figure with that title.  Around them are the names of the `HEADINGS`, with the tilts
+    (deg) of both outlines in those, or one number where they are the same.
     """
     figure = new_figure(SIZE)
-    figure.suptitle(heading, x=0.01, ha="left")
+    figure.suptitle(words, x=0.01, ha="left")
     axes = cast("PolarAxes", figure.add_subplot(projection="polar"))
     axes.set_theta_zero_location("N")
-    top = min(15.0 * math.ceil((float(drawn.max()) + 5.0) / 15.0), 180.0)
+    highest = max(float(drawn.max()), float(ground.max()))
+    top = min(15.0 * math.ceil((highest + 5.0) / 15.0), 180.0)
     axes.set_ylim(0.0, top)
     step = 15.0 if top <= 90.0 else 30.0
     rings = np.arange(step, top, step)
     axes.set_rgrids(rings, labels=[])
     axes.set_thetagrids(np.arange(0.0, 360.0, 45.0), labels=[])
     for degrees, name in HEADINGS.items():
-        words = f"{name}: {angle_text(float(outline[degrees * SAMPLES // 360]))}"
+        body, slope = (limit_text(float(of[degrees * SAMPLES // 360])) for of in (outline, ground))
+        tilts = body if body == slope else f"body {body}, ground {slope}"
         turn = {90: 90, 270: -90}.get(degrees, 0)
-        axes.text(math.radians(degrees), 1.08 * top, words, rotation=turn, **CENTRED)
+        axes.text(math.radians(degrees), 1.08 * top, f"{name}: {tilts}", rotation=turn, **CENTRED)
     look: Look = {"fontsize": 6, "path_effects": HALO, "zorder": 6, **CENTRED}
     for ring in rings:
         axes.text(math.radians(45.0), ring, with_unit(ring, "deg"), **look)
@@ -161,16 +159,32 @@ def _hatch(axes: PolarAxes, edge: Floats) -> None:
     axes.fill_between(AROUND, edge, axes.get_rmax(), linewidth=0.0, **HATCHED)
 
 
-def _circle(axes: PolarAxes, around: Floats, tilt: float, **look: Any) -> None:
-    """Draw the tilt (deg) that is safe in all headings (rad)."""
-    axes.plot(around, np.full(len(around), tilt), **GUARANTEED, **look)
+def _ground(found: PostureLimits) -> Floats:
+    """Return the outline of ground tilt, deg."""
+    return np.asarray(np.degrees(found.ground.limits(AROUND)))
 
 
-def _mark_worst(axes: PolarAxes, heading: float, tilt: float) -> None:
-    """Mark the worst heading (rad) and its tilt (deg)."""
-    look: Look = {"markersize": 5, "markerfacecolor": ORANGE, "markeredgecolor": "white"}
-    label = f"worst: {heading_text(math.degrees(heading))}"
-    axes.plot([heading], [tilt], "o", label=label, zorder=5, **look)
+def _outlines(axes: PolarAxes, found: PostureLimits, outline: Floats) -> None:
+    """Draw body tilt (deg) and ground tilt: their outlines, what is guaranteed, the worst."""
+    rubs = "not included" if found.slide is None else "included"
+    named = (
+        ("body tilt", BODY, outline, found.guaranteed, "not included"),
+        ("ground tilt", GROUND, _ground(found), found.guaranteed_ground, rubs),
+    )
+    worst = {
+        "body tilt": (found.worst.heading, found.worst.tilt),
+        "ground tilt": (found.ground.worst, found.ground.least),
+    }
+    for name, look, tilts, guaranteed, sliding in named:
+        axes.plot(AROUND, tilts, label=name, **look)
+        least = math.degrees(guaranteed)
+        label = f"{name}, guaranteed: {limit_text(least)}\nsliding {sliding}"
+        axes.plot(AROUND, np.full(len(AROUND), least), label=label, **look | GUARANTEED)
+        heading, tilt = worst[name]
+        if not math.isnan(heading):
+            dot: Look = {"markersize": 5, "markeredgecolor": "white", "color": look["color"]}
+            label = f"worst: {heading_text(math.degrees(heading))}"
+            axes.plot([heading], [math.degrees(tilt)], "o", label=label, zorder=5, **dot)
 
 
 def _roll_limit(axes: PolarAxes, posture: Posture) -> None:
@@ -194,10 +208,18 @@ def _roll_limit(axes: PolarAxes, posture: Posture) -> None:
         axes.plot(headings, sure, label="holds for certain within", **look)
 
 
-def _with_legend(axes: PolarAxes, tips: str, **settings: Any) -> Figure:
+def _with_legend(axes: PolarAxes, tips: str) -> Figure:
     """Return the figure of the axes, its legend below them."""
-    handles, _ = axes.get_legend_handles_labels()
-    handles.append(tip_patch(tips))
+    handles, labels = axes.get_legend_handles_labels()
+    # Body tilt stands on the left with its guarantee and its worst heading, ground tilt on the
+    # right, and the others below both.
+    first, second = labels.index("body tilt"), labels.index("ground tilt")
+    # A robot that tips at once has no worst heading.
+    third = second + 2 + any(label.startswith("worst:") for label in labels[second + 2 :])
+    others = [tip_patch(tips), *handles[:first], *handles[third:]]
+    left = max(math.ceil((len(handles) + 1) / 2) - (second - first), 0)
+    columns = [handles[first:second], others[:left], handles[second:third], others[left:]]
+    handles = [handle for part in columns for handle in part]
     figure = cast("Figure", axes.figure)
-    figure.legend(handles=handles, loc="outside lower center", ncols=2, **settings)
+    figure.legend(handles=handles, loc="outside lower center", ncols=2, columnspacing=1.0)
     return figure

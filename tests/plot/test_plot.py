@@ -1,5 +1,6 @@
 """The figures show what they say: data, units, marks, hatching; and files repeat to the byte."""
 
+import dataclasses
 import math
 import re
 import subprocess
@@ -15,7 +16,9 @@ from matplotlib.figure import Figure
 
 import lutgen
 from lutgen import plot
+from lutgen.analysis.stance import Posture
 from lutgen.analysis.tilt import tilt_limits, tilted
+from lutgen.analysis.tilt_table import posture_limits
 from lutgen.errors import InputError
 from lutgen.mapping.map import StabilityMap
 from lutgen.quantities import RANKED
@@ -114,7 +117,7 @@ def hatched(figure: Figure) -> list[QuadContourSet]:
         ("contour", [r"$\alpha$ (deg)", r"$\gamma$ (deg)", "$|SD_g|$ (\N{EN DASH})"]),
         ("surface", [r"$\alpha$ (deg)", r"$\gamma$ (deg)", "$|SD_g|$ (\N{EN DASH})"]),
         ("sphere", ["$|SD_g|$ (\N{EN DASH})", "nose down", "left side down", "15\N{DEGREE SIGN}"]),
-        ("polar", ["(deg)", "nose down", "right side down", "15\N{DEGREE SIGN}"]),
+        ("polar", ["body tilt", "ground tilt", "nose down", "right side down", "15\N{DEGREE SIGN}"]),
         ("robot", ["x forward (\N{EN DASH})", "y left (\N{EN DASH})", "z up (\N{EN DASH})"]),
     ],
 )
@@ -325,23 +328,39 @@ def test_polar_chart_of_a_rectangle_has_the_closed_form_limits(table: Recipe) ->
     text = words(plot.draw("polar", table))
     names = ("nose down", "left side down", "nose up", "right side down")
     for name, limit in zip(names, expected, strict=True):
-        assert f"{name}: {math.degrees(limit):.1f}\N{DEGREE SIGN}" in text
+        # Body and ground alike, and rounded down, so that what is printed holds.
+        down = math.floor(10.0 * math.degrees(limit)) / 10.0
+        assert f"{name}: {down:.1f}\N{DEGREE SIGN}" in text
 
 
-def test_polar_chart_marks_the_worst_heading_of_its_outline() -> None:
-    tripod = lutgen.load_recipe(MAPS / "three_leg_sphere.toml")
-    figure = plot.draw("polar", tripod, params={"spread": 40.0, "lean": 20.0})
-    lines = {line.get_label(): line for line in figure.axes[0].get_lines()}
-    heading, limit = lines["largest tilt (deg)"].get_data()
-    (at,), (worst,) = lines[next(name for name in lines if name.startswith("worst"))].get_data()
-    assert worst == limit.min()
-    assert at == heading[limit.argmin()]
-    # No heading is worse than the shortest way from level ground to the boundary.
-    posture = [[math.radians(40.0), math.radians(20.0)]]
-    level = lutgen.evaluate(tripod, posture, [DOWN], ("tip_angle",))["tip_angle"][0, 0]
-    # Half a degree of heading away from the worst one costs this much at most.
-    assert worst == pytest.approx(math.degrees(level), abs=2e-3)
-    assert worst >= math.degrees(level) - 1e-9
+def test_polar_chart_names_body_tilt_and_ground_tilt_with_a_worst_heading_of_each() -> None:
+    robot = lutgen.load_recipe(MAPS / "articulated.toml")
+    params = {"steer": 45.0, "roll": 15.0}
+    figure = plot.draw("polar", robot, params=params)
+    lines = {str(line.get_label()).split(":")[0]: line for line in figure.axes[0].get_lines()}
+    posture = posture_limits(Posture(robot, np.radians([45.0, 15.0])), "body")
+    worst = [line for line in figure.axes[0].get_lines() if line.get_marker() == "o"]
+    bounds = (posture.guaranteed, posture.guaranteed_ground)
+    for name, bound, dot in zip(("body tilt", "ground tilt"), bounds, worst, strict=True):
+        heading, limit = lines[name].get_data()
+        (at,), (tilt,) = dot.get_data()
+        # The worst heading is searched for, and what is drawn has one every half degree.
+        assert tilt <= limit.min() + 1e-9
+        assert tilt == pytest.approx(limit.min(), abs=0.02)
+        near = np.abs(np.remainder(heading - at + math.pi, 2.0 * math.pi) - math.pi) < 0.02
+        assert limit[near].min() == pytest.approx(tilt, abs=0.02)
+        circle = np.asarray(lines[f"{name}, guaranteed"].get_ydata())
+        assert circle.min() == circle.max() == pytest.approx(math.degrees(bound))
+        said = str(lines[f"{name}, guaranteed"].get_label())
+        (printed,) = re.findall(r"([0-9.]+)\N{DEGREE SIGN}", said)
+        assert 0.0 <= math.degrees(bound) - float(printed) < 0.1
+        assert said.endswith(
+            "sliding included" if name == "ground tilt" else "sliding not included"
+        )
+    text = words(figure)
+    assert "left side down: body 61.7\N{DEGREE SIGN}, ground 41.1\N{DEGREE SIGN}" in text
+    free = dataclasses.replace(robot, friction=None)
+    assert words(plot.draw("polar", free, params=params)).count("sliding not included") == 2
 
 
 def test_tilt_limit_is_the_first_crossing_of_the_boundary() -> None:
