@@ -33,7 +33,7 @@ SOFTNESS = 'condim="3" solref="0.004 1" solimp="0.99 0.999 0.0001"'
 class Solid:
     """A ball, cylinder or capsule; `half` is half its length along `axis`, 0 for a ball.
 
-    A solid that is not `braked` turns freely about its axis.
+    A solid that is not `braked` turns freely about its axis, a ball about any.
     """
 
     shape: str
@@ -170,8 +170,11 @@ def mjcf(posture: Posture, rotation: Floats, height: float, gravity: Floats, mu:
             parts.append(f'{geom} pos="{text(solid.centre)}"/>')
         else:
             spin = light * solid.radius**2 / 2.0
+            joint = f'<joint type="hinge" axis="{text(solid.axis)}"/>'
+            if solid.shape == "sphere":
+                joint = '<joint type="ball"/>'
             parts.append(
-                f'<body pos="{text(solid.centre)}"><joint type="hinge" axis="{text(solid.axis)}"/>'
+                f'<body pos="{text(solid.centre)}">{joint}'
                 f'<inertial pos="0 0 0" mass="{light!r}" diaginertia="{spin!r} {spin!r} {spin!r}"/>'
                 f"{geom}/></body>"
             )
