@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.analysis.forces import load_corners, normal_forces
-from lutgen.analysis.resistance import BRAKED, least_resistance
+from lutgen.analysis.resistance import BRAKED, least_of_each, least_resistance
 from lutgen.analysis.sliding import first_tilts
 from lutgen.analysis.stance import Facet, Posture
 from lutgen.analysis.tilt import tilt_limits
@@ -77,17 +77,11 @@ def held_share(posture: Posture, facet: Facet, direction: Floats, loads: Loads =
     motion = np.array(
         [BRAKED if not one.rolling else DISC if one.kind == "disc" else SPHERE for one in contacts]
     )
+    if loads == "every":
+        return float(least_of_each(motion, corners, arm, roll))
     able = (corners > 0.0).any(axis=0)
-    if loads == "some":
-        share = least_resistance(motion[able], corners[:, able], arm[able], roll[able])
-        return min(1.0, float(share))
-    least = 1.0
-    for load in corners:
-        able = load > 0.0
-        if (motion[able] != BRAKED).any():
-            share = least_resistance(motion[able], load[None, able], arm[able], roll[able])
-            least = min(least, float(share))
-    return least
+    share = least_resistance(motion[able], corners[:, able], arm[able], roll[able])
+    return min(1.0, float(share))
 
 
 def holds(posture: Posture, gravity_dir: ArrayLike) -> NDArray[np.bool_]:

@@ -16,6 +16,7 @@ import lutgen
 from lutgen import plot
 from lutgen.analysis.diagnosis import diagnose
 from lutgen.analysis.forces import load_corners
+from lutgen.analysis.resistance import BRAKED, least_of_each, least_resistance
 from lutgen.analysis.rolling import (
     held_share,
     hold_limits,
@@ -30,6 +31,7 @@ from lutgen.analysis.tilt import tilted
 from lutgen.cli import main
 from lutgen.errors import InputError, RecipeError
 from lutgen.recipe.recipe import Recipe
+from lutgen.support import DISC, SPHERE
 from tests.fixtures.places import ROOT
 from tests.fixtures.recipes import contact, feet, rigid
 
@@ -546,3 +548,40 @@ def test_polar_draws_the_limit_of_rolling_inside_that_of_sliding() -> None:
     assert any("rolls" in str(line.get_label()) for line in free.axes[0].get_lines())
     braked = plot.draw("polar", parsed(()))
     assert not any("rolls" in str(line.get_label()) for line in braked.axes[0].get_lines())
+
+
+def test_a_wheel_that_rolls_a_rounding_off_straight_across_hides_no_minimum() -> None:
+    # cos(pi/2) is 6e-17: the place where such a wheel alone costs least is 1e7 robots away.
+    straight = math.cos(math.pi / 2.0)
+    roll = np.array([[straight, 1.0]] * 3)
+    arm = np.array([[-1.0, -0.22923384], [-0.79232514, 0.85038073], [0.98083124, 0.09360786]])
+    motion, load = np.array([float(DISC), BRAKED, float(DISC)]), np.array([[0.25, 0.36, 0.39]])
+    # Least about the braked wheel, where only the two others cost, across their rolling.
+    turn = 1.0 / arm[1, 1]
+    expected = 0.25 * abs(1.0 - turn * arm[0, 1]) + 0.39 * abs(1.0 - turn * arm[2, 1])
+    found = least_resistance(motion, load, arm, roll)
+    assert found == pytest.approx(expected, abs=1e-13)  # what the search leaves open
+
+
+def test_the_worst_of_many_loads_has_the_least_resistance_of_all_asked_one_by_one() -> None:
+    rng = np.random.default_rng(7)
+    apart = 0
+    for _ in range(200):
+        k = int(rng.integers(3, 7))
+        motion = rng.choice([BRAKED, float(DISC), float(SPHERE)], k, p=[0.4, 0.5, 0.1])
+        loads = rng.dirichlet(np.ones(k), 6) * (rng.random((6, k)) < 0.6)
+        loads = loads[loads.sum(axis=1) > 0.3]
+        loads /= loads.sum(axis=1, keepdims=True)
+        arm, angle = rng.uniform(-1.0, 1.0, (k, 2)), rng.uniform(0.0, 2.0 * math.pi, k)
+        roll = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        # Loads on brakes alone are held whatever balances them.
+        alone = [
+            least_resistance(motion, load[None], arm, roll)
+            for load in loads
+            if (motion[load > 0.0] != BRAKED).any()
+        ]
+        together = least_of_each(motion, loads, arm, roll)
+        # What rolls costs 1e-12 of its load, also where it carries none but rounding.
+        assert together == pytest.approx(min([1.0, *alone]), abs=1e-11)
+        apart += max(alone, default=0.0) - together > 0.1
+    assert apart > 50

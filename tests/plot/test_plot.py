@@ -117,7 +117,7 @@ def hatched(figure: Figure) -> list[QuadContourSet]:
         ("contour", [r"$\alpha$ (deg)", r"$\gamma$ (deg)", "$|SD_g|$ (\N{EN DASH})"]),
         ("surface", [r"$\alpha$ (deg)", r"$\gamma$ (deg)", "$|SD_g|$ (\N{EN DASH})"]),
         ("sphere", ["$|SD_g|$ (\N{EN DASH})", "nose down", "left side down", "15\N{DEGREE SIGN}"]),
-        ("polar", ["body tilt", "ground tilt", "nose down", "right side down", "15\N{DEGREE SIGN}"]),
+        ("polar", ["body tilt", "ground tilt", "right side down", "15\N{DEGREE SIGN}"]),
         ("robot", ["x forward (\N{EN DASH})", "y left (\N{EN DASH})", "z up (\N{EN DASH})"]),
     ],
 )
