@@ -29,8 +29,9 @@ class CReference:
         source = Path(__file__).with_name("reference.c")
         library = folder / "reference.so"
         subprocess.run([*COMMAND, str(source), "-o", str(library), "-lm"], check=True)
-        self._function = ctypes.CDLL(str(library)).stability_factor
-        self._function.restype = None
+        functions = ctypes.CDLL(str(library))
+        self._function, self._metrics = functions.stability_factor, functions.three_metrics
+        self._function.restype = self._metrics.restype = None
         self._pool = ThreadPoolExecutor(2)
 
     def run(
@@ -67,3 +68,13 @@ class CReference:
             return
         cuts = [i * postures // threads for i in range(threads + 1)]
         list(self._pool.map(part, cuts[:-1], cuts[1:]))
+
+    def three_metrics(
+        self, axes: NDArray[np.float64], directions: NDArray[np.float64], out: NDArray[np.float64]
+    ) -> None:
+        """Fill `out` (3, g) as `numpy_reference.three_metrics`, for directions (g, 3)."""
+        self._metrics(
+            *(ctypes.c_void_p(axes.ctypes.data), ctypes.c_size_t(len(axes))),
+            *(ctypes.c_void_p(directions.ctypes.data), ctypes.c_size_t(len(directions))),
+            ctypes.c_void_p(out.ctypes.data),
+        )

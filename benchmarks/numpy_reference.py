@@ -1,4 +1,4 @@
-"""The sweep as vectorised NumPy: all directions of a posture at once, postures in a loop."""
+"""The same numbers as vectorised NumPy: all directions of a posture at once, postures in a loop."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,3 +34,31 @@ def tip_angle(held: Planes, directions: NDArray[np.float64], out: NDArray[np.flo
             continue
         sine = (held.tips[m, :segments] @ directions).min(axis=0)
         out[m] = np.arcsin(np.clip(sine, -1.0, 1.0))
+
+
+def three_metrics(
+    axes: NDArray[np.float64], directions: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return tip angle, static margin and energy margin (3, g) of a convex robot.
+
+    `axes` (b, 9): start, stop and inward unit normal of the plane of each tip-over axis;
+    `directions` (3, g).
+    """
+    start, stop, plane = axes[:, 0:3], axes[:, 3:6], axes[:, 6:9]
+    edge = stop - start
+    length = np.sqrt((edge * edge).sum(axis=1))
+    along = edge / length[:, None]
+    arm = (start * along).sum(axis=1)[:, None] * along - start
+    radius = np.sqrt((arm * arm).sum(axis=1))
+    inside = plane @ directions
+    across = np.sqrt(np.maximum(1.0 - (along @ directions) ** 2, 0.0))
+    with np.errstate(divide="ignore"):
+        margin = inside * radius[:, None] / across
+    rise = radius[:, None] * across + arm @ directions
+    return np.stack(
+        [
+            np.arcsin(np.clip(inside.min(axis=0), -1.0, 1.0)),
+            margin.min(axis=0),
+            np.copysign(rise, inside).min(axis=0),
+        ]
+    )

@@ -47,3 +47,36 @@ void stability_factor(const double *facets, size_t most_facets, const double *wa
         }
     }
 }
+
+/* Tip angle, static stability margin and energy stability margin of a convex robot, written as one
+ * would: for every direction all tip-over axes, each with its start, its stop and the inward unit
+ * normal of its plane.  `out` holds the three, one after the other. */
+void three_metrics(const double *axes, size_t held, const double *directions, size_t count,
+                   double *out)
+{
+    for (size_t i = 0; i < count; i++) {
+        const double *g = directions + 3 * i;
+        double sine = 1.0, margin = INFINITY, energy = INFINITY;
+        for (size_t b = 0; b < held; b++) {
+            const double *start = axes + 9 * b, *stop = start + 3, *plane = start + 6;
+            const double edge[3] = {stop[0] - start[0], stop[1] - start[1], stop[2] - start[2]};
+            const double length = sqrt(dot(edge, edge));
+            const double aside[3] = {edge[1] * g[2] - edge[2] * g[1], edge[2] * g[0] - edge[0] * g[2],
+                                     edge[0] * g[1] - edge[1] * g[0]};
+            const double across = sqrt(dot(aside, aside));
+            const double part = dot(start, edge) / (length * length);
+            const double arm[3] = {part * edge[0] - start[0], part * edge[1] - start[1],
+                                   part * edge[2] - start[2]};
+            const double inside = dot(plane, g);
+            const double radius = sqrt(dot(arm, arm));
+            const double away = inside * radius * length / across;
+            const double rise = radius * across / length + dot(arm, g);
+            sine = fmin(sine, inside);
+            margin = fmin(margin, away);
+            energy = fmin(energy, copysign(rise, inside));
+        }
+        out[i] = asin(sine);
+        out[count + i] = margin;
+        out[2 * count + i] = energy;
+    }
+}

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Sequence
 
 from benchmarks.cell import Cell
+from benchmarks.directions import ASKED, Directions
 from benchmarks.enumeration import Enumeration
 from benchmarks.files import CONTENDERS, FileSweep
 from benchmarks.postures import PostureSweep
@@ -141,6 +142,22 @@ def postures_table(sweeps: list[PostureSweep]) -> str:
                 *(f"{100.0 * stages(s)[name] / s.stages['memory']:.0f}" for name in names),
             ]
             for s in sweeps
+        ),
+    )
+
+
+def directions_table(rows: list[Directions]) -> str:
+    """Return nanoseconds per direction, and ratios to C and NumPy."""
+    return table(
+        ["thr", *ASKED, "c", "numpy", "C/three", "NumPy/three", "diff C", "diff NumPy"],
+        (
+            [
+                str(row.threads),
+                *(f"{row.times[name]:.1f}" for name in (*ASKED, "c", "numpy")),
+                *(f"{row.times[name] / row.times['three']:.3g}" for name in ("c", "numpy")),
+                *(f"{row.differences[name]:.0e}" for name in ("c", "numpy")),
+            ]
+            for row in rows
         ),
     )
 

@@ -20,6 +20,7 @@ import numba
 from benchmarks import report
 from benchmarks.cases import CASES, Case
 from benchmarks.cell import NODES, Bench, Cell
+from benchmarks.directions import DIRECTIONS, measure_directions
 from benchmarks.enumeration import measure_enumeration
 from benchmarks.files import measure_file
 from benchmarks.machine import machine
@@ -103,6 +104,12 @@ def main() -> None:
             "One direction, 1,000 x 1,000 postures, sdg + tip_angle; shares of the time to memory",
             report.postures_table(postures),
         )
+        directions = [measure_directions(folder, t) for t in threads]
+        section(
+            f"One posture of 4 feet, {DIRECTIONS:,} directions: ns of `lutgen.stability` for each\n"
+            "   two: sdg + tip_angle; three: tip_angle + margin + energy_margin; four: all of them",
+            report.directions_table(directions),
+        )
         files = [
             *(measure_file(folder, 4, ("sdg",), t) for t in threads),
             *(measure_file(folder, 4, ("sdg", "tip_angle"), t) for t in threads),
@@ -111,7 +118,7 @@ def main() -> None:
         section("Where the time of one such sweep goes", report.stages_table(files))
         processes = measure_processes(folder)
     section("Processes", report.processes_text(processes))
-    judged = verdicts(cells, files, processes)
+    judged = verdicts(cells, files, processes, directions)
     section("Targets (worst case of each)", "\n".join(verdict.line() for verdict in judged))
     seconds = time.perf_counter() - begin
     print(f"\ntook {seconds:.0f} s", file=sys.stderr)
@@ -121,6 +128,7 @@ def main() -> None:
             "cells": cells,
             "enumeration": enumeration,
             "postures": postures,
+            "directions": directions,
             "files": files,
             "processes": processes,
             "targets": [{**v._asdict(), "reached": v.reached} for v in judged],

@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 from benchmarks.cell import Agreement, Cell
+from benchmarks.directions import Directions
 from benchmarks.files import FileSweep
 from benchmarks.process import Processes
 
@@ -68,7 +69,9 @@ def _same(one: Cell, other: Cell) -> bool:
     )
 
 
-def verdicts(cells: list[Cell], files: list[FileSweep], processes: Processes) -> list[Verdict]:
+def verdicts(
+    cells: list[Cell], files: list[FileSweep], processes: Processes, directions: list[Directions]
+) -> list[Verdict]:
     """Judge a whole run."""
     free = [cell for cell in cells if not cell.limits_on]
     many = [cell for cell in free if cell.directions >= MANY]
@@ -117,6 +120,14 @@ def verdicts(cells: list[Cell], files: list[FileSweep], processes: Processes) ->
                 f"sdg + tip_angle take at most 2.5 times as long as sdg{words}",
                 2.5,
                 [(c.ratio("sdg large", "both large"), _place(c)) for c in group],
+            )
+        )
+    for name, words, limit in (("two", "sdg + tip_angle", 40.0), ("four", "four channels", 80.0)):
+        result.append(
+            _worst(
+                f"one posture, 100,000 directions, 1 thread: {words} take at most {limit:g} ns",
+                limit,
+                [(row.times[name], "median") for row in directions if row.threads == 1],
             )
         )
     for words, limit, chosen in (

@@ -134,7 +134,7 @@ class Model:
         directions = unit_directions(gravity)
         names = ("sdg", "height", "tip_angle")
         wanted = wanted_channels(names)
-        values = measure_recipe(self.recipe, where, directions, wanted, tighter, HEIGHT_BEYOND + 1)
+        values = measure_recipe(self.recipe, where, directions, wanted, tighter, beyond=True)
         return Exact(
             *(values[at] for at in (*map(CHANNELS.index, names), ALONG, ASIDE, HEIGHT_BEYOND))
         )

@@ -1,15 +1,15 @@
 """Standing regions and directions of gravity into numbers.
 
-In reading order: `angles`, `axes`, `plain`, `block`, `loaded`, `wrench`, `evaluation`, `raster`,
-`tilt_rows`, `scan`, `settle`.
+In reading order: `angles`, `axes`, `plain`, `block`, `loaded`, `wrench`, `batch`, `evaluation`,
+`raster`, `tilt_rows`, `scan`, `settle`.
 """
 
 from lutgen.channels.angles import JUST_OUTSIDE, tip_angle
 from lutgen.channels.axes import MU, PHI, RHO, add, empty_axes, find_axes, part
+from lutgen.channels.batch import for_each_posture
 from lutgen.channels.evaluation import (
     evaluate,
     evaluate_each,
-    for_each_posture,
     measure_moved,
     measure_recipe,
     stability,

@@ -160,11 +160,15 @@ def measure_block(
     directions: Floats,
     wanted: Bools,
     room: Block,
+    places: Ints,
     posture: int,
     begin: int,
     out: Floats,
 ) -> None:
-    """Fill out[:, posture, begin:] with the wanted rows of at most BLOCK directions (d, 3)."""
+    """Fill out[:, posture, begin:] with the wanted channels of at most BLOCK directions (d, 3).
+
+    `places`: the row of each channel.
+    """
     facet, segment, tally = region.facet, region.segment, region.tally
     facets, segments, count = tally[FACETS], tally[SEGMENTS], directions.shape[0]
     here = slice(begin, begin + count)
@@ -178,11 +182,11 @@ def measure_block(
     for b in range(segments):
         _lower(vector_at(segment, b, TIP_PLANE), x, y, z, lowest)
     if wanted[0]:
-        _factors(facet, x, y, z, rate, first, lowest, out[0, posture, here])
+        _factors(facet, x, y, z, rate, first, lowest, out[places[0], posture, here])
     if wanted[1]:
-        _heights(facet, first, lowest, out[1, posture, here])
+        _heights(facet, first, lowest, out[places[1], posture, here])
     if wanted[2]:
-        target = out[2, posture, here]
+        target = out[places[2], posture, here]
         if facets == 0:
             target[:] = -math.pi
         elif segments == 0:
@@ -199,7 +203,7 @@ def measure_block(
                     _nearer(start, stop, plane, x, y, z, least)
                 else:
                     _easier(start, stop, plane, x, y, z, least)
-            _margins(least, first, lowest, out[c, posture, here])
+            _margins(least, first, lowest, out[places[c], posture, here])
     if wanted[5]:
         for i in range(count):
-            out[5, posture, begin + i] = first[i] if _stands(first[i], lowest[i]) else -1.0
+            out[places[5], posture, begin + i] = first[i] if _stands(first[i], lowest[i]) else -1.0

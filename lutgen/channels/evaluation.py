@@ -1,148 +1,23 @@
 """Stability of postures under directions of gravity, exactly: nothing is sampled or interpolated.
 
-Owns the loop over postures, and the steps to it from contacts and from a recipe.  `evaluate`
-crosses every posture with every direction; for `evaluate_each` each posture has its own.  A
-measurement also continues the stability factor to where the robot tips, because a table's nodes
-there must hold something smooth and a search that starts there must find its way out.
+Owns the steps to the measurement from contacts and from a recipe.  `evaluate` crosses every posture
+with every direction; for `evaluate_each` each posture has its own.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lutgen.channels.axes import MU, PHI, add, empty_axes, find_axes, part
-from lutgen.channels.block import BLOCK, empty_block, measure_block, worth_blocks
-from lutgen.channels.loaded import measure_loaded
-from lutgen.channels.plain import (
-    HEIGHT_BEYOND,
-    Setting,
-    checked_directions,
-    go_beyond,
-    measure,
-    refuse_overflow,
-    wanted_channels,
-)
+from lutgen.channels.batch import Rows, measure_postures, refuse_overflow
+from lutgen.channels.plain import Setting, checked_directions, wanted_channels
 from lutgen.channels.wrench import acceptance_of, wrenches
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
-from lutgen.jit import in_threads, njit
 from lutgen.quantities import CHANNELS
 from lutgen.recipe import Postures, Recipe, forward, radii_and_kinds
-from lutgen.support import (
-    MAX_PRIMITIVES,
-    acceptance,
-    empty_region,
-    facet_table,
-    pack,
-    stand,
-)
-from lutgen.vector import Floats, length, row
-
-# Pieces of work for a thread: this many directions of one posture.
-STRETCH = 2048
-# A thread is worth waking for this many postures, half a millisecond of work for a few contacts;
-# measuring this many directions takes as long as finding the facets of a posture.
-POSTURES_A_THREAD, DIRECTIONS_A_POSTURE = 256, 128
-ROWS = HEIGHT_BEYOND + 1
-
-
-@njit()
-def measure_some(
-    begin: int,
-    end: int,
-    primitives: Floats,
-    wrench: Floats | None,
-    gravity_dir: Floats,
-    setting: Setting,
-    out: Floats,
-) -> int:
-    """Measure stretches [begin, end), which count through the directions of posture after posture.
-
-    Parameters and `out` as in `measure_postures`.  Returns how many of the postures that begin
-    there have more facets than a table holds.  Compiled apart for the weight alone, where wrench
-    is None: whoever needs no forces does not wait for their machine code.
-    """
-    acceptance, wanted = setting
-    n, count = primitives.shape[1], gravity_dir.shape[1]
-    per_posture = (count + STRETCH - 1) // STRETCH
-    table, region = facet_table(n), empty_region(n)
-    if wrench is not None:
-        axes = empty_axes(region)
-    room, values = empty_block(), np.empty(ROWS)
-    current, overflow = -1, 0
-    for piece in range(begin, end):
-        posture, first = piece // per_posture, piece % per_posture * STRETCH
-        if posture != current:
-            current = posture
-            too_many = stand(table, region, primitives[posture], acceptance)
-            overflow += too_many if first == 0 else 0
-            if wrench is not None:
-                find_axes(region, wrench[posture], axes)
-        directions = gravity_dir[posture % gravity_dir.shape[0], first : first + STRETCH]
-        if wrench is None and worth_blocks(region.tally, wanted, directions.shape[0]):
-            for at in range(0, directions.shape[0], BLOCK):
-                some = directions[at : at + BLOCK]
-                measure_block(region, some, wanted, room, posture, first + at, out)
-        else:
-            for d in range(directions.shape[0]):
-                g = row(directions, d)
-                if wrench is None:
-                    measure(region, g, wanted, values)
-                else:
-                    least_cosine = acceptance.least_cosine
-                    measure_loaded(region, axes, wrench[posture], least_cosine, g, wanted, values)
-                for c in range(len(CHANNELS)):
-                    if wanted[c]:
-                        out[c, posture, first + d] = values[c]
-        if out.shape[0] > len(CHANNELS):
-            for d in range(directions.shape[0]):
-                force, known = row(directions, d), True
-                if wrench is not None:
-                    force = add(force, part(wrench[posture], PHI))
-                    known = length(part(wrench[posture], MU)) == 0.0
-                go_beyond(region, force, known, values)
-                for c in range(len(CHANNELS), ROWS):
-                    out[c, posture, first + d] = values[c]
-    return overflow
-
-
-def measure_postures(
-    primitives: Floats,
-    wrench: Floats | None,
-    gravity_dir: Floats,
-    setting: Setting,
-    rows: int = len(CHANNELS),
-) -> tuple[NDArray[np.float64], int]:
-    """Measure m postures under d directions, (rows, m, d); count those with too many facets.
-
-    `primitives` (m, n, 8) are rows of `primitive.pack`, `wrench` (m, 7) those of `wrench.wrenches`,
-    or None for the weight alone, which is faster; the unit directions (m, d, 3) or (1, d, 3) point
-    down.  The rows are the channels in the order of `CHANNELS`, filled where they are wanted; if
-    there are `ROWS`, also ALONG, ASIDE and HEIGHT_BEYOND: the in-plane components of D_g - s on the
-    facet whose plane gravity pierces first, and its height, NaN where no accepted facet's plane is
-    pierced, and under a moment.  What nobody wants is never touched and takes no memory.
-    """
-    out = np.empty((rows, len(primitives), gravity_dir.shape[1]))
-    directions = np.ascontiguousarray(gravity_dir)
-    stretches = -(-gravity_dir.shape[1] // STRETCH)
-    long = min(gravity_dir.shape[1], STRETCH)
-    least = max(POSTURES_A_THREAD // (1 + long // DIRECTIONS_A_POSTURE), 1)
-    arguments = (primitives, wrench, directions, setting, out)
-    return out, in_threads(measure_some, len(primitives) * stretches, *arguments, least=least)
-
-
-def for_each_posture(
-    kernel: Callable[..., int], recipe: Recipe, postures: Postures, *arguments: object
-) -> None:
-    """Call ``kernel(begin, end, primitives, wrench, *arguments)`` on parts of a recipe's postures.
-
-    It returns how many of [begin, end) have more facets than a table holds, which none may have.
-    """
-    primitives = pack(postures.centres, postures.axes, *radii_and_kinds(recipe))
-    everything = (primitives, wrenches(recipe, postures), *arguments)
-    overflow = in_threads(kernel, len(primitives), *everything, least=POSTURES_A_THREAD)
-    refuse_overflow(recipe.source, overflow, *primitives.shape[:2])
+from lutgen.support import MAX_PRIMITIVES, acceptance, pack
+from lutgen.vector import Floats
 
 
 def measure_recipe(
@@ -151,9 +26,9 @@ def measure_recipe(
     gravity_dir: NDArray[np.float64],
     wanted: NDArray[np.bool_],
     tighter: float = 0.0,
-    rows: int = len(CHANNELS),
-) -> NDArray[np.float64]:
-    """Measure postures of a recipe, (rows, m, d); see `measure_postures`.
+    beyond: bool = False,
+) -> Rows:
+    """Measure postures of a recipe; see `measure_postures`.
 
     `tighter` (rad) is taken from `upright` and from `rock_angle`.
     """
@@ -163,9 +38,9 @@ def measure_recipe(
         wrenches(recipe, postures) if recipe.loaded else None,
         gravity_dir,
         Setting(acceptance_of(recipe, tighter), wanted),
-        rows,
+        beyond,
     )
-    refuse_overflow(recipe.source, overflow, values.shape[1], len(kind))
+    refuse_overflow(recipe.source, overflow, len(postures.com), len(kind))
     return values
 
 
@@ -340,6 +215,5 @@ def evaluate_each(
             f"(got the shape {directions.shape})"
         )
     values = measure_recipe(recipe, where, unit_directions(each), wanted)
-    if directions.ndim == 2:
-        values = values[:, :, 0]
-    return {name: values[CHANNELS.index(name)] for name in channels}
+    found = {name: values[CHANNELS.index(name)] for name in channels}
+    return found if directions.ndim == 3 else {name: row[:, 0] for name, row in found.items()}

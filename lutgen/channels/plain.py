@@ -172,13 +172,3 @@ def checked_directions(gravity_dir: ArrayLike) -> NDArray[np.float64]:
 def wanted_channels(channels: Sequence[str]) -> NDArray[np.bool_]:
     """Return the mask over `CHANNELS`; refuse an unknown name."""
     return np.array(wanted(channels))
-
-
-def refuse_overflow(source: str, overflow: int, postures: int, contacts: int) -> None:
-    """Raise InputError where facet tables of `overflow` postures were too small."""
-    if overflow:
-        raise InputError(
-            f"{source}: a posture has more support facets than its {contacts} contacts can have "
-            f"(got it in {overflow} of {postures} postures); check the radii for overlapping "
-            "spheres"
-        )

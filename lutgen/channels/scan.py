@@ -2,7 +2,7 @@
 
 Owns the loop of a sweep.  Robots without gaps go the fast way through `raster` and `tilt_rows`;
 whatever those do not cover is computed node by node with `plain.measure`, and robots under a wrench
-with `evaluation.measure_postures`.
+with `batch.measure_postures`.
 """
 
 import math
@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lutgen.channels.evaluation import measure_postures
+from lutgen.channels.batch import measure_postures
 from lutgen.channels.plain import Setting, measure, wanted_channels
 from lutgen.channels.raster import VECTOR, Drawing, Rows, draw_facets, stability_factor
 from lutgen.channels.tilt_rows import agree_in_sign, arc_rows, tip_rows
@@ -235,9 +235,9 @@ class Scanner:
                 part = directions[:, at : at + AT_ONCE]
                 values, over = measure_postures(primitives[some], wrench[some], part, self._setting)
                 overflow += over
-                held = values.shape[2]
-                for channel in np.flatnonzero(self._setting.wanted):
-                    for i, value in enumerate(values[channel]):
+                held = part.shape[1]
+                for channel, rows in values.items():
+                    for i, value in enumerate(rows):
                         place = (begin + i) * count + at
                         out[channel, place : place + held] = value
         return overflow

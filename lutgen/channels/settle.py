@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.channels.axes import MOMENT, MU, PHI, RHO, add, enter_edge_planes, part
-from lutgen.channels.evaluation import for_each_posture
+from lutgen.channels.batch import for_each_posture
 from lutgen.channels.wrench import acceptance_of
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 import lutgen
 from lutgen.channels.angles import arcsine
+from lutgen.channels.batch import STRETCH
 from lutgen.channels.block import BLOCK, worth_blocks
-from lutgen.channels.evaluation import STRETCH
 from lutgen.channels.plain import measure
 from lutgen.jit import njit
 from lutgen.support import acceptance, empty_region, facet_table, pack, stand
@@ -97,7 +97,7 @@ def test_one_posture_is_split_over_threads_without_a_change_of_a_bit(
     if numba.config.NUMBA_NUM_THREADS < 2:
         pytest.skip("one core")
     random = np.random.default_rng(3)
-    contacts, gravity = random.normal(size=(2, 8, 3)), random.normal(size=(100_000, 3))
+    contacts, gravity = random.normal(size=(2, 8, 3)), random.normal(size=(130_000, 3))
     before = numba.get_num_threads()
     try:
         numba.set_num_threads(1)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import lutgen
-from lutgen.channels.evaluation import ROWS, evaluate_each, measure_recipe
+from lutgen.channels.evaluation import evaluate_each, measure_recipe
 from lutgen.channels.plain import ALONG, ASIDE, HEIGHT_BEYOND
 from lutgen.errors import InputError
 from lutgen.recipe.kinematics import forward
@@ -56,7 +56,8 @@ def test_the_stability_factor_goes_on_beyond_the_standing_region_on_the_same_pla
     posture = forward(recipe, [[0.3, 0.1]])
     tilts = np.radians(np.linspace(0.0, 70.0, 141))
     down = np.stack([-np.sin(tilts), 0.0 * tilts, -np.cos(tilts)], axis=1)
-    values = measure_recipe(recipe, posture, down[None], np.ones(6, dtype=bool), rows=ROWS)[:, 0]
+    found = measure_recipe(recipe, posture, down[None], np.ones(6, dtype=bool), beyond=True)
+    values = {row: value[0] for row, value in found.items()}
     sdg, height = values[0], values[1]
     stands = ~np.isnan(sdg)
     assert 20 < stands.sum() < 120
