@@ -28,7 +28,7 @@ ASKED = {"two": TWO, "three": THREE, "four": ("sdg", *THREE)}
 
 @dataclass(frozen=True)
 class Directions:
-    """Nanoseconds per direction of each contender, by medians, and how far references are off.
+    """Nanoseconds per direction of each contender, the best run, and how far references are off.
 
     `differences`: largest difference of one of the three metrics from C and from NumPy, relative
     where it is above 1, where both are finite.
@@ -72,6 +72,6 @@ def measure_directions(folder: Path, threads: int) -> Directions:
         differences[name] = float(off[np.isfinite(off)].max())
     return Directions(
         threads,
-        {name: 1e9 * time.median / DIRECTIONS for name, time in times.items()},
+        {name: 1e9 * time.best / DIRECTIONS for name, time in times.items()},
         differences,
     )

@@ -106,7 +106,7 @@ def main() -> None:
         )
         directions = [measure_directions(folder, t) for t in threads]
         section(
-            f"One posture of 4 feet, {DIRECTIONS:,} directions: ns of `lutgen.stability` for each\n"
+            f"One posture of 4 feet, {DIRECTIONS:,} directions: ns of `lutgen.stability`, best\n"
             "   two: sdg + tip_angle; three: tip_angle + margin + energy_margin; four: all of them",
             report.directions_table(directions),
         )

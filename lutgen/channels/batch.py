@@ -115,7 +115,7 @@ def measure_postures(
     gravity pierces first, and its height, NaN where no accepted facet's plane is pierced, and under
     a moment.
     """
-    names = [int(c) for c in np.flatnonzero(setting.wanted)]
+    names = [c for c, asked in enumerate(setting.wanted.tolist()) if asked]
     names += range(len(CHANNELS), ROWS) if beyond else ()
     # No row that nobody wants: memory that is touched first takes longer than what fills it.
     out = np.empty((len(names), len(primitives), gravity_dir.shape[1]))

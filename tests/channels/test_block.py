@@ -12,22 +12,24 @@ import lutgen
 from lutgen.channels.angles import arcsine
 from lutgen.channels.batch import STRETCH
 from lutgen.channels.block import BLOCK, worth_blocks
+from lutgen.channels.evaluation import measure_primitives
 from lutgen.channels.plain import measure
 from lutgen.jit import njit
-from lutgen.support import acceptance, empty_region, facet_table, pack, stand
+from lutgen.support import DISC, acceptance, empty_region, facet_table, pack, stand
 from tests.fixtures.recipes import ALL_CHANNELS
 
 Floats = NDArray[np.float64]
+POINT = 0.0
 EVERYTHING = np.ones(len(ALL_CHANNELS), dtype=bool)
 LIMITS = ((None, None), (np.pi / 2, np.pi / 6), (1.0, None))
 
 
 def node_by_node(
-    contacts: Floats, gravity: Floats, limits: tuple[float | None, float | None]
+    primitives: Floats, gravity: Floats, limits: tuple[float | None, float | None]
 ) -> tuple[Floats, bool]:
     """Return the channels (6, g) of one direction after the other, and whether blocks fit."""
-    table, region = facet_table(len(contacts)), empty_region(len(contacts))
-    stand(table, region, pack(contacts, np.zeros_like(contacts), 0.0, 0), acceptance(*limits))
+    table, region = facet_table(len(primitives)), empty_region(len(primitives))
+    stand(table, region, primitives, acceptance(*limits))
     units = lutgen.chart.unit_directions(gravity)
     values = np.empty((len(gravity), len(ALL_CHANNELS)))
     for g, out in zip(units, values, strict=True):
@@ -36,10 +38,11 @@ def node_by_node(
 
 
 def random_robot(random: np.random.Generator, number: int) -> tuple[Floats, Floats]:
-    """Return contacts (n, 3) and directions (g, 3), of a kind that the number tells."""
+    """Return primitives (n, 8) and directions (g, 3), of a kind that the number tells."""
     n = int(random.integers(3, 13))
     contacts, gravity = random.normal(size=(n, 3)), random.normal(size=(40, 3))
-    kind = number % 5
+    axes, radius, shape = np.zeros_like(contacts), 0.0, POINT
+    kind = number % 6
     if kind == 1:
         contacts[:, 2] = -1.0
     elif kind == 2:
@@ -54,17 +57,22 @@ def random_robot(random: np.random.Generator, number: int) -> tuple[Floats, Floa
         one, other = random.integers(0, n, (2, 40))
         part = random.uniform(size=(40, 1))
         gravity = part * contacts[one] + (1.0 - part) * contacts[other]
-    return contacts, gravity
+    elif kind == 5:
+        # Wheels, on axles that lean a little.
+        axes = 0.1 * random.normal(size=(n, 3)) + [0.0, 1.0, 0.0]
+        axes /= np.linalg.norm(axes, axis=1, keepdims=True)
+        radius, shape = 0.2, DISC
+    return pack(contacts, axes, radius, shape), gravity
 
 
 def test_blocks_give_the_bits_of_the_way_node_by_node_for_any_robot() -> None:
     random = np.random.default_rng(7)
     in_blocks = tips = 0
-    for number in range(150):
-        contacts, gravity = random_robot(random, number)
-        limits = LIMITS[number % 3]
-        got = lutgen.stability(contacts, gravity, ALL_CHANNELS, *limits)
-        want, blocks = node_by_node(contacts, gravity, limits)
+    for number in range(180):
+        primitives, gravity = random_robot(random, number)
+        limits = LIMITS[number // 6 % 3]
+        got = measure_primitives(primitives[None], gravity, ALL_CHANNELS, *limits)
+        want, blocks = node_by_node(primitives, gravity, limits)
         for name, row in zip(ALL_CHANNELS, want, strict=True):
             # Bit for bit: the same formulas in the same order, on one direction or on several.
             np.testing.assert_array_equal(got[name][0], row, err_msg=f"{name}, robot {number}")
@@ -72,8 +80,8 @@ def test_blocks_give_the_bits_of_the_way_node_by_node_for_any_robot() -> None:
         in_blocks += blocks
         tips += (got["tip_angle"] < 0.0).sum()
     # Both ways are taken, and both verdicts occur.
-    assert 50 < in_blocks < 140
-    assert 1000 < tips < 5500
+    assert 60 < in_blocks < 170
+    assert 1000 < tips < 6500
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, BLOCK, BLOCK + 1, STRETCH - 1, STRETCH + 5])
