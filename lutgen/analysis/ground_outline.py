@@ -118,6 +118,9 @@ def ground_tilt(posture: Posture) -> GroundTilt:
         return GroundTilt(posture, (), 0.0)
     rest = int(np.argmax([float(facet.normal @ -frame[:, 2]) for facet in facets]))
     seat = seat_on(posture, rest, frame)
+    if any(edge.reach + edge.push < -ON for edge in seat.edges):
+        # No rest carries it on level ground, where gravity pierces another one by chance.
+        return GroundTilt(posture, (), 0.0)
     if posture.recipe.has_wrench:
         pieces = [Piece(*ends, edge, edge, seat) for edge in seat.edges for ends in _half(edge)]
         return GroundTilt(posture, tuple(pieces), math.inf)

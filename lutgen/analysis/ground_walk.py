@@ -7,7 +7,7 @@ cut the circle into arcs in which one edge decides.
 
 import math
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from lutgen.vector import Floats
 
 # Headings (rad) nearer than this are one, and a turn of `rock_angle` may be longer by it.
 SAME = 1e-9
+TURN = 2.0 * math.pi
 # Gravity is looked at this far (rad) beyond an edge, to learn whether the robot rocks there.
 BEYOND = 1e-7
 # Directions in which that is not known for certain count as tipping in arcs of this length (rad).
@@ -94,25 +95,32 @@ class _Walk:
 
     def stand(self, came: _Arrival) -> None:
         """Follow a robot that arrives on a rest until it has left it in all headings."""
-        cuts = [came.begin, *_cuts(came), came.end]
+        # Planes that lean inwards for an uncertain com can cut off a side.
+        leans = self.posture.recipe.com_uncertainty > 0.0
+        edges, cuts = came.seat.edges, [came.begin, *_cuts(came, leans), came.end]
         for begin, end in pairwise(cuts):
             if end - begin <= SAME and end < came.end:
                 continue
             middle = (begin + end) / 2.0
             at = 0.0 if came.line is None else float(came.line.tilt(np.array([middle]))[0])
             ahead = np.array([math.cos(middle), math.sin(middle)])
-            outside = [_outside(edge, ahead, at) for edge in came.seat.edges]
-            beyond = [
-                far if came.back is None or set(edge.contacts) != set(came.back) else -math.inf
-                for edge, far in zip(came.seat.edges, outside, strict=True)
-            ]
-            if came.line is not None and max(beyond) > ON:
+            back = [came.back is not None and set(e.contacts) == set(came.back) for e in edges]
+            beyond = [_outside(edge, ahead, at) for edge in edges]
+            fresh = [-math.inf if old else far for old, far in zip(back, beyond, strict=True)]
+            if came.line is not None and max(fresh) > ON:
                 # It does not come to rest here, but goes on over the edge that is furthest behind.
-                over = came.seat.edges[int(np.argmax(beyond))]
+                over = edges[int(np.argmax(fresh))]
                 self.leave(came, (begin, end), came.line, over, came.turned)
+                continue
+            tilts = [float(edge.tilt(np.array([middle]))[0]) for edge in edges]
+            # Before an edge that it came over it hangs between two rests until gravity is past it.
+            hangs = [old and far > ON for old, far in zip(back, beyond, strict=True)]
+            over = edges[int(np.argmin(np.where(hangs, math.pi, tilts)))]
+            waits = [e for e, hung in zip(edges, hangs, strict=True) if hung]
+            if came.line is not None and any(float(e.normal @ ahead) >= 0.0 for e in waits):
+                # A steeper slope only takes it away again: that counts as tipping.
+                self.pieces.append(Piece(begin, end, came.line, waits[0], came.seat))
             else:
-                tilts = [float(edge.tilt(np.array([middle]))[0]) for edge in came.seat.edges]
-                over = came.seat.edges[int(np.argmin(tilts))]
                 self.leave(came, (begin, end), over, over, 0.0)
 
     def leave(
@@ -167,7 +175,7 @@ class _Walk:
                 half = (begin + end) / 2.0
                 if angle >= COVERS * far:
                     sure.append((begin, end))
-                elif far < FINEST or angle < -far:
+                elif far < FINEST or end - begin < SAME or angle < -far:
                     unsure.append((begin, end))
                 else:
                     divided += [(begin, half), (half, end)]
@@ -189,13 +197,17 @@ def _outside(edge: Edge, ahead: Floats, tilt: float) -> float:
     return float(edge.normal @ ahead) * math.sin(tilt) - edge.reach * math.cos(tilt) - edge.push
 
 
-def _cuts(came: _Arrival) -> list[float]:
+def _cuts(came: _Arrival, leans: bool) -> list[float]:
     """Return the headings between which one edge decides: of corners, and where lines cross."""
     edges = came.seat.edges
-    pairs = [(edges[i - 1], edges[i]) for i in range(len(edges))]
+    pairs = [*combinations(edges, 2)] if leans else [*pairwise((*edges, edges[0]))]
+    found = []
     if came.line is not None:
         pairs += [(came.line, edge) for edge in edges]
-    found = []
+        turns = (e for e in edges if came.back is not None and set(e.contacts) == set(came.back))
+        found += [
+            math.remainder(e.steepest + s * math.pi / 2.0, TURN) for e in turns for s in (1, -1)
+        ]
     for first, second in pairs:
         system = np.array([first.normal, second.normal])
         if abs(np.linalg.det(system)) <= 1e-14:

@@ -156,3 +156,65 @@ def test_no_heading_of_a_fine_grid_is_worse_than_the_worst(name: str) -> None:
         body = tilt_limits(robot, row, fine[::40], "plane")
         rocking += bool((np.abs(body - tilts[::40]) > 0.02).any())
     assert rocking >= 2
+
+
+def bowl(rng: np.random.Generator) -> Posture:
+    """Return a robot on random points of a bowl, which rocks over many of its facets."""
+    count = int(rng.integers(6, 14))
+    angle, reach = rng.uniform(0.0, 2.0 * math.pi, count), np.sqrt(rng.uniform(0.05, 1.0, count))
+    height = -0.8 + 0.35 * reach**2 + rng.normal(0.0, 0.02, count)
+    points = np.stack([reach * np.cos(angle), reach * np.sin(angle), height], axis=1)
+    head = "rock_angle = 60.0\nupright = 85.0"
+    return Posture(parse_recipe(rigid(feet(points.tolist()), head=head)), [])
+
+
+def turn(start: np.ndarray, stop: np.ndarray) -> np.ndarray:
+    """Return the least rotation that takes one unit vector to another."""
+    axis = np.cross(start, stop)
+    cross = np.cross(np.eye(3), axis)
+    return np.asarray(np.eye(3) + cross + cross @ cross / (1.0 + start @ stop))
+
+
+def by_steps(posture: Posture, heading: float, step: float) -> float:
+    """Return the tilt at which a robot on points tips: the ground tilted step by step.
+
+    At each step the robot turns onto the facet that gravity pierces, until it is on that one.
+    """
+    facets, tilt = posture.stance.facets, 0.0
+    frame = level_frames(posture.recipe, posture.row, "plane")[0]
+    on = int(np.argmax([facet.normal @ -frame[:, 2] for facet in facets]))
+
+    def under(down: np.ndarray) -> int:
+        angle = lutgen.evaluate(posture.recipe, [[]], down[None], ("tip_angle",))["tip_angle"]
+        return int(posture.stance.under(down[None])[0]) if angle[0, 0] >= 0.0 else -1
+
+    if under(-frame[:, 2]) != on:
+        return 0.0
+    while True:
+        down = frame @ tilted(tilt, heading)
+        rocked = 0.0
+        while (below := under(down)) != on:
+            here, there = (facets[k].normal for k in (on, below))
+            rocked += math.acos(min(1.0, float(here @ there)))
+            if below < 0 or rocked > posture.recipe.rock_angle:
+                return tilt
+            rolled = turn(here, there)
+            frame, down, on = rolled @ frame, rolled @ down, below
+        tilt += step
+
+
+def test_a_ground_that_is_tilted_step_by_step_tips_robots_at_the_limits_in_closed_form() -> None:
+    rng, step = np.random.default_rng(1), math.radians(0.2)
+    rocking = standing = 0
+    for _ in range(16):
+        posture = bowl(rng)
+        found = ground_tilt(posture)
+        for heading in rng.uniform(-math.pi, math.pi, 3):
+            limit, seen = found.limits([heading])[0], by_steps(posture, heading, step)
+            # Seen one step late at most.
+            assert -1e-9 <= seen - limit <= step + 1e-9
+            body = tilt_limits(posture.recipe, [], [heading], "plane")[0]
+            rocking += body > limit + 0.02
+            standing += limit > 0.1
+    assert rocking > 20
+    assert standing > 20
