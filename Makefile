@@ -48,8 +48,9 @@ check: .venv/.installed ## lint, format, types, spelling
 	$(BIN)/mypy
 	$(BIN)/codespell
 
-physics: .venv/.physics ## compare the verdicts with a physics engine (docs/measured/physics.md)
+physics: .venv/.physics ## judge the verdicts by a physics engine (docs/measured/physics.md, judged.md)
 	$(BIN)/python -m proofs.physics.agreement
+	$(BIN)/python -m proofs.physics.judge
 
 bench: .venv/.installed ## measure speed
 	$(BIN)/python -m benchmarks.run

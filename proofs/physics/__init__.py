@@ -1,5 +1,10 @@
 """Whether robots tip in a physics engine (MuJoCo) when lutgen says that they do.
 
 The engine knows nothing of facets, gaps and tip-over axes: a body is put on a slope, let go and
-watched.  `docs/measured/physics.md` says what is compared and what came out.
+watched.  `docs/measured/physics.md` says what is compared and what came out, and
+`docs/measured/judged.md` what is tried to disprove the verdict.
+
+In reading order: `body`, `facets`, `start`, `release`, `cases`, `real`, `rolling`, `sides`,
+`agreement`; `answer`, `pierced`, `nudged`, `slow`, `noisy`, `rocking`, `ground`, `holding`,
+`rockers`, `judge`.
 """

@@ -114,22 +114,22 @@ def flippers(wide: bool) -> Maker:
     return make
 
 
-def absolem_recipe(independent: bool) -> Recipe:
-    """Return the tracked robot, with two parameters or with one for each flipper."""
-    text = (ROOT / "maps" / "absolem.toml").read_text(encoding="utf-8")
+def flipper_recipe(name: str, independent: bool) -> Recipe:
+    """Return a gallery robot of front and rear flippers, with an angle each or with all four."""
+    text = (ROOT / "maps" / f"{name}.toml").read_text(encoding="utf-8")
     if not independent:
         return lutgen.parse_recipe(text)
-    limits = 'min = -180.0\nmax = 180.0\nunit = "deg"\n'
     names = []
     for end in ("front", "rear"):
         both = [f"{end}_{side}" for side in ("left", "right")]
-        for name in both:
-            at = text.index(f'name = "{name}_flipper"')
-            tail = text[at:].replace(f'parameter = "{end}"', f'parameter = "{name}"', 1)
+        for flipper in both:
+            at = text.index(f'name = "{flipper}_flipper"')
+            tail = text[at:].replace(f'parameter = "{end}"', f'parameter = "{flipper}"', 1)
             text = text[:at] + tail
-        block = f'[[robot.parameter]]\nname = "{end}"\n{limits}'
-        assert block in text
-        text = text.replace(block, "".join(block.replace(end, name) for name in both))
+        at = text.index(f'[[robot.parameter]]\nname = "{end}"\n')
+        stop = text.index("\n\n", at) + 1
+        block = text[at:stop]
+        text = text[:at] + "".join(block.replace(end, flipper) for flipper in both) + text[stop:]
         names += both
     nodes = ", ".join(f"{name} = 9" for name in names)
     return lutgen.parse_recipe(text.replace("front = 37, rear = 37", nodes))
@@ -144,6 +144,11 @@ def any_posture(recipe: Recipe) -> Maker:
         return recipe_postures(recipe, rng.uniform(low, high)[None])[0]
 
     return make
+
+
+def absolem(independent: bool) -> Maker:
+    """Return a maker of the tracked robot's postures."""
+    return any_posture(flipper_recipe("absolem", independent))
 
 
 def any_direction(tilt: float) -> Director:
@@ -197,8 +202,12 @@ CASES = {
     "4 cylinders, +-3 cm": Case(wide_wheels, any_direction(60.0), 500),
     "4 flippers, thin": Case(flippers(False), any_direction(75.0), 500),
     "4 flippers, cylinders": Case(flippers(True), any_direction(75.0), 500),
-    "Absolem, 2 angles": Case(any_posture(absolem_recipe(False)), any_direction(80.0), 500),
-    "Absolem, 4 angles": Case(any_posture(absolem_recipe(True)), any_direction(80.0), 500),
+    "Absolem, 2 angles": Case(
+        any_posture(flipper_recipe("absolem", False)), any_direction(80.0), 500
+    ),
+    "Absolem, 4 angles": Case(
+        any_posture(flipper_recipe("absolem", True)), any_direction(80.0), 500
+    ),
     "over gaps": Case(
         any_of((balls, thin_wheels, wide_wheels, flippers(False), flippers(True))), near_gap, 500
     ),

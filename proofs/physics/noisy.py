@@ -28,6 +28,9 @@ HEADINGS = {"nose down": 0.0, "left down": 0.5 * math.pi, "nose up": math.pi}
 AROUND = (-3.0, -1.0, -0.3, 0.3, 1.0, 3.0, 6.0)
 # Verdicts nearer to their limit than this (rad) are not judged: the engine's own accuracy.
 CLEAR = math.radians(0.1)
+# A car whose ground is steeper to its body (cosine of 80 deg) lies on the faces of its wheels, and
+# lies well: that is no matter of slivers.
+LYING = math.cos(math.radians(80.0))
 # Noise of sigma moves the truth by some sigma / HALF: at most 0.2 deg, with four sigmas of it, up
 # to this sigma.  Up to there the slow tilt and lutgen's limit must both be 45.0 +- 0.2 deg.
 EXACT, FINE = math.radians(0.2), 1e-4
@@ -97,7 +100,7 @@ def judged(sigma: float, chunk: int, cars: int = CARS) -> Row:
             tried = np.array([leaning(TRUTH + math.radians(off), heading) for off in AROUND])
             angles = tip_angles(recipe, tried)
             for down, angle, place in zip(tried, angles, pierced(posture, tried), strict=True):
-                if place is None or abs(angle) < CLEAR:
+                if place is None or abs(angle) < CLEAR or -place.normal[2] < LYING:
                     continue
                 fallen = any(fate.fell for fate in fates(posture, place, down))
                 safe += int(angle >= 0.0)

@@ -29,11 +29,14 @@ SECONDS = 6.0
 
 @dataclass(frozen=True)
 class Fate:
-    """What came of a release: whether it fell, the turn (rad) at the end and the largest."""
+    """What came of a release: whether it fell, the turn (rad) at the end, and the time (s).
+
+    `rests` tells of one that fell that it lies still again upright, only too far away.
+    """
 
     fell: bool
+    rests: bool
     turned: float
-    widest: float
     seconds: float
 
 
@@ -47,13 +50,12 @@ def turning(axis: Floats, angle: float) -> Floats:
 def watched(posture: Posture, begin: Start, gravity_dir: Floats) -> Fate:
     """Let a robot go at rest and watch it until it lies still."""
     run = Run(posture, begin, gravity_dir)
-    widest = 0.0
     while run.data.time < SECONDS and run.turned <= OVER and not run.resting:
         run.step()
-        widest = max(widest, run.turned)
     lying = -run.normals[-1][2] < math.cos(min(math.pi, posture.upright + SPARE))
     fell = run.turned > posture.rock_angle + SPARE or bool(lying)
-    return Fate(fell, run.turned, widest, float(run.data.time))
+    rests = fell and run.turned <= OVER and not lying
+    return Fate(fell, rests, run.turned, float(run.data.time))
 
 
 def line_of(place: Pierced) -> Floats:

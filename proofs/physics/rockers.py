@@ -19,7 +19,7 @@ from lutgen.errors import RecipeError
 from proofs.physics.answer import as_recipe, tip_angles
 from proofs.physics.body import Floats, Posture, rigid_body
 from proofs.physics.cases import SIDEWAYS
-from proofs.physics.ground import printed_guarantee, seated_limits
+from proofs.physics.ground import guaranteed, said_limits
 from proofs.physics.noisy import first_tip, leaning
 from proofs.physics.nudged import fates
 from proofs.physics.pierced import pierced
@@ -92,9 +92,9 @@ SOLES = {
 class Row:
     """One sole, in degrees: limits of body and ground, by geometry, lutgen and the slow tilt.
 
-    `printed` is what `lutgen limits` guarantees, `seated` the limit of a robot that is seated anew;
-    lutgen's are NaN where it takes no robot of so many contacts.  Releases called safe and of these
-    fell, called tipping and of these held.
+    `printed` is what `lutgen limits` guarantees on tilted ground, `nose` its limit nose down; they
+    are NaN where it takes no robot of so many contacts.  Releases called safe and of these fell,
+    called tipping and of these held.
     """
 
     name: str
@@ -103,7 +103,7 @@ class Row:
     said_body: float
     ground: float
     printed: float
-    seated: float
+    nose: float
     slow: float
     safe: int
     fell: int
@@ -119,15 +119,15 @@ def judged(name: str) -> Row:
     assert level is not None
     begin = Start(level.normal, level.height, level.points)
     slow = slope_at_fall(posture, begin, 0.0, 0.0, SLOW)
-    said_body = printed = seated = math.nan
+    said_body = printed = nose = math.nan
     safe = fell = tips = held = 0
     try:
         recipe = as_recipe(posture)
         tilts = np.arange(0.0, math.radians(80.0), WALK)
         walk = np.array([leaning(one, 0.0) for one in tilts])
         said_body = first_tip(tip_angles(recipe, walk), tilts)
-        seated = float(seated_limits(recipe, np.zeros(0), np.zeros(1))[0])
-        printed = printed_guarantee(recipe, np.zeros(0))
+        nose = float(said_limits(recipe, np.zeros(0), np.zeros(1))[0])
+        printed = guaranteed(recipe, np.zeros(0))[0]
         posture = replace(posture, upright=recipe.upright, rock_angle=recipe.rock_angle)
         off = np.concatenate([tilt * SHARES, tilt + np.radians(AROUND)])
         tried = np.array([leaning(one, 0.0) for one in off])
@@ -141,25 +141,23 @@ def judged(name: str) -> Row:
     except RecipeError:
         # More contacts than a recipe may have: the engine alone is held against geometry.
         pass
-    body, said, ground, guaranteed, anew, fell_at = (
-        math.degrees(x) for x in (tilt, said_body, slope, printed, seated, slow)
-    )
-    degrees = (sole.step, body, said, ground, guaranteed, anew, fell_at)
-    return Row(name, *degrees, int(safe), int(fell), int(tips), int(held))
+    limits = np.degrees([tilt, said_body, slope, printed, nose, slow]).tolist()
+    counts = [int(count) for count in (safe, fell, tips, held)]
+    return Row(name, sole.step, *limits, *counts)
 
 
 def table(rows: Sequence[Row]) -> str:
     """Return the table of rows as Markdown."""
     lines = [
         "| sole | body, geometry | lutgen | ground, geometry | `lutgen limits` guarantees "
-        "| seated anew | slow tilt | releases called safe | of these fell | called tipping "
+        "| its limit nose down | slow tilt | releases called safe | of these fell | called tipping "
         "| of these held |",
         "|---|---|---|---|---|---|---|---|---|---|---|",
     ]
     for r in rows:
         degrees = " | ".join(
             "-" if math.isnan(x) else f"{x:.2f} deg"
-            for x in (r.body, r.said_body, r.ground, r.printed, r.seated, r.slow)
+            for x in (r.body, r.said_body, r.ground, r.printed, r.nose, r.slow)
         )
         lines.append(f"| {r.name} | {degrees} | {r.safe} | {r.fell} | {r.tips} | {r.held} |")
     return "\n".join(lines) + "\n"

@@ -18,22 +18,23 @@ from proofs.physics.cases import (
     ROOT,
     SIDEWAYS,
     Maker,
-    absolem_recipe,
     any_posture,
     balls,
     cap,
+    flipper_recipe,
     flippers,
     thin_wheels,
     wide_wheels,
 )
-from proofs.physics.nudged import fates, line_of, turning
+from proofs.physics.nudged import fates, turning
 from proofs.physics.pierced import Ints, Pierced, heights, pierced, reach
 from proofs.physics.release import STEEPEST
 
 # The range of gaps (rad): narrower ones are slivers (`noisy`), wider ones never count as rocking.
 NARROW, WIDE = math.radians(1.0), math.radians(30.0)
-# Steps (rad) in which an arc is followed, and how much further (m) another primitive must reach.
-ALONG, BELOW = math.radians(0.5), 1e-7
+# Steps (rad) in which an arc is followed, how much further (m) another primitive must reach, and
+# how level (share of the size) the two contacts are.
+FINEST, COARSEST, BELOW, LEVEL = math.radians(0.25), math.radians(4.0), 1e-7, 1e-9
 # Verdicts nearer to their limit than this (rad, 0.1 deg) are not judged: the push is half of it.
 CLEAR = math.radians(0.1)
 # Directions looked at per robot, the most that are tried with one, up to which tilt (deg), and the
@@ -67,57 +68,76 @@ ROBOTS: dict[str, Maker] = {
     "4 flippers, cylinders": flippers(True),
     "rocking chairs": chair,
     "marv": gallery("marv"),
-    "markhor": gallery("markhor"),
-    "absolem, 4 angles": any_posture(absolem_recipe(True)),
+    "markhor, 4 angles": any_posture(flipper_recipe("markhor", True)),
+    "absolem, 4 angles": any_posture(flipper_recipe("absolem", True)),
     "articulated": gallery("articulated"),
 }
 
 
 @dataclass(frozen=True)
 class Trial:
-    """One direction over a gap: tip angle (deg), turn of the arc (deg), the pushes' falls."""
+    """One direction over a gap: tip angle (deg), turn of the arc (deg), the pushes and their falls.
+
+    `rests` of those that fell lie still again upright, beyond `rock_angle`.
+    """
 
     tip_angle: float
     turn: float
-    falls: int
     pushes: int
+    falls: int
+    rests: int
 
 
 @dataclass(frozen=True)
 class Row:
-    """Releases of one kind of robot: called safe and of these fell; called tipping, and held."""
+    """Releases of one kind of robot: called safe and of these fell; called tipping, and held.
+
+    `rests` of those that fell lie still again upright.
+    """
 
     name: str
     safe: int
     fell: int
+    rests: int
     tips: int
     held: int
     unclear: int
 
 
 def arc_turn(posture: Posture, place: Pierced) -> float:
-    """Return by how much (rad) the robot rolls over the two contacts until a third one touches."""
+    """Return by how much (rad) the robot rolls over the two contacts until a third one touches.
+
+    No more than `WIDE` is followed; the result is short by up to twice `FINEST`.
+    """
     ends = np.linalg.norm(place.points - np.roll(place.points, 1, axis=0), axis=1)
     k = int(np.argmax(ends))
     pair = place.basis[[k, k - 1]]
     whole = 0.0
-    for way in (ALONG, -ALONG):
-        normal, gone = place.normal, 0.0
-        while gone < WIDE:
-            normal = turning(line_of(place), way) @ normal
-            for _ in range(20):
-                high = heights(posture, normal[None])[0]
-                lean = float(high[pair[1]] - high[pair[0]])
-                if abs(lean) < 1e-13:
-                    break
-                edge = _edge(posture, pair, normal)
-                normal = normal - edge * lean / float(edge @ edge)
-                normal /= np.linalg.norm(normal)
-            if float(high.max() - high[pair[0]]) > BELOW:
-                break
-            gone += ALONG
-        whole += gone
+    for way in (1.0, -1.0):
+        normal, step, ended = place.normal, FINEST, False
+        while whole <= WIDE and step >= FINEST:
+            edge = _edge(posture, pair, normal)
+            turn = turning(edge / np.linalg.norm(edge), way * step)
+            ahead = _levelled(posture, pair, turn @ normal)
+            high = heights(posture, ahead[None])[0]
+            if float(high.max() - high[pair].max()) > BELOW:
+                step, ended = 0.5 * step, True
+                continue
+            normal, whole = ahead, whole + step
+            step = 0.5 * step if ended else min(2.0 * step, COARSEST)
     return whole
+
+
+def _levelled(posture: Posture, pair: Ints, normal: Floats) -> Floats:
+    """Return the normal nearby of a plane that both contacts of a pair touch."""
+    for _ in range(20):
+        edge = _edge(posture, pair, normal)
+        lean = float(edge @ normal)
+        if abs(lean) < LEVEL * posture.size:
+            break
+        normal = normal - edge * lean / float(edge @ edge)
+        normal /= np.linalg.norm(normal)
+    return normal
 
 
 def _edge(posture: Posture, pair: Ints, normal: Floats) -> Floats:
@@ -159,8 +179,9 @@ def judged(name: str, chunk: int) -> list[Trial]:
         angles = tip_angles(recipe, np.array([one[0] for one in found]))
         for (gravity_dir, place, turn), angle in zip(found, angles, strict=True):
             fate = fates(posture, place, gravity_dir)
-            falls = sum(one.fell for one in fate)
-            trials.append(Trial(math.degrees(angle), math.degrees(turn), falls, len(fate)))
+            falls, rests = sum(one.fell for one in fate), sum(one.rests for one in fate)
+            degrees = (math.degrees(angle), math.degrees(turn))
+            trials.append(Trial(*degrees, len(fate), falls, rests))
     return trials[:CHUNK]
 
 
@@ -173,6 +194,7 @@ def row(name: str, trials: Sequence[Trial]) -> Row:
         name,
         sum(t.pushes for t in safe),
         sum(t.falls for t in safe),
+        sum(t.rests for t in safe),
         sum(t.pushes for t in tips),
         # Pushed one way it may well stay up; it holds where it does so both ways.
         sum(t.pushes for t in tips if not t.falls),
@@ -190,11 +212,13 @@ def table(rows: Sequence[Row]) -> str:
     """Return the table of rows as Markdown."""
     lines = [
         "| robots over gaps of 1 to 30 deg | releases called safe | of these fell "
-        "| releases called tipping | of these held both ways | nearer than 0.1 deg |",
-        "|---|---|---|---|---|---|",
+        "| of which lie still again, beyond `rock_angle` | releases called tipping "
+        "| of these held both ways | nearer than 0.1 deg |",
+        "|---|---|---|---|---|---|---|",
     ]
     lines += [
-        f"| {r.name} | {r.safe:,} | {r.fell} | {r.tips:,} | {r.held} | {r.unclear} |" for r in rows
+        f"| {r.name} | {r.safe:,} | {r.fell} | {r.rests} | {r.tips:,} | {r.held} | {r.unclear} |"
+        for r in rows
     ]
     return "\n".join(lines) + "\n"
 
