@@ -74,10 +74,15 @@ class PostureLimits:
         return self.headings[-1]
 
     @property
+    def rolls(self) -> bool:
+        """Whether the robot has contacts that roll: on them it may give way before it slides."""
+        return any(contact.rolling for contact in self.ground.posture.recipe.contacts)
+
+    @property
     def guaranteed_ground(self) -> float:
         """Slope (rad) of the ground up to which the robot stands in every heading.
 
-        It neither tips over nor, where `slide` is known, slides.
+        It neither tips over nor, where `slide` is known, slides with all its contacts braked.
         """
         tips = self.ground.guaranteed
         return tips if self.slide is None else min(tips, self.slide)

@@ -115,6 +115,7 @@ def limits_report(recipe: "Recipe", found: "PostureLimits") -> dict[str, Any]:
         "worst_ground_heading_deg": degrees(ground.worst),
         "worst_ground_tilt_deg": _down(ground.least),
         "worst_ground_contacts": list(ground.contacts(ground.worst)),
+        "ground_rolling_included": False if found.rolls else None,
         "forces_act": recipe.has_wrench,
     }
 
@@ -247,7 +248,8 @@ def _guaranteed_lines(report: dict[str, Any]) -> Iterator[str]:
     yield f"guaranteed body tilt in every heading: {body} (tipping over; sliding not included)"
     if report["ground_sliding_included"]:
         more = "" if ground == _angle(tips) else f"; tipping over alone {_angle(tips)}"
-        words = f"sliding included{more}"
+        rolling = "" if report["ground_rolling_included"] is None else ", rolling not"
+        words = f"sliding included{rolling}{more}"
     else:
         why = "forces act" if report["forces_act"] else "friction is not known"
         words = f"tipping over; sliding not included, {why}"

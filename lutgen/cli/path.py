@@ -14,6 +14,9 @@ from lutgen.errors import InputError
 from lutgen.quantities import QUANTITIES
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from lutgen.recipe import Recipe
     from lutgen.search import Drive, Path
 
@@ -197,6 +200,8 @@ def path_report(recipe: "Recipe", runs: Mapping[str, "Drive"], asked: Asked) -> 
         "lag": asked.lag,
         "points": len(ground.position),
         "length": float(ground.distance[-1]),
+        # What the path gives is the slope of the ground, or the attitude of the body on it.
+        **({"ground_tilt_deg": _tilts(ground.gravity)} if asked.convention == "plane" else {}),
         "path": {axis: ground.position[:, i].tolist() for i, axis in enumerate("xyz")},
         "runs": [
             {
@@ -210,6 +215,7 @@ def path_report(recipe: "Recipe", runs: Mapping[str, "Drive"], asked: Asked) -> 
                 "turn_deg": np.degrees(run.turn).tolist(),
                 "params": by_unit(recipe, run.params),
                 "wanted": by_unit(recipe, run.wanted),
+                "body_tilt_deg": _tilts(run.gravity_body),
                 "gravity_body": run.gravity_body.tolist(),
                 "tip_angle_deg": np.degrees(run.channels["tip_angle"]).tolist(),
                 **{
@@ -220,6 +226,13 @@ def path_report(recipe: "Recipe", runs: Mapping[str, "Drive"], asked: Asked) -> 
             for name, run in runs.items()
         ],
     }
+
+
+def _tilts(down: "NDArray[np.float64]") -> list[float]:
+    """Return the angles (deg) of directions (p, 3) from straight down."""
+    import numpy as np
+
+    return np.degrees(np.arctan2(np.hypot(down[:, 0], down[:, 1]), -down[:, 2])).tolist()  # type: ignore[no-any-return]
 
 
 def path_lines(recipe: "Recipe", runs: Mapping[str, "Drive"], terrain: str) -> Iterator[str]:

@@ -167,6 +167,8 @@ def _ground(found: PostureLimits) -> Floats:
 def _outlines(axes: PolarAxes, found: PostureLimits, outline: Floats) -> None:
     """Draw body tilt (deg) and ground tilt: their outlines, what is guaranteed, the worst."""
     rubs = "not included" if found.slide is None else "included"
+    if found.slide is not None and found.rolls:
+        rubs = "included, rolling not"
     named = (
         ("body tilt", BODY, outline, found.guaranteed, "not included"),
         ("ground tilt", GROUND, _ground(found), found.guaranteed_ground, rubs),

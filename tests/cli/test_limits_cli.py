@@ -18,7 +18,7 @@ from lutgen.recipe.recipe import parse_recipe
 from tests.fixtures import commands
 from tests.fixtures.documents import blocks
 from tests.fixtures.places import MAPS
-from tests.fixtures.recipes import feet, rigid, tripod
+from tests.fixtures.recipes import contact, feet, rigid, tripod
 
 run = partial(commands.run, "limits")
 good = partial(commands.stdout, "limits")
@@ -169,6 +169,22 @@ def test_body_tilt_and_ground_tilt_are_two_numbers_and_say_whether_sliding_is_in
     assert "worst on the ground  125.0 deg" in text
     without = good(MAPS / "paper_two.toml")
     assert without.splitlines()[-1].endswith("sliding not included, friction is not known)")
+
+
+def test_wheels_that_roll_are_said_not_to_be_in_what_is_guaranteed(tmp_path: Path) -> None:
+    path = tmp_path / "cart.toml"
+    wheels = [
+        contact(f"w{i}", (x, y, -0.4), 0.1, (0.0, 1.0, 0.0)) + ("rolling = true\n" * (x > 0))
+        for i, (x, y) in enumerate([(0.5, 0.4), (0.5, -0.4), (-0.5, 0.4), (-0.5, -0.4)])
+    ]
+    path.write_text(rigid("".join(wheels), head="friction = 0.5"))
+    assert data(path)["ground_rolling_included"] is False
+    assert "26.56 deg (sliding included, rolling not; tipping over alone" in good(path)
+    robot = parse_recipe(path.read_text())
+    legends = draw_limits(robot, posture_limits(Posture(robot, []))).legends
+    said = [text.get_text() for text in legends[0].get_texts()]
+    assert any(label.endswith("sliding included, rolling not") for label in said)
+    assert data(MAPS / "articulated.toml")["ground_rolling_included"] is None
 
 
 def test_the_figure_holds_the_limits_and_repeats_to_the_byte(

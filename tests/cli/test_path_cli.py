@@ -308,3 +308,21 @@ def test_the_library_refuses_a_file_for_what_it_is(tmp_path: Path, recipe: str) 
     assert "line 1 names no column x (got x;y;z)" in result.stderr
     with pytest.raises(InputError, match="at least 2 points"):
         paper_path(0)
+
+
+def test_a_path_tells_the_tilt_of_the_ground_from_that_of_the_body(recipe: str) -> None:
+    arguments = (recipe, "--points", 9, "--no-control", "-p", "alpha=40", "-p", "gamma=5")
+    report = commands.data("path", *arguments)
+    (run,) = report["runs"]
+    assert len(report["ground_tilt_deg"]) == len(run["body_tilt_deg"]) == 9
+    down = np.array(run["gravity_body"])
+    # Rounding of an arc cosine near 1.
+    np.testing.assert_allclose(
+        np.cos(np.radians(run["body_tilt_deg"])), -down[:, 2], rtol=0.0, atol=1e-12
+    )
+    # A robot with one wheel low leans on the ground.
+    assert np.abs(np.subtract(run["body_tilt_deg"], report["ground_tilt_deg"])).max() > 5.0
+    body = commands.data("path", *arguments, "--convention", "body")
+    assert "ground_tilt_deg" not in body
+    # The body then has the tilt that the path gives.
+    np.testing.assert_allclose(body["runs"][0]["body_tilt_deg"], report["ground_tilt_deg"])
