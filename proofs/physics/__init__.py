@@ -4,7 +4,8 @@ The engine knows nothing of facets, gaps and tip-over axes: a body is put on a s
 watched.  `docs/measured/physics.md` says what is compared and what came out, and
 `docs/measured/judged.md` what is tried to disprove the verdict.
 
-In reading order: `body`, `facets`, `start`, `release`, `cases`, `real`, `rolling`, `sides`,
-`agreement`; `answer`, `pierced`, `nudged`, `slow`, `noisy`, `rocking`, `ground`, `holding`,
-`rockers`, `judge`.
+In reading order: `body`, `robots`, `begin`, `facets`, `start`, `release`, `cases`, `real`,
+`rolling`, `sides`, `page`, `agreement`; `pierced`, `nudged`, `slow`, `noisy`, `rocking`, `ground`,
+`holding`, `rockers`, `judge`.  What `judge` runs takes nothing from lutgen but what its rooms
+give, and no facet.
 """

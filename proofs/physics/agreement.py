@@ -14,18 +14,16 @@ import time
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from multiprocessing import get_context
-from pathlib import Path
 
 import mujoco
 import numpy as np
 
 from proofs.physics import rolling, sides
 from proofs.physics.cases import CASES, drawn
+from proofs.physics.page import MEASURED, page
 from proofs.physics.real import real_cases
 from proofs.physics.release import DOWN, release
 
-ROOT = Path(__file__).resolve().parent.parent.parent
-MEASURED = ROOT / "docs" / "measured"
 PAGE, STORED = MEASURED / "physics.md", MEASURED / "physics.json"
 # Verdicts nearer to the limit than this (deg) are beyond the engine's own accuracy.
 CLEAR = 0.1
@@ -153,13 +151,6 @@ def table(rows: Iterable[Row]) -> str:
             f"| {worst} | {percent(r.com_off, r.cases)} | {percent(r.level, r.cases)} |"
         )
     return "\n".join(lines) + "\n"
-
-
-def page(text: str, name: str, content: str) -> str:
-    """Return a document with what stands between two marks replaced."""
-    first, last = f"<!-- {name} -->\n", f"<!-- end of {name} -->"
-    before, rest = text.split(first)
-    return before + first + content + last + rest.split(last)[1]
 
 
 def main() -> int:

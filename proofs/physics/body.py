@@ -1,18 +1,19 @@
 """One posture as lutgen sees it and as the physics engine gets it.
 
-Owns the step from contact primitives to solids and from those to an MJCF model.  Lengths in m,
-relative to the com, body frame.
+Owns the steps from contact primitives to solids and from those to an MJCF model, and the one back
+to a recipe without parameters: lutgen is asked as anybody would ask, so that the same question can
+be put to any version of it.  Lengths in m, relative to the com, body frame.
 """
 
-from dataclasses import dataclass, field
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lutgen.channels.evaluation import measure_primitives
-from lutgen.recipe.kinematics import forward, radii_and_kinds
-from lutgen.recipe.recipe import Recipe
-from lutgen.support.primitive import pack
+import lutgen
+from lutgen.recipe import Recipe, forward, radii_and_kinds
 
 Floats = NDArray[np.float64]
 
@@ -21,6 +22,8 @@ METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "1": 1.0}
 # A point is a ball, and the rim of a disc a cylinder, of this radius and half width: far below the
 # engine's own penetration of about 1e-5 m.
 TINY = 1e-6
+# The answer asks for no table, but a recipe must have a sweep.
+SWEEP = '[sweep.gravity]\nchart = "cone"\nmax_tilt = 60.0\nnodes = 2\nchannels = ["tip_angle"]\n'
 # The settings of the engine: facts on why are in docs/measured/physics.md.
 OPTION = (
     'timestep="0.001" integrator="implicitfast" solver="Newton" iterations="100" '
@@ -64,11 +67,36 @@ class Posture:
 
     def tip_angle(self, gravity_dir: Floats, com_shift: Floats | float = 0.0) -> float:
         """Return lutgen's tip angle (rad), if wanted with the com off by a vector."""
-        primitives = pack((self.centres - com_shift)[None], self.axes[None], self.radius, self.kind)
-        values = measure_primitives(
-            primitives, gravity_dir, ("tip_angle",), self.upright, self.rock_angle
-        )
-        return float(values["tip_angle"][0, 0])
+        moved = replace(self, centres=self.centres - com_shift)
+        limits = (math.degrees(self.upright), math.degrees(self.rock_angle))
+        recipe = as_recipe(moved, "upright = {!r}\nrock_angle = {!r}".format(*limits))
+        return float(tip_angles(recipe, gravity_dir[None])[0])
+
+
+def as_recipe(posture: Posture, keys: str = "", rolling: Sequence[bool] = ()) -> Recipe:
+    """Return a rigid robot's recipe in m, its com at the origin.
+
+    `keys` are further lines of the table of the robot, such as its `upright`; without them the
+    recipe's defaults hold.  `rolling` tells of every primitive whether it rolls; empty if none
+    does.
+    """
+    lines = ['[robot]\nname = "judged"\nlength_unit = "m"', keys, '[[robot.link]]\nname = "body"']
+    for k, kind in enumerate(posture.kind):
+        lines.append(f'[[robot.contact]]\nname = "c{k}"\nlink = "body"')
+        lines.append(f"position = {posture.centres[k].tolist()}")
+        if kind != POINT:
+            lines.append(f"radius = {float(posture.radius[k])!r}")
+        if kind == DISC:
+            lines.append(f"axis = {posture.axes[k].tolist()}")
+        if rolling and rolling[k]:
+            lines.append("rolling = true")
+    return lutgen.parse_recipe("\n".join([*lines, "[sweep]", SWEEP]))
+
+
+def tip_angles(recipe: Recipe, gravity_dir: Floats) -> Floats:
+    """Return the tip angles (d,), rad, of a rigid robot's recipe under directions (d, 3)."""
+    nothing = np.zeros((1, 0))
+    return np.asarray(lutgen.evaluate(recipe, nothing, gravity_dir, ("tip_angle",))["tip_angle"][0])
 
 
 def thin_solids(

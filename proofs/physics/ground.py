@@ -16,12 +16,12 @@ from lutgen.analysis import Posture as Asked
 from lutgen.analysis import even_headings, ground_tilt
 from lutgen.channels import body_gravity
 from lutgen.recipe import Recipe
+from proofs.physics.begin import Start
 from proofs.physics.body import Floats, recipe_postures
-from proofs.physics.cases import ROOT
 from proofs.physics.pierced import heights
 from proofs.physics.release import STEEPEST
+from proofs.physics.robots import ROOT
 from proofs.physics.slow import UNTIL, slope_at_fall
-from proofs.physics.start import Start
 
 ROBOTS = ("articulated", "absolem", "markhor", "marv")
 HEADINGS = even_headings(8)  # and the worst one that lutgen knows

@@ -15,10 +15,9 @@ import numpy as np
 
 from lutgen.analysis import Posture as Asked
 from lutgen.analysis import holds, may_hold
-from proofs.physics.answer import as_recipe, tip_angles
-from proofs.physics.body import Floats, Solid, on_solids
+from proofs.physics.begin import Start
+from proofs.physics.body import Floats, Solid, as_recipe, on_solids, tip_angles
 from proofs.physics.release import DOWN, Run
-from proofs.physics.start import Start
 
 AXLE, UP = np.eye(3)[1], np.eye(3)[2]
 RADIUS, HALF = 0.1, 0.01

@@ -22,7 +22,7 @@ import mujoco
 
 import lutgen
 from proofs.physics import ground, holding, noisy, rockers, rocking
-from proofs.physics.agreement import MEASURED, page
+from proofs.physics.page import MEASURED, page
 from proofs.physics.slow import lag
 
 PAGE, STORED = MEASURED / "judged.md", MEASURED / "judged.json"

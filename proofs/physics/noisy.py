@@ -11,13 +11,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from proofs.physics.answer import as_recipe, tip_angles
-from proofs.physics.body import Floats, Posture, rigid_body
+from proofs.physics.begin import Start
+from proofs.physics.body import Floats, Posture, as_recipe, rigid_body, tip_angles
 from proofs.physics.nudged import fates
 from proofs.physics.pierced import pierced
 from proofs.physics.release import DOWN
 from proofs.physics.slow import UNTIL, slope_at_fall
-from proofs.physics.start import Start
 
 SIGMAS = (1e-6, 1e-5, 1e-4, 1e-3, 5e-3)
 # Axles at +-HALF and outer rims at +-HALF, the com as high: 45 deg to all four sides.  (m)

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from proofs.physics.begin import Start
 from proofs.physics.body import Floats, Posture
 from proofs.physics.pierced import Pierced, heights
 from proofs.physics.release import Run
-from proofs.physics.start import Start
 
 # Far above the engine's softness (0.003 deg), far below every gap that is tried (1 deg); its
 # energy, h x push^2 / 2, is that of a rise of a ten-thousandth of a millimetre.
@@ -23,7 +23,7 @@ PUSH = math.radians(0.05)
 SPARE = math.radians(0.5)
 # A swing so wide goes on to a fall: no gap and no rest is as wide, and it saves watching the rest.
 OVER = math.radians(90.0)
-# Rolling to and fro loses little; what has not come to rest after this (s) is judged as it is.
+# A swing loses little energy; what has not come to rest after this (s) is judged as it is.
 SECONDS = 6.0
 
 

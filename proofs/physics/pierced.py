@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from proofs.physics.begin import Start
 from proofs.physics.body import DISC, SPHERE, Floats, Posture
-from proofs.physics.start import Start
 
 Ints = NDArray[np.int64]
 # A plane is found when no point is further beyond it than this share of the size: rounding.

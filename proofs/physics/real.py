@@ -2,7 +2,8 @@
 
 from lutgen.urdf.read import load_urdf
 from proofs.descriptions import FOLDER
-from proofs.physics.cases import Case, any_direction, any_posture
+from proofs.physics.cases import Case, any_direction
+from proofs.physics.robots import any_posture
 
 # Name of the file, and up to which tilt (deg) it is tried.
 ROBOTS = {"absolem": 80.0, "husky": 75.0}

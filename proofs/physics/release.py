@@ -10,8 +10,8 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from proofs.physics.begin import Start
 from proofs.physics.body import Floats, Posture, mjcf, turned_to
-from proofs.physics.start import Start
 
 GRAVITY = 9.81
 DOWN = np.array([0.0, 0.0, -1.0])

@@ -16,16 +16,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lutgen.errors import RecipeError
-from proofs.physics.answer import as_recipe, tip_angles
-from proofs.physics.body import Floats, Posture, rigid_body
-from proofs.physics.cases import SIDEWAYS
+from proofs.physics.begin import Start
+from proofs.physics.body import Floats, Posture, as_recipe, rigid_body, tip_angles
 from proofs.physics.ground import guaranteed, said_limits
 from proofs.physics.noisy import first_tip, leaning
 from proofs.physics.nudged import fates
 from proofs.physics.pierced import pierced
 from proofs.physics.release import DOWN
+from proofs.physics.robots import SIDEWAYS
 from proofs.physics.slow import slope_at_fall
-from proofs.physics.start import Start
 
 # Half the width between the rails, the wheels' radius, and how far their sole's centre is above
 # the com (m): with 0.5 m arcs of +-33 deg the limits are 40.5 deg (body) and 7.5 deg (ground).

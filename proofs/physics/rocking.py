@@ -12,9 +12,11 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 
 import lutgen
-from proofs.physics.answer import as_recipe, tip_angles
-from proofs.physics.body import Floats, Posture, rigid_body
-from proofs.physics.cases import (
+from proofs.physics.body import Floats, Posture, as_recipe, rigid_body, tip_angles
+from proofs.physics.nudged import fates, turning
+from proofs.physics.pierced import Ints, Pierced, heights, pierced, reach
+from proofs.physics.release import STEEPEST
+from proofs.physics.robots import (
     ROOT,
     SIDEWAYS,
     Maker,
@@ -26,9 +28,6 @@ from proofs.physics.cases import (
     thin_wheels,
     wide_wheels,
 )
-from proofs.physics.nudged import fates, turning
-from proofs.physics.pierced import Ints, Pierced, heights, pierced, reach
-from proofs.physics.release import STEEPEST
 
 # The range of gaps (rad): narrower ones are slivers (`noisy`), wider ones never count as rocking.
 NARROW, WIDE = math.radians(1.0), math.radians(30.0)

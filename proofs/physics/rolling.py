@@ -19,10 +19,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from proofs.physics.begin import Start
 from proofs.physics.body import Floats, Posture, Solid, on_solids
-from proofs.physics.cases import cap
 from proofs.physics.release import Run
-from proofs.physics.start import Start
+from proofs.physics.robots import cap
 
 # Sliding or rolling down for this long (s) and this far (m) is not standing.
 WATCHED, GONE = 1.0, 0.02

@@ -11,10 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from proofs.physics.begin import Start
 from proofs.physics.body import DISC, Posture
-from proofs.physics.cases import CASES, Maker
+from proofs.physics.cases import CASES
 from proofs.physics.release import STEEPEST, release
-from proofs.physics.start import Start, accepted, balance, gaps, is_free, start
+from proofs.physics.robots import Maker
+from proofs.physics.start import accepted, balance, gaps, is_free, start
 
 ROBOTS: dict[str, Maker] = {
     name: CASES[name].make

@@ -11,9 +11,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from proofs.physics.begin import Start
 from proofs.physics.body import Floats, Posture, rigid_body
 from proofs.physics.release import STEEPEST, Run
-from proofs.physics.start import Start
 
 GRAVITY = 9.81
 # Turns of the ground (rad/s), and the share of an expected limit up to which it may turn quickly.

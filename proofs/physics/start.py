@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
+from proofs.physics.begin import Start
 from proofs.physics.body import DISC, SPHERE, Floats, Posture
 from proofs.physics.facets import Facet, facets
 
@@ -19,25 +20,6 @@ from proofs.physics.facets import Facet, facets
 # turns, and it may go on from the next facet: there gravity, which has turned with it in the
 # body frame, can be one under which it tips.
 RIDGE = math.radians(0.02)
-
-
-@dataclass(frozen=True)
-class Start:
-    """A plane that the robot touches: outward normal, distance from the com, contact points.
-
-    `balanced` tells that there are two points only, and `share` how far from the first to the
-    second gravity passes; on a facet it is NaN.
-    """
-
-    normal: Floats
-    height: float
-    points: Floats
-    balanced: bool = False
-    share: float = math.nan
-
-    def slope(self, gravity_dir: Floats) -> float:
-        """Return the angle (rad) between gravity and the normal."""
-        return math.acos(min(1.0, max(-1.0, float(self.normal @ gravity_dir))))
 
 
 @dataclass(frozen=True)

@@ -9,13 +9,14 @@ import pytest
 pytest.importorskip("mujoco", reason="the extra `physics` is not installed")
 
 from proofs.physics import ground, holding, judge, noisy, rockers, rocking
+from proofs.physics.begin import Start
 from proofs.physics.body import rigid_body
-from proofs.physics.cases import CASES, cap
+from proofs.physics.cases import CASES
 from proofs.physics.nudged import fates, watched
 from proofs.physics.pierced import heights, pierced
 from proofs.physics.release import DOWN
+from proofs.physics.robots import cap
 from proofs.physics.slow import UNTIL, lag, slope_at_fall
-from proofs.physics.start import Start
 
 TABLE = np.array([[0.1, 0.2, -0.3], [0.1, -0.2, -0.3], [-0.2, 0.2, -0.3], [-0.2, -0.2, -0.3]])
 
