@@ -59,8 +59,11 @@ def empty_block() -> Block:
 @njit(inline=True)
 def worth_blocks(tally: Ints, wanted: Bools, directions: int) -> bool:
     """Tell whether a region's wanted channels can be measured in blocks, and faster so."""
-    fits = tally[CONVEX] == 1 and tally[GAPS] == 0 and not wanted[KNOWN:].any()
-    return fits and directions >= FEWEST
+    fits = tally[CONVEX] == 1 and tally[GAPS] == 0 and directions >= FEWEST
+    # A method of the array would load numba's linear algebra with the machine code.
+    for c in range(KNOWN, wanted.shape[0]):
+        fits = fits and not wanted[c]
+    return fits
 
 
 @njit()
