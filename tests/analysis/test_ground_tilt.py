@@ -14,7 +14,7 @@ from lutgen.analysis.tilt import level_frames, level_limits, tilt_limits, tilted
 from lutgen.analysis.tilt_table import posture_limits
 from lutgen.recipe.recipe import Recipe, parse_recipe
 from tests.fixtures.places import MAPS
-from tests.fixtures.recipes import feet, rigid
+from tests.fixtures.recipes import contact, feet, rigid
 
 ALL_ROUND = np.radians(np.arange(0.0, 360.0, 5.0))
 BOX = [(0.30, 0.20, -0.4), (-0.25, 0.20, -0.4), (-0.25, -0.15, -0.4), (0.30, -0.15, -0.4)]
@@ -218,3 +218,21 @@ def test_a_ground_that_is_tilted_step_by_step_tips_robots_at_the_limits_in_close
             standing += limit > 0.1
     assert rocking > 20
     assert standing > 20
+
+
+def test_positions_that_are_a_little_wrong_do_not_change_what_is_guaranteed() -> None:
+    rng, sigma = np.random.default_rng(0), 1e-5
+    places = [(x, y + d) for x in (0.3, 0.0, -0.3) for y in (0.3, -0.3) for d in (0.02, -0.02)]
+    facets = 0
+    for _ in range(6):
+        text = ""
+        for i, (x, y) in enumerate(places):
+            # Two rims to a wheel, six wheels.
+            place, axis = (v + rng.normal(0.0, sigma, 3) for v in ((x, y, -0.3), (0.0, 1.0, 0.0)))
+            text += contact(f"w{i}", tuple(place), 0.1, tuple(axis))
+        posture = Posture(parse_recipe(rigid(text)), [])
+        facets = max(facets, len(posture.stance.facets))
+        # A rim of 20 mm, between rims of which the robot rocks, tilts it by 1e-3 rad at most.
+        guaranteed = ground_tilt(posture).guaranteed
+        assert guaranteed == pytest.approx(math.atan(0.3 / 0.4), abs=1e-3)
+    assert facets > 8
