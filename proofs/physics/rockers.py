@@ -19,7 +19,7 @@ from lutgen.errors import RecipeError
 from proofs.physics.begin import Start
 from proofs.physics.body import Floats, Posture, as_recipe, rigid_body, tip_angles
 from proofs.physics.ground import guaranteed, said_limits
-from proofs.physics.noisy import first_tip, leaning
+from proofs.physics.noisy import leaning
 from proofs.physics.nudged import fates
 from proofs.physics.pierced import pierced
 from proofs.physics.release import DOWN
@@ -39,6 +39,9 @@ CLEAR = math.radians(0.1)
 # Soles of steps up to this (deg) are fine: the engine falls at most so much (deg) before the
 # geometry's slope, for the robot still swings a little, and after its lag at most so much later.
 FINE, EARLY, LATE = 1.2, 1.0, 0.3
+# Between two facets are the wheels' arcs, 4 % of the sole, over which a verdict may well say that
+# the robot tips; where it says so more often, it finds facets too narrow.
+MOST = 0.9
 
 
 @dataclass(frozen=True)
@@ -91,6 +94,7 @@ SOLES = {
 class Row:
     """One sole, in degrees: limits of body and ground, by geometry, lutgen and the slow tilt.
 
+    `share` of the directions up to the limit stand, and `said_body` is the last one that does.
     `printed` is what `lutgen limits` guarantees on tilted ground, `nose` its limit nose down; they
     are NaN where it takes no robot of so many contacts.  Releases called safe and of these fell,
     called tipping and of these held.
@@ -98,6 +102,7 @@ class Row:
 
     name: str
     step: float
+    share: float
     body: float
     said_body: float
     ground: float
@@ -118,13 +123,15 @@ def judged(name: str) -> Row:
     assert level is not None
     begin = Start(level.normal, level.height, level.points)
     slow = slope_at_fall(posture, begin, 0.0, 0.0, SLOW)
-    said_body = printed = nose = math.nan
+    said_body = share = printed = nose = math.nan
     safe = fell = tips = held = 0
     try:
         recipe = as_recipe(posture)
         tilts = np.arange(0.0, math.radians(80.0), WALK)
         walk = np.array([leaning(one, 0.0) for one in tilts])
-        said_body = first_tip(tip_angles(recipe, walk), tilts)
+        stands = tip_angles(recipe, walk) >= 0.0
+        said_body = float(tilts[stands].max(initial=0.0))
+        share = float(stands[tilts <= tilt].mean())
         nose = float(said_limits(recipe, np.zeros(0), np.zeros(1))[0])
         printed = guaranteed(recipe, np.zeros(0))[0]
         posture = replace(posture, upright=recipe.upright, rock_angle=recipe.rock_angle)
@@ -142,23 +149,26 @@ def judged(name: str) -> Row:
         pass
     limits = np.degrees([tilt, said_body, slope, printed, nose, slow]).tolist()
     counts = [int(count) for count in (safe, fell, tips, held)]
-    return Row(name, sole.step, *limits, *counts)
+    return Row(name, sole.step, share, *limits, *counts)
 
 
 def table(rows: Sequence[Row]) -> str:
     """Return the table of rows as Markdown."""
     lines = [
-        "| sole | body, geometry | lutgen | ground, geometry | `lutgen limits` guarantees "
+        "| sole | body, geometry | lutgen's last | of all up to there stand | ground, geometry "
+        "| `lutgen limits` guarantees "
         "| its limit nose down | slow tilt | releases called safe | of these fell | called tipping "
         "| of these held |",
-        "|---|---|---|---|---|---|---|---|---|---|---|",
+        "|---|---|---|---|---|---|---|---|---|---|---|---|",
     ]
     for r in rows:
-        degrees = " | ".join(
+        body, said, *ground = (
             "-" if math.isnan(x) else f"{x:.2f} deg"
             for x in (r.body, r.said_body, r.ground, r.printed, r.nose, r.slow)
         )
-        lines.append(f"| {r.name} | {degrees} | {r.safe} | {r.fell} | {r.tips} | {r.held} |")
+        share = "-" if math.isnan(r.share) else f"{100.0 * r.share:.0f} %"
+        cells = (r.name, body, said, share, *ground, r.safe, r.fell, r.tips, r.held)
+        lines.append(f"| {' | '.join(map(str, cells))} |")
     return "\n".join(lines) + "\n"
 
 
@@ -177,8 +187,8 @@ def missed(rows: Sequence[Row], late: float) -> list[str]:
             faults.append(f"{r.name}: lutgen guarantees {r.printed:.2f}, engine {r.slow:.2f} deg")
         if r.step > FINE:
             continue
-        if r.said_body < r.body - EARLY:
-            faults.append(f"{r.name}: lutgen tips at {r.said_body:.2f}, not {r.body:.2f} deg")
+        if r.share < MOST:
+            faults.append(f"{r.name}: only {100.0 * r.share:.0f} % of what stands is said to stand")
         if not r.ground - EARLY < r.slow < r.ground + late + LATE:
             faults.append(f"{r.name}: the engine falls at {r.slow:.2f}, not {r.ground:.2f} deg")
     return faults
