@@ -57,7 +57,9 @@ class _Kernels(FunctionCache):  # type: ignore[misc]
             return self._load_overload(sig, target_context)
 
 
-def njit(*, parallel: bool = False, inline: bool = False) -> Callable[[_Function], _Function]:
+def njit(
+    *, parallel: bool = False, inline: bool = False, exact: bool = False
+) -> Callable[[_Function], _Function]:
     """Compile a kernel with the project's flags; use as ``@njit()``.
 
     Parameters
@@ -67,6 +69,9 @@ def njit(*, parallel: bool = False, inline: bool = False) -> Callable[[_Function
     inline : bool
         Whether the function is always inlined.  Worth it for small functions that take
         arrays: each array argument is seven machine words, each table of arrays dozens.
+    exact : bool
+        Whether every operation is rounded by itself, as it is written.  For predicates that must
+        say the same wherever they are asked.
 
     Returns
     -------
@@ -78,7 +83,7 @@ def njit(*, parallel: bool = False, inline: bool = False) -> Callable[[_Function
     def compile_later(function: _Function) -> _Function:
         compiled: _Function = numba.njit(
             error_model="numpy",
-            fastmath=FASTMATH,
+            fastmath=False if exact else FASTMATH,
             nogil=True,
             parallel=parallel,
             forceinline=inline,

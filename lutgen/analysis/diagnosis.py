@@ -15,7 +15,6 @@ from lutgen.channels import (
     MU,
     PHI,
     RHO,
-    acceptance_of,
     axis_angle,
     axis_energy,
     axis_margin,
@@ -208,7 +207,7 @@ def _loaded_axes(posture: Posture, g: Vector, standing: bool) -> tuple[int, tupl
     region, wrench = posture.stance.region, posture.wrench
     found = empty_axes(region)
     find_axes(region, wrench, found)
-    k, _, _ = loaded_verdict(region, found, wrench, acceptance_of(posture.recipe).least_cosine, g)
+    k, _, _ = loaded_verdict(region, found, wrench, g)
     convex = bool(region.tally[CONVEX] == 1)
     axes = []
     for b in range(region.tally[SEGMENTS]):

@@ -71,7 +71,7 @@ def _slopes_of_some(
         for d in range(gravity_dir.shape[1]):
             g = row(gravity_dir[posture], d)
             if has_wrench:
-                k = loaded_verdict(region, axes, load, acceptance.least_cosine, g)[0]
+                k = loaded_verdict(region, axes, load, g)[0]
                 g = add(g, part(load, PHI))
             else:
                 k = supporting_facet(region.facet, region.tally[FACETS], g)

@@ -25,18 +25,17 @@ from lutgen.support import (
     EDGE_PLANE,
     FACETS,
     FIRST,
-    GAP,
-    HEIGHT,
+    IS_REST,
     PLANE,
     POINT,
     SEGMENTS,
     SHARED,
-    SIDE_FROM,
-    SIDE_TO,
     START,
     STOP,
     TIP_PLANE,
+    TIPS,
     Region,
+    status_of,
     vector_at,
 )
 from lutgen.vector import Floats, Vector, cross, dot, length, scale, subtract, unit
@@ -155,43 +154,29 @@ def find_axes(region: Region, wrench: Floats, axes: Axes) -> None:
 
 
 @njit()
-def rest(
-    region: Region, edge_plane: Floats, force: Vector, first: int, least_cosine: float
-) -> tuple[int, bool]:
+def rest(region: Region, edge_plane: Floats, force: Vector, first: int) -> tuple[int, bool]:
     """Return the facet on which the robot comes to rest under a resultant, and whether it does.
 
     Begins on facet `first`.  L of its edges tells where the zero-moment point is: beyond an edge
-    that another facet shares, that facet is next, for which L of the edge is the opposite; beyond
-    a gap's edge and between its sides the robot rocks; beyond any other edge it tips.  Going round
-    a corner for ever, which only a twist makes possible, is no tipping.  The sides of gaps do
-    without the moment: with one the verdict is not this one.
+    that another rest shares, that one is next, for which L of the edge is the opposite; beyond any
+    other edge the robot rocks if the force points into a tile, and tips if not.  Going round
+    a corner for ever, which only a twist makes possible, is no tipping.  Tiles do without the
+    moment: with one the verdict is not this one.
     """
     k = first
-    facet, edge, link = region.facet, region.edge, region.link
+    edge, link = region.edge, region.link
     for _ in range(region.tally[FACETS] + 1):
         beyond = -1
-        tips = False
+        outside = region.span[k, IS_REST] == 0
         for e in range(region.span[k, FIRST], region.span[k + 1, FIRST]):
             lever = dot(vector_at(edge, e, EDGE_PLANE), force) + edge_plane[e, MOMENT]
             if link[e, EDGE_KIND] == SHARED:
                 if lever < -1e-12:
-                    other = link[e, ACROSS]
-                    cosine = dot(vector_at(facet, k, PLANE), vector_at(facet, other, PLANE))
-                    cosine *= facet[k, HEIGHT] * facet[other, HEIGHT]
-                    if cosine < least_cosine:
-                        tips = True
-                    else:
-                        beyond = other
+                    beyond = link[e, ACROSS]
             elif lever < 0.0:
-                if (
-                    link[e, EDGE_KIND] == GAP
-                    and dot(vector_at(edge, e, SIDE_FROM), force) >= 0.0
-                    and dot(vector_at(edge, e, SIDE_TO), force) >= 0.0
-                ):
-                    return k, True
-                tips = True
-        if tips:
-            return k, False
+                outside = True
+        if outside:
+            return k, status_of(region, k, force) != TIPS
         if beyond < 0:
             return k, True
         k = beyond

@@ -5,6 +5,7 @@ stability factor to where the robot tips, because a table's nodes there must hol
 and a search that starts there must find its way out.
 """
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -82,8 +83,7 @@ def measure_some(
                 if wrench is None:
                     measure(region, g, wanted, values)
                 else:
-                    least_cosine = acceptance.least_cosine
-                    measure_loaded(region, axes, wrench[posture], least_cosine, g, wanted, values)
+                    measure_loaded(region, axes, wrench[posture], g, wanted, values)
                 for c in range(len(CHANNELS)):
                     if wanted[c]:
                         out[places[c], posture, first + d] = values[c]
@@ -120,9 +120,9 @@ def measure_postures(
     # No row that nobody wants: memory that is touched first takes longer than what fills it.
     out = np.empty((len(names), len(primitives), gravity_dir.shape[1]))
     stretches = -(-gravity_dir.shape[1] // STRETCH)
-    # A limit that is none is below every cosine.
-    limits = setting.acceptance.steepest, setting.acceptance.least_cosine
-    a_posture = IN_BLOCKS if wrench is None and max(limits) < -1.0 else OTHERWISE
+    # A limit that is none is below every cosine, and above every angle.
+    free = setting.acceptance.steepest < -1.0 and setting.acceptance.rock_angle == math.inf
+    a_posture = IN_BLOCKS if wrench is None and free else OTHERWISE
     least = max(POSTURES_A_THREAD // (1 + min(gravity_dir.shape[1], STRETCH) // a_posture), 1)
     arguments = (primitives, wrench, np.ascontiguousarray(gravity_dir), setting, out)
     overflow = in_threads(measure_some, len(primitives) * stretches, *arguments, least=least)

@@ -16,7 +16,7 @@ from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 from lutgen.quantities import CHANNELS
 from lutgen.recipe import Postures, Recipe, forward, radii_and_kinds
-from lutgen.support import MAX_PRIMITIVES, acceptance, pack
+from lutgen.support import MAX_PRIMITIVES, Acceptance, acceptance, pack
 from lutgen.vector import Floats
 
 
@@ -48,15 +48,15 @@ def measure_primitives(
     primitives: Floats,
     gravity_dir: ArrayLike,
     channels: Sequence[str],
-    upright: float | None,
-    rock_angle: float | None,
+    limits: Acceptance,
 ) -> dict[str, NDArray[np.float64]]:
     """Return the channels of m postures of any primitives; parameters and result as `stability`.
 
-    `primitives` (m, n, 8) float64 are rows of `primitive.pack`, relative to the com.
+    `primitives` (m, n, 8) float64 are rows of `primitive.pack`, relative to the com; `limits` are
+    of `support.acceptance`.
     """
     directions = checked_directions(gravity_dir)[None]
-    setting = Setting(acceptance(upright, rock_angle), wanted_channels(channels))
+    setting = Setting(limits, wanted_channels(channels))
     values, overflow = measure_postures(primitives, None, directions, setting)
     refuse_overflow("contacts", overflow, *primitives.shape[:2])
     return {name: values[CHANNELS.index(name)] for name in channels}
@@ -68,6 +68,8 @@ def stability(
     channels: Sequence[str] = ("sdg", "tip_angle"),
     upright: float | None = None,
     rock_angle: float | None = None,
+    rest_width: float | None = None,
+    contact_tolerance: float | None = None,
 ) -> dict[str, NDArray[np.float64]]:
     """Return the stability of m sets of point contacts under g gravity directions.
 
@@ -81,6 +83,9 @@ def stability(
         Names from `CHANNELS`.
     upright, rock_angle : float, optional
         Limits in rad (see the conventions); None for no limit.
+    rest_width, contact_tolerance : float, optional
+        How wide a facet must be for the robot to stand on it, and how near to its plane a contact
+        counts to its support polygon, in the contacts' unit; None for 0.
 
     Returns
     -------
@@ -121,7 +126,8 @@ def stability(
     if not np.isfinite(points).all():
         raise InputError("contacts must be finite numbers (got NaN or infinity)")
     primitives = pack(points, np.zeros_like(points), 0.0, 0)
-    return measure_primitives(primitives, gravity_dir, channels, upright, rock_angle)
+    limits = acceptance(upright, rock_angle, 0.0, rest_width, contact_tolerance)
+    return measure_primitives(primitives, gravity_dir, channels, limits)
 
 
 def evaluate(

@@ -45,8 +45,9 @@ from lutgen.support import (
     SEGMENTS,
     START,
     STOP,
+    TIPS,
     Region,
-    is_standing,
+    status_of,
     supporting_facet,
     vector_at,
 )
@@ -216,7 +217,7 @@ def _lowest_edge_plane(region: Region, edge_plane: Floats, k: int, g: Vector) ->
 
 @njit()
 def loaded_verdict(
-    region: Region, axes: Axes, wrench: Floats, least_cosine: float, g: Vector
+    region: Region, axes: Axes, wrench: Floats, g: Vector
 ) -> tuple[int, bool, float]:
     """Return the facet that carries, whether the robot stands, and its tip angle (rad).
 
@@ -233,10 +234,10 @@ def loaded_verdict(
         k = pierced_first(region, force, mu)
         standing = k >= 0
         if standing:
-            k, standing = rest(region, axes.edge_plane, force, k, least_cosine)
+            k, standing = rest(region, axes.edge_plane, force, k)
     else:
         k = supporting_facet(region.facet, count[FACETS], g)
-        standing = is_standing(region.span, region.edge, region.link, k, g)
+        standing = status_of(region, k, g) != TIPS
     whole = counts_whole(convex, wrench)
     angle = math.pi if standing or whole else -math.pi
     for b in range(count[SEGMENTS]):
@@ -258,7 +259,6 @@ def measure_loaded(
     region: Region,
     axes: Axes,
     wrench: Floats,
-    least_cosine: float,
     g: Vector,
     wanted: Bools,
     out: Floats,
@@ -268,7 +268,7 @@ def measure_loaded(
     All wanted channels but margin are computed always; energy_margin is NaN.
     """
     count, segment = region.tally, region.segment
-    k, standing, angle = loaded_verdict(region, axes, wrench, least_cosine, g)
+    k, standing, angle = loaded_verdict(region, axes, wrench, g)
     out[: len(CHANNELS)] = math.nan
     out[2] = angle
     out[5] = -1.0

@@ -27,9 +27,10 @@ from lutgen.support import (
     START,
     STOP,
     TIP_PLANE,
+    TIPS,
     Acceptance,
     Region,
-    is_standing,
+    status_of,
     supporting_facet,
     vector_at,
 )
@@ -109,7 +110,7 @@ def measure(region: Region, g: Vector, wanted: Bools, out: Floats) -> None:
         for b in range(count[SEGMENTS]):
             standing = standing and dot(vector_at(segment, b, TIP_PLANE), g) >= 0.0
     else:
-        standing = is_standing(region.span, region.edge, region.link, k, g)
+        standing = status_of(region, k, g) != TIPS
     out[0] = out[1] = math.nan
     out[5] = -1.0
     if standing:

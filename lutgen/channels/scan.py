@@ -22,6 +22,7 @@ from lutgen.jit import in_threads, njit
 from lutgen.quantities import CHANNELS
 from lutgen.recipe import Recipe, forward, radii_and_kinds
 from lutgen.support import (
+    BLURRED,
     CONVEX,
     FACETS,
     GAPS,
@@ -134,7 +135,7 @@ def scan_part(
         at += held
         inverse = chart.inverse[first_row * nodes : (first_row + held) * nodes]
         rows = Rows(chart.basis[face], coords, nodes, first_row, held, inverse)
-        simple = in_rows and region.tally[GAPS] == 0
+        simple = in_rows and region.tally[GAPS] + region.tally[BLURRED] == 0
         if not simple or chart.basis.shape[0] * nodes * nodes < FEW_DIRECTIONS:
             _each_node(region, rows, wanted, values, out[:, place])
             continue

@@ -11,8 +11,12 @@ from numpy.typing import NDArray
 from lutgen.channels.axes import MU, PHI, RHO
 from lutgen.chart import STANDARD_GRAVITY
 from lutgen.errors import InputError
-from lutgen.recipe import Postures, Recipe
+from lutgen.recipe import Postures, Recipe, robot_size_of
 from lutgen.support import Acceptance, acceptance
+
+# Parts of the robot's size: the least width of a rest, and how near to a facet's plane a contact
+# counts to its support polygon (see docs/reference/conventions.md).
+REST_WIDTH, TOLERANCE = 0.01, 1e-4
 
 
 def wrenches(recipe: Recipe, postures: Postures) -> NDArray[np.float64]:
@@ -48,8 +52,14 @@ def acceptance_of(recipe: Recipe, tighter: float = 0.0) -> Acceptance:
 
     `tighter` (rad) is taken from `upright` and from `rock_angle`.
     """
-    upright, rock_angle = recipe.upright - tighter, recipe.rock_angle - tighter
-    return acceptance(upright, rock_angle, recipe.com_uncertainty)
+    size = robot_size_of(recipe)
+    return acceptance(
+        recipe.upright - tighter,
+        max(recipe.rock_angle - tighter, 0.0),
+        recipe.com_uncertainty,
+        REST_WIDTH * size if recipe.rest_width is None else recipe.rest_width,
+        TOLERANCE * size if recipe.contact_tolerance is None else recipe.contact_tolerance,
+    )
 
 
 def refuse_forces(recipe: Recipe, what: str) -> None:

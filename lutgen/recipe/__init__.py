@@ -1,7 +1,7 @@
 """Text into a recipe, and a recipe into postures.
 
 In reading order: `table`, `robot`, `loads`, `plugin`, `described`, `recipe`, `kinematics`,
-`candidates`, `proposal_text`, `proposal`.
+`size`, `candidates`, `proposal_text`, `proposal`.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from lutgen.recipe.kinematics import Postures, forward, postures, radii_and_kinds
 from lutgen.recipe.recipe import Recipe, load_recipe, parse_recipe, recipe_digest
 from lutgen.recipe.robot import LENGTH_UNITS
+from lutgen.recipe.size import robot_size_of
 from lutgen.recipe.table import parse_table, read_text
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ __all__ = [
     "radii_and_kinds",
     "read_text",
     "recipe_digest",
+    "robot_size_of",
 ]
 
 

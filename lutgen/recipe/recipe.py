@@ -31,7 +31,8 @@ from lutgen.recipe.robot import (
 from lutgen.recipe.table import Table, parse_table, read_text
 
 ROBOT_KEYS = (
-    *("name", "length_unit", "friction", "upright", "rock_angle", "python", "urdf"),
+    *("name", "length_unit", "friction", "upright", "rock_angle", "rest_width"),
+    *("contact_tolerance", "python", "urdf"),
     *("parameter", "link", "contact", "wheel", "payload", "force", "com_uncertainty"),
 )
 
@@ -52,6 +53,7 @@ class Recipe:
     that function.  `text` is the TOML itself and `source` its file name for messages.
     `urdf` is the content of the robot description that the recipe names.
     Payloads are links; `com_uncertainty` is the radius of the ball in which the com lies.
+    `rest_width` and `contact_tolerance` are None where the recipe leaves them to the size.
     """
 
     name: str
@@ -74,6 +76,8 @@ class Recipe:
     urdf: str | None = field(default=None, repr=False)
     forces: tuple[Force, ...] = ()
     com_uncertainty: float = 0.0
+    rest_width: float | None = None
+    contact_tolerance: float | None = None
 
     def __hash__(self) -> int:
         # Of the text alone: the robot is looked up by its recipe in every evaluation.
@@ -159,12 +163,14 @@ def parse_recipe(
     friction = robot.number("friction", "write a number above 0") if "friction" in robot else None
     if friction is not None and friction <= 0.0:
         robot.fail("friction", "must be above 0", friction, "leave it out if it is not known")
-    upright = robot.number("upright", "write an angle in deg", 90.0)
+    upright = robot.number("upright", "write an angle in deg", 80.0)
     if not 0.0 < upright <= 180.0:
-        robot.fail("upright", "must lie in (0, 180] deg", upright, "use 90, or 180 for no limit")
+        robot.fail("upright", "must lie in (0, 180] deg", upright, "use 80, or 180 for no limit")
     rock_angle = robot.number("rock_angle", "write an angle in deg", 30.0)
     if not 0.0 <= rock_angle <= 180.0:
         robot.fail("rock_angle", "must lie in [0, 180] deg", rock_angle, "30 is the default")
+    rest_width = _read_length(robot, "rest_width", "leave it out for 1 % of the size")
+    tolerance = _read_length(robot, "contact_tolerance", "leave it out for 1e-4 of the size")
     parameters = read_parameters(robot, length_unit)
     python = robot.string("python", "write module:function") if "python" in robot else None
     sweep = root.table("sweep", ("samples", "gravity", "channels"), "add a [sweep] table")
@@ -219,6 +225,8 @@ def parse_recipe(
         content,
         forces,
         com_uncertainty,
+        rest_width,
+        tolerance,
     )
     undefined = [name for name in UNLOADED if name in channels]
     if recipe.loaded and undefined:
@@ -229,6 +237,16 @@ def parse_recipe(
             "leave it out",
         )
     return recipe
+
+
+def _read_length(robot: Table, key: str, way_out: str) -> float | None:
+    """Read a length of [robot] that may be left out."""
+    if key not in robot:
+        return None
+    value = robot.number(key, way_out)
+    if value < 0.0:
+        robot.fail(key, "must not be negative", value, way_out)
+    return value
 
 
 def _read_grid(sweep: Table, parameters: tuple[Parameter, ...]) -> Grid:

@@ -1,18 +1,9 @@
 """One posture into its support facets and its standing region.
 
-In reading order: `primitive`, `polygon`, `hull`, `rounds`, `region`, `boundary`.
+In reading order: `primitive`, `polygon`, `table`, `hull`, `rails`, `rounds`, `unite`, `arc`,
+`catch`, `region`, `rest`, `tiles`, `boundary`, `search`.
 """
 
-from lutgen.support.boundary import stand
-from lutgen.support.hull import (
-    FIRST,
-    MASK,
-    MAX_PRIMITIVES,
-    RELATIVE_TOLERANCE,
-    VERTEX,
-    facet_table,
-    robot_size,
-)
 from lutgen.support.polygon import area_centroid, convex_polygon
 from lutgen.support.primitive import (
     DISC,
@@ -26,38 +17,50 @@ from lutgen.support.primitive import (
 )
 from lutgen.support.region import (
     ACROSS,
+    BLURRED,
     CENTROID,
     CONVEX,
     EDGE_KIND,
     EDGE_PLANE,
     FACETS,
     FIRST_AXIS,
-    GAP,
     GAPS,
     HEIGHT,
+    IS_REST,
     PLANE,
     POINT,
     SECOND_AXIS,
     SEGMENTS,
     SHARED,
-    SIDE_FROM,
-    SIDE_TO,
     SOURCE,
+    STANDS,
     START,
     STOP,
     TIP,
     TIP_PLANE,
+    TIPS,
     Acceptance,
     Region,
     acceptance,
     empty_region,
-    is_standing,
+    status_of,
     supporting_facet,
     vector_at,
+)
+from lutgen.support.search import stand
+from lutgen.support.table import (
+    FIRST,
+    MASK,
+    MAX_PRIMITIVES,
+    RELATIVE_TOLERANCE,
+    VERTEX,
+    facet_table,
+    robot_size,
 )
 
 __all__ = [
     "ACROSS",
+    "BLURRED",
     "CENTROID",
     "CONVEX",
     "DISC",
@@ -67,9 +70,9 @@ __all__ = [
     "FACE_ANGLE",
     "FIRST",
     "FIRST_AXIS",
-    "GAP",
     "GAPS",
     "HEIGHT",
+    "IS_REST",
     "KIND",
     "MASK",
     "MAX_PRIMITIVES",
@@ -80,13 +83,13 @@ __all__ = [
     "SECOND_AXIS",
     "SEGMENTS",
     "SHARED",
-    "SIDE_FROM",
-    "SIDE_TO",
     "SOURCE",
     "SPHERE",
+    "STANDS",
     "START",
     "STOP",
     "TIP",
+    "TIPS",
     "TIP_PLANE",
     "VERTEX",
     "Acceptance",
@@ -96,10 +99,10 @@ __all__ = [
     "convex_polygon",
     "empty_region",
     "facet_table",
-    "is_standing",
     "pack",
     "robot_size",
     "stand",
+    "status_of",
     "support_contact",
     "support_height",
     "supporting_facet",

@@ -1,106 +1,87 @@
-"""From facets to the standing region: which are accepted, where the robot rocks, where it tips.
+"""From facets to the standing region: rests, gaps, tiles, and where the robot tips over.
 
-Owns the choice of facets (`upright`), the gaps between them (`rock_angle`) and the list of boundary
-segments of a `Region`.
+Owns the assembly of a `Region`.
 """
 
 import math
 
+import numpy as np
+
 from lutgen.jit import njit
-from lutgen.support.hull import (
-    FIRST,
-    MASK,
-    NEIGHBOUR,
-    PLACE,
-    RELATIVE_TOLERANCE,
-    VERTEX,
-    FacetTable,
-    matching_corner,
-    robot_size,
-)
-from lutgen.support.polygon import area_centroid
+from lutgen.support.arc import angle_between, arc_normal
+from lutgen.support.catch import HIGH, LOW, REFUSED, REST, STAGE, find_gaps
+from lutgen.support.primitive import DISC, KIND, RADIUS, support_contact
 from lutgen.support.region import (
     ACROSS,
+    BLURRED,
     CENTROID,
     CONVEX,
     EDGE_KIND,
     EDGE_PLANE,
     FACETS,
     FIRST_AXIS,
-    GAP,
     GAPS,
     HEIGHT,
+    IS_REST,
     PLANE,
     POINT,
     SECOND_AXIS,
     SEGMENTS,
     SHARED,
-    SIDE_FROM,
-    SIDE_TO,
     SOURCE,
-    START,
-    STOP,
+    TILES,
     TIP,
     TIP_PLANE,
     Acceptance,
     Region,
     vector_at,
 )
-from lutgen.support.rounds import find_facets
+from lutgen.support.rest import find_rests
+from lutgen.support.table import (
+    BACK,
+    FIRST,
+    FOUND,
+    MASK,
+    NEIGHBOUR,
+    PLACE,
+    RELATIVE_TOLERANCE,
+    VERTEX,
+    FacetTable,
+    corner_after,
+    put,
+)
+from lutgen.support.tiles import (
+    MOST_LOST,
+    MOST_PIECES,
+    ROUNDING,
+    add_segment,
+    add_strip,
+    add_wall,
+    between,
+)
 from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, scale, subtract, unit
 
-
-@njit(inline=True)
-def _put(array: Floats, index: int, column: int, vector: Vector) -> None:
-    array[index, column] = vector[0]
-    array[index, column + 1] = vector[1]
-    array[index, column + 2] = vector[2]
-
-
-@njit(inline=True)
-def _is_accepted(facet: Floats, f: int, accept: Acceptance) -> bool:
-    return f >= 0 and facet[f, 3] > accept.least_height and -facet[f, 2] > accept.steepest
-
-
-@njit(inline=True)
-def _rocks_onto(facet: Floats, link: Ints, f: int, at: int, accept: Acceptance) -> int:
-    """Return the facet onto which the robot rocks over an edge of facet f, or -1."""
-    other = link[at, NEIGHBOUR]
-    if (
-        other == f
-        or not _is_accepted(facet, other, accept)
-        or dot(row(facet, f), row(facet, other)) < accept.least_cosine
-    ):
-        return -1
-    return int(other)
-
-
-@njit(inline=True)
-def _after(span: Ints, f: int, at: int) -> int:
-    """Return the next corner of facet f, counter-clockwise."""
-    return at + 1 if at + 1 < span[f + 1, FIRST] else span[f, FIRST]
-
-
-@njit(inline=True)
-def _before(span: Ints, f: int, at: int) -> int:
-    """Return the previous corner of facet f, counter-clockwise."""
-    return at - 1 if at > span[f, FIRST] else span[f + 1, FIRST] - 1
+# Where two rests are nearer than this (rad) to one plane, which of the two a ray pierces first is
+# not to be told by their planes, as `raster` does where there are no gaps.
+ONE_PLANE = 1e-5
+# Cuts of one strip, at the ends of strips on the other side of a rim.
+CUTS = 8
 
 
 @njit()
 def _enter_facets(
-    count: Ints,
+    facets: int,
     facet: Floats,
     span: Ints,
-    corner: Floats,
+    kind: Ints,
+    middle: Floats,
     entered: Floats,
     first: Ints,
-    accept: Acceptance,
 ) -> int:
     """Enter the accepted facets in canonical order; return their number."""
     accepted = 0
-    for f in range(count[0]):
-        if _is_accepted(facet, f, accept):
+    for f in range(facets):
+        if kind[f] != REFUSED:
             place = accepted
             while place > 0 and span[first[place - 1, SOURCE], MASK] > span[f, MASK]:
                 first[place, SOURCE] = first[place - 1, SOURCE]
@@ -110,109 +91,20 @@ def _enter_facets(
     for k in range(accepted):
         f = first[k, SOURCE]
         span[f, PLACE] = k
+        first[k, IS_REST] = 1 if kind[f] == REST else 0
         normal = row(facet, f)
         plane = scale(normal, 1.0 / facet[f, 3])
-        centroid = area_centroid(corner, span[f, FIRST], span[f + 1, FIRST])
+        centroid = row(middle, f)
         # In-plane axes: the body's x as seen in the plane (its y where x is the normal).
         across = (1.0, 0.0, 0.0) if abs(normal[0]) < 0.9 else (0.0, 1.0, 0.0)
         e1 = unit(subtract(across, scale(normal, dot(across, normal))))
         e2 = cross(normal, e1)
-        _put(entered, k, PLANE, plane)
-        _put(entered, k, FIRST_AXIS, subtract(e1, scale(plane, dot(e1, centroid))))
-        _put(entered, k, SECOND_AXIS, subtract(e2, scale(plane, dot(e2, centroid))))
-        _put(entered, k, CENTROID, centroid)
+        put(entered, k, PLANE, plane)
+        put(entered, k, FIRST_AXIS, subtract(e1, scale(plane, dot(e1, centroid))))
+        put(entered, k, SECOND_AXIS, subtract(e2, scale(plane, dot(e2, centroid))))
+        put(entered, k, CENTROID, centroid)
         entered[k, HEIGHT] = facet[f, 3]
     return accepted
-
-
-@njit()
-def _surrounded(
-    facet: Floats, span: Ints, link: Ints, f: int, at: int, forward: bool, accept: Acceptance
-) -> bool:
-    """Tell whether the facets around one primitive close into a ring over which the robot rocks.
-
-    Starts by crossing the edge of f that begins at corner `at`; goes round the primitive at its
-    beginning (`forward` false) or at its end (`forward` true).
-    """
-    here, edge = f, at
-    for _ in range(facet.shape[0]):
-        other = _rocks_onto(facet, link, here, edge, accept)
-        if other < 0:
-            return False
-        if other == f:
-            return True
-        back = matching_corner(span, link, here, edge, other)
-        if back < 0:
-            return False
-        # `back` runs from the far primitive to the near one: the next edge round the primitive
-        # at our beginning starts where it ends, the one round our end ends where it starts.
-        edge = _before(span, other, back) if forward else _after(span, other, back)
-        here = other
-    return False
-
-
-@njit(inline=True)
-def _add_segment(
-    tally: Ints,
-    segment: Floats,
-    contacts: Ints,
-    start: Vector,
-    stop: Vector,
-    inward: Vector,
-    i: int,
-    j: int,
-) -> None:
-    """Append a boundary segment; the direction `inward` is on the inner side of its plane."""
-    normal = cross(start, stop)
-    size = length(normal)
-    if size > 0.0:
-        b = tally[SEGMENTS]
-        if dot(normal, inward) < 0.0:
-            start, stop = stop, start
-            size = -size
-        _put(segment, b, START, start)
-        _put(segment, b, STOP, stop)
-        _put(segment, b, TIP_PLANE, scale(normal, 1.0 / size))
-        contacts[b, 0] = i
-        contacts[b, 1] = j
-        tally[SEGMENTS] = b + 1
-
-
-@njit()
-def _enter_gap(
-    facet: Floats,
-    span: Ints,
-    corner: Floats,
-    link: Ints,
-    f: int,
-    at: int,
-    e: int,
-    tally: Ints,
-    edge: Floats,
-    segment: Floats,
-    contacts: Ints,
-    accept: Acceptance,
-    tolerance: float,
-) -> None:
-    """Enter the two sides of the gap beyond edge `e`, where they are boundary."""
-    following = _after(span, f, at)
-    other = link[at, NEIGHBOUR]
-    back = matching_corner(span, link, f, at, other)
-    p, q = row(corner, at), row(corner, following)
-    q_far, p_far = row(corner, back), row(corner, _after(span, other, back))
-    for end in range(2):
-        near, far, opposite = (p, p_far, q) if end == 0 else (q, q_far, p)
-        side = (0.0, 0.0, 0.0)
-        if length(subtract(near, far)) > tolerance and not _surrounded(
-            facet, span, link, f, at, end == 1, accept
-        ):
-            side = unit(cross(near, far))
-            side = scale(side, math.copysign(1.0, dot(side, opposite)))
-            # Each gap is entered from both its facets; its sides are boundary once.
-            if f < other:
-                i = link[at if end == 0 else following, VERTEX]
-                _add_segment(tally, segment, contacts, near, far, opposite, i, i)
-        _put(edge, e, SIDE_FROM if end == 0 else SIDE_TO, side)
 
 
 @njit()
@@ -228,8 +120,248 @@ def _is_convex(segment: Floats, segments: int, edge: Floats, edges: int) -> bool
     return True
 
 
+@njit()
+def _add_edge(
+    tally: Ints,
+    segment: Floats,
+    contacts: Ints,
+    p: Vector,
+    q: Vector,
+    inward: Vector,
+    part: tuple[float, float],
+    pair: tuple[int, int],
+) -> None:
+    """Append what a gap leaves of an edge from p to q as boundary: all but [low, high] of it."""
+    low, high = part
+    i, j = pair
+    if low >= high:
+        add_segment(tally, segment, contacts, p, q, inward, i, j)
+        return
+    if low > 0.0:
+        add_segment(tally, segment, contacts, p, between(p, q, low), inward, i, j)
+    if high < 1.0:
+        add_segment(tally, segment, contacts, between(p, q, high), q, inward, i, j)
+
+
+@njit()
+def _add_stage(
+    span: Ints,
+    corner: Floats,
+    link: Ints,
+    gap: Floats,
+    f: int,
+    tally: Ints,
+    segment: Floats,
+    contacts: Ints,
+    tile: Ints,
+    wall: Floats,
+) -> None:
+    """Append a stage as a tile: the polygon of those parts of its edges that gaps hold."""
+    begin, end = span[f, FIRST], span[f + 1, FIRST]
+    x = y = z = 0.0
+    edges = 0
+    for at in range(begin, end):
+        if gap[at, LOW] < gap[at, HIGH]:
+            edges += 1
+            p, q = row(corner, at), row(corner, corner_after(span, f, at))
+            half = between(p, q, 0.5 * (gap[at, LOW] + gap[at, HIGH]))
+            x, y, z = x + half[0], y + half[1], z + half[2]
+    if edges < 2 or tally[TILES] + 1 >= tile.shape[0]:
+        return
+    middle = (x / edges, y / edges, z / edges)
+    w = tile[tally[TILES]]
+    for at in range(begin, end):
+        if not gap[at, LOW] < gap[at, HIGH] or w + 2 > wall.shape[0]:
+            continue
+        following = corner_after(span, f, at)
+        p, q = row(corner, at), row(corner, following)
+        here, there = between(p, q, gap[at, LOW]), between(p, q, gap[at, HIGH])
+        w = add_wall(wall, w, here, there, middle, ROUNDING)
+        ahead = following
+        while not gap[ahead, LOW] < gap[ahead, HIGH]:
+            ahead = corner_after(span, f, ahead)
+        beyond = between(
+            row(corner, ahead), row(corner, corner_after(span, f, ahead)), gap[ahead, LOW]
+        )
+        if ahead == following and gap[at, HIGH] == 1.0 and gap[ahead, LOW] == 0.0:
+            continue
+        w = add_wall(wall, w, there, beyond, middle, 0.0)
+        i, j = link[following, VERTEX], link[ahead, VERTEX]
+        add_segment(tally, segment, contacts, there, beyond, middle, i, j)
+    tally[TILES] += 1
+    tile[tally[TILES]] = w
+
+
 @njit(inline=True)
-def find_region(region: Region, table: FacetTable, acceptance: Acceptance, size: float) -> None:
+def _ahead(primitives: Floats, m: int, normal: Vector, reference: Vector) -> float:
+    """Return how far (sine) the contact of disc m at a normal is ahead of a direction on its rim."""
+    axle = (primitives[m, 3], primitives[m, 4], primitives[m, 5])
+    arm = subtract(support_contact(primitives, m, normal), row(primitives, m))
+    return float(dot(cross(reference, arm), axle) / primitives[m, RADIUS])
+
+
+@njit(inline=True)
+def _side(primitives: Floats, m: int, opposite: int, normal: Vector) -> float:
+    """Return on which side of disc m its strip with another primitive lies: -1 or 1."""
+    axle = (primitives[m, 3], primitives[m, 4], primitives[m, 5])
+    away = subtract(
+        support_contact(primitives, opposite, normal), support_contact(primitives, m, normal)
+    )
+    return math.copysign(1.0, dot(axle, away))
+
+
+@njit()
+def _fraction_at(
+    primitives: Floats, i: int, j: int, begin: Vector, end: Vector, m: int, reference: Vector
+) -> float:
+    """Return the fraction of an arc at which the contact of disc m has a direction on its rim.
+
+    Outside (0, 1) where it never has.
+    """
+    low, high = 0.0, 1.0
+    under, over = _ahead(primitives, m, begin, reference), _ahead(primitives, m, end, reference)
+    if under * over >= 0.0:
+        return -1.0
+    part = 0.0
+    for _ in range(60):
+        part = low - under * (high - low) / (over - under)
+        value = _ahead(primitives, m, arc_normal(primitives, i, j, begin, end, part), reference)
+        if abs(value) < 1e-13 or high - low < 1e-14:
+            break
+        # Illinois: the end that stays counts half.
+        if (value > 0.0) == (over > 0.0):
+            high, over = part, value
+            under *= 0.5
+        else:
+            low, under = part, value
+            over *= 0.5
+    return part
+
+
+@njit(inline=True)
+def _free_side(gap: Floats, at: int, end: int) -> bool:
+    """Tell whether a gap reaches to the rim at this end of its edge."""
+    return bool(gap[at, HIGH] == 1.0) if end == 1 else bool(gap[at, LOW] == 0.0)
+
+
+@njit()
+def _covered(
+    primitives: Floats,
+    facet: Floats,
+    span: Ints,
+    link: Ints,
+    gap: Floats,
+    strips: Ints,
+    count: int,
+    own: int,
+    m: int,
+    opposite: int,
+    normal: Vector,
+    rock_angle: float,
+) -> bool:
+    """Tell whether a strip on the other side of disc m holds where the contact is at `normal`."""
+    if primitives[m, KIND] != DISC:
+        return False
+    reference = unit(subtract(support_contact(primitives, m, normal), row(primitives, m)))
+    side = _side(primitives, m, opposite, normal)
+    for s in range(count):
+        f, at = strips[s, 0], strips[s, 1]
+        other = link[at, NEIGHBOUR]
+        following = corner_after(span, f, at)
+        i, j = link[at, VERTEX], link[following, VERTEX]
+        if s == own or m not in (i, j) or not _free_side(gap, at, 0 if m == i else 1):
+            continue
+        begin, end = row(facet, f), row(facet, other)
+        fraction = _fraction_at(primitives, i, j, begin, end, m, reference)
+        if not 0.0 <= fraction <= 1.0:
+            continue
+        there = arc_normal(primitives, i, j, begin, end, fraction)
+        if (
+            _side(primitives, m, j if m == i else i, there) != side
+            and angle_between(there, normal) <= rock_angle
+        ):
+            return True
+    return False
+
+
+@njit()
+def _add_strips(
+    primitives: Floats,
+    facet: Floats,
+    span: Ints,
+    link: Ints,
+    gap: Floats,
+    strips: Ints,
+    count: int,
+    rock_angle: float,
+    size: float,
+    region: Region,
+) -> None:
+    """Append the tiles of all gaps, and those sides of them beyond which nothing holds."""
+    tally, segment, contacts = region.tally, region.segment, region.contacts
+    tile, wall = region.tile, region.wall
+    outline, cut = np.empty((MOST_PIECES + 2, 6)), np.empty(CUTS + 2)
+    for s in range(count):
+        f, at = strips[s, 0], strips[s, 1]
+        other = link[at, NEIGHBOUR]
+        i, j = link[at, VERTEX], link[corner_after(span, f, at), VERTEX]
+        begin, end = row(facet, f), row(facet, other)
+        low, high = gap[at, LOW], gap[at, HIGH]
+        cuts = 0
+        for t in range(count):
+            g, edge = strips[t, 0], strips[t, 1]
+            pair = (link[edge, VERTEX], link[corner_after(span, g, edge), VERTEX])
+            for m in (i, j):
+                if t == s or m not in pair or primitives[m, KIND] != DISC:
+                    continue
+                for which in range(2):
+                    normal = row(facet, g if which == 0 else link[edge, NEIGHBOUR])
+                    rim = unit(subtract(support_contact(primitives, m, normal), row(primitives, m)))
+                    there = _fraction_at(primitives, i, j, begin, end, m, rim)
+                    if 1e-9 < there < 1.0 - 1e-9 and cuts < CUTS:
+                        place = cuts
+                        while place > 0 and cut[place - 1] > there:
+                            cut[place] = cut[place - 1]
+                            place -= 1
+                        cut[place] = there
+                        cuts += 1
+        cut[cuts] = 1.0
+        start, before = begin, 0.0
+        for c in range(cuts + 1):
+            if cut[c] - before < 1e-9:
+                continue
+            stop = end if c == cuts else arc_normal(primitives, i, j, begin, end, cut[c])
+            half = arc_normal(primitives, i, j, begin, end, 0.5 * (before + cut[c]))
+            goes_on_i = low == 0.0 and _covered(
+                *(primitives, facet, span, link, gap, strips, count, s, i, j, half, rock_angle)
+            )
+            goes_on_j = high == 1.0 and _covered(
+                *(primitives, facet, span, link, gap, strips, count, s, j, i, half, rock_angle)
+            )
+            least = min(
+                length(support_contact(primitives, i, half)),
+                length(support_contact(primitives, j, half)),
+            )
+            slack = 2.5 * MOST_LOST * size / least
+            strip = (low, high, slack if goes_on_i else 0.0, slack if goes_on_j else 0.0)
+            points = add_strip(
+                primitives, i, j, start, stop, strip, size, tally, tile, wall, outline
+            )
+            for k in range(points - 1):
+                p, q = row(outline, k), (outline[k, 3], outline[k, 4], outline[k, 5])
+                r = row(outline, k + 1)
+                t = (outline[k + 1, 3], outline[k + 1, 4], outline[k + 1, 5])
+                if not goes_on_i:
+                    add_segment(tally, segment, contacts, p, r, between(q, t, 0.5), i, i)
+                if not goes_on_j:
+                    add_segment(tally, segment, contacts, q, t, between(p, r, 0.5), j, j)
+            start, before = stop, cut[c]
+
+
+@njit()
+def find_region(
+    region: Region, table: FacetTable, primitives: Floats, acceptance: Acceptance, size: float
+) -> None:
     """Fill `region` from the facets of one posture.
 
     Parameters
@@ -237,81 +369,90 @@ def find_region(region: Region, table: FacetTable, acceptance: Acceptance, size:
     region : Region
         Overwritten.
     table : FacetTable
-        As `rounds.find_facets` leaves it.
+        As `unite.unite` leaves it.
+    primitives : (n, 8) float64
+        Rows of `primitive.pack`, relative to the com.
     acceptance : Acceptance
-        Which facets count.
+        Which facets count, what a rest is and how far the robot rocks.
     size : float
-        Size of the robot, for the tolerance.
+        Size of the robot, for the tolerances (length).
     """
+    facets = table.tally[FOUND]
     facet, span, corner, link = table.facet, table.span, table.corner, table.link
     tally, first, edge, about = region.tally, region.span, region.edge, region.link
     segment, contacts = region.segment, region.contacts
     tolerance = RELATIVE_TOLERANCE * size
     accept = Acceptance(
         acceptance.steepest,
-        acceptance.least_cosine,
+        acceptance.rock_angle,
         acceptance.lowest_up,
         max(acceptance.least_height, tolerance),
+        acceptance.rest_width,
+        acceptance.contact_tolerance,
     )
-    accepted = _enter_facets(table.tally, facet, span, corner, region.facet, first, accept)
-    tally[FACETS], tally[SEGMENTS], tally[GAPS] = accepted, 0, 0
+    kind, middle = np.empty(facets, np.int64), np.empty((facets, 3))
+    find_rests(primitives, facets, facet, span, corner, accept, size, kind, middle)
+    asked = accept.rock_angle < math.inf
+    for f in range(facets):
+        # Where nobody asks how far the robot rolls, a stage is as good as a rest.
+        if kind[f] == STAGE and not asked:
+            kind[f] = REST
+    accepted = _enter_facets(facets, facet, span, kind, middle, region.facet, first)
+    tally[FACETS], tally[SEGMENTS], tally[GAPS], tally[TILES] = accepted, 0, 0, 0
+    tally[BLURRED] = 0
+    region.tile[0] = 0
     first[0, FIRST] = 0
+    gap = np.empty((span[facets, FIRST], 2))
+    if asked:
+        limits = (accept.rock_angle + 1e-12, max(0.5 * accept.rest_width, tolerance))
+        find_gaps(primitives, facets, facet, span, corner, link, kind, limits, gap)
+    else:
+        gap[:, LOW], gap[:, HIGH] = 0.0, 1.0
+    strips = np.empty((gap.shape[0], 2), np.int64)
+    count = 0
     e = 0
     for k in range(accepted):
         f = first[k, SOURCE]
+        if kind[f] == STAGE:
+            tally[GAPS] += 1
+            if asked:
+                _add_stage(
+                    *(span, corner, link, gap, f, tally, segment, contacts),
+                    *(region.tile, region.wall),
+                )
         for at in range(span[f, FIRST], span[f + 1, FIRST]):
-            following = _after(span, f, at)
+            following = corner_after(span, f, at)
             p, q = row(corner, at), row(corner, following)
             edge_plane = unit(cross(p, q))
-            _put(edge, e, POINT, p)
-            _put(edge, e, EDGE_PLANE, edge_plane)
+            put(edge, e, POINT, p)
+            put(edge, e, EDGE_PLANE, edge_plane)
             about[e, EDGE_KIND], about[e, ACROSS] = TIP, -1
-            other = link[at, NEIGHBOUR]
-            boundary = True
-            if other != f and _is_accepted(facet, other, accept):
+            other, back = link[at, NEIGHBOUR], link[at, BACK]
+            i, j = link[at, VERTEX], link[following, VERTEX]
+            part = (1.0, 0.0)
+            if other >= 0 and back >= 0 and other != f and kind[other] != REFUSED:
                 about[e, ACROSS] = span[other, PLACE]
-                boundary = dot(row(facet, f), row(facet, other)) < accept.least_cosine
-                back = matching_corner(span, link, f, at, other)
-                moved = 0.0
-                if back >= 0:
-                    moved = length(subtract(row(corner, back), q)) + length(
-                        subtract(row(corner, _after(span, other, back)), p)
-                    )
+                moved = length(subtract(row(corner, back), q)) + length(
+                    subtract(row(corner, corner_after(span, other, back)), p)
+                )
+                part = (gap[at, LOW], gap[at, HIGH])
                 if moved <= tolerance:
-                    about[e, EDGE_KIND] = SHARED
-                elif not boundary:
-                    about[e, EDGE_KIND] = GAP
+                    if kind[f] == REST and kind[other] == REST:
+                        about[e, EDGE_KIND] = SHARED
+                        if length(subtract(row(facet, f), row(facet, other))) < ONE_PLANE:
+                            tally[BLURRED] += 1
+                elif part[0] < part[1] and asked:
                     tally[GAPS] += 1
-                    _enter_gap(
-                        *(facet, span, corner, link, f, at, e),
-                        *(tally, edge, segment, contacts, accept, tolerance),
-                    )
-            if boundary:
-                i, j = link[at, VERTEX], link[following, VERTEX]
-                _add_segment(tally, segment, contacts, p, q, edge_plane, i, j)
+                    if f < other:
+                        strips[count, 0], strips[count, 1] = f, at
+                        count += 1
+            if kind[f] == REST:
+                _add_edge(tally, segment, contacts, p, q, edge_plane, part, (i, j))
             e += 1
         first[k + 1, FIRST] = e
-    tally[CONVEX] = 1 if _is_convex(segment, tally[SEGMENTS], edge, e) else 0
-
-
-@njit(inline=True)
-def stand(table: FacetTable, region: Region, primitives: Floats, acceptance: Acceptance) -> int:
-    """Find the facets and the standing region of one posture.
-
-    Parameters
-    ----------
-    table, region : FacetTable, Region
-        Overwritten; as `facet_table` and `empty_region` make them for so many primitives.
-    primitives : (n, 8) float64
-        Rows of `primitive.pack`, relative to the com.
-    acceptance : Acceptance
-        Which facets count.
-
-    Returns
-    -------
-    int
-        1 where the table was too small, which only spheres that overlap oddly do.
-    """
-    find_facets(table, primitives, acceptance.lowest_up)
-    find_region(region, table, acceptance, robot_size(primitives))
-    return int(table.tally[1])
+    if count > 0:
+        _add_strips(
+            *(primitives, facet, span, link, gap, strips, count),
+            *(accept.rock_angle, size, region),
+        )
+    tally[CONVEX] = 1 if tally[GAPS] == 0 and _is_convex(segment, tally[SEGMENTS], edge, e) else 0

@@ -6,6 +6,8 @@ robot, that is looking against the plane's outward normal.
 
 import math
 
+import numpy as np
+
 from lutgen.jit import njit
 from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, subtract
 
@@ -121,6 +123,67 @@ def _wrap(
         _swap(points, labels, last, best)
         last += 1
     return last
+
+
+@njit()
+def outline(flat: Floats, count: int, order: Ints) -> int:
+    """Find the corners of the convex polygon of points in a plane; return their number.
+
+    Parameters
+    ----------
+    flat : (k, 2) float64
+        Coordinates of the points in the plane; the first `count` rows are read.
+    count : int
+        How many points.
+    order : (2 k + 1,) int64
+        Receives the rows of the corners, counter-clockwise, from the lowest row on.
+
+    Returns
+    -------
+    int
+        Number of corners; fewer than 3 if the points are collinear or too few.
+
+    Notes
+    -----
+    Andrew's monotone chain.  It knows no tolerance: of points that are collinear but for rounding
+    some may be corners, which alters neither area, centroid nor width by more than rounding.
+    """
+    rank = np.empty(count, np.int64)
+    for i in range(count):
+        at = i
+        while at > 0:
+            before = rank[at - 1]
+            if flat[before, 0] < flat[i, 0] or (
+                flat[before, 0] == flat[i, 0] and flat[before, 1] <= flat[i, 1]
+            ):
+                break
+            rank[at] = before
+            at -= 1
+        rank[at] = i
+    end = 0
+    for half in range(2):
+        least = end + 1 if half == 1 else 2
+        for step in range(half, count):
+            i = rank[step if half == 0 else count - 1 - step]
+            while end >= least:
+                a, b = order[end - 2], order[end - 1]
+                turn = (flat[b, 0] - flat[a, 0]) * (flat[i, 1] - flat[b, 1])
+                if turn - (flat[b, 1] - flat[a, 1]) * (flat[i, 0] - flat[b, 0]) > 0.0:
+                    break
+                end -= 1
+            order[end] = i
+            end += 1
+    # The first point has come again at the end.
+    corners = end - 1
+    lowest = 0
+    for c in range(1, corners):
+        if order[c] < order[lowest]:
+            lowest = c
+    for c in range(corners):
+        order[corners + c] = order[c]
+    for c in range(corners):
+        order[c] = order[lowest + c]
+    return corners
 
 
 @njit(inline=True)

@@ -1,10 +1,16 @@
-"""Support facets of robots with spheres and discs among their contacts.
+"""Support facets of any primitives, by rolling: from one facet over each edge onto the next.
 
-Owns the search over normals.  A facet is a normal at which three support functions are equal and
-no other is larger.  With round contacts facets need not be connected, and three wheels can share
-several, so rolling from one to the next may miss some.  Instead the sphere of normals is halved
-into cells, and a cell is dropped as soon as fewer than three primitives can be lowest anywhere in
-it: the bound is that h_i - h_j changes by at most |p_i - p_j| per radian.
+Owns the general search.  On the sphere of normals each primitive is lowest in a cell; where two
+cells meet two primitives carry, along an arc, and where three meet is a facet.  The search finds
+one facet under the robot, and follows every arc from it until a third primitive touches.
+
+What lies on one plane by design differs by rounding, and a search that takes what is near for equal
+cannot be right for every noise: near is not transitive.  So every primitive is made larger by a
+length of its own, a tenth of a billionth of the size, and in the robot that this makes three
+primitives and never four touch one plane, well above rounding.  Its facets say who is whose
+neighbour; where a facet is, is solved for with the primitives as they are, and what was torn apart
+is put together again by `unite`.  Should the arcs not fit together even so, other lengths are
+tried.
 """
 
 import math
@@ -13,29 +19,35 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.jit import njit
-from lutgen.support.hull import (
+from lutgen.support.primitive import KIND, POINT, RADIUS, SPHERE, support_contact, support_height
+from lutgen.support.table import (
     FIRST,
-    MASK,
+    FOUND,
     NEIGHBOUR,
     OUTSIDE,
-    RELATIVE_TOLERANCE,
+    OVERFLOW,
+    UNKNOWN,
     VERTEX,
     FacetTable,
-    add_facet,
-    find_point_facets,
-    lowest_beyond,
-    robot_size,
+    add_triangle,
+    corner_after,
+    join,
 )
-from lutgen.support.primitive import DISC, KIND, POINT, RADIUS, support_contact, support_height
-from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, scale, subtract
+from lutgen.vector import Floats, Vector, cross, dot, length, row, scale, subtract, unit
 
+# Part of the size by which primitives are made larger.
+GROWN = 1e-10
+ATTEMPTS = 4
+# Steps along an arc (rad): between them a height is a cubic to 2e-6 of a radius.
+STEP = 0.15
+MOST_STEPS = 48
+# Part of the size to which heights are right, a thousandth of what tells primitives apart.
+LEVEL = 1e-14
+# An arc is followed until the normal is this far beyond what is asked for.
+FURTHER = 0.3
 NEWTON_STEPS = 24
-# Halvings of a cube face: at the 7th a cell spans about half a degree.  A cell in which only three
-# primitives are left is tried from the fourth on.
-DEEPEST = 7
-FIRST_TRIED = 4
-# Newton may leave a cell by this many times its radius and still be looked at.
-SEARCHED = 8.0
+# Normals nearer than this (rad) with the same three primitives are one facet.
+SAME = 1e-7
 
 
 @njit()
@@ -56,7 +68,7 @@ def common_normal(
         step = cross(subtract(q, p), subtract(r, p))
         area = length(step)
         # Written so that NaN (a disc on its face) fails too.
-        if not area > RELATIVE_TOLERANCE * size * size:
+        if not area > 1e-9 * size * size:
             return False, normal
         step = scale(step, math.copysign(1.0 / area, dot(step, normal)))
         change = length(subtract(step, normal))
@@ -69,213 +81,371 @@ def common_normal(
     return False, normal
 
 
-@njit(inline=True)
-def _cell_normal(face: int, u: float, v: float) -> Vector:
-    """Return the unit normal at (u, v) of a cube face, faces in the order -z +x -x +y -y +z."""
-    inverse = 1.0 / math.sqrt(1.0 + u * u + v * v)
-    if face == 0 or face == 5:
-        return u * inverse, v * inverse, inverse if face == 5 else -inverse
-    if face <= 2:
-        return inverse if face == 1 else -inverse, u * inverse, v * inverse
-    return u * inverse, inverse if face == 3 else -inverse, v * inverse
-
-
 @njit()
-def _furthest_apart(primitives: Floats, i: int, j: int) -> float:
-    """Bound the distance of the contact points of two primitives, whatever the normal.
-
-    Their radii point the same way, and so cancel, for two spheres or points and for two discs with
-    parallel axes.
-    """
-    centres = length(subtract(row(primitives, i), row(primitives, j)))
-    both = primitives[i, RADIUS] + primitives[j, RADIUS]
-    apart = abs(primitives[i, RADIUS] - primitives[j, RADIUS])
-    if primitives[i, KIND] != DISC and primitives[j, KIND] != DISC:
-        return float(centres + apart)
-    if primitives[i, KIND] == DISC and primitives[j, KIND] == DISC:
-        a = (primitives[i, 3], primitives[i, 4], primitives[i, 5])
-        b = (primitives[j, 3], primitives[j, 4], primitives[j, 5])
-        if length(cross(a, b)) < 1e-12:
-            return float(centres + apart)
-    return float(centres + both)
+def _on_arc(
+    primitives: Floats, i: int, j: int, start: Vector, along: Vector, angle: float
+) -> Vector:
+    """Return the normal at an angle from `start`, put back to where i and j are equally low."""
+    c, s = math.cos(angle), math.sin(angle)
+    n = (
+        c * start[0] + s * along[0],
+        c * start[1] + s * along[1],
+        c * start[2] + s * along[2],
+    )
+    if j < 0:
+        return n
+    for _ in range(8):
+        apart = subtract(support_contact(primitives, i, n), support_contact(primitives, j, n))
+        higher = dot(apart, n)
+        flat = subtract(apart, scale(n, higher))
+        size = dot(flat, flat)
+        if not size > 0.0:
+            break
+        n = unit(subtract(n, scale(flat, higher / size)))
+        if abs(higher) <= 1e-16 * math.sqrt(size):
+            break
+    return n
 
 
 @njit(inline=True)
-def _candidates(
-    primitives: Floats, spread: Floats, heights: Floats, normal: Vector, radius: float, among: int
-) -> int:
-    """Return the bit set, out of `among`, of primitives that can be lowest within `radius`.
-
-    `heights` (n,) is room to work in.
-    """
-    best = -1
-    furthest = -math.inf
-    n = primitives.shape[0]
-    for i in range(n):
-        if among >> i & 1:
-            heights[i] = support_height(primitives, i, normal)
-            if heights[i] > furthest:
-                furthest = heights[i]
-                best = i
-    kept = 0
-    for i in range(n):
-        if among >> i & 1 and furthest - heights[i] <= radius * spread[best, i]:
-            kept |= 1 << i
-    return kept
+def _over(primitives: Floats, m: int, i: int, normal: Vector) -> float:
+    """Return how much lower primitive m reaches than i."""
+    return support_height(primitives, m, normal) - support_height(primitives, i, normal)
 
 
 @njit()
-def _try_triples(
-    table: FacetTable,
+def _touches_at(
     primitives: Floats,
-    owner: Ints,
-    normal: Vector,
-    among: int,
-    radius: float,
-    size: float,
+    i: int,
+    j: int,
+    m: int,
+    start: Vector,
+    along: Vector,
+    bounds: tuple[float, float],
+    level: float,
 ) -> float:
-    """Look for facets on every three of the primitives `among`, beginning at `normal`.
+    """Return the angle within bounds at which m touches: not lower at the first, lower at the last."""
+    low, high = bounds
+    under = _over(primitives, m, i, _on_arc(primitives, i, j, start, along, low))
+    over = _over(primitives, m, i, _on_arc(primitives, i, j, start, along, high))
+    under = min(under, -0.01 * level)
+    side = 0
+    for _ in range(80):
+        if over <= 0.0 or high - low < 1e-15:
+            break
+        there = low - under * (high - low) / (over - under)
+        if not low < there < high:
+            there = 0.5 * (low + high)
+        value = _over(primitives, m, i, _on_arc(primitives, i, j, start, along, there))
+        if abs(value) < 0.01 * level:
+            return there
+        # Illinois: an end that stays counts half.
+        if value > 0.0:
+            high, over = there, value
+            if side == 1:
+                under *= 0.5
+            side = 1
+        else:
+            low, under = there, value
+            if side == -1:
+                over *= 0.5
+            side = -1
+    return high
 
-    Returns the least distance from `normal` to a facet's normal; infinity if there is none.
-    """
-    nearest = math.inf
-    count, facet, span = table.tally, table.facet, table.span
-    corner, link = table.corner, table.link
-    n = primitives.shape[0]
-    for i in range(n):
-        if not among >> i & 1:
-            continue
-        for j in range(i + 1, n):
-            if not among >> j & 1:
-                continue
-            for k in range(j + 1, n):
-                if not among >> k & 1:
-                    continue
-                three = 1 << i | 1 << j | 1 << k
-                known = False
-                for f in range(count[0]):
-                    # A facet of more than three primitives holds all triples of them.
-                    if span[f, MASK] & three == three:
-                        away = length(subtract(row(facet, f), normal))
-                        # Three wheels alone may share a second facet close by.
-                        if away <= (radius if span[f, MASK] == three else SEARCHED * radius):
-                            nearest = min(nearest, away)
-                            known = True
-                if known:
-                    continue
-                found, solved = common_normal(primitives, i, j, k, normal, SEARCHED * radius, size)
-                if not found:
-                    continue
-                height = support_height(primitives, i, solved)
-                below, mask = lowest_beyond(primitives, solved, height, RELATIVE_TOLERANCE * size)
-                if (
-                    below < 0
-                    and add_facet(
-                        *(count, facet, span, corner, link, owner, primitives),
-                        *(solved, height, mask, size),
-                    )
-                    >= 0
-                ):
-                    nearest = min(nearest, length(subtract(solved, normal)))
-    return nearest
+
+@njit(inline=True)
+def _highest_between(a: float, b: float, from_slope: float, to_slope: float) -> tuple[float, float]:
+    """Return where, in [0, 1], the cubic with these values and slopes is highest, and how high."""
+    c2 = 3.0 * (b - a) - 2.0 * from_slope - to_slope
+    c3 = 2.0 * (a - b) + from_slope + to_slope
+    # Its slope is from_slope + 2 c2 t + 3 c3 t^2, first positive and last negative.
+    root = math.sqrt(max(c2 * c2 - 3.0 * c3 * from_slope, 0.0))
+    t = from_slope / (root - c2) if root - c2 > 0.0 else 0.5
+    t = min(max(t, 0.0), 1.0)
+    return t, a + t * (from_slope + t * (c2 + t * c3))
 
 
 @njit()
-def find_round_facets(table: FacetTable, primitives: NDArray[np.float64], lowest_up: float) -> None:
+def _first_touched(
+    primitives: Floats,
+    i: int,
+    j: int,
+    third: int,
+    start: Vector,
+    along: Vector,
+    step: float,
+    level: float,
+) -> tuple[int, float]:
+    """Return the first primitive that touches within a step along an arc, and where; or (-1, step).
+
+    `third` touches at the start, and is let go.
+    """
+    n = primitives.shape[0]
+    end = _on_arc(primitives, i, j, start, along, step)
+    here, there = support_contact(primitives, i, start), support_contact(primitives, i, end)
+    onward = subtract(scale(along, math.cos(step)), scale(start, math.sin(step)))
+    onward = unit(subtract(onward, scale(end, dot(onward, end))))
+    best, nearest = -1, step
+    for m in range(n):
+        if m in (i, j):
+            continue
+        p, q = support_contact(primitives, m, start), support_contact(primitives, m, end)
+        a, b = dot(subtract(p, here), start), dot(subtract(q, there), end)
+        from_slope = dot(subtract(p, here), along) * step
+        to_slope = dot(subtract(q, there), onward) * step
+        if b > 0.0:
+            low = 0.0
+            if m == third:
+                # It sinks first: find where it has.
+                low = 0.5 * step
+                for _ in range(40):
+                    if _over(primitives, m, i, _on_arc(primitives, i, j, start, along, low)) < 0.0:
+                        break
+                    low *= 0.5
+            bounds = (low, step)
+        elif from_slope > 0.0 and to_slope < 0.0 and m != third:
+            part, height = _highest_between(a, b, from_slope, to_slope)
+            if height <= 0.0:
+                continue
+            high = part * step
+            if _over(primitives, m, i, _on_arc(primitives, i, j, start, along, high)) <= 0.0:
+                continue
+            bounds = (0.0, high)
+        else:
+            continue
+        angle = _touches_at(primitives, i, j, m, start, along, bounds, level)
+        if angle < nearest or best < 0:
+            best, nearest = m, angle
+    # Another one may be lower where the first is met: then it touches before.
+    for _ in range(n):
+        if best < 0:
+            break
+        normal = _on_arc(primitives, i, j, start, along, nearest)
+        lower, excess = -1, level
+        for m in range(n):
+            if m not in (i, j, best, third):
+                over = _over(primitives, m, i, normal)
+                if over > excess:
+                    lower, excess = m, over
+        if lower < 0:
+            break
+        best = lower
+        nearest = _touches_at(primitives, i, j, lower, start, along, (0.0, nearest), level)
+    return best, nearest
+
+
+@njit()
+def _follow(
+    primitives: Floats,
+    i: int,
+    j: int,
+    third: int,
+    start: Vector,
+    along: Vector,
+    lowest_up: float,
+    level: float,
+) -> tuple[int, Vector]:
+    """Follow the arc over i and j (over i alone where j is -1) until another primitive touches.
+
+    Returns it and the normal, or -1 where the arc leads up or all round.
+    """
+    here = start
+    for _ in range(MOST_STEPS):
+        best, angle = _first_touched(primitives, i, j, third, here, along, STEP, level)
+        there = _on_arc(primitives, i, j, here, along, angle)
+        if best >= 0:
+            return best, there
+        if there[2] > lowest_up + FURTHER:
+            break
+        third = -1
+        if j >= 0:
+            arm = subtract(
+                support_contact(primitives, j, there), support_contact(primitives, i, there)
+            )
+            ahead = cross(arm, there)
+            if not length(ahead) > 0.0:
+                break
+            along = unit(ahead)
+        else:
+            along = unit(subtract(scale(along, math.cos(angle)), scale(here, math.sin(angle))))
+        here = there
+    return -1, here
+
+
+@njit()
+def _enter(
+    table: FacetTable,
+    solved: Floats,
+    primitives: Floats,
+    normal: Vector,
+    three: tuple[int, int, int],
+    size: float,
+) -> int:
+    """Return the facet of three primitives, counter-clockwise, at a normal; a new one if need be.
+
+    `solved` (F, 3) holds the normals of the search, which are those of the enlarged primitives.
+    """
+    count, span, link = table.tally, table.span, table.link
+    for f in range(count[FOUND]):
+        at = span[f, FIRST]
+        for turn in range(3):
+            a = link[at + turn, VERTEX]
+            b, c = link[at + (turn + 1) % 3, VERTEX], link[at + (turn + 2) % 3, VERTEX]
+            if (
+                a == three[0]
+                and b == three[1]
+                and c == three[2]
+                and length(subtract(row(solved, f), normal)) < SAME
+            ):
+                return f
+    found, exact = common_normal(primitives, three[0], three[1], three[2], normal, 1e-5, size)
+    place = exact if found else normal
+    f = add_triangle(count, table.facet, span, table.corner, link, primitives, place, three)
+    if f >= 0:
+        solved[f, 0], solved[f, 1], solved[f, 2] = normal
+    return f
+
+
+@njit()
+def _seed(
+    table: FacetTable,
+    solved: Floats,
+    primitives: Floats,
+    grown: Floats,
+    normal: Vector,
+    lowest_up: float,
+    size: float,
+) -> bool:
+    """Enter a facet found from a normal: turn the plane onto a second contact, and onto a third.
+
+    Tells whether there is one that is wanted.
+    """
+    level = LEVEL * size
+    i = 0
+    for m in range(1, grown.shape[0]):
+        if _over(grown, m, i, normal) > 0.0:
+            i = m
+    across = (1.0, 0.0, 0.0) if abs(normal[0]) < 0.7 else (0.0, 1.0, 0.0)
+    along = unit(subtract(across, scale(normal, dot(across, normal))))
+    for way in range(4):
+        j, there = _follow(grown, i, -1, -1, normal, along, lowest_up, level)
+        if j >= 0:
+            for turn in range(2):
+                p, q = (i, j) if turn == 0 else (j, i)
+                arm = subtract(support_contact(grown, q, there), support_contact(grown, p, there))
+                ahead = cross(arm, there)
+                if not length(ahead) > 0.0:
+                    continue
+                k, onto = _follow(grown, p, q, -1, there, unit(ahead), lowest_up, level)
+                # One way leads up where the other leads down.
+                if k >= 0 and onto[2] <= lowest_up:
+                    return _enter(table, solved, primitives, onto, (q, p, k), size) >= 0
+        along = cross(normal, along)
+    return False
+
+
+@njit()
+def _roll_on(
+    table: FacetTable,
+    solved: Floats,
+    primitives: Floats,
+    grown: Floats,
+    first: int,
+    lowest_up: float,
+    size: float,
+) -> bool:
+    """Follow all arcs from facet `first` on; tell whether the ends of all of them agree."""
+    count, span, link = table.tally, table.span, table.link
+    agreed = True
+    f = first
+    while f < count[FOUND]:
+        normal = row(solved, f)
+        begin = span[f, FIRST]
+        for at in range(begin, begin + 3):
+            if link[at, NEIGHBOUR] != UNKNOWN:
+                continue
+            following = corner_after(span, f, at)
+            i, j = link[at, VERTEX], link[following, VERTEX]
+            third = link[corner_after(span, f, following), VERTEX]
+            link[at, NEIGHBOUR] = OUTSIDE
+            if normal[2] > lowest_up:
+                continue
+            arm = subtract(support_contact(grown, j, normal), support_contact(grown, i, normal))
+            ahead = cross(arm, normal)
+            if not length(ahead) > 0.0:
+                agreed = False
+                continue
+            m, onto = _follow(grown, i, j, third, normal, unit(ahead), lowest_up, LEVEL * size)
+            if m < 0:
+                continue
+            other = _enter(table, solved, primitives, onto, (j, i, m), size)
+            if other < 0:
+                continue
+            back = span[other, FIRST]
+            while link[back, VERTEX] != j:
+                back += 1
+            if link[back, NEIGHBOUR] >= 0 or (other == f and back == at):
+                agreed = False
+                continue
+            join(link, f, at, other, back)
+        f += 1
+    return agreed
+
+
+@njit()
+def find_round_facets(
+    table: FacetTable, primitives: NDArray[np.float64], lowest_up: float, size: float
+) -> None:
     """Fill `table` with the support facets of any primitives.
 
     Parameters
     ----------
     table : FacetTable
-        Overwritten.
+        Overwritten; every facet has three corners.
     primitives : (n, 8) float64
         Rows of `primitive.pack`, relative to the com.
     lowest_up : float
         Only facets whose normal's z is below this are wanted (more may be found).
+    size : float
+        Size of the robot (length).
     """
     n = primitives.shape[0]
-    table.tally[0] = table.tally[1] = 0
-    table.span[0, FIRST] = 0
-    size = robot_size(primitives)
-    owner = np.empty((0, 0), np.int64)
-    spread = np.empty((n, n))
-    heights = np.empty(n)
-    for i in range(n):
-        for j in range(n):
-            spread[i, j] = _furthest_apart(primitives, i, j)
-    # Depth first: each level leaves three cells behind.
-    stack = np.empty((3 * DEEPEST + 1, 4))
-    sets = np.empty(3 * DEEPEST + 1, np.int64)
-    for face in range(6):
-        stack[0, 0], stack[0, 1], stack[0, 2], stack[0, 3] = 0.0, 0.0, 1.0, 0.0
-        sets[0] = (1 << n) - 1
-        waiting = 1
-        while waiting > 0:
-            waiting -= 1
-            u, v, half, depth = stack[waiting]
-            normal = _cell_normal(face, u, v)
-            # A corner is at most this far away: the cell lies at distance 1 or more.
-            radius = half * math.sqrt(2.0)
-            if normal[2] - radius > lowest_up:
-                continue
-            among = _candidates(primitives, spread, heights, normal, radius, sets[waiting])
-            members = 0
-            for i in range(n):
-                members += among >> i & 1
-            if members < 3:
-                continue
-            if depth == DEEPEST or (members == 3 and depth >= FIRST_TRIED):
-                # Newton may leave the cell for another facet: then this one is not done.
-                nearest = _try_triples(table, primitives, owner, normal, among, radius, size)
-                if depth == DEEPEST or nearest <= radius:
-                    continue
-            for quarter in range(4):
-                stack[waiting, 0] = u + half * (0.5 if quarter & 1 else -0.5)
-                stack[waiting, 1] = v + half * (0.5 if quarter & 2 else -0.5)
-                stack[waiting, 2] = half * 0.5
-                stack[waiting, 3] = depth + 1.0
-                sets[waiting] = among
-                waiting += 1
-    _join(table.tally, table.facet, table.span, table.corner, table.link)
-
-
-@njit()
-def _join(count: Ints, facet: Floats, span: Ints, corner: Floats, link: Ints) -> None:
-    """Find for every edge the facet beyond it.
-
-    Rolling over the edge i -> j ends on a facet that has j -> i.  Where several have, it is the
-    one that comes first as the normal turns outwards about the edge.  A facet that lies behind the
-    edge is not beyond it: two facets of three primitives share all three edges and are joined
-    over one or two of them.
-    """
-    for f in range(count[0]):
-        normal = row(facet, f)
-        for at in range(span[f, FIRST], span[f + 1, FIRST]):
-            following = at + 1 if at + 1 < span[f + 1, FIRST] else span[f, FIRST]
-            i, j = link[at, VERTEX], link[following, VERTEX]
-            outward = cross(subtract(row(corner, following), row(corner, at)), normal)
-            outward = scale(outward, 1.0 / length(outward))
-            link[at, NEIGHBOUR] = OUTSIDE
-            least = math.inf
-            for other in range(count[0]):
-                if other == f or span[other, MASK] & (1 << i | 1 << j) != (1 << i | 1 << j):
-                    continue
-                begin, end = span[other, FIRST], span[other + 1, FIRST]
-                for back in range(begin, end):
-                    ahead = back + 1 if back + 1 < end else begin
-                    if link[back, VERTEX] == j and link[ahead, VERTEX] == i:
-                        beyond = row(facet, other)
-                        turn = math.atan2(dot(beyond, outward), dot(beyond, normal))
-                        if 0.0 < turn < least:
-                            least = turn
-                            link[at, NEIGHBOUR] = other
-
-
-@njit(inline=True)
-def find_facets(table: FacetTable, primitives: NDArray[np.float64], lowest_up: float) -> None:
-    """Fill `table` with the support facets of one posture, see the two searches."""
-    for i in range(primitives.shape[0]):
-        if primitives[i, KIND] != POINT:
-            find_round_facets(table, primitives, lowest_up)
+    count, span, link = table.tally, table.span, table.link
+    solved = np.empty((table.facet.shape[0], 3))
+    grown = primitives.copy()
+    for attempt in range(ATTEMPTS):
+        count[FOUND] = count[OVERFLOW] = 0
+        span[0, FIRST] = 0
+        if n < 3:
             return
-    find_point_facets(table, primitives, lowest_up)
+        for i in range(n):
+            # Fractions of the golden ratio are never near each other.
+            own = (i + 1.0) * 0.6180339887498949 * (1.0 + 0.37 * attempt)
+            grown[i, RADIUS] = primitives[i, RADIUS] + GROWN * size * (own - math.floor(own))
+            if primitives[i, KIND] == POINT:
+                grown[i, KIND] = SPHERE
+        agreed = True
+        for part in range(25 if lowest_up <= 0.0 else 50):
+            # From straight down on: rings of six normals, each 20 deg further up.
+            up = (part + 5) // 6 * 0.35
+            way = part * 1.0471975511965976 + up
+            normal = (math.sin(up) * math.cos(way), math.sin(up) * math.sin(way), -math.cos(up))
+            lowest = 0
+            for m in range(1, n):
+                if _over(grown, m, lowest, normal) > 0.0:
+                    lowest = m
+            known = False
+            for at in range(span[count[FOUND], FIRST]):
+                known = known or link[at, VERTEX] == lowest
+            if known:
+                continue
+            first = count[FOUND]
+            if _seed(table, solved, primitives, grown, normal, lowest_up, size):
+                agreed = (
+                    _roll_on(table, solved, primitives, grown, first, lowest_up, size) and agreed
+                )
+        if agreed or count[OVERFLOW] == 1:
+            break
+    for at in range(span[count[FOUND], FIRST]):
+        if link[at, NEIGHBOUR] == UNKNOWN:
+            link[at, NEIGHBOUR] = OUTSIDE

@@ -5,9 +5,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lutgen.support.hull import FIRST, MASK, RELATIVE_TOLERANCE, VERTEX, facet_table, robot_size
-from lutgen.support.primitive import pack
-from lutgen.support.rounds import find_facets
+from lutgen.support.primitive import pack, support_height
+from lutgen.support.search import find_facets
+from lutgen.support.table import FIRST, RELATIVE_TOLERANCE, VERTEX, facet_table, robot_size
+from lutgen.support.unite import unite
 
 
 class Facet(NamedTuple):
@@ -42,19 +43,22 @@ def facets(
         collinear or the com is in or outside every facet's plane.
     """
     primitives = pack(centre, axis, radius, kind)
-    table = facet_table(len(primitives))
-    find_facets(table, primitives, 2.0)
-    tolerance = RELATIVE_TOLERANCE * robot_size(primitives)
+    pieces, table = facet_table(len(primitives)), facet_table(len(primitives))
+    size = robot_size(primitives)
+    find_facets(pieces, primitives, 2.0, size)
+    unite(pieces, table, primitives, size)
+    tolerance = RELATIVE_TOLERANCE * size
     found = []
     for f in range(table.tally[0]):
         if table.facet[f, 3] > tolerance:
             corners = slice(table.span[f, FIRST], table.span[f + 1, FIRST])
-            mask = int(table.span[f, MASK])
+            normal = tuple(table.facet[f, :3].tolist())
+            heights = [support_height(primitives, i, normal) for i in range(len(primitives))]
             found.append(
                 Facet(
                     table.facet[f, :3].copy(),
                     float(table.facet[f, 3]),
-                    tuple(i for i in range(len(primitives)) if mask >> i & 1),
+                    tuple(i for i, h in enumerate(heights) if h > table.facet[f, 3] - tolerance),
                     tuple(int(i) for i in table.link[corners, VERTEX]),
                     table.corner[corners].copy(),
                 )

@@ -1,0 +1,47 @@
+"""The size of a recipe's robot: one length by which its tolerances and widths are measured.
+
+Owns that number.
+"""
+
+from functools import lru_cache
+from itertools import product
+
+import numpy as np
+
+from lutgen.recipe.kinematics import forward, radii_and_kinds
+from lutgen.recipe.recipe import Recipe
+
+# Postures that are looked at: both ends and the middle of every parameter, or of so many parameters
+# that they would be more than this, the ends of as many as possible.
+POSTURES = 1024
+
+
+@lru_cache(maxsize=64)
+def robot_size_of(recipe: Recipe) -> float:
+    """Return the size of a robot (length).
+
+    It is the greatest distance of a contact's far side from the com, over both ends and the middle
+    of every parameter; of more than six parameters over the ends alone, and of more than ten over
+    the ends of the first ten.  It does not depend on the order of the contacts.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The robot.
+
+    Returns
+    -------
+    float
+        Above 0; 0 where every contact is a point at the com.
+    """
+    places = []
+    for place, parameter in enumerate(recipe.parameters):
+        middle = 0.5 * (parameter.minimum + parameter.maximum)
+        ends = [parameter.minimum, parameter.maximum]
+        if 3 ** len(recipe.parameters) <= POSTURES:
+            ends.insert(1, middle)
+        places.append(ends if 2 ** (place + 1) <= POSTURES else [middle])
+    params = np.array(list(product(*places)), dtype=np.float64)
+    radius, _ = radii_and_kinds(recipe)
+    away = np.sqrt((forward(recipe, params).centres ** 2).sum(axis=2)) + radius
+    return float(away.max(initial=0.0))

@@ -1,0 +1,95 @@
+"""Which facets are rests: the support polygon of each, its centroid and its width.
+
+Owns the classes of facets.  The polygon is that of all contacts within `contact_tolerance` of the
+plane, so four wheels whose positions are off by a little make up one rectangle.
+"""
+
+import math
+
+import numpy as np
+
+from lutgen.jit import njit
+from lutgen.support.catch import REFUSED, REST, STAGE
+from lutgen.support.polygon import area_centroid, outline
+from lutgen.support.primitive import support_contact, support_height
+from lutgen.support.region import Acceptance
+from lutgen.support.table import FIRST, MASK, RELATIVE_TOLERANCE, put
+from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, scale, subtract, unit
+
+
+@njit()
+def polygon_width(points: Floats, begin: int, end: int, normal: Vector) -> float:
+    """Return the least width of a convex polygon of rows [begin, end) in any direction (length)."""
+    least = math.inf
+    for at in range(begin, end):
+        origin = row(points, at)
+        along = subtract(row(points, at + 1 if at + 1 < end else begin), origin)
+        inward = unit(cross(normal, along))
+        furthest = 0.0
+        for other in range(begin, end):
+            furthest = max(furthest, dot(subtract(row(points, other), origin), inward))
+        if length(along) > 0.0:
+            least = min(least, furthest)
+    return least if least < math.inf else 0.0
+
+
+@njit(inline=True)
+def is_accepted(facet: Floats, f: int, acceptance: Acceptance) -> bool:
+    """Tell whether the com is above a facet and the facet below the body."""
+    return facet[f, 3] > acceptance.least_height and -facet[f, 2] > acceptance.steepest
+
+
+@njit()
+def find_rests(
+    primitives: Floats,
+    facets: int,
+    facet: Floats,
+    span: Ints,
+    corner: Floats,
+    acceptance: Acceptance,
+    size: float,
+    kind: Ints,
+    centroid: Floats,
+) -> None:
+    """Fill `kind` (F,) and, of accepted facets, `centroid` (F, 3) and the touching bits of `span`."""
+    n = primitives.shape[0]
+    points, polygon, flat = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 2))
+    order = np.empty(2 * n + 2, np.int64)
+    near = max(acceptance.contact_tolerance, RELATIVE_TOLERANCE * size)
+    for f in range(facets):
+        kind[f] = REFUSED
+        if not is_accepted(facet, f, acceptance):
+            continue
+        normal = row(facet, f)
+        across = (1.0, 0.0, 0.0) if abs(normal[0]) < 0.9 else (0.0, 1.0, 0.0)
+        first = unit(subtract(across, scale(normal, dot(across, normal))))
+        second = cross(normal, first)
+        touching, mask = 0, 0
+        for i in range(n):
+            if (
+                facet[f, 3] - support_height(primitives, i, normal) <= near
+                or span[f, MASK] >> i & 1
+            ):
+                point = support_contact(primitives, i, normal)
+                put(points, touching, 0, point)
+                flat[touching, 0], flat[touching, 1] = dot(first, point), dot(second, point)
+                touching += 1
+                mask |= 1 << i
+        span[f, MASK] = mask
+        corners = min(outline(flat, touching, order), n)
+        for c in range(corners):
+            put(polygon, c, 0, row(points, order[c]))
+        width = polygon_width(polygon, 0, corners, normal) if corners >= 3 else 0.0
+        kind[f] = REST if width > 0.0 and width >= acceptance.rest_width else STAGE
+        middle = area_centroid(polygon, 0, corners) if corners >= 3 else (math.nan, 0.0, 0.0)
+        if math.isnan(middle[0]):
+            x = y = z = 0.0
+            share = 1.0 / (span[f + 1, FIRST] - span[f, FIRST])
+            for at in range(span[f, FIRST], span[f + 1, FIRST]):
+                x, y, z = (
+                    x + share * corner[at, 0],
+                    y + share * corner[at, 1],
+                    z + share * corner[at, 2],
+                )
+            middle = (x, y, z)
+        put(centroid, f, 0, middle)

@@ -1,0 +1,74 @@
+"""One posture, from primitives to its standing region.
+
+Owns the choice of the search: closed form for parallel axes, the hull for points, rolling for the
+rest.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lutgen.jit import njit
+from lutgen.support.boundary import find_region
+from lutgen.support.hull import find_point_facets
+from lutgen.support.primitive import KIND, POINT
+from lutgen.support.rails import find_rail_facets
+from lutgen.support.region import Acceptance, Region
+from lutgen.support.rounds import find_round_facets
+from lutgen.support.table import DOUBT, OVERFLOW, FacetTable, facet_table, robot_size
+from lutgen.support.unite import unite
+from lutgen.vector import Floats
+
+
+@njit()
+def find_facets(
+    table: FacetTable, primitives: NDArray[np.float64], lowest_up: float, size: float
+) -> None:
+    """Fill `table` with the complex of one posture, see the three searches.
+
+    Parameters
+    ----------
+    table : FacetTable
+        Overwritten.
+    primitives : (n, 8) float64
+        Rows of `primitive.pack`, relative to the com.
+    lowest_up : float
+        Facets are wanted whose normal's z is below this: 0 for those that face down, 2 for all.
+    size : float
+        Size of the robot (length).
+    """
+    round_ones = 0
+    for i in range(primitives.shape[0]):
+        round_ones += primitives[i, KIND] != POINT
+    table.tally[DOUBT] = 0
+    if round_ones == 0:
+        find_point_facets(table, primitives, lowest_up, size)
+        if table.tally[DOUBT] == 1:
+            find_round_facets(table, primitives, lowest_up, size)
+    elif lowest_up > 0.0 or not find_rail_facets(table, primitives, size):
+        find_round_facets(table, primitives, lowest_up, size)
+
+
+@njit()
+def stand(table: FacetTable, region: Region, primitives: Floats, acceptance: Acceptance) -> int:
+    """Find the facets and the standing region of one posture.
+
+    Parameters
+    ----------
+    table, region : FacetTable, Region
+        Overwritten; as `facet_table` and `empty_region` make them for so many primitives.
+    primitives : (n, 8) float64
+        Rows of `primitive.pack`, relative to the com.
+    acceptance : Acceptance
+        Which facets count, what a rest is and how far the robot rocks.
+
+    Returns
+    -------
+    int
+        1 where the table was too small, which only spheres that overlap oddly do.
+    """
+    size = robot_size(primitives)
+    pieces = facet_table(primitives.shape[0])
+    find_facets(pieces, primitives, acceptance.lowest_up, size)
+    unite(pieces, table, primitives, size)
+    find_region(region, table, primitives, acceptance, size)
+    return int(table.tally[OVERFLOW])
