@@ -165,7 +165,7 @@ def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
         guard_text=guard.text,
         steepest=accept.steepest,
         lowest=guard.lowest,
-        least_cosine=accept.least_cosine,
+        least_cosine=math.cos(min(accept.rock_angle, math.pi)) - 1e-12,
         tolerance=tolerance,
         many=many,
     )

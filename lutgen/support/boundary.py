@@ -8,9 +8,8 @@ import math
 import numpy as np
 
 from lutgen.jit import njit
-from lutgen.support.arc import angle_between, arc_normal
-from lutgen.support.catch import HIGH, LOW, REFUSED, REST, STAGE, find_gaps
-from lutgen.support.primitive import DISC, KIND, RADIUS, support_contact
+from lutgen.support.catch import REFUSED, REST, STAGE
+from lutgen.support.gaps import HIGH, LOW, find_gaps
 from lutgen.support.region import (
     ACROSS,
     BLURRED,
@@ -37,6 +36,7 @@ from lutgen.support.region import (
     vector_at,
 )
 from lutgen.support.rest import find_rests
+from lutgen.support.strips import add_strips
 from lutgen.support.table import (
     BACK,
     FIRST,
@@ -51,11 +51,8 @@ from lutgen.support.table import (
     put,
 )
 from lutgen.support.tiles import (
-    MOST_LOST,
-    MOST_PIECES,
     ROUNDING,
     add_segment,
-    add_strip,
     add_wall,
     between,
 )
@@ -64,8 +61,6 @@ from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, scale, 
 # Where two rests are nearer than this (rad) to one plane, which of the two a ray pierces first is
 # not to be told by their planes, as `raster` does where there are no gaps.
 ONE_PLANE = 1e-5
-# Cuts of one strip, at the ends of strips on the other side of a rim.
-CUTS = 8
 
 
 @njit()
@@ -192,172 +187,6 @@ def _add_stage(
     tile[tally[TILES]] = w
 
 
-@njit(inline=True)
-def _ahead(primitives: Floats, m: int, normal: Vector, reference: Vector) -> float:
-    """Return how far (sine) the contact of disc m at a normal is ahead of a direction on its rim."""
-    axle = (primitives[m, 3], primitives[m, 4], primitives[m, 5])
-    arm = subtract(support_contact(primitives, m, normal), row(primitives, m))
-    return float(dot(cross(reference, arm), axle) / primitives[m, RADIUS])
-
-
-@njit(inline=True)
-def _side(primitives: Floats, m: int, opposite: int, normal: Vector) -> float:
-    """Return on which side of disc m its strip with another primitive lies: -1 or 1."""
-    axle = (primitives[m, 3], primitives[m, 4], primitives[m, 5])
-    away = subtract(
-        support_contact(primitives, opposite, normal), support_contact(primitives, m, normal)
-    )
-    return math.copysign(1.0, dot(axle, away))
-
-
-@njit()
-def _fraction_at(
-    primitives: Floats, i: int, j: int, begin: Vector, end: Vector, m: int, reference: Vector
-) -> float:
-    """Return the fraction of an arc at which the contact of disc m has a direction on its rim.
-
-    Outside (0, 1) where it never has.
-    """
-    low, high = 0.0, 1.0
-    under, over = _ahead(primitives, m, begin, reference), _ahead(primitives, m, end, reference)
-    if under * over >= 0.0:
-        return -1.0
-    part = 0.0
-    for _ in range(60):
-        part = low - under * (high - low) / (over - under)
-        value = _ahead(primitives, m, arc_normal(primitives, i, j, begin, end, part), reference)
-        if abs(value) < 1e-13 or high - low < 1e-14:
-            break
-        # Illinois: the end that stays counts half.
-        if (value > 0.0) == (over > 0.0):
-            high, over = part, value
-            under *= 0.5
-        else:
-            low, under = part, value
-            over *= 0.5
-    return part
-
-
-@njit(inline=True)
-def _free_side(gap: Floats, at: int, end: int) -> bool:
-    """Tell whether a gap reaches to the rim at this end of its edge."""
-    return bool(gap[at, HIGH] == 1.0) if end == 1 else bool(gap[at, LOW] == 0.0)
-
-
-@njit()
-def _covered(
-    primitives: Floats,
-    facet: Floats,
-    span: Ints,
-    link: Ints,
-    gap: Floats,
-    strips: Ints,
-    count: int,
-    own: int,
-    m: int,
-    opposite: int,
-    normal: Vector,
-    rock_angle: float,
-) -> bool:
-    """Tell whether a strip on the other side of disc m holds where the contact is at `normal`."""
-    if primitives[m, KIND] != DISC:
-        return False
-    reference = unit(subtract(support_contact(primitives, m, normal), row(primitives, m)))
-    side = _side(primitives, m, opposite, normal)
-    for s in range(count):
-        f, at = strips[s, 0], strips[s, 1]
-        other = link[at, NEIGHBOUR]
-        following = corner_after(span, f, at)
-        i, j = link[at, VERTEX], link[following, VERTEX]
-        if s == own or m not in (i, j) or not _free_side(gap, at, 0 if m == i else 1):
-            continue
-        begin, end = row(facet, f), row(facet, other)
-        fraction = _fraction_at(primitives, i, j, begin, end, m, reference)
-        if not 0.0 <= fraction <= 1.0:
-            continue
-        there = arc_normal(primitives, i, j, begin, end, fraction)
-        if (
-            _side(primitives, m, j if m == i else i, there) != side
-            and angle_between(there, normal) <= rock_angle
-        ):
-            return True
-    return False
-
-
-@njit()
-def _add_strips(
-    primitives: Floats,
-    facet: Floats,
-    span: Ints,
-    link: Ints,
-    gap: Floats,
-    strips: Ints,
-    count: int,
-    rock_angle: float,
-    size: float,
-    region: Region,
-) -> None:
-    """Append the tiles of all gaps, and those sides of them beyond which nothing holds."""
-    tally, segment, contacts = region.tally, region.segment, region.contacts
-    tile, wall = region.tile, region.wall
-    outline, cut = np.empty((MOST_PIECES + 2, 6)), np.empty(CUTS + 2)
-    for s in range(count):
-        f, at = strips[s, 0], strips[s, 1]
-        other = link[at, NEIGHBOUR]
-        i, j = link[at, VERTEX], link[corner_after(span, f, at), VERTEX]
-        begin, end = row(facet, f), row(facet, other)
-        low, high = gap[at, LOW], gap[at, HIGH]
-        cuts = 0
-        for t in range(count):
-            g, edge = strips[t, 0], strips[t, 1]
-            pair = (link[edge, VERTEX], link[corner_after(span, g, edge), VERTEX])
-            for m in (i, j):
-                if t == s or m not in pair or primitives[m, KIND] != DISC:
-                    continue
-                for which in range(2):
-                    normal = row(facet, g if which == 0 else link[edge, NEIGHBOUR])
-                    rim = unit(subtract(support_contact(primitives, m, normal), row(primitives, m)))
-                    there = _fraction_at(primitives, i, j, begin, end, m, rim)
-                    if 1e-9 < there < 1.0 - 1e-9 and cuts < CUTS:
-                        place = cuts
-                        while place > 0 and cut[place - 1] > there:
-                            cut[place] = cut[place - 1]
-                            place -= 1
-                        cut[place] = there
-                        cuts += 1
-        cut[cuts] = 1.0
-        start, before = begin, 0.0
-        for c in range(cuts + 1):
-            if cut[c] - before < 1e-9:
-                continue
-            stop = end if c == cuts else arc_normal(primitives, i, j, begin, end, cut[c])
-            half = arc_normal(primitives, i, j, begin, end, 0.5 * (before + cut[c]))
-            goes_on_i = low == 0.0 and _covered(
-                *(primitives, facet, span, link, gap, strips, count, s, i, j, half, rock_angle)
-            )
-            goes_on_j = high == 1.0 and _covered(
-                *(primitives, facet, span, link, gap, strips, count, s, j, i, half, rock_angle)
-            )
-            least = min(
-                length(support_contact(primitives, i, half)),
-                length(support_contact(primitives, j, half)),
-            )
-            slack = 2.5 * MOST_LOST * size / least
-            strip = (low, high, slack if goes_on_i else 0.0, slack if goes_on_j else 0.0)
-            points = add_strip(
-                primitives, i, j, start, stop, strip, size, tally, tile, wall, outline
-            )
-            for k in range(points - 1):
-                p, q = row(outline, k), (outline[k, 3], outline[k, 4], outline[k, 5])
-                r = row(outline, k + 1)
-                t = (outline[k + 1, 3], outline[k + 1, 4], outline[k + 1, 5])
-                if not goes_on_i:
-                    add_segment(tally, segment, contacts, p, r, between(q, t, 0.5), i, i)
-                if not goes_on_j:
-                    add_segment(tally, segment, contacts, q, t, between(p, r, 0.5), j, j)
-            start, before = stop, cut[c]
-
-
 @njit()
 def find_region(
     region: Region, table: FacetTable, primitives: Floats, acceptance: Acceptance, size: float
@@ -451,7 +280,7 @@ def find_region(
             e += 1
         first[k + 1, FIRST] = e
     if count > 0:
-        _add_strips(
+        add_strips(
             *(primitives, facet, span, link, gap, strips, count),
             *(accept.rock_angle, size, region),
         )

@@ -88,10 +88,7 @@ def _crossing(x: float, z: float, q: float, u: float, way: float) -> float:
     else:
         s = -(root + x)
         grows, sinks = (q - z) / s, s / (q + z) if q + z != 0.0 else math.inf
-    if grows <= sinks:
-        above = grows <= u < sinks
-    else:
-        above = u >= grows or u < sinks
+    above = grows <= u < sinks if grows <= sinks else u >= grows or u < sinks
     if above:
         return u
     return grows if u < grows <= 1.0 else NEVER
@@ -99,7 +96,8 @@ def _crossing(x: float, z: float, q: float, u: float, way: float) -> float:
 
 @njit(inline=True, exact=True)
 def _level(place: Floats, i: int, sine: float, cosine: float) -> float:
-    return place[i, 0] * sine - place[i, 2] * cosine + place[i, 3]
+    level: float = place[i, 0] * sine - place[i, 2] * cosine + place[i, 3]
+    return level
 
 
 @njit(exact=True)

@@ -36,7 +36,7 @@ def polygon_width(points: Floats, begin: int, end: int, normal: Vector) -> float
 @njit(inline=True)
 def is_accepted(facet: Floats, f: int, acceptance: Acceptance) -> bool:
     """Tell whether the com is above a facet and the facet below the body."""
-    return facet[f, 3] > acceptance.least_height and -facet[f, 2] > acceptance.steepest
+    return bool(facet[f, 3] > acceptance.least_height and -facet[f, 2] > acceptance.steepest)
 
 
 @njit()
@@ -51,7 +51,7 @@ def find_rests(
     kind: Ints,
     centroid: Floats,
 ) -> None:
-    """Fill `kind` (F,) and, of accepted facets, `centroid` (F, 3) and the touching bits of `span`."""
+    """Fill `kind` (F,), and of accepted facets `centroid` (F, 3) and the touching bits."""
     n = primitives.shape[0]
     points, polygon, flat = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 2))
     order = np.empty(2 * n + 2, np.int64)

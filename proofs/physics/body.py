@@ -57,7 +57,7 @@ class Posture:
     kind: NDArray[np.int64]
     solids: tuple[Solid, ...]
     mass: float = 10.0
-    upright: float = np.pi / 2
+    upright: float = np.radians(80.0)
     rock_angle: float = np.pi / 6
 
     @property

@@ -90,7 +90,9 @@ def exact(
 ) -> dict[str, NDArray[np.float64]]:
     """Return what `measure_primitives` says, in the same shape."""
     primitives = pack(robots.centre, robots.axis, robots.radius, robots.kind)
-    got = measure_primitives(primitives, chart.directions().reshape(-1, 3), channels, *bounds)
+    got = measure_primitives(
+        primitives, chart.directions().reshape(-1, 3), channels, acceptance(*bounds)
+    )
     shape = (len(robots.centre), chart.faces * chart.nodes, chart.nodes)
     return {name: value.reshape(shape) for name, value in got.items()}
 

@@ -13,6 +13,7 @@ from scipy.optimize import minimize
 
 from lutgen.channels.evaluation import measure_primitives
 from lutgen.support.primitive import pack
+from lutgen.support.region import acceptance
 from proofs.physics.facets import Facet, facets
 from tests.oracles import rounds as oracle
 from tests.oracles.points import unit
@@ -279,7 +280,7 @@ def test_three_balls_in_a_row_rock_from_side_to_side_and_tip_beyond_each() -> No
     gravity = np.column_stack([0.0 * tilts, np.sin(tilts), -np.cos(tilts)])
     kind = np.full(3, SPHERE, dtype=np.int64)
     primitives = pack(centres[None], np.zeros((1, 3, 3)), radius, kind)
-    values = measure_primitives(primitives, gravity, ("tip_angle",), np.pi / 2, np.pi / 6)[
-        "tip_angle"
-    ][0]
+    values = measure_primitives(
+        primitives, gravity, ("tip_angle",), acceptance(np.pi / 2, np.pi / 6)
+    )["tip_angle"][0]
     assert (values >= 0.0).tolist() == [False, True, True, True, False, False, False, False]

@@ -1,0 +1,217 @@
+"""Following an arc: over two primitives (or one) until another one touches.
+
+Owns the general search's step.  Along an arc the height of each other primitive is smooth, so
+between two places it is bounded by a cubic; where that crosses zero, or has its top above it, the
+place where the primitive first touches is solved for.
+"""
+
+import math
+
+from lutgen.jit import njit
+from lutgen.support.primitive import support_contact, support_height
+from lutgen.vector import Floats, Vector, cross, dot, length, scale, subtract, unit
+
+# Steps along an arc (rad): between them a height is a cubic to 2e-6 of a radius.
+STEP = 0.15
+MOST_STEPS = 48
+# An arc is followed until the normal is this far beyond what is asked for.
+FURTHER = 0.3
+
+
+@njit()
+def _on_arc(
+    primitives: Floats, i: int, j: int, start: Vector, along: Vector, angle: float
+) -> Vector:
+    """Return the normal at an angle from `start`, put back to where i and j are equally low."""
+    c, s = math.cos(angle), math.sin(angle)
+    n = (
+        c * start[0] + s * along[0],
+        c * start[1] + s * along[1],
+        c * start[2] + s * along[2],
+    )
+    if j < 0:
+        return n
+    for _ in range(8):
+        apart = subtract(support_contact(primitives, i, n), support_contact(primitives, j, n))
+        higher = dot(apart, n)
+        flat = subtract(apart, scale(n, higher))
+        size = dot(flat, flat)
+        if not size > 0.0:
+            break
+        n = unit(subtract(n, scale(flat, higher / size)))
+        if abs(higher) <= 1e-16 * math.sqrt(size):
+            break
+    return n
+
+
+@njit(inline=True)
+def how_much_lower(primitives: Floats, m: int, i: int, normal: Vector) -> float:
+    """Return how much lower primitive m reaches than i."""
+    return support_height(primitives, m, normal) - support_height(primitives, i, normal)
+
+
+@njit()
+def _touches_at(
+    primitives: Floats,
+    i: int,
+    j: int,
+    m: int,
+    start: Vector,
+    along: Vector,
+    bounds: tuple[float, float],
+    level: float,
+) -> float:
+    """Return the angle within bounds at which m touches: it is lower at the last of them."""
+    low, high = bounds
+    under = how_much_lower(primitives, m, i, _on_arc(primitives, i, j, start, along, low))
+    over = how_much_lower(primitives, m, i, _on_arc(primitives, i, j, start, along, high))
+    under = min(under, -0.01 * level)
+    side = 0
+    for _ in range(80):
+        if over <= 0.0 or high - low < 1e-15:
+            break
+        there = low - under * (high - low) / (over - under)
+        if not low < there < high:
+            there = 0.5 * (low + high)
+        value = how_much_lower(primitives, m, i, _on_arc(primitives, i, j, start, along, there))
+        if abs(value) < 0.01 * level:
+            return there
+        # Illinois: an end that stays counts half.
+        if value > 0.0:
+            high, over = there, value
+            if side == 1:
+                under *= 0.5
+            side = 1
+        else:
+            low, under = there, value
+            if side == -1:
+                over *= 0.5
+            side = -1
+    return high
+
+
+@njit(inline=True)
+def _highest_between(a: float, b: float, from_slope: float, to_slope: float) -> tuple[float, float]:
+    """Return where, in [0, 1], the cubic with these values and slopes is highest, and how high."""
+    c2 = 3.0 * (b - a) - 2.0 * from_slope - to_slope
+    c3 = 2.0 * (a - b) + from_slope + to_slope
+    # Its slope is from_slope + 2 c2 t + 3 c3 t^2, first positive and last negative.
+    root = math.sqrt(max(c2 * c2 - 3.0 * c3 * from_slope, 0.0))
+    t = from_slope / (root - c2) if root - c2 > 0.0 else 0.5
+    t = min(max(t, 0.0), 1.0)
+    return t, a + t * (from_slope + t * (c2 + t * c3))
+
+
+@njit()
+def _first_touched(
+    primitives: Floats,
+    i: int,
+    j: int,
+    third: int,
+    start: Vector,
+    along: Vector,
+    step: float,
+    level: float,
+) -> tuple[int, float]:
+    """Return the first primitive that touches within a step along an arc, and where; or (-1, step).
+
+    `third` touches at the start, and is let go.
+    """
+    n = primitives.shape[0]
+    end = _on_arc(primitives, i, j, start, along, step)
+    here, there = support_contact(primitives, i, start), support_contact(primitives, i, end)
+    onward = subtract(scale(along, math.cos(step)), scale(start, math.sin(step)))
+    onward = unit(subtract(onward, scale(end, dot(onward, end))))
+    best, nearest = -1, step
+    for m in range(n):
+        if m in (i, j):
+            continue
+        p, q = support_contact(primitives, m, start), support_contact(primitives, m, end)
+        a, b = dot(subtract(p, here), start), dot(subtract(q, there), end)
+        from_slope = dot(subtract(p, here), along) * step
+        to_slope = dot(subtract(q, there), onward) * step
+        if b > 0.0:
+            low = 0.0
+            if m == third:
+                # It sinks first: find where it has.
+                low = 0.5 * step
+                for _ in range(40):
+                    if (
+                        how_much_lower(
+                            primitives, m, i, _on_arc(primitives, i, j, start, along, low)
+                        )
+                        < 0.0
+                    ):
+                        break
+                    low *= 0.5
+            bounds = (low, step)
+        elif from_slope > 0.0 and to_slope < 0.0 and m != third:
+            part, height = _highest_between(a, b, from_slope, to_slope)
+            if height <= 0.0:
+                continue
+            high = part * step
+            if (
+                how_much_lower(primitives, m, i, _on_arc(primitives, i, j, start, along, high))
+                <= 0.0
+            ):
+                continue
+            bounds = (0.0, high)
+        else:
+            continue
+        angle = _touches_at(primitives, i, j, m, start, along, bounds, level)
+        if angle < nearest or best < 0:
+            best, nearest = m, angle
+    # Another one may be lower where the first is met: then it touches before.
+    for _ in range(n):
+        if best < 0:
+            break
+        normal = _on_arc(primitives, i, j, start, along, nearest)
+        lower, excess = -1, level
+        for m in range(n):
+            if m not in (i, j, best, third):
+                over = how_much_lower(primitives, m, i, normal)
+                if over > excess:
+                    lower, excess = m, over
+        if lower < 0:
+            break
+        best = lower
+        nearest = _touches_at(primitives, i, j, lower, start, along, (0.0, nearest), level)
+    return best, nearest
+
+
+@njit()
+def follow(
+    primitives: Floats,
+    i: int,
+    j: int,
+    third: int,
+    start: Vector,
+    along: Vector,
+    lowest_up: float,
+    level: float,
+) -> tuple[int, Vector]:
+    """Follow the arc over i and j (over i alone where j is -1) until another primitive touches.
+
+    Returns it and the normal, or -1 where the arc leads up or all round.
+    """
+    here = start
+    for _ in range(MOST_STEPS):
+        best, angle = _first_touched(primitives, i, j, third, here, along, STEP, level)
+        there = _on_arc(primitives, i, j, here, along, angle)
+        if best >= 0:
+            return best, there
+        if there[2] > lowest_up + FURTHER:
+            break
+        third = -1
+        if j >= 0:
+            arm = subtract(
+                support_contact(primitives, j, there), support_contact(primitives, i, there)
+            )
+            ahead = cross(arm, there)
+            if not length(ahead) > 0.0:
+                break
+            along = unit(ahead)
+        else:
+            along = unit(subtract(scale(along, math.cos(angle)), scale(here, math.sin(angle))))
+        here = there
+    return -1, here
