@@ -27,13 +27,13 @@ from lutgen.support import (
     FACETS,
     FIRST,
     HEIGHT,
+    IS_REST,
     PLANE,
     Acceptance,
     Region,
     empty_region,
     facet_table,
     stand,
-    supporting_facet,
     vector_at,
 )
 from lutgen.vector import Floats, Vector, dot, row, scale
@@ -86,15 +86,17 @@ def _settle(region: Region, edge_plane: Floats, wrench: Floats, gravity_plane: V
     """
     best, best_up = -1, -2.0
     nearest, nearest_inside = -1, -math.inf
-    loaded = np.abs(wrench[:RHO]).max() > 0.0
+    rests = 0
     for k in range(region.tally[FACETS]):
+        rests += region.span[k, IS_REST]
+    for k in range(region.tally[FACETS]):
+        # Nobody comes to rest on a stage, as long as there is anything else.
+        if rests > 0 and region.span[k, IS_REST] == 0:
+            continue
         up = scale(vector_at(region.facet, k, PLANE), -region.facet[k, HEIGHT])
         g = turned(up, gravity_plane)
         inside = _lowest_edge_plane(region, edge_plane, k, add(g, part(wrench, PHI)))
-        # Under a wrench the zero-moment point is in this facet and not where a ray comes first.
-        first = loaded or supporting_facet(region.facet, region.tally[FACETS], g) == k
-        carries = first and inside >= 0.0
-        if carries and up[2] > best_up:
+        if inside >= 0.0 and up[2] > best_up:
             best, best_up = k, up[2]
         if inside > nearest_inside:
             nearest, nearest_inside = k, inside

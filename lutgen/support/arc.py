@@ -89,8 +89,9 @@ def roll_along(
             arm = scale(
                 (contact[0] + beyond[0], contact[1] + beyond[1], contact[2] + beyond[2]), 0.5
             )
-            # The com moves as the body turns about the axis of contact: by about x arm.
-            rise -= dot(middle, cross(about, arm)) * (angle / sine)
+            # The com moves as the body turns about the axis of contact: by about x arm.  Gravity
+            # turns with it: over an angle a it counts 2 sin(a / 2) times what it is in the middle.
+            rise -= dot(middle, cross(about, arm)) * (length(subtract(there, here)) / sine)
             g = turned_along(here, there, g)
         turn += angle
         here, contact = there, beyond

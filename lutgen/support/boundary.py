@@ -270,7 +270,7 @@ def find_region(
                         about[e, EDGE_KIND] = SHARED
                         if length(subtract(row(facet, f), row(facet, other))) < ONE_PLANE:
                             tally[BLURRED] += 1
-                elif part[0] < part[1] and asked:
+                elif part[0] < part[1]:
                     tally[GAPS] += 1
                     if f < other:
                         strips[count, 0], strips[count, 1] = f, at

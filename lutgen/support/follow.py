@@ -45,7 +45,7 @@ def _on_arc(
 
 
 @njit(inline=True)
-def how_much_lower(primitives: Floats, m: int, i: int, normal: Vector) -> float:
+def excess(primitives: Floats, m: int, i: int, normal: Vector) -> float:
     """Return how much lower primitive m reaches than i."""
     return support_height(primitives, m, normal) - support_height(primitives, i, normal)
 
@@ -63,8 +63,8 @@ def _touches_at(
 ) -> float:
     """Return the angle within bounds at which m touches: it is lower at the last of them."""
     low, high = bounds
-    under = how_much_lower(primitives, m, i, _on_arc(primitives, i, j, start, along, low))
-    over = how_much_lower(primitives, m, i, _on_arc(primitives, i, j, start, along, high))
+    under = excess(primitives, m, i, _on_arc(primitives, i, j, start, along, low))
+    over = excess(primitives, m, i, _on_arc(primitives, i, j, start, along, high))
     under = min(under, -0.01 * level)
     side = 0
     for _ in range(80):
@@ -73,7 +73,7 @@ def _touches_at(
         there = low - under * (high - low) / (over - under)
         if not low < there < high:
             there = 0.5 * (low + high)
-        value = how_much_lower(primitives, m, i, _on_arc(primitives, i, j, start, along, there))
+        value = excess(primitives, m, i, _on_arc(primitives, i, j, start, along, there))
         if abs(value) < 0.01 * level:
             return there
         # Illinois: an end that stays counts half.
@@ -136,12 +136,7 @@ def _first_touched(
                 # It sinks first: find where it has.
                 low = 0.5 * step
                 for _ in range(40):
-                    if (
-                        how_much_lower(
-                            primitives, m, i, _on_arc(primitives, i, j, start, along, low)
-                        )
-                        < 0.0
-                    ):
+                    if excess(primitives, m, i, _on_arc(primitives, i, j, start, along, low)) < 0.0:
                         break
                     low *= 0.5
             bounds = (low, step)
@@ -150,10 +145,7 @@ def _first_touched(
             if height <= 0.0:
                 continue
             high = part * step
-            if (
-                how_much_lower(primitives, m, i, _on_arc(primitives, i, j, start, along, high))
-                <= 0.0
-            ):
+            if excess(primitives, m, i, _on_arc(primitives, i, j, start, along, high)) <= 0.0:
                 continue
             bounds = (0.0, high)
         else:
@@ -166,12 +158,12 @@ def _first_touched(
         if best < 0:
             break
         normal = _on_arc(primitives, i, j, start, along, nearest)
-        lower, excess = -1, level
+        lower, furthest = -1, level
         for m in range(n):
             if m not in (i, j, best, third):
-                over = how_much_lower(primitives, m, i, normal)
-                if over > excess:
-                    lower, excess = m, over
+                over = excess(primitives, m, i, normal)
+                if over > furthest:
+                    lower, furthest = m, over
         if lower < 0:
             break
         best = lower

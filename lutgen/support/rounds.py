@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.jit import njit
-from lutgen.support.follow import follow, how_much_lower
+from lutgen.support.follow import excess, follow
 from lutgen.support.primitive import KIND, POINT, RADIUS, SPHERE, support_contact
 from lutgen.support.table import (
     FIRST,
@@ -128,7 +128,7 @@ def _seed(
     level = LEVEL * size
     i = 0
     for m in range(1, grown.shape[0]):
-        if how_much_lower(grown, m, i, normal) > 0.0:
+        if excess(grown, m, i, normal) > 0.0:
             i = m
     across = (1.0, 0.0, 0.0) if abs(normal[0]) < 0.7 else (0.0, 1.0, 0.0)
     along = unit(subtract(across, scale(normal, dot(across, normal))))
@@ -237,7 +237,7 @@ def find_round_facets(
             normal = (math.sin(up) * math.cos(way), math.sin(up) * math.sin(way), -math.cos(up))
             lowest = 0
             for m in range(1, n):
-                if how_much_lower(grown, m, lowest, normal) > 0.0:
+                if excess(grown, m, lowest, normal) > 0.0:
                     lowest = m
             known = False
             for at in range(span[count[FOUND], FIRST]):

@@ -127,7 +127,9 @@ def test_robots_with_several_facets_settle_as_a_slow_hull_says() -> None:
         points = random.normal(size=(7, 3)) * [1.0, 1.0, 0.4] - [0.0, 0.0, 0.3]
         gravity = np.append(random.normal(0.0, 0.6, 2), -1.0)
         gravity /= np.linalg.norm(gravity)
-        recipe = lutgen.parse_recipe(rigid(feet(points.tolist())))
+        # As narrow and as steep as the slow hull's facets.
+        head = "upright = 90.0\nrest_width = 0.0"
+        recipe = lutgen.parse_recipe(rigid(feet(points.tolist()), head=head))
         down = body_gravity(recipe, np.empty((1, 0)), gravity, "plane")
         assert down[0] == pytest.approx(settled(points, gravity), abs=1e-11)
         tipping = evaluate_each(recipe, np.empty((1, 0)), down)["tip_angle"][0] < 0.0

@@ -323,7 +323,7 @@ def test_of_points_it_is_the_least_over_all_coms_of_the_ball() -> None:
 @pytest.mark.parametrize(
     ("kind", "head"),
     [
-        ("points", "upright = 60.0\nrock_angle = 15.0"),
+        ("points", "upright = 60.0\nrock_angle = 0.0"),
         ("discs", "rock_angle = 40.0"),
         ("spheres", ""),
     ],

@@ -371,7 +371,7 @@ def test_solids_worked_by_hand_have_the_tabled_tip_angle_stability_factor_and_he
 
 def test_the_corner_of_the_open_box_is_at_the_hand_worked_angle() -> None:
     contacts = np.array(SOLIDS["cube"], dtype=np.float64)
-    got = lutgen.stability(contacts[None], DOWN[None], ["tip_angle"], radians(100), radians(100))
+    got = lutgen.stability(contacts[None], DOWN[None], ["tip_angle"], radians(100))
     assert got["tip_angle"][0, 0] == pytest.approx(pi / 2 + asin(1 / sqrt(3)), abs=1e-12)
 
 
