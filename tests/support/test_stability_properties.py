@@ -10,10 +10,10 @@ from math import degrees, inf, nan, pi, radians
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
-from scipy.spatial.transform import Rotation
 from hypothesis import Phase, assume, given, settings
 from hypothesis import strategies as st
+from scipy.optimize import brentq
+from scipy.spatial.transform import Rotation
 
 import lutgen
 from lutgen.recipe.recipe import Recipe
