@@ -105,6 +105,10 @@ def _enter(
                 return f
     found, exact = common_normal(primitives, three[0], three[1], three[2], normal, 1e-5, size)
     place = exact if found else normal
+    for c in range(3):
+        # A disc that lies on its face touches in no single point.
+        if math.isnan(support_contact(primitives, three[c], place)[0]):
+            return OUTSIDE
     f = add_triangle(count, table.facet, span, table.corner, link, primitives, place, three)
     if f >= 0:
         solved[f, 0], solved[f, 1], solved[f, 2] = normal
@@ -143,8 +147,12 @@ def _seed(
                     continue
                 k, onto = follow(grown, p, q, -1, there, unit(ahead), lowest_up, level)
                 # One way leads up where the other leads down.
-                if k >= 0 and onto[2] <= lowest_up:
-                    return _enter(table, solved, primitives, onto, (q, p, k), size) >= 0
+                if (
+                    k >= 0
+                    and onto[2] <= lowest_up
+                    and _enter(table, solved, primitives, onto, (q, p, k), size) >= 0
+                ):
+                    return True
         along = cross(normal, along)
     return False
 
