@@ -50,6 +50,7 @@ check: .venv/.installed ## lint, format, types, spelling
 
 physics: .venv/.physics ## judge the verdicts by a physics engine (docs/measured/physics.md, judged.md)
 	$(BIN)/python -m proofs.physics.agreement
+	$(BIN)/python -m proofs.physics.steady
 	$(BIN)/python -m proofs.physics.judge
 
 bench: .venv/.installed ## measure speed

@@ -238,10 +238,10 @@ def find_round_facets(
             if primitives[i, KIND] == POINT:
                 grown[i, KIND] = SPHERE
         agreed = True
-        for part in range(25 if lowest_up <= 0.0 else 50):
-            # From straight down on: rings of six normals, each 20 deg further up.
-            up = (part + 5) // 6 * 0.35
-            way = part * 1.0471975511965976 + up
+        for part in range(73 if lowest_up <= 0.0 else 145):
+            # From straight down on: rings of twelve normals, each 15 deg further up.
+            up = (part + 11) // 12 * 0.2617993877991494
+            way = part * 0.5235987755982988 + up
             normal = (math.sin(up) * math.cos(way), math.sin(up) * math.sin(way), -math.cos(up))
             lowest = 0
             for m in range(1, n):
