@@ -24,7 +24,7 @@ CLEAR = 1e-6
 # Absolem with both rims of each flipper branches where it rolls, and a branch is a threshold: of so
 # many robots in a thousand some direction changes.
 BRANCHING = {"absolem, both rims": 40}
-# From this noise on postures near a threshold (rest_width, rock_angle, upright) cross it: of so many
+# From this noise on postures near a threshold (rest_width, rock_angle, upright) cross it: so many
 # robots in a thousand.
 COARSE, NEAR = 1e-4, 12
 
