@@ -81,7 +81,8 @@ def tip_angle(count: Ints, segment: Floats, standing: bool, g: Vector) -> float:
     if count[FACETS] == 0:
         return -math.pi
     if count[SEGMENTS] == 0:
-        return math.pi
+        # Without a boundary it never tips, or there is no rest at all.
+        return math.pi if standing else -math.pi
     if count[CONVEX] == 1:
         lowest = 2.0
         for b in range(count[SEGMENTS]):

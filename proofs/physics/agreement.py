@@ -52,15 +52,25 @@ class Verdict:
         """Whether lutgen and the engine say the same."""
         return (self.tip_angle < 0.0) == self.tipped
 
+    @property
+    def held(self) -> bool:
+        """Whether it is the price of the catch: in balance over a gap, called tips, and held."""
+        return self.over_gap and self.tip_angle < 0.0 and not self.tipped
+
 
 @dataclass(frozen=True)
 class Row:
-    """What came of one kind of robot: counts, and the largest |tip_angle| (deg) that disagrees."""
+    """What came of one kind of robot: counts, and the largest |tip_angle| (deg) that disagrees.
+
+    What was called tips over a gap and held is counted as `held`, and in `agree`, `clear`,
+    `clear_agree` and `worst` left out.
+    """
 
     name: str
     cases: int
     stand: int
     over_gap: int
+    held: int
     agree: int
     clear: int
     clear_agree: int
@@ -91,16 +101,18 @@ def judged(name: str, chunk: int) -> list[Verdict]:
 
 def row(name: str, verdicts: Sequence[Verdict]) -> Row:
     """Count."""
-    clear = [v for v in verdicts if abs(v.tip_angle) >= CLEAR]
+    sharp = [v for v in verdicts if not v.held]
+    clear = [v for v in sharp if abs(v.tip_angle) >= CLEAR]
     return Row(
         name,
         len(verdicts),
         sum(not v.tipped for v in verdicts),
         sum(v.over_gap for v in verdicts),
-        sum(v.agrees for v in verdicts),
+        sum(v.held for v in verdicts),
+        sum(v.agrees for v in sharp),
         len(clear),
         sum(v.agrees for v in clear),
-        max((abs(v.tip_angle) for v in verdicts if not v.agrees), default=0.0),
+        max((abs(v.tip_angle) for v in sharp if not v.agrees), default=0.0),
         sum(v.com_off_tips == v.tipped for v in verdicts),
         sum(v.level_tips == v.tipped for v in verdicts),
     )
@@ -121,8 +133,9 @@ def missed(whole: Row) -> list[str]:
     faults = []
     if whole.clear_agree < whole.clear:
         faults.append(f"{whole.clear - whole.clear_agree} wrong beyond {CLEAR} deg")
-    if whole.agree < LEAST * whole.cases:
-        faults.append(f"only {percent(whole.agree, whole.cases)} agree (at least {LEAST:.1%})")
+    sharp = whole.cases - whole.held
+    if whole.agree < LEAST * sharp:
+        faults.append(f"only {percent(whole.agree, sharp)} agree (at least {LEAST:.1%})")
     if whole.com_off >= COM_OFF * whole.cases:
         faults.append(f"a com off by 3 cm still agrees in {percent(whole.com_off, whole.cases)}")
     if whole.level >= LEVEL * whole.cases:
@@ -139,15 +152,16 @@ def percent(part: int, whole: int) -> str:
 def table(rows: Iterable[Row]) -> str:
     """Return the table of rows as Markdown."""
     lines = [
-        "| robots | cases | stand | over a gap | agree | agree, 0.1 deg or more from the limit "
+        "| robots | cases | stand | over a gap | called tips there and held | agree | agree, 0.1 deg or more from the limit "
         "| largest tip angle of a disagreement | com off by 3 cm | tilt ignored |",
-        "|---|---|---|---|---|---|---|---|---|",
+        "|---|---|---|---|---|---|---|---|---|---|",
     ]
     for r in rows:
-        worst = f"{r.worst:.3f} deg" if r.agree < r.cases else "none"
+        sharp = r.cases - r.held
+        worst = f"{r.worst:.3f} deg" if r.agree < sharp else "none"
         lines.append(
             f"| {r.name} | {r.cases:,} | {percent(r.stand, r.cases)} | {r.over_gap} "
-            f"| {percent(r.agree, r.cases)} | {percent(r.clear_agree, r.clear)} of {r.clear:,} "
+            f"| {r.held} | {percent(r.agree, sharp)} | {percent(r.clear_agree, r.clear)} of {r.clear:,} "
             f"| {worst} | {percent(r.com_off, r.cases)} | {percent(r.level, r.cases)} |"
         )
     return "\n".join(lines) + "\n"
@@ -188,7 +202,7 @@ def main() -> int:
         print(sentence)
     for name, part in verdicts.items():
         for k, verdict in enumerate(part):
-            if not verdict.agrees:
+            if not verdict.agrees and not verdict.held:
                 print(f"disagrees: {name}, case {k}: {verdict}")
     print(f"MuJoCo {mujoco.__version__}, {time.monotonic() - began:.0f} s")
     if options.update:
