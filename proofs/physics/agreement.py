@@ -152,7 +152,8 @@ def percent(part: int, whole: int) -> str:
 def table(rows: Iterable[Row]) -> str:
     """Return the table of rows as Markdown."""
     lines = [
-        "| robots | cases | stand | over a gap | called tips there and held | agree | agree, 0.1 deg or more from the limit "
+        "| robots | cases | stand | over a gap | called tips there and held | agree "
+        "| agree, 0.1 deg or more from the limit "
         "| largest tip angle of a disagreement | com off by 3 cm | tilt ignored |",
         "|---|---|---|---|---|---|---|---|---|---|",
     ]
