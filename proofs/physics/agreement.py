@@ -162,7 +162,8 @@ def table(rows: Iterable[Row]) -> str:
         worst = f"{r.worst:.3f} deg" if r.agree < sharp else "none"
         lines.append(
             f"| {r.name} | {r.cases:,} | {percent(r.stand, r.cases)} | {r.over_gap} "
-            f"| {r.held} | {percent(r.agree, sharp)} | {percent(r.clear_agree, r.clear)} of {r.clear:,} "
+            f"| {r.held} | {percent(r.agree, sharp)} "
+            f"| {percent(r.clear_agree, r.clear)} of {r.clear:,} "
             f"| {worst} | {percent(r.com_off, r.cases)} | {percent(r.level, r.cases)} |"
         )
     return "\n".join(lines) + "\n"
