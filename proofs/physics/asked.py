@@ -9,7 +9,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from lutgen.channels.plain import tip_angle
+from lutgen.channels.angles import tip_angle
 from lutgen.jit import njit
 from lutgen.support.boundary import find_region
 from lutgen.support.rails import find_rail_facets

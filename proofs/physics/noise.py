@@ -12,7 +12,8 @@ import lutgen
 from lutgen.recipe import forward, radii_and_kinds
 from lutgen.support import pack
 from lutgen.support.region import TIPS
-from proofs.physics.asked import Floats, ask, directions, limits_for
+from lutgen.vector import Floats
+from proofs.physics.asked import ask, directions, limits_for
 
 KINDS = (
     *("car, one rim", "car, two rims", "six wheels, one rim", "six wheels, two rims", "balls"),

@@ -15,7 +15,8 @@ import numpy as np
 
 from lutgen.support import DISC, pack
 from lutgen.support.region import TIPS
-from proofs.physics.asked import RAILS, ROLLING, Floats, ask, directions, limits_for
+from lutgen.vector import Floats
+from proofs.physics.asked import RAILS, ROLLING, ask, directions, limits_for
 from proofs.physics.noise import KINDS, NOISES, Compared, compared, table
 
 COUNTS = (3, 4, 5, 6, 8, 12)
