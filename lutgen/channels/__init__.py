@@ -1,7 +1,7 @@
 """Standing regions and directions of gravity into numbers.
 
-In reading order: `angles`, `axes`, `plain`, `block`, `loaded`, `wrench`, `batch`, `evaluation`,
-`raster`, `tilt_rows`, `scan`, `settle`.
+In reading order: `angles`, `axes`, `barrier`, `plain`, `block`, `loaded`, `wrench`, `batch`,
+`evaluation`, `raster`, `tilt_rows`, `scan`, `settle`.
 """
 
 from lutgen.channels.angles import JUST_OUTSIDE, tip_angle

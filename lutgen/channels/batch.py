@@ -14,7 +14,14 @@ from numpy.typing import NDArray
 from lutgen.channels.axes import MU, PHI, add, empty_axes, find_axes, part
 from lutgen.channels.block import BLOCK, empty_block, measure_block, worth_blocks
 from lutgen.channels.loaded import measure_loaded
-from lutgen.channels.plain import HEIGHT_BEYOND, Setting, go_beyond, measure
+from lutgen.channels.plain import (
+    HEIGHT_BEYOND,
+    Setting,
+    find_wanted_ridges,
+    go_beyond,
+    measure,
+    room_for_ridges,
+)
 from lutgen.channels.wrench import wrenches
 from lutgen.errors import InputError
 from lutgen.jit import in_threads, njit
@@ -55,7 +62,7 @@ def measure_some(
     acceptance, wanted = setting
     n, count = primitives.shape[1], gravity_dir.shape[1]
     per_posture = (count + STRETCH - 1) // STRETCH
-    table, region = facet_table(n), empty_region(n)
+    table, region, ridges = facet_table(n), empty_region(n), room_for_ridges(n, wanted)
     if wrench is not None:
         axes = empty_axes(region)
     room, values, places = empty_block(), np.empty(ROWS), np.empty(ROWS, np.int64)
@@ -70,18 +77,20 @@ def measure_some(
             current = posture
             too_many = stand(table, region, primitives[posture], acceptance)
             overflow += too_many if first == 0 else 0
-            if wrench is not None:
+            if wrench is None:
+                find_wanted_ridges(ridges, table, region, primitives[posture], wanted)
+            else:
                 find_axes(region, wrench[posture], axes)
         directions = gravity_dir[posture % gravity_dir.shape[0], first : first + STRETCH]
         if wrench is None and worth_blocks(region.tally, wanted, directions.shape[0]):
             for at in range(0, directions.shape[0], BLOCK):
                 some = directions[at : at + BLOCK]
-                measure_block(region, some, wanted, room, places, posture, first + at, out)
+                measure_block(region, ridges, some, wanted, room, places, posture, first + at, out)
         else:
             for d in range(directions.shape[0]):
                 g = row(directions, d)
                 if wrench is None:
-                    measure(region, g, wanted, values)
+                    measure(region, ridges, g, wanted, values)
                 else:
                     measure_loaded(region, axes, wrench[posture], g, wanted, values)
                 for c in range(len(CHANNELS)):

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.channels.angles import JUST_OUTSIDE, signed_angle
-from lutgen.channels.plain import axis_energy, axis_margin
+from lutgen.channels.plain import axis_energy, axis_margin, least_barrier
 from lutgen.jit import njit
 from lutgen.support import (
     CONVEX,
@@ -27,6 +27,8 @@ from lutgen.support import (
     STOP,
     TIP_PLANE,
     Region,
+    Ridges,
+    has_ridges,
     vector_at,
 )
 from lutgen.vector import Bools, Floats, Ints, Vector, dot
@@ -150,6 +152,23 @@ def _easier(
 
 
 @njit()
+def _barriers(
+    region: Region,
+    ridges: Ridges,
+    x: Floats,
+    y: Floats,
+    z: Floats,
+    first: Ints,
+    lowest: Floats,
+    least: Floats,
+) -> None:
+    """Put the least barrier for the least rise where the robot stands and may roll."""
+    for i in range(x.shape[0]):
+        if _stands(first[i], lowest[i]):
+            least[i] = least_barrier(region, ridges, first[i], (x[i], y[i], z[i]), least[i])
+
+
+@njit()
 def _margins(least: Floats, first: Ints, lowest: Floats, out: Floats) -> None:
     """Give a margin the sign of the verdict."""
     for i in range(np.uint64(out.shape[0])):
@@ -160,6 +179,7 @@ def _margins(least: Floats, first: Ints, lowest: Floats, out: Floats) -> None:
 @njit()
 def measure_block(
     region: Region,
+    ridges: Ridges,
     directions: Floats,
     wanted: Bools,
     room: Block,
@@ -206,6 +226,8 @@ def measure_block(
                     _nearer(start, stop, plane, x, y, z, least)
                 else:
                     _easier(start, stop, plane, x, y, z, least)
+            if c == 4 and has_ridges(tally):
+                _barriers(region, ridges, x, y, z, first, lowest, least)
             _margins(least, first, lowest, out[places[c], posture, here])
     if wanted[5]:
         for i in range(count):

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.channels.angles import JUST_OUTSIDE, tip_angle
+from lutgen.channels.barrier import LABELS, barrier
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 from lutgen.jit import njit
@@ -29,13 +30,19 @@ from lutgen.support import (
     TIP_PLANE,
     TIPS,
     Acceptance,
+    FacetTable,
     Region,
+    Ridges,
+    empty_ridges,
+    find_ridges,
+    has_ridges,
     status_of,
     supporting_facet,
     vector_at,
 )
 from lutgen.vector import Bools, Floats, Vector, cross, dot, length, scale, subtract
 
+ENERGY = CHANNELS.index("energy_margin")
 # Rows of a measurement after those of the channels: how |SD_g| goes on beyond the standing region.
 ALONG, ASIDE, HEIGHT_BEYOND = len(CHANNELS), len(CHANNELS) + 1, len(CHANNELS) + 2
 
@@ -96,11 +103,40 @@ def axis_energy(start: Vector, stop: Vector, tip_plane: Vector, g: Vector) -> fl
 
 
 @njit()
-def measure(region: Region, g: Vector, wanted: Bools, out: Floats) -> None:
+def room_for_ridges(primitives: int, wanted: Bools) -> Ridges:
+    """Return room for the ridges of so many primitives, or for none where nobody asks for them."""
+    return empty_ridges(primitives if wanted[ENERGY] else 0, LABELS)
+
+
+@njit()
+def find_wanted_ridges(
+    ridges: Ridges, table: FacetTable, region: Region, primitives: Floats, wanted: Bools
+) -> None:
+    """Fill `ridges` where the energy margin is wanted and is not that of one facet alone."""
+    if wanted[ENERGY] and has_ridges(region.tally):
+        find_ridges(ridges, table, region, primitives)
+
+
+@njit()
+def least_barrier(region: Region, ridges: Ridges, k: int, g: Vector, nearest: float) -> float:
+    """Return the energy margin of a robot that stands on facet k.
+
+    `nearest`: the least rise over a line of the boundary.  It is the answer where there is one
+    facet only, and where no way over edges ends.
+    """
+    if not has_ridges(region.tally):
+        return nearest
+    least = barrier(region, ridges, k, g)
+    return least if least < math.inf else nearest
+
+
+@njit()
+def measure(region: Region, ridges: Ridges, g: Vector, wanted: Bools, out: Floats) -> None:
     """Fill `out` with the channels of one direction, in the order of `CHANNELS`.
 
-    `wanted` (bool) skips the costly ones.  Outside the standing region `sdg` and `height` are
-    NaN, `facet` is -1 and the others are negative.
+    `ridges` are as `find_wanted_ridges` leaves them.  `wanted` (bool) skips the costly ones.
+    Outside the standing region `sdg` and `height` are NaN, `facet` is -1 and the others are
+    negative.
     """
     count, facet, segment = region.tally, region.facet, region.segment
     k = supporting_facet(facet, count[FACETS], g)
@@ -132,6 +168,8 @@ def measure(region: Region, g: Vector, wanted: Bools, out: Floats) -> None:
         if count[FACETS] == 0:
             margin = energy = -math.inf
         elif standing:
+            if wanted[ENERGY]:
+                energy = least_barrier(region, ridges, k, g, energy)
             margin, energy = max(margin, 0.0), max(energy, 0.0)
         else:
             if not convex:

@@ -13,7 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.channels.batch import measure_postures
-from lutgen.channels.plain import Setting, measure, wanted_channels
+from lutgen.channels.plain import (
+    Setting,
+    find_wanted_ridges,
+    measure,
+    room_for_ridges,
+    wanted_channels,
+)
 from lutgen.channels.raster import VECTOR, Drawing, Rows, draw_facets, stability_factor
 from lutgen.channels.tilt_rows import agree_in_sign, arc_rows, tip_rows
 from lutgen.channels.wrench import acceptance_of, wrenches
@@ -29,6 +35,7 @@ from lutgen.support import (
     HEIGHT,
     SEGMENTS,
     Region,
+    Ridges,
     empty_region,
     facet_table,
     pack,
@@ -76,12 +83,15 @@ def _node_direction(basis: Floats, u: float, v: float) -> Vector:
 
 
 @njit()
-def _each_node(region: Region, rows: Rows, wanted: Bools, values: Floats, out: Singles) -> None:
+def _each_node(
+    region: Region, ridges: Ridges, rows: Rows, wanted: Bools, values: Floats, out: Singles
+) -> None:
     """Fill the wanted channels of rows of one face node by node, for any region."""
     for r in range(rows.held):
         v = rows.coords[rows.first + r]
         for i in range(rows.nodes):
-            measure(region, _node_direction(rows.basis, rows.coords[i], v), wanted, values)
+            g = _node_direction(rows.basis, rows.coords[i], v)
+            measure(region, ridges, g, wanted, values)
             for c in range(len(CHANNELS)):
                 if wanted[c]:
                     out[c, r * rows.nodes + i] = np.float32(values[c])
@@ -104,7 +114,7 @@ def scan_part(
     nodes = coords.shape[0] - VECTOR
     n = primitives.shape[1]
     overflow = 0
-    table, region = facet_table(n), empty_region(n)
+    table, region, ridges = facet_table(n), empty_region(n), room_for_ridges(n, wanted)
     # Only these are drawn in rows.
     in_rows = wanted.sum() == wanted[0] + wanted[1] + wanted[2] + wanted[5]
     values = np.empty(len(CHANNELS))
@@ -128,6 +138,7 @@ def scan_part(
         if posture != current:
             current = posture
             overflow += stand(table, region, primitives[posture], acceptance)
+            find_wanted_ridges(ridges, table, region, primitives[posture], wanted)
         line = first + at - posture * per_posture
         face, first_row = line // nodes, line % nodes
         held = min(band_rows, nodes - first_row, end - at, (posture + 1) * per_posture - at)
@@ -137,7 +148,7 @@ def scan_part(
         rows = Rows(chart.basis[face], coords, nodes, first_row, held, inverse)
         simple = in_rows and region.tally[GAPS] + region.tally[BLURRED] == 0
         if not simple or chart.basis.shape[0] * nodes * nodes < FEW_DIRECTIONS:
-            _each_node(region, rows, wanted, values, out[:, place])
+            _each_node(region, ridges, rows, wanted, values, out[:, place])
             continue
         drawn = draw_facets(region, rows, drawing)
         count = held * nodes

@@ -1,7 +1,7 @@
 """One posture into its support facets and its standing region.
 
 In reading order: `primitive`, `polygon`, `table`, `hull`, `rails`, `follow`, `rounds`, `unite`,
-`arc`, `catch`, `gaps`, `region`, `rest`, `tiles`, `strips`, `boundary`, `search`.
+`arc`, `catch`, `gaps`, `region`, `rest`, `tiles`, `strips`, `boundary`, `search`, `ridges`.
 """
 
 from lutgen.support.polygon import area_centroid, convex_polygon
@@ -47,6 +47,7 @@ from lutgen.support.region import (
     supporting_facet,
     vector_at,
 )
+from lutgen.support.ridges import OVER, Ridges, empty_ridges, find_ridges, has_ridges, roll_over
 from lutgen.support.search import stand
 from lutgen.support.table import (
     FIRST,
@@ -54,6 +55,7 @@ from lutgen.support.table import (
     MAX_PRIMITIVES,
     RELATIVE_TOLERANCE,
     VERTEX,
+    FacetTable,
     facet_table,
     robot_size,
 )
@@ -76,6 +78,7 @@ __all__ = [
     "KIND",
     "MASK",
     "MAX_PRIMITIVES",
+    "OVER",
     "PLANE",
     "POINT",
     "RADIUS",
@@ -93,14 +96,20 @@ __all__ = [
     "TIP_PLANE",
     "VERTEX",
     "Acceptance",
+    "FacetTable",
     "Region",
+    "Ridges",
     "acceptance",
     "area_centroid",
     "convex_polygon",
     "empty_region",
+    "empty_ridges",
     "facet_table",
+    "find_ridges",
+    "has_ridges",
     "pack",
     "robot_size",
+    "roll_over",
     "stand",
     "status_of",
     "support_contact",

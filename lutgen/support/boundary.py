@@ -231,7 +231,7 @@ def find_region(
     tally[BLURRED] = 0
     region.tile[0] = 0
     first[0, FIRST] = 0
-    gap = np.empty((span[facets, FIRST], 2))
+    gap = table.held[: span[facets, FIRST]]
     if asked:
         limits = (accept.rock_angle + 1e-12, max(0.5 * accept.rest_width, tolerance))
         find_gaps(primitives, facets, facet, span, corner, link, kind, limits, gap)

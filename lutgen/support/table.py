@@ -37,7 +37,8 @@ class FacetTable(NamedTuple):
     and height; `span` (F + 1, 3) its first corner, the bit set of the primitives that it
     touches, and room for its place among the accepted facets.  Per corner, counter-clockwise seen
     from outside: `corner` (E, 3) contact point; `link` (E, 3) primitive, and of the edge from this
-    corner to the next the facet beyond it and the corner there at which it begins, or `OUTSIDE`.
+    corner to the next the facet beyond it and the corner there at which it begins, or `OUTSIDE`;
+    `held` (E, 2) from which part of that edge to which the robot is caught beyond, 1 and 0 if not.
     """
 
     tally: NDArray[np.int64]
@@ -45,6 +46,7 @@ class FacetTable(NamedTuple):
     span: NDArray[np.int64]
     corner: NDArray[np.float64]
     link: NDArray[np.int64]
+    held: NDArray[np.float64]
 
 
 @njit()
@@ -58,6 +60,7 @@ def facet_table(primitives: int) -> FacetTable:
         np.zeros((facets + 1, 3), np.int64),
         np.empty((corners, 3)),
         np.empty((corners, 3), np.int64),
+        np.empty((corners, 2)),
     )
 
 

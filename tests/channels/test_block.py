@@ -13,7 +13,7 @@ from lutgen.channels.angles import arcsine
 from lutgen.channels.batch import STRETCH
 from lutgen.channels.block import BLOCK, worth_blocks
 from lutgen.channels.evaluation import measure_primitives
-from lutgen.channels.plain import measure
+from lutgen.channels.plain import find_wanted_ridges, measure, room_for_ridges
 from lutgen.jit import njit
 from lutgen.support import DISC, acceptance, empty_region, facet_table, pack, stand
 from tests.fixtures.recipes import ALL_CHANNELS
@@ -30,10 +30,12 @@ def node_by_node(
     """Return the channels (6, g) of one direction after the other, and whether blocks fit."""
     table, region = facet_table(len(primitives)), empty_region(len(primitives))
     stand(table, region, primitives, acceptance(*limits))
+    ridges = room_for_ridges(len(primitives), EVERYTHING)
+    find_wanted_ridges(ridges, table, region, primitives, EVERYTHING)
     units = lutgen.chart.unit_directions(gravity)
     values = np.empty((len(gravity), len(ALL_CHANNELS)))
     for g, out in zip(units, values, strict=True):
-        measure(region, tuple(g.tolist()), EVERYTHING, out)
+        measure(region, ridges, tuple(g.tolist()), EVERYTHING, out)
     return values.T, worth_blocks(region.tally, EVERYTHING, len(gravity))
 
 
