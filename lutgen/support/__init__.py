@@ -57,6 +57,7 @@ from lutgen.support.table import (
     VERTEX,
     FacetTable,
     facet_table,
+    put,
     robot_size,
 )
 
@@ -108,6 +109,7 @@ __all__ = [
     "find_ridges",
     "has_ridges",
     "pack",
+    "put",
     "robot_size",
     "roll_over",
     "stand",

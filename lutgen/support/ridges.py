@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.jit import njit
-from lutgen.support.arc import angle_between, arc_normal, rise_over, turned_along
+from lutgen.support.arc import angle_between, arc_normal, turned_along
 from lutgen.support.gaps import HIGH, LOW
 from lutgen.support.primitive import KIND, POINT, support_contact
 from lutgen.support.region import (
@@ -24,7 +24,6 @@ from lutgen.support.region import (
     Region,
     vector_at,
 )
-from lutgen.support.region import POINT as CORNER
 from lutgen.support.table import FIRST, NEIGHBOUR, VERTEX, FacetTable, corner_after, put
 from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, scale, subtract, unit
 
@@ -34,25 +33,29 @@ PLACES, STEPS = 9, 4
 # Columns of Ridges.beyond, and what BEYOND holds where the robot tips over.
 BEYOND, MOVES = 0, 1
 OVER = -1
-# Columns of Ridges.turn and of Ridges.arc.
-SEEN, RISE = 0, 9
+# Columns of Ridges.ridge and of Ridges.arc.
+WALL, ALONG, ARM, REACH, FOOT, LENGTH, HELD_FROM, HELD_TO, SEEN, RISE = (
+    *(0, 3, 6, 9, 10, 11, 12, 13, 14),
+    23,
+)
 TURNED, HEIGHT_AT, SLOPE_AT = 0, 1, 4
 
 
 class Ridges(NamedTuple):
     """The edges of a region's facets as ridges; in the order of `Region.edge`.
 
+    `ridge` (E, 26): inward unit normal of the plane through edge and com; unit vector along the
+    edge; from its line to the com, and how far; from its start to
+    the foot of that, and its length; the part of it over which the
+    robot is caught beyond (`FacetTable.held`); three rows that give gravity as the body sees it
+    beyond, and the vector whose product with gravity is how far the com has risen there.
     `beyond` (E, 2): accepted facet to which the robot rolls or OVER; 1 if its contacts move.
-    `held` (E, 2): the part of the edge over which it is caught beyond, as in `FacetTable.held`.
-    `turn` (E, 12): three rows that give gravity as the body sees it beyond, and the vector whose
-    product with gravity is how far the com has risen there.  `arc` (E, PLACES, 7), where contacts
-    move: the turn so far (rad), and the vectors that give height and slope (length per rad).
-    `label` (L, 5) and `way` (L, 3) are room for `channels.barrier`.
+    `arc` (E, PLACES, 7), where they do: the turn so far (rad), and the vectors that give height and
+    slope (length per rad).  `label` (L, 5) and `way` (L, 3) are room for `channels.barrier`.
     """
 
+    ridge: NDArray[np.float64]
     beyond: NDArray[np.int64]
-    held: NDArray[np.float64]
-    turn: NDArray[np.float64]
     arc: NDArray[np.float64]
     label: NDArray[np.float64]
     way: NDArray[np.int64]
@@ -63,9 +66,8 @@ def empty_ridges(primitives: int, labels: int) -> Ridges:
     """Return room for the ridges of `primitives` contact primitives; 0: none will be asked for."""
     edges = 36 * primitives
     return Ridges(
+        np.empty((edges, 26)),
         np.empty((edges, 2), np.int64),
-        np.empty((edges, 2)),
-        np.empty((edges, 12)),
         np.empty((edges, PLACES, 7)),
         np.empty((labels, 5)),
         np.empty((labels, 3), np.int64),
@@ -81,7 +83,15 @@ def has_ridges(tally: Ints) -> bool:
 
 @njit()
 def _enter(
-    primitives: Floats, i: int, j: int, begin: Vector, end: Vector, moves: bool, e: int, out: Ridges
+    primitives: Floats,
+    i: int,
+    j: int,
+    begin: Vector,
+    end: Vector,
+    moves: bool,
+    e: int,
+    ridge: Floats,
+    arc: Floats,
 ) -> None:
     """Fill the ridge of edge e: over primitives i and j from one facet's normal to another's."""
     # Where the three axes of the body of the start are by now, and how far each would have risen.
@@ -121,16 +131,16 @@ def _enter(
             at = step // STEPS
             apart = subtract(support_contact(primitives, j, here), contact)
             lever = scale(cross(contact, apart), 1.0 / length(apart))
-            out.arc[e, at, TURNED] = turned
+            arc[e, at, TURNED] = turned
             for c in range(3):
-                out.arc[e, at, HEIGHT_AT + c] = rise[c]
-            out.arc[e, at, SLOPE_AT] = dot(lever, x)
-            out.arc[e, at, SLOPE_AT + 1] = dot(lever, y)
-            out.arc[e, at, SLOPE_AT + 2] = dot(lever, z)
+                arc[e, at, HEIGHT_AT + c] = rise[c]
+            arc[e, at, SLOPE_AT] = dot(lever, x)
+            arc[e, at, SLOPE_AT + 1] = dot(lever, y)
+            arc[e, at, SLOPE_AT + 2] = dot(lever, z)
     for c in range(3):
-        out.turn[e, SEEN + 3 * c], out.turn[e, SEEN + 3 * c + 1] = x[c], y[c]
-        out.turn[e, SEEN + 3 * c + 2] = z[c]
-    put(out.turn, e, RISE, rise)
+        ridge[e, SEEN + 3 * c], ridge[e, SEEN + 3 * c + 1] = x[c], y[c]
+        ridge[e, SEEN + 3 * c + 2] = z[c]
+    put(ridge, e, RISE, rise)
 
 
 @njit()
@@ -146,41 +156,48 @@ def find_ridges(ridges: Ridges, table: FacetTable, region: Region, primitives: F
     primitives : (n, 8) float64
         Rows of `primitive.pack`, relative to the com.
     """
-    span, link = table.span, table.link
+    span, corner, link, held = table.span, table.corner, table.link, table.held
+    ridge, ways = ridges.ridge, ridges.beyond
     for k in range(region.tally[FACETS]):
         f = region.span[k, SOURCE]
         for c in range(span[f + 1, FIRST] - span[f, FIRST]):
             at, e = span[f, FIRST] + c, region.span[k, FIRST] + c
-            ridges.held[e, LOW], ridges.held[e, HIGH] = table.held[at, LOW], table.held[at, HIGH]
-            ridges.beyond[e, BEYOND] = region.link[e, ACROSS]
-            if not table.held[at, LOW] < table.held[at, HIGH]:
-                ridges.beyond[e, BEYOND] = OVER
-            if ridges.beyond[e, BEYOND] == OVER:
+            following = corner_after(span, f, at)
+            p, q = row(corner, at), row(corner, following)
+            apart = subtract(q, p)
+            along = unit(apart)
+            arm = subtract(scale(along, dot(p, along)), p)
+            put(ridge, e, WALL, vector_at(region.edge, e, EDGE_PLANE))
+            put(ridge, e, ALONG, along)
+            put(ridge, e, ARM, arm)
+            ridge[e, REACH], ridge[e, FOOT] = length(arm), -dot(p, along)
+            ridge[e, LENGTH] = length(apart)
+            ridge[e, HELD_FROM], ridge[e, HELD_TO] = held[at, LOW], held[at, HIGH]
+            caught = held[at, LOW] < held[at, HIGH]
+            ways[e, BEYOND] = region.link[e, ACROSS] if caught else OVER
+            if ways[e, BEYOND] == OVER:
                 continue
-            i, j = link[at, VERTEX], link[corner_after(span, f, at), VERTEX]
+            i, j = link[at, VERTEX], link[following, VERTEX]
             moves = primitives[i, KIND] != POINT or primitives[j, KIND] != POINT
-            ridges.beyond[e, MOVES] = 1 if moves else 0
+            ways[e, MOVES] = 1 if moves else 0
             begin, end = row(table.facet, f), row(table.facet, link[at, NEIGHBOUR])
-            _enter(primitives, i, j, begin, end, moves, e, ridges)
+            _enter(primitives, i, j, begin, end, moves, e, ridge, ridges.arc)
 
 
 @njit(inline=True)
-def _place_at_top(p: Vector, q: Vector, g: Vector) -> float:
-    """Return over which part of the segment from p to q the com is when it is above the line."""
-    apart = subtract(q, p)
-    along = unit(apart)
-    slant = dot(g, along)
-    from_start = -dot(p, along)
-    arm = length(cross(p, along))
-    flat = math.sqrt(max(1.0 - slant * slant, 1e-30))
-    return float(min(max((from_start + arm * slant / flat) / length(apart), 0.0), 1.0))
+def _place_at_top(ridge: Floats, e: int, slant: float, flat: float) -> float:
+    """Return over which part of edge e the com is when it is above its line.
+
+    `slant` is the part of gravity along the edge, `flat` that across it.
+    """
+    place = (ridge[e, FOOT] + ridge[e, REACH] * slant / max(flat, 1e-30)) / ridge[e, LENGTH]
+    return min(max(place, 0.0), 1.0)
 
 
 @njit(inline=True)
 def _highest(arc: Floats, e: int, g: Vector) -> float:
     """Return how far the com rises along an arc at most, by cubics between its places."""
-    most = 0.0
-    a = slope = before = 0.0
+    most = a = slope = before = 0.0
     for at in range(PLACES):
         turned = arc[e, at, TURNED]
         b = arc[e, at, HEIGHT_AT] * g[0] + arc[e, at, 2] * g[1] + arc[e, at, 3] * g[2]
@@ -197,36 +214,42 @@ def _highest(arc: Floats, e: int, g: Vector) -> float:
     return most
 
 
-@njit()
+@njit(inline=True)
 def roll_over(
-    region: Region, ridges: Ridges, e: int, following: int, g: Vector
+    ridge: Floats, beyond: Ints, arc: Floats, e: int, g: Vector
 ) -> tuple[int, float, float, Vector]:
-    """Roll over edge e of a facet, at whose end edge `following` begins.
+    """Roll over edge e.
 
     Returns the facet beyond, or OVER where the robot tips over; how far the com rises at most and
     in the end (length); and gravity as the body then sees it.  An edge that gravity is beyond
-    already asks for no rise.
+    already asks for no rise.  The rise over a line is that of `channels.plain.axis_energy`.
     """
-    p, q = vector_at(region.edge, e, CORNER), vector_at(region.edge, following, CORNER)
-    inside = dot(vector_at(region.edge, e, EDGE_PLANE), g) >= 0.0
-    most = rise_over(p, q, g) if inside else 0.0
-    other = ridges.beyond[e, BEYOND]
-    if other != OVER and (ridges.held[e, LOW] > 0.0 or ridges.held[e, HIGH] < 1.0):
-        place = _place_at_top(p, q, g)
-        if not ridges.held[e, LOW] <= place <= ridges.held[e, HIGH]:
+    wall = vector_at(ridge, e, WALL)
+    inside = dot(wall, g)
+    slant = dot(vector_at(ridge, e, ALONG), g)
+    flat = math.sqrt(max(1.0 - slant * slant, 0.0))
+    reach = ridge[e, REACH]
+    top, now = reach * flat, -dot(vector_at(ridge, e, ARM), g)
+    most = top - now
+    if now > 0.0:
+        most = (reach * inside) * (reach * inside) / (top + now)
+    most = most if inside >= 0.0 else 0.0
+    other = beyond[e, BEYOND]
+    if other != OVER and ridge[e, HELD_TO] - ridge[e, HELD_FROM] < 1.0:
+        place = _place_at_top(ridge, e, slant, flat)
+        if not ridge[e, HELD_FROM] <= place <= ridge[e, HELD_TO]:
             other = OVER
-    if other == OVER:
-        return OVER, most, most, g
-    turn = ridges.turn
-    end = dot(vector_at(turn, e, RISE), g)
-    seen = (
-        dot(vector_at(turn, e, SEEN), g),
-        dot(vector_at(turn, e, SEEN + 3), g),
-        dot(vector_at(turn, e, SEEN + 6), g),
-    )
-    if ridges.beyond[e, MOVES] == 1:
-        most = _highest(ridges.arc, e, g)
-    elif inside and dot(cross(p, q), seen) >= 0.0:
-        # The next facet is on the ground before the com is above the edge.
-        most = max(end, 0.0)
-    return other, most, end, seen
+    last, seen = most, g
+    if other != OVER:
+        last = dot(vector_at(ridge, e, RISE), g)
+        seen = (
+            dot(vector_at(ridge, e, SEEN), g),
+            dot(vector_at(ridge, e, SEEN + 3), g),
+            dot(vector_at(ridge, e, SEEN + 6), g),
+        )
+        if beyond[e, MOVES] == 1:
+            most = _highest(arc, e, g)
+        elif inside >= 0.0 and dot(wall, seen) >= 0.0:
+            # The next facet is on the ground before the com is above the edge.
+            most = max(last, 0.0)
+    return other, most, last, seen

@@ -1,4 +1,4 @@
-"""Oracle for the energy margin of point contacts: the robot is rolled over the ground, step by step.
+"""Oracle for the energy margin of point contacts: the robot is rolled over the ground.
 
 The ground is the plane on which the robot lies at first, and gravity is fixed to it.  The robot
 turns about the line through two of its contacts until another one touches; its next facet is
@@ -34,10 +34,11 @@ def rises(com: Floats, axis: Floats, foot: Floats, angle: float, up: Floats) -> 
 def least_barrier(
     contacts: Floats, start: Floats, gravity: Floats, upright: float = pi, depth: int = 4
 ) -> float:
-    """Return the least rise of the com on any way of at most `depth` rolls that tips the robot over.
+    """Return the least rise of the com on any way of at most `depth` rolls that tips it over.
 
-    `contacts` (n, 3) relative to the com; `start` (3,) outward normal of the plane that they lie on;
-    a plane whose normal is not less than `upright` (rad) from the body's -z is tipping over.
+    `contacts` (n, 3) relative to the com; `start` (3,) outward normal of the plane that they lie
+    on.  Planes whose normal is not less than `upright` (rad) from the body's -z do not count: the
+    robot tips over as if they were not there.
     """
     points = distinct(contacts)
     size = size_of(points)
@@ -69,14 +70,16 @@ def least_barrier(
             ]
             sinks = float(np.arctan2((com - foot) @ ground, (com - foot) @ outside))
             turn = min([*falls, sinks])
+            spin = Rotation.from_rotvec(axis * turn).as_matrix()
+            after, moved = spin @ turned, foot + spin @ (com - foot)
+            # The body's z axis, seen from the ground.
+            over = turn == sinks or not float(after[:, 2] @ ground) > cos(upright)
+            turn = sinks if over else turn
             way = rises(com, axis, foot, turn, up)
             top = max(peak, raised + float(way.max()))
             if top >= best:
                 continue
-            spin = Rotation.from_rotvec(axis * turn).as_matrix()
-            after, moved = spin @ turned, foot + spin @ (com - foot)
-            # The body's z axis, seen from the ground.
-            if turn == sinks or not float(after[:, 2] @ ground) > cos(upright):
+            if over:
                 best = top
                 continue
             height = (moved + points @ after.T) @ ground + level
