@@ -55,7 +55,8 @@ class Verdict:
     """Everything the oracle says about one posture and one gravity direction.
 
     `pierced` holds (sdg, height) of every facet that the ray meets within `TIE`: two or more
-    at a shared edge, where the tie rule may pick any of them.
+    at a shared edge, where the tie rule may pick any of them.  `energy_margin` is the least rise
+    over any tip-over axis: that of a robot on its only facet, or of one that tips; see `tipping`.
     """
 
     stands: bool

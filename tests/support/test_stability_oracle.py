@@ -18,6 +18,7 @@ from scipy.spatial import ConvexHull
 import lutgen
 from tests.oracles import points as oracle
 from tests.oracles.points import Floats
+from tests.oracles.tipping import least_barrier
 
 CHANNELS = ("sdg", "height", "tip_angle", "margin", "energy_margin", "facet")
 UPRIGHT = radians(90.0)
@@ -304,13 +305,42 @@ def test_margins_equal_the_oracle_on_both_sides_of_the_tipping_limit(
         if abs(want.tip_angle) < LIMIT:
             continue
         where = describe(index, case)
-        for name, expected in (("margin", want.margin), ("energy_margin", want.energy_margin)):
-            assert (got[name][index] > 0.0) == want.stands, f"{where}: {name}"
-            # Distances and rises are differences of lengths of the robot's size.
-            floor = 1e-9 * oracle.size_of(case.contacts)
-            assert got[name][index] == pytest.approx(expected, rel=1e-7, abs=floor), (
-                f"{where}: {name}"
-            )
+        size = oracle.size_of(case.contacts)
+        assert (got["margin"][index] > 0.0) == want.stands, where
+        # Over a ridge on a slope the robot may roll on until it tips, with no rise at all.
+        assert (got["energy_margin"][index] >= 0.0) == want.stands, where
+        # Distances and rises are differences of lengths of the robot's size.
+        assert got["margin"][index] == pytest.approx(want.margin, rel=1e-7, abs=1e-9 * size), where
+        energy = got["energy_margin"][index]
+        if not want.stands:
+            assert energy == pytest.approx(want.energy_margin, rel=1e-7, abs=1e-9 * size), where
+        else:
+            # The oracle's grid misses the top of a circle by up to 1e-3 squared over 8.
+            assert any(
+                energy == pytest.approx(barrier, rel=1e-7, abs=2e-7 * size)
+                for barrier in barriers(case, *limits)
+            ), f"{where}: {energy}, {barriers(case, *limits)}"
+
+
+def barriers(
+    case: Case, upright: float | None = None, rock_angle: float | None = None
+) -> list[float]:
+    """Return the oracle's energy margins of a robot that stands: of each facet that it may be on.
+
+    Without rocking the least rise over a side of the facet; else the least barrier over up to
+    twelve rolls.
+    """
+    facets = oracle.accepted(oracle.support_facets(oracle.distinct(case.contacts)), upright)
+    found = []
+    for facet in facets:
+        if oracle.is_nearly_pierced(facet, case.gravity):
+            if rock_angle is None:
+                angle = pi if upright is None else upright
+                found.append(least_barrier(case.contacts, facet.normal, case.gravity, angle, 12))
+            else:
+                sides = oracle.tip_over_axes([facet], 0.0)
+                found.append(min(abs(oracle.axis_energy(side, case.gravity)) for side in sides))
+    return found
 
 
 @pytest.mark.parametrize("count", [3, 4, 5, 6, 8])
