@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from firmware_export.grid import SPAN
 from firmware_export.truth import Model, combinations
-from lutgen.channels import measure, wanted_channels
+from lutgen.channels import measure, room_for_ridges, wanted_channels
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 from lutgen.jit import njit, prange
@@ -156,7 +156,7 @@ def _outline(
     """Fill one posture: pieces and their number per face (-1: too many), and what tips."""
     basis, reach, gravity, wanted, slack = view
     n = primitives.shape[0]
-    table, region = facet_table(n), empty_region(n)
+    table, region, ridges = facet_table(n), empty_region(n), room_for_ridges(n, wanted)
     stand(table, region, primitives, acceptance)
     size = robot_size(primitives)
     farthest = 0.0
@@ -164,7 +164,7 @@ def _outline(
         farthest = max(farthest, moved[i])
     values = np.empty(len(CHANNELS))
     for d in range(len(gravity)):
-        measure(region, row(gravity, d), wanted, values)
+        measure(region, ridges, row(gravity, d), wanted, values)
         tips[d] = math.isnan(values[0])
     turn = farthest / (WIDTH * size)
     total = 0

@@ -23,6 +23,7 @@ from lutgen.channels.plain import (
     axis_margin,
     checked_directions,
     measure,
+    room_for_ridges,
     wanted_channels,
 )
 from lutgen.channels.scan import Scanner
@@ -58,6 +59,7 @@ __all__ = [
     "measure_recipe",
     "part",
     "refuse_forces",
+    "room_for_ridges",
     "stability",
     "tip_angle",
     "turned",

@@ -105,7 +105,7 @@ def axis_energy(start: Vector, stop: Vector, tip_plane: Vector, g: Vector) -> fl
 @njit()
 def room_for_ridges(primitives: int, wanted: Bools) -> Ridges:
     """Return room for the ridges of so many primitives, or for none where nobody asks for them."""
-    return empty_ridges(primitives if wanted[ENERGY] else 0, LABELS)
+    return empty_ridges(primitives, LABELS) if wanted[ENERGY] else empty_ridges(0, 0)
 
 
 @njit()

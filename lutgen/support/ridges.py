@@ -191,7 +191,7 @@ def _place_at_top(ridge: Floats, e: int, slant: float, flat: float) -> float:
     `slant` is the part of gravity along the edge, `flat` that across it.
     """
     place = (ridge[e, FOOT] + ridge[e, REACH] * slant / max(flat, 1e-30)) / ridge[e, LENGTH]
-    return min(max(place, 0.0), 1.0)
+    return float(min(max(place, 0.0), 1.0))
 
 
 @njit(inline=True)
