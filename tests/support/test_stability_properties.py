@@ -602,7 +602,8 @@ def test_a_robot_rocks_over_an_edge_up_to_the_rock_angle_and_tips_beyond(
         # Rolled from one side onto the other, 20 deg, the com has sunk; near the ends of the ridge
         # that is enough to go on over the end of the roof, so there it may tip.
         furthest = brentq(lambda x: _energy_to_spare(x, slope), 0.01, 0.99, xtol=1e-13)
-        assert degrees(level) == pytest.approx(degrees(np.arctan(furthest)), abs=1e-6)
+        # A roll is followed in steps, whose rule is right to about 1e-5 of a rise.
+        assert degrees(level) == pytest.approx(degrees(np.arctan(furthest)), abs=1e-3)
         assert tilted > radians(25.0)
     else:
         assert level == pytest.approx(0.0, abs=1e-12)
