@@ -221,3 +221,31 @@ def test_wheels_roll_over_the_ridge_of_their_middle_axle(slope: float) -> None:
         by_ridge += behind < ahead and abs(behind - fixed) > 1e-3
     # Often it is neither the rise over the front contacts nor that over the middle ones.
     assert by_ridge > 20
+
+
+def test_of_wheels_that_rock_it_has_the_sign_of_the_verdict_and_no_steps_where_they_stand() -> None:
+    rng = np.random.default_rng(12)
+    limits = acceptance(math.radians(80.0), math.radians(30.0), 0.0, 0.01)
+    rocking = 0
+    for _ in range(25):
+        # Three axles, the wheels of the middle one lower.
+        low = rng.uniform([0, 0, 0.0, 0.0, 0, 0], [0, 0, 0.1, 0.1, 0, 0])
+        side = [(x, y) for x in (-0.4, 0.0, 0.4) for y in (-0.3, 0.3)]
+        centre = np.column_stack((side + rng.uniform(-0.02, 0.02, (6, 2)), -0.5 - low))
+        wheels = pack(centre, np.tile([0.0, 1.0, 0.0], (6, 1)), 0.15, DISC)[None]
+        gravity = np.column_stack((rng.uniform(-0.2, 0.2, (300, 2)), -np.ones(300)))
+        here, there = (
+            measure_primitives(wheels, g, ("energy_margin", "tip_angle"), limits)
+            for g in (gravity, gravity + rng.uniform(-1e-7, 1e-7, gravity.shape))
+        )
+        margin, angle = here["energy_margin"][0], here["tip_angle"][0]
+        assert ((margin >= 0.0) == (angle >= 0.0)).all()
+        # Turned by 1e-7 no height of a robot of this size changes by more than a few times that;
+        # near the top of a ridge the place where it tips over moves faster.
+        inside = angle > 1e-5
+        assert np.abs(there["energy_margin"][0] - margin)[inside].max(initial=0.0) < 1e-5
+        narrow = acceptance(math.radians(80.0), 0.0, 0.0, 0.01)
+        alone = measure_primitives(wheels, gravity, ("tip_angle",), narrow)["tip_angle"][0]
+        rocking += int(((angle >= 0.0) & (alone < 0.0)).sum())
+    # Directions in which the robot rocks from facet to facet are among them.
+    assert rocking > 200
