@@ -36,6 +36,9 @@ class Quantity:
         Its place in the answer of the C runtime; None where C does not answer it.
     in_c : str
         What the C header says of it.
+    words : tuple of str
+        What its values 0, 1, 2... mean, the worst last; empty where they are numbers.  Of a
+        channel with words a map holds bytes, and nothing is ever interpolated.
     """
 
     name: str
@@ -47,6 +50,12 @@ class Quantity:
     under_load: bool = True
     exported: int | None = None
     in_c: str = ""
+    words: tuple[str, ...] = ()
+
+    @property
+    def stored_type(self) -> str:
+        """How a map file holds its values: ``"uint8"`` where they are words, or ``"float32"``."""
+        return "uint8" if self.words else "float32"
 
     def stored_unit(self, length_unit: str) -> str:
         """Return the unit of its values: rad, the recipe's length unit, or 1."""
@@ -135,6 +144,15 @@ QUANTITIES = {
             symbol="support facet",
             better=None,
         ),
+        Quantity(
+            name="status",
+            unit="1",
+            title="whether the robot stands, rocks between rests, or tips over",
+            label="status",
+            symbol="status",
+            better=None,
+            words=("stands", "rocks", "tips"),
+        ),
     )
 }
 CHANNELS = tuple(QUANTITIES)
@@ -156,7 +174,7 @@ def wanted(names: Iterable[str]) -> tuple[bool, ...]:
     Examples
     --------
     >>> wanted(["sdg", "tip_angle"])
-    (True, False, True, False, False, False)
+    (True, False, True, False, False, False, False)
     """
     asked = tuple(names)
     for name in asked:

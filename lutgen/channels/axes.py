@@ -30,10 +30,10 @@ from lutgen.support import (
     POINT,
     SEGMENTS,
     SHARED,
+    STANDS,
     START,
     STOP,
     TIP_PLANE,
-    TIPS,
     Region,
     status_of,
     vector_at,
@@ -154,8 +154,8 @@ def find_axes(region: Region, wrench: Floats, axes: Axes) -> None:
 
 
 @njit()
-def rest(region: Region, edge_plane: Floats, force: Vector, first: int) -> tuple[int, bool]:
-    """Return the facet on which the robot comes to rest under a resultant, and whether it does.
+def rest(region: Region, edge_plane: Floats, force: Vector, first: int) -> tuple[int, int]:
+    """Return the facet on which the robot comes to rest under a resultant, and its status.
 
     Begins on facet `first`.  L of its edges tells where the zero-moment point is: beyond an edge
     that another rest shares, that one is next, for which L of the edge is the opposite; beyond any
@@ -176,11 +176,11 @@ def rest(region: Region, edge_plane: Floats, force: Vector, first: int) -> tuple
             elif lever < 0.0:
                 outside = True
         if outside:
-            return k, status_of(region, k, force) != TIPS
+            return k, status_of(region, k, force)
         if beyond < 0:
-            return k, True
+            return k, STANDS
         k = beyond
-    return first, True
+    return first, STANDS
 
 
 @njit()

@@ -23,9 +23,11 @@ from lutgen.support import (
     PLANE,
     SECOND_AXIS,
     SEGMENTS,
+    STANDS,
     START,
     STOP,
     TIP_PLANE,
+    TIPS,
     Region,
     Ridges,
     has_ridges,
@@ -38,7 +40,7 @@ BLOCK = 256
 # For fewer directions `plain.measure` is faster.
 FEWEST = 3
 # Channels that `measure_block` fills; whoever wants a later one gets all node by node.
-KNOWN = 6
+KNOWN = 7
 
 
 class Block(NamedTuple):
@@ -232,3 +234,6 @@ def measure_block(
     if wanted[5]:
         for i in range(count):
             out[places[5], posture, begin + i] = first[i] if _stands(first[i], lowest[i]) else -1.0
+    if wanted[6]:
+        for i in range(count):
+            out[places[6], posture, begin + i] = STANDS if _stands(first[i], lowest[i]) else TIPS

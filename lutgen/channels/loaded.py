@@ -41,8 +41,11 @@ from lutgen.support import (
     FACETS,
     FIRST,
     HEIGHT,
+    IS_REST,
     PLANE,
+    ROCKS,
     SEGMENTS,
+    STANDS,
     START,
     STOP,
     TIPS,
@@ -216,28 +219,30 @@ def _lowest_edge_plane(region: Region, edge_plane: Floats, k: int, g: Vector) ->
 
 
 @njit()
-def loaded_verdict(
-    region: Region, axes: Axes, wrench: Floats, g: Vector
-) -> tuple[int, bool, float]:
-    """Return the facet that carries, whether the robot stands, and its tip angle (rad).
+def loaded_verdict(region: Region, axes: Axes, wrench: Floats, g: Vector) -> tuple[int, int, float]:
+    """Return the facet that carries, whether the robot stands, rocks or tips, and its tip angle.
+
+    The angle is in rad, and not negative where the robot does not tip.  With an uncertain com the
+    status is that of the nominal one where no com in the ball tips.
 
     Where axes count as whole lines the robot stands inside all of them.  If the region is not
-    convex, it stands too while the zero-moment point stays in one facet, and the larger of the two
+    convex, it stands too while the zero-moment point stays in one rest, and the larger of the two
     angles counts.
     """
     count, segment = region.tally, region.segment
     force, mu = add(g, part(wrench, PHI)), part(wrench, MU)
     convex = count[CONVEX] == 1
     if count[FACETS] == 0:
-        return -1, False, -math.pi
+        return -1, TIPS, -math.pi
     if length(part(wrench, PHI)) + length(mu) > 0.0:
         k = pierced_first(region, force, mu)
-        standing = k >= 0
-        if standing:
-            k, standing = rest(region, axes.edge_plane, force, k)
+        status = TIPS
+        if k >= 0:
+            k, status = rest(region, axes.edge_plane, force, k)
     else:
         k = supporting_facet(region.facet, count[FACETS], g)
-        standing = status_of(region, k, g) != TIPS
+        status = status_of(region, k, g)
+    standing = status != TIPS
     whole = counts_whole(convex, wrench)
     angle = math.pi if standing or whole else -math.pi
     for b in range(count[SEGMENTS]):
@@ -246,12 +251,18 @@ def loaded_verdict(
         angle = min(angle, here) if standing or whole else max(angle, here)
     if whole and not convex:
         for f in range(count[FACETS]):
+            if region.span[f, IS_REST] == 0:
+                continue
             here = _lowest_edge_plane(region, axes.edge_plane, f, g)
             if here > angle:
                 angle = here
-                k = f if here >= 0.0 else k
-    standing = k >= 0 and angle >= 0.0 and (whole or standing)
-    return k, standing, angle if standing else min(angle, JUST_OUTSIDE)
+                k, status = (f, STANDS) if here >= 0.0 else (k, status)
+    if k < 0 or angle < 0.0 or not (whole or standing):
+        return k, TIPS, min(angle, JUST_OUTSIDE)
+    # Inside all axes as whole lines, but as rounding has it on none of its rests: it may rock.
+    if status == TIPS:
+        status = STANDS if convex else ROCKS
+    return k, status, angle
 
 
 @njit()
@@ -268,10 +279,12 @@ def measure_loaded(
     All wanted channels but margin are computed always; energy_margin is NaN.
     """
     count, segment = region.tally, region.segment
-    k, standing, angle = loaded_verdict(region, axes, wrench, g)
+    k, status, angle = loaded_verdict(region, axes, wrench, g)
+    standing = status != TIPS
     out[: len(CHANNELS)] = math.nan
     out[2] = angle
     out[5] = -1.0
+    out[6] = status
     if standing:
         plane = vector_at(region.facet, k, PLANE)
         pierced = zero_moment_point(plane, add(g, part(wrench, PHI)), part(wrench, MU))

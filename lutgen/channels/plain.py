@@ -25,6 +25,7 @@ from lutgen.support import (
     PLANE,
     SECOND_AXIS,
     SEGMENTS,
+    STANDS,
     START,
     STOP,
     TIP_PLANE,
@@ -135,8 +136,8 @@ def measure(region: Region, ridges: Ridges, g: Vector, wanted: Bools, out: Float
     """Fill `out` with the channels of one direction, in the order of `CHANNELS`.
 
     `ridges` are as `find_wanted_ridges` leaves them.  `wanted` (bool) skips the costly ones.
-    Outside the standing region `sdg` and `height` are NaN, `facet` is -1 and the others are
-    negative.
+    Outside the standing region `sdg` and `height` are NaN, `facet` is -1, `status` is TIPS and the
+    others are negative.
     """
     count, facet, segment = region.tally, region.facet, region.segment
     k = supporting_facet(facet, count[FACETS], g)
@@ -145,10 +146,14 @@ def measure(region: Region, ridges: Ridges, g: Vector, wanted: Bools, out: Float
         standing = k >= 0
         for b in range(count[SEGMENTS]):
             standing = standing and dot(vector_at(segment, b, TIP_PLANE), g) >= 0.0
+        # A region with gaps or stages never counts as convex: here all that stands is on rests.
+        status = STANDS if standing else TIPS
     else:
-        standing = status_of(region, k, g) != TIPS
+        status = status_of(region, k, g)
+        standing = status != TIPS
     out[0] = out[1] = math.nan
     out[5] = -1.0
+    out[6] = status
     if standing:
         along = dot(vector_at(facet, k, FIRST_AXIS), g)
         aside = dot(vector_at(facet, k, SECOND_AXIS), g)

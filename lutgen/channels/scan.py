@@ -34,6 +34,8 @@ from lutgen.support import (
     GAPS,
     HEIGHT,
     SEGMENTS,
+    STANDS,
+    TIPS,
     Region,
     Ridges,
     empty_region,
@@ -115,8 +117,8 @@ def scan_part(
     n = primitives.shape[1]
     overflow = 0
     table, region, ridges = facet_table(n), empty_region(n), room_for_ridges(n, wanted)
-    # Only these are drawn in rows.
-    in_rows = wanted.sum() == wanted[0] + wanted[1] + wanted[2] + wanted[5]
+    # The margins are not drawn in rows.
+    in_rows = not (wanted[3] or wanted[4])
     values = np.empty(len(CHANNELS))
     planes = np.empty((region.segment.shape[0] + 4, 3))
     band_rows = max(BAND // nodes, 1)
@@ -167,6 +169,11 @@ def scan_part(
                     out[1, place.start + i] = high
                 if wanted[5]:
                     out[5, place.start + i] = np.float32(k) if standing else np.float32(-1)
+        if wanted[6]:
+            # Without gaps and stages the robot stands wherever a facet is.
+            for i in range(count):
+                standing = squared[i] == squared[i]
+                out[6, place.start + i] = np.float32(STANDS if standing else TIPS)
         if wanted[2]:
             target = out[2, place]
             if region.tally[FACETS] == 0:
@@ -196,7 +203,7 @@ def scan(
         The directions.
     span : tuple of int
         First row and the one after the last, of the faces * nodes rows of a posture.
-    out : (6, at least m * rows * nodes) float32
+    out : (channels, at least m * rows * nodes) float32
         Filled from the left where wanted.  C-contiguous: of a strided array the compiler makes
         loops three times as slow.
 

@@ -51,7 +51,7 @@ def check_report(robot: "Recipe") -> dict[str, Any]:
         "chart": {"kind": robot.chart.kind, "shape": list(robot.chart.shape)},
         "channels": list(robot.channels),
         "nodes": layout.nodes,
-        "file_bytes": 4 * layout.count * layout.chunk_nodes * len(robot.channels),
+        "file_bytes": layout.count * sum(map(layout.chunk_bytes, robot.channels)),
         "seconds": round(expected_seconds(robot), 3),
     }
 

@@ -1,6 +1,6 @@
 """A recipe into a map file, and a map file into values.
 
-In reading order: `interpolate`, `checksum`, `blocks`, `seal`, `map`, `verification`,
+In reading order: `interpolate`, `checksum`, `blocks`, `seal`, `labelled`, `map`, `verification`,
 `statistics`, `layout`, `part`, `compute`, `dask`, `sweeper`.
 """
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lutgen.quantities import QUANTITIES
 from lutgen.recipe import Recipe
 
 # Nodes of a block per channel: 4 MiB of float32, large enough that HDF5's cost per chunk vanishes
@@ -51,6 +52,10 @@ class Plan:
     def chunk_nodes(self) -> int:
         """Nodes of one chunk; the last chunk along the cut axis may be partly empty."""
         return math.prod(self.chunk)
+
+    def chunk_bytes(self, channel: str) -> int:
+        """Bytes of one chunk of a channel in the file, with its checksum."""
+        return np.dtype(QUANTITIES[channel].stored_type).itemsize * self.chunk_nodes + 4
 
     @property
     def counts(self) -> tuple[int, ...]:

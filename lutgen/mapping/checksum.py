@@ -1,8 +1,11 @@
 """The Fletcher-32 checksum that HDF5 appends to every chunk.
 
-Owns nothing but the sum.  HDF5's own filter takes longer than computing the map; this one takes a
-tenth of that time, on data that is still in the cache, and the chunk is then written as it is.
+Owns the sum, and where it stands: in the last four bytes.  HDF5's own filter takes longer than
+computing the map; this one takes a tenth of that time, on data that is still in the cache, and the
+chunk is then written as it is.
 """
+
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +14,25 @@ from lutgen.jit import njit
 
 _BLOCK = 1 << 14
 _MODULUS = 65535
+
+
+def own_sum(chunk: NDArray[Any]) -> int:
+    """Return the checksum that stands in the last four bytes of a chunk."""
+    return int.from_bytes(chunk.view(np.uint8)[-4:].tobytes(), "little")
+
+
+def sum_of(chunk: NDArray[Any]) -> int:
+    """Return the checksum of what is before the last four bytes of a chunk.
+
+    Of an odd number of bytes HDF5 takes the last as the higher half of a word.
+    """
+    data = chunk.view(np.uint8)[:-4]
+    return fletcher32((np.append(data, np.uint8(0)) if data.size % 2 else data).view(np.uint16))
+
+
+def enter_sum(chunk: NDArray[Any]) -> None:
+    """Write the checksum of a chunk into its last four bytes."""
+    chunk.view(np.uint8)[-4:] = np.frombuffer(sum_of(chunk).to_bytes(4, "little"), np.uint8)
 
 
 def fletcher32(words: NDArray[np.uint16]) -> int:

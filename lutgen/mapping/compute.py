@@ -7,6 +7,7 @@ sweep.
 
 import math
 import time
+from typing import Any
 
 import numba
 import numpy as np
@@ -16,8 +17,8 @@ from lutgen.channels import Scanner
 from lutgen.chart import Chart
 from lutgen.errors import RecipeError, SweepError
 from lutgen.mapping.blocks import Block, Plan, plan
-from lutgen.mapping.checksum import fletcher32
-from lutgen.quantities import CHANNELS
+from lutgen.mapping.checksum import enter_sum
+from lutgen.quantities import CHANNELS, QUANTITIES
 from lutgen.recipe import Recipe
 
 # For an estimate: how many pieces of how many nodes, and after how many seconds it is enough.
@@ -35,11 +36,19 @@ class Computer:
         self._scanner = Scanner(recipe, recipe.chart, recipe.channels)
         # One item more than the chunk, for its checksum.
         self._out = np.empty((len(CHANNELS), layout.chunk_nodes + 1), np.float32)
+        # Channels of words: a byte for each node, and four for the checksum.
+        self._bytes = {
+            name: np.empty(layout.chunk_bytes(name), np.uint8)
+            for name in recipe.channels
+            if QUANTITIES[name].words
+        }
 
-    def compute(self, block: Block) -> dict[str, NDArray[np.float32]]:
-        """Return a chunk of each channel, (chunk nodes + 1,) with its checksum in the last item.
+    def compute(self, block: Block) -> dict[str, NDArray[Any]]:
+        """Return a chunk of each channel, with its checksum in the last four bytes.
 
-        The arrays are overwritten by the next call.  Past the end of the map a chunk is NaN.
+        They are float32 (chunk nodes + 1,), or uint8 (chunk nodes + 4,) of channels of words.  The
+        arrays are overwritten by the next call.  Past the end of the map a chunk is NaN, or the
+        worst word.
         """
         first, last = block.first_row, block.last_row
         per_posture = self._scanner.rows
@@ -58,11 +67,17 @@ class Computer:
                 f"than {len(self.recipe.contact_names)} contacts can have (got {overflow} such "
                 "postures); check the radii for overlapping spheres"
             )
-        chunks = {}
+        chunks: dict[str, NDArray[Any]] = {}
         for name in self.recipe.channels:
             chunk = self._out[CHANNELS.index(name)]
-            chunk[held:-1] = np.nan
-            chunk[-1:].view(np.uint32)[0] = fletcher32(chunk[:-1].view(np.uint16))
+            words = QUANTITIES[name].words
+            if words:
+                chunk, values = self._bytes[name], chunk
+                chunk[:held] = values[:held]
+                chunk[held:-4] = len(words) - 1
+            else:
+                chunk[held:-1] = np.nan
+            enter_sum(chunk)
             chunks[name] = chunk
         return chunks
 

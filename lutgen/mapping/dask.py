@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from lutgen._version import __version__
 from lutgen.errors import InputError, LutgenError, SweepError
 from lutgen.mapping.blocks import Plan
+from lutgen.mapping.checksum import own_sum
 from lutgen.mapping.compute import Computer
 from lutgen.mapping.part import PartFile, write_chunks
 from lutgen.recipe import Recipe, parse_recipe
@@ -58,11 +59,11 @@ class Job(NamedTuple):
 
 
 class Result(NamedTuple):
-    """One block: its checksums, and its chunks (channels, chunk nodes + 1) if they came back."""
+    """One block: its checksums, and its chunks, one for each channel, if they came back."""
 
     number: int
     sums: list[int]
-    chunks: NDArray[np.float32] | None
+    chunks: list[NDArray[Any]] | None
 
 
 def token_path(part: Path) -> Path:
@@ -98,8 +99,8 @@ def compute_batch(job: Job, numbers: list[int], places: NDArray[np.int64]) -> li
             chunks = list(computer.compute(job.layout.block(number)).values())
             # Asked before every block: a sweep that was killed and begun anew has another token.
             if not sees(part, job.token):
-                sums = [int(chunk[-1:].view(np.uint32)[0]) for chunk in chunks]
-                results.append(Result(number, sums, np.stack(chunks)))
+                sums = [own_sum(chunk) for chunk in chunks]
+                results.append(Result(number, sums, [chunk.copy() for chunk in chunks]))
                 # Memory for one block only; the caller asks for the others again.
                 break
             if handle < 0:

@@ -61,3 +61,17 @@ def interpolate(
         # Where all corners count the weights add up to 1 but for rounding, which stays out.
         whole = present > 1.0 - 1e-12
         return np.where(whole, total, total / present), np.where(whole, 1.0, present)
+
+
+def worst(
+    values: NDArray[np.uint8], places: Sequence[Place], extra: tuple[NDArray[np.intp], ...] = ()
+) -> NDArray[np.uint8]:
+    """Return the largest value (m,) among the corners of each query's cell that have a weight.
+
+    Parameters as for `interpolate`.
+    """
+    largest = np.zeros(len(places[-1][0]), np.uint8)
+    for index, weight in cell_corners(places):
+        node = values[(*index[:-2], *extra, *index[-2:])]
+        largest = np.where(weight > 0.0, np.maximum(largest, node), largest)
+    return largest

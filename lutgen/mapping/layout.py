@@ -61,22 +61,24 @@ class Skeleton:
     """The layout of one map file.
 
     `head` is its beginning while the sweep is running, `finished` the same afterwards but for
-    the digest; `size` is that of the file, `places` (channels, blocks) and `chunk_bytes` say where
-    its chunks are; `bitmap` is where the head keeps the set of finished blocks.
+    the digest; `size` is that of the file, `places` (channels, blocks) and `chunk_bytes`
+    (channels,) say where its chunks are; `bitmap` is where the head keeps the set of finished
+    blocks.
     """
 
     head: bytes
     finished: bytes
     size: int
     places: NDArray[np.int64]
-    chunk_bytes: int
+    chunk_bytes: NDArray[np.int64]
     bitmap: slice
 
     def values(self) -> NDArray[np.bool_]:
         """Return which bytes of the head belong to chunks (none, unless chunks are tiny)."""
         mask = np.zeros(len(self.head), np.bool_)
-        for place in self.places[self.places < len(self.head)]:
-            mask[place : place + self.chunk_bytes] = True
+        for places, size in zip(self.places, self.chunk_bytes, strict=True):
+            for place in places[places < len(self.head)]:
+                mask[place : place + size] = True
         return mask
 
     def state(self) -> NDArray[np.bool_]:
@@ -107,7 +109,7 @@ def lay_out(recipe: Recipe, layout: Plan) -> Skeleton:
         bytes(ended.head),
         image.size,
         np.stack([places[name] for name in recipe.channels]),
-        4 * (layout.chunk_nodes + 1),
+        np.array([layout.chunk_bytes(name) for name in recipe.channels]),
         slice(int(touched[0]), int(touched[-1]) + 1),
     )
 

@@ -10,7 +10,7 @@ import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -21,12 +21,19 @@ from lutgen.chart import Chart
 from lutgen.errors import InputError, LutgenError, MapFileError
 from lutgen.grid import Axis
 from lutgen.mapping.blocks import Plan, plan
-from lutgen.mapping.interpolate import Place, interpolate
+from lutgen.mapping.interpolate import Place, interpolate, worst
+from lutgen.mapping.labelled import labelled
 from lutgen.mapping.seal import ATTRIBUTE, UNSEALED, Seal, check_head
 from lutgen.quantities import QUANTITIES
 from lutgen.recipe import Recipe, parse_recipe, recipe_digest
 
+if TYPE_CHECKING:
+    import xarray
+
 FORMAT = 1
+# Which definition of what stands the values are by (docs/reference/conventions.md).  That of 0.1
+# wrote no number; 2 has rests, stages, gaps and *caught*.
+DEFINITION = 2
 COMPLETE, BITMAP = "complete", "blocks_done"
 # Chunks of at least so many bytes begin on a page: two processes never write to the same one.
 ALIGN_FROM, ALIGNMENT = 1 << 15, 1 << 12
@@ -50,6 +57,7 @@ def create(target: io.RawIOBase, recipe: Recipe, layout: Plan) -> dict[str, NDAr
         file.attrs["Conventions"] = "CF-1.10"
         file.attrs["title"] = f"stability map of {recipe.name}"
         file.attrs["lutgen_format"] = FORMAT
+        file.attrs["lutgen_definition"] = DEFINITION
         file.attrs["lutgen_version"] = __version__
         file.attrs["recipe"] = recipe.text
         if recipe.urdf is not None:
@@ -70,16 +78,22 @@ def create(target: io.RawIOBase, recipe: Recipe, layout: Plan) -> dict[str, NDAr
             text = f"gnomonic face coordinate {name} of the gravity direction"
             scales.append(_scale(file, name, recipe.chart.coords, "1", text))
         for name in recipe.channels:
-            variable = _variable(file, name, layout)
-            variable.attrs["_FillValue"] = np.array([np.nan], np.float32)
-            variable.attrs["units"] = QUANTITIES[name].stored_unit(recipe.length_unit)
-            variable.attrs["long_name"] = QUANTITIES[name].title
+            quantity, variable = QUANTITIES[name], _variable(file, name, layout)
+            if quantity.words:
+                # Every node has a word, so there is no fill value to turn bytes into floats.
+                variable.attrs["flag_values"] = np.arange(len(quantity.words), dtype=np.uint8)
+                variable.attrs["flag_meanings"] = " ".join(quantity.words)
+            else:
+                variable.attrs["_FillValue"] = np.array([np.nan], np.float32)
+            variable.attrs["units"] = quantity.stored_unit(recipe.length_unit)
+            variable.attrs["long_name"] = quantity.title
             for axis, scale in enumerate(scales):
                 variable.dims[axis].attach_scale(scale)
         # One byte per chunk first: the whole index comes to lie before the first real chunk.
-        for chunk in (b"\0", bytes(4 * (layout.chunk_nodes + 1))):
+        for first in (True, False):
             for name in recipe.channels:
                 variable = file[name].id
+                chunk = bytes(1 if first else layout.chunk_bytes(name))
                 for block in layout.blocks():
                     variable.write_direct_chunk(block.offset, chunk)
         return {name: chunk_places(file[name], layout) for name in recipe.channels}
@@ -102,11 +116,14 @@ def _variable(file: h5py.File, name: str, layout: Plan) -> h5py.Dataset:
     # No time of making in the file: the same recipe gives the same bytes.
     create_list.set_obj_track_times(False)
     create_list.set_fletcher32()
-    create_list.set_fill_value(np.array(np.nan, np.float32))
+    words, kind = QUANTITIES[name].words, QUANTITIES[name].stored_type
+    # Whatever is missing is the worst.
+    create_list.set_fill_value(np.array(len(words) - 1 if words else np.nan, kind))
     create_list.set_alloc_time(h5py.h5d.ALLOC_TIME_INCR)
     create_list.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
     space = h5py.h5s.create_simple(layout.shape)
-    h5py.h5d.create(file.id, name.encode(), h5py.h5t.IEEE_F32LE, space, create_list)
+    stored = h5py.h5t.STD_U8LE if words else h5py.h5t.IEEE_F32LE
+    h5py.h5d.create(file.id, name.encode(), stored, space, create_list)
     return file[name]
 
 
@@ -134,7 +151,7 @@ class StabilityMap:
     recipe: Recipe
     attributes: dict[str, Any]
     seal: Seal | None = None
-    _values: dict[str, NDArray[np.float32]] = field(default_factory=dict, repr=False)
+    _values: dict[str, NDArray[Any]] = field(default_factory=dict, repr=False)
 
     @property
     def axes(self) -> tuple[Axis, ...]:
@@ -151,8 +168,11 @@ class StabilityMap:
         """Names of the channels that the file holds."""
         return self.recipe.channels
 
-    def channel(self, name: str) -> NDArray[np.float32]:
-        """Return all values of a channel, float32, axes (parameters..., face, v, u)."""
+    def channel(self, name: str) -> NDArray[Any]:
+        """Return all values of a channel, axes (parameters..., face, v, u).
+
+        They are float32, and uint8 of `status`: 0 stands, 1 rocks, 2 tips.
+        """
         if name not in self.channels:
             raise InputError(
                 f"{self.path}: the map has no channel {name!r} (it has "
@@ -168,7 +188,25 @@ class StabilityMap:
             self._values[name] = values
         return self._values[name]
 
-    def pieces(self, name: str) -> Iterator[tuple[int, NDArray[np.float32]]]:
+    def to_xarray(self) -> "xarray.Dataset":
+        """Return the whole map as an xarray Dataset, in memory, as xarray reads it from the file.
+
+        Returns
+        -------
+        xarray.Dataset
+            A variable for each channel with the dimensions (parameters..., face, v, u), their
+            knots as coordinates, `units` and `long_name` as attributes.
+
+        Raises
+        ------
+        InputError
+            Where xarray is not installed.
+        MapFileError
+            If a channel cannot be read.
+        """
+        return labelled(self)
+
+    def pieces(self, name: str) -> Iterator[tuple[int, NDArray[Any]]]:
         """Yield all values of a channel block by block, for maps that are larger than the memory.
 
         Yields
@@ -176,7 +214,7 @@ class StabilityMap:
         row : int
             Number of the first row, counted through the map: posture * (faces * nodes) + face *
             nodes + v.
-        values : (rows, nodes) float32
+        values : (rows, nodes) float32, or uint8 of `status`
             The rows of the block, along u.
         """
         try:
@@ -202,7 +240,8 @@ class StabilityMap:
         gravity_dir : (m, 3) array_like
             One direction per row, pointing down, any length > 0.
         channels : sequence of str, optional
-            All of the map's by default; `facet` is taken from the nearest node.
+            All of the map's by default; `facet` is taken from the nearest node, and `status` is
+            the worst of the cell's nodes.
 
         Returns
         -------
@@ -243,6 +282,9 @@ class StabilityMap:
     def _interpolated(
         self, name: str, places: list[Place], face: NDArray[np.intp], inside: NDArray[np.bool_]
     ) -> NDArray[np.float64]:
+        if QUANTITIES[name].words:
+            found = worst(self.channel(name), places, (face,))
+            return np.where(inside, found, np.nan)
         if name == "facet":
             places = [(i + (frac > 0.5), np.zeros_like(frac)) for i, frac in places]
         values, present = interpolate(self.channel(name), places, (face,))
@@ -262,8 +304,8 @@ def load_map(path: str | os.PathLike[str]) -> StabilityMap:
     Raises
     ------
     MapFileError
-        If there is no such file, or it is not a lutgen map, damaged, incomplete or of a newer
-        format.
+        If there is no such file, or it is not a lutgen map, damaged, incomplete, of another
+        format, or computed by another definition of what stands.
     """
     name = os.fspath(path)
     try:
@@ -299,6 +341,12 @@ def load_map(path: str | os.PathLike[str]) -> StabilityMap:
         raise MapFileError(
             f"{name}: has the map format {found}, this lutgen reads {FORMAT}; "
             "install the lutgen that wrote it, or sweep again"
+        )
+    found = attributes.get("lutgen_definition", "none")
+    if not np.array_equal(found, DEFINITION):
+        raise MapFileError(
+            f"{name}: was computed by another definition of what stands (got lutgen_definition = "
+            f"{found}, this lutgen has {DEFINITION}); sweep it again"
         )
     if not np.array_equal(attributes.get(COMPLETE, 0), 1):
         raise MapFileError(

@@ -11,12 +11,13 @@ import fcntl
 import os
 from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.errors import MapFileError, SweepError
-from lutgen.mapping.checksum import fletcher32
+from lutgen.mapping.checksum import own_sum, sum_of
 from lutgen.mapping.layout import Skeleton
 from lutgen.mapping.seal import sealed
 from lutgen.recipe import Recipe
@@ -36,14 +37,12 @@ def write_all(handle: int, data: memoryview, place: int) -> None:
         data, place = data[count:], place + count
 
 
-def write_chunks(
-    handle: int, chunks: Iterable[NDArray[np.float32]], places: Iterable[int]
-) -> list[int]:
-    """Write chunks (chunk nodes + 1,) at their places; return their checksums."""
+def write_chunks(handle: int, chunks: Iterable[NDArray[Any]], places: Iterable[int]) -> list[int]:
+    """Write chunks, with checksums at their ends, at their places; return the checksums."""
     sums = []
     for chunk, place in zip(chunks, places, strict=True):
         write_all(handle, memoryview(chunk.data).cast("B"), int(place))
-        sums.append(int(chunk[-1:].view(np.uint32)[0]))
+        sums.append(own_sum(chunk))
     return sums
 
 
@@ -152,10 +151,10 @@ class PartFile:
         """Read what is there and yield the number of every block whose checksums hold."""
         # Whatever was cut off the file was not written.
         os.ftruncate(self.handle, self.skeleton.size)
-        chunk = np.empty(self.skeleton.chunk_bytes // 4, np.float32)
+        chunks = [np.empty(size, np.uint8) for size in self.skeleton.chunk_bytes]
         for number in range(self.done.size):
             for channel, place in enumerate(self.skeleton.places[:, number]):
-                held = self._checksum(chunk, int(place))
+                held = self._checksum(chunks[channel], int(place))
                 self.sums[channel, number] = held
                 if held == 0:
                     break
@@ -163,7 +162,7 @@ class PartFile:
                 self.done[number] = True
                 yield number
 
-    def _checksum(self, chunk: NDArray[np.float32], place: int) -> int:
+    def _checksum(self, chunk: NDArray[np.uint8], place: int) -> int:
         """Read one chunk into a buffer; return its checksum, 0 where it does not hold."""
         raw = memoryview(chunk.data).cast("B")
         try:
@@ -174,11 +173,11 @@ class PartFile:
         except OSError:
             # A place that cannot be read can often be written again.
             return 0
-        own = int(chunk[-1:].view(np.uint32)[0])
-        return own if own == fletcher32(chunk[:-1].view(np.uint16)) else 0
+        own = own_sum(chunk)
+        return own if own == sum_of(chunk) else 0
 
-    def write(self, number: int, chunks: Iterable[NDArray[np.float32]]) -> None:
-        """Write the chunks of one block, (chunk nodes + 1,) each, and count it as done."""
+    def write(self, number: int, chunks: Iterable[NDArray[Any]]) -> None:
+        """Write the chunks of one block, of all channels, and count it as done."""
         self.note(number, write_chunks(self.handle, chunks, self.skeleton.places[:, number]))
 
     def note(self, number: int, sums: Iterable[int]) -> None:

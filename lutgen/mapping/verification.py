@@ -12,7 +12,7 @@ import numpy as np
 
 from lutgen.errors import MapFileError
 from lutgen.mapping.blocks import Plan
-from lutgen.mapping.checksum import fletcher32
+from lutgen.mapping.checksum import own_sum, sum_of
 from lutgen.mapping.map import StabilityMap, chunk_places, damaged
 from lutgen.mapping.seal import check_head, checksums_digest
 
@@ -55,9 +55,9 @@ def verify(stability_map: StabilityMap) -> None:
 
 def _checksum(file: io.FileIO, place: int, layout: Plan, name: str) -> int:
     """Return the checksum that stands in a chunk, which must be that of its values."""
-    chunk = np.empty(layout.chunk_nodes + 1, np.float32)
-    count = os.preadv(file.fileno(), [memoryview(chunk.data).cast("B")], place)
-    held, own = int(chunk[-1:].view(np.uint32)[0]), fletcher32(chunk[:-1].view(np.uint16))
+    chunk = np.empty(layout.chunk_bytes(name), np.uint8)
+    count = os.preadv(file.fileno(), [memoryview(chunk.data)], place)
+    held, own = own_sum(chunk), sum_of(chunk)
     if count != chunk.nbytes or held != own:
         raise MapFileError(
             f"{file.name}: channel {name} has values that do not match their checksum (got "

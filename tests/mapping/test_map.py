@@ -73,13 +73,13 @@ def test_xarray_opens_a_map_with_coordinates_and_units(folder: Path) -> None:
         assert set(data.coords) == {"reach", "swing", "face", "v", "u"}
         for name in ALL_CHANNELS:
             assert data[name].dims == ("reach", "swing", "face", "v", "u")
-            assert data[name].dtype == np.float32
+            assert data[name].dtype == (np.uint8 if name == "status" else np.float32)
             assert data[name].attrs["long_name"]
         units = {name: data[name].attrs["units"] for name in data.variables}
         assert units == {
             **dict.fromkeys(("sdg", "height", "margin", "energy_margin", "reach"), "m"),
             **dict.fromkeys(("tip_angle", "swing"), "rad"),
-            **dict.fromkeys(("facet", "face", "v", "u"), "1"),
+            **dict.fromkeys(("facet", "status", "face", "v", "u"), "1"),
         }
         for axis in recipe.grid.axes:
             np.testing.assert_array_equal(data[axis.name], axis.knots)
@@ -116,6 +116,7 @@ def test_the_root_attributes_are_those_of_the_format(folder: Path) -> None:
             "Conventions": "CF-1.10",
             "title": "stability map of tripod",
             "lutgen_format": 1,
+            "lutgen_definition": 2,
             "lutgen_version": lutgen.__version__,
             "recipe": recipe.text,
             "recipe_sha256": recipe.digest,
@@ -151,7 +152,7 @@ def test_a_map_holds_what_evaluate_says_at_every_node(folder: Path) -> None:
         for channel in recipe.channels:
             got = stability_map.channel(channel)
             assert got.shape == (4, 3, *recipe.chart.shape)
-            assert got.dtype == np.float32
+            assert got.dtype == (np.uint8 if channel == "status" else np.float32)
             np.testing.assert_allclose(
                 got.reshape(want[channel].shape), want[channel], rtol=1e-6, atol=1e-9
             )  # float32
@@ -198,6 +199,18 @@ def test_another_format_is_refused(unsealed: Path, found: object) -> None:
     with h5py.File(unsealed, "r+") as file:
         file.attrs["lutgen_format"] = found
     assert "format" in refusal(unsealed)
+
+
+@pytest.mark.parametrize("found", [None, 1, 3, "2"], ids=repr)
+def test_a_map_by_another_definition_is_refused(unsealed: Path, found: object) -> None:
+    with h5py.File(unsealed, "r+") as file:
+        del file.attrs["lutgen_definition"]
+        if found is not None:
+            file.attrs["lutgen_definition"] = found
+    message = refusal(unsealed)
+    assert "another definition of what stands" in message
+    assert f"lutgen_definition = {'none' if found is None else found}," in message
+    assert message.endswith("sweep it again")
 
 
 @pytest.mark.parametrize("complete", [0, None, [1, 1]])

@@ -1,0 +1,85 @@
+"""The channel `status`: whether the robot stands, rocks between rests, or tips over."""
+
+import numpy as np
+import pytest
+
+import lutgen
+from tests.fixtures.recipes import feet, rigid, rocker
+
+STANDS, ROCKS, TIPS = 0.0, 1.0, 2.0
+BOX = ((0.5, 0.4, -1.0), (-0.5, 0.4, -1.0), (-0.5, -0.4, -1.0), (0.5, -0.4, -1.0))
+
+
+def pitched(*degrees: float) -> np.ndarray:
+    """Return directions of gravity for a nose that is down by so many degrees."""
+    angle = np.radians(degrees)
+    return np.stack([np.sin(angle), 0.0 * angle, -np.cos(angle)], axis=1)
+
+
+def status(text: str, directions: np.ndarray) -> list[float]:
+    """Return the status of a robot without parameters."""
+    recipe = lutgen.parse_recipe(text)
+    return lutgen.evaluate(recipe, np.empty((1, 0)), directions, ["status"])["status"][0].tolist()
+
+
+def test_a_robot_on_six_wheels_of_which_the_middle_ones_are_lower_rocks_on_those() -> None:
+    # The com is 0.45 above the rims of the middle wheels, which it rolls along by
+    # 0.1 sin(5.7 deg) = 0.00995 either way: by 1.27 deg.
+    assert status(rocker(), pitched(-60, -20, -1.4, -1.2, 0, 1.2, 1.4, 20, 60)) == [
+        *(TIPS, STANDS, STANDS, ROCKS, ROCKS, ROCKS, STANDS, STANDS, TIPS)
+    ]
+
+
+def test_where_rocking_is_forbidden_it_tips_instead() -> None:
+    forbidden = rocker(head="rock_angle = 0.0")
+    assert status(forbidden, pitched(-20, 0, 20)) == [STANDS, TIPS, STANDS]
+
+
+def test_where_the_middle_wheels_are_level_with_the_others_nothing_rocks() -> None:
+    assert status(rocker(middle=0.0), pitched(-20, 0, 20, 70)) == [STANDS, STANDS, STANDS, TIPS]
+
+
+@pytest.mark.parametrize("head", ["", "upright = 180.0\nrock_angle = 180.0"])
+def test_the_status_tips_exactly_where_the_angle_is_negative(head: str) -> None:
+    rng = np.random.default_rng(7)
+    recipe = lutgen.parse_recipe(rocker(head=head))
+    names = ["status", "tip_angle", "sdg"]
+    got = lutgen.evaluate(recipe, np.empty((1, 0)), rng.normal(size=(3000, 3)), names)
+    tips = got["status"] == TIPS
+    np.testing.assert_array_equal(got["tip_angle"] < 0.0, tips)
+    np.testing.assert_array_equal(np.isnan(got["sdg"]), tips)
+    assert tips.any()
+    assert (got["status"] == STANDS).any()
+
+
+def test_many_directions_get_the_status_that_each_gets_alone() -> None:
+    rng = np.random.default_rng(8)
+    directions = rng.normal(size=(600, 3))
+    # Of a convex region they are measured in blocks, and one or two are not.
+    together = lutgen.stability(BOX, directions, ["status"])["status"][0]
+    alone = [lutgen.stability(BOX, one, ["status"])["status"][0, 0] for one in directions]
+    assert together.dtype == np.float64
+    assert together.tolist() == alone
+    assert set(alone) == {STANDS, TIPS}
+
+
+def test_exactly_on_a_tip_over_axis_it_still_stands() -> None:
+    corner = BOX[0]
+    assert lutgen.stability(BOX, [corner], ["status"])["status"][0, 0] == STANDS
+    beyond = (corner[0] * (1 + 1e-9), *corner[1:])
+    assert lutgen.stability(BOX, [beyond], ["status"])["status"][0, 0] == TIPS
+
+
+def test_a_force_moves_where_it_rocks() -> None:
+    # Pushed forward by a tenth of its weight it rocks where without the push it stands.
+    load = '[[robot.force]]\nlink = "body"\nposition = [0, 0, 0]\nforce = [9.80665, 0, 0]\n'
+    head = '[[robot.link]]\nname = "body"\nmass = 10.0\n' + load
+    nose_up = float(np.degrees(np.arcsin(-0.1)))
+    assert status(rocker(), pitched(0.0, nose_up)) == [ROCKS, STANDS]
+    assert status(rocker(head=head), pitched(0.0, nose_up)) == [STANDS, ROCKS]
+
+
+def test_a_com_that_may_be_beyond_the_edge_tips() -> None:
+    near = pitched(float(np.degrees(np.arctan(0.49))))
+    assert status(rigid(feet(BOX)), near) == [STANDS]
+    assert status(rigid(feet(BOX), head="com_uncertainty = 0.02"), near) == [TIPS]
