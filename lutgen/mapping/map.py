@@ -34,6 +34,9 @@ FORMAT = 1
 # Which definition of what stands the values are by (docs/reference/conventions.md).  That of 0.1
 # wrote no number; 2 has rests, stages, gaps and *caught*.
 DEFINITION = 2
+# Parts of a cell by which a place may be beside a node and be at it, where nothing is interpolated:
+# a direction comes back from its unit vector to 2e-16, and from degrees to a few times that.
+AT = 1e-9
 COMPLETE, BITMAP = "complete", "blocks_done"
 # Chunks of at least so many bytes begin on a page: two processes never write to the same one.
 ALIGN_FROM, ALIGNMENT = 1 << 15, 1 << 12
@@ -283,7 +286,8 @@ class StabilityMap:
         self, name: str, places: list[Place], face: NDArray[np.intp], inside: NDArray[np.bool_]
     ) -> NDArray[np.float64]:
         if QUANTITIES[name].words:
-            found = worst(self.channel(name), places, (face,))
+            near = [(i, np.where(np.abs(f - np.rint(f)) < AT, np.rint(f), f)) for i, f in places]
+            found = worst(self.channel(name), near, (face,))
             return np.where(inside, found, np.nan)
         if name == "facet":
             places = [(i + (frac > 0.5), np.zeros_like(frac)) for i, frac in places]

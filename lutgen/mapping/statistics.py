@@ -1,12 +1,15 @@
 """Numbers about a whole map, computed block by block."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.mapping.map import StabilityMap
+from lutgen.quantities import QUANTITIES
 
 
-def value_range(values: NDArray[np.float32]) -> tuple[float | None, float | None]:
+def value_range(values: NDArray[Any]) -> tuple[float | None, float | None]:
     """Return the smallest and largest finite value, None where there is none."""
     finite = values[np.isfinite(values)]
     if finite.size == 0:
@@ -25,16 +28,21 @@ def share_that_tips(stability_map: StabilityMap) -> float | None:
     """Return the share of directions in which the robot tips, averaged over the map's postures.
 
     Each node counts with the solid angle that it stands for, so it is a share of area on the
-    sphere of the chart's directions; None for a map without `tip_angle`, `sdg` and `height`.
+    sphere of the chart's directions; None for a map without `tip_angle`, `status`, `sdg` and `height`.
     """
-    name = next((n for n in ("tip_angle", "sdg", "height") if n in stability_map.channels), None)
+    verdicts = ("tip_angle", "status", "sdg", "height")
+    name = next((n for n in verdicts if n in stability_map.channels), None)
     if name is None:
         return None
+    worst = len(QUANTITIES[name].words) - 1
     weight = stability_map.chart.solid_angle()
     # How many postures tip in each direction, (faces * nodes, nodes).
     tipping = np.zeros((weight.size // weight.shape[-1], weight.shape[-1]), np.int64)
     for row, values in stability_map.pieces(name):
-        tips = values < 0.0 if name == "tip_angle" else np.isnan(values)
+        if worst >= 0:
+            tips = values == worst
+        else:
+            tips = values < 0.0 if name == "tip_angle" else np.isnan(values)
         np.add.at(tipping, np.arange(row, row + len(tips)) % len(tipping), tips)
     mean = tipping.reshape(weight.shape) / stability_map.recipe.grid.size
     return float((mean * weight).sum() / weight.sum())
