@@ -4,6 +4,7 @@ Owns every fact about a channel but its formula, which is in `lutgen.channels.pl
 robots under forces, in `loaded`).  A new channel is a row of `QUANTITIES` and its formula.
 """
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
@@ -72,6 +73,10 @@ class Quantity:
     def stored(self, values: Any) -> Any:
         """Turn what people wrote into rad or length; the inverse of `shown`."""
         return to_internal(values, self.shown_unit(""))
+
+    def word(self, value: float) -> str | None:
+        """Return the word of a value, None for one that is no number."""
+        return self.words[int(value)] if math.isfinite(value) else None
 
     @property
     def json(self) -> str:

@@ -19,7 +19,7 @@ from lutgen.analysis.rolling import (
 )
 from lutgen.analysis.sliding import slide_limits, slopes
 from lutgen.analysis.stance import Facet, Posture
-from lutgen.analysis.tilt import tilt_limits, tilted
+from lutgen.analysis.tilt import level_frames, tilt_limits, tilted
 from lutgen.analysis.tilt_table import (
     FOUR,
     WORST,
@@ -56,6 +56,7 @@ __all__ = [
     "heuristic_forces",
     "hold_limits",
     "holds",
+    "level_frames",
     "load_corners",
     "may_hold",
     "normal_forces",

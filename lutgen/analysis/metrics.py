@@ -28,13 +28,16 @@ class Metrics:
     of 1; `sdg` is NaN where the robot tips.  `normalised` are without unit: each is its value
     divided by that on level ground; of `sdg`, which is 0 at its best, it is 1 - |SD_g| / r with r
     the distance from the support polygon's centroid to its nearest side, the largest |SD_g| at
-    which the robot stands wherever D_g lies.  `level` are the values on level ground.
+    which the robot stands wherever D_g lies.  `level` are the values on level ground.  `status`
+    (g,) and `level_status` are those of the channel: 0 stands, 1 rocks, 2 tips.
     """
 
     standing: NDArray[np.bool_]
+    status: Floats
     values: dict[str, Floats]
     normalised: dict[str, Floats]
     level: dict[str, float]
+    level_status: float
 
 
 def compare_metrics(posture: Posture, gravity_dir: ArrayLike) -> Metrics:
@@ -63,7 +66,8 @@ def compare_metrics(posture: Posture, gravity_dir: ArrayLike) -> Metrics:
             f"{recipe.com_uncertainty:g}); leave it out to compare them"
         )
     directions = np.vstack([LEVEL, checked_directions(gravity_dir)])
-    found = evaluate(recipe, posture.row, directions, CHANNELS)
+    found = evaluate(recipe, posture.row, directions, (*CHANNELS, "status"))
+    status = found.pop("status")[0]
     values = {name: channel[0] for name, channel in found.items()}
     standing = values["tip_angle"] >= 0.0
     stance = posture.stance_of_weight()
@@ -80,9 +84,11 @@ def compare_metrics(posture: Posture, gravity_dir: ArrayLike) -> Metrics:
     normalised["sdg"] = 1.0 - values["sdg"][1:] / radius[stance.under(directions[1:])]
     return Metrics(
         standing[1:],
+        status[1:],
         {name: values[name][1:] for name in METRICS},
         {name: normalised[name] for name in METRICS},
         {name: float(values[name][0]) for name in METRICS},
+        float(status[0]),
     )
 
 

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from lutgen.mapping import StabilityMap
 
 VERDICT = {True: "stands", False: "tips over", None: "unknown: off the chart"}
-VALUES = {one.json: one.unit for one in QUANTITIES.values()} | {"slope_deg": "rad"}
+ROCKS = "rocks"
+VALUES = {one.json: one.unit for one in QUANTITIES.values() if not one.words} | {"slope_deg": "rad"}
 
 
 @dataclass(frozen=True)
@@ -161,13 +162,15 @@ def map_report(
     if not on_chart:
         log.warning("the direction is off the map's chart: the map says nothing")
         channels.pop("facet", None)
-    known = channels.get("tip_angle", channels.get("sdg", math.nan))
+    standing = channels.get("tip_angle", channels.get("sdg", math.nan)) >= 0.0
+    if not {"tip_angle", "sdg"} & set(channels):
+        standing = QUANTITIES["status"].word(channels.get("status", math.nan)) in ("stands", ROCKS)
     return {
         "robot": stability_map.recipe.name,
         "source": "interpolated",
         "length_unit": stability_map.recipe.length_unit,
         "on_chart": on_chart,
-        "standing": known >= 0.0 if on_chart else None,
+        "standing": standing if on_chart else None,
         **channel_entries(channels),
     }
 
@@ -175,7 +178,9 @@ def map_report(
 def lines(report: dict[str, Any]) -> Iterator[str]:
     """Return the report as text."""
     length = unit_text(report["length_unit"])
-    yield f"{report['robot']} ({report['source']}): {VERDICT[report['standing']]}"
+    rocks = report["standing"] and report.get("status") == ROCKS
+    verdict = ROCKS if rocks else VERDICT[report["standing"]]
+    yield f"{report['robot']} ({report['source']}): {verdict}"
     for name, text in _entries(report, length):
         yield f"{name:<15}{text}"
     if "normal_forces" in report:
@@ -195,8 +200,9 @@ def _rolls_away(report: dict[str, Any]) -> str:
 
 def _entries(report: dict[str, Any], length: str) -> Iterator[tuple[str, str]]:
     """Return the names and texts of what there is one of."""
-    if "status" in report:
-        yield "status", report["status"]
+    if report.get("status") is not None:
+        among = " (the worst of the nodes around)" if report["source"] == "interpolated" else ""
+        yield "status", f"{report['status']}{among}"
     for key, kind in VALUES.items():
         if key in report:
             unit = {"rad": " deg", "1": ""}.get(kind, length)

@@ -58,10 +58,14 @@ def info_report(stability_map: "StabilityMap") -> dict[str, Any]:
         one, unit = QUANTITIES[name], QUANTITIES[name].stored_unit(recipe.length_unit)
         if low is not None and high is not None:
             low, high, unit = one.shown(low), one.shown(high), one.shown_unit(recipe.length_unit)
-        channels.append({"name": name, "unit": unit, "min": low, "max": high})
+        entry = {"name": name, "unit": unit, "min": low, "max": high}
+        if one.words and low is not None and high is not None:
+            entry |= {"unit": "", "min": one.word(low), "max": one.word(high)}
+        channels.append(entry)
     return {
         "title": str(attributes["title"]),
         "format": int(attributes["lutgen_format"]),
+        "definition": int(attributes["lutgen_definition"]),
         "lutgen_version": str(attributes["lutgen_version"]),
         "robot": recipe.name,
         "length_unit": recipe.length_unit,
@@ -81,8 +85,10 @@ def info_lines(report: dict[str, Any]) -> Iterator[str]:
     yield f"{report['title']} (format {report['format']}, lutgen {report['lutgen_version']})"
     yield from grid_lines({axis["name"]: axis for axis in report["axes"]}, report["chart"])
     for channel in report["channels"]:
-        ends = f"{cell(channel['min'])} to {cell(channel['max'])}"
-        yield f"  {channel['name']}: {ends} {channel['unit']}"
+        low, high = (
+            end if isinstance(end, str) else cell(end) for end in (channel["min"], channel["max"])
+        )
+        yield f"  {channel['name']}: {low} to {high} {channel['unit']}".rstrip()
     if report["share_that_tips"] is not None:
         yield f"  tips: {100.0 * report['share_that_tips']:.2f} % of directions (by area)"
     yield f"  recipe sha256: {report['recipe_sha256']}"

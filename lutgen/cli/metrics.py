@@ -10,6 +10,7 @@ import click
 from lutgen.cli.options import RecipeOptions, asks, option, parameter_values, parameters, tilt
 from lutgen.cli.table import aligned, cell, channel_entries, number, show, unit_text
 from lutgen.errors import InputError
+from lutgen.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     from lutgen.analysis import Metrics, Posture
@@ -75,7 +76,10 @@ def metrics_report(posture: "Posture", tilt: float, headings: int) -> dict[str, 
         "robot": posture.recipe.name,
         "length_unit": posture.recipe.length_unit,
         "tilt_deg": tilt,
-        "level": channel_entries(found.level),
+        "level": {
+            "status": QUANTITIES["status"].word(found.level_status),
+            **channel_entries(found.level),
+        },
         "headings": [
             {**_at(found, i, float(heading)), **held[i]} for i, heading in enumerate(around)
         ],
@@ -87,6 +91,7 @@ def _at(found: "Metrics", index: int, heading: float) -> dict[str, Any]:
     return {
         "heading_deg": heading,
         "standing": bool(found.standing[index]),
+        "status": QUANTITIES["status"].word(float(found.status[index])),
         **channel_entries({name: float(values[index]) for name, values in found.values.items()}),
         "normalised": {
             name: number(float(values[index])) for name, values in found.normalised.items()
@@ -106,10 +111,10 @@ def metrics_lines(report: dict[str, Any]) -> Iterator[str]:
     }
     rolling = "holds" in report["headings"][0]
     rows = [["heading deg", "verdict", *columns.values(), *(["holds"] if rolling else [])]]
-    for entry in ({"heading_deg": None, "standing": True, **report["level"]}, *report["headings"]):
+    for entry in ({"heading_deg": None, **report["level"]}, *report["headings"]):
         heading = entry["heading_deg"]
         name = "level" if heading is None else f"{heading:g}"
-        verdict = "stands" if entry["standing"] else "tips over"
+        verdict = {"tips": "tips over"}.get(entry["status"], entry["status"])
         rows.append([name, verdict, *(cell(entry[key]) for key in columns)])
         if rolling:
             held = "yes" if entry.get("holds", True) else "may" if entry["may_hold"] else "no"

@@ -44,14 +44,19 @@ def degrees(value: float | None) -> float | None:
     return None if value is None else number(math.degrees(value))
 
 
-def channel_entries(values: Mapping[str, float]) -> dict[str, float | None]:
-    """Return channels or metrics under their names in a report; tip-over angles in deg."""
-    entries: dict[str, float | None] = {}
+def channel_entries(values: Mapping[str, float]) -> dict[str, Any]:
+    """Return channels or metrics under their names in a report; tip-over angles in deg.
+
+    A channel of words comes as a word.
+    """
+    entries: dict[str, Any] = {}
     for name, value in values.items():
         one = QUANTITIES.get(name)
         if one is None:
             # The force-angle measure is no channel.
             entries[f"{name}_rad"] = number(value)
+        elif one.words:
+            entries[name] = one.word(value)
         else:
             entries[one.json] = int(value) if one.unit == "1" else number(one.shown(value))
     return entries

@@ -28,7 +28,8 @@ def share_that_tips(stability_map: StabilityMap) -> float | None:
     """Return the share of directions in which the robot tips, averaged over the map's postures.
 
     Each node counts with the solid angle that it stands for, so it is a share of area on the
-    sphere of the chart's directions; None for a map without `tip_angle`, `status`, `sdg` and `height`.
+    sphere of the chart's directions; None for a map without `tip_angle`, `status`, `sdg` and
+    `height`.
     """
     verdicts = ("tip_angle", "status", "sdg", "height")
     name = next((n for n in verdicts if n in stability_map.channels), None)

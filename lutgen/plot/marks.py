@@ -20,8 +20,10 @@ from numpy.typing import NDArray
 from lutgen.plot.style import GREY, HATCH, ORANGE, WASH
 
 Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
 
-TIPS = "tips over"
+TIPS, ROCKS = "tips over", "rocks between rests"
+ROCK_HATCH = "\\\\\\\\"
 HATCHED: dict[str, Any] = {"facecolor": WASH, "edgecolor": GREY, "hatch": HATCH}
 # The same for contours of the tip-over angle (rad).
 TIPPED: dict[str, Any] = {"levels": [-4.0, 0.0], "colors": [WASH], "hatches": [HATCH]}
@@ -57,6 +59,26 @@ def shade_tip_over(axes: Axes, x: Floats, y: Floats, tip_angle: Floats) -> bool:
     axes.contourf(x, y, tip_angle, zorder=3, **TIPPED)
     if (tip_angle >= 0.0).any():
         axes.contour(x, y, tip_angle, levels=[0.0], colors=["black"], linewidths=0.9, zorder=4)
+    return True
+
+
+def rock_patch(colour: str, behind: str = "none") -> Patch:
+    """Return the legend's sample of where the robot rocks: hatched in a colour on what is there."""
+    look: dict[str, Any] = {"facecolor": behind, "edgecolor": colour, "hatch": ROCK_HATCH}
+    return Patch(linewidth=0.4, label=ROCKS, **look)
+
+
+def shade_rocking(axes: Axes, mesh: tuple[Floats, Floats], rocks: Bools, colour: str) -> bool:
+    """Hatch where the robot rocks between rests, all (rows, columns); False if it does nowhere.
+
+    The hatching leans the other way than that of what tips over, and lets the colours through.
+    """
+    if not rocks.any():
+        return False
+    drawn = axes.contourf(
+        *mesh, rocks.astype(float), levels=[0.5, 1.5], colors=["none"], hatches=[ROCK_HATCH]
+    )
+    drawn.set(zorder=2.3, hatchcolor=colour)
     return True
 
 

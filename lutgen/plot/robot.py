@@ -19,6 +19,7 @@ from lutgen.plot.labels import angle_text, title, unit_label, with_unit
 from lutgen.plot.marks import write_beside
 from lutgen.plot.style import BLUE, GREEN, GREY, ORANGE, PURPLE, new_figure
 from lutgen.plot.view import View
+from lutgen.quantities import QUANTITIES
 
 Floats = NDArray[np.float64]
 
@@ -53,7 +54,9 @@ def _verdict(state: Diagnosis) -> str:
     if abs(angle) > 179.99:
         return "never tips over" if state.standing else "nothing to stand on"
     away = angle_text(abs(angle))
-    return f"stands, {away} from tip-over" if state.standing else f"tips over, {away} too far"
+    if not state.standing:
+        return f"tips over, {away} too far"
+    return f"{QUANTITIES['status'].word(state.channels['status'])}, {away} from tip-over"
 
 
 def _name_contacts(axes: Any, view: View, state: Diagnosis) -> None:

@@ -21,8 +21,17 @@ from lutgen.analysis import tilted
 from lutgen.errors import InputError
 from lutgen.plot.labels import HEADINGS, channel_label, optimum_text, slide_label, title, with_unit
 from lutgen.plot.levels import fill, levels, outline
-from lutgen.plot.marks import CENTRED, HALO, mark_optimum, mark_sliding, shade_tip_over, tip_patch
-from lutgen.plot.style import MAP, new_figure
+from lutgen.plot.marks import (
+    CENTRED,
+    HALO,
+    mark_optimum,
+    mark_sliding,
+    rock_patch,
+    shade_rocking,
+    shade_tip_over,
+    tip_patch,
+)
+from lutgen.plot.style import GREY, MAP, new_figure
 from lutgen.plot.view import View, optimum
 from lutgen.quantities import QUANTITIES
 
@@ -38,8 +47,8 @@ TILTS, HEADING_COUNT = 181, 361
 class Disc:
     """One disc: tilts (rad) from `inner` at the middle to `outer` at the rim, and its mesh.
 
-    `x`, `y`, `values` (display unit), `tip_angle` and `grip` (rad, see `View.grip`) are (TILTS,
-    HEADING_COUNT).
+    `x`, `y`, `values` (display unit), `tip_angle`, `grip` (rad, see `View.grip`) and `rocks` are
+    (TILTS, HEADING_COUNT).
     """
 
     inner: float
@@ -49,6 +58,7 @@ class Disc:
     values: Floats
     tip_angle: Floats
     grip: Floats
+    rocks: NDArray[np.bool_]
 
 
 def draw_sphere(view: View) -> Figure:
@@ -84,13 +94,16 @@ def draw_sphere(view: View) -> Figure:
         )
         handles.append(mark_optimum(panels[number], x, y, optimum_text(view, value, stack)))
     slides: list[Artist] = []
-    tips = False
+    tips = rocks = False
     for panel, disc in zip(panels, discs, strict=True):
         mesh, label = (disc.x, disc.y), slide_label(view.recipe)
         slides += mark_sliding(panel, mesh, disc.grip, disc.tip_angle, label)
+        rocks |= shade_rocking(panel, mesh, disc.rocks, "white")
         tips |= shade_tip_over(panel, *mesh, disc.tip_angle)
         _graticule(panel, disc)
     handles += slides[:1]
+    if rocks:
+        handles.append(rock_patch("white", GREY))
     if tips:
         share = 100.0 * _share_that_tips(view)
         where = "all directions" if whole else "the chart's directions"
@@ -120,7 +133,8 @@ def _disc(view: View, inner: float, outer: float) -> Disc:
     # Beyond tip-over some channels go on; the hatching is there.
     values = np.where(tip_angle < 0.0, np.nan, values)
     grip = view.grip(view.params, directions).reshape(tilt.shape)
-    return Disc(inner, outer, x, y, values, tip_angle, grip)
+    rocks = view.rocks(directions).reshape(tilt.shape)
+    return Disc(inner, outer, x, y, values, tip_angle, grip, rocks)
 
 
 def _radius(tilt: Any, inner: float, outer: float) -> Any:

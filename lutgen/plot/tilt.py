@@ -9,6 +9,7 @@ import math
 from typing import Any, cast
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from matplotlib.projections.polar import PolarAxes
 from numpy.typing import NDArray
@@ -18,13 +19,23 @@ from lutgen.analysis import (
     PostureLimits,
     SweepLimits,
     hold_limits,
+    level_frames,
     posture_limits,
     roll_limits,
     slide_limits,
     tilt_limits,
+    tilted,
 )
 from lutgen.plot.labels import HEADINGS, heading_text, limit_text, slide_label, title, with_unit
-from lutgen.plot.marks import CENTRED, HALO, HATCHED, SLIDE_DASHES, tip_patch
+from lutgen.plot.marks import (
+    CENTRED,
+    HALO,
+    HATCHED,
+    SLIDE_DASHES,
+    rock_patch,
+    shade_rocking,
+    tip_patch,
+)
 from lutgen.plot.style import BLUE, GREEN, GREY, ORANGE, PURPLE, in_house_style, new_figure
 from lutgen.plot.view import View
 from lutgen.recipe import Recipe
@@ -38,6 +49,8 @@ SAMPLES = 720
 AROUND = np.radians(np.arange(SAMPLES + 1) * (360.0 / SAMPLES))
 # Headings at which rolling is judged: every fifth degree, so that sideways is among them.
 ROLL_HEADINGS = 73
+# The mesh on which rocking is looked for; its headings are some of AROUND.
+TILTS, HEADING_COUNT = 241, 361
 DOWN = (0.0, 0.0, -1.0)
 FROM = {"plane": "tilt from level ground", "body": "tilt from a level body"}
 BODY: Look = {"color": BLUE, "linewidth": 1.8, "zorder": 4}
@@ -56,6 +69,7 @@ def draw_polar(view: View) -> Figure:
     words = title(view, gravity=False, more=FROM["body"])
     axes = _polar_axes(words, outline, _ground(found), outline)
     _hatch(axes, outline)
+    rocks = _rocking(axes, view, "body", outline)
     _outlines(axes, found, outline)
     if view.recipe.friction is not None:
         slides = np.degrees(slide_limits(posture, AROUND))
@@ -65,7 +79,7 @@ def draw_polar(view: View) -> Figure:
             look: Look = {"color": ORANGE, "linestyle": SLIDE_DASHES}
             axes.plot(AROUND, slides, label=slide_label(view.recipe), **look)
     _roll_limit(axes, posture)
-    return _with_legend(axes, "tips over (body tilt)")
+    return _with_legend(axes, "tips over (body tilt)", rocks)
 
 
 @in_house_style
@@ -100,6 +114,7 @@ def draw_limits(
     most = outline if swept is None else np.append(outline, np.degrees(swept.most))
     axes = _polar_axes(heading, outline, _ground(posture), most)
     _hatch(axes, outline if swept is None else _sweep(axes, swept, outline, worst))
+    rocks = _rocking(axes, view, posture.convention, outline)
     _outlines(axes, posture, outline)
     if recipe.friction is not None:
         top = axes.get_rmax()
@@ -110,7 +125,7 @@ def draw_limits(
         if within.min() < top:
             axes.plot(AROUND, within, label=slide_label(recipe), zorder=3, **SLIDES)
     tips = "tips over (body tilt)" if swept is None else "tips over in every posture"
-    return _with_legend(axes, tips)
+    return _with_legend(axes, tips, rocks)
 
 
 def _sweep(axes: PolarAxes, swept: SweepLimits, outline: Floats, worst: bool) -> Floats:
@@ -157,6 +172,23 @@ def _polar_axes(words: str, outline: Floats, ground: Floats, drawn: Floats) -> P
 def _hatch(axes: PolarAxes, edge: Floats) -> None:
     """Hatch the tilts (deg) beyond an edge."""
     axes.fill_between(AROUND, edge, axes.get_rmax(), linewidth=0.0, **HATCHED)
+
+
+def _rocking(axes: PolarAxes, view: View, convention: str, outline: Floats) -> list[Artist]:
+    """Hatch the tilts at which the robot rocks between rests, up to the outline (deg).
+
+    Returns the handle for the legend; none where it rocks nowhere.
+    """
+    tilts = np.radians(np.linspace(0.0, axes.get_rmax(), TILTS))
+    around = AROUND[:: SAMPLES // (HEADING_COUNT - 1)]
+    tilt, heading = np.meshgrid(tilts, around, indexing="ij")
+    frame = level_frames(view.recipe, view.params[None], convention)[0]
+    rocks = view.rocks(tilted(tilt.ravel(), heading.ravel()) @ frame.T).reshape(tilt.shape)
+    # What lies beyond the first tilt at which it tips belongs to what is hatched as that.
+    rocks &= tilt <= np.radians(outline[:: SAMPLES // (HEADING_COUNT - 1)])
+    return (
+        [rock_patch(GREY)] if shade_rocking(axes, (heading, np.degrees(tilt)), rocks, GREY) else []
+    )
 
 
 def _ground(found: PostureLimits) -> Floats:
@@ -210,7 +242,7 @@ def _roll_limit(axes: PolarAxes, posture: Posture) -> None:
         axes.plot(headings, sure, label="holds for certain within", **look)
 
 
-def _with_legend(axes: PolarAxes, tips: str) -> Figure:
+def _with_legend(axes: PolarAxes, tips: str, rocks: list[Artist]) -> Figure:
     """Return the figure of the axes, its legend below them."""
     handles, labels = axes.get_legend_handles_labels()
     # Body tilt stands on the left with its guarantee and its worst heading, ground tilt on the
@@ -218,8 +250,8 @@ def _with_legend(axes: PolarAxes, tips: str) -> Figure:
     first, second = labels.index("body tilt"), labels.index("ground tilt")
     # A robot that tips at once has no worst heading.
     third = second + 2 + any(label.startswith("worst:") for label in labels[second + 2 :])
-    others = [tip_patch(tips), *handles[:first], *handles[third:]]
-    left = max(math.ceil((len(handles) + 1) / 2) - (second - first), 0)
+    others = [tip_patch(tips), *rocks, *handles[:first], *handles[third:]]
+    left = max(math.ceil((len(handles) + 1 + len(rocks)) / 2) - (second - first), 0)
     columns = [handles[first:second], others[:left], handles[second:third], others[left:]]
     handles = [handle for part in columns for handle in part]
     figure = cast("Figure", axes.figure)

@@ -19,6 +19,8 @@ from lutgen.recipe import Recipe
 
 Floats = NDArray[np.float64]
 
+# In the channel `status`.
+ROCKS = QUANTITIES["status"].words.index("rocks")
 # A limit given in degrees comes back from radians within a few 1e-16 of itself.
 SLACK = 1e-9
 
@@ -81,6 +83,18 @@ class View:
             return self.stability_map.read(*_paired(rows, down), channels)
         values = evaluate_each(self.recipe, rows, self._in_bodies(rows, down), channels)
         return {name: value.ravel() for name, value in values.items()}
+
+    def rocks(self, directions: ArrayLike) -> NDArray[np.bool_]:
+        """Tell where the figure's posture rocks between rests, (d,), under directions (d, 3).
+
+        False where nobody knows: of a robot that is code, by a map without the channel `status`.
+        """
+        down = np.atleast_2d(np.asarray(directions, dtype=np.float64))
+        if is_sealed(self.recipe) and (
+            self.stability_map is None or "status" not in self.stability_map.channels
+        ):
+            return np.zeros(len(down), np.bool_)
+        return np.asarray(self.exact(self.params, down, "status")["status"] == ROCKS)
 
     def grip(self, postures: ArrayLike, directions: ArrayLike) -> Floats:
         """Return atan mu less the slope of the ground (rad), (m,): negative where the robot slides.

@@ -70,8 +70,8 @@ def test_exactly_on_a_tip_over_axis_it_still_stands() -> None:
 
 def test_a_force_moves_where_it_rocks() -> None:
     # Pushed forward by a tenth of its weight it rocks where without the push it stands.
-    load = '[[robot.force]]\nname = "push"\nlink = "body"\nposition = [0, 0, 0]\nforce = [9.80665, 0, 0]\n'
-    head = '[[robot.link]]\nname = "body"\nmass = 10.0\n' + load
+    push = 'name = "push"\nlink = "body"\nposition = [0, 0, 0]\nforce = [9.80665, 0, 0]\n'
+    head = f'[[robot.link]]\nname = "body"\nmass = 10.0\n[[robot.force]]\n{push}'
     nose_up = float(np.degrees(np.arcsin(-0.1)))
     assert status(rocker(), pitched(0.0, nose_up)) == [ROCKS, STANDS]
     assert status(rocker(head=head), pitched(0.0, nose_up)) == [STANDS, ROCKS]

@@ -153,5 +153,5 @@ def test_without_xarray_a_dataset_is_refused_with_a_way_out(
 
     monkeypatch.delitem(sys.modules, "xarray")
     monkeypatch.setattr(builtins, "__import__", without)
-    with pytest.raises(InputError, match="needs the package xarray .*pip install xarray"):
+    with pytest.raises(InputError, match=r"needs the package xarray .*pip install xarray"):
         stability_map.to_xarray()
