@@ -22,7 +22,7 @@ from lutgen.plot.style import GREY, HATCH, ORANGE, WASH
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
-TIPS, ROCKS = "tips over", "rocks between rests"
+TIPS, ROCKS = "tips over", "rocks"
 ROCK_HATCH = "\\\\\\\\"
 HATCHED: dict[str, Any] = {"facecolor": WASH, "edgecolor": GREY, "hatch": HATCH}
 # The same for contours of the tip-over angle (rad).
