@@ -28,7 +28,7 @@ def recipe_text(robot: UrdfRobot, motion: Motion, contacts: Sequence[Contact]) -
         "[robot]",
         f"name = {_quoted(robot.name)}",
         'length_unit = "m"',
-        "upright = 90.0",
+        "upright = 80.0",
         "rock_angle = 30.0",
         "",
     ]

@@ -193,5 +193,5 @@ def test_a_facet_that_is_refused_in_a_corner_of_the_box_only_is_found() -> None:
     normal = np.cross(where[:, 1] - where[:, 0], where[:, 2] - where[:, 0])
     lean = math.degrees(np.arccos(normal[:, 2] / np.linalg.norm(normal, axis=1)).max())
     for beyond, holds in ((0.1, True), (-0.1, False)):
-        head = text.replace("upright = 90.0", f"upright = {lean + beyond!r}")
+        head = text.replace("upright = 80.0", f"upright = {lean + beyond!r}")
         assert (poly.refusal(model(head), "float") is None) == holds

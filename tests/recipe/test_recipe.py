@@ -92,8 +92,8 @@ BAD = {
     "friction bool": ("friction = 0.5", "friction = true", "robot.friction", "True", "write a num"),
     "friction nan": ("friction = 0.5", "friction = nan", "robot.friction", "nan", "write a num"),
     "friction text": ("friction = 0.5", 'friction = "0.5"', "robot.friction", "'0.5'", "write a n"),
-    "upright zero": ("upright = 80.0", "upright = 0", "robot.upright", "0.0", "use 90"),
-    "upright large": ("upright = 80.0", "upright = 180.5", "robot.upright", "180.5", "use 90"),
+    "upright zero": ("upright = 80.0", "upright = 0", "robot.upright", "0.0", "use 80"),
+    "upright large": ("upright = 80.0", "upright = 180.5", "robot.upright", "180.5", "use 80"),
     "rock angle": ("rock_angle = 20.0", "rock_angle = -1", "robot.rock_angle", "-1.0", "30 is"),
     "parameter no array": (GOOD, '[robot]\nname="a"\nlength_unit="m"\nparameter = 1',
         "robot.parameter", "1", "start each entry with [[robot.parameter]]"),
@@ -259,7 +259,7 @@ def test_what_is_optional_gets_its_documented_default():
         text = text.replace(line, "")
     recipe = parse_recipe(text)
     assert recipe.friction is None
-    assert (recipe.upright, recipe.rock_angle) == (math.radians(90), math.radians(30))
+    assert (recipe.upright, recipe.rock_angle) == (math.radians(80), math.radians(30))
     assert recipe.export == ExportDefaults(None, None)
     assert all(link.mass == 0.0 for link in recipe.links)
     assert recipe.source == "<recipe>"
