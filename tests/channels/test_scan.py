@@ -12,9 +12,9 @@ from lutgen.channels.scan import nodes_of, scan_part
 from lutgen.chart import Chart
 from lutgen.quantities import CHANNELS
 from lutgen.support.primitive import pack
-from lutgen.support.region import acceptance
+from lutgen.support.region import TIPS, acceptance
 
-FAST = ("sdg", "height", "tip_angle", "facet")
+FAST = ("sdg", "height", "tip_angle", "facet", "status")
 LIMITS = {
     "none": (None, None),
     "default": (np.radians(90.0), np.radians(30.0)),
@@ -68,7 +68,7 @@ def rows(
     """Scan rows [first, last) of every posture; return (m, rows, nodes) per channel."""
     stop = chart.faces * chart.nodes if last is None else last
     m = len(robots.centre)
-    out = np.full((6, m * (stop - first) * chart.nodes), 12345.0, np.float32)
+    out = np.full((len(CHANNELS), m * (stop - first) * chart.nodes), 12345.0, np.float32)
     lines = m * (stop - first)
     bounds_of_parts = [part * lines // parts for part in range(parts + 1)]
     for begin, end in pairwise(bounds_of_parts):
@@ -113,11 +113,12 @@ def assert_equal_within_float32(
 
 
 def assert_one_verdict(got: dict[str, NDArray[np.float32]]) -> None:
-    """`tip_angle`, `sdg`, `height` and `facet` must agree at every node, at the boundary too."""
+    """All fast channels must agree at every node, at the boundary too."""
     tips = got["tip_angle"] < 0.0
     np.testing.assert_array_equal(np.isnan(got["sdg"]), tips)
     np.testing.assert_array_equal(np.isnan(got["height"]), tips)
     np.testing.assert_array_equal(got["facet"] == -1.0, tips)
+    np.testing.assert_array_equal(got["status"] == TIPS, tips)
     assert not np.isnan(got["tip_angle"]).any()
 
 

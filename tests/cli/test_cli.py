@@ -59,7 +59,7 @@ def test_check_prints_robot_parameters_nodes_size_and_time(place: Path) -> None:
         "reach: 0 to 0.6 m, 4 nodes",
         "swing: -40 to 50 deg, 3 nodes",
         "cone, 1 face(s) of 7 x 7 nodes",
-        "588 nodes, 3,528 values, 13.8 KiB",
+        "588 nodes, 4,116 values, 14.4 KiB",
     ):
         assert part in result.stdout
     assert result.stderr == ""
@@ -76,7 +76,8 @@ def test_check_as_json_agrees_with_the_file_that_a_sweep_writes(place: Path) -> 
     assert report["digest"] == lutgen.load_recipe(place / "tripod.toml").digest
     size = (place / "tripod.h5").stat().st_size
     # The values; the rest of the file is its header, some 50 kB of names and addresses.
-    assert report["file_bytes"] == 6 * 4 * 588
+    # Six channels of float32 and one of bytes; each in one chunk with its checksum.
+    assert report["file_bytes"] == (6 * 4 + 1) * 588 + 7 * 4
     assert 0 < size - report["file_bytes"] < 60_000
 
 
@@ -134,6 +135,9 @@ def test_info_as_json_holds_the_ranges_of_the_stored_values(place: Path) -> None
     assert report["robot"] == "tripod"
     channels = {entry["name"]: entry for entry in report["channels"]}  # type: ignore[attr-defined]
     assert list(channels) == list(ALL_CHANNELS)
+    words = channels.pop("status")
+    assert (words["min"], words["max"], words["unit"]) == ("stands", "tips", "")
+    assert report["definition"] == 2
     for name, entry in channels.items():
         values = stability_map.channel(name)
         scale = 180.0 / math.pi if name == "tip_angle" else 1.0
@@ -209,6 +213,7 @@ def test_eval_as_json_agrees_with_evaluate(place: Path) -> None:
     assert report["tip_angle_deg"] == pytest.approx(math.degrees(want["tip_angle"][0, 0]), rel=1e-9)
     assert sum(report["normal_forces"].values()) == pytest.approx(1.0, abs=1e-12)  # type: ignore[attr-defined]
     assert report["standing"] is True
+    assert report["status"] == "stands"
     least = report["least_stable_axis"]
     assert report["axes"][least["index"]] == least  # type: ignore[index]
 
