@@ -70,9 +70,7 @@ def contact(robot: Drawn, wheel: int, pitch: float) -> tuple[float, float]:
 
 def height(robot: Drawn, pitch: float) -> float:
     """Return how high the com is above level ground when its down direction has a pitch."""
-    return robot.radius + max(
-        x * math.sin(pitch) - z * math.cos(pitch) for x, z in robot.wheels
-    )
+    return robot.radius + max(x * math.sin(pitch) - z * math.cos(pitch) for x, z in robot.wheels)
 
 
 def balance(robot: Drawn) -> float:

@@ -419,7 +419,9 @@ def test_pairs_sweeps_and_diagnoses_read_what_evaluate_reads() -> None:
     assert (got["tip_angle"] < 0).any()
     scanner = Scanner(recipe, recipe.chart, names)
     for first, last in ((0, scanner.rows), (2, 5)):
-        out = np.full((len(CHANNELS), len(params) * (last - first) * recipe.chart.nodes), 7.0, np.float32)
+        out = np.full(
+            (len(CHANNELS), len(params) * (last - first) * recipe.chart.nodes), 7.0, np.float32
+        )
         assert scanner.fill(params, first, last, out) == 0
         for name in names:
             want = got[name].reshape(len(params), scanner.rows, -1)[:, first:last]
