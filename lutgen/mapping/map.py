@@ -147,7 +147,7 @@ class StabilityMap:
     """A stability map on disk; values are read when they are asked for.
 
     `path` is the file, `recipe` the recipe it was made from, `attributes` the root attributes,
-    `seal` its digest (None for a file of an earlier lutgen, which has none).
+    `seal` its digest (None for a file that has none).
     """
 
     path: str
