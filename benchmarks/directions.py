@@ -15,9 +15,9 @@ from benchmarks.cases import Case, point_shapes
 from benchmarks.timing import interleave
 from lutgen.channels.evaluation import stability
 from lutgen.chart import unit_directions
-from lutgen.support.boundary import stand
-from lutgen.support.hull import facet_table
 from lutgen.support.region import SEGMENTS, acceptance, empty_region
+from lutgen.support.search import stand
+from lutgen.support.table import facet_table
 
 DIRECTIONS = 100_000
 CASE = Case("ground", 4)

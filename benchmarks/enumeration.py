@@ -14,9 +14,10 @@ from lutgen.channels.plain import CHANNELS
 from lutgen.chart import Chart
 from lutgen.jit import njit
 from lutgen.support.boundary import find_region
-from lutgen.support.hull import facet_table, robot_size
 from lutgen.support.region import Acceptance, acceptance, empty_region
-from lutgen.support.rounds import find_facets
+from lutgen.support.search import find_facets
+from lutgen.support.table import facet_table, robot_size
+from lutgen.support.unite import unite
 from lutgen.vector import Floats
 
 POINT_COUNTS = (3, 4, 6, 8, 16, 32)
@@ -48,13 +49,16 @@ class Enumeration:
 @njit()
 def find_all(primitives: Floats, accept: Acceptance, regions: bool) -> int:
     """Find the facets, and if asked the regions, of all postures; return how many facets."""
-    table, region = facet_table(primitives.shape[1]), empty_region(primitives.shape[1])
+    n = primitives.shape[1]
+    pieces, table, region = facet_table(n), facet_table(n), empty_region(n)
     found = 0
     for m in range(primitives.shape[0]):
-        find_facets(table, primitives[m], accept.lowest_up)
+        size = robot_size(primitives[m])
+        find_facets(pieces, primitives[m], accept.lowest_up, size)
+        unite(pieces, table, primitives[m], size)
         found += table.tally[0]
         if regions:
-            find_region(region, table, accept, robot_size(primitives[m]))
+            find_region(region, table, primitives[m], accept, size)
     return found
 
 

@@ -10,8 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.jit import njit
-from lutgen.support.boundary import find_region
-from lutgen.support.hull import FIRST, facet_table, robot_size
 from lutgen.support.region import (
     EDGE_KIND,
     EDGE_PLANE,
@@ -24,7 +22,8 @@ from lutgen.support.region import (
     Acceptance,
     empty_region,
 )
-from lutgen.support.rounds import find_facets
+from lutgen.support.search import stand
+from lutgen.support.table import FIRST, facet_table
 from lutgen.vector import Floats, Ints
 
 
@@ -56,8 +55,7 @@ def _copy(
 ) -> None:
     table, region = facet_table(primitives.shape[1]), empty_region(primitives.shape[1])
     for m in range(primitives.shape[0]):
-        find_facets(table, primitives[m], accept.lowest_up)
-        find_region(region, table, accept, robot_size(primitives[m]))
+        stand(table, region, primitives[m], accept)
         counts[m, 0] = region.tally[FACETS]
         counts[m, 1] = region.tally[SEGMENTS]
         wall = 0

@@ -207,7 +207,7 @@ class StabilityMap:
         MapFileError
             If a channel cannot be read.
         """
-        return labelled(self)
+        return labelled(self.path, self.recipe, self.attributes, self.channel)
 
     def pieces(self, name: str) -> Iterator[tuple[int, NDArray[Any]]]:
         """Yield all values of a channel block by block, for maps that are larger than the memory.

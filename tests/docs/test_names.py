@@ -115,8 +115,8 @@ def importable(name: str) -> bool:
 def exists(name: str) -> bool:
     """Tell whether a dotted name is right: in full, from a module's or room's name, or a class's.
 
-    `rounds.find_facets` is right where some module called rounds has that function.  The structs
-    of the C runtime count as classes.
+    `rounds.find_round_facets` is right where some module called rounds has that function.  The
+    structs of the C runtime count as classes.
     """
     head, _, rest = name.partition(".")
     if rest == "py":
@@ -153,7 +153,7 @@ def test_every_dotted_name_that_a_file_mentions_is_there(path: Path) -> None:
         ("lutgen.statics.diagnose", False),
         ("rounds.py", True),
         ("urdf_text.py", False),
-        ("rounds.find_facets", True),
+        ("rounds.find_round_facets", True),
         ("rounds.find_feet", False),
         ("hull.find_facets", False),
         ("StabilityMap.read", True),
