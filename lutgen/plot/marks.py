@@ -64,8 +64,8 @@ def shade_tip_over(axes: Axes, x: Floats, y: Floats, tip_angle: Floats) -> bool:
 
 def rock_patch(colour: str, behind: str = "none") -> Patch:
     """Return the legend's sample of where the robot rocks: hatched in a colour on what is there."""
-    look: dict[str, Any] = {"facecolor": behind, "edgecolor": colour, "hatch": ROCK_HATCH}
-    return Patch(linewidth=0.4, label=ROCKS, **look)
+    look: dict[str, Any] = {"facecolor": behind, "edgecolor": GREY, "hatch": ROCK_HATCH}
+    return Patch(linewidth=0.4, label=ROCKS, hatchcolor=colour, **look)
 
 
 def shade_rocking(axes: Axes, mesh: tuple[Floats, Floats], rocks: Bools, colour: str) -> bool:
