@@ -9,6 +9,8 @@ nothing.
 """
 
 import math
+from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,6 +26,9 @@ from lutgen.vector import Floats
 SHORTEST_STEP = math.radians(0.005)
 # The limit is known to this (rad), a few hundred times the rounding of tip_angle.
 KNOWN = 1e-13
+# Where `tip_angle` falls to this (rad) between two directions that stand, an axis lies between two
+# rests onto which the robot does not rock; that is looked for in so many rounds.
+TOUCHES, ROUNDS = 1e-11, 4
 # Readings at once: bounds the memory of many postures.
 AT_ONCE = 200_000
 # The search for the worst heading: first pieces of the circle, how fine they get (rad), and how
@@ -95,6 +100,8 @@ def tilt_limits(
     `tip_angle` changes no faster than gravity turns, so no tip-over lies within `tip_angle` of a
     standing direction: the walk from level ground steps exactly that far, and at least
     `SHORTEST_STEP`, until it has passed the limit; false position then finds it in the last step.
+    Beyond an edge that two rests share the robot may stand and yet not be caught there (`gaps`): it
+    falls as gravity passes the edge, where `tip_angle` is zero, so that edge is the limit.
     """
     posture = np.asarray(params, dtype=np.float64)
     heading = np.asarray(headings, dtype=np.float64)
@@ -146,10 +153,17 @@ def _limits(recipe: Recipe, rows: Floats, heading: Floats, convention: str) -> F
         which = np.flatnonzero(walking.any(axis=1))
         goes = walking[which]
         step = np.where(goes, np.maximum(reach[which], SHORTEST_STEP), 0.0)
-        ahead = np.minimum(stands[which] + step, math.pi)
+        behind, ahead = stands[which], np.minimum(stands[which] + step, math.pi)
+        forced = goes & (reach[which] < SHORTEST_STEP)
         passed = keep(which, goes, ahead)
         tips[which] = np.where(passed, ahead, tips[which])
         walking[which] = passed & (ahead < math.pi)
+        if (forced & passed).any():
+            at, least = _lowest(partial(reading, which), behind, ahead)
+            axis = forced & passed & (least <= TOUCHES)
+            stands[which] = np.where(axis, at, stands[which])
+            tips[which] = np.where(axis, at, tips[which])
+            walking[which] &= ~axis
     rounds = 0
     while (tips - stands > KNOWN).any():
         which = np.flatnonzero((tips - stands > KNOWN).any(axis=1))
@@ -163,6 +177,23 @@ def _limits(recipe: Recipe, rows: Floats, heading: Floats, convention: str) -> F
         keep(which, open_, guess)
         rounds += 1
     return stands
+
+
+def _lowest(
+    reading: Callable[[Floats], Floats], begin: Floats, end: Floats
+) -> tuple[Floats, Floats]:
+    """Return the tilts (m, h) between two at which `tip_angle` is least, and how much it is there.
+
+    It falls towards an axis and rises behind it, in short steps linearly and equally fast.
+    """
+    for _ in range(ROUNDS):
+        before, after = reading(begin), reading(end)
+        rate = np.maximum((before + after) / np.maximum(end - begin, KNOWN), KNOWN)
+        at = np.clip(begin + before / rate, begin, end)
+        least = reading(at)
+        reach = np.maximum(2.0 * least / rate, KNOWN)
+        begin, end = np.maximum(at - reach, begin), np.minimum(at + reach, end)
+    return at, least
 
 
 def level_limits(recipe: Recipe, params: ArrayLike, convention: str = "body") -> Floats:
@@ -215,4 +246,10 @@ def worst_heading(posture: Posture, convention: str = "body") -> float:
     # Rounded, because the left and the right one of a pair differ in their last digits.
     nearest = equal[np.lexsort((-np.sign(equal), np.abs(equal).round(4)))[0]]
     beside = np.where(np.abs(middle - nearest) < 1e-4, np.abs(angle), math.inf)
-    return math.remainder(float(middle[beside.argmin()]), 2.0 * math.pi)
+    worst = float(middle[beside.argmin()])
+    # At a corner where a tip-over axis ends the limit jumps: of what was found, the side that tips.
+    sides = worst + 2.0 * FINEST * np.array([0.0, 1.0, -1.0])
+    tilts = tilt_limits(recipe, row, sides, convention)[0]
+    if tilts[0] - tilts.min() > 10.0 * FINEST:
+        worst = float(sides[tilts.argmin()])
+    return math.remainder(worst, 2.0 * math.pi)
