@@ -13,14 +13,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lutgen.analysis.ground_walk import ON, SAME, Piece, tip_angles, walk
-from lutgen.analysis.rocking import Edge, across, seat_on
-from lutgen.analysis.stance import Facet, Posture
+from lutgen.analysis.rocking import Edge, seat_on, turn_to
+from lutgen.analysis.stance import Posture
 from lutgen.analysis.tilt import level_frames
 from lutgen.recipe import Recipe
 from lutgen.vector import Floats
 
-# Of the robot's size: on a facet narrower than this it does not stand, but rolls on.
-NARROW = 0.01
 # A bound is lowered by this (rad), some hundred roundings.
 ROUNDING = 1e-12
 
@@ -147,35 +145,22 @@ def _half(edge: Edge) -> list[tuple[float, float]]:
 def _rests(posture: Posture, *starts: int) -> list[int]:
     """Return rests and all that the robot could rock onto from there, one after the other.
 
-    Between two rests it may pass facets too narrow to stand on, with turns that add up to
-    `rock_angle` at most.
+    Between two rests it may pass stages, with turns that add up to `rock_angle` at most.
     """
     facets, most = posture.stance.facets, posture.recipe.rock_angle + SAME
-    size = max(float(np.linalg.norm(facet.points, axis=1).max()) for facet in facets)
-    wide = [_width(facet) >= NARROW * size for facet in facets]
     turned = {rest: 0.0 for rest in starts if rest >= 0}
     waiting = list(turned)
     while waiting:
         k = waiting.pop()
-        corners = facets[k].contacts
-        for pair in zip(corners, (*corners[1:], corners[0]), strict=True):
-            beyond = across(posture, k, pair)
-            turn = math.inf if beyond is None else turned[k] + beyond[1]
-            if beyond is None or turn > most:
+        for beyond in facets[k].beyond:
+            turn = math.inf if beyond < 0 else turned[k] + turn_to(posture, k, beyond)
+            if turn > most:
                 continue
-            turn = 0.0 if wide[beyond[0]] else turn
-            if turn < turned.get(beyond[0], math.inf):
-                turned[beyond[0]] = turn
-                waiting.append(beyond[0])
-    return [k for k in turned if wide[k] or k in starts]
-
-
-def _width(facet: Facet) -> float:
-    """Return the least width of a facet's support polygon."""
-    sides = np.roll(facet.points, -1, axis=0) - facet.points
-    aside = np.cross(facet.normal, sides)
-    aside /= np.linalg.norm(aside, axis=1, keepdims=True)
-    return float(np.ptp(facet.points @ aside.T, axis=0).min())
+            turn = 0.0 if facets[beyond].is_rest else turn
+            if turn < turned.get(beyond, math.inf):
+                turned[beyond] = turn
+                waiting.append(beyond)
+    return [k for k in turned if facets[k].is_rest or k in starts]
 
 
 def ground_limits(recipe: Recipe, params: ArrayLike, headings: ArrayLike) -> Floats:

@@ -11,7 +11,7 @@ from itertools import combinations, pairwise
 
 import numpy as np
 
-from lutgen.analysis.rocking import Edge, Seat, across, seat_on
+from lutgen.analysis.rocking import Edge, Seat, seat_on, turn_to
 from lutgen.analysis.stance import Posture
 from lutgen.channels import evaluate
 from lutgen.vector import Floats
@@ -121,7 +121,9 @@ class _Walk:
                 # A steeper slope only takes it away again: that counts as tipping.
                 self.pieces.append(Piece(begin, end, came.line, waits[0], came.seat))
             else:
-                self.leave(came, (begin, end), over, over, 0.0)
+                # On a stage it lies until gravity leaves that, but what it turned counts on.
+                rests = self.posture.stance.facets[came.seat.rest].is_rest
+                self.leave(came, (begin, end), over, over, 0.0 if rests else came.turned)
 
     def leave(
         self,
@@ -133,18 +135,19 @@ class _Walk:
     ) -> None:
         """Follow a robot over an edge: onto the next rest, or it tips."""
         seat, facets = came.seat, self.posture.stance.facets
-        found = across(self.posture, seat.rest, over.contacts)
+        if over.beyond >= 0:
+            turned += turn_to(self.posture, seat.rest, over.beyond)
         limit_of_turn = self.posture.recipe.rock_angle + SAME
-        if found is None or turned + found[1] > limit_of_turn or came.steps > 2 * len(facets):
+        if over.beyond < 0 or turned > limit_of_turn or came.steps > 2 * len(facets):
             self.pieces.append(Piece(*arc, limit, over, seat))
             return
-        there = seat_on(self.posture, found[0], seat.frame)
+        there = seat_on(self.posture, over.beyond, seat.frame)
         sure, unsure = self.held(arc, limit, over, seat, there)
         for begin, end in unsure:
             self.pieces.append(Piece(begin, end, limit, over, seat))
         for begin, end in sure:
             self.stand(
-                _Arrival(there, begin, end, limit, over.contacts, turned + found[1], came.steps + 1)
+                _Arrival(there, begin, end, limit, over.contacts, turned, came.steps + 1)
             )
 
     def held(

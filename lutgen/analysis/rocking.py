@@ -1,8 +1,8 @@
-"""A robot on tilting ground: on which rest it stands, and over which edge it leaves it.
+"""A robot on tilting ground: on which facet it lies, and over which edge it leaves it.
 
-Owns the slopes under one rest: in the ground's own frame, x and y level and z up before it is
+Owns the slopes under one facet, a rest or a stage of rolling: in the ground's own frame, x and y level and z up before it is
 tilted, a slope is w = tan(tilt) (cos heading, sin heading), the place of D_g relative to the com's
-foot over the com's height.  A rest carries the slopes inside a convex polygon, its support polygon
+foot over the com's height.  A facet carries the slopes inside a convex polygon, its support polygon
 at that scale, and a slow tilt in one heading is a ray from the middle.  When the robot rocks onto
 another rest the ground turns under it by the least rotation between the two normals, which is that
 about the edge, and the slope remains what it was.
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lutgen.analysis.stance import Facet, Posture
+from lutgen.analysis.stance import Posture
 from lutgen.channels import MU, PHI, RHO
 from lutgen.vector import Floats
 
@@ -26,13 +26,15 @@ class Edge:
     """An edge of a rest; on the rest's side of it (N . w - C) cos(tilt) is at most o.
 
     `normal` (2,) is N, pointing off the rest; `reach` is C, and `push` o, which is zero without
-    forces.  `contacts` are the primitives that it runs between.
+    forces.  `contacts` are the primitives that it runs between, and `beyond` is the facet onto which
+    the robot rolls over it, -1 for none.
     """
 
     normal: Floats
     reach: float
     push: float
     contacts: tuple[int, int]
+    beyond: int
 
     def tilt(self, headings: Floats) -> Floats:
         """Return the tilt (rad) in each heading at which gravity leaves the rest over this edge.
@@ -53,7 +55,7 @@ class Edge:
 
 @dataclass(frozen=True, eq=False)
 class Seat:
-    """One rest on tilted ground: which it is, the ground's frame in the body, and its edges.
+    """One facet on tilted ground: which it is, the ground's frame in the body, and its edges.
 
     `frame` (3, 3) takes the ground's frame to the body's: its third column is the ground's upward
     normal.
@@ -94,7 +96,7 @@ def seat_on(posture: Posture, rest: int, frame: Floats) -> Seat:
             push *= distance / (distance + math.copysign(rho, push)) if rho < distance else 0.0
         x, y, z = turned.T @ plane
         pair = (facet.contacts[i], facet.contacts[j])
-        edges.append(Edge(np.array([-x, -y]), -float(z), push, pair))
+        edges.append(Edge(np.array([-x, -y]), -float(z), push, pair, facet.beyond[i]))
     return Seat(rest, turned, tuple(edges))
 
 
@@ -105,28 +107,7 @@ def least_rotation(start: Floats, stop: Floats) -> Floats:
     return np.asarray(np.eye(3) + cross + cross @ cross / max(1.0 + cosine, NOTHING))
 
 
-def across(posture: Posture, rest: int, contacts: tuple[int, int]) -> tuple[int, float] | None:
-    """Return the facet beyond an edge and the turn (rad) to it; None if there is none.
-
-    It touches both of the edge's primitives, and of several it is the nearest.
-    """
-    facets = posture.stance.facets
-    here = facets[rest]
-    outward = _outward(here, contacts)
-    best = None
-    for k, facet in enumerate(facets):
-        if k == rest or not set(contacts) <= set(facet.touching):
-            continue
-        turn = math.atan2(
-            float(np.linalg.norm(np.cross(here.normal, facet.normal))),
-            float(here.normal @ facet.normal),
-        )
-        if float(facet.normal @ outward) > 0.0 and (best is None or turn < best[1]):
-            best = k, turn
-    return best
-
-
-def _outward(facet: Facet, contacts: tuple[int, int]) -> Floats:
-    """Return the direction (3,) in a facet's plane that points off it across an edge."""
-    i, j = (facet.points[facet.contacts.index(c)] for c in contacts)
-    return np.asarray(np.cross(j - i, facet.normal))
+def turn_to(posture: Posture, rest: int, beyond: int) -> float:
+    """Return the turn (rad) from one facet to another."""
+    here, there = (posture.stance.facets[k].normal for k in (rest, beyond))
+    return math.atan2(float(np.linalg.norm(np.cross(here, there))), float(here @ there))

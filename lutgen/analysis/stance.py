@@ -15,11 +15,13 @@ from lutgen.channels import acceptance_of, refuse_forces, wrenches
 from lutgen.errors import InputError
 from lutgen.recipe import Postures, Recipe, forward, radii_and_kinds
 from lutgen.support import (
+    ACROSS,
     CENTROID,
     CONVEX,
     FACETS,
     FIRST,
     HEIGHT,
+    IS_REST,
     MASK,
     SEGMENTS,
     SOURCE,
@@ -43,7 +45,9 @@ class Facet:
     `contacts` are the polygon's corners, counter-clockwise seen from outside, and `points` (k, 3)
     their contact points relative to the com; `centroid` (3,) is s.  `touching` are all contacts
     in the facet's plane, the corners first and then, in the recipe's order, those on its sides and
-    inside, and `touching_points` (t, 3) theirs.  Body frame, recipe's unit.
+    inside, and `touching_points` (t, 3) theirs.  `beyond` are the indices of the accepted facets
+    onto which it rolls over the side that begins at each corner, -1 for none.  Only on one that
+    `is_rest` the robot stands.  Body frame, recipe's unit.
     """
 
     normal: Floats
@@ -53,6 +57,8 @@ class Facet:
     centroid: Floats
     touching: tuple[int, ...]
     touching_points: Floats
+    beyond: tuple[int, ...]
+    is_rest: bool
 
     @property
     def inradius(self) -> float:
@@ -185,6 +191,7 @@ class Posture:
             x, y, z = normal.tolist()
             inner = [support_contact(primitives, i, (x, y, z)) for i in others]
             points = table.corner[at].copy()
+            sides = slice(region.span[k, FIRST], region.span[k + 1, FIRST])
             facets.append(
                 Facet(
                     normal,
@@ -194,13 +201,15 @@ class Posture:
                     region.facet[k, CENTROID : CENTROID + 3].copy(),
                     (*corners, *others),
                     np.vstack([points, np.array(inner).reshape(-1, 3)]),
+                    tuple(region.link[sides, ACROSS].tolist()),
+                    bool(region.span[k, IS_REST] == 1),
                 )
             )
-        sides = region.segment[: region.tally[SEGMENTS]]
+        axes = region.segment[: region.tally[SEGMENTS]]
         return Stance(
             tuple(facets),
-            sides[:, START : START + 3].copy(),
-            sides[:, STOP : STOP + 3].copy(),
+            axes[:, START : START + 3].copy(),
+            axes[:, STOP : STOP + 3].copy(),
             bool(region.tally[CONVEX] == 1),
             region,
         )
