@@ -18,16 +18,18 @@ from tests.fixtures.recipes import contact, feet, rigid
 
 ALL_ROUND = np.radians(np.arange(0.0, 360.0, 5.0))
 BOX = [(0.30, 0.20, -0.4), (-0.25, 0.20, -0.4), (-0.25, -0.15, -0.4), (0.30, -0.15, -0.4)]
-# A sledge: flat under the com for 0.1 m to both ends, then rising by 20 deg for another 0.3 m.
-FLAT, RISES, HIGH, WIDE, BEND = 0.1, 0.3, 0.5, 0.6, math.radians(20.0)
+# A sledge: flat under the com for 0.2 m to both ends, then rising by 12 deg for another 0.5 m.
+FLAT, RISES, HIGH, WIDE, BEND = 0.2, 0.5, 0.5, 0.6, math.radians(12.0)
 
 
-def sledge(rock_angle: float) -> Posture:
+def sledge(
+    rock_angle: float, flat: float = FLAT, rises: float = RISES, bend: float = BEND
+) -> Posture:
     """Return a sledge on eight points."""
-    up = -HIGH + RISES * math.tan(BEND)
+    up = -HIGH + rises * math.tan(bend)
     points = [
         (x, y, z)
-        for x, z in ((FLAT, -HIGH), (FLAT + RISES, up), (-FLAT, -HIGH), (-FLAT - RISES, up))
+        for x, z in ((flat, -HIGH), (flat + rises, up), (-flat, -HIGH), (-flat - rises, up))
         for y in (WIDE, -WIDE)
     ]
     return Posture(parse_recipe(rigid(feet(points), head=f"rock_angle = {rock_angle}")), [])
@@ -76,6 +78,22 @@ def test_a_sledge_rocks_onto_its_nose_and_tips_at_the_slope_that_is_under_it_the
     np.testing.assert_allclose(sides, math.atan(WIDE / HIGH), atol=1e-12)
 
 
+def test_a_sledge_that_its_nose_does_not_catch_tips_where_it_leaves_its_flat() -> None:
+    flat, rises, bend = 0.1, 0.3, math.radians(20.0)
+    leaves = math.atan(flat / HIGH)
+    high = rises * math.tan(bend)
+    # From where it balances at the bend it falls on to the tip of the nose, and has more energy
+    # than it takes to go over that: the com is lower there than where it was let go.
+    sinks = math.hypot(rises, high) * math.sin(leaves)
+    assert math.hypot(flat + rises, HIGH - high) - sinks < math.hypot(flat, HIGH)
+    posture = sledge(30.0, flat, rises, bend)
+    ahead = [0.0, math.pi]
+    np.testing.assert_allclose(ground_tilt(posture).limits(ahead), leaves, atol=1e-12)  # rounding
+    # Gravity passes from rest to rest, and still the robot falls as it passes the edge.
+    body = tilt_limits(posture.recipe, [], ahead, "plane")
+    np.testing.assert_allclose(body, leaves, atol=1e-10)  # where `tip_angle` is 1e-11 at most
+
+
 def test_a_slope_is_never_above_90_deg_however_far_the_robot_may_rock() -> None:
     cube = [(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)]
     free = "upright = 180.0\nrock_angle = 180.0"
@@ -88,8 +106,10 @@ def test_a_slope_is_never_above_90_deg_however_far_the_robot_may_rock() -> None:
         wide = dataclasses.replace(robot, rock_angle=math.radians(60.0))
         rows = random_rows(wide, 20)
         body = tilt_limits(wide, rows, ALL_ROUND, "plane")
-        assert body.max() > math.radians(90.0)
-        assert ground_limits(wide, rows, ALL_ROUND).max() < math.radians(80.0)
+        ground = ground_limits(wide, rows, ALL_ROUND)
+        assert ground.max() < math.radians(80.0)
+        # The body turns further, though not as far as if it rocked where nothing catches it.
+        assert body.max() > ground.max() + math.radians(2.0)
 
 
 def test_what_tips_on_level_ground_has_no_limit() -> None:
@@ -104,14 +124,16 @@ def test_an_articulated_robot_tips_on_the_ground_where_a_physics_engine_says_so(
     robot = lutgen.load_recipe(MAPS / "articulated.toml")
     posture = Posture(robot, np.radians([45.0, 15.0]))
     found = ground_tilt(posture)
-    # MuJoCo, the ground tilted slowly: 36.2 and 48.0 deg.  A wheel's width of rubber and the lag of
-    # a tilt that takes seconds are worth up to 2 deg, and make its limits larger.
-    for heading, measured in ((120.0, 36.2), (75.0, 48.0)):
+    # MuJoCo, the ground tilted slowly: 30.5, 33.2 and 48.0 deg.  In the first two it rocks through
+    # 21 deg and is not caught, but goes on over the next edge.  A wheel's width of rubber and the
+    # lag of a tilt that takes seconds are worth up to 2 deg, and make its limits larger.
+    for heading, measured in ((120.0, 30.5), (125.0, 33.2), (75.0, 48.0)):
         limit = math.degrees(found.limits([math.radians(heading)])[0])
         assert measured - 2.0 < limit < measured
-    assert 34.0 < math.degrees(found.guaranteed) < 36.0
+    # Where it is not caught it tips over the edge that it would rock over, in body and ground tilt.
     body = math.degrees(level_limits(robot, posture.row, "plane")[0])
-    assert body > 38.0
+    assert math.degrees(found.least) == pytest.approx(body, abs=0.01)
+    assert math.degrees(found.guaranteed) <= math.degrees(found.least) < 23.0
 
 
 def random_rows(robot: Recipe, count: int, seed: int = 3) -> np.ndarray:
@@ -136,8 +158,8 @@ def test_the_guaranteed_slope_is_never_above_the_slope_under_a_robot_that_tips_o
     guaranteed = np.array([ground_tilt(Posture(robot, row)).guaranteed for row in rows])
     assert (guaranteed <= least).all()
     assert np.degrees(guaranteed).mean() > 25.0
-    # Body tilt's bound is none for the ground.
-    assert (level_limits(robot, rows, "plane") > least + 0.01).sum() >= 4
+    # Body tilt's bound is none for the ground where a robot rocks and is caught, which few do.
+    assert (level_limits(robot, rows, "plane") > least + 0.01).any()
 
 
 @pytest.mark.parametrize("name", ["articulated", "absolem", "marv"])
@@ -149,8 +171,10 @@ def test_no_heading_of_a_fine_grid_is_worse_than_the_worst(name: str) -> None:
         found = ground_tilt(Posture(robot, row))
         tilts = found.limits(fine)
         assert tilts.min() >= found.least - 1e-12  # rounding
-        # At a tenth of a degree the least is missed by a step of the steepest edge at most.
-        assert tilts.min() <= found.least + math.radians(0.1)
+        # Where the part of an edge ends over which the robot is caught, a limit rises steeply and
+        # then jumps: beside its worst heading the least is missed by far less than in the grid.
+        beside = found.limits(found.worst + np.linspace(-1e-4, 1e-4, 201))
+        assert beside.min() <= found.least + 1e-5
         assert found.limits([found.worst])[0] == pytest.approx(found.least, abs=1e-9)
         assert found.guaranteed < found.least
         body = tilt_limits(robot, row, fine[::40], "plane")
@@ -178,21 +202,39 @@ def turn(start: np.ndarray, stop: np.ndarray) -> np.ndarray:
 def by_steps(posture: Posture, heading: float, step: float) -> float:
     """Return the tilt at which a robot on points tips: the ground tilted step by step.
 
-    At each step the robot turns onto the facet that gravity pierces, until it is on that one.
+    At each step the robot turns onto the facet that gravity pierces, until it is on that one.  It
+    falls where gravity passes an edge beyond which it is not caught: there it stands on both sides,
+    and has no `tip_angle` left between them.
     """
-    facets, tilt = posture.stance.facets, 0.0
+    facets, tilt, rocked = posture.stance.facets, 0.0, 0.0
     frame = level_frames(posture.recipe, posture.row, "plane")[0]
     on = int(np.argmax([facet.normal @ -frame[:, 2] for facet in facets]))
 
+    def angle(down: np.ndarray) -> float:
+        found = lutgen.evaluate(posture.recipe, [[]], down[None], ("tip_angle",))
+        return float(found["tip_angle"][0, 0])
+
     def under(down: np.ndarray) -> int:
-        angle = lutgen.evaluate(posture.recipe, [[]], down[None], ("tip_angle",))["tip_angle"]
-        return int(posture.stance.under(down[None])[0]) if angle[0, 0] >= 0.0 else -1
+        return int(posture.stance.under(down[None])[0]) if angle(down) >= 0.0 else -1
+
+    def leaves(stays: float, gone: float) -> np.ndarray:
+        """Return gravity as it leaves the facet on which the robot is, between two tilts."""
+        for _ in range(50):
+            half = (stays + gone) / 2.0
+            stays, gone = (
+                (half, gone) if under(frame @ tilted(half, heading)) == on else (stays, half)
+            )
+        return np.asarray(frame @ tilted(stays, heading))
 
     if under(-frame[:, 2]) != on:
         return 0.0
     while True:
         down = frame @ tilted(tilt, heading)
-        rocked = 0.0
+        # What is bisected to rounding has 1e-12 left; where it is caught, far more than 1e-9.
+        if under(down) != on and angle(leaves(tilt - step, tilt)) < 1e-9:
+            return tilt
+        if facets[on].is_rest:
+            rocked = 0.0
         while (below := under(down)) != on:
             here, there = (facets[k].normal for k in (on, below))
             rocked += math.acos(min(1.0, float(here @ there)))
@@ -216,7 +258,8 @@ def test_a_ground_that_is_tilted_step_by_step_tips_robots_at_the_limits_in_close
             body = tilt_limits(posture.recipe, [], [heading], "plane")[0]
             rocking += body > limit + 0.02
             standing += limit > 0.1
-    assert rocking > 20
+    # Most edges of a bowl catch nothing, and there ground and body tip at one tilt.
+    assert rocking > 5
     assert standing > 20
 
 

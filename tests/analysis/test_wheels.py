@@ -432,9 +432,10 @@ def test_a_wheel_between_the_corners_of_the_support_polygon_touches_too() -> Non
     assert structure(Posture(above, [])).category == "3 DoF, non-steered"
 
 
-def test_a_wheel_within_a_billionth_of_the_robot_s_size_touches() -> None:
-    size = math.sqrt(2.0)  # the square's diagonal
-    for above, touching in ((0.9e-9 * size, ("P5",)), (1.1e-9 * size, ())):
+def test_a_wheel_within_a_ten_thousandth_of_the_robot_s_size_touches() -> None:
+    # `contact_tolerance` by default; the size is the distance of a corner from the com.
+    size = SIZE
+    for above, touching in ((0.9e-4 * size, ("P5",)), (1.1e-4 * size, ())):
         recipe = robot([*SQUARE, (0.0, 0.0, -0.4 + above)], wheel("P5"))
         assert structure(Posture(recipe, [])).touching == touching
 
