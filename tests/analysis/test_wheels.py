@@ -434,7 +434,7 @@ def test_a_wheel_between_the_corners_of_the_support_polygon_touches_too() -> Non
 
 def test_a_wheel_within_a_ten_thousandth_of_the_robot_s_size_touches() -> None:
     # `contact_tolerance` by default; the size is the distance of a corner from the com.
-    size = SIZE
+    size = math.sqrt(0.5**2 + 0.5**2 + 0.4**2)
     for above, touching in ((0.9e-4 * size, ("P5",)), (1.1e-4 * size, ())):
         recipe = robot([*SQUARE, (0.0, 0.0, -0.4 + above)], wheel("P5"))
         assert structure(Posture(recipe, [])).touching == touching

@@ -344,11 +344,12 @@ def test_polar_chart_names_body_tilt_and_ground_tilt_with_a_worst_heading_of_eac
     for name, bound, dot in zip(("body tilt", "ground tilt"), bounds, worst, strict=True):
         heading, limit = lines[name].get_data()
         (at,), (tilt,) = dot.get_data()
-        # The worst heading is searched for, and what is drawn has one every half degree.
+        # The worst heading is searched for, and what is drawn has one every half degree, in which a
+        # limit changes by 0.05 deg where the gap in an edge ends.
         assert tilt <= limit.min() + 1e-9
-        assert tilt == pytest.approx(limit.min(), abs=0.02)
+        assert tilt == pytest.approx(limit.min(), abs=0.05)
         near = np.abs(np.remainder(heading - at + math.pi, 2.0 * math.pi) - math.pi) < 0.02
-        assert limit[near].min() == pytest.approx(tilt, abs=0.02)
+        assert limit[near].min() == pytest.approx(tilt, abs=0.05)
         circle = np.asarray(lines[f"{name}, guaranteed"].get_ydata())
         assert circle.min() == circle.max() == pytest.approx(math.degrees(bound))
         said = str(lines[f"{name}, guaranteed"].get_label())
@@ -358,7 +359,7 @@ def test_polar_chart_names_body_tilt_and_ground_tilt_with_a_worst_heading_of_eac
             "sliding included" if name == "ground tilt" else "sliding not included"
         )
     text = words(figure)
-    assert "left side down: body 61.7\N{DEGREE SIGN}, ground 41.1\N{DEGREE SIGN}" in text
+    assert "left side down: body 23.6\N{DEGREE SIGN}, ground 22.9\N{DEGREE SIGN}" in text
     free = dataclasses.replace(robot, friction=None)
     assert words(plot.draw("polar", free, params=params)).count("sliding not included") == 2
 
