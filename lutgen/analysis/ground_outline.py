@@ -100,10 +100,12 @@ def ground_tilt(posture: Posture) -> GroundTilt:
     where a ray passes a corner, or where such lines cross, and between cuts one edge decides: the
     limit is known in closed form, and so is its minimum.  No heading is a sample.
 
-    The robot rocks over an edge if there is a facet beyond it, if the turns since it last stood
-    still add up to `rock_angle` at most, and if it stands (`evaluate`) under gravity just beyond
-    the edge and as seated behind it.  The last is asked of whole arcs: `tip_angle` changes no
-    faster than gravity turns.  Where it cannot be shown it counts as tipping.
+    The robot rocks over an edge if there is a facet beyond it, if the turns since it last stood on
+    a rest still add up to `rock_angle` at most, and if it stands or is caught (`evaluate`) under
+    gravity just beyond the edge and as seated behind it.  The last is asked of whole arcs:
+    `tip_angle` changes no faster than gravity turns, and is nothing at an edge beyond which the
+    robot is not caught.  Where it cannot be shown it counts as tipping.  On a stage of rolling the
+    robot lies as long as gravity does.
 
     A robot can stand on another rest than that onto which a slow tilt from level brings it.  Of
     every rest that it could rock onto from there, or from that under its level body, `tip_angle`

@@ -146,9 +146,7 @@ class _Walk:
         for begin, end in unsure:
             self.pieces.append(Piece(begin, end, limit, over, seat))
         for begin, end in sure:
-            self.stand(
-                _Arrival(there, begin, end, limit, over.contacts, turned, came.steps + 1)
-            )
+            self.stand(_Arrival(there, begin, end, limit, over.contacts, turned, came.steps + 1))
 
     def held(
         self, arc: tuple[float, float], limit: Edge, over: Edge, seat: Seat, there: Seat

@@ -26,8 +26,8 @@ class Edge:
     """An edge of a rest; on the rest's side of it (N . w - C) cos(tilt) is at most o.
 
     `normal` (2,) is N, pointing off the rest; `reach` is C, and `push` o, which is zero without
-    forces.  `contacts` are the primitives that it runs between, and `beyond` is the facet onto which
-    the robot rolls over it, -1 for none.
+    forces.  `contacts` are the primitives that it runs between, and `beyond` is the facet onto
+    which the robot rolls over it, -1 for none.
     """
 
     normal: Floats
