@@ -1,11 +1,11 @@
 """A robot on tilting ground: on which facet it lies, and over which edge it leaves it.
 
-Owns the slopes under one facet, a rest or a stage of rolling: in the ground's own frame, x and y level and z up before it is
-tilted, a slope is w = tan(tilt) (cos heading, sin heading), the place of D_g relative to the com's
-foot over the com's height.  A facet carries the slopes inside a convex polygon, its support polygon
-at that scale, and a slow tilt in one heading is a ray from the middle.  When the robot rocks onto
-another rest the ground turns under it by the least rotation between the two normals, which is that
-about the edge, and the slope remains what it was.
+Owns the slopes under one facet, a rest or a stage of rolling: in the ground's own frame, x and y
+level and z up before it is tilted, a slope is w = tan(tilt) (cos heading, sin heading), the place
+of D_g relative to the com's foot over the com's height. A facet carries the slopes inside a convex
+polygon, its support polygon at that scale, and a slow tilt in one heading is a ray from the middle.
+When the robot rocks onto another rest the ground turns under it by the least rotation between the
+two normals, which is that about the edge, and the slope remains what it was.
 """
 
 import math
