@@ -222,10 +222,15 @@ def find_region(
     kind, middle = np.empty(facets, np.int64), np.empty((facets, 3))
     find_rests(primitives, facets, facet, span, corner, accept, size, kind, middle)
     asked = accept.rock_angle < math.inf
+    rests = 0
     for f in range(facets):
         # Where nobody asks how far the robot rolls, a stage is as good as a rest.
         if kind[f] == STAGE and not asked:
             kind[f] = REST
+        rests += kind[f] == REST
+    if rests == 0:
+        # Stages alone lead nowhere: the region is empty, not one without a boundary.
+        kind[:] = REFUSED
     accepted = _enter_facets(facets, facet, span, kind, middle, region.facet, first)
     tally[FACETS], tally[SEGMENTS], tally[GAPS], tally[TILES] = accepted, 0, 0, 0
     tally[BLURRED] = 0

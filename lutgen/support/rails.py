@@ -82,7 +82,8 @@ def _crossing(x: float, z: float, q: float, u: float, way: float) -> float:
         return NEVER
     root = math.sqrt(rest)
     # (q + z) u^2 + 2 x u + (q - z): it grows at one root and sinks at the other.
-    if x < 0.0:
+    # Of a function and its negative one goes either way, also where one disc is above the other.
+    if x < 0.0 or (x == 0.0 and z < 0.0):
         s = root - x
         grows, sinks = s / (q + z) if q + z != 0.0 else math.inf, (q - z) / s
     else:

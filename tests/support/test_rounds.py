@@ -13,7 +13,9 @@ from scipy.optimize import minimize
 
 from lutgen.channels.evaluation import measure_primitives
 from lutgen.support.primitive import pack
-from lutgen.support.region import acceptance
+from lutgen.support.region import FACETS, PLANE, acceptance, empty_region
+from lutgen.support.search import stand
+from lutgen.support.table import facet_table
 from proofs.physics.facets import Facet, facets
 from tests.oracles import rounds as oracle
 from tests.oracles.points import unit
@@ -293,3 +295,18 @@ def test_three_balls_in_a_row_tip_beyond_the_outer_ones() -> None:
         primitives, gravity, ("tip_angle",), acceptance(np.pi / 2, np.pi / 6)
     )["tip_angle"][0]
     assert (values >= 0.0).tolist() == [False, True, True, False, False, False, False]
+
+
+def test_a_rail_bends_once_where_one_wheel_is_exactly_above_another() -> None:
+    """Two wheels on each of four corners, at one x: which carries changes at one pitch, for good."""
+    corner = [(x, y) for x in (0.3, -0.3) for y in (0.2, -0.2)]
+    centres = np.array([(x, y, z) for x, y in corner for z in (-0.3, 0.1)])
+    radius = np.tile([0.05, 0.15], 4)
+    axes = np.tile([0.0, 1.0, 0.0], (8, 1))
+    primitives = pack(centres[None], axes[None], radius, np.full(8, DISC))[0]
+    table, region = facet_table(8), empty_region(8)
+    full = stand(table, region, primitives, acceptance(np.radians(80.0), np.radians(30.0)))
+    assert full == 0
+    # Nose down and nose up the upper wheels touch beyond the lower ones: 16.5 deg and more.
+    normals = region.facet[: region.tally[FACETS], PLANE : PLANE + 3]
+    assert (np.abs(normals[:, :2]).max(axis=1) < 1e-9).sum() == 1
