@@ -18,8 +18,8 @@ from firmware_export.contacts.modes import DENSE, Separation, separate
 from firmware_export.protocol import CArray, CBody, CodecInfo, literal
 from firmware_export.protocol import Tables as AnyTables
 from firmware_export.truth import Cells, Model
+from lutgen.channels import acceptance_of
 from lutgen.errors import InputError
-from lutgen.support import acceptance
 
 MOST_NODES = 255
 TOLERANCE = 1e-6
@@ -66,6 +66,11 @@ class Tables(AnyTables):
     guard_text: str
     steepest: float
     lowest: float
+    rest_width: float
+    rock_angle: float
+    band: float
+    sway: float
+    covered: float
     least_cosine: float
     tolerance: float
     many: bool
@@ -152,20 +157,23 @@ def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
         ) from error
     tolerance = TOLERANCE * probe.geometry.size
     guard = contacts_guard(model, probe.geometry, codes, tolerance)
-    upright = model.recipe.upright
-    accept = acceptance(
-        upright if upright >= math.pi else upright - guard.tighter,
-        max(model.recipe.rock_angle - guard.tighter, 0.0),
-    )
+    accept = acceptance_of(model.recipe, guard.tighter)
+    upright, asked = model.recipe.upright < math.pi, model.recipe.rock_angle < math.pi
     return Tables(
         spec=spec,
         channels=channels,
         codes=codes,
         guard=guard.angle,
         guard_text=guard.text,
-        steepest=accept.steepest,
+        steepest=(accept if upright else acceptance_of(model.recipe)).steepest,
         lowest=guard.lowest,
-        least_cosine=math.cos(min(accept.rock_angle, math.pi)) - 1e-12,
+        # Where nobody asks how far the robot rolls, a stage is as good as a rest.
+        rest_width=accept.rest_width + guard.wider if asked else 0.0,
+        rock_angle=accept.rock_angle if asked else 2.0 * math.pi,
+        band=max(0.5 * (accept.rest_width - guard.wider), tolerance),
+        sway=guard.sway,
+        covered=math.sin(min(guard.angle, 0.5 * math.pi)),
+        least_cosine=math.cos(accept.rock_angle) - 1e-12 if asked else -2.0,
         tolerance=tolerance,
         many=many,
     )
@@ -194,7 +202,12 @@ def c_body(tables: Tables) -> CBody:
         "unit": codes.unit,
         "steepest": tables.steepest,
         "lowest": tables.lowest,
+        "rest_width": tables.rest_width,
+        "rock_angle": tables.rock_angle,
         "least_cosine": tables.least_cosine,
+        "band": tables.band,
+        "sway": tables.sway,
+        "covered": tables.covered,
         "tolerance": tables.tolerance,
     }
     fields = (

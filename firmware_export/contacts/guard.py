@@ -26,6 +26,12 @@ The runtime refuses facets that may lie less than rho below the com.
 The limits `upright` and `rock_angle` compare facet normals, which the same error turns.  The
 runtime gets both limits tightened by twice 2 |e| over the facet's width.  Facets narrower than a
 twentieth of the robot, whose normals mean little, are left out.
+
+Where a gap's part of its edge ends, a wall of the rest beyond passes through gravity as the roll has
+turned it, or the energy is spent.  Both turn by what a wall turns and by what the two rests lean
+against each other, each by 2 |e| over its width.  The guard keeps off that end as far as it keeps
+off an edge; where the rests are so narrow that they may lean by more, the runtime asks them to hold
+by the rest of it.
 """
 
 import math
@@ -36,6 +42,7 @@ import numpy as np
 from firmware_export.contacts.fit import Codes
 from firmware_export.contacts.modes import DENSE, Separation, evaluate
 from firmware_export.truth import Model, combinations
+from lutgen.channels import acceptance_of
 from lutgen.jit import in_threads, njit
 from lutgen.support import (
     FACETS,
@@ -49,7 +56,6 @@ from lutgen.support import (
     STOP,
     TIP_PLANE,
     Acceptance,
-    acceptance,
     empty_region,
     facet_table,
     pack,
@@ -68,6 +74,8 @@ NARROW = 0.05
 # the share of them that may be refused.
 SEEN, SEEN_DIRECTIONS, RARE = 2000, 16, 0.0005
 HEADROOM = 0.97
+# float32 rounding of a width, in robot sizes.
+WIDER = 1e-5
 ROUNDING = 4e-6
 """rad; float32 rounding of a direction, of the chart's rim and of the arcsine."""
 
@@ -76,12 +84,15 @@ class Guard(NamedTuple):
     """What the runtime needs to be never falsely safe.
 
     The guard (rad), by how much limits are tightened (rad), the height of the com above a facet
-    from which on it is accepted (length), and a sentence about them.
+    from which on it is accepted (length), by how much a rest must be wider (length), what over its
+    width a rest may lean against another (length), and a sentence about them.
     """
 
     angle: float
     tighter: float
     lowest: float
+    wider: float
+    sway: float
     text: str
 
 
@@ -206,7 +217,7 @@ class Geometry:
     def _measured(self) -> Floats:
         """Return rows of `_measure` and keep the boundary's segments, which no table changes."""
         recipe, primitives = self.model.recipe, self.primitives
-        accept = acceptance(recipe.upright, recipe.rock_angle)
+        accept = acceptance_of(recipe)
         out = np.empty((len(primitives), 5))
         room = np.empty((AT_ONCE, len(empty_region(primitives.shape[1]).segment), 6))
         kept, of = [np.empty((0, 6))], [np.empty(0, np.intp)]
@@ -258,11 +269,11 @@ def contacts_guard(model: Model, geometry: Geometry, codes: Codes, merged: float
         nearest, lowest = geometry.low - sag - delta, geometry.low
     if not math.isfinite(nearest) or nearest <= 2.0 * delta:
         text = "the com may reach an edge of its support: nothing is safe"
-        return Guard(math.pi, 0.0, merged, text)
+        return Guard(math.pi, 0.0, merged, 0.0, 0.0, text)
     rho = model.recipe.com_uncertainty
     if rho > 0.0 and nearest <= rho + 2.0 * delta:
         text = "the uncertain com may reach an edge of its support: nothing is safe"
-        return Guard(math.pi, 0.0, lowest, text)
+        return Guard(math.pi, 0.0, lowest, 0.0, 0.0, text)
     if rho > 0.0 and geometry.lowest - moved <= rho + 2.0 * delta:
         # Then the runtime itself must tell which facets are below every com of the ball.
         lowest = max(lowest, rho + 2.0 * delta)
@@ -288,4 +299,5 @@ def contacts_guard(model: Model, geometry: Geometry, codes: Codes, merged: float
         text += f"; facets to which the com is nearer than {lowest:.4g}{named} are refused"
     if rho > 0.0:
         text += f"; the com's ball of {rho:.4g}{named} takes {math.degrees(swayed):.3g} deg of it"
-    return Guard(angle, tighter, lowest, text)
+    sway = 4.0 * delta + merged
+    return Guard(angle, tighter, lowest, sway + WIDER * geometry.size, sway, text)

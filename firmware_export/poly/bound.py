@@ -36,10 +36,11 @@ MOST_CELLS = 300_000
 HALF_UNIT = 2.0**-24
 
 
-def carries_everywhere(series: Sequence[Floats], least: float) -> bool:
-    """Tell whether the com is above the contacts' plane and the facet accepted in all postures.
+def carries_everywhere(series: Sequence[Floats], least: float, width: float = 0.0) -> bool:
+    """Tell whether the com is above the contacts' plane and the facet a rest in all postures.
 
-    `series` are the three of `series.expand`; a facet is accepted if -n_z is greater than `least`.
+    `series` are the three of `series.expand`; a facet is accepted if -n_z is greater than `least`,
+    and a rest if it is at least `width` wide.
     """
     sizes = [greatest(one) for one in series]
     slopes = [steepest(one) for one in series]
@@ -48,6 +49,8 @@ def carries_everywhere(series: Sequence[Floats], least: float) -> bool:
         float(np.sum(slopes[i] * sizes[i - 2] + sizes[i] * slopes[i - 2])) for i in range(3)
     )
     rising = sum(float(np.sum(slopes[i])) * sizes[i - 2] * sizes[i - 1] for i in range(3))
+    # ... and |normal| - width x longest side, which is 0 where the triangle is as wide as that.
+    narrowing = turning + width * 2.0 * max(float(np.sum(slope)) for slope in slopes)
     k = series[0].ndim - 1
     middles, half, seen = np.zeros((1, k)), 1.0, 0
     while len(middles):
@@ -57,9 +60,12 @@ def carries_everywhere(series: Sequence[Floats], least: float) -> bool:
         normal = edges[0] + edges[1] + edges[2]
         above = np.sum(edges[0] * points[2], axis=1)
         accepted = -normal[:, 2] - least * np.linalg.norm(normal, axis=1)
-        if not (np.all(above > 0.0) and np.all(accepted > 0.0)):
+        sides = [np.linalg.norm(points[i] - points[i - 2], axis=1) for i in range(3)]
+        spare = np.linalg.norm(normal, axis=1) - width * np.max(sides, axis=0)
+        if not (np.all(above > 0.0) and np.all(accepted > 0.0) and np.all(spare > 0.0)):
             return False
         open_cells = (above <= half * rising) | (accepted <= half * (1.0 + abs(least)) * turning)
+        open_cells |= spare <= half * narrowing
         if seen + np.count_nonzero(open_cells) * 2**k > MOST_CELLS:
             return False
         half /= 2.0

@@ -7,6 +7,8 @@ stand for the components of D_g - s themselves, but these are quotients in gravi
 that takes sixteen times the bytes (`python -m benchmarks.export_bytes` measures both).
 """
 
+import math
+
 from firmware_export.poly.bound import carries_everywhere
 from firmware_export.poly.fit import (
     MOST_PARAMETERS,
@@ -20,7 +22,7 @@ from firmware_export.poly.fit import (
 from firmware_export.poly.series import expand
 from firmware_export.protocol import CArray, CBody, CodecInfo, literal
 from firmware_export.truth import Model
-from lutgen.support import acceptance
+from lutgen.channels import acceptance_of
 
 __all__ = ["INFO", "Spec", "Tables", "c_body", "encode", "grow", "refusal", "start"]
 
@@ -42,12 +44,14 @@ def refusal(model: Model, arithmetic: str) -> str | None:
             "poly found no short polynomials for the contacts; the robot has too many parameters "
             "or does not move smoothly with them; choose contacts or grid"
         )
-    if not carries_everywhere(
-        series, acceptance(model.recipe.upright, model.recipe.rock_angle).steepest
-    ):
+    accept = acceptance_of(model.recipe)
+    # Where nobody asks how far the robot rolls, a stage is as good as a rest.
+    width = accept.rest_width if math.isfinite(accept.rock_angle) else 0.0
+    if not carries_everywhere(series, accept.steepest, width):
         return (
-            "poly needs a support facet that is accepted in every posture of the box; narrow the "
-            "parameters' limits, widen `upright`, or choose contacts or grid"
+            "poly needs a support facet that is accepted in every posture of the box, and wide "
+            "enough; narrow the parameters' limits, widen `upright`, lower `rest_width`, or choose "
+            "contacts or grid"
         )
     return None
 

@@ -219,8 +219,8 @@ INLINE void cross(const float a[3], const float b[3], float out[3])
 
 #if SMAP_POLY || (SMAP_CONTACTS && !SMAP_CONTACTS_MANY)
 /* Read three contact points: there is one facet, and the standing region is their cone. */
-INLINE void read_three(const float p[9], float lowest, float steepest, const float d[3],
-                       smap_reading_t *out)
+INLINE void read_three(const float p[9], float lowest, float steepest, float rest_width,
+                       const float d[3], smap_reading_t *out)
 {
   float edge[9], along[3], normal[3], pierced[3], det, size, steep;
   uint_fast8_t i;
@@ -249,6 +249,19 @@ INLINE void read_three(const float p[9], float lowest, float steepest, const flo
   }
   if (RARELY(!(out->height > lowest) || !(steep > steepest * size))) {
     return;
+  }
+  if (rest_width > 0.0f) { /* a triangle is least wide across its longest side */
+    float longest = 0.0f;
+    UNROLL
+    for (i = 0; i < 3; i++) {
+      const float *const from = &p[3 * i], *const to = i == 2 ? p : &p[3 * i + 3];
+      const float x = to[0] - from[0], y = to[1] - from[1], z = to[2] - from[2];
+      const float length = x * x + y * y + z * z;
+      longest = length > longest ? length : longest;
+    }
+    if (RARELY(!(size * size >= rest_width * rest_width * longest))) {
+      return;
+    }
   }
   size = along[1] < along[0] ? along[1] : along[0];
   size = along[2] < size ? along[2] : size;
@@ -395,7 +408,7 @@ INLINE void contacts_read(const SMAP_FLASH smap_contacts_t *body, uint_fast8_t p
   posture_t posture;
   posture.body = body;
   assemble(&posture, params, query->t);
-  read_three(posture.p, body->lowest, body->steepest, query->d, out);
+  read_three(posture.p, body->lowest, body->steepest, body->rest_width, query->d, out);
 }
 
 #else /* SMAP_CONTACTS_MANY */
@@ -403,13 +416,16 @@ INLINE void contacts_read(const SMAP_FLASH smap_contacts_t *body, uint_fast8_t p
 #define NONE 255
 #define NEWTON_STEPS 8
 #define WALK_STEPS 24
-#define RING_STEPS 8
 #define WAITING 6
+#define PLACES 5
+#define HALVINGS 8
+#define HAIR 1e-5f /* rounding of a sine, ten times over */
 
-/* A support facet: unit outward normal, height, and its corners counter-clockwise. */
+/* A support facet: unit outward normal, height, its corners counter-clockwise, and of one that
+ * `is_rest` was asked about its least width. */
 typedef struct {
   float n[3];
-  float height;
+  float height, width;
   uint8_t count;
   uint8_t corner[SMAP_MAX_CONTACTS];
 } facet_t;
@@ -604,13 +620,342 @@ static int accepted(const posture_t *posture, const facet_t *facet)
   return (-facet->n[2] > posture->body->steepest) && (facet->height > posture->body->lowest);
 }
 
-/* Tell whether the robot rocks from a facet over its edge a - b onto another, `next`. */
-static int rocks(posture_t *posture, const float normal[3], uint8_t a, uint8_t b,
-                 facet_t *next)
+/* Tell whether the robot stands still on a facet: it is accepted, and as wide as a rest is. */
+static int is_rest(posture_t *posture, facet_t *facet)
 {
-  return roll(posture, normal, a, b, 0, next) != NONE &&
-         dot(next->n, normal) >= posture->body->least_cosine && outline(posture, next) &&
-         accepted(posture, next);
+  uint8_t i, k;
+  if (!accepted(posture, facet)) {
+    return 0;
+  }
+  facet->width = LARGEST;
+  aim(posture, facet->n);
+  for (i = 0; i < facet->count; i++) {
+    float from[3], along[3], inward[3], width = 0.0f;
+    contact_point(posture, facet->corner[i], from);
+    contact_point(posture, facet->corner[i + 1 == facet->count ? 0 : i + 1], along);
+    subtract(along, from, along);
+    cross(facet->n, along, inward);
+    (void)normalise(inward);
+    for (k = 0; k < facet->count; k++) {
+      float point[3], away;
+      contact_point(posture, facet->corner[k], point);
+      subtract(point, from, point);
+      away = dot(point, inward);
+      away = away < 0.0f ? -away : away;
+      width = away > width ? away : width;
+    }
+    facet->width = width < facet->width ? width : facet->width;
+  }
+  return facet->width >= posture->body->rest_width;
+}
+
+/* ---- gaps: the robot rolls over two contacts from rest to rest, and is caught by both.  What is
+ * said here is said at length, and of more gaps, in lutgen/support/gaps.py. */
+
+/* A roll over the contacts a and b: gravity through either of them before it and after it, which
+ * turns with the normal, and by how much the com rises on the way.  All is linear in gravity. */
+typedef struct {
+  uint8_t a, b;
+  float before[2][3], after[2][3], rise[2];
+} rolled_t;
+
+/* The point at a part of the way from p to q. */
+static void between_points(const float p[3], const float q[3], float part, float out[3])
+{
+  uint8_t i;
+  for (i = 0; i < 3; i++) {
+    out[i] = p[i] + part * (q[i] - p[i]);
+  }
+}
+
+/* Lay a plane whose normal is about n onto the contacts a and b. */
+static void lay(posture_t *posture, uint8_t a, uint8_t b, float n[3])
+{
+  uint8_t step, i;
+  (void)normalise(n);
+  for (step = 0; step < 2; step++) {
+    float apart[3], point[3], higher, size;
+    aim(posture, n);
+    contact_point(posture, a, apart);
+    contact_point(posture, b, point);
+    subtract(apart, point, apart);
+    higher = dot(apart, n);
+    for (i = 0; i < 3; i++) {
+      apart[i] -= higher * n[i];
+    }
+    size = dot(apart, apart);
+    higher = size > 0.0f ? higher / size : 0.0f;
+    for (i = 0; i < 3; i++) {
+      n[i] -= higher * apart[i];
+    }
+    (void)normalise(n);
+  }
+  aim(posture, n);
+}
+
+/* Turn a vector by the least rotation that turns one unit normal into another. */
+static void turn_along(const float begin[3], const float end[3], const float vector[3],
+                       float out[3])
+{
+  float about[3], once[3], twice[3];
+  const float share = 1.0f / (1.0f + dot(begin, end));
+  uint8_t i;
+  cross(begin, end, about);
+  cross(about, vector, once);
+  cross(about, once, twice);
+  for (i = 0; i < 3; i++) {
+    out[i] = vector[i] + once[i] + share * twice[i];
+  }
+}
+
+/* Roll over a and b from one normal to another, by steps of a tenth of a radian; return the turn. */
+static float follow(posture_t *posture, uint8_t a, uint8_t b, const float from[3],
+                    const float to[3], rolled_t *out)
+{
+  float here[3], point[3], way[3], turn = 0.0f;
+  uint8_t steps, step, end, i;
+  out->a = a;
+  out->b = b;
+  aim(posture, from);
+  contact_point(posture, a, point);
+  memcpy(out->before[0], point, sizeof point);
+  contact_point(posture, b, out->before[1]);
+  memcpy(out->after, out->before, sizeof out->after);
+  out->rise[0] = out->rise[1] = 0.0f;
+  memcpy(here, from, sizeof here);
+  subtract(to, from, way);
+  steps = (uint8_t)(1.0f + 10.0f * root(dot(way, way))); /* at most 21 */
+  for (step = 1; step <= steps; step++) {
+    float there[3], beyond[3], about[3], half[3], lift[3], sine, angle;
+    if (step == steps) {
+      memcpy(there, to, sizeof there);
+      aim(posture, there);
+    } else {
+      between_points(from, to, (float)step / (float)steps, there);
+      lay(posture, a, b, there);
+    }
+    contact_point(posture, a, beyond);
+    cross(here, there, about);
+    sine = root(dot(about, about));
+    subtract(there, here, way);
+    angle = 2.0f * arcsine(0.5f * root(dot(way, way)));
+    if (sine > 0.0f) {
+      for (i = 0; i < 3; i++) {
+        half[i] = here[i] + there[i];
+        way[i] = 0.5f * (point[i] + beyond[i]);
+      }
+      (void)normalise(half);
+      cross(about, way, lift);
+      for (end = 0; end < 2; end++) {
+        turn_along(here, half, out->after[end], way);
+        out->rise[end] -= dot(way, lift) * (angle / sine);
+        turn_along(here, there, out->after[end], way);
+        memcpy(out->after[end], way, sizeof way);
+      }
+    }
+    turn += angle;
+    memcpy(here, there, sizeof here);
+    memcpy(point, beyond, sizeof point);
+  }
+  return turn;
+}
+
+/* Tell whether an edge from p to q lies within the band about the line through `begin` that runs
+ * along the unit vector `along`. */
+static int beside(const posture_t *posture, const float p[3], const float q[3],
+                  const float begin[3], const float along[3])
+{
+  const float most = posture->body->band * posture->body->band;
+  float arm[3], away[3];
+  subtract(p, begin, arm);
+  cross(arm, along, away);
+  if (!(dot(away, away) <= most)) {
+    return 0;
+  }
+  subtract(q, begin, arm);
+  cross(arm, along, away);
+  return dot(away, away) <= most;
+}
+
+/* How far the com rises until it is above the line through p that runs along the unit vector
+ * `along`. */
+static float rise_over(const float p[3], const float along[3], const float g[3])
+{
+  const float ahead = dot(p, along), tilted = dot(g, along);
+  float arm[3], up[3], side[3], top, now, aside;
+  uint8_t i;
+  for (i = 0; i < 3; i++) {
+    arm[i] = along[i] * ahead - p[i];
+    up[i] = along[i] * tilted - g[i];
+  }
+  top = root(dot(arm, arm)) * root(dot(up, up));
+  now = dot(arm, up);
+  if (now > 0.0f) {
+    cross(along, arm, side);
+    aside = dot(side, up);
+    return aside * aside / (top + now);
+  }
+  return top - now;
+}
+
+/* By how much a rest holds the robot that has rolled onto it, let go where it balanced at a part of
+ * the way from a to b: how far gravity lies inside its edges, and how much energy is missing to go
+ * on over them, the least of all; beyond the edge that it came over it does not go. */
+static float holds(posture_t *posture, const facet_t *rest, const rolled_t *came, float part)
+{
+  float start[3], g[3], begin[3], line[3], raised, size, least = 1.0f;
+  uint8_t i;
+  between_points(came->before[0], came->before[1], part, start);
+  between_points(came->after[0], came->after[1], part, g);
+  size = 1.0f / root(dot(start, start));
+  raised = (came->rise[0] + part * (came->rise[1] - came->rise[0])) * size;
+  for (i = 0; i < 3; i++) {
+    g[i] *= size;
+  }
+  aim(posture, rest->n);
+  contact_point(posture, came->a, begin);
+  contact_point(posture, came->b, line);
+  subtract(line, begin, line);
+  (void)normalise(line);
+  for (i = 0; i < rest->count; i++) {
+    const uint8_t p = rest->corner[i];
+    const uint8_t q = rest->corner[i + 1 == rest->count ? 0 : i + 1];
+    float from[3], to[3], wall[3], along[3], reach, length, value;
+    contact_point(posture, p, from);
+    contact_point(posture, q, to);
+    if ((p == came->b && q == came->a) || (p == came->a && q == came->b) ||
+        beside(posture, from, to, begin, line)) {
+      continue;
+    }
+    cross(from, to, wall);
+    reach = 1.0f / root(dot(wall, wall));
+    value = dot(wall, g) * reach;
+    least = value < least ? value : least;
+    subtract(to, from, along);
+    length = normalise(along);
+    value = (raised + rise_over(from, along, g)) * length * reach;
+    if (!(value >= least)) {
+      least = value;
+    }
+  }
+  return least;
+}
+
+/* By how much both rests hold.  What the guard leaves of how far they may lean against each other
+ * counts against them. */
+static float caught(posture_t *posture, const facet_t *const rest[2], const rolled_t came[2],
+                    float part)
+{
+  const float ahead = holds(posture, rest[1], &came[1], part);
+  const float behind = holds(posture, rest[0], &came[0], part);
+  const float width = rest[0]->width < rest[1]->width ? rest[0]->width : rest[1]->width;
+  const float lean = posture->body->sway / width - posture->body->covered;
+  return (ahead < behind ? ahead : behind) - (lean > HAIR ? lean : HAIR);
+}
+
+/* Find the part of the edge a - b between two rests over which a robot that balances is caught by
+ * both, the middle and some other places being tried; 0 where there is none. */
+static int find_part(posture_t *posture, const facet_t *facet, uint8_t a, uint8_t b,
+                     const facet_t *next, float part[2])
+{
+  const facet_t *rest[2];
+  rolled_t came[2];
+  float inside = 0.5f, held = -1.0f, turn;
+  uint8_t i, end;
+  part[0] = 0.0f;
+  part[1] = 1.0f;
+  if (posture->body->rock_angle > PI) {
+    return 1; /* nobody asks how far it rolls */
+  }
+  rest[0] = facet;
+  rest[1] = next;
+  turn = follow(posture, a, b, facet->n, next->n, &came[1]);
+  if (!(turn <= posture->body->rock_angle)) {
+    return 0;
+  }
+  (void)follow(posture, a, b, next->n, facet->n, &came[0]);
+  for (i = 0; i < PLACES && !(held >= 0.0f); i++) {
+    inside = i == 0 ? 0.5f : i == 1 ? 0.25f : i == 2 ? 0.75f : i == 3 ? 0.1f : 0.9f;
+    held = caught(posture, rest, came, inside);
+  }
+  if (!(held >= 0.0f)) {
+    return 0;
+  }
+  for (end = 0; end < 2; end++) {
+    float near = inside, far = part[end], good = held, bad = caught(posture, rest, came, far);
+    if (bad >= 0.0f) {
+      continue;
+    }
+    for (i = 0; i < HALVINGS; i++) { /* by halves, and in between by the chord */
+      const float share = i & 1 ? good / (good - bad) : 0.5f;
+      const float place = near + (far - near) * share;
+      const float value = caught(posture, rest, came, place);
+      if (value >= 0.0f) {
+        near = place;
+        good = value;
+      } else {
+        far = place;
+        bad = value;
+      }
+    }
+    part[end] = near;
+  }
+  return 1;
+}
+
+/* Outline of the strip that the part of the edge a - b sweeps from one normal to another: per side
+ * three points.  Between them it is straight, along the chords of a rim that bulges outwards, and
+ * along the tangents of one that bulges into the strip.  0 where the turn is too large for two. */
+static int strip(posture_t *posture, const float from[3], const float to[3], uint8_t a, uint8_t b,
+                 const float part[2], float out[2][3][3])
+{
+  float point[2][3][3], beyond[2][3], half[3];
+  uint8_t m, k;
+  between_points(from, to, 0.5f, half);
+  lay(posture, a, b, half);
+  for (k = 0; k < 3; k++) {
+    aim(posture, k == 0 ? from : k == 1 ? half : to);
+    contact_point(posture, a, point[0][k]);
+    contact_point(posture, b, point[1][k]);
+  }
+  for (m = 0; m < 2; m++) {
+    const uint8_t id = m ? b : a;
+    memcpy(beyond[m], point[m][1], sizeof beyond[m]);
+    if (posture->body->radii && posture->body->radii[id] > 0) {
+      const float radius = (float)posture->body->radii[id] * posture->body->length;
+      float chord[3], step[3], turn, cosine;
+      cross(point[m][0], point[m][2], chord);
+      if (dot(chord, point[m][1]) * dot(chord, point[1 - m][1]) > 0.0f) {
+        subtract(point[m][1], point[m][0], step);
+        turn = dot(step, step);
+        subtract(point[m][2], point[m][1], step);
+        cosine = dot(step, step);
+        cosine = 1.0f - 0.5f * (turn > cosine ? turn : cosine) / (radius * radius);
+        if (!(cosine >= 0.5f)) {
+          return 0;
+        }
+        between_points(&posture->p[3 * id], point[m][1], 1.0f / cosine, beyond[m]);
+      }
+    }
+  }
+  memcpy(point[0][1], beyond[0], sizeof beyond[0]);
+  memcpy(point[1][1], beyond[1], sizeof beyond[1]);
+  for (k = 0; k < 3; k++) {
+    between_points(point[0][k], point[1][k], part[0], out[0][k]);
+    between_points(point[0][k], point[1][k], part[1], out[1][k]);
+  }
+  return 1;
+}
+
+/* Tell whether the robot rocks from a rest over its edge a - b onto another, `next`; over which part
+ * of the edge, and between which lines. */
+static int rocks(posture_t *posture, const facet_t *facet, uint8_t a, uint8_t b, facet_t *next,
+                 float part[2], float side[2][3][3])
+{
+  return roll(posture, facet->n, a, b, 0, next) != NONE &&
+         dot(next->n, facet->n) >= posture->body->least_cosine && outline(posture, next) &&
+         is_rest(posture, next) && find_part(posture, facet, a, b, next, part) &&
+         strip(posture, facet->n, next->n, a, b, part, side);
 }
 
 /* Sine of the angle from unit g to the arc between two contact directions; 1 beyond 90 deg. */
@@ -648,49 +993,6 @@ static int same_normal(const float a[3], const float b[3])
   float change[3];
   subtract(a, b, change);
   return dot(change, change) < 1e-10f;
-}
-
-/* Corner index of a contact in a facet's outline, or NONE. */
-static uint8_t find_corner(const facet_t *facet, uint8_t id)
-{
-  uint8_t i;
-  for (i = 0; i < facet->count; i++) {
-    if (facet->corner[i] == id) {
-      return i;
-    }
-  }
-  return NONE;
-}
-
-/* Tell whether the facets round contact `pivot` close into a ring over which the robot rocks.
- * Starts on facet `start`, crosses the edge between `pivot` and `other`, and goes on round. */
-static int surrounded(posture_t *posture, const float start[3], uint8_t pivot, uint8_t other,
-                      int forward)
-{
-  facet_t facet;
-  float n[3];
-  uint8_t step;
-  memcpy(n, start, sizeof n);
-  for (step = 0; step < RING_STEPS; step++) {
-    uint8_t at;
-    if (!(forward ? rocks(posture, n, other, pivot, &facet)
-                  : rocks(posture, n, pivot, other, &facet))) {
-      return 0;
-    }
-    if (same_normal(facet.n, start)) {
-      return 1;
-    }
-    at = find_corner(&facet, pivot);
-    if (at == NONE) {
-      return 0;
-    }
-    /* In the new facet the edge just crossed runs the other way. */
-    at = forward ? (uint8_t)(at == 0 ? facet.count - 1 : at - 1)
-                 : (uint8_t)(at + 1 == facet.count ? 0 : at + 1);
-    other = facet.corner[at];
-    memcpy(n, facet.n, sizeof n);
-  }
-  return 0;
 }
 
 /* Find a facet to start from: lower a plane that is level under g onto the contacts, lean it over
@@ -754,24 +1056,32 @@ static uint8_t crossed(posture_t *posture, const facet_t *facet, const float g[3
   return worst;
 }
 
-/* Tell whether g lies within one side of the gap that opens at contact `near`, between the facets
- * with the normals `from` and `to`; `far` is the gap's other contact. */
-static int within_side(posture_t *posture, const float from[3], const float to[3],
-                       uint8_t near, uint8_t far, const float g[3])
+/* Tell whether two points are one. */
+static int same_point(const posture_t *posture, const float p[3], const float q[3])
 {
-  float start[3], stop[3], plane[3], across[3];
-  const float tolerance = posture->body->tolerance;
-  aim(posture, from);
-  contact_point(posture, near, start);
-  contact_point(posture, far, across);
-  aim(posture, to);
-  contact_point(posture, near, stop);
-  cross(start, stop, plane);
-  subtract(stop, start, stop);
-  if (dot(stop, stop) <= tolerance * tolerance) {
-    return 1;
+  float apart[3];
+  subtract(p, q, apart);
+  return dot(apart, apart) <= posture->body->tolerance * posture->body->tolerance;
+}
+
+/* Tell whether g, which lies between two rests, lies within a strip. */
+static int within(const posture_t *posture, float side[2][3][3], const float g[3])
+{
+  float wall[3], inner[3];
+  uint8_t m, k;
+  cross(side[0][1], side[1][1], wall);
+  k = (dot(wall, g) < 0.0f) != (dot(wall, side[0][0]) < 0.0f); /* the half that g lies in */
+  for (m = 0; m < 2; m++) {
+    if (same_point(posture, side[m][k], side[m][k + 1])) {
+      continue;
+    }
+    between_points(side[1 - m][k], side[1 - m][k + 1], 0.5f, inner);
+    cross(side[m][k], side[m][k + 1], wall);
+    if ((dot(wall, g) < 0.0f) != (dot(wall, inner) < 0.0f)) {
+      return 0;
+    }
   }
-  return (dot(plane, g) < 0.0f) == (dot(plane, across) < 0.0f);
+  return 1;
 }
 
 /* |SD_g| on a facet: from the area centroid of its outline to the point that g pierces. */
@@ -819,17 +1129,17 @@ static float boundary(posture_t *posture, facet_t *facet, facet_t *next, const f
     for (i = 0; i < facet->count; i++) {
       const uint8_t a = facet->corner[i];
       const uint8_t b = facet->corner[i + 1 == facet->count ? 0 : i + 1];
-      float from[3], to[3], moved[3], sine;
+      float from[3], to[3], wall[3], part[2], side[2][3][3], sine;
       aim(posture, facet->n);
       contact_point(posture, a, from);
       contact_point(posture, b, to);
       sine = arc_sine(from, to, g);
-      cross(from, to, moved);
+      cross(from, to, wall);
       /* What lies beyond an edge is further away than the edge, unless g itself lies beyond. */
-      if (sine >= best && (visit > 0 || dot(moved, g) >= 0.0f)) {
+      if (sine >= best && (visit > 0 || dot(wall, g) >= 0.0f)) {
         continue;
       }
-      if (!rocks(posture, facet->n, a, b, next)) {
+      if (!rocks(posture, facet, a, b, next, part, side)) {
         best = sine < best ? sine : best;
         continue;
       }
@@ -842,18 +1152,18 @@ static float boundary(posture_t *posture, facet_t *facet, facet_t *next, const f
       if (k == known) {
         memcpy(seen[known++], next->n, sizeof next->n);
       }
-      /* The two sides of the gap are boundary unless the region goes on there. */
+      /* What the gap leaves of the edge is boundary, and so are the sides of its strip. */
       for (k = 0; k < 2; k++) {
-        const uint8_t near = k ? b : a;
-        aim(posture, next->n);
-        contact_point(posture, near, moved);
-        sine = arc_sine(k ? to : from, moved, g);
-        if (sine < best) {
-          float shift[3];
-          subtract(moved, k ? to : from, shift);
-          if (dot(shift, shift) > posture->body->tolerance * posture->body->tolerance &&
-              !surrounded(posture, facet->n, near, k ? a : b, k)) {
-            best = sine;
+        uint8_t piece;
+        if (part[k] != (float)k) {
+          between_points(from, to, part[k], wall);
+          sine = k ? arc_sine(wall, to, g) : arc_sine(from, wall, g);
+          best = sine < best ? sine : best;
+        }
+        for (piece = 0; piece < 2; piece++) {
+          if (!same_point(posture, side[k][piece], side[k][piece + 1])) {
+            sine = arc_sine(side[k][piece], side[k][piece + 1], g);
+            best = sine < best ? sine : best;
           }
         }
       }
@@ -886,9 +1196,9 @@ static void contacts_read(const SMAP_FLASH smap_contacts_t *body, uint8_t params
     }
     back = crossed(&posture, &other, g);
     if (back != NONE && other.corner[back] == b) { /* in the gap between the two */
-      if (!accepted(&posture, &facet) || !rocks(&posture, facet.n, a, b, &other) ||
-          !within_side(&posture, facet.n, other.n, a, b, g) ||
-          !within_side(&posture, facet.n, other.n, b, a, g)) {
+      float part[2], side[2][3][3];
+      if (!is_rest(&posture, &facet) || !rocks(&posture, &facet, a, b, &other, part, side) ||
+          !within(&posture, side, g)) {
         return;
       }
       if (dot(other.n, g) * facet.height > dot(facet.n, g) * other.height) {
@@ -898,7 +1208,7 @@ static void contacts_read(const SMAP_FLASH smap_contacts_t *body, uint8_t params
     }
     facet = other;
   }
-  if (!accepted(&posture, &facet)) {
+  if (!is_rest(&posture, &facet)) {
     return;
   }
   out->sdg = stability_factor(&posture, &facet, g);
@@ -1298,8 +1608,8 @@ static void poly_read(const SMAP_FLASH smap_poly_t *body, const query_t *query, 
   for (i = 0; i < 9; i++) {
     p[i] *= body->unit;
   }
-  /* The exporter has made sure that the facet is accepted in every posture: -n_z > -2. */
-  read_three(p, 0.0f, -2.0f, query->d, out);
+  /* The exporter has made sure that the facet is a rest in every posture: -n_z > -2. */
+  read_three(p, 0.0f, -2.0f, 0.0f, query->d, out);
 }
 #endif
 

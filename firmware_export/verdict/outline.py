@@ -13,7 +13,12 @@ is at the sub-cell's corners.  What may tip anywhere in a sub-cell is found at i
   is shifted inwards by delta, and made longer by delta at both ends.
 - Where a facet is accepted or the robot rocks at the middle but not at q, the region jumps.
   Normals turn by at most about D / w over a facet of width w, so the region is computed with
-  `upright` and `rock_angle` tightened by that for w a quarter of the robot's size.
+  `upright` and `rock_angle` tightened by that for w a quarter of the robot's size.  A rest at the
+  middle may be narrower at q by 2 D and what its rims roll; and contacts near its plane may have
+  left it, so none but those on it count.
+- The part of an edge that a gap holds ends where a wall of a rest meets it, which moves faster than
+  the wall itself: a segment on the side of a gap is shifted by `SWAY` delta, and every segment is
+  made longer by as much.
 
 At one posture the table is bilinear in (u, v) within a cell: on the part of a cell that tips its
 maximum is on the outline, where it is a quadratic along straight pieces, or at a corner that tips.
@@ -27,7 +32,7 @@ from numpy.typing import NDArray
 
 from firmware_export.grid import SPAN
 from firmware_export.truth import Model, combinations
-from lutgen.channels import measure, room_for_ridges, wanted_channels
+from lutgen.channels import acceptance_of, measure, room_for_ridges, wanted_channels
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 from lutgen.jit import njit, prange
@@ -39,7 +44,6 @@ from lutgen.support import (
     STOP,
     TIP_PLANE,
     Acceptance,
-    acceptance,
     empty_region,
     facet_table,
     pack,
@@ -53,6 +57,9 @@ from lutgen.vector import Bools, Floats, Ints, Vector, cross, dot, length, row, 
 MOST_PIECES, LONGEST = 160, 0.35
 # Width of facets that the limits are tightened for, in robot sizes.
 WIDTH = 0.25
+# How much faster than a wall the end of a gap moves along its edge: the rests beyond it, whose
+# walls cut it off, lean as the robot's contacts move, and gravity has turned with the roll.
+SWAY = 3.0
 # Contacts move a little further to a corner than along each axis by itself.
 CURVED = 1.02
 CHUNK = 4096
@@ -167,6 +174,9 @@ def _outline(
         measure(region, ridges, row(gravity, d), wanted, values)
         tips[d] = math.isnan(values[0])
     turn = farthest / (WIDTH * size)
+    everywhere = farthest
+    for i in range(n):
+        everywhere = max(everywhere, moved[i] + primitives[i, RADIUS] * turn)
     total = 0
     for face in range(len(basis)):
         begin = total
@@ -177,6 +187,9 @@ def _outline(
             shift = max(
                 moved[i] + primitives[i, RADIUS] * turn, moved[j] + primitives[j, RADIUS] * turn
             )
+            if i == j:
+                # On the side of a gap, with whatever is on its other side.
+                shift = SWAY * everywhere
             # Distance of the com from the segment.
             edge = _blend(stop, 1.0, start, -1.0)
             part = -dot(start, edge) / max(dot(edge, edge), 1e-300)
@@ -187,12 +200,13 @@ def _outline(
             arc = math.atan2(dot(along, stop), dot(a, stop))
             if face == 0:
                 _flag(tips, gravity, a, along, normal, arc, delta)
-            whole = arc + 2.0 * delta
+            longer = delta if i == j else min(SWAY * delta, LONGEST)
+            whole = arc + 2.0 * longer
             steps = math.ceil(whole / LONGEST)
             half = 0.5 * whole / steps
             lean = math.atan(math.tan(delta) / math.cos(half))
             for step in range(steps):
-                mid = -delta + (2 * step + 1) * half
+                mid = -longer + (2 * step + 1) * half
                 c = _blend(a, math.cos(mid), along, math.sin(mid))
                 inner = _blend(normal, math.cos(lean), c, -math.sin(lean))
                 c = _blend(c, math.cos(lean), normal, math.sin(lean))
@@ -243,7 +257,9 @@ def outlines(model: Model, per_axis: int, gravity: NDArray[np.float64]) -> Outli
     size = float(np.sqrt((where.centres**2).sum(axis=2)).max())
     tighter = float(moved.max(initial=0.0)) / (WIDTH * size)
     primitives = pack(where.centres, where.axes, model.radius, model.kind)
-    accept = acceptance(model.recipe.upright - tighter, max(model.recipe.rock_angle - tighter, 0.0))
+    accept = acceptance_of(model.recipe, tighter)
+    wider = 2.0 * (float(moved.max(initial=0.0)) + tighter * float(model.radius.max(initial=0.0)))
+    accept = accept._replace(rest_width=accept.rest_width + wider, contact_tolerance=0.0)
     directions = np.ascontiguousarray(unit_directions(gravity))
     chart, nothing = model.recipe.chart, wanted_channels(())
     view = _View(chart.basis(), model.chart_limit, directions, nothing, slack)

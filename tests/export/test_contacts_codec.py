@@ -187,8 +187,9 @@ def test_the_verdict_is_never_falsely_safe_and_gives_little_up(name: str, nodes:
     stands = exact.tip_angle >= 0.0
     safe = status == OK
     assert not np.any(safe & ~stands)
-    # Boundary slivers as wide as the guard, and for Absolem the gaps near rock_angle.
-    assert 0.0 < np.mean(~safe[stands]) < 0.05
+    # Boundary slivers as wide as the guard, and for Absolem the ends of its gaps (5.4 % of what
+    # stands, most of it near the rim of the chart).
+    assert 0.0 < np.mean(~safe[stands]) < 0.06
     assert set(np.unique(status)) <= {OK, TIPS}
     np.testing.assert_array_equal(np.isnan(reading[..., 0]), ~safe)
 
@@ -205,9 +206,11 @@ def test_many_contacts_are_read_as_exactly_as_their_tables_are() -> None:
     assert np.percentile(error, 98) < 5e-4
     assert np.mean(error > 0.01) < 0.02
     angle = reading[..., 1] + np.float32(export.tables.guard) - exact.tip_angle
-    # tip_angle may fall short (what is too far to explore counts as boundary), never exceed the
-    # truth by more than the guard.
-    assert np.percentile(np.abs(angle[both]), 97) < np.radians(0.2)
+    # tip_angle may fall short (what is too far to explore counts as boundary, and so do the ends
+    # of gaps where a third facet would catch the robot), never exceed the truth by more than the
+    # guard.
+    assert np.percentile(np.abs(angle[both]), 95) < np.radians(0.4)
+    assert np.median(np.abs(angle[both])) < np.radians(0.01)
     assert angle[both].max() < export.tables.guard
 
 
@@ -223,6 +226,42 @@ def test_gaps_are_rocked_over_and_missing_facets_tip() -> None:
     both = (status == OK) & stands
     # The diagonal on which four wheels rock is a fold: one side of it differs from the other.
     assert np.percentile(np.abs(reading[..., 0] - exact.sdg)[both], 98) < 1e-3
+
+
+def warped(drop: float) -> Model:
+    """Return four feet of which one is short: the robot rocks over the diagonal."""
+    feet = [(0.3, 0.2, -0.3), (-0.3, 0.2, -0.3), (-0.3, -0.2, -0.3), (0.3, -0.2, -0.3 + drop)]
+    return Model(parse_recipe(rigid("".join(contact(f"P{i}", p) for i, p in enumerate(feet)))))
+
+
+def test_a_rest_that_does_not_catch_the_robot_is_not_rocked_onto() -> None:
+    # Far along the diagonal the robot rolls over the next edge, so tip_angle ends there: a robot
+    # on the diagonal, a little inside its end, is not called as safe as the hull alone has it.
+    model = warped(0.04)
+    export = made(model, 3)
+    t = np.linspace(0.02, 0.98, 97)
+    ends = np.array([(0.3, 0.2, -0.3), (-0.3, -0.2, -0.3)])
+    along = ends[0] + t[:, None] * (ends[1] - ends[0])
+    across = np.array([0.2, -0.3, 0.0]) / np.hypot(0.2, 0.3)
+    for side in (-0.004, 0.004):
+        gravity = along + side * across
+        gravity = gravity.astype(np.float32).astype(np.float64)
+        _, reading = device(export).read(np.zeros((97, 0)), gravity)
+        exact = model.exact(np.zeros((1, 0)), gravity[None])
+        assert np.all(reading[:, 1] <= exact.tip_angle[0] + 1e-5)  # rounding of float32, in rad
+        assert reading[48, 1] > np.radians(5.0)
+
+
+def test_what_is_narrower_than_a_rest_is_not_stood_on() -> None:
+    for half, wide in ((0.002, False), (0.02, True)):
+        feet = [(0.3, half, -0.3), (-0.3, half, -0.3), (-0.3, -half, -0.3), (0.3, -half, -0.3)]
+        for some in (feet, [(0.3, 0.0, -0.3), *feet[1:3]]):
+            model = Model(
+                parse_recipe(rigid("".join(contact(f"P{i}", p) for i, p in enumerate(some))))
+            )
+            status, _ = device(made(model, 3)).read(np.zeros((1, 0)), [[0.0, 0.0, -1.0]])
+            exact = model.exact(np.zeros((1, 0)), [[[0.0, 0.0, -1.0]]])
+            assert (status[0] == OK) == wide == bool(exact.tip_angle[0, 0] >= 0.0)
 
 
 def test_the_reading_depends_on_the_direction_of_gravity_alone() -> None:
