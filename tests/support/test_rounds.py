@@ -298,7 +298,7 @@ def test_three_balls_in_a_row_tip_beyond_the_outer_ones() -> None:
 
 
 def test_a_rail_bends_once_where_one_wheel_is_exactly_above_another() -> None:
-    """Two wheels on each of four corners, at one x: which carries changes at one pitch, for good."""
+    """Two wheels on each corner, at one x: which carries changes at one pitch, for good."""
     corner = [(x, y) for x in (0.3, -0.3) for y in (0.2, -0.2)]
     centres = np.array([(x, y, z) for x, y in corner for z in (-0.3, 0.1)])
     radius = np.tile([0.05, 0.15], 4)
