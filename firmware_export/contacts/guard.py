@@ -28,11 +28,10 @@ runtime gets both limits tightened by twice 2 |e| over the facet's width.  Facet
 twentieth of the robot, whose normals mean little, are left out.
 
 Where the part of an edge that a gap holds ends, gravity as the roll has turned it meets a wall of
-the rest beyond,
-or the energy is spent.  Both turn by what a wall turns and by what the two rests lean
-against each other, each by 2 |e| over its width.  The guard keeps off that end as far as it keeps
-off an edge; where the rests are so narrow that they may lean by more, the runtime asks them to hold
-by the rest of it.
+the rest beyond, or the energy is spent.  Both turn by what a wall turns and by what the two rests
+lean against each other, each by 2 |e| over its width.  The guard keeps off that end as far as it
+keeps off an edge; where the rests are so narrow that they may lean by more, the runtime asks them
+to hold by the rest of it.
 """
 
 import math
