@@ -22,6 +22,7 @@ from lutgen.channels import acceptance_of
 from lutgen.errors import InputError
 
 MOST_NODES = 255
+NEVER_ROCKS = 2.0
 TOLERANCE = 1e-6
 """Lengths that differ by less than this part of the robot's size are equal to the runtime.
 
@@ -173,7 +174,9 @@ def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
         band=max(0.5 * (accept.rest_width - guard.wider), tolerance),
         sway=guard.sway,
         covered=math.sin(min(guard.angle, 0.5 * math.pi)),
-        least_cosine=math.cos(accept.rock_angle) - 1e-12 if asked else -2.0,
+        # Between rests the tables answer tips: what ends the part of an edge over which both rests
+        # catch the robot is not bounded for every robot yet.  No cosine is this large.
+        least_cosine=NEVER_ROCKS if asked else -2.0,
         tolerance=tolerance,
         many=many,
     )
