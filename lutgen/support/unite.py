@@ -140,6 +140,20 @@ def _outlines(
 
 
 @njit()
+def _begin_at_lowest(link: Ints, outline: Ints, begin: int, end: int) -> None:
+    """Turn an outline round so that it begins at the corner of its lowest primitive."""
+    lowest = begin
+    for at in range(begin, end):
+        if link[outline[at], VERTEX] < link[outline[lowest], VERTEX]:
+            lowest = at
+    for _ in range(lowest - begin):
+        first = outline[begin]
+        for at in range(begin, end - 1):
+            outline[at] = outline[at + 1]
+        outline[end - 1] = first
+
+
+@njit()
 def unite(table: FacetTable, united: FacetTable, primitives: Floats, size: float) -> None:
     """Fill `united` with the facets of `table`, those that short arcs join as one.
 
@@ -160,20 +174,29 @@ def unite(table: FacetTable, united: FacetTable, primitives: Floats, size: float
     united.tally[FOUND], united.tally[OVERFLOW] = facets, table.tally[OVERFLOW]
     bounds[0, FIRST] = 0
     parent = np.empty(facets, np.int64)
+    moved = np.full(span[facets, FIRST], OUTSIDE, np.int64)
     if _groups(facets, facet, span, link, parent) == 0:
         for f in range(facets):
             put(new, f, 0, row(facet, f))
             new[f, 3] = facet[f, 3]
-            bounds[f, FIRST], bounds[f, MASK] = span[f, FIRST], span[f, MASK]
-            for at in range(span[f, FIRST], span[f + 1, FIRST]):
-                put(points, at, 0, row(corner, at))
-                links[at, VERTEX], links[at, NEIGHBOUR] = link[at, VERTEX], link[at, NEIGHBOUR]
-                links[at, BACK] = link[at, BACK]
+            begin, end = span[f, FIRST], span[f + 1, FIRST]
+            bounds[f, FIRST], bounds[f, MASK] = begin, span[f, MASK]
+            lowest = begin
+            for at in range(begin, end):
+                if link[at, VERTEX] < link[lowest, VERTEX]:
+                    lowest = at
+            for at in range(begin, end):
+                moved[at] = begin + (at - lowest + end - begin) % (end - begin)
         bounds[facets, FIRST] = span[facets, FIRST]
+        for at in range(span[facets, FIRST]):
+            to, back = moved[at], link[at, BACK]
+            put(points, to, 0, row(corner, at))
+            links[to, VERTEX], links[to, NEIGHBOUR] = link[at, VERTEX], link[at, NEIGHBOUR]
+            links[to, BACK] = moved[back] if back >= 0 else OUTSIDE
         return
     corners = span[facets, FIRST]
     owner, outline = np.empty(corners, np.int64), np.empty(corners, np.int64)
-    moved, number = np.full(corners, OUTSIDE, np.int64), np.empty(facets, np.int64)
+    number = np.empty(facets, np.int64)
     for f in range(facets):
         for at in range(span[f, FIRST], span[f + 1, FIRST]):
             owner[at] = f
@@ -200,6 +223,7 @@ def unite(table: FacetTable, united: FacetTable, primitives: Floats, size: float
         new[groups, 3] = facet[best, 3]
         if start >= 0:
             end = _walk(span, link, parent, owner, f, start, outline, begin)
+        _begin_at_lowest(link, outline, begin, end)
         normal = row(facet, best)
         for at in range(begin, end):
             moved[outline[at]] = at
