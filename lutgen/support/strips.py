@@ -20,6 +20,8 @@ from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, subtrac
 
 # Cuts of one strip, at the ends of strips on the other side of a rim.
 CUTS = 8
+# Part of its distance from the com from which on a side of a strip is boundary.
+SHORTEST = 1e-5
 
 
 @njit(inline=True)
@@ -114,6 +116,16 @@ def _covered(
     return False
 
 
+@njit(inline=True)
+def _is_long(p: Vector, q: Vector) -> bool:
+    """Tell whether a side is longer than noise makes it where contacts lie inside the region.
+
+    A shorter one that is boundary lies between two others that are.
+    """
+    apart = subtract(q, p)
+    return bool(dot(apart, apart) > SHORTEST * SHORTEST * dot(p, p))
+
+
 @njit()
 def add_strips(
     primitives: Floats,
@@ -181,8 +193,8 @@ def add_strips(
                 p, q = row(outline, k), (outline[k, 3], outline[k, 4], outline[k, 5])
                 r = row(outline, k + 1)
                 z = (outline[k + 1, 3], outline[k + 1, 4], outline[k + 1, 5])
-                if not goes_on_i:
+                if not goes_on_i and _is_long(p, r):
                     add_segment(tally, segment, contacts, p, r, between(q, z, 0.5), i, i)
-                if not goes_on_j:
+                if not goes_on_j and _is_long(q, z):
                     add_segment(tally, segment, contacts, q, z, between(p, r, 0.5), j, j)
             start, before = stop, cut[c]
