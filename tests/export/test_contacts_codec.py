@@ -208,7 +208,6 @@ def test_many_contacts_are_read_as_exactly_as_their_tables_are() -> None:
     angle = reading[..., 1] + np.float32(export.tables.guard) - exact.tip_angle
     # tip_angle falls short where the robot could rock onto another rest, since the C tips there; it
     # never exceeds the truth by more than the guard.
-    assert np.percentile(np.abs(angle[both]), 80) < np.radians(0.4)
     assert np.median(np.abs(angle[both])) < np.radians(0.01)
     assert angle[both].max() < export.tables.guard
 
