@@ -100,8 +100,16 @@ LOOPS: Mapping[str, tuple[str, Any]] = {
     "at != first && facet->count < total": ("contacts", lambda s: s.contacts),
     "i = 0; i < facet->count; i++": ("corners, at most contacts", lambda s: s.contacts),
     "i = 2; i < facet->count; i++": ("corners, at most contacts", lambda s: s.contacts),
+    "k = 0; k < facet->count; k++": ("corners, at most contacts", lambda s: s.contacts),
+    "i = 0; i < rest->count; i++": ("corners, at most contacts", lambda s: s.contacts),
+    "step = 1; step <= steps; step++": ("21 steps", lambda s: 21),
+    "i = 0; i < PLACES && !(held >= 0.0f); i++": ("PLACES", lambda s: 5),
+    "i = 0; i < HALVINGS; i++": ("HALVINGS", lambda s: 8),
+    "step = 0; step < 2; step++": ("2 times", lambda s: 2),
+    "end = 0; end < 2; end++": ("2 times", lambda s: 2),
+    "m = 0; m < 2; m++": ("2 times", lambda s: 2),
+    "piece = 0; piece < 2; piece++": ("2 times", lambda s: 2),
     "step = 0; step < NEWTON_STEPS; step++": ("NEWTON_STEPS", lambda s: 8),
-    "step = 0; step < RING_STEPS; step++": ("RING_STEPS", lambda s: 8),
     "visit = 0; visit < known; visit++": ("WAITING", lambda s: 6),
     "k = 0; k < known && !same_normal(seen[k], next->n); k++": ("WAITING", lambda s: 6),
     "step = 0; (at = crossed(&posture, &facet, g)) != NONE; step++": (
@@ -119,7 +127,7 @@ LOOPS: Mapping[str, tuple[str, Any]] = {
 # Each corner but one is merged once.
 TOTALS: Mapping[str, Any] = {"level = 0; corner >> level & 1u; level++": lambda s: 2**s.dims}
 # Of smap.c: what the bounds above take for granted.
-CONSTANTS = {"NEWTON_STEPS": 8, "WALK_STEPS": 24, "RING_STEPS": 8, "WAITING": 6}
+CONSTANTS = {"NEWTON_STEPS": 8, "WALK_STEPS": 24, "PLACES": 5, "HALVINGS": 8, "WAITING": 6}
 
 
 def heads(source: str) -> dict[int, str]:
