@@ -86,15 +86,6 @@ HINTS = (
     Hint(r"contact_point\(posture, facet->corner\[i\], \w+\);", (f"admit {_I};",)),
     Hint(r"contact_point\(posture, facet->corner\[i \+ 1 == .*", (f"admit {_NEXT};",)),
     Hint(r"return worst;", ("assert worst == 255 || worst < facet->count;", "merge facet->count;")),
-    # ... find_corner, surrounded
-    Hint(r"if \(facet->corner\[i\] == id\) \{", (f"admit {_I};",)),
-    Hint(r"return i;", ("assert i < facet->count;",)),
-    Hint(
-        r"/\* In the new facet the edge just crossed runs the other way. \*/",
-        ("split facet.count;", "admit at < facet.count;", "split at;"),
-    ),
-    Hint(r"other = facet.corner\[at\];", ("split at;", f"admit {_AT};")),
-    Hint(r"other = facet.corner\[at\];", ("merge at;", "merge facet.count;"), after=True),
     # ... stability_factor
     Hint(
         r"contact_point\(posture, facet->corner\[0\], base\);",
@@ -122,7 +113,7 @@ HINTS = (
         ("split back;", r"admit back == 255 || \initialized(&other.corner[back]);"),
         after=True,
     ),
-    Hint(r"if \(!accepted\(&posture, &facet\) \|\| !rocks\(.*", ("merge back;",)),
+    Hint(r"if \(!is_rest\(&posture, &facet\) \|\| !rocks\(.*", ("merge back;",)),
     Hint(r"facet = other;", ("merge back;",)),
 )
 
