@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from lutgen.cli.options import RecipeOptions, asks, option, parameter_values, parameters, tilt
-from lutgen.cli.table import aligned, cell, channel_entries, number, show, unit_text
+from lutgen.cli.table import aligned, cell, channel_entries, even, number, show, unit_text
 from lutgen.errors import InputError
 from lutgen.quantities import QUANTITIES
 
@@ -115,7 +115,14 @@ def metrics_lines(report: dict[str, Any]) -> Iterator[str]:
         heading = entry["heading_deg"]
         name = "level" if heading is None else f"{heading:g}"
         verdict = {"tips": "tips over"}.get(entry["status"], entry["status"])
-        rows.append([name, verdict, *(cell(entry[key]) for key in columns)])
+        rows.append(
+            [
+                name,
+                verdict,
+                cell(even(entry["sdg"])),
+                *(cell(entry[key]) for key in columns if key != "sdg"),
+            ]
+        )
         if rolling:
             held = "yes" if entry.get("holds", True) else "may" if entry["may_hold"] else "no"
             rows[-1].append(held)

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -9,7 +10,7 @@ import click
 
 from lutgen.cli import options
 from lutgen.cli.options import asks, option
-from lutgen.cli.table import TIPS, aligned, cell, number, show, unit_text
+from lutgen.cli.table import TIPS, aligned, cell, even, number, show, unit_text
 
 if TYPE_CHECKING:
     from lutgen.analysis import Equilibrium, Footing
@@ -19,6 +20,8 @@ FOOT_KEYS = ("name", "position", "normal", "friction")
 VECTOR = "write three numbers, such as [0, 0, 1]"
 COEFFICIENT = "write a coefficient of friction, such as 0.5"
 SAID = {True: "holds", False: "does not hold", None: "undecided, at the limit of friction"}
+# What a linear program leaves of zero is larger than what a sum leaves.
+_even = partial(even, rounding=1e-9)
 # The frame's own axes have names.
 AXES = {(1.0, 0.0, 0.0): "x", (0.0, 1.0, 0.0): "y", (0.0, 0.0, 1.0): "z"}
 
@@ -155,7 +158,7 @@ def stance_lines(footing: "Footing", found: "Equilibrium") -> Iterator[str]:
     """Return the report as text."""
     unit = unit_text(footing.length_unit)
     yield f"{footing.title}: {SAID[found.holds]}"
-    rows = [["margin", cell(number(_even(found.margin)), ".4g", unit)]]
+    rows = [["margin", cell(_even(number(found.margin)), ".4g", unit)]]
     yield from aligned([*rows, *_extent(footing, found, unit)])
     rows = [["foot", "friction", "normal force", "friction used"]]
     for foot in _feet(footing, found):
@@ -177,8 +180,3 @@ def _extent(footing: "Footing", found: "Equilibrium", unit: str) -> Iterator[lis
     kinds = {0: "none", 1: "a point", 2: "a line"}
     shape = kinds.get(len(found.region), f"{len(found.region)} corners")
     yield ["region", shape + (", open within the search" if found.is_open else "")]
-
-
-def _even(value: Any) -> Any:
-    """Return a number for people: what rounding leaves of zero is zero, and zero has no sign."""
-    return 0.0 if value is not None and abs(value) < 1e-9 else value

@@ -34,10 +34,6 @@ def show(
         click.get_current_context().exit(NO)
 
 
-# Below this a number of any unit is what is left of sums.
-ROUNDING = 1e-14
-
-
 def number(value: float) -> float | None:
     """Return a number for JSON, which knows neither NaN nor infinity."""
     return float(value) if math.isfinite(value) else None
@@ -81,10 +77,13 @@ def unit_text(unit: str) -> str:
 
 
 def cell(value: float | None, form: str = ".6g", unit: str = "") -> str:
-    """Return a number as text, a dash where there is none; what only rounding is, is 0."""
-    if value is None:
-        return "-"
-    return f"{0.0 if abs(value) < ROUNDING else value:{form}}{unit}"
+    """Return a number as text, a dash where there is none."""
+    return "-" if value is None else f"{value:{form}}{unit}"
+
+
+def even(value: float | None, rounding: float = 1e-12) -> float | None:
+    """Return a number for people: what rounding leaves of zero is zero, and zero has no sign."""
+    return 0.0 if value is not None and abs(value) < rounding else value
 
 
 def aligned(rows: Sequence[Sequence[str]], forms: Sequence[str] = ()) -> list[str]:

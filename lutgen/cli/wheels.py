@@ -9,7 +9,7 @@ import click
 
 from lutgen.cli import options
 from lutgen.cli.options import RecipeOptions, asks, log, option
-from lutgen.cli.table import aligned, cell, degrees, show
+from lutgen.cli.table import aligned, cell, degrees, even, show
 
 if TYPE_CHECKING:
     from lutgen.analysis import Motion
@@ -104,15 +104,10 @@ def motion_lines(recipe: "Recipe", motion: "Motion") -> Iterator[str]:
     rows = [["wheel", "speed rad/s", "steering deg", f"slip {unit}"]]
     for wheel in motion.wheels:
         values = (wheel.speed, degrees(wheel.steering), wheel.slip)
-        cells = [cell(_rounded(value)) for value in values] if wheel.touches else ["lifted"]
+        cells = [cell(even(value)) for value in values] if wheel.touches else ["lifted"]
         rows.append([wheel.contact, *cells])
     yield from aligned(rows, [f"<{max(len(row[0]) for row in rows)}", *(3 * [">12"])])
     if not motion.possible:
-        x, y, yaw = map(_rounded, (*motion.nearest_velocity, math.degrees(motion.nearest_yaw_rate)))
+        x, y, yaw = map(even, (*motion.nearest_velocity, math.degrees(motion.nearest_yaw_rate)))
         yield f"impossible: the wheels slip sideways by {motion.slip:.6g} {unit} in all"
         yield f"nearest possible: velocity {x:.9g},{y:.9g} {unit}, yaw rate {yaw:.9g} deg/s"
-
-
-def _rounded(value: float | None) -> float | None:
-    """Return a number for people: what rounding leaves of zero is zero, and zero has no sign."""
-    return 0.0 if value is not None and abs(value) < 1e-12 else value

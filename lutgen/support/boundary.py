@@ -249,11 +249,10 @@ def find_region(
         f = first[k, SOURCE]
         if kind[f] == STAGE:
             tally[GAPS] += 1
-            if asked:
-                _add_stage(
-                    *(span, corner, link, gap, f, tally, segment, contacts),
-                    *(region.tile, region.wall),
-                )
+            _add_stage(
+                *(span, corner, link, gap, f, tally, segment, contacts),
+                *(region.tile, region.wall),
+            )
         for at in range(span[f, FIRST], span[f + 1, FIRST]):
             following = corner_after(span, f, at)
             p, q = row(corner, at), row(corner, following)

@@ -23,6 +23,8 @@ END = 1e-4
 # Halvings of the place from which on the robot is caught, and how far apart (in parts of the edge)
 # are the places where it is let go to find it.
 HALVINGS, STRIDE = 20, 0.0625
+# Where the robot is let go first.
+TRIALS = (0.5, 0.25, 0.75, 0.1, 0.9)
 
 
 @njit()
@@ -36,14 +38,13 @@ def find_gaps(
     kind: Ints,
     limits: tuple[float, float],
     gap: Floats,
-) -> int:
+) -> None:
     """Fill `gap` (E, 2) for every edge: from which part of it to which the robot is caught beyond.
 
     An edge without a gap has LOW 1 and HIGH 0.  `limits`: the largest sum of turns (rad), and half
-    the least width of a rest.  Returns the number of gaps.
+    the least width of a rest.
     """
     room = np.empty(facets, np.int64), np.empty((WAYS, 2), np.int64), np.empty((WAYS, 5))
-    found = 0
     for at in range(span[facets, FIRST]):
         gap[at, LOW], gap[at, HIGH] = 1.0, 0.0
     for f in range(facets):
@@ -59,8 +60,6 @@ def find_gaps(
             if low < high:
                 gap[at, LOW], gap[at, HIGH] = low, high
                 gap[back, LOW], gap[back, HIGH] = 1.0 - high, 1.0 - low
-                found += 1
-    return found
 
 
 @njit()
@@ -178,8 +177,8 @@ def _interval(
     if plain:
         _lay_out_roll(primitives, facet, span, corner, link, other, back, here)
         hopeless = True
-        for trial in range(5):
-            part = (0.5, 0.25, 0.75, 0.1, 0.9)[trial]
+        for trial in range(len(TRIALS)):
+            part = TRIALS[trial]
             ahead, edge = _holds(span, corner, other, back, there, band, part)
             behind, reverse = _holds(span, corner, f, at, here, band, 1.0 - part)
             if ahead >= 0.0 and behind >= 0.0:
@@ -193,8 +192,8 @@ def _interval(
             return 1.0, 0.0
     held = inside >= 0.0
     if not held:
-        for trial in range(5):
-            part = (0.5, 0.25, 0.75, 0.1, 0.9)[trial]
+        for trial in range(len(TRIALS)):
+            part = TRIALS[trial]
             if is_caught(primitives, facet, span, corner, link, kind, f, at, part, limits, room):
                 inside = part
                 break

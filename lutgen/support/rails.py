@@ -132,7 +132,7 @@ def _normal(frame: Floats, sine: float, cosine: float, slope: float) -> Vector:
 
 
 @njit(exact=True)
-def _lay_out(primitives: Floats, axis: Vector, size: float, place: Floats, order: Ints) -> None:
+def _lay_out(primitives: Floats, axis: Vector, place: Floats, order: Ints) -> None:
     """Fill `place` (n, 4): x, y, z, radius in the frame of the axis; sort `order` by y."""
     n = primitives.shape[0]
     for i in range(n):
@@ -272,7 +272,7 @@ def find_rail_facets(table: FacetTable, primitives: NDArray[np.float64], size: f
     frame[0, 0], frame[0, 1], frame[1, 0], frame[1, 1] = axis[1], -axis[0], axis[0], axis[1]
     place, across, order = np.empty((n, 4)), np.empty(n), np.empty(n, np.int64)
     rail = np.empty(n + 1, np.int64)
-    _lay_out(primitives, axis, size, place, order)
+    _lay_out(primitives, axis, place, order)
     rails = _make_rails(place, order, size, rail, across)
     disc, on, goes_to = np.empty(n, np.int64), np.empty(n, np.int64), np.empty(n, np.int64)
     bend, own = np.empty(n), np.full((n, 2), OUTSIDE, np.int64)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.jit import njit
-from lutgen.support.table import FIRST
+from lutgen.support.table import FIRST, MOST_CORNERS, MOST_FACETS
 from lutgen.vector import Floats, Ints, Vector, dot
 
 # Kinds of facet edge.  SHARED: beyond it another rest begins at once.  TIP: any other.
@@ -64,8 +64,7 @@ class Region(NamedTuple):
 @njit()
 def empty_region(primitives: int) -> Region:
     """Return arrays large enough for the region of `primitives` contact primitives."""
-    facets = 12 * primitives
-    edges = 36 * primitives
+    facets, edges = MOST_FACETS * primitives, MOST_CORNERS * primitives
     return Region(
         np.zeros(6, np.int64),
         np.empty((facets, 13)),

@@ -24,7 +24,15 @@ from lutgen.support.region import (
     Region,
     vector_at,
 )
-from lutgen.support.table import FIRST, NEIGHBOUR, VERTEX, FacetTable, corner_after, put
+from lutgen.support.table import (
+    FIRST,
+    MOST_CORNERS,
+    NEIGHBOUR,
+    VERTEX,
+    FacetTable,
+    corner_after,
+    put,
+)
 from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, scale, subtract, unit
 
 # Places along an arc at which height and slope are known; a cubic between them is good to 2e-6 of
@@ -64,7 +72,7 @@ class Ridges(NamedTuple):
 @njit()
 def empty_ridges(primitives: int, labels: int) -> Ridges:
     """Return room for the ridges of `primitives` contact primitives; 0: none will be asked for."""
-    edges = 36 * primitives
+    edges = MOST_CORNERS * primitives
     return Ridges(
         np.empty((edges, 26)),
         np.empty((edges, 2), np.int64),

@@ -22,6 +22,8 @@ from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, subtrac
 # Two lengths that differ by less than this part of the robot's size are the same length.
 RELATIVE_TOLERANCE = 1e-9
 MAX_PRIMITIVES = 32
+# Facets and corners that a table has room for, for each primitive.
+MOST_FACETS, MOST_CORNERS = 12, 36
 UNKNOWN, OUTSIDE = -2, -1
 VERTEX, NEIGHBOUR, BACK = 0, 1, 2
 FIRST, MASK, PLACE = 0, 1, 2
@@ -52,8 +54,7 @@ class FacetTable(NamedTuple):
 @njit()
 def facet_table(primitives: int) -> FacetTable:
     """Return an empty table large enough for `primitives` contact primitives."""
-    facets = 12 * primitives
-    corners = 36 * primitives
+    facets, corners = MOST_FACETS * primitives, MOST_CORNERS * primitives
     return FacetTable(
         np.zeros(3, np.int64),
         np.empty((facets, 4)),

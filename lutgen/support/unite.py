@@ -40,7 +40,7 @@ def _root(parent: Ints, f: int) -> int:
 
 
 @njit(inline=True)
-def _joined(facet: Floats, span: Ints, link: Ints, f: int, at: int) -> bool:
+def _joined(facet: Floats, link: Ints, f: int, at: int) -> bool:
     """Tell whether the arc at an edge of facet f is short and known from both its ends."""
     other = link[at, NEIGHBOUR]
     if other < 0 or link[at, BACK] < 0:
@@ -56,7 +56,7 @@ def _groups(facets: int, facet: Floats, span: Ints, link: Ints, parent: Ints) ->
         parent[f] = f
     for f in range(facets):
         for at in range(span[f, FIRST], span[f + 1, FIRST]):
-            if link[at, NEIGHBOUR] > f and _joined(facet, span, link, f, at):
+            if link[at, NEIGHBOUR] > f and _joined(facet, link, f, at):
                 short += 1
                 a, b = _root(parent, f), _root(parent, link[at, NEIGHBOUR])
                 parent[max(a, b)] = min(a, b)
@@ -90,7 +90,7 @@ def _walk(
 
 
 @njit()
-def _is_bent_in(corner: Floats, link: Ints, outline: Ints, normal: Vector, size: float) -> bool:
+def _is_bent_in(corner: Floats, outline: Ints, normal: Vector, size: float) -> bool:
     """Tell whether a corner of an outline lies inside the line between its neighbours."""
     n = outline.shape[0]
     for at in range(n):
@@ -130,7 +130,7 @@ def _outlines(
         if members == 1:
             continue
         end = _walk(span, link, parent, owner, f, start, outline, 0) if start >= 0 else 0
-        if end < 3 or _is_bent_in(corner, link, outline[:end], row(facet, f), size):
+        if end < 3 or _is_bent_in(corner, outline[:end], row(facet, f), size):
             for member in range(f, facets):
                 if parent[member] == f:
                     parent[member] = -1 - member
