@@ -11,8 +11,11 @@ RUNTIME = Path("firmware_export/runtime")
 SOURCES = sorted(RUNTIME.glob("*.[ch]"))
 # The library tells what it was built from: `firmware_export.host` refuses one of other sources.
 DIGEST = hashlib.sha256(b"\0".join(path.read_bytes() for path in SOURCES)).hexdigest()
+FAMILIES = [path.stem.removeprefix("host_") for path in sorted(RUNTIME.glob("host_*.c"))]
+ASKED = ("read", "read_i", "at", "at_i", "check")
+EXPORTED = ["smap_sources", *(f"smap_{name}_host_{what}" for name in FAMILIES for what in ASKED)]
 # Each operation rounds once, as on the targets; whatever CFLAGS say, these stand behind them.
-FLAGS = ["-std=c99", "-O2", "-ffp-contract=off", "-fno-fast-math"]
+FLAGS = ["-std=c99", "-O2", "-ffp-contract=off", "-fno-fast-math", "-Wno-unknown-pragmas"]
 
 
 class BuildLibrary(build_ext):
@@ -38,10 +41,10 @@ setup(
     ext_modules=[
         Extension(
             "firmware_export.runtime._host",
-            [str(RUNTIME / name) for name in ("batch.c", "batch_three.c")],
+            [str(path) for path in RUNTIME.glob("host_*.c")],
             define_macros=[("SMAP_SOURCES", f'"{DIGEST}"')],
             extra_compile_args=FLAGS,
-            export_symbols=["batch_many", "batch_three", "batch_i_many", "smap_sources"],
+            export_symbols=EXPORTED,
             depends=[str(path) for path in SOURCES],
             # Without a compiler everything but exports can be installed.
             optional=True,

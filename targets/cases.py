@@ -16,10 +16,10 @@ import numpy as np
 
 from firmware_export.codecs import CODECS, codec, usable
 from firmware_export.emit import package, report
-from firmware_export.emit.config import runtime_file
+from firmware_export.emit.runtime import features, runtime_text
 from firmware_export.emit.source import body_of, source_text
 from firmware_export.grid import codec as grid
-from firmware_export.grid.tables import SPAN, Part, Tables, U, V
+from firmware_export.grid.tables import SPAN, Part, Tables, U, V, places_of
 from firmware_export.protocol.exported import Export
 from firmware_export.truth.model import Model
 from lutgen.errors import ExportError
@@ -162,7 +162,7 @@ def of_noise(arithmetic: str) -> Export:
     offset = np.full(2, -0.5, np.float32)
     part = Part("tip", (0, 1, V, U), knots, codes, offset, np.float32(1.0 / 256.0))
     spec = grid.Spec(8, (("tip", shape),))
-    tables = Tables(spec, VERDICT, (part,), model.chart_limit, 0.0, "codes that mean nothing")
+    tables = Tables(spec, VERDICT, (part,), model.chart_limit, places_of(model), 0.0, "codes that mean nothing")
     return Export("noise", model.recipe, model, "grid", arithmetic, VERDICT, tables)
 
 
@@ -184,7 +184,7 @@ def written(case: Case) -> tuple[Export, Path]:
     if case.folder is not None:
         held = (case.folder / f"{export.name}.c").read_text(encoding="utf-8")
         runtime = (case.folder / "smap.c").read_text(encoding="utf-8")
-        if runtime != runtime_file("smap.c"):
+        if runtime != runtime_text(features(body_of(export))):
             print(f"older   {case.name}: `make maps` made it with another runtime", flush=True)
         elif held != source_text(export, body_of(export)):
             raise ExportError(

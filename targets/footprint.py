@@ -17,8 +17,7 @@ RETURN = {"mega2560": 3, "mega328p": 2}
 class Footprint:
     """Bytes.
 
-    `code` is that of smap.o, without the tables, which a runtime for one map takes in.  `stack`
-    is that of the deepest chain of calls within smap.c; None where the compiler does not tell.
+    `code` is that of NAME.o, without the blob.  `stack` is that of the deepest chain of calls; None where the compiler does not tell.
     """
 
     code: int
@@ -33,35 +32,34 @@ def footprint(
     build: Callable[[list[str], Path], None],
     run: Callable[[list[str], Path], Any],
 ) -> Footprint:
-    """Compile the map and the runtime to objects in `folder` and measure the runtime's."""
+    """Compile the map with its runtime to an object in `folder` and measure it."""
     tool = f"{board.prefix}gcc" if board.prefix else "clang"
-    build([tool, *flags, "-c", f"{name}.c", "-o", f"{name}.o"], folder)
     asks = {"avr": ["-fstack-usage"], "wasm": []}.get(board.family, ["-fcallgraph-info=su"])
-    build([tool, *flags, *asks, "-c", "smap.c", "-o", "smap.o"], folder)
+    build([tool, *flags, *asks, "-c", f"{name}.c", "-o", f"{name}.o"], folder)
     if board.family == "wasm":
-        return Footprint(_wasm_code((folder / "smap.o").read_bytes()), None)
-    listing = run([f"{board.prefix}size", "-A", "smap.o"], folder).stdout
+        return Footprint(_wasm_code((folder / f"{name}.o").read_bytes()), None)
+    listing = run([f"{board.prefix}size", "-A", f"{name}.o"], folder).stdout
     sizes = re.findall(r"^\.text\S*\s+(\d+)", listing, re.MULTILINE)
     code = sum(map(int, sizes))
     if board.family == "avr":
-        return Footprint(code, _avr_stack(board, folder, run))
-    return Footprint(code, deepest((folder / "smap.ci").read_text(encoding="utf-8")))
+        return Footprint(code, _avr_stack(name, board, folder, run))
+    return Footprint(code, deepest((folder / f"{name}.ci").read_text(encoding="utf-8")))
 
 
-def _avr_stack(board: Board, folder: Path, run: Callable[[list[str], Path], Any]) -> int:
+def _avr_stack(name: str, board: Board, folder: Path, run: Callable[[list[str], Path], Any]) -> int:
     """Return the deepest chain: .su has each function's bytes, the listing who calls whom.
 
     avr-gcc 5 writes no call graph.  Its own arithmetic is not counted, as on the other boards.
     """
     own = {
-        name: int(size) + RETURN[board.name]
-        for name, size in re.findall(
-            r"^\S+:(\w+)\s+(\d+)\s", (folder / "smap.su").read_text(encoding="utf-8"), re.MULTILINE
+        function: int(size) + RETURN[board.name]
+        for function, size in re.findall(
+            r"^\S+:(\w+)\s+(\d+)\s", (folder / f"{name}.su").read_text(encoding="utf-8"), re.MULTILINE
         )
     }
-    calls: dict[str, set[str]] = {name: set() for name in own}
+    calls: dict[str, set[str]] = {function: set() for function in own}
     here = ""
-    for line in run([f"{board.prefix}objdump", "-dr", "smap.o"], folder).stdout.splitlines():
+    for line in run([f"{board.prefix}objdump", "-dr", f"{name}.o"], folder).stdout.splitlines():
         if found := re.match(r"^[0-9a-f]+ <([\w.]+)>:", line):
             here = found[1]
         elif (found := re.search(r"R_AVR_(?:CALL|13_PCREL)\s+([\w.]+)", line)) and here in calls:
@@ -69,8 +67,8 @@ def _avr_stack(board: Board, folder: Path, run: Callable[[list[str], Path], Any]
             if target in own and target != here:
                 calls[here].add(target)
 
-    def depth(name: str) -> int:
-        return own[name] + max((depth(called) for called in calls[name]), default=0)
+    def depth(function: str) -> int:
+        return own[function] + max((depth(called) for called in calls[function]), default=0)
 
     return max(map(depth, own), default=0)
 

@@ -176,7 +176,7 @@ def _link(job: Job, board: Board, flags: list[str], folder: Path, header: str) -
     (folder / "case.h").write_text(header, encoding="utf-8")
     tool = compiler(board)
     queries = [] if board.family == "wasm" else ["queries.S"]
-    objects = [f"{job.name}.o", "smap.o"]
+    objects = [f"{job.name}.o"]
     if board.family == "wasm":
         build([tool, *flags, "-c", "memory.c", "-o", "memory.o"], folder)
         objects.append("memory.o")

@@ -14,13 +14,11 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping, Sequence
-from itertools import product
 from pathlib import Path
 from typing import Any
 
-from firmware_export.codecs import CODECS
 from firmware_export.emit import report
-from firmware_export.emit.config import entries, runtime_file
+from firmware_export.emit.runtime import SWITCHES, parts_of, runtime_file
 from firmware_export.emit.size import FILE, TARGET
 from lutgen.errors import ExportError, LutgenError
 from targets.cases import ROOT
@@ -33,20 +31,16 @@ COMPILER = "arm-none-eabi-gcc"
 TARGET_FLAGS = ("-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16", "-Os")
 # Nothing of the C library is linked; picolibc has string.h.
 FLAGS = (*TARGET_FLAGS, "-std=c99", "-ffp-contract=off", "--specs=picolibc.specs")
-# Each once, though codecs may share some.
-STRUCTS = tuple(
-    dict.fromkeys(("smap_t", "smap_axis_t", *(name for info in CODECS for name in info.structs)))
-)
 # Of string.h, which every C library has.
 ALLOWED = frozenset(("memcpy", "memset"))
-# What each codec can be built with beyond its own switch; "" is without.
-OPTIONS: dict[str, tuple[tuple[str, ...], ...]] = {
-    switch: (*info.options, ("", "SMAP_SPHERE"))
-    for info in CODECS
-    for switch in info.switches.values()
-}
 # Arrays on the stack are as large as a map needs: two joints, and three points or twelve discs.
-USUAL = {"SMAP_MAX_PARAMS": 2, "SMAP_MAX_HINGES": 1, "SMAP_MAX_ENTRIES": 8}
+USUAL = {"SMAP_MAX_PARAMS": 2, "SMAP_MAX_ENTRIES": 8, "SMAP_MAX_COORDINATES": 42}
+SETS = (
+    ("SMAP_POINTS", "SMAP_FLOATS", "SMAP_INTEGERS"),
+    ("SMAP_POLY", "SMAP_FLOATS", "SMAP_INTEGERS"),
+    ("SMAP_GRID", "SMAP_FLOATS"),
+    ("SMAP_GRID", "SMAP_INTEGERS"),
+)
 
 Measure = dict[str, int]
 
@@ -65,7 +59,7 @@ def _run(arguments: Sequence[str], folder: Path) -> str:
     if done.returncode:
         lines = [line for line in done.stderr.splitlines() if "error" in line] or ["nothing"]
         raise ExportError(
-            f"{arguments[0]}: the runtime does not compile (got {lines[0]!r}); correct smap.c."
+            f"{arguments[0]}: the runtime does not compile (got {lines[0]!r}); correct its parts."
         )
     return done.stdout
 
@@ -104,75 +98,57 @@ def deepest(graph: str) -> int:
     return max((depth(title, ()) for title in own), default=0)
 
 
+def program(config: Mapping[str, int]) -> str:
+    """Return a file that has the parts that some settings need, with a blob in memory."""
+    on = frozenset(name for name, value in config.items() if value)
+    lines = ["#define SMAP_HOST", *(f"#define {name} {value}" for name, value in config.items())]
+    lines += ['#include "smap.h"', '#include "smap_config.h"']
+    lines += [f'#include "{part}.c"' for part in parts_of(on)]
+    return "\n".join([*lines, "extern const smap_runtime_t *const seen;",
+                      "const smap_runtime_t *const seen = &smap_run;", ""])
+
+
 def measure(config: Mapping[str, int], folder: Path) -> Measure:
-    """Compile smap.c with these settings; return bytes of code, data, bss and stack.
+    """Compile the runtime with these settings; return bytes of code, data, bss and stack.
 
     Parameters
     ----------
     config : mapping
-        Value of each macro of smap_config.h; those not named keep the runtime's own.
+        Value of each setting.
     folder : path
         Where to work.
     """
-    for name in ("smap.c", "smap.h", "smap_config.h"):
+    on = frozenset(name for name, value in config.items() if value)
+    for name in ("smap.h", "smap_config.h", *(f"{part}.c" for part in parts_of(on))):
         (folder / name).write_text(runtime_file(name), encoding="utf-8")
-    macros = [f"-D{name}={value}" for name, value in config.items()]
-    flags = [*FLAGS, *macros, "-ffunction-sections", "-fcallgraph-info=su"]
-    _run([COMPILER, *flags, "-c", "smap.c", "-o", "smap.o"], folder)
+    (folder / "all.c").write_text(program(config), encoding="utf-8")
+    flags = [*FLAGS, "-ffunction-sections", "-fcallgraph-info=su"]
+    _run([COMPILER, *flags, "-c", "all.c", "-o", "smap.o"], folder)
     missing = set(_run([f"{_prefix()}nm", "-u", "smap.o"], folder).split()[1::2])
     if missing - ALLOWED:
         raise ExportError(
             f"smap.c: needs a function of a library (got {', '.join(sorted(missing - ALLOWED))}); "
             "write it without."
         )
-    graph = (folder / "smap.ci").read_text(encoding="utf-8")
+    graph = next(folder.glob("*.ci")).read_text(encoding="utf-8")
     return _sections(_run([f"{_prefix()}size", "-A", "smap.o"], folder)) | {"stack": deepest(graph)}
 
 
 def measure_set(features: Sequence[str], folder: Path) -> Measure:
     """Measure the runtime with these switches on and all others off."""
-    return measure(_alone(features), folder)
-
-
-def struct_sizes(folder: Path) -> dict[str, int]:
-    """Return the bytes of each struct of smap.h on the target."""
-    (folder / "smap.h").write_text(runtime_file("smap.h"), encoding="utf-8")
-    (folder / "smap_config.h").write_text(runtime_file("smap_config.h"), encoding="utf-8")
-    lines = ["#define SMAP_INTERNAL", '#include "smap.h"']
-    lines += [f"const char size_of_{name}[sizeof({name})] = {{1}};" for name in STRUCTS]
-    (folder / "structs.c").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    flags = ["-fdata-sections", "-c", "structs.c", "-o", "structs.o"]
-    _run([COMPILER, *FLAGS, *flags], folder)
-    listing = _run([f"{_prefix()}nm", "-S", "structs.o"], folder)
-    found = re.findall(r"^\S+ (\S+) \S size_of_(\w+)", listing, re.MULTILINE)
-    return {name: int(size, 16) for size, name in found}
+    return measure({**{name: int(name in features) for name in SWITCHES}, **USUAL}, folder)
 
 
 def feature_sets() -> list[list[str]]:
-    """Return the sets of features that are measured: each codec alone with all its options."""
-    return [
-        [codec, *(option for option in chosen if option)]
-        for codec, options in OPTIONS.items()
-        for chosen in product(*options)
-    ]
-
-
-def _alone(features: Sequence[str]) -> dict[str, int]:
-    """Return the settings with these switches on, all others off, and arrays of a usual size."""
-    switches = [name for name, value, _ in entries() if value in ("0", "1")]
-    result = {name: 0 for name in switches if name != "SMAP_HARDWARE_ROOT"}
-    for feature in features:  # such as SMAP_SPHERE or SMAP_MODES=8
-        name, _, value = feature.partition("=")
-        result[name] = int(value or 1)
-    many = "SMAP_CONTACTS_MANY" in features
-    return result | {**USUAL, "SMAP_MAX_CONTACTS": 12 if many else 3}
+    """Return the sets of features that are measured."""
+    return [sorted(one) for one in SETS]
 
 
 def _settings_of(directory: Path) -> dict[str, int]:
-    """Return the settings in the smap_config.h of an export."""
-    text = (directory / "smap_config.h").read_text(encoding="utf-8")
-    found = re.findall(r"#define (SMAP_\w+) (\d+)", text)
-    return {name: int(value) for name, value in found if name != "SMAP_HARDWARE_ROOT"}
+    """Return the settings in the NAME.c of an export."""
+    name = report.load_report(directory)["name"]
+    text = (directory / f"{name}.c").read_text(encoding="utf-8")
+    return {name: int(value) for name, value in re.findall(r"#define (SMAP_\w+) (\d+)", text)}
 
 
 def _row(label: str, result: Measure) -> str:
@@ -182,8 +158,8 @@ def _row(label: str, result: Measure) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Print the table; return an exit code."""
-    program = "python -m targets.size"
-    parser = argparse.ArgumentParser(prog=program, description=__doc__)
+    program_name = "python -m targets.size"
+    parser = argparse.ArgumentParser(prog=program_name, description=__doc__)
     parser.add_argument("exports", nargs="*", type=Path, help="folders of `lutgen export`")
     parser.add_argument("--update", action="store_true", help="rewrite runtime/sizes.json")
     options = parser.parse_args(arguments)
@@ -212,8 +188,7 @@ def _table(folder: Path, exports: Sequence[Path], update: bool) -> None:
         result = measure(_settings_of(directory), folder)
         print(_row(f"export {content['name']} ({content['spec']})", result))
     if update:
-        content = {"structs": struct_sizes(folder), "sets": rows}
-        SIZES.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+        SIZES.write_text(json.dumps({"sets": rows}, indent=2) + "\n", encoding="utf-8")
         print(f"{SIZES.name} is rewritten", file=sys.stderr)
 
 

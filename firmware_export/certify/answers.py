@@ -16,8 +16,8 @@ from firmware_export.protocol import Export, describe
 from firmware_export.truth import Exact, Model, Sample
 from lutgen.vector import Bools, Floats
 
-# Status codes of smap_read with which the robot is said to stand.
-OK, CLAMPED = 0, 1
+# Status codes with which the robot is said not to tip: it stands, or rocks between rests.
+OK, ROCKS = 0, 4
 # In the place of a status where nothing was asked.
 NOT_ASKED = -128
 FULL_SCALE = 32767
@@ -143,7 +143,7 @@ class Reader:
             found, reading = self.read(known.params[part // max(d, 1)], gravity[part])
             status[part] = found
             values[part] = self._units(reading)
-        stands = (status == OK) | (status == CLAMPED)
+        stands = (status == OK) | (status == ROCKS)
         grid = (m, d)
         answers = Answers(
             stands.reshape(grid),
@@ -165,9 +165,8 @@ class Reader:
 
 def device(export: Export) -> Reader:
     """Return what answers as the microcontroller will: the C that ships, with these tables."""
-    info = codec(export.codec)
-    body = info.c_body(export.tables)
-    host = Host(describe(export, info.enum, body))
+    body = codec(export.codec).c_body(export.tables, export.integer)
+    host = Host(describe(export, body))
     if export.integer:
-        return Reader(export.model, host.read_i, dict(body.steps))
+        return Reader(export.model, host.read_i, body.steps)
     return Reader(export.model, host.read)

@@ -39,6 +39,11 @@ def choose(trials: Trials, codecs: Sequence[CodecInfo], goal: Goal) -> Candidate
     """
     for codec in codecs:
         try_codec(trials, codec, goal)
+        if codec.exact and any(
+            one and own is codec and goal.holds(one) and goal.fits(one)
+            for (own, _), one in trials.tried.items()
+        ):
+            break
     tried = [one for (codec, _), one in trials.tried.items() if one and codec in codecs]
     good = [one for one in tried if goal.holds(one) and goal.fits(one)]
     if not good:

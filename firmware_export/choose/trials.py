@@ -129,13 +129,13 @@ class Trials:
         export = Export(
             *(self.name, model.recipe, model, codec.name, self.arithmetic, self.channels, tables)
         )
-        body = codec.c_body(tables)
-        export = replace(export, code_bytes=code_bytes(features(export, body)))
+        body = codec.c_body(tables, self.arithmetic == "integer")
+        export = replace(export, code_bytes=code_bytes(features(body)))
         size = flash_bytes(export, body)
-        if size["descriptors"] is None or size["code"] is None:
+        if size["code"] is None:
             raise ExportError(
                 f"{codec.name}: the runtime was never measured with it (got no row of sizes.json "
-                f"for {', '.join(sorted(features(export, body)))}), so its bytes cannot be "
+                f"for {', '.join(sorted(features(body)))}), so its bytes cannot be "
                 "compared; run `python -m targets.size --update` with arm-none-eabi-gcc."
             )
         parts = (size["tables"], size["descriptors"], size["code"])

@@ -1,6 +1,6 @@
-"""Codec `contacts`: the positions of the contacts, from which the runtime finds everything.
+"""Codec `contacts`: positions in closed form; the rest is geometry.
 
-In reading order: `modes`, `fit`, `guard`, `codec`.
+In reading order: `closed`, `terms`, `three`, `codec`.
 """
 
 from firmware_export.contacts.codec import INFO

@@ -1,10 +1,10 @@
 """An export written as C, with its report.
 
-In reading order: `names`, `text`, `size`, `config`, `facts`, `words`, `header`, `source`,
+In reading order: `names`, `text`, `size`, `runtime`, `facts`, `words`, `header`, `source`,
 `example`, `project_files`, `page`, `figure`, `report`, `package`.
 """
 
-from firmware_export.emit.config import features
+from firmware_export.emit.runtime import features
 from firmware_export.emit.facts import flash_bytes
 from firmware_export.emit.names import check_name, default_name
 from firmware_export.emit.package import check_directory, write

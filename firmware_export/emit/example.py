@@ -9,9 +9,11 @@ from firmware_export.protocol import literal
 
 _STATES = (
     ("SMAP_OK", "stands"),
-    ("SMAP_CLAMPED", "stands in the nearest posture of the map"),
+    ("SMAP_ROCKS", "rocks between two rests, but does not tip over"),
     ("SMAP_TIPS", "tips over"),
     ("SMAP_OFF_CHART", "unknown: the map holds no such direction"),
+    ("SMAP_OFF_RANGE", "unknown: a joint is beyond its axis"),
+    ("SMAP_CORRUPT", "the map is damaged"),
     ("SMAP_INVALID", "no valid query"),
 )
 
@@ -86,7 +88,7 @@ def _integer(content: dict[str, Any]) -> str:
     ] or ["    0 /* there is no parameter: never read */\n"]
     text = _query(content, rows, "{0, 0, -1000}; /* level ground, milli-g")
     text += _print("sin(tip_angle)", "%.6g", "reading.tip / 32767.0", "1")
-    for channel in content["steps"]:
+    for channel in content["steps"] if "SMAP_INTEGERS" in content["forms"] else ():
         step, held = f"{macro(content['name'])}_{channel.upper()}_STEP", f"reading.{channel}"
         expression = f"(double)((float){held} * {step})"
         text += _print(channel, "%.6g", expression, content["length_unit"], f"{held} != 65535u")

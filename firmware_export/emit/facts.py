@@ -12,17 +12,17 @@ from typing import Any
 
 import numpy as np
 
-from firmware_export.emit.config import features, runtime_version
 from firmware_export.emit.names import macro
-from firmware_export.emit.size import TARGET, struct_bytes
-from firmware_export.protocol import CBody, Export
+from firmware_export.emit.runtime import features, runtime_version
+from firmware_export.emit.size import TARGET
+from firmware_export.protocol import CBody, Export, describe, slack, turns
 from lutgen._version import __version__
 from lutgen.errors import ExportError
 from lutgen.parts import Parameter
 from lutgen.quantities import QUANTITIES
 from lutgen.recipe import Recipe
 
-FORMAT = 1
+FORMAT = 2
 MARKER = "lutgen_export"
 # Beside sizes.json: what reads were counted to cost, written by `python -m targets.run --update`.
 COUNTS = "counts.json"
@@ -31,7 +31,7 @@ COUNTS = "counts.json"
 def axis_macros(export: Export) -> tuple[str, ...]:
     """Return the macro of each parameter's index, all different."""
     stem = macro(export.name)
-    taken = {f"{stem}_{word}" for word in ("H", "PARAMS", "SDG_STEP", "HEIGHT_STEP")}
+    taken = {f"{stem}_{word}" for word in ("H", "PARAMS", "SDG_STEP", "HEIGHT_STEP", "POSE_WORDS", "POSE_I_WORDS")}
     names: list[str] = []
     for index, parameter in enumerate(export.recipe.parameters):
         name = f"{stem}_{macro(parameter.name)}"
@@ -58,23 +58,15 @@ def _movement(parameter: Parameter, recipe: Recipe) -> str:
     return " and ".join(parts) or "parameter of the recipe's own function"
 
 
-def _descriptor_bytes(export: Export, body: CBody) -> int | None:
-    """Return the bytes of the structs on the target, None where a size was not measured."""
-    counts = [("smap_t", 1), (body.ctype, 1), ("smap_axis_t", export.model.k)]
-    counts += [(array.ctype, len(array.values)) for array in body.arrays if not array.plain]
-    sizes = [struct_bytes(ctype) for ctype, _ in counts]
-    known = [count * size for (_, count), size in zip(counts, sizes, strict=True) if size]
-    return sum(known) if len(known) == len(sizes) else None
-
-
 def flash_bytes(export: Export, body: CBody) -> dict[str, Any]:
-    """Return the bytes of an export: tables, descriptors, code, total (None: not measured)."""
-    structs, tables, code = _descriptor_bytes(export, body), body.bytes, export.code_bytes
+    """Return the bytes of an export: tables, descriptor, code, total (None: not measured)."""
+    tables, code = body.bytes, export.code_bytes
+    descriptors = len(describe(export, body).bytes) - tables
     return {
         "tables": tables,
-        "descriptors": structs,
+        "descriptors": descriptors,
         "code": code,
-        "total": None if structs is None or code is None else tables + structs + code,
+        "total": None if code is None else tables + descriptors + code,
         "target": TARGET,
     }
 
@@ -152,7 +144,7 @@ def report(export: Export, body: CBody, names: list[str]) -> dict[str, Any]:
         "codec": export.codec,
         "spec": tables.spec.label,
         "arithmetic": export.arithmetic,
-        "features": sorted(features(export, body)),
+        "features": sorted(features(body)),
         "parameters": [
             {
                 "name": parameter.name,
@@ -161,10 +153,11 @@ def report(export: Export, body: CBody, names: list[str]) -> dict[str, Any]:
                 "display_unit": parameter.display_unit,
                 "min": low,
                 "max": high,
+                "slack": None if turns(model, index) else slack(parameter),
                 "meaning": _movement(parameter, recipe),
             }
-            for parameter, name, low, high in zip(
-                recipe.parameters, axis_macros(export), model.lower, model.upper, strict=True
+            for index, (parameter, name, low, high) in enumerate(
+                zip(recipe.parameters, axis_macros(export), model.lower, model.upper, strict=True)
             )
         ],
         "chart": {
@@ -181,7 +174,9 @@ def report(export: Export, body: CBody, names: list[str]) -> dict[str, Any]:
             }
             for channel in export.channels
         },
-        "steps": dict(body.steps),
+        "steps": {name: step for name, step in body.steps.items() if name in export.channels},
+        "pose": {"both": body.pose[0], "integer": body.pose[1]},
+        "forms": sorted(features(body) & {"SMAP_FLOATS", "SMAP_INTEGERS"}),
         "bytes": flash_bytes(export, body),
         "counts": counted(export),
         "guard_deg": math.degrees(float(tables.guard)),

@@ -3,6 +3,7 @@
 Printed from the content of NAME_report.json, in the words of `words`.
 """
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -34,6 +35,7 @@ def header_text(content: dict[str, Any]) -> str:
         f'#error "{name} needs smap.h of version {version}: use the one exported with it"\n'
         "#endif",
         _macros(content),
+        _poses(content),
         '#ifdef __cplusplus\nextern "C" {\n#endif',
         f"extern const smap_t {name};",
         "#ifdef __cplusplus\n}\n#endif",
@@ -45,8 +47,8 @@ def header_text(content: dict[str, Any]) -> str:
 def _head(content: dict[str, Any]) -> list[str]:
     """Return the lines of the head comment below its title."""
     parameters = content["parameters"]
-    lines = ["", "Parameters, in this order; values beyond an end are clamped to it:"]
-    lines += _columns([(p["macro"], axis_range(p), p["meaning"]) for p in parameters])
+    lines = ["", "Parameters, in this order; what sensors may say beyond an end is read, more is SMAP_OFF_RANGE:"]
+    lines += _columns([(p["macro"], axis_range(p), _slack(p), p["meaning"]) for p in parameters])
     if not parameters:
         lines.append("  none: the robot is rigid")
     lines.append(
@@ -61,6 +63,15 @@ def _head(content: dict[str, Any]) -> list[str]:
     lines.append(f"Recipe sha256 {content['recipe_sha256']}")
     lines.append(f"lutgen {content['lutgen_version']}, smap {content['smap_version']}")
     return lines
+
+
+def _slack(parameter: dict[str, Any]) -> str:
+    """Return how far beyond its axis a parameter is read."""
+    if parameter["slack"] is None:
+        return "turns all the way round"
+    if parameter["unit"] == "rad":
+        return f"+- {number(math.degrees(parameter['slack']), 2)} deg"
+    return f"+- {number(parameter['slack'], 2)}"
 
 
 def _columns(rows: Sequence[tuple[str, ...]]) -> list[str]:
@@ -108,27 +119,49 @@ def _errors(content: dict[str, Any]) -> list[str]:
 def _usage(content: dict[str, Any]) -> list[str]:
     """Return an example of use."""
     name, parameters = content["name"], content["parameters"]
-    if content["arithmetic"] == "integer":
-        middles = [f"{p['macro']}_Q({number(0.5 * (p['min'] + p['max']))}f)" for p in parameters]
-        return [
-            "  each parameter from 0 to 32767 between its ends; gravity down, in any unit",
-            f"  int16_t params[] = {{{', '.join(middles) or '0'}}};",
-            "  int16_t gravity[3] = {0, 0, -1000};",
-            "  smap_reading_i_t reading;",
-            f"  if (smap_read_i(&{name}, params, gravity, &reading) == SMAP_OK) {{",
-            "    it stands; reading.tip is the sine of the angle to tip-over, times 32767",
-            "  }",
-        ]
+    both = "SMAP_FLOATS" in content["forms"]
+    forms = " | ".join(one.removesuffix("S") for one in content["forms"]) or "SMAP_FLOAT"
+    bytes_ = 4 * content["pose"]["both" if both else "integer"]
+    lines = [f"Of a pose: {bytes_} bytes of RAM and those of an address; smap.h says how poses are used."]
+    pose = f"{name}_pose_t" if both else f"{name}_pose_i_t"
     count = max(len(parameters), 1)
-    return [
-        f"  float params[{count}] = {{{', '.join(['0.0f'] * count)}}};  rad or length, see above",
-        "  float gravity[3];  down",
-        "  smap_reading_t reading;",
-        "  smap_gravity_from_up(accelerometer, gravity);  at rest it reads up",
-        f"  if (smap_read(&{name}, params, gravity, &reading) == SMAP_OK) {{",
-        "    it stands, and tips only after another reading.tip_angle rad",
-        "  }",
-    ]
+    if both:
+        row = f"  float params[{count}] = {{{', '.join(['0.0f'] * count)}}};  rad or length, see above"
+        made = f"  smap_pose(&{name}, params, &pose, sizeof pose, {forms});"
+    else:
+        middles = [f"{p['macro']}_Q({number(0.5 * (p['min'] + p['max']))}f)" for p in parameters]
+        row = f"  int16_t params[] = {{{', '.join(middles) or '0'}}};"
+        made = f"  smap_pose_q(&{name}, params, &pose, sizeof pose, {forms});"
+    lines += [row, f"  {pose} pose;", made]
+    if "SMAP_INTEGERS" in content["forms"]:
+        lines += [
+            "  int16_t gravity[3];  raw counts",
+            "  smap_reading_i_t reading;",
+            "  smap_gravity_from_up_i(accelerometer, gravity);  at rest it reads up",
+            "  if (smap_at_i(&pose, gravity, &reading) == SMAP_OK) {",
+            "    it stands; reading.tip is the sine of the angle to tip-over, times 32767",
+        ]
+    else:
+        lines += [
+            "  float gravity[3];",
+            "  smap_reading_t reading;",
+            "  smap_gravity_from_up(accelerometer, gravity);  at rest it reads up",
+            "  if (smap_at(&pose, gravity, &reading) == SMAP_OK) {",
+            "    it stands, and tips only after another reading.tip_angle rad",
+        ]
+    return [*lines, "  }"]
+
+
+def _poses(content: dict[str, Any]) -> str:
+    """Return the types of the memory of a pose."""
+    name, stem, words = content["name"], macro(content["name"]), content["pose"]
+    return (
+        f"#define {stem}_POSE_WORDS {words['both']}u\n"
+        f"#define {stem}_POSE_I_WORDS {words['integer']}u\n"
+        "/* Memory of a pose: of both forms, and of SMAP_INTEGER alone. */\n"
+        f"typedef struct {{ const smap_t *map; uint32_t rest[{stem}_POSE_WORDS]; }} {name}_pose_t;\n"
+        f"typedef struct {{ const smap_t *map; uint32_t rest[{stem}_POSE_I_WORDS]; }} {name}_pose_i_t;"
+    )
 
 
 def _define(rows: list[tuple[str, str, str]]) -> str:
@@ -149,7 +182,7 @@ def _macros(content: dict[str, Any]) -> str:
     for index, p in enumerate(parameters):
         rows.append((p["macro"], str(index), f"{p['name']}, {p['unit']}"))
     text = _define(rows)
-    if content["arithmetic"] == "float":
+    if "SMAP_INTEGERS" not in content["forms"]:
         return text
     unit = "ratio" if content["length_unit"] == "1" else content["length_unit"]
     steps = [
@@ -158,13 +191,14 @@ def _macros(content: dict[str, Any]) -> str:
     ]
     if steps:
         text += "\n" + _define(steps)
-    lines = [text, "/* A parameter (rad or length) as smap_read_i takes it; for constants. */"]
+    lines = [text, "/* A parameter (rad or length) as smap_pose_q takes it; beyond the upper end: off range. */"]
     for p in parameters:
         scale = literal(32767.0 / (p["max"] - p["min"]), "float")
         low, high = literal(p["min"], "float"), literal(p["max"], "float")
+        steps = f"((x) - {low}) * {scale}"
         lines += [
             f"#define {p['macro']}_Q(x) \\",
-            f"  ((int16_t)((x) < {low} ? -1 : (x) >= {high} ? 32767 : \\",
-            f"             (int16_t)(((x) - {low}) * {scale} + 0.5f)))",
+            f"  ((int16_t)((x) >= {low} && (x) <= {high} ? {steps} + 0.5f : \\",
+            f"             (x) < {low} && {steps} > -32767.0f ? {steps} - 0.99f : -32768.0f))",
         ]
     return "\n".join(lines)

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 from firmware_export.emit import report as reports
-from firmware_export.emit.config import config_text, runtime_file
 from firmware_export.emit.example import example_text
 from firmware_export.emit.facts import report
 from firmware_export.emit.figure import draw_pareto
@@ -21,6 +20,7 @@ from firmware_export.emit.header import header_text
 from firmware_export.emit.names import check_name
 from firmware_export.emit.page import page
 from firmware_export.emit.project_files import cmake_lists, library_json, library_properties
+from firmware_export.emit.runtime import features, runtime_file, runtime_text
 from firmware_export.emit.source import body_of, described, source_text
 from firmware_export.protocol import Export, stored
 from lutgen.errors import ExportError, InputError
@@ -50,8 +50,8 @@ def contents(export: Export) -> tuple[dict[str, bytes], dict[str, Any]]:
         f"{name}.h": header_text(content),
         f"{name}.c": source,
         "smap.h": runtime_file("smap.h"),
-        "smap.c": runtime_file("smap.c"),
-        "smap_config.h": config_text(export, body),
+        "smap.c": runtime_text(features(body)),
+        "smap_config.h": runtime_file("smap_config.h"),
         "example.c": example_text(content),
         "CMakeLists.txt": cmake_lists(export),
         "library.json": library_json(export),

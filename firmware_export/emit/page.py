@@ -33,7 +33,7 @@ def page(content: dict[str, Any], body: CBody, picture: str | None) -> str:
 
     `picture` is the file name of the plot of bytes against error.
     """
-    sizes, tables = content["bytes"], sorted(body.arrays, key=lambda array: array.plain)
+    sizes, tables = content["bytes"], [array for array in body.arrays if array.table]
     lines = [
         f"# Firmware export {content['name']}",
         "",
@@ -48,8 +48,9 @@ def page(content: dict[str, Any], body: CBody, picture: str | None) -> str:
     lines += _table(
         ("table", "type", "elements", "holds"),
         [
-            (a.name, a.ctype, f"{a.numbers.size if a.plain else len(a.values):,}", a.comment)
-            for a in tables
+            (array.name, array.ctype, f"{array.numbers.size:,}", array.comment)
+            for array in tables
+            if array.bytes
         ],
     )
     lines += _counts(content["counts"])

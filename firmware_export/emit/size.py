@@ -20,7 +20,6 @@ def parse_sizes(text: str) -> dict[str, Any]:
     """Return the content of sizes.json; refuse anything that is not such a file."""
     try:
         content = json.loads(text)
-        structs = {str(name): int(size) for name, size in content["structs"].items()}
         sets = {
             frozenset(map(str, row["features"])): {
                 key: int(row[key]) for key in ("code", "data", "bss", "stack")
@@ -32,12 +31,12 @@ def parse_sizes(text: str) -> dict[str, Any]:
             f"{FILE}: is not the file of measured sizes (got {type(error).__name__}: {error}); "
             "run `make size` with --update, or install lutgen again."
         ) from error
-    return {"structs": structs, "sets": sets}
+    return {"sets": sets}
 
 
 @cache
 def measured() -> Mapping[str, Any]:
-    """Return ``structs`` (name -> bytes) and ``sets`` (features -> code, data, bss, stack)."""
+    """Return ``sets`` (features -> code, data, bss, stack)."""
     try:
         text = (files("firmware_export") / "runtime" / FILE).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
@@ -47,19 +46,13 @@ def measured() -> Mapping[str, Any]:
     return parse_sizes(text)
 
 
-def struct_bytes(ctype: str) -> int | None:
-    """Return the bytes of a struct of smap.h on the target, None if it was not measured."""
-    size: int | None = measured()["structs"].get(ctype)
-    return size
-
-
 def code_bytes(features: Iterable[str]) -> int | None:
     """Return the bytes of code of the runtime with these switches on.
 
     Parameters
     ----------
     features : iterable of str
-        See `config.features`.
+        See `runtime.features`.
 
     Returns
     -------

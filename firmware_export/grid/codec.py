@@ -18,8 +18,8 @@ from firmware_export.grid import fit as fitting
 from firmware_export.grid import guard, margin
 from firmware_export.grid.lattice import Lattice, spread_knots
 from firmware_export.grid.spec import Spec, grow, start
-from firmware_export.grid.tables import Part, Tables, U, V, c_body
-from firmware_export.protocol import CodecInfo
+from firmware_export.grid.tables import Part, Tables, U, V, c_body, places_of
+from firmware_export.protocol import CodecInfo, slack, widened
 from firmware_export.truth import Cells, Model
 from lutgen.errors import InputError
 
@@ -33,6 +33,7 @@ __all__ = [
     "lattice_of",
     "length_table",
     "part_of",
+    "places_of",
     "refusal",
     "rounding",
     "start",
@@ -77,7 +78,7 @@ def too_large(model: Model, arithmetic: str) -> str | None:
 def refusal(model: Model, arithmetic: str) -> str | None:
     """Return why the codec cannot be used, or None."""
     problem = too_large(model, arithmetic)
-    if problem is None and not guard.is_smooth(model):
+    if problem is None and not guard.is_smooth(widened(model)):
         return "grid is fitted to three contacts whose facet is accepted in every posture"
     return problem
 
@@ -165,13 +166,14 @@ def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
     problem = refusal(model, "float")
     if problem is not None:
         raise InputError(f"{model.recipe.source}: {problem}; choose another codec.")
+    places, model = places_of(model), widened(model)
     (_, shape), *lengths = spec.nodes
     tip, text = _tip_table(model, shape, spec.bits)
     remainder = (1 << (16 - spec.bits)) * _misplaced(tip, INTEGER_PLACE, INTEGER_PARTS)
     parts = [replace(tip, remainder=math.ceil(remainder))]
     parts += [length_table(model, name, shape, spec.bits) for name, shape in lengths]
     off = float(tip.step) * _misplaced(tip, FLOAT_PLACE, 0.0) + rounding(tip)
-    return Tables(spec, channels, tuple(parts), model.chart_limit, off, text)
+    return Tables(spec, channels, tuple(parts), model.chart_limit, places, off, text)
 
 
 def cells(model: Model, tables: Tables) -> Cells:
@@ -181,6 +183,10 @@ def cells(model: Model, tables: Tables) -> Cells:
         coordinate: places.astype(np.float64) / places[-1]
         for coordinate, places in zip(part.coordinates, part.knots, strict=True)
     }
+    for at, parameter in enumerate(model.recipe.parameters):
+        if at in knots:  # the tables reach beyond the axis by what sensors may say
+            room = slack(parameter) / (parameter.maximum - parameter.minimum)
+            knots[at] = np.unique(np.clip(knots[at] * (1.0 + 2.0 * room) - room, 0.0, 1.0))
     ends = np.array([0.0, 1.0])
     v, u = ((2.0 * knots.get(at, ends) - 1.0) * model.chart_limit for at in (V, U))
     return Cells(tuple(knots.get(at, ends) for at in range(model.k)), u, v)
@@ -188,9 +194,7 @@ def cells(model: Model, tables: Tables) -> Cells:
 
 INFO = CodecInfo(
     name="grid",
-    enum="SMAP_CODEC_GRID",
-    switches={"float": "SMAP_GRID", "integer": "SMAP_GRID_INTEGER"},
-    structs=("smap_grid_t", "smap_grid_part_t"),
+    switches={"float": "SMAP_GRID", "integer": "SMAP_GRID"},
     look=("#D55E00", "s"),
     refusal=refusal,
     sizes=start,

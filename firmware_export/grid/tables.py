@@ -7,24 +7,48 @@ Places on an axis are counted in 1/65534 of it, so that both ends and the middle
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from firmware_export.grid.spec import Spec
-from firmware_export.protocol import CArray, CBody
+from firmware_export.protocol import CArray, CBody, slack
 from firmware_export.protocol import Tables as AnyTables
+from firmware_export.truth import Model
 
 SPAN = 65534
 # Coordinates above every parameter's index.
 U, V = 254, 255
 CTYPE = {8: "uint8_t", 16: "uint16_t"}
-# Codes of a chunk: SMAP_CHUNK_BITS of smap.h.
-CHUNK = 8192
-# Most bytes of codes that are not cut: avr-gcc makes no larger object, and half of the first 64 KiB
-# of flash, which are all that it reads without far addresses, are left to others.
-UNCUT = 32767
+# Its number in runtime/blob.c, and bytes of what grid.c knows of a parameter and of a table.
+GRID, PLACE_BYTES, PART_BYTES = 4, 12, 38
+MEANING = {
+    "tip": "tip margin, sine of the tip angle times |(u, v, 1)|",
+    "sdg": "components of D_g - s along two axes of the facet",
+    "height": "height of the centre of mass over its facet",
+}
+
+
+class Place(NamedTuple):
+    """Where an axis of the tables begins (rad or length), units of it for one rad or length, and the same
+    of steps: first unit, units for one step times 2^14."""
+
+    low: float
+    inverse: float
+    first: int
+    rate: int
+
+
+def places_of(model: Model) -> tuple[Place, ...]:
+    """Return the places of a model's parameters: tables reach as far as sensors may say."""
+    result = []
+    for p in model.recipe.parameters:
+        room, span = slack(p), p.maximum - p.minimum
+        units = SPAN / (span + 2.0 * room)
+        first, rate = round(room * units), round(span * units / 32767.0 * 2.0**14)
+        result.append(Place(p.minimum - room, units, first, rate))
+    return tuple(result)
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,12 +142,15 @@ class Tables(AnyTables):
         ``tip``, then ``sdg`` and ``height`` if held.
     chart_limit : float
         Largest |u| and |v|.
+    places : tuple of Place
+        Per parameter, how a value becomes a place on the tables' axis.
     """
 
     spec: Spec
     channels: tuple[str, ...]
     parts: tuple[Part, ...]
     chart_limit: float
+    places: tuple[Place, ...]
     guard: float
     guard_text: str
     notes: tuple[str, ...] = ()
@@ -169,55 +196,53 @@ class Tables(AnyTables):
     @property
     def bytes(self) -> int:
         """Bytes of all tables of numbers."""
-        return c_body(self).bytes
+        knots, axes = self.shared_knots()
+        codes = sum(part.codes.nbytes for part in self.parts)
+        return codes + 2 * len(knots) + 6 * sum(map(len, axes))
 
 
-def _axis_names(part: Part) -> str:
-    names = {U: "u", V: "v"}
-    return ", ".join(
-        f"{names.get(c, f'parameter {c}')} {len(k)}"
-        for c, k in zip(part.coordinates, part.knots, strict=True)
-    )
-
-
-def c_body(tables: Tables) -> CBody:
-    """Return the C struct and arrays of `tables`."""
+def c_body(tables: Tables, integer: bool) -> CBody:
+    """Return the tables for the emitter, in the layout of runtime/grid.c."""
     knots, axes = tables.shared_knots()
-    arrays = [CArray("knots", "uint16_t", knots, "Knots of the axes, 0 to 65534 over an axis.")]
-    structs = []
-    large = sum(part.codes.nbytes for part in tables.parts) > UNCUT
-    chunk, mark = (CHUNK, " | SMAP_CUT") if large else (0, "")
-    meaning = {
-        "tip": "tip margin, sine of the tip angle times |(u, v, 1)|",
-        "sdg": "components of D_g - s along two axes of the facet",
-        "height": "height of the centre of mass over its facet",
-    }
-    for part, axis in zip(tables.parts, axes, strict=True):
-        label = f"{part.name}: {meaning[part.name]}; nodes: {_axis_names(part) or 'one'}"
-        arrays.append(
-            CArray(f"{part.name}_axes", "uint16_t", axis, "Coordinate, nodes, first knot.", 3)
-            if axis.size
-            else CArray(f"{part.name}_axes", "uint16_t", np.zeros(1, np.uint16), "No axis.")
-        )
-        row = part.width * (part.codes.shape[-2] if part.codes.ndim > 2 else 1)
-        ctype = CTYPE[part.bits]
-        arrays.append(CArray(f"{part.name}_codes", ctype, part.codes, label, row, chunk=chunk))
-        codes = f"@{part.name}_codes"
+    params = len(tables.places)
+    head = 16 + PLACE_BYTES * params + PART_BYTES * len(tables.parts)
+    axes_at = [head + sum(6 * len(one) for one in axes[:at]) for at in range(len(axes))]
+    knots_at = head + sum(6 * len(one) for one in axes)
+    codes_at = [knots_at + 2 * len(knots)]
+    for part in tables.parts:
+        codes_at.append(codes_at[-1] + part.codes.nbytes)
+    # Rounded up: so the rim is held.
+    limit = math.ceil(tables.chart_limit * 8192.0 * 32768.0 / 32767.0)
+    arrays = [
+        CArray("half", "float", [tables.half], "units of an axis for one of u or v", False),
+        CArray("reach", "uint32_t", [limit, knots_at], "chart limit, where the knots are", False),
+        CArray("parts", "uint8_t", [len(tables.parts), 0, 0, 0], "tables", False),
+    ]
+    for low, inverse, first, rate in tables.places:
+        arrays.append(CArray("place", "float", [low, inverse], "where an axis begins, 1 / unit", False))
+        arrays.append(CArray("place in steps", "uint16_t", [first, rate], "the same of steps", False))
+    for at, part in enumerate(tables.parts):
+        offsets = [codes_at[at], axes_at[at], part.face_stride]
         gain, shift = part.gain
-        offset = ", ".join(f"{float(x)!r}f" for x in part.offset)
-        structs.append(
-            f"{{ {codes if part.bits == 8 else '0'}, {codes if part.bits == 16 else '0'}, "
-            f"@{part.name}_axes, {part.face_stride}u, {{ {offset} }}, {float(part.step)!r}f, "
-            f"{{ {part.zero[0]}u, {part.zero[1]}u }}, {gain}u, {shift}u, {len(part.knots)}u, "
-            f"{part.width}u{mark} }}"
-        )
-    arrays.append(CArray("parts", "smap_grid_part_t", structs, "Tables.", 1))
-    fields = (
-        ("parts", "@parts"),
-        ("knots", "@knots"),
-        ("half", f"{float(tables.half)!r}f"),
-        # Both rounded up: so the rim is held, and the guard is not less than it must be.
-        ("limit", f"{math.ceil(tables.chart_limit * 8192.0 * 32768.0 / 32767.0)}u"),
-        ("guard", f"{math.ceil(tables.guard * 32767.0)}u"),
-    )
-    return CBody("smap_grid_t", fields, tuple(arrays), steps=tables.steps)
+        values = [*map(float, part.offset), float(part.step)]
+        wide = int(part.bits == 16)
+        arrays += [
+            CArray(part.name, "uint32_t", offsets, "codes, axes, codes of a face", False),
+            CArray(part.name, "float", values, "values of code 0, step", False),
+            CArray(part.name, "uint32_t", part.zero, "code of 0", False),
+            CArray(part.name, "uint16_t", [gain], "output of 1/65536, scaled", False),
+            CArray(
+                *(part.name, "uint8_t", [shift, len(part.knots), part.width, wide]),
+                *("shift, axes, codes of a node, 16 bits", False),
+            ),
+        ]
+    for part, axis in zip(tables.parts, axes, strict=True):
+        arrays.append(CArray(f"{part.name} axes", "uint16_t", axis, "coordinate, nodes, first knot"))
+    arrays.append(CArray("knots", "uint16_t", knots, "0 to 65534 over an axis"))
+    for part in tables.parts:
+        arrays.append(CArray(f"{part.name} codes", CTYPE[part.bits], part.codes, MEANING[part.name]))
+    sizes = dict(tables.steps)
+    macros = (("SMAP_GRID", 1), ("SMAP_INTEGERS" if integer else "SMAP_FLOATS", 1))
+    words = 1 + (params + 1) // 2
+    pose = (words, words) if integer else (1 + params, 1 + params)
+    return CBody(GRID, tuple(arrays), 0, macros, pose, 1.0, tuple(sizes.items()))

@@ -1,6 +1,6 @@
-"""The C runtime on this machine, asked with tables in memory.
+"""The C runtime on this machine, asked with blobs in memory.
 
-In reading order: `library`, `layout`, `memory`, `reader`.
+In reading order: `library`, `reader`.
 """
 
 from firmware_export.host.library import load_library

@@ -6,20 +6,28 @@ Owns the shapes and types of queries and answers, and the threads: C holds no lo
 import ctypes
 import os
 from concurrent.futures import ThreadPoolExecutor
-from functools import cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from firmware_export.host.layout import structs
 from firmware_export.host.library import load_library
-from firmware_export.host.memory import Memory
-from firmware_export.protocol import Descriptor
+from firmware_export.protocol import Blob
 from lutgen.errors import InputError
 
 # Queries that a thread of its own is worth: a tenth of a millisecond of the fastest codec.
 PIECE = 4096
+# smap_reading_t and smap_reading_i_t.
+READING = np.dtype(
+    {
+        "names": ["sdg", "tip_angle", "height", "over"],
+        "formats": ["<f4", "<f4", "<f4", ("u1", 2)],
+        "itemsize": 16,
+    }
+)
+READING_I = np.dtype([("sdg", "<u2"), ("tip", "<i2"), ("height", "<u2"), ("over", "u1", 2)])
+# The functions that read each codec, by its number in runtime/blob.c.
+FAMILIES = {1: "three", 2: "three", 3: "three", 4: "grid", 5: "many"}
 
 
 class Host:
@@ -27,16 +35,15 @@ class Host:
 
     Parameters
     ----------
-    descriptor : Descriptor
+    blob : Blob
         Of the map.
     """
 
-    def __init__(self, descriptor: Descriptor) -> None:
-        self._memory = Memory(descriptor)
-        # Three points are read by other code, which the switch of the tables asks for.
-        three = descriptor.config.get("SMAP_CONTACTS_MANY") == 0
-        library = load_library()
-        self._batch = library.batch_three if three else library.batch_many
+    def __init__(self, blob: Blob) -> None:
+        self._blob = blob
+        self._bytes = np.frombuffer(blob.bytes, np.uint8)
+        family = "whole" if blob.integer else FAMILIES[blob.codec]
+        self._stem = f"smap_{family}_host_"
 
     def read(
         self, params: ArrayLike, gravity: ArrayLike
@@ -57,8 +64,9 @@ class Host:
         reading : (m, 3) float32
             sdg, tip_angle (rad, guard subtracted), height.
         """
-        status, reading = self._ask(self._batch, np.float32, "smap_reading_t", (params, gravity))
-        return status, reading.view(np.float32).reshape(-1, 3)
+        status, reading = self.ask("read", params, gravity)
+        columns = [reading[name] for name in ("sdg", "tip_angle", "height")]
+        return status, np.stack(columns, axis=1)
 
     def read_i(
         self, params_q: ArrayLike, gravity_q: ArrayLike
@@ -79,33 +87,68 @@ class Host:
         reading : (m, 3) int32
             sdg and height in steps, tip in 1 / 32767.
         """
-        asked = (params_q, gravity_q)
-        status, reading = self._ask(
-            load_library().batch_i_many, np.int16, "smap_reading_i_t", asked
-        )
+        status, reading = self.ask("read_i", params_q, gravity_q)
         columns = [reading[name].astype(np.int32) for name in ("sdg", "tip", "height")]
         return status, np.stack(columns, axis=1)
 
-    def _ask(
-        self, batch: Any, number: type[np.generic], answer: str, asked: tuple[ArrayLike, ArrayLike]
+    def at(
+        self, params: ArrayLike, gravity: ArrayLike, integer: bool = False
+    ) -> tuple[int, NDArray[np.int8], NDArray[Any]]:
+        """Make one pose and ask smap_at, or smap_at_i, under many directions.
+
+        Parameters
+        ----------
+        params : (k,) array_like
+            rad or length.
+        gravity : (m, 3) array_like
+            Down; whole numbers for smap_at_i.
+        integer : bool
+            Whether the integer form is asked.
+
+        Returns
+        -------
+        made : int
+            The status of smap_pose.
+        status : (m,) int8
+            See smap_status_t.
+        reading : (m,) structured
+            As smap_reading_t or smap_reading_i_t.
+        """
+        row = np.ascontiguousarray(params, np.float32)
+        downs = np.ascontiguousarray(gravity, np.int16 if integer else np.float32)
+        status = np.empty(len(downs), np.int8)
+        reading = np.empty(len(downs), READING_I if integer else READING)
+        function = self._function("at_i" if integer else "at")
+        function.restype = ctypes.c_int8
+        made = self._call(function, len(downs), (row, downs, status, reading))
+        return made, status, reading
+
+    def check(self) -> int:
+        """Return the status of smap_check."""
+        function = self._function("check")
+        function.restype = ctypes.c_int8
+        address = ctypes.c_void_p(self._bytes.ctypes.data)
+        return int(function(address, ctypes.c_uint32(len(self._bytes))))
+
+    def ask(
+        self, what: str, params: ArrayLike, gravity: ArrayLike
     ) -> tuple[NDArray[np.int8], NDArray[Any]]:
-        """Ask a function of the library; large batches in as many threads as there are cores."""
-        rows, downs = (np.ascontiguousarray(array, dtype=number) for array in asked)
-        if rows.ndim != 2 or downs.shape != (len(rows), 3) or rows.shape[1] != self._memory.params:
+        """Ask ``read`` or ``read_i``; large batches in as many threads as there are cores."""
+        number = np.int16 if what == "read_i" else np.float32
+        rows = np.ascontiguousarray(params, dtype=number)
+        downs = np.ascontiguousarray(gravity, dtype=number)
+        if rows.ndim != 2 or downs.shape != (len(rows), 3) or rows.shape[1] != self._blob.params:
             raise InputError(
-                f"params and gravity must have the shapes (m, {self._memory.params}) and (m, 3) "
+                f"params and gravity must have the shapes (m, {self._blob.params}) and (m, 3) "
                 f"(got {rows.shape} and {downs.shape}); give one row for each query."
             )
         status = np.empty(len(rows), np.int8)
-        reading = np.empty(len(rows), _dtype(answer))
+        reading = np.empty(len(rows), READING_I if what == "read_i" else READING)
+        function = self._function(what)
 
         def some(begin: int, end: int) -> None:
             part = [array[begin:end] for array in (rows, downs, status, reading)]
-            batch(
-                ctypes.c_void_p(self._memory.address),
-                ctypes.c_int64(end - begin),
-                *(ctypes.c_void_p(array.ctypes.data) for array in part),
-            )
+            self._call(function, end - begin, part)
 
         pieces = max(1, min(os.cpu_count() or 1, len(rows) // PIECE))
         cuts = [len(rows) * piece // pieces for piece in range(pieces + 1)]
@@ -116,8 +159,18 @@ class Host:
                 list(pool.map(some, cuts[:-1], cuts[1:]))
         return status, reading
 
+    def _function(self, what: str) -> Any:
+        """Return a function of the library."""
+        return getattr(load_library(), self._stem + what)
 
-@cache
-def _dtype(name: str) -> np.dtype[Any]:
-    """Return the type of a struct of smap.h."""
-    return np.dtype(structs()[name])
+    def _call(self, function: Any, count: int, arrays: Any) -> int:
+        """Call a function of the library with the blob, a count, and arrays."""
+        return int(
+            function(
+                ctypes.c_void_p(self._bytes.ctypes.data),
+                ctypes.c_uint32(len(self._bytes)),
+                ctypes.c_int64(count),
+                *(ctypes.c_void_p(array.ctypes.data) for array in arrays),
+            )
+            or 0
+        )

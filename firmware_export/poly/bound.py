@@ -74,6 +74,11 @@ def carries_everywhere(series: Sequence[Floats], least: float, width: float = 0.
     return True
 
 
+def least_edge(series: Sequence[Floats]) -> float:
+    """Return a lower bound of the length of any edge normal over the box; 0 where there is none."""
+    return _edge_angle(series, series)[1]
+
+
 def guard(model: Model, series: Sequence[Floats], shortened: Sequence[Floats]) -> float:
     """Return a bound (rad) of the runtime's error in the tip angle; pi where there is none.
 

@@ -15,14 +15,17 @@ from firmware_export.poly.fit import (
     Spec,
     Tables,
     encode,
-    exponents,
     grow,
     start,
 )
 from firmware_export.poly.series import expand
-from firmware_export.protocol import CArray, CBody, CodecInfo, literal
+from firmware_export.protocol import CArray, CBody, CodecInfo, widened
 from firmware_export.truth import Model
 from lutgen.channels import acceptance_of
+
+# Its number in runtime/blob.c; steps of the integer form from the com to the furthest contact; words of a
+# pose (runtime/three.c).
+POLY, STEPS, POSE = 2, 16000.0, (1 + 20 + 8, 1 + 8)
 
 __all__ = ["INFO", "Spec", "Tables", "c_body", "encode", "grow", "refusal", "start"]
 
@@ -38,7 +41,7 @@ def refusal(model: Model, arithmetic: str) -> str | None:
             f"poly needs a robot on three point contacts (got {len(model.kind)} contacts"
             f"{', some of them round' if model.kind.any() else ''}); choose contacts or grid"
         )
-    series = expand(model) if model.k <= MOST_PARAMETERS else None
+    series = expand(widened(model)) if model.k <= MOST_PARAMETERS else None
     if series is None:
         return (
             "poly found no short polynomials for the contacts; the robot has too many parameters "
@@ -56,44 +59,22 @@ def refusal(model: Model, arithmetic: str) -> str | None:
     return None
 
 
-def c_body(tables: Tables) -> CBody:
-    """Return the struct and its tables."""
-    rows = [
-        " ".join([name, *(f"T{n}" for n in a)])
-        for name, degrees in zip(tables.contacts, tables.spec.degrees, strict=True)
-        for a in exponents(degrees)
-    ]
+def c_body(tables: Tables, integer: bool = False) -> CBody:
+    """Return the tables for the emitter."""
     arrays = (
-        CArray(
-            "shape",
-            "uint8_t",
-            tables.shape,
-            "per contact: highest degree in each parameter, number of terms",
-            tables.shape.shape[1],
-        ),
-        CArray(
-            "codes",
-            "int16_t",
-            tables.codes,
-            "Chebyshev coefficients of x, y, z, in units of `unit`: contact, T_n in each parameter",
-            3,
-            rows,
-        ),
+        CArray("unit", "float", [tables.unit], "length of one code", False),
+        CArray("order", "uint8_t", [0, 0, 0, tables.order], "order of the contacts", False),
+        CArray("places", "float", tables.places, "per parameter: middle, 2 / span"),
+        CArray("shape", "uint8_t", tables.shape, "per contact: degree in each parameter, terms"),
+        CArray("codes", "int16_t", tables.codes, "Chebyshev coefficients of x, y, z"),
     )
-    fields = (
-        ("shape", "@shape"),
-        ("codes", "@codes"),
-        ("unit", literal(tables.unit, "float")),
-        ("params", str(tables.shape.shape[1] - 1)),
-    )
-    return CBody("smap_poly_t", fields, arrays)
+    macros = (("SMAP_POLY", 1), ("SMAP_FLOATS", 1), ("SMAP_INTEGERS", 1))
+    return CBody(POLY, arrays, 3, macros, POSE, tables.reach / STEPS)
 
 
 INFO = CodecInfo(
     name="poly",
-    enum="SMAP_CODEC_POLY",
     switches={"float": "SMAP_POLY"},
-    structs=("smap_poly_t",),
     look=("#009E73", "^"),
     refusal=refusal,
     sizes=start,

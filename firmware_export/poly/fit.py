@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from firmware_export.poly.bound import guard
 from firmware_export.poly.series import expand, rounds
 from firmware_export.protocol import Tables as AnyTables
+from firmware_export.protocol import widened
 from firmware_export.truth import Model
 from lutgen.errors import InputError
 from lutgen.vector import Floats
@@ -70,6 +71,12 @@ class Tables(AnyTables):
         other, each in the order of `exponents`.
     shape : (3, k + 1) uint8
         Per contact its degrees, and its number of terms.
+    places : (k, 2) float64
+        Middle of each parameter's axis, slack and all, and 2 over its length.
+    order : int
+        The recipe's contacts in the order of the tables, two bits each.
+    reach : float
+        How far (length) a contact can be from the com at most.
     unit : float32
         Length of one code.
     """
@@ -79,6 +86,9 @@ class Tables(AnyTables):
     contacts: tuple[str, ...]
     codes: NDArray[np.int16]
     shape: NDArray[np.uint8]
+    places: Floats
+    order: int
+    reach: float
     unit: np.float32
     guard: float
     guard_text: str
@@ -86,7 +96,7 @@ class Tables(AnyTables):
     @property
     def bytes(self) -> int:
         """Bytes of all tables."""
-        return self.codes.nbytes + self.shape.nbytes
+        return self.codes.nbytes + self.shape.nbytes + 8 * len(self.places)
 
 
 def exponents(degrees: tuple[int, ...]) -> list[tuple[int, ...]]:
@@ -104,7 +114,7 @@ def exponents(degrees: tuple[int, ...]) -> list[tuple[int, ...]]:
 
 def series_of(model: Model) -> tuple[Floats, ...]:
     """Return the exact series, for a model that the codec has not refused."""
-    series = expand(model)
+    series = expand(widened(model))
     if series is None:
         raise InputError(
             f"{model.recipe.source}: codec poly was given a robot that it refuses (got no short "
@@ -181,14 +191,20 @@ def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
             one[a] = codes[first] * float(unit)
             first += 1
     shape = [(*n, len(which)) for n, which in zip(spec.degrees, terms, strict=True)]
+    wide = widened(model)
+    places = np.stack([(wide.upper + wide.lower) / 2.0, 2.0 / (wide.upper - wide.lower)], axis=1)
+    order = rounds(model)
     return Tables(
         spec,
         tuple(channels),
         tuple(model.recipe.contact_names[i] for i in rounds(model)),
         codes,
         np.array(shape, np.uint8),
+        places.reshape(-1, 2),
+        order[0] | order[1] << 2 | order[2] << 4,
+        max(float(np.abs(one).sum(axis=tuple(range(model.k))).max()) for one in short) * 1.8,
         unit,
-        guard(model, series, short),
+        guard(wide, series, short),
         "greatest angle between the exact and the polynomials' tip-over planes: their largest "
         "distance at the middles of the cells of a dense grid over the parameters, a Lipschitz "
         "bound of its change within a cell, and an allowance for single precision",

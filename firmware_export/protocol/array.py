@@ -1,15 +1,13 @@
-"""What a codec hands to the emitter of C: arrays of codes, and the struct that points at them.
+"""What a codec hands to the emitter of C: its numbers in their order, and what they need of the runtime.
 
-This file knows no C beyond the names of its integer types and float, and how their constants are
-written; `emit.source` prints the rest.
+This file knows no C beyond the names of its types; `blob` lays the bytes out.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from lutgen.errors import InputError
 
@@ -27,43 +25,35 @@ CTYPES: dict[str, type[np.generic]] = {
 
 @dataclass(frozen=True, eq=False)
 class CArray:
-    """One constant table.
+    """Numbers of one type that follow each other in the blob.
 
     Parameters
     ----------
     name : str
-        Short identifier such as ``codes``; the emitter prefixes it with the export's name.
+        Short identifier such as ``weights``.
     ctype : str
-        Element type, a key of `CTYPES`; or a struct of smap.h, whose rows `values` then lists
-        as C expressions (``"{ @path_1, 3 }"``), where ``@name`` names an array.
-    values : array, or sequence of str
-        Any shape, C order; integers must fit the type.  float32 for ``float``.
+        Element type, a key of `CTYPES`.
+    values : array_like
+        Any shape, C order; integers must fit the type.
     comment : str
-        One line above the table: what it holds, its axes and its unit.
-    row : int
-        Elements after which a new row starts, 0 for none; rows longer than a line are wrapped.
-    rows : sequence of str
-        A comment for each row, or nothing.
-    chunk : int
-        Elements of a chunk where SMAP_GRID_CHUNKS asks for small objects: ``@name`` is then the
-        list of the chunks' addresses.  0: one object everywhere.
+        What it holds, its axes and its unit, one line.
+    table : bool
+        Whether it is a table of the robot's own numbers, and no part of the descriptor.
     """
 
     name: str
     ctype: str
-    values: NDArray[Any] | Sequence[str]
+    values: ArrayLike
     comment: str = ""
-    row: int = 0
-    rows: Sequence[str] = field(default=())
-    chunk: int = 0
+    table: bool = True
 
     def __post_init__(self) -> None:
-        if self.ctype not in CTYPES:
-            return
         want = CTYPES[self.ctype]
         found = np.asarray(self.values)
-        exact = np.issubdtype(found.dtype, np.number) and bool(
-            np.all(np.isfinite(found)) and np.all(found.astype(want) == found)
+        exact = found.size == 0 or (
+            np.issubdtype(found.dtype, np.number)
+            and bool(np.all(np.isfinite(found)))
+            and (self.ctype == "float" or bool(np.all(found.astype(want) == found)))
         )
         if not exact:
             raise InputError(
@@ -73,59 +63,63 @@ class CArray:
         object.__setattr__(self, "values", found.astype(want))
 
     @property
-    def plain(self) -> bool:
-        """Whether the elements are numbers."""
-        return self.ctype in CTYPES
-
-    @property
     def numbers(self) -> NDArray[Any]:
-        """The values of a table of numbers, flat."""
+        """The values, flat."""
         return np.asarray(self.values).reshape(-1)
 
     @property
+    def packed(self) -> bytes:
+        """The values as they stand in flash, little-endian."""
+        return self.numbers.astype(self.numbers.dtype.newbyteorder("<")).tobytes()
+
+    @property
     def bytes(self) -> int:
-        """Bytes of flash of the numbers; structs count as part of the descriptor."""
-        return int(np.asarray(self.values).nbytes) if self.plain else 0
+        """Bytes of flash."""
+        return int(self.numbers.nbytes)
 
 
 @dataclass(frozen=True)
 class CBody:
-    """A codec's struct and its tables.
+    """A codec's part of a blob, and what reads it.
 
     Parameters
     ----------
-    ctype : str
-        The struct of smap.h, such as ``smap_grid_t``.
-    fields : tuple of (str, str)
-        Field name and C expression, in the order of the struct; ``@codes`` stands for the
-        emitted table `codes`, wherever it occurs in the expression.
+    codec : int
+        Its number in runtime/blob.c.
     arrays : tuple of CArray
-        In the order of their definition: one that names another follows it.  C has no table
-        without elements, so none is emitted for it and ``@name`` is then 0.
-    config : tuple of (str, int)
-        What these tables need of smap_config.h beyond their codec's own switch and
-        SMAP_MAX_PARAMS: sizes such as ``("SMAP_MAX_CONTACTS", 3)`` and further switches such as
-        ``("SMAP_CONTACTS_MANY", 0)``.  A switch that no export needs is 0 in its smap_config.h.
-    steps : tuple of (str, float)
-        Integer arithmetic only: the value of one step of ``"sdg"`` and ``"height"`` in the length
-        unit; they become the macros NAME_SDG_STEP and NAME_HEIGHT_STEP.
+        Without gaps, in the order in which the runtime's file for the codec describes them.
+    contacts : int
+        Contacts of the robot where the runtime asks for their number.
+    macros : tuple of (str, int)
+        Settings of the runtime beyond those that are 0: switches such as ``("SMAP_POINTS", 1)``, and
+        sizes of its arrays such as ``("SMAP_MAX_ENTRIES", 5)``.
+    pose : (int, int)
+        Words of 32 bits of a pose beside the map's address: with both forms, and with integers alone.
+    step : float
+        Length of one step of the integer form.
+    lengths : tuple of (str, float), optional
+        The step of ``"sdg"`` and of ``"height"`` where they are not `step`.
     """
 
-    ctype: str
-    fields: tuple[tuple[str, str], ...]
+    codec: int
     arrays: tuple[CArray, ...]
-    config: tuple[tuple[str, int], ...] = ()
-    steps: tuple[tuple[str, float], ...] = ()
+    contacts: int = 3
+    macros: tuple[tuple[str, int], ...] = ()
+    pose: tuple[int, int] = (1, 1)
+    step: float = 1.0
+    lengths: tuple[tuple[str, float], ...] | None = None
 
     @property
-    def chunked(self) -> bool:
-        """Whether a table can be cut into chunks."""
-        return any(array.chunk for array in self.arrays)
+    def steps(self) -> dict[str, float]:
+        """Value of one step of the integer readings."""
+        if self.lengths is None:
+            return {"sdg": self.step, "height": self.step}
+        return dict(self.lengths)
 
     @property
     def bytes(self) -> int:
-        """Bytes of flash of all tables of numbers."""
-        return sum(array.bytes for array in self.arrays)
+        """Bytes of flash of all tables."""
+        return sum(array.bytes for array in self.arrays if array.table)
 
 
 def literal(value: float | np.generic, ctype: str) -> str:
@@ -139,6 +133,4 @@ def literal(value: float | np.generic, ctype: str) -> str:
     if ctype == "float":
         # NumPy prints the shortest decimal that reads back as the same single.
         return f"{np.float32(value)!s}f"
-    if ctype == "uint32_t":
-        return f"{int(value)}u"
-    return str(int(value))
+    return f"{int(value)}u" if ctype == "uint32_t" else str(int(value))

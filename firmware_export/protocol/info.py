@@ -68,12 +68,8 @@ class CodecInfo:
     name : str
         What people and reports call it.  Two codecs may share a name and the C that reads their
         tables: then at most one of them holds a given robot.
-    enum : str
-        Its member of the enumeration of codecs in smap.h.
     switches : mapping of str to str
-        The switch of smap.h for each arithmetic that the codec has.
-    structs : tuple of str
-        The structs of smap.h that its descriptors are made of.
+        The switch of the runtime for each arithmetic that the codec has.
     look : (str, str)
         Colour and marker of its candidates in figures.
     refusal : callable
@@ -85,17 +81,17 @@ class CodecInfo:
     encode : callable
         (model, channels, spec) -> tables, fitted and quantised; the same for the same arguments.
     c_body : callable
-        (tables) -> the struct and arrays for C.
+        (tables, integer) -> its part of the blob, read with floats or without.
     read_label : callable
         (label) -> the size with that label.
-    options : tuple of tuple of str
-        What its code can be built with beside its switch: of each tuple one; "" is without.
     bytes : callable, optional
         (spec) -> bytes of the tables at least, known before anything is encoded.
     cells : callable
         (model, tables) -> the knots of the tables, or None where there are none.
     costly : callable
         (model) -> `Foresight` where an encoding takes so long that few can be tried, else None.
+    exact : bool
+        Whether its answers are exact but for rounding: then no other is tried where it will do.
     encodings : int
         Encodings that may be spent on one bit width.
     patience, gain : int, float
@@ -104,20 +100,18 @@ class CodecInfo:
     """
 
     name: str
-    enum: str
     switches: Mapping[str, str]
-    structs: tuple[str, ...]
     look: tuple[str, str]
     refusal: Callable[[Model, str], str | None]
     sizes: Callable[[Model, tuple[str, ...], str], list[Any]]
     grow: Callable[[Model, Any], list[Any]]
     encode: Callable[[Model, tuple[str, ...], Any], Any]
-    c_body: Callable[[Any], CBody]
+    c_body: Callable[[Any, bool], CBody]
     read_label: Callable[[str], Any]
-    options: tuple[tuple[str, ...], ...] = ()
     bytes: Callable[[Any], int] | None = None
     cells: Callable[[Model, Any], Cells | None] = lambda model, tables: None
     costly: Callable[[Model], Foresight | None] = lambda model: None
+    exact: bool = False
     encodings: int = 40
     patience: int = 3
     gain: float = 0.98

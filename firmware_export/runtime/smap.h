@@ -1,19 +1,49 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
-/* smap: reads the stability map of a variable-geometry robot from flash.
+/* smap: does a robot that changes its shape stand, and how far is it from tipping over?
  *
- * C99, no heap, no globals, no recursion, every loop bounded; stdint.h and string.h only.
- * Frames and signs: body frame x forward, y left, z up; `gravity` points down and may have any
- * length above 0.  An accelerometer at rest reads the opposite: see smap_gravity_from_up.
- */
+ * A robot's posture changes with its joints, gravity with every sample of an accelerometer.  So a read
+ * has two phases, and the one that is asked often is the cheap one:
+ *
+ *     #include "crawler.h"                             the export of a robot called `crawler`
+ *
+ *     static crawler_pose_t pose;                      kept between calls; all zero reads unsafe
+ *
+ *     void joints_moved(const float *joints)           rad or length, in the order of crawler.h
+ *     {
+ *       (void)smap_pose(&crawler, joints, &pose, sizeof pose, SMAP_FLOAT | SMAP_INTEGER);
+ *     }
+ *
+ *     int about_to_tip(const int16_t up[3])            raw counts of an accelerometer
+ *     {
+ *       int16_t gravity[3];
+ *       smap_reading_i_t reading;
+ *       smap_gravity_from_up_i(up, gravity);
+ *       return smap_at_i(&pose, gravity, &reading) != SMAP_OK || reading.tip < 2856;     5 deg
+ *     }
+ *
+ * Frames and signs: body frame, x forward, y left, z up.  `gravity` points down and may have any length
+ * above 0; an accelerometer at rest reads the opposite, see smap_gravity_from_up.  While the robot
+ * accelerates it reads gravity and inertia together, and that is what tips the robot.
+ *
+ * Units: rad, and the length unit of the map (NAME.h says which).  Integers: parameters from 0 at an
+ * axis's lower end to 32767 at its upper one; the sine of the tip angle in 1/32767; lengths in steps
+ * that NAME.h defines.
+ *
+ * Safe side: only SMAP_OK and SMAP_ROCKS say that the robot does not tip over.  With any other status
+ * tip_angle is negative and sdg is NAN, whatever bits went in.  tip_angle is never above the truth: a
+ * guard, printed in NAME.h, is subtracted.
+ *
+ * Cost: C99, no heap, no globals, no recursion, every loop bounded; stdint.h and string.h only.  NAME.h
+ * has instructions and bytes.  An export is NAME.c alone: it takes in smap.c, whose functions are all
+ * static, so any number of exports live in one program and none can read another's tables. */
 #ifndef SMAP_H
 #define SMAP_H
 
 #include <stdint.h>
+#include <string.h>
 
-#include "smap_config.h"
-
-#define SMAP_VERSION 1
+#define SMAP_VERSION 2
 
 #ifdef __cplusplus
 extern "C" {
@@ -25,163 +55,153 @@ typedef struct {
   float sdg;       /* stability factor |SD_g|, in the map's length unit; NAN: not held, or tips */
   float tip_angle; /* rad until the robot tips, less the map's guard; negative: it tips */
   float height;    /* |OC|, height of the centre of mass over its support; NAN as for sdg */
+  uint8_t over[2]; /* the two contacts over which it would tip, in the recipe's order; 255: none */
 } smap_reading_t;
 
 typedef struct {
   uint16_t sdg;    /* in steps of NAME_SDG_STEP; 65535: not held, or tips */
   int16_t tip;     /* sine of the tip angle less the guard, in 1/32767; negative: it tips */
   uint16_t height; /* in steps of NAME_HEIGHT_STEP; 65535 as for sdg */
+  uint8_t over[2]; /* as in smap_reading_t */
 } smap_reading_i_t;
 
 typedef enum {
-  SMAP_OK = 0,        /* stands */
-  SMAP_CLAMPED = 1,   /* stands in the nearest posture of the map; the real one lies outside */
+  SMAP_OK = 0,        /* stands on a rest */
+  SMAP_ROCKS = 4,     /* between rests: it rocks, but does not tip over */
   SMAP_TIPS = 2,      /* tips, or is so near that the map cannot exclude it */
   SMAP_OFF_CHART = 3, /* the map holds no such direction: taken as unsafe */
-  SMAP_INVALID = -1   /* NaN, infinity or no gravity at all: taken as unsafe */
+  SMAP_OFF_RANGE = 5, /* a parameter is beyond its axis by more than a sensor's slack */
+  SMAP_CORRUPT = 6,   /* the map in flash is not what was exported */
+  SMAP_INVALID = -1   /* NaN, infinity, no gravity, no pose, too little memory for one */
 } smap_status_t;
 
-/* Read a map.  `params`: one value for each geometry parameter, rad or length, in the map's order.
- * Unless the status is SMAP_OK or SMAP_CLAMPED the reading is unsafe: tip_angle < 0, sdg NAN. */
-smap_status_t smap_read(const smap_t *map, const float *params, const float gravity[3],
-                        smap_reading_t *out);
+enum { SMAP_FLOAT = 1, SMAP_INTEGER = 2 }; /* forms of a pose: what may be asked of it */
 
-/* The same without any float, for maps of the codec `grid`.  `params_q`: 0 is an axis's lower end,
- * 32767 its upper end, below 0 is clamped.  `gravity_q`: any length above 0, such as raw counts. */
-smap_status_t smap_read_i(const smap_t *map, const int16_t *params_q, const int16_t gravity_q[3],
-                          smap_reading_i_t *out);
-
-/* Turn what an accelerometer reads (at rest: up) into the gravity direction.  While the robot
- * accelerates that is gravity and inertia together, which is what tips it. */
-void smap_gravity_from_up(const float up[3], float gravity[3]);
-
-/* ---- internal: descriptors, written by the exporter -------------------------------------- */
-#ifdef SMAP_INTERNAL
-
+/* ---- how a map is reached: each export brings its own functions ------------------------------- */
 typedef struct {
-  float min, max;     /* ends of the axis: rad or length */
-  float inverse_span; /* 1 / (max - min) */
-} smap_axis_t;
-
-/* Each codec has switches, which smap_config.h may set first, and a struct. */
-enum { SMAP_CODEC_CONTACTS = 1, SMAP_CODEC_GRID = 2, SMAP_CODEC_POLY = 3 };
-enum { SMAP_SDG = 1, SMAP_TIP_ANGLE = 2, SMAP_HEIGHT = 4 }; /* bits of `channels` */
-
-/* contacts: positions relative to the centre of mass as sums of weighted products of 1-D tables */
-#ifndef SMAP_CONTACTS
-#define SMAP_CONTACTS 1 /* codec `contacts`: 1 to build it */
-#endif
-#ifndef SMAP_CONTACTS_MANY
-#define SMAP_CONTACTS_MANY 1 /* ... with more than three contacts, or with round ones */
-#endif
-#ifndef SMAP_MODES
-#define SMAP_MODES 0 /* ... bits of its modes: 8, 16, or 0 to read either */
-#endif
-#ifndef SMAP_PRODUCTS
-#define SMAP_PRODUCTS 1 /* ... with joints that move joints: products of modes */
-#endif
-typedef struct {
-  const SMAP_FLASH uint8_t *shape; /* per parameter: number of modes, nodes of each */
-  const SMAP_FLASH int8_t *codes8; /* modes, one after the other; one of the two is 0 */
-  const SMAP_FLASH int16_t *codes16;
-  const SMAP_FLASH uint8_t *products; /* pairs of entries */
-  const SMAP_FLASH uint8_t *entries;  /* per term: coordinates to go on (2 bits), entry (6 bits) */
-  const SMAP_FLASH int16_t *weights;  /* per term, in `length` */
-  const SMAP_FLASH int16_t *radii;    /* per contact, in `length`; 0: points only */
-  const SMAP_FLASH uint8_t *hinges;   /* per contact: its axis, or SMAP_NO_HINGE for spheres */
-  float length;                       /* unit of the weights */
-  float unit;                         /* value of one code */
-  float steepest;                     /* a facet is accepted if -n_z is greater */
-  float lowest;                       /* and if the com is higher above it */
-  float rest_width;                   /* it stands still on a facet that is as wide everywhere */
-  float rock_angle;                   /* most that a robot turns as it rocks; above pi: any turn */
-  float least_cosine;                 /* normals between which it rocks, at least */
-  float band;                         /* edges as near to a line are not told from it */
-  float sway;                         /* over the width of a rest, the sine by which it may lean */
-  float covered;                      /* sine of the guard, which sees to as much of it */
-  float tolerance;                    /* lengths that differ by less are equal */
-  uint8_t contacts, axes, product_count;
-  uint16_t terms;
-} smap_contacts_t;
-#define SMAP_NO_HINGE 255
-
-/* BEGIN grid (owned by the grid codec) */
-#ifndef SMAP_GRID
-#define SMAP_GRID 1 /* codec `grid`, read with floats by smap_read */
-#endif
-#ifndef SMAP_GRID_INTEGER
-#define SMAP_GRID_INTEGER 1 /* codec `grid`, read without floats by smap_read_i */
-#endif
-#ifndef SMAP_GRID_CHUNKS
-#define SMAP_GRID_CHUNKS 0 /* ... 1 where objects must be small: large tables are then in chunks */
-#endif
-#define SMAP_CHUNK_BITS 13 /* a chunk has 2^13 codes, the last one of a table fewer */
-#if SMAP_GRID_CHUNKS
-#define SMAP_CUT 128u /* in `width`: `codes8` or `codes16` is the list of the table's chunks */
-#ifdef SMAP_FAR
-/* avr-gcc puts what has an address space into the low flash, where this much would push out of reach
- * what plain reads must find there.  So a chunk is a plain object among the code, and its alias says
- * how it is read; avr-gcc would warn that the alias has no value of its own. */
-#pragma GCC diagnostic ignored "-Wuninitialized"
-#define SMAP_CHUNK(type, name, count) \
-  static const SMAP_FAR type name[count] __attribute__((__alias__(#name "_data"))); \
-  static const type name##_data[count] \
-      __attribute__((__section__(".text.smap_far"), __aligned__(2)))
-#else
-#define SMAP_FAR SMAP_FLASH
-#define SMAP_CHUNK(type, name, count) static const SMAP_FLASH type name[count]
-#endif
-typedef const SMAP_FAR uint8_t *smap_chunk8_t;
-typedef const SMAP_FAR uint16_t *smap_chunk16_t;
-typedef void smap_codes8_t; /* codes or, where the table is cut, chunks */
-typedef void smap_codes16_t;
-#else
-#define SMAP_CUT 0u
-typedef uint8_t smap_codes8_t;
-typedef uint16_t smap_codes16_t;
-#endif
-typedef struct {
-  const SMAP_FLASH smap_codes8_t *codes8; /* nodes, C order; one of the two is 0 */
-  const SMAP_FLASH smap_codes16_t *codes16;
-  const SMAP_FLASH uint16_t *axes; /* innermost first: coordinate, nodes, first knot */
-  uint32_t face_stride;            /* codes of one face; 0: all faces are alike */
-  float offset[2], step;           /* value = offset + step * code */
-  uint32_t zero[2]; /* without floats: the code of 0 in 1/65536 of the codes' range; for the
-                       height its value at code 0 */
-  uint16_t gain;    /* and the output of one such unit, times 2^shift */
-  uint8_t shift, dims, width; /* axes, codes of a node (and SMAP_CUT) */
-} smap_grid_part_t;
-typedef struct {
-  const SMAP_FLASH smap_grid_part_t *parts; /* tip margin, then sdg, then height if held */
-  const SMAP_FLASH uint16_t *knots;         /* 0 to 65534 over the axis */
-  float half;                               /* 32767 / chart_limit */
-  uint32_t limit;                           /* chart_limit, times 2^13 and 32768/32767 */
-  uint16_t guard;                           /* in 1/32767, for smap_read_i */
-} smap_grid_t;
-/* END grid */
-
-/* BEGIN poly (owned by the poly codec) */
-/* poly: the three contacts relative to the centre of mass as Chebyshev polynomials */
-#ifndef SMAP_POLY
-#define SMAP_POLY 1 /* codec `poly` */
-#endif
-typedef struct {
-  const SMAP_FLASH uint8_t *shape; /* per contact: degree in each parameter, number of terms */
-  const SMAP_FLASH int16_t *codes; /* per term: x, y, z */
-  float unit;                      /* length of one code */
-  uint8_t params;
-} smap_poly_t;
-/* END poly */
+  int8_t (*pose)(const smap_t *, const float *, void *, uint16_t, uint8_t);
+  int8_t (*pose_q)(const smap_t *, const int16_t *, void *, uint16_t, uint8_t);
+  int8_t (*at)(const void *, const float *, smap_reading_t *);
+  int8_t (*at_i)(const void *, const int16_t *, smap_reading_i_t *);
+  int8_t (*read)(const smap_t *, const float *, const float *, smap_reading_t *);
+  int8_t (*read_i)(const smap_t *, const int16_t *, const int16_t *, smap_reading_i_t *);
+  int8_t (*check)(const smap_t *);
+} smap_runtime_t;
 
 struct smap {
-  uint8_t codec, params, channels, faces; /* faces: 1 (cone) or 6 (sphere) */
-  float chart_limit;                      /* largest |u| and |v| on a face */
-  float guard;                            /* rad, subtracted from tip_angle */
-  const SMAP_FLASH smap_axis_t *axes;     /* one per parameter */
-  const SMAP_FLASH void *body;            /* smap_contacts_t, smap_grid_t or smap_poly_t */
+  const smap_runtime_t *run; /* the functions of this export */
+  const void *blob;          /* its descriptor and tables: offsets, no pointers */
+  uint32_t size;             /* bytes of it */
 };
 
-#endif /* SMAP_INTERNAL */
+/* ---- once a posture --------------------------------------------------------------------------- */
+
+/* Compute a posture into `pose`, the caller's memory: NAME_pose_t for both forms, NAME_pose_i_t for
+ * SMAP_INTEGER alone; `bytes` is its size.  SMAP_OK, or SMAP_TIPS where the robot stands nowhere in
+ * this posture, SMAP_OFF_RANGE, SMAP_INVALID: then every direction reads unsafe. */
+static inline smap_status_t smap_pose(const smap_t *map, const float *params, void *pose,
+                                      uint16_t bytes, uint8_t forms)
+{
+  return (smap_status_t)map->run->pose(map, params, pose, bytes, forms);
+}
+
+/* The same with every parameter as a whole number: 0 is an axis's lower end, 32767 its upper end. */
+static inline smap_status_t smap_pose_q(const smap_t *map, const int16_t *params_q, void *pose,
+                                        uint16_t bytes, uint8_t forms)
+{
+  return (smap_status_t)map->run->pose_q(map, params_q, pose, bytes, forms);
+}
+
+/* ---- for every sample of gravity -------------------------------------------------------------- */
+
+/* Read a pose under a direction of gravity, in floats. */
+static inline smap_status_t smap_at(const void *pose, const float gravity[3], smap_reading_t *out)
+{
+  const smap_t *map;
+  const uint32_t nan_bits = 0x7FC00000u;
+  memcpy(&map, pose, sizeof map);
+  if (map != 0) {
+    return (smap_status_t)map->run->at(pose, gravity, out);
+  }
+  memcpy(&out->sdg, &nan_bits, sizeof nan_bits);
+  memcpy(&out->height, &nan_bits, sizeof nan_bits);
+  out->tip_angle = -3.14159265f;
+  out->over[0] = out->over[1] = 255;
+  return SMAP_INVALID;
+}
+
+/* The same without any float: raw counts of an accelerometer, turned to point down. */
+static inline smap_status_t smap_at_i(const void *pose, const int16_t gravity[3],
+                                      smap_reading_i_t *out)
+{
+  const smap_t *map;
+  memcpy(&map, pose, sizeof map);
+  if (map != 0) {
+    return (smap_status_t)map->run->at_i(pose, gravity, out);
+  }
+  out->sdg = out->height = 65535;
+  out->tip = -32767;
+  out->over[0] = out->over[1] = 255;
+  return SMAP_INVALID;
+}
+
+/* Read a pose under n directions: n readings, and the worst status of all.  Worse than to stand is to
+ * rock, then to tip, and then not to know. */
+static inline smap_status_t smap_at_n(const void *pose, const float (*gravity)[3], uint16_t n,
+                                      smap_reading_t *out)
+{
+  static const uint8_t badness[7] = {0, 6, 2, 3, 1, 4, 5}; /* by status; INVALID is 6 */
+  smap_status_t worst = n != 0 ? SMAP_OK : SMAP_INVALID;
+  uint8_t most = 0;
+  uint16_t i;
+  for (i = 0; i < n; i++) {
+    const smap_status_t status = smap_at(pose, gravity[i], &out[i]);
+    const uint8_t bad = status < 0 ? 6 : badness[status];
+    if (bad > most) {
+      most = bad;
+      worst = status;
+    }
+  }
+  return worst;
+}
+
+/* ---- both phases at once ---------------------------------------------------------------------- */
+static inline smap_status_t smap_read(const smap_t *map, const float *params, const float gravity[3],
+                                      smap_reading_t *out)
+{
+  return (smap_status_t)map->run->read(map, params, gravity, out);
+}
+
+static inline smap_status_t smap_read_i(const smap_t *map, const int16_t *params_q,
+                                        const int16_t gravity_q[3], smap_reading_i_t *out)
+{
+  return (smap_status_t)map->run->read_i(map, params_q, gravity_q, out);
+}
+
+/* ---- the rest --------------------------------------------------------------------------------- */
+
+/* Verify a map as it lies in flash: CRC-32 of descriptor and tables, every index and size in bounds.
+ * SMAP_OK, or SMAP_CORRUPT: then do not read it.  For the start of a program and for idle times. */
+static inline smap_status_t smap_check(const smap_t *map)
+{
+  return (smap_status_t)map->run->check(map);
+}
+
+/* Turn what an accelerometer reads (at rest: up) into the direction of gravity. */
+static inline void smap_gravity_from_up(const float up[3], float gravity[3])
+{
+  gravity[0] = -up[0];
+  gravity[1] = -up[1];
+  gravity[2] = -up[2];
+}
+
+static inline void smap_gravity_from_up_i(const int16_t up[3], int16_t gravity[3])
+{
+  uint8_t i;
+  for (i = 0; i < 3; i++) { /* -32768 has no opposite */
+    gravity[i] = up[i] > -32768 ? (int16_t)-up[i] : 32767;
+  }
+}
 
 #ifdef __cplusplus
 }

@@ -28,6 +28,7 @@ from firmware_export.grid import (
     lattice_of,
     length_table,
     part_of,
+    places_of,
     rounding,
     spread_knots,
     tip_part,
@@ -36,7 +37,7 @@ from firmware_export.grid import (
 from firmware_export.grid import (
     INFO as GRID,
 )
-from firmware_export.protocol import Foresight
+from firmware_export.protocol import Foresight, widened
 from firmware_export.truth import Model
 from firmware_export.verdict import train
 from firmware_export.verdict.knots import balanced, chosen_knots
@@ -51,7 +52,7 @@ SIGN_ONLY = (
 def refusal(model: Model, arithmetic: str) -> str | None:
     """Return why the codec cannot be used, or None."""
     problem = too_large(model, arithmetic)
-    if problem is None and is_smooth(model):
+    if problem is None and is_smooth(widened(model)):
         return "the region of this robot does not jump"
     return problem
 
@@ -86,22 +87,24 @@ def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
     problem = refusal(model, "float")
     if problem is not None:
         raise InputError(f"{model.recipe.source}: {problem}; choose another codec.")
+    places, model = places_of(model), widened(model)
     (_, shape), *lengths = spec.nodes
     tip, text = _tip_table(model, shape, spec.bits)
     parts = [length_table(model, name, n, spec.bits, _knots(model)) for name, n in lengths]
     guard = rounding(tip)
-    return Tables(spec, channels, (tip, *parts), model.chart_limit, guard, text, (SIGN_ONLY,))
+    return Tables(spec, channels, (tip, *parts), model.chart_limit, places, guard, text, (SIGN_ONLY,))
 
 
 def blank(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
     """Return tables of a size before anything is fitted: as many bytes, all codes 0."""
     parts = []
+    places, model = places_of(model), widened(model)
     for name, shape in spec.nodes:
         lattice = lattice_of(model, shape, _knots(model))
         width = 2 if name == "sdg" else 1
         codes = np.zeros((lattice.faces, *lattice.shape, width), DTYPE[spec.bits])
         parts.append(part_of(name, lattice, codes, [0.0], 1.0))
-    return Tables(spec, channels, tuple(parts), model.chart_limit, 0.0, "")
+    return Tables(spec, channels, tuple(parts), model.chart_limit, places, 0.0, "")
 
 
 def even(model: Model, name: str, nodes: int) -> tuple[int, ...]:

@@ -1,0 +1,227 @@
+"""The tables of positions: entries, products of entries, and the terms of every coordinate.
+
+Owns the layout that runtime/positions.c describes, and how far single precision misplaces a contact.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from firmware_export.contacts.closed import Closed, Factor, Monomial, Sum, closed_form, factors_of
+from firmware_export.protocol import CArray, slack
+from lutgen.errors import InputError
+from lutgen.recipe import Recipe
+from lutgen.vector import Floats
+
+# Flags of the runtime.
+COMMON, RATED, ROUND, NEAR = 1, 2, 4, 8
+# Largest angle (rad) of its shorter sine.
+NEAREST = 1.05
+MOST_ENTRIES, MOST_COORDINATES = 255, 252
+NO_AXIS = 255
+# Weights smaller than this part of the robot's size are left out.
+NEGLIGIBLE = 1e-9
+# Errors of a sine or cosine of the runtime, and of one rounding.
+SINE_ERROR, HALF_UNIT = 2.5e-7, 2.0**-24
+
+
+class Term(NamedTuple):
+    """A weight and the entry that it multiplies."""
+
+    weight: float
+    entry: int
+
+
+@dataclass(frozen=True, eq=False)
+class Terms:
+    """The tables of a robot's positions.
+
+    `angles`: (parameter, rate) of each angle; `travels`: parameters; `products`: pairs of entries;
+    `coordinates`: the terms of each; `axes`: how many distinct axes of discs; `error`: how far (length)
+    a contact of the runtime is from the real one.
+    """
+
+    angles: tuple[tuple[int, float], ...]
+    travels: tuple[int, ...]
+    products: tuple[tuple[int, int], ...]
+    coordinates: tuple[tuple[Term, ...], ...]
+    axis_of: tuple[int, ...]
+    axes: int
+    common: bool
+    near: bool
+    radii: Floats
+    error: float
+
+    @property
+    def entries(self) -> int:
+        """How many entries the runtime computes."""
+        return 1 + 2 * len(self.angles) + len(self.travels) + len(self.products)
+
+    @property
+    def flags(self) -> int:
+        """What the runtime's tables hold."""
+        rated = any(rate != 1.0 for _, rate in self.angles)
+        flags = COMMON * self.common | RATED * rated | NEAR * self.near
+        return flags | ROUND * bool(self.radii.any())
+
+    def arrays(self, order: int, thresholds: Sequence[float], many: Sequence[CArray]) -> tuple[CArray, ...]:
+        """Return the codec's part of a blob.
+
+        `order` is its eighth byte, `thresholds` the lowest height, the steepest normal and the least
+        width of a facet, `many` what the codec for many contacts adds.
+        """
+        terms = [term for coordinate in self.coordinates for term in coordinate]
+        flags = self.flags
+        sizes = [len(self.angles), len(self.travels), len(self.products), self.axes]
+        rates = [rate for _, rate in self.angles] if flags & RATED else []
+        round_ = flags & ROUND
+        joints = [parameter for parameter, _ in self.angles] + list(self.travels)
+        more = sum(array.bytes for array in many)
+        return (
+            CArray("sizes", "uint8_t", sizes, "angles, travels, products, axes", False),
+            CArray("terms", "uint16_t", [len(terms)], "terms", False),
+            CArray("flags", "uint8_t", [flags, order], "flags, order of the contacts", False),
+            CArray("limits", "float", thresholds, "lowest, steepest, least width of a facet", False),
+            CArray("more", "uint16_t", [more], "bytes of what is for many contacts", False),
+            *many,
+            CArray("weights", "float", [term.weight for term in terms], "weight of each term, length"),
+            CArray("rates", "float", rates, "of each angle: rad for each rad of its parameter"),
+            CArray("radii", "float", self.radii if round_ else [], "radius of each contact"),
+            CArray("joints", "uint8_t", joints, "parameter of each angle and travel"),
+            CArray("products", "uint8_t", np.array(self.products).reshape(-1), "pairs of entries"),
+            CArray("axes", "uint8_t", self.axis_of if round_ else [], "axis of each contact"),
+            CArray("counts", "uint8_t", [len(c) for c in self.coordinates], "terms of each coordinate"),
+            CArray("entries", "uint8_t", [term.entry for term in terms], "entry of each term"),
+        )
+
+
+def terms_of(recipe: Recipe, radius: Floats, order: Sequence[int]) -> Terms:
+    """Return the tables of a robot whose contacts stand in an order of our own.
+
+    Raises
+    ------
+    InputError
+        Where the runtime has no room for it.
+    """
+    closed = closed_form(recipe)
+    moving = any(monomial for monomial in closed.com.terms)
+    shift = closed.com.scaled(-1.0)
+    centres = [closed.centres[at] for at in order]
+    axes, axis_of = _axes([closed.axes[at] for at in order])
+    vectors = [shift, *centres] if moving else [one + shift for one in centres]
+    size = _size(closed, radius)
+    scales = [size] * len(vectors) + [1.0] * len(axes)
+    kept = [
+        {m: np.where(np.abs(v) < NEGLIGIBLE * scale, 0.0, v) for m, v in one.terms.items()}
+        for one, scale in zip([*vectors, *axes], scales, strict=True)
+    ]
+    sums = [Sum({m: v for m, v in one.items() if v.any()}) for one in kept]
+    table = _Entries(factors_of(sums))
+    coordinates = [
+        tuple(Term(float(v[i]), table.of(m)) for m, v in one.terms.items() if v[i] != 0.0)
+        for one in sums
+        for i in range(3)
+    ]
+    if table.count > MOST_ENTRIES or len(coordinates) > MOST_COORDINATES:
+        raise InputError(
+            f"the positions need {table.count} functions and {len(coordinates)} coordinates, more "
+            f"than the {MOST_ENTRIES} and {MOST_COORDINATES} of the runtime; use --codec grid"
+        )
+    ends = [(recipe.parameters[p], rate) for p, rate in table.angles]
+    reach = max((rate * (max(-p.minimum, p.maximum) + slack(p)) for p, rate in ends), default=0.0)
+    return Terms(
+        tuple(table.angles),
+        tuple(table.travels),
+        tuple(table.products),
+        tuple(coordinates),
+        tuple(axis_of),
+        len(axes),
+        moving,
+        reach <= NEAREST,
+        radius[list(order)],
+        _error(recipe, sums[: len(vectors)], moving) + NEGLIGIBLE * size * len(table.products),
+    )
+
+
+class _Entries:
+    """The numbering of factors and of products of two entries."""
+
+    def __init__(self, factors: list[Factor]) -> None:
+        self.angles = list(dict.fromkeys((p, rate) for kind, p, rate in factors if kind != "t"))
+        self.travels = [p for kind, p, _ in factors if kind == "t"]
+        self.products: list[tuple[int, int]] = []
+        self._known: dict[Monomial, int] = {(): 0}
+        for at, (p, rate) in enumerate(self.angles):
+            self._known[(("s", p, rate),)] = 1 + 2 * at
+            self._known[(("c", p, rate),)] = 2 + 2 * at
+        self._first = 1 + 2 * len(self.angles)
+        for at, p in enumerate(self.travels):
+            self._known[(("t", p, 1.0),)] = self._first + at
+        self._first += len(self.travels)
+
+    @property
+    def count(self) -> int:
+        return self._first + len(self.products)
+
+    def of(self, monomial: Monomial) -> int:
+        """Return the entry of a monomial; a product of what is known and one factor more."""
+        if monomial not in self._known:
+            pair = (self.of(monomial[:-1]), self.of(monomial[-1:]))
+            self.products.append(pair)
+            self._known[monomial] = self._first + len(self.products) - 1
+        return self._known[monomial]
+
+
+def _axes(axes: Sequence[Sum | None]) -> tuple[list[Sum], list[int]]:
+    """Return the distinct axes of discs, and which of them each contact has."""
+    found: list[Sum] = []
+    of = []
+    for axis in axes:
+        if axis is None:
+            of.append(NO_AXIS)
+            continue
+        for at, known in enumerate(found):
+            if _same(axis, known) or _same(axis, known.scaled(-1.0)):
+                of.append(at)
+                break
+        else:
+            found.append(axis)
+            of.append(len(found) - 1)
+    return found, of
+
+
+def _same(one: Sum, other: Sum) -> bool:
+    """Whether two unit vectors are equal wherever the joints are."""
+    difference = one + other.scaled(-1.0)
+    return all(float(np.abs(value).max()) < NEGLIGIBLE for value in difference.terms.values())
+
+
+def _size(closed: Closed, radius: Floats) -> float:
+    """Return the largest coefficient of any position: what is small beside it is not kept."""
+    largest = [float(np.abs(v).max()) for one in closed.centres for v in one.terms.values()]
+    return max([*largest, float(radius.max(initial=0.0)), 1e-12])
+
+
+def _error(recipe: Recipe, sums: Sequence[Sum], moving: bool) -> float:
+    """Return how far (length) rounding and sines may misplace any contact."""
+
+    def one(positions: Sum) -> float:
+        total = 0.0
+        count = len(positions.terms)
+        for monomial, value in positions.terms.items():
+            bound = 1.0
+            for kind, p, _ in monomial:
+                if kind == "t":
+                    parameter = recipe.parameters[p]
+                    ends = abs(parameter.minimum), abs(parameter.maximum)
+                    bound *= max(ends) + slack(parameter)
+            off = sum(SINE_ERROR for kind, *_ in monomial if kind != "t")
+            off += HALF_UNIT * (count + 2 * len(monomial) + 3)
+            total += float(np.sqrt((value**2).sum())) * bound * off
+        return total
+
+    common = one(sums[0]) if moving else 0.0
+    return common + max(one(positions) for positions in sums[int(moving) :])
+

@@ -1,0 +1,154 @@
+"""The blob of a map: descriptor and tables as one run of bytes, with a CRC-32 in front.
+
+Owns the layout that runtime/blob.c describes.  The file that is exported, the report and what this
+machine is asked are all made of these bytes.
+"""
+
+import base64
+import math
+import zlib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+from firmware_export.protocol.array import CArray, CBody
+from firmware_export.protocol.exported import Export
+from firmware_export.truth import Model
+from lutgen.parts import Parameter
+
+VERSION = 2
+# What sensors of joints may say beyond the end of an axis: rad, and parts of an axis of lengths.
+SLACK, SLACK_SHARE = math.radians(0.5), 0.005
+TURN = 2.0 * math.pi
+# By how many 1/32767 the integer form may read a sine too high: its walls are rounded to 1/16383.
+ROUNDED = 3
+# A hair by which the rim of the chart is widened: rounding of a quotient.
+HAIR = 1e-6
+CHANNEL_BITS = {"sdg": 1, "tip_angle": 2, "height": 4}
+
+
+@dataclass(frozen=True, eq=False)
+class Blob:
+    """A map as bytes.
+
+    Parameters
+    ----------
+    bytes : bytes
+        CRC-32 first.
+    sections : tuple of (int, str)
+        Where each part begins, and what it is: comments for people.
+    codec, params : int
+        Number of the codec, number of parameters.
+    integer : bool
+        Whether the map is read without floats.
+    """
+
+    bytes: bytes
+    sections: tuple[tuple[int, str], ...]
+    codec: int
+    params: int
+    integer: bool
+
+
+def slack(parameter: Parameter) -> float:
+    """Return how far beyond the ends of its axis a parameter is still read (rad or length)."""
+    span = parameter.maximum - parameter.minimum
+    return min(SLACK, span) if parameter.unit == "rad" else SLACK_SHARE * span
+
+
+@lru_cache(maxsize=8)
+def widened(model: Model) -> Model:
+    """Return the model over its box and what sensors may say beyond its ends."""
+    recipe = model.recipe
+    wider = tuple(
+        replace(p, minimum=p.minimum - slack(p), maximum=p.maximum + slack(p))
+        for p in recipe.parameters
+    )
+    return Model(replace(recipe, parameters=wider))
+
+
+def turns(model: Model, index: int) -> bool:
+    """Whether a parameter turns joints all the way round, so that 2 pi more is the same posture."""
+    recipe = model.recipe
+    parameter = recipe.parameters[index]
+    joints = [
+        link.joint for link in recipe.links if link.joint and link.joint.parameter == parameter.name
+    ]
+    whole = all(joint.kind == "revolute" and joint.scale % 1.0 == 0.0 for joint in joints)
+    round_ = parameter.maximum - parameter.minimum >= TURN * (1.0 - 1e-6)
+    return parameter.unit == "rad" and bool(joints) and whole and round_
+
+
+def describe(export: Export, body: CBody) -> Blob:
+    """Return the blob of an export whose codec's part is `body`."""
+    model, guard = export.model, float(export.tables.guard)
+    channels = sum(CHANNEL_BITS[channel] for channel in export.channels)
+    limit = min(65535, math.ceil(model.chart_limit * 4096.0 * (1.0 + HAIR)) + 1)
+    head = [VERSION, body.codec, model.k, channels, model.faces, body.contacts, 0, 0]
+    meaning = "version, codec, parameters, channels, faces of the chart, contacts"
+    arrays = [
+        CArray("head", "uint8_t", head, meaning),
+        CArray("limit", "float", [model.chart_limit * (1.0 + HAIR)], "largest |u|, |v|, a hair wide"),
+        CArray("guard", "float", [guard], "guard, rad"),
+        CArray("step", "float", [body.step], "length of a step of the integer form"),
+        CArray(
+            *("whole", "uint16_t"),
+            [min(math.ceil(guard * 32767.0) + ROUNDED, 32767), limit],
+            "guard in 1/32767, largest |u|, |v| in 1/4096",
+        ),
+        *_axes(model),
+        *body.arrays,
+    ]
+    packed, sections, at = b"", [], 8
+    for array in arrays:
+        if array.bytes:
+            sections.append((at, f"{array.name}: {array.comment}"))
+            packed, at = packed + array.packed, at + array.bytes
+    packed = (at).to_bytes(4, "little") + packed
+    whole = zlib.crc32(packed).to_bytes(4, "little") + packed
+    sections.insert(0, (0, "CRC-32 of what follows, bytes in all"))
+    return Blob(whole, tuple(sections), body.codec, model.k, export.integer)
+
+
+def _axes(model: Model) -> Iterator[CArray]:
+    """Return the arrays of the parameters' axes."""
+    for index, parameter in enumerate(model.recipe.parameters):
+        round_ = turns(model, index)
+        room = -1.0 if round_ else slack(parameter)
+        span = parameter.maximum - parameter.minimum
+        steps = math.floor(max(room, 0.0) / span * 32767.0)
+        exact = round_ and abs(span - TURN) < 1e-6
+        ends = [parameter.minimum, parameter.maximum, room]
+        comment = f"{parameter.name}, {parameter.unit}: ends, slack (-1: it turns all the way round)"
+        yield CArray(f"axis {index}", "float", ends, comment)
+        yield CArray(
+            *(f"axis {index} in steps", "uint16_t"),
+            [65535 if exact else min(steps, 32767)],
+            "slack (65535: it turns)",
+        )
+
+
+def stored(blob: Blob) -> dict[str, Any]:
+    """Return a blob as JSON knows it."""
+    return {
+        "blob": base64.b64encode(blob.bytes).decode("ascii"),
+        "codec": blob.codec,
+        "params": blob.params,
+        "integer": blob.integer,
+    }
+
+
+def restored(held: Mapping[str, Any]) -> Blob:
+    """Return the blob that `stored` wrote.
+
+    Raises
+    ------
+    KeyError, TypeError, ValueError
+        Where it did not write this.
+    """
+    packed = base64.b64decode(held["blob"], validate=True)
+    if zlib.crc32(packed[4:]).to_bytes(4, "little") != packed[:4]:
+        raise ValueError("its CRC-32 is another")
+    return Blob(packed, (), int(held["codec"]), int(held["params"]), bool(held["integer"]))
+

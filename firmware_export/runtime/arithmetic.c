@@ -1,0 +1,184 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
+/* ---- arithmetic: what stands in for the C library ---------------------------------------------- */
+
+SMAP_INLINE uint32_t smap_bits(float x)
+{
+  uint32_t bits;
+  memcpy(&bits, &x, sizeof bits);
+  return bits;
+}
+
+SMAP_INLINE float smap_from_bits(uint32_t bits)
+{
+  float x;
+  memcpy(&x, &bits, sizeof x);
+  return x;
+}
+
+/* These tell by bits, so that no compiler can take them for always true. */
+SMAP_INLINE int smap_is_finite(float x)
+{
+  return smap_bits(x) << 1 < 0xFF000000u;
+}
+
+SMAP_INLINE int smap_is_positive(float x)
+{
+  return smap_bits(x) - 1u < 0x7F7FFFFFu;
+}
+
+/* Tell whether |x| is at most a positive limit; no NaN is. */
+SMAP_INLINE int smap_is_within(float x, float limit)
+{
+  return (smap_bits(x) & 0x7FFFFFFFu) <= smap_bits(limit);
+}
+
+#if SMAP_FLOATS
+/* Square root of a finite x >= 0, correctly rounded. */
+SMAP_INLINE float smap_root(float x)
+{
+  float result = x;
+#if SMAP_HARDWARE_ROOT && defined(__ARM_FP) && (__ARM_FP & 4)
+  __asm__("vsqrt.f32 %0, %1" : "=t"(result) : "t"(x));
+#elif SMAP_HARDWARE_ROOT && defined(__aarch64__)
+  __asm__("fsqrt %s0, %s1" : "=w"(result) : "w"(x));
+#elif SMAP_HARDWARE_ROOT && defined(__riscv_flen)
+  __asm__("fsqrt.s %0, %1" : "=f"(result) : "f"(x));
+#elif SMAP_HARDWARE_ROOT && defined(__SSE__)
+  __asm__("sqrtss %1, %0" : "=x"(result) : "x"(x));
+#else
+  /* Digit by digit: 24 binary digits and one to round by. */
+  if (x > 0.0f) {
+    uint32_t bits = smap_bits(x), mantissa = bits & 0x7FFFFFu, digits = 0, sum = 0, digit;
+    int32_t exponent = (int32_t)(bits >> 23);
+    if (exponent == 0) { /* denormal: at most 23 shifts */
+      exponent = 1;
+      while (mantissa < 0x800000u) {
+        mantissa <<= 1;
+        exponent--;
+      }
+    } else {
+      mantissa |= 0x800000u;
+    }
+    exponent += 127; /* never negative, so that the shift below is defined */
+    mantissa <<= 1 + (exponent & 1);
+    for (digit = 0x1000000u; digit != 0; digit >>= 1) {
+      const uint32_t trial = sum + digit;
+      if (trial <= mantissa) {
+        sum = trial + digit;
+        mantissa -= trial;
+        digits += digit;
+      }
+      mantissa <<= 1;
+    }
+    if (mantissa != 0) {
+      digits += digits & 1u;
+    }
+    result = smap_from_bits((digits >> 1) + ((uint32_t)(exponent >> 1) << 23) - 0x800000u);
+  }
+#endif
+  return result;
+}
+
+SMAP_INLINE float smap_absolute(float x)
+{
+#ifdef __GNUC__
+  return __builtin_fabsf(x);
+#else
+  return x < 0.0f ? -x : x;
+#endif
+}
+
+/* asin(x) in rad to 3e-7 (Cephes); arguments beyond 1 count as 1. */
+SMAP_INLINE float smap_asin(float x)
+{
+  const float a = smap_absolute(x);
+  float z = x * x, s = x, y;
+  if (a > 0.5f) {
+    z = a < 1.0f ? 0.5f * (1.0f - a) : 0.0f;
+    s = smap_root(z);
+  }
+  y = 4.2163199048e-2f * z + 2.4181311049e-2f;
+  y = (y * z + 4.5470025998e-2f) * z + 7.4953002686e-2f;
+  y = s + s * z * (y * z + 1.6666752422e-1f);
+  if (a > 0.5f) {
+    y = 1.57079633f - (y + y);
+    y = x < 0.0f ? -y : y;
+  }
+  return y;
+}
+
+/* Sine and cosine to 1.2e-7 of |x| up to 10,000 rad: what is left of quarter turns (their length in
+ * three parts, the first two of so few digits that the products are exact), and two polynomials. */
+SMAP_INLINE void smap_sine_cosine(float x, float *sine, float *cosine)
+{
+  const float turns = x * 0.63661977f;
+  const int32_t n = (int32_t)(turns + (turns < 0.0f ? -0.5f : 0.5f));
+  const float part = (float)n;
+  const float y = ((x - part * 1.5703125f) - part * 4.83751297e-4f) - part * 7.54978995e-8f;
+  const float z = y * y;
+  const float a = y + y * z * (-1.6666655e-1f + z * (8.3321609e-3f - z * 1.9515296e-4f));
+  const float b =
+      1.0f - 0.5f * z + z * z * (4.1666646e-2f + z * (-1.3887316e-3f + z * 2.4433157e-5f));
+  const float s = n & 1 ? b : a, c = n & 1 ? a : b;
+  *sine = n & 2 ? -s : s;
+  *cosine = (n + 1) & 2 ? -c : c;
+}
+
+/* The same of |x| up to 1.05 rad, without quarter turns. */
+SMAP_INLINE void smap_sine_cosine_near(float x, float *sine, float *cosine)
+{
+  const float z = x * x;
+  *sine = x + x * z * (-1.66665762e-1f + z * (8.32904341e-3f - z * 1.92274811e-4f));
+  *cosine =
+      1.0f - 0.5f * z + z * z * (4.16665546e-2f + z * (-1.38840651e-3f + z * 2.41561438e-5f));
+}
+
+SMAP_INLINE float smap_dot(const float a[3], const float b[3])
+{
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+SMAP_INLINE void smap_cross(const float a[3], const float b[3], float out[3])
+{
+  out[0] = a[1] * b[2] - a[2] * b[1];
+  out[1] = a[2] * b[0] - a[0] * b[2];
+  out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* The nearest whole number; |x| is below 32767. */
+SMAP_INLINE int16_t smap_nearest(float x)
+{
+  return (int16_t)(x < 0.0f ? x - 0.5f : x + 0.5f);
+}
+#endif
+
+#if SMAP_INTEGERS
+/* Square root, rounded down, of at most 3 * 2^30, which is the longest direction. */
+SMAP_INLINE uint32_t smap_whole_root(uint32_t x)
+{
+#if defined(__ARM_FEATURE_IDIV) && defined(__ARM_FEATURE_CLZ) && !defined(__OPTIMIZE_SIZE__)
+  /* From above, by Newton: off by up to 41 %, 6 %, 0.2 %, 1.6e-6, and at last by less than 1. */
+  const uint32_t odd = x | 1u; /* so that nothing is divided by 0 */
+  uint32_t result = (uint32_t)1 << ((33 - __builtin_clz(odd)) >> 1);
+  uint8_t step;
+  SMAP_UNROLL
+  for (step = 0; step < 4; step++) {
+    result = (result + odd / result) >> 1;
+  }
+  return result - (result * result > x);
+#else
+  uint32_t result = 0, digit;
+  for (digit = (uint32_t)1 << 30; digit != 0; digit >>= 2) {
+    if (x >= result + digit) {
+      x -= result + digit;
+      result = (result >> 1) + digit;
+    } else {
+      result >>= 1;
+    }
+  }
+  return result;
+#endif
+}
+#endif
+

@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
+/* ---- chart: is this a direction, and one that the map holds? ------------------------------------- */
+
+#if SMAP_FLOATS
+/* Write what is no reading. */
+SMAP_INLINE int8_t smap_refuse(smap_reading_t *out, float tip_angle, int8_t status)
+{
+  out->sdg = out->height = smap_from_bits(0x7FC00000u);
+  out->tip_angle = tip_angle;
+  out->over[0] = out->over[1] = 255;
+  return status;
+}
+
+/* Scale a direction: downward component 1 on a cone, longest component 1 on a sphere. */
+SMAP_INLINE int8_t smap_direction(const smap_t *map, const float gravity[3], float d[3])
+{
+  const smap_bytes_t blob = SMAP_BLOB(map);
+  const int cone = blob[SMAP_AT_FACES] == 1;
+  float depth = -gravity[2];
+  uint8_t i;
+  if (!cone) {
+    SMAP_UNROLL
+    for (i = 0; i < 3; i++) {
+      const float size = smap_absolute(gravity[i]);
+      if (!smap_is_finite(size)) {
+        return SMAP_INVALID;
+      }
+      depth = size > depth ? size : depth;
+    }
+  }
+  if (SMAP_RARELY(!smap_is_positive(depth))) {
+    uint32_t any = 0;
+    for (i = 0; i < 3; i++) {
+      any |= smap_bits(gravity[i]) << 1;
+      if (!smap_is_finite(gravity[i])) {
+        return SMAP_INVALID;
+      }
+    }
+    return any != 0 ? SMAP_OFF_CHART : SMAP_INVALID;
+  }
+  SMAP_UNROLL
+  for (i = 0; i < 3; i++) {
+    d[i] = cone && i == 2 ? -1.0f : gravity[i] / depth;
+    if (cone && SMAP_RARELY(i < 2 && !smap_is_within(d[i], smap_f32(blob + SMAP_AT_LIMIT)))) {
+      return smap_is_finite(gravity[0]) && smap_is_finite(gravity[1]) ? SMAP_OFF_CHART : SMAP_INVALID;
+    }
+  }
+  return SMAP_OK;
+}
+
+/* Finish a reading whose tip angle, sdg and height are set: the verdict, by bits. */
+SMAP_INLINE int8_t smap_judge(const smap_t *map, smap_reading_t *out, int8_t good)
+{
+  const uint8_t channels = SMAP_BLOB(map)[SMAP_AT_CHANNELS];
+  const uint32_t bits = smap_bits(out->tip_angle);
+  const int stands = bits <= 0x40490FDBu; /* from 0 to pi, and no NaN */
+  if (!stands && bits - 0x80000001u > 0x40490FDBu) {
+    out->tip_angle = -SMAP_PI;
+  }
+  if (!stands || !(channels & SMAP_SDG)) {
+    out->sdg = smap_from_bits(0x7FC00000u);
+  }
+  if (!stands || !(channels & SMAP_HEIGHT)) {
+    out->height = smap_from_bits(0x7FC00000u);
+  }
+  return stands ? good : SMAP_TIPS;
+}
+#endif
+
+#if SMAP_INTEGERS
+SMAP_INLINE int8_t smap_refuse_i(smap_reading_i_t *out, int8_t status)
+{
+  out->sdg = out->height = 65535;
+  out->tip = -32767;
+  out->over[0] = out->over[1] = 255;
+  return status;
+}
+
+/* Scale raw counts so that the longest component is from 16384 to 32768, and tell the length, rounded
+ * up. */
+SMAP_INLINE int8_t smap_direction_i(const smap_t *map, const int16_t gravity[3], int32_t g[3],
+                                    uint32_t *length)
+{
+  const smap_bytes_t blob = SMAP_BLOB(map);
+  uint32_t size[3], longest = 0, shift;
+  uint8_t i;
+  SMAP_UNROLL
+  for (i = 0; i < 3; i++) {
+    g[i] = gravity[i];
+    size[i] = (uint32_t)(g[i] < 0 ? -g[i] : g[i]);
+    longest |= size[i];
+  }
+  if (longest == 0) {
+    return SMAP_INVALID;
+  }
+#if defined(__GNUC__) && !defined(__AVR__)
+  shift = longest < 16384u ? (uint32_t)__builtin_clz((unsigned)longest) - 17u : 0u;
+#else
+  for (shift = 0; longest << shift < 16384u; shift++) { /* at most 14 times */
+  }
+#endif
+  SMAP_UNROLL
+  for (i = 0; i < 3; i++) {
+    g[i] *= (int32_t)1 << shift;
+    size[i] <<= shift;
+  }
+  if (blob[SMAP_AT_FACES] == 1) {
+    const uint32_t reach = (g[2] < 0 ? size[2] : 0u) * smap_u16(blob + SMAP_AT_LIMIT_I);
+    if (g[2] >= 0 || size[0] << 12 > reach || size[1] << 12 > reach) {
+      return SMAP_OFF_CHART;
+    }
+  }
+  *length = smap_whole_root(size[0] * size[0] + size[1] * size[1] + size[2] * size[2]) + 1u;
+  return SMAP_OK;
+}
+#endif
+
+/* Prepare the caller's memory for a pose; 0 where it is too small, not aligned, or of no known form. */
+static int smap_begin(const smap_t *map, void *pose, uint16_t bytes, uint8_t forms, uint32_t needed)
+{
+  smap_head_t *const head = (smap_head_t *)pose;
+  const uint8_t known = (SMAP_FLOATS ? SMAP_FLOAT : 0) | (SMAP_INTEGERS ? SMAP_INTEGER : 0);
+  if (bytes >= sizeof map) {
+    memset(pose, 0, sizeof map);
+  }
+  if (bytes < needed || forms == 0 || (forms & ~known) != 0 || (uintptr_t)pose % sizeof map != 0) {
+    return 0;
+  }
+  head->map = map;
+  head->forms = forms;
+  return 1;
+}
+

@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
+/* ---- grid: do its offsets and sizes stay in the blob? ---------------------------------------------- */
+
+/* The axes of one table: knots that exist and ascend over the whole axis.  Returns the codes of a face, 0
+ * where something is wrong. */
+static uint32_t smap_check_axes_of(const smap_t *map, smap_bytes_t part, smap_bytes_t limit)
+{
+  const smap_bytes_t body = smap_body(map), knots = body + smap_u32(body + 8);
+  const uint32_t room = (uint32_t)(limit - body);
+  const uint32_t first = smap_u32(part + SMAP_PART_AXES);
+  const uint8_t params = SMAP_BLOB(map)[SMAP_AT_PARAMS], dims = part[SMAP_PART_DIMS];
+  uint32_t codes = part[SMAP_PART_WIDTH];
+  uint8_t i;
+  if (dims > params + 2 || codes - 1u > 1u || first > room || room - first < 6u * dims) {
+    return 0;
+  }
+  for (i = 0; i < dims; i++) {
+    const smap_bytes_t axis = body + first + 6u * i;
+    const uint16_t coordinate = smap_u16(axis), nodes = smap_u16(axis + 2);
+    const uint32_t from = smap_u32(body + 8) + 2u * smap_u16(axis + 4);
+    uint32_t k;
+    if ((coordinate >= params && coordinate != SMAP_GRID_U && coordinate != SMAP_GRID_U + 1) ||
+        nodes < 2 || from > room || (room - from) / 2u < nodes ||
+        smap_u16(knots + 2 * smap_u16(axis + 4)) != 0 ||
+        smap_u16(body + from + 2u * (nodes - 1u)) < 65534u || codes > room / nodes) {
+      return 0;
+    }
+    for (k = 1; k < nodes; k++) {
+      if (smap_u16(body + from + 2u * k) <= smap_u16(body + from + 2u * k - 2u)) {
+        return 0;
+      }
+    }
+    codes *= nodes;
+  }
+  return codes;
+}
+
+static int smap_check_grid(const smap_t *map, smap_bytes_t limit)
+{
+  const smap_bytes_t blob = SMAP_BLOB(map), body = smap_body(map);
+  const uint8_t params = blob[SMAP_AT_PARAMS], channels = blob[SMAP_AT_CHANNELS];
+  const uint8_t parts =
+      (uint8_t)(1 + ((channels & SMAP_SDG) != 0) + ((channels & SMAP_HEIGHT) != 0));
+  const uint32_t room = (uint32_t)(limit - body), fixed = 16u + 12u * params + 38u * parts;
+  uint8_t i;
+  if (room < fixed || body[12] != parts || smap_u32(body + 8) < fixed ||
+      smap_u32(body + 8) > room || smap_u32(body + 4) >= 1u << 17) {
+    return 0;
+  }
+  for (i = 0; i < parts; i++) {
+    const smap_bytes_t part = smap_part(body, params, i);
+    const uint32_t codes = smap_check_axes_of(map, part, limit), stride = smap_u32(part + SMAP_PART_STRIDE);
+    const uint32_t at = smap_u32(part + SMAP_PART_CODES), bytes = part[SMAP_PART_WIDE] ? 2u : 1u;
+    const uint32_t faces = stride != 0 ? blob[SMAP_AT_FACES] : 1u;
+    const int paired = i == 1 && (channels & SMAP_SDG);
+    if (codes == 0 || (stride != 0 && stride != codes) || part[SMAP_PART_WIDE] > 1 || at > room ||
+        part[SMAP_PART_SHIFT] > 31 || part[SMAP_PART_WIDTH] != (paired ? 2 : 1) || faces > 6 ||
+        codes > (room - at) / (bytes * faces)) {
+      return 0;
+    }
+  }
+  return 1;
+}
+

@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
+/* ---- head: what the compiler must keep to, and how it is told ---------------------------------- */
+
+#if SMAP_VERSION != 2
+#error "smap.c and smap.h are of different versions: use the files of one export together"
+#endif
+
+/* Every operation rounds once, and NaN is NaN: the errors in NAME.h were measured so.  Where a compiler
+ * can be told inside the source it is; where it cannot, flags that change answers are refused. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "compile exports of lutgen without -ffast-math: answers would change, and NaN would be safe"
+#endif
+#elif defined(__GNUC__)
+#pragma GCC push_options
+#pragma GCC optimize("no-fast-math", "fp-contract=off")
+#elif defined(__FAST_MATH__)
+#error "compile exports of lutgen without -ffast-math: answers would change, and NaN would be safe"
+#else
+#pragma STDC FP_CONTRACT OFF
+#endif
+#if defined(__FLT_EVAL_METHOD__) && __FLT_EVAL_METHOD__ != 0 && !defined(SMAP_WIDE_FLOATS)
+#error "singles must round to singles: on x86 compile with -msse2 -mfpmath=sse"
+#endif
+
+/* Unless code is to be small, loops of a known number of turns become straight code, and functions part
+ * of their callers: the tables of an export are known, so most of what they say becomes constants. */
+#if defined(__GNUC__) && !defined(__OPTIMIZE_SIZE__) && defined(__OPTIMIZE__) && !defined(SMAP_HOST)
+#define SMAP_INLINE static inline __attribute__((__always_inline__))
+#ifdef __clang__
+#define SMAP_UNROLL /* decides well by itself, and would warn of what it declines */
+#else
+#define SMAP_UNROLL _Pragma("GCC unroll 256")
+#endif
+#define SMAP_RARELY(condition) __builtin_expect((condition), 0)
+#else
+#define SMAP_INLINE static inline
+#define SMAP_UNROLL
+#define SMAP_RARELY(condition) (condition)
+#endif
+
+#define SMAP_PI 3.14159265f
+#define SMAP_LARGEST 3.402823466e+38f
+

@@ -1,0 +1,123 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
+/* ---- positions: where the contacts are, from the joints ------------------------------------------
+ * Every coordinate is a sum of weighted products of sines and cosines of revolute joints and of travels
+ * of prismatic ones: exact for any tree of joints.  The body of the map:
+ *
+ *   0 angles   u8   2 products u8   4 terms u16          8 lowest     f32   a facet carries if the centre
+ *   1 travels  u8   3 axes     u8   6 flags u8          12 steepest   f32   of mass is higher over it, and
+ *                             7 order u8          16 rest_width f32   if -n_z is greater
+ *  20 bytes of the codec for many contacts u16          22 that, and then
+ *   weights f32[terms]; rates f32[angles] with SMAP_RATED; radii f32[contacts] with SMAP_ROUND;
+ *   joint of each angle and travel u8; products u8[2 products]; axis of each contact u8 with SMAP_ROUND;
+ *   terms of each coordinate u8; entry of each term u8
+ *
+ * With SMAP_NEAR no angle is ever beyond 1.05 rad.  Entries: 0 is the number 1; then sine and cosine of each angle, the travels, the products.
+ * Coordinates: with SMAP_COMMON three that every contact has in common (the centre of mass moving),
+ * then x, y, z of every contact relative to it, then x, y, z of every axis. */
+enum { SMAP_COMMON = 1, SMAP_RATED = 2, SMAP_ROUND = 4, SMAP_NEAR = 8 };
+enum {
+  SMAP_IN_ANGLES = 0,
+  SMAP_IN_TRAVELS = 1,
+  SMAP_IN_PRODUCTS = 2,
+  SMAP_IN_AXES = 3,
+  SMAP_IN_TERMS = 4,
+  SMAP_IN_FLAGS = 6,
+  SMAP_IN_ORDER = 7,
+  SMAP_IN_LOWEST = 8,
+  SMAP_IN_STEEPEST = 12,
+  SMAP_IN_REST_WIDTH = 16,
+  SMAP_IN_MANY_BYTES = 20,
+  SMAP_IN_MANY = 22
+};
+#define SMAP_NO_AXIS 255 /* of a point or a sphere */
+
+/* Where each table of the body begins. */
+typedef struct {
+  smap_bytes_t weights, rates, radii, joints, products, axis_of, counts, entries, end;
+  uint8_t contacts, coordinates;
+} smap_places_t;
+
+SMAP_INLINE smap_places_t smap_places(const smap_t *map)
+{
+  const smap_bytes_t body = smap_body(map);
+  const uint8_t angles = body[SMAP_IN_ANGLES], flags = body[SMAP_IN_FLAGS];
+  const uint16_t terms = smap_u16(body + SMAP_IN_TERMS);
+  smap_places_t at;
+  at.contacts = SMAP_BLOB(map)[SMAP_AT_CONTACTS];
+  at.coordinates = (uint8_t)((flags & SMAP_COMMON ? 3 : 0) + 3 * at.contacts + 3 * body[SMAP_IN_AXES]);
+  at.weights = body + SMAP_IN_MANY + smap_u16(body + SMAP_IN_MANY_BYTES);
+  at.rates = at.weights + 4 * terms;
+  at.radii = at.rates + (flags & SMAP_RATED ? 4 * angles : 0);
+  at.joints = at.radii + (flags & SMAP_ROUND ? 4 * at.contacts : 0);
+  at.products = at.joints + angles + body[SMAP_IN_TRAVELS];
+  at.axis_of = at.products + 2 * body[SMAP_IN_PRODUCTS];
+  at.counts = at.axis_of + (flags & SMAP_ROUND ? at.contacts : 0);
+  at.entries = at.counts + at.coordinates;
+  at.end = at.entries + terms;
+  return at;
+}
+
+/* The entries of one posture. */
+SMAP_INLINE void smap_entries(const smap_t *map, const smap_places_t *at, const float *q,
+                              float entry[SMAP_MAX_ENTRIES])
+{
+  const smap_bytes_t body = smap_body(map);
+  const uint8_t angles = body[SMAP_IN_ANGLES], travels = body[SMAP_IN_TRAVELS];
+  uint8_t count = 1, i;
+  entry[0] = 1.0f;
+  SMAP_UNROLL
+  for (i = 0; i < angles; i++, count = (uint8_t)(count + 2)) {
+    float angle = q[at->joints[i]];
+    if (body[SMAP_IN_FLAGS] & SMAP_RATED) {
+      angle *= smap_f32(at->rates + 4 * i);
+    }
+    if (body[SMAP_IN_FLAGS] & SMAP_NEAR) {
+      smap_sine_cosine_near(angle, &entry[count], &entry[count + 1]);
+    } else {
+      smap_sine_cosine(angle, &entry[count], &entry[count + 1]);
+    }
+  }
+  SMAP_UNROLL
+  for (i = 0; i < travels; i++) {
+    entry[count++] = q[at->joints[angles + i]];
+  }
+  SMAP_UNROLL
+  for (i = 0; i < body[SMAP_IN_PRODUCTS]; i++) {
+    entry[count++] = entry[at->products[2 * i]] * entry[at->products[2 * i + 1]];
+  }
+}
+
+/* Contacts relative to the centre of mass, p[3 * contact], and after them the unit axes of discs. */
+SMAP_INLINE void smap_positions(const smap_t *map, const float *q, float p[SMAP_MAX_COORDINATES])
+{
+  const smap_places_t at = smap_places(map);
+  const int shared = smap_body(map)[SMAP_IN_FLAGS] & SMAP_COMMON;
+  float entry[SMAP_MAX_ENTRIES], common[3] = {0.0f, 0.0f, 0.0f};
+  uint16_t term = 0, i, k;
+  smap_entries(map, &at, q, entry);
+  SMAP_UNROLL
+  for (i = 0; i < at.coordinates; i++) {
+    const uint8_t count = at.counts[i];
+    float sum = 0.0f;
+    SMAP_UNROLL
+    for (k = 0; k < count; k++, term++) {
+      const float value = smap_f32(at.weights + 4 * term) * entry[at.entries[term]];
+      sum = k == 0 ? value : sum + value;
+    }
+    if (!shared) {
+      p[i] = sum;
+    } else if (i < 3) {
+      common[i] = sum;
+    } else {
+      p[i - 3] = sum;
+    }
+  }
+  if (shared) {
+    SMAP_UNROLL
+    for (i = 0; i < 3 * at.contacts; i++) {
+      p[i] += common[i % 3];
+    }
+  }
+}
+

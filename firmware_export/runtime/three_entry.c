@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
+/* ---- entries of robots on three points ---------------------------------------------------------- */
+
+typedef smap_three_pose_t smap_pose_memory_t;
+typedef smap_three_pose_i_t smap_pose_memory_i_t;
+
+/* The order of the three points, see smap_three_over: every codec's own part has it in its eighth byte. */
+SMAP_INLINE uint8_t smap_three_order(const smap_t *map)
+{
+  return smap_body(map)[7];
+}
+
+#if SMAP_FLOATS
+/* Make the posture of checked parameters. */
+SMAP_INLINE int8_t smap_three_of(const smap_t *map, const float *params, smap_three_t *out)
+{
+  float q[SMAP_MAX_PARAMS];
+  const int8_t status = smap_range(map, params, q);
+  int stands = 0;
+  if (SMAP_RARELY(status != SMAP_OK)) {
+    return status;
+  }
+  switch (SMAP_BLOB(map)[SMAP_AT_CODEC]) {
+#if SMAP_POINTS
+  case SMAP_CODEC_POINTS: {
+    const smap_bytes_t body = smap_body(map);
+    float p[SMAP_MAX_COORDINATES];
+    smap_positions(map, q, p);
+    stands = smap_three_make(p, smap_three_order(map) & SMAP_EITHER_WAY, smap_f32(body + SMAP_IN_LOWEST),
+                             smap_f32(body + SMAP_IN_STEEPEST), smap_f32(body + SMAP_IN_REST_WIDTH),
+                             out);
+    break;
+  }
+#endif
+#if SMAP_POLY
+  case SMAP_CODEC_POLY: {
+    float p[9];
+    smap_poly_points(map, q, p);
+    /* The exporter has made sure that the facet is a rest in every posture: -n_z > -2. */
+    stands = smap_three_make(p, smap_three_order(map) & SMAP_EITHER_WAY, 0.0f, -2.0f, 0.0f, out);
+    break;
+  }
+#endif
+#if SMAP_PLANES
+  case SMAP_CODEC_PLANES:
+    stands = smap_planes(map, q, out);
+    break;
+#endif
+  default:
+    break;
+  }
+  return stands ? SMAP_OK : SMAP_TIPS;
+}
+
+static int8_t smap_run_read(const smap_t *map, const float *params, const float *gravity,
+                            smap_reading_t *out)
+{
+  smap_three_t three;
+  float d[3];
+  int8_t status = smap_three_of(map, params, &three);
+  if (SMAP_RARELY(status != SMAP_OK)) {
+    return smap_refuse(out, -SMAP_PI, status);
+  }
+  status = smap_direction(map, gravity, d);
+  if (SMAP_RARELY(status != SMAP_OK)) {
+    return smap_refuse(out, -SMAP_PI, status);
+  }
+  return smap_three_read(map, smap_three_order(map), &three, d, out);
+}
+
+static int8_t smap_run_at(const void *pose, const float *gravity, smap_reading_t *out)
+{
+  const smap_three_pose_t *const three = (const smap_three_pose_t *)pose;
+  const smap_t *const map = three->head.map;
+  float d[3];
+  int8_t status = three->head.forms & SMAP_FLOAT ? three->head.status : (int8_t)SMAP_INVALID;
+  if (SMAP_RARELY(status != SMAP_OK)) {
+    return smap_refuse(out, -SMAP_PI, status);
+  }
+  status = smap_direction(map, gravity, d);
+  if (SMAP_RARELY(status != SMAP_OK)) {
+    return smap_refuse(out, -SMAP_PI, status);
+  }
+  return smap_three_read(map, smap_three_order(map), &three->real, d, out);
+}
+#endif
+
+#if SMAP_INTEGERS
+/* The integer form of a pose. */
+SMAP_INLINE smap_three_i_t *smap_three_form_i(void *pose, uint8_t forms)
+{
+  return forms & SMAP_FLOAT ? &((smap_three_pose_t *)pose)->whole : &((smap_three_pose_i_t *)pose)->whole;
+}
+
+static int8_t smap_run_at_i(const void *pose, const int16_t *gravity, smap_reading_i_t *out)
+{
+  const smap_head_t *const head = (const smap_head_t *)pose;
+  int32_t g[3];
+  uint32_t length;
+  int8_t status = head->forms & SMAP_INTEGER ? head->status : (int8_t)SMAP_INVALID;
+  if (SMAP_RARELY(status != SMAP_OK)) {
+    return smap_refuse_i(out, status);
+  }
+  status = smap_direction_i(head->map, gravity, g, &length);
+  if (SMAP_RARELY(status != SMAP_OK)) {
+    return smap_refuse_i(out, status);
+  }
+  return smap_three_read_i(head->map, smap_three_order(head->map),
+                           head->forms & SMAP_FLOAT ? &((const smap_three_pose_t *)pose)->whole
+                                                    : &((const smap_three_pose_i_t *)pose)->whole,
+                           g, length, out);
+}
+#endif
+
+#if SMAP_FLOATS
+static int8_t smap_run_pose(const smap_t *map, const float *params, void *pose, uint16_t bytes,
+                            uint8_t forms)
+{
+  smap_head_t *const head = (smap_head_t *)pose;
+  smap_three_t alone;
+  smap_three_t *const real = forms & SMAP_FLOAT ? &((smap_three_pose_t *)pose)->real : &alone;
+  if (!smap_begin(map, pose, bytes, forms, forms & SMAP_FLOAT ? sizeof(smap_three_pose_t)
+                                                            : sizeof(smap_three_pose_i_t))) {
+    return SMAP_INVALID;
+  }
+  head->status = smap_three_of(map, params, real);
+#if SMAP_INTEGERS
+  if ((forms & SMAP_INTEGER) && head->status == SMAP_OK) {
+    smap_three_whole(real, smap_f32(SMAP_BLOB(map) + SMAP_AT_STEP), smap_three_form_i(pose, forms));
+  }
+#endif
+  return head->status;
+}
+#endif
+
