@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from firmware_export.emit import load_report
+from firmware_export.host.reader import READING, READING_I
 from lutgen.errors import ExportError, InputError
 
 __all__ = ["FLAGS", "HostLibrary", "compile_c"]
@@ -83,8 +84,10 @@ int main(int count, char **names)
   return fclose(out) || fclose(in) ? 2 : 0;
 }
 """
-_READING = np.dtype([("sdg", "<f4"), ("tip_angle", "<f4"), ("height", "<f4")])
-_READING_I = np.dtype([("sdg", "<u2"), ("tip", "<i2"), ("height", "<u2")])
+
+def _columns(reading: NDArray[Any]) -> NDArray[np.float32]:
+    """Return the floats of readings as columns."""
+    return np.stack([reading[name] for name in ("sdg", "tip_angle", "height")], axis=1)
 
 
 def compile_c(arguments: Sequence[str], folder: Path) -> None:
@@ -158,7 +161,7 @@ class HostLibrary:
         """
         self._refuse_other(integer=False)
         status, reading = self._ask(params, gravity)
-        return status, reading.view(np.float32).reshape(-1, 3)
+        return status, _columns(reading)
 
     def read_i(
         self, params_q: ArrayLike, gravity_q: ArrayLike
@@ -220,11 +223,11 @@ class HostLibrary:
         if self.integer:
             columns = [reading[name].astype(np.int32) for name in ("sdg", "tip", "height")]
             return answers["status"].copy(), np.stack(columns, axis=1)
-        return answers["status"].copy(), reading.view(np.float32).reshape(-1, 3)
+        return answers["status"].copy(), _columns(reading)
 
     @property
     def _reading(self) -> np.dtype[Any]:
-        return _READING_I if self.integer else _READING
+        return READING_I if self.integer else READING
 
     def _refuse_other(self, integer: bool) -> None:
         if integer != self.integer:
@@ -276,7 +279,7 @@ class HostLibrary:
         ):
             text = text.replace(key, value)
         (folder / name).write_text(text, encoding="utf-8")
-        sources = [str(self._source / f"{self.name}.c"), str(self._source / "smap.c")]
+        sources = [str(self._source / f"{self.name}.c")]
         compile_c(
             [*self._flags, *flags, "-I", str(self._source), name, *sources, "-o", target], folder
         )

@@ -1,6 +1,6 @@
 """Codec `contacts`: positions in closed form; the rest is geometry.
 
-In reading order: `closed`, `terms`, `three`, `codec`.
+In reading order: `closed`, `terms`, `three`, `many`, `layout`, `codec`.
 """
 
 from firmware_export.contacts.codec import INFO

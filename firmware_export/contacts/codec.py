@@ -1,23 +1,32 @@
 """Codec `contacts`: positions in closed form, everything else computed when a posture is made.
 
-The facade that the chooser and the emitter use; the parts are `closed` (the algebra), `terms` (the tables)
-and `three` (robots on three points: what is asked, and the guard).
+The facade that the chooser and the emitter use; the parts are `closed` (the algebra), `terms` (the tables),
+`three` and `many` (what is asked of robots on three points and of others, and the guard).
 """
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
 from firmware_export.contacts.closed import closed_form
+from firmware_export.contacts.layout import pose_words
+from firmware_export.contacts.many import GUARD, Many, many_of
+from firmware_export.contacts.many import refusal as many_refusal
 from firmware_export.contacts.terms import Terms, terms_of
 from firmware_export.contacts.three import Three, three_of
-from firmware_export.protocol import CBody, CodecInfo
+from firmware_export.host import Host
+from firmware_export.protocol import CBody, CodecInfo, Export, describe
 from firmware_export.protocol import Tables as AnyTables
 from firmware_export.truth import Cells, Model
 from lutgen.errors import InputError
 
-POINTS = 1
+# Their numbers in runtime/blob.c.
+POINTS, MANY = 1, 5
+# The most room of a pose: facets, those that are shown, walls, segments, points, sides; and the margin on
+# what was seen.
+MOST_ROOM, MARGIN = (80, 60, 254, 254, 254, 240), 1.25
 # Steps of the integer form from the com to the furthest contact.
 STEPS = 16000.0
 # Words of a pose: head, floats, integers (runtime/three.c).
@@ -41,12 +50,17 @@ class Spec:
 
 @dataclass(frozen=True, eq=False)
 class Tables(AnyTables):
-    """What is stored."""
+    """What is stored: positions, and what three points or many contacts need beside them.
+
+    `reach` is how far (length) a contact can be from the com, `room` what a pose of many contacts needs.
+    """
 
     spec: Spec
     channels: tuple[str, ...]
     terms: Terms
-    three: Three
+    three: Three | None
+    many: Many | None
+    room: tuple[int, ...]
     params: int
     reach: float
     guard: float
@@ -60,28 +74,49 @@ class Tables(AnyTables):
 
 @lru_cache(maxsize=4)
 def _tables(model: Model, channels: tuple[str, ...]) -> Tables:
-    terms = terms_of(model.recipe, model.radius, range(3))
-    three = three_of(model, terms.error)
-    terms = terms_of(model.recipe, model.radius, three.order)
+    three = many = None
     random = np.random.default_rng(3).random((2000, model.k))
     corners = np.random.default_rng(4).integers(0, 2, (500, model.k)).astype(np.float64)
     seen = model.postures(model.at(np.concatenate([random, corners]))).centres
-    reach = 1.02 * float(np.sqrt((seen**2).sum(axis=2)).max())
-    return Tables(Spec(), channels, terms, three, model.k, reach, three.guard, three.text)
+    reach = float(np.sqrt((seen**2).sum(axis=2)).max()) + float(model.radius.max(initial=0.0))
+    if model.is_tripod:
+        three = three_of(model, terms_of(model.recipe, model.radius, range(3)).error)
+        terms, guard, text = terms_of(model.recipe, model.radius, three.order), three.guard, three.text
+    else:
+        many, terms = many_of(model)
+        guard, text = math.asin(GUARD), "a sine that is taken off every distance from the boundary"
+    tables = Tables(
+        *(Spec(), channels, terms, three, many, MOST_ROOM, model.k, 1.02 * reach, guard, text)
+    )
+    return tables if many is None else replace(tables, room=_room(model, tables))
+
+
+def _room(model: Model, tables: Tables) -> tuple[int, ...]:
+    """Return the room of a pose: the most that many postures take, and a margin."""
+    export = Export("room", model.recipe, model, "contacts", "float", tables.channels, tables)
+    host = Host(describe(export, c_body(tables)))
+    rng = np.random.default_rng(5)
+    t = np.concatenate([rng.random((3000, model.k)), rng.integers(0, 5, (1500, model.k)) / 4.0])
+    equal = np.repeat(rng.random((500, 1)), model.k, axis=1)
+    most = host.room(model.at(np.concatenate([t, equal])).astype(np.float32))
+    return tuple(
+        min(math.ceil(MARGIN * found) + 2, limit)
+        for found, limit in zip(most, MOST_ROOM, strict=True)
+    )
 
 
 def refusal(model: Model, arithmetic: str) -> str | None:
     """Return why the codec cannot be used, or None."""
     if arithmetic != "float":
         return "codec contacts needs floating point (square roots and divisions); use --codec grid"
-    if not model.is_tripod:
-        return "more than three contacts, or round ones, are not read in this way yet"
     try:
         closed_form(model.recipe)
-        terms_of(model.recipe, model.radius, range(len(model.kind)))
+        problem = None if model.is_tripod else many_refusal(model)
+        if problem is None:
+            terms_of(model.recipe, model.radius, range(len(model.kind)))
     except InputError as error:
         return str(error)
-    return None
+    return problem
 
 
 def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
@@ -91,17 +126,34 @@ def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
 
 def c_body(tables: Tables, integer: bool = False) -> CBody:
     """Return the tables for the emitter."""
-    terms, three = tables.terms, tables.three
-    macros = (
-        ("SMAP_POINTS", 1),
+    terms, three, many = tables.terms, tables.three, tables.many
+    macros = [
+        ("SMAP_POINTS" if three else "SMAP_MANY", 1),
         ("SMAP_FLOATS", 1),
         ("SMAP_INTEGERS", 1),
         ("SMAP_MAX_ENTRIES", terms.entries),
         ("SMAP_MAX_COORDINATES", len(terms.coordinates)),
+    ]
+    if three is not None:
+        thresholds = (three.lowest, three.steepest, three.rest_width)
+        arrays = terms.arrays(three.code, thresholds, ())
+        return CBody(POINTS, arrays, 3, tuple(macros), POSE, tables.reach / STEPS)
+    assert many is not None
+    contacts = len(many.order)
+    facets, shown, walls, segments, points, sides = tables.room
+    links = max(segments, points)
+    macros += [
+        ("SMAP_MANY_CONTACTS", contacts),
+        ("SMAP_MANY_RAILS", len(many.first) - 1),
+        ("SMAP_MANY_FACETS", facets),
+        ("SMAP_MANY_SHOWN", max(shown, math.ceil(sides / 4))),
+        ("SMAP_MANY_WALLS", walls),
+        ("SMAP_MANY_LINKS", links),
+    ]
+    arrays = terms.arrays(0, (0.0, 0.0, 0.0), many.arrays)
+    return CBody(
+        *(MANY, arrays, contacts, tuple(macros), pose_words(dict(macros)), tables.reach / STEPS)
     )
-    thresholds = (three.lowest, three.steepest, three.rest_width)
-    arrays = terms.arrays(three.code, thresholds, ())
-    return CBody(POINTS, arrays, 3, macros, POSE, tables.reach / STEPS)
 
 
 def cells(model: Model, tables: Tables) -> Cells:

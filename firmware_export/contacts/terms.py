@@ -91,14 +91,18 @@ class Terms:
             CArray("radii", "float", self.radii if round_ else [], "radius of each contact"),
             CArray("joints", "uint8_t", joints, "parameter of each angle and travel"),
             CArray("products", "uint8_t", np.array(self.products).reshape(-1), "pairs of entries"),
-            CArray("axes", "uint8_t", self.axis_of if round_ else [], "axis of each contact"),
+            CArray("axes", "uint8_t", self.axis_of if self.axes else [], "axis of each contact"),
             CArray("counts", "uint8_t", [len(c) for c in self.coordinates], "terms of each coordinate"),
             CArray("entries", "uint8_t", [term.entry for term in terms], "entry of each term"),
         )
 
 
-def terms_of(recipe: Recipe, radius: Floats, order: Sequence[int]) -> Terms:
+def terms_of(
+    recipe: Recipe, radius: Floats, order: Sequence[int], turning: bool = False
+) -> Terms:
     """Return the tables of a robot whose contacts stand in an order of our own.
+
+    Axes of discs are there only where they are asked for, `turning`.
 
     Raises
     ------
@@ -109,7 +113,7 @@ def terms_of(recipe: Recipe, radius: Floats, order: Sequence[int]) -> Terms:
     moving = any(monomial for monomial in closed.com.terms)
     shift = closed.com.scaled(-1.0)
     centres = [closed.centres[at] for at in order]
-    axes, axis_of = _axes([closed.axes[at] for at in order])
+    axes, axis_of = _axes([closed.axes[at] if turning else None for at in order])
     vectors = [shift, *centres] if moving else [one + shift for one in centres]
     size = _size(closed, radius)
     scales = [size] * len(vectors) + [1.0] * len(axes)

@@ -31,6 +31,10 @@ _PARTS: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("grid", ("SMAP_GRID",)),
     ("grid_i", ("SMAP_GRID",)),
     ("grid_check", ("SMAP_GRID",)),
+    *(
+        (f"many_{name}", ("SMAP_MANY",))
+        for name in ("types", "rails", "rests", "gaps", "walls", "pose", "at", "at_i", "entry")
+    ),
     ("steps", ("SMAP_FLOATS",)),
     ("check", ()),
     ("end", ()),

@@ -3,7 +3,7 @@
 In reading order: `library`, `reader`.
 """
 
-from firmware_export.host.library import load_library
+from firmware_export.host.library import RUNTIME, load_library
 from firmware_export.host.reader import Host
 
-__all__ = ["Host", "load_library"]
+__all__ = ["RUNTIME", "Host", "load_library"]

@@ -123,6 +123,17 @@ class Host:
         made = self._call(function, len(downs), (row, downs, status, reading))
         return made, status, reading
 
+    def room(self, params: ArrayLike) -> NDArray[np.int32]:
+        """Return the most room (6,) that the poses of postures (m, k) take; for many contacts only."""
+        rows = np.ascontiguousarray(params, np.float32)
+        found, most = np.zeros(6, np.int32), np.zeros(6, np.int32)
+        function = self._function("room")
+        blob = ctypes.c_void_p(self._bytes.ctypes.data), ctypes.c_uint32(len(self._bytes))
+        for row in rows:
+            function(*blob, ctypes.c_void_p(row.ctypes.data), ctypes.c_void_p(found.ctypes.data))
+            np.maximum(most, found, out=most)
+        return most
+
     def check(self) -> int:
         """Return the status of smap_check."""
         function = self._function("check")

@@ -22,6 +22,21 @@ SMAP_INLINE int smap_is_finite(float x)
   return smap_bits(x) << 1 < 0xFF000000u;
 }
 
+#if SMAP_FLOATS
+/* Tell whether products and sums are fused although the source forbids it, as clang does when it is told
+ * -ffp-contract=fast: then nothing is answered rather than something else. */
+SMAP_INLINE int smap_fuses(void)
+{
+#if defined(__clang__) && (defined(__FMA__) || defined(__ARM_FEATURE_FMA) || defined(__aarch64__))
+  const volatile float a = 1.00024414f, b = -1.00048828f; /* a a = 1.00048834; rounded it is -b */
+  const float x = a;
+  return x * x + b != 0.0f;
+#else
+  return 0;
+#endif
+}
+#endif
+
 SMAP_INLINE int smap_is_positive(float x)
 {
   return smap_bits(x) - 1u < 0x7F7FFFFFu;

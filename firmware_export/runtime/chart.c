@@ -37,13 +37,13 @@ SMAP_INLINE int8_t smap_direction(const smap_t *map, const float gravity[3], flo
         return SMAP_INVALID;
       }
     }
-    return any != 0 ? SMAP_OFF_CHART : SMAP_INVALID;
+    return any != 0 ? (int8_t)SMAP_OFF_CHART : (int8_t)SMAP_INVALID;
   }
   SMAP_UNROLL
   for (i = 0; i < 3; i++) {
     d[i] = cone && i == 2 ? -1.0f : gravity[i] / depth;
     if (cone && SMAP_RARELY(i < 2 && !smap_is_within(d[i], smap_f32(blob + SMAP_AT_LIMIT)))) {
-      return smap_is_finite(gravity[0]) && smap_is_finite(gravity[1]) ? SMAP_OFF_CHART : SMAP_INVALID;
+      return smap_is_finite(gravity[0]) && smap_is_finite(gravity[1]) ? (int8_t)SMAP_OFF_CHART : (int8_t)SMAP_INVALID;
     }
   }
   return SMAP_OK;
@@ -64,7 +64,7 @@ SMAP_INLINE int8_t smap_judge(const smap_t *map, smap_reading_t *out, int8_t goo
   if (!stands || !(channels & SMAP_HEIGHT)) {
     out->height = smap_from_bits(0x7FC00000u);
   }
-  return stands ? good : SMAP_TIPS;
+  return stands ? good : (int8_t)SMAP_TIPS;
 }
 #endif
 

@@ -21,7 +21,7 @@
 #else
 #pragma STDC FP_CONTRACT OFF
 #endif
-#if defined(__FLT_EVAL_METHOD__) && __FLT_EVAL_METHOD__ != 0 && !defined(SMAP_WIDE_FLOATS)
+#if defined(__FLT_EVAL_METHOD__) && (__FLT_EVAL_METHOD__ == 1 || __FLT_EVAL_METHOD__ == 2) && !defined(SMAP_WIDE_FLOATS)
 #error "singles must round to singles: on x86 compile with -msse2 -mfpmath=sse"
 #endif
 
@@ -43,4 +43,5 @@
 
 #define SMAP_PI 3.14159265f
 #define SMAP_LARGEST 3.402823466e+38f
+#define SMAP_NAN smap_from_bits(0x7FC00000u)
 

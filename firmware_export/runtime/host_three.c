@@ -3,7 +3,7 @@
 /* The codecs for three contact points on the machine of the exporter; see host.h. */
 #include <float.h>
 
-#if defined(__FAST_MATH__) || FLT_EVAL_METHOD != 0
+#if defined(__FAST_MATH__) || FLT_EVAL_METHOD == 1 || FLT_EVAL_METHOD == 2
 #error "singles must round to singles, as on the targets: no fast math, and SSE on x86"
 #endif
 

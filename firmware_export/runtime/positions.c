@@ -9,7 +9,7 @@
  *                             7 order u8          16 rest_width f32   if -n_z is greater
  *  20 bytes of the codec for many contacts u16          22 that, and then
  *   weights f32[terms]; rates f32[angles] with SMAP_RATED; radii f32[contacts] with SMAP_ROUND;
- *   joint of each angle and travel u8; products u8[2 products]; axis of each contact u8 with SMAP_ROUND;
+ *   joint of each angle and travel u8; products u8[2 products]; axis of each contact u8 where there are axes;
  *   terms of each coordinate u8; entry of each term u8
  *
  * With SMAP_NEAR no angle is ever beyond 1.05 rad.  Entries: 0 is the number 1; then sine and cosine of each angle, the travels, the products.
@@ -52,7 +52,7 @@ SMAP_INLINE smap_places_t smap_places(const smap_t *map)
   at.joints = at.radii + (flags & SMAP_ROUND ? 4 * at.contacts : 0);
   at.products = at.joints + angles + body[SMAP_IN_TRAVELS];
   at.axis_of = at.products + 2 * body[SMAP_IN_PRODUCTS];
-  at.counts = at.axis_of + (flags & SMAP_ROUND ? at.contacts : 0);
+  at.counts = at.axis_of + (body[SMAP_IN_AXES] != 0 ? at.contacts : 0);
   at.entries = at.counts + at.coordinates;
   at.end = at.entries + terms;
   return at;

@@ -24,6 +24,9 @@ SMAP_INLINE int8_t smap_range(const smap_t *map, const float *params, float *q)
 {
   const uint8_t count = SMAP_BLOB(map)[SMAP_AT_PARAMS];
   uint8_t i;
+  if (SMAP_RARELY(smap_fuses())) {
+    return SMAP_INVALID;
+  }
 #if SMAP_MAX_PARAMS == 1
   q[0] = 0.0f; /* a map without parameters: some compilers then miss it */
 #endif

@@ -1,0 +1,83 @@
+"""How large the runtime's structs are for given capacities, read from its own text.
+
+A header must say how much memory a pose needs before anything is compiled; NAME.c then asserts it.
+"""
+
+import ast
+import operator
+import re
+from collections.abc import Mapping
+from functools import cache
+
+from firmware_export.host import RUNTIME
+
+# (bytes, alignment); addresses as on the largest target.
+_BASIC = {
+    **{f"{sign}int{bits}_t": (bits // 8, bits // 8) for sign in ("", "u") for bits in (8, 16, 32)},
+    "float": (4, 4),
+}
+_ADDRESS = (8, 8)
+_STRUCT = re.compile(r"typedef struct \{(?P<body>[^{}]*)\} (?P<name>\w+);")
+_MEMBER = re.compile(r"(?P<star>\*?)(?:const )?\s*(?P<name>\w+)\s*(?P<sizes>(?:\[[^\]]+\])*)")
+_OPERATORS = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul}
+
+
+@cache
+def _texts() -> str:
+    files = sorted(RUNTIME.glob("many_*.c"))
+    return re.sub(r"/\*.*?\*/", "", "\n".join(f.read_text(encoding="utf-8") for f in files), flags=re.S)
+
+
+def _number(text: str, macros: Mapping[str, int]) -> int:
+    """Return the value of the size of an array: numbers, macros, sums, differences and products."""
+
+    def value(node: ast.expr) -> int:
+        if isinstance(node, ast.Constant):
+            return int(node.value)  # type: ignore[arg-type]
+        if isinstance(node, ast.Name) and node.id in macros:
+            return macros[node.id]
+        if isinstance(node, ast.Name):
+            found = re.search(rf"#define {node.id} (.+)", _texts())
+            assert found is not None, node.id
+            return _number(found[1], macros)
+        assert isinstance(node, ast.BinOp), text
+        return _OPERATORS[type(node.op)](value(node.left), value(node.right))  # type: ignore[index,no-any-return]
+
+    return value(ast.parse(text.strip(), mode="eval").body)
+
+
+def struct_bytes(name: str, macros: Mapping[str, int]) -> tuple[int, int]:
+    """Return bytes and alignment of a struct of runtime/many_*.c.
+
+    Examples
+    --------
+    >>> struct_bytes("smap_side_t", {})
+    (4, 1)
+    """
+    if name in _BASIC:
+        return _BASIC[name]
+    body = next(one["body"] for one in _STRUCT.finditer(_texts()) if one["name"] == name)
+    size, widest = 0, 1
+    for declaration in filter(str.strip, body.split(";")):
+        lines = [line for line in declaration.splitlines() if not line.lstrip().startswith("#")]
+        words = " ".join(lines).strip().removeprefix("const ")
+        ctype, rest = words.split(None, 1)
+        for text in rest.split(","):
+            member = _MEMBER.fullmatch(text.strip())
+            assert member is not None, declaration
+            one, align = _ADDRESS if member["star"] else struct_bytes(ctype, macros)
+            for count in re.findall(r"\[([^\]]+)\]", member["sizes"]):
+                one *= _number(count, macros)
+            size = -(-size // align) * align + one
+            widest = max(widest, align)
+    return -(-size // widest) * widest, widest
+
+
+def pose_words(macros: Mapping[str, int]) -> tuple[int, int]:
+    """Return the words of 32 bits of a pose beside the map's address: both forms, integers alone."""
+    real, work, whole = (
+        struct_bytes(name, macros)[0]
+        for name in ("smap_many_pose_t", "smap_many_work_t", "smap_many_pose_i_t")
+    )
+    # The head's four bytes; up to seven more where the work is aligned.
+    return -(-(4 + real + 8 + max(work, whole)) // 4), -(-(4 + whole + 4) // 4)

@@ -1,0 +1,122 @@
+"""Many contacts, or round ones: which rails they stand on, the thresholds, and how much room a pose needs.
+
+The runtime's facets are exact but for rounding; every threshold is on the side on which rounding cannot make
+an unsafe answer safe, and GUARD is taken off every distance from the boundary.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from firmware_export.contacts.closed import Sum, closed_form
+from firmware_export.contacts.terms import Terms, terms_of
+from firmware_export.protocol import CArray
+from firmware_export.truth import Model
+from lutgen.channels import acceptance_of
+from lutgen.recipe import robot_size_of
+from lutgen.support import SPHERE
+from lutgen.vector import Floats
+
+# Sine that is taken off every distance.
+GUARD = 3e-4
+# Parts of the size by which thresholds are kept, and within which contacts are on one rail.
+HAIR, SAME = 1e-5, 1e-7
+# Angles beyond which nothing is asked.
+NO_LIMIT = 4.0
+MOST_CONTACTS = 32
+
+
+class Many(NamedTuple):
+    """What the tables of many contacts need beside positions.
+
+    `order` of the contacts: rail by rail; `first` contact of each rail, and how many there are; `axis`,
+    level, of all discs; `numbers` in the order of the runtime's struct, behind the axis.
+    """
+
+    order: tuple[int, ...]
+    first: tuple[int, ...]
+    axis: tuple[float, float]
+    numbers: tuple[float, ...]
+
+    @property
+    def arrays(self) -> tuple[CArray, ...]:
+        """What the codec adds to positions, in the order of runtime/many_entry.c."""
+        singles = [*self.axis, *self.numbers]
+        rails = [len(self.first) - 1, *self.first]
+        return (
+            CArray("axis and limits", "float", singles, "see smap_many_t", False),
+            CArray("rails", "uint8_t", rails, "rails, first contact of each", False),
+            CArray("names", "uint8_t", self.order, "the recipe's number of each contact", False),
+        )
+
+
+def refusal(model: Model) -> str | None:
+    """Return why the runtime cannot find this robot's facets, or None."""
+    if model.recipe.com_uncertainty > 0.0:
+        return "many contacts hold no com_uncertainty; use --codec grid"
+    if len(model.kind) > MOST_CONTACTS:
+        return f"the runtime knows {MOST_CONTACTS} contacts (got {len(model.kind)})"
+    if (model.kind == SPHERE).any():
+        return "the runtime finds the facets of spheres on three points alone; use --codec grid"
+    if _axis(model) is None:
+        return "the axes of its discs are not parallel and level in every posture; use --codec grid"
+    if _places(model) is None:
+        return "its contacts do not stay at their places along the common axis; use --codec grid"
+    return None
+
+
+def _axis(model: Model) -> tuple[float, float] | None:
+    """Return the axis (x, y) of all discs, None where they have none in common."""
+    found = None
+    for axis in closed_form(model.recipe).axes:
+        if axis is None:
+            continue
+        if len(axis.terms) > 1 or abs(axis.terms[()][2]) > SAME:
+            return None
+        x, y = (float(value) for value in axis.terms[()][:2])
+        size = math.hypot(x, y)
+        if found is None:
+            found = (x / size, y / size)
+        elif abs(found[0] * y - found[1] * x) > SAME * size:
+            return None
+    return found or (0.0, 1.0)
+
+
+def _places(model: Model) -> Floats | None:
+    """Return where each contact is along the axis, None where one moves."""
+    axis = _axis(model)
+    assert axis is not None
+    size = robot_size_of(model.recipe)
+    row = np.array([[axis[0], axis[1], 0.0]])
+    places = []
+    for centre in closed_form(model.recipe).centres:
+        along = Sum.constant(row) @ centre
+        if any(m and float(np.abs(v).max()) > SAME * size for m, v in along.terms.items()):
+            return None
+        places.append(float(along.terms.get((), np.zeros(1))[0]))
+    return np.array(places)
+
+
+def many_of(model: Model) -> tuple[Many, Terms]:
+    """Return what the tables need of a robot that is not refused."""
+    axis, places = _axis(model), _places(model)
+    assert axis is not None and places is not None
+    accept, size = acceptance_of(model.recipe), robot_size_of(model.recipe)
+    order = tuple(int(at) for at in np.argsort(places, kind="stable"))
+    first = [0]
+    for at in range(1, len(order)):
+        if places[order[at]] - places[order[first[-1]]] > SAME * size:
+            first.append(at)
+    numbers = (
+        size,
+        accept.steepest + HAIR if model.recipe.upright < math.pi else -2.0,
+        max(HAIR * size, accept.least_height * (1.0 + HAIR)),
+        accept.rest_width * (1.0 + HAIR) + HAIR * size,
+        max(accept.contact_tolerance - 0.1 * HAIR * size, 0.0),
+        min(accept.rock_angle, NO_LIMIT) - HAIR,
+        0.5 * accept.rest_width - HAIR * size,
+        GUARD,
+    )
+    terms = terms_of(model.recipe, model.radius, order)
+    return Many(order, (*first, len(order)), axis, numbers), terms

@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
+/* The codec for many contacts on the machine of the exporter; see host.h. */
+#define SMAP_HOST
+#define SMAP_HOST_NAME(what) smap_many_host_##what
+#define SMAP_FLASH
+#define SMAP_FLOATS 1
+#define SMAP_INTEGERS 1
+#define SMAP_HARDWARE_ROOT 1
+#define SMAP_POINTS 0
+#define SMAP_POLY 0
+#define SMAP_PLANES 0
+#define SMAP_GRID 0
+#define SMAP_MANY 1
+#define SMAP_MAX_PARAMS 64
+#define SMAP_MAX_ENTRIES 255
+#define SMAP_MAX_COORDINATES 255
+#define SMAP_MANY_CONTACTS 32
+#define SMAP_MANY_RAILS 32
+#define SMAP_MANY_FACETS 80
+#define SMAP_MANY_SHOWN 60
+#define SMAP_MANY_WALLS 254
+#define SMAP_MANY_LINKS 254
+
+#include "smap.h"
+
+#include "head.c"
+#include "arithmetic.c"
+#include "blob.c"
+#include "range.c"
+#include "positions.c"
+#include "chart.c"
+#include "many_types.c"
+#include "many_rails.c"
+#include "many_rests.c"
+#include "many_gaps.c"
+#include "many_walls.c"
+#include "many_pose.c"
+#include "many_at.c"
+#include "many_at_i.c"
+#include "many_entry.c"
+#include "steps.c"
+#include "check.c"
+#include "end.c"
+#include "host.h"
+
+/* How much room the posture of some parameters takes: facets, shown, walls, segments, points, sides; 0 where
+ * it failed for want of room, or otherwise. */
+int smap_many_host_room(const uint8_t *blob, uint32_t size, const float *params, int32_t room[6]);
+int smap_many_host_room(const uint8_t *blob, uint32_t size, const float *params, int32_t room[6])
+{
+  const smap_t map = {&smap_run, blob, size};
+  smap_many_pose_t pose;
+  smap_many_work_t work;
+  const int8_t status = smap_many_of(&map, params, &pose, &work);
+  room[0] = work.facets;
+  room[1] = pose.shown;
+  room[2] = pose.walls;
+  room[3] = pose.segments;
+  room[4] = pose.points;
+  room[5] = pose.sides;
+  return status == SMAP_OK;
+}

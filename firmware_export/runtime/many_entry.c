@@ -1,0 +1,207 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
+/* ---- entries of robots on many contacts -----------------------------------------------------------
+ * What the map adds to positions: ten singles (the level axis of all discs, size, steepest, least height,
+ * rest width, tolerance, rock angle, band, guard: see smap_many_t), rails u8, the first contact of each
+ * rail and behind the last u8, the recipe's number of each contact u8. */
+enum { SMAP_MANY_SINGLES = 40 };
+
+typedef struct {
+  smap_head_t head;
+  smap_many_pose_t real;
+  union { /* the work is done when the integer form is made */
+    smap_many_work_t work;
+    smap_many_pose_i_t whole;
+  } rest;
+} smap_pose_memory_t;
+
+typedef struct {
+  smap_head_t head;
+  smap_many_pose_i_t whole;
+} smap_pose_memory_i_t;
+
+SMAP_INLINE smap_bytes_t smap_many_body(const smap_t *map)
+{
+  return smap_body(map) + SMAP_IN_MANY;
+}
+
+SMAP_INLINE void smap_many_numbers(const smap_t *map, smap_many_t *out)
+{
+  const smap_bytes_t body = smap_many_body(map);
+  uint8_t i;
+  out->contacts = SMAP_BLOB(map)[SMAP_AT_CONTACTS];
+  out->rails = body[SMAP_MANY_SINGLES];
+  for (i = 0; i <= out->rails; i++) {
+    out->first[i] = body[SMAP_MANY_SINGLES + 1 + i];
+  }
+  out->axis[0] = smap_f32(body);
+  out->axis[1] = smap_f32(body + 4);
+  out->size = smap_f32(body + 8);
+  out->steepest = smap_f32(body + 12);
+  out->least_height = smap_f32(body + 16);
+  out->rest_width = smap_f32(body + 20);
+  out->tolerance = smap_f32(body + 24);
+  out->rock_angle = smap_f32(body + 28);
+  out->band = smap_f32(body + 32);
+  out->guard = smap_f32(body + 36);
+}
+
+/* The recipe's number of a contact. */
+SMAP_INLINE uint8_t smap_many_named(const smap_t *map, uint8_t contact)
+{
+  const smap_bytes_t body = smap_many_body(map);
+  return contact < SMAP_BLOB(map)[SMAP_AT_CONTACTS]
+             ? body[SMAP_MANY_SINGLES + 2 + body[SMAP_MANY_SINGLES] + contact]
+             : 255;
+}
+
+/* Make the pose of checked parameters. */
+static int8_t smap_many_of(const smap_t *map, const float *params, smap_many_pose_t *pose,
+                           smap_many_work_t *work)
+{
+  float q[SMAP_MAX_PARAMS], p[SMAP_MAX_COORDINATES];
+  const int8_t status = smap_range(map, params, q);
+  smap_places_t at;
+  smap_many_t numbers;
+  smap_many_place_t place;
+  uint8_t i;
+  if (SMAP_RARELY(status != SMAP_OK)) {
+    return status;
+  }
+  at = smap_places(map);
+  smap_positions(map, q, p);
+  for (i = 0; i < at.contacts; i++) {
+    memcpy(place.contact[i].p, &p[3 * i], sizeof place.contact[i].p);
+    place.contact[i].radius =
+        smap_body(map)[SMAP_IN_FLAGS] & SMAP_ROUND ? smap_f32(at.radii + 4 * i) : 0.0f;
+  }
+  smap_many_numbers(map, &numbers);
+  return smap_many_pose(&numbers, &place, pose, work) ? SMAP_OK : SMAP_TIPS;
+}
+
+/* Read a pose under a scaled direction. */
+static int8_t smap_many_read(const smap_t *map, const smap_many_pose_t *pose, const float d[3],
+                             smap_reading_t *out)
+{
+  const int8_t status = (int8_t)smap_many_at(pose, d, out);
+  out->over[0] = smap_many_named(map, out->over[0]);
+  out->over[1] = smap_many_named(map, out->over[1]);
+  if (status != SMAP_OK && status != SMAP_ROCKS) {
+    const float tip = out->tip_angle;
+    out->tip_angle = tip < 0.0f ? tip : -SMAP_PI;
+  }
+  return smap_judge(map, out, status);
+}
+
+static int8_t smap_run_read(const smap_t *map, const float *params, const float *gravity,
+                            smap_reading_t *out)
+{
+  smap_many_pose_t pose;
+  smap_many_work_t work;
+  float d[3];
+  int8_t status = smap_direction(map, gravity, d);
+  if (status == SMAP_OK) {
+    status = smap_many_of(map, params, &pose, &work);
+  }
+  if (SMAP_RARELY(status != SMAP_OK)) {
+    return smap_refuse(out, -SMAP_PI, status);
+  }
+  return smap_many_read(map, &pose, d, out);
+}
+
+static int8_t smap_run_at(const void *pose, const float *gravity, smap_reading_t *out)
+{
+  const smap_pose_memory_t *const many = (const smap_pose_memory_t *)pose;
+  float d[3];
+  int8_t status = many->head.forms & SMAP_FLOAT ? many->head.status : (int8_t)SMAP_INVALID;
+  if (status == SMAP_OK) {
+    status = smap_direction(many->head.map, gravity, d);
+  }
+  if (SMAP_RARELY(status != SMAP_OK)) {
+    return smap_refuse(out, -SMAP_PI, status);
+  }
+  return smap_many_read(many->head.map, &many->real, d, out);
+}
+
+static int8_t smap_run_at_i(const void *pose, const int16_t *gravity, smap_reading_i_t *out)
+{
+  const smap_head_t *const head = (const smap_head_t *)pose;
+  const int whole = (head->forms & SMAP_FLOAT) == 0;
+  const uint8_t channels = SMAP_BLOB(head->map)[SMAP_AT_CHANNELS];
+  int32_t g[3];
+  uint32_t length;
+  int8_t status = head->forms & SMAP_INTEGER ? head->status : (int8_t)SMAP_INVALID;
+  if (status == SMAP_OK) {
+    status = smap_direction_i(head->map, gravity, g, &length);
+  }
+  if (SMAP_RARELY(status != SMAP_OK)) {
+    return smap_refuse_i(out, status);
+  }
+  status = (int8_t)smap_many_at_i(whole ? &((const smap_pose_memory_i_t *)pose)->whole
+                                        : &((const smap_pose_memory_t *)pose)->rest.whole,
+                                  gravity, out);
+  out->over[0] = smap_many_named(head->map, out->over[0]);
+  out->over[1] = smap_many_named(head->map, out->over[1]);
+  if (status != SMAP_OK && status != SMAP_ROCKS) {
+    out->tip = out->tip < 0 ? out->tip : (int16_t)-1;
+  }
+  if (out->tip < 0 || !(channels & SMAP_SDG)) {
+    out->sdg = 65535;
+  }
+  if (out->tip < 0 || !(channels & SMAP_HEIGHT)) {
+    out->height = 65535;
+  }
+  return out->tip < 0 ? (int8_t)SMAP_TIPS : status;
+}
+
+static int8_t smap_run_pose(const smap_t *map, const float *params, void *pose, uint16_t bytes,
+                            uint8_t forms)
+{
+  smap_head_t *const head = (smap_head_t *)pose;
+  const float step = smap_f32(SMAP_BLOB(map) + SMAP_AT_STEP);
+  if (!smap_begin(map, pose, bytes, forms,
+                  forms & SMAP_FLOAT ? sizeof(smap_pose_memory_t) : sizeof(smap_pose_memory_i_t))) {
+    return SMAP_INVALID;
+  }
+  if (forms & SMAP_FLOAT) {
+    smap_pose_memory_t *const many = (smap_pose_memory_t *)pose;
+    head->status = smap_many_of(map, params, &many->real, &many->rest.work);
+    if ((forms & SMAP_INTEGER) && head->status == SMAP_OK) {
+      smap_many_make_i(&many->real, step, step, &many->rest.whole);
+    }
+  } else {
+    smap_many_pose_t real;
+    smap_many_work_t work;
+    head->status = smap_many_of(map, params, &real, &work);
+    if (head->status == SMAP_OK) {
+      smap_many_make_i(&real, step, step, &((smap_pose_memory_i_t *)pose)->whole);
+    }
+  }
+  return head->status;
+}
+
+/* Numbers that no loop or index may be led astray by. */
+static int smap_check_many(const smap_t *map)
+{
+  const smap_bytes_t body = smap_many_body(map);
+  const uint8_t contacts = SMAP_BLOB(map)[SMAP_AT_CONTACTS], rails = body[SMAP_MANY_SINGLES];
+  const smap_bytes_t first = body + SMAP_MANY_SINGLES + 1;
+  uint8_t i;
+  if (contacts > SMAP_MANY_CONTACTS || contacts < 3 || rails > SMAP_MANY_RAILS || rails == 0 ||
+      smap_u16(smap_body(map) + SMAP_IN_MANY_BYTES) != SMAP_MANY_SINGLES + 2 + rails + contacts ||
+      first[0] != 0 || first[rails] != contacts) {
+    return 0;
+  }
+  for (i = 0; i < rails; i++) {
+    if (first[i] >= first[i + 1]) {
+      return 0;
+    }
+  }
+  for (i = 0; i < SMAP_MANY_SINGLES; i = (uint8_t)(i + 4)) {
+    if (!smap_is_finite(smap_f32(body + i))) {
+      return 0;
+    }
+  }
+  return 1;
+}
+
