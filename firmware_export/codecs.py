@@ -1,7 +1,7 @@
 """The codecs, a row each, and which of them can hold a robot."""
 
 from firmware_export.contacts import INFO as CONTACTS
-from firmware_export.grid import INFO as GRID
+from firmware_export.lookup import INFO as LOOKUP
 from firmware_export.poly import INFO as POLY
 from firmware_export.protocol import CodecInfo
 from firmware_export.truth import Model
@@ -11,7 +11,7 @@ from lutgen.errors import ExportError, InputError
 __all__ = ["ARITHMETIC", "CODECS", "codec", "named", "usable"]
 
 # In the order in which they are tried: the first are smallest for what they can hold.
-CODECS = (CONTACTS, POLY, GRID, VERDICT)
+CODECS = (CONTACTS, POLY, LOOKUP, VERDICT)
 ARITHMETIC = ("float", "integer")
 
 

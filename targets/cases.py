@@ -18,8 +18,9 @@ from firmware_export.codecs import CODECS, codec, usable
 from firmware_export.emit import package, report
 from firmware_export.emit.runtime import features, runtime_text
 from firmware_export.emit.source import body_of, source_text
-from firmware_export.grid import codec as grid
+from firmware_export.grid.spec import Spec
 from firmware_export.grid.tables import SPAN, Part, Tables, U, V, places_of
+from firmware_export.lookup import codec as lookup
 from firmware_export.protocol.exported import Export
 from firmware_export.truth.model import Model
 from lutgen.errors import ExportError
@@ -72,9 +73,9 @@ max_tilt = 60.0
 nodes = 11
 channels = ["sdg", "tip_angle", "height"]
 """
-STOOL_SPEC = grid.Spec(8, (("tip", (17, 17)),))
+STOOL_SPEC = lookup.Spec(8, ((), (), ()))
 # A row of the table in docs/measured/exports.md.
-FOUR_AXES = grid.Spec(8, (("tip", (5, 5, 13, 13)), ("sdg", (7, 7, 9, 9)), ("height", (7, 7, 1, 1))))
+FOUR_AXES = lookup.Spec(16, ((1, 8), (8, 1), (1, 1)))
 
 
 @dataclass(frozen=True)
@@ -147,9 +148,7 @@ def of_four_axes(arithmetic: str, channels: tuple[str, ...]) -> Export:
     """Return a grid of the paper's second robot, all of it or its first table alone."""
     model = Model(load_recipe(ROOT / "maps" / "paper_two.toml"))
     tables = encoded(model, "grid", EXPORTABLE, FOUR_AXES)
-    if channels == VERDICT:
-        spec = replace(FOUR_AXES, nodes=FOUR_AXES.nodes[:1])
-        tables = replace(tables, spec=spec, channels=channels, parts=tables.parts[:1])
+    tables = replace(tables, channels=channels)
     return Export("four_axes", model.recipe, model, "grid", arithmetic, channels, tables)
 
 
@@ -161,8 +160,10 @@ def of_noise(arithmetic: str) -> Export:
     codes = np.random.default_rng(8).integers(0, 256, (1, *shape, 1)).astype(np.uint8)
     offset = np.full(2, -0.5, np.float32)
     part = Part("tip", (0, 1, V, U), knots, codes, offset, np.float32(1.0 / 256.0))
-    spec = grid.Spec(8, (("tip", shape),))
-    tables = Tables(spec, VERDICT, (part,), model.chart_limit, places_of(model), 0.0, "codes that mean nothing")
+    spec = Spec(8, (("tip", shape),))
+    tables = Tables(
+        spec, VERDICT, (part,), model.chart_limit, places_of(model), 0.0, "codes that mean nothing"
+    )
     return Export("noise", model.recipe, model, "grid", arithmetic, VERDICT, tables)
 
 

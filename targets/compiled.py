@@ -85,6 +85,7 @@ int main(int count, char **names)
 }
 """
 
+
 def _columns(reading: NDArray[Any]) -> NDArray[np.float32]:
     """Return the floats of readings as columns."""
     return np.stack([reading[name] for name in ("sdg", "tip_angle", "height")], axis=1)

@@ -54,7 +54,9 @@ def _avr_stack(name: str, board: Board, folder: Path, run: Callable[[list[str], 
     own = {
         function: int(size) + RETURN[board.name]
         for function, size in re.findall(
-            r"^\S+:(\w+)\s+(\d+)\s", (folder / f"{name}.su").read_text(encoding="utf-8"), re.MULTILINE
+            r"^\S+:(\w+)\s+(\d+)\s",
+            (folder / f"{name}.su").read_text(encoding="utf-8"),
+            re.MULTILINE,
         )
     }
     calls: dict[str, set[str]] = {function: set() for function in own}

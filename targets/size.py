@@ -38,6 +38,8 @@ USUAL = {"SMAP_MAX_PARAMS": 2, "SMAP_MAX_ENTRIES": 8, "SMAP_MAX_COORDINATES": 42
 SETS = (
     ("SMAP_POINTS", "SMAP_FLOATS", "SMAP_INTEGERS"),
     ("SMAP_POLY", "SMAP_FLOATS", "SMAP_INTEGERS"),
+    ("SMAP_TABLES", "SMAP_FLOATS", "SMAP_INTEGERS"),
+    ("SMAP_TABLES", "SMAP_INTEGERS"),
     ("SMAP_MANY", "SMAP_FLOATS", "SMAP_INTEGERS"),
     ("SMAP_GRID", "SMAP_FLOATS"),
     ("SMAP_GRID", "SMAP_INTEGERS"),
@@ -105,8 +107,14 @@ def program(config: Mapping[str, int]) -> str:
     lines = ["#define SMAP_HOST", *(f"#define {name} {value}" for name, value in config.items())]
     lines += ['#include "smap.h"', '#include "smap_config.h"']
     lines += [f'#include "{part}.c"' for part in parts_of(on)]
-    return "\n".join([*lines, "extern const smap_runtime_t *const seen;",
-                      "const smap_runtime_t *const seen = &smap_run;", ""])
+    return "\n".join(
+        [
+            *lines,
+            "extern const smap_runtime_t *const seen;",
+            "const smap_runtime_t *const seen = &smap_run;",
+            "",
+        ]
+    )
 
 
 def measure(config: Mapping[str, int], folder: Path) -> Measure:

@@ -81,7 +81,11 @@ def _tables(model: Model, channels: tuple[str, ...]) -> Tables:
     reach = float(np.sqrt((seen**2).sum(axis=2)).max()) + float(model.radius.max(initial=0.0))
     if model.is_tripod:
         three = three_of(model, terms_of(model.recipe, model.radius, range(3)).error)
-        terms, guard, text = terms_of(model.recipe, model.radius, three.order), three.guard, three.text
+        terms, guard, text = (
+            terms_of(model.recipe, model.radius, three.order),
+            three.guard,
+            three.text,
+        )
     else:
         many, terms = many_of(model)
         guard, text = math.asin(GUARD), "a sine that is taken off every distance from the boundary"

@@ -25,7 +25,9 @@ _OPERATORS = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.m
 @cache
 def _texts() -> str:
     files = sorted(RUNTIME.glob("many_*.c"))
-    return re.sub(r"/\*.*?\*/", "", "\n".join(f.read_text(encoding="utf-8") for f in files), flags=re.S)
+    return re.sub(
+        r"/\*.*?\*/", "", "\n".join(f.read_text(encoding="utf-8") for f in files), flags=re.S
+    )
 
 
 def _number(text: str, macros: Mapping[str, int]) -> int:

@@ -66,7 +66,9 @@ class Terms:
         flags = COMMON * self.common | RATED * rated | NEAR * self.near
         return flags | ROUND * bool(self.radii.any())
 
-    def arrays(self, order: int, thresholds: Sequence[float], many: Sequence[CArray]) -> tuple[CArray, ...]:
+    def arrays(
+        self, order: int, thresholds: Sequence[float], many: Sequence[CArray]
+    ) -> tuple[CArray, ...]:
         """Return the codec's part of a blob.
 
         `order` is its eighth byte, `thresholds` the lowest height, the steepest normal and the least
@@ -83,23 +85,27 @@ class Terms:
             CArray("sizes", "uint8_t", sizes, "angles, travels, products, axes", False),
             CArray("terms", "uint16_t", [len(terms)], "terms", False),
             CArray("flags", "uint8_t", [flags, order], "flags, order of the contacts", False),
-            CArray("limits", "float", thresholds, "lowest, steepest, least width of a facet", False),
+            CArray(
+                "limits", "float", thresholds, "lowest, steepest, least width of a facet", False
+            ),
             CArray("more", "uint16_t", [more], "bytes of what is for many contacts", False),
             *many,
-            CArray("weights", "float", [term.weight for term in terms], "weight of each term, length"),
+            CArray(
+                "weights", "float", [term.weight for term in terms], "weight of each term, length"
+            ),
             CArray("rates", "float", rates, "of each angle: rad for each rad of its parameter"),
             CArray("radii", "float", self.radii if round_ else [], "radius of each contact"),
             CArray("joints", "uint8_t", joints, "parameter of each angle and travel"),
             CArray("products", "uint8_t", np.array(self.products).reshape(-1), "pairs of entries"),
             CArray("axes", "uint8_t", self.axis_of if self.axes else [], "axis of each contact"),
-            CArray("counts", "uint8_t", [len(c) for c in self.coordinates], "terms of each coordinate"),
+            CArray(
+                "counts", "uint8_t", [len(c) for c in self.coordinates], "terms of each coordinate"
+            ),
             CArray("entries", "uint8_t", [term.entry for term in terms], "entry of each term"),
         )
 
 
-def terms_of(
-    recipe: Recipe, radius: Floats, order: Sequence[int], turning: bool = False
-) -> Terms:
+def terms_of(recipe: Recipe, radius: Floats, order: Sequence[int], turning: bool = False) -> Terms:
     """Return the tables of a robot whose contacts stand in an order of our own.
 
     Axes of discs are there only where they are asked for, `turning`.
@@ -228,4 +234,3 @@ def _error(recipe: Recipe, sums: Sequence[Sum], moving: bool) -> float:
 
     common = one(sums[0]) if moving else 0.0
     return common + max(one(positions) for positions in sums[int(moving) :])
-

@@ -12,8 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from firmware_export.poly import carries_everywhere, expand, least_edge, rounds
-from firmware_export.protocol import widened
+from firmware_export.poly import least_edge_of, rounds
 from firmware_export.truth import Model, combinations
 from lutgen.channels import acceptance_of
 
@@ -55,10 +54,7 @@ def three_of(model: Model, error: float) -> Three:
     lattice = combinations([np.linspace(0.0, 1.0, places)] * model.k)
     p = model.postures(model.at(lattice)).centres
     reach = float(np.sqrt((p**2).sum(axis=2)).max())
-    wide = widened(model)
-    series = expand(wide)
-    sure = rho == 0.0 and series is not None and carries_everywhere(series, accept.steepest, width)
-    least = least_edge(series) if sure and series is not None else 0.0
+    least = least_edge_of(model)
     wrong = 2.0 * error * reach + 4.0 * HALF_UNIT * reach**2
     order = rounds(model)
     text = "what rounding to single precision can turn a tip-over plane"

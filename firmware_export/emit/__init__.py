@@ -4,11 +4,11 @@ In reading order: `names`, `text`, `size`, `runtime`, `facts`, `words`, `header`
 `example`, `project_files`, `page`, `figure`, `report`, `package`.
 """
 
-from firmware_export.emit.runtime import features
 from firmware_export.emit.facts import flash_bytes
 from firmware_export.emit.names import check_name, default_name
 from firmware_export.emit.package import check_directory, write
 from firmware_export.emit.report import load_report
+from firmware_export.emit.runtime import features
 from firmware_export.emit.size import code_bytes
 from firmware_export.emit.words import bytes_text, errors_of, share
 

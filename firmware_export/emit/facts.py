@@ -31,7 +31,10 @@ COUNTS = "counts.json"
 def axis_macros(export: Export) -> tuple[str, ...]:
     """Return the macro of each parameter's index, all different."""
     stem = macro(export.name)
-    taken = {f"{stem}_{word}" for word in ("H", "PARAMS", "SDG_STEP", "HEIGHT_STEP", "POSE_WORDS", "POSE_I_WORDS")}
+    taken = {
+        f"{stem}_{word}"
+        for word in ("H", "PARAMS", "SDG_STEP", "HEIGHT_STEP", "POSE_WORDS", "POSE_I_WORDS")
+    }
     names: list[str] = []
     for index, parameter in enumerate(export.recipe.parameters):
         name = f"{stem}_{macro(parameter.name)}"

@@ -47,7 +47,10 @@ def header_text(content: dict[str, Any]) -> str:
 def _head(content: dict[str, Any]) -> list[str]:
     """Return the lines of the head comment below its title."""
     parameters = content["parameters"]
-    lines = ["", "Parameters, in this order; what sensors may say beyond an end is read, more is SMAP_OFF_RANGE:"]
+    lines = [
+        "",
+        "Parameters, in this order; what sensors may say beyond an end is read, more is SMAP_OFF_RANGE:",
+    ]
     lines += _columns([(p["macro"], axis_range(p), _slack(p), p["meaning"]) for p in parameters])
     if not parameters:
         lines.append("  none: the robot is rigid")
@@ -122,7 +125,9 @@ def _usage(content: dict[str, Any]) -> list[str]:
     both = "SMAP_FLOATS" in content["forms"]
     forms = " | ".join(one.removesuffix("S") for one in content["forms"]) or "SMAP_FLOAT"
     bytes_ = 4 * content["pose"]["both" if both else "integer"]
-    lines = [f"Of a pose: {bytes_} bytes of RAM and those of an address; smap.h says how poses are used."]
+    lines = [
+        f"Of a pose: {bytes_} bytes of RAM and those of an address; smap.h says how poses are used."
+    ]
     pose = f"{name}_pose_t" if both else f"{name}_pose_i_t"
     count = max(len(parameters), 1)
     if both:
@@ -191,7 +196,10 @@ def _macros(content: dict[str, Any]) -> str:
     ]
     if steps:
         text += "\n" + _define(steps)
-    lines = [text, "/* A parameter (rad or length) as smap_pose_q takes it; beyond the upper end: off range. */"]
+    lines = [
+        text,
+        "/* A parameter (rad or length) as smap_pose_q takes it; beyond the upper end: off range. */",
+    ]
     for p in parameters:
         scale = literal(32767.0 / (p["max"] - p["min"]), "float")
         low, high = literal(p["min"], "float"), literal(p["max"], "float")

@@ -13,7 +13,7 @@ from lutgen.errors import ExportError
 
 # The switches of the runtime: what its code depends on.
 SWITCHES = (
-    *("SMAP_FLOATS", "SMAP_INTEGERS", "SMAP_POINTS", "SMAP_POLY", "SMAP_PLANES", "SMAP_GRID"),
+    *("SMAP_FLOATS", "SMAP_INTEGERS", "SMAP_POINTS", "SMAP_POLY", "SMAP_TABLES", "SMAP_GRID"),
     *("SMAP_MANY", "SMAP_MANY_SEARCH"),
 )
 # A part, and the switches that need it; all always have it where none is named.
@@ -24,10 +24,10 @@ _PARTS: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("range", ()),
     ("positions", ("SMAP_POINTS", "SMAP_MANY")),
     ("chart", ()),
-    ("three", ("SMAP_POINTS", "SMAP_POLY", "SMAP_PLANES")),
+    ("three", ("SMAP_POINTS", "SMAP_POLY", "SMAP_TABLES")),
     ("poly", ("SMAP_POLY",)),
-    ("planes", ("SMAP_PLANES",)),
-    ("three_entry", ("SMAP_POINTS", "SMAP_POLY", "SMAP_PLANES")),
+    ("tables", ("SMAP_TABLES",)),
+    ("three_entry", ("SMAP_POINTS", "SMAP_POLY", "SMAP_TABLES")),
     ("grid", ("SMAP_GRID",)),
     ("grid_i", ("SMAP_GRID",)),
     ("grid_check", ("SMAP_GRID",)),

@@ -66,5 +66,7 @@ def _rows(blob: Blob) -> list[str]:
     for (begin, meaning), end in zip(blob.sections, ends, strict=True):
         lines += [f"  {line}" for line in comment_lines(f"{begin} {meaning}")]
         for at in range(begin, end, fit):
-            lines.append("  " + ",".join(str(byte) for byte in blob.bytes[at : min(at + fit, end)]) + ",")
+            lines.append(
+                "  " + ",".join(str(byte) for byte in blob.bytes[at : min(at + fit, end)]) + ","
+            )
     return lines

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from firmware_export.grid.spec import Spec
 from firmware_export.protocol import CArray, CBody, slack
 from firmware_export.protocol import Tables as AnyTables
-from firmware_export.truth import Model
+from firmware_export.truth import Cells, Model
 
 SPAN = 65534
 # Coordinates above every parameter's index.
@@ -32,7 +32,8 @@ MEANING = {
 
 class Place(NamedTuple):
     """Where an axis of the tables begins (rad or length), units of it for one rad or length, and the same
-    of steps: first unit, units for one step times 2^14."""
+    of steps: first unit, units for one step times 2^14.
+    """
 
     low: float
     inverse: float
@@ -200,6 +201,25 @@ class Tables(AnyTables):
         codes = sum(part.codes.nbytes for part in self.parts)
         return codes + 2 * len(knots) + 6 * sum(map(len, axes))
 
+    def body(self, integer: bool) -> CBody:
+        """Return the tables for the emitter."""
+        return c_body(self, integer)
+
+    def cells(self, model: Model) -> Cells:
+        """Return the knots of the tables: of |SD_g| where it is held, since that is what is bounded."""
+        part = next((part for part in self.parts if part.name == "sdg"), self.parts[0])
+        knots = {
+            coordinate: places.astype(np.float64) / places[-1]
+            for coordinate, places in zip(part.coordinates, part.knots, strict=True)
+        }
+        for at, parameter in enumerate(model.recipe.parameters):
+            if at in knots:  # the tables reach beyond the axis by what sensors may say
+                room = slack(parameter) / (parameter.maximum - parameter.minimum)
+                knots[at] = np.unique(np.clip(knots[at] * (1.0 + 2.0 * room) - room, 0.0, 1.0))
+        ends = np.array([0.0, 1.0])
+        v, u = ((2.0 * knots.get(at, ends) - 1.0) * model.chart_limit for at in (V, U))
+        return Cells(tuple(knots.get(at, ends) for at in range(model.k)), u, v)
+
 
 def c_body(tables: Tables, integer: bool) -> CBody:
     """Return the tables for the emitter, in the layout of runtime/grid.c."""
@@ -219,8 +239,12 @@ def c_body(tables: Tables, integer: bool) -> CBody:
         CArray("parts", "uint8_t", [len(tables.parts), 0, 0, 0], "tables", False),
     ]
     for low, inverse, first, rate in tables.places:
-        arrays.append(CArray("place", "float", [low, inverse], "where an axis begins, 1 / unit", False))
-        arrays.append(CArray("place in steps", "uint16_t", [first, rate], "the same of steps", False))
+        arrays.append(
+            CArray("place", "float", [low, inverse], "where an axis begins, 1 / unit", False)
+        )
+        arrays.append(
+            CArray("place in steps", "uint16_t", [first, rate], "the same of steps", False)
+        )
     for at, part in enumerate(tables.parts):
         offsets = [codes_at[at], axes_at[at], part.face_stride]
         gain, shift = part.gain
@@ -237,12 +261,16 @@ def c_body(tables: Tables, integer: bool) -> CBody:
             ),
         ]
     for part, axis in zip(tables.parts, axes, strict=True):
-        arrays.append(CArray(f"{part.name} axes", "uint16_t", axis, "coordinate, nodes, first knot"))
+        arrays.append(
+            CArray(f"{part.name} axes", "uint16_t", axis, "coordinate, nodes, first knot")
+        )
     arrays.append(CArray("knots", "uint16_t", knots, "0 to 65534 over an axis"))
     for part in tables.parts:
-        arrays.append(CArray(f"{part.name} codes", CTYPE[part.bits], part.codes, MEANING[part.name]))
+        arrays.append(
+            CArray(f"{part.name} codes", CTYPE[part.bits], part.codes, MEANING[part.name])
+        )
     sizes = dict(tables.steps)
     macros = (("SMAP_GRID", 1), ("SMAP_INTEGERS" if integer else "SMAP_FLOATS", 1))
     words = 1 + (params + 1) // 2
     pose = (words, words) if integer else (1 + params, 1 + params)
-    return CBody(GRID, tuple(arrays), 0, macros, pose, 1.0, tuple(sizes.items()))
+    return CBody(GRID, tuple(arrays), 0, macros, pose, lengths=tuple(sizes.items()))

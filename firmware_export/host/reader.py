@@ -28,6 +28,8 @@ READING = np.dtype(
 READING_I = np.dtype([("sdg", "<u2"), ("tip", "<i2"), ("height", "<u2"), ("over", "u1", 2)])
 # The functions that read each codec, by its number in runtime/blob.c.
 FAMILIES = {1: "three", 2: "three", 3: "three", 4: "grid", 5: "many"}
+# The same without floats.
+WHOLE = {3: "points", 4: "whole"}
 
 
 class Host:
@@ -42,7 +44,7 @@ class Host:
     def __init__(self, blob: Blob) -> None:
         self._blob = blob
         self._bytes = np.frombuffer(blob.bytes, np.uint8)
-        family = "whole" if blob.integer else FAMILIES[blob.codec]
+        family = (WHOLE if blob.integer else FAMILIES)[blob.codec]
         self._stem = f"smap_{family}_host_"
 
     def read(

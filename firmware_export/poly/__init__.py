@@ -3,8 +3,7 @@
 In reading order: `series`, `bound`, `fit`, `codec`.
 """
 
-from firmware_export.poly.bound import carries_everywhere, least_edge
-from firmware_export.poly.codec import INFO
-from firmware_export.poly.series import expand, rounds
+from firmware_export.poly.codec import INFO, least_edge_of
+from firmware_export.poly.series import rounds
 
-__all__ = ["INFO", "carries_everywhere", "expand", "least_edge", "rounds"]
+__all__ = ["INFO", "least_edge_of", "rounds"]

@@ -8,8 +8,9 @@ that takes sixteen times the bytes (`python -m benchmarks.export_bytes` measures
 """
 
 import math
+from functools import lru_cache
 
-from firmware_export.poly.bound import carries_everywhere
+from firmware_export.poly.bound import carries_everywhere, least_edge
 from firmware_export.poly.fit import (
     MOST_PARAMETERS,
     Spec,
@@ -30,6 +31,23 @@ POLY, STEPS, POSE = 2, 16000.0, (1 + 20 + 8, 1 + 8)
 __all__ = ["INFO", "Spec", "Tables", "c_body", "encode", "grow", "refusal", "start"]
 
 
+@lru_cache(maxsize=4)
+def least_edge_of(model: Model) -> float:
+    """Return a lower bound of any edge normal's length over the box and what sensors may say beyond it.
+
+    0 where there is none, or where the three contacts' facet is not a rest everywhere.
+    """
+    if not model.is_tripod or model.recipe.com_uncertainty > 0.0:
+        return 0.0
+    series = expand(widened(model))
+    accept = acceptance_of(model.recipe)
+    # Where nobody asks how far the robot rolls, a stage is as good as a rest.
+    width = accept.rest_width if math.isfinite(accept.rock_angle) else 0.0
+    if series is None or not carries_everywhere(series, accept.steepest, width):
+        return 0.0
+    return least_edge(series)
+
+
 def refusal(model: Model, arithmetic: str) -> str | None:
     """Return why the codec cannot hold this robot, in one sentence, or None."""
     if model.recipe.com_uncertainty > 0.0:
@@ -41,16 +59,12 @@ def refusal(model: Model, arithmetic: str) -> str | None:
             f"poly needs a robot on three point contacts (got {len(model.kind)} contacts"
             f"{', some of them round' if model.kind.any() else ''}); choose contacts or grid"
         )
-    series = expand(widened(model)) if model.k <= MOST_PARAMETERS else None
-    if series is None:
+    if model.k > MOST_PARAMETERS or expand(widened(model)) is None:
         return (
             "poly found no short polynomials for the contacts; the robot has too many parameters "
             "or does not move smoothly with them; choose contacts or grid"
         )
-    accept = acceptance_of(model.recipe)
-    # Where nobody asks how far the robot rolls, a stage is as good as a rest.
-    width = accept.rest_width if math.isfinite(accept.rock_angle) else 0.0
-    if not carries_everywhere(series, accept.steepest, width):
+    if least_edge_of(model) <= 0.0:
         return (
             "poly needs a support facet that is accepted in every posture of the box, and wide "
             "enough; narrow the parameters' limits, widen `upright`, lower `rest_width`, or choose "

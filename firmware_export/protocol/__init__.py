@@ -4,7 +4,16 @@ In reading order: `array`, `exported`, `blob`, `info`.
 """
 
 from firmware_export.protocol.array import CTYPES, CArray, CBody, literal
-from firmware_export.protocol.blob import VERSION, Blob, describe, restored, slack, stored, turns, widened
+from firmware_export.protocol.blob import (
+    VERSION,
+    Blob,
+    describe,
+    restored,
+    slack,
+    stored,
+    turns,
+    widened,
+)
 from firmware_export.protocol.exported import Export
 from firmware_export.protocol.info import CodecInfo, Foresight, Tables
 

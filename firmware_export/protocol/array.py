@@ -97,6 +97,8 @@ class CBody:
         Words of 32 bits of a pose beside the map's address: with both forms, and with integers alone.
     step : float
         Length of one step of the integer form.
+    rounded : int
+        By how many 1/32767 the integer form may read a sine too high.
     lengths : tuple of (str, float), optional
         The step of ``"sdg"`` and of ``"height"`` where they are not `step`.
     """
@@ -107,6 +109,7 @@ class CBody:
     macros: tuple[tuple[str, int], ...] = ()
     pose: tuple[int, int] = (1, 1)
     step: float = 1.0
+    rounded: int = 3
     lengths: tuple[tuple[str, float], ...] | None = None
 
     @property

@@ -21,8 +21,6 @@ VERSION = 2
 # What sensors of joints may say beyond the end of an axis: rad, and parts of an axis of lengths.
 SLACK, SLACK_SHARE = math.radians(0.5), 0.005
 TURN = 2.0 * math.pi
-# By how many 1/32767 the integer form may read a sine too high: its walls are rounded to 1/16383.
-ROUNDED = 3
 # A hair by which the rim of the chart is widened: rounding of a quotient.
 HAIR = 1e-6
 CHANNEL_BITS = {"sdg": 1, "tip_angle": 2, "height": 4}
@@ -89,12 +87,14 @@ def describe(export: Export, body: CBody) -> Blob:
     meaning = "version, codec, parameters, channels, faces of the chart, contacts"
     arrays = [
         CArray("head", "uint8_t", head, meaning),
-        CArray("limit", "float", [model.chart_limit * (1.0 + HAIR)], "largest |u|, |v|, a hair wide"),
+        CArray(
+            "limit", "float", [model.chart_limit * (1.0 + HAIR)], "largest |u|, |v|, a hair wide"
+        ),
         CArray("guard", "float", [guard], "guard, rad"),
         CArray("step", "float", [body.step], "length of a step of the integer form"),
         CArray(
             *("whole", "uint16_t"),
-            [min(math.ceil(guard * 32767.0) + ROUNDED, 32767), limit],
+            [min(math.ceil(guard * 32767.0) + body.rounded, 32767), limit],
             "guard in 1/32767, largest |u|, |v| in 1/4096",
         ),
         *_axes(model),
@@ -120,7 +120,9 @@ def _axes(model: Model) -> Iterator[CArray]:
         steps = math.floor(max(room, 0.0) / span * 32767.0)
         exact = round_ and abs(span - TURN) < 1e-6
         ends = [parameter.minimum, parameter.maximum, room]
-        comment = f"{parameter.name}, {parameter.unit}: ends, slack (-1: it turns all the way round)"
+        comment = (
+            f"{parameter.name}, {parameter.unit}: ends, slack (-1: it turns all the way round)"
+        )
         yield CArray(f"axis {index}", "float", ends, comment)
         yield CArray(
             *(f"axis {index} in steps", "uint16_t"),
@@ -151,4 +153,3 @@ def restored(held: Mapping[str, Any]) -> Blob:
     if zlib.crc32(packed[4:]).to_bytes(4, "little") != packed[:4]:
         raise ValueError("its CRC-32 is another")
     return Blob(packed, (), int(held["codec"]), int(held["params"]), bool(held["integer"]))
-

@@ -106,9 +106,9 @@ static int smap_check_body(const smap_t *map, smap_bytes_t limit)
   case SMAP_CODEC_POLY:
     return smap_check_poly(map, limit);
 #endif
-#if SMAP_PLANES
-  case SMAP_CODEC_PLANES:
-    return smap_check_planes(map, limit);
+#if SMAP_TABLES
+  case SMAP_CODEC_TABLES:
+    return smap_check_tables(map, limit);
 #endif
 #if SMAP_GRID
   case SMAP_CODEC_GRID:

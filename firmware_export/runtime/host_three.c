@@ -15,7 +15,7 @@
 #define SMAP_HARDWARE_ROOT 1
 #define SMAP_POINTS 1
 #define SMAP_POLY 1
-#define SMAP_PLANES 0
+#define SMAP_TABLES 1
 #define SMAP_GRID 0
 #define SMAP_MANY 0
 #define SMAP_MAX_PARAMS 64
@@ -32,6 +32,7 @@
 #include "chart.c"
 #include "three.c"
 #include "poly.c"
+#include "tables.c"
 #include "three_entry.c"
 #include "steps.c"
 #include "check.c"

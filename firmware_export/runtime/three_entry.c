@@ -42,10 +42,13 @@ SMAP_INLINE int8_t smap_three_of(const smap_t *map, const float *params, smap_th
     break;
   }
 #endif
-#if SMAP_PLANES
-  case SMAP_CODEC_PLANES:
-    stands = smap_planes(map, q, out);
+#if SMAP_TABLES
+  case SMAP_CODEC_TABLES: {
+    float p[9];
+    smap_table_points(map, q, p);
+    stands = smap_three_make(p, 0, 0.0f, -2.0f, 0.0f, out);
     break;
+  }
 #endif
   default:
     break;
@@ -131,6 +134,41 @@ static int8_t smap_run_pose(const smap_t *map, const float *params, void *pose, 
   }
 #endif
   return head->status;
+}
+#endif
+
+#if !SMAP_FLOATS
+static int8_t smap_run_pose_q(const smap_t *map, const int16_t *params_q, void *pose, uint16_t bytes,
+                              uint8_t forms)
+{
+  smap_three_pose_i_t *const made = (smap_three_pose_i_t *)pose;
+  uint16_t place[SMAP_MAX_PARAMS];
+  if (!smap_begin(map, pose, bytes, forms, sizeof *made)) {
+    return SMAP_INVALID;
+  }
+  made->head.status = smap_table_places(map, params_q, place);
+  if (made->head.status == SMAP_OK) {
+    smap_table_make(map, place, &made->whole);
+  }
+  return made->head.status;
+}
+
+static int8_t smap_run_read_i(const smap_t *map, const int16_t *params_q, const int16_t *gravity_q,
+                              smap_reading_i_t *out)
+{
+  uint16_t place[SMAP_MAX_PARAMS];
+  smap_three_i_t made;
+  int32_t g[3];
+  uint32_t length;
+  int8_t status = smap_table_places(map, params_q, place);
+  if (status == SMAP_OK) {
+    status = smap_direction_i(map, gravity_q, g, &length);
+  }
+  if (SMAP_RARELY(status != SMAP_OK)) {
+    return smap_refuse_i(out, status);
+  }
+  smap_table_make(map, place, &made);
+  return smap_three_read_i(map, smap_three_order(map), &made, g, length, out);
 }
 #endif
 

@@ -7,7 +7,6 @@ takes a minute, so a size says beforehand what it will cost.
 """
 
 import math
-from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -24,20 +23,19 @@ from firmware_export.grid import (
     Tables,
     U,
     active_axes,
-    is_smooth,
+    grow,
     lattice_of,
     length_table,
     part_of,
     places_of,
     rounding,
     spread_knots,
+    start,
     tip_part,
     too_large,
 )
-from firmware_export.grid import (
-    INFO as GRID,
-)
-from firmware_export.protocol import Foresight, widened
+from firmware_export.poly import least_edge_of
+from firmware_export.protocol import CodecInfo, Foresight, widened
 from firmware_export.truth import Model
 from firmware_export.verdict import train
 from firmware_export.verdict.knots import balanced, chosen_knots
@@ -52,7 +50,7 @@ SIGN_ONLY = (
 def refusal(model: Model, arithmetic: str) -> str | None:
     """Return why the codec cannot be used, or None."""
     problem = too_large(model, arithmetic)
-    if problem is None and is_smooth(widened(model)):
+    if problem is None and least_edge_of(model) > 0.0:
         return "the region of this robot does not jump"
     return problem
 
@@ -92,7 +90,9 @@ def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
     tip, text = _tip_table(model, shape, spec.bits)
     parts = [length_table(model, name, n, spec.bits, _knots(model)) for name, n in lengths]
     guard = rounding(tip)
-    return Tables(spec, channels, (tip, *parts), model.chart_limit, places, guard, text, (SIGN_ONLY,))
+    return Tables(
+        spec, channels, (tip, *parts), model.chart_limit, places, guard, text, (SIGN_ONLY,)
+    )
 
 
 def blank(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
@@ -146,4 +146,18 @@ def costly(model: Model) -> Foresight | None:
     return None if model.is_tripod else Foresight(of_nodes, blank)
 
 
-INFO = replace(GRID, refusal=refusal, encode=encode, costly=costly)
+INFO = CodecInfo(
+    name="grid",
+    switches={"float": "SMAP_GRID", "integer": "SMAP_GRID"},
+    look=("#D55E00", "s"),
+    refusal=refusal,
+    sizes=start,
+    grow=grow,
+    encode=encode,
+    c_body=lambda tables, integer: tables.body(integer),
+    read_label=Spec.of_label,
+    bytes=lambda spec: int(spec.bytes),
+    cells=lambda model, tables: tables.cells(model),
+    costly=costly,
+    encodings=44,
+)

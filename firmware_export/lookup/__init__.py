@@ -1,0 +1,8 @@
+"""Codec `grid` for three contacts: their positions looked up, exact in gravity; also without floats.
+
+In reading order: `fit`, `codec`.
+"""
+
+from firmware_export.lookup.codec import INFO
+
+__all__ = ["INFO"]

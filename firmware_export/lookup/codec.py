@@ -1,0 +1,214 @@
+"""Codec `grid` for three contacts whose facet is a rest in every posture.
+
+Facade of the codec protocol.  Positions are looked up over the parameters alone; facet, walls and readings
+follow from them exactly for every direction, with floats or without.  The guard is what wrong positions can
+turn a tip-over plane.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from firmware_export.grid import Spec as TableSpec
+from firmware_export.lookup.fit import (
+    MOST_AXES,
+    Point,
+    bounds,
+    depends_on,
+    fit_point,
+    pairs,
+    reach_of,
+)
+from firmware_export.poly import least_edge_of, rounds
+from firmware_export.protocol import CArray, CBody, CodecInfo, slack, widened
+from firmware_export.protocol import Tables as AnyTables
+from firmware_export.truth import Cells, Model
+
+# Its number in runtime/blob.c; words of a pose with floats (head, floats, integers) and without.
+TABLES, POSE, POSE_I = 3, (1 + 20 + 8, 1 + 8), (1 + 8, 1 + 8)
+MOST_NODES, MOST_CODES = 65, 1 << 15
+# rad; rounding of the float path.  Units by which integers misplace a point, and 1/32767 by which they read
+# a sine too high.
+ROUNDING, MISPLACED, ROUNDED = 4e-6, 4.0, 9
+
+
+@dataclass(frozen=True)
+class Spec:
+    """A size: bits of a code, and per point the nodes along each parameter, 1 where it does not depend."""
+
+    bits: int
+    nodes: tuple[tuple[int, ...], ...]
+
+    @property
+    def label(self) -> str:
+        """Short text, such as ``grid i8 4x1 1x4 1x1``."""
+        return f"grid i{self.bits} " + " ".join(
+            "x".join(map(str, one)) or "1" for one in self.nodes
+        )
+
+    @classmethod
+    def of_label(cls, label: str) -> "Spec":
+        """Return the size with a label.
+
+        Examples
+        --------
+        >>> Spec.of_label("grid i8 4x1 1x4 1x1").nodes
+        ((4, 1), (1, 4), (1, 1))
+        """
+        _, bits, *words = label.split()
+        return cls(int(bits[1:]), tuple(tuple(map(int, word.split("x"))) for word in words))
+
+    @property
+    def bytes(self) -> int:
+        """Bytes of the codes, known before anything is encoded."""
+        return sum(3 * math.prod(one) for one in self.nodes) * self.bits // 8
+
+
+@dataclass(frozen=True, eq=False)
+class Tables(AnyTables):
+    """The three points in the order of the runtime; `unit` is the length of a unit."""
+
+    spec: Spec
+    channels: tuple[str, ...]
+    points: tuple[Point, ...]
+    places: tuple[tuple[float, float, int, int], ...]
+    order: int
+    unit: float
+    guard: float
+    guard_text: str
+
+    @property
+    def bytes(self) -> int:
+        """Bytes of all tables."""
+        return sum(one.codes.nbytes + 1 + 2 * len(one.axes) for one in self.points)
+
+    def body(self, integer: bool) -> CBody:
+        """Return the tables for the emitter, in the layout of runtime/tables.c."""
+        arrays = [
+            CArray("unit", "float", [self.unit], "length of one unit", False),
+            CArray(
+                "order",
+                "uint8_t",
+                [int(self.spec.bits == 16), 0, 0, self.order],
+                "bits, order",
+                False,
+            ),
+        ]
+        for low, inverse, first, rate in self.places:
+            arrays.append(
+                CArray("place", "float", [low, inverse], "where an axis begins, 1 / span", False)
+            )
+            arrays.append(
+                CArray("place in steps", "uint16_t", [first, rate], "the same of steps", False)
+            )
+        for one in self.points:
+            axes = [
+                n
+                for axis, count in zip(one.axes, one.codes.shape, strict=False)
+                for n in (axis, count)
+            ]
+            arrays.append(
+                CArray("axes", "uint8_t", [len(one.axes), *axes], "axes: parameter, nodes")
+            )
+        ctype = f"int{self.spec.bits}_t"
+        for one in self.points:
+            arrays.append(CArray("codes", ctype, one.codes, "x, y, z of each node"))
+        forms = (("SMAP_INTEGERS", 1),) if integer else (("SMAP_FLOATS", 1), ("SMAP_INTEGERS", 1))
+        pose = POSE_I if integer else POSE
+        body = CBody(TABLES, tuple(arrays), 3, (("SMAP_TABLES", 1), *forms), pose, self.unit)
+        return replace(body, rounded=ROUNDED)
+
+    def cells(self, model: Model) -> Cells:
+        """Return the knots of the tables."""
+        knots = []
+        for axis, p in enumerate(model.recipe.parameters):
+            room = slack(p) / (p.maximum - p.minimum)
+            counts = [n[axis] for n in self.spec.nodes]
+            t = np.linspace(0.0, 1.0, max(*counts, 2)) * (1.0 + 2.0 * room) - room
+            knots.append(np.unique(np.clip(t, 0.0, 1.0)))
+        rim = np.array([-model.chart_limit, model.chart_limit])
+        return Cells(tuple(knots), rim, rim)
+
+
+def refusal(model: Model, arithmetic: str) -> str | None:
+    """Return why the codec cannot be used, or None."""
+    if model.recipe.com_uncertainty > 0.0:
+        return "grid holds no com_uncertainty; choose the codec contacts"
+    if not model.is_tripod or least_edge_of(model) <= 0.0:
+        return "grid looks up three contacts whose facet is a rest in every posture"
+    if any(len(depends_on(widened(model), one)) > MOST_AXES for one in range(3)):
+        return f"grid looks up contacts that depend on at most {MOST_AXES} parameters"
+    return None
+
+
+def start(model: Model, channels: tuple[str, ...], arithmetic: str) -> list[Spec]:
+    """Return the smallest sensible size for each bit width."""
+    wide = widened(model)
+    nodes = tuple(
+        tuple(3 if axis in depends_on(wide, one) else 1 for axis in range(model.k))
+        for one in rounds(model)
+    )
+    return [Spec(8, nodes), Spec(16, nodes)]
+
+
+def grow(model: Model, spec: Spec) -> list[Spec]:
+    """Return the next larger sizes: a node more along one parameter, for all points that move with it."""
+    found = []
+    for axis in range(model.k):
+        nodes = tuple(
+            tuple(n + int(at == axis and 1 < n < MOST_NODES) for at, n in enumerate(one))
+            for one in spec.nodes
+        )
+        larger = Spec(spec.bits, nodes)
+        if larger != spec and larger.bytes <= MOST_CODES:
+            found.append(larger)
+    if len(found) > 1:
+        nodes = tuple(tuple(n + int(1 < n < MOST_NODES) for n in one) for one in spec.nodes)
+        found.append(Spec(spec.bits, nodes))
+    return found
+
+
+def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
+    """Fit the tables of one size, and bound the guard."""
+    wide, unit = bounds(model)
+    order = rounds(model)
+    points = tuple(
+        fit_point(wide, one, tuple(n for n in nodes if n > 1), spec.bits, unit)
+        for one, nodes in zip(order, spec.nodes, strict=True)
+    )
+    errors = [point.error + MISPLACED * unit for point in points]
+    off = pairs(errors, reach_of(wide)) / least_edge_of(model)
+    guard = ROUNDING + (math.asin(off) if off < 1.0 else math.pi)
+    places = []
+    for p in model.recipe.parameters:
+        room, span = slack(p), p.maximum - p.minimum
+        whole = span + 2.0 * room
+        first, rate = round(room / whole * 65536.0), round(span / whole * 2.0**30 / 32767.0)
+        places.append((p.minimum - room, 1.0 / whole, first, rate))
+    text = "what the errors of the tables' positions can turn a tip-over plane"
+    code = order[0] | order[1] << 2 | order[2] << 4
+    return Tables(spec, channels, points, tuple(places), code, unit, guard, text)
+
+
+def read_label(label: str) -> Any:
+    """Return the size with a label; those of the tables over gravity begin with u8 or u16."""
+    return (Spec if label.split()[1].startswith("i") else TableSpec).of_label(label)
+
+
+INFO = CodecInfo(
+    name="grid",
+    switches={"float": "SMAP_TABLES", "integer": "SMAP_TABLES"},
+    look=("#D55E00", "s"),
+    refusal=refusal,
+    sizes=start,
+    grow=grow,
+    encode=encode,
+    # The codec of the same name for other robots has tables of its own.
+    c_body=lambda tables, integer: tables.body(integer),
+    read_label=read_label,
+    bytes=lambda spec: int(spec.bytes),
+    cells=lambda model, tables: tables.cells(model),
+    encodings=60,
+)

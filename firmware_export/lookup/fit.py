@@ -1,0 +1,142 @@
+"""Tables of three contact points over the parameters, and how far what is read from them can be off.
+
+Owns the nodes: evenly spaced, and shifted by half of what a chord is away from its arc, so that points lie
+off on both sides alike.  A table has the axes on which its point depends.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from firmware_export.protocol import widened
+from firmware_export.truth import Model, combinations
+from lutgen.vector import Floats
+
+# Units from the com to the furthest contact: products of two of them stay in 31 bits.
+UNITS = 16000
+MOST_AXES = 4
+# Places between two nodes at which errors are looked at, by the number of axes; what may lie between.
+BETWEEN = {0: 1, 1: 16, 2: 8, 3: 4, 4: 3}
+MORE = 1.05
+PROBES = 9
+NEGLIGIBLE = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """The table of one contact.
+
+    Parameters
+    ----------
+    axes : tuple of int
+        Parameters on which it depends.
+    codes : (nodes..., 3) int16 or int8
+        x, y, z in units, or in 128 units.
+    error : float
+        How far (length) the point that is read can be from the contact.
+    """
+
+    axes: tuple[int, ...]
+    codes: NDArray[np.int16] | NDArray[np.int8]
+    error: float
+
+
+@lru_cache(maxsize=4)
+def depends_on(model: Model, contact: int) -> tuple[int, ...]:
+    """Return the parameters on which a contact's position relative to the com depends."""
+    rng = np.random.default_rng(6)
+    found = []
+    for axis in range(model.k):
+        t = np.repeat(rng.random((12, 1, model.k)), PROBES, axis=1)
+        t[:, :, axis] = np.linspace(0.0, 1.0, PROBES)
+        p = _contact(model, contact, t.reshape(-1, model.k)).reshape(12, PROBES, 3)
+        if np.abs(p - p[:, :1]).max() > NEGLIGIBLE * np.abs(p).max():
+            found.append(axis)
+    return tuple(found)
+
+
+def _contact(model: Model, contact: int, t: Floats) -> Floats:
+    """Return the positions (m, 3) of a contact at places t (m, k) of the box."""
+    return model.postures(model.at(t)).centres[:, contact]
+
+
+def reach_of(model: Model) -> float:
+    """Return how far (length) a contact is from the com at most, in many postures."""
+    t = np.random.default_rng(7).random((4000, model.k))
+    t[:1000] = np.rint(t[:1000])
+    return 1.02 * float(np.sqrt((model.postures(model.at(t)).centres ** 2).sum(axis=2)).max())
+
+
+def fit_point(model: Model, contact: int, nodes: tuple[int, ...], bits: int, unit: float) -> Point:
+    """Return the table of one contact.
+
+    Parameters
+    ----------
+    model : Model
+        Its box is what sensors may say (`widened`).
+    contact : int
+    nodes : tuple of int
+        Along each axis on which it depends.
+    bits : int
+        Of a code: 8 or 16.
+    unit : float
+        Length of a unit.
+    """
+    axes = depends_on(model, contact)
+
+    def exact(places: list[Floats]) -> Floats:
+        grid = combinations(places)
+        t = np.full((len(grid), model.k), 0.5)
+        t[:, list(axes)] = grid
+        shape = (*(len(one) for one in places), 3)
+        return _contact(model, contact, t).reshape(shape)
+
+    knots = [np.linspace(0.0, 1.0, n) for n in nodes]
+    values = exact(knots)
+    shift = np.zeros_like(values)
+    for axis, knot in enumerate(knots):
+        middles = [*knots]
+        middles[axis] = (knot[1:] + knot[:-1]) / 2.0
+        before = np.moveaxis(values, axis, 0)
+        sag = np.moveaxis(exact(middles), axis, 0) - (before[1:] + before[:-1]) / 2.0
+        both = np.concatenate([sag[:1], (sag[1:] + sag[:-1]) / 2.0, sag[-1:]])
+        shift += np.moveaxis(both, 0, axis) / 2.0
+    step = unit * (128 if bits == 8 else 1)
+    most = 127 if bits == 8 else 16383
+    codes = np.clip(np.rint((values + shift) / step), -most, most)
+    places = BETWEEN[len(axes)]
+    fine = [np.linspace(0.0, 1.0, (n - 1) * places + 1) for n in nodes]
+    away = _interpolated(codes * step, fine) - exact(fine)
+    error = MORE * float(np.sqrt((away**2).sum(axis=-1)).max())
+    return Point(axes, codes.astype(np.int8 if bits == 8 else np.int16), error)
+
+
+def _interpolated(values: Floats, places: list[Floats]) -> Floats:
+    """Return what is read at combinations of places, one list for each axis."""
+    result = values
+    for axis, place in enumerate(places):
+        last = values.shape[axis] - 1
+        x = place * last
+        cell = np.minimum(x.astype(np.intp), last - 1)
+        part = (x - cell).reshape(-1, *[1] * (result.ndim - 1))
+        moved = np.moveaxis(result, axis, 0)
+        result = np.moveaxis(moved[cell] * (1.0 - part) + moved[cell + 1] * part, 0, axis)
+    return result
+
+
+def bounds(model: Model) -> tuple[Model, float]:
+    """Return the model over what sensors may say, and the length of a unit."""
+    wide = widened(model)
+    return wide, reach_of(wide) / UNITS
+
+
+def pairs(errors: list[float], reach: float) -> float:
+    """Return by how much (area) an edge normal can be off at most."""
+    most = 0.0
+    for i, j in product(range(3), repeat=2):
+        if i != j:
+            most = max(most, errors[i] * reach + errors[j] * reach + errors[i] * errors[j])
+    return most
