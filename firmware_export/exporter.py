@@ -34,6 +34,8 @@ ATTEMPTS = 6
 # Certificates of one choice, each but the first after the guard was raised: by so many times what
 # was found beyond it, and by so many rad at least and at most.
 GUARDS, BEYOND, LEAST_GUARD, MOST_GUARD = 4, 2.0, 5e-4, 0.05
+# Share of what stands that an export may report as unsafe at most.
+USELESS = 0.25
 # Bytes of the export that is made where nothing was asked for and nothing reaches the knee.
 ROOM = 64 * 1024
 
@@ -133,6 +135,7 @@ def export(
     tell(f"looking for the best of {', '.join(one.name for one in codecs)}")
     trials = Trials(model, label, held, arithmetic)
     chosen, certificate, bound = _certified(trials, codecs, size, bound, points, tell)
+    _refuse_useless(certificate, chosen, model.recipe.source)
     tell("writing")
     result = described(certificate, chosen.export) | {
         "error_percent": certificate.error_of(certificate.bounded[0], relative=True),
@@ -140,7 +143,18 @@ def export(
         "candidates": len(trials.tried),
     }
     final = replace(chosen.export, certificate=result, pareto=front(trials, chosen))
-    return Report(write(final, directory))
+    return Report(write(final, directory, tell))
+
+
+def _refuse_useless(certificate: Certificate, chosen: Candidate, source: str) -> None:
+    """Refuse an export that says of most of what stands that it tips."""
+    if certificate.false_tip > USELESS:
+        raise ExportError(
+            f"{source}: the export would report too much of what stands as unsafe (got "
+            f"{100.0 * certificate.false_tip:.3g} % for {chosen.label}, more than "
+            f"{100.0 * USELESS:.0f} %); allow more flash, narrow the parameters, or choose another "
+            "--codec."
+        )
 
 
 def _recipe(source: str | os.PathLike[str] | StabilityMap | Recipe, allow_python: bool) -> Recipe:

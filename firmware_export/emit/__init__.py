@@ -1,7 +1,7 @@
 """An export written as C, with its report.
 
 In reading order: `names`, `text`, `size`, `runtime`, `facts`, `words`, `header`, `source`,
-`example`, `project_files`, `page`, `figure`, `report`, `package`.
+`example`, `alarm`, `project_files`, `page`, `figure`, `report`, `trial`, `package`.
 """
 
 from firmware_export.emit.facts import flash_bytes

@@ -4,24 +4,33 @@ Owns what a folder holds and when it may be replaced; the contents come from the
 """
 
 import hashlib
+import json
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from firmware_export.emit import report as reports
+from firmware_export.emit.alarm import alarm_text, sketch_text
 from firmware_export.emit.example import example_text
-from firmware_export.emit.facts import report
+from firmware_export.emit.facts import MARKER, report
 from firmware_export.emit.figure import draw_pareto
 from firmware_export.emit.header import header_text
 from firmware_export.emit.names import check_name
 from firmware_export.emit.page import page
-from firmware_export.emit.project_files import cmake_lists, library_json, library_properties
+from firmware_export.emit.project_files import (
+    cmake_lists,
+    library_json,
+    library_properties,
+    zephyr_cmake,
+    zephyr_module,
+)
 from firmware_export.emit.runtime import features, runtime_file, runtime_text
 from firmware_export.emit.source import body_of, described, source_text
+from firmware_export.emit.trial import try_out
 from firmware_export.protocol import Export, stored
 from lutgen.errors import ExportError, InputError
 
@@ -38,11 +47,7 @@ def contents(export: Export) -> tuple[dict[str, bytes], dict[str, Any]]:
     body = body_of(export)
     jumps = bool((export.certificate or {}).get("jumps"))
     picture = draw_pareto(export.pareto or [], "99th percentile of the" if jumps else "largest")
-    names = [f"{name}.h", f"{name}.c", "smap.h", "smap.c", "smap_config.h", "example.c"]
-    names += ["CMakeLists.txt", "library.json", "library.properties", "LICENSE"]
-    names += [f"{name}{reports.SUFFIX}", f"{name}_report.md"]
-    names += [f"{name}_pareto.png"] if picture else []
-    content = report(export, body, names)
+    content = report(export, body, [])
     source = source_text(export, body)
     digest = hashlib.sha256(source.encode("utf-8")).hexdigest()
     content["tables"] = {"source_sha256": digest, **stored(described(export, body))}
@@ -52,14 +57,21 @@ def contents(export: Export) -> tuple[dict[str, bytes], dict[str, Any]]:
         "smap.h": runtime_file("smap.h"),
         "smap.c": runtime_text(features(body)),
         "smap_config.h": runtime_file("smap_config.h"),
-        "example.c": example_text(content),
+        "examples/read.c": example_text(content),
+        "examples/alarm.c": alarm_text(content),
+        f"examples/{name}/{name}.ino": sketch_text(content),
         "CMakeLists.txt": cmake_lists(export),
         "library.json": library_json(export),
         "library.properties": library_properties(export),
+        "zephyr/module.yml": zephyr_module(export),
+        "zephyr/CMakeLists.txt": zephyr_cmake(export),
         "LICENSE": runtime_file("LICENSE"),
-        f"{name}{reports.SUFFIX}": reports.json_text(content),
         f"{name}_report.md": page(content, body, f"{name}_pareto.png" if picture else None),
     }
+    texts = {key: text for key, text in texts.items() if text}
+    last = f"{name}{reports.SUFFIX}"
+    content["files"] = [*texts, last, *([f"{name}_pareto.png"] if picture else [])]
+    texts[last] = reports.json_text(content)
     files = {key: text.encode("utf-8") for key, text in texts.items()}
     if picture:
         files[f"{name}_pareto.png"] = picture
@@ -67,14 +79,26 @@ def contents(export: Export) -> tuple[dict[str, bytes], dict[str, Any]]:
 
 
 def _ours(directory: Path) -> set[str]:
-    """Return the names that an earlier export into a folder left there."""
+    """Return the names that an earlier export into a folder left there, of any format."""
     names: set[str] = set()
     for path in reports.find(directory):
         try:
-            names |= {str(name) for name in reports.load_file(path)["files"]} | {path.name}
-        except InputError:
+            content = json.loads(path.read_text(encoding="utf-8"))
+            names |= {str(name) for name in content["files"] if MARKER in content} | {path.name}
+        except (OSError, ValueError, KeyError, TypeError):
             continue
     return names
+
+
+def _held(directory: Path) -> list[str]:
+    """Return the files in a folder and below, and folders without any, by their names from there."""
+    found = []
+    for root, folders, names in os.walk(directory):
+        place = Path(root).relative_to(directory)
+        found += [(place / name).as_posix() for name in names]
+        if not folders and not names and place != Path():
+            found.append(place.as_posix())
+    return sorted(found)
 
 
 def check_directory(directory: str | os.PathLike[str]) -> Path:
@@ -93,13 +117,12 @@ def check_directory(directory: str | os.PathLike[str]) -> Path:
             return path
         if not path.is_dir():
             raise InputError(f"{path}: is no folder (got a file); name a folder for the export.")
-        held = sorted(entry.name for entry in path.iterdir())
+        held = _held(path)
         ours = _ours(path)
     except OSError as error:
         raise _unwritable(path, error) from error
     for name in held:
-        foreign = name not in ours or (path / name).is_dir()
-        if foreign and not name.startswith(_STAGE):
+        if name not in ours and not name.startswith(_STAGE):
             raise InputError(
                 f"{path}: holds a file that is not of an export (got {name!r}); "
                 "name an empty folder, or remove it."
@@ -107,7 +130,11 @@ def check_directory(directory: str | os.PathLike[str]) -> Path:
     return path
 
 
-def write(export: Export, directory: str | os.PathLike[str]) -> dict[str, Any]:
+def write(
+    export: Export,
+    directory: str | os.PathLike[str],
+    tell: Callable[[str], None] | None = None,
+) -> dict[str, Any]:
     """Write an export folder; an earlier export there is replaced.
 
     Parameters
@@ -116,14 +143,23 @@ def write(export: Export, directory: str | os.PathLike[str]) -> dict[str, Any]:
         What to write.
     directory : path
         See `check_directory`.
+    tell : callable, optional
+        What is written is first compiled and run, and this is called with what came of it.
 
     Returns
     -------
     dict
         The content of NAME_report.json.
+
+    Raises
+    ------
+    ExportError
+        If it does not compile or run, or cannot be written.
     """
     path = check_directory(directory)
     files, content = contents(export)
+    if tell is not None:
+        tell(try_out(files, export.name))
     try:
         if path.is_dir():
             _replace(path, files, f"{export.name}{reports.SUFFIX}")
@@ -163,21 +199,29 @@ def _stage(parent: Path) -> Iterator[Path]:
 
 def _fill(stage: Path, files: dict[str, bytes]) -> None:
     for name, content in files.items():
+        (stage / name).parent.mkdir(parents=True, exist_ok=True)
         (stage / name).write_bytes(content)
 
 
 def _replace(path: Path, files: dict[str, bytes], first: str) -> None:
     """Move all files into a folder that exists, once they are all on its disk."""
-    old = {entry.name for entry in path.iterdir()} - set(files)
+    old = set(_held(path)) - set(files)
     with _stage(path) as stage:
         _fill(stage, files)
         # The report first: it names the others, so that even a power cut between two moves leaves
         # a folder that is known as an export's.
         for name in sorted(files, key=lambda name: name != first):
+            (path / name).parent.mkdir(parents=True, exist_ok=True)
             (stage / name).replace(path / name)
     # Their own report last, for the same reason.
     for name in sorted(old, key=lambda name: name.endswith(reports.SUFFIX)):
         if name.startswith(_STAGE):
-            shutil.rmtree(path / name, ignore_errors=True)
+            shutil.rmtree(path / name.split("/")[0], ignore_errors=True)
+        elif (path / name).is_dir():
+            (path / name).rmdir()
         else:
             (path / name).unlink(missing_ok=True)
+            parent = (path / name).parent
+            while parent != path and not any(parent.iterdir()):
+                parent.rmdir()
+                parent = parent.parent

@@ -1,0 +1,85 @@
+"""What was written is compiled and run, where there is a compiler.
+
+Owns the trial: the map with warnings as errors, and both examples, on this machine.
+"""
+
+import os
+import shlex
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+
+from lutgen.errors import ExportError
+
+FLAGS = ("-std=c99", "-O1", "-ffp-contract=off", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
+# Of a compiler that knows other warnings than those that the runtime is written for.
+PLAIN = ("-std=c99", "-O1", "-ffp-contract=off")
+PATIENCE = 300.0
+
+
+def compiler() -> list[str] | None:
+    """Return the words that call the C compiler of this machine, None where there is none."""
+    asked = shlex.split(os.environ.get("CC", ""))
+    names = [asked] if asked else [["cc"], ["gcc"], ["clang"]]
+    return next((words for words in names if shutil.which(words[0])), None)
+
+
+def try_out(files: Mapping[str, bytes], name: str) -> str:
+    """Compile and run an export; return a sentence for people.
+
+    Parameters
+    ----------
+    files : mapping
+        The files of the folder by name.
+    name : str
+        Of the export.
+
+    Raises
+    ------
+    ExportError
+        If it does not compile, or its example does not run.
+    """
+    words = compiler()
+    if words is None:
+        return "not compiled: there is no C compiler here"
+    with tempfile.TemporaryDirectory(prefix="lutgen-") as place:
+        folder = Path(place)
+        for file, content in files.items():
+            if file.endswith((".c", ".h")):
+                (folder / file).parent.mkdir(parents=True, exist_ok=True)
+                (folder / file).write_bytes(content)
+        for example in ("read", "alarm"):
+            if f"examples/{example}.c" in files:
+                _built(words, folder, name, example)
+                _run([str(folder / example)], folder, name)
+    return f"compiled and run with {' '.join(words)}"
+
+
+def _built(words: list[str], folder: Path, name: str, example: str) -> None:
+    """Build an example with the map: without warnings, or at least so that it runs."""
+    sources = ["-I.", f"{name}.c", f"examples/{example}.c", "-o", example]
+    try:
+        _run([*words, *FLAGS, *sources], folder, name)
+    except ExportError:
+        _run([*words, *PLAIN, *sources], folder, name)
+
+
+def _run(arguments: list[str], folder: Path, name: str) -> None:
+    try:
+        done = subprocess.run(
+            arguments, cwd=folder, capture_output=True, text=True, timeout=PATIENCE, check=False
+        )
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise ExportError(
+            f"{name}: what was written cannot be tried (got {type(error).__name__} of "
+            f"{arguments[0]}); set CC to a C compiler that works."
+        ) from error
+    if done.returncode:
+        lines = done.stderr.splitlines()
+        said = next((line for line in lines if "error" in line), next(iter(lines), "nothing"))
+        raise ExportError(
+            f"{name}: what was written does not compile or run (got {said.strip()!r} of "
+            f"{Path(arguments[0]).name}); give another --name, or report this."
+        )
