@@ -35,12 +35,14 @@ FLAGS = (*TARGET_FLAGS, "-std=c99", "-ffp-contract=off", "--specs=picolibc.specs
 ALLOWED = frozenset(("memcpy", "memset"))
 # Arrays on the stack are as large as a map needs: two joints, and three points or twelve discs.
 USUAL = {"SMAP_MAX_PARAMS": 2, "SMAP_MAX_ENTRIES": 8, "SMAP_MAX_COORDINATES": 42}
+SEARCHED = {"SMAP_MANY_RAILS": 0}
 SETS = (
     ("SMAP_POINTS", "SMAP_FLOATS", "SMAP_INTEGERS"),
     ("SMAP_POLY", "SMAP_FLOATS", "SMAP_INTEGERS"),
     ("SMAP_TABLES", "SMAP_FLOATS", "SMAP_INTEGERS"),
     ("SMAP_TABLES", "SMAP_INTEGERS"),
-    ("SMAP_MANY", "SMAP_FLOATS", "SMAP_INTEGERS"),
+    ("SMAP_MANY", "SMAP_MANY_BY_RAILS", "SMAP_FLOATS", "SMAP_INTEGERS"),
+    ("SMAP_MANY", "SMAP_MANY_SEARCH", "SMAP_FLOATS", "SMAP_INTEGERS"),
     ("SMAP_GRID", "SMAP_FLOATS"),
     ("SMAP_GRID", "SMAP_INTEGERS"),
 )
@@ -145,7 +147,9 @@ def measure(config: Mapping[str, int], folder: Path) -> Measure:
 
 def measure_set(features: Sequence[str], folder: Path) -> Measure:
     """Measure the runtime with these switches on and all others off."""
-    return measure({**{name: int(name in features) for name in SWITCHES}, **USUAL}, folder)
+    more = SEARCHED if "SMAP_MANY_SEARCH" in features else {}
+    switches = {name: int(name in features) for name in SWITCHES}
+    return measure({**switches, **USUAL, **more}, folder)
 
 
 def feature_sets() -> list[list[str]]:

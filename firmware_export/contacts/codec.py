@@ -23,10 +23,10 @@ from firmware_export.truth import Cells, Model
 from lutgen.errors import InputError
 
 # Their numbers in runtime/blob.c.
-POINTS, MANY = 1, 5
-# The most room of a pose: facets, those that are shown, walls, segments, points, sides; and the margin on
-# what was seen.
-MOST_ROOM, MARGIN = (80, 60, 254, 254, 254, 240), 1.25
+POINTS, RAILS, SEARCH = 1, 5, 6
+# The most room of a pose: facets, edges, rolls, facets that are shown, walls, segments, points, sides;
+# and the margin on what was seen.
+MOST_ROOM, MARGIN = (80, 250, 250, 60, 254, 254, 254, 250), 1.25
 # Steps of the integer form from the com to the furthest contact.
 STEPS = 16000.0
 # Words of a pose: head, floats, integers (runtime/three.c).
@@ -144,19 +144,30 @@ def c_body(tables: Tables, integer: bool = False) -> CBody:
         return CBody(POINTS, arrays, 3, tuple(macros), POSE, tables.reach / STEPS)
     assert many is not None
     contacts = len(many.order)
-    facets, shown, walls, segments, points, sides = tables.room
-    links = max(segments, points)
+    facets, edges, rolls, shown, walls, segments, points, sides = tables.room
+    rails = len(many.first) - 1
     macros += [
+        ("SMAP_MANY_BY_RAILS" if rails else "SMAP_MANY_SEARCH", 1),
         ("SMAP_MANY_CONTACTS", contacts),
-        ("SMAP_MANY_RAILS", len(many.first) - 1),
+        ("SMAP_MANY_RAILS", rails),
         ("SMAP_MANY_FACETS", facets),
-        ("SMAP_MANY_SHOWN", max(shown, math.ceil(sides / 4))),
+        ("SMAP_MANY_EDGES", edges),
+        ("SMAP_MANY_ARCS", rolls),
+        ("SMAP_MANY_SHOWN", shown),
         ("SMAP_MANY_WALLS", walls),
-        ("SMAP_MANY_LINKS", links),
+        ("SMAP_MANY_LINKS", max(segments, points)),
+        ("SMAP_MANY_SIDES", sides),
     ]
     arrays = terms.arrays(0, (0.0, 0.0, 0.0), many.arrays)
     return CBody(
-        *(MANY, arrays, contacts, tuple(macros), pose_words(dict(macros)), tables.reach / STEPS)
+        *(
+            RAILS if rails else SEARCH,
+            arrays,
+            contacts,
+            tuple(macros),
+            pose_words(dict(macros)),
+            tables.reach / STEPS,
+        )
     )
 
 

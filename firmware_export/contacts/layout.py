@@ -18,7 +18,6 @@ _BASIC = {
 }
 _ADDRESS = (8, 8)
 _STRUCT = re.compile(r"typedef struct \{(?P<body>[^{}]*)\} (?P<name>\w+);")
-_MEMBER = re.compile(r"(?P<star>\*?)(?:const )?\s*(?P<name>\w+)\s*(?P<sizes>(?:\[[^\]]+\])*)")
 _OPERATORS = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul}
 
 
@@ -28,6 +27,25 @@ def _texts() -> str:
     return re.sub(
         r"/\*.*?\*/", "", "\n".join(f.read_text(encoding="utf-8") for f in files), flags=re.S
     )
+
+
+def _chosen(macros: Mapping[str, int]) -> str:
+    """Return the text that the preprocessor leaves of it, as far as conditions are known."""
+    kept, open_ = [], [True]
+    for line in _texts().splitlines():
+        words = line.split()
+        if words[:1] in (["#if"], ["#ifdef"], ["#ifndef"]):
+            name = words[1].lstrip("!") if len(words) > 1 else ""
+            known = words[0] == "#if" and name in macros
+            true = not known or bool(macros[name]) != words[1].startswith("!")
+            open_.append(true)
+        elif words[:1] == ["#else"]:
+            open_[-1] = not open_[-1]
+        elif words[:1] == ["#endif"]:
+            open_.pop()
+        elif all(open_):
+            kept.append(line)
+    return "\n".join(kept)
 
 
 def _number(text: str, macros: Mapping[str, int]) -> int:
@@ -41,6 +59,7 @@ def _number(text: str, macros: Mapping[str, int]) -> int:
         if isinstance(node, ast.Name):
             found = re.search(rf"#define {node.id} (.+)", _texts())
             assert found is not None, node.id
+            # A default; what it says of others counts.
             return _number(found[1], macros)
         assert isinstance(node, ast.BinOp), text
         return _OPERATORS[type(node.op)](value(node.left), value(node.right))  # type: ignore[index,no-any-return]
@@ -58,18 +77,17 @@ def struct_bytes(name: str, macros: Mapping[str, int]) -> tuple[int, int]:
     """
     if name in _BASIC:
         return _BASIC[name]
-    body = next(one["body"] for one in _STRUCT.finditer(_texts()) if one["name"] == name)
+    body = next(one["body"] for one in _STRUCT.finditer(_chosen(macros)) if one["name"] == name)
     size, widest = 0, 1
     for declaration in filter(str.strip, body.split(";")):
-        lines = [line for line in declaration.splitlines() if not line.lstrip().startswith("#")]
-        words = " ".join(lines).strip().removeprefix("const ")
+        words = " ".join(declaration.split()).removeprefix("const ")
         ctype, rest = words.split(None, 1)
         for text in rest.split(","):
-            member = _MEMBER.fullmatch(text.strip())
-            assert member is not None, declaration
-            one, align = _ADDRESS if member["star"] else struct_bytes(ctype, macros)
-            for count in re.findall(r"\[([^\]]+)\]", member["sizes"]):
-                one *= _number(count, macros)
+            one, align = _ADDRESS
+            if "*" not in text:
+                one, align = struct_bytes(ctype, macros)
+                for count in re.findall(r"\[([^\]]+)\]", text):
+                    one *= _number(count, macros)
             size = -(-size // align) * align + one
             widest = max(widest, align)
     return -(-size // widest) * widest, widest

@@ -57,12 +57,6 @@ def refusal(model: Model) -> str | None:
         return "many contacts hold no com_uncertainty; use --codec grid"
     if len(model.kind) > MOST_CONTACTS:
         return f"the runtime knows {MOST_CONTACTS} contacts (got {len(model.kind)})"
-    if (model.kind == SPHERE).any():
-        return "the runtime finds the facets of spheres on three points alone; use --codec grid"
-    if _axis(model) is None:
-        return "the axes of its discs are not parallel and level in every posture; use --codec grid"
-    if _places(model) is None:
-        return "its contacts do not stay at their places along the common axis; use --codec grid"
     return None
 
 
@@ -84,9 +78,10 @@ def _axis(model: Model) -> tuple[float, float] | None:
 
 
 def _places(model: Model) -> Floats | None:
-    """Return where each contact is along the axis, None where one moves."""
+    """Return where each contact is along the common axis, None where there is none or one moves."""
     axis = _axis(model)
-    assert axis is not None
+    if axis is None:
+        return None
     size = robot_size_of(model.recipe)
     row = np.array([[axis[0], axis[1], 0.0]])
     places = []
@@ -100,14 +95,18 @@ def _places(model: Model) -> Floats | None:
 
 def many_of(model: Model) -> tuple[Many, Terms]:
     """Return what the tables need of a robot that is not refused."""
-    axis, places = _axis(model), _places(model)
-    assert axis is not None and places is not None
     accept, size = acceptance_of(model.recipe), robot_size_of(model.recipe)
-    order = tuple(int(at) for at in np.argsort(places, kind="stable"))
-    first = [0]
-    for at in range(1, len(order)):
-        if places[order[at]] - places[order[first[-1]]] > SAME * size:
-            first.append(at)
+    places = None if (model.kind == SPHERE).any() else _places(model)
+    if places is None:  # no rails: the runtime searches
+        order, first, axis = tuple(range(len(model.kind))), [0], (0.0, 1.0)
+    else:
+        axis = _axis(model) or (0.0, 1.0)
+        order = tuple(int(at) for at in np.argsort(places, kind="stable"))
+        first = [0]
+        for at in range(1, len(order)):
+            if places[order[at]] - places[order[first[-1]]] > SAME * size:
+                first.append(at)
+        first.append(len(order))
     numbers = (
         size,
         accept.steepest + HAIR if model.recipe.upright < math.pi else -2.0,
@@ -118,5 +117,5 @@ def many_of(model: Model) -> tuple[Many, Terms]:
         0.5 * accept.rest_width - HAIR * size,
         GUARD,
     )
-    terms = terms_of(model.recipe, model.radius, order)
-    return Many(order, (*first, len(order)), axis, numbers), terms
+    terms = terms_of(model.recipe, model.radius, order, turning=places is None)
+    return Many(order, tuple(first), axis, numbers), terms

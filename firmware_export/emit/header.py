@@ -203,10 +203,5 @@ def _macros(content: dict[str, Any]) -> str:
     for p in parameters:
         scale = literal(32767.0 / (p["max"] - p["min"]), "float")
         low, high = literal(p["min"], "float"), literal(p["max"], "float")
-        steps = f"((x) - {low}) * {scale}"
-        lines += [
-            f"#define {p['macro']}_Q(x) \\",
-            f"  ((int16_t)((x) >= {low} && (x) <= {high} ? {steps} + 0.5f : \\",
-            f"             (x) < {low} && {steps} > -32767.0f ? {steps} - 0.99f : -32768.0f))",
-        ]
+        lines.append(f"#define {p['macro']}_Q(x) SMAP_STEPS(x, {low}, {high}, {scale})")
     return "\n".join(lines)

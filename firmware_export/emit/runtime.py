@@ -14,7 +14,7 @@ from lutgen.errors import ExportError
 # The switches of the runtime: what its code depends on.
 SWITCHES = (
     *("SMAP_FLOATS", "SMAP_INTEGERS", "SMAP_POINTS", "SMAP_POLY", "SMAP_TABLES", "SMAP_GRID"),
-    *("SMAP_MANY", "SMAP_MANY_SEARCH"),
+    *("SMAP_MANY", "SMAP_MANY_BY_RAILS", "SMAP_MANY_SEARCH"),
 )
 # A part, and the switches that need it; all always have it where none is named.
 _PARTS: tuple[tuple[str, tuple[str, ...]], ...] = (
@@ -31,9 +31,12 @@ _PARTS: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("grid", ("SMAP_GRID",)),
     ("grid_i", ("SMAP_GRID",)),
     ("grid_check", ("SMAP_GRID",)),
+    ("many_types", ("SMAP_MANY",)),
+    ("many_rails", ("SMAP_MANY_BY_RAILS",)),
+    ("many_search", ("SMAP_MANY_SEARCH",)),
     *(
         (f"many_{name}", ("SMAP_MANY",))
-        for name in ("types", "rails", "rests", "gaps", "walls", "pose", "at", "at_i", "entry")
+        for name in ("rests", "rolls", "gaps", "walls", "pose", "at", "at_i", "entry")
     ),
     ("steps", ("SMAP_FLOATS",)),
     ("check", ()),

@@ -53,7 +53,7 @@ def source_text(export: Export, body: CBody) -> str:
         "/* Is there room in the memory that the header asks for? */\n"
         f"typedef char smap_pose_fits[sizeof({name}_pose_t) >= sizeof(smap_pose_memory_t) ? 1 : -1];\n"
         f"typedef char smap_pose_i_fits[sizeof({name}_pose_i_t) >= sizeof(smap_pose_memory_i_t) ? 1 : -1];",
-        f"const smap_t {name} = {{&smap_run, smap_blob, sizeof smap_blob}};",
+        f"const smap_t {name} = {{&smap_run, SMAP_ADDRESS(smap_blob), sizeof smap_blob}};",
     ]
     return "\n\n".join(parts) + "\n"
 

@@ -27,7 +27,7 @@ READING = np.dtype(
 )
 READING_I = np.dtype([("sdg", "<u2"), ("tip", "<i2"), ("height", "<u2"), ("over", "u1", 2)])
 # The functions that read each codec, by its number in runtime/blob.c.
-FAMILIES = {1: "three", 2: "three", 3: "three", 4: "grid", 5: "many"}
+FAMILIES = {1: "three", 2: "three", 3: "three", 4: "grid", 5: "many", 6: "search"}
 # The same without floats.
 WHOLE = {3: "points", 4: "whole"}
 
@@ -126,9 +126,9 @@ class Host:
         return made, status, reading
 
     def room(self, params: ArrayLike) -> NDArray[np.int32]:
-        """Return the most room (6,) that the poses of postures (m, k) take; for many contacts only."""
+        """Return the most room (8,) that the poses of postures (m, k) take; for many contacts only."""
         rows = np.ascontiguousarray(params, np.float32)
-        found, most = np.zeros(6, np.int32), np.zeros(6, np.int32)
+        found, most = np.zeros(8, np.int32), np.zeros(8, np.int32)
         function = self._function("room")
         blob = ctypes.c_void_p(self._bytes.ctypes.data), ctypes.c_uint32(len(self._bytes))
         for row in rows:

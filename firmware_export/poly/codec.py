@@ -78,7 +78,7 @@ def c_body(tables: Tables, integer: bool = False) -> CBody:
     arrays = (
         CArray("unit", "float", [tables.unit], "length of one code", False),
         CArray("order", "uint8_t", [0, 0, 0, tables.order], "order of the contacts", False),
-        CArray("places", "float", tables.places, "per parameter: middle, 2 / span"),
+        CArray("places", "float", tables.places, "per parameter: middle, 2 / span", False),
         CArray("shape", "uint8_t", tables.shape, "per contact: degree in each parameter, terms"),
         CArray("codes", "int16_t", tables.codes, "Chebyshev coefficients of x, y, z"),
     )

@@ -96,7 +96,7 @@ class Tables(AnyTables):
     @property
     def bytes(self) -> int:
         """Bytes of all tables."""
-        return self.codes.nbytes + self.shape.nbytes + 8 * len(self.places)
+        return self.codes.nbytes + self.shape.nbytes
 
 
 def exponents(degrees: tuple[int, ...]) -> list[tuple[int, ...]]:

@@ -162,7 +162,7 @@ SMAP_INLINE void smap_cross(const float a[3], const float b[3], float out[3])
 }
 
 /* The nearest whole number; |x| is below 32767. */
-SMAP_INLINE int16_t smap_nearest(float x)
+SMAP_INLINE int16_t smap_to_whole(float x)
 {
   return (int16_t)(x < 0.0f ? x - 0.5f : x + 0.5f);
 }

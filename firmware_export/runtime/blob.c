@@ -11,7 +11,14 @@
  *                                       12 faces    u8     30 chart limit u16, 1/4096, a hair wide
  *                                       13 contacts u8     32 axes, then the codec's own part
  */
-enum { SMAP_CODEC_POINTS = 1, SMAP_CODEC_POLY, SMAP_CODEC_TABLES, SMAP_CODEC_GRID, SMAP_CODEC_MANY };
+enum {
+  SMAP_CODEC_POINTS = 1,
+  SMAP_CODEC_POLY,
+  SMAP_CODEC_TABLES,
+  SMAP_CODEC_GRID,
+  SMAP_CODEC_RAILS,
+  SMAP_CODEC_SEARCH
+};
 enum { SMAP_SDG = 1, SMAP_TIP_ANGLE = 2, SMAP_HEIGHT = 4 }; /* bits of `channels` */
 enum {
   SMAP_AT_CRC = 0,

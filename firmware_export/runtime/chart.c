@@ -4,7 +4,7 @@
 
 #if SMAP_FLOATS
 /* Write what is no reading. */
-SMAP_INLINE int8_t smap_refuse(smap_reading_t *out, float tip_angle, int8_t status)
+SMAP_INLINE int8_t smap_deny(smap_reading_t *out, float tip_angle, int8_t status)
 {
   out->sdg = out->height = smap_from_bits(0x7FC00000u);
   out->tip_angle = tip_angle;
@@ -69,7 +69,7 @@ SMAP_INLINE int8_t smap_judge(const smap_t *map, smap_reading_t *out, int8_t goo
 #endif
 
 #if SMAP_INTEGERS
-SMAP_INLINE int8_t smap_refuse_i(smap_reading_i_t *out, int8_t status)
+SMAP_INLINE int8_t smap_deny_i(smap_reading_i_t *out, int8_t status)
 {
   out->sdg = out->height = 65535;
   out->tip = -32767;

@@ -52,11 +52,15 @@ SMAP_INLINE int smap_check_singles(smap_bytes_t at, uint32_t count)
 static int smap_check_positions(const smap_t *map, smap_bytes_t limit)
 {
   const smap_bytes_t body = smap_body(map);
-  const uint16_t terms = smap_u16(body + SMAP_IN_TERMS);
-  const uint32_t fixed = 1u + 2u * body[SMAP_IN_ANGLES] + body[SMAP_IN_TRAVELS];
+  uint32_t sum = 0, fixed, i;
+  uint16_t terms;
   smap_places_t at;
-  uint32_t sum = 0, i;
-  if (limit - body < SMAP_IN_MANY || fixed + body[SMAP_IN_PRODUCTS] > SMAP_MAX_ENTRIES ||
+  if (limit - body < SMAP_IN_MANY) {
+    return 0;
+  }
+  terms = smap_u16(body + SMAP_IN_TERMS);
+  fixed = 1u + 2u * body[SMAP_IN_ANGLES] + body[SMAP_IN_TRAVELS];
+  if (fixed + body[SMAP_IN_PRODUCTS] > SMAP_MAX_ENTRIES ||
       3u * SMAP_BLOB(map)[SMAP_AT_CONTACTS] + 3u * body[SMAP_IN_AXES] > SMAP_MAX_COORDINATES ||
       3u + 3u * SMAP_BLOB(map)[SMAP_AT_CONTACTS] + 3u * body[SMAP_IN_AXES] > 255u ||
       body[SMAP_IN_FLAGS] > 15u) {
@@ -115,7 +119,7 @@ static int smap_check_body(const smap_t *map, smap_bytes_t limit)
     return smap_check_grid(map, limit);
 #endif
 #if SMAP_MANY
-  case SMAP_CODEC_MANY:
+  case SMAP_MANY_RAILS ? SMAP_CODEC_RAILS : SMAP_CODEC_SEARCH:
     return smap_check_positions(map, limit) && smap_check_many(map);
 #endif
   default:

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
-/* ---- the functions of this export --------------------------------------------------------------- */
+/* ---- end: the functions of this export --------------------------------------------------------------- */
 
 #if !SMAP_FLOATS
 /* Without floats only the entries with whole numbers are there. */

@@ -218,7 +218,7 @@ static int8_t smap_run_at(const void *pose, const float *gravity, smap_reading_t
     status = smap_direction(made->head.map, gravity, d);
   }
   if (SMAP_RARELY(status != SMAP_OK)) {
-    return smap_refuse(out, -SMAP_PI, status);
+    return smap_deny(out, -SMAP_PI, status);
   }
   memcpy(place, made->place, sizeof made->place);
   return smap_grid_read(made->head.map, place, d, out);
@@ -233,7 +233,7 @@ static int8_t smap_run_read(const smap_t *map, const float *params, const float 
     status = smap_direction(map, gravity, d);
   }
   if (SMAP_RARELY(status != SMAP_OK)) {
-    return smap_refuse(out, -SMAP_PI, status);
+    return smap_deny(out, -SMAP_PI, status);
   }
   return smap_grid_read(map, place, d, out);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
-/* ---- grid: do its offsets and sizes stay in the blob? ---------------------------------------------- */
+/* ---- grid_check: do its offsets and sizes stay in the blob? ---------------------------------------------- */
 
 /* The axes of one table: knots that exist and ascend over the whole axis.  Returns the codes of a face, 0
  * where something is wrong. */

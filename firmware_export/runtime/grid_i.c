@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
-/* ---- grid without floats --------------------------------------------------------------------------- */
+/* ---- grid_i: the same without floats --------------------------------------------------------------------------- */
 #if SMAP_INTEGERS
 
 typedef struct {
@@ -109,7 +109,7 @@ static int8_t smap_grid_read_i(const smap_t *map, uint16_t *place, const int16_t
   uint8_t face;
   int tips;
   const int8_t status = smap_grid_uv(map, gravity, place + params, &face, &cosine);
-  (void)smap_refuse_i(out, status);
+  (void)smap_deny_i(out, status);
   if (SMAP_RARELY(status != SMAP_OK)) {
     return status;
   }
@@ -174,7 +174,7 @@ static int8_t smap_run_at_i(const void *pose, const int16_t *gravity, smap_readi
   const smap_grid_pose_i_t *const made = (const smap_grid_pose_i_t *)pose;
   uint16_t place[SMAP_GRID_AXES];
   if (SMAP_RARELY(made->head.status != SMAP_OK)) {
-    return smap_refuse_i(out, made->head.status);
+    return smap_deny_i(out, made->head.status);
   }
   memcpy(place, made->place, sizeof(uint16_t) * SMAP_MAX_PARAMS);
   return smap_grid_read_i(made->head.map, place, gravity, out);
@@ -185,7 +185,7 @@ static int8_t smap_run_read_i(const smap_t *map, const int16_t *params_q, const 
 {
   uint16_t place[SMAP_GRID_AXES];
   const int8_t status = smap_grid_places_i(map, params_q, place);
-  return SMAP_RARELY(status != SMAP_OK) ? smap_refuse_i(out, status)
+  return SMAP_RARELY(status != SMAP_OK) ? smap_deny_i(out, status)
                                         : smap_grid_read_i(map, place, gravity_q, out);
 }
 #endif

@@ -19,6 +19,9 @@
 #define SMAP_MANY_RAILS 32
 #define SMAP_MANY_FACETS 80
 #define SMAP_MANY_SHOWN 60
+#define SMAP_MANY_EDGES 250
+#define SMAP_MANY_ARCS 250
+#define SMAP_MANY_SIDES 250
 #define SMAP_MANY_WALLS 254
 #define SMAP_MANY_LINKS 254
 
@@ -33,6 +36,7 @@
 #include "many_types.c"
 #include "many_rails.c"
 #include "many_rests.c"
+#include "many_rolls.c"
 #include "many_gaps.c"
 #include "many_walls.c"
 #include "many_pose.c"
@@ -44,20 +48,23 @@
 #include "end.c"
 #include "host.h"
 
-/* How much room the posture of some parameters takes: facets, shown, walls, segments, points, sides; 0 where
+/* How much room the posture of some parameters takes: facets, edges, rolls, shown, walls,
+ * segments, points, sides; 0 where
  * it failed for want of room, or otherwise. */
-int smap_many_host_room(const uint8_t *blob, uint32_t size, const float *params, int32_t room[6]);
-int smap_many_host_room(const uint8_t *blob, uint32_t size, const float *params, int32_t room[6])
+int SMAP_HOST_NAME(room)(const uint8_t *blob, uint32_t size, const float *params, int32_t room[8]);
+int SMAP_HOST_NAME(room)(const uint8_t *blob, uint32_t size, const float *params, int32_t room[8])
 {
   const smap_t map = {&smap_run, blob, size};
   smap_many_pose_t pose;
   smap_many_work_t work;
   const int8_t status = smap_many_of(&map, params, &pose, &work);
   room[0] = work.facets;
-  room[1] = pose.shown;
-  room[2] = pose.walls;
-  room[3] = pose.segments;
-  room[4] = pose.points;
-  room[5] = pose.sides;
+  room[1] = work.edges;
+  room[2] = work.rolls;
+  room[3] = pose.shown;
+  room[4] = pose.walls;
+  room[5] = pose.segments;
+  room[6] = pose.points;
+  room[7] = pose.sides;
   return status == SMAP_OK;
 }

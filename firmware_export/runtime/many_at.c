@@ -1,3 +1,6 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
+/* ---- reading many contacts --------------------------------------------------------------------------- */
 /* One direction of gravity against a pose, float. */
 
 /* The sine of the angle between g and a point of the boundary; 1 from a right angle on. */
@@ -11,25 +14,33 @@ static float smap_point_sine(const float p[3], const float g[3])
   return smap_root(smap_dot(c, c));
 }
 
-/* The distance (sine) of g from the boundary of an island, and the wall of its nearest segment. */
-static float smap_boundary(const smap_many_pose_t *o, uint8_t island, const float g[3], uint8_t *which)
+/* The distance (sine) of g from some segments, if it is less than `least`, and the wall of the
+ * nearest.  Seen from `inside` only walls in front can be nearest, and ends where the boundary is
+ * bent. */
+static float smap_nearest(const smap_many_pose_t *o, const smap_segment_t *s,
+                          const smap_segment_t *end, const float g[3], int inside, float least,
+                          uint8_t *which)
 {
-  float least = 1.0f;
-  uint8_t i;
-  for (i = 0; i < o->segments; i++) {
-    const smap_segment_t *s = &o->segment[i];
+  for (; s < end; s++) {
     const float *n = o->wall[s->wall];
-    const float v = smap_dot(n, g);
-    float away = v < 0.0f ? -v : v, c[3];
-    if (s->island != island || away >= least) {
+    float away = smap_dot(n, g), c[3];
+    if (away >= least) {
       continue;
     }
-    /* Beyond an end the point there is nearest. */
+    if (away < 0.0f) {
+      if (inside && !s->bent) {
+        continue;
+      }
+      away = -away;
+    }
     smap_cross(g, n, c);
-    if (smap_dot(o->point[s->start], c) < 0.0f) {
-      away = smap_point_sine(o->point[s->start], g);
-    } else if (smap_dot(o->point[s->stop], c) > 0.0f) {
+    if (smap_dot(o->point[s->stop], c) > 0.0f) {
+      if (inside && !s->bent) {
+        continue;
+      }
       away = smap_point_sine(o->point[s->stop], g);
+    } else if (smap_dot(o->point[s->start], c) < 0.0f) {
+      continue;
     }
     if (away < least) {
       least = away;
@@ -37,6 +48,17 @@ static float smap_boundary(const smap_many_pose_t *o, uint8_t island, const floa
     }
   }
   return least;
+}
+
+/* The distance (sine) of g from the boundary of a facet's island, those of its own edges first. */
+static float smap_boundary(const smap_many_pose_t *o, uint8_t facet, const float g[3], int inside,
+                           uint8_t *which)
+{
+  const uint8_t island = o->island[facet];
+  const smap_segment_t *middle = o->segment + o->begin[facet];
+  const float near =
+      smap_nearest(o, middle, o->segment + o->last[island], g, inside, 1.0f, which);
+  return smap_nearest(o, o->segment + o->first[island], middle, g, inside, near, which);
 }
 
 /* Whether a direction lies on the inner side of a strip's side. */
@@ -54,26 +76,36 @@ static int smap_within(const smap_many_pose_t *o, uint8_t side, const float g[3]
   return !s->inwards;
 }
 
-/* 0 outside the region, SMAP_OK or SMAP_ROCKS + 1 inside. */
+/* Whether a direction stands or rocks that pierces facet f first.  Beyond an edge of it is a strip,
+ * and where planes are all but one it may lie on the facet at the far end. */
 static int smap_verdict(const smap_many_pose_t *o, uint8_t f, const float g[3])
 {
-  int beyond = 0, rolls = 0, held = 0;
-  uint8_t e;
-  for (e = o->edge[f]; e < o->edge[f + 1]; e++) {
-    if (smap_dot(o->wall[o->edge_wall[e]], g) < o->guard) {
-      const uint8_t side = o->edge_side[e];
-      if (side == SMAP_NONE) {
-        beyond = 1;
-      } else {
-        rolls = 1;
-        held |= smap_within(o, side, g) && smap_within(o, (uint8_t)(side + 1u), g);
+  uint8_t left, e;
+  for (left = 4; left > 0; left--) {
+    uint8_t beyond = 0, to = SMAP_NONE;
+    for (e = o->edge[f]; e < o->edge[f + 1]; e++) {
+      const smap_rim_t *rim = &o->rim[e];
+      if (smap_dot(o->wall[rim->wall], g) >= o->guard) {
+        continue;
+      }
+      beyond = 1;
+      if (rim->side != SMAP_NONE) {
+        if (smap_dot(o->wall[rim->back], g) >= o->guard) {
+          to = rim->to;
+        } else if (smap_within(o, rim->side, g) && smap_within(o, (uint8_t)(rim->side + 1u), g)) {
+          return SMAP_ROCKS;
+        }
       }
     }
+    if (!beyond) {
+      return o->kind[f] == SMAP_REST ? SMAP_OK : SMAP_TIPS;
+    }
+    if (to == SMAP_NONE) {
+      return SMAP_TIPS;
+    }
+    f = to;
   }
-  if (held) {
-    return SMAP_ROCKS;
-  }
-  return beyond || rolls || o->kind[f] != SMAP_REST ? SMAP_TIPS : SMAP_OK;
+  return SMAP_TIPS;
 }
 
 static smap_status_t smap_many_at(const smap_many_pose_t *o, const float gravity[3], smap_reading_t *out)
@@ -97,7 +129,7 @@ static smap_status_t smap_many_at(const smap_many_pose_t *o, const float gravity
     return SMAP_TIPS;
   }
   status = smap_verdict(o, best, g);
-  tip = smap_boundary(o, o->island[best], g, &which) - o->guard;
+  tip = smap_boundary(o, best, g, status != SMAP_TIPS, &which) - o->guard;
   if (tip < 1.0f) {
     out->over[0] = o->over[which][0];
     out->over[1] = o->over[which][1];

@@ -1,3 +1,6 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
+/* ---- reading many contacts without float ------------------------------------------------------------- */
 /* One direction of gravity against a pose, without float: raw counts of an accelerometer.
  *
  * Walls, planes and points are int16, 32767 for 1; products with gravity are summed in int32, which
@@ -8,12 +11,13 @@
 #define SMAP_ROUNDED_I 9e-5f /* sine that rounding may alter */
 
 typedef struct {
-  uint8_t shown, segments, alive;
+  uint8_t shown, alive;
   int8_t shift;      /* of D: see smap_factor_i */
   uint16_t mantissa; /* of D */
   int16_t guard, slack;
   uint8_t kind[SMAP_MANY_SHOWN], island[SMAP_MANY_SHOWN], edge[SMAP_MANY_SHOWN + 1];
-  uint8_t edge_wall[SMAP_MANY_EDGES], edge_side[SMAP_MANY_EDGES];
+  uint8_t begin[SMAP_MANY_SHOWN], first[SMAP_MANY_SHOWN], last[SMAP_MANY_SHOWN];
+  smap_rim_t rim[SMAP_MANY_EDGES];
   uint8_t over[SMAP_MANY_WALLS][2];
   smap_segment_t segment[SMAP_MANY_LINKS];
   smap_side_t side[SMAP_MANY_SIDES];
@@ -21,12 +25,14 @@ typedef struct {
   int16_t plane[SMAP_MANY_SHOWN][3];
   int16_t centre[SMAP_MANY_SHOWN][3]; /* in two steps of sdg */
   int16_t wall[SMAP_MANY_WALLS][3];
-  int16_t point[SMAP_MANY_POINTS][3];
+  int16_t point[SMAP_MANY_LINKS][3];
 } smap_many_pose_i_t;
 
+/* The nearest int16: what is beyond them becomes the last one. */
 static int16_t smap_rounded_i(float x)
 {
-  return (int16_t)(x < -32767.0f ? -32767.0f : x > 32767.0f ? 32767.0f : x + (x < 0.0f ? -0.5f : 0.5f));
+  const int32_t y = (int32_t)((x < 40000.0f ? x > -40000.0f ? x : -40000.0f : 40000.0f) + 65536.5f);
+  return (int16_t)(y < 32769 ? -32767 : y > 98303 ? 32767 : y - 65536);
 }
 
 static void smap_scale_i(const float (*from)[3], uint8_t n, float scale, int16_t (*to)[3])
@@ -47,7 +53,6 @@ static void smap_many_make_i(const smap_many_pose_t *o, float sdg_step, float he
   uint8_t k;
   i->alive = o->alive;
   i->shown = o->alive ? o->shown : 0;
-  i->segments = o->segments;
   if (!i->shown) {
     return;
   }
@@ -78,96 +83,115 @@ static void smap_many_make_i(const smap_many_pose_t *o, float sdg_step, float he
   i->mantissa = (uint16_t)(factor + 0.5f);
   i->guard = (int16_t)((o->guard + SMAP_ROUNDED_I) * (float)SMAP_ONE_I + 1.0f);
   i->slack = (int16_t)(o->slack * (float)SMAP_ONE_I);
-  memcpy(i->kind, o->kind, sizeof i->kind);
-  memcpy(i->island, o->island, sizeof i->island);
-  memcpy(i->edge, o->edge, sizeof i->edge);
-  memcpy(i->edge_wall, o->edge_wall, sizeof i->edge_wall);
-  memcpy(i->edge_side, o->edge_side, sizeof i->edge_side);
-  memcpy(i->over, o->over, sizeof i->over);
-  memcpy(i->segment, o->segment, sizeof i->segment);
-  memcpy(i->side, o->side, sizeof i->side);
+  memcpy(i->kind, o->kind, o->shown);
+  memcpy(i->island, o->island, o->shown);
+  memcpy(i->begin, o->begin, o->shown);
+  memcpy(i->first, o->first, o->shown);
+  memcpy(i->last, o->last, o->shown);
+  memcpy(i->edge, o->edge, o->shown + 1u);
+  memcpy(i->rim, o->rim, o->edge[o->shown] * sizeof i->rim[0]);
+  memcpy(i->over, o->over, o->walls * sizeof i->over[0]);
+  memcpy(i->segment, o->segment, o->segments * sizeof i->segment[0]);
+  memcpy(i->side, o->side, o->sides * sizeof i->side[0]);
 }
 
-static inline int32_t smap_dot_i(const int16_t a[3], const int16_t b[3])
+static inline int32_t smap_dot_i(const int16_t a[3], const int32_t b[3])
 {
-  return (int32_t)a[0] * b[0] + (int32_t)a[1] * b[1] + (int32_t)a[2] * b[2];
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-static inline void smap_cross_i(const int16_t a[3], const int16_t b[3], int32_t out[3])
+static inline void smap_cross_i(const int32_t a[3], const int16_t b[3], int32_t out[3])
 {
-  out[0] = (int32_t)a[1] * b[2] - (int32_t)a[2] * b[1];
-  out[1] = (int32_t)a[2] * b[0] - (int32_t)a[0] * b[2];
-  out[2] = (int32_t)a[0] * b[1] - (int32_t)a[1] * b[0];
+  out[0] = a[1] * b[2] - a[2] * b[1];
+  out[1] = a[2] * b[0] - a[0] * b[2];
+  out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* Square root, rounded down. */
+/* How many bits a number has. */
+static inline uint8_t smap_bits_i(uint32_t x)
+{
+#ifdef __GNUC__
+  return (uint8_t)(x ? 8 * (int)sizeof(unsigned long) - __builtin_clzl(x) : 0);
+#else
+  uint8_t bits = 0;
+  for (; x != 0; x >>= 1) {
+    bits++;
+  }
+  return bits;
+#endif
+}
+
+/* Square root of a number of 29 or 30 bits, to 1. */
 static uint32_t smap_root_i(uint32_t x)
 {
-  uint32_t digit = 1ul << 30, sum = 0;
-  while (digit > x) {
-    digit >>= 2;
-  }
-  for (; digit != 0; digit >>= 2) {
-    const uint32_t trial = sum + digit;
-    sum >>= 1;
-    if (x >= trial) {
-      x -= trial;
-      sum += digit;
-    }
-  }
-  return sum;
+  /* A line is right to 5 %; each step of Newton squares that. */
+  uint32_t root = 11964u + (x >> 16) + (x >> 18);
+  root = (root + x / root) >> 1;
+  return (root + x / root) >> 1;
 }
 
-/* The length of a vector of int32, rounded down to 15 digits. */
+/* The length of a vector of int32, to 2^-14 of it. */
 static int32_t smap_length_i(const int32_t c[3])
 {
-  uint32_t most = 0, sum = 0;
-  uint8_t k, shift = 0;
-  for (k = 0; k < 3; k++) {
-    most |= (uint32_t)(c[k] < 0 ? -c[k] : c[k]);
+  const uint32_t x = (uint32_t)(c[0] < 0 ? -c[0] : c[0]), y = (uint32_t)(c[1] < 0 ? -c[1] : c[1]);
+  const uint32_t z = (uint32_t)(c[2] < 0 ? -c[2] : c[2]);
+  const int shift = (int)smap_bits_i(x | y | z) - 14;
+  uint32_t sum, half = 0;
+  if (shift < -13) {
+    return 0;
   }
-  while (most >= 0x8000u) {
-    most >>= 1;
-    shift++;
+  if (shift >= 0) {
+    const uint32_t a = x >> shift, b = y >> shift, d = z >> shift;
+    sum = a * a + b * b + d * d;
+  } else {
+    const uint32_t a = x << -shift, b = y << -shift, d = z << -shift;
+    sum = a * a + b * b + d * d;
   }
-  for (k = 0; k < 3; k++) {
-    const int32_t v = (c[k] < 0 ? -c[k] : c[k]) >> shift;
-    sum += (uint32_t)(v * v);
+  while (sum < 0x10000000u) {
+    sum <<= 2;
+    half++;
+  }
+  while (sum >= 0x40000000u) {
+    sum >>= 2;
+    half--;
   }
   sum = smap_root_i(sum);
-  return (int32_t)(sum << shift > 0x7FFFFFFFu ? 0x7FFFFFFFu : sum << shift);
+  {
+    const int by = shift - (int)half;
+    return (int32_t)(by < 0 ? sum >> -by : sum > (0x7FFFFFFFu >> by) ? 0x7FFFFFFFu : sum << by);
+  }
 }
 
-/* Whether a point is on the side of a plane to which the vector c, of int32, points. */
-static int32_t smap_ahead_i(const int16_t p[3], const int32_t c[3])
+/* As smap_nearest; the distance is 32767 |g| times the sine, rounded down. */
+static int32_t smap_nearest_i(const smap_many_pose_i_t *o, const smap_segment_t *s,
+                              const smap_segment_t *end, const int32_t g[3], int inside,
+                              int32_t least, uint8_t *which)
 {
-  return p[0] * (c[0] >> 16) + p[1] * (c[1] >> 16) + p[2] * (c[2] >> 16);
-}
-
-/* The least distance of g from a boundary, 32767 |g| times the sine, rounded down. */
-static int32_t smap_boundary_i(const smap_many_pose_i_t *o, uint8_t island, const int16_t g[3],
-                               int32_t least, uint8_t *which)
-{
-  const smap_segment_t *s = o->segment, *end = s + o->segments;
   for (; s < end; s++) {
-    const int16_t *n = o->wall[s->wall], *p = 0;
-    const int32_t v = smap_dot_i(n, g);
-    int32_t away = v < 0 ? -v : v, c[3];
-    if (away >= least || s->island != island) {
+    const int16_t *n = o->wall[s->wall];
+    int32_t away = smap_dot_i(n, g), c[3];
+    if (away >= least) {
       continue;
     }
-    smap_cross_i(g, n, c);
-    if (smap_ahead_i(o->point[s->start], c) < 0) {
-      p = o->point[s->start];
-    } else if (smap_ahead_i(o->point[s->stop], c) > 0) {
-      p = o->point[s->stop];
-    }
-    if (p) {
-      if (smap_dot_i(p, g) <= 0) {
+    if (away < 0) {
+      if (inside && !s->bent) {
         continue;
       }
-      smap_cross_i(p, g, c);
+      away = -away;
+    }
+    smap_cross_i(g, n, c);
+    c[0] >>= 16;
+    c[1] >>= 16;
+    c[2] >>= 16;
+    if (smap_dot_i(o->point[s->stop], c) > 0) {
+      const int16_t *p = o->point[s->stop];
+      if ((inside && !s->bent) || smap_dot_i(p, g) <= 0) {
+        continue;
+      }
+      smap_cross_i(g, p, c);
       away = smap_length_i(c);
+    } else if (smap_dot_i(o->point[s->start], c) < 0) {
+      continue;
     }
     if (away < least) {
       least = away;
@@ -177,7 +201,17 @@ static int32_t smap_boundary_i(const smap_many_pose_i_t *o, uint8_t island, cons
   return least;
 }
 
-static int smap_within_i(const smap_many_pose_i_t *o, uint8_t side, const int16_t g[3], int32_t slack)
+/* As smap_boundary. */
+static int32_t smap_boundary_i(const smap_many_pose_i_t *o, uint8_t facet, const int32_t g[3],
+                               int inside, int32_t least, uint8_t *which)
+{
+  const uint8_t island = o->island[facet];
+  const smap_segment_t *middle = o->segment + o->begin[facet];
+  least = smap_nearest_i(o, middle, o->segment + o->last[island], g, inside, least, which);
+  return smap_nearest_i(o, o->segment + o->first[island], middle, g, inside, least, which);
+}
+
+static int smap_within_i(const smap_many_pose_i_t *o, uint8_t side, const int32_t g[3], int32_t slack)
 {
   const smap_side_t *s = &o->side[side];
   uint8_t k;
@@ -191,37 +225,49 @@ static int smap_within_i(const smap_many_pose_i_t *o, uint8_t side, const int16_
   return !s->inwards;
 }
 
-static int smap_verdict_i(const smap_many_pose_i_t *o, uint8_t f, const int16_t g[3], int32_t length)
+/* As smap_verdict. */
+static int smap_verdict_i(const smap_many_pose_i_t *o, uint8_t f, const int32_t g[3], int32_t length)
 {
   const int32_t guard = o->guard * length, slack = o->slack * length;
-  int beyond = 0, held = 0;
-  uint8_t e;
-  for (e = o->edge[f]; e < o->edge[f + 1]; e++) {
-    if (smap_dot_i(o->wall[o->edge_wall[e]], g) < guard) {
-      const uint8_t side = o->edge_side[e];
+  uint8_t left, e;
+  for (left = 4; left > 0; left--) {
+    uint8_t beyond = 0, to = SMAP_NONE;
+    for (e = o->edge[f]; e < o->edge[f + 1]; e++) {
+      const smap_rim_t *rim = &o->rim[e];
+      if (smap_dot_i(o->wall[rim->wall], g) >= guard) {
+        continue;
+      }
       beyond = 1;
-      held |= side != SMAP_NONE && smap_within_i(o, side, g, slack) &&
-              smap_within_i(o, (uint8_t)(side + 1u), g, slack);
+      if (rim->side != SMAP_NONE) {
+        if (smap_dot_i(o->wall[rim->back], g) >= guard) {
+          to = rim->to;
+        } else if (smap_within_i(o, rim->side, g, slack) &&
+                   smap_within_i(o, (uint8_t)(rim->side + 1u), g, slack)) {
+          return SMAP_ROCKS;
+        }
+      }
     }
+    if (!beyond) {
+      return o->kind[f] == SMAP_REST ? SMAP_OK : SMAP_TIPS;
+    }
+    if (to == SMAP_NONE) {
+      return SMAP_TIPS;
+    }
+    f = to;
   }
-  return held ? SMAP_ROCKS : beyond || o->kind[f] != SMAP_REST ? SMAP_TIPS : SMAP_OK;
+  return SMAP_TIPS;
 }
 
 /* |D - s| in steps. */
-static uint16_t smap_sdg_i(const smap_many_pose_i_t *o, uint8_t f, const int16_t g[3], int32_t rate)
+static uint16_t smap_sdg_i(const smap_many_pose_i_t *o, uint8_t f, const int32_t g[3], int32_t rate)
 {
   int32_t d[3];
   uint32_t factor;
   int8_t shift = (int8_t)(o->shift - 15);
   uint8_t k;
-  while (rate >= 0x10000) {
-    rate >>= 1;
-    shift--;
-  }
-  while (rate < 0x8000) {
-    rate <<= 1;
-    shift++;
-  }
+  k = smap_bits_i((uint32_t)rate);
+  shift = (int8_t)(shift + 16 - k);
+  rate = k > 16 ? rate >> (k - 16) : (int32_t)((uint32_t)rate << (16 - k));
   factor = ((uint32_t)o->mantissa << 15) / (uint32_t)rate; /* 2^14 to 2^16 */
   for (k = 0; k < 3; k++) {
     int32_t v = g[k] * (int32_t)(factor >> 1);
@@ -238,36 +284,23 @@ static uint16_t smap_sdg_i(const smap_many_pose_i_t *o, uint8_t f, const int16_t
       return 65534;
     }
   }
-  k = 0;
-  {
-    const int32_t length = smap_length_i(d);
-    return (uint16_t)(length < 32767 ? 2 * length : 65534);
-  }
+  rate = smap_length_i(d);
+  return (uint16_t)(rate < 32767 ? 2 * rate : 65534);
 }
 
-static smap_status_t smap_many_at_i(const smap_many_pose_i_t *o, const int16_t gravity[3],
+/* Read a pose under a direction whose longest component is 16384 to 32768; `length` is that of it,
+ * rounded up. */
+static smap_status_t smap_many_at_i(const smap_many_pose_i_t *o, const int32_t g[3], uint32_t length,
                                     smap_reading_i_t *out)
 {
-  int16_t g[3] = {gravity[0], gravity[1], gravity[2]};
-  int32_t rate = 0, length, least, wide[3];
-  uint32_t most = 0;
+  const int32_t size = (int32_t)length, all = SMAP_ONE_I * (size - 1);
+  int32_t rate = 0, least;
   uint8_t i, best = SMAP_NONE, which = 0;
   int status;
   out->sdg = out->height = 65535u;
   out->tip = -SMAP_ONE_I;
   out->over[0] = out->over[1] = SMAP_NONE;
-  for (i = 0; i < 3; i++) {
-    most |= (uint32_t)(g[i] < 0 ? -(g[i] + 1) : g[i]);
-  }
-  if (!o->alive || most == 0) {
-    return SMAP_TIPS;
-  }
-  for (; most < 0x2000u; most <<= 1) {
-    for (i = 0; i < 3; i++) {
-      g[i] = (int16_t)(g[i] * 2);
-    }
-  }
-  for (i = 0; i < o->shown; i++) {
+  for (i = 0; o->alive && i < o->shown; i++) {
     const int32_t v = smap_dot_i(o->plane[i], g);
     if (v > rate) {
       rate = v;
@@ -277,17 +310,13 @@ static smap_status_t smap_many_at_i(const smap_many_pose_i_t *o, const int16_t g
   if (best == SMAP_NONE) {
     return SMAP_TIPS;
   }
-  wide[0] = g[0];
-  wide[1] = g[1];
-  wide[2] = g[2];
-  length = smap_length_i(wide);
-  status = smap_verdict_i(o, best, g, length);
-  least = smap_boundary_i(o, o->island[best], g, SMAP_ONE_I * length, &which);
-  if (least < SMAP_ONE_I * length) {
+  status = smap_verdict_i(o, best, g, size);
+  least = smap_boundary_i(o, best, g, status != SMAP_TIPS, all, &which);
+  if (least < all) {
     out->over[0] = o->over[which][0];
     out->over[1] = o->over[which][1];
   }
-  least = least / (length + 2) - o->guard;
+  least = least / (size + 1) - o->guard;
   if (status == SMAP_TIPS || least < 0) {
     out->tip = (int16_t)(least < 0 ? least : -1);
     return SMAP_TIPS;

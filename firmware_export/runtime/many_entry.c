@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
-/* ---- entries of robots on many contacts -----------------------------------------------------------
+/* ---- entries: robots on many contacts -----------------------------------------------------------
  * What the map adds to positions: ten singles (the level axis of all discs, size, steepest, least height,
  * rest width, tolerance, rock angle, band, guard: see smap_many_t), rails u8, the first contact of each
  * rail and behind the last u8, the recipe's number of each contact u8. */
@@ -74,6 +74,12 @@ static int8_t smap_many_of(const smap_t *map, const float *params, smap_many_pos
     memcpy(place.contact[i].p, &p[3 * i], sizeof place.contact[i].p);
     place.contact[i].radius =
         smap_body(map)[SMAP_IN_FLAGS] & SMAP_ROUND ? smap_f32(at.radii + 4 * i) : 0.0f;
+#if !SMAP_MANY_RAILS
+    memset(place.axle[i], 0, sizeof place.axle[i]);
+    if (smap_body(map)[SMAP_IN_AXES] != 0 && at.axis_of[i] != SMAP_NO_AXIS) {
+      memcpy(place.axle[i], &p[3 * (at.contacts + at.axis_of[i])], sizeof place.axle[i]);
+    }
+#endif
   }
   smap_many_numbers(map, &numbers);
   return smap_many_pose(&numbers, &place, pose, work) ? SMAP_OK : SMAP_TIPS;
@@ -99,12 +105,12 @@ static int8_t smap_run_read(const smap_t *map, const float *params, const float 
   smap_many_pose_t pose;
   smap_many_work_t work;
   float d[3];
-  int8_t status = smap_direction(map, gravity, d);
+  int8_t status = smap_many_of(map, params, &pose, &work);
   if (status == SMAP_OK) {
-    status = smap_many_of(map, params, &pose, &work);
+    status = smap_direction(map, gravity, d);
   }
   if (SMAP_RARELY(status != SMAP_OK)) {
-    return smap_refuse(out, -SMAP_PI, status);
+    return smap_deny(out, -SMAP_PI, status);
   }
   return smap_many_read(map, &pose, d, out);
 }
@@ -118,7 +124,7 @@ static int8_t smap_run_at(const void *pose, const float *gravity, smap_reading_t
     status = smap_direction(many->head.map, gravity, d);
   }
   if (SMAP_RARELY(status != SMAP_OK)) {
-    return smap_refuse(out, -SMAP_PI, status);
+    return smap_deny(out, -SMAP_PI, status);
   }
   return smap_many_read(many->head.map, &many->real, d, out);
 }
@@ -135,11 +141,11 @@ static int8_t smap_run_at_i(const void *pose, const int16_t *gravity, smap_readi
     status = smap_direction_i(head->map, gravity, g, &length);
   }
   if (SMAP_RARELY(status != SMAP_OK)) {
-    return smap_refuse_i(out, status);
+    return smap_deny_i(out, status);
   }
   status = (int8_t)smap_many_at_i(whole ? &((const smap_pose_memory_i_t *)pose)->whole
                                         : &((const smap_pose_memory_t *)pose)->rest.whole,
-                                  gravity, out);
+                                  g, length, out);
   out->over[0] = smap_many_named(head->map, out->over[0]);
   out->over[1] = smap_many_named(head->map, out->over[1]);
   if (status != SMAP_OK && status != SMAP_ROCKS) {
@@ -187,9 +193,10 @@ static int smap_check_many(const smap_t *map)
   const uint8_t contacts = SMAP_BLOB(map)[SMAP_AT_CONTACTS], rails = body[SMAP_MANY_SINGLES];
   const smap_bytes_t first = body + SMAP_MANY_SINGLES + 1;
   uint8_t i;
-  if (contacts > SMAP_MANY_CONTACTS || contacts < 3 || rails > SMAP_MANY_RAILS || rails == 0 ||
+  if (contacts > SMAP_MANY_CONTACTS || contacts < 3 || rails > SMAP_MANY_RAILS ||
+      (rails == 0) != (SMAP_MANY_RAILS == 0) ||
       smap_u16(smap_body(map) + SMAP_IN_MANY_BYTES) != SMAP_MANY_SINGLES + 2 + rails + contacts ||
-      first[0] != 0 || first[rails] != contacts) {
+      first[0] != 0 || (rails != 0 && first[rails] != contacts)) {
     return 0;
   }
   for (i = 0; i < rails; i++) {

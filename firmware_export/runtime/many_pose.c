@@ -1,82 +1,71 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
+/* ---- poses of many contacts -------------------------------------------------------------------------- */
 /* A pose: what `at` needs of a posture. */
 
 /* Enter what short arcs join with edge `start` as one facet: its walls, in the order of its edges. */
 static void smap_show(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start)
 {
-  smap_facet_t *f = &w->facet[start / 3u];
-  const float *middle = w->centre[start / 3u];
-  uint8_t e = start, left = SMAP_MANY_EDGES, at = o->shown;
-  float p[3], q[3], n[3], level, inverse;
-  if (o->shown >= SMAP_MANY_SHOWN) {
+  smap_facet_t *f = &w->facet[w->owner[start]];
+  const uint8_t at = o->shown;
+  uint8_t e = start, n = o->edge[at], left = SMAP_MANY_EDGES, k;
+  float wall[3];
+  if (at >= SMAP_MANY_SHOWN) {
     w->failed = 1;
     return;
   }
-  inverse = 1.0f / f->h;
-  o->plane[at][0] = f->s * inverse;
-  o->plane[at][1] = f->t * inverse;
-  o->plane[at][2] = -f->c * inverse;
-  o->height[at] = f->h / f->norm;
-  level = f->h - f->t * middle[1];
-  o->centre[at][0] = middle[0] * f->c + level * f->s;
-  o->centre[at][1] = middle[1];
-  o->centre[at][2] = middle[0] * f->s - level * f->c;
+  for (k = 0; k < 3; k++) {
+    o->plane[at][k] = f->at.n[k] / f->h;
+    o->centre[at][k] = f->centre[k];
+  }
+  o->height[at] = f->h;
   o->kind[at] = f->kind;
   o->island[at] = at;
+  o->begin[at] = 0;
   do {
-    w->facet[e / 3u].group = at;
-    smap_corner(w, e, p);
-    smap_end(w, e, q);
-    smap_cross(p, q, n);
+    w->facet[w->owner[e]].shown = at;
+    smap_cross(smap_corner(w, e), smap_end(w, e), wall);
     w->wall_of[e] = SMAP_NONE;
-    if (smap_dot(n, n) > 1e-10f * smap_dot(p, p) * smap_dot(p, p)) {
-      w->wall_of[e] = smap_add_wall(w, o, n, w->vertex[e], w->vertex[smap_next(e)]);
+    w->point_of[e] = smap_add_point(w, o, smap_corner(w, e));
+    if (smap_dot(wall, wall) > 1e-14f * w->map->size * w->map->size * w->map->size * w->map->size) {
+      w->wall_of[e] = smap_add_wall(w, o, wall, w->vertex[e], w->vertex[w->next[e]]);
+      o->rim[n].wall = w->wall_of[e];
+      o->rim[n++].side = e; /* until the sides are known */
     }
     e = smap_onward(w, e);
     left--;
   } while (e != start && left > 0 && !w->failed);
-  o->shown++;
+  o->edge[++o->shown] = n;
 }
 
-/* Give the islands that held gaps join one number. */
-static void smap_join_islands(smap_many_work_t *w, smap_many_pose_t *o)
+/* Make the strips of all gaps, and give the islands that they join one number. */
+static void smap_add_strips(smap_many_work_t *w, smap_many_pose_t *o)
 {
   uint8_t e, k;
-  for (e = 0; e < 3u * w->facets; e++) {
-    if (smap_is_gap(w, e)) {
-      const uint8_t a = o->island[w->facet[e / 3u].group];
-      const uint8_t b = o->island[w->facet[w->twin[e] / 3u].group];
+  for (e = 0; e < w->edges && !w->failed; e++) {
+    const uint8_t back = w->twin[e];
+    if (smap_is_gap(w, e) && back > e) {
+      const uint8_t a = o->island[w->facet[w->owner[e]].shown];
+      const uint8_t b = o->island[w->facet[w->owner[back]].shown];
+      smap_add_side(w, o, e);
+      smap_add_side(w, o, back);
       for (k = 0; k < o->shown; k++) {
         o->island[k] = o->island[k] == b ? a : o->island[k];
       }
     }
   }
-}
-
-/* List the walls of each shown facet with what is beyond them. */
-static void smap_list_edges(smap_many_work_t *w, smap_many_pose_t *o, const uint8_t *start)
-{
-  uint8_t f, e, left, n = 0;
-  for (f = 0; f < o->shown; f++) {
-    o->edge[f] = n;
-    e = start[f];
-    left = SMAP_MANY_EDGES;
-    do {
-      if (w->wall_of[e] != SMAP_NONE) {
-        o->edge_wall[n] = w->wall_of[e];
-        o->edge_side[n] = SMAP_NONE;
-        if (smap_is_gap(w, e)) {
-          const uint8_t back = w->twin[e] < e ? w->twin[e] : e;
-          o->edge_side[n] = w->side_of[back];
-        }
-        n++;
-      }
-      e = smap_onward(w, e);
-      left--;
-    } while (e != start[f] && left > 0);
+  for (k = 0; k < o->edge[o->shown] && !w->failed; k++) {
+    e = o->rim[k].side;
+    o->rim[k].side = SMAP_NONE;
+    if (smap_is_gap(w, e) && w->wall_of[w->twin[e]] != SMAP_NONE) {
+      o->rim[k].side = w->side_of[w->twin[e] < e ? w->twin[e] : e];
+      o->rim[k].back = w->wall_of[w->twin[e]];
+      o->rim[k].to = w->facet[w->owner[w->twin[e]]].shown;
+    }
   }
-  o->edge[f] = n;
 }
 
+#if SMAP_MANY_RAILS
 /* Turn what was found in the rails' frame into the body's. */
 static void smap_turn_back(const smap_many_t *m, float (*v)[3], uint8_t n)
 {
@@ -87,52 +76,47 @@ static void smap_turn_back(const smap_many_t *m, float (*v)[3], uint8_t n)
     v[k][1] = y * m->axis[1] - x * m->axis[0];
   }
 }
+#endif
 
 /* Make the pose of a posture; 0 where that fails, and then it reads unsafe. */
 static int smap_many_pose(const smap_many_t *m, const smap_many_place_t *place, smap_many_pose_t *o,
                           smap_many_work_t *w)
 {
-  uint8_t start[SMAP_MANY_SHOWN], e;
-  o->shown = o->walls = o->points = o->segments = o->sides = o->alive = 0;
+  uint8_t e;
+  o->shown = o->walls = o->points = o->segments = o->sides = o->alive = o->edge[0] = 0;
   o->guard = m->guard;
   o->slack = 5e-4f * m->size;
   w->map = m;
-  w->facets = w->failed = 0;
+  w->facets = w->edges = w->rolls = w->failed = 0;
   smap_find_facets(w, place);
-  if (w->failed) {
-    return 0;
+  if (!w->failed) {
+    smap_classify(w);
+    smap_mark_short(w);
+    smap_find_gaps(w);
   }
-  smap_classify(w);
-  smap_mark_short(w);
-  smap_find_gaps(w);
-  for (e = 0; e < 3u * w->facets && !w->failed; e++) {
-    w->side_of[e] = SMAP_NONE;
-    if (w->facet[e / 3u].group == SMAP_NONE && w->low[e] != SMAP_SHORT && o->shown < SMAP_MANY_SHOWN) {
-      start[o->shown] = e;
+  for (e = 0; e < w->edges && !w->failed; e++) {
+    if (w->facet[w->owner[e]].shown == SMAP_NONE && w->low[e] != SMAP_SHORT) {
       smap_show(w, o, e);
     }
   }
-  smap_join_islands(w, o);
-  for (e = 0; e < 3u * w->facets && !w->failed; e++) {
-    if (smap_is_gap(w, e) && w->twin[e] > e) {
-      smap_add_side(w, o, e);
-      smap_add_side(w, o, w->twin[e]);
-    }
+  if (!w->failed) {
+    smap_add_strips(w, o);
   }
   if (!w->failed) {
     smap_find_boundary(w, o);
-    smap_list_edges(w, o, start);
   }
   if (w->failed) {
     o->shown = 0;
     return 0;
   }
+#if SMAP_MANY_RAILS
   if (m->axis[0] != 0.0f) {
     smap_turn_back(m, o->plane, o->shown);
     smap_turn_back(m, o->centre, o->shown);
     smap_turn_back(m, o->wall, o->walls);
     smap_turn_back(m, o->point, o->points);
   }
+#endif
   o->alive = 1;
   return 1;
 }

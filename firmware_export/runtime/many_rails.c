@@ -1,3 +1,6 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
+/* ---- facets of discs and points on parallel axes ----------------------------------------------------- */
 /* Facets of discs and points on parallel axes: the history of a hull over pitch.
  *
  *   Contacts at one y are a rail; its level at a pitch is L = max (x s - z c + r).  Two rails carry
@@ -10,10 +13,11 @@
  *
  * With u = tan(pitch / 2) an event is the root of a quadratic.  Whether it is past is told by its
  * roots and never by its value, so that what ends at a root has ended there; rails that are on the
- * wrong side of the hull change at once.
+ * wrong side of the hull change at once.  A facet's plane is s x + t y - c z = h |(s, t, -c)|, with
+ * sine s and cosine c of its pitch and its slope t.
  */
 #define SMAP_NEVER 2.0f
-#define SMAP_RECESS 1e-6f /* of the size: inner rails count as this much higher */
+#define SMAP_RECESS 3e-7f /* of the size: inner rails count as this much higher */
 #define SMAP_FAR 1e30f
 
 typedef struct {
@@ -61,15 +65,15 @@ static void smap_next_bend(const smap_many_work_t *w, smap_hull_t *o, uint8_t k,
     if (j == i) {
       continue;
     }
-    at = smap_crossing(w->x[j] - w->x[i], w->z[j] - w->z[i], w->r[j] - w->r[i], u);
+    at = smap_crossing(w->p[j][0] - w->p[i][0], w->p[j][2] - w->p[i][2], w->r[j] - w->r[i], u);
     if (at < o->bend[k]) {
       o->bend[k] = at;
       o->onto[k] = j;
     } else if (at == o->bend[k] && at < SMAP_NEVER) {
       /* Touched at once: the one further along carries on. */
       const uint8_t b = o->onto[k];
-      const float ahead = (w->x[j] - w->x[b]) * (1.0f - at * at);
-      if (ahead + (w->z[j] - w->z[b]) * 2.0f * at > 0.0f) {
+      const float ahead = (w->p[j][0] - w->p[b][0]) * (1.0f - at * at);
+      if (ahead + (w->p[j][2] - w->p[b][2]) * 2.0f * at > 0.0f) {
         o->onto[k] = j;
       }
     }
@@ -101,10 +105,11 @@ static uint8_t smap_after(const smap_hull_t *o, uint8_t rails, uint8_t k)
 static float smap_turns(const smap_many_work_t *w, const smap_hull_t *o, uint8_t k, float u)
 {
   const uint8_t a = smap_before(o, k), b = smap_after(o, w->map->rails, k);
-  const float part = (w->y[k] - w->y[b]) / (w->y[a] - w->y[b]), rest = 1.0f - part;
   const uint8_t i = o->disc[k], l = o->disc[a], r = o->disc[b];
-  const float x = w->x[i] - part * w->x[l] - rest * w->x[r];
-  const float z = w->z[i] - part * w->z[l] - rest * w->z[r];
+  const float *p = w->p[i], *pl = w->p[l], *pr = w->p[r];
+  const float part = (p[1] - pr[1]) / (pl[1] - pr[1]), rest = 1.0f - part;
+  const float x = p[0] - part * pl[0] - rest * pr[0];
+  const float z = p[2] - part * pl[2] - rest * pr[2];
   const float q = w->r[i] - part * w->r[l] - rest * w->r[r] - SMAP_RECESS * w->map->size;
   return o->on[k] ? smap_crossing(-x, -z, -q, u) : smap_crossing(x, z, q, u);
 }
@@ -115,15 +120,16 @@ static void smap_lay_out(smap_many_work_t *w, const smap_many_place_t *place, sm
   const smap_many_t *m = w->map;
   uint8_t k, i;
   for (k = 0; k < m->rails; k++) {
-    uint8_t best = m->first[k];
-    for (i = m->first[k]; i < m->first[k + 1]; i++) {
+    const uint8_t first = m->first[k];
+    uint8_t best = first;
+    for (i = first; i < m->first[k + 1]; i++) {
       const float *p = place->contact[i].p;
-      w->x[i] = p[0] * m->axis[1] - p[1] * m->axis[0];
-      w->y[k] = p[0] * m->axis[0] + p[1] * m->axis[1];
-      w->z[i] = p[2];
+      w->p[i][0] = p[0] * m->axis[1] - p[1] * m->axis[0];
+      w->p[i][1] = i == first ? p[0] * m->axis[0] + p[1] * m->axis[1] : w->p[first][1];
+      w->p[i][2] = p[2];
       w->r[i] = place->contact[i].radius;
       w->rail[i] = k;
-      if (w->r[i] - w->x[i] > w->r[best] - w->x[best]) {
+      if (w->r[i] - w->p[i][0] > w->r[best] - w->p[best][0]) {
         best = i;
       }
     }
@@ -135,38 +141,79 @@ static void smap_lay_out(smap_many_work_t *w, const smap_many_place_t *place, sm
   }
 }
 
-static float smap_level(const smap_many_work_t *w, uint8_t i, float s, float c)
+static inline float smap_level(const smap_many_work_t *w, uint8_t i, float s, float c)
 {
-  return w->x[i] * s - w->z[i] * c + w->r[i];
+  return w->p[i][0] * s - w->p[i][2] * c + w->r[i];
 }
 
-/* Enter the facet of three contacts, two of them on rails a and b; its first edge, or none. */
-static uint8_t smap_triangle(smap_many_work_t *w, float s, float c, uint8_t i, uint8_t j, uint8_t k,
-                             uint8_t a, uint8_t b)
+/* Where a contact touches a plane. */
+static inline void smap_touch(const smap_many_work_t *w, uint8_t i, const smap_aim_t *at, float out[3])
 {
-  const uint8_t three[3] = {i, j, k}, e = (uint8_t)(3u * w->facets);
-  const float ya = w->y[w->rail[a]], yb = w->y[w->rail[b]], la = smap_level(w, a, s, c);
-  const float t = (la - smap_level(w, b, s, c)) / (yb - ya), h = la + t * ya;
-  const float norm = smap_root(1.0f + t * t);
-  smap_facet_t *f = &w->facet[w->facets];
-  uint8_t n;
-  if (!(c > w->map->steepest * norm && h > w->map->least_height * norm)) {
+  out[0] = w->p[i][0] + w->r[i] * at->s;
+  out[1] = w->p[i][1];
+  out[2] = w->p[i][2] - w->r[i] * at->c;
+}
+
+/* The direction with a pitch and a slope; returns the length of (s, t, -c). */
+static inline float smap_slope(smap_aim_t *o, float s, float c, float t)
+{
+  const float norm = smap_root(1.0f + t * t), size = 1.0f / norm;
+  o->s = s;
+  o->c = c;
+  o->n[0] = s * size;
+  o->n[1] = t * size;
+  o->n[2] = -c * size;
+  return norm;
+}
+
+/* The plane on the contacts i and j at a fraction of the way between two others. */
+static void smap_on_arc(const smap_many_work_t *w, uint8_t i, uint8_t j, const smap_aim_t *from,
+                        const smap_aim_t *to, float part, smap_aim_t *out)
+{
+  float n[3], size, s, c;
+  smap_mix(from->n, to->n, part, n);
+  size = 1.0f / smap_root(n[0] * n[0] + n[2] * n[2]);
+  s = n[0] * size;
+  c = -n[2] * size;
+  if (w->rail[i] == w->rail[j]) {
+    (void)smap_slope(out, s, c, n[1] * size);
+  } else {
+    (void)smap_slope(out, s, c, (smap_level(w, i, s, c) - smap_level(w, j, s, c)) /
+                                    (w->p[j][1] - w->p[i][1]));
+  }
+}
+
+/* The direction whose normal is that of a vector. */
+static void smap_aim(smap_aim_t *o, const float v[3])
+{
+  const float size = 1.0f / smap_root(v[0] * v[0] + v[2] * v[2]);
+  (void)smap_slope(o, v[0] * size, -v[2] * size, v[1] * size);
+}
+
+/* Enter the facet of three contacts, whose slope is that of a and b; its first edge, or none. */
+static uint8_t smap_triangle(smap_many_work_t *w, float s, float c, const uint8_t three[3], uint8_t a,
+                             uint8_t b)
+{
+  const uint8_t e = w->edges;
+  float ya, la, t, h, norm;
+  smap_aim_t at;
+  uint8_t k;
+  if (!(c > w->map->steepest)) {
     return SMAP_NONE;
   }
-  if (w->facets >= SMAP_MANY_FACETS) {
-    w->failed = 1;
+  ya = w->p[a][1];
+  la = smap_level(w, a, s, c);
+  t = (la - smap_level(w, b, s, c)) / (w->p[b][1] - ya);
+  h = la + t * ya;
+  norm = smap_slope(&at, s, c, t);
+  if (!(c > w->map->steepest * norm && h > w->map->least_height * norm) ||
+      !smap_enter(w, &at, h / norm, 3)) {
     return SMAP_NONE;
   }
-  f->s = s;
-  f->c = c;
-  f->t = t;
-  f->h = h;
-  f->norm = norm;
-  for (n = 0; n < 3; n++) {
-    w->vertex[e + n] = three[n];
-    w->twin[e + n] = SMAP_NONE;
+  for (k = 0; k < 3; k++) {
+    w->vertex[e + k] = three[k];
+    smap_touch(w, three[k], &at, w->corner[e + k]);
   }
-  w->facets++;
   return e;
 }
 
@@ -195,12 +242,14 @@ static void smap_bend(smap_many_work_t *w, smap_hull_t *o, uint8_t k, float u, f
     return;
   }
   if (a != SMAP_NONE) {
-    f = smap_triangle(w, s, c, o->disc[a], d, e, o->disc[a], d);
+    const uint8_t three[3] = {o->disc[a], d, e};
+    f = smap_triangle(w, s, c, three, three[0], d);
     smap_join(w, o->own[a], f, 0);
     o->own[a] = smap_edge(f, 2);
   }
   if (b != SMAP_NONE) {
-    g = smap_triangle(w, s, c, o->disc[b], e, d, d, o->disc[b]);
+    const uint8_t three[3] = {o->disc[b], e, d};
+    g = smap_triangle(w, s, c, three, d, three[0]);
     smap_join(w, o->own[k], g, 2);
     o->own[k] = smap_edge(g, 0);
   }
@@ -213,20 +262,17 @@ static void smap_bend(smap_many_work_t *w, smap_hull_t *o, uint8_t k, float u, f
 static void smap_swap(smap_many_work_t *w, smap_hull_t *o, uint8_t k, float u, float s, float c)
 {
   const uint8_t a = smap_before(o, k), b = smap_after(o, w->map->rails, k);
-  const uint8_t i = o->disc[a], j = o->disc[b], d = o->disc[k];
-  uint8_t f;
-  if (o->on[k]) {
-    f = smap_triangle(w, s, c, i, d, j, i, j);
-    smap_join(w, o->own[a], f, 0);
+  const uint8_t i = o->disc[a], j = o->disc[b], d = o->disc[k], on = o->on[k];
+  const uint8_t three[3] = {i, on ? d : j, on ? j : d};
+  const uint8_t f = smap_triangle(w, s, c, three, i, j);
+  smap_join(w, o->own[a], f, 0);
+  if (on) {
     smap_join(w, o->own[k], f, 1);
     o->own[k] = SMAP_NONE;
-    o->own[a] = smap_edge(f, 2);
   } else {
-    f = smap_triangle(w, s, c, i, j, d, i, j);
-    smap_join(w, o->own[a], f, 0);
     o->own[k] = smap_edge(f, 1);
-    o->own[a] = smap_edge(f, 2);
   }
+  o->own[a] = smap_edge(f, 2);
   o->on[k] = !o->on[k];
   o->changed[k] = u;
 }
@@ -265,6 +311,9 @@ static void smap_find_facets(smap_many_work_t *w, const smap_many_place_t *place
     scale = 1.0f / (1.0f + u * u);
     s = 2.0f * u * scale;
     c = (1.0f - u * u) * scale;
+    if (u > 0.0f && c <= w->map->steepest) {
+      return; /* steeper and steeper */
+    }
     if (bends) {
       smap_bend(w, &o, which, u, s, c);
     } else {

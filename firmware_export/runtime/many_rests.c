@@ -1,129 +1,156 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
+/* ---- rests: support polygons and their width --------------------------------------------------------- */
 /* Which facets are rests: the support polygon of each, its centroid and whether it is wide enough.
  *
- * All contacts within the tolerance of a facet's plane make up its polygon.  They lie on the rails,
- * so the polygon is the hull of one interval per rail: `a` along the pitch, y across.
+ * All contacts within the tolerance of a facet's plane make up its polygon.
  */
-#define SMAP_MANY_CORNERS (2 * SMAP_MANY_RAILS)
-#define SMAP_TURN_SHORT 1e-5f /* rad: arcs as short as this join what is one facet */
+#define SMAP_TURN_SHORT 4e-5f /* rad: arcs as short as this join what is one facet */
 
-/* The interval of a rail's contacts near a facet's plane; 0 if there is none. */
-static int smap_touching(const smap_many_work_t *w, const smap_facet_t *f, uint8_t k, float span[2])
+/* A contact on a facet's plane: its place along and across. */
+typedef struct {
+  float a, b;
+  uint8_t contact;
+} smap_spot_t;
+
+/* The directions along and across on a plane. */
+static void smap_frame(const smap_aim_t *aim, float along[3], float across[3])
 {
-  const smap_many_t *m = w->map;
-  const float top = f->h - f->t * w->y[k] - m->tolerance * f->norm;
-  int any = 0;
-  uint8_t i;
-  for (i = m->first[k]; i < m->first[k + 1]; i++) {
-    if (smap_level(w, i, f->s, f->c) >= top) {
-      const float a = w->x[i] * f->c + w->z[i] * f->s;
-      span[0] = !any || a < span[0] ? a : span[0];
-      span[1] = !any || a > span[1] ? a : span[1];
-      any = 1;
-    }
-  }
-  return any;
+  const float *n = aim->n, size = 1.0f / smap_root(n[0] * n[0] + n[2] * n[2]);
+  along[0] = -n[2] * size;
+  along[1] = 0.0f;
+  along[2] = n[0] * size;
+  across[0] = -n[1] * along[2];
+  across[1] = n[0] * along[2] - n[2] * along[0];
+  across[2] = n[1] * along[0];
 }
 
-/* Drop what lies inside the last corners of a hull that goes on to (a, y). */
-static uint8_t smap_wrap(float (*p)[2], uint8_t n, uint8_t least, float a, float y)
+/* List the contacts that reach as far as `top` along a plane's normal, sorted by b. */
+static uint8_t smap_list_spots(const smap_many_work_t *w, const smap_aim_t *aim, float top,
+                               smap_spot_t *spot)
 {
-  while (n > least) {
-    const float *q = p[n - 1], *o = p[n - 2];
-    if ((q[0] - o[0]) * (y - q[1]) - (q[1] - o[1]) * (a - q[0]) > 0.0f) {
-      break;
-    }
-    n--;
-  }
-  p[n][0] = a;
-  p[n][1] = y;
-  return (uint8_t)(n + 1u);
-}
-
-/* The corners (a, y) of a facet's polygon, counter-clockwise in these coordinates. */
-static uint8_t smap_polygon(const smap_many_work_t *w, const smap_facet_t *f, float (*p)[2])
-{
-  float span[SMAP_MANY_RAILS][2];
-  uint8_t touched[SMAP_MANY_RAILS], count = 0, n = 0, k, least;
-  for (k = 0; k < w->map->rails; k++) {
-    if (smap_touching(w, f, k, span[count])) {
-      touched[count++] = k;
-    }
-  }
-  for (k = 0; k < count; k++) {
-    n = smap_wrap(p, n, 1, span[k][1], w->y[touched[k]]);
-  }
-  least = n;
-  for (k = count; k > 0; k--) {
-    if (k == count && !(span[k - 1][0] < span[k - 1][1])) {
+  float along[3], across[3], p[3];
+  uint8_t i, at, count = 0;
+  smap_frame(aim, along, across);
+  for (i = 0; i < w->map->contacts; i++) {
+    smap_spot_t here;
+    smap_touch(w, i, aim, p);
+    if (!(smap_dot(p, aim->n) >= top)) {
       continue;
     }
-    n = smap_wrap(p, n, least, span[k - 1][0], w->y[touched[k - 1]]);
+    here.contact = i;
+    here.a = p[0] * along[0] + p[2] * along[2];
+    here.b = smap_dot(p, across);
+    for (at = count++; at > 0 && (spot[at - 1].b > here.b ||
+                                  (spot[at - 1].b == here.b && spot[at - 1].a < here.a)); at--) {
+      spot[at] = spot[at - 1];
+    }
+    spot[at] = here;
   }
-  if (count > 0 && !(span[0][0] < span[0][1])) {
-    n--;
+  return count;
+}
+
+static inline float smap_bend_of(const smap_spot_t *o, const smap_spot_t *p, const smap_spot_t *q)
+{
+  return (p->a - o->a) * (q->b - o->b) - (p->b - o->b) * (q->a - o->a);
+}
+
+/* The corners of the polygon of spots, counter-clockwise in (a, b). */
+static uint8_t smap_polygon(const smap_spot_t *spot, uint8_t count, uint8_t *corner)
+{
+  uint8_t n = 0, k, i, least = 1;
+  for (k = 0; k < 2u * count; k++) {
+    i = k < count ? k : (uint8_t)(2u * count - 1u - k);
+    if (k == count) {
+      least = n;
+      continue;
+    }
+    while (n > least && !(smap_bend_of(&spot[corner[n - 2]], &spot[corner[n - 1]], &spot[i]) > 0.0f)) {
+      n--;
+    }
+    corner[n++] = i;
+  }
+  return (uint8_t)(n > 0 ? n - 1u : 0u);
+}
+
+#if !SMAP_MANY_RAILS
+/* The contacts at the corners of those that reach as far as `top`, counter-clockwise. */
+static uint8_t smap_corners_near(const smap_many_work_t *w, const smap_aim_t *at, float top,
+                                 uint8_t *contact)
+{
+  smap_spot_t spot[SMAP_MANY_CONTACTS];
+  uint8_t corner[2 * SMAP_MANY_CONTACTS + 1], k;
+  const uint8_t n = smap_polygon(spot, smap_list_spots(w, at, top, spot), corner);
+  for (k = 0; k < n; k++) {
+    /* From outside (a, b) is left-handed. */
+    contact[k] = spot[corner[n - 1u - k]].contact;
   }
   return n;
 }
+#endif
 
-/* Whether a polygon is at least `width` wide in every direction; y counts `scale` times. */
-static int smap_wide(float (*p)[2], uint8_t n, float scale, float width)
+/* Whether a polygon is at least `width` wide in every direction. */
+static int smap_wide(const smap_spot_t *spot, const uint8_t *corner, uint8_t n, float width)
 {
   uint8_t i, j;
   for (i = 0; i < n; i++) {
-    const float *o = p[i], *q = p[i + 1 < n ? i + 1 : 0];
-    const float da = q[0] - o[0], dy = (q[1] - o[1]) * scale;
-    float most = 0.0f;
+    const smap_spot_t *o = &spot[corner[i]], *q = &spot[corner[i + 1 < n ? i + 1 : 0]];
+    const float da = q->a - o->a, db = q->b - o->b, wanted = width * width * (da * da + db * db);
     for (j = 0; j < n; j++) {
-      const float out = da * (p[j][1] - o[1]) * scale - dy * (p[j][0] - o[0]);
-      most = out > most ? out : most;
+      const float out = smap_bend_of(o, q, &spot[corner[j]]);
+      if (out > 0.0f && out * out >= wanted) {
+        break;
+      }
     }
-    if (!(most * most >= width * width * (da * da + dy * dy))) {
+    if (j == n) {
       return 0;
     }
   }
-  return n >= 3;
+  return 1;
 }
 
 /* The area centroid of a polygon, or 0 where it has no area. */
-static int smap_centroid(float (*p)[2], uint8_t n, float out[2])
+static int smap_centroid(const smap_spot_t *spot, const uint8_t *corner, uint8_t n,
+                         const smap_facet_t *f, float out[3])
 {
-  float area = 0.0f, a = 0.0f, y = 0.0f;
+  const smap_spot_t *o = &spot[corner[0]];
+  float all = 0.0f, a = 0.0f, b = 0.0f, along[3], across[3];
   uint8_t i;
   for (i = 1; i + 1 < n; i++) {
-    const float ua = p[i][0] - p[0][0], uy = p[i][1] - p[0][1];
-    const float va = p[i + 1][0] - p[0][0], vy = p[i + 1][1] - p[0][1];
-    const float part = ua * vy - uy * va;
-    area += part;
-    a += part * (ua + va);
-    y += part * (uy + vy);
+    const smap_spot_t *p = &spot[corner[i]], *q = &spot[corner[i + 1]];
+    const float part = smap_bend_of(o, p, q);
+    all += part;
+    a += part * (p->a + q->a - 2.0f * o->a);
+    b += part * (p->b + q->b - 2.0f * o->b);
   }
-  if (!(area > 0.0f)) {
+  if (!(all > 0.0f)) {
     return 0;
   }
-  area = 1.0f / (3.0f * area);
-  out[0] = p[0][0] + a * area;
-  out[1] = p[0][1] + y * area;
+  all = 1.0f / (3.0f * all);
+  a = o->a + a * all;
+  b = o->b + b * all;
+  smap_frame(&f->at, along, across);
+  for (i = 0; i < 3; i++) {
+    out[i] = f->h * f->at.n[i] + a * along[i] + b * across[i];
+  }
   return 1;
 }
 
 static void smap_classify(smap_many_work_t *w)
 {
-  float p[SMAP_MANY_CORNERS + 1][2];
-  uint8_t f, k;
+  smap_spot_t spot[SMAP_MANY_CONTACTS];
+  uint8_t corner[2 * SMAP_MANY_CONTACTS + 1], f, k;
   for (f = 0; f < w->facets; f++) {
     smap_facet_t *facet = &w->facet[f];
-    const uint8_t n = smap_polygon(w, facet, p);
+    const uint8_t n = smap_polygon(
+        spot, smap_list_spots(w, &facet->at, facet->h - w->map->tolerance, spot), corner);
     facet->kind = SMAP_STAGE;
-    facet->group = SMAP_NONE;
-    if (!smap_centroid(p, n, w->centre[f])) {
-      w->centre[f][0] = w->centre[f][1] = 0.0f;
+    if (n < 3 || !smap_centroid(spot, corner, n, facet, facet->centre)) {
       for (k = 0; k < 3; k++) {
-        const uint8_t i = w->vertex[3u * f + k];
-        w->centre[f][0] += (w->x[i] * facet->c + w->z[i] * facet->s) * (1.0f / 3.0f);
-        w->centre[f][1] += w->y[w->rail[i]] * (1.0f / 3.0f);
+        const uint8_t e = facet->first;
+        facet->centre[k] = (w->corner[e][k] + w->corner[e + 1][k] + w->corner[e + 2][k]) * (1.0f / 3.0f);
       }
-    } else if (w->map->rock_angle >= 3.1415f ||
-               smap_wide(p, n, facet->norm, w->map->rest_width)) {
+    } else if (w->map->rock_angle >= 3.1415f || smap_wide(spot, corner, n, w->map->rest_width)) {
       facet->kind = SMAP_REST;
     }
   }
@@ -133,14 +160,16 @@ static void smap_classify(smap_many_work_t *w)
 static void smap_mark_short(smap_many_work_t *w)
 {
   uint8_t e;
-  for (e = 0; e < 3u * w->facets; e++) {
+  for (e = 0; e < w->edges; e++) {
     const uint8_t back = w->twin[e];
     w->low[e] = SMAP_OPEN;
+    w->roll_of[e] = SMAP_NONE;
     if (back != SMAP_NONE) {
-      const smap_facet_t *f = &w->facet[e / 3u], *g = &w->facet[back / 3u];
-      const float ds = f->s - g->s, dc = f->c - g->c, dt = f->t - g->t;
+      const smap_facet_t *f = &w->facet[w->owner[e]], *g = &w->facet[w->owner[back]];
+      float d[3];
+      smap_minus(f->at.n, g->at.n, d);
       if (f->kind == SMAP_REST && g->kind == SMAP_REST &&
-          ds * ds + dc * dc + dt * dt < SMAP_TURN_SHORT * SMAP_TURN_SHORT) {
+          smap_dot(d, d) < SMAP_TURN_SHORT * SMAP_TURN_SHORT) {
         w->low[e] = SMAP_SHORT;
       }
     }

@@ -1,18 +1,17 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
+/* ---- many contacts: what their parts share ----------------------------------------------------------- */
 /* Robots with more than three contacts, or with round ones: what the parts many_*.c share.
  *
- * SPDX-License-Identifier: MIT
- *
- * A posture becomes a complex of support facets (triangles of contacts) joined by arcs, over which
- * the robot rolls on two contacts.  Edge e of the complex is side e % 3 of facet e / 3 and begins
- * at its contact; its twin is the same arc seen from the facet beyond.  Counter-clockwise, seen
- * from outside.  The rails' frame: the common axis is y, and a facet's plane is
- * s x + t y - c z = h with sine s and cosine c of its pitch and its slope t.
+ * A posture becomes a complex of support facets joined by arcs, over which the robot rolls on two
+ * contacts.  An edge of the complex belongs to a facet and begins at one of its contacts; its twin
+ * is the same arc seen from the facet beyond.  Counter-clockwise, seen from outside.
  */
 #ifndef SMAP_MANY_CONTACTS
 #define SMAP_MANY_CONTACTS 12
 #endif
 #ifndef SMAP_MANY_RAILS
-#define SMAP_MANY_RAILS 4
+#define SMAP_MANY_RAILS 4 /* 0: axes that are not parallel */
 #endif
 #ifndef SMAP_MANY_FACETS
 #define SMAP_MANY_FACETS 40
@@ -26,11 +25,15 @@
 #ifndef SMAP_MANY_LINKS
 #define SMAP_MANY_LINKS 200
 #endif
-#ifndef SMAP_MANY_POINTS
-#define SMAP_MANY_POINTS SMAP_MANY_LINKS
-#endif
+#ifndef SMAP_MANY_EDGES
 #define SMAP_MANY_EDGES (3 * SMAP_MANY_FACETS)
+#endif
+#ifndef SMAP_MANY_SIDES
 #define SMAP_MANY_SIDES (4 * SMAP_MANY_SHOWN)
+#endif
+#ifndef SMAP_MANY_ARCS
+#define SMAP_MANY_ARCS SMAP_MANY_FACETS
+#endif
 #define SMAP_NONE 255u
 
 enum { SMAP_STAGE = 1, SMAP_REST = 2 };
@@ -42,6 +45,9 @@ typedef struct {
 
 typedef struct {
   smap_contact_t contact[SMAP_MANY_CONTACTS];
+#if !SMAP_MANY_RAILS
+  float axle[SMAP_MANY_CONTACTS][3]; /* of discs; zero for points and spheres */
+#endif
 } smap_many_place_t;
 
 typedef struct {
@@ -51,57 +57,82 @@ typedef struct {
   float size, steepest, least_height, rest_width, tolerance, rock_angle, band, guard;
 } smap_many_t;
 
-/* A side of a strip: `count` walls from `wall` on.  Of a side that bulges inwards one wall is
- * enough, of any other all count. */
+/* A side of a strip: `count` walls, and one more point, from these on.  Of a side that bulges
+ * inwards one wall is enough, of any other all count. */
 typedef struct {
-  uint8_t wall, count, inwards, inner;
+  uint8_t wall, point, count, inwards, inner;
 } smap_side_t;
 
-/* A part of the boundary. */
+/* An edge of a shown facet: its wall; of its strip the wall at the far end, the first of the two
+ * sides, and the facet there, or SMAP_NONE. */
 typedef struct {
-  uint8_t wall, start, stop, island;
+  uint8_t wall, back, side, to;
+} smap_rim_t;
+
+/* A part of the boundary.  Where it is bent inwards at its end, the end may be what is nearest. */
+typedef struct {
+  uint8_t wall, start, stop, bent;
 } smap_segment_t;
 
 typedef struct {
   uint8_t shown, walls, points, segments, sides, alive;
   uint8_t kind[SMAP_MANY_SHOWN], island[SMAP_MANY_SHOWN], edge[SMAP_MANY_SHOWN + 1];
-  uint8_t edge_wall[SMAP_MANY_EDGES], edge_side[SMAP_MANY_EDGES];
-  smap_segment_t segment[SMAP_MANY_LINKS];
+  uint8_t begin[SMAP_MANY_SHOWN]; /* a segment on the facet */
+  uint8_t first[SMAP_MANY_SHOWN], last[SMAP_MANY_SHOWN]; /* of an island's segments, and beyond */
+  smap_rim_t rim[SMAP_MANY_EDGES];
   uint8_t over[SMAP_MANY_WALLS][2];
+  smap_segment_t segment[SMAP_MANY_LINKS];
   smap_side_t side[SMAP_MANY_SIDES];
   float guard, slack;
   float plane[SMAP_MANY_SHOWN][3]; /* n / h */
   float centre[SMAP_MANY_SHOWN][3];
   float height[SMAP_MANY_SHOWN];
   float wall[SMAP_MANY_WALLS][3];
-  float point[SMAP_MANY_POINTS][3];
+  float point[SMAP_MANY_LINKS][3];
 } smap_many_pose_t;
 
-/* Facets of a posture while its pose is made. */
+/* A plane's direction: its outward unit normal, and in the rails' frame sine and cosine of pitch. */
 typedef struct {
-  float s, c, t, h, norm; /* norm = |(s, t, -c)| */
-  uint8_t kind, group;
-} smap_facet_t;
+  float n[3], s, c;
+} smap_aim_t;
+
+/* What a roll over an arc does. */
+typedef struct {
+  float turn[3][3]; /* gravity before to gravity after */
+  float rise[3];    /* rise of the com = rise . gravity before */
+  float angle;
+} smap_roll_t;
 
 typedef struct {
+  smap_aim_t at;
+  float h, centre[3];
+  uint8_t kind, shown, first;
+} smap_facet_t;
+
+/* What is only needed while a pose is made. */
+typedef struct {
   const smap_many_t *map;
-  uint8_t facets, failed;
-  float x[SMAP_MANY_CONTACTS], z[SMAP_MANY_CONTACTS], r[SMAP_MANY_CONTACTS];
+  uint8_t facets, edges, failed;
+  float p[SMAP_MANY_CONTACTS][3], r[SMAP_MANY_CONTACTS];
+#if SMAP_MANY_RAILS
   uint8_t rail[SMAP_MANY_CONTACTS];
-  float y[SMAP_MANY_RAILS];
+#else
+  const float (*axle)[3];
+#endif
   smap_facet_t facet[SMAP_MANY_FACETS];
-  uint8_t vertex[SMAP_MANY_EDGES], twin[SMAP_MANY_EDGES];
-  uint8_t wall_of[SMAP_MANY_EDGES], side_of[SMAP_MANY_EDGES];
-  uint8_t seen[SMAP_MANY_EDGES];
+  uint8_t vertex[SMAP_MANY_EDGES], twin[SMAP_MANY_EDGES], next[SMAP_MANY_EDGES];
+  uint8_t owner[SMAP_MANY_EDGES], wall_of[SMAP_MANY_EDGES], point_of[SMAP_MANY_EDGES];
+  uint8_t side_of[SMAP_MANY_EDGES], seen[SMAP_MANY_EDGES];
+  smap_roll_t roll[SMAP_MANY_ARCS];
+  uint8_t roll_of[SMAP_MANY_EDGES], rolls; /* of an arc, if it is known, from its first edge on */
   float low[SMAP_MANY_EDGES]; /* SMAP_SHORT, SMAP_OPEN, or from which part of the edge on it holds */
-  float centre[SMAP_MANY_FACETS][2]; /* along and across */
-  uint8_t last; /* point of the boundary */
+  float corner[SMAP_MANY_EDGES][3]; /* where the contact touches at which it begins */
 } smap_many_work_t;
 
 #define SMAP_SHORT (-1.0f)
 #define SMAP_OPEN 2.0f
 
-#ifndef SMAP_VERSION
+#ifndef SMAP_VERSION /* smap.h's parts have them */
 static inline float smap_dot(const float a[3], const float b[3])
 {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -115,42 +146,71 @@ static inline void smap_cross(const float a[3], const float b[3], float out[3])
 }
 #endif
 
-static inline uint8_t smap_next(uint8_t e)
+static inline void smap_minus(const float a[3], const float b[3], float out[3])
 {
-  return (uint8_t)(e % 3u == 2u ? e - 2u : e + 1u);
+  out[0] = a[0] - b[0];
+  out[1] = a[1] - b[1];
+  out[2] = a[2] - b[2];
+}
+
+static inline void smap_mix(const float p[3], const float q[3], float part, float out[3])
+{
+  out[0] = p[0] + part * (q[0] - p[0]);
+  out[1] = p[1] + part * (q[1] - p[1]);
+  out[2] = p[2] + part * (q[2] - p[2]);
+}
+
+static inline void smap_copy(const float from[3], float to[3])
+{
+  to[0] = from[0];
+  to[1] = from[1];
+  to[2] = from[2];
 }
 
 /* The next edge of the outline of what short arcs join. */
 static uint8_t smap_onward(const smap_many_work_t *w, uint8_t e)
 {
-  uint8_t n;
   uint8_t left = SMAP_MANY_EDGES;
-  for (n = smap_next(e); w->low[n] == SMAP_SHORT && left > 0; left--) {
-    n = smap_next(w->twin[n]);
+  for (e = w->next[e]; w->low[e] == SMAP_SHORT && left > 0; left--) {
+    e = w->next[w->twin[e]];
   }
-  return n;
+  return e;
 }
 
-/* Where the contact at which an edge begins touches the plane of its facet. */
-static void smap_corner(const smap_many_work_t *w, uint8_t e, float out[3])
+static const float *smap_corner(const smap_many_work_t *w, uint8_t e)
 {
-  const smap_facet_t *f = &w->facet[e / 3u];
-  const uint8_t i = w->vertex[e];
-  out[0] = w->x[i] + w->r[i] * f->s;
-  out[1] = w->y[w->rail[i]];
-  out[2] = w->z[i] - w->r[i] * f->c;
+  return w->corner[e];
 }
 
-/* The far end of an edge: where the next contact touches. */
-static void smap_end(const smap_many_work_t *w, uint8_t e, float out[3])
+static const float *smap_end(const smap_many_work_t *w, uint8_t e)
 {
-  smap_corner(w, smap_next(e), out);
+  return w->corner[w->next[e]];
 }
 
-static void smap_mix(const float p[3], const float q[3], float part, float out[3])
+static int smap_is_gap(const smap_many_work_t *w, uint8_t e)
 {
+  return w->low[e] >= 0.0f && w->low[e] <= 1.0f;
+}
+
+/* Begin a facet of some corners, from edge w->edges on; 0 where there is no room. */
+static int smap_enter(smap_many_work_t *w, const smap_aim_t *at, float h, uint8_t corners)
+{
+  smap_facet_t *f = &w->facet[w->facets];
   uint8_t k;
-  for (k = 0; k < 3; k++) {
-    out[k] = p[k] + part * (q[k] - p[k]);
+  if (w->facets >= SMAP_MANY_FACETS || w->edges + corners > SMAP_MANY_EDGES) {
+    w->failed = 1;
+    return 0;
   }
+  f->at = *at;
+  f->h = h;
+  f->first = w->edges;
+  f->shown = SMAP_NONE;
+  for (k = 0; k < corners; k++) {
+    w->twin[w->edges] = SMAP_NONE;
+    w->owner[w->edges] = w->facets;
+    w->next[w->edges] = (uint8_t)(k + 1u < corners ? w->edges + 1u : f->first);
+    w->edges++;
+  }
+  w->facets++;
+  return 1;
 }

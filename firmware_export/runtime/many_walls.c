@@ -1,3 +1,6 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
+/* ---- walls and the boundary of the region ------------------------------------------------------------ */
 /* Walls of the region, and the segments of its boundary.
  *
  *   A wall is a plane through the com, kept as its unit normal, which points into the region.  The
@@ -8,75 +11,56 @@
  *                  |  low    |                edge there is a pocket between A and B.
  *                  +---------+
  *
- *   A segment lies on a wall, between two points, kept as unit vectors.
+ *   A segment lies on a wall, between two points, kept as unit vectors.  The side of a strip is a
+ *   curve, cut into pieces that lose a little of the strip and add nothing to it: along tangents
+ *   where it bulges into the strip, along its chord where it bulges outwards.
  */
-#define SMAP_TANGENT 0.2f /* rad between the tangents that stand for a rim */
-#define SMAP_LOST 2e-4f   /* of the size: what the exact definition's tangents lose */
+#define SMAP_PIECE 0.2f  /* rad: longest piece of a side */
+#define SMAP_LOST 2e-4f  /* of the size: what the exact definition's pieces lose */
 #define SMAP_PIECES 12.0f
-#define SMAP_ALIKE 3e-3f  /* rad: tangents nearer than this are one */
+#define SMAP_ALIKE 3e-3f /* rad: a side as short as this is straight */
+
+/* Scale a vector to length 1; 0 where it has no direction. */
+static int smap_scale(const float v[3], float out[3])
+{
+  const float size2 = smap_dot(v, v);
+  float scale;
+  if (!(size2 > 0.0f)) {
+    return 0;
+  }
+  scale = 1.0f / smap_root(size2);
+  out[0] = v[0] * scale;
+  out[1] = v[1] * scale;
+  out[2] = v[2] * scale;
+  return 1;
+}
 
 static uint8_t smap_add_wall(smap_many_work_t *w, smap_many_pose_t *o, const float n[3], uint8_t i,
                              uint8_t j)
 {
-  const float size2 = smap_dot(n, n);
-  float scale;
-  if (o->walls >= SMAP_MANY_WALLS || !(size2 > 0.0f)) {
+  if (o->walls >= SMAP_MANY_WALLS || !smap_scale(n, o->wall[o->walls])) {
     w->failed = 1;
     return 0;
   }
-  scale = 1.0f / smap_root(size2);
-  o->wall[o->walls][0] = n[0] * scale;
-  o->wall[o->walls][1] = n[1] * scale;
-  o->wall[o->walls][2] = n[2] * scale;
   o->over[o->walls][0] = i;
   o->over[o->walls][1] = j;
   return o->walls++;
 }
 
-/* What the two contacts of a strip sweep at a part of the segment between them: a disc's rim. */
-typedef struct {
-  float x, y, z, r, inner; /* inner: sign of y towards the middle of the strip */
-  uint8_t i, edge, back;
-} smap_rim_t;
-
-/* The wall that touches a rim at a pitch. */
-static uint8_t smap_tangent(smap_many_work_t *w, smap_many_pose_t *o, const smap_rim_t *rim, float s,
-                            float c)
+static uint8_t smap_add_point(smap_many_work_t *w, smap_many_pose_t *o, const float p[3])
 {
-  const float level = rim->x * s - rim->z * c + rim->r;
-  const float n[3] = {-rim->inner * rim->y * s, rim->inner * level, rim->inner * rim->y * c};
-  return smap_add_wall(w, o, n, rim->i, rim->i);
-}
-
-static void smap_rim_point(const smap_rim_t *rim, float s, float c, float out[3])
-{
-  out[0] = rim->x + rim->r * s;
-  out[1] = rim->y;
-  out[2] = rim->z - rim->r * c;
-}
-
-/* The rim of an edge at the part where it begins to hold. */
-static void smap_rim(const smap_many_work_t *w, uint8_t e, smap_rim_t *out)
-{
-  const uint8_t i = w->vertex[e], j = w->vertex[smap_next(e)];
-  const float part = w->low[e], yi = w->y[w->rail[i]], yj = w->y[w->rail[j]];
-  out->x = w->x[i] + part * (w->x[j] - w->x[i]);
-  out->z = w->z[i] + part * (w->z[j] - w->z[i]);
-  out->r = w->r[i] + part * (w->r[j] - w->r[i]);
-  out->y = yi + part * (yj - yi);
-  out->inner = yj > yi ? 1.0f : -1.0f;
-  out->i = i;
-  out->edge = e;
-  out->back = w->twin[e];
+  if (o->points >= SMAP_MANY_LINKS || !smap_scale(p, o->point[o->points])) {
+    w->failed = 1;
+    return 0;
+  }
+  return o->points++;
 }
 
 /* How many pieces the exact definition cuts the strip of an edge into. */
-static float smap_pieces(const smap_many_work_t *w, uint8_t e)
+static float smap_pieces(const smap_many_work_t *w, uint8_t e, float chord)
 {
-  const smap_facet_t *f = &w->facet[e / 3u], *g = &w->facet[w->twin[e] / 3u];
-  const float ds = f->s - g->s, dc = f->c - g->c, lost = SMAP_LOST * w->map->size;
-  const float ri = w->r[w->vertex[e]], rj = w->r[w->vertex[smap_next(e)]];
-  const float most = (ri > rj ? ri : rj) * (ds * ds + dc * dc) * 0.125f;
+  const float ri = w->r[w->vertex[e]], rj = w->r[w->vertex[w->next[e]]];
+  const float most = (ri > rj ? ri : rj) * chord * chord * 0.125f, lost = SMAP_LOST * w->map->size;
   float n;
   if (most <= lost) {
     return 1.0f;
@@ -85,256 +69,211 @@ static float smap_pieces(const smap_many_work_t *w, uint8_t e)
   return n < SMAP_PIECES ? n : SMAP_PIECES;
 }
 
-/* A wall across the way to the middle of an edge, where a strip has no width. */
-static uint8_t smap_cap(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e, const float p[3])
+/* Where the tangents of a rim at two directions meet. */
+static void smap_tangents(const smap_many_work_t *w, uint8_t i, const smap_aim_t *a,
+                          const smap_aim_t *b, float out[3])
 {
-  float q[3], n[3], part;
+  float p[3], q[3], arm[3], size2;
   uint8_t k;
-  smap_end(w, e, q);
-  part = smap_dot(q, p) / smap_dot(p, p);
+  smap_touch(w, i, a, p);
+  smap_touch(w, i, b, q);
   for (k = 0; k < 3; k++) {
-    n[k] = q[k] - part * p[k];
+    arm[k] = 0.5f * (p[k] + q[k]) - w->p[i][k];
   }
-  return smap_add_wall(w, o, n, w->vertex[e], w->vertex[e]);
+  size2 = smap_dot(arm, arm);
+  if (size2 > 0.0f) {
+    size2 = w->r[i] * w->r[i] / size2;
+  }
+  for (k = 0; k < 3; k++) {
+    out[k] = w->p[i][k] + arm[k] * size2;
+  }
 }
 
-/* The tangents that stand for the rim of a strip's side; the pitch of each. */
-typedef struct {
-  smap_pitch_t from, to;
-  float pieces;
-  uint8_t i, j, count;
-} smap_tangents_t;
-
-static void smap_plan_tangents(const smap_many_work_t *w, uint8_t e, smap_tangents_t *o)
+/* Append a piece of a side: a wall from the last point to one more. */
+static void smap_add_piece(smap_many_work_t *w, smap_many_pose_t *o, smap_side_t *side,
+                           const float p[3], const float q[3], uint8_t i)
 {
-  const smap_facet_t *f = &w->facet[e / 3u], *g = &w->facet[w->twin[e] / 3u];
-  const float ds = f->s - g->s, dc = f->c - g->c, turn = smap_root(ds * ds + dc * dc);
-  o->i = w->vertex[e];
-  o->j = w->vertex[smap_next(e)];
-  smap_aim(&o->from, f->s, f->c, f->t);
-  smap_aim(&o->to, g->s, g->c, g->t);
-  o->count = 1;
-  if (turn > SMAP_ALIKE) {
-    float turns = (float)(int32_t)(turn * (1.0f / SMAP_TANGENT)) + 1.0f;
-    o->pieces = smap_pieces(w, e);
-    turns = turns > o->pieces ? o->pieces : turns;
-    o->count = (uint8_t)(turns + 1.0f);
-  }
+  float n[3];
+  smap_cross(p, q, n);
+  (void)smap_add_wall(w, o, n, i, i);
+  (void)smap_add_point(w, o, q);
+  side->count++;
 }
 
-static void smap_tangent_pitch(const smap_many_work_t *w, const smap_tangents_t *o, uint8_t k,
-                               smap_pitch_t *out)
+/* A side from p to q bulges into the strip: corners on tangents, as many as it takes. */
+static void smap_bulge(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e, smap_side_t *side,
+                       const float p[3], const float q[3])
 {
-  if (k == 0) {
-    *out = o->from;
-  } else if (k + 1 == o->count) {
-    *out = o->to;
-  } else {
-    const float turns = (float)(o->count - 1);
-    const float part = (float)(int32_t)((float)k * o->pieces / turns + 0.5f) / o->pieces;
-    smap_on_arc(w, o->i, o->j, &o->from, &o->to, part, out);
+  const smap_aim_t *from = &w->facet[w->owner[e]].at, *to = &w->facet[w->owner[w->twin[e]]].at;
+  const uint8_t i = w->vertex[e], j = w->vertex[w->next[e]];
+  const float chord = smap_chord(from, to), pieces = smap_pieces(w, e, chord);
+  float count = (float)(int32_t)(chord * (1.0f / SMAP_PIECE)) + 1.0f, last[3], a[3], b[3];
+  smap_aim_t here = *from, there;
+  uint8_t k;
+  count = count > pieces ? pieces : count;
+  smap_copy(p, last);
+  for (k = 1; (float)k <= count; k++) {
+    if ((float)(k + 1) > count) {
+      there = *to;
+    } else {
+      smap_on_arc(w, i, j, from, to, (float)(int32_t)((float)k * pieces / count + 0.5f) / pieces,
+                  &there);
+    }
+    smap_tangents(w, i, &here, &there, a);
+    smap_tangents(w, j, &here, &there, b);
+    smap_mix(a, b, w->low[e], a);
+    smap_add_piece(w, o, side, last, a, i);
+    smap_copy(a, last);
+    here = there;
   }
+  smap_add_piece(w, o, side, last, q, i);
 }
 
-/* Make the walls of the side of a strip at the beginning of an edge. */
+/* Make the walls of the side of a strip at the beginning of an edge, on the way to its twin. */
 static void smap_add_side(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
 {
-  const smap_facet_t *f = &w->facet[e / 3u], *g = &w->facet[w->twin[e] / 3u];
+  const uint8_t back = w->twin[e], i = w->vertex[e], j = w->vertex[w->next[e]];
   smap_side_t *side = &o->side[o->sides];
-  float p[3], q[3], n[3], apart = 0.0f, ds = f->s - g->s, dc = f->c - g->c;
-  smap_rim_t rim;
-  uint8_t k;
+  float p[3], q[3], middle[3], chord[3], d[3];
+  smap_aim_t half;
   if (o->sides >= SMAP_MANY_SIDES) {
     w->failed = 1;
     return;
   }
   w->side_of[e] = o->sides++;
-  smap_rim(w, e, &rim);
   side->wall = o->walls;
-  side->inner = 0;
-  side->inwards = rim.y * rim.inner < 0.0f;
-  smap_rim_point(&rim, f->s, f->c, p);
-  smap_rim_point(&rim, g->s, g->c, q);
-  for (k = 0; k < 3; k++) {
-    apart += (p[k] - q[k]) * (p[k] - q[k]);
+  side->inner = side->inwards = side->count = 0;
+  smap_mix(smap_corner(w, e), smap_end(w, e), w->low[e], p);
+  smap_mix(smap_end(w, back), smap_corner(w, back), w->low[e], q);
+  side->point = smap_add_point(w, o, p);
+  smap_minus(q, p, d);
+  if (!(smap_dot(d, d) > 1e-10f * w->map->size * w->map->size)) {
+    /* No width: a wall across the way to the far end. */
+    const float *far = smap_end(w, e);
+    smap_minus(far, p, d);
+    smap_cross(p, d, middle);
+    smap_cross(middle, p, d);
+    (void)smap_add_wall(w, o, d, i, i);
+    (void)smap_add_point(w, o, p);
+    side->count = 1;
+    return;
   }
-  if (w->rail[w->vertex[e]] == w->rail[w->vertex[smap_next(e)]] ||
-      apart < 1e-10f * w->map->size * w->map->size) {
-    smap_cap(w, o, e, p);
-  } else if (!side->inwards) {
-    if (ds * ds + dc * dc > SMAP_ALIKE * SMAP_ALIKE) {
-      smap_cross(p, q, n);
-      if (n[1] * rim.inner < 0.0f) {
-        n[0] = -n[0];
-        n[1] = -n[1];
-        n[2] = -n[2];
-      }
-      smap_add_wall(w, o, n, rim.i, rim.i);
-    } else {
-      smap_tangent(w, o, &rim, f->s, f->c);
-    }
+  smap_on_arc(w, i, j, &w->facet[w->owner[e]].at, &w->facet[w->owner[back]].at, 0.5f, &half);
+  smap_touch(w, i, &half, middle);
+  smap_touch(w, j, &half, chord);
+  smap_mix(middle, chord, w->low[e], middle);
+  smap_cross(p, q, chord);
+  side->inwards = smap_dot(chord, middle) > 0.0f;
+  if (side->inwards &&
+      smap_chord(&w->facet[w->owner[e]].at, &w->facet[w->owner[back]].at) > SMAP_ALIKE) {
+    smap_bulge(w, o, e, side, p, q);
   } else {
-    smap_tangents_t plan;
-    smap_pitch_t at;
-    smap_plan_tangents(w, e, &plan);
-    for (k = 0; k < plan.count; k++) {
-      smap_tangent_pitch(w, &plan, k, &at);
-      smap_tangent(w, o, &rim, at.s, at.c);
-    }
+    smap_add_piece(w, o, side, p, q, i);
   }
-  side->count = (uint8_t)(o->walls - side->wall);
 }
 
-static uint8_t smap_add_point(smap_many_work_t *w, smap_many_pose_t *o, const float p[3])
-{
-  const float scale = 1.0f / smap_root(smap_dot(p, p));
-  uint8_t k;
-  if (o->points >= SMAP_MANY_POINTS) {
-    w->failed = 1;
-    return 0;
-  }
-  for (k = 0; k < 3; k++) {
-    o->point[o->points][k] = p[k] * scale;
-  }
-  return o->points++;
-}
-
-/* Append a part of the boundary, along a wall from where the last one ended to q.  At the beginning
- * of a loop that is p. */
-static void smap_push(smap_many_work_t *w, smap_many_pose_t *o, uint8_t island, uint8_t wall,
-                      const float p[3], const float q[3])
+/* Append a part of the boundary. */
+static void smap_push(smap_many_work_t *w, smap_many_pose_t *o, uint8_t wall, uint8_t start,
+                      uint8_t stop)
 {
   smap_segment_t *segment = &o->segment[o->segments];
   if (w->failed || o->segments >= SMAP_MANY_LINKS) {
     w->failed = 1;
     return;
   }
-  if (w->last == SMAP_NONE) {
-    w->last = smap_add_point(w, o, p);
-  }
   segment->wall = wall;
-  segment->island = island;
-  segment->start = w->last;
-  segment->stop = w->last = smap_add_point(w, o, q);
+  segment->start = start;
+  segment->stop = stop;
   o->segments++;
 }
 
-/* Append the side of a strip from facet f to facet g, seen from edge e. */
-static void smap_push_side(smap_many_work_t *w, smap_many_pose_t *o, uint8_t island, uint8_t e)
+/* Append the boundary from edge e on, over a gap if it has one, and return the edge there. */
+static uint8_t smap_follow(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
 {
-  const smap_facet_t *f = &w->facet[e / 3u], *g = &w->facet[w->twin[e] / 3u];
-  const smap_side_t *side = &o->side[w->side_of[e]];
-  float p[3], q[3];
-  smap_pitch_t here, there;
-  smap_tangents_t plan;
-  smap_rim_t rim;
+  const uint8_t back = w->twin[e];
+  const smap_side_t *side;
   uint8_t k;
-  smap_rim(w, e, &rim);
-  smap_rim_point(&rim, f->s, f->c, p);
-  smap_plan_tangents(w, e, &plan);
-  here = plan.from;
-  for (k = 0; k < side->count; k++) {
-    if (k + 1 == side->count) {
-      smap_rim_point(&rim, g->s, g->c, q);
-    } else {
-      /* Where two tangents meet. */
-      float scale;
-      smap_tangent_pitch(w, &plan, (uint8_t)(k + 1u), &there);
-      scale = 1.0f / (1.0f + here.s * there.s + here.c * there.c);
-      smap_rim_point(&rim, scale * (here.s + there.s), scale * (here.c + there.c), q);
-      here = there;
+  if (!smap_is_gap(w, e)) {
+    if (w->wall_of[e] != SMAP_NONE) {
+      o->begin[w->facet[w->owner[e]].shown] = o->segments;
+      smap_push(w, o, w->wall_of[e], w->point_of[e], w->point_of[smap_onward(w, e)]);
     }
-    smap_push(w, o, island, (uint8_t)(side->wall + k), p, q);
-    p[0] = q[0];
-    p[1] = q[1];
-    p[2] = q[2];
+    return smap_onward(w, e);
   }
+  side = &o->side[w->side_of[e]];
+  if (w->low[e] > 0.0f && w->wall_of[e] != SMAP_NONE) {
+    smap_push(w, o, w->wall_of[e], w->point_of[e], side->point);
+  }
+  for (k = 0; k < side->count; k++) {
+    smap_push(w, o, (uint8_t)(side->wall + k), (uint8_t)(side->point + k),
+              (uint8_t)(side->point + k + 1u));
+  }
+  if (w->low[e] > 0.0f && w->wall_of[back] != SMAP_NONE) {
+    smap_push(w, o, w->wall_of[back], (uint8_t)(side->point + side->count),
+              w->point_of[smap_onward(w, back)]);
+  }
+  return smap_onward(w, back);
 }
 
-static int smap_is_gap(const smap_many_work_t *w, uint8_t e)
-{
-  return w->low[e] >= 0.0f && w->low[e] <= 1.0f;
-}
-
-/* Follow the boundary from an edge on until it closes; `emit` 0 only tells whether it is one. */
-static int smap_loop(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start, int emit)
+/* Whether the strips round a contact hold all the way: then there is no boundary. */
+static int smap_is_inner(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start)
 {
   uint8_t e = start, left = SMAP_MANY_EDGES;
-  int real = 0;
-  float p[3], q[3], middle[3];
   do {
-    const uint8_t island = o->island[w->facet[e / 3u].group];
-    if (!emit) {
-      w->seen[e] = 1;
+    if (w->low[e] != 0.0f) {
+      return 0;
     }
-    smap_corner(w, e, p);
-    smap_end(w, e, q);
-    if (!smap_is_gap(w, e)) {
-      real = 1;
-      if (emit && w->wall_of[e] != SMAP_NONE) {
-        smap_push(w, o, island, w->wall_of[e], p, q);
-      }
-      e = smap_onward(w, e);
-    } else {
-      const uint8_t back = w->twin[e];
-      if (w->low[e] > 0.0f) {
-        real = 1;
-        if (emit && w->wall_of[e] != SMAP_NONE) {
-          smap_mix(p, q, w->low[e], middle);
-          smap_push(w, o, island, w->wall_of[e], p, middle);
-        }
-      } else if (w->rail[w->vertex[e]] == 0 || w->rail[w->vertex[e]] + 1 == w->map->rails) {
-        real = 1;
-      }
-      if (emit && (w->low[e] > 0.0f || w->rail[w->vertex[e]] != w->rail[w->vertex[smap_next(e)]])) {
-        smap_push_side(w, o, island, e);
-      }
-      if (w->low[e] > 0.0f && emit && w->wall_of[back] != SMAP_NONE) {
-        smap_corner(w, back, q);
-        smap_end(w, back, p);
-        smap_mix(p, q, w->low[e], middle);
-        smap_push(w, o, island, w->wall_of[back], middle, p);
-      }
-      e = smap_onward(w, back);
-    }
+    e = smap_onward(w, w->twin[e]);
+    left--;
+  } while (e != start && left > 0);
+  do {
+    w->seen[e] = o->side[w->side_of[e]].inner = 1;
+    e = smap_onward(w, w->twin[e]);
+    left++;
+  } while (e != start && left > 0);
+  return 1;
+}
+
+/* Append the loop of the boundary from an edge on. */
+static void smap_loop(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start)
+{
+  const uint8_t first = o->segments;
+  uint8_t e = start, left = SMAP_MANY_EDGES, k;
+  do {
+    w->seen[e] = 1;
+    e = smap_follow(w, o, e);
     left--;
   } while (e != start && left > 0 && !w->failed);
-  if (!emit && !real) {
-    /* All the way round an inner contact the strips hold: no boundary. */
-    left = SMAP_MANY_EDGES;
-    e = start;
-    do {
-      o->side[w->side_of[e]].inner = 1;
-      e = smap_onward(w, w->twin[e]);
-      left--;
-    } while (e != start && left > 0);
+  for (k = first; k < o->segments && !w->failed; k++) {
+    const smap_segment_t *next = &o->segment[k + 1 < o->segments ? k + 1 : first];
+    o->segment[k].bent = smap_dot(o->wall[o->segment[k].wall], o->point[next->stop]) < 1e-4f;
   }
-  return real;
 }
 
 /* List the segments of all loops. */
 static void smap_find_boundary(smap_many_work_t *w, smap_many_pose_t *o)
 {
-  uint8_t e, round, n;
-  for (e = 0; e < 3u * w->facets; e++) {
-    w->seen[e] = w->wall_of[e] == SMAP_NONE || w->facet[e / 3u].kind != SMAP_REST;
+  uint8_t e, k;
+  for (e = 0; e < w->edges; e++) {
+    w->seen[e] = w->facet[w->owner[e]].kind != SMAP_REST || w->low[e] == SMAP_SHORT ||
+                 w->facet[w->owner[e]].shown == SMAP_NONE;
   }
-  for (round = 0; round < 2; round++) {
-    for (e = 0; e < 3u * w->facets && !w->failed; e++) {
-      n = e;
-      if (round == 0) {
-        if (w->low[e] == SMAP_SHORT || smap_is_gap(w, e)) {
-          continue;
+  for (k = 0; k < o->shown; k++) {
+    o->first[k] = o->segments;
+    if (o->island[k] == k && o->kind[k] == SMAP_REST) {
+      for (e = 0; e < w->edges && !w->failed; e++) {
+        if (!w->seen[e] && o->island[w->facet[w->owner[e]].shown] == k &&
+            !(smap_is_gap(w, e) && smap_is_inner(w, o, e))) {
+          smap_loop(w, o, e);
         }
-        n = smap_onward(w, e);
       }
-      if (w->low[n] == SMAP_SHORT || w->seen[n] || w->facet[n / 3u].kind != SMAP_REST) {
-        continue;
-      }
-      if (smap_loop(w, o, n, 0)) {
-        w->last = SMAP_NONE;
-        smap_loop(w, o, n, 1);
-      }
+    }
+    o->last[k] = o->segments;
+  }
+  for (k = 0; k < o->shown; k++) {
+    const uint8_t island = o->island[k];
+    if (o->begin[k] < o->first[island] || o->begin[k] >= o->last[island]) {
+      o->begin[k] = o->first[island];
     }
   }
 }

@@ -203,6 +203,13 @@ static inline void smap_gravity_from_up_i(const int16_t up[3], int16_t gravity[3
   }
 }
 
+/* A parameter x as smap_pose_q takes it: what the macros of NAME.h make of it.  Below the lower end
+ * steps go on below 0; beyond the upper end there are none, and the answer is SMAP_OFF_RANGE. */
+#define SMAP_STEPS(x, low, high, scale) \
+  ((int16_t)((x) > (high) ? -32768.0f \
+             : (x) >= (low) ? ((x) - (low)) * (scale) + 0.5f \
+             : ((x) - (low)) * (scale) > -32766.0f ? ((x) - (low)) * (scale) - 0.99f : -32768.0f))
+
 #ifdef __cplusplus
 }
 #endif

@@ -29,7 +29,7 @@ static int8_t smap_run_read_i(const smap_t *map, const int16_t *params_q, const 
 #if SMAP_INTEGERS
   smap_pose_memory_i_t pose;
   const int8_t status = smap_run_pose_q(map, params_q, &pose, sizeof pose, SMAP_INTEGER);
-  return status != SMAP_OK ? smap_refuse_i(out, status) : smap_run_at_i(&pose, gravity_q, out);
+  return status != SMAP_OK ? smap_deny_i(out, status) : smap_run_at_i(&pose, gravity_q, out);
 #else
   out->sdg = out->height = 65535;
   out->tip = -32767;

@@ -123,13 +123,13 @@ SMAP_INLINE void smap_three_whole(const smap_three_t *real, float step, smap_thr
 {
   uint8_t i;
   for (i = 0; i < 9; i++) {
-    out->wall[i] = smap_nearest(real->edge[i] * real->scale[i / 3] * 16383.0f);
+    out->wall[i] = smap_to_whole(real->edge[i] * real->scale[i / 3] * 16383.0f);
   }
   for (i = 0; i < 3; i++) {
-    out->normal[i] = smap_nearest(real->plane[i] * (real->height / real->det) * 16383.0f);
-    out->centroid[i] = smap_nearest(real->centroid[i] / step);
+    out->normal[i] = smap_to_whole(real->plane[i] * (real->height / real->det) * 16383.0f);
+    out->centroid[i] = smap_to_whole(real->centroid[i] / step);
   }
-  out->height = (uint16_t)smap_nearest(real->height / step);
+  out->height = (uint16_t)smap_to_whole(real->height / step);
 }
 #endif
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
-/* ---- entries of robots on three points ---------------------------------------------------------- */
+/* ---- entries: robots on three points ---------------------------------------------------------- */
 
 typedef smap_three_pose_t smap_pose_memory_t;
 typedef smap_three_pose_i_t smap_pose_memory_i_t;
@@ -63,11 +63,11 @@ static int8_t smap_run_read(const smap_t *map, const float *params, const float 
   float d[3];
   int8_t status = smap_three_of(map, params, &three);
   if (SMAP_RARELY(status != SMAP_OK)) {
-    return smap_refuse(out, -SMAP_PI, status);
+    return smap_deny(out, -SMAP_PI, status);
   }
   status = smap_direction(map, gravity, d);
   if (SMAP_RARELY(status != SMAP_OK)) {
-    return smap_refuse(out, -SMAP_PI, status);
+    return smap_deny(out, -SMAP_PI, status);
   }
   return smap_three_read(map, smap_three_order(map), &three, d, out);
 }
@@ -79,11 +79,11 @@ static int8_t smap_run_at(const void *pose, const float *gravity, smap_reading_t
   float d[3];
   int8_t status = three->head.forms & SMAP_FLOAT ? three->head.status : (int8_t)SMAP_INVALID;
   if (SMAP_RARELY(status != SMAP_OK)) {
-    return smap_refuse(out, -SMAP_PI, status);
+    return smap_deny(out, -SMAP_PI, status);
   }
   status = smap_direction(map, gravity, d);
   if (SMAP_RARELY(status != SMAP_OK)) {
-    return smap_refuse(out, -SMAP_PI, status);
+    return smap_deny(out, -SMAP_PI, status);
   }
   return smap_three_read(map, smap_three_order(map), &three->real, d, out);
 }
@@ -103,11 +103,11 @@ static int8_t smap_run_at_i(const void *pose, const int16_t *gravity, smap_readi
   uint32_t length;
   int8_t status = head->forms & SMAP_INTEGER ? head->status : (int8_t)SMAP_INVALID;
   if (SMAP_RARELY(status != SMAP_OK)) {
-    return smap_refuse_i(out, status);
+    return smap_deny_i(out, status);
   }
   status = smap_direction_i(head->map, gravity, g, &length);
   if (SMAP_RARELY(status != SMAP_OK)) {
-    return smap_refuse_i(out, status);
+    return smap_deny_i(out, status);
   }
   return smap_three_read_i(head->map, smap_three_order(head->map),
                            head->forms & SMAP_FLOAT ? &((const smap_three_pose_t *)pose)->whole
@@ -122,10 +122,13 @@ static int8_t smap_run_pose(const smap_t *map, const float *params, void *pose, 
 {
   smap_head_t *const head = (smap_head_t *)pose;
   smap_three_t alone;
-  smap_three_t *const real = forms & SMAP_FLOAT ? &((smap_three_pose_t *)pose)->real : &alone;
+  smap_three_t *real = &alone;
   if (!smap_begin(map, pose, bytes, forms, forms & SMAP_FLOAT ? sizeof(smap_three_pose_t)
                                                             : sizeof(smap_three_pose_i_t))) {
     return SMAP_INVALID;
+  }
+  if (forms & SMAP_FLOAT) {
+    real = &((smap_three_pose_t *)pose)->real;
   }
   head->status = smap_three_of(map, params, real);
 #if SMAP_INTEGERS
@@ -165,7 +168,7 @@ static int8_t smap_run_read_i(const smap_t *map, const int16_t *params_q, const 
     status = smap_direction_i(map, gravity_q, g, &length);
   }
   if (SMAP_RARELY(status != SMAP_OK)) {
-    return smap_refuse_i(out, status);
+    return smap_deny_i(out, status);
   }
   smap_table_make(map, place, &made);
   return smap_three_read_i(map, smap_three_order(map), &made, g, length, out);

@@ -4,7 +4,6 @@ import re
 import shutil
 import subprocess
 from dataclasses import replace
-from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -13,16 +12,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from firmware_export.emit import package
-from firmware_export.emit.config import config_text, entries, features, runtime_file, settings
 from firmware_export.emit.facts import axis_macros, report
 from firmware_export.emit.header import header_text
 from firmware_export.emit.names import LONGEST, check_name, default_name
+from firmware_export.emit.runtime import features, parts_of, runtime_file, runtime_text
 from firmware_export.emit.size import code_bytes
-from firmware_export.emit.source import body_of, source_text
-from firmware_export.emit.text import WIDTH, block_comment, number_lines, plain_text, table
-from firmware_export.protocol.array import CArray, CBody, literal
+from firmware_export.emit.source import body_of
+from firmware_export.emit.text import WIDTH, block_comment, plain_text
+from firmware_export.host import RUNTIME
+from firmware_export.protocol.array import CArray, literal
 from firmware_export.protocol.exported import Export
-from lutgen.errors import ExportError, InputError
+from lutgen.errors import InputError
 from lutgen.recipe.recipe import parse_recipe
 from proofs.exports import rover_export, tripod_export
 from targets.compiled import compile_c
@@ -40,7 +40,6 @@ LANGUAGES = [
     pytest.param(CXX, id="C++17", marks=pytest.mark.needs("g++")),
 ]
 KINDS = ("contacts", "poly", "rover", "grid", "integer")
-CODES = CArray("codes", "int16_t", np.array([[1, -200, 3], [40000 - 32768, 5, -6]]), "test", 3)
 
 
 @pytest.fixture(scope="module")
@@ -101,15 +100,6 @@ def test_tables_are_refused_by_a_runtime_of_another_version(
     assert re.search(r'#error "smooth needs smap.h of version \d+', done.stderr)
 
 
-@pytest.mark.parametrize("setting", ["SMAP_POLY=0", "SMAP_MAX_PARAMS=1"])
-def test_tables_are_refused_by_a_runtime_that_lacks_what_they_need(
-    folders: dict[str, Path], setting: str
-) -> None:
-    done = build(folders["poly"], *C99, f"-D{setting}", sources=("smooth.c",))
-    assert done.returncode != 0
-    assert f'#error "smooth needs {setting.partition("=")[0]} ' in done.stderr
-
-
 @pytest.mark.needs("avr-gcc")
 @pytest.mark.parametrize("kind", KINDS)
 def test_on_avr_everything_is_read_from_flash(
@@ -120,59 +110,23 @@ def test_on_avr_everything_is_read_from_flash(
     flags = ["-mmcu=atmega328p", "-Os", "-Wall", "-Wextra", "-Wno-unused-variable"]
     sizes = {}
     for standard in ("gnu99", "c99"):
-        for source in (f"{name}.c", "smap.c"):
-            command = ["avr-gcc", f"-std={standard}", *flags, "-c", source, "-o", f"{source}.o"]
-            done = subprocess.run(
-                command, cwd=tmp_path / "copy", capture_output=True, text=True, check=False
-            )
-            assert (done.returncode, done.stderr) == (0, "")
+        source = f"{name}.c"
+        command = ["avr-gcc", f"-std={standard}", *flags, "-c", source, "-o", f"{source}.o"]
+        done = subprocess.run(
+            command, cwd=tmp_path / "copy", capture_output=True, text=True, check=False
+        )
+        assert (done.returncode, done.stderr) == (0, "")
         listing = ["avr-size", "-A", f"{name}.c.o"]
         text = subprocess.run(
             listing, cwd=tmp_path / "copy", capture_output=True, text=True, check=True
         ).stdout
         found = re.findall(r"^\.(data|bss|rodata|progmem)\S*\s+(\d+)", text, re.MULTILINE)
-        sizes[standard] = {section for section, size in found if int(size)}
-    assert sizes["gnu99"] == {"progmem"}
+        sizes[standard] = {section: int(size) for section, size in found if int(size)}
+    # The addresses of the functions, and the map's own; the blob is in flash.
+    assert sizes["gnu99"].pop("progmem") > 100
+    assert sum(sizes["gnu99"].values()) <= 40
     # Without address spaces avr-gcc has no way but RAM.
     assert "progmem" not in sizes["c99"]
-
-
-def test_a_runtime_for_one_map_holds_its_tables(folders: dict[str, Path], tmp_path: Path) -> None:
-    shutil.copytree(folders["poly"], tmp_path / "copy")
-    held = {}
-    for shared in ("0", "1"):
-        for source in ("smooth", "smap"):
-            command = ["cc", *C99, f"-DSMAP_SHARED={shared}", "-c", f"{source}.c"]
-            subprocess.run(command, cwd=tmp_path / "copy", check=True)
-            names = subprocess.run(
-                ["nm", f"{source}.o"],
-                cwd=tmp_path / "copy",
-                capture_output=True,
-                text=True,
-                check=True,
-            ).stdout
-            held[source, shared] = bool(re.search(r" [RDS] _?smooth$", names, re.MULTILINE))
-    assert held == {
-        ("smooth", "0"): False,
-        ("smap", "0"): True,
-        ("smooth", "1"): True,
-        ("smap", "1"): False,
-    }
-
-
-def test_two_maps_share_one_runtime(folders: dict[str, Path], tmp_path: Path) -> None:
-    for name in ("poly", "rover"):
-        for path in folders[name].glob("*.[ch]"):
-            shutil.copy(path, tmp_path)
-    (tmp_path / "example.c").unlink()
-    # The configuration is the rover's; what the other needs is added on the command line.
-    more = ("-DSMAP_POLY=1", "-DSMAP_MAX_PARAMS=2")
-    done = build(tmp_path, *C99, *WARNINGS, "-DSMAP_SHARED=1", *more)
-    assert (done.returncode, done.stderr) == (0, "")
-    # A runtime that is built for the rover does not do for the other, and says so.
-    done = build(tmp_path, *C99, *more, sources=("smooth.c",))
-    assert done.returncode != 0
-    assert '#error "smooth needs SMAP_SHARED 1' in done.stderr
 
 
 # look
@@ -194,52 +148,12 @@ def test_generated_text_is_ascii_without_long_lines_tabs_or_trailing_blanks(
             assert "\t" not in line
 
 
-def test_the_columns_of_a_table_stand_under_one_another() -> None:
-    assert table(CODES, "map", "static const").split("\n") == [
-        "/* test */",
-        "static const int16_t map_codes[6] = {",
-        "     1, -200,    3,",
-        "  7232,    5,   -6,",
-        "};",
-    ]
-
-
 @given(
     st.lists(st.integers(-128, 127), min_size=1, max_size=300),
     st.integers(0, 40),
     st.booleans(),
 )
-def test_a_table_holds_its_values_in_order_whatever_its_rows(
-    values: list[int], row: int, noted: bool
-) -> None:
-    notes = [f"row {i}" for i in range(len(values))] if noted else []
-    array = CArray("codes", "int8_t", np.array(values), "", row, notes)
-    text = table(array, "map", "static const")
-    body = re.sub(r"/\*.*?\*/", "", text.partition("{")[2])
-    assert [int(number) for number in re.findall(r"-?\d+", body)] == values
-    assert all(len(line) <= WIDTH for line in text.split("\n"))
-
-
 @given(st.integers(1, 300), st.integers(0, 40), st.integers(1, 64), st.booleans())
-def test_pieces_of_a_table_are_full_but_the_last_and_hold_its_values_in_order(
-    count: int, row: int, piece: int, noted: bool
-) -> None:
-    values = np.arange(count)
-    notes = [f"row {i}" for i in range(count)] if noted else []
-    array = CArray("codes", "uint16_t", values, "", row, notes)
-    pieces = number_lines(array, piece)
-    bodies = [re.sub(r"/\*.*?\*/", "", "\n".join(lines)) for lines in pieces]
-    found = [[int(number) for number in re.findall(r"\d+", body)] for body in bodies]
-    assert found == [values[at : at + piece].tolist() for at in range(0, count, piece)]
-    assert all(len(line) <= WIDTH for part in pieces for line in part)
-    # A row that goes on in the next piece is announced once.
-    lines = list(chain.from_iterable(pieces))
-    said = re.findall(r"/\* (row \d+) \*/", "\n".join(lines))
-    assert said == notes[: -(-count // (row or count))]
-    # Without pieces there are no further breaks.
-    assert [lines] == number_lines(array) or piece < count
-
-
 @given(st.floats(width=32, allow_nan=False, allow_infinity=False))
 def test_a_float_reads_back_as_the_same_single(value: float) -> None:
     text = literal(value, "float")
@@ -272,8 +186,8 @@ def test_the_header_says_what_a_reader_must_know(exports: dict[str, Export]) -> 
     text = header_text(report(export, body_of(export), []))
     for part in (
         "stability map of the robot tripod",
-        "FEET_REACH 0 .. 0.6 m shifts leg",
-        "FEET_SWING -0.6981317 .. 0.8726646 rad (-40 .. 50 deg) turns hip",
+        "FEET_REACH 0 .. 0.6 m +- 0.003 shifts leg",
+        "FEET_SWING -0.6981317 .. 0.8726646 rad (-40 .. 50 deg) +- 0.5 deg turns hip",
         "up to 50 deg of pitch and of roll",
         "bytes of tables",
         "1,640 of code",
@@ -307,53 +221,11 @@ def test_what_was_not_measured_is_not_claimed() -> None:
     assert "of code" not in text
 
 
-def test_only_what_the_map_needs_is_switched_on(exports: dict[str, Export]) -> None:
-    codecs = {"SMAP_CONTACTS", "SMAP_POLY", "SMAP_GRID", "SMAP_GRID_INTEGER"}
-    for name, export in exports.items():
-        body = body_of(export)
-        text = config_text(export, body)
-        on = {macro for macro, value, _ in entries() if f"#define {macro} 1 " in text}
-        own = "SMAP_GRID_INTEGER" if export.integer else f"SMAP_{export.codec.upper()}"
-        assert on & codecs == {own}
-        assert ("SMAP_CONTACTS_MANY" in on) == (name == "rover")
-        assert "SMAP_SPHERE" not in on
-        found = features(export, body)
-        assert found >= on & (codecs | {"SMAP_CONTACTS_MANY"})
-        # The size of every set that an export may have is known.
-        assert code_bytes(found) is not None
-        assert f"#define SMAP_MAX_PARAMS {max(export.model.k, 1)} " in text
-        # Every setting can be overridden, and is explained.
-        for macro in re.findall(r"#define (SMAP_\w+) \d", text):
-            assert f"#ifndef {macro}\n" in text
-
-
-def test_a_setting_that_the_runtime_does_not_have_is_refused(exports: dict[str, Export]) -> None:
-    body = CBody("smap_poly_t", (), (), (("SMAP_NO_SUCH", 1),))
-    with pytest.raises(ExportError, match="no setting SMAP_NO_SUCH"):
-        settings(exports["poly"], body)
-
-
-def test_a_table_without_elements_is_a_null_pointer(exports: dict[str, Export]) -> None:
-    body = body_of(exports["poly"])
-    empty = CArray("shape", "uint8_t", np.zeros(0, int), "nothing")
-    text = source_text(exports["poly"], replace(body, arrays=(empty, *body.arrays[1:])))
-    assert "smooth_shape" not in text
-    assert re.search(r"^  0, +/\* shape \*/$", text, re.MULTILINE)
-
-
-def test_structs_that_fill_more_than_a_line_are_wrapped() -> None:
-    members = ", ".join(f"@table_{i}" for i in range(20))
-    array = CArray("parts", "smap_grid_part_t", [f"{{ {members} }}"] * 2, "Two parts.")
-    text = table(array, "map", "static const")
-    assert all(len(line) <= WIDTH for line in text.split("\n"))
-    assert re.findall(r"map_table_\d+", text) == [f"map_table_{i}" for i in range(20)] * 2
-    assert "@" not in text
-
-
 def test_the_integer_form_of_a_constant_is_rounded_and_clamped(tmp_path: Path) -> None:
     export = tripod_export("feet", codec="grid", arithmetic="integer")
     steps = (("sdg", 0.001), ("height", 0.0005))
-    text = header_text(report(export, replace(body_of(export), steps=steps), []))
+    export = replace(export, channels=("sdg", "tip_angle", "height"))
+    text = header_text(report(export, replace(body_of(export), lengths=steps), []))
     for name in ("smap.h", "smap_config.h"):
         (tmp_path / name).write_text(runtime_file(name))
     (tmp_path / "feet.h").write_text(text)
@@ -372,9 +244,10 @@ def test_the_integer_form_of_a_constant_is_rounded_and_clamped(tmp_path: Path) -
     compile_c([*C99, *WARNINGS, "main.c", "-o", "main"], tmp_path)
     done = subprocess.run([tmp_path / "main"], capture_output=True, text=True, check=True)
     *found, last = done.stdout.splitlines()
-    wanted = [-1, -1, *(round((v - low) / (high - low) * 32767) for v in values[2:6]), 32767, 32767]
-    # One step is 5e-5 rad, single precision of 0.87 rad is 6e-8.
-    assert [int(line) for line in found] == [*wanted, 32767]
+    # One step is 5e-5 rad, single precision of 0.87 rad is 6e-8.  Beyond the lower end steps go on below 0,
+    # rounded away from it; beyond the upper end there are none: off range.
+    inside = [round((v - low) / (high - low) * 32767) for v in values[2:6]]
+    assert [int(line) for line in found] == [-20861, -1, *inside, 32767, -32768, 32767]
     assert [float(number) for number in last.split()] == pytest.approx([0.001, 0.0005], rel=1e-6)
 
 
@@ -395,6 +268,35 @@ def test_values_that_do_not_fit_their_type_are_refused() -> None:
     for ctype, value in (("uint8_t", 256), ("int8_t", -129), ("uint16_t", 0.5), ("float", np.nan)):
         with pytest.raises(InputError, match=f"do not fit {ctype}"):
             CArray("codes", ctype, np.array([value]))
+
+
+def test_a_runtime_has_the_parts_that_its_codec_needs_and_a_table_of_contents(
+    exports: dict[str, Export],
+) -> None:
+    for name, export in exports.items():
+        on = features(body_of(export))
+        assert code_bytes(on) is not None  # the size of every set that an export may have is known
+        text = runtime_text(on)
+        parts = parts_of(on)
+        assert ("positions" in parts) == (name in ("contacts", "rover"))
+        assert ("many_entry" in parts) == (name == "rover")
+        head = text[: text.index("#ifdef SMAP_FLOATS")]
+        for part in parts:
+            if not part.startswith("many_"):
+                title = re.search(r"/\* ---- (\w+)", runtime_file(f"{part}.c"))
+                assert title is not None
+                assert f" *   {title[1]}" in head
+
+
+def test_no_function_of_the_runtime_is_longer_than_60_lines() -> None:
+    for path in sorted(RUNTIME.glob("*.c")):
+        lines = path.read_text().split("\n")
+        begin = 0
+        for at, line in enumerate(lines):
+            if line == "{":
+                begin = at
+            if line == "}" and begin:
+                assert at - begin <= 60, f"{path.name}:{begin}"
 
 
 # names

@@ -33,12 +33,9 @@ def test_a_recursion_is_found() -> None:
 @pytest.mark.needs(size_measure.COMPILER)
 def test_the_committed_sizes_are_those_of_the_runtime(tmp_path: Path) -> None:
     content = measured()
-    assert content["structs"] == size_measure.struct_sizes(tmp_path)
     sets = size_measure.feature_sets()
     assert {frozenset(features) for features in sets} == set(content["sets"])
-    # One of each codec; `make size` measures all.
-    for codec in size_measure.OPTIONS:
-        features = next(features for features in sets if features[0] == codec)
+    for features in sets[:2]:  # `make size` measures all
         known = content["sets"][frozenset(features)]
         found = size_measure.measure_set(features, tmp_path)
         # Another version of the compiler may differ by a few instructions.
@@ -57,5 +54,4 @@ def test_an_update_rewrites_the_file_that_exports_read(
     monkeypatch.setattr(size_measure, "feature_sets", lambda: [one])
     assert size_measure.main(["--update"]) == 0
     written = parse_sizes((tmp_path / "sizes.json").read_text())
-    assert written["structs"] == measured()["structs"]
     assert set(written["sets"]) == {frozenset(one)}

@@ -1,0 +1,284 @@
+"""Reads in two phases: the same bits as at once, unsafe whatever goes in, exact beyond the ends of axes."""
+
+import math
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from firmware_export.emit import package
+from firmware_export.emit.source import body_of, described
+from firmware_export.host import Host
+from firmware_export.host.reader import READING
+from firmware_export.protocol import Export, slack
+from firmware_export.truth import Model
+from lutgen.recipe import Recipe, forward, load_recipe, parse_recipe
+from proofs.exports import rover_export, tripod_export
+from targets.compiled import compile_c
+from tests.fixtures.recipes import contact, rigid
+
+OK, TIPS, OFF_CHART, ROCKS, OFF_RANGE, INVALID = 0, 2, 3, 4, 5, -1
+MAKERS: dict[str, Any] = {
+    "contacts": tripod_export,
+    "many": rover_export,
+    "poly": lambda: tripod_export(codec="poly"),
+    "grid": lambda: tripod_export(codec="grid"),
+}
+ODD = np.array([0.0, -0.0, np.nan, np.inf, -np.inf, 1e-42, -1e-42, 3e38, -3e38, 1.0, -1.0], "f4")
+
+MAIN = r"""
+#include "tripod.h"
+#include <stdio.h>
+
+static int unsafe(smap_status_t status, const smap_reading_t *reading)
+{
+  return status != SMAP_OK && status != SMAP_ROCKS && reading->tip_angle < 0.0f &&
+         !(reading->sdg == reading->sdg) && reading->over[0] == 255;
+}
+
+int main(void)
+{
+  static tripod_pose_t zero, pose;
+  static tripod_pose_i_t whole;
+  const float params[2] = {TWO_PARAMS}, bad[2] = {100.0f, 100.0f}, gravity[3] = {0.05f, 0.02f, -1.0f};
+  const float several[3][3] = {{0.0f, 0.0f, -1.0f}, {9.0f, 0.0f, -1.0f}, {0.0f, 0.1f, -1.0f}};
+  const int16_t down[3] = {51, 20, -1024};
+  smap_reading_t reading, many[3];
+  smap_reading_i_t reading_i;
+  const uint8_t both = SMAP_FLOAT | SMAP_INTEGER;
+  int faults = 0;
+  faults += !unsafe(smap_at(&zero, gravity, &reading), &reading);
+  faults += smap_at_i(&zero, down, &reading_i) != SMAP_INVALID || reading_i.tip >= 0 || reading_i.sdg != 65535;
+  faults += smap_pose(&tripod, params, &pose, sizeof pose - 4, both) != SMAP_INVALID;
+  faults += !unsafe(smap_at(&pose, gravity, &reading), &reading);
+  faults += smap_pose(&tripod, params, &pose, sizeof pose, 0) != SMAP_INVALID;
+  faults += smap_pose(&tripod, params, &pose, sizeof pose, 4) != SMAP_INVALID;
+  faults += smap_pose(&tripod, params, (char *)&pose + 1, sizeof pose - 1, SMAP_FLOAT) != SMAP_INVALID;
+  faults += smap_pose(&tripod, params, &pose, sizeof pose, SMAP_FLOAT) != SMAP_OK;
+  faults += smap_at(&pose, gravity, &reading) != SMAP_OK;
+  faults += smap_at_i(&pose, down, &reading_i) != SMAP_INVALID || reading_i.tip >= 0;
+  faults += smap_pose(&tripod, bad, &pose, sizeof pose, both) != SMAP_OFF_RANGE;
+  faults += smap_at(&pose, gravity, &reading) != SMAP_OFF_RANGE || !unsafe(SMAP_OFF_RANGE, &reading);
+  faults += smap_pose(&tripod, params, &whole, sizeof whole, SMAP_INTEGER) != SMAP_OK;
+  faults += smap_at_i(&whole, down, &reading_i) != SMAP_OK || reading_i.tip < 0;
+  faults += smap_at(&whole, gravity, &reading) != SMAP_INVALID;
+  faults += smap_pose(&tripod, params, &pose, sizeof pose, both) != SMAP_OK;
+  faults += smap_at_n(&pose, several, 3, many) != SMAP_OFF_CHART || many[0].tip_angle < 0.0f ||
+            many[2].tip_angle < 0.0f || many[1].tip_angle >= 0.0f;
+  faults += smap_at_n(&pose, several, 0, many) != SMAP_INVALID || smap_at_n(&pose, several, 1, many) != SMAP_OK;
+  faults += smap_check(&tripod) != SMAP_OK;
+  {
+    const int16_t up[3] = {-32768, 5, 32767};
+    int16_t turned[3];
+    smap_gravity_from_up_i(up, turned);
+    faults += turned[0] != 32767 || turned[1] != -5 || turned[2] != -32767;
+  }
+  printf("%d\n", faults);
+  return faults;
+}
+"""
+
+
+def host_of(export: Export) -> Host:
+    return Host(described(export, body_of(export)))
+
+
+def some(export: Export, count: int, seed: int = 0) -> tuple[Any, Any]:
+    rng, model = np.random.default_rng(seed), export.model
+    params = model.at(rng.random((count, model.k))).astype(np.float32)
+    gravity = rng.normal(size=(count, 3)).astype(np.float32)
+    gravity[:, 2] = -2.0 * np.abs(gravity[:, 2])
+    return params, gravity
+
+
+def test_what_a_pose_may_be_given_is_answered_and_nothing_of_it_is_safe(tmp_path: Path) -> None:
+    export = tripod_export()
+    package.write(export, tmp_path / "e")
+    middle = ", ".join(f"{value}f" for value in export.model.at(np.full(2, 0.5)).astype(np.float32))
+    text = MAIN.replace("TWO_PARAMS", middle)
+    (tmp_path / "main.c").write_text(text)
+    flags = ["-std=c99", "-Wall", "-Wextra", "-Wno-pedantic", "-fsanitize=address,undefined"]
+    compile_c([*flags, "-Ie", "main.c", "e/tripod.c", "-o", "main"], tmp_path)
+    said = subprocess.run([tmp_path / "main"], capture_output=True, text=True, check=False)
+    assert (said.returncode, said.stdout, said.stderr) == (0, "0\n", "")
+
+
+@pytest.mark.parametrize("name", MAKERS)
+def test_a_pose_reads_the_bits_that_a_read_at_once_gives(name: str) -> None:
+    export = MAKERS[name]()
+    host = host_of(export)
+    params, gravity = some(export, 400)
+    for row in params[:20]:
+        made, status, reading = host.at(row, gravity)
+        known, whole = host.ask("read", np.repeat(row[None], len(gravity), axis=0), gravity)
+        assert made in (OK, TIPS)
+        np.testing.assert_array_equal(status, known)
+        assert {field: reading[field].tobytes() for field in READING.names or ()} == {
+            field: whole[field].tobytes() for field in READING.names or ()
+        }
+
+
+@pytest.mark.parametrize("name", ["contacts", "many", "poly"])
+def test_both_forms_of_a_pose_say_the_same_but_for_rounding(name: str) -> None:
+    export = MAKERS[name]()
+    host, body = host_of(export), body_of(export)
+    params, gravity = some(export, 3000, 1)
+    whole = np.rint(gravity / np.abs(gravity).max(axis=1, keepdims=True) * 30000.0).astype(np.int16)
+    seen = 0
+    for row in params[:10]:
+        _, status, reading = host.at(row, whole.astype(np.float32))
+        _, status_i, reading_i = host.at(row, whole, integer=True)
+        # Never safer than the floats, and unsafe only within a hundredth of a degree of the boundary.
+        assert not np.any((status_i == OK) & ~np.isin(status, (OK, ROCKS)))
+        both = (status == OK) & (status_i == OK)
+        seen += int(both.sum())
+        near = (status == OK) & ~np.isin(status_i, (OK, ROCKS))
+        assert np.all(reading["tip_angle"][near] < math.radians(0.02))
+        sine = np.sin(reading["tip_angle"][both].astype(np.float64))
+        tip = reading_i["tip"][both] / 32767.0
+        assert np.all(tip <= sine + 1e-6)
+        # Walls are rounded to 1/16383, and what that may turn is taken off.
+        assert np.all(sine - tip < 6e-4 + 2.0 * export.tables.guard)
+        length = reading_i["sdg"][both] * body.steps["sdg"]
+        np.testing.assert_allclose(length, reading["sdg"][both], atol=2e-3 * body.step * 16000)
+        np.testing.assert_array_equal(reading["over"][both].sum(axis=1) < 510, True)
+    assert seen > 3000
+
+
+@pytest.mark.parametrize("name", MAKERS)
+def test_whatever_the_bits_of_gravity_an_answer_is_safe_or_says_why_not(name: str) -> None:
+    export = MAKERS[name]()
+    host = host_of(export)
+    rng = np.random.default_rng(5)
+    gravity = rng.choice(ODD, (4000, 3)).astype(np.float32)
+    params = np.repeat(export.model.at(np.full((1, export.model.k), 0.4)), 4000, axis=0)
+    status, reading = host.read(params, gravity)
+    strange = ~np.isfinite(gravity).all(axis=1) | (gravity == 0.0).all(axis=1)
+    assert np.all(status[strange] == INVALID)
+    safe = np.isin(status, (OK, ROCKS))
+    assert np.all(reading[safe, 1] >= 0.0)
+    assert np.all(reading[~safe, 1] < 0.0)
+    assert np.isnan(reading[~safe, 0]).all()
+    assert safe.any()
+    # Bits of any kind: what is no number is never safe.
+    bits = (
+        rng.integers(0, 1 << 32, (200_000, 3), dtype=np.uint64).astype(np.uint32).view(np.float32)
+    )
+    params = np.repeat(params[:1], len(bits), axis=0)
+    status, reading = host.read(params, bits)
+    safe = np.isin(status, (OK, ROCKS))
+    assert not np.any(safe & ~np.isfinite(bits).all(axis=1))
+    assert np.all(reading[~safe, 1] < 0.0)
+
+
+def test_strange_parameters_are_off_range_or_invalid() -> None:
+    export = tripod_export()
+    host = host_of(export)
+    for value, answer in (
+        (np.nan, INVALID),
+        (np.inf, INVALID),
+        (-np.inf, INVALID),
+        (1e30, OFF_RANGE),
+    ):
+        params = export.model.at(np.full((1, 2), 0.5))
+        params[0, 1] = value
+        status, reading = host.read(params, [[0.0, 0.0, -1.0]])
+        assert status[0] == answer
+        assert reading[0, 1] < 0.0
+
+
+@pytest.mark.parametrize("name", MAKERS)
+def test_beyond_an_end_the_truth_is_read_up_to_a_sensors_slack_and_nothing_further(
+    name: str,
+) -> None:
+    export = MAKERS[name]()
+    model, host = export.model, host_of(export)
+    _, gravity = some(export, 500, 2)
+    for axis, parameter in enumerate(model.recipe.parameters):
+        room = slack(parameter)
+        for end, way in ((parameter.minimum, -1.0), (parameter.maximum, 1.0)):
+            row = model.at(np.full(model.k, 0.3))
+            row[axis] = end + way * 0.9 * room
+            params = np.repeat(row[None].astype(np.float32), len(gravity), axis=0)
+            status, reading = host.read(params, gravity)
+            exact = model.exact(params[:1], gravity.astype(np.float64)[None]).tip_angle[0]
+            safe = np.isin(status, (OK, ROCKS))
+            assert np.all(exact[safe] >= reading[safe, 1])
+            assert safe.any()
+            row[axis] = end + way * 1.1 * room
+            status, _ = host.read(np.repeat(row[None], 3, axis=0), gravity[:3])
+            assert status.tolist() == [OFF_RANGE] * 3
+
+
+def turning() -> Recipe:
+    """Return a robot whose arm turns all the way round."""
+    arm = """
+[[robot.parameter]]
+name = "arm"
+min = -180
+max = 180
+unit = "deg"
+
+[[robot.link]]
+name = "body"
+mass = 5.0
+com = [0, 0, 0.1]
+
+[[robot.link]]
+name = "arm"
+parent = "body"
+mass = 2.0
+com = [0.3, 0, 0]
+joint = { type = "revolute", axis = [0, 1, 0], parameter = "arm" }
+"""
+    points = ((0.4, 0.3, -0.3), (0.4, -0.3, -0.3), (-0.5, 0.0, -0.3))
+    contacts = "".join(contact(f"P{i}", p) for i, p in enumerate(points))
+    return parse_recipe(rigid(arm + contacts, samples="arm = 9"))
+
+
+def test_a_joint_that_turns_all_the_way_round_wraps() -> None:
+    model = Model(turning())
+    export = tripod_export()
+    from firmware_export.contacts import INFO
+
+    tables = INFO.encode(model, ("sdg", "tip_angle"), INFO.sizes(model, (), "float")[0])
+    export = Export("arm", model.recipe, model, "contacts", "float", ("sdg", "tip_angle"), tables)
+    host = host_of(export)
+    rng = np.random.default_rng(3)
+    params = rng.uniform(-60.0, 60.0, (3000, 1)).astype(np.float32)
+    _, gravity = some(export, 3000, 3)
+    status, reading = host.read(params, gravity)
+    exact = model.exact(params.astype(np.float64), gravity.astype(np.float64)[:, None]).tip_angle[
+        :, 0
+    ]
+    safe = status == OK
+    assert not np.any(safe & (exact < reading[:, 1]))
+    # The angle is reduced in single precision: 60 rad are known to 4e-6, which turns a plane by as much.
+    np.testing.assert_allclose(reading[safe, 1], exact[safe], atol=2e-3)
+    assert np.all(exact[(status == TIPS)] < 2e-3)
+    assert OFF_RANGE not in status
+    # In steps: 0 and 32767 are one posture, and -1 is the step before.
+    ends = host.read_i([[0], [32767]], [[100, 0, -1000]] * 2)[1]
+    np.testing.assert_allclose(ends[0], ends[1], atol=2)
+    before = host.read_i([[-1000], [31767]], [[100, 0, -1000]] * 2)[1]
+    np.testing.assert_array_equal(before[0], before[1])
+
+
+def test_the_reading_names_the_two_contacts_over_which_it_would_tip() -> None:
+    recipe = load_recipe("maps/paper_two.toml")
+    model = Model(recipe)
+    from firmware_export.contacts import INFO
+
+    tables = INFO.encode(model, ("tip_angle",), INFO.sizes(model, (), "float")[0])
+    host = host_of(Export("two", recipe, model, "contacts", "float", ("tip_angle",), tables))
+    params = model.at(np.full((1, 2), 0.5)).astype(np.float32)
+    points = forward(recipe, params).centres[0]
+    middle = points.mean(axis=0)
+    for pair in ((0, 1), (1, 2), (2, 0)):
+        # Gravity leans from the middle of the facet towards the middle of one side.
+        gravity = (0.2 * middle + 0.8 * points[list(pair)].mean(axis=0))[None].astype(np.float32)
+        _, status, reading = host.at(params[0], gravity)
+        assert status[0] == OK
+        assert set(reading["over"][0].tolist()) == set(pair)

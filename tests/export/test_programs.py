@@ -1,0 +1,354 @@
+"""Exports in other people's programs: several at once, any flags, any build system, any name."""
+
+import json
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from firmware_export.emit import check_name, package
+from firmware_export.emit.trial import try_out
+from lutgen.errors import ExportError, InputError
+from proofs.exports import rover_export, tripod_export
+from targets.compiled import compile_c
+from tests.fixtures.needs import lacking
+
+STRICT = [
+    "-Wall",
+    "-Wextra",
+    "-Wpedantic",
+    "-Wconversion",
+    "-Wshadow",
+    "-Wdouble-promotion",
+    "-Werror",
+]
+NAMES = ("one", "two", "three")
+FLAGS = (
+    *("-O0", "-O1", "-O2", "-O3", "-Os", "-O2 -flto", "-Ofast", "-O2 -ffast-math"),
+    *(
+        "-std=gnu99 -O2 -ffp-contract=fast",
+        "-std=gnu17 -Os -ffinite-math-only",
+        "-O3 -march=native",
+    ),
+)
+# Prints a hash of statuses and bits of one map, or of all of them in turn.
+MAIN = """\
+#include <stdio.h>
+#include <string.h>
+INCLUDES
+static unsigned hash = 2166136261u;
+static void mix(const void *data, unsigned size)
+{
+  const unsigned char *byte = (const unsigned char *)data;
+  while (size--) {
+    hash = (hash ^ *byte++) * 16777619u;
+  }
+}
+static void ask(const smap_t *map, void *pose, unsigned bytes, float a, float b)
+{
+  int i;
+  for (i = 0; i < 400; i++) {
+    const float params[2] = {a + 0.001f * (float)i, b};
+    const float g[3] = {0.002f * (float)(i - 200), 0.1f, -1.0f};
+    const short down[3] = {(short)(10 * (i - 200)), 100, -1000};
+    smap_reading_t r;
+    smap_reading_i_t w;
+    int s = smap_pose(map, params, pose, (unsigned short)bytes, SMAP_FLOAT | SMAP_INTEGER);
+    mix(&s, sizeof s);
+    s = smap_at(pose, g, &r);
+    mix(&s, sizeof s), mix(&r.sdg, 4), mix(&r.tip_angle, 4), mix(&r.height, 4), mix(r.over, 2);
+    s = smap_at_i(pose, down, &w);
+    mix(&s, sizeof s), mix(&w.sdg, 2), mix(&w.tip, 2), mix(w.over, 2);
+    s = smap_read(map, params, g, &r);
+    mix(&s, sizeof s), mix(&r.tip_angle, 4);
+  }
+}
+int main(void)
+{
+CALLS
+  return 0;
+}
+"""
+
+
+def main_of(names: tuple[str, ...]) -> str:
+    calls = []
+    for name in names:
+        calls.append(f"  {{ static {name}_pose_t pose; hash = 2166136261u;")
+        calls.append(f"    ask(&{name}, &pose, sizeof pose, 0.2f, 0.3f);")
+        calls.append(f'    printf("{name} %08x %d\\n", hash, (int)smap_check(&{name})); }}')
+    includes = "\n".join(f'#include "{name}.h"' for name in names)
+    return MAIN.replace("INCLUDES", includes).replace("CALLS", "\n".join(calls))
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    place = tmp_path_factory.mktemp("programs")
+    exports = (tripod_export("one"), rover_export("two"), tripod_export("three", codec="poly"))
+    for export in exports:
+        package.write(export, place / export.name)
+    return place
+
+
+def said(folder: Path, flags: str, names: tuple[str, ...], compiler: str = "cc") -> list[str]:
+    """Compile a program with some maps; return what it prints, or that it does not compile."""
+    (folder / "main.c").write_text(main_of(names))
+    sources = [f"{name}/{name}.c" for name in names]
+    words = [compiler, *flags.split(), *(f"-I{name}" for name in names), "main.c", *sources]
+    built = subprocess.run([*words, "-o", "main"], cwd=folder, capture_output=True, text=True)
+    if built.returncode:
+        return [line for line in built.stderr.splitlines() if "#error" in line or "error: " in line]
+    return subprocess.run([folder / "main"], capture_output=True, text=True).stdout.splitlines()
+
+
+@pytest.mark.parametrize("flags", FLAGS)
+def test_each_map_answers_beside_others_the_bits_that_it_answers_alone(
+    folder: Path, flags: str
+) -> None:
+    alone = [line for name in NAMES for line in said(folder, "-std=c99 -O2", (name,))]
+    assert len({line.split()[1] for line in alone}) == 3
+    assert all(line.endswith(" 0") for line in alone)
+    assert said(folder, flags, NAMES) == alone
+    assert said(folder, flags, NAMES[::-1])[::-1] == alone
+
+
+@pytest.mark.parametrize("flags", ["-O2", "-Os", "-O2 -ffast-math", "-O3 -mfma -ffp-contract=fast"])
+def test_clang_gives_the_same_bits_or_refuses(folder: Path, flags: str) -> None:
+    if shutil.which("clang") is None:
+        pytest.skip(lacking("clang"))
+    known = said(folder, "-std=c99 -O2", NAMES)
+    found = said(folder, flags, NAMES, "clang")
+    if "fast-math" in flags:
+        assert "without -ffast-math" in found[0]
+    elif "contract" in flags:
+        assert (
+            found != known
+        )  # every pose is invalid: nothing is answered rather than another answer
+        assert all(line.endswith(" 0") for line in found)
+    else:
+        assert found == known
+
+
+def test_shared_libraries_of_several_maps_do_not_meet(folder: Path) -> None:
+    for name in NAMES:
+        library = ["-shared", "-fPIC", "-O2", "-o", f"lib{name}.so"]
+        compile_c([*library, f"{name}/{name}.c"], folder)
+        seen = subprocess.run(
+            ["nm", "-D", "--defined-only", f"lib{name}.so"],
+            cwd=folder,
+            capture_output=True,
+            text=True,
+        )
+        assert {line.split()[-1] for line in seen.stdout.splitlines()} <= {name, "_init", "_fini"}
+    (folder / "main.c").write_text(main_of(NAMES))
+    links = [f"-l{name}" for name in NAMES]
+    compile_c(
+        ["-O2", *(f"-I{n}" for n in NAMES), "main.c", "-L.", *links, "-Wl,-rpath,.", "-o", "main"],
+        folder,
+    )
+    found = subprocess.run([folder / "main"], cwd=folder, capture_output=True, text=True).stdout
+    assert found.splitlines() == said(folder, "-std=c99 -O2", NAMES)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_code_is_clean_as_c_and_as_c_plus_plus(folder: Path, name: str) -> None:
+    source = [f"-I{name}", "-c", f"{name}/{name}.c", "-o", "x.o"]
+    for tool, standard in (("gcc", "c99"), ("gcc", "c17"), ("clang", "c99")):
+        if shutil.which(tool):
+            subprocess.run(
+                [tool, f"-std={standard}", "-O2", "-ffp-contract=off", *STRICT, *source],
+                cwd=folder,
+                check=True,
+            )
+    for tool in ("g++", "clang++"):
+        if shutil.which(tool):
+            subprocess.run(
+                [tool, "-x", "c++", "-std=c++17", "-O2", *STRICT, *source], cwd=folder, check=True
+            )
+
+
+def test_every_file_of_a_folder_compiles_together_and_only_the_map_is_seen(folder: Path) -> None:
+    compile_c(["-c", "-Ione", "one/smap.c", "-o", "s.o"], folder)
+    compile_c(["-c", "-Ione", "one/one.c", "-o", "one.o"], folder)
+    symbols = subprocess.run(
+        ["nm", "-g", "one.o", "s.o"], cwd=folder, capture_output=True, text=True
+    )
+    shown = {line.split()[-1] for line in symbols.stdout.splitlines() if len(line.split()) == 3}
+    assert shown == {"one"}
+
+
+def test_cmake_installs_packages_that_programs_find(folder: Path, tmp_path: Path) -> None:
+    if shutil.which("cmake") is None:
+        pytest.skip(lacking("cmake"))
+    prefix = tmp_path / "prefix"
+    quiet = {"capture_output": True, "text": True, "check": True}
+    for name in NAMES:
+        build = tmp_path / name
+        subprocess.run(
+            ["cmake", "-S", folder / name, "-B", build, f"-DCMAKE_INSTALL_PREFIX={prefix}"], **quiet
+        )
+        subprocess.run(["cmake", "--build", build], **quiet)
+        assert "level" not in subprocess.run([build / f"{name}_example"], **quiet).stderr
+        subprocess.run(["cmake", "--install", build], **quiet)
+    app = tmp_path / "app"
+    app.mkdir()
+    (app / "main.c").write_text(main_of(NAMES))
+    found = "\n".join(f"find_package(smap_{name} REQUIRED)" for name in NAMES)
+    links = " ".join(f"smap_{name}::smap_{name}" for name in NAMES)
+    (app / "CMakeLists.txt").write_text(
+        f"cmake_minimum_required(VERSION 3.13)\nproject(app C)\n{found}\nadd_executable(app main.c)\n"
+        f"target_link_libraries(app PRIVATE {links})\n"
+    )
+    subprocess.run(["cmake", "-S", app, "-B", app / "b", f"-DCMAKE_PREFIX_PATH={prefix}"], **quiet)
+    subprocess.run(["cmake", "--build", app / "b"], **quiet)
+    ran = subprocess.run([app / "b" / "app"], **quiet).stdout
+    assert ran.splitlines() == said(folder, "-std=c99 -O2", NAMES)
+
+
+def test_library_files_name_what_is_compiled(folder: Path) -> None:
+    content = json.loads((folder / "one" / "library.json").read_text())
+    assert content["build"]["srcFilter"] == ["+<one.c>"]
+    assert "includes=one.h" in (folder / "one" / "library.properties").read_text()
+    assert "cmake: zephyr" in (folder / "one" / "zephyr" / "module.yml").read_text()
+    assert "../one.c" in (folder / "one" / "zephyr" / "CMakeLists.txt").read_text()
+    sketch = (folder / "one" / "examples" / "one" / "one.ino").read_text()
+    # An Arduino sketch is C++ with a core around it.
+    core = (
+        "#include <stdint.h>\nstruct S { void begin(long) {} void println(const char *) {} "
+        "void println(double) {} };\nstatic S Serial;\nvoid delay(unsigned long) {}\nvoid setup();\nvoid loop();\n"
+    )
+    (folder / "sketch.cpp").write_text(
+        core + sketch + "\nint main() { setup(); loop(); return 0; }\n"
+    )
+    subprocess.run(
+        ["g++", "-std=c++17", "-Wall", "-Wextra", "-Ione", "-c", "sketch.cpp", "-o", "sketch.o"],
+        cwd=folder,
+        check=True,
+    )
+
+
+def test_the_alarm_goes_from_clear_to_danger_and_back_with_hysteresis(folder: Path) -> None:
+    for name in NAMES:
+        flags = ["-std=c99", *STRICT, f"-I{name}", f"{name}/{name}.c", f"{name}/examples/alarm.c"]
+        subprocess.run(["gcc", *flags, "-o", "alarm"], cwd=folder, check=True)
+        lines = subprocess.run(
+            [folder / "alarm"], capture_output=True, text=True
+        ).stdout.splitlines()
+        assert lines[0].endswith("danger")  # before anything is known
+        words = [line.rsplit(" ", 1)[1] for line in lines[1:]]
+        assert words[0] == "clear"
+        assert words[-1] == "clear"
+        assert {"warning", "danger"} <= set(words)
+        places = [int(line[4:9]) for line in lines[1:]]
+        assert places[words.index("danger")] > places[-1]
+
+
+ODD_NAMES = (
+    *(
+        "map",
+        "out",
+        "handle",
+        "params",
+        "gravity",
+        "root",
+        "dot",
+        "cross",
+        "query_t",
+        "pose",
+        "status",
+    ),
+    *(
+        "PI2",
+        "reading",
+        "q",
+        "x",
+        "g",
+        "at",
+        "d",
+        "entry",
+        "body",
+        "blob",
+        "three",
+        "real",
+        "whole",
+        "size",
+    ),
+    *(
+        "alarm",
+        "counts",
+        "joints",
+        "names",
+        "main_map",
+        "raw",
+        "head",
+        "form",
+        "run",
+        "check",
+        "read_i",
+    ),
+)
+
+
+@pytest.mark.parametrize("name", ODD_NAMES)
+def test_a_name_that_is_accepted_compiles_and_runs(name: str, tmp_path: Path) -> None:
+    assert check_name(name) == name
+    files, _ = package.contents(tripod_export(name))
+    assert "compiled and run" in try_out(files, name)
+
+
+REFUSED = (
+    *(
+        "int",
+        "class",
+        "memcpy",
+        "linux",
+        "unix",
+        "sinf",
+        "printf",
+        "NULL",
+        "smap_t",
+        "smap",
+        "Smap2",
+    ),
+    *(
+        "uint8_t",
+        "main",
+        "setup",
+        "errno",
+        "index",
+        "y0",
+        "gamma",
+        "nullptr",
+        "a_pose_t",
+        "_x",
+        "a__b",
+    ),
+)
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_a_name_that_cannot_compile_everywhere_is_refused(name: str) -> None:
+    with pytest.raises(InputError, match="export name"):
+        check_name(name)
+
+
+def test_without_a_compiler_the_trial_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", "")
+    monkeypatch.delenv("CC", raising=False)
+    assert try_out({}, "robot") == "not compiled: there is no C compiler here"
+
+
+def test_what_does_not_compile_is_not_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    files, _ = package.contents(tripod_export())
+    broken = files | {"tripod.c": files["tripod.c"].replace(b"smap_blob[", b"smap blob[")}
+    with pytest.raises(ExportError, match="does not compile or run"):
+        try_out(broken, "tripod")
+    monkeypatch.setattr(package, "contents", lambda export: (broken, {}))
+    with pytest.raises(ExportError):
+        package.write(tripod_export(), tmp_path / "e", lambda text: None)
+    assert not (tmp_path / "e").exists()
+    assert os.listdir(tmp_path) == []
