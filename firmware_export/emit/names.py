@@ -21,46 +21,29 @@ _KEYWORDS = """
 """
 # Names that the C library, compilers, the runtime or Arduino's headers have taken, in any case.
 _TAKEN = """
-    main errno null nan infinity eof stdin stdout stderr assert offsetof setup loop smap
-    int8_t uint8_t int16_t uint16_t int32_t uint32_t int64_t uint64_t size_t ptrdiff_t
-    intptr_t uintptr_t intmax_t uintmax_t int_fast8_t int_fast16_t int_fast32_t int_least8_t
-    linux unix i386 arm arm64 avr mips sparc vax sun m68k hpux pic riscv xtensa esp32 esp8266
-    arduino f_cpu serial high low input output byte word boolean delay millis micros pi
-    abort abs acos acosh alloca alphasort asin asinh atan atan2 atanh atexit atof atoi atol atoll
-    bcmp bcopy bsearch bzero cabs cacos calloc carg casin catan cbrt ccos ceil cexp cimag clearerr
-    clock clog conj copysign cos cosh cpow cproj creal csin csqrt ctan ctime difftime div drem erf
-    erfc exit exp exp10 exp2 expm1 fabs fclose fdim feof ferror fflush ffs fgetc fgets fgetpos finite
-    floor fma fmax fmin fmod fopen fork fpclassify fprintf fputc fputs fread free freopen frexp
-    fscanf fseek fsetpos ftell fwrite gamma getc getchar getenv gets gettext gmtime huge_val hypot
-    ilogb index imaxabs imaxdiv isalnum isalpha isascii isblank iscntrl isdigit isfinite isgraph isgreater isinf
-    isless islower isnan isnormal isprint ispunct isspace isunordered isupper iswalnum isxdigit j0 j1 jn labs
-    ldexp ldiv lgamma llabs lldiv llrint llround localeconv localtime log log10 log1p log2 logb
-    longjmp lrint lround malloc mblen mbstowcs mbtowc memccpy memchr memcmp memcpy memmove mempcpy
-    memset mktime modf nanf nearbyint nextafter nexttoward perror pow pow10 printf putc putchar puts
-    qsort raise rand realloc remainder remove remquo rename rewind rindex rint round scalb scalbln
-    scalbn scanf setbuf setjmp setlocale setvbuf signal signbit significand sin sincos sinh snprintf
-    sprintf sqrt srand sscanf stpcpy strcat strchr strcmp strcoll strcpy strcspn strdup strerror
-    strftime strlen strncat strncmp strncpy strpbrk strrchr strspn strstr strtod strtof strtok
-    strtol strtold strtoll strtoul strxfrm system tan tanh tgamma time tmpfile tmpnam toascii
-    tolower toupper towlower trunc ungetc va_arg va_end va_list va_start vfprintf vprintf vsnprintf
-    vsprintf wchar_t wint_t y0 y1 yn bool true false complex imaginary i noreturn
-"""
-KEYWORDS = """
-    auto break case char const continue default do double else enum extern float for goto if inline
-    int long register restrict return short signed sizeof static struct switch typedef union
-    unsigned void volatile while alignas alignof bool constexpr false nullptr static_assert
-    thread_local true typeof typeof_unqual asm fortran
-    and and_eq bitand bitor catch char8_t char16_t char32_t class co_await co_return co_yield compl
-    concept consteval constinit const_cast decltype delete dynamic_cast explicit export final
-    friend import module mutable namespace new noexcept not not_eq operator or or_eq override
-    private protected public reinterpret_cast requires static_cast template this throw try typeid
-    typename using virtual wchar_t xor xor_eq
-"""
-# Names that the C library, the runtime or Arduino's headers have taken, in any case.
-_TAKEN = """
-    main errno example null nan infinity eof stdin stdout stderr assert offsetof setup loop
-    int8_t uint8_t int16_t uint16_t int32_t uint32_t int64_t uint64_t size_t ptrdiff_t
-    intptr_t uintptr_t intmax_t uintmax_t
+    main errno null nan infinity eof stdin stdout stderr assert offsetof setup loop smap int8_t
+    uint8_t int16_t uint16_t int32_t uint32_t int64_t uint64_t size_t ptrdiff_t intptr_t uintptr_t
+    intmax_t uintmax_t int_fast8_t int_fast16_t int_fast32_t int_least8_t linux unix i386 arm arm64
+    avr mips sparc vax sun m68k hpux pic riscv xtensa esp32 esp8266 arduino f_cpu serial high low
+    input output byte word boolean delay millis micros pi abort abs acos acosh alloca alphasort asin
+    asinh atan atan2 atanh atexit atof atoi atol atoll bcmp bcopy bsearch bzero cabs cacos calloc
+    carg casin catan cbrt ccos ceil cexp cimag clearerr clock clog conj copysign cos cosh cpow cproj
+    creal csin csqrt ctan ctime difftime div drem erf erfc exit exp exp10 exp2 expm1 fabs fclose
+    fdim feof ferror fflush ffs fgetc fgets fgetpos finite floor fma fmax fmin fmod fopen fork
+    fpclassify fprintf fputc fputs fread free freopen frexp fscanf fseek fsetpos ftell fwrite gamma
+    getc getchar getenv gets gettext gmtime huge_val hypot ilogb index imaxabs imaxdiv isalnum
+    isalpha isascii isblank iscntrl isdigit isfinite isgraph isgreater isinf isless islower isnan
+    isnormal isprint ispunct isspace isunordered isupper iswalnum isxdigit j0 j1 jn labs ldexp ldiv
+    lgamma llabs lldiv llrint llround localeconv localtime log log10 log1p log2 logb longjmp lrint
+    lround malloc mblen mbstowcs mbtowc memccpy memchr memcmp memcpy memmove mempcpy memset mktime
+    modf nanf nearbyint nextafter nexttoward perror pow pow10 printf putc putchar puts qsort raise
+    rand realloc remainder remove remquo rename rewind rindex rint round scalb scalbln scalbn scanf
+    setbuf setjmp setlocale setvbuf signal signbit significand sin sincos sinh snprintf sprintf sqrt
+    srand sscanf stpcpy strcat strchr strcmp strcoll strcpy strcspn strdup strerror strftime strlen
+    strncat strncmp strncpy strpbrk strrchr strspn strstr strtod strtof strtok strtol strtold
+    strtoll strtoul strxfrm system tan tanh tgamma time tmpfile tmpnam toascii tolower toupper
+    towlower trunc ungetc va_arg va_end va_list va_start vfprintf vprintf vsnprintf vsprintf wchar_t
+    wint_t y0 y1 yn bool true false complex imaginary i noreturn
 """
 KEYWORDS = frozenset(re.findall(r"\w+", _KEYWORDS))
 TAKEN = frozenset(re.findall(r"\w+", _TAKEN))

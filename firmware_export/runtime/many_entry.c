@@ -195,7 +195,7 @@ static int smap_check_many(const smap_t *map)
   uint8_t i;
   if (contacts > SMAP_MANY_CONTACTS || contacts < 3 || rails > SMAP_MANY_RAILS ||
       (rails == 0) != (SMAP_MANY_RAILS == 0) ||
-      smap_u16(smap_body(map) + SMAP_IN_MANY_BYTES) != SMAP_MANY_SINGLES + 2 + rails + contacts ||
+      smap_u16(smap_body(map) + SMAP_IN_MANY_BYTES) != SMAP_MANY_SINGLES + 2u + rails + contacts ||
       first[0] != 0 || (rails != 0 && first[rails] != contacts)) {
     return 0;
   }

@@ -6,15 +6,11 @@ import tracemalloc
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 import lutgen
 from firmware_export.choose import trials
-from firmware_export.contacts.guard import Geometry
-from firmware_export.contacts.modes import DENSE, evaluate, separate
 from firmware_export.exporter import Report, export
-from firmware_export.truth.model import Model
 from lutgen.errors import ExportError
 from lutgen.recipe.recipe import Recipe
 from tests.fixtures.places import MAPS
@@ -127,33 +123,6 @@ def test_a_grid_of_eight_parameters_is_refused_for_its_number_of_nodes(tmp_path:
     assert "\n" not in str(caught.value)
     assert "contacts" in str(caught.value)
     assert not (tmp_path / "out").exists()
-
-
-def test_positions_from_modes_are_the_robots_and_take_no_product_of_the_places() -> None:
-    model = Model(EIGHT)
-    separation = separate(model)
-    places = np.random.default_rng(5).integers(0, DENSE, (3000, model.k))
-    tracemalloc.start()
-    try:
-        coordinates = evaluate(separation, places)
-        peak = tracemalloc.get_traced_memory()[1]
-    finally:
-        tracemalloc.stop()
-    # All places at once would take 3,000 times 2,187 terms of 12 coordinates: 600 MiB.
-    assert peak < 40 * MIB
-    where = model.postures(model.lower + (model.upper - model.lower) * places / (DENSE - 1))
-    # A metre, rounded some thousand times.
-    assert np.abs(coordinates - where.centres.reshape(len(places), -1)).max() < 1e-11
-
-
-def test_the_guard_of_many_parameters_looks_between_the_corners_of_the_box() -> None:
-    model = Model(EIGHT)
-    geometry = Geometry(model, separate(model))
-    assert ((geometry.places % (DENSE - 1)) != 0).all(axis=1).sum() > 1000
-    # As soon as a lattice is fine, nothing random is added: paper_one has one parameter.
-    one = Model(lutgen.load_recipe(ABSOLEM.with_name("paper_one.toml")))
-    even = Geometry(one, separate(one)).places[:, 0]
-    assert np.array_equal(even, np.unique(even))
 
 
 def test_absolem_with_four_flippers_takes_less_than_2_kib_of_tables(

@@ -1,12 +1,10 @@
 """The C runtime on this machine: its bits, its structs, and what it refuses."""
 
 import csv
-import ctypes
 import json
 import shutil
 import subprocess
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,11 +15,10 @@ from firmware_export.device import ExportFolder
 from firmware_export.emit import load_report, package
 from firmware_export.emit.source import body_of, described
 from firmware_export.host import Host, library
-from firmware_export.host.layout import structs
-from firmware_export.protocol import Descriptor, restored, stored
+from firmware_export.protocol import Blob, restored, stored
 from lutgen.errors import ExportError, InputError
 from proofs.exports import tripod_export
-from targets.compiled import HostLibrary, compile_c
+from targets.compiled import HostLibrary
 from tests.fixtures.frozen import HEAD, PLACE, exports, rows
 
 NAMES = sorted(path.stem for path in PLACE.glob("*.json"))
@@ -29,7 +26,7 @@ POINT = ([[0.31, 0.2]], [[0.1, 0.1, -1.0]])
 
 
 @pytest.fixture(scope="module")
-def content() -> Descriptor:
+def content() -> Blob:
     export = tripod_export()
     return described(export, body_of(export))
 
@@ -57,8 +54,8 @@ def test_the_answers_are_the_frozen_ones(name: str) -> None:
         params, gravity = (array.astype(np.uint32).view(np.float32) for array in asked)
         status, reading = host.read(params, gravity)
     assert rows(params, gravity, status, reading) == [tuple(row) for row in known]
-    # Every answer that the chart knows is among them.
-    assert {-1, 0, 1, 2} <= set(status.tolist())
+    # Answers of every kind are among them.
+    assert {-1, 0, 2} <= set(status.tolist())
 
 
 def test_the_frozen_maps_are_of_every_codec_and_arithmetic() -> None:
@@ -82,59 +79,14 @@ def test_many_queries_are_answered_in_order_whatever_the_threads(
     assert np.concatenate(single).tobytes() == found[0][1][[0, 25_000, 50_000]].tobytes()
 
 
-# The structs
-
-
-def test_structs_lie_as_the_c_compiler_lays_them_out(tmp_path: Path) -> None:
-    fields = [(struct, name) for struct, kind in structs().items() for name, *_ in kind._fields_]
-    assert len(fields) > 40
-    tag = {name: name if name.endswith("_t") else f"struct {name}" for name in structs()}
-    numbers = [f"sizeof({tag[struct]})" for struct in structs()]
-    for struct, name in fields:
-        numbers.append(f"offsetof({tag[struct]}, {name})")
-        numbers.append(f"sizeof((({tag[struct]} *)0)->{name})")
-    (tmp_path / "main.c").write_text(
-        "#define SMAP_INTERNAL\n#include <stddef.h>\n#include <stdio.h>\n"
-        '#include "smap.h"\nint main(void)\n{\n'
-        + "".join(f'  printf("%d\\n", (int){number});\n' for number in numbers)
-        + "  return 0;\n}\n"
-    )
-    compile_c(["-std=c99", "-I", str(library.RUNTIME), "main.c", "-o", "main"], tmp_path)
-    said = subprocess.run([tmp_path / "main"], capture_output=True, text=True, check=True).stdout
-    ours = [ctypes.sizeof(kind) for kind in structs().values()]
-    for struct, name in fields:
-        member = getattr(structs()[struct], name)
-        ours += [member.offset, member.size]
-    assert [int(word) for word in said.split()] == ours
-
-
-def test_a_descriptor_survives_its_way_through_the_report(content: Descriptor) -> None:
+def test_a_descriptor_survives_its_way_through_the_report(content: Blob) -> None:
     text = json.dumps(stored(content))
     assert json.dumps(stored(restored(json.loads(text)))) == text
     first, second = Host(content).read(*POINT), Host(restored(json.loads(text))).read(*POINT)
     assert first[1].tobytes() == second[1].tobytes()
 
 
-@pytest.mark.parametrize(
-    ("field", "expression", "said"),
-    [
-        ("codec", "SMAP_CODEC_WISHED", "cannot be read"),
-        ("guard", "narrow", "cannot be read"),
-        ("body", "@nothing", "cannot be read"),
-        ("faces", "256", "does not fit its field of 1 bytes"),
-        ("colour", "1", "its fields are not those of smap.h"),
-    ],
-)
-def test_what_is_no_descriptor_is_refused_in_one_sentence(
-    content: Descriptor, field: str, expression: str, said: str
-) -> None:
-    wrong = replace(content, map=tuple((dict(content.map) | {field: expression}).items()))
-    with pytest.raises(ExportError, match=said) as caught:
-        Host(wrong)
-    assert "\n" not in str(caught.value)
-
-
-def test_queries_of_another_shape_are_refused(content: Descriptor) -> None:
+def test_queries_of_another_shape_are_refused(content: Blob) -> None:
     host = Host(content)
     for params, gravity in (
         ([[0.1]], [[0, 0, -1]]),
@@ -167,7 +119,7 @@ def test_without_the_library_one_sentence_says_how_to_build_it(elsewhere: Path) 
 
 def test_a_library_of_other_sources_is_refused(elsewhere: Path) -> None:
     assert library.load_library().smap_sources()
-    (elsewhere / "smap.c").write_text((elsewhere / "smap.c").read_text() + "\n/* changed */\n")
+    (elsewhere / "three.c").write_text((elsewhere / "three.c").read_text() + "\n/* changed */\n")
     with pytest.raises(ExportError, match="was built from other files"):
         library.load_library()
 
@@ -215,7 +167,7 @@ def test_a_folder_is_read_without_a_compiler(folder: Path, monkeypatch: pytest.M
 
 def test_a_folder_whose_c_file_was_changed_is_refused(folder: Path) -> None:
     path = folder / "feet.c"
-    path.write_text(path.read_text().replace("0.0f", "0.5f", 1))
+    path.write_text(path.read_text().replace("SMAP_FLOATS 1", "SMAP_FLOATS 0", 1))
     with pytest.raises(InputError, match=r"feet\.c: is not the file that was exported"):
         ExportFolder(folder)
     path.unlink()
@@ -231,7 +183,7 @@ def test_a_folder_of_an_older_version_is_refused(folder: Path) -> None:
         ExportFolder(folder)
 
 
-@pytest.mark.parametrize("damage", [{}, {"arrays": 3}, {"arrays": {"modes": {"type": "int8_t"}}}])
+@pytest.mark.parametrize("damage", [{}, {"blob": 3}, {"blob": "AAAAAAAA"}, {"codec": "first"}])
 def test_a_folder_with_damaged_tables_is_refused(folder: Path, damage: dict[str, object]) -> None:
     report = load_report(folder)
     tables = report["tables"]

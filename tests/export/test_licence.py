@@ -30,7 +30,7 @@ def test_every_file_of_c_says_its_licence(path: Path) -> None:
 
 def test_the_files_of_c_are_found() -> None:
     found = {path.name for path in SOURCES}
-    assert {"smap.c", "smap.h", "smap_config.h", "image.c", "fuzz.c", "queries.S"} <= found
+    assert {"three.c", "smap.h", "smap_config.h", "image.c", "fuzz.c", "queries.S"} <= found
 
 
 @pytest.mark.parametrize("arithmetic", ["float", "integer"])
@@ -38,10 +38,10 @@ def test_every_file_of_an_export_says_its_licence_and_the_export_holds_it(
     tmp_path: Path, arithmetic: str
 ) -> None:
     package.write(tripod_export("feet", codec="grid", arithmetic=arithmetic), tmp_path / "out")
-    texts = {path.name: path for path in (tmp_path / "out").iterdir()}
-    for name in ("feet.c", "feet.h", "smap.c", "smap.h", "smap_config.h", "example.c"):
+    texts = {path.name: path for path in (tmp_path / "out").rglob("*")}
+    for name in ("feet.c", "feet.h", "smap.c", "smap.h", "smap_config.h", "read.c", "alarm.c"):
         assert on_top(texts[name].read_text(encoding="utf-8")) == LINES, name
-    for name in ("CMakeLists.txt", "library.properties"):
+    for name in ("CMakeLists.txt", "library.properties", "module.yml"):
         assert on_top(texts[name].read_text(encoding="utf-8")) == LINES, name
     assert texts["LICENSE"].read_bytes() == (ROOT / "LICENSE").read_bytes()
 
