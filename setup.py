@@ -15,7 +15,8 @@ FAMILIES = [path.stem.removeprefix("host_") for path in sorted(RUNTIME.glob("hos
 ASKED = ("read", "read_i", "at", "at_i", "check")
 EXPORTED = [
     "smap_sources",
-    "smap_many_host_room", "smap_search_host_room",
+    "smap_many_host_room",
+    "smap_search_host_room",
     *(f"smap_{name}_host_{what}" for name in FAMILIES for what in ASKED),
 ]
 # Each operation rounds once, as on the targets; whatever CFLAGS say, these stand behind them.

@@ -8,7 +8,7 @@ import re
 from collections import Counter
 from pathlib import Path
 
-from firmware_export.emit.config import runtime_file
+from firmware_export.emit.runtime import runtime_file
 from proofs.document import findings
 from proofs.tools import FAILED, OK, Clock, Result, run
 from targets.size import FLAGS as ARM_FLAGS

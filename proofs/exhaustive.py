@@ -3,7 +3,7 @@
 import shutil
 from pathlib import Path
 
-from firmware_export.emit.config import runtime_file
+from firmware_export.emit.runtime import runtime_file
 from proofs.tools import FAILED, OK, Clock, Result, run
 
 __all__ = ["PROOFS", "prove"]

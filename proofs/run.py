@@ -12,7 +12,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from firmware_export.emit.config import runtime_file
+from firmware_export.emit.runtime import runtime_file
 from lutgen.errors import LutgenError
 from proofs import analysers, eva, exhaustive, fuzz, structure
 from proofs.document import DOCUMENT, with_counts

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 
 from firmware_export.emit import package, report
-from firmware_export.grid import codec as grid
+from firmware_export.lookup import codec as lookup
 from firmware_export.protocol.exported import Export
 from firmware_export.truth.model import Model
 from lutgen.errors import ExportError, InputError
@@ -31,7 +31,7 @@ def _all_channels(arithmetic: str, name: str) -> Export:
 def _on_the_sphere(arithmetic: str, name: str) -> Export:
     """Return a grid over all six faces."""
     model = Model(parse_recipe(tripod(chart="sphere")))
-    tables = grid.encode(model, VERDICT, grid.start(model, VERDICT, arithmetic)[-1])
+    tables = lookup.encode(model, VERDICT, lookup.start(model, VERDICT, arithmetic)[-1])
     return Export(name, model.recipe, model, "grid", arithmetic, VERDICT, tables)
 
 
@@ -77,8 +77,8 @@ def read_subject(folder: Path) -> Subject:
         It is no folder of ``lutgen export``.
     """
     content = report.load_report(folder)
-    settings = (folder / "smap_config.h").read_text(encoding="utf-8")
-    many = re.search(r"#define SMAP_CONTACTS_MANY 1", settings) is not None
+    settings = (folder / f"{content['name']}.c").read_text(encoding="utf-8")
+    many = re.search(r"#define SMAP_MANY 1", settings) is not None
     codec = str(content["codec"])
     kind = "contacts many" if codec == "contacts" and many else codec
     integer = content["arithmetic"] == "integer"

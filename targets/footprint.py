@@ -17,7 +17,8 @@ RETURN = {"mega2560": 3, "mega328p": 2}
 class Footprint:
     """Bytes.
 
-    `code` is that of NAME.o, without the blob.  `stack` is that of the deepest chain of calls; None where the compiler does not tell.
+    `code` is that of NAME.o, without the blob.  `stack` is that of the deepest chain of calls; None
+    where the compiler does not tell.
     """
 
     code: int

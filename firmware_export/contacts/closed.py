@@ -1,6 +1,7 @@
-"""Where contacts are, as sums of products of sines, cosines and travels: exact for any tree of joints.
+"""Where contacts are: sums of products of sines, cosines and travels, for any tree of joints.
 
-Owns the algebra: the links of a recipe are multiplied out once, so that the runtime only adds up terms.
+Owns the algebra: the links of a recipe are multiplied out once, so that the runtime only adds up
+terms.
 """
 
 import math
@@ -16,8 +17,8 @@ from lutgen.recipe import Recipe
 from lutgen.rotation import rotation
 from lutgen.vector import Floats
 
-# A factor: ("c" | "s", parameter, rate) is the cosine or sine of rate x parameter, ("t", parameter, 1.0)
-# the parameter itself.  A monomial is a sorted tuple of factors; () is 1.
+# A factor: ("c" | "s", parameter, rate) is the cosine or sine of rate x parameter, ("t", parameter,
+# 1.0) the parameter itself.  A monomial is a sorted tuple of factors; () is 1.
 Factor = tuple[str, int, float]
 Monomial = tuple[Factor, ...]
 # Coefficients smaller than this part of the largest are rounding of the multiplication.
@@ -99,8 +100,8 @@ def _turn(joint: Joint, parameter: int) -> Sum:
 class Closed:
     """A robot's positions in closed form, in the recipe's frame.
 
-    `centres`, `axes`: a (3,) polynomial for each contact; the axes of discs, None for others.  `com`:
-    that of the whole robot.
+    `centres`, `axes`: a (3,) polynomial for each contact; the axes of discs, None for
+    others.  `com`: that of the whole robot.
     """
 
     centres: tuple[Sum, ...]
@@ -150,12 +151,13 @@ def closed_form(recipe: Recipe) -> Closed:
         if total > 0.0 and link.mass != 0.0:
             share = there + here @ Sum.constant(np.array(link.com))
             com = com + share.scaled(link.mass / total)
-    centres, axes = [], []
+    centres: list[Sum] = []
+    axes: list[Sum | None] = []
     for contact in recipe.contacts:
-        where = Sum.constant(np.array(contact.position))
-        centres.append(origin[contact.link] + turn[contact.link] @ where)
-        axis = None if contact.axis is None else Sum.constant(np.array(contact.axis))
-        axes.append(None if axis is None else turn[contact.link] @ axis)
+        here = turn[contact.link]
+        centres.append(origin[contact.link] + here @ Sum.constant(np.array(contact.position)))
+        own = contact.axis
+        axes.append(None if own is None else here @ Sum.constant(np.array(own)))
     return Closed(tuple(centres), tuple(axes), com)
 
 

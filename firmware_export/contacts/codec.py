@@ -1,7 +1,7 @@
 """Codec `contacts`: positions in closed form, everything else computed when a posture is made.
 
-The facade that the chooser and the emitter use; the parts are `closed` (the algebra), `terms` (the tables),
-`three` and `many` (what is asked of robots on three points and of others, and the guard).
+The facade that the chooser and the emitter use; the parts are `closed` (the algebra), `terms` (the
+tables), `three` and `many` (what is asked of robots on three points and of others, and the guard).
 """
 
 import math
@@ -24,8 +24,8 @@ from lutgen.errors import InputError
 
 # Their numbers in runtime/blob.c.
 POINTS, RAILS, SEARCH = 1, 5, 6
-# The most room of a pose: facets, edges, rolls, facets that are shown, walls, segments, points, sides;
-# and the margin on what was seen.
+# The most room of a pose: facets, edges, rolls, facets that are shown, walls, segments, points,
+# sides; and the margin on what was seen.
 MOST_ROOM, MARGIN = (80, 250, 250, 60, 254, 254, 254, 250), 1.25
 # Steps of the integer form from the com to the furthest contact.
 STEPS = 16000.0
@@ -52,7 +52,8 @@ class Spec:
 class Tables(AnyTables):
     """What is stored: positions, and what three points or many contacts need beside them.
 
-    `reach` is how far (length) a contact can be from the com, `room` what a pose of many contacts needs.
+    `reach` is how far (length) a contact can be from the com, `room` what a pose of
+    many contacts needs.
     """
 
     spec: Spec

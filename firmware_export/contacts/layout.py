@@ -62,7 +62,7 @@ def _number(text: str, macros: Mapping[str, int]) -> int:
             # A default; what it says of others counts.
             return _number(found[1], macros)
         assert isinstance(node, ast.BinOp), text
-        return _OPERATORS[type(node.op)](value(node.left), value(node.right))  # type: ignore[index,no-any-return]
+        return _OPERATORS[type(node.op)](value(node.left), value(node.right))  # type: ignore[no-any-return]
 
     return value(ast.parse(text.strip(), mode="eval").body)
 
@@ -94,7 +94,7 @@ def struct_bytes(name: str, macros: Mapping[str, int]) -> tuple[int, int]:
 
 
 def pose_words(macros: Mapping[str, int]) -> tuple[int, int]:
-    """Return the words of 32 bits of a pose beside the map's address: both forms, integers alone."""
+    """Return the words of 32 bits of a pose beside an address: both forms, integers alone."""
     real, work, whole = (
         struct_bytes(name, macros)[0]
         for name in ("smap_many_pose_t", "smap_many_work_t", "smap_many_pose_i_t")

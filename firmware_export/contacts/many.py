@@ -1,7 +1,7 @@
-"""Many contacts, or round ones: which rails they stand on, the thresholds, and how much room a pose needs.
+"""Many contacts, or round ones: which rails they stand on, and the thresholds.
 
-The runtime's facets are exact but for rounding; every threshold is on the side on which rounding cannot make
-an unsafe answer safe, and GUARD is taken off every distance from the boundary.
+The runtime's facets are exact but for rounding; every threshold is on the side on which rounding
+cannot make an unsafe answer safe, and GUARD is taken off every distance from the boundary.
 """
 
 import math
@@ -30,8 +30,8 @@ MOST_CONTACTS = 32
 class Many(NamedTuple):
     """What the tables of many contacts need beside positions.
 
-    `order` of the contacts: rail by rail; `first` contact of each rail, and how many there are; `axis`,
-    level, of all discs; `numbers` in the order of the runtime's struct, behind the axis.
+    `order` of the contacts: rail by rail; `first` contact of each rail, and how many there are;
+    `axis`, level, of all discs; `numbers` in the order of the runtime's struct, behind the axis.
     """
 
     order: tuple[int, ...]

@@ -1,6 +1,7 @@
 """The tables of positions: entries, products of entries, and the terms of every coordinate.
 
-Owns the layout that runtime/positions.c describes, and how far single precision misplaces a contact.
+Owns the layout that runtime/positions.c describes, and how far single precision misplaces a
+contact.
 """
 
 from collections.abc import Sequence
@@ -39,8 +40,8 @@ class Terms:
     """The tables of a robot's positions.
 
     `angles`: (parameter, rate) of each angle; `travels`: parameters; `products`: pairs of entries;
-    `coordinates`: the terms of each; `axes`: how many distinct axes of discs; `error`: how far (length)
-    a contact of the runtime is from the real one.
+    `coordinates`: the terms of each; `axes`: how many distinct axes of discs; `error`: how far
+    (length) a contact of the runtime is from the real one.
     """
 
     angles: tuple[tuple[int, float], ...]
@@ -71,8 +72,8 @@ class Terms:
     ) -> tuple[CArray, ...]:
         """Return the codec's part of a blob.
 
-        `order` is its eighth byte, `thresholds` the lowest height, the steepest normal and the least
-        width of a facet, `many` what the codec for many contacts adds.
+        `order` is its eighth byte, `thresholds` the lowest height, the steepest normal and the
+        least width of a facet, `many` what the codec for many contacts adds.
         """
         terms = [term for coordinate in self.coordinates for term in coordinate]
         flags = self.flags

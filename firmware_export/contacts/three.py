@@ -1,10 +1,11 @@
-"""Three contact points: in which order they stand in the tables, what the runtime has to ask, the guard.
+"""Three contact points: their order in the tables, what the runtime has to ask, the guard.
 
-The contacts are exact but for rounding.  So the guard is what single precision can turn the tip-over planes:
-an edge normal E = P x Q is off by 2 e |P| + 4 u |P| |Q| with e the error of a contact, and turns by that over
-|E|.  Where the least |E| over the box is bounded (`poly`) nothing else is needed.  Where the box holds
-postures in which the com comes close to a tip-over axis, facets that are low are refused: |E| is at least
-the side's length times the height of the com over the facet.
+The contacts are exact but for rounding.  So the guard is what single precision can turn the
+tip-over planes: an edge normal E = P x Q is off by 2 e |P| + 4 u |P| |Q| with e the error of a
+contact, and turns by that over |E|.  Where the least |E| over the box is bounded (`poly`) nothing
+else is needed.  Where the box holds postures in which the com comes close to a tip-over axis,
+facets that are low are refused: |E| is at least the side's length times the height of the com over
+the facet.
 """
 
 import math
@@ -31,8 +32,8 @@ HAIR = 1e-5
 class Three(NamedTuple):
     """What the tables of three points need beside positions.
 
-    `order` of the contacts and `code`, the same as the runtime has it; the thresholds `lowest` (length),
-    `steepest`, `rest_width` (length); the `guard` (rad), and a sentence about it.
+    `order` of the contacts and `code`, the same as the runtime has it; the thresholds `lowest`
+    (length), `steepest`, `rest_width` (length); the `guard` (rad), and a sentence about it.
     """
 
     order: tuple[int, int, int]
@@ -63,7 +64,8 @@ def three_of(model: Model, error: float) -> Three:
     sides = np.stack([p[:, i] - p[:, i - 2] for i in range(3)], axis=1)
     side = max(float(np.sqrt((sides**2).sum(axis=2)).min()), width, 1e-3 * reach)
     lowest = rho + wrong / (AIM * side)
-    # The com anywhere in its ball: the plane of an axis turns by asin(rho / d), d the axis' distance.
+    # The com anywhere in its ball: the plane of an axis turns by asin(rho / d), d the axis'
+    # distance.
     edges = np.cross(p, np.roll(p, -1, axis=1))
     away = np.sqrt((edges**2).sum(axis=2)) / np.sqrt((sides**2).sum(axis=2))[:, [2, 0, 1]]
     ball = math.asin(min(1.0, rho / max(float(away.min()), lowest))) if rho > 0.0 else 0.0

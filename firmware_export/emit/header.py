@@ -49,7 +49,7 @@ def _head(content: dict[str, Any]) -> list[str]:
     parameters = content["parameters"]
     lines = [
         "",
-        "Parameters, in this order; what sensors may say beyond an end is read, more is SMAP_OFF_RANGE:",
+        "Parameters, in this order; a sensor's slack beyond an end is read, more is SMAP_OFF_RANGE:",
     ]
     lines += _columns([(p["macro"], axis_range(p), _slack(p), p["meaning"]) for p in parameters])
     if not parameters:
@@ -131,7 +131,8 @@ def _usage(content: dict[str, Any]) -> list[str]:
     pose = f"{name}_pose_t" if both else f"{name}_pose_i_t"
     count = max(len(parameters), 1)
     if both:
-        row = f"  float params[{count}] = {{{', '.join(['0.0f'] * count)}}};  rad or length, see above"
+        zeros = ", ".join(["0.0f"] * count)
+        row = f"  float params[{count}] = {{{zeros}}};  rad or length, see above"
         made = f"  smap_pose(&{name}, params, &pose, sizeof pose, {forms});"
     else:
         middles = [f"{p['macro']}_Q({number(0.5 * (p['min'] + p['max']))}f)" for p in parameters]
@@ -164,8 +165,10 @@ def _poses(content: dict[str, Any]) -> str:
         f"#define {stem}_POSE_WORDS {words['both']}u\n"
         f"#define {stem}_POSE_I_WORDS {words['integer']}u\n"
         "/* Memory of a pose: of both forms, and of SMAP_INTEGER alone. */\n"
-        f"typedef struct {{ const smap_t *map; uint32_t rest[{stem}_POSE_WORDS]; }} {name}_pose_t;\n"
-        f"typedef struct {{ const smap_t *map; uint32_t rest[{stem}_POSE_I_WORDS]; }} {name}_pose_i_t;"
+        "typedef struct {\n  const smap_t *map;\n"
+        f"  uint32_t rest[{stem}_POSE_WORDS];\n}} {name}_pose_t;\n"
+        "typedef struct {\n  const smap_t *map;\n"
+        f"  uint32_t rest[{stem}_POSE_I_WORDS];\n}} {name}_pose_i_t;"
     )
 
 
@@ -198,7 +201,7 @@ def _macros(content: dict[str, Any]) -> str:
         text += "\n" + _define(steps)
     lines = [
         text,
-        "/* A parameter (rad or length) as smap_pose_q takes it; beyond the upper end: off range. */",
+        "/* A parameter (rad or length) as smap_pose_q takes it. */",
     ]
     for p in parameters:
         scale = literal(32767.0 / (p["max"] - p["min"]), "float")

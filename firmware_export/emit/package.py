@@ -91,7 +91,7 @@ def _ours(directory: Path) -> set[str]:
 
 
 def _held(directory: Path) -> list[str]:
-    """Return the files in a folder and below, and folders without any, by their names from there."""
+    """Return the files in a folder and below, and folders without any, by their names."""
     found = []
     for root, folders, names in os.walk(directory):
         place = Path(root).relative_to(directory)

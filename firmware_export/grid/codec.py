@@ -1,4 +1,4 @@
-"""Tables over the parameters and the chart as the codec `grid` has them, for what the room `verdict` trains.
+"""Tables over the parameters and the chart, for what the room `verdict` trains.
 
 The parts are in `spec` (sizes), `fit` (stability factor and height) and `tables` (layout).
 """

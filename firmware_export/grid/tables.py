@@ -31,8 +31,10 @@ MEANING = {
 
 
 class Place(NamedTuple):
-    """Where an axis of the tables begins (rad or length), units of it for one rad or length, and the same
-    of steps: first unit, units for one step times 2^14.
+    """How a parameter becomes a place on the tables' axis.
+
+    `low` (rad or length) is where the axis begins, `inverse` its units for one rad or length; `first`
+    and `rate` (times 2^14) the same of steps.
     """
 
     low: float
@@ -206,7 +208,7 @@ class Tables(AnyTables):
         return c_body(self, integer)
 
     def cells(self, model: Model) -> Cells:
-        """Return the knots of the tables: of |SD_g| where it is held, since that is what is bounded."""
+        """Return the knots of the tables: of |SD_g| where it is held, as that is bounded."""
         part = next((part for part in self.parts if part.name == "sdg"), self.parts[0])
         knots = {
             coordinate: places.astype(np.float64) / places[-1]

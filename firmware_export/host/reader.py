@@ -126,7 +126,7 @@ class Host:
         return made, status, reading
 
     def room(self, params: ArrayLike) -> NDArray[np.int32]:
-        """Return the most room (8,) that the poses of postures (m, k) take; for many contacts only."""
+        """Return the most room (8,) that the poses of postures (m, k) take, on many contacts."""
         rows = np.ascontiguousarray(params, np.float32)
         found, most = np.zeros(8, np.int32), np.zeros(8, np.int32)
         function = self._function("room")

@@ -1,4 +1,4 @@
-"""Codec `grid` for three contacts: their positions looked up, exact in gravity; also without floats.
+"""Codec `grid` for three contacts: positions looked up, exact in gravity, also without floats.
 
 In reading order: `fit`, `codec`.
 """

@@ -1,8 +1,8 @@
 """Codec `grid` for three contacts whose facet is a rest in every posture.
 
-Facade of the codec protocol.  Positions are looked up over the parameters alone; facet, walls and readings
-follow from them exactly for every direction, with floats or without.  The guard is what wrong positions can
-turn a tip-over plane.
+Facade of the codec protocol.  Positions are looked up over the parameters alone; facet, walls and
+readings follow from them exactly for every direction, with floats or without.  The guard is what
+wrong positions can turn a tip-over plane.
 """
 
 import math
@@ -29,14 +29,14 @@ from firmware_export.truth import Cells, Model
 # Its number in runtime/blob.c; words of a pose with floats (head, floats, integers) and without.
 TABLES, POSE, POSE_I = 3, (1 + 20 + 8, 1 + 8), (1 + 8, 1 + 8)
 MOST_NODES, MOST_CODES = 65, 1 << 15
-# rad; rounding of the float path.  Units by which integers misplace a point, and 1/32767 by which they read
-# a sine too high.
+# rad; rounding of the float path.  Units by which integers misplace a point, and 1/32767 by which
+# they read a sine too high.
 ROUNDING, MISPLACED, ROUNDED = 4e-6, 4.0, 9
 
 
 @dataclass(frozen=True)
 class Spec:
-    """A size: bits of a code, and per point the nodes along each parameter, 1 where it does not depend."""
+    """A size: bits of a code; per point the nodes along each parameter, 1 where nothing depends."""
 
     bits: int
     nodes: tuple[tuple[int, ...], ...]
@@ -154,7 +154,7 @@ def start(model: Model, channels: tuple[str, ...], arithmetic: str) -> list[Spec
 
 
 def grow(model: Model, spec: Spec) -> list[Spec]:
-    """Return the next larger sizes: a node more along one parameter, for all points that move with it."""
+    """Return the next larger sizes: a node more along one parameter, or along all."""
     found = []
     for axis in range(model.k):
         nodes = tuple(

@@ -1,7 +1,7 @@
-"""Tables of three contact points over the parameters, and how far what is read from them can be off.
+"""Tables of three contact points over the parameters, and how far they can be off.
 
-Owns the nodes: evenly spaced, and shifted by half of what a chord is away from its arc, so that points lie
-off on both sides alike.  A table has the axes on which its point depends.
+Owns the nodes: evenly spaced, and shifted by half of what a chord is away from its arc, so that
+points lie off on both sides alike.  A table has the axes on which its point depends.
 """
 
 from dataclasses import dataclass
@@ -18,7 +18,8 @@ from lutgen.vector import Floats
 # Units from the com to the furthest contact: products of two of them stay in 31 bits.
 UNITS = 16000
 MOST_AXES = 4
-# Places between two nodes at which errors are looked at, by the number of axes; what may lie between.
+# Places between two nodes at which errors are looked at, by the number of axes; what may lie
+# between.
 BETWEEN = {0: 1, 1: 16, 2: 8, 3: 4, 4: 3}
 MORE = 1.05
 PROBES = 9
@@ -111,7 +112,7 @@ def fit_point(model: Model, contact: int, nodes: tuple[int, ...], bits: int, uni
     fine = [np.linspace(0.0, 1.0, (n - 1) * places + 1) for n in nodes]
     away = _interpolated(codes * step, fine) - exact(fine)
     error = MORE * float(np.sqrt((away**2).sum(axis=-1)).max())
-    return Point(axes, codes.astype(np.int8 if bits == 8 else np.int16), error)
+    return Point(axes, codes.astype(np.int8) if bits == 8 else codes.astype(np.int16), error)
 
 
 def _interpolated(values: Floats, places: list[Floats]) -> Floats:

@@ -24,8 +24,8 @@ from firmware_export.protocol import CArray, CBody, CodecInfo, widened
 from firmware_export.truth import Model
 from lutgen.channels import acceptance_of
 
-# Its number in runtime/blob.c; steps of the integer form from the com to the furthest contact; words of a
-# pose (runtime/three.c).
+# Its number in runtime/blob.c; steps of the integer form from the com to the furthest contact;
+# words of a pose (runtime/three.c).
 POLY, STEPS, POSE = 2, 16000.0, (1 + 20 + 8, 1 + 8)
 
 __all__ = ["INFO", "Spec", "Tables", "c_body", "encode", "grow", "refusal", "start"]
@@ -33,7 +33,7 @@ __all__ = ["INFO", "Spec", "Tables", "c_body", "encode", "grow", "refusal", "sta
 
 @lru_cache(maxsize=4)
 def least_edge_of(model: Model) -> float:
-    """Return a lower bound of any edge normal's length over the box and what sensors may say beyond it.
+    """Return a lower bound of any edge normal's length over the box, and a sensor's slack beyond.
 
     0 where there is none, or where the three contacts' facet is not a rest everywhere.
     """

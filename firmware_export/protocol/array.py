@@ -1,4 +1,4 @@
-"""What a codec hands to the emitter of C: its numbers in their order, and what they need of the runtime.
+"""What a codec hands to the emitter of C: its numbers in order, and what reads them.
 
 This file knows no C beyond the names of its types; `blob` lays the bytes out.
 """
@@ -91,10 +91,11 @@ class CBody:
     contacts : int
         Contacts of the robot where the runtime asks for their number.
     macros : tuple of (str, int)
-        Settings of the runtime beyond those that are 0: switches such as ``("SMAP_POINTS", 1)``, and
-        sizes of its arrays such as ``("SMAP_MAX_ENTRIES", 5)``.
+        Settings of the runtime beyond those that are 0: switches such as ``("SMAP_POINTS", 1)``,
+        and sizes of its arrays such as ``("SMAP_MAX_ENTRIES", 5)``.
     pose : (int, int)
-        Words of 32 bits of a pose beside the map's address: with both forms, and with integers alone.
+        Words of 32 bits of a pose beside the map's address: with both forms, and with integers
+        alone.
     step : float
         Length of one step of the integer form.
     rounded : int

@@ -238,8 +238,8 @@ def test_the_integer_form_of_a_constant_is_rounded_and_clamped(tmp_path: Path) -
     compile_c([*C99, *WARNINGS, "main.c", "-o", "main"], tmp_path)
     done = subprocess.run([tmp_path / "main"], capture_output=True, text=True, check=True)
     *found, last = done.stdout.splitlines()
-    # One step is 5e-5 rad, single precision of 0.87 rad is 6e-8.  Beyond the lower end steps go on below 0,
-    # rounded away from it; beyond the upper end there are none: off range.
+    # One step is 5e-5 rad, single precision of 0.87 rad is 6e-8.  Beyond the lower end steps go on
+    # below 0, rounded away from it; beyond the upper end there are none: off range.
     inside = [round((v - low) / (high - low) * 32767) for v in values[2:6]]
     assert [int(line) for line in found] == [-20861, -1, *inside, 32767, -32768, 32767]
     assert [float(number) for number in last.split()] == pytest.approx([0.001, 0.0005], rel=1e-6)

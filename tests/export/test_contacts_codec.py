@@ -1,4 +1,4 @@
-"""The codec that stores positions in closed form: exact for every tree of joints, whatever stands on it."""
+"""The codec that stores positions in closed form: exact for every tree of joints."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Reads in two phases: the same bits as at once, unsafe whatever goes in, exact beyond the ends of axes."""
+"""Reads in two phases: the same bits as at once, unsafe whatever goes in."""
 
 import math
 import subprocess
@@ -42,34 +42,28 @@ int main(void)
 {
   static tripod_pose_t zero, pose;
   static tripod_pose_i_t whole;
-  const float params[2] = {TWO_PARAMS}, bad[2] = {100.0f, 100.0f}, gravity[3] = {0.05f, 0.02f, -1.0f};
-  const float several[3][3] = {{0.0f, 0.0f, -1.0f}, {9.0f, 0.0f, -1.0f}, {0.0f, 0.1f, -1.0f}};
-  const int16_t down[3] = {51, 20, -1024};
-  smap_reading_t reading, many[3];
-  smap_reading_i_t reading_i;
-  const uint8_t both = SMAP_FLOAT | SMAP_INTEGER;
-  int faults = 0;
-  faults += !unsafe(smap_at(&zero, gravity, &reading), &reading);
-  faults += smap_at_i(&zero, down, &reading_i) != SMAP_INVALID || reading_i.tip >= 0 || reading_i.sdg != 65535;
-  faults += smap_pose(&tripod, params, &pose, sizeof pose - 4, both) != SMAP_INVALID;
-  faults += !unsafe(smap_at(&pose, gravity, &reading), &reading);
-  faults += smap_pose(&tripod, params, &pose, sizeof pose, 0) != SMAP_INVALID;
-  faults += smap_pose(&tripod, params, &pose, sizeof pose, 4) != SMAP_INVALID;
-  faults += smap_pose(&tripod, params, (char *)&pose + 1, sizeof pose - 1, SMAP_FLOAT) != SMAP_INVALID;
-  faults += smap_pose(&tripod, params, &pose, sizeof pose, SMAP_FLOAT) != SMAP_OK;
-  faults += smap_at(&pose, gravity, &reading) != SMAP_OK;
-  faults += smap_at_i(&pose, down, &reading_i) != SMAP_INVALID || reading_i.tip >= 0;
-  faults += smap_pose(&tripod, bad, &pose, sizeof pose, both) != SMAP_OFF_RANGE;
-  faults += smap_at(&pose, gravity, &reading) != SMAP_OFF_RANGE || !unsafe(SMAP_OFF_RANGE, &reading);
-  faults += smap_pose(&tripod, params, &whole, sizeof whole, SMAP_INTEGER) != SMAP_OK;
-  faults += smap_at_i(&whole, down, &reading_i) != SMAP_OK || reading_i.tip < 0;
-  faults += smap_at(&whole, gravity, &reading) != SMAP_INVALID;
-  faults += smap_pose(&tripod, params, &pose, sizeof pose, both) != SMAP_OK;
-  faults += smap_at_n(&pose, several, 3, many) != SMAP_OFF_CHART || many[0].tip_angle < 0.0f ||
+  const float params[2] = {TWO_PARAMS}, bad[2] = {100.0f, 100.0f}, gravity[3] = {0.05f, 0.02f,
+  -1.0f}; const float several[3][3] = {{0.0f, 0.0f, -1.0f}, {9.0f, 0.0f, -1.0f}, {0.0f, 0.1f,
+  -1.0f}}; const int16_t down[3] = {51, 20, -1024}; smap_reading_t reading, many[3];
+  smap_reading_i_t reading_i; const uint8_t both = SMAP_FLOAT | SMAP_INTEGER; int faults = 0; faults
+  += !unsafe(smap_at(&zero, gravity, &reading), &reading); faults += smap_at_i(&zero, down,
+  &reading_i) != SMAP_INVALID || reading_i.tip >= 0 || reading_i.sdg != 65535; faults +=
+  smap_pose(&tripod, params, &pose, sizeof pose - 4, both) != SMAP_INVALID; faults +=
+  !unsafe(smap_at(&pose, gravity, &reading), &reading); faults += smap_pose(&tripod, params, &pose,
+  sizeof pose, 0) != SMAP_INVALID; faults += smap_pose(&tripod, params, &pose, sizeof pose, 4) !=
+  SMAP_INVALID; faults += smap_pose(&tripod, params, (char *)&pose + 1, sizeof pose - 1, SMAP_FLOAT)
+  != SMAP_INVALID; faults += smap_pose(&tripod, params, &pose, sizeof pose, SMAP_FLOAT) != SMAP_OK;
+  faults += smap_at(&pose, gravity, &reading) != SMAP_OK; faults += smap_at_i(&pose, down,
+  &reading_i) != SMAP_INVALID || reading_i.tip >= 0; faults += smap_pose(&tripod, bad, &pose, sizeof
+  pose, both) != SMAP_OFF_RANGE; faults += smap_at(&pose, gravity, &reading) != SMAP_OFF_RANGE ||
+  !unsafe(SMAP_OFF_RANGE, &reading); faults += smap_pose(&tripod, params, &whole, sizeof whole,
+  SMAP_INTEGER) != SMAP_OK; faults += smap_at_i(&whole, down, &reading_i) != SMAP_OK ||
+  reading_i.tip < 0; faults += smap_at(&whole, gravity, &reading) != SMAP_INVALID; faults +=
+  smap_pose(&tripod, params, &pose, sizeof pose, both) != SMAP_OK; faults += smap_at_n(&pose,
+  several, 3, many) != SMAP_OFF_CHART || many[0].tip_angle < 0.0f ||
             many[2].tip_angle < 0.0f || many[1].tip_angle >= 0.0f;
-  faults += smap_at_n(&pose, several, 0, many) != SMAP_INVALID || smap_at_n(&pose, several, 1, many) != SMAP_OK;
-  faults += smap_check(&tripod) != SMAP_OK;
-  {
+  faults += smap_at_n(&pose, several, 0, many) != SMAP_INVALID || smap_at_n(&pose, several, 1, many)
+  != SMAP_OK; faults += smap_check(&tripod) != SMAP_OK; {
     const int16_t up[3] = {-32768, 5, 32767};
     int16_t turned[3];
     smap_gravity_from_up_i(up, turned);
@@ -130,7 +124,8 @@ def test_both_forms_of_a_pose_say_the_same_but_for_rounding(name: str) -> None:
     for row in params[:10]:
         _, status, reading = host.at(row, whole.astype(np.float32))
         _, status_i, reading_i = host.at(row, whole, integer=True)
-        # Never safer than the floats, and unsafe only within a hundredth of a degree of the boundary.
+        # Never safer than the floats, and unsafe only within a hundredth of a degree of the
+        # boundary.
         assert not np.any((status_i == OK) & ~np.isin(status, (OK, ROCKS)))
         both = (status == OK) & (status_i == OK)
         seen += int(both.sum())
@@ -255,7 +250,8 @@ def test_a_joint_that_turns_all_the_way_round_wraps() -> None:
     ]
     safe = status == OK
     assert not np.any(safe & (exact < reading[:, 1]))
-    # The angle is reduced in single precision: 60 rad are known to 4e-6, which turns a plane by as much.
+    # The angle is reduced in single precision: 60 rad are known to 4e-6, which turns a plane by as
+    # much.
     np.testing.assert_allclose(reading[safe, 1], exact[safe], atol=2e-3)
     assert np.all(exact[(status == TIPS)] < 2e-3)
     assert OFF_RANGE not in status

@@ -203,7 +203,8 @@ def test_cmake_installs_packages_that_programs_find(
     found = "\n".join(f"find_package(smap_{name} REQUIRED)" for name in NAMES)
     links = " ".join(f"smap_{name}::smap_{name}" for name in NAMES)
     (app / "CMakeLists.txt").write_text(
-        f"cmake_minimum_required(VERSION 3.13)\nproject(app C)\n{found}\nadd_executable(app main.c)\n"
+        f"cmake_minimum_required(VERSION 3.13)\nproject(app C)\n{found}\n"
+        "add_executable(app main.c)\n"
         f"target_link_libraries(app PRIVATE {links})\n"
     )
     subprocess.run(["cmake", "-S", app, "-B", app / "b", f"-DCMAKE_PREFIX_PATH={prefix}"], **quiet)
@@ -222,7 +223,8 @@ def test_library_files_name_what_is_compiled(folder: Path) -> None:
     # An Arduino sketch is C++ with a core around it.
     core = (
         "#include <stdint.h>\nstruct S { void begin(long) {} void println(const char *) {} "
-        "void println(double) {} };\nstatic S Serial;\nvoid delay(unsigned long) {}\nvoid setup();\nvoid loop();\n"
+        "void println(double) {} };\nstatic S Serial;\n"
+        "void delay(unsigned long) {}\nvoid setup();\nvoid loop();\n"
     )
     (folder / "sketch.cpp").write_text(
         core + sketch + "\nint main() { setup(); loop(); return 0; }\n"

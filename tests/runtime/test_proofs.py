@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from firmware_export.emit import package
-from firmware_export.emit.config import runtime_file
+from firmware_export.emit.runtime import runtime_file
 from lutgen.errors import ExportError, InputError
 from proofs import analysers, eva, exhaustive, run, structure
 from proofs.annotate import ADMITS, MUTANTS, annotate, mutate

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from firmware_export.emit.config import runtime_file
+from firmware_export.emit.runtime import runtime_file
 from lutgen.errors import ExportError
 from targets import loops
 from targets.listing import parse
