@@ -1,8 +1,8 @@
 """The codecs, a row each, and which of them can hold a robot."""
 
 from firmware_export.contacts import INFO as CONTACTS
-from firmware_export.lookup import INFO as LOOKUP
-from firmware_export.poly import INFO as POLY
+from firmware_export.contacts import POLY
+from firmware_export.grid import INFO as LOOKUP
 from firmware_export.protocol import CodecInfo
 from firmware_export.truth import Model
 from firmware_export.verdict import INFO as VERDICT

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 
 from firmware_export.emit import package, report
-from firmware_export.lookup import codec as lookup
+from firmware_export.grid import lookup
 from firmware_export.protocol.exported import Export
 from firmware_export.truth.model import Model
 from lutgen.errors import ExportError, InputError

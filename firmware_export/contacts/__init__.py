@@ -1,8 +1,9 @@
-"""Codec `contacts`: positions in closed form; the rest is geometry.
+"""Codecs that store where the contacts are, and compute the rest: in closed form, or as polynomials.
 
-In reading order: `closed`, `terms`, `three`, `many`, `layout`, `codec`.
+In reading order: `closed`, `terms`, `three`, `many`, `layout`, `codec`, `shorten`, `poly`.
 """
 
 from firmware_export.contacts.codec import INFO
+from firmware_export.contacts.poly import INFO as POLY
 
-__all__ = ["INFO"]
+__all__ = ["INFO", "POLY"]

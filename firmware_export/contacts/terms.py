@@ -11,7 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from firmware_export.contacts.closed import Closed, Factor, Monomial, Sum, closed_form, factors_of
-from firmware_export.protocol import CArray, slack
+from firmware_export.protocol import CArray
+from firmware_export.truth import slack
 from lutgen.errors import InputError
 from lutgen.recipe import Recipe
 from lutgen.vector import Floats

@@ -13,8 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from firmware_export.poly import least_edge_of, rounds
-from firmware_export.truth import Model, combinations
+from firmware_export.truth import Model, combinations, least_edge_of, rounds
 from lutgen.channels import acceptance_of
 
 EITHER_WAY = 128

@@ -15,7 +15,8 @@ import numpy as np
 from firmware_export.emit.names import macro
 from firmware_export.emit.runtime import features, runtime_version
 from firmware_export.emit.size import TARGET
-from firmware_export.protocol import CBody, Export, describe, slack, turns
+from firmware_export.protocol import CBody, Export, describe, turns
+from firmware_export.truth import slack
 from lutgen._version import __version__
 from lutgen.errors import ExportError
 from lutgen.parts import Parameter

@@ -1,6 +1,7 @@
 """Tables of the codec `grid`: multilinear tables over the parameters and the chart.
 
-In reading order: `spec`, `tables`, `lattice`, `codes`, `fit`, `codec`.
+In reading order: `spec`, `tables`, `lattice`, `codes`, `fit`, `codec`, `points`,
+`lookup`.
 """
 
 from firmware_export.grid.codec import (
@@ -15,6 +16,7 @@ from firmware_export.grid.codec import (
 from firmware_export.grid.codes import Codes
 from firmware_export.grid.fit import conjugate
 from firmware_export.grid.lattice import Lattice, from_places, spread_knots, to_places
+from firmware_export.grid.lookup import INFO
 from firmware_export.grid.spec import CHANNEL, GROUPS, LARGEST, Spec, active_axes, grow, start
 from firmware_export.grid.tables import SPAN, Part, Tables, U, V, places_of
 
@@ -22,6 +24,7 @@ __all__ = [
     "CHANNEL",
     "DTYPE",
     "GROUPS",
+    "INFO",
     "LARGEST",
     "SPAN",
     "Codes",

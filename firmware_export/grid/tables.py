@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware_export.grid.spec import Spec
-from firmware_export.protocol import CArray, CBody, slack
+from firmware_export.protocol import CArray, CBody
 from firmware_export.protocol import Tables as AnyTables
-from firmware_export.truth import Cells, Model
+from firmware_export.truth import Cells, Model, slack
 
 SPAN = 65534
 # Coordinates above every parameter's index.

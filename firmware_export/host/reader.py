@@ -6,13 +6,12 @@ Owns the shapes and types of queries and answers, and the threads: C holds no lo
 import ctypes
 import os
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from firmware_export.host.library import load_library
-from firmware_export.protocol import Blob
 from lutgen.errors import InputError
 
 # Queries that a thread of its own is worth: a tenth of a millisecond of the fastest codec.
@@ -32,16 +31,29 @@ FAMILIES = {1: "three", 2: "three", 3: "three", 4: "grid", 5: "many", 6: "search
 WHOLE = {3: "points", 4: "whole"}
 
 
+class Map(Protocol):
+    """What is asked of a map: its bytes, and what reads them."""
+
+    @property
+    def bytes(self) -> bytes: ...
+    @property
+    def codec(self) -> int: ...
+    @property
+    def params(self) -> int: ...
+    @property
+    def integer(self) -> bool: ...
+
+
 class Host:
     """A map that is asked as a microcontroller asks it.
 
     Parameters
     ----------
-    blob : Blob
-        Of the map.
+    blob : Map
+        Of `protocol.describe`, for one.
     """
 
-    def __init__(self, blob: Blob) -> None:
+    def __init__(self, blob: Map) -> None:
         self._blob = blob
         self._bytes = np.frombuffer(blob.bytes, np.uint8)
         family = (WHOLE if blob.integer else FAMILIES)[blob.codec]

@@ -4,16 +4,7 @@ In reading order: `array`, `exported`, `blob`, `info`.
 """
 
 from firmware_export.protocol.array import CTYPES, CArray, CBody, literal
-from firmware_export.protocol.blob import (
-    VERSION,
-    Blob,
-    describe,
-    restored,
-    slack,
-    stored,
-    turns,
-    widened,
-)
+from firmware_export.protocol.blob import VERSION, Blob, describe, restored, stored, turns
 from firmware_export.protocol.exported import Export
 from firmware_export.protocol.info import CodecInfo, Foresight, Tables
 
@@ -30,8 +21,6 @@ __all__ = [
     "describe",
     "literal",
     "restored",
-    "slack",
     "stored",
     "turns",
-    "widened",
 ]

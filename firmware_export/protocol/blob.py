@@ -8,18 +8,14 @@ import base64
 import math
 import zlib
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
-from functools import lru_cache
+from dataclasses import dataclass
 from typing import Any
 
 from firmware_export.protocol.array import CArray, CBody
 from firmware_export.protocol.exported import Export
-from firmware_export.truth import Model
-from lutgen.parts import Parameter
+from firmware_export.truth import Model, slack
 
 VERSION = 2
-# What sensors of joints may say beyond the end of an axis: rad, and parts of an axis of lengths.
-SLACK, SLACK_SHARE = math.radians(0.5), 0.005
 TURN = 2.0 * math.pi
 # A hair by which the rim of the chart is widened: rounding of a quotient.
 HAIR = 1e-6
@@ -47,23 +43,6 @@ class Blob:
     codec: int
     params: int
     integer: bool
-
-
-def slack(parameter: Parameter) -> float:
-    """Return how far beyond the ends of its axis a parameter is still read (rad or length)."""
-    span = parameter.maximum - parameter.minimum
-    return min(SLACK, span) if parameter.unit == "rad" else SLACK_SHARE * span
-
-
-@lru_cache(maxsize=8)
-def widened(model: Model) -> Model:
-    """Return the model over its box and what sensors may say beyond its ends."""
-    recipe = model.recipe
-    wider = tuple(
-        replace(p, minimum=p.minimum - slack(p), maximum=p.maximum + slack(p))
-        for p in recipe.parameters
-    )
-    return Model(replace(recipe, parameters=wider))
 
 
 def turns(model: Model, index: int) -> bool:

@@ -1,10 +1,14 @@
 """What an export stands for: the exact answers, and where they are asked.
 
-In reading order: `model`, `tip_boundary`, `sample`.
+In reading order: `model`, `beyond`, `tip_boundary`, `sample`, `series`, `bound`, `rest`.
 """
 
+from firmware_export.truth.beyond import slack, widened
+from firmware_export.truth.bound import polynomial_guard
 from firmware_export.truth.model import Exact, Model, combinations
+from firmware_export.truth.rest import least_edge_of
 from firmware_export.truth.sample import Cells, Sample, biased, join, uniform, uniform_directions
+from firmware_export.truth.series import expand, rounds
 from firmware_export.truth.tip_boundary import boundary, on_chart, unit
 
 __all__ = [
@@ -15,9 +19,15 @@ __all__ = [
     "biased",
     "boundary",
     "combinations",
+    "expand",
     "join",
+    "least_edge_of",
     "on_chart",
+    "polynomial_guard",
+    "rounds",
+    "slack",
     "uniform",
     "uniform_directions",
     "unit",
+    "widened",
 ]

@@ -34,9 +34,11 @@ from firmware_export.grid import (
     tip_part,
     too_large,
 )
-from firmware_export.poly import least_edge_of
-from firmware_export.protocol import CodecInfo, Foresight, widened
-from firmware_export.truth import Model
+from firmware_export.grid import (
+    INFO as LOOKUP,
+)
+from firmware_export.protocol import CodecInfo, Foresight
+from firmware_export.truth import Model, widened
 from firmware_export.verdict import train
 from firmware_export.verdict.knots import balanced, chosen_knots
 from lutgen.errors import InputError
@@ -50,7 +52,7 @@ SIGN_ONLY = (
 def refusal(model: Model, arithmetic: str) -> str | None:
     """Return why the codec cannot be used, or None."""
     problem = too_large(model, arithmetic)
-    if problem is None and least_edge_of(model) > 0.0:
+    if problem is None and LOOKUP.refusal(model, arithmetic) is None:
         return "the region of this robot does not jump"
     return problem
 

@@ -9,8 +9,8 @@ import lutgen
 from firmware_export.certify.answers import device
 from firmware_export.certify.certifier import Effort, certify
 from firmware_export.contacts import codec as contacts
+from firmware_export.contacts import poly
 from firmware_export.grid import codec as grid
-from firmware_export.poly import codec as poly
 from firmware_export.protocol.exported import Export
 from firmware_export.truth.model import Model
 from proofs.exports import GROWTH

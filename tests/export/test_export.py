@@ -14,8 +14,8 @@ import firmware_export
 import lutgen
 from firmware_export import codecs, exporter
 from firmware_export.certify.certifier import Certificate
+from firmware_export.contacts.shorten import Tables
 from firmware_export.exporter import Report
-from firmware_export.poly.fit import Tables
 from firmware_export.protocol import CodecInfo
 from firmware_export.protocol.exported import Export
 from lutgen.errors import ExportError, InputError, MapFileError, RecipeError

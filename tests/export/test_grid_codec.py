@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from firmware_export.certify.answers import device
 from firmware_export.grid import codec as grid
 from firmware_export.grid import fit as grid_fit
+from firmware_export.grid import lookup
 from firmware_export.grid.lattice import at_points
+from firmware_export.grid.points import bounds, depends_on, fit_point
 from firmware_export.grid.spec import Spec
 from firmware_export.grid.tables import Tables
-from firmware_export.lookup import codec as lookup
-from firmware_export.lookup.fit import bounds, depends_on, fit_point
 from firmware_export.protocol.exported import Export
 from firmware_export.truth.model import Exact, Model
 from firmware_export.verdict import codec as verdict

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from firmware_export.poly import codec as poly
-from firmware_export.poly.fit import exponents
-from firmware_export.poly.series import evaluate, expand
+from firmware_export.contacts import poly
+from firmware_export.contacts.shorten import exponents
 from firmware_export.protocol import Export
 from firmware_export.truth.model import Exact, Model
+from firmware_export.truth.series import evaluate, expand
 from lutgen.recipe.recipe import load_recipe, parse_recipe
 from proofs.exports import before_guard
 from tests.fixtures.recipes import contact, feet, rigid, rover, tripod

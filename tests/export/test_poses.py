@@ -12,8 +12,8 @@ from firmware_export.emit import package
 from firmware_export.emit.source import body_of, described
 from firmware_export.host import Host
 from firmware_export.host.reader import READING
-from firmware_export.protocol import Export, slack
-from firmware_export.truth import Model
+from firmware_export.protocol import Export
+from firmware_export.truth import Model, slack
 from lutgen.recipe import Recipe, forward, load_recipe, parse_recipe
 from proofs.exports import rover_export, tripod_export
 from targets.compiled import compile_c

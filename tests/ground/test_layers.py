@@ -13,7 +13,7 @@ from tests.fixtures.places import ROOT
 ORDER = {
     "lutgen": "errors _version files jit vector rotation grid bracket chart parts quantities "
     "urdf recipe support channels mapping analysis search plot paper cli",
-    "firmware_export": "quantity truth protocol host poly contacts grid verdict lookup codecs emit "
+    "firmware_export": "quantity host truth protocol contacts grid verdict codecs emit "
     "certify choose exporter device",
 }
 # Distinct imports from one room to another, and the longest chain of them, at most.

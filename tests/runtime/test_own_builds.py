@@ -7,15 +7,15 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from firmware_export.protocol.descriptor import axis_numbers
 
 from firmware_export.certify.answers import device
 from firmware_export.contacts import codec as contacts
+from firmware_export.contacts import poly
 from firmware_export.emit import package
 from firmware_export.grid import codec as grid
 from firmware_export.grid.tables import SPAN
 from firmware_export.host.library import RUNTIME
-from firmware_export.poly import codec as poly
-from firmware_export.protocol.descriptor import axis_numbers
 from firmware_export.protocol.exported import Export
 from firmware_export.truth.model import Model
 from lutgen.quantities import EXPORTABLE

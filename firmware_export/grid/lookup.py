@@ -11,8 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from firmware_export.grid import Spec as TableSpec
-from firmware_export.lookup.fit import (
+from firmware_export.grid.points import (
     MOST_AXES,
     Point,
     bounds,
@@ -21,10 +20,10 @@ from firmware_export.lookup.fit import (
     pairs,
     reach_of,
 )
-from firmware_export.poly import least_edge_of, rounds
-from firmware_export.protocol import CArray, CBody, CodecInfo, slack, widened
+from firmware_export.grid.spec import Spec as TableSpec
+from firmware_export.protocol import CArray, CBody, CodecInfo
 from firmware_export.protocol import Tables as AnyTables
-from firmware_export.truth import Cells, Model
+from firmware_export.truth import Cells, Model, least_edge_of, rounds, slack, widened
 
 # Its number in runtime/blob.c; words of a pose with floats (head, floats, integers) and without.
 TABLES, POSE, POSE_I = 3, (1 + 20 + 8, 1 + 8), (1 + 8, 1 + 8)

@@ -7,11 +7,7 @@ stand for the components of D_g - s themselves, but these are quotients in gravi
 that takes sixteen times the bytes (`python -m benchmarks.export_bytes` measures both).
 """
 
-import math
-from functools import lru_cache
-
-from firmware_export.poly.bound import carries_everywhere, least_edge
-from firmware_export.poly.fit import (
+from firmware_export.contacts.shorten import (
     MOST_PARAMETERS,
     Spec,
     Tables,
@@ -19,33 +15,15 @@ from firmware_export.poly.fit import (
     grow,
     start,
 )
-from firmware_export.poly.series import expand
-from firmware_export.protocol import CArray, CBody, CodecInfo, widened
-from firmware_export.truth import Model
-from lutgen.channels import acceptance_of
+from firmware_export.protocol import CArray, CBody, CodecInfo
 
 # Its number in runtime/blob.c; steps of the integer form from the com to the furthest contact;
 # words of a pose (runtime/three.c).
 POLY, STEPS, POSE = 2, 16000.0, (1 + 20 + 8, 1 + 8)
 
+from firmware_export.truth import Model, expand, least_edge_of, widened
+
 __all__ = ["INFO", "Spec", "Tables", "c_body", "encode", "grow", "refusal", "start"]
-
-
-@lru_cache(maxsize=4)
-def least_edge_of(model: Model) -> float:
-    """Return a lower bound of any edge normal's length over the box, and a sensor's slack beyond.
-
-    0 where there is none, or where the three contacts' facet is not a rest everywhere.
-    """
-    if not model.is_tripod or model.recipe.com_uncertainty > 0.0:
-        return 0.0
-    series = expand(widened(model))
-    accept = acceptance_of(model.recipe)
-    # Where nobody asks how far the robot rolls, a stage is as good as a rest.
-    width = accept.rest_width if math.isfinite(accept.rock_angle) else 0.0
-    if series is None or not carries_everywhere(series, accept.steepest, width):
-        return 0.0
-    return least_edge(series)
 
 
 def refusal(model: Model, arithmetic: str) -> str | None:

@@ -11,8 +11,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_export.protocol import widened
-from firmware_export.truth import Model, combinations
+from firmware_export.truth import Model, combinations, widened
 from lutgen.vector import Floats
 
 # Units from the com to the furthest contact: products of two of them stay in 31 bits.

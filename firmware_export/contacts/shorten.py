@@ -11,11 +11,8 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_export.poly.bound import guard
-from firmware_export.poly.series import expand, rounds
 from firmware_export.protocol import Tables as AnyTables
-from firmware_export.protocol import widened
-from firmware_export.truth import Model
+from firmware_export.truth import Model, expand, polynomial_guard, rounds, widened
 from lutgen.errors import InputError
 from lutgen.vector import Floats
 
@@ -204,7 +201,7 @@ def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
         order[0] | order[1] << 2 | order[2] << 4,
         max(float(np.abs(one).sum(axis=tuple(range(model.k))).max()) for one in short) * 1.8,
         unit,
-        guard(wide, series, short),
+        polynomial_guard(wide, series, short),
         "greatest angle between the exact and the polynomials' tip-over planes: their largest "
         "distance at the middles of the cells of a dense grid over the parameters, a Lipschitz "
         "bound of its change within a cell, and an allowance for single precision",

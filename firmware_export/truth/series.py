@@ -13,7 +13,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.polynomial.chebyshev import chebvander
 
-from firmware_export.truth import Model, combinations
+from firmware_export.truth.model import Model, combinations
 from lutgen.vector import Floats
 
 # A series has ended where its coefficients are this part of the robot's size.

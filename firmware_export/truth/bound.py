@@ -26,8 +26,8 @@ from itertools import product
 
 import numpy as np
 
-from firmware_export.poly.series import difference, evaluate, greatest, on_grid, steepest
-from firmware_export.truth import Model
+from firmware_export.truth.model import Model
+from firmware_export.truth.series import difference, evaluate, greatest, on_grid, steepest
 from lutgen.vector import Floats
 
 GUARD_CELLS = 250_000
@@ -79,7 +79,7 @@ def least_edge(series: Sequence[Floats]) -> float:
     return _edge_angle(series, series)[1]
 
 
-def guard(model: Model, series: Sequence[Floats], shortened: Sequence[Floats]) -> float:
+def polynomial_guard(model: Model, series: Sequence[Floats], shortened: Sequence[Floats]) -> float:
     """Return a bound (rad) of the runtime's error in the tip angle; pi where there is none.
 
     The angle between exact and polynomial edge normals (see the head of this file) and an
