@@ -35,6 +35,10 @@
 #define SMAP_UNROLL _Pragma("GCC unroll 256")
 #endif
 #define SMAP_RARELY(condition) __builtin_expect((condition), 0)
+#elif defined(__GNUC__)
+#define SMAP_INLINE static __attribute__((__unused__))
+#define SMAP_UNROLL
+#define SMAP_RARELY(condition) (condition)
 #else
 #define SMAP_INLINE static inline
 #define SMAP_UNROLL

@@ -128,14 +128,13 @@ def test_everything_in_the_firmware_guide_runs(
     # All three answer for the same posture; 0.5 % was asked for.
     assert max(heights) - min(heights) < 0.005 * heights[0]
     assert "0 points said to stand that tip" in export
-    for folder, code in zip(
-        ("stork_firmware", "stork_integer"), blocks("docs/guide/firmware.md", "c"), strict=True
-    ):
+    folders = ("stork_firmware", "stork_firmware", "stork_integer")
+    codes = blocks("docs/guide/firmware.md", "c")
+    moved = blocks("docs/guide/from-0.1.md", "c")
+    for folder, code in zip((*folders, "stork_firmware"), (*codes, *moved), strict=True):
         Path("use.c").write_text(code)
         ran(f"cc -std=c99 -Wall -Wextra -Werror -I{folder} -fPIC -c use.c")
-        ran(
-            f"cc -std=c99 -I{folder} {folder}/stork.c {folder}/smap.c use.o -shared -fPIC -o use.so"
-        )
+        ran(f"cc -std=c99 -I{folder} {folder}/stork.c use.o -shared -fPIC -o use.so")
 
 
 def test_the_python_of_the_guide_prints_what_its_comments_say(clone: Path) -> None:
