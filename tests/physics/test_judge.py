@@ -128,6 +128,10 @@ def test_a_fall_below_the_guarantee_is_counted_with_the_lag_taken_off() -> None:
     assert row(30.0).broken == 1
     assert row(math.nan).broken == 0
     assert ground.missed([row(30.0)])
+    # A guarantee of nothing would never be broken.
+    assert row(32.3).spared == pytest.approx(2.1)
+    assert not ground.missed([row(32.1)])
+    assert ground.missed([row(32.3)])
 
 
 def test_six_wheels_hold_and_move_as_their_brakes_do() -> None:
