@@ -129,9 +129,15 @@ def row(name: str, falls: Sequence[Fall], late: float) -> Row:
     below = np.array([one.guaranteed for one in falls]) - slopes.min(axis=1)
     early = np.array([one.limits for one in falls]) - slopes
     return Row(
-        *(name, len(falls), int((below > clear).sum()), float(below.max())),
-        *(float(-np.median(below)), slopes.size),
-        *(int((early > clear).sum()), float(early.max()), float(-np.median(early))),
+        name=name,
+        postures=len(falls),
+        broken=int((below > clear).sum()),
+        worst=float(below.max()),
+        spared=float(-np.median(below)),
+        tilts=slopes.size,
+        early=int((early > clear).sum()),
+        earliest=float(early.max()),
+        median=float(-np.median(early)),
     )
 
 
