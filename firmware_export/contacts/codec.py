@@ -22,7 +22,6 @@ from lutgen.channels import acceptance_of
 from lutgen.errors import InputError
 
 MOST_NODES = 255
-NEVER_ROCKS = 2.0
 TOLERANCE = 1e-6
 """Lengths that differ by less than this part of the robot's size are equal to the runtime.
 
@@ -68,11 +67,6 @@ class Tables(AnyTables):
     steepest: float
     lowest: float
     rest_width: float
-    rock_angle: float
-    band: float
-    sway: float
-    covered: float
-    least_cosine: float
     tolerance: float
     many: bool
 
@@ -170,13 +164,6 @@ def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
         lowest=guard.lowest,
         # Where nobody asks how far the robot rolls, a stage is as good as a rest.
         rest_width=accept.rest_width + guard.wider if asked else 0.0,
-        rock_angle=accept.rock_angle if asked else 2.0 * math.pi,
-        band=max(0.5 * (accept.rest_width - guard.wider), tolerance),
-        sway=guard.sway,
-        covered=math.sin(min(guard.angle, 0.5 * math.pi)),
-        # Between rests the tables answer tips: what ends the part of an edge over which both rests
-        # catch the robot is not bounded for every robot yet.  No cosine is this large.
-        least_cosine=NEVER_ROCKS if asked else -2.0,
         tolerance=tolerance,
         many=many,
     )
@@ -206,11 +193,6 @@ def c_body(tables: Tables) -> CBody:
         "steepest": tables.steepest,
         "lowest": tables.lowest,
         "rest_width": tables.rest_width,
-        "rock_angle": tables.rock_angle,
-        "least_cosine": tables.least_cosine,
-        "band": tables.band,
-        "sway": tables.sway,
-        "covered": tables.covered,
         "tolerance": tables.tolerance,
     }
     fields = (

@@ -7,7 +7,9 @@ most asin(max |m' . e| / d) with e the errors of the two contacts.  That is comp
 plane's normal m over a lattice of postures; between its places the errors drift (bounded slope
 times half a step), the planes turn (speed / d) and m' is not m (at most 2 |e| / d apart).  A disc's
 contact point also moves along its rim when the facet's normal turns in its rolling direction: by at
-most 2 |e| over the facet's extent in that direction, and the same again for a skewed facet.  The
+most the sum of the errors of two of the facet's contacts over its extent in that direction, and the
+same again for a skewed facet.  Both are taken facet by facet: those with a short extent stand on
+contacts near each other, which are seldom those that err most.  The
 runtime merges what lies within its tolerance of a plane; a rim of radius r stays as near to it over
 sqrt(2 r tolerance).
 
@@ -23,21 +25,19 @@ The com may lie anywhere within `com_uncertainty` rho of the computed one: that 
 an axis at the distance d by at most asin(rho / d), and the least d of all is counted everywhere.
 The runtime refuses facets that may lie less than rho below the com.
 
-The limits `upright` and `rock_angle` compare facet normals, which the same error turns.  The
-runtime gets both limits tightened by twice 2 |e| over the facet's width.  Facets narrower than a
-twentieth of the robot, whose normals mean little, are left out.
+The limit `upright` compares facet normals, which the same error turns.  The runtime gets it
+tightened by twice 2 |e| over the facet's width.  Facets narrower than a twentieth of the robot,
+whose normals mean little, are left out.
 
-Where the part of an edge that a gap holds ends, gravity as the roll has turned it meets a wall of
-the rest beyond, or the energy is spent.  Both turn by what a wall turns and by what the two rests
-lean against each other, each by 2 |e| over its width.  The guard keeps off that end as far as it
-keeps off an edge; where the rests are so narrow that they may lean by more, the runtime asks them
-to hold by the rest of it.
+The runtime stands on rests and answers tips in the gaps between them, so every edge of a rest is
+one of its tip-over axes, also where the robot would be caught beyond.
 """
 
 import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from firmware_export.contacts.fit import Codes
 from firmware_export.contacts.modes import DENSE, Separation, evaluate
@@ -48,9 +48,12 @@ from lutgen.support import (
     FACETS,
     FIRST,
     HEIGHT,
+    KIND,
+    MASK,
     PLANE,
     POINT,
     SEGMENTS,
+    SOURCE,
     SPHERE,
     START,
     STOP,
@@ -84,39 +87,51 @@ class Guard(NamedTuple):
     """What the runtime needs to be never falsely safe.
 
     The guard (rad), by how much limits are tightened (rad), the height of the com above a facet
-    from which on it is accepted (length), by how much a rest must be wider (length), what over its
-    width a rest may lean against another (length), and a sentence about them.
+    from which on it is accepted (length), by how much a rest must be wider (length), and a sentence
+    about them.
     """
 
     angle: float
     tighter: float
     lowest: float
     wider: float
-    sway: float
     text: str
+
+
+class _Measures(NamedTuple):
+    """What the guard needs of postures, a row for each.
+
+    `out` (m, 5): the least distance of a boundary segment; the least width of a facet; the number
+    of segments and of facets; the least height of the com above a facet.  `segments` (m, S, 6): the
+    normal of the tip-over plane, the segment's distance, its two contacts.  Per facet `touching`
+    (m, F), the bit set of its contacts, and `extent` (m, F), the least along the rolling direction
+    of a disc.
+    """
+
+    out: Floats
+    segments: Floats
+    touching: NDArray[np.int64]
+    extent: Floats
 
 
 @njit()
 def _measure(
-    primitives: Floats, acceptance: Acceptance, narrow: float, out: Floats, segments: Floats
+    primitives: Floats, acceptance: Acceptance, narrow: float, row: int, found: _Measures
 ) -> None:
-    """Write what the guard needs of one posture.
-
-    To `out`: the least distance of a boundary segment; the least width of a facet; the number of
-    segments; the least extent of a facet along the rolling direction of a disc; the least height
-    of the com above a facet.  To rows of `segments`: the normal of the tip-over plane, the
-    segment's distance, its two contacts.
-    """
+    """Write a row of measures: those of one posture."""
     n = primitives.shape[0]
     table, region = facet_table(n), empty_region(n)
     stand(table, region, primitives, acceptance)
-    nearest = narrowest = shortest = lowest = math.inf
+    out, segments = found.out[row], found.segments[row]
+    nearest = narrowest = lowest = math.inf
     for k in range(region.tally[FACETS]):
         begin, end = region.span[k, FIRST], region.span[k + 1, FIRST]
         normal = vector_at(region.facet, k, PLANE)
         lowest = min(lowest, region.facet[k, HEIGHT])
-        width = math.inf
+        width = shortest = math.inf
+        rolls = False
         for i in range(n):
+            rolls = rolls or primitives[i, KIND] == SPHERE
             axle = (primitives[i, 3], primitives[i, 4], primitives[i, 5])
             track = cross(axle, normal)
             size = length(track)
@@ -139,6 +154,10 @@ def _measure(
             width = min(width, furthest)
         if width > narrow:
             narrowest = min(narrowest, width)
+            if rolls:  # spheres roll any way
+                shortest = min(shortest, width)
+        found.touching[row, k] = table.span[region.span[k, SOURCE], MASK]
+        found.extent[row, k] = shortest
     for b in range(region.tally[SEGMENTS]):
         start = vector_at(region.segment, b, START)
         along = subtract(vector_at(region.segment, b, STOP), start)
@@ -157,7 +176,7 @@ def _measure(
         segments[b, 3] = distance
         segments[b, 4], segments[b, 5] = region.contacts[b, 0], region.contacts[b, 1]
     out[0], out[1], out[2] = nearest, narrowest, region.tally[SEGMENTS]
-    out[3], out[4] = shortest, lowest
+    out[3], out[4] = region.tally[FACETS], lowest
 
 
 @njit()
@@ -167,11 +186,10 @@ def _measure_some(
     primitives: Floats,
     acceptance: Acceptance,
     narrow: float,
-    out: Floats,
-    segments: Floats,
+    found: _Measures,
 ) -> int:
     for posture in range(begin, end):
-        _measure(primitives[posture], acceptance, narrow, out[posture], segments[posture])
+        _measure(primitives[posture], acceptance, narrow, posture, found)
     return end - begin
 
 
@@ -199,10 +217,7 @@ class Geometry:
         found = self._measured()
         self.nearest, self.narrowest = float(found[:, 0].min()), float(found[:, 1].min())
         self.lowest = float(found[:, 4].min())
-        self.shortest = min(float(found[:, 3].min()), self.size)
         self.low = self._low()
-        if (model.kind == SPHERE).any():  # spheres roll any way
-            self.shortest = min(self.shortest, self.narrowest)
 
     def _low(self) -> float:
         """Return a height that next to nothing of what stands on the chart falls below."""
@@ -215,18 +230,28 @@ class Geometry:
         return HEADROOM * float(np.quantile(heights, RARE)) if heights.size else 0.0
 
     def _measured(self) -> Floats:
-        """Return rows of `_measure` and keep the boundary's segments, which no table changes."""
+        """Return rows of measures and keep what no table changes: segments, and facets' extents."""
         recipe, primitives = self.model.recipe, self.primitives
         accept = acceptance_of(recipe)
         out = np.empty((len(primitives), 5))
-        room = np.empty((AT_ONCE, len(empty_region(primitives.shape[1]).segment), 6))
+        region = empty_region(primitives.shape[1])
+        room = np.empty((AT_ONCE, len(region.segment), 6))
+        facets = AT_ONCE, len(region.facet)
+        touching, extent = np.empty(facets, np.int64), np.empty(facets)
         kept, of = [np.empty((0, 6))], [np.empty(0, np.intp)]
+        self._extents: dict[int, float] = {}
         for begin in range(0, len(primitives), AT_ONCE):
             some = slice(begin, min(begin + AT_ONCE, len(primitives)))
             in_threads(
                 *(_measure_some, some.stop - begin, primitives[some], accept),
-                *(NARROW * self.size, out[some], room),
+                *(NARROW * self.size, _Measures(out[some], room, touching, extent)),
             )
+            there = np.arange(facets[1]) < out[some, 3][:, None]
+            sets, which = np.unique(touching[: len(there)][there], return_inverse=True)
+            least = np.full(len(sets), math.inf)
+            np.minimum.at(least, which, extent[: len(there)][there])
+            for one, size in zip(sets.tolist(), least.tolist(), strict=True):
+                self._extents[one] = min(size, self._extents.get(one, math.inf))
             count = out[some, 2].astype(np.intp)
             here = np.arange(room.shape[1]) < count[:, None]
             kept.append(room[: len(count)][here])
@@ -250,6 +275,16 @@ class Geometry:
         ]
         return float(np.max(worst, initial=0.0)), float(hinge.max(initial=0.0))
 
+    def rolled(self, error: Floats) -> float:
+        """Return how far a contact moves along its rim (length), with errors (n,) of contacts."""
+        radius = self.model.radius
+        furthest = 4.0 * float(error.max()) / self.size * float(radius.max(initial=0.0))
+        for touching, extent in self._extents.items():
+            of = [i for i in range(len(error)) if touching >> i & 1]
+            turned = 2.0 * float(np.sort(error[of])[-2:].sum()) / extent
+            furthest = max(furthest, turned * float(radius[of].max()))
+        return furthest
+
 
 def contacts_guard(model: Model, geometry: Geometry, codes: Codes, merged: float) -> Guard:
     """Return the guard of tables.
@@ -269,18 +304,18 @@ def contacts_guard(model: Model, geometry: Geometry, codes: Codes, merged: float
         nearest, lowest = geometry.low - sag - delta, geometry.low
     if not math.isfinite(nearest) or nearest <= 2.0 * delta:
         text = "the com may reach an edge of its support: nothing is safe"
-        return Guard(math.pi, 0.0, merged, 0.0, 0.0, text)
+        return Guard(math.pi, 0.0, merged, 0.0, text)
     rho = model.recipe.com_uncertainty
     if rho > 0.0 and nearest <= rho + 2.0 * delta:
         text = "the uncertain com may reach an edge of its support: nothing is safe"
-        return Guard(math.pi, 0.0, lowest, 0.0, 0.0, text)
+        return Guard(math.pi, 0.0, lowest, 0.0, text)
     if rho > 0.0 and geometry.lowest - moved <= rho + 2.0 * delta:
         # Then the runtime itself must tell which facets are below every com of the ball.
         lowest = max(lowest, rho + 2.0 * delta)
     across, hinge = geometry.across(codes.stored, nearest)
     turned = (2.0 * delta + merged) / min(geometry.narrowest, geometry.size)
-    rolled = 4.0 * delta / geometry.shortest + 2.0 * hinge
-    round_part = largest * rolled + math.sqrt(2.0 * largest * merged)
+    rolled = geometry.rolled(codes.position_error) + 2.0 * largest * hinge
+    round_part = rolled + math.sqrt(2.0 * largest * merged)
     between = codes.drift * half + delta * (moved + 2.0 * delta) / nearest
     sine = min(across + between / nearest, delta / nearest) + round_part / nearest
     angle = math.asin(min(sine, 1.0)) + ROUNDING
@@ -299,5 +334,5 @@ def contacts_guard(model: Model, geometry: Geometry, codes: Codes, merged: float
         text += f"; facets to which the com is nearer than {lowest:.4g}{named} are refused"
     if rho > 0.0:
         text += f"; the com's ball of {rho:.4g}{named} takes {math.degrees(swayed):.3g} deg of it"
-    sway = 4.0 * delta + merged
-    return Guard(angle, tighter, lowest, sway + WIDER * geometry.size, sway, text)
+    wider = 4.0 * delta + merged + WIDER * geometry.size
+    return Guard(angle, tighter, lowest, wider, text)

@@ -416,16 +416,11 @@ INLINE void contacts_read(const SMAP_FLASH smap_contacts_t *body, uint_fast8_t p
 #define NONE 255
 #define NEWTON_STEPS 8
 #define WALK_STEPS 24
-#define WAITING 6
-#define PLACES 5
-#define HALVINGS 8
-#define HAIR 1e-5f /* rounding of a sine, ten times over */
 
-/* A support facet: unit outward normal, height, its corners counter-clockwise, and of one that
- * `is_rest` was asked about its least width. */
+/* A support facet: unit outward normal, height, its corners counter-clockwise. */
 typedef struct {
   float n[3];
-  float height, width;
+  float height;
   uint8_t count;
   uint8_t corner[SMAP_MAX_CONTACTS];
 } facet_t;
@@ -615,19 +610,14 @@ static uint8_t roll(posture_t *posture, const float normal[3], uint8_t a, uint8_
   return found;
 }
 
-static int accepted(const posture_t *posture, const facet_t *facet)
-{
-  return (-facet->n[2] > posture->body->steepest) && (facet->height > posture->body->lowest);
-}
-
 /* Tell whether the robot stands still on a facet: it is accepted, and as wide as a rest is. */
-static int is_rest(posture_t *posture, facet_t *facet)
+static int is_rest(posture_t *posture, const facet_t *facet)
 {
+  float least = LARGEST;
   uint8_t i, k;
-  if (!accepted(posture, facet)) {
+  if (!(-facet->n[2] > posture->body->steepest) || !(facet->height > posture->body->lowest)) {
     return 0;
   }
-  facet->width = LARGEST;
   aim(posture, facet->n);
   for (i = 0; i < facet->count; i++) {
     float from[3], along[3], inward[3], width = 0.0f;
@@ -644,355 +634,9 @@ static int is_rest(posture_t *posture, facet_t *facet)
       away = away < 0.0f ? -away : away;
       width = away > width ? away : width;
     }
-    facet->width = width < facet->width ? width : facet->width;
+    least = width < least ? width : least;
   }
-  return facet->width >= posture->body->rest_width;
-}
-
-/* ---- gaps: the robot rolls over two contacts from rest to rest, and is caught by both.  What is
- * said here is said at length, and of more gaps, in lutgen/support/gaps.py. */
-
-/* A roll over the contacts a and b: gravity through either of them before it and after it, which
- * turns with the normal, and by how much the com rises on the way.  All is linear in gravity. */
-typedef struct {
-  uint8_t a, b;
-  float before[2][3], after[2][3], rise[2];
-} rolled_t;
-
-/* The point at a part of the way from p to q. */
-static void between_points(const float p[3], const float q[3], float part, float out[3])
-{
-  uint8_t i;
-  for (i = 0; i < 3; i++) {
-    out[i] = p[i] + part * (q[i] - p[i]);
-  }
-}
-
-/* Lay a plane whose normal is about n onto the contacts a and b. */
-static void lay(posture_t *posture, uint8_t a, uint8_t b, float n[3])
-{
-  uint8_t step, i;
-  (void)normalise(n);
-  for (step = 0; step < 2; step++) {
-    float apart[3], point[3], higher, size;
-    aim(posture, n);
-    contact_point(posture, a, apart);
-    contact_point(posture, b, point);
-    subtract(apart, point, apart);
-    higher = dot(apart, n);
-    for (i = 0; i < 3; i++) {
-      apart[i] -= higher * n[i];
-    }
-    size = dot(apart, apart);
-    higher = size > 0.0f ? higher / size : 0.0f;
-    for (i = 0; i < 3; i++) {
-      n[i] -= higher * apart[i];
-    }
-    (void)normalise(n);
-  }
-  aim(posture, n);
-}
-
-/* Turn a vector by the least rotation that turns one unit normal into another. */
-static void turn_along(const float begin[3], const float end[3], const float vector[3],
-                       float out[3])
-{
-  float about[3], once[3], twice[3];
-  const float share = 1.0f / (1.0f + dot(begin, end));
-  uint8_t i;
-  cross(begin, end, about);
-  cross(about, vector, once);
-  cross(about, once, twice);
-  for (i = 0; i < 3; i++) {
-    out[i] = vector[i] + once[i] + share * twice[i];
-  }
-}
-
-/* Roll over a and b from one normal to another, by steps of a tenth of a radian; return the turn. */
-static float follow(posture_t *posture, uint8_t a, uint8_t b, const float from[3],
-                    const float to[3], rolled_t *out)
-{
-  float here[3], point[3], way[3], turn = 0.0f;
-  uint8_t steps, step, end, i;
-  out->a = a;
-  out->b = b;
-  aim(posture, from);
-  contact_point(posture, a, point);
-  memcpy(out->before[0], point, sizeof point);
-  contact_point(posture, b, out->before[1]);
-  memcpy(out->after, out->before, sizeof out->after);
-  out->rise[0] = out->rise[1] = 0.0f;
-  memcpy(here, from, sizeof here);
-  subtract(to, from, way);
-  steps = (uint8_t)(1.0f + 10.0f * root(dot(way, way))); /* at most 21 */
-  for (step = 1; step <= steps; step++) {
-    float there[3], beyond[3], about[3], half[3], lift[3], sine, angle;
-    if (step == steps) {
-      memcpy(there, to, sizeof there);
-      aim(posture, there);
-    } else {
-      between_points(from, to, (float)step / (float)steps, there);
-      lay(posture, a, b, there);
-    }
-    contact_point(posture, a, beyond);
-    cross(here, there, about);
-    sine = root(dot(about, about));
-    subtract(there, here, way);
-    angle = 2.0f * arcsine(0.5f * root(dot(way, way)));
-    if (sine > 0.0f) {
-      for (i = 0; i < 3; i++) {
-        half[i] = here[i] + there[i];
-        way[i] = 0.5f * (point[i] + beyond[i]);
-      }
-      (void)normalise(half);
-      cross(about, way, lift);
-      for (end = 0; end < 2; end++) {
-        turn_along(here, half, out->after[end], way);
-        out->rise[end] -= dot(way, lift) * (angle / sine);
-        turn_along(here, there, out->after[end], way);
-        memcpy(out->after[end], way, sizeof way);
-      }
-    }
-    turn += angle;
-    memcpy(here, there, sizeof here);
-    memcpy(point, beyond, sizeof point);
-  }
-  return turn;
-}
-
-/* Tell whether an edge from p to q lies within the band about the line through `begin` that runs
- * along the unit vector `along`. */
-static int beside(const posture_t *posture, const float p[3], const float q[3],
-                  const float begin[3], const float along[3])
-{
-  const float most = posture->body->band * posture->body->band;
-  float arm[3], away[3];
-  subtract(p, begin, arm);
-  cross(arm, along, away);
-  if (!(dot(away, away) <= most)) {
-    return 0;
-  }
-  subtract(q, begin, arm);
-  cross(arm, along, away);
-  return dot(away, away) <= most;
-}
-
-/* How far the com rises until it is above the line through p that runs along the unit vector
- * `along`. */
-static float rise_over(const float p[3], const float along[3], const float g[3])
-{
-  const float ahead = dot(p, along), tilted = dot(g, along);
-  float arm[3], up[3], side[3], top, now, aside;
-  uint8_t i;
-  for (i = 0; i < 3; i++) {
-    arm[i] = along[i] * ahead - p[i];
-    up[i] = along[i] * tilted - g[i];
-  }
-  top = root(dot(arm, arm)) * root(dot(up, up));
-  now = dot(arm, up);
-  if (now > 0.0f) {
-    cross(along, arm, side);
-    aside = dot(side, up);
-    return aside * aside / (top + now);
-  }
-  return top - now;
-}
-
-/* By how much a rest holds the robot that has rolled onto it, let go where it balanced at a part of
- * the way from a to b: how far gravity lies inside its edges, and how much energy is missing to go
- * on over them, the least of all; beyond the edge that it came over it does not go. */
-static float holds(posture_t *posture, const facet_t *rest, const rolled_t *came, float part)
-{
-  float start[3], g[3], begin[3], line[3], raised, size, least = 1.0f;
-  uint8_t i;
-  between_points(came->before[0], came->before[1], part, start);
-  between_points(came->after[0], came->after[1], part, g);
-  size = 1.0f / root(dot(start, start));
-  raised = (came->rise[0] + part * (came->rise[1] - came->rise[0])) * size;
-  for (i = 0; i < 3; i++) {
-    g[i] *= size;
-  }
-  aim(posture, rest->n);
-  contact_point(posture, came->a, begin);
-  contact_point(posture, came->b, line);
-  subtract(line, begin, line);
-  (void)normalise(line);
-  for (i = 0; i < rest->count; i++) {
-    const uint8_t p = rest->corner[i];
-    const uint8_t q = rest->corner[i + 1 == rest->count ? 0 : i + 1];
-    float from[3], to[3], wall[3], along[3], reach, length, value;
-    contact_point(posture, p, from);
-    contact_point(posture, q, to);
-    if ((p == came->b && q == came->a) || (p == came->a && q == came->b) ||
-        beside(posture, from, to, begin, line)) {
-      continue;
-    }
-    cross(from, to, wall);
-    reach = 1.0f / root(dot(wall, wall));
-    value = dot(wall, g) * reach;
-    least = value < least ? value : least;
-    subtract(to, from, along);
-    length = normalise(along);
-    value = (raised + rise_over(from, along, g)) * length * reach;
-    if (!(value >= least)) {
-      least = value;
-    }
-  }
-  return least;
-}
-
-/* By how much both rests hold.  What the guard leaves of how far they may lean against each other
- * counts against them. */
-static float caught(posture_t *posture, const facet_t *const rest[2], const rolled_t came[2],
-                    float part)
-{
-  const float ahead = holds(posture, rest[1], &came[1], part);
-  const float behind = holds(posture, rest[0], &came[0], part);
-  const float width = rest[0]->width < rest[1]->width ? rest[0]->width : rest[1]->width;
-  const float lean = posture->body->sway / width - posture->body->covered;
-  return (ahead < behind ? ahead : behind) - (lean > HAIR ? lean : HAIR);
-}
-
-/* Find the part of the edge a - b between two rests over which a robot that balances is caught by
- * both, the middle and some other places being tried; 0 where there is none. */
-static int find_part(posture_t *posture, const facet_t *facet, uint8_t a, uint8_t b,
-                     const facet_t *next, float part[2])
-{
-  const facet_t *rest[2];
-  rolled_t came[2];
-  float inside = 0.5f, held = -1.0f, turn;
-  uint8_t i, end;
-  part[0] = 0.0f;
-  part[1] = 1.0f;
-  if (posture->body->rock_angle > PI) {
-    return 1; /* nobody asks how far it rolls */
-  }
-  rest[0] = facet;
-  rest[1] = next;
-  turn = follow(posture, a, b, facet->n, next->n, &came[1]);
-  if (!(turn <= posture->body->rock_angle)) {
-    return 0;
-  }
-  (void)follow(posture, a, b, next->n, facet->n, &came[0]);
-  for (i = 0; i < PLACES && !(held >= 0.0f); i++) {
-    inside = i == 0 ? 0.5f : i == 1 ? 0.25f : i == 2 ? 0.75f : i == 3 ? 0.1f : 0.9f;
-    held = caught(posture, rest, came, inside);
-  }
-  if (!(held >= 0.0f)) {
-    return 0;
-  }
-  for (end = 0; end < 2; end++) {
-    float near = inside, far = part[end], good = held, bad = caught(posture, rest, came, far);
-    if (bad >= 0.0f) {
-      continue;
-    }
-    for (i = 0; i < HALVINGS; i++) { /* by halves, and in between by the chord */
-      const float share = i & 1 ? good / (good - bad) : 0.5f;
-      const float place = near + (far - near) * share;
-      const float value = caught(posture, rest, came, place);
-      if (value >= 0.0f) {
-        near = place;
-        good = value;
-      } else {
-        far = place;
-        bad = value;
-      }
-    }
-    part[end] = near;
-  }
-  return 1;
-}
-
-/* Outline of the strip that the part of the edge a - b sweeps from one normal to another: per side
- * three points.  Between them it is straight, along the chords of a rim that bulges outwards, and
- * along the tangents of one that bulges into the strip.  0 where the turn is too large for two. */
-static int strip(posture_t *posture, const float from[3], const float to[3], uint8_t a, uint8_t b,
-                 const float part[2], float out[2][3][3])
-{
-  float point[2][3][3], beyond[2][3], half[3];
-  uint8_t m, k;
-  between_points(from, to, 0.5f, half);
-  lay(posture, a, b, half);
-  for (k = 0; k < 3; k++) {
-    aim(posture, k == 0 ? from : k == 1 ? half : to);
-    contact_point(posture, a, point[0][k]);
-    contact_point(posture, b, point[1][k]);
-  }
-  for (m = 0; m < 2; m++) {
-    const uint8_t id = m ? b : a;
-    memcpy(beyond[m], point[m][1], sizeof beyond[m]);
-    if (posture->body->radii && posture->body->radii[id] > 0) {
-      const float radius = (float)posture->body->radii[id] * posture->body->length;
-      float chord[3], step[3], turn, cosine;
-      cross(point[m][0], point[m][2], chord);
-      if (dot(chord, point[m][1]) * dot(chord, point[1 - m][1]) > 0.0f) {
-        subtract(point[m][1], point[m][0], step);
-        turn = dot(step, step);
-        subtract(point[m][2], point[m][1], step);
-        cosine = dot(step, step);
-        cosine = 1.0f - 0.5f * (turn > cosine ? turn : cosine) / (radius * radius);
-        if (!(cosine >= 0.5f)) {
-          return 0;
-        }
-        between_points(&posture->p[3 * id], point[m][1], 1.0f / cosine, beyond[m]);
-      }
-    }
-  }
-  memcpy(point[0][1], beyond[0], sizeof beyond[0]);
-  memcpy(point[1][1], beyond[1], sizeof beyond[1]);
-  for (k = 0; k < 3; k++) {
-    between_points(point[0][k], point[1][k], part[0], out[0][k]);
-    between_points(point[0][k], point[1][k], part[1], out[1][k]);
-  }
-  return 1;
-}
-
-/* Tell whether the robot rocks from a rest over its edge a - b onto another, `next`; over which part
- * of the edge, and between which lines. */
-static int rocks(posture_t *posture, const facet_t *facet, uint8_t a, uint8_t b, facet_t *next,
-                 float part[2], float side[2][3][3])
-{
-  return roll(posture, facet->n, a, b, 0, next) != NONE &&
-         dot(next->n, facet->n) >= posture->body->least_cosine && outline(posture, next) &&
-         is_rest(posture, next) && find_part(posture, facet, a, b, next, part) &&
-         strip(posture, facet->n, next->n, a, b, part, side);
-}
-
-/* Sine of the angle from unit g to the arc between two contact directions; 1 beyond 90 deg. */
-static float arc_sine(const float start[3], const float stop[3], const float g[3])
-{
-  float plane[3], side[3], lowest = 1.0f;
-  const float *end = start;
-  uint8_t i;
-  cross(start, stop, plane);
-  cross(plane, start, side);
-  if (dot(side, g) >= 0.0f) {
-    cross(stop, plane, side);
-    if (dot(side, g) >= 0.0f) {
-      const float size = root(dot(plane, plane));
-      const float sine = size > 0.0f ? dot(plane, g) / size : 0.0f;
-      return sine < 0.0f ? -sine : sine;
-    }
-  }
-  for (i = 0; i < 2; i++) {
-    if (dot(end, g) > 0.0f) {
-      float sine;
-      cross(end, g, side);
-      sine = root(dot(side, side) / dot(end, end));
-      if (sine < lowest) {
-        lowest = sine;
-      }
-    }
-    end = stop;
-  }
-  return lowest;
-}
-
-static int same_normal(const float a[3], const float b[3])
-{
-  float change[3];
-  subtract(a, b, change);
-  return dot(change, change) < 1e-10f;
+  return least >= posture->body->rest_width;
 }
 
 /* Find a facet to start from: lower a plane that is level under g onto the contacts, lean it over
@@ -1036,52 +680,26 @@ static int first_facet(posture_t *posture, const float g[3], facet_t *facet)
   return b != NONE && outline(posture, facet);
 }
 
-/* The edge over which g lies furthest outside a facet, or NONE; its two contact points. */
-static uint8_t crossed(posture_t *posture, const facet_t *facet, const float g[3])
+/* The edge whose wall g lies nearest to or furthest outside of, its two contacts being a corner of the
+ * facet and the next one; `sine` of how far inside. */
+static uint8_t nearest_edge(posture_t *posture, const facet_t *facet, const float g[3], float *sine)
 {
-  uint8_t i, worst = NONE;
-  float lowest = 0.0f, from[3], to[3], wall[3];
+  float from[3], to[3], wall[3];
+  uint8_t i, nearest = 0;
+  *sine = LARGEST;
   aim(posture, facet->n);
   for (i = 0; i < facet->count; i++) {
-    float sine;
+    float inside;
     contact_point(posture, facet->corner[i], from);
     contact_point(posture, facet->corner[i + 1 == facet->count ? 0 : i + 1], to);
     cross(from, to, wall);
-    sine = dot(wall, g) / root(dot(wall, wall));
-    if (sine < lowest) {
-      lowest = sine;
-      worst = i;
+    inside = dot(wall, g) / root(dot(wall, wall));
+    if (inside < *sine) {
+      *sine = inside;
+      nearest = i;
     }
   }
-  return worst;
-}
-
-/* Tell whether two points are one. */
-static int same_point(const posture_t *posture, const float p[3], const float q[3])
-{
-  float apart[3];
-  subtract(p, q, apart);
-  return dot(apart, apart) <= posture->body->tolerance * posture->body->tolerance;
-}
-
-/* Tell whether g, which lies between two rests, lies within a strip. */
-static int within(const posture_t *posture, float side[2][3][3], const float g[3])
-{
-  float wall[3], inner[3];
-  uint8_t m, k;
-  cross(side[0][1], side[1][1], wall);
-  k = (dot(wall, g) < 0.0f) != (dot(wall, side[0][0]) < 0.0f); /* the half that g lies in */
-  for (m = 0; m < 2; m++) {
-    if (same_point(posture, side[m][k], side[m][k + 1])) {
-      continue;
-    }
-    between_points(side[1 - m][k], side[1 - m][k + 1], 0.5f, inner);
-    cross(side[m][k], side[m][k + 1], wall);
-    if ((dot(wall, g) < 0.0f) != (dot(wall, inner) < 0.0f)) {
-      return 0;
-    }
-  }
-  return 1;
+  return nearest;
 }
 
 /* |SD_g| on a facet: from the area centroid of its outline to the point that g pierces. */
@@ -1113,72 +731,15 @@ static float stability_factor(posture_t *posture, const facet_t *facet, const fl
   return root(dot(sum, sum));
 }
 
-/* Sine of the angle from g to the boundary of the standing region.  Facets are visited from the one
- * under g outward, as far as they are nearer than the boundary found so far; what there is no more
- * room to visit counts as boundary. */
-static float boundary(posture_t *posture, facet_t *facet, facet_t *next, const float g[3])
-{
-  float seen[WAITING][3], best = 1.0f;
-  uint8_t known = 1, visit, i, k;
-  memcpy(seen[0], facet->n, sizeof seen[0]);
-  for (visit = 0; visit < known; visit++) {
-    if (visit > 0) {
-      memcpy(facet->n, seen[visit], sizeof seen[visit]);
-      (void)outline(posture, facet);
-    }
-    for (i = 0; i < facet->count; i++) {
-      const uint8_t a = facet->corner[i];
-      const uint8_t b = facet->corner[i + 1 == facet->count ? 0 : i + 1];
-      float from[3], to[3], wall[3], part[2], side[2][3][3], sine;
-      aim(posture, facet->n);
-      contact_point(posture, a, from);
-      contact_point(posture, b, to);
-      sine = arc_sine(from, to, g);
-      cross(from, to, wall);
-      /* What lies beyond an edge is further away than the edge, unless g itself lies beyond. */
-      if (sine >= best && (visit > 0 || dot(wall, g) >= 0.0f)) {
-        continue;
-      }
-      if (!rocks(posture, facet, a, b, next, part, side)) {
-        best = sine < best ? sine : best;
-        continue;
-      }
-      for (k = 0; k < known && !same_normal(seen[k], next->n); k++) {
-      }
-      if (k == WAITING) {
-        best = sine < best ? sine : best;
-        continue;
-      }
-      if (k == known) {
-        memcpy(seen[known++], next->n, sizeof next->n);
-      }
-      /* What the gap leaves of the edge is boundary, and so are the sides of its strip. */
-      for (k = 0; k < 2; k++) {
-        uint8_t piece;
-        if (part[k] != (float)k) {
-          between_points(from, to, part[k], wall);
-          sine = k ? arc_sine(wall, to, g) : arc_sine(from, wall, g);
-          best = sine < best ? sine : best;
-        }
-        for (piece = 0; piece < 2; piece++) {
-          if (!same_point(posture, side[k][piece], side[k][piece + 1])) {
-            sine = arc_sine(side[k][piece], side[k][piece + 1], g);
-            best = sine < best ? sine : best;
-          }
-        }
-      }
-    }
-  }
-  return best;
-}
-
+/* The standing region is the cones of the rests: in a gap between two of them the answer is tips,
+ * whether the robot would be caught there or not. */
 static void contacts_read(const SMAP_FLASH smap_contacts_t *body, uint8_t params,
                           const query_t *query, smap_reading_t *out)
 {
   posture_t posture;
   facet_t facet, other;
-  float g[3];
-  uint8_t step, at;
+  float g[3], sine;
+  uint8_t step = 0, at;
   posture.body = body;
   assemble(&posture, params, query->t);
   memcpy(g, query->d, sizeof g);
@@ -1186,34 +747,27 @@ static void contacts_read(const SMAP_FLASH smap_contacts_t *body, uint8_t params
   if (!first_facet(&posture, g, &facet)) {
     return;
   }
-  for (step = 0; (at = crossed(&posture, &facet, g)) != NONE; step++) {
+  at = nearest_edge(&posture, &facet, g, &sine);
+  while (sine < 0.0f) {
     const uint8_t a = facet.corner[at];
     const uint8_t b = facet.corner[at + 1 == facet.count ? 0 : at + 1];
-    uint8_t back;
     if (step == WALK_STEPS || roll(&posture, facet.n, a, b, 0, &other) == NONE ||
         !outline(&posture, &other)) {
       return;
     }
-    back = crossed(&posture, &other, g);
-    if (back != NONE && other.corner[back] == b) { /* in the gap between the two */
-      float part[2], side[2][3][3];
-      if (!is_rest(&posture, &facet) || !rocks(&posture, &facet, a, b, &other, part, side) ||
-          !within(&posture, side, g)) {
-        return;
-      }
-      if (dot(other.n, g) * facet.height > dot(facet.n, g) * other.height) {
-        facet = other;
-      }
-      break;
+    at = nearest_edge(&posture, &other, g, &sine);
+    if (sine < 0.0f && other.corner[at] == b) {
+      return; /* in the gap between the two */
     }
     facet = other;
+    step++;
   }
   if (!is_rest(&posture, &facet)) {
     return;
   }
   out->sdg = stability_factor(&posture, &facet, g);
   out->height = facet.height;
-  out->tip_angle = arcsine(boundary(&posture, &facet, &other, g));
+  out->tip_angle = arcsine(sine);
 }
 #endif /* SMAP_CONTACTS_MANY */
 #endif

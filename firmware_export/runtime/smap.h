@@ -94,11 +94,6 @@ typedef struct {
   float steepest;                     /* a facet is accepted if -n_z is greater */
   float lowest;                       /* and if the com is higher above it */
   float rest_width;                   /* it stands still on a facet that is as wide everywhere */
-  float rock_angle;                   /* most that a robot turns as it rocks; above pi: any turn */
-  float least_cosine;                 /* normals between which it rocks, at least */
-  float band;                         /* edges as near to a line are not told from it */
-  float sway;                         /* over the width of a rest, the sine by which it may lean */
-  float covered;                      /* sine of the guard, which sees to as much of it */
   float tolerance;                    /* lengths that differ by less are equal */
   uint8_t contacts, axes, product_count;
   uint16_t terms;
