@@ -22,6 +22,8 @@ from lutgen.channels import acceptance_of
 from lutgen.errors import InputError
 
 MOST_NODES = 255
+# The runtime keeps the contacts that touch a plane in the bits of a uint32_t.
+MOST_CONTACTS = 32
 TOLERANCE = 1e-6
 """Lengths that differ by less than this part of the robot's size are equal to the runtime.
 
@@ -98,6 +100,11 @@ def refusal(model: Model, arithmetic: str) -> str | None:
     """Return why the codec cannot be used, or None."""
     if arithmetic != "float":
         return "codec contacts needs floating point (square roots and divisions); use --codec grid"
+    if len(model.kind) > MOST_CONTACTS:
+        return (
+            f"codec contacts holds up to {MOST_CONTACTS} contacts (got {len(model.kind)}); "
+            "use --codec grid"
+        )
     try:
         _probe(model)
     except InputError as error:

@@ -1,5 +1,6 @@
 """The codec that stores contacts: modes found by probing, fitted tables, exact geometry."""
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ from firmware_export.truth.model import Model
 from lutgen.errors import InputError
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe.recipe import load_recipe, parse_recipe
-from tests.fixtures.recipes import contact, rigid, rover, sweep_part, tripod
+from tests.fixtures.recipes import contact, feet, rigid, rover, sweep_part, tripod
 
 OK, CLAMPED, TIPS = 0, 1, 2
 
@@ -124,6 +125,14 @@ def test_contacts_that_are_no_sum_of_products_are_refused(tmp_path: Path) -> Non
     assert "--codec grid" in refusal
     with pytest.raises(InputError, match="--codec grid"):
         contacts.encode(model, EXPORTABLE, contacts.Spec((3, 3), 16))
+
+
+def test_more_contacts_than_the_runtime_has_bits_for_are_refused() -> None:
+    around = np.radians(np.arange(33) * 360.0 / 33)
+    ring = [(math.cos(a), math.sin(a), -1.0) for a in around]
+    refusal = contacts.refusal(Model(parse_recipe(rigid(feet(ring)))), "float")
+    assert refusal == "codec contacts holds up to 32 contacts (got 33); use --codec grid"
+    assert contacts.refusal(Model(parse_recipe(rigid(feet(ring[:32])))), "float") is None
 
 
 def test_integers_are_refused() -> None:
