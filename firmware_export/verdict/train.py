@@ -73,7 +73,7 @@ def _outline_points(
     posture, face = owner // faces, owner % faces
     params = _corners(found, posture, rng)
     ends = found.pieces[piece].astype(np.float64)
-    along = rng.random((count, 1))
+    along = rng.random((len(piece), 1))
     uv = ends[:, :2] + along * (ends[:, 2:] - ends[:, :2])
     return np.column_stack([*params, uv[:, 1], uv[:, 0]]), face
 

@@ -20,6 +20,7 @@ from firmware_export.grid.tables import SPAN, Part, Tables, U, V
 from firmware_export.protocol.exported import Export
 from firmware_export.truth.model import Exact, Model
 from firmware_export.verdict import codec as verdict
+from firmware_export.verdict import train
 from firmware_export.verdict.lower import Places, excess
 from firmware_export.verdict.outline import outlines
 from lutgen.quantities import EXPORTABLE
@@ -327,3 +328,11 @@ def test_interpolation_of_the_fit_is_the_runtimes(model: Model, tables: Tables) 
     got = interpolated(model, part, params, gravity)
     # float32: 24 bits of places among 65534 and of codes up to 255.
     np.testing.assert_allclose(got, want, atol=0.05)
+
+
+def test_where_nothing_is_outlined_no_point_is_drawn() -> None:
+    axes = [np.linspace(0.0, 1.0, 4), np.linspace(0.0, 1.0, 3)]
+    for pieces, first in ((0, np.zeros(7, int)), (5, np.minimum(np.arange(7), 5))):
+        found = SimpleNamespace(pieces=np.ones((pieces, 4)), first=first, axes=axes)
+        place, face = train._outline_points(found, 1, 100, 3)  # type: ignore[arg-type]
+        assert len(place) == len(face) == (100 if pieces else 0)
