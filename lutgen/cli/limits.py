@@ -46,8 +46,9 @@ def limits(recipe: str, asked: Asked) -> None:
     With its shape kept: nose down, left side down, nose up, right side down and in its worst
     heading.  Body tilt is the robot's own, as an accelerometer in it sees it; ground tilt is the
     slope of the ground, on which it may rock from rest to rest.  What is guaranteed holds in every
-    heading, also between those listed, and all limits are rounded down.  -p gives the posture; the
-    middle of the range where it is left out.  Exit code 3 where it tips over on level ground.
+    heading, also between those listed (of the ground: where it has not been steeper before), and
+    all limits are rounded down.  -p gives the posture; the middle of the range where it is left
+    out.  Exit code 3 where it tips over on level ground.
 
     \b
     $ lutgen limits maps/absolem.toml -p front=90 -p rear=90
