@@ -22,6 +22,9 @@ from lutgen.vector import Floats
 
 # A bound is lowered by this (rad), some hundred roundings.
 ROUNDING = 1e-12
+# A robot that rocks by less than this (rad), as between the halves of a rectangle that noise has
+# split, does not swing.
+SWINGS = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +114,8 @@ def ground_tilt(posture: Posture) -> GroundTilt:
     robot lies as long as gravity does.
 
     Ground whose heading changes can bring the robot onto other rests than a tilt from level does.
-    There it is not before the least slope at which it gets there, over whichever edges, and of each
+    There it is not before the least slope at which it gets there, over whichever edges (once it has
+    rocked it swings, and the slope of that first time is all that counts), and of each
     facet `tip_angle` under gravity along the normal is the distance to the nearest boundary of the
     standing region, so that a slope less than it tips the robot over from none.  The larger of the
     two, and of these the least over all facets that it could get to from level ground or from the
@@ -153,24 +157,26 @@ def _elsewhere(posture: Posture, frame: Floats, *starts: int) -> float:
 
     On each it is not before the least slope at which it gets there, and what tips it there is its
     `tip_angle` under gravity along the normal at least.  Between two rests it may pass stages, with
-    turns that add up to `rock_angle` at most.
+    turns that add up to `rock_angle` at most.  A robot that has rocked swings, and may go on before
+    gravity leaves the facet: from then on the slope at which it rocked first is all that is known.
     """
     facets, most = posture.stance.facets, posture.recipe.rock_angle + SAME
-    waiting = [(0.0, 0.0, k) for k in starts]
+    waiting = [(0.0, False, 0.0, k) for k in starts]
     arrived: dict[int, float] = {}
-    turned: dict[int, float] = {}
+    turned: dict[tuple[int, bool], float] = {}
     while waiting:
-        slope, turn, k = heappop(waiting)
-        if turn >= turned.get(k, math.inf):
+        slope, swings, turn, k = heappop(waiting)
+        if turn >= turned.get((k, swings), math.inf):
             continue
-        turned[k] = turn
+        turned[k, swings] = turn
         arrived.setdefault(k, slope)
         for edge in seat_on(posture, k, frame).edges:
-            way = math.inf if edge.beyond < 0 else turn + turn_to(posture, k, edge.beyond)
-            if way <= most:
-                leaves = float(edge.tilt(np.array([edge.steepest]))[0])
-                way = 0.0 if facets[edge.beyond].is_rest else way
-                heappush(waiting, (max(slope, leaves), way, edge.beyond))
+            rolls = math.inf if edge.beyond < 0 else turn_to(posture, k, edge.beyond)
+            if turn + rolls <= most:
+                leaves = 0.0 if swings else float(edge.tilt(np.array([edge.steepest]))[0])
+                whole = 0.0 if facets[edge.beyond].is_rest else turn + rolls
+                label = (max(slope, leaves), swings or rolls > SWINGS, whole, edge.beyond)
+                heappush(waiting, label)
     normals = np.array([facets[k].normal for k in arrived])
     tips = abs(tip_angles(posture, normals))
     return float(np.maximum(tips, list(arrived.values())).min())
