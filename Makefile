@@ -48,7 +48,7 @@ check: .venv/.installed ## lint, format, types, spelling
 	$(BIN)/mypy
 	$(BIN)/codespell
 
-physics: .venv/.physics ## judge the verdicts by a physics engine (docs/measured/physics.md, judged.md)
+physics: .venv/.physics ## judge the verdicts by a physics engine (docs/measured/physics.md, judged.md, steady.md)
 	$(BIN)/python -m proofs.physics.agreement
 	$(BIN)/python -m proofs.physics.steady
 	$(BIN)/python -m proofs.physics.judge

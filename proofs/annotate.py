@@ -81,24 +81,16 @@ HINTS = (
     ),
     Hint(r"return facet->count >= 3 && at == first;", ("merge facet->count;",)),
     Hint(r"for \(i = [02]; i < facet->count; i\+\+\) \{", ("loop unroll 33;",)),
-    # ... crossed
-    Hint(r"float lowest = 0.0f, from\[3\], to\[3\], wall\[3\];", ("split facet->count;",)),
+    # ... nearest_edge
+    Hint(r"float from\[3\], to\[3\], wall\[3\];", ("split facet->count;",)),
     Hint(r"contact_point\(posture, facet->corner\[i\], \w+\);", (f"admit {_I};",)),
     Hint(r"contact_point\(posture, facet->corner\[i \+ 1 == .*", (f"admit {_NEXT};",)),
-    Hint(r"return worst;", ("assert worst == 255 || worst < facet->count;", "merge facet->count;")),
+    Hint(r"return nearest;", ("assert nearest < facet->count;", "merge facet->count;")),
     # ... stability_factor
     Hint(
         r"contact_point\(posture, facet->corner\[0\], base\);",
         (r"admit \initialized(&facet->corner[0]) && \initialized(&facet->corner[1]);",),
     ),
-    # ... boundary
-    Hint(
-        r"memcpy\(seen\[0\], facet->n, sizeof seen\[0\]\);", ("dynamic_split known;",), after=True
-    ),
-    Hint(
-        r"const uint8_t a = facet->corner\[i\];", ("split facet->count;", f"admit {_I} && {_NEXT};")
-    ),
-    Hint(r"sine = arc_sine\(from, to, g\);", ("merge facet->count;",)),
     # ... contacts_read
     Hint(
         r"const uint8_t a = facet.corner\[at\];",
@@ -109,12 +101,11 @@ HINTS = (
     ),
     Hint(r"if \(step == WALK_STEPS \|\| .*", ("merge at;", "merge facet.count;")),
     Hint(
-        r"back = crossed\(&posture, &other, g\);",
-        ("split back;", r"admit back == 255 || \initialized(&other.corner[back]);"),
+        r"at = nearest_edge\(&posture, &other, g, &sine\);",
+        ("split at;", r"admit \initialized(&other.corner[at]);"),
         after=True,
     ),
-    Hint(r"if \(!is_rest\(&posture, &facet\) \|\| !rocks\(.*", ("merge back;",)),
-    Hint(r"facet = other;", ("merge back;",)),
+    Hint(r"facet = other;", ("merge at;",)),
 )
 
 # Every statement that is taken as true, in the order of HINTS.

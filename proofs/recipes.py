@@ -63,23 +63,27 @@ def tripod(
     )
 
 
-def rover(**sweep: object) -> str:
-    """Return a recipe of a body on four wheels of which one lifts: round contacts, with gaps."""
+def rover(ahead: float = 0.0, rock_angle: float = 30.0, **sweep: object) -> str:
+    """Return a recipe of a body on four wheels of which one lifts: round contacts, with gaps.
+
+    The centre of mass is `ahead` of the middle of the wheels, where it is on both diagonals.
+    """
     wheels = "".join(
         contact(f"wheel{i}", place, 0.25, (0, 1, 0), link)
         for i, (place, link) in enumerate(
             [
-                ((0.6, 0.5, 0.0), "arm"),
-                ((0.6, -0.5, -0.4), "body"),
-                ((-0.6, 0.5, -0.4), "body"),
-                ((-0.6, -0.5, -0.45), "body"),
+                ((0.6 - ahead, 0.5, 0.0), "arm"),
+                ((0.6 - ahead, -0.5, -0.4), "body"),
+                ((-0.6 - ahead, 0.5, -0.4), "body"),
+                ((-0.6 - ahead, -0.5, -0.45), "body"),
             ],
             1,
         )
     )
     return (
-        '[robot]\nname = "rover"\nlength_unit = "m"\nupright = 90.0\nrock_angle = 30.0\n'
-        '[[robot.parameter]]\nname = "lift"\nmin = 0.3\nmax = 0.5\nunit = "m"\n'
+        '[robot]\nname = "rover"\nlength_unit = "m"\nupright = 90.0\n'
+        f'rock_angle = {rock_angle}\n[[robot.parameter]]\nname = "lift"\n'
+        'min = 0.3\nmax = 0.5\nunit = "m"\n'
         '[[robot.link]]\nname = "arm"\nparent = "body"\n'
         'joint = { type = "prismatic", axis = [0, 0, -1], parameter = "lift" }\n'
         + wheels

@@ -18,9 +18,9 @@ from firmware_export.codecs import CODECS, codec, usable
 from firmware_export.emit import package, report
 from firmware_export.emit.runtime import features, runtime_text
 from firmware_export.emit.source import body_of, source_text
+from firmware_export.grid import lookup
 from firmware_export.grid.spec import Spec
 from firmware_export.grid.tables import SPAN, Part, Tables, U, V, places_of
-from firmware_export.grid import lookup
 from firmware_export.protocol.exported import Export
 from firmware_export.truth.model import Model
 from lutgen.errors import ExportError

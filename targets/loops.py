@@ -80,7 +80,6 @@ LOOPS: Mapping[str, tuple[str, Any]] = {
     "j = 0; j < 3; j++": ("3 coordinates", lambda s: 3),
     "m = 0; m < 3; m++": ("3 coordinates", lambda s: 3),
     "i = 0; i < 2; i++": ("2", lambda s: 2),
-    "k = 0; k < 2; k++": ("2 ends of an edge", lambda s: 2),
     "i = 0; i < 9; i += 3": ("3 contacts", lambda s: 3),
     "i = 0; i < 9; i++": ("9 coordinates", lambda s: 9),
     "i = 0; i < params; i++": ("parameters", lambda s: s.params),
@@ -101,21 +100,8 @@ LOOPS: Mapping[str, tuple[str, Any]] = {
     "i = 0; i < facet->count; i++": ("corners, at most contacts", lambda s: s.contacts),
     "i = 2; i < facet->count; i++": ("corners, at most contacts", lambda s: s.contacts),
     "k = 0; k < facet->count; k++": ("corners, at most contacts", lambda s: s.contacts),
-    "i = 0; i < rest->count; i++": ("corners, at most contacts", lambda s: s.contacts),
-    "step = 1; step <= steps; step++": ("21 steps", lambda s: 21),
-    "i = 0; i < PLACES && !(held >= 0.0f); i++": ("PLACES", lambda s: 5),
-    "i = 0; i < HALVINGS; i++": ("HALVINGS", lambda s: 8),
-    "step = 0; step < 2; step++": ("2 times", lambda s: 2),
-    "end = 0; end < 2; end++": ("2 times", lambda s: 2),
-    "m = 0; m < 2; m++": ("2 times", lambda s: 2),
-    "piece = 0; piece < 2; piece++": ("2 times", lambda s: 2),
     "step = 0; step < NEWTON_STEPS; step++": ("NEWTON_STEPS", lambda s: 8),
-    "visit = 0; visit < known; visit++": ("WAITING", lambda s: 6),
-    "k = 0; k < known && !same_normal(seen[k], next->n); k++": ("WAITING", lambda s: 6),
-    "step = 0; (at = crossed(&posture, &facet, g)) != NONE; step++": (
-        *("WALK_STEPS and the one that gives up",),
-        lambda s: 25,
-    ),
+    "sine < 0.0f": ("WALK_STEPS and the one that gives up", lambda s: 25),
     "i = 0; i < part->dims; i++, axis += 3": ("axes of a table", lambda s: s.dims),
     "left = nodes - 1u; left > 1; left = (left + 1) >> 1": (
         *("log2 of an axis's nodes",),
@@ -127,7 +113,7 @@ LOOPS: Mapping[str, tuple[str, Any]] = {
 # Each corner but one is merged once.
 TOTALS: Mapping[str, Any] = {"level = 0; corner >> level & 1u; level++": lambda s: 2**s.dims}
 # Of smap.c: what the bounds above take for granted.
-CONSTANTS = {"NEWTON_STEPS": 8, "WALK_STEPS": 24, "PLACES": 5, "HALVINGS": 8, "WAITING": 6}
+CONSTANTS = {"NEWTON_STEPS": 8, "WALK_STEPS": 24}
 
 
 def heads(source: str) -> dict[int, str]:

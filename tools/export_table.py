@@ -15,10 +15,10 @@ from typing import Any
 from firmware_export.choose.trials import Trials
 from firmware_export.codecs import usable
 from firmware_export.contacts import codec as contacts
+from firmware_export.contacts.shorten import Spec as PolySpec
 from firmware_export.emit import package
 from firmware_export.exporter import described, examine
 from firmware_export.grid import codec as grid
-from firmware_export.contacts.shorten import Spec as PolySpec
 from firmware_export.protocol.exported import CHANNELS
 from firmware_export.truth.model import Model
 from lutgen.recipe.recipe import load_recipe

@@ -24,7 +24,7 @@ GUARD = 3e-4
 HAIR, SAME = 1e-5, 1e-7
 # Angles beyond which nothing is asked.
 NO_LIMIT = 4.0
-MOST_CONTACTS = 32
+MOST_CONTACTS = 62
 
 
 class Many(NamedTuple):

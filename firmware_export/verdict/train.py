@@ -62,14 +62,18 @@ def _corners(found: Outlines, posture: NDArray[np.int64], rng: np.random.Generat
 def _outline_points(
     found: Outlines, faces: int, count: int, seed: int
 ) -> tuple[Floats, NDArray[np.int64]]:
-    """Return places and faces of random points of the outlines, at corners of their sub-cells."""
+    """Return places and faces of random points of the outlines, at corners of their sub-cells.
+
+    None where nothing is outlined, as where the robot stands nowhere by what a table may say.
+    """
     rng = np.random.default_rng(seed)
-    piece = rng.integers(len(found.pieces), size=count)
+    pieces = len(found.pieces)
+    piece = rng.integers(max(pieces, 1), size=count if pieces else 0)
     owner = np.searchsorted(found.first, piece, side="right") - 1
     posture, face = owner // faces, owner % faces
     params = _corners(found, posture, rng)
     ends = found.pieces[piece].astype(np.float64)
-    along = rng.random((count, 1))
+    along = rng.random((len(piece), 1))
     uv = ends[:, :2] + along * (ends[:, 2:] - ends[:, :2])
     return np.column_stack([*params, uv[:, 1], uv[:, 0]]), face
 

@@ -8,6 +8,7 @@ where a robot rocks, its body turns further than the ground does.
 
 import math
 from dataclasses import dataclass
+from heapq import heappop, heappush
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,6 +22,9 @@ from lutgen.vector import Floats
 
 # A bound is lowered by this (rad), some hundred roundings.
 ROUNDING = 1e-12
+# A robot that rocks by less than this (rad), as between the halves of a rectangle that noise has
+# split, does not swing.
+SWINGS = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,8 +32,8 @@ class GroundTilt:
     """The limits of one posture on tilted ground, in all headings; angles in rad.
 
     `pieces` cover the circle of headings; none of a robot that tips over on level ground.
-    `elsewhere` is the tilt below which it does not tip over on any rest that it could rock onto,
-    also where a slow tilt from level does not bring it there.
+    `elsewhere` is the tilt below which it does not tip over on any facet that it could rock onto,
+    also where the ground is turned under it as it pleases and not tilted from level at once.
     """
 
     posture: Posture
@@ -50,9 +54,11 @@ class GroundTilt:
 
     @property
     def guaranteed(self) -> float:
-        """Slope up to which the robot tips over in no heading, whichever of its rests it is on.
+        """Slope up to which the robot tips over in no heading, whatever headings came before.
 
         The least limit of all headings, or `elsewhere` if that is less, and a rounding below it.
+        It holds for ground that has not been steeper since the robot stood on level ground: once it
+        has rocked onto another rest on a steeper slope, it may have less left there.
         """
         return max(min(self.least, self.elsewhere) - ROUNDING, 0.0)
 
@@ -107,10 +113,13 @@ def ground_tilt(posture: Posture) -> GroundTilt:
     robot is not caught.  Where it cannot be shown it counts as tipping.  On a stage of rolling the
     robot lies as long as gravity does.
 
-    A robot can stand on another rest than that onto which a slow tilt from level brings it.  Of
-    every rest that it could rock onto from there, or from that under its level body, `tip_angle`
-    under gravity along the normal is the distance to the nearest boundary of the standing region,
-    so that a slope less than it tips the robot over from none: that is in what is `guaranteed`.
+    Ground whose heading changes can bring the robot onto other rests than a tilt from level does.
+    There it is not before the least slope at which it gets there, over whichever edges (once it has
+    rocked it swings, and the slope of that first time is all that counts), and of each
+    facet `tip_angle` under gravity along the normal is the distance to the nearest boundary of the
+    standing region, so that a slope less than it tips the robot over from none.  The larger of the
+    two, and of these the least over all facets that it could get to from level ground or from the
+    rest under its level body, is in what is `guaranteed`.
 
     Under forces the limit is where the robot leaves the rest that it stands on at level.
     """
@@ -129,8 +138,7 @@ def ground_tilt(posture: Posture) -> GroundTilt:
     # Also from the rest that it is on with its body level, which may be another one.
     level = np.array([[0.0, 0.0, -1.0]])
     upright = [int(posture.stance.under(level)[0])] if tip_angles(posture, level)[0] >= 0.0 else []
-    normals = np.array([facets[k].normal for k in _rests(posture, rest, *upright)])
-    return GroundTilt(posture, walk(posture, seat), float(abs(tip_angles(posture, normals)).min()))
+    return GroundTilt(posture, walk(posture, seat), _elsewhere(posture, frame, rest, *upright))
 
 
 def _half(edge: Edge) -> list[tuple[float, float]]:
@@ -144,25 +152,34 @@ def _half(edge: Edge) -> list[tuple[float, float]]:
     return parts
 
 
-def _rests(posture: Posture, *starts: int) -> list[int]:
-    """Return rests and all that the robot could rock onto from there, one after the other.
+def _elsewhere(posture: Posture, frame: Floats, *starts: int) -> float:
+    """Return the slope below which the robot tips over on no facet that it could rock onto.
 
-    Between two rests it may pass stages, with turns that add up to `rock_angle` at most.
+    On each it is not before the least slope at which it gets there, and what tips it there is its
+    `tip_angle` under gravity along the normal at least.  Between two rests it may pass stages, with
+    turns that add up to `rock_angle` at most.  A robot that has rocked swings, and may go on before
+    gravity leaves the facet: from then on the slope at which it rocked first is all that is known.
     """
     facets, most = posture.stance.facets, posture.recipe.rock_angle + SAME
-    turned = {rest: 0.0 for rest in starts if rest >= 0}
-    waiting = list(turned)
+    waiting = [(0.0, False, 0.0, k) for k in starts]
+    arrived: dict[int, float] = {}
+    turned: dict[tuple[int, bool], float] = {}
     while waiting:
-        k = waiting.pop()
-        for beyond in facets[k].beyond:
-            turn = math.inf if beyond < 0 else turned[k] + turn_to(posture, k, beyond)
-            if turn > most:
-                continue
-            turn = 0.0 if facets[beyond].is_rest else turn
-            if turn < turned.get(beyond, math.inf):
-                turned[beyond] = turn
-                waiting.append(beyond)
-    return [k for k in turned if facets[k].is_rest or k in starts]
+        slope, swings, turn, k = heappop(waiting)
+        if turn >= turned.get((k, swings), math.inf):
+            continue
+        turned[k, swings] = turn
+        arrived.setdefault(k, slope)
+        for edge in seat_on(posture, k, frame).edges:
+            rolls = math.inf if edge.beyond < 0 else turn_to(posture, k, edge.beyond)
+            if turn + rolls <= most:
+                leaves = 0.0 if swings else float(edge.tilt(np.array([edge.steepest]))[0])
+                whole = 0.0 if facets[edge.beyond].is_rest else turn + rolls
+                label = (max(slope, leaves), swings or rolls > SWINGS, whole, edge.beyond)
+                heappush(waiting, label)
+    normals = np.array([facets[k].normal for k in arrived])
+    tips = abs(tip_angles(posture, normals))
+    return float(np.maximum(tips, list(arrived.values())).min())
 
 
 def ground_limits(recipe: Recipe, params: ArrayLike, headings: ArrayLike) -> Floats:

@@ -154,6 +154,7 @@ def _limits(recipe: Recipe, rows: Floats, heading: Floats, convention: str) -> F
         goes = walking[which]
         step = np.where(goes, np.maximum(reach[which], SHORTEST_STEP), 0.0)
         behind, ahead = stands[which], np.minimum(stands[which] + step, math.pi)
+        held = reach[which]
         forced = goes & (reach[which] < SHORTEST_STEP)
         passed = keep(which, goes, ahead)
         tips[which] = np.where(passed, ahead, tips[which])
@@ -161,8 +162,12 @@ def _limits(recipe: Recipe, rows: Floats, heading: Floats, convention: str) -> F
         if (forced & passed).any():
             at, least = _lowest(partial(reading, which), behind, ahead)
             axis = forced & passed & (least <= TOUCHES)
-            stands[which] = np.where(axis, at, stands[which])
+            # A wedge narrower than the step: its near side is where the robot tips.
+            wedge = axis & (least < 0.0)
+            stands[which] = np.where(wedge, behind, np.where(axis, at, stands[which]))
+            reach[which] = np.where(wedge, held, reach[which])
             tips[which] = np.where(axis, at, tips[which])
+            beyond[which] = np.where(wedge, least, beyond[which])
             walking[which] &= ~axis
     rounds = 0
     while (tips - stands > KNOWN).any():

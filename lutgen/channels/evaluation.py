@@ -98,7 +98,7 @@ def stability(
     Raises
     ------
     InputError
-        For wrong shapes, numbers that are not finite, fewer than 3 or more than 32 contacts, and
+        For wrong shapes, numbers that are not finite, fewer than 3 or more than 62 contacts, and
         unknown channels.
 
     Examples
@@ -122,7 +122,10 @@ def stability(
             "give n points x, y, z for each of m postures"
         )
     if not 3 <= points.shape[1] <= MAX_PRIMITIVES:
-        raise InputError(f"a posture needs 3 to {MAX_PRIMITIVES} contacts (got {points.shape[1]})")
+        raise InputError(
+            f"a posture needs 3 to {MAX_PRIMITIVES} contacts (got {points.shape[1]}); "
+            "give those that can touch the ground"
+        )
     if not np.isfinite(points).all():
         raise InputError("contacts must be finite numbers (got NaN or infinity)")
     primitives = pack(points, np.zeros_like(points), 0.0, 0)

@@ -10,7 +10,7 @@ import click
 
 from lutgen.cli import options
 from lutgen.cli.options import RecipeOptions, asks, log, option
-from lutgen.cli.table import cell, channel_entries, degrees, number, show, unit_text
+from lutgen.cli.table import TIPS, cell, channel_entries, degrees, number, show, unit_text
 from lutgen.quantities import QUANTITIES
 
 if TYPE_CHECKING:
@@ -46,14 +46,14 @@ def eval_(source: str, asked: Asked) -> None:
     """Evaluate SOURCE at one point.
 
     A recipe is evaluated exactly, a map by interpolation; of a folder of `lutgen export` the C
-    runtime is asked.
+    runtime is asked.  Exit code 3 where the robot tips over, or where that cannot be told.
 
     \b
     $ lutgen eval maps/paper_two.toml -p alpha=31 -p gamma=31
     sdg            0.00253161
     """
     report = _report(source, asked)
-    show(report, lines(report), asked.as_json)
+    show(report, lines(report), asked.as_json, bool(report["standing"]), TIPS)
 
 
 def _report(source: str, asked: Asked) -> dict[str, Any]:

@@ -9,7 +9,7 @@ import click
 
 from lutgen.cli import options
 from lutgen.cli.options import RecipeOptions, asks, option
-from lutgen.cli.table import aligned, by_unit, cell, degrees, show
+from lutgen.cli.table import TIPS, aligned, by_unit, cell, degrees, show
 
 if TYPE_CHECKING:
     from lutgen.analysis import PostureLimits, SweepLimits
@@ -46,8 +46,9 @@ def limits(recipe: str, asked: Asked) -> None:
     With its shape kept: nose down, left side down, nose up, right side down and in its worst
     heading.  Body tilt is the robot's own, as an accelerometer in it sees it; ground tilt is the
     slope of the ground, on which it may rock from rest to rest.  What is guaranteed holds in every
-    heading, also between those listed, and all limits are rounded down.  -p gives the posture; the
-    middle of the range where it is left out.
+    heading, also between those listed (of the ground: where it has not been steeper before), and
+    all limits are rounded down.  -p gives the posture; the middle of the range where it is left
+    out.  Exit code 3 where it tips over on level ground.
 
     \b
     $ lutgen limits maps/absolem.toml -p front=90 -p rear=90
@@ -76,7 +77,7 @@ def limits(recipe: str, asked: Asked) -> None:
         report["all_postures"] = _all(robot, swept)
     if swept is not None and asked.best:
         report["best_postures"] = _best(robot, swept, asked.headings)
-    show(report, limits_lines(report), asked.as_json)
+    show(report, limits_lines(report), asked.as_json, _stands_level(report), TIPS)
 
 
 def limits_report(recipe: "Recipe", found: "PostureLimits") -> dict[str, Any]:
@@ -238,10 +239,14 @@ def _of_both(row: dict[str, Any]) -> list[str]:
     return cells
 
 
+def _stands_level(report: dict[str, Any]) -> bool:
+    return bool(max(report["guaranteed_tilt_deg"], report["guaranteed_ground_tip_deg"]) > 0.0)
+
+
 def _guaranteed_lines(report: dict[str, Any]) -> Iterator[str]:
     """Return what holds in every heading, and what of."""
     tips = report["guaranteed_ground_tip_deg"]
-    if max(report["guaranteed_tilt_deg"], tips) <= 0.0:
+    if not _stands_level(report):
         yield "it tips over on level ground"
         return
     body, ground = (_angle(report[f"guaranteed_{of}_tilt_deg"]) for of in ("body", "ground"))

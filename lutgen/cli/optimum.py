@@ -9,7 +9,7 @@ import click
 
 from lutgen.cli import options
 from lutgen.cli.options import RecipeOptions, asks, log, option
-from lutgen.cli.table import cell, number, show, unit_text
+from lutgen.cli.table import TIPS, cell, number, show, unit_text
 from lutgen.errors import InputError
 from lutgen.parts import to_display
 from lutgen.quantities import QUANTITIES, RANKED
@@ -77,7 +77,7 @@ def optimum(recipe: str, asked: Asked) -> None:
     """Print the best geometry of RECIPE for a gravity direction.
 
     With +- how far each parameter may be off, and the interval in which it may lie, the others
-    kept.  Exit code 1 where the robot stands in no geometry that was tried; what is printed then
+    kept.  Exit code 3 where the robot stands in no geometry that was tried; what is printed then
     is the one closest to standing.
 
     \b
@@ -109,7 +109,8 @@ def optimum(recipe: str, asked: Asked) -> None:
     report = optimum_report(robot, found, kept)
     if asked.trace:
         report["trace"] = _steps(robot, found)
-    show(report, optimum_lines(robot, found, kept, asked.trace), asked.as_json, found.standing)
+    text = optimum_lines(robot, found, kept, asked.trace)
+    show(report, text, asked.as_json, found.standing, TIPS)
 
 
 def _box(robot: "Recipe", asked: Asked) -> list[tuple[float, float]]:

@@ -62,9 +62,8 @@ def stance(file: str, asked: Asked) -> None:
         from lutgen.plot import draw_footing, save
 
         save(draw_footing(footing, found), asked.output)
-    show(stance_report(footing, found), stance_lines(footing, found), asked.as_json)
-    if not found.holds:
-        click.get_current_context().exit(TIPS)
+    report = stance_report(footing, found)
+    show(report, stance_lines(footing, found), asked.as_json, bool(found.holds), TIPS)
 
 
 def read_footing(path: str) -> "Footing":

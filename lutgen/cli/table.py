@@ -25,13 +25,17 @@ TIPS = 3
 
 
 def show(
-    report: Mapping[str, Any], lines: Iterable[str], as_json: bool, answer: bool = True
+    report: Mapping[str, Any],
+    lines: Iterable[str],
+    as_json: bool,
+    answer: bool = True,
+    no: int = NO,
 ) -> None:
-    """Print a report: as JSON, or the lines that say the same; exit where the answer is no."""
+    """Print a report: as JSON, or the lines that say the same; exit with `no` where `answer` is."""
     for line in [json.dumps(report, indent=2, allow_nan=False)] if as_json else lines:
         click.echo(line)
     if not answer:
-        click.get_current_context().exit(NO)
+        click.get_current_context().exit(no)
 
 
 def number(value: float) -> float | None:

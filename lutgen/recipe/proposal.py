@@ -64,7 +64,7 @@ def import_urdf(
     Returns
     -------
     Imported
-        RecipeError is raised for unknown names, where there are not 3 to 32 contacts, and where
+        RecipeError is raised for unknown names, where there are not 3 to 62 contacts, and where
         more than 10 joints would become parameters without being asked for.
     """
     motion = read_motion(robot, joints)

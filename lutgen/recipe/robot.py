@@ -24,7 +24,7 @@ from lutgen.parts import (
 from lutgen.quantities import CHANNELS
 from lutgen.recipe.table import Table
 
-MAX_CONTACTS = 32
+MAX_CONTACTS = 62
 LENGTH_UNITS = ("m", "cm", "mm", "1")
 ANGLE_UNITS = ("deg", "rad")
 # Names of a map file's other dimensions and variables, which no parameter may take.
@@ -201,7 +201,9 @@ def read_contacts(
             "contact",
             f"a robot needs 3 to {MAX_CONTACTS} contacts",
             len(result),
-            "add contacts" if len(result) < 3 else "keep those that can touch the ground",
+            "add contacts"
+            if len(result) < 3
+            else "keep those that can touch the ground, of a curved sole one every few degrees",
         )
     return tuple(result)
 

@@ -21,7 +21,8 @@ from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, subtrac
 
 # Two lengths that differ by less than this part of the robot's size are the same length.
 RELATIVE_TOLERANCE = 1e-9
-MAX_PRIMITIVES = 32
+# As many as an int64 has bits for, with the sign and one to spare.
+MAX_PRIMITIVES = 62
 # Facets and corners that a table has room for, for each primitive.
 MOST_FACETS, MOST_CORNERS = 12, 36
 UNKNOWN, OUTSIDE = -2, -1

@@ -6,6 +6,6 @@ watched.  `docs/measured/physics.md` says what is compared and what came out, an
 
 In reading order: `body`, `robots`, `begin`, `facets`, `start`, `release`, `cases`, `real`,
 `rolling`, `sides`, `page`, `agreement`; `pierced`, `nudged`, `slow`, `noisy`, `rocking`, `ground`,
-`holding`, `rockers`, `judge`; `asked`, `noise`, `steady`.  What `judge` runs takes nothing from
-lutgen but what its rooms give, and no facet.
+`holding`, `rockers`, `judge`; `asked`, `thresholds`, `doubts`, `noise`, `steady`.  What `judge`
+runs takes nothing from lutgen but what its rooms give, and no facet.
 """

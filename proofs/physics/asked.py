@@ -67,10 +67,10 @@ def ask(
 
 
 def limits_for(
-    size: float, upright: float = 80.0, rock: float = 30.0, width: float = 0.01
+    size: float, upright: float = 80.0, rock: float = 30.0, width: float = 0.01, near: float = 1e-4
 ) -> Acceptance:
-    """Return the default limits of robots of a size; angles in deg, the width in sizes."""
-    return acceptance(math.radians(upright), math.radians(rock), 0.0, width * size, 1e-4 * size)
+    """Return the default limits of robots of a size; angles in deg, lengths in sizes."""
+    return acceptance(math.radians(upright), math.radians(rock), 0.0, width * size, near * size)
 
 
 def directions(rng: np.random.Generator, robots: int, count: int) -> Floats:

@@ -112,7 +112,10 @@ PARTS: dict[str, Callable[[Pool, int, Late], Result]] = {
 
 def summary(runs: dict[str, str], faults: Sequence[str]) -> str:
     """Return what was run with what, and what is wrong, as Markdown."""
-    lines = [f"Measured with {run}." for run in sorted(set(runs.values()))]
+    lines = []
+    for run in sorted(set(runs.values())):
+        names = [name for name in PARTS if runs.get(name) == run]
+        lines.append(f"Measured with {run}: {', '.join(names)}.")
     if not faults:
         return "\n".join([*lines, "", "No promise was broken."]) + "\n"
     wrong = [f"- {fault}" for fault in faults]

@@ -1,7 +1,8 @@
 """Robots whose positions, axes and radii are off by noise, against the same robots without it.
 
 Owns the robots and the comparison: outside a band of ten times the noise over the width of support
-no direction may change between standing and tipping.
+no direction may change between standing and tipping.  Robots of which one does, and that are near a
+threshold in each such direction, are listed and left out (`thresholds`).
 """
 
 from typing import NamedTuple
@@ -14,6 +15,7 @@ from lutgen.support import pack
 from lutgen.support.region import TIPS
 from lutgen.vector import Floats
 from proofs.physics.asked import ask, directions, limits_for
+from proofs.physics.thresholds import FAR, THRESHOLDS, thresholds_near
 
 KINDS = (
     *("car, one rim", "car, two rims", "six wheels, one rim", "six wheels, two rims", "balls"),
@@ -26,13 +28,19 @@ WIDTH, ROUNDING = 0.3, 1e-9
 
 
 class Compared(NamedTuple):
-    """How many robots were tried, and of how many a direction is falsely safe or falsely tips."""
+    """How many robots were tried, and of how many a direction is falsely safe or falsely tips.
+
+    `near` are those left out, by the threshold that they are near: the five of `thresholds`.
+    `suspects` are the primitives (n, 8) of each robot that is falsely safe, and the directions.
+    """
 
     kind: str
     noise: float
     robots: int
     safe: int
     tips: int
+    near: tuple[int, ...]
+    suspects: tuple[tuple[Floats, Floats], ...] = ()
 
 
 def _wheels(
@@ -100,16 +108,39 @@ def compared(kind: str, noise: float, robots: int, count: int = 200, seed: int =
     limits, gravity_dir = limits_for(size), directions(rng, robots, count)
     want, away = ask(np.array(exact), limits, gravity_dir)
     got, _ = ask(np.array(noisy), limits, gravity_dir)
-    clear = np.abs(away) > 10.0 * noise * size / WIDTH + ROUNDING
-    safe = (want == TIPS) & (got != TIPS) & clear
-    tips = (want != TIPS) & (got == TIPS) & clear
-    return Compared(kind, noise, robots, int(safe.any(axis=1).sum()), int(tips.any(axis=1).sum()))
+    changed = np.abs(away) > FAR * noise * size / WIDTH + ROUNDING
+    changed &= (want == TIPS) != (got == TIPS)
+    suspects, tips = [], 0
+    near = np.zeros(len(THRESHOLDS), int)
+    for m in np.flatnonzero(changed.any(axis=1)):
+        here = changed[m]
+        found = thresholds_near(exact[m], gravity_dir[m, here], noise * size, WIDTH, size)
+        alone = ~found.any(axis=1)
+        if alone.any():
+            tipped = want[m] == TIPS
+            tips += bool((~tipped[here])[alone].any())
+            if tipped[here][alone].any():
+                suspects.append((exact[m], gravity_dir[m, here & tipped]))
+        else:
+            near[found.any(axis=0).argmax()] += 1
+    left = tuple(near.tolist())
+    return Compared(kind, noise, robots, len(suspects), tips, left, tuple(suspects))
 
 
 def table(rows: list[Compared]) -> str:
-    """Return a table in Markdown: falsely safe / falsely tipping robots per kind and noise."""
+    """Return a table in Markdown: falsely safe / falsely tipping / left out, per kind and noise."""
     lines = ["| noise (sizes) | " + " | ".join(KINDS) + " |", "|---" * (len(KINDS) + 1) + "|"]
     for noise in NOISES:
-        cells = [f"{one.safe} / {one.tips}" for one in rows if one.noise == noise]
+        cells = [f"{r.safe} / {r.tips} / {sum(r.near)}" for r in rows if r.noise == noise]
         lines.append(f"| {noise:g} | " + " | ".join(cells) + " |")
-    return "\n".join(lines)
+    return "\n".join(lines) + "\n"
+
+
+def listed(rows: list[Compared]) -> str:
+    """Return a table in Markdown of the robots left out, by the threshold that they are near."""
+    lines = ["| robots near | " + " | ".join(THRESHOLDS) + " |", "|---" * 6 + "|"]
+    for r in rows:
+        if sum(r.near):
+            counts = " | ".join(map(str, r.near))
+            lines.append(f"| {r.kind}, noise {r.noise:g}, of {r.robots:,} | {counts} |")
+    return "\n".join(lines) + "\n"

@@ -83,6 +83,8 @@ class Sole:
 
 SOLES = {
     "2 x 60 wheels, 1.12 deg apart": Sole(60, 66.0 / 59.0, 0.5),
+    "2 x 31 wheels, 2.2 deg apart": Sole(31, 2.2, 0.5),
+    "2 x 20 wheels, 1 deg apart": Sole(20, 1.0, 0.5),
     "2 x 16 wheels, 4.4 deg apart": Sole(16, 4.4, 0.5),
     "2 x 16 wheels, 2 deg apart": Sole(16, 2.0, 0.5),
     "2 x 16 wheels, 1 deg apart": Sole(16, 1.0, 0.5),

@@ -198,7 +198,8 @@ def test_eval_of_a_recipe_prints_every_channel_the_axis_and_the_forces(place: Pa
     ):
         assert part in result.stdout
     assert result.stderr == ""
-    tips = good("eval", place / "tripod.toml", *POINT, "-g", "-1,0,-0.1")
+    tips = run("eval", place / "tripod.toml", *POINT, "-g", "-1,0,-0.1")
+    assert tips.exit_code == 3
     assert "tips over" in tips.stdout
     assert "normal forces" not in tips.stdout
     assert "nan" not in tips.stdout
@@ -232,11 +233,11 @@ def test_eval_of_a_map_agrees_with_read_and_with_the_recipe(place: Path) -> None
 
 
 def test_eval_off_the_maps_chart_knows_nothing(place: Path) -> None:
-    report = data("eval", place / "tripod.h5", *POINT, "-g", "0,0,1")
+    report = data("eval", place / "tripod.h5", *POINT, "-g", "0,0,1", code=3)
     assert report["on_chart"] is False
     assert report["standing"] is None
     assert report["sdg"] is report["tip_angle_deg"] is None
-    text = good("eval", place / "tripod.h5", *POINT, "-g", "0,0,1").stdout
+    text = run("eval", place / "tripod.h5", *POINT, "-g", "0,0,1").stdout
     assert "unknown" in text
 
 

@@ -5,11 +5,13 @@ from pathlib import Path
 import pytest
 
 import lutgen
-from tests.fixtures.commands import data, good
+from tests.fixtures.commands import data, good, run
 from tests.fixtures.recipes import ALL_CHANNELS, rocker
 
 # Nose down by so much it rocks, stands on its front wheels, and tips over them.
 SEEN = {"rocks": "0,0,-1", "stands": "0.36,0,-1", "tips": "1.5,0,-1"}
+# The exit code says whether it tips, so that a script need not read.
+EXIT = {"rocks": 0, "stands": 0, "tips": 3}
 
 
 @pytest.fixture(scope="module")
@@ -25,10 +27,13 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.parametrize("status", SEEN)
 def test_eval_of_a_recipe_says_which_of_the_three_it_is(place: Path, status: str) -> None:
-    report = data("eval", place / "rocker.toml", "-g", SEEN[status])
+    asked = "eval", place / "rocker.toml", "-g", SEEN[status]
+    report = data(*asked, code=EXIT[status])
     assert report["status"] == status
     assert report["standing"] is (status != "tips")
-    first, second, *_ = good("eval", place / "rocker.toml", "-g", SEEN[status]).stdout.splitlines()
+    result = run(*asked)
+    assert result.exit_code == EXIT[status]
+    first, second, *_ = result.stdout.splitlines()
     assert first == f"rocker (exact): {'tips over' if status == 'tips' else status}"
     assert second.split() == ["status", status]
 
@@ -36,16 +41,18 @@ def test_eval_of_a_recipe_says_which_of_the_three_it_is(place: Path, status: str
 @pytest.mark.parametrize("name", ["rocker", "alone"])
 @pytest.mark.parametrize("status", SEEN)
 def test_eval_of_a_map_that_holds_it_says_so_too(place: Path, name: str, status: str) -> None:
-    report = data("eval", place / f"{name}.h5", "-g", SEEN[status])
+    asked = "eval", place / f"{name}.h5", "-g", SEEN[status]
+    report = data(*asked, code=EXIT[status])
     assert report["status"] == status
     assert report["standing"] is (status != "tips")
-    text = good("eval", place / f"{name}.h5", "-g", SEEN[status]).stdout
+    text = run(*asked).stdout
     assert "the worst of the nodes around" in text
     assert text.startswith(f"rocker (interpolated): {'tips over' if status == 'tips' else status}")
 
 
 def test_off_the_chart_a_map_knows_no_status(place: Path) -> None:
-    report = data("eval", place / "alone.h5", "-g", "0,0,1")
+    # What nobody can tell is not a 0 that lets a script go on.
+    report = data("eval", place / "alone.h5", "-g", "0,0,1", code=3)
     assert report["status"] is None
     assert report["standing"] is None
 

@@ -316,21 +316,24 @@ def wheels(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Trials]:
     monkeypatch.setattr(grid_rough, "POSTURES", 2_000)
     monkeypatch.setattr(grid_knots, "LINES", 600)
 
-    def make(*channels: str, arithmetic: str = "integer") -> Trials:
-        return Trials(Model(lutgen.parse_recipe(rover())), "rover", channels, arithmetic)
+    def make(*channels: str, arithmetic: str = "integer", text: str = rover()) -> Trials:
+        return Trials(Model(lutgen.parse_recipe(text)), "rover", channels, arithmetic)
 
     return make
 
 
-@pytest.mark.parametrize("arithmetic", ["integer", "float"])
+# The code for floats is larger.  Of 1,700 B it leaves 291 for tables, which was enough while a gap
+# was held as a whole (2.0 % given up).  Now the ends of the part of it that catches the robot are
+# boundary, too: 291 B give 5.3 % up, 390 B 4.5 %.
+@pytest.mark.parametrize(("arithmetic", "flash"), [("integer", 1_700), ("float", 1_800)])
 def test_a_region_that_jumps_is_encoded_once_for_the_flash_there_is(
-    wheels: Callable[..., Trials], arithmetic: str
+    wheels: Callable[..., Trials], arithmetic: str, flash: int
 ) -> None:
     bench = wheels("tip_angle", arithmetic=arithmetic)
-    found = best(bench, ["grid"], Goal(1_700, None))
+    found = best(bench, ["grid"], Goal(flash, None))
     assert len(bench.tried) == 1
     # All but what one more knot takes.
-    assert 1_550 < found.total <= 1_700
+    assert flash - 150 < found.total <= flash
     assert found.false_safe == 0
     # A table that always says no would give up all.
     assert 0.0 < found.false_tip <= MOST_FALSE_TIP
@@ -366,7 +369,10 @@ def test_what_no_table_can_hold_is_refused_after_a_few_encodings(
 def test_a_costly_codec_is_not_encoded_where_another_has_met_the_goal(
     wheels: Callable[..., Trials],
 ) -> None:
-    bench = wheels("tip_angle", arithmetic="float")
+    # A rover that must not rock, for the C of contacts does not: of one that may, it calls the
+    # diagonal a tip-over axis, its tip angle there is off by 98 % of the range, and grid is better
+    # (32 %).
+    bench = wheels("tip_angle", arithmetic="float", text=rover(rock_angle=0.0))
     found = best(bench, ["contacts", "grid"], Goal(60_000, None))
     assert found.export.codec == "contacts"
     assert not any(one.name == "grid" for one, _ in bench.tried)

@@ -1,6 +1,7 @@
 """The codec `grid`: multilinear tables with fitted nodes, and a verdict that is never too safe."""
 
 from collections.abc import Iterator
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from firmware_export.grid.tables import Tables
 from firmware_export.protocol.exported import Export
 from firmware_export.truth.model import Exact, Model
 from firmware_export.verdict import codec as verdict
+from firmware_export.verdict import train
 from firmware_export.verdict.lower import Places, excess
 from firmware_export.verdict.outline import outlines
 from lutgen.quantities import EXPORTABLE
@@ -253,3 +255,11 @@ def test_nodes_are_shared_out_as_the_axes_need_and_never_more_than_asked() -> No
         before = shape
     # u and v matter more than how far one wheel is lifted.
     assert shape[0] < min(shape[1:])
+
+
+def test_where_nothing_is_outlined_no_point_is_drawn() -> None:
+    axes = [np.linspace(0.0, 1.0, 4), np.linspace(0.0, 1.0, 3)]
+    for pieces, first in ((0, np.zeros(7, int)), (5, np.minimum(np.arange(7), 5))):
+        found = SimpleNamespace(pieces=np.ones((pieces, 4)), first=first, axes=axes)
+        place, face = train._outline_points(found, 1, 100, 3)  # type: ignore[arg-type]
+        assert len(place) == len(face) == (100 if pieces else 0)

@@ -2,6 +2,7 @@
 
 import errno
 import json
+import math
 import os
 from collections.abc import Callable
 from dataclasses import replace
@@ -16,6 +17,7 @@ from firmware_export.emit.source import body_of
 from firmware_export.protocol.exported import Export
 from lutgen.errors import ExportError, InputError
 from proofs.exports import PARETO, rover_export, tripod_export
+from proofs.recipes import rover
 from tests.fixtures.programs import contents, run
 
 NAMES = {
@@ -113,8 +115,14 @@ def test_without_a_choice_there_is_no_picture(export: Export, tmp_path: Path) ->
 # a library for others
 
 
+def beside_the_diagonal(name: str) -> Export:
+    """Return the export of a rover that stands on three wheels and must not rock to the fourth."""
+    return rover_export(name, text=rover(ahead=0.1, rock_angle=0.0))
+
+
 @pytest.mark.parametrize(
-    ("make", "first"), [(tripod_export, "reach        0.3 m"), (rover_export, "lift         0.4 m")]
+    ("make", "first"),
+    [(tripod_export, "reach        0.3 m"), (beside_the_diagonal, "lift         0.4 m")],
 )
 def test_the_example_compiles_in_one_command_and_prints_the_exact_reading(
     make: Callable[..., Export], first: str, tmp_path: Path
@@ -137,6 +145,20 @@ def test_the_example_compiles_in_one_command_and_prints_the_exact_reading(
     degrees = 57.29578 * (exact.tip_angle[0, 0] - float(export.tables.guard))
     assert float(values["tip_angle"][0]) == pytest.approx(degrees, abs=1.0)
     assert values["tip_angle"][1] == "deg"
+
+
+def test_the_example_of_a_robot_that_balances_on_a_diagonal_says_that_it_tips_over(
+    tmp_path: Path,
+) -> None:
+    # It may rock over the diagonal; the C stands on rests only, and both rests end there.
+    export = rover_export("robot")
+    middle = 0.5 * (export.model.lower + export.model.upper)
+    exact = export.model.exact([middle], [[[0.0, 0.0, -1.0]]])
+    package.write(export, tmp_path / "out")
+    run(tmp_path / "out", "sh", "-c", "cc -std=c99 *.c -o ../example")
+    printed = run(tmp_path, "./example").splitlines()
+    assert exact.tip_angle[0, 0] > math.radians(30.0)
+    assert "tips over" in printed
 
 
 @pytest.mark.needs("cmake")

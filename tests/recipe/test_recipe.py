@@ -72,7 +72,7 @@ LINK = '[[robot.link]]\nname = "leg"\n'
 CONTACTS = GOOD[GOOD.index("[[robot.contact]]") : GOOD.index("[sweep]")]
 LINKS = GOOD[GOOD.index("[[robot.link]]") : GOOD.index("[[robot.contact]]")]
 MANY = "".join(
-    f'[[robot.contact]]\nname = "c{i}"\nlink = "body"\nposition = [{i}, 0, 0]\n' for i in range(33)
+    f'[[robot.contact]]\nname = "c{i}"\nlink = "body"\nposition = [{i}, 0, 0]\n' for i in range(63)
 )
 CHANNELS = 'channels = ["sdg", "tip_angle"]'
 
@@ -143,7 +143,7 @@ BAD = {
         "offset = 5.0 }", "", "robot.parameter[2].name", "'reach'", "use it in a joint or remove"),
     "contacts missing": (CONTACTS, "", "robot.contact", "0", "add contacts"),
     "contacts few": (CONTACTS, CONTACTS[: CONTACTS.rindex("[[")], "robot.contact", "2", "add cont"),
-    "contacts many": (CONTACTS, MANY, "robot.contact", "33", "keep those that can touch"),
+    "contacts many": (CONTACTS, MANY, "robot.contact", "63", "keep those that can touch"),
     "contact twice": ('name = "tip"', 'name = "ball"', "robot.contact[2].name", "'ball'", "choose"),
     "contact link": ('link = "foot"', 'link = "food"', "robot.contact[1].link", "'food'", "'foot'"),
     "position missing": ("position = [0, 0, 0]", "", "robot.contact[1].position", "nothing",
@@ -426,7 +426,7 @@ def test_a_robot_given_by_code_is_found_beside_its_recipe_and_has_numbered_point
     ("function", "what"),
     [
         ("flat", r"must return contacts \(m, n, 3\) and com \(m, 3\) \(got \[\(1, 3\)"),
-        ("pair", r"must return 3 to 32 contacts \(got 2\)"),
+        ("pair", r"must return 3 to 62 contacts \(got 2\)"),
         ("lone", r"must return contacts and com \(got 'ndarray'\)"),
         ("lost", r"NaN or infinity at the middle posture"),
         ("none", r"module has no function none"),

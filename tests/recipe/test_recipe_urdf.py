@@ -140,7 +140,7 @@ def test_an_imported_recipe_and_one_that_names_the_description_are_the_same_robo
             {"contacts": WHEELS + on("chassis") + "radius = 0.1\n"},
             "means nothing without a position",
         ),
-        ({"contacts": on("left_arm")}, "needs 3 to 32 contacts"),
+        ({"contacts": on("left_arm")}, "needs 3 to 62 contacts"),
         ({"contacts": on("chassis") * 5}, "is given twice"),
         ({"urdf": ""}, "must not be empty"),
     ],

@@ -34,7 +34,7 @@ def export_of(recipe: str, codec: str, growth: int) -> Export:
     spec = module.start(model, EXPORTABLE, "float")[-1]
     for _ in range(growth):
         spec = module.grow(model, spec)[-1]
-    with few_points():
+    with few_points(turns=1):
         tables = module.encode(model, EXPORTABLE, spec)
     return Export(recipe, model.recipe, model, codec, "float", EXPORTABLE, tables)
 
@@ -91,7 +91,7 @@ def test_the_c_code_is_clean_under_the_sanitizers(
 
 def integer_export() -> Export:
     model = Model(load_recipe("maps/paper_two.toml"))
-    with few_points():
+    with few_points(turns=1):
         tables = grid.encode(model, EXPORTABLE, grid.start(model, EXPORTABLE, "integer")[0])
     return Export("paper_two", model.recipe, model, "grid", "integer", EXPORTABLE, tables)
 
