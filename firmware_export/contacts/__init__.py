@@ -1,4 +1,4 @@
-"""Codecs that store where the contacts are, and compute the rest: in closed form, or as polynomials.
+"""Codecs that store where the contacts are: in closed form, or as polynomials.
 
 In reading order: `closed`, `terms`, `three`, `many`, `layout`, `codec`, `shorten`, `poly`.
 """

@@ -16,12 +16,12 @@ from firmware_export.contacts.shorten import (
     start,
 )
 from firmware_export.protocol import CArray, CBody, CodecInfo
+from firmware_export.truth import Model, expand, least_edge_of, widened
 
 # Its number in runtime/blob.c; steps of the integer form from the com to the furthest contact;
 # words of a pose (runtime/three.c).
 POLY, STEPS, POSE = 2, 16000.0, (1 + 20 + 8, 1 + 8)
 
-from firmware_export.truth import Model, expand, least_edge_of, widened
 
 __all__ = ["INFO", "Spec", "Tables", "c_body", "encode", "grow", "refusal", "start"]
 

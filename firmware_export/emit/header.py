@@ -49,7 +49,7 @@ def _head(content: dict[str, Any]) -> list[str]:
     parameters = content["parameters"]
     lines = [
         "",
-        "Parameters, in this order; a sensor's slack beyond an end is read, more is SMAP_OFF_RANGE:",
+        "Parameters; a sensor's slack beyond an end is read, more is SMAP_OFF_RANGE:",
     ]
     lines += _columns([(p["macro"], axis_range(p), _slack(p), p["meaning"]) for p in parameters])
     if not parameters:

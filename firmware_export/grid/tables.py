@@ -33,8 +33,8 @@ MEANING = {
 class Place(NamedTuple):
     """How a parameter becomes a place on the tables' axis.
 
-    `low` (rad or length) is where the axis begins, `inverse` its units for one rad or length; `first`
-    and `rate` (times 2^14) the same of steps.
+    `low` (rad or length) is where the axis begins, `inverse` its units for one rad or length;
+    `first` and `rate` (times 2^14) the same of steps.
     """
 
     low: float

@@ -35,13 +35,20 @@ class Map(Protocol):
     """What is asked of a map: its bytes, and what reads them."""
 
     @property
-    def bytes(self) -> bytes: ...
+    def bytes(self) -> bytes:
+        """As they stand in flash."""
+
     @property
-    def codec(self) -> int: ...
+    def codec(self) -> int:
+        """Its number in runtime/blob.c."""
+
     @property
-    def params(self) -> int: ...
+    def params(self) -> int:
+        """How many parameters it has."""
+
     @property
-    def integer(self) -> bool: ...
+    def integer(self) -> bool:
+        """Whether it is read without floats."""
 
 
 class Host:

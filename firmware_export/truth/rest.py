@@ -1,4 +1,4 @@
-"""Is the facet of three contacts a rest in every posture, and how short can an edge normal be?"""
+"""Whether the facet of three contacts is always a rest, and how short an edge normal can be."""
 
 import math
 from functools import lru_cache
