@@ -90,8 +90,8 @@ def runtime_text(on: frozenset[str]) -> str:
     parts = [_without_licence(runtime_file(f"{name}.c")) for name in parts_of(on)]
     titles = [title.strip() for part in parts for title in _TITLE.findall(part)]
     contents = "\n".join(f" *   {title}" for title in titles)
-    return f"""{LICENCE}/* smap.c: reads the map of its export.  NAME.c takes it in behind its settings and its blob;
- * compiled by itself it is nothing.  Its promises are in smap.h.
+    return f"""{LICENCE}/* smap.c: reads the map of its export.  NAME.c takes it in behind its
+ * settings and its blob; compiled by itself it is nothing.  Its promises are in smap.h.
  *
 {contents} */
 #ifdef SMAP_FLOATS

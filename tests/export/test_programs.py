@@ -1,7 +1,6 @@
 """Exports in other people's programs: several at once, any flags, any build system, any name."""
 
 import json
-import os
 import shutil
 import subprocess
 from pathlib import Path
@@ -357,4 +356,4 @@ def test_what_does_not_compile_is_not_written(
     with pytest.raises(ExportError):
         package.write(tripod_export(), tmp_path / "e", lambda text: None)
     assert not (tmp_path / "e").exists()
-    assert os.listdir(tmp_path) == []
+    assert list(tmp_path.iterdir()) == []
