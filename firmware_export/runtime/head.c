@@ -26,8 +26,10 @@
 #endif
 
 /* Unless code is to be small, loops of a known number of turns become straight code, and functions part
- * of their callers: the tables of an export are known, so most of what they say becomes constants. */
-#if defined(__GNUC__) && !defined(__OPTIMIZE_SIZE__) && defined(__OPTIMIZE__) && !defined(SMAP_HOST)
+ * of their callers: the tables of an export are known, so most of what they say becomes constants.  Of
+ * many contacts next to nothing is known. */
+#if defined(__GNUC__) && !defined(__OPTIMIZE_SIZE__) && defined(__OPTIMIZE__) && \
+    !defined(SMAP_HOST) && !SMAP_MANY
 #define SMAP_INLINE static inline __attribute__((__always_inline__))
 #ifdef __clang__
 #define SMAP_UNROLL /* decides well by itself, and would warn of what it declines */

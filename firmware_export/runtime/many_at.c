@@ -56,8 +56,19 @@ static float smap_boundary(const smap_many_pose_t *o, uint8_t facet, const float
 {
   const uint8_t island = o->island[facet];
   const smap_segment_t *middle = o->segment + o->begin[facet];
-  const float near =
-      smap_nearest(o, middle, o->segment + o->last[island], g, inside, 1.0f, which);
+  float near = 1.0f;
+  if (inside && o->convex[facet]) {
+    uint8_t k;
+    for (k = o->first[island]; k < o->last[island]; k++) {
+      const float v = smap_dot(o->wall[o->segment[k].wall], g);
+      if (v < near) {
+        near = v;
+        *which = o->segment[k].wall;
+      }
+    }
+    return near;
+  }
+  near = smap_nearest(o, middle, o->segment + o->last[island], g, inside, near, which);
   return smap_nearest(o, o->segment + o->first[island], middle, g, inside, near, which);
 }
 

@@ -17,6 +17,7 @@ typedef struct {
   int16_t guard, slack;
   uint8_t kind[SMAP_MANY_SHOWN], island[SMAP_MANY_SHOWN], edge[SMAP_MANY_SHOWN + 1];
   uint8_t begin[SMAP_MANY_SHOWN], first[SMAP_MANY_SHOWN], last[SMAP_MANY_SHOWN];
+  uint8_t convex[SMAP_MANY_SHOWN];
   smap_rim_t rim[SMAP_MANY_EDGES];
   uint8_t over[SMAP_MANY_WALLS][2];
   smap_segment_t segment[SMAP_MANY_LINKS];
@@ -88,6 +89,7 @@ static void smap_many_make_i(const smap_many_pose_t *o, float sdg_step, float he
   memcpy(i->begin, o->begin, o->shown);
   memcpy(i->first, o->first, o->shown);
   memcpy(i->last, o->last, o->shown);
+  memcpy(i->convex, o->convex, o->shown);
   memcpy(i->edge, o->edge, o->shown + 1u);
   memcpy(i->rim, o->rim, o->edge[o->shown] * sizeof i->rim[0]);
   memcpy(i->over, o->over, o->walls * sizeof i->over[0]);
@@ -207,6 +209,17 @@ static int32_t smap_boundary_i(const smap_many_pose_i_t *o, uint8_t facet, const
 {
   const uint8_t island = o->island[facet];
   const smap_segment_t *middle = o->segment + o->begin[facet];
+  if (inside && o->convex[facet]) {
+    uint8_t k;
+    for (k = o->first[island]; k < o->last[island]; k++) {
+      const int32_t v = smap_dot_i(o->wall[o->segment[k].wall], g);
+      if (v < least) {
+        least = v;
+        *which = o->segment[k].wall;
+      }
+    }
+    return least;
+  }
   least = smap_nearest_i(o, middle, o->segment + o->last[island], g, inside, least, which);
   return smap_nearest_i(o, o->segment + o->first[island], middle, g, inside, least, which);
 }

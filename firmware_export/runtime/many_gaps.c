@@ -15,7 +15,10 @@
 #define SMAP_END 1e-4f      /* nearer to an end of a segment no balance is looked at */
 #define SMAP_HAIR 2e-4f     /* parts of the segment that a limit of a gap is drawn in */
 #define SMAP_NOISE 2e-3f   /* rad: over an arc as short the exact definition may go in a circle */
-#define SMAP_CAUGHT 2e-6f   /* of the size: what rounding may alter of S, N and R */
+#define SMAP_ENDS 6        /* rests that one way may end on */
+#define SMAP_CAUGHT 4e-7f /* of the size: what rounding may alter of S and N */
+#define SMAP_RAISED 2e-7f /* of the size: of R, by the rounding of normals */
+#define SMAP_TURNED 2e-6f /* of the size, for each rad: of R */
 
 /* Where the other way ends: on a facet, for a part of the segment, after a further turn. */
 typedef struct {
@@ -29,8 +32,9 @@ typedef struct {
   float g[2][3], rise[2];
   float low, high;   /* of the segment, that are left */
   float turned;      /* rad, so far */
+  float before;      /* rad, of that over further arcs than the first, which both ways share */
   uint8_t split, ends;
-  smap_end_t other[3]; /* of the other way */
+  const smap_end_t *other; /* of the other way */
 } smap_held_t;
 
 /* Let go between a and b. */
@@ -53,10 +57,13 @@ static void smap_forbid(smap_held_t *o, float a, float b)
   }
 }
 
-static void smap_widen(float span[2], float a, float b)
+/* Widen what is let go by the part of [a, b] that is left of the segment. */
+static void smap_widen(const smap_held_t *o, float span[2], float a, float b)
 {
-  span[0] = a < span[0] ? a : span[0];
-  span[1] = b > span[1] ? b : span[1];
+  if (a < o->high && b > o->low) {
+    span[0] = a < span[0] ? a : span[0];
+    span[1] = b > span[1] ? b : span[1];
+  }
 }
 
 /* Widen the part that is let go by what does not hold of q0 + q1 w + q2 w^2 >= 0, where it need hold
@@ -79,7 +86,7 @@ static void smap_lost_energy(const smap_held_t *o, const float q[3], float n0, f
     return;
   }
   if ((below && above) || !(d > 0.0f)) {
-    smap_widen(span, -1.0f, 2.0f);
+    smap_widen(o, span, -1.0f, 2.0f);
     return;
   }
   t = -0.5f * (q[1] + (q[1] < 0.0f ? -smap_root(d) : smap_root(d)));
@@ -91,11 +98,11 @@ static void smap_lost_energy(const smap_held_t *o, const float q[3], float n0, f
     b = t;
   }
   if (below) {
-    smap_widen(span, -1.0f, b > o->low && b < o->high ? b : a > o->low && a < o->high ? a : 2.0f);
+    smap_widen(o, span, -1.0f, b > o->low && b < o->high ? b : a > o->low && a < o->high ? a : 2.0f);
   } else if (above) {
-    smap_widen(span, a > o->low && a < o->high ? a : b > o->low && b < o->high ? b : -1.0f, 2.0f);
+    smap_widen(o, span, a > o->low && a < o->high ? a : b > o->low && b < o->high ? b : -1.0f, 2.0f);
   } else {
-    smap_widen(span, a, b);
+    smap_widen(o, span, a, b);
   }
 }
 
@@ -103,7 +110,7 @@ static void smap_lost_energy(const smap_held_t *o, const float q[3], float n0, f
 static int smap_lost(const smap_many_work_t *w, const float a[3], const float b[3],
                      const smap_held_t *o, float span[2])
 {
-  const float slack = SMAP_CAUGHT * w->map->size * w->map->size;
+  const float square = w->map->size * w->map->size, slack = SMAP_CAUGHT * square;
   float along[3], wall[3], s[2], n[2], r[2], q[3], size2, inverse;
   uint8_t k;
   span[0] = 3.0f;
@@ -121,12 +128,12 @@ static int smap_lost(const smap_many_work_t *w, const float a[3], const float b[
     const float *g = o->g[k];
     s[k] = smap_dot(wall, g) * inverse - slack;
     n[k] = smap_dot(a, g) - smap_dot(a, along) * smap_dot(along, g) * inverse * inverse + slack;
-    r[k] = o->rise[k] - slack;
+    r[k] = o->rise[k] - (SMAP_RAISED + SMAP_TURNED * o->turned) * square;
   }
   if (s[0] < 0.0f) {
-    smap_widen(span, -1.0f, s[1] < 0.0f ? 2.0f : s[0] / (s[0] - s[1]));
+    smap_widen(o, span, -1.0f, s[1] < 0.0f ? 2.0f : s[0] / (s[0] - s[1]));
   } else if (s[1] < 0.0f) {
-    smap_widen(span, s[0] / (s[0] - s[1]), 2.0f);
+    smap_widen(o, span, s[0] / (s[0] - s[1]), 2.0f);
   }
   {
     const float ds = s[1] - s[0], dn = n[1] - n[0], dr = r[1] - r[0];
@@ -201,75 +208,110 @@ static void smap_carry(const smap_roll_t *roll, const smap_held_t *from, smap_he
       to->g[end][k] = smap_dot(roll->turn[k], from->g[end]);
     }
   }
+  to->turned += roll->angle;
+  to->before += roll->angle;
+  to->split = 0;
 }
 
-/* Keep what is held where the robot goes on over edge e, in a part of the segment, onto a rest;
- * return how far that turns it, or -1. */
-static float smap_hold_beyond(smap_many_work_t *w, uint8_t e, const smap_held_t *o,
-                              float part[2])
+/* Let a gap roll on over edge e onto the rest there, for a part of the segment; 0 where it must not. */
+static int smap_roll_on(smap_many_work_t *w, uint8_t e, const smap_held_t *o, const float span[2],
+                        smap_held_t *next)
 {
   const uint8_t back = w->twin[e];
-  float span[2];
-  uint8_t at, left = SMAP_MANY_EDGES;
-  smap_line_t line;
+  float part[2];
   smap_roll_t roll;
-  smap_held_t next;
   if (back == SMAP_NONE || w->facet[w->owner[back]].kind != SMAP_REST ||
       smap_chord(&w->facet[w->owner[e]].at, &w->facet[w->owner[back]].at) + o->turned >
           w->map->rock_angle) {
-    return -1.0f;
+    return 0;
   }
   smap_roll(w, e, &roll);
   if (roll.angle < SMAP_NOISE) {
-    return -1.0f;
+    return 0;
   }
-  part[0] = part[0] > o->low ? part[0] : o->low;
-  part[1] = part[1] < o->high ? part[1] : o->high;
+  part[0] = span[0] > o->low ? span[0] : o->low;
+  part[1] = span[1] < o->high ? span[1] : o->high;
   smap_refuse(w, o, w->owner[back], roll.angle, part);
-  smap_carry(&roll, o, &next);
-  next.low = part[0];
-  next.high = part[1];
-  next.split = 0;
-  smap_line(w, back, &line);
-  for (at = smap_onward(w, back); at != back && left > 0 && next.low < next.high; left--) {
-    if (smap_leaves(w, &line, at, &next, span)) {
-      smap_forbid(&next, span[0], span[1]);
+  smap_carry(&roll, o, next);
+  next->low = part[0];
+  next->high = part[1];
+  return next->low < next->high;
+}
+
+/* Keep what the rest holds that the robot has come to over its edge `came`. */
+static int smap_hold_last(const smap_many_work_t *w, uint8_t came, smap_held_t *o)
+{
+  float span[2];
+  uint8_t at, left = SMAP_MANY_EDGES;
+  smap_line_t line;
+  smap_line(w, came, &line);
+  for (at = smap_onward(w, came); at != came && left > 0 && o->low < o->high; left--) {
+    if (smap_leaves(w, &line, at, o, span)) {
+      smap_forbid(o, span[0], span[1]);
     }
     at = smap_onward(w, at);
   }
-  if (next.split || !(next.low < next.high)) {
-    return -1.0f;
-  }
-  part[0] = next.low;
-  part[1] = next.high;
-  return roll.angle;
+  return !o->split && o->low < o->high;
 }
 
-/* Keep what a rest holds that the robot has come to over its edge `came`, or one next to it; list
- * where it ends. */
+/* Let go of what is lost but for the part that is held further on, and list where that ends. */
+static void smap_keep(const smap_many_work_t *w, uint8_t e, const smap_held_t *held, const float span[2],
+                      smap_held_t *o, smap_end_t *end)
+{
+  end->part[0] = held->low;
+  end->part[1] = held->high;
+  end->turn = held->before;
+  end->facet = w->owner[w->twin[e]];
+  smap_forbid(o, span[0], held->low > o->low ? held->low : span[0]);
+  smap_forbid(o, held->high < o->high ? held->high : span[1], span[1]);
+}
+
+/* As smap_hold_last, or one rest further on. */
+static int smap_hold_next(smap_many_work_t *w, uint8_t came, smap_held_t *o, smap_end_t *end,
+                          uint8_t *ends)
+{
+  const uint8_t first = *ends;
+  float span[2];
+  uint8_t at, left = SMAP_MANY_EDGES;
+  smap_line_t line;
+  smap_held_t next;
+  smap_line(w, came, &line);
+  for (at = smap_onward(w, came); at != came && left > 0 && o->low < o->high; left--) {
+    if (smap_leaves(w, &line, at, o, span)) {
+      if (*ends < SMAP_ENDS && smap_roll_on(w, at, o, span, &next) &&
+          smap_hold_last(w, w->twin[at], &next)) {
+        smap_keep(w, at, &next, span, o, &end[*ends]);
+        (*ends)++;
+      } else {
+        smap_forbid(o, span[0], span[1]);
+      }
+    }
+    at = smap_onward(w, at);
+  }
+  if (!o->split && o->low < o->high) {
+    return 1;
+  }
+  *ends = first;
+  return 0;
+}
+
+/* As smap_hold_last, or up to two rests further on; list where it ends. */
 static void smap_hold_rest(smap_many_work_t *w, uint8_t came, smap_held_t *o, smap_end_t *end,
                            uint8_t *ends)
 {
   float span[2];
   uint8_t e, left = SMAP_MANY_EDGES;
   smap_line_t line;
+  smap_held_t next;
   smap_line(w, came, &line);
   for (e = smap_onward(w, came); e != came && left > 0 && o->low < o->high; left--) {
     if (smap_leaves(w, &line, e, o, span)) {
-      smap_end_t *to = &end[*ends];
-      to->turn = -1.0f;
-      to->part[0] = span[0];
-      to->part[1] = span[1];
-      if (*ends < 3) {
-        to->turn = smap_hold_beyond(w, e, o, to->part);
-      }
-      if (to->turn < 0.0f) {
-        smap_forbid(o, span[0], span[1]);
-      } else {
-        smap_forbid(o, span[0], to->part[0] > o->low ? to->part[0] : span[0]);
-        smap_forbid(o, to->part[1] < o->high ? to->part[1] : span[1], span[1]);
-        to->facet = w->owner[w->twin[e]];
+      if (*ends < SMAP_ENDS && smap_roll_on(w, e, o, span, &next) &&
+          smap_hold_next(w, w->twin[e], &next, end, ends) && *ends < SMAP_ENDS) {
+        smap_keep(w, e, &next, span, o, &end[*ends]);
         (*ends)++;
+      } else {
+        smap_forbid(o, span[0], span[1]);
       }
     }
     e = smap_onward(w, e);
@@ -297,12 +339,24 @@ static void smap_begin_gap(smap_held_t *o, const smap_roll_t *roll, const float 
   }
 }
 
+/* Whether the middle of the segment is held further on. */
+static int smap_is_further(const smap_end_t *end, uint8_t count)
+{
+  uint8_t k;
+  for (k = 0; k < count; k++) {
+    if (end[k].part[0] <= 0.5f && end[k].part[1] >= 0.5f) {
+      return 1;
+    }
+  }
+  return 0;
+}
+
 /* Over which part of an edge between two rests the robot is caught. */
 static void smap_find_gap(smap_many_work_t *w, uint8_t e)
 {
   static const float trial[5] = {0.5f, 0.25f, 0.75f, 0.1f, 0.9f};
   const uint8_t back = w->twin[e];
-  smap_end_t ends[4];
+  smap_end_t ends[SMAP_ENDS], more[SMAP_ENDS], here;
   smap_roll_t roll;
   smap_held_t o;
   float low, high;
@@ -318,20 +372,26 @@ static void smap_find_gap(smap_many_work_t *w, uint8_t e)
   o.high = 1.0f - SMAP_END;
   o.split = 0;
   o.turned = roll.angle;
+  o.before = 0.0f;
   o.ends = 1;
-  smap_all_of(&o.other[0], w->owner[e]);
+  o.other = &here;
+  smap_all_of(&here, w->owner[e]);
   smap_all_of(&ends[0], w->owner[back]);
   smap_begin_gap(&o, &roll, smap_corner(w, e), smap_end(w, e));
   smap_hold_rest(w, back, &o, ends, &count);
   if (!(o.low < o.high)) {
     return;
   }
-  memcpy(o.other, ends, sizeof o.other);
+  o.other = ends;
   o.ends = count;
   smap_reverse(&roll);
   smap_begin_gap(&o, &roll, smap_end(w, back), smap_corner(w, back));
-  count = 0;
-  smap_hold_rest(w, e, &o, ends, &count);
+  k = 0;
+  smap_hold_rest(w, e, &o, more, &k);
+  if (o.split && (smap_is_further(ends + 1, (uint8_t)(count - 1u)) || smap_is_further(more, k))) {
+    /* In two parts, and held by a third rest: the exact definition may take the other part. */
+    return;
+  }
   low = o.low > SMAP_END ? o.low + SMAP_HAIR : 0.0f;
   high = o.high < 1.0f - SMAP_END ? o.high - SMAP_HAIR : 1.0f;
   for (k = 0; k < (o.split ? 1 : 5); k++) {

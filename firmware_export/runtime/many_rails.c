@@ -18,6 +18,7 @@
  */
 #define SMAP_NEVER 2.0f
 #define SMAP_RECESS 3e-7f /* of the size: inner rails count as this much higher */
+#define SMAP_ON 4e-6f     /* of tan(pitch / 2): this far apart are changes of one rail */
 #define SMAP_FAR 1e30f
 
 typedef struct {
@@ -114,6 +115,19 @@ static float smap_turns(const smap_many_work_t *w, const smap_hull_t *o, uint8_t
   return o->on[k] ? smap_crossing(-x, -z, -q, u) : smap_crossing(x, z, q, u);
 }
 
+/* Find which rails are on the hull at a pitch of -90 deg: what is below its neighbours' chord goes. */
+static void smap_begin_hull(const smap_many_work_t *w, smap_hull_t *o)
+{
+  uint8_t left, k;
+  for (left = w->map->rails; left > 0; left--) {
+    for (k = 1; k + 1 < w->map->rails; k++) {
+      if (o->on[k] && smap_turns(w, o, k, -1.0f) == -1.0f) {
+        o->on[k] = 0;
+      }
+    }
+  }
+}
+
 /* Put the contacts into the frame of the axis; find each rail's disc at a pitch of -90 deg. */
 static void smap_lay_out(smap_many_work_t *w, const smap_many_place_t *place, smap_hull_t *o)
 {
@@ -134,11 +148,12 @@ static void smap_lay_out(smap_many_work_t *w, const smap_many_place_t *place, sm
       }
     }
     o->disc[k] = best;
-    o->on[k] = k == 0 || k + 1 == m->rails;
+    o->on[k] = 1;
     o->changed[k] = -SMAP_NEVER;
     o->own[k] = SMAP_NONE;
     smap_next_bend(w, o, k, -1.0f);
   }
+  smap_begin_hull(w, o);
 }
 
 static inline float smap_level(const smap_many_work_t *w, uint8_t i, float s, float c)
@@ -296,8 +311,12 @@ static void smap_find_facets(smap_many_work_t *w, const smap_many_place_t *place
         bends = 1;
       }
       if (k > 0 && k + 1 < w->map->rails) {
-        const float at = smap_turns(w, &o, k, u);
-        if (at < first && at != o.changed[k]) {
+        float at = smap_turns(w, &o, k, u);
+        if (at == o.changed[k]) {
+          /* What has just changed may be wrong by rounding: look a little further on. */
+          at = smap_turns(w, &o, k, u + SMAP_ON);
+        }
+        if (at < first) {
           first = at;
           which = k;
           bends = 0;

@@ -5,7 +5,9 @@
  *
  * All contacts within the tolerance of a facet's plane make up its polygon.
  */
-#define SMAP_TURN_SHORT 4e-5f /* rad: arcs as short as this join what is one facet */
+#define SMAP_BELOW 2e-5f        /* of the size: a facet has no contact as far below it */
+#define SMAP_TURN_SHORT 4e-5f   /* rad: arcs as short as this join what is one facet */
+#define SMAP_TURN_ROUNDED 2e-6f /* rad: the same for a robot that may not rock */
 
 /* A contact on a facet's plane: its place along and across. */
 typedef struct {
@@ -25,17 +27,22 @@ static void smap_frame(const smap_aim_t *aim, float along[3], float across[3])
   across[2] = n[1] * along[0];
 }
 
-/* List the contacts that reach as far as `top` along a plane's normal, sorted by b. */
+/* List the contacts that reach as far as `top` along a plane's normal, sorted by b; none where one
+ * reaches beyond `most`. */
 static uint8_t smap_list_spots(const smap_many_work_t *w, const smap_aim_t *aim, float top,
-                               smap_spot_t *spot)
+                               float most, smap_spot_t *spot)
 {
-  float along[3], across[3], p[3];
+  float along[3], across[3], p[3], reach;
   uint8_t i, at, count = 0;
   smap_frame(aim, along, across);
   for (i = 0; i < w->map->contacts; i++) {
     smap_spot_t here;
     smap_touch(w, i, aim, p);
-    if (!(smap_dot(p, aim->n) >= top)) {
+    reach = smap_dot(p, aim->n);
+    if (reach > most) {
+      return 0;
+    }
+    if (!(reach >= top)) {
       continue;
     }
     here.contact = i;
@@ -80,7 +87,7 @@ static uint8_t smap_corners_near(const smap_many_work_t *w, const smap_aim_t *at
 {
   smap_spot_t spot[SMAP_MANY_CONTACTS];
   uint8_t corner[2 * SMAP_MANY_CONTACTS + 1], k;
-  const uint8_t n = smap_polygon(spot, smap_list_spots(w, at, top, spot), corner);
+  const uint8_t n = smap_polygon(spot, smap_list_spots(w, at, top, 4.0f * w->map->size, spot), corner);
   for (k = 0; k < n; k++) {
     /* From outside (a, b) is left-handed. */
     contact[k] = spot[corner[n - 1u - k]].contact;
@@ -142,9 +149,13 @@ static void smap_classify(smap_many_work_t *w)
   uint8_t corner[2 * SMAP_MANY_CONTACTS + 1], f, k;
   for (f = 0; f < w->facets; f++) {
     smap_facet_t *facet = &w->facet[f];
-    const uint8_t n = smap_polygon(
-        spot, smap_list_spots(w, &facet->at, facet->h - w->map->tolerance, spot), corner);
-    facet->kind = SMAP_STAGE;
+    const uint8_t count = smap_list_spots(w, &facet->at, facet->h - w->map->tolerance,
+                                          facet->h + SMAP_BELOW * w->map->size, spot);
+    const uint8_t n = smap_polygon(spot, count, corner);
+    facet->kind = count ? SMAP_STAGE : SMAP_REFUSED;
+    if (count == 0) {
+      continue;
+    }
     if (n < 3 || !smap_centroid(spot, corner, n, facet, facet->centre)) {
       for (k = 0; k < 3; k++) {
         const uint8_t e = facet->first;
@@ -159,6 +170,7 @@ static void smap_classify(smap_many_work_t *w)
 /* Mark the arcs between rests that are one but for rounding. */
 static void smap_mark_short(smap_many_work_t *w)
 {
+  const float turn = w->map->rock_angle < SMAP_TURN_SHORT ? SMAP_TURN_ROUNDED : SMAP_TURN_SHORT;
   uint8_t e;
   for (e = 0; e < w->edges; e++) {
     const uint8_t back = w->twin[e];
@@ -169,7 +181,7 @@ static void smap_mark_short(smap_many_work_t *w)
       float d[3];
       smap_minus(f->at.n, g->at.n, d);
       if (f->kind == SMAP_REST && g->kind == SMAP_REST &&
-          smap_dot(d, d) < SMAP_TURN_SHORT * SMAP_TURN_SHORT) {
+          smap_dot(d, d) < turn * turn) {
         w->low[e] = SMAP_SHORT;
       }
     }

@@ -8,7 +8,8 @@
  * where nothing is below the planes between them.  A facet or an arc that is not found makes the
  * region smaller and never larger.
  */
-#define SMAP_TOUCHES 4e-6f /* of the size: nearer to a plane a contact touches it */
+#define SMAP_TOUCHES 1e-6f /* of the size: nearer to a plane a contact touches it */
+#define SMAP_NOISY 3e-6f   /* of the size: nearer to a plane a contact is not below it */
 #define SMAP_NEWTON 8
 
 /* Where a contact touches a plane. */
@@ -116,7 +117,7 @@ static uint8_t smap_corners_near(const smap_many_work_t *w, const smap_aim_t *at
 /* Enter the facet of three contacts, if it is one and new. */
 static void smap_try(smap_many_work_t *w, const uint8_t three[3])
 {
-  const float near = SMAP_TOUCHES * w->map->size;
+  const float size = w->map->size;
   uint8_t contact[SMAP_MANY_CONTACTS], n, k, f, e;
   smap_aim_t at;
   float h, d[3];
@@ -125,11 +126,11 @@ static void smap_try(smap_many_work_t *w, const uint8_t three[3])
     return;
   }
   for (k = 0; k < w->map->contacts; k++) {
-    if (smap_extent(w, k, &at) > h + near) {
+    if (smap_extent(w, k, &at) > h + SMAP_NOISY * size) {
       return;
     }
   }
-  n = smap_corners_near(w, &at, h - near, contact);
+  n = smap_corners_near(w, &at, h - SMAP_TOUCHES * size, contact);
   for (f = 0; f < w->facets; f++) {
     smap_minus(w->facet[f].at.n, at.n, d);
     if (smap_dot(d, d) < 1e-8f) {
@@ -155,7 +156,7 @@ static int smap_is_clear(const smap_many_work_t *w, uint8_t e, uint8_t back)
     smap_aim_t at;
     float h;
     smap_on_arc(w, i, j, from, to, 0.25f * (float)part, &at);
-    h = smap_extent(w, i, &at) + 2.0f * SMAP_TOUCHES * w->map->size;
+    h = smap_extent(w, i, &at) + 2.0f * SMAP_NOISY * w->map->size;
     for (k = 0; k < w->map->contacts; k++) {
       if (smap_extent(w, k, &at) > h) {
         return 0;

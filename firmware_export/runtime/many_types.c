@@ -32,11 +32,11 @@
 #define SMAP_MANY_SIDES (4 * SMAP_MANY_SHOWN)
 #endif
 #ifndef SMAP_MANY_ARCS
-#define SMAP_MANY_ARCS SMAP_MANY_FACETS
+#define SMAP_MANY_ARCS ((SMAP_MANY_FACETS + 1) / 2) /* whose rolls are kept */
 #endif
 #define SMAP_NONE 255u
 
-enum { SMAP_STAGE = 1, SMAP_REST = 2 };
+enum { SMAP_REFUSED = 0, SMAP_STAGE = 1, SMAP_REST = 2 };
 
 typedef struct {
   float p[3];
@@ -79,6 +79,7 @@ typedef struct {
   uint8_t kind[SMAP_MANY_SHOWN], island[SMAP_MANY_SHOWN], edge[SMAP_MANY_SHOWN + 1];
   uint8_t begin[SMAP_MANY_SHOWN]; /* a segment on the facet */
   uint8_t first[SMAP_MANY_SHOWN], last[SMAP_MANY_SHOWN]; /* of an island's segments, and beyond */
+  uint8_t convex[SMAP_MANY_SHOWN]; /* whether the facet's island is: no end of a segment is bent */
   smap_rim_t rim[SMAP_MANY_EDGES];
   uint8_t over[SMAP_MANY_WALLS][2];
   smap_segment_t segment[SMAP_MANY_LINKS];
@@ -99,7 +100,8 @@ typedef struct {
 /* What a roll over an arc does. */
 typedef struct {
   float turn[3][3]; /* gravity before to gravity after */
-  float rise[3];    /* rise of the com = rise . gravity before */
+  float rise[3];    /* rise of the com = rise . gravity before, over the first contact of an edge */
+  float other[3];   /* the same over its second contact: a finite step is not quite one turn */
   float angle;
 } smap_roll_t;
 

@@ -15,10 +15,14 @@
  *   curve, cut into pieces that lose a little of the strip and add nothing to it: along tangents
  *   where it bulges into the strip, along its chord where it bulges outwards.
  */
+#if SMAP_MANY_RAILS
 #define SMAP_PIECE 0.2f  /* rad: longest piece of a side */
+#else
+#define SMAP_PIECE 0.07f  /* two rims that turn at different rates make no circle between them */
+#endif
 #define SMAP_LOST 2e-4f  /* of the size: what the exact definition's pieces lose */
 #define SMAP_PIECES 12.0f
-#define SMAP_ALIKE 3e-3f /* rad: a side as short as this is straight */
+#define SMAP_STRAIGHT 1e-7f /* of the size, squared: a side as short as this is straight */
 
 /* Scale a vector to length 1; 0 where it has no direction. */
 static int smap_scale(const float v[3], float out[3])
@@ -56,16 +60,28 @@ static uint8_t smap_add_point(smap_many_work_t *w, smap_many_pose_t *o, const fl
   return o->points++;
 }
 
-/* How many pieces the exact definition cuts the strip of an edge into. */
-static float smap_pieces(const smap_many_work_t *w, uint8_t e, float chord)
+/* How many pieces the exact definition cuts the strip of an edge into; `turn` is by how much the
+ * contacts go on along their rims (rad). */
+static float smap_pieces(const smap_many_work_t *w, uint8_t e, float *turn)
 {
-  const float ri = w->r[w->vertex[e]], rj = w->r[w->vertex[w->next[e]]];
-  const float most = (ri > rj ? ri : rj) * chord * chord * 0.125f, lost = SMAP_LOST * w->map->size;
-  float n;
-  if (most <= lost) {
-    return 1.0f;
+  const uint8_t back = w->twin[e], contact[2] = {w->vertex[e], w->vertex[w->next[e]]};
+  float most = 0.0f, d[3], n;
+  uint8_t k;
+  *turn = 0.0f;
+  for (k = 0; k < 2; k++) {
+    const float r = w->r[contact[k]];
+    if (r > 0.0f) {
+      float chord2;
+      smap_minus(k ? smap_end(w, e) : smap_corner(w, e), k ? smap_corner(w, back) : smap_end(w, back),
+                 d);
+      chord2 = smap_dot(d, d) / r;
+      most = chord2 > most ? chord2 : most;
+      n = smap_root(chord2 / r);
+      *turn = n > *turn ? n : *turn;
+    }
   }
-  n = 1.0f + (float)(int32_t)smap_root(most / lost);
+  most *= 0.125f / (SMAP_LOST * w->map->size);
+  n = most > 1.0f ? 1.0f + (float)(int32_t)smap_root(most) : 1.0f;
   return n < SMAP_PIECES ? n : SMAP_PIECES;
 }
 
@@ -106,10 +122,11 @@ static void smap_bulge(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e, smap
 {
   const smap_aim_t *from = &w->facet[w->owner[e]].at, *to = &w->facet[w->owner[w->twin[e]]].at;
   const uint8_t i = w->vertex[e], j = w->vertex[w->next[e]];
-  const float chord = smap_chord(from, to), pieces = smap_pieces(w, e, chord);
-  float count = (float)(int32_t)(chord * (1.0f / SMAP_PIECE)) + 1.0f, last[3], a[3], b[3];
+  float count, turn, last[3], a[3], b[3];
+  const float pieces = smap_pieces(w, e, &turn);
   smap_aim_t here = *from, there;
   uint8_t k;
+  count = (float)(int32_t)(turn * (1.0f / SMAP_PIECE)) + 1.0f;
   count = count > pieces ? pieces : count;
   smap_copy(p, last);
   for (k = 1; (float)k <= count; k++) {
@@ -164,8 +181,7 @@ static void smap_add_side(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
   smap_mix(middle, chord, w->low[e], middle);
   smap_cross(p, q, chord);
   side->inwards = smap_dot(chord, middle) > 0.0f;
-  if (side->inwards &&
-      smap_chord(&w->facet[w->owner[e]].at, &w->facet[w->owner[back]].at) > SMAP_ALIKE) {
+  if (side->inwards && smap_dot(d, d) > SMAP_STRAIGHT * w->map->size * w->map->size) {
     smap_bulge(w, o, e, side, p, q);
   } else {
     smap_add_piece(w, o, side, p, q, i);
@@ -272,6 +288,10 @@ static void smap_find_boundary(smap_many_work_t *w, smap_many_pose_t *o)
   }
   for (k = 0; k < o->shown; k++) {
     const uint8_t island = o->island[k];
+    o->convex[k] = 1;
+    for (e = o->first[island]; e < o->last[island]; e++) {
+      o->convex[k] = o->convex[k] && !o->segment[e].bent;
+    }
     if (o->begin[k] < o->first[island] || o->begin[k] >= o->last[island]) {
       o->begin[k] = o->first[island];
     }
