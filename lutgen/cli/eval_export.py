@@ -16,13 +16,15 @@ if TYPE_CHECKING:
 
 STATUS = {
     0: "SMAP_OK",
-    1: "SMAP_CLAMPED",
     2: "SMAP_TIPS",
     3: "SMAP_OFF_CHART",
+    4: "SMAP_ROCKS",
+    5: "SMAP_OFF_RANGE",
+    6: "SMAP_CORRUPT",
     -1: "SMAP_INVALID",
 }
-# Answers with which the robot is said to stand; nothing is known off the chart.
-STANDS, OFF_CHART = ("SMAP_OK", "SMAP_CLAMPED"), "SMAP_OFF_CHART"
+# Answers with which the robot is said not to tip; nothing is known off the chart or the axes.
+STANDS, UNKNOWN = ("SMAP_OK", "SMAP_ROCKS"), ("SMAP_OFF_CHART", "SMAP_OFF_RANGE")
 # What smap_read_i calls a channel that is not held, and its full scale.
 NOT_HELD, FULL_SCALE = 65535, 32767
 
@@ -42,20 +44,20 @@ def export_report(
     values = internal_values(str(directory), units, assignments)
     for parameter, value in zip(content["parameters"], values, strict=True):
         if not parameter["min"] <= value <= parameter["max"]:
-            log.warning("parameter %s is outside the export's range: clamped", parameter["name"])
+            log.warning("parameter %s is outside the export's range", parameter["name"])
     if folder.integer:
         status, channels = _read_integer(folder, values, gravity)
     else:
         codes, readings = folder.host.read([values], [gravity])
         status = STATUS[int(codes[0])]
         channels = dict(zip(EXPORTABLE, map(float, readings[0]), strict=True))
-    known = status != OFF_CHART
+    known = status not in UNKNOWN
     return {
         "robot": content["robot"],
         "source": "compiled",
         "length_unit": content["length_unit"],
         "status": status,
-        "on_chart": known,
+        "on_chart": status != "SMAP_OFF_CHART",
         "standing": status in STANDS if known else None,
         **channel_entries(
             {name: channels[name] if known else math.nan for name in content["channels"]}
@@ -71,7 +73,8 @@ def _read_integer(
     for parameter, value in zip(folder.report["parameters"], values, strict=True):
         low, high = parameter["min"], parameter["max"]
         code = round((value - low) / (high - low) * FULL_SCALE)
-        row.append(-1 if value < low else min(code, FULL_SCALE))
+        # Above the upper end there are no steps: off range.
+        row.append(max(code, -FULL_SCALE - 1) if value <= high else -FULL_SCALE - 1)
     down = np.asarray(gravity, dtype=np.float64)
     # The longest vector of the same direction that fits resolves it best.
     down = np.rint(down / np.abs(down).max() * FULL_SCALE)

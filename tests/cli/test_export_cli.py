@@ -139,7 +139,7 @@ def test_eval_of_an_export_prints_status_and_channels_with_units(place: Path) ->
 @pytest.mark.parametrize(
     ("arguments", "status", "standing"),
     [
-        (("-p", "reach=9", "-p", "swing=10"), "SMAP_CLAMPED", True),
+        (("-p", "reach=9", "-p", "swing=10"), "SMAP_OFF_RANGE", None),
         ((*POINT, "-g", "1,0,-1"), "SMAP_TIPS", False),
         ((*POINT, "-g", "0,0,1"), "SMAP_OFF_CHART", None),
     ],
@@ -155,8 +155,8 @@ def test_eval_of_an_export_names_the_status(
 def test_eval_of_an_export_warns_of_a_parameter_beyond_its_end(
     place: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    good("eval", place / "firmware", "-p", "reach=9", "-p", "swing=10")
-    assert "parameter reach is outside the export's range: clamped" in caplog.text
+    data("eval", place / "firmware", "-p", "reach=9", "-p", "swing=10", code=3)
+    assert "parameter reach is outside the export's range" in caplog.text
 
 
 def test_eval_of_an_integer_export_gives_degrees_too(tmp_path: Path) -> None:
@@ -168,8 +168,9 @@ def test_eval_of_an_integer_export_gives_degrees_too(tmp_path: Path) -> None:
     exact = export.model.exact([[0.3, math.radians(10.0)]], direction).tip_angle[0, 0]
     # Of the sine, interpolated from below between few nodes.
     assert 0.5 * exact < math.radians(report["tip_angle_deg"]) <= exact
-    below = data("eval", tmp_path / "whole", "-p", "reach=-1", "-p", "swing=10")
-    assert below["status"] in ("SMAP_CLAMPED", "SMAP_TIPS")
+    for beyond in ("reach=-1", "reach=9"):
+        below = data("eval", tmp_path / "whole", "-p", beyond, "-p", "swing=10", code=3)
+        assert below["status"] == "SMAP_OFF_RANGE"
 
 
 def test_eval_of_an_export_knows_the_parameters(place: Path) -> None:
