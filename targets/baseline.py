@@ -14,21 +14,43 @@ FILE = Path(__file__).resolve().parent / "baseline.json"
 # Share by which a number may be worse, or better without asking for an update.
 TOLERANCE = 0.02
 # What is compared; all of it is better the smaller it is.
-MEASURES = ("min", "median", "max", "code", "stack")
+MEASURES = ("code", "stack", "pose_bytes", "pose_i_bytes")
+# Of every call: what was counted.
+COUNTED = ("min", "median", "max")
 
-Numbers = dict[str, int | None]
+Cell = dict[str, Any]
 
 
-def numbers(outcome: Outcome) -> Numbers:
-    """Return what the baseline holds of a cell: counts, bytes of code and of stack.
+def numbers(outcome: Outcome) -> Cell:
+    """Return what the baseline holds of a cell: bytes of code, stack and poses, counts of each call.
 
+    `form_i` is what the integer form of a posture takes on top of the float form.
     Of a part that has no room for the export it holds an empty cell.
     """
-    counts = sorted(outcome.counts)
-    result: Numbers = {"code": outcome.footprint.code, "stack": outcome.footprint.stack}
-    if counts:
-        result |= {"min": counts[0], "median": median_low(counts), "max": counts[-1]}
+    result: Cell = {
+        "code": outcome.footprint.code,
+        "stack": outcome.footprint.stack,
+        "pose_bytes": outcome.pose,
+        "pose_i_bytes": outcome.pose_i,
+        "calls": {},
+    }
+    calls = {call: list(found) for call, found in outcome.counts.items() if found}
+    if "both" in calls:
+        pairs = zip(calls["both"], calls["pose"], strict=True)
+        calls["form_i"] = [both - alone for both, alone in pairs]
+    for call, found in calls.items():
+        counts = sorted(found)
+        of_call = (counts[0], median_low(counts), counts[-1])
+        result["calls"][call] = dict(zip(COUNTED, of_call, strict=True))
     return result
+
+
+def flat(cell: Cell) -> dict[str, int | None]:
+    """Return the numbers of a cell under one name each, as ``at_i median``."""
+    found = {name: cell.get(name) for name in MEASURES}
+    for call, counts in cell.get("calls", {}).items():
+        found |= {f"{call} {name}": counts[name] for name in COUNTED}
+    return found
 
 
 def load(path: Path = FILE) -> dict[str, Any]:
@@ -113,9 +135,11 @@ def compare(content: dict[str, Any], found: dict[str, Any]) -> tuple[list[str], 
                 if known is None:
                     worse.append(f"{label}: is not in the baseline")
                     continue
-                for measure in MEASURES:
+                before, now = flat(known), flat(cell)
+                for measure in sorted(before.keys() | now.keys()):
                     _judge(
-                        f"{label} {measure}", known.get(measure), cell.get(measure), worse, better
+                        *(f"{label} {measure}", before.get(measure), now.get(measure)),
+                        *(worse, better),
                     )
     return worse, better
 
@@ -156,12 +180,13 @@ def published(content: dict[str, Any], boards: Iterable[Board], names: Iterable[
                 "target": board.title,
                 "option": option,
                 "unit": board.unit,
-                "median": cell["median"],
-                "max": cell["max"],
+                "call": call,
+                "median": counts["median"],
+                "max": counts["max"],
             }
             for board in boards
             for option, cell in sorted(row["boards"].get(board.name, {}).items())
-            if "max" in cell
+            for call, counts in sorted(cell.get("calls", {}).items())
         ]
         same = {key: row[key] for key in ("recipe_sha256", "spec", "arithmetic", "channels")}
         rows.append(same | {"targets": targets})

@@ -1,4 +1,4 @@
-"""The rows of the matrix: the exports of `make maps`, small grids, and a table beyond 64 KB.
+"""The rows of the matrix: robots of every kind of code, tables of positions and over gravity.
 
 Owns how a row becomes an `Export` (for the host) and a folder of C with the present runtime.
 What takes long to fit is kept in build/targets/tables, by the digest of what it depends on.
@@ -7,15 +7,15 @@ What takes long to fit is kept in build/targets/tables, by the digest of what it
 import hashlib
 import pickle
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from firmware_export.codecs import CODECS, codec, usable
-from firmware_export.emit import package, report
+from firmware_export.codecs import CODECS, usable
+from firmware_export.emit import package
 from firmware_export.emit.runtime import features, runtime_text
 from firmware_export.emit.source import body_of, source_text
 from firmware_export.grid import lookup
@@ -25,13 +25,14 @@ from firmware_export.protocol.exported import Export
 from firmware_export.truth.model import Model
 from lutgen.errors import ExportError
 from lutgen.quantities import EXPORTABLE
-from lutgen.recipe.recipe import load_recipe, parse_recipe
+from lutgen.recipe.recipe import Recipe, load_recipe, parse_recipe
 
 ROOT = Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build" / "targets"
 MAPS = ROOT / "build" / "maps"
-# One robot of each kind of code: the other robots of maps/ run that of `absolem`.
-ROBOTS = ("absolem", "paper_one", "paper_two", "three_leg_sphere")
+# Robots whose contacts are computed, one of each kind of code: rails, many of them, rigid wheels,
+# axes that are not parallel, three points.
+ROBOTS = ("marv", "absolem", "excavator", "articulated", "paper_two", "three_leg_sphere")
 VERDICT = ("tip_angle",)
 # What tables depend on: the codecs, and the exact kernels that they ask.
 SOURCES = (
@@ -73,9 +74,8 @@ max_tilt = 60.0
 nodes = 11
 channels = ["sdg", "tip_angle", "height"]
 """
-STOOL_SPEC = lookup.Spec(8, ((), (), ()))
-# A row of the table in docs/measured/exports.md.
-FOUR_AXES = lookup.Spec(16, ((1, 8), (8, 1), (1, 1)))
+# Sizes of about 1 % of largest error, and of polynomials to 0.1 mm.
+GRID_SPEC = lookup.Spec(16, ((1, 8), (8, 1), (1, 1)))
 
 
 @dataclass(frozen=True)
@@ -97,12 +97,6 @@ class Case:
     folder: Path | None = None
 
 
-def spec_of(label: str) -> tuple[str, Any]:
-    """Return the codec and the size that a report names."""
-    name = label.split()[0]
-    return name, codec(name).read_label(label)
-
-
 def encoded(model: Model, name: str, channels: tuple[str, ...], spec: Any) -> Any:
     """Return a codec's tables of one size, from build/targets/tables if they are there."""
     text = repr((model.recipe.digest, name, channels, spec)).encode()
@@ -120,46 +114,28 @@ def encoded(model: Model, name: str, channels: tuple[str, ...], spec: Any) -> An
     return tables
 
 
-def of_map(name: str) -> Export:
-    """Return the export that `make maps` made of a recipe, rebuilt from what its report says."""
-    directory = MAPS / name / "firmware"
-    if not directory.is_dir():
-        raise ExportError(
-            f"{directory.relative_to(ROOT)}: is not there (got no folder); run `make maps`."
-        )
-    content = report.load_report(directory)
+def of_recipe(name: str, kind: str, arithmetic: str = "float", spec: Any = None) -> Export:
+    """Return the export of a recipe in a codec, of its smallest size by default."""
     model = Model(load_recipe(ROOT / "maps" / f"{name}.toml"))
-    kind, spec = spec_of(content["spec"])
-    channels = tuple(channel for channel in EXPORTABLE if channel in content["channels"])
-    tables = encoded(model, kind, channels, spec)
-    return Export(
-        content["name"], model.recipe, model, kind, content["arithmetic"], channels, tables
+    channels = tuple(
+        channel
+        for channel in EXPORTABLE
+        if channel in model.recipe.channels or channel == "tip_angle"
     )
+    one = usable(model, arithmetic, kind)[0]
+    size = spec or one.sizes(model, channels, arithmetic)[0]
+    tables = encoded(model, kind, channels, size)
+    return Export(name, model.recipe, model, kind, arithmetic, channels, tables)
 
 
-def of_stool(arithmetic: str) -> Export:
-    """Return the tip angle of the stool: one table of two axes."""
-    model = Model(parse_recipe(STOOL))
-    tables = encoded(model, "grid", VERDICT, STOOL_SPEC)
-    return Export("stool", model.recipe, model, "grid", arithmetic, VERDICT, tables)
-
-
-def of_four_axes(arithmetic: str, channels: tuple[str, ...]) -> Export:
-    """Return a grid of the paper's second robot, all of it or its first table alone."""
-    model = Model(load_recipe(ROOT / "maps" / "paper_two.toml"))
-    tables = encoded(model, "grid", EXPORTABLE, FOUR_AXES)
-    tables = replace(tables, channels=channels)
-    return Export("four_axes", model.recipe, model, "grid", arithmetic, channels, tables)
-
-
-def of_noise(arithmetic: str) -> Export:
-    """Return 74,529 bytes of codes that mean nothing: what matters is where they lie."""
-    model = Model(load_recipe(ROOT / "maps" / "paper_two.toml"))
-    shape = (13, 13, 21, 21)
+def of_noise(arithmetic: str, source: Recipe, shape: tuple[int, ...]) -> Export:
+    """Return a table over gravity with codes that mean nothing: what matters is where they lie."""
+    model = Model(source)
     knots = tuple(np.linspace(0, SPAN, n).round().astype(np.uint16) for n in shape)
     codes = np.random.default_rng(8).integers(0, 256, (1, *shape, 1)).astype(np.uint8)
     offset = np.full(2, -0.5, np.float32)
-    part = Part("tip", (0, 1, V, U), knots, codes, offset, np.float32(1.0 / 256.0))
+    axes = (*range(model.k), V, U)
+    part = Part("tip", axes, knots, codes, offset, np.float32(1.0 / 256.0))
     spec = Spec(8, (("tip", shape),))
     tables = Tables(
         spec, VERDICT, (part,), model.chart_limit, places_of(model), 0.0, "codes that mean nothing"
@@ -167,29 +143,39 @@ def of_noise(arithmetic: str) -> Export:
     return Export("noise", model.recipe, model, "grid", arithmetic, VERDICT, tables)
 
 
+def _paper_two() -> Recipe:
+    return load_recipe(ROOT / "maps" / "paper_two.toml")
+
+
 def cases() -> list[Case]:
     """Return all rows."""
-    rows = [Case(name, partial(of_map, name), MAPS / name / "firmware") for name in ROBOTS]
+    rows = [
+        Case(name, partial(of_recipe, name, "contacts"), MAPS / name / "firmware")
+        for name in ROBOTS
+    ]
+    rows.append(Case("paper_two_poly", partial(of_recipe, "paper_two", "poly")))
     for arithmetic in ("float", "integer"):
-        rows.append(Case(f"grid_2d_{arithmetic}", partial(of_stool, arithmetic)))
-        for words, channels in (("4d", VERDICT), ("4d_all", EXPORTABLE)):
-            make = partial(of_four_axes, arithmetic, channels)
-            rows.append(Case(f"grid_{words}_{arithmetic}", make))
-        rows.append(Case(f"grid_74kB_{arithmetic}", partial(of_noise, arithmetic)))
+        make = partial(of_recipe, "paper_two", "grid", arithmetic, GRID_SPEC)
+        rows.append(Case(f"paper_two_grid_{arithmetic}", make))
+        two = partial(of_noise, arithmetic, parse_recipe(STOOL), (17, 17))
+        rows.append(Case(f"gravity_2d_{arithmetic}", two))
+        four = partial(of_noise, arithmetic, _paper_two(), (13, 13, 21, 21))
+        rows.append(Case(f"gravity_74kB_{arithmetic}", four))
     return rows
 
 
 def written(case: Case) -> tuple[Export, Path]:
     """Make a row's export and write its folder with the present runtime."""
     export = case.make()
-    if case.folder is not None:
-        held = (case.folder / f"{export.name}.c").read_text(encoding="utf-8")
-        runtime = (case.folder / "smap.c").read_text(encoding="utf-8")
-        if runtime != runtime_text(features(body_of(export))):
+    held = case.folder / f"{export.name}.c" if case.folder is not None else None
+    if held is not None and held.is_file():
+        if (case.folder / "smap.c").read_text(encoding="utf-8") != runtime_text(
+            features(body_of(export))
+        ):
             print(f"older   {case.name}: `make maps` made it with another runtime", flush=True)
-        elif held != source_text(export, body_of(export)):
+        elif held.read_text(encoding="utf-8") != source_text(export, body_of(export)):
             raise ExportError(
-                f"{case.folder.relative_to(ROOT)}: its tables are not those of its report (got "
+                f"{case.folder.relative_to(ROOT)}: is another export than that of its recipe (got "
                 f"another {export.name}.c); run `make maps`."
             )
     directory = BUILD / case.name / "firmware"

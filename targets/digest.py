@@ -1,12 +1,18 @@
-"""The hash of answers: FNV-1a, 32 bits, over status and all bits of the reading of each query."""
+"""The hash of answers: FNV-1a, 32 bits, over status and all bits of the reading of each call."""
 
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from firmware_export.host import Host
+
 START = 2166136261
 PRIME = 16777619
+# How bad smap_at_n takes a status to be (smap.h).
+BADNESS = {0: 0, 4: 1, 2: 2, 3: 3, 5: 4, 6: 5, -1: 6}
+
+Queries = tuple[NDArray[Any], NDArray[Any]]
 
 
 def fnv1a(data: bytes, start: int = START) -> int:
@@ -23,21 +29,52 @@ def fnv1a(data: bytes, start: int = START) -> int:
     return value
 
 
-def answer_bytes(status: NDArray[Any], reading: NDArray[Any]) -> bytes:
-    """Return answers as the target's memory holds them: status, then the struct, each query.
+def answer_bytes(status: NDArray[Any], reading: NDArray[Any]) -> NDArray[np.uint8]:
+    """Return answers as they are hashed: status, then the members of the struct, a row each query.
 
     Parameters
     ----------
     status : (m,) int8
-    reading : (m, 3) float32 or int32
-        Of `Host.read`, or of `read_i`: those become 16 bits each.
+    reading : (m,) structured
+        Of `Host.ask` or `Host.at`.
     """
-    if reading.dtype == np.float32:
-        words = np.ascontiguousarray(reading, "<f4").view(np.uint8)
-    else:
-        words = np.ascontiguousarray(reading & 0xFFFF, "<u2").view(np.uint8)
-    rows = np.concatenate(
-        [np.asarray(status, np.int8).view(np.uint8)[:, None], words.reshape(len(status), -1)],
-        axis=1,
-    )
-    return rows.tobytes()
+    members = [np.asarray(status, np.int8)]
+    members += [np.ascontiguousarray(reading[name]) for name in reading.dtype.names or ()]
+    rows = [one.view(np.uint8).reshape(len(reading), -1) for one in members]
+    return np.concatenate(rows, axis=1)
+
+
+def answers(host: Host, floats: bool, integers: bool, real: Queries, whole: Queries) -> bytes:
+    """Return all answers of a map to queries, in the order in which chip/image.c asks.
+
+    Parameters
+    ----------
+    host : Host
+        What is asked.
+    floats, integers : bool
+        The forms of its poses.
+    real, whole : tuple of array
+        Parameters (m, k) and gravity (m, 3), in floats and as whole numbers; those of a form that
+        the map does not have are not looked at.
+    """
+    found = list[NDArray[np.uint8]]()
+    if floats:
+        found.append(answer_bytes(*host.ask("read", *real)))
+        made, one, two = list[Any](), list[Any](), list[Any]()
+        for params, down in zip(*real, strict=True):
+            said, status, reading = host.at(params, np.stack([down, -down]))
+            made.append(said)
+            one.append(answer_bytes(status, reading)[0])
+            worst = max(status, key=lambda code: BADNESS[int(code)])
+            two.append(answer_bytes(np.array([worst, worst]), reading)[1])
+        found += [np.array(made, np.int8).view(np.uint8)[:, None], np.stack(one), np.stack(two)]
+    if integers and floats:
+        turns = [
+            answer_bytes(*host.at(params, down[None], integer=True)[1:])[0]
+            for params, down in zip(real[0], whole[1], strict=True)
+        ]
+        found += [np.stack(turns)] * 2
+    if integers:
+        read = answer_bytes(*host.ask("read_i", *whole))
+        found += [read] if floats else [read, read]
+    return np.concatenate(found, axis=1).tobytes()

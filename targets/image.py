@@ -4,13 +4,14 @@ import re
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from targets.boards import Board
 from targets.digest import START
 from targets.footprint import Footprint, footprint
+from targets.queries import row_bytes
 
 HERE = Path(__file__).resolve().parent
 CHIP = (
@@ -19,8 +20,8 @@ CHIP = (
 )
 # Seconds; an image that hangs is ended.  The slowest emulated run takes some fifty.
 PATIENCE = 300.0
-# Bytes of stack that an image on a small part is left, and the least queries worth a run.
-STACK = 700
+# Bytes of stack that an image needs beside what the runtime does, and the least queries worth a run.
+STACK = 300
 LEAST = 20
 # Bytes of flash by which code may grow with the number of queries.
 SPARE = 64
@@ -51,8 +52,8 @@ class Job:
         Of the map in C.
     params : int
         Geometry parameters.
-    integer : bool
-        Whether smap_read_i is asked.
+    floats, integers : bool
+        The forms of a pose that the export has.
     rows : bytes
         The queries, those of the hash first.
     checked, counted : int
@@ -64,7 +65,8 @@ class Job:
     folder: Path
     name: str
     params: int
-    integer: bool
+    floats: bool
+    integers: bool
     rows: bytes = field(repr=False)
     checked: int
     counted: int
@@ -73,16 +75,38 @@ class Job:
     @property
     def width(self) -> int:
         """Bytes of a query."""
-        return (self.params + 3) * (2 if self.integer else 4)
+        return row_bytes(self.params, self.floats)
+
+    @property
+    def calls(self) -> dict[str, str]:
+        """The calls that are counted, each with the letter that the image says it by."""
+        return calls_of(self.floats, self.integers)
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What an image said: the hash, and the count of each query (one where only the largest)."""
+    """What an image said: the hash, the count of each query by call, bytes of the two poses.
+
+    Of a call there is one count where only the largest was asked for.
+    """
 
     hash: int
-    counts: list[int]
+    counts: dict[str, list[int]]
     footprint: Footprint
+    pose: int
+    pose_i: int
+
+
+def calls_of(floats: bool, integers: bool) -> dict[str, str]:
+    """Return the calls that an export of some forms answers: name -> letter."""
+    calls = {"pose": "p"}
+    if floats and integers:
+        calls["both"] = "b"
+    if floats:
+        calls["at"] = "a"
+    if integers:
+        calls["at_i"] = "i"
+    return calls | {"read": "r"}
 
 
 def run(arguments: Sequence[str], folder: Path) -> subprocess.CompletedProcess[str]:
@@ -119,12 +143,18 @@ def compiler(board: Board) -> str:
 
 def case_header(job: Job, board: Board, start: int, checked: int, counted: int) -> str:
     """Return case.h."""
+    forms = [name for name, on in (("FLOAT", job.floats), ("INTEGER", job.integers)) if on]
     settings = {
         "MAP": job.name,
+        "POSE": f"{job.name}_pose_t" if job.floats else f"{job.name}_pose_i_t",
+        "POSE_I": f"{job.name}_pose_i_t",
+        "FORMS": f"({' | '.join(f'SMAP_{form}' for form in forms)})",
         "PARAMS": job.params,
-        "INTEGER": int(job.integer),
+        "FLOATS": int(job.floats),
+        "INTEGERS": int(job.integers),
         "CHECKED": checked,
         "COUNTED": counted,
+        "KINDS": f'"{"".join(job.calls.values())}"',
         "HASH_START": f"{start}u",
         "LARGEST_ONLY": int(job.largest_only),
     }
@@ -156,8 +186,9 @@ def execute(job: Job, board: Board, optimise: str) -> Outcome:
         flags = [*board.flags, optimise, "-ffunction-sections", "-fdata-sections", "-I."]
         flags += [f"-I{HERE / 'wasm'}"] if board.family == "wasm" else []
         size = footprint(job.name, board, flags, folder, build, run)
-        room = _room(job, board, flags, folder)
-        value, counts, at = START, list[int](), 0
+        room = _room(job, board, flags, folder, size)
+        value, counts, at = START, {call: list[int]() for call in job.calls}, 0
+        said = dict[str, int]()
         total = job.checked + job.counted
         while at < total:
             checked = min(max(job.checked - at, 0), room)
@@ -165,10 +196,12 @@ def execute(job: Job, board: Board, optimise: str) -> Outcome:
             rows = job.rows[at * job.width : (at + checked + counted) * job.width]
             (folder / "queries.bin").write_bytes(rows)
             _link(job, board, flags, folder, case_header(job, board, value, checked, counted))
-            value, found = _listen(board, folder, checked + counted)
-            counts += found
+            said, found = _listen(job, board, folder, checked + counted)
+            value = said["h"]
+            for call, ticks in found.items():
+                counts[call] += ticks
             at += checked + counted
-        return Outcome(value, counts, size)
+        return Outcome(value, counts, size, said["s"], said["t"])
 
 
 def _link(job: Job, board: Board, flags: list[str], folder: Path, header: str) -> None:
@@ -186,42 +219,60 @@ def _link(job: Job, board: Board, flags: list[str], folder: Path, header: str) -
     build(command, folder)
 
 
-def _room(job: Job, board: Board, flags: list[str], folder: Path) -> int:
+def _room(job: Job, board: Board, flags: list[str], folder: Path, size: Footprint) -> int:
     """Return how many queries fit a part together with everything else."""
     total = job.checked + job.counted
-    if board.family != "avr":
+    if not board.unit:
         return total
     (folder / "queries.bin").write_bytes(job.rows[: 2 * job.width])
-    _link(job, board, flags, folder, case_header(job, board, START, 1, 1))
+    counted = min(job.counted, 1)
+    _link(job, board, flags, folder, case_header(job, board, START, 2 - counted, counted))
     text = run([f"{board.prefix}size", "image.elf"], folder).stdout.split("\n")[1].split()
     flash, ram = int(text[0]) + int(text[1]), int(text[1]) + int(text[2])
-    # Queries are read with 16-bit addresses, as all small tables are.
-    left = min(board.flash - flash - SPARE, 32767)
+    left = board.flash - flash - SPARE
+    if board.family == "avr":  # queries are read with 16-bit addresses, as all small tables are
+        left = min(left, 32767)
     rows = min(total, left // job.width)
-    if rows < LEAST or ram + STACK > board.ram:
-        raise TooLargeError(f"{flash:,} bytes of flash and {ram:,} of RAM without queries")
+    # picolibc reserves a stack that counts as RAM; what stands above it is not known to be free.
+    held = ram if board.family == "avr" else 0
+    if rows < LEAST or held + (size.stack or 0) + STACK > board.ram:
+        raise TooLargeError(
+            f"{flash:,} bytes of flash, {ram:,} of RAM and {size.stack or 0:,} of stack without "
+            "queries"
+        )
     return rows
 
 
-def _listen(board: Board, folder: Path, expected: int) -> tuple[int, list[int]]:
-    """Run image.elf; return its hash and its counts."""
+def _listen(
+    job: Job, board: Board, folder: Path, expected: int
+) -> tuple[dict[str, int], dict[str, list[int]]]:
+    """Run image.elf; return what it said once, by letter, and the counts of each call."""
     done = run([*board.emulator, "image.elf"], folder)
     text = COLOUR.sub("", done.stdout + (done.stderr if board.family == "avr" else ""))
-    lines = re.findall(r"^([hoce])([0-9a-f]{8})\.*\s*$", text, re.MULTILINE)
-    said = {kind: int(value, 16) for kind, value in lines if kind != "c"}
+    lines = re.findall(r"^([a-z])([0-9a-f]{8})\.*\s*$", text, re.MULTILINE)
+    said = {kind: int(value, 16) for kind, value in lines}
     if "h" not in said or said.get("e") != expected:
         errors = [line for line in done.stderr.splitlines() if "Error" in line]
         last = (errors or done.stderr.splitlines() or text.splitlines() or ["nothing"])[-1]
         raise CellError(f"{board.emulator[0]}: exit code {done.returncode}, said {last[:80]!r}")
-    ticks = [int(value, 16) for kind, value in lines if kind == "c"]
+    if not board.unit:
+        return said, {}
+    ticks = {
+        call: [int(value, 16) for kind, value in lines if kind == letter]
+        for call, letter in job.calls.items()
+    }
+    count = _counter(board, said)
+    return said, {call: [count(one) for one in found] for call, found in ticks.items()}
+
+
+def _counter(board: Board, said: dict[str, int]) -> Callable[[int], int]:
+    """Return what makes ticks of a board's counter the unit that is counted."""
     if board.unit == "cycles":
         # Each overflow of the 16-bit timer takes an interrupt; `o` holds the cycles of three.
         each = said["o"] / 3.0
-        return said["h"], [round(count - each * (count >> 16)) for count in ticks]
-    if not board.unit:
-        return said["h"], []
+        return lambda ticks: round(ticks - each * (ticks >> 16))
     thousand = said["o"] / board.ticks
     if abs(thousand - 1000.0) > SLACK:
         raise CellError(f"{board.emulator[0]}: counts {thousand:.0f} for 1,000 instructions")
     interrupts = INTERRUPT if board.family == "arm" else 0
-    return said["h"], [round(t / board.ticks) - interrupts * (t >> 24) for t in ticks]
+    return lambda ticks: round(ticks / board.ticks) - interrupts * (ticks >> 24)

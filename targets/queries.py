@@ -1,6 +1,7 @@
 """What every target is asked: 1,000 queries for the hash, 256 for the counts.
 
-The same for every run and machine: made by a seeded generator, kept as bits in queries.bin.
+The same for every run and machine: made by a seeded generator, kept as bits in queries.bin.  A query
+of an export with floats has the same posture and direction as whole numbers, too.
 """
 
 from typing import Any
@@ -18,7 +19,7 @@ SEED = 2018
 ODD = (0.0, -0.0, np.nan, np.inf, -np.inf, 1e-42, -1e-42, 3e38, -3e38, 1.0, -1.0)
 ODD_WHOLE = (-32768, -32767, -1, 0, 1, 16384, 32766, 32767)
 FULL_SCALE = 32767
-STANDS = (0, 1)
+STANDS = (0, 4)
 
 Numbers = NDArray[Any]
 
@@ -35,10 +36,34 @@ def _typed(export: Export, t: Numbers, gravity: Numbers) -> tuple[Numbers, Numbe
     """Return shares of the axes and directions of any length as the C code takes them."""
     model = export.model
     if export.integer:
-        params = np.clip(np.rint(t * FULL_SCALE), -32768, 32767).astype(np.int16)
-        return params, np.clip(np.rint(gravity), -32768, 32767).astype(np.int16)
+        return _whole(t, gravity)
     span = model.upper - model.lower
     return (model.lower + t * span).astype(np.float32), gravity.astype(np.float32)
+
+
+def _whole(t: Numbers, gravity: Numbers) -> tuple[Numbers, Numbers]:
+    """Return them as whole numbers."""
+    params = np.clip(np.rint(t * FULL_SCALE), -32768, 32767).astype(np.int16)
+    return params, np.clip(np.rint(gravity), -32768, 32767).astype(np.int16)
+
+
+def whole(export: Export, params: Numbers, gravity: Numbers) -> tuple[Numbers, Numbers]:
+    """Return queries of floats as whole numbers: what is no number becomes an odd one.
+
+    Directions are as long as the largest number that a component can be, half of them shorter.
+    """
+    if export.integer:
+        return params, gravity
+    model = export.model
+    span = model.upper - model.lower
+    with np.errstate(all="ignore"):
+        t = (params.astype(np.float64) - model.lower) / span
+        down = gravity.astype(np.float64)
+        longest = np.abs(down).max(axis=1, keepdims=True)
+        lengths = 2.0 ** np.random.default_rng(SEED + 2).uniform(0.0, 30.0, longest.shape)
+        down = down / longest * np.minimum(lengths, FULL_SCALE)
+    odd = np.where(np.signbit(down), -32768.0, 32767.0)
+    return _whole(np.where(np.isfinite(t), t, -1.0), np.where(np.isfinite(down), down, odd))
 
 
 def _lengths(export: Export, rng: np.random.Generator, gravity: Numbers) -> Numbers:
@@ -128,7 +153,18 @@ def counted(export: Export, count: int = COUNTED, outside: int = OUTSIDE) -> tup
     return _typed(export, t, gravity)
 
 
-def as_bytes(params: Numbers, gravity: Numbers) -> bytes:
+def row_bytes(params: int, floats: bool) -> int:
+    """Return the bytes of a query: its floats, and its whole numbers up to a whole word."""
+    numbers = params + 3
+    return (4 * numbers if floats else 0) + 2 * (numbers + numbers % 2)
+
+
+def as_bytes(export: Export, params: Numbers, gravity: Numbers) -> bytes:
     """Return queries row after row, little-endian, as queries.bin holds them."""
-    rows = np.concatenate([params, gravity], axis=1)
-    return rows.astype(rows.dtype.newbyteorder("<")).tobytes()
+    down = np.concatenate(whole(export, params, gravity), axis=1).astype("<i2")
+    down = np.pad(down, ((0, 0), (0, down.shape[1] % 2)))
+    parts = [down.view(np.uint8)]
+    if not export.integer:
+        real = np.concatenate([params, gravity], axis=1).astype("<f4")
+        parts.insert(0, real.view(np.uint8))
+    return np.concatenate([part.reshape(len(params), -1) for part in parts], axis=1).tobytes()

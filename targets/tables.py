@@ -5,6 +5,15 @@ from typing import Any
 
 from targets.boards import BOARDS, OPTIMISATIONS
 
+# The calls in the order of a table, and what they are there.
+CALLS = (
+    ("pose", "smap_pose"),
+    ("form_i", "its integer form"),
+    ("at", "smap_at"),
+    ("at_i", "smap_at_i"),
+    ("read", "whole read"),
+)
+
 
 def columns(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """Return rows as text: the first column to the left, the others to the right."""
@@ -43,28 +52,30 @@ def _number(value: int | None) -> str:
 
 
 def counts(found: dict[str, Any]) -> str:
-    """Return the table of counts, code and stack."""
-    head = ["target"]
-    for option in OPTIMISATIONS:
-        head += [f"{option} min", "median", "max", "code", "stack"]
+    """Return the table of counts, code, stack and poses."""
+    head = ["target", "", *(title for _, title in CALLS), "code", "stack", "pose", "pose_i"]
     rows, titles = list[list[str]](), list[tuple[int, str]]()
     for name, row in found["rows"].items():
         titles.append((len(rows), f"{name}: {row['spec']}, {row['tables']:,} B of tables"))
         for board in BOARDS:
-            cells = row["boards"].get(board.name)
-            if not cells:
-                continue
-            line = [f"  {board.title}{', ' + board.unit if board.unit else ''}"]
-            for option in OPTIMISATIONS:
-                cell = cells.get(option, {})
+            for option, cell in row["boards"].get(board.name, {}).items():
+                line = [f"  {board.title}{', ' + board.unit if board.unit else ''}", option]
+                line += [pair(cell, call) for call, _ in CALLS]
                 line += [
-                    _number(cell.get(key)) for key in ("min", "median", "max", "code", "stack")
+                    _number(cell.get(key))
+                    for key in ("code", "stack", "pose_bytes", "pose_i_bytes")
                 ]
-            rows.append(line)
+                rows.append(line)
     first, rule, *lines = columns(head, rows).splitlines()
     for at, title in reversed(titles):
         lines.insert(at, title)
     return "\n".join([first, rule, *lines])
+
+
+def pair(cell: dict[str, Any], call: str) -> str:
+    """Return median and largest count of a call, or a dash."""
+    found = cell.get("calls", {}).get(call)
+    return f"{found['median']:,} / {found['max']:,}" if found else "-"
 
 
 def markdown(content: dict[str, Any], boards: Sequence[str], option: str = "-O2") -> str:
@@ -80,13 +91,15 @@ def markdown(content: dict[str, Any], boards: Sequence[str], option: str = "-O2"
         ``-O2`` or ``-Os``.
     """
     by_name = {one.name: one for one in BOARDS}
-    units = {name: by_name[name].unit for name in boards}
     heads = [
-        f"{by_name[name].title}{', cycles' if units[name] == 'cycles' else ''}" for name in boards
+        f"{by_name[name].title}{', cycles' if by_name[name].unit == 'cycles' else ''}"
+        for name in boards
     ]
-    lines = [f"| export | tables, B | {' | '.join(heads)} |", f"|{'---|' * (len(boards) + 2)}"]
+    lines = [f"| export | call | {' | '.join(heads)} |", f"|{'---|' * (len(boards) + 2)}"]
     for name, row in content["rows"].items():
         cells = [row["boards"].get(board, {}).get(option, {}) for board in boards]
-        texts = [f"{c['median']:,} / {c['max']:,}" if "max" in c else "-" for c in cells]
-        lines.append(f"| `{name}` | {row['tables']:,} | {' | '.join(texts)} |")
+        for call, title in CALLS:
+            texts = [pair(cell, call) for cell in cells]
+            if any(text != "-" for text in texts):
+                lines.append(f"| `{name}` | {title} | {' | '.join(texts)} |")
     return "\n".join(lines)

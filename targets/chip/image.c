@@ -1,31 +1,37 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
 /* The program that runs on a target: asks the map what queries.bin holds, prints a hash of the
- * answers and how long each of the counted ones took.  case.h is written by targets/image.py. */
+ * answers, and how long each of the counted calls took.  case.h is written by targets/image.py. */
 #include "case.h"
 #include "counter.h"
-
-#if INTEGER
-typedef int16_t number_t;
-typedef smap_reading_i_t answer_t;
-#define READ smap_read_i
-#else
-typedef float number_t;
-typedef smap_reading_t answer_t;
-#define READ smap_read
-#endif
 
 #if defined(__AVR__)
 #define STORED const __flash
 #else
 #define STORED const
 #endif
-#define ROW (PARAMS + 3)
-#ifdef __wasm__
-number_t queries[(CHECKED + COUNTED) * ROW]; /* the runner writes them */
-#else
-extern STORED number_t queries[(CHECKED + COUNTED) * ROW];
+
+/* A query.  Both kinds of numbers where the map computes in floats and answers in integers. */
+#define NUMBERS (PARAMS + 3)
+typedef struct {
+#if FLOATS
+  float real[NUMBERS]; /* parameters, then gravity */
 #endif
+  int16_t whole[NUMBERS + (NUMBERS & 1)]; /* the same as whole numbers */
+} query_t;
+
+#ifdef __wasm__
+union {
+  uint8_t bytes[(CHECKED + COUNTED) * sizeof(query_t)];
+  uint32_t aligned;
+} queries; /* the runner writes them */
+#define STORED_BYTES queries.bytes
+#else
+extern STORED uint8_t queries[(CHECKED + COUNTED) * sizeof(query_t)];
+#define STORED_BYTES queries
+#endif
+
+static POSE pose;
 
 /* FNV-1a, 32 bits. */
 static uint32_t mix(uint32_t hash, const void *data, uint8_t size)
@@ -37,45 +43,165 @@ static uint32_t mix(uint32_t hash, const void *data, uint8_t size)
   return hash;
 }
 
-static void fetch(uint32_t row, number_t *to)
+static uint32_t mix_status(uint32_t hash, smap_status_t status)
+{
+  const int8_t small = (int8_t)status;
+  return mix(hash, &small, 1);
+}
+
+static void fetch(uint32_t row, query_t *to)
 {
   uint8_t i;
-  for (i = 0; i < ROW; i++) {
-    to[i] = queries[row * ROW + i];
+  for (i = 0; i < sizeof *to; i++) {
+    ((uint8_t *)to)[i] = STORED_BYTES[row * sizeof *to + i];
   }
 }
 
-/* Ticks from before the call to after it, less those of reading the counter. */
-static uint32_t timed(uint32_t row)
+#if FLOATS
+/* Without the bytes that only fill the struct up. */
+#define HELD (3 * sizeof(float) + 2)
+static uint32_t mix_reading(uint32_t hash, smap_status_t status, const smap_reading_t *reading)
 {
-  number_t query[ROW];
-  answer_t answer;
-  uint32_t start, stop, empty;
-  fetch(row, query);
-  restart();
-  start = now();
-  stop = now();
-  empty = stop - start;
-  __asm__ volatile("" : : "r"(query) : "memory");
-  start = now();
-  (void)READ(&MAP, query, query + PARAMS, &answer);
-  stop = now();
-  __asm__ volatile("" : : "r"(&answer) : "memory");
-  return stop - start - empty;
+  return mix(mix_status(hash, status), reading, HELD);
 }
+#endif
+
+#if INTEGERS
+static uint32_t mix_whole(uint32_t hash, smap_status_t status, const smap_reading_i_t *reading)
+{
+  return mix(mix_status(hash, status), reading, sizeof *reading);
+}
+#endif
+
+/* All calls of the API under one query. */
+static uint32_t checked(uint32_t hash, const query_t *query)
+{
+#if FLOATS
+  const float *const down = query->real + PARAMS;
+  float both[2][3];
+  smap_reading_t reading, two[2];
+  smap_status_t status;
+  uint8_t i;
+  status = smap_read(&MAP, query->real, down, &reading);
+  hash = mix_reading(hash, status, &reading);
+  hash = mix_status(hash, smap_pose(&MAP, query->real, &pose, sizeof pose, FORMS));
+  status = smap_at(&pose, down, &reading);
+  hash = mix_reading(hash, status, &reading);
+  for (i = 0; i < 3; i++) {
+    both[0][i] = down[i];
+    both[1][i] = -down[i];
+  }
+  status = smap_at_n(&pose, (const float(*)[3])both, 2, two);
+  hash = mix_reading(hash, status, &two[1]);
+#endif
+#if INTEGERS
+  {
+    const int16_t *const down_i = query->whole + PARAMS;
+    smap_reading_i_t reading_i;
+    smap_status_t said;
+#if FLOATS
+    said = smap_at_i(&pose, down_i, &reading_i);
+    hash = mix_whole(hash, said, &reading_i);
+    (void)smap_pose(&MAP, query->real, &pose, sizeof pose, SMAP_INTEGER);
+#else
+    (void)smap_pose_q(&MAP, query->whole, &pose, sizeof pose, SMAP_INTEGER);
+#endif
+    said = smap_at_i(&pose, down_i, &reading_i);
+    hash = mix_whole(hash, said, &reading_i);
+    said = smap_read_i(&MAP, query->whole, down_i, &reading_i);
+    hash = mix_whole(hash, said, &reading_i);
+  }
+#endif
+  return hash;
+}
+
+#ifndef __wasm__
+/* Ticks from before a call to after it, less those of reading the counter.  What a reading needs is
+ * made beforehand; the call itself is as a program has it. */
+#define TIMED(prepare, call)                        \
+  {                                                 \
+    uint32_t start, stop, none;                     \
+    prepare;                                        \
+    restart();                                      \
+    start = now();                                  \
+    stop = now();                                   \
+    none = stop - start;                            \
+    __asm__ volatile("" : : "r"(query) : "memory"); \
+    start = now();                                  \
+    (void)(call);                                   \
+    stop = now();                                   \
+    __asm__ volatile("" : : "r"(out) : "memory");   \
+    return stop - start - none;                     \
+  }
+
+#if FLOATS
+static uint32_t timed_pose(const query_t *query, void *out)
+TIMED((void)0, smap_pose(&MAP, query->real, out, sizeof pose, SMAP_FLOAT))
+static uint32_t timed_at(const query_t *query, smap_reading_t *out)
+TIMED((void)smap_pose(&MAP, query->real, &pose, sizeof pose, SMAP_FLOAT),
+      smap_at(&pose, query->real + PARAMS, out))
+static uint32_t timed_read(const query_t *query, smap_reading_t *out)
+TIMED((void)0, smap_read(&MAP, query->real, query->real + PARAMS, out))
+#if INTEGERS
+static uint32_t timed_both(const query_t *query, void *out)
+TIMED((void)0, smap_pose(&MAP, query->real, out, sizeof pose, FORMS))
+static uint32_t timed_at_i(const query_t *query, smap_reading_i_t *out)
+TIMED((void)smap_pose(&MAP, query->real, &pose, sizeof pose, FORMS),
+      smap_at_i(&pose, query->whole + PARAMS, out))
+#endif
+#else
+static uint32_t timed_pose(const query_t *query, void *out)
+TIMED((void)0, smap_pose_q(&MAP, query->whole, out, sizeof pose, SMAP_INTEGER))
+static uint32_t timed_at_i(const query_t *query, smap_reading_i_t *out)
+TIMED((void)smap_pose_q(&MAP, query->whole, &pose, sizeof pose, SMAP_INTEGER),
+      smap_at_i(&pose, query->whole + PARAMS, out))
+static uint32_t timed_read(const query_t *query, smap_reading_i_t *out)
+TIMED((void)0, smap_read_i(&MAP, query->whole, query->whole + PARAMS, out))
+#endif
+
+/* Ticks of a call under one query; `kind` as targets/image.py has it. */
+static uint32_t timed(char kind, uint32_t row)
+{
+  query_t query;
+#if FLOATS
+  smap_reading_t reading;
+#endif
+#if INTEGERS
+  smap_reading_i_t reading_i;
+#endif
+  fetch(row, &query);
+  switch (kind) {
+#if FLOATS
+  case 'a':
+    return timed_at(&query, &reading);
+  case 'r':
+    return timed_read(&query, &reading);
+#if INTEGERS
+  case 'b':
+    return timed_both(&query, &pose);
+#endif
+#else
+  case 'r':
+    return timed_read(&query, &reading_i);
+#endif
+#if INTEGERS
+  case 'i':
+    return timed_at_i(&query, &reading_i);
+#endif
+  default:
+    return timed_pose(&query, &pose);
+  }
+}
+#endif
 
 int main(void)
 {
   uint32_t hash = HASH_START, row;
   begin();
   for (row = 0; row < CHECKED; row++) {
-    number_t query[ROW];
-    answer_t answer;
-    int8_t status;
-    fetch(row, query);
-    status = (int8_t)READ(&MAP, query, query + PARAMS, &answer);
-    hash = mix(hash, &status, 1);
-    hash = mix(hash, &answer, sizeof answer);
+    query_t query;
+    fetch(row, &query);
+    hash = checked(hash, &query);
   }
   put_hex('h', hash);
 #ifdef __AVR__
@@ -99,20 +225,27 @@ int main(void)
     put_hex('o', now() - start - empty);
   }
 #endif
-#if LARGEST_ONLY
+#ifndef __wasm__
   {
-    uint32_t most = 0;
-    for (row = CHECKED; row < CHECKED + COUNTED; row++) {
-      const uint32_t ticks = timed(row);
-      most = ticks > most ? ticks : most;
+    static const char kinds[] = KINDS;
+    uint8_t k;
+    for (k = 0; kinds[k] != 0; k++) {
+      uint32_t most = 0;
+      for (row = CHECKED; row < CHECKED + COUNTED; row++) {
+        const uint32_t ticks = timed(kinds[k], row);
+        if (!LARGEST_ONLY) {
+          put_hex(kinds[k], ticks);
+        }
+        most = ticks > most ? ticks : most;
+      }
+      if (LARGEST_ONLY) {
+        put_hex(kinds[k], most);
+      }
     }
-    put_hex('c', most);
-  }
-#else
-  for (row = CHECKED; row < CHECKED + COUNTED; row++) {
-    put_hex('c', timed(row));
   }
 #endif
+  put_hex('s', sizeof(POSE));
+  put_hex('t', sizeof(POSE_I));
   put_hex('e', CHECKED + COUNTED);
   finish();
   return 0;
