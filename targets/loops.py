@@ -1,37 +1,50 @@
 """Every loop of smap.c and how often it goes round at most, from the shape of an export's tables.
 
 Owns the list: a loop of smap.c that is not in it is an error, so that none can be without a bound.
+Those of smap_check are left out: no call that is counted asks them.
 """
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from firmware_export.emit.source import body_of
-from firmware_export.protocol.exported import Export
+from firmware_export.protocol import Export
 from lutgen.errors import ExportError
 
 HEAD = re.compile(r"\b(?:for|while) \((.*)\) (?:\{|;)|\} while \((.*)\);")
+FUNCTION = re.compile(r"^(?:SMAP_INLINE|static)\b[^;=]*?\b(smap_\w+)\(")
+# Of smap_check: as long as the blob, and for the start of a program.
+CHECKS = ("smap_check", "smap_crc")
 
 
 @dataclass(frozen=True)
 class Shape:
     """What the bounds depend on; 0 for what the codec has not.
 
-    `modes` is the most of any parameter, `nodes` the most of any axis, `dims` of any table, `terms`
-    of the contacts or of a polynomial.
+    `angles` and `travels` are those of the joints, `coordinates` all that are summed, `terms` the
+    most of one coordinate or polynomial, `dims` the most axes of a table, `nodes` the most of an
+    axis.  From `rails` on the capacities of many contacts.
     """
 
     params: int
-    contacts: int = 0
-    hinges: int = 0
-    modes: int = 0
+    contacts: int = 3
+    angles: int = 0
+    travels: int = 0
     products: int = 0
+    coordinates: int = 0
     terms: int = 0
     dims: int = 0
     nodes: int = 2
+    rails: int = 0
+    facets: int = 0
+    edges: int = 0
+    shown: int = 0
+    links: int = 0
 
     @property
     def halvings(self) -> int:
@@ -41,98 +54,193 @@ class Shape:
 
 def shape_of(export: Export) -> Shape:
     """Return the shape of an export's tables."""
-    k, tables = export.model.k, export.tables
-    if export.codec == "grid":
-        dims = max(len(part.knots) for part in tables.parts)
-        nodes = max(len(knots) for part in tables.parts for knots in part.knots)
+    k, body = export.model.k, body_of(export)
+    macros = dict(body.macros)
+    if "SMAP_GRID" in macros:
+        dims = max(len(part.knots) for part in export.tables.parts)
+        nodes = max(len(knots) for part in export.tables.parts for knots in part.knots)
         return Shape(k, dims=dims, nodes=nodes)
-    if export.codec not in ("contacts", "poly"):  # no loop over anything but parameters
-        return Shape(k)
-    body: Any = body_of(export)
-    arrays = {array.name: array.numbers.size for array in body.arrays if array.plain}
-    if export.codec == "poly":
-        fewest = next(array.numbers for array in body.arrays if array.name == "shape")
-        counts = [int(n) for n in fewest.reshape(3, k + 1)[:, k]]
-        return Shape(k, contacts=3, terms=max(counts))
-    fields = dict(body.fields)
-    modes = [array.numbers for array in body.arrays if array.name == "shape"]
+    if "SMAP_TABLES" in macros:
+        return Shape(k, dims=max(len(one.axes) for one in export.tables.points))
+    if "SMAP_POLY" in macros:
+        shape = next(array.numbers for array in body.arrays if array.name == "shape")
+        return Shape(k, terms=int(np.asarray(shape).reshape(3, k + 1)[:, k].max()))
+    terms: Any = export.tables.terms
     return Shape(
         k,
-        contacts=int(fields["contacts"]),
-        hinges=int(fields["axes"]),
-        modes=max((int(n) for n in modes[0].reshape(-1)[::2]), default=0) if modes else 0,
-        products=int(fields["product_count"]),
-        terms=arrays.get("entries", 0),
+        contacts=body.contacts,
+        angles=len(terms.angles),
+        travels=len(terms.travels),
+        products=len(terms.products),
+        coordinates=macros["SMAP_MAX_COORDINATES"],
+        terms=max(len(one) for one in terms.coordinates),
+        rails=macros.get("SMAP_MANY_RAILS", 0),
+        facets=macros.get("SMAP_MANY_FACETS", 0),
+        edges=macros.get("SMAP_MANY_EDGES", 0),
+        shown=macros.get("SMAP_MANY_SHOWN", 0),
+        links=macros.get("SMAP_MANY_LINKS", 0),
     )
 
 
+def _of(name: str) -> tuple[str, Callable[[Shape], int]]:
+    return name, lambda s: int(getattr(s, name))
+
+
+def _plain(words: str, rounds: int) -> tuple[str, Callable[[Shape], int]]:
+    return words, lambda s: rounds
+
+
+EDGES, CONTACTS, SHOWN, LINKS = (_of(name) for name in ("edges", "contacts", "shown", "links"))
+RAILS, PARAMS, DIMS, FACETS = (_of(name) for name in ("rails", "params", "dims", "facets"))
+THREE = _plain("3 coordinates", 3)
+
 # Head of a loop as it stands in smap.c -> most rounds, in words and as a function of the shape.
-LOOPS: Mapping[str, tuple[str, Any]] = {
-    "mantissa < 0x800000u": ("a denormal's 23 shifts", lambda s: 23),
-    "digit = 0x1000000u; digit != 0; digit >>= 1": ("25 binary digits", lambda s: 25),
-    "step = 0; step < 4; step++": ("4 steps", lambda s: 4),
-    "digit = (uint32_t)1 << 30; digit != 0; digit >>= 2": ("16 digits", lambda s: 16),
-    "; largest < 16384u; largest <<= 1": ("14 shifts", lambda s: 14),
-    "face = 1; face < 6; face++": ("5 faces", lambda s: 5),
-    "i = 1; i < 6; i++": ("5 faces", lambda s: 5),
-    "k = 0; k < 3; k++": ("3 coordinates", lambda s: 3),
-    "i = 0; i < 3; i++": ("3 coordinates", lambda s: 3),
-    "j = 0; j < 3; j++": ("3 coordinates", lambda s: 3),
-    "m = 0; m < 3; m++": ("3 coordinates", lambda s: 3),
-    "i = 0; i < 2; i++": ("2", lambda s: 2),
-    "i = 0; i < 9; i += 3": ("3 contacts", lambda s: 3),
-    "i = 0; i < 9; i++": ("9 coordinates", lambda s: 9),
-    "i = 0; i < params; i++": ("parameters", lambda s: s.params),
-    "i = 0; i < map->params; i++": ("parameters", lambda s: s.params),
-    "j = 0; j < params; j++": ("parameters", lambda s: s.params),
-    "m = 0; m < modes; m++": ("modes of a parameter", lambda s: s.modes),
-    "i = 0; i < body->product_count; i++": ("products", lambda s: s.products),
-    "i = 0; i < 3 * body->contacts; i++": ("3 x contacts", lambda s: 3 * s.contacts),
-    "i = 0; i < 3 * body->axes; i++": ("3 x disc axes", lambda s: 3 * s.hinges),
-    "term = 0; term < body->terms; term++": ("terms", lambda s: s.terms),
-    "term = 0; term < shape[params]; term++": ("terms of a contact", lambda s: s.terms),
-    "i = 0; i < body->contacts; i++": ("contacts", lambda s: s.contacts),
-    "i = 0; i < body->axes; i++": ("disc axes", lambda s: s.hinges),
-    "i = 0; i < posture->body->axes; i++": ("disc axes", lambda s: s.hinges),
-    "i = 0; i < posture->body->contacts; i++": ("contacts", lambda s: s.contacts),
-    "i = 0; i < total; i++": ("contacts", lambda s: s.contacts),
-    "at != first && facet->count < total": ("contacts", lambda s: s.contacts),
-    "i = 0; i < facet->count; i++": ("corners, at most contacts", lambda s: s.contacts),
-    "i = 2; i < facet->count; i++": ("corners, at most contacts", lambda s: s.contacts),
-    "k = 0; k < facet->count; k++": ("corners, at most contacts", lambda s: s.contacts),
-    "step = 0; step < NEWTON_STEPS; step++": ("NEWTON_STEPS", lambda s: 8),
-    "sine < 0.0f": ("WALK_STEPS and the one that gives up", lambda s: 25),
-    "i = 0; i < part->dims; i++, axis += 3": ("axes of a table", lambda s: s.dims),
-    "left = nodes - 1u; left > 1; left = (left + 1) >> 1": (
-        *("log2 of an axis's nodes",),
+LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
+    # arithmetic, chart
+    "mantissa < 0x800000u": _plain("a denormal's 23 shifts", 23),
+    "digit = 0x1000000u; digit != 0; digit >>= 1": _plain("25 binary digits", 25),
+    "step = 0; step < 4; step++": _plain("4 steps", 4),
+    "digit = (uint32_t)1 << 30; digit != 0; digit >>= 2": _plain("16 digits", 16),
+    "shift = 0; longest << shift < 16384u; shift++": _plain("14 shifts", 14),
+    "i = 1; i < 6; i++": _plain("5 faces", 5),
+    "i = 0; i < 2; i++": _plain("2", 2),
+    **{
+        f"{i} = 0; {i} < 3; {i}++": THREE
+        for i in ("i", "j", "k", "n", "c")
+    },
+    "i = 1; i < 3; i++": THREE,
+    "i = 0; i < 9; i = (uint8_t)(i + 3)": THREE,
+    "i = 0; i < 9; i++": _plain("9 coordinates", 9),
+    # parameters and positions
+    "i = 0; i < count; i++": ("parameters, or contacts", lambda s: max(s.params, s.contacts)),
+    "i = 0; i < params; i++": PARAMS,
+    "j = 0; j < params; j++": PARAMS,
+    "i = 0; i < SMAP_BLOB(map)[SMAP_AT_PARAMS]; i++": PARAMS,
+    "i = 0; status == SMAP_OK && i < SMAP_BLOB(map)[SMAP_AT_PARAMS]; i++": PARAMS,
+    "i = 0; status == SMAP_OK && i < count; i++": PARAMS,
+    "i = 0; i < angles; i++, count = (uint8_t)(count + 2)": _of("angles"),
+    "i = 0; i < travels; i++": _of("travels"),
+    "i = 0; i < body[SMAP_IN_PRODUCTS]; i++": _of("products"),
+    "i = 0; i < at.coordinates; i++": _of("coordinates"),
+    "k = 0; k < count; k++, term++": _of("terms"),
+    "i = 0; i < 3 * at.contacts; i++": ("3 x contacts", lambda s: 3 * s.contacts),
+    "term = 0; term < shape[params]; term++": _of("terms"),
+    "j = 0; j < 3; j++, codes += 2": THREE,
+    # tables
+    "; most >> shift > 32767u; shift++": _plain("17 shifts", 17),
+    "k = 0; k < axes; k++": DIMS,
+    "k = 0; k < table[i].axes[0]; k++": DIMS,
+    "i = 0; i < part[SMAP_PART_DIMS]; i++, axis += 6": DIMS,
+    "left = (uint16_t)(nodes - 1u); left > 1; left = (uint16_t)((left + 1u) >> 1)": (
+        "log2 of an axis's nodes",
         lambda s: s.halvings,
     ),
     "corner = 0; corner < corners; corner++": ("2 to a table's axes", lambda s: 2**s.dims),
-    "level = 0; corner >> level & 1u; level++": ("axes of a table", lambda s: s.dims),
+    "level = 0; corner >> level & 1u; level++": DIMS,
+    # many contacts: what a posture is put together from
+    "i = 0; i <= out->rails; i++": ("rails and their end", lambda s: s.rails + 1),
+    "i = 0; i < at.contacts; i++": CONTACTS,
+    "i = 0; i < w->map->contacts; i++": CONTACTS,
+    "k = 0; k < w->map->contacts; k++": CONTACTS,
+    "k = 0; k < m->rails; k++": RAILS,
+    "k = 0; k < w->map->rails; k++": RAILS,
+    "k = 1; k + 1 < w->map->rails; k++": RAILS,
+    "left = w->map->rails; left > 0; left--": RAILS,
+    "k > 0": RAILS,
+    "k++; k < rails; k++": RAILS,
+    "i = first; i < m->first[k + 1]; i++": CONTACTS,
+    "j = w->map->first[k]; j < w->map->first[k + 1]; j++": CONTACTS,
+    "left = 8u * SMAP_MANY_FACETS; left > 0; left--": ("8 x facets", lambda s: 8 * s.facets),
+    "i = 0; i + 2 < count; i++": CONTACTS,
+    "j = (uint8_t)(i + 1u); j + 1 < count; j++": CONTACTS,
+    "k = (uint8_t)(j + 1u); k < count; k++": CONTACTS,
+    "round = 0; round < 2; round++": _plain("2", 2),
+    "round = 0; round < SMAP_NEWTON; round++": _plain("SMAP_NEWTON", 8),
+    "part = 1; part < 4; part++": _plain("3 places of an arc", 3),
+    "k = (uint8_t)(e + 1u); k < w->edges; k++": EDGES,
+    "f = 0; f < w->facets; f++": FACETS,
+    "k = 0; k < corners; k++": CONTACTS,
+    # support polygons
+    "at = count++; at > 0 && (spot[at - 1].b > here.b || (spot[at - 1].b == here.b && "
+    "spot[at - 1].a < here.a)); at--": CONTACTS,
+    "k = 0; k < 2u * count; k++": ("2 x contacts", lambda s: 2 * s.contacts),
+    "n > least && !(smap_bend_of(&spot[corner[n - 2]], &spot[corner[n - 1]], &spot[i]) > 0.0f)": (
+        CONTACTS
+    ),
+    "i = 0; i < n; i++": ("corners, walls or points", lambda s: max(s.contacts, s.links)),
+    "j = 0; j < n; j++": CONTACTS,
+    "k = 0; k < n; k++": ("corners, walls or points", lambda s: max(s.contacts, s.links)),
+    "i = 1; i + 1 < n; i++": CONTACTS,
+    # gaps
+    "e = 0; e < w->edges; e++": EDGES,
+    "e = 0; e < w->edges && !w->failed; e++": EDGES,
+    "e = w->next[e]; w->low[e] == SMAP_SHORT && left > 0; left--": EDGES,
+    "k = 1; k <= steps; k++": _plain("steps of a roll: a chord is at most 2", 12),
+    "k = 0; k < 2; k++": _plain("2", 2),
+    "n = 0; n < 2; n++": _plain("2", 2),
+    "end = 0; end < 2; end++": _plain("2", 2),
+    "n = 0; n < k; n++": THREE,
+    "k = 0; k < o->ends; k++": _plain("4 other ends", 4),
+    "k = 0; k < count; k++": _plain("4 other ends", 4),
+    "k = 0; k < (o.split ? 1 : 5); k++": _plain("5 trials", 5),
+    "e = smap_onward(w, came); e != came && left > 0 && o->low < o->high; left--": EDGES,
+    "at = smap_onward(w, came); at != came && left > 0 && o->low < o->high; left--": EDGES,
+    # walls
+    "e != start && left > 0": EDGES,
+    "e != start && left > 0 && !w->failed": EDGES,
+    "k = 0; k < o->edge[o->shown] && !w->failed; k++": EDGES,
+    "k = 0; k < o->shown; k++": SHOWN,
+    "k = 1; (float)k <= count; k++": _plain("SMAP_PIECES", 12),
+    "k = 0; k < side->count; k++": LINKS,
+    "k = first; k < o->segments && !w->failed; k++": LINKS,
+    "e = o->first[island]; e < o->last[island]; e++": LINKS,
+    # reads of many contacts
+    "i = 0; i < o->shown; i++": SHOWN,
+    "i = 0; o->alive && i < o->shown; i++": SHOWN,
+    "; s < end; s++": LINKS,
+    "k = o->first[island]; k < o->last[island]; k++": LINKS,
+    "k = 0; k < s->count; k++": LINKS,
+    "left = 4; left > 0; left--": _plain("4 facets", 4),
+    "e = o->edge[f]; e < o->edge[f + 1]; e++": EDGES,
+    "; x != 0; x >>= 1": _plain("32 bits", 32),
+    "sum < 0x10000000u": _plain("15 shifts", 15),
+    "sum >= 0x40000000u": _plain("2 shifts", 2),
+    "factor >= 65535.0f && i->shift < 40": _plain("40 shifts", 40),
+    "factor < 32767.0f && i->shift > -40": _plain("80 shifts", 80),
 }
 # Each corner but one is merged once.
 TOTALS: Mapping[str, Any] = {"level = 0; corner >> level & 1u; level++": lambda s: 2**s.dims}
 # Of smap.c: what the bounds above take for granted.
-CONSTANTS = {"NEWTON_STEPS": 8, "WALK_STEPS": 24}
+CONSTANTS = {"SMAP_NEWTON": 8, "SMAP_PIECES": 12, "SMAP_STEP": 5}
 
 
 def heads(source: str) -> dict[int, str]:
     """Return the loops of C source: line -> what stands in the parentheses.
+
+    A head may go on on the next line.  The loops of smap_check are left out.
 
     Raises
     ------
     ExportError
         If a line holds a loop in a form that is not known.
     """
-    found = {}
+    found, function = {}, ""
     plain = re.sub(r"/\*.*?\*/", lambda m: "\n" * m[0].count("\n"), source, flags=re.DOTALL)
-    for number, line in enumerate(plain.splitlines(), 1):
-        if not re.search(r"\b(for|while|goto)\b", line):
+    lines = plain.splitlines()
+    for number, line in enumerate(lines, 1):
+        if begun := FUNCTION.match(line):
+            function = begun[1]
+        directive = line.startswith("#")
+        if directive or not re.search(r"\b(for|while|goto)\b", line):
             continue
-        match = HEAD.search(line.rstrip())
+        text = line.rstrip()
+        if text.count("(") > text.count(")") and number < len(lines):
+            text = f"{text} {lines[number].strip()}"
+        match = HEAD.search(text)
         if match is None:
             raise ExportError(f"smap.c: line {number} has a loop without a bound (got {line!r}).")
-        found[number] = match[1] or match[2]
+        if not function.startswith(CHECKS):
+            found[number] = match[1] or match[2]
     return found
 
 

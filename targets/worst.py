@@ -234,8 +234,10 @@ def _components(
     return found[::-1]
 
 
-def bound(listing: str, source: str, shape: Shape, function: str) -> int:
-    """Return the most instructions of a read, the call from the image included.
+def bound(
+    listing: str, source: str, shape: Shape, entries: Mapping[str, str]
+) -> dict[str, int]:
+    """Return the most instructions of each call, that from the image included.
 
     Parameters
     ----------
@@ -245,8 +247,8 @@ def bound(listing: str, source: str, shape: Shape, function: str) -> int:
         smap.c.
     shape : Shape
         Of the export's tables.
-    function : str
-        ``smap_read`` or ``smap_read_i``.
+    entries : mapping
+        Name of a call -> function of smap.c that answers it.
     """
     found = Bounds(parse(listing), bounds(source, shape), starts(source), totals(source, shape))
-    return found.of(function) + CALL
+    return {call: found.of(function) + CALL for call, function in entries.items()}

@@ -273,6 +273,6 @@ def c_body(tables: Tables, integer: bool) -> CBody:
         )
     sizes = dict(tables.steps)
     macros = (("SMAP_GRID", 1), ("SMAP_INTEGERS" if integer else "SMAP_FLOATS", 1))
-    words = 1 + (params + 1) // 2
-    pose = (words, words) if integer else (1 + params, 1 + params)
-    return CBody(GRID, tuple(arrays), 0, macros, pose, lengths=tuple(sizes.items()))
+    held = max(params, 1)  # as SMAP_MAX_PARAMS
+    words = 1 + (held + 1) // 2 if integer else 1 + held
+    return CBody(GRID, tuple(arrays), 0, macros, (words, words), lengths=tuple(sizes.items()))
