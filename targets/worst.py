@@ -16,8 +16,8 @@ from targets.loops import Shape, bounds, starts, totals
 
 # Most bytes that smap.c copies or clears at once by a call: rounds of a loop of the C library.
 LARGEST_COPY = 64
-# Instructions with which the image calls smap_read, which the counts hold too.
-CALL = 8
+# Instructions with which the image calls through smap.h and the map, which the counts hold too.
+CALL = 16
 
 
 class Bounds:

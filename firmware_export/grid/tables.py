@@ -274,5 +274,6 @@ def c_body(tables: Tables, integer: bool) -> CBody:
     sizes = dict(tables.steps)
     macros = (("SMAP_GRID", 1), ("SMAP_INTEGERS" if integer else "SMAP_FLOATS", 1))
     held = max(params, 1)  # as SMAP_MAX_PARAMS
-    words = 1 + (held + 1) // 2 if integer else 1 + held
+    places = (held + 1) // 2 if integer else held
+    words = 1 + places + places % 2  # where pointers have 8 bytes a head fills two words behind it
     return CBody(GRID, tuple(arrays), 0, macros, (words, words), lengths=tuple(sizes.items()))
