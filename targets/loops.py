@@ -104,10 +104,7 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "shift = 0; longest << shift < 16384u; shift++": _plain("14 shifts", 14),
     "i = 1; i < 6; i++": _plain("5 faces", 5),
     "i = 0; i < 2; i++": _plain("2", 2),
-    **{
-        f"{i} = 0; {i} < 3; {i}++": THREE
-        for i in ("i", "j", "k", "n", "c")
-    },
+    **{f"{i} = 0; {i} < 3; {i}++": THREE for i in ("i", "k", "n", "c")},
     "i = 1; i < 3; i++": THREE,
     "i = 0; i < 9; i = (uint8_t)(i + 3)": THREE,
     "i = 0; i < 9; i++": _plain("9 coordinates", 9),

@@ -74,9 +74,7 @@ def prepared(case: Case) -> Row:
 def _own(export: Export, folder: Path, host: Host, asked: tuple[Any, Any]) -> bool:
     """Tell whether what a folder compiles to on this machine reads as what is certified."""
     library = HostLibrary(folder)
-    certified, own = (
-        (host.read_i, library.read_i) if export.integer else (host.read, library.read)
-    )
+    certified, own = (host.read_i, library.read_i) if export.integer else (host.read, library.read)
     pairs = zip(certified(*asked), own(*asked), strict=True)
     return all(one.tobytes() == other.tobytes() for one, other in pairs)
 
@@ -100,8 +98,13 @@ class Matrix:
         One line each.
     """
 
-    def __init__(self, rows: Sequence[Row], boards: Sequence[Board]) -> None:
-        self.rows, self.boards = rows, boards
+    def __init__(
+        self,
+        rows: Sequence[Row],
+        boards: Sequence[Board],
+        optimisations: Sequence[str] = OPTIMISATIONS,
+    ) -> None:
+        self.rows, self.boards, self.optimisations = rows, boards, optimisations
         self.verdicts: dict[str, dict[str, list[str]]] = {row.case.name: {} for row in rows}
         self.found: dict[str, Any] = {"compilers": {}, "rows": {}}
         self.failures: list[str] = []
@@ -139,7 +142,7 @@ class Matrix:
                 (row, board, option, pool.submit(execute, row.job, board, option))
                 for board in usable
                 for row in sorted(self.rows, key=lambda one: one.case.name)
-                for option in OPTIMISATIONS
+                for option in self.optimisations
             ]
             for row, board, option, future in cells:
                 self._take(row, board, option, future)
@@ -166,6 +169,8 @@ class Matrix:
             said = f"{label}: hash {outcome.hash:08x}, the host's is {row.wanted:08x}"
             self.failures.append(said)
         cells[option] = baseline.numbers(outcome)
+        texts = [f"{call} {tables.pair(cells[option], call)}" for call, _ in tables.CALLS]
+        print(f"{words[-1]:<5} {label}: {', '.join(texts)}", flush=True)
 
 
 def chosen(text: str | None, names: Sequence[str], what: str) -> list[str]:
@@ -185,6 +190,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--only", metavar="BOARD,...", help="of the columns")
     parser.add_argument("--export", metavar="NAME,...", help="of the rows")
     parser.add_argument(
+        "--optimise", metavar="OPTION,...", help=f"of {' and '.join(OPTIMISATIONS)}"
+    )
+    parser.add_argument(
         "--update", action="store_true", help="rewrite baseline.json and targets.md"
     )
     parser.add_argument("--strict", action="store_true", help="a skip is a failure (CI=true)")
@@ -203,7 +211,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     boards = [by_name[name] for name in chosen(options.only, list(by_name), "board")]
     try:
         rows = [prepared(every[name]) for name in names]
-        matrix = Matrix(rows, boards)
+        matrix = Matrix(rows, boards, chosen(options.optimise, OPTIMISATIONS, "option"))
         matrix.run(options.workers)
         return _report(matrix, options, strict, list(every), begin)
     except LutgenError as error:

@@ -234,9 +234,7 @@ def _components(
     return found[::-1]
 
 
-def bound(
-    listing: str, source: str, shape: Shape, entries: Mapping[str, str]
-) -> dict[str, int]:
+def bound(listing: str, source: str, shape: Shape, entries: Mapping[str, str]) -> dict[str, int]:
     """Return the most instructions of each call, that from the image included.
 
     Parameters

@@ -14,6 +14,16 @@ from firmware_export.emit.words import (
 from firmware_export.protocol import CBody
 from lutgen.quantities import QUANTITIES
 
+# What was counted, in words.
+COST = {
+    "pose": "`smap_pose`",
+    "both": "`smap_pose`, both forms",
+    "form_i": "the integer form alone",
+    "at": "`smap_at`",
+    "at_i": "`smap_at_i`",
+    "read": "whole read",
+}
+
 
 def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
     """Return a Markdown table."""
@@ -78,11 +88,17 @@ def _counts(counts: list[dict[str, Any]] | None) -> list[str]:
     if counts is None:
         return [*lines, "Not measured for these tables.", ""]
     rows = [
-        (f"{c['target']}, {c['option']}", c["unit"], f"{c['median']:,}", f"{c['max']:,}")
+        (
+            f"{c['target']}, {c['option']}",
+            COST[c["call"]],
+            c["unit"],
+            f"{c['median']:,}",
+            f"{c['max']:,}",
+        )
         for c in counts
     ]
     lines += ["On emulators, over 256 queries; instructions are not cycles.", ""]
-    return lines + _table(("target", "unit", "median", "most"), rows)
+    return lines + _table(("target", "call", "unit", "median", "most"), rows)
 
 
 def _accuracy(content: dict[str, Any]) -> list[str]:

@@ -4,23 +4,36 @@ from pathlib import Path
 
 import pytest
 
-from firmware_export.emit.runtime import runtime_file
+from firmware_export.emit.runtime import runtime_text
 from lutgen.errors import ExportError
 from targets import loops
 from targets.listing import parse
 from targets.longest import bounded, measured
+from targets.size import SETS
 from targets.worst import Bounds
 from tests.runtime.test_targets import needs_arm, row
 
 
+# As much as any export has.
+WIDEST = loops.Shape(8, 32, 8, 8, 8, 99, 99, 10, 255, 32, 80, 250, 60, 254)
+
+
 def test_every_loop_of_the_runtime_has_a_bound() -> None:
-    source = runtime_file("smap.c")
-    shape = loops.Shape(8, 32, 32, 8, 8, 255, 10, 255)
-    found = loops.bounds(source, shape)
-    assert len(found) > 40
-    assert all(0 < rounds <= 1024 for rounds in found.values())
+    every = set[str]()
+    for features in SETS:
+        source = runtime_text(frozenset(features))
+        found = loops.bounds(source, WIDEST)
+        assert len(found) > 20
+        assert all(0 < rounds <= 1024 for rounds in found.values())
+        every |= set(loops.heads(source).values())
     # And none is listed that is not there.
-    assert set(loops.LOOPS) == set(loops.heads(source).values())
+    assert set(loops.LOOPS) == every
+
+
+def test_a_head_on_two_lines_is_read_whole_and_checks_are_left_out() -> None:
+    source = "static int smap_f(void)\n{\n  for (i = 0; i < n &&\n       i < 3; i++) {\n  }\n}\n"
+    assert loops.heads(source) == {3: "i = 0; i < n && i < 3; i++"}
+    assert loops.heads(source.replace("smap_f", "smap_check_f")) == {}
 
 
 @pytest.mark.parametrize(
@@ -28,7 +41,7 @@ def test_every_loop_of_the_runtime_has_a_bound() -> None:
     ["  while (!ready) {", "  for (i = 0; i < other; i++) {", "  goto again;", "  } while (x);"],
 )
 def test_a_loop_that_is_not_listed_is_refused(line: str) -> None:
-    source = runtime_file("smap.c") + f"\nvoid f(void)\n{{\n{line}\n}}\n"
+    source = runtime_text(frozenset(SETS[0])) + f"\nstatic void smap_f(void)\n{{\n{line}\n}}\n"
     with pytest.raises(ExportError, match="bound"):
         loops.bounds(source, loops.Shape(2))
 
@@ -93,5 +106,7 @@ def test_a_loop_without_a_known_head_has_no_bound() -> None:
 @needs_arm
 def test_no_read_of_a_small_export_takes_longer_than_its_bound(tmp_path: Path) -> None:
     one = row(tmp_path)
-    seen = measured(one, 2000)
-    assert seen <= bounded(one) < 3 * seen
+    seen, most = measured(one, 2000), bounded(one)
+    assert seen.keys() == most.keys()
+    for call, count in seen.items():
+        assert count <= most[call] < 3 * count
