@@ -22,7 +22,7 @@ Cell = dict[str, Any]
 
 
 def numbers(outcome: Outcome) -> Cell:
-    """Return what the baseline holds of a cell: bytes of code, stack and poses, counts of each call.
+    """Return what the baseline holds of a cell: code, stack and poses in bytes, counts by call.
 
     `form_i` is what the integer form of a posture takes on top of the float form.
     Of a part that has no room for the export it holds an empty cell.

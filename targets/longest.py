@@ -61,7 +61,7 @@ def entry_of(call: str, floats: bool) -> str:
 
 
 def measured(row: Row, reads: int) -> dict[str, int]:
-    """Return the longest of random reads by call, an eighth of them beyond the axes and the chart."""
+    """Return the longest of random reads by call, an eighth beyond the axes and the chart."""
     params, gravity = queries.counted(row.export, reads, reads // 8)
     rows = queries.as_bytes(row.export, params, gravity)
     job = replace(row.job, rows=rows, checked=0, counted=reads, largest_only=True)

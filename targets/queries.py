@@ -1,7 +1,7 @@
 """What every target is asked: 1,000 queries for the hash, 256 for the counts.
 
-The same for every run and machine: made by a seeded generator, kept as bits in queries.bin.  A query
-of an export with floats has the same posture and direction as whole numbers, too.
+The same for every run and machine: made by a seeded generator, kept as bits in queries.bin.  A
+query of an export with floats has the same posture and direction as whole numbers, too.
 """
 
 from typing import Any

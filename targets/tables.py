@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from targets.boards import BOARDS, OPTIMISATIONS
+from targets.boards import BOARDS
 
 # The calls in the order of a table, and what they are there.
 CALLS = (

@@ -278,7 +278,7 @@ def test_the_committed_baseline_holds_every_row_and_board() -> None:
     known = baseline.load()
     assert set(known["rows"]) == {case.name for case in cases.cases()}
     assert set(known["compilers"]) == {one.name for one in BOARDS}
-    for name, row in known["rows"].items():
+    for row in known["rows"].values():
         assert set(row["boards"]) == {one.name for one in BOARDS}
         for on, cells in row["boards"].items():
             assert set(cells) == {"-O2", "-Os"}

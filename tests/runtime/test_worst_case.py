@@ -13,7 +13,6 @@ from targets.size import SETS
 from targets.worst import Bounds
 from tests.runtime.test_targets import needs_arm, row
 
-
 # As much as any export has.
 WIDEST = loops.Shape(8, 32, 8, 8, 8, 99, 99, 10, 255, 32, 80, 250, 60, 254)
 
