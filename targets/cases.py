@@ -167,18 +167,23 @@ def cases() -> list[Case]:
 def written(case: Case) -> tuple[Export, Path]:
     """Make a row's export and write its folder with the present runtime."""
     export = case.make()
-    held = case.folder / f"{export.name}.c" if case.folder is not None else None
-    if held is not None and held.is_file():
-        if (case.folder / "smap.c").read_text(encoding="utf-8") != runtime_text(
-            features(body_of(export))
-        ):
-            print(f"older   {case.name}: `make maps` made it with another runtime", flush=True)
-        elif held.read_text(encoding="utf-8") != source_text(export, body_of(export)):
-            raise ExportError(
-                f"{case.folder.relative_to(ROOT)}: is another export than that of its recipe (got "
-                f"another {export.name}.c); run `make maps`."
-            )
+    if case.folder is not None and (case.folder / f"{export.name}.c").is_file():
+        _compare(export, case.folder)
     directory = BUILD / case.name / "firmware"
     directory.parent.mkdir(parents=True, exist_ok=True)
     package.write(export, directory)
     return export, directory
+
+
+def _compare(export: Export, folder: Path) -> None:
+    """Refuse a folder of `make maps` that is another export than that of its recipe."""
+    body = body_of(export)
+    runtime = (folder / "smap.c").read_text(encoding="utf-8")
+    held = (folder / f"{export.name}.c").read_text(encoding="utf-8")
+    if runtime != runtime_text(features(body)):
+        print(f"older   {export.name}: `make maps` made it with another runtime", flush=True)
+    elif held != source_text(export, body):
+        raise ExportError(
+            f"{folder.relative_to(ROOT)}: is another export than that of its recipe (got "
+            f"another {export.name}.c); run `make maps`."
+        )

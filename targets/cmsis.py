@@ -15,18 +15,17 @@ import sys
 import tarfile
 import tempfile
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from statistics import median_low
 
 import numpy as np
 
 from firmware_export.emit import package
-from firmware_export.grid.tables import SPAN
 from firmware_export.protocol.exported import Export
 from lutgen.errors import LutgenError
+from lutgen.recipe.recipe import parse_recipe
 from targets.boards import Board, board
-from targets.cases import BUILD, of_stool
+from targets.cases import BUILD, STOOL, of_noise
 from targets.image import CHIP, HERE, CellError, build, compiler, run
 from targets.tables import columns
 
@@ -80,12 +79,8 @@ def fetch() -> Path | None:
 
 
 def even_stool() -> Export:
-    """Return the stool with evenly spaced nodes, which is all that CMSIS knows."""
-    export = of_stool("float")
-    part = export.tables.parts[0]
-    even = tuple(np.linspace(0, SPAN, len(k)).round().astype(np.uint16) for k in part.knots)
-    tables = replace(export.tables, parts=(replace(part, knots=even),))
-    return replace(export, tables=tables)
+    """Return a table over gravity with evenly spaced nodes, which is all that CMSIS knows."""
+    return of_noise("float", parse_recipe(STOOL), (17, 17))
 
 
 def header(export: Export) -> str:

@@ -74,9 +74,9 @@ def prepared(case: Case) -> Row:
 def _own(export: Export, folder: Path, host: Host, asked: tuple[Any, Any]) -> bool:
     """Tell whether what a folder compiles to on this machine reads as what is certified."""
     library = HostLibrary(folder)
-    certified, own = (host.read_i, library.read_i) if export.integer else (host.read, library.read)
-    pairs = zip(certified(*asked), own(*asked), strict=True)
-    return all(one.tobytes() == other.tobytes() for one, other in pairs)
+    certified: tuple[Any, Any] = (host.read_i if export.integer else host.read)(*asked)
+    own: tuple[Any, Any] = (library.read_i if export.integer else library.read)(*asked)
+    return all(one.tobytes() == other.tobytes() for one, other in zip(certified, own, strict=True))
 
 
 def version(board: Board) -> str:
