@@ -163,6 +163,7 @@ class Matrix:
         except CellError as error:
             words.append("FAIL")
             self.failures.append(f"{label}: {error}")
+            print(f"FAIL  {label}: {error}", flush=True)
             return
         words.append("ok" if outcome.hash == row.wanted else "FAIL")
         if outcome.hash != row.wanted:
