@@ -263,7 +263,7 @@ def _report(
         for name in baseline.absent(content, every):
             del content["rows"][name]
         baseline.save(content)
-        _show(content)
+        _show(baseline.load())  # in the order of the file
         path = ROOT / "firmware_export" / "runtime" / COUNTS
         part = path.with_suffix(".part")
         of_maps = [case.name for case in cases() if case.folder is not None]
