@@ -1,0 +1,150 @@
+"""Many contacts in C: what it calls safe against the exact evaluation, with and without float."""
+
+import ctypes
+import re
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+
+import lutgen
+from lutgen.channels import evaluate_each
+from tests.fixtures.many_library import (
+    HARNESS,
+    RUNTIME,
+    Library,
+    boundary_points,
+    postures_of,
+    random_directions,
+    read_i,
+)
+from tests.fixtures.places import MAPS
+
+pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
+ROBOTS = ("absolem", "marv", "markhor", "excavator", "articulated", "quadruped")
+TIPS = 2
+FLAGS = "-Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wdouble-promotion -Werror"
+# Of a leg: hip roll, hip pitch, knee; balls for feet.
+LEG = """
+[[robot.link]]
+name = "{n}_hip"
+parent = "body"
+origin = [{x}, {y}, 0]
+joint = {{ type = "revolute", axis = [1, 0, 0], parameter = "{n}_roll" }}
+[[robot.link]]
+name = "{n}_thigh"
+parent = "{n}_hip"
+joint = {{ type = "revolute", axis = [0, 1, 0], parameter = "{n}_pitch" }}
+mass = 0.6
+com = [0, 0, -0.05]
+[[robot.link]]
+name = "{n}_shank"
+parent = "{n}_thigh"
+origin = [0, 0, -0.2]
+joint = {{ type = "revolute", axis = [0, 1, 0], parameter = "{n}_knee" }}
+[[robot.contact]]
+name = "{n}"
+link = "{n}_shank"
+position = [0, 0, -0.2]
+radius = 0.022
+"""
+AXIS = '[[robot.parameter]]\nname = "{n}_{j}"\nmin = {low}\nmax = {high}\nunit = "deg"\n'
+JOINTS = (("roll", -30, 30), ("pitch", -20, 80), ("knee", -140, -40))
+
+
+def quadruped():
+    legs = (("fl", 0.2, 0.15), ("fr", 0.2, -0.15), ("rl", -0.2, 0.15), ("rr", -0.2, -0.15))
+    text = '[robot]\nname = "quadruped"\nlength_unit = "m"\n'
+    text += "".join(AXIS.format(n=n, j=j, low=a, high=b) for n, _, _ in legs for j, a, b in JOINTS)
+    text += '[[robot.link]]\nname = "body"\nmass = 6.0\ncom = [0, 0, 0]\n'
+    text += "".join(LEG.format(n=n, x=x, y=y) for n, x, y in legs)
+    samples = ", ".join(f"{n}_{j} = 2" for n, _, _ in legs for j, _, _ in JOINTS)
+    text += f"[sweep]\nsamples = {{ {samples} }}\n[sweep.gravity]\n"
+    text += 'chart = "cone"\nmax_tilt = 60.0\nnodes = 5\nchannels = ["sdg", "tip_angle"]\n'
+    return lutgen.parse_recipe(text)
+
+
+@pytest.fixture(scope="module", params=ROBOTS)
+def robot(request, tmp_path_factory):
+    name = request.param
+    path = MAPS / f"{name}.toml"
+    recipe = quadruped() if name == "quadruped" else lutgen.load_recipe(path)
+    return Library(recipe, tmp_path_factory.mktemp(name))
+
+
+def test_no_boundary_point_that_tips_is_called_safe(robot):
+    rng = np.random.default_rng(5)
+    params = postures_of(robot.recipe, rng, 80)
+    g = boundary_points(robot.recipe, params, rng, 60)
+    truth = evaluate_each(
+        robot.recipe, params.astype(float), g.astype(float), ("tip_angle", "status")
+    )
+    got = robot.read(params, g)
+    tips, safe = truth["status"] == TIPS, got["status"] != TIPS
+    assert tips.mean() > 0.2
+    assert not (safe & tips).any()
+    # Float32 has 24 digits: an angle of 1 rad is right to 1e-7, and the guard is 3e-4.
+    assert not (safe & (got["tip_angle"] > truth["tip_angle"])).any()
+    assert robot.most["failed"] == 0
+
+
+@pytest.mark.parametrize("whole", [False, True])
+def test_what_stands_is_told_with_its_angle_and_its_factor(robot, whole):
+    rng = np.random.default_rng(6)
+    params = postures_of(robot.recipe, rng, 200)
+    g = random_directions(rng, 200 * 50).reshape(200, 50, 3)
+    step = robot.many.size / 20000
+    g = np.rint(g * 16000).astype(np.int16) if whole else g.astype(np.float32)
+    channels = ("sdg", "tip_angle", "height", "status")
+    truth = evaluate_each(robot.recipe, params.astype(float), g.astype(float), channels)
+    got = read_i(robot, params, g, step) if whole else robot.read(params, g)
+    safe, stands = got["status"] != TIPS, truth["status"] != TIPS
+    assert not (safe & ~stands).any()
+    assert not ((got["status"] == 0) & (truth["status"] == 1)).any()
+    # Given up: what is within the guard of the boundary (0.02 deg), and a few gaps in a hundred.
+    lost = stands & ~safe
+    assert lost.sum() <= 0.008 * stands.sum()
+    error = np.degrees(truth["tip_angle"] - got["tip_angle"])[safe]
+    assert error.min() > 0.0
+    assert np.percentile(error, 90) < 0.06
+    # Rounding of the integer form: half a step each of D, s and the angle of its walls.
+    loose = 10 * step if whole else 1e-5 * robot.many.size
+    assert np.percentile(np.abs(truth["sdg"] - got["sdg"])[safe], 99) < loose
+    assert np.percentile(np.abs(truth["height"] - got["height"])[safe], 99) < loose
+
+
+def test_a_map_without_room_is_never_safe(robot, tmp_path):
+    small = Library(robot.recipe, tmp_path, facets=1, shown=1, walls=3)
+    rng = np.random.default_rng(7)
+    params = postures_of(robot.recipe, rng, 20)
+    got = small.read(params, random_directions(rng, 100))
+    assert small.most["failed"] > 0
+    enough = Library(robot.recipe, tmp_path / "..").read(params, random_directions(rng, 100))
+    assert (got["status"] == TIPS).sum() > (enough["status"] == TIPS).sum()
+
+
+def test_memory_that_is_all_zero_reads_unsafe(robot):
+    robot.c.many_zero.restype = ctypes.c_int
+    assert robot.c.many_zero() == TIPS
+
+
+@pytest.mark.parametrize("rails", [4, 0])
+@pytest.mark.parametrize("compiler", ["gcc -std=c99", "gcc -std=gnu99", "g++ -x c++ -std=c++17"])
+def test_the_parts_compile_without_a_warning(rails, compiler, tmp_path):
+    if shutil.which(compiler.split()[0]) is None:
+        pytest.skip(f"needs {compiler.split()[0]}")
+    command = [*compiler.split(), "-O2", *FLAGS.split(), f"-DSMAP_MANY_RAILS={rails}"]
+    command += [f"-I{RUNTIME}", "-c", str(HARNESS), "-o", str(tmp_path / "many.o")]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+def test_every_name_has_the_prefix_and_no_function_is_long():
+    for path in sorted(RUNTIME.glob("many_*.c")):
+        text = path.read_text()
+        for match in re.finditer(r"^static (?:inline )?[\w *]*?(\w+)\(.*?^\}", text, re.M | re.S):
+            assert match[1].startswith("smap_"), match[1]
+            assert match[0].count("\n") < 60, match[1]
+        names = re.findall(r"^#define (\w+)|^\} (\w+);", text, re.M)
+        assert all(a.startswith("SMAP_") or b.startswith("smap_") for a, b in names)
