@@ -80,7 +80,7 @@ static void smap_many_make_i(const smap_many_pose_t *o, float sdg_step, float he
     factor *= 2.0f;
     i->shift--;
   }
-  i->mantissa = (uint16_t)(factor + 0.5f);
+  i->mantissa = (uint16_t)(factor < 65535.0f ? factor + 0.5f : 65535.0f);
   i->guard = (int16_t)((o->guard + SMAP_ROUNDED_I) * (float)SMAP_ONE_I + 1.0f);
   i->slack = (int16_t)(o->slack * (float)SMAP_ONE_I);
   memcpy(i->kind, o->kind, o->shown);
