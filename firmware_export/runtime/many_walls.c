@@ -65,8 +65,8 @@ static float smap_pieces(const smap_many_work_t *w, uint8_t e, float chord)
   if (most <= lost) {
     return 1.0f;
   }
-  n = 1.0f + (float)(int32_t)smap_root(most / lost);
-  return n < SMAP_PIECES ? n : SMAP_PIECES;
+  n = smap_root(most / lost);
+  return n < SMAP_PIECES - 1.0f ? 1.0f + (float)(int32_t)n : SMAP_PIECES;
 }
 
 /* Where the tangents of a rim at two directions meet. */
