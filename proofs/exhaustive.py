@@ -3,7 +3,7 @@
 import shutil
 from pathlib import Path
 
-from firmware_export.emit.runtime import runtime_file
+from proofs.parts import place
 from proofs.tools import FAILED, OK, Clock, Result, run
 
 __all__ = ["PROOFS", "prove"]
@@ -17,22 +17,21 @@ FLAGS = (
 # Name in the program's output: what it shows.
 PROOFS = {
     "between": "a value lies between its two nodes, and is the node at a node",
-    "guards": "what passes is_finite, is_positive and up_to_one is that",
-    "face": "a place that is kept is on the face",
+    "guards": "what passes smap_is_finite, _positive and _within is that",
+    "range": "a parameter that is kept is a number, within its axis and the slack",
+    "direction": "a direction that is kept is a number, within the chart",
     "root": "square roots are correctly rounded",
     "whole_root": "whole square roots are rounded down",
     "cell": "the cell found is the one that holds the place",
 }
 
 
-def prove(source: str, folder: Path, patience: float, step: int = 1) -> list[Result]:
-    """Compile and run everything with this text of smap.c; `folder` is to work in.
+def prove(parts: dict[str, str], folder: Path, patience: float, step: int = 1) -> list[Result]:
+    """Compile and run everything of these parts; `folder` is to work in.
 
     With a step above 1 only every so many is tried, which can find a fault but proves nothing.
     """
-    (folder / "smap.c").write_text(source, encoding="utf-8")
-    for name in ("smap.h", "smap_config.h"):
-        (folder / name).write_text(runtime_file(name), encoding="utf-8")
+    place(parts, folder)
     shutil.copy(SOURCE, folder / "exhaustive.c")
     compiler = "gcc" if shutil.which("gcc") else "cc"
     with Clock() as clock:

@@ -164,7 +164,11 @@ SMAP_INLINE void smap_cross(const float a[3], const float b[3], float out[3])
 /* The nearest whole number; 0 for what is beyond `most`, at most 32767, or no number. */
 SMAP_INLINE int16_t smap_to_whole(float x, float most)
 {
-  return smap_is_within(x, most) ? (int16_t)(x < 0.0f ? x - 0.5f : x + 0.5f) : 0;
+  if (x >= -most && x <= most) {
+    const float away = x < 0.0f ? x - 0.5f : x + 0.5f;
+    return (int16_t)away;
+  }
+  return 0;
 }
 #endif
 
