@@ -25,7 +25,11 @@ ANALYSERS: dict[str, tuple[str, tuple[str, ...], str]] = {
     "gcc -fanalyzer, Cortex-M4": ("arm-none-eabi-gcc", (*ARM_FLAGS, *_GCC), _WARNED),
     "clang-tidy": (
         "clang-tidy",
-        ("--quiet", "--header-filter=.*", _CHECKS,),
+        (
+            "--quiet",
+            "--header-filter=.*",
+            _CHECKS,
+        ),
         r"(\w+\.[ch]:\d+:\d+): warning: .*\[([\w.,-]+)\]$",
     ),
     "cppcheck": (

@@ -39,7 +39,8 @@ HINTS = (
     Hint(r"for \(digit = 0x1000000u; .*", ("loop unroll 26;",)),
     # ... a whole number of what two comparisons let pass, which no NaN does
     Hint(
-        r"return \(int16_t\)away;", (r"admit \is_finite(away);", "admit -32767.5 <= away <= 32767.5;")
+        r"return \(int16_t\)away;",
+        (r"admit \is_finite(away);", "admit -32767.5 <= away <= 32767.5;"),
     ),
     # range, chart: what gets past the guards
     Hint(r"q\[i\] = x;", (r"admit \is_finite(x);", "admit -1e7 <= x <= 1e7;")),
@@ -47,13 +48,9 @@ HINTS = (
         r"const float at = d\[axes\[i \+ 1\]\], .*",
         (r"admit \is_finite(d[axes[i + 1]]);", "admit -2.0 <= d[axes[i + 1]] <= 2.0;"),
     ),
-    Hint(
-        r"g\[i\] \*= \(int32_t\)1 << shift;", ("admit -32768 <= g[i] <= 32768;",), after=True
-    ),
+    Hint(r"g\[i\] \*= \(int32_t\)1 << shift;", ("admit -32768 <= g[i] <= 32768;",), after=True),
     Hint(r"size\[i\] <<= shift;", ("admit size[i] <= 32768;",), after=True),
-    Hint(
-        r"\*length = smap_whole_root\(.*", ("admit 16385 <= *length <= 56757;",), after=True
-    ),
+    Hint(r"\*length = smap_whole_root\(.*", ("admit 16385 <= *length <= 56757;",), after=True),
     # three contacts
     Hint(r"tip = 2 \* least / .*", ("admit -1073741824 <= least <= 1073741823;",)),
     Hint(
@@ -126,9 +123,7 @@ def annotate(source: str) -> str:
 def stale(parts: dict[str, str]) -> list[str]:
     """Return the lines of hints that are in no part of the runtime."""
     lines = {line.strip() for text in parts.values() for line in text.split("\n")}
-    return [
-        hint.line for hint in HINTS if not any(re.fullmatch(hint.line, line) for line in lines)
-    ]
+    return [hint.line for hint in HINTS if not any(re.fullmatch(hint.line, line) for line in lines)]
 
 
 def mutate(source: str, codec: str) -> str:

@@ -37,7 +37,16 @@ def prove(parts: dict[str, str], folder: Path, patience: float, step: int = 1) -
     text, code = "", 0
     with Clock() as clock:
         for name, more in (("all", ()), ("grid", ("-DGRID",))):
-            command = [compiler, *FLAGS, *more, f"-DSTEP={step}u", "exhaustive.c", "-o", name, "-lm"]
+            command = [
+                compiler,
+                *FLAGS,
+                *more,
+                f"-DSTEP={step}u",
+                "exhaustive.c",
+                "-o",
+                name,
+                "-lm",
+            ]
             done = run(command, folder, patience)
             if done.code == 0:
                 done = run([str(folder / name)], folder, patience)

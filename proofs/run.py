@@ -115,9 +115,7 @@ class Plan:
         return proved("fuzz", ("clang", "gcc"), jobs)
 
     def _fuzz(self, subject: Subject, work: Path, seconds: int, harness: str) -> Job:
-        return _guarded(
-            harness, subject.name, lambda: [fuzz.fuzz(subject, work, seconds, harness)]
-        )
+        return _guarded(harness, subject.name, lambda: [fuzz.fuzz(subject, work, seconds, harness)])
 
     def _flip(self, subject: Subject, work: Path) -> Job:
         return _guarded("flips", subject.name, lambda: [fuzz.flip(subject, work, self.patience)])

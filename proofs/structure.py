@@ -34,7 +34,7 @@ def _head(text: str, start: int) -> str:
 
 
 def functions(text: str) -> list[tuple[int, str]]:
-    """Return where the body of each function begins, a bracket in the first column, and its name."""
+    """Return where each function begins, by a bracket in the first column, and its name."""
     starts = [(0, "")]
     for found in re.finditer(r"^\{", text, re.MULTILINE):
         before = text[: found.start()].rstrip()
@@ -82,9 +82,7 @@ def writable(listing: str) -> list[str]:
     return re.findall(r"^[0-9a-f]+ [bBcCdDgGsS] (\S+)", listing, re.MULTILINE)
 
 
-def prove(
-    parts: dict[str, str], document: str, folder: Path, patience: float
-) -> list[Result]:
+def prove(parts: dict[str, str], document: str, folder: Path, patience: float) -> list[Result]:
     """Check parts of the runtime that lie in a folder; see `proofs.parts.place`."""
     results = []
     source = "\n".join(text for name, text in sorted(parts.items()))
