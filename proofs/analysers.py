@@ -15,7 +15,7 @@ from targets.size import FLAGS as ARM_FLAGS
 
 __all__ = ["ANALYSERS", "analyse", "compare", "heading"]
 
-# Name: program, command without the file, and how a finding looks in what it prints: where, and what.
+# Name: program, command without the file, how a finding looks in what it prints: where and what.
 _GCC = ("-std=c99", "-Wall", "-Wextra", "-fanalyzer", "-c", "-o", "smap.o")
 _WARNED = r"(\w+\.[ch]:\d+:\d+): warning: .*\[-W(?:error=)?([\w-]+)\]$"
 _CHECKS = "--checks=-*,bugprone-*,cert-*,clang-analyzer-*"

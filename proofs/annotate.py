@@ -32,7 +32,7 @@ class Mutant(NamedTuple):
 
 _POINT = "-16400 <= p[3 * i] <= 16400 && -16400 <= p[3 * i + 1] <= 16400"
 
-# Lines are regular expressions over one stripped line; a part that an export has not is not annotated.
+# Lines are regular expressions over one stripped line; parts that an export lacks are left out.
 HINTS = (
     # arithmetic: the square root
     Hint(r"while \(mantissa < 0x800000u\) \{", ("admit mantissa > 0;", "loop unroll 24;")),

@@ -10,7 +10,7 @@ from proofs.tools import FAILED, OK, Clock, Result, run
 
 __all__ = ["alarms", "prove", "prove_fault_is_found", "verdict"]
 
-# What needs more than the slevel is split by annotations; loops over an export's tables are unrolled.
+# What needs more than the slevel is split by annotations; loops over tables are unrolled.
 OPTIONS = (
     *("-eva", "-eva-slevel", "100", "-eva-ilevel", "64", "-eva-auto-loop-unroll", "300"),
     *("-eva-split-return", "auto"),

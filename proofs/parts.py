@@ -1,4 +1,4 @@
-"""The parts of the runtime as files, and programs of them that have every line of it between them."""
+"""The parts of the runtime as files, and programs that have every line of it between them."""
 
 from pathlib import Path
 

@@ -69,7 +69,7 @@ class Plan:
         return path
 
     def eva(self) -> list[Job]:
-        """Return the proofs by Eva, and a seeded fault for each kind; many contacts are not proved."""
+        """Return the proofs by Eva, and a fault for each kind; many contacts are left out."""
         jobs: list[Job] = []
         kinds: set[str] = set()
         able = [subject for subject in self.subjects if subject.kind in MUTANTS]

@@ -1,4 +1,4 @@
-"""What text and object code of the runtime show: loops, lengths, recursion, globals, library calls."""
+"""What the runtime shows by itself: loops, lengths, recursion, globals, library calls."""
 
 import re
 from collections import Counter
