@@ -97,7 +97,8 @@ static void smap_many_make_i(const smap_many_pose_t *o, float sdg_step, float he
 
 static inline int32_t smap_dot_i(const int16_t a[3], const int32_t b[3])
 {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  /* Summed without sign: only walls of a damaged map can be too long, and they may wrap. */
+  return (int32_t)((uint32_t)(a[0] * b[0]) + (uint32_t)(a[1] * b[1]) + (uint32_t)(a[2] * b[2]));
 }
 
 static inline void smap_cross_i(const int32_t a[3], const int16_t b[3], int32_t out[3])
