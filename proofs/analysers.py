@@ -8,37 +8,39 @@ import re
 from collections import Counter
 from pathlib import Path
 
-from firmware_export.emit.runtime import runtime_file
 from proofs.document import findings
+from proofs.parts import PROGRAMS
 from proofs.tools import FAILED, OK, Clock, Result, run
 from targets.size import FLAGS as ARM_FLAGS
 
-__all__ = ["ANALYSERS", "analyse", "compare", "heading", "place"]
+__all__ = ["ANALYSERS", "analyse", "compare", "heading"]
 
-# Name: program, command, and how a finding looks in what it prints.
-_GCC = ("-std=c99", "-Wall", "-Wextra", "-fanalyzer", "-c", "smap.c", "-o", "smap.o")
+# Name: program, command without the file, how a finding looks in what it prints: where and what.
+_GCC = ("-std=c99", "-Wall", "-Wextra", "-fanalyzer", "-c", "-o", "smap.o")
+_WARNED = r"(\w+\.[ch]:\d+:\d+): warning: .*\[-W(?:error=)?([\w-]+)\]$"
 _CHECKS = "--checks=-*,bugprone-*,cert-*,clang-analyzer-*"
+_TEMPLATE = "--template={file}:{line}:{column}: {id}"
 ANALYSERS: dict[str, tuple[str, tuple[str, ...], str]] = {
-    "gcc -fanalyzer, host": ("gcc", ("-O2", *_GCC), r"warning: .*\[-W(?:error=)?([\w-]+)\]$"),
-    "gcc -fanalyzer, Cortex-M4": (
-        "arm-none-eabi-gcc",
-        (*ARM_FLAGS, *_GCC),
-        r"warning: .*\[-W(?:error=)?([\w-]+)\]$",
-    ),
+    "gcc -fanalyzer, host": ("gcc", ("-O2", *_GCC), _WARNED),
+    "gcc -fanalyzer, Cortex-M4": ("arm-none-eabi-gcc", (*ARM_FLAGS, *_GCC), _WARNED),
     "clang-tidy": (
         "clang-tidy",
-        ("--quiet", _CHECKS, "smap.c", "--", "-std=c99"),
-        r"warning: .*\[([\w.,-]+)\]$",
+        (
+            "--quiet",
+            "--header-filter=.*",
+            _CHECKS,
+        ),
+        r"(\w+\.[ch]:\d+:\d+): warning: .*\[([\w.,-]+)\]$",
     ),
     "cppcheck": (
         "cppcheck",
-        ("--std=c99", "--enable=warning,portability", "--template={id}", "-q", "smap.c"),
-        r"^(\w+)$",
+        ("--std=c99", "--enable=warning,portability", _TEMPLATE, "-q", "-D__GNUC__=12"),
+        r"^(\S+:\d+:\d+): (\w+)$",
     ),
     "MISRA": (
         "cppcheck",
-        ("--std=c99", "--addon=misra", "--template={id}", "-q", "smap.c"),
-        r"^misra-c2012-(\d+\.\d+)$",
+        ("--std=c99", "--addon=misra", _TEMPLATE, "-q", "-D__GNUC__=12"),
+        r"^(\S+:\d+:\d+): misra-c2012-(\d+\.\d+)$",
     ),
 }
 
@@ -48,20 +50,23 @@ def heading(name: str) -> str:
     return "MISRA deviations" if name == "MISRA" else f"Findings of {name}"
 
 
-def place(source: str, folder: Path) -> None:
-    """Put the runtime into a folder, with this text of smap.c and all codecs switched on."""
-    (folder / "smap.c").write_text(source, encoding="utf-8")
-    for name in ("smap.h", "smap_config.h"):
-        (folder / name).write_text(runtime_file(name), encoding="utf-8")
-
-
 def count(name: str, folder: Path, patience: float) -> tuple[dict[str, int], str]:
-    """Return how often each finding occurs, and why the analyser failed or ""."""
+    """Return at how many places each finding occurs, and why the analyser failed or "".
+
+    A place that several programs have counts once.
+    """
     program, arguments, pattern = ANALYSERS[name]
-    done = run([program, *arguments], folder, patience)
-    found = dict(Counter(re.findall(pattern, done.text, re.MULTILINE)))
-    wrong = next((line for line in done.text.splitlines() if "error:" in line), "")
-    return found, wrong or ("" if done.code == 0 or found else f"exit code {done.code}")
+    places: set[tuple[str, str]] = set()
+    for part in PROGRAMS:
+        file = f"of_{part}.c"
+        more = ("--", "-std=c99") if program == "clang-tidy" else ()
+        done = run([program, *arguments, file, *more], folder, patience)
+        found = set(re.findall(pattern, done.text, re.MULTILINE))
+        wrong = next((line for line in done.text.splitlines() if "error:" in line), "")
+        if wrong or (done.code and not found):
+            return {}, wrong or f"exit code {done.code}"
+        places |= found
+    return dict(Counter(kind for _, kind in places)), ""
 
 
 def compare(found: dict[str, int], known: dict[str, int]) -> str:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from lutgen.errors import ExportError
 
-__all__ = ["ADMITS", "HINTS", "MUTANTS", "Hint", "Mutant", "annotate", "mutate"]
+__all__ = ["ADMITS", "HINTS", "MUTANTS", "Hint", "Mutant", "annotate", "mutate", "stale"]
 
 
 class Hint(NamedTuple):
@@ -30,82 +30,42 @@ class Mutant(NamedTuple):
     instead: str
 
 
-_I = r"\initialized(&facet->corner[i])"
-_NEXT = r"\initialized(&facet->corner[i + 1 == facet->count ? 0 : i + 1])"
-_AT = r"\initialized(&facet.corner[at])"
-_AT_NEXT = r"\initialized(&facet.corner[at + 1 == facet.count ? 0 : at + 1])"
+_POINT = "-16400 <= p[3 * i] <= 16400 && -16400 <= p[3 * i + 1] <= 16400"
 
-# Lines are regular expressions over one stripped line.
+# Lines are regular expressions over one stripped line; parts that an export lacks are left out.
 HINTS = (
-    # smap_read and locate: nothing that is not finite gets past them
-    Hint(r"query.t\[i\] = t;", (r"admit \is_finite(t);", "admit 0.0 <= t <= 1.0;")),
-    Hint(
-        r"const uint_fast8_t axis = i == 0 \? first : second;",
-        (r"admit \is_finite(depth);", "admit depth > 0.0;"),
-    ),
-    Hint(
-        r"query->d\[axis\] = query->place\[i\] = place;",
-        (r"admit \is_finite(place);", "admit -map->chart_limit <= place <= map->chart_limit;"),
-    ),
-    # locate: which of the three components is which
-    Hint(r"first = normal == 0;", ("split normal;",)),
-    # root
+    # arithmetic: the square root
     Hint(r"while \(mantissa < 0x800000u\) \{", ("admit mantissa > 0;", "loop unroll 24;")),
     Hint(r"for \(digit = 0x1000000u; .*", ("loop unroll 26;",)),
-    # grid
-    Hint(r"for \(i = 0; i < part->dims; i\+\+, axis \+= 3\) \{", ("loop unroll 11;",)),
-    Hint(r"for \(left = nodes - 1u; .*", ("loop unroll 17;",)),
-    Hint(r"cell->frac\[i\] = .*", ("split lower - knots;",)),
-    Hint(r"cell->jump\[i\] = stride - back;", ("merge lower - knots;",), after=True),
-    Hint(r"for \(corner = 0; corner < corners; corner\+\+\) \{", ("loop unroll 1025;",)),
-    Hint(r"for \(level = 0; corner >> level & 1u; level\+\+\) \{", ("loop unroll 11;",)),
+    # ... a whole number of what two comparisons let pass, which no NaN does
     Hint(
-        r"value = between\(below\[level\], value, cell->frac\[level\]\);",
+        r"return \(int16_t\)away;",
+        (r"admit \is_finite(away);", "admit -32767.5 <= away <= 32767.5;"),
+    ),
+    # range, chart: what gets past the guards
+    Hint(r"q\[i\] = x;", (r"admit \is_finite(x);", "admit -1e7 <= x <= 1e7;")),
+    Hint(
+        r"const float at = d\[axes\[i \+ 1\]\], .*",
+        (r"admit \is_finite(d[axes[i + 1]]);", "admit -2.0 <= d[axes[i + 1]] <= 2.0;"),
+    ),
+    Hint(r"g\[i\] \*= \(int32_t\)1 << shift;", ("admit -32768 <= g[i] <= 32768;",), after=True),
+    Hint(r"size\[i\] <<= shift;", ("admit size[i] <= 32768;",), after=True),
+    Hint(r"\*length = smap_whole_root\(.*", ("admit 16385 <= *length <= 56757;",), after=True),
+    # three contacts
+    Hint(r"tip = 2 \* least / .*", ("admit -1073741824 <= least <= 1073741823;",)),
+    Hint(
+        r"smap_table_point_i\(&table\[i\], wide, place, &p\[3 \* i\]\);",
+        (f"admit {_POINT} && -16400 <= p[3 * i + 2] <= 16400;",),
+        after=True,
+    ),
+    Hint(r"length = smap_whole_root\(length\);", ("admit length > 0;",), after=True),
+    Hint(r"const int32_t unit = .*", ("admit 0 <= unit <= 16383;",), after=True),
+    # grid
+    Hint(
+        r"value = smap_between\(below\[level\], value, cell->frac\[level\]\);",
         ("admit value <= 65535;",),
         after=True,
     ),
-    Hint(r"for \(term = 0; term < shape\[params\]; term\+\+\) \{", ("loop unroll 257;",)),
-    # contacts: positions
-    Hint(r"for \(term = 0; term < body->terms; term\+\+\) \{", ("loop unroll 1024;",)),
-    Hint(r"for \(i = 0; i < 3 \* body->\w+; i\+\+\) \{", ("loop unroll 97;",)),
-    # contacts: the facet search
-    Hint(r"for \(step = 0; .*", ("loop unroll 0;",)),
-    Hint(r"do \{ /\* gift wrapping.*", ("dynamic_split facet->count;", "loop unroll 33;")),
-    Hint(
-        r"facet->corner\[facet->count\+\+\] = at;",
-        (
-            r"assert \initialized(&facet->corner[0 .. facet->count - 1]);",
-            "assert at < total && facet->count <= total;",
-        ),
-        after=True,
-    ),
-    Hint(r"return facet->count >= 3 && at == first;", ("merge facet->count;",)),
-    Hint(r"for \(i = [02]; i < facet->count; i\+\+\) \{", ("loop unroll 33;",)),
-    # ... nearest_edge
-    Hint(r"float from\[3\], to\[3\], wall\[3\];", ("split facet->count;",)),
-    Hint(r"contact_point\(posture, facet->corner\[i\], \w+\);", (f"admit {_I};",)),
-    Hint(r"contact_point\(posture, facet->corner\[i \+ 1 == .*", (f"admit {_NEXT};",)),
-    Hint(r"return nearest;", ("assert nearest < facet->count;", "merge facet->count;")),
-    # ... stability_factor
-    Hint(
-        r"contact_point\(posture, facet->corner\[0\], base\);",
-        (r"admit \initialized(&facet->corner[0]) && \initialized(&facet->corner[1]);",),
-    ),
-    # ... contacts_read
-    Hint(
-        r"const uint8_t a = facet.corner\[at\];",
-        (
-            *("split facet.count;", "admit at < facet.count;", "split at;"),
-            f"admit {_AT} && {_AT_NEXT};",
-        ),
-    ),
-    Hint(r"if \(step == WALK_STEPS \|\| .*", ("merge at;", "merge facet.count;")),
-    Hint(
-        r"at = nearest_edge\(&posture, &other, g, &sine\);",
-        ("split at;", r"admit \initialized(&other.corner[at]);"),
-        after=True,
-    ),
-    Hint(r"facet = other;", ("merge at;",)),
 )
 
 # Every statement that is taken as true, in the order of HINTS.
@@ -119,46 +79,37 @@ ADMITS = tuple(
 )
 
 MUTANTS = {
-    "contacts": Mutant(
-        "the last cell of a mode is one further",
-        "(float)last * 0.99999994f",
-        "(float)last * 1.00000012f",
-    ),
-    "contacts many": Mutant(
-        "a walk round a facet goes one corner too far",
-        "facet.corner[at + 1 == facet.count ? 0 : at + 1]",
-        "facet.corner[at + 1]",
-    ),
-    "grid": Mutant(
-        "the last knot of an axis is one further",
-        "left = nodes - 1u;",
-        "left = nodes;",
+    "points": Mutant(
+        "one coordinate more is written", "i < at.coordinates; i++", "i <= at.coordinates; i++"
     ),
     "poly": Mutant(
         "one term more is summed",
         "term < shape[params]; term++",
         "term <= shape[params]; term++",
     ),
+    "tables": Mutant(
+        "the last cell of an axis is one further", "(uint32_t)last - 1u", "(uint32_t)last"
+    ),
+    "tables whole": Mutant(
+        "the last cell of an axis is one further", "cell[k] = x >> 16;", "cell[k] = (x >> 16) + 1u;"
+    ),
+    "grid": Mutant(
+        "the last knot of an axis is one further",
+        "left = (uint16_t)(nodes - 1u);",
+        "left = nodes;",
+    ),
 }
 
 
 def annotate(source: str) -> str:
-    """Return smap.c with the annotations in it.
+    """Return smap.c with the annotations in it; what it has no line for is left out.
 
-    Raises
-    ------
-    ExportError
-        A line that annotations belong to is not in `source`.
+    A hint whose line is in no part at all is an error of `stale`.
     """
     lines = source.split("\n")
     before: dict[int, list[str]] = {}
     for hint in HINTS:
         places = [i for i, line in enumerate(lines) if re.fullmatch(hint.line, line.strip())]
-        if not places:
-            raise ExportError(
-                f"smap.c: a line that the proof is annotated at is missing (got {hint.line!r}); "
-                "bring proofs/annotate.py into line with smap.c."
-            )
         for place in places:
             before.setdefault(place + int(hint.after), []).extend(
                 f"//@ {text}" for text in hint.annotations
@@ -167,6 +118,12 @@ def annotate(source: str) -> str:
     for i, line in enumerate(lines):
         result += [*before.get(i, []), line]
     return "\n".join(result)
+
+
+def stale(parts: dict[str, str]) -> list[str]:
+    """Return the lines of hints that are in no part of the runtime."""
+    lines = {line.strip() for text in parts.values() for line in text.split("\n")}
+    return [hint.line for hint in HINTS if not any(re.fullmatch(hint.line, line) for line in lines)]
 
 
 def mutate(source: str, codec: str) -> str:

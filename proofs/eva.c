@@ -1,21 +1,13 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
-/* Frama-C Eva starts at `prove`: every bit pattern as a query, once through the table. */
-#include "@NAME@.h"
+/* Frama-C Eva starts at `prove`: every bit pattern as a query, through every entry. */
+#include "@NAME@.c"
 
 static volatile uint32_t any_bits;
 static volatile int16_t any_count;
+static @NAME@_pose_t pose; /* all zero: what was never made is read, too */
 
-#if @INTEGER@
-typedef int16_t number_t;
-typedef smap_reading_i_t answer_t;
-#define READ smap_read_i
-static number_t any_number(void) { return any_count; }
-#else
-typedef float number_t;
-typedef smap_reading_t answer_t;
-#define READ smap_read
-static number_t any_number(void)
+static float any_number(void)
 {
   union {
     uint32_t bits;
@@ -24,20 +16,31 @@ static number_t any_number(void)
   number.bits = any_bits;
   return number.value;
 }
-#endif
 
 void prove(void)
 {
-  number_t params[@PARAMS@], gravity[3];
-  answer_t answer;
+  float params[@PARAMS@ + 1], gravity[3];
+  int16_t params_q[@PARAMS@ + 1], gravity_q[3];
+  smap_reading_t reading;
+  smap_reading_i_t reading_i;
   int i;
   /*@ loop unroll 16; */
   for (i = 0; i < @PARAMS@; i++) {
     params[i] = any_number();
+    params_q[i] = any_count;
   }
   /*@ loop unroll 3; */
   for (i = 0; i < 3; i++) {
     gravity[i] = any_number();
+    gravity_q[i] = any_count;
   }
-  (void)READ(&@NAME@, params, gravity, &answer);
+  if (any_count) {
+    (void)smap_pose(&@NAME@, params, &pose, sizeof pose, @FORMS@);
+  } else {
+    (void)smap_pose_q(&@NAME@, params_q, &pose, sizeof pose, @FORMS@);
+  }
+  (void)smap_at(&pose, gravity, &reading);
+  (void)smap_at_i(&pose, gravity_q, &reading_i);
+  (void)smap_read(&@NAME@, params, gravity, &reading);
+  (void)smap_read_i(&@NAME@, params_q, gravity_q, &reading_i);
 }

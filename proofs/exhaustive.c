@@ -1,12 +1,16 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
-/* What is proved by trying everything.  smap.c itself is included, so it is its own functions,
- * compiled with all codecs, that are asked.  Prints one line for each proof: its name, what was
+/* What is proved by trying everything.  The parts themselves are taken in, so it is their own functions
+ * that are asked; those of the grid with GRID.  Prints one line for each proof: its name, what was
  * tried, and how often it failed. */
 #include <math.h>
 #include <stdio.h>
 
-#include "smap.c"
+#ifdef GRID
+#include "of_grid_w.c"
+#else
+#include "of_three.c"
+#endif
 
 #ifndef STEP
 #define STEP 1u /* a test that only looks for a fault tries fewer */
@@ -18,11 +22,19 @@ static void report(const char *name, uint64_t tried, uint64_t wrong)
   fflush(stdout); /* a fault may end the program */
 }
 
+static inline float float_of(uint32_t bits)
+{
+  float x;
+  memcpy(&x, &bits, sizeof x);
+  return x;
+}
+
+#ifdef GRID
 /* Is one value between its neighbours, the node where the weight is 0 or all of it, and no less
  * than the bound that rounding down leaves? */
 static unsigned wrong_between(uint32_t low, uint32_t high, uint32_t frac)
 {
-  const uint32_t value = between(low, high, frac);
+  const uint32_t value = smap_between(low, high, frac);
   const uint32_t least = low < high ? low : high, most = low < high ? high : low;
   return (unsigned)(value < least) | (unsigned)(value > most) |
          ((unsigned)(frac == 0) & (unsigned)(value != low)) |
@@ -47,47 +59,63 @@ static void try_between(void)
   report("between", tried, wrong);
 }
 
-static float float_of(uint32_t bits)
+/* The search for a cell, on axes of 2 to 300 nodes, at every place. */
+static void try_cell(void)
 {
-  float x;
-  memcpy(&x, &bits, sizeof x);
-  return x;
+  static uint8_t knots[600];
+  uint64_t wrong = 0, tried = 0;
+  uint16_t nodes;
+  for (nodes = 2; nodes <= 300; nodes = (uint16_t)(nodes + STEP)) {
+    uint32_t x, expected = 0, i;
+    for (i = 0; i < nodes; i++) {
+      const uint32_t knot = 65534u * i / (nodes - 1u);
+      knots[2 * i] = (uint8_t)knot;
+      knots[2 * i + 1] = (uint8_t)(knot >> 8);
+    }
+    for (x = 0; x <= 65534; x++) {
+      while (expected + 2 < nodes && smap_u16(knots + 2 * expected + 2) <= x) {
+        expected++;
+      }
+      wrong += smap_cell(knots, nodes, x) != expected;
+      tried++;
+    }
+  }
+  report("cell", tried, wrong);
 }
 
-/* All bit patterns of a float: what the guards of smap_read and locate let pass. */
+#else
+/* All bit patterns of a float: what the guards let pass, and what of a parameter and of a direction is
+ * kept.  The map: one axis from -1 to 2 with a slack of 0.01, a cone of 60 deg. */
 static void try_guards(void)
 {
   static const float limits[] = {1.0f, 1.7320508f};
-  struct smap cone;
-  uint64_t wrong = 0, off_face = 0, tried = 0;
-  uint32_t block, i, k;
-  memset(&cone, 0, sizeof cone);
-  cone.faces = 1;
+  static uint8_t blob[64];
+  const float axis[3] = {-1.0f, 2.0f, 0.01f};
+  const smap_t map = {&smap_run, blob, sizeof blob};
+  uint64_t wrong = 0, off_axis = 0, off_chart = 0, tried = 0;
+  uint32_t block, i;
+  blob[SMAP_AT_PARAMS] = blob[SMAP_AT_FACES] = 1;
+  memcpy(blob + SMAP_AT_AXES, axis, sizeof axis);
+  memcpy(blob + SMAP_AT_LIMIT, &limits[1], 4);
   for (block = 0; block < 65536; block += STEP) {
-    uint32_t here = 0, off = 0;
     for (i = 0; i < 65536; i++) {
       const uint32_t bits = block << 16 | i;
       const float x = float_of(bits);
-      const unsigned finite_bits = (bits >> 23 & 255u) != 255u, is_number = x == x;
-      here += (unsigned)is_finite(x) != finite_bits;
-      here += (unsigned)is_positive(x) != (unsigned)(finite_bits && x > 0.0f);
-      here += (unsigned)(up_to_one(x) && !(x >= 0.0f && x <= 1.0f));
-      /* what is not let through at once, nor clamped, is -0 */
-      here += is_number && !up_to_one(x) && !(x < 0.0f || x > 1.0f) && bits != 0x80000000u;
-      for (k = 0; k < 2; k++) {
-        const float gravity[3] = {x, 0.0f, -1.0f};
-        query_t query;
-        cone.chart_limit = limits[k];
-        off += (uint32_t)(locate(&cone, gravity, &query) &&
-                          !(query.place[0] >= -limits[k] && query.place[0] <= limits[k]));
-      }
+      const unsigned finite_bits = (bits >> 23 & 255u) != 255u;
+      float q[SMAP_MAX_PARAMS], d[3], gravity[3] = {0.0f, 0.0f, -1.0f};
+      wrong += (unsigned)smap_is_finite(x) != finite_bits;
+      wrong += (unsigned)smap_is_positive(x) != (unsigned)(finite_bits && x > 0.0f);
+      wrong += (unsigned)smap_is_within(x, limits[0]) != (unsigned)(x >= -1.0f && x <= 1.0f);
+      off_axis += (unsigned)(smap_range(&map, &x, q) == SMAP_OK && !(q[0] >= -1.0101f && q[0] <= 2.0101f));
+      gravity[0] = x;
+      off_chart += (unsigned)(smap_direction(&map, gravity, d) == SMAP_OK &&
+                              !(d[0] >= -limits[1] && d[0] <= limits[1]));
     }
-    wrong += here;
-    off_face += off;
     tried += 65536;
   }
   report("guards", tried, wrong);
-  report("face", 2 * tried, off_face);
+  report("range", tried, off_axis);
+  report("direction", tried, off_chart);
 }
 
 /* Square roots: every denormal, and every mantissa under exponents even and odd, least and most.
@@ -104,7 +132,7 @@ static void try_root(void)
       memcpy(&x, &bits, sizeof x);
       /* what the annotation of the loop over denormals assumes */
       wrong += x > 0.0f && exponents[e] == 0 && mantissa == 0;
-      mine = root(x);
+      mine = smap_root(x);
       true_root = sqrtf(x);
       wrong += memcmp(&mine, &true_root, sizeof mine) != 0;
       tried++;
@@ -121,70 +149,28 @@ static void try_whole_root(void)
   uint32_t result;
   for (result = 0; (uint64_t)(result + 2) * result <= most; result += STEP) {
     const uint32_t low = result * result;
-    wrong += (whole_root(low) != result) + (whole_root(low + 2 * result) != result);
+    wrong += (smap_whole_root(low) != result) + (smap_whole_root(low + 2 * result) != result);
     tried += 2;
   }
   for (x = 0; x <= most; x += 61 * STEP) {
-    const uint64_t found = whole_root((uint32_t)x);
+    const uint64_t found = smap_whole_root((uint32_t)x);
     wrong += found * found > x || (found + 1) * (found + 1) <= x;
     tried++;
   }
   report("whole_root", tried, wrong);
 }
 
-/* The search for a cell, on axes of 2 to 300 nodes, at every place: the cell that comes out has the
- * next node as its upper end, since the weight is that of the two. */
-static void try_cell(void)
-{
-  static uint16_t knots[300];
-  static const uint8_t codes[1] = {0};
-  uint64_t wrong = 0, tried = 0;
-  uint16_t nodes;
-  for (nodes = 2; nodes <= 300; nodes = (uint16_t)(nodes + STEP)) {
-    const uint16_t axes[3] = {0, nodes, 0};
-    smap_grid_part_t part;
-    smap_grid_t grid;
-    uint32_t x, expected = 0, i;
-    memset(&part, 0, sizeof part);
-    memset(&grid, 0, sizeof grid);
-    part.axes = axes;
-    part.codes8 = codes;
-    part.dims = part.width = 1;
-    grid.knots = knots;
-    for (i = 0; i < nodes; i++) {
-      knots[i] = (uint16_t)(65534u * i / (nodes - 1u));
-    }
-    for (x = 0; x <= 65534; x++) {
-      const uint16_t place = (uint16_t)x;
-      uint32_t jump[GRID_AXES], width;
-      float frac[GRID_AXES];
-      query_t query;
-      cell_t cell;
-      memset(&query, 0, sizeof query);
-      query.t[0] = (float)x / 65534.0f;
-      while (expected + 2 < nodes && knots[expected + 1] <= x) {
-        expected++;
-      }
-      width = (uint32_t)(knots[expected + 1] - knots[expected]);
-      grid_cell_i(&grid, &part, &place, 1, 0, &cell);
-      wrong += cell.at != expected || cell.jump[0] != 1 ||
-               cell.frac[0] != ((x - knots[expected]) << 14) / width || cell.frac[0] > 16384;
-      i = grid_cell(&grid, &part, &query, jump, frac);
-      /* The float place may be one rounding beside a node. */
-      wrong += i + 1 < expected || i > expected + 1 || !(frac[0] >= 0.0f && frac[0] <= 1.0f) ||
-               fabsf((float)knots[i] + frac[0] * (float)(knots[i + 1] - knots[i]) - (float)x) > 0.1f;
-      tried++;
-    }
-  }
-  report("cell", tried, wrong);
-}
+#endif
 
 int main(void)
 {
+#ifdef GRID
   try_between();
+  try_cell();
+#else
   try_guards();
   try_root();
-  try_cell();
   try_whole_root();
+#endif
   return 0;
 }

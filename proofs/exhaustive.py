@@ -3,7 +3,7 @@
 import shutil
 from pathlib import Path
 
-from firmware_export.emit.runtime import runtime_file
+from proofs.parts import place
 from proofs.tools import FAILED, OK, Clock, Result, run
 
 __all__ = ["PROOFS", "prove"]
@@ -17,40 +17,49 @@ FLAGS = (
 # Name in the program's output: what it shows.
 PROOFS = {
     "between": "a value lies between its two nodes, and is the node at a node",
-    "guards": "what passes is_finite, is_positive and up_to_one is that",
-    "face": "a place that is kept is on the face",
+    "guards": "what passes smap_is_finite, _positive and _within is that",
+    "range": "a parameter that is kept is a number, within its axis and the slack",
+    "direction": "a direction that is kept is a number, within the chart",
     "root": "square roots are correctly rounded",
     "whole_root": "whole square roots are rounded down",
     "cell": "the cell found is the one that holds the place",
 }
 
 
-def prove(source: str, folder: Path, patience: float, step: int = 1) -> list[Result]:
-    """Compile and run everything with this text of smap.c; `folder` is to work in.
+def prove(parts: dict[str, str], folder: Path, patience: float, step: int = 1) -> list[Result]:
+    """Compile and run everything of these parts; `folder` is to work in.
 
     With a step above 1 only every so many is tried, which can find a fault but proves nothing.
     """
-    (folder / "smap.c").write_text(source, encoding="utf-8")
-    for name in ("smap.h", "smap_config.h"):
-        (folder / name).write_text(runtime_file(name), encoding="utf-8")
+    place(parts, folder)
     shutil.copy(SOURCE, folder / "exhaustive.c")
     compiler = "gcc" if shutil.which("gcc") else "cc"
+    text, code = "", 0
     with Clock() as clock:
-        built = run(
-            [compiler, *FLAGS, f"-DSTEP={step}u", "exhaustive.c", "-o", "all", "-lm"],
-            folder,
-            patience,
-        )
-        done = run([str(folder / "all")], folder, patience) if built.code == 0 else built
-    lines = dict(line.split(" ", 1) for line in done.text.splitlines() if " " in line)
+        for name, more in (("all", ()), ("grid", ("-DGRID",))):
+            command = [
+                compiler,
+                *FLAGS,
+                *more,
+                f"-DSTEP={step}u",
+                "exhaustive.c",
+                "-o",
+                name,
+                "-lm",
+            ]
+            done = run(command, folder, patience)
+            if done.code == 0:
+                done = run([str(folder / name)], folder, patience)
+            text, code = text + done.text, code or done.code
+    lines = dict(line.split(" ", 1) for line in text.splitlines() if " " in line)
     results = []
     for name, claim in PROOFS.items():
         numbers = lines.get(name, "").split()
-        if done.code or len(numbers) != 2:
-            first = next((row for row in done.text.splitlines() if "error" in row), "no answer")
+        if code or len(numbers) != 2:
+            first = next((row for row in text.splitlines() if "error" in row), "no answer")
             results.append(Result("exhaustive", name, FAILED, first, clock.seconds))
             continue
         tried, wrong = map(int, numbers)
-        text = f"{claim}: {tried:,} tried, {wrong:,} wrong"
-        results.append(Result("exhaustive", name, FAILED if wrong else OK, text, clock.seconds))
+        said = f"{claim}: {tried:,} tried, {wrong:,} wrong"
+        results.append(Result("exhaustive", name, FAILED if wrong else OK, said, clock.seconds))
     return results

@@ -1,23 +1,26 @@
 """libFuzzer with sanitizers: claims about every reading, tried on queries that it makes up."""
 
 import re
+import shutil
 import struct
 from pathlib import Path
 
 from proofs.subjects import Subject
 from proofs.tools import FAILED, OK, Clock, Result, run
 
-__all__ = ["fuzz", "fuzz_fault_is_found"]
+__all__ = ["flip", "fuzz", "fuzz_fault_is_found"]
 
-HARNESS = Path(__file__).with_name("fuzz.c")
+HERE = Path(__file__).resolve().parent
+# What is asked, and what else the compiler is told: a damaged blob is read from memory.
+HARNESSES = {"fuzz": (), "damage": ("-DSMAP_HOST",)}
 FLAGS = (
-    *("-std=c99", "-O2", "-g", "-ffp-contract=off", "-fno-sanitize-recover=all"),
+    *("-std=c99", "-O1", "-g", "-ffp-contract=off", "-fno-sanitize-recover=all"),
     "-fsanitize=fuzzer,address,undefined,float-cast-overflow",
 )
 # A fault that no sanitizer sees: readings that tip are said to stand.
 FAULTS = {
-    False: ("if (RARELY(!(reading.tip_angle >= 0.0f))) {", "if (reading.tip_angle < -9.0f) {"),
-    True: ("if (out->tip < 0) {", "if (out->tip < -32767) {"),
+    False: ("return stands ? good : (int8_t)SMAP_TIPS;", "return good;"),
+    True: ("if (least < 0 || tip < 0) {", "if (least < -2000000000) {"),
 }
 # It stops at the first fault, long before.
 FAULT_SECONDS = 20
@@ -27,25 +30,29 @@ def _seeds(subject: Subject, folder: Path) -> None:
     """Write a few queries to start from: level, tilted, on a side, upside down, none."""
     folder.mkdir(exist_ok=True)
     downs = ((0, 0, -1), (0.3, 0.1, -1), (1, 0.2, 0.1), (0, 0, 1), (0, 0, 0), (-0.1, -0.4, -2))
-    code, scale = ("h", 9000) if subject.integer else ("f", 1)
     for at, down in enumerate(downs):
         for step, value in enumerate((0.0, 0.31, -1.0, 1e9)):
-            place = int(max(-1.0, min(1.0, value)) * 32767) if subject.integer else value
-            numbers = [place] * subject.params + [type(place)(scale * x) for x in down]
-            (folder / f"{at}-{step}").write_bytes(struct.pack(f"<{len(numbers)}{code}", *numbers))
+            numbers = [value] * subject.params + list(down)
+            whole = [int(9000 * x) for x in down]
+            data = struct.pack(f"<{len(numbers)}f3h", *numbers, *whole)
+            (folder / f"{at}-{step}").write_bytes(data)
 
 
-def _run(subject: Subject, source: str, folder: Path, seconds: int) -> tuple[int, str]:
+def _run(
+    subject: Subject, source: str, folder: Path, seconds: int, harness: str
+) -> tuple[int, str]:
     folder.mkdir(exist_ok=True)
     (folder / "smap.c").write_text(source, encoding="utf-8")
-    (folder / "fuzz.c").write_text(subject.filled(HARNESS.read_text("utf-8")), "utf-8")
+    for name in (f"{subject.name}.c", f"{subject.name}.h", "smap.h", "smap_config.h"):
+        shutil.copy(subject.folder / name, folder / name)
+    template = (HERE / f"{harness}.c").read_text("utf-8")
+    (folder / "harness.c").write_text(subject.filled(template), "utf-8")
     _seeds(subject, folder / "corpus")
-    tables = str(subject.folder / f"{subject.name}.c")
-    command = ["clang", *FLAGS, "-I", str(subject.folder), "fuzz.c", "smap.c", tables]
-    built = run([*command, "-o", "fuzzer"], folder, 300.0)
+    command = ["clang", *FLAGS, *HARNESSES[harness], "-I", ".", "harness.c", "-o", "fuzzer"]
+    built = run(command, folder, 600.0)
     if built.code:
         return built.code, built.text
-    limits = [f"-max_total_time={seconds}", "-max_len=128", "-timeout=10", "-print_final_stats=1"]
+    limits = [f"-max_total_time={seconds}", "-max_len=160", "-timeout=10", "-print_final_stats=1"]
     # The same seed each time; what differs is how far it comes.
     done = run(
         [str(folder / "fuzzer"), *limits, "-seed=1", "corpus"], folder, seconds * 3.0 + 120.0
@@ -53,26 +60,43 @@ def _run(subject: Subject, source: str, folder: Path, seconds: int) -> tuple[int
     return done.code, done.text
 
 
-def fuzz(subject: Subject, source: str, folder: Path, seconds: int) -> Result:
-    """Try an export, read by this text of smap.c, for some seconds."""
+def fuzz(subject: Subject, folder: Path, seconds: int, harness: str = "fuzz") -> Result:
+    """Try an export for some seconds: "fuzz" its queries, or "damage" its blob."""
     with Clock() as clock:
-        code, text = _run(subject, source, folder, seconds)
+        code, text = _run(subject, subject.source, folder, seconds, harness)
     tried = re.search(r"stat::number_of_executed_units: (\d+)", text)
-    if code or tried is None or int(tried[1]) < 1000:
+    if code or tried is None or int(tried[1]) < 500:
         said = re.search(r"broken claim: .*|runtime error: .*|ERROR: .*|.*error: .*", text)
         reason = said[0] if said else "too few queries"
-        return Result("fuzz", subject.name, FAILED, reason[:100], clock.seconds)
-    return Result("fuzz", subject.name, OK, f"{int(tried[1]):,} queries", clock.seconds)
+        return Result(harness, subject.name, FAILED, reason[:100], clock.seconds)
+    what = "queries" if harness == "fuzz" else "damaged maps"
+    return Result(harness, subject.name, OK, f"{int(tried[1]):,} {what}", clock.seconds)
 
 
-def fuzz_fault_is_found(subject: Subject, source: str, folder: Path) -> Result:
+def flip(subject: Subject, folder: Path, patience: float) -> Result:
+    """Flip bits of an export's blob, each alone and in pairs: smap_check has to tell."""
+    template = (HERE / "flips.c").read_text("utf-8")
+    (folder / "flips.c").write_text(subject.filled(template), "utf-8")
+    include = ["-I", str(subject.folder), "flips.c", "-o", "flips"]
+    with Clock() as clock:
+        built = run(["gcc", "-std=c99", "-O1", "-DSMAP_HOST", *include], folder, patience)
+        done = run([str(folder / "flips")], folder, patience) if built.code == 0 else built
+    rows = re.findall(r"^(single|pairs) (\d+) (\d+)$", done.text, re.MULTILINE)
+    if done.code or len(rows) != 2 or any(int(passed) for _, _, passed in rows):
+        return Result("flips", subject.name, FAILED, done.text[:100], clock.seconds)
+    said = ", ".join(f"{int(tried):,} {name}" for name, tried, _ in rows)
+    return Result("flips", subject.name, OK, f"{said}: none passes", clock.seconds)
+
+
+def fuzz_fault_is_found(subject: Subject, folder: Path) -> Result:
     """Show that the fuzzer finds a fault which only its claims can tell."""
     text, instead = FAULTS[subject.integer]
-    if text not in source:
+    if text not in subject.source:
         reason = f"the place of the seeded fault is missing: {text}"
         return Result("fuzz, seeded fault", subject.name, FAILED, reason)
     with Clock() as clock:
-        code, said = _run(subject, source.replace(text, instead), folder, FAULT_SECONDS)
+        faulty = subject.source.replace(text, instead)
+        code, said = _run(subject, faulty, folder, FAULT_SECONDS, "fuzz")
     broken = re.search(r"broken claim: .*", said)
     if code == 0 or broken is None:
         return Result("fuzz, seeded fault", subject.name, FAILED, "not found", clock.seconds)

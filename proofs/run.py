@@ -12,10 +12,11 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from firmware_export.emit.runtime import runtime_file
 from lutgen.errors import LutgenError
 from proofs import analysers, eva, exhaustive, fuzz, structure
+from proofs.annotate import MUTANTS
 from proofs.document import DOCUMENT, with_counts
+from proofs.parts import place, runtime_parts
 from proofs.subjects import Subject, mapped, small
 from proofs.tools import FAILED, PACKAGES, SKIPPED, Result, missing
 
@@ -58,7 +59,7 @@ class Plan:
         self.folder = folder
         self.subjects = subjects
         self.patience = patience
-        self.source = runtime_file("smap.c")
+        self.parts = runtime_parts()
         self.document = DOCUMENT.read_text(encoding="utf-8")
         self.found: dict[str, dict[str, int]] = {}
 
@@ -68,62 +69,60 @@ class Plan:
         return path
 
     def eva(self) -> list[Job]:
-        """Return the proofs by Eva, the longest first, and a seeded fault for each codec."""
+        """Return the proofs by Eva, and a fault for each kind; many contacts are left out."""
         jobs: list[Job] = []
         kinds: set[str] = set()
-        for subject in sorted(self.subjects, key=lambda each: each.kind != "contacts many"):
-            work = self._work(f"eva_{subject.name}")
-            jobs.append(self._eva(subject, work))
+        able = [subject for subject in self.subjects if subject.kind in MUTANTS]
+        for subject in able:
+            jobs.append(self._eva(subject, self._work(f"eva_{subject.name}")))
         # Seeded into the smallest export of each kind, which the small ones are.
-        for subject in reversed(self.subjects):
-            kind = f"{subject.kind} {subject.integer}"
-            if kind not in kinds:
-                kinds.add(kind)
+        for subject in reversed(able):
+            if subject.kind not in kinds:
+                kinds.add(subject.kind)
                 jobs.append(self._eva_fault(subject, self._work(f"fault_{subject.name}")))
         return proved("eva", ("frama-c", "gcc"), jobs)
 
     def _eva(self, subject: Subject, work: Path) -> Job:
-        return _guarded(
-            "eva", subject.name, lambda: [eva.prove(subject, self.source, work, self.patience)]
-        )
+        return _guarded("eva", subject.name, lambda: [eva.prove(subject, work, self.patience)])
 
     def _eva_fault(self, subject: Subject, work: Path) -> Job:
         return _guarded(
             "eva, seeded fault",
             subject.name,
-            lambda: [eva.prove_fault_is_found(subject, self.source, work, self.patience)],
+            lambda: [eva.prove_fault_is_found(subject, work, self.patience)],
         )
 
     def exhaustive(self) -> list[Job]:
         """Return what is proved by trying everything."""
         work = self._work("exhaustive")
         job = _guarded(
-            "exhaustive", "smap.c", lambda: exhaustive.prove(self.source, work, self.patience)
+            "exhaustive", "smap.c", lambda: exhaustive.prove(self.parts, work, self.patience)
         )
         return proved("exhaustive", ("gcc",), [job])
 
     def fuzz(self, seconds: int) -> list[Job]:
         """Return a share of the seconds for each export, and a seeded fault."""
-        each = max(2, seconds * JOBS // max(1, len(self.subjects)))
+        each = max(2, seconds * JOBS // max(1, 2 * len(self.subjects)))
         jobs: list[Job] = []
         for subject in self.subjects:
-            jobs.append(self._fuzz(subject, self._work(f"fuzz_{subject.name}"), each))
+            for harness in fuzz.HARNESSES:
+                work = self._work(f"{harness}_{subject.name}")
+                jobs.append(self._fuzz(subject, work, each, harness))
+            jobs.append(self._flip(subject, self._work(f"flips_{subject.name}")))
         float_read = [subject for subject in self.subjects if not subject.integer][-1:]
         for subject in float_read:
-            work = self._work(f"fuzz_fault_{subject.name}")
-            jobs.append(self._fuzz_fault(subject, work))
-        return proved("fuzz", ("clang",), jobs)
+            jobs.append(self._fuzz_fault(subject, self._work(f"fuzz_fault_{subject.name}")))
+        return proved("fuzz", ("clang", "gcc"), jobs)
 
-    def _fuzz(self, subject: Subject, work: Path, seconds: int) -> Job:
-        return _guarded(
-            "fuzz", subject.name, lambda: [fuzz.fuzz(subject, self.source, work, seconds)]
-        )
+    def _fuzz(self, subject: Subject, work: Path, seconds: int, harness: str) -> Job:
+        return _guarded(harness, subject.name, lambda: [fuzz.fuzz(subject, work, seconds, harness)])
+
+    def _flip(self, subject: Subject, work: Path) -> Job:
+        return _guarded("flips", subject.name, lambda: [fuzz.flip(subject, work, self.patience)])
 
     def _fuzz_fault(self, subject: Subject, work: Path) -> Job:
         return _guarded(
-            "fuzz, seeded fault",
-            subject.name,
-            lambda: [fuzz.fuzz_fault_is_found(subject, self.source, work)],
+            "fuzz, seeded fault", subject.name, lambda: [fuzz.fuzz_fault_is_found(subject, work)]
         )
 
     def analysers(self) -> list[Job]:
@@ -131,7 +130,7 @@ class Plan:
         jobs: list[Job] = []
         for number, (name, (program, _, _)) in enumerate(analysers.ANALYSERS.items()):
             work = self._work(f"analyser_{number}")
-            analysers.place(self.source, work)
+            place(self.parts, work)
             jobs += proved(
                 "analyser", (program,), [_guarded("analyser", name, self._one(name, work))]
             )
@@ -147,11 +146,11 @@ class Plan:
     def structure(self) -> list[Job]:
         """Return what the text and the object code show."""
         work = self._work("structure")
-        analysers.place(self.source, work)
+        place(self.parts, work)
         job = _guarded(
             "structure",
             "smap.c",
-            lambda: structure.prove(self.source, self.document, work, self.patience),
+            lambda: structure.prove(self.parts, self.document, work, self.patience),
         )
         return proved("structure", ("gcc",), [job])
 

@@ -52,20 +52,42 @@ SMALL: dict[str, Callable[[str], Export]] = {
 class Subject:
     """An export: its C name, its folder, and what decides how it is proved.
 
-    `kind` is "grid", "poly", "contacts" or "contacts many"; `integer` tells which of smap_read and
-    smap_read_i it has.
+    `kind` is the part that makes its postures: "points", "poly", "tables", "tables whole" (without
+    floats), "grid", "rails" or "search"; `forms` are those of a pose that it has, in C.
     """
 
     name: str
     folder: Path
     params: int
-    integer: bool
+    forms: str
     kind: str
 
+    @property
+    def integer(self) -> bool:
+        """Whether it has no floats."""
+        return self.forms == "SMAP_INTEGER"
+
+    @property
+    def source(self) -> str:
+        """The text of its smap.c."""
+        return (self.folder / "smap.c").read_text(encoding="utf-8")
+
     def filled(self, template: str) -> str:
-        """Return a C template with this export's name and number of parameters in it."""
+        """Return a C template with this export's name, parameters and forms in it."""
         values = {"NAME": self.name, "PARAMS": str(self.params), "INTEGER": str(int(self.integer))}
+        values["FORMS"] = f"({self.forms})"
         return re.sub(r"@(\w+)@", lambda found: values[found[1]], template)
+
+
+# The part that makes postures, by its switch.
+KINDS = {
+    "SMAP_POINTS": "points",
+    "SMAP_POLY": "poly",
+    "SMAP_TABLES": "tables",
+    "SMAP_GRID": "grid",
+    "SMAP_MANY_BY_RAILS": "rails",
+    "SMAP_MANY_SEARCH": "search",
+}
 
 
 def read_subject(folder: Path) -> Subject:
@@ -78,11 +100,12 @@ def read_subject(folder: Path) -> Subject:
     """
     content = report.load_report(folder)
     settings = (folder / f"{content['name']}.c").read_text(encoding="utf-8")
-    many = re.search(r"#define SMAP_MANY 1", settings) is not None
-    codec = str(content["codec"])
-    kind = "contacts many" if codec == "contacts" and many else codec
-    integer = content["arithmetic"] == "integer"
-    return Subject(content["name"], folder.absolute(), len(content["parameters"]), integer, kind)
+    on = set(re.findall(r"#define (SMAP_\w+) 1$", settings, re.MULTILINE))
+    kind = next(kind for switch, kind in KINDS.items() if switch in on)
+    forms = " | ".join(form for form in ("SMAP_FLOAT", "SMAP_INTEGER") if f"{form}S" in on)
+    if kind == "tables" and forms == "SMAP_INTEGER":
+        kind = "tables whole"
+    return Subject(content["name"], folder.absolute(), len(content["parameters"]), forms, kind)
 
 
 def mapped(folder: Path) -> list[Subject]:

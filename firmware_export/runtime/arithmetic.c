@@ -161,10 +161,14 @@ SMAP_INLINE void smap_cross(const float a[3], const float b[3], float out[3])
   out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* The nearest whole number; |x| is below 32767. */
-SMAP_INLINE int16_t smap_to_whole(float x)
+/* The nearest whole number; 0 for what is beyond `most`, at most 32767, or no number. */
+SMAP_INLINE int16_t smap_to_whole(float x, float most)
 {
-  return (int16_t)(x < 0.0f ? x - 0.5f : x + 0.5f);
+  if (x >= -most && x <= most) {
+    const float away = x < 0.0f ? x - 0.5f : x + 0.5f;
+    return (int16_t)away;
+  }
+  return 0;
 }
 #endif
 

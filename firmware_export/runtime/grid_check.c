@@ -12,7 +12,7 @@ static uint32_t smap_check_axes_of(const smap_t *map, smap_bytes_t part, smap_by
   const uint8_t params = SMAP_BLOB(map)[SMAP_AT_PARAMS], dims = part[SMAP_PART_DIMS];
   uint32_t codes = part[SMAP_PART_WIDTH];
   uint8_t i;
-  if (dims > params + 2 || codes - 1u > 1u || first > room || room - first < 6u * dims) {
+  if (dims > params + 2 || dims > 15 || codes - 1u > 1u || first > room || room - first < 6u * dims) {
     return 0;
   }
   for (i = 0; i < dims; i++) {
@@ -55,7 +55,7 @@ static int smap_check_grid(const smap_t *map, smap_bytes_t limit)
     const uint32_t faces = stride != 0 ? blob[SMAP_AT_FACES] : 1u;
     const int paired = i == 1 && (channels & SMAP_SDG);
     if (codes == 0 || (stride != 0 && stride != codes) || part[SMAP_PART_WIDE] > 1 || at > room ||
-        part[SMAP_PART_SHIFT] > 31 || part[SMAP_PART_WIDTH] != (paired ? 2 : 1) || faces > 6 ||
+        part[SMAP_PART_SHIFT] > 31 || part[SMAP_PART_WIDTH] != (paired ? 2 : 1) || faces - 1u > 5u ||
         codes > (room - at) / (bytes * faces)) {
       return 0;
     }

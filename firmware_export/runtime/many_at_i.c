@@ -81,7 +81,7 @@ static void smap_many_make_i(const smap_many_pose_t *o, float sdg_step, float he
     factor *= 2.0f;
     i->shift--;
   }
-  i->mantissa = (uint16_t)(factor + 0.5f);
+  i->mantissa = (uint16_t)(factor < 65535.0f ? factor + 0.5f : 65535.0f);
   i->guard = (int16_t)((o->guard + SMAP_ROUNDED_I) * (float)SMAP_ONE_I + 1.0f);
   i->slack = (int16_t)(o->slack * (float)SMAP_ONE_I);
   memcpy(i->kind, o->kind, o->shown);
@@ -99,7 +99,8 @@ static void smap_many_make_i(const smap_many_pose_t *o, float sdg_step, float he
 
 static inline int32_t smap_dot_i(const int16_t a[3], const int32_t b[3])
 {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  /* Summed without sign: only walls of a damaged map can be too long, and they may wrap. */
+  return (int32_t)((uint32_t)(a[0] * b[0]) + (uint32_t)(a[1] * b[1]) + (uint32_t)(a[2] * b[2]));
 }
 
 static inline void smap_cross_i(const int32_t a[3], const int16_t b[3], int32_t out[3])

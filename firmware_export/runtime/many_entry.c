@@ -205,10 +205,10 @@ static int smap_check_many(const smap_t *map)
     }
   }
   for (i = 0; i < SMAP_MANY_SINGLES; i = (uint8_t)(i + 4)) {
-    if (!smap_is_finite(smap_f32(body + i))) {
+    if (!smap_is_within(smap_f32(body + i), 1e6f)) {
       return 0;
     }
   }
-  return 1;
+  return smap_is_positive(smap_f32(body + 8)) && smap_is_within(smap_f32(body + 36), 0.5f);
 }
 

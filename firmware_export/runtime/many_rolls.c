@@ -90,9 +90,10 @@ static void smap_turn_step(const smap_step_t *o, smap_roll_t *roll)
 
 static float smap_chord(const smap_aim_t *a, const smap_aim_t *b)
 {
-  float d[3];
+  float d[3], size2;
   smap_minus(a->n, b->n, d);
-  return smap_root(smap_dot(d, d));
+  size2 = smap_dot(d, d);
+  return smap_root(size2 < 4.0f ? size2 : 4.0f); /* no number: as far as can be */
 }
 
 /* The map of a roll over an edge onto the facet beyond. */

@@ -81,8 +81,11 @@ static float smap_pieces(const smap_many_work_t *w, uint8_t e, float *turn)
     }
   }
   most *= 0.125f / (SMAP_LOST * w->map->size);
-  n = most > 1.0f ? 1.0f + (float)(int32_t)smap_root(most) : 1.0f;
-  return n < SMAP_PIECES ? n : SMAP_PIECES;
+  if (most <= 1.0f) {
+    return 1.0f;
+  }
+  n = smap_root(most);
+  return n < SMAP_PIECES - 1.0f ? 1.0f + (float)(int32_t)n : SMAP_PIECES;
 }
 
 /* Where the tangents of a rim at two directions meet. */

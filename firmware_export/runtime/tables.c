@@ -224,13 +224,21 @@ static int smap_check_tables(const smap_t *map, smap_bytes_t limit)
   const uint8_t params = SMAP_BLOB(map)[SMAP_AT_PARAMS];
   smap_bytes_t at = body + 8 + SMAP_PLACE_BYTES * params;
   smap_table_t table[3];
-  uint32_t total = 0;
+  uint32_t total = 0, nodes;
   uint8_t i, k;
-  if (body[4] > 1) {
+  if (limit - at < 0 || body[4] > 1 || !smap_is_finite(smap_f32(body))) {
     return 0;
   }
+#if SMAP_FLOATS
+  for (i = 0; i < params; i++) { /* so that no place is infinite or no number */
+    const smap_bytes_t place = body + 8 + SMAP_PLACE_BYTES * i;
+    if (!smap_is_within(smap_f32(place), 1e12f) || !smap_is_within(smap_f32(place + 4), 1e12f)) {
+      return 0;
+    }
+  }
+#endif
   for (i = 0; i < 3; i++) {
-    uint32_t nodes = 1;
+    nodes = 1;
     if (at >= limit || at[0] > SMAP_TABLE_AXES || limit - at < 1 + 2 * at[0]) {
       return 0;
     }
@@ -243,6 +251,14 @@ static int smap_check_tables(const smap_t *map, smap_bytes_t limit)
     total += nodes;
     at += 1 + 2 * at[0];
   }
-  return (uint32_t)(limit - at) == total * (body[4] ? 6u : 3u) && smap_table_begin(map, table) == limit;
+  if ((uint32_t)(limit - at) != total * (body[4] ? 6u : 3u)) {
+    return 0;
+  }
+  for (nodes = 0; body[4] && nodes < 3u * total; nodes++) { /* products stay in 30 bits */
+    if (((smap_u16(at + 2 * nodes) + 16384u) & 0x8000u) != 0u) {
+      return 0;
+    }
+  }
+  return smap_table_begin(map, table) == limit;
 }
 

@@ -121,15 +121,17 @@ SMAP_INLINE int8_t smap_three_read(const smap_t *map, uint8_t order, const smap_
 /* Make the integer form out of the other. */
 SMAP_INLINE void smap_three_whole(const smap_three_t *real, float step, smap_three_i_t *out)
 {
+  int16_t high;
   uint8_t i;
   for (i = 0; i < 9; i++) {
-    out->wall[i] = smap_to_whole(real->edge[i] * real->scale[i / 3] * 16383.0f);
+    out->wall[i] = smap_to_whole(real->edge[i] * real->scale[i / 3] * 16383.0f, 16384.0f);
   }
   for (i = 0; i < 3; i++) {
-    out->normal[i] = smap_to_whole(real->plane[i] * (real->height / real->det) * 16383.0f);
-    out->centroid[i] = smap_to_whole(real->centroid[i] / step);
+    out->normal[i] = smap_to_whole(real->plane[i] * (real->height / real->det) * 16383.0f, 16384.0f);
+    out->centroid[i] = smap_to_whole(real->centroid[i] / step, 32767.0f);
   }
-  out->height = (uint16_t)smap_to_whole(real->height / step);
+  high = smap_to_whole(real->height / step, 32767.0f);
+  out->height = (uint16_t)(high > 0 ? high : 0);
 }
 #endif
 #endif
