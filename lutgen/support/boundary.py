@@ -63,7 +63,7 @@ from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, scale, 
 ONE_PLANE = 1e-5
 
 
-@njit()
+@njit(bare=True)
 def _enter_facets(
     facets: int,
     facet: Floats,
@@ -102,7 +102,7 @@ def _enter_facets(
     return accepted
 
 
-@njit()
+@njit(bare=True)
 def _is_convex(segment: Floats, segments: int, edge: Floats, edges: int) -> bool:
     """Tell whether every corner of every accepted facet is inside every tip-over plane."""
     for b in range(segments):
@@ -115,7 +115,7 @@ def _is_convex(segment: Floats, segments: int, edge: Floats, edges: int) -> bool
     return True
 
 
-@njit()
+@njit(bare=True)
 def _add_edge(
     tally: Ints,
     segment: Floats,
@@ -138,7 +138,7 @@ def _add_edge(
         add_segment(tally, segment, contacts, between(p, q, high), q, inward, i, j)
 
 
-@njit()
+@njit(bare=True)
 def _add_stage(
     span: Ints,
     corner: Floats,

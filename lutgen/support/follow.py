@@ -18,7 +18,7 @@ MOST_STEPS = 48
 FURTHER = 0.3
 
 
-@njit()
+@njit(bare=True)
 def _on_arc(
     primitives: Floats, i: int, j: int, start: Vector, along: Vector, angle: float
 ) -> Vector:
@@ -44,13 +44,13 @@ def _on_arc(
     return n
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def excess(primitives: Floats, m: int, i: int, normal: Vector) -> float:
     """Return how much lower primitive m reaches than i."""
     return support_height(primitives, m, normal) - support_height(primitives, i, normal)
 
 
-@njit()
+@njit(bare=True)
 def _touches_at(
     primitives: Floats,
     i: int,
@@ -90,7 +90,7 @@ def _touches_at(
     return high
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def _highest_between(a: float, b: float, from_slope: float, to_slope: float) -> tuple[float, float]:
     """Return where, in [0, 1], the cubic with these values and slopes is highest, and how high."""
     c2 = 3.0 * (b - a) - 2.0 * from_slope - to_slope
@@ -102,7 +102,7 @@ def _highest_between(a: float, b: float, from_slope: float, to_slope: float) -> 
     return t, a + t * (from_slope + t * (c2 + t * c3))
 
 
-@njit()
+@njit(bare=True)
 def _first_touched(
     primitives: Floats,
     i: int,
@@ -171,7 +171,7 @@ def _first_touched(
     return best, nearest
 
 
-@njit()
+@njit(bare=True)
 def follow(
     primitives: Floats,
     i: int,

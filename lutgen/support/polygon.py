@@ -12,14 +12,14 @@ from lutgen.jit import njit
 from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, subtract
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def _swap(points: Floats, labels: Ints, a: int, b: int) -> None:
     for c in range(3):
         points[a, c], points[b, c] = points[b, c], points[a, c]
     labels[a, 0], labels[b, 0] = labels[b, 0], labels[a, 0]
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def _reverse(points: Floats, labels: Ints, begin: int, end: int) -> None:
     end -= 1
     while begin < end:
@@ -28,7 +28,7 @@ def _reverse(points: Floats, labels: Ints, begin: int, end: int) -> None:
         end -= 1
 
 
-@njit()
+@njit(bare=True)
 def convex_polygon(
     points: Floats, labels: Ints, begin: int, count: int, normal: Vector, tolerance: float
 ) -> int:
@@ -85,7 +85,7 @@ def convex_polygon(
     return corners if corners >= 3 else 0
 
 
-@njit()
+@njit(bare=True)
 def _wrap(
     points: Floats, labels: Ints, begin: int, end: int, normal: Vector, tolerance: float
 ) -> int:
@@ -186,7 +186,7 @@ def outline(flat: Floats, count: int, order: Ints) -> int:
     return corners
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def area_centroid(points: Floats, begin: int, end: int) -> Vector:
     """Return the area centroid of the convex polygon points[begin:end] (Eqs 22 to 26, in 3-D).
 

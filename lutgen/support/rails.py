@@ -43,7 +43,7 @@ RECESS = 1e-12
 NEVER = 2.0
 
 
-@njit(exact=True)
+@njit(exact=True, bare=True)
 def common_axis(primitives: Floats) -> Vector:
     """Return the level unit axis that all discs share, or the zero vector.
 
@@ -68,7 +68,7 @@ def common_axis(primitives: Floats) -> Vector:
     return axis[0] / level, axis[1] / level, 0.0
 
 
-@njit(inline=True, exact=True)
+@njit(inline=True, exact=True, bare=True)
 def _crossing(x: float, z: float, q: float, u: float, way: float) -> float:
     """Return the first place from u on at which way (x sin k - z cos k + q) is above zero.
 
@@ -95,13 +95,13 @@ def _crossing(x: float, z: float, q: float, u: float, way: float) -> float:
     return grows if u < grows <= 1.0 else NEVER
 
 
-@njit(inline=True, exact=True)
+@njit(inline=True, exact=True, bare=True)
 def _level(place: Floats, i: int, sine: float, cosine: float) -> float:
     level: float = place[i, 0] * sine - place[i, 2] * cosine + place[i, 3]
     return level
 
 
-@njit(exact=True)
+@njit(exact=True, bare=True)
 def _next_bend(
     place: Floats, rail: Ints, order: Ints, k: int, i: int, u: float
 ) -> tuple[float, int]:
@@ -124,14 +124,14 @@ def _next_bend(
     return first, best
 
 
-@njit(inline=True, exact=True)
+@njit(inline=True, exact=True, bare=True)
 def _normal(frame: Floats, sine: float, cosine: float, slope: float) -> Vector:
     size = 1.0 / math.sqrt(1.0 + slope * slope)
     s, t, c = sine * size, slope * size, cosine * size
     return s * frame[0, 0] + t * frame[1, 0], s * frame[0, 1] + t * frame[1, 1], -c
 
 
-@njit(exact=True)
+@njit(exact=True, bare=True)
 def _lay_out(primitives: Floats, axis: Vector, place: Floats, order: Ints) -> None:
     """Fill `place` (n, 4): x, y, z, radius in the frame of the axis; sort `order` by y."""
     n = primitives.shape[0]
@@ -147,7 +147,7 @@ def _lay_out(primitives: Floats, axis: Vector, place: Floats, order: Ints) -> No
         order[at] = i
 
 
-@njit(exact=True)
+@njit(exact=True, bare=True)
 def _make_rails(place: Floats, order: Ints, size: float, rail: Ints, across: Floats) -> int:
     """Fill where each rail begins in `order` and its y; return the number of rails."""
     rails = 0
@@ -164,7 +164,7 @@ def _make_rails(place: Floats, order: Ints, size: float, rail: Ints, across: Flo
     return rails
 
 
-@njit(exact=True)
+@njit(exact=True, bare=True)
 def _begin(
     place: Floats, rail: Ints, order: Ints, rails: int, across: Floats, disc: Ints, on: Ints
 ) -> None:
@@ -198,7 +198,7 @@ def _begin(
             on[b] = 0
 
 
-@njit(inline=True, exact=True)
+@njit(inline=True, exact=True, bare=True)
 def _before(on: Ints, k: int) -> int:
     """Return the rail before k on the hull, or -1."""
     k -= 1
@@ -207,7 +207,7 @@ def _before(on: Ints, k: int) -> int:
     return k
 
 
-@njit(inline=True, exact=True)
+@njit(inline=True, exact=True, bare=True)
 def _after(on: Ints, rails: int, k: int) -> int:
     """Return the rail after k on the hull, or -1."""
     k += 1
@@ -216,7 +216,7 @@ def _after(on: Ints, rails: int, k: int) -> int:
     return k if k < rails else -1
 
 
-@njit(exact=True)
+@njit(exact=True, bare=True)
 def _turns(
     place: Floats, across: Floats, disc: Ints, on: Ints, rails: int, k: int, u: float
 ) -> float:
@@ -230,14 +230,14 @@ def _turns(
     return float(_crossing(x, z, q, u, -1.0 if on[k] == 1 else 1.0))
 
 
-@njit(inline=True, exact=True)
+@njit(inline=True, exact=True, bare=True)
 def _end_arc(link: Ints, own: Ints, a: int, f: int, at: int) -> None:
     """Join the edge of facet f at corner `at` to where the arc of rail a and the next one began."""
     if own[a, 0] >= 0:
         join(link, own[a, 0], own[a, 1], f, at)
 
 
-@njit(inline=True, exact=True)
+@njit(inline=True, exact=True, bare=True)
 def _begin_arc(own: Ints, a: int, f: int, at: int) -> None:
     own[a, 0], own[a, 1] = f, at
 

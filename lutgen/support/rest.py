@@ -17,7 +17,7 @@ from lutgen.support.table import FIRST, MASK, RELATIVE_TOLERANCE, put
 from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, scale, subtract, unit
 
 
-@njit()
+@njit(bare=True)
 def polygon_width(points: Floats, begin: int, end: int, normal: Vector) -> float:
     """Return the least width of a convex polygon of rows [begin, end) in any direction (length)."""
     least = math.inf
@@ -33,7 +33,7 @@ def polygon_width(points: Floats, begin: int, end: int, normal: Vector) -> float
     return least if least < math.inf else 0.0
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def is_accepted(facet: Floats, f: int, acceptance: Acceptance) -> bool:
     """Tell whether the com is above a facet and the facet below the body."""
     return bool(facet[f, 3] > acceptance.least_height and -facet[f, 2] > acceptance.steepest)

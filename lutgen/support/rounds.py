@@ -46,7 +46,7 @@ NEWTON_STEPS = 24
 SAME = 1e-7
 
 
-@njit()
+@njit(bare=True)
 def common_normal(
     primitives: Floats, i: int, j: int, k: int, start: Vector, reach_of_search: float, size: float
 ) -> tuple[bool, Vector]:
@@ -77,7 +77,7 @@ def common_normal(
     return False, normal
 
 
-@njit()
+@njit(bare=True)
 def _enter(
     table: FacetTable,
     solved: Floats,
@@ -115,7 +115,7 @@ def _enter(
     return f
 
 
-@njit()
+@njit(bare=True)
 def _seed(
     table: FacetTable,
     solved: Floats,
@@ -157,7 +157,7 @@ def _seed(
     return False
 
 
-@njit()
+@njit(bare=True)
 def _roll_on(
     table: FacetTable,
     solved: Floats,

@@ -19,7 +19,7 @@ from lutgen.support.unite import unite
 from lutgen.vector import Floats
 
 
-@njit()
+@njit(bare=True)
 def find_facets(
     table: FacetTable, primitives: NDArray[np.float64], lowest_up: float, size: float
 ) -> None:

@@ -24,7 +24,7 @@ CUTS = 8
 SHORTEST = 1e-5
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def _ahead(primitives: Floats, m: int, normal: Vector, reference: Vector) -> float:
     """Return how far (sine) the contact of disc m is ahead of a direction on its rim."""
     axle = (primitives[m, 3], primitives[m, 4], primitives[m, 5])
@@ -32,7 +32,7 @@ def _ahead(primitives: Floats, m: int, normal: Vector, reference: Vector) -> flo
     return float(dot(cross(reference, arm), axle) / primitives[m, RADIUS])
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def _side(primitives: Floats, m: int, opposite: int, normal: Vector) -> float:
     """Return on which side of disc m its strip with another primitive lies: -1 or 1."""
     axle = (primitives[m, 3], primitives[m, 4], primitives[m, 5])
@@ -42,7 +42,7 @@ def _side(primitives: Floats, m: int, opposite: int, normal: Vector) -> float:
     return math.copysign(1.0, dot(axle, away))
 
 
-@njit()
+@njit(bare=True)
 def _fraction_at(
     primitives: Floats, i: int, j: int, begin: Vector, end: Vector, m: int, reference: Vector
 ) -> float:
@@ -70,13 +70,13 @@ def _fraction_at(
     return part
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def _free_side(gap: Floats, at: int, end: int) -> bool:
     """Tell whether a gap reaches to the rim at this end of its edge."""
     return bool(gap[at, HIGH] == 1.0) if end == 1 else bool(gap[at, LOW] == 0.0)
 
 
-@njit()
+@njit(bare=True)
 def _covered(
     primitives: Floats,
     facet: Floats,
@@ -116,7 +116,7 @@ def _covered(
     return False
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def _is_long(p: Vector, q: Vector) -> bool:
     """Tell whether a side is longer than noise makes it where contacts lie inside the region.
 

@@ -66,7 +66,7 @@ def facet_table(primitives: int) -> FacetTable:
     )
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def robot_size(primitives: Floats) -> float:
     """Return the largest distance from the first primitive to any other, radii included."""
     size = 0.0
@@ -78,13 +78,13 @@ def robot_size(primitives: Floats) -> float:
     return size
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def corner_after(span: Ints, f: int, at: int) -> int:
     """Return the next corner of facet f, counter-clockwise."""
     return at + 1 if at + 1 < span[f + 1, FIRST] else span[f, FIRST]
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def matching_corner(span: Ints, link: Ints, f: int, at: int, other: int) -> int:
     """Return the corner of facet `other` whose edge is that of f from `at`, reversed; or -1."""
     i, j = link[at, VERTEX], link[corner_after(span, f, at), VERTEX]
@@ -96,14 +96,14 @@ def matching_corner(span: Ints, link: Ints, f: int, at: int, other: int) -> int:
     return -1
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def join(link: Ints, f: int, at: int, other: int, back: int) -> None:
     """Enter that the edges at corner `at` of f and at `back` of `other` are the two ends of one."""
     link[at, NEIGHBOUR], link[at, BACK] = other, back
     link[back, NEIGHBOUR], link[back, BACK] = f, at
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def put(array: Floats, index: int, column: int, vector: Vector) -> None:
     """Write a vector into the three columns of a row that begin at `column`."""
     array[index, column] = vector[0]
@@ -111,7 +111,7 @@ def put(array: Floats, index: int, column: int, vector: Vector) -> None:
     array[index, column + 2] = vector[2]
 
 
-@njit()
+@njit(bare=True)
 def add_triangle(
     count: Ints,
     facet: Floats,
@@ -148,7 +148,7 @@ def add_triangle(
     return int(new)
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def doubled_area(corner: Floats, begin: int, end: int) -> float:
     """Return twice the area of a facet's polygon."""
     total = 0.0

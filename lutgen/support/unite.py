@@ -32,14 +32,14 @@ from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, subtrac
 SHORT_ARC = 1e-7
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def _root(parent: Ints, f: int) -> int:
     while parent[f] != f:
         f = parent[f]
     return f
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def _joined(facet: Floats, link: Ints, f: int, at: int) -> bool:
     """Tell whether the arc at an edge of facet f is short and known from both its ends."""
     other = link[at, NEIGHBOUR]
@@ -48,7 +48,7 @@ def _joined(facet: Floats, link: Ints, f: int, at: int) -> bool:
     return length(subtract(row(facet, f), row(facet, other))) < SHORT_ARC
 
 
-@njit()
+@njit(bare=True)
 def _groups(facets: int, facet: Floats, span: Ints, link: Ints, parent: Ints) -> int:
     """Fill `parent` with the first facet of each one's group; return how many arcs are short."""
     short = 0
@@ -65,7 +65,7 @@ def _groups(facets: int, facet: Floats, span: Ints, link: Ints, parent: Ints) ->
     return short
 
 
-@njit()
+@njit(bare=True)
 def _walk(
     span: Ints, link: Ints, parent: Ints, owner: Ints, group: int, start: int, out: Ints, begin: int
 ) -> int:
@@ -89,7 +89,7 @@ def _walk(
     return end
 
 
-@njit()
+@njit(bare=True)
 def _is_bent_in(corner: Floats, outline: Ints, normal: Vector, size: float) -> bool:
     """Tell whether a corner of an outline lies inside the line between its neighbours."""
     n = outline.shape[0]
@@ -139,7 +139,7 @@ def _outlines(
             parent[f] = -1 - parent[f]
 
 
-@njit()
+@njit(bare=True)
 def _begin_at_lowest(link: Ints, outline: Ints, begin: int, end: int) -> None:
     """Turn an outline round so that it begins at the corner of its lowest primitive."""
     lowest = begin
