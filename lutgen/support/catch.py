@@ -1,4 +1,4 @@
-"""What happens to a robot that is let go where it balances on two contacts: does it come to rest?
+"""A robot that is let go where it balances on two contacts: does it come to rest.
 
 Owns the facets' kinds and one roll with all its ways.  The robot rolls to the next facet with
 gravity turning along and no energy lost.  There it goes on over each edge beyond which gravity lies
@@ -17,20 +17,21 @@ import math
 
 from lutgen.jit import njit
 from lutgen.support.arc import TURN, enter_roll, risen_after, seen_after
-from lutgen.support.table import BACK, FIRST, NEIGHBOUR, VERTEX, corner_after
+from lutgen.support.table import BACK, FIRST, NEIGHBOUR, VERTEX, WAYS, corner_after
 from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, scale, subtract
 
 REFUSED, STAGE, REST = 0, 1, 2
-# Ways that one roll may branch into, and facets that it may come to, until it counts as lost.
-WAYS, VISITS = 32, 48
+# Facets that one roll may come to until it counts as lost.
+VISITS = 48
 # First columns of a brink: an edge's start, the unit inward normal of the plane through it and the
 # com, the unit vector along it, that from its line to the com, and the length of that.
 CORNER, WALL, ALONG, ARM, REACH = 0, 3, 6, 9, 12
 # Columns of a way: gravity for w = 0 and w = 1, how far the com has risen for both, less the root
-# of a quadratic in w; the turn so far; up to which w it is so.
-G, RAISED, ROOT, TURNED, UNTIL = 0, 6, 8, 11, 12
+# of a quadratic in w; the turn so far; up to which w it is so; the facet that it has come to and
+# the corner of the edge that it came over.
+G, RAISED, ROOT, TURNED, UNTIL, FACET, CAME = 0, 6, 8, 11, 12, 13, 14
 # Columns of a roll's answer: up to which w it is so, the largest sum of turns.
-SURE, MOST = 0, 1
+SURE, MOST = 9, 10
 # Where a question is not quadratic in w its sign is asked for at this step, and its change sought
 # by so many halvings.
 STRIDE, HALVINGS = 0.0625, 40
@@ -181,7 +182,6 @@ def comes_to_rest(
     roll: Floats,
     w: float,
     limits: tuple[float, float],
-    where: Ints,
     way: Floats,
     ends: Ints,
 ) -> tuple[float, float]:
@@ -189,11 +189,10 @@ def comes_to_rest(
 
     And up to which place of the balance that is so; from `w` on.
 
-    The first row of `where` holds the facet that it has come to and the corner of the edge that it
-    came over, that of `way` its gravity, rise and turn.  Infinity where it may
-    tip over, or turn by more than the first of `limits`.  `ends` receives the rests that it ends
-    on, after their number.  Back over the edge that it came over it does not go; on a rest that is
-    all edges within the second limit (length) of that one.
+    The first row of `way` says where it has come to, and how.  Infinity where it may tip over, or
+    turn by more than the first of `limits`.  `ends` receives the rests that it ends on, after their
+    number.  Back over the edge that it came over it does not go; on a rest that is all edges within
+    the second limit (length) of that one.
     """
     budget, band = limits
     waiting, most, sure = 1, way[0, TURNED], math.inf
@@ -202,7 +201,7 @@ def comes_to_rest(
         if waiting == 0:
             return most, sure
         waiting -= 1
-        f, came = where[waiting, 0], where[waiting, 1]
+        f, came = int(way[waiting, FACET]), int(way[waiting, CAME])
         a, b = _part(way, waiting, G), _part(way, waiting, G + 3)
         r0, r1 = way[waiting, RAISED], way[waiting, RAISED + 1]
         root = _part(way, waiting, ROOT)
@@ -280,7 +279,7 @@ def comes_to_rest(
             else:
                 more0, more1 = more0 + r0, more1 + r1
                 top = root
-            where[waiting, 0], where[waiting, 1] = other, back
+            way[waiting, FACET], way[waiting, CAME] = other, back
             way[waiting, 0], way[waiting, 1], way[waiting, 2] = seen_after(roll, at, a)
             way[waiting, 3], way[waiting, 4], way[waiting, 5] = seen_after(roll, at, b)
             way[waiting, RAISED], way[waiting, RAISED + 1] = more0, more1

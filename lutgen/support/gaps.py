@@ -7,25 +7,21 @@ from change to change, and no part of it is passed over.
 
 import math
 
-import numpy as np
-
 from lutgen.jit import njit
 from lutgen.support.arc import TURN, angle_between, enter_roll, risen_after, seen_after
 from lutgen.support.catch import (
-    G,
+    CAME,
+    FACET,
     MOST,
-    RAISED,
     REFUSED,
     ROOT,
     SURE,
     TURNED,
     UNTIL,
-    VISITS,
-    WAYS,
     comes_to_rest,
     enter_brink,
 )
-from lutgen.support.table import BACK, FIRST, NEIGHBOUR, VERTEX, corner_after
+from lutgen.support.table import BACK, FIRST, NEIGHBOUR, VERTEX, Workspace, corner_after
 from lutgen.vector import Floats, Ints, dot, row
 
 # Columns of a gap: the part of the segment between its two contacts over which it holds.
@@ -35,11 +31,13 @@ LOW, HIGH = 0, 1
 END, HAIR = 1e-4, 1e-9
 # Changes on a segment; what lies beyond so many is not held.
 MOST_CHANGES = 128
+# The first row of `Workspace.counts` in which a roll lists the rests that it ends on.
+ENDS = 4
 # rad; rests whose normals are nearer than this may be one but for noise.
 ONE_REST = 0.01
 
 
-@njit()
+@njit(bare=True)
 def find_gaps(
     primitives: Floats,
     facets: int,
@@ -50,16 +48,14 @@ def find_gaps(
     kind: Ints,
     limits: tuple[float, float],
     gap: Floats,
+    work: Workspace,
 ) -> None:
     """Fill `gap` (E, 2) for every edge: from which part of it to which the robot is caught beyond.
 
     An edge without a gap has LOW 1 and HIGH 0.  `limits`: the largest sum of turns (rad), and half
     the least width of a rest.
     """
-    corners = span[facets, FIRST]
-    brink, roll = np.empty((corners, 13)), np.empty((corners, 13))
-    where, way = np.empty((WAYS, 2), np.int64), np.empty((WAYS, 13))
-    begin, ends, answer = np.empty((4, 9)), np.empty((4, VISITS + 1), np.int64), np.empty((4, 2))
+    brink, roll, begin, ends = work.brink, work.roll, work.begin, work.counts
     for f in range(facets):
         for at in range(span[f, FIRST], span[f + 1, FIRST]):
             gap[at, LOW], gap[at, HIGH] = 1.0, 0.0
@@ -85,7 +81,7 @@ def find_gaps(
             _lay_out(span, corner, roll, f, at, other, back, begin)
             low, high = _held(
                 *(primitives, facet, span, link, kind, brink, roll, f, at, limits),
-                *(begin, where, way, ends, answer),
+                *(begin, work.way, ends),
             )
             if low < high:
                 gap[at, LOW], gap[at, HIGH] = low, high
@@ -96,10 +92,10 @@ def find_gaps(
 def _lay_out(
     span: Ints, corner: Floats, roll: Floats, f: int, at: int, other: int, back: int, begin: Floats
 ) -> None:
-    """Fill `begin` (4, 9) with how the four rolls from a balance begin.
+    """Fill `begin` (4, 11) with how the four rolls from a balance begin.
 
     Rows 0 and 1 are the ways on and back from where the gap begins, 2 and 3 from where it ends;
-    each holds gravity and rise for both ends of the edge, and the turn.
+    each holds gravity and rise for both ends of the edge, and the turn; its answer comes after.
     """
     for turn in range(2):
         near, edge = (f, at) if turn == 0 else (other, back)
@@ -129,10 +125,8 @@ def _held(
     at: int,
     limits: tuple[float, float],
     begin: Floats,
-    where: Ints,
     way: Floats,
     ends: Ints,
-    answer: Floats,
 ) -> tuple[float, float]:
     """Return the longest part of an edge beyond which the robot is caught, (1, 0) if there is none.
 
@@ -140,37 +134,40 @@ def _held(
     where the gap begins and where it ends, and the two ways do not end on one and the same rest.
     """
     other, back = link[at, NEIGHBOUR], link[at, BACK]
-    answer[:, SURE] = -1.0
+    for t in range(4):
+        begin[t, SURE] = -1.0
     low, high, since = 1.0, 0.0, -1.0
     w = END
     for _ in range(MOST_CHANGES):
         caught, until = True, math.inf
         for t in range(4):
-            if answer[t, MOST] == math.inf and answer[t, SURE] > w:
-                caught, until = False, max(answer[t, SURE], until if not caught else 0.0)
+            if begin[t, MOST] == math.inf and begin[t, SURE] > w:
+                caught, until = False, max(begin[t, SURE], until if not caught else 0.0)
         if caught:
             for t in range(4):
-                if answer[t, SURE] <= w:
+                if begin[t, SURE] <= w:
                     away = t == 0 or t == 3
-                    where[0, 0], where[0, 1] = (other, back) if away else (f, at)
+                    way[0, FACET], way[0, CAME] = (other, back) if away else (f, at)
                     for c in range(8):
                         way[0, c] = begin[t, c]
                     way[0, ROOT], way[0, ROOT + 1], way[0, ROOT + 2] = 0.0, 0.0, 0.0
                     way[0, TURNED], way[0, UNTIL] = begin[t, 8], math.inf
-                    answer[t, MOST], answer[t, SURE] = comes_to_rest(
+                    begin[t, MOST], begin[t, SURE] = comes_to_rest(
                         *(primitives, facet, span, link, kind, brink, roll, w, limits),
-                        *(where, way, ends[t]),
+                        *(way, ends[ENDS + t]),
                     )
-                if answer[t, MOST] == math.inf:
-                    caught, until = False, answer[t, SURE]
+                if begin[t, MOST] == math.inf:
+                    caught, until = False, begin[t, SURE]
                     break
-                until = min(until, answer[t, SURE])
+                until = min(until, begin[t, SURE])
         if caught:
             for t in range(0, 4, 2):
-                turned = answer[t, MOST] + answer[t + 1, MOST]
-                if turned > limits[0] or _comes_back(facet, ends[t], ends[t + 1], turned):
+                turned = begin[t, MOST] + begin[t + 1, MOST]
+                if turned > limits[0] or _comes_back(
+                    facet, ends[ENDS + t], ends[ENDS + t + 1], turned
+                ):
                     caught = False
-                    until = min(answer[t, SURE], answer[t + 1, SURE])
+                    until = min(begin[t, SURE], begin[t + 1, SURE])
                     break
         if caught and since < 0.0:
             since = w - HAIR if w > END else 0.0

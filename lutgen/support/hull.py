@@ -249,7 +249,7 @@ def _seed(
     _enter_plane(count, facet, span, corner, link, owner, primitives, p, q, k, size)
 
 
-@njit()
+@njit(bare=True)
 def find_point_facets(
     table: FacetTable, primitives: NDArray[np.float64], lowest_up: float, size: float
 ) -> None:
@@ -272,7 +272,8 @@ def find_point_facets(
     n = primitives.shape[0]
     count[FOUND] = count[OVERFLOW] = count[DOUBT] = 0
     span[0, FIRST] = 0
-    owner = np.full((n, n), OUTSIDE, np.int64)
+    owner = table.work.owner
+    owner[:] = OUTSIDE
     _seed(count, facet, span, corner, link, owner, primitives, size)
     if count[FOUND] == 0:
         return

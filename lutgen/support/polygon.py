@@ -6,8 +6,6 @@ robot, that is looking against the plane's outward normal.
 
 import math
 
-import numpy as np
-
 from lutgen.jit import njit
 from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, subtract
 
@@ -125,8 +123,8 @@ def _wrap(
     return last
 
 
-@njit()
-def outline(flat: Floats, count: int, order: Ints) -> int:
+@njit(bare=True)
+def outline(flat: Floats, count: int, order: Ints, rank: Ints) -> int:
     """Find the corners of the convex polygon of points in a plane; return their number.
 
     Parameters
@@ -137,6 +135,8 @@ def outline(flat: Floats, count: int, order: Ints) -> int:
         How many points.
     order : (2 k + 1,) int64
         Receives the rows of the corners, counter-clockwise, from the lowest row on.
+    rank : (k,) int64
+        Overwritten.
 
     Returns
     -------
@@ -148,7 +148,6 @@ def outline(flat: Floats, count: int, order: Ints) -> int:
     Andrew's monotone chain.  It knows no tolerance: of points that are collinear but for rounding
     some may be corners, which alters neither area, centroid nor width by more than rounding.
     """
-    rank = np.empty(count, np.int64)
     for i in range(count):
         at = i
         while at > 0:

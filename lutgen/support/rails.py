@@ -125,10 +125,10 @@ def _next_bend(
 
 
 @njit(inline=True, exact=True, bare=True)
-def _normal(frame: Floats, sine: float, cosine: float, slope: float) -> Vector:
+def _normal(axis: Vector, sine: float, cosine: float, slope: float) -> Vector:
     size = 1.0 / math.sqrt(1.0 + slope * slope)
     s, t, c = sine * size, slope * size, cosine * size
-    return s * frame[0, 0] + t * frame[1, 0], s * frame[0, 1] + t * frame[1, 1], -c
+    return s * axis[1] + t * axis[0], t * axis[1] - s * axis[0], -c
 
 
 @njit(exact=True, bare=True)
@@ -242,7 +242,7 @@ def _begin_arc(own: Ints, a: int, f: int, at: int) -> None:
     own[a, 0], own[a, 1] = f, at
 
 
-@njit(exact=True)
+@njit(exact=True, bare=True)
 def find_rail_facets(table: FacetTable, primitives: NDArray[np.float64], size: float) -> bool:
     """Fill `table` with the support facets of discs on parallel axes.
 
@@ -268,16 +268,17 @@ def find_rail_facets(table: FacetTable, primitives: NDArray[np.float64], size: f
     if axis[0] == 0.0 and axis[1] == 0.0:
         return False
     n = primitives.shape[0]
-    frame = np.empty((2, 2))
-    frame[0, 0], frame[0, 1], frame[1, 0], frame[1, 1] = axis[1], -axis[0], axis[0], axis[1]
-    place, across, order = np.empty((n, 4)), np.empty(n), np.empty(n, np.int64)
-    rail = np.empty(n + 1, np.int64)
+    work = table.work
+    counts = work.counts
+    place, across, own = work.place, work.across[0], work.own
+    order, rail = counts[0, :n], counts[1]
     _lay_out(primitives, axis, place, order)
     rails = _make_rails(place, order, size, rail, across)
-    disc, on, goes_to = np.empty(n, np.int64), np.empty(n, np.int64), np.empty(n, np.int64)
-    bend, own = np.empty(n), np.full((n, 2), OUTSIDE, np.int64)
+    disc, on, goes_to = counts[2], counts[3], counts[4]
+    bend = work.across[1]
     # Where each rail entered or left the hull last, which it does not undo at the same pitch.
-    changed = np.full(n, -NEVER)
+    changed = work.across[2]
+    own[:], changed[:] = OUTSIDE, -NEVER
     _begin(place, rail, order, rails, across, disc, on)
     u = -1.0
     for k in range(rails):
@@ -308,7 +309,7 @@ def find_rail_facets(table: FacetTable, primitives: NDArray[np.float64], size: f
             f = g = OUTSIDE
             if a >= 0:
                 slope = (_level(place, disc[a], sine, cosine) - level) / (across[k] - across[a])
-                normal = _normal(frame, sine, cosine, slope)
+                normal = _normal(axis, sine, cosine, slope)
                 three = (disc[a], d, e)
                 f = add_triangle(count, facet, span, corner, link, primitives, normal, three)
                 if f < 0:
@@ -318,7 +319,7 @@ def find_rail_facets(table: FacetTable, primitives: NDArray[np.float64], size: f
                 _begin_arc(own, a, f, at + 2)
             if b >= 0:
                 slope = (level - _level(place, disc[b], sine, cosine)) / (across[b] - across[k])
-                normal = _normal(frame, sine, cosine, slope)
+                normal = _normal(axis, sine, cosine, slope)
                 three = (disc[b], e, d)
                 g = add_triangle(count, facet, span, corner, link, primitives, normal, three)
                 if g < 0:
@@ -331,7 +332,7 @@ def find_rail_facets(table: FacetTable, primitives: NDArray[np.float64], size: f
             continue
         i, j = disc[a], disc[b]
         left, right = _level(place, i, sine, cosine), _level(place, j, sine, cosine)
-        normal = _normal(frame, sine, cosine, (left - right) / (across[b] - across[a]))
+        normal = _normal(axis, sine, cosine, (left - right) / (across[b] - across[a]))
         three = (i, d, j) if on[k] == 1 else (i, j, d)
         f = add_triangle(count, facet, span, corner, link, primitives, normal, three)
         if f < 0:

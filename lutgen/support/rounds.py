@@ -205,7 +205,7 @@ def _roll_on(
     return agreed
 
 
-@njit()
+@njit(bare=True)
 def find_round_facets(
     table: FacetTable, primitives: NDArray[np.float64], lowest_up: float, size: float
 ) -> None:
@@ -224,8 +224,10 @@ def find_round_facets(
     """
     n = primitives.shape[0]
     count, span, link = table.tally, table.span, table.link
-    solved = np.empty((table.facet.shape[0], 3))
-    grown = primitives.copy()
+    solved, grown = table.work.normals, table.work.grown
+    for i in range(n):
+        for c in range(primitives.shape[1]):
+            grown[i, c] = primitives[i, c]
     for attempt in range(ATTEMPTS):
         count[FOUND] = count[OVERFLOW] = 0
         span[0, FIRST] = 0

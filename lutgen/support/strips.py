@@ -7,19 +7,15 @@ where both hold their common side is no boundary.
 
 import math
 
-import numpy as np
-
 from lutgen.jit import njit
 from lutgen.support.arc import angle_between, arc_normal
 from lutgen.support.gaps import HIGH, LOW
 from lutgen.support.primitive import DISC, KIND, RADIUS, support_contact
 from lutgen.support.region import Region
-from lutgen.support.table import NEIGHBOUR, VERTEX, corner_after
-from lutgen.support.tiles import MOST_LOST, MOST_PIECES, add_segment, add_strip, between
+from lutgen.support.table import CUTS, NEIGHBOUR, VERTEX, Workspace, corner_after
+from lutgen.support.tiles import MOST_LOST, add_segment, add_strip, between
 from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, subtract, unit
 
-# Cuts of one strip, at the ends of strips on the other side of a rim.
-CUTS = 8
 # Part of its distance from the com from which on a side of a strip is boundary.
 SHORTEST = 1e-5
 
@@ -97,7 +93,7 @@ def _covered(
     reference = unit(subtract(support_contact(primitives, m, normal), row(primitives, m)))
     side = _side(primitives, m, opposite, normal)
     for s in range(count):
-        f, at = strips[s, 0], strips[s, 1]
+        f, at = strips[2 * s], strips[2 * s + 1]
         other = link[at, NEIGHBOUR]
         following = corner_after(span, f, at)
         i, j = link[at, VERTEX], link[following, VERTEX]
@@ -126,7 +122,7 @@ def _is_long(p: Vector, q: Vector) -> bool:
     return bool(dot(apart, apart) > SHORTEST * SHORTEST * dot(p, p))
 
 
-@njit()
+@njit(bare=True)
 def add_strips(
     primitives: Floats,
     facet: Floats,
@@ -138,20 +134,21 @@ def add_strips(
     rock_angle: float,
     size: float,
     region: Region,
+    work: Workspace,
 ) -> None:
     """Append the tiles of all gaps, and those sides of them beyond which nothing holds."""
     tally, segment, contacts = region.tally, region.segment, region.contacts
     tile, wall = region.tile, region.wall
-    outline, cut = np.empty((MOST_PIECES + 2, 6)), np.empty(CUTS + 2)
+    outline, cut = work.side, work.begin[0]
     for s in range(count):
-        f, at = strips[s, 0], strips[s, 1]
+        f, at = strips[2 * s], strips[2 * s + 1]
         other = link[at, NEIGHBOUR]
         i, j = link[at, VERTEX], link[corner_after(span, f, at), VERTEX]
         begin, end = row(facet, f), row(facet, other)
         low, high = gap[at, LOW], gap[at, HIGH]
         cuts = 0
         for t in range(count):
-            g, edge = strips[t, 0], strips[t, 1]
+            g, edge = strips[2 * t], strips[2 * t + 1]
             pair = (link[edge, VERTEX], link[corner_after(span, g, edge), VERTEX])
             for m in (i, j):
                 if t == s or m not in pair or primitives[m, KIND] != DISC:

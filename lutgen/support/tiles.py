@@ -13,12 +13,11 @@ from lutgen.jit import njit
 from lutgen.support.arc import arc_normal
 from lutgen.support.primitive import RADIUS, support_contact
 from lutgen.support.region import SEGMENTS, SLACK, START, STOP, TILES, TIP_PLANE
-from lutgen.support.table import put
+from lutgen.support.table import MOST_PIECES, put
 from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, scale, subtract, unit
 
-# Part of the robot's size that a wall may lie within the rim, and the most pieces of a strip.
+# Part of the robot's size that a wall may lie within the rim.
 MOST_LOST = 2e-4
-MOST_PIECES = 12
 # Sine by which a direction may lie outside a wall beyond which the region goes on.
 ROUNDING = 1e-13
 # Sides shorter than this part of their distance have no direction.

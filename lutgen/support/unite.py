@@ -7,8 +7,6 @@ is joined by such arcs, and is convex, gets one normal, that of its largest memb
 its edges are those of its members that lead to other facets, so what lies beyond each stays known.
 """
 
-import numpy as np
-
 from lutgen.jit import njit
 from lutgen.support.primitive import support_contact, support_height
 from lutgen.support.table import (
@@ -103,7 +101,7 @@ def _is_bent_in(corner: Floats, outline: Ints, normal: Vector, size: float) -> b
     return False
 
 
-@njit()
+@njit(bare=True)
 def _outlines(
     facets: int,
     facet: Floats,
@@ -112,10 +110,10 @@ def _outlines(
     link: Ints,
     parent: Ints,
     owner: Ints,
+    outline: Ints,
     size: float,
 ) -> None:
     """Take groups apart whose outline is bent in, since a facet's cone is cut out by its edges."""
-    outline = np.empty(link.shape[0], np.int64)
     for f in range(facets):
         if parent[f] != f:
             continue
@@ -153,7 +151,7 @@ def _begin_at_lowest(link: Ints, outline: Ints, begin: int, end: int) -> None:
         outline[end - 1] = first
 
 
-@njit()
+@njit(bare=True)
 def unite(table: FacetTable, united: FacetTable, primitives: Floats, size: float) -> None:
     """Fill `united` with the facets of `table`, those that short arcs join as one.
 
@@ -173,8 +171,9 @@ def unite(table: FacetTable, united: FacetTable, primitives: Floats, size: float
     new, bounds, points, links = united.facet, united.span, united.corner, united.link
     united.tally[FOUND], united.tally[OVERFLOW] = facets, table.tally[OVERFLOW]
     bounds[0, FIRST] = 0
-    parent = np.empty(facets, np.int64)
-    moved = np.full(span[facets, FIRST], OUTSIDE, np.int64)
+    counts, corners = united.work.counts, span[facets, FIRST]
+    parent, moved = counts[0], counts[1, :corners]
+    moved[:] = OUTSIDE
     if _groups(facets, facet, span, link, parent) == 0:
         for f in range(facets):
             put(new, f, 0, row(facet, f))
@@ -194,13 +193,11 @@ def unite(table: FacetTable, united: FacetTable, primitives: Floats, size: float
             links[to, VERTEX], links[to, NEIGHBOUR] = link[at, VERTEX], link[at, NEIGHBOUR]
             links[to, BACK] = moved[back] if back >= 0 else OUTSIDE
         return
-    corners = span[facets, FIRST]
-    owner, outline = np.empty(corners, np.int64), np.empty(corners, np.int64)
-    number = np.empty(facets, np.int64)
+    owner, outline, number = counts[2], counts[3, :corners], counts[4]
     for f in range(facets):
         for at in range(span[f, FIRST], span[f + 1, FIRST]):
             owner[at] = f
-    _outlines(facets, facet, span, corner, link, parent, owner, size)
+    _outlines(facets, facet, span, corner, link, parent, owner, outline, size)
     groups, end = 0, 0
     for f in range(facets):
         if parent[f] != f:
