@@ -14,8 +14,9 @@ from lutgen.vector import Floats, Vector, cross, dot, length, scale, subtract, u
 
 # Columns of the rows of a roll.
 SEEN, RISE, TURN = 0, 9, 12
-# Longest step (rad) of a rolling plane: to 1e-4 rad of gravity and 2e-5 of the size of a rise.
-STEP = 0.2
+# Longest pair of steps (rad) of a rolling plane: what a roll does to gravity is right to 1e-4 rad on
+# the most bent of arcs, a rise to 1e-4 of a radius.
+PAIR = 0.4
 
 
 @njit(bare=True)
@@ -68,6 +69,36 @@ def _plus(a: Vector, b: Vector) -> Vector:
 
 
 @njit(inline=True, bare=True)
+def _weighed(p: Vector, a: float, q: Vector, b: float, r: Vector, c: float) -> Vector:
+    return (
+        a * p[0] + b * q[0] + c * r[0],
+        a * p[1] + b * q[1] + c * r[1],
+        a * p[2] + b * q[2] + c * r[2],
+    )
+
+
+@njit(inline=True, bare=True)
+def _solid_angle(a: Vector, b: Vector, c: Vector) -> float:
+    """Return the solid angle of a narrow triangle, positive where a, b, c go counter-clockwise."""
+    return 2.0 * dot(a, cross(b, c)) / (1.0 + dot(a, b) + dot(b, c) + dot(c, a))
+
+
+@njit(inline=True, bare=True)
+def _spun(normal: Vector, angle: float, vector: Vector) -> Vector:
+    """Return a vector turned about a unit normal by a small angle (rad)."""
+    once = scale(cross(normal, vector), angle)
+    twice = scale(cross(normal, once), 0.5 * angle)
+    return _plus(_plus(vector, once), twice)
+
+
+@njit(inline=True, bare=True)
+def _arc_length(a: Vector, b: Vector, c: Vector) -> float:
+    """Return the length (rad) of an arc from a over its middle b to c."""
+    steps, chord = angle_between(a, b) + angle_between(b, c), angle_between(a, c)
+    return steps + (steps - chord) / 3.0
+
+
+@njit(inline=True, bare=True)
 def seen_after(roll: Floats, at: int, g: Vector) -> Vector:
     """Return gravity as the body sees it after a roll."""
     return (
@@ -101,43 +132,46 @@ def enter_roll(
     as the body sees it at the end, the vector whose product with gravity at the start is how far
     the com has risen (length, negative where it has sunk), and the turn (rad), which is returned.
     """
-    moves = primitives[i, KIND] != POINT or primitives[j, KIND] != POINT
-    steps = 1 + int(angle_between(begin, end) / STEP) if moves else 1
     x, y, z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
     rise = (0.0, 0.0, 0.0)
     turn = 0.0
-    here = begin
-    contact = support_contact(primitives, i, here)
-    for step in range(steps):
-        there = (
-            end
-            if step + 1 == steps
-            else arc_normal(primitives, i, j, begin, end, (step + 1.0) / steps)
+    p = support_contact(primitives, i, begin)
+    if primitives[i, KIND] == POINT and primitives[j, KIND] == POINT:
+        x, y, z = (
+            turned_along(begin, end, x),
+            turned_along(begin, end, y),
+            turned_along(begin, end, z),
         )
-        angle = angle_between(here, there)
-        about = cross(here, there)
-        sine = length(about)
-        beyond = contact
-        if not moves:
-            more = subtract(turned_along(there, here, contact), contact)
-            rise = _plus(rise, more)
-        elif sine > 0.0:
-            # The com moves as the body turns about the axis of contact: by about x arm.  Simpson's
-            # rule, since gravity turns with the body and the contact runs along its rim.
-            beyond = support_contact(primitives, i, there)
-            about = scale(about, angle / (6.0 * sine))
-            half = unit((here[0] + there[0], here[1] + there[1], here[2] + there[2]))
-            amid = cross(support_contact(primitives, i, half), about)
-            amid = scale(turned_along(half, here, amid), 4.0)
-            last = turned_along(there, here, cross(beyond, about))
-            pull = _plus(_plus(cross(contact, about), amid), last)
-            rise = _plus(rise, (dot(x, pull), dot(y, pull), dot(z, pull)))
-        if sine > 0.0:
-            x = turned_along(here, there, x)
-            y = turned_along(here, there, y)
-            z = turned_along(here, there, z)
-        turn += angle
-        here, contact = there, beyond
+        rise = subtract((dot(x, p), dot(y, p), dot(z, p)), p)
+        turn = angle_between(begin, end)
+    else:
+        pairs = 1 + int(angle_between(begin, end) / PAIR)
+        here = begin
+        for pair in range(pairs):
+            half = arc_normal(primitives, i, j, begin, end, (pair + 0.5) / pairs)
+            there = (
+                end
+                if pair + 1 == pairs
+                else arc_normal(primitives, i, j, begin, end, (pair + 1.0) / pairs)
+            )
+            q, r = support_contact(primitives, i, half), support_contact(primitives, i, there)
+            # The com's height over the contact is g . p; the ground's own changes by -g . dp.  The
+            # integral of p . dg, both as parabolas through their three values.
+            first = _weighed(p, -0.5, q, -2.0 / 3.0, r, 1.0 / 6.0)
+            amid = scale(subtract(p, r), 2.0 / 3.0)
+            last = _weighed(p, -1.0 / 6.0, q, 2.0 / 3.0, r, 0.5)
+            spin = _solid_angle(here, half, there) / 6.0
+            rise = _plus(rise, (dot(x, first), dot(y, first), dot(z, first)))
+            x = _spun(half, spin, turned_along(here, half, x))
+            y = _spun(half, spin, turned_along(here, half, y))
+            z = _spun(half, spin, turned_along(here, half, z))
+            rise = _plus(rise, (dot(x, amid), dot(y, amid), dot(z, amid)))
+            x = _spun(there, spin, turned_along(half, there, x))
+            y = _spun(there, spin, turned_along(half, there, y))
+            z = _spun(there, spin, turned_along(half, there, z))
+            rise = _plus(rise, (dot(x, last), dot(y, last), dot(z, last)))
+            turn += _arc_length(here, half, there)
+            here, p = there, r
     for c in range(3):
         roll[at, SEEN + 3 * c], roll[back, SEEN + c] = x[c], x[c]
         roll[at, SEEN + 3 * c + 1], roll[back, SEEN + 3 + c] = y[c], y[c]
