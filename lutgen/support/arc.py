@@ -14,8 +14,8 @@ from lutgen.vector import Floats, Vector, cross, dot, length, scale, subtract, u
 
 # Columns of the rows of a roll.
 SEEN, RISE, TURN = 0, 9, 12
-# Longest pair of steps (rad) of a rolling plane: what a roll does to gravity is right to 1e-4 rad on
-# the most bent of arcs, a rise to 1e-4 of a radius.
+# Longest pair of steps (rad) of a rolling plane: on the most bent of arcs gravity is right to
+# 1e-4 rad, a rise to 1e-4 of a radius.
 PAIR = 0.4
 
 

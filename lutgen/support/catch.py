@@ -23,13 +23,15 @@ from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, scale, 
 REFUSED, STAGE, REST = 0, 1, 2
 # Facets that one roll may come to until it counts as lost.
 VISITS = 48
+# rad; rests whose normals are nearer than this may be one but for noise.
+ONE_REST = 0.01
 # First columns of a brink: an edge's start, the unit inward normal of the plane through it and the
 # com, the unit vector along it, that from its line to the com, and the length of that.
 CORNER, WALL, ALONG, ARM, REACH = 0, 3, 6, 9, 12
 # Columns of a way: gravity for w = 0 and w = 1, how far the com has risen for both, less the root
 # of a quadratic in w; the turn so far; up to which w it is so; the facet that it has come to and
-# the corner of the edge that it came over.
-G, RAISED, ROOT, TURNED, UNTIL, FACET, CAME = 0, 6, 8, 11, 12, 13, 14
+# the corner of the edge that it came over, and that of the last edge over which it turned.
+G, RAISED, ROOT, TURNED, UNTIL, FACET, CAME, LINE = 0, 6, 8, 11, 12, 13, 14, 15
 # Columns of a roll's answer: up to which w it is so, the largest sum of turns.
 SURE, MOST = 9, 10
 # Where a question is not quadratic in w its sign is asked for at this step, and its change sought
@@ -59,9 +61,16 @@ def _part(array: Floats, at: int, column: int) -> Vector:
 
 
 @njit(inline=True, bare=True)
-def _beside(brink: Floats, at: int, following: int, came: int, band: float) -> bool:
-    """Tell whether an edge lies within `band` of the line of another one."""
-    along, arm = _part(brink, came, ALONG), _part(brink, came, ARM)
+def _leads_back(
+    brink: Floats, at: int, following: int, line: int, band: float, rests: bool
+) -> bool:
+    """Tell whether an edge lies within `band` of the line that the robot came over.
+
+    On a stage it must also run the same way: one that runs back is the way on.
+    """
+    along, arm = _part(brink, line, ALONG), _part(brink, line, ARM)
+    if not rests and dot(_part(brink, at, ALONG), along) <= 0.0:
+        return False
     for end in range(2):
         p = row(brink, at if end == 0 else following)
         slant = dot(p, along)
@@ -141,16 +150,26 @@ def _top_squared(brink: Floats, at: int, a: Vector, b: Vector, squared: Vector) 
 
 @njit(bare=True)
 def _easiest(
-    brink: Floats, f: int, span: Ints, came: int, ends: tuple[Vector, Vector], w: float
+    brink: Floats,
+    f: int,
+    span: Ints,
+    came: tuple[int, int, float],
+    ends: tuple[Vector, Vector],
+    w: float,
 ) -> tuple[int, float]:
-    """Return the edge of a facet over which the com rises least, and up to which w it does."""
+    """Return the edge of a stage over which the com rises least, and up to which w it does.
+
+    `came`: the edge that it came over, the line of it, and how near to that edges lead back.
+    """
     a, b = ends
+    edge, line, band = came
     squared = _gravity_squared(a, b)
     best, lowest, until = -1, math.inf, math.inf
     root, r0, r1 = (0.0, 0.0, 0.0), 0.0, 0.0
     for again in range(2):
         for at in range(span[f, FIRST], span[f + 1, FIRST]):
-            if at in (came, best):
+            following = corner_after(span, f, at)
+            if at in (edge, best) or _leads_back(brink, at, following, line, band, False):
                 continue
             arm = _part(brink, at, ARM)
             top = _top_squared(brink, at, a, b, squared)
@@ -191,8 +210,8 @@ def comes_to_rest(
 
     The first row of `way` says where it has come to, and how.  Infinity where it may tip over, or
     turn by more than the first of `limits`.  `ends` receives the rests that it ends on, after their
-    number.  Back over the edge that it came over it does not go; on a rest that is all edges within
-    the second limit (length) of that one.
+    number.  Back over the edge that it came over it does not go: that is every edge within the second
+    limit (length) of that line, which on a stage runs the same way; noise makes two edges of one.
     """
     budget, band = limits
     waiting, most, sure = 1, way[0, TURNED], math.inf
@@ -201,7 +220,7 @@ def comes_to_rest(
         if waiting == 0:
             return most, sure
         waiting -= 1
-        f, came = int(way[waiting, FACET]), int(way[waiting, CAME])
+        f, came, line = int(way[waiting, FACET]), int(way[waiting, CAME]), int(way[waiting, LINE])
         a, b = _part(way, waiting, G), _part(way, waiting, G + 3)
         r0, r1 = way[waiting, RAISED], way[waiting, RAISED + 1]
         root = _part(way, waiting, ROOT)
@@ -219,7 +238,7 @@ def comes_to_rest(
                 if leaves or kind[f] == REST:
                     break
                 # A stage that it has not the energy to leave: it goes over the lowest edge.
-                nudged, easy = _easiest(brink, f, span, came, (a, b), w)
+                nudged, easy = _easiest(brink, f, span, (came, line, band), (a, b), w)
                 if nudged < 0:
                     return math.inf, stays
                 stays = min(stays, easy)
@@ -227,7 +246,7 @@ def comes_to_rest(
             elif at == came:
                 continue
             following = corner_after(span, f, at)
-            if kind[f] == REST and _beside(brink, at, following, came, band):
+            if nudged < 0 and _leads_back(brink, at, following, line, band, kind[f] == REST):
                 continue
             top = _top_squared(brink, at, a, b, squared)
             arm = _part(brink, at, ARM)
@@ -280,6 +299,7 @@ def comes_to_rest(
                 more0, more1 = more0 + r0, more1 + r1
                 top = root
             way[waiting, FACET], way[waiting, CAME] = other, back
+            way[waiting, LINE] = back if turn > ONE_REST else line
             way[waiting, 0], way[waiting, 1], way[waiting, 2] = seen_after(roll, at, a)
             way[waiting, 3], way[waiting, 4], way[waiting, 5] = seen_after(roll, at, b)
             way[waiting, RAISED], way[waiting, RAISED + 1] = more0, more1

@@ -12,7 +12,9 @@ from lutgen.support.arc import TURN, angle_between, enter_roll, risen_after, see
 from lutgen.support.catch import (
     CAME,
     FACET,
+    LINE,
     MOST,
+    ONE_REST,
     REFUSED,
     ROOT,
     SURE,
@@ -33,8 +35,6 @@ END, HAIR = 1e-4, 1e-9
 MOST_CHANGES = 128
 # The first row of `Workspace.counts` in which a roll lists the rests that it ends on.
 ENDS = 4
-# rad; rests whose normals are nearer than this may be one but for noise.
-ONE_REST = 0.01
 
 
 @njit(bare=True)
@@ -148,6 +148,7 @@ def _held(
                 if begin[t, SURE] <= w:
                     away = t == 0 or t == 3
                     way[0, FACET], way[0, CAME] = (other, back) if away else (f, at)
+                    way[0, LINE] = way[0, CAME]
                     for c in range(8):
                         way[0, c] = begin[t, c]
                     way[0, ROOT], way[0, ROOT + 1], way[0, ROOT + 2] = 0.0, 0.0, 0.0

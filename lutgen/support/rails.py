@@ -36,7 +36,7 @@ from lutgen.vector import Floats, Ints, Vector, cross, length
 # Axes this parallel (rad) are parallel: what is left of the sines and cosines of a joint.
 PARALLEL = 1e-14
 # Parts of the robot's size.  Primitives whose y differs by less lie on one rail; and an inner rail
-# counts as this much higher than it is, so that wheels on one straight axle have one order on the
+# counts as at most this much higher than it is, so that wheels on one straight axle have one order on the
 # hull at every pitch instead of that of their rounding.
 ONE_RAIL = 1e-12
 RECESS = 1e-12
@@ -159,8 +159,11 @@ def _make_rails(place: Floats, order: Ints, size: float, rail: Ints, across: Flo
             rails += 1
     rail[rails] = order.shape[0]
     for k in range(1, rails - 1):
+        # Most in the middle: of any three rails the middle one is the deepest.
+        recess = (across[k] - across[0]) * (across[rails - 1] - across[k])
+        recess *= 4.0 / (across[rails - 1] - across[0]) ** 2
         for at in range(rail[k], rail[k + 1]):
-            place[order[at], 3] -= RECESS * size
+            place[order[at], 3] -= recess * RECESS * size
     return rails
 
 

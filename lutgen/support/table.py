@@ -110,7 +110,7 @@ def facet_table(primitives: int) -> FacetTable:
         np.empty((n, 2)),
         np.empty((corners, 13)),
         np.empty((corners, 13)),
-        np.empty((WAYS, 15)),
+        np.empty((WAYS, 16)),
         np.empty((4, 11)),
         np.empty((MOST_PIECES + CUTS, 6)),
     )
