@@ -56,20 +56,19 @@ def enter_brink(brink: Floats, at: int, p: Vector, q: Vector) -> None:
 
 
 @njit(inline=True, bare=True)
-def _part(array: Floats, at: int, column: int) -> Vector:
+def part_of(array: Floats, at: int, column: int) -> Vector:
+    """Return the three components of a row that begin in a column."""
     return array[at, column], array[at, column + 1], array[at, column + 2]
 
 
 @njit(inline=True, bare=True)
-def _leads_back(
-    brink: Floats, at: int, following: int, line: int, band: float, rests: bool
-) -> bool:
+def leads_back(brink: Floats, at: int, following: int, line: int, band: float, rests: bool) -> bool:
     """Tell whether an edge lies within `band` of the line that the robot came over.
 
     On a stage it must also run the same way: one that runs back is the way on.
     """
-    along, arm = _part(brink, line, ALONG), _part(brink, line, ARM)
-    if not rests and dot(_part(brink, at, ALONG), along) <= 0.0:
+    along, arm = part_of(brink, line, ALONG), part_of(brink, line, ARM)
+    if not rests and dot(part_of(brink, at, ALONG), along) <= 0.0:
         return False
     for end in range(2):
         p = row(brink, at if end == 0 else following)
@@ -137,7 +136,7 @@ def _gravity_squared(a: Vector, b: Vector) -> Vector:
 @njit(inline=True, bare=True)
 def _top_squared(brink: Floats, at: int, a: Vector, b: Vector, squared: Vector) -> Vector:
     """Return the square of how high above an edge's line the com can be, as a quadratic in w."""
-    along = _part(brink, at, ALONG)
+    along = part_of(brink, at, ALONG)
     p = dot(along, a)
     q = dot(along, b) - p
     reach = brink[at, REACH] * brink[at, REACH]
@@ -169,9 +168,9 @@ def _easiest(
     for again in range(2):
         for at in range(span[f, FIRST], span[f + 1, FIRST]):
             following = corner_after(span, f, at)
-            if at in (edge, best) or _leads_back(brink, at, following, line, band, False):
+            if at in (edge, best) or leads_back(brink, at, following, line, band, False):
                 continue
-            arm = _part(brink, at, ARM)
+            arm = part_of(brink, at, ARM)
             top = _top_squared(brink, at, a, b, squared)
             n0, n1 = -dot(arm, a), -dot(arm, b)
             if again == 1:
@@ -181,7 +180,7 @@ def _easiest(
             if rise < lowest:
                 lowest, best = rise, at
         if again == 0 and best >= 0:
-            arm = _part(brink, best, ARM)
+            arm = part_of(brink, best, ARM)
             root, r0, r1 = (
                 _top_squared(brink, best, a, b, squared),
                 -dot(arm, a),
@@ -210,8 +209,9 @@ def comes_to_rest(
 
     The first row of `way` says where it has come to, and how.  Infinity where it may tip over, or
     turn by more than the first of `limits`.  `ends` receives the rests that it ends on, after their
-    number.  Back over the edge that it came over it does not go: that is every edge within the second
-    limit (length) of that line, which on a stage runs the same way; noise makes two edges of one.
+    number.  Back over the edge that it came over it does not go: that is every edge within the
+    second limit (length) of that line, which on a stage runs the same way; noise makes two edges
+    of one.
     """
     budget, band = limits
     waiting, most, sure = 1, way[0, TURNED], math.inf
@@ -221,9 +221,9 @@ def comes_to_rest(
             return most, sure
         waiting -= 1
         f, came, line = int(way[waiting, FACET]), int(way[waiting, CAME]), int(way[waiting, LINE])
-        a, b = _part(way, waiting, G), _part(way, waiting, G + 3)
+        a, b = part_of(way, waiting, G), part_of(way, waiting, G + 3)
         r0, r1 = way[waiting, RAISED], way[waiting, RAISED + 1]
-        root = _part(way, waiting, ROOT)
+        root = part_of(way, waiting, ROOT)
         turned, until = way[waiting, TURNED], way[waiting, UNTIL]
         bent = root[0] != 0.0 or root[2] != 0.0
         squared = _gravity_squared(a, b)
@@ -246,15 +246,15 @@ def comes_to_rest(
             elif at == came:
                 continue
             following = corner_after(span, f, at)
-            if nudged < 0 and _leads_back(brink, at, following, line, band, kind[f] == REST):
+            if nudged < 0 and leads_back(brink, at, following, line, band, kind[f] == REST):
                 continue
             top = _top_squared(brink, at, a, b, squared)
-            arm = _part(brink, at, ARM)
+            arm = part_of(brink, at, ARM)
             n0, n1 = -dot(arm, a), -dot(arm, b)
             k0, k1 = n0 - r0, n1 - r1
             here = stays
             if nudged < 0:
-                wall = _part(brink, at, WALL)
+                wall = part_of(brink, at, WALL)
                 s0, s1 = dot(wall, a), dot(wall, b)
                 outside = s0 + w * (s1 - s0) < 0.0
                 crossing = s0 / (s0 - s1)

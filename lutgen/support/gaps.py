@@ -10,6 +10,7 @@ import math
 from lutgen.jit import njit
 from lutgen.support.arc import TURN, angle_between, enter_roll, risen_after, seen_after
 from lutgen.support.catch import (
+    ALONG,
     CAME,
     FACET,
     LINE,
@@ -17,14 +18,17 @@ from lutgen.support.catch import (
     ONE_REST,
     REFUSED,
     ROOT,
+    STAGE,
     SURE,
     TURNED,
     UNTIL,
     comes_to_rest,
     enter_brink,
+    leads_back,
+    part_of,
 )
 from lutgen.support.table import BACK, FIRST, NEIGHBOUR, VERTEX, Workspace, corner_after
-from lutgen.vector import Floats, Ints, dot, row
+from lutgen.vector import Floats, Ints, dot, row, subtract
 
 # Columns of a gap: the part of the segment between its two contacts over which it holds.
 LOW, HIGH = 0, 1
@@ -33,6 +37,8 @@ LOW, HIGH = 0, 1
 END, HAIR = 1e-4, 1e-9
 # Changes on a segment; what lies beyond so many is not held.
 MOST_CHANGES = 128
+# Times that what slivers join is gone through: as often as they may cut one line.
+SLIVERS = 3
 # The first row of `Workspace.counts` in which a roll lists the rests that it ends on.
 ENDS = 4
 
@@ -84,8 +90,52 @@ def find_gaps(
                 *(begin, work.way, ends),
             )
             if low < high:
-                gap[at, LOW], gap[at, HIGH] = low, high
-                gap[back, LOW], gap[back, HIGH] = 1.0 - high, 1.0 - low
+                _enter(link, gap, at, low, high)
+    for _ in range(SLIVERS):
+        for f in range(facets):
+            if kind[f] == STAGE and span[f + 1, FIRST] - span[f, FIRST] == 3:
+                for at in range(span[f, FIRST], span[f + 1, FIRST]):
+                    _join(span, link, brink, f, at, limits[1], gap)
+
+
+@njit(inline=True, bare=True)
+def _enter(link: Ints, gap: Floats, at: int, low: float, high: float) -> None:
+    """Enter what an edge holds, for both its facets."""
+    gap[at, LOW], gap[at, HIGH] = (low, high) if low < high else (1.0, 0.0)
+    back = link[at, BACK]
+    if back >= 0:
+        gap[back, LOW], gap[back, HIGH] = 1.0 - gap[at, HIGH], 1.0 - gap[at, LOW]
+
+
+@njit(bare=True)
+def _join(span: Ints, link: Ints, brink: Floats, f: int, at: int, band: float, gap: Floats) -> None:
+    """Hold over a line what both halves of its arc hold, where a sliver of a stage cuts it in two.
+
+    A third wheel on an axle carries for a moment, which moment is noise: before it the line of the
+    edge is one, after it the edge's other two make up the same line.
+    """
+    ahead = corner_after(span, f, at)
+    last = corner_after(span, f, ahead)
+    for part in (ahead, last):
+        # Both run back along the line of the first.
+        if dot(part_of(brink, part, ALONG), part_of(brink, at, ALONG)) >= 0.0:
+            return
+        if not leads_back(brink, part, corner_after(span, f, part), at, band, True):
+            return
+    p, q, k = row(brink, at), row(brink, ahead), row(brink, last)
+    whole, here = subtract(q, p), subtract(k, p)
+    middle = dot(here, whole) / dot(whole, whole)
+    low, high = gap[at, LOW], gap[at, HIGH]
+    # What the others hold, from q to k and from k to p, in parts of the whole.
+    rest = 1.0 - middle
+    near = max(low, middle * (1.0 - gap[last, HIGH])), min(high, middle * (1.0 - gap[last, LOW]))
+    far = max(low, 1.0 - gap[ahead, HIGH] * rest), min(high, 1.0 - gap[ahead, LOW] * rest)
+    _enter(link, gap, ahead, (1.0 - far[1]) / rest, (1.0 - far[0]) / rest)
+    _enter(link, gap, last, 1.0 - near[1] / middle, 1.0 - near[0] / middle)
+    longer = near if near[1] - near[0] > far[1] - far[0] else far
+    if near[0] < near[1] and far[0] < far[1] and far[0] - near[1] <= END:
+        longer = near[0], far[1]
+    _enter(link, gap, at, longer[0], longer[1])
 
 
 @njit(bare=True)

@@ -36,8 +36,8 @@ from lutgen.vector import Floats, Ints, Vector, cross, length
 # Axes this parallel (rad) are parallel: what is left of the sines and cosines of a joint.
 PARALLEL = 1e-14
 # Parts of the robot's size.  Primitives whose y differs by less lie on one rail; and an inner rail
-# counts as at most this much higher than it is, so that wheels on one straight axle have one order on the
-# hull at every pitch instead of that of their rounding.
+# counts as at most this much higher than it is, the more the nearer to the middle, so that wheels
+# on one straight axle have one order on the hull at every pitch instead of that of their rounding.
 ONE_RAIL = 1e-12
 RECESS = 1e-12
 NEVER = 2.0
