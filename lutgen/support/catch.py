@@ -25,6 +25,8 @@ REFUSED, STAGE, REST = 0, 1, 2
 VISITS = 48
 # rad; rests whose normals are nearer than this may be one but for noise.
 ONE_REST = 0.01
+# rad; after a turn of less the line that the robot came over is still that of the turn before.
+ONE_LINE = 0.003
 # First columns of a brink: an edge's start, the unit inward normal of the plane through it and the
 # com, the unit vector along it, that from its line to the com, and the length of that.
 CORNER, WALL, ALONG, ARM, REACH = 0, 3, 6, 9, 12
@@ -299,7 +301,7 @@ def comes_to_rest(
                 more0, more1 = more0 + r0, more1 + r1
                 top = root
             way[waiting, FACET], way[waiting, CAME] = other, back
-            way[waiting, LINE] = back if turn > ONE_REST else line
+            way[waiting, LINE] = back if turn > ONE_LINE else line
             way[waiting, 0], way[waiting, 1], way[waiting, 2] = seen_after(roll, at, a)
             way[waiting, 3], way[waiting, 4], way[waiting, 5] = seen_after(roll, at, b)
             way[waiting, RAISED], way[waiting, RAISED + 1] = more0, more1

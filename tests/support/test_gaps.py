@@ -20,8 +20,10 @@ from lutgen.vector import Floats, Ints
 STEPS = 60
 
 
-def rolled(primitives: Floats, i: int, j: int, begin: Floats, end: Floats, g: Floats):
-    """Gravity after a roll, how far the com has risen and the turn: the plane in small steps."""
+def rolled(
+    primitives: Floats, i: int, j: int, begin: Floats, end: Floats, g: Floats
+) -> tuple[Floats, float, float]:
+    """Return gravity after a roll, how far the com has risen and the turn; in small steps."""
     rise = turn = 0.0
     here, contact = np.array(begin), np.array(support_contact(primitives, i, tuple(begin)))
     for step in range(1, STEPS + 1):
@@ -31,9 +33,7 @@ def rolled(primitives: Floats, i: int, j: int, begin: Floats, end: Floats, g: Fl
             else arc_normal(primitives, i, j, tuple(begin), tuple(end), step / STEPS)
         )
         about = np.cross(here, there)
-        turned = (
-            g + np.cross(about, g) + np.cross(about, np.cross(about, g)) / (1.0 + here @ there)
-        )
+        turned = g + np.cross(about, g) + np.cross(about, np.cross(about, g)) / (1.0 + here @ there)
         beyond = np.array(support_contact(primitives, i, tuple(there)))
         rise += (turned - g) @ (contact + beyond) / 2.0
         turn += math.asin(min(float(np.sqrt(about @ about)), 1.0))
@@ -58,6 +58,7 @@ class LetGo:
         )
 
     def after(self, f: int, at: int) -> int:
+        """Return the next corner of a facet."""
         return at + 1 if at + 1 < self.span[f + 1, FIRST] else int(self.span[f, FIRST])
 
     def edges(self) -> list[tuple[int, int]]:
@@ -70,10 +71,13 @@ class LetGo:
                     found.append((int(f), at))
         return found
 
-    def roll(self, f: int, at: int, g: Floats):
+    def roll(self, f: int, at: int, g: Floats) -> tuple[Floats, float, float]:
+        """Roll over an edge of a facet; see `rolled`."""
         i, j = self.table.link[at, VERTEX], self.table.link[self.after(f, at), VERTEX]
         other = self.table.link[at, NEIGHBOUR]
-        return rolled(self.primitives, i, j, self.table.facet[f, :3], self.table.facet[other, :3], g)
+        return rolled(
+            self.primitives, i, j, self.table.facet[f, :3], self.table.facet[other, :3], g
+        )
 
     def rests_on(
         self, f: int, came: int, g: Floats, raised: float, turned: float, depth: int = 0
