@@ -81,8 +81,19 @@ HINTS = (
     ),
     Hint(r"return facet->count >= 3 && at == first;", ("merge facet->count;",)),
     Hint(r"for \(i = [02]; i < facet->count; i\+\+\) \{", ("loop unroll 33;",)),
-    # ... nearest_edge
-    Hint(r"float from\[3\], to\[3\], wall\[3\];", ("split facet->count;",)),
+    # ... is_rest
+    Hint(r"float least = LARGEST;", ("split facet->count;",)),
+    Hint(
+        r"contact_point\(posture, facet->corner\[k\], point\);",
+        (r"admit \initialized(&facet->corner[k]);",),
+    ),
+    Hint(r"for \(k = 0; k < facet->count; k\+\+\) \{", ("loop unroll 33;",)),
+    Hint(r"return least >= posture->body->rest_width;", ("merge facet->count;",)),
+    # ... nearest_edge: outline found three corners at least
+    Hint(
+        r"float from\[3\], to\[3\], wall\[3\];",
+        ("split facet->count;", "admit facet->count >= 3;"),
+    ),
     Hint(r"contact_point\(posture, facet->corner\[i\], \w+\);", (f"admit {_I};",)),
     Hint(r"contact_point\(posture, facet->corner\[i \+ 1 == .*", (f"admit {_NEXT};",)),
     Hint(r"return nearest;", ("assert nearest < facet->count;", "merge facet->count;")),
