@@ -31,7 +31,6 @@ from lutgen.support.region import (
     TIP_PLANE,
     Acceptance,
     Region,
-    vector_at,
 )
 from lutgen.support.rest import find_rests
 from lutgen.support.strips import add_strips
@@ -47,6 +46,7 @@ from lutgen.support.table import (
     FacetTable,
     corner_after,
     put,
+    vector_at,
 )
 from lutgen.support.tiles import (
     ROUNDING,

@@ -17,7 +17,16 @@ import math
 
 from lutgen.jit import njit
 from lutgen.support.arc import TURN, enter_roll, risen_after, seen_after
-from lutgen.support.table import BACK, FIRST, NEIGHBOUR, VERTEX, WAYS, corner_after
+from lutgen.support.table import (
+    BACK,
+    FIRST,
+    NEIGHBOUR,
+    VERTEX,
+    WAYS,
+    corner_after,
+    put,
+    vector_at,
+)
 from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, scale, subtract
 
 REFUSED, STAGE, REST = 0, 1, 2
@@ -51,16 +60,11 @@ def enter_brink(brink: Floats, at: int, p: Vector, q: Vector) -> None:
     arm = subtract(scale(along, dot(p, along)), p)
     reach = length(arm)
     wall = scale(cross(along, arm), 1.0 / reach)
-    for c in range(3):
-        brink[at, CORNER + c], brink[at, WALL + c] = p[c], wall[c]
-        brink[at, ALONG + c], brink[at, ARM + c] = along[c], arm[c]
+    put(brink, at, CORNER, p)
+    put(brink, at, WALL, wall)
+    put(brink, at, ALONG, along)
+    put(brink, at, ARM, arm)
     brink[at, REACH] = reach
-
-
-@njit(inline=True, bare=True)
-def part_of(array: Floats, at: int, column: int) -> Vector:
-    """Return the three components of a row that begin in a column."""
-    return array[at, column], array[at, column + 1], array[at, column + 2]
 
 
 @njit(inline=True, bare=True)
@@ -69,8 +73,8 @@ def leads_back(brink: Floats, at: int, following: int, line: int, band: float, r
 
     On a stage it must also run the same way: one that runs back is the way on.
     """
-    along, arm = part_of(brink, line, ALONG), part_of(brink, line, ARM)
-    if not rests and dot(part_of(brink, at, ALONG), along) <= 0.0:
+    along, arm = vector_at(brink, line, ALONG), vector_at(brink, line, ARM)
+    if not rests and dot(vector_at(brink, at, ALONG), along) <= 0.0:
         return False
     for end in range(2):
         p = row(brink, at if end == 0 else following)
@@ -138,7 +142,7 @@ def _gravity_squared(a: Vector, b: Vector) -> Vector:
 @njit(inline=True, bare=True)
 def _top_squared(brink: Floats, at: int, a: Vector, b: Vector, squared: Vector) -> Vector:
     """Return the square of how high above an edge's line the com can be, as a quadratic in w."""
-    along = part_of(brink, at, ALONG)
+    along = vector_at(brink, at, ALONG)
     p = dot(along, a)
     q = dot(along, b) - p
     reach = brink[at, REACH] * brink[at, REACH]
@@ -172,7 +176,7 @@ def _easiest(
             following = corner_after(span, f, at)
             if at in (edge, best) or leads_back(brink, at, following, line, band, False):
                 continue
-            arm = part_of(brink, at, ARM)
+            arm = vector_at(brink, at, ARM)
             top = _top_squared(brink, at, a, b, squared)
             n0, n1 = -dot(arm, a), -dot(arm, b)
             if again == 1:
@@ -182,7 +186,7 @@ def _easiest(
             if rise < lowest:
                 lowest, best = rise, at
         if again == 0 and best >= 0:
-            arm = part_of(brink, best, ARM)
+            arm = vector_at(brink, best, ARM)
             root, r0, r1 = (
                 _top_squared(brink, best, a, b, squared),
                 -dot(arm, a),
@@ -223,9 +227,9 @@ def comes_to_rest(
             return most, sure
         waiting -= 1
         f, came, line = int(way[waiting, FACET]), int(way[waiting, CAME]), int(way[waiting, LINE])
-        a, b = part_of(way, waiting, G), part_of(way, waiting, G + 3)
+        a, b = vector_at(way, waiting, G), vector_at(way, waiting, G + 3)
         r0, r1 = way[waiting, RAISED], way[waiting, RAISED + 1]
-        root = part_of(way, waiting, ROOT)
+        root = vector_at(way, waiting, ROOT)
         turned, until = way[waiting, TURNED], way[waiting, UNTIL]
         bent = root[0] != 0.0 or root[2] != 0.0
         squared = _gravity_squared(a, b)
@@ -251,12 +255,12 @@ def comes_to_rest(
             if nudged < 0 and leads_back(brink, at, following, line, band, kind[f] == REST):
                 continue
             top = _top_squared(brink, at, a, b, squared)
-            arm = part_of(brink, at, ARM)
+            arm = vector_at(brink, at, ARM)
             n0, n1 = -dot(arm, a), -dot(arm, b)
             k0, k1 = n0 - r0, n1 - r1
             here = stays
             if nudged < 0:
-                wall = part_of(brink, at, WALL)
+                wall = vector_at(brink, at, WALL)
                 s0, s1 = dot(wall, a), dot(wall, b)
                 outside = s0 + w * (s1 - s0) < 0.0
                 crossing = s0 / (s0 - s1)
@@ -302,10 +306,10 @@ def comes_to_rest(
                 top = root
             way[waiting, FACET], way[waiting, CAME] = other, back
             way[waiting, LINE] = back if turn > ONE_LINE else line
-            way[waiting, 0], way[waiting, 1], way[waiting, 2] = seen_after(roll, at, a)
-            way[waiting, 3], way[waiting, 4], way[waiting, 5] = seen_after(roll, at, b)
+            put(way, waiting, G, seen_after(roll, at, a))
+            put(way, waiting, G + 3, seen_after(roll, at, b))
             way[waiting, RAISED], way[waiting, RAISED + 1] = more0, more1
-            way[waiting, ROOT], way[waiting, ROOT + 1], way[waiting, ROOT + 2] = top
+            put(way, waiting, ROOT, top)
             way[waiting, TURNED], way[waiting, UNTIL] = turned + turn, here
             waiting += 1
             if nudged >= 0:

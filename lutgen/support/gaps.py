@@ -25,9 +25,17 @@ from lutgen.support.catch import (
     comes_to_rest,
     enter_brink,
     leads_back,
-    part_of,
 )
-from lutgen.support.table import BACK, FIRST, NEIGHBOUR, VERTEX, Workspace, corner_after
+from lutgen.support.table import (
+    BACK,
+    FIRST,
+    NEIGHBOUR,
+    VERTEX,
+    Workspace,
+    corner_after,
+    put,
+    vector_at,
+)
 from lutgen.vector import Floats, Ints, dot, row, subtract
 
 # Columns of a gap: the part of the segment between its two contacts over which it holds.
@@ -118,7 +126,7 @@ def _join(span: Ints, link: Ints, brink: Floats, f: int, at: int, band: float, g
     last = corner_after(span, f, ahead)
     for part in (ahead, last):
         # Both run back along the line of the first.
-        if dot(part_of(brink, part, ALONG), part_of(brink, at, ALONG)) >= 0.0:
+        if dot(vector_at(brink, part, ALONG), vector_at(brink, at, ALONG)) >= 0.0:
             return
         if not leads_back(brink, part, corner_after(span, f, part), at, band, True):
             return
@@ -153,13 +161,13 @@ def _lay_out(
         p = row(corner, edge if turn == 0 else ahead)
         q = row(corner, ahead if turn == 0 else edge)
         on, rest = 2 * turn, 2 * turn + 1
-        begin[on, 0], begin[on, 1], begin[on, 2] = seen_after(roll, edge, p)
-        begin[on, 3], begin[on, 4], begin[on, 5] = seen_after(roll, edge, q)
+        put(begin, on, 0, seen_after(roll, edge, p))
+        put(begin, on, 3, seen_after(roll, edge, q))
         begin[on, 6], begin[on, 7] = risen_after(roll, edge, p), risen_after(roll, edge, q)
         begin[on, 8] = roll[edge, TURN]
-        begin[rest, 0], begin[rest, 1], begin[rest, 2] = p
-        begin[rest, 3], begin[rest, 4], begin[rest, 5] = q
-        begin[rest, 6], begin[rest, 7], begin[rest, 8] = 0.0, 0.0, 0.0
+        put(begin, rest, 0, p)
+        put(begin, rest, 3, q)
+        put(begin, rest, 6, (0.0, 0.0, 0.0))
 
 
 @njit(bare=True)
@@ -201,7 +209,7 @@ def _held(
                     way[0, LINE] = way[0, CAME]
                     for c in range(8):
                         way[0, c] = begin[t, c]
-                    way[0, ROOT], way[0, ROOT + 1], way[0, ROOT + 2] = 0.0, 0.0, 0.0
+                    put(way, 0, ROOT, (0.0, 0.0, 0.0))
                     way[0, TURNED], way[0, UNTIL] = begin[t, 8], math.inf
                     begin[t, MOST], begin[t, SURE] = comes_to_rest(
                         *(primitives, facet, span, link, kind, brink, roll, w, limits),

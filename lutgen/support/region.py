@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.jit import njit
-from lutgen.support.table import FIRST, MOST_CORNERS, MOST_FACETS
+from lutgen.support.table import FIRST, MOST_CORNERS, MOST_FACETS, vector_at
 from lutgen.vector import Floats, Ints, Vector, dot
 
 # Kinds of facet edge.  SHARED: beyond it another rest begins at once.  TIP: any other.
@@ -112,12 +112,6 @@ def acceptance(
     return Acceptance(
         steepest, rock, lowest_up, least_height, rest_width or 0.0, contact_tolerance or 0.0
     )
-
-
-@njit(inline=True, bare=True)
-def vector_at(array: Floats, index: int, column: int) -> Vector:
-    """Return the three components that begin in a column of a packed row."""
-    return array[index, column], array[index, column + 1], array[index, column + 2]
 
 
 @njit(inline=True, bare=True)

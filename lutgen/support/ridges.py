@@ -22,7 +22,6 @@ from lutgen.support.region import (
     SEGMENTS,
     SOURCE,
     Region,
-    vector_at,
 )
 from lutgen.support.table import (
     FIRST,
@@ -32,6 +31,7 @@ from lutgen.support.table import (
     FacetTable,
     corner_after,
     put,
+    vector_at,
 )
 from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, scale, subtract, unit
 

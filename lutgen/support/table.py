@@ -170,6 +170,12 @@ def put(array: Floats, index: int, column: int, vector: Vector) -> None:
     array[index, column + 2] = vector[2]
 
 
+@njit(inline=True, bare=True)
+def vector_at(array: Floats, index: int, column: int) -> Vector:
+    """Return the three components that begin in a column of a packed row."""
+    return array[index, column], array[index, column + 1], array[index, column + 2]
+
+
 @njit(bare=True)
 def add_triangle(
     count: Ints,
