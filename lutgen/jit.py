@@ -58,7 +58,7 @@ class _Kernels(FunctionCache):  # type: ignore[misc]
 
 
 def njit(
-    *, parallel: bool = False, inline: bool = False, exact: bool = False
+    *, parallel: bool = False, inline: bool = False, exact: bool = False, bare: bool = False
 ) -> Callable[[_Function], _Function]:
     """Compile a kernel with the project's flags; use as ``@njit()``.
 
@@ -72,6 +72,9 @@ def njit(
     exact : bool
         Whether every operation is rounded by itself, as it is written.  For predicates that must
         say the same wherever they are asked.
+    bare : bool
+        Whether the function makes no array.  References to the arrays that it is given are then
+        not counted, which for ten arrays takes longer than a short kernel's work.
 
     Returns
     -------
@@ -87,6 +90,7 @@ def njit(
             nogil=True,
             parallel=parallel,
             forceinline=inline,
+            _nrt=not bare,
             # Nobody calls a kernel from C.
             no_cfunc_wrapper=True,
         )(function)

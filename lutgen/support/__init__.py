@@ -46,7 +46,6 @@ from lutgen.support.region import (
     empty_region,
     status_of,
     supporting_facet,
-    vector_at,
 )
 from lutgen.support.ridges import OVER, Ridges, empty_ridges, find_ridges, has_ridges, roll_over
 from lutgen.support.search import stand
@@ -60,6 +59,7 @@ from lutgen.support.table import (
     facet_table,
     put,
     robot_size,
+    vector_at,
 )
 
 __all__ = [

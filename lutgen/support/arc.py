@@ -9,14 +9,17 @@ next.
 import math
 
 from lutgen.jit import njit
-from lutgen.support.primitive import support_contact
+from lutgen.support.primitive import KIND, POINT, support_contact
 from lutgen.vector import Floats, Vector, cross, dot, length, scale, subtract, unit
 
-# Longest step (rad) of a rolling plane: to 1e-4 rad of gravity and 2e-5 of the size of a rise.
-STEP = 0.2
+# Columns of the rows of a roll.
+SEEN, RISE, TURN = 0, 9, 12
+# Longest pair of steps (rad) of a rolling plane: on the most bent of arcs gravity is right to
+# 1e-4 rad, a rise to 1e-4 of a radius.
+PAIR = 0.4
 
 
-@njit()
+@njit(bare=True)
 def arc_normal(
     primitives: Floats, i: int, j: int, begin: Vector, end: Vector, fraction: float
 ) -> Vector:
@@ -41,7 +44,7 @@ def arc_normal(
     return normal
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def turned_along(begin: Vector, end: Vector, vector: Vector) -> Vector:
     """Return a vector turned by the least rotation that turns one unit normal into another."""
     about = cross(begin, end)
@@ -54,60 +57,126 @@ def turned_along(begin: Vector, end: Vector, vector: Vector) -> Vector:
     )
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def angle_between(a: Vector, b: Vector) -> float:
     """Return the angle (rad) between two unit vectors."""
     return 2.0 * math.asin(min(0.5 * length(subtract(a, b)), 1.0))
 
 
-@njit()
-def roll_along(
-    primitives: Floats, i: int, j: int, begin: Vector, end: Vector, g: Vector
-) -> tuple[Vector, float, float]:
-    """Roll over contacts i and j from one normal to another.
+@njit(inline=True, bare=True)
+def _plus(a: Vector, b: Vector) -> Vector:
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
-    Returns gravity as the body sees it at the end, how far the com has risen (length, negative
-    where it has sunk), and the length of the arc (rad).
+
+@njit(inline=True, bare=True)
+def _weighed(p: Vector, a: float, q: Vector, b: float, r: Vector, c: float) -> Vector:
+    return (
+        a * p[0] + b * q[0] + c * r[0],
+        a * p[1] + b * q[1] + c * r[1],
+        a * p[2] + b * q[2] + c * r[2],
+    )
+
+
+@njit(inline=True, bare=True)
+def _solid_angle(a: Vector, b: Vector, c: Vector) -> float:
+    """Return the solid angle of a narrow triangle, positive where a, b, c go counter-clockwise."""
+    return 2.0 * dot(a, cross(b, c)) / (1.0 + dot(a, b) + dot(b, c) + dot(c, a))
+
+
+@njit(inline=True, bare=True)
+def _spun(normal: Vector, angle: float, vector: Vector) -> Vector:
+    """Return a vector turned about a unit normal by a small angle (rad)."""
+    once = scale(cross(normal, vector), angle)
+    twice = scale(cross(normal, once), 0.5 * angle)
+    return _plus(_plus(vector, once), twice)
+
+
+@njit(inline=True, bare=True)
+def _arc_length(a: Vector, b: Vector, c: Vector) -> float:
+    """Return the length (rad) of an arc from a over its middle b to c."""
+    steps, chord = angle_between(a, b) + angle_between(b, c), angle_between(a, c)
+    return steps + (steps - chord) / 3.0
+
+
+@njit(inline=True, bare=True)
+def seen_after(roll: Floats, at: int, g: Vector) -> Vector:
+    """Return gravity as the body sees it after a roll."""
+    return (
+        roll[at, 0] * g[0] + roll[at, 1] * g[1] + roll[at, 2] * g[2],
+        roll[at, 3] * g[0] + roll[at, 4] * g[1] + roll[at, 5] * g[2],
+        roll[at, 6] * g[0] + roll[at, 7] * g[1] + roll[at, 8] * g[2],
+    )
+
+
+@njit(inline=True, bare=True)
+def risen_after(roll: Floats, at: int, g: Vector) -> float:
+    """Return how far the com has risen after a roll (length)."""
+    rise: float = roll[at, RISE] * g[0] + roll[at, RISE + 1] * g[1] + roll[at, RISE + 2] * g[2]
+    return rise
+
+
+@njit(bare=True)
+def enter_roll(
+    primitives: Floats,
+    i: int,
+    j: int,
+    begin: Vector,
+    end: Vector,
+    at: int,
+    back: int,
+    roll: Floats,
+) -> float:
+    """Fill rows `at` and `back` of `roll` (E, 13): rolling over i and j, and rolling back.
+
+    What rolling does is linear in gravity.  A row holds the matrix (row by row) that gives gravity
+    as the body sees it at the end, the vector whose product with gravity at the start is how far
+    the com has risen (length, negative where it has sunk), and the turn (rad), which is returned.
     """
-    steps = 1 + int(angle_between(begin, end) / STEP)
-    rise = turn = 0.0
-    here = begin
-    contact = support_contact(primitives, i, here)
-    for step in range(steps):
-        there = (
-            end
-            if step + 1 == steps
-            else arc_normal(primitives, i, j, begin, end, (step + 1.0) / steps)
+    x, y, z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+    rise = (0.0, 0.0, 0.0)
+    turn = 0.0
+    p = support_contact(primitives, i, begin)
+    if primitives[i, KIND] == POINT and primitives[j, KIND] == POINT:
+        x, y, z = (
+            turned_along(begin, end, x),
+            turned_along(begin, end, y),
+            turned_along(begin, end, z),
         )
-        beyond = support_contact(primitives, i, there)
-        about = cross(here, there)
-        sine = length(about)
-        angle = angle_between(here, there)
-        if sine > 0.0:
-            half = unit((here[0] + there[0], here[1] + there[1], here[2] + there[2]))
-            middle = turned_along(here, half, g)
-            # The com moves as the body turns about the axis of contact: by about x arm.  Simpson's
-            # rule, since gravity turns with the body and the contact runs along its rim.
-            amid = support_contact(primitives, i, half)
-            seen = turned_along(here, there, g)
-            pull = dot(g, cross(about, contact)) + dot(seen, cross(about, beyond))
-            pull += 4.0 * dot(middle, cross(about, amid))
-            rise -= pull * angle / (6.0 * sine)
-            g = seen
-        turn += angle
-        here, contact = there, beyond
-    return g, rise, turn
-
-
-@njit(inline=True)
-def rise_over(p: Vector, q: Vector, g: Vector) -> float:
-    """Return how far the com rises until it is above the axis from p to q (length)."""
-    along = unit(subtract(q, p))
-    arm = subtract(scale(along, dot(p, along)), p)
-    up = subtract(scale(along, dot(g, along)), g)
-    top = length(arm) * length(up)
-    now = dot(arm, up)
-    aside = dot(cross(along, arm), up)
-    if now > 0.0:
-        return float(aside * aside / (top + now))
-    return float(top - now)
+        rise = subtract((dot(x, p), dot(y, p), dot(z, p)), p)
+        turn = angle_between(begin, end)
+    else:
+        pairs = 1 + int(angle_between(begin, end) / PAIR)
+        here = begin
+        for pair in range(pairs):
+            half = arc_normal(primitives, i, j, begin, end, (pair + 0.5) / pairs)
+            there = (
+                end
+                if pair + 1 == pairs
+                else arc_normal(primitives, i, j, begin, end, (pair + 1.0) / pairs)
+            )
+            q, r = support_contact(primitives, i, half), support_contact(primitives, i, there)
+            # The com's height over the contact is g . p; the ground's own changes by -g . dp.  The
+            # integral of p . dg, both as parabolas through their three values.
+            first = _weighed(p, -0.5, q, -2.0 / 3.0, r, 1.0 / 6.0)
+            amid = scale(subtract(p, r), 2.0 / 3.0)
+            last = _weighed(p, -1.0 / 6.0, q, 2.0 / 3.0, r, 0.5)
+            spin = _solid_angle(here, half, there) / 6.0
+            rise = _plus(rise, (dot(x, first), dot(y, first), dot(z, first)))
+            x = _spun(half, spin, turned_along(here, half, x))
+            y = _spun(half, spin, turned_along(here, half, y))
+            z = _spun(half, spin, turned_along(here, half, z))
+            rise = _plus(rise, (dot(x, amid), dot(y, amid), dot(z, amid)))
+            x = _spun(there, spin, turned_along(half, there, x))
+            y = _spun(there, spin, turned_along(half, there, y))
+            z = _spun(there, spin, turned_along(half, there, z))
+            rise = _plus(rise, (dot(x, last), dot(y, last), dot(z, last)))
+            turn += _arc_length(here, half, there)
+            here, p = there, r
+    for c in range(3):
+        roll[at, SEEN + 3 * c], roll[back, SEEN + c] = x[c], x[c]
+        roll[at, SEEN + 3 * c + 1], roll[back, SEEN + 3 + c] = y[c], y[c]
+        roll[at, SEEN + 3 * c + 2], roll[back, SEEN + 6 + c] = z[c], z[c]
+        roll[at, RISE + c] = rise[c]
+        roll[back, RISE + c] = -(x[c] * rise[0] + y[c] * rise[1] + z[c] * rise[2])
+    roll[at, TURN], roll[back, TURN] = turn, turn
+    return turn

@@ -5,8 +5,6 @@ Owns the assembly of a `Region`.
 
 import math
 
-import numpy as np
-
 from lutgen.jit import njit
 from lutgen.support.catch import REFUSED, REST, STAGE
 from lutgen.support.gaps import HIGH, LOW, find_gaps
@@ -33,7 +31,6 @@ from lutgen.support.region import (
     TIP_PLANE,
     Acceptance,
     Region,
-    vector_at,
 )
 from lutgen.support.rest import find_rests
 from lutgen.support.strips import add_strips
@@ -49,6 +46,7 @@ from lutgen.support.table import (
     FacetTable,
     corner_after,
     put,
+    vector_at,
 )
 from lutgen.support.tiles import (
     ROUNDING,
@@ -63,7 +61,7 @@ from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, scale, 
 ONE_PLANE = 1e-5
 
 
-@njit()
+@njit(bare=True)
 def _enter_facets(
     facets: int,
     facet: Floats,
@@ -102,7 +100,7 @@ def _enter_facets(
     return accepted
 
 
-@njit()
+@njit(bare=True)
 def _is_convex(segment: Floats, segments: int, edge: Floats, edges: int) -> bool:
     """Tell whether every corner of every accepted facet is inside every tip-over plane."""
     for b in range(segments):
@@ -115,7 +113,7 @@ def _is_convex(segment: Floats, segments: int, edge: Floats, edges: int) -> bool
     return True
 
 
-@njit()
+@njit(bare=True)
 def _add_edge(
     tally: Ints,
     segment: Floats,
@@ -138,7 +136,7 @@ def _add_edge(
         add_segment(tally, segment, contacts, between(p, q, high), q, inward, i, j)
 
 
-@njit()
+@njit(bare=True)
 def _add_stage(
     span: Ints,
     corner: Floats,
@@ -187,7 +185,7 @@ def _add_stage(
     tile[tally[TILES]] = w
 
 
-@njit()
+@njit(bare=True)
 def find_region(
     region: Region, table: FacetTable, primitives: Floats, acceptance: Acceptance, size: float
 ) -> None:
@@ -219,8 +217,9 @@ def find_region(
         acceptance.rest_width,
         acceptance.contact_tolerance,
     )
-    kind, middle = np.empty(facets, np.int64), np.empty((facets, 3))
-    find_rests(primitives, facets, facet, span, corner, accept, size, kind, middle)
+    work = table.work
+    kind, middle = work.counts[0, :facets], work.normals
+    find_rests(primitives, facets, facet, span, corner, accept, size, kind, middle, work)
     asked = accept.rock_angle < math.inf
     rests = 0
     for f in range(facets):
@@ -239,10 +238,10 @@ def find_region(
     gap = table.held[: span[facets, FIRST]]
     if asked:
         limits = (accept.rock_angle + 1e-12, max(0.5 * accept.rest_width, tolerance))
-        find_gaps(primitives, facets, facet, span, corner, link, kind, limits, gap)
+        find_gaps(primitives, facets, facet, span, corner, link, kind, limits, gap, work)
     else:
         gap[:, LOW], gap[:, HIGH] = 0.0, 1.0
-    strips = np.empty((gap.shape[0], 2), np.int64)
+    strips = work.counts[1]
     count = 0
     e = 0
     for k in range(accepted):
@@ -277,7 +276,7 @@ def find_region(
                 elif part[0] < part[1]:
                     tally[GAPS] += 1
                     if f < other:
-                        strips[count, 0], strips[count, 1] = f, at
+                        strips[2 * count], strips[2 * count + 1] = f, at
                         count += 1
             if kind[f] == REST:
                 _add_edge(tally, segment, contacts, p, q, edge_plane, part, (i, j))
@@ -286,6 +285,6 @@ def find_region(
     if count > 0:
         add_strips(
             *(primitives, facet, span, link, gap, strips, count),
-            *(accept.rock_angle, size, region),
+            *(accept.rock_angle, size, region, work),
         )
     tally[CONVEX] = 1 if tally[GAPS] == 0 and _is_convex(segment, tally[SEGMENTS], edge, e) else 0

@@ -1,177 +1,321 @@
-"""Gaps: where the robot rolls over two contacts from rest to rest, and is caught at both ends.
+"""A robot that is let go where it balances on two contacts: does it come to rest.
 
-Owns the facets' kinds and what happens to a robot that is let go where it balances on two contacts
-of a gap.  It rolls to the next facet with gravity turning along and no energy lost.  There it goes
-on over each edge beyond which gravity lies, and over each edge that is no higher than the com has
-been; all ways that it may take must end where it has not the energy to go on, on a rest, and all of
-them together must not turn it by more than `rock_angle`.  A stage holds nothing: where the energy
-does not suffice to leave one, the least nudge does.
+Owns the facets' kinds and one roll with all its ways.  The robot rolls to the next facet with
+gravity turning along and no energy lost.  There it goes on over each edge beyond which gravity lies
+and over each edge that is no higher than the com has been; all ways that it may take must end where
+it has not the energy to go on, on a rest, and all of them together must not turn it by more than
+`rock_angle`.  A stage holds nothing: where the energy does not suffice to leave one, the least
+nudge does.
+
+A balance is a place w on the segment between the two contacts, from 0 to 1, and gravity points at
+it.  Gravity, without being scaled to length 1, is linear in w, and so is all that rolling does to
+it: every question that a roll decides is the sign of a linear or a quadratic function of w.  So a
+roll is worked out for one w, together with the next place at which any of its answers changes.
 """
 
 import math
 
 from lutgen.jit import njit
-from lutgen.support.arc import angle_between, rise_over, roll_along
-from lutgen.support.table import BACK, FIRST, NEIGHBOUR, VERTEX, corner_after
-from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, subtract, unit
+from lutgen.support.arc import TURN, enter_roll, risen_after, seen_after
+from lutgen.support.table import (
+    BACK,
+    FIRST,
+    NEIGHBOUR,
+    VERTEX,
+    WAYS,
+    corner_after,
+    put,
+    vector_at,
+)
+from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, scale, subtract
 
 REFUSED, STAGE, REST = 0, 1, 2
-# Ways that one roll may branch into, and facets that it may come to, until it counts as lost.
-WAYS, VISITS = 32, 48
+# Facets that one roll may come to until it counts as lost.
+VISITS = 48
 # rad; rests whose normals are nearer than this may be one but for noise.
 ONE_REST = 0.01
+# rad; after a turn of less the line that the robot came over is still that of the turn before.
+ONE_LINE = 0.003
+# First columns of a brink: an edge's start, the unit inward normal of the plane through it and the
+# com, the unit vector along it, that from its line to the com, and the length of that.
+CORNER, WALL, ALONG, ARM, REACH = 0, 3, 6, 9, 12
+# Columns of a way: gravity for w = 0 and w = 1, how far the com has risen for both, less the root
+# of a quadratic in w; the turn so far; up to which w it is so; the facet that it has come to and
+# the corner of the edge that it came over, and that of the last edge over which it turned.
+G, RAISED, ROOT, TURNED, UNTIL, FACET, CAME, LINE = 0, 6, 8, 11, 12, 13, 14, 15
+# Columns of a roll's answer: up to which w it is so, the largest sum of turns.
+SURE, MOST = 9, 10
+# Where a question is not quadratic in w its sign is asked for at this step, and its change sought
+# by so many halvings.
+STRIDE, HALVINGS = 0.0625, 40
+# Part of its size up to which such a function counts as zero: contacts in a row are equally easy.
+LEVEL = 1e-12
 
 
-@njit(inline=True)
-def beside(p: Vector, q: Vector, begin: Vector, end: Vector, band: float) -> bool:
-    """Tell whether an edge from p to q lies within `band` of the line through two points."""
-    along = unit(subtract(end, begin))
-    return (
-        length(cross(subtract(p, begin), along)) <= band
-        and length(cross(subtract(q, begin), along)) <= band
-    )
+@njit(inline=True, bare=True)
+def enter_brink(brink: Floats, at: int, p: Vector, q: Vector) -> None:
+    """Fill the row of the edge from p to q."""
+    apart = subtract(q, p)
+    along = scale(apart, 1.0 / length(apart))
+    arm = subtract(scale(along, dot(p, along)), p)
+    reach = length(arm)
+    wall = scale(cross(along, arm), 1.0 / reach)
+    put(brink, at, CORNER, p)
+    put(brink, at, WALL, wall)
+    put(brink, at, ALONG, along)
+    put(brink, at, ARM, arm)
+    brink[at, REACH] = reach
 
 
-@njit()
-def comes_to_rest(
-    primitives: Floats,
-    facet: Floats,
-    span: Ints,
-    corner: Floats,
-    link: Ints,
-    kind: Ints,
-    start: tuple[int, int, Vector, float, float],
-    limits: tuple[float, float],
-    mark: int,
-    room: tuple[Ints, Ints, Floats],
-) -> float:
-    """Return the largest sum of turns (rad) of a roll that ends on rests whatever way it takes.
+@njit(inline=True, bare=True)
+def leads_back(brink: Floats, at: int, following: int, line: int, band: float, rests: bool) -> bool:
+    """Tell whether an edge lies within `band` of the line that the robot came over.
 
-    `start`: the facet that it has come to, the corner of the edge that it came over, gravity, how
-    far the com is above where it was let go (length), and the turn so far.  Infinity where it may
-    tip over, or turn by more than the first of `limits`.  Rests that it ends on get the bit `mark`
-    in `ends`.  Back over the edge that it came over it does not go; on a rest that is all edges
-    within the second limit (length) of that one.
+    On a stage it must also run the same way: one that runs back is the way on.
     """
-    budget, band = limits
-    ends, where, state = room
-    where[0, 0], where[0, 1] = start[0], start[1]
-    state[0, 0], state[0, 1], state[0, 2] = start[2]
-    state[0, 3], state[0, 4] = start[3], start[4]
-    waiting, most = 1, start[4]
-    for _ in range(VISITS):
-        if waiting == 0:
-            return float(most)
-        waiting -= 1
-        f, came = where[waiting, 0], where[waiting, 1]
-        g = row(state, waiting)
-        raised, turned = state[waiting, 3], state[waiting, 4]
-        begin, end = span[f, FIRST], span[f + 1, FIRST]
-        lowest, easiest, leaves = math.inf, -1, False
-        line = (row(corner, came), row(corner, corner_after(span, f, came)))
-        for again in range(2):
-            for at in range(begin, end):
-                if at == came or (again == 1 and at != easiest):
-                    continue
-                following = corner_after(span, f, at)
-                p, q = row(corner, at), row(corner, following)
-                if kind[f] == REST and beside(p, q, line[0], line[1], band):
-                    continue
-                rise = rise_over(p, q, g)
-                outside = dot(cross(p, q), g) < 0.0
-                if again == 0 and rise < lowest:
-                    lowest, easiest = rise, at
-                if again == 0 and not outside and raised + rise >= 0.0:
-                    continue
-                leaves = True
-                other, back = link[at, NEIGHBOUR], link[at, BACK]
-                if other < 0 or back < 0 or kind[other] == REFUSED:
-                    return math.inf
-                i, j = link[at, VERTEX], link[following, VERTEX]
-                seen, more, turn = roll_along(primitives, i, j, row(facet, f), row(facet, other), g)
-                if turned + turn > budget or waiting == WAYS:
-                    return math.inf
-                most = max(most, turned + turn)
-                where[waiting, 0], where[waiting, 1] = other, back
-                state[waiting, 0], state[waiting, 1], state[waiting, 2] = seen
-                state[waiting, 3] = (raised if again == 0 else min(raised, -rise)) + more
-                state[waiting, 4] = turned + turn
-                waiting += 1
-            if leaves or kind[f] == REST:
-                break
-        if not leaves:
-            if kind[f] != REST:
-                return math.inf
-            ends[f] |= mark
-    return math.inf
-
-
-@njit()
-def is_caught(
-    primitives: Floats,
-    facet: Floats,
-    span: Ints,
-    corner: Floats,
-    link: Ints,
-    kind: Ints,
-    f: int,
-    at: int,
-    part: float,
-    limits: tuple[float, float],
-    room: tuple[Ints, Ints, Floats],
-) -> bool:
-    """Tell whether a robot that balances on a gap is caught whichever way it is nudged.
-
-    The gap begins at corner `at` of facet f; the balance is over the point at `part` of the segment
-    between its two contacts, once where the gap begins and once where it ends.  The two ways must
-    not end on one and the same rest.
-    """
-    other, back = link[at, NEIGHBOUR], link[at, BACK]
-    ends = room[0]
-    for turn in range(2):
-        near, edge, far, far_edge = (f, at, other, back) if turn == 0 else (other, back, f, at)
-        following = corner_after(span, near, edge)
-        p, q = row(corner, edge), row(corner, following)
-        w = part if turn == 0 else 1.0 - part
-        g = unit(
-            (
-                p[0] + w * (q[0] - p[0]),
-                p[1] + w * (q[1] - p[1]),
-                p[2] + w * (q[2] - p[2]),
-            )
+    along, arm = vector_at(brink, line, ALONG), vector_at(brink, line, ARM)
+    if not rests and dot(vector_at(brink, at, ALONG), along) <= 0.0:
+        return False
+    for end in range(2):
+        p = row(brink, at if end == 0 else following)
+        slant = dot(p, along)
+        x, y, z = (
+            p[0] - slant * along[0] + arm[0],
+            p[1] - slant * along[1] + arm[1],
+            p[2] - slant * along[2] + arm[2],
         )
-        ends[:] = 0
-        i, j = link[edge, VERTEX], link[following, VERTEX]
-        seen, rise, rolled = roll_along(primitives, i, j, row(facet, near), row(facet, far), g)
-        ahead = comes_to_rest(
-            *(primitives, facet, span, corner, link, kind),
-            *((far, far_edge, seen, rise, rolled), limits, 1, room),
-        )
-        if ahead > limits[0]:
-            return False
-        behind = comes_to_rest(
-            *(primitives, facet, span, corner, link, kind),
-            *((near, edge, g, 0.0, 0.0), limits, 2, room),
-        )
-        if ahead + behind > limits[0]:
-            return False
-        if _comes_back(facet, ends, ahead + behind):
+        if x * x + y * y + z * z > band * band:
             return False
     return True
 
 
-@njit()
-def _comes_back(facet: Floats, ends: Ints, turned: float) -> bool:
-    """Tell whether both ways end on what is one rest, though they turn the robot by some angle.
+@njit(inline=True, bare=True)
+def _next_root(d0: float, d1: float, d2: float, w: float) -> float:
+    """Return the first root above w of d0 + d1 w + d2 w^2, infinity if there is none."""
+    rest = d1 * d1 - 4.0 * d0 * d2
+    if not rest > 0.0:
+        return math.inf
+    half = -0.5 * (d1 + math.copysign(math.sqrt(rest), d1))
+    a, b = half / d2, d0 / half
+    first = a if a > w else math.inf
+    return b if w < b < first else first
 
-    Noise makes one rest two, all but parallel.  Two rests that are joined by a turn as small as the
-    angle between them are two, however near.
+
+@njit(inline=True, bare=True)
+def _quadratic(c: Vector, w: float) -> float:
+    return c[0] + w * (c[1] + w * c[2])
+
+
+@njit(bare=True)
+def _changes(top: Vector, root: Vector, k0: float, k1: float, w: float) -> float:
+    """Return the next place, or one before it, where sqrt(top) - sqrt(root) - k changes its sign.
+
+    `top` and `root` are quadratics, k is linear.
     """
-    for a in range(ends.shape[0]):
-        if ends[a] & 1 == 0:
-            continue
-        for b in range(ends.shape[0]):
-            apart = angle_between(row(facet, a), row(facet, b))
-            if ends[b] & 2 and (a == b or (apart < ONE_REST and turned > apart + ONE_REST)):
-                return True
-    return False
+    high = w + STRIDE
+    low = w
+    sign = 0.0
+    for step in range(HALVINGS + 2):
+        at = w if step == 0 else high if step == 1 else 0.5 * (low + high)
+        root_here = math.sqrt(max(_quadratic(root, at), 0.0))
+        here = math.sqrt(max(_quadratic(top, at), 0.0)) - root_here - (k0 + at * (k1 - k0))
+        side = -1.0 if here < -LEVEL * root_here else 1.0
+        if step == 0:
+            sign = side
+        elif step == 1:
+            if side == sign:
+                return high
+        elif side == sign:
+            low = at
+        else:
+            high = at
+    return high
+
+
+@njit(inline=True, bare=True)
+def _gravity_squared(a: Vector, b: Vector) -> Vector:
+    """Return the squared length of gravity, (1 - w) a + w b, as a quadratic in w."""
+    aa, ab, bb = dot(a, a), dot(a, b), dot(b, b)
+    return aa, 2.0 * (ab - aa), aa - 2.0 * ab + bb
+
+
+@njit(inline=True, bare=True)
+def _top_squared(brink: Floats, at: int, a: Vector, b: Vector, squared: Vector) -> Vector:
+    """Return the square of how high above an edge's line the com can be, as a quadratic in w."""
+    along = vector_at(brink, at, ALONG)
+    p = dot(along, a)
+    q = dot(along, b) - p
+    reach = brink[at, REACH] * brink[at, REACH]
+    return (
+        reach * (squared[0] - p * p),
+        reach * (squared[1] - 2.0 * p * q),
+        reach * (squared[2] - q * q),
+    )
+
+
+@njit(bare=True)
+def _easiest(
+    brink: Floats,
+    f: int,
+    span: Ints,
+    came: tuple[int, int, float],
+    ends: tuple[Vector, Vector],
+    w: float,
+) -> tuple[int, float]:
+    """Return the edge of a stage over which the com rises least, and up to which w it does.
+
+    `came`: the edge that it came over, the line of it, and how near to that edges lead back.
+    """
+    a, b = ends
+    edge, line, band = came
+    squared = _gravity_squared(a, b)
+    best, lowest, until = -1, math.inf, math.inf
+    root, r0, r1 = (0.0, 0.0, 0.0), 0.0, 0.0
+    for again in range(2):
+        for at in range(span[f, FIRST], span[f + 1, FIRST]):
+            following = corner_after(span, f, at)
+            if at in (edge, best) or leads_back(brink, at, following, line, band, False):
+                continue
+            arm = vector_at(brink, at, ARM)
+            top = _top_squared(brink, at, a, b, squared)
+            n0, n1 = -dot(arm, a), -dot(arm, b)
+            if again == 1:
+                until = min(until, _changes(top, root, n0 - r0, n1 - r1, w))
+                continue
+            rise = math.sqrt(max(_quadratic(top, w), 0.0)) - (n0 + w * (n1 - n0))
+            if rise < lowest:
+                lowest, best = rise, at
+        if again == 0 and best >= 0:
+            arm = vector_at(brink, best, ARM)
+            root, r0, r1 = (
+                _top_squared(brink, best, a, b, squared),
+                -dot(arm, a),
+                -dot(arm, b),
+            )
+    return best, until
+
+
+@njit(bare=True)
+def comes_to_rest(
+    primitives: Floats,
+    facet: Floats,
+    span: Ints,
+    link: Ints,
+    kind: Ints,
+    brink: Floats,
+    roll: Floats,
+    w: float,
+    limits: tuple[float, float],
+    way: Floats,
+    ends: Ints,
+) -> tuple[float, float]:
+    """Return the largest sum of turns (rad) of a roll that ends on rests whatever way it takes.
+
+    And up to which place of the balance that is so; from `w` on.
+
+    The first row of `way` says where it has come to, and how.  Infinity where it may tip over, or
+    turn by more than the first of `limits`.  `ends` receives the rests that it ends on, after their
+    number.  Back over the edge that it came over it does not go: that is every edge within the
+    second limit (length) of that line, which on a stage runs the same way; noise makes two edges
+    of one.
+    """
+    budget, band = limits
+    waiting, most, sure = 1, way[0, TURNED], math.inf
+    ends[0] = 0
+    for _ in range(VISITS):
+        if waiting == 0:
+            return most, sure
+        waiting -= 1
+        f, came, line = int(way[waiting, FACET]), int(way[waiting, CAME]), int(way[waiting, LINE])
+        a, b = vector_at(way, waiting, G), vector_at(way, waiting, G + 3)
+        r0, r1 = way[waiting, RAISED], way[waiting, RAISED + 1]
+        root = vector_at(way, waiting, ROOT)
+        turned, until = way[waiting, TURNED], way[waiting, UNTIL]
+        bent = root[0] != 0.0 or root[2] != 0.0
+        squared = _gravity_squared(a, b)
+        leaves, nudged = False, -1
+        # Up to where all that is decided on this facet stays.
+        stays = until
+        begin, end = span[f, FIRST], span[f + 1, FIRST]
+        at = begin - 1
+        while True:
+            at += 1
+            if at == end:
+                if leaves or kind[f] == REST:
+                    break
+                # A stage that it has not the energy to leave: it goes over the lowest edge.
+                nudged, easy = _easiest(brink, f, span, (came, line, band), (a, b), w)
+                if nudged < 0:
+                    return math.inf, stays
+                stays = min(stays, easy)
+                at = nudged
+            elif at == came:
+                continue
+            following = corner_after(span, f, at)
+            if nudged < 0 and leads_back(brink, at, following, line, band, kind[f] == REST):
+                continue
+            top = _top_squared(brink, at, a, b, squared)
+            arm = vector_at(brink, at, ARM)
+            n0, n1 = -dot(arm, a), -dot(arm, b)
+            k0, k1 = n0 - r0, n1 - r1
+            here = stays
+            if nudged < 0:
+                wall = vector_at(brink, at, WALL)
+                s0, s1 = dot(wall, a), dot(wall, b)
+                outside = s0 + w * (s1 - s0) < 0.0
+                crossing = s0 / (s0 - s1)
+                here = crossing if crossing > w else math.inf
+                goes = outside
+                if not outside:
+                    k = k0 + w * (k1 - k0)
+                    if bent:
+                        high = math.sqrt(max(_quadratic(top, w), 0.0))
+                        low = math.sqrt(max(_quadratic(root, w), 0.0))
+                        goes = high - low - k < 0.0
+                        here = min(here, _changes(top, root, k0, k1, w))
+                    else:
+                        d = k1 - k0
+                        d0 = top[0] - k0 * k0
+                        d1 = top[1] - 2.0 * k0 * d
+                        d2 = top[2] - d * d
+                        goes = k > 0.0 and d0 + w * (d1 + w * d2) < 0.0
+                        here = min(here, _next_root(d0, d1, d2, w))
+                if not goes:
+                    stays = min(stays, here)
+                    continue
+                here = min(until, here)
+            leaves = True
+            other, back = link[at, NEIGHBOUR], link[at, BACK]
+            if other < 0 or back < 0 or kind[other] == REFUSED:
+                return math.inf, here
+            turn = roll[at, TURN]
+            if turn < 0.0:
+                i, j = link[at, VERTEX], link[following, VERTEX]
+                turn = enter_roll(
+                    primitives, i, j, row(facet, f), row(facet, other), at, back, roll
+                )
+            if turned + turn > budget or waiting == WAYS:
+                return math.inf, here
+            stays = min(stays, here)
+            most = max(most, turned + turn)
+            more0, more1 = risen_after(roll, at, a), risen_after(roll, at, b)
+            if nudged >= 0:
+                more0, more1 = more0 + n0, more1 + n1
+            else:
+                more0, more1 = more0 + r0, more1 + r1
+                top = root
+            way[waiting, FACET], way[waiting, CAME] = other, back
+            way[waiting, LINE] = back if turn > ONE_LINE else line
+            put(way, waiting, G, seen_after(roll, at, a))
+            put(way, waiting, G + 3, seen_after(roll, at, b))
+            way[waiting, RAISED], way[waiting, RAISED + 1] = more0, more1
+            put(way, waiting, ROOT, top)
+            way[waiting, TURNED], way[waiting, UNTIL] = turned + turn, here
+            waiting += 1
+            if nudged >= 0:
+                break
+        if not leaves:
+            ends[0] += 1
+            ends[ends[0]] = f
+        sure = min(sure, stays)
+    return math.inf, sure

@@ -13,12 +13,20 @@ from lutgen.vector import Floats, Vector, cross, dot, length, scale, subtract, u
 
 # Steps along an arc (rad): between them a height is a cubic to 2e-6 of a radius.
 STEP = 0.15
+# Part of the size to which heights are right, a thousandth of what tells primitives apart.
+LEVEL = 1e-14
+# Where all others stay this part of the size lower, steps this many times longer will do: a cubic
+# is then good to 2e-4 of a radius, unless a disc all but lies on its face.
+FREE, STRIDES = 0.03, 3.0
 MOST_STEPS = 48
+# Part of the distance between two contacts by which they may differ in height before the last step
+# of Newton.
+CLOSE = 1e-8
 # An arc is followed until the normal is this far beyond what is asked for.
 FURTHER = 0.3
 
 
-@njit()
+@njit(bare=True)
 def _on_arc(
     primitives: Floats, i: int, j: int, start: Vector, along: Vector, angle: float
 ) -> Vector:
@@ -39,18 +47,19 @@ def _on_arc(
         if not size > 0.0:
             break
         n = unit(subtract(n, scale(flat, higher / size)))
-        if abs(higher) <= 1e-16 * math.sqrt(size):
+        # Newton squares the error: what is left is a rounding.
+        if abs(higher) <= CLOSE * math.sqrt(size):
             break
     return n
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def excess(primitives: Floats, m: int, i: int, normal: Vector) -> float:
     """Return how much lower primitive m reaches than i."""
     return support_height(primitives, m, normal) - support_height(primitives, i, normal)
 
 
-@njit()
+@njit(bare=True)
 def _touches_at(
     primitives: Floats,
     i: int,
@@ -90,7 +99,7 @@ def _touches_at(
     return high
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def _highest_between(a: float, b: float, from_slope: float, to_slope: float) -> tuple[float, float]:
     """Return where, in [0, 1], the cubic with these values and slopes is highest, and how high."""
     c2 = 3.0 * (b - a) - 2.0 * from_slope - to_slope
@@ -102,7 +111,7 @@ def _highest_between(a: float, b: float, from_slope: float, to_slope: float) -> 
     return t, a + t * (from_slope + t * (c2 + t * c3))
 
 
-@njit()
+@njit(bare=True)
 def _first_touched(
     primitives: Floats,
     i: int,
@@ -112,10 +121,14 @@ def _first_touched(
     along: Vector,
     step: float,
     level: float,
-) -> tuple[int, float]:
-    """Return the first primitive that touches within a step along an arc, and where; or (-1, step).
+    clear: float,
+) -> tuple[int, float, Vector]:
+    """Return the first primitive that touches within a step along an arc, the angle, the normal.
 
-    `third` touches at the start, and is let go.
+    -1 and the end of the step where none does.
+
+    `third` touches at the start, and is let go.  With a `clear` length above 0 the answer is -2
+    where another primitive comes nearer than that.
     """
     n = primitives.shape[0]
     end = _on_arc(primitives, i, j, start, along, step)
@@ -130,6 +143,13 @@ def _first_touched(
         a, b = dot(subtract(p, here), start), dot(subtract(q, there), end)
         from_slope = dot(subtract(p, here), along) * step
         to_slope = dot(subtract(q, there), onward) * step
+        if clear > 0.0:
+            top = max(b, min(a, a + from_slope))
+            if from_slope > 0.0 and to_slope < 0.0:
+                top = max(top, _highest_between(a, b, from_slope, to_slope)[1])
+            if top > -clear:
+                return -2, step, end
+            continue
         if b > 0.0:
             low = 0.0
             if m == third:
@@ -154,7 +174,8 @@ def _first_touched(
         if angle < nearest or best < 0:
             best, nearest = m, angle
     # Another one may be lower where the first is met: then it touches before.
-    for _ in range(n):
+    normal = end
+    for _ in range(n + 1):
         if best < 0:
             break
         normal = _on_arc(primitives, i, j, start, along, nearest)
@@ -168,10 +189,10 @@ def _first_touched(
             break
         best = lower
         nearest = _touches_at(primitives, i, j, lower, start, along, (0.0, nearest), level)
-    return best, nearest
+    return best, nearest, normal
 
 
-@njit()
+@njit(bare=True)
 def follow(
     primitives: Floats,
     i: int,
@@ -180,16 +201,23 @@ def follow(
     start: Vector,
     along: Vector,
     lowest_up: float,
-    level: float,
+    size: float,
 ) -> tuple[int, Vector]:
     """Follow the arc over i and j (over i alone where j is -1) until another primitive touches.
 
     Returns it and the normal, or -1 where the arc leads up or all round.
     """
-    here = start
+    here, level = start, LEVEL * size
     for _ in range(MOST_STEPS):
-        best, angle = _first_touched(primitives, i, j, third, here, along, STEP, level)
-        there = _on_arc(primitives, i, j, here, along, angle)
+        best, angle, there = -2, 0.0, here
+        if third < 0:
+            best, angle, there = _first_touched(
+                primitives, i, j, third, here, along, STRIDES * STEP, level, FREE * size
+            )
+        if best == -2:
+            best, angle, there = _first_touched(
+                primitives, i, j, third, here, along, STEP, level, 0.0
+            )
         if best >= 0:
             return best, there
         if there[2] > lowest_up + FURTHER:

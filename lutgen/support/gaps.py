@@ -1,33 +1,57 @@
 """Gaps: over which part of an edge the robot rocks.
 
-Owns the part of the segment between two contacts over which a balance is caught, see `catch`.  At
-its ends gravity goes on over another edge of the rest that it comes to, so the ends are places
-where something is zero; where two rests do all the holding, what is zero is known in closed form or
-smooth, and only beyond that is the robot let go again and again.
+Owns the part of the segment between two contacts over which a balance is caught, see `catch`.  The
+places where an answer changes are known from the answers themselves, so a segment is gone through
+from change to change, and no part of it is passed over.
 """
 
 import math
 
-import numpy as np
-
 from lutgen.jit import njit
-from lutgen.support.arc import angle_between, rise_over, roll_along
-from lutgen.support.catch import REFUSED, REST, WAYS, beside, is_caught
-from lutgen.support.table import BACK, FIRST, NEIGHBOUR, VERTEX, corner_after
-from lutgen.vector import Floats, Ints, cross, dot, length, row, subtract
+from lutgen.support.arc import TURN, angle_between, enter_roll, risen_after, seen_after
+from lutgen.support.catch import (
+    ALONG,
+    CAME,
+    FACET,
+    LINE,
+    MOST,
+    ONE_REST,
+    REFUSED,
+    ROOT,
+    STAGE,
+    SURE,
+    TURNED,
+    UNTIL,
+    comes_to_rest,
+    enter_brink,
+    leads_back,
+)
+from lutgen.support.table import (
+    BACK,
+    FIRST,
+    NEIGHBOUR,
+    VERTEX,
+    Workspace,
+    corner_after,
+    put,
+    vector_at,
+)
+from lutgen.vector import Floats, Ints, dot, row, subtract
 
 # Columns of a gap: the part of the segment between its two contacts over which it holds.
 LOW, HIGH = 0, 1
-# Nearer to an end of the segment than this part of it the balance is not looked at.
-END = 1e-4
-# Halvings of the place from which on the robot is caught, and how far apart (in parts of the edge)
-# are the places where it is let go to find it.
-HALVINGS, STRIDE = 20, 0.0625
-# Where the robot is let go first.
-TRIALS = (0.5, 0.25, 0.75, 0.1, 0.9)
+# Nearer to an end of the segment than this part of it the balance is not looked at; and by so much
+# beyond a change it is looked at again.
+END, HAIR = 1e-4, 1e-9
+# Changes on a segment; what lies beyond so many is not held.
+MOST_CHANGES = 128
+# Times that what slivers join is gone through: as often as they may cut one line.
+SLIVERS = 3
+# The first row of `Workspace.counts` in which a roll lists the rests that it ends on.
+ENDS = 4
 
 
-@njit()
+@njit(bare=True)
 def find_gaps(
     primitives: Floats,
     facets: int,
@@ -38,15 +62,22 @@ def find_gaps(
     kind: Ints,
     limits: tuple[float, float],
     gap: Floats,
+    work: Workspace,
 ) -> None:
     """Fill `gap` (E, 2) for every edge: from which part of it to which the robot is caught beyond.
 
     An edge without a gap has LOW 1 and HIGH 0.  `limits`: the largest sum of turns (rad), and half
     the least width of a rest.
     """
-    room = np.empty(facets, np.int64), np.empty((WAYS, 2), np.int64), np.empty((WAYS, 5))
-    for at in range(span[facets, FIRST]):
-        gap[at, LOW], gap[at, HIGH] = 1.0, 0.0
+    brink, roll, begin, ends = work.brink, work.roll, work.begin, work.counts
+    for f in range(facets):
+        for at in range(span[f, FIRST], span[f + 1, FIRST]):
+            gap[at, LOW], gap[at, HIGH] = 1.0, 0.0
+            if kind[f] != REFUSED:
+                following = corner_after(span, f, at)
+                enter_brink(brink, at, row(corner, at), row(corner, following))
+                roll[at, TURN] = -1.0
+    least = math.cos(min(limits[0], math.pi)) - 1e-12
     for f in range(facets):
         if kind[f] == REFUSED:
             continue
@@ -54,297 +85,173 @@ def find_gaps(
             other, back = link[at, NEIGHBOUR], link[at, BACK]
             if other <= f or back < 0 or kind[other] == REFUSED:
                 continue
-            if dot(row(facet, f), row(facet, other)) < math.cos(min(limits[0], math.pi)) - 1e-12:
+            if dot(row(facet, f), row(facet, other)) < least:
                 continue
-            low, high = _interval(primitives, facet, span, corner, link, kind, f, at, limits, room)
+            if roll[at, TURN] < 0.0:
+                i, j = link[at, VERTEX], link[corner_after(span, f, at), VERTEX]
+                enter_roll(primitives, i, j, row(facet, f), row(facet, other), at, back, roll)
+            if roll[at, TURN] > limits[0]:
+                continue
+            _lay_out(span, corner, roll, f, at, other, back, begin)
+            low, high = _held(
+                *(primitives, facet, span, link, kind, brink, roll, f, at, limits),
+                *(begin, work.way, ends),
+            )
             if low < high:
-                gap[at, LOW], gap[at, HIGH] = low, high
-                gap[back, LOW], gap[back, HIGH] = 1.0 - high, 1.0 - low
+                _enter(link, gap, at, low, high)
+    for _ in range(SLIVERS):
+        for f in range(facets):
+            if kind[f] == STAGE and span[f + 1, FIRST] - span[f, FIRST] == 3:
+                for at in range(span[f, FIRST], span[f + 1, FIRST]):
+                    _join(span, link, brink, f, at, limits[1], gap)
 
 
-@njit()
-def _lay_out_roll(
+@njit(inline=True, bare=True)
+def _enter(link: Ints, gap: Floats, at: int, low: float, high: float) -> None:
+    """Enter what an edge holds, for both its facets."""
+    gap[at, LOW], gap[at, HIGH] = (low, high) if low < high else (1.0, 0.0)
+    back = link[at, BACK]
+    if back >= 0:
+        gap[back, LOW], gap[back, HIGH] = 1.0 - gap[at, HIGH], 1.0 - gap[at, LOW]
+
+
+@njit(bare=True)
+def _join(span: Ints, link: Ints, brink: Floats, f: int, at: int, band: float, gap: Floats) -> None:
+    """Hold over a line what both halves of its arc hold, where a sliver of a stage cuts it in two.
+
+    A third wheel on an axle carries for a moment, which moment is noise: before it the line of the
+    edge is one, after it the edge's other two make up the same line.
+    """
+    ahead = corner_after(span, f, at)
+    last = corner_after(span, f, ahead)
+    for part in (ahead, last):
+        # Both run back along the line of the first.
+        if dot(vector_at(brink, part, ALONG), vector_at(brink, at, ALONG)) >= 0.0:
+            return
+        if not leads_back(brink, part, corner_after(span, f, part), at, band, True):
+            return
+    p, q, k = row(brink, at), row(brink, ahead), row(brink, last)
+    whole, here = subtract(q, p), subtract(k, p)
+    middle = dot(here, whole) / dot(whole, whole)
+    low, high = gap[at, LOW], gap[at, HIGH]
+    # What the others hold, from q to k and from k to p, in parts of the whole.
+    rest = 1.0 - middle
+    near = max(low, middle * (1.0 - gap[last, HIGH])), min(high, middle * (1.0 - gap[last, LOW]))
+    far = max(low, 1.0 - gap[ahead, HIGH] * rest), min(high, 1.0 - gap[ahead, LOW] * rest)
+    _enter(link, gap, ahead, (1.0 - far[1]) / rest, (1.0 - far[0]) / rest)
+    _enter(link, gap, last, 1.0 - near[1] / middle, 1.0 - near[0] / middle)
+    longer = near if near[1] - near[0] > far[1] - far[0] else far
+    if near[0] < near[1] and far[0] < far[1] and far[0] - near[1] <= END:
+        longer = near[0], far[1]
+    _enter(link, gap, at, longer[0], longer[1])
+
+
+@njit(bare=True)
+def _lay_out(
+    span: Ints, corner: Floats, roll: Floats, f: int, at: int, other: int, back: int, begin: Floats
+) -> None:
+    """Fill `begin` (4, 11) with how the four rolls from a balance begin.
+
+    Rows 0 and 1 are the ways on and back from where the gap begins, 2 and 3 from where it ends;
+    each holds gravity and rise for both ends of the edge, and the turn; its answer comes after.
+    """
+    for turn in range(2):
+        near, edge = (f, at) if turn == 0 else (other, back)
+        ahead = corner_after(span, near, edge)
+        p = row(corner, edge if turn == 0 else ahead)
+        q = row(corner, ahead if turn == 0 else edge)
+        on, rest = 2 * turn, 2 * turn + 1
+        put(begin, on, 0, seen_after(roll, edge, p))
+        put(begin, on, 3, seen_after(roll, edge, q))
+        begin[on, 6], begin[on, 7] = risen_after(roll, edge, p), risen_after(roll, edge, q)
+        begin[on, 8] = roll[edge, TURN]
+        put(begin, rest, 0, p)
+        put(begin, rest, 3, q)
+        put(begin, rest, 6, (0.0, 0.0, 0.0))
+
+
+@njit(bare=True)
+def _held(
     primitives: Floats,
     facet: Floats,
     span: Ints,
-    corner: Floats,
-    link: Ints,
-    near: int,
-    edge: int,
-    out: Floats,
-) -> float:
-    """Fill `out` (4, 4) for a roll over an edge of facet `near`; return the turn (rad).
-
-    Rolling turns gravity linearly, so what happens to each balance over the edge follows from its
-    two ends: rows 0 and 1 are the ends before, rows 2 and 3 after, each with the com's rise.
-    """
-    following = corner_after(span, near, edge)
-    far = link[edge, NEIGHBOUR]
-    turn = 0.0
-    for end in range(2):
-        g = row(corner, edge if end == 0 else following)
-        seen, rise, turn = roll_along(
-            primitives,
-            link[edge, VERTEX],
-            link[following, VERTEX],
-            row(facet, near),
-            row(facet, far),
-            g,
-        )
-        out[end, 0], out[end, 1], out[end, 2] = g
-        out[2 + end, 0], out[2 + end, 1], out[2 + end, 2] = seen
-        out[end, 3], out[2 + end, 3] = 0.0, rise
-    return turn
-
-
-@njit()
-def _holds(
-    span: Ints, corner: Floats, far: int, came: int, ends: Floats, band: float, w: float
-) -> tuple[float, int]:
-    """Return by how much a rest holds a robot that has rolled onto it, and its weakest edge.
-
-    The least over its edges of how far gravity lies inside and how much energy is missing, both
-    over the distance of the edge; negative where it goes on.
-    """
-    v = 1.0 - w
-    x, y, z = (
-        v * ends[0, 0] + w * ends[1, 0],
-        v * ends[0, 1] + w * ends[1, 1],
-        v * ends[0, 2] + w * ends[1, 2],
-    )
-    size = 1.0 / math.sqrt(x * x + y * y + z * z)
-    g = (
-        (v * ends[2, 0] + w * ends[3, 0]) * size,
-        (v * ends[2, 1] + w * ends[3, 1]) * size,
-        (v * ends[2, 2] + w * ends[3, 2]) * size,
-    )
-    raised = (v * ends[2, 3] + w * ends[3, 3]) * size
-    least, weakest = math.inf, -1
-    begin, end = row(corner, came), row(corner, corner_after(span, far, came))
-    for at in range(span[far, FIRST], span[far + 1, FIRST]):
-        if at == came:
-            continue
-        p, q = row(corner, at), row(corner, corner_after(span, far, at))
-        if beside(p, q, begin, end, band):
-            continue
-        wall = cross(p, q)
-        along = subtract(q, p)
-        reach = length(wall)
-        side = dot(wall, g) / reach
-        here = min(side, (raised + rise_over(p, q, g)) * length(along) / reach)
-        if here < least:
-            least, weakest = here, at
-    return least, weakest
-
-
-@njit()
-def _goes_on(
-    facet: Floats, link: Ints, kind: Ints, f: int, at: int, turned: float, budget: float
-) -> bool:
-    """Tell whether a robot that leaves facet f over an edge may come to another one."""
-    other = link[at, NEIGHBOUR]
-    if other < 0 or link[at, BACK] < 0 or kind[other] == REFUSED:
-        return False
-    return turned + angle_between(row(facet, f), row(facet, other)) <= budget
-
-
-@njit()
-def _interval(
-    primitives: Floats,
-    facet: Floats,
-    span: Ints,
-    corner: Floats,
     link: Ints,
     kind: Ints,
+    brink: Floats,
+    roll: Floats,
     f: int,
     at: int,
     limits: tuple[float, float],
-    room: tuple[Ints, Ints, Floats],
+    begin: Floats,
+    way: Floats,
+    ends: Ints,
 ) -> tuple[float, float]:
-    """Return the part of an edge beyond which the robot is caught, (1, 0) if nowhere.
+    """Return the longest part of an edge beyond which the robot is caught, (1, 0) if there is none.
 
-    Where both ends are rests and each holds what comes, that is told by what `_holds`; only beyond
-    that need each way be followed.
+    A robot that balances on a gap is caught if it comes to rest whichever way it is nudged, both
+    where the gap begins and where it ends, and the two ways do not end on one and the same rest.
     """
-    budget, band = limits
     other, back = link[at, NEIGHBOUR], link[at, BACK]
-    there, here = np.empty((4, 4)), np.empty((4, 4))
-    turn = _lay_out_roll(primitives, facet, span, corner, link, f, at, there)
-    if turn > budget:
-        return 1.0, 0.0
-    plain = kind[f] == REST and kind[other] == REST
-    inside = -1.0
-    if plain:
-        _lay_out_roll(primitives, facet, span, corner, link, other, back, here)
-        hopeless = True
-        for trial in range(len(TRIALS)):
-            part = TRIALS[trial]
-            ahead, edge = _holds(span, corner, other, back, there, band, part)
-            behind, reverse = _holds(span, corner, f, at, here, band, 1.0 - part)
-            if ahead >= 0.0 and behind >= 0.0:
-                inside = part
-                break
-            if (ahead >= 0.0 or _goes_on(facet, link, kind, other, edge, turn, budget)) and (
-                behind >= 0.0 or _goes_on(facet, link, kind, f, reverse, turn, budget)
-            ):
-                hopeless = False
-        if inside < 0.0 and hopeless:
-            return 1.0, 0.0
-    held = inside >= 0.0
-    if not held:
-        for trial in range(len(TRIALS)):
-            part = TRIALS[trial]
-            if is_caught(primitives, facet, span, corner, link, kind, f, at, part, limits, room):
-                inside = part
-                break
-        if inside < 0.0:
-            return 1.0, 0.0
-    low = high = inside
-    for end in range(2):
-        outer = END if end == 0 else 1.0 - END
-        inner, follow = inside, True
-        if held:
-            inner, follow = _held_until(
-                facet, span, corner, link, kind, f, at, there, here, turn, limits, inside, outer
-            )
-        if follow:
-            # Beyond that a third facet may take over.
-            inner = _caught_until(
-                *(primitives, facet, span, corner, link, kind, f, at, limits, room, inner, outer)
-            )
-        if end == 0:
-            low = inner
-        else:
-            high = inner
+    for t in range(4):
+        begin[t, SURE] = -1.0
+    low, high, since = 1.0, 0.0, -1.0
+    w = END
+    for _ in range(MOST_CHANGES):
+        caught, until = True, math.inf
+        for t in range(4):
+            if begin[t, MOST] == math.inf and begin[t, SURE] > w:
+                caught, until = False, max(begin[t, SURE], until if not caught else 0.0)
+        if caught:
+            for t in range(4):
+                if begin[t, SURE] <= w:
+                    away = t == 0 or t == 3
+                    way[0, FACET], way[0, CAME] = (other, back) if away else (f, at)
+                    way[0, LINE] = way[0, CAME]
+                    for c in range(8):
+                        way[0, c] = begin[t, c]
+                    put(way, 0, ROOT, (0.0, 0.0, 0.0))
+                    way[0, TURNED], way[0, UNTIL] = begin[t, 8], math.inf
+                    begin[t, MOST], begin[t, SURE] = comes_to_rest(
+                        *(primitives, facet, span, link, kind, brink, roll, w, limits),
+                        *(way, ends[ENDS + t]),
+                    )
+                if begin[t, MOST] == math.inf:
+                    caught, until = False, begin[t, SURE]
+                    break
+                until = min(until, begin[t, SURE])
+        if caught:
+            for t in range(0, 4, 2):
+                turned = begin[t, MOST] + begin[t + 1, MOST]
+                if turned > limits[0] or _comes_back(
+                    facet, ends[ENDS + t], ends[ENDS + t + 1], turned
+                ):
+                    caught = False
+                    until = min(begin[t, SURE], begin[t + 1, SURE])
+                    break
+        if caught and since < 0.0:
+            since = w - HAIR if w > END else 0.0
+        if not caught and since >= 0.0:
+            if w - HAIR - since > high - low:
+                low, high = since, w - HAIR
+            since = -1.0
+        if until + HAIR >= 1.0 - END:
+            if since >= 0.0 and 1.0 - since > high - low:
+                low, high = since, 1.0
+            return low, high
+        w = max(until, w) + HAIR
     return low, high
 
 
-@njit()
-def _inside_until(
-    span: Ints,
-    corner: Floats,
-    far: int,
-    came: int,
-    ends: Floats,
-    band: float,
-    inside: float,
-    outer: float,
-) -> tuple[float, int]:
-    """Return up to where gravity lies inside a rest that the robot has rolled onto, and whose edge.
+@njit(bare=True)
+def _comes_back(facet: Floats, some: Ints, others: Ints, turned: float) -> bool:
+    """Tell whether both ways end on what is one rest, though they turn the robot by some angle.
 
-    From `inside`, where it does, towards `outer`; gravity inside an edge is linear in the place.
+    Noise makes one rest two, all but parallel.  Two rests that are joined by a turn as small as the
+    angle between them are two, however near.
     """
-    place, weakest = outer, -1
-    begin, end = row(corner, came), row(corner, corner_after(span, far, came))
-    for at in range(span[far, FIRST], span[far + 1, FIRST]):
-        p, q = row(corner, at), row(corner, corner_after(span, far, at))
-        wall = cross(p, q)
-        a = wall[0] * ends[2, 0] + wall[1] * ends[2, 1] + wall[2] * ends[2, 2]
-        b = wall[0] * ends[3, 0] + wall[1] * ends[3, 1] + wall[2] * ends[3, 2]
-        if (1.0 - place) * a + place * b < 0.0 and not beside(p, q, begin, end, band):
-            there = a / (a - b)
-            if abs(there - inside) < abs(place - inside):
-                place, weakest = there, at
-    return place, weakest
-
-
-@njit()
-def _held_until(
-    facet: Floats,
-    span: Ints,
-    corner: Floats,
-    link: Ints,
-    kind: Ints,
-    f: int,
-    at: int,
-    there: Floats,
-    here: Floats,
-    turn: float,
-    limits: tuple[float, float],
-    inside: float,
-    outer: float,
-) -> tuple[float, bool]:
-    """Return up to where both rests hold, and whether what lies beyond may lead to a third."""
-    budget, band = limits
-    other, back = link[at, NEIGHBOUR], link[at, BACK]
-    low, edge = _inside_until(span, corner, other, back, there, band, inside, outer)
-    place, reverse = _inside_until(span, corner, f, at, here, band, 1.0 - inside, 1.0 - low)
-    if reverse >= 0:
-        low, edge = 1.0 - place, -1
-    # A hair inside, so that what limits gravity does not count as what limits the energy.
-    low += 1e-9 * (inside - low)
-    ahead, weak = _holds(span, corner, other, back, there, band, low)
-    behind, weak_behind = _holds(span, corner, f, at, here, band, 1.0 - low)
-    if min(ahead, behind) < 0.0:
-        good = min(
-            _holds(span, corner, other, back, there, band, inside)[0],
-            _holds(span, corner, f, at, here, band, 1.0 - inside)[0],
-        )
-        bad, high, side = min(ahead, behind), low, 0
-        low = inside
-        for _ in range(60):
-            if abs(high - low) < 1e-12 or good < 1e-13:
-                break
-            part = low + good * (high - low) / (good - bad)
-            ahead, weak = _holds(span, corner, other, back, there, band, part)
-            behind, weak_behind = _holds(span, corner, f, at, here, band, 1.0 - part)
-            value = min(ahead, behind)
-            # Illinois: an end that stays counts half.
-            if value >= 0.0:
-                low, good = part, value
-                if side == 1:
-                    bad *= 0.5
-                side = 1
-            else:
-                high, bad = part, value
-                if side == -1:
-                    good *= 0.5
-                side = -1
-        edge, reverse = (weak, -1) if ahead < behind else (-1, weak_behind)
-    elif edge < 0 and reverse < 0:
-        return (0.0 if outer < 0.5 else 1.0), False
-    return low, (
-        _goes_on(facet, link, kind, other, edge, turn, budget)
-        if edge >= 0
-        else _goes_on(facet, link, kind, f, reverse, turn, budget)
-    )
-
-
-@njit()
-def _caught_until(
-    primitives: Floats,
-    facet: Floats,
-    span: Ints,
-    corner: Floats,
-    link: Ints,
-    kind: Ints,
-    f: int,
-    at: int,
-    limits: tuple[float, float],
-    room: tuple[Ints, Ints, Floats],
-    inner: float,
-    outer: float,
-) -> float:
-    """Return up to where, from `inner` towards `outer`, the robot is caught at every place."""
-    way = 1.0 if outer > inner else -1.0
-    if not is_caught(
-        *(primitives, facet, span, corner, link, kind, f, at),
-        *(inner + 1e-6 * (outer - inner), limits, room),
-    ):
-        return inner
-    beyond = inner
-    while True:
-        beyond = beyond + way * STRIDE
-        beyond = max(beyond, outer) if way < 0.0 else min(beyond, outer)
-        if not is_caught(primitives, facet, span, corner, link, kind, f, at, beyond, limits, room):
-            break
-        inner = beyond
-        if beyond == outer:
-            return 0.0 if way < 0.0 else 1.0
-    for _ in range(HALVINGS):
-        part = 0.5 * (inner + beyond)
-        if is_caught(primitives, facet, span, corner, link, kind, f, at, part, limits, room):
-            inner = part
-        else:
-            beyond = part
-    return inner
+    for a in range(1, some[0] + 1):
+        for b in range(1, others[0] + 1):
+            apart = angle_between(row(facet, some[a]), row(facet, others[b]))
+            if some[a] == others[b] or (apart < ONE_REST and turned > apart + ONE_REST):
+                return True
+    return False

@@ -40,7 +40,7 @@ SAME_NORMAL = 1.0 - 1e-10
 ROUNDING, CLEAR = 1e-13, 1e-8
 
 
-@njit()
+@njit(bare=True)
 def add_facet(
     count: Ints,
     facet: Floats,
@@ -101,7 +101,7 @@ def add_facet(
     return int(new)
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def _first_touched(
     primitives: Floats,
     normal: Vector,
@@ -132,7 +132,7 @@ def _first_touched(
     return best
 
 
-@njit()
+@njit(bare=True)
 def _roll(
     count: Ints,
     facet: Floats,
@@ -159,7 +159,7 @@ def _roll(
     return _enter_plane(count, facet, span, corner, link, owner, primitives, q, p, k, size)
 
 
-@njit()
+@njit(bare=True)
 def _enter_plane(
     count: Ints,
     facet: Floats,
@@ -194,7 +194,7 @@ def _enter_plane(
     )
 
 
-@njit()
+@njit(bare=True)
 def _turn_onto(
     primitives: Floats,
     normal: Vector,
@@ -211,7 +211,7 @@ def _turn_onto(
     return _first_touched(primitives, normal, base, scale(outward, -1.0), i, j, tolerance), -1.0
 
 
-@njit()
+@njit(bare=True)
 def _seed(
     count: Ints,
     facet: Floats,
@@ -249,7 +249,7 @@ def _seed(
     _enter_plane(count, facet, span, corner, link, owner, primitives, p, q, k, size)
 
 
-@njit()
+@njit(bare=True)
 def find_point_facets(
     table: FacetTable, primitives: NDArray[np.float64], lowest_up: float, size: float
 ) -> None:
@@ -272,7 +272,8 @@ def find_point_facets(
     n = primitives.shape[0]
     count[FOUND] = count[OVERFLOW] = count[DOUBT] = 0
     span[0, FIRST] = 0
-    owner = np.full((n, n), OUTSIDE, np.int64)
+    owner = table.work.owner
+    owner[:] = OUTSIDE
     _seed(count, facet, span, corner, link, owner, primitives, size)
     if count[FOUND] == 0:
         return

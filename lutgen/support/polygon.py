@@ -6,20 +6,18 @@ robot, that is looking against the plane's outward normal.
 
 import math
 
-import numpy as np
-
 from lutgen.jit import njit
 from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, subtract
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def _swap(points: Floats, labels: Ints, a: int, b: int) -> None:
     for c in range(3):
         points[a, c], points[b, c] = points[b, c], points[a, c]
     labels[a, 0], labels[b, 0] = labels[b, 0], labels[a, 0]
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def _reverse(points: Floats, labels: Ints, begin: int, end: int) -> None:
     end -= 1
     while begin < end:
@@ -28,7 +26,7 @@ def _reverse(points: Floats, labels: Ints, begin: int, end: int) -> None:
         end -= 1
 
 
-@njit()
+@njit(bare=True)
 def convex_polygon(
     points: Floats, labels: Ints, begin: int, count: int, normal: Vector, tolerance: float
 ) -> int:
@@ -85,7 +83,7 @@ def convex_polygon(
     return corners if corners >= 3 else 0
 
 
-@njit()
+@njit(bare=True)
 def _wrap(
     points: Floats, labels: Ints, begin: int, end: int, normal: Vector, tolerance: float
 ) -> int:
@@ -125,8 +123,8 @@ def _wrap(
     return last
 
 
-@njit()
-def outline(flat: Floats, count: int, order: Ints) -> int:
+@njit(bare=True)
+def outline(flat: Floats, count: int, order: Ints, rank: Ints) -> int:
     """Find the corners of the convex polygon of points in a plane; return their number.
 
     Parameters
@@ -137,6 +135,8 @@ def outline(flat: Floats, count: int, order: Ints) -> int:
         How many points.
     order : (2 k + 1,) int64
         Receives the rows of the corners, counter-clockwise, from the lowest row on.
+    rank : (k,) int64
+        Overwritten.
 
     Returns
     -------
@@ -148,7 +148,6 @@ def outline(flat: Floats, count: int, order: Ints) -> int:
     Andrew's monotone chain.  It knows no tolerance: of points that are collinear but for rounding
     some may be corners, which alters neither area, centroid nor width by more than rounding.
     """
-    rank = np.empty(count, np.int64)
     for i in range(count):
         at = i
         while at > 0:
@@ -186,7 +185,7 @@ def outline(flat: Floats, count: int, order: Ints) -> int:
     return corners
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def area_centroid(points: Floats, begin: int, end: int) -> Vector:
     """Return the area centroid of the convex polygon points[begin:end] (Eqs 22 to 26, in 3-D).
 

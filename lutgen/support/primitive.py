@@ -33,7 +33,7 @@ def pack(
     return rows
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def _axle(primitives: Floats, index: int) -> Vector:
     return primitives[index, 3], primitives[index, 4], primitives[index, 5]
 
@@ -42,7 +42,7 @@ def _axle(primitives: Floats, index: int) -> Vector:
 # a branch its references are counted, which took half the time of a search.
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def _height(centre: Vector, axle: Vector, radius: float, kind: float, normal: Vector) -> float:
     value: float = dot(centre, normal)
     if kind == SPHERE:
@@ -53,7 +53,7 @@ def _height(centre: Vector, axle: Vector, radius: float, kind: float, normal: Ve
     return value
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def _contact(centre: Vector, axle: Vector, radius: float, kind: float, normal: Vector) -> Vector:
     x, y, z = centre
     if kind == SPHERE:
@@ -68,7 +68,7 @@ def _contact(centre: Vector, axle: Vector, radius: float, kind: float, normal: V
     return centre
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def support_height(primitives: Floats, index: int, normal: Vector) -> float:
     """Return the support function: how far primitive `index` extends along a unit `normal`."""
     radius, kind = primitives[index, RADIUS], primitives[index, KIND]
@@ -76,7 +76,7 @@ def support_height(primitives: Floats, index: int, normal: Vector) -> float:
     return height
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def support_contact(primitives: Floats, index: int, normal: Vector) -> Vector:
     """Return the point of primitive `index` that extends furthest along a unit `normal`.
 

@@ -36,14 +36,14 @@ from lutgen.vector import Floats, Ints, Vector, cross, length
 # Axes this parallel (rad) are parallel: what is left of the sines and cosines of a joint.
 PARALLEL = 1e-14
 # Parts of the robot's size.  Primitives whose y differs by less lie on one rail; and an inner rail
-# counts as this much higher than it is, so that wheels on one straight axle have one order on the
-# hull at every pitch instead of that of their rounding.
+# counts as at most this much higher than it is, the more the nearer to the middle, so that wheels
+# on one straight axle have one order on the hull at every pitch instead of that of their rounding.
 ONE_RAIL = 1e-12
 RECESS = 1e-12
 NEVER = 2.0
 
 
-@njit(exact=True)
+@njit(exact=True, bare=True)
 def common_axis(primitives: Floats) -> Vector:
     """Return the level unit axis that all discs share, or the zero vector.
 
@@ -68,7 +68,7 @@ def common_axis(primitives: Floats) -> Vector:
     return axis[0] / level, axis[1] / level, 0.0
 
 
-@njit(inline=True, exact=True)
+@njit(inline=True, exact=True, bare=True)
 def _crossing(x: float, z: float, q: float, u: float, way: float) -> float:
     """Return the first place from u on at which way (x sin k - z cos k + q) is above zero.
 
@@ -95,13 +95,13 @@ def _crossing(x: float, z: float, q: float, u: float, way: float) -> float:
     return grows if u < grows <= 1.0 else NEVER
 
 
-@njit(inline=True, exact=True)
+@njit(inline=True, exact=True, bare=True)
 def _level(place: Floats, i: int, sine: float, cosine: float) -> float:
     level: float = place[i, 0] * sine - place[i, 2] * cosine + place[i, 3]
     return level
 
 
-@njit(exact=True)
+@njit(exact=True, bare=True)
 def _next_bend(
     place: Floats, rail: Ints, order: Ints, k: int, i: int, u: float
 ) -> tuple[float, int]:
@@ -124,14 +124,14 @@ def _next_bend(
     return first, best
 
 
-@njit(inline=True, exact=True)
-def _normal(frame: Floats, sine: float, cosine: float, slope: float) -> Vector:
+@njit(inline=True, exact=True, bare=True)
+def _normal(axis: Vector, sine: float, cosine: float, slope: float) -> Vector:
     size = 1.0 / math.sqrt(1.0 + slope * slope)
     s, t, c = sine * size, slope * size, cosine * size
-    return s * frame[0, 0] + t * frame[1, 0], s * frame[0, 1] + t * frame[1, 1], -c
+    return s * axis[1] + t * axis[0], t * axis[1] - s * axis[0], -c
 
 
-@njit(exact=True)
+@njit(exact=True, bare=True)
 def _lay_out(primitives: Floats, axis: Vector, place: Floats, order: Ints) -> None:
     """Fill `place` (n, 4): x, y, z, radius in the frame of the axis; sort `order` by y."""
     n = primitives.shape[0]
@@ -147,7 +147,7 @@ def _lay_out(primitives: Floats, axis: Vector, place: Floats, order: Ints) -> No
         order[at] = i
 
 
-@njit(exact=True)
+@njit(exact=True, bare=True)
 def _make_rails(place: Floats, order: Ints, size: float, rail: Ints, across: Floats) -> int:
     """Fill where each rail begins in `order` and its y; return the number of rails."""
     rails = 0
@@ -159,12 +159,15 @@ def _make_rails(place: Floats, order: Ints, size: float, rail: Ints, across: Flo
             rails += 1
     rail[rails] = order.shape[0]
     for k in range(1, rails - 1):
+        # Most in the middle: of any three rails the middle one is the deepest.
+        recess = (across[k] - across[0]) * (across[rails - 1] - across[k])
+        recess *= 4.0 / (across[rails - 1] - across[0]) ** 2
         for at in range(rail[k], rail[k + 1]):
-            place[order[at], 3] -= RECESS * size
+            place[order[at], 3] -= recess * RECESS * size
     return rails
 
 
-@njit(exact=True)
+@njit(exact=True, bare=True)
 def _begin(
     place: Floats, rail: Ints, order: Ints, rails: int, across: Floats, disc: Ints, on: Ints
 ) -> None:
@@ -198,7 +201,7 @@ def _begin(
             on[b] = 0
 
 
-@njit(inline=True, exact=True)
+@njit(inline=True, exact=True, bare=True)
 def _before(on: Ints, k: int) -> int:
     """Return the rail before k on the hull, or -1."""
     k -= 1
@@ -207,7 +210,7 @@ def _before(on: Ints, k: int) -> int:
     return k
 
 
-@njit(inline=True, exact=True)
+@njit(inline=True, exact=True, bare=True)
 def _after(on: Ints, rails: int, k: int) -> int:
     """Return the rail after k on the hull, or -1."""
     k += 1
@@ -216,7 +219,7 @@ def _after(on: Ints, rails: int, k: int) -> int:
     return k if k < rails else -1
 
 
-@njit(exact=True)
+@njit(exact=True, bare=True)
 def _turns(
     place: Floats, across: Floats, disc: Ints, on: Ints, rails: int, k: int, u: float
 ) -> float:
@@ -230,19 +233,19 @@ def _turns(
     return float(_crossing(x, z, q, u, -1.0 if on[k] == 1 else 1.0))
 
 
-@njit(inline=True, exact=True)
+@njit(inline=True, exact=True, bare=True)
 def _end_arc(link: Ints, own: Ints, a: int, f: int, at: int) -> None:
     """Join the edge of facet f at corner `at` to where the arc of rail a and the next one began."""
     if own[a, 0] >= 0:
         join(link, own[a, 0], own[a, 1], f, at)
 
 
-@njit(inline=True, exact=True)
+@njit(inline=True, exact=True, bare=True)
 def _begin_arc(own: Ints, a: int, f: int, at: int) -> None:
     own[a, 0], own[a, 1] = f, at
 
 
-@njit(exact=True)
+@njit(exact=True, bare=True)
 def find_rail_facets(table: FacetTable, primitives: NDArray[np.float64], size: float) -> bool:
     """Fill `table` with the support facets of discs on parallel axes.
 
@@ -268,16 +271,17 @@ def find_rail_facets(table: FacetTable, primitives: NDArray[np.float64], size: f
     if axis[0] == 0.0 and axis[1] == 0.0:
         return False
     n = primitives.shape[0]
-    frame = np.empty((2, 2))
-    frame[0, 0], frame[0, 1], frame[1, 0], frame[1, 1] = axis[1], -axis[0], axis[0], axis[1]
-    place, across, order = np.empty((n, 4)), np.empty(n), np.empty(n, np.int64)
-    rail = np.empty(n + 1, np.int64)
+    work = table.work
+    counts = work.counts
+    place, across, own = work.place, work.across[0], work.own
+    order, rail = counts[0, :n], counts[1]
     _lay_out(primitives, axis, place, order)
     rails = _make_rails(place, order, size, rail, across)
-    disc, on, goes_to = np.empty(n, np.int64), np.empty(n, np.int64), np.empty(n, np.int64)
-    bend, own = np.empty(n), np.full((n, 2), OUTSIDE, np.int64)
+    disc, on, goes_to = counts[2], counts[3], counts[4]
+    bend = work.across[1]
     # Where each rail entered or left the hull last, which it does not undo at the same pitch.
-    changed = np.full(n, -NEVER)
+    changed = work.across[2]
+    own[:], changed[:] = OUTSIDE, -NEVER
     _begin(place, rail, order, rails, across, disc, on)
     u = -1.0
     for k in range(rails):
@@ -308,7 +312,7 @@ def find_rail_facets(table: FacetTable, primitives: NDArray[np.float64], size: f
             f = g = OUTSIDE
             if a >= 0:
                 slope = (_level(place, disc[a], sine, cosine) - level) / (across[k] - across[a])
-                normal = _normal(frame, sine, cosine, slope)
+                normal = _normal(axis, sine, cosine, slope)
                 three = (disc[a], d, e)
                 f = add_triangle(count, facet, span, corner, link, primitives, normal, three)
                 if f < 0:
@@ -318,7 +322,7 @@ def find_rail_facets(table: FacetTable, primitives: NDArray[np.float64], size: f
                 _begin_arc(own, a, f, at + 2)
             if b >= 0:
                 slope = (level - _level(place, disc[b], sine, cosine)) / (across[b] - across[k])
-                normal = _normal(frame, sine, cosine, slope)
+                normal = _normal(axis, sine, cosine, slope)
                 three = (disc[b], e, d)
                 g = add_triangle(count, facet, span, corner, link, primitives, normal, three)
                 if g < 0:
@@ -331,7 +335,7 @@ def find_rail_facets(table: FacetTable, primitives: NDArray[np.float64], size: f
             continue
         i, j = disc[a], disc[b]
         left, right = _level(place, i, sine, cosine), _level(place, j, sine, cosine)
-        normal = _normal(frame, sine, cosine, (left - right) / (across[b] - across[a]))
+        normal = _normal(axis, sine, cosine, (left - right) / (across[b] - across[a]))
         three = (i, d, j) if on[k] == 1 else (i, j, d)
         f = add_triangle(count, facet, span, corner, link, primitives, normal, three)
         if f < 0:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.jit import njit
-from lutgen.support.table import FIRST, MOST_CORNERS, MOST_FACETS
+from lutgen.support.table import FIRST, MOST_CORNERS, MOST_FACETS, vector_at
 from lutgen.vector import Floats, Ints, Vector, dot
 
 # Kinds of facet edge.  SHARED: beyond it another rest begins at once.  TIP: any other.
@@ -114,13 +114,7 @@ def acceptance(
     )
 
 
-@njit(inline=True)
-def vector_at(array: Floats, index: int, column: int) -> Vector:
-    """Return the three components that begin in a column of a packed row."""
-    return array[index, column], array[index, column + 1], array[index, column + 2]
-
-
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def supporting_facet(facet: Floats, facets: int, g: Vector) -> int:
     """Return the accepted facet whose plane the ray along g pierces first, or -1.
 
@@ -137,7 +131,7 @@ def supporting_facet(facet: Floats, facets: int, g: Vector) -> int:
     return best
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def _inside(span: Ints, edge: Floats, link: Ints, k: int, g: Vector) -> bool:
     """Tell whether g lies in the cone of facet k."""
     for e in range(span[k, FIRST], span[k + 1, FIRST]):
@@ -147,7 +141,7 @@ def _inside(span: Ints, edge: Floats, link: Ints, k: int, g: Vector) -> bool:
     return True
 
 
-@njit()
+@njit(bare=True)
 def _in_tile(tile: Ints, wall: Floats, tiles: int, g: Vector) -> bool:
     """Tell whether g lies in any tile."""
     for t in range(tiles):
@@ -161,7 +155,7 @@ def _in_tile(tile: Ints, wall: Floats, tiles: int, g: Vector) -> bool:
     return False
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def status_of(region: Region, k: int, g: Vector) -> int:
     """Return STANDS, ROCKS or TIPS for direction g, whose supporting facet is k."""
     if k < 0:
@@ -171,7 +165,7 @@ def status_of(region: Region, k: int, g: Vector) -> int:
     )
 
 
-@njit()
+@njit(bare=True)
 def _status(
     tally: Ints, span: Ints, edge: Floats, link: Ints, tile: Ints, wall: Floats, k: int, g: Vector
 ) -> int:

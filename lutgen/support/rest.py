@@ -6,18 +6,16 @@ plane, so four wheels whose positions are off by a little make up one rectangle.
 
 import math
 
-import numpy as np
-
 from lutgen.jit import njit
 from lutgen.support.catch import REFUSED, REST, STAGE
 from lutgen.support.polygon import area_centroid, outline
 from lutgen.support.primitive import support_contact, support_height
 from lutgen.support.region import Acceptance
-from lutgen.support.table import FIRST, MASK, RELATIVE_TOLERANCE, put
+from lutgen.support.table import FIRST, MASK, RELATIVE_TOLERANCE, Workspace, put
 from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, scale, subtract, unit
 
 
-@njit()
+@njit(bare=True)
 def polygon_width(points: Floats, begin: int, end: int, normal: Vector) -> float:
     """Return the least width of a convex polygon of rows [begin, end) in any direction (length)."""
     least = math.inf
@@ -33,13 +31,13 @@ def polygon_width(points: Floats, begin: int, end: int, normal: Vector) -> float
     return least if least < math.inf else 0.0
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def is_accepted(facet: Floats, f: int, acceptance: Acceptance) -> bool:
     """Tell whether the com is above a facet and the facet below the body."""
     return bool(facet[f, 3] > acceptance.least_height and -facet[f, 2] > acceptance.steepest)
 
 
-@njit()
+@njit(bare=True)
 def find_rests(
     primitives: Floats,
     facets: int,
@@ -50,11 +48,12 @@ def find_rests(
     size: float,
     kind: Ints,
     centroid: Floats,
+    work: Workspace,
 ) -> None:
     """Fill `kind` (F,), and of accepted facets `centroid` (F, 3) and the touching bits."""
     n = primitives.shape[0]
-    points, polygon, flat = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 2))
-    order = np.empty(2 * n + 2, np.int64)
+    points, polygon, flat = work.points, work.polygon, work.flat
+    order, rank = work.counts[2], work.counts[3]
     near = max(acceptance.contact_tolerance, RELATIVE_TOLERANCE * size)
     for f in range(facets):
         kind[f] = REFUSED
@@ -76,7 +75,7 @@ def find_rests(
                 touching += 1
                 mask |= 1 << i
         span[f, MASK] = mask
-        corners = min(outline(flat, touching, order), n)
+        corners = min(outline(flat, touching, order, rank), n)
         for c in range(corners):
             put(polygon, c, 0, row(points, order[c]))
         width = polygon_width(polygon, 0, corners, normal) if corners >= 3 else 0.0

@@ -22,7 +22,6 @@ from lutgen.support.region import (
     SEGMENTS,
     SOURCE,
     Region,
-    vector_at,
 )
 from lutgen.support.table import (
     FIRST,
@@ -32,6 +31,7 @@ from lutgen.support.table import (
     FacetTable,
     corner_after,
     put,
+    vector_at,
 )
 from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, scale, subtract, unit
 
@@ -82,14 +82,14 @@ def empty_ridges(primitives: int, labels: int) -> Ridges:
     )
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def has_ridges(tally: Ints) -> bool:
     """Tell whether a robot can roll to another facet before it tips over."""
     more: bool = (tally[FACETS] > 1) & (tally[SEGMENTS] > 0)
     return more
 
 
-@njit()
+@njit(bare=True)
 def _enter(
     primitives: Floats,
     i: int,
@@ -151,7 +151,7 @@ def _enter(
     put(ridge, e, RISE, rise)
 
 
-@njit()
+@njit(bare=True)
 def find_ridges(ridges: Ridges, table: FacetTable, region: Region, primitives: Floats) -> None:
     """Fill `ridges` from one posture's facets and region.
 
@@ -192,7 +192,7 @@ def find_ridges(ridges: Ridges, table: FacetTable, region: Region, primitives: F
             _enter(primitives, i, j, begin, end, moves, e, ridge, ridges.arc)
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def _place_at_top(ridge: Floats, e: int, slant: float, flat: float) -> float:
     """Return over which part of edge e the com is when it is above its line.
 
@@ -202,7 +202,7 @@ def _place_at_top(ridge: Floats, e: int, slant: float, flat: float) -> float:
     return float(min(max(place, 0.0), 1.0))
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def _highest(arc: Floats, e: int, g: Vector) -> float:
     """Return how far the com rises along an arc at most, by cubics between its places."""
     most = a = slope = before = 0.0
@@ -222,7 +222,7 @@ def _highest(arc: Floats, e: int, g: Vector) -> float:
     return most
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def roll_over(
     ridge: Floats, beyond: Ints, arc: Floats, e: int, g: Vector
 ) -> tuple[int, float, float, Vector]:

@@ -39,14 +39,17 @@ from lutgen.vector import Floats, Vector, cross, dot, length, row, scale, subtra
 # Part of the size by which primitives are made larger.
 GROWN = 1e-10
 ATTEMPTS = 4
-# Part of the size to which heights are right, a thousandth of what tells primitives apart.
-LEVEL = 1e-14
 NEWTON_STEPS = 24
+# How far (n_z) above the highest wanted normal facets are still rolled on from: they join pieces of
+# the complex whose wanted facets are not joined by wanted ones.
+BEYOND = 0.2
+# Steps of the relaxation that looks for a plane on which a primitive is lowest.
+RELAXATIONS = 24
 # Normals nearer than this (rad) with the same three primitives are one facet.
 SAME = 1e-7
 
 
-@njit()
+@njit(bare=True)
 def common_normal(
     primitives: Floats, i: int, j: int, k: int, start: Vector, reach_of_search: float, size: float
 ) -> tuple[bool, Vector]:
@@ -77,7 +80,7 @@ def common_normal(
     return False, normal
 
 
-@njit()
+@njit(bare=True)
 def _enter(
     table: FacetTable,
     solved: Floats,
@@ -115,7 +118,7 @@ def _enter(
     return f
 
 
-@njit()
+@njit(bare=True)
 def _seed(
     table: FacetTable,
     solved: Floats,
@@ -129,7 +132,6 @@ def _seed(
 
     Tells whether there is one that is wanted.
     """
-    level = LEVEL * size
     i = 0
     for m in range(1, grown.shape[0]):
         if excess(grown, m, i, normal) > 0.0:
@@ -137,7 +139,7 @@ def _seed(
     across = (1.0, 0.0, 0.0) if abs(normal[0]) < 0.7 else (0.0, 1.0, 0.0)
     along = unit(subtract(across, scale(normal, dot(across, normal))))
     for _ in range(4):
-        j, there = follow(grown, i, -1, -1, normal, along, lowest_up, level)
+        j, there = follow(grown, i, -1, -1, normal, along, lowest_up, size)
         if j >= 0:
             for turn in range(2):
                 p, q = (i, j) if turn == 0 else (j, i)
@@ -145,7 +147,7 @@ def _seed(
                 ahead = cross(arm, there)
                 if not length(ahead) > 0.0:
                     continue
-                k, onto = follow(grown, p, q, -1, there, unit(ahead), lowest_up, level)
+                k, onto = follow(grown, p, q, -1, there, unit(ahead), lowest_up, size)
                 # One way leads up where the other leads down.
                 if (
                     k >= 0
@@ -157,7 +159,30 @@ def _seed(
     return False
 
 
-@njit()
+@njit(bare=True)
+def _lowered(primitives: Floats, m: int) -> tuple[int, Vector]:
+    """Turn a plane until primitive m is lowest; return which one is, and the normal.
+
+    Relaxation (Agmon; Motzkin and Schoenberg 1954): turn it past where the two are equally low.
+    """
+    normal = unit(row(primitives, m))
+    lowest = 0
+    for _ in range(RELAXATIONS):
+        lowest = m
+        for i in range(primitives.shape[0]):
+            if excess(primitives, i, lowest, normal) > 0.0:
+                lowest = i
+        if lowest == m:
+            break
+        apart = subtract(
+            support_contact(primitives, m, normal), support_contact(primitives, lowest, normal)
+        )
+        past = 1.5 * dot(apart, normal) / max(dot(apart, apart), 1e-300)
+        normal = unit(subtract(normal, scale(apart, past)))
+    return lowest, normal
+
+
+@njit(bare=True)
 def _roll_on(
     table: FacetTable,
     solved: Floats,
@@ -181,14 +206,14 @@ def _roll_on(
             i, j = link[at, VERTEX], link[following, VERTEX]
             third = link[corner_after(span, f, following), VERTEX]
             link[at, NEIGHBOUR] = OUTSIDE
-            if normal[2] > lowest_up:
+            if normal[2] > lowest_up + BEYOND:
                 continue
             arm = subtract(support_contact(grown, j, normal), support_contact(grown, i, normal))
             ahead = cross(arm, normal)
             if not length(ahead) > 0.0:
                 agreed = False
                 continue
-            m, onto = follow(grown, i, j, third, normal, unit(ahead), lowest_up, LEVEL * size)
+            m, onto = follow(grown, i, j, third, normal, unit(ahead), lowest_up, size)
             if m < 0:
                 continue
             other = _enter(table, solved, primitives, onto, (j, i, m), size)
@@ -205,7 +230,7 @@ def _roll_on(
     return agreed
 
 
-@njit()
+@njit(bare=True)
 def find_round_facets(
     table: FacetTable, primitives: NDArray[np.float64], lowest_up: float, size: float
 ) -> None:
@@ -224,8 +249,10 @@ def find_round_facets(
     """
     n = primitives.shape[0]
     count, span, link = table.tally, table.span, table.link
-    solved = np.empty((table.facet.shape[0], 3))
-    grown = primitives.copy()
+    solved, grown = table.work.normals, table.work.grown
+    for i in range(n):
+        for c in range(primitives.shape[1]):
+            grown[i, c] = primitives[i, c]
     for attempt in range(ATTEMPTS):
         count[FOUND] = count[OVERFLOW] = 0
         span[0, FIRST] = 0
@@ -237,20 +264,16 @@ def find_round_facets(
             grown[i, RADIUS] = primitives[i, RADIUS] + GROWN * size * (own - math.floor(own))
             if primitives[i, KIND] == POINT:
                 grown[i, KIND] = SPHERE
-        agreed = True
-        for part in range(73 if lowest_up <= 0.0 else 145):
-            # From straight down on: rings of twelve normals, each 15 deg further up.
-            up = (part + 11) // 12 * 0.2617993877991494
-            way = part * 0.5235987755982988 + up
-            normal = (math.sin(up) * math.cos(way), math.sin(up) * math.sin(way), -math.cos(up))
-            lowest = 0
-            for m in range(1, n):
-                if excess(grown, m, lowest, normal) > 0.0:
-                    lowest = m
-            known = False
-            for at in range(span[count[FOUND], FIRST]):
-                known = known or link[at, VERTEX] == lowest
-            if known:
+        agreed, met, seen = True, 0, 0
+        for m in range(n):
+            # Whatever is lowest somewhere is a corner of some facet.
+            while seen < span[count[FOUND], FIRST]:
+                met |= 1 << link[seen, VERTEX]
+                seen += 1
+            if met >> m & 1:
+                continue
+            lowest, normal = _lowered(grown, m)
+            if lowest != m or normal[2] > max(lowest_up, 0.0):
                 continue
             first = count[FOUND]
             if _seed(table, solved, primitives, grown, normal, lowest_up, size):

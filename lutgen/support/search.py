@@ -14,12 +14,12 @@ from lutgen.support.primitive import KIND, POINT
 from lutgen.support.rails import find_rail_facets
 from lutgen.support.region import Acceptance, Region
 from lutgen.support.rounds import find_round_facets
-from lutgen.support.table import DOUBT, OVERFLOW, FacetTable, facet_table, robot_size
+from lutgen.support.table import DOUBT, OVERFLOW, FacetTable, robot_size
 from lutgen.support.unite import unite
 from lutgen.vector import Floats
 
 
-@njit()
+@njit(bare=True)
 def find_facets(
     table: FacetTable, primitives: NDArray[np.float64], lowest_up: float, size: float
 ) -> None:
@@ -48,7 +48,7 @@ def find_facets(
         find_round_facets(table, primitives, lowest_up, size)
 
 
-@njit()
+@njit(bare=True)
 def stand(table: FacetTable, region: Region, primitives: Floats, acceptance: Acceptance) -> int:
     """Find the facets and the standing region of one posture.
 
@@ -67,7 +67,10 @@ def stand(table: FacetTable, region: Region, primitives: Floats, acceptance: Acc
         1 where the table was too small, which only spheres that overlap oddly do.
     """
     size = robot_size(primitives)
-    pieces = facet_table(primitives.shape[0])
+    work = table.work
+    pieces = FacetTable(
+        *(work.tally, work.facet, work.span, work.corner, work.link, table.held, work)
+    )
     find_facets(pieces, primitives, acceptance.lowest_up, size)
     unite(pieces, table, primitives, size)
     find_region(region, table, primitives, acceptance, size)

@@ -7,24 +7,20 @@ where both hold their common side is no boundary.
 
 import math
 
-import numpy as np
-
 from lutgen.jit import njit
 from lutgen.support.arc import angle_between, arc_normal
 from lutgen.support.gaps import HIGH, LOW
 from lutgen.support.primitive import DISC, KIND, RADIUS, support_contact
 from lutgen.support.region import Region
-from lutgen.support.table import NEIGHBOUR, VERTEX, corner_after
-from lutgen.support.tiles import MOST_LOST, MOST_PIECES, add_segment, add_strip, between
+from lutgen.support.table import CUTS, NEIGHBOUR, VERTEX, Workspace, corner_after
+from lutgen.support.tiles import MOST_LOST, add_segment, add_strip, between
 from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, subtract, unit
 
-# Cuts of one strip, at the ends of strips on the other side of a rim.
-CUTS = 8
 # Part of its distance from the com from which on a side of a strip is boundary.
 SHORTEST = 1e-5
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def _ahead(primitives: Floats, m: int, normal: Vector, reference: Vector) -> float:
     """Return how far (sine) the contact of disc m is ahead of a direction on its rim."""
     axle = (primitives[m, 3], primitives[m, 4], primitives[m, 5])
@@ -32,7 +28,7 @@ def _ahead(primitives: Floats, m: int, normal: Vector, reference: Vector) -> flo
     return float(dot(cross(reference, arm), axle) / primitives[m, RADIUS])
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def _side(primitives: Floats, m: int, opposite: int, normal: Vector) -> float:
     """Return on which side of disc m its strip with another primitive lies: -1 or 1."""
     axle = (primitives[m, 3], primitives[m, 4], primitives[m, 5])
@@ -42,7 +38,7 @@ def _side(primitives: Floats, m: int, opposite: int, normal: Vector) -> float:
     return math.copysign(1.0, dot(axle, away))
 
 
-@njit()
+@njit(bare=True)
 def _fraction_at(
     primitives: Floats, i: int, j: int, begin: Vector, end: Vector, m: int, reference: Vector
 ) -> float:
@@ -70,13 +66,13 @@ def _fraction_at(
     return part
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def _free_side(gap: Floats, at: int, end: int) -> bool:
     """Tell whether a gap reaches to the rim at this end of its edge."""
     return bool(gap[at, HIGH] == 1.0) if end == 1 else bool(gap[at, LOW] == 0.0)
 
 
-@njit()
+@njit(bare=True)
 def _covered(
     primitives: Floats,
     facet: Floats,
@@ -97,7 +93,7 @@ def _covered(
     reference = unit(subtract(support_contact(primitives, m, normal), row(primitives, m)))
     side = _side(primitives, m, opposite, normal)
     for s in range(count):
-        f, at = strips[s, 0], strips[s, 1]
+        f, at = strips[2 * s], strips[2 * s + 1]
         other = link[at, NEIGHBOUR]
         following = corner_after(span, f, at)
         i, j = link[at, VERTEX], link[following, VERTEX]
@@ -116,7 +112,7 @@ def _covered(
     return False
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def _is_long(p: Vector, q: Vector) -> bool:
     """Tell whether a side is longer than noise makes it where contacts lie inside the region.
 
@@ -126,7 +122,7 @@ def _is_long(p: Vector, q: Vector) -> bool:
     return bool(dot(apart, apart) > SHORTEST * SHORTEST * dot(p, p))
 
 
-@njit()
+@njit(bare=True)
 def add_strips(
     primitives: Floats,
     facet: Floats,
@@ -138,20 +134,21 @@ def add_strips(
     rock_angle: float,
     size: float,
     region: Region,
+    work: Workspace,
 ) -> None:
     """Append the tiles of all gaps, and those sides of them beyond which nothing holds."""
     tally, segment, contacts = region.tally, region.segment, region.contacts
     tile, wall = region.tile, region.wall
-    outline, cut = np.empty((MOST_PIECES + 2, 6)), np.empty(CUTS + 2)
+    outline, cut = work.side, work.begin[0]
     for s in range(count):
-        f, at = strips[s, 0], strips[s, 1]
+        f, at = strips[2 * s], strips[2 * s + 1]
         other = link[at, NEIGHBOUR]
         i, j = link[at, VERTEX], link[corner_after(span, f, at), VERTEX]
         begin, end = row(facet, f), row(facet, other)
         low, high = gap[at, LOW], gap[at, HIGH]
         cuts = 0
         for t in range(count):
-            g, edge = strips[t, 0], strips[t, 1]
+            g, edge = strips[2 * t], strips[2 * t + 1]
             pair = (link[edge, VERTEX], link[corner_after(span, g, edge), VERTEX])
             for m in (i, j):
                 if t == s or m not in pair or primitives[m, KIND] != DISC:

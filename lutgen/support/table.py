@@ -32,6 +32,39 @@ FIRST, MASK, PLACE = 0, 1, 2
 FOUND, OVERFLOW, DOUBT = 0, 1, 2
 
 
+# Ways that one roll may branch into; pieces and cuts of a strip, see `catch` and `strips`.
+WAYS, MOST_PIECES, CUTS = 32, 12, 8
+
+
+class Workspace(NamedTuple):
+    """Arrays that the steps of one posture work in; nobody finds there what another one left.
+
+    `tally` to `link` are a table of their own, for the complex before short arcs are united.
+    `counts` (8, E) serves whoever counts or lists; the others are named where they are used.
+    """
+
+    tally: NDArray[np.int64]
+    facet: NDArray[np.float64]
+    span: NDArray[np.int64]
+    corner: NDArray[np.float64]
+    link: NDArray[np.int64]
+    counts: NDArray[np.int64]
+    owner: NDArray[np.int64]
+    place: NDArray[np.float64]
+    across: NDArray[np.float64]
+    own: NDArray[np.int64]
+    grown: NDArray[np.float64]
+    normals: NDArray[np.float64]
+    points: NDArray[np.float64]
+    polygon: NDArray[np.float64]
+    flat: NDArray[np.float64]
+    brink: NDArray[np.float64]
+    roll: NDArray[np.float64]
+    way: NDArray[np.float64]
+    begin: NDArray[np.float64]
+    side: NDArray[np.float64]
+
+
 class FacetTable(NamedTuple):
     """Facets of one posture as flat arrays, reused from posture to posture.
 
@@ -42,6 +75,7 @@ class FacetTable(NamedTuple):
     from outside: `corner` (E, 3) contact point; `link` (E, 3) primitive, and of the edge from this
     corner to the next the facet beyond it and the corner there at which it begins, or `OUTSIDE`;
     `held` (E, 2) from which part of that edge to which the robot is caught beyond, 1 and 0 if not.
+    `work` is room for the steps that fill it.
     """
 
     tally: NDArray[np.int64]
@@ -50,12 +84,36 @@ class FacetTable(NamedTuple):
     corner: NDArray[np.float64]
     link: NDArray[np.int64]
     held: NDArray[np.float64]
+    work: Workspace
 
 
 @njit()
 def facet_table(primitives: int) -> FacetTable:
     """Return an empty table large enough for `primitives` contact primitives."""
     facets, corners = MOST_FACETS * primitives, MOST_CORNERS * primitives
+    n = primitives
+    work = Workspace(
+        np.zeros(3, np.int64),
+        np.empty((facets, 4)),
+        np.zeros((facets + 1, 3), np.int64),
+        np.empty((corners, 3)),
+        np.empty((corners, 3), np.int64),
+        np.empty((8, corners), np.int64),
+        np.empty((n, n), np.int64),
+        np.empty((n, 4)),
+        np.empty((3, n)),
+        np.empty((n, 2), np.int64),
+        np.empty((n, 8)),
+        np.empty((facets, 3)),
+        np.empty((n, 3)),
+        np.empty((n, 3)),
+        np.empty((n, 2)),
+        np.empty((corners, 13)),
+        np.empty((corners, 13)),
+        np.empty((WAYS, 16)),
+        np.empty((4, 11)),
+        np.empty((MOST_PIECES + CUTS, 6)),
+    )
     return FacetTable(
         np.zeros(3, np.int64),
         np.empty((facets, 4)),
@@ -63,10 +121,11 @@ def facet_table(primitives: int) -> FacetTable:
         np.empty((corners, 3)),
         np.empty((corners, 3), np.int64),
         np.empty((corners, 2)),
+        work,
     )
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def robot_size(primitives: Floats) -> float:
     """Return the largest distance from the first primitive to any other, radii included."""
     size = 0.0
@@ -78,13 +137,13 @@ def robot_size(primitives: Floats) -> float:
     return size
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def corner_after(span: Ints, f: int, at: int) -> int:
     """Return the next corner of facet f, counter-clockwise."""
     return at + 1 if at + 1 < span[f + 1, FIRST] else span[f, FIRST]
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def matching_corner(span: Ints, link: Ints, f: int, at: int, other: int) -> int:
     """Return the corner of facet `other` whose edge is that of f from `at`, reversed; or -1."""
     i, j = link[at, VERTEX], link[corner_after(span, f, at), VERTEX]
@@ -96,14 +155,14 @@ def matching_corner(span: Ints, link: Ints, f: int, at: int, other: int) -> int:
     return -1
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def join(link: Ints, f: int, at: int, other: int, back: int) -> None:
     """Enter that the edges at corner `at` of f and at `back` of `other` are the two ends of one."""
     link[at, NEIGHBOUR], link[at, BACK] = other, back
     link[back, NEIGHBOUR], link[back, BACK] = f, at
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def put(array: Floats, index: int, column: int, vector: Vector) -> None:
     """Write a vector into the three columns of a row that begin at `column`."""
     array[index, column] = vector[0]
@@ -111,7 +170,13 @@ def put(array: Floats, index: int, column: int, vector: Vector) -> None:
     array[index, column + 2] = vector[2]
 
 
-@njit()
+@njit(inline=True, bare=True)
+def vector_at(array: Floats, index: int, column: int) -> Vector:
+    """Return the three components that begin in a column of a packed row."""
+    return array[index, column], array[index, column + 1], array[index, column + 2]
+
+
+@njit(bare=True)
 def add_triangle(
     count: Ints,
     facet: Floats,
@@ -148,7 +213,7 @@ def add_triangle(
     return int(new)
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def doubled_area(corner: Floats, begin: int, end: int) -> float:
     """Return twice the area of a facet's polygon."""
     total = 0.0

@@ -13,19 +13,18 @@ from lutgen.jit import njit
 from lutgen.support.arc import arc_normal
 from lutgen.support.primitive import RADIUS, support_contact
 from lutgen.support.region import SEGMENTS, SLACK, START, STOP, TILES, TIP_PLANE
-from lutgen.support.table import put
+from lutgen.support.table import MOST_PIECES, put
 from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, scale, subtract, unit
 
-# Part of the robot's size that a wall may lie within the rim, and the most pieces of a strip.
+# Part of the robot's size that a wall may lie within the rim.
 MOST_LOST = 2e-4
-MOST_PIECES = 12
 # Sine by which a direction may lie outside a wall beyond which the region goes on.
 ROUNDING = 1e-13
 # Sides shorter than this part of their distance have no direction.
 SHORT = 1e-6
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def between(p: Vector, q: Vector, part: float) -> Vector:
     """Return the point at a part of the segment from p to q; the ends come out exactly."""
     if part == 0.0:
@@ -39,7 +38,7 @@ def between(p: Vector, q: Vector, part: float) -> Vector:
     )
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def add_segment(
     tally: Ints,
     segment: Floats,
@@ -66,7 +65,7 @@ def add_segment(
         tally[SEGMENTS] = b + 1
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def add_wall(wall: Floats, w: int, p: Vector, q: Vector, inner: Vector, slack: float) -> int:
     """Append the wall through the com, p and q, a tile's edge; return the next free row.
 
@@ -83,7 +82,7 @@ def add_wall(wall: Floats, w: int, p: Vector, q: Vector, inner: Vector, slack: f
     return w + 1
 
 
-@njit()
+@njit(bare=True)
 def strip_pieces(
     primitives: Floats, i: int, j: int, begin: Vector, end: Vector, size: float
 ) -> int:
@@ -102,7 +101,7 @@ def strip_pieces(
     return min(MOST_PIECES, 1 + int(math.sqrt(furthest / (MOST_LOST * size))))
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def _beyond_rim(primitives: Floats, m: int, p: Vector, before: Vector, after: Vector) -> Vector:
     """Return where the tangents of a rim at `before` and `after` meet, beyond a point p."""
     centre = row(primitives, m)
@@ -115,7 +114,7 @@ def _beyond_rim(primitives: Floats, m: int, p: Vector, before: Vector, after: Ve
     return centre[0] + grown * arm[0], centre[1] + grown * arm[1], centre[2] + grown * arm[2]
 
 
-@njit()
+@njit(bare=True)
 def side_point(
     primitives: Floats, m: int, opposite: int, begin: Vector, here: Vector, end: Vector
 ) -> Vector:
@@ -134,7 +133,7 @@ def side_point(
     return _beyond_rim(primitives, m, p, before, after)
 
 
-@njit()
+@njit(bare=True)
 def add_strip(
     primitives: Floats,
     i: int,

@@ -7,8 +7,6 @@ is joined by such arcs, and is convex, gets one normal, that of its largest memb
 its edges are those of its members that lead to other facets, so what lies beyond each stays known.
 """
 
-import numpy as np
-
 from lutgen.jit import njit
 from lutgen.support.primitive import support_contact, support_height
 from lutgen.support.table import (
@@ -32,14 +30,14 @@ from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, subtrac
 SHORT_ARC = 1e-7
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def _root(parent: Ints, f: int) -> int:
     while parent[f] != f:
         f = parent[f]
     return f
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def _joined(facet: Floats, link: Ints, f: int, at: int) -> bool:
     """Tell whether the arc at an edge of facet f is short and known from both its ends."""
     other = link[at, NEIGHBOUR]
@@ -48,7 +46,7 @@ def _joined(facet: Floats, link: Ints, f: int, at: int) -> bool:
     return length(subtract(row(facet, f), row(facet, other))) < SHORT_ARC
 
 
-@njit()
+@njit(bare=True)
 def _groups(facets: int, facet: Floats, span: Ints, link: Ints, parent: Ints) -> int:
     """Fill `parent` with the first facet of each one's group; return how many arcs are short."""
     short = 0
@@ -65,7 +63,7 @@ def _groups(facets: int, facet: Floats, span: Ints, link: Ints, parent: Ints) ->
     return short
 
 
-@njit()
+@njit(bare=True)
 def _walk(
     span: Ints, link: Ints, parent: Ints, owner: Ints, group: int, start: int, out: Ints, begin: int
 ) -> int:
@@ -89,7 +87,7 @@ def _walk(
     return end
 
 
-@njit()
+@njit(bare=True)
 def _is_bent_in(corner: Floats, outline: Ints, normal: Vector, size: float) -> bool:
     """Tell whether a corner of an outline lies inside the line between its neighbours."""
     n = outline.shape[0]
@@ -103,7 +101,7 @@ def _is_bent_in(corner: Floats, outline: Ints, normal: Vector, size: float) -> b
     return False
 
 
-@njit()
+@njit(bare=True)
 def _outlines(
     facets: int,
     facet: Floats,
@@ -112,10 +110,10 @@ def _outlines(
     link: Ints,
     parent: Ints,
     owner: Ints,
+    outline: Ints,
     size: float,
 ) -> None:
     """Take groups apart whose outline is bent in, since a facet's cone is cut out by its edges."""
-    outline = np.empty(link.shape[0], np.int64)
     for f in range(facets):
         if parent[f] != f:
             continue
@@ -139,7 +137,7 @@ def _outlines(
             parent[f] = -1 - parent[f]
 
 
-@njit()
+@njit(bare=True)
 def _begin_at_lowest(link: Ints, outline: Ints, begin: int, end: int) -> None:
     """Turn an outline round so that it begins at the corner of its lowest primitive."""
     lowest = begin
@@ -153,7 +151,7 @@ def _begin_at_lowest(link: Ints, outline: Ints, begin: int, end: int) -> None:
         outline[end - 1] = first
 
 
-@njit()
+@njit(bare=True)
 def unite(table: FacetTable, united: FacetTable, primitives: Floats, size: float) -> None:
     """Fill `united` with the facets of `table`, those that short arcs join as one.
 
@@ -173,8 +171,9 @@ def unite(table: FacetTable, united: FacetTable, primitives: Floats, size: float
     new, bounds, points, links = united.facet, united.span, united.corner, united.link
     united.tally[FOUND], united.tally[OVERFLOW] = facets, table.tally[OVERFLOW]
     bounds[0, FIRST] = 0
-    parent = np.empty(facets, np.int64)
-    moved = np.full(span[facets, FIRST], OUTSIDE, np.int64)
+    counts, corners = united.work.counts, span[facets, FIRST]
+    parent, moved = counts[0], counts[1, :corners]
+    moved[:] = OUTSIDE
     if _groups(facets, facet, span, link, parent) == 0:
         for f in range(facets):
             put(new, f, 0, row(facet, f))
@@ -194,13 +193,11 @@ def unite(table: FacetTable, united: FacetTable, primitives: Floats, size: float
             links[to, VERTEX], links[to, NEIGHBOUR] = link[at, VERTEX], link[at, NEIGHBOUR]
             links[to, BACK] = moved[back] if back >= 0 else OUTSIDE
         return
-    corners = span[facets, FIRST]
-    owner, outline = np.empty(corners, np.int64), np.empty(corners, np.int64)
-    number = np.empty(facets, np.int64)
+    owner, outline, number = counts[2], counts[3, :corners], counts[4]
     for f in range(facets):
         for at in range(span[f, FIRST], span[f + 1, FIRST]):
             owner[at] = f
-    _outlines(facets, facet, span, corner, link, parent, owner, size)
+    _outlines(facets, facet, span, corner, link, parent, owner, outline, size)
     groups, end = 0, 0
     for f in range(facets):
         if parent[f] != f:

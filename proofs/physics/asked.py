@@ -66,8 +66,16 @@ def ask(
     return status, angle
 
 
+# The default limits: deg, and parts of the size.
+UPRIGHT, ROCK, WIDTH, NEAR = 80.0, 30.0, 0.01, 1e-4
+
+
 def limits_for(
-    size: float, upright: float = 80.0, rock: float = 30.0, width: float = 0.01, near: float = 1e-4
+    size: float,
+    upright: float = UPRIGHT,
+    rock: float = ROCK,
+    width: float = WIDTH,
+    near: float = NEAR,
 ) -> Acceptance:
     """Return the default limits of robots of a size; angles in deg, lengths in sizes."""
     return acceptance(math.radians(upright), math.radians(rock), 0.0, width * size, near * size)

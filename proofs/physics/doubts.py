@@ -9,12 +9,10 @@ from dataclasses import replace
 
 from lutgen.support import DISC, KIND, RADIUS
 from lutgen.vector import Floats
+from proofs.physics.asked import ROCK, UPRIGHT
 from proofs.physics.body import rigid_body
 from proofs.physics.nudged import fates
 from proofs.physics.pierced import pierced
-
-# The limits by which `asked` asks.
-UPRIGHT, ROCK_ANGLE = math.radians(80.0), math.radians(30.0)
 
 
 def let_go(robot: Floats, gravity_dir: Floats) -> tuple[int, int]:
@@ -30,7 +28,7 @@ def let_go(robot: Floats, gravity_dir: Floats) -> tuple[int, int]:
     if (robot[:, KIND] != DISC).any():
         raise ValueError("a robot in doubt is not on wheels; give it solids in proofs.physics.body")
     posture = rigid_body(robot[:, :3], robot[:, RADIUS], robot[:, 3:6])
-    posture = replace(posture, upright=UPRIGHT, rock_angle=ROCK_ANGLE)
+    posture = replace(posture, upright=math.radians(UPRIGHT), rock_angle=math.radians(ROCK))
     fell = 0
     for down, place in zip(gravity_dir, pierced(posture, gravity_dir), strict=True):
         if place is None:

@@ -28,15 +28,15 @@ PAGE, STORED = MEASURED / "steady.md", MEASURED / "steady.json"
 COUNTS = (3, 4, 5, 6, 8, 12)
 # rad; nearer to the boundary than this rounding may say either.
 CLEAR = 1e-6
-# Absolem with both rims of each flipper rolls over four rims on one axle.  Noise lets three of them
-# carry for a moment, and of so many robots in a thousand a direction then falsely tips.  In an
-# eighth of these the roll is then judged in two parts and found safe where the whole was not: one
-# and so many in a thousand, and the engine has to say that none of them falls.
-BRANCHING, PARTED = {"absolem, both rims": 40}, 6
 # From this noise on it is no longer small beside the 4 cm between two rims, or the millimetre by
-# which one wheel is larger than another: so many robots in a thousand falsely tip.
-COARSE, ROUGH = 1e-4, 16
-# So many in a thousand may be left out, being near a threshold; those that branch, twice as many.
+# which one wheel is larger than another: so many robots in a thousand falsely tip, and of those
+# whose flippers roll over four rails so many in a thousand have a direction that is falsely safe,
+# of which the engine has to say that none falls.
+COARSE, ROUGH, PARTED = 1e-4, 24, 2
+# With both rims of each flipper so many in a thousand falsely tip at any noise: where three of four
+# rims on an axle carry for a moment is rounding.
+BRANCHING = {"absolem, both rims": 2}
+# So many in a thousand may be left out, being near a threshold.
 LEFT = 10
 
 
@@ -96,12 +96,16 @@ def enlarged(robots: int, seed: int = 0) -> tuple[int, int]:
 
 
 def missed(one: Compared) -> bool:
-    """Tell whether more robots of a kind change than may: none that does not branch gets safe."""
-    tips = max(BRANCHING.get(one.kind, 0), ROUGH if one.noise >= COARSE else 0)
-    left = LEFT * (2 if one.kind in BRANCHING or one.noise >= COARSE else 1)
-    many = 1000 * one.tips > tips * one.robots or 1000 * sum(one.near) > left * one.robots
-    parted = 1000 + PARTED * one.robots if one.kind in BRANCHING else 0
-    return many or 1000 * one.safe > parted
+    """Tell whether more robots of a kind change than may; where any may, one more of a few."""
+    coarse = one.noise >= COARSE
+    rates = (
+        (one.tips, ROUGH if coarse else BRANCHING.get(one.kind, 0)),
+        (one.safe, PARTED if coarse and one.kind.startswith("absolem") else 0),
+        (sum(one.near), LEFT if coarse or one.kind in BRANCHING else 0),
+    )
+    return any(
+        1000 * found > (1000 + rate * one.robots if rate > 0 else 0) for found, rate in rates
+    )
 
 
 def write(tables: dict[str, str]) -> None:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from lutgen.support.region import TIPS, Acceptance
 from lutgen.vector import Floats
-from proofs.physics.asked import ask, limits_for
+from proofs.physics.asked import NEAR, ROCK, UPRIGHT, WIDTH, ask, limits_for
 
 # Noise moves a length by up to so many times its sigma, and an angle by as much over the width.
 FAR = 10.0
@@ -26,10 +26,10 @@ def moved(threshold: str, length: float, angle: float, size: float) -> Acceptanc
     by = math.degrees(angle)
     return limits_for(
         size,
-        upright=80.0 + (by if threshold == "upright" else 0.0),
-        rock=max(30.0 + (by if threshold == "rock_angle" else 0.0), 0.0),
-        width=max(0.01 + (length / size if threshold == "rest_width" else 0.0), 0.0),
-        near=max(1e-4 + (length / size if threshold == "contact_tolerance" else 0.0), 0.0),
+        upright=UPRIGHT + (by if threshold == "upright" else 0.0),
+        rock=max(ROCK + (by if threshold == "rock_angle" else 0.0), 0.0),
+        width=max(WIDTH + (length / size if threshold == "rest_width" else 0.0), 0.0),
+        near=max(NEAR + (length / size if threshold == "contact_tolerance" else 0.0), 0.0),
     )
 
 

@@ -178,7 +178,7 @@ def table(text: str, first: str) -> dict[str, list[str]]:
 
 
 def test_the_costs_in_the_readme_are_those_of_the_baseline_and_of_the_exports() -> None:
-    costs = table(README, "| | `contacts`")
+    costs = table(README, "| | `poly`")
     rows = baseline.load()["rows"]
     columns = [rows[name] for name in ("paper_two", "grid_4d_all_float", "grid_4d_all_integer")]
     columns.append(rows["absolem"])

@@ -121,19 +121,15 @@ def test_the_releases_over_gaps_are_in_balance_and_both_outcomes_occur() -> None
 
 
 def test_a_fall_below_the_guarantee_is_counted_with_the_lag_taken_off() -> None:
-    def row(slope: float, postures: int = ground.MANY) -> ground.Row:
-        falls = [ground.Fall((0.0,), 30.0, (30.0,), (slope,))] * postures
-        return ground.row("any", falls, 0.2)
+    def row(slope: float) -> ground.Row:
+        return ground.row("any", [ground.Fall((0.0,), 30.0, (30.0,), (slope,))], 0.2)
 
     assert row(30.2).broken == 0
-    assert row(30.0).broken == ground.MANY
+    assert row(30.0).broken == 1
     assert row(math.nan).broken == 0
     assert ground.missed([row(30.0)])
-    # A guarantee of nothing would never be broken.
+    # A guarantee of nothing would never be broken: what a robot bears beyond it is shown.
     assert row(32.3).spared == pytest.approx(2.1)
-    assert not ground.missed([row(32.1)])
-    assert ground.missed([row(32.3)])
-    assert not ground.missed([row(32.3, ground.MANY - 1)])
 
 
 def test_six_wheels_hold_and_move_as_their_brakes_do() -> None:

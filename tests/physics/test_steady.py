@@ -41,6 +41,11 @@ def test_noise_changes_no_verdict_outside_a_band_as_wide_as_itself(kind: str, no
     assert (found.safe, found.tips) == (0, 0)
 
 
+@pytest.mark.parametrize("noise", [1e-12, 1e-10, 1e-8, 1e-6, 1e-4])
+def test_four_rims_on_an_axle_with_noise_are_never_falsely_safe(noise: float) -> None:
+    assert compared("absolem, both rims", noise, robots=60, count=100, seed=5).safe == 0
+
+
 @pytest.mark.parametrize("contacts", COUNTS)
 def test_closed_form_and_rolling_agree_on_random_robots_with_parallel_axes(contacts: int) -> None:
     differ, tried = derived_twice(contacts, 250, seed=7)
@@ -71,19 +76,22 @@ def test_the_engine_lets_a_car_fall_beyond_45_deg_and_not_before() -> None:
     assert let_go(car(), np.vstack([tilted(30.0), tilted(60.0)])) == (2, 1)
 
 
-def test_what_is_falsely_safe_is_missed_and_what_branches_only_if_it_is_common() -> None:
+def test_what_is_falsely_safe_is_missed_and_what_is_rough_only_if_it_is_common() -> None:
+    def missed(kind: str, noise: float, safe: int, tips: int, near: int) -> bool:
+        return steady.missed(Compared(kind, noise, 1000, safe, tips, (near, 0, 0, 0, 0)))
+
+    assert not missed("balls", 1e-8, 0, 0, 0)
+    for safe, tips, near in ((1, 0, 0), (0, 1, 0), (0, 0, 1)):
+        assert missed("balls", 1e-8, safe, tips, near)
     branching = next(iter(BRANCHING))
-
-    def row(kind: str, safe: int, tips: int, near: int) -> Compared:
-        return Compared(kind, 1e-8, 1000, safe, tips, (near, 0, 0, 0, 0))
-
-    assert not steady.missed(row("balls", 0, 0, 10))
-    assert steady.missed(row("balls", 0, 0, 11))
-    assert steady.missed(row("balls", 1, 0, 0))
-    assert steady.missed(row("balls", 0, 1, 0))
-    assert not steady.missed(row(branching, 7, 40, 20))
-    assert steady.missed(row(branching, 8, 40, 20))
-    assert steady.missed(row(branching, 7, 41, 20))
+    assert not missed(branching, 1e-8, 0, 3, 11)
+    assert missed(branching, 1e-8, 0, 4, 11)
+    assert missed(branching, 1e-8, 1, 3, 11)
+    assert not missed(branching, 1e-3, 3, 25, 11)
+    assert missed(branching, 1e-3, 4, 25, 11)
+    assert missed("balls", 1e-3, 1, 0, 0)
+    assert missed("balls", 1e-3, 0, 26, 0)
+    assert missed("balls", 1e-3, 0, 0, 12)
 
 
 def test_the_page_shows_what_was_measured() -> None:

@@ -359,7 +359,7 @@ def test_polar_chart_names_body_tilt_and_ground_tilt_with_a_worst_heading_of_eac
             "sliding included" if name == "ground tilt" else "sliding not included"
         )
     text = words(figure)
-    assert "left side down: body 23.5\N{DEGREE SIGN}, ground 22.9\N{DEGREE SIGN}" in text
+    assert "left side down: body 23.6\N{DEGREE SIGN}, ground 22.9\N{DEGREE SIGN}" in text
     free = dataclasses.replace(robot, friction=None)
     assert words(plot.draw("polar", free, params=params)).count("sliding not included") == 2
 

@@ -434,7 +434,7 @@ def test_multistart_finds_the_global_optimum_of_a_robot_on_tracks() -> None:
     def cost(points: Floats) -> Floats:
         return goal.cost(np.radians(points))
 
-    # Established once by a mesh of 1 deg and finer ones around its minima; the test's own mesh
+    # Established once by a mesh of 2 deg and finer ones around its minima; the test's own mesh
     # of 6 deg must not find anything better.  It lies where two more contacts begin to touch, which
     # they do within contact_tolerance: while that was rounding alone, 0.047387516 could be had
     # beside it.

@@ -1,0 +1,217 @@
+"""Gaps against letting the robot go place by place, with fine steps of rolling and no algebra."""
+
+import math
+
+import numpy as np
+import pytest
+
+import lutgen
+from lutgen.channels import acceptance_of
+from lutgen.recipe import forward, radii_and_kinds
+from lutgen.support import empty_region, facet_table, pack, stand
+from lutgen.support.arc import arc_normal, enter_roll
+from lutgen.support.catch import REFUSED, REST
+from lutgen.support.primitive import support_contact
+from lutgen.support.region import Acceptance, acceptance
+from lutgen.support.rest import find_rests
+from lutgen.support.table import FIRST, NEIGHBOUR, VERTEX, FacetTable
+from lutgen.vector import Floats, Ints
+
+STEPS = 60
+
+
+def rolled(
+    primitives: Floats, i: int, j: int, begin: Floats, end: Floats, g: Floats
+) -> tuple[Floats, float, float]:
+    """Return gravity after a roll, how far the com has risen and the turn; in small steps."""
+    rise = turn = 0.0
+    here, contact = np.array(begin), np.array(support_contact(primitives, i, tuple(begin)))
+    for step in range(1, STEPS + 1):
+        there = np.array(
+            end
+            if step == STEPS
+            else arc_normal(primitives, i, j, tuple(begin), tuple(end), step / STEPS)
+        )
+        about = np.cross(here, there)
+        turned = g + np.cross(about, g) + np.cross(about, np.cross(about, g)) / (1.0 + here @ there)
+        beyond = np.array(support_contact(primitives, i, tuple(there)))
+        rise += (turned - g) @ (contact + beyond) / 2.0
+        turn += math.asin(min(float(np.sqrt(about @ about)), 1.0))
+        g, here, contact = turned, there, beyond
+    return g, rise, turn
+
+
+class LetGo:
+    """One posture, and what becomes of the robot where it is let go."""
+
+    def __init__(self, primitives: Floats, limits: Acceptance, size: float) -> None:
+        n = len(primitives)
+        self.primitives, self.limits = primitives, limits
+        self.table: FacetTable = facet_table(n)
+        stand(self.table, empty_region(n), primitives, limits)
+        facets = self.table.tally[0]
+        self.span = self.table.span[: facets + 1].copy()
+        self.kind: Ints = np.zeros(facets, np.int64)
+        find_rests(
+            *(primitives, facets, self.table.facet, self.span, self.table.corner, limits, size),
+            *(self.kind, np.empty((facets, 3)), self.table.work),
+        )
+
+    def after(self, f: int, at: int) -> int:
+        """Return the next corner of a facet."""
+        return at + 1 if at + 1 < self.span[f + 1, FIRST] else int(self.span[f, FIRST])
+
+    def edges(self) -> list[tuple[int, int]]:
+        """Edges between two accepted facets, from the one with the lower index."""
+        found = []
+        for f in np.flatnonzero(self.kind != REFUSED):
+            for at in range(self.span[f, FIRST], self.span[f + 1, FIRST]):
+                other = self.table.link[at, NEIGHBOUR]
+                if other > f and self.kind[other] != REFUSED:
+                    found.append((int(f), at))
+        return found
+
+    def roll(self, f: int, at: int, g: Floats) -> tuple[Floats, float, float]:
+        """Roll over an edge of a facet; see `rolled`."""
+        i, j = self.table.link[at, VERTEX], self.table.link[self.after(f, at), VERTEX]
+        other = self.table.link[at, NEIGHBOUR]
+        return rolled(
+            self.primitives, i, j, self.table.facet[f, :3], self.table.facet[other, :3], g
+        )
+
+    def rests_on(
+        self, f: int, came: int, g: Floats, raised: float, turned: float, depth: int = 0
+    ) -> tuple[float, set[int]]:
+        """Return the largest sum of turns of any way, infinity if one tips, and where they end."""
+        assert depth < 20
+        corner, least, ends = self.table.corner, turned, set()
+        begin, end = corner[came], corner[self.after(f, came)]
+        line = (end - begin) / np.linalg.norm(end - begin)
+        ways = []
+        for at in range(self.span[f, FIRST], self.span[f + 1, FIRST]):
+            p, q = corner[at], corner[self.after(f, at)]
+            off = max(np.linalg.norm(np.cross(one - begin, line)) for one in (p, q))
+            if at == came or (
+                off <= self.limits.rest_width / 2 and (self.kind[f] == REST or (q - p) @ line > 0)
+            ):
+                continue
+            along = (q - p) / np.linalg.norm(q - p)
+            arm = along * (p @ along) - p
+            rise = np.linalg.norm(arm) * np.linalg.norm(g - along * (along @ g)) + arm @ g
+            ways.append((rise, at, np.cross(p, q) @ g < 0.0 or raised + rise < 0.0))
+        goes = [(at, raised) for _, at, leaves in ways if leaves]
+        if not goes and self.kind[f] == REST:
+            return turned, {f}
+        if not goes and ways:
+            rise, at, _ = min(ways)
+            goes = [(at, -rise)]
+        if not goes:
+            return math.inf, ends
+        for at, from_height in goes:
+            other = self.table.link[at, NEIGHBOUR]
+            if other < 0 or self.kind[other] == REFUSED:
+                return math.inf, ends
+            seen, more, turn = self.roll(f, at, g)
+            if turned + turn > self.limits.rock_angle:
+                return math.inf, ends
+            back = int(self.table.link[at, 2])
+            sum_of_turns, rests = self.rests_on(
+                other, back, seen, from_height + more, turned + turn, depth + 1
+            )
+            least, ends = max(least, sum_of_turns), ends | rests
+        return least, ends
+
+    def caught(self, f: int, at: int, part: float) -> bool:
+        """Tell whether a balance over an edge is caught, where its gap begins and where it ends."""
+        other, back = int(self.table.link[at, NEIGHBOUR]), int(self.table.link[at, 2])
+        for near, edge, far, far_edge, w in (
+            (f, at, other, back, part),
+            (other, back, f, at, 1.0 - part),
+        ):
+            p, q = self.table.corner[edge], self.table.corner[self.after(near, edge)]
+            g = p + w * (q - p)
+            g = g / np.linalg.norm(g)
+            seen, rise, turn = self.roll(near, edge, g)
+            ahead, some = self.rests_on(far, far_edge, seen, rise, turn)
+            behind, others = self.rests_on(near, edge, g, 0.0, 0.0)
+            if ahead + behind > self.limits.rock_angle or some & others:
+                return False
+        return True
+
+
+def robots() -> list[tuple[str, LetGo]]:
+    """Postures of two gallery robots, and wheels and balls at random places."""
+    rng = np.random.default_rng(4)
+    found = []
+    for name in ("marv", "absolem"):
+        recipe = lutgen.load_recipe(f"maps/{name}.toml")
+        low = [one.minimum for one in recipe.parameters]
+        high = [one.maximum for one in recipe.parameters]
+        postures = forward(recipe, rng.uniform(low, high, (4, len(low))))
+        limits = acceptance_of(recipe)
+        for m in range(4):
+            rows = pack(postures.centres[m], postures.axes[m], *radii_and_kinds(recipe))
+            found.append((f"{name} {m}", LetGo(rows, limits, limits.rest_width / 0.01)))
+    limits = acceptance(math.radians(80), math.radians(30), 0.0, 0.01, 1e-4)
+    for m in range(12):
+        centres = rng.uniform([-1.0, -0.6, -0.5], [1.0, 0.6, -0.3], (6, 3))
+        kinds = np.full(6, 2 if m % 2 else 1)
+        axes = np.tile([0.0, 1.0, 0.0], (6, 1)) * (m % 2)
+        rows = pack(centres, axes, rng.uniform(0.05, 0.3, 6), kinds)
+        found.append((f"random {m}", LetGo(rows, limits, 1.0)))
+    return found
+
+
+@pytest.fixture(scope="module")
+def let_go() -> list[tuple[str, LetGo]]:
+    return robots()
+
+
+def test_a_balance_is_caught_in_the_gap_and_not_beside_it(let_go) -> None:
+    places = np.linspace(0.02, 0.98, 9)
+    inside = outside = 0
+    for name, robot in let_go:
+        for f, at in robot.edges():
+            low, high = robot.table.held[at]
+            for part in places:
+                # Steps of 1/60 of an arc are right to about 1e-3 of the edge.
+                if min(abs(part - low), abs(part - high)) < 5e-3:
+                    continue
+                caught = robot.caught(f, at, float(part))
+                if low < part < high:
+                    assert caught, f"{name}: facet {f}, edge {at}, place {part}, [{low}, {high}]"
+                    inside += 1
+                elif low >= high:
+                    outside += 1
+                    assert not caught, f"{name}: facet {f}, edge {at}, place {part}, no gap"
+                else:
+                    outside += not caught
+    # Neither "never caught" nor "always caught" would pass.
+    assert inside > 100
+    assert outside > 100
+
+
+def test_a_roll_is_linear_in_gravity_and_rolling_back_undoes_it(let_go) -> None:
+    rng = np.random.default_rng(1)
+    rows = np.empty((2, 13))
+    turned = 0
+    for _, robot in let_go:
+        for f, at in robot.edges():
+            other = robot.table.link[at, NEIGHBOUR]
+            i, j = robot.table.link[at, VERTEX], robot.table.link[robot.after(f, at), VERTEX]
+            begin, end = robot.table.facet[f, :3], robot.table.facet[other, :3]
+            turn = enter_roll(robot.primitives, i, j, tuple(begin), tuple(end), 0, 1, rows)
+            if turn > 0.6:
+                continue
+            turned += 1
+            matrix, rise = rows[0, :9].reshape(3, 3), rows[0, 9:12]
+            g = rng.standard_normal(3)
+            want, raised, length = rolled(robot.primitives, i, j, begin, end, g)
+            # What is said in `arc`: gravity to 1e-4 rad, a rise to 1e-4 of a radius below 1.
+            assert np.abs(matrix @ g - want).max() < 2e-4
+            assert rise @ g == pytest.approx(raised, abs=2e-4)
+            assert turn == pytest.approx(length, abs=1e-4)
+            back, sunk = rows[1, :9].reshape(3, 3), rows[1, 9:12]
+            assert np.abs(back @ (matrix @ g) - g).max() < 1e-14
+            assert sunk @ (matrix @ g) == pytest.approx(-(rise @ g), abs=1e-14)
+    assert turned > 30
