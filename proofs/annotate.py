@@ -61,6 +61,12 @@ HINTS = (
     Hint(r"length = smap_whole_root\(length\);", ("admit length > 0;",), after=True),
     Hint(r"const int32_t unit = .*", ("admit 0 <= unit <= 16383;",), after=True),
     # grid
+    Hint(r"cell->frac\[i\] = .*", ("split low;", "admit low < high;")),
+    Hint(r"cell->frac\[i\] = .*", ("merge low;",), after=True),
+    Hint(
+        r"face = smap_face\(map, along, axes\);", ("split axes[1];", "split axes[2];"), after=True
+    ),
+    Hint(r"mu = smap_grid_value\(.*", ("merge axes[1];", "merge axes[2];")),
     Hint(
         r"value = smap_between\(below\[level\], value, cell->frac\[level\]\);",
         ("admit value <= 65535;",),
