@@ -43,6 +43,8 @@ ANALYSERS: dict[str, tuple[str, tuple[str, ...], str]] = {
         r"^(\S+:\d+:\d+): misra-c2012-(\d+\.\d+)$",
     ),
 }
+# What an analyser says of a file that it gave up.
+UNREAD = {"internalAstError", "internalError", "syntaxError", "preprocessorErrorDirective"}
 
 
 def heading(name: str) -> str:
@@ -53,7 +55,8 @@ def heading(name: str) -> str:
 def count(name: str, folder: Path, patience: float) -> tuple[dict[str, int], str]:
     """Return at how many places each finding occurs, and why the analyser failed or "".
 
-    A place that several programs have counts once.
+    A place that several programs have counts once; the files that take the parts in are not the
+    runtime.
     """
     program, arguments, pattern = ANALYSERS[name]
     places: set[tuple[str, str]] = set()
@@ -65,7 +68,9 @@ def count(name: str, folder: Path, patience: float) -> tuple[dict[str, int], str
         wrong = next((line for line in done.text.splitlines() if "error:" in line), "")
         if wrong or (done.code and not found):
             return {}, wrong or f"exit code {done.code}"
-        places |= found
+        if unread := {kind for _, kind in found} & UNREAD:
+            return {}, f"{file} is not read: {', '.join(sorted(unread))}"
+        places |= {(place, kind) for place, kind in found if not place.startswith("of_")}
     return dict(Counter(kind for _, kind in places)), ""
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from lutgen.errors import InputError
 
-__all__ = ["DOCUMENT", "cells", "findings", "listed_loops", "with_counts"]
+__all__ = ["DOCUMENT", "cells", "code", "findings", "with_counts", "with_rows"]
 
 DOCUMENT = Path(__file__).resolve().parent.parent / "docs" / "measured" / "c-runtime.md"
 
@@ -33,21 +33,37 @@ def findings(text: str, heading: str) -> dict[str, int]:
     return {name: int(count) for name, count, *_ in cells(text, heading)}
 
 
-def listed_loops(text: str) -> list[tuple[str, str]]:
-    """Return function and head of every loop in the table of loops, as often as it is there."""
-    return [
-        (function, head.replace("\\|", "|"))
-        for function, head, times, *_ in cells(text, "Loops")
-        for _ in range(int(times))
-    ]
+def with_rows(text: str, heading: str, rows: list[list[str]]) -> str:
+    """Return the document with other rows in the first table below a heading."""
+    cells(text, heading)
+    head, rest = text.split(f"# {heading}\n", 1)
+    body, *tail = re.split(r"(?=^##)", rest, maxsplit=1, flags=re.M)
+    before, top, line, after = re.split(
+        r"^(\|.*\|\n)(\|[-|]+\|\n)(?:\|.*\|\n?)*", body, maxsplit=1, flags=re.M
+    )
+    lines = "".join(f"| {' | '.join(row)} |\n" for row in rows)
+    return head + f"# {heading}\n" + before + top + line + lines + after + "".join(tail)
+
+
+def code(text: str) -> str:
+    """Return C as a cell of a table."""
+    return "`" + text.replace("|", "\\|") + "`"
 
 
 def with_counts(text: str, heading: str, found: dict[str, int]) -> str:
-    """Return the document with the counts of a table replaced by those found."""
-    head, rest = text.split(f"# {heading}\n", 1)
-    body, *tail = re.split(r"(?=^##)", rest, maxsplit=1, flags=re.M)
-    for name, count in found.items():
-        body = re.sub(
-            rf"^\| `{re.escape(name)}` \| \d+ \|", f"| `{name}` | {count} |", body, flags=re.M
-        )
-    return head + f"# {heading}\n" + body + "".join(tail)
+    """Return the document with the counts of a table replaced by those found.
+
+    What is no longer found goes; what is new has no reason yet, which somebody has to write.
+    """
+    known = {row[0]: row for row in cells(text, heading)}
+    rows = [
+        [code(name), str(count), *known.get(name, ["", "", ""])[2:]]
+        for name, count in sorted(found.items(), key=lambda one: _order(one[0]))
+    ]
+    return with_rows(text, heading, rows)
+
+
+def _order(name: str) -> tuple[object, ...]:
+    """Return what findings are sorted by: rules by their numbers."""
+    numbers = tuple(int(part) for part in name.split(".") if part.isdigit())
+    return (numbers, name)

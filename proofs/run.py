@@ -13,9 +13,9 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from lutgen.errors import LutgenError
-from proofs import analysers, eva, exhaustive, fuzz, structure
+from proofs import analysers, eva, exhaustive, fuzz, loops, structure
 from proofs.annotate import MUTANTS
-from proofs.document import DOCUMENT, with_counts
+from proofs.document import DOCUMENT, code, with_counts, with_rows
 from proofs.parts import place, runtime_parts
 from proofs.subjects import Subject, mapped, small
 from proofs.tools import FAILED, PACKAGES, SKIPPED, Result, missing
@@ -155,10 +155,12 @@ class Plan:
         return proved("structure", ("gcc",), [job])
 
     def update(self) -> None:
-        """Write the counts of what the analysers found into the document."""
+        """Write the loops, and the counts of what the analysers found, into the document."""
         text = self.document
         for name, found in self.found.items():
             text = with_counts(text, analysers.heading(name), found)
+        table = [[code(head), *more] for head, *more in loops.rows(self.parts)]
+        text = with_rows(text, "Loops", table)
         DOCUMENT.write_text(text, encoding="utf-8")
 
 

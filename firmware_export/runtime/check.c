@@ -119,7 +119,11 @@ static int smap_check_body(const smap_t *map, smap_bytes_t limit)
     return smap_check_grid(map, limit);
 #endif
 #if SMAP_MANY
-  case SMAP_MANY_RAILS ? SMAP_CODEC_RAILS : SMAP_CODEC_SEARCH:
+#if SMAP_MANY_RAILS
+  case SMAP_CODEC_RAILS:
+#else
+  case SMAP_CODEC_SEARCH:
+#endif
     return smap_check_positions(map, limit) && smap_check_many(map);
 #endif
   default:
