@@ -11,7 +11,7 @@ DOCUMENT = Path(__file__).resolve().parent.parent / "docs" / "measured" / "c-run
 
 
 def cells(text: str, heading: str) -> list[list[str]]:
-    """Return the rows of the first table below a heading, cell by cell, without back-quotes.
+    """Return the rows of the first table below a heading, cell by cell; code without its quotes.
 
     Raises
     ------
@@ -25,7 +25,12 @@ def cells(text: str, heading: str) -> list[list[str]]:
             f"docs/measured/c-runtime.md: has no table of that name (got {heading!r}); "
             "write it again."
         )
-    return [[cell.strip().strip("`") for cell in re.split(r"(?<!\\)\|", row)] for row in rows[2:]]
+    return [[_plain(cell.strip()) for cell in re.split(r"(?<!\\)\|", row)] for row in rows[2:]]
+
+
+def _plain(cell: str) -> str:
+    """Return a cell without the back-quotes round all of it."""
+    return cell[1:-1] if re.fullmatch(r"`[^`]*`", cell) else cell
 
 
 def findings(text: str, heading: str) -> dict[str, int]:

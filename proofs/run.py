@@ -109,8 +109,9 @@ class Plan:
                 work = self._work(f"{harness}_{subject.name}")
                 jobs.append(self._fuzz(subject, work, each, harness))
             jobs.append(self._flip(subject, self._work(f"flips_{subject.name}")))
-        float_read = [subject for subject in self.subjects if not subject.integer][-1:]
-        for subject in float_read:
+        # Seeded where `smap_judge` alone decides, in the smallest that has floats.
+        judged = [one for one in self.subjects if one.kind in MUTANTS and not one.integer]
+        for subject in judged[-1:]:
             jobs.append(self._fuzz_fault(subject, self._work(f"fuzz_fault_{subject.name}")))
         return proved("fuzz", ("clang", "gcc"), jobs)
 

@@ -1,4 +1,4 @@
-"""The exports that are proved: those of `make maps` that differ in their code, and one small one of each further kind."""
+"""The exports that are proved: of `make maps` those that differ in code, small ones of the rest."""
 
 import re
 import sys
