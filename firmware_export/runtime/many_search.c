@@ -68,9 +68,8 @@ static void smap_on_arc(const smap_many_work_t *w, uint8_t i, uint8_t j, const s
 /* The plane below three contacts, which faces down; 0 where there is none. */
 static int smap_common(const smap_many_work_t *w, const uint8_t three[3], smap_aim_t *at, float *h)
 {
-  float p[3][3], a[3], b[3], v[3], size2, change;
+  float p[3][3], a[3], b[3], v[3], size2, change, before[3] = {0.0f, 0.0f, 0.0f};
   const float least = 1e-6f * w->map->size * w->map->size;
-  smap_aim_t before;
   uint8_t round, k;
   for (k = 0; k < 3; k++) {
     smap_copy(w->p[three[k]], p[k]);
@@ -88,12 +87,12 @@ static int smap_common(const smap_many_work_t *w, const uint8_t three[3], smap_a
       v[1] = -v[1];
       v[2] = -v[2];
     }
-    before = *at;
     smap_aim(at, v);
     for (k = 0; k < 3; k++) {
       smap_touch(w, three[k], at, p[k]);
     }
-    smap_minus(at->n, before.n, a);
+    smap_minus(at->n, before, a);
+    smap_copy(at->n, before);
     change = smap_dot(a, a);
     *h = smap_dot(p[0], at->n);
     if (round > 0 && change < 1e-9f) {
