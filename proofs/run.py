@@ -69,7 +69,7 @@ class Plan:
         return path
 
     def eva(self) -> list[Job]:
-        """Return the proofs by Eva, and a fault for each kind; many contacts are left out."""
+        """Return the proofs by Eva, a fault for each kind, and what is left of many contacts."""
         jobs: list[Job] = []
         kinds: set[str] = set()
         able = [subject for subject in self.subjects if subject.kind in MUTANTS]
@@ -80,7 +80,18 @@ class Plan:
             if subject.kind not in kinds:
                 kinds.add(subject.kind)
                 jobs.append(self._eva_fault(subject, self._work(f"fault_{subject.name}")))
+        for subject in self.subjects:
+            if subject.name in eva.SURVEYED:
+                jobs.append(self._survey(subject, self._work(f"survey_{subject.name}")))
         return proved("eva", ("frama-c", "gcc"), jobs)
+
+    def _survey(self, subject: Subject, work: Path) -> Job:
+        def done() -> list[Result]:
+            result, found = eva.survey(subject, self.document, work, self.patience)
+            self.found[eva.heading(subject.name)] = found
+            return [result]
+
+        return _guarded("eva, survey", subject.name, done)
 
     def _eva(self, subject: Subject, work: Path) -> Job:
         return _guarded("eva", subject.name, lambda: [eva.prove(subject, work, self.patience)])
@@ -139,7 +150,8 @@ class Plan:
 
     def _one(self, name: str, work: Path) -> Job:
         def done() -> list[Result]:
-            result, self.found[name] = analysers.analyse(name, self.document, work, self.patience)
+            result, found = analysers.analyse(name, self.document, work, self.patience)
+            self.found[analysers.heading(name)] = found
             return [result]
 
         return done
@@ -159,7 +171,7 @@ class Plan:
         """Write the loops, and the counts of what the analysers found, into the document."""
         text = self.document
         for name, found in self.found.items():
-            text = with_counts(text, analysers.heading(name), found)
+            text = with_counts(text, name, found)
         table = [[code(head), *more] for head, *more in loops.rows(self.parts)]
         text = with_rows(text, "Loops", table)
         DOCUMENT.write_text(text, encoding="utf-8")

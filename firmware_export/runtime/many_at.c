@@ -140,11 +140,12 @@ static smap_status_t smap_many_at(const smap_many_pose_t *o, const float gravity
     return SMAP_TIPS;
   }
   status = smap_verdict(o, best, g);
-  tip = smap_boundary(o, best, g, status != SMAP_TIPS, &which) - o->guard;
+  tip = smap_boundary(o, best, g, status != SMAP_TIPS, &which);
   if (tip < 1.0f) {
     out->over[0] = o->over[which][0];
     out->over[1] = o->over[which][1];
   }
+  tip -= o->guard;
   if (status == SMAP_TIPS || !(tip >= 0.0f)) {
     out->tip_angle = tip < 0.0f ? smap_asin(tip > -1.0f ? tip : -1.0f) : -1e-30f;
     return SMAP_TIPS;

@@ -118,9 +118,7 @@ void each(int count, const float *x, float *arcsines)
 
 def test_arcsine_is_right_to_3e_7_and_odd(tmp_path: Path) -> None:
     (tmp_path / "each.c").write_text(program_text("three") + EACH)
-    compile_c(
-        [*FLAGS, "-fPIC", "-shared", "-I", str(RUNTIME), "each.c", "-o", "each.so"], tmp_path
-    )
+    compile_c([*FLAGS, "-fPIC", "-shared", "-I", str(RUNTIME), "each.c", "-o", "each.so"], tmp_path)
     x = np.append(np.linspace(-1.0, 1.0, 20_001), 1.5).astype(np.float32)
     values = np.empty_like(x)
     pointers = [ctypes.c_void_p(array.ctypes.data) for array in (x, values)]
