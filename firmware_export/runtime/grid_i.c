@@ -129,10 +129,11 @@ static int8_t smap_grid_read_i(const smap_t *map, uint16_t *place, const int16_t
     part += SMAP_PART_BYTES;
     zero = smap_u32(part + SMAP_PART_ZERO);
     smap_grid_cell_i(body, part, place, params, face, &cell);
-    along = ((int32_t)smap_grid_value_i(body, part, &cell, 0) - (int32_t)zero) / 2;
+    along = (int32_t)(smap_grid_value_i(body, part, &cell, 0) - zero) / 2;
     zero = smap_u32(part + SMAP_PART_ZERO + 4);
-    aside = ((int32_t)smap_grid_value_i(body, part, &cell, 1) - (int32_t)zero) / 2;
-    out->sdg = (uint16_t)smap_whole_root((uint32_t)(along * along) + (uint32_t)(aside * aside));
+    aside = (int32_t)(smap_grid_value_i(body, part, &cell, 1) - zero) / 2;
+    out->sdg = (uint16_t)smap_whole_root((uint32_t)along * (uint32_t)along +
+                                         (uint32_t)aside * (uint32_t)aside);
   }
   if (channels & SMAP_HEIGHT) {
     part += SMAP_PART_BYTES;
