@@ -85,6 +85,7 @@ static int smap_many_pose(const smap_many_t *m, const smap_many_place_t *place, 
   uint8_t e;
   o->shown = o->walls = o->points = o->segments = o->sides = o->alive = o->edge[0] = 0;
   o->guard = m->guard;
+  o->hair = 2e-4f;  /* a sine: nearer to the wall of an edge both sides of it are looked at */
   o->slack = 5e-4f; /* a sine */
   w->map = m;
   w->facets = w->edges = w->rolls = w->failed = 0;

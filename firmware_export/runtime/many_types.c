@@ -84,7 +84,7 @@ typedef struct {
   uint8_t over[SMAP_MANY_WALLS][2];
   smap_segment_t segment[SMAP_MANY_LINKS];
   smap_side_t side[SMAP_MANY_SIDES];
-  float guard, slack;
+  float guard, hair, slack;
   float plane[SMAP_MANY_SHOWN][3]; /* n / h */
   float centre[SMAP_MANY_SHOWN][3];
   float height[SMAP_MANY_SHOWN];
