@@ -270,6 +270,21 @@ def totals(source: str, shape: Shape) -> dict[int, int]:
     return {line: int(TOTALS[head](shape)) for line, head in found.items() if head in TOTALS}
 
 
+def spans(source: str) -> dict[int, int]:
+    """Return the lines of loops' heads -> the line on which the body ends.
+
+    A body ends with the brace that stands as far from the margin as its head.
+    """
+    lines, found = source.splitlines(), dict[int, int]()
+    for number in heads(source):
+        text = lines[number - 1]
+        margin = text[: len(text) - len(text.lstrip())]
+        ends = (at for at in range(number, len(lines)) if lines[at].startswith(f"{margin}}}"))
+        if text.lstrip().startswith(("for", "while")):
+            found[number] = next(ends) + 1
+    return found
+
+
 def starts(source: str) -> list[int]:
     """Return the lines of C source at which the body of a function begins."""
     return [number for number, line in enumerate(source.splitlines(), 1) if line == "{"]

@@ -297,7 +297,7 @@ static uint16_t smap_sdg_i(const smap_many_pose_i_t *o, uint8_t f, const int32_t
       v = (int32_t)((uint32_t)v << by);
     }
     d[k] = v - o->centre[f][k];
-    if (d[k] > 0x8000 || d[k] < -0x8000) {
+    if (d[k] > 32768 || d[k] < -32768) {
       return 65534;
     }
   }
