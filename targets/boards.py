@@ -104,9 +104,7 @@ def _arm(
     )
 
 
-def _riscv(
-    name: str, title: str, cpu: str, options: tuple[str, ...] = OPTIMISATIONS
-) -> Board:
+def _riscv(name: str, title: str, cpu: str, options: tuple[str, ...] = OPTIMISATIONS) -> Board:
     flags = (*f"{cpu} -mcmodel=medany --specs=picolibc.specs".split(), *STRICT)
     emulator = (
         "qemu-system-riscv32 -M virt -bios none -nographic -monitor none -serial none "

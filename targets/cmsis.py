@@ -136,8 +136,8 @@ def measure(source: Path, export: Export, on: Board) -> Measured:
         # The same table for reads without floats; two exports in one program do not mix.
         whole = replace(even_stool("integer"), name="whole")
         package.write(whole, folder / "whole")
-        for path in (folder / "whole").glob("whole.*"):
-            shutil.copy(path, folder)
+        for own in (folder / "whole").glob("whole.*"):
+            shutil.copy(own, folder)
         for path in (*CHIP, "chip/peer.c", "chip/peer_i.c", "chip/readers.h"):
             shutil.copy(HERE / path, folder)
         (folder / "queries.bin").write_bytes(b"")

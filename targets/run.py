@@ -24,7 +24,7 @@ from firmware_export.host import Host
 from firmware_export.protocol import Export, describe
 from lutgen.errors import InputError, LutgenError
 from targets import asked as goals
-from targets import baseline, queries, tables
+from targets import baseline, costs, queries, tables
 from targets.boards import BOARDS, OPTIMISATIONS, Board
 from targets.cases import ROOT, Case, cases, written
 from targets.compiled import HostLibrary
@@ -34,6 +34,8 @@ from targets.image import CellError, Job, Outcome, TooLargeError, compiler, exec
 # Of many contacts one query in so many is asked for the hash: a posture takes long on small parts.
 FEWER = 10
 PAGE = ROOT / "docs" / "measured" / "targets.md"
+EXPORTS = PAGE.with_name("exports.md")
+README = ROOT / "README.md"
 # The columns of its table, which stands between two marks.
 SHOWN = ("m4f", "m3", "m0", "rv32imc", "mega328p")
 BEGIN, END = "<!-- counts -->\n", "\n<!-- end of counts -->"
@@ -43,7 +45,8 @@ BEGIN, END = "<!-- counts -->\n", "\n<!-- end of counts -->"
 class Row:
     """A row that is ready to run: its export, its job, and the hash that every cell must give.
 
-    `own` is that of what the folder compiles to on this machine.
+    `own` is that of what the folder compiles to on this machine; `many` whether it has many
+    contacts, whose postures take long.
     """
 
     case: Case
@@ -51,6 +54,7 @@ class Row:
     job: Job
     wanted: int
     own: int
+    many: bool = False
 
 
 def prepared(case: Case) -> Row:
@@ -59,7 +63,8 @@ def prepared(case: Case) -> Row:
     body = body_of(export)
     on = features(body)
     floats, integers = "SMAP_FLOATS" in on, "SMAP_INTEGERS" in on
-    share = FEWER if "SMAP_MANY" in on else 1
+    many = "SMAP_MANY" in on
+    share = FEWER if many else 1
     params, gravity = (rows[::share] for rows in queries.checked(export))
     asked = params, gravity
     wholes = queries.whole(export, *asked)
@@ -72,7 +77,7 @@ def prepared(case: Case) -> Row:
         *(folder, export.name, export.model.k, floats, integers, rows),
         *(len(params), queries.COUNTED),
     )
-    return Row(case, export, job, wanted, own)
+    return Row(case, export, job, wanted, own, many)
 
 
 def _own(export: Export, folder: Path, host: Host, asked: tuple[Any, Any]) -> bool:
@@ -248,11 +253,13 @@ def shown(page: str, content: dict[str, Any]) -> str:
 
 
 def _show(content: dict[str, Any]) -> None:
-    """Write the table of the document."""
+    """Write the tables of the document and of the README."""
     page = shown(PAGE.read_text(encoding="utf-8"), content)
-    part = PAGE.with_suffix(".part")
-    part.write_text(page, encoding="utf-8")
-    part.replace(PAGE)
+    readme = costs.shown(README.read_text("utf-8"), content, EXPORTS.read_text("utf-8"))
+    for path, text in ((PAGE, page), (README, readme)):
+        part = path.with_suffix(".part")
+        part.write_text(text, encoding="utf-8")
+        part.replace(path)
 
 
 def _report(
@@ -281,10 +288,11 @@ def _report(
         _show(baseline.load())  # in the order of the file
         path = ROOT / "firmware_export" / "runtime" / COUNTS
         part = path.with_suffix(".part")
+        # Those of noise are no robot's.
         of_maps = [case.name for case in cases() if case.folder is not None]
         part.write_text(baseline.published(content, BOARDS, of_maps), encoding="utf-8")
         part.replace(path)
-        print(f"\n{baseline.FILE.name}, {COUNTS} and {PAGE.name} are rewritten")
+        print(f"\n{baseline.FILE.name}, {COUNTS}, {PAGE.name} and {README.name} are rewritten")
     else:
         worse, better = baseline.compare(known, matrix.found)
     sys.stdout.flush()

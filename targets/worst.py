@@ -60,9 +60,7 @@ class Bounds:
         """
         last = max(self.place(line) for line in lines)
         own = [line for line in lines if self.place(line) == last]
-        held = [
-            head for head, end in self.spans.items() if head <= min(own) and max(own) <= end
-        ]
+        held = [head for head, end in self.spans.items() if head <= min(own) and max(own) <= end]
         return max(held, default=None)
 
     def of(self, name: str) -> int:

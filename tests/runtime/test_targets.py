@@ -20,7 +20,7 @@ from firmware_export.host.reader import READING, READING_I
 from firmware_export.protocol import describe
 from lutgen.errors import ExportError, InputError
 from proofs.exports import tripod_export
-from targets import baseline, cases, image, queries, run, tables
+from targets import baseline, cases, costs, image, queries, run, size, tables
 from targets.boards import BOARDS, board
 from targets.compiled import HostLibrary
 from targets.digest import START, answer_bytes, answers, fnv1a
@@ -278,13 +278,28 @@ def test_the_committed_baseline_holds_every_row_and_board() -> None:
     known = baseline.load()
     assert set(known["rows"]) == {case.name for case in cases.cases()}
     assert set(known["compilers"]) == {one.name for one in BOARDS}
-    for row in known["rows"].values():
+    left_out = {case.name: case.without for case in cases.cases()}
+    for name, row in known["rows"].items():
         assert set(row["boards"]) == {one.name for one in BOARDS}
         for on, cells in row["boards"].items():
-            assert set(cells) == {"-O2", "-Os"}
+            assert set(cells) == set(board(on).options)
             # Small parts have no room for large tables and for the postures of many contacts.
-            if on not in ("mega328p", "mega2560", "m0"):
+            if on not in ("mega328p", "mega2560", "m0", *left_out[name]):
                 assert all(cells.values())
+
+
+def test_what_a_board_is_not_asked_is_an_empty_cell_and_no_failure(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    one = row(tmp_path)
+    one = replace(one, case=replace(one.case, without=("m3",)))
+    monkeypatch.setattr(run, "version", lambda on: "1")
+    monkeypatch.setattr("targets.boards.shutil.which", lambda name: name)
+    matrix = run.Matrix([one], [board("m3")])
+    matrix.run(1)
+    assert matrix.failures == []
+    assert matrix.verdicts == {"tripod": {"m3": ["-"]}}
+    assert matrix.found["rows"]["tripod"]["boards"]["m3"] == {"-O2": {}}
 
 
 def test_the_markdown_table_has_a_row_for_each_export_and_dashes_for_what_does_not_fit() -> None:
@@ -343,12 +358,12 @@ def test_a_wrong_hash_and_a_failed_cell_are_failures(
     monkeypatch.setattr(run, "execute", fake)
     monkeypatch.setattr(run, "version", lambda on: "1")
     monkeypatch.setattr("targets.boards.shutil.which", lambda name: name)
-    matrix = run.Matrix([one], [board("m3")])
+    matrix = run.Matrix([one], [board("m4f")])
     matrix.run(1)
-    assert matrix.verdicts == {"tripod": {"m3": ["FAIL", "FAIL"]}}
+    assert matrix.verdicts == {"tripod": {"m4f": ["FAIL", "FAIL"]}}
     assert matrix.failures == [
-        f"tripod m3 -O2: hash {one.wanted ^ 1:08x}, the host's is {one.wanted:08x}",
-        "tripod m3 -Os: qemu: said nothing",
+        f"tripod m4f -O2: hash {one.wanted ^ 1:08x}, the host's is {one.wanted:08x}",
+        "tripod m4f -Os: qemu: said nothing",
     ]
     assert "FAIL" in tables.hashes(matrix.verdicts, {"tripod": ("0", "ok")})
 
@@ -438,6 +453,23 @@ def test_without_a_network_the_comparison_says_so_and_ends(
     )
 
 
+def test_the_readme_shows_the_costs_of_the_baseline_and_update_writes_them() -> None:
+    readme = run.README.read_text(encoding="utf-8")
+    exports = run.EXPORTS.read_text(encoding="utf-8")
+    assert costs.shown(readme, baseline.load(), exports) == readme
+    dearer = baseline.load()
+    dearer["rows"]["absolem"]["boards"]["m4f"]["-O2"]["calls"]["at"]["median"] = 12_345
+    assert "| 12,345 / " in costs.shown(readme, dearer, exports)
+    dearer["rows"]["paper_two"]["boards"]["m4f"]["-Os"]["stack"] = 9_999
+    assert "and 9,999 bytes of" in costs.shown(readme, dearer, exports)
+    # Every column but that with jumps has an error that was measured.
+    for name in list(costs.COLUMNS)[:-1]:
+        one = dearer["rows"][name]
+        assert costs.errors(exports)["paper_two", one["spec"], one["arithmetic"]].endswith("%")
+    with pytest.raises(InputError, match=r"^README\.md: has no table of costs"):
+        costs.shown("# Without a table\n", dearer, exports)
+
+
 def test_the_document_shows_the_baseline_and_update_writes_it() -> None:
     page = run.PAGE.read_text(encoding="utf-8")
     assert run.shown(page, baseline.load()) == page
@@ -447,3 +479,11 @@ def test_the_document_shows_the_baseline_and_update_writes_it() -> None:
     assert f"| `{dropped}` |" not in run.shown(page, less)
     with pytest.raises(InputError, match=r"^targets\.md: has no table of counts"):
         run.shown("# Without marks\n", less)
+
+
+def test_the_document_shows_the_sizes_that_exports_count_with() -> None:
+    page = run.PAGE.read_text(encoding="utf-8")
+    rows = json.loads(size.SIZES.read_text(encoding="utf-8"))["sets"]
+    assert size.shown(page, rows) == page
+    rows[0]["code"] += 1
+    assert size.shown(page, rows) != page

@@ -103,7 +103,9 @@ def test_a_loop_without_a_known_head_has_no_bound() -> None:
 
 
 def test_a_loop_of_whose_head_nothing_is_left_is_known_by_its_body() -> None:
-    source = "{\n  for (i = 0; i < 3; i++) {\n    for (k = 0; k < 3; k++) {\n      x;\n    }\n  }\n}\n"
+    source = (
+        "{\n  for (i = 0; i < 3; i++) {\n    for (k = 0; k < 3; k++) {\n      x;\n    }\n  }\n}\n"
+    )
     assert loops.spans(source) == {2: 6, 3: 5}
     # Line 6 of the listing is within the loop of line 5, which goes round three times.
     headless = LISTING.replace("smap.c:5\n      18", "smap.c:6\n      18")
