@@ -20,8 +20,9 @@ CHIP = (
 )
 # Seconds; an image that hangs is ended.  The slowest emulated run takes some fifty.
 PATIENCE = 300.0
-# Bytes of stack that an image needs beside the runtime, and the least queries worth a run.
-STACK = 300
+# Bytes of stack that an image needs beside the runtime, interrupts and arithmetic of the compiler
+# included, and the least queries worth a run.
+STACK = 500
 LEAST = 20
 # Bytes of flash by which code may grow with the number of queries.
 SPARE = 256
