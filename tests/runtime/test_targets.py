@@ -245,6 +245,12 @@ def test_an_emulated_m4f_answers_as_the_host_does(tmp_path: Path) -> None:
     assert image.execute(one.job, board("m4f"), "-O2") == first
 
 
+@pytest.mark.needs(*board("mega328p").packages)
+def test_a_pose_at_an_odd_address_of_an_avr_reads_as_on_the_host(tmp_path: Path) -> None:
+    one = row(tmp_path)
+    assert image.execute(replace(one.job, counted=1), board("mega328p"), "-Os").hash == one.wanted
+
+
 @needs_arm
 def test_an_image_with_one_wrong_bit_in_a_table_has_another_hash(tmp_path: Path) -> None:
     one = row(tmp_path)
