@@ -197,16 +197,14 @@ static void smap_refuse(const smap_many_work_t *w, const smap_held_t *o, uint8_t
   }
 }
 
-/* Turn a gap along a roll. */
-static void smap_carry(const smap_roll_t *roll, const smap_held_t *from, smap_held_t *to)
+/* Turn a gap along the roll over edge e. */
+static void smap_carry(const smap_many_work_t *w, const smap_roll_t *roll, uint8_t e,
+                       const smap_held_t *from, smap_held_t *to)
 {
-  uint8_t end, k;
+  uint8_t end;
   *to = *from;
   for (end = 0; end < 2; end++) {
-    to->rise[end] = from->rise[end] + smap_dot(roll->rise, from->g[end]);
-    for (k = 0; k < 3; k++) {
-      to->g[end][k] = smap_dot(roll->turn[k], from->g[end]);
-    }
+    to->rise[end] += smap_roll_over(w, roll, e, from->g[end], to->g[end]);
   }
   to->turned += roll->angle;
   to->before += roll->angle;
@@ -218,21 +216,21 @@ static int smap_roll_on(smap_many_work_t *w, uint8_t e, const smap_held_t *o, co
                         smap_held_t *next)
 {
   const uint8_t back = w->twin[e];
+  const smap_roll_t *roll;
   float part[2];
-  smap_roll_t roll;
   if (back == SMAP_NONE || w->facet[w->owner[back]].kind != SMAP_REST ||
       smap_chord(&w->facet[w->owner[e]].at, &w->facet[w->owner[back]].at) + o->turned >
           w->map->rock_angle) {
     return 0;
   }
-  smap_roll(w, e, &roll);
-  if (roll.angle < SMAP_NOISE) {
+  roll = smap_roll(w, e);
+  if (roll->angle < SMAP_NOISE) {
     return 0;
   }
   part[0] = span[0] > o->low ? span[0] : o->low;
   part[1] = span[1] < o->high ? span[1] : o->high;
-  smap_refuse(w, o, w->owner[back], roll.angle, part);
-  smap_carry(&roll, o, next);
+  smap_refuse(w, o, w->owner[back], roll->angle, part);
+  smap_carry(w, roll, e, o, next);
   next->low = part[0];
   next->high = part[1];
   return next->low < next->high;
@@ -326,17 +324,12 @@ static void smap_all_of(smap_end_t *end, uint8_t facet)
   end->facet = facet;
 }
 
-/* Let a gap be where the robot has rolled onto the facet beyond; `low` is where it is 0 there. */
-static void smap_begin_gap(smap_held_t *o, const smap_roll_t *roll, const float p[3], const float q[3])
+/* Let a gap be where the robot has rolled over edge e onto the facet beyond; it is 0 at p. */
+static void smap_begin_gap(const smap_many_work_t *w, const smap_roll_t *roll, uint8_t e,
+                           const float p[3], const float q[3], smap_held_t *o)
 {
-  const float *const end[2] = {p, q};
-  uint8_t k, n;
-  for (n = 0; n < 2; n++) {
-    o->rise[n] = smap_dot(roll->rise, end[n]);
-    for (k = 0; k < 3; k++) {
-      o->g[n][k] = smap_dot(roll->turn[k], end[n]);
-    }
-  }
+  o->rise[0] = smap_roll_over(w, roll, e, p, o->g[0]);
+  o->rise[1] = smap_roll_over(w, roll, e, q, o->g[1]);
 }
 
 /* Whether the middle of the segment is held further on. */
@@ -357,35 +350,34 @@ static void smap_find_gap(smap_many_work_t *w, uint8_t e)
   static const float trial[5] = {0.5f, 0.25f, 0.75f, 0.1f, 0.9f};
   const uint8_t back = w->twin[e];
   smap_end_t ends[SMAP_ENDS], more[SMAP_ENDS], here;
-  smap_roll_t roll;
+  const smap_roll_t *roll;
   smap_held_t o;
   float low, high;
   uint8_t k, count = 1;
   if (smap_chord(&w->facet[w->owner[e]].at, &w->facet[w->owner[back]].at) > w->map->rock_angle) {
     return;
   }
-  smap_roll(w, e, &roll);
-  if (!(roll.angle <= w->map->rock_angle)) {
+  roll = smap_roll(w, e);
+  if (!(roll->angle <= w->map->rock_angle)) {
     return;
   }
   o.low = SMAP_END;
   o.high = 1.0f - SMAP_END;
   o.split = 0;
-  o.turned = roll.angle;
+  o.turned = roll->angle;
   o.before = 0.0f;
   o.ends = 1;
   o.other = &here;
   smap_all_of(&here, w->owner[e]);
   smap_all_of(&ends[0], w->owner[back]);
-  smap_begin_gap(&o, &roll, smap_corner(w, e), smap_end(w, e));
+  smap_begin_gap(w, roll, e, smap_corner(w, e), smap_end(w, e), &o);
   smap_hold_rest(w, back, &o, ends, &count);
   if (!(o.low < o.high)) {
     return;
   }
   o.other = ends;
   o.ends = count;
-  smap_reverse(&roll);
-  smap_begin_gap(&o, &roll, smap_end(w, back), smap_corner(w, back));
+  smap_begin_gap(w, smap_roll(w, e), back, smap_end(w, back), smap_corner(w, back), &o);
   k = 0;
   smap_hold_rest(w, e, &o, more, &k);
   if (o.split && (smap_is_further(ends + 1, (uint8_t)(count - 1u)) || smap_is_further(more, k))) {

@@ -169,6 +169,27 @@ static inline void smap_touch(const smap_many_work_t *w, uint8_t i, const smap_a
   out[2] = w->p[i][2] - w->r[i] * at->c;
 }
 
+/* The directions along and across on a plane. */
+static void smap_frame(const smap_aim_t *aim, float along[3], float across[3])
+{
+  along[0] = aim->c;
+  along[1] = 0.0f;
+  along[2] = aim->s;
+  across[0] = -aim->n[1] * aim->s;
+  across[1] = aim->n[0] * aim->s - aim->n[2] * aim->c;
+  across[2] = aim->n[1] * aim->c;
+}
+
+/* Where a contact touches a plane, along and across; returns how far it extends along the normal. */
+static inline float smap_find_spot(const smap_many_work_t *w, uint8_t i, const smap_aim_t *aim,
+                                   const float along[3], const float across[3], smap_spot_t *o)
+{
+  const float *p = w->p[i], level = smap_level(w, i, aim->s, aim->c);
+  o->a = p[0] * along[0] + p[2] * along[2];
+  o->b = p[1] * across[1] - aim->n[1] * level;
+  return level * across[1] + p[1] * aim->n[1];
+}
+
 /* The direction with a pitch and a slope; returns the length of (s, t, -c). */
 static inline float smap_slope(smap_aim_t *o, float s, float c, float t)
 {
@@ -198,11 +219,10 @@ static void smap_on_arc(const smap_many_work_t *w, uint8_t i, uint8_t j, const s
   }
 }
 
-/* The direction whose normal is that of a vector. */
-static void smap_aim(smap_aim_t *o, const float v[3])
+/* Whether two contacts touch at the same places all the way. */
+static int smap_is_still(const smap_many_work_t *w, uint8_t i, uint8_t j)
 {
-  const float size = 1.0f / smap_root(v[0] * v[0] + v[2] * v[2]);
-  (void)smap_slope(o, v[0] * size, -v[2] * size, v[1] * size);
+  return w->rail[i] == w->rail[j] || (w->r[i] == 0.0f && w->r[j] == 0.0f);
 }
 
 /* Enter the facet of three contacts, whose slope is that of a and b; its first edge, or none. */

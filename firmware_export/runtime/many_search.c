@@ -65,6 +65,33 @@ static void smap_on_arc(const smap_many_work_t *w, uint8_t i, uint8_t j, const s
   }
 }
 
+/* The directions along and across on a plane. */
+static void smap_frame(const smap_aim_t *aim, float along[3], float across[3])
+{
+  const float *n = aim->n, size = 1.0f / smap_root(n[0] * n[0] + n[2] * n[2]);
+  along[0] = -n[2] * size;
+  along[1] = 0.0f;
+  along[2] = n[0] * size;
+  smap_cross(along, n, across);
+}
+
+/* Where a contact touches a plane, along and across; returns how far it extends along the normal. */
+static float smap_find_spot(const smap_many_work_t *w, uint8_t i, const smap_aim_t *aim,
+                            const float along[3], const float across[3], smap_spot_t *o)
+{
+  float p[3];
+  smap_touch(w, i, aim, p);
+  o->a = p[0] * along[0] + p[2] * along[2];
+  o->b = smap_dot(p, across);
+  return smap_dot(p, aim->n);
+}
+
+/* Whether two contacts touch at the same places all the way. */
+static int smap_is_still(const smap_many_work_t *w, uint8_t i, uint8_t j)
+{
+  return w->r[i] == 0.0f && w->r[j] == 0.0f;
+}
+
 /* The plane below three contacts, which faces down; 0 where there is none. */
 static int smap_common(const smap_many_work_t *w, const uint8_t three[3], smap_aim_t *at, float *h)
 {

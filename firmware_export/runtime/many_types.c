@@ -97,11 +97,10 @@ typedef struct {
   float n[3], s, c;
 } smap_aim_t;
 
-/* What a roll over an arc does. */
+/* What a roll over an arc does, from the lesser of its two edges on. */
 typedef struct {
   float turn[3][3]; /* gravity before to gravity after */
-  float rise[3];    /* rise of the com = rise . gravity before, over the first contact of an edge */
-  float other[3];   /* the same over its second contact: a finite step is not quite one turn */
+  float rise[3];    /* rise of the com = rise . gravity before */
   float angle;
 } smap_roll_t;
 
@@ -110,6 +109,12 @@ typedef struct {
   float h, centre[3];
   uint8_t kind, shown, first;
 } smap_facet_t;
+
+/* A contact on a facet's plane: its place along and across. */
+typedef struct {
+  float a, b;
+  uint8_t contact;
+} smap_spot_t;
 
 /* What is only needed while a pose is made. */
 typedef struct {
@@ -126,7 +131,7 @@ typedef struct {
   uint8_t owner[SMAP_MANY_EDGES], wall_of[SMAP_MANY_EDGES], point_of[SMAP_MANY_EDGES];
   uint8_t side_of[SMAP_MANY_EDGES], seen[SMAP_MANY_EDGES];
   smap_roll_t roll[SMAP_MANY_ARCS];
-  uint8_t roll_of[SMAP_MANY_EDGES], rolls; /* of an arc, if it is known, from its first edge on */
+  uint8_t roll_of[SMAP_MANY_EDGES], rolls; /* of an arc, if it is known, by its lesser edge */
   float low[SMAP_MANY_EDGES]; /* SMAP_SHORT, SMAP_OPEN, or from which part of the edge on it holds */
   float corner[SMAP_MANY_EDGES][3]; /* where the contact touches at which it begins */
 } smap_many_work_t;
