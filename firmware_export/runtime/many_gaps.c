@@ -111,37 +111,35 @@ static int smap_lost(const smap_many_work_t *w, const float a[3], const float b[
                      const smap_held_t *o, float span[2])
 {
   const float square = w->map->size * w->map->size, slack = SMAP_CAUGHT * square;
-  float along[3], wall[3], s[2], n[2], r[2], q[3], size2, inverse;
-  uint8_t k;
-  span[0] = 3.0f;
-  span[1] = -3.0f;
-  for (k = 0; k < 3; k++) {
-    along[k] = b[k] - a[k];
-  }
+  const float lost = (SMAP_RAISED + SMAP_TURNED * o->turned) * square;
+  float along[3], wall[3], s, ds, n, dn, r, dr, q[3], size2, inverse;
+  smap_minus(b, a, along);
   size2 = smap_dot(along, along);
-  if (!(size2 > 1e-10f * w->map->size * w->map->size)) {
+  if (!(size2 > 1e-10f * square)) {
     return 0;
   }
   inverse = 1.0f / smap_root(size2);
   smap_cross(a, b, wall);
-  for (k = 0; k < 2; k++) {
-    const float *g = o->g[k];
-    s[k] = smap_dot(wall, g) * inverse - slack;
-    n[k] = smap_dot(a, g) - smap_dot(a, along) * smap_dot(along, g) * inverse * inverse + slack;
-    r[k] = o->rise[k] - (SMAP_RAISED + SMAP_TURNED * o->turned) * square;
+  s = smap_dot(wall, o->g[0]) * inverse - slack;
+  ds = smap_dot(wall, o->g[1]) * inverse - slack - s;
+  span[0] = 3.0f;
+  span[1] = -3.0f;
+  if (s < 0.0f || s + ds < 0.0f) {
+    r = s < 0.0f && s + ds < 0.0f ? 0.0f : -s / ds;
+    smap_widen(o, span, s < 0.0f ? -1.0f : r, s + ds < 0.0f ? 2.0f : r);
+    if (s < 0.0f && s + ds < 0.0f) {
+      return 1;
+    }
   }
-  if (s[0] < 0.0f) {
-    smap_widen(o, span, -1.0f, s[1] < 0.0f ? 2.0f : s[0] / (s[0] - s[1]));
-  } else if (s[1] < 0.0f) {
-    smap_widen(o, span, s[0] / (s[0] - s[1]), 2.0f);
-  }
-  {
-    const float ds = s[1] - s[0], dn = n[1] - n[0], dr = r[1] - r[0];
-    q[0] = s[0] * s[0] + 2.0f * n[0] * r[0] - r[0] * r[0];
-    q[1] = 2.0f * (s[0] * ds + n[0] * dr + r[0] * dn - r[0] * dr);
-    q[2] = ds * ds + 2.0f * dn * dr - dr * dr;
-    smap_lost_energy(o, q, n[0] - r[0], dn - dr, span);
-  }
+  smap_mix(a, b, -smap_dot(a, along) * inverse * inverse, wall); /* the com's foot on the edge's line */
+  n = smap_dot(wall, o->g[0]) + slack;
+  dn = smap_dot(wall, o->g[1]) + slack - n;
+  r = o->rise[0] - lost;
+  dr = o->rise[1] - o->rise[0];
+  q[0] = s * s + (n + n - r) * r;
+  q[1] = 2.0f * (s * ds + n * dr + r * (dn - dr));
+  q[2] = ds * ds + (dn + dn - dr) * dr;
+  smap_lost_energy(o, q, n - r, dn - dr, span);
   return span[0] < span[1] && span[0] < o->high && span[1] > o->low;
 }
 
