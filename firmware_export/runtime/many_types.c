@@ -35,6 +35,12 @@
 #define SMAP_MANY_ARCS ((SMAP_MANY_FACETS + 1) / 2) /* whose rolls are kept */
 #endif
 #define SMAP_NONE 255u
+#undef SMAP_UNROLL
+#if defined(__GNUC__) && !defined(__clang__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
+#define SMAP_UNROLL _Pragma("GCC unroll 3")
+#else
+#define SMAP_UNROLL
+#endif
 
 enum { SMAP_REFUSED = 0, SMAP_STAGE = 1, SMAP_REST = 2 };
 
@@ -74,6 +80,7 @@ typedef struct {
   uint8_t wall, start, stop, bent;
 } smap_segment_t;
 
+/* What both forms of a pose begin with: which wall is where. */
 typedef struct {
   uint8_t shown, walls, points, segments, sides, alive;
   uint8_t kind[SMAP_MANY_SHOWN], island[SMAP_MANY_SHOWN], edge[SMAP_MANY_SHOWN + 1];
@@ -84,6 +91,10 @@ typedef struct {
   uint8_t over[SMAP_MANY_WALLS][2];
   smap_segment_t segment[SMAP_MANY_LINKS];
   smap_side_t side[SMAP_MANY_SIDES];
+} smap_layout_t;
+
+typedef struct {
+  smap_layout_t at;
   float guard, slack;
   float plane[SMAP_MANY_SHOWN][3]; /* n / h */
   float centre[SMAP_MANY_SHOWN][3];
