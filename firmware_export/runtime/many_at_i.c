@@ -163,7 +163,7 @@ static inline int smap_is_far_i(const int32_t c[3], int32_t least)
 }
 
 /* As smap_nearest; the distance is 32767 |g| times the sine, rounded down. */
-static int32_t smap_nearest_i(const smap_layout_t *at, const smap_many_pose_i_t *o, const smap_segment_t *s,
+static int32_t smap_nearest_i(const smap_many_pose_i_t *o, const smap_segment_t *s,
                               const smap_segment_t *end, const int32_t g[3], int inside,
                               int32_t least, uint8_t *which)
 {
@@ -220,8 +220,8 @@ static int32_t smap_boundary_i(const smap_layout_t *at, const smap_many_pose_i_t
     }
     return least;
   }
-  least = smap_nearest_i(at, o, middle, at->segment + at->last[island], g, inside, least, which);
-  return smap_nearest_i(at, o, at->segment + at->first[island], middle, g, inside, least, which);
+  least = smap_nearest_i(o, middle, at->segment + at->last[island], g, inside, least, which);
+  return smap_nearest_i(o, at->segment + at->first[island], middle, g, inside, least, which);
 }
 
 static int smap_within_i(const smap_layout_t *at, const smap_many_pose_i_t *o, uint8_t side, const int32_t g[3], int32_t slack)

@@ -180,14 +180,22 @@ static void smap_frame(const smap_aim_t *aim, float along[3], float across[3])
   across[2] = aim->n[1] * aim->c;
 }
 
-/* Where a contact touches a plane, along and across; returns how far it extends along the normal. */
-static inline float smap_find_spot(const smap_many_work_t *w, uint8_t i, const smap_aim_t *aim,
-                                   const float along[3], const float across[3], smap_spot_t *o)
+/* How far a contact extends along a plane's normal. */
+static inline float smap_extent(const smap_many_work_t *w, uint8_t i, const smap_aim_t *at)
 {
-  const float *p = w->p[i], level = smap_level(w, i, aim->s, aim->c);
+  /* The first product is 1 / |(s, t, -c)|. */
+  return smap_level(w, i, at->s, at->c) * (at->n[0] * at->s - at->n[2] * at->c) +
+         w->p[i][1] * at->n[1];
+}
+
+/* Where a contact touches a plane, along and across. */
+static inline void smap_find_spot(const smap_many_work_t *w, uint8_t i, const smap_aim_t *at,
+                                  const float along[3], const float across[3], smap_spot_t *o)
+{
+  const float *p = w->p[i];
   o->a = p[0] * along[0] + p[2] * along[2];
-  o->b = p[1] * across[1] - aim->n[1] * level;
-  return level * across[1] + p[1] * aim->n[1];
+  o->b = p[1] * across[1] - at->n[1] * smap_level(w, i, at->s, at->c);
+  o->contact = i;
 }
 
 /* The direction with a pitch and a slope; returns the length of (s, t, -c). */

@@ -18,15 +18,15 @@ static uint8_t smap_list_spots(const smap_many_work_t *w, const smap_aim_t *aim,
   uint8_t i, at, count = 0;
   smap_frame(aim, along, across);
   for (i = 0; i < w->map->contacts; i++) {
+    const float reach = smap_extent(w, i, aim);
     smap_spot_t here;
-    const float reach = smap_find_spot(w, i, aim, along, across, &here);
     if (reach > most) {
       return 0;
     }
     if (!(reach >= top)) {
       continue;
     }
-    here.contact = i;
+    smap_find_spot(w, i, aim, along, across, &here);
     for (at = count++; at > 0 && (spot[at - 1].b > here.b ||
                                   (spot[at - 1].b == here.b && spot[at - 1].a < here.a)); at--) {
       spot[at] = spot[at - 1];
@@ -163,16 +163,17 @@ static void smap_mark_short(smap_many_work_t *w)
   uint8_t e;
   for (e = 0; e < w->edges; e++) {
     const uint8_t back = w->twin[e];
-    w->low[e] = SMAP_OPEN;
     w->roll_of[e] = SMAP_NONE;
-    if (back != SMAP_NONE) {
+    if (back == SMAP_NONE || back > e) {
+      w->low[e] = SMAP_OPEN;
+    } else {
       const smap_facet_t *f = &w->facet[w->owner[e]], *g = &w->facet[w->owner[back]];
       float d[3];
       smap_minus(f->at.n, g->at.n, d);
-      if (f->kind == SMAP_REST && g->kind == SMAP_REST &&
-          smap_dot(d, d) < turn * turn) {
-        w->low[e] = SMAP_SHORT;
-      }
+      w->low[e] = w->low[back] = f->kind == SMAP_REST && g->kind == SMAP_REST &&
+                                         smap_dot(d, d) < turn * turn
+                                     ? SMAP_SHORT
+                                     : SMAP_OPEN;
     }
   }
 }

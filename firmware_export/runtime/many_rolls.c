@@ -23,6 +23,13 @@ static float smap_angle(const smap_aim_t *a, const smap_aim_t *b)
   return 2.0f * smap_asin(0.5f * smap_chord(a, b));
 }
 
+/* The same of a step of a roll, at most 0.4 rad, to 1e-6 rad. */
+static float smap_small_angle(const smap_aim_t *a, const smap_aim_t *b)
+{
+  const float chord = smap_chord(a, b), z = chord * chord;
+  return chord + chord * z * (1.0f / 24.0f + z * (3.0f / 640.0f));
+}
+
 /* Two unit vectors across a normal. */
 typedef struct {
   float t[3], b[3];
@@ -89,8 +96,8 @@ static float smap_roll_pair(const float (*place)[3], const smap_aim_t *a, const 
   smap_add_seen(o, b->n, place, 2.0f / 3.0f, 0.0f, -2.0f / 3.0f, sum);
   smap_turn_across(b->n, c->n, spin, o);
   smap_add_seen(o, c->n, place, -1.0f / 6.0f, 2.0f / 3.0f, 0.5f, sum);
-  steps = smap_angle(a, b) + smap_angle(b, c);
-  return steps + (steps - smap_angle(a, c)) * (1.0f / 3.0f);
+  steps = smap_small_angle(a, b) + smap_small_angle(b, c);
+  return steps + (steps - smap_small_angle(a, c)) * (1.0f / 3.0f);
 }
 
 /* Fill in what a roll does from its frames at both ends and its rise as they see it. */
@@ -125,9 +132,9 @@ static void smap_find_roll(const smap_many_work_t *w, uint8_t e, smap_roll_t *o)
     /* Over two places that stay: one step, of any length. */
     smap_copy(smap_end(w, back), place[1]);
     smap_copy(place[1], place[2]);
-    smap_add_seen(&last, from->n, place, -1.0f, 0.0f, 0.0f, sum);
+    smap_add_seen(&last, from->n, (const float(*)[3])place, -1.0f, 0.0f, 0.0f, sum);
     smap_turn_across(from->n, to->n, 0.0f, &last);
-    smap_add_seen(&last, to->n, place, 0.0f, 0.0f, 1.0f, sum);
+    smap_add_seen(&last, to->n, (const float(*)[3])place, 0.0f, 0.0f, 1.0f, sum);
   } else {
     pairs = (uint8_t)(1.0f + SMAP_PAIRS * o->angle);
     o->angle = 0.0f;

@@ -79,15 +79,15 @@ static void smap_frame(const smap_aim_t *aim, float along[3], float across[3])
   smap_cross(along, n, across);
 }
 
-/* Where a contact touches a plane, along and across; returns how far it extends along the normal. */
-static float smap_find_spot(const smap_many_work_t *w, uint8_t i, const smap_aim_t *aim,
-                            const float along[3], const float across[3], smap_spot_t *o)
+/* Where a contact touches a plane, along and across. */
+static void smap_find_spot(const smap_many_work_t *w, uint8_t i, const smap_aim_t *at,
+                           const float along[3], const float across[3], smap_spot_t *o)
 {
   float p[3];
-  smap_touch(w, i, aim, p);
+  smap_touch(w, i, at, p);
   o->a = p[0] * along[0] + p[2] * along[2];
   o->b = smap_dot(p, across);
-  return smap_dot(p, aim->n);
+  o->contact = i;
 }
 
 /* Whether two contacts touch at the same places all the way. */

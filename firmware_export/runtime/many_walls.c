@@ -255,8 +255,8 @@ static int smap_is_inner(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start
   return 1;
 }
 
-/* Append the loop of the boundary from an edge on. */
-static void smap_loop(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start)
+/* Append the loop of an island's boundary from an edge on. */
+static void smap_loop(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start, uint8_t island)
 {
   const uint8_t first = o->at.segments;
   uint8_t e = start, left = SMAP_MANY_EDGES, k;
@@ -268,6 +268,7 @@ static void smap_loop(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start)
   for (k = first; k < o->at.segments && !w->failed; k++) {
     const smap_segment_t *next = &o->at.segment[k + 1 < o->at.segments ? k + 1 : first];
     o->at.segment[k].bent = smap_dot(o->wall[o->at.segment[k].wall], o->point[next->stop]) < 1e-4f;
+    o->at.convex[island] = o->at.convex[island] && !o->at.segment[k].bent;
   }
 }
 
@@ -281,11 +282,12 @@ static void smap_find_boundary(smap_many_work_t *w, smap_many_pose_t *o)
   }
   for (k = 0; k < o->at.shown; k++) {
     o->at.first[k] = o->at.segments;
+    o->at.convex[k] = 1;
     if (o->at.island[k] == k && o->at.kind[k] == SMAP_REST) {
       for (e = 0; e < w->edges && !w->failed; e++) {
         if (!w->seen[e] && o->at.island[w->facet[w->owner[e]].shown] == k &&
             !(smap_is_gap(w, e) && smap_is_inner(w, o, e))) {
-          smap_loop(w, o, e);
+          smap_loop(w, o, e, k);
         }
       }
     }
@@ -293,10 +295,7 @@ static void smap_find_boundary(smap_many_work_t *w, smap_many_pose_t *o)
   }
   for (k = 0; k < o->at.shown; k++) {
     const uint8_t island = o->at.island[k];
-    o->at.convex[k] = 1;
-    for (e = o->at.first[island]; e < o->at.last[island]; e++) {
-      o->at.convex[k] = o->at.convex[k] && !o->at.segment[e].bent;
-    }
+    o->at.convex[k] = o->at.convex[island];
     if (o->at.begin[k] < o->at.first[island] || o->at.begin[k] >= o->at.last[island]) {
       o->at.begin[k] = o->at.first[island];
     }
