@@ -196,7 +196,7 @@ static void smap_refuse(const smap_many_work_t *w, const smap_held_t *o, uint8_t
 }
 
 /* Turn a gap along the roll over edge e. */
-static void smap_carry(const smap_many_work_t *w, const smap_roll_t *roll, uint8_t e,
+static void smap_carry(const smap_many_work_t *w, smap_row_t *roll, uint8_t e,
                        const smap_held_t *from, smap_held_t *to)
 {
   uint8_t end;
@@ -204,8 +204,8 @@ static void smap_carry(const smap_many_work_t *w, const smap_roll_t *roll, uint8
   for (end = 0; end < 2; end++) {
     to->rise[end] += smap_roll_over(w, roll, e, from->g[end], to->g[end]);
   }
-  to->turned += roll->angle;
-  to->before += roll->angle;
+  to->turned += roll[SMAP_ANGLE][0];
+  to->before += roll[SMAP_ANGLE][0];
   to->split = 0;
 }
 
@@ -214,7 +214,7 @@ static int smap_roll_on(smap_many_work_t *w, uint8_t e, const smap_held_t *o, co
                         smap_held_t *next)
 {
   const uint8_t back = w->twin[e];
-  const smap_roll_t *roll;
+  smap_row_t *roll;
   float part[2];
   if (back == SMAP_NONE || w->facet[w->owner[back]].kind != SMAP_REST ||
       smap_chord(&w->facet[w->owner[e]].at, &w->facet[w->owner[back]].at) + o->turned >
@@ -222,12 +222,12 @@ static int smap_roll_on(smap_many_work_t *w, uint8_t e, const smap_held_t *o, co
     return 0;
   }
   roll = smap_roll(w, e);
-  if (roll->angle < SMAP_NOISE) {
+  if (roll[SMAP_ANGLE][0] < SMAP_NOISE) {
     return 0;
   }
   part[0] = span[0] > o->low ? span[0] : o->low;
   part[1] = span[1] < o->high ? span[1] : o->high;
-  smap_refuse(w, o, w->owner[back], roll->angle, part);
+  smap_refuse(w, o, w->owner[back], roll[SMAP_ANGLE][0], part);
   smap_carry(w, roll, e, o, next);
   next->low = part[0];
   next->high = part[1];
@@ -323,7 +323,7 @@ static void smap_all_of(smap_end_t *end, uint8_t facet)
 }
 
 /* Let a gap be where the robot has rolled over edge e onto the facet beyond; it is 0 at p. */
-static void smap_begin_gap(const smap_many_work_t *w, const smap_roll_t *roll, uint8_t e,
+static void smap_begin_gap(const smap_many_work_t *w, smap_row_t *roll, uint8_t e,
                            const float p[3], const float q[3], smap_held_t *o)
 {
   o->rise[0] = smap_roll_over(w, roll, e, p, o->g[0]);
@@ -348,7 +348,7 @@ static void smap_find_gap(smap_many_work_t *w, uint8_t e)
   static const float trial[5] = {0.5f, 0.25f, 0.75f, 0.1f, 0.9f};
   const uint8_t back = w->twin[e];
   smap_end_t ends[SMAP_ENDS], more[SMAP_ENDS], here;
-  const smap_roll_t *roll;
+  smap_row_t *roll;
   smap_held_t o;
   float low, high;
   uint8_t k, count = 1;
@@ -356,13 +356,13 @@ static void smap_find_gap(smap_many_work_t *w, uint8_t e)
     return;
   }
   roll = smap_roll(w, e);
-  if (!(roll->angle <= w->map->rock_angle)) {
+  if (!(roll[SMAP_ANGLE][0] <= w->map->rock_angle)) {
     return;
   }
   o.low = SMAP_END;
   o.high = 1.0f - SMAP_END;
   o.split = 0;
-  o.turned = roll->angle;
+  o.turned = roll[SMAP_ANGLE][0];
   o.before = 0.0f;
   o.ends = 1;
   o.other = &here;

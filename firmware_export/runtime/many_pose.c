@@ -88,6 +88,7 @@ static int smap_many_pose(const smap_many_t *m, const smap_many_place_t *place, 
   o->guard = m->guard;
   o->slack = 5e-4f; /* a sine */
   w->map = m;
+  w->roll = o->point;
   w->facets = w->edges = w->rolls = w->failed = 0;
   smap_find_facets(w, place);
   if (!w->failed) {

@@ -102,21 +102,21 @@ static float smap_roll_pair(const float (*place)[3], const smap_aim_t *a, const 
 
 /* Fill in what a roll does from its frames at both ends and its rise as they see it. */
 static void smap_end_roll(const float a[3], const smap_across_t *from, const float b[3],
-                          const smap_across_t *to, const float sum[3], smap_roll_t *o)
+                          const smap_across_t *to, const float sum[3], smap_row_t *o)
 {
   uint8_t k, n;
   SMAP_UNROLL
   for (k = 0; k < 3; k++) {
-    o->rise[k] = sum[0] * from->t[k] + sum[1] * a[k] + sum[2] * from->b[k];
+    o[SMAP_RISE][k] = sum[0] * from->t[k] + sum[1] * a[k] + sum[2] * from->b[k];
     SMAP_UNROLL
     for (n = 0; n < 3; n++) {
-      o->turn[k][n] = to->t[k] * from->t[n] + b[k] * a[n] + to->b[k] * from->b[n];
+      o[k][n] = to->t[k] * from->t[n] + b[k] * a[n] + to->b[k] * from->b[n];
     }
   }
 }
 
 /* The map of a roll over an edge onto the facet beyond. */
-static void smap_find_roll(const smap_many_work_t *w, uint8_t e, smap_roll_t *o)
+static void smap_find_roll(const smap_many_work_t *w, uint8_t e, smap_row_t *o)
 {
   const uint8_t i = w->vertex[e], j = w->vertex[w->next[e]], back = w->twin[e];
   const smap_aim_t *from = &w->facet[w->owner[e]].at, *to = &w->facet[w->owner[back]].at;
@@ -126,7 +126,7 @@ static void smap_find_roll(const smap_many_work_t *w, uint8_t e, smap_roll_t *o)
   uint8_t k, pairs;
   smap_begin_across(from->n, &first);
   last = first;
-  o->angle = smap_angle(from, to);
+  o[SMAP_ANGLE][0] = smap_angle(from, to);
   smap_copy(smap_corner(w, e), place[0]);
   if (smap_is_still(w, i, j)) {
     /* Over two places that stay: one step, of any length. */
@@ -136,8 +136,8 @@ static void smap_find_roll(const smap_many_work_t *w, uint8_t e, smap_roll_t *o)
     smap_turn_across(from->n, to->n, 0.0f, &last);
     smap_add_seen(&last, to->n, (const float(*)[3])place, 0.0f, 0.0f, 1.0f, sum);
   } else {
-    pairs = (uint8_t)(1.0f + SMAP_PAIRS * o->angle);
-    o->angle = 0.0f;
+    pairs = (uint8_t)(1.0f + SMAP_PAIRS * o[SMAP_ANGLE][0]);
+    o[SMAP_ANGLE][0] = 0.0f;
     for (k = 1; k <= pairs; k++) {
       smap_on_arc(w, i, j, from, to, ((float)k - 0.5f) / (float)pairs, &half);
       there = *to;
@@ -146,7 +146,7 @@ static void smap_find_roll(const smap_many_work_t *w, uint8_t e, smap_roll_t *o)
       }
       smap_touch(w, i, &half, place[1]);
       smap_touch(w, i, &there, place[2]);
-      o->angle += smap_roll_pair((const float(*)[3])place, &here, &half, &there, &last, sum);
+      o[SMAP_ANGLE][0] += smap_roll_pair((const float(*)[3])place, &here, &half, &there, &last, sum);
       smap_copy(place[2], place[0]);
       here = there;
     }
@@ -156,7 +156,7 @@ static void smap_find_roll(const smap_many_work_t *w, uint8_t e, smap_roll_t *o)
 
 /* The roll over an edge onto the facet beyond; each arc's is found once, and is good until the next
  * one is asked for.  It is that over the lesser of the arc's two edges. */
-static const smap_roll_t *smap_roll(smap_many_work_t *w, uint8_t e)
+static smap_row_t *smap_roll(smap_many_work_t *w, uint8_t e)
 {
   uint8_t k;
   if (w->twin[e] < e) {
@@ -165,29 +165,29 @@ static const smap_roll_t *smap_roll(smap_many_work_t *w, uint8_t e)
   k = w->roll_of[e];
   if (k == SMAP_NONE) {
     k = w->rolls;
-    if (k + 1u < SMAP_MANY_ARCS) {
+    if (k + 1 < SMAP_MANY_ROLLS) {
       w->roll_of[e] = w->rolls++;
     }
-    smap_find_roll(w, e, &w->roll[k]);
+    smap_find_roll(w, e, w->roll + SMAP_ROLL * k);
   }
-  return &w->roll[k];
+  return w->roll + SMAP_ROLL * k;
 }
 
 /* Turn gravity along a roll over edge e, or back over it, and return by how much the com rises. */
-static float smap_roll_over(const smap_many_work_t *w, const smap_roll_t *o, uint8_t e,
+static float smap_roll_over(const smap_many_work_t *w, smap_row_t *o, uint8_t e,
                             const float g[3], float out[3])
 {
   uint8_t k;
   if (w->twin[e] > e) {
     SMAP_UNROLL
     for (k = 0; k < 3; k++) {
-      out[k] = smap_dot(o->turn[k], g);
+      out[k] = smap_dot(o[k], g);
     }
-    return smap_dot(o->rise, g);
+    return smap_dot(o[SMAP_RISE], g);
   }
   SMAP_UNROLL
   for (k = 0; k < 3; k++) {
-    out[k] = o->turn[0][k] * g[0] + o->turn[1][k] * g[1] + o->turn[2][k] * g[2];
+    out[k] = o[0][k] * g[0] + o[1][k] * g[1] + o[2][k] * g[2];
   }
-  return -smap_dot(o->rise, out);
+  return -smap_dot(o[SMAP_RISE], out);
 }

@@ -31,9 +31,7 @@
 #ifndef SMAP_MANY_SIDES
 #define SMAP_MANY_SIDES (4 * SMAP_MANY_SHOWN)
 #endif
-#ifndef SMAP_MANY_ARCS
-#define SMAP_MANY_ARCS ((SMAP_MANY_FACETS + 1) / 2) /* whose rolls are kept */
-#endif
+#define SMAP_MANY_ROLLS (SMAP_MANY_LINKS / 5) /* that are kept */
 #define SMAP_NONE 255u
 #undef SMAP_UNROLL
 #if defined(__GNUC__) && !defined(__clang__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
@@ -93,6 +91,8 @@ typedef struct {
   smap_side_t side[SMAP_MANY_SIDES];
 } smap_layout_t;
 
+typedef char smap_holds_a_roll[SMAP_MANY_ROLLS > 0 ? 1 : -1];
+
 typedef struct {
   smap_layout_t at;
   float guard, slack;
@@ -108,12 +108,10 @@ typedef struct {
   float n[3], s, c;
 } smap_aim_t;
 
-/* What a roll over an arc does, from the lesser of its two edges on. */
-typedef struct {
-  float turn[3][3]; /* gravity before to gravity after */
-  float rise[3];    /* rise of the com = rise . gravity before */
-  float angle;
-} smap_roll_t;
+/* What a roll over an arc does, from the lesser of its two edges on.  Its rows: three that turn gravity
+ * before to gravity after; rise of the com = rise . gravity before; its angle (rad). */
+typedef float smap_row_t[3];
+enum { SMAP_RISE = 3, SMAP_ANGLE = 4, SMAP_ROLL = 5 };
 
 typedef struct {
   smap_aim_t at;
@@ -141,7 +139,7 @@ typedef struct {
   uint8_t vertex[SMAP_MANY_EDGES], twin[SMAP_MANY_EDGES], next[SMAP_MANY_EDGES];
   uint8_t owner[SMAP_MANY_EDGES], wall_of[SMAP_MANY_EDGES], point_of[SMAP_MANY_EDGES];
   uint8_t side_of[SMAP_MANY_EDGES], seen[SMAP_MANY_EDGES];
-  smap_roll_t roll[SMAP_MANY_ARCS];
+  smap_row_t *roll; /* where the pose's points will be */
   uint8_t roll_of[SMAP_MANY_EDGES], rolls; /* of an arc, if it is known, by its lesser edge */
   float low[SMAP_MANY_EDGES]; /* SMAP_SHORT, SMAP_OPEN, or from which part of the edge on it holds */
   float corner[SMAP_MANY_EDGES][3]; /* where the contact touches at which it begins */
