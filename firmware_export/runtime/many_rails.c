@@ -233,6 +233,16 @@ static int smap_is_still(const smap_many_work_t *w, uint8_t i, uint8_t j)
   return w->rail[i] == w->rail[j] || (w->r[i] == 0.0f && w->r[j] == 0.0f);
 }
 
+/* Where the tangents at two directions meet, of the rim a part of the way from that of i to j's. */
+static void smap_meet(const smap_many_work_t *w, uint8_t i, uint8_t j, float part, const smap_aim_t *a,
+                      const smap_aim_t *b, float out[3])
+{
+  const float r = (w->r[i] + part * (w->r[j] - w->r[i])) / (1.0f + a->s * b->s + a->c * b->c);
+  smap_mix(w->p[i], w->p[j], part, out);
+  out[0] += r * (a->s + b->s);
+  out[2] -= r * (a->c + b->c);
+}
+
 /* Enter the facet of three contacts, whose slope is that of a and b; its first edge, or none. */
 static uint8_t smap_triangle(smap_many_work_t *w, float s, float c, const uint8_t three[3], uint8_t a,
                              uint8_t b)

@@ -96,6 +96,29 @@ static int smap_is_still(const smap_many_work_t *w, uint8_t i, uint8_t j)
   return w->r[i] == 0.0f && w->r[j] == 0.0f;
 }
 
+/* Where the tangents of a rim at two directions meet. */
+static void smap_tangents(const smap_many_work_t *w, uint8_t i, const smap_aim_t *a,
+                          const smap_aim_t *b, float out[3])
+{
+  float p[3], q[3], arm[3], size2;
+  smap_touch(w, i, a, p);
+  smap_touch(w, i, b, q);
+  smap_mix(p, q, 0.5f, out);
+  smap_minus(out, w->p[i], arm);
+  size2 = smap_dot(arm, arm);
+  smap_mix(w->p[i], out, size2 > 0.0f ? w->r[i] * w->r[i] / size2 : 0.0f, out);
+}
+
+/* The same a part of the way from the rim of i to j's. */
+static void smap_meet(const smap_many_work_t *w, uint8_t i, uint8_t j, float part, const smap_aim_t *a,
+                      const smap_aim_t *b, float out[3])
+{
+  float p[3], q[3];
+  smap_tangents(w, i, a, b, p);
+  smap_tangents(w, j, a, b, q);
+  smap_mix(p, q, part, out);
+}
+
 /* The plane below three contacts, which faces down; 0 where there is none. */
 static int smap_common(const smap_many_work_t *w, const uint8_t three[3], smap_aim_t *at, float *h)
 {

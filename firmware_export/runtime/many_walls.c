@@ -88,28 +88,6 @@ static float smap_pieces(const smap_many_work_t *w, uint8_t e, float *turn)
   return n < SMAP_PIECES - 1.0f ? 1.0f + (float)(int32_t)n : SMAP_PIECES;
 }
 
-/* Where the tangents of a rim at two directions meet. */
-static void smap_tangents(const smap_many_work_t *w, uint8_t i, const smap_aim_t *a,
-                          const smap_aim_t *b, float out[3])
-{
-  float p[3], q[3], arm[3], size2;
-  uint8_t k;
-  smap_touch(w, i, a, p);
-  smap_touch(w, i, b, q);
-  SMAP_UNROLL
-  for (k = 0; k < 3; k++) {
-    arm[k] = 0.5f * (p[k] + q[k]) - w->p[i][k];
-  }
-  size2 = smap_dot(arm, arm);
-  if (size2 > 0.0f) {
-    size2 = w->r[i] * w->r[i] / size2;
-  }
-  SMAP_UNROLL
-  for (k = 0; k < 3; k++) {
-    out[k] = w->p[i][k] + arm[k] * size2;
-  }
-}
-
 /* Append a piece of a side: a wall from the last point to one more. */
 static void smap_add_piece(smap_many_work_t *w, smap_many_pose_t *o, smap_side_t *side,
                            const float p[3], const float q[3], uint8_t i)
@@ -127,7 +105,7 @@ static void smap_bulge(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e, smap
 {
   const smap_aim_t *from = &w->facet[w->owner[e]].at, *to = &w->facet[w->owner[w->twin[e]]].at;
   const uint8_t i = w->vertex[e], j = w->vertex[w->next[e]];
-  float count, turn, last[3], a[3], b[3];
+  float count, turn, last[3], a[3];
   const float pieces = smap_pieces(w, e, &turn);
   smap_aim_t here = *from, there;
   uint8_t k;
@@ -141,9 +119,7 @@ static void smap_bulge(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e, smap
       smap_on_arc(w, i, j, from, to, (float)(int32_t)((float)k * pieces / count + 0.5f) / pieces,
                   &there);
     }
-    smap_tangents(w, i, &here, &there, a);
-    smap_tangents(w, j, &here, &there, b);
-    smap_mix(a, b, w->low[e], a);
+    smap_meet(w, i, j, w->low[e], &here, &there, a);
     smap_add_piece(w, o, side, last, a, i);
     smap_copy(a, last);
     here = there;
@@ -181,9 +157,7 @@ static void smap_add_side(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
     return;
   }
   smap_on_arc(w, i, j, &w->facet[w->owner[e]].at, &w->facet[w->owner[back]].at, 0.5f, &half);
-  smap_touch(w, i, &half, middle);
-  smap_touch(w, j, &half, chord);
-  smap_mix(middle, chord, w->low[e], middle);
+  smap_meet(w, i, j, w->low[e], &half, &half, middle);
   smap_cross(p, q, chord);
   side->inwards = smap_dot(chord, middle) > 0.0f;
   if (side->inwards && smap_dot(d, d) > SMAP_STRAIGHT * w->map->size * w->map->size) {
