@@ -14,11 +14,13 @@
 static uint8_t smap_list_spots(const smap_many_work_t *w, const smap_aim_t *aim, float top,
                                float most, smap_spot_t *spot)
 {
+  const smap_aim_t plane = *aim; /* no store to a spot can alter it */
+  const uint8_t contacts = w->map->contacts;
   float along[3], across[3];
   uint8_t i, at, count = 0;
-  smap_frame(aim, along, across);
-  for (i = 0; i < w->map->contacts; i++) {
-    const float reach = smap_extent(w, i, aim);
+  smap_frame(&plane, along, across);
+  for (i = 0; i < contacts; i++) {
+    const float reach = smap_extent(w, i, &plane);
     smap_spot_t here;
     if (reach > most) {
       return 0;
@@ -26,7 +28,7 @@ static uint8_t smap_list_spots(const smap_many_work_t *w, const smap_aim_t *aim,
     if (!(reach >= top)) {
       continue;
     }
-    smap_find_spot(w, i, aim, along, across, &here);
+    smap_find_spot(w, i, &plane, along, across, &here);
     for (at = count++; at > 0 && (spot[at - 1].b > here.b ||
                                   (spot[at - 1].b == here.b && spot[at - 1].a < here.a)); at--) {
       spot[at] = spot[at - 1];
@@ -82,10 +84,21 @@ static uint8_t smap_corners_near(const smap_many_work_t *w, const smap_aim_t *at
 }
 #endif
 
+static inline float smap_apart2(const smap_spot_t *p, const smap_spot_t *q)
+{
+  return (q->a - p->a) * (q->a - p->a) + (q->b - p->b) * (q->b - p->b);
+}
+
 /* Whether a polygon is at least `width` wide in every direction. */
 static int smap_wide(const smap_spot_t *spot, const uint8_t *corner, uint8_t n, float width)
 {
   uint8_t i, j;
+  if (n == 3) {
+    const smap_spot_t *a = &spot[corner[0]], *b = &spot[corner[1]], *c = &spot[corner[2]];
+    const float area = smap_bend_of(a, b, c), wanted = area / width, most = wanted * wanted;
+    return area > 0.0f && smap_apart2(a, b) <= most && smap_apart2(b, c) <= most &&
+           smap_apart2(c, a) <= most;
+  }
   for (i = 0; i < n; i++) {
     const uint8_t next = (uint8_t)(i + 1 < n ? i + 1 : 0);
     const smap_spot_t *o = &spot[corner[i]], *q = &spot[corner[next]];

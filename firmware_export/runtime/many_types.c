@@ -138,7 +138,8 @@ typedef struct {
   smap_facet_t facet[SMAP_MANY_FACETS];
   uint8_t vertex[SMAP_MANY_EDGES], twin[SMAP_MANY_EDGES], next[SMAP_MANY_EDGES];
   uint8_t owner[SMAP_MANY_EDGES], wall_of[SMAP_MANY_EDGES], point_of[SMAP_MANY_EDGES];
-  uint8_t side_of[SMAP_MANY_EDGES], seen[SMAP_MANY_EDGES];
+  uint8_t side_of[SMAP_MANY_EDGES];
+  uint8_t seen[SMAP_MANY_EDGES]; /* the island whose boundary it may be of, or SMAP_NONE */
   smap_row_t *roll; /* where the pose's points will be */
   uint8_t roll_of[SMAP_MANY_EDGES], rolls; /* of an arc, if it is known, by its lesser edge */
   float low[SMAP_MANY_EDGES]; /* SMAP_SHORT, SMAP_OPEN, or from which part of the edge on it holds */

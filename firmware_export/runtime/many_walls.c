@@ -179,6 +179,7 @@ static void smap_push(smap_many_work_t *w, smap_many_pose_t *o, uint8_t wall, ui
   segment->wall = wall;
   segment->start = start;
   segment->stop = stop;
+  segment->bent = 0;
   o->at.segments++;
 }
 
@@ -222,24 +223,27 @@ static int smap_is_inner(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start
     left--;
   } while (e != start && left > 0);
   do {
-    w->seen[e] = o->at.side[w->side_of[e]].inner = 1;
+    w->seen[e] = SMAP_NONE;
+    o->at.side[w->side_of[e]].inner = 1;
     e = smap_onward(w, w->twin[e]);
     left++;
   } while (e != start && left > 0);
   return 1;
 }
 
-/* Append the loop of an island's boundary from an edge on. */
+/* Append the loop of an island's boundary from an edge on.  Without a gap it is convex: nothing of it is
+ * bent. */
 static void smap_loop(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start, uint8_t island)
 {
   const uint8_t first = o->at.segments;
-  uint8_t e = start, left = SMAP_MANY_EDGES, k;
+  uint8_t e = start, left = SMAP_MANY_EDGES, k, gaps = 0;
   do {
-    w->seen[e] = 1;
+    w->seen[e] = SMAP_NONE;
+    gaps = gaps || smap_is_gap(w, e);
     e = smap_follow(w, o, e);
     left--;
   } while (e != start && left > 0 && !w->failed);
-  for (k = first; k < o->at.segments && !w->failed; k++) {
+  for (k = first; gaps && k < o->at.segments && !w->failed; k++) {
     const smap_segment_t *next = &o->at.segment[k + 1 < o->at.segments ? k + 1 : first];
     o->at.segment[k].bent = smap_dot(o->wall[o->at.segment[k].wall], o->point[next->stop]) < 1e-4f;
     o->at.convex[island] = o->at.convex[island] && !o->at.segment[k].bent;
@@ -251,18 +255,17 @@ static void smap_find_boundary(smap_many_work_t *w, smap_many_pose_t *o)
 {
   uint8_t e, k;
   for (e = 0; e < w->edges; e++) {
-    w->seen[e] = w->facet[w->owner[e]].kind != SMAP_REST || w->low[e] == SMAP_SHORT ||
-                 w->facet[w->owner[e]].shown == SMAP_NONE;
+    const smap_facet_t *f = &w->facet[w->owner[e]];
+    w->seen[e] = f->kind != SMAP_REST || f->shown == SMAP_NONE || w->low[e] == SMAP_SHORT
+                     ? (uint8_t)SMAP_NONE
+                     : o->at.island[f->shown];
   }
   for (k = 0; k < o->at.shown; k++) {
     o->at.first[k] = o->at.segments;
     o->at.convex[k] = 1;
-    if (o->at.island[k] == k && o->at.kind[k] == SMAP_REST) {
-      for (e = 0; e < w->edges && !w->failed; e++) {
-        if (!w->seen[e] && o->at.island[w->facet[w->owner[e]].shown] == k &&
-            !(smap_is_gap(w, e) && smap_is_inner(w, o, e))) {
-          smap_loop(w, o, e, k);
-        }
+    for (e = 0; o->at.island[k] == k && o->at.kind[k] == SMAP_REST && e < w->edges; e++) {
+      if (w->seen[e] == k && !w->failed && !(smap_is_gap(w, e) && smap_is_inner(w, o, e))) {
+        smap_loop(w, o, e, k);
       }
     }
     o->at.last[k] = o->at.segments;
