@@ -143,33 +143,28 @@ static int smap_lost(const smap_many_work_t *w, const float a[3], const float b[
   return span[0] < span[1] && span[0] < o->high && span[1] > o->low;
 }
 
-/* The line of an edge that the robot came over: its begin, its direction, its length squared. */
-typedef struct {
-  float from[3], along[3], size2;
-} smap_line_t;
-
-static float smap_beside(const float p[3], const smap_line_t *line)
+/* Whether a place is within a distance (squared) of the line from a along a direction. */
+static int smap_beside(const float p[3], const float a[3], const float along[3], float band2)
 {
   float arm[3], c[3];
-  smap_minus(p, line->from, arm);
-  smap_cross(arm, line->along, c);
-  return smap_dot(c, c) / line->size2;
+  smap_minus(p, a, arm);
+  smap_cross(arm, along, c);
+  return smap_dot(c, c) < band2 * smap_dot(along, along);
 }
 
-static void smap_line(const smap_many_work_t *w, uint8_t e, smap_line_t *o)
-{
-  smap_copy(smap_corner(w, e), o->from);
-  smap_minus(smap_end(w, e), o->from, o->along);
-  o->size2 = smap_dot(o->along, o->along);
-}
-
-/* Whether the robot goes on over an edge, which is not the way back, and over which part. */
-static int smap_leaves(const smap_many_work_t *w, const smap_line_t *line, uint8_t e,
-                       const smap_held_t *o, float span[2])
+/* Whether the robot goes on over an edge, which is not the way back over that on which it came, and over
+ * which part. */
+static int smap_leaves(const smap_many_work_t *w, uint8_t came, uint8_t e, const smap_held_t *o,
+                       float span[2])
 {
   const float band2 = w->map->band > 0.0f ? w->map->band * w->map->band : 0.0f;
-  const float *p = smap_corner(w, e), *q = smap_end(w, e);
-  return smap_lost(w, p, q, o, span) && !(smap_beside(p, line) < band2 && smap_beside(q, line) < band2);
+  const float *p = smap_corner(w, e), *q = smap_end(w, e), *a = smap_corner(w, came);
+  float along[3];
+  if (!smap_lost(w, p, q, o, span)) {
+    return 0;
+  }
+  smap_minus(smap_end(w, came), a, along);
+  return !(smap_beside(p, a, along, band2) && smap_beside(q, a, along, band2));
 }
 
 /* Leave of a part of the segment that for which the way to a facet after `turn` more may be taken:
@@ -239,10 +234,8 @@ static int smap_hold_last(const smap_many_work_t *w, uint8_t came, smap_held_t *
 {
   float span[2];
   uint8_t at, left = SMAP_MANY_EDGES;
-  smap_line_t line;
-  smap_line(w, came, &line);
   for (at = smap_onward(w, came); at != came && left > 0 && o->low < o->high; left--) {
-    if (smap_leaves(w, &line, at, o, span)) {
+    if (smap_leaves(w, came, at, o, span)) {
       smap_forbid(o, span[0], span[1]);
     }
     at = smap_onward(w, at);
@@ -269,11 +262,9 @@ static int smap_hold_next(smap_many_work_t *w, uint8_t came, smap_held_t *o, sma
   const uint8_t first = *ends;
   float span[2];
   uint8_t at, left = SMAP_MANY_EDGES;
-  smap_line_t line;
   smap_held_t next;
-  smap_line(w, came, &line);
   for (at = smap_onward(w, came); at != came && left > 0 && o->low < o->high; left--) {
-    if (smap_leaves(w, &line, at, o, span)) {
+    if (smap_leaves(w, came, at, o, span)) {
       if (*ends < SMAP_ENDS && smap_roll_on(w, at, o, span, &next) &&
           smap_hold_last(w, w->twin[at], &next)) {
         smap_keep(w, at, &next, span, o, &end[*ends]);
@@ -297,11 +288,9 @@ static void smap_hold_rest(smap_many_work_t *w, uint8_t came, smap_held_t *o, sm
 {
   float span[2];
   uint8_t e, left = SMAP_MANY_EDGES;
-  smap_line_t line;
   smap_held_t next;
-  smap_line(w, came, &line);
   for (e = smap_onward(w, came); e != came && left > 0 && o->low < o->high; left--) {
-    if (smap_leaves(w, &line, e, o, span)) {
+    if (smap_leaves(w, came, e, o, span)) {
       if (*ends < SMAP_ENDS && smap_roll_on(w, e, o, span, &next) &&
           smap_hold_next(w, w->twin[e], &next, end, ends) && *ends < SMAP_ENDS) {
         smap_keep(w, e, &next, span, o, &end[*ends]);

@@ -204,9 +204,12 @@ static const float *smap_end(const smap_many_work_t *w, uint8_t e)
   return w->corner[w->next[e]];
 }
 
+/* Whether it is 0 to 1, by its bits: a negative number's are the largest. */
 static int smap_is_gap(const smap_many_work_t *w, uint8_t e)
 {
-  return w->low[e] >= 0.0f && w->low[e] <= 1.0f;
+  uint32_t bits;
+  memcpy(&bits, &w->low[e], sizeof bits);
+  return bits <= 0x3F800000u;
 }
 
 /* Begin a facet of some corners, from edge w->edges on; 0 where there is no room. */
