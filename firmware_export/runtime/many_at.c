@@ -3,6 +3,8 @@
 /* ---- reading many contacts --------------------------------------------------------------------------- */
 /* One direction of gravity against a pose, float. */
 
+#define SMAP_BEYOND 0.01f /* a sine beyond guard and slack: what tips is no further inside a wall */
+
 /* The sine of the angle between g and a point of the boundary; 1 from a right angle on. */
 static float smap_point_sine(const float p[3], const float g[3])
 {
@@ -16,15 +18,16 @@ static float smap_point_sine(const float p[3], const float g[3])
 
 /* The distance (sine) of g from some segments, if it is less than `least`, and the wall of the
  * nearest.  Seen from `inside` only walls in front can be nearest, and ends where the boundary is
- * bent.  No place on a wall is nearer than the wall. */
+ * bent; of what is convex, seen from outside, only walls that are less than `top` in front.  No place on
+ * a wall is nearer than the wall. */
 static float smap_nearest(const smap_many_pose_t *o, const smap_segment_t *s,
-                          const smap_segment_t *end, const float g[3], int inside, float least,
-                          uint8_t *which)
+                          const smap_segment_t *end, const float g[3], int inside, float top,
+                          float least, uint8_t *which)
 {
   for (; s < end; s++) {
     const float *n = o->wall[s->wall];
     float away = smap_dot(n, g), c[3];
-    if (away >= least) {
+    if (away >= top) {
       continue;
     }
     if (away < 0.0f) {
@@ -44,6 +47,7 @@ static float smap_nearest(const smap_many_pose_t *o, const smap_segment_t *s,
     }
     if (away < least) {
       least = away;
+      top = least < top ? least : top;
       *which = s->wall;
     }
   }
@@ -56,6 +60,7 @@ static float smap_boundary(const smap_many_pose_t *o, uint8_t facet, const float
 {
   const uint8_t island = o->at.island[facet];
   const smap_segment_t *middle = o->at.segment + o->at.begin[facet];
+  const float top = o->at.convex[facet] ? SMAP_BEYOND : 1.0f;
   float near = 1.0f;
   if (inside && o->at.convex[facet]) {
     uint8_t k;
@@ -68,8 +73,9 @@ static float smap_boundary(const smap_many_pose_t *o, uint8_t facet, const float
     }
     return near;
   }
-  near = smap_nearest(o, middle, o->at.segment + o->at.last[island], g, inside, near, which);
-  return smap_nearest(o, o->at.segment + o->at.first[island], middle, g, inside, near, which);
+  near = smap_nearest(o, middle, o->at.segment + o->at.last[island], g, inside, top, near, which);
+  return smap_nearest(o, o->at.segment + o->at.first[island], middle, g, inside,
+                      near < top ? near : top, near, which);
 }
 
 /* Whether a direction lies on the inner side of a strip's side. */

@@ -165,12 +165,12 @@ static inline int smap_is_far_i(const int32_t c[3], int32_t least)
 /* As smap_nearest; the distance is 32767 |g| times the sine, rounded down. */
 static int32_t smap_nearest_i(const smap_many_pose_i_t *o, const smap_segment_t *s,
                               const smap_segment_t *end, const int32_t g[3], int inside,
-                              int32_t least, uint8_t *which)
+                              int32_t top, int32_t least, uint8_t *which)
 {
   for (; s < end; s++) {
     const int16_t *n = o->wall[s->wall], *p = o->point[s->stop];
     int32_t away = smap_dot_i(n, g), c[3];
-    if (away >= least) {
+    if (away >= top) {
       continue;
     }
     if (away < 0) {
@@ -197,6 +197,7 @@ static int32_t smap_nearest_i(const smap_many_pose_i_t *o, const smap_segment_t 
     }
     if (away < least) {
       least = away;
+      top = least < top ? least : top;
       *which = s->wall;
     }
   }
@@ -204,11 +205,13 @@ static int32_t smap_nearest_i(const smap_many_pose_i_t *o, const smap_segment_t 
 }
 
 /* As smap_boundary. */
-static int32_t smap_boundary_i(const smap_layout_t *at, const smap_many_pose_i_t *o, uint8_t facet, const int32_t g[3],
-                               int inside, int32_t least, uint8_t *which)
+static int32_t smap_boundary_i(const smap_layout_t *at, const smap_many_pose_i_t *o,
+                               uint8_t facet, const int32_t g[3], int inside, int32_t least,
+                               uint8_t *which)
 {
   const uint8_t island = at->island[facet];
   const smap_segment_t *middle = at->segment + at->begin[facet];
+  const int32_t top = at->convex[facet] ? least / 100 : least; /* SMAP_BEYOND */
   if (inside && at->convex[facet]) {
     uint8_t k;
     for (k = at->first[island]; k < at->last[island]; k++) {
@@ -220,11 +223,13 @@ static int32_t smap_boundary_i(const smap_layout_t *at, const smap_many_pose_i_t
     }
     return least;
   }
-  least = smap_nearest_i(o, middle, at->segment + at->last[island], g, inside, least, which);
-  return smap_nearest_i(o, at->segment + at->first[island], middle, g, inside, least, which);
+  least = smap_nearest_i(o, middle, at->segment + at->last[island], g, inside, top, least, which);
+  return smap_nearest_i(o, at->segment + at->first[island], middle, g, inside,
+                        least < top ? least : top, least, which);
 }
 
-static int smap_within_i(const smap_layout_t *at, const smap_many_pose_i_t *o, uint8_t side, const int32_t g[3], int32_t slack)
+static int smap_within_i(const smap_layout_t *at, const smap_many_pose_i_t *o, uint8_t side,
+                         const int32_t g[3], int32_t slack)
 {
   const smap_side_t *s = &at->side[side];
   uint8_t k;
@@ -239,7 +244,8 @@ static int smap_within_i(const smap_layout_t *at, const smap_many_pose_i_t *o, u
 }
 
 /* As smap_verdict. */
-static int smap_verdict_i(const smap_layout_t *at, const smap_many_pose_i_t *o, uint8_t f, const int32_t g[3], int32_t length)
+static int smap_verdict_i(const smap_layout_t *at, const smap_many_pose_i_t *o, uint8_t f,
+                          const int32_t g[3], int32_t length)
 {
   const int32_t guard = o->guard * length, slack = o->slack * length;
   uint8_t left, e;
@@ -304,8 +310,8 @@ static uint16_t smap_sdg_i(const smap_many_pose_i_t *o, uint8_t f, const int32_t
 
 /* Read a pose under a direction whose longest component is 16384 to 32768; `length` is that of it,
  * rounded up. */
-static smap_status_t smap_many_at_i(const smap_layout_t *at, const smap_many_pose_i_t *o, const int32_t g[3], uint32_t length,
-                                    smap_reading_i_t *out)
+static smap_status_t smap_many_at_i(const smap_layout_t *at, const smap_many_pose_i_t *o,
+                                    const int32_t g[3], uint32_t length, smap_reading_i_t *out)
 {
   const int32_t size = (int32_t)length, all = SMAP_ONE_I * (size - 1);
   int32_t rate = 0, least;
