@@ -156,7 +156,7 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "part = 1; part < 4; part++": _plain("3 places of an arc", 3),
     "k = (uint8_t)(e + 1u); k < w->edges; k++": EDGES,
     "f = 0; f < w->facets; f++": FACETS,
-    "k = 0; k < corners; k++": CONTACTS,
+    "; w->edges < last; w->edges++": CONTACTS,
     # support polygons
     "at = count++; at > 0 && (spot[at - 1].b > here.b || (spot[at - 1].b == here.b && "
     "spot[at - 1].a < here.a)); at--": CONTACTS,

@@ -216,7 +216,7 @@ static int smap_is_gap(const smap_many_work_t *w, uint8_t e)
 static int smap_enter(smap_many_work_t *w, const smap_aim_t *at, float h, uint8_t corners)
 {
   smap_facet_t *f = &w->facet[w->facets];
-  uint8_t k;
+  const uint8_t last = (uint8_t)(w->edges + corners);
   if (w->facets >= SMAP_MANY_FACETS || w->edges + corners > SMAP_MANY_EDGES) {
     w->failed = 1;
     return 0;
@@ -225,11 +225,10 @@ static int smap_enter(smap_many_work_t *w, const smap_aim_t *at, float h, uint8_
   f->h = h;
   f->first = w->edges;
   f->shown = SMAP_NONE;
-  for (k = 0; k < corners; k++) {
+  for (; w->edges < last; w->edges++) {
     w->twin[w->edges] = SMAP_NONE;
     w->owner[w->edges] = w->facets;
-    w->next[w->edges] = (uint8_t)(k + 1u < corners ? w->edges + 1u : f->first);
-    w->edges++;
+    w->next[w->edges] = (uint8_t)(w->edges + 1u < last ? w->edges + 1u : f->first);
   }
   w->facets++;
   return 1;
