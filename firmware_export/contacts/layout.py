@@ -73,7 +73,7 @@ def struct_bytes(name: str, macros: Mapping[str, int]) -> tuple[int, int]:
     Examples
     --------
     >>> struct_bytes("smap_side_t", {})
-    (4, 1)
+    (5, 1)
     """
     if name in _BASIC:
         return _BASIC[name]
