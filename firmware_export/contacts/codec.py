@@ -12,7 +12,7 @@ import numpy as np
 
 from firmware_export.contacts.closed import closed_form
 from firmware_export.contacts.layout import pose_words
-from firmware_export.contacts.many import GUARD, Many, many_of
+from firmware_export.contacts.many import Many, many_of
 from firmware_export.contacts.many import refusal as many_refusal
 from firmware_export.contacts.terms import Terms, terms_of
 from firmware_export.contacts.three import Three, three_of
@@ -89,7 +89,7 @@ def _tables(model: Model, channels: tuple[str, ...]) -> Tables:
         )
     else:
         many, terms = many_of(model)
-        guard, text = math.asin(GUARD), "a sine that is taken off every distance from the boundary"
+        guard, text = math.asin(min(many.guard, 1.0)), many.text
     tables = Tables(
         *(Spec(), channels, terms, three, many, MOST_ROOM, model.k, 1.02 * reach, guard, text)
     )

@@ -29,7 +29,7 @@
  * of their callers: the tables of an export are known, so most of what they say becomes constants.  Of
  * many contacts next to nothing is known. */
 #if defined(__GNUC__) && !defined(__OPTIMIZE_SIZE__) && defined(__OPTIMIZE__) && \
-    !defined(SMAP_HOST) && !SMAP_MANY
+    !defined(SMAP_HOST) && !defined(__AVR__) && !SMAP_MANY
 #define SMAP_INLINE static inline __attribute__((__always_inline__))
 #ifdef __clang__
 #define SMAP_UNROLL /* decides well by itself, and would warn of what it declines */
@@ -45,6 +45,11 @@
 #define SMAP_INLINE static inline
 #define SMAP_UNROLL
 #define SMAP_RARELY(condition) (condition)
+#endif
+
+#if defined(__AVR__) && defined(__GNUC__) && __GNUC__ < 8
+/* avr-gcc 5 fails ("in get_use_type") where it improves loops over what lies in flash. */
+#pragma GCC optimize("no-ivopts")
 #endif
 
 #define SMAP_PI 3.14159265f

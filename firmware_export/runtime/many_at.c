@@ -94,20 +94,23 @@ static int smap_within(const smap_many_pose_t *o, uint8_t side, const float g[3]
 }
 
 /* Whether a direction stands or rocks that pierces facet f first.  Beyond an edge of it is a strip,
- * and where planes are all but one it may lie on the facet at the far end. */
+ * and where planes are all but one it may lie on the facet at the far end.  The guard may be wide, for
+ * a com in a ball: nearer to an edge than that the robot may rock. */
 static int smap_verdict(const smap_many_pose_t *o, uint8_t f, const float g[3])
 {
   uint8_t left, e;
   for (left = 4; left > 0; left--) {
-    uint8_t beyond = 0, to = SMAP_NONE;
+    uint8_t beyond = 0, near = 0, to = SMAP_NONE;
     for (e = o->at.edge[f]; e < o->at.edge[f + 1]; e++) {
       const smap_rim_t *rim = &o->at.rim[e];
-      if (smap_dot(o->wall[rim->wall], g) >= o->guard) {
+      const float in = smap_dot(o->wall[rim->wall], g);
+      if (in >= o->hair) {
+        near = near || in < o->guard;
         continue;
       }
       beyond = 1;
       if (rim->side != SMAP_NONE) {
-        if (smap_dot(o->wall[rim->back], g) >= o->guard) {
+        if (smap_dot(o->wall[rim->back], g) >= o->hair) {
           to = rim->to;
         } else if (smap_within(o, rim->side, g) && smap_within(o, (uint8_t)(rim->side + 1u), g)) {
           return SMAP_ROCKS;
@@ -115,7 +118,7 @@ static int smap_verdict(const smap_many_pose_t *o, uint8_t f, const float g[3])
       }
     }
     if (!beyond) {
-      return o->at.kind[f] == SMAP_REST ? SMAP_OK : SMAP_TIPS;
+      return o->at.kind[f] != SMAP_REST ? SMAP_TIPS : near ? SMAP_ROCKS : SMAP_OK;
     }
     if (to == SMAP_NONE) {
       return SMAP_TIPS;

@@ -13,7 +13,7 @@
 typedef struct {
   int8_t shift;      /* of D: see smap_factor_i */
   uint16_t mantissa; /* of D */
-  int16_t guard, slack;
+  int16_t guard, hair, slack;
   uint16_t height[SMAP_MANY_SHOWN];
   int16_t plane[SMAP_MANY_SHOWN][3];
   int16_t centre[SMAP_MANY_SHOWN][3]; /* in two steps of sdg */
@@ -83,6 +83,7 @@ static void smap_many_make_i(const smap_many_pose_t *o, float sdg_step, float he
   }
   i->mantissa = (uint16_t)(factor < 65535.0f ? factor + 0.5f : 65535.0f);
   i->guard = (int16_t)((o->guard + SMAP_ROUNDED_I) * (float)SMAP_ONE_I + 1.0f);
+  i->hair = (int16_t)((o->hair + SMAP_ROUNDED_I) * (float)SMAP_ONE_I + 1.0f);
   i->slack = (int16_t)(o->slack * (float)SMAP_ONE_I);
 }
 
@@ -247,18 +248,20 @@ static int smap_within_i(const smap_layout_t *at, const smap_many_pose_i_t *o, u
 static int smap_verdict_i(const smap_layout_t *at, const smap_many_pose_i_t *o, uint8_t f,
                           const int32_t g[3], int32_t length)
 {
-  const int32_t guard = o->guard * length, slack = o->slack * length;
+  const int32_t hair = o->hair * length, slack = o->slack * length;
   uint8_t left, e;
   for (left = 4; left > 0; left--) {
-    uint8_t beyond = 0, to = SMAP_NONE;
+    uint8_t beyond = 0, near = 0, to = SMAP_NONE;
     for (e = at->edge[f]; e < at->edge[f + 1]; e++) {
       const smap_rim_t *rim = &at->rim[e];
-      if (smap_dot_i(o->wall[rim->wall], g) >= guard) {
+      const int32_t in = smap_dot_i(o->wall[rim->wall], g);
+      if (in >= hair) {
+        near = near || in < o->guard * length;
         continue;
       }
       beyond = 1;
       if (rim->side != SMAP_NONE) {
-        if (smap_dot_i(o->wall[rim->back], g) >= guard) {
+        if (smap_dot_i(o->wall[rim->back], g) >= hair) {
           to = rim->to;
         } else if (smap_within_i(at, o, rim->side, g, slack) &&
                    smap_within_i(at, o, (uint8_t)(rim->side + 1u), g, slack)) {
@@ -267,7 +270,7 @@ static int smap_verdict_i(const smap_layout_t *at, const smap_many_pose_i_t *o, 
       }
     }
     if (!beyond) {
-      return at->kind[f] == SMAP_REST ? SMAP_OK : SMAP_TIPS;
+      return at->kind[f] != SMAP_REST ? SMAP_TIPS : near ? SMAP_ROCKS : SMAP_OK;
     }
     if (to == SMAP_NONE) {
       return SMAP_TIPS;

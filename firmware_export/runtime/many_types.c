@@ -95,7 +95,7 @@ typedef char smap_holds_a_roll[SMAP_MANY_ROLLS > 0 ? 1 : -1];
 
 typedef struct {
   smap_layout_t at;
-  float guard, slack;
+  float guard, hair, slack;
   float plane[SMAP_MANY_SHOWN][3]; /* n / h */
   float centre[SMAP_MANY_SHOWN][3];
   float height[SMAP_MANY_SHOWN];

@@ -211,10 +211,17 @@ static uint8_t smap_follow(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
   return smap_onward(w, back);
 }
 
-/* Whether the strips round a contact hold all the way: then there is no boundary. */
+/* Whether the strips round a contact hold all the way: then there is no boundary.  The places where a
+ * ball touches are a patch, and no strip covers that. */
 static int smap_is_inner(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start)
 {
   uint8_t e = start, left = SMAP_MANY_EDGES;
+#if !SMAP_MANY_RAILS
+  const uint8_t contact = w->vertex[start];
+  if (w->r[contact] > 0.0f && !(smap_dot(w->axle[contact], w->axle[contact]) > 0.0f)) {
+    return 0;
+  }
+#endif
   do {
     if (w->low[e] != 0.0f) {
       return 0;

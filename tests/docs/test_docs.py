@@ -97,7 +97,7 @@ def test_the_readme_leads_to_a_reading_in_c_in_three_commands(
     assert held is not None
     assert said is not None
     assert held[1] == said[1]
-    assert float(re.search(r"largest error [^(]*\(([\d.]+) %\)", printed)[1]) <= float(said[2])  # type: ignore[index]
+    assert float(re.search(r"largest error [^(]*\(([\d.e-]+) %\)", printed)[1]) <= float(said[2])  # type: ignore[index]
     assert re.search(r"^stands$", ran(compiled), re.MULTILINE)
 
 
