@@ -145,7 +145,7 @@ def c_body(tables: Tables, integer: bool = False) -> CBody:
         return CBody(POINTS, arrays, 3, tuple(macros), POSE, tables.reach / STEPS)
     assert many is not None
     contacts = len(many.order)
-    facets, edges, rolls, shown, walls, segments, points, sides = tables.room
+    facets, edges, _, shown, walls, segments, points, sides = tables.room
     rails = len(many.first) - 1
     macros += [
         ("SMAP_MANY_BY_RAILS" if rails else "SMAP_MANY_SEARCH", 1),
@@ -153,7 +153,6 @@ def c_body(tables: Tables, integer: bool = False) -> CBody:
         ("SMAP_MANY_RAILS", rails),
         ("SMAP_MANY_FACETS", facets),
         ("SMAP_MANY_EDGES", edges),
-        ("SMAP_MANY_ARCS", rolls),
         ("SMAP_MANY_SHOWN", shown),
         ("SMAP_MANY_WALLS", walls),
         ("SMAP_MANY_LINKS", max(segments, points)),
