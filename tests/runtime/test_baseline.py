@@ -78,6 +78,12 @@ def test_a_function_that_needs_no_stack_may_be_compared() -> None:
     ]
 
 
+def test_what_is_less_than_nothing_is_not_worse_than_itself() -> None:
+    assert baseline.compare(content(min=-1), content(min=-1)) == ([], [])
+    worse, better = baseline.compare(content(min=-1), content(min=-3))
+    assert (len(worse), len(better)) == (0, 1)
+
+
 def test_an_export_that_no_longer_fits_a_part_is_worse() -> None:
     found = content()
     found["rows"]["a"]["boards"]["m4f"]["-O2"] = {}
