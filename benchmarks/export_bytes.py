@@ -6,20 +6,19 @@
 
 import sys
 import time
-from dataclasses import replace
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 
 from benchmarks.rivals import RIVALS, Floats, Points, Result, exact_components, polynomials
 from firmware_export.certify.answers import Truth, device, truth
-from firmware_export.choose.choice import Goal
-from firmware_export.choose.choice import try_codec as try_sizes
+from firmware_export.choose.choice import Goal, choose
 from firmware_export.choose.trials import Trials
 from firmware_export.codecs import usable
-from firmware_export.protocol import CodecInfo
 from firmware_export.truth.model import Model
 from firmware_export.truth.sample import Sample, biased, join, uniform
+from lutgen.errors import ExportError
 from lutgen.recipe.recipe import load_recipe
 
 RECIPE = Path(__file__).parents[1] / "maps" / "paper_two.toml"
@@ -30,10 +29,8 @@ SIZES = ((1400, "1.4 kB"), (16 << 10, "16 KiB"), (64 << 10, "64 KiB"))
 POINTS, FIT_POINTS = 500_000, 40_000
 # Beyond the seeds of choices and certificates.
 SEED, FIT_SEED = 2001, 2002
-# How accurate the largest export of the codecs that are climbed shall be, percent.
-FINEST = 0.01
-# Climbing `grid` takes longer than all the rest: bits, nodes per parameter and per side instead.
-LADDER = ((8, 3, 5), (8, 4, 7), (8, 5, 9), (16, 5, 9), (16, 7, 13))
+# What the largest exports are tried for, percent.
+FINER = (0.1, 0.01)
 
 
 def points_of(sample: Sample, model: Model) -> tuple[Truth, Points]:
@@ -55,34 +52,20 @@ def components_of(known: Truth, model: Model) -> Floats:
     return exact_components(model, known.sample.params, known.sample.gravity)[standing]
 
 
-def try_codec(trials: Trials, codec: CodecInfo) -> None:
-    """Encode some sizes of a codec."""
-    if codec.name != "grid":
-        try_sizes(trials, codec, Goal(None, FINEST))
-        return
-    spec = codec.sizes(trials.model, CHANNELS, "float")[0]
-    for bits, per_parameter, per_side in LADDER:
-        most = (*[per_parameter] * trials.model.k, per_side, per_side)
-        # One node stands for an axis on which a table does not depend.
-        nodes = tuple(
-            (table, tuple(1 if few == 1 else n for few, n in zip(shape, most, strict=True)))
-            for table, shape in spec.nodes
-        )
-        trials.try_out(codec, replace(spec, bits=bits, nodes=nodes))
-
-
 def ours(model: Model, known: Truth, span: float) -> dict[str, list[Result]]:
     """Measure what each codec tried on the common sample.
 
     The tip angle is always held, and so is the height; where the guard says "tips" there is no
     |SD_g| to compare.
     """
-    trials = Trials(model, "paper_two", CHANNELS, "float")
     results: dict[str, list[Result]] = {}
     for codec in usable(model, "float"):
-        try_codec(trials, codec)
+        trials = Trials(model, "paper_two", CHANNELS, "float")
+        for percent in (*ERRORS, *FINER):
+            with suppress(ExportError):
+                choose(trials, [codec], Goal(None, percent))
         found = results[f"**{codec.name}**, with verdict and height"] = []
-        own = [one for one in trials.candidates if one.export.codec == codec.name]
+        own = trials.candidates
         for one in own:
             # What is beaten on the chooser's sample need not be measured again.
             if any(o.bytes <= one.bytes and o.error < one.error for o in own):

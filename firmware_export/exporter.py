@@ -4,7 +4,6 @@ Owns the order of the steps and the defaults; each step is a module of its own.
 """
 
 import logging
-import math
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -31,9 +30,6 @@ log = logging.getLogger("lutgen")
 
 # Certificates that may refuse a choice before the search is given up.
 ATTEMPTS = 6
-# Certificates of one choice, each but the first after the guard was raised: by so many times what
-# was found beyond it, and by so many rad at least and at most.
-GUARDS, BEYOND, LEAST_GUARD, MOST_GUARD = 4, 2.0, 5e-4, 0.05
 # Share of what stands that an export may report as unsafe at most.
 USELESS = 0.25
 # Bytes of the export that is made where nothing was asked for and nothing reaches the knee.
@@ -225,7 +221,7 @@ def _certified(
     for _ in range(ATTEMPTS):
         chosen = choose(trials, codecs, goal)
         tell(f"certifying {chosen.label}, {chosen.total:,} bytes")
-        chosen, certificate = _guarded(chosen, trials, bound, points, tell)
+        certificate = examine(chosen.export, trials, bound, points)
         certificate.refuse_false_safe(f"{trials.model.recipe.source}: {chosen.label}")
         if bound is None:
             return chosen, certificate, bound
@@ -238,37 +234,6 @@ def _certified(
         f"{trials.model.recipe.source}: no export was certified to an error of {bound} (got "
         f"{found:.3g} for {chosen.label}, {chosen.total:,} bytes); allow a larger error."
     )
-
-
-def _guarded(
-    chosen: Candidate,
-    trials: Trials,
-    bound: ErrorBound | None,
-    points: int,
-    tell: Callable[[str], None],
-) -> tuple[Candidate, Certificate]:
-    """Return a candidate and its certificate; the guard grows by what gets past it.
-
-    Only where a codec says that its guard leaves something to the certificate: facets so narrow
-    that their normals mean little.  Each certificate hunts from points that no other has seen.
-    """
-    certificate = examine(chosen.export, trials, bound, points)
-    for attempt in range(1, GUARDS):
-        tables = chosen.export.tables
-        if not certificate.false_safe or not tables.guard_grows:
-            break
-        more = BEYOND * max(-certificate.nearest, LEAST_GUARD)
-        if more > MOST_GUARD:
-            break  # no matter of narrow facets
-        tell(f"raising the guard by {math.degrees(more):.2g} deg")
-        text = (
-            f"{tables.guard_text}; {math.degrees(more):.2g} deg of the guard are for facets "
-            "narrower than that holds for, as the search of the certificate found them"
-        )
-        tables = replace(tables, guard=tables.guard + more, guard_text=text)
-        chosen = replace(chosen, export=replace(chosen.export, tables=tables))
-        certificate = examine(chosen.export, trials, bound, points, SEED + attempt)
-    return chosen, certificate
 
 
 def described(certificate: Certificate, export: Export) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from firmware_export.emit.runtime import SWITCHES, parts_of, runtime_file
-from targets.size import SEARCHED, USUAL, program
+from targets.size import USUAL, program
 
 __all__ = ["PROGRAMS", "place", "program_text", "runtime_parts"]
 
@@ -16,6 +16,8 @@ PROGRAMS: dict[str, tuple[str, ...]] = {
     "rails": ("SMAP_MANY", "SMAP_MANY_BY_RAILS", "SMAP_FLOATS", "SMAP_INTEGERS"),
     "search": ("SMAP_MANY", "SMAP_MANY_SEARCH", "SMAP_FLOATS", "SMAP_INTEGERS"),
 }
+# Without rails there is none to hold; all else is as large as it can be.
+SEARCHED = {"SMAP_MANY_RAILS": 0}
 
 
 def runtime_parts() -> dict[str, str]:

@@ -154,9 +154,11 @@ def _judge(
         return
     share = f" ({100.0 * (new - old) / old:+.1f} %)" if old else ""
     text = f"{label}: {old:,} in the baseline, now {new:,}{share}"
-    if new > old * (1.0 + TOLERANCE):
+    # What the integer form adds to a posture may be less than nothing.
+    room = abs(old) * TOLERANCE
+    if new > old + room:
         worse.append(text)
-    elif new < old * (1.0 - TOLERANCE):
+    elif new < old - room:
         better.append(text)
 
 

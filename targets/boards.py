@@ -4,6 +4,7 @@ import shutil
 from dataclasses import dataclass, field
 
 OPTIMISATIONS = ("-O2", "-Os")
+FAST = ("-O2",)
 STRICT = ("-std=c99", "-ffp-contract=off")
 # avr-gcc knows address spaces in GNU C only; it never fuses a multiplication and an addition.
 GNU = ("-std=gnu99", "-ffp-contract=off")
@@ -45,6 +46,8 @@ class Board:
         Bytes; an image beyond them does not fit.
     unit : str
         What is counted; empty where nothing is.
+    options : tuple of str
+        Optimisations: of boards that differ in little from another, one.
     """
 
     name: str
@@ -58,6 +61,7 @@ class Board:
     flash: int = 1 << 22
     ram: int = 1 << 22
     unit: str = "instructions"
+    options: tuple[str, ...] = OPTIMISATIONS
 
     @property
     def family(self) -> str:
@@ -85,6 +89,7 @@ def _arm(
     cpu: str,
     ticks: float,
     memory: tuple[int, int, int, int] = (0, 1 << 22, 0x20000000, 1 << 22),
+    options: tuple[str, ...] = OPTIMISATIONS,
 ) -> Board:
     flags = (*f"-mthumb {cpu} --specs=picolibc.specs".split(), *STRICT)
     emulator = (
@@ -95,10 +100,11 @@ def _arm(
     return Board(
         *(name, title, "arm-none-eabi-", flags, _picolibc(*memory), tuple(emulator.split())),
         *(ARM_PACKAGES, ticks, memory[1], memory[3]),
+        options=options,
     )
 
 
-def _riscv(name: str, title: str, cpu: str) -> Board:
+def _riscv(name: str, title: str, cpu: str, options: tuple[str, ...] = OPTIMISATIONS) -> Board:
     flags = (*f"{cpu} -mcmodel=medany --specs=picolibc.specs".split(), *STRICT)
     emulator = (
         "qemu-system-riscv32 -M virt -bios none -nographic -monitor none -serial none "
@@ -107,14 +113,22 @@ def _riscv(name: str, title: str, cpu: str) -> Board:
     )
     link = _picolibc(0x80000000, 0x400000, 0x80400000, 0x400000)
     prefix = "riscv64-unknown-elf-"
-    return Board(name, title, prefix, flags, link, tuple(emulator.split()), RISCV_PACKAGES)
+    board = (name, title, prefix, flags, link, tuple(emulator.split()), RISCV_PACKAGES)
+    return Board(*board, options=options)
 
 
-def _avr(name: str, title: str, mcu: str, flash: int, ram: int) -> Board:
+def _avr(
+    name: str,
+    title: str,
+    mcu: str,
+    memory: tuple[int, int],
+    options: tuple[str, ...] = OPTIMISATIONS,
+) -> Board:
     emulator = ("simavr", "-m", mcu, "-f", "16000000")
     flags = (f"-mmcu={mcu}", *GNU)
     board = (name, title, "avr-", flags, ("-Wl,--gc-sections",), emulator, AVR_PACKAGES)
-    return Board(*board, flash=flash, ram=ram, unit="cycles")
+    flash, ram = memory
+    return Board(*board, flash=flash, ram=ram, unit="cycles", options=options)
 
 
 BOARDS = (
@@ -122,7 +136,10 @@ BOARDS = (
         *("m0", "Cortex-M0", "microbit", "-mcpu=cortex-m0 -mfloat-abi=soft", 16.384),
         (0, 256 << 10, 0x20000000, 16 << 10),
     ),
-    _arm("m3", "Cortex-M3", "mps2-an385", "-mcpu=cortex-m3 -mfloat-abi=soft", 25.6),
+    _arm(
+        *("m3", "Cortex-M3", "mps2-an385", "-mcpu=cortex-m3 -mfloat-abi=soft", 25.6),
+        options=FAST,
+    ),
     _arm(
         *("m4f", "Cortex-M4F", "mps2-an386"),
         *("-mcpu=cortex-m4 -mfloat-abi=hard -mfpu=fpv4-sp-d16", 25.6),
@@ -130,16 +147,18 @@ BOARDS = (
     _arm(
         *("m7f", "Cortex-M7F", "mps2-an500"),
         *("-mcpu=cortex-m7 -mfloat-abi=hard -mfpu=fpv5-d16", 25.6),
+        options=FAST,
     ),
     _arm(
         *("m33", "Cortex-M33", "mps2-an505"),
         *("-mcpu=cortex-m33 -mfloat-abi=hard -mfpu=fpv5-sp-d16", 20.48),
         (0x10000000, 1 << 22, 0x38000000, 1 << 22),
+        options=FAST,
     ),
     _riscv("rv32imc", "RV32IMC", "-march=rv32imc -mabi=ilp32"),
-    _riscv("rv32imafc", "RV32IMAFC", "-march=rv32imafc -mabi=ilp32f"),
-    _avr("mega328p", "ATmega328P", "atmega328p", 32 << 10, 2 << 10),
-    _avr("mega2560", "ATmega2560", "atmega2560", 256 << 10, 8 << 10),
+    _riscv("rv32imafc", "RV32IMAFC", "-march=rv32imafc -mabi=ilp32f", FAST),
+    _avr("mega328p", "ATmega328P", "atmega328p", (32 << 10, 2 << 10)),
+    _avr("mega2560", "ATmega2560", "atmega2560", (256 << 10, 8 << 10), FAST),
     Board(
         *("wasm", "WebAssembly", ""),
         ("--target=wasm32", "-mcpu=mvp", "-ffreestanding", *STRICT),

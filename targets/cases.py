@@ -15,10 +15,9 @@ from typing import Any
 import numpy as np
 
 from firmware_export.codecs import CODECS, usable
-from firmware_export.emit import package
+from firmware_export.emit import package, report
 from firmware_export.emit.runtime import features, runtime_text
 from firmware_export.emit.source import body_of, source_text
-from firmware_export.grid import lookup
 from firmware_export.grid.spec import Spec
 from firmware_export.grid.tables import SPAN, Part, Tables, U, V, places_of
 from firmware_export.protocol.exported import Export
@@ -26,6 +25,7 @@ from firmware_export.truth.model import Model
 from lutgen.errors import ExportError
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe.recipe import Recipe, load_recipe, parse_recipe
+from targets.boards import BOARDS
 
 ROOT = Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build" / "targets"
@@ -33,6 +33,13 @@ MAPS = ROOT / "build" / "maps"
 # Robots whose contacts are computed, one of each kind of code: rails, many of them, rigid wheels,
 # axes that are not parallel, three points.
 ROBOTS = ("marv", "absolem", "excavator", "articulated", "paper_two", "three_leg_sphere")
+# The others of maps/, whose code is that of one of them: counted on one board, for their reports.
+COUNTED_ONCE = ("markhor", "paper_one")
+# Code of many contacts is larger than all flash of this board.
+WITHOUT: dict[str, tuple[str, ...]] = {
+    name: ("mega328p",) for name in ("marv", "absolem", "excavator", "articulated")
+}
+WITHOUT |= {name: tuple(one.name for one in BOARDS if one.name != "m4f") for name in COUNTED_ONCE}
 VERDICT = ("tip_angle",)
 # What tables depend on: the codecs, and the exact kernels that they ask.
 SOURCES = (
@@ -74,8 +81,9 @@ max_tilt = 60.0
 nodes = 11
 channels = ["sdg", "tip_angle", "height"]
 """
-# Sizes of about 1 % of largest error, and of polynomials to 0.1 mm.
-GRID_SPEC = lookup.Spec(16, ((1, 8), (8, 1), (1, 1)))
+# Sizes of docs/measured/exports.md.
+POLY = "poly 0x2 2x0 0x0"
+GRIDS = {"float": "grid i16 1x8 9x1 1x1", "integer": "grid i16 1x10 11x1 1x1"}
 
 
 @dataclass(frozen=True)
@@ -90,11 +98,14 @@ class Case:
         Returns the export; it may take long.
     folder : path, optional
         The folder of `make maps` whose tables must be the same.
+    without : tuple of str
+        Boards that it is not run on, as docs/measured/targets.md says.
     """
 
     name: str
     make: Callable[[], Export]
     folder: Path | None = None
+    without: tuple[str, ...] = ()
 
 
 def encoded(model: Model, name: str, channels: tuple[str, ...], spec: Any) -> Any:
@@ -114,8 +125,8 @@ def encoded(model: Model, name: str, channels: tuple[str, ...], spec: Any) -> An
     return tables
 
 
-def of_recipe(name: str, kind: str, arithmetic: str = "float", spec: Any = None) -> Export:
-    """Return the export of a recipe in a codec, of its smallest size by default."""
+def of_recipe(name: str, kind: str, arithmetic: str = "float", label: str = "") -> Export:
+    """Return the export of a recipe in a codec, of its smallest size if no label tells another."""
     model = Model(load_recipe(ROOT / "maps" / f"{name}.toml"))
     channels = tuple(
         channel
@@ -123,7 +134,7 @@ def of_recipe(name: str, kind: str, arithmetic: str = "float", spec: Any = None)
         if channel in model.recipe.channels or channel == "tip_angle"
     )
     one = usable(model, arithmetic, kind)[0]
-    size = spec or one.sizes(model, channels, arithmetic)[0]
+    size = one.read_label(label) if label else one.sizes(model, channels, arithmetic)[0]
     tables = encoded(model, kind, channels, size)
     return Export(name, model.recipe, model, kind, arithmetic, channels, tables)
 
@@ -150,13 +161,20 @@ def _paper_two() -> Recipe:
 def cases() -> list[Case]:
     """Return all rows."""
     rows = [
-        Case(name, partial(of_recipe, name, "contacts"), MAPS / name / "firmware")
-        for name in ROBOTS
+        Case(
+            name,
+            partial(of_recipe, name, "contacts"),
+            MAPS / name / "firmware",
+            WITHOUT.get(name, ()),
+        )
+        for name in (*ROBOTS, *COUNTED_ONCE)
     ]
-    rows.append(Case("paper_two_poly", partial(of_recipe, "paper_two", "poly")))
+    folder = MAPS / "paper_two" / "firmware"
+    poly = partial(of_recipe, "paper_two", "poly", "float", POLY)
+    rows.append(Case("paper_two_poly", poly, folder))
     for arithmetic in ("float", "integer"):
-        make = partial(of_recipe, "paper_two", "grid", arithmetic, GRID_SPEC)
-        rows.append(Case(f"paper_two_grid_{arithmetic}", make))
+        make = partial(of_recipe, "paper_two", "grid", arithmetic, GRIDS[arithmetic])
+        rows.append(Case(f"paper_two_grid_{arithmetic}", make, folder))
         two = partial(of_noise, arithmetic, parse_recipe(STOOL), (17, 17))
         rows.append(Case(f"gravity_2d_{arithmetic}", two))
         four = partial(of_noise, arithmetic, _paper_two(), (13, 13, 21, 21))
@@ -177,6 +195,9 @@ def written(case: Case) -> tuple[Export, Path]:
 
 def _compare(export: Export, folder: Path) -> None:
     """Refuse a folder of `make maps` that is another export than that of its recipe."""
+    known = report.load_report(folder)
+    if (known["spec"], known["arithmetic"]) != (export.tables.spec.label, export.arithmetic):
+        return  # the same robot, held in another way
     body = body_of(export)
     runtime = (folder / "smap.c").read_text(encoding="utf-8")
     held = (folder / f"{export.name}.c").read_text(encoding="utf-8")

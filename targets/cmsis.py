@@ -15,6 +15,7 @@ import sys
 import tarfile
 import tempfile
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from statistics import median_low
 
@@ -78,9 +79,9 @@ def fetch() -> Path | None:
     return folder
 
 
-def even_stool() -> Export:
+def even_stool(arithmetic: str = "float") -> Export:
     """Return a table over gravity with evenly spaced nodes, which is all that CMSIS knows."""
-    return of_noise("float", parse_recipe(STOOL), (17, 17))
+    return of_noise(arithmetic, parse_recipe(STOOL), (17, 17))
 
 
 def header(export: Export) -> str:
@@ -97,8 +98,6 @@ def header(export: Export) -> str:
     probes = ", ".join("0.0f / 0.0f" if x != x else floats(np.array([x])) for x in PROBES)
     return "\n".join(
         [
-            f'#include "{export.name}.h"',
-            f"#define MAP {export.name}",
             f"#define NODES {len(part.knots[0])}",
             f"#define LIMIT {floats(np.array([limit]))}",
             f"#define POINTS {POINTS}",
@@ -134,15 +133,19 @@ def measure(source: Path, export: Export, on: Board) -> Measured:
     with tempfile.TemporaryDirectory(prefix="targets-") as name:
         folder = Path(name) / "firmware"
         package.write(export, folder)
-        for path in (*CHIP, "chip/peer.c"):
+        # The same table for reads without floats; two exports in one program do not mix.
+        whole = replace(even_stool("integer"), name="whole")
+        package.write(whole, folder / "whole")
+        for own in (folder / "whole").glob("whole.*"):
+            shutil.copy(own, folder)
+        for path in (*CHIP, "chip/peer.c", "chip/peer_i.c", "chip/readers.h"):
             shutil.copy(HERE / path, folder)
         (folder / "queries.bin").write_bytes(b"")
         dsp = source / "Source" / "InterpolationFunctions"
         flags = [*on.flags, "-O2", "-D__GNUC_PYTHON__", "-I.", "-ffunction-sections"]
-        flags += ["-DSMAP_GRID=1", "-DSMAP_GRID_INTEGER=1"]
         flags += [f"-I{source / 'Include'}", f"-I{source / 'PrivateInclude'}"]
         peers = [str(dsp / f"arm_bilinear_interp_{kind}.c") for kind in ("f32", "q31", "q15")]
-        parts = ["peer.c", f"{export.name}.c", "queries.S", *peers]
+        parts = ["peer.c", "peer_i.c", "queries.S", *peers]
         command = [compiler(on), *flags, *parts, *on.link, "-o", "image.elf"]
         (folder / "peer.h").write_text(header(export), encoding="utf-8")
         build(command, folder)

@@ -20,15 +20,18 @@ CHIP = (
 )
 # Seconds; an image that hangs is ended.  The slowest emulated run takes some fifty.
 PATIENCE = 300.0
-# Bytes of stack that an image needs beside the runtime, and the least queries worth a run.
-STACK = 300
+# Bytes of stack that an image needs beside the runtime, interrupts and arithmetic of the compiler
+# included, and the least queries worth a run.
+STACK = 500
 LEAST = 20
 # Bytes of flash by which code may grow with the number of queries.
-SPARE = 64
+SPARE = 256
 # Instructions of the call that come on top of the thousand of the check.
 SLACK = 2.0
 # Instructions of the interrupt that counts the overflows of the 24-bit SysTick.
 INTERRUPT = 5
+# What linkers and the blob say of a part without room.
+TOO_LARGE = "overflow|will not fit|is not within region|too large for avr-gcc"
 COLOUR = re.compile(r"\x1b\[[0-9;]*m")
 
 
@@ -130,9 +133,9 @@ def build(arguments: Sequence[str], folder: Path) -> None:
     """Run a compiler; what it says is the CellError's text."""
     done = run(arguments, folder)
     if done.returncode:
-        lines = [line for line in done.stderr.splitlines() if re.search("error|overflow", line)]
+        lines = [line for line in done.stderr.splitlines() if re.search(f"error|{TOO_LARGE}", line)]
         text = (lines or done.stderr.splitlines() or ["nothing"])[0]
-        kind = TooLargeError if "overflow" in done.stderr or "will not fit" in text else CellError
+        kind = TooLargeError if re.search(TOO_LARGE, done.stderr) else CellError
         raise kind(f"{arguments[0]}: {text.strip()}")
 
 
@@ -228,14 +231,15 @@ def _room(job: Job, board: Board, flags: list[str], folder: Path, size: Footprin
     counted = min(job.counted, 1)
     _link(job, board, flags, folder, case_header(job, board, START, 2 - counted, counted))
     text = run([f"{board.prefix}size", "image.elf"], folder).stdout.split("\n")[1].split()
-    flash, ram = int(text[0]) + int(text[1]), int(text[1]) + int(text[2])
+    flash = int(text[0]) + int(text[1])
+    parts = run([f"{board.prefix}size", "-A", "image.elf"], folder).stdout
+    # Without the section that picolibc reserves for the stack.
+    ram = sum(int(found) for found in re.findall(r"^\.(?:data|bss)\s+(\d+)", parts, re.MULTILINE))
     left = board.flash - flash - SPARE
     if board.family == "avr":  # queries are read with 16-bit addresses, as all small tables are
         left = min(left, 32767)
     rows = min(total, left // job.width)
-    # picolibc reserves a stack that counts as RAM; what stands above it is not known to be free.
-    held = ram if board.family == "avr" else 0
-    if rows < LEAST or held + (size.stack or 0) + STACK > board.ram:
+    if rows < LEAST or ram + (size.stack or 0) + STACK > board.ram:
         raise TooLargeError(
             f"{flash:,} bytes of flash, {ram:,} of RAM and {size.stack or 0:,} of stack without "
             "queries"

@@ -137,7 +137,7 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     # many contacts: what a posture is put together from
     "i = 0; i <= out->rails; i++": ("rails and their end", lambda s: s.rails + 1),
     "i = 0; i < at.contacts; i++": CONTACTS,
-    "i = 0; i < w->map->contacts; i++": CONTACTS,
+    "i = 0; i < contacts; i++": CONTACTS,
     "k = 0; k < w->map->contacts; k++": CONTACTS,
     "k = 0; k < m->rails; k++": RAILS,
     "k = 0; k < w->map->rails; k++": RAILS,
@@ -156,7 +156,7 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "part = 1; part < 4; part++": _plain("3 places of an arc", 3),
     "k = (uint8_t)(e + 1u); k < w->edges; k++": EDGES,
     "f = 0; f < w->facets; f++": FACETS,
-    "k = 0; k < corners; k++": CONTACTS,
+    "; w->edges < last; w->edges++": CONTACTS,
     # support polygons
     "at = count++; at > 0 && (spot[at - 1].b > here.b || (spot[at - 1].b == here.b && "
     "spot[at - 1].a < here.a)); at--": CONTACTS,
@@ -165,18 +165,17 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
         CONTACTS
     ),
     "i = 0; i < n; i++": ("corners, walls or points", lambda s: max(s.contacts, s.links)),
-    "j = 0; j < n; j++": CONTACTS,
+    "j = (uint8_t)(next + 1u < n ? next + 1u : 0); j != i; "
+    "j = (uint8_t)(j + 1u < n ? j + 1u : 0)": CONTACTS,
     "k = 0; k < n; k++": ("corners, walls or points", lambda s: max(s.contacts, s.links)),
     "i = 1; i + 1 < n; i++": CONTACTS,
     # gaps
     "e = 0; e < w->edges; e++": EDGES,
     "e = 0; e < w->edges && !w->failed; e++": EDGES,
     "e = w->next[e]; w->low[e] == SMAP_SHORT && left > 0; left--": EDGES,
-    "k = 1; k <= steps; k++": _plain("steps of a roll: a chord is at most 2", 12),
+    "k = 1; k <= pairs; k++": _plain("pairs of steps of half a turn", 8),
     "k = 0; k < 2; k++": _plain("2", 2),
-    "n = 0; n < 2; n++": _plain("2", 2),
     "end = 0; end < 2; end++": _plain("2", 2),
-    "n = 0; n < k; n++": THREE,
     "k = 0; k < o->ends; k++": _plain("4 other ends", 4),
     "k = 0; k < count; k++": _plain("4 other ends", 4),
     "k = 0; k < (o.split ? 1 : 5); k++": _plain("5 trials", 5),
@@ -185,20 +184,22 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     # walls
     "e != start && left > 0": EDGES,
     "e != start && left > 0 && !w->failed": EDGES,
-    "k = 0; k < o->edge[o->shown] && !w->failed; k++": EDGES,
-    "k = 0; k < o->shown; k++": SHOWN,
+    "k = 0; k < o->at.edge[o->at.shown] && !w->failed; k++": EDGES,
+    "k = 0; k < o->at.shown; k++": SHOWN,
     "k = 1; (float)k <= count; k++": _plain("SMAP_PIECES", 12),
     "k = 0; k < side->count; k++": LINKS,
-    "k = first; k < o->segments && !w->failed; k++": LINKS,
-    "e = o->first[island]; e < o->last[island]; e++": LINKS,
+    "k = first; gaps && k < o->at.segments && !w->failed; k++": LINKS,
+    "e = 0; o->at.island[k] == k && o->at.kind[k] == SMAP_REST && e < w->edges; e++": EDGES,
     # reads of many contacts
-    "i = 0; i < o->shown; i++": SHOWN,
-    "i = 0; o->alive && i < o->shown; i++": SHOWN,
+    "i = 0; i < o->at.shown; i++": SHOWN,
+    "i = 0; at->alive && i < at->shown; i++": SHOWN,
     "; s < end; s++": LINKS,
-    "k = o->first[island]; k < o->last[island]; k++": LINKS,
+    "k = o->at.first[island]; k < o->at.last[island]; k++": LINKS,
+    "k = at->first[island]; k < at->last[island]; k++": LINKS,
     "k = 0; k < s->count; k++": LINKS,
     "left = 4; left > 0; left--": _plain("4 facets", 4),
-    "e = o->edge[f]; e < o->edge[f + 1]; e++": EDGES,
+    "e = o->at.edge[f]; e < o->at.edge[f + 1]; e++": EDGES,
+    "e = at->edge[f]; e < at->edge[f + 1]; e++": EDGES,
     "; x != 0; x >>= 1": _plain("32 bits", 32),
     "sum < 0x10000000u": _plain("15 shifts", 15),
     "sum >= 0x40000000u": _plain("2 shifts", 2),
@@ -208,7 +209,7 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
 # Each corner but one is merged once.
 TOTALS: Mapping[str, Any] = {"level = 0; corner >> level & 1u; level++": lambda s: 2**s.dims}
 # Of smap.c: what the bounds above take for granted.
-CONSTANTS = {"SMAP_NEWTON": 8, "SMAP_PIECES": 12, "SMAP_STEP": 5}
+CONSTANTS = {"SMAP_NEWTON": 8, "SMAP_PIECES": 12, "SMAP_PAIRS": 2.5}
 
 
 def heads(source: str) -> dict[int, str]:
@@ -258,8 +259,8 @@ def bounds(source: str, shape: Shape) -> dict[int, int]:
             )
         result[number] = int(LOOPS[head][1](shape))
     for name, value in CONSTANTS.items():
-        found = re.search(rf"#define {name} (\d+)", source)
-        if found is not None and int(found[1]) != value:
+        found = re.search(rf"#define {name} ([\d.]+)", source)
+        if found is not None and float(found[1]) != value:
             raise ExportError(f"smap.c: {name} is another (got {found[1]}); correct loops.py.")
     return result
 
@@ -268,6 +269,21 @@ def totals(source: str, shape: Shape) -> dict[int, int]:
     """Return for the lines of `TOTALS` their most rounds during all of the loop round them."""
     found = heads(source)
     return {line: int(TOTALS[head](shape)) for line, head in found.items() if head in TOTALS}
+
+
+def spans(source: str) -> dict[int, int]:
+    """Return the lines of loops' heads -> the line on which the body ends.
+
+    A body ends with the brace that stands as far from the margin as its head.
+    """
+    lines, found = source.splitlines(), dict[int, int]()
+    for number in heads(source):
+        text = lines[number - 1]
+        margin = text[: len(text) - len(text.lstrip())]
+        ends = (at for at in range(number, len(lines)) if lines[at].startswith(f"{margin}}}"))
+        if text.lstrip().startswith(("for", "while")):
+            found[number] = next(ends) + 1
+    return found
 
 
 def starts(source: str) -> list[int]:

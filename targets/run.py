@@ -24,14 +24,18 @@ from firmware_export.host import Host
 from firmware_export.protocol import Export, describe
 from lutgen.errors import InputError, LutgenError
 from targets import asked as goals
-from targets import baseline, queries, tables
+from targets import baseline, costs, queries, tables
 from targets.boards import BOARDS, OPTIMISATIONS, Board
 from targets.cases import ROOT, Case, cases, written
 from targets.compiled import HostLibrary
 from targets.digest import answers, fnv1a
 from targets.image import CellError, Job, Outcome, TooLargeError, compiler, execute
 
+# Of many contacts one query in so many is asked for the hash: a posture takes long on small parts.
+FEWER = 10
 PAGE = ROOT / "docs" / "measured" / "targets.md"
+EXPORTS = PAGE.with_name("exports.md")
+README = ROOT / "README.md"
 # The columns of its table, which stands between two marks.
 SHOWN = ("m4f", "m3", "m0", "rv32imc", "mega328p")
 BEGIN, END = "<!-- counts -->\n", "\n<!-- end of counts -->"
@@ -41,7 +45,8 @@ BEGIN, END = "<!-- counts -->\n", "\n<!-- end of counts -->"
 class Row:
     """A row that is ready to run: its export, its job, and the hash that every cell must give.
 
-    `own` is that of what the folder compiles to on this machine.
+    `own` is that of what the folder compiles to on this machine; `many` whether it has many
+    contacts, whose postures take long.
     """
 
     case: Case
@@ -49,6 +54,7 @@ class Row:
     job: Job
     wanted: int
     own: int
+    many: bool = False
 
 
 def prepared(case: Case) -> Row:
@@ -57,7 +63,10 @@ def prepared(case: Case) -> Row:
     body = body_of(export)
     on = features(body)
     floats, integers = "SMAP_FLOATS" in on, "SMAP_INTEGERS" in on
-    asked = queries.checked(export)
+    many = "SMAP_MANY" in on
+    share = FEWER if many else 1
+    params, gravity = (rows[::share] for rows in queries.checked(export))
+    asked = params, gravity
     wholes = queries.whole(export, *asked)
     host = Host(describe(export, body))
     wanted = fnv1a(answers(host, floats, integers, asked, wholes))
@@ -66,9 +75,9 @@ def prepared(case: Case) -> Row:
     rows += queries.as_bytes(export, *queries.counted(export))
     job = Job(
         *(folder, export.name, export.model.k, floats, integers, rows),
-        *(queries.CHECKED, queries.COUNTED),
+        *(len(params), queries.COUNTED),
     )
-    return Row(case, export, job, wanted, own)
+    return Row(case, export, job, wanted, own, many)
 
 
 def _own(export: Export, folder: Path, host: Host, asked: tuple[Any, Any]) -> bool:
@@ -136,6 +145,9 @@ class Matrix:
             else:
                 usable.append(board)
                 self.found["compilers"][board.name] = version(board)
+                for row in self.rows:
+                    if board.name in row.case.without:
+                        self._leave_out(row, board)
         usable.sort(key=lambda board: board.family != "avr")
         with ThreadPoolExecutor(workers) as pool:
             cells: list[tuple[Row, Board, str, Future[Outcome]]] = [
@@ -143,9 +155,17 @@ class Matrix:
                 for board in usable
                 for row in sorted(self.rows, key=lambda one: one.case.name)
                 for option in self.optimisations
+                if option in board.options and board.name not in row.case.without
             ]
             for row, board, option, future in cells:
                 self._take(row, board, option, future)
+
+    def _leave_out(self, row: Row, board: Board) -> None:
+        """Note the cells of a board that a row is not run on."""
+        self.verdicts[row.case.name][board.name] = ["-"]
+        self.found["rows"][row.case.name]["boards"][board.name] = {
+            option: {} for option in self.optimisations if option in board.options
+        }
 
     def _take(self, row: Row, board: Board, option: str, future: Future[Outcome]) -> None:
         """Judge the outcome of one cell."""
@@ -233,11 +253,13 @@ def shown(page: str, content: dict[str, Any]) -> str:
 
 
 def _show(content: dict[str, Any]) -> None:
-    """Write the table of the document."""
+    """Write the tables of the document and of the README."""
     page = shown(PAGE.read_text(encoding="utf-8"), content)
-    part = PAGE.with_suffix(".part")
-    part.write_text(page, encoding="utf-8")
-    part.replace(PAGE)
+    readme = costs.shown(README.read_text("utf-8"), content, EXPORTS.read_text("utf-8"))
+    for path, text in ((PAGE, page), (README, readme)):
+        part = path.with_suffix(".part")
+        part.write_text(text, encoding="utf-8")
+        part.replace(path)
 
 
 def _report(
@@ -248,7 +270,7 @@ def _report(
         row.case.name: (f"{row.wanted:08x}", "ok" if row.own == row.wanted else "FAIL")
         for row in matrix.rows
     }
-    print("\n== Hashes of all answers to 1,000 queries, -O2 and -Os")
+    print("\n== Hashes of all answers, -O2 and -Os")
     print(tables.hashes(matrix.verdicts, wanted))
     print("\n== Median and largest of each call over 256 queries; bytes of code, stack and poses")
     print(tables.counts(matrix.found))
@@ -266,10 +288,11 @@ def _report(
         _show(baseline.load())  # in the order of the file
         path = ROOT / "firmware_export" / "runtime" / COUNTS
         part = path.with_suffix(".part")
+        # Those of noise are no robot's.
         of_maps = [case.name for case in cases() if case.folder is not None]
         part.write_text(baseline.published(content, BOARDS, of_maps), encoding="utf-8")
         part.replace(path)
-        print(f"\n{baseline.FILE.name}, {COUNTS} and {PAGE.name} are rewritten")
+        print(f"\n{baseline.FILE.name}, {COUNTS}, {PAGE.name} and {README.name} are rewritten")
     else:
         worse, better = baseline.compare(known, matrix.found)
     sys.stdout.flush()

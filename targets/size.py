@@ -3,7 +3,8 @@
     python -m targets.size [--update] [EXPORT_DIR ...]
 
 Prints a table on stdout.  With --update it rewrites runtime/sizes.json, which exports read instead
-of compiling anything.  A runtime that needs more of a library than memcpy and memset is an error.
+of compiling anything, and the table of docs/measured/targets.md.  A runtime that needs more of a
+library than memcpy and memset is an error.
 """
 
 import argparse
@@ -35,7 +36,10 @@ FLAGS = (*TARGET_FLAGS, "-std=c99", "-ffp-contract=off", "--specs=picolibc.specs
 ALLOWED = frozenset(("memcpy", "memset"))
 # Arrays on the stack are as large as a map needs: two joints, and three points or twelve discs.
 USUAL = {"SMAP_MAX_PARAMS": 2, "SMAP_MAX_ENTRIES": 8, "SMAP_MAX_COORDINATES": 42}
-SEARCHED = {"SMAP_MANY_RAILS": 0}
+# Of many contacts those that marv has, on two rails, and articulated, whose axes are not parallel.
+CAPACITIES = ("CONTACTS", "RAILS", "FACETS", "EDGES", "ARCS", "SHOWN", "WALLS", "LINKS", "SIDES")
+MANY = {"SMAP_MANY_BY_RAILS": (8, 2, 10, 25, 9, 10, 45, 55, 12)}
+MANY["SMAP_MANY_SEARCH"] = (4, 0, 5, 10, 4, 5, 25, 27, 5)
 SETS = (
     ("SMAP_POINTS", "SMAP_FLOATS", "SMAP_INTEGERS"),
     ("SMAP_POLY", "SMAP_FLOATS", "SMAP_INTEGERS"),
@@ -46,6 +50,18 @@ SETS = (
     ("SMAP_GRID", "SMAP_FLOATS"),
     ("SMAP_GRID", "SMAP_INTEGERS"),
 )
+TITLES = (
+    "`contacts`, three points",
+    "`poly`",
+    "`grid` of three points, floats too",
+    "`grid` of three points, integers",
+    "`contacts` on rails",
+    "`contacts`, axes not parallel",
+    "`grid` over gravity, floats",
+    "`grid` over gravity, integers",
+)
+PAGE = ROOT / "docs" / "measured" / "targets.md"
+BEGIN, END = "<!-- sizes -->\n", "\n<!-- end of sizes -->"
 
 Measure = dict[str, int]
 
@@ -147,7 +163,12 @@ def measure(config: Mapping[str, int], folder: Path) -> Measure:
 
 def measure_set(features: Sequence[str], folder: Path) -> Measure:
     """Measure the runtime with these switches on and all others off."""
-    more = SEARCHED if "SMAP_MANY_SEARCH" in features else {}
+    more = {
+        f"SMAP_MANY_{key}": value
+        for switch, values in MANY.items()
+        if switch in features
+        for key, value in zip(CAPACITIES, values, strict=True)
+    }
     switches = {name: int(name in features) for name in SWITCHES}
     return measure({**switches, **USUAL, **more}, folder)
 
@@ -162,6 +183,18 @@ def _settings_of(directory: Path) -> dict[str, int]:
     name = report.load_report(directory)["name"]
     text = (directory / f"{name}.c").read_text(encoding="utf-8")
     return {name: int(value) for name, value in re.findall(r"#define (SMAP_\w+) (\d+)", text)}
+
+
+def shown(page: str, rows: Sequence[dict[str, Any]]) -> str:
+    """Return the document with its table of sizes made from what was measured."""
+    lines = ["| runtime | switches | code | stack |", "|---|---|---|---|"]
+    known = {frozenset(row["features"]): row for row in rows}
+    for title, features in zip(TITLES, SETS, strict=True):
+        row = known[frozenset(features)]
+        lines.append(f"| {title} | `{' '.join(features)}` | {row['code']:,} | {row['stack']:,} |")
+    head, begin, rest = page.partition(BEGIN)
+    _, end, tail = rest.partition(END)
+    return head + begin + "\n".join(lines) + end + tail
 
 
 def _row(label: str, result: Measure) -> str:
@@ -202,7 +235,8 @@ def _table(folder: Path, exports: Sequence[Path], update: bool) -> None:
         print(_row(f"export {content['name']} ({content['spec']})", result))
     if update:
         SIZES.write_text(json.dumps({"sets": rows}, indent=2) + "\n", encoding="utf-8")
-        print(f"{SIZES.name} is rewritten", file=sys.stderr)
+        PAGE.write_text(shown(PAGE.read_text("utf-8"), rows), encoding="utf-8")
+        print(f"{SIZES.name} and {PAGE.name} are rewritten", file=sys.stderr)
 
 
 if __name__ == "__main__":

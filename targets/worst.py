@@ -12,7 +12,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 
 from lutgen.errors import ExportError
 from targets.listing import Instruction, parse
-from targets.loops import Shape, bounds, starts, totals
+from targets.loops import Shape, bounds, spans, starts, totals
 
 # Most bytes that smap.c copies or clears at once by a call: rounds of a loop of the C library.
 LARGEST_COPY = 64
@@ -33,6 +33,8 @@ class Bounds:
         Lines of smap.c at which a function's body begins.
     totals : dict of int to int
         Line of a loop's head -> most rounds during all of the loop round it, where that is known.
+    spans : dict of int to int
+        Line of a loop's head -> line on which its body ends.
     """
 
     def __init__(
@@ -41,14 +43,25 @@ class Bounds:
         rounds: Mapping[int, int],
         starts: Sequence[int],
         totals: Mapping[int, int],
+        spans: Mapping[int, int],
     ) -> None:
         self.functions, self.rounds, self.starts = functions, rounds, starts
-        self.totals = totals
+        self.totals, self.spans = totals, spans
         self.known: dict[str, int] = {}
 
     def place(self, line: int | None) -> int:
         """Return the number of the function of smap.c in which a line stands."""
         return bisect_right(self.starts, line or 0)
+
+    def around(self, lines: Collection[int]) -> int | None:
+        """Return the head of the innermost loop of smap.c whose body has all of these lines.
+
+        Only those of the function that stands last count: what it calls may be taken into it.
+        """
+        last = max(self.place(line) for line in lines)
+        own = [line for line in lines if self.place(line) == last]
+        held = [head for head, end in self.spans.items() if head <= min(own) and max(own) <= end]
+        return max(held, default=None)
 
     def of(self, name: str) -> int:
         """Return the most instructions that a call of a function takes, its callees included."""
@@ -176,9 +189,13 @@ class _Ways:
         held = self._held(part)
         heads = held & set(self.bounds.rounds)
         if not heads:
-            if held:
+            # The compiler may have left nothing of a head but its body's way back.
+            only = self.bounds.around(held) if held else None
+            if held and only is None:
                 raise ExportError(f"{self.function}: a loop at lines {sorted(held)} of no head.")
-            return LARGEST_COPY, taken
+            if only is None:
+                return LARGEST_COPY, taken
+            return self.bounds.rounds[only], taken
         free = heads - taken
         if not free:
             return max(self.bounds.rounds[line] for line in heads), taken
@@ -248,5 +265,6 @@ def bound(listing: str, source: str, shape: Shape, entries: Mapping[str, str]) -
     entries : mapping
         Name of a call -> function of smap.c that answers it.
     """
-    found = Bounds(parse(listing), bounds(source, shape), starts(source), totals(source, shape))
+    known = bounds(source, shape), starts(source), totals(source, shape), spans(source)
+    found = Bounds(parse(listing), *known)
     return {call: found.of(function) + CALL for call, function in entries.items()}

@@ -18,9 +18,10 @@ from firmware_export.contacts import codec as contacts
 from firmware_export.contacts.shorten import Spec as PolySpec
 from firmware_export.emit import package
 from firmware_export.exporter import described, examine
-from firmware_export.grid import codec as grid
-from firmware_export.protocol.exported import CHANNELS
+from firmware_export.grid import lookup
+from firmware_export.grid import spec as verdict
 from firmware_export.truth.model import Model
+from lutgen.quantities import EXPORTABLE
 from lutgen.recipe.recipe import load_recipe
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -35,27 +36,26 @@ class Case:
     codec: str
     spec: Any
     arithmetic: str = "float"
-    channels: tuple[str, ...] = CHANNELS
+    channels: tuple[str, ...] = EXPORTABLE
 
 
-def table(bits: int, tip: tuple[int, ...], sdg: tuple[int, ...], height: int) -> grid.Spec:
-    """Return a size of the codec grid with all three channels."""
-    return grid.Spec(bits, (("tip", tip), ("sdg", sdg), ("height", (height, height, 1, 1))))
+def smooth(label: str) -> lookup.Spec:
+    """Return a size of the codec grid of three contacts."""
+    return lookup.Spec.of_label(label)
 
 
-SMALL = table(8, (5, 5, 13, 13), (7, 7, 9, 9), 7)
-LARGE = table(8, (9, 9, 17, 17), (9, 9, 15, 15), 9)
 CASES = (
-    Case("paper_two", "contacts", contacts.Spec((4, 4), 8)),
-    Case("paper_two", "contacts", contacts.Spec((9, 9), 16)),
+    Case("paper_two", "contacts", contacts.Spec()),
     Case("paper_two", "poly", PolySpec(((0, 2), (2, 0), (0, 0)))),
     Case("paper_two", "poly", PolySpec(((0, 3), (3, 0), (0, 0)))),
-    Case("paper_two", "grid", SMALL),
-    Case("paper_two", "grid", SMALL, "integer"),
-    Case("paper_two", "grid", LARGE),
-    Case("paper_two", "grid", LARGE, "integer"),
-    Case("absolem", "contacts", contacts.Spec((255, 255), 16)),
-    Case("absolem", "grid", grid.Spec(8, (("tip", (17, 22, 9, 19)),)), "integer", VERDICT),
+    Case("paper_two", "grid", smooth("grid i8 1x3 4x1 1x1")),
+    Case("paper_two", "grid", smooth("grid i8 1x3 4x1 1x1"), "integer"),
+    Case("paper_two", "grid", smooth("grid i16 1x8 9x1 1x1")),
+    Case("paper_two", "grid", smooth("grid i16 1x10 11x1 1x1"), "integer"),
+    Case("marv", "contacts", contacts.Spec()),
+    Case("absolem", "contacts", contacts.Spec()),
+    Case("articulated", "contacts", contacts.Spec()),
+    Case("absolem", "grid", verdict.Spec(8, (("tip", (17, 22, 9, 19)),)), "integer", VERDICT),
 )
 HEAD = (
     "| robot | export | arithmetic | tables, B | with code, B | \\|SD_g\\| max | p99 | guard | "

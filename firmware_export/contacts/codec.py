@@ -12,7 +12,7 @@ import numpy as np
 
 from firmware_export.contacts.closed import closed_form
 from firmware_export.contacts.layout import pose_words
-from firmware_export.contacts.many import GUARD, Many, many_of
+from firmware_export.contacts.many import Many, many_of
 from firmware_export.contacts.many import refusal as many_refusal
 from firmware_export.contacts.terms import Terms, terms_of
 from firmware_export.contacts.three import Three, three_of
@@ -89,7 +89,7 @@ def _tables(model: Model, channels: tuple[str, ...]) -> Tables:
         )
     else:
         many, terms = many_of(model)
-        guard, text = math.asin(GUARD), "a sine that is taken off every distance from the boundary"
+        guard, text = math.asin(min(many.guard, 1.0)), many.text
     tables = Tables(
         *(Spec(), channels, terms, three, many, MOST_ROOM, model.k, 1.02 * reach, guard, text)
     )
@@ -145,7 +145,7 @@ def c_body(tables: Tables, integer: bool = False) -> CBody:
         return CBody(POINTS, arrays, 3, tuple(macros), POSE, tables.reach / STEPS)
     assert many is not None
     contacts = len(many.order)
-    facets, edges, rolls, shown, walls, segments, points, sides = tables.room
+    facets, edges, _, shown, walls, segments, points, sides = tables.room
     rails = len(many.first) - 1
     macros += [
         ("SMAP_MANY_BY_RAILS" if rails else "SMAP_MANY_SEARCH", 1),
@@ -153,7 +153,6 @@ def c_body(tables: Tables, integer: bool = False) -> CBody:
         ("SMAP_MANY_RAILS", rails),
         ("SMAP_MANY_FACETS", facets),
         ("SMAP_MANY_EDGES", edges),
-        ("SMAP_MANY_ARCS", rolls),
         ("SMAP_MANY_SHOWN", shown),
         ("SMAP_MANY_WALLS", walls),
         ("SMAP_MANY_LINKS", max(segments, points)),

@@ -73,7 +73,7 @@ def struct_bytes(name: str, macros: Mapping[str, int]) -> tuple[int, int]:
     Examples
     --------
     >>> struct_bytes("smap_side_t", {})
-    (4, 1)
+    (5, 1)
     """
     if name in _BASIC:
         return _BASIC[name]
@@ -95,9 +95,14 @@ def struct_bytes(name: str, macros: Mapping[str, int]) -> tuple[int, int]:
 
 def pose_words(macros: Mapping[str, int]) -> tuple[int, int]:
     """Return the words of 32 bits of a pose beside an address: both forms, integers alone."""
-    real, work, whole = (
+    real, work, whole, layout = (
         struct_bytes(name, macros)[0]
-        for name in ("smap_many_pose_t", "smap_many_work_t", "smap_many_pose_i_t")
+        for name in (
+            "smap_many_pose_t",
+            "smap_many_work_t",
+            "smap_many_pose_i_t",
+            "smap_layout_t",
+        )
     )
     # The head's four bytes; up to seven more where the work is aligned.
-    return -(-(4 + real + 8 + max(work, whole)) // 4), -(-(4 + whole + 4) // 4)
+    return -(-(4 + real + 8 + max(work, whole)) // 4), -(-(4 + layout + 1 + whole + 4) // 4)

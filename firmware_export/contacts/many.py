@@ -25,19 +25,25 @@ HAIR, SAME = 1e-5, 1e-7
 # Angles beyond which nothing is asked.
 NO_LIMIT = 4.0
 MOST_CONTACTS = 62
+# With a com anywhere in its ball: facets lower than this share of heights are given up; how many
+# postures and directions tell.
+LOWEST, POSTURES, DIRECTIONS, SEED = 0.001, 500, 50, 7
 
 
 class Many(NamedTuple):
     """What the tables of many contacts need beside positions.
 
     `order` of the contacts: rail by rail; `first` contact of each rail, and how many there are;
-    `axis`, level, of all discs; `numbers` in the order of the runtime's struct, behind the axis.
+    `axis`, level, of all discs; `numbers` in the order of the runtime's struct, behind the axis;
+    `guard`, the sine that is taken off every distance, and a sentence about it.
     """
 
     order: tuple[int, ...]
     first: tuple[int, ...]
     axis: tuple[float, float]
     numbers: tuple[float, ...]
+    guard: float
+    text: str
 
     @property
     def arrays(self) -> tuple[CArray, ...]:
@@ -53,8 +59,6 @@ class Many(NamedTuple):
 
 def refusal(model: Model) -> str | None:
     """Return why the runtime cannot find this robot's facets, or None."""
-    if model.recipe.com_uncertainty > 0.0:
-        return "many contacts hold no com_uncertainty; use --codec grid"
     if len(model.kind) > MOST_CONTACTS:
         return f"the runtime knows {MOST_CONTACTS} contacts (got {len(model.kind)})"
     return None
@@ -93,6 +97,27 @@ def _places(model: Model) -> Floats | None:
     return np.array(places)
 
 
+def _lowest(model: Model) -> float:
+    """Return the least height (length) of a facet that is kept, with the com anywhere in its ball.
+
+    The wall of an axis turns by asin(radius of the ball / distance of the axis), and no axis of a
+    facet is nearer to the com than the facet's plane: so facets lower than most postures have are
+    given up.
+    """
+    rho = model.recipe.com_uncertainty
+    if rho == 0.0:
+        return 0.0
+    rng = np.random.default_rng(SEED)
+    params = model.at(rng.random((POSTURES, model.k)))
+    limit = model.chart_limit
+    uv = rng.uniform(-limit, limit, (2, DIRECTIONS))
+    gravity = model.uv_to_gravity(np.arange(DIRECTIONS) % model.faces, *uv)
+    exact = model.exact(params, np.broadcast_to(gravity, (POSTURES, DIRECTIONS, 3)))
+    heights = exact.height[exact.tip_angle >= 0.0]
+    least = float(np.quantile(heights, LOWEST)) if len(heights) else 0.0
+    return max(least, rho * (1.0 + HAIR) + HAIR * robot_size_of(model.recipe))
+
+
 def many_of(model: Model) -> tuple[Many, Terms]:
     """Return what the tables need of a robot that is not refused."""
     accept, size = acceptance_of(model.recipe), robot_size_of(model.recipe)
@@ -107,15 +132,20 @@ def many_of(model: Model) -> tuple[Many, Terms]:
             if places[order[at]] - places[order[first[-1]]] > SAME * size:
                 first.append(at)
         first.append(len(order))
+    lowest, rho = _lowest(model), model.recipe.com_uncertainty
+    guard, text = GUARD, "a sine that is taken off every distance from the boundary"
+    if rho > 0.0:
+        guard += min(rho / lowest, 1.0)
+        text += ", with a com anywhere in its ball"
     numbers = (
         size,
         accept.steepest + HAIR if model.recipe.upright < math.pi else -2.0,
-        max(HAIR * size, accept.least_height * (1.0 + HAIR)),
+        max(HAIR * size, accept.least_height * (1.0 + HAIR), lowest),
         accept.rest_width * (1.0 + HAIR) + HAIR * size,
         max(accept.contact_tolerance - 0.1 * HAIR * size, 0.0),
         min(accept.rock_angle, NO_LIMIT) - HAIR,
         0.5 * accept.rest_width - HAIR * size,
-        GUARD,
+        guard,
     )
     terms = terms_of(model.recipe, model.radius, order, turning=places is None)
-    return Many(order, tuple(first), axis, numbers), terms
+    return Many(order, tuple(first), axis, numbers, guard, text), terms

@@ -41,11 +41,6 @@ class Tables(ABC):
         """What a reader must know beside the numbers, sentences."""
         return ()
 
-    @property
-    def guard_grows(self) -> bool:
-        """Whether the guard leaves something to the certificate, which may raise it."""
-        return False
-
 
 class Foresight(NamedTuple):
     """What is known of a size before it is encoded, of a codec whose encoding takes a minute.

@@ -116,6 +116,13 @@ SMAP_INLINE int8_t smap_direction_i(const smap_t *map, const int16_t gravity[3],
 }
 #endif
 
+/* What a pointer's alignment is: on an AVR less than its size. */
+typedef struct {
+  char before;
+  const smap_t *map;
+} smap_aligned_t;
+#define SMAP_ALIGNMENT (sizeof(smap_aligned_t) - sizeof(const smap_t *))
+
 /* Prepare the caller's memory for a pose; 0 where it is too small, not aligned, or of no known form. */
 static int smap_begin(const smap_t *map, void *pose, uint16_t bytes, uint8_t forms, uint32_t needed)
 {
@@ -124,7 +131,7 @@ static int smap_begin(const smap_t *map, void *pose, uint16_t bytes, uint8_t for
   if (bytes >= sizeof map) {
     memset(pose, 0, sizeof map);
   }
-  if (bytes < needed || forms == 0 || (forms & ~known) != 0 || (uintptr_t)pose % sizeof map != 0) {
+  if (bytes < needed || forms == 0 || (forms & ~known) != 0 || (uintptr_t)pose % SMAP_ALIGNMENT != 0) {
     return 0;
   }
   head->map = map;

@@ -27,14 +27,16 @@
 
 /* Unless code is to be small, loops of a known number of turns become straight code, and functions part
  * of their callers: the tables of an export are known, so most of what they say becomes constants.  Of
- * many contacts next to nothing is known. */
+ * many contacts next to nothing is known, and a sanitizer's checks, copied into every turn, take a
+ * compiler minutes: there functions stay what they are. */
 #if defined(__GNUC__) && !defined(__OPTIMIZE_SIZE__) && defined(__OPTIMIZE__) && \
-    !defined(SMAP_HOST) && !SMAP_MANY
+    !defined(SMAP_HOST) && !defined(__AVR__) && !SMAP_MANY && !defined(__SANITIZE_ADDRESS__)
 #define SMAP_INLINE static inline __attribute__((__always_inline__))
 #ifdef __clang__
 #define SMAP_UNROLL /* decides well by itself, and would warn of what it declines */
 #else
-#define SMAP_UNROLL _Pragma("GCC unroll 256")
+/* Of a loop whose turns it does not know, gcc makes as many copies as are named here. */
+#define SMAP_UNROLL _Pragma("GCC unroll 16")
 #endif
 #define SMAP_RARELY(condition) __builtin_expect((condition), 0)
 #elif defined(__GNUC__)
@@ -45,6 +47,11 @@
 #define SMAP_INLINE static inline
 #define SMAP_UNROLL
 #define SMAP_RARELY(condition) (condition)
+#endif
+
+#if defined(__AVR__) && defined(__GNUC__) && __GNUC__ < 8
+/* avr-gcc 5 fails ("in get_use_type") where it improves loops over what lies in flash. */
+#pragma GCC optimize("no-ivopts")
 #endif
 
 #define SMAP_PI 3.14159265f

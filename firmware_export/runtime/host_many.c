@@ -20,7 +20,6 @@
 #define SMAP_MANY_FACETS 80
 #define SMAP_MANY_SHOWN 60
 #define SMAP_MANY_EDGES 250
-#define SMAP_MANY_ARCS 250
 #define SMAP_MANY_SIDES 250
 #define SMAP_MANY_WALLS 254
 #define SMAP_MANY_LINKS 254
@@ -61,10 +60,10 @@ int SMAP_HOST_NAME(room)(const uint8_t *blob, uint32_t size, const float *params
   room[0] = work.facets;
   room[1] = work.edges;
   room[2] = work.rolls;
-  room[3] = pose.shown;
-  room[4] = pose.walls;
-  room[5] = pose.segments;
-  room[6] = pose.points;
-  room[7] = pose.sides;
+  room[3] = pose.at.shown;
+  room[4] = pose.at.walls;
+  room[5] = pose.at.segments;
+  room[6] = pose.at.points;
+  room[7] = pose.at.sides;
   return status == SMAP_OK;
 }

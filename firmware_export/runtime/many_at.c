@@ -3,6 +3,8 @@
 /* ---- reading many contacts --------------------------------------------------------------------------- */
 /* One direction of gravity against a pose, float. */
 
+#define SMAP_BEYOND 0.01f /* a sine beyond guard and slack: what tips is no further inside a wall */
+
 /* The sine of the angle between g and a point of the boundary; 1 from a right angle on. */
 static float smap_point_sine(const float p[3], const float g[3])
 {
@@ -16,22 +18,23 @@ static float smap_point_sine(const float p[3], const float g[3])
 
 /* The distance (sine) of g from some segments, if it is less than `least`, and the wall of the
  * nearest.  Seen from `inside` only walls in front can be nearest, and ends where the boundary is
- * bent. */
+ * bent; of what is convex, seen from outside, only walls that are less than `top` in front.  No place on
+ * a wall is nearer than the wall. */
 static float smap_nearest(const smap_many_pose_t *o, const smap_segment_t *s,
-                          const smap_segment_t *end, const float g[3], int inside, float least,
-                          uint8_t *which)
+                          const smap_segment_t *end, const float g[3], int inside, float top,
+                          float least, uint8_t *which)
 {
   for (; s < end; s++) {
     const float *n = o->wall[s->wall];
     float away = smap_dot(n, g), c[3];
-    if (away >= least) {
+    if (away >= top) {
       continue;
     }
     if (away < 0.0f) {
-      if (inside && !s->bent) {
+      away = -away;
+      if (away >= least || (inside && !s->bent)) {
         continue;
       }
-      away = -away;
     }
     smap_cross(g, n, c);
     if (smap_dot(o->point[s->stop], c) > 0.0f) {
@@ -44,6 +47,7 @@ static float smap_nearest(const smap_many_pose_t *o, const smap_segment_t *s,
     }
     if (away < least) {
       least = away;
+      top = least < top ? least : top;
       *which = s->wall;
     }
   }
@@ -54,28 +58,30 @@ static float smap_nearest(const smap_many_pose_t *o, const smap_segment_t *s,
 static float smap_boundary(const smap_many_pose_t *o, uint8_t facet, const float g[3], int inside,
                            uint8_t *which)
 {
-  const uint8_t island = o->island[facet];
-  const smap_segment_t *middle = o->segment + o->begin[facet];
+  const uint8_t island = o->at.island[facet];
+  const smap_segment_t *middle = o->at.segment + o->at.begin[facet];
+  const float top = o->at.convex[facet] ? SMAP_BEYOND : 1.0f;
   float near = 1.0f;
-  if (inside && o->convex[facet]) {
+  if (inside && o->at.convex[facet]) {
     uint8_t k;
-    for (k = o->first[island]; k < o->last[island]; k++) {
-      const float v = smap_dot(o->wall[o->segment[k].wall], g);
+    for (k = o->at.first[island]; k < o->at.last[island]; k++) {
+      const float v = smap_dot(o->wall[o->at.segment[k].wall], g);
       if (v < near) {
         near = v;
-        *which = o->segment[k].wall;
+        *which = o->at.segment[k].wall;
       }
     }
     return near;
   }
-  near = smap_nearest(o, middle, o->segment + o->last[island], g, inside, near, which);
-  return smap_nearest(o, o->segment + o->first[island], middle, g, inside, near, which);
+  near = smap_nearest(o, middle, o->at.segment + o->at.last[island], g, inside, top, near, which);
+  return smap_nearest(o, o->at.segment + o->at.first[island], middle, g, inside,
+                      near < top ? near : top, near, which);
 }
 
 /* Whether a direction lies on the inner side of a strip's side. */
 static int smap_within(const smap_many_pose_t *o, uint8_t side, const float g[3])
 {
-  const smap_side_t *s = &o->side[side];
+  const smap_side_t *s = &o->at.side[side];
   const float slack = s->inner ? -o->slack : 0.0f;
   uint8_t k;
   for (k = 0; k < s->count; k++) {
@@ -88,20 +94,23 @@ static int smap_within(const smap_many_pose_t *o, uint8_t side, const float g[3]
 }
 
 /* Whether a direction stands or rocks that pierces facet f first.  Beyond an edge of it is a strip,
- * and where planes are all but one it may lie on the facet at the far end. */
+ * and where planes are all but one it may lie on the facet at the far end.  The guard may be wide, for
+ * a com in a ball: nearer to an edge than that the robot may rock. */
 static int smap_verdict(const smap_many_pose_t *o, uint8_t f, const float g[3])
 {
   uint8_t left, e;
   for (left = 4; left > 0; left--) {
-    uint8_t beyond = 0, to = SMAP_NONE;
-    for (e = o->edge[f]; e < o->edge[f + 1]; e++) {
-      const smap_rim_t *rim = &o->rim[e];
-      if (smap_dot(o->wall[rim->wall], g) >= o->guard) {
+    uint8_t beyond = 0, near = 0, to = SMAP_NONE;
+    for (e = o->at.edge[f]; e < o->at.edge[f + 1]; e++) {
+      const smap_rim_t *rim = &o->at.rim[e];
+      const float in = smap_dot(o->wall[rim->wall], g);
+      if (in >= o->hair) {
+        near = near || in < o->guard;
         continue;
       }
       beyond = 1;
       if (rim->side != SMAP_NONE) {
-        if (smap_dot(o->wall[rim->back], g) >= o->guard) {
+        if (smap_dot(o->wall[rim->back], g) >= o->hair) {
           to = rim->to;
         } else if (smap_within(o, rim->side, g) && smap_within(o, (uint8_t)(rim->side + 1u), g)) {
           return SMAP_ROCKS;
@@ -109,7 +118,7 @@ static int smap_verdict(const smap_many_pose_t *o, uint8_t f, const float g[3])
       }
     }
     if (!beyond) {
-      return o->kind[f] == SMAP_REST ? SMAP_OK : SMAP_TIPS;
+      return o->at.kind[f] != SMAP_REST ? SMAP_TIPS : near ? SMAP_ROCKS : SMAP_OK;
     }
     if (to == SMAP_NONE) {
       return SMAP_TIPS;
@@ -129,21 +138,21 @@ static smap_status_t smap_many_at(const smap_many_pose_t *o, const float gravity
   out->sdg = out->height = SMAP_NAN;
   out->tip_angle = -1.5707964f;
   out->over[0] = out->over[1] = SMAP_NONE;
-  for (i = 0; i < o->shown; i++) {
+  for (i = 0; i < o->at.shown; i++) {
     const float v = smap_dot(o->plane[i], g);
     if (v > rate) {
       rate = v;
       best = i;
     }
   }
-  if (!o->alive || best == SMAP_NONE) {
+  if (!o->at.alive || best == SMAP_NONE) {
     return SMAP_TIPS;
   }
   status = smap_verdict(o, best, g);
   tip = smap_boundary(o, best, g, status != SMAP_TIPS, &which);
   if (tip < 1.0f) {
-    out->over[0] = o->over[which][0];
-    out->over[1] = o->over[which][1];
+    out->over[0] = o->at.over[which][0];
+    out->over[1] = o->at.over[which][1];
   }
   tip -= o->guard;
   if (status == SMAP_TIPS || !(tip >= 0.0f)) {
@@ -154,6 +163,7 @@ static smap_status_t smap_many_at(const smap_many_pose_t *o, const float gravity
   out->height = o->height[best];
   {
     float d[3], reach = 1.0f / rate;
+    SMAP_UNROLL
     for (i = 0; i < 3; i++) {
       d[i] = reach * g[i] - o->centre[best][i];
     }

@@ -11,17 +11,9 @@
 #define SMAP_ROUNDED_I 9e-5f /* sine that rounding may alter */
 
 typedef struct {
-  uint8_t shown, alive;
   int8_t shift;      /* of D: see smap_factor_i */
   uint16_t mantissa; /* of D */
-  int16_t guard, slack;
-  uint8_t kind[SMAP_MANY_SHOWN], island[SMAP_MANY_SHOWN], edge[SMAP_MANY_SHOWN + 1];
-  uint8_t begin[SMAP_MANY_SHOWN], first[SMAP_MANY_SHOWN], last[SMAP_MANY_SHOWN];
-  uint8_t convex[SMAP_MANY_SHOWN];
-  smap_rim_t rim[SMAP_MANY_EDGES];
-  uint8_t over[SMAP_MANY_WALLS][2];
-  smap_segment_t segment[SMAP_MANY_LINKS];
-  smap_side_t side[SMAP_MANY_SIDES];
+  int16_t guard, hair, slack;
   uint16_t height[SMAP_MANY_SHOWN];
   int16_t plane[SMAP_MANY_SHOWN][3];
   int16_t centre[SMAP_MANY_SHOWN][3]; /* in two steps of sdg */
@@ -36,12 +28,23 @@ static int16_t smap_rounded_i(float x)
   return (int16_t)(y < 32769 ? -32767 : y > 98303 ? 32767 : y - 65536);
 }
 
-static void smap_scale_i(const float (*from)[3], uint8_t n, float scale, int16_t (*to)[3])
+static void smap_scale_i(const float from[3], float scale, int16_t to[3])
+{
+  uint8_t k;
+  SMAP_UNROLL
+  for (k = 0; k < 3; k++) {
+    to[k] = smap_rounded_i(from[k] * scale);
+  }
+}
+
+/* The same of unit vectors, 32767 for 1: no component is beyond 1. */
+static void smap_units_i(const float (*from)[3], uint8_t n, int16_t (*to)[3])
 {
   uint8_t i, k;
   for (i = 0; i < n; i++) {
+    SMAP_UNROLL
     for (k = 0; k < 3; k++) {
-      to[i][k] = smap_rounded_i(from[i][k] * scale);
+      to[i][k] = (int16_t)((int32_t)(from[i][k] * (float)SMAP_ONE_I + 32768.5f) - 32768);
     }
   }
 }
@@ -52,24 +55,21 @@ static void smap_many_make_i(const smap_many_pose_t *o, float sdg_step, float he
 {
   float least = 0.0f, factor;
   uint8_t k;
-  i->alive = o->alive;
-  i->shown = o->alive ? o->shown : 0;
-  if (!i->shown) {
+  if (!o->at.alive || !o->at.shown) {
     return;
   }
-  for (k = 0; k < o->shown; k++) {
+  for (k = 0; k < o->at.shown; k++) {
     const float high = o->height[k] / height_step;
     least = k == 0 || o->height[k] < least ? o->height[k] : least;
     i->height[k] = (uint16_t)(high < 65534.0f ? high + 0.5f : 65534.0f);
   }
-  for (k = 0; k < o->shown; k++) {
+  for (k = 0; k < o->at.shown; k++) {
     /* n / h: the greatest is 1 */
-    const float scale = (float)SMAP_ONE_I * least;
-    smap_scale_i((const float(*)[3])&o->plane[k], 1, scale, &i->plane[k]);
+    smap_scale_i(o->plane[k], (float)SMAP_ONE_I * least, i->plane[k]);
+    smap_scale_i(o->centre[k], 0.5f / sdg_step, i->centre[k]);
   }
-  smap_scale_i(o->centre, o->shown, 0.5f / sdg_step, i->centre);
-  smap_scale_i(o->wall, o->walls, (float)SMAP_ONE_I, i->wall);
-  smap_scale_i(o->point, o->points, (float)SMAP_ONE_I, i->point);
+  smap_units_i(o->wall, o->at.walls, i->wall);
+  smap_units_i(o->point, o->at.points, i->point);
   /* D = g 32767 least / (2 sdg_step) / (plane . g) = g mantissa 2^shift / (plane . g) */
   factor = (float)SMAP_ONE_I * least * 0.5f / sdg_step;
   i->shift = 0;
@@ -83,18 +83,8 @@ static void smap_many_make_i(const smap_many_pose_t *o, float sdg_step, float he
   }
   i->mantissa = (uint16_t)(factor < 65535.0f ? factor + 0.5f : 65535.0f);
   i->guard = (int16_t)((o->guard + SMAP_ROUNDED_I) * (float)SMAP_ONE_I + 1.0f);
+  i->hair = (int16_t)((o->hair + SMAP_ROUNDED_I) * (float)SMAP_ONE_I + 1.0f);
   i->slack = (int16_t)(o->slack * (float)SMAP_ONE_I);
-  memcpy(i->kind, o->kind, o->shown);
-  memcpy(i->island, o->island, o->shown);
-  memcpy(i->begin, o->begin, o->shown);
-  memcpy(i->first, o->first, o->shown);
-  memcpy(i->last, o->last, o->shown);
-  memcpy(i->convex, o->convex, o->shown);
-  memcpy(i->edge, o->edge, o->shown + 1u);
-  memcpy(i->rim, o->rim, o->edge[o->shown] * sizeof i->rim[0]);
-  memcpy(i->over, o->over, o->walls * sizeof i->over[0]);
-  memcpy(i->segment, o->segment, o->segments * sizeof i->segment[0]);
-  memcpy(i->side, o->side, o->sides * sizeof i->side[0]);
 }
 
 static inline int32_t smap_dot_i(const int16_t a[3], const int32_t b[3])
@@ -165,39 +155,50 @@ static int32_t smap_length_i(const int32_t c[3])
   }
 }
 
+/* Whether a vector of less than 2^31 is surely longer than `least`, which is at least 0. */
+static inline int smap_is_far_i(const int32_t c[3], int32_t least)
+{
+  const int32_t x = c[0] >> 16, y = c[1] >> 16, z = c[2] >> 16, far = (least >> 16) + 3;
+  /* Rounding takes at most 1 of each. */
+  return (uint32_t)(x * x) + (uint32_t)(y * y) + (uint32_t)(z * z) >= (uint32_t)(far * far);
+}
+
 /* As smap_nearest; the distance is 32767 |g| times the sine, rounded down. */
 static int32_t smap_nearest_i(const smap_many_pose_i_t *o, const smap_segment_t *s,
                               const smap_segment_t *end, const int32_t g[3], int inside,
-                              int32_t least, uint8_t *which)
+                              int32_t top, int32_t least, uint8_t *which)
 {
   for (; s < end; s++) {
-    const int16_t *n = o->wall[s->wall];
+    const int16_t *n = o->wall[s->wall], *p = o->point[s->stop];
     int32_t away = smap_dot_i(n, g), c[3];
-    if (away >= least) {
+    if (away >= top) {
       continue;
     }
     if (away < 0) {
-      if (inside && !s->bent) {
+      away = -away;
+      if (away >= least || (inside && !s->bent)) {
         continue;
       }
-      away = -away;
     }
     smap_cross_i(g, n, c);
     c[0] >>= 16;
     c[1] >>= 16;
     c[2] >>= 16;
-    if (smap_dot_i(o->point[s->stop], c) > 0) {
-      const int16_t *p = o->point[s->stop];
+    if (smap_dot_i(p, c) > 0) {
       if ((inside && !s->bent) || smap_dot_i(p, g) <= 0) {
         continue;
       }
       smap_cross_i(g, p, c);
+      if (smap_is_far_i(c, least)) {
+        continue;
+      }
       away = smap_length_i(c);
     } else if (smap_dot_i(o->point[s->start], c) < 0) {
       continue;
     }
     if (away < least) {
       least = away;
+      top = least < top ? least : top;
       *which = s->wall;
     }
   }
@@ -205,29 +206,33 @@ static int32_t smap_nearest_i(const smap_many_pose_i_t *o, const smap_segment_t 
 }
 
 /* As smap_boundary. */
-static int32_t smap_boundary_i(const smap_many_pose_i_t *o, uint8_t facet, const int32_t g[3],
-                               int inside, int32_t least, uint8_t *which)
+static int32_t smap_boundary_i(const smap_layout_t *at, const smap_many_pose_i_t *o,
+                               uint8_t facet, const int32_t g[3], int inside, int32_t least,
+                               uint8_t *which)
 {
-  const uint8_t island = o->island[facet];
-  const smap_segment_t *middle = o->segment + o->begin[facet];
-  if (inside && o->convex[facet]) {
+  const uint8_t island = at->island[facet];
+  const smap_segment_t *middle = at->segment + at->begin[facet];
+  const int32_t top = at->convex[facet] ? least / 100 : least; /* SMAP_BEYOND */
+  if (inside && at->convex[facet]) {
     uint8_t k;
-    for (k = o->first[island]; k < o->last[island]; k++) {
-      const int32_t v = smap_dot_i(o->wall[o->segment[k].wall], g);
+    for (k = at->first[island]; k < at->last[island]; k++) {
+      const int32_t v = smap_dot_i(o->wall[at->segment[k].wall], g);
       if (v < least) {
         least = v;
-        *which = o->segment[k].wall;
+        *which = at->segment[k].wall;
       }
     }
     return least;
   }
-  least = smap_nearest_i(o, middle, o->segment + o->last[island], g, inside, least, which);
-  return smap_nearest_i(o, o->segment + o->first[island], middle, g, inside, least, which);
+  least = smap_nearest_i(o, middle, at->segment + at->last[island], g, inside, top, least, which);
+  return smap_nearest_i(o, at->segment + at->first[island], middle, g, inside,
+                        least < top ? least : top, least, which);
 }
 
-static int smap_within_i(const smap_many_pose_i_t *o, uint8_t side, const int32_t g[3], int32_t slack)
+static int smap_within_i(const smap_layout_t *at, const smap_many_pose_i_t *o, uint8_t side,
+                         const int32_t g[3], int32_t slack)
 {
-  const smap_side_t *s = &o->side[side];
+  const smap_side_t *s = &at->side[side];
   uint8_t k;
   slack = s->inner ? -slack : 0;
   for (k = 0; k < s->count; k++) {
@@ -240,29 +245,32 @@ static int smap_within_i(const smap_many_pose_i_t *o, uint8_t side, const int32_
 }
 
 /* As smap_verdict. */
-static int smap_verdict_i(const smap_many_pose_i_t *o, uint8_t f, const int32_t g[3], int32_t length)
+static int smap_verdict_i(const smap_layout_t *at, const smap_many_pose_i_t *o, uint8_t f,
+                          const int32_t g[3], int32_t length)
 {
-  const int32_t guard = o->guard * length, slack = o->slack * length;
+  const int32_t hair = o->hair * length, slack = o->slack * length;
   uint8_t left, e;
   for (left = 4; left > 0; left--) {
-    uint8_t beyond = 0, to = SMAP_NONE;
-    for (e = o->edge[f]; e < o->edge[f + 1]; e++) {
-      const smap_rim_t *rim = &o->rim[e];
-      if (smap_dot_i(o->wall[rim->wall], g) >= guard) {
+    uint8_t beyond = 0, near = 0, to = SMAP_NONE;
+    for (e = at->edge[f]; e < at->edge[f + 1]; e++) {
+      const smap_rim_t *rim = &at->rim[e];
+      const int32_t in = smap_dot_i(o->wall[rim->wall], g);
+      if (in >= hair) {
+        near = near || in < o->guard * length;
         continue;
       }
       beyond = 1;
       if (rim->side != SMAP_NONE) {
-        if (smap_dot_i(o->wall[rim->back], g) >= guard) {
+        if (smap_dot_i(o->wall[rim->back], g) >= hair) {
           to = rim->to;
-        } else if (smap_within_i(o, rim->side, g, slack) &&
-                   smap_within_i(o, (uint8_t)(rim->side + 1u), g, slack)) {
+        } else if (smap_within_i(at, o, rim->side, g, slack) &&
+                   smap_within_i(at, o, (uint8_t)(rim->side + 1u), g, slack)) {
           return SMAP_ROCKS;
         }
       }
     }
     if (!beyond) {
-      return o->kind[f] == SMAP_REST ? SMAP_OK : SMAP_TIPS;
+      return at->kind[f] != SMAP_REST ? SMAP_TIPS : near ? SMAP_ROCKS : SMAP_OK;
     }
     if (to == SMAP_NONE) {
       return SMAP_TIPS;
@@ -283,6 +291,7 @@ static uint16_t smap_sdg_i(const smap_many_pose_i_t *o, uint8_t f, const int32_t
   shift = (int8_t)(shift + 16 - k);
   rate = k > 16 ? rate >> (k - 16) : (int32_t)((uint32_t)rate << (16 - k));
   factor = ((uint32_t)o->mantissa << 15) / (uint32_t)rate; /* 2^14 to 2^16 */
+  SMAP_UNROLL
   for (k = 0; k < 3; k++) {
     int32_t v = g[k] * (int32_t)(factor >> 1);
     const int8_t by = (int8_t)(shift + 1);
@@ -294,7 +303,7 @@ static uint16_t smap_sdg_i(const smap_many_pose_i_t *o, uint8_t f, const int32_t
       v = (int32_t)((uint32_t)v << by);
     }
     d[k] = v - o->centre[f][k];
-    if (d[k] > 0x8000 || d[k] < -0x8000) {
+    if (d[k] > 32768 || d[k] < -32768) {
       return 65534;
     }
   }
@@ -304,8 +313,8 @@ static uint16_t smap_sdg_i(const smap_many_pose_i_t *o, uint8_t f, const int32_t
 
 /* Read a pose under a direction whose longest component is 16384 to 32768; `length` is that of it,
  * rounded up. */
-static smap_status_t smap_many_at_i(const smap_many_pose_i_t *o, const int32_t g[3], uint32_t length,
-                                    smap_reading_i_t *out)
+static smap_status_t smap_many_at_i(const smap_layout_t *at, const smap_many_pose_i_t *o,
+                                    const int32_t g[3], uint32_t length, smap_reading_i_t *out)
 {
   const int32_t size = (int32_t)length, all = SMAP_ONE_I * (size - 1);
   int32_t rate = 0, least;
@@ -314,7 +323,7 @@ static smap_status_t smap_many_at_i(const smap_many_pose_i_t *o, const int32_t g
   out->sdg = out->height = 65535u;
   out->tip = -SMAP_ONE_I;
   out->over[0] = out->over[1] = SMAP_NONE;
-  for (i = 0; o->alive && i < o->shown; i++) {
+  for (i = 0; at->alive && i < at->shown; i++) {
     const int32_t v = smap_dot_i(o->plane[i], g);
     if (v > rate) {
       rate = v;
@@ -324,11 +333,11 @@ static smap_status_t smap_many_at_i(const smap_many_pose_i_t *o, const int32_t g
   if (best == SMAP_NONE) {
     return SMAP_TIPS;
   }
-  status = smap_verdict_i(o, best, g, size);
-  least = smap_boundary_i(o, best, g, status != SMAP_TIPS, all, &which);
+  status = smap_verdict_i(at, o, best, g, size);
+  least = smap_boundary_i(at, o, best, g, status != SMAP_TIPS, all, &which);
   if (least < all) {
-    out->over[0] = o->over[which][0];
-    out->over[1] = o->over[which][1];
+    out->over[0] = at->over[which][0];
+    out->over[1] = at->over[which][1];
   }
   least = least / (size + 1) - o->guard;
   if (status == SMAP_TIPS || least < 0) {

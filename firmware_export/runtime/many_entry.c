@@ -17,6 +17,7 @@ typedef struct {
 
 typedef struct {
   smap_head_t head;
+  smap_layout_t at;
   smap_many_pose_i_t whole;
 } smap_pose_memory_i_t;
 
@@ -132,6 +133,8 @@ static int8_t smap_run_at(const void *pose, const float *gravity, smap_reading_t
 static int8_t smap_run_at_i(const void *pose, const int16_t *gravity, smap_reading_i_t *out)
 {
   const smap_head_t *const head = (const smap_head_t *)pose;
+  const smap_pose_memory_t *const both = (const smap_pose_memory_t *)pose;
+  const smap_pose_memory_i_t *const alone = (const smap_pose_memory_i_t *)pose;
   const int whole = (head->forms & SMAP_FLOAT) == 0;
   const uint8_t channels = SMAP_BLOB(head->map)[SMAP_AT_CHANNELS];
   int32_t g[3];
@@ -143,9 +146,8 @@ static int8_t smap_run_at_i(const void *pose, const int16_t *gravity, smap_readi
   if (SMAP_RARELY(status != SMAP_OK)) {
     return smap_deny_i(out, status);
   }
-  status = (int8_t)smap_many_at_i(whole ? &((const smap_pose_memory_i_t *)pose)->whole
-                                        : &((const smap_pose_memory_t *)pose)->rest.whole,
-                                  g, length, out);
+  status = (int8_t)(whole ? smap_many_at_i(&alone->at, &alone->whole, g, length, out)
+                          : smap_many_at_i(&both->real.at, &both->rest.whole, g, length, out));
   out->over[0] = smap_many_named(head->map, out->over[0]);
   out->over[1] = smap_many_named(head->map, out->over[1]);
   if (status != SMAP_OK && status != SMAP_ROCKS) {
@@ -180,6 +182,7 @@ static int8_t smap_run_pose(const smap_t *map, const float *params, void *pose, 
     smap_many_work_t work;
     head->status = smap_many_of(map, params, &real, &work);
     if (head->status == SMAP_OK) {
+      ((smap_pose_memory_i_t *)pose)->at = real.at;
       smap_many_make_i(&real, step, step, &((smap_pose_memory_i_t *)pose)->whole);
     }
   }

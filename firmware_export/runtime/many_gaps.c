@@ -111,67 +111,60 @@ static int smap_lost(const smap_many_work_t *w, const float a[3], const float b[
                      const smap_held_t *o, float span[2])
 {
   const float square = w->map->size * w->map->size, slack = SMAP_CAUGHT * square;
-  float along[3], wall[3], s[2], n[2], r[2], q[3], size2, inverse;
-  uint8_t k;
-  span[0] = 3.0f;
-  span[1] = -3.0f;
-  for (k = 0; k < 3; k++) {
-    along[k] = b[k] - a[k];
-  }
+  const float lost = (SMAP_RAISED + SMAP_TURNED * o->turned) * square;
+  float along[3], wall[3], s, ds, n, dn, r, dr, q[3], size2, inverse;
+  smap_minus(b, a, along);
   size2 = smap_dot(along, along);
-  if (!(size2 > 1e-10f * w->map->size * w->map->size)) {
+  if (!(size2 > 1e-10f * square)) {
     return 0;
   }
   inverse = 1.0f / smap_root(size2);
   smap_cross(a, b, wall);
-  for (k = 0; k < 2; k++) {
-    const float *g = o->g[k];
-    s[k] = smap_dot(wall, g) * inverse - slack;
-    n[k] = smap_dot(a, g) - smap_dot(a, along) * smap_dot(along, g) * inverse * inverse + slack;
-    r[k] = o->rise[k] - (SMAP_RAISED + SMAP_TURNED * o->turned) * square;
+  s = smap_dot(wall, o->g[0]) * inverse - slack;
+  ds = smap_dot(wall, o->g[1]) * inverse - slack - s;
+  span[0] = 3.0f;
+  span[1] = -3.0f;
+  if (s < 0.0f || s + ds < 0.0f) {
+    r = s < 0.0f && s + ds < 0.0f ? 0.0f : -s / ds;
+    smap_widen(o, span, s < 0.0f ? -1.0f : r, s + ds < 0.0f ? 2.0f : r);
+    if (s < 0.0f && s + ds < 0.0f) {
+      return 1;
+    }
   }
-  if (s[0] < 0.0f) {
-    smap_widen(o, span, -1.0f, s[1] < 0.0f ? 2.0f : s[0] / (s[0] - s[1]));
-  } else if (s[1] < 0.0f) {
-    smap_widen(o, span, s[0] / (s[0] - s[1]), 2.0f);
-  }
-  {
-    const float ds = s[1] - s[0], dn = n[1] - n[0], dr = r[1] - r[0];
-    q[0] = s[0] * s[0] + 2.0f * n[0] * r[0] - r[0] * r[0];
-    q[1] = 2.0f * (s[0] * ds + n[0] * dr + r[0] * dn - r[0] * dr);
-    q[2] = ds * ds + 2.0f * dn * dr - dr * dr;
-    smap_lost_energy(o, q, n[0] - r[0], dn - dr, span);
-  }
+  smap_mix(a, b, -smap_dot(a, along) * inverse * inverse, wall); /* the com's foot on the edge's line */
+  n = smap_dot(wall, o->g[0]) + slack;
+  dn = smap_dot(wall, o->g[1]) + slack - n;
+  r = o->rise[0] - lost;
+  dr = o->rise[1] - o->rise[0];
+  q[0] = s * s + (n + n - r) * r;
+  q[1] = 2.0f * (s * ds + n * dr + r * (dn - dr));
+  q[2] = ds * ds + (dn + dn - dr) * dr;
+  smap_lost_energy(o, q, n - r, dn - dr, span);
   return span[0] < span[1] && span[0] < o->high && span[1] > o->low;
 }
 
-/* The line of an edge that the robot came over: its begin, its direction, its length squared. */
-typedef struct {
-  float from[3], along[3], size2;
-} smap_line_t;
-
-static float smap_beside(const float p[3], const smap_line_t *line)
+/* Whether a place is within a distance (squared) of the line from a along a direction. */
+static int smap_beside(const float p[3], const float a[3], const float along[3], float band2)
 {
   float arm[3], c[3];
-  smap_minus(p, line->from, arm);
-  smap_cross(arm, line->along, c);
-  return smap_dot(c, c) / line->size2;
+  smap_minus(p, a, arm);
+  smap_cross(arm, along, c);
+  return smap_dot(c, c) < band2 * smap_dot(along, along);
 }
 
-static void smap_line(const smap_many_work_t *w, uint8_t e, smap_line_t *o)
-{
-  smap_copy(smap_corner(w, e), o->from);
-  smap_minus(smap_end(w, e), o->from, o->along);
-  o->size2 = smap_dot(o->along, o->along);
-}
-
-/* Whether the robot goes on over an edge, which is not the way back, and over which part. */
-static int smap_leaves(const smap_many_work_t *w, const smap_line_t *line, uint8_t e,
-                       const smap_held_t *o, float span[2])
+/* Whether the robot goes on over an edge, which is not the way back over that on which it came, and over
+ * which part. */
+static int smap_leaves(const smap_many_work_t *w, uint8_t came, uint8_t e, const smap_held_t *o,
+                       float span[2])
 {
   const float band2 = w->map->band > 0.0f ? w->map->band * w->map->band : 0.0f;
-  const float *p = smap_corner(w, e), *q = smap_end(w, e);
-  return smap_lost(w, p, q, o, span) && !(smap_beside(p, line) < band2 && smap_beside(q, line) < band2);
+  const float *p = smap_corner(w, e), *q = smap_end(w, e), *a = smap_corner(w, came);
+  float along[3];
+  if (!smap_lost(w, p, q, o, span)) {
+    return 0;
+  }
+  smap_minus(smap_end(w, came), a, along);
+  return !(smap_beside(p, a, along, band2) && smap_beside(q, a, along, band2));
 }
 
 /* Leave of a part of the segment that for which the way to a facet after `turn` more may be taken:
@@ -197,19 +190,17 @@ static void smap_refuse(const smap_many_work_t *w, const smap_held_t *o, uint8_t
   }
 }
 
-/* Turn a gap along a roll. */
-static void smap_carry(const smap_roll_t *roll, const smap_held_t *from, smap_held_t *to)
+/* Turn a gap along the roll over edge e. */
+static void smap_carry(const smap_many_work_t *w, smap_row_t *roll, uint8_t e,
+                       const smap_held_t *from, smap_held_t *to)
 {
-  uint8_t end, k;
+  uint8_t end;
   *to = *from;
   for (end = 0; end < 2; end++) {
-    to->rise[end] = from->rise[end] + smap_dot(roll->rise, from->g[end]);
-    for (k = 0; k < 3; k++) {
-      to->g[end][k] = smap_dot(roll->turn[k], from->g[end]);
-    }
+    to->rise[end] += smap_roll_over(w, roll, e, from->g[end], to->g[end]);
   }
-  to->turned += roll->angle;
-  to->before += roll->angle;
+  to->turned += roll[SMAP_ANGLE][0];
+  to->before += roll[SMAP_ANGLE][0];
   to->split = 0;
 }
 
@@ -218,21 +209,21 @@ static int smap_roll_on(smap_many_work_t *w, uint8_t e, const smap_held_t *o, co
                         smap_held_t *next)
 {
   const uint8_t back = w->twin[e];
+  smap_row_t *roll;
   float part[2];
-  smap_roll_t roll;
   if (back == SMAP_NONE || w->facet[w->owner[back]].kind != SMAP_REST ||
       smap_chord(&w->facet[w->owner[e]].at, &w->facet[w->owner[back]].at) + o->turned >
           w->map->rock_angle) {
     return 0;
   }
-  smap_roll(w, e, &roll);
-  if (roll.angle < SMAP_NOISE) {
+  roll = smap_roll(w, e);
+  if (roll[SMAP_ANGLE][0] < SMAP_NOISE) {
     return 0;
   }
   part[0] = span[0] > o->low ? span[0] : o->low;
   part[1] = span[1] < o->high ? span[1] : o->high;
-  smap_refuse(w, o, w->owner[back], roll.angle, part);
-  smap_carry(&roll, o, next);
+  smap_refuse(w, o, w->owner[back], roll[SMAP_ANGLE][0], part);
+  smap_carry(w, roll, e, o, next);
   next->low = part[0];
   next->high = part[1];
   return next->low < next->high;
@@ -243,10 +234,8 @@ static int smap_hold_last(const smap_many_work_t *w, uint8_t came, smap_held_t *
 {
   float span[2];
   uint8_t at, left = SMAP_MANY_EDGES;
-  smap_line_t line;
-  smap_line(w, came, &line);
   for (at = smap_onward(w, came); at != came && left > 0 && o->low < o->high; left--) {
-    if (smap_leaves(w, &line, at, o, span)) {
+    if (smap_leaves(w, came, at, o, span)) {
       smap_forbid(o, span[0], span[1]);
     }
     at = smap_onward(w, at);
@@ -273,11 +262,9 @@ static int smap_hold_next(smap_many_work_t *w, uint8_t came, smap_held_t *o, sma
   const uint8_t first = *ends;
   float span[2];
   uint8_t at, left = SMAP_MANY_EDGES;
-  smap_line_t line;
   smap_held_t next;
-  smap_line(w, came, &line);
   for (at = smap_onward(w, came); at != came && left > 0 && o->low < o->high; left--) {
-    if (smap_leaves(w, &line, at, o, span)) {
+    if (smap_leaves(w, came, at, o, span)) {
       if (*ends < SMAP_ENDS && smap_roll_on(w, at, o, span, &next) &&
           smap_hold_last(w, w->twin[at], &next)) {
         smap_keep(w, at, &next, span, o, &end[*ends]);
@@ -301,11 +288,9 @@ static void smap_hold_rest(smap_many_work_t *w, uint8_t came, smap_held_t *o, sm
 {
   float span[2];
   uint8_t e, left = SMAP_MANY_EDGES;
-  smap_line_t line;
   smap_held_t next;
-  smap_line(w, came, &line);
   for (e = smap_onward(w, came); e != came && left > 0 && o->low < o->high; left--) {
-    if (smap_leaves(w, &line, e, o, span)) {
+    if (smap_leaves(w, came, e, o, span)) {
       if (*ends < SMAP_ENDS && smap_roll_on(w, e, o, span, &next) &&
           smap_hold_next(w, w->twin[e], &next, end, ends) && *ends < SMAP_ENDS) {
         smap_keep(w, e, &next, span, o, &end[*ends]);
@@ -326,17 +311,12 @@ static void smap_all_of(smap_end_t *end, uint8_t facet)
   end->facet = facet;
 }
 
-/* Let a gap be where the robot has rolled onto the facet beyond; `low` is where it is 0 there. */
-static void smap_begin_gap(smap_held_t *o, const smap_roll_t *roll, const float p[3], const float q[3])
+/* Let a gap be where the robot has rolled over edge e onto the facet beyond; it is 0 at p. */
+static void smap_begin_gap(const smap_many_work_t *w, smap_row_t *roll, uint8_t e,
+                           const float p[3], const float q[3], smap_held_t *o)
 {
-  const float *const end[2] = {p, q};
-  uint8_t k, n;
-  for (n = 0; n < 2; n++) {
-    o->rise[n] = smap_dot(roll->rise, end[n]);
-    for (k = 0; k < 3; k++) {
-      o->g[n][k] = smap_dot(roll->turn[k], end[n]);
-    }
-  }
+  o->rise[0] = smap_roll_over(w, roll, e, p, o->g[0]);
+  o->rise[1] = smap_roll_over(w, roll, e, q, o->g[1]);
 }
 
 /* Whether the middle of the segment is held further on. */
@@ -357,35 +337,34 @@ static void smap_find_gap(smap_many_work_t *w, uint8_t e)
   static const float trial[5] = {0.5f, 0.25f, 0.75f, 0.1f, 0.9f};
   const uint8_t back = w->twin[e];
   smap_end_t ends[SMAP_ENDS], more[SMAP_ENDS], here;
-  smap_roll_t roll;
+  smap_row_t *roll;
   smap_held_t o;
   float low, high;
   uint8_t k, count = 1;
   if (smap_chord(&w->facet[w->owner[e]].at, &w->facet[w->owner[back]].at) > w->map->rock_angle) {
     return;
   }
-  smap_roll(w, e, &roll);
-  if (!(roll.angle <= w->map->rock_angle)) {
+  roll = smap_roll(w, e);
+  if (!(roll[SMAP_ANGLE][0] <= w->map->rock_angle)) {
     return;
   }
   o.low = SMAP_END;
   o.high = 1.0f - SMAP_END;
   o.split = 0;
-  o.turned = roll.angle;
+  o.turned = roll[SMAP_ANGLE][0];
   o.before = 0.0f;
   o.ends = 1;
   o.other = &here;
   smap_all_of(&here, w->owner[e]);
   smap_all_of(&ends[0], w->owner[back]);
-  smap_begin_gap(&o, &roll, smap_corner(w, e), smap_end(w, e));
+  smap_begin_gap(w, roll, e, smap_corner(w, e), smap_end(w, e), &o);
   smap_hold_rest(w, back, &o, ends, &count);
   if (!(o.low < o.high)) {
     return;
   }
   o.other = ends;
   o.ends = count;
-  smap_reverse(&roll);
-  smap_begin_gap(&o, &roll, smap_end(w, back), smap_corner(w, back));
+  smap_begin_gap(w, smap_roll(w, e), back, smap_end(w, back), smap_corner(w, back), &o);
   k = 0;
   smap_hold_rest(w, e, &o, more, &k);
   if (o.split && (smap_is_further(ends + 1, (uint8_t)(count - 1u)) || smap_is_further(more, k))) {

@@ -7,21 +7,22 @@
 static void smap_show(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start)
 {
   smap_facet_t *f = &w->facet[w->owner[start]];
-  const uint8_t at = o->shown;
-  uint8_t e = start, n = o->edge[at], left = SMAP_MANY_EDGES, k;
+  const uint8_t at = o->at.shown;
+  uint8_t e = start, n = o->at.edge[at], left = SMAP_MANY_EDGES, k;
   float wall[3];
   if (at >= SMAP_MANY_SHOWN) {
     w->failed = 1;
     return;
   }
+  SMAP_UNROLL
   for (k = 0; k < 3; k++) {
     o->plane[at][k] = f->at.n[k] / f->h;
     o->centre[at][k] = f->centre[k];
   }
   o->height[at] = f->h;
-  o->kind[at] = f->kind;
-  o->island[at] = at;
-  o->begin[at] = 0;
+  o->at.kind[at] = f->kind;
+  o->at.island[at] = at;
+  o->at.begin[at] = 0;
   do {
     w->facet[w->owner[e]].shown = at;
     smap_cross(smap_corner(w, e), smap_end(w, e), wall);
@@ -29,13 +30,13 @@ static void smap_show(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start)
     w->point_of[e] = smap_add_point(w, o, smap_corner(w, e));
     if (smap_dot(wall, wall) > 1e-14f * w->map->size * w->map->size * w->map->size * w->map->size) {
       w->wall_of[e] = smap_add_wall(w, o, wall, w->vertex[e], w->vertex[w->next[e]]);
-      o->rim[n].wall = w->wall_of[e];
-      o->rim[n++].side = e; /* until the sides are known */
+      o->at.rim[n].wall = w->wall_of[e];
+      o->at.rim[n++].side = e; /* until the sides are known */
     }
     e = smap_onward(w, e);
     left--;
   } while (e != start && left > 0 && !w->failed);
-  o->edge[++o->shown] = n;
+  o->at.edge[++o->at.shown] = n;
 }
 
 /* Make the strips of all gaps, and give the islands that they join one number. */
@@ -45,22 +46,22 @@ static void smap_add_strips(smap_many_work_t *w, smap_many_pose_t *o)
   for (e = 0; e < w->edges && !w->failed; e++) {
     const uint8_t back = w->twin[e];
     if (smap_is_gap(w, e) && back > e) {
-      const uint8_t a = o->island[w->facet[w->owner[e]].shown];
-      const uint8_t b = o->island[w->facet[w->owner[back]].shown];
+      const uint8_t a = o->at.island[w->facet[w->owner[e]].shown];
+      const uint8_t b = o->at.island[w->facet[w->owner[back]].shown];
       smap_add_side(w, o, e);
       smap_add_side(w, o, back);
-      for (k = 0; k < o->shown; k++) {
-        o->island[k] = o->island[k] == b ? a : o->island[k];
+      for (k = 0; k < o->at.shown; k++) {
+        o->at.island[k] = o->at.island[k] == b ? a : o->at.island[k];
       }
     }
   }
-  for (k = 0; k < o->edge[o->shown] && !w->failed; k++) {
-    e = o->rim[k].side;
-    o->rim[k].side = SMAP_NONE;
+  for (k = 0; k < o->at.edge[o->at.shown] && !w->failed; k++) {
+    e = o->at.rim[k].side;
+    o->at.rim[k].side = SMAP_NONE;
     if (smap_is_gap(w, e) && w->wall_of[w->twin[e]] != SMAP_NONE) {
-      o->rim[k].side = w->side_of[w->twin[e] < e ? w->twin[e] : e];
-      o->rim[k].back = w->wall_of[w->twin[e]];
-      o->rim[k].to = w->facet[w->owner[w->twin[e]]].shown;
+      o->at.rim[k].side = w->side_of[w->twin[e] < e ? w->twin[e] : e];
+      o->at.rim[k].back = w->wall_of[w->twin[e]];
+      o->at.rim[k].to = w->facet[w->owner[w->twin[e]]].shown;
     }
   }
 }
@@ -83,10 +84,12 @@ static int smap_many_pose(const smap_many_t *m, const smap_many_place_t *place, 
                           smap_many_work_t *w)
 {
   uint8_t e;
-  o->shown = o->walls = o->points = o->segments = o->sides = o->alive = o->edge[0] = 0;
+  o->at.shown = o->at.walls = o->at.points = o->at.segments = o->at.sides = o->at.alive = o->at.edge[0] = 0;
   o->guard = m->guard;
+  o->hair = 2e-4f;  /* a sine: nearer to the wall of an edge both sides of it are looked at */
   o->slack = 5e-4f; /* a sine */
   w->map = m;
+  w->roll = o->point;
   w->facets = w->edges = w->rolls = w->failed = 0;
   smap_find_facets(w, place);
   if (!w->failed) {
@@ -107,17 +110,17 @@ static int smap_many_pose(const smap_many_t *m, const smap_many_place_t *place, 
     smap_find_boundary(w, o);
   }
   if (w->failed) {
-    o->shown = 0;
+    o->at.shown = 0;
     return 0;
   }
 #if SMAP_MANY_RAILS
   if (m->axis[0] != 0.0f) {
-    smap_turn_back(m, o->plane, o->shown);
-    smap_turn_back(m, o->centre, o->shown);
-    smap_turn_back(m, o->wall, o->walls);
-    smap_turn_back(m, o->point, o->points);
+    smap_turn_back(m, o->plane, o->at.shown);
+    smap_turn_back(m, o->centre, o->at.shown);
+    smap_turn_back(m, o->wall, o->at.walls);
+    smap_turn_back(m, o->point, o->at.points);
   }
 #endif
-  o->alive = 1;
+  o->at.alive = 1;
   return 1;
 }

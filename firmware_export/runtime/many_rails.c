@@ -169,6 +169,35 @@ static inline void smap_touch(const smap_many_work_t *w, uint8_t i, const smap_a
   out[2] = w->p[i][2] - w->r[i] * at->c;
 }
 
+/* The directions along and across on a plane. */
+static void smap_frame(const smap_aim_t *aim, float along[3], float across[3])
+{
+  along[0] = aim->c;
+  along[1] = 0.0f;
+  along[2] = aim->s;
+  across[0] = -aim->n[1] * aim->s;
+  across[1] = aim->n[0] * aim->s - aim->n[2] * aim->c;
+  across[2] = aim->n[1] * aim->c;
+}
+
+/* How far a contact extends along a plane's normal. */
+static inline float smap_extent(const smap_many_work_t *w, uint8_t i, const smap_aim_t *at)
+{
+  /* The first product is 1 / |(s, t, -c)|. */
+  return smap_level(w, i, at->s, at->c) * (at->n[0] * at->s - at->n[2] * at->c) +
+         w->p[i][1] * at->n[1];
+}
+
+/* Where a contact touches a plane, along and across. */
+static inline void smap_find_spot(const smap_many_work_t *w, uint8_t i, const smap_aim_t *at,
+                                  const float along[3], const float across[3], smap_spot_t *o)
+{
+  const float *p = w->p[i];
+  o->a = p[0] * along[0] + p[2] * along[2];
+  o->b = p[1] * across[1] - at->n[1] * smap_level(w, i, at->s, at->c);
+  o->contact = i;
+}
+
 /* The direction with a pitch and a slope; returns the length of (s, t, -c). */
 static inline float smap_slope(smap_aim_t *o, float s, float c, float t)
 {
@@ -198,11 +227,20 @@ static void smap_on_arc(const smap_many_work_t *w, uint8_t i, uint8_t j, const s
   }
 }
 
-/* The direction whose normal is that of a vector. */
-static void smap_aim(smap_aim_t *o, const float v[3])
+/* Whether two contacts touch at the same places all the way. */
+static int smap_is_still(const smap_many_work_t *w, uint8_t i, uint8_t j)
 {
-  const float size = 1.0f / smap_root(v[0] * v[0] + v[2] * v[2]);
-  (void)smap_slope(o, v[0] * size, -v[2] * size, v[1] * size);
+  return w->rail[i] == w->rail[j] || (w->r[i] == 0.0f && w->r[j] == 0.0f);
+}
+
+/* Where the tangents at two directions meet, of the rim a part of the way from that of i to j's. */
+static void smap_meet(const smap_many_work_t *w, uint8_t i, uint8_t j, float part, const smap_aim_t *a,
+                      const smap_aim_t *b, float out[3])
+{
+  const float r = (w->r[i] + part * (w->r[j] - w->r[i])) / (1.0f + a->s * b->s + a->c * b->c);
+  smap_mix(w->p[i], w->p[j], part, out);
+  out[0] += r * (a->s + b->s);
+  out[2] -= r * (a->c + b->c);
 }
 
 /* Enter the facet of three contacts, whose slope is that of a and b; its first edge, or none. */
@@ -225,6 +263,7 @@ static uint8_t smap_triangle(smap_many_work_t *w, float s, float c, const uint8_
       !smap_enter(w, &at, h / norm, 3)) {
     return SMAP_NONE;
   }
+  SMAP_UNROLL
   for (k = 0; k < 3; k++) {
     w->vertex[e + k] = three[k];
     smap_touch(w, three[k], &at, w->corner[e + k]);

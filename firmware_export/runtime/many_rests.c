@@ -9,45 +9,26 @@
 #define SMAP_TURN_SHORT 4e-5f   /* rad: arcs as short as this join what is one facet */
 #define SMAP_TURN_ROUNDED 2e-6f /* rad: the same for a robot that may not rock */
 
-/* A contact on a facet's plane: its place along and across. */
-typedef struct {
-  float a, b;
-  uint8_t contact;
-} smap_spot_t;
-
-/* The directions along and across on a plane. */
-static void smap_frame(const smap_aim_t *aim, float along[3], float across[3])
-{
-  const float *n = aim->n, size = 1.0f / smap_root(n[0] * n[0] + n[2] * n[2]);
-  along[0] = -n[2] * size;
-  along[1] = 0.0f;
-  along[2] = n[0] * size;
-  across[0] = -n[1] * along[2];
-  across[1] = n[0] * along[2] - n[2] * along[0];
-  across[2] = n[1] * along[0];
-}
-
 /* List the contacts that reach as far as `top` along a plane's normal, sorted by b; none where one
  * reaches beyond `most`. */
 static uint8_t smap_list_spots(const smap_many_work_t *w, const smap_aim_t *aim, float top,
                                float most, smap_spot_t *spot)
 {
-  float along[3], across[3], p[3], reach;
+  const smap_aim_t plane = *aim; /* no store to a spot can alter it */
+  const uint8_t contacts = w->map->contacts;
+  float along[3], across[3];
   uint8_t i, at, count = 0;
-  smap_frame(aim, along, across);
-  for (i = 0; i < w->map->contacts; i++) {
+  smap_frame(&plane, along, across);
+  for (i = 0; i < contacts; i++) {
+    const float reach = smap_extent(w, i, &plane);
     smap_spot_t here;
-    smap_touch(w, i, aim, p);
-    reach = smap_dot(p, aim->n);
     if (reach > most) {
       return 0;
     }
     if (!(reach >= top)) {
       continue;
     }
-    here.contact = i;
-    here.a = p[0] * along[0] + p[2] * along[2];
-    here.b = smap_dot(p, across);
+    smap_find_spot(w, i, &plane, along, across, &here);
     for (at = count++; at > 0 && (spot[at - 1].b > here.b ||
                                   (spot[at - 1].b == here.b && spot[at - 1].a < here.a)); at--) {
       spot[at] = spot[at - 1];
@@ -66,6 +47,13 @@ static inline float smap_bend_of(const smap_spot_t *o, const smap_spot_t *p, con
 static uint8_t smap_polygon(const smap_spot_t *spot, uint8_t count, uint8_t *corner)
 {
   uint8_t n = 0, k, i, least = 1;
+  if (count == 3) {
+    const float bend = smap_bend_of(&spot[0], &spot[1], &spot[2]);
+    corner[0] = 0;
+    corner[1] = bend > 0.0f ? 1 : 2;
+    corner[2] = bend > 0.0f ? 2 : 1;
+    return bend != 0.0f ? 3 : 2;
+  }
   for (k = 0; k < 2u * count; k++) {
     i = k < count ? k : (uint8_t)(2u * count - 1u - k);
     if (k == count) {
@@ -96,20 +84,32 @@ static uint8_t smap_corners_near(const smap_many_work_t *w, const smap_aim_t *at
 }
 #endif
 
+static inline float smap_apart2(const smap_spot_t *p, const smap_spot_t *q)
+{
+  return (q->a - p->a) * (q->a - p->a) + (q->b - p->b) * (q->b - p->b);
+}
+
 /* Whether a polygon is at least `width` wide in every direction. */
 static int smap_wide(const smap_spot_t *spot, const uint8_t *corner, uint8_t n, float width)
 {
   uint8_t i, j;
+  if (n == 3) {
+    const smap_spot_t *a = &spot[corner[0]], *b = &spot[corner[1]], *c = &spot[corner[2]];
+    const float area = smap_bend_of(a, b, c), wanted = area / width, most = wanted * wanted;
+    return area > 0.0f && smap_apart2(a, b) <= most && smap_apart2(b, c) <= most &&
+           smap_apart2(c, a) <= most;
+  }
   for (i = 0; i < n; i++) {
-    const smap_spot_t *o = &spot[corner[i]], *q = &spot[corner[i + 1 < n ? i + 1 : 0]];
+    const uint8_t next = (uint8_t)(i + 1 < n ? i + 1 : 0);
+    const smap_spot_t *o = &spot[corner[i]], *q = &spot[corner[next]];
     const float da = q->a - o->a, db = q->b - o->b, wanted = width * width * (da * da + db * db);
-    for (j = 0; j < n; j++) {
+    for (j = (uint8_t)(next + 1u < n ? next + 1u : 0); j != i; j = (uint8_t)(j + 1u < n ? j + 1u : 0)) {
       const float out = smap_bend_of(o, q, &spot[corner[j]]);
       if (out > 0.0f && out * out >= wanted) {
         break;
       }
     }
-    if (j == n) {
+    if (j == i) {
       return 0;
     }
   }
@@ -137,6 +137,7 @@ static int smap_centroid(const smap_spot_t *spot, const uint8_t *corner, uint8_t
   a = o->a + a * all;
   b = o->b + b * all;
   smap_frame(&f->at, along, across);
+  SMAP_UNROLL
   for (i = 0; i < 3; i++) {
     out[i] = f->h * f->at.n[i] + a * along[i] + b * across[i];
   }
@@ -157,6 +158,7 @@ static void smap_classify(smap_many_work_t *w)
       continue;
     }
     if (n < 3 || !smap_centroid(spot, corner, n, facet, facet->centre)) {
+      SMAP_UNROLL
       for (k = 0; k < 3; k++) {
         const uint8_t e = facet->first;
         facet->centre[k] = (w->corner[e][k] + w->corner[e + 1][k] + w->corner[e + 2][k]) * (1.0f / 3.0f);
@@ -174,16 +176,17 @@ static void smap_mark_short(smap_many_work_t *w)
   uint8_t e;
   for (e = 0; e < w->edges; e++) {
     const uint8_t back = w->twin[e];
-    w->low[e] = SMAP_OPEN;
     w->roll_of[e] = SMAP_NONE;
-    if (back != SMAP_NONE) {
+    if (back == SMAP_NONE || back > e) {
+      w->low[e] = SMAP_OPEN;
+    } else {
       const smap_facet_t *f = &w->facet[w->owner[e]], *g = &w->facet[w->owner[back]];
       float d[3];
       smap_minus(f->at.n, g->at.n, d);
-      if (f->kind == SMAP_REST && g->kind == SMAP_REST &&
-          smap_dot(d, d) < turn * turn) {
-        w->low[e] = SMAP_SHORT;
-      }
+      w->low[e] = w->low[back] = f->kind == SMAP_REST && g->kind == SMAP_REST &&
+                                         smap_dot(d, d) < turn * turn
+                                     ? SMAP_SHORT
+                                     : SMAP_OPEN;
     }
   }
 }

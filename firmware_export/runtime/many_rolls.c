@@ -5,88 +5,10 @@
  *
  * While the robot rolls gravity turns in the body by the least rotation from one normal to the next,
  * and the com rises by a length that is linear in gravity: one small map per arc tells it for all
- * balances.
+ * balances, there and back.  Turned along is a frame on the normal: what its two vectors across the
+ * normal become tells what becomes of every vector.
  */
-#define SMAP_STEP 5.0f /* steps of a roll per rad, as in the exact definition */
-
-/* Add the vector `v` turned by the least rotation from a to b, `about` = a x b, times `scale`. */
-static void smap_add_turned(const float about[3], float along, const float v[3], float scale,
-                            float out[3])
-{
-  float once[3], twice[3];
-  uint8_t k;
-  smap_cross(about, v, once);
-  smap_cross(about, once, twice);
-  along = 1.0f / (1.0f + along);
-  for (k = 0; k < 3; k++) {
-    out[k] += scale * (v[k] + once[k] + twice[k] * along);
-  }
-}
-
-/* One step of a roll: the turn from a to b, and half of it back. */
-typedef struct {
-  const smap_aim_t *a, *b;
-  smap_aim_t middle;
-  float about[3], back[3], half[3], along, half_along, ratio;
-} smap_step_t;
-
-static void smap_begin_step(smap_step_t *o, const smap_aim_t *a, const smap_aim_t *b)
-{
-  float sum[3], sine2, size;
-  uint8_t k;
-  o->a = a;
-  o->b = b;
-  smap_cross(a->n, b->n, o->about);
-  sine2 = smap_dot(o->about, o->about);
-  o->along = smap_dot(a->n, b->n);
-  o->half_along = smap_root(0.5f + 0.5f * o->along);
-  size = 0.5f / o->half_along;
-  for (k = 0; k < 3; k++) {
-    sum[k] = a->n[k] + b->n[k];
-    o->back[k] = -o->about[k];
-    o->half[k] = o->back[k] * size; /* half x a = -about / |a + b| */
-  }
-  smap_aim(&o->middle, sum);
-  o->ratio = 1.0f + sine2 * (1.0f / 6.0f) + sine2 * sine2 * (3.0f / 40.0f); /* angle / sine */
-}
-
-/* Add to the rise that of a step over a contact: by Simpson, gravity turning along. */
-static void smap_rise_step(const smap_many_work_t *w, const smap_step_t *o, uint8_t contact,
-                           float (*turn)[3], float rise[3])
-{
-  float p[3], lever[3], pull[3];
-  uint8_t n;
-  smap_touch(w, contact, o->a, p);
-  smap_cross(o->about, p, pull);
-  smap_touch(w, contact, o->b, p);
-  smap_cross(o->about, p, lever);
-  smap_add_turned(o->back, o->along, lever, 1.0f, pull);
-  smap_touch(w, contact, &o->middle, p);
-  smap_cross(o->about, p, lever);
-  smap_add_turned(o->half, o->half_along, lever, 4.0f, pull);
-  for (n = 0; n < 3; n++) {
-    rise[n] -= o->ratio * (1.0f / 6.0f) *
-               (turn[0][n] * pull[0] + turn[1][n] * pull[1] + turn[2][n] * pull[2]);
-  }
-}
-
-/* Append a step to a map. */
-static void smap_turn_step(const smap_step_t *o, smap_roll_t *roll)
-{
-  float v[3], sum[3];
-  uint8_t k, n;
-  for (n = 0; n < 3; n++) {
-    for (k = 0; k < 3; k++) {
-      v[k] = roll->turn[k][n];
-      sum[k] = 0.0f;
-    }
-    smap_add_turned(o->about, o->along, v, 1.0f, sum);
-    for (k = 0; k < 3; k++) {
-      roll->turn[k][n] = sum[k];
-    }
-  }
-  roll->angle += o->ratio * smap_root(smap_dot(o->about, o->about));
-}
+#define SMAP_PAIRS 2.5f /* pairs of steps of a roll per rad, as in the exact definition */
 
 static float smap_chord(const smap_aim_t *a, const smap_aim_t *b)
 {
@@ -96,70 +18,176 @@ static float smap_chord(const smap_aim_t *a, const smap_aim_t *b)
   return smap_root(size2 < 4.0f ? size2 : 4.0f); /* no number: as far as can be */
 }
 
-/* The map of a roll over an edge onto the facet beyond. */
-static void smap_find_roll(const smap_many_work_t *w, uint8_t e, smap_roll_t *o)
+static float smap_angle(const smap_aim_t *a, const smap_aim_t *b)
 {
-  const smap_aim_t *from = &w->facet[w->owner[e]].at, *to = &w->facet[w->owner[w->twin[e]]].at;
-  const uint8_t i = w->vertex[e], j = w->vertex[w->next[e]];
-  const float chord = smap_chord(from, to);
-  smap_aim_t here = *from, there;
-  smap_step_t step;
-  uint8_t k, steps;
-  memset(o, 0, sizeof *o);
-  o->turn[0][0] = o->turn[1][1] = o->turn[2][2] = 1.0f;
-  steps = (uint8_t)(1.0f + SMAP_STEP * chord * (1.0f + chord * chord * (1.0f / 24.0f)));
-  for (k = 1; k <= steps; k++) {
-    if (k == steps) {
-      there = *to;
-    } else {
-      smap_on_arc(w, i, j, from, to, (float)k / (float)steps, &there);
-    }
-    smap_begin_step(&step, &here, &there);
-    smap_rise_step(w, &step, i, o->turn, o->rise);
-    smap_rise_step(w, &step, j, o->turn, o->other);
-    smap_turn_step(&step, o);
-    here = there;
-  }
+  return 2.0f * smap_asin(0.5f * smap_chord(a, b));
 }
 
-/* The roll back, over the other contact: the inverse of a map is its transpose. */
-static void smap_reverse(smap_roll_t *o)
+/* The same of a step of a roll, at most 0.4 rad, to 1e-6 rad. */
+static float smap_small_angle(const smap_aim_t *a, const smap_aim_t *b)
 {
-  float rise[3], other[3], t;
-  uint8_t k, n;
-  for (k = 0; k < 3; k++) {
-    rise[k] = -smap_dot(o->turn[k], o->other);
-    other[k] = -smap_dot(o->turn[k], o->rise);
-  }
-  for (k = 0; k < 3; k++) {
-    o->rise[k] = rise[k];
-    o->other[k] = other[k];
-    for (n = 0; n < k; n++) {
-      t = o->turn[k][n];
-      o->turn[k][n] = o->turn[n][k];
-      o->turn[n][k] = t;
-    }
-  }
+  const float chord = smap_chord(a, b), z = chord * chord;
+  return chord + chord * z * (1.0f / 24.0f + z * (3.0f / 640.0f));
 }
 
-/* Find the roll over an edge onto the facet beyond; each arc's is found once. */
-static void smap_roll(smap_many_work_t *w, uint8_t e, smap_roll_t *o)
+/* Two unit vectors across a normal. */
+typedef struct {
+  float t[3], b[3];
+} smap_across_t;
+
+/* Two of them, of any direction. */
+static void smap_begin_across(const float n[3], smap_across_t *o)
 {
-  const uint8_t back = w->twin[e];
+  const uint8_t k = n[0] * n[0] < 0.5f ? 0 : 1; /* an axis that is not along the normal */
+  const float far = 1.0f / smap_root(1.0f - n[k] * n[k]);
+  float axis[3] = {0.0f, 0.0f, 0.0f};
+  axis[k] = far;
+  smap_cross(n, axis, o->t);
+  smap_cross(n, o->t, o->b);
+}
+
+/* Turn them by the least rotation from normal a to normal n, and by a small angle about n. */
+static void smap_turn_across(const float a[3], const float n[3], float spin, smap_across_t *o)
+{
+  const float part = -smap_dot(n, o->t) / (1.0f + smap_dot(a, n)), left = 1.0f - 0.5f * spin * spin;
+  float t[3], b[3];
   uint8_t k;
-  if (w->roll_of[back] != SMAP_NONE) {
-    *o = w->roll[w->roll_of[back]];
-    smap_reverse(o);
-    return;
+  SMAP_UNROLL
+  for (k = 0; k < 3; k++) {
+    t[k] = o->t[k] + part * (a[k] + n[k]);
   }
-  if (w->roll_of[e] == SMAP_NONE) {
-    k = w->rolls < SMAP_MANY_ARCS ? w->rolls++ : (uint8_t)(SMAP_MANY_ARCS - 1u);
-    smap_find_roll(w, e, &w->roll[k]);
-    if (k + 1u < SMAP_MANY_ARCS) {
-      w->roll_of[e] = k;
+  smap_cross(n, t, b);
+  SMAP_UNROLL
+  for (k = 0; k < 3; k++) {
+    o->t[k] = left * t[k] + spin * b[k];
+    o->b[k] = left * b[k] - spin * t[k];
+  }
+}
+
+/* Add p u + q v + r x of three places, as the frame on normal n sees it. */
+static void smap_add_seen(const smap_across_t *o, const float n[3], const float (*place)[3], float p,
+                          float q, float r, float sum[3])
+{
+  float v[3];
+  uint8_t k;
+  SMAP_UNROLL
+  for (k = 0; k < 3; k++) {
+    v[k] = p * place[0][k] + q * place[1][k] + r * place[2][k];
+  }
+  sum[0] += smap_dot(o->t, v);
+  sum[1] += smap_dot(n, v);
+  sum[2] += smap_dot(o->b, v);
+}
+
+/* Roll two steps, from normal a over b to c, over a contact that touches at three places.
+ *
+ * The com's height over the contact is g . p; the ground's own changes by -g . dp: together the
+ * integral of p . dg, both as parabolas through three values.  Where the arc is bent gravity turns
+ * about the normal by the solid angle between the arc and its chords (Archimedes). */
+static float smap_roll_pair(const float (*place)[3], const smap_aim_t *a, const smap_aim_t *b,
+                            const smap_aim_t *c, smap_across_t *o, float sum[3])
+{
+  float side[3], spin, steps;
+  smap_cross(b->n, c->n, side);
+  spin = smap_dot(a->n, side) * (1.0f / 3.0f) /
+         (1.0f + smap_dot(a->n, b->n) + smap_dot(b->n, c->n) + smap_dot(c->n, a->n));
+  smap_add_seen(o, a->n, place, -0.5f, -2.0f / 3.0f, 1.0f / 6.0f, sum);
+  smap_turn_across(a->n, b->n, spin, o);
+  smap_add_seen(o, b->n, place, 2.0f / 3.0f, 0.0f, -2.0f / 3.0f, sum);
+  smap_turn_across(b->n, c->n, spin, o);
+  smap_add_seen(o, c->n, place, -1.0f / 6.0f, 2.0f / 3.0f, 0.5f, sum);
+  steps = smap_small_angle(a, b) + smap_small_angle(b, c);
+  return steps + (steps - smap_small_angle(a, c)) * (1.0f / 3.0f);
+}
+
+/* Fill in what a roll does from its frames at both ends and its rise as they see it. */
+static void smap_end_roll(const float a[3], const smap_across_t *from, const float b[3],
+                          const smap_across_t *to, const float sum[3], smap_row_t *o)
+{
+  uint8_t k, n;
+  SMAP_UNROLL
+  for (k = 0; k < 3; k++) {
+    o[SMAP_RISE][k] = sum[0] * from->t[k] + sum[1] * a[k] + sum[2] * from->b[k];
+    SMAP_UNROLL
+    for (n = 0; n < 3; n++) {
+      o[k][n] = to->t[k] * from->t[n] + b[k] * a[n] + to->b[k] * from->b[n];
     }
-    *o = w->roll[k];
-    return;
   }
-  *o = w->roll[w->roll_of[e]];
+}
+
+/* The map of a roll over an edge onto the facet beyond. */
+static void smap_find_roll(const smap_many_work_t *w, uint8_t e, smap_row_t *o)
+{
+  const uint8_t i = w->vertex[e], j = w->vertex[w->next[e]], back = w->twin[e];
+  const smap_aim_t *from = &w->facet[w->owner[e]].at, *to = &w->facet[w->owner[back]].at;
+  smap_aim_t here = *from, half, there;
+  smap_across_t first, last;
+  float sum[3] = {0.0f, 0.0f, 0.0f}, place[3][3];
+  uint8_t k, pairs;
+  smap_begin_across(from->n, &first);
+  last = first;
+  o[SMAP_ANGLE][0] = smap_angle(from, to);
+  smap_copy(smap_corner(w, e), place[0]);
+  if (smap_is_still(w, i, j)) {
+    /* Over two places that stay: one step, of any length. */
+    smap_copy(smap_end(w, back), place[1]);
+    smap_copy(place[1], place[2]);
+    smap_add_seen(&last, from->n, (const float(*)[3])place, -1.0f, 0.0f, 0.0f, sum);
+    smap_turn_across(from->n, to->n, 0.0f, &last);
+    smap_add_seen(&last, to->n, (const float(*)[3])place, 0.0f, 0.0f, 1.0f, sum);
+  } else {
+    pairs = (uint8_t)(1.0f + SMAP_PAIRS * o[SMAP_ANGLE][0]);
+    o[SMAP_ANGLE][0] = 0.0f;
+    for (k = 1; k <= pairs; k++) {
+      smap_on_arc(w, i, j, from, to, ((float)k - 0.5f) / (float)pairs, &half);
+      there = *to;
+      if (k < pairs) {
+        smap_on_arc(w, i, j, from, to, (float)k / (float)pairs, &there);
+      }
+      smap_touch(w, i, &half, place[1]);
+      smap_touch(w, i, &there, place[2]);
+      o[SMAP_ANGLE][0] += smap_roll_pair((const float(*)[3])place, &here, &half, &there, &last, sum);
+      smap_copy(place[2], place[0]);
+      here = there;
+    }
+  }
+  smap_end_roll(from->n, &first, to->n, &last, sum, o);
+}
+
+/* The roll over an edge onto the facet beyond; each arc's is found once, and is good until the next
+ * one is asked for.  It is that over the lesser of the arc's two edges. */
+static smap_row_t *smap_roll(smap_many_work_t *w, uint8_t e)
+{
+  uint8_t k;
+  if (w->twin[e] < e) {
+    e = w->twin[e];
+  }
+  k = w->roll_of[e];
+  if (k == SMAP_NONE) {
+    k = w->rolls;
+    if (k + 1 < SMAP_MANY_ROLLS) {
+      w->roll_of[e] = w->rolls++;
+    }
+    smap_find_roll(w, e, w->roll + SMAP_ROLL * k);
+  }
+  return w->roll + SMAP_ROLL * k;
+}
+
+/* Turn gravity along a roll over edge e, or back over it, and return by how much the com rises. */
+static float smap_roll_over(const smap_many_work_t *w, smap_row_t *o, uint8_t e,
+                            const float g[3], float out[3])
+{
+  uint8_t k;
+  if (w->twin[e] > e) {
+    SMAP_UNROLL
+    for (k = 0; k < 3; k++) {
+      out[k] = smap_dot(o[k], g);
+    }
+    return smap_dot(o[SMAP_RISE], g);
+  }
+  SMAP_UNROLL
+  for (k = 0; k < 3; k++) {
+    out[k] = o[0][k] * g[0] + o[1][k] * g[1] + o[2][k] * g[2];
+  }
+  return -smap_dot(o[SMAP_RISE], out);
 }

@@ -31,10 +31,14 @@
 #ifndef SMAP_MANY_SIDES
 #define SMAP_MANY_SIDES (4 * SMAP_MANY_SHOWN)
 #endif
-#ifndef SMAP_MANY_ARCS
-#define SMAP_MANY_ARCS ((SMAP_MANY_FACETS + 1) / 2) /* whose rolls are kept */
-#endif
+#define SMAP_MANY_ROLLS (SMAP_MANY_LINKS / 5) /* that are kept */
 #define SMAP_NONE 255u
+#undef SMAP_UNROLL
+#if defined(__GNUC__) && !defined(__clang__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
+#define SMAP_UNROLL _Pragma("GCC unroll 3")
+#else
+#define SMAP_UNROLL
+#endif
 
 enum { SMAP_REFUSED = 0, SMAP_STAGE = 1, SMAP_REST = 2 };
 
@@ -74,6 +78,7 @@ typedef struct {
   uint8_t wall, start, stop, bent;
 } smap_segment_t;
 
+/* What both forms of a pose begin with: which wall is where. */
 typedef struct {
   uint8_t shown, walls, points, segments, sides, alive;
   uint8_t kind[SMAP_MANY_SHOWN], island[SMAP_MANY_SHOWN], edge[SMAP_MANY_SHOWN + 1];
@@ -84,7 +89,13 @@ typedef struct {
   uint8_t over[SMAP_MANY_WALLS][2];
   smap_segment_t segment[SMAP_MANY_LINKS];
   smap_side_t side[SMAP_MANY_SIDES];
-  float guard, slack;
+} smap_layout_t;
+
+typedef char smap_holds_a_roll[SMAP_MANY_ROLLS > 0 ? 1 : -1];
+
+typedef struct {
+  smap_layout_t at;
+  float guard, hair, slack;
   float plane[SMAP_MANY_SHOWN][3]; /* n / h */
   float centre[SMAP_MANY_SHOWN][3];
   float height[SMAP_MANY_SHOWN];
@@ -97,19 +108,22 @@ typedef struct {
   float n[3], s, c;
 } smap_aim_t;
 
-/* What a roll over an arc does. */
-typedef struct {
-  float turn[3][3]; /* gravity before to gravity after */
-  float rise[3];    /* rise of the com = rise . gravity before, over the first contact of an edge */
-  float other[3];   /* the same over its second contact: a finite step is not quite one turn */
-  float angle;
-} smap_roll_t;
+/* What a roll over an arc does, from the lesser of its two edges on.  Its rows: three that turn gravity
+ * before to gravity after; rise of the com = rise . gravity before; its angle (rad). */
+typedef float smap_row_t[3];
+enum { SMAP_RISE = 3, SMAP_ANGLE = 4, SMAP_ROLL = 5 };
 
 typedef struct {
   smap_aim_t at;
   float h, centre[3];
   uint8_t kind, shown, first;
 } smap_facet_t;
+
+/* A contact on a facet's plane: its place along and across. */
+typedef struct {
+  float a, b;
+  uint8_t contact;
+} smap_spot_t;
 
 /* What is only needed while a pose is made. */
 typedef struct {
@@ -124,9 +138,10 @@ typedef struct {
   smap_facet_t facet[SMAP_MANY_FACETS];
   uint8_t vertex[SMAP_MANY_EDGES], twin[SMAP_MANY_EDGES], next[SMAP_MANY_EDGES];
   uint8_t owner[SMAP_MANY_EDGES], wall_of[SMAP_MANY_EDGES], point_of[SMAP_MANY_EDGES];
-  uint8_t side_of[SMAP_MANY_EDGES], seen[SMAP_MANY_EDGES];
-  smap_roll_t roll[SMAP_MANY_ARCS];
-  uint8_t roll_of[SMAP_MANY_EDGES], rolls; /* of an arc, if it is known, from its first edge on */
+  uint8_t side_of[SMAP_MANY_EDGES];
+  uint8_t seen[SMAP_MANY_EDGES]; /* the island whose boundary it may be of, or SMAP_NONE */
+  smap_row_t *roll; /* where the pose's points will be */
+  uint8_t roll_of[SMAP_MANY_EDGES], rolls; /* of an arc, if it is known, by its lesser edge */
   float low[SMAP_MANY_EDGES]; /* SMAP_SHORT, SMAP_OPEN, or from which part of the edge on it holds */
   float corner[SMAP_MANY_EDGES][3]; /* where the contact touches at which it begins */
 } smap_many_work_t;
@@ -189,16 +204,19 @@ static const float *smap_end(const smap_many_work_t *w, uint8_t e)
   return w->corner[w->next[e]];
 }
 
+/* Whether it is 0 to 1, by its bits: a negative number's are the largest. */
 static int smap_is_gap(const smap_many_work_t *w, uint8_t e)
 {
-  return w->low[e] >= 0.0f && w->low[e] <= 1.0f;
+  uint32_t bits;
+  memcpy(&bits, &w->low[e], sizeof bits);
+  return bits <= 0x3F800000u;
 }
 
 /* Begin a facet of some corners, from edge w->edges on; 0 where there is no room. */
 static int smap_enter(smap_many_work_t *w, const smap_aim_t *at, float h, uint8_t corners)
 {
   smap_facet_t *f = &w->facet[w->facets];
-  uint8_t k;
+  const uint8_t last = (uint8_t)(w->edges + corners);
   if (w->facets >= SMAP_MANY_FACETS || w->edges + corners > SMAP_MANY_EDGES) {
     w->failed = 1;
     return 0;
@@ -207,11 +225,10 @@ static int smap_enter(smap_many_work_t *w, const smap_aim_t *at, float h, uint8_
   f->h = h;
   f->first = w->edges;
   f->shown = SMAP_NONE;
-  for (k = 0; k < corners; k++) {
+  for (; w->edges < last; w->edges++) {
     w->twin[w->edges] = SMAP_NONE;
     w->owner[w->edges] = w->facets;
-    w->next[w->edges] = (uint8_t)(k + 1u < corners ? w->edges + 1u : f->first);
-    w->edges++;
+    w->next[w->edges] = (uint8_t)(w->edges + 1u < last ? w->edges + 1u : f->first);
   }
   w->facets++;
   return 1;

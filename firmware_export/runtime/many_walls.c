@@ -24,12 +24,12 @@
 #define SMAP_PIECES 12.0f
 #define SMAP_STRAIGHT 1e-7f /* of the size, squared: a side as short as this is straight */
 
-/* Scale a vector to length 1; 0 where it has no direction. */
+/* Scale a vector to length 1; 0 where it has no direction, or is no number. */
 static int smap_scale(const float v[3], float out[3])
 {
   const float size2 = smap_dot(v, v);
   float scale;
-  if (!(size2 > 0.0f)) {
+  if (!(size2 > 1e-34f && size2 < 1e34f)) {
     return 0;
   }
   scale = 1.0f / smap_root(size2);
@@ -42,22 +42,22 @@ static int smap_scale(const float v[3], float out[3])
 static uint8_t smap_add_wall(smap_many_work_t *w, smap_many_pose_t *o, const float n[3], uint8_t i,
                              uint8_t j)
 {
-  if (o->walls >= SMAP_MANY_WALLS || !smap_scale(n, o->wall[o->walls])) {
+  if (o->at.walls >= SMAP_MANY_WALLS || !smap_scale(n, o->wall[o->at.walls])) {
     w->failed = 1;
     return 0;
   }
-  o->over[o->walls][0] = i;
-  o->over[o->walls][1] = j;
-  return o->walls++;
+  o->at.over[o->at.walls][0] = i;
+  o->at.over[o->at.walls][1] = j;
+  return o->at.walls++;
 }
 
 static uint8_t smap_add_point(smap_many_work_t *w, smap_many_pose_t *o, const float p[3])
 {
-  if (o->points >= SMAP_MANY_LINKS || !smap_scale(p, o->point[o->points])) {
+  if (o->at.points >= SMAP_MANY_LINKS || !smap_scale(p, o->point[o->at.points])) {
     w->failed = 1;
     return 0;
   }
-  return o->points++;
+  return o->at.points++;
 }
 
 /* How many pieces the exact definition cuts the strip of an edge into; `turn` is by how much the
@@ -88,26 +88,6 @@ static float smap_pieces(const smap_many_work_t *w, uint8_t e, float *turn)
   return n < SMAP_PIECES - 1.0f ? 1.0f + (float)(int32_t)n : SMAP_PIECES;
 }
 
-/* Where the tangents of a rim at two directions meet. */
-static void smap_tangents(const smap_many_work_t *w, uint8_t i, const smap_aim_t *a,
-                          const smap_aim_t *b, float out[3])
-{
-  float p[3], q[3], arm[3], size2;
-  uint8_t k;
-  smap_touch(w, i, a, p);
-  smap_touch(w, i, b, q);
-  for (k = 0; k < 3; k++) {
-    arm[k] = 0.5f * (p[k] + q[k]) - w->p[i][k];
-  }
-  size2 = smap_dot(arm, arm);
-  if (size2 > 0.0f) {
-    size2 = w->r[i] * w->r[i] / size2;
-  }
-  for (k = 0; k < 3; k++) {
-    out[k] = w->p[i][k] + arm[k] * size2;
-  }
-}
-
 /* Append a piece of a side: a wall from the last point to one more. */
 static void smap_add_piece(smap_many_work_t *w, smap_many_pose_t *o, smap_side_t *side,
                            const float p[3], const float q[3], uint8_t i)
@@ -125,7 +105,7 @@ static void smap_bulge(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e, smap
 {
   const smap_aim_t *from = &w->facet[w->owner[e]].at, *to = &w->facet[w->owner[w->twin[e]]].at;
   const uint8_t i = w->vertex[e], j = w->vertex[w->next[e]];
-  float count, turn, last[3], a[3], b[3];
+  float count, turn, last[3], a[3];
   const float pieces = smap_pieces(w, e, &turn);
   smap_aim_t here = *from, there;
   uint8_t k;
@@ -139,9 +119,7 @@ static void smap_bulge(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e, smap
       smap_on_arc(w, i, j, from, to, (float)(int32_t)((float)k * pieces / count + 0.5f) / pieces,
                   &there);
     }
-    smap_tangents(w, i, &here, &there, a);
-    smap_tangents(w, j, &here, &there, b);
-    smap_mix(a, b, w->low[e], a);
+    smap_meet(w, i, j, w->low[e], &here, &there, a);
     smap_add_piece(w, o, side, last, a, i);
     smap_copy(a, last);
     here = there;
@@ -153,15 +131,15 @@ static void smap_bulge(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e, smap
 static void smap_add_side(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
 {
   const uint8_t back = w->twin[e], i = w->vertex[e], j = w->vertex[w->next[e]];
-  smap_side_t *side = &o->side[o->sides];
+  smap_side_t *side = &o->at.side[o->at.sides];
   float p[3], q[3], middle[3], chord[3], d[3];
   smap_aim_t half;
-  if (o->sides >= SMAP_MANY_SIDES) {
+  if (o->at.sides >= SMAP_MANY_SIDES) {
     w->failed = 1;
     return;
   }
-  w->side_of[e] = o->sides++;
-  side->wall = o->walls;
+  w->side_of[e] = o->at.sides++;
+  side->wall = o->at.walls;
   side->inner = side->inwards = side->count = 0;
   smap_mix(smap_corner(w, e), smap_end(w, e), w->low[e], p);
   smap_mix(smap_end(w, back), smap_corner(w, back), w->low[e], q);
@@ -179,9 +157,7 @@ static void smap_add_side(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
     return;
   }
   smap_on_arc(w, i, j, &w->facet[w->owner[e]].at, &w->facet[w->owner[back]].at, 0.5f, &half);
-  smap_touch(w, i, &half, middle);
-  smap_touch(w, j, &half, chord);
-  smap_mix(middle, chord, w->low[e], middle);
+  smap_meet(w, i, j, w->low[e], &half, &half, middle);
   smap_cross(p, q, chord);
   side->inwards = smap_dot(chord, middle) > 0.0f;
   if (side->inwards && smap_dot(d, d) > SMAP_STRAIGHT * w->map->size * w->map->size) {
@@ -195,15 +171,16 @@ static void smap_add_side(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
 static void smap_push(smap_many_work_t *w, smap_many_pose_t *o, uint8_t wall, uint8_t start,
                       uint8_t stop)
 {
-  smap_segment_t *segment = &o->segment[o->segments];
-  if (w->failed || o->segments >= SMAP_MANY_LINKS) {
+  smap_segment_t *segment = &o->at.segment[o->at.segments];
+  if (w->failed || o->at.segments >= SMAP_MANY_LINKS) {
     w->failed = 1;
     return;
   }
   segment->wall = wall;
   segment->start = start;
   segment->stop = stop;
-  o->segments++;
+  segment->bent = 0;
+  o->at.segments++;
 }
 
 /* Append the boundary from edge e on, over a gap if it has one, and return the edge there. */
@@ -214,12 +191,12 @@ static uint8_t smap_follow(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
   uint8_t k;
   if (!smap_is_gap(w, e)) {
     if (w->wall_of[e] != SMAP_NONE) {
-      o->begin[w->facet[w->owner[e]].shown] = o->segments;
+      o->at.begin[w->facet[w->owner[e]].shown] = o->at.segments;
       smap_push(w, o, w->wall_of[e], w->point_of[e], w->point_of[smap_onward(w, e)]);
     }
     return smap_onward(w, e);
   }
-  side = &o->side[w->side_of[e]];
+  side = &o->at.side[w->side_of[e]];
   if (w->low[e] > 0.0f && w->wall_of[e] != SMAP_NONE) {
     smap_push(w, o, w->wall_of[e], w->point_of[e], side->point);
   }
@@ -234,10 +211,17 @@ static uint8_t smap_follow(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
   return smap_onward(w, back);
 }
 
-/* Whether the strips round a contact hold all the way: then there is no boundary. */
+/* Whether the strips round a contact hold all the way: then there is no boundary.  The places where a
+ * ball touches are a patch, and no strip covers that. */
 static int smap_is_inner(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start)
 {
   uint8_t e = start, left = SMAP_MANY_EDGES;
+#if !SMAP_MANY_RAILS
+  const uint8_t contact = w->vertex[start];
+  if (w->r[contact] > 0.0f && !(smap_dot(w->axle[contact], w->axle[contact]) > 0.0f)) {
+    return 0;
+  }
+#endif
   do {
     if (w->low[e] != 0.0f) {
       return 0;
@@ -246,26 +230,30 @@ static int smap_is_inner(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start
     left--;
   } while (e != start && left > 0);
   do {
-    w->seen[e] = o->side[w->side_of[e]].inner = 1;
+    w->seen[e] = SMAP_NONE;
+    o->at.side[w->side_of[e]].inner = 1;
     e = smap_onward(w, w->twin[e]);
     left++;
   } while (e != start && left > 0);
   return 1;
 }
 
-/* Append the loop of the boundary from an edge on. */
-static void smap_loop(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start)
+/* Append the loop of an island's boundary from an edge on.  Without a gap it is convex: nothing of it is
+ * bent. */
+static void smap_loop(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start, uint8_t island)
 {
-  const uint8_t first = o->segments;
-  uint8_t e = start, left = SMAP_MANY_EDGES, k;
+  const uint8_t first = o->at.segments;
+  uint8_t e = start, left = SMAP_MANY_EDGES, k, gaps = 0;
   do {
-    w->seen[e] = 1;
+    w->seen[e] = SMAP_NONE;
+    gaps = gaps || smap_is_gap(w, e);
     e = smap_follow(w, o, e);
     left--;
   } while (e != start && left > 0 && !w->failed);
-  for (k = first; k < o->segments && !w->failed; k++) {
-    const smap_segment_t *next = &o->segment[k + 1 < o->segments ? k + 1 : first];
-    o->segment[k].bent = smap_dot(o->wall[o->segment[k].wall], o->point[next->stop]) < 1e-4f;
+  for (k = first; gaps && k < o->at.segments && !w->failed; k++) {
+    const smap_segment_t *next = &o->at.segment[k + 1 < o->at.segments ? k + 1 : first];
+    o->at.segment[k].bent = smap_dot(o->wall[o->at.segment[k].wall], o->point[next->stop]) < 1e-4f;
+    o->at.convex[island] = o->at.convex[island] && !o->at.segment[k].bent;
   }
 }
 
@@ -274,29 +262,26 @@ static void smap_find_boundary(smap_many_work_t *w, smap_many_pose_t *o)
 {
   uint8_t e, k;
   for (e = 0; e < w->edges; e++) {
-    w->seen[e] = w->facet[w->owner[e]].kind != SMAP_REST || w->low[e] == SMAP_SHORT ||
-                 w->facet[w->owner[e]].shown == SMAP_NONE;
+    const smap_facet_t *f = &w->facet[w->owner[e]];
+    w->seen[e] = f->kind != SMAP_REST || f->shown == SMAP_NONE || w->low[e] == SMAP_SHORT
+                     ? (uint8_t)SMAP_NONE
+                     : o->at.island[f->shown];
   }
-  for (k = 0; k < o->shown; k++) {
-    o->first[k] = o->segments;
-    if (o->island[k] == k && o->kind[k] == SMAP_REST) {
-      for (e = 0; e < w->edges && !w->failed; e++) {
-        if (!w->seen[e] && o->island[w->facet[w->owner[e]].shown] == k &&
-            !(smap_is_gap(w, e) && smap_is_inner(w, o, e))) {
-          smap_loop(w, o, e);
-        }
+  for (k = 0; k < o->at.shown; k++) {
+    o->at.first[k] = o->at.segments;
+    o->at.convex[k] = 1;
+    for (e = 0; o->at.island[k] == k && o->at.kind[k] == SMAP_REST && e < w->edges; e++) {
+      if (w->seen[e] == k && !w->failed && !(smap_is_gap(w, e) && smap_is_inner(w, o, e))) {
+        smap_loop(w, o, e, k);
       }
     }
-    o->last[k] = o->segments;
+    o->at.last[k] = o->at.segments;
   }
-  for (k = 0; k < o->shown; k++) {
-    const uint8_t island = o->island[k];
-    o->convex[k] = 1;
-    for (e = o->first[island]; e < o->last[island]; e++) {
-      o->convex[k] = o->convex[k] && !o->segment[e].bent;
-    }
-    if (o->begin[k] < o->first[island] || o->begin[k] >= o->last[island]) {
-      o->begin[k] = o->first[island];
+  for (k = 0; k < o->at.shown; k++) {
+    const uint8_t island = o->at.island[k];
+    o->at.convex[k] = o->at.convex[island];
+    if (o->at.begin[k] < o->at.first[island] || o->at.begin[k] >= o->at.last[island]) {
+      o->at.begin[k] = o->at.first[island];
     }
   }
 }

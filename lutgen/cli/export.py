@@ -56,7 +56,7 @@ def export(ctx: click.Context, source: str, asked: Asked) -> None:
 
     \b
     $ lutgen export paper_two.h5 -o firmware
-    $ cd firmware && cc -std=c99 *.c && ./a.out
+    $ cd firmware && cc -std=c99 -I. paper_two.c examples/read.c && ./a.out
     """
     from firmware_export import export as run
     from firmware_export.codecs import named

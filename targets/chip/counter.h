@@ -7,7 +7,9 @@
 #include <stdint.h>
 
 /* Not inlined, so that reading a counter twice costs the same whatever lies between. */
+#ifndef APART
 #define APART __attribute__((noinline))
+#endif
 
 #if defined(__AVR__)
 #include <avr/interrupt.h>

@@ -31,7 +31,12 @@ extern STORED uint8_t queries[(CHECKED + COUNTED) * sizeof(query_t)];
 #define STORED_BYTES queries
 #endif
 
-static POSE pose;
+/* Where pointers need no alignment, at an odd address, which is as good as any there. */
+static struct {
+  char before;
+  POSE pose;
+} __attribute__((aligned(2))) memory;
+#define pose memory.pose
 
 /* FNV-1a, 32 bits. */
 static uint32_t mix(uint32_t hash, const void *data, uint8_t size)

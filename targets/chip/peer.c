@@ -2,9 +2,11 @@
  * Copyright (c) The lutgen authors */
 /* Bilinear reads side by side: CMSIS-DSP's and ours, over one table.  peer.h is written by
  * targets/cmsis.py: the map, its table three times, and the queries. */
-#include "smap.c"
+#include "noise.c"
 
 #include "dsp/interpolation_functions.h"
+
+#include "readers.h"
 
 #include "counter.h"
 #include "peer.h"
@@ -16,15 +18,9 @@ static const arm_bilinear_interp_instance_f32 peer_f32 = {NODES, NODES, table_f3
 static arm_bilinear_interp_instance_q31 peer_q31 = {NODES, NODES, (q31_t *)(uintptr_t)table_q31};
 static arm_bilinear_interp_instance_q15 peer_q15 = {NODES, NODES, (q15_t *)(uintptr_t)table_q15};
 
-typedef struct {
-  float u, v;        /* on the chart, -LIMIT to LIMIT */
-  float x, y;        /* the same in nodes */
-  uint16_t place[2]; /* the same, 0 to 65534 */
-} point_t;
-
 /* Where results go: a conversion would cost more than a read on a core without floats. */
 static volatile float answer;
-static volatile int32_t answer_i;
+volatile int32_t answer_i;
 
 /* ---- CMSIS: as it is, and with what a caller adds so that it takes what ours takes ------------ */
 APART static void f32_bare(const point_t *p)
@@ -63,42 +59,25 @@ static float held(float u)
 
 APART static void ours_table(const point_t *p)
 {
-  const smap_grid_t *grid = (const smap_grid_t *)MAP.body;
-  const smap_grid_part_t *part = grid->parts;
-  uint32_t jump[GRID_AXES];
-  float frac[GRID_AXES];
-  query_t query;
-  uint32_t at;
-  query.place[0] = held(p->u);
-  query.place[1] = held(p->v);
-  query.face = 0;
-  at = grid_cell(grid, part, &query, jump, frac);
-  answer = part->offset[0] + part->step * grid_value(part, at, jump, frac);
-}
-
-APART static void ours_table_i(const point_t *p)
-{
-  const smap_grid_t *grid = (const smap_grid_t *)MAP.body;
-  cell_t cell;
-  grid_cell_i(grid, grid->parts, p->place, 0, 0, &cell);
-  answer_i = (int32_t)grid_value_i(grid->parts, &cell, 0);
+  const smap_bytes_t body = smap_body(&noise), part = smap_part(body, 0, 0);
+  const float half = smap_f32(body);
+  float place[2];
+  smap_grid_cell_t cell;
+  place[0] = held(p->u) * half + 32767.0f;
+  place[1] = held(p->v) * half + 32767.0f;
+  smap_grid_cell(body, part, place, 0, 0, &cell);
+  answer = smap_grid_value(body, part, &cell, 0);
 }
 
 static float gravity[3];
-static int16_t gravity_q[3];
-static smap_reading_t reading;
-static smap_reading_i_t reading_i;
+int16_t gravity_q[3];
 
 APART static void ours_read(const point_t *p)
 {
+  static const float none[1];
+  smap_reading_t reading;
   (void)p;
-  answer_i = (int32_t)smap_read(&MAP, 0, gravity, &reading);
-}
-
-APART static void ours_read_i(const point_t *p)
-{
-  (void)p;
-  answer_i = (int32_t)smap_read_i(&MAP, 0, gravity_q, &reading_i);
+  answer_i = (int32_t)smap_read(&noise, none, gravity, &reading);
 }
 
 /* What every reader has in common with the others of its kind. */

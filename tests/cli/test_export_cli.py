@@ -20,6 +20,7 @@ from firmware_export.emit import package
 from proofs.exports import tripod_export
 from tests.fixtures.commands import data, run
 from tests.fixtures.commands import stdout as good
+from tests.fixtures.programs import contents
 from tests.fixtures.recipes import tripod
 
 POINT = ("-p", "reach=0.3", "-p", "swing=10")
@@ -67,9 +68,9 @@ def place(few_points: None, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_export_prints_codec_bytes_errors_guard_and_folder(place: Path) -> None:
     text = (place / "printed").read_text()
-    assert re.search(r"^tripod: contacts .*, float arithmetic$", text, re.M)
+    assert re.search(r"^tripod: contacts, float arithmetic$", text, re.M)
     assert re.search(r"^flash +[\d,]+ bytes of tables, .* \(Cortex-M4, -Os\)$", text, re.M)
-    assert re.search(r"^sdg +largest error \S+ m \(0\.\d+ %\), p99 \S+ m", text, re.M)
+    assert re.search(r"^sdg +largest error \S+ m \([\d.e-]+ %\), p99 \S+ m", text, re.M)
     assert re.search(r"^tip_angle +largest error \S+ deg", text, re.M)
     assert re.search(
         r"^verdict +guard \S+ deg, \S+ % of the stable .* reported unsafe, 0 points", text, re.M
@@ -84,9 +85,7 @@ def test_a_recipe_gives_the_folder_of_its_map_and_json_is_the_report(
     report = data("export", place / "tripod.toml", "-o", out, *QUICK)
     assert report.pop("directory") == str(out)
     assert report == json.loads((out / "tripod_report.json").read_text())
-    assert {p.name for p in out.iterdir()} == {p.name for p in (place / "firmware").iterdir()}
-    for path in out.iterdir():
-        assert path.read_bytes() == (place / "firmware" / path.name).read_bytes(), path.name
+    assert contents(out) == contents(place / "firmware")
 
 
 def test_channels_and_name_are_those_asked_for(place: Path, tmp_path: Path) -> None:
@@ -100,7 +99,7 @@ def test_channels_and_name_are_those_asked_for(place: Path, tmp_path: Path) -> N
 def test_the_exported_example_runs_after_one_command(place: Path, tmp_path: Path) -> None:
     folder = shutil.copytree(place / "firmware", tmp_path / "copy")
     done = subprocess.run(
-        ["sh", "-c", "cc -std=c99 *.c && ./a.out"],
+        ["sh", "-c", "cc -std=c99 -I. tripod.c examples/read.c && ./a.out"],
         cwd=folder,
         capture_output=True,
         text=True,

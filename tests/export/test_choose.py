@@ -268,7 +268,7 @@ def test_steps_too_small_to_count_alone_are_followed_while_they_add_up() -> None
     # Three axes that each have to grow: none alone lowers the score by a tenth.
     model = Model(lutgen.load_recipe("maps/excavator.toml"))
     tool = Trials(model, "excavator", ("sdg", "tip_angle", "height"), "float")
-    found = best(tool, ["contacts"], Goal(flash=16384, percent=1.0))
+    found = best(tool, ["contacts"], Goal(flash=24576, percent=1.0))
     assert found.false_tip <= MOST_FALSE_TIP
     assert found.bytes < 600
 
@@ -322,10 +322,9 @@ def wheels(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Trials]:
     return make
 
 
-# The code for floats is larger.  Of 1,700 B it leaves 291 for tables, which was enough while a gap
-# was held as a whole (2.0 % given up).  Now the ends of the part of it that catches the robot are
-# boundary, too: 291 B give 5.3 % up, 390 B 4.5 %.
-@pytest.mark.parametrize(("arithmetic", "flash"), [("integer", 1_700), ("float", 1_800)])
+# The code for floats is larger.  The ends of the part of a gap that catches the robot are boundary,
+# too: 290 B of tables give 5.3 % up, 390 B 4.5 %.
+@pytest.mark.parametrize(("arithmetic", "flash"), [("integer", 2_850), ("float", 3_500)])
 def test_a_region_that_jumps_is_encoded_once_for_the_flash_there_is(
     wheels: Callable[..., Trials], arithmetic: str, flash: int
 ) -> None:

@@ -1,5 +1,6 @@
 """The codec `poly`: contacts as polynomials, their bound in the verdict, the C that reads them."""
 
+import itertools
 import math
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from firmware_export.contacts import poly
 from firmware_export.contacts.shorten import exponents
 from firmware_export.protocol import Export
+from firmware_export.truth.beyond import widened
 from firmware_export.truth.model import Exact, Model
 from firmware_export.truth.series import evaluate, expand
 from lutgen.recipe.recipe import load_recipe, parse_recipe
@@ -93,8 +95,8 @@ def test_no_tip_angle_is_off_by_more_than_the_guard(text: str) -> None:
     for tables in steps(robot):
         off = errors(robot, tables, 20_000)[1]
         assert off <= tables.guard
-        # A bound ten times too large would be safe and useless; single precision has 1e-6 of it.
-        assert tables.guard < 10.0 * off + 1e-4
+        # A bound twelve times too large would be safe and useless; single precision has 1e-6 of it.
+        assert tables.guard < 12.0 * off + 1e-4
 
 
 def test_paper_two_takes_51_bytes_for_one_per_cent() -> None:
@@ -188,8 +190,10 @@ def test_what_it_cannot_hold_is_refused_in_one_sentence(
 def test_a_facet_that_is_refused_in_a_corner_of_the_box_only_is_found() -> None:
     # paper_two's facet leans most, 26 deg, where one leg is level and the other fully down.
     text = ROBOTS["paper_two"]
-    corners = np.radians([[0, 0], [0, 50], [50, 0], [50, 50]])
-    where = model(text).postures(corners).centres
+    # The box, and as far beyond its ends as a sensor's slack goes.
+    wider = widened(model(text))
+    ends = [(one.minimum, one.maximum) for one in wider.recipe.parameters]
+    where = wider.postures(np.array(list(itertools.product(*ends)))).centres
     normal = np.cross(where[:, 1] - where[:, 0], where[:, 2] - where[:, 0])
     lean = math.degrees(np.arccos(normal[:, 2] / np.linalg.norm(normal, axis=1)).max())
     for beyond, holds in ((0.1, True), (-0.1, False)):

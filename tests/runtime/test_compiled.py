@@ -158,8 +158,8 @@ def test_a_missing_compiler_is_one_sentence(folder: Path, monkeypatch: pytest.Mo
 def test_the_compiler_of_the_environment_is_used(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setenv("CC", "cc -DSMAP_POLY=0")
-    with pytest.raises(ExportError, match="needs SMAP_POLY"):
+    monkeypatch.setenv("CC", "cc -include no_such_file.h")
+    with pytest.raises(ExportError, match="no_such_file"):
         HostLibrary(folder).read([[0.1, 0.1]], [[0, 0, -1]])
 
 

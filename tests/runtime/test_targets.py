@@ -1,7 +1,5 @@
 """The matrix of emulated targets: its pure parts, its gate, and one small run."""
 
-import copy
-import json
 import re
 import struct
 import subprocess
@@ -18,10 +16,10 @@ from firmware_export.emit.source import body_of
 from firmware_export.host import Host
 from firmware_export.host.reader import READING, READING_I
 from firmware_export.protocol import describe
-from lutgen.errors import ExportError, InputError
+from lutgen.errors import ExportError
 from proofs.exports import tripod_export
 from targets import baseline, cases, image, queries, run, tables
-from targets.boards import BOARDS, board
+from targets.boards import board
 from targets.compiled import HostLibrary
 from targets.digest import START, answer_bytes, answers, fnv1a
 from targets.footprint import Footprint
@@ -169,134 +167,6 @@ def one_bit_wrong(text: str) -> str:
     return text[: found.start(1)] + str(int(found[1]) ^ 1) + text[found.end(1) :]
 
 
-# The gate
-
-
-def cell(**changes: int) -> dict[str, Any]:
-    counts = {name: changes.pop(name, 100 * (1 + at)) for at, name in enumerate(baseline.COUNTED)}
-    sizes = {"code": 1000, "stack": 150, "pose_bytes": 80, "pose_i_bytes": 40}
-    return sizes | changes | {"calls": {"at": counts}}
-
-
-def content(**changes: int) -> dict[str, Any]:
-    row = {
-        "spec": "s",
-        "codec": "grid",
-        "arithmetic": "float",
-        "tables": 59,
-        "recipe_sha256": "0",
-        "channels": ["sdg"],
-    }
-    return {
-        "compilers": {"m4f": "gcc 12"},
-        "rows": {"a": row | {"boards": {"m4f": {"-O2": cell(**changes)}}}},
-    }
-
-
-@pytest.mark.parametrize("measure", [*baseline.MEASURES, *baseline.COUNTED])
-def test_more_than_two_percent_is_worse_or_asks_for_an_update(measure: str) -> None:
-    label = f"at {measure}" if measure in baseline.COUNTED else measure
-    old = baseline.flat(cell())[label]
-    assert old is not None
-    for factor, worse, better in ((1.01, 0, 0), (1.05, 1, 0), (0.99, 0, 0), (0.95, 0, 1)):
-        found = baseline.compare(content(), content(**{measure: round(old * factor)}))
-        assert [len(lines) for lines in found] == [worse, better]
-        if worse:
-            assert found[0][0].startswith(f"a m4f -O2 {label}: {old:,} in the baseline")
-
-
-def test_what_the_baseline_does_not_hold_is_a_failure() -> None:
-    found = content()
-    found["rows"]["b"] = found["rows"]["a"]
-    assert baseline.compare(content(), found)[0] == ["b: is not in the baseline"]
-    found = copy.deepcopy(content())
-    found["rows"]["a"]["boards"]["m4f"]["-Os"] = cell()
-    assert baseline.compare(content(), found)[0] == ["a m4f -Os: is not in the baseline"]
-    found = copy.deepcopy(content())
-    found["rows"]["a"]["spec"] = "other"
-    assert baseline.compare(content(), found)[0] == ["a: is other, in the baseline s"]
-    found = copy.deepcopy(content())
-    found["compilers"]["m4f"] = "gcc 13"
-    assert "cannot be compared" in baseline.compare(content(), found)[0][0]
-    found = copy.deepcopy(content())
-    found["rows"]["a"]["tables"] = 62
-    assert baseline.compare(content(), found)[0] == [
-        "a tables: 59 in the baseline, now 62 (+5.1 %)"
-    ]
-
-
-def test_a_function_that_needs_no_stack_may_be_compared() -> None:
-    assert baseline.compare(content(stack=0), content(stack=0)) == ([], [])
-    assert baseline.compare(content(stack=0), content(stack=8))[0] == [
-        "a m4f -O2 stack: 0 in the baseline, now 8"
-    ]
-
-
-def test_an_export_that_no_longer_fits_a_part_is_worse() -> None:
-    found = content()
-    found["rows"]["a"]["boards"]["m4f"]["-O2"] = {}
-    worse, _ = baseline.compare(content(), found)
-    assert "a m4f -O2 code: 1000 in the baseline, now None" in worse
-    assert baseline.compare(found, found) == ([], [])
-
-
-def test_a_call_that_is_no_longer_counted_is_worse() -> None:
-    found = content()
-    del found["rows"]["a"]["boards"]["m4f"]["-O2"]["calls"]["at"]
-    worse, _ = baseline.compare(content(), found)
-    assert "a m4f -O2 at median: 200 in the baseline, now None" in worse
-
-
-def test_the_integer_form_costs_what_it_adds_to_each_posture() -> None:
-    counts = {"pose": [10, 40, 20], "both": [15, 41, 30]}
-    made = baseline.numbers(image.Outcome(0, counts, Footprint(1, 2), 80, 40))
-    assert made["calls"]["form_i"] == {"min": 1, "median": 5, "max": 10}
-    assert "form_i" not in baseline.numbers(image.Outcome(0, {"pose": [1]}, Footprint(1, 2), 8, 4))
-
-
-def test_an_update_replaces_what_was_run_and_keeps_the_rest(tmp_path: Path) -> None:
-    old = content()
-    old["rows"]["b"] = copy.deepcopy(old["rows"]["a"])
-    old["rows"]["a"]["boards"]["m3"] = {"-O2": cell()}
-    made = baseline.merged(old, content(max=290))
-    assert made["rows"]["a"]["boards"] == {"m4f": {"-O2": cell(max=290)}, "m3": {"-O2": cell()}}
-    assert made["rows"]["b"] == old["rows"]["b"]
-    baseline.save(made, tmp_path / "b.json")
-    assert baseline.load(tmp_path / "b.json") == made
-    first = (tmp_path / "b.json").read_bytes()
-    baseline.save(dict(reversed(made.items())), tmp_path / "b.json")
-    assert (tmp_path / "b.json").read_bytes() == first
-
-
-def test_a_baseline_that_is_none_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "b.json").write_text("[]")
-    with pytest.raises(ExportError, match="is no baseline"):
-        baseline.load(tmp_path / "b.json")
-
-
-def test_the_committed_baseline_holds_every_row_and_board() -> None:
-    known = baseline.load()
-    assert set(known["rows"]) == {case.name for case in cases.cases()}
-    assert set(known["compilers"]) == {one.name for one in BOARDS}
-    for row in known["rows"].values():
-        assert set(row["boards"]) == {one.name for one in BOARDS}
-        for on, cells in row["boards"].items():
-            assert set(cells) == {"-O2", "-Os"}
-            # Small parts have no room for large tables and for the postures of many contacts.
-            if on not in ("mega328p", "mega2560", "m0"):
-                assert all(cells.values())
-
-
-def test_the_markdown_table_has_a_row_for_each_export_and_dashes_for_what_does_not_fit() -> None:
-    known = content()
-    known["rows"]["a"]["boards"]["mega328p"] = {"-O2": {}}
-    assert tables.markdown(known, ("m4f", "mega328p")).splitlines() == [
-        "| export | call | Cortex-M4F | ATmega328P, cycles |",
-        "|---|---|---|---|",
-        "| `a` | smap_at | 200 / 300 | - |",
-    ]
-
-
 # What is skipped
 
 
@@ -343,12 +213,12 @@ def test_a_wrong_hash_and_a_failed_cell_are_failures(
     monkeypatch.setattr(run, "execute", fake)
     monkeypatch.setattr(run, "version", lambda on: "1")
     monkeypatch.setattr("targets.boards.shutil.which", lambda name: name)
-    matrix = run.Matrix([one], [board("m3")])
+    matrix = run.Matrix([one], [board("m4f")])
     matrix.run(1)
-    assert matrix.verdicts == {"tripod": {"m3": ["FAIL", "FAIL"]}}
+    assert matrix.verdicts == {"tripod": {"m4f": ["FAIL", "FAIL"]}}
     assert matrix.failures == [
-        f"tripod m3 -O2: hash {one.wanted ^ 1:08x}, the host's is {one.wanted:08x}",
-        "tripod m3 -Os: qemu: said nothing",
+        f"tripod m4f -O2: hash {one.wanted ^ 1:08x}, the host's is {one.wanted:08x}",
+        "tripod m4f -Os: qemu: said nothing",
     ]
     assert "FAIL" in tables.hashes(matrix.verdicts, {"tripod": ("0", "ok")})
 
@@ -375,6 +245,12 @@ def test_an_emulated_m4f_answers_as_the_host_does(tmp_path: Path) -> None:
     assert image.execute(one.job, board("m4f"), "-O2") == first
 
 
+@pytest.mark.needs(*board("mega328p").packages)
+def test_a_pose_at_an_odd_address_of_an_avr_reads_as_on_the_host(tmp_path: Path) -> None:
+    one = row(tmp_path)
+    assert image.execute(replace(one.job, counted=1), board("mega328p"), "-Os").hash == one.wanted
+
+
 @needs_arm
 def test_an_image_with_one_wrong_bit_in_a_table_has_another_hash(tmp_path: Path) -> None:
     one = row(tmp_path)
@@ -392,32 +268,18 @@ def test_what_does_not_compile_is_a_failed_cell(tmp_path: Path) -> None:
         image.execute(one.job, board("m4f"), "-O2")
 
 
-# What reports tell
-
-
-def test_a_report_tells_the_counts_of_just_the_export_that_was_counted(
-    monkeypatch: pytest.MonkeyPatch,
+def test_what_a_board_is_not_asked_is_an_empty_cell_and_no_failure(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from firmware_export.emit import facts
-    from firmware_export.emit.page import page
-
-    export = tripod_export()
-    known = content(max=290)
-    known["rows"]["a"] |= {
-        "spec": export.tables.spec.label,
-        "recipe_sha256": export.recipe.digest,
-        "channels": list(export.channels),
-    }
-    rows = json.loads(baseline.published(known, BOARDS, ["a", "b"]))["rows"]
-    monkeypatch.setattr(facts, "_counts", lambda: rows)
-    expected = {"target": "Cortex-M4F", "option": "-O2", "unit": "instructions", "call": "at"}
-    assert facts.counted(export) == [expected | {"median": 200, "max": 290}]
-    body = body_of(export)
-    text = page(facts.report(export, body, []), body, None)
-    assert "| Cortex-M4F, -O2 | `smap_at` | instructions | 200 | 290 |" in text
-    other = replace(export, channels=("tip_angle",))
-    assert facts.counted(other) is None
-    assert "Not measured for these tables." in page(facts.report(other, body, []), body, None)
+    one = row(tmp_path)
+    one = replace(one, case=replace(one.case, without=("m3",)))
+    monkeypatch.setattr(run, "version", lambda on: "1")
+    monkeypatch.setattr("targets.boards.shutil.which", lambda name: name)
+    matrix = run.Matrix([one], [board("m3")])
+    matrix.run(1)
+    assert matrix.failures == []
+    assert matrix.verdicts == {"tripod": {"m3": ["-"]}}
+    assert matrix.found["rows"]["tripod"]["boards"]["m3"] == {"-O2": {}}
 
 
 # Beside CMSIS-DSP
@@ -436,14 +298,3 @@ def test_without_a_network_the_comparison_says_so_and_ends(
     assert capsys.readouterr().out == (
         "SKIPPED CMSIS-DSP: its source cannot be downloaded (pip download cmsisdsp).\n"
     )
-
-
-def test_the_document_shows_the_baseline_and_update_writes_it() -> None:
-    page = run.PAGE.read_text(encoding="utf-8")
-    assert run.shown(page, baseline.load()) == page
-    less = baseline.load()
-    dropped, *_ = less["rows"]
-    del less["rows"][dropped]
-    assert f"| `{dropped}` |" not in run.shown(page, less)
-    with pytest.raises(InputError, match=r"^targets\.md: has no table of counts"):
-        run.shown("# Without marks\n", less)

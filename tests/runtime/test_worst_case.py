@@ -89,7 +89,7 @@ smap.c:3
 
 
 def test_the_bound_of_nested_loops_is_what_one_counts_by_hand() -> None:
-    bounds = Bounds(parse(LISTING), {3: 4, 5: 3}, [0, 2], {})
+    bounds = Bounds(parse(LISTING), {3: 4, 5: 3}, [0, 2], {}, {})
     assert bounds.of("inner") == 2
     # A round of the inner loop: 3 instructions and the callee's 2.  It goes round 3 times, and
     # once more as it may be left at its end: 4 x 5 = 20.  A round of the outer: 1 + 20 + 2 = 23;
@@ -99,7 +99,22 @@ def test_the_bound_of_nested_loops_is_what_one_counts_by_hand() -> None:
 
 def test_a_loop_without_a_known_head_has_no_bound() -> None:
     with pytest.raises(ExportError, match="of no head"):
-        Bounds(parse(LISTING), {3: 4}, [0, 2], {}).of("outer")
+        Bounds(parse(LISTING), {3: 4}, [0, 2], {}, {}).of("outer")
+
+
+def test_a_loop_of_whose_head_nothing_is_left_is_known_by_its_body() -> None:
+    source = (
+        "{\n  for (i = 0; i < 3; i++) {\n    for (k = 0; k < 3; k++) {\n      x;\n    }\n  }\n}\n"
+    )
+    assert loops.spans(source) == {2: 6, 3: 5}
+    # Line 6 of the listing is within the loop of line 5, which goes round three times.
+    headless = LISTING.replace("smap.c:5\n      18", "smap.c:6\n      18")
+    headless = headless.replace("smap.c:5\n      12", "smap.c:3\n      12")
+    found = Bounds(parse(headless), {3: 4, 5: 3}, [0, 2], {}, {3: 8, 5: 7})
+    assert found.of("outer") == 1 + 5 * 23 + 1
+    nowhere = headless.replace("smap.c:6", "smap.c:9")
+    with pytest.raises(ExportError, match="of no head"):
+        Bounds(parse(nowhere), {3: 4, 5: 3}, [0, 2], {}, {3: 8, 5: 7}).of("outer")
 
 
 @needs_arm
@@ -108,4 +123,4 @@ def test_no_read_of_a_small_export_takes_longer_than_its_bound(tmp_path: Path) -
     seen, most = measured(one, 2000), bounded(one)
     assert seen.keys() == most.keys()
     for call, count in seen.items():
-        assert count <= most[call] < 3 * count
+        assert count <= most[call] < 4 * count
