@@ -1,5 +1,6 @@
 """The measured sizes of the runtime."""
 
+import shutil
 from pathlib import Path
 
 import pytest
@@ -52,6 +53,12 @@ def test_an_update_rewrites_the_file_that_exports_read(
     one = size_measure.feature_sets()[0]
     monkeypatch.setattr(size_measure, "SIZES", tmp_path / "sizes.json")
     monkeypatch.setattr(size_measure, "feature_sets", lambda: [one])
+    page = tmp_path / "page.md"
+    shutil.copy(size_measure.PAGE, page)
+    monkeypatch.setattr(size_measure, "PAGE", page)
+    monkeypatch.setattr(size_measure, "TITLES", ["one"])
+    monkeypatch.setattr(size_measure, "SETS", [sorted(one)])
     assert size_measure.main(["--update"]) == 0
     written = parse_sizes((tmp_path / "sizes.json").read_text())
     assert set(written["sets"]) == {frozenset(one)}
+    assert f"| one | `{' '.join(sorted(one))}` |" in page.read_text("utf-8")
