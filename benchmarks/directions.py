@@ -15,7 +15,8 @@ from benchmarks.cases import Case, point_shapes
 from benchmarks.timing import interleave
 from lutgen.channels.evaluation import stability
 from lutgen.chart import unit_directions
-from lutgen.support.region import SEGMENTS, acceptance, empty_region
+from lutgen.support import segments_in
+from lutgen.support.region import acceptance, empty_region
 from lutgen.support.search import stand
 from lutgen.support.table import facet_table
 
@@ -43,7 +44,7 @@ def tip_over_axes(contacts: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return start, stop and inward normal (b, 9) of the tip-over axes of packed contacts."""
     table, region = facet_table(len(contacts)), empty_region(len(contacts))
     stand(table, region, contacts, acceptance(None, None))
-    return region.segment[: region.tally[SEGMENTS]].copy()
+    return region.segment[: segments_in(region.tally)].copy()
 
 
 def measure_directions(folder: Path, threads: int) -> Directions:

@@ -10,20 +10,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.jit import njit
+from lutgen.support import (
+    edge_plane_at,
+    edges_at,
+    facets_in,
+    first_axis_at,
+    is_shared,
+    plane_at,
+    put,
+    second_axis_at,
+    segments_in,
+    tip_plane_at,
+)
 from lutgen.support.region import (
-    EDGE_KIND,
-    EDGE_PLANE,
-    FACETS,
-    FIRST_AXIS,
-    PLANE,
-    SEGMENTS,
-    SHARED,
-    TIP_PLANE,
     Acceptance,
     empty_region,
 )
 from lutgen.support.search import stand
-from lutgen.support.table import FIRST, facet_table
+from lutgen.support.table import facet_table
 from lutgen.vector import Floats, Ints
 
 
@@ -56,20 +60,21 @@ def _copy(
     table, region = facet_table(primitives.shape[1]), empty_region(primitives.shape[1])
     for m in range(primitives.shape[0]):
         stand(table, region, primitives[m], accept)
-        counts[m, 0] = region.tally[FACETS]
-        counts[m, 1] = region.tally[SEGMENTS]
+        counts[m, 0] = facets_in(region.tally)
+        counts[m, 1] = segments_in(region.tally)
         wall = 0
-        for k in range(region.tally[FACETS]):
-            facets[m, k, 0:3] = region.facet[k, PLANE : PLANE + 3]
-            facets[m, k, 3:9] = region.facet[k, FIRST_AXIS : FIRST_AXIS + 6]
+        for k in range(facets_in(region.tally)):
+            put(facets[m], k, 0, plane_at(region.facet, k))
+            put(facets[m], k, 3, first_axis_at(region.facet, k))
+            put(facets[m], k, 6, second_axis_at(region.facet, k))
             first[m, k] = wall
-            for e in range(region.span[k, FIRST], region.span[k + 1, FIRST]):
-                if region.link[e, EDGE_KIND] != SHARED:
-                    walls[m, wall] = region.edge[e, EDGE_PLANE : EDGE_PLANE + 3]
+            for e in range(*edges_at(region.span, k)):
+                if not is_shared(region.link, e):
+                    put(walls[m], wall, 0, edge_plane_at(region.edge, e))
                     wall += 1
-        first[m, region.tally[FACETS]] = wall
-        for b in range(region.tally[SEGMENTS]):
-            tips[m, b] = region.segment[b, TIP_PLANE : TIP_PLANE + 3]
+        first[m, facets_in(region.tally)] = wall
+        for b in range(segments_in(region.tally)):
+            put(tips[m], b, 0, tip_plane_at(region.segment, b))
 
 
 def planes(primitives: NDArray[np.float64], accept: Acceptance) -> Planes:

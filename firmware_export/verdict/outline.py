@@ -38,18 +38,17 @@ from lutgen.errors import InputError
 from lutgen.jit import njit, prange
 from lutgen.quantities import CHANNELS
 from lutgen.support import (
-    RADIUS,
-    SEGMENTS,
-    START,
-    STOP,
-    TIP_PLANE,
     Acceptance,
     empty_region,
     facet_table,
     pack,
+    radius_at,
     robot_size,
+    segments_in,
     stand,
-    vector_at,
+    start_at,
+    stop_at,
+    tip_plane_at,
 )
 from lutgen.vector import Bools, Floats, Ints, Vector, cross, dot, length, row, scale
 
@@ -176,16 +175,17 @@ def _outline(
     turn = farthest / (WIDTH * size)
     everywhere = farthest
     for i in range(n):
-        everywhere = max(everywhere, moved[i] + primitives[i, RADIUS] * turn)
+        everywhere = max(everywhere, moved[i] + radius_at(primitives, i) * turn)
     total = 0
     for face in range(len(basis)):
         begin = total
-        for b in range(region.tally[SEGMENTS]):
-            start, stop = vector_at(region.segment, b, START), vector_at(region.segment, b, STOP)
-            normal = vector_at(region.segment, b, TIP_PLANE)
+        for b in range(segments_in(region.tally)):
+            start, stop = start_at(region.segment, b), stop_at(region.segment, b)
+            normal = tip_plane_at(region.segment, b)
             i, j = region.contacts[b, 0], region.contacts[b, 1]
             shift = max(
-                moved[i] + primitives[i, RADIUS] * turn, moved[j] + primitives[j, RADIUS] * turn
+                moved[i] + radius_at(primitives, i) * turn,
+                moved[j] + radius_at(primitives, j) * turn,
             )
             if i == j:
                 # On the side of a gap, with whatever is on its other side.

@@ -30,16 +30,16 @@ from lutgen.chart import STANDARD_GRAVITY
 from lutgen.quantities import CHANNELS
 from lutgen.recipe import Recipe
 from lutgen.support import (
-    CONVEX,
-    FACETS,
-    KIND,
-    RADIUS,
-    SEGMENTS,
-    START,
-    STOP,
-    TIP_PLANE,
+    facets_in,
+    is_convex,
+    kind_at,
+    radius_at,
+    segments_in,
+    start_at,
+    stop_at,
     supporting_facet,
-    vector_at,
+    tip_plane_at,
+    with_one_segment,
 )
 from lutgen.vector import Floats, Vector, dot
 
@@ -118,7 +118,7 @@ def diagnose(posture: Posture, gravity_dir: ArrayLike) -> Diagnosis:
     if recipe.loaded:
         k, tip_axes = _loaded_axes(posture, g, standing)
     else:
-        k = supporting_facet(stance.region.facet, stance.region.tally[FACETS], g)
+        k = supporting_facet(stance.region.facet, facets_in(stance.region.tally), g)
         tip_axes = _tip_axes(posture, g, standing)
     angles = [axis.tip_angle if stance.convex else abs(axis.tip_angle) for axis in tip_axes]
     least = angles.index(min(angles)) if angles else None
@@ -149,13 +149,14 @@ def diagnose(posture: Posture, gravity_dir: ArrayLike) -> Diagnosis:
     slides = None
     if recipe.friction is not None and facet is not None:
         slides = math.tan(slope) > recipe.friction if slope < math.pi / 2 else True
+    contacts = range(len(posture.primitives))
     return Diagnosis(
         down[0],
         placed.com[0],
         placed.centres[0],
         placed.axes[0],
-        posture.primitives[:, RADIUS],
-        posture.primitives[:, KIND].astype(np.int64),
+        np.array([radius_at(posture.primitives, i) for i in contacts]),
+        np.array([kind_at(posture.primitives, i) for i in contacts]),
         standing,
         channels,
         facet,
@@ -185,11 +186,11 @@ def _over_weight(recipe: Recipe) -> Floats:
 def _tip_axes(posture: Posture, g: Vector, standing: bool) -> tuple[TipAxis, ...]:
     """Return the boundary segments, each with its own angle, margin and energy."""
     region, convex = posture.stance.region, posture.stance.convex
-    alone = region.tally.copy()
-    alone[SEGMENTS] = 1
+    alone = with_one_segment(region.tally)
     axes = []
-    for b in range(region.tally[SEGMENTS]):
-        start, stop, plane = (vector_at(region.segment, b, c) for c in (START, STOP, TIP_PLANE))
+    for b in range(segments_in(region.tally)):
+        start, stop = start_at(region.segment, b), stop_at(region.segment, b)
+        plane = tip_plane_at(region.segment, b)
         margin = axis_margin(start, stop, plane, convex, g)
         energy = axis_energy(start, stop, plane, g)
         if convex:
@@ -208,10 +209,10 @@ def _loaded_axes(posture: Posture, g: Vector, standing: bool) -> tuple[int, tupl
     found = empty_axes(region)
     find_axes(region, wrench, found)
     k, _, _ = loaded_verdict(region, found, wrench, g)
-    convex = bool(region.tally[CONVEX] == 1)
+    convex = is_convex(region.tally)
     axes = []
-    for b in range(region.tally[SEGMENTS]):
-        start, stop = (vector_at(region.segment, b, c) for c in (START, STOP))
+    for b in range(segments_in(region.tally)):
+        start, stop = start_at(region.segment, b), stop_at(region.segment, b)
         row, ends = found.axis[b], found.ends[b]
         angle = axis_angle(convex, row, ends, start, stop, wrench, standing, g)
         margin = loaded_margin(convex, row, start, stop, wrench, standing, g)

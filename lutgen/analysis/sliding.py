@@ -30,14 +30,13 @@ from lutgen.errors import InputError
 from lutgen.jit import njit
 from lutgen.recipe import Recipe, forward
 from lutgen.support import (
-    FACETS,
-    PLANE,
     Acceptance,
     empty_region,
     facet_table,
+    facets_in,
+    plane_at,
     stand,
     supporting_facet,
-    vector_at,
 )
 from lutgen.vector import Floats, cross, dot, length, row
 
@@ -74,11 +73,11 @@ def _slopes_of_some(
                 k = loaded_verdict(region, axes, load, g)[0]
                 g = add(g, part(load, PHI))
             else:
-                k = supporting_facet(region.facet, region.tally[FACETS], g)
+                k = supporting_facet(region.facet, facets_in(region.tally), g)
             out[posture, d] = math.nan
             if k >= 0:
                 # n / h: its length does not change the angle.
-                plane = vector_at(region.facet, k, PLANE)
+                plane = plane_at(region.facet, k)
                 out[posture, d] = math.atan2(length(cross(plane, g)), dot(plane, g))
     return overflow
 

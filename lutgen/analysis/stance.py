@@ -15,25 +15,25 @@ from lutgen.channels import acceptance_of, refuse_forces, wrenches
 from lutgen.errors import InputError
 from lutgen.recipe import Postures, Recipe, forward, radii_and_kinds
 from lutgen.support import (
-    ACROSS,
-    CENTROID,
-    CONVEX,
-    FACETS,
-    FIRST,
-    HEIGHT,
-    IS_REST,
-    MASK,
-    SEGMENTS,
-    SOURCE,
-    START,
-    STOP,
-    VERTEX,
     Region,
+    across,
+    centroid_at,
+    edges_at,
     empty_region,
     facet_table,
+    facets_in,
+    height_at,
+    is_convex,
+    is_rest_at,
     pack,
+    segments_in,
+    source_at,
     stand,
+    start_at,
+    stop_at,
     support_contact,
+    touching_at,
+    vertex_at,
 )
 from lutgen.vector import Floats
 
@@ -182,35 +182,34 @@ class Posture:
         table, region = facet_table(len(primitives)), empty_region(len(primitives))
         stand(table, region, primitives, acceptance_of(self.recipe))
         facets = []
-        for k in range(region.tally[FACETS]):
-            f = region.span[k, SOURCE]
-            at = slice(table.span[f, FIRST], table.span[f + 1, FIRST])
-            normal, mask = table.facet[f, :3].copy(), int(table.span[f, MASK])
-            corners = tuple(int(i) for i in table.link[at, VERTEX])
+        for k in range(facets_in(region.tally)):
+            f = source_at(region.span, k)
+            at = slice(*edges_at(table.span, f))
+            normal, mask = table.facet[f, :3].copy(), touching_at(table.span, f)
+            corners = tuple(vertex_at(table.link, e) for e in range(*edges_at(table.span, f)))
             others = [i for i in range(len(primitives)) if mask >> i & 1 and i not in corners]
             x, y, z = normal.tolist()
             inner = [support_contact(primitives, i, (x, y, z)) for i in others]
             points = table.corner[at].copy()
-            sides = slice(region.span[k, FIRST], region.span[k + 1, FIRST])
             facets.append(
                 Facet(
                     normal,
-                    float(region.facet[k, HEIGHT]),
+                    float(height_at(region.facet, k)),
                     corners,
                     points,
-                    region.facet[k, CENTROID : CENTROID + 3].copy(),
+                    np.array(centroid_at(region.facet, k)),
                     (*corners, *others),
                     np.vstack([points, np.array(inner).reshape(-1, 3)]),
-                    tuple(region.link[sides, ACROSS].tolist()),
-                    bool(region.span[k, IS_REST] == 1),
+                    tuple(across(region.link, e) for e in range(*edges_at(region.span, k))),
+                    is_rest_at(region.span, k),
                 )
             )
-        axes = region.segment[: region.tally[SEGMENTS]]
+        segments = range(segments_in(region.tally))
         return Stance(
             tuple(facets),
-            axes[:, START : START + 3].copy(),
-            axes[:, STOP : STOP + 3].copy(),
-            bool(region.tally[CONVEX] == 1),
+            np.array([start_at(region.segment, b) for b in segments]).reshape(-1, 3),
+            np.array([stop_at(region.segment, b) for b in segments]).reshape(-1, 3),
+            is_convex(region.tally),
             region,
         )
 

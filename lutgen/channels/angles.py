@@ -7,7 +7,7 @@ distance to an arc and to the whole boundary.
 import math
 
 from lutgen.jit import njit
-from lutgen.support import CONVEX, FACETS, SEGMENTS, START, STOP, TIP_PLANE, vector_at
+from lutgen.support import facets_in, is_convex, segments_in, start_at, stop_at, tip_plane_at
 from lutgen.vector import Floats, Ints, Vector, cross, dot, length, scale, subtract
 
 # What a direction just outside the region gets where its distance rounds to zero, so that the
@@ -78,18 +78,18 @@ def tip_angle(count: Ints, segment: Floats, standing: bool, g: Vector) -> float:
     region it is the smallest asin(m . g) over the tip-over planes, inside and outside: the angle
     of the force-angle measure of Papadopoulos and Rey for a pure gravity load.
     """
-    if count[FACETS] == 0:
+    if facets_in(count) == 0:
         return -math.pi
-    if count[SEGMENTS] == 0:
+    if segments_in(count) == 0:
         # Without a boundary it never tips, or there is no rest at all.
         return math.pi if standing else -math.pi
-    if count[CONVEX] == 1:
+    if is_convex(count):
         lowest = 2.0
-        for b in range(count[SEGMENTS]):
-            lowest = min(lowest, dot(vector_at(segment, b, TIP_PLANE), g))
+        for b in range(segments_in(count)):
+            lowest = min(lowest, dot(tip_plane_at(segment, b), g))
         return signed_angle(lowest, standing)
     nearest = math.pi
-    for b in range(count[SEGMENTS]):
-        start, stop = vector_at(segment, b, START), vector_at(segment, b, STOP)
-        nearest = min(nearest, arc_distance(start, stop, vector_at(segment, b, TIP_PLANE), g))
+    for b in range(segments_in(count)):
+        start, stop = start_at(segment, b), stop_at(segment, b)
+        nearest = min(nearest, arc_distance(start, stop, tip_plane_at(segment, b), g))
     return nearest if standing else min(-nearest, JUST_OUTSIDE)

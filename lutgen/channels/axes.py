@@ -20,23 +20,21 @@ from numpy.typing import NDArray
 
 from lutgen.jit import njit
 from lutgen.support import (
-    ACROSS,
-    EDGE_KIND,
-    EDGE_PLANE,
-    FACETS,
-    FIRST,
-    IS_REST,
-    PLANE,
-    POINT,
-    SEGMENTS,
-    SHARED,
     STANDS,
-    START,
-    STOP,
-    TIP_PLANE,
     Region,
+    across,
+    edge_plane_at,
+    edges_at,
+    facets_in,
+    is_rest_at,
+    is_shared,
+    plane_at,
+    point_at,
+    segments_in,
+    start_at,
     status_of,
-    vector_at,
+    stop_at,
+    tip_plane_at,
 )
 from lutgen.vector import Floats, Vector, cross, dot, length, scale, subtract, unit
 
@@ -132,21 +130,21 @@ def _enter(start: Vector, stop: Vector, normal: Vector, wrench: Floats, out: Flo
 @njit()
 def enter_edge_planes(region: Region, wrench: Floats, edge_plane: Floats) -> None:
     """Fill the rows of the edges of the facets."""
-    for k in range(region.tally[FACETS]):
-        begin, end = region.span[k, FIRST], region.span[k + 1, FIRST]
+    for k in range(facets_in(region.tally)):
+        begin, end = edges_at(region.span, k)
         for e in range(begin, end):
-            p = vector_at(region.edge, e, POINT)
-            q = vector_at(region.edge, e + 1 if e + 1 < end else begin, POINT)
-            _enter(p, q, vector_at(region.edge, e, EDGE_PLANE), wrench, edge_plane[e])
+            p = point_at(region.edge, e)
+            q = point_at(region.edge, e + 1 if e + 1 < end else begin)
+            _enter(p, q, edge_plane_at(region.edge, e), wrench, edge_plane[e])
 
 
 @njit()
 def find_axes(region: Region, wrench: Floats, axes: Axes) -> None:
     """Fill `axes` from the region and the wrench (7,) of one posture."""
     enter_edge_planes(region, wrench, axes.edge_plane)
-    for b in range(region.tally[SEGMENTS]):
-        start, stop = vector_at(region.segment, b, START), vector_at(region.segment, b, STOP)
-        _enter(start, stop, vector_at(region.segment, b, TIP_PLANE), wrench, axes.axis[b])
+    for b in range(segments_in(region.tally)):
+        start, stop = start_at(region.segment, b), stop_at(region.segment, b)
+        _enter(start, stop, tip_plane_at(region.segment, b), wrench, axes.axis[b])
         for root in range(4):
             point = start if root < 2 else stop
             g = corner_direction(point, part(wrench, PHI), 1.0 if root % 2 == 0 else -1.0)
@@ -165,14 +163,14 @@ def rest(region: Region, edge_plane: Floats, force: Vector, first: int) -> tuple
     """
     k = first
     edge, link = region.edge, region.link
-    for _ in range(region.tally[FACETS] + 1):
+    for _ in range(facets_in(region.tally) + 1):
         beyond = -1
-        outside = region.span[k, IS_REST] == 0
-        for e in range(region.span[k, FIRST], region.span[k + 1, FIRST]):
-            lever = dot(vector_at(edge, e, EDGE_PLANE), force) + edge_plane[e, MOMENT]
-            if link[e, EDGE_KIND] == SHARED:
+        outside = not is_rest_at(region.span, k)
+        for e in range(*edges_at(region.span, k)):
+            lever = dot(edge_plane_at(edge, e), force) + edge_plane[e, MOMENT]
+            if is_shared(link, e):
                 if lever < -1e-12:
-                    beyond = link[e, ACROSS]
+                    beyond = across(link, e)
             elif lever < 0.0:
                 outside = True
         if outside:
@@ -195,8 +193,8 @@ def pierced_first(region: Region, force: Vector, mu: Vector) -> int:
     if square < 1e-24:
         return best
     through = scale(cross(force, mu), 1.0 / square)
-    for k in range(region.tally[FACETS]):
-        plane = vector_at(region.facet, k, PLANE)
+    for k in range(facets_in(region.tally)):
+        plane = plane_at(region.facet, k)
         rate = dot(plane, force)
         if rate > 0.0:
             reach = (1.0 - dot(plane, through)) / rate

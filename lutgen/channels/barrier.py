@@ -9,7 +9,7 @@ beyond which the robot is not caught.
 import math
 
 from lutgen.jit import njit
-from lutgen.support import FIRST, OVER, Region, Ridges, put, roll_over, vector_at
+from lutgen.support import OVER, Region, Ridges, edges_at, put, roll_over, vector_at
 from lutgen.vector import Floats, Ints, Vector, length, subtract
 
 # Ways that are held at once, and ways on which the robot goes on from the same facet.
@@ -101,7 +101,7 @@ def _search(
             continue
         way[at, STATE] = GONE_ON
         here, raised, down = way[at, FACET], label[at, RAISED], vector_at(label, at, SEEN)
-        for e in range(span[here, FIRST], span[here + 1, FIRST]):
+        for e in range(*edges_at(span, here)):
             beyond, most, last, seen = roll_over(ridge, edges, arc, e, down)
             peak = max(lowest, raised + most)
             if beyond == OVER:

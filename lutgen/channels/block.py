@@ -15,23 +15,22 @@ from lutgen.channels.angles import JUST_OUTSIDE, signed_angle
 from lutgen.channels.plain import axis_energy, axis_margin, least_barrier
 from lutgen.jit import njit
 from lutgen.support import (
-    CONVEX,
-    FACETS,
-    FIRST_AXIS,
-    GAPS,
-    HEIGHT,
-    PLANE,
-    SECOND_AXIS,
-    SEGMENTS,
     STANDS,
-    START,
-    STOP,
-    TIP_PLANE,
     TIPS,
     Region,
     Ridges,
+    facets_in,
+    first_axis_at,
+    gaps_in,
     has_ridges,
-    vector_at,
+    height_at,
+    is_convex,
+    plane_at,
+    second_axis_at,
+    segments_in,
+    start_at,
+    stop_at,
+    tip_plane_at,
 )
 from lutgen.vector import Bools, Floats, Ints, Vector, dot
 
@@ -63,7 +62,7 @@ def empty_block() -> Block:
 @njit(inline=True)
 def worth_blocks(tally: Ints, wanted: Bools, directions: int) -> bool:
     """Tell whether a region's wanted channels can be measured in blocks, and faster so."""
-    fits = tally[CONVEX] == 1 and tally[GAPS] == 0 and directions >= FEWEST
+    fits = is_convex(tally) and gaps_in(tally) == 0 and directions >= FEWEST
     # A method of the array would load numba's linear algebra with the machine code.
     for c in range(KNOWN, wanted.shape[0]):
         fits = fits and not wanted[c]
@@ -117,8 +116,8 @@ def _factors(
     """Fill `out` with |SD_g|, NaN where the robot does not stand."""
     for i in range(np.uint64(out.shape[0])):
         k, g = max(first[i], 0), (x[i], y[i], z[i])
-        along = dot(vector_at(facet, k, FIRST_AXIS), g)
-        aside = dot(vector_at(facet, k, SECOND_AXIS), g)
+        along = dot(first_axis_at(facet, k), g)
+        aside = dot(second_axis_at(facet, k), g)
         factor = math.sqrt(along * along + aside * aside) / rate[i]
         out[i] = factor if _stands(first[i], lowest[i]) else math.nan
 
@@ -126,7 +125,7 @@ def _factors(
 @njit()
 def _heights(facet: Floats, first: Ints, lowest: Floats, out: Floats) -> None:
     for i in range(out.shape[0]):
-        out[i] = facet[first[i], HEIGHT] if _stands(first[i], lowest[i]) else math.nan
+        out[i] = height_at(facet, first[i]) if _stands(first[i], lowest[i]) else math.nan
 
 
 @njit()
@@ -195,7 +194,7 @@ def measure_block(
     `places`: the row of each channel.
     """
     facet, segment, tally = region.facet, region.segment, region.tally
-    facets, segments, count = tally[FACETS], tally[SEGMENTS], directions.shape[0]
+    facets, segments, count = facets_in(tally), segments_in(tally), directions.shape[0]
     here = slice(begin, begin + count)
     numbers, first = room.numbers, room.first[:count]
     x, y, z = numbers[0, :count], numbers[1, :count], numbers[2, :count]
@@ -203,9 +202,9 @@ def measure_block(
     _take(directions, x, y, z)
     rate[:], first[:], lowest[:] = 0.0, -1, 2.0
     for k in range(facets):
-        _pierce(vector_at(facet, k, PLANE), k, x, y, z, rate, first)
+        _pierce(plane_at(facet, k), k, x, y, z, rate, first)
     for b in range(segments):
-        _lower(vector_at(segment, b, TIP_PLANE), x, y, z, lowest)
+        _lower(tip_plane_at(segment, b), x, y, z, lowest)
     if wanted[0]:
         _factors(facet, x, y, z, rate, first, lowest, out[places[0], posture, here])
     if wanted[1]:
@@ -222,8 +221,8 @@ def measure_block(
         if wanted[c]:
             least[:] = math.inf if facets > 0 else -math.inf
             for b in range(segments):
-                start, stop = vector_at(segment, b, START), vector_at(segment, b, STOP)
-                plane = vector_at(segment, b, TIP_PLANE)
+                start, stop = start_at(segment, b), stop_at(segment, b)
+                plane = tip_plane_at(segment, b)
                 if c == 3:
                     _nearer(start, stop, plane, x, y, z, least)
                 else:

@@ -36,23 +36,22 @@ from lutgen.channels.plain import axis_margin
 from lutgen.jit import njit
 from lutgen.quantities import CHANNELS
 from lutgen.support import (
-    CENTROID,
-    CONVEX,
-    FACETS,
-    FIRST,
-    HEIGHT,
-    IS_REST,
-    PLANE,
     ROCKS,
-    SEGMENTS,
     STANDS,
-    START,
-    STOP,
     TIPS,
     Region,
+    centroid_at,
+    edges_at,
+    facets_in,
+    height_at,
+    is_convex,
+    is_rest_at,
+    plane_at,
+    segments_in,
+    start_at,
     status_of,
+    stop_at,
     supporting_facet,
-    vector_at,
 )
 from lutgen.vector import Bools, Floats, Vector, cross, dot, length, scale, subtract
 
@@ -213,7 +212,7 @@ def loaded_margin(
 def _lowest_edge_plane(region: Region, edge_plane: Floats, k: int, g: Vector) -> float:
     """Return the least signed angle (rad) from g to the edge planes of one facet."""
     lowest = math.pi
-    for e in range(region.span[k, FIRST], region.span[k + 1, FIRST]):
+    for e in range(*edges_at(region.span, k)):
         lowest = min(lowest, whole_axis_angle(edge_plane[e], g))
     return lowest
 
@@ -231,8 +230,8 @@ def loaded_verdict(region: Region, axes: Axes, wrench: Floats, g: Vector) -> tup
     """
     count, segment = region.tally, region.segment
     force, mu = add(g, part(wrench, PHI)), part(wrench, MU)
-    convex = count[CONVEX] == 1
-    if count[FACETS] == 0:
+    convex = is_convex(count)
+    if facets_in(count) == 0:
         return -1, TIPS, -math.pi
     if length(part(wrench, PHI)) + length(mu) > 0.0:
         k = pierced_first(region, force, mu)
@@ -240,18 +239,18 @@ def loaded_verdict(region: Region, axes: Axes, wrench: Floats, g: Vector) -> tup
         if k >= 0:
             k, status = rest(region, axes.edge_plane, force, k)
     else:
-        k = supporting_facet(region.facet, count[FACETS], g)
+        k = supporting_facet(region.facet, facets_in(count), g)
         status = status_of(region, k, g)
     standing = status != TIPS
     whole = counts_whole(convex, wrench)
     angle = math.pi if standing or whole else -math.pi
-    for b in range(count[SEGMENTS]):
-        start, stop = vector_at(segment, b, START), vector_at(segment, b, STOP)
+    for b in range(segments_in(count)):
+        start, stop = start_at(segment, b), stop_at(segment, b)
         here = axis_angle(convex, axes.axis[b], axes.ends[b], start, stop, wrench, standing, g)
         angle = min(angle, here) if standing or whole else max(angle, here)
     if whole and not convex:
-        for f in range(count[FACETS]):
-            if region.span[f, IS_REST] == 0:
+        for f in range(facets_in(count)):
+            if not is_rest_at(region.span, f):
                 continue
             here = _lowest_edge_plane(region, axes.edge_plane, f, g)
             if here > angle:
@@ -286,18 +285,18 @@ def measure_loaded(
     out[5] = -1.0
     out[6] = status
     if standing:
-        plane = vector_at(region.facet, k, PLANE)
+        plane = plane_at(region.facet, k)
         pierced = zero_moment_point(plane, add(g, part(wrench, PHI)), part(wrench, MU))
-        out[0] = length(subtract(pierced, vector_at(region.facet, k, CENTROID)))
-        out[1] = region.facet[k, HEIGHT]
+        out[0] = length(subtract(pierced, centroid_at(region.facet, k)))
+        out[1] = height_at(region.facet, k)
         out[5] = k
     if not wanted[3]:
         return
-    convex = count[CONVEX] == 1
+    convex = is_convex(count)
     outward = not standing and not convex
-    margin = -math.inf if outward or count[FACETS] == 0 else math.inf
-    for b in range(count[SEGMENTS]):
-        start, stop = vector_at(segment, b, START), vector_at(segment, b, STOP)
+    margin = -math.inf if outward or facets_in(count) == 0 else math.inf
+    for b in range(segments_in(count)):
+        start, stop = start_at(segment, b), stop_at(segment, b)
         away = loaded_margin(convex, axes.axis[b], start, stop, wrench, standing, g)
         margin = max(margin, away) if outward else min(margin, away)
     out[3] = max(margin, 0.0) if standing else min(margin, JUST_OUTSIDE)

@@ -18,28 +18,27 @@ from lutgen.errors import InputError
 from lutgen.jit import njit
 from lutgen.quantities import CHANNELS, wanted
 from lutgen.support import (
-    CONVEX,
-    FACETS,
-    FIRST_AXIS,
-    HEIGHT,
-    PLANE,
-    SECOND_AXIS,
-    SEGMENTS,
     STANDS,
-    START,
-    STOP,
-    TIP_PLANE,
     TIPS,
     Acceptance,
     FacetTable,
     Region,
     Ridges,
     empty_ridges,
+    facets_in,
     find_ridges,
+    first_axis_at,
     has_ridges,
+    height_at,
+    is_convex,
+    plane_at,
+    second_axis_at,
+    segments_in,
+    start_at,
     status_of,
+    stop_at,
     supporting_facet,
-    vector_at,
+    tip_plane_at,
 )
 from lutgen.vector import Bools, Floats, Vector, cross, dot, length, scale, subtract
 
@@ -140,12 +139,12 @@ def measure(region: Region, ridges: Ridges, g: Vector, wanted: Bools, out: Float
     others are negative.
     """
     count, facet, segment = region.tally, region.facet, region.segment
-    k = supporting_facet(facet, count[FACETS], g)
-    convex = count[CONVEX] == 1
+    k = supporting_facet(facet, facets_in(count), g)
+    convex = is_convex(count)
     if convex:
         standing = k >= 0
-        for b in range(count[SEGMENTS]):
-            standing = standing and dot(vector_at(segment, b, TIP_PLANE), g) >= 0.0
+        for b in range(segments_in(count)):
+            standing = standing and dot(tip_plane_at(segment, b), g) >= 0.0
         # A region with gaps or stages never counts as convex: here all that stands is on rests.
         status = STANDS if standing else TIPS
     else:
@@ -155,22 +154,22 @@ def measure(region: Region, ridges: Ridges, g: Vector, wanted: Bools, out: Float
     out[5] = -1.0
     out[6] = status
     if standing:
-        along = dot(vector_at(facet, k, FIRST_AXIS), g)
-        aside = dot(vector_at(facet, k, SECOND_AXIS), g)
-        out[0] = math.sqrt(along * along + aside * aside) / dot(vector_at(facet, k, PLANE), g)
-        out[1] = facet[k, HEIGHT]
+        along = dot(first_axis_at(facet, k), g)
+        aside = dot(second_axis_at(facet, k), g)
+        out[0] = math.sqrt(along * along + aside * aside) / dot(plane_at(facet, k), g)
+        out[1] = height_at(facet, k)
         out[5] = k
     if wanted[2]:
         out[2] = tip_angle(count, segment, standing, g)
     if wanted[3] or wanted[4]:
         margin = energy = math.inf
-        for b in range(count[SEGMENTS]):
-            start, stop = vector_at(segment, b, START), vector_at(segment, b, STOP)
-            tip_plane = vector_at(segment, b, TIP_PLANE)
+        for b in range(segments_in(count)):
+            start, stop = start_at(segment, b), stop_at(segment, b)
+            tip_plane = tip_plane_at(segment, b)
             margin = min(margin, axis_margin(start, stop, tip_plane, convex, g))
             rise = axis_energy(start, stop, tip_plane, g)
             energy = min(energy, rise if convex else abs(rise))
-        if count[FACETS] == 0:
+        if facets_in(count) == 0:
             margin = energy = -math.inf
         elif standing:
             if wanted[ENERGY]:
@@ -192,12 +191,12 @@ def go_beyond(region: Region, force: Vector, known: bool, out: Floats) -> None:
     leaves through no accepted facet's plane.
     """
     out[ALONG] = out[ASIDE] = out[HEIGHT_BEYOND] = math.nan
-    k = supporting_facet(region.facet, region.tally[FACETS], force)
+    k = supporting_facet(region.facet, facets_in(region.tally), force)
     if k >= 0 and known:
-        reach = 1.0 / dot(vector_at(region.facet, k, PLANE), force)
-        out[ALONG] = dot(vector_at(region.facet, k, FIRST_AXIS), force) * reach
-        out[ASIDE] = dot(vector_at(region.facet, k, SECOND_AXIS), force) * reach
-        out[HEIGHT_BEYOND] = region.facet[k, HEIGHT]
+        reach = 1.0 / dot(plane_at(region.facet, k), force)
+        out[ALONG] = dot(first_axis_at(region.facet, k), force) * reach
+        out[ASIDE] = dot(second_axis_at(region.facet, k), force) * reach
+        out[HEIGHT_BEYOND] = height_at(region.facet, k)
 
 
 def checked_directions(gravity_dir: ArrayLike) -> NDArray[np.float64]:

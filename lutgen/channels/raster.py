@@ -15,18 +15,16 @@ from numpy.typing import NDArray
 
 from lutgen.jit import njit
 from lutgen.support import (
-    ACROSS,
-    EDGE_KIND,
-    EDGE_PLANE,
-    FACETS,
-    FIRST,
-    FIRST_AXIS,
-    PLANE,
-    POINT,
-    SECOND_AXIS,
-    TIP,
     Region,
-    vector_at,
+    across,
+    edge_plane_at,
+    edges_at,
+    facets_in,
+    first_axis_at,
+    is_shared,
+    plane_at,
+    point_at,
+    second_axis_at,
 )
 from lutgen.vector import Floats, Singles, Vector, dot, row
 
@@ -84,18 +82,19 @@ def _edge_lines(region: Region, rows: Rows, k: int, lines: Floats) -> int:
     corner, along, aside = row(rows.basis, 0), row(rows.basis, 1), row(rows.basis, 2)
     origin, per_step = rows.coords[0], 1.0 / (rows.coords[1] - rows.coords[0])
     count = 0
-    for e in range(first[k, FIRST], first[k + 1, FIRST]):
+    for e in range(*edges_at(first, k)):
         beyond_wins = 0.0
-        if link[e, EDGE_KIND] == TIP:
-            plane = vector_at(edge, e, EDGE_PLANE)
+        if not is_shared(link, e):
+            plane = edge_plane_at(edge, e)
         else:
-            other = link[e, ACROSS]
+            other = across(link, e)
             mine, theirs = (TIE, 1.0) if k < other else (1.0, TIE)
             beyond_wins = 1.0 if other < k else 0.0
+            here, there = plane_at(facet, k), plane_at(facet, other)
             plane = (
-                mine * facet[k, PLANE + 0] - theirs * facet[other, PLANE + 0],
-                mine * facet[k, PLANE + 1] - theirs * facet[other, PLANE + 1],
-                mine * facet[k, PLANE + 2] - theirs * facet[other, PLANE + 2],
+                mine * here[0] - theirs * there[0],
+                mine * here[1] - theirs * there[1],
+                mine * here[2] - theirs * there[2],
             )
         level, tilt, slope = dot(plane, corner), dot(plane, aside), dot(plane, along)
         scaled = -per_step / slope if slope != 0.0 else 0.0
@@ -143,8 +142,8 @@ def _rows_of_facet(region: Region, rows: Rows, k: int) -> tuple[float, float]:
     lowest, highest = math.inf, -math.inf
     beyond = np.int64(15)
     behind = False
-    for e in range(first[k, FIRST], first[k + 1, FIRST]):
-        point = vector_at(edge, e, POINT)
+    for e in range(*edges_at(first, k)):
+        point = point_at(edge, e)
         depth = dot(point, corner)
         v = dot(point, aside)
         u = dot(point, along)
@@ -251,7 +250,7 @@ def draw_facets(region: Region, rows: Rows, drawing: Drawing) -> bool:
     limit = coords[nodes - 1]
     step = coords[1] - coords[0]
     # Descending, so that the lower index has the last word wherever two overlap.
-    for k in range(region.tally[FACETS] - 1, -1, -1):
+    for k in range(facets_in(region.tally) - 1, -1, -1):
         lowest, highest = _rows_of_facet(region, rows, k)
         if lowest > highest:
             continue
@@ -261,8 +260,8 @@ def draw_facets(region: Region, rows: Rows, drawing: Drawing) -> bool:
         if begin_row >= end_row:
             continue
         edges = _edge_lines(region, rows, k, lines)
-        plane = vector_at(facet, k, PLANE)
-        w1, w2 = vector_at(facet, k, FIRST_AXIS), vector_at(facet, k, SECOND_AXIS)
+        plane = plane_at(facet, k)
+        w1, w2 = first_axis_at(facet, k), second_axis_at(facet, k)
         c0, b0, a0 = dot(plane, corner), dot(plane, aside), dot(plane, along)
         c1, b1, a1 = dot(w1, corner), dot(w1, aside), dot(w1, along)
         c2, b2, a2 = dot(w2, corner), dot(w2, aside), dot(w2, along)

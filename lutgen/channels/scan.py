@@ -28,19 +28,19 @@ from lutgen.jit import in_threads, njit
 from lutgen.quantities import CHANNELS
 from lutgen.recipe import Recipe, forward, radii_and_kinds
 from lutgen.support import (
-    BLURRED,
-    CONVEX,
-    FACETS,
-    GAPS,
-    HEIGHT,
-    SEGMENTS,
     STANDS,
     TIPS,
     Region,
     Ridges,
+    blurred_in,
     empty_region,
     facet_table,
+    facets_in,
+    gaps_in,
+    height_at,
+    is_convex,
     pack,
+    segments_in,
     stand,
 )
 from lutgen.vector import Bools, Floats, Singles, Vector
@@ -148,7 +148,7 @@ def scan_part(
         at += held
         inverse = chart.inverse[first_row * nodes : (first_row + held) * nodes]
         rows = Rows(chart.basis[face], coords, nodes, first_row, held, inverse)
-        simple = in_rows and region.tally[GAPS] + region.tally[BLURRED] == 0
+        simple = in_rows and gaps_in(region.tally) + blurred_in(region.tally) == 0
         if not simple or chart.basis.shape[0] * nodes * nodes < FEW_DIRECTIONS:
             _each_node(region, ridges, rows, wanted, values, out[:, place])
             continue
@@ -165,7 +165,9 @@ def scan_part(
                 standing = squared[i] == squared[i]
                 k = drawing.facet[i] if standing else 0
                 if wanted[1]:
-                    high = np.float32(region.facet[k, HEIGHT]) if standing else np.float32(np.nan)
+                    high = (
+                        np.float32(height_at(region.facet, k)) if standing else np.float32(np.nan)
+                    )
                     out[1, place.start + i] = high
                 if wanted[5]:
                     out[5, place.start + i] = np.float32(k) if standing else np.float32(-1)
@@ -176,11 +178,11 @@ def scan_part(
                 out[6, place.start + i] = np.float32(STANDS if standing else TIPS)
         if wanted[2]:
             target = out[2, place]
-            if region.tally[FACETS] == 0:
+            if facets_in(region.tally) == 0:
                 target[:] = np.float32(-math.pi)
-            elif region.tally[SEGMENTS] == 0:
+            elif segments_in(region.tally) == 0:
                 target[:] = np.float32(math.pi)
-            elif region.tally[CONVEX] == 1:
+            elif is_convex(region.tally):
                 tip_rows(region, rows, planes, lowest, target)
                 agree_in_sign(target, drawing.span, nodes, held)
             else:

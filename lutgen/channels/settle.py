@@ -23,18 +23,17 @@ from lutgen.errors import InputError
 from lutgen.jit import njit
 from lutgen.recipe import Recipe, forward
 from lutgen.support import (
-    EDGE_PLANE,
-    FACETS,
-    FIRST,
-    HEIGHT,
-    IS_REST,
-    PLANE,
     Acceptance,
     Region,
+    edge_plane_at,
+    edges_at,
     empty_region,
     facet_table,
+    facets_in,
+    height_at,
+    is_rest_at,
+    plane_at,
     stand,
-    vector_at,
 )
 from lutgen.vector import Floats, Vector, dot, row, scale
 
@@ -69,10 +68,8 @@ def _lowest_edge_plane(region: Region, edge_plane: Floats, k: int, force: Vector
     Without forces it is the sine of the angle from gravity to that side.
     """
     lowest = 1.0
-    for e in range(region.span[k, FIRST], region.span[k + 1, FIRST]):
-        lowest = min(
-            lowest, dot(vector_at(region.edge, e, EDGE_PLANE), force) + edge_plane[e, MOMENT]
-        )
+    for e in range(*edges_at(region.span, k)):
+        lowest = min(lowest, dot(edge_plane_at(region.edge, e), force) + edge_plane[e, MOMENT])
     return lowest
 
 
@@ -87,13 +84,13 @@ def _settle(region: Region, edge_plane: Floats, wrench: Floats, gravity_plane: V
     best, best_up = -1, -2.0
     nearest, nearest_inside = -1, -math.inf
     rests = 0
-    for k in range(region.tally[FACETS]):
-        rests += region.span[k, IS_REST]
-    for k in range(region.tally[FACETS]):
+    for k in range(facets_in(region.tally)):
+        rests += is_rest_at(region.span, k)
+    for k in range(facets_in(region.tally)):
         # Nobody comes to rest on a stage, as long as there is anything else.
-        if rests > 0 and region.span[k, IS_REST] == 0:
+        if rests > 0 and not is_rest_at(region.span, k):
             continue
-        up = scale(vector_at(region.facet, k, PLANE), -region.facet[k, HEIGHT])
+        up = scale(plane_at(region.facet, k), -height_at(region.facet, k))
         g = turned(up, gravity_plane)
         inside = _lowest_edge_plane(region, edge_plane, k, add(g, part(wrench, PHI)))
         if inside >= 0.0 and up[2] > best_up:
@@ -103,7 +100,7 @@ def _settle(region: Region, edge_plane: Floats, wrench: Floats, gravity_plane: V
     chosen = best if best >= 0 else nearest
     if chosen < 0:
         return gravity_plane
-    up = scale(vector_at(region.facet, chosen, PLANE), -region.facet[chosen, HEIGHT])
+    up = scale(plane_at(region.facet, chosen), -height_at(region.facet, chosen))
     return turned(up, gravity_plane)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from lutgen.channels.angles import JUST_OUTSIDE
 from lutgen.channels.raster import VECTOR, Rows
 from lutgen.jit import njit
-from lutgen.support import SEGMENTS, START, STOP, TIP_PLANE, Region, vector_at
+from lutgen.support import Region, segments_in, start_at, stop_at, tip_plane_at
 from lutgen.vector import Floats, Ints, Singles, cross, dot, row, unit
 
 HALF_PI = math.pi / 2.0
@@ -78,11 +78,11 @@ def tip_rows(region: Region, rows: Rows, planes: Floats, lowest: Floats, out: Si
     """Fill `out` with the tip angle of a convex region on rows of one face."""
     coords, nodes = rows.coords, rows.nodes
     corner, along, aside = row(rows.basis, 0), row(rows.basis, 1), row(rows.basis, 2)
-    segment, count = region.segment, region.tally[SEGMENTS]
+    segment, count = region.segment, segments_in(region.tally)
     padded = (count + 3) // 4 * 4
     for b in range(padded):
         # The last plane is repeated to make up whole fours.
-        plane = vector_at(segment, min(b, count - 1), TIP_PLANE)
+        plane = tip_plane_at(segment, min(b, count - 1))
         planes[b, 0], planes[b, 1] = dot(plane, corner), dot(plane, aside)
         planes[b, 2] = dot(plane, along)
     width = (nodes + VECTOR - 1) // VECTOR * VECTOR
@@ -135,9 +135,9 @@ def arc_rows(
     sine[:count] = 2.0
     cosine[:count] = -1.0
     arc = np.empty((5, 3))
-    for b in range(region.tally[SEGMENTS]):
-        plane = vector_at(segment, b, TIP_PLANE)
-        start, stop = unit(vector_at(segment, b, START)), unit(vector_at(segment, b, STOP))
+    for b in range(segments_in(region.tally)):
+        plane = tip_plane_at(segment, b)
+        start, stop = unit(start_at(segment, b)), unit(stop_at(segment, b))
         for place, vector in enumerate(
             (plane, cross(plane, start), cross(stop, plane), start, stop)
         ):

@@ -7,7 +7,9 @@ for the sake of certainty, and the same with noise not: that is a fault only if 
 import math
 from dataclasses import replace
 
-from lutgen.support import DISC, KIND, RADIUS
+import numpy as np
+
+from lutgen.support import DISC, kind_at, radius_at
 from lutgen.vector import Floats
 from proofs.physics.asked import ROCK, UPRIGHT
 from proofs.physics.body import rigid_body
@@ -25,9 +27,11 @@ def let_go(robot: Floats, gravity_dir: Floats) -> tuple[int, int]:
     ValueError
         If the robot is not on discs alone, or gravity leaves it between no contacts.
     """
-    if (robot[:, KIND] != DISC).any():
+    wheels = range(len(robot))
+    if any(kind_at(robot, i) != DISC for i in wheels):
         raise ValueError("a robot in doubt is not on wheels; give it solids in proofs.physics.body")
-    posture = rigid_body(robot[:, :3], robot[:, RADIUS], robot[:, 3:6])
+    radii = np.array([radius_at(robot, i) for i in wheels])
+    posture = rigid_body(robot[:, :3], radii, robot[:, 3:6])
     posture = replace(posture, upright=math.radians(UPRIGHT), rock_angle=math.radians(ROCK))
     fell = 0
     for down, place in zip(gravity_dir, pierced(posture, gravity_dir), strict=True):

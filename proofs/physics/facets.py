@@ -5,9 +5,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lutgen.support import edges_at
 from lutgen.support.primitive import pack, support_height
 from lutgen.support.search import find_facets
-from lutgen.support.table import FIRST, RELATIVE_TOLERANCE, VERTEX, facet_table, robot_size
+from lutgen.support.table import RELATIVE_TOLERANCE, VERTEX, facet_table, robot_size
 from lutgen.support.unite import unite
 
 
@@ -51,7 +52,7 @@ def facets(
     found = []
     for f in range(table.tally[0]):
         if table.facet[f, 3] > tolerance:
-            corners = slice(table.span[f, FIRST], table.span[f + 1, FIRST])
+            corners = slice(*edges_at(table.span, f))
             normal = tuple(table.facet[f, :3].tolist())
             heights = [support_height(primitives, i, normal) for i in range(len(primitives))]
             found.append(

@@ -11,16 +11,15 @@ from lutgen.channels.evaluation import measure_primitives
 from lutgen.channels.plain import axis_energy
 from lutgen.support import (
     DISC,
-    SEGMENTS,
-    START,
-    STOP,
-    TIP_PLANE,
     acceptance,
     empty_region,
     facet_table,
     pack,
+    segments_in,
     stand,
-    vector_at,
+    start_at,
+    stop_at,
+    tip_plane_at,
 )
 from tests.oracles import points as oracle
 from tests.oracles.tipping import least_barrier
@@ -41,10 +40,10 @@ def over_axes(primitives: Floats, g: Floats) -> float:
     """Return the least rise over any tip-over axis, signed: what the margin is on one facet."""
     table, region = facet_table(len(primitives)), empty_region(len(primitives))
     stand(table, region, primitives, acceptance(None, None))
-    down = tuple(g.tolist())
+    down, s = tuple(g.tolist()), region.segment
     return min(
-        axis_energy(*(vector_at(region.segment, b, c) for c in (START, STOP, TIP_PLANE)), down)
-        for b in range(region.tally[SEGMENTS])
+        axis_energy(start_at(s, b), stop_at(s, b), tip_plane_at(s, b), down)
+        for b in range(segments_in(region.tally))
     )
 
 

@@ -8,7 +8,7 @@ import pytest
 import lutgen
 from lutgen.channels import acceptance_of
 from lutgen.recipe import forward, radii_and_kinds
-from lutgen.support import empty_region, facet_table, pack, stand
+from lutgen.support import edges_at, empty_region, facet_table, pack, stand
 from lutgen.support.arc import arc_normal, enter_roll
 from lutgen.support.catch import REFUSED, REST
 from lutgen.support.primitive import support_contact
@@ -65,7 +65,7 @@ class LetGo:
         """Edges between two accepted facets, from the one with the lower index."""
         found = []
         for f in np.flatnonzero(self.kind != REFUSED):
-            for at in range(self.span[f, FIRST], self.span[f + 1, FIRST]):
+            for at in range(*edges_at(self.span, f)):
                 other = self.table.link[at, NEIGHBOUR]
                 if other > f and self.kind[other] != REFUSED:
                     found.append((int(f), at))
@@ -88,7 +88,7 @@ class LetGo:
         begin, end = corner[came], corner[self.after(f, came)]
         line = (end - begin) / np.linalg.norm(end - begin)
         ways = []
-        for at in range(self.span[f, FIRST], self.span[f + 1, FIRST]):
+        for at in range(*edges_at(self.span, f)):
             p, q = corner[at], corner[self.after(f, at)]
             off = max(np.linalg.norm(np.cross(one - begin, line)) for one in (p, q))
             if at == came or (

@@ -12,8 +12,9 @@ import pytest
 from scipy.optimize import minimize
 
 from lutgen.channels.evaluation import measure_primitives
+from lutgen.support import facets_in
 from lutgen.support.primitive import pack
-from lutgen.support.region import FACETS, PLANE, acceptance, empty_region
+from lutgen.support.region import PLANE, acceptance, empty_region
 from lutgen.support.search import stand
 from lutgen.support.table import facet_table
 from proofs.physics.facets import Facet, facets
@@ -308,5 +309,5 @@ def test_a_rail_bends_once_where_one_wheel_is_exactly_above_another() -> None:
     full = stand(table, region, primitives, acceptance(np.radians(80.0), np.radians(30.0)))
     assert full == 0
     # Nose down and nose up the upper wheels touch beyond the lower ones: 16.5 deg and more.
-    normals = region.facet[: region.tally[FACETS], PLANE : PLANE + 3]
+    normals = region.facet[: facets_in(region.tally), PLANE : PLANE + 3]
     assert (np.abs(normals[:, :2]).max(axis=1) < 1e-9).sum() == 1
