@@ -48,10 +48,10 @@ static void smap_add_strips(smap_many_work_t *w, smap_many_pose_t *o)
     if (smap_is_gap(w, e) && back > e) {
       const uint8_t a = o->at.island[w->facet[w->owner[e]].shown];
       const uint8_t b = o->at.island[w->facet[w->owner[back]].shown];
-      smap_add_side(w, o, e);
-      smap_add_side(w, o, back);
-      for (k = 0; k < o->at.shown; k++) {
-        o->at.island[k] = o->at.island[k] == b ? a : o->at.island[k];
+      if (smap_add_sides(w, o, e)) {
+        for (k = 0; k < o->at.shown; k++) {
+          o->at.island[k] = o->at.island[k] == b ? a : o->at.island[k];
+        }
       }
     }
   }

@@ -115,6 +115,19 @@ static void smap_end_roll(const float a[3], const smap_across_t *from, const flo
   }
 }
 
+/* How far a contact goes along its rim, as a chord over the radius, 0 to 2: on a wheel that lies nearly
+ * flat many times as much as the plane turns. */
+static float smap_rim_chord(const float p[3], const float q[3], float radius)
+{
+  float d[3], chord;
+  if (!(radius > 0.0f)) {
+    return 0.0f;
+  }
+  smap_minus(p, q, d);
+  chord = smap_root(smap_dot(d, d)) / radius;
+  return chord < 2.0f ? chord : 2.0f; /* no number: as far as can be */
+}
+
 /* The map of a roll over an edge onto the facet beyond. */
 static void smap_find_roll(const smap_many_work_t *w, uint8_t e, smap_row_t *o)
 {
@@ -136,7 +149,16 @@ static void smap_find_roll(const smap_many_work_t *w, uint8_t e, smap_row_t *o)
     smap_turn_across(from->n, to->n, 0.0f, &last);
     smap_add_seen(&last, to->n, (const float(*)[3])place, 0.0f, 0.0f, 1.0f, sum);
   } else {
-    pairs = (uint8_t)(1.0f + SMAP_PAIRS * o[SMAP_ANGLE][0]);
+    const float own = smap_rim_chord(smap_corner(w, e), smap_end(w, back), w->r[i]);
+    const float other = smap_rim_chord(smap_end(w, e), smap_corner(w, back), w->r[j]);
+    const float angle = o[SMAP_ANGLE][0], beyond = (own > other ? own : other) - angle;
+    uint8_t over = i;
+    pairs = (uint8_t)(1.0f + SMAP_PAIRS * (beyond > angle ? beyond : angle));
+    if (own > 2.0f * angle && own > other) {
+      /* Both tell how far the com rises; the other one's way is less bent. */
+      over = j;
+      smap_copy(smap_end(w, e), place[0]);
+    }
     o[SMAP_ANGLE][0] = 0.0f;
     for (k = 1; k <= pairs; k++) {
       smap_on_arc(w, i, j, from, to, ((float)k - 0.5f) / (float)pairs, &half);
@@ -144,8 +166,8 @@ static void smap_find_roll(const smap_many_work_t *w, uint8_t e, smap_row_t *o)
       if (k < pairs) {
         smap_on_arc(w, i, j, from, to, (float)k / (float)pairs, &there);
       }
-      smap_touch(w, i, &half, place[1]);
-      smap_touch(w, i, &there, place[2]);
+      smap_touch(w, over, &half, place[1]);
+      smap_touch(w, over, &there, place[2]);
       o[SMAP_ANGLE][0] += smap_roll_pair((const float(*)[3])place, &here, &half, &there, &last, sum);
       smap_copy(place[2], place[0]);
       here = there;

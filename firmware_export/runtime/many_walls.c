@@ -20,6 +20,9 @@
 #else
 #define SMAP_PIECE 0.07f  /* two rims that turn at different rates make no circle between them */
 #endif
+#if !SMAP_MANY_RAILS
+#define SMAP_BENT 1e-4f /* a sine: what rounding may bend */
+#endif
 #define SMAP_LOST 2e-4f  /* of the size: what the exact definition's pieces lose */
 #define SMAP_PIECES 12.0f
 #define SMAP_STRAIGHT 1e-7f /* of the size, squared: a side as short as this is straight */
@@ -165,6 +168,61 @@ static void smap_add_side(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
   } else {
     smap_add_piece(w, o, side, p, q, i);
   }
+}
+
+#if !SMAP_MANY_RAILS
+/* Whether the side at the beginning of an edge is bent one way only.  Two rims that turn at different rates,
+ * one of them lying nearly flat, draw an S between them, and neither its tangents nor its chord keep to the
+ * strip. */
+static int smap_is_bent_once(const smap_many_work_t *w, const smap_many_pose_t *o, uint8_t e)
+{
+  const smap_side_t *side = &o->at.side[w->side_of[e]];
+  const smap_aim_t *from = &w->facet[w->owner[e]].at, *to = &w->facet[w->owner[w->twin[e]]].at;
+  const uint8_t i = w->vertex[e], j = w->vertex[w->next[e]];
+  uint8_t k;
+  if (side->inwards) {
+    for (k = 0; k + 1u < side->count; k++) {
+      if (smap_dot(o->wall[side->wall + k], o->point[side->point + k + 2u]) > SMAP_BENT) {
+        return 0;
+      }
+    }
+    return 1;
+  }
+  for (k = 1; k < 4; k = (uint8_t)(k + 2u)) {
+    smap_aim_t at;
+    float p[3], q[3];
+    smap_on_arc(w, i, j, from, to, 0.25f * (float)k, &at);
+    smap_touch(w, i, &at, p);
+    smap_touch(w, j, &at, q);
+    smap_mix(p, q, w->low[e], p);
+    if (smap_dot(o->wall[side->wall], p) > SMAP_BENT * w->map->size) {
+      return 0;
+    }
+  }
+  return 1;
+}
+#endif
+
+/* Make both sides of the strip of an edge; 0 where it must not be one. */
+static int smap_add_sides(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
+{
+  const uint8_t back = w->twin[e];
+#if SMAP_MANY_RAILS
+  smap_add_side(w, o, e);
+  smap_add_side(w, o, back);
+#else
+  const uint8_t walls = o->at.walls, points = o->at.points, sides = o->at.sides;
+  smap_add_side(w, o, e);
+  smap_add_side(w, o, back);
+  if (!w->failed && !(smap_is_bent_once(w, o, e) && smap_is_bent_once(w, o, back))) {
+    o->at.walls = walls;
+    o->at.points = points;
+    o->at.sides = sides;
+    w->low[e] = w->low[back] = SMAP_OPEN;
+    return 0;
+  }
+#endif
+  return 1;
 }
 
 /* Append a part of the boundary. */

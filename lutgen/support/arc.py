@@ -9,13 +9,13 @@ next.
 import math
 
 from lutgen.jit import njit
-from lutgen.support.primitive import KIND, POINT, support_contact
+from lutgen.support.primitive import KIND, POINT, RADIUS, support_contact
 from lutgen.vector import Floats, Vector, cross, dot, length, scale, subtract, unit
 
 # Columns of the rows of a roll.
 SEEN, RISE, TURN = 0, 9, 12
-# Longest pair of steps (rad) of a rolling plane: on the most bent of arcs gravity is right to
-# 1e-4 rad, a rise to 1e-4 of a radius.
+# Longest pair of steps (rad) of a rolling plane, and of what a contact goes along its rim beyond
+# that: gravity is right to 1e-4 rad, a rise to 1e-4 of a radius.
 PAIR = 0.4
 
 
@@ -115,6 +115,17 @@ def risen_after(roll: Floats, at: int, g: Vector) -> float:
     return rise
 
 
+@njit(inline=True, bare=True)
+def _rim_chord(primitives: Floats, i: int, begin: Vector, end: Vector) -> float:
+    """Return how far a contact goes along its rim, as a chord over the radius: 0 to 2.
+
+    On a wheel that lies nearly flat that is many times as much as the plane turns.
+    """
+    moved = subtract(support_contact(primitives, i, end), support_contact(primitives, i, begin))
+    radius = primitives[i, RADIUS]
+    return length(moved) / radius if radius > 0.0 else 0.0
+
+
 @njit(bare=True)
 def enter_roll(
     primitives: Floats,
@@ -145,7 +156,13 @@ def enter_roll(
         rise = subtract((dot(x, p), dot(y, p), dot(z, p)), p)
         turn = angle_between(begin, end)
     else:
-        pairs = 1 + int(angle_between(begin, end) / PAIR)
+        angle = angle_between(begin, end)
+        own, other = _rim_chord(primitives, i, begin, end), _rim_chord(primitives, j, begin, end)
+        pairs = 1 + int(max(angle, max(own, other) - angle) / PAIR)
+        if own > 2.0 * angle and own > other:
+            # Both tell how far the com rises; the other one's way is less bent.
+            i, j = j, i
+            p = support_contact(primitives, i, begin)
         here = begin
         for pair in range(pairs):
             half = arc_normal(primitives, i, j, begin, end, (pair + 0.5) / pairs)

@@ -22,6 +22,9 @@ MOST_STEPS = 48
 # Part of the distance between two contacts by which they may differ in height before the last step
 # of Newton.
 CLOSE = 1e-8
+# Times that a step is halved where Newton does not find its end: where the two contacts differ in
+# height by more than so many levels.
+HALVINGS, SETTLED = 8, 1e5
 # An arc is followed until the normal is this far beyond what is asked for.
 FURTHER = 0.3
 
@@ -132,6 +135,12 @@ def _first_touched(
     """
     n = primitives.shape[0]
     end = _on_arc(primitives, i, j, start, along, step)
+    for _ in range(HALVINGS):
+        if j < 0 or abs(excess(primitives, j, i, end)) <= SETTLED * level:
+            break
+        # A rim that lies nearly flat turns many times as fast as the plane.
+        step *= 0.5
+        end = _on_arc(primitives, i, j, start, along, step)
     here, there = support_contact(primitives, i, start), support_contact(primitives, i, end)
     onward = subtract(scale(along, math.cos(step)), scale(start, math.sin(step)))
     onward = unit(subtract(onward, scale(end, dot(onward, end))))

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from lutgen.jit import njit
 from lutgen.support.follow import excess, follow
-from lutgen.support.primitive import KIND, POINT, RADIUS, SPHERE, support_contact
+from lutgen.support.primitive import KIND, POINT, RADIUS, SPHERE, support_contact, support_height
 from lutgen.support.table import (
     FIRST,
     FOUND,
@@ -45,6 +45,8 @@ NEWTON_STEPS = 24
 BEYOND = 0.2
 # Steps of the relaxation that looks for a plane on which a primitive is lowest.
 RELAXATIONS = 24
+# Parts of the size by which contacts may be off a facet's plane; beyond, the search is lost.
+OFF = 1e-6
 # Normals nearer than this (rad) with the same three primitives are one facet.
 SAME = 1e-7
 
@@ -111,6 +113,11 @@ def _enter(
     for c in range(3):
         # A disc that lies on its face touches in no single point.
         if math.isnan(support_contact(primitives, three[c], place)[0]):
+            return OUTSIDE
+    level = support_height(primitives, three[0], place)
+    for m in range(primitives.shape[0]):
+        above = level - support_height(primitives, m, place)
+        if above < -OFF * size or (m in three and above > OFF * size):
             return OUTSIDE
     f = add_triangle(count, table.facet, span, table.corner, link, primitives, place, three)
     if f >= 0:

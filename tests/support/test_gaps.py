@@ -215,3 +215,30 @@ def test_a_roll_is_linear_in_gravity_and_rolling_back_undoes_it(let_go) -> None:
             assert np.abs(back @ (matrix @ g) - g).max() < 1e-14
             assert sunk @ (matrix @ g) == pytest.approx(-(rise @ g), abs=1e-14)
     assert turned > 30
+
+
+def test_a_roll_over_a_wheel_that_lies_nearly_flat_is_right_too() -> None:
+    # Its contact goes 94 deg along the rim while the plane turns by 17.
+    rows = pack(
+        np.array([[-0.3006, -0.2219, -0.3], [0.2514, 0.3682, -0.5607]]),
+        np.array([[0.0116, 0.0225, -0.9997], [0.4702, -0.1982, 0.86]]),
+        np.array([0.1281, 0.1426]),
+        np.array([2, 2]),
+    )
+    begin, end = np.array([-0.3957, 0.0001, -0.9184]), np.array([-0.529, 0.2411, -0.8136])
+    begin, end = (
+        np.array(arc_normal(rows, 0, 1, tuple(n), tuple(n), 0.0))
+        for n in (begin / np.linalg.norm(begin), end / np.linalg.norm(end))
+    )
+    rim = [np.array(support_contact(rows, 1, tuple(n))) for n in (begin, end)]
+    assert np.linalg.norm(rim[1] - rim[0]) > 1.3 * 0.1426
+    out = np.empty((2, 13))
+    for i, j in ((0, 1), (1, 0)):
+        turn = enter_roll(rows, i, j, tuple(begin), tuple(end), 0, 1, out)
+        matrix, rise = out[0, :9].reshape(3, 3), out[0, 9:12]
+        for g in np.eye(3):
+            want, raised, length = rolled(rows, i, j, begin, end, g)
+            assert np.abs(matrix @ g - want).max() < 2e-4
+            # 60 steps over the rim are right to 1e-5; one pair of steps was off by 3e-3.
+            assert rise @ g == pytest.approx(raised, abs=5e-5)
+            assert turn == pytest.approx(length, abs=1e-4)
