@@ -1,14 +1,15 @@
 """Text into a recipe, and a recipe into postures.
 
-In reading order: `table`, `robot`, `loads`, `plugin`, `described`, `recipe`, `kinematics`,
-`size`, `candidates`, `proposal_text`, `proposal`.
+In reading order: `table`, `key`, `robot_keys`, `keys`, `schema`, `robot`, `loads`,
+`plugin`, `described`, `recipe`, `kinematics`, `size`, `candidates`, `proposal_text`, `proposal`.
 """
 
 from typing import TYPE_CHECKING, Any
 
 from lutgen.recipe.kinematics import Postures, forward, postures, radii_and_kinds
 from lutgen.recipe.recipe import Recipe, load_recipe, parse_recipe, recipe_digest
-from lutgen.recipe.robot import LENGTH_UNITS
+from lutgen.recipe.robot_keys import LENGTH_UNITS
+from lutgen.recipe.schema import recipe_schema
 from lutgen.recipe.size import robot_size_of
 from lutgen.recipe.table import parse_table, read_text
 
@@ -28,6 +29,7 @@ __all__ = [
     "radii_and_kinds",
     "read_text",
     "recipe_digest",
+    "recipe_schema",
     "robot_size_of",
 ]
 
