@@ -1,6 +1,6 @@
 """Text into a recipe, and a recipe into postures.
 
-In reading order: `table`, `key`, `robot_keys`, `keys`, `schema`, `robot`, `loads`,
+In reading order: `table`, `key`, `robot_keys`, `keys`, `schema`, `start`, `robot`, `loads`,
 `plugin`, `described`, `recipe`, `kinematics`, `size`, `candidates`, `proposal_text`, `proposal`.
 """
 
@@ -11,6 +11,7 @@ from lutgen.recipe.recipe import Recipe, load_recipe, parse_recipe, recipe_diges
 from lutgen.recipe.robot_keys import LENGTH_UNITS
 from lutgen.recipe.schema import recipe_schema
 from lutgen.recipe.size import robot_size_of
+from lutgen.recipe.start import start_recipe, start_recipes
 from lutgen.recipe.table import parse_table, read_text
 
 if TYPE_CHECKING:
@@ -31,6 +32,8 @@ __all__ = [
     "recipe_digest",
     "recipe_schema",
     "robot_size_of",
+    "start_recipe",
+    "start_recipes",
 ]
 
 

@@ -11,7 +11,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from lutgen.errors import RecipeError
-from lutgen.recipe import Recipe, parse_recipe, recipe_schema
+from lutgen.recipe import Recipe, parse_recipe, recipe_schema, start_recipe, start_recipes
 from lutgen.recipe.key import TYPES, Key, toml_value
 from lutgen.recipe.keys import KEYS
 from lutgen.recipe.table import Table
@@ -122,6 +122,7 @@ RECIPES = {path.stem: path.read_text(encoding="utf-8") for path in sorted(MAPS.g
     "good": GOOD,
     "everything": EVERYTHING,
     "channels in sweep": IN_SWEEP,
+    **{f"start {kind}": start_recipe(kind) for kind in start_recipes()},
 }
 ROWS = [(table, key) for table, keys in KEYS.items() for key in keys]
 # No robot of the table's examples has them: they need code or a description.
