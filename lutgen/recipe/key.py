@@ -9,18 +9,13 @@ import tomllib
 from dataclasses import dataclass
 from typing import Any
 
-# What the values of keys are.
-TYPES = (
-    *("text", "number", "whole number", "true or false", "vector", "direction", "names"),
-    *("quantity", "samples", "table", "tables"),
-)
-
 
 @dataclass(frozen=True)
 class Key:
     """One key of a table of a recipe.
 
-    `meaning` is one sentence and `example` the TOML of a value; `unit` is that of its numbers.
+    `type` is one of `schema.TYPES`, or table or tables.  `meaning` is one sentence and `example`
+    the TOML of a value; `unit` is that of its numbers.
     `default` is "" where the key is needed, the TOML of a value, or words where what is left out is
     no value of the key.  `choices` are the only texts that it takes, `bounds` the interval of its
     numbers, such as "(0, 180]"; an end that is left out is infinite.  `pattern` is the regular

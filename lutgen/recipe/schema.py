@@ -21,6 +21,7 @@ THREE: Schema = {
 }
 NODES: Schema = {"type": "integer", "minimum": 2}
 KNOTS: Schema = {"type": "array", "items": {"type": "number"}, "minItems": 2}
+# What the values of keys are, but tables with keys of their own.
 TYPES: dict[str, Schema] = {
     "text": {"type": "string", "pattern": r"\S"},
     "number": {"type": "number"},

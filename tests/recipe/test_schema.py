@@ -107,14 +107,18 @@ BEYOND = {
 }
 
 
-@pytest.mark.parametrize("rule", BAD)
-def test_the_schema_refuses_what_the_parser_refuses_as_far_as_a_schema_can(rule: str) -> None:
+def plain(rule: str) -> dict[str, Any] | None:
+    """Return the values of a bad recipe, None where it is no TOML: no schema gets to see that."""
     old, new, *_ = BAD[rule]
     try:
-        values = tomllib.loads(GOOD.replace(old, new, 1))
+        return tomllib.loads(GOOD.replace(old, new, 1))
     except tomllib.TOMLDecodeError:
-        pytest.skip("no editor gets as far as the schema")
-    assert SCHEMA.is_valid(values) is (rule in BEYOND)
+        return None
+
+
+@pytest.mark.parametrize("rule", [rule for rule in BAD if plain(rule) is not None])
+def test_the_schema_refuses_what_the_parser_refuses_as_far_as_a_schema_can(rule: str) -> None:
+    assert SCHEMA.is_valid(plain(rule)) is (rule in BEYOND)
 
 
 @pytest.mark.parametrize("row", ROWS, ids=named)
