@@ -1,12 +1,14 @@
 """Text into a recipe, and a recipe into postures.
 
 In reading order: `table`, `key`, `robot_keys`, `keys`, `schema`, `start`, `robot`, `loads`,
-`plugin`, `described`, `recipe`, `kinematics`, `size`, `candidates`, `proposal_text`, `proposal`.
+`plugin`, `described`, `recipe`, `merge`, `kinematics`, `size`, `candidates`,
+`proposal_text`, `proposal`.
 """
 
 from typing import TYPE_CHECKING, Any
 
 from lutgen.recipe.kinematics import Postures, forward, postures, radii_and_kinds
+from lutgen.recipe.merge import merged_recipe
 from lutgen.recipe.recipe import Recipe, load_recipe, parse_recipe, recipe_digest
 from lutgen.recipe.robot_keys import LENGTH_UNITS
 from lutgen.recipe.schema import recipe_schema
@@ -24,6 +26,7 @@ __all__ = [
     "forward",
     "import_urdf",
     "load_recipe",
+    "merged_recipe",
     "parse_recipe",
     "parse_table",
     "postures",
