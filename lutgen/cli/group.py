@@ -14,10 +14,12 @@ from lutgen.cli.import_ import import_
 from lutgen.cli.info import info
 from lutgen.cli.limits import limits
 from lutgen.cli.metrics import metrics
+from lutgen.cli.new import new
 from lutgen.cli.optimum import optimum
 from lutgen.cli.paper import paper
 from lutgen.cli.path import path
 from lutgen.cli.plot import plot
+from lutgen.cli.schema import schema
 from lutgen.cli.stance import stance
 from lutgen.cli.sweep import sweep
 from lutgen.cli.wheels import wheels
@@ -64,7 +66,7 @@ def main(verbose: int, quiet: bool) -> None:
 
 
 for command in (
-    *(import_, check, sweep, info, eval_, limits, metrics),
+    *(new, schema, import_, check, sweep, info, eval_, limits, metrics),
     *(stance, optimum, plot, export, wheels, paper, path),
 ):
     main.add_command(command)

@@ -38,6 +38,10 @@ class Asked:
     xacro: bool = option(
         "-x", is_flag=True, help="Expand a .xacro file: evaluates it, reads its includes."
     )
+    merge: bool = option(
+        is_flag=True,
+        help="Keep the recipe that is there: only masses and places of its links become new.",
+    )
     as_json: bool = as_json()
 
 
@@ -49,13 +53,13 @@ def import_(urdf: str, asked: Asked) -> None:
 
     Without --contact, spheres and cylinders that reach below the centre of mass touch the ground.
     Without --joint, every joint that moves a contact, or the centre of mass by more than 0.5 % of
-    the robot's size, becomes a parameter.
+    the robot's size, becomes a parameter.  Give --merge the same options as the first time.
 
     \b
     $ lutgen import robot.urdf -o recipe.toml -c left_wheel -c right_wheel -c nose=0.3,0,-0.1
     """
     from lutgen.files import write_text
-    from lutgen.recipe import import_urdf
+    from lutgen.recipe import import_urdf, merged_recipe, read_text
     from lutgen.urdf import centre_of_mass, places, read_motion
 
     if not asked.output.endswith(".toml"):
@@ -79,7 +83,11 @@ def import_(urdf: str, asked: Asked) -> None:
         "contacts": list(recipe.contact_names),
         "left_out": list(made.left_out),
     }
-    write_text(asked.output, made.text)
+    text = made.text
+    if asked.merge:
+        old = read_text(asked.output)
+        text, report["changed"] = merged_recipe(old, asked.output, made.text)
+    write_text(asked.output, text)
     show(report, import_lines(report, robot.root), asked.as_json)
 
 
@@ -91,6 +99,9 @@ def import_lines(report: dict[str, Any], root: str) -> Iterator[str]:
         yield f"  {what} ({len(report[what])}): {' '.join(report[what]) or '-'}"
     yield "left out:" if report["left_out"] else "nothing left out"
     yield from (f"  {what}" for what in report["left_out"])
+    if "changed" in report:
+        yield "changed:" if report["changed"] else "nothing changed"
+        yield from (f"  {what}" for what in report["changed"])
 
 
 def _read(path: str, xacro: bool) -> "UrdfRobot":

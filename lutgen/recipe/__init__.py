@@ -1,15 +1,19 @@
 """Text into a recipe, and a recipe into postures.
 
-In reading order: `table`, `robot`, `loads`, `plugin`, `described`, `recipe`, `kinematics`,
-`size`, `candidates`, `proposal_text`, `proposal`.
+In reading order: `table`, `key`, `robot_keys`, `keys`, `schema`, `start`, `robot`, `loads`,
+`plugin`, `described`, `recipe`, `merge`, `kinematics`, `size`, `candidates`,
+`proposal_text`, `proposal`.
 """
 
 from typing import TYPE_CHECKING, Any
 
 from lutgen.recipe.kinematics import Postures, forward, postures, radii_and_kinds
+from lutgen.recipe.merge import merged_recipe
 from lutgen.recipe.recipe import Recipe, load_recipe, parse_recipe, recipe_digest
-from lutgen.recipe.robot import LENGTH_UNITS
+from lutgen.recipe.robot_keys import LENGTH_UNITS
+from lutgen.recipe.schema import recipe_schema
 from lutgen.recipe.size import robot_size_of
+from lutgen.recipe.start import start_recipe, start_recipes
 from lutgen.recipe.table import parse_table, read_text
 
 if TYPE_CHECKING:
@@ -22,13 +26,17 @@ __all__ = [
     "forward",
     "import_urdf",
     "load_recipe",
+    "merged_recipe",
     "parse_recipe",
     "parse_table",
     "postures",
     "radii_and_kinds",
     "read_text",
     "recipe_digest",
+    "recipe_schema",
     "robot_size_of",
+    "start_recipe",
+    "start_recipes",
 ]
 
 

@@ -6,6 +6,7 @@ Owns which file such a recipe may name, and which joints of it are the recipe's 
 from pathlib import Path, PurePosixPath
 
 from lutgen.parts import Contact, Link, Parameter
+from lutgen.recipe.keys import names
 from lutgen.recipe.robot import read_contacts
 from lutgen.recipe.table import Table
 from lutgen.urdf import (
@@ -96,7 +97,7 @@ def _joints(
     """Return the parameter of each joint that is one."""
     known = [joint.name for joint in described.joints if joint.kind != "fixed"]
     result: dict[str, str] = {}
-    tables = robot.tables("parameter", ("name", "min", "max", "unit", "joint"))
+    tables = robot.tables("parameter", names("robot.parameter"))
     for table, parameter in zip(tables, parameters, strict=True):
         key = "joint" if "joint" in table else "name"
         way_out = "name a joint of the description"

@@ -5,6 +5,7 @@ to stability is not known here (`load`, `loaded`).
 """
 
 from lutgen.parts import ZERO, Force, Link
+from lutgen.recipe.keys import names
 from lutgen.recipe.robot import carrier
 from lutgen.recipe.table import Table
 
@@ -12,7 +13,7 @@ from lutgen.recipe.table import Table
 def read_payloads(robot: Table, links: tuple[Link, ...]) -> tuple[Link, ...]:
     """Read ``[[robot.payload]]``: the links, and after them one massive link for each payload."""
     result = list(links)
-    for table in robot.tables("payload", ("name", "link", "position", "mass")):
+    for table in robot.tables("payload", names("robot.payload")):
         _refuse_massless(table, "mass", links, "moves no com of a robot without masses")
         name = table.new_name("payload", (link.name for link in result))
         link = carrier(table, "payload", links)
@@ -27,7 +28,7 @@ def read_payloads(robot: Table, links: tuple[Link, ...]) -> tuple[Link, ...]:
 def read_forces(robot: Table, links: tuple[Link, ...]) -> tuple[Force, ...]:
     """Read ``[[robot.force]]`` in order; `links` without the payloads, which carry none."""
     result: list[Force] = []
-    for table in robot.tables("force", ("name", "link", "position", "force", "moment")):
+    for table in robot.tables("force", names("robot.force")):
         _refuse_massless(table, "force", links, "has no weight to compare with without masses")
         name = table.new_name("force", (force.name for force in result))
         link = carrier(table, "force", links)

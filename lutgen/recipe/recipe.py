@@ -19,22 +19,17 @@ from lutgen.errors import suggestion
 from lutgen.grid import Axis, Grid
 from lutgen.parts import ZERO, Contact, Force, Link, Parameter, Wheel
 from lutgen.quantities import CHANNELS, UNLOADED
+from lutgen.recipe.keys import CHARTS, SHARE, SIZE, names
 from lutgen.recipe.loads import read_com_uncertainty, read_forces, read_payloads
 from lutgen.recipe.plugin import load_function
 from lutgen.recipe.robot import (
-    LENGTH_UNITS,
     read_contacts,
     read_links,
     read_parameters,
     read_wheels,
 )
+from lutgen.recipe.robot_keys import LENGTH_UNITS
 from lutgen.recipe.table import Table, parse_table, read_text
-
-ROBOT_KEYS = (
-    *("name", "length_unit", "friction", "upright", "rock_angle", "rest_width"),
-    *("contact_tolerance", "python", "urdf"),
-    *("parameter", "link", "contact", "wheel", "payload", "force", "com_uncertainty"),
-)
 
 
 @dataclass(frozen=True)
@@ -156,8 +151,8 @@ def parse_recipe(
     Recipe
         Checked; a text with any fault raises RecipeError.
     """
-    root = parse_table(text, source, ("robot", "sweep", "export"))
-    robot = root.table("robot", ROBOT_KEYS, "add a [robot] table")
+    root = parse_table(text, source, names(""))
+    robot = root.table("robot", names("robot"), "add a [robot] table")
     name = robot.string("name", "name the robot")
     length_unit = robot.string("length_unit", "use one of: m, cm, mm, 1", LENGTH_UNITS)
     friction = robot.number("friction", "write a number above 0") if "friction" in robot else None
@@ -173,7 +168,7 @@ def parse_recipe(
     tolerance = _read_length(robot, "contact_tolerance", "leave it out for 1e-4 of the size")
     parameters = read_parameters(robot, length_unit)
     python = robot.string("python", "write module:function") if "python" in robot else None
-    sweep = root.table("sweep", ("samples", "gravity", "channels"), "add a [sweep] table")
+    sweep = root.table("sweep", names("sweep"), "add a [sweep] table")
     grid = _read_grid(sweep, parameters)
     chart, channels = _read_gravity(sweep)
     export = _read_export(root)
@@ -251,17 +246,17 @@ def _read_length(robot: Table, key: str, way_out: str) -> float | None:
 
 def _read_grid(sweep: Table, parameters: tuple[Parameter, ...]) -> Grid:
     """Read `samples` of [sweep]: nodes or knots of each parameter."""
-    names = [p.name for p in parameters]
-    if not names and "samples" not in sweep:
+    known = [p.name for p in parameters]
+    if not known and "samples" not in sweep:
         return Grid(())
-    samples = sweep.need("samples", f"give the nodes of each parameter: {', '.join(names)}")
+    samples = sweep.need("samples", f"give the nodes of each parameter: {', '.join(known)}")
     if not isinstance(samples, dict):
         sweep.fail("samples", "must be a table", samples, "write samples = { name = 50 }")
     for name in samples:
-        if name not in names:
-            way_out = suggestion(name, names, "use one of")
+        if name not in known:
+            way_out = suggestion(name, known, "use one of")
             sweep.fail(f"samples.{name}", "is not a parameter of the robot", name, way_out)
-    table = Table(samples, sweep.source, sweep.path("samples"), names)
+    table = Table(samples, sweep.source, sweep.path("samples"), known)
     return Grid(tuple(Axis(p.name, p.unit, _read_knots(table, p)) for p in parameters))
 
 
@@ -294,10 +289,8 @@ def _read_knots(samples: Table, parameter: Parameter) -> np.ndarray[Any, np.dtyp
 
 def _read_gravity(sweep: Table) -> tuple[Chart, tuple[str, ...]]:
     """Read ``[sweep.gravity]`` and the channels, which may stand there or in ``[sweep]``."""
-    table = sweep.table(
-        "gravity", ("chart", "max_tilt", "nodes", "channels"), "add a [sweep.gravity] table"
-    )
-    kind = table.string("chart", "use cone or sphere", ("cone", "sphere"))
+    table = sweep.table("gravity", names("sweep.gravity"), "add a [sweep.gravity] table")
+    kind = table.string("chart", "use cone or sphere", CHARTS)
     nodes = table.integer("nodes", "write the nodes per side of a face")
     fewest = 1 if kind == "cone" else 2
     if nodes < fewest:
@@ -332,14 +325,10 @@ def _read_export(root: Table) -> ExportDefaults:
     """Read ``[export]``, which may be absent."""
     if "export" not in root:
         return ExportDefaults()
-    table = root.table("export", ("flash", "max_error"), "write an [export] table")
+    table = root.table("export", names("export"), "write an [export] table")
     return ExportDefaults(
-        _quantity(
-            table, "flash", r"[0-9]+(\.[0-9]+)? ?(B|[kK]i?B|Mi?B)?", "write bytes or '16KiB'"
-        ),
-        _quantity(
-            table, "max_error", r"[0-9]*\.?[0-9]+([eE][-+]?[0-9]+)? ?%?", "write '1%' or 0.01"
-        ),
+        _quantity(table, "flash", SIZE, "write bytes or '16KiB'"),
+        _quantity(table, "max_error", SHARE, "write '1%' or 0.01"),
     )
 
 

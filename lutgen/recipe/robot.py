@@ -22,11 +22,11 @@ from lutgen.parts import (
     to_internal,
 )
 from lutgen.quantities import CHANNELS
+from lutgen.recipe.keys import names
+from lutgen.recipe.robot_keys import ANGLE_UNITS, IDENTIFIER, JOINT_TYPES
 from lutgen.recipe.table import Table
 
 MAX_CONTACTS = 62
-LENGTH_UNITS = ("m", "cm", "mm", "1")
-ANGLE_UNITS = ("deg", "rad")
 # Names of a map file's other dimensions and variables, which no parameter may take.
 RESERVED = ("face", "v", "u", *CHANNELS)
 
@@ -34,11 +34,11 @@ RESERVED = ("face", "v", "u", *CHANNELS)
 def read_parameters(robot: Table, length_unit: str) -> tuple[Parameter, ...]:
     """Read ``[[robot.parameter]]`` in order."""
     result: list[Parameter] = []
-    for table in robot.tables("parameter", ("name", "min", "max", "unit", "joint")):
+    for table in robot.tables("parameter", names("robot.parameter")):
         if "urdf" not in robot:
             table.refuse(("joint",), "means nothing without `robot.urdf`", "remove it")
         name = table.new_name("parameter", (p.name for p in result))
-        if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name):
+        if not re.fullmatch(IDENTIFIER, name):
             table.fail("name", "is not an identifier", name, "use letters, digits and _ only")
         if name in RESERVED:
             table.fail("name", "is reserved for the map file", name, "choose another name")
@@ -63,13 +63,9 @@ def read_parameters(robot: Table, length_unit: str) -> tuple[Parameter, ...]:
     return tuple(result)
 
 
-LINK_KEYS = ("name", "parent", "origin", "rpy", "joint", "mass", "com")
-JOINT_KEYS = ("type", "axis", "parameter", "scale", "offset")
-
-
 def read_links(robot: Table, parameters: tuple[Parameter, ...]) -> tuple[Link, ...]:
     """Read ``[[robot.link]]``; "body" comes first unless the recipe declares it itself."""
-    tables = robot.tables("link", LINK_KEYS)
+    tables = robot.tables("link", names("robot.link"))
     links: list[Link] = []
     for table in tables:
         name = table.new_name("link", (link.name for link in links))
@@ -112,15 +108,16 @@ def _read_joint(link: Table, parameters: tuple[Parameter, ...]) -> Joint | None:
     """Read the joint of a link; absent or of type "none" means a fixed link."""
     if "joint" not in link:
         return None
-    table = link.table("joint", JOINT_KEYS, "write joint = { type = ..., axis = ... }")
-    kind = table.string("type", "use revolute or prismatic", ("revolute", "prismatic", "none"))
+    known = names("robot.link.joint")
+    table = link.table("joint", known, "write joint = { type = ..., axis = ... }")
+    kind = table.string("type", "use revolute or prismatic", JOINT_TYPES)
     if kind == "none":
-        table.refuse(JOINT_KEYS[1:], "means nothing for type none", "remove it or set the type")
+        table.refuse(known[1:], "means nothing for type none", "remove it or set the type")
         return None
-    names = [p.name for p in parameters]
+    driving = [p.name for p in parameters]
     way_out = "name the parameter that drives the joint"
-    name = table.one_of("parameter", way_out, names, "is not a parameter of the robot")
-    parameter = parameters[names.index(name)]
+    name = table.one_of("parameter", way_out, driving, "is not a parameter of the robot")
+    parameter = parameters[driving.index(name)]
     if (parameter.unit == "rad") != (kind == "revolute"):
         needed = "an angle" if kind == "revolute" else "a length"
         table.fail(
@@ -155,11 +152,8 @@ def _check_tree(tables: list[Table], links: list[Link]) -> None:
 def carrier(table: Table, noun: str, links: tuple[Link, ...]) -> str:
     """Return the name of the link that carries a part of the robot."""
     way_out = f"name the link that carries the {noun}"
-    names = [link.name for link in links]
-    return table.one_of("link", way_out, names, "is not a link of the robot")
-
-
-CONTACT_KEYS = ("name", "link", "position", "radius", "axis", "rolling")
+    known = [link.name for link in links]
+    return table.one_of("link", way_out, known, "is not a link of the robot")
 
 
 def read_contacts(
@@ -169,7 +163,7 @@ def read_contacts(
 ) -> tuple[Contact, ...]:
     """Read ``[[robot.contact]]`` in order; without a position `derive` gives a link's contacts."""
     result: list[Contact] = []
-    for table in robot.tables("contact", CONTACT_KEYS):
+    for table in robot.tables("contact", names("robot.contact")):
         link = carrier(table, "contact", links)
         rolling = table.values.get("rolling", False)
         if not isinstance(rolling, bool):
@@ -208,7 +202,6 @@ def read_contacts(
     return tuple(result)
 
 
-WHEEL_KEYS = ("contact", "axis", "radius", "steered", "rollers")
 # Numbers that say the same thing twice may differ by their last digits.
 SAME = 1e-9
 
@@ -217,7 +210,7 @@ def read_wheels(robot: Table, contacts: tuple[Contact, ...]) -> tuple[Wheel, ...
     """Read ``[[robot.wheel]]`` in order; on a disc, axis and radius are the contact's own."""
     carriers = {contact.name: contact for contact in contacts}
     result: list[Wheel] = []
-    for table in robot.tables("wheel", WHEEL_KEYS):
+    for table in robot.tables("wheel", names("robot.wheel")):
         way_out = "name the contact through which it touches the ground"
         name = table.one_of("contact", way_out, carriers, "is not a contact of the robot")
         if any(name == wheel.contact for wheel in result):

@@ -1,6 +1,5 @@
-"""The page on recipes: its keys are those that a recipe may have, its defaults those it gets."""
+"""The page on recipes: its tables are those of the keys, its defaults what a recipe gets."""
 
-import math
 import re
 
 import pytest
@@ -8,37 +7,38 @@ import pytest
 import lutgen
 from lutgen.channels.wrench import acceptance_of
 from lutgen.recipe import robot_size_of
-from lutgen.recipe.recipe import ROBOT_KEYS
-from lutgen.recipe.robot import CONTACT_KEYS, JOINT_KEYS, LINK_KEYS, WHEEL_KEYS
-from tests.fixtures.places import ROOT
+from lutgen.recipe.keys import KEYS
 from tests.fixtures.recipes import rocker
+from tools.recipe_page import TARGET, page, section
 
-PAGE = (ROOT / "docs/reference/recipe.md").read_text(encoding="utf-8")
-# What has a table of its own.
-TABLES = ("parameter", "link", "contact", "wheel", "payload", "force")
-
-
-def test_the_table_lists_every_key_of_the_robot() -> None:
-    listed = re.findall(r"^\| `(\w+)` \|", PAGE, re.MULTILINE)
-    assert set(listed) == set(ROBOT_KEYS) - set(TABLES)
-    for name in TABLES:
-        assert f"`[[robot.{name}]]`" in PAGE
+PAGE = TARGET.read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("key", sorted({*CONTACT_KEYS, *JOINT_KEYS, *LINK_KEYS, *WHEEL_KEYS}))
-def test_the_page_names_every_key_of_links_joints_contacts_and_wheels(key: str) -> None:
-    assert re.search(rf"\b{key}\b", PAGE.partition("## `[[robot.parameter]]`")[2])
+def test_the_page_is_what_the_script_writes() -> None:
+    assert page(PAGE) == PAGE
 
 
-def test_the_defaults_are_those_that_a_recipe_gets() -> None:
-    said = dict(re.findall(r"^\| `(\w+)` \| ([^|]+) \|", PAGE, re.MULTILINE))
+def test_the_page_has_every_table_of_a_recipe_once() -> None:
+    marked = re.findall(r"^<!-- keys of (\S+) -->$", PAGE, re.MULTILINE)
+    assert sorted(marked) == sorted(table or "file" for table in KEYS)
+    for table in marked:
+        assert section(table) in PAGE
+
+
+def test_a_table_that_was_changed_by_hand_is_written_anew() -> None:
+    changed = PAGE.replace("| `80.0` |", "| `90.0` |")
+    assert changed != PAGE
+    assert page(changed) == PAGE
+
+
+@pytest.mark.parametrize("name", ["rest_width", "contact_tolerance"])
+def test_the_defaults_that_are_shares_of_the_size_are_those_that_a_recipe_gets(name: str) -> None:
+    (key,) = (key for key in KEYS["robot"] if key.name == name)
+    assert f"| {key.default} |" in PAGE
+    share, percent = re.match(r"(\S+) (%?) ?of the size", key.default).groups()  # type: ignore[union-attr]
     recipe = lutgen.parse_recipe(rocker())
-    assert math.degrees(recipe.upright) == pytest.approx(float(said["upright"]))
-    assert math.degrees(recipe.rock_angle) == pytest.approx(float(said["rock_angle"]))
-    assert recipe.com_uncertainty == float(said["com_uncertainty"])
-    limits, size = acceptance_of(recipe), robot_size_of(recipe)
-    share, tolerance = said["rest_width"].split(" % of")[0], said["contact_tolerance"].split()[0]
-    assert limits.rest_width == pytest.approx(float(share) / 100 * size)
-    assert limits.contact_tolerance == pytest.approx(float(tolerance) * size)
+    size = robot_size_of(recipe)
     # The far side of the front and rear wheels: sqrt(0.5^2 + 0.3^2 + 0.3^2) + 0.1.
-    assert size == pytest.approx(math.sqrt(0.43) + 0.1)
+    assert size == pytest.approx(0.43**0.5 + 0.1)
+    wanted = float(share) / (100 if percent else 1) * size
+    assert getattr(acceptance_of(recipe), name) == pytest.approx(wanted)

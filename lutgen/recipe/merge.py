@@ -1,0 +1,91 @@
+"""Bring an edited recipe up to date with the robot description that it came from.
+
+Owns whose word counts: on links the description's, on everything else the recipe's.
+"""
+
+import tomllib
+from typing import Any
+
+from lutgen.errors import InputError
+from lutgen.recipe.recipe import parse_recipe
+
+# What a description says of a link, wherever it hangs, and of how it hangs.
+OWN, PLACED = ("mass", "com"), ("origin", "rpy")
+OF_JOINT = ("type", "axis")
+
+
+def merged_recipe(text: str, source: str, fresh: str) -> tuple[str, tuple[str, ...]]:
+    """Write what a description says of its links into a recipe, which keeps all else.
+
+    Parameters
+    ----------
+    text : str
+        The recipe, TOML, with hand edits and comments.
+    source : str
+        Its file, for messages.
+    fresh : str
+        The recipe that the description alone gives, with links of the same names.
+
+    Returns
+    -------
+    text : str
+        The recipe with mass, com, origin and rpy of each link, and type and axis of its joint, as
+        in `fresh`; a link that is fixed in one and moves in the other keeps its place and joint.
+    changes : tuple of str
+        A sentence for each value that was changed, and for each link that only one of them has,
+        which stays as it is.
+
+    Raises
+    ------
+    RecipeError
+        Where the recipe is not good, before or after.
+    InputError
+        Where the package tomlkit is not installed.
+    """
+    parse_recipe(text, source)
+    try:
+        import tomlkit
+    except ImportError:
+        raise InputError(
+            f"{source}: needs the package tomlkit to keep its comments (got no such package); "
+            "install it with `pip install lutgen[merge]`, or write another file."
+        ) from None
+    document = tomlkit.parse(text)
+    wanted = {link["name"]: link for link in tomllib.loads(fresh)["robot"].get("link", [])}
+    changes: list[str] = []
+    there = set()
+    for link in document["robot"].get("link", []):
+        name = str(link["name"])
+        there.add(name)
+        if name in wanted:
+            changes += _bring(link, wanted[name])
+        else:
+            changes.append(f"link {name}: is not in what was imported, stays")
+    new = [name for name in wanted if name not in there]
+    changes += [f"link {name}: is in what was imported only, left out" for name in new]
+    result = tomlkit.dumps(document)
+    parse_recipe(result, source)
+    return result, tuple(changes)
+
+
+def _bring(link: Any, wanted: dict[str, Any]) -> list[str]:
+    """Write the values of a description's link into the recipe's; return what was changed."""
+    moves = link.get("joint", {}).get("type", "none") != "none"
+    same_kind = moves == ("joint" in wanted)
+    changes = _copy(link, wanted, (*OWN, *PLACED) if same_kind else OWN, f"link {link['name']}")
+    if not same_kind:
+        kind = "moves in the description" if "joint" in wanted else "is fixed in the description"
+        changes.append(f"link {link['name']}: {kind}, stays as it is")
+    elif moves:
+        changes += _copy(link["joint"], wanted["joint"], OF_JOINT, f"joint of {link['name']}")
+    return changes
+
+
+def _copy(table: Any, wanted: dict[str, Any], keys: tuple[str, ...], what: str) -> list[str]:
+    """Write values that differ; one that `wanted` does not have stays."""
+    changes = []
+    for key in keys:
+        if key in wanted and table.get(key) != wanted[key]:
+            changes.append(f"{what}: {key} was {table.get(key, 'not given')}, is {wanted[key]}")
+            table[key] = wanted[key]
+    return changes

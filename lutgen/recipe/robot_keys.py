@@ -1,0 +1,338 @@
+"""The keys of [robot] and of the tables below it.
+
+Owns what the reference says of them; those of the other tables are in `keys`.
+"""
+
+from lutgen.recipe.key import Key
+
+LENGTH_UNITS = ("m", "cm", "mm", "1")
+ANGLE_UNITS = ("deg", "rad")
+JOINT_TYPES = ("revolute", "prismatic", "none")
+IDENTIFIER = r"[A-Za-z][A-Za-z0-9_]*"
+LENGTH = "length_unit"
+
+# In the order of the reference.
+ROBOT: dict[str, tuple[Key, ...]] = {
+    "robot": (
+        Key("name", "text", "What the robot is called.", '"rover"'),
+        Key(
+            "length_unit",
+            "text",
+            "The unit of all lengths, 1 for ratios.",
+            '"m"',
+            choices=LENGTH_UNITS,
+        ),
+        Key(
+            "friction",
+            "number",
+            "Coefficient of all braked contacts; says what slides, and changes no verdict.",
+            "0.6",
+            default="unknown",
+            bounds="(0, )",
+        ),
+        Key(
+            "upright",
+            "number",
+            "A facet counts when its normal is strictly less than this from the body's -z.",
+            "180.0",
+            default="80.0",
+            unit="deg",
+            bounds="(0, 180]",
+        ),
+        Key(
+            "rock_angle",
+            "number",
+            "The largest sum of turns from rest to rest over which the robot may rock; 0: never.",
+            "0.0",
+            default="30.0",
+            unit="deg",
+            bounds="[0, 180]",
+        ),
+        Key(
+            "rest_width",
+            "number",
+            "A facet is a rest when its polygon is at least this wide in every direction.",
+            "0.005",
+            default="1 % of the size",
+            unit=LENGTH,
+            bounds="[0, )",
+        ),
+        Key(
+            "contact_tolerance",
+            "number",
+            "Contacts at most this far from a facet's plane make up its support polygon.",
+            "0.0001",
+            default="1e-4 of the size",
+            unit=LENGTH,
+            bounds="[0, )",
+        ),
+        Key(
+            "com_uncertainty",
+            "number",
+            "The com lies anywhere within this of the computed one.",
+            "0.02",
+            default="0.0",
+            unit=LENGTH,
+            bounds="[0, )",
+            costs="no `energy_margin`; export by `contacts` alone, with a wider guard",
+        ),
+        Key(
+            "urdf",
+            "text",
+            "A robot description beside the recipe, instead of links; its lengths are in m.",
+            '"robot.urdf"',
+            default="none",
+        ),
+        Key(
+            "python",
+            "text",
+            "Code that places the contacts, module:function, instead of links and contacts.",
+            '"rover:postures"',
+            default="none",
+            costs="runs code, so it needs `--allow-python`; no export by `contacts`",
+        ),
+        Key(
+            "parameter",
+            "tables",
+            "What the robot can change, in the order of the map's axes.",
+            "[]",
+            default="[]",
+            costs="each multiplies the nodes of a map by its samples",
+        ),
+        Key("link", "tables", "Rigid parts, a tree with the root `body`.", "[]", default="[]"),
+        Key(
+            "contact",
+            "tables",
+            "Places that can touch the ground, 3 to 62 of them.",
+            "[]",
+            default="needed without `python`",
+            costs="more than three take the larger runtime in C",
+        ),
+        Key(
+            "wheel", "tables", "Contacts that are driven, for `lutgen wheels`.", "[]", default="[]"
+        ),
+        Key("payload", "tables", "What the robot carries.", "[]", default="[]"),
+        Key(
+            "force",
+            "tables",
+            "What pulls at it.",
+            "[]",
+            default="[]",
+            costs="no export, no `energy_margin`",
+        ),
+    ),
+    "robot.parameter": (
+        Key(
+            "name",
+            "text",
+            "Letters, digits and _; a letter comes first.",
+            '"lift"',
+            pattern=IDENTIFIER,
+        ),
+        Key("min", "number", "Where the map begins.", "-10.0", unit="its `unit`"),
+        Key("max", "number", "Where the map ends, above `min`.", "50.0", unit="its `unit`"),
+        Key(
+            "unit",
+            "text",
+            "An angle, or the robot's `length_unit`.",
+            '"deg"',
+            choices=(*ANGLE_UNITS, *LENGTH_UNITS),
+        ),
+        Key(
+            "joint",
+            "text",
+            "The joint of the URDF that it moves.",
+            '"front_hinge"',
+            default="the joint of its own name",
+        ),
+    ),
+    "robot.link": (
+        Key("name", "text", "A name of its own; `body` is the root.", '"leg"'),
+        Key(
+            "parent",
+            "text",
+            "The link that carries it; every link but `body` has one.",
+            '"body"',
+            default="needed but of `body`",
+        ),
+        Key(
+            "origin",
+            "vector",
+            "Where it is in its parent.",
+            "[0.3, 0, 0]",
+            default="[0.0, 0.0, 0.0]",
+            unit=LENGTH,
+        ),
+        Key(
+            "rpy",
+            "vector",
+            "How it is turned in its parent: roll, pitch and yaw, about fixed x, y and z.",
+            "[0, 0, 180]",
+            default="[0.0, 0.0, 0.0]",
+            unit="deg",
+        ),
+        Key(
+            "joint",
+            "table",
+            "How it moves against its parent.",
+            '{ type = "revolute", axis = [0, 1, 0], parameter = "lift" }',
+            default="fixed",
+        ),
+        Key(
+            "mass",
+            "number",
+            "Any unit will do where no force acts.",
+            "0.75",
+            default="0.0",
+            unit="kg",
+            bounds="[0, )",
+        ),
+        Key(
+            "com",
+            "vector",
+            "Its own centre of mass, in its frame; without any masses the com is the origin.",
+            "[0.08, 0, 0]",
+            default="[0.0, 0.0, 0.0]",
+            unit=LENGTH,
+        ),
+    ),
+    "robot.link.joint": (
+        Key(
+            "type",
+            "text",
+            "It turns about its axis, is pushed along it, or does not move.",
+            '"revolute"',
+            choices=JOINT_TYPES,
+        ),
+        Key(
+            "axis",
+            "direction",
+            "In the link's frame; any length above 0.",
+            "[0, 1, 0]",
+            default="needed where it moves",
+        ),
+        Key(
+            "parameter",
+            "text",
+            "What drives it, an angle if it turns; several joints may share one.",
+            '"lift"',
+            default="needed where it moves",
+        ),
+        Key(
+            "scale",
+            "number",
+            "The joint is at `scale` times the parameter plus `offset`; not 0.",
+            "-1.0",
+            default="1.0",
+        ),
+        Key(
+            "offset",
+            "number",
+            "Where the joint is at parameter 0.",
+            "90.0",
+            default="0.0",
+            unit="the parameter's",
+        ),
+    ),
+    "robot.contact": (
+        Key(
+            "name",
+            "text",
+            "A name of its own; the first part of it where the shapes of a link are meant.",
+            '"front_left"',
+            default="needed without `urdf`",
+        ),
+        Key("link", "text", "The link that it is on.", '"body"'),
+        Key(
+            "position",
+            "vector",
+            "Its centre in the link's frame; with a `urdf` it may be left to the link's shapes.",
+            "[0.25, 0.2, 0]",
+            default="needed without `urdf`",
+            unit=LENGTH,
+        ),
+        Key(
+            "radius",
+            "number",
+            "Above 0 it is a sphere, with an `axis` a disc: a wheel, or one end of a track.",
+            "0.09",
+            default="0.0",
+            unit=LENGTH,
+            bounds="[0, )",
+            costs="takes the larger runtime in C",
+        ),
+        Key(
+            "axis",
+            "direction",
+            "The axle of a disc, in the link's frame.",
+            "[0, 1, 0]",
+            default="none",
+        ),
+        Key(
+            "rolling",
+            "true or false",
+            "It turns freely, without a brake; changes no map and no export.",
+            "true",
+            default="false",
+        ),
+    ),
+    "robot.wheel": (
+        Key("contact", "text", "The contact with which it touches the ground.", '"front_left"'),
+        Key(
+            "axis",
+            "direction",
+            "Its axle, in the link's frame.",
+            "[0, 1, 0]",
+            default="of its disc",
+        ),
+        Key(
+            "radius",
+            "number",
+            "The rolling radius.",
+            "0.09",
+            default="of its disc",
+            unit=LENGTH,
+            bounds="(0, )",
+        ),
+        Key(
+            "steered",
+            "true or false",
+            "It may turn about the ground's normal.",
+            "true",
+            default="false",
+        ),
+        Key(
+            "rollers",
+            "number",
+            "From the rolling direction to its rollers' axes: 0 omniwheel, 45 mecanum wheel.",
+            "45.0",
+            default="none",
+            unit="deg",
+            bounds="(-90, 90)",
+        ),
+    ),
+    "robot.payload": (
+        Key("name", "text", "A name that no link has.", '"load"'),
+        Key("link", "text", "The link that carries it.", '"body"'),
+        Key("position", "vector", "In the link's frame.", "[0, 0, 0.3]", unit=LENGTH),
+        Key(
+            "mass", "number", "In the unit of the links' masses.", "5.0", unit="kg", bounds="(0, )"
+        ),
+    ),
+    "robot.force": (
+        Key("name", "text", "A name of its own.", '"rope"'),
+        Key("link", "text", "The link that it pulls at.", '"body"'),
+        Key(
+            "position", "vector", "Where it acts, in the link's frame.", "[-0.3, 0, 0]", unit=LENGTH
+        ),
+        Key("force", "vector", "Along the body's axes.", "[-20, 0, 0]", unit="N"),
+        Key(
+            "moment",
+            "vector",
+            "Along the body's axes.",
+            "[0, 0, 1]",
+            default="[0.0, 0.0, 0.0]",
+            unit=f"N {LENGTH}",
+        ),
+    ),
+}
