@@ -18,6 +18,7 @@ from lutgen.cli.optimum import optimum
 from lutgen.cli.paper import paper
 from lutgen.cli.path import path
 from lutgen.cli.plot import plot
+from lutgen.cli.recipes import recipes
 from lutgen.cli.stance import stance
 from lutgen.cli.sweep import sweep
 from lutgen.cli.wheels import wheels
@@ -64,7 +65,7 @@ def main(verbose: int, quiet: bool) -> None:
 
 
 for command in (
-    *(import_, check, sweep, info, eval_, limits, metrics),
+    *(recipes, import_, check, sweep, info, eval_, limits, metrics),
     *(stance, optimum, plot, export, wheels, paper, path),
 ):
     main.add_command(command)

@@ -9,6 +9,7 @@ import click
 
 from lutgen.cli import options
 from lutgen.cli.options import RecipeOptions, asks, option
+from lutgen.cli.sources import open_recipe
 from lutgen.cli.table import by_unit, number, show, unit_text
 from lutgen.errors import InputError
 from lutgen.quantities import QUANTITIES
@@ -77,14 +78,12 @@ def path(recipe: str, asked: Asked) -> None:
     $ lutgen path maps/paper_two.toml --turn 30 -p alpha=30.96 -p gamma=30.96
     paper_two on the paper's path: 100 points, length 38.9766
     """
-    from lutgen.recipe import load_recipe
-
     if asked.animate is not None:
         from lutgen.plot import check_animation
 
         # The runs take their time.
         check_animation(asked.animate)
-    robot = load_recipe(recipe, allow_python=asked.allow_python)
+    robot = open_recipe(recipe, asked.allow_python)
     runs = drives(robot, asked)
     names = list(runs)
     if asked.output is not None:

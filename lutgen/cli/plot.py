@@ -10,11 +10,11 @@ from lutgen.cli.options import (
     convention,
     gravity,
     named_values,
-    open_source,
     option,
     parameters,
     tilt,
 )
+from lutgen.cli.sources import open_source
 
 # Those of `lutgen.plot`, which takes a second to import.
 KINDS = ("curve", "surface", "contour", "sphere", "polar", "metrics", "robot")

@@ -10,6 +10,7 @@ import click
 
 from lutgen.cli.compiling import compiling_is_told
 from lutgen.cli.options import allow_python, asks, file_size, log, option, output
+from lutgen.cli.sources import open_recipe
 
 
 @dataclass(frozen=True)
@@ -43,9 +44,8 @@ def sweep(ctx: click.Context, recipe: str, asked: Asked) -> None:
     $ lutgen sweep maps/paper_two.toml -o paper_two.h5
     """
     from lutgen.mapping import sweep as run
-    from lutgen.recipe import load_recipe
 
-    robot = load_recipe(recipe, allow_python=asked.allow_python)
+    robot = open_recipe(recipe, asked.allow_python)
     quiet = bool(ctx.find_root().params.get("quiet"))
     start = time.perf_counter()
     # click draws the bar on a terminal only; elsewhere it prints nothing but the label.

@@ -9,6 +9,7 @@ import click
 
 from lutgen.cli import options
 from lutgen.cli.options import RecipeOptions, asks, log, option
+from lutgen.cli.sources import open_recipe
 from lutgen.cli.table import aligned, cell, degrees, even, show
 
 if TYPE_CHECKING:
@@ -44,9 +45,8 @@ def wheels(recipe: str, asked: Asked) -> None:
     paper_two: 3 DoF, non-steered (degree of mobility 3, of steerability 0)
     """
     from lutgen.analysis import Posture, wheel_speeds
-    from lutgen.recipe import load_recipe
 
-    robot = load_recipe(recipe, allow_python=asked.allow_python)
+    robot = open_recipe(recipe, asked.allow_python)
     values = options.parameter_values(robot, asked.assignments)
     motion = wheel_speeds(
         Posture(robot, values), asked.velocity, math.radians(asked.yaw_rate), asked.gravity

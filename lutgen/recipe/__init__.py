@@ -1,11 +1,12 @@
 """Text into a recipe, and a recipe into postures.
 
-In reading order: `table`, `robot`, `loads`, `plugin`, `described`, `recipe`, `kinematics`,
-`size`, `candidates`, `proposal_text`, `proposal`.
+In reading order: `table`, `robot`, `loads`, `plugin`, `described`, `gallery`, `recipe`,
+`kinematics`, `size`, `candidates`, `proposal_text`, `proposal`.
 """
 
 from typing import TYPE_CHECKING, Any
 
+from lutgen.recipe.gallery import GALLERY, gallery_names, gallery_text
 from lutgen.recipe.kinematics import Postures, forward, postures, radii_and_kinds
 from lutgen.recipe.recipe import Recipe, load_recipe, parse_recipe, recipe_digest
 from lutgen.recipe.robot import LENGTH_UNITS
@@ -16,10 +17,13 @@ if TYPE_CHECKING:
     from lutgen.recipe.proposal import import_urdf
 
 __all__ = [
+    "GALLERY",
     "LENGTH_UNITS",
     "Postures",
     "Recipe",
     "forward",
+    "gallery_names",
+    "gallery_text",
     "import_urdf",
     "load_recipe",
     "parse_recipe",
@@ -32,10 +36,12 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> Any:
-    """Import on first use what reads robot descriptions (PEP 562)."""
-    if name != "import_urdf":
-        raise AttributeError(f"module 'lutgen.recipe' has no attribute {name!r}")
-    from lutgen.recipe.proposal import import_urdf
+if not TYPE_CHECKING:
+    # Seen by a type checker it would give any name a type, also a misspelt one.
+    def __getattr__(name: str) -> Any:
+        """Import on first use what reads robot descriptions (PEP 562)."""
+        if name != "import_urdf":
+            raise AttributeError(f"module 'lutgen.recipe' has no attribute {name!r}")
+        from lutgen.recipe.proposal import import_urdf
 
-    return import_urdf
+        return import_urdf
