@@ -58,6 +58,10 @@ def main(verbose: int, quiet: bool) -> None:
     lutgen sweep maps/paper_two.toml -o paper_two.h5
     lutgen plot paper_two.h5 -o map.png --kind contour
     lutgen export paper_two.h5 -o firmware
+
+    \b
+    Exit codes: 0 all is fine, 1 the task failed, 2 the input is wrong,
+    3 the answer is that the robot tips over, or that nobody can tell.
     """
     level = logging.ERROR if quiet else max(logging.WARNING - 10 * verbose, logging.DEBUG)
     logging.basicConfig(level=level, format="lutgen: %(message)s")
