@@ -20,8 +20,15 @@ class Asked:
     as_json: bool = as_json()
 
 
+def _completed(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
+    """Return the names that begin so, for the completion of a shell."""
+    from lutgen.recipe import gallery_names
+
+    return [name for name in gallery_names() if name.startswith(incomplete)]
+
+
 @click.command(short_help="List the gallery's recipes, or print one of them.")
-@click.argument("name", required=False)
+@click.argument("name", required=False, shell_complete=_completed)
 @asks(Asked)
 def recipes(name: str | None, asked: Asked) -> None:
     """List the recipes that come with lutgen, or print the text of the one called NAME.

@@ -12,7 +12,6 @@ if TYPE_CHECKING:
 
 # A file that is called so was meant as a map, whatever is in it; any other says so itself.
 _ENDINGS = (".h5", ".hdf5", ".nc")
-_HDF5 = b"\x89HDF\r\n\x1a\n"
 
 
 def open_source(path: str, allow_python: bool = False) -> "Recipe | StabilityMap":
@@ -41,11 +40,13 @@ def open_recipe(path: str, allow_python: bool = False) -> "Recipe":
 
 
 def _is_map(path: str) -> bool:
+    from lutgen.recipe import HDF5
+
     if path.endswith(_ENDINGS):
         return True
     try:
         with Path(path).open("rb") as file:
-            return file.read(len(_HDF5)) == _HDF5
+            return file.read(len(HDF5)) == HDF5
     except OSError:
         # What opens it says why it cannot be opened.
         return False

@@ -11,13 +11,14 @@ from lutgen.recipe.kinematics import Postures, forward, postures, radii_and_kind
 from lutgen.recipe.recipe import Recipe, load_recipe, parse_recipe, recipe_digest
 from lutgen.recipe.robot import LENGTH_UNITS
 from lutgen.recipe.size import robot_size_of
-from lutgen.recipe.table import parse_table, read_text
+from lutgen.recipe.table import HDF5, parse_table, read_text
 
 if TYPE_CHECKING:
     from lutgen.recipe.proposal import import_urdf
 
 __all__ = [
     "GALLERY",
+    "HDF5",
     "LENGTH_UNITS",
     "Postures",
     "Recipe",

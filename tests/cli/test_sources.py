@@ -61,6 +61,12 @@ def test_a_map_swept_again_is_the_same_file(place: Path, tmp_path: Path) -> None
     assert (tmp_path / "again.h5").read_bytes() == (place / "tripod.h5").read_bytes()
 
 
+def test_a_map_given_to_python_for_a_recipe_is_told_from_a_text(place: Path) -> None:
+    with pytest.raises(RecipeError, match=r"got HDF5, as maps are.*load_map\(path\).recipe"):
+        lutgen.load_recipe(place / "tripod.h5")
+    assert lutgen.load_map(place / "tripod.h5").recipe.name == "tripod"
+
+
 def test_the_code_of_a_recipe_inside_a_map_runs_only_where_it_is_allowed(tmp_path: Path) -> None:
     code = (
         "import numpy as np\n"

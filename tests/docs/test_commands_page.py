@@ -88,6 +88,7 @@ def test_each_shell_is_given_a_function_and_its_answers(shell: str, folder: Path
     assert f"_LUTGEN_COMPLETE={shell}_complete" in script
     assert completions(shell, "lutgen", "lim") == ["limits"]
     assert completions(shell, "lutgen plot map.h5 --kind", "s") == ["surface", "sphere"]
+    assert completions(shell, "lutgen recipes", "ab") == ["absolem"]
     assert "--json" in completions(shell, "lutgen sweep", "--")
 
 
