@@ -1,10 +1,13 @@
-"""Builds the C runtime for this machine; all else about the package is in pyproject.toml."""
+"""Builds the C runtime for this machine and takes the gallery's recipes into the package.
+
+All else about the package is in pyproject.toml.
+"""
 
 import hashlib
 import shutil
 from pathlib import Path
 
-from setuptools import Extension, setup
+from setuptools import Extension, find_namespace_packages, setup
 from setuptools.command.build_ext import build_ext
 
 RUNTIME = Path("firmware_export/runtime")
@@ -42,6 +45,14 @@ class BuildLibrary(build_ext):
 
 
 setup(
+    packages=[
+        *find_namespace_packages(
+            include=["lutgen*", "firmware_export*"], exclude=["*.__pycache__", "lutgen.gallery"]
+        ),
+        "lutgen.gallery",
+    ],
+    # The recipes stand where people look for them; which files go along is in pyproject.toml.
+    package_dir={"lutgen.gallery": "maps"},
     cmdclass={"build_ext": BuildLibrary},
     ext_modules=[
         Extension(

@@ -9,8 +9,10 @@ if TYPE_CHECKING:
 __all__ = ["export"]
 
 
-def __getattr__(name: str) -> Any:
-    """Import `export` on first use (PEP 562): it waits for numba."""
-    if name != "export":
-        raise AttributeError(f"module 'firmware_export' has no attribute {name!r}")
-    return import_module("firmware_export.exporter").export
+if not TYPE_CHECKING:
+    # Seen by a type checker it would give any name a type, also a misspelt one.
+    def __getattr__(name: str) -> Any:
+        """Import `export` on first use (PEP 562): it waits for numba."""
+        if name != "export":
+            raise AttributeError(f"module 'firmware_export' has no attribute {name!r}")
+        return import_module("firmware_export.exporter").export

@@ -59,11 +59,13 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> Any:
-    """Import a public name from its module (PEP 562)."""
-    if name not in _HOME:
-        raise AttributeError(f"module 'lutgen' has no attribute {name!r}")
-    return getattr(import_module(f"lutgen.{_HOME[name]}"), name)
+if not TYPE_CHECKING:
+    # Seen by a type checker it would give any name a type, also a misspelt one.
+    def __getattr__(name: str) -> Any:
+        """Import a public name from its module (PEP 562)."""
+        if name not in _HOME:
+            raise AttributeError(f"module 'lutgen' has no attribute {name!r}")
+        return getattr(import_module(f"lutgen.{_HOME[name]}"), name)
 
 
 def __dir__() -> list[str]:

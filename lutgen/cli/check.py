@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from lutgen.cli.options import RecipeOptions, asks, file_size
+from lutgen.cli.sources import open_recipe
 from lutgen.cli.table import show
 
 if TYPE_CHECKING:
@@ -26,9 +27,8 @@ def check(recipe: str, asked: RecipeOptions) -> None:
     paper_two: 3 contacts (P1 P2 P3), 2 parameters, unit 1
     """
     from lutgen.mapping import require_standing
-    from lutgen.recipe import load_recipe
 
-    robot = load_recipe(recipe, allow_python=asked.allow_python)
+    robot = open_recipe(recipe, asked.allow_python)
     require_standing(robot)
     report = check_report(robot)
     show(report, check_lines(report), asked.as_json)

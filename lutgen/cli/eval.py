@@ -10,6 +10,7 @@ import click
 
 from lutgen.cli import options
 from lutgen.cli.options import RecipeOptions, asks, log, option
+from lutgen.cli.sources import open_source
 from lutgen.cli.table import TIPS, cell, channel_entries, degrees, number, show, unit_text
 from lutgen.quantities import QUANTITIES
 
@@ -69,7 +70,7 @@ def _report(source: str, asked: Asked) -> dict[str, Any]:
         from lutgen.cli.eval_export import export_report
 
         return export_report(Path(source), asked.assignments, gravity)
-    opened = options.open_source(source, asked.allow_python)
+    opened = open_source(source, asked.allow_python)
     if isinstance(opened, Recipe):
         return exact_report(
             Posture(opened, options.parameter_values(opened, asked.assignments)), gravity

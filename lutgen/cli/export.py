@@ -7,7 +7,8 @@ from typing import Any
 
 import click
 
-from lutgen.cli.options import RecipeOptions, asks, log, open_source, option, output
+from lutgen.cli.options import RecipeOptions, asks, log, option, output
+from lutgen.cli.sources import open_source
 from lutgen.cli.table import show
 from lutgen.quantities import EXPORTABLE
 

@@ -19,6 +19,7 @@ from lutgen.cli.optimum import optimum
 from lutgen.cli.paper import paper
 from lutgen.cli.path import path
 from lutgen.cli.plot import plot
+from lutgen.cli.recipes import recipes
 from lutgen.cli.schema import schema
 from lutgen.cli.stance import stance
 from lutgen.cli.sweep import sweep
@@ -59,6 +60,10 @@ def main(verbose: int, quiet: bool) -> None:
     lutgen sweep maps/paper_two.toml -o paper_two.h5
     lutgen plot paper_two.h5 -o map.png --kind contour
     lutgen export paper_two.h5 -o firmware
+
+    \b
+    Exit codes: 0 all is fine, 1 the task failed, 2 the input is wrong,
+    3 the answer is that the robot tips over, or that nobody can tell.
     """
     level = logging.ERROR if quiet else max(logging.WARNING - 10 * verbose, logging.DEBUG)
     logging.basicConfig(level=level, format="lutgen: %(message)s")
@@ -66,7 +71,7 @@ def main(verbose: int, quiet: bool) -> None:
 
 
 for command in (
-    *(new, schema, import_, check, sweep, info, eval_, limits, metrics),
+    *(new, schema, recipes, import_, check, sweep, info, eval_, limits, metrics),
     *(stance, optimum, plot, export, wheels, paper, path),
 ):
     main.add_command(command)

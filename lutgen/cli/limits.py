@@ -9,6 +9,7 @@ import click
 
 from lutgen.cli import options
 from lutgen.cli.options import RecipeOptions, asks, option
+from lutgen.cli.sources import open_recipe
 from lutgen.cli.table import TIPS, aligned, by_unit, cell, degrees, show
 
 if TYPE_CHECKING:
@@ -55,9 +56,8 @@ def limits(recipe: str, asked: Asked) -> None:
     guaranteed ground tilt in every heading: 38.65 deg (sliding included; ...)
     """
     from lutgen.analysis import Posture, even_headings, posture_limits, sweep_limits
-    from lutgen.recipe import load_recipe
 
-    robot = load_recipe(recipe, allow_python=asked.allow_python)
+    robot = open_recipe(recipe, asked.allow_python)
     # Refused before the work, which takes as many as the figure needs.
     around = even_headings(asked.headings)
     found = posture_limits(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from lutgen.cli.options import RecipeOptions, asks, option, parameter_values, parameters, tilt
+from lutgen.cli.sources import open_recipe
 from lutgen.cli.table import aligned, cell, channel_entries, even, number, show, unit_text
 from lutgen.errors import InputError
 from lutgen.quantities import QUANTITIES
@@ -44,13 +45,12 @@ def metrics(recipe: str, asked: Asked) -> None:
     $ lutgen metrics maps/paper_two.toml -p alpha=31 -p gamma=31 --tilt 20
     """
     from lutgen.analysis import Posture
-    from lutgen.recipe import load_recipe
 
     if not 0.0 <= asked.tilt <= 180.0:
         raise InputError(
             f"--tilt must lie between 0 and 180 deg (got {asked.tilt:g}); 20 is the default"
         )
-    robot = load_recipe(recipe, allow_python=asked.allow_python)
+    robot = open_recipe(recipe, asked.allow_python)
     posture = Posture(robot, parameter_values(robot, asked.assignments))
     report = metrics_report(posture, asked.tilt, asked.headings)
     show(report, metrics_lines(report), asked.as_json)

@@ -9,6 +9,7 @@ import click
 
 from lutgen.cli import options
 from lutgen.cli.options import RecipeOptions, asks, log, option
+from lutgen.cli.sources import open_recipe
 from lutgen.cli.table import TIPS, cell, number, show, unit_text
 from lutgen.errors import InputError
 from lutgen.parts import to_display
@@ -84,10 +85,9 @@ def optimum(recipe: str, asked: Asked) -> None:
     $ lutgen optimum maps/paper_two.toml --limit 0.05
     paper_two, search: stands, sdg 0.000485608, 150 evaluations
     """
-    from lutgen.recipe import load_recipe
     from lutgen.search import optimum as run
 
-    robot = load_recipe(recipe, allow_python=asked.allow_python)
+    robot = open_recipe(recipe, asked.allow_python)
     box = _box(robot, asked)
     one = QUANTITIES.get(asked.objective.strip())
     found = run(

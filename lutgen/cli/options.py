@@ -13,7 +13,6 @@ from lutgen.errors import InputError
 from lutgen.parts import to_internal
 
 if TYPE_CHECKING:
-    from lutgen.mapping import StabilityMap
     from lutgen.recipe import Recipe
 
 log = logging.getLogger("lutgen")
@@ -220,17 +219,6 @@ def require_known(source: str, known: Sequence[str], name: str, got: str) -> Non
             f"{source}: there is no parameter {name!r} (got {got}); it has "
             f"{', '.join(known) or 'none'}"
         )
-
-
-def open_source(path: str, allow_python: bool = False) -> "Recipe | StabilityMap":
-    """Open a recipe (.toml) or a map (anything else)."""
-    if path.endswith(".toml"):
-        from lutgen.recipe import load_recipe
-
-        return load_recipe(path, allow_python=allow_python)
-    from lutgen.mapping import load_map
-
-    return load_map(path)
 
 
 def file_size(count: float) -> str:

@@ -1,15 +1,26 @@
 """`lutgen paper`: the paper's simulations, figures and table in one folder."""
 
+from dataclasses import dataclass
+
 import click
 
-from lutgen.cli.options import log
+from lutgen.cli.options import as_json, asks, log, option
+from lutgen.cli.table import show
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What the command line says."""
+
+    output: str = option(
+        "-o", required=True, type=click.Path(file_okay=False), help="Folder to write."
+    )
+    as_json: bool = as_json()
 
 
 @click.command(short_help="Reproduce the paper: figures, tables, one page.")
-@click.option(
-    "-o", "--output", required=True, type=click.Path(file_okay=False), help="Folder to write."
-)
-def paper(output: str) -> None:
+@asks(Asked)
+def paper(asked: Asked) -> None:
     """Compute the paper's three simulations again and write a report.
 
     The folder gets paper.html, which needs no other file, and beside it the figures as PNG, the
@@ -21,4 +32,5 @@ def paper(output: str) -> None:
     """
     from lutgen.paper import write_report
 
-    click.echo(write_report(output, lambda what: log.info("%s", what)))
+    page = str(write_report(asked.output, lambda what: log.info("%s", what)))
+    show({"folder": asked.output, "page": page}, [page], asked.as_json)

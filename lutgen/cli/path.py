@@ -9,7 +9,8 @@ import click
 
 from lutgen.cli import options
 from lutgen.cli.options import RecipeOptions, asks, option
-from lutgen.cli.table import by_unit, number, show, unit_text
+from lutgen.cli.sources import open_recipe
+from lutgen.cli.table import TIPS, by_unit, number, show, unit_text
 from lutgen.errors import InputError
 from lutgen.quantities import QUANTITIES
 
@@ -71,20 +72,19 @@ class Asked(RecipeOptions):
 def path(recipe: str, asked: Asked) -> None:
     """Drive RECIPE along a path and count where it tips over, with a fixed shape and with control.
 
-    -p gives the geometry before control begins; the middle of the range where it is left out.
+    -p gives the geometry before control begins; the middle of the range where it is left out.  Exit
+    code 3 where it tips over at any point of the last run, which may do all that is allowed.
 
     \b
     $ lutgen path maps/paper_two.toml --turn 30 -p alpha=30.96 -p gamma=30.96
     paper_two on the paper's path: 100 points, length 38.9766
     """
-    from lutgen.recipe import load_recipe
-
     if asked.animate is not None:
         from lutgen.plot import check_animation
 
         # The runs take their time.
         check_animation(asked.animate)
-    robot = load_recipe(recipe, allow_python=asked.allow_python)
+    robot = open_recipe(recipe, asked.allow_python)
     runs = drives(robot, asked)
     names = list(runs)
     if asked.output is not None:
@@ -101,7 +101,9 @@ def path(recipe: str, asked: Asked) -> None:
         from lutgen.plot import animate
 
         animate(robot, drawn, asked.animate)
-    show(path_report(robot, runs, asked), path_lines(robot, runs, asked.terrain), asked.as_json)
+    lines = path_lines(robot, runs, asked.terrain)
+    stands = not runs[names[-1]].tips.any()
+    show(path_report(robot, runs, asked), lines, asked.as_json, stands, TIPS)
 
 
 def drives(robot: "Recipe", asked: Asked) -> "dict[str, Drive]":

@@ -1,27 +1,29 @@
 """`lutgen plot`: figures of a map or a recipe."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import click
 
 from lutgen.cli.options import (
-    allow_python,
+    RecipeOptions,
     asks,
     convention,
     gravity,
     named_values,
-    open_source,
     option,
     parameters,
     tilt,
 )
+from lutgen.cli.sources import open_source
+from lutgen.cli.table import show
 
 # Those of `lutgen.plot`, which takes a second to import.
 KINDS = ("curve", "surface", "contour", "sphere", "polar", "metrics", "robot")
 
 
 @dataclass(frozen=True)
-class Asked:
+class Asked(RecipeOptions):
     """What the command line says."""
 
     output: str = option(
@@ -37,7 +39,6 @@ class Asked:
     )
     convention: str = convention()
     tilt: float = tilt()
-    allow_python: bool = allow_python()
 
 
 @click.command(short_help="Draw a figure (PNG, SVG or PDF).")
@@ -75,3 +76,13 @@ def plot(source: str, asked: Asked) -> None:
         tilt=asked.tilt,
     )
     save(figure, asked.output)
+    report = {
+        "robot": recipe.name,
+        "digest": recipe.digest,
+        "source": source,
+        "kind": asked.kind,
+        "figure": asked.output,
+        "bytes": Path(asked.output).stat().st_size,
+    }
+    # In words the figure is all that it has to say.
+    show(report, (), asked.as_json)

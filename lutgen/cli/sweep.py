@@ -1,5 +1,6 @@
 """`lutgen sweep`: compute a map."""
 
+import math
 import sys
 import time
 from dataclasses import dataclass
@@ -9,11 +10,13 @@ from typing import Any
 import click
 
 from lutgen.cli.compiling import compiling_is_told
-from lutgen.cli.options import allow_python, asks, file_size, log, option, output
+from lutgen.cli.options import RecipeOptions, asks, file_size, log, option, output
+from lutgen.cli.sources import open_recipe
+from lutgen.cli.table import show
 
 
 @dataclass(frozen=True)
-class Asked:
+class Asked(RecipeOptions):
     """What the command line says."""
 
     output: str = output(required=True, help="The map file (HDF5).")
@@ -26,7 +29,6 @@ class Asked:
     workers: int | None = option(
         type=int, help="dask workers to start here.  [default: one per core]"
     )
-    allow_python: bool = allow_python()
 
 
 @click.command(short_help="Compute a recipe's stability map.")
@@ -43,9 +45,8 @@ def sweep(ctx: click.Context, recipe: str, asked: Asked) -> None:
     $ lutgen sweep maps/paper_two.toml -o paper_two.h5
     """
     from lutgen.mapping import sweep as run
-    from lutgen.recipe import load_recipe
 
-    robot = load_recipe(recipe, allow_python=asked.allow_python)
+    robot = open_recipe(recipe, asked.allow_python)
     quiet = bool(ctx.find_root().params.get("quiet"))
     start = time.perf_counter()
     # click draws the bar on a terminal only; elsewhere it prints nothing but the label.
@@ -82,8 +83,18 @@ def sweep(ctx: click.Context, recipe: str, asked: Asked) -> None:
                 if begun
                 else "interrupted before the first block; nothing is left behind"
             ) from None
-    seconds = time.perf_counter() - start
+    seconds, size = time.perf_counter() - start, Path(asked.output).stat().st_size
     if not quiet:
-        size = file_size(Path(asked.output).stat().st_size)
-        click.echo(f"{asked.output}: {size} in {seconds:.2f} s", err=True)
+        click.echo(f"{asked.output}: {file_size(size)} in {seconds:.2f} s", err=True)
     log.info("recipe digest %s", robot.digest)
+    report = {
+        "robot": robot.name,
+        "digest": robot.digest,
+        "map": asked.output,
+        "nodes": robot.grid.size * math.prod(robot.chart.shape),
+        "channels": list(robot.channels),
+        "bytes": size,
+        "seconds": round(seconds, 3),
+    }
+    # In words the map is all that it has to say.
+    show(report, (), asked.as_json)

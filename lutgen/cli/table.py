@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 
 # Exit code of a question whose answer is no.
 NO = 1
-# Exit code of a verdict that a robot does not stand.
+# Exit code of a verdict that a robot does not stand, or that nobody can tell; of every command that
+# has one (docs/guide/commands.md).
 TIPS = 3
 
 

@@ -9,7 +9,8 @@ import click
 
 from lutgen.cli import options
 from lutgen.cli.options import RecipeOptions, asks, log, option
-from lutgen.cli.table import aligned, cell, degrees, even, show
+from lutgen.cli.sources import open_recipe
+from lutgen.cli.table import NO, TIPS, aligned, cell, degrees, even, show
 
 if TYPE_CHECKING:
     from lutgen.analysis import Motion
@@ -36,17 +37,16 @@ class Asked(RecipeOptions):
 def wheels(recipe: str, asked: Asked) -> None:
     """Print how fast each wheel of RECIPE spins, and how far it is steered, for a motion.
 
-    Exit code 1 where no wheel speeds give this motion without dragging a wheel sideways; the
-    nearest motion that is possible is printed then.
+    Exit code 3 where the robot tips over under this gravity, else 1 where no wheel speeds give this
+    motion without dragging a wheel sideways; the nearest motion that is possible is printed then.
 
     \b
     $ lutgen wheels maps/paper_two.toml --velocity 3,0 -p alpha=31 -p gamma=31
     paper_two: 3 DoF, non-steered (degree of mobility 3, of steerability 0)
     """
     from lutgen.analysis import Posture, wheel_speeds
-    from lutgen.recipe import load_recipe
 
-    robot = load_recipe(recipe, allow_python=asked.allow_python)
+    robot = open_recipe(recipe, asked.allow_python)
     values = options.parameter_values(robot, asked.assignments)
     motion = wheel_speeds(
         Posture(robot, values), asked.velocity, math.radians(asked.yaw_rate), asked.gravity
@@ -54,7 +54,8 @@ def wheels(recipe: str, asked: Asked) -> None:
     if not motion.standing:
         log.warning("the robot tips over: the wheels of the facet below its com are taken to touch")
     report = motion_report(robot, motion)
-    show(report, motion_lines(robot, motion), asked.as_json, motion.possible)
+    good, no = motion.standing and motion.possible, NO if motion.standing else TIPS
+    show(report, motion_lines(robot, motion), asked.as_json, good, no)
 
 
 def motion_report(recipe: "Recipe", motion: "Motion") -> dict[str, Any]:

@@ -1,12 +1,13 @@
 """Text into a recipe, and a recipe into postures.
 
 In reading order: `table`, `key`, `robot_keys`, `keys`, `schema`, `start`, `robot`, `loads`,
-`plugin`, `described`, `recipe`, `merge`, `kinematics`, `size`, `candidates`,
+`plugin`, `described`, `gallery`, `recipe`, `merge`, `kinematics`, `size`, `candidates`,
 `proposal_text`, `proposal`.
 """
 
 from typing import TYPE_CHECKING, Any
 
+from lutgen.recipe.gallery import GALLERY, gallery_names, gallery_text
 from lutgen.recipe.kinematics import Postures, forward, postures, radii_and_kinds
 from lutgen.recipe.merge import merged_recipe
 from lutgen.recipe.recipe import Recipe, load_recipe, parse_recipe, recipe_digest
@@ -14,16 +15,20 @@ from lutgen.recipe.robot_keys import LENGTH_UNITS
 from lutgen.recipe.schema import recipe_schema
 from lutgen.recipe.size import robot_size_of
 from lutgen.recipe.start import start_recipe, start_recipes
-from lutgen.recipe.table import parse_table, read_text
+from lutgen.recipe.table import HDF5, parse_table, read_text
 
 if TYPE_CHECKING:
     from lutgen.recipe.proposal import import_urdf
 
 __all__ = [
+    "GALLERY",
+    "HDF5",
     "LENGTH_UNITS",
     "Postures",
     "Recipe",
     "forward",
+    "gallery_names",
+    "gallery_text",
     "import_urdf",
     "load_recipe",
     "merged_recipe",
@@ -40,10 +45,12 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> Any:
-    """Import on first use what reads robot descriptions (PEP 562)."""
-    if name != "import_urdf":
-        raise AttributeError(f"module 'lutgen.recipe' has no attribute {name!r}")
-    from lutgen.recipe.proposal import import_urdf
+if not TYPE_CHECKING:
+    # Seen by a type checker it would give any name a type, also a misspelt one.
+    def __getattr__(name: str) -> Any:
+        """Import on first use what reads robot descriptions (PEP 562)."""
+        if name != "import_urdf":
+            raise AttributeError(f"module 'lutgen.recipe' has no attribute {name!r}")
+        from lutgen.recipe.proposal import import_urdf
 
-    return import_urdf
+        return import_urdf

@@ -19,6 +19,7 @@ from lutgen.errors import suggestion
 from lutgen.grid import Axis, Grid
 from lutgen.parts import ZERO, Contact, Force, Link, Parameter, Wheel
 from lutgen.quantities import CHANNELS, UNLOADED
+from lutgen.recipe.gallery import GALLERY, gallery_text
 from lutgen.recipe.keys import CHARTS, SHARE, SIZE, names
 from lutgen.recipe.loads import read_com_uncertainty, read_forces, read_payloads
 from lutgen.recipe.plugin import load_function
@@ -111,7 +112,7 @@ def load_recipe(path: str | os.PathLike[str], allow_python: bool = False) -> Rec
     Parameters
     ----------
     path : path
-        A TOML file, UTF-8.
+        A TOML file, UTF-8, or `recipe:NAME` for one of the gallery, which comes with the package.
     allow_python : bool
         Whether a recipe may run the code that its `python` key names.
 
@@ -120,7 +121,9 @@ def load_recipe(path: str | os.PathLike[str], allow_python: bool = False) -> Rec
     Recipe
         Checked; a file with any fault raises RecipeError.
     """
-    return parse_recipe(read_text(path), os.fspath(path), allow_python)
+    source = os.fspath(path)
+    text = gallery_text(source) if source.startswith(GALLERY) else read_text(path)
+    return parse_recipe(text, source, allow_python)
 
 
 def parse_recipe(

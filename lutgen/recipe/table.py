@@ -13,6 +13,8 @@ from typing import Any, NoReturn
 
 from lutgen.errors import RecipeError, suggestion, unreadable
 
+# What a map file begins with, and no text does.
+HDF5 = b"\x89HDF\r\n\x1a\n"
 # Values are quoted in messages up to this many characters.
 _LONGEST = 60
 
@@ -32,6 +34,11 @@ def read_text(path: str | os.PathLike[str]) -> str:
         raw = Path(path).read_bytes()
     except OSError as error:
         raise unreadable(source, error) from error
+    if raw.startswith(HDF5):
+        raise RecipeError(
+            f"{source}: is no text (got HDF5, as maps are); the recipe inside a map is "
+            "`lutgen.load_map(path).recipe`."
+        )
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:

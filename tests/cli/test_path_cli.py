@@ -1,6 +1,7 @@
 """`lutgen path` and its page: what it prints, writes and draws, and how it refuses."""
 
 import csv
+import json
 import math
 import re
 from functools import partial
@@ -40,8 +41,21 @@ def two(recipe: str) -> Recipe:
 
 
 run = partial(commands.run, "path")
-good = partial(commands.stdout, "path")
-data = partial(commands.data, "path")
+
+
+def good(*arguments: object) -> str:
+    """Return what a path prints; its exit code says whether the last run tips over anywhere."""
+    result = run(*arguments)
+    *_, last = result.stdout.splitlines()
+    assert result.exit_code == (0 if "tips over at 0 points" in last else 3), result.stderr
+    return result.stdout
+
+
+def data(*arguments: object) -> dict[str, Any]:
+    """Return what a path prints with --json; its exit code is the one of the same in words."""
+    report = json.loads(run(*arguments, "--json").stdout)
+    code = 3 if report["runs"][-1]["tips_at"] else 0
+    return commands.data("path", *arguments, code=code)
 
 
 def by_hand(two: Recipe, points: int, **options: Any) -> Drive:
@@ -266,8 +280,7 @@ def test_a_rigid_robot_needs_no_control(tmp_path: Path) -> None:
 
 
 def test_a_geometry_outside_its_range_is_used_and_said(recipe: str) -> None:
-    result = run(recipe, "--points", 3, "-p", "alpha=55")
-    assert result.exit_code == 0
+    good(recipe, "--points", 3, "-p", "alpha=55")
     assert data(recipe, "--points", 3, "-p", "alpha=55")["runs"][0]["params"]["alpha_deg"][0] == (
         pytest.approx(55.0)
     )
@@ -312,7 +325,7 @@ def test_the_library_refuses_a_file_for_what_it_is(tmp_path: Path, recipe: str) 
 
 def test_a_path_tells_the_tilt_of_the_ground_from_that_of_the_body(recipe: str) -> None:
     arguments = (recipe, "--points", 9, "--no-control", "-p", "alpha=40", "-p", "gamma=5")
-    report = commands.data("path", *arguments)
+    report = data(*arguments)
     (run,) = report["runs"]
     assert len(report["ground_tilt_deg"]) == len(run["body_tilt_deg"]) == 9
     down = np.array(run["gravity_body"])
@@ -322,7 +335,7 @@ def test_a_path_tells_the_tilt_of_the_ground_from_that_of_the_body(recipe: str) 
     )
     # A robot with one wheel low leans on the ground.
     assert np.abs(np.subtract(run["body_tilt_deg"], report["ground_tilt_deg"])).max() > 5.0
-    body = commands.data("path", *arguments, "--convention", "body")
+    body = data(*arguments, "--convention", "body")
     assert "ground_tilt_deg" not in body
     # The body then has the tilt that the path gives.
     np.testing.assert_allclose(body["runs"][0]["body_tilt_deg"], report["ground_tilt_deg"])

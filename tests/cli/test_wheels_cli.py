@@ -129,7 +129,7 @@ def test_without_a_motion_the_wheels_rest(cart: Path) -> None:
 def test_a_robot_that_tips_is_computed_with_a_warning(
     cart: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    report = data("wheels", cart, *POSSIBLE, "-g", "3,0,-1")
+    report = data("wheels", cart, *POSSIBLE, "-g", "3,0,-1", code=3)
     assert report["standing"] is False
     assert "the robot tips over" in caplog.text
 

@@ -57,7 +57,9 @@ def test_the_papers_numbers_in_the_guide_are_those_of_its_commands(clone: Path) 
         # The whole report has tests of its own.
         if arguments[0] != "paper":
             result = CliRunner().invoke(main, arguments)
-            assert result.exit_code == 0, f"{line}: {result.output}"
+            # Over the paper's terrain the robot tips, with a shape that adapts too.
+            code = 3 if arguments[0] == "path" else 0
+            assert result.exit_code == code, f"{line}: {result.output}"
             printed[arguments[0]] = result.stdout
     assert "30.9568" in printed["optimum"]
     assert "150" in printed["optimum"]

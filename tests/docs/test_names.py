@@ -23,6 +23,8 @@ SOURCES = sorted(
 BETWEEN = {tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT}
 # A name that ends like this is that of a file; links to files are followed elsewhere.
 FILES = {"c", "h", "o", "csv", "gif", "h5", "in", "json", "md", "part", "png", "toml", "urdf"}
+# The mark of a typed package is one, too.
+FILES |= {"typed"}
 
 
 def fenced(text: str) -> str:

@@ -20,11 +20,13 @@ ORDER = {
 MOST_ARROWS = {"lutgen": 90, "firmware_export": 40}
 MOST_LEVELS = {"lutgen": 10, "firmware_export": 8}
 PACKAGES = tuple(ORDER)
+# A package's own face and door are no rooms.
+NO_ROOMS = ("__init__.py", "__main__.py")
 FILES = sorted(
     path
     for package in PACKAGES
     for path in (ROOT / package).rglob("*.py")
-    if path.parent.name != "runtime" and path != ROOT / package / "__init__.py"
+    if path.parent.name != "runtime" and path not in [ROOT / package / name for name in NO_ROOMS]
 )
 
 

@@ -1,0 +1,103 @@
+"""The page on the command line: its commands, its tables, and completion as it says."""
+
+import os
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from lutgen.cli import main
+from tests.cli.test_shell import VERDICTS
+from tests.fixtures.documents import blocks
+from tests.fixtures.places import ROOT
+
+PAGE = "docs/guide/commands.md"
+TEXT = (ROOT / PAGE).read_text(encoding="utf-8")
+# Shells of the table, and the line that it gives each.
+LINES = dict(re.findall(r"^\| (\w+)[^|]* \| `~[^`]+` \| `(.+)` \|$", TEXT, re.MULTILINE))
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return an empty working folder, with this environment's programs first on the path."""
+    monkeypatch.chdir(tmp_path)
+    programs = str(Path(sys.executable).parent)
+    monkeypatch.setenv("PATH", os.pathsep.join([programs, os.environ["PATH"]]))
+    return tmp_path
+
+
+def bash(script: str) -> str:
+    """Run a script and return what it printed."""
+    done = subprocess.run(
+        ["bash", "-euc", script], capture_output=True, text=True, timeout=300, check=False
+    )
+    assert done.returncode == 0, f"{script}: {done.stderr}"
+    return done.stdout
+
+
+def test_the_commands_of_the_page_run_and_print_what_it_shows(folder: Path) -> None:
+    first, *others = blocks(PAGE, "sh")
+    printed = bash(first)
+    assert "recipe:absolem " in printed
+    assert "absolem: 12 contacts" in printed
+    assert "paper_one: largest tilt before it tips over" in printed
+    assert (folder / "mine.toml").read_text() == (ROOT / "maps/paper_one.toml").read_text()
+    shown = blocks(PAGE, "text")
+    assert len(others) == len(shown) == 2
+    for script, text in zip(others, shown, strict=True):
+        # A command that ends with 3 is not the end of this script.
+        assert bash(f"set +e\n{script}") == text
+
+
+def test_the_table_of_verdicts_names_the_commands_that_have_one() -> None:
+    listed = re.findall(r"^\| `(\w+)` \|", TEXT, re.MULTILINE)
+    assert listed == sorted(VERDICTS)
+    # What the help of a command says of its own exit code.
+    says = {name for name, one in main.commands.items() if "code 3" in " ".join(one.help.split())}  # type: ignore[union-attr]
+    assert says == set(listed)
+
+
+def completions(shell: str, words: str, incomplete: str) -> list[str]:
+    """Return what lutgen answers the shell's function, which asks through the environment."""
+    given = words if shell == "fish" else f"{words} {incomplete}".strip()
+    asked = {
+        "_LUTGEN_COMPLETE": f"{shell}_complete",
+        "COMP_WORDS": given,
+        "COMP_CWORD": incomplete if shell == "fish" else str(len(shlex.split(words))),
+    }
+    done = subprocess.run(
+        ["lutgen"], env=os.environ | asked, capture_output=True, text=True, check=True
+    )
+    # zsh is answered in three lines each: type, value, help.
+    lines = done.stdout.splitlines()
+    values = lines[1::3] if shell == "zsh" else [line.split(",", 1)[1] for line in lines]
+    return [value.split("\t")[0] for value in values]
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_each_shell_is_given_a_function_and_its_answers(shell: str, folder: Path) -> None:
+    source = re.search(r"_LUTGEN_COMPLETE=(\w+) lutgen", LINES[shell])
+    assert source is not None
+    script = bash(f"_LUTGEN_COMPLETE={source[1]} lutgen")
+    # The function is for this shell, asks what is asked below, and is tied to the command.
+    tied = {"bash": "complete -o", "zsh": "compdef", "fish": "complete --no-files --command lutgen"}
+    assert tied[shell] in script
+    assert f"_LUTGEN_COMPLETE={shell}_complete" in script
+    assert completions(shell, "lutgen", "lim") == ["limits"]
+    assert completions(shell, "lutgen plot map.h5 --kind", "s") == ["surface", "sphere"]
+    assert completions(shell, "lutgen recipes", "ab") == ["absolem"]
+    assert "--json" in completions(shell, "lutgen sweep", "--")
+
+
+def test_bash_completes_after_the_line_of_the_page(folder: Path) -> None:
+    script = f"""{LINES["bash"]}
+    set +u
+    name=$(complete -p lutgen | sed -E 's/.*-F (\\w+) .*/\\1/')
+    COMP_WORDS=(lutgen lim) COMP_CWORD=1
+    "$name" lutgen
+    echo "${{COMPREPLY[@]}}"
+    """
+    assert bash(script).split() == ["limits"]
