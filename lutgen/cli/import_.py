@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -38,6 +39,15 @@ class Asked:
     xacro: bool = option(
         "-x", is_flag=True, help="Expand a .xacro file: evaluates it, reads its includes."
     )
+    packages: tuple[str, ...] = option(
+        "--package",
+        multiple=True,
+        metavar="NAME=DIR",
+        help="The folder of a ROS package that a .xacro file includes from; repeat.",
+    )
+    arguments: tuple[str, ...] = option(
+        "--arg", multiple=True, metavar="NAME=VALUE", help="An argument of a .xacro file; repeat."
+    )
     as_json: bool = as_json()
 
 
@@ -60,7 +70,7 @@ def import_(urdf: str, asked: Asked) -> None:
 
     if not asked.output.endswith(".toml"):
         raise InputError(f"--output: is no recipe's name (got {asked.output!r}); end it in .toml.")
-    robot = _read(urdf, asked.xacro)
+    robot = _read(urdf, asked)
     if asked.name is not None:
         if not asked.name.strip():
             raise InputError("--name: must not be empty (got ''); leave it out.")
@@ -93,19 +103,48 @@ def import_lines(report: dict[str, Any], root: str) -> Iterator[str]:
     yield from (f"  {what}" for what in report["left_out"])
 
 
-def _read(path: str, xacro: bool) -> "UrdfRobot":
+def _read(path: str, asked: Asked) -> "UrdfRobot":
     """Read a description, after expansion where it is asked for."""
     from lutgen.urdf import load_urdf, load_xacro
 
     macros = path.endswith(".xacro")
-    if xacro and not macros:
+    if asked.xacro and not macros:
         raise InputError(f"--xacro: {path} is no .xacro file (got it as URDF); leave --xacro out.")
-    if macros and not xacro:
+    if macros and not asked.xacro:
         raise InputError(
             f"{path}: must be expanded, which evaluates it and reads the files that it includes "
             "(got no --xacro); pass --xacro if you trust it."
         )
-    return load_xacro(path) if xacro else load_urdf(path)
+    packages = {
+        name: Path(folder) for name, folder in _pairs("--package", "NAME=DIR", asked.packages)
+    }
+    for name, folder in packages.items():
+        if not folder.is_dir():
+            raise InputError(
+                f"--package: {name} is in no folder that there is (got {str(folder)!r}); "
+                "write NAME=DIR."
+            )
+    arguments = dict(_pairs("--arg", "NAME=VALUE", asked.arguments))
+    if macros:
+        return load_xacro(path, packages, arguments)
+    if packages or arguments:
+        option = "--package" if packages else "--arg"
+        raise InputError(
+            f"{option}: is for .xacro files (got {path}, whose meshes are not opened); "
+            "leave it out."
+        )
+    return load_urdf(path)
+
+
+def _pairs(option: str, form: str, texts: tuple[str, ...]) -> list[tuple[str, str]]:
+    """Return name and value of each NAME=VALUE."""
+    result = []
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not (name.strip() and equals and value):
+            raise InputError(f"{option}: has no name or no value (got {text!r}); write {form}.")
+        result.append((name.strip(), value))
+    return result
 
 
 def _point(text: str, index: int) -> "Contact":

@@ -90,9 +90,16 @@ def import_urdf(
 
 
 def _wrong_number(robot: UrdfRobot, count: int) -> RecipeError:
+    """Return the refusal of too few or too many contacts, and where too few could be."""
+    way_out = "name the links that touch the ground with --contact"
+    meshes = [link.name for link in robot.links if any(s.kind == "mesh" for s in link.collisions)]
+    if count < 3 and meshes:
+        way_out += (
+            f", and give points on those with meshes, which are not opened ({_listed(meshes)}): "
+            "--contact 'LINK=X,Y,Z[,RADIUS]'"
+        )
     return RecipeError(
-        f"{robot.source}: a robot needs 3 to {MAX_CONTACTS} contacts (got {count}); "
-        "name the links that touch the ground with --contact."
+        f"{robot.source}: a robot needs 3 to {MAX_CONTACTS} contacts (got {count}); {way_out}."
     )
 
 

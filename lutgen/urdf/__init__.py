@@ -1,6 +1,6 @@
 """A robot description of ROS, read into links, joints and contacts.
 
-In reading order: `xml`, `read`, `motion`, `links`, `contacts`, `xacro`.
+In reading order: `xml`, `read`, `motion`, `links`, `contacts`, `packages`, `xacro`.
 """
 
 from lutgen.urdf.contacts import ROUND, link_contacts, used_shapes
