@@ -1,11 +1,12 @@
 """Text into a recipe, and a recipe into postures.
 
 In reading order: `table`, `robot`, `loads`, `plugin`, `described`, `recipe`, `kinematics`,
-`size`, `candidates`, `proposal_text`, `proposal`.
+`size`, `body`, `candidates`, `proposal_text`, `proposal`.
 """
 
 from typing import TYPE_CHECKING, Any
 
+from lutgen.recipe.body import body_parts
 from lutgen.recipe.kinematics import Postures, forward, postures, radii_and_kinds
 from lutgen.recipe.recipe import Recipe, load_recipe, parse_recipe, recipe_digest
 from lutgen.recipe.robot import LENGTH_UNITS
@@ -19,6 +20,7 @@ __all__ = [
     "LENGTH_UNITS",
     "Postures",
     "Recipe",
+    "body_parts",
     "forward",
     "import_urdf",
     "load_recipe",
