@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import as_json, asks, finite_numbers, option, output
+from lutgen.cli.options import Assignment, as_json, asks, finite_numbers, option, output
 from lutgen.cli.table import show
 from lutgen.errors import InputError
 
@@ -39,6 +39,19 @@ class Asked:
     xacro: bool = option(
         "-x", is_flag=True, help="Expand a .xacro file: evaluates it, reads its includes."
     )
+    assignments: tuple[tuple[str, float], ...] = option(
+        "-p",
+        "--parameter",
+        type=Assignment("JOINT=VALUE", "joint and value", "knee=-60"),
+        multiple=True,
+        help="Where a joint stands, in deg or m, before what an SRDF says; repeat.",
+    )
+    posture: str | None = option(
+        metavar="NAME", help="The posture to stand in, of the SRDF; the likeliest by default."
+    )
+    srdf: str | None = option(
+        type=click.Path(), help="SRDF file with postures; by default one beside the description."
+    )
     packages: tuple[str, ...] = option(
         "--package",
         multiple=True,
@@ -57,7 +70,8 @@ class Asked:
 def import_(urdf: str, asked: Asked) -> None:
     """Write a recipe from the robot description URDF and say what it leaves out.
 
-    Without --contact, spheres and cylinders that reach below the centre of mass touch the ground.
+    It stands as an SRDF file says (group_state), or with its joints at zero; -p and --posture say
+    otherwise.  Without --contact, the spheres and cylinders near the ground then touch it.
     Without --joint, every joint that moves a contact, or the centre of mass by more than 0.5 % of
     the robot's size, becomes a parameter.
 
@@ -79,15 +93,18 @@ def import_(urdf: str, asked: Asked) -> None:
     # A link's own name may have an equals sign in it.
     named = [text for text in asked.contacts if text in links or "=" not in text]
     points = [_point(text, i) for i, text in enumerate(asked.contacts, 1) if text not in named]
-    made = import_urdf(robot, named if asked.contacts else None, points, asked.joints or None)
+    posture, words, beyond = _standing(urdf, robot, asked)
+    chosen = named if asked.contacts else None
+    made = import_urdf(robot, chosen, points, asked.joints or None, posture)
     recipe = made.recipe
     report = {
         "name": recipe.name,
         "mass": math.fsum(link.mass for link in robot.links),
-        "com": centre_of_mass(robot, places(robot, read_motion(robot, ()))).tolist(),
+        "com": centre_of_mass(robot, places(robot, read_motion(robot, (), posture))).tolist(),
+        "posture": words,
         "parameters": [p.name for p in recipe.parameters],
         "contacts": list(recipe.contact_names),
-        "left_out": list(made.left_out),
+        "left_out": [*beyond, *made.left_out],
     }
     write_text(asked.output, made.text)
     show(report, import_lines(report, robot.root), asked.as_json)
@@ -99,8 +116,44 @@ def import_lines(report: dict[str, Any], root: str) -> Iterator[str]:
     yield f"{report['name']}: {report['mass']:.6g} kg, com at rest ({place}) m from {root}"
     for what in ("contacts", "parameters"):
         yield f"  {what} ({len(report[what])}): {' '.join(report[what]) or '-'}"
+    yield f"  posture: {report['posture']}"
     yield "left out:" if report["left_out"] else "nothing left out"
     yield from (f"  {what}" for what in report["left_out"])
+
+
+def _standing(
+    path: str, robot: "UrdfRobot", asked: Asked
+) -> tuple[dict[str, float], str, list[str]]:
+    """Return the posture to stand in (rad, m), where it comes from, and what it leaves out."""
+    from lutgen.urdf import beyond_limits, joint_values, load_srdf, srdf_beside
+
+    given = joint_values(robot, asked.assignments)
+    file = Path(asked.srdf) if asked.srdf is not None else srdf_beside(path)
+    if file is None:
+        if asked.posture is not None:
+            raise InputError(
+                f"--posture: there is no SRDF file beside {path} (got {asked.posture!r}); "
+                "give one with --srdf, or joints with -p."
+            )
+        why = "no SRDF file names one"
+        values: dict[str, float] = {}
+    else:
+        srdf = load_srdf(file, robot)
+        name = asked.posture if asked.posture is not None else srdf.standing()
+        values = {} if name is None else srdf.posture(name)
+        known = ", ".join(srdf.postures) or "none"
+        why = f"{file.name} names none to stand in: {known}" if name is None else ""
+        words = f"{name} of {file.name}"
+    if why:
+        words = f"joints at zero, or at their limit nearest to it ({why})"
+    if given:
+        words = f"{', '.join(given)} as given; else {words}"
+    beyond = [
+        f"joint {joint}: at its limit, beyond which the posture is"
+        for joint in beyond_limits(robot, values)
+        if joint not in given
+    ]
+    return {**values, **given}, words, beyond
 
 
 def _read(path: str, asked: Asked) -> "UrdfRobot":

@@ -26,6 +26,9 @@ from lutgen.urdf import (
 from lutgen.vector import Floats
 
 MAX_CANDIDATES = 200
+# Share of the com's height.  Of real robots feet, wheels and flippers reach to within 7 % of it,
+# rotors, antennas and sensors stay above it or near it.
+NEAR = 0.25
 # Lengths that differ by less than this share of the robot's size are equal: descriptions round
 # their angles (1.570795 for a right angle).
 SAME = 1e-6
@@ -51,9 +54,14 @@ def named_contacts(robot: UrdfRobot, names: Sequence[str]) -> list[Contact]:
 
 
 def proposed_contacts(robot: UrdfRobot, where: Mapping[str, Place]) -> list[Contact]:
-    """Return the spheres and rim discs whose lowest point lies below the com, at rest."""
+    """Return the spheres and rim discs near the ground, in the posture of these places.
+
+    The ground is where the lowest of them is; near are those whose lowest point lies within a
+    quarter of the com's height above it, and all others below the com on the same link.  Where
+    the com is not above these, the robot leans on something else: then those below the com.
+    """
     com = centre_of_mass(robot, where)
-    result = []
+    below: list[tuple[float, Contact]] = []
     for link in robot.links:
         if any(shape.kind in ROUND for shape in link.collisions):
             turn, origin = where[link.name]
@@ -61,14 +69,31 @@ def proposed_contacts(robot: UrdfRobot, where: Mapping[str, Place]) -> list[Cont
                 reach = contact.radius
                 if contact.axis is not None:
                     reach *= math.sqrt(max(0.0, 1.0 - float(turn[2] @ contact.axis) ** 2))
-                if (origin + turn @ contact.position)[2] - reach < com[2]:
-                    result.append(contact)
+                lowest = float((origin + turn @ contact.position)[2]) - reach
+                if lowest < com[2]:
+                    below.append((lowest, contact))
+    ground = min((lowest for lowest, _ in below), default=0.0)
+    limit = ground + NEAR * (float(com[2]) - ground)
+    links = {contact.link for lowest, contact in below if lowest <= limit}
+    result = [contact for _, contact in below if contact.link in links]
+    if not _is_above(com, _placed(result, where)[0]):
+        result = [contact for _, contact in below]
     if len(result) > MAX_CANDIDATES:
         raise RecipeError(
             f"{robot.source}: more than {MAX_CANDIDATES} spheres and discs lie below the centre of "
             f"mass (got {len(result)}); name the links that touch the ground with --contact."
         )
     return result
+
+
+def _is_above(com: Floats, points: Floats) -> bool:
+    """Return whether points (n, 3) are on all sides of the com, seen from above."""
+    away = points[:, :2] - com[:2]
+    around = np.sort(np.arctan2(away[:, 1], away[:, 0]))
+    if len(around) < 3:
+        return False
+    gaps = np.diff(around, append=around[0] + 2.0 * math.pi)
+    return bool(gaps.max() < math.pi)
 
 
 def unique_names(contacts: Sequence[Contact]) -> list[Contact]:

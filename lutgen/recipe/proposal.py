@@ -3,7 +3,7 @@
 Owns the choice between what is asked for and what is proposed; `proposal_text` writes it.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from lutgen.errors import RecipeError
@@ -19,7 +19,7 @@ from lutgen.recipe.candidates import (
 from lutgen.recipe.proposal_text import carrying_links, recipe_text
 from lutgen.recipe.recipe import Recipe, parse_recipe
 from lutgen.recipe.robot import MAX_CONTACTS
-from lutgen.urdf import Motion, UrdfRobot, places, read_motion, used_shapes
+from lutgen.urdf import ROUND, Motion, UrdfRobot, places, read_motion, used_shapes
 
 # More joints than this are not proposed as parameters: no disk holds their map.
 MAX_PARAMETERS = 10
@@ -45,6 +45,7 @@ def import_urdf(
     contacts: Sequence[str] | None = None,
     given: Sequence[Contact] = (),
     joints: Sequence[str] | None = None,
+    posture: Mapping[str, float] | None = None,
 ) -> Imported:
     """Turn a description into a recipe.
 
@@ -53,13 +54,16 @@ def import_urdf(
     robot : UrdfRobot
         The description; lengths in m.
     contacts : sequence of str, optional
-        Links whose collision shapes touch the ground.  None: if `given` is empty, every sphere
-        and cylinder whose lowest point lies below the com at rest, else none.
+        Links whose collision shapes touch the ground.  None: if `given` is empty, the spheres and
+        cylinders near the ground at rest, else none.
     given : sequence of Contact
         Contacts in the frames of the description's links.
     joints : sequence of str, optional
         Joints that become parameters; None for all that move a contact, or the com by more than
         0.5 % of the robot's size.
+    posture : mapping of str to float, optional
+        Joints at rest, rad or m; 0 for all others, or their limit nearest to it.  The recipe's
+        `home`, and where joints that are no parameters stand.
 
     Returns
     -------
@@ -67,7 +71,7 @@ def import_urdf(
         RecipeError is raised for unknown names, where there are not 3 to 62 contacts, and where
         more than 10 joints would become parameters without being asked for.
     """
-    motion = read_motion(robot, joints)
+    motion = read_motion(robot, joints, posture)
     rest = places(robot, motion)
     links = {link.name for link in robot.links}
     # An unknown link is refused in the same words, whoever names it.
@@ -79,14 +83,27 @@ def import_urdf(
     if len(found) < 3:
         raise _wrong_number(robot, len(found))
     if joints is None:
-        motion = _proposed_motion(robot, motion, found)
+        motion = _proposed_motion(robot, motion, found, posture)
     inner = inner_contacts(robot, motion, found, rest)
     found = unique_names([contact for contact in found if contact not in inner])
     if not 3 <= len(found) <= MAX_CONTACTS:
         raise _wrong_number(robot, len(found))
     text = recipe_text(robot, motion, found)
     recipe = parse_recipe(text, robot.source)
-    return Imported(text, recipe, tuple(_left_out(robot, motion, found, inner)))
+    chosen = contacts is not None or bool(given)
+    left_out = _left_out(robot, motion, found, inner)
+    left_out += [] if chosen else _away(robot, {c.link for c in (*found, *inner)})
+    return Imported(text, recipe, tuple(left_out))
+
+
+def _away(robot: UrdfRobot, touching: set[str]) -> list[str]:
+    """Return the sentence on round shapes that no contact was proposed for."""
+    away = [
+        link.name
+        for link in robot.links
+        if link.name not in touching and any(s.kind in ROUND for s in link.collisions)
+    ]
+    return [f"spheres and cylinders away from the ground: {_listed(away)}"] if away else []
 
 
 def _wrong_number(robot: UrdfRobot, count: int) -> RecipeError:
@@ -103,7 +120,12 @@ def _wrong_number(robot: UrdfRobot, count: int) -> RecipeError:
     )
 
 
-def _proposed_motion(robot: UrdfRobot, motion: Motion, contacts: Sequence[Contact]) -> Motion:
+def _proposed_motion(
+    robot: UrdfRobot,
+    motion: Motion,
+    contacts: Sequence[Contact],
+    posture: Mapping[str, float] | None,
+) -> Motion:
     """Hold the joints that hardly matter, and say how much they do."""
     size = robot_size(contacts, places(robot, motion))
     why = {}
@@ -120,7 +142,7 @@ def _proposed_motion(robot: UrdfRobot, motion: Motion, contacts: Sequence[Contac
             f"{robot.source}: more than {MAX_PARAMETERS} joints move contacts or com (got "
             f"{_listed(chosen)}); choose the parameters among them with --joint."
         )
-    result = read_motion(robot, chosen)
+    result = read_motion(robot, chosen, posture)
     result.held.update(why)
     return result
 
