@@ -29,6 +29,8 @@ MAX_CANDIDATES = 200
 # Share of the com's height.  Of real robots feet, wheels and flippers reach to within 7 % of it,
 # rotors, antennas and sensors stay above it or near it.
 NEAR = 0.25
+# Links that a refusal lists.
+SHOWN = 6
 # Lengths that differ by less than this share of the robot's size are equal: descriptions round
 # their angles (1.570795 for a right angle).
 SAME = 1e-6
@@ -59,6 +61,7 @@ def proposed_contacts(robot: UrdfRobot, where: Mapping[str, Place]) -> list[Cont
     The ground is where the lowest of them is; near are those whose lowest point lies within a
     quarter of the com's height above it, and all others below the com on the same link.  Where
     the com is not above these, the robot leans on something else: then those below the com.
+    RecipeError is raised where meshes are lower than all of them, and for more than 200.
     """
     com = centre_of_mass(robot, where)
     below: list[tuple[float, Contact]] = []
@@ -73,6 +76,8 @@ def proposed_contacts(robot: UrdfRobot, where: Mapping[str, Place]) -> list[Cont
                 if lowest < com[2]:
                     below.append((lowest, contact))
     ground = min((lowest for lowest, _ in below), default=0.0)
+    if below:
+        _refuse_lower_meshes(robot, where, ground)
     limit = ground + NEAR * (float(com[2]) - ground)
     links = {contact.link for lowest, contact in below if lowest <= limit}
     result = [contact for _, contact in below if contact.link in links]
@@ -84,6 +89,22 @@ def proposed_contacts(robot: UrdfRobot, where: Mapping[str, Place]) -> list[Cont
             f"mass (got {len(result)}); name the links that touch the ground with --contact."
         )
     return result
+
+
+def _refuse_lower_meshes(robot: UrdfRobot, where: Mapping[str, Place], ground: float) -> None:
+    """Refuse a proposal that would have the robot stand on its hands: its feet are meshes."""
+    lower = []
+    for link in robot.links:
+        turn, origin = where[link.name]
+        heights = [(origin + turn @ s.origin)[2] for s in link.collisions if s.kind == "mesh"]
+        if min(heights, default=ground) < ground:
+            lower.append((min(heights), link.name))
+    if lower:
+        names = ", ".join(name for _, name in sorted(lower, key=lambda one: one[0])[:SHOWN])
+        raise RecipeError(
+            f"{robot.source}: links with meshes, which are not opened, are below all spheres and "
+            f"cylinders (got {names}); give points on the feet: --contact 'LINK=X,Y,Z[,RADIUS]'."
+        )
 
 
 def _is_above(com: Floats, points: Floats) -> bool:

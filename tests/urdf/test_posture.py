@@ -95,6 +95,20 @@ def test_contacts_are_those_near_the_ground_and_the_others_are_listed(folder: Pa
     )
 
 
+def test_a_robot_whose_feet_are_meshes_does_not_stand_on_its_rotors(folder: Path) -> None:
+    sole = '<collision><origin xyz="0 0 -0.3"/><geometry><mesh filename="f.dae"/></geometry>'
+    ball = collision('sphere radius="0.02"', "0 0 -0.3")
+    text = quadruped()
+    assert text.count(ball) == 4
+    Path("dog.urdf").write_text(text.replace(ball, f"{sole}</collision>"))
+    result = run("import", "dog.urdf", "-o", "dog.toml")
+    assert result.exit_code == 2
+    assert "(got lf_foot, rf_foot, lh_foot, rh_foot)" in result.stderr
+    assert "which are not opened" in result.stderr
+    points = [f"-c{leg}_foot=0,0,-0.3,0.02" for leg in LEGS]
+    good("import", "dog.urdf", "-o", "dog.toml", *points)
+
+
 def test_where_the_com_is_not_above_what_is_near_the_ground_all_below_it_are_contacts(
     folder: Path,
 ) -> None:
