@@ -29,6 +29,8 @@ MAX_CANDIDATES = 200
 # Share of the com's height.  Of real robots feet, wheels and flippers reach to within 7 % of it,
 # rotors, antennas and sensors stay above it or near it.
 NEAR = 0.25
+# Share of the robot's size by which shapes may be wrong.
+SLACK = 0.01
 # Links that a refusal lists.
 SHOWN = 6
 # Lengths that differ by less than this share of the robot's size are equal: descriptions round
@@ -67,12 +69,8 @@ def proposed_contacts(robot: UrdfRobot, where: Mapping[str, Place]) -> list[Cont
     below: list[tuple[float, Contact]] = []
     for link in robot.links:
         if any(shape.kind in ROUND for shape in link.collisions):
-            turn, origin = where[link.name]
             for contact in link_contacts(link):
-                reach = contact.radius
-                if contact.axis is not None:
-                    reach *= math.sqrt(max(0.0, 1.0 - float(turn[2] @ contact.axis) ** 2))
-                lowest = float((origin + turn @ contact.position)[2]) - reach
+                lowest = _lowest(contact, where[link.name])
                 if lowest < com[2]:
                     below.append((lowest, contact))
     ground = min((lowest for lowest, _ in below), default=0.0)
@@ -89,6 +87,34 @@ def proposed_contacts(robot: UrdfRobot, where: Mapping[str, Place]) -> list[Cont
             f"mass (got {len(result)}); name the links that touch the ground with --contact."
         )
     return result
+
+
+def lower_links(
+    robot: UrdfRobot, contacts: Sequence[Contact], where: Mapping[str, Place]
+) -> list[str]:
+    """Return the links whose shapes reach below all contacts: the robot would lie on these.
+
+    Below by more than 1 % of the robot's size, the frame of the root level; links with contacts
+    and meshes do not count.
+    """
+    touching = {contact.link for contact in contacts}
+    ground = min(_lowest(contact, where[contact.link]) for contact in contacts)
+    ground -= SLACK * robot_size(contacts, where)
+    return [
+        link.name
+        for link in robot.links
+        if link.name not in touching
+        and any(_lowest(part, where[link.name]) < ground for part in link_contacts(link))
+    ]
+
+
+def _lowest(contact: Contact, place: Place) -> float:
+    """Return the height of a contact's lowest point in the frame of the root."""
+    turn, origin = place
+    reach = contact.radius
+    if contact.axis is not None:
+        reach *= math.sqrt(max(0.0, 1.0 - float(turn[2] @ contact.axis) ** 2))
+    return float((origin + turn @ contact.position)[2]) - reach
 
 
 def _refuse_lower_meshes(robot: UrdfRobot, where: Mapping[str, Place], ground: float) -> None:

@@ -11,6 +11,7 @@ from lutgen.parts import Contact
 from lutgen.recipe.candidates import (
     effects,
     inner_contacts,
+    lower_links,
     named_contacts,
     proposed_contacts,
     robot_size,
@@ -93,6 +94,11 @@ def import_urdf(
     chosen = contacts is not None or bool(given)
     left_out = _left_out(robot, motion, found, inner)
     left_out += [] if chosen else _away(robot, {c.link for c in (*found, *inner)})
+    under = lower_links(robot, [*found, *inner], rest)
+    if under:
+        left_out.append(
+            f"shapes below all contacts, on which it lies in this posture: {_listed(under)}"
+        )
     return Imported(text, recipe, tuple(left_out))
 
 

@@ -109,6 +109,20 @@ def test_a_robot_whose_feet_are_meshes_does_not_stand_on_its_rotors(folder: Path
     good("import", "dog.urdf", "-o", "dog.toml", *points)
 
 
+def test_what_the_robot_would_lie_on_is_named(folder: Path) -> None:
+    keel = link("keel", inside=collision('box size="0.1 0.1 1.1"'))
+    mount = joint("keel_mount", "fixed", "base", "keel")
+    Path("dog.urdf").write_text(quadruped().replace("</robot>", f"{keel}{mount}</robot>"))
+    lies = "shapes below all contacts, on which it lies in this posture: keel"
+    # Feet reach 0.6 cos(0.6) + 0.02 = 0.515 m below the hips, the keel 0.55 m.
+    report = json.loads(good("import", "dog.urdf", "-o", "dog.toml", "--json"))
+    assert lies in report["left_out"]
+    # 0.6 cos(15 deg) + 0.02 = 0.600 m.
+    straight = [f"-p{leg}_{part}" for leg in LEGS for part in ("hip=15", "knee=-30")]
+    report = json.loads(good("import", "dog.urdf", "-o", "dog.toml", *straight, "--json"))
+    assert lies not in report["left_out"]
+
+
 def test_where_the_com_is_not_above_what_is_near_the_ground_all_below_it_are_contacts(
     folder: Path,
 ) -> None:
