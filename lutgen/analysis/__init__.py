@@ -1,13 +1,14 @@
 """Questions about one posture: forces, ground, tilt, sliding, rolling, wheels.
 
-In reading order: `stance`, `forces`, `diagnosis`, `ground`, `ground_contact`, `wheels`, `tilt`,
-`rocking`, `ground_walk`, `ground_outline`, `sliding`, `resistance`, `rolling`, `metrics`,
+In reading order: `stance`, `lying`, `forces`, `diagnosis`, `ground`, `ground_contact`, `wheels`,
+`tilt`, `rocking`, `ground_walk`, `ground_outline`, `sliding`, `resistance`, `rolling`, `metrics`,
 `tilt_table`, `balance`, `uneven_region`, `uneven`.
 """
 
 from lutgen.analysis.diagnosis import Diagnosis, diagnose
 from lutgen.analysis.forces import heuristic_forces, load_corners, normal_forces
 from lutgen.analysis.ground_outline import GroundTilt, ground_limits, ground_tilt
+from lutgen.analysis.lying import below_ground
 from lutgen.analysis.metrics import Metrics, axis_force_angle, compare_metrics
 from lutgen.analysis.rolling import (
     hold_limits,
@@ -47,6 +48,7 @@ __all__ = [
     "PostureLimits",
     "SweepLimits",
     "axis_force_angle",
+    "below_ground",
     "compare_metrics",
     "diagnose",
     "equilibrium",

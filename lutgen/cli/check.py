@@ -6,14 +6,17 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import RecipeOptions, asks, file_size
+from lutgen.cli.options import RecipeOptions, asks, file_size, log
 from lutgen.cli.sources import open_recipe
-from lutgen.cli.table import show
+from lutgen.cli.table import show, unit_text
 
 if TYPE_CHECKING:
     from lutgen.grid import Axis
     from lutgen.parts import Parameter
     from lutgen.recipe import Recipe
+
+# Links that a warning lists.
+SHOWN = 6
 
 
 @click.command(short_help="Validate a recipe; print robot, nodes, file size and run time.")
@@ -21,6 +24,8 @@ if TYPE_CHECKING:
 @asks(RecipeOptions)
 def check(recipe: str, asked: RecipeOptions) -> None:
     """Validate RECIPE and say what its sweep will cost.
+
+    A warning says where it does not stand on its contacts at its `home`.
 
     \b
     $ lutgen check maps/paper_two.toml
@@ -31,6 +36,8 @@ def check(recipe: str, asked: RecipeOptions) -> None:
     robot = open_recipe(recipe, asked.allow_python)
     require_standing(robot)
     report = check_report(robot)
+    for warning in report["warnings"]:
+        log.warning("%s", warning)
     show(report, check_lines(report), asked.as_json)
 
 
@@ -53,7 +60,31 @@ def check_report(robot: "Recipe") -> dict[str, Any]:
         "nodes": layout.nodes,
         "file_bytes": layout.count * sum(map(layout.chunk_bytes, robot.channels)),
         "seconds": round(expected_seconds(robot), 3),
+        "warnings": list(home_warnings(robot)) if robot.home else [],
     }
+
+
+def home_warnings(robot: "Recipe") -> Iterator[str]:
+    """Return what keeps the robot from standing on its contacts at `home`, as far as known."""
+    from lutgen.analysis import Posture, below_ground, diagnose
+
+    posture = Posture(robot, robot.home_params)
+    found = diagnose(posture, (0.0, 0.0, -1.0))
+    if found.facet is None or not found.standing:
+        yield "at its `home` the robot tips over on level ground"
+    if found.facet is None:
+        return
+    below = below_ground(posture, found.facet)
+    if below:
+        unit = unit_text(robot.length_unit)
+        parts = ", ".join(
+            f"{name} {depth:.3g}{unit}" for name, depth in list(below.items())[:SHOWN]
+        )
+        more = f" and {len(below) - SHOWN} more" if len(below) > SHOWN else ""
+        yield (
+            "at its `home` the robot lies on its body: below the ground on which its contacts "
+            f"stand are {parts}{more}; give contacts there, or another posture"
+        )
 
 
 def axis_entry(parameter: "Parameter", axis: "Axis") -> dict[str, Any]:

@@ -11,13 +11,22 @@ import click
 from lutgen.cli import options
 from lutgen.cli.options import RecipeOptions, asks, log, option
 from lutgen.cli.sources import open_source
-from lutgen.cli.table import TIPS, cell, channel_entries, degrees, number, show, unit_text
+from lutgen.cli.table import (
+    TIPS,
+    by_unit,
+    cell,
+    channel_entries,
+    degrees,
+    number,
+    posture_text,
+    show,
+    unit_text,
+)
 from lutgen.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     from lutgen.analysis import Diagnosis, Posture
     from lutgen.mapping import StabilityMap
-
 VERDICT = {True: "stands", False: "tips over", None: "unknown: off the chart"}
 ROCKS = "rocks"
 VALUES = {one.json: one.unit for one in QUANTITIES.values() if not one.words} | {"slope_deg": "rad"}
@@ -47,7 +56,8 @@ def eval_(source: str, asked: Asked) -> None:
     """Evaluate SOURCE at one point.
 
     A recipe is evaluated exactly, a map by interpolation; of a folder of `lutgen export` the C
-    runtime is asked.  Exit code 3 where the robot tips over, or where that cannot be told.
+    runtime is asked.  Parameters without -p are at the recipe's `home`, then in the middle of their
+    range.  Exit code 3 where the robot tips over, or where that cannot be told.
 
     \b
     $ lutgen eval maps/paper_two.toml -p alpha=31 -p gamma=31
@@ -71,12 +81,17 @@ def _report(source: str, asked: Asked) -> dict[str, Any]:
 
         return export_report(Path(source), asked.assignments, gravity)
     opened = open_source(source, asked.allow_python)
+    recipe = opened if isinstance(opened, Recipe) else opened.recipe
+    outside = "used as it is" if opened is recipe else "clamped"
+    values = options.posture_values(recipe, asked.assignments, outside)
+    posture = Posture(recipe, values)
     if isinstance(opened, Recipe):
-        return exact_report(
-            Posture(opened, options.parameter_values(opened, asked.assignments)), gravity
-        )
-    values = options.parameter_values(opened.recipe, asked.assignments, "clamped")
-    return map_report(opened, values, gravity)
+        report = exact_report(posture, gravity)
+    else:
+        report = map_report(opened, values, gravity)
+    if source := options.posture_source(recipe, asked.assignments):
+        report |= {"posture": by_unit(recipe, posture.params), "posture_from": source}
+    return report
 
 
 def exact_report(posture: "Posture", gravity: tuple[float, ...]) -> dict[str, Any]:
@@ -201,6 +216,8 @@ def _rolls_away(report: dict[str, Any]) -> str:
 
 def _entries(report: dict[str, Any], length: str) -> Iterator[tuple[str, str]]:
     """Return the names and texts of what there is one of."""
+    if "posture_from" in report:
+        yield "posture", f"{posture_text(report['posture'])} ({report['posture_from']})"
     if report.get("status") is not None:
         among = " (the worst of the nodes around)" if report["source"] == "interpolated" else ""
         yield "status", f"{report['status']}{among}"

@@ -3,11 +3,12 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import as_json, asks, finite_numbers, option, output
+from lutgen.cli.options import Assignment, as_json, asks, finite_numbers, option, output
 from lutgen.cli.table import show
 from lutgen.errors import InputError
 
@@ -42,6 +43,28 @@ class Asked:
         is_flag=True,
         help="Keep the recipe that is there: only masses and places of its links become new.",
     )
+    assignments: tuple[tuple[str, float], ...] = option(
+        "-p",
+        "--parameter",
+        type=Assignment("JOINT=VALUE", "joint and value", "knee=-60"),
+        multiple=True,
+        help="Where a joint stands, in deg or m, before what an SRDF says; repeat.",
+    )
+    posture: str | None = option(
+        metavar="NAME", help="The posture to stand in, of the SRDF; the likeliest by default."
+    )
+    srdf: str | None = option(
+        type=click.Path(), help="SRDF file with postures; by default one beside the description."
+    )
+    packages: tuple[str, ...] = option(
+        "--package",
+        multiple=True,
+        metavar="NAME=DIR",
+        help="The folder of a ROS package that a .xacro file includes from; repeat.",
+    )
+    arguments: tuple[str, ...] = option(
+        "--arg", multiple=True, metavar="NAME=VALUE", help="An argument of a .xacro file; repeat."
+    )
     as_json: bool = as_json()
 
 
@@ -51,7 +74,8 @@ class Asked:
 def import_(urdf: str, asked: Asked) -> None:
     """Write a recipe from the robot description URDF and say what it leaves out.
 
-    Without --contact, spheres and cylinders that reach below the centre of mass touch the ground.
+    It stands as an SRDF file says (group_state), or with its joints at zero; -p and --posture say
+    otherwise.  Without --contact, the spheres and cylinders near the ground then touch it.
     Without --joint, every joint that moves a contact, or the centre of mass by more than 0.5 % of
     the robot's size, becomes a parameter.  Give --merge the same options as the first time.
 
@@ -64,7 +88,7 @@ def import_(urdf: str, asked: Asked) -> None:
 
     if not asked.output.endswith(".toml"):
         raise InputError(f"--output: is no recipe's name (got {asked.output!r}); end it in .toml.")
-    robot = _read(urdf, asked.xacro)
+    robot = _read(urdf, asked)
     if asked.name is not None:
         if not asked.name.strip():
             raise InputError("--name: must not be empty (got ''); leave it out.")
@@ -73,15 +97,18 @@ def import_(urdf: str, asked: Asked) -> None:
     # A link's own name may have an equals sign in it.
     named = [text for text in asked.contacts if text in links or "=" not in text]
     points = [_point(text, i) for i, text in enumerate(asked.contacts, 1) if text not in named]
-    made = import_urdf(robot, named if asked.contacts else None, points, asked.joints or None)
+    posture, words, beyond = _standing(urdf, robot, asked)
+    chosen = named if asked.contacts else None
+    made = import_urdf(robot, chosen, points, asked.joints or None, posture)
     recipe = made.recipe
     report = {
         "name": recipe.name,
         "mass": math.fsum(link.mass for link in robot.links),
-        "com": centre_of_mass(robot, places(robot, read_motion(robot, ()))).tolist(),
+        "com": centre_of_mass(robot, places(robot, read_motion(robot, (), posture))).tolist(),
+        "posture": words,
         "parameters": [p.name for p in recipe.parameters],
         "contacts": list(recipe.contact_names),
-        "left_out": list(made.left_out),
+        "left_out": [*beyond, *made.left_out],
     }
     text = made.text
     if asked.merge:
@@ -97,6 +124,7 @@ def import_lines(report: dict[str, Any], root: str) -> Iterator[str]:
     yield f"{report['name']}: {report['mass']:.6g} kg, com at rest ({place}) m from {root}"
     for what in ("contacts", "parameters"):
         yield f"  {what} ({len(report[what])}): {' '.join(report[what]) or '-'}"
+    yield f"  posture: {report['posture']}"
     yield "left out:" if report["left_out"] else "nothing left out"
     yield from (f"  {what}" for what in report["left_out"])
     if "changed" in report:
@@ -104,19 +132,83 @@ def import_lines(report: dict[str, Any], root: str) -> Iterator[str]:
         yield from (f"  {what}" for what in report["changed"])
 
 
-def _read(path: str, xacro: bool) -> "UrdfRobot":
+def _standing(
+    path: str, robot: "UrdfRobot", asked: Asked
+) -> tuple[dict[str, float], str, list[str]]:
+    """Return the posture to stand in (rad, m), where it comes from, and what it leaves out."""
+    from lutgen.urdf import beyond_limits, joint_values, load_srdf, srdf_beside
+
+    given = joint_values(robot, asked.assignments)
+    file = Path(asked.srdf) if asked.srdf is not None else srdf_beside(path)
+    if file is None:
+        if asked.posture is not None:
+            raise InputError(
+                f"--posture: there is no SRDF file beside {path} (got {asked.posture!r}); "
+                "give one with --srdf, or joints with -p."
+            )
+        why = "no SRDF file names one"
+        values: dict[str, float] = {}
+    else:
+        srdf = load_srdf(file, robot)
+        name = asked.posture if asked.posture is not None else srdf.standing()
+        values = {} if name is None else srdf.posture(name)
+        known = ", ".join(srdf.postures) or "none"
+        why = f"{file.name} names none to stand in: {known}" if name is None else ""
+        words = f"{name} of {file.name}"
+    if why:
+        words = f"joints at zero, or at their limit nearest to it ({why})"
+    if given:
+        words = f"{', '.join(given)} as given; else {words}"
+    beyond = [
+        f"joint {joint}: at its limit, beyond which the posture is"
+        for joint in beyond_limits(robot, values)
+        if joint not in given
+    ]
+    return {**values, **given}, words, beyond
+
+
+def _read(path: str, asked: Asked) -> "UrdfRobot":
     """Read a description, after expansion where it is asked for."""
     from lutgen.urdf import load_urdf, load_xacro
 
     macros = path.endswith(".xacro")
-    if xacro and not macros:
+    if asked.xacro and not macros:
         raise InputError(f"--xacro: {path} is no .xacro file (got it as URDF); leave --xacro out.")
-    if macros and not xacro:
+    if macros and not asked.xacro:
         raise InputError(
             f"{path}: must be expanded, which evaluates it and reads the files that it includes "
             "(got no --xacro); pass --xacro if you trust it."
         )
-    return load_xacro(path) if xacro else load_urdf(path)
+    packages = {
+        name: Path(folder) for name, folder in _pairs("--package", "NAME=DIR", asked.packages)
+    }
+    for name, folder in packages.items():
+        if not folder.is_dir():
+            raise InputError(
+                f"--package: {name} is in no folder that there is (got {str(folder)!r}); "
+                "write NAME=DIR."
+            )
+    arguments = dict(_pairs("--arg", "NAME=VALUE", asked.arguments))
+    if macros:
+        return load_xacro(path, packages, arguments)
+    if packages or arguments:
+        option = "--package" if packages else "--arg"
+        raise InputError(
+            f"{option}: is for .xacro files (got {path}, whose meshes are not opened); "
+            "leave it out."
+        )
+    return load_urdf(path)
+
+
+def _pairs(option: str, form: str, texts: tuple[str, ...]) -> list[tuple[str, str]]:
+    """Return name and value of each NAME=VALUE."""
+    result = []
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not (name.strip() and equals and value):
+            raise InputError(f"{option}: has no name or no value (got {text!r}); write {form}.")
+        result.append((name.strip(), value))
+    return result
 
 
 def _point(text: str, index: int) -> "Contact":

@@ -10,7 +10,7 @@ import click
 from lutgen.cli import options
 from lutgen.cli.options import RecipeOptions, asks, option
 from lutgen.cli.sources import open_recipe
-from lutgen.cli.table import TIPS, aligned, by_unit, cell, degrees, show
+from lutgen.cli.table import TIPS, aligned, by_unit, cell, degrees, posture_text, show
 
 if TYPE_CHECKING:
     from lutgen.analysis import PostureLimits, SweepLimits
@@ -48,8 +48,8 @@ def limits(recipe: str, asked: Asked) -> None:
     heading.  Body tilt is the robot's own, as an accelerometer in it sees it; ground tilt is the
     slope of the ground, on which it may rock from rest to rest.  What is guaranteed holds in every
     heading, also between those listed (of the ground: where it has not been steeper before), and
-    all limits are rounded down.  -p gives the posture; the middle of the range where it is left
-    out.  Exit code 3 where it tips over on level ground.
+    all limits are rounded down.  -p gives the posture; where it is left out, the recipe's `home`,
+    then the middle of the range.  Exit code 3 where it tips over on level ground.
 
     \b
     $ lutgen limits maps/absolem.toml -p front=90 -p rear=90
@@ -73,6 +73,7 @@ def limits(recipe: str, asked: Asked) -> None:
 
         save(draw_limits(robot, found, swept, worst=asked.over_all), asked.output)
     report = limits_report(robot, found)
+    report["posture_from"] = options.posture_source(robot, asked.assignments) or "given"
     if swept is not None and asked.over_all:
         report["all_postures"] = _all(robot, swept)
     if swept is not None and asked.best:
@@ -177,16 +178,6 @@ def _all(recipe: "Recipe", swept: "SweepLimits") -> dict[str, Any]:
     }
 
 
-def _words(posture: dict[str, float]) -> str:
-    """Return a posture as text."""
-    parts = []
-    for key, value in posture.items():
-        name, _, unit = key.rpartition("_")
-        known = unit in ("deg", "rad", "m", "cm", "mm") and name
-        parts.append(f"{name} = {value:.6g} {unit}" if known else f"{key} = {value:.6g}")
-    return ", ".join(parts) or "-"
-
-
 def _angle(angle: float) -> str:
     """Return a limit as text: rounded down, so that what is printed holds, too."""
     from lutgen.analysis import rounded_down
@@ -200,7 +191,8 @@ def limits_lines(report: dict[str, Any]) -> Iterator[str]:
     start = {"plane": "it stands on level ground", "body": "its body is level"}
     yield f"{report['robot']}: largest tilt before it tips over"
     if report["posture"]:
-        yield _words(report["posture"])
+        source = report.get("posture_from", "given")
+        yield posture_text(report["posture"]) + ("" if source == "given" else f" ({source})")
     yield f"body tilt: of the robot, as it senses it, from where {start[report['convention']]}"
     yield "ground tilt: slope of the ground, the robot seated on it anew at each tilt"
     rubs = report["friction"] is not None
@@ -225,7 +217,7 @@ def limits_lines(report: dict[str, Any]) -> Iterator[str]:
         rows = [["heading", "body tilt", "best posture"]]
         for row in report["best_postures"]:
             heading = f"{row['heading_deg']:.1f} deg"
-            rows.append([heading, _angle(row["tilt_deg"]), _words(row["posture"])])
+            rows.append([heading, _angle(row["tilt_deg"]), posture_text(row["posture"])])
         yield ""
         yield from aligned(rows)
 
@@ -268,14 +260,16 @@ def _all_lines(found: dict[str, Any]) -> Iterator[str]:
     rows = [["body tilt", "least", "at", "largest", "at"]]
     for row in found["limits"]:
         ends = ((row[f"{end}_tilt_deg"], row[f"{end}_at"]) for end in ("least", "largest"))
-        rows.append([row["name"], *(text for a, at in ends for text in (_angle(a), _words(at)))])
+        rows.append(
+            [row["name"], *(text for a, at in ends for text in (_angle(a), posture_text(at)))]
+        )
     ground = found["ground"]
     ends = ((ground[f"{e}_guaranteed_tip_deg"], ground[f"{e}_at"]) for e in ("least", "largest"))
     name = "ground tilt, guaranteed"
-    rows.append([name, *(text for a, at in ends for text in (_angle(a), _words(at)))])
+    rows.append([name, *(text for a, at in ends for text in (_angle(a), posture_text(at)))])
     yield ""
     yield f"over {found['postures']} postures of the sweep{more}"
     yield from aligned(rows)
     where = found["limits"][-1]["largest_at"]
     if where:
-        yield f"best posture: {_words(where)}"
+        yield f"best posture: {posture_text(where)}"

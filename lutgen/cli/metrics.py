@@ -7,9 +7,27 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import RecipeOptions, asks, option, parameter_values, parameters, tilt
+from lutgen.cli.options import (
+    RecipeOptions,
+    asks,
+    option,
+    parameters,
+    posture_source,
+    posture_values,
+    tilt,
+)
 from lutgen.cli.sources import open_recipe
-from lutgen.cli.table import aligned, cell, channel_entries, even, number, show, unit_text
+from lutgen.cli.table import (
+    aligned,
+    by_unit,
+    cell,
+    channel_entries,
+    even,
+    number,
+    posture_text,
+    show,
+    unit_text,
+)
 from lutgen.errors import InputError
 from lutgen.quantities import QUANTITIES
 
@@ -38,7 +56,8 @@ class Asked(RecipeOptions):
 def metrics(recipe: str, asked: Asked) -> None:
     """Print |SD_g|, tip-over angle, static and energy margin, and force-angle of one posture.
 
-    The force-angle measure is that of a weight of 1.  Only the tip-over angle's sign is a verdict.
+    Parameters without -p are at the recipe's `home`, then in the middle of their range.  The
+    force-angle measure is that of a weight of 1.  Only the tip-over angle's sign is a verdict.
     `lutgen plot --kind metrics` draws them.
 
     \b
@@ -51,8 +70,11 @@ def metrics(recipe: str, asked: Asked) -> None:
             f"--tilt must lie between 0 and 180 deg (got {asked.tilt:g}); 20 is the default"
         )
     robot = open_recipe(recipe, asked.allow_python)
-    posture = Posture(robot, parameter_values(robot, asked.assignments))
+    posture = Posture(robot, posture_values(robot, asked.assignments))
     report = metrics_report(posture, asked.tilt, asked.headings)
+    source = posture_source(robot, asked.assignments)
+    if source:
+        report = {**report, "posture": by_unit(robot, posture.params), "posture_from": source}
     show(report, metrics_lines(report), asked.as_json)
 
 
@@ -127,5 +149,7 @@ def metrics_lines(report: dict[str, Any]) -> Iterator[str]:
             held = "yes" if entry.get("holds", True) else "may" if entry["may_hold"] else "no"
             rows[-1].append(held)
     yield f"{report['robot']}: tilted {report['tilt_deg']:g} deg"
+    if "posture_from" in report:
+        yield f"{posture_text(report['posture'])} ({report['posture_from']})"
     widths = [">11", "<9", *(f">{max(len(title), 10)}" for title in columns.values())]
     yield from aligned(rows, [*widths, *([">5"] if rolling else [])])

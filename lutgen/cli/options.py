@@ -152,16 +152,14 @@ class RecipeOptions:
     as_json: bool = as_json()
 
 
-def parameter_values(
-    recipe: "Recipe", assignments: Assignments, outside: str = "used as it is"
-) -> list[float]:
-    """Return the internal values (rad, length) of all parameters, in recipe order.
+def parameter_values(recipe: "Recipe", assignments: Assignments) -> list[float]:
+    """Return the internal values (rad, length) of all parameters, each given, in recipe order.
 
-    A warning says what becomes of a value `outside` the recipe's range.
+    A warning says that a value outside the recipe's range is used as it is.
     """
     units = {p.name: p.display_unit for p in recipe.parameters}
     values = internal_values(recipe.source, units, assignments)
-    _warn(recipe, values, outside)
+    _warn(recipe, values, "used as it is")
     return values
 
 
@@ -182,18 +180,36 @@ def named_values(recipe: "Recipe", assignments: Assignments) -> dict[str, float]
     return _named(recipe.source, [p.name for p in recipe.parameters], assignments)
 
 
-def posture_values(recipe: "Recipe", assignments: Assignments) -> list[float]:
-    """Return the internal values of all parameters: the middle of the range where none is given.
+def posture_values(
+    recipe: "Recipe", assignments: Assignments, outside: str = "used as it is"
+) -> list[float]:
+    """Return the internal values of all parameters: `home` or the middle where none is given.
 
-    A value outside the recipe's range is used as it is, and a warning says so.
+    A warning says what becomes of a value `outside` the recipe's range.
     """
     given = named_values(recipe, assignments)
     values = [
-        p.stored(given[p.name]) if p.name in given else (p.minimum + p.maximum) / 2.0
-        for p in recipe.parameters
+        p.stored(given[p.name]) if p.name in given else value
+        for p, value in zip(recipe.parameters, recipe.home_params, strict=True)
     ]
-    _warn(recipe, values, "used as it is")
+    _warn(recipe, values, outside)
     return values
+
+
+def posture_source(recipe: "Recipe", assignments: Assignments) -> str:
+    """Return where the posture comes from that `posture_values` gives; "" if all of it is given."""
+    given = {name for name, _ in assignments}
+    rest = [p.name for p in recipe.parameters if p.name not in given]
+    home = [name for name in rest if name in recipe.home]
+    middle = [name for name in rest if name not in recipe.home]
+    if not home or not middle:
+        alone = "home" if home else "middle of the range" if middle else ""
+        return (
+            alone
+            if len(rest) == len(recipe.parameters)
+            else alone and f"{alone}: {', '.join(rest)}"
+        )
+    return f"home: {', '.join(home)}; middle of the range: {', '.join(middle)}"
 
 
 def _warn(recipe: "Recipe", values: Sequence[float], outside: str) -> None:

@@ -10,9 +10,11 @@ from lutgen.cli.options import (
     asks,
     convention,
     gravity,
+    log,
     named_values,
     option,
     parameters,
+    posture_source,
     tilt,
 )
 from lutgen.cli.sources import open_source
@@ -56,6 +58,9 @@ def plot(source: str, asked: Asked) -> None:
     metrics  five metrics of stability over all headings at one tilt, one posture
     robot    the body: contacts, support polygon, com, gravity ray, tip-over axes
 
+    What -p leaves out and no axis varies is at the recipe's `home`, then in the middle of its
+    range.
+
     \b
     $ lutgen plot paper_two.h5 -o map.png --kind contour
     """
@@ -65,6 +70,8 @@ def plot(source: str, asked: Asked) -> None:
     opened = open_source(source, asked.allow_python)
     recipe = opened if isinstance(opened, Recipe) else opened.recipe
     axes = tuple(part.strip() for part in asked.axes.split(",")) if asked.axes else None
+    if source := posture_source(recipe, asked.assignments):
+        log.info("parameters without a value: %s", source)
     figure = draw(
         asked.kind,
         opened,

@@ -76,6 +76,16 @@ def by_unit(recipe: "Recipe", params: "NDArray[np.float64]", ending: str = "") -
     return entries
 
 
+def posture_text(posture: dict[str, float]) -> str:
+    """Return a posture as text."""
+    parts = []
+    for key, value in posture.items():
+        name, _, unit = key.rpartition("_")
+        known = unit in ("deg", "rad", "m", "cm", "mm") and name
+        parts.append(f"{name} = {value:.6g} {unit}" if known else f"{key} = {value:.6g}")
+    return ", ".join(parts) or "-"
+
+
 def unit_text(unit: str) -> str:
     """Return what follows a length; those of unit 1 are ratios."""
     return "" if unit == "1" else f" {unit}"

@@ -87,8 +87,8 @@ def draw(kind: str, source: StabilityMap | Recipe, **asked: Unpack[Choices]) -> 
         For a map, `contour` and `surface` draw its nodes and `curve` marks them.  All else, such
         as tip-over boundaries, is evaluated exactly, as everything is for a recipe.
     params : mapping of str to float, optional
-        Parameters in their display unit (deg for angles); the others are in the middle of their
-        range.
+        Parameters in their display unit (deg for angles); the others are at the recipe's `home`,
+        or in the middle of their range.
     gravity : (3,) array_like
         Direction in the body frame, pointing down; not used by `sphere`, `polar` and
         `metrics`.
@@ -146,10 +146,12 @@ def _choose(kind: Kind, source: StabilityMap | Recipe, asked: Choices) -> View:
     params = asked.get("params") or {}
     given = {name: _value(recipe, stability_map, name, v) for name, v in params.items()}
     columns = _columns(kind, recipe, given, asked.get("axes"))
-    middle = [
-        given.get(p.name, sum(limits(recipe, stability_map, i)) / 2.0)
-        for i, p in enumerate(recipe.parameters)
-    ]
+    posture = []
+    for i, p in enumerate(recipe.parameters):
+        low, high = limits(recipe, stability_map, i)
+        home = recipe.home.get(p.name, math.nan)
+        # A map may cover less than the recipe's range.
+        posture.append(given.get(p.name, home if low <= home <= high else (low + high) / 2.0))
     if convention not in CONVENTIONS:
         _refuse("unknown convention", convention, _nearest(convention, CONVENTIONS))
     if convention == "plane":
@@ -160,9 +162,9 @@ def _choose(kind: Kind, source: StabilityMap | Recipe, asked: Choices) -> View:
             _refuse(what, convention, "leave it out")
         if kind.name == "robot":
             # One posture: where gravity points in its body is all there is to know.
-            direction = body_gravity(recipe, np.array([middle]), direction, convention)[0]
+            direction = body_gravity(recipe, np.array([posture]), direction, convention)[0]
     view = View(
-        *(kind.name, recipe, stability_map, np.array(middle), direction, channel, columns),
+        *(kind.name, recipe, stability_map, np.array(posture), direction, channel, columns),
         *(convention, math.radians(tilt)),
     )
     if kind.varies == 2 and stability_map is not None and not view.on_chart():

@@ -29,9 +29,9 @@ SLACK = 1e-9
 class View:
     """The checked options of a figure.
 
-    `params` (k,) float64 is the posture, rad or length, with the middle of the range where the
-    caller gave none; `axes` are the columns that the figure varies; `gravity_dir` (3,) is a unit
-    vector in the frame that `convention` names, see `lutgen.channels.settle`.
+    `params` (k,) float64 is the posture, rad or length, at `home` or in the middle of the range
+    where the caller gave none; `axes` are the columns that the figure varies; `gravity_dir` (3,)
+    is a unit vector in the frame that `convention` names, see `lutgen.channels.settle`.
     `tilt` (rad) is that of a figure over all headings.
     """
 

@@ -1,12 +1,13 @@
 """Text into a recipe, and a recipe into postures.
 
 In reading order: `table`, `key`, `robot_keys`, `keys`, `schema`, `start`, `robot`, `loads`,
-`plugin`, `described`, `gallery`, `recipe`, `merge`, `kinematics`, `size`, `candidates`,
+`plugin`, `described`, `gallery`, `recipe`, `merge`, `kinematics`, `size`, `body`, `candidates`,
 `proposal_text`, `proposal`.
 """
 
 from typing import TYPE_CHECKING, Any
 
+from lutgen.recipe.body import body_parts
 from lutgen.recipe.gallery import GALLERY, gallery_names, gallery_text
 from lutgen.recipe.kinematics import Postures, forward, postures, radii_and_kinds
 from lutgen.recipe.merge import merged_recipe
@@ -26,6 +27,7 @@ __all__ = [
     "LENGTH_UNITS",
     "Postures",
     "Recipe",
+    "body_parts",
     "forward",
     "gallery_names",
     "gallery_text",

@@ -26,6 +26,13 @@ from lutgen.urdf import (
 from lutgen.vector import Floats
 
 MAX_CANDIDATES = 200
+# Share of the com's height.  Of real robots feet, wheels and flippers reach to within 7 % of it,
+# rotors, antennas and sensors stay above it or near it.
+NEAR = 0.25
+# Share of the robot's size by which shapes may be wrong.
+SLACK = 0.01
+# Links that a refusal lists.
+SHOWN = 6
 # Lengths that differ by less than this share of the robot's size are equal: descriptions round
 # their angles (1.570795 for a right angle).
 SAME = 1e-6
@@ -51,24 +58,89 @@ def named_contacts(robot: UrdfRobot, names: Sequence[str]) -> list[Contact]:
 
 
 def proposed_contacts(robot: UrdfRobot, where: Mapping[str, Place]) -> list[Contact]:
-    """Return the spheres and rim discs whose lowest point lies below the com, at rest."""
+    """Return the spheres and rim discs near the ground, in the posture of these places.
+
+    The ground is where the lowest of them is; near are those whose lowest point lies within a
+    quarter of the com's height above it, and all others below the com on the same link.  Where
+    the com is not above these, the robot leans on something else: then those below the com.
+    RecipeError is raised where meshes are lower than all of them, and for more than 200.
+    """
     com = centre_of_mass(robot, where)
-    result = []
+    below: list[tuple[float, Contact]] = []
     for link in robot.links:
         if any(shape.kind in ROUND for shape in link.collisions):
-            turn, origin = where[link.name]
             for contact in link_contacts(link):
-                reach = contact.radius
-                if contact.axis is not None:
-                    reach *= math.sqrt(max(0.0, 1.0 - float(turn[2] @ contact.axis) ** 2))
-                if (origin + turn @ contact.position)[2] - reach < com[2]:
-                    result.append(contact)
+                lowest = _lowest(contact, where[link.name])
+                if lowest < com[2]:
+                    below.append((lowest, contact))
+    ground = min((lowest for lowest, _ in below), default=0.0)
+    if below:
+        _refuse_lower_meshes(robot, where, ground)
+    limit = ground + NEAR * (float(com[2]) - ground)
+    links = {contact.link for lowest, contact in below if lowest <= limit}
+    result = [contact for _, contact in below if contact.link in links]
+    if not _is_above(com, _placed(result, where)[0]):
+        result = [contact for _, contact in below]
     if len(result) > MAX_CANDIDATES:
         raise RecipeError(
             f"{robot.source}: more than {MAX_CANDIDATES} spheres and discs lie below the centre of "
             f"mass (got {len(result)}); name the links that touch the ground with --contact."
         )
     return result
+
+
+def lower_links(
+    robot: UrdfRobot, contacts: Sequence[Contact], where: Mapping[str, Place]
+) -> list[str]:
+    """Return the links whose shapes reach below all contacts: the robot would lie on these.
+
+    Below by more than 1 % of the robot's size, the frame of the root level; links with contacts
+    and meshes do not count.
+    """
+    touching = {contact.link for contact in contacts}
+    ground = min(_lowest(contact, where[contact.link]) for contact in contacts)
+    ground -= SLACK * robot_size(contacts, where)
+    return [
+        link.name
+        for link in robot.links
+        if link.name not in touching
+        and any(_lowest(part, where[link.name]) < ground for part in link_contacts(link))
+    ]
+
+
+def _lowest(contact: Contact, place: Place) -> float:
+    """Return the height of a contact's lowest point in the frame of the root."""
+    turn, origin = place
+    reach = contact.radius
+    if contact.axis is not None:
+        reach *= math.sqrt(max(0.0, 1.0 - float(turn[2] @ contact.axis) ** 2))
+    return float((origin + turn @ contact.position)[2]) - reach
+
+
+def _refuse_lower_meshes(robot: UrdfRobot, where: Mapping[str, Place], ground: float) -> None:
+    """Refuse a proposal that would have the robot stand on its hands: its feet are meshes."""
+    lower = []
+    for link in robot.links:
+        turn, origin = where[link.name]
+        heights = [(origin + turn @ s.origin)[2] for s in link.collisions if s.kind == "mesh"]
+        if min(heights, default=ground) < ground:
+            lower.append((min(heights), link.name))
+    if lower:
+        names = ", ".join(name for _, name in sorted(lower, key=lambda one: one[0])[:SHOWN])
+        raise RecipeError(
+            f"{robot.source}: links with meshes, which are not opened, are below all spheres and "
+            f"cylinders (got {names}); give points on the feet: --contact 'LINK=X,Y,Z[,RADIUS]'."
+        )
+
+
+def _is_above(com: Floats, points: Floats) -> bool:
+    """Return whether points (n, 3) are on all sides of the com, seen from above."""
+    away = points[:, :2] - com[:2]
+    around = np.sort(np.arctan2(away[:, 1], away[:, 0]))
+    if len(around) < 3:
+        return False
+    gaps = np.diff(around, append=around[0] + 2.0 * math.pi)
+    return bool(gaps.max() < math.pi)
 
 
 def unique_names(contacts: Sequence[Contact]) -> list[Contact]:

@@ -3,7 +3,7 @@
 Owns the choice between what is asked for and what is proposed; `proposal_text` writes it.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from lutgen.errors import RecipeError
@@ -11,6 +11,7 @@ from lutgen.parts import Contact
 from lutgen.recipe.candidates import (
     effects,
     inner_contacts,
+    lower_links,
     named_contacts,
     proposed_contacts,
     robot_size,
@@ -19,7 +20,7 @@ from lutgen.recipe.candidates import (
 from lutgen.recipe.proposal_text import carrying_links, recipe_text
 from lutgen.recipe.recipe import Recipe, parse_recipe
 from lutgen.recipe.robot import MAX_CONTACTS
-from lutgen.urdf import Motion, UrdfRobot, places, read_motion, used_shapes
+from lutgen.urdf import ROUND, Motion, UrdfRobot, places, read_motion, used_shapes
 
 # More joints than this are not proposed as parameters: no disk holds their map.
 MAX_PARAMETERS = 10
@@ -45,6 +46,7 @@ def import_urdf(
     contacts: Sequence[str] | None = None,
     given: Sequence[Contact] = (),
     joints: Sequence[str] | None = None,
+    posture: Mapping[str, float] | None = None,
 ) -> Imported:
     """Turn a description into a recipe.
 
@@ -53,13 +55,16 @@ def import_urdf(
     robot : UrdfRobot
         The description; lengths in m.
     contacts : sequence of str, optional
-        Links whose collision shapes touch the ground.  None: if `given` is empty, every sphere
-        and cylinder whose lowest point lies below the com at rest, else none.
+        Links whose collision shapes touch the ground.  None: if `given` is empty, the spheres and
+        cylinders near the ground at rest, else none.
     given : sequence of Contact
         Contacts in the frames of the description's links.
     joints : sequence of str, optional
         Joints that become parameters; None for all that move a contact, or the com by more than
         0.5 % of the robot's size.
+    posture : mapping of str to float, optional
+        Joints at rest, rad or m; 0 for all others, or their limit nearest to it.  The recipe's
+        `home`, and where joints that are no parameters stand.
 
     Returns
     -------
@@ -67,7 +72,7 @@ def import_urdf(
         RecipeError is raised for unknown names, where there are not 3 to 62 contacts, and where
         more than 10 joints would become parameters without being asked for.
     """
-    motion = read_motion(robot, joints)
+    motion = read_motion(robot, joints, posture)
     rest = places(robot, motion)
     links = {link.name for link in robot.links}
     # An unknown link is refused in the same words, whoever names it.
@@ -79,24 +84,54 @@ def import_urdf(
     if len(found) < 3:
         raise _wrong_number(robot, len(found))
     if joints is None:
-        motion = _proposed_motion(robot, motion, found)
+        motion = _proposed_motion(robot, motion, found, posture)
     inner = inner_contacts(robot, motion, found, rest)
     found = unique_names([contact for contact in found if contact not in inner])
     if not 3 <= len(found) <= MAX_CONTACTS:
         raise _wrong_number(robot, len(found))
     text = recipe_text(robot, motion, found)
     recipe = parse_recipe(text, robot.source)
-    return Imported(text, recipe, tuple(_left_out(robot, motion, found, inner)))
+    chosen = contacts is not None or bool(given)
+    left_out = _left_out(robot, motion, found, inner)
+    left_out += [] if chosen else _away(robot, {c.link for c in (*found, *inner)})
+    under = lower_links(robot, [*found, *inner], rest)
+    if under:
+        left_out.append(
+            f"shapes below all contacts, on which it lies in this posture: {_listed(under)}"
+        )
+    return Imported(text, recipe, tuple(left_out))
+
+
+def _away(robot: UrdfRobot, touching: set[str]) -> list[str]:
+    """Return the sentence on round shapes that no contact was proposed for."""
+    away = [
+        link.name
+        for link in robot.links
+        if link.name not in touching and any(s.kind in ROUND for s in link.collisions)
+    ]
+    return [f"spheres and cylinders away from the ground: {_listed(away)}"] if away else []
 
 
 def _wrong_number(robot: UrdfRobot, count: int) -> RecipeError:
+    """Return the refusal of too few or too many contacts, and where too few could be."""
+    way_out = "name the links that touch the ground with --contact"
+    meshes = [link.name for link in robot.links if any(s.kind == "mesh" for s in link.collisions)]
+    if count < 3 and meshes:
+        way_out += (
+            f", and give points on those with meshes, which are not opened ({_listed(meshes)}): "
+            "--contact 'LINK=X,Y,Z[,RADIUS]'"
+        )
     return RecipeError(
-        f"{robot.source}: a robot needs 3 to {MAX_CONTACTS} contacts (got {count}); "
-        "name the links that touch the ground with --contact."
+        f"{robot.source}: a robot needs 3 to {MAX_CONTACTS} contacts (got {count}); {way_out}."
     )
 
 
-def _proposed_motion(robot: UrdfRobot, motion: Motion, contacts: Sequence[Contact]) -> Motion:
+def _proposed_motion(
+    robot: UrdfRobot,
+    motion: Motion,
+    contacts: Sequence[Contact],
+    posture: Mapping[str, float] | None,
+) -> Motion:
     """Hold the joints that hardly matter, and say how much they do."""
     size = robot_size(contacts, places(robot, motion))
     why = {}
@@ -113,7 +148,7 @@ def _proposed_motion(robot: UrdfRobot, motion: Motion, contacts: Sequence[Contac
             f"{robot.source}: more than {MAX_PARAMETERS} joints move contacts or com (got "
             f"{_listed(chosen)}); choose the parameters among them with --joint."
         )
-    result = read_motion(robot, chosen)
+    result = read_motion(robot, chosen, posture)
     result.held.update(why)
     return result
 

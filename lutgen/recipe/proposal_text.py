@@ -30,6 +30,7 @@ def recipe_text(robot: UrdfRobot, motion: Motion, contacts: Sequence[Contact]) -
         'length_unit = "m"',
         "upright = 80.0",
         "rock_angle = 30.0",
+        *_home_lines(motion, parameters, kinds),
         "",
     ]
     for joint, (low, high) in motion.free.items():
@@ -54,6 +55,17 @@ def recipe_text(robot: UrdfRobot, motion: Motion, contacts: Sequence[Contact]) -
         lines += [f"axis = {_vector(contact.axis)}"] if contact.axis else []
         lines += [""]
     return "\n".join([*lines, *_sweep_lines(list(parameters.values())), ""])
+
+
+def _home_lines(
+    motion: Motion, parameters: Mapping[str, str], kinds: Mapping[str, str]
+) -> list[str]:
+    """Return the posture at rest as the recipe's."""
+    values = []
+    for joint in motion.free:
+        unit = "m" if kinds[joint] == "prismatic" else "deg"
+        values.append(f"{parameters[joint]} = {_shown(motion.rest[joint], unit)!r}")
+    return [f"home = {{ {', '.join(values)} }}"] if values else []
 
 
 def carrying_links(robot: UrdfRobot, contacts: Sequence[Contact]) -> set[str]:

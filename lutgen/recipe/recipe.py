@@ -25,6 +25,7 @@ from lutgen.recipe.loads import read_com_uncertainty, read_forces, read_payloads
 from lutgen.recipe.plugin import load_function
 from lutgen.recipe.robot import (
     read_contacts,
+    read_home,
     read_links,
     read_parameters,
     read_wheels,
@@ -50,6 +51,7 @@ class Recipe:
     `urdf` is the content of the robot description that the recipe names.
     Payloads are links; `com_uncertainty` is the radius of the ball in which the com lies.
     `rest_width` and `contact_tolerance` are None where the recipe leaves them to the size.
+    `home` has the parameters of the posture that it stands in, as far as the recipe says.
     """
 
     name: str
@@ -74,6 +76,7 @@ class Recipe:
     com_uncertainty: float = 0.0
     rest_width: float | None = None
     contact_tolerance: float | None = None
+    home: dict[str, float] = field(default_factory=dict)
 
     def __hash__(self) -> int:
         # Of the text alone: the robot is looked up by its recipe in every evaluation.
@@ -88,6 +91,11 @@ class Recipe:
     def contact_names(self) -> tuple[str, ...]:
         """Names of the contacts, in order."""
         return tuple(contact.name for contact in self.contacts)
+
+    @property
+    def home_params(self) -> tuple[float, ...]:
+        """The posture at `home`, rad or length: the middle of the range where it says nothing."""
+        return tuple(self.home.get(p.name, (p.minimum + p.maximum) / 2.0) for p in self.parameters)
 
     @property
     def has_wrench(self) -> bool:
@@ -170,6 +178,7 @@ def parse_recipe(
     rest_width = _read_length(robot, "rest_width", "leave it out for 1 % of the size")
     tolerance = _read_length(robot, "contact_tolerance", "leave it out for 1e-4 of the size")
     parameters = read_parameters(robot, length_unit)
+    home = read_home(robot, parameters)
     python = robot.string("python", "write module:function") if "python" in robot else None
     sweep = root.table("sweep", names("sweep"), "add a [sweep] table")
     grid = _read_grid(sweep, parameters)
@@ -225,6 +234,7 @@ def parse_recipe(
         com_uncertainty,
         rest_width,
         tolerance,
+        home,
     )
     undefined = [name for name in UNLOADED if name in channels]
     if recipe.loaded and undefined:

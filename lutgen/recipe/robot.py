@@ -63,6 +63,23 @@ def read_parameters(robot: Table, length_unit: str) -> tuple[Parameter, ...]:
     return tuple(result)
 
 
+def read_home(robot: Table, parameters: tuple[Parameter, ...]) -> dict[str, float]:
+    """Read `home`, the posture to stand in: values (rad or length) of some or all parameters."""
+    if "home" not in robot:
+        return {}
+    names = [p.name for p in parameters]
+    table = robot.table("home", names, "write home = { name = value }")
+    result = {}
+    for p in parameters:
+        if p.name in table:
+            number = table.number(p.name, f"write a number in {p.display_unit}")
+            result[p.name] = p.stored(number)
+            if not p.minimum <= result[p.name] <= p.maximum:
+                what = "lies outside the parameter's min and max"
+                table.fail(p.name, what, number, "widen the limits or correct the posture")
+    return result
+
+
 def read_links(robot: Table, parameters: tuple[Parameter, ...]) -> tuple[Link, ...]:
     """Read ``[[robot.link]]``; "body" comes first unless the recipe declares it itself."""
     tables = robot.tables("link", names("robot.link"))

@@ -77,6 +77,14 @@ ROBOT: dict[str, tuple[Key, ...]] = {
             costs="no `energy_margin`; export by `contacts` alone, with a wider guard",
         ),
         Key(
+            "home",
+            "values",
+            "The posture to stand in: of some parameters or all the value, within its range.",
+            "{ lift = 20.0 }",
+            default="the middle of each range",
+            unit="its `unit`",
+        ),
+        Key(
             "urdf",
             "text",
             "A robot description beside the recipe, instead of links; its lengths are in m.",

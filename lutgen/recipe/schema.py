@@ -32,6 +32,7 @@ TYPES: dict[str, Schema] = {
     "direction": {**THREE, "contains": {"not": {"const": 0}}},
     "names": {"type": "array", "minItems": 1, "uniqueItems": True},
     "quantity": {"type": ["string", "number"]},
+    "values": {"type": "object", "additionalProperties": {"type": "number"}},
     "samples": {"type": "object", "additionalProperties": {"anyOf": [NODES, KNOTS]}},
 }
 

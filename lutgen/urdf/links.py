@@ -58,16 +58,14 @@ def places(
 ) -> dict[str, Place]:
     """Place every link: rotation (3, 3) and origin (3,) in the frame of the root, m.
 
-    Free joints without one of the `values` (rad or m) stand at zero, or at their limit nearest to
-    zero.
+    Free joints without one of the `values` (rad or m) stand where they are at rest.
     """
     result: dict[str, Place] = {robot.root: (np.eye(3), np.zeros(3))}
     for joint in downwards(robot):
         drive = motion.drive(joint.name)
         value = drive.offset
         if drive.by is not None:
-            low, high = motion.free[drive.by]
-            value += drive.scale * (values or {}).get(drive.by, min(max(0.0, low), high))
+            value += drive.scale * (values or motion.rest).get(drive.by, motion.rest[drive.by])
         turn, where = result[joint.parent]
         own, origin = _moved(joint, value)
         result[joint.child] = turn @ own, where + turn @ origin

@@ -5,8 +5,8 @@ or m.  What a joint moves is not known here.
 """
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 from lutgen.errors import RecipeError, suggestion
 from lutgen.urdf.read import LARGEST, UrdfJoint, UrdfRobot
@@ -25,18 +25,26 @@ class Drive:
 
 @dataclass(frozen=True)
 class Motion:
-    """Limits of the free joints, the drive of every joint that is not fixed, and why some hold."""
+    """Limits of the free joints, the drive of every joint that is not fixed, and why some hold.
+
+    `rest` has the free joints' values at rest.
+    """
 
     free: dict[str, tuple[float, float]]
     drives: dict[str, Drive]
     held: dict[str, str]
+    rest: dict[str, float] = field(default_factory=dict)
 
     def drive(self, joint: str) -> Drive:
         """Return what drives a joint; a fixed one stands at 0."""
         return self.drives.get(joint, Drive(None, 0.0, 0.0))
 
 
-def read_motion(robot: UrdfRobot, chosen: Sequence[str] | None = None) -> Motion:
+def read_motion(
+    robot: UrdfRobot,
+    chosen: Sequence[str] | None = None,
+    posture: Mapping[str, float] | None = None,
+) -> Motion:
     """Sort the joints.
 
     Parameters
@@ -46,14 +54,19 @@ def read_motion(robot: UrdfRobot, chosen: Sequence[str] | None = None) -> Motion
     chosen : sequence of str, optional
         The free joints; None for all that can be.  A joint that cannot be free raises
         RecipeError.
+    posture : mapping of str to float, optional
+        Values at rest (rad or m), 0 for joints that it does not name; those of joints that mimic
+        others do not count.
 
     Returns
     -------
     Motion
         A joint that turns by 360 deg or more, or without limits, has -180 to 180 deg.  The limits
-        of joints that mimic a free one bound it too.  A held joint stands at zero, or at its
-        limit nearest to zero; what mimics it stands where that puts it.
+        of joints that mimic a free one bound it too.  At rest a joint has the value of the
+        posture, or its limit nearest to that; a held one stands there, and what mimics it
+        where that puts it.
     """
+    posture = posture or {}
     leaders = _leaders(robot)
     ranges: dict[str, tuple[float, float]] = {}
     for joint in robot.joints:
@@ -73,16 +86,23 @@ def read_motion(robot: UrdfRobot, chosen: Sequence[str] | None = None) -> Motion
             drives[joint.name] = Drive(leader.name, scale, offset)
         else:
             held[joint.name] = why
-            rest = min(max(0.0, leader.lower), leader.upper) if leader.kind != "fixed" else 0.0
+            rest = 0.0
+            if leader.kind != "fixed":
+                rest = min(max(posture.get(leader.name, 0.0), leader.lower), leader.upper)
             drives[joint.name] = Drive(None, 0.0, scale * rest + offset)
-    free = {}
+    free, at_rest = {}, {}
     for name, drive in drives.items():
         if drive.by == name:
             low, high = ranges[name]
-            whole = leaders[name][0].kind != "prismatic" and high - low >= TURN
-            free[name] = (-math.pi, math.pi) if whole else (low, high)
+            value = posture.get(name, 0.0)
+            if leaders[name][0].kind != "prismatic" and high - low >= TURN:
+                low, high = -math.pi, math.pi
+                # The same way round: such a joint comes back to where it was.
+                value = math.remainder(value, TURN)
+            free[name] = low, high
+            at_rest[name] = min(max(value, low), high)
     _check_chosen(robot, chosen or (), free, held)
-    return Motion(free, drives, held)
+    return Motion(free, drives, held, at_rest)
 
 
 def _leaders(robot: UrdfRobot) -> dict[str, tuple[UrdfJoint, float, float]]:

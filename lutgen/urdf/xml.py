@@ -45,6 +45,7 @@ def parse_xml(content: bytes, source: str) -> Element:
     parser.StartDoctypeDeclHandler = doctype
     parser.StartElementHandler = start
     parser.EndElementHandler = end
+    parser.CharacterDataHandler = builder.data
     try:
         parser.Parse(content, True)
     except (expat.ExpatError, LookupError, ValueError) as error:

@@ -330,8 +330,6 @@ BAD: dict[str, tuple[int, tuple[str, ...], str]] = {
     "eval of nothing": (2, ("eval", "none.h5", *POINT), "none.h5"),
     "eval of damage": (2, ("eval", "damaged.h5", *POINT), "damaged"),
     "eval of a text file": (2, ("eval", "text.h5", *POINT), "text.h5"),
-    "eval without parameters": (2, ("eval", "tripod.toml"), "-p reach="),
-    "eval with one parameter": (2, ("eval", "tripod.h5", "-p", "reach=1"), "swing"),
     "eval with an unknown one": (2, ("eval", "tripod.h5", *POINT, "-p", "beta=1"), "beta"),
     "eval with one twice": (2, ("eval", "tripod.h5", *POINT, "-p", "reach=1"), "twice"),
     "eval with no number": (2, ("eval", "tripod.h5", "-p", "reach=far"), "reach=far"),

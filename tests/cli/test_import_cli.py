@@ -37,6 +37,7 @@ def test_without_options_wheels_and_the_joints_that_matter_are_found(folder: Pat
     # By hand: at rest the mast is at its lower limit: (20 * 0.1 + 2 * (0.5 + 0.1)) / 26.
     assert report["com"] == pytest.approx([(0.7 - 0.5) / 26, 0.0, 3.2 / 26])
     assert report["parameters"] == ["arms", "lift"]
+    assert report["posture"].endswith("(no SRDF file names one)")
     # The inner rims of the rear wheels lie between the outer ones; the arms move.
     assert report["contacts"] == [
         *("left_arm_1", "left_arm_2", "right_arm_1", "right_arm_2"),
@@ -102,7 +103,7 @@ def test_names_that_toml_or_the_map_cannot_take_are_changed(folder: Path) -> Non
     assert recipe.name == '<a> "'
     assert [link.name for link in recipe.links] == ["body", "body_0", "a'b", "c"]
     assert [p.name for p in recipe.parameters] == ["joint_u", "joint_1_2"]
-    assert len(said.splitlines()) == 4
+    assert len(said.splitlines()) == 5
 
 
 @pytest.mark.parametrize(

@@ -134,7 +134,7 @@ def test_other_defaults_are_words_and_these() -> None:
     # Those of the size are compared with what a recipe gets by the test of the page.
     words = {named(row) for row in ROWS if row[1].default and row[1].default_value is None}
     assert {name for name in words if "needed" not in key_of(name).default} == {
-        *("export", "export.flash", "export.max_error"),
+        *("export", "export.flash", "export.max_error", "robot.home"),
         *("robot.friction", "robot.rest_width", "robot.contact_tolerance"),
         *("robot.urdf", "robot.python", "robot.parameter.joint", "robot.link.joint"),
         *("robot.contact.axis", "robot.wheel.axis", "robot.wheel.radius", "robot.wheel.rollers"),
@@ -161,6 +161,7 @@ def test_a_row_is_complete_and_its_example_is_a_value_of_its_type(row: tuple[str
         "true or false": bool,
         "quantity": str,
         "samples": dict,
+        "values": dict,
         "table": dict,
     }
     assert isinstance(value, kinds.get(key.type, list))

@@ -2,7 +2,6 @@
 
 import math
 import random
-import re
 import time
 from pathlib import Path
 
@@ -13,7 +12,7 @@ from lutgen.recipe.proposal import import_urdf
 from lutgen.urdf.motion import read_motion
 from lutgen.urdf.read import Mimic, UrdfRobot, load_urdf, parse_urdf
 from tests.fixtures.places import VECTORS
-from tests.fixtures.robots import collision, joint, link, real, robot
+from tests.fixtures.robots import broken, collision, joint, link, real, robot
 
 PAIR = link("base", 2.0) + link("arm", 1.0)
 
@@ -233,25 +232,6 @@ def test_five_thousand_mimics_in_a_row_are_followed_in_seconds_and_a_circle_is_r
     assert {drive.by for drive in found.drives.values()} == {f"j{count - 1}"}
     circle = last.replace("</joint>", '<mimic joint="j0"/></joint>')
     assert "mimics itself" in refusal(robot(links, joints, circle))
-
-
-ODD = ("nan", "-1", "1e999", "", "base", "left_arm", "arms", "0 0 0", "fixed", "\x00", "é", "&lt;")
-
-
-def broken(rng: random.Random, text: str) -> bytes:
-    """Return a description with a few random faults, from single bits to whole elements."""
-    for _ in range(rng.randint(1, 3)):
-        kind = rng.randrange(10)
-        # Attribute values first, since most other faults end in the XML parser.
-        pattern = r"(?<==\")[^\"]*" if kind < 7 else r"<[^<>]*>"
-        places = [match.span() for match in re.finditer(pattern, text)]
-        (low, high), (first, last) = rng.choice(places), rng.choice(places)
-        other = rng.choice(ODD) if kind in (0, 1, 2) else text[first:last]
-        text = text[:low] + ("" if kind == 9 else other) + text[high:]
-    raw = bytearray(text.encode())
-    if rng.random() < 0.1:
-        raw[rng.randrange(len(raw))] ^= 1 << rng.randrange(8)
-    return bytes(raw)
 
 
 def test_no_fault_ever_leaves_the_reader_as_anything_but_a_recipe_error() -> None:

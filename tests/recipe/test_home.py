@@ -1,0 +1,173 @@
+"""The key `home`: what it may hold, and which commands and figures stand there."""
+
+import hashlib
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lutgen
+from lutgen.errors import RecipeError
+from lutgen.plot import draw
+from tests.fixtures.commands import data
+from tests.fixtures.commands import stdout as said_by
+from tests.fixtures.places import MAPS, VECTORS
+from tests.fixtures.recipes import tripod
+from tests.fixtures.robots import collision, link
+
+WHOLE = "home = { reach = 0.1, swing = 20 }"
+HALF = "home = { swing = 20 }"
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    """Return a recipe file with a `home`."""
+    file = tmp_path / "tripod.toml"
+    file.write_text(tripod(head=WHOLE), encoding="utf-8")
+    return file
+
+
+def test_home_becomes_radians_and_the_middle_fills_what_it_leaves_out() -> None:
+    recipe = lutgen.parse_recipe(tripod(head=WHOLE))
+    assert recipe.home == {"reach": 0.1, "swing": math.radians(20.0)}
+    assert recipe.home_params == (0.1, math.radians(20.0))
+    half = lutgen.parse_recipe(tripod(head=HALF))
+    assert half.home_params == (0.3, math.radians(20.0))
+    none = lutgen.parse_recipe(tripod())
+    assert none.home == {}
+    # The middle is that of the two ends in rad, which rounds otherwise than 5 deg.
+    assert none.home_params == pytest.approx((0.3, math.radians(5.0)), rel=1e-15)
+
+
+def test_the_ends_of_a_range_are_in_it() -> None:
+    for reach, swing in ((0.0, -40.0), (0.6, 50.0)):
+        home = f"home = {{ reach = {reach}, swing = {swing} }}"
+        recipe = lutgen.parse_recipe(tripod(head=home))
+        assert recipe.home_params == (reach, math.radians(swing))
+
+
+@pytest.mark.parametrize(
+    ("home", "said"),
+    [
+        ("home = { swong = 1 }", "did you mean 'swing'"),
+        ("home = { swing = 50.1 }", "`robot.home.swing`: lies outside the parameter's min and max"),
+        ("home = { reach = -1e-9 }", "`robot.home.reach`: lies outside"),
+        ('home = { swing = "up" }', "must be a number"),
+        ("home = { swing = nan }", "must be finite"),
+        ("home = [1, 2]", "must be a table"),
+        ('home = "stand"', "must be a table"),
+    ],
+)
+def test_a_home_that_cannot_be_is_refused(home: str, said: str) -> None:
+    with pytest.raises(RecipeError) as caught:
+        lutgen.parse_recipe(tripod(head=home), "r.toml")
+    assert str(caught.value).startswith("r.toml: key `robot.home")
+    assert said in str(caught.value)
+
+
+def test_a_recipe_without_home_keeps_its_digest() -> None:
+    # Of the text alone, as it was written down before there was the key.
+    text = (MAPS / "paper_two.toml").read_text(encoding="utf-8")
+
+    assert lutgen.parse_recipe(text).digest == hashlib.sha256(text.encode()).hexdigest()
+    with_home = lutgen.parse_recipe(tripod(head=WHOLE))
+    assert with_home.digest != lutgen.parse_recipe(tripod(head=HALF)).digest
+
+
+def test_eval_limits_and_metrics_stand_at_home_and_say_so(path: Path) -> None:
+    there = ("-p", "reach=0.1", "-p", "swing=20")
+    found, given = data("eval", path), data("eval", path, *there)
+    assert found.pop("posture_from") == "home"
+    assert found.pop("posture") == {"reach_m": 0.1, "swing_deg": pytest.approx(20.0)}
+    assert found == given
+    assert "posture        reach = 0.1 m, swing = 20 deg (home)" in said_by("eval", path)
+    found, given = data("limits", path), data("limits", path, *there)
+    assert (found.pop("posture_from"), given.pop("posture_from")) == ("home", "given")
+    assert found == given
+    assert "reach = 0.1 m, swing = 20 deg (home)\n" in said_by("limits", path)
+    found, given = data("metrics", path), data("metrics", path, *there)
+    assert found.pop("posture_from") == "home"
+    del found["posture"]
+    assert found == given
+
+
+def test_what_is_given_comes_first_and_the_middle_last(path: Path) -> None:
+    path.write_text(tripod(head=HALF), encoding="utf-8")
+    mixed = data("eval", path)
+    assert mixed["posture_from"] == "home: swing; middle of the range: reach"
+    assert mixed["posture"]["reach_m"] == pytest.approx(0.3)
+    assert data("eval", path, "-p", "swing=0")["posture_from"] == "middle of the range: reach"
+    assert data("eval", path, "-p", "reach=0")["posture_from"] == "home: swing"
+    path.write_text(tripod(), encoding="utf-8")
+    assert data("limits", path)["posture_from"] == "middle of the range"
+
+
+def test_a_figure_of_the_robot_is_drawn_at_home() -> None:
+    home, plain = (lutgen.parse_recipe(tripod(head=head)) for head in (WHOLE, "friction = 0.8"))
+
+    def points(figure: object) -> list[np.ndarray]:
+        axes = figure.axes[0]  # type: ignore[attr-defined]
+        return [np.array(line.get_data_3d()) for line in axes.lines]
+
+    there = points(draw("robot", home))
+    wanted = points(draw("robot", plain, params={"reach": 0.1, "swing": 20.0}))
+    assert len(there) == len(wanted) > 0
+    assert all(np.array_equal(a, b) for a, b in zip(there, wanted, strict=True))
+
+
+def test_check_is_silent_where_the_robot_stands_at_home(path: Path) -> None:
+    assert data("check", path)["warnings"] == []
+
+
+def test_check_warns_where_the_robot_lies_on_its_body_at_home(
+    path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    belly = '[[robot.link]]\nname = "belly"\nparent = "body"\nmass = 0.5\ncom = [0.0, 0.0, -1.5]\n'
+    text = path.read_text(encoding="utf-8")
+    text = text.replace("[[robot.contact]]", f"{belly}[[robot.contact]]", 1)
+    path.write_text(text, encoding="utf-8")
+    (warning,) = data("check", path)["warnings"]
+    assert "lies on its body" in warning
+    assert "belly 0." in warning
+    assert "body 0" not in warning
+    assert warning in caplog.text
+    # Without `home` nobody said that it stands there.
+    path.write_text(text.replace(WHOLE, ""), encoding="utf-8")
+    assert data("check", path)["warnings"] == []
+
+
+def test_check_warns_where_the_robot_tips_at_home(path: Path) -> None:
+    # With the leg drawn in, the centre of mass is ahead of it; stretched out the robot stands.
+    text = tripod(head="home = { reach = 0.0, swing = 0.0 }")
+    path.write_text(text.replace("com = [0.02, 0.03, 0.1]", "com = [0.95, 0, 0.1]"))
+    (warning,) = data("check", path)["warnings"]
+    assert "tips over on level ground" in warning
+
+
+def test_shapes_of_a_description_are_body_too(tmp_path: Path) -> None:
+    # A ball under the chassis of the rover, so large that it reaches through the ground.
+    urdf = (VECTORS / "rover.urdf").read_text(encoding="utf-8")
+    chassis = '<link name="chassis">'
+    assert chassis in urdf
+    ball = collision('sphere radius="0.3"')
+    box = link("keel", inside=ball)
+    fixed = (
+        '<joint name="keel_fixed" type="fixed"><parent link="chassis"/><child link="keel"/></joint>'
+    )
+    (tmp_path / "robot.urdf").write_text(urdf.replace(chassis, box + fixed + chassis))
+    recipe = tmp_path / "named.toml"
+    links = ("left_arm", "right_arm", "left_wheel", "right_wheel")
+    recipe.write_text(
+        '[robot]\nname = "rover"\nlength_unit = "m"\nurdf = "robot.urdf"\nhome = { arms = 0 }\n'
+        '[[robot.parameter]]\nname = "arms"\nmin = -45.0\nmax = 45.0\nunit = "deg"\n'
+        + "".join(f'[[robot.contact]]\nlink = "{name}"\n' for name in links)
+        + '[sweep]\nsamples = { arms = 3 }\n[sweep.gravity]\nchart = "cone"\nmax_tilt = 50.0\n'
+        'nodes = 5\nchannels = ["sdg"]\n'
+    )
+    (warning,) = json.loads(said_by("check", recipe, "--json"))["warnings"]
+    # Wheels of 0.1 m about the chassis' origin, a ball of 0.3 m there.
+    assert "keel 0.2 m" in warning
+    (tmp_path / "robot.urdf").write_text(urdf)
+    assert data("check", recipe)["warnings"] == []

@@ -1,0 +1,192 @@
+"""Where packages are looked for, and ten xacro files that include over them."""
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+import lutgen
+from lutgen.errors import RecipeError
+from lutgen.urdf.packages import Packages
+from lutgen.urdf.xacro import load_xacro
+from tests.fixtures.commands import run
+from tests.fixtures.commands import stdout as good
+from tests.fixtures.places import VECTORS
+
+SHARE = VECTORS / "xacro" / "share"
+ROBOTS = VECTORS / "xacro" / "robots"
+NAMES = ("wheels_common", "legs_description", "arm_description")
+GIVEN = [part for name in NAMES for part in ("--package", f"{name}={SHARE / name}")]
+# Mass in kg and moving joints, by hand from the macros, and the first package that is asked for.
+EXPECTED = {
+    "cart": (10 + 4, 4, "wheels_common"),
+    "six_wheels": (10 + 6, 6, "wheels_common"),
+    "crane": (10 + 4 + 4 + 0.5, 5, "wheels_common"),
+    "choice": (10 + 4, 4, "wheels_common"),
+    "quadruped": (10 + 4 * 1.3, 8, "legs_description"),
+    "tripod": (10 + 3 * 1.2, 6, "legs_description"),
+    "sized": (6 + 4 * 1.3, 8, "legs_description"),
+    "named_apart": (10 + 2 + 0.3, 2, "wheels_common"),
+    "meshes_apart": (10 + 4 + 2, 4, "wheels_common"),
+    "everything": (10 + 2 + 1.3 + 4 + 0.5, 5, "wheels_common"),
+}
+
+
+@pytest.fixture(autouse=True)
+def no_ros(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Take the variables of an installed ROS away."""
+    for name in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH", "ROS_ROOT"):
+        monkeypatch.delenv(name, raising=False)
+
+
+@pytest.mark.parametrize("name", EXPECTED)
+def test_ten_files_are_imported_with_their_packages_given(name: str, tmp_path: Path) -> None:
+    file, recipe = ROBOTS / f"{name}.xacro", tmp_path / "robot.toml"
+    report = json.loads(good("import", "-x", file, "-o", recipe, *GIVEN, "--json"))
+    mass, joints, _ = EXPECTED[name]
+    assert report["mass"] == pytest.approx(mass, rel=1e-12)
+    robot = load_xacro(file, {package: SHARE / package for package in NAMES})
+    assert sum(joint.kind != "fixed" for joint in robot.joints) == joints
+    assert lutgen.load_recipe(recipe).name == name
+
+
+@pytest.mark.parametrize("name", EXPECTED)
+def test_without_them_one_sentence_names_the_package_and_the_option(
+    name: str, tmp_path: Path
+) -> None:
+    result = run("import", "-x", ROBOTS / f"{name}.xacro", "-o", tmp_path / "robot.toml")
+    assert result.exit_code == 2
+    package = EXPECTED[name][2]
+    assert f"package {package!r} was not found" in result.stderr
+    assert f"--package {package}=FOLDER" in result.stderr
+    assert len(result.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize("name", EXPECTED)
+@pytest.mark.parametrize(
+    ("variable", "value"),
+    [
+        ("ROS_PACKAGE_PATH", SHARE),
+        ("ROS_PACKAGE_PATH", VECTORS / "xacro"),
+        ("AMENT_PREFIX_PATH", VECTORS / "xacro"),
+    ],
+)
+def test_without_them_the_environment_is_enough(
+    name: str, variable: str, value: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(variable, f"/nowhere:{value}")
+    robot = load_xacro(ROBOTS / f"{name}.xacro")
+    assert sum(link.mass for link in robot.links) == pytest.approx(EXPECTED[name][0], rel=1e-12)
+
+
+@pytest.mark.parametrize("name", EXPECTED)
+def test_without_them_the_folders_above_the_file_are_enough(name: str, tmp_path: Path) -> None:
+    # A workspace as it is checked out: the file in one package, the others beside that.
+    shutil.copytree(SHARE, tmp_path / "src")
+    file = tmp_path / "src" / "legs_description" / "robots" / "robot.xacro"
+    file.parent.mkdir()
+    shutil.copy(ROBOTS / f"{name}.xacro", file)
+    robot = load_xacro(file)
+    assert sum(link.mass for link in robot.links) == pytest.approx(EXPECTED[name][0], rel=1e-12)
+
+
+def test_arguments_choose_what_conditionals_leave(tmp_path: Path) -> None:
+    packages = {name: SHARE / name for name in NAMES}
+
+    def links(name: str, **arguments: str) -> set[str]:
+        found = load_xacro(ROBOTS / f"{name}.xacro", packages, arguments)
+        return {link.name for link in found.links}
+
+    assert links("six_wheels") - links("six_wheels", wheels="4") == {"ml", "mr"}
+    assert links("crane") - links("crane", tool="none") == {"hook"}
+    assert {"front_foot", "left_foot"} <= links("choice", on="legs")
+    said = good(
+        *("import", "-x", ROBOTS / "choice.xacro", "-o", tmp_path / "robot.toml", *GIVEN),
+        *("--arg", "on=legs"),
+    )
+    assert "front_foot" in said
+
+
+def test_what_is_given_comes_before_what_is_found(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for place in ("given", "ros/a", "ament/share/a", "a"):
+        (tmp_path / place).mkdir(parents=True)
+        (tmp_path / place / "package.xml").write_text("<package><name>a</name></package>")
+    start = tmp_path / "a" / "urdf"
+    start.mkdir()
+    monkeypatch.setenv("AMENT_PREFIX_PATH", str(tmp_path / "ament"))
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path / "ros"))
+    assert Packages(start, {"a": tmp_path / "given"}).find("a") == tmp_path / "given"
+    assert Packages(start).find("a") == tmp_path / "ros" / "a"
+    monkeypatch.delenv("ROS_PACKAGE_PATH")
+    assert Packages(start).find("a") == tmp_path / "ament" / "share" / "a"
+    monkeypatch.delenv("AMENT_PREFIX_PATH")
+    assert Packages(start).find("a") == tmp_path / "a"
+
+
+def test_a_package_is_known_by_its_file_or_by_the_name_of_a_folder_above(tmp_path: Path) -> None:
+    (tmp_path / "checkout-of-a" / "urdf").mkdir(parents=True)
+    xml = tmp_path / "checkout-of-a" / "package.xml"
+    xml.write_text("<package><name> a </name></package>")
+    assert Packages(xml.parent / "urdf").find("a") == xml.parent
+    # Without a package.xml that says so, a folder above the file is what it is called.
+    assert Packages(xml.parent / "urdf").find("checkout-of-a") == xml.parent
+    for broken in ("", "<package>", "<package/>", "\0"):
+        xml.write_text(broken)
+        assert Packages(xml.parent / "urdf").find("a") is None
+    for name in ("", ".", "..", "a/b", "../urdf"):
+        assert Packages(xml.parent / "urdf").find(name) is None
+
+
+@pytest.mark.parametrize(
+    ("inside", "said"),
+    [
+        ("<xacro:include filename='none.xacro'/>", "none.xacro"),
+        ("<xacro:nothing/>", "nothing"),
+        ("<link name='${length + 1}'/>", "name 'length' is not defined"),
+        ("<link name='$(arg side)'/>", "side"),
+        ("<xacro:if value='maybe'/>", "maybe"),
+        ("<xacro:include filename='$(find ..)/a'/>", "package '..' was not found"),
+    ],
+)
+def test_a_macro_that_fails_is_refused_with_its_cause(
+    inside: str, said: str, tmp_path: Path
+) -> None:
+    file = tmp_path / "robot.xacro"
+    file.write_text(f'<robot name="a" xmlns:xacro="http://www.ros.org/wiki/xacro">{inside}</robot>')
+    with pytest.raises(RecipeError) as caught:
+        load_xacro(file)
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("--package", "a"), "write NAME=DIR"),
+        (("--package", "=."), "write NAME=DIR"),
+        (("--package", "a=/nowhere"), "is in no folder that there is"),
+        (("--arg", "a"), "write NAME=VALUE"),
+    ],
+)
+def test_options_that_say_nothing_are_refused(
+    arguments: tuple[str, ...], said: str, tmp_path: Path
+) -> None:
+    out = tmp_path / "robot.toml"
+    result = run("import", "-x", ROBOTS / "cart.xacro", "-o", out, *arguments)
+    assert (result.exit_code, said in result.stderr) == (2, True)
+    urdf = run("import", VECTORS / "rover.urdf", "-o", out, "--package", f"a={tmp_path}")
+    assert (urdf.exit_code, "is for .xacro files" in urdf.stderr) == (2, True)
+
+
+def test_a_robot_on_meshes_alone_is_refused_with_the_cause(tmp_path: Path) -> None:
+    file = tmp_path / "robot.urdf"
+    file.write_text(
+        '<robot name="a"><link name="base"><inertial><mass value="1"/></inertial><collision>'
+        '<geometry><mesh filename="package://a/b.dae"/></geometry></collision></link></robot>'
+    )
+    result = run("import", file, "-o", tmp_path / "robot.toml")
+    assert result.exit_code == 2
+    assert "points on those with meshes, which are not opened (base)" in result.stderr

@@ -1,0 +1,313 @@
+"""Postures: read from SRDF, chosen by name, given by joint, and what stands in them."""
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+
+import lutgen
+from lutgen.errors import InputError, RecipeError
+from lutgen.urdf import (
+    centre_of_mass,
+    joint_values,
+    load_srdf,
+    parse_urdf,
+    places,
+    read_motion,
+    srdf_beside,
+)
+from tests.fixtures.commands import run
+from tests.fixtures.commands import stdout as good
+from tests.fixtures.robots import collision, joint, link, robot
+
+LEGS = ("lf", "rf", "lh", "rh")
+KNEE = '<axis xyz="0 1 0"/><limit lower="-2.5" upper="-0.5"/>'
+HIP = '<axis xyz="0 1 0"/><limit lower="-1.5" upper="1.5"/>'
+
+
+def quadruped(thigh: float = 0.3, shank: float = 0.3) -> str:
+    """Return a robot of four legs, each with a rotor at the hip and a head with a sensor."""
+    parts = [link("base", 10.0, "0 0 0.02")]
+    for i, leg in enumerate(LEGS):
+        place = f"{0.25 if i < 2 else -0.25} {0.15 if i % 2 == 0 else -0.15} 0"
+        rotor = collision('cylinder radius="0.03" length="0.02"', "0 0 -0.05")
+        parts += [
+            link(f"{leg}_thigh", 1.0, f"0 0 {-thigh / 2}", rotor),
+            joint(f"{leg}_hip", "revolute", "base", f"{leg}_thigh", HIP, place),
+            link(
+                f"{leg}_foot", 0.2, "0 0 -0.1", collision('sphere radius="0.02"', f"0 0 {-shank}")
+            ),
+            joint(f"{leg}_knee", "revolute", f"{leg}_thigh", f"{leg}_foot", KNEE, f"0 0 {-thigh}"),
+        ]
+    parts += [
+        link("lidar", 0.5, inside=collision('cylinder radius="0.05" length="0.1"')),
+        joint("lidar_mount", "fixed", "base", "lidar", xyz="0.3 0 -0.02"),
+    ]
+    return robot(*parts, name="quadruped")
+
+
+def state(name: str, hip: float, knee: float, more: str = "") -> str:
+    """Return a <group_state> of all legs."""
+    values = "".join(
+        f'<joint name="{leg}_hip" value="{hip}"/><joint name="{leg}_knee" value="{knee}"/>'
+        for leg in LEGS
+    )
+    return f'<group_state name="{name}" group="all">{values}{more}</group_state>'
+
+
+def srdf(*states: str) -> str:
+    """Return a whole SRDF."""
+    head = '<?xml version="1.0"?>\n<robot name="quadruped"><group name="all"/>'
+    return f"{head}{''.join(states)}</robot>"
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return a folder with the quadruped and an SRDF, made the working folder."""
+    (tmp_path / "dog.urdf").write_text(quadruped(), encoding="utf-8")
+    free = '<joint name="root_joint" value="0 0 1 0 0 0 1"/>'
+    text = srdf(state("sit", 1.2, -2.4), state("standing", 0.6, -1.2, free))
+    (tmp_path / "dog.srdf").write_text(text, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_an_srdf_beside_the_description_says_how_the_robot_stands(folder: Path) -> None:
+    report = json.loads(good("import", "dog.urdf", "-o", "dog.toml", "--json"))
+    assert report["posture"] == "standing of dog.srdf"
+    recipe = lutgen.load_recipe("dog.toml")
+    # 12 digits of a degree are 2e-14 rad.
+    assert recipe.home == pytest.approx(
+        {f"{leg}_{part}": value for leg in LEGS for part, value in (("hip", 0.6), ("knee", -1.2))},
+        abs=1e-13,
+    )
+    assert recipe.home_params == tuple(recipe.home[p.name] for p in recipe.parameters)
+
+
+def test_contacts_are_those_near_the_ground_and_the_others_are_listed(folder: Path) -> None:
+    report = json.loads(good("import", "dog.urdf", "-o", "dog.toml", "--json"))
+    assert report["contacts"] == [f"{leg}_foot" for leg in LEGS]
+    away = [f"{leg}_thigh" for leg in LEGS]
+    assert (
+        f"spheres and cylinders away from the ground: {', '.join(away)}, lidar"
+        in (report["left_out"])
+    )
+
+
+def test_a_robot_whose_feet_are_meshes_does_not_stand_on_its_rotors(folder: Path) -> None:
+    sole = '<collision><origin xyz="0 0 -0.3"/><geometry><mesh filename="f.dae"/></geometry>'
+    ball = collision('sphere radius="0.02"', "0 0 -0.3")
+    text = quadruped()
+    assert text.count(ball) == 4
+    Path("dog.urdf").write_text(text.replace(ball, f"{sole}</collision>"))
+    result = run("import", "dog.urdf", "-o", "dog.toml")
+    assert result.exit_code == 2
+    assert "(got lf_foot, rf_foot, lh_foot, rh_foot)" in result.stderr
+    assert "which are not opened" in result.stderr
+    points = [f"-c{leg}_foot=0,0,-0.3,0.02" for leg in LEGS]
+    good("import", "dog.urdf", "-o", "dog.toml", *points)
+
+
+def test_what_the_robot_would_lie_on_is_named(folder: Path) -> None:
+    keel = link("keel", inside=collision('box size="0.1 0.1 1.1"'))
+    mount = joint("keel_mount", "fixed", "base", "keel")
+    Path("dog.urdf").write_text(quadruped().replace("</robot>", f"{keel}{mount}</robot>"))
+    lies = "shapes below all contacts, on which it lies in this posture: keel"
+    # Feet reach 0.6 cos(0.6) + 0.02 = 0.515 m below the hips, the keel 0.55 m.
+    report = json.loads(good("import", "dog.urdf", "-o", "dog.toml", "--json"))
+    assert lies in report["left_out"]
+    # 0.6 cos(15 deg) + 0.02 = 0.600 m.
+    straight = [f"-p{leg}_{part}" for leg in LEGS for part in ("hip=15", "knee=-30")]
+    report = json.loads(good("import", "dog.urdf", "-o", "dog.toml", *straight, "--json"))
+    assert lies not in report["left_out"]
+
+
+def test_where_the_com_is_not_above_what_is_near_the_ground_all_below_it_are_contacts(
+    folder: Path,
+) -> None:
+    # On its fore legs alone, the hind ones up: no ground is level in the frame of the root.
+    up = [f"-p{leg}_{part}" for leg in LEGS[2:] for part in ("hip=80", "knee=-140")]
+    report = json.loads(good("import", "dog.urdf", "-o", "dog.toml", *up, "--json"))
+    assert {f"{leg}_foot" for leg in LEGS} <= set(report["contacts"])
+
+
+def test_the_com_is_that_of_the_posture(folder: Path) -> None:
+    report = json.loads(good("import", "dog.urdf", "-o", "dog.toml", "--json"))
+    # By hand, about the y axis: a thigh of 1 kg 0.15 m below the hip turned by 0.6, a shank of
+    # 0.2 kg 0.1 m below the knee turned by -0.6.
+    x = 4 * (-1.0 * 0.15 * math.sin(0.6) + 0.2 * (-0.3 * math.sin(0.6) + 0.1 * math.sin(0.6)))
+    z = 10 * 0.02 - 4 * (0.15 * math.cos(0.6) + 0.2 * 0.4 * math.cos(0.6)) - 0.5 * 0.02
+    total = 10 + 4 * 1.2 + 0.5
+    # 1e-15: sums of a dozen products.
+    assert report["com"] == pytest.approx([(x + 0.5 * 0.3) / total, 0.0, z / total], abs=1e-15)
+
+
+def test_a_name_and_values_choose_another_posture(folder: Path) -> None:
+    good("import", "dog.urdf", "-o", "sit.toml", "--posture", "sit")
+    assert lutgen.load_recipe("sit.toml").home["lf_hip"] == pytest.approx(1.2, abs=1e-13)
+    said = good("import", "dog.urdf", "-o", "own.toml", "-p", "lf_hip=10", "-p", "rf_hip=-5")
+    assert "posture: lf_hip, rf_hip as given; else standing of dog.srdf" in said
+    home = lutgen.load_recipe("own.toml").home
+    found = [math.degrees(home[name]) for name in ("lf_hip", "rf_hip", "lh_hip")]
+    assert found == pytest.approx([10.0, -5.0, math.degrees(0.6)])
+
+
+def test_without_a_name_that_stands_the_joints_are_at_zero_and_the_reason_is_said(
+    folder: Path,
+) -> None:
+    Path("dog.srdf").write_text(srdf(state("folded", 1.0, -2.0)))
+    said = good("import", "dog.urdf", "-o", "dog.toml")
+    zero = "posture: joints at zero, or at their limit nearest to it"
+    assert f"{zero} (dog.srdf names none to stand in: folded)" in said
+    # Knees end at -0.5 rad.
+    assert lutgen.load_recipe("dog.toml").home["lf_knee"] == pytest.approx(-0.5, abs=1e-13)
+    Path("dog.srdf").unlink()
+    assert f"{zero} (no SRDF file names one)" in good("import", "dog.urdf", "-o", "dog.toml")
+
+
+def test_joints_that_are_no_parameters_stand_where_the_posture_puts_them(folder: Path) -> None:
+    good("import", "dog.urdf", "-o", "all.toml")
+    good("import", "dog.urdf", "-o", "front.toml", "-j", "lf_hip", "-j", "rf_hip")
+    whole, front = lutgen.load_recipe("all.toml"), lutgen.load_recipe("front.toml")
+    assert set(front.home) == {"lf_hip", "rf_hip"}
+    level = [[0.0, 0.0, -1.0]]
+    a, b = (
+        lutgen.evaluate(recipe, [recipe.home_params], level, ("tip_angle", "height"))
+        for recipe in (whole, front)
+    )
+    # Angles and lengths are written with 12 decimals.
+    assert a["tip_angle"] == pytest.approx(b["tip_angle"], abs=1e-11)
+    assert a["height"] == pytest.approx(b["height"], abs=1e-11)
+
+
+def test_values_beyond_the_limits_stand_at_the_limit_and_are_listed(folder: Path) -> None:
+    Path("dog.srdf").write_text(srdf(state("stand", 0.6, -2.7)))
+    report = json.loads(good("import", "dog.urdf", "-o", "dog.toml", "--json"))
+    assert "joint lf_knee: at its limit, beyond which the posture is" in report["left_out"]
+    assert lutgen.load_recipe("dog.toml").home["lf_knee"] == pytest.approx(-2.5, abs=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("--posture", "standin"), "did you mean 'standing'"),
+        (("--srdf", "none.srdf"), "there is no such file"),
+        (("-p", "lf_hipp=1"), "did you mean 'lf_hip'"),
+        (("-p", "lidar_mount=1"), "no such moving joint"),
+        (("-p", "lf_hip=90"), "goes from -85.9437 to 85.9437 deg"),
+        (("-p", "lf_hip=1", "-p", "lf_hip=2"), "is given twice"),
+        (("-p", "lf_hip"), "is no joint and value"),
+    ],
+)
+def test_postures_that_cannot_be_are_refused_in_a_sentence(
+    folder: Path, arguments: tuple[str, ...], said: str
+) -> None:
+    result = run("import", "dog.urdf", "-o", "dog.toml", *arguments)
+    assert result.exit_code == 2
+    assert said in result.stderr
+    assert "Traceback" not in result.stderr
+    assert not Path("dog.toml").exists()
+
+
+def test_a_posture_is_asked_for_only_where_there_is_an_srdf(folder: Path) -> None:
+    Path("dog.srdf").unlink()
+    result = run("import", "dog.urdf", "-o", "dog.toml", "--posture", "standing")
+    assert (result.exit_code, "no SRDF file beside dog.urdf" in result.stderr) == (2, True)
+
+
+@pytest.mark.parametrize(
+    ("names", "chosen"),
+    [
+        (("home", "Standing", "stand"), "Standing"),
+        (("folded", "half_sitting"), "half_sitting"),
+        (("half-sitting", "t_pose"), "half-sitting"),
+        (("low_stand", "lie"), "low_stand"),
+        (("lie", "fly"), None),
+        ((), None),
+    ],
+)
+def test_the_likeliest_name_is_chosen(
+    names: tuple[str, ...], chosen: str | None, tmp_path: Path
+) -> None:
+    file = tmp_path / "a.srdf"
+    file.write_text(srdf(*(state(name, 0.0, -1.0) for name in names)))
+    assert load_srdf(file, parse_urdf(quadruped())).standing() == chosen
+
+
+def test_one_posture_of_several_groups_has_the_joints_of_all(tmp_path: Path) -> None:
+    file = tmp_path / "a.srdf"
+    file.write_text(
+        srdf(
+            '<group_state name="home" group="a"><joint name="lf_hip" value="0.1"/></group_state>',
+            '<group_state name="home" group="b"><joint name="rf_hip" value="0.2"/>'
+            '<joint name="nowhere" value="9"/><joint name="lh_hip" value="1 2"/></group_state>',
+        )
+    )
+    found = load_srdf(file, parse_urdf(quadruped()))
+    assert found.posture("home") == {"lf_hip": 0.1, "rf_hip": 0.2}
+    with pytest.raises(InputError, match="use one of: home"):
+        found.posture("away")
+
+
+@pytest.mark.parametrize("place", ["", "srdf", "../srdf"])
+def test_the_srdf_is_found_beside_the_description_and_in_the_folders_of_its_name(
+    place: str, tmp_path: Path
+) -> None:
+    file = tmp_path / "robots" / "dog_v2.urdf"
+    (file.parent / place).mkdir(parents=True, exist_ok=True)
+    file.parent.mkdir(exist_ok=True)
+    assert srdf_beside(file) is None
+    (file.parent / place / "cat.srdf").touch()
+    assert srdf_beside(file) is None
+    for name in ("dog.srdf", "d.srdf"):
+        (file.parent / place / name).touch()
+    found = srdf_beside(file)
+    assert found is not None
+    assert found.name == "dog.srdf"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        *("", "<robot>", "<urdf/>", "<!DOCTYPE a><robot/>", "\0", "\xff"),
+        *(srdf(state(" ", 0, 0)), srdf(state("a", math.nan, 0)), srdf(state("a", 1e300, 0))),
+        srdf(state("a", 0, 0)).replace('value="0"', 'value="x"', 1),
+        srdf(state("a", 0, 0)).replace('value="0"', "", 1),
+    ],
+)
+def test_an_srdf_with_a_fault_is_refused_in_a_sentence(text: str, tmp_path: Path) -> None:
+    file = tmp_path / "a.srdf"
+    file.write_text(text, encoding="latin-1")
+    with pytest.raises(RecipeError) as caught:
+        load_srdf(file, parse_urdf(quadruped()))
+    said = str(caught.value)
+    assert said.startswith(str(file))
+    assert said.endswith(".")
+    assert "\n" not in said
+
+
+def test_a_joint_that_turns_all_the_way_stands_where_its_value_comes_back_to() -> None:
+    wheel = joint("spin", "continuous", "base", "wheel", '<axis xyz="0 0 1"/>')
+    described = parse_urdf(robot(link("base", 1.0), link("wheel", 1.0, "1 0 0"), wheel))
+    turned = read_motion(described, posture={"spin": 0.5 + 2 * math.pi})
+    assert turned.rest["spin"] == pytest.approx(0.5, abs=1e-15)
+    a, b = (
+        centre_of_mass(described, places(described, motion))
+        for motion in (turned, read_motion(described, posture={"spin": 0.5}))
+    )
+    assert a == pytest.approx(b, abs=1e-15)
+
+
+def test_a_joint_that_follows_another_is_not_given_by_hand() -> None:
+    mimic = '<axis xyz="0 0 1"/><mimic joint="a"/>'
+    described = parse_urdf(
+        robot(
+            *(link("base"), link("one"), link("two")),
+            joint("a", "continuous", "base", "one", '<axis xyz="0 0 1"/>'),
+            joint("b", "continuous", "base", "two", mimic),
+        )
+    )
+    assert joint_values(described, [("a", 720.0)]) == {"a": pytest.approx(4 * math.pi)}
+    with pytest.raises(InputError, match="follows 'a'"):
+        joint_values(described, [("b", 1.0)])
