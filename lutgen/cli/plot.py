@@ -70,8 +70,8 @@ def plot(source: str, asked: Asked) -> None:
     opened = open_source(source, asked.allow_python)
     recipe = opened if isinstance(opened, Recipe) else opened.recipe
     axes = tuple(part.strip() for part in asked.axes.split(",")) if asked.axes else None
-    if source := posture_source(recipe, asked.assignments):
-        log.info("parameters without a value: %s", source)
+    if origin := posture_source(recipe, asked.assignments):
+        log.info("parameters without a value: %s", origin)
     figure = draw(
         asked.kind,
         opened,
