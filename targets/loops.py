@@ -188,6 +188,8 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "k = 0; k < o->at.shown; k++": SHOWN,
     "k = 1; (float)k <= count; k++": _plain("SMAP_PIECES", 12),
     "k = 0; k < side->count; k++": LINKS,
+    "k = 0; k + 1u < side->count; k++": LINKS,
+    "k = 1; k < 4; k = (uint8_t)(k + 2u)": _plain("2 places of an arc", 2),
     "k = first; gaps && k < o->at.segments && !w->failed; k++": LINKS,
     "e = 0; o->at.island[k] == k && o->at.kind[k] == SMAP_REST && e < w->edges; e++": EDGES,
     # reads of many contacts
