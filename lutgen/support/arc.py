@@ -116,12 +116,12 @@ def risen_after(roll: Floats, at: int, g: Vector) -> float:
 
 
 @njit(inline=True, bare=True)
-def _rim_chord(primitives: Floats, i: int, begin: Vector, end: Vector) -> float:
-    """Return how far a contact goes along its rim, as a chord over the radius: 0 to 2.
+def _rim_chord(primitives: Floats, i: int, place: Vector, end: Vector) -> float:
+    """Return how far a contact goes along its rim from a place, as a chord over the radius: 0 to 2.
 
     On a wheel that lies nearly flat that is many times as much as the plane turns.
     """
-    moved = subtract(support_contact(primitives, i, end), support_contact(primitives, i, begin))
+    moved = subtract(support_contact(primitives, i, end), place)
     radius = primitives[i, RADIUS]
     return length(moved) / radius if radius > 0.0 else 0.0
 
@@ -157,12 +157,12 @@ def enter_roll(
         turn = angle_between(begin, end)
     else:
         angle = angle_between(begin, end)
-        own, other = _rim_chord(primitives, i, begin, end), _rim_chord(primitives, j, begin, end)
+        q = support_contact(primitives, j, begin)
+        own, other = _rim_chord(primitives, i, p, end), _rim_chord(primitives, j, q, end)
         pairs = 1 + int(max(angle, max(own, other) - angle) / PAIR)
         if own > 2.0 * angle and own > other:
             # Both tell how far the com rises; the other one's way is less bent.
-            i, j = j, i
-            p = support_contact(primitives, i, begin)
+            i, j, p = j, i, q
         here = begin
         for pair in range(pairs):
             half = arc_normal(primitives, i, j, begin, end, (pair + 0.5) / pairs)
