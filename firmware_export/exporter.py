@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from firmware_export.certify import POINTS, SEED, Certificate, Effort, certify, device
+from firmware_export.certify import POINTS, Certificate, Effort, certify, device
 from firmware_export.choose import KNEE, Candidate, Goal, Trials, choose, front
 from firmware_export.codecs import codec as info
 from firmware_export.codecs import usable
@@ -242,13 +242,11 @@ def described(certificate: Certificate, export: Export) -> dict[str, Any]:
     return content | {"text": [*content["text"], *export.tables.notes]}
 
 
-def examine(
-    export: Export, trials: Trials, bound: ErrorBound | None, points: int, seed: int = SEED
-) -> Certificate:
+def examine(export: Export, trials: Trials, bound: ErrorBound | None, points: int) -> Certificate:
     """Certify one export."""
     cells = info(export.codec).cells(export.model, export.tables)
     return certify(
-        device(export), export.channels, cells, bound, Effort.of(points), seed, trials.jumps
+        device(export), export.channels, cells, bound, Effort.of(points), jumps=trials.jumps
     )
 
 

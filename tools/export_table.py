@@ -39,19 +39,14 @@ class Case:
     channels: tuple[str, ...] = EXPORTABLE
 
 
-def smooth(label: str) -> lookup.Spec:
-    """Return a size of the codec grid of three contacts."""
-    return lookup.Spec.of_label(label)
-
-
 CASES = (
     Case("paper_two", "contacts", contacts.Spec()),
     Case("paper_two", "poly", PolySpec(((0, 2), (2, 0), (0, 0)))),
     Case("paper_two", "poly", PolySpec(((0, 3), (3, 0), (0, 0)))),
-    Case("paper_two", "grid", smooth("grid i8 1x3 4x1 1x1")),
-    Case("paper_two", "grid", smooth("grid i8 1x3 4x1 1x1"), "integer"),
-    Case("paper_two", "grid", smooth("grid i16 1x8 9x1 1x1")),
-    Case("paper_two", "grid", smooth("grid i16 1x10 11x1 1x1"), "integer"),
+    Case("paper_two", "grid", lookup.Spec.of_label("grid i8 1x3 4x1 1x1")),
+    Case("paper_two", "grid", lookup.Spec.of_label("grid i8 1x3 4x1 1x1"), "integer"),
+    Case("paper_two", "grid", lookup.Spec.of_label("grid i16 1x8 9x1 1x1")),
+    Case("paper_two", "grid", lookup.Spec.of_label("grid i16 1x10 11x1 1x1"), "integer"),
     Case("marv", "contacts", contacts.Spec()),
     Case("absolem", "contacts", contacts.Spec()),
     Case("articulated", "contacts", contacts.Spec()),

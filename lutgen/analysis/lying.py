@@ -3,13 +3,11 @@
 Owns that question; what is known of the body is the recipe room's.
 """
 
-import math
 from dataclasses import replace
 
-import numpy as np
-
 from lutgen.analysis.stance import Facet, Posture
-from lutgen.recipe import body_parts, forward, robot_size_of
+from lutgen.recipe import body_parts, robot_size_of
+from lutgen.support import support_height
 
 # Share of the robot's size: descriptions round their shapes, and a sole may be a little below the
 # spheres that stand for it.
@@ -36,13 +34,13 @@ def below_ground(posture: Posture, facet: Facet) -> dict[str, float]:
     parts = body_parts(recipe)
     if not parts:
         return {}
-    placed = forward(replace(recipe, contacts=parts), posture.row)
-    depth = placed.centres[0] @ facet.normal - facet.height
+    # Sizes are the robot's, not those of a robot on all its parts.
+    least = SLACK * robot_size_of(recipe)
+    body = Posture(replace(recipe, contacts=parts), posture.params).primitives
+    x, y, z = facet.normal.tolist()
     result: dict[str, float] = {}
-    for part, axis, down in zip(parts, placed.axes[0], depth.tolist(), strict=True):
-        across = float(np.dot(axis, facet.normal))
-        # A disc reaches out by the sine of the angle between its axle and the normal.
-        reach = part.radius * (math.sqrt(max(0.0, 1.0 - across**2)) if axis.any() else 1.0)
-        if down + reach > SLACK * robot_size_of(recipe):
-            result[part.link] = max(down + reach, result.get(part.link, 0.0))
+    for i, part in enumerate(parts):
+        depth = support_height(body, i, (x, y, z)) - facet.height
+        if depth > least:
+            result[part.link] = max(depth, result.get(part.link, 0.0))
     return result

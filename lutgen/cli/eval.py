@@ -13,11 +13,11 @@ from lutgen.cli.options import RecipeOptions, asks, log, option
 from lutgen.cli.sources import open_source
 from lutgen.cli.table import (
     TIPS,
-    by_unit,
     cell,
     channel_entries,
     degrees,
     number,
+    posture_entries,
     posture_text,
     show,
     unit_text,
@@ -27,6 +27,7 @@ from lutgen.quantities import QUANTITIES
 if TYPE_CHECKING:
     from lutgen.analysis import Diagnosis, Posture
     from lutgen.mapping import StabilityMap
+
 VERDICT = {True: "stands", False: "tips over", None: "unknown: off the chart"}
 ROCKS = "rocks"
 VALUES = {one.json: one.unit for one in QUANTITIES.values() if not one.words} | {"slope_deg": "rad"}
@@ -89,9 +90,7 @@ def _report(source: str, asked: Asked) -> dict[str, Any]:
         report = exact_report(posture, gravity)
     else:
         report = map_report(opened, values, gravity)
-    if source := options.posture_source(recipe, asked.assignments):
-        report |= {"posture": by_unit(recipe, posture.params), "posture_from": source}
-    return report
+    return report | posture_entries(posture, options.posture_source(recipe, asked.assignments))
 
 
 def exact_report(posture: "Posture", gravity: tuple[float, ...]) -> dict[str, Any]:

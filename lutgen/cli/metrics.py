@@ -19,11 +19,11 @@ from lutgen.cli.options import (
 from lutgen.cli.sources import open_recipe
 from lutgen.cli.table import (
     aligned,
-    by_unit,
     cell,
     channel_entries,
     even,
     number,
+    posture_entries,
     posture_text,
     show,
     unit_text,
@@ -72,9 +72,7 @@ def metrics(recipe: str, asked: Asked) -> None:
     robot = open_recipe(recipe, asked.allow_python)
     posture = Posture(robot, posture_values(robot, asked.assignments))
     report = metrics_report(posture, asked.tilt, asked.headings)
-    source = posture_source(robot, asked.assignments)
-    if source:
-        report = {**report, "posture": by_unit(robot, posture.params), "posture_from": source}
+    report |= posture_entries(posture, posture_source(robot, asked.assignments))
     show(report, metrics_lines(report), asked.as_json)
 
 

@@ -73,8 +73,8 @@ def path(recipe: str, asked: Asked) -> None:
     """Drive RECIPE along a path and count where it tips over, with a fixed shape and with control.
 
     -p gives the geometry before control begins; where it is left out, the recipe's `home`, then the
-    middle of the range.  Exit code 3 where it tips over at any
-    point of the last run, which may do all that is allowed.
+    middle of the range.  Exit code 3 where it tips over at any point of the last run, which may do
+    all that is allowed.
 
     \b
     $ lutgen path maps/paper_two.toml --turn 30 -p alpha=30.96 -p gamma=30.96

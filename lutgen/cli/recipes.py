@@ -1,6 +1,5 @@
 """`lutgen recipes`: the gallery's recipes, which come with the package."""
 
-import math
 import re
 import textwrap
 from collections.abc import Iterator
@@ -62,7 +61,7 @@ def _entry(name: str) -> dict[str, Any]:
         "length_unit": recipe.length_unit,
         "contacts": list(recipe.contact_names),
         "parameters": [p.name for p in recipe.parameters],
-        "nodes": recipe.grid.size * math.prod(recipe.chart.shape),
+        "nodes": recipe.nodes,
         "description": _first_sentence(recipe.text),
     }
 

@@ -1,6 +1,5 @@
 """`lutgen sweep`: compute a map."""
 
-import math
 import sys
 import time
 from dataclasses import dataclass
@@ -91,7 +90,7 @@ def sweep(ctx: click.Context, recipe: str, asked: Asked) -> None:
         "robot": robot.name,
         "digest": robot.digest,
         "map": asked.output,
-        "nodes": robot.grid.size * math.prod(robot.chart.shape),
+        "nodes": robot.nodes,
         "channels": list(robot.channels),
         "bytes": size,
         "seconds": round(seconds, 3),

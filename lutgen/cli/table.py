@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from lutgen.analysis import Posture
     from lutgen.recipe import Recipe
 
 # Exit code of a question whose answer is no.
@@ -74,6 +75,13 @@ def by_unit(recipe: "Recipe", params: "NDArray[np.float64]", ending: str = "") -
         unit = "" if p.display_unit == "1" else f"_{p.display_unit}"
         entries[f"{p.name}{ending}{unit}"] = p.shown(params[..., i]).tolist()
     return entries
+
+
+def posture_entries(posture: "Posture", source: str) -> dict[str, Any]:
+    """Return what `--json` says of a posture that `options.posture_source` filled; else nothing."""
+    if not source:
+        return {}
+    return {"posture": by_unit(posture.recipe, posture.params), "posture_from": source}
 
 
 def posture_text(posture: dict[str, float]) -> str:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from lutgen.parts import Parameter
-from lutgen.recipe.robot import MAX_CONTACTS
+from lutgen.recipe.robot_keys import MAX_CONTACTS
 from lutgen.recipe.table import Table
 
 

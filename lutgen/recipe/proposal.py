@@ -19,7 +19,7 @@ from lutgen.recipe.candidates import (
 )
 from lutgen.recipe.proposal_text import carrying_links, recipe_text
 from lutgen.recipe.recipe import Recipe, parse_recipe
-from lutgen.recipe.robot import MAX_CONTACTS
+from lutgen.recipe.robot_keys import MAX_CONTACTS
 from lutgen.urdf import ROUND, Motion, UrdfRobot, places, read_motion, used_shapes
 
 # More joints than this are not proposed as parameters: no disk holds their map.

@@ -93,6 +93,11 @@ class Recipe:
         return tuple(contact.name for contact in self.contacts)
 
     @property
+    def nodes(self) -> int:
+        """Nodes of the map, per channel."""
+        return self.grid.size * math.prod(self.chart.shape)
+
+    @property
     def home_params(self) -> tuple[float, ...]:
         """The posture at `home`, rad or length: the middle of the range where it says nothing."""
         return tuple(self.home.get(p.name, (p.minimum + p.maximum) / 2.0) for p in self.parameters)

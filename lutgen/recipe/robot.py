@@ -23,10 +23,9 @@ from lutgen.parts import (
 )
 from lutgen.quantities import CHANNELS
 from lutgen.recipe.keys import names
-from lutgen.recipe.robot_keys import ANGLE_UNITS, IDENTIFIER, JOINT_TYPES
+from lutgen.recipe.robot_keys import ANGLE_UNITS, IDENTIFIER, JOINT_TYPES, MAX_CONTACTS
 from lutgen.recipe.table import Table
 
-MAX_CONTACTS = 62
 # Names of a map file's other dimensions and variables, which no parameter may take.
 RESERVED = ("face", "v", "u", *CHANNELS)
 

@@ -10,6 +10,7 @@ ANGLE_UNITS = ("deg", "rad")
 JOINT_TYPES = ("revolute", "prismatic", "none")
 IDENTIFIER = r"[A-Za-z][A-Za-z0-9_]*"
 LENGTH = "length_unit"
+MAX_CONTACTS = 62
 
 # In the order of the reference.
 ROBOT: dict[str, tuple[Key, ...]] = {
@@ -111,7 +112,7 @@ ROBOT: dict[str, tuple[Key, ...]] = {
         Key(
             "contact",
             "tables",
-            "Places that can touch the ground, 3 to 62 of them.",
+            f"Places that can touch the ground, 3 to {MAX_CONTACTS} of them.",
             "[]",
             default="needed without `python`",
             costs="more than three take the larger runtime in C",

@@ -9,6 +9,7 @@ from typing import Any
 
 from lutgen.recipe.key import Key, toml_value
 from lutgen.recipe.keys import KEYS
+from lutgen.recipe.robot_keys import MAX_CONTACTS
 
 Schema = dict[str, Any]
 
@@ -65,7 +66,11 @@ PARAMETERS: Schema = {
 OF_ITS_OWN: Schema = {
     **_has("contact"),
     "properties": {
-        "contact": {"minItems": 3, "maxItems": 62, "items": {"required": ["name", "position"]}}
+        "contact": {
+            "minItems": 3,
+            "maxItems": MAX_CONTACTS,
+            "items": {"required": ["name", "position"]},
+        }
     },
 }
 # Rules between the keys of a table.

@@ -10,8 +10,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from lutgen.errors import InputError, RecipeError, suggestion, unreadable
-from lutgen.urdf.read import LARGEST, MAX_BYTES, UrdfRobot
+from lutgen.errors import InputError, RecipeError, suggestion
+from lutgen.urdf.read import LARGEST, MAX_BYTES, UrdfRobot, read_bytes
 from lutgen.urdf.xml import parse_xml
 
 # Names of postures in which robots stand, the likeliest first.
@@ -69,11 +69,7 @@ def load_srdf(path: str | os.PathLike[str], robot: UrdfRobot) -> Srdf:
         1e12.
     """
     source = os.fspath(path)
-    try:
-        with Path(path).open("rb") as file:
-            raw = file.read(MAX_BYTES + 1)
-    except OSError as error:
-        raise unreadable(source, error) from error
+    raw = read_bytes(source)
     if len(raw) > MAX_BYTES:
         raise RecipeError(
             f"{source}: is longer than {MAX_BYTES} bytes (got {len(raw)} or more); keep the "

@@ -100,6 +100,18 @@ class UrdfRobot:
     ignored: dict[str, int]
 
 
+def read_bytes(source: str) -> bytes:
+    """Return the bytes of a description, of one that is too long one more than may be.
+
+    RecipeError is raised where the file cannot be read.
+    """
+    try:
+        with Path(source).open("rb") as file:
+            return file.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise unreadable(source, error) from error
+
+
 def load_urdf(path: str | os.PathLike[str]) -> UrdfRobot:
     """Read a URDF file of at most 16 MiB.
 
@@ -109,12 +121,7 @@ def load_urdf(path: str | os.PathLike[str]) -> UrdfRobot:
         Checked; a file with any fault raises RecipeError.
     """
     source = os.fspath(path)
-    try:
-        with Path(path).open("rb") as file:
-            raw = file.read(MAX_BYTES + 1)
-    except OSError as error:
-        raise unreadable(source, error) from error
-    return parse_urdf(raw, source)
+    return parse_urdf(read_bytes(source), source)
 
 
 def parse_urdf(content: bytes | str, source: str = "<urdf>") -> UrdfRobot:
