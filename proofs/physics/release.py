@@ -46,6 +46,7 @@ class Run:
     ) -> None:
         rotation = turned_to(begin.normal, DOWN)
         gravity = GRAVITY * (rotation @ gravity_dir)
+        self.laid = rotation
         xml = mjcf(posture, rotation, begin.height, gravity, mu)
         self.model: Any = mujoco.MjModel.from_xml_string(xml)
         self.data: Any = mujoco.MjData(self.model)
@@ -58,6 +59,11 @@ class Run:
         """Go on by a number of milliseconds."""
         mujoco.mj_step(self.model, self.data, nstep=count)
         self.normals.append(self.rotation.T @ DOWN)
+
+    def tilt(self, gravity_dir: Floats) -> None:
+        """Let gravity go on in another direction, given in the frame of the robot at the start."""
+        down = self.laid @ gravity_dir
+        self.model.opt.gravity[:] = GRAVITY * down / np.linalg.norm(down)
 
     @property
     def rotation(self) -> Floats:
