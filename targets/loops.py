@@ -15,11 +15,7 @@ import numpy as np
 from firmware_export.emit.source import body_of
 from firmware_export.protocol import Export
 from lutgen.errors import ExportError
-
-HEAD = re.compile(r"\b(?:for|while) \((.*)\) (?:\{|;)|\} while \((.*)\);")
-FUNCTION = re.compile(r"^(?:SMAP_INLINE|static)\b[^;=]*?\b(smap_\w+)\(")
-# Of smap_check: as long as the blob, and for the start of a program.
-CHECKS = ("smap_check", "smap_crc")
+from targets.heads import heads
 
 
 @dataclass(frozen=True)
@@ -41,10 +37,20 @@ class Shape:
     dims: int = 0
     nodes: int = 2
     rails: int = 0
+    row: int = 0
     facets: int = 0
     edges: int = 0
     shown: int = 0
     links: int = 0
+    walls: int = 0
+    sides: int = 0
+    events: int = 0
+    corners: int = 0
+    outlines: int = 0
+    gaps: int = 0
+    visits: int = 0
+    ways: int = 0
+    rollings: int = 0
 
     @property
     def halvings(self) -> int:
@@ -75,11 +81,27 @@ def shape_of(export: Export) -> Shape:
         coordinates=macros["SMAP_MAX_COORDINATES"],
         terms=max(len(one) for one in terms.coordinates),
         rails=macros.get("SMAP_MANY_RAILS", 0),
+        row=_row(export),
         facets=macros.get("SMAP_MANY_FACETS", 0),
         edges=macros.get("SMAP_MANY_EDGES", 0),
         shown=macros.get("SMAP_MANY_SHOWN", 0),
         links=macros.get("SMAP_MANY_LINKS", 0),
+        walls=macros.get("SMAP_MANY_WALLS", 0),
+        sides=macros.get("SMAP_MANY_SIDES", 0),
+        events=macros.get("SMAP_MANY_EVENTS", 0),
+        corners=macros.get("SMAP_MANY_CORNERS", 0),
+        outlines=macros.get("SMAP_MANY_OUTLINES", 0),
+        gaps=macros.get("SMAP_MANY_GAPS", 0),
+        visits=macros.get("SMAP_MANY_VISITS", 0),
+        ways=macros.get("SMAP_MANY_WAYS", 0),
+        rollings=macros.get("SMAP_MANY_ROLLINGS", 0),
     )
+
+
+def _row(export: Export) -> int:
+    """Return the most contacts of a rail; 0 without rails."""
+    many: Any = export.tables.many
+    return 0 if many is None else max(np.diff(many.first).tolist(), default=0)
 
 
 def _of(name: str) -> tuple[str, Callable[[Shape], int]]:
@@ -90,9 +112,75 @@ def _plain(words: str, rounds: int) -> tuple[str, Callable[[Shape], int]]:
     return words, lambda s: rounds
 
 
+def _mean(name: str, part: int) -> tuple[str, Callable[[Shape], int]]:
+    """Return a bound of the mean over all rounds of the loop round it."""
+    return f"{name} / {part} on average", lambda s: -(-int(getattr(s, name)) // part)
+
+
 EDGES, CONTACTS, SHOWN, LINKS = (_of(name) for name in ("edges", "contacts", "shown", "links"))
 RAILS, PARAMS, DIMS, FACETS = (_of(name) for name in ("rails", "params", "dims", "facets"))
 THREE = _plain("3 coordinates", 3)
+# Loops and functions of which something bounds all rounds or calls within one call from outside,
+# however often they are begun: the work left (smap_may), that a pose has no more room, or that they
+# go on where they were left.
+EVENTS, CORNERS, OUTLINES, GAPS, VISITS, ROLLINGS = (
+    _of(name) for name in ("events", "corners", "outlines", "gaps", "visits", "rollings")
+)
+VISIT = (
+    "{0} = w->onward[came]; {0} != came && o->low < o->high && smap_may(w, &w->left.visits); "
+    "{0} = w->onward[{0}]"
+)
+POLYGON = "k = 0; k < 2u * count && smap_may(w, &w->left.corners); k++"
+WIDE = "side = 0; side < n && smap_may(w, &w->left.corners); side++"
+OUTLINE = "e != start && smap_may(w, &w->left.outlines)"
+NEWTON = "round = 0; round < SMAP_NEWTON && smap_may(w, &w->left.events); round++"
+EVENT = "u = -1.0f; u <= 1.0f && smap_may(w, &w->left.events); u = first"
+GAP = (
+    "e = smap_between_rests(w, 0); e < w->edges && smap_may(w, &w->left.gaps); "
+    "e = smap_between_rests(w, (uint8_t)(e + 1u))"
+)
+BOUND = (
+    "e = smap_to_bound(w, k, 0); e < w->edges && smap_may(w, &w->left.outlines); "
+    "e = smap_to_bound(w, k, e)"
+)
+SHOW = "e = smap_to_show(w, 0); e < w->edges && !w->failed; e = smap_to_show(w, e)"
+LOOKED_AT, BENT = "; e < w->edges; e++", "k = first; gaps && k < o->at.segments && !w->failed; k++"
+STRIP = (
+    "e = smap_to_strip(w, 0); e < w->edges && !w->failed; e = smap_to_strip(w, (uint8_t)(e + 1u))"
+)
+SHORT = "; w->low[e] != SMAP_SHORT && w->low[at] == SMAP_SHORT && left > 0; left--"
+ROLLING = "k = 1; k <= pairs && smap_may(w, &w->left.rollings); k++"
+PIECE, PUSH = (
+    "k = 1; (float)k <= count && !w->failed; k++",
+    "k = 0; k < side->count && !w->failed; k++",
+)
+COUNTED = {
+    VISIT.format("e"): "visits",
+    VISIT.format("at"): "visits",
+    POLYGON: "corners",
+    WIDE: "corners",
+    OUTLINE: "outlines",
+    EVENT: "events",
+    NEWTON: "events",
+    GAP: "gaps",
+    BOUND: "outlines",
+    SHOW: "shown",
+    STRIP: "gaps",
+    LOOKED_AT: "edges",
+    SHORT: "edges",
+    BENT: "links",
+    ROLLING: "rollings",
+    PIECE: "walls",
+    PUSH: "links",
+}
+# Function -> what bounds its calls, and how often it may still be called when that has run out.
+CALLED = {
+    "smap_loop": ("outlines", 0),
+    "smap_go_on": ("ways", 1),
+    "smap_go_further": ("ways", 1),
+    "smap_find_roll": ("rollings", 3),
+    "smap_add_side": ("sides", 1),
+}
 
 # Head of a loop as it stands in smap.c -> most rounds, in words and as a function of the shape.
 LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
@@ -146,59 +234,65 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "k > 0": RAILS,
     "k++; k < rails; k++": RAILS,
     "i = first; i < m->first[k + 1]; i++": CONTACTS,
-    "j = w->map->first[k]; j < w->map->first[k + 1]; j++": CONTACTS,
-    "left = 8u * SMAP_MANY_FACETS; left > 0; left--": ("8 x facets", lambda s: 8 * s.facets),
-    "i = 0; i + 2 < count; i++": CONTACTS,
-    "j = (uint8_t)(i + 1u); j + 1 < count; j++": CONTACTS,
-    "k = (uint8_t)(j + 1u); k < count; k++": CONTACTS,
+    "j = w->map->first[k]; j < w->map->first[k + 1]; j++": _of("row"),
+    "i = 0; i + 2 < count; i++": ("contacts less two", lambda s: max(s.contacts - 2, 1)),
+    # Of triples i < j < k.
+    "j = (uint8_t)(i + 1u); j + 1 < count; j++": _mean("contacts", 2),
+    "k = (uint8_t)(j + 1u); k < count; k++": _mean("contacts", 3),
     "round = 0; round < 2; round++": _plain("2", 2),
-    "round = 0; round < SMAP_NEWTON; round++": _plain("SMAP_NEWTON", 8),
+    NEWTON: EVENTS,
     "part = 1; part < 4; part++": _plain("3 places of an arc", 3),
-    "k = (uint8_t)(e + 1u); k < w->edges; k++": EDGES,
+    "k = (uint8_t)(e + 1u); k < w->edges; k++": _mean("edges", 2),
     "f = 0; f < w->facets; f++": FACETS,
     "; w->edges < last; w->edges++": CONTACTS,
     # support polygons
     "at = count++; at > 0 && (spot[at - 1].b > here.b || (spot[at - 1].b == here.b && "
-    "spot[at - 1].a < here.a)); at--": CONTACTS,
-    "k = 0; k < 2u * count; k++": ("2 x contacts", lambda s: 2 * s.contacts),
+    "spot[at - 1].a < here.a)); at--": _mean("contacts", 2),
+    POLYGON: CORNERS,
+    # What is taken away was put there by a round of the loop round it.
     "n > least && !(smap_bend_of(&spot[corner[n - 2]], &spot[corner[n - 1]], &spot[i]) > 0.0f)": (
-        CONTACTS
+        _plain("1 on average", 1)
     ),
     "i = 0; i < n; i++": ("corners, walls or points", lambda s: max(s.contacts, s.links)),
-    "j = (uint8_t)(next + 1u < n ? next + 1u : 0); j != i; "
+    WIDE: CORNERS,
+    "j = (uint8_t)(next + 1u < n ? next + 1u : 0); j != side; "
     "j = (uint8_t)(j + 1u < n ? j + 1u : 0)": CONTACTS,
     "k = 0; k < n; k++": ("corners, walls or points", lambda s: max(s.contacts, s.links)),
     "i = 1; i + 1 < n; i++": CONTACTS,
     # gaps
     "e = 0; e < w->edges; e++": EDGES,
-    "e = 0; e < w->edges && !w->failed; e++": EDGES,
-    "e = w->next[e]; w->low[e] == SMAP_SHORT && left > 0; left--": EDGES,
-    "k = 1; k <= pairs; k++": _plain("pairs of steps of half a turn", 8),
+    SHORT: EDGES,
     "k = 0; k < 2; k++": _plain("2", 2),
     "end = 0; end < 2; end++": _plain("2", 2),
     "k = 0; k < o->ends; k++": _plain("4 other ends", 4),
     "k = 0; k < count; k++": _plain("4 other ends", 4),
     "k = 0; k < (o.split ? 1 : 5); k++": _plain("5 trials", 5),
-    "e = smap_onward(w, came); e != came && left > 0 && o->low < o->high; left--": EDGES,
-    "at = smap_onward(w, came); at != came && left > 0 && o->low < o->high; left--": EDGES,
+    **dict.fromkeys((VISIT.format("e"), VISIT.format("at")), VISITS),
+    OUTLINE: OUTLINES,
+    EVENT: EVENTS,
+    GAP: GAPS,
+    BOUND: OUTLINES,
+    SHOW: SHOWN,
+    STRIP: GAPS,
+    "; e < w->edges && !(smap_is_gap(w, e) && w->twin[e] > e); e++": EDGES,
+    LOOKED_AT: EDGES,
+    "; e < w->edges && w->seen[e] != island; e++": EDGES,
+    ROLLING: ROLLINGS,
+    PIECE: _of("walls"),
+    PUSH: LINKS,
     # walls
-    "e != start && left > 0": EDGES,
-    "e != start && left > 0 && !w->failed": EDGES,
     "k = 0; k < o->at.edge[o->at.shown] && !w->failed; k++": EDGES,
     "k = 0; k < o->at.shown; k++": SHOWN,
-    "k = 1; (float)k <= count; k++": _plain("SMAP_PIECES", 12),
-    "k = 0; k < side->count; k++": LINKS,
-    "k = 0; k + 1u < side->count; k++": LINKS,
+    "k = 0; k + 1u < side->count; k++": _plain("SMAP_PIECES", 12),
     "k = 1; k < 4; k = (uint8_t)(k + 2u)": _plain("2 places of an arc", 2),
-    "k = first; gaps && k < o->at.segments && !w->failed; k++": LINKS,
-    "e = 0; o->at.island[k] == k && o->at.kind[k] == SMAP_REST && e < w->edges; e++": EDGES,
+    BENT: LINKS,
     # reads of many contacts
     "i = 0; i < o->at.shown; i++": SHOWN,
     "i = 0; at->alive && i < at->shown; i++": SHOWN,
     "; s < end; s++": LINKS,
     "k = o->at.first[island]; k < o->at.last[island]; k++": LINKS,
     "k = at->first[island]; k < at->last[island]; k++": LINKS,
-    "k = 0; k < s->count; k++": LINKS,
+    "k = 0; k < s->count; k++": _plain("SMAP_PIECES and one", 13),
     "left = 4; left > 0; left--": _plain("4 facets", 4),
     "e = o->at.edge[f]; e < o->at.edge[f + 1]; e++": EDGES,
     "e = at->edge[f]; e < at->edge[f + 1]; e++": EDGES,
@@ -212,36 +306,6 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
 TOTALS: Mapping[str, Any] = {"level = 0; corner >> level & 1u; level++": lambda s: 2**s.dims}
 # Of smap.c: what the bounds above take for granted.
 CONSTANTS = {"SMAP_NEWTON": 8, "SMAP_PIECES": 12, "SMAP_PAIRS": 2.5}
-
-
-def heads(source: str) -> dict[int, str]:
-    """Return the loops of C source: line -> what stands in the parentheses.
-
-    A head may go on on the next line.  The loops of smap_check are left out.
-
-    Raises
-    ------
-    ExportError
-        If a line holds a loop in a form that is not known.
-    """
-    found, function = {}, ""
-    plain = re.sub(r"/\*.*?\*/", lambda m: "\n" * m[0].count("\n"), source, flags=re.DOTALL)
-    lines = plain.splitlines()
-    for number, line in enumerate(lines, 1):
-        if begun := FUNCTION.match(line):
-            function = begun[1]
-        directive = line.startswith("#")
-        if directive or not re.search(r"\b(for|while|goto)\b", line):
-            continue
-        text = line.rstrip()
-        if text.count("(") > text.count(")") and number < len(lines):
-            text = f"{text} {lines[number].strip()}"
-        match = HEAD.search(text)
-        if match is None:
-            raise ExportError(f"smap.c: line {number} has a loop without a bound (got {line!r}).")
-        if not function.startswith(CHECKS):
-            found[number] = match[1] or match[2]
-    return found
 
 
 def bounds(source: str, shape: Shape) -> dict[int, int]:
@@ -273,21 +337,12 @@ def totals(source: str, shape: Shape) -> dict[int, int]:
     return {line: int(TOTALS[head](shape)) for line, head in found.items() if head in TOTALS}
 
 
-def spans(source: str) -> dict[int, int]:
-    """Return the lines of loops' heads -> the line on which the body ends.
-
-    A body ends with the brace that stands as far from the margin as its head.
-    """
-    lines, found = source.splitlines(), dict[int, int]()
-    for number in heads(source):
-        text = lines[number - 1]
-        margin = text[: len(text) - len(text.lstrip())]
-        ends = (at for at in range(number, len(lines)) if lines[at].startswith(f"{margin}}}"))
-        if text.lstrip().startswith(("for", "while")):
-            found[number] = next(ends) + 1
-    return found
+def counted(source: str) -> dict[int, str]:
+    """Return for the lines of loops that share a counter which one that is."""
+    return {line: COUNTED[head] for line, head in heads(source).items() if head in COUNTED}
 
 
-def starts(source: str) -> list[int]:
-    """Return the lines of C source at which the body of a function begins."""
-    return [number for number, line in enumerate(source.splitlines(), 1) if line == "{"]
+def called(shape: Shape) -> dict[str, tuple[str, int]]:
+    """Return of the functions of `CALLED` what bounds their calls, and how often at most."""
+    most = CALLED.items()
+    return {name: (what, int(getattr(shape, what)) + more) for name, (what, more) in most}

@@ -2,17 +2,20 @@
 
 Method: of every function the graph of its instructions; a strongly connected part is a loop, goes
 round as often as the loop of smap.c whose head it holds (targets/loops.py), each time along its
-longest way; what is then left has no cycles, and the longest way through it is the bound.  Every
-instruction counts 1, also one that an IT block skips, as the emulator counts.  No path is excluded
-because its conditions contradict each other, so the bound is safe and not tight.
+longest way; what is then left has no cycles, and the longest way through it is the bound.  Loops
+that share a counter of rounds for a whole call are left out of that, and all rounds of the counter
+added, each as the dearest of any of them.  Every instruction counts 1, also one that an IT block
+skips, as the emulator counts.  No path is excluded because its conditions contradict each other, so
+the bound is safe and not tight.
 """
 
 from bisect import bisect_right
 from collections.abc import Collection, Iterable, Mapping, Sequence
 
 from lutgen.errors import ExportError
+from targets.heads import spans, starts
 from targets.listing import Instruction, parse
-from targets.loops import Shape, bounds, spans, starts, totals
+from targets.loops import Shape, bounds, called, counted, totals
 
 # Most bytes that smap.c copies or clears at once by a call: rounds of a loop of the C library.
 LARGEST_COPY = 64
@@ -35,6 +38,10 @@ class Bounds:
         Line of a loop's head -> most rounds during all of the loop round it, where that is known.
     spans : dict of int to int
         Line of a loop's head -> line on which its body ends.
+    counted : dict of int to str
+        Line of a loop's head -> the counter that bounds its rounds during a whole call.
+    called : dict of str to (str, int)
+        Function -> the counter that bounds its calls, and its calls at most.
     """
 
     def __init__(
@@ -44,10 +51,15 @@ class Bounds:
         starts: Sequence[int],
         totals: Mapping[int, int],
         spans: Mapping[int, int],
+        counted: Mapping[int, str],
+        called: Mapping[str, tuple[str, int]],
     ) -> None:
         self.functions, self.rounds, self.starts = functions, rounds, starts
         self.totals, self.spans = totals, spans
+        self.counted, self.called = counted, called
         self.known: dict[str, int] = {}
+        # Function -> counter -> its rounds and the most that one takes, callees included.
+        self.units: dict[str, dict[str, tuple[int, int]]] = {}
 
     def place(self, line: int | None) -> int:
         """Return the number of the function of smap.c in which a line stands."""
@@ -63,14 +75,24 @@ class Bounds:
         held = [head for head, end in self.spans.items() if head <= min(own) and max(own) <= end]
         return max(held, default=None)
 
+    def whole(self, name: str) -> int:
+        """Return the most instructions of a call, its callees and counted rounds included."""
+        return self.of(name) + sum(often * unit for often, unit in self.units[name].values())
+
+    def count(self, name: str, counter: str, often: int, unit: int) -> None:
+        """Note that what a counter counts takes some instructions."""
+        seen = self.units[name].get(counter, (0, 0))
+        self.units[name][counter] = max(often, seen[0]), max(unit, seen[1])
+
     def of(self, name: str) -> int:
-        """Return the most instructions that a call of a function takes, its callees included."""
+        """Return the most instructions of a call, callees included, counted loops at no round."""
         if name in self.known:
             return self.known[name]
         code = self.functions.get(name)
         if not code:
             raise ExportError(f"{name}: is called and not in the listing.")
         self.known[name] = -1
+        self.units[name] = {}
         cost, successors = {}, {}
         present = {one.address for one in code}
         for one, after in zip(code, [*code[1:], None], strict=True):
@@ -79,6 +101,11 @@ class Bounds:
                 extra = self.of(one.calls)
                 if extra < 0:
                     raise ExportError(f"{one.calls}: calls itself; write a loop.")
+                for counter, (often, unit) in self.units[one.calls].items():
+                    self.count(name, counter, often, unit)
+                if one.calls in self.called:
+                    self.count(name, *self.called[one.calls], extra)
+                    extra = 0
             cost[one.address] = 1 + extra
             ahead = [*one.targets, *([after.address] if one.falls and after else [])]
             successors[one.address] = [to for to in ahead if to in present]
@@ -146,6 +173,11 @@ class _Ways:
         first = self.longest(part, others, own, head)
         round_ = self.longest(part, {head: 0}, own, head)
         cycle = max(round_[node] for node in back if node in round_)
+        counted = max(own - taken, default=0)
+        if counted in self.bounds.counted:
+            rounds = self.bounds.rounds[counted]
+            self.bounds.count(self.function, self.bounds.counted[counted], rounds, turns * cycle)
+            turns = 0
         reached = max([begins.get(head, 0), *(first[node] for node in back if node in first)])
         result = dict(first)
         for node, way in round_.items():
@@ -182,6 +214,8 @@ class _Ways:
     ) -> tuple[int, frozenset[int]]:
         """Return how often a loop goes round at most, and the heads of it and those round it.
 
+        Of one with a counter how often what it holds does, for each count.
+
         The outermost loop of smap.c of which it holds the head and that is not one round it: of the
         function that stands last, as callees stand before their callers, the first.  Where loops
         may share their head, the rounds of those that have no loop of their own are multiplied.
@@ -200,7 +234,7 @@ class _Ways:
         if not free:
             return max(self.bounds.rounds[line] for line in heads), taken
         own = self._own(free)
-        turns = self.bounds.rounds[own]
+        turns = 1 if own in self.bounds.counted else self.bounds.rounds[own]
         if tangled:
             ahead = {n: [t for t in self.successors[n] if t in part and t != head] for n in part}
             inner = [p for p in _components({n: 0 for n in part}, ahead) if len(p) > 1]
@@ -266,5 +300,5 @@ def bound(listing: str, source: str, shape: Shape, entries: Mapping[str, str]) -
         Name of a call -> function of smap.c that answers it.
     """
     known = bounds(source, shape), starts(source), totals(source, shape), spans(source)
-    found = Bounds(parse(listing), *known)
-    return {call: found.of(function) + CALL for call, function in entries.items()}
+    found = Bounds(parse(listing), *known, counted(source), called(shape))
+    return {call: found.whole(function) + CALL for call, function in entries.items()}

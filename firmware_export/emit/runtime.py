@@ -33,10 +33,12 @@ _PARTS: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("grid_check", ("SMAP_GRID",)),
     ("many_types", ("SMAP_MANY",)),
     ("many_rails", ("SMAP_MANY_BY_RAILS",)),
+    ("many_planes", ("SMAP_MANY_SEARCH",)),
+    ("many_rests", ("SMAP_MANY",)),
     ("many_search", ("SMAP_MANY_SEARCH",)),
     *(
         (f"many_{name}", ("SMAP_MANY",))
-        for name in ("rests", "rolls", "gaps", "walls", "pose", "at", "at_i", "entry")
+        for name in ("rolls", "held", "gaps", "walls", "pose", "at", "at_i", "entry")
     ),
     ("steps", ("SMAP_FLOATS",)),
     ("check", ()),

@@ -49,6 +49,13 @@
 #define SMAP_RARELY(condition) (condition)
 #endif
 
+/* Stays a function, so that its calls can be counted (the bound of a pose rests on it). */
+#if defined(__GNUC__)
+#define SMAP_APART __attribute__((__noinline__))
+#else
+#define SMAP_APART
+#endif
+
 #if defined(__AVR__) && defined(__GNUC__) && __GNUC__ < 8
 /* avr-gcc 5 fails ("in get_use_type") where it improves loops over what lies in flash. */
 #pragma GCC optimize("no-ivopts")

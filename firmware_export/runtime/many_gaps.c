@@ -1,307 +1,9 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
 /* ---- gaps: where the robot rocks and is caught ------------------------------------------------------- */
-/* Gaps: over which part of the segment between two contacts the robot rocks and is caught.
- *
- * The robot rolls from a balance over the part w of the segment; on the rest that it comes to it is
- * held by an edge from a to b where
- *
- *     S >= 0   and   R + T - N >= 0,   T^2 = S^2 + N^2,
- *
- * with S how far gravity lies inside the edge, N how far the com is above it along gravity's
- * part across it, and R how much higher the com is than where it was let go.  All three are linear
- * in w, so the edge lets go between the roots of a quadratic.
- */
+/* Over which part of the segment between two rests the robot is caught, whichever way it rolls. */
 #define SMAP_END 1e-4f      /* nearer to an end of a segment no balance is looked at */
 #define SMAP_HAIR 2e-4f     /* parts of the segment that a limit of a gap is drawn in */
-#define SMAP_NOISE 2e-3f   /* rad: over an arc as short the exact definition may go in a circle */
-#define SMAP_ENDS 6        /* rests that one way may end on */
-#define SMAP_CAUGHT 4e-7f /* of the size: what rounding may alter of S and N */
-#define SMAP_RAISED 2e-7f /* of the size: of R, by the rounding of normals */
-#define SMAP_TURNED 2e-6f /* of the size, for each rad: of R */
-
-/* Where the other way ends: on a facet, for a part of the segment, after a further turn. */
-typedef struct {
-  float part[2], turn;
-  uint8_t facet;
-} smap_end_t;
-
-/* A gap while it is looked at: gravity at both ends of its segment where the roll has come to, and
- * how much higher the com is there. */
-typedef struct {
-  float g[2][3], rise[2];
-  float low, high;   /* of the segment, that are left */
-  float turned;      /* rad, so far */
-  float before;      /* rad, of that over further arcs than the first, which both ways share */
-  uint8_t split, ends;
-  const smap_end_t *other; /* of the other way */
-} smap_held_t;
-
-/* Let go between a and b. */
-static void smap_forbid(smap_held_t *o, float a, float b)
-{
-  if (b <= o->low || a >= o->high || a >= b) {
-    return;
-  }
-  if (a <= o->low) {
-    o->low = b;
-  } else if (b >= o->high) {
-    o->high = a;
-  } else {
-    o->split = 1;
-    if (b < 0.5f) {
-      o->low = b;
-    } else {
-      o->high = a;
-    }
-  }
-}
-
-/* Widen what is let go by the part of [a, b] that is left of the segment. */
-static void smap_widen(const smap_held_t *o, float span[2], float a, float b)
-{
-  if (a < o->high && b > o->low) {
-    span[0] = a < span[0] ? a : span[0];
-    span[1] = b > span[1] ? b : span[1];
-  }
-}
-
-/* Widen the part that is let go by what does not hold of q0 + q1 w + q2 w^2 >= 0, where it need hold
- * only while n0 + n1 w > 0.  What it comes from is convex, so that what lets go is one interval:
- * all, where both ends do. */
-static void smap_lost_energy(const smap_held_t *o, const float q[3], float n0, float n1,
-                             float span[2])
-{
-  const float at_low = q[0] + o->low * (q[1] + o->low * q[2]);
-  const float at_high = q[0] + o->high * (q[1] + o->high * q[2]);
-  const int below = at_low < 0.0f && n0 + o->low * n1 > 0.0f;
-  const int above = at_high < 0.0f && n0 + o->high * n1 > 0.0f;
-  float d, t, a, b;
-  if (!below && !above && (q[2] <= 0.0f || (q[1] + 2.0f * q[2] * o->low) *
-                                               (q[1] + 2.0f * q[2] * o->high) >= 0.0f)) {
-    return;
-  }
-  d = q[1] * q[1] - 4.0f * q[2] * q[0];
-  if (!below && !above && !(d > 0.0f)) {
-    return;
-  }
-  if ((below && above) || !(d > 0.0f)) {
-    smap_widen(o, span, -1.0f, 2.0f);
-    return;
-  }
-  t = -0.5f * (q[1] + (q[1] < 0.0f ? -smap_root(d) : smap_root(d)));
-  a = q[2] != 0.0f ? t / q[2] : 2.0f;
-  b = t != 0.0f ? q[0] / t : 2.0f;
-  if (a > b) {
-    t = a;
-    a = b;
-    b = t;
-  }
-  if (below) {
-    smap_widen(o, span, -1.0f, b > o->low && b < o->high ? b : a > o->low && a < o->high ? a : 2.0f);
-  } else if (above) {
-    smap_widen(o, span, a > o->low && a < o->high ? a : b > o->low && b < o->high ? b : -1.0f, 2.0f);
-  } else {
-    smap_widen(o, span, a, b);
-  }
-}
-
-/* Over which part of the segment the robot goes on over an edge from a to b; 0 for none. */
-static int smap_lost(const smap_many_work_t *w, const float a[3], const float b[3],
-                     const smap_held_t *o, float span[2])
-{
-  const float square = w->map->size * w->map->size, slack = SMAP_CAUGHT * square;
-  const float lost = (SMAP_RAISED + SMAP_TURNED * o->turned) * square;
-  float along[3], wall[3], s, ds, n, dn, r, dr, q[3], size2, inverse;
-  smap_minus(b, a, along);
-  size2 = smap_dot(along, along);
-  if (!(size2 > 1e-10f * square)) {
-    return 0;
-  }
-  inverse = 1.0f / smap_root(size2);
-  smap_cross(a, b, wall);
-  s = smap_dot(wall, o->g[0]) * inverse - slack;
-  ds = smap_dot(wall, o->g[1]) * inverse - slack - s;
-  span[0] = 3.0f;
-  span[1] = -3.0f;
-  if (s < 0.0f || s + ds < 0.0f) {
-    r = s < 0.0f && s + ds < 0.0f ? 0.0f : -s / ds;
-    smap_widen(o, span, s < 0.0f ? -1.0f : r, s + ds < 0.0f ? 2.0f : r);
-    if (s < 0.0f && s + ds < 0.0f) {
-      return 1;
-    }
-  }
-  smap_mix(a, b, -smap_dot(a, along) * inverse * inverse, wall); /* the com's foot on the edge's line */
-  n = smap_dot(wall, o->g[0]) + slack;
-  dn = smap_dot(wall, o->g[1]) + slack - n;
-  r = o->rise[0] - lost;
-  dr = o->rise[1] - o->rise[0];
-  q[0] = s * s + (n + n - r) * r;
-  q[1] = 2.0f * (s * ds + n * dr + r * (dn - dr));
-  q[2] = ds * ds + (dn + dn - dr) * dr;
-  smap_lost_energy(o, q, n - r, dn - dr, span);
-  return span[0] < span[1] && span[0] < o->high && span[1] > o->low;
-}
-
-/* Whether a place is within a distance (squared) of the line from a along a direction. */
-static int smap_beside(const float p[3], const float a[3], const float along[3], float band2)
-{
-  float arm[3], c[3];
-  smap_minus(p, a, arm);
-  smap_cross(arm, along, c);
-  return smap_dot(c, c) < band2 * smap_dot(along, along);
-}
-
-/* Whether the robot goes on over an edge, which is not the way back over that on which it came, and over
- * which part. */
-static int smap_leaves(const smap_many_work_t *w, uint8_t came, uint8_t e, const smap_held_t *o,
-                       float span[2])
-{
-  const float band2 = w->map->band > 0.0f ? w->map->band * w->map->band : 0.0f;
-  const float *p = smap_corner(w, e), *q = smap_end(w, e), *a = smap_corner(w, came);
-  float along[3];
-  if (!smap_lost(w, p, q, o, span)) {
-    return 0;
-  }
-  smap_minus(smap_end(w, came), a, along);
-  return !(smap_beside(p, a, along, band2) && smap_beside(q, a, along, band2));
-}
-
-/* Leave of a part of the segment that for which the way to a facet after `turn` more may be taken:
- * not where the other way ends on the same one, nor where both turn too far. */
-static void smap_refuse(const smap_many_work_t *w, const smap_held_t *o, uint8_t facet, float turn,
-                        float part[2])
-{
-  const smap_facet_t *f = &w->facet[facet];
-  uint8_t k;
-  for (k = 0; k < o->ends; k++) {
-    const smap_end_t *e = &o->other[k];
-    const smap_facet_t *g = &w->facet[e->facet];
-    const float all = o->turned + turn + e->turn, apart = smap_chord(&f->at, &g->at);
-    if (all <= w->map->rock_angle &&
-        !(apart < 1.01e-2f && (apart < 1e-4f || all + 1e-5f > apart + 1e-2f))) {
-      continue;
-    }
-    if (e->part[1] >= part[1]) {
-      part[1] = e->part[0] < part[1] ? e->part[0] : part[1];
-    } else if (e->part[1] > part[0]) {
-      part[0] = e->part[1];
-    }
-  }
-}
-
-/* Turn a gap along the roll over edge e. */
-static void smap_carry(const smap_many_work_t *w, smap_row_t *roll, uint8_t e,
-                       const smap_held_t *from, smap_held_t *to)
-{
-  uint8_t end;
-  *to = *from;
-  for (end = 0; end < 2; end++) {
-    to->rise[end] += smap_roll_over(w, roll, e, from->g[end], to->g[end]);
-  }
-  to->turned += roll[SMAP_ANGLE][0];
-  to->before += roll[SMAP_ANGLE][0];
-  to->split = 0;
-}
-
-/* Let a gap roll on over edge e onto the rest there, for a part of the segment; 0 where it must not. */
-static int smap_roll_on(smap_many_work_t *w, uint8_t e, const smap_held_t *o, const float span[2],
-                        smap_held_t *next)
-{
-  const uint8_t back = w->twin[e];
-  smap_row_t *roll;
-  float part[2];
-  if (back == SMAP_NONE || w->facet[w->owner[back]].kind != SMAP_REST ||
-      smap_chord(&w->facet[w->owner[e]].at, &w->facet[w->owner[back]].at) + o->turned >
-          w->map->rock_angle) {
-    return 0;
-  }
-  roll = smap_roll(w, e);
-  if (roll[SMAP_ANGLE][0] < SMAP_NOISE) {
-    return 0;
-  }
-  part[0] = span[0] > o->low ? span[0] : o->low;
-  part[1] = span[1] < o->high ? span[1] : o->high;
-  smap_refuse(w, o, w->owner[back], roll[SMAP_ANGLE][0], part);
-  smap_carry(w, roll, e, o, next);
-  next->low = part[0];
-  next->high = part[1];
-  return next->low < next->high;
-}
-
-/* Keep what the rest holds that the robot has come to over its edge `came`. */
-static int smap_hold_last(const smap_many_work_t *w, uint8_t came, smap_held_t *o)
-{
-  float span[2];
-  uint8_t at, left = SMAP_MANY_EDGES;
-  for (at = smap_onward(w, came); at != came && left > 0 && o->low < o->high; left--) {
-    if (smap_leaves(w, came, at, o, span)) {
-      smap_forbid(o, span[0], span[1]);
-    }
-    at = smap_onward(w, at);
-  }
-  return !o->split && o->low < o->high;
-}
-
-/* Let go of what is lost but for the part that is held further on, and list where that ends. */
-static void smap_keep(const smap_many_work_t *w, uint8_t e, const smap_held_t *held, const float span[2],
-                      smap_held_t *o, smap_end_t *end)
-{
-  end->part[0] = held->low;
-  end->part[1] = held->high;
-  end->turn = held->before;
-  end->facet = w->owner[w->twin[e]];
-  smap_forbid(o, span[0], held->low > o->low ? held->low : span[0]);
-  smap_forbid(o, held->high < o->high ? held->high : span[1], span[1]);
-}
-
-/* As smap_hold_last, or one rest further on. */
-static int smap_hold_next(smap_many_work_t *w, uint8_t came, smap_held_t *o, smap_end_t *end,
-                          uint8_t *ends)
-{
-  const uint8_t first = *ends;
-  float span[2];
-  uint8_t at, left = SMAP_MANY_EDGES;
-  smap_held_t next;
-  for (at = smap_onward(w, came); at != came && left > 0 && o->low < o->high; left--) {
-    if (smap_leaves(w, came, at, o, span)) {
-      if (*ends < SMAP_ENDS && smap_roll_on(w, at, o, span, &next) &&
-          smap_hold_last(w, w->twin[at], &next)) {
-        smap_keep(w, at, &next, span, o, &end[*ends]);
-        (*ends)++;
-      } else {
-        smap_forbid(o, span[0], span[1]);
-      }
-    }
-    at = smap_onward(w, at);
-  }
-  if (!o->split && o->low < o->high) {
-    return 1;
-  }
-  *ends = first;
-  return 0;
-}
-
-/* As smap_hold_last, or up to two rests further on; list where it ends. */
-static void smap_hold_rest(smap_many_work_t *w, uint8_t came, smap_held_t *o, smap_end_t *end,
-                           uint8_t *ends)
-{
-  float span[2];
-  uint8_t e, left = SMAP_MANY_EDGES;
-  smap_held_t next;
-  for (e = smap_onward(w, came); e != came && left > 0 && o->low < o->high; left--) {
-    if (smap_leaves(w, came, e, o, span)) {
-      if (*ends < SMAP_ENDS && smap_roll_on(w, e, o, span, &next) &&
-          smap_hold_next(w, w->twin[e], &next, end, ends) && *ends < SMAP_ENDS) {
-        smap_keep(w, e, &next, span, o, &end[*ends]);
-        (*ends)++;
-      } else {
-        smap_forbid(o, span[0], span[1]);
-      }
-    }
-    e = smap_onward(w, e);
-  }
-}
 
 static void smap_all_of(smap_end_t *end, uint8_t facet)
 {
@@ -382,17 +84,26 @@ static void smap_find_gap(smap_many_work_t *w, uint8_t e)
   }
 }
 
+/* The first edge from e on that lies between two rests; each arc has one. */
+static uint8_t smap_between_rests(const smap_many_work_t *w, uint8_t e)
+{
+  for (; e < w->edges; e++) {
+    const uint8_t back = w->twin[e];
+    if (back != SMAP_NONE && back >= e && w->low[e] != SMAP_SHORT &&
+        w->facet[w->owner[e]].kind == SMAP_REST && w->facet[w->owner[back]].kind == SMAP_REST) {
+      break;
+    }
+  }
+  return e;
+}
+
 static void smap_find_gaps(smap_many_work_t *w)
 {
   uint8_t e;
-  for (e = 0; e < w->edges; e++) {
-    const uint8_t back = w->twin[e];
-    if (back == SMAP_NONE || back < e || w->low[e] == SMAP_SHORT ||
-        w->facet[w->owner[e]].kind != SMAP_REST || w->facet[w->owner[back]].kind != SMAP_REST) {
-      continue;
-    }
+  for (e = smap_between_rests(w, 0); e < w->edges && smap_may(w, &w->left.gaps);
+       e = smap_between_rests(w, (uint8_t)(e + 1u))) {
     if (w->map->rock_angle >= 3.1415f) {
-      w->low[e] = w->low[back] = 0.0f;
+      w->low[e] = w->low[w->twin[e]] = 0.0f;
     } else if (w->map->rock_angle > 0.0f) {
       smap_find_gap(w, e);
     }

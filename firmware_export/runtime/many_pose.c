@@ -3,12 +3,24 @@
 /* ---- poses of many contacts -------------------------------------------------------------------------- */
 /* A pose: what `at` needs of a posture. */
 
+/* The first edge from e on of a facet that is not shown yet. */
+static uint8_t smap_to_show(const smap_many_work_t *w, uint8_t e)
+{
+  for (; e < w->edges; e++) {
+    if (w->facet[w->owner[e]].shown == SMAP_NONE && w->low[e] != SMAP_SHORT &&
+        w->facet[w->owner[e]].kind != SMAP_REFUSED) {
+      break;
+    }
+  }
+  return e;
+}
+
 /* Enter what short arcs join with edge `start` as one facet: its walls, in the order of its edges. */
 static void smap_show(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start)
 {
   smap_facet_t *f = &w->facet[w->owner[start]];
   const uint8_t at = o->at.shown;
-  uint8_t e = start, n = o->at.edge[at], left = SMAP_MANY_EDGES, k;
+  uint8_t e = start, n = o->at.edge[at], k;
   float wall[3];
   if (at >= SMAP_MANY_SHOWN) {
     w->failed = 1;
@@ -33,25 +45,29 @@ static void smap_show(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start)
       o->at.rim[n].wall = w->wall_of[e];
       o->at.rim[n++].side = e; /* until the sides are known */
     }
-    e = smap_onward(w, e);
-    left--;
-  } while (e != start && left > 0 && !w->failed);
+    e = w->onward[e];
+  } while (e != start && smap_may(w, &w->left.outlines));
   o->at.edge[++o->at.shown] = n;
+}
+
+/* The first edge from e on that has a gap; each arc has one. */
+static uint8_t smap_to_strip(const smap_many_work_t *w, uint8_t e)
+{
+  for (; e < w->edges && !(smap_is_gap(w, e) && w->twin[e] > e); e++) {
+  }
+  return e;
 }
 
 /* Make the strips of all gaps, and give the islands that they join one number. */
 static void smap_add_strips(smap_many_work_t *w, smap_many_pose_t *o)
 {
   uint8_t e, k;
-  for (e = 0; e < w->edges && !w->failed; e++) {
-    const uint8_t back = w->twin[e];
-    if (smap_is_gap(w, e) && back > e) {
-      const uint8_t a = o->at.island[w->facet[w->owner[e]].shown];
-      const uint8_t b = o->at.island[w->facet[w->owner[back]].shown];
-      if (smap_add_sides(w, o, e)) {
-        for (k = 0; k < o->at.shown; k++) {
-          o->at.island[k] = o->at.island[k] == b ? a : o->at.island[k];
-        }
+  for (e = smap_to_strip(w, 0); e < w->edges && !w->failed; e = smap_to_strip(w, (uint8_t)(e + 1u))) {
+    const uint8_t a = o->at.island[w->facet[w->owner[e]].shown];
+    const uint8_t b = o->at.island[w->facet[w->owner[w->twin[e]]].shown];
+    if (smap_add_sides(w, o, e)) {
+      for (k = 0; k < o->at.shown; k++) {
+        o->at.island[k] = o->at.island[k] == b ? a : o->at.island[k];
       }
     }
   }
@@ -83,6 +99,8 @@ static void smap_turn_back(const smap_many_t *m, float (*v)[3], uint8_t n)
 static int smap_many_pose(const smap_many_t *m, const smap_many_place_t *place, smap_many_pose_t *o,
                           smap_many_work_t *w)
 {
+  static const smap_work_t all = {SMAP_MANY_EVENTS, SMAP_MANY_CORNERS, SMAP_MANY_OUTLINES, SMAP_MANY_GAPS,
+                                  SMAP_MANY_VISITS, SMAP_MANY_WAYS, SMAP_MANY_ROLLINGS};
   uint8_t e;
   o->at.shown = o->at.walls = o->at.points = o->at.segments = o->at.sides = o->at.alive = o->at.edge[0] = 0;
   o->guard = m->guard;
@@ -91,17 +109,16 @@ static int smap_many_pose(const smap_many_t *m, const smap_many_place_t *place, 
   w->map = m;
   w->roll = o->point;
   w->facets = w->edges = w->rolls = w->failed = 0;
+  w->left = all;
   smap_find_facets(w, place);
   if (!w->failed) {
     smap_classify(w);
     smap_mark_short(w);
+    smap_find_outlines(w);
     smap_find_gaps(w);
   }
-  for (e = 0; e < w->edges && !w->failed; e++) {
-    if (w->facet[w->owner[e]].shown == SMAP_NONE && w->low[e] != SMAP_SHORT &&
-        w->facet[w->owner[e]].kind != SMAP_REFUSED) {
-      smap_show(w, o, e);
-    }
+  for (e = smap_to_show(w, 0); e < w->edges && !w->failed; e = smap_to_show(w, e)) {
+    smap_show(w, o, e);
   }
   if (!w->failed) {
     smap_add_strips(w, o);

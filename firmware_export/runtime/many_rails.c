@@ -335,13 +335,13 @@ static void smap_swap(smap_many_work_t *w, smap_hull_t *o, uint8_t k, float u, f
 static void smap_find_facets(smap_many_work_t *w, const smap_many_place_t *place)
 {
   smap_hull_t o;
-  uint16_t left;
   uint8_t k, which;
-  float u = -1.0f;
+  float u, first;
   smap_lay_out(w, place, &o);
-  for (left = 8u * SMAP_MANY_FACETS; left > 0; left--) {
-    float first = SMAP_NEVER, scale, s, c;
+  for (u = -1.0f; u <= 1.0f && smap_may(w, &w->left.events); u = first) {
+    float scale, s, c;
     int bends = 0;
+    first = SMAP_NEVER;
     which = SMAP_NONE;
     for (k = 0; k < w->map->rails; k++) {
       if (o.bend[k] < first) {
@@ -349,34 +349,32 @@ static void smap_find_facets(smap_many_work_t *w, const smap_many_place_t *place
         which = k;
         bends = 1;
       }
-      if (k > 0 && k + 1 < w->map->rails) {
-        float at = smap_turns(w, &o, k, u);
-        if (at == o.changed[k]) {
-          /* What has just changed may be wrong by rounding: look a little further on. */
-          at = smap_turns(w, &o, k, u + SMAP_ON);
-        }
-        if (at < first) {
-          first = at;
-          which = k;
-          bends = 0;
-        }
+    }
+    for (k = 1; k + 1 < w->map->rails; k++) {
+      float at = smap_turns(w, &o, k, u);
+      if (at == o.changed[k]) {
+        /* What has just changed may be wrong by rounding: look a little further on. */
+        at = smap_turns(w, &o, k, u + SMAP_ON);
+      }
+      if (at < first || (at == first && bends && k < which)) {
+        first = at;
+        which = k;
+        bends = 0;
       }
     }
     if (which == SMAP_NONE || first > 1.0f) {
       return;
     }
-    u = first;
-    scale = 1.0f / (1.0f + u * u);
-    s = 2.0f * u * scale;
-    c = (1.0f - u * u) * scale;
-    if (u > 0.0f && c <= w->map->steepest) {
+    scale = 1.0f / (1.0f + first * first);
+    s = 2.0f * first * scale;
+    c = (1.0f - first * first) * scale;
+    if (first > 0.0f && c <= w->map->steepest) {
       return; /* steeper and steeper */
     }
     if (bends) {
-      smap_bend(w, &o, which, u, s, c);
+      smap_bend(w, &o, which, first, s, c);
     } else {
-      smap_swap(w, &o, which, u, s, c);
+      smap_swap(w, &o, which, first, s, c);
     }
   }
-  w->failed = 1;
 }

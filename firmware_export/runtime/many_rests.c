@@ -44,7 +44,7 @@ static inline float smap_bend_of(const smap_spot_t *o, const smap_spot_t *p, con
 }
 
 /* The corners of the polygon of spots, counter-clockwise in (a, b). */
-static uint8_t smap_polygon(const smap_spot_t *spot, uint8_t count, uint8_t *corner)
+static uint8_t smap_polygon(smap_many_work_t *w, const smap_spot_t *spot, uint8_t count, uint8_t *corner)
 {
   uint8_t n = 0, k, i, least = 1;
   if (count == 3) {
@@ -54,7 +54,7 @@ static uint8_t smap_polygon(const smap_spot_t *spot, uint8_t count, uint8_t *cor
     corner[2] = bend > 0.0f ? 2 : 1;
     return bend != 0.0f ? 3 : 2;
   }
-  for (k = 0; k < 2u * count; k++) {
+  for (k = 0; k < 2u * count && smap_may(w, &w->left.corners); k++) {
     i = k < count ? k : (uint8_t)(2u * count - 1u - k);
     if (k == count) {
       least = n;
@@ -68,48 +68,33 @@ static uint8_t smap_polygon(const smap_spot_t *spot, uint8_t count, uint8_t *cor
   return (uint8_t)(n > 0 ? n - 1u : 0u);
 }
 
-#if !SMAP_MANY_RAILS
-/* The contacts at the corners of those that reach as far as `top`, counter-clockwise. */
-static uint8_t smap_corners_near(const smap_many_work_t *w, const smap_aim_t *at, float top,
-                                 uint8_t *contact)
-{
-  smap_spot_t spot[SMAP_MANY_CONTACTS];
-  uint8_t corner[2 * SMAP_MANY_CONTACTS + 1], k;
-  const uint8_t n = smap_polygon(spot, smap_list_spots(w, at, top, 4.0f * w->map->size, spot), corner);
-  for (k = 0; k < n; k++) {
-    /* From outside (a, b) is left-handed. */
-    contact[k] = spot[corner[n - 1u - k]].contact;
-  }
-  return n;
-}
-#endif
-
 static inline float smap_apart2(const smap_spot_t *p, const smap_spot_t *q)
 {
   return (q->a - p->a) * (q->a - p->a) + (q->b - p->b) * (q->b - p->b);
 }
 
 /* Whether a polygon is at least `width` wide in every direction. */
-static int smap_wide(const smap_spot_t *spot, const uint8_t *corner, uint8_t n, float width)
+static int smap_wide(smap_many_work_t *w, const smap_spot_t *spot, const uint8_t *corner, uint8_t n,
+                     float width)
 {
-  uint8_t i, j;
+  uint8_t side, j;
   if (n == 3) {
     const smap_spot_t *a = &spot[corner[0]], *b = &spot[corner[1]], *c = &spot[corner[2]];
     const float area = smap_bend_of(a, b, c), wanted = area / width, most = wanted * wanted;
     return area > 0.0f && smap_apart2(a, b) <= most && smap_apart2(b, c) <= most &&
            smap_apart2(c, a) <= most;
   }
-  for (i = 0; i < n; i++) {
-    const uint8_t next = (uint8_t)(i + 1 < n ? i + 1 : 0);
-    const smap_spot_t *o = &spot[corner[i]], *q = &spot[corner[next]];
+  for (side = 0; side < n && smap_may(w, &w->left.corners); side++) {
+    const uint8_t next = (uint8_t)(side + 1 < n ? side + 1 : 0);
+    const smap_spot_t *o = &spot[corner[side]], *q = &spot[corner[next]];
     const float da = q->a - o->a, db = q->b - o->b, wanted = width * width * (da * da + db * db);
-    for (j = (uint8_t)(next + 1u < n ? next + 1u : 0); j != i; j = (uint8_t)(j + 1u < n ? j + 1u : 0)) {
+    for (j = (uint8_t)(next + 1u < n ? next + 1u : 0); j != side; j = (uint8_t)(j + 1u < n ? j + 1u : 0)) {
       const float out = smap_bend_of(o, q, &spot[corner[j]]);
       if (out > 0.0f && out * out >= wanted) {
         break;
       }
     }
-    if (j == i) {
+    if (j == side) {
       return 0;
     }
   }
@@ -152,7 +137,7 @@ static void smap_classify(smap_many_work_t *w)
     smap_facet_t *facet = &w->facet[f];
     const uint8_t count = smap_list_spots(w, &facet->at, facet->h - w->map->tolerance,
                                           facet->h + SMAP_BELOW * w->map->size, spot);
-    const uint8_t n = smap_polygon(spot, count, corner);
+    const uint8_t n = smap_polygon(w, spot, count, corner);
     facet->kind = count ? SMAP_STAGE : SMAP_REFUSED;
     if (count == 0) {
       continue;
@@ -163,7 +148,7 @@ static void smap_classify(smap_many_work_t *w)
         const uint8_t e = facet->first;
         facet->centre[k] = (w->corner[e][k] + w->corner[e + 1][k] + w->corner[e + 2][k]) * (1.0f / 3.0f);
       }
-    } else if (w->map->rock_angle >= 3.1415f || smap_wide(spot, corner, n, w->map->rest_width)) {
+    } else if (w->map->rock_angle >= 3.1415f || smap_wide(w, spot, corner, n, w->map->rest_width)) {
       facet->kind = SMAP_REST;
     }
   }
@@ -188,5 +173,18 @@ static void smap_mark_short(smap_many_work_t *w)
                                      ? SMAP_SHORT
                                      : SMAP_OPEN;
     }
+  }
+}
+
+/* Find the outlines of what short arcs join: no short arc is gone over twice. */
+static void smap_find_outlines(smap_many_work_t *w)
+{
+  uint8_t e, left = SMAP_MANY_EDGES;
+  for (e = 0; e < w->edges; e++) {
+    uint8_t at = w->next[e];
+    for (; w->low[e] != SMAP_SHORT && w->low[at] == SMAP_SHORT && left > 0; left--) {
+      at = w->next[w->twin[at]];
+    }
+    w->onward[e] = at;
   }
 }

@@ -129,7 +129,7 @@ static float smap_rim_chord(const float p[3], const float q[3], float radius)
 }
 
 /* The map of a roll over an edge onto the facet beyond. */
-static void smap_find_roll(const smap_many_work_t *w, uint8_t e, smap_row_t *o)
+SMAP_APART static void smap_find_roll(smap_many_work_t *w, uint8_t e, smap_row_t *o)
 {
   const uint8_t i = w->vertex[e], j = w->vertex[w->next[e]], back = w->twin[e];
   const smap_aim_t *from = &w->facet[w->owner[e]].at, *to = &w->facet[w->owner[back]].at;
@@ -137,6 +137,7 @@ static void smap_find_roll(const smap_many_work_t *w, uint8_t e, smap_row_t *o)
   smap_across_t first, last;
   float sum[3] = {0.0f, 0.0f, 0.0f}, place[3][3];
   uint8_t k, pairs;
+  (void)smap_may(w, &w->left.rollings);
   smap_begin_across(from->n, &first);
   last = first;
   o[SMAP_ANGLE][0] = smap_angle(from, to);
@@ -160,7 +161,7 @@ static void smap_find_roll(const smap_many_work_t *w, uint8_t e, smap_row_t *o)
       smap_copy(smap_end(w, e), place[0]);
     }
     o[SMAP_ANGLE][0] = 0.0f;
-    for (k = 1; k <= pairs; k++) {
+    for (k = 1; k <= pairs && smap_may(w, &w->left.rollings); k++) {
       smap_on_arc(w, i, j, from, to, ((float)k - 0.5f) / (float)pairs, &half);
       there = *to;
       if (k < pairs) {

@@ -31,6 +31,15 @@
 #ifndef SMAP_MANY_SIDES
 #define SMAP_MANY_SIDES (4 * SMAP_MANY_SHOWN)
 #endif
+#ifndef SMAP_MANY_EVENTS /* the most work that a pose may take, of each kind: see smap_work_t */
+#define SMAP_MANY_EVENTS 65535
+#define SMAP_MANY_CORNERS 65535
+#define SMAP_MANY_OUTLINES 65535
+#define SMAP_MANY_GAPS 65535
+#define SMAP_MANY_VISITS 65535
+#define SMAP_MANY_WAYS 65535
+#define SMAP_MANY_ROLLINGS 65535
+#endif
 #define SMAP_MANY_ROLLS (SMAP_MANY_LINKS / 5) /* that are kept */
 #define SMAP_NONE 255u
 #undef SMAP_UNROLL
@@ -125,10 +134,19 @@ typedef struct {
   uint8_t contact;
 } smap_spot_t;
 
+/* How much work is left of each kind: events of a hull, or rounds of Newton's; corners of polygons; edges
+ * of outlines that are gone round; gaps that are looked at; visits of edges and ways on while these are
+ * followed; rolls and their pairs of steps.  It is what many postures took, with a margin, so that none
+ * can take long. */
+typedef struct {
+  uint16_t events, corners, outlines, gaps, visits, ways, rollings;
+} smap_work_t;
+
 /* What is only needed while a pose is made. */
 typedef struct {
   const smap_many_t *map;
   uint8_t facets, edges, failed;
+  smap_work_t left;
   float p[SMAP_MANY_CONTACTS][3], r[SMAP_MANY_CONTACTS];
 #if SMAP_MANY_RAILS
   uint8_t rail[SMAP_MANY_CONTACTS];
@@ -137,6 +155,7 @@ typedef struct {
 #endif
   smap_facet_t facet[SMAP_MANY_FACETS];
   uint8_t vertex[SMAP_MANY_EDGES], twin[SMAP_MANY_EDGES], next[SMAP_MANY_EDGES];
+  uint8_t onward[SMAP_MANY_EDGES]; /* the next edge of the outline of what short arcs join */
   uint8_t owner[SMAP_MANY_EDGES], wall_of[SMAP_MANY_EDGES], point_of[SMAP_MANY_EDGES];
   uint8_t side_of[SMAP_MANY_EDGES];
   uint8_t seen[SMAP_MANY_EDGES]; /* the island whose boundary it may be of, or SMAP_NONE */
@@ -150,6 +169,7 @@ typedef struct {
 #define SMAP_OPEN 2.0f
 
 #ifndef SMAP_VERSION /* smap.h's parts have them */
+#define SMAP_APART
 static inline float smap_dot(const float a[3], const float b[3])
 {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -184,16 +204,6 @@ static inline void smap_copy(const float from[3], float to[3])
   to[2] = from[2];
 }
 
-/* The next edge of the outline of what short arcs join. */
-static uint8_t smap_onward(const smap_many_work_t *w, uint8_t e)
-{
-  uint8_t left = SMAP_MANY_EDGES;
-  for (e = w->next[e]; w->low[e] == SMAP_SHORT && left > 0; left--) {
-    e = w->next[w->twin[e]];
-  }
-  return e;
-}
-
 static const float *smap_corner(const smap_many_work_t *w, uint8_t e)
 {
   return w->corner[e];
@@ -202,6 +212,17 @@ static const float *smap_corner(const smap_many_work_t *w, uint8_t e)
 static const float *smap_end(const smap_many_work_t *w, uint8_t e)
 {
   return w->corner[w->next[e]];
+}
+
+/* Whether there is some work left of a kind; if not, the pose fails, and then there is none of any. */
+static inline int smap_may(smap_many_work_t *w, uint16_t *left)
+{
+  if (*left == 0 || w->failed) {
+    w->failed = 1;
+    return 0;
+  }
+  (*left)--;
+  return 1;
 }
 
 /* Whether it is 0 to 1, by its bits: a negative number's are the largest. */

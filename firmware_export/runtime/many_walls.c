@@ -115,7 +115,7 @@ static void smap_bulge(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e, smap
   count = (float)(int32_t)(turn * (1.0f / SMAP_PIECE)) + 1.0f;
   count = count > pieces ? pieces : count;
   smap_copy(p, last);
-  for (k = 1; (float)k <= count; k++) {
+  for (k = 1; (float)k <= count && !w->failed; k++) {
     if ((float)(k + 1) > count) {
       there = *to;
     } else {
@@ -250,30 +250,30 @@ static uint8_t smap_follow(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
   if (!smap_is_gap(w, e)) {
     if (w->wall_of[e] != SMAP_NONE) {
       o->at.begin[w->facet[w->owner[e]].shown] = o->at.segments;
-      smap_push(w, o, w->wall_of[e], w->point_of[e], w->point_of[smap_onward(w, e)]);
+      smap_push(w, o, w->wall_of[e], w->point_of[e], w->point_of[w->onward[e]]);
     }
-    return smap_onward(w, e);
+    return w->onward[e];
   }
   side = &o->at.side[w->side_of[e]];
   if (w->low[e] > 0.0f && w->wall_of[e] != SMAP_NONE) {
     smap_push(w, o, w->wall_of[e], w->point_of[e], side->point);
   }
-  for (k = 0; k < side->count; k++) {
+  for (k = 0; k < side->count && !w->failed; k++) {
     smap_push(w, o, (uint8_t)(side->wall + k), (uint8_t)(side->point + k),
               (uint8_t)(side->point + k + 1u));
   }
   if (w->low[e] > 0.0f && w->wall_of[back] != SMAP_NONE) {
     smap_push(w, o, w->wall_of[back], (uint8_t)(side->point + side->count),
-              w->point_of[smap_onward(w, back)]);
+              w->point_of[w->onward[back]]);
   }
-  return smap_onward(w, back);
+  return w->onward[back];
 }
 
 /* Whether the strips round a contact hold all the way: then there is no boundary.  The places where a
  * ball touches are a patch, and no strip covers that. */
 static int smap_is_inner(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start)
 {
-  uint8_t e = start, left = SMAP_MANY_EDGES;
+  uint8_t e = start;
 #if !SMAP_MANY_RAILS
   const uint8_t contact = w->vertex[start];
   if (w->r[contact] > 0.0f && !(smap_dot(w->axle[contact], w->axle[contact]) > 0.0f)) {
@@ -284,35 +284,41 @@ static int smap_is_inner(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start
     if (w->low[e] != 0.0f) {
       return 0;
     }
-    e = smap_onward(w, w->twin[e]);
-    left--;
-  } while (e != start && left > 0);
+    e = w->onward[w->twin[e]];
+  } while (e != start && smap_may(w, &w->left.outlines));
   do {
     w->seen[e] = SMAP_NONE;
     o->at.side[w->side_of[e]].inner = 1;
-    e = smap_onward(w, w->twin[e]);
-    left++;
-  } while (e != start && left > 0);
+    e = w->onward[w->twin[e]];
+  } while (e != start && smap_may(w, &w->left.outlines));
   return 1;
 }
 
 /* Append the loop of an island's boundary from an edge on.  Without a gap it is convex: nothing of it is
  * bent. */
-static void smap_loop(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start, uint8_t island)
+SMAP_APART static void smap_loop(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start,
+                                 uint8_t island)
 {
   const uint8_t first = o->at.segments;
-  uint8_t e = start, left = SMAP_MANY_EDGES, k, gaps = 0;
+  uint8_t e = start, k, gaps = 0;
   do {
     w->seen[e] = SMAP_NONE;
     gaps = gaps || smap_is_gap(w, e);
     e = smap_follow(w, o, e);
-    left--;
-  } while (e != start && left > 0 && !w->failed);
+  } while (e != start && smap_may(w, &w->left.outlines));
   for (k = first; gaps && k < o->at.segments && !w->failed; k++) {
     const smap_segment_t *next = &o->at.segment[k + 1 < o->at.segments ? k + 1 : first];
     o->at.segment[k].bent = smap_dot(o->wall[o->at.segment[k].wall], o->point[next->stop]) < 1e-4f;
     o->at.convex[island] = o->at.convex[island] && !o->at.segment[k].bent;
   }
+}
+
+/* The first edge from e on that may be of an island's boundary. */
+static uint8_t smap_to_bound(const smap_many_work_t *w, uint8_t island, uint8_t e)
+{
+  for (; e < w->edges && w->seen[e] != island; e++) {
+  }
+  return e;
 }
 
 /* List the segments of all loops. */
@@ -328,8 +334,9 @@ static void smap_find_boundary(smap_many_work_t *w, smap_many_pose_t *o)
   for (k = 0; k < o->at.shown; k++) {
     o->at.first[k] = o->at.segments;
     o->at.convex[k] = 1;
-    for (e = 0; o->at.island[k] == k && o->at.kind[k] == SMAP_REST && e < w->edges; e++) {
-      if (w->seen[e] == k && !w->failed && !(smap_is_gap(w, e) && smap_is_inner(w, o, e))) {
+    for (e = smap_to_bound(w, k, 0); e < w->edges && smap_may(w, &w->left.outlines);
+         e = smap_to_bound(w, k, e)) {
+      if (!(smap_is_gap(w, e) && smap_is_inner(w, o, e))) {
         smap_loop(w, o, e, k);
       }
     }

@@ -23,8 +23,8 @@ AXLE, UP = np.eye(3)[1], np.eye(3)[2]
 RADIUS, HALF = 0.1, 0.01
 # Going so far (m) in this time (s) is moving: 2 % beyond its limit a robot goes some 10 cm.
 GONE, WATCHED = 0.02, 1.5
-# Before, it comes to rest on level ground, which is then tilted: let go on the slope from some 0.05 mm
-# a robot may go on hopping from wheel to wheel, all the way down, where at rest it holds.
+# Before, it comes to rest on level ground, which is then tilted: let go on the slope from some
+# 0.05 mm a robot may go on hopping from wheel to wheel, all the way down, where at rest it holds.
 SETTLED, TILTED = 0.3, 1.0
 # Slopes nearer to the limit than this factor are left out: soft contacts creep there.
 BAND = 1.03

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import lutgen
+from firmware_export.contacts.codec import WORK
 from lutgen.channels import evaluate_each
 from tests.fixtures.many_library import (
     HARNESS,
@@ -24,6 +25,8 @@ from tests.fixtures.places import MAPS
 pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 ROBOTS = ("absolem", "marv", "markhor", "excavator", "articulated", "quadruped")
 TIPS = 2
+# Of each kind of work, in the order of `WORK`: too little for some postures.
+FEW = (20, 60, 9, 2, 6, 4, 4)
 FLAGS = "-Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wdouble-promotion -Werror"
 # Of a leg: hip roll, hip pitch, knee; balls for feet.
 LEG = """
@@ -122,6 +125,18 @@ def test_a_map_without_room_is_never_safe(robot, tmp_path):
     assert small.most["failed"] > 0
     enough = Library(robot.recipe, tmp_path / "..").read(params, random_directions(rng, 100))
     assert (got["status"] == TIPS).sum() > (enough["status"] == TIPS).sum()
+
+
+def test_a_posture_that_takes_more_work_than_there_is_reads_unsafe(robot, tmp_path):
+    few = [f"-DSMAP_MANY_{kind}={most}" for kind, most in zip(WORK, FEW, strict=True)]
+    rng = np.random.default_rng(7)
+    params, g = postures_of(robot.recipe, rng, 40), random_directions(rng, 100)
+    got = Library(robot.recipe, tmp_path, flags=few).read(params, g)["status"]
+    whole = robot.read(params, g)["status"]
+    # A posture that fails tips in every direction, and any other reads as it does.
+    failed = (got != whole).any(axis=1)
+    assert failed.any()
+    assert (got[failed] == TIPS).all()
 
 
 def test_memory_that_is_all_zero_reads_unsafe(robot):

@@ -6,7 +6,7 @@ import pytest
 
 from firmware_export.emit.runtime import runtime_text
 from lutgen.errors import ExportError
-from targets import loops
+from targets import heads, loops
 from targets.listing import parse
 from targets.longest import bounded, measured
 from targets.size import SETS
@@ -14,7 +14,10 @@ from targets.worst import Bounds
 from tests.runtime.test_targets import needs_arm, row
 
 # As much as any export has.
-WIDEST = loops.Shape(8, 32, 8, 8, 8, 99, 99, 10, 255, 32, 80, 250, 60, 254)
+WIDEST = loops.Shape(
+    *(8, 32, 8, 8, 8, 99, 99, 10, 255, 32, 8, 80, 250, 60, 254, 254, 250),
+    *(100, 200, 100, 50, 500, 90, 40),
+)
 
 
 def test_every_loop_of_the_runtime_has_a_bound() -> None:
@@ -24,15 +27,15 @@ def test_every_loop_of_the_runtime_has_a_bound() -> None:
         found = loops.bounds(source, WIDEST)
         assert len(found) > 20
         assert all(0 < rounds <= 1024 for rounds in found.values())
-        every |= set(loops.heads(source).values())
+        every |= set(heads.heads(source).values())
     # And none is listed that is not there.
     assert set(loops.LOOPS) == every
 
 
 def test_a_head_on_two_lines_is_read_whole_and_checks_are_left_out() -> None:
     source = "static int smap_f(void)\n{\n  for (i = 0; i < n &&\n       i < 3; i++) {\n  }\n}\n"
-    assert loops.heads(source) == {3: "i = 0; i < n && i < 3; i++"}
-    assert loops.heads(source.replace("smap_f", "smap_check_f")) == {}
+    assert heads.heads(source) == {3: "i = 0; i < n && i < 3; i++"}
+    assert heads.heads(source.replace("smap_f", "smap_check_f")) == {}
 
 
 @pytest.mark.parametrize(
@@ -89,7 +92,7 @@ smap.c:3
 
 
 def test_the_bound_of_nested_loops_is_what_one_counts_by_hand() -> None:
-    bounds = Bounds(parse(LISTING), {3: 4, 5: 3}, [0, 2], {}, {})
+    bounds = Bounds(parse(LISTING), {3: 4, 5: 3}, [0, 2], {}, {}, {}, {})
     assert bounds.of("inner") == 2
     # A round of the inner loop: 3 instructions and the callee's 2.  It goes round 3 times, and
     # once more as it may be left at its end: 4 x 5 = 20.  A round of the outer: 1 + 20 + 2 = 23;
@@ -97,24 +100,35 @@ def test_the_bound_of_nested_loops_is_what_one_counts_by_hand() -> None:
     assert bounds.of("outer") == 1 + 5 * 23 + 1
 
 
+def test_what_a_counter_counts_is_added_once_by_hand() -> None:
+    known = parse(LISTING), {3: 4, 5: 3}, [0, 2], {}, {}
+    bounds = Bounds(*known, {5: "left"}, {})
+    # The inner loop is gone through once a round of the outer one, which takes 1 + 5 + 2; its three
+    # ways back, 5 each, are counted for all rounds together.
+    assert bounds.whole("outer") == 1 + 5 * 8 + 1 + 3 * 5
+    # Calls of the callee, which takes 2: at most six, and not one in each round.
+    bounds = Bounds(*known, {}, {"inner": ("calls", 6)})
+    assert bounds.whole("outer") == 1 + 5 * (1 + 4 * 3 + 2) + 1 + 6 * 2
+
+
 def test_a_loop_without_a_known_head_has_no_bound() -> None:
     with pytest.raises(ExportError, match="of no head"):
-        Bounds(parse(LISTING), {3: 4}, [0, 2], {}, {}).of("outer")
+        Bounds(parse(LISTING), {3: 4}, [0, 2], {}, {}, {}, {}).of("outer")
 
 
 def test_a_loop_of_whose_head_nothing_is_left_is_known_by_its_body() -> None:
     source = (
         "{\n  for (i = 0; i < 3; i++) {\n    for (k = 0; k < 3; k++) {\n      x;\n    }\n  }\n}\n"
     )
-    assert loops.spans(source) == {2: 6, 3: 5}
+    assert heads.spans(source) == {2: 6, 3: 5}
     # Line 6 of the listing is within the loop of line 5, which goes round three times.
     headless = LISTING.replace("smap.c:5\n      18", "smap.c:6\n      18")
     headless = headless.replace("smap.c:5\n      12", "smap.c:3\n      12")
-    found = Bounds(parse(headless), {3: 4, 5: 3}, [0, 2], {}, {3: 8, 5: 7})
+    found = Bounds(parse(headless), {3: 4, 5: 3}, [0, 2], {}, {3: 8, 5: 7}, {}, {})
     assert found.of("outer") == 1 + 5 * 23 + 1
     nowhere = headless.replace("smap.c:6", "smap.c:9")
     with pytest.raises(ExportError, match="of no head"):
-        Bounds(parse(nowhere), {3: 4, 5: 3}, [0, 2], {}, {3: 8, 5: 7}).of("outer")
+        Bounds(parse(nowhere), {3: 4, 5: 3}, [0, 2], {}, {3: 8, 5: 7}, {}, {}).of("outer")
 
 
 @needs_arm

@@ -1,0 +1,118 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
+/* ---- planes on any contacts: points, spheres, and discs whose axes are not parallel ------------------- */
+
+/* Where a contact touches a plane. */
+static void smap_touch(const smap_many_work_t *w, uint8_t i, const smap_aim_t *at, float out[3])
+{
+  const float *axle = w->axle[i];
+  const float along = smap_dot(axle, at->n);
+  float r = w->r[i], flat = 1.0f - along * along;
+  uint8_t k;
+  if (axle[0] != 0.0f || axle[1] != 0.0f || axle[2] != 0.0f) {
+    r = r / smap_root(flat > 1e-6f ? flat : 1e-6f);
+  }
+  SMAP_UNROLL
+  for (k = 0; k < 3; k++) {
+    out[k] = w->p[i][k] + r * (at->n[k] - along * axle[k]);
+  }
+}
+
+/* The direction of a vector. */
+static void smap_aim(smap_aim_t *o, const float v[3])
+{
+  const float size = 1.0f / smap_root(smap_dot(v, v));
+  uint8_t k;
+  o->s = o->c = 0.0f;
+  SMAP_UNROLL
+  for (k = 0; k < 3; k++) {
+    o->n[k] = v[k] * size;
+  }
+}
+
+/* The plane on the contacts i and j at a fraction of the way between two others. */
+static void smap_on_arc(const smap_many_work_t *w, uint8_t i, uint8_t j, const smap_aim_t *from,
+                        const smap_aim_t *to, float part, smap_aim_t *out)
+{
+  float v[3], p[3], q[3], size, higher;
+  uint8_t round, k;
+  smap_mix(from->n, to->n, part, v);
+  smap_aim(out, v);
+  for (round = 0; round < 2; round++) {
+    smap_touch(w, i, out, p);
+    smap_touch(w, j, out, q);
+    smap_minus(p, q, v);
+    higher = smap_dot(v, out->n);
+    SMAP_UNROLL
+    for (k = 0; k < 3; k++) {
+      v[k] -= higher * out->n[k];
+    }
+    size = smap_dot(v, v);
+    if (!(size > 0.0f)) {
+      return;
+    }
+    SMAP_UNROLL
+    for (k = 0; k < 3; k++) {
+      v[k] = out->n[k] - v[k] * (higher / size);
+    }
+    smap_aim(out, v);
+  }
+}
+
+/* The directions along and across on a plane. */
+static void smap_frame(const smap_aim_t *aim, float along[3], float across[3])
+{
+  const float *n = aim->n, size = 1.0f / smap_root(n[0] * n[0] + n[2] * n[2]);
+  along[0] = -n[2] * size;
+  along[1] = 0.0f;
+  along[2] = n[0] * size;
+  smap_cross(along, n, across);
+}
+
+/* Where a contact touches a plane, along and across. */
+static void smap_find_spot(const smap_many_work_t *w, uint8_t i, const smap_aim_t *at,
+                           const float along[3], const float across[3], smap_spot_t *o)
+{
+  float p[3];
+  smap_touch(w, i, at, p);
+  o->a = p[0] * along[0] + p[2] * along[2];
+  o->b = smap_dot(p, across);
+  o->contact = i;
+}
+
+/* Whether two contacts touch at the same places all the way. */
+static int smap_is_still(const smap_many_work_t *w, uint8_t i, uint8_t j)
+{
+  return w->r[i] == 0.0f && w->r[j] == 0.0f;
+}
+
+/* Where the tangents of a rim at two directions meet. */
+static void smap_tangents(const smap_many_work_t *w, uint8_t i, const smap_aim_t *a,
+                          const smap_aim_t *b, float out[3])
+{
+  float p[3], q[3], arm[3], size2;
+  smap_touch(w, i, a, p);
+  smap_touch(w, i, b, q);
+  smap_mix(p, q, 0.5f, out);
+  smap_minus(out, w->p[i], arm);
+  size2 = smap_dot(arm, arm);
+  smap_mix(w->p[i], out, size2 > 0.0f ? w->r[i] * w->r[i] / size2 : 0.0f, out);
+}
+
+/* The same a part of the way from the rim of i to j's. */
+static void smap_meet(const smap_many_work_t *w, uint8_t i, uint8_t j, float part, const smap_aim_t *a,
+                      const smap_aim_t *b, float out[3])
+{
+  float p[3], q[3];
+  smap_tangents(w, i, a, b, p);
+  smap_tangents(w, j, a, b, q);
+  smap_mix(p, q, part, out);
+}
+
+/* How far a contact extends along a plane's normal. */
+static float smap_extent(const smap_many_work_t *w, uint8_t i, const smap_aim_t *at)
+{
+  float p[3];
+  smap_touch(w, i, at, p);
+  return smap_dot(p, at->n);
+}
