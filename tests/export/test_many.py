@@ -26,7 +26,7 @@ pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 ROBOTS = ("absolem", "marv", "markhor", "excavator", "articulated", "quadruped")
 TIPS = 2
 # Of each kind of work, in the order of `WORK`: too little for some postures.
-FEW = (20, 60, 9, 2, 6, 4, 4)
+FEW = (20, 60, 6, 2, 6, 4, 4)
 FLAGS = "-Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wdouble-promotion -Werror"
 # Of a leg: hip roll, hip pitch, knee; balls for feet.
 LEG = """
