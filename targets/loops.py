@@ -134,7 +134,7 @@ POLYGON = "k = 0; k < 2u * count && smap_may(w, &w->left.corners); k++"
 WIDE = "side = 0; side < n && smap_may(w, &w->left.corners); side++"
 OUTLINE = "e != start && smap_may(w, &w->left.outlines)"
 NEWTON = "round = 0; round < SMAP_NEWTON && smap_may(w, &w->left.events); round++"
-EVENT = "u = -1.0f; u <= 1.0f && smap_may(w, &w->left.events); u = first"
+EVENT = "u <= 1.0f && smap_may(w, &w->left.events)"
 GAP = (
     "e = smap_between_rests(w, 0); e < w->edges && smap_may(w, &w->left.gaps); "
     "e = smap_between_rests(w, (uint8_t)(e + 1u))"

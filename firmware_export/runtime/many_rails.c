@@ -336,9 +336,9 @@ static void smap_find_facets(smap_many_work_t *w, const smap_many_place_t *place
 {
   smap_hull_t o;
   uint8_t k, which;
-  float u, first;
+  float u = -1.0f, first;
   smap_lay_out(w, place, &o);
-  for (u = -1.0f; u <= 1.0f && smap_may(w, &w->left.events); u = first) {
+  while (u <= 1.0f && smap_may(w, &w->left.events)) {
     float scale, s, c;
     int bends = 0;
     first = SMAP_NEVER;
@@ -376,5 +376,6 @@ static void smap_find_facets(smap_many_work_t *w, const smap_many_place_t *place
     } else {
       smap_swap(w, &o, which, first, s, c);
     }
+    u = first;
   }
 }
