@@ -111,5 +111,7 @@ def coded(name: str, head: str = "", **sweep: object) -> Recipe:
         for one, low, high, unit in AXES[name]
     )
     samples = ", ".join(f"{axis[0]} = 3" for axis in AXES[name])
-    text = f'[robot]\nname = "{name}"\nlength_unit = "m"\npython = "proofs.linkage:{name}"\n{head}\n'
+    text = (
+        f'[robot]\nname = "{name}"\nlength_unit = "m"\npython = "proofs.linkage:{name}"\n{head}\n'
+    )
     return parse_recipe(text + axes + sweep_part(samples, **sweep), allow_python=True)  # type: ignore[arg-type]

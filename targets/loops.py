@@ -28,7 +28,8 @@ class Shape:
 
     `angles` and `travels` are those of the joints, `coordinates` all that are summed, `terms` the
     most of one coordinate or polynomial, `dims` the most axes of a table, `nodes` the most of an
-    axis.  From `rails` on the capacities of many contacts.
+    axis.  From `rails` on the capacities of many contacts; of series the `groups` of coordinates,
+    `pieces` and `degree` the most of a parameter.
     """
 
     params: int
@@ -45,6 +46,9 @@ class Shape:
     edges: int = 0
     shown: int = 0
     links: int = 0
+    groups: int = 0
+    pieces: int = 0
+    degree: int = 0
 
     @property
     def halvings(self) -> int:
@@ -69,11 +73,8 @@ def shape_of(export: Export) -> Shape:
     return Shape(
         k,
         contacts=body.contacts,
-        angles=len(terms.angles),
-        travels=len(terms.travels),
-        products=len(terms.products),
         coordinates=macros["SMAP_MAX_COORDINATES"],
-        terms=max(len(one) for one in terms.coordinates),
+        **terms.shape,
         rails=macros.get("SMAP_MANY_RAILS", 0),
         facets=macros.get("SMAP_MANY_FACETS", 0),
         edges=macros.get("SMAP_MANY_EDGES", 0),
@@ -122,6 +123,12 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "k = 0; k < count; k++, term++": _of("terms"),
     "i = 0; i < 3 * at.contacts; i++": ("3 x contacts", lambda s: 3 * s.contacts),
     "term = 0; term < shape[params]; term++": _of("terms"),
+    # series
+    "i = 0; i < groups; i++": _of("groups"),
+    "n = 1; n < pieces && q[j] >= smap_f32(knots + SMAP_KNOT_BYTES * n); n++": _of("pieces"),
+    "n = 0; n < degree; n++": _of("degree"),
+    "pair = at->products; pair < at->entries; pair += 2": _of("products"),
+    "k = 0; k < from[2 + c]; k++, term++": _of("terms"),
     "j = 0; j < 3; j++, codes += 2": THREE,
     # tables
     "; most >> shift > 32767u; shift++": _plain("17 shifts", 17),

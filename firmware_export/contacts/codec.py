@@ -22,7 +22,7 @@ from firmware_export.contacts.three import Three, three_of
 from firmware_export.host import Host
 from firmware_export.protocol import Blob, CBody, CodecInfo, Export, describe
 from firmware_export.protocol import Tables as AnyTables
-from firmware_export.truth import Cells, Model, rounds
+from firmware_export.truth import Cells, Model, least_edge_of, rounds
 from lutgen.errors import InputError
 from lutgen.recipe import robot_size_of
 
@@ -121,7 +121,9 @@ def _positions(model: Model, spec: Spec) -> tuple[Terms | Series, float]:
     order, turning = _order(model)
     if not spec.error:
         return terms_of(model.recipe, model.radius, order, turning), 0.0
-    return ordered(series_of(model, spec.error * robot_size_of(model.recipe)), order), _off(model, spec)
+    return ordered(series_of(model, spec.error * robot_size_of(model.recipe)), order), _off(
+        model, spec
+    )
 
 
 @lru_cache(maxsize=16)
@@ -259,5 +261,6 @@ INFO = CodecInfo(
     c_body=c_body,
     read_label=Spec.of_label,
     cells=cells,
-    exact=True,
+    # Of three points given by code `poly`, which needs such a bound, has a smaller runtime.
+    exact=lambda model: model.recipe.python is None or least_edge_of(model) <= 0.0,
 )

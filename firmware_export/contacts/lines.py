@@ -7,7 +7,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from lutgen.errors import InputError
 from lutgen.vector import Floats
 
 # (n, l) places of l lines -> (n, l, c) coordinates.
@@ -15,9 +14,6 @@ Line = Callable[[Floats], Floats]
 
 # Places at which a stretch of a line is looked at, and how often it is made as much shorter.
 PLACES, ZOOMS, JUMP_ZOOMS = 65, 6, 8
-# Parts of the size by which what jumps still differs over the shortest stretch.  A square root at
-# the end of its range differs there by 1e-6.
-JUMP = 1e-5
 # A kink keeps its change of slope, what is smooth loses it: least share that is kept.
 KEPT = 0.02
 # Parts of a stretch within which kinks of several lines are at one place, and away from its ends.
@@ -30,21 +26,22 @@ def _closer(begin: Floats, width: float, line: Line) -> tuple[Floats, Floats]:
     return x, line(x)
 
 
-def refuse_jump(low: float, high: float, lines: int, line: Line, size: float) -> None:
-    """Raise InputError where a coordinate jumps between two places.
+def find_jump(low: float, high: float, lines: int, line: Line) -> tuple[float, float]:
+    """Return by how much a coordinate jumps between two places, and where.
 
     The stretch over which it changes most is made shorter and shorter; what is continuous
-    changes by less and less.
+    changes by less and less, at last by next to nothing.
     """
     begin, width = np.full(lines, low), high - low
+    change = np.zeros((1, lines))
     for _ in range(JUMP_ZOOMS):
         x, value = _closer(begin, width, line)
         change = np.abs(np.diff(value, axis=0)).max(axis=2)
         at = change.argmax(axis=0)
         begin = x[at, np.arange(lines)]
         width /= PLACES - 1
-    if change.max() > JUMP * size:
-        raise InputError(f"its positions jump (by {change.max():.3g} near {begin.flat[0]:.6g})")
+    most = int(change.max(axis=0).argmax())
+    return float(change[:, most].max()), float(begin[most])
 
 
 def find_break(low: float, high: float, lines: int, line: Line) -> float:

@@ -33,8 +33,8 @@ MOST_CONTACTS = 62
 LOWEST, POSTURES, DIRECTIONS, SEED = 0.001, 500, 50, 7
 # Of a robot given by code: postures that tell whether a point moves along y; how many times what
 # contacts are off alters a distance from an edge's line, and where a roll ends; and as which part of
-# the size rests are at least taken to be wide.
-LOOKED, ROLLS, NARROWEST = 20_000, 4.0, 1e-3
+# the size rests are at least taken to be wide; as which part of the heights the least one is.
+LOOKED, ROLLS, NARROWEST, LOW = 20_000, 4.0, 1e-3, 0.5
 
 
 class Many(NamedTuple):
@@ -136,6 +136,8 @@ def _lowest(model: Model, rho: float) -> float:
     exact = model.exact(params, np.broadcast_to(gravity, (POSTURES, DIRECTIONS, 3)))
     heights = exact.height[exact.tip_angle >= 0.0]
     least = float(np.quantile(heights, LOWEST)) if len(heights) else 0.0
+    if model.recipe.com_uncertainty == 0.0:
+        least *= LOW  # what series are off is little: no more need be given up
     return max(least, rho * (1.0 + HAIR) + HAIR * robot_size_of(model.recipe))
 
 

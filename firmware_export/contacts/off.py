@@ -18,9 +18,7 @@ from lutgen.vector import Floats
 PLACES, POSTURES, SEED = (1, 20_001, 301, 46), 30_000, 13
 
 
-def most_off(
-    model: Model, blob: Blob, order: tuple[int, ...], knots: tuple[Floats, ...]
-) -> float:
+def most_off(model: Model, blob: Blob, order: tuple[int, ...], knots: tuple[Floats, ...]) -> float:
     """Return a bound of how far (length) any contact of the C is from the real one.
 
     Parameters
@@ -59,7 +57,9 @@ def _others(low: Floats, high: Floats, knots: tuple[Floats, ...]) -> Floats:
     params = (low + (high - low) * rng.random((POSTURES, len(low)))).astype(np.float32)
     for axis, cuts in enumerate(knots):
         single = cuts.astype(np.float32)
-        beside = np.concatenate([single, np.nextafter(single, low[axis]), np.nextafter(single, high[axis])])
+        beside = np.concatenate(
+            [single, np.nextafter(single, low[axis]), np.nextafter(single, high[axis])]
+        )
         some = slice(axis, POSTURES // 2, len(knots))
         params[some, axis] = np.clip(rng.choice(beside, len(params[some])), low[axis], high[axis])
     return params.astype(np.float64)

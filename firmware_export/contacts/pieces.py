@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.polynomial.chebyshev import chebvander
 
-from firmware_export.contacts.lines import find_break, refuse_jump
+from firmware_export.contacts.lines import find_break, find_jump
 from firmware_export.truth import Model, combinations, widened
 from lutgen.errors import InputError
 from lutgen.recipe import robot_size_of
@@ -26,6 +26,9 @@ LINE_NODES, MOST_LENGTH = 49, (1, 40, 24, 16)
 # Pieces of an axis, and nodes of all pieces: bounds of time and memory.
 MOST_PIECES, MOST_NODES = 64, 100_000
 LINES, SEED = 12, 11
+# Parts of the size by which what jumps still differs over the shortest stretch that is looked at: a
+# square root at the end of its range differs there by 1e-6.
+JUMP = 1e-5
 # Part of the error asked for at which a series along an axis has ended.
 ENDED = 0.05
 
@@ -84,7 +87,7 @@ def pieces_of(model: Model, error: float, common: bool) -> Pieces:
 def _too_many(error: float) -> str:
     return (
         f"its positions cannot be held to {error:.3g} by a moderate number of polynomials (they "
-        "have kinks along no axis, or bend too fast)"
+        "have kinks along no axis, or bend too fast); use --codec grid"
     )
 
 
@@ -145,7 +148,13 @@ def _cut(
             return knots, longest
         if len(knots) > MOST_PIECES:
             raise InputError(_too_many(error))
-        refuse_jump(low, high, LINES, line, size)
+        jump, where = find_jump(low, high, LINES, line)
+        if jump > JUMP * size:
+            name = box.recipe.parameters[axis].name
+            raise InputError(
+                f"its positions jump (by {jump:.3g} where {name} is {where:.6g}), which no table "
+                "may hold; let them be continuous, or use --codec grid"
+            )
         cut = float(np.float32(find_break(low, high, LINES, line)))
         if not low < cut < high:
             raise InputError(_too_many(error))

@@ -209,7 +209,9 @@ def _tables(pieces: Pieces, error: float, common: bool) -> Series:
             at: list[int] = [0] * k
             for j, number in zip(moving, piece, strict=True):
                 at[j] = number
-            kept.append([_shortened(own[(*at, ..., i)], LEFT_OUT * error / 3**0.5) for i in range(3)])
+            kept.append(
+                [_shortened(own[(*at, ..., i)], LEFT_OUT * error / 3**0.5) for i in range(3)]
+            )
     codes, unit, width = _rounded(kept, error)
     used = [n for row in codes for one in row for n in zip(*np.nonzero(one), strict=True)]
     degrees = tuple(max((int(n[j]) for n in used), default=0) for j in range(k))

@@ -72,6 +72,16 @@ class Terms:
         return ()
 
     @property
+    def shape(self) -> dict[str, int]:
+        """What the loops of the runtime depend on."""
+        return {
+            "angles": len(self.angles),
+            "travels": len(self.travels),
+            "products": len(self.products),
+            "terms": max(len(one) for one in self.coordinates),
+        }
+
+    @property
     def switches(self) -> tuple[str, ...]:
         """Switches of the runtime beyond those of every robot."""
         return ()

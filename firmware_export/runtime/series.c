@@ -194,6 +194,11 @@ static int smap_check_series(const smap_t *map, smap_bytes_t limit)
   uint32_t need = SMAP_IN_MANY + many + SMAP_SERIES_HEAD + 2u * params, fixed = 1, knots = 0, rows, i;
   smap_bytes_t head, axes;
   smap_series_t at;
+#if SMAP_MANY /* what is read before it is checked itself */
+  if (many < 52) {
+    return 0;
+  }
+#endif
   if ((flags & ~(SMAP_COMMON | SMAP_WIDE)) != SMAP_BY_SERIES || smap_u32(body) != 0 ||
       smap_u16(body + SMAP_IN_TERMS) != 0 || params > SMAP_SERIES_AXES || need > bytes ||
       contacts < 3 || 3u * contacts > SMAP_MAX_COORDINATES) {

@@ -30,6 +30,8 @@ CASES = {
     "absolem": 40_000,
     "articulated": 20_000,
     "poly_cone": 300_000,
+    "legs_by_code": 100_000,
+    "wheels_by_code": 20_000,
     "tables_float": 300_000,
     "grid_float": 300_000,
     "grid_sphere_float": 300_000,

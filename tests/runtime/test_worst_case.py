@@ -14,7 +14,7 @@ from targets.worst import Bounds
 from tests.runtime.test_targets import needs_arm, row
 
 # As much as any export has.
-WIDEST = loops.Shape(8, 32, 8, 8, 8, 99, 99, 10, 255, 32, 80, 250, 60, 254)
+WIDEST = loops.Shape(8, 32, 8, 8, 8, 99, 99, 10, 255, 32, 80, 250, 60, 254, 33, 64, 40)
 
 
 def test_every_loop_of_the_runtime_has_a_bound() -> None:
