@@ -8,13 +8,18 @@ from numpy.typing import NDArray
 from lutgen.recipe.recipe import Recipe, parse_recipe
 from proofs.recipes import sweep_part
 
-__all__ = ["coded", "latched", "legs", "one_way", "scissors", "stops", "wheels"]
+__all__ = [
+    *("coded", "latched", "legs", "limited", "one_way", "round_about", "scissors", "stops"),
+    "wheels",
+]
 
 Floats = NDArray[np.float64]
 Places = tuple[Floats, Floats]
 # Of a four-bar linkage in the plane of x and z, m: crank, coupler, rocker, ground; where on the
 # coupler the foot is, along and across.
 CRANK, COUPLER, ROCKER, GROUND, FOOT = 0.12, 0.3, 0.25, 0.35, (0.35, -0.3)
+# Where the crank turns on the body.
+HIP = np.array([0.1, -0.25])
 
 
 def four_bar(crank: Floats) -> Floats:
@@ -35,7 +40,7 @@ def _feet(q: Floats, fixed: Sequence[Sequence[float]]) -> Floats:
     """Return contacts (m, n, 3): two feet on linkages in front, others fixed."""
     feet = np.empty((len(q), 2 + len(fixed), 3))
     for side, y in enumerate((0.35, -0.3)):
-        feet[:, side, [0, 2]] = four_bar(q[:, side]) + (0.1, -0.25)
+        feet[:, side, [0, 2]] = four_bar(q[:, side]) + HIP
         feet[:, side, 1] = y
     feet[:, 2:] = fixed
     return feet
@@ -80,6 +85,22 @@ def latched(q: Floats) -> Places:
     return feet, com
 
 
+def round_about(q: Floats) -> Places:
+    """Return three feet of which one goes round on a circle, as often as one likes."""
+    feet = np.tile([(0.6, 0.0, -0.5), (-0.4, 0.4, -0.5), (-0.4, -0.4, -0.5)], (len(q), 1, 1))
+    feet[:, 0, 0] += 0.15 * np.cos(q[:, 0])
+    feet[:, 0, 2] += 0.15 * np.sin(q[:, 0])
+    return feet, np.zeros((len(q), 3))
+
+
+def limited(q: Floats) -> Places:
+    """Return three feet, and no number where a rod of 1 m is not long enough."""
+    feet, com = round_about(np.zeros((len(q), 1)))
+    with np.errstate(invalid="ignore"):
+        feet[:, 0, 2] -= 0.1 * np.sqrt(1.0 - q[:, 0] ** 2)
+    return feet, com
+
+
 def one_way(q: Floats) -> Places:
     """Return four feet with a kink along no axis: of two levers the higher one counts."""
     feet = np.tile(
@@ -100,6 +121,8 @@ AXES = {
     ),
     "stops": (("reach", 0.0, 1.0, "m"), ("idle", 0.0, 1.0, "m")),
     "latched": (("reach", 0.0, 1.0, "m"),),
+    "round_about": (("turn", 0.0, 360.0, "deg"),),
+    "limited": (("reach", 0.0, 1.0, "m"),),
     "one_way": (("left", 0.0, 0.3, "m"), ("right", 0.0, 0.3, "m")),
 }
 

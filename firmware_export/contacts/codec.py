@@ -20,7 +20,7 @@ from firmware_export.contacts.series import Series, ordered, series_of
 from firmware_export.contacts.terms import Terms, terms_of
 from firmware_export.contacts.three import Three, three_of
 from firmware_export.host import Host
-from firmware_export.protocol import Blob, CBody, CodecInfo, Export, describe
+from firmware_export.protocol import CBody, CodecInfo, Export, describe
 from firmware_export.protocol import Tables as AnyTables
 from firmware_export.truth import Cells, Model, least_edge_of, rounds
 from lutgen.errors import InputError
@@ -35,16 +35,16 @@ MOST_ROOM, MARGIN = (80, 250, 250, 60, 254, 254, 254, 250), 1.25
 STEPS = 16000.0
 # Words of a pose: head, floats, integers (runtime/three.c).
 POSE = (1 + 20 + 8, 1 + 8)
-# Of a robot given by code: errors asked for, in parts of the size; on three points one facet's walls
-# turn a little, of more contacts other facets are found.  How many times as far contacts may then be
-# off, in single precision and with the margin of what was seen.
+# Of a robot given by code: errors asked for, in parts of the size, on three points and on more: of
+# three the walls of one facet turn a little, of more other facets are found.  And how many times
+# that contacts may be off, in single precision and with the margin of what was seen.
 ERRORS = {True: (3e-3, 3e-4, 3e-5, 3e-6), False: (1e-5, 3e-6, 1e-6)}
 MOST_OFF = 4.0
 
 
 @dataclass(frozen=True)
 class Spec:
-    """The only size there is, or of a robot given by code the error asked for (parts of its size)."""
+    """The only size there is; of a robot given by code its error, in parts of the robot's size."""
 
     error: float = 0.0
 
@@ -121,14 +121,19 @@ def _positions(model: Model, spec: Spec) -> tuple[Terms | Series, float]:
     order, turning = _order(model)
     if not spec.error:
         return terms_of(model.recipe, model.radius, order, turning), 0.0
-    return ordered(series_of(model, spec.error * robot_size_of(model.recipe)), order), _off(
-        model, spec
-    )
+    series = series_of(model, spec.error * robot_size_of(model.recipe))
+    return ordered(series, order), off_of(model, spec)
 
 
 @lru_cache(maxsize=16)
-def _off(model: Model, spec: Spec) -> float:
-    """Return how far (length) series are off; refuse what is further off than asked for."""
+def off_of(model: Model, spec: Spec) -> float:
+    """Return how far (length) the contacts of a robot given by code are off in C, at most.
+
+    Raises
+    ------
+    InputError
+        Where there are no such series, or they are further off than asked for.
+    """
     error = spec.error * robot_size_of(model.recipe)
     order, _ = _order(model)
     terms = ordered(series_of(model, error), order)
@@ -138,7 +143,7 @@ def _off(model: Model, spec: Spec) -> float:
     off = most_off(model, describe(export, body), order, terms.knots)
     if off > MOST_OFF * error:
         raise InputError(
-            f"its positions cannot be held to {error:.3g} by polynomials (got {off:.3g}: they jump, "
+            f"its positions cannot be held to {error:.3g} by polynomials (got {off:.3g}: they jump "
             "or have kinks along no axis); use --codec grid"
         )
     return off
@@ -165,7 +170,7 @@ def refusal(model: Model, arithmetic: str) -> str | None:
     try:
         problem = None if model.is_tripod else many_refusal(model)
         if problem is None and model.recipe.python is not None:
-            _off(model, sizes(model)[0])
+            off_of(model, sizes(model)[0])
         elif problem is None:
             closed_form(model.recipe)
             terms_of(model.recipe, model.radius, range(len(model.kind)))
@@ -185,7 +190,7 @@ def grow(model: Model, spec: Spec) -> list[Spec]:
     """Return the next smaller error of a robot given by code, where it can be had."""
     finer = [Spec(error) for error in ERRORS[model.is_tripod] if error < spec.error]
     try:
-        return finer[:1] if finer and _off(model, finer[0]) else []
+        return finer[:1] if finer and off_of(model, finer[0]) else []
     except InputError:
         return []
 

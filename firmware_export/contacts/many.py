@@ -4,8 +4,8 @@ The runtime's facets are exact but for rounding; every threshold is on the side 
 cannot make an unsafe answer safe, and GUARD is taken off every distance from the boundary.
 
 Of a robot given by code contacts are `off` by more.  For distances that is no worse than a com
-anywhere in a ball of that radius (`three` has the argument), and every threshold is moved by what it
-can alter of it: a width by twice that, the normal of a facet as wide as a rest by 2 off / width.
+anywhere in a ball of that radius (`three` has the argument), and every threshold is moved by what
+it can alter of it: a width by twice that, the normal of a facet as wide as a rest by 2 off / width.
 """
 
 import math
@@ -32,8 +32,8 @@ MOST_CONTACTS = 62
 # postures and directions tell.
 LOWEST, POSTURES, DIRECTIONS, SEED = 0.001, 500, 50, 7
 # Of a robot given by code: postures that tell whether a point moves along y; how many times what
-# contacts are off alters a distance from an edge's line, and where a roll ends; and as which part of
-# the size rests are at least taken to be wide; as which part of the heights the least one is.
+# contacts are off alters a distance from an edge's line, and where a roll ends; as which part of
+# the size rests are at least taken to be wide, and of those heights the least that is kept.
 LOOKED, ROLLS, NARROWEST, LOW = 20_000, 4.0, 1e-3, 0.5
 
 

@@ -1,9 +1,9 @@
 """How far the positions that the C has of a robot given by code are from the code's.
 
 Nothing is known of the code but its values, so the bound is of what is seen.  On a dense grid of
-postures the very C is asked, in single precision; a difference between two neighbours of the grid
-is at most the slope between them times the way, and from the nearer of them to a place between it is
-half the way.  Added once for every axis, in full and not by half, it holds for all that a grid as
+postures the very C is asked, in single precision.  Between two neighbours of the grid the
+difference rises by about half of what it changes from one to the other; for every axis the whole
+of the largest such change is added to the largest difference.  That holds for all that a grid as
 dense can show.  Ends, cuts and random postures are looked at beside.
 """
 
@@ -35,11 +35,10 @@ def most_off(model: Model, blob: Blob, order: tuple[int, ...], knots: tuple[Floa
     box, host = widened(model), Host(blob)
 
     def off(params: Floats) -> Floats:
-        single = params.astype(np.float32)
-        centres = box.postures(single.astype(np.float64)).centres[:, list(order)]
-        return host.positions(single) - centres
+        centres = box.postures(_single(params)).centres[:, list(order)]
+        return host.positions(params) - centres
 
-    low, high = box.lower.astype(np.float32), box.upper.astype(np.float32)
+    low, high = _single(box.lower), _single(box.upper)
     count = PLACES[model.k]
     grid = combinations([np.linspace(a, b, count) for a, b in zip(low, high, strict=True)])
     seen = off(grid).reshape(*(count,) * model.k, -1, 3)
@@ -49,6 +48,11 @@ def most_off(model: Model, blob: Blob, order: tuple[int, ...], knots: tuple[Floa
         bound += float(np.sqrt((between**2).sum(axis=-1)).max())
     others = off(_others(low, high, knots))
     return max(bound, float(np.sqrt((others**2).sum(axis=-1)).max()))
+
+
+def _single(numbers: Floats) -> Floats:
+    """Return numbers rounded to single precision."""
+    return numbers.astype(np.float32).astype(np.float64)
 
 
 def _others(low: Floats, high: Floats, knots: tuple[Floats, ...]) -> Floats:

@@ -178,6 +178,13 @@ class _Entries:
         return self._known[factors]
 
 
+def _held(values: NDArray[np.int64]) -> list[Degrees]:
+    """Return the degrees of the terms that are not 0."""
+    if values.ndim == 0:
+        return [()] if values else []
+    return [tuple(map(int, n)) for n in np.argwhere(values)]
+
+
 def _shortened(values: Floats, budget: float) -> Floats:
     """Return coefficients with 0 for the smallest, whose sum is at most `budget`."""
     size = np.abs(values).ravel()
@@ -206,22 +213,19 @@ def _tables(pieces: Pieces, error: float, common: bool) -> Series:
         ]
         masks.append(sum(1 << j for j in moving))
         for piece in itertools.product(*(range(shape[j]) for j in moving)):
-            at: list[int] = [0] * k
-            for j, number in zip(moving, piece, strict=True):
-                at[j] = number
-            kept.append(
-                [_shortened(own[(*at, ..., i)], LEFT_OUT * error / 3**0.5) for i in range(3)]
-            )
+            place = dict(zip(moving, piece, strict=True))
+            here = own[tuple(place.get(j, 0) for j in range(k))]
+            kept.append([_shortened(here[..., i], LEFT_OUT * error / 3**0.5) for i in range(3)])
     codes, unit, width = _rounded(kept, error)
-    used = [n for row in codes for one in row for n in zip(*np.nonzero(one), strict=True)]
-    degrees = tuple(max((int(n[j]) for n in used), default=0) for j in range(k))
+    used = [n for row in codes for one in row for n in _held(one)]
+    degrees = tuple(max((n[j] for n in used), default=0) for j in range(k))
     return _packed(pieces, codes, unit, width, (degrees, tuple(masks), common))
 
 
 def _rounded(
     kept: list[list[Floats]], error: float
 ) -> tuple[list[list[NDArray[np.int64]]], np.float32, int]:
-    """Return codes of the coefficients, the length of one, and its bytes: two where they will do."""
+    """Return codes of the coefficients, the length of one, and its bytes: two if they will do."""
     largest = max(float(np.abs(one).max(initial=0.0)) for row in kept for one in row)
     most = max(int(np.count_nonzero(one)) for row in kept for one in row)
     width = 2 if 0.5 * 3**0.5 * most * largest / LARGEST[2] <= ROUNDED * error else 3
@@ -237,7 +241,7 @@ def _packed(
     width: int,
     how: tuple[Degrees, tuple[int, ...], bool],
 ) -> Series:
-    """Number entries and rows; rows that are alike are stored once."""
+    """Return the tables with entries and rows numbered; rows that are alike are stored once."""
     degrees, masks, common = how
     table = _Entries(degrees)
     entries: list[int] = []
@@ -249,7 +253,7 @@ def _packed(
         counts = []
         for one in row:
             # The smallest first: rounding of the sum is least so.
-            found = sorted((abs(int(one[n])), n) for n in map(tuple, np.argwhere(one)))
+            found = sorted((abs(int(one[n])), n) for n in _held(one))
             own += [(table.of(n), int(one[n])) for _, n in found]
             counts.append(len(found))
         key = (tuple(counts), *own)

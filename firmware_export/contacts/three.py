@@ -8,8 +8,9 @@ facets that are low are refused: |E| is at least the side's length times the hei
 the facet.
 
 Of a robot given by code the contacts are `off` by more.  That is no worse than a com that may be
-anywhere in a ball of that radius: each point of an edge is off by no more than its ends are, so its
-direction turns by no more than asin(off / its distance), and no edge is nearer than the facet's plane.
+anywhere in a ball of that radius: each point of an edge is off by no more than its ends are, so
+its direction turns by no more than asin(off / its distance), and no edge is nearer than the facet's
+plane.
 """
 
 import math
