@@ -69,7 +69,9 @@ def test_every_build_of_an_export_gives_the_bits_of_the_host(name: str, tmp_path
     kinds, times = np.unique(status, return_counts=True)
     assert answers(export) <= set(kinds.tolist())
     assert set(kinds.tolist()) <= {*answers(export), ROCKS}
-    assert times.min() > count // 2000
+    # Points rock only on slivers: seldom.
+    seldom = {ROCKS} if name == "wheels_by_code" else set()
+    assert times[~np.isin(kinds, list(seldom))].min() > count // 2000
 
 
 @pytest.mark.parametrize("name", CASES)
