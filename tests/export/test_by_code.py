@@ -229,7 +229,7 @@ def test_smaller_errors_take_more_bytes_and_the_growth_ends() -> None:
 
 
 def test_a_closed_chain_under_wheels_is_exported_whole(tmp_path: Path) -> None:
-    report = export(coded("wheels"), tmp_path / "out", points=4000)
+    report = export(coded("wheels"), tmp_path / "out", points=1000)
     assert (report["codec"], report["spec"]) == ("contacts", "contacts 1e-05")
     assert report.table_bytes < 330
     assert report["certificate"]["false_safe"] == 0  # type: ignore[index]
