@@ -20,6 +20,7 @@ EXPORTED = [
     "smap_sources",
     "smap_many_host_room",
     "smap_search_host_room",
+    *(f"smap_{name}_host_positions" for name in ("three", "many", "search")),
     *(f"smap_{name}_host_{what}" for name in FAMILIES for what in ASKED),
 ]
 # Each operation rounds once, as on the targets; whatever CFLAGS say, these stand behind them.

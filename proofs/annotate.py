@@ -51,6 +51,11 @@ HINTS = (
     Hint(r"g\[i\] \*= \(int32_t\)1 << shift;", ("admit -32768 <= g[i] <= 32768;",), after=True),
     Hint(r"size\[i\] <<= shift;", ("admit size[i] <= 32768;",), after=True),
     Hint(r"\*length = smap_whole_root\(.*", ("admit 16385 <= *length <= 56757;",), after=True),
+    # series: a parameter is within what the pieces cover
+    Hint(
+        r"for \(n = 0; n < degree; n\+\+\) \{",
+        (r"admit \is_finite(s);", "admit -1.01 <= s <= 1.01;"),
+    ),
     # three contacts
     Hint(r"tip = 2 \* least / .*", ("admit -1073741824 <= least <= 1073741823;",)),
     Hint(
@@ -88,6 +93,7 @@ MUTANTS = {
     "points": Mutant(
         "one coordinate more is written", "i < at.coordinates; i++", "i <= at.coordinates; i++"
     ),
+    "series": Mutant("one polynomial more is written", "n < degree; n++", "n <= degree; n++"),
     "poly": Mutant(
         "one term more is summed",
         "term < shape[params]; term++",

@@ -9,12 +9,15 @@ __all__ = ["PROGRAMS", "place", "program_text", "runtime_parts"]
 
 # Program: its switches.
 PROGRAMS: dict[str, tuple[str, ...]] = {
-    "three": ("SMAP_POINTS", "SMAP_POLY", "SMAP_TABLES", "SMAP_FLOATS", "SMAP_INTEGERS"),
+    "three": (
+        *("SMAP_POINTS", "SMAP_SERIES", "SMAP_POLY", "SMAP_TABLES"),
+        *("SMAP_FLOATS", "SMAP_INTEGERS"),
+    ),
     "three_i": ("SMAP_TABLES", "SMAP_INTEGERS"),
     "grid_f": ("SMAP_GRID", "SMAP_FLOATS"),
     "grid_w": ("SMAP_GRID", "SMAP_INTEGERS"),
-    "rails": ("SMAP_MANY", "SMAP_MANY_BY_RAILS", "SMAP_FLOATS", "SMAP_INTEGERS"),
-    "search": ("SMAP_MANY", "SMAP_MANY_SEARCH", "SMAP_FLOATS", "SMAP_INTEGERS"),
+    "rails": ("SMAP_MANY", "SMAP_MANY_BY_RAILS", "SMAP_FLOATS", "SMAP_INTEGERS", "SMAP_SERIES"),
+    "search": ("SMAP_MANY", "SMAP_MANY_SEARCH", "SMAP_FLOATS", "SMAP_INTEGERS", "SMAP_SERIES"),
 }
 # Without rails there is none to hold; all else is as large as it can be.
 SEARCHED = {"SMAP_MANY_RAILS": 0}

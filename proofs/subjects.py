@@ -17,7 +17,7 @@ from firmware_export.verdict.codec import blank
 from lutgen.errors import ExportError, InputError
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe.recipe import parse_recipe
-from proofs.exports import rover_export, tripod_export
+from proofs.exports import coded_export, rover_export, tripod_export
 from proofs.recipes import tripod
 
 __all__ = ["Subject", "mapped", "read_subject", "small"]
@@ -60,6 +60,8 @@ SMALL: dict[str, Callable[[str], Export]] = {
     "grid_sphere_integer": partial(_over_gravity, "integer", "sphere"),
     "poly_cone": lambda name: tripod_export(name, codec="poly"),
     "four_wheels": rover_export,
+    "legs_by_code": partial(coded_export, robot="legs"),
+    "wheels_by_code": partial(coded_export, robot="wheels"),
 }
 # Of `make maps`: three contacts on a cone and a sphere, rails, and axes that are not parallel.
 MAPPED = (
@@ -72,8 +74,9 @@ MAPPED = (
 class Subject:
     """An export: its C name, its folder, and what decides how it is proved.
 
-    `kind` is the part that makes its postures: "points", "poly", "tables", "tables whole" (without
-    floats), "grid", "rails" or "search"; `forms` are those of a pose that it has, in C.
+    `kind` is the part that makes its postures: "points", "series" (points given by code), "poly",
+    "tables", "tables whole" (without floats), "grid", "rails" or "search"; `forms` are those of a
+    pose that it has, in C.
     """
 
     name: str
@@ -123,6 +126,8 @@ def read_subject(folder: Path) -> Subject:
     on = set(re.findall(r"#define (SMAP_\w+) 1$", settings, re.MULTILINE))
     kind = next(kind for switch, kind in KINDS.items() if switch in on)
     forms = " | ".join(form for form in ("SMAP_FLOAT", "SMAP_INTEGER") if f"{form}S" in on)
+    if kind == "points" and "SMAP_SERIES" in on:
+        kind = "series"
     if kind == "tables" and forms == "SMAP_INTEGER":
         kind = "tables whole"
     return Subject(content["name"], folder.absolute(), len(content["parameters"]), forms, kind)

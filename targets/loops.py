@@ -17,6 +17,12 @@ from firmware_export.protocol import Export
 from lutgen.errors import ExportError
 from targets.heads import heads
 
+# What a pose of many contacts has room and time for, by its macros.
+CAPACITIES = (
+    *("rails", "facets", "edges", "shown", "links", "walls", "sides"),
+    *("events", "corners", "outlines", "gaps", "visits", "ways", "rollings"),
+)
+
 
 @dataclass(frozen=True)
 class Shape:
@@ -24,7 +30,8 @@ class Shape:
 
     `angles` and `travels` are those of the joints, `coordinates` all that are summed, `terms` the
     most of one coordinate or polynomial, `dims` the most axes of a table, `nodes` the most of an
-    axis.  From `rails` on the capacities of many contacts.
+    axis.  From `rails` on the capacities of many contacts; of series the `groups` of coordinates,
+    `pieces` and `degree` the most of a parameter.
     """
 
     params: int
@@ -51,6 +58,9 @@ class Shape:
     visits: int = 0
     ways: int = 0
     rollings: int = 0
+    groups: int = 0
+    pieces: int = 0
+    degree: int = 0
 
     @property
     def halvings(self) -> int:
@@ -75,26 +85,10 @@ def shape_of(export: Export) -> Shape:
     return Shape(
         k,
         contacts=body.contacts,
-        angles=len(terms.angles),
-        travels=len(terms.travels),
-        products=len(terms.products),
         coordinates=macros["SMAP_MAX_COORDINATES"],
-        terms=max(len(one) for one in terms.coordinates),
-        rails=macros.get("SMAP_MANY_RAILS", 0),
+        **terms.shape,
         row=_row(export),
-        facets=macros.get("SMAP_MANY_FACETS", 0),
-        edges=macros.get("SMAP_MANY_EDGES", 0),
-        shown=macros.get("SMAP_MANY_SHOWN", 0),
-        links=macros.get("SMAP_MANY_LINKS", 0),
-        walls=macros.get("SMAP_MANY_WALLS", 0),
-        sides=macros.get("SMAP_MANY_SIDES", 0),
-        events=macros.get("SMAP_MANY_EVENTS", 0),
-        corners=macros.get("SMAP_MANY_CORNERS", 0),
-        outlines=macros.get("SMAP_MANY_OUTLINES", 0),
-        gaps=macros.get("SMAP_MANY_GAPS", 0),
-        visits=macros.get("SMAP_MANY_VISITS", 0),
-        ways=macros.get("SMAP_MANY_WAYS", 0),
-        rollings=macros.get("SMAP_MANY_ROLLINGS", 0),
+        **{name: macros.get(f"SMAP_MANY_{name.upper()}", 0) for name in CAPACITIES},
     )
 
 
@@ -210,6 +204,12 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "k = 0; k < count; k++, term++": _of("terms"),
     "i = 0; i < 3 * at.contacts; i++": ("3 x contacts", lambda s: 3 * s.contacts),
     "term = 0; term < shape[params]; term++": _of("terms"),
+    # series
+    "i = 0; i < groups; i++": _of("groups"),
+    "n = 1; n < pieces && q[j] >= smap_f32(knots + SMAP_KNOT_BYTES * n); n++": _of("pieces"),
+    "n = 0; n < degree; n++": _of("degree"),
+    "pair = at->products; pair < at->entries; pair += 2": _of("products"),
+    "k = 0; k < from[2 + c]; k++, term++": _of("terms"),
     "j = 0; j < 3; j++, codes += 2": THREE,
     # tables
     "; most >> shift > 32767u; shift++": _plain("17 shifts", 17),

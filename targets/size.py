@@ -47,6 +47,9 @@ SETS = (
     ("SMAP_TABLES", "SMAP_INTEGERS"),
     ("SMAP_MANY", "SMAP_MANY_BY_RAILS", "SMAP_FLOATS", "SMAP_INTEGERS"),
     ("SMAP_MANY", "SMAP_MANY_SEARCH", "SMAP_FLOATS", "SMAP_INTEGERS"),
+    ("SMAP_POINTS", "SMAP_SERIES", "SMAP_FLOATS", "SMAP_INTEGERS"),
+    ("SMAP_MANY", "SMAP_MANY_BY_RAILS", "SMAP_SERIES", "SMAP_FLOATS", "SMAP_INTEGERS"),
+    ("SMAP_MANY", "SMAP_MANY_SEARCH", "SMAP_SERIES", "SMAP_FLOATS", "SMAP_INTEGERS"),
     ("SMAP_GRID", "SMAP_FLOATS"),
     ("SMAP_GRID", "SMAP_INTEGERS"),
 )
@@ -57,6 +60,9 @@ TITLES = (
     "`grid` of three points, integers",
     "`contacts` on rails",
     "`contacts`, axes not parallel",
+    "`contacts`, three points given by code",
+    "`contacts` on rails, given by code",
+    "`contacts`, others given by code",
     "`grid` over gravity, floats",
     "`grid` over gravity, integers",
 )

@@ -39,7 +39,7 @@ def choose(trials: Trials, codecs: Sequence[CodecInfo], goal: Goal) -> Candidate
     """
     for codec in codecs:
         try_codec(trials, codec, goal)
-        if codec.exact and any(
+        if codec.exact(trials.model) and any(
             one and own is codec and goal.holds(one) and goal.fits(one)
             for (own, _), one in trials.tried.items()
         ):

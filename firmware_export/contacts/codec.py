@@ -1,7 +1,8 @@
-"""Codec `contacts`: positions in closed form, everything else computed when a posture is made.
+"""Codec `contacts`: where contacts are, everything else computed when a posture is made.
 
-The facade that the chooser and the emitter use; the parts are `closed` (the algebra), `terms` (the
-tables), `three` and `many` (what is asked of robots on three points and of others, and the guard).
+The facade that the chooser and the emitter use; the parts are `closed` (the algebra of links) and
+`terms` (their tables), `pieces` and `series` (the same of robots given by code), `three` and `many`
+(what is asked of robots on three points and of others, and the guard).
 """
 
 import math
@@ -12,15 +13,18 @@ import numpy as np
 
 from firmware_export.contacts.closed import closed_form
 from firmware_export.contacts.layout import pose_words
-from firmware_export.contacts.many import Many, many_of
+from firmware_export.contacts.many import Many, many_of, order_of
 from firmware_export.contacts.many import refusal as many_refusal
+from firmware_export.contacts.off import most_off
+from firmware_export.contacts.series import Series, ordered, series_of
 from firmware_export.contacts.terms import Terms, terms_of
 from firmware_export.contacts.three import Three, three_of
 from firmware_export.host import Host
 from firmware_export.protocol import CBody, CodecInfo, Export, describe
 from firmware_export.protocol import Tables as AnyTables
-from firmware_export.truth import Cells, Model
+from firmware_export.truth import Cells, Model, least_edge_of, rounds
 from lutgen.errors import InputError
+from lutgen.recipe import robot_size_of
 
 # Their numbers in runtime/blob.c.
 POINTS, RAILS, SEARCH = 1, 5, 6
@@ -33,21 +37,34 @@ LIMITS, MARGIN = MOST_ROOM + (MOST_WORK,) * len(WORK), 1.25
 STEPS = 16000.0
 # Words of a pose: head, floats, integers (runtime/three.c).
 POSE = (1 + 20 + 8, 1 + 8)
+# Of a robot given by code: errors asked for, in parts of the size, on three points and on more: of
+# three the walls of one facet turn a little, of more other facets are found.  And how many times
+# that contacts may be off, in single precision and with the margin of what was seen.
+ERRORS = {True: (3e-3, 3e-4, 3e-5, 3e-6), False: (1e-5, 3e-6, 1e-6)}
+MOST_OFF = 4.0
 
 
 @dataclass(frozen=True)
 class Spec:
-    """The only size there is."""
+    """The only size there is; of a robot given by code its error, in parts of the robot's size."""
+
+    error: float = 0.0
 
     @property
     def label(self) -> str:
         """Short text for tables."""
-        return "contacts"
+        return f"contacts {self.error:g}" if self.error else "contacts"
 
     @classmethod
     def of_label(cls, label: str) -> "Spec":
-        """Return the size with a label."""
-        return cls()
+        """Return the size with a label.
+
+        Examples
+        --------
+        >>> Spec.of_label("contacts 1e-05"), Spec.of_label("contacts")
+        (Spec(error=1e-05), Spec(error=0.0))
+        """
+        return cls(*map(float, label.split()[1:]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +77,7 @@ class Tables(AnyTables):
 
     spec: Spec
     channels: tuple[str, ...]
-    terms: Terms
+    terms: Terms | Series
     three: Three | None
     many: Many | None
     room: tuple[int, ...]
@@ -76,26 +93,62 @@ class Tables(AnyTables):
 
 
 @lru_cache(maxsize=4)
-def _tables(model: Model, channels: tuple[str, ...]) -> Tables:
+def _tables(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
     three = many = None
     random = np.random.default_rng(3).random((2000, model.k))
     corners = np.random.default_rng(4).integers(0, 2, (500, model.k)).astype(np.float64)
     seen = model.postures(model.at(np.concatenate([random, corners]))).centres
     reach = float(np.sqrt((seen**2).sum(axis=2)).max()) + float(model.radius.max(initial=0.0))
+    terms, off = _positions(model, spec)
     if model.is_tripod:
-        three = three_of(model, terms_of(model.recipe, model.radius, range(3)).error)
-        terms, guard, text = (
-            terms_of(model.recipe, model.radius, three.order),
-            three.guard,
-            three.text,
-        )
+        error = terms.error if isinstance(terms, Terms) else 0.0
+        three = three_of(model, error, off)
+        guard, text = three.guard, three.text
     else:
-        many, terms = many_of(model)
+        many = many_of(model, off)
         guard, text = math.asin(min(many.guard, 1.0)), many.text
     tables = Tables(
-        *(Spec(), channels, terms, three, many, LIMITS, model.k, 1.02 * reach, guard, text)
+        *(spec, channels, terms, three, many, LIMITS, model.k, 1.02 * reach, guard, text)
     )
     return tables if many is None else replace(tables, room=_room(model, tables))
+
+
+def _order(model: Model) -> tuple[tuple[int, ...], bool]:
+    """Return the order of the contacts in the tables, and whether axes of discs are asked for."""
+    return (rounds(model), False) if model.is_tripod else order_of(model)
+
+
+def _positions(model: Model, spec: Spec) -> tuple[Terms | Series, float]:
+    """Return the tables of positions, and how far (length) series are off, rounding and all."""
+    order, turning = _order(model)
+    if not spec.error:
+        return terms_of(model.recipe, model.radius, order, turning), 0.0
+    series = series_of(model, spec.error * robot_size_of(model.recipe))
+    return ordered(series, order), off_of(model, spec)
+
+
+@lru_cache(maxsize=16)
+def off_of(model: Model, spec: Spec) -> float:
+    """Return how far (length) the contacts of a robot given by code are off in C, at most.
+
+    Raises
+    ------
+    InputError
+        Where there are no such series, or they are further off than asked for.
+    """
+    error = spec.error * robot_size_of(model.recipe)
+    order, _ = _order(model)
+    terms = ordered(series_of(model, error), order)
+    body = CBody(POINTS if model.is_tripod else SEARCH, terms.arrays(0, (0.0,) * 3, ()), len(order))
+    blank = Tables(spec, (), terms, None, None, (), model.k, 1.0, 0.0, "")
+    export = Export("off", model.recipe, model, "contacts", "float", (), blank)
+    off = most_off(model, describe(export, body), order, terms.knots)
+    if off > MOST_OFF * error:
+        raise InputError(
+            f"its positions cannot be held to {error:.3g} by polynomials (got {off:.3g}: they jump "
+            "or have kinks along no axis); use --codec grid"
+        )
+    return off
 
 
 def _room(model: Model, tables: Tables) -> tuple[int, ...]:
@@ -118,18 +171,36 @@ def refusal(model: Model, arithmetic: str) -> str | None:
     if arithmetic != "float":
         return "codec contacts needs floating point (square roots and divisions); use --codec grid"
     try:
-        closed_form(model.recipe)
         problem = None if model.is_tripod else many_refusal(model)
-        if problem is None:
+        if problem is None and model.recipe.python is not None:
+            off_of(model, sizes(model)[0])
+        elif problem is None:
+            closed_form(model.recipe)
             terms_of(model.recipe, model.radius, range(len(model.kind)))
     except InputError as error:
         return str(error)
     return problem
 
 
+def sizes(model: Model) -> list[Spec]:
+    """Return the smallest size there is."""
+    if model.recipe.python is None:
+        return [Spec()]
+    return [Spec(ERRORS[model.is_tripod][0])]
+
+
+def grow(model: Model, spec: Spec) -> list[Spec]:
+    """Return the next smaller error of a robot given by code, where it can be had."""
+    finer = [Spec(error) for error in ERRORS[model.is_tripod] if error < spec.error]
+    try:
+        return finer[:1] if finer and off_of(model, finer[0]) else []
+    except InputError:
+        return []
+
+
 def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
     """Return the tables."""
-    return _tables(model, channels)
+    return _tables(model, channels, spec)
 
 
 def c_body(tables: Tables, integer: bool = False) -> CBody:
@@ -140,7 +211,8 @@ def c_body(tables: Tables, integer: bool = False) -> CBody:
         ("SMAP_FLOATS", 1),
         ("SMAP_INTEGERS", 1),
         ("SMAP_MAX_ENTRIES", terms.entries),
-        ("SMAP_MAX_COORDINATES", len(terms.coordinates)),
+        ("SMAP_MAX_COORDINATES", terms.width),
+        *((switch, 1) for switch in terms.switches),
     ]
     if three is not None:
         thresholds = (three.lowest, three.steepest, three.rest_width)
@@ -176,9 +248,15 @@ def c_body(tables: Tables, integer: bool = False) -> CBody:
 
 
 def cells(model: Model, tables: Tables) -> Cells:
-    """Return where the ends of the axes are: there are no knots between them."""
+    """Return where the ends of the axes are, and where series are cut."""
     rim = np.array([-model.chart_limit, model.chart_limit])
-    return Cells((np.array([0.0, 1.0]),) * model.k, rim, rim)
+    cuts = [one[1:-1] for one in tables.terms.knots] or [np.zeros(0)] * model.k
+    span = model.upper - model.lower
+    ends = [
+        np.concatenate([[0.0], (one - low) / width, [1.0]])
+        for one, low, width in zip(cuts, model.lower, span, strict=True)
+    ]
+    return Cells(tuple(np.unique(np.clip(one, 0.0, 1.0)) for one in ends), rim, rim)
 
 
 INFO = CodecInfo(
@@ -186,11 +264,12 @@ INFO = CodecInfo(
     switches={"float": "SMAP_POINTS"},
     look=("#0072B2", "o"),
     refusal=refusal,
-    sizes=lambda model, channels, arithmetic: [Spec()],
-    grow=lambda model, spec: [],
+    sizes=lambda model, channels, arithmetic: sizes(model),
+    grow=grow,
     encode=encode,
     c_body=c_body,
     read_label=Spec.of_label,
     cells=cells,
-    exact=True,
+    # Of three points given by code `poly`, which needs such a bound, has a smaller runtime.
+    exact=lambda model: model.recipe.python is None or least_edge_of(model) <= 0.0,
 )

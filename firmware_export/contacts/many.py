@@ -2,6 +2,10 @@
 
 The runtime's facets are exact but for rounding; every threshold is on the side on which rounding
 cannot make an unsafe answer safe, and GUARD is taken off every distance from the boundary.
+
+Of a robot given by code contacts are `off` by more.  For distances that is no worse than a com
+anywhere in a ball of that radius (`three` has the argument), and every threshold is moved by what
+it can alter of it: a width by twice that, the normal of a facet as wide as a rest by 2 off / width.
 """
 
 import math
@@ -10,7 +14,6 @@ from typing import NamedTuple
 import numpy as np
 
 from firmware_export.contacts.closed import Sum, closed_form
-from firmware_export.contacts.terms import Terms, terms_of
 from firmware_export.protocol import CArray
 from firmware_export.truth import Model
 from lutgen.channels import acceptance_of
@@ -28,6 +31,10 @@ MOST_CONTACTS = 62
 # With a com anywhere in its ball: facets lower than this share of heights are given up; how many
 # postures and directions tell.
 LOWEST, POSTURES, DIRECTIONS, SEED = 0.001, 500, 50, 7
+# Of a robot given by code: postures that tell whether a point moves along y; how many times what
+# contacts are off alters a distance from an edge's line, and where a roll ends; as which part of
+# the size rests are at least taken to be wide, and of those heights the least that is kept.
+LOOKED, ROLLS, NARROWEST, LOW = 20_000, 4.0, 1e-3, 0.5
 
 
 class Many(NamedTuple):
@@ -35,13 +42,15 @@ class Many(NamedTuple):
 
     `order` of the contacts: rail by rail; `first` contact of each rail, and how many there are;
     `axis`, level, of all discs; `numbers` in the order of the runtime's struct, behind the axis;
-    `guard`, the sine that is taken off every distance, and a sentence about it.
+    `more`, what series alter there; `guard`, the sine that is taken off every distance, and a
+    sentence about it.
     """
 
     order: tuple[int, ...]
     first: tuple[int, ...]
     axis: tuple[float, float]
     numbers: tuple[float, ...]
+    more: tuple[float, ...]
     guard: float
     text: str
 
@@ -54,6 +63,7 @@ class Many(NamedTuple):
             CArray("axis and limits", "float", singles, "see smap_many_t", False),
             CArray("rails", "uint8_t", rails, "rails, first contact of each", False),
             CArray("names", "uint8_t", self.order, "the recipe's number of each contact", False),
+            CArray("off", "float", self.more, "what series alter", False),
         )
 
 
@@ -67,6 +77,8 @@ def refusal(model: Model) -> str | None:
 def _axis(model: Model) -> tuple[float, float] | None:
     """Return the axis (x, y) of all discs, None where they have none in common."""
     found = None
+    if model.recipe.python is not None:
+        return (0.0, 1.0)  # points have none
     for axis in closed_form(model.recipe).axes:
         if axis is None:
             continue
@@ -89,6 +101,8 @@ def _places(model: Model) -> Floats | None:
     size = robot_size_of(model.recipe)
     row = np.array([[axis[0], axis[1], 0.0]])
     places = []
+    if model.recipe.python is not None:
+        return _seen_places(model, SAME * size)
     for centre in closed_form(model.recipe).centres:
         along = Sum.constant(row) @ centre
         if any(m and float(np.abs(v).max()) > SAME * size for m, v in along.terms.items()):
@@ -97,14 +111,21 @@ def _places(model: Model) -> Floats | None:
     return np.array(places)
 
 
-def _lowest(model: Model) -> float:
-    """Return the least height (length) of a facet that is kept, with the com anywhere in its ball.
+def _seen_places(model: Model, same: float) -> Floats | None:
+    """Return where points of a robot given by code are along y, None where one moves."""
+    t = np.random.default_rng(SEED).random((LOOKED, model.k))
+    t[: LOOKED // 2] = np.random.default_rng(SEED).integers(0, 2, (LOOKED // 2, model.k))
+    y = model.postures(model.at(t)).centres[:, :, 1]
+    return np.asarray(y.mean(axis=0)) if np.ptp(y, axis=0).max() <= same else None
+
+
+def _lowest(model: Model, rho: float) -> float:
+    """Return the least height (length) of a facet that is kept, with the com anywhere in a ball.
 
     The wall of an axis turns by asin(radius of the ball / distance of the axis), and no axis of a
     facet is nearer to the com than the facet's plane: so facets lower than most postures have are
     given up.
     """
-    rho = model.recipe.com_uncertainty
     if rho == 0.0:
         return 0.0
     rng = np.random.default_rng(SEED)
@@ -115,37 +136,57 @@ def _lowest(model: Model) -> float:
     exact = model.exact(params, np.broadcast_to(gravity, (POSTURES, DIRECTIONS, 3)))
     heights = exact.height[exact.tip_angle >= 0.0]
     least = float(np.quantile(heights, LOWEST)) if len(heights) else 0.0
+    if model.recipe.com_uncertainty == 0.0:
+        least *= LOW  # what series are off is little: no more need be given up
     return max(least, rho * (1.0 + HAIR) + HAIR * robot_size_of(model.recipe))
 
 
-def many_of(model: Model) -> tuple[Many, Terms]:
-    """Return what the tables need of a robot that is not refused."""
+def order_of(model: Model) -> tuple[tuple[int, ...], bool]:
+    """Return the order of a robot's contacts, and whether axes of its discs turn."""
+    places = _rails(model)
+    if places is None:
+        return tuple(range(len(model.kind))), True
+    return tuple(int(at) for at in np.argsort(places, kind="stable")), False
+
+
+def _rails(model: Model) -> Floats | None:
+    """Return where each contact's rail is, None where the runtime searches."""
+    return None if (model.kind == SPHERE).any() else _places(model)
+
+
+def many_of(model: Model, off: float = 0.0) -> Many:
+    """Return what the tables need of a robot that is not refused.
+
+    `off`, above 0 for a robot given by code, is how far (length) its contacts are off.
+    """
     accept, size = acceptance_of(model.recipe), robot_size_of(model.recipe)
-    places = None if (model.kind == SPHERE).any() else _places(model)
-    if places is None:  # no rails: the runtime searches
-        order, first, axis = tuple(range(len(model.kind))), [0], (0.0, 1.0)
-    else:
-        axis = _axis(model) or (0.0, 1.0)
-        order = tuple(int(at) for at in np.argsort(places, kind="stable"))
-        first = [0]
+    places, (order, _) = _rails(model), order_of(model)
+    first, axis = [0], (0.0, 1.0)
+    if places is not None:
+        axis = _axis(model) or axis
         for at in range(1, len(order)):
             if places[order[at]] - places[order[first[-1]]] > SAME * size:
                 first.append(at)
         first.append(len(order))
-    lowest, rho = _lowest(model), model.recipe.com_uncertainty
+    rho = model.recipe.com_uncertainty + off
+    lowest = _lowest(model, rho)
     guard, text = GUARD, "a sine that is taken off every distance from the boundary"
     if rho > 0.0:
-        guard += min(rho / lowest, 1.0)
+        guard += min(rho / (lowest - off), 1.0)
+    if model.recipe.com_uncertainty > 0.0:
         text += ", with a com anywhere in its ball"
+    if off > 0.0:
+        text += f", with contacts off by up to {off:.2g}"
+    turn = 2.0 * off / max(accept.rest_width, NARROWEST * size)
     numbers = (
         size,
-        accept.steepest + HAIR if model.recipe.upright < math.pi else -2.0,
-        max(HAIR * size, accept.least_height * (1.0 + HAIR), lowest),
-        accept.rest_width * (1.0 + HAIR) + HAIR * size,
-        max(accept.contact_tolerance - 0.1 * HAIR * size, 0.0),
-        min(accept.rock_angle, NO_LIMIT) - HAIR,
-        0.5 * accept.rest_width - HAIR * size,
+        accept.steepest + HAIR + turn if model.recipe.upright < math.pi else -2.0,
+        max(HAIR * size, accept.least_height * (1.0 + HAIR), lowest) + off,
+        accept.rest_width * (1.0 + HAIR) + HAIR * size + 2.0 * off,
+        max(accept.contact_tolerance - 0.1 * HAIR * size - ROLLS * off, 0.0),
+        min(accept.rock_angle, NO_LIMIT) - HAIR - 2.0 * turn,
+        0.5 * accept.rest_width - HAIR * size - 2.0 * off,
         guard,
     )
-    terms = terms_of(model.recipe, model.radius, order, turning=places is None)
-    return Many(order, tuple(first), axis, numbers, guard, text), terms
+    more = (ROLLS * off / size, 2.0 * turn) if off > 0.0 else ()
+    return Many(order, tuple(first), axis, numbers, more, guard, text)

@@ -62,6 +62,31 @@ class Terms:
         return 1 + 2 * len(self.angles) + len(self.travels) + len(self.products)
 
     @property
+    def width(self) -> int:
+        """How many coordinates the runtime computes."""
+        return len(self.coordinates)
+
+    @property
+    def knots(self) -> tuple[Floats, ...]:
+        """Where the axes of parameters are cut: nowhere."""
+        return ()
+
+    @property
+    def shape(self) -> dict[str, int]:
+        """What the loops of the runtime depend on."""
+        return {
+            "angles": len(self.angles),
+            "travels": len(self.travels),
+            "products": len(self.products),
+            "terms": max(len(one) for one in self.coordinates),
+        }
+
+    @property
+    def switches(self) -> tuple[str, ...]:
+        """Switches of the runtime beyond those of every robot."""
+        return ()
+
+    @property
     def flags(self) -> int:
         """What the runtime's tables hold."""
         rated = any(rate != 1.0 for _, rate in self.angles)

@@ -14,7 +14,7 @@ from lutgen.errors import ExportError
 # The switches of the runtime: what its code depends on.
 SWITCHES = (
     *("SMAP_FLOATS", "SMAP_INTEGERS", "SMAP_POINTS", "SMAP_POLY", "SMAP_TABLES", "SMAP_GRID"),
-    *("SMAP_MANY", "SMAP_MANY_BY_RAILS", "SMAP_MANY_SEARCH"),
+    *("SMAP_MANY", "SMAP_MANY_BY_RAILS", "SMAP_MANY_SEARCH", "SMAP_SERIES"),
 )
 # A part, and the switches that need it; all always have it where none is named.
 _PARTS: tuple[tuple[str, tuple[str, ...]], ...] = (
@@ -23,6 +23,7 @@ _PARTS: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("blob", ()),
     ("range", ()),
     ("positions", ("SMAP_POINTS", "SMAP_MANY")),
+    ("series", ("SMAP_SERIES",)),
     ("chart", ()),
     ("three", ("SMAP_POINTS", "SMAP_POLY", "SMAP_TABLES")),
     ("poly", ("SMAP_POLY",)),

@@ -29,6 +29,8 @@ READING_I = np.dtype([("sdg", "<u2"), ("tip", "<i2"), ("height", "<u2"), ("over"
 FAMILIES = {1: "three", 2: "three", 3: "three", 4: "grid", 5: "many", 6: "search"}
 # The same without floats.
 WHOLE = {3: "points", 4: "whole"}
+# Where a blob has the number of its contacts.
+CONTACTS = 13
 
 
 class Map(Protocol):
@@ -154,6 +156,16 @@ class Host:
             function(*blob, ctypes.c_void_p(row.ctypes.data), ctypes.c_void_p(found.ctypes.data))
             np.maximum(most, found, out=most)
         return most
+
+    def positions(self, params: ArrayLike) -> NDArray[np.float32]:
+        """Return where the contacts (m, n, 3) of postures (m, k) are, in the order of the map.
+
+        Relative to the com, as single precision has them; parameters are taken as they are.
+        """
+        rows = np.ascontiguousarray(params, np.float32)
+        found = np.empty((len(rows), int(self._bytes[CONTACTS]), 3), np.float32)
+        self._call(self._function("positions"), len(rows), (rows, found))
+        return found
 
     def check(self) -> int:
         """Return the status of smap_check."""

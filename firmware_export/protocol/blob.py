@@ -9,7 +9,10 @@ import math
 import zlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
+
+import numpy as np
 
 from firmware_export.protocol.array import CArray, CBody
 from firmware_export.protocol.exported import Export
@@ -19,6 +22,8 @@ VERSION = 2
 TURN = 2.0 * math.pi
 # A hair by which the rim of the chart is widened: rounding of a quotient.
 HAIR = 1e-6
+# Of a robot given by code: postures that tell whether a turn more is the same, and how nearly.
+LOOKED, ALIKE = 200, 1e-9
 CHANNEL_BITS = {"sdg": 1, "tip_angle": 2, "height": 4}
 
 
@@ -49,12 +54,28 @@ def turns(model: Model, index: int) -> bool:
     """Whether a parameter turns joints all the way round, so that 2 pi more is the same posture."""
     recipe = model.recipe
     parameter = recipe.parameters[index]
+    if recipe.function is not None:
+        return parameter.unit == "rad" and _repeats(model, index)
     joints = [
         link.joint for link in recipe.links if link.joint and link.joint.parameter == parameter.name
     ]
     whole = all(joint.kind == "revolute" and joint.scale % 1.0 == 0.0 for joint in joints)
     round_ = parameter.maximum - parameter.minimum >= TURN * (1.0 - 1e-6)
     return parameter.unit == "rad" and bool(joints) and whole and round_
+
+
+@lru_cache(maxsize=64)
+def _repeats(model: Model, index: int) -> bool:
+    """Whether a robot given by code is the same a turn further, and its axis has a turn."""
+    span = model.upper[index] - model.lower[index]
+    if abs(span - TURN) > 1e-6:
+        return False
+    params = model.at(np.random.default_rng(index).random((LOOKED, model.k)))
+    params[: LOOKED // 2, index] = model.lower[index]
+    further = params.copy()
+    further[:, index] += TURN
+    here, there = (model.postures(one).centres for one in (params, further))
+    return bool(np.abs(here - there).max() <= ALIKE * np.abs(here).max())
 
 
 def describe(export: Export, body: CBody) -> Blob:

@@ -85,8 +85,9 @@ class CodecInfo:
         (model, tables) -> the knots of the tables, or None where there are none.
     costly : callable
         (model) -> `Foresight` where an encoding takes so long that few can be tried, else None.
-    exact : bool
-        Whether its answers are exact but for rounding: then no other is tried where it will do.
+    exact : callable
+        (model) -> whether its answers are exact but for rounding, or all others take far more: then
+        no other is tried where it will do.
     encodings : int
         Encodings that may be spent on one bit width.
     patience, gain : int, float
@@ -106,7 +107,7 @@ class CodecInfo:
     bytes: Callable[[Any], int] | None = None
     cells: Callable[[Model, Any], Cells | None] = lambda model, tables: None
     costly: Callable[[Model], Foresight | None] = lambda model: None
-    exact: bool = False
+    exact: Callable[[Model], bool] = lambda model: False
     encodings: int = 40
     patience: int = 3
     gain: float = 0.98

@@ -58,6 +58,11 @@ static int smap_check_positions(const smap_t *map, smap_bytes_t limit)
   if (limit - body < SMAP_IN_MANY) {
     return 0;
   }
+#if SMAP_SERIES
+  if (body[SMAP_IN_FLAGS] & SMAP_BY_SERIES) {
+    return smap_check_singles(body + SMAP_IN_LOWEST, 3) && smap_check_series(map, limit);
+  }
+#endif
   terms = smap_u16(body + SMAP_IN_TERMS);
   fixed = 1u + 2u * body[SMAP_IN_ANGLES] + body[SMAP_IN_TRAVELS];
   if (fixed + body[SMAP_IN_PRODUCTS] > SMAP_MAX_ENTRIES ||

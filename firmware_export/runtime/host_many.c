@@ -12,6 +12,7 @@
 #define SMAP_TABLES 0
 #define SMAP_GRID 0
 #define SMAP_MANY 1
+#define SMAP_SERIES 1
 #define SMAP_MAX_PARAMS 64
 #define SMAP_MAX_ENTRIES 255
 #define SMAP_MAX_COORDINATES 255
@@ -31,6 +32,7 @@
 #include "blob.c"
 #include "range.c"
 #include "positions.c"
+#include "series.c"
 #include "chart.c"
 #include "many_types.c"
 #include "many_rails.c"
@@ -47,6 +49,7 @@
 #include "check.c"
 #include "end.c"
 #include "host.h"
+#include "host_positions.h"
 
 /* How much room the posture of some parameters takes: facets, edges, shown, walls,
  * segments, points, sides, and work by kind; 0 where

@@ -18,6 +18,7 @@
 #define SMAP_TABLES 1
 #define SMAP_GRID 0
 #define SMAP_MANY 0
+#define SMAP_SERIES 1
 #define SMAP_MAX_PARAMS 64
 #define SMAP_MAX_ENTRIES 255
 #define SMAP_MAX_COORDINATES 255
@@ -29,6 +30,7 @@
 #include "blob.c"
 #include "range.c"
 #include "positions.c"
+#include "series.c"
 #include "chart.c"
 #include "three.c"
 #include "poly.c"
@@ -38,6 +40,7 @@
 #include "check.c"
 #include "end.c"
 #include "host.h"
+#include "host_positions.h"
 
 /* What this was built from: the digest of the files beside it. */
 const char *smap_sources(void);

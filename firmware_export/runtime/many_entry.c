@@ -2,8 +2,8 @@
  * Copyright (c) The lutgen authors */
 /* ---- entries: robots on many contacts -----------------------------------------------------------
  * What the map adds to positions: ten singles (the level axis of all discs, size, steepest, least height,
- * rest width, tolerance, rock angle, band, guard: see smap_many_t), rails u8, the first contact of each
- * rail and behind the last u8, the recipe's number of each contact u8. */
+ * rest width, tolerance, rock angle, band, guard: see smap_many_t; with SMAP_BY_SERIES two more), rails u8, the first contact of each
+ * rail and behind the last u8, the recipe's number of each contact u8; with SMAP_BY_SERIES two singles more, off and turned. */
 enum { SMAP_MANY_SINGLES = 40 };
 
 typedef struct {
@@ -28,7 +28,7 @@ SMAP_INLINE smap_bytes_t smap_many_body(const smap_t *map)
 
 SMAP_INLINE void smap_many_numbers(const smap_t *map, smap_many_t *out)
 {
-  const smap_bytes_t body = smap_many_body(map);
+  smap_bytes_t body = smap_many_body(map);
   uint8_t i;
   out->contacts = SMAP_BLOB(map)[SMAP_AT_CONTACTS];
   out->rails = body[SMAP_MANY_SINGLES];
@@ -45,6 +45,14 @@ SMAP_INLINE void smap_many_numbers(const smap_t *map, smap_many_t *out)
   out->rock_angle = smap_f32(body + 28);
   out->band = smap_f32(body + 32);
   out->guard = smap_f32(body + 36);
+#if SMAP_SERIES
+  body += SMAP_MANY_SINGLES + 2 + out->rails + out->contacts;
+  out->off = out->turned = 0.0f;
+  if (smap_body(map)[SMAP_IN_FLAGS] & SMAP_BY_SERIES) {
+    out->off = smap_f32(body);
+    out->turned = smap_f32(body + 4);
+  }
+#endif
 }
 
 /* The recipe's number of a contact. */
@@ -193,12 +201,20 @@ static int8_t smap_run_pose(const smap_t *map, const float *params, void *pose, 
 static int smap_check_many(const smap_t *map)
 {
   const smap_bytes_t body = smap_many_body(map);
-  const uint8_t contacts = SMAP_BLOB(map)[SMAP_AT_CONTACTS], rails = body[SMAP_MANY_SINGLES];
+  const uint16_t bytes = smap_u16(smap_body(map) + SMAP_IN_MANY_BYTES);
+  const uint8_t contacts = SMAP_BLOB(map)[SMAP_AT_CONTACTS];
+  const uint8_t rails = bytes > SMAP_MANY_SINGLES ? body[SMAP_MANY_SINGLES] : SMAP_NONE;
   const smap_bytes_t first = body + SMAP_MANY_SINGLES + 1;
+  uint16_t more = 0;
   uint8_t i;
+#if SMAP_SERIES
+  if (smap_body(map)[SMAP_IN_FLAGS] & SMAP_BY_SERIES) {
+    more = 8;
+  }
+#endif
   if (contacts > SMAP_MANY_CONTACTS || contacts < 3 || rails > SMAP_MANY_RAILS ||
       (rails == 0) != (SMAP_MANY_RAILS == 0) ||
-      smap_u16(smap_body(map) + SMAP_IN_MANY_BYTES) != SMAP_MANY_SINGLES + 2u + rails + contacts ||
+      bytes != SMAP_MANY_SINGLES + 2u + rails + contacts + more ||
       first[0] != 0 || (rails != 0 && first[rails] != contacts)) {
     return 0;
   }
@@ -212,6 +228,12 @@ static int smap_check_many(const smap_t *map)
       return 0;
     }
   }
+#if SMAP_SERIES
+  if (more && !(smap_is_within(smap_f32(body + SMAP_MANY_SINGLES + 2 + rails + contacts), 1e6f) &&
+                smap_is_within(smap_f32(body + SMAP_MANY_SINGLES + 6 + rails + contacts), 1e6f))) {
+    return 0;
+  }
+#endif
   return smap_is_within(smap_f32(body), 1.001f) && smap_is_within(smap_f32(body + 4), 1.001f) &&
          smap_is_positive(smap_f32(body + 8)) && smap_is_within(smap_f32(body + 36), 0.5f);
 }

@@ -108,8 +108,9 @@ static void smap_lost_energy(const smap_held_t *o, const float q[3], float n0, f
 static int smap_lost(const smap_many_work_t *w, const float a[3], const float b[3],
                      const smap_held_t *o, float span[2])
 {
-  const float square = w->map->size * w->map->size, slack = SMAP_CAUGHT * square;
-  const float lost = (SMAP_RAISED + SMAP_TURNED * o->turned) * square;
+  const float square = w->map->size * w->map->size, slack = (SMAP_CAUGHT + SMAP_OFF(w->map)) * square;
+  const float lost = (SMAP_RAISED + SMAP_OFF(w->map) +
+                      (SMAP_TURNED + SMAP_OFF_TURNED(w->map)) * o->turned) * square;
   float along[3], wall[3], s, ds, n, dn, r, dr, q[3], size2, inverse;
   smap_minus(b, a, along);
   size2 = smap_dot(along, along);

@@ -68,7 +68,18 @@ typedef struct {
   uint8_t first[SMAP_MANY_RAILS + 1];
   float axis[2];
   float size, steepest, least_height, rest_width, tolerance, rock_angle, band, guard;
+#if SMAP_SERIES
+  float off, turned; /* parts of the size, of R also for each rad: what series alter, see many_held.c */
+#endif
 } smap_many_t;
+
+#if SMAP_SERIES
+#define SMAP_OFF(map) ((map)->off)
+#define SMAP_OFF_TURNED(map) ((map)->turned)
+#else
+#define SMAP_OFF(map) 0.0f
+#define SMAP_OFF_TURNED(map) 0.0f
+#endif
 
 /* A side of a strip: `count` walls, and one more point, from these on.  Of a side that bulges
  * inwards one wall is enough, of any other all count. */

@@ -12,10 +12,11 @@
  *   joint of each angle and travel u8; products u8[2 products]; axis of each contact u8 where there are axes;
  *   terms of each coordinate u8; entry of each term u8
  *
+ * With SMAP_BY_SERIES they are something else, see series.c.
  * With SMAP_NEAR no angle is ever beyond 1.05 rad.  Entries: 0 is the number 1; then sine and cosine of each angle, the travels, the products.
  * Coordinates: with SMAP_COMMON three that every contact has in common (the centre of mass moving),
  * then x, y, z of every contact relative to it, then x, y, z of every axis. */
-enum { SMAP_COMMON = 1, SMAP_RATED = 2, SMAP_ROUND = 4, SMAP_NEAR = 8 };
+enum { SMAP_COMMON = 1, SMAP_RATED = 2, SMAP_ROUND = 4, SMAP_NEAR = 8, SMAP_BY_SERIES = 16, SMAP_WIDE = 32 };
 enum {
   SMAP_IN_ANGLES = 0,
   SMAP_IN_TRAVELS = 1,
@@ -88,6 +89,10 @@ SMAP_INLINE void smap_entries(const smap_t *map, const smap_places_t *at, const 
   }
 }
 
+#if SMAP_SERIES
+static void smap_series_positions(const smap_t *map, const float *q, float p[SMAP_MAX_COORDINATES]);
+#endif
+
 /* Contacts relative to the centre of mass, p[3 * contact], and after them the unit axes of discs. */
 SMAP_INLINE void smap_positions(const smap_t *map, const float *q, float p[SMAP_MAX_COORDINATES])
 {
@@ -95,6 +100,12 @@ SMAP_INLINE void smap_positions(const smap_t *map, const float *q, float p[SMAP_
   const int shared = smap_body(map)[SMAP_IN_FLAGS] & SMAP_COMMON;
   float entry[SMAP_MAX_ENTRIES], common[3] = {0.0f, 0.0f, 0.0f};
   uint16_t term = 0, i, k;
+#if SMAP_SERIES
+  if (smap_body(map)[SMAP_IN_FLAGS] & SMAP_BY_SERIES) {
+    smap_series_positions(map, q, p);
+    return;
+  }
+#endif
   smap_entries(map, &at, q, entry);
   SMAP_UNROLL
   for (i = 0; i < at.coordinates; i++) {

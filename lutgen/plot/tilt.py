@@ -255,5 +255,7 @@ def _with_legend(axes: PolarAxes, tips: str, rocks: list[Artist]) -> Figure:
     columns = [handles[first:second], others[:left], handles[second:third], others[left:]]
     handles = [handle for part in columns for handle in part]
     figure = cast("Figure", axes.figure)
-    figure.legend(handles=handles, loc="outside lower center", ncols=2, columnspacing=0.8, handlelength=1.6)
+    figure.legend(
+        handles=handles, loc="outside lower center", ncols=2, columnspacing=0.8, handlelength=1.6
+    )
     return figure

@@ -98,7 +98,7 @@ ROBOT: dict[str, tuple[Key, ...]] = {
             "Code that places the contacts, module:function, instead of links and contacts.",
             '"rover:postures"',
             default="none",
-            costs="runs code, so it needs `--allow-python`; no export by `contacts`",
+            costs="runs code, so it needs `--allow-python`; `contacts` holds up to 3 parameters",
         ),
         Key(
             "parameter",

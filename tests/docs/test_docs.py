@@ -112,14 +112,16 @@ def test_everything_in_the_firmware_guide_runs(
         program, *arguments = line.split()
         return stdout(*arguments) if program == "lutgen" else ran(line)
 
-    (recipe,) = blocks("docs/guide/firmware.md", "toml")
+    recipe, coded = blocks("docs/guide/firmware.md", "toml")
     Path("stork.toml").write_text(recipe)
+    Path("slider.toml").write_text(coded)
+    Path("slider.py").write_text(*blocks("docs/guide/firmware.md", "python"))
     printed = [
         printed_by(line)
         for block in blocks("docs/guide/firmware.md", "sh")
         for line in block.splitlines()
     ]
-    check, exact, export, asked, _, reading, _ = printed
+    check, exact, export, asked, _, reading, _, by_code = printed
     assert check.startswith("stork: 3 contacts")
     heights = [
         float(re.search(r"^height +([\d.]+)", text, re.MULTILINE)[1])
@@ -128,6 +130,8 @@ def test_everything_in_the_firmware_guide_runs(
     # All three answer for the same posture; 0.5 % was asked for.
     assert max(heights) - min(heights) < 0.005 * heights[0]
     assert "0 points said to stand that tip" in export
+    assert "0 points said to stand that tip" in by_code
+    assert "contacts 1e-05" in by_code
     folders = ("stork_firmware", "stork_firmware", "stork_integer")
     codes = blocks("docs/guide/firmware.md", "c")
     moved = blocks("docs/guide/from-0.1.md", "c")

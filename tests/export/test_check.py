@@ -11,18 +11,23 @@ import pytest
 from firmware_export.emit.source import body_of, described
 from firmware_export.host import RUNTIME, Host
 from firmware_export.protocol import Blob
-from proofs.exports import rover_export, tripod_export
+from proofs.exports import coded_export, rover_export, tripod_export
 from targets.compiled import compile_c
 
 OK, CORRUPT = 0, 6
 MAKERS: dict[str, Any] = {
     "contacts": tripod_export,
     "many": rover_export,
+    "points given by code": lambda: coded_export("coded", "legs"),
+    "many given by code": lambda: coded_export("coded", "scissors"),
     "poly": lambda: tripod_export(codec="poly"),
     "grid": lambda: tripod_export(codec="grid"),
     "grid without floats": lambda: tripod_export(codec="grid", arithmetic="integer"),
 }
-FAMILY = {"contacts": "three", "many": "many", "poly": "three", "grid": "three"}
+FAMILY = {
+    **{"contacts": "three", "many": "many", "poly": "three", "grid": "three"},
+    **{"points given by code": "three", "many given by code": "search"},
+}
 
 
 def blob_of(name: str) -> Blob:

@@ -23,6 +23,7 @@ ALL = "\n".join(text for _, text in sorted(PARTS.items()))
 # The switches of an export of each kind that has a fault to find.
 ON = {
     "points": ("SMAP_POINTS", "SMAP_FLOATS", "SMAP_INTEGERS"),
+    "series": ("SMAP_POINTS", "SMAP_SERIES", "SMAP_FLOATS", "SMAP_INTEGERS"),
     "poly": ("SMAP_POLY", "SMAP_FLOATS", "SMAP_INTEGERS"),
     "tables": ("SMAP_TABLES", "SMAP_FLOATS", "SMAP_INTEGERS"),
     "tables whole": ("SMAP_TABLES", "SMAP_INTEGERS"),

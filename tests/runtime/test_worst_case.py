@@ -16,7 +16,7 @@ from tests.runtime.test_targets import needs_arm, row
 # As much as any export has.
 WIDEST = loops.Shape(
     *(8, 32, 8, 8, 8, 99, 99, 10, 255, 32, 8, 80, 250, 60, 254, 254, 250),
-    *(100, 200, 100, 50, 500, 90, 40),
+    *(100, 200, 100, 50, 500, 90, 40, 33, 64, 40),
 )
 
 

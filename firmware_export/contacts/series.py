@@ -1,0 +1,283 @@
+"""The tables of positions of a robot that is given by code: codes of series over pieces.
+
+Owns the layout that runtime/series.c describes, which terms are left out, and the rounding of the
+others.
+"""
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from firmware_export.contacts.pieces import MOST_PARAMETERS, Pieces, com_moves, pieces_of
+from firmware_export.contacts.terms import COMMON, MOST_ENTRIES
+from firmware_export.protocol import CArray
+from firmware_export.truth import Model
+from lutgen.errors import InputError
+from lutgen.vector import Floats
+
+# Flags of the runtime, beside those of closed forms.
+BY_SERIES, WIDE = 16, 32
+# Shares of the error asked for: what is left out, and what codes of two bytes may be off.
+LEFT_OUT, ROUNDED = 0.4, 0.25
+LARGEST = {2: 32767, 3: 8388607}
+MOST_TERMS = 65535
+
+Degrees = tuple[int, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Series:
+    """The tables of a robot's positions.
+
+    `knots`: of each axis; `degrees`: the highest of each parameter; `products`: pairs of entries;
+    `masks`: of each group the parameters by which its pieces go; `rows`: first term of each group
+    and piece, and how many x, y and z have; `entries` and `codes` of the terms; `unit`: length of a
+    code, of `code_bytes` each; `common`: whether the first group is minus the com.
+    """
+
+    knots: tuple[Floats, ...]
+    degrees: Degrees
+    products: tuple[tuple[int, int], ...]
+    masks: tuple[int, ...]
+    rows: tuple[tuple[int, int, int, int], ...]
+    term_entries: NDArray[np.uint8]
+    codes: NDArray[np.int64]
+    unit: np.float32
+    code_bytes: int
+    common: bool
+
+    @property
+    def entries(self) -> int:
+        """How many entries the runtime computes."""
+        return 1 + sum(self.degrees) + len(self.products)
+
+    @property
+    def width(self) -> int:
+        """How many coordinates the runtime computes."""
+        return 3 * (len(self.masks) - self.common)
+
+    @property
+    def switches(self) -> tuple[str, ...]:
+        """Switches of the runtime beyond those of every robot."""
+        return ("SMAP_SERIES",)
+
+    @property
+    def shape(self) -> dict[str, int]:
+        """What the loops of the runtime depend on."""
+        return {
+            "pieces": max((len(one) - 1 for one in self.knots), default=1),
+            "degree": max(self.degrees, default=0),
+            "products": len(self.products),
+            "groups": len(self.masks),
+            "terms": max(max(row[1:]) for row in self.rows),
+        }
+
+    @property
+    def bytes(self) -> int:
+        """Bytes of what grows with the error asked for."""
+        return sum(array.bytes for array in self._own())
+
+    def arrays(
+        self, order: int, thresholds: Sequence[float], many: Sequence[CArray]
+    ) -> tuple[CArray, ...]:
+        """Return the codec's part of a blob; see `Terms.arrays`."""
+        flags = BY_SERIES | COMMON * self.common | WIDE * (self.code_bytes == 3)
+        more = sum(array.bytes for array in many)
+        return (
+            CArray("sizes", "uint8_t", [0, 0, 0, 0, 0, 0], "no tables of closed forms", False),
+            CArray("flags", "uint8_t", [flags, order], "flags, order of the contacts", False),
+            CArray(
+                "limits", "float", thresholds, "lowest, steepest, least width of a facet", False
+            ),
+            CArray("more", "uint16_t", [more], "bytes of what is for many contacts", False),
+            *many,
+            *self._own(),
+        )
+
+    def _own(self) -> Iterator[CArray]:
+        axes = [(len(one) - 1, n) for one, n in zip(self.knots, self.degrees, strict=True)]
+        knots = [(a, 2.0 / (b - a)) for one in self.knots for a, b in itertools.pairwise(one)]
+        yield CArray("unit", "float", [self.unit], "length of one code", False)
+        yield CArray("terms", "uint16_t", [len(self.codes)], "terms", False)
+        yield CArray("counts", "uint8_t", [len(self.products)], "products", False)
+        yield CArray("axes", "uint8_t", axes, "per parameter: pieces, highest degree")
+        yield CArray("knots", "float", knots, "per piece: begin, 2 / length")
+        yield CArray("masks", "uint8_t", self.masks, "per group: parameters of its pieces")
+        rows = [(first & 255, first >> 8, *counts) for first, *counts in self.rows]
+        yield CArray("rows", "uint8_t", rows, "per group and piece: first term, terms of x, y, z")
+        yield CArray("products", "uint8_t", self.products, "pairs of entries")
+        yield CArray("entries", "uint8_t", self.term_entries, "entry of each term")
+        if self.code_bytes == 2:
+            yield CArray("codes", "int16_t", self.codes, "coefficients")
+        else:
+            packed = self.codes.astype("<i4").view(np.uint8).reshape(-1, 4)[:, :3]
+            yield CArray("codes", "uint8_t", packed, "coefficients, three bytes each")
+
+
+@lru_cache(maxsize=8)
+def series_of(model: Model, error: float) -> Series:
+    """Return the smaller of the tables that are off by less than about `error` (length).
+
+    The contacts are in the recipe's order, see `ordered`.
+
+    Raises
+    ------
+    InputError
+        Where there are none.
+    """
+    if model.k > MOST_PARAMETERS:
+        raise InputError(
+            f"the robot is given by code, whose positions are held as tables over at most "
+            f"{MOST_PARAMETERS} parameters (got {model.k}); use --codec grid"
+        )
+    plain = _tables(pieces_of(model, error, False), error, False)
+    if not com_moves(model):
+        return plain
+    shared = _tables(pieces_of(model, 0.5 * error, True), 0.5 * error, True)
+    return min(plain, shared, key=lambda one: one.bytes)
+
+
+def ordered(series: Series, order: Sequence[int]) -> Series:
+    """Return the tables with the contacts in another order."""
+    first = int(series.common)
+    counts = [
+        math.prod(len(one) - 1 for j, one in enumerate(series.knots) if mask >> j & 1)
+        for mask in series.masks
+    ]
+    begins = [0, *itertools.accumulate(counts)]
+    groups = [*range(first), *(first + at for at in order)]
+    rows = [row for at in groups for row in series.rows[begins[at] : begins[at + 1]]]
+    masks = tuple(series.masks[at] for at in groups)
+    return Series(**{**vars(series), "masks": masks, "rows": tuple(rows)})
+
+
+class _Entries:
+    """The numbering of polynomials and of products of two entries."""
+
+    def __init__(self, degrees: Degrees) -> None:
+        self._begin = [1, *(1 + total for total in itertools.accumulate(degrees))]
+        self.products: list[tuple[int, int]] = []
+        self._known: dict[tuple[int, ...], int] = {}
+
+    def of(self, degrees: Degrees) -> int:
+        """Return the entry of a product of T_n, one of each parameter."""
+        factors = tuple(self._begin[j] + n - 1 for j, n in enumerate(degrees) if n)
+        return self._of(factors)
+
+    def _of(self, factors: tuple[int, ...]) -> int:
+        if len(factors) < 2:
+            return factors[0] if factors else 0
+        if factors not in self._known:
+            self.products.append((self._of(factors[:-1]), factors[-1]))
+            self._known[factors] = self._begin[-1] + len(self.products) - 1
+        return self._known[factors]
+
+
+def _held(values: NDArray[np.int64]) -> list[Degrees]:
+    """Return the degrees of the terms that are not 0."""
+    if values.ndim == 0:
+        return [()] if values else []
+    return [tuple(map(int, n)) for n in np.argwhere(values)]
+
+
+def _shortened(values: Floats, budget: float) -> Floats:
+    """Return coefficients with 0 for the smallest, whose sum is at most `budget`."""
+    size = np.abs(values).ravel()
+    order = np.argsort(size, kind="stable")
+    gone = order[np.cumsum(size[order]) <= budget]
+    result = values.ravel().copy()
+    result[gone] = 0.0
+    return result.reshape(values.shape)
+
+
+def _tables(pieces: Pieces, error: float, common: bool) -> Series:
+    """Leave out what is small, and round the rest."""
+    k, shape = len(pieces.knots), pieces.shape
+    groups = pieces.series.shape[-2]
+    masks, kept = [], []
+    for group in range(groups):
+        own = pieces.series[..., group, :]
+        moving = [
+            j
+            for j in range(k)
+            if shape[j] > 1
+            and (
+                np.abs(np.delete(own, 0, axis=k + j)).max(initial=0.0) > 1e-9 * error
+                or np.ptp(own, axis=j).max() > 1e-9 * error
+            )
+        ]
+        masks.append(sum(1 << j for j in moving))
+        for piece in itertools.product(*(range(shape[j]) for j in moving)):
+            place = dict(zip(moving, piece, strict=True))
+            here = own[tuple(place.get(j, 0) for j in range(k))]
+            kept.append([_shortened(here[..., i], LEFT_OUT * error / 3**0.5) for i in range(3)])
+    codes, unit, width = _rounded(kept, error)
+    used = [n for row in codes for one in row for n in _held(one)]
+    degrees = tuple(max((n[j] for n in used), default=0) for j in range(k))
+    return _packed(pieces, codes, unit, width, (degrees, tuple(masks), common))
+
+
+def _rounded(
+    kept: list[list[Floats]], error: float
+) -> tuple[list[list[NDArray[np.int64]]], np.float32, int]:
+    """Return codes of the coefficients, the length of one, and its bytes: two if they will do."""
+    largest = max(float(np.abs(one).max(initial=0.0)) for row in kept for one in row)
+    most = max(int(np.count_nonzero(one)) for row in kept for one in row)
+    width = 2 if 0.5 * 3**0.5 * most * largest / LARGEST[2] <= ROUNDED * error else 3
+    unit = np.float32(max(largest, 1e-30) / LARGEST[width] * (1.0 + 1e-6))
+    codes = [[np.rint(one / float(unit)).astype(np.int64) for one in row] for row in kept]
+    return codes, unit, width
+
+
+def _packed(
+    pieces: Pieces,
+    codes: list[list[NDArray[np.int64]]],
+    unit: np.float32,
+    width: int,
+    how: tuple[Degrees, tuple[int, ...], bool],
+) -> Series:
+    """Return the tables with entries and rows numbered; rows that are alike are stored once."""
+    degrees, masks, common = how
+    table = _Entries(degrees)
+    entries: list[int] = []
+    values: list[int] = []
+    rows: list[tuple[int, int, int, int]] = []
+    known: dict[tuple[tuple[int, ...], ...], tuple[int, int, int, int]] = {}
+    for row in codes:
+        own: list[tuple[int, int]] = []
+        counts = []
+        for one in row:
+            # The smallest first: rounding of the sum is least so.
+            found = sorted((abs(int(one[n])), n) for n in _held(one))
+            own += [(table.of(n), int(one[n])) for _, n in found]
+            counts.append(len(found))
+        key = (tuple(counts), *own)
+        if key not in known:
+            known[key] = (len(values), counts[0], counts[1], counts[2])
+            entries += [entry for entry, _ in own]
+            values += [code for _, code in own]
+        rows.append(known[key])
+    count = 1 + sum(degrees) + len(table.products)
+    most = max(max(row[1:]) for row in rows)
+    if count > MOST_ENTRIES or len(values) > MOST_TERMS or most > MOST_ENTRIES:
+        raise InputError(
+            f"its positions need {count} functions and {len(values)} coefficients, more than the "
+            f"{MOST_ENTRIES} and {MOST_TERMS} of the runtime"
+        )
+    return Series(
+        pieces.knots,
+        degrees,
+        tuple(table.products),
+        masks,
+        tuple(rows),
+        np.array(entries, np.uint8),
+        np.array(values, np.int64),
+        unit,
+        width,
+        common,
+    )
