@@ -41,9 +41,9 @@ def refuse_bolted(
     else:
         return
     raise RecipeError(
-        f"{robot.source}: nothing stands on the ground: {why} (got {names}), as of an arm or a hand "
-        "that is bolted down; name what touches the ground with --contact, or another posture with "
-        "--posture or -p."
+        f"{robot.source}: nothing stands on the ground: {why} (got {names}), as of an arm or a "
+        "hand that is bolted down; name what touches the ground with --contact, or another posture "
+        "with --posture or -p."
     )
 
 

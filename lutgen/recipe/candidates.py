@@ -91,7 +91,10 @@ def proposed_contacts(robot: UrdfRobot, where: Mapping[str, Place]) -> list[Cont
 def near_ground(
     robot: UrdfRobot, contacts: Sequence[Contact], where: Mapping[str, Place]
 ) -> list[Contact]:
-    """Return the contacts of links that reach to within a quarter of the com's height of the lowest."""
+    """Return the contacts of links whose lowest point is near that of all.
+
+    Within a quarter of the com's height above it.
+    """
     lowest = [lowest_of(contact, where[contact.link]) for contact in contacts]
     ground = min(lowest, default=0.0)
     limit = ground + NEAR * (float(centre_of_mass(robot, where)[2]) - ground)

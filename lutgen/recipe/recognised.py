@@ -117,7 +117,8 @@ def _touching(
 ) -> set[str]:
     """Return the links whose meshes touch: near the ground, and the lowest above and below them.
 
-    Of links that are fixed to each other only the lowest.  What has a ball about as low, on itself or on a link above or below, stands on that.
+    Of links that are fixed to each other only the lowest.  What has a ball about as low, on itself
+    or on a link above or below, stands on that.
     """
     com = float(centre_of_mass(robot, where)[2])
     ground = min(one.low for one in opened.values())

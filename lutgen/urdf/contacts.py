@@ -22,8 +22,8 @@ TOUCHING = ("sphere", "cylinder", "points")
 def used_shapes(link: UrdfLink) -> list[Collision]:
     """Return the collision shapes that touch the ground, in order of the file.
 
-    Spheres, cylinders and points; in a link without them its boxes: a box between the wheels of a track is
-    no further out than they are, where it meets the ground.
+    Spheres, cylinders and points; in a link without them its boxes: a box between the wheels of a
+    track is no further out than they are, where it meets the ground.
     """
     shapes = [shape for shape in link.collisions if shape.kind in TOUCHING]
     return shapes or [shape for shape in link.collisions if shape.kind == "box"]
@@ -33,8 +33,8 @@ def link_contacts(link: UrdfLink, name: str | None = None) -> list[Contact]:
     """Return the contacts of a link's collision shapes, in its frame (m), in order of the file.
 
     They have the given name, the link's by default; where there are several, the number of the
-    shape and that of the disc, corner or point follow it.  Empty where the link has no sphere, cylinder or
-    box.
+    shape and that of the disc, corner or point follow it.  Empty where the link has no sphere,
+    cylinder, box or points.
     """
     shapes = used_shapes(link)
     result = []

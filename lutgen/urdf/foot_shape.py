@@ -17,9 +17,9 @@ from lutgen.vector import Floats
 # The lower end is what planes touch that lean up to this angle (rad) from level: slopes, and
 # joints that turn the link.
 LEAN = math.radians(45.0)
-# Shares of half the lower end's width by which a ball may differ from it: a ball of 12 segments does
-# by 2.4 %, the best ball for a cube by 20 %.  What is neither round nor flat may be less of a ball:
-# one contact instead of eight.
+# Shares of half the lower end's width by which a ball may differ from it: a ball of 12 segments
+# does by 2.4 %, the best ball for a cube by 20 %.  What is neither round nor flat may be less of a
+# ball: one contact instead of eight.
 BALL, NEARLY = 0.04, 0.10
 # A sole's plane is this near (rad) to level and its facets this near to its plane.
 LEVEL, SAME_PLANE = math.radians(20.0), math.radians(1.0)
@@ -85,7 +85,7 @@ def _ball(directions: Floats, reach: Floats) -> tuple[Collision, float]:
     Least squares in centre and radius; of what would have no radius it is off without limit.
     """
     terms = np.column_stack([directions, np.ones(len(directions))])
-    found = np.linalg.lstsq(terms, reach, rcond=None)[0]
+    found = np.asarray(np.linalg.lstsq(terms, reach, rcond=None)[0], np.float64)
     off = float(np.abs(terms @ found - reach).max())
     x, y, z, radius = plain(found)
     note = (

@@ -73,6 +73,6 @@ def _hull(corners: Floats) -> Floats:
     if not math.isfinite(size) or size > LARGEST:
         raise InputError(f"is larger than {LARGEST:g} m")
     try:
-        return distinct[np.sort(ConvexHull(distinct).vertices)]
+        return np.asarray(distinct[np.sort(ConvexHull(distinct).vertices)])
     except QhullError:
         return distinct

@@ -202,7 +202,9 @@ class _Reader:
         )
         looks: tuple[Collision, ...] = ()
         if not shapes:
-            drawn = [one for one in element.iterfind("visual") if one.find("geometry/mesh") is not None]
+            drawn = [
+                one for one in element.iterfind("visual") if one.find("geometry/mesh") is not None
+            ]
             looks = tuple(self.collision(part, where, i) for i, part in enumerate(drawn))
         inertial = self.only(element, "inertial", where)
         if inertial is None:

@@ -185,7 +185,7 @@ def test_the_rims_of_a_rounded_tyre_are_where_its_tread_ends() -> None:
         box(0.2, 0.04, 0.2),
         cylinder(0.1, 0.04, 6),
         cylinder(0.1, 0.04) * [1.0, 1.0, 1.1],
-        cylinder(0.1, 0.04) + [0.01, 0.0, 0.0],
+        cylinder(0.1, 0.04) + np.array([0.01, 0.0, 0.0]),
         cylinder(0.01, 0.1),
     ],
 )
@@ -220,7 +220,7 @@ def test_a_leaning_capsule_has_its_ball_where_the_lower_end_is() -> None:
 
 @pytest.mark.parametrize("lean", [0.0, 0.1])
 def test_a_sole_of_a_box_is_its_four_lower_corners(lean: float) -> None:
-    found = foot_of(box(0.2, 0.1, 0.05) + [0.05, 0, 0], rotation((0.0, lean, 0.0)) @ DOWN)
+    found = foot_of(box(0.2, 0.1, 0.05) + np.array([0.05, 0, 0]), rotation((0.0, lean, 0.0)) @ DOWN)
     assert found.kind == "points"
     corners = np.array(found.size).reshape(-1, 3).tolist()
     assert corners == [[x, y, -0.025] for x in (-0.05, 0.15) for y in (-0.05, 0.05)]
@@ -230,7 +230,7 @@ def test_a_sole_of_a_box_is_its_four_lower_corners(lean: float) -> None:
 def test_an_oval_sole_loses_at_most_what_is_said_and_lies_inside() -> None:
     turn = np.linspace(0.0, 2.0 * math.pi, 60, endpoint=False)
     rim = np.stack([0.12 * np.cos(turn), 0.05 * np.sin(turn), 0.0 * turn], axis=1)
-    body = np.vstack([rim, 0.8 * rim + [0.0, 0.0, 0.06]])
+    body = np.vstack([rim, 0.8 * rim + np.array([0.0, 0.0, 0.06])])
     found = foot_of(body, DOWN)
     chosen = np.array(found.size).reshape(-1, 3)
     assert 4 <= len(chosen) <= 8
@@ -252,12 +252,16 @@ def test_a_disc_on_no_axle_is_two_rims() -> None:
 
 def test_what_is_neither_ball_nor_sole_is_its_lowest_corners() -> None:
     # A wedge that stands on its edge, and a pyramid on its tip.
-    wedge = np.array([[x, y, z] for x in (-0.1, 0.1) for y, z in ((0, -0.1), (0.05, 0), (-0.05, 0))])
+    wedge = np.array(
+        [[x, y, z] for x in (-0.1, 0.1) for y, z in ((0, -0.1), (0.05, 0), (-0.05, 0))]
+    )
     found = foot_of(wedge, DOWN)
     assert found.kind == "points"
     lower = np.array(found.size).reshape(-1, 3)
     assert {(-0.1, 0.0, -0.1), (0.1, 0.0, -0.1)} <= {tuple(point) for point in lower.tolist()}
-    tip = foot_of(np.vstack([box(0.01, 0.01, 0.0)[::2] + [0, 0, 0.1], [[0.0, 0.0, 0.0]]]), DOWN)
+    tip = foot_of(
+        np.vstack([box(0.01, 0.01, 0.0)[::2] + np.array([0, 0, 0.1]), [[0.0, 0.0, 0.0]]]), DOWN
+    )
     assert (tip.kind, tip.size) == ("points", (0.0, 0.0, 0.0))
 
 
@@ -265,7 +269,9 @@ def test_the_order_of_corners_and_their_last_digits_change_nothing() -> None:
     rng = np.random.default_rng(0)
     for body in (tyre(0.05, 0.03, 0.005), capsule(0.02, 0.3), box(0.2, 0.1, 0.05)):
         single = rng.permutation(body.astype(np.float32).astype(np.float64))
-        first, second = (foot_of(np.unique(np.round(one, 6), axis=0), DOWN) for one in (body, single))
+        first, second = (
+            foot_of(np.unique(np.round(one, 6), axis=0), DOWN) for one in (body, single)
+        )
         assert first == second
 
 
