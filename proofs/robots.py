@@ -5,8 +5,8 @@ python -m proofs.robots [NAME...] [--update]
 The robots are those of the package example-robot-data (the extra `robots`), which are other
 people's files and not kept here.  Each is imported, with its meshes, in the posture that its SRDF
 names or with its joints at zero; mass and com are compared with pinocchio's, and of `TILTED` the
-tilt limits in steps of 15 deg with MuJoCo.  `--update` writes docs/measured/robots.md.  Exits with 1
-where anything differs that should not.
+tilt limits in steps of 15 deg with MuJoCo.  `--update` writes docs/measured/robots.md.  Exits
+with 1 where anything differs that should not.
 """
 
 import argparse
@@ -41,7 +41,7 @@ from lutgen.urdf import (
     read_motion,
     srdf_beside,
 )
-from proofs.physics.body import Floats, recipe_postures
+from proofs.physics.body import recipe_postures
 from proofs.physics.page import MEASURED, page
 from proofs.physics.pierced import pierced
 from proofs.physics.release import release
@@ -166,21 +166,24 @@ def weighed(path: Path, robot: UrdfRobot, posture: dict[str, float], recipe: Rec
 def engine(recipe: Recipe) -> list[float]:
     """Return by how much (deg) the engine's verdict is off the limit, for each heading; inf beyond.
 
-    The robot, feet as found and joints held, is let go 0.2 deg before and 0.2 deg after each limit.
+    The robot, feet as found and joints held, is let go where it stands on level ground, under
+    gravity 0.2 deg before and 0.2 deg after each limit.
     """
     home = np.array([recipe.home_params])
     posture = recipe_postures(recipe, home)[0]
     headings = even_headings(HEADINGS)
     limits = tilt_limits(recipe, home, headings, "plane")[0]
     frame = level_frames(recipe, home, "plane")[0]
+    level = pierced(posture, -frame[None, :, 2])[0]
+    if level is None:
+        return [math.inf] * HEADINGS
+    begin = level.start(posture)
     found = []
     for heading, limit in zip(headings, limits, strict=True):
         wrong = 0
         for side in (-1.0, 1.0):
             down = np.asarray(frame @ tilted(limit + side * math.radians(CLOSE), heading))
-            place = pierced(posture, down[None])[0]
-            fell = place is None or release(posture, place.start(posture), down).tipped
-            wrong += fell != (side > 0.0)
+            wrong += release(posture, begin, down).tipped != (side > 0.0)
         found.append(math.inf if wrong else CLOSE)
     return found
 
@@ -238,6 +241,8 @@ def main() -> int:
     parser.add_argument("names", nargs="*", help="robots of the table (default: all)")
     parser.add_argument("--update", action="store_true", help=f"write {PAGE.name}")
     options = parser.parse_args()
+    if options.update and options.names:
+        parser.error("--update is for all robots; name none")
     folder = data()
     wanted = set(options.names or (*STAND, *REFUSED))
     stand, bolted = [], []

@@ -13,8 +13,9 @@ from lutgen.recipe.candidates import is_above, near_ground, placed
 from lutgen.urdf import Motion, Place, UrdfRobot, centre_of_mass, downwards, places
 
 # Postures that are tried, and how many of them a robot on a foot that is part of its root may tip
-# in: of a robot on a pedestal none does, of an arm on its flange most.
-TRIED, MAY_TIP = 64, 32
+# in: of 400 a robot on a pedestal (baxter) tips in none, arms on their flanges (so100, so101) in 17
+# and 66 %.
+TRIED, MAY_TIP = 64, 3
 
 
 def refuse_bolted(
@@ -57,7 +58,7 @@ def _limbs(robot: UrdfRobot) -> dict[str, str]:
 
 
 def _leaves(robot: UrdfRobot, motion: Motion, contacts: Sequence[Contact]) -> bool:
-    """Return whether the com is off the contacts in most postures, the same ones in every run."""
+    """Return whether the com is off the contacts in many postures, the same ones in every run."""
     rng = np.random.default_rng(0)
     tips = 0
     for _ in range(TRIED):
