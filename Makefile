@@ -1,6 +1,6 @@
 # Every command of the project; `make help` lists them.
 # `maps` is also a folder, so without this line make would call it up to date.
-.PHONY: help venv maps paper exports size firmware cmsis verify fuzz physics test check bench soak clean
+.PHONY: help venv maps paper exports size firmware cmsis verify fuzz physics robots test check bench soak clean
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -53,6 +53,9 @@ physics: .venv/.physics ## judge the verdicts by a physics engine (docs/measured
 	$(BIN)/python -m proofs.physics.steady
 	$(BIN)/python -m proofs.physics.judge
 
+robots: .venv/.robots ## import published robots, which it downloads (docs/measured/robots.md; five minutes)
+	$(BIN)/python -m proofs.robots --update
+
 bench: .venv/.installed ## measure speed
 	$(BIN)/python -m benchmarks.run
 
@@ -94,6 +97,10 @@ clean: ## remove build/ and the caches, keep .venv
 
 .venv/.physics: .venv/.installed
 	@$(INSTALL) '.[physics]'
+	@touch $@
+
+.venv/.robots: .venv/.installed
+	@$(INSTALL) '.[robots]'
 	@touch $@
 
 build/maps/absolem_urdf.toml: $(LUTGEN_ROBOTS)/absolem.urdf $(SOURCES) | .venv/.installed

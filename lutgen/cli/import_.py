@@ -60,7 +60,7 @@ class Asked:
         "--package",
         multiple=True,
         metavar="NAME=DIR",
-        help="The folder of a ROS package that a .xacro file includes from; repeat.",
+        help="The folder of a ROS package with meshes, or that a .xacro file includes; repeat.",
     )
     arguments: tuple[str, ...] = option(
         "--arg", multiple=True, metavar="NAME=VALUE", help="An argument of a .xacro file; repeat."
@@ -75,7 +75,8 @@ def import_(urdf: str, asked: Asked) -> None:
     """Write a recipe from the robot description URDF and say what it leaves out.
 
     It stands as an SRDF file says (group_state), or with its joints at zero; -p and --posture say
-    otherwise.  Without --contact, the spheres and cylinders near the ground then touch it.
+    otherwise.  Without --contact, the spheres and cylinders near the ground then touch it, and the
+    wheels and feet that are recognised in meshes (pip install lutgen[meshes]).
     Without --joint, every joint that moves a contact, or the centre of mass by more than 0.5 % of
     the robot's size, becomes a parameter.  Give --merge the same options as the first time.
 
@@ -84,7 +85,7 @@ def import_(urdf: str, asked: Asked) -> None:
     """
     from lutgen.files import write_text
     from lutgen.recipe import import_urdf, merged_recipe, read_text
-    from lutgen.urdf import centre_of_mass, places, read_motion
+    from lutgen.urdf import Meshes, Packages, centre_of_mass, places, read_motion
 
     if not asked.output.endswith(".toml"):
         raise InputError(f"--output: is no recipe's name (got {asked.output!r}); end it in .toml.")
@@ -99,7 +100,8 @@ def import_(urdf: str, asked: Asked) -> None:
     points = [_point(text, i) for i, text in enumerate(asked.contacts, 1) if text not in named]
     posture, words, beyond = _standing(urdf, robot, asked)
     chosen = named if asked.contacts else None
-    made = import_urdf(robot, chosen, points, asked.joints or None, posture)
+    meshes = Meshes(Packages(Path(urdf).parent, _packages(asked)))
+    made = import_urdf(robot, chosen, points, asked.joints or None, posture, meshes)
     recipe = made.recipe
     report = {
         "name": recipe.name,
@@ -108,6 +110,7 @@ def import_(urdf: str, asked: Asked) -> None:
         "posture": words,
         "parameters": [p.name for p in recipe.parameters],
         "contacts": list(recipe.contact_names),
+        "guessed": list(made.guessed),
         "left_out": [*beyond, *made.left_out],
     }
     text = made.text
@@ -125,6 +128,9 @@ def import_lines(report: dict[str, Any], root: str) -> Iterator[str]:
     for what in ("contacts", "parameters"):
         yield f"  {what} ({len(report[what])}): {' '.join(report[what]) or '-'}"
     yield f"  posture: {report['posture']}"
+    if report["guessed"]:
+        yield "guessed from meshes:"
+    yield from (f"  {what}" for what in report["guessed"])
     yield "left out:" if report["left_out"] else "nothing left out"
     yield from (f"  {what}" for what in report["left_out"])
     if "changed" in report:
@@ -179,25 +185,25 @@ def _read(path: str, asked: Asked) -> "UrdfRobot":
             f"{path}: must be expanded, which evaluates it and reads the files that it includes "
             "(got no --xacro); pass --xacro if you trust it."
         )
-    packages = {
-        name: Path(folder) for name, folder in _pairs("--package", "NAME=DIR", asked.packages)
-    }
+    arguments = dict(_pairs("--arg", "NAME=VALUE", asked.arguments))
+    if macros:
+        return load_xacro(path, _packages(asked), arguments)
+    if arguments:
+        raise InputError(f"--arg: is for .xacro files (got {path}); leave it out.")
+    return load_urdf(path)
+
+
+def _packages(asked: Asked) -> dict[str, Path]:
+    """Return the folders of packages that are given."""
+    given = _pairs("--package", "NAME=DIR", asked.packages)
+    packages = {name: Path(folder) for name, folder in given}
     for name, folder in packages.items():
         if not folder.is_dir():
             raise InputError(
                 f"--package: {name} is in no folder that there is (got {str(folder)!r}); "
                 "write NAME=DIR."
             )
-    arguments = dict(_pairs("--arg", "NAME=VALUE", asked.arguments))
-    if macros:
-        return load_xacro(path, packages, arguments)
-    if packages or arguments:
-        option = "--package" if packages else "--arg"
-        raise InputError(
-            f"{option}: is for .xacro files (got {path}, whose meshes are not opened); "
-            "leave it out."
-        )
-    return load_urdf(path)
+    return packages
 
 
 def _pairs(option: str, form: str, texts: tuple[str, ...]) -> list[tuple[str, str]]:

@@ -2,7 +2,7 @@
 
 In reading order: `table`, `key`, `robot_keys`, `keys`, `schema`, `start`, `robot`, `loads`,
 `plugin`, `described`, `gallery`, `recipe`, `merge`, `kinematics`, `size`, `body`, `candidates`,
-`proposal_text`, `proposal`.
+`bolted`, `recognised`, `proposal_text`, `proposal`.
 """
 
 from typing import TYPE_CHECKING, Any

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from lutgen.errors import RecipeError, suggestion
 from lutgen.parts import Contact
 from lutgen.urdf import (
-    ROUND,
+    TOUCHING,
+    Collision,
     Motion,
     Place,
     UrdfRobot,
@@ -58,28 +59,26 @@ def named_contacts(robot: UrdfRobot, names: Sequence[str]) -> list[Contact]:
 
 
 def proposed_contacts(robot: UrdfRobot, where: Mapping[str, Place]) -> list[Contact]:
-    """Return the spheres and rim discs near the ground, in the posture of these places.
+    """Return the spheres, rim discs and points near the ground, in the posture of these places.
 
     The ground is where the lowest of them is; near are those whose lowest point lies within a
     quarter of the com's height above it, and all others below the com on the same link.  Where
     the com is not above these, the robot leans on something else: then those below the com.
-    RecipeError is raised where meshes are lower than all of them, and for more than 200.
+    RecipeError is raised where meshes that were not opened are lower than all of them, and for more
+    than 200.
     """
     com = centre_of_mass(robot, where)
     below: list[tuple[float, Contact]] = []
     for link in robot.links:
-        if any(shape.kind in ROUND for shape in link.collisions):
+        if any(shape.kind in TOUCHING for shape in link.collisions):
             for contact in link_contacts(link):
-                lowest = _lowest(contact, where[link.name])
+                lowest = lowest_of(contact, where[link.name])
                 if lowest < com[2]:
                     below.append((lowest, contact))
-    ground = min((lowest for lowest, _ in below), default=0.0)
     if below:
-        _refuse_lower_meshes(robot, where, ground)
-    limit = ground + NEAR * (float(com[2]) - ground)
-    links = {contact.link for lowest, contact in below if lowest <= limit}
-    result = [contact for _, contact in below if contact.link in links]
-    if not _is_above(com, _placed(result, where)[0]):
+        _refuse_lower_meshes(robot, where, min(lowest for lowest, _ in below))
+    result = near_ground(robot, [contact for _, contact in below], where)
+    if not is_above(com, placed(result, where)[0]):
         result = [contact for _, contact in below]
     if len(result) > MAX_CANDIDATES:
         raise RecipeError(
@@ -87,6 +86,20 @@ def proposed_contacts(robot: UrdfRobot, where: Mapping[str, Place]) -> list[Cont
             f"mass (got {len(result)}); name the links that touch the ground with --contact."
         )
     return result
+
+
+def near_ground(
+    robot: UrdfRobot, contacts: Sequence[Contact], where: Mapping[str, Place]
+) -> list[Contact]:
+    """Return the contacts of links whose lowest point is near that of all.
+
+    Within a quarter of the com's height above it.
+    """
+    lowest = [lowest_of(contact, where[contact.link]) for contact in contacts]
+    ground = min(lowest, default=0.0)
+    limit = ground + NEAR * (float(centre_of_mass(robot, where)[2]) - ground)
+    links = {one.link for one, low in zip(contacts, lowest, strict=True) if low <= limit}
+    return [contact for contact in contacts if contact.link in links]
 
 
 def lower_links(
@@ -98,17 +111,17 @@ def lower_links(
     and meshes do not count.
     """
     touching = {contact.link for contact in contacts}
-    ground = min(_lowest(contact, where[contact.link]) for contact in contacts)
+    ground = min(lowest_of(contact, where[contact.link]) for contact in contacts)
     ground -= SLACK * robot_size(contacts, where)
     return [
         link.name
         for link in robot.links
         if link.name not in touching
-        and any(_lowest(part, where[link.name]) < ground for part in link_contacts(link))
+        and any(lowest_of(part, where[link.name]) < ground for part in link_contacts(link))
     ]
 
 
-def _lowest(contact: Contact, place: Place) -> float:
+def lowest_of(contact: Contact, place: Place) -> float:
     """Return the height of a contact's lowest point in the frame of the root."""
     turn, origin = place
     reach = contact.radius
@@ -122,18 +135,56 @@ def _refuse_lower_meshes(robot: UrdfRobot, where: Mapping[str, Place], ground: f
     lower = []
     for link in robot.links:
         turn, origin = where[link.name]
-        heights = [(origin + turn @ s.origin)[2] for s in link.collisions if s.kind == "mesh"]
+        heights = [(origin + turn @ s.origin)[2] for s in link.collisions if _is_closed(s)]
         if min(heights, default=ground) < ground:
             lower.append((min(heights), link.name))
     if lower:
-        names = ", ".join(name for _, name in sorted(lower, key=lambda one: one[0])[:SHOWN])
+        names = [name for _, name in sorted(lower, key=lambda one: one[0])]
         raise RecipeError(
             f"{robot.source}: links with meshes, which are not opened, are below all spheres and "
-            f"cylinders (got {names}); give points on the feet: --contact 'LINK=X,Y,Z[,RADIUS]'."
+            f"cylinders (got {closed_meshes(robot, names)}); give points on the feet: "
+            "--contact 'LINK=X,Y,Z[,RADIUS]'."
         )
 
 
-def _is_above(com: Floats, points: Floats) -> bool:
+def closed_meshes(robot: UrdfRobot, names: Sequence[str] | None = None) -> str:
+    """Return the links with meshes that were not opened, the first of them, and why the first.
+
+    Of all links, or of those named, in their order; empty where there is none.
+    """
+    links = {link.name: link for link in robot.links}
+    closed = {
+        name: [s.note for s in links[name].collisions if _is_closed(s)]
+        + [s.note for s in links[name].visuals if _is_closed(s) and s.note]
+        for name in (links if names is None else names)
+    }
+    reasons: dict[str, list[str]] = {}
+    for name, notes in closed.items():
+        for note in notes[:1]:
+            reasons.setdefault(note, []).append(name)
+    parts = []
+    for note, those in reasons.items():
+        shown = ", ".join(those[:SHOWN])
+        shown += f" and {len(those) - SHOWN} more" if len(those) > SHOWN else ""
+        parts.append(f"{shown}: {note}" if note else shown)
+    return "; ".join(parts)
+
+
+def _is_closed(shape: Collision) -> bool:
+    """Return whether a shape is a mesh that was not opened; one that was has a size."""
+    return shape.kind == "mesh" and not shape.size
+
+
+def has_support(robot: UrdfRobot, where: Mapping[str, Place]) -> bool:
+    """Return whether the com is above the spheres, cylinders and points that would be proposed."""
+    try:
+        found = proposed_contacts(robot, where)
+    except RecipeError:
+        return False
+    return is_above(centre_of_mass(robot, where), placed(found, where)[0])
+
+
+def is_above(com: Floats, points: Floats) -> bool:
     """Return whether points (n, 3) are on all sides of the com, seen from above."""
     away = points[:, :2] - com[:2]
     around = np.sort(np.arctan2(away[:, 1], away[:, 0]))
@@ -172,7 +223,7 @@ def inner_contacts(
     part = np.array([parts[contact.link] for contact in contacts])
     round_ = np.array([contact.axis is not None for contact in contacts])
     radius = np.array([contact.radius for contact in contacts])
-    centre, axis = _placed(contacts, where)
+    centre, axis = placed(contacts, where)
     same = SAME * robot_size(contacts, where)
     distinct = np.ones(len(contacts), bool)
     inner = np.zeros(len(contacts), bool)
@@ -208,7 +259,7 @@ def _between(k: int, others: NDArray[np.intp], centre: Floats, radius: Floats, s
 
 def robot_size(contacts: Sequence[Contact], where: Mapping[str, Place]) -> float:
     """Return the largest extent of the contacts along an axis at rest, wheels included (m)."""
-    centre, _ = _placed(contacts, where)
+    centre, _ = placed(contacts, where)
     radius = np.array([contact.radius for contact in contacts])[:, None]
     return float(((centre + radius).max(axis=0) - (centre - radius).min(axis=0)).max())
 
@@ -226,7 +277,7 @@ def effects(
     values = {name: rng.uniform(low, high) for name, (low, high) in motion.free.items()}
     where = places(robot, motion, values)
     total = math.fsum(link.mass for link in robot.links)
-    centre, axis = _placed(contacts, where)
+    centre, axis = placed(contacts, where)
     inside = _below(robot, contacts)
     moment, mass = _carried(robot, where)
     result = dict.fromkeys(motion.free, (0.0, 0.0))
@@ -255,7 +306,7 @@ def effects(
     return result
 
 
-def _placed(contacts: Sequence[Contact], where: Mapping[str, Place]) -> tuple[Floats, Floats]:
+def placed(contacts: Sequence[Contact], where: Mapping[str, Place]) -> tuple[Floats, Floats]:
     """Return centres and axes (n, 3) in the frame of the root; no axis is a zero vector."""
     centre, axis = np.zeros((len(contacts), 3)), np.zeros((len(contacts), 3))
     for i, contact in enumerate(contacts):

@@ -8,7 +8,9 @@ from dataclasses import dataclass
 
 from lutgen.errors import RecipeError
 from lutgen.parts import Contact
+from lutgen.recipe.bolted import refuse_bolted
 from lutgen.recipe.candidates import (
+    closed_meshes,
     effects,
     inner_contacts,
     lower_links,
@@ -17,10 +19,11 @@ from lutgen.recipe.candidates import (
     robot_size,
     unique_names,
 )
-from lutgen.recipe.proposal_text import carrying_links, recipe_text
+from lutgen.recipe.proposal_text import carrying_links, guesses, recipe_text
 from lutgen.recipe.recipe import Recipe, parse_recipe
+from lutgen.recipe.recognised import recognised
 from lutgen.recipe.robot_keys import MAX_CONTACTS
-from lutgen.urdf import ROUND, Motion, UrdfRobot, places, read_motion, used_shapes
+from lutgen.urdf import TOUCHING, Meshes, Motion, UrdfRobot, places, read_motion, used_shapes
 
 # More joints than this are not proposed as parameters: no disk holds their map.
 MAX_PARAMETERS = 10
@@ -34,11 +37,15 @@ LISTED = 12
 
 @dataclass(frozen=True)
 class Imported:
-    """A recipe's text, the recipe, and sentences on what the description has besides."""
+    """A recipe's text, the recipe, and sentences on what the description has besides.
+
+    `guessed` has one for each wheel and foot that was recognised in a mesh.
+    """
 
     text: str
     recipe: Recipe
     left_out: tuple[str, ...]
+    guessed: tuple[str, ...] = ()
 
 
 def import_urdf(
@@ -47,6 +54,7 @@ def import_urdf(
     given: Sequence[Contact] = (),
     joints: Sequence[str] | None = None,
     posture: Mapping[str, float] | None = None,
+    meshes: Meshes | None = None,
 ) -> Imported:
     """Turn a description into a recipe.
 
@@ -65,6 +73,8 @@ def import_urdf(
     posture : mapping of str to float, optional
         Joints at rest, rad or m; 0 for all others, or their limit nearest to it.  The recipe's
         `home`, and where joints that are no parameters stand.
+    meshes : Meshes, optional
+        Opens the meshes, to find wheels and feet in them; None leaves them closed.
 
     Returns
     -------
@@ -77,8 +87,14 @@ def import_urdf(
     links = {link.name for link in robot.links}
     # An unknown link is refused in the same words, whoever names it.
     named_contacts(robot, [contact.link for contact in given if contact.link not in links])
-    if contacts is None and not given:
+    proposes = contacts is None and not given
+    if meshes is not None:
+        robot = recognised(robot, meshes, rest, None if proposes else contacts or ())
+    if proposes:
         found = proposed_contacts(robot, rest)
+        if not closed_meshes(robot):
+            guessed = len(guesses(robot, found)) == len(found)
+            refuse_bolted(robot, motion, found, rest, guessed)
     else:
         found = [*given, *named_contacts(robot, contacts or ())]
     if len(found) < 3:
@@ -91,15 +107,26 @@ def import_urdf(
         raise _wrong_number(robot, len(found))
     text = recipe_text(robot, motion, found)
     recipe = parse_recipe(text, robot.source)
-    chosen = contacts is not None or bool(given)
     left_out = _left_out(robot, motion, found, inner)
-    left_out += [] if chosen else _away(robot, {c.link for c in (*found, *inner)})
+    left_out += _away(robot, {c.link for c in (*found, *inner)}) if proposes else []
     under = lower_links(robot, [*found, *inner], rest)
     if under:
         left_out.append(
             f"shapes below all contacts, on which it lies in this posture: {_listed(under)}"
         )
-    return Imported(text, recipe, tuple(left_out))
+    if meshes is not None and (closed := closed_meshes(robot)):
+        left_out.append(f"meshes that were not opened: {closed}")
+    return Imported(text, recipe, tuple(left_out), _guessed(robot, found))
+
+
+def _guessed(robot: UrdfRobot, contacts: Sequence[Contact]) -> tuple[str, ...]:
+    """Return what was recognised in meshes, links of the same words together."""
+    notes = guesses(robot, contacts)
+    links: dict[str, dict[str, None]] = {}
+    for contact in contacts:
+        if contact.name in notes:
+            links.setdefault(notes[contact.name], {})[contact.link] = None
+    return tuple(f"{_listed(list(names))}: {note}" for note, names in links.items())
 
 
 def _away(robot: UrdfRobot, touching: set[str]) -> list[str]:
@@ -107,7 +134,7 @@ def _away(robot: UrdfRobot, touching: set[str]) -> list[str]:
     away = [
         link.name
         for link in robot.links
-        if link.name not in touching and any(s.kind in ROUND for s in link.collisions)
+        if link.name not in touching and any(s.kind in TOUCHING for s in link.collisions)
     ]
     return [f"spheres and cylinders away from the ground: {_listed(away)}"] if away else []
 
@@ -115,10 +142,10 @@ def _away(robot: UrdfRobot, touching: set[str]) -> list[str]:
 def _wrong_number(robot: UrdfRobot, count: int) -> RecipeError:
     """Return the refusal of too few or too many contacts, and where too few could be."""
     way_out = "name the links that touch the ground with --contact"
-    meshes = [link.name for link in robot.links if any(s.kind == "mesh" for s in link.collisions)]
-    if count < 3 and meshes:
+    closed = closed_meshes(robot)
+    if count < 3 and closed:
         way_out += (
-            f", and give points on those with meshes, which are not opened ({_listed(meshes)}): "
+            f", and give points on those with meshes, which are not opened ({closed}): "
             "--contact 'LINK=X,Y,Z[,RADIUS]'"
         )
     return RecipeError(

@@ -4,10 +4,11 @@ import json
 import math
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from lutgen.parts import Contact, Link
 from lutgen.recipe.robot import RESERVED
-from lutgen.urdf import Motion, UrdfRobot, links_of
+from lutgen.urdf import TOUCHING, Motion, UrdfRobot, link_contacts, links_of
 
 # Nodes of a parameter in the sweep that is proposed, and postures of the whole.
 FEWEST, MOST, POSTURES = 3, 37, 5_000
@@ -47,7 +48,13 @@ def recipe_text(robot: UrdfRobot, motion: Motion, contacts: Sequence[Contact]) -
                 joint = held[link.name]
                 lines.append(f"# Held: joint {_quoted(joint)} {motion.held[joint]}.")
             lines.append("")
+    notes = guesses(robot, contacts)
+    told: set[tuple[str, str]] = set()
     for contact in contacts:
+        note = notes.get(contact.name)
+        if note is not None and (contact.link, note) not in told:
+            told.add((contact.link, note))
+            lines.append(f"# Guessed from the mesh of {_quoted(contact.link)}: {note}.")
         lines += ["[[robot.contact]]", f"name = {_quoted(contact.name)}"]
         lines += [f"link = {_quoted(names[contact.link])}"]
         lines += [f"position = {_vector(contact.position)}"]
@@ -78,6 +85,18 @@ def carrying_links(robot: UrdfRobot, contacts: Sequence[Contact]) -> set[str]:
             result.add(name)
             name = parents[name]
     return result
+
+
+def guesses(robot: UrdfRobot, contacts: Sequence[Contact]) -> dict[str, str]:
+    """Return how each contact that was recognised in a mesh was, by its name."""
+    notes = {}
+    for link in robot.links:
+        for shape in link.collisions:
+            if shape.note and shape.kind in TOUCHING:
+                for one in link_contacts(replace(link, collisions=(shape,))):
+                    notes[replace(one, name="")] = shape.note
+    found = {contact.name: notes.get(replace(contact, name="")) for contact in contacts}
+    return {name: note for name, note in found.items() if note is not None}
 
 
 def _link_names(robot: UrdfRobot) -> dict[str, str]:

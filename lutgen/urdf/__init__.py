@@ -1,27 +1,47 @@
 """A robot description of ROS, read into links, joints and contacts.
 
 In reading order: `xml`, `read`, `motion`, `links`, `contacts`, `posture`,
-`packages`, `xacro`.
+`packages`, `xacro`, `mesh_file`, `reach`, `meshes`, `wheel_shape`, `foot_shape`.
 """
 
-from lutgen.urdf.contacts import ROUND, link_contacts, used_shapes
+from lutgen.urdf.contacts import TOUCHING, link_contacts, used_shapes
+from lutgen.urdf.foot_shape import foot_of
 from lutgen.urdf.links import Place, centre_of_mass, downwards, links_of, places
+from lutgen.urdf.meshes import Meshes
 from lutgen.urdf.motion import TURN, Motion, read_motion
+from lutgen.urdf.packages import Packages
 from lutgen.urdf.posture import Srdf, beyond_limits, joint_values, load_srdf, srdf_beside
-from lutgen.urdf.read import MAX_BYTES, UrdfRobot, load_urdf, parse_urdf
+from lutgen.urdf.read import (
+    JOINT_KINDS,
+    MAX_BYTES,
+    Collision,
+    UrdfJoint,
+    UrdfLink,
+    UrdfRobot,
+    load_urdf,
+    parse_urdf,
+)
+from lutgen.urdf.wheel_shape import wheel_of
 from lutgen.urdf.xacro import load_xacro
 
 __all__ = [
+    "JOINT_KINDS",
     "MAX_BYTES",
-    "ROUND",
+    "TOUCHING",
     "TURN",
+    "Collision",
+    "Meshes",
     "Motion",
+    "Packages",
     "Place",
     "Srdf",
+    "UrdfJoint",
+    "UrdfLink",
     "UrdfRobot",
     "beyond_limits",
     "centre_of_mass",
     "downwards",
+    "foot_of",
     "joint_values",
     "link_contacts",
     "links_of",
@@ -33,4 +53,5 @@ __all__ = [
     "read_motion",
     "srdf_beside",
     "used_shapes",
+    "wheel_of",
 ]

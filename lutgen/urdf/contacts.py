@@ -1,7 +1,7 @@
 """Contact primitives from the collision shapes of a robot description.
 
-A sphere is a sphere, a cylinder its two rim discs, a box its eight corners.  Which links touch
-the ground is not known here.
+A sphere is a sphere, a cylinder its two rim discs, a box its eight corners; a mesh is what was
+recognised in it.  Which links touch the ground is not known here.
 """
 
 import itertools
@@ -15,16 +15,17 @@ from lutgen.urdf.links import as_vector
 from lutgen.urdf.read import Collision, UrdfLink
 from lutgen.vector import Vector
 
-ROUND = ("sphere", "cylinder")
+# Shapes that are taken for feet and wheels; points are what a mesh that was opened has at its foot.
+TOUCHING = ("sphere", "cylinder", "points")
 
 
 def used_shapes(link: UrdfLink) -> list[Collision]:
     """Return the collision shapes that touch the ground, in order of the file.
 
-    Spheres and cylinders; in a link without them its boxes: a box between the wheels of a track is
-    no further out than they are, where it meets the ground.
+    Spheres, cylinders and points; in a link without them its boxes: a box between the wheels of a
+    track is no further out than they are, where it meets the ground.
     """
-    shapes = [shape for shape in link.collisions if shape.kind in ROUND]
+    shapes = [shape for shape in link.collisions if shape.kind in TOUCHING]
     return shapes or [shape for shape in link.collisions if shape.kind == "box"]
 
 
@@ -32,8 +33,8 @@ def link_contacts(link: UrdfLink, name: str | None = None) -> list[Contact]:
     """Return the contacts of a link's collision shapes, in its frame (m), in order of the file.
 
     They have the given name, the link's by default; where there are several, the number of the
-    shape and that of the disc or corner follow it.  Empty where the link has no sphere, cylinder or
-    box.
+    shape and that of the disc, corner or point follow it.  Empty where the link has no sphere,
+    cylinder, box or points.
     """
     shapes = used_shapes(link)
     result = []
@@ -58,6 +59,9 @@ def _primitives(shape: Collision) -> Iterator[tuple[Vector, float, Vector | None
         for end in (0.5, -0.5):
             axis = as_vector(turn[:, 2]) if radius > 0.0 else None
             yield as_vector(centre + end * length * turn[:, 2]), radius, axis
+    elif shape.kind == "points":
+        for point in np.array(shape.size).reshape(-1, 3):
+            yield as_vector(point), 0.0, None
     else:
         for corner in itertools.product((0.5, -0.5), repeat=3):
             yield as_vector(centre + turn @ (np.array(corner) * shape.size)), 0.0, None

@@ -2,7 +2,7 @@
 
 What this robot stands on is not known here, nor what moves it.  Only the direct children of
 <robot> count: simulators nest elements of the same names in blocks of their own.  Files that the
-description names, meshes above all, are never opened.
+description names, meshes above all, are not opened here.
 """
 
 import math
@@ -35,7 +35,10 @@ class Collision:
     """A collision shape, placed in its link's frame.
 
     `kind` is ``"sphere"`` with size (radius,), ``"cylinder"`` (radius, length; along z),
-    ``"box"`` (x, y, z), or the name of any other geometry with size ().
+    ``"box"`` (x, y, z), ``"mesh"`` with the name of a `file` and its `scale`, neither checked, or
+    the name of any other geometry, with size ().  Of a mesh that was opened there may be
+    ``"points"`` (x, y, z, x, ...) or another shape instead; `note` then says how it was found, and
+    on a mesh why it was not opened.
     """
 
     name: str
@@ -43,16 +46,23 @@ class Collision:
     size: tuple[float, ...]
     origin: Vector = ZERO
     rpy: Vector = ZERO
+    file: str = ""
+    scale: tuple[float, ...] = ()
+    note: str = ""
 
 
 @dataclass(frozen=True)
 class UrdfLink:
-    """A link: mass in kg, com in its frame (m); without an inertial the mass is 0."""
+    """A link: mass in kg, com in its frame (m); without an inertial the mass is 0.
+
+    `visuals` are the meshes of its looks, of a link without collision shapes.
+    """
 
     name: str
     mass: float = 0.0
     com: Vector = ZERO
     collisions: tuple[Collision, ...] = ()
+    visuals: tuple[Collision, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -190,9 +200,15 @@ class _Reader:
         shapes = tuple(
             self.collision(part, where, i) for i, part in enumerate(element.iterfind("collision"))
         )
+        looks: tuple[Collision, ...] = ()
+        if not shapes:
+            drawn = [
+                one for one in element.iterfind("visual") if one.find("geometry/mesh") is not None
+            ]
+            looks = tuple(self.collision(part, where, i) for i, part in enumerate(drawn))
         inertial = self.only(element, "inertial", where)
         if inertial is None:
-            return UrdfLink(name, collisions=shapes)
+            return UrdfLink(name, collisions=shapes, visuals=looks)
         mass = self.only(inertial, "mass", where)
         if mass is None:
             way_out = "give it a mass or remove it"
@@ -200,11 +216,11 @@ class _Reader:
         value = self.number(mass, "value", where)
         if value < 0.0:
             self.fail(where, "has a negative mass", value, "write a mass of 0 or more")
-        return UrdfLink(name, value, self.placement(inertial, where)[0], shapes)
+        return UrdfLink(name, value, self.placement(inertial, where)[0], shapes, looks)
 
     def collision(self, element: Element, where: str, index: int) -> Collision:
-        """Read a <collision>; a geometry that is no sphere, cylinder or box keeps its name only."""
-        where = f"{where}, collision {index + 1}"
+        """Read a <collision> or <visual>; a geometry of another kind keeps its name only."""
+        where = f"{where}, {element.tag} {index + 1}"
         geometry = self.only(element, "geometry", where)
         shape = next(iter(geometry), None) if geometry is not None else None
         kind = shape.tag if shape is not None else "nothing"
@@ -215,7 +231,12 @@ class _Reader:
             size = tuple(self.number(shape, key, where) for key in SHAPES.get(kind, ()))
         if min(size, default=0.0) < 0.0:
             self.fail(where, f"has a {kind} of negative size", size, "write lengths of 0 or more")
-        return Collision(element.get("name", ""), kind, size, *self.placement(element, where))
+        name, placed = element.get("name", ""), self.placement(element, where)
+        if shape is None or kind != "mesh":
+            return Collision(name, kind, size, *placed)
+        # No number of a mesh that may not be needed is a reason to refuse the robot.
+        file, scale = shape.get("filename", ""), _floats(shape.get("scale", "1 1 1"))
+        return Collision(name, kind, size, *placed, file, scale)
 
     def joint(self, element: Element) -> UrdfJoint:
         """Read a <joint>."""

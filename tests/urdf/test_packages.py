@@ -177,7 +177,7 @@ def test_options_that_say_nothing_are_refused(
     out = tmp_path / "robot.toml"
     result = run("import", "-x", ROBOTS / "cart.xacro", "-o", out, *arguments)
     assert (result.exit_code, said in result.stderr) == (2, True)
-    urdf = run("import", VECTORS / "rover.urdf", "-o", out, "--package", f"a={tmp_path}")
+    urdf = run("import", VECTORS / "rover.urdf", "-o", out, "--arg", "a=b")
     assert (urdf.exit_code, "is for .xacro files" in urdf.stderr) == (2, True)
 
 
@@ -189,4 +189,5 @@ def test_a_robot_on_meshes_alone_is_refused_with_the_cause(tmp_path: Path) -> No
     )
     result = run("import", file, "-o", tmp_path / "robot.toml")
     assert result.exit_code == 2
-    assert "points on those with meshes, which are not opened (base)" in result.stderr
+    why = "base: package 'a' was not found; give --package a=DIR"
+    assert f"points on those with meshes, which are not opened ({why})" in result.stderr

@@ -1,0 +1,205 @@
+"""Wheels and feet of a robot description that are meshes, as shapes that a recipe has.
+
+Owns which links are looked at, and what becomes of a mesh: a wheel's rims, a ball, a sole's
+corners, or the reason for which it was not opened.
+"""
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lutgen.errors import InputError
+from lutgen.recipe.candidates import NEAR, has_support, lowest_of
+from lutgen.urdf import (
+    JOINT_KINDS,
+    TOUCHING,
+    TURN,
+    Collision,
+    Meshes,
+    Place,
+    UrdfJoint,
+    UrdfLink,
+    UrdfRobot,
+    centre_of_mass,
+    downwards,
+    foot_of,
+    link_contacts,
+    wheel_of,
+)
+from lutgen.vector import Floats
+
+# Share of the com's height above the ground by which one link of a leg is lower than another: the
+# shank ends above the sole, and the mesh around a ball is not below the ball.
+LOWER = 0.02
+DRAWN = "; a visual mesh, as there is no collision shape"
+
+
+@dataclass(frozen=True)
+class _Link:
+    """A link whose meshes were opened; heights (m) in the root's frame, infinite where none is.
+
+    `corners` (n, 3) are the meshes', in its own frame; `low` is where its lowest shape ends, and
+    `ball` where the lowest of its spheres and cylinders does.
+    """
+
+    link: UrdfLink
+    corners: Floats
+    low: float
+    ball: float
+
+
+def recognised(
+    robot: UrdfRobot, meshes: Meshes, where: Mapping[str, Place], named: Sequence[str] | None = None
+) -> UrdfRobot:
+    """Return the description with simple shapes for the meshes that touch the ground.
+
+    Parameters
+    ----------
+    robot : UrdfRobot
+        The description.
+    meshes : Meshes
+        Reads them; one that cannot be read stays, with the reason as its note.
+    where : mapping of str to Place
+        The links' places in the standing posture.
+    named : sequence of str, optional
+        The links that touch the ground.  None: of each chain of links the lowest, near the ground.
+
+    Returns
+    -------
+    UrdfRobot
+        A mesh that was opened has its extent as `size`; on links that touch one shape stands for
+        all of them, and its note says how well.  Of a link without collision shapes the visual
+        meshes serve, where it is named, and where the robot does not stand on spheres and
+        cylinders.
+    """
+    opened = {link.name: _open(link, meshes, where[link.name]) for link in robot.links}
+    chosen = _touching(robot, opened, where) if named is None else set(named)
+    looks = {link.name: link for link in robot.links if link.visuals}
+    if named is not None:
+        looks = {name: link for name, link in looks.items() if name in chosen}
+    elif not chosen and has_support(_replaced(robot, opened, chosen, where), where):
+        looks = {}
+    for name, link in looks.items():
+        opened[name] = _open(replace(link, collisions=link.visuals), meshes, where[name])
+    if looks and named is None:
+        chosen = _touching(robot, opened, where)
+    # What touches nothing keeps its looks to itself.
+    for name in set(looks) - chosen:
+        visuals = opened[name].link.collisions
+        opened[name] = replace(opened[name], link=replace(looks[name], visuals=visuals))
+    return _replaced(robot, opened, chosen, where)
+
+
+def _open(link: UrdfLink, meshes: Meshes, place: Place) -> _Link:
+    """Return a link with its meshes read."""
+    turn, origin = place
+    shapes, parts = [], [np.zeros((0, 3))]
+    for shape in link.collisions:
+        if shape.kind == "mesh":
+            try:
+                parts.append(meshes.corners(shape))
+                shape = replace(shape, size=tuple(np.ptp(parts[-1], axis=0).tolist()))
+            except InputError as error:
+                shape = replace(shape, note=str(error))
+        shapes.append(shape)
+    corners = np.unique(np.concatenate(parts), axis=0)
+    simple = min((lowest_of(one, place) for one in link_contacts(link)), default=math.inf)
+    balls = any(shape.kind in TOUCHING for shape in link.collisions)
+    lowest = float((corners @ turn[2] + origin[2]).min(initial=math.inf))
+    opened = replace(link, collisions=tuple(shapes))
+    return _Link(opened, corners, min(simple, lowest), simple if balls else math.inf)
+
+
+def _touching(
+    robot: UrdfRobot, opened: Mapping[str, _Link], where: Mapping[str, Place]
+) -> set[str]:
+    """Return the links whose meshes touch: near the ground, and the lowest above and below them.
+
+    Of links that are fixed to each other only the lowest.  What has a ball about as low, on itself
+    or on a link above or below, stands on that.
+    """
+    com = float(centre_of_mass(robot, where)[2])
+    ground = min(one.low for one in opened.values())
+    if not ground < com:
+        return set()
+    slack, near = LOWER * (com - ground), ground + NEAR * (com - ground)
+    lowest = {name: one.low for name, one in opened.items()}
+    lows, rigid = _along_chains(robot, lowest), _along_chains(robot, lowest, ("fixed",))
+    balls = _along_chains(robot, {name: one.ball for name, one in opened.items()})
+    return {
+        name
+        for name, one in opened.items()
+        if len(one.corners)
+        and one.low <= min(near, lows[name] + slack, rigid[name])
+        and one.low < min(one.ball, balls[name]) - slack
+    }
+
+
+def _along_chains(
+    robot: UrdfRobot, heights: Mapping[str, float], kinds: Sequence[str] = JOINT_KINDS
+) -> dict[str, float]:
+    """Return for each link the least height of those that it hangs from and that hang from it.
+
+    By joints of these kinds alone.
+    """
+    joints = [joint for joint in downwards(robot) if joint.kind in kinds]
+    above = dict.fromkeys(heights, math.inf)
+    for joint in joints:
+        above[joint.child] = min(above[joint.parent], heights[joint.parent])
+    below = dict.fromkeys(heights, math.inf)
+    for joint in reversed(joints):
+        lower = min(below[joint.child], heights[joint.child])
+        below[joint.parent] = min(below[joint.parent], lower)
+    return {name: min(above[name], below[name]) for name in heights}
+
+
+def _replaced(
+    robot: UrdfRobot,
+    opened: Mapping[str, _Link],
+    chosen: Collection[str],
+    where: Mapping[str, Place],
+) -> UrdfRobot:
+    """Return the robot with its meshes opened, and one shape for those of each chosen link."""
+    axles = _axles(robot)
+    bare = {link.name for link in robot.links if not link.collisions}
+    links = []
+    for name, one in opened.items():
+        link = one.link
+        # A link that is named for its ball has that.
+        if name in chosen and len(one.corners) and one.low < one.ball:
+            made = _shape(one.corners, name, axles.get(name), where)
+            if name in bare:
+                made = replace(made, note=made.note + DRAWN)
+            rest = [shape for shape in link.collisions if shape.kind != "mesh" or not shape.size]
+            link = replace(link, collisions=(made, *rest))
+        links.append(link)
+    return replace(robot, links=tuple(links))
+
+
+def _axles(robot: UrdfRobot) -> dict[str, UrdfJoint]:
+    """Return the joint about which a link turns freely, of those that do."""
+    result: dict[str, UrdfJoint] = {}
+    for joint in downwards(robot):
+        turns = joint.kind in ("continuous", "revolute") and joint.upper - joint.lower >= TURN
+        if turns:
+            result[joint.child] = joint
+        elif joint.kind == "fixed" and joint.parent in result:
+            result[joint.child] = result[joint.parent]
+    return result
+
+
+def _shape(
+    corners: Floats, name: str, axle: UrdfJoint | None, where: Mapping[str, Place]
+) -> Collision:
+    """Return the wheel, or else the foot, that a link's meshes are."""
+    turn, origin = where[name]
+    if axle is not None:
+        about, centre = where[axle.child]
+        own = axle.child == name
+        along = np.array(axle.axis) if own else turn.T @ about @ axle.axis
+        wheel = wheel_of(corners, np.zeros(3) if own else turn.T @ (centre - origin), along)
+        if wheel is not None:
+            return wheel
+    return foot_of(corners, -turn[2])

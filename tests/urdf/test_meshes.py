@@ -1,0 +1,285 @@
+"""Meshes: found by their names, read within bounds, and what is recognised in their corners."""
+
+import itertools
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lutgen.errors import InputError
+from lutgen.rotation import rotation
+from lutgen.urdf import Collision, Meshes, Packages, foot_of, mesh_file, wheel_of
+from tests.fixtures.meshes import ball, box, capsule, cylinder, dae, hull, stl, tyre, write
+
+DOWN = np.array([0.0, 0.0, -1.0])
+SIDEWAYS = np.array([0.0, 1.0, 0.0])
+HERE = np.zeros(3)
+
+
+def mesh(file: str, scale: tuple[float, ...] = (1.0, 1.0, 1.0), **place: object) -> Collision:
+    return Collision("", "mesh", (), file=file, scale=scale, **place)  # type: ignore[arg-type]
+
+
+def corners(folder: Path, shape: Collision) -> np.ndarray:
+    return Meshes(Packages(folder)).corners(shape)
+
+
+@pytest.mark.parametrize("suffix", [".stl", ".obj", ".dae"])
+def test_a_mesh_of_any_format_has_the_corners_of_its_hull(suffix: str, tmp_path: Path) -> None:
+    # A corner inside is none of the hull's.
+    write(tmp_path / f"a{suffix}", np.vstack([box(0.2, 0.4, 0.6), [[0.01, 0.02, 0.03]]]))
+    found = corners(tmp_path, mesh(f"a{suffix}"))
+    wanted = [[x, y, z] for x in (-0.1, 0.1) for y in (-0.2, 0.2) for z in (-0.3, 0.3)]
+    assert found.tolist() == wanted
+
+
+def test_scale_turn_and_place_are_those_of_the_shape(tmp_path: Path) -> None:
+    write(tmp_path / "a.stl", box(200.0, 400.0, 600.0))
+    shape = mesh("a.stl", (0.001, 0.001, -0.002), origin=(1.0, 0.0, 0.0), rpy=(0.5 * math.pi, 0, 0))
+    found = corners(tmp_path, shape)
+    # By hand: z is doubled to 1.2 m, and a quarter turn about x takes y to z and z to -y.
+    wanted = [[1 + x, y, z] for x in (-0.1, 0.1) for y in (-0.6, 0.6) for z in (-0.2, 0.2)]
+    assert found == pytest.approx(np.array(wanted), abs=1e-6)
+
+
+def test_collada_is_in_the_unit_that_it_declares_and_its_axes_stay(tmp_path: Path) -> None:
+    place = "1 0 0 100  0 1 0 0  0 0 1 0  0 0 0 1"
+    (tmp_path / "a.dae").write_bytes(dae(box(0.2, 0.4, 0.6), 0.01, place))
+    found = corners(tmp_path, mesh("a.dae"))
+    # A node 100 cm away; y is up in the file, and stays y.
+    assert found.min(axis=0).tolist() == [0.9, -0.2, -0.3]
+    assert found.max(axis=0).tolist() == [1.1, 0.2, 0.3]
+
+
+def test_a_file_is_found_by_path_by_address_and_by_package(tmp_path: Path) -> None:
+    package = tmp_path / "legs"
+    (package / "meshes").mkdir(parents=True)
+    (package / "package.xml").write_text("<package><name>legs</name></package>")
+    file = write(package / "meshes" / "a b.stl", box(1, 1, 1))
+    start = package / "urdf"
+    start.mkdir()
+    for name in ("../meshes/a b.stl", f"file://{file}", "package://legs/meshes/a b.stl"):
+        assert len(corners(start, mesh(name))) == 8
+    assert len(corners(start, mesh(f"file://{str(file).replace(' ', '%20')}"))) == 8
+    elsewhere = Meshes(Packages(tmp_path / "none", {"other": package}))
+    assert len(elsewhere.corners(mesh("package://other/meshes/a b.stl"))) == 8
+
+
+def test_a_file_is_read_once(tmp_path: Path) -> None:
+    write(tmp_path / "a.stl", box(1, 1, 1))
+    meshes = Meshes(Packages(tmp_path))
+    first = meshes.corners(mesh("a.stl"))
+    (tmp_path / "a.stl").unlink()
+    assert meshes.corners(mesh("a.stl", (2.0, 2.0, 2.0))) == pytest.approx(2.0 * first)
+
+
+HEADER = stl(box(1, 1, 1), claimed=10_000_000)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "said"),
+    [
+        ("none.stl", None, "there is no such file"),
+        ("a.mesh", b"", ".mesh is none of .stl, .obj, .dae"),
+        ("a", b"", "no ending is none of"),
+        ("a.stl", b"", "has no triangle"),
+        ("a.stl", HEADER, "cannot be read as STL"),
+        ("a.stl", stl(box(1, 1, 1))[:200], "cannot be read as STL"),
+        ("a.obj", b"nothing\n", "has no triangle"),
+        ("a.dae", b"<COLLADA", "cannot be read as DAE"),
+        ("a.dae", b"PK\x03\x04", "is an archive"),
+        ("a.dae", b'<!DOCTYPE a [<!ENTITY b "c">]><a/>', "document type declaration"),
+        ("a.dae", dae(box(1, 1, 1)).replace(b"<instance_geometry", b"<x"), "has no triangle"),
+        ("a.stl", b"\0" * 84, "has no triangle"),
+        ("http://a/b.stl", None, "is neither a path nor file:// nor package://"),
+        ("package://nowhere/b.stl", None, "give --package nowhere=DIR"),
+    ],
+)
+def test_what_is_no_mesh_is_named_with_its_cause(
+    name: str, content: bytes | None, said: str, tmp_path: Path
+) -> None:
+    if content is not None:
+        (tmp_path / name).write_bytes(content)
+    with pytest.raises(InputError) as caught:
+        corners(tmp_path, mesh(name))
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("scale", [(), (1.0, 1.0), (1.0, 0.0, 1.0), (1.0, math.nan, 1.0)])
+def test_a_scale_that_is_none_is_refused(scale: tuple[float, ...], tmp_path: Path) -> None:
+    write(tmp_path / "a.stl", box(1, 1, 1))
+    with pytest.raises(InputError, match="has no scale"):
+        corners(tmp_path, mesh("a.stl", scale))
+
+
+def test_a_folder_and_a_file_that_is_too_long_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "b.stl").mkdir()
+    with pytest.raises(InputError, match="there is no such file"):
+        corners(tmp_path, mesh("b.stl"))
+    write(tmp_path / "a.stl", box(1, 1, 1))
+    size = (tmp_path / "a.stl").stat().st_size
+    for limit, fits in ((size, True), (size - 1, False)):
+        monkeypatch.setattr("lutgen.urdf.mesh_file.MAX_BYTES", limit)
+        if fits:
+            assert len(corners(tmp_path, mesh("a.stl"))) == 8
+        else:
+            with pytest.raises(InputError, match=f"longer than {limit} bytes"):
+                corners(tmp_path, mesh("a.stl"))
+
+
+def test_without_the_package_one_sentence_says_how_to_get_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write(tmp_path / "a.stl", box(1, 1, 1))
+    monkeypatch.setitem(sys.modules, "trimesh", None)
+    with pytest.raises(InputError, match=r"pip install lutgen\[meshes\]"):
+        corners(tmp_path, mesh("a.stl"))
+
+
+@pytest.mark.parametrize("sides", [12, 16, 33, 100])
+def test_a_cylinder_about_its_axle_is_a_wheel_of_its_radius_and_width(sides: int) -> None:
+    found = wheel_of(cylinder(0.1, 0.04, sides), HERE, SIDEWAYS)
+    assert found is not None
+    assert (found.kind, found.origin) == ("cylinder", (0.0, 0.0, 0.0))
+    assert found.size == pytest.approx((0.1, 0.04), abs=1e-6)
+    # Its z is along the axle.
+    assert np.abs(rotation(found.rpy)[:, 2] @ SIDEWAYS) == pytest.approx(1.0)
+    # The only error is the facets' sagitta, printed in mm with two digits.
+    sagitta = 100.0 * (1.0 - math.cos(math.pi / sides))
+    assert float(found.note.split("off by at most ")[1].split()[0]) == pytest.approx(
+        sagitta, abs=0.006
+    )
+
+
+def test_a_wheel_may_be_anywhere_and_turned_about_any_axle() -> None:
+    turn, origin = rotation((0.3, -0.7, 1.1)), np.array([0.5, -0.2, 0.1])
+    placed = cylinder(0.1, 0.04) @ turn.T + origin
+    axle = turn @ SIDEWAYS
+    # The joint may be beside the middle of the wheel.
+    found = wheel_of(placed, origin + 0.3 * axle, axle)
+    assert found is not None
+    assert found.size == pytest.approx((0.1, 0.04), abs=1e-6)
+    assert found.origin == pytest.approx(tuple(origin), abs=1e-6)
+
+
+def test_the_rims_of_a_rounded_tyre_are_where_its_tread_ends() -> None:
+    found = wheel_of(tyre(0.1, 0.06, 0.01), HERE, SIDEWAYS)
+    assert found is not None
+    radius, width = found.size
+    assert radius == pytest.approx(0.1, abs=1e-6)
+    # Flat over 40 mm, and a little of the rounding of 10 mm.
+    assert 0.04 <= width <= 0.045
+    # A body that leans touches with its rounding, which the rims lack or exceed by little; 0.21 mm
+    # are the facets' sagitta.
+    assert float(found.note.split("off by at most ")[1].split()[0]) < 0.6
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        box(0.2, 0.04, 0.2),
+        cylinder(0.1, 0.04, 6),
+        cylinder(0.1, 0.04) * [1.0, 1.0, 1.1],
+        cylinder(0.1, 0.04) + np.array([0.01, 0.0, 0.0]),
+        cylinder(0.01, 0.1),
+    ],
+)
+def test_what_is_not_round_about_its_axle_is_no_wheel(body: np.ndarray) -> None:
+    assert wheel_of(body, HERE, SIDEWAYS) is None
+
+
+def reach_of(shape: Collision, direction: np.ndarray) -> float:
+    """Return how far a foot reaches."""
+    if shape.kind == "sphere":
+        return float(direction @ shape.origin + shape.size[0])
+    return float((np.array(shape.size).reshape(-1, 3) @ direction).max())
+
+
+@pytest.mark.parametrize("body", [ball(0.02), capsule(0.02, 0.3)])
+def test_a_ball_and_the_end_of_a_capsule_are_a_sphere(body: np.ndarray) -> None:
+    low = body[:, 2].min()
+    found = foot_of(body, DOWN)
+    assert found.kind == "sphere"
+    # 24 sides and 12 rings: a sagitta of 0.9 % of the radius.
+    assert found.size[0] == pytest.approx(0.02, rel=0.02)
+    assert found.origin == pytest.approx((0.0, 0.0, low + 0.02), abs=4e-4)
+    assert reach_of(found, DOWN) == pytest.approx(-low, abs=2e-4)
+
+
+def test_a_leaning_capsule_has_its_ball_where_the_lower_end_is() -> None:
+    turn = rotation((0.0, 0.6, 0.0))
+    found = foot_of(capsule(0.02, 0.3) @ turn.T, DOWN)
+    assert found.kind == "sphere"
+    assert found.origin == pytest.approx(tuple(turn @ [0.0, 0.0, -0.15]), abs=4e-4)
+
+
+@pytest.mark.parametrize("lean", [0.0, 0.1])
+def test_a_sole_of_a_box_is_its_four_lower_corners(lean: float) -> None:
+    found = foot_of(box(0.2, 0.1, 0.05) + np.array([0.05, 0, 0]), rotation((0.0, lean, 0.0)) @ DOWN)
+    assert found.kind == "points"
+    corners = np.array(found.size).reshape(-1, 3).tolist()
+    assert corners == [[x, y, -0.025] for x in (-0.05, 0.15) for y in (-0.05, 0.05)]
+    assert "at most 0.00 mm inside of its rim and 0.00 mm above its plane" in found.note
+
+
+def test_an_oval_sole_loses_at_most_what_is_said_and_lies_inside() -> None:
+    turn = np.linspace(0.0, 2.0 * math.pi, 60, endpoint=False)
+    rim = np.stack([0.12 * np.cos(turn), 0.05 * np.sin(turn), 0.0 * turn], axis=1)
+    body = np.vstack([rim, 0.8 * rim + np.array([0.0, 0.0, 0.06])])
+    found = foot_of(body, DOWN)
+    chosen = np.array(found.size).reshape(-1, 3)
+    assert 4 <= len(chosen) <= 8
+    assert {tuple(point) for point in chosen} <= {tuple(point) for point in np.round(body, 6) + 0.0}
+    said = float(found.note.split("at most ")[1].split()[0])
+    angles = np.linspace(0.0, 2.0 * math.pi, 1000)
+    ways = np.stack([np.cos(angles), np.sin(angles), 0.0 * angles], axis=1)
+    lost = (rim @ ways.T).max(axis=0) - (chosen @ ways.T).max(axis=0)
+    assert 1000.0 * lost.max() == pytest.approx(said, abs=0.02)
+    assert lost.min() >= -1e-6
+    assert said < 10.0
+
+
+def test_a_disc_on_no_axle_is_two_rims() -> None:
+    found = foot_of(tyre(0.05, 0.03, 0.005), DOWN)
+    assert (found.kind, found.size[0]) == ("cylinder", pytest.approx(0.05))
+    assert found.note.startswith("a disc of radius 50.00 mm")
+
+
+def test_what_is_neither_ball_nor_sole_is_its_lowest_corners() -> None:
+    # A wedge that stands on its edge, and a pyramid on its tip.
+    wedge = np.array(
+        [[x, y, z] for x in (-0.1, 0.1) for y, z in ((0, -0.1), (0.05, 0), (-0.05, 0))]
+    )
+    found = foot_of(wedge, DOWN)
+    assert found.kind == "points"
+    lower = np.array(found.size).reshape(-1, 3)
+    assert {(-0.1, 0.0, -0.1), (0.1, 0.0, -0.1)} <= {tuple(point) for point in lower.tolist()}
+    tip = foot_of(
+        np.vstack([box(0.01, 0.01, 0.0)[::2] + np.array([0, 0, 0.1]), [[0.0, 0.0, 0.0]]]), DOWN
+    )
+    assert (tip.kind, tip.size) == ("points", (0.0, 0.0, 0.0))
+
+
+def test_the_order_of_corners_and_their_last_digits_change_nothing() -> None:
+    rng = np.random.default_rng(0)
+    for body in (tyre(0.05, 0.03, 0.005), capsule(0.02, 0.3), box(0.2, 0.1, 0.05)):
+        single = rng.permutation(body.astype(np.float32).astype(np.float64))
+        first, second = (
+            foot_of(np.unique(np.round(one, 6), axis=0), DOWN) for one in (body, single)
+        )
+        assert first == second
+
+
+def test_triangles_for_tests_close_a_hull() -> None:
+    # Every edge is an edge of two triangles, or the meshes above would prove nothing.
+    edges: dict[frozenset[tuple[float, ...]], int] = {}
+    for face in hull(cylinder(0.1, 0.04)).tolist():
+        for pair in itertools.combinations(map(tuple, face), 2):
+            edges[frozenset(pair)] = edges.get(frozenset(pair), 0) + 1
+    assert set(edges.values()) == {2}
+    assert mesh_file.FORMATS == (".stl", ".obj", ".dae")
