@@ -1,12 +1,12 @@
 """A robot description of ROS, read into links, joints and contacts.
 
-In reading order: `xml`, `read`, `motion`, `links`, `contacts`, `posture`,
+In reading order: `xml`, `read`, `motion`, `links`, `contacts`, `groups`, `posture`,
 `packages`, `xacro`.
 """
 
 from lutgen.urdf.contacts import ROUND, link_contacts, used_shapes
 from lutgen.urdf.links import Place, centre_of_mass, downwards, links_of, places
-from lutgen.urdf.motion import TURN, Motion, read_motion
+from lutgen.urdf.motion import TURN, Couple, Motion, read_motion
 from lutgen.urdf.posture import Srdf, beyond_limits, joint_values, load_srdf, srdf_beside
 from lutgen.urdf.read import MAX_BYTES, UrdfRobot, load_urdf, parse_urdf
 from lutgen.urdf.xacro import load_xacro
@@ -15,6 +15,7 @@ __all__ = [
     "MAX_BYTES",
     "ROUND",
     "TURN",
+    "Couple",
     "Motion",
     "Place",
     "Srdf",
