@@ -2,7 +2,7 @@
 
 In reading order: `table`, `key`, `robot_keys`, `keys`, `schema`, `start`, `robot`, `loads`,
 `plugin`, `described`, `gallery`, `recipe`, `merge`, `kinematics`, `size`, `body`, `candidates`,
-`symmetry`, `coupling`, `chosen`, `proposal_text`, `proposal`.
+`joint_names`, `symmetry`, `coupling`, `chosen`, `proposal_text`, `proposal`.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 __all__ = [
     "GALLERY",
     "HDF5",
-    "Coupling",
     "LENGTH_UNITS",
+    "Coupling",
     "Postures",
     "Recipe",
     "body_parts",

@@ -9,7 +9,8 @@ from lutgen.errors import InputError
 from lutgen.parts import Contact
 from lutgen.recipe.candidates import effects, robot_size
 from lutgen.recipe.coupling import Coupling, Reader, at_rest
-from lutgen.recipe.symmetry import Limbs, common_name
+from lutgen.recipe.joint_names import common_name
+from lutgen.recipe.symmetry import Limbs
 from lutgen.urdf import TURN, Couple, Motion, UrdfRobot, places, read_motion
 
 # More joints than this are not proposed one by one, and more parameters than that are not where
@@ -54,16 +55,7 @@ def chosen_motion(
         return read_motion(robot, joints, posture), ""
     free = read_motion(robot, None, posture)
     rest = places(robot, free)
-    size = robot_size(contacts, rest)
-    ways = effects(robot, free, contacts)
-    matter = [n for n, (way, com) in ways.items() if way > STILL * size or com > SLIGHT * size]
-    why = {
-        name: f"moves no contact and the com by at most {1000.0 * com:.2g} mm"
-        if com > STILL * size
-        else "moves neither contacts nor com"
-        for name, (_, com) in ways.items()
-        if name not in matter
-    }
+    matter, why = _mattering(robot, free, contacts, robot_size(contacts, rest))
     if not coupling.texts and len(matter) <= MAX_JOINTS:
         result = read_motion(robot, matter, posture)
         result.held.update(why)
@@ -72,23 +64,37 @@ def chosen_motion(
     reader = Reader(robot, free, limbs, coupling)
     couples = reader.couples()
     _refuse_twice(couples, joints or ())
-    among = reader.among() if coupling.texts else [matter]
+    among = reader.among() if coupling.texts else [[*free.free]]
     taken = {*(joints or ()), *(name for couple in couples for name in couple.joints)}
     proposed: list[Couple] = []
     for names in among:
-        left = [name for name in names if name not in taken]
+        found = _proposed(free, limbs, [name for name in names if name not in taken])
         # Both of two arms, also where one of them matters a little less.
-        found = [one for one in _proposed(free, limbs, left) if {*one.joints} & {*matter}]
+        found = [couple for couple in found if not {*couple.joints} <= {*why}]
         taken.update(name for couple in found for name in couple.joints)
         proposed += found
     proposed, least = _greatest(robot, contacts, proposed, posture)
     alone = [couple.first for couple in proposed if len(couple.joints) == 1]
     couples += [couple for couple in proposed if len(couple.joints) > 1]
     result = read_motion(robot, [*(joints or ()), *alone], posture, couples)
-    result.held.update({name: words for name, words in why.items() if name in result.held})
-    result.held.update(dict.fromkeys(least, "changes less than those that are parameters"))
-    unasked = "" if coupling.texts else f"{len(matter)} joints move contacts or com"
-    return result, unasked
+    said = {**why, **dict.fromkeys(least, "changes less than those that are parameters")}
+    result.held.update({name: words for name, words in said.items() if name in result.held})
+    return result, "" if coupling.texts else f"{len(matter)} joints move contacts or com"
+
+
+def _mattering(
+    robot: UrdfRobot, motion: Motion, contacts: Sequence[Contact], size: float
+) -> tuple[list[str], dict[str, str]]:
+    """Return the joints that matter, and of the others why they do not."""
+    matter, why = [], {}
+    for name, (way, com) in effects(robot, motion, contacts).items():
+        if way > STILL * size or com > SLIGHT * size:
+            matter.append(name)
+        elif com > STILL * size:
+            why[name] = f"moves no contact and the com by at most {1000.0 * com:.2g} mm"
+        else:
+            why[name] = "moves neither contacts nor com"
+    return matter, why
 
 
 def _refuse_twice(couples: Sequence[Couple], joints: Sequence[str]) -> None:

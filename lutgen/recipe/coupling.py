@@ -43,9 +43,7 @@ class Reader:
         The texts; a fault raises InputError.
     """
 
-    def __init__(
-        self, robot: UrdfRobot, motion: Motion, limbs: Limbs, coupling: Coupling
-    ) -> None:
+    def __init__(self, robot: UrdfRobot, motion: Motion, limbs: Limbs, coupling: Coupling) -> None:
         self.robot, self.motion, self.limbs = robot, motion, limbs
         self.groups = coupling.groups
         self.texts = coupling.texts

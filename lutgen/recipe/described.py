@@ -63,8 +63,9 @@ def read_urdf(
 
     Each parameter is the joint that its `joint` key names, or the one of its own name, or drives
     those of its `drive`, within the limits of these; joints that are none stand at zero or at their
-    limit nearest to zero, and joints that mimic one follow it.  `content` is XML.  The links are all, under their own names, m and
-    kg; contacts with a position are as written, the others derived from collision shapes.
+    limit nearest to zero, and joints that mimic one follow it.  `content` is XML.  The links are
+    all, under their own names, m and kg; contacts with a position are as written, the others
+    derived from collision shapes.
     """
     unit = robot.values["length_unit"]
     if unit != "m":
@@ -94,9 +95,7 @@ def _name(robot: Table) -> str:
     return robot.string("urdf", "write the name of a URDF file beside the recipe")
 
 
-def _couples(
-    robot: Table, parameters: tuple[Parameter, ...], described: UrdfRobot
-) -> list[Couple]:
+def _couples(robot: Table, parameters: tuple[Parameter, ...], described: UrdfRobot) -> list[Couple]:
     """Return the joints of each parameter, in order."""
     known = [joint.name for joint in described.joints if joint.kind != "fixed"]
     what = "is no moving joint of the description"

@@ -90,7 +90,7 @@ def import_urdf(
     found = unique_names([contact for contact in found if contact not in inner])
     if not 3 <= len(found) <= MAX_CONTACTS:
         raise _wrong_number(robot, len(found))
-    text, names = recipe_text(robot, motion, found), parameter_names(motion)
+    text = recipe_text(robot, motion, found)
     recipe = parse_recipe(text, robot.source)
     chosen = contacts is not None or bool(given)
     left_out = _left_out(robot, motion, found, inner)
@@ -100,11 +100,16 @@ def import_urdf(
         left_out.append(
             f"shapes below all contacts, on which it lies in this posture: {_listed(under)}"
         )
-    couples = {
+    return Imported(text, recipe, tuple(left_out), _scales(motion), because)
+
+
+def _scales(motion: Motion) -> dict[str, dict[str, float]]:
+    """Return joints and scales of each parameter that drives several."""
+    names = parameter_names(motion)
+    return {
         names[couple.first]: {joint: scale for joint, (scale, _) in couple.joints.items()}
         for couple in motion.couples
     }
-    return Imported(text, recipe, tuple(left_out), couples, because)
 
 
 def _away(robot: UrdfRobot, touching: set[str]) -> list[str]:

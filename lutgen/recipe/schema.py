@@ -40,7 +40,11 @@ TYPES: dict[str, Schema] = {
     "names": {"type": "array", "minItems": 1, "uniqueItems": True},
     "quantity": {"type": ["string", "number"]},
     "values": {"type": "object", "additionalProperties": {"type": "number"}},
-    "drive": {"type": "object", "minProperties": 1, "additionalProperties": {"anyOf": [SCALE, STEP]}},
+    "drive": {
+        "type": "object",
+        "minProperties": 1,
+        "additionalProperties": {"anyOf": [SCALE, STEP]},
+    },
     "samples": {"type": "object", "additionalProperties": {"anyOf": [NODES, KNOTS]}},
 }
 

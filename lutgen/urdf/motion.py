@@ -113,17 +113,7 @@ def read_motion(
             if leader.kind != "fixed":
                 rest = min(max(posture.get(leader.name, 0.0), leader.lower), leader.upper)
             drives[joint.name] = Drive(None, 0.0, scale * rest + offset)
-    free, at_rest = {}, {}
-    for name, drive in drives.items():
-        if drive.by == name:
-            low, high = ranges[name]
-            value = (posture.get(name, 0.0) - drive.offset) / drive.scale
-            if leaders[name][0].kind != "prismatic" and high - low >= TURN:
-                low, high = -math.pi, math.pi
-                # The same way round: such a joint comes back to where it was.
-                value = math.remainder(value, TURN)
-            free[name] = low, high
-            at_rest[name] = min(max(value, low), high)
+    free, at_rest = _at_rest(drives, ranges, posture, {j.name: j.kind for j in robot.joints})
     wanted = [*(chosen or ()), *(name for couple in couples for name in couple.joints)]
     _check_chosen(robot, wanted, drives, held)
     return Motion(free, drives, held, at_rest, tuple(couples))
@@ -152,6 +142,27 @@ def _coupled(
             first = joints.get(couple.first, leader)
             leaders[name] = first, scale * own, scale * shift + offset
     return leaders
+
+
+def _at_rest(
+    drives: Mapping[str, Drive],
+    ranges: Mapping[str, tuple[float, float]],
+    posture: Mapping[str, float],
+    kinds: Mapping[str, str],
+) -> tuple[dict[str, tuple[float, float]], dict[str, float]]:
+    """Return limits of the parameters, and their values at rest."""
+    free, at_rest = {}, {}
+    for name, drive in drives.items():
+        if drive.by == name:
+            low, high = ranges[name]
+            value = (posture.get(name, 0.0) - drive.offset) / drive.scale
+            if kinds[name] != "prismatic" and high - low >= TURN:
+                low, high = -math.pi, math.pi
+                # The same way round: such a joint comes back to where it was.
+                value = math.remainder(value, TURN)
+            free[name] = low, high
+            at_rest[name] = min(max(value, low), high)
+    return free, at_rest
 
 
 def _ranges(
