@@ -170,7 +170,7 @@ def test_where_even_groups_are_too_many_the_greatest_are_parameters() -> None:
     )
     limits = '<axis xyz="{}"/><limit lower="-1" upper="1"/>'
     arms = "".join(
-        link(f"{side}_{i}", 0.5 + i, "0 0 0.3")
+        link(f"{side}_{i}", 4.0 + i, "0 0 0.3")
         + joint(
             *(f"{side}_arm{i}", "revolute", "base", f"{side}_{i}", limits.format("1 0 0")),
             f"{i / 4 - 1} {y} 0.5",
