@@ -13,6 +13,7 @@ from lutgen.recipe.keys import KEYS
 TARGET = Path(__file__).resolve().parents[1] / "docs" / "reference" / "recipe.md"
 # What stands between two of them is written here.
 SAMPLES = "table of whole numbers, 2 or more, or lists of numbers"
+DRIVE = "table of numbers, not 0, or of tables with `scale` and `offset`"
 BEGIN, END = "<!-- keys of {} -->", "<!-- end of keys -->"
 
 
@@ -41,7 +42,7 @@ def kind(key: Key) -> str:
     said = f"one of {', '.join(f'`{one}`' for one in key.choices)}" if key.choices else key.type
     if key.type == "names":
         said = f"list of {', '.join(f'`{one}`' for one in key.choices)}"
-    said = {"tables": "array of tables", "samples": SAMPLES}.get(key.type, said)
+    said = {"tables": "array of tables", "samples": SAMPLES, "drive": DRIVE}.get(key.type, said)
     if key.bounds:
         low, high = key.interval
         said += f" in {key.bounds}" if high < float("inf") else at_least(key, low)

@@ -14,7 +14,7 @@ from lutgen.errors import InputError
 
 if TYPE_CHECKING:
     from lutgen.parts import Contact
-    from lutgen.urdf import UrdfRobot
+    from lutgen.urdf import Srdf, UrdfRobot
 
 
 @dataclass(frozen=True)
@@ -35,6 +35,16 @@ class Asked:
     )
     joints: tuple[str, ...] = option(
         "-j", "--joint", multiple=True, help="A joint that becomes a parameter; repeat."
+    )
+    couples: tuple[str, ...] = option(
+        "--couple",
+        multiple=True,
+        metavar="NAME=JOINT,...",
+        help=(
+            "A parameter that drives several joints, -JOINT or 0.5*JOINT at another rate, all of "
+            "a pattern ('*_hip') or of a group of the SRDF; or auto, a pattern or a group alone, "
+            "of which groups by name and symmetry are proposed; repeat."
+        ),
     )
     xacro: bool = option(
         "-x", is_flag=True, help="Expand a .xacro file: evaluates it, reads its includes."
@@ -77,14 +87,15 @@ def import_(urdf: str, asked: Asked) -> None:
     It stands as an SRDF file says (group_state), or with its joints at zero; -p and --posture say
     otherwise.  Without --contact, the spheres and cylinders near the ground then touch it, and the
     wheels and feet that are recognised in meshes (pip install lutgen[meshes]).
-    Without --joint, every joint that moves a contact, or the centre of mass by more than 0.5 % of
-    the robot's size, becomes a parameter.  Give --merge the same options as the first time.
+    Without --joint and --couple, every joint that moves a contact, or the centre of mass by more
+    than 0.5 % of the robot's size, becomes a parameter; of more than ten those that are alike move
+    together.  Give --merge the same options as the first time.
 
     \b
     $ lutgen import robot.urdf -o recipe.toml -c left_wheel -c right_wheel -c nose=0.3,0,-0.1
     """
     from lutgen.files import write_text
-    from lutgen.recipe import import_urdf, merged_recipe, read_text
+    from lutgen.recipe import Coupling, import_urdf, merged_recipe, read_text
     from lutgen.urdf import Meshes, Packages, centre_of_mass, places, read_motion
 
     if not asked.output.endswith(".toml"):
@@ -98,10 +109,12 @@ def import_(urdf: str, asked: Asked) -> None:
     # A link's own name may have an equals sign in it.
     named = [text for text in asked.contacts if text in links or "=" not in text]
     points = [_point(text, i) for i, text in enumerate(asked.contacts, 1) if text not in named]
-    posture, words, beyond = _standing(urdf, robot, asked)
+    srdf = _srdf(urdf, robot, asked)
+    posture, words, beyond = _standing(urdf, robot, asked, srdf)
     chosen = named if asked.contacts else None
+    coupling = Coupling(asked.couples, srdf.groups if srdf is not None else {})
     meshes = Meshes(Packages(Path(urdf).parent, _packages(asked)))
-    made = import_urdf(robot, chosen, points, asked.joints or None, posture, meshes)
+    made = import_urdf(robot, chosen, points, asked.joints or None, posture, meshes, coupling)
     recipe = made.recipe
     report = {
         "name": recipe.name,
@@ -109,6 +122,8 @@ def import_(urdf: str, asked: Asked) -> None:
         "com": centre_of_mass(robot, places(robot, read_motion(robot, (), posture))).tolist(),
         "posture": words,
         "parameters": [p.name for p in recipe.parameters],
+        "coupled": made.couples,
+        "because": made.because,
         "contacts": list(recipe.contact_names),
         "guessed": list(made.guessed),
         "left_out": [*beyond, *made.left_out],
@@ -127,6 +142,10 @@ def import_lines(report: dict[str, Any], root: str) -> Iterator[str]:
     yield f"{report['name']}: {report['mass']:.6g} kg, com at rest ({place}) m from {root}"
     for what in ("contacts", "parameters"):
         yield f"  {what} ({len(report[what])}): {' '.join(report[what]) or '-'}"
+    if report["because"]:
+        yield f"  chosen, as {report['because']} (or choose with --couple or --joint)"
+    for name, joints in report["coupled"].items():
+        yield f"  {name} drives {', '.join(scaled(*one) for one in joints.items())}"
     yield f"  posture: {report['posture']}"
     if report["guessed"]:
         yield "guessed from meshes:"
@@ -138,15 +157,27 @@ def import_lines(report: dict[str, Any], root: str) -> Iterator[str]:
         yield from (f"  {what}" for what in report["changed"])
 
 
+def scaled(joint: str, scale: float) -> str:
+    """Return a joint as `--couple` takes it."""
+    return {1.0: joint, -1.0: f"-{joint}"}.get(scale, f"{scale:g}*{joint}")
+
+
+def _srdf(path: str, robot: "UrdfRobot", asked: Asked) -> "Srdf | None":
+    """Return what the SRDF file says that is given or stands beside the description."""
+    from lutgen.urdf import load_srdf, srdf_beside
+
+    file = Path(asked.srdf) if asked.srdf is not None else srdf_beside(path)
+    return None if file is None else load_srdf(file, robot)
+
+
 def _standing(
-    path: str, robot: "UrdfRobot", asked: Asked
+    path: str, robot: "UrdfRobot", asked: Asked, srdf: "Srdf | None"
 ) -> tuple[dict[str, float], str, list[str]]:
     """Return the posture to stand in (rad, m), where it comes from, and what it leaves out."""
-    from lutgen.urdf import beyond_limits, joint_values, load_srdf, srdf_beside
+    from lutgen.urdf import beyond_limits, joint_values
 
     given = joint_values(robot, asked.assignments)
-    file = Path(asked.srdf) if asked.srdf is not None else srdf_beside(path)
-    if file is None:
+    if srdf is None:
         if asked.posture is not None:
             raise InputError(
                 f"--posture: there is no SRDF file beside {path} (got {asked.posture!r}); "
@@ -155,7 +186,7 @@ def _standing(
         why = "no SRDF file names one"
         values: dict[str, float] = {}
     else:
-        srdf = load_srdf(file, robot)
+        file = Path(srdf.source)
         name = asked.posture if asked.posture is not None else srdf.standing()
         values = {} if name is None else srdf.posture(name)
         known = ", ".join(srdf.postures) or "none"

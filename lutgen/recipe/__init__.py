@@ -2,7 +2,8 @@
 
 In reading order: `table`, `key`, `robot_keys`, `keys`, `schema`, `start`, `robot`, `loads`,
 `plugin`, `described`, `gallery`, `recipe`, `merge`, `kinematics`, `size`, `body`, `candidates`,
-`bolted`, `recognised`, `proposal_text`, `proposal`.
+`bolted`, `recognised`, `joint_names`, `symmetry`, `coupling`, `chosen`, `proposal_text`,
+`proposal`.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -19,12 +20,14 @@ from lutgen.recipe.start import start_recipe, start_recipes
 from lutgen.recipe.table import HDF5, parse_table, read_text
 
 if TYPE_CHECKING:
+    from lutgen.recipe.coupling import Coupling
     from lutgen.recipe.proposal import import_urdf
 
 __all__ = [
     "GALLERY",
     "HDF5",
     "LENGTH_UNITS",
+    "Coupling",
     "Postures",
     "Recipe",
     "body_parts",
@@ -51,8 +54,9 @@ if not TYPE_CHECKING:
     # Seen by a type checker it would give any name a type, also a misspelt one.
     def __getattr__(name: str) -> Any:
         """Import on first use what reads robot descriptions (PEP 562)."""
-        if name != "import_urdf":
+        if name not in ("Coupling", "import_urdf"):
             raise AttributeError(f"module 'lutgen.recipe' has no attribute {name!r}")
+        from lutgen.recipe.coupling import Coupling
         from lutgen.recipe.proposal import import_urdf
 
-        return import_urdf
+        return Coupling if name == "Coupling" else import_urdf

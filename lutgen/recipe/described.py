@@ -5,6 +5,7 @@ Owns which file such a recipe may name, and which joints of it are the recipe's 
 
 from pathlib import Path, PurePosixPath
 
+from lutgen.errors import suggestion
 from lutgen.parts import Contact, Link, Parameter
 from lutgen.recipe.keys import names
 from lutgen.recipe.robot import read_contacts
@@ -12,6 +13,7 @@ from lutgen.recipe.table import Table
 from lutgen.urdf import (
     MAX_BYTES,
     TURN,
+    Couple,
     Motion,
     UrdfRobot,
     link_contacts,
@@ -59,18 +61,20 @@ def read_urdf(
 ) -> tuple[tuple[Link, ...], tuple[Contact, ...]]:
     """Return links and contacts of a recipe whose ``[robot]`` table names a robot description.
 
-    Each parameter is the joint that its `joint` key names, or the one of its own name, within that
-    joint's limits; joints that are none stand at zero or at their limit nearest to zero, and joints
-    that mimic one follow it.  `content` is XML.  The links are all, under their own names, m and
-    kg; contacts with a position are as written, the others derived from collision shapes.
+    Each parameter is the joint that its `joint` key names, or the one of its own name, or drives
+    those of its `drive`, within the limits of these; joints that are none stand at zero or at their
+    limit nearest to zero, and joints that mimic one follow it.  `content` is XML.  The links are
+    all, under their own names, m and kg; contacts with a position are as written, the others
+    derived from collision shapes.
     """
     unit = robot.values["length_unit"]
     if unit != "m":
         robot.fail("length_unit", "of a robot description is m", unit, 'write length_unit = "m"')
     described = parse_urdf(content, f"{robot.source}: {_name(robot)}")
-    joints = _joints(robot, parameters, described)
-    motion = read_motion(described, list(joints))
-    _check_ranges(robot, parameters, described, motion, joints)
+    couples = _couples(robot, parameters, described)
+    joints = {couple.first: couple.name for couple in couples}
+    motion = read_motion(described, (), couples=couples)
+    _check_ranges(robot, parameters, described, motion)
     links = links_of(described, motion, joints)
     bodies = {link.name: link for link in described.links}
 
@@ -91,20 +95,52 @@ def _name(robot: Table) -> str:
     return robot.string("urdf", "write the name of a URDF file beside the recipe")
 
 
-def _joints(
-    robot: Table, parameters: tuple[Parameter, ...], described: UrdfRobot
-) -> dict[str, str]:
-    """Return the parameter of each joint that is one."""
+def _couples(robot: Table, parameters: tuple[Parameter, ...], described: UrdfRobot) -> list[Couple]:
+    """Return the joints of each parameter, in order."""
     known = [joint.name for joint in described.joints if joint.kind != "fixed"]
-    result: dict[str, str] = {}
+    what = "is no moving joint of the description"
+    result: list[Couple] = []
+    taken: set[str] = set()
     tables = robot.tables("parameter", names("robot.parameter"))
     for table, parameter in zip(tables, parameters, strict=True):
-        key = "joint" if "joint" in table else "name"
-        way_out = "name a joint of the description"
-        name = table.one_of(key, way_out, known, "is no moving joint of the description")
-        if name in result:
-            table.fail(key, "is the joint of another parameter already", name, "remove one")
-        result[name] = parameter.name
+        if "drive" in table:
+            table.refuse(("joint",), "cannot be combined with `drive`", "keep one of them")
+            joints = _drive(table, parameter, known, what)
+        else:
+            key = "joint" if "joint" in table else "name"
+            way_out = "name a joint of the description"
+            joints = {table.one_of(key, way_out, known, what): (1.0, 0.0)}
+        for name in joints:
+            if name in taken:
+                key = f"drive.{name}" if "drive" in table else key
+                table.fail(key, "is the joint of another parameter already", name, "remove one")
+        taken.update(joints)
+        result.append(Couple(parameter.name, joints))
+    return result
+
+
+def _drive(
+    table: Table, parameter: Parameter, known: list[str], what: str
+) -> dict[str, tuple[float, float]]:
+    """Return scale and offset (rad or m) of each joint of a parameter's `drive`."""
+    way_out = "write drive = { joint = scale, ... }"
+    drive = table.need("drive", way_out)
+    if not isinstance(drive, dict) or not drive:
+        table.fail("drive", "must be a table of one joint or more", drive, way_out)
+    result = {}
+    for name, value in drive.items():
+        key = f"drive.{name}"
+        if name not in known:
+            table.fail(key, what, name, suggestion(name, known, "use one of"))
+        offset = 0.0
+        if isinstance(value, dict):
+            part = table.table("drive", drive, way_out).table(name, ("scale", "offset"), way_out)
+            value = part.number("scale", "write a factor such as 1.0 or -1.0", 1.0)
+            offset = part.number("offset", f"write a number in {parameter.display_unit}", 0.0)
+        scale = table.as_number(key, value, "write a scale, or { scale = 1.0, offset = 10.0 }")
+        if scale == 0.0:
+            table.fail(key, "must not be zero", value, "write 1.0 or -1.0, or remove the joint")
+        result[name] = scale, parameter.stored(offset)
     return result
 
 
@@ -113,11 +149,11 @@ def _check_ranges(
     parameters: tuple[Parameter, ...],
     described: UrdfRobot,
     motion: Motion,
-    joints: dict[str, str],
 ) -> None:
     """Refuse parameters of the wrong unit and values that their joints cannot take."""
     kinds = {joint.name: joint.kind for joint in described.joints}
-    for i, (parameter, joint) in enumerate(zip(parameters, joints, strict=True), 1):
+    for i, (parameter, couple) in enumerate(zip(parameters, motion.couples, strict=True), 1):
+        joint = couple.first
         wanted = "m" if kinds[joint] == "prismatic" else "rad"
         if parameter.unit != wanted:
             needed = "a length" if wanted == "m" else "an angle"
@@ -130,9 +166,10 @@ def _check_ranges(
         low, high = motion.free[joint]
         whole = wanted == "rad" and high - low >= TURN
         if not whole and not low - SAME <= parameter.minimum < parameter.maximum <= high + SAME:
+            limits = "the limits of " + ", ".join(map(repr, couple.joints))
             robot.fail(
                 f"parameter[{i}].min",
-                f"and max must lie within {low:g} to {high:g} {wanted}, the limits of {joint!r}",
+                f"and max must lie within {low:g} to {high:g} {wanted}, {limits}",
                 [parameter.minimum, parameter.maximum],
                 "narrow them or correct the description",
             )

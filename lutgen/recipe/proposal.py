@@ -4,33 +4,27 @@ Owns the choice between what is asked for and what is proposed; `proposal_text` 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from lutgen.errors import RecipeError
 from lutgen.parts import Contact
 from lutgen.recipe.bolted import refuse_bolted
 from lutgen.recipe.candidates import (
     closed_meshes,
-    effects,
     inner_contacts,
     lower_links,
     named_contacts,
     proposed_contacts,
-    robot_size,
     unique_names,
 )
-from lutgen.recipe.proposal_text import carrying_links, guesses, recipe_text
+from lutgen.recipe.chosen import chosen_motion
+from lutgen.recipe.coupling import Coupling
+from lutgen.recipe.proposal_text import carrying_links, guesses, parameter_names, recipe_text
 from lutgen.recipe.recipe import Recipe, parse_recipe
 from lutgen.recipe.recognised import recognised
 from lutgen.recipe.robot_keys import MAX_CONTACTS
 from lutgen.urdf import TOUCHING, Meshes, Motion, UrdfRobot, places, read_motion, used_shapes
 
-# More joints than this are not proposed as parameters: no disk holds their map.
-MAX_PARAMETERS = 10
-# Shares of the robot's size.  A contact that moves less does not move: descriptions round their
-# angles (1.570795 for a right angle).  A joint that moves the com less, and no contact, is held:
-# each parameter makes the map several times larger.
-STILL, SLIGHT = 1e-5, 5e-3
 # Names that a sentence lists.
 LISTED = 12
 
@@ -40,12 +34,16 @@ class Imported:
     """A recipe's text, the recipe, and sentences on what the description has besides.
 
     `guessed` has one for each wheel and foot that was recognised in a mesh.
+    `couples` has the joints and scales of each parameter that drives several, and `because` why
+    they are coupled unasked, empty where they are not.
     """
 
     text: str
     recipe: Recipe
     left_out: tuple[str, ...]
     guessed: tuple[str, ...] = ()
+    couples: dict[str, dict[str, float]] = field(default_factory=dict)
+    because: str = ""
 
 
 def import_urdf(
@@ -55,6 +53,7 @@ def import_urdf(
     joints: Sequence[str] | None = None,
     posture: Mapping[str, float] | None = None,
     meshes: Meshes | None = None,
+    coupling: Coupling | None = None,
 ) -> Imported:
     """Turn a description into a recipe.
 
@@ -68,19 +67,20 @@ def import_urdf(
     given : sequence of Contact
         Contacts in the frames of the description's links.
     joints : sequence of str, optional
-        Joints that become parameters; None for all that move a contact, or the com by more than
-        0.5 % of the robot's size.
+        Joints that become parameters, each by itself; None for all that move a contact, or the
+        com by more than 0.5 % of the robot's size, coupled where they are more than 10.
     posture : mapping of str to float, optional
         Joints at rest, rad or m; 0 for all others, or their limit nearest to it.  The recipe's
         `home`, and where joints that are no parameters stand.
     meshes : Meshes, optional
         Opens the meshes, to find wheels and feet in them; None leaves them closed.
+    coupling : Coupling, optional
+        Which joints one parameter drives.
 
     Returns
     -------
     Imported
-        RecipeError is raised for unknown names, where there are not 3 to 62 contacts, and where
-        more than 10 joints would become parameters without being asked for.
+        RecipeError is raised for unknown names and where there are not 3 to 62 contacts.
     """
     motion = read_motion(robot, joints, posture)
     rest = places(robot, motion)
@@ -99,8 +99,7 @@ def import_urdf(
         found = [*given, *named_contacts(robot, contacts or ())]
     if len(found) < 3:
         raise _wrong_number(robot, len(found))
-    if joints is None:
-        motion = _proposed_motion(robot, motion, found, posture)
+    motion, because = chosen_motion(robot, found, joints, posture, coupling)
     inner = inner_contacts(robot, motion, found, rest)
     found = unique_names([contact for contact in found if contact not in inner])
     if not 3 <= len(found) <= MAX_CONTACTS:
@@ -116,7 +115,7 @@ def import_urdf(
         )
     if meshes is not None and (closed := closed_meshes(robot)):
         left_out.append(f"meshes that were not opened: {closed}")
-    return Imported(text, recipe, tuple(left_out), _guessed(robot, found))
+    return Imported(text, recipe, tuple(left_out), _guessed(robot, found), _scales(motion), because)
 
 
 def _guessed(robot: UrdfRobot, contacts: Sequence[Contact]) -> tuple[str, ...]:
@@ -127,6 +126,15 @@ def _guessed(robot: UrdfRobot, contacts: Sequence[Contact]) -> tuple[str, ...]:
         if contact.name in notes:
             links.setdefault(notes[contact.name], {})[contact.link] = None
     return tuple(f"{_listed(list(names))}: {note}" for note, names in links.items())
+
+
+def _scales(motion: Motion) -> dict[str, dict[str, float]]:
+    """Return joints and scales of each parameter that drives several."""
+    names = parameter_names(motion)
+    return {
+        names[couple.first]: {joint: scale for joint, (scale, _) in couple.joints.items()}
+        for couple in motion.couples
+    }
 
 
 def _away(robot: UrdfRobot, touching: set[str]) -> list[str]:
@@ -151,33 +159,6 @@ def _wrong_number(robot: UrdfRobot, count: int) -> RecipeError:
     return RecipeError(
         f"{robot.source}: a robot needs 3 to {MAX_CONTACTS} contacts (got {count}); {way_out}."
     )
-
-
-def _proposed_motion(
-    robot: UrdfRobot,
-    motion: Motion,
-    contacts: Sequence[Contact],
-    posture: Mapping[str, float] | None,
-) -> Motion:
-    """Hold the joints that hardly matter, and say how much they do."""
-    size = robot_size(contacts, places(robot, motion))
-    why = {}
-    chosen = []
-    for name, (way, com) in effects(robot, motion, contacts).items():
-        if way > STILL * size or com > SLIGHT * size:
-            chosen.append(name)
-        elif com > STILL * size:
-            why[name] = f"moves no contact and the com by at most {1000.0 * com:.2g} mm"
-        else:
-            why[name] = "moves neither contacts nor com"
-    if len(chosen) > MAX_PARAMETERS:
-        raise RecipeError(
-            f"{robot.source}: more than {MAX_PARAMETERS} joints move contacts or com (got "
-            f"{_listed(chosen)}); choose the parameters among them with --joint."
-        )
-    result = read_motion(robot, chosen, posture)
-    result.held.update(why)
-    return result
 
 
 def _listed(names: Sequence[str]) -> str:

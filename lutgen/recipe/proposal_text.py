@@ -3,24 +3,29 @@
 import json
 import math
 import re
+import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from lutgen.parts import Contact, Link
 from lutgen.recipe.robot import RESERVED
-from lutgen.urdf import TOUCHING, Motion, UrdfRobot, link_contacts, links_of
+from lutgen.urdf import TOUCHING, Couple, Motion, UrdfRobot, link_contacts, links_of
 
-# Nodes of a parameter in the sweep that is proposed, and postures of the whole.
-FEWEST, MOST, POSTURES = 3, 37, 5_000
+# Nodes of a parameter in the sweep that is proposed, and postures of the whole; where the fewest
+# nodes make more postures than `TOO_MANY`, their ends alone are proposed.
+FEWEST, MOST, POSTURES, TOO_MANY = 3, 37, 5_000, 20_000
+
+# Characters of a line of comment.
+LONGEST = 100
 
 
 def recipe_text(robot: UrdfRobot, motion: Motion, contacts: Sequence[Contact]) -> str:
-    """Return a complete recipe, TOML, whose parameters are the free joints.
+    """Return a complete recipe, TOML, whose parameters are the free joints and the couples.
 
     `contacts` are in the frames of the description's links, each with a name of its own; links
     without mass and contacts, and all that hangs from them, are left out.
     """
-    parameters = _parameter_names(motion)
+    parameters = parameter_names(motion)
     names = _link_names(robot)
     kinds = {joint.name: joint.kind for joint in robot.joints}
     lines = [
@@ -34,8 +39,10 @@ def recipe_text(robot: UrdfRobot, motion: Motion, contacts: Sequence[Contact]) -
         *_home_lines(motion, parameters, kinds),
         "",
     ]
+    couples = {couple.first: couple for couple in motion.couples}
     for joint, (low, high) in motion.free.items():
         unit = "m" if kinds[joint] == "prismatic" else "deg"
+        lines += _couple_lines(couples[joint], unit) if joint in couples else []
         lines += ["[[robot.parameter]]", f'name = "{parameters[joint]}"']
         lines += [f"min = {_shown(low, unit)!r}", f"max = {_shown(high, unit)!r}"]
         lines += [f'unit = "{unit}"', ""]
@@ -62,6 +69,24 @@ def recipe_text(robot: UrdfRobot, motion: Motion, contacts: Sequence[Contact]) -
         lines += [f"axis = {_vector(contact.axis)}"] if contact.axis else []
         lines += [""]
     return "\n".join([*lines, *_sweep_lines(list(parameters.values())), ""])
+
+
+def _couple_lines(couple: Couple, unit: str) -> list[str]:
+    """Return which joints a parameter drives, as a comment."""
+    drives = []
+    for joint, (scale, offset) in couple.joints.items():
+        shown = _shown(offset, unit)
+        words = [f"times {scale:g}"] if scale != 1.0 else []
+        words += [f"{shown:+.6g} {unit}"] if shown else []
+        drives.append(_quoted(joint) + (f" ({', '.join(words)})" if words else ""))
+    return textwrap.wrap(
+        f"Drives {', '.join(drives)}: {couple.why}.",
+        LONGEST,
+        initial_indent="# ",
+        subsequent_indent="# ",
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
 
 
 def _home_lines(
@@ -110,11 +135,13 @@ def _link_names(robot: UrdfRobot) -> dict[str, str]:
     return names
 
 
-def _parameter_names(motion: Motion) -> dict[str, str]:
-    """Return an identifier for each free joint."""
+def parameter_names(motion: Motion) -> dict[str, str]:
+    """Return an identifier for each free joint, and for the first joint of each couple."""
+    given = {couple.first: couple.name for couple in motion.couples}
     result: dict[str, str] = {}
-    for joint in motion.free:
-        base = re.sub(r"[^A-Za-z0-9_]", "_", joint)
+    # Names that were asked for come first; a joint may be called so, too.
+    for joint in sorted(motion.free, key=lambda joint: joint not in given):
+        base = re.sub(r"[^A-Za-z0-9_]", "_", given.get(joint, joint))
         if not base[0].isalpha() or base in RESERVED:
             base = f"joint_{base}"
         name, count = base, 1
@@ -122,7 +149,7 @@ def _parameter_names(motion: Motion) -> dict[str, str]:
             count += 1
             name = f"{base}_{count}"
         result[joint] = name
-    return result
+    return {joint: result[joint] for joint in motion.free}
 
 
 def _link_lines(link: Link, names: Mapping[str, str]) -> list[str]:
@@ -153,6 +180,8 @@ def _sweep_lines(parameters: Sequence[str]) -> list[str]:
         nodes = min(max(int(POSTURES ** (1.0 / len(parameters))), FEWEST), MOST)
         # An odd number has a node in the middle.
         nodes -= 1 - nodes % 2
+        if nodes ** len(parameters) > TOO_MANY:
+            nodes = 2
         lines.append(f"samples = {{ {', '.join(f'{name} = {nodes}' for name in parameters)} }}")
     lines += ["[sweep.gravity]", 'chart = "cone"', "max_tilt = 60.0", "nodes = 33"]
     return [*lines, 'channels = ["sdg", "tip_angle", "height"]']

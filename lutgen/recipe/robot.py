@@ -36,6 +36,8 @@ def read_parameters(robot: Table, length_unit: str) -> tuple[Parameter, ...]:
     for table in robot.tables("parameter", names("robot.parameter")):
         if "urdf" not in robot:
             table.refuse(("joint",), "means nothing without `robot.urdf`", "remove it")
+            way_out = "give links that share the parameter a joint with a scale each"
+            table.refuse(("drive",), "means nothing without `robot.urdf`", way_out)
         name = table.new_name("parameter", (p.name for p in result))
         if not re.fullmatch(IDENTIFIER, name):
             table.fail("name", "is not an identifier", name, "use letters, digits and _ only")

@@ -154,6 +154,13 @@ ROBOT: dict[str, tuple[Key, ...]] = {
             '"front_hinge"',
             default="the joint of its own name",
         ),
+        Key(
+            "drive",
+            "drive",
+            "Several joints of the URDF that it moves: of each its scale, or scale and offset.",
+            "{ left_hip = 1.0, right_hip = { scale = -1.0, offset = 10.0 } }",
+            default="its `joint` alone",
+        ),
     ),
     "robot.link": (
         Key("name", "text", "A name of its own; `body` is the root.", '"leg"'),

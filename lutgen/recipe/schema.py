@@ -22,6 +22,12 @@ THREE: Schema = {
 }
 NODES: Schema = {"type": "integer", "minimum": 2}
 KNOTS: Schema = {"type": "array", "items": {"type": "number"}, "minItems": 2}
+SCALE: Schema = {"type": "number", "not": {"const": 0}}
+STEP: Schema = {
+    "type": "object",
+    "properties": {"scale": SCALE, "offset": {"type": "number"}},
+    "additionalProperties": False,
+}
 # What the values of keys are, but tables with keys of their own.
 TYPES: dict[str, Schema] = {
     "text": {"type": "string", "pattern": r"\S"},
@@ -34,6 +40,11 @@ TYPES: dict[str, Schema] = {
     "names": {"type": "array", "minItems": 1, "uniqueItems": True},
     "quantity": {"type": ["string", "number"]},
     "values": {"type": "object", "additionalProperties": {"type": "number"}},
+    "drive": {
+        "type": "object",
+        "minProperties": 1,
+        "additionalProperties": {"anyOf": [SCALE, STEP]},
+    },
     "samples": {"type": "object", "additionalProperties": {"anyOf": [NODES, KNOTS]}},
 }
 
@@ -80,7 +91,7 @@ RULES: dict[str, list[Schema]] = {
         {
             "if": _has("urdf"),
             "then": {**_is("length_unit", "m"), "allOf": [_without("python", "link")]},
-            "else": _items("parameter", _without("joint")),
+            "else": _items("parameter", _without("joint", "drive")),
         },
         {
             "if": _has("python"),
@@ -88,6 +99,7 @@ RULES: dict[str, list[Schema]] = {
             "else": {"if": {"not": _has("urdf")}, "then": OF_ITS_OWN, "else": _has("contact")},
         },
     ],
+    "robot.parameter": [{"if": _has("drive"), "then": _without("joint")}],
     "robot.link": [
         {
             "if": _is("name", "body"),

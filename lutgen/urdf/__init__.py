@@ -1,6 +1,6 @@
 """A robot description of ROS, read into links, joints and contacts.
 
-In reading order: `xml`, `read`, `motion`, `links`, `contacts`, `posture`,
+In reading order: `xml`, `read`, `motion`, `links`, `contacts`, `groups`, `posture`,
 `packages`, `xacro`, `mesh_file`, `reach`, `meshes`, `wheel_shape`, `foot_shape`.
 """
 
@@ -8,7 +8,7 @@ from lutgen.urdf.contacts import TOUCHING, link_contacts, used_shapes
 from lutgen.urdf.foot_shape import foot_of
 from lutgen.urdf.links import Place, centre_of_mass, downwards, links_of, places
 from lutgen.urdf.meshes import Meshes
-from lutgen.urdf.motion import TURN, Motion, read_motion
+from lutgen.urdf.motion import TURN, Couple, Motion, read_motion
 from lutgen.urdf.packages import Packages
 from lutgen.urdf.posture import Srdf, beyond_limits, joint_values, load_srdf, srdf_beside
 from lutgen.urdf.read import (
@@ -30,6 +30,7 @@ __all__ = [
     "TOUCHING",
     "TURN",
     "Collision",
+    "Couple",
     "Meshes",
     "Motion",
     "Packages",

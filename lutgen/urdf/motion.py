@@ -1,7 +1,7 @@
 """How the joints of a robot description move: which are free, which follow, which are held.
 
-Every joint that is not fixed is scale * free joint + offset, or held at a value.  Values in rad
-or m.  What a joint moves is not known here.
+Every joint that is not fixed is scale * parameter + offset, or held at a value; a parameter is a
+free joint, or drives several.  Values in rad or m.  What a joint moves is not known here.
 """
 
 import math
@@ -15,8 +15,29 @@ TURN = 2.0 * math.pi
 
 
 @dataclass(frozen=True)
+class Couple:
+    """Joints that one parameter drives: each is scale * parameter + offset.
+
+    `joints` has scale and offset of each; the first of them stands for the parameter in a Motion.
+    `why` says why they go together.
+    """
+
+    name: str
+    joints: dict[str, tuple[float, float]]
+    why: str = ""
+
+    @property
+    def first(self) -> str:
+        """The joint that stands for the parameter."""
+        return next(iter(self.joints))
+
+
+@dataclass(frozen=True)
 class Drive:
-    """Value of a joint: scale * value of the joint `by` + offset; constant where `by` is None."""
+    """Value of a joint: scale * parameter + offset; constant where `by` is None.
+
+    `by` is the free joint that is the parameter, or the first of those that it drives.
+    """
 
     by: str | None
     scale: float
@@ -25,15 +46,16 @@ class Drive:
 
 @dataclass(frozen=True)
 class Motion:
-    """Limits of the free joints, the drive of every joint that is not fixed, and why some hold.
+    """Limits of the parameters, the drive of every joint that is not fixed, and why some hold.
 
-    `rest` has the free joints' values at rest.
+    `rest` has the parameters' values at rest; `couples` are those that drive several joints.
     """
 
     free: dict[str, tuple[float, float]]
     drives: dict[str, Drive]
     held: dict[str, str]
     rest: dict[str, float] = field(default_factory=dict)
+    couples: tuple[Couple, ...] = ()
 
     def drive(self, joint: str) -> Drive:
         """Return what drives a joint; a fixed one stands at 0."""
@@ -44,6 +66,7 @@ def read_motion(
     robot: UrdfRobot,
     chosen: Sequence[str] | None = None,
     posture: Mapping[str, float] | None = None,
+    couples: Sequence[Couple] = (),
 ) -> Motion:
     """Sort the joints.
 
@@ -52,29 +75,29 @@ def read_motion(
     robot : UrdfRobot
         The description.
     chosen : sequence of str, optional
-        The free joints; None for all that can be.  A joint that cannot be free raises
-        RecipeError.
+        The free joints beside those of `couples`; None for all that can be.  A joint that cannot
+        be free raises RecipeError.
     posture : mapping of str to float, optional
         Values at rest (rad or m), 0 for joints that it does not name; those of joints that mimic
         others do not count.
+    couples : sequence of Couple, optional
+        Joints that one parameter drives, each joint at most once.  RecipeError is raised where
+        some turn and others slide, and where their limits leave the parameter no range.
 
     Returns
     -------
     Motion
-        A joint that turns by 360 deg or more, or without limits, has -180 to 180 deg.  The limits
-        of joints that mimic a free one bound it too.  At rest a joint has the value of the
-        posture, or its limit nearest to that; a held one stands there, and what mimics it
-        where that puts it.
+        A parameter of 360 deg or more, or without limits, has -180 to 180 deg.  The limits
+        of all joints that it drives, and of those that mimic them, bound it.  At rest a joint has
+        the value of the posture, or its limit nearest to that; a held one stands there, and what
+        mimics it where that puts it.  Of a couple this is the first joint.
     """
     posture = posture or {}
-    leaders = _leaders(robot)
-    ranges: dict[str, tuple[float, float]] = {}
-    for joint in robot.joints:
-        leader, scale, offset = leaders[joint.name]
-        if scale != 0.0 and _alike(joint, leader):
-            ends = [(end - offset) / scale for end in (joint.lower, joint.upper)]
-            low, high = ranges.get(leader.name, (-math.inf, math.inf))
-            ranges[leader.name] = max(low, min(ends)), min(high, max(ends))
+    leaders = _coupled(robot, couples)
+    if chosen is not None:
+        chosen = [*chosen, *(couple.first for couple in couples)]
+    ranges = _ranges(robot, leaders)
+    _check_couples(robot, couples, ranges)
     drives: dict[str, Drive] = {}
     held: dict[str, str] = {}
     for joint in robot.joints:
@@ -90,19 +113,86 @@ def read_motion(
             if leader.kind != "fixed":
                 rest = min(max(posture.get(leader.name, 0.0), leader.lower), leader.upper)
             drives[joint.name] = Drive(None, 0.0, scale * rest + offset)
+    free, at_rest = _at_rest(drives, ranges, posture, {j.name: j.kind for j in robot.joints})
+    wanted = [*(chosen or ()), *(name for couple in couples for name in couple.joints)]
+    _check_chosen(robot, wanted, drives, held)
+    return Motion(free, drives, held, at_rest, tuple(couples))
+
+
+def _coupled(
+    robot: UrdfRobot, couples: Sequence[Couple]
+) -> dict[str, tuple[UrdfJoint, float, float]]:
+    """Return for each joint the one that stands for its parameter, with scale and offset."""
+    leaders = _leaders(robot)
+    joints = {joint.name: joint for joint in robot.joints}
+    parts = {name: couple for couple in couples for name in couple.joints if name in joints}
+    for name, couple in parts.items():
+        first = joints.get(couple.first, joints[name])
+        kinds = {first.kind, joints[name].kind}
+        if "prismatic" in kinds and kinds & {"revolute", "continuous"}:
+            raise RecipeError(
+                f"{robot.source}: {couple.name!r} drives joints that turn and joints that slide "
+                f"(got {first.name!r}, {first.kind}, and {name!r}, {joints[name].kind}); give "
+                "each kind a parameter."
+            )
+    for name, (leader, scale, offset) in leaders.items():
+        if leader.name in parts:
+            couple = parts[leader.name]
+            own, shift = couple.joints[leader.name]
+            first = joints.get(couple.first, leader)
+            leaders[name] = first, scale * own, scale * shift + offset
+    return leaders
+
+
+def _at_rest(
+    drives: Mapping[str, Drive],
+    ranges: Mapping[str, tuple[float, float]],
+    posture: Mapping[str, float],
+    kinds: Mapping[str, str],
+) -> tuple[dict[str, tuple[float, float]], dict[str, float]]:
+    """Return limits of the parameters, and their values at rest."""
     free, at_rest = {}, {}
     for name, drive in drives.items():
         if drive.by == name:
             low, high = ranges[name]
-            value = posture.get(name, 0.0)
-            if leaders[name][0].kind != "prismatic" and high - low >= TURN:
+            value = (posture.get(name, 0.0) - drive.offset) / drive.scale
+            if kinds[name] != "prismatic" and high - low >= TURN:
                 low, high = -math.pi, math.pi
                 # The same way round: such a joint comes back to where it was.
                 value = math.remainder(value, TURN)
             free[name] = low, high
             at_rest[name] = min(max(value, low), high)
-    _check_chosen(robot, chosen or (), free, held)
-    return Motion(free, drives, held, at_rest)
+    return free, at_rest
+
+
+def _ranges(
+    robot: UrdfRobot, leaders: Mapping[str, tuple[UrdfJoint, float, float]]
+) -> dict[str, tuple[float, float]]:
+    """Return for each parameter the values at which no joint that it drives leaves its limits."""
+    ranges: dict[str, tuple[float, float]] = {}
+    for joint in robot.joints:
+        leader, scale, offset = leaders[joint.name]
+        if scale != 0.0 and _alike(joint, leader):
+            ends = [(end - offset) / scale for end in (joint.lower, joint.upper)]
+            low, high = ranges.get(leader.name, (-math.inf, math.inf))
+            ranges[leader.name] = max(low, min(ends)), min(high, max(ends))
+    return ranges
+
+
+def _check_couples(
+    robot: UrdfRobot, couples: Sequence[Couple], ranges: Mapping[str, tuple[float, float]]
+) -> None:
+    """Refuse couples whose joints have room each, but none together."""
+    joints = {joint.name: joint for joint in robot.joints}
+    for couple in couples:
+        low, high = ranges.get(couple.first, (0.0, 1.0))
+        moving = [joints[name] for name in couple.joints if name in joints]
+        if not low < high and all(joint.lower < joint.upper for joint in moving):
+            names = ", ".join(couple.joints)
+            raise RecipeError(
+                f"{robot.source}: the limits of {names} leave {couple.name!r} no range (got "
+                f"{low:g} to {high:g} rad or m); change scales and offsets, or separate them."
+            )
 
 
 def _leaders(robot: UrdfRobot) -> dict[str, tuple[UrdfJoint, float, float]]:
@@ -164,13 +254,13 @@ def _why_held(
 def _check_chosen(
     robot: UrdfRobot,
     chosen: Sequence[str],
-    free: dict[str, tuple[float, float]],
-    held: dict[str, str],
+    drives: Mapping[str, Drive],
+    held: Mapping[str, str],
 ) -> None:
     """Refuse chosen joints that are unknown or cannot be free."""
     joints = {joint.name: joint for joint in robot.joints}
     for name in chosen:
-        if name in free:
+        if name in joints and joints[name].mimic is None and name in drives and name not in held:
             continue
         if name not in joints:
             known = [joint.name for joint in robot.joints if joint.kind != "fixed"]

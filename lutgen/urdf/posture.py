@@ -1,16 +1,17 @@
 """Postures of a robot description: named in an SRDF file beside it, or given joint by joint.
 
-Owns which of several named postures is the one to stand in.  Values in rad or m.  What the
-joints then move is not known here.
+Owns which of several named postures is the one to stand in, and what is read of an SRDF file.
+Values in rad or m.  What the joints then move is not known here.
 """
 
 import math
 import os
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from lutgen.errors import InputError, RecipeError, suggestion
+from lutgen.urdf.groups import joint_groups
 from lutgen.urdf.read import LARGEST, MAX_BYTES, UrdfRobot, read_bytes
 from lutgen.urdf.xml import parse_xml
 
@@ -28,11 +29,13 @@ class Srdf:
     """The postures of an SRDF file: for each name the values of joints of the description.
 
     A posture of several groups has the joints of all.  Joints that the description has not, and
-    those with several values, such as a free body's, are not in it.
+    those with several values, such as a free body's, are not in it.  `groups` has the moving
+    joints of each group.
     """
 
     source: str
     postures: dict[str, dict[str, float]]
+    groups: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
     def standing(self) -> str | None:
         """Return the name of the posture to stand in, None where no name says so."""
@@ -42,7 +45,9 @@ class Srdf:
         for wanted in STANDING:
             if wanted in names:
                 return names[wanted]
-        return next((names[name] for name in names if "stand" in name), None)
+        # Such as "standing_up" and "homing_nominal".
+        near = (name for name in names if "stand" in name or name.startswith("homing"))
+        return next((names[name] for name in near), None)
 
     def posture(self, name: str) -> dict[str, float]:
         """Return a posture by its name; an unknown one raises InputError."""
@@ -53,7 +58,7 @@ class Srdf:
 
 
 def load_srdf(path: str | os.PathLike[str], robot: UrdfRobot) -> Srdf:
-    """Read the ``<group_state>`` elements of an SRDF file of at most 16 MiB.
+    """Read postures and groups (``<group_state>``, ``<group>``) of an SRDF of at most 16 MiB.
 
     Parameters
     ----------
@@ -103,7 +108,7 @@ def load_srdf(path: str | os.PathLike[str], robot: UrdfRobot) -> Srdf:
                     f"{text[:60]!r}); write rad, or m."
                 )
             values[joint] = value
-    return Srdf(source, result)
+    return Srdf(source, result, joint_groups(root, robot))
 
 
 def srdf_beside(path: str | os.PathLike[str]) -> Path | None:

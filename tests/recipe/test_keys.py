@@ -136,7 +136,8 @@ def test_other_defaults_are_words_and_these() -> None:
     assert {name for name in words if "needed" not in key_of(name).default} == {
         *("export", "export.flash", "export.max_error", "robot.home"),
         *("robot.friction", "robot.rest_width", "robot.contact_tolerance"),
-        *("robot.urdf", "robot.python", "robot.parameter.joint", "robot.link.joint"),
+        *("robot.urdf", "robot.python", "robot.parameter.joint", "robot.parameter.drive"),
+        "robot.link.joint",
         *("robot.contact.axis", "robot.wheel.axis", "robot.wheel.radius", "robot.wheel.rollers"),
     }
 
@@ -162,6 +163,7 @@ def test_a_row_is_complete_and_its_example_is_a_value_of_its_type(row: tuple[str
         "quantity": str,
         "samples": dict,
         "values": dict,
+        "drive": dict,
         "table": dict,
     }
     assert isinstance(value, kinds.get(key.type, list))

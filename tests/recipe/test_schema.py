@@ -127,8 +127,9 @@ def test_the_schema_refuses_unknown_keys_and_wrong_types_as_the_parser_does(
 ) -> None:
     table, key = row
     values, there = holder(table, key.name)
-    # No schema knows the names of parameters, which are the keys of such a table.
-    there[key.name] = OTHER[1] if key.type != "values" else {"lift": "high"}
+    # No schema knows the names of parameters and joints, which are the keys of such a table.
+    wrong = {"values": {"lift": "high"}, "drive": {"left_axle": "fast"}}
+    there[key.name] = wrong.get(key.type, OTHER[1])
     assert refused(values)
     assert not SCHEMA.is_valid(values)
     values, there = holder(table, key.name)

@@ -1,0 +1,156 @@
+"""Which joints of a description become parameters: those asked for, or those that matter.
+
+Owns how many are proposed, and which of them are coupled or held where there are more.
+"""
+
+from collections.abc import Mapping, Sequence
+
+from lutgen.errors import InputError
+from lutgen.parts import Contact
+from lutgen.recipe.candidates import effects, robot_size
+from lutgen.recipe.coupling import Coupling, Reader, at_rest
+from lutgen.recipe.joint_names import common_name
+from lutgen.recipe.symmetry import Limbs
+from lutgen.urdf import TURN, Couple, Motion, UrdfRobot, places, read_motion
+
+# More joints than this are not proposed one by one, and more parameters than that are not where
+# joints are coupled: three nodes of each make a map of 729 postures.
+MAX_JOINTS, MAX_PARAMETERS = 10, 6
+# Shares of the robot's size.  A contact that moves less does not move: descriptions round their
+# angles (1.570795 for a right angle).  A joint that moves the com less, and no contact, is held:
+# each parameter makes the map several times larger.
+STILL, SLIGHT = 1e-5, 5e-3
+ALIKE = "alike by name, and mirror images of each other or the same"
+
+
+def chosen_motion(
+    robot: UrdfRobot,
+    contacts: Sequence[Contact],
+    joints: Sequence[str] | None = None,
+    posture: Mapping[str, float] | None = None,
+    coupling: Coupling | None = None,
+) -> tuple[Motion, str]:
+    """Return which joints are parameters or share one, and why any are coupled unasked.
+
+    Parameters
+    ----------
+    robot, contacts, posture
+        As in `import_urdf`.
+    joints : sequence of str, optional
+        Joints that become parameters, each by itself.
+    coupling : Coupling, optional
+        What is coupled, or among which joints a grouping is proposed.  Without it and without
+        `joints`: all that matter, coupled where they are more than 10.
+
+    Returns
+    -------
+    Motion
+        InputError is raised for what cannot be read, and for a joint that is asked for twice;
+        RecipeError for joints that cannot be free, or not together.
+    str
+        Empty where nothing is coupled unasked.
+    """
+    coupling = coupling or Coupling()
+    if joints is not None and not coupling.texts:
+        return read_motion(robot, joints, posture), ""
+    free = read_motion(robot, None, posture)
+    rest = places(robot, free)
+    matter, why = _mattering(robot, free, contacts, robot_size(contacts, rest))
+    if not coupling.texts and len(matter) <= MAX_JOINTS:
+        result = read_motion(robot, matter, posture)
+        result.held.update(why)
+        return result, ""
+    limbs = Limbs(robot, contacts, places(robot, read_motion(robot)), rest)
+    reader = Reader(robot, free, limbs, coupling)
+    couples = reader.couples()
+    _refuse_twice(couples, joints or ())
+    among = reader.among() if coupling.texts else [[*free.free]]
+    taken = {*(joints or ()), *(name for couple in couples for name in couple.joints)}
+    proposed: list[Couple] = []
+    for names in among:
+        found = _proposed(free, limbs, [name for name in names if name not in taken])
+        # Both of two arms, also where one of them matters a little less.
+        found = [couple for couple in found if not {*couple.joints} <= {*why}]
+        taken.update(name for couple in found for name in couple.joints)
+        proposed += found
+    proposed, least = _greatest(robot, contacts, proposed, posture)
+    alone = [couple.first for couple in proposed if len(couple.joints) == 1]
+    couples += [couple for couple in proposed if len(couple.joints) > 1]
+    result = read_motion(robot, [*(joints or ()), *alone], posture, couples)
+    said = {**why, **dict.fromkeys(least, "changes less than those that are parameters")}
+    result.held.update({name: words for name, words in said.items() if name in result.held})
+    return result, "" if coupling.texts else f"{len(matter)} joints move contacts or com"
+
+
+def _mattering(
+    robot: UrdfRobot, motion: Motion, contacts: Sequence[Contact], size: float
+) -> tuple[list[str], dict[str, str]]:
+    """Return the joints that matter, and of the others why they do not."""
+    matter, why = [], {}
+    for name, (way, com) in effects(robot, motion, contacts).items():
+        if way > STILL * size or com > SLIGHT * size:
+            matter.append(name)
+        elif com > STILL * size:
+            why[name] = f"moves no contact and the com by at most {1000.0 * com:.2g} mm"
+        else:
+            why[name] = "moves neither contacts nor com"
+    return matter, why
+
+
+def _refuse_twice(couples: Sequence[Couple], joints: Sequence[str]) -> None:
+    """Refuse a joint that two parameters would drive."""
+    taken = set(joints)
+    for couple in couples:
+        for name in couple.joints:
+            if name in taken:
+                raise InputError(
+                    f"--couple: joint {name!r} is asked for twice (got it in {couple.name!r} "
+                    "too); remove it once."
+                )
+        taken.update(couple.joints)
+
+
+def _proposed(free: Motion, limbs: Limbs, names: Sequence[str]) -> list[Couple]:
+    """Return the joints that are alike as couples, others as couples of one."""
+    result = []
+    for family in limbs.families(names):
+        while family:
+            # A joint whose limits leave the others too little is none of them.
+            members: dict[str, float] = {}
+            for name, sign in family.items():
+                wider = {**members, name: sign}
+                if len(wider) == 1 or _has_room(free, wider):
+                    members = wider
+            sign = next(iter(members.values()))
+            scales = {name: own * sign for name, own in members.items()}
+            result.append(at_rest(common_name([*members]), scales, free, ALIKE))
+            family = {name: sign for name, sign in family.items() if name not in members}
+    return result
+
+
+def _has_room(free: Motion, scales: Mapping[str, float]) -> bool:
+    """Return whether joints can go together by half the way that each can go alone, at least."""
+    couple = at_rest("", scales, free, "")
+    low, high, least = -TURN, TURN, TURN
+    for name, (scale, offset) in couple.joints.items():
+        first, last = free.free[name]
+        least = min(least, last - first)
+        if last - first < TURN:
+            ends = sorted([(first - offset) / scale, (last - offset) / scale])
+            low, high = max(low, ends[0]), min(high, ends[1])
+    return high - low >= 0.5 * least
+
+
+def _greatest(
+    robot: UrdfRobot,
+    contacts: Sequence[Contact],
+    couples: Sequence[Couple],
+    posture: Mapping[str, float] | None,
+) -> tuple[list[Couple], list[str]]:
+    """Return the couples that move contacts or com most, in order, and the joints of the rest."""
+    motion = read_motion(robot, (), posture, couples)
+    most = {name: max(ways) for name, ways in effects(robot, motion, contacts).items()}
+    ranked = sorted(couples, key=lambda couple: -most[couple.first])
+    kept = {couple.first for couple in ranked[:MAX_PARAMETERS]}
+    least = [name for one in ranked[MAX_PARAMETERS:] for name in one.joints]
+    return [couple for couple in couples if couple.first in kept], least

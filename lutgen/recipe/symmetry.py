@@ -1,0 +1,210 @@
+"""Joints of a robot description that do the same on other sides of it: four hips, two knees.
+
+Owns which joints are alike, by their names and by where they are, and whether one turns as the
+mirror image of another does.  Left and right mirror each other in the plane of x and z; front and
+rear where the robot stands so (knees pointing at each other), else they move alike.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from lutgen.parts import Contact
+from lutgen.recipe.joint_names import stem
+from lutgen.urdf import Place, UrdfRobot, downwards
+from lutgen.vector import Floats
+
+# Shares of the robot's size: within the first two joints are on one side, within the second one is
+# where the mirror image of the other is.  Masses of mirror images differ by a tenth at most, and
+# the cosine between their axes is at least this: descriptions round, and robots have a battery.
+BESIDE, IMAGE, MASS, PARALLEL = 0.01, 0.05, 0.1, 0.9
+
+
+class Limb(NamedTuple):
+    """What hangs from a joint: what moves, its axis, and where it is, frame of the root.
+
+    `axis` (3,) and `spot` (3,), the middle of its contacts or else its com, are those with all
+    joints at zero; `reach` (3,) leads from the joint to the spot in the standing posture.  `mass`
+    is in kg; `above` has the joints that carry it, itself among them.
+    """
+
+    slides: bool
+    axis: Floats
+    spot: Floats
+    reach: Floats
+    mass: float
+    above: frozenset[str]
+
+
+class Limbs:
+    """The limbs of a robot, and how they correspond.
+
+    Parameters
+    ----------
+    robot : UrdfRobot
+        The description.
+    contacts : sequence of Contact
+        Contacts in the frames of its links.
+    zero, rest : mapping of str to Place
+        The places of all links with joints at zero, or at their limit nearest to it, and standing.
+    """
+
+    def __init__(
+        self,
+        robot: UrdfRobot,
+        contacts: Sequence[Contact],
+        zero: Mapping[str, Place],
+        rest: Mapping[str, Place],
+    ) -> None:
+        spots, masses = _spots(robot, contacts, zero)
+        standing, _ = _spots(robot, contacts, rest)
+        above: dict[str, frozenset[str]] = {robot.root: frozenset()}
+        self.limbs: dict[str, Limb] = {}
+        for joint in downwards(robot):
+            child = joint.child
+            above[child] = above[joint.parent] | {joint.name}
+            self.limbs[joint.name] = Limb(
+                joint.kind == "prismatic",
+                zero[child][0] @ joint.axis,
+                spots[child],
+                standing[child] - rest[child][1],
+                masses[child],
+                above[child],
+            )
+        places = np.array([limb.spot for limb in self.limbs.values()] or [np.zeros(3)])
+        self.size = float((places.max(axis=0) - places.min(axis=0)).max())
+        self.folded = False
+
+    def families(self, names: Sequence[str]) -> list[dict[str, float]]:
+        """Return joints that one parameter can drive, with the sign of each.
+
+        Each of the names is in one of them, many alone; in the order of the first of each.
+        """
+        found = self._alike(names)
+        self.folded = self._is_folded(found)
+        result = [family for members in found for family in self._signed(members)]
+        place = {name: i for i, name in enumerate(names)}
+        return sorted(result, key=lambda family: place[next(iter(family))])
+
+    def sign(self, first: str, other: str) -> float:
+        """Return 1 or -1, as the axis of a joint is that of the other's image; 0 for neither."""
+        a, b = self.limbs[first], self.limbs[other]
+        if a.slides != b.slides:
+            return 0.0
+        mirror = self._mirror(a, b)
+        # An axis of rotation is the direction of a screw: its image points the other way.
+        image = mirror * a.axis * (1.0 if a.slides else np.prod(mirror))
+        along = float(image @ b.axis)
+        return math.copysign(1.0, along) if abs(along) >= PARALLEL else 0.0
+
+    def _mirror(self, a: Limb, b: Limb) -> Floats:
+        """Return the factors of x, y and z that make one limb the image of another."""
+        apart = np.abs(a.spot - b.spot) > BESIDE * self.size
+        # On one line across the robot they are images of each other, wherever its middle is.
+        along = -1.0 if self.folded and apart[0] else 1.0
+        return np.array([along, -1.0 if apart[1] and a.spot[1] * b.spot[1] < 0.0 else 1.0, 1.0])
+
+    def _alike(self, names: Sequence[str]) -> list[list[str]]:
+        """Return sets of joints that have one name but for the side, or for numbers of limbs."""
+        stems: dict[tuple[str, ...], list[str]] = {}
+        for name in names:
+            stems.setdefault(stem(name), []).append(name)
+        result = [members for members in stems.values() if len(members) > 1]
+        numbered: dict[tuple[str, ...], list[str]] = {}
+        for words, members in stems.items():
+            if len(members) == 1:
+                masked = tuple("#" if word.isdigit() else word for word in words)
+                numbered.setdefault(masked, []).extend(members)
+        for members in numbered.values():
+            while members:
+                result.append(self._images(members))
+                members = [name for name in members if name not in result[-1]]
+        return result
+
+    def _images(self, names: Sequence[str]) -> list[str]:
+        """Return the first joint and those that are where its mirror images are."""
+        first = self.limbs[names[0]]
+        result = [names[0]]
+        middle = float(np.mean([self.limbs[name].spot[0] for name in names]))
+        for mirror in ((1.0, -1.0, 1.0), (-1.0, 1.0, 1.0), (-1.0, -1.0, 1.0)):
+            image = np.array(mirror) * (first.spot - [middle, 0.0, 0.0]) + [middle, 0.0, 0.0]
+            found = [
+                (float(np.linalg.norm(self.limbs[name].spot - image)), name)
+                for name in names
+                if name not in result
+                and abs(self.limbs[name].mass - first.mass) <= MASS * first.mass
+                and self.sign(names[0], name)
+            ]
+            distance, name = min(found, default=(math.inf, ""))
+            if distance <= IMAGE * self.size:
+                result.append(name)
+        return result
+
+    def _is_folded(self, sets: Sequence[Sequence[str]]) -> bool:
+        """Return whether rear limbs stand as mirror images of front ones, or rather like these."""
+        alike = mirrored = 0.0
+        count = 0
+        for members in sets:
+            a = self.limbs[members[0]]
+            for b in (self.limbs[name] for name in members[1:]):
+                if abs(a.spot[0] - b.spot[0]) > BESIDE * self.size:
+                    count += 1
+                    image = self._mirror(a, b) * a.reach
+                    alike += float(np.linalg.norm(b.reach - image))
+                    image[0] = -image[0]
+                    mirrored += float(np.linalg.norm(b.reach - image))
+        # Straight legs are both; then the middle of the feet stays where it is.
+        return mirrored <= alike + BESIDE * self.size * count
+
+    def _signed(self, members: Sequence[str]) -> list[dict[str, float]]:
+        """Return joints of one name as families: none hangs from another, all are apart."""
+        left = list(members)
+        result = []
+        while left:
+            family = {left[0]: 1.0}
+            for name in left[1:]:
+                limb = self.limbs[name]
+                sign = self.sign(left[0], name)
+                others = [self.limbs[other] for other in family]
+                apart = all(
+                    np.abs(limb.spot - other.spot)[:2].max() > BESIDE * self.size
+                    for other in others
+                )
+                tied = any(name in other.above for other in others) or limb.above & {*family}
+                if sign and apart and not tied:
+                    family[name] = sign
+            result.append(family)
+            left = [name for name in left if name not in family]
+        return result
+
+
+def _spots(
+    robot: UrdfRobot, contacts: Sequence[Contact], where: Mapping[str, Place]
+) -> tuple[dict[str, Floats], dict[str, float]]:
+    """Return for each link the middle of what hangs from it, and its mass.
+
+    The middle of the contacts, without any the com, without masses the link's origin.
+    """
+    mass = {link.name: link.mass for link in robot.links}
+    moment = {
+        link.name: link.mass * (where[link.name][1] + where[link.name][0] @ link.com)
+        for link in robot.links
+    }
+    count = dict.fromkeys(mass, 0)
+    total = {name: np.zeros(3) for name in mass}
+    for contact in contacts:
+        turn, origin = where[contact.link]
+        count[contact.link] += 1
+        total[contact.link] = total[contact.link] + origin + turn @ contact.position
+    for joint in reversed(downwards(robot)):
+        for sums in (mass, moment, count, total):
+            sums[joint.parent] = sums[joint.parent] + sums[joint.child]  # type: ignore[index]
+    spots = {}
+    for name, (_, origin) in where.items():
+        if count[name]:
+            spots[name] = total[name] / count[name]
+        else:
+            spots[name] = moment[name] / mass[name] if mass[name] > 0.0 else origin
+    return spots, mass

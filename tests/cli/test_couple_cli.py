@@ -1,0 +1,206 @@
+"""`lutgen import --couple`: joints grouped as asked for, or as proposed."""
+
+import shutil
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import lutgen
+from lutgen.recipe import forward
+from tests.fixtures.commands import data, good, run
+from tests.fixtures.commands import stdout as printed
+from tests.fixtures.places import VECTORS
+from tests.fixtures.robots import collision, joint, link, robot
+
+HIPS = ["FL_hip_joint", "FR_hip_joint", "RL_hip_joint", "RR_hip_joint"]
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return a folder with the quadruped, made the working folder."""
+    for name in ("quadruped.urdf", "quadruped.srdf"):
+        shutil.copy(VECTORS / name, tmp_path / name)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def imported(*arguments: str) -> dict[str, Any]:
+    return data("import", "quadruped.urdf", "-o", "q.toml", *arguments)
+
+
+def test_more_than_ten_joints_are_coupled_and_the_import_says_so() -> None:
+    said = printed("import", "quadruped.urdf", "-o", "q.toml")
+    assert "parameters (3): hip thigh knee" in said
+    assert "chosen, as 12 joints move contacts or com (or choose with --couple or --joint)" in said
+    assert "hip drives FL_hip_joint, -FR_hip_joint, RL_hip_joint, -RR_hip_joint" in said
+    recipe = lutgen.load_recipe("q.toml")
+    assert recipe.home == pytest.approx({"hip": 0.0, "thigh": 0.7, "knee": -1.4})
+    # 17 nodes each: a map of 4,913 postures.
+    assert recipe.grid.size == 17**3
+    assert "stands" in printed("eval", "q.toml", "-g", "0,0,-1")
+
+
+def test_the_recipe_says_which_joints_a_parameter_drives_and_why() -> None:
+    good("import", "quadruped.urdf", "-o", "q.toml")
+    text = Path("q.toml").read_text(encoding="utf-8")
+    before, _, _ = text.partition('name = "hip"')
+    comment = " ".join(before.replace("# ", "").split())
+    assert '"FL_hip_joint", "FR_hip_joint" (times -1)' in comment
+    assert "alike by name, and mirror images" in comment
+    assert max(map(len, text.splitlines())) <= 110
+
+
+def test_ten_joints_or_fewer_stay_independent() -> None:
+    text = Path("quadruped.urdf").read_text(encoding="utf-8")
+    for name in HIPS:
+        text = text.replace(f'name="{name}" type="revolute"', f'name="{name}" type="fixed"')
+    Path("quadruped.urdf").write_text(text, encoding="utf-8")
+    report = imported()
+    assert len(report["parameters"]) == 8
+    assert (report["coupled"], report["because"]) == ({}, "")
+    # Asked for, they are coupled as well.
+    assert [*imported("--couple", "auto")["coupled"]] == ["thigh", "knee"]
+
+
+def test_joints_signs_and_factors_are_taken_as_written() -> None:
+    report = imported(
+        "--couple", "front=FL_hip_joint,-FR_hip_joint,0.5*RL_hip_joint,-2*RR_hip_joint"
+    )
+    assert report["coupled"] == {"front": dict(zip(HIPS, [1.0, -1.0, 0.5, -2.0], strict=True))}
+    assert report["parameters"] == ["front"]
+    recipe = lutgen.load_recipe("q.toml")
+    (front,) = recipe.parameters
+    # Twice its value is within 0.8 rad.
+    assert (front.minimum, front.maximum) == (pytest.approx(-0.4), pytest.approx(0.4))
+    scales = {link.joint.scale for link in recipe.links if link.joint}
+    assert scales == {1.0, -1.0, 0.5, -2.0}
+
+
+def test_the_standing_posture_is_that_of_home_whatever_is_coupled() -> None:
+    bent = ("-p", "FL_thigh_joint=10", "-p", "RR_thigh_joint=50")
+    imported("-j", "FL_hip_joint", *bent)
+    held = lutgen.load_recipe("q.toml")
+    imported(
+        "--couple", "all=*_thigh_joint", "--couple", "k=FL_knee_joint,-0.5*RR_knee_joint", *bent
+    )
+    coupled = lutgen.load_recipe("q.toml")
+    one, two = forward(held, [held.home_params]), forward(coupled, [coupled.home_params])
+    assert one.centres == pytest.approx(two.centres, abs=1e-12)
+    assert one.com == pytest.approx(two.com, abs=1e-12)
+
+
+def test_a_pattern_takes_signs_from_mirror_images_unless_they_are_written() -> None:
+    report = imported("--couple", "hips=*_hip_joint", "--couple", "knees=knees")
+    assert report["coupled"]["hips"] == dict(zip(HIPS, [1.0, -1.0, 1.0, -1.0], strict=True))
+    assert set(report["coupled"]["knees"].values()) == {1.0}
+    report = imported("--couple", "hips=+*_hip_joint")
+    assert report["coupled"]["hips"] == dict.fromkeys(HIPS, 1.0)
+    report = imported("--couple", "hips=-FL_hip_joint,R*_hip_joint")
+    assert report["coupled"]["hips"] == {HIPS[0]: -1.0, HIPS[2]: -1.0, HIPS[3]: 1.0}
+
+
+def test_of_a_group_alone_a_grouping_is_proposed_and_the_rest_is_held() -> None:
+    report = imported("--couple", "front_legs")
+    assert {name: len(joints) for name, joints in report["coupled"].items()} == {
+        "hip": 2,
+        "thigh": 2,
+        "knee": 2,
+    }
+    assert any(text.startswith("joints RL_hip_joint") for text in report["left_out"])
+
+
+def test_named_ones_independent_ones_and_proposals_go_together() -> None:
+    report = imported(
+        "-j", "FL_knee_joint", "--couple", "hips=FL_hip_joint,-FR_hip_joint", "--couple", "auto"
+    )
+    assert report["parameters"] == ["hips", "thigh", "FL_knee_joint", "knee", "hip"]
+    assert len(report["coupled"]["thigh"]) == 4
+    assert len(report["coupled"]["knee"]) == 3
+    assert [*report["coupled"]["hip"]] == ["RL_hip_joint", "RR_hip_joint"]
+
+
+@pytest.mark.parametrize(
+    ("texts", "said"),
+    [
+        (["hips=FL_hip"], "did you mean 'FL_hip_joint'"),
+        (["hips=*_haunch"], "no joint has that pattern"),
+        (["haunches"], "names no joints that can move"),
+        (["kneez"], "did you mean 'knees'"),
+        (["=FL_hip_joint"], "is no name of a parameter"),
+        (["sdg=FL_hip_joint"], "is no name of a parameter"),
+        (["a-b=FL_hip_joint"], "is no name of a parameter"),
+        (["a=FL_hip_joint,FL_hip_joint"], "is named twice"),
+        (["a=FL_hip_joint,*_hip_joint"], "is named twice"),
+        (["a=FL_hip_joint", "b=FL_hip_joint"], "is asked for twice"),
+        (["a=FL_hip_joint", "a=FR_hip_joint"], "the name is given twice"),
+        (["a=0*FL_hip_joint"], "a factor is 0"),
+        (["a="], "there is no such joint or group"),
+        (["a=FL_hip_joint,"], "there is no such joint or group"),
+        (["a=FL_hip_joint,FL_knee*"], "are no mirror images, so no sign follows"),
+        (["a=FL_thigh_joint,9*FL_knee_joint"], None),
+    ],
+)
+def test_what_cannot_be_coupled_is_refused_in_one_sentence(
+    texts: list[str], said: str | None
+) -> None:
+    arguments = [part for text in texts for part in ("--couple", text)]
+    result = run("import", "quadruped.urdf", "-o", "q.toml", *arguments)
+    if said is None:
+        # Any factors that the limits allow.
+        assert result.exit_code == 0
+        return
+    assert result.exit_code == 2
+    assert said in result.stderr
+    assert len(result.stderr.splitlines()) == 1
+    assert not Path("q.toml").exists()
+
+
+def test_a_joint_cannot_be_a_parameter_and_coupled() -> None:
+    couple = ("--couple", "a=FL_hip_joint,FR_hip_joint")
+    result = run("import", "quadruped.urdf", "-o", "q.toml", "-j", "FL_hip_joint", *couple)
+    assert (result.exit_code, "is asked for twice" in result.stderr) == (2, True)
+
+
+def test_where_even_groups_are_too_many_the_greatest_are_parameters() -> None:
+    # Eight joints on each side of a row, heavier from one to the next: 16 joints in 8 pairs.
+    foot = "".join(
+        collision('sphere radius="0.05"', f"{x} {y} -0.5") for x in (1, -1) for y in (1, -1)
+    )
+    limits = '<axis xyz="{}"/><limit lower="-1" upper="1"/>'
+    arms = "".join(
+        link(f"{side}_{i}", 4.0 + i, "0 0 0.3")
+        + joint(
+            *(f"{side}_arm{i}", "revolute", "base", f"{side}_{i}", limits.format("1 0 0")),
+            f"{i / 4 - 1} {y} 0.5",
+        )
+        for i in range(8)
+        for side, y in (("left", 0.5), ("right", -0.5))
+    )
+    Path("many.urdf").write_text(robot(link("base", 9.0, inside=foot), arms), encoding="utf-8")
+    report = data("import", "many.urdf", "-o", "many.toml")
+    assert report["parameters"] == [f"arm_{i}" for i in range(2, 8)]
+    assert "16 joints move contacts or com" in report["because"]
+    held = [text for text in report["left_out"] if "changes less" in text]
+    assert held == [
+        "joints left_arm0, right_arm0, left_arm1, right_arm1: held, each changes less than those "
+        "that are parameters"
+    ]
+    assert lutgen.load_recipe("many.toml").grid.size == 3**6
+
+
+def test_merged_onto_an_edited_recipe_parameters_and_comments_stay() -> None:
+    pytest.importorskip("tomlkit")
+    options = ("quadruped.urdf", "-o", "q.toml", "--couple", "auto")
+    good("import", *options)
+    path = Path("q.toml")
+    edited = path.read_text(encoding="utf-8").replace("min = -45.8366236", "min = -30.0  # stop")
+    path.write_text(edited, encoding="utf-8")
+    urdf = Path("quadruped.urdf")
+    heavier = urdf.read_text(encoding="utf-8").replace('value="8"', 'value="9"')
+    urdf.write_text(heavier, encoding="utf-8")
+    report = data("import", *options, "--merge")
+    assert report["changed"] == ["link body: mass was 8.0, is 9.0"]
+    assert path.read_text(encoding="utf-8") == edited.replace("mass = 8.0", "mass = 9.0")
+    assert len(tomllib.loads(edited)["robot"]["parameter"]) == 3

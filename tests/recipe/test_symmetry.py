@@ -1,0 +1,177 @@
+"""Which joints are alike, and which sign makes one the mirror image of another."""
+
+import re
+
+import numpy as np
+import pytest
+
+from lutgen.recipe import import_urdf
+from lutgen.recipe.coupling import Coupling
+from lutgen.recipe.joint_names import common_name, stem
+from lutgen.recipe.kinematics import forward
+from lutgen.recipe.recipe import Recipe
+from lutgen.urdf import UrdfRobot, load_srdf, load_urdf, parse_urdf
+from tests.fixtures.places import VECTORS
+
+QUADRUPED = (VECTORS / "quadruped.urdf").read_text(encoding="utf-8")
+STANDING = load_srdf(VECTORS / "quadruped.srdf", load_urdf(VECTORS / "quadruped.urdf")).postures[
+    "standing"
+]
+LEGS = ("FL", "FR", "RL", "RR")
+ALL_HIPS = {"FL_hip_joint": 1.0, "FR_hip_joint": -1.0, "RL_hip_joint": 1.0, "RR_hip_joint": -1.0}
+
+
+def axis(text: str, joint: str, turned: str) -> str:
+    """Return a description in which a joint has another axis."""
+    pattern = rf'(name="{joint}".*?axis xyz=")[^"]*'
+    found, count = re.subn(pattern, rf"\g<1>{turned}", text, count=1, flags=re.DOTALL)
+    assert count == 1
+    return found
+
+
+def proposed(robot: UrdfRobot, posture: dict[str, float] | None = None) -> dict[str, list[float]]:
+    """Return the signs of each proposed parameter, in the order of the legs."""
+    found = import_urdf(robot, posture=posture or STANDING).couples
+    return {name: list(joints.values()) for name, joints in found.items()}
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("FL_hip_joint", ("hip",)),
+        ("LF_HAA", ("haa",)),
+        ("rh_kfe_joint", ("kfe",)),
+        ("LHipYawPitch", ("hip", "yaw", "pitch")),
+        ("leg_left_1_joint", ("leg", "1")),
+        ("left_s0", ("s", "0")),
+        ("torso", ("torso",)),
+        ("left", ()),
+    ],
+)
+def test_a_name_says_what_a_joint_is_beside_its_side(name: str, words: tuple[str, ...]) -> None:
+    assert stem(name) == words
+
+
+def test_a_common_name_has_the_words_that_all_have_as_the_first_writes_them() -> None:
+    assert common_name(["LF_HAA", "RF_HAA"]) == "HAA"
+    assert common_name(["j_arm1_3", "j_arm2_3"]) == "j_arm_3"
+    assert common_name(["left", "right"]) == "left"
+    assert common_name(["torso_lift_joint"]) == "torso_lift"
+
+
+def test_legs_that_bend_the_same_way_move_the_same_way() -> None:
+    found = import_urdf(parse_urdf(QUADRUPED), posture=STANDING)
+    assert found.couples["hip"] == ALL_HIPS
+    assert set(found.couples["thigh"].values()) == {1.0}
+    assert set(found.couples["knee"].values()) == {1.0}
+    assert found.because == "12 joints move contacts or com"
+    assert [p.name for p in found.recipe.parameters] == ["hip", "thigh", "knee"]
+
+
+def test_legs_whose_knees_point_at_each_other_mirror_each_other() -> None:
+    text = QUADRUPED
+    for leg in ("RL", "RR"):
+        text = re.sub(
+            rf'(name="{leg}_knee_joint".*?)lower="-2.6" upper="-0.5"',
+            r'\1lower="0.5" upper="2.6"',
+            text,
+            flags=re.DOTALL,
+        )
+        text = re.sub(
+            rf'(name="{leg}_thigh_joint".*?)lower="-1" upper="3"',
+            r'\1lower="-3" upper="1"',
+            text,
+            flags=re.DOTALL,
+        )
+    posture = {
+        name: -value if name[0] == "R" and "hip" not in name else value
+        for name, value in STANDING.items()
+    }
+    assert proposed(parse_urdf(text), posture) == {
+        "hip": [1.0, -1.0, 1.0, -1.0],
+        "thigh": [1.0, 1.0, -1.0, -1.0],
+        "knee": [1.0, 1.0, -1.0, -1.0],
+    }
+
+
+def test_the_sign_comes_from_the_axis_and_not_from_the_name() -> None:
+    # A hip turned about -x and a thigh about -y: as many builders have their right side.
+    text = axis(axis(QUADRUPED, "FR_hip_joint", "-1 0 0"), "RL_thigh_joint", "0 -1 0")
+    posture = STANDING | {"RL_thigh_joint": -0.7}
+    text = re.sub(
+        r'(name="RL_thigh_joint".*?)lower="-1" upper="3"',
+        r'\1lower="-3" upper="1"',
+        text,
+        flags=re.DOTALL,
+    )
+    assert proposed(parse_urdf(text), posture) == {
+        "hip": [1.0, 1.0, 1.0, -1.0],
+        "thigh": [1.0, 1.0, -1.0, 1.0],
+        "knee": [1.0, 1.0, 1.0, 1.0],
+    }
+
+
+def test_a_joint_about_another_axis_is_not_one_of_them() -> None:
+    found = proposed(parse_urdf(axis(QUADRUPED, "RR_hip_joint", "0 0 1")))
+    assert found["hip"] == [1.0, -1.0, 1.0]
+    assert len(found) == 3
+
+
+def test_numbered_legs_are_found_by_where_they_are() -> None:
+    text = QUADRUPED
+    for number, leg in enumerate(LEGS, 1):
+        text = re.sub(rf"{leg}_(\w+)_joint", rf"j_\1_{number}", text)
+    posture = {
+        f"j_{name[3:-6]}_{LEGS.index(name[:2]) + 1}": value for name, value in STANDING.items()
+    }
+    assert proposed(parse_urdf(text), posture) == {
+        "j_hip": [1.0, -1.0, 1.0, -1.0],
+        "j_thigh": [1.0] * 4,
+        "j_knee": [1.0] * 4,
+    }
+
+
+def test_joints_in_a_row_of_one_name_are_not_coupled() -> None:
+    # Left and right are words of these names, but the second hangs from the first.
+    text = QUADRUPED.replace("FR_knee_joint", "left_bend").replace("FR_thigh_joint", "right_bend")
+    found = import_urdf(parse_urdf(text)).couples
+    assert not any({"left_bend", "right_bend"} & set(joints) for joints in found.values())
+
+
+def coupled() -> Recipe:
+    return import_urdf(parse_urdf(QUADRUPED), posture=STANDING).recipe
+
+
+def test_coupled_by_proposal_the_com_stays_in_the_middle_of_a_symmetric_robot() -> None:
+    recipe = coupled()
+    rng = np.random.default_rng(3)
+    low, high = zip(*((p.minimum, p.maximum) for p in recipe.parameters), strict=True)
+    found = forward(recipe, rng.uniform(low, high, (200, 3)))
+    # 1e-12: the recipe is rounded to picometres.
+    assert np.abs(found.com[:, 1]).max() < 1e-12
+    # The feet are mirror images, left of right, and they do move.
+    feet = found.centres + found.com[:, None]
+    left, right = feet[:, [0, 2]], feet[:, [1, 3]]
+    assert np.allclose(left, right * [1, -1, 1], rtol=0, atol=1e-12)
+    assert np.ptp(left[:, 0, 1]) > 0.1
+    # The same with every sign 1 would not be: a sway.
+    sway = import_urdf(
+        parse_urdf(QUADRUPED), posture=STANDING, coupling=Coupling(("hips=+*_hip_joint",))
+    ).recipe
+    assert abs(forward(sway, [[0.3]]).com[0, 1]) > 1e-3
+
+
+def test_coupled_legs_are_where_independent_ones_are_at_the_same_angles() -> None:
+    robot = parse_urdf(QUADRUPED)
+    recipe = coupled()
+    names = [f"{leg}_{part}_joint" for leg in LEGS for part in ("hip", "thigh", "knee")]
+    loose = import_urdf(robot, joints=names, posture=STANDING).recipe
+    rng = np.random.default_rng(4)
+    three = rng.uniform(-0.5, 0.5, (50, 3)) + np.array([0.0, 0.7, -1.4])
+    signs = np.array([1.0, -1.0, 1.0, -1.0])
+    twelve = np.stack(
+        [np.outer(three[:, 0], signs)] + [np.outer(three[:, i], [1] * 4) for i in (1, 2)]
+    )
+    one, two = forward(recipe, three), forward(loose, np.moveaxis(twelve, 0, 2).reshape(50, 12))
+    assert np.array_equal(one.centres, two.centres)
+    assert np.array_equal(one.com, two.com)
