@@ -99,8 +99,6 @@ static void smap_turn_back(const smap_many_t *m, float (*v)[3], uint8_t n)
 static int smap_many_pose(const smap_many_t *m, const smap_many_place_t *place, smap_many_pose_t *o,
                           smap_many_work_t *w)
 {
-  static const smap_work_t all = {SMAP_MANY_EVENTS, SMAP_MANY_CORNERS, SMAP_MANY_OUTLINES, SMAP_MANY_GAPS,
-                                  SMAP_MANY_VISITS, SMAP_MANY_WAYS, SMAP_MANY_ROLLINGS};
   uint8_t e;
   o->at.shown = o->at.walls = o->at.points = o->at.segments = o->at.sides = o->at.alive = o->at.edge[0] = 0;
   o->guard = m->guard;
@@ -109,7 +107,13 @@ static int smap_many_pose(const smap_many_t *m, const smap_many_place_t *place, 
   w->map = m;
   w->roll = o->point;
   w->facets = w->edges = w->rolls = w->failed = 0;
-  w->left = all;
+  w->left.events = SMAP_MANY_EVENTS;
+  w->left.corners = SMAP_MANY_CORNERS;
+  w->left.outlines = SMAP_MANY_OUTLINES;
+  w->left.gaps = SMAP_MANY_GAPS;
+  w->left.visits = SMAP_MANY_VISITS;
+  w->left.ways = SMAP_MANY_WAYS;
+  w->left.rollings = SMAP_MANY_ROLLINGS;
   smap_find_facets(w, place);
   if (!w->failed) {
     smap_classify(w);
