@@ -31,7 +31,9 @@ CLEAR = math.radians(0.1)
 # lies well: that is no matter of slivers.
 LYING = math.cos(math.radians(80.0))
 # Noise of sigma moves the truth by some sigma / HALF: at most 0.2 deg, with four sigmas of it, up
-# to this sigma.  Up to there the slow tilt and lutgen's limit must both be 45.0 +- 0.2 deg.
+# to this sigma.  Up to there the slow tilt and lutgen's limit must both be 45.0 +- 0.2 deg.  Lutgen's
+# is the tilt of the body, the slow one that of the ground: where the wheels' outer rims are the
+# smaller ones the body leans before it tips, by some sigma / WIDTH, and the slope is that much less.
 EXACT, FINE = math.radians(0.2), 1e-4
 # Steps (rad) of the walk to lutgen's limit: slivers are looked for, so its own are not trusted.
 WALK = math.radians(0.05)
@@ -150,7 +152,11 @@ def missed(rows: Sequence[Row], late: float) -> list[str]:
     truth, spare = math.degrees(TRUTH), math.degrees(EXACT)
     for r in rows:
         if r.sigma <= FINE:
-            for what, (low, high), lag in (("limit", r.limits, 0.0), ("slow tilt", r.slopes, late)):
-                if not truth - spare <= low <= high <= truth + spare + lag:
+            lean = math.degrees(4.0 * r.sigma / WIDTH)
+            for what, (low, high), less, lag in (
+                ("limit", r.limits, 0.0, 0.0),
+                ("slow tilt", r.slopes, lean, late),
+            ):
+                if not truth - spare - less <= low <= high <= truth + spare + lag:
                     faults.append(f"noise {r.sigma:.0e}: a {what} of {low:.2f} to {high:.2f} deg")
     return faults
