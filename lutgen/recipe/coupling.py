@@ -50,7 +50,7 @@ class Reader:
 
     def couples(self) -> list[Couple]:
         """Return the joints of each NAME=...; at rest they stand where they do without it."""
-        result = []
+        result: list[Couple] = []
         for text in self.texts:
             name, equals, items = text.partition("=")
             if not equals:

@@ -199,8 +199,10 @@ def _spots(
         count[contact.link] += 1
         total[contact.link] = total[contact.link] + origin + turn @ contact.position
     for joint in reversed(downwards(robot)):
-        for sums in (mass, moment, count, total):
-            sums[joint.parent] = sums[joint.parent] + sums[joint.child]  # type: ignore[index]
+        mass[joint.parent] += mass[joint.child]
+        count[joint.parent] += count[joint.child]
+        moment[joint.parent] = moment[joint.parent] + moment[joint.child]
+        total[joint.parent] = total[joint.parent] + total[joint.child]
     spots = {}
     for name, (_, origin) in where.items():
         if count[name]:

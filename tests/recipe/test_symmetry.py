@@ -39,7 +39,7 @@ def proposed(robot: UrdfRobot, posture: dict[str, float] | None = None) -> dict[
     ("name", "words"),
     [
         ("FL_hip_joint", ("hip",)),
-        ("LF_HAA", ("haa",)),
+        ("LF_KFE", ("kfe",)),
         ("rh_kfe_joint", ("kfe",)),
         ("LHipYawPitch", ("hip", "yaw", "pitch")),
         ("leg_left_1_joint", ("leg", "1")),
@@ -53,7 +53,7 @@ def test_a_name_says_what_a_joint_is_beside_its_side(name: str, words: tuple[str
 
 
 def test_a_common_name_has_the_words_that_all_have_as_the_first_writes_them() -> None:
-    assert common_name(["LF_HAA", "RF_HAA"]) == "HAA"
+    assert common_name(["LF_KFE", "RF_KFE"]) == "KFE"
     assert common_name(["j_arm1_3", "j_arm2_3"]) == "j_arm_3"
     assert common_name(["left", "right"]) == "left"
     assert common_name(["torso_lift_joint"]) == "torso_lift"
