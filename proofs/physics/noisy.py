@@ -31,9 +31,10 @@ CLEAR = math.radians(0.1)
 # lies well: that is no matter of slivers.
 LYING = math.cos(math.radians(80.0))
 # Noise of sigma moves the truth by some sigma / HALF: at most 0.2 deg, with four sigmas of it, up
-# to this sigma.  Up to there the slow tilt and lutgen's limit must both be 45.0 +- 0.2 deg.  Lutgen's
-# is the tilt of the body, the slow one that of the ground: where the wheels' outer rims are the
-# smaller ones the body leans before it tips, by some sigma / WIDTH, and the slope is that much less.
+# to this sigma.  Up to there the slow tilt and lutgen's limit must both be 45.0 +- 0.2 deg.
+# Lutgen's is the tilt of the body, the slow one that of the ground: where the wheels' outer rims
+# are the smaller ones the body leans before it tips, by some sigma / WIDTH, and the slope is that
+# much less.
 EXACT, FINE = math.radians(0.2), 1e-4
 # Steps (rad) of the walk to lutgen's limit: slivers are looked for, so its own are not trusted.
 WALK = math.radians(0.05)

@@ -141,7 +141,8 @@ def test_the_schema_refuses_unknown_keys_and_wrong_types_as_the_parser_does(
 # What is wrong, as the parser says it, that a schema can say as well.
 SAID = re.compile(
     r"is not a known key|must be (a string|a number|a list of three|a table|true or false|an array)"
-    r"|must not be (empty|negative)|is unknown|is not a channel|must lie (in|between)\b|must be above 0"
+    r"|must not be (empty|negative)|is unknown|is not a channel|must lie (in|between)\b"
+    r"|must be above 0"
 )
 POOL = (0, -1, 1.5, 3.0, 1000, True, "", "x", "body", "1%", [], [1, 2, 3], [0, 0, 0], ["sdg"], {})
 
