@@ -28,8 +28,8 @@ from lutgen.analysis import (
     tilt_limits,
     tilted,
 )
-from lutgen.errors import LutgenError, RecipeError
-from lutgen.recipe import Recipe, import_urdf, postures
+from lutgen.errors import LutgenError
+from lutgen.recipe import Imported, Recipe, import_urdf, postures
 from lutgen.urdf import (
     Meshes,
     Packages,
@@ -119,21 +119,23 @@ def standing(path: Path, robot: UrdfRobot) -> tuple[dict[str, float], str]:
     return srdf.posture(name), f"{name}, SRDF"
 
 
-def imported(path: Path) -> tuple[UrdfRobot, dict[str, float], str, Recipe, tuple[str, ...], str]:
-    """Return description, posture and its source, recipe, guesses, and the parameters in words."""
+def imported(path: Path) -> tuple[UrdfRobot, dict[str, float], str, Imported]:
+    """Return description, posture and its source, and what import makes of it without options."""
     robot = load_urdf(path)
     posture, source = standing(path, robot)
-    meshes = Meshes(Packages(path.parent))
-    try:
-        made = import_urdf(robot, posture=posture, meshes=meshes)
-        words = ", ".join(p.name for p in made.recipe.parameters) or "none"
-    except RecipeError as error:
-        if "choose the parameters among them" not in str(error):
-            raise
-        # Which of many joints become parameters is a choice; the table is of one posture.
-        made = import_urdf(robot, joints=(), posture=posture, meshes=meshes)
-        words = "more than ten joints, to be chosen"
-    return robot, posture, source, made.recipe, made.guessed, words
+    return (
+        robot,
+        posture,
+        source,
+        import_urdf(robot, posture=posture, meshes=Meshes(Packages(path.parent))),
+    )
+
+
+def parameters(made: Imported) -> str:
+    """Return the parameters in words, with how many joints each drives where it is not one."""
+    counts = {name: len(joints) for name, joints in made.couples.items()}
+    names = [p.name for p in made.recipe.parameters]
+    return ", ".join(f"{n} ({counts[n]} joints)" if n in counts else n for n in names) or "none"
 
 
 def weighed(path: Path, robot: UrdfRobot, posture: dict[str, float], recipe: Recipe) -> list[str]:
@@ -190,7 +192,8 @@ def engine(recipe: Recipe) -> list[float]:
 
 def measured(name: str, path: Path) -> Row:
     """Return the row of a robot that stands."""
-    robot, posture, source, recipe, guessed, words = imported(path)
+    robot, posture, source, made = imported(path)
+    recipe = made.recipe
     faults = weighed(path, robot, posture, recipe)
     home = np.array(recipe.home_params)
     limits = posture_limits(Posture(recipe, home))
@@ -208,7 +211,7 @@ def measured(name: str, path: Path) -> Row:
         faults += [f"engine differs in {len(off) - within} headings"] if within < len(off) else []
     stands = body > 0.0
     cells = (
-        *(name, source, f"{touching}{' (meshes)' if guessed else ''}", words),
+        *(name, source, f"{touching}{' (meshes)' if made.guessed else ''}", parameters(made)),
         f"{rounded_down(math.degrees(body)):.2f}" if stands else "tips on level ground",
         f"{rounded_down(math.degrees(ground.guaranteed)):.2f}" if stands else "-",
         f"{math.degrees(limits.worst.heading):.1f}" if stands else "-",

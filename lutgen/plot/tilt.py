@@ -255,7 +255,6 @@ def _with_legend(axes: PolarAxes, tips: str, rocks: list[Artist]) -> Figure:
     columns = [handles[first:second], others[:left], handles[second:third], others[left:]]
     handles = [handle for part in columns for handle in part]
     figure = cast("Figure", axes.figure)
-    figure.legend(
-        handles=handles, loc="outside lower center", ncols=2, columnspacing=0.8, handlelength=1.6
-    )
+    narrow = {"columnspacing": 0.8, "handlelength": 1.4, "handletextpad": 0.5, "borderpad": 0.0}
+    figure.legend(handles=handles, loc="outside lower center", ncols=2, **narrow)
     return figure

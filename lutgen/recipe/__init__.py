@@ -21,13 +21,14 @@ from lutgen.recipe.table import HDF5, parse_table, read_text
 
 if TYPE_CHECKING:
     from lutgen.recipe.coupling import Coupling
-    from lutgen.recipe.proposal import import_urdf
+    from lutgen.recipe.proposal import Imported, import_urdf
 
 __all__ = [
     "GALLERY",
     "HDF5",
     "LENGTH_UNITS",
     "Coupling",
+    "Imported",
     "Postures",
     "Recipe",
     "body_parts",
@@ -54,9 +55,8 @@ if not TYPE_CHECKING:
     # Seen by a type checker it would give any name a type, also a misspelt one.
     def __getattr__(name: str) -> Any:
         """Import on first use what reads robot descriptions (PEP 562)."""
-        if name not in ("Coupling", "import_urdf"):
+        if name not in ("Coupling", "Imported", "import_urdf"):
             raise AttributeError(f"module 'lutgen.recipe' has no attribute {name!r}")
-        from lutgen.recipe.coupling import Coupling
-        from lutgen.recipe.proposal import import_urdf
+        from lutgen.recipe import coupling, proposal
 
-        return Coupling if name == "Coupling" else import_urdf
+        return getattr(coupling if name == "Coupling" else proposal, name)

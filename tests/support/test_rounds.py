@@ -100,6 +100,8 @@ def test_oracle_finds_the_facet_where_a_ray_leaves_the_hull_by_minimisation() ->
         robot = robots()[index][1]
         facet_list = expected()[index]
         for facet in facet_list[:2]:
+            if not facet.is_clear or not facet.width > 0.05:
+                continue
             weights = rng.dirichlet(np.full(len(facet.contacts), 3.0))
             ray = unit(weights @ facet.contacts)
             across = np.linalg.svd(ray[None, :])[2][1:]
@@ -120,9 +122,8 @@ def test_oracle_finds_the_facet_where_a_ray_leaves_the_hull_by_minimisation() ->
             )
             normal = unit(ray + found.x[:2] @ across)
             # SLSQP stops at about the square root of its tolerance.
-            if facet.is_clear and facet.width > 0.05:
-                assert normal == pytest.approx(facet.normal, abs=1e-5), describe(index)
-                met += 1
+            assert normal == pytest.approx(facet.normal, abs=1e-5), describe(index)
+            met += 1
     assert met >= 60
 
 
