@@ -48,6 +48,18 @@ static int smap_check_grid(const smap_t *map, smap_bytes_t limit)
       smap_u32(body + 8) > room || smap_u32(body + 4) >= 1u << 17) {
     return 0;
   }
+#if SMAP_FLOATS
+  /* Places of parameters and on the chart are numbers: finite less finite, times finite. */
+  if (!smap_is_within(smap_f32(body), 1e30f)) {
+    return 0;
+  }
+  for (i = 0; i < params; i++) {
+    const smap_bytes_t place = body + 16 + 12 * i;
+    if (!smap_is_within(smap_f32(place), 1e30f) || !smap_is_within(smap_f32(place + 4), 1e30f)) {
+      return 0;
+    }
+  }
+#endif
   for (i = 0; i < parts; i++) {
     const smap_bytes_t part = smap_part(body, params, i);
     const uint32_t codes = smap_check_axes_of(map, part, limit), stride = smap_u32(part + SMAP_PART_STRIDE);
