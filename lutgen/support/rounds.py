@@ -45,6 +45,8 @@ NEWTON_STEPS = 24
 BEYOND = 0.2
 # Steps of the relaxation that looks for a plane on which a primitive is lowest.
 RELAXATIONS = 24
+# The z of a normal that leads out and down, before it is one.
+DOWN = -0.5
 # Parts of the size by which contacts may be off a facet's plane; beyond, the search is lost.
 OFF = 1e-6
 # Normals nearer than this (rad) with the same three primitives are one facet.
@@ -167,12 +169,11 @@ def _seed(
 
 
 @njit(bare=True)
-def _lowered(primitives: Floats, m: int) -> tuple[int, Vector]:
+def _lowered(primitives: Floats, m: int, normal: Vector) -> tuple[int, Vector]:
     """Turn a plane until primitive m is lowest; return which one is, and the normal.
 
     Relaxation (Agmon; Motzkin and Schoenberg 1954): turn it past where the two are equally low.
     """
-    normal = unit(row(primitives, m))
     lowest = 0
     for _ in range(RELAXATIONS):
         lowest = m
@@ -279,7 +280,11 @@ def find_round_facets(
                 seen += 1
             if met >> m & 1:
                 continue
-            lowest, normal = _lowered(grown, m)
+            outwards = unit(row(grown, m))
+            lowest, normal = _lowered(grown, m, outwards)
+            if normal[2] > max(lowest_up, 0.0):
+                # The centre of a foot may be above the com and its sole below: from there down.
+                lowest, normal = _lowered(grown, m, unit((outwards[0], outwards[1], DOWN)))
             if lowest != m or normal[2] > max(lowest_up, 0.0):
                 continue
             first = count[FOUND]

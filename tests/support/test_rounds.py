@@ -312,3 +312,26 @@ def test_a_rail_bends_once_where_one_wheel_is_exactly_above_another() -> None:
     # Nose down and nose up the upper wheels touch beyond the lower ones: 16.5 deg and more.
     normals = region.facet[: facets_in(region.tally), PLANE : PLANE + 3]
     assert (np.abs(normals[:, :2]).max(axis=1) < 1e-9).sum() == 1
+
+
+@pytest.mark.parametrize("up", [-0.01, 0.0, 0.0026, 0.019])
+def test_feet_whose_centres_are_above_the_com_carry_where_their_soles_are_below(up: float) -> None:
+    """Four balls of 20 mm on a rectangle: a crouched robot, its com between centres and ground."""
+    corner = [(x, y) for x in (0.2, -0.2) for y in (0.15, -0.15)]
+    centres = np.array([(x, y, up) for x, y in corner])
+    primitives = pack(centres[None], np.zeros((1, 4, 3)), np.full(4, 0.02), np.full(4, SPHERE))
+    found = measure_primitives(
+        primitives, np.array([[0.0, 0.0, -1.0]]), ("tip_angle", "height"), acceptance(1.4, 0.5)
+    )
+    height = 0.02 - up
+    assert found["height"][0, 0] == pytest.approx(height, abs=1e-12)
+    assert found["tip_angle"][0, 0] == pytest.approx(np.arctan2(0.15, height), abs=1e-12)
+    # Nothing carries once the com is below the soles.
+    primitives = pack(
+        centres[None] + [0.0, 0.0, 0.03], np.zeros((1, 4, 3)), np.full(4, 0.02), np.full(4, SPHERE)
+    )
+    if up > 0.0:
+        below = measure_primitives(
+            primitives, np.array([[0.0, 0.0, -1.0]]), ("tip_angle",), acceptance(1.4, 0.5)
+        )
+        assert below["tip_angle"][0, 0] == -np.pi
