@@ -13,6 +13,7 @@ from firmware_export.host import RUNTIME, Host
 from firmware_export.protocol import Blob
 from proofs.exports import coded_export, rover_export, tripod_export
 from targets.compiled import compile_c
+from tests.fixtures.frozen import exports
 
 OK, CORRUPT = 0, 6
 MAKERS: dict[str, Any] = {
@@ -135,3 +136,18 @@ def test_what_passes_leads_no_read_out_of_its_bounds(name: str, tmp_path: Path) 
     assert total == len(cases)
     # The first is whole, and some numbers may be any: the test is about those that pass.
     assert 1 < passed < total
+
+
+@pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf, 3e38])
+def test_a_grid_whose_places_would_be_no_numbers_is_refused(wrong: float) -> None:
+    export = next(one for one in exports() if one.name == "grid")
+    blob = described(export, body_of(export))
+    assert Host(blob).check() == OK
+    model = export.model
+    # The chart's half, and end and rate of each parameter's axis: before all tables.
+    begins = next(at for at, words in blob.sections if words.startswith("half"))
+    places = [begins, *(begins + 16 + 12 * i + 4 * n for i in range(model.k) for n in (0, 1))]
+    for at in places:
+        content = bytearray(blob.bytes)
+        content[at : at + 4] = np.float32(wrong).tobytes()
+        assert Host(changed(blob, sealed(bytes(content)))).check() == CORRUPT, at
