@@ -152,17 +152,6 @@ class RecipeOptions:
     as_json: bool = as_json()
 
 
-def parameter_values(recipe: "Recipe", assignments: Assignments) -> list[float]:
-    """Return the internal values (rad, length) of all parameters, each given, in recipe order.
-
-    A warning says that a value outside the recipe's range is used as it is.
-    """
-    units = {p.name: p.display_unit for p in recipe.parameters}
-    values = internal_values(recipe.source, units, assignments)
-    _warn(recipe, values, "used as it is")
-    return values
-
-
 def internal_values(source: str, units: Mapping[str, str], assignments: Assignments) -> list[float]:
     """Return the values (rad, length) of parameters with these display units, in their order."""
     given = _named(source, list(units), assignments)

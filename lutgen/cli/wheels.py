@@ -10,7 +10,17 @@ import click
 from lutgen.cli import options
 from lutgen.cli.options import RecipeOptions, asks, log, option
 from lutgen.cli.sources import open_recipe
-from lutgen.cli.table import NO, TIPS, aligned, cell, degrees, even, show
+from lutgen.cli.table import (
+    NO,
+    TIPS,
+    aligned,
+    cell,
+    degrees,
+    even,
+    posture_entries,
+    posture_text,
+    show,
+)
 
 if TYPE_CHECKING:
     from lutgen.analysis import Motion
@@ -37,6 +47,7 @@ class Asked(RecipeOptions):
 def wheels(recipe: str, asked: Asked) -> None:
     """Print how fast each wheel of RECIPE spins, and how far it is steered, for a motion.
 
+    -p gives the posture; where it is left out, the recipe's `home`, then the middle of the range.
     Exit code 3 where the robot tips over under this gravity, else 1 where no wheel speeds give this
     motion without dragging a wheel sideways; the nearest motion that is possible is printed then.
 
@@ -47,15 +58,14 @@ def wheels(recipe: str, asked: Asked) -> None:
     from lutgen.analysis import Posture, wheel_speeds
 
     robot = open_recipe(recipe, asked.allow_python)
-    values = options.parameter_values(robot, asked.assignments)
-    motion = wheel_speeds(
-        Posture(robot, values), asked.velocity, math.radians(asked.yaw_rate), asked.gravity
-    )
+    posture = Posture(robot, options.posture_values(robot, asked.assignments))
+    motion = wheel_speeds(posture, asked.velocity, math.radians(asked.yaw_rate), asked.gravity)
     if not motion.standing:
         log.warning("the robot tips over: the wheels of the facet below its com are taken to touch")
     report = motion_report(robot, motion)
+    report |= posture_entries(posture, options.posture_source(robot, asked.assignments))
     good, no = motion.standing and motion.possible, NO if motion.standing else TIPS
-    show(report, motion_lines(robot, motion), asked.as_json, good, no)
+    show(report, motion_lines(robot, motion, report), asked.as_json, good, no)
 
 
 def motion_report(recipe: "Recipe", motion: "Motion") -> dict[str, Any]:
@@ -93,7 +103,7 @@ def motion_report(recipe: "Recipe", motion: "Motion") -> dict[str, Any]:
     }
 
 
-def motion_lines(recipe: "Recipe", motion: "Motion") -> Iterator[str]:
+def motion_lines(recipe: "Recipe", motion: "Motion", report: dict[str, Any]) -> Iterator[str]:
     """Return the report as text."""
     found = motion.structure
     # The paper's lengths are ratios and have no unit.
@@ -102,6 +112,8 @@ def motion_lines(recipe: "Recipe", motion: "Motion") -> Iterator[str]:
         f"{recipe.name}: {found.category} (degree of mobility {found.mobility}, of steerability "
         f"{found.steerability})"
     )
+    if "posture" in report:
+        yield f"{posture_text(report['posture'])} ({report['posture_from']})"
     rows = [["wheel", "speed rad/s", "steering deg", f"slip {unit}"]]
     for wheel in motion.wheels:
         values = (wheel.speed, degrees(wheel.steering), wheel.slip)
