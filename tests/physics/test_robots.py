@@ -32,9 +32,11 @@ def car(tmp_path: Path) -> Path:
 
 
 def test_mass_and_com_are_pinocchios_and_a_wrong_posture_is_named(car: Path) -> None:
-    described, posture, source, recipe, guessed, words = robots.imported(car)
-    assert (source, words) == ("zero, no SRDF names one to stand in", "lean")
-    assert guessed[0].startswith("a, b, c, d: a wheel of radius 100.00 mm")
+    described, posture, source, made = robots.imported(car)
+    recipe = made.recipe
+    assert source == "zero, no SRDF names one to stand in"
+    assert robots.parameters(made) == "lean"
+    assert made.guessed[0].startswith("a, b, c, d: a wheel of radius 100.00 mm")
     assert robots.weighed(car, described, posture, recipe) == []
     faults = robots.weighed(car, described, {"lean": 0.5}, recipe)
     # The mast's com goes from 0.5 sin(0.2) to 0.5 sin(0.5) m: by 0.02 m for 2 of 16 kg.
@@ -45,7 +47,7 @@ def test_the_engine_agrees_with_the_limits_and_not_with_wrong_ones(
     car: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(robots, "HEADINGS", 4)
-    recipe = robots.imported(car)[3]
+    recipe = robots.imported(car)[3].recipe
     assert robots.engine(recipe) == [robots.CLOSE] * 4
     before = robots.tilt_limits
     monkeypatch.setattr(robots, "tilt_limits", lambda *given: before(*given) + math.radians(0.5))
