@@ -12,10 +12,15 @@ from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
-from numpy.polynomial.chebyshev import chebvander
 
 from firmware_export.contacts.lines import find_break, find_jump
-from firmware_export.truth import Model, combinations, widened
+from firmware_export.truth import (
+    Model,
+    chebyshev_nodes,
+    chebyshev_transform,
+    combinations,
+    widened,
+)
 from lutgen.errors import InputError
 from lutgen.recipe import robot_size_of
 from lutgen.vector import Floats
@@ -126,7 +131,7 @@ def _cut(
 ) -> tuple[Floats, int]:
     """Return the knots of an axis, and how many terms each piece needs along it."""
     bases, size = _bases(box), robot_size_of(box.recipe)
-    matrix = _transform(LINE_NODES)
+    matrix = chebyshev_transform(LINE_NODES)
 
     def line(x: Floats) -> Floats:
         params = np.broadcast_to(bases, (len(x), *bases.shape)).copy()
@@ -137,7 +142,7 @@ def _cut(
     while True:
         longest = 1
         for low, high in pairwise(knots):
-            x = low + (_nodes(LINE_NODES)[:, None] + 1.0) / 2.0 * (high - low)
+            x = low + (chebyshev_nodes(LINE_NODES)[:, None] + 1.0) / 2.0 * (high - low)
             found = np.tensordot(matrix, line(np.repeat(x, LINES, axis=1)), (1, 0))
             above = np.flatnonzero(np.abs(found).max(axis=(1, 2)) > ENDED * error)
             length = int(above[-1]) + 1 if len(above) else 1
@@ -161,25 +166,13 @@ def _cut(
         knots = np.sort(np.append(knots, cut))
 
 
-def _nodes(n: int) -> Floats:
-    """Return the n zeros of T_n."""
-    return np.asarray(np.cos(np.pi * (np.arange(n) + 0.5) / n))
-
-
-def _transform(n: int) -> Floats:
-    """Return the (n, n) matrix from values at the zeros of T_n to coefficients."""
-    matrix: Floats = np.asarray(chebvander(_nodes(n), n - 1), np.float64).T * (2.0 / n)
-    matrix[0] /= 2.0
-    return matrix
-
-
 def _series(
     place: Callable[[Floats], Floats], knots: Sequence[Floats], lengths: Sequence[int]
 ) -> Floats:
     """Return the series of all pieces, see `Pieces`; one node more than there are terms."""
     k, counts = len(knots), [n + 1 for n in lengths]
     axes = [
-        (one[:-1, None] + (_nodes(n) + 1.0) / 2.0 * np.diff(one)[:, None]).ravel()
+        (one[:-1, None] + (chebyshev_nodes(n) + 1.0) / 2.0 * np.diff(one)[:, None]).ravel()
         for one, n in zip(knots, counts, strict=True)
     ]
     value = place(combinations(axes))
@@ -187,7 +180,7 @@ def _series(
     value = value.reshape(*shape, *value.shape[1:])
     for axis, n in enumerate(counts):
         value = np.moveaxis(
-            np.tensordot(_transform(n)[: n - 1], value, (1, 2 * axis + 1)), 0, 2 * axis + 1
+            np.tensordot(chebyshev_transform(n)[: n - 1], value, (1, 2 * axis + 1)), 0, 2 * axis + 1
         )
     order = [*range(0, 2 * k, 2), *range(1, 2 * k, 2), 2 * k, 2 * k + 1]
     return np.ascontiguousarray(value.transpose(order))

@@ -8,7 +8,7 @@ from firmware_export.truth.bound import polynomial_guard
 from firmware_export.truth.model import Exact, Model, combinations
 from firmware_export.truth.rest import least_edge_of
 from firmware_export.truth.sample import Cells, Sample, biased, join, uniform, uniform_directions
-from firmware_export.truth.series import expand, rounds
+from firmware_export.truth.series import chebyshev_nodes, chebyshev_transform, expand, rounds
 from firmware_export.truth.tip_boundary import boundary, on_chart, unit
 
 __all__ = [
@@ -18,6 +18,8 @@ __all__ = [
     "Sample",
     "biased",
     "boundary",
+    "chebyshev_nodes",
+    "chebyshev_transform",
     "combinations",
     "expand",
     "join",

@@ -43,10 +43,10 @@ def expand(model: Model) -> tuple[Floats, ...] | None:
     if None in counts or np.prod([float(n or 1) for n in counts]) > MOST_NODES:
         return None
     lengths = [int(n or 1) for n in counts]
-    grid = combinations([_nodes(n) for n in lengths])
+    grid = combinations([chebyshev_nodes(n) for n in lengths])
     series = _contacts(model, (grid + 1.0) / 2.0).reshape(*lengths, 3, 3)
     for axis, n in enumerate(lengths):
-        series = _along(series, axis, _transform(n))
+        series = _along(series, axis, chebyshev_transform(n))
     order = list(rounds(model))
     result = tuple(trim(series[..., i, :], NEGLIGIBLE * size) for i in order)
     t = rng.random((CHECKS, model.k))
@@ -73,14 +73,14 @@ def _contacts(model: Model, t: Floats) -> Floats:
     return model.postures(model.at(t)).centres
 
 
-def _nodes(n: int) -> Floats:
+def chebyshev_nodes(n: int) -> Floats:
     """Return the n zeros of T_n."""
     return np.asarray(np.cos(np.pi * (np.arange(n) + 0.5) / n))
 
 
-def _transform(n: int) -> Floats:
+def chebyshev_transform(n: int) -> Floats:
     """Return the (n, n) matrix from values at the zeros of T_n to coefficients."""
-    matrix: Floats = np.asarray(chebvander(_nodes(n), n - 1), np.float64).T * (2.0 / n)
+    matrix: Floats = np.asarray(chebvander(chebyshev_nodes(n), n - 1), np.float64).T * (2.0 / n)
     matrix[0] /= 2.0
     return matrix
 
@@ -95,9 +95,9 @@ def _length(model: Model, axis: int, rng: np.random.Generator, size: float) -> i
     bases = np.vstack([np.full(model.k, 0.5), rng.random((LINES - 1, model.k))])
     for n in LINE_NODES:
         t = np.repeat(bases[:, None], n, axis=1)
-        t[..., axis] = (_nodes(n) + 1.0) / 2.0
+        t[..., axis] = (chebyshev_nodes(n) + 1.0) / 2.0
         values = _contacts(model, t.reshape(-1, model.k)).reshape(LINES, n, 9)
-        weight = np.abs(_along(values, 1, _transform(n))).max(axis=(0, 2))
+        weight = np.abs(_along(values, 1, chebyshev_transform(n))).max(axis=(0, 2))
         above = np.flatnonzero(weight > NEGLIGIBLE * size)
         last = int(above[-1]) if len(above) else 0
         # The last two coefficients must be gone: one alone may vanish by symmetry.
