@@ -36,6 +36,8 @@ class Asked(RecipeOptions):
         "Whether body tilt counts from level ground under it, or from a level body.",
     )
     output: str | None = options.output(help="Figure (PNG, SVG or PDF).")
+    size: str | None = options.size()
+    style: str = options.style()
 
 
 @click.command(short_help="Largest tilt nose down, nose up, left, right and in the worst heading.")
@@ -69,9 +71,10 @@ def limits(recipe: str, asked: Asked) -> None:
         around = even_headings(asked.headings * -(-FIGURE // asked.headings))
         swept = sweep_limits(robot, grid.params(range(grid.size)), around, asked.convention)
     if asked.output is not None:
-        from lutgen.plot import draw_limits, save
+        from lutgen.plot import draw_limits, on_sheet, save
 
-        save(draw_limits(robot, found, swept, worst=asked.over_all), asked.output)
+        with on_sheet(asked.size, asked.style):
+            save(draw_limits(robot, found, swept, worst=asked.over_all), asked.output)
     report = limits_report(robot, found)
     report["posture_from"] = options.posture_source(robot, asked.assignments) or "given"
     if swept is not None and asked.over_all:

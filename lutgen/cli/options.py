@@ -129,6 +129,14 @@ parameters = functools.partial(
 METHODS = ("map", "nelder-mead", "search", "multistart")
 method = functools.partial(option, type=click.Choice(METHODS), default="search")
 output = functools.partial(option, "-o", type=click.Path())
+size = functools.partial(
+    option, metavar="WIDTH[xHEIGHT]", help="Of the figure in mm.  [default: one column, 89 wide]"
+)
+# Those of `lutgen.plot`, which takes a second to import.
+STYLES = ("journal", "slides", "dark")
+style = functools.partial(
+    option, type=click.Choice(STYLES), default="journal", help="How the figure looks."
+)
 tilt = functools.partial(
     option, default=20.0, help="Of the ground in deg, for the metrics over all headings."
 )

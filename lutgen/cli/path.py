@@ -60,6 +60,7 @@ class Asked(RecipeOptions):
     speed: float | None = option(type=float, help="Along the path, length per second; with --rate.")
     headings: int | None = option(type=int, help="Let the robot turn, too, to this many headings.")
     output: str | None = options.output(help="CSV file of the last run.")
+    style: str = options.style()
     plot: str | None = option(type=click.Path(), help="Figure (PNG, SVG or PDF).")
     animate: str | None = option(
         type=click.Path(), help="Film of both runs: GIF, or MP4 where ffmpeg is installed."
@@ -95,9 +96,10 @@ def path(recipe: str, asked: Asked) -> None:
         write_text(asked.output, csv_text(list(columns), zip(*columns.values(), strict=True)))
     drawn = {name: runs[name] for name in (names[0], names[-1])}
     if asked.plot is not None:
-        from lutgen.plot import draw_path, save
+        from lutgen.plot import draw_path, on_sheet, save
 
-        save(draw_path(robot, drawn), asked.plot)
+        with on_sheet(style=asked.style):
+            save(draw_path(robot, drawn), asked.plot)
     if asked.animate is not None:
         from lutgen.plot import animate
 

@@ -15,6 +15,8 @@ from lutgen.cli.options import (
     option,
     parameters,
     posture_source,
+    size,
+    style,
     tilt,
 )
 from lutgen.cli.sources import open_source
@@ -41,6 +43,8 @@ class Asked(RecipeOptions):
     )
     convention: str = convention()
     tilt: float = tilt()
+    size: str | None = size()
+    style: str = style()
 
 
 @click.command(short_help="Draw a figure (PNG, SVG or PDF).")
@@ -64,7 +68,7 @@ def plot(source: str, asked: Asked) -> None:
     \b
     $ lutgen plot paper_two.h5 -o map.png --kind contour
     """
-    from lutgen.plot import draw, save
+    from lutgen.plot import draw, on_sheet, save
     from lutgen.recipe import Recipe
 
     opened = open_source(source, asked.allow_python)
@@ -72,17 +76,18 @@ def plot(source: str, asked: Asked) -> None:
     axes = tuple(part.strip() for part in asked.axes.split(",")) if asked.axes else None
     if origin := posture_source(recipe, asked.assignments):
         log.info("parameters without a value: %s", origin)
-    figure = draw(
-        asked.kind,
-        opened,
-        params=named_values(recipe, asked.assignments),
-        gravity=asked.gravity,
-        channel=asked.channel,
-        axes=axes,
-        convention=asked.convention,
-        tilt=asked.tilt,
-    )
-    save(figure, asked.output)
+    with on_sheet(asked.size, asked.style):
+        figure = draw(
+            asked.kind,
+            opened,
+            params=named_values(recipe, asked.assignments),
+            gravity=asked.gravity,
+            channel=asked.channel,
+            axes=axes,
+            convention=asked.convention,
+            tilt=asked.tilt,
+        )
+        save(figure, asked.output)
     report = {
         "robot": recipe.name,
         "digest": recipe.digest,

@@ -29,9 +29,11 @@ from lutgen.errors import InputError
 from lutgen.files import write_bytes
 from lutgen.plot.box import box_axes, set_limits
 from lutgen.plot.labels import angle_text, unit_label
-from lutgen.plot.path import RED, draw_angles
+from lutgen.plot.palette import BLUE, GREEN, GREY, RED
+from lutgen.plot.path import draw_angles
 from lutgen.plot.robot import rims
-from lutgen.plot.style import BLUE, GREEN, GREY, house_style, known_suffix, new_figure
+from lutgen.plot.shape import shape_of
+from lutgen.plot.style import house_style, known_suffix, new_figure
 from lutgen.recipe import Recipe
 from lutgen.search import Drive
 
@@ -232,8 +234,9 @@ class _Robot:
         state = diagnose(Posture(self.recipe, self.run.params[i]), self.run.gravity_body[i])
         turn = to_world(self.run.gravity_body[i], float(self.run.heading[i]))
         tips = bool(self.run.tips[i])
-        centres = state.centres @ turn.T
-        self.body.set_segments([np.array([np.zeros(3), centre]) for centre in centres])
+        shape = shape_of(self.recipe, self.run.params[i])
+        outlines = [np.concatenate([face, face[:1]]) for face in shape.faces]
+        self.body.set_segments([part @ turn.T for part in (*shape.bones, *shape.belts, *outlines)])
         self.wheels.set_segments(
             [rim @ turn.T for i in range(len(state.kind)) for rim in rims(state, i)]
         )
