@@ -37,6 +37,7 @@ class Asked:
     )
     as_json: bool = options.as_json()
     output: str | None = options.output(help="Figure (PNG, SVG or PDF).")
+    force: bool = options.force()
 
 
 @click.command(short_help="Whether feet on uneven ground hold a weight.")
@@ -61,7 +62,7 @@ def stance(file: str, asked: Asked) -> None:
     if asked.output is not None:
         from lutgen.plot import draw_footing, save
 
-        save(draw_footing(footing, found), asked.output)
+        save(draw_footing(footing, found), asked.output, force=asked.force)
     report = stance_report(footing, found)
     show(report, stance_lines(footing, found), asked.as_json, bool(found.holds), TIPS)
 
