@@ -77,8 +77,8 @@ def check_target(
             return
         if stat.S_ISLNK(found.st_mode):
             raise InputError(
-                f"{path}: is a link (got one to {Path(path).readlink()}); name the file that it leads "
-                "to, or remove the link."
+                f"{path}: is a link (got one to {Path(path).readlink()}); name the file that it "
+                "leads to, or remove the link."
             )
         if not stat.S_ISREG(found.st_mode):
             raise InputError(f"{path}: is no file (got a device, pipe or socket); name a file.")
@@ -140,7 +140,7 @@ def write_bytes(
 
 def _put(partial: Path, target: Path, force: bool, content: bytes) -> None:
     """Give a finished file its name; one that somebody else has taken meanwhile is left alone."""
-    if not force and not os.path.lexists(target):
+    if not force:
         try:
             os.link(partial, target)
             return

@@ -93,8 +93,10 @@ def import_(urdf: str, asked: Asked) -> None:
     wheels and feet that are recognised in meshes (pip install lutgen[meshes]).
     Without --joint and --couple, every joint that moves a contact, or the centre of mass by more
     than 0.5 % of the robot's size, becomes a parameter; of more than ten those that are alike move
-    together.  A recipe that is
-    there stays unless --merge or --force is given; --merge takes the options of the first time.
+    together.
+
+    A recipe that is there stays as it is unless --merge or --force is given; give --merge the same
+    options as the first time.
 
     \b
     $ lutgen import robot.urdf -o recipe.toml -c left_wheel -c right_wheel -c nose=0.3,0,-0.1
