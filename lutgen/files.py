@@ -15,7 +15,15 @@ from pathlib import Path
 
 from lutgen.errors import InputError
 
-__all__ = ["check_target", "csv_text", "digest", "is_ours", "write_bytes", "write_text"]
+__all__ = [
+    "check_kind",
+    "check_target",
+    "csv_text",
+    "digest",
+    "is_ours",
+    "write_bytes",
+    "write_text",
+]
 
 # How the kinds of files begin that can say who made them, and what lutgen's say.  Texts have no
 # place for a mark that no reader stumbles over, and recipes are for hands: both have none.
@@ -46,6 +54,21 @@ def is_ours(path: str | os.PathLike[str]) -> bool:
     )
 
 
+def check_kind(path: str | os.PathLike[str]) -> None:
+    """Refuse, with an InputError, to write to a link, a device or a pipe; nothing else is said."""
+    try:
+        kind = os.lstat(path).st_mode
+        leads = Path(path).readlink() if stat.S_ISLNK(kind) else None
+    except OSError:
+        return
+    if leads is not None:
+        raise InputError(
+            f"{path}: is a link (got one to {leads}); name the file that it leads to, or remove it."
+        )
+    if not (stat.S_ISREG(kind) or stat.S_ISDIR(kind)):
+        raise InputError(f"{path}: is no file (got a device, pipe or socket); name a file.")
+
+
 def check_target(
     path: str | os.PathLike[str],
     force: bool = False,
@@ -71,18 +94,10 @@ def check_target(
         For a file without lutgen's mark, unless `force`; for a link or a device always.  A folder
         is left to whoever writes.
     """
+    check_kind(path)
     try:
         found = os.lstat(path)
-        if stat.S_ISDIR(found.st_mode):
-            return
-        if stat.S_ISLNK(found.st_mode):
-            raise InputError(
-                f"{path}: is a link (got one to {Path(path).readlink()}); name the file that it "
-                "leads to, or remove the link."
-            )
-        if not stat.S_ISREG(found.st_mode):
-            raise InputError(f"{path}: is no file (got a device, pipe or socket); name a file.")
-        if force or is_ours(path):
+        if force or stat.S_ISDIR(found.st_mode) or is_ours(path):
             return
         if content is not None and found.st_size == len(content):
             handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW)
@@ -91,7 +106,7 @@ def check_target(
                     return
     except OSError:
         # Nothing there, or the writing says what is wrong.
-        if not os.path.lexists(path) or force:
+        if not os.path.lexists(path):
             return
     raise InputError(
         f"{path}: is there already, not made by lutgen or meant to be edited (got no --force); "

@@ -4,6 +4,7 @@ Owns the run: which blocks are still to be computed, where, progress, interrupti
 Numbers come from `compute`, the file from `part`.
 """
 
+import contextlib
 import os
 from collections.abc import Callable, Generator
 from contextlib import closing
@@ -14,11 +15,11 @@ import numba
 
 from lutgen import bounds
 from lutgen.errors import InputError, MapFileError, SweepError
-from lutgen.files import check_target
+from lutgen.files import check_kind, check_target, is_ours
 from lutgen.mapping.blocks import Plan, plan
 from lutgen.mapping.compute import Computer, require_standing
 from lutgen.mapping.layout import lay_out
-from lutgen.mapping.part import SIGNATURE, PartFile
+from lutgen.mapping.part import PartFile
 from lutgen.recipe import Recipe
 
 ENGINES = ("local", "dask")
@@ -94,7 +95,9 @@ def sweep(
         )
     part = target.with_name(target.name + ".part")
     check_target(target, force)
-    _check_part(part, force)
+    check_kind(part)
+    if force:
+        _clear_part(part)
     before = numba.get_num_threads()
     numba.set_num_threads(threads or most)
     try:
@@ -148,26 +151,29 @@ def _require_options(
         )
 
 
-def _check_part(part: Path, force: bool) -> None:
-    """Refuse an unfinished file that is none of ours; with `force` it is removed.
+def _clear_part(part: Path) -> None:
+    """Remove an unfinished file that is none of ours: to empty it might empty its other names.
 
-    One that is empty, or that a power cut left without a head, holds nothing.
+    One that another sweep is just laying out begins with zeros.
     """
-    try:
-        check_target(part)
-    except InputError:
-        if part.is_symlink() or not part.is_file():
-            raise
+    with contextlib.suppress(FileNotFoundError):
         with part.open("rb") as file:
-            if not any(file.read(len(SIGNATURE))):
-                return
-        if not force:
-            raise
-        part.unlink()
+            begun = any(file.read(1))
+        if begun and not is_ours(part):
+            part.unlink()
 
 
 def _open(file: PartFile, recipe: Recipe, resume: bool, force: bool) -> None:
-    """Lay out the unfinished file, or check one to go on with."""
+    """Lay out the unfinished file, or check one to go on with.
+
+    Work that neither `resume` nor `force` is said of, and a file of somebody else, is left alone.
+    """
+    if file.begun() and not resume and not force:
+        check_target(file.path)
+        raise InputError(
+            f"{file.path}: holds the unfinished work of a sweep (got neither --resume nor "
+            "--force); go on with --resume, or begin anew with --force."
+        )
     go_on = resume and file.begun()
     if file.begun() and not resume and not force:
         raise InputError(

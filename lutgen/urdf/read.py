@@ -20,7 +20,6 @@ from lutgen.parts import parents_first
 from lutgen.urdf.xml import parse_xml
 from lutgen.vector import Vector
 
-# Larger files are refused: a description without its meshes is far smaller.
 MAX_BYTES = bounds.URDF_BYTES.most
 MAX_LINKS = bounds.LINKS.most
 MAX_NAME = 200
