@@ -1,8 +1,8 @@
 """The command group: its options, and how errors become one line and an exit code."""
 
+import errno
 import logging
 import os
-import sys
 import traceback
 from pathlib import Path
 from typing import Any, NoReturn
@@ -30,6 +30,8 @@ from lutgen.cli.wheels import wheels
 from lutgen.errors import ExportError, InputError, LutgenError, SweepError
 
 FAILED, BAD_INPUT = 1, 2
+# What the system says of an output that takes no more: a name stands with all other files.
+NO_OUTPUT = (errno.EPIPE, errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
 # What a fault of lutgen itself is called, and how much of its own words is quoted.
 UNFORESEEN = "this is a fault of lutgen"
 LONGEST = 300
@@ -59,7 +61,7 @@ class Group(click.Group):
 
 def _end(error: Exception) -> NoReturn:
     """Say in a sentence why a command ended that no message of ours explains; exit."""
-    if isinstance(error, OSError) and not _can_write():
+    if isinstance(error, OSError) and error.errno in NO_OUTPUT and error.filename is None:
         # The reader of our output has gone, or its disk is full: it gets nothing, not even at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         if not isinstance(error, BrokenPipeError):
@@ -82,18 +84,6 @@ def _end(error: Exception) -> NoReturn:
         )
     click.echo(f"Error: {said}", err=True)
     raise SystemExit(FAILED) from error
-
-
-def _can_write() -> bool:
-    """Return whether what is still to be printed can be."""
-    try:
-        sys.stdout.flush()
-    except OSError:
-        return False
-    except ValueError:
-        # It is closed.
-        return True
-    return True
 
 
 def check_environment() -> None:

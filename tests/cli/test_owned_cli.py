@@ -10,6 +10,7 @@ import lutgen
 from lutgen.errors import InputError
 from lutgen.files import is_ours
 from lutgen.paper import manifest
+from lutgen.plot.style import new_figure, save
 from tests.fixtures.commands import good, run
 from tests.fixtures.places import VECTORS
 from tests.fixtures.recipes import tripod
@@ -80,17 +81,23 @@ def test_unfinished_work_is_never_thrown_away_without_a_word(folder: Path) -> No
     assert Path("a.h5").read_bytes() == Path("b.h5").read_bytes()
 
 
-@pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
-def test_a_figure_carries_a_mark_and_replaces_figures_alone(folder: Path, suffix: str) -> None:
-    figure = f"a.{suffix}"
-    Path(figure).write_bytes(MINE)
-    ask = ("plot", "r.toml", "--kind", "robot", "-o", figure)
-    refused(figure, *ask)
+def test_a_figure_replaces_figures_of_lutgen_alone(folder: Path) -> None:
+    Path("a.png").write_bytes(MINE)
+    ask = ("plot", "r.toml", "--kind", "robot", "-o", "a.png")
+    refused("a.png", *ask)
     good(*ask, "--force")
-    assert is_ours(figure)
-    first = Path(figure).read_bytes()
     good(*ask)
-    assert Path(figure).read_bytes() == first
+
+
+@pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
+def test_a_figure_of_any_kind_carries_a_mark_and_is_the_same_twice(
+    folder: Path, suffix: str
+) -> None:
+    for _ in range(2):
+        save(new_figure((1.0, 1.0)), f"a.{suffix}")
+        assert is_ours(f"a.{suffix}")
+    save(new_figure((1.0, 1.0)), f"b.{suffix}")
+    assert Path(f"a.{suffix}").read_bytes() == Path(f"b.{suffix}").read_bytes()
 
 
 def test_a_film_carries_a_mark_and_a_table_of_a_path_has_no_place_for_one(folder: Path) -> None:
