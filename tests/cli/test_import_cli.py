@@ -152,7 +152,7 @@ def test_of_many_joints_that_are_not_alike_the_greatest_become_parameters(folder
     assert len(report["parameters"]) == 6
     assert report["because"] == "12 joints move contacts or com"
     assert report["coupled"] == {}
-    good("import", "many.urdf", "-o", "many.toml", *(f"-jj{i}" for i in range(12)))
+    good("import", "many.urdf", "-o", "many.toml", "--force", *(f"-jj{i}" for i in range(12)))
     recipe = lutgen.load_recipe("many.toml")
     assert len(recipe.parameters) == 12
     # With three nodes each it would be 531,441 postures.
