@@ -109,8 +109,7 @@ def check_target(
         if not os.path.lexists(path):
             return
     raise InputError(
-        f"{path}: is there already, not made by lutgen or meant to be edited (got no --force); "
-        f"{way_out}."
+        f"{path}: is there already, without a mark that lutgen made it (got no --force); {way_out}."
     )
 
 
