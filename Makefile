@@ -105,12 +105,12 @@ clean: ## remove build/ and the caches, keep .venv
 
 build/maps/absolem_urdf.toml: $(LUTGEN_ROBOTS)/absolem.urdf $(SOURCES) | .venv/.installed
 	@mkdir -p $(@D)
-	$(BIN)/lutgen import $< -o $@ --name absolem_urdf -j front_left_flipper_j \
+	$(BIN)/lutgen import $< -o $@ --force --name absolem_urdf -j front_left_flipper_j \
 	  -j front_right_flipper_j -j rear_left_flipper_j -j rear_right_flipper_j
 
 build/maps/%.h5: %.toml $(SOURCES) | .venv/.installed
 	@mkdir -p $(@D)
-	$(BIN)/lutgen sweep $< -o $@
+	$(BIN)/lutgen sweep $< -o $@ --force
 
 build/maps/%/figures.stamp: %.toml build/maps/%.h5 tools/gallery.py
 	@mkdir -p $(@D)
@@ -120,10 +120,10 @@ build/maps/%/figures.stamp: %.toml build/maps/%.h5 tools/gallery.py
 # The folder of an export holds nothing but its files, so the stamp stands beside it.
 build/maps/%/firmware.stamp: build/maps/%.h5 $(EXPORTER)
 	@mkdir -p $(@D)
-	$(BIN)/lutgen export $< -o build/maps/$*/firmware
+	$(BIN)/lutgen export $< -o build/maps/$*/firmware --force
 	@touch $@
 
 build/paper/gallery.stamp: $(SOURCES) tools/gallery.py tools/paper_gallery.py | .venv/.installed
-	$(BIN)/lutgen -v paper -o build/paper
+	$(BIN)/lutgen -v paper -o build/paper --force
 	$(BIN)/python tools/paper_gallery.py build/paper
 	@touch $@

@@ -110,6 +110,9 @@ Assignments = tuple[tuple[str, float], ...]
 allow_python = functools.partial(
     option, is_flag=True, help="Run the code that the recipe names (`python = ...`)."
 )
+force = functools.partial(
+    option, is_flag=True, help="Replace what is there also where lutgen did not make it."
+)
 as_json = functools.partial(option, "--json", is_flag=True, help="Print the result as JSON.")
 gravity = functools.partial(
     option,
@@ -232,6 +235,15 @@ def require_known(source: str, known: Sequence[str], name: str, got: str) -> Non
             f"{source}: there is no parameter {name!r} (got {got}); it has "
             f"{', '.join(known) or 'none'}"
         )
+
+
+def check_outputs(force: bool, *paths: str | None) -> None:
+    """Refuse, before the work, to write figures and films where lutgen made nothing."""
+    from lutgen.files import check_target
+
+    for path in paths:
+        if path is not None:
+            check_target(path, force)
 
 
 def file_size(count: float) -> str:

@@ -8,7 +8,9 @@ import click
 from lutgen.cli.options import (
     RecipeOptions,
     asks,
+    check_outputs,
     convention,
+    force,
     gravity,
     log,
     named_values,
@@ -33,6 +35,7 @@ class Asked(RecipeOptions):
     output: str = option(
         "-o", "--output", required=True, type=click.Path(), help="PNG, SVG or PDF file."
     )
+    force: bool = force()
     kind: str = option("--kind", required=True, type=click.Choice(KINDS), help="Which figure.")
     assignments: tuple[tuple[str, float], ...] = parameters()
     gravity: tuple[float, float, float] = gravity()
@@ -71,6 +74,7 @@ def plot(source: str, asked: Asked) -> None:
     from lutgen.plot import draw, on_sheet, save
     from lutgen.recipe import Recipe
 
+    check_outputs(asked.force, asked.output)
     opened = open_source(source, asked.allow_python)
     recipe = opened if isinstance(opened, Recipe) else opened.recipe
     axes = tuple(part.strip() for part in asked.axes.split(",")) if asked.axes else None
@@ -87,7 +91,7 @@ def plot(source: str, asked: Asked) -> None:
             convention=asked.convention,
             tilt=asked.tilt,
         )
-        save(figure, asked.output)
+        save(figure, asked.output, force=asked.force)
     report = {
         "robot": recipe.name,
         "digest": recipe.digest,

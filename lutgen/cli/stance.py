@@ -39,6 +39,7 @@ class Asked:
     output: str | None = options.output(help="Figure (PNG, SVG or PDF).")
     size: str | None = options.size()
     style: str = options.style()
+    force: bool = options.force()
 
 
 @click.command(short_help="Whether feet on uneven ground hold a weight.")
@@ -64,7 +65,7 @@ def stance(file: str, asked: Asked) -> None:
         from lutgen.plot import draw_footing, on_sheet, save
 
         with on_sheet(asked.size, asked.style):
-            save(draw_footing(footing, found), asked.output)
+            save(draw_footing(footing, found), asked.output, force=asked.force)
     report = stance_report(footing, found)
     show(report, stance_lines(footing, found), asked.as_json, bool(found.holds), TIPS)
 

@@ -45,6 +45,8 @@ MOST_FRAMES = 60
 LENGTH, SHORTEST, LONGEST = 7.2, 0.12, 0.5
 COLOURS = 64
 RESOLUTION = 100
+# Of ffmpeg: no dates and versions, but our mark (lutgen/files.py).
+EXACTLY = ["-fflags", "+bitexact", "-metadata", "comment=lutgen"]
 # Inches.  Both sides are whole even numbers of dots, which films need.
 WIDTH, HEIGHT = 6.4, 4.5
 ELEVATION, AZIMUTH = 14.0, -68.0
@@ -69,7 +71,9 @@ def check_animation(path: str | os.PathLike[str]) -> None:
         )
 
 
-def animate(recipe: Recipe, runs: Mapping[str, Drive], path: str | os.PathLike[str]) -> int:
+def animate(
+    recipe: Recipe, runs: Mapping[str, Drive], path: str | os.PathLike[str], force: bool = False
+) -> int:
     """Write a film of one or two runs along the same path.
 
     Parameters
@@ -81,6 +85,8 @@ def animate(recipe: Recipe, runs: Mapping[str, Drive], path: str | os.PathLike[s
     path : str or path
         Ends in .gif, or in .mp4 where ffmpeg is installed.  The same runs give the same bytes of a
         GIF.
+    force : bool
+        Whether a file that lutgen did not make may be replaced.
 
     Returns
     -------
@@ -103,7 +109,7 @@ def animate(recipe: Recipe, runs: Mapping[str, Drive], path: str | os.PathLike[s
         frames = (film.frame(int(i)) for i in at)
         gif = Path(path).suffix.lower() == ".gif"
         content = _gif(frames, pause) if gif else _mp4(film.figure, frames, pause, path)
-    write_bytes(path, content)
+    write_bytes(path, content, force=force)
     return count
 
 
@@ -117,7 +123,15 @@ def _gif(frames: Iterator[Floats], pause: float) -> bytes:
     few = [Image.fromarray(p).quantize(palette=palette, dither=Image.Dither.NONE) for p in pictures]
     out = io.BytesIO()
     duration = round(1000.0 * pause)
-    few[0].save(out, format="GIF", save_all=True, append_images=few[1:], duration=duration, loop=0)
+    few[0].save(
+        out,
+        format="GIF",
+        save_all=True,
+        append_images=few[1:],
+        duration=duration,
+        loop=0,
+        comment=b"lutgen",
+    )
     return out.getvalue()
 
 
@@ -127,7 +141,7 @@ def _mp4(
     """Return a film that ffmpeg made of the frames."""
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / "film.mp4"
-        writer = FFMpegWriter(fps=1.0 / pause, extra_args=["-fflags", "+bitexact"])  # type: ignore[arg-type]
+        writer = FFMpegWriter(fps=1.0 / pause, extra_args=EXACTLY)  # type: ignore[arg-type]
         try:
             with writer.saving(figure, str(target), RESOLUTION):
                 for _ in frames:

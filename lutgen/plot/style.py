@@ -58,11 +58,12 @@ SETTINGS: dict[str, Any] = {
     # Text that can be searched, read aloud and set in the font of a page.
     "svg.fonttype": "none",
 }
-# Dates would make two runs differ, and the program's name two versions of matplotlib.
+# The mark of our files (lutgen/files.py).  Dates would make two runs differ, and the program's name
+# two versions of matplotlib.
 METADATA: dict[str, dict[str, Any]] = {
-    ".png": {"Software": None},
-    ".svg": {"Date": None},
-    ".pdf": {"CreationDate": None},
+    ".png": {"Software": "lutgen"},
+    ".svg": {"Date": None, "Creator": "lutgen"},
+    ".pdf": {"CreationDate": None, "Creator": "lutgen", "Producer": "lutgen"},
 }
 
 
@@ -117,10 +118,13 @@ def known_suffix(path: str | os.PathLike[str], kind: str, known: Iterable[str]) 
     return suffix
 
 
-def save(figure: Figure, path: str | os.PathLike[str], dpi: int = RESOLUTION) -> None:
+def save(
+    figure: Figure, path: str | os.PathLike[str], dpi: int = RESOLUTION, force: bool = False
+) -> None:
     """Write a figure as PNG, SVG or PDF, whichever the path ends in.
 
     The same figure gives the same bytes; the file appears under its name only when it is whole.
+    A file that lutgen did not make is replaced with `force` only; InputError is raised otherwise.
     """
     target = Path(path)
     suffix = known_suffix(target, "picture", METADATA)
@@ -129,4 +133,5 @@ def save(figure: Figure, path: str | os.PathLike[str], dpi: int = RESOLUTION) ->
         if sheet().style == "slides":
             dpi = round(SLIDE * dpi)
         figure.savefig(picture, dpi=dpi, format=suffix[1:], metadata=METADATA[suffix])
-    write_bytes(target, picture.getvalue(), failed="the picture cannot be written")
+    failed = "the picture cannot be written"
+    write_bytes(target, picture.getvalue(), failed=failed, force=force)
