@@ -9,10 +9,11 @@ import re
 import sys
 import tomllib
 from collections.abc import Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-__all__ = ["bill", "bounds", "locked", "oldest"]
+__all__ = ["Locked", "bill", "bounds", "locked", "oldest"]
 
 ROOT = Path(__file__).resolve().parent.parent
 LOCK = ROOT / "requirements.txt"
@@ -49,16 +50,26 @@ def oldest() -> Iterator[str]:
         yield f"{name}~={low}.0" if low.count(".") == 1 else f"{name}=={low}"
 
 
-def locked() -> dict[str, tuple[str, list[str]]]:
-    """Return the version and the SHA-256 digests of each locked dependency."""
-    found: dict[str, tuple[str, list[str]]] = {}
-    name = ""
+@dataclass
+class Locked:
+    """One line of the lock: a version, where it is for (an environment marker), its SHA-256s."""
+
+    name: str
+    version: str
+    marker: str
+    digests: list[str] = field(default_factory=list)
+
+
+def locked() -> list[Locked]:
+    """Return what is locked, in the order of the file; some names have a version per Python."""
+    found: list[Locked] = []
     for line in LOCK.read_text("utf-8").splitlines():
-        if match := re.match(r"([A-Za-z0-9_.-]+)==([^ ;]+)", line):
-            name = match[1]
-            found[name] = (match[2], [])
-        elif match := re.search(r"--hash=sha256:([0-9a-f]{64})", line):
-            found[name][1].append(match[1])
+        if match := re.match(r"([A-Za-z0-9_.-]+)==([^ ;]+)(?: ; (.*?))?(?: \\)?$", line):
+            found.append(Locked(match[1], match[2], match[3] or ""))
+        elif match := re.fullmatch(r"    --hash=sha256:([0-9a-f]{64})(?: \\)?", line):
+            found[-1].digests.append(match[1])
+        else:
+            raise ValueError(f"requirements.txt: {line!r} is no locked version; run `make lock`")
     return found
 
 
@@ -67,14 +78,17 @@ def bill() -> str:
     components: list[dict[str, Any]] = [
         {
             "type": "library",
-            "bom-ref": name,
-            "name": name,
-            "version": version,
-            "purl": f"pkg:pypi/{name}@{version}",
+            "bom-ref": f"{one.name}@{one.version}",
+            "name": one.name,
+            "version": one.version,
+            "purl": f"pkg:pypi/{one.name}@{one.version}",
             # An archive of each platform has a digest of its own.
-            "properties": [{"name": "sha256", "value": digest} for digest in digests],
+            "properties": [
+                *([{"name": "lutgen:marker", "value": one.marker}] if one.marker else []),
+                *({"name": "lutgen:sha256", "value": digest} for digest in one.digests),
+            ],
         }
-        for name, (version, digests) in sorted(locked().items())
+        for one in locked()
     ]
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["name"]
     document = {

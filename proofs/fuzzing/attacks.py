@@ -59,7 +59,6 @@ def alone() -> list[Case]:
     return [
         Case("no threads", files, ("eval", R, "--json"), BAD, environment=zero),
         Case("words for threads", files, ("eval", R), BAD, environment={"NUMBA_NUM_THREADS": "x"}),
-        Case("no home", files, ("eval", R, "--json"), ANSWERS, environment={"HOME": "/nowhere"}),
         Case(
             "odd encoding", files, ("check", R), ANSWERS, environment={"PYTHONIOENCODING": "ascii"}
         ),

@@ -14,6 +14,7 @@ from collections.abc import Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from multiprocessing import get_context
+from multiprocessing.util import Finalize
 from pathlib import Path
 
 from proofs.fuzzing.attacks import alone, attacks
@@ -23,7 +24,7 @@ from proofs.fuzzing.kinds import KINDS
 from proofs.fuzzing.runner import Runner
 from proofs.fuzzing.shrink import shrunk
 
-__all__ = ["ATTACKS", "Found", "Tally", "Task", "campaign", "tried"]
+__all__ = ["ATTACKS", "Found", "Tally", "Task", "campaign", "distinct", "tried"]
 
 ATTACKS = "attack"
 # Every so many cases one is run again in a process of its own, and has to end alike.
@@ -86,6 +87,8 @@ def _runner() -> Runner:
     global _RUNNER
     if _RUNNER is None:
         _RUNNER = Runner()
+        # Processes of a pool end without their `atexit`.
+        Finalize(None, _RUNNER.close, exitpriority=10)
         _RUNNER.warm(WARM)
     return _RUNNER
 
@@ -213,20 +216,11 @@ def campaign(
     with ProcessPoolExecutor(jobs, get_context("spawn"), initializer=_quiet) as pool:
         for kind, tally in pool.map(tried, tasks):
             found[kind].add(tally)
-        for done in [pool.submit(_close) for _ in range(2 * jobs)]:
-            done.result()
     return found
 
 
 def _quiet() -> None:
     os.environ.setdefault("PYTHONWARNINGS", "ignore")
-
-
-def _close() -> None:
-    global _RUNNER
-    if _RUNNER is not None:
-        _RUNNER.__exit__(None, None, None)
-        _RUNNER = None
 
 
 def distinct(found: Iterable[Found]) -> Sequence[Found]:

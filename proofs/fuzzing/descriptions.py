@@ -73,7 +73,7 @@ def _change(rng: random.Random, root: ElementTree.Element) -> str:
         node.tag = pick(rng, TAGS)
     elif how == "many":
         _chain(rng, root)
-    return how
+    return str(how)
 
 
 def _chain(rng: random.Random, root: ElementTree.Element) -> None:
@@ -93,7 +93,7 @@ def _chain(rng: random.Random, root: ElementTree.Element) -> None:
 
 
 def _deep(rng: random.Random) -> bytes:
-    depth = pick(rng, (100, 5_000, 200_000))
+    depth = int(pick(rng, (100, 5_000, 200_000)))
     return b'<robot name="d">' + b"<link>" * depth + b"</link>" * depth + b"</robot>"
 
 
@@ -113,7 +113,7 @@ def _written(rng: random.Random, root: ElementTree.Element) -> bytes:
     data = text.encode("utf-8", "replace")
     if rng.random() < 0.03:
         encoding = pick(rng, ("utf-16", "utf-32", "latin-1"))
-        data = text.encode(encoding, "replace")
+        data = text.encode(str(encoding), "replace")
     return hostile.damaged(rng, data) if rng.random() < 0.08 else data
 
 

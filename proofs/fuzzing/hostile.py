@@ -77,7 +77,7 @@ def damaged(rng: random.Random, data: bytes) -> bytes:
         return data[:at] + bytes([data[at] ^ (1 << rng.randrange(8))]) + data[at + 1 :]
     if how == 4:
         return data[:at] + rng.randbytes(span) + data[at + span :]
-    piece = pick(
+    piece: bytes = pick(
         rng, (b"\x00", b"\xff" * 8, b"\xef\xbb\xbf", b"\r", b"\n" * 9, b"[" * 3000, b'"""')
     )
     return data[:at] + piece + data[at:]

@@ -21,6 +21,11 @@ def fault(case: Case, outcome: Outcome) -> str:
     said = outcome.stderr
     if "Traceback (most recent call last)" in said:
         return f"traceback: {_where(said)}"
+    # What a last resort says instead of one is no better for whoever reads it.
+    if unforeseen := re.search(r"this is a fault of lutgen \(got (.*)\);", said):
+        return f"traceback: {re.sub(r'[0-9]{5,}', '#', unforeseen[1])[:120]}"
+    if "the memory is not enough" in said:
+        return f"memory: {case.words[0]} asks for more than there is"
     if outcome.seconds > PATIENCE:
         return f"slow: {case.words[0] if case.words else 'lutgen'} takes over {PATIENCE:.0f} s"
     if outcome.peak > MEMORY:

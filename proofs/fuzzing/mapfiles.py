@@ -71,8 +71,7 @@ def _attribute(rng: random.Random, file: Any, what: str) -> None:
     if what == "no attribute":
         del file.attrs[name]
     elif what == "attribute":
-        value = pick(rng, VALUES)
-        file.attrs[name] = value
+        file.attrs[name] = pick(rng, VALUES)
     else:
         text = mutated(rng, file.attrs["recipe"])[0]
         try:
@@ -80,7 +79,7 @@ def _attribute(rng: random.Random, file: Any, what: str) -> None:
             if rng.random() < 0.7:  # as if it had been swept
                 digest = parse_recipe(file.attrs["recipe"], "r.toml").digest
                 file.attrs["recipe_sha256"] = digest
-        except (ValueError, RecursionError, MemoryError, OSError):
+        except (ValueError, RecursionError, MemoryError, OSError, RuntimeError):
             pass  # then the map holds what is no recipe
 
 

@@ -80,7 +80,7 @@ def _list(rng: random.Random, tree: dict[str, Any]) -> None:
     found = _of(tree, list)
     if found:
         table, key = pick(rng, found)
-        many = pick(rng, (0, 1, 2, 2, 3, 30, 300))
+        many = pick(rng, (0, 1, 2, 2, 3, 30, 300)) if len(table[key]) < 100 else 1
         table[key] = copy.deepcopy(table[key]) * many
         rng.shuffle(table[key])
 

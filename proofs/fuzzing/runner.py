@@ -16,7 +16,7 @@ from pathlib import Path
 from types import TracebackType
 
 from proofs.fuzzing.case import Case, Outcome
-from proofs.fuzzing.worker import LARGEST_FILE, SPARE
+from proofs.fuzzing.worker import LARGEST_FILE, MEMORY, SPARE
 
 __all__ = ["PATIENCE", "Runner"]
 
@@ -54,6 +54,10 @@ class Runner:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """End the process, and remove the folders."""
         self.stop()
         shutil.rmtree(self._scratch, ignore_errors=True)
 
@@ -163,8 +167,13 @@ class Runner:
                 code = self._worker.wait()
             self.stop()
             seconds = float("inf") if not ready else 0.0
-            return Outcome(code if code is not None else -9, _read(out), _read(err), seconds, 0)
+            # A process that leaves by itself is no better than one that is killed.
+            code = code if code is not None and code < 0 else -signal.SIGKILL
+            return Outcome(code, _read(out), _read(err), seconds, 0)
         answer = json.loads(line)
+        if answer["peak"] > MEMORY // 2:
+            # What it does not give back would count for the next.
+            self.stop()
         return Outcome(answer["code"], _read(out), _read(err), answer["seconds"], answer["peak"])
 
     def _lay_out(self, case: Case) -> None:

@@ -15,7 +15,7 @@ import traceback
 from pathlib import Path
 from typing import Any
 
-__all__ = ["LARGEST_FILE", "MEMORY", "peak", "serve"]
+__all__ = ["LARGEST_FILE", "MEMORY", "SPARE", "peak", "serve"]
 
 # Bytes that a run may hold; and may ask for, beyond what the process has once it is warm.
 MEMORY = 2 << 30
