@@ -24,7 +24,7 @@ from lutgen.cli.schema import schema
 from lutgen.cli.stance import stance
 from lutgen.cli.sweep import sweep
 from lutgen.cli.wheels import wheels
-from lutgen.errors import ExportError, LutgenError, SweepError
+from lutgen.errors import ExportError, LutgenError, SweepError, readable
 
 FAILED, BAD_INPUT = 1, 2
 
@@ -37,11 +37,14 @@ class Group(click.Group):
         try:
             return super().invoke(ctx)
         except LutgenError as error:
-            failure = click.ClickException(str(error))
+            failure = click.ClickException(readable(str(error)))
             failed = isinstance(error, ExportError | SweepError)
             # click reads it from the instance; the class has the value 1.
             vars(failure)["exit_code"] = FAILED if failed else BAD_INPUT
             raise failure from error
+        except click.ClickException as error:
+            error.message = readable(error.message)
+            raise
         except BrokenPipeError:
             # The reader of our output has gone: nothing is left to say, not even at exit.
             os.dup2(os.open(os.devnull, os.O_WRONLY), 1)

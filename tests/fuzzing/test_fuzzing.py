@@ -23,7 +23,9 @@ TRACE = """Traceback (most recent call last):
   File "/x/lutgen/grid.py", line 7, in knots
 ValueError: no
 """
-UNFORESEEN = "Error: this is a fault of lutgen (got ValueError: no in grid.py, line 7); run it again\n"
+UNFORESEEN = (
+    "Error: this is a fault of lutgen (got ValueError: no in grid.py, line 7); run it again\n"
+)
 
 
 @pytest.fixture(autouse=True)
