@@ -16,11 +16,12 @@ from pathlib import Path
 from types import TracebackType
 
 from proofs.fuzzing.case import Case, Outcome
-from proofs.fuzzing.worker import LARGEST_FILE, MEMORY, SPARE
+from proofs.fuzzing.worker import LARGEST_FILE, MEMORY, SPARE, delay
 
 __all__ = ["PATIENCE", "Runner"]
 
-# Seconds of one run; and of one whose kernels may have to be compiled first.
+# Seconds of one run; and of one whose kernels may have to be compiled first.  What a process waits
+# for a core does not count: the machine may be others', too.
 PATIENCE = 20.0
 WARMING = 600.0
 # Of what a run says so many bytes are read.
@@ -86,7 +87,7 @@ class Runner:
         """Run a case in a process of its own."""
         self._lay_out(case)
         out, err = self._scratch / "stdout", self._scratch / "stderr"
-        began = time.perf_counter()
+        seconds = 0.0
         with out.open("wb") as stdout, err.open("wb") as stderr:
             process = subprocess.Popen(
                 [sys.executable, "-m", "lutgen", *case.words],
@@ -98,17 +99,18 @@ class Runner:
                 start_new_session=True,
                 preexec_fn=_limits,
             )
-            stop = time.monotonic() + PATIENCE
+            spent = _Watch(process.pid)
             code, usage = None, None
-            while code is None and time.monotonic() < stop:
+            while code is None and spent() < PATIENCE:
+                time.sleep(0.01)
+                seconds = spent()
                 done, status, usage = os.wait4(process.pid, os.WNOHANG)
                 code = os.waitstatus_to_exitcode(status) if done else None
-                time.sleep(0.01)
             if code is None:
                 os.killpg(process.pid, signal.SIGKILL)
                 _, _, usage = os.wait4(process.pid, 0)
             process.returncode = code if code is not None else -signal.SIGKILL
-        seconds = time.perf_counter() - began if code is not None else float("inf")
+        seconds = seconds if code is not None else float("inf")
         peak = 1024 * (usage.ru_maxrss if usage else 0)
         said = _read(out), _read(err)
         found = Outcome(process.returncode, *said, seconds, peak)
@@ -159,7 +161,9 @@ class Runner:
         assert self._worker.stdout is not None
         self._worker.stdin.write(json.dumps(request) + "\n")
         self._worker.stdin.flush()
-        ready, _, _ = select.select([self._worker.stdout], [], [], patience)
+        spent, ready = _Watch(self._worker.pid), False
+        while not ready and spent() < patience:
+            ready = bool(select.select([self._worker.stdout], [], [], min(1.0, patience))[0])
         line = self._worker.stdout.readline() if ready else ""
         if not line:
             code = self._worker.poll() if ready else None
@@ -192,6 +196,20 @@ class Runner:
         known = {*case.files, *case.written, "folder"}
         new = {path.name for path in self._folder.iterdir()} - known
         return tuple(found + sorted(new))
+
+
+class _Watch:
+    """Seconds since a run began in a process, without those that it waited for a core."""
+
+    def __init__(self, process: int) -> None:
+        self._process = process
+        self._waited = delay(process)
+        self._began = time.perf_counter() - self._waited
+
+    def __call__(self) -> float:
+        # Of a process that has ended nothing more is known.
+        self._waited = max(self._waited, delay(self._process))
+        return time.perf_counter() - self._waited - self._began
 
 
 def _limits() -> None:
