@@ -43,7 +43,7 @@ class Group(click.Group):
             vars(failure)["exit_code"] = FAILED if failed else BAD_INPUT
             raise failure from error
         except click.ClickException as error:
-            error.message = readable(error.message)
+            vars(error)["message"] = readable(error.message)
             raise
         except BrokenPipeError:
             # The reader of our output has gone: nothing is left to say, not even at exit.
