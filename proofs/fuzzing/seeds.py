@@ -54,10 +54,14 @@ _ARM = """<?xml version="1.0"?>
   <link name="base">
     <inertial><origin xyz="0 0 0.1" rpy="0 0 0"/><mass value="20"/></inertial>
     <collision><origin xyz="0 0 0.05"/><geometry><box size="0.6 0.4 0.1"/></geometry></collision>
-    <collision><origin xyz="0.3 0.2 -0.1"/><geometry><sphere radius="0.05"/></geometry></collision>
-    <collision><origin xyz="0.3 -0.2 -0.1"/><geometry><sphere radius="0.05"/></geometry></collision>
-    <collision><origin xyz="-0.3 0.2 -0.1"/><geometry><sphere radius="0.05"/></geometry></collision>
-    <collision><origin xyz="-0.3 -0.2 -0.1"/><geometry><sphere radius="0.05"/></geometry></collision>
+    <collision><origin xyz="0.3 0.2 -0.1"/><geometry><sphere radius="0.05"/></geometry>
+    </collision>
+    <collision><origin xyz="0.3 -0.2 -0.1"/><geometry><sphere radius="0.05"/></geometry>
+    </collision>
+    <collision><origin xyz="-0.3 0.2 -0.1"/><geometry><sphere radius="0.05"/></geometry>
+    </collision>
+    <collision><origin xyz="-0.3 -0.2 -0.1"/><geometry><sphere radius="0.05"/></geometry>
+    </collision>
   </link>
   <link name="tower">
     <inertial><origin xyz="0 0 0.2"/><mass value="2"/></inertial>
