@@ -27,7 +27,7 @@ from lutgen.cli.schema import schema
 from lutgen.cli.stance import stance
 from lutgen.cli.sweep import sweep
 from lutgen.cli.wheels import wheels
-from lutgen.errors import ExportError, InputError, LutgenError, SweepError
+from lutgen.errors import ExportError, InputError, LutgenError, SweepError, readable
 
 FAILED, BAD_INPUT = 1, 2
 # What the system says of an output that takes no more: a name stands with all other files.
@@ -45,11 +45,14 @@ class Group(click.Group):
         try:
             return super().invoke(ctx)
         except LutgenError as error:
-            failure = click.ClickException(str(error))
+            failure = click.ClickException(readable(str(error)))
             failed = isinstance(error, ExportError | SweepError)
             # click reads it from the instance; the class has the value 1.
             vars(failure)["exit_code"] = FAILED if failed else BAD_INPUT
             raise failure from error
+        except click.ClickException as error:
+            vars(error)["message"] = readable(error.message)
+            raise
 
     def main(self, *args: Any, **settings: Any) -> Any:
         """Run the command line; whatever nobody foresaw ends in a sentence, too."""
@@ -76,7 +79,7 @@ def _end(error: Exception) -> NoReturn:
         if error.__traceback__ is not None:
             *_, last = traceback.extract_tb(error.__traceback__)
             place = f" in {Path(last.filename).name}, line {last.lineno}"
-        got = " ".join(f"{type(error).__name__}: {error}".split())[:LONGEST]
+        got = readable(" ".join(f"{type(error).__name__}: {error}".split())[:LONGEST])
         way_out = "" if log.isEnabledFor(logging.INFO) else "run it again with `lutgen -v`, and "
         said = (
             f"{UNFORESEEN} (got {got}{place}); {way_out}report the traceback, the command and its "
