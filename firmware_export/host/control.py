@@ -33,7 +33,7 @@ class Controller:
     blob : Map
         Of `protocol.describe`: read with floats.
     policy : bytes
-        Of `protocol.Policy.bytes`.
+        Of `protocol.Policy.packed`.
     robots : int
         How many states there are.
 

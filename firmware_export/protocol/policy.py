@@ -10,7 +10,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_export.protocol.blob import Blob
 from lutgen.vector import Floats
 
 CONTROL_VERSION = 1
@@ -87,12 +86,12 @@ class Policy:
         """Bytes of the table."""
         return int(self.codes.size)
 
-    def bytes(self, blob: Blob) -> bytes:
-        """Return the policy of a map as it stands in flash."""
+    def packed(self, stability_map: bytes) -> bytes:
+        """Return the policy of a map, both as they stand in flash."""
         nodes, k = self.codes.shape[0], self.codes.shape[2]
         singles = [self.limit, self.cycle, self.latency, self.margin, *self.levels, self.swerve]
         settings = (
-            blob.bytes[:4]
+            stability_map[:4]
             + bytes([CONTROL_VERSION, k, nodes, self.poses])
             + np.array(singles, "<f4").tobytes()
             + np.array(self.joints, "<f4").tobytes()
