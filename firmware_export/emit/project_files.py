@@ -51,7 +51,7 @@ endif()
 include(CMakePackageConfigHelpers)
 install(TARGETS smap_{name} EXPORT smap_{name}
   ARCHIVE DESTINATION lib LIBRARY DESTINATION lib RUNTIME DESTINATION bin)
-install(FILES {name}.h smap.h DESTINATION include/smap_{name})
+install(FILES {name}.h smap.h{" smap_control.h" if export.policy else ""} DESTINATION include/smap_{name})
 install(EXPORT smap_{name} FILE smap_{name}Config.cmake NAMESPACE smap_{name}::
   DESTINATION lib/cmake/smap_{name})
 write_basic_package_version_file(${{CMAKE_CURRENT_BINARY_DIR}}/smap_{name}ConfigVersion.cmake
