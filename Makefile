@@ -63,6 +63,9 @@ soak: .venv/.installed ## kill, damage and fill up sweeps at length; needs 20 GB
 	LUTGEN_SOAK=1 $(BIN)/python -m pytest -q -s tests/mapping/test_survival.py tests/mapping/test_engines.py
 	$(BIN)/python -m benchmarks.large
 
+control: .venv/.installed ## attack on-board control at length over the gallery (hours)
+	$(BIN)/python -m proofs.control
+
 exports: .venv/.installed ## make and certify the exports that docs/measured/exports.md lists (ten minutes)
 	$(BIN)/python tools/export_table.py
 

@@ -47,25 +47,40 @@ def limits_of(model: Model, grid: bool = False) -> Limits:
     lattice = combinations([np.linspace(0.0, 1.0, places)] * model.k)
     random = np.random.default_rng(SEED).random((RANDOM, model.k))
     t = np.clip(np.concatenate([lattice, random]), STEP, 1.0 - STEP)
-    reach, bend, lean = np.zeros(model.k), np.zeros(model.k), np.zeros(model.k)
+    moved = np.zeros((model.k, len(model.kind)))
+    bend, lean = np.zeros(model.k), np.zeros(model.k)
     for axis in range(model.k):
         step = np.zeros(model.k)
         step[axis] = STEP
         width = STEP * (model.upper[axis] - model.lower[axis])
         there = [model.at(t + sign * step) for sign in (-1.0, 0.0, 1.0)]
-        reach[axis] = MARGIN * _reach(model, there[0], there[2], 2.0 * width)
+        moved[axis] = MARGIN * _moved(model, there[0], there[2], 2.0 * width)
         lean[axis] = MARGIN * _lean(model, there[0], there[2], 2.0 * width)
         if model.is_tripod:
             bend[axis] = MARGIN * _bend(model, there, width)
-    return Limits(_slopes(model) if grid else reach, bend, lean)
+    if model.is_tripod or grid:
+        return Limits(_slopes(model) if grid else moved.max(axis=1), bend, lean)
+    return Limits(*_shared(moved), lean)
 
 
-def _reach(model: Model, a: Floats, b: Floats, apart: float) -> float:
-    """Return how far a contact moves, seen from the com; a disc's rim with its axis."""
+def _moved(model: Model, a: Floats, b: Floats, apart: float) -> Floats:
+    """Return how far each contact (n,) moves, seen from the com; a disc's rim with its axis."""
     first, second = model.postures(a), model.postures(b)
     moved = np.sqrt(((second.centres - first.centres) ** 2).sum(axis=2))
     turned = np.sqrt(((second.axes - first.axes) ** 2).sum(axis=2)) * model.radius
-    return float((moved + turned).max()) / apart
+    return np.asarray((moved + turned).max(axis=0) / apart)
+
+
+def _shared(moved: Floats) -> tuple[Floats, Floats]:
+    """Return what each joint moves its own contacts beyond others, and what it moves others.
+
+    A contact is the joint's own that moves it most.  No contact then moves further than what all
+    joints move others, together, and the most that one joint moves its own beyond that.
+    """
+    own = moved.argmax(axis=0)
+    others = np.array([row[own != i].max(initial=0.0) for i, row in enumerate(moved)])
+    most = np.array([row[own == i].max(initial=0.0) for i, row in enumerate(moved)])
+    return np.maximum(most - others, 0.0), others
 
 
 def _lean(model: Model, a: Floats, b: Floats, apart: float) -> float:

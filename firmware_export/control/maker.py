@@ -22,7 +22,7 @@ from lutgen.vector import Floats
 
 # Slopes on which losses are measured; codes of a byte; nearness, as a part of a cycle's change;
 # joints of three points at most, of which every corner is looked at (runtime/control_three.c).
-UNSEEN, CODES, NEAR, MOST_JOINTS = 300, 255, 0.1, 4
+UNSEEN, CODES, NEAR, MOST_JOINTS = 100, 255, 0.1, 4
 
 
 @dataclass(frozen=True)

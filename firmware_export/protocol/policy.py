@@ -29,10 +29,12 @@ class Joint(NamedTuple):
     near : float
         A change that needs no new pose.
     reach : float
-        Length by which one unit of it moves a contact, seen from the com, at most; of a grid how
-        far (rad) it changes the tip angle.
+        Length by which one unit of it moves contacts that no other joint moves further, seen from
+        the com, beyond what it moves others, at most; of a grid how far (rad) it changes the tip
+        angle.
     bend : float
-        Second derivative of a tip angle (rad) by it, at most.
+        Length by which one unit of it moves those others, at most; of three points the second
+        derivative of a tip angle (rad) by it.
     lean : float
         Angle (rad) by which one unit of it turns the body on a plane, at most.
     """

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
 /* ---- control: many contacts: one pose that holds for every posture of a box -------------------------- */
-/* All contacts of all postures of a box are within `off` of where they are in its middle.  A pose of the
+/* All contacts of all postures of a box are within `off` of where they are in its middle: what each joint moves
+ * all contacts, and the most that one moves its own beyond that.  A pose of the
  * middle whose limits are narrower by what that can alter is a pose of them all, as that of a robot given by
  * code whose contacts are known to `off` (contacts/many.py): rests are wider, gaps turn less and hold
  * more, and every wall is as much nearer as moving its contacts can turn it. */
-#define SMAP_SWEPT_REST 20.0f /* a rest is at least so many times `off` wide, so that its plane turns little */
+#define SMAP_SWEPT_REST 40.0f /* a rest is at least so many times `off` wide, so that its plane turns little */
 #define SMAP_SWEPT_LOW 0.5f   /* of the present plane's height: lower facets are given up */
 #define SMAP_SWEPT_ROLLS 4.0f /* as contacts/many.py has it */
 
@@ -36,12 +37,14 @@ static int smap_upright(const smap_pose_memory_t *pose, const float g[3], float 
 }
 
 /* Narrow a map's limits for contacts that may be `off` from where they are, and planes of at least a
- * height.  `turn`: by how much a rest's plane can turn. */
-static void smap_narrow(smap_many_t *m, float off, float lowest)
+ * height.  A rest's plane turns by no more than `turn`, and a wheel touches it elsewhere, too.  Returns how far
+ * any place at which the robot touches may be off. */
+static float smap_narrow(smap_many_t *m, float off, float radius, float lowest)
 {
   const float rest = SMAP_SWEPT_REST * off, wide = m->rest_width > rest ? m->rest_width : rest;
   const float turn = wide > 0.0f ? 2.0f * off / wide : 0.0f;
   const float low = m->least_height > lowest ? m->least_height : lowest;
+  off += radius * turn;
   m->steepest += m->steepest > -1.0f ? turn : 0.0f;
   m->least_height = low + off;
   m->rest_width = wide + 2.0f * off;
@@ -50,6 +53,7 @@ static void smap_narrow(smap_many_t *m, float off, float lowest)
   m->band -= 2.0f * off;
   m->off += SMAP_SWEPT_ROLLS * off / m->size;
   m->turned += 2.0f * turn;
+  return off;
 }
 
 /* Make the pose of the box between two postures, and of what is near.  `lowest`: planes that count are no lower. */
@@ -61,18 +65,23 @@ static void smap_sweep(const smap_control_t *control, smap_state_memory_t *state
   smap_swept_t *const swept = &state->swept;
   smap_many_t limits;
   smap_many_place_t place;
-  float off = 0.0f, height = lowest;
+  float off = 0.0f, own, most = 0.0f, radius = 0.0f, height = lowest;
   uint8_t i;
   swept->turned = 0.0f;
   for (i = 0; i < count; i++) {
     state->half[i] = 0.5f * smap_absolute(to[i] - from[i]) + smap_joint(control, i, SMAP_JOINT_NEAR);
     state->mid[i] = from[i] + 0.5f * (to[i] - from[i]);
-    off += state->half[i] * smap_joint(control, i, SMAP_JOINT_REACH);
+    off += state->half[i] * smap_joint(control, i, SMAP_JOINT_BEND);
+    own = smap_joint(control, i, SMAP_JOINT_REACH) * state->half[i];
+    most = own > most ? own : most;
     swept->turned += 2.0f * state->half[i] * smap_joint(control, i, SMAP_JOINT_LEAN);
   }
   smap_many_numbers(map, &limits);
-  smap_narrow(&limits, off, lowest);
   swept->status = smap_many_place(map, state->mid, &place);
+  for (i = 0; swept->status == SMAP_OK && i < limits.contacts; i++) {
+    radius = place.contact[i].radius > radius ? place.contact[i].radius : radius;
+  }
+  off = smap_narrow(&limits, off + most, radius, lowest);
   if (swept->status == SMAP_OK) {
     swept->status =
         smap_many_pose(&limits, &place, &swept->real, &state->here.rest.work) ? SMAP_OK : SMAP_TIPS;

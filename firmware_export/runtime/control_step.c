@@ -27,20 +27,6 @@ static int8_t smap_blind(smap_state_memory_t *state, int8_t status, smap_cycle_t
   return status;
 }
 
-/* A step towards a target: no joint further than it goes in a cycle, nor off its axis.  1 where all are there. */
-static int smap_toward(const smap_control_t *control, const float *posture, const float *target, float part,
-                       float *to)
-{
-  uint8_t i;
-  int there = 1;
-  for (i = 0; i < smap_joints(control); i++) {
-    const float rate = part * smap_joint(control, i, SMAP_JOINT_RATE);
-    to[i] = smap_on_axis(control, i, smap_between(target[i], posture[i] - rate, posture[i] + rate));
-    there = there && smap_absolute(target[i] - posture[i]) <= smap_joint(control, i, SMAP_JOINT_NEAR);
-  }
-  return there;
-}
-
 /* Whether a way may be gone: it keeps the margin, or is no worse than staying, or stands all along and ends no
  * nearer to tipping than it began; where staying tips, also one that ends further from it. */
 static uint8_t smap_judge_way(const smap_control_t *control, const smap_way_t *way, float stay)

@@ -25,8 +25,9 @@ enum {
   SMAP_POLICY_JOINTS = 48,
   SMAP_POLICY_JOINT = 32, /* bytes of a parameter's singles */
   /* Of a parameter: value of code 0, of a step of codes; change in a cycle; range around what is desired;
-   * change that needs no new pose; and what one unit of it alters at most: how far (length) it moves a
-   * contact, or of a grid the tip angle; the tip angle's second derivative; how far it turns the body. */
+   * change that needs no new pose; and what one unit of it alters at most: of many contacts how far (length) it
+   * moves those that are its own beyond others, of a grid the tip angle; how far it moves the others, of three
+   * points the tip angle's second derivative; how far it turns the body. */
   SMAP_JOINT_LOW = 0,
   SMAP_JOINT_CODE = 4,
   SMAP_JOINT_RATE = 8,

@@ -15,6 +15,20 @@ static int smap_look(const smap_control_t *control, smap_state_memory_t *state, 
   return state->has & SMAP_HAS_HERE;
 }
 
+/* A step towards a target: no joint further than it goes in a cycle, nor off its axis.  1 where all are there. */
+static int smap_toward(const smap_control_t *control, const float *posture, const float *target, float part,
+                       float *to)
+{
+  uint8_t i;
+  int there = 1;
+  for (i = 0; i < smap_joints(control); i++) {
+    const float rate = part * smap_joint(control, i, SMAP_JOINT_RATE);
+    to[i] = smap_on_axis(control, i, smap_between(target[i], posture[i] - rate, posture[i] + rate));
+    there = there && smap_absolute(target[i] - posture[i]) <= smap_joint(control, i, SMAP_JOINT_NEAR);
+  }
+  return there;
+}
+
 #if SMAP_MANY
 /* Whether the pose that is there will do: a posture that is near needs none, nor one that is to wait for
  * its turn, since a cycle makes one pose. */
@@ -51,7 +65,11 @@ static uint8_t smap_find_way(const smap_control_t *control, smap_state_memory_t 
     if (made && SMAP_POLICY(control)[SMAP_POLICY_POSES] < 2) {
       const int same = (state->has & SMAP_HAS_COMMAND) != 0 && smap_is_swept(control, state, posture, state->command);
       state->later = 1;
-      memcpy(to, same ? state->command : posture, bytes);
+      if (same) { /* as near as a step is */
+        (void)smap_toward(control, posture, state->command, 1.0f, to);
+      } else {
+        memcpy(to, posture, bytes);
+      }
       if (!same) {
         return 0;
       }

@@ -14,7 +14,7 @@ ORDER = {
     "lutgen": "errors _version files jit vector rotation grid bracket chart parts quantities "
     "urdf recipe support channels mapping analysis search plot paper cli",
     "firmware_export": "quantity host truth protocol contacts grid verdict codecs emit "
-    "certify choose exporter device",
+    "certify choose exporter device control",
 }
 # Distinct imports from one room to another, and the longest chain of them, at most.
 MOST_ARROWS = {"lutgen": 90, "firmware_export": 40}
