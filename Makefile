@@ -1,6 +1,6 @@
 # Every command of the project; `make help` lists them.
 # `maps` is also a folder, so without this line make would call it up to date.
-.PHONY: help venv maps paper exports size firmware cmsis verify fuzz physics robots test check bench soak clean
+.PHONY: help venv maps paper control exports size firmware cmsis verify fuzz physics robots test check bench soak clean
 .DELETE_ON_ERROR:
 .SECONDARY:
 

@@ -46,7 +46,9 @@ def choose(postures: Floats, score: Floats, home: Floats, scale: Floats, within:
                 for a, b in ((i - 1, j), (i + 1, j), (i, j - 1), (i, j + 1))
                 if 0 <= a < n and 0 <= b < n
             ]
-            apart = ((places[among, None, :] - places[None, beside, :]) ** 2).sum(axis=2).sum(axis=1)
+            apart = (
+                ((places[among, None, :] - places[None, beside, :]) ** 2).sum(axis=2).sum(axis=1)
+            )
             chosen[i, j] = among[(apart + HOME * away[among]).argmin()]
         if (before == chosen).all():
             break

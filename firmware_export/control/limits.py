@@ -11,14 +11,17 @@ import numpy as np
 
 from firmware_export.truth import Model, combinations
 from lutgen.channels import body_gravity, evaluate_each
+from lutgen.recipe import robot_size_of
 from lutgen.vector import Floats
 
-# Postures of the lattice at most, random ones beside it, seed; steps of differences, as a part of an
-# axis; the margin on what was seen.
+# Postures of the lattice at most, random ones beside it, seed; steps of differences, as a part
+# of an axis; the margin on what was seen.
 LATTICE, RANDOM, SEED, STEP, MARGIN = 6000, 3000, 17, 1e-4, 1.1
 # As fast as this share of postures turns a robot turns on a plane; faster it rolls on over what
 # is next to no facet.
 LEANS = 0.995
+# Nor does it turn on a facet narrower than this part of the size: there it rolls on.
+NARROW = 0.5
 # The curvature of a circle counts where gravity is as far outside (rad) of what is still looked at.
 OUTSIDE = 0.02
 # Of a grid: pairs of postures, and how far they are apart, as a part of an axis.
@@ -55,7 +58,7 @@ def limits_of(model: Model, grid: bool = False) -> Limits:
         width = STEP * (model.upper[axis] - model.lower[axis])
         there = [model.at(t + sign * step) for sign in (-1.0, 0.0, 1.0)]
         moved[axis] = MARGIN * _moved(model, there[0], there[2], 2.0 * width)
-        lean[axis] = MARGIN * _lean(model, there[0], there[2], 2.0 * width)
+        lean[axis] = MARGIN * _lean(model, there[0], there[2], 2.0 * width, moved[axis].max())
         if model.is_tripod:
             bend[axis] = MARGIN * _bend(model, there, width)
     if model.is_tripod or grid:
@@ -83,17 +86,17 @@ def _shared(moved: Floats) -> tuple[Floats, Floats]:
     return np.maximum(most - others, 0.0), others
 
 
-def _lean(model: Model, a: Floats, b: Floats, apart: float) -> float:
+def _lean(model: Model, a: Floats, b: Floats, apart: float, moved: float) -> float:
     """Return how fast the body turns on a plane while it stands on one facet."""
     rng = np.random.default_rng(SEED + 1)
     limit = 0.5 * min(model.chart_limit, 1.0)
     slope = np.concatenate([rng.uniform(-limit, limit, (len(a), 2)), -np.ones((len(a), 1))], axis=1)
-    fastest = 0.0
+    most, fastest = 2.0 * moved / (NARROW * robot_size_of(model.recipe)), 0.0
     for downs in (np.tile([0.0, 0.0, -1.0], (len(a), 1)), slope):
         first = body_gravity(model.recipe, a, downs, "plane")
         second = body_gravity(model.recipe, b, downs, "plane")
         rates = np.sqrt(((second - first) ** 2).sum(axis=1)) / apart
-        fastest = max(fastest, float(np.quantile(rates, LEANS)))
+        fastest = max(fastest, float(np.quantile(np.minimum(rates, most), LEANS)))
     return fastest
 
 

@@ -112,9 +112,17 @@ def design(model: Model, wishes: Wishes, grid: bool = False) -> Design:
     n = wishes.nodes
     score = goal.score(tip, sdg, move2).reshape(n, n, -1)
     plain, smooth = (choose(postures, score, home, scale, w) for w in (0.0, wishes.within))
+    codes, limit, joints = _coded(model, smooth, limit, _joints(model, wishes, grid))
     policy = Policy(
-        *_coded(model, smooth, limit, _joints(model, wishes, grid)),
-        *(wishes.cycle, wishes.latency, wishes.margin, wishes.levels, wishes.swerve, wishes.poses),
+        codes,
+        limit,
+        joints,
+        wishes.cycle,
+        wishes.latency,
+        wishes.margin,
+        wishes.levels,
+        wishes.swerve,
+        wishes.poses,
     )
     unseen = slopes_within(limit, UNSEEN)
     best = measured(model, postures, unseen, wishes.convention)[0].max(axis=1)
@@ -145,7 +153,7 @@ def _joints(model: Model, wishes: Wishes, grid: bool) -> list[Joint]:
 def _coded(
     model: Model, values: Floats, limit: float, joints: list[Joint]
 ) -> tuple[np.ndarray, float, tuple[Joint, ...]]:
-    """Return the codes (n, n, k) of a table's postures, its limit, and the joints with their steps."""
+    """Return the codes (n, n, k) of postures, their limit, and the joints with their steps."""
     low, high = values.min(axis=(0, 1)), values.max(axis=(0, 1))
     step = np.maximum(high - low, 1e-6 * (model.upper - model.lower)) / CODES
     codes = np.rint((values - low) / step).clip(0, CODES).astype(np.uint8)
@@ -187,9 +195,7 @@ def _refuse(model: Model, wishes: Wishes) -> None:
             f"--convention: one of {', '.join(CONVENTIONS)} (got {wishes.convention!r})."
         )
     if not 0.0 < wishes.slope < math.radians(89.0):
-        raise InputError(
-            f"--slope: above 0 and below 89 deg (got {math.degrees(wishes.slope):g})."
-        )
+        raise InputError(f"--slope: above 0 and below 89 deg (got {math.degrees(wishes.slope):g}).")
     for what in ("cycle", "latency", "margin", "swerve"):
         if not 0.0 < getattr(wishes, what) < math.inf:
             raise InputError(f"--{what}: above 0 (got {getattr(wishes, what):g}).")

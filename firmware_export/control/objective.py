@@ -85,7 +85,9 @@ def scales(model: Model) -> Floats:
     return np.where(units, 1.0, model.upper - model.lower)
 
 
-def measured(model: Model, postures: Floats, slopes: Floats, convention: str) -> tuple[Floats, Floats]:
+def measured(
+    model: Model, postures: Floats, slopes: Floats, convention: str
+) -> tuple[Floats, Floats]:
     """Return tip angle (rad) and |SD_g|, each (s, p), of every posture (p, k) on slopes (s, 3)."""
     tip, sdg = (np.empty((len(slopes), len(postures))) for _ in range(2))
     for at, slope in enumerate(slopes):

@@ -61,7 +61,9 @@ def contents(export: Export) -> tuple[dict[str, bytes], dict[str, Any]]:
         **_control(export, body, content),
         "examples/read.c": example_text(content),
         "examples/alarm.c": alarm_text(content),
-        f"examples/{name}/{name}.ino": (control_sketch if content["policy"] else sketch_text)(content),
+        f"examples/{name}/{name}.ino": (control_sketch if content["policy"] else sketch_text)(
+            content
+        ),
         "CMakeLists.txt": cmake_lists(export),
         "library.json": library_json(export),
         "library.properties": library_properties(export),

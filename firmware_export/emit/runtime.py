@@ -115,7 +115,7 @@ def control_text(on: frozenset[str]) -> str:
     parts = [_without_licence(runtime_file(name)) for name in names]
     titles = [title.strip() for part in parts for title in _TITLE.findall(part)]
     contents = "\n".join(f" *   {title}" for title in titles)
-    return f"""{LICENCE}/* smap_control.c: steers by the map and the policy of its export.  NAME.c takes it in
+    return f"""{LICENCE}/* smap_control.c: steers by a map and its policy.  NAME.c takes it in
  * behind smap.c; compiled by itself it is nothing.  Its promises are in smap_control.h.
  *
 {contents} */

@@ -73,7 +73,9 @@ def _control(policy: Policy, blob: Blob, name: str) -> list[str]:
     sections = ((0, "checksums and settings"), (begin, table))
     rows = _rows(Blob(packed, sections, blob.codec, blob.params, blob.integer))
     return [
-        "\n".join([f"static const SMAP_FLASH uint8_t smap_policy[{len(packed)}] = {{", *rows, "};"]),
+        "\n".join(
+            [f"static const SMAP_FLASH uint8_t smap_policy[{len(packed)}] = {{", *rows, "};"]
+        ),
         '#include "smap_control.c"',
         f"typedef char smap_state_fits[sizeof({name}_state_t) >= sizeof(smap_state_memory_t)\n"
         "                             ? 1 : -1];",

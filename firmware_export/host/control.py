@@ -66,13 +66,16 @@ class Controller:
         self.state_bytes = int(sizes[1])
         if self.state_bytes % 8:
             raise InputError(f"a state has no whole words (got {self.state_bytes}); install anew.")
-        status = self._function("control")(_at(self._both), *_sized(self._map), *_sized(self._policy))
+        status = self._function("control")(
+            _at(self._both), *_sized(self._map), *_sized(self._policy)
+        )
         if ctypes.c_int8(status).value != 0:
             raise InputError(
                 f"the policy is refused by the C that follows it (got status {status}); it is "
                 "damaged, or of another map: make it again with `lutgen policy`."
             )
-        self.restart(robots)
+        self.robots = robots
+        self.restart()
 
     def restart(self, robots: int | None = None) -> None:
         """Begin anew, with as many robots as there were or another number."""

@@ -32,13 +32,15 @@ class Asked(RecipeOptions):
     )
     nodes: int = option(default=9, help="Nodes of the table along either slope.")
     slope: float = option(default=45.0, help="Steepest slope of the table, deg.")
-    home: Assignments = option(
-        type=Assignment(), multiple=True, help="Posture where nothing else matters; repeat for each."
+    home: Assignments = option(  # noqa: RUF009
+        type=Assignment(),
+        multiple=True,
+        help="Posture where nothing else matters; repeat for each.",
     )
-    rate: Assignments = option(
+    rate: Assignments = option(  # noqa: RUF009
         type=Assignment(), multiple=True, help="How fast a parameter changes, per second; repeat."
     )
-    delta: Assignments = option(
+    delta: Assignments = option(  # noqa: RUF009
         type=Assignment(), multiple=True, help="How far from what the driver asks for; repeat."
     )
     cycle: float = option(default=0.02, help="Of a cycle, s.")
@@ -47,7 +49,7 @@ class Asked(RecipeOptions):
     convention: str = option(
         type=click.Choice(("plane", "body")),
         default="plane",
-        help="Whether the robot leans on the ground as it changes its shape, or keeps its attitude.",
+        help="Whether the robot leans as its shape makes it, or keeps its attitude.",
     )
     poses: int = option(default=1, help="Poses that a cycle may make of many contacts, 1 or 2.")
 
@@ -86,7 +88,9 @@ def policy(source: str, asked: Asked) -> None:
         convention=asked.convention,
         poses=asked.poses,
     )
-    report, found = run(opened, asked.output, wishes, lambda text: log.info("%s", text), name=asked.name)
+    report, found = run(
+        opened, asked.output, wishes, lambda text: log.info("%s", text), name=asked.name
+    )
     told = {
         "directory": asked.output,
         **report,
@@ -113,6 +117,6 @@ def lines(told: dict[str, Any]) -> Iterator[str]:
         f"steps       {loss['step']:.3g} deg between nodes at most; the best alone jumps "
         f"{loss['best_step']:.3g}"
     )
-    yield f"tips        on {100.0 * loss['tips']:.2g} % of the slopes on which another posture stands"
+    yield f"tips        on {100.0 * loss['tips']:.2g} % of slopes on which another posture stands"
     yield f"state       {4 * policy['state_words']} bytes of RAM and those of an address"
     yield f"folder      {told['directory']}"
