@@ -1,6 +1,6 @@
 """What every codec hands to those who choose, certify and write exports.
 
-In reading order: `array`, `exported`, `blob`, `policy`, `info`.
+In reading order: `array`, `policy`, `exported`, `blob`, `info`.
 """
 
 from firmware_export.protocol.array import CTYPES, CArray, CBody, literal
