@@ -73,6 +73,7 @@ def export(
     allow_python: bool = False,
     points: int = POINTS,
     progress: Callable[[str], None] | None = None,
+    force: bool = False,
 ) -> Report:
     """Write a map or a recipe as C tables with their runtime.
 
@@ -82,8 +83,8 @@ def export(
         What to export.  Of a map its recipe counts: every number is computed exactly from it, none
         is read from the map's nodes.
     directory : path
-        The folder; it appears when it is whole.  One that holds anything but an earlier export is
-        refused.
+        The folder; it appears when it is whole.  One that holds anything but an earlier export, or
+        one that was edited, is refused without `force`.
     name : str, optional
         C identifier; the robot's name by default.
     flash : str or int, optional
@@ -106,6 +107,8 @@ def export(
         Points of the certificate.
     progress : callable, optional
         Called with a text for people before each step.
+    force : bool
+        Whether files that lutgen did not make, or that were edited, may be replaced.
 
     Returns
     -------
@@ -120,12 +123,12 @@ def export(
         If nothing meets what is asked for, or the folder cannot be written.
     """
     tell = progress or log.debug
-    check_directory(directory)
+    check_directory(directory, force)
     final = certified(
         *(source, name, flash, max_error, channels, codec, arithmetic, allow_python, points, tell)
     )
     tell("writing")
-    return Report(write(final, directory, tell))
+    return Report(write(final, directory, tell, force))
 
 
 def certified(

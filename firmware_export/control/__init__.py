@@ -3,8 +3,8 @@
 In reading order: `limits`, `objective`, `choose`, `measure`, `maker`, `folder`.
 """
 
+from firmware_export.control.folder import policy, steered
 from firmware_export.control.maker import Design, Wishes, design
 from firmware_export.control.measure import Loss
-from firmware_export.control.folder import policy, steered
 
 __all__ = ["Design", "Loss", "Wishes", "design", "policy", "steered"]
