@@ -163,12 +163,12 @@ class Map:
         for terms in counts:
             total: dict = {}
             size = error = arb(0)
-            for _ in range(terms):
+            for term in range(terms):
                 w, e = next(which)
                 m, x, a = entries[e]
                 total = plus(total, {m: arb(w)})
                 size, error = size + abs(w) * x, error + abs(w) * (a + U * (x + a))
-                error += U * (size + error)
+                error += U * (size + error) if term else 0
             sums.append(total), errors.append((size, error))
         if count == 12:
             errors = [(x + y, a + b + U * (x + y + a + b)) for (x, a), (y, b) in

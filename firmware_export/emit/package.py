@@ -36,6 +36,7 @@ from lutgen.errors import ExportError, InputError
 
 # Names of our own unfinished work, which a power cut may leave behind.
 _STAGE = ".lutgen-export-"
+PROOF = "_proof.json"
 
 
 def contents(export: Export) -> tuple[dict[str, bytes], dict[str, Any]]:
@@ -85,6 +86,8 @@ def _ours(directory: Path) -> set[str]:
         try:
             content = json.loads(path.read_text(encoding="utf-8"))
             names |= {str(name) for name in content["files"] if MARKER in content} | {path.name}
+            # What `lutgen prove` wrote beside them.
+            names.add(path.name.removesuffix(reports.SUFFIX) + PROOF)
         except (OSError, ValueError, KeyError, TypeError):
             continue
     return names

@@ -43,6 +43,9 @@ class Export:
         ``total_bytes`` (with code), ``error`` (percent), ``chosen`` (bool); the smallest first.
     code_bytes : int, optional
         Code of the runtime with this export's features on the target; None if not measured.
+    proof : dict, optional
+        Whether it is proved that the export is never falsely safe (`prove.Statement.told`); None
+        where nobody asked.
     """
 
     name: str
@@ -55,6 +58,7 @@ class Export:
     certificate: dict[str, Any] | None = None
     pareto: list[dict[str, Any]] | None = None
     code_bytes: int | None = None
+    proof: dict[str, Any] | None = None
 
     @property
     def integer(self) -> bool:

@@ -19,6 +19,7 @@ from lutgen.cli.optimum import optimum
 from lutgen.cli.paper import paper
 from lutgen.cli.path import path
 from lutgen.cli.plot import plot
+from lutgen.cli.prove import prove
 from lutgen.cli.recipes import recipes
 from lutgen.cli.schema import schema
 from lutgen.cli.stance import stance
@@ -72,6 +73,6 @@ def main(verbose: int, quiet: bool) -> None:
 
 for command in (
     *(new, schema, recipes, import_, check, sweep, info, eval_, limits, metrics),
-    *(stance, optimum, plot, export, wheels, paper, path),
+    *(stance, optimum, plot, export, prove, wheels, paper, path),
 ):
     main.add_command(command)

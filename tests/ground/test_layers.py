@@ -13,8 +13,8 @@ from tests.fixtures.places import ROOT
 ORDER = {
     "lutgen": "errors _version files jit vector rotation grid bracket chart parts quantities "
     "urdf recipe support channels mapping analysis search plot paper cli",
-    "firmware_export": "quantity host truth protocol contacts grid verdict codecs emit "
-    "certify choose exporter device",
+    "firmware_export": "quantity host truth protocol prove contacts grid verdict codecs emit "
+    "certify choose exporter device proved",
 }
 # Distinct imports from one room to another, and the longest chain of them, at most.
 MOST_ARROWS = {"lutgen": 90, "firmware_export": 40}
