@@ -18,7 +18,7 @@ from flint import arb, ctx
 
 ctx.prec = 80
 U = arb(2) ** -24  # half a unit of single precision
-SINE, ARCSINE = arb("1.2e-7"), arb("2.5e-7")  # of all floats, see proofs/exhaustive.c
+SINE_NEAR, SINE, ARCSINE = arb("8.4e-8"), arb("9.4e-8"), arb("1.7e-7")  # of all floats, see proofs/exhaustive.c
 DEPTH = 12  # how often a cell of the proof may be halved once more
 NEXT = ((0, 1), (1, 2), (2, 0))
 
@@ -149,7 +149,7 @@ class Map:
             limit = arb("1.0501") if flags & 8 else arb(16)
             if not arb(own) * (arb(reach[k]) + hair[k]) < limit:
                 raise SystemExit("not checked: an angle is further than sines were tried")
-            off = SINE + own * lag[k] + abs(arb(own) - arb(rate)) * reach[k] + (U * own * reach[k] if rate != 1 else 0)
+            off = (SINE_NEAR if flags & 8 else SINE) + own * lag[k] + abs(arb(own) - arb(rate)) * reach[k] + (U * own * reach[k] if rate != 1 else 0)
             entries += [((("s", k, own),), arb(1), off), ((("c", k, own),), arb(1), off)]
         entries += [((("t", k, 1.0),), arb(reach[k]), lag[k]) for k in rest[angles : angles + travels]]
         rest = rest[angles + travels :]

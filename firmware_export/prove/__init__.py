@@ -4,6 +4,17 @@ In reading order: `intervals`, `motion`, `blob`, `rounding`, `stored`, `cells`, 
 `statement`.
 """
 
+from firmware_export.prove.rounding import ARCSINE, FURTHEST, NEAREST, SINE, SINE_NEAR
 from firmware_export.prove.statement import Statement, record, state, stored_guard
 
-__all__ = ["Statement", "record", "state", "stored_guard"]
+__all__ = [
+    "ARCSINE",
+    "FURTHEST",
+    "NEAREST",
+    "SINE",
+    "SINE_NEAR",
+    "Statement",
+    "record",
+    "state",
+    "stored_guard",
+]

@@ -6,6 +6,7 @@ Owns the search.  Gravity needs no cells: what is shown of a posture is shown fo
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,9 +25,11 @@ Ints = NDArray[np.int64]
 
 # Cells that are looked at: before it is given up that anything is proved at all, for a guard that is
 # as small as can be, and at once.
-MOST, FEW, PIECE = 200_000, 6_000, 4_096
+MOST, FEW, PIECE = 60_000, 6_000, 4_096
 # Postures by which the guard is foreseen, and what it is allowed to be above that.
-POSTURES, SEED = 400, 11
+# They are looked for at random, and then by such steps (parts of the box) from the neediest.
+POSTURES, SEED, BEST = 400, 11, 20
+STEPS = (0.1, 0.02, 0.004)
 ABOVE = 1.02
 # Cells that need less than this part of the neediest wait.
 LEVEL = 0.7
@@ -223,25 +226,53 @@ def _trail(count: int, halved: dict[tuple[int, ...], int]) -> str:
     return "".join(out)
 
 
-def foreseen(problem: Problem) -> float:
-    """Return the greatest guard (rad) that single postures need, a lower bound."""
+class Seen(NamedTuple):
+    """The posture (k,) that needs the largest guard (rad) of some; infinite where it shows none."""
+
+    guard: float
+    place: Floats
+    reason: str
+
+
+def foreseen(problem: Problem) -> Seen:
+    """Return what single postures need: no proof can do with less."""
     rng = np.random.default_rng(SEED)
     k = len(problem.box)
     places = rng.random((POSTURES, k))
     places[: POSTURES // 4] = np.rint(places[: POSTURES // 4])
     low, high = problem.box[:, 0], problem.box[:, 1]
     at = low + (high - low) * places
-    best = 0.0
-    for step in (0.1, 0.02, 0.004):
-        cells = np.repeat(at[:, :, None], 2, axis=2)
-        found = problem.examine(cells).guard
-        worst = np.argsort(-np.where(np.isfinite(found), found, -1.0), kind="stable")[:20]
-        best = max(best, float(np.where(np.isfinite(found), found, 0.0).max()))
+    best = Seen(0.0, at[0], "")
+    for step in STEPS:
+        found = problem.examine(np.repeat(at[:, :, None], 2, axis=2))
+        order = np.argsort(-found.guard, kind="stable")[:BEST]
+        if found.guard[order[0]] > best.guard:
+            top = order[0]
+            best = Seen(float(found.guard[top]), at[top], REASONS[found.reason[top]])
+        if not math.isfinite(best.guard):
+            break
         moves = rng.normal(size=(POSTURES, k)) * step * (high - low)
-        at = np.clip(at[worst][np.arange(POSTURES) % len(worst)] + moves, low, high)
+        at = np.clip(at[order][np.arange(POSTURES) % BEST] + moves, low, high)
     return best
 
 
 def needed(problem: Problem) -> Proof:
     """Return a proof of about the least guard that can be proved with few cells."""
-    return attempt(problem, ABOVE * foreseen(problem), FEW)
+    seen = foreseen(problem)
+    if not math.isfinite(seen.guard):
+        return _hopeless(seen)
+    return attempt(problem, ABOVE * seen.guard, FEW)
+
+
+def enough(problem: Problem, limit: float, most: int) -> Proof:
+    """Return a proof that a guard (rad) is enough, or of what was shown instead."""
+    seen = foreseen(problem)
+    if seen.guard > limit:
+        return _hopeless(seen)
+    return attempt(problem, limit, most)
+
+
+def _hopeless(seen: Seen) -> Proof:
+    place = np.repeat(seen.place[:, None], 2, axis=1)
+    why = seen.reason or f"this posture alone needs {math.degrees(seen.guard):.3g} deg"
+    return Proof(math.inf, math.inf, place[None], "", len(STEPS) * POSTURES, place, why)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from firmware_export.prove.blob import Held, held
-from firmware_export.prove.search import Problem, Proof, attempt, needed, problem_of
+from firmware_export.prove.search import Problem, Proof, enough, needed, problem_of
 from lutgen.recipe import Recipe
 
 FORMAT = 1
@@ -88,7 +88,7 @@ def state(recipe: Recipe, blob: bytes, integer: bool, least: bool = False) -> St
     if least:
         proof = needed(problem)
     else:
-        proof = attempt(problem, min(guard, _most_turn(problem, map_)), PATIENCE)
+        proof = enough(problem, min(guard, _most_turn(problem, map_)), PATIENCE)
     if not math.isfinite(proof.guard):
         return _because(unknown, _where(recipe, proof), problem, proof)
     whole = problem.whole_guard(proof.turn)
@@ -121,11 +121,12 @@ def _because(
 
 
 def _where(recipe: Recipe, proof: Proof) -> str:
-    """Return why a search was given up, and at which cell."""
+    """Return why a search was given up, and at which cell or posture."""
     assert proof.worst is not None
     ends = [
-        f"{parameter.name} {parameter.shown(low):.6g} .. {parameter.shown(high):.6g} "
-        f"{parameter.display_unit}"
+        f"{parameter.name} {parameter.shown(low):.6g}"
+        + (f" .. {parameter.shown(high):.6g}" if high > low else "")
+        + f" {parameter.display_unit}"
         for parameter, (low, high) in zip(recipe.parameters, proof.worst, strict=True)
     ]
     return f"after {proof.looked:,} cells, at {', '.join(ends) or 'its one posture'}: {proof.reason}"
