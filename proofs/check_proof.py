@@ -140,7 +140,7 @@ class Map:
         rest = list(blob[at + (4 * angles if flags & 2 else 0) :])
         reach = [max(abs(low), abs(high)) + slack for low, high, slack in axes]
         hair = [8 * U * r for r in reach]
-        lag = [5 * U * (h - l) + 3 * U * r + e for (l, h, _), r, e in zip(axes, reach, hair, strict=True)]
+        lag = [4 * U * (h - l) + 2 * U * r for (l, h, _), r in zip(axes, reach, strict=True)]
         self.box = [(arb(l) - s - e, arb(h) + s + e) for (l, h, s), e in zip(axes, hair, strict=True)]
         entries: list[tuple] = [((), arb(1), arb(0))]  # monomial, size, error
         for k, rate in zip(rest[:angles], rates, strict=True):
@@ -315,7 +315,10 @@ def facet(p: list, d: list, rules: dict, held: Map) -> tuple:
     sides = [norm([a - b for a, b in zip(p[i], p[j], strict=True)]) for i, j in NEXT]
     moved = max(norm(x).upper() for x in d)
     lowest, steepest, width = map(arb, held.limits)
-    wrong = 3 * (2 * reach * moved + moved * moved) + 24 * U * reach * (reach + moved)
+    wrong = 24 * U * reach * (reach + moved)
+    for i, j in NEXT:
+        seen = [a + b for a, b in zip(p[j], d[j], strict=True)]
+        wrong += norm([a + b for a, b in zip(cross(p[i], d[j]), cross(d[i], seen), strict=True)]).upper()
     size, volume = norm(normal), dot(edges[0], p[2])
     low = size.lower()
     longest = max(s.lower() for s in sides)
@@ -326,7 +329,7 @@ def facet(p: list, d: list, rules: dict, held: Map) -> tuple:
     sure = bool(volume > off) or (held.either and bool(volume < -off))
     height = max(said, (abs(volume).lower() / size.upper()).lower() if sure else arb(-1))
     sign = 1 if volume > off else -1 if volume < -off else 0
-    tilt = 2 * wrong / low + 8 * U if low > 0 else arb("inf")
+    tilt = arb("1.02") * wrong / low + 8 * U if low > 0 and wrong / low < 0.1 else arb("inf")
     upright = rules["steepest"] <= -1 or bool(sign and -sign * normal[2] > rules["steepest"] * size) or (
         held.limits[1] > -1 and bool(steepest - tilt > rules["steepest"]))
     wide = rules["width"] <= 0 or bool(size > rules["width"] * max(s.upper() for s in sides)) or (
@@ -335,12 +338,16 @@ def facet(p: list, d: list, rules: dict, held: Map) -> tuple:
 
 
 def refused(p: list, held: Map) -> bool:
-    """Whether the map answers nothing of a cell: a facet that is the wrong way round or too low."""
+    """Whether the map answers nothing of a cell: a facet the wrong way round, too low or too steep."""
     edges = [cross(p[i], p[j]) for i, j in NEXT]
     volume, reach = dot(edges[0], p[2]), max(norm(x).upper() for x in p)
-    size = norm([sum((e[c] for e in edges), arb(0)) for c in range(3)])
-    hair = arb("1e-3") * reach**3
-    return bool((abs(volume) if held.either else volume) + hair < arb(held.limits[0]) * size)
+    normal = [sum((e[c] for e in edges), arb(0)) for c in range(3)]
+    size, hair = norm(normal), arb("1e-3") * reach**3
+    if (abs(volume) if held.either else volume) + hair < arb(held.limits[0]) * size:
+        return True
+    sign = -1 if volume > hair else 1 if volume < -hair else 0
+    down = sign * normal[2] if sign else abs(normal[2])
+    return held.limits[1] > -1 and bool(down < arb(held.limits[1] - 1e-3) * size)
 
 
 def need(truth: list, off: list, held: Map, rules: dict, box: list) -> Any:

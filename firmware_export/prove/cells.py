@@ -269,7 +269,9 @@ def _stands(
     down = -normal[2]
     down = Interval(np.where(sign < 0.0, -down.high, down.low), np.where(sign < 0.0, -down.low, down.high))
     down = Interval(np.where(sign == 0.0, -down.most, down.low), np.where(sign == 0.0, down.most, down.high))
-    tilt = np.where(low_size > 0.0, 2.0 * wrong / low_size + 8.0 * HALF_UNIT, np.inf)
+    # A normal that is off by a small part of its length turns by hardly more than that part.
+    share = wrong / low_size
+    tilt = np.where(share < 0.1, 1.02 * share + 8.0 * HALF_UNIT, np.inf)
     ok_steep = np.ones(len(reach), bool)
     if rules.steepest > -1.0:
         limit = rules.steepest * np.where(rules.steepest >= 0.0, size.high, size.low)

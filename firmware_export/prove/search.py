@@ -81,7 +81,8 @@ def problem_of(recipe: Recipe, held: Held, integer: bool) -> Problem:
     room = np.where(whole, 0.0, held.slack) + hair
     box = np.stack([held.low - room, held.high + room], axis=1).reshape(-1, 2)
     # Steps become floats with some rounding; turns are taken off with more.
-    lag = 5.0 * HALF_UNIT * span + 3.0 * HALF_UNIT * reach + hair
+    lag = 4.0 * HALF_UNIT * span + 2.0 * HALF_UNIT * reach
+    lag += hair if held.codec == TABLES else 0.0  # which end where the box does
     lag += np.array([unwound(r) if w else 0.0 for r, w in zip(reach, whole, strict=True)])
     low, high = ([getattr(p, end) for p in recipe.parameters] for end in ("minimum", "maximum"))
     if np.any(np.abs(held.low - low) > hair) or np.any(np.abs(held.high - high) > hair):
