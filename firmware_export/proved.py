@@ -47,7 +47,7 @@ def proof_text(content: dict[str, Any]) -> str:
 
 def _recipe(folder: ExportFolder, directory: Path) -> Recipe:
     """Return the recipe that a report holds, if it is the one of the export."""
-    held = folder.report.get("recipe")
+    held: Any = folder.report.get("recipe")
     try:
         text, urdf = held["text"], held["urdf"]
         recipe = parse_recipe(text, f"{directory} (recipe inside)", inert=True, urdf=urdf)
@@ -61,6 +61,7 @@ def _recipe(folder: ExportFolder, directory: Path) -> Recipe:
     if recipe.digest != folder.report.get("recipe_sha256"):
         raise InputError(
             f"{directory}: the recipe of its report was changed (got the digest "
-            f"{recipe.digest[:12]}, not {str(folder.report.get('recipe_sha256'))[:12]}); export again."
+            f"{recipe.digest[:12]}, not {str(folder.report.get('recipe_sha256'))[:12]}); "
+            "export again."
         )
     return recipe

@@ -20,7 +20,7 @@ from lutgen.recipe import parse_recipe
 from lutgen.vector import Floats
 from proofs.recipes import tripod
 
-__all__ = ["Verdict", "judge", "main", "proved_maps", "seeded"]
+__all__ = ["Verdict", "judge", "main", "proved_maps", "search", "seeded"]
 
 # Codec and size of the maps, and whether they are read without floats.
 MAPS = (
@@ -74,10 +74,10 @@ def seeded(blob: Blob, rng: np.random.Generator) -> Blob:
 def judge(model: Model, blob: Blob, rng: np.random.Generator) -> Verdict:
     """Prove a map and search it."""
     proved = state(model.recipe, blob.bytes, blob.integer).proved
-    return Verdict(proved, _search(model, blob, rng))
+    return Verdict(proved, search(model, blob, rng))
 
 
-def _search(model: Model, blob: Blob, rng: np.random.Generator) -> int:
+def search(model: Model, blob: Blob, rng: np.random.Generator) -> int:
     """Return how many directions that tip the C takes for safe."""
     host = Host(blob)
     t = rng.random((POSTURES, model.k))
@@ -118,7 +118,7 @@ def main(count: int = 25) -> int:
     """Judge maps with faults; 1 where one is proved that is unsafe."""
     rng = np.random.default_rng(7)
     unsound = 0
-    for (codec, label, integer), (model, blob) in zip(MAPS, proved_maps(), strict=True):
+    for (_, label, integer), (model, blob) in zip(MAPS, proved_maps(), strict=True):
         whole = judge(model, blob, rng)
         seen = Counter(judge(model, seeded(blob, rng), rng) for _ in range(count))
         kinds = Counter[tuple[bool, bool]]()
@@ -127,8 +127,9 @@ def main(count: int = 25) -> int:
         unsound += kinds[True, True]
         print(
             f"{label}{', integers' if integer else ''}: without a fault "
-            f"{'proved' if whole.proved else 'NOT proved'}, {whole.unsafe} unsafe; of {count} faults "
-            f"{kinds[True, True]} proved and unsafe, {kinds[True, False]} proved and harmless, "
+            f"{'proved' if whole.proved else 'NOT proved'}, {whole.unsafe} unsafe; of "
+            f"{count} faults {kinds[True, True]} proved and unsafe, "
+            f"{kinds[True, False]} proved and harmless, "
             f"{kinds[False, True]} not proved and unsafe, {kinds[False, False]} not proved, none "
             "found unsafe"
         )

@@ -127,7 +127,8 @@ def held(blob: bytes) -> Held:
         raise ValueError(f"ends at byte {source.at} of {len(blob)}")
     order = (code & 3, code >> 2 & 3, code >> 4 & 3)
     either = codec != TABLES and bool(code & EITHER_WAY)
-    return Held(codec, *axes, guard, int(guard_i), order, either, body)
+    low, high, slack, slack_i = axes
+    return Held(codec, low, high, slack, slack_i, guard, int(guard_i), order, either, body)
 
 
 def _points(source: Bytes, contacts: int) -> Points:

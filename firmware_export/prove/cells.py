@@ -230,8 +230,13 @@ def _stands(
     lowest, steepest, width = rules.thresholds
     normal = true[0] + true[1] + true[2]
     volume = dot(true[0], points[2])
-    wrong = sum((_moved(i, [p + d for p, d in zip(points, offs, strict=True)], offs, rounded)
-                 for i in range(3)), np.zeros(len(rounded[0])))
+    wrong = sum(
+        (
+            _moved(i, [p + d for p, d in zip(points, offs, strict=True)], offs, rounded)
+            for i in range(3)
+        ),
+        np.zeros(len(rounded[0])),
+    )
     size = norm(normal)
     reach = np.max([norm(p).high for p in points], axis=0)
     wrong = wrong + 16.0 * HALF_UNIT * np.max([norm(e).high for e in edges], axis=0)
@@ -262,13 +267,19 @@ def _stands(
     ok_height = known & (height > rules.ball * (1.0 + 1e-9))
     upward = volume.high < 0.0
     if rules.either:
-        sign = np.where(volume.low > off_volume, 1.0, np.where(volume.high < -off_volume, -1.0, 0.0))
+        sign = np.where(
+            volume.low > off_volume, 1.0, np.where(volume.high < -off_volume, -1.0, 0.0)
+        )
     else:
         sign = np.ones(len(reach))
         ok_height &= ~upward | (said > 0.0)
     down = -normal[2]
-    down = Interval(np.where(sign < 0.0, -down.high, down.low), np.where(sign < 0.0, -down.low, down.high))
-    down = Interval(np.where(sign == 0.0, -down.most, down.low), np.where(sign == 0.0, down.most, down.high))
+    down = Interval(
+        np.where(sign < 0.0, -down.high, down.low), np.where(sign < 0.0, -down.low, down.high)
+    )
+    down = Interval(
+        np.where(sign == 0.0, -down.most, down.low), np.where(sign == 0.0, down.most, down.high)
+    )
     # A normal that is off by a small part of its length turns by hardly more than that part.
     share = wrong / low_size
     tilt = np.where(share < 0.1, 1.02 * share + 8.0 * HALF_UNIT, np.inf)
@@ -295,7 +306,9 @@ def _stands(
         edge = bound * np.where(bound >= 0.0, size.low, size.high)
         refused |= down.high < edge
     if width > 0.0:
-        refused |= size.high + wrong < width * (1.0 - 16.0 * HALF_UNIT) * (longest.low - 2.0 * moved)
+        refused |= size.high + wrong < width * (1.0 - 16.0 * HALF_UNIT) * (
+            longest.low - 2.0 * moved
+        )
     reason = np.where(~ok_height, 1, np.where(~ok_steep, 2, np.where(~ok_wide, 3, 0)))
     return ~refused, np.maximum(height, 0.0), reason
 
@@ -332,7 +345,9 @@ def _steepness(true: list[Interval], height: Floats, reach: Floats) -> Floats:
     for i in range(3):
         j = (i + 1) % 3
         most = dot(true[i], true[j]).high
-        size = np.where(most > 0.0, lengths[i].low * lengths[j].low, lengths[i].high * lengths[j].high)
+        size = np.where(
+            most > 0.0, lengths[i].low * lengths[j].low, lengths[i].high * lengths[j].high
+        )
         total = total + 2.0 * np.where(size > 0.0, np.minimum(most / size, 1.0), 1.0)
     mean = root_up(np.maximum(total, 0.0)) / 3.0
     share = np.minimum(height / reach, 1.0)
@@ -359,4 +374,6 @@ def _ball(radius: float, away: Floats) -> Floats:
     """Return by how much (rad) a com in its ball turns the plane of an axis at a distance (n,)."""
     if radius == 0.0:
         return np.zeros_like(away)
-    return np.where(away > radius, np.arcsin(np.minimum(radius / away, 1.0)) * (1.0 + 1e-12), np.inf)
+    return np.where(
+        away > radius, np.arcsin(np.minimum(radius / away, 1.0)) * (1.0 + 1e-12), np.inf
+    )

@@ -115,11 +115,11 @@ def contacts_of(recipe: Recipe, order: tuple[int, ...]) -> list[Sum]:
         elif joint is not None:
             axis = Interval.of(np.array(joint.axis))
             travel = ("t", column[joint.parameter], 1.0)
-            shift = {(): axis * joint.offset, (travel,): axis * joint.scale}
+            shift: Sum = {(): axis * joint.offset, (travel,): axis * joint.scale}
             there = _plus(there, _times(here, shift))
         turn[name], origin[name] = here, there
         if link.mass != 0.0:
-            centre = {(): Interval.of(np.array(link.com))}
+            centre: Sum = {(): Interval.of(np.array(link.com))}
             share = _plus(there, _times(here, centre))
             moment = _plus(moment, {m: v * link.mass for m, v in share.items()})
             total = total + link.mass
@@ -130,7 +130,7 @@ def contacts_of(recipe: Recipe, order: tuple[int, ...]) -> list[Sum]:
     result = []
     for at in order:
         contact = recipe.contacts[at]
-        place = {(): Interval.of(np.array(contact.position))}
+        place: Sum = {(): Interval.of(np.array(contact.position))}
         there = _plus(origin[contact.link], _times(turn[contact.link], place))
         result.append(_plus(there, com))
     return result

@@ -20,11 +20,13 @@ HAIR = 1.0 + 1e-10
 READ = 16.0 * HALF_UNIT
 # Of an angle at most: the quotient's guard is subtracted, and stored.
 LAST = 2.0 * HALF_UNIT * math.pi / 2.0
-# How many 1/32767 the whole numbers of runtime/three.c read a sine too high: each part of 16383 m is
-# rounded to a whole number (0.501, and 0.007 for all that m itself is off).
+# How many 1/32767 the whole numbers of runtime/three.c read a sine too high: each part of 16383 m
+# is rounded to a whole number (0.501, and 0.007 for all that m itself is off).
 WHOLE = 2.0 * (0.501 * math.sqrt(3.0) + 0.007)
 # The same of runtime/tables.c without floats: normals cut off twice, and their length.
-WHOLE_TABLES = 32767.0 * (math.sqrt(3.0) / 16383.0 + math.sqrt(3.0) / 16384.0 + 1.0 / 16383.0) + 0.01
+WHOLE_TABLES = (
+    32767.0 * (math.sqrt(3.0) / 16383.0 + math.sqrt(3.0) / 16384.0 + 1.0 / 16383.0) + 0.01
+)
 # Turns that smap_unwind takes off at most.
 TURNS = 1000.0
 

@@ -23,8 +23,8 @@ from lutgen.vector import Floats
 
 Ints = NDArray[np.int64]
 
-# Cells that are looked at: before it is given up that anything is proved at all, for a guard that is
-# as small as can be, and at once.
+# Cells that are looked at: before it is given up that anything is proved at all, for a guard that
+# is as small as can be, and at once.
 MOST, FEW, PIECE = 60_000, 6_000, 4_096
 # Postures by which the guard is foreseen, and what it is allowed to be above that.
 # They are looked for at random, and then by such steps (parts of the box) from the neediest.

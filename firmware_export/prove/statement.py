@@ -19,8 +19,8 @@ FORMAT = 1
 # Cells that are looked at before it is given up that the guard of an export will do.
 PATIENCE = 40_000
 MANY = (
-    "the proof is one of three contact points, whose stable directions are one convex cone in every "
-    "posture; this map has facets that change from posture to posture"
+    "the proof is one of three contact points, whose stable directions are one convex cone in "
+    "every posture; this map has facets that change from posture to posture"
 )
 BY_CODE = "the robot is given by code, of which nothing is known but the values that it returns"
 
@@ -97,8 +97,8 @@ def state(recipe: Recipe, blob: bytes, integer: bool, least: bool = False) -> St
         return _because(
             found,
             f"{proof.looked:,} cells show a guard of {math.degrees(proof.guard):.3g} deg to be "
-            f"enough, {whole} in 1/32767, but not that of {math.degrees(guard):.3g} deg, {guard_i}, "
-            "which it has",
+            f"enough, {whole} in 1/32767, but not that of {math.degrees(guard):.3g} deg, "
+            f"{guard_i}, which it has",
             problem,
             proof,
         )
@@ -129,7 +129,9 @@ def _where(recipe: Recipe, proof: Proof) -> str:
         + f" {parameter.display_unit}"
         for parameter, (low, high) in zip(recipe.parameters, proof.worst, strict=True)
     ]
-    return f"after {proof.looked:,} cells, at {', '.join(ends) or 'its one posture'}: {proof.reason}"
+    return (
+        f"after {proof.looked:,} cells, at {', '.join(ends) or 'its one posture'}: {proof.reason}"
+    )
 
 
 def record(recipe: Recipe, stated: Statement, name: str, source_sha256: str) -> dict[str, Any]:
@@ -137,9 +139,10 @@ def record(recipe: Recipe, stated: Statement, name: str, source_sha256: str) -> 
 
     All numbers are doubles that read back as they were; angles in rad.  The cells are told by
     `cuts`, which divide the box, and by one `trail` through the trees that halve its parts: the
-    axis of each cell that is halved, then of its lower and its upper half; "." of those that are not.
+    axis of each cell that is halved, then of its lower and its upper half; "." of all others.
     """
-    assert stated.problem is not None and stated.proof is not None
+    assert stated.problem is not None
+    assert stated.proof is not None
     problem, proof = stated.problem, stated.proof
     column = {parameter.name: at for at, parameter in enumerate(recipe.parameters)}
     cuts = [
@@ -184,10 +187,8 @@ def record(recipe: Recipe, stated: Statement, name: str, source_sha256: str) -> 
             }
             for link in recipe.links
         ],
-        "contacts": [
-            {"link": one.link, "position": list(one.position)} for one in recipe.contacts
-        ],
-        "cells": int(len(proof.cells)),
+        "contacts": [{"link": one.link, "position": list(one.position)} for one in recipe.contacts],
+        "cells": len(proof.cells),
         "cuts": cuts,
         "trail": proof.trail,
     }
@@ -199,6 +200,3 @@ def stored_guard(rad: float) -> float:
     if float(single) < rad:
         single = np.nextafter(single, np.float32(np.inf))
     return float(single)
-
-
-

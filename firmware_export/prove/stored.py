@@ -72,7 +72,7 @@ def stored(held: Held, truth: list[Sum], box: Floats, lag: Floats, integer: bool
 
 
 def _reach(box: Floats) -> Floats:
-    return np.abs(box).max(axis=1)
+    return np.asarray(np.abs(box).max(axis=1))
 
 
 def _points(body: Points, truth: list[Sum], box: Floats, lag: Floats) -> Stored:
@@ -103,14 +103,14 @@ def _points(body: Points, truth: list[Sum], box: Floats, lag: Floats) -> Stored:
     errors: list[Off] = []
     for terms in body.coordinates:
         total: dict[Monomial, Interval] = {}
-        off = Off(0.0, 0.0)
+        added = Off(0.0, 0.0)
         for at, (weight, entry) in enumerate(terms):
             monomial = entries[entry]
             total[monomial] = total.get(monomial, Interval.of(0.0)) + weight
             part = Off(abs(weight), 0.0).times(offs[entry])
-            off = part if at == 0 else off.plus(part)
+            added = part if at == 0 else added.plus(part)
         sums.append(total)
-        errors.append(off)
+        errors.append(added)
     if len(sums) == 12:
         shared = sums[:3]
         for at in range(9):
@@ -193,9 +193,7 @@ def _recurrence(s: Interval, most: int) -> list[tuple[Interval, Interval, Interv
     rows = [(one, zero, zero), (s, one, zero)]
     for _ in range(2, most + 1):
         (a, b, c), (d, e, f) = rows[-1], rows[-2]
-        rows.append(
-            (s * a * 2.0 - d, a * 2.0 + s * b * 2.0 - e, b * 4.0 + s * c * 2.0 - f)
-        )
+        rows.append((s * a * 2.0 - d, a * 2.0 + s * b * 2.0 - e, b * 4.0 + s * c * 2.0 - f))
     return rows[: most + 1]
 
 
@@ -253,9 +251,7 @@ def _greatest(s: float, degree: int) -> float:
     return math.cosh(degree * math.acosh(max(s, 1.0))) * HAIR
 
 
-def _tables(
-    held: Held, body: Tables, truth: list[Sum], lag: Floats, integer: bool
-) -> Stored:
+def _tables(held: Held, body: Tables, truth: list[Sum], lag: Floats, integer: bool) -> Stored:
     cuts: list[list[float]] = [[] for _ in body.places]
     for axes, codes in zip(body.axes, body.codes, strict=True):
         for axis, nodes in zip(axes, codes.shape[:-1], strict=True):
@@ -292,9 +288,8 @@ def _looked_up(body: Tables, contact: int, cells: Interval, along: int | None) -
     corners = [()] if not axes else [tuple(c) for c in np.ndindex(*(2,) * len(axes))]
     values = {
         corner: Interval.of(
-            codes[tuple(at + up for at, up in zip(lower, corner, strict=True))]
-            .reshape(-1, 3)
-            .T * np.ones(count)
+            codes[tuple(at + up for at, up in zip(lower, corner, strict=True))].reshape(-1, 3).T
+            * np.ones(count)
         )
         for corner in corners
     }
@@ -302,9 +297,9 @@ def _looked_up(body: Tables, contact: int, cells: Interval, along: int | None) -
         axis, nodes = axes[place], codes.shape[place]
         rate = Interval.of(body.places[axis][1]) * (nodes - 1.0)
         for corner in {key[:place] for key in values}:
-            low, high = values.pop((*corner, 0)), values.pop((*corner, 1))
-            change = high - low
-            values[corner] = change * rate if axis == along else low + change * parts[place]
+            below, above = values.pop((*corner, 0)), values.pop((*corner, 1))
+            change = above - below
+            values[corner] = change * rate if axis == along else below + change * parts[place]
     return values[()]
 
 
@@ -321,7 +316,7 @@ def _single(held: Held, body: Tables, contact: int, column: int, lag: Floats) ->
     axes, codes = body.axes[contact], body.codes[contact]
     error, weight = 0.0, Off(1.0, 0.0)
     for place, (axis, change) in enumerate(zip(axes, _steps(codes, column), strict=True)):
-        low, inverse = body.places[axis][:2]
+        inverse = body.places[axis][1]
         span = abs(1.0 / inverse)
         x = Off(span, float(lag[axis])).plus(Off(0.0, 0.0)).times(Off(abs(inverse), 0.0))
         x = x.times(Off(codes.shape[place] - 1.0, 0.0))
@@ -348,7 +343,11 @@ def _whole(held: Held, body: Tables, contact: int, column: int, lag: Floats) -> 
         # the line of places is from the true one, and the last place is one short.
         ends = [0.0 if held.slack[axis] < 0.0 else -held.slack_i[axis], 32767.0]
         line = max(
-            abs(first + rate * q / 16384.0 - 65536.0 * inverse * (held.low[axis] + span * q / 32767.0 - low))
+            abs(
+                first
+                + rate * q / 16384.0
+                - 65536.0 * inverse * (held.low[axis] + span * q / 32767.0 - low)
+            )
             for q in ends
         )
         away = (line + 1.5) / 65536.0 * last + 1.0 / 16384.0

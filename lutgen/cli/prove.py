@@ -59,7 +59,8 @@ def _write(path: Path, text: str) -> None:
         path.write_text(text, encoding="utf-8")
     except OSError as error:
         raise ExportError(
-            f"{path}: the proof cannot be written (got {error.strerror}); name another file with -o."
+            f"{path}: the proof cannot be written (got {error.strerror}); "
+            "name another file with -o."
         ) from error
 
 
