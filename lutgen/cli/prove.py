@@ -36,7 +36,7 @@ def prove(directory: str, asked: Asked) -> None:
 
     \b
     $ lutgen prove firmware
-    proved: 18 cells, guard 0.000422 deg, of which the proof needs 0.000418 deg
+    proved: 30 cells, guard 0.000258 deg, of which the proof needs 0.000258 deg
     """
     from firmware_export.proved import proof_text
     from firmware_export.proved import prove as run
