@@ -135,6 +135,8 @@ class Entries(IndexDataCacheFile):  # type: ignore[misc]
 def _digest(path: str, data: bytes) -> bytes:
     """Return the digest of an entry: of what it holds, and of its name and its two folders'."""
     name = "/".join(Path(path).parts[-3:])
-    return blake3(len(name).to_bytes(4, "little") + name.encode("utf-8", "surrogateescape")).update(
-        data
-    ).digest()
+    return (
+        blake3(len(name).to_bytes(4, "little") + name.encode("utf-8", "surrogateescape"))
+        .update(data)
+        .digest()
+    )

@@ -55,9 +55,7 @@ def _swapped(word: int) -> int:
 
 
 @njit()
-def _sums(
-    pairs: NDArray[np.uint32], rest: NDArray[np.uint16]
-) -> tuple[np.uint64, np.uint64]:
+def _sums(pairs: NDArray[np.uint32], rest: NDArray[np.uint16]) -> tuple[np.uint64, np.uint64]:
     """Return the folded sum of words, two in each item and at most one more, and of such sums."""
     low = np.uint64(0)
     high = np.uint64(0)

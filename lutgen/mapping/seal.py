@@ -51,8 +51,8 @@ def check_head(path: Path) -> Seal | None:
             return None
         if int(found[1]) != _WAY:
             raise MapFileError(
-                f"{path}: was sealed in another way (got lutgen-digest-{int(found[1])}, this lutgen "
-                f"has {_WAY}), by an earlier or a later version; sweep it again"
+                f"{path}: was sealed in another way (got lutgen-digest-{int(found[1])}, this "
+                f"lutgen has {_WAY}), by an earlier or a later version; sweep it again"
             )
         seal = Seal(int(found[2]), found[3].decode())
         file.seek(0)
