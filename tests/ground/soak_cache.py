@@ -16,12 +16,7 @@ import numpy as np
 from lutgen.jit import njit
 
 KINDS = ("flip", "flips", "cut", "empty", "zeros", "noise", "swapped", "older", "gone")
-TEXT = (
-    "from lutgen.jit import njit\n"
-    "@njit()\n"
-    "def {name}(x):\n"
-    "    return x * {factor} + 1\n"
-)
+TEXT = "from lutgen.jit import njit\n@njit()\ndef {name}(x):\n    return x * {factor} + 1\n"
 
 
 def answers(folder: Path) -> tuple[list[float], int]:

@@ -18,6 +18,7 @@ from lutgen.errors import LutgenError
 from lutgen.mapping import sweeper
 from lutgen.mapping.blocks import plan
 from lutgen.mapping.layout import lay_out
+from lutgen.recipe import Recipe
 from tests.fixtures.recipes import tripod
 from tests.mapping.soak_kill import end, running
 
@@ -43,7 +44,7 @@ EDITS = (
 REFUSED = 3
 
 
-def start(path: Path, recipe: lutgen.Recipe) -> int:
+def start(path: Path, recipe: Recipe) -> int:
     """Go on with a sweep in a process of its own; return its number."""
     process = os.fork()
     if process == 0:
