@@ -53,8 +53,9 @@ class _Kernels(FunctionCache):  # type: ignore[misc]
     def __init__(self, function: Callable[..., Any]) -> None:
         super().__init__(function)
         # numba's own file of entries knows its name only in parts.
-        base = self._cache_file._index_name.removesuffix(".nbi")
-        self._cache_file = Entries(self._cache_path, base, self._cache_file._source_stamp)
+        plain = vars(self)["_cache_file"]
+        base = plain._index_name.removesuffix(".nbi")
+        self._cache_file = Entries(self._cache_path, base, plain._source_stamp)
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return the machine code for a signature, or None where there is none."""

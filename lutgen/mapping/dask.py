@@ -307,7 +307,9 @@ def _own_cluster(workers: int | None, threads: int | None) -> Iterator[tuple[Any
     cores = threads or numba.config.NUMBA_NUM_THREADS
     count = workers or cores
     security = Security.temporary()
-    bare = {f"distributed.{who}.http.routes": [] for who in ("scheduler", "worker")}
+    bare: dict[str, list[str]] = {
+        f"distributed.{who}.http.routes": [] for who in ("scheduler", "worker")
+    }
     with (
         dask.config.set(bare),
         distributed.LocalCluster(

@@ -48,7 +48,7 @@ class Identity(NamedTuple):
 
     def digest(self, chunk: NDArray[Any], channel: str, number: int) -> bytes:
         """Return the digest of one chunk with its checksum, as it stands in the file."""
-        return blake3(memoryview(chunk.view(np.uint8)), key=self.key(channel, number)).digest()
+        return blake3(memoryview(chunk.data).cast("B"), key=self.key(channel, number)).digest()
 
     def seal(self, number: int, chunks: Sequence[NDArray[Any]]) -> list[bytes]:
         """Enter the checksums of a block's chunks, of all channels; return their digests."""

@@ -20,7 +20,7 @@ TEXT = "from lutgen.jit import njit\n@njit()\ndef {name}(x):\n    return x * {fa
 
 
 def answers(folder: Path) -> tuple[list[float], int]:
-    """Return what the kernels say of an integer and of a float, and how much came from the cache."""
+    """Return what the kernels say of an integer and of a float, and how many were loaded."""
     sys.path.insert(0, str(folder))
     kernels = [getattr(importlib.import_module(name), name) for name in ("twice", "thrice")]
     found = [kernel(x) for kernel in kernels for x in (2, 2.5)]
