@@ -64,7 +64,7 @@ bench: .venv/.installed ## measure speed
 	$(BIN)/python -m benchmarks.run
 
 soak: .venv/.installed ## kill, damage and fill up sweeps at length; needs 20 GB in build/ (ten minutes)
-	LUTGEN_SOAK=1 $(BIN)/python -m pytest -q -s tests/mapping/test_survival.py tests/mapping/test_engines.py
+	LUTGEN_SOAK=1 $(BIN)/python -m pytest -q -s tests/mapping/test_survival.py tests/mapping/test_engines.py tests/ground/test_cache.py
 	$(BIN)/python -m benchmarks.large
 
 control: .venv/.installed ## attack on-board control at length over the gallery (hours)

@@ -23,6 +23,7 @@ CONTENDERS = ("raw", "sweep", "raw fsync", "sweep fsync")
 STAGES = {
     "lutgen.mapping.sweeper.lay_out": "layout",
     "lutgen.mapping.compute.Computer.compute": "compute",
+    "lutgen.mapping.identity.Identity.seal": "seal",
     "lutgen.mapping.part.write_chunks": "write",
     "os.fsync": "disk",
 }
@@ -45,7 +46,10 @@ class FileSweep:
 
 
 def stages_of(run: Callable[[], None]) -> dict[str, float]:
-    """Return the wall time in s of each of STAGES in a run, and of all the rest."""
+    """Return the wall time in s of each of STAGES in a run, and of all the rest.
+
+    With several threads stages overlap, and the rest can be less than nothing.
+    """
     taken = dict.fromkeys(STAGES.values(), 0.0)
 
     def timed(name: str, real: Callable[..., Any]) -> Callable[..., Any]:

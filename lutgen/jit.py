@@ -13,8 +13,6 @@ folder may be deleted at any time.
 
 import functools
 import hashlib
-import os
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
@@ -25,6 +23,8 @@ from numba import prange, types
 from numba.core.caching import FunctionCache
 from numba.core.registry import CPUDispatcher
 from numba.core.runtime import rtsys
+
+from lutgen.cache import Entries, cache_root, usable
 
 __all__ = ["cache_folder", "in_threads", "njit", "prange"]
 
@@ -47,7 +47,15 @@ class _Kernels(FunctionCache):  # type: ignore[misc]
 
     numba imports all that it can compile, and with it scipy's linear algebra, before it loads
     machine code: a quarter of the time of a short command.  A compilation imports it by itself.
+    Entries that are damaged count as none.
     """
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        super().__init__(function)
+        # numba's own file of entries knows its name only in parts.
+        plain = vars(self)["_cache_file"]
+        base = plain._index_name.removesuffix(".nbi")
+        self._cache_file = Entries(self._cache_path, base, plain._source_stamp)
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return the machine code for a signature, or None where there is none."""
@@ -141,7 +149,8 @@ def cache_folder(source_folder: str) -> str | None:
         ``<root>/<digest>`` where the root is ``NUMBA_CACHE_DIR`` if it is set,
         else ``lutgen`` in the user's cache folder, and the digest changes with any
         file that holds kernels, with numba and with the processor.  None when
-        nothing can be written there: the kernels are then compiled at each start.
+        nothing can be written there, or somebody else could write there: the kernels
+        are then compiled at each start.
     """
     return _folder(_package_of(Path(source_folder).resolve()))
 
@@ -157,14 +166,8 @@ def _folder(package: Path) -> str | None:
             # The same name stands in several rooms.
             name = path.relative_to(root).as_posix()
             digest.update(name.encode() + b"\0" + path.read_bytes() + b"\0")
-    folder = _cache_root() / digest.hexdigest()[:16]
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            pass
-    except OSError:
-        return None
-    return str(folder)
+    folder = cache_root() / digest.hexdigest()[:16]
+    return str(folder) if usable(folder) else None
 
 
 def _package_of(folder: Path) -> Path:
@@ -177,18 +180,6 @@ def _package_of(folder: Path) -> Path:
 def _kernel_files(root: Path) -> list[Path]:
     """Return the files below `root` that hold kernels, sorted."""
     return sorted(path for path in root.rglob("*.py") if _MARK in path.read_bytes())
-
-
-def _cache_root() -> Path:
-    """Return the folder that holds one folder per state of the sources."""
-    chosen = os.environ.get("NUMBA_CACHE_DIR")
-    if chosen:
-        return Path(chosen)
-    user = os.environ.get("XDG_CACHE_HOME")
-    try:
-        return (Path(user) if user else Path.home() / ".cache") / "lutgen"
-    except RuntimeError:  # no home folder is known
-        return Path(tempfile.gettempdir()) / "lutgen"
 
 
 def in_threads(kernel: Callable[..., int], pieces: int, *arguments: object, least: int = 1) -> int:

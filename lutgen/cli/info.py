@@ -20,6 +20,7 @@ class Asked:
     """What the command line says."""
 
     verify: bool = option(is_flag=True, help="Read everything and check every checksum.")
+    unsealed: bool = option(is_flag=True, help="Read a file without a digest, too.")
     as_json: bool = as_json()
 
 
@@ -35,7 +36,7 @@ def info(map_file: str, asked: Asked) -> None:
     from lutgen.errors import MapFileError
     from lutgen.mapping import load_map, verify
 
-    stability_map = load_map(map_file)
+    stability_map = load_map(map_file, asked.unsealed)
     if asked.verify:
         try:
             verify(stability_map)

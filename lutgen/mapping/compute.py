@@ -5,6 +5,7 @@ kernel, since a second one would have to be compiled first, it looks for one sta
 sweep.
 """
 
+import itertools
 import math
 import time
 from typing import Any
@@ -17,7 +18,6 @@ from lutgen.channels import Scanner
 from lutgen.chart import Chart
 from lutgen.errors import RecipeError, SweepError
 from lutgen.mapping.blocks import Block, Plan, plan
-from lutgen.mapping.checksum import enter_sum
 from lutgen.quantities import CHANNELS, QUANTITIES
 from lutgen.recipe import Recipe
 
@@ -29,28 +29,32 @@ AT_MOST = 100_000_000
 
 
 class Computer:
-    """Computes blocks of one recipe into buffers that it keeps."""
+    """Computes blocks of one recipe into buffers that it keeps, so many that take turns."""
 
-    def __init__(self, recipe: Recipe, layout: Plan) -> None:
+    def __init__(self, recipe: Recipe, layout: Plan, buffers: int = 1) -> None:
         self.recipe = recipe
         self.nodes = recipe.chart.nodes
         self._scanner = Scanner(recipe, recipe.chart, recipe.channels)
-        # One item more than the chunk, for its checksum.
-        self._out = np.empty((len(CHANNELS), layout.chunk_nodes + 1), np.float32)
-        # Channels of words: a byte for each node, and four for the checksum.
-        self._bytes = {
+        self._buffers = itertools.cycle([self._buffer(layout) for _ in range(buffers)])
+
+    def _buffer(self, layout: Plan) -> tuple[NDArray[np.float32], dict[str, NDArray[np.uint8]]]:
+        """Return memory for one block, with room for checksums, and for channels of words."""
+        # One item more than the chunk, for its checksum.  Of channels of words a byte for each
+        # node, and four for the checksum.
+        return np.empty((len(CHANNELS), layout.chunk_nodes + 1), np.float32), {
             name: np.empty(layout.chunk_bytes(name), np.uint8)
-            for name in recipe.channels
+            for name in self.recipe.channels
             if QUANTITIES[name].words
         }
 
     def compute(self, block: Block) -> dict[str, NDArray[Any]]:
-        """Return a chunk of each channel, with its checksum in the last four bytes.
+        """Return a chunk of each channel, with zeros for the checksum in the last four bytes.
 
         They are float32 (chunk nodes + 1,), or uint8 (chunk nodes + 4,) of channels of words.  The
-        arrays are overwritten by the next call.  Past the end of the map a chunk is NaN, or the
-        worst word.
+        arrays are overwritten when their buffer's turn comes again.  Past the end of the map a
+        chunk is NaN, or the worst word.
         """
+        out, own = next(self._buffers)
         first, last = block.first_row, block.last_row
         per_posture = self._scanner.rows
         begin, end = first // per_posture, -(-last // per_posture)
@@ -60,7 +64,7 @@ class Computer:
             self.recipe.grid.params(np.arange(begin, end)),
             rows,
             rows + last - first if end - begin == 1 else per_posture,
-            self._out,
+            out,
         )
         if overflow:
             raise SweepError(
@@ -70,15 +74,15 @@ class Computer:
             )
         chunks: dict[str, NDArray[Any]] = {}
         for name in self.recipe.channels:
-            chunk = self._out[CHANNELS.index(name)]
+            chunk = out[CHANNELS.index(name)]
             words = QUANTITIES[name].words
             if words:
-                chunk, values = self._bytes[name], chunk
+                chunk, values = own[name], chunk
                 chunk[:held] = values[:held]
                 chunk[held:-4] = len(words) - 1
             else:
                 chunk[held:-1] = np.nan
-            enter_sum(chunk)
+            chunk.view(np.uint8)[-4:] = 0
             chunks[name] = chunk
         return chunks
 

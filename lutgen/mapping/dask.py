@@ -1,6 +1,6 @@
 """Blocks computed by workers of dask.distributed.
 
-Owns what travels: the recipe (and its URDF) as text and numbers of blocks there, checksums back.  A
+Owns what travels: the recipe (and its URDF) as text and numbers of blocks there, digests back.  A
 worker that finds the token that this sweep wrote beside the map writes its blocks itself; any other
 sends them back, and they are written here.
 """
@@ -16,7 +16,7 @@ from contextlib import ExitStack, contextmanager
 from functools import lru_cache
 from itertools import islice
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numba
 import numpy as np
@@ -25,10 +25,13 @@ from numpy.typing import NDArray
 from lutgen._version import __version__
 from lutgen.errors import InputError, LutgenError, SweepError
 from lutgen.mapping.blocks import Plan
-from lutgen.mapping.checksum import own_sum
 from lutgen.mapping.compute import Computer
+from lutgen.mapping.identity import Identity
 from lutgen.mapping.part import PartFile, write_chunks
 from lutgen.recipe import Recipe, parse_recipe
+
+if TYPE_CHECKING:
+    import distributed
 
 # A task computes up to so many blocks, of 1 M nodes each: half a second of work or more, against
 # ten milliseconds that a task costs.  What is sent back is one block, for the memory's sake.
@@ -52,6 +55,7 @@ class Job(NamedTuple):
     urdf: str | None
     source: str
     layout: Plan
+    identity: Identity
     part: str
     token: str
     host: str
@@ -59,10 +63,10 @@ class Job(NamedTuple):
 
 
 class Result(NamedTuple):
-    """One block: its checksums, and its chunks, one for each channel, if they came back."""
+    """One block: its digests, and its chunks, one for each channel, if they came back."""
 
     number: int
-    sums: list[int]
+    digests: list[bytes]
     chunks: list[NDArray[Any]] | None
 
 
@@ -97,10 +101,10 @@ def compute_batch(job: Job, numbers: list[int], places: NDArray[np.int64]) -> li
         handle = -1
         for column, number in enumerate(numbers):
             chunks = list(computer.compute(job.layout.block(number)).values())
+            digests = job.identity.seal(number, chunks)
             # Asked before every block: a sweep that was killed and begun anew has another token.
             if not sees(part, job.token):
-                sums = [own_sum(chunk) for chunk in chunks]
-                results.append(Result(number, sums, [chunk.copy() for chunk in chunks]))
+                results.append(Result(number, digests, [chunk.copy() for chunk in chunks]))
                 # Memory for one block only; the caller asks for the others again.
                 break
             if handle < 0:
@@ -108,7 +112,8 @@ def compute_batch(job: Job, numbers: list[int], places: NDArray[np.int64]) -> li
                 # pages, with a neighbour's bytes in them.
                 handle = os.open(part, os.O_WRONLY)
                 stack.callback(os.close, handle)
-            results.append(Result(number, write_chunks(handle, chunks, places[:, column]), None))
+            write_chunks(handle, chunks, places[:, column])
+            results.append(Result(number, digests, None))
         if handle >= 0 and socket.gethostname() != job.host:
             os.fsync(handle)
     return results
@@ -127,34 +132,27 @@ def compute_there(
     file: PartFile,
     recipe: Recipe,
     layout: Plan,
-    scheduler: str | None,
-    workers: int | None,
+    client: "distributed.Client",
     threads: int | None,
 ) -> Generator[int, None, None]:
     """Compute every block that is not done on workers; yield its number when it is written.
 
-    The recipe is not one that is given by code.  `scheduler` is the address of a running one;
-    without it so many workers are started on this machine, one per core by default.  `threads` are
-    those of all workers started here together, or of each worker of a running scheduler.
-    InputError is raised where distributed is not installed or the scheduler cannot be reached,
-    SweepError where no worker is left, or a task cannot be done anywhere.
+    The recipe is not one that is given by code.  `threads` are those of each worker, all that it
+    has by default.  SweepError is raised where no worker is left, or a task cannot be done
+    anywhere.
     """
-    if importlib.util.find_spec("distributed") is None:
-        raise InputError(
-            "the engine dask needs the package distributed (got none); install lutgen[cluster], "
-            "or use the engine local"
-        )
     job = Job(
         recipe.text,
         recipe.urdf,
         recipe.source,
         layout,
+        file.identity,
         str(file.path.resolve()),
         secrets.token_hex(16),
         socket.gethostname(),
-        threads if scheduler else None,
+        threads,
     )
-    with _client(scheduler, workers, threads) as client, _token(job):
+    with _token(job):
         with _as_sweep_error():
             count = _wait_for_workers(client)
             shared = _probe(client, job)
@@ -175,7 +173,7 @@ def compute_there(
                 remaining = set(asked.pop(future))
                 for result in _result(future):
                     if result.chunks is None:
-                        file.note(result.number, result.sums)
+                        file.note(result.number, result.digests)
                     else:
                         file.write(result.number, result.chunks)
                     remaining.discard(result.number)
@@ -240,38 +238,92 @@ def _result(future: Any) -> list[Result]:
 
 
 @contextmanager
-def _client(scheduler: str | None, workers: int | None, threads: int | None) -> Iterator[Any]:
-    """Connect to a scheduler, or start workers for the time of the sweep."""
+def connected(
+    scheduler: str | None, workers: int | None, threads: int | None
+) -> Iterator["distributed.Client"]:
+    """Connect to a scheduler, or start workers for the time of the sweep.
+
+    So many workers are started on this machine, one per core by default; `threads` are those of
+    all of them together.  InputError is raised where distributed is not installed or the scheduler
+    cannot be reached.
+    """
+    _require_packages(scheduler)
     import distributed
 
-    cores = threads or numba.config.NUMBA_NUM_THREADS
     with ExitStack() as stack:
-        # It logs tracebacks of what is said here in a sentence.
-        log = logging.getLogger("distributed.client")
-        stack.callback(log.setLevel, log.level)
-        log.setLevel(logging.CRITICAL)
+        # They log tracebacks of what is said here in a sentence.
+        for name in ("distributed.client", "distributed.comm.core"):
+            log = logging.getLogger(name)
+            stack.callback(log.setLevel, log.level)
+            log.setLevel(logging.CRITICAL)
         try:
             if scheduler is None:
-                count = workers or cores
-                address: Any = stack.enter_context(
-                    distributed.LocalCluster(
-                        n_workers=count,
-                        threads_per_worker=max(1, cores // count),
-                        memory_limit=0,
-                        dashboard_address=":0",
-                        silence_logs="CRITICAL",
-                    )
-                )
+                address, security = stack.enter_context(_own_cluster(workers, threads))
             else:
-                address = scheduler
-            client = stack.enter_context(distributed.Client(address, timeout=REACH))
-        except (OSError, ValueError) as error:
+                address, security = scheduler, None
+            client = stack.enter_context(
+                distributed.Client(address, timeout=REACH, security=security)
+            )
+        except (OSError, ValueError, TypeError, RuntimeError) as error:
             raise InputError(
                 f"the scheduler {scheduler or 'of this machine'} cannot be reached (got "
-                f"{_first_line(error)}); start one with `dask scheduler` and give its "
-                "address as tcp://HOST:8786"
+                f"{_first_line(error)}); {_way_out(scheduler)}"
             ) from error
         yield client
+
+
+def _require_packages(scheduler: str | None) -> None:
+    """Refuse to begin without what the engine needs; a cluster of our own has credentials."""
+    needed = ("distributed",) if scheduler else ("distributed", "cryptography")
+    for name in needed:
+        if importlib.util.find_spec(name) is None:
+            raise InputError(
+                f"the engine dask needs the package {name} (got none); install lutgen[cluster], "
+                "or use the engine local"
+            )
+
+
+def _way_out(scheduler: str | None) -> str:
+    """Return what to do about a scheduler that cannot be reached."""
+    if scheduler is not None and scheduler.startswith("tls://"):
+        return (
+            "for tls:// name the certificates in dask's own settings (distributed.comm.tls: "
+            "ca-file, client.cert, client.key; or DASK_DISTRIBUTED__COMM__TLS__CA_FILE and so on)"
+        )
+    return "start one with `dask scheduler` and give its address as tcp://HOST:8786"
+
+
+@contextmanager
+def _own_cluster(workers: int | None, threads: int | None) -> Iterator[tuple[Any, Any]]:
+    """Start workers that nobody else on this machine can reach; yield them and their credentials.
+
+    The certificate that all of them share is made for this one sweep and kept in memory.  Dask
+    starts a web server in each process whatever it is told: on loopback, without any page.
+    """
+    import dask
+    import distributed
+    from distributed.security import Security
+
+    cores = threads or numba.config.NUMBA_NUM_THREADS
+    count = workers or cores
+    security = Security.temporary()
+    bare: dict[str, list[str]] = {
+        f"distributed.{who}.http.routes": [] for who in ("scheduler", "worker")
+    }
+    with (
+        dask.config.set(bare),
+        distributed.LocalCluster(
+            n_workers=count,
+            threads_per_worker=max(1, cores // count),
+            memory_limit=0,
+            host="127.0.0.1",
+            security=security,
+            dashboard_address=None,
+            scheduler_kwargs={"dashboard": False, "dashboard_address": "127.0.0.1:0"},
+            silence_logs="CRITICAL",
+        ) as cluster,
+    ):
+        yield cluster, security
 
 
 @contextmanager

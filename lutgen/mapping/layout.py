@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.mapping.blocks import Plan
-from lutgen.mapping.map import BITMAP, COMPLETE, create
 from lutgen.mapping.seal import UNSEALED
+from lutgen.mapping.template import BITMAP, COMPLETE, create
 from lutgen.recipe import Recipe
 
 
@@ -63,7 +63,7 @@ class Skeleton:
     `head` is its beginning while the sweep is running, `finished` the same afterwards but for
     the digest; `size` is that of the file, `places` (channels, blocks) and `chunk_bytes`
     (channels,) say where its chunks are; `bitmap` is where the head keeps the set of finished
-    blocks.
+    blocks, and `digests` where it keeps those of all blocks (blocks, channels, bytes).
     """
 
     head: bytes
@@ -72,6 +72,7 @@ class Skeleton:
     places: NDArray[np.int64]
     chunk_bytes: NDArray[np.int64]
     bitmap: slice
+    digests: slice
 
     def values(self) -> NDArray[np.bool_]:
         """Return which bytes of the head belong to chunks (none, unless chunks are tiny)."""
@@ -84,7 +85,7 @@ class Skeleton:
     def state(self) -> NDArray[np.bool_]:
         """Return which bytes of the head say how far the sweep is."""
         mask = _differs(self.head, self.finished)
-        mask[self.bitmap] = True
+        mask[self.bitmap] = mask[self.digests] = True
         start = self.head.index(UNSEALED.encode())
         mask[start : start + len(UNSEALED)] = True
         return mask
@@ -94,7 +95,8 @@ def lay_out(recipe: Recipe, layout: Plan) -> Skeleton:
     """Return the skeleton of a recipe's map; the same bytes every time."""
     image = Image()
     places = create(image, recipe, layout)
-    head = bytes(image.head)
+    # Of the zeros at its end only the digests are to come.
+    head = bytes(image.head).ljust(places.digests.stop, b"\0")
     # HDF5 itself says where it keeps the set of finished blocks, and what ends a sweep.
     marked, ended = Image(head, image.size), Image(head, image.size)
     with h5py.File(marked, "r+") as file:
@@ -108,9 +110,10 @@ def lay_out(recipe: Recipe, layout: Plan) -> Skeleton:
         head,
         bytes(ended.head),
         image.size,
-        np.stack([places[name] for name in recipe.channels]),
+        np.stack([places.chunks[name] for name in recipe.channels]),
         np.array([layout.chunk_bytes(name) for name in recipe.channels]),
         slice(int(touched[0]), int(touched[-1]) + 1),
+        places.digests,
     )
 
 

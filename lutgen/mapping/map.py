@@ -1,11 +1,9 @@
-"""The map file: HDF5 that xarray, MATLAB and h5dump read without us.
+"""The map file opened: what it holds, its values, and the checks on reading.
 
-Owns the layout of format version 1 (docs/reference/format.md) and the checks on reading.  Every
-chunk has its place when the file is laid out and is written there with its checksum, so any number
-of threads or processes can fill one file and HDF5 has nothing to do meanwhile.
+What is not a map, or not whole, is refused here in a sentence; how a map is laid out is said in
+`template`.
 """
 
-import io
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -16,130 +14,24 @@ import h5py
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lutgen._version import __version__
 from lutgen.chart import Chart
 from lutgen.errors import InputError, LutgenError, MapFileError
 from lutgen.grid import Axis
+from lutgen.mapping.admission import require_inside, require_stored
 from lutgen.mapping.blocks import Plan, plan
 from lutgen.mapping.interpolate import Place, interpolate, worst
 from lutgen.mapping.labelled import labelled
-from lutgen.mapping.seal import ATTRIBUTE, UNSEALED, Seal, check_head
+from lutgen.mapping.seal import Seal, check_head
+from lutgen.mapping.template import COMPLETE, DEFINITION, FORMAT
 from lutgen.quantities import QUANTITIES
 from lutgen.recipe import Recipe, parse_recipe, recipe_digest
 
 if TYPE_CHECKING:
     import xarray
 
-FORMAT = 1
-# Which definition of what stands the values are by (docs/reference/conventions.md).  That of 0.1
-# wrote no number; 2 has rests, stages, gaps and *caught*.
-DEFINITION = 2
 # Parts of a cell by which a place may be beside a node and be at it, where nothing is interpolated:
 # a direction comes back from its unit vector to 2e-16, and from degrees to a few times that.
 AT = 1e-9
-COMPLETE, BITMAP = "complete", "blocks_done"
-# Chunks of at least so many bytes begin on a page: two processes never write to the same one.
-ALIGN_FROM, ALIGNMENT = 1 << 15, 1 << 12
-
-
-def create(target: io.RawIOBase, recipe: Recipe, layout: Plan) -> dict[str, NDArray[np.int64]]:
-    """Write a map whose chunks are all zeros, that is without values yet, into a file object.
-
-    Returns per channel the place of every chunk (blocks,) in the file, in bytes.  Channel after
-    channel, block after block they follow upon each other, large ones on whole pages.
-    """
-    with h5py.File(
-        target,
-        "w",
-        libver=("earliest", "v110"),
-        alignment_threshold=ALIGN_FROM,
-        alignment_interval=ALIGNMENT,
-    ) as file:
-        # First, so that it is found near the beginning of the file without HDF5.
-        file.attrs[ATTRIBUTE] = UNSEALED
-        file.attrs["Conventions"] = "CF-1.10"
-        file.attrs["title"] = f"stability map of {recipe.name}"
-        file.attrs["lutgen_format"] = FORMAT
-        file.attrs["lutgen_definition"] = DEFINITION
-        file.attrs["lutgen_version"] = __version__
-        file.attrs["recipe"] = recipe.text
-        if recipe.urdf is not None:
-            file.attrs["urdf"] = recipe.urdf
-        file.attrs["recipe_sha256"] = recipe.digest
-        file.attrs["chart"] = recipe.chart.kind
-        file.attrs[COMPLETE] = 0
-        file.attrs[BITMAP] = np.zeros(-(-layout.count // 8), np.uint8)
-        scales = [
-            _scale(file, axis.name, axis.knots, axis.unit, f"geometry parameter {axis.name}")
-            for axis in recipe.grid.axes
-        ]
-        faces = np.arange(recipe.chart.faces, dtype=np.int32)
-        scales.append(_scale(file, "face", faces, "1", "face of the gravity chart"))
-        file["face"].attrs["flag_values"] = faces
-        file["face"].attrs["flag_meanings"] = "-z +x -x +y -y +z"[: 3 * recipe.chart.faces - 1]
-        for name in ("v", "u"):
-            text = f"gnomonic face coordinate {name} of the gravity direction"
-            scales.append(_scale(file, name, recipe.chart.coords, "1", text))
-        for name in recipe.channels:
-            quantity, variable = QUANTITIES[name], _variable(file, name, layout)
-            if quantity.words:
-                # Every node has a word, so there is no fill value to turn bytes into floats.
-                variable.attrs["flag_values"] = np.arange(len(quantity.words), dtype=np.uint8)
-                variable.attrs["flag_meanings"] = " ".join(quantity.words)
-            else:
-                variable.attrs["_FillValue"] = np.array([np.nan], np.float32)
-            variable.attrs["units"] = quantity.stored_unit(recipe.length_unit)
-            variable.attrs["long_name"] = quantity.title
-            for axis, scale in enumerate(scales):
-                variable.dims[axis].attach_scale(scale)
-        # One byte per chunk first: the whole index comes to lie before the first real chunk.
-        for first in (True, False):
-            for name in recipe.channels:
-                variable = file[name].id
-                chunk = bytes(1 if first else layout.chunk_bytes(name))
-                for block in layout.blocks():
-                    variable.write_direct_chunk(block.offset, chunk)
-        return {name: chunk_places(file[name], layout) for name in recipe.channels}
-
-
-def _scale(
-    file: h5py.File, name: str, values: NDArray[Any], unit: str, long_name: str
-) -> h5py.Dataset:
-    scale = file.create_dataset(name, data=values)
-    scale.make_scale(name)
-    scale.attrs["units"] = unit
-    scale.attrs["long_name"] = long_name
-    return scale
-
-
-def _variable(file: h5py.File, name: str, layout: Plan) -> h5py.Dataset:
-    """Make a channel's variable without any chunk."""
-    create_list = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
-    create_list.set_chunk(layout.chunk)
-    # No time of making in the file: the same recipe gives the same bytes.
-    create_list.set_obj_track_times(False)
-    create_list.set_fletcher32()
-    words, kind = QUANTITIES[name].words, QUANTITIES[name].stored_type
-    # Whatever is missing is the worst.
-    create_list.set_fill_value(np.array(len(words) - 1 if words else np.nan, kind))
-    create_list.set_alloc_time(h5py.h5d.ALLOC_TIME_INCR)
-    create_list.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
-    space = h5py.h5s.create_simple(layout.shape)
-    stored = h5py.h5t.STD_U8LE if words else h5py.h5t.IEEE_F32LE
-    h5py.h5d.create(file.id, name.encode(), stored, space, create_list)
-    return file[name]
-
-
-def chunk_places(variable: h5py.Dataset, layout: Plan) -> NDArray[np.int64]:
-    """Return the place of every chunk of a variable in the file, in bytes."""
-    places = np.zeros(layout.count, np.int64)
-
-    def note(info: Any) -> None:
-        grid = tuple(o // c for o, c in zip(info.chunk_offset, layout.chunk, strict=True))
-        places[np.ravel_multi_index(grid, layout.counts)] = info.byte_offset
-
-    variable.id.chunk_iter(note)
-    return places
 
 
 @dataclass(frozen=True)
@@ -302,14 +194,24 @@ def damaged(path: str, what: str, error: Exception) -> MapFileError:
     return MapFileError(f"{path}: {what} (got {error}); the file is damaged: sweep it again")
 
 
-def load_map(path: str | os.PathLike[str]) -> StabilityMap:
+def load_map(path: str | os.PathLike[str], unsealed: bool = False) -> StabilityMap:
     """Open a map file.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    unsealed : bool
+        Whether a file without a digest is read, too: a map that was edited by other programs and
+        whose `digest` was removed.  Nobody can tell then what its values are, and HDF5 can crash
+        on damage in it.
 
     Raises
     ------
     MapFileError
         If there is no such file, or it is not a lutgen map, damaged, incomplete, of another
-        format, or computed by another definition of what stands.
+        format, not sealed, keeps values outside of the file, or was computed by another definition
+        of what stands.
     """
     name = os.fspath(path)
     try:
@@ -318,8 +220,7 @@ def load_map(path: str | os.PathLike[str]) -> StabilityMap:
             attributes = dict(file.attrs)
             # Names and texts must be texts, to be compared and printed.
             "".join(map(str, [*file, *attributes.values()])).encode()
-            names = set(file)
-            shapes = {n: file[n].shape for n in names if isinstance(file[n], h5py.Dataset)}
+            shapes = require_inside(name, file)
     except FileNotFoundError:
         raise MapFileError(f"{name}: there is no such file; check the path") from None
     except PermissionError as error:
@@ -357,6 +258,15 @@ def load_map(path: str | os.PathLike[str]) -> StabilityMap:
             f"{name}: is not complete (got {COMPLETE} = {attributes.get(COMPLETE)}); "
             "finish it with `lutgen sweep --resume`"
         )
+    if seal is None and not unsealed:
+        raise MapFileError(
+            f"{name}: is not sealed (got no digest that can be read), so nobody can tell what its "
+            "values are; sweep it again, or say that you want it all the same: "
+            "`load_map(path, unsealed=True)`, `lutgen info --unsealed`"
+        )
+    missing = sorted({"title", "lutgen_version"} - set(attributes))
+    if missing:
+        raise damaged(name, f"lacks the attribute `{missing[0]}`", KeyError(missing[0]))
     try:
         text = str(attributes["recipe"])
         urdf = str(attributes["urdf"]) if "urdf" in attributes else None
@@ -376,4 +286,12 @@ def load_map(path: str | os.PathLike[str]) -> StabilityMap:
                 f"{name}: channel {channel} has the shape {shapes.get(channel)}, its recipe says "
                 f"{expected}; the file is damaged: sweep it again"
             )
+    try:
+        with h5py.File(name, "r") as file:
+            for channel in recipe.channels:
+                require_stored(name, file, channel)
+    except (OSError, KeyError, RuntimeError) as error:
+        if isinstance(error, MapFileError):
+            raise
+        raise damaged(name, "cannot be read", error) from error
     return StabilityMap(name, recipe, attributes, seal)

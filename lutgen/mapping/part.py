@@ -1,15 +1,15 @@
 """The unfinished file of a sweep: locked, filled in any order, and finished.
 
-Owns what survives a kill or a power cut.  The checksum in each chunk is the only record of what is
-done: one that was never written is 0, which is the checksum of nothing but zeros.  HDF5 never opens
-the file while it is filled.
+Owns what survives a kill or a power cut.  The digest of each block is the only record of what is
+done: written after the chunks, it counts if they have it, in whatever order the disk took the two.
+HDF5 never opens the file while it is filled.
 """
 
 import contextlib
 import errno
 import fcntl
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.errors import MapFileError, SweepError
-from lutgen.mapping.checksum import own_sum, sum_of
+from lutgen.mapping.identity import DIGEST, Identity
 from lutgen.mapping.layout import Skeleton
 from lutgen.mapping.seal import sealed
 from lutgen.recipe import Recipe
@@ -37,13 +37,10 @@ def write_all(handle: int, data: memoryview, place: int) -> None:
         data, place = data[count:], place + count
 
 
-def write_chunks(handle: int, chunks: Iterable[NDArray[Any]], places: Iterable[int]) -> list[int]:
-    """Write chunks, with checksums at their ends, at their places; return the checksums."""
-    sums = []
+def write_chunks(handle: int, chunks: Iterable[NDArray[Any]], places: Iterable[int]) -> None:
+    """Write chunks, with checksums at their ends, at their places."""
     for chunk, place in zip(chunks, places, strict=True):
         write_all(handle, memoryview(chunk.data).cast("B"), int(place))
-        sums.append(own_sum(chunk))
-    return sums
 
 
 def sync_folder(folder: Path) -> None:
@@ -58,13 +55,12 @@ def sync_folder(folder: Path) -> None:
 class PartFile:
     """The file ``NAME.part`` of one sweep; a context manager that holds its lock.
 
-    `handle` is its file descriptor, `sums` (channels, blocks) uint32 the checksums of the chunks
-    that are written and `done` (blocks,) bool the blocks of which all channels are.
+    `handle` is its file descriptor, `identity` what its blocks belong to, and `done` (blocks,) bool
+    says of which blocks all channels are written.
     """
 
-    def __init__(self, path: Path, skeleton: Skeleton) -> None:
-        self.path, self.skeleton = path, skeleton
-        self.sums = np.zeros(skeleton.places.shape, np.uint32)
+    def __init__(self, path: Path, skeleton: Skeleton, identity: Identity) -> None:
+        self.path, self.skeleton, self.identity = path, skeleton, identity
         self.done = np.zeros(skeleton.places.shape[1], np.bool_)
         self.handle = -1
 
@@ -148,41 +144,44 @@ class PartFile:
         )
 
     def find_done(self) -> Iterator[int]:
-        """Read what is there and yield the number of every block whose checksums hold."""
+        """Read what is there and yield the number of every block that has its digest."""
         # Whatever was cut off the file was not written.
         os.ftruncate(self.handle, self.skeleton.size)
         chunks = [np.empty(size, np.uint8) for size in self.skeleton.chunk_bytes]
+        size = DIGEST * len(chunks)
+        held = self._read_head()[self.skeleton.digests].tobytes()
         for number in range(self.done.size):
-            for channel, place in enumerate(self.skeleton.places[:, number]):
-                held = self._checksum(chunks[channel], int(place))
-                self.sums[channel, number] = held
-                if held == 0:
-                    break
-            else:
+            own = held[number * size : (number + 1) * size]
+            digests = [own[i : i + DIGEST] for i in range(0, size, DIGEST)]
+            if (
+                all(map(any, digests))
+                and self._read_chunks(chunks, number)
+                and self.identity.holds(number, chunks, digests)
+            ):
                 self.done[number] = True
                 yield number
 
-    def _checksum(self, chunk: NDArray[np.uint8], place: int) -> int:
-        """Read one chunk into a buffer; return its checksum, 0 where it does not hold."""
-        raw = memoryview(chunk.data).cast("B")
+    def _read_chunks(self, chunks: list[NDArray[np.uint8]], number: int) -> bool:
+        """Read a block into buffers; return whether that can be done."""
         try:
-            # Most chunks that were never written are told by these four bytes.
-            last = os.pread(self.handle, 4, place + len(raw) - 4)
-            if not any(last) or os.preadv(self.handle, [raw], place) != len(raw):
-                return 0
+            return all(
+                os.preadv(self.handle, [memoryview(chunk.data)], int(place)) == chunk.size
+                for chunk, place in zip(chunks, self.skeleton.places[:, number], strict=True)
+            )
         except OSError:
             # A place that cannot be read can often be written again.
-            return 0
-        own = own_sum(chunk)
-        return own if own == sum_of(chunk) else 0
+            return False
 
-    def write(self, number: int, chunks: Iterable[NDArray[Any]]) -> None:
-        """Write the chunks of one block, of all channels, and count it as done."""
-        self.note(number, write_chunks(self.handle, chunks, self.skeleton.places[:, number]))
+    def write(self, number: int, chunks: Sequence[NDArray[Any]]) -> None:
+        """Seal and write the chunks of one block, of all channels, and count it as done."""
+        digests = self.identity.seal(number, chunks)
+        write_chunks(self.handle, chunks, self.skeleton.places[:, number])
+        self.note(number, digests)
 
-    def note(self, number: int, sums: Iterable[int]) -> None:
-        """Count a block as done that was written, here or elsewhere, with these checksums."""
-        self.sums[:, number] = list(sums)
+    def note(self, number: int, digests: Iterable[bytes]) -> None:
+        """Count a block as done that was written, here or elsewhere, with these digests."""
+        own = b"".join(digests)
+        write_all(self.handle, memoryview(own), self.skeleton.digests.start + number * len(own))
         self.done[number] = True
 
     def leave(self) -> None:
@@ -200,9 +199,10 @@ class PartFile:
         """Seal the file and give it its name; every step is on the disk before the next."""
         os.fsync(self.handle)
         head = np.frombuffer(self.skeleton.finished, np.uint8).copy()
-        values = self.skeleton.values()
-        head[values] = self._read_head()[values]
-        whole = sealed(head.tobytes(), self.sums)
+        written = self.skeleton.values()
+        written[self.skeleton.digests] = True
+        head[written] = self._read_head()[written]
+        whole = sealed(head.tobytes())
         changed = np.flatnonzero(self.skeleton.state())
         span = slice(int(changed[0]), int(changed[-1]) + 1)
         write_all(self.handle, memoryview(whole)[span], span.start)

@@ -6,8 +6,11 @@ Numbers come from `compute`, the file from `part`.
 
 import contextlib
 import os
-from collections.abc import Callable, Generator
-from contextlib import closing
+from collections import deque
+from collections.abc import Callable, Generator, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import ExitStack, closing
+from functools import partial
 from itertools import chain
 from pathlib import Path
 
@@ -20,9 +23,12 @@ from lutgen.mapping.blocks import Plan, plan
 from lutgen.mapping.compute import Computer, require_standing
 from lutgen.mapping.layout import lay_out
 from lutgen.mapping.part import PartFile
+from lutgen.mapping.template import identity_of
 from lutgen.recipe import Recipe
 
 ENGINES = ("local", "dask")
+# Threads that seal and write blocks while others compute the next.
+WRITERS = 2
 
 
 def sweep(
@@ -103,15 +109,23 @@ def sweep(
     try:
         layout = plan(recipe)
         bounds.check(layout.count, bounds.BLOCKS, recipe.source, "use fewer samples")
-        with PartFile(part, lay_out(recipe, layout)) as file:
-            _open(file, recipe, resume, force)
+        with ExitStack() as stack:
+            compute: Callable[[PartFile], Generator[int, None, None]]
             if engine == "local":
-                blocks = _compute_here(file, recipe, layout)
+                compute = partial(_compute_here, recipe=recipe, layout=layout)
             else:
-                from lutgen.mapping.dask import compute_there
+                from lutgen.mapping.dask import compute_there, connected
 
-                blocks = compute_there(file, recipe, layout, scheduler, workers, threads)
-            _fill(file, recipe, layout, blocks, progress)
+                # Before there is a file: without a scheduler none is left behind.
+                client = stack.enter_context(connected(scheduler, workers, threads))
+                own = threads if scheduler else None
+                compute = partial(
+                    compute_there, recipe=recipe, layout=layout, client=client, threads=own
+                )
+            identity = identity_of(recipe, layout)
+            file = stack.enter_context(PartFile(part, lay_out(recipe, layout), identity))
+            _open(file, recipe, resume, force)
+            _fill(file, recipe, layout, compute(file), progress)
             # It may be hours since that was asked.
             check_target(target, force)
             file.finish(target)
@@ -194,12 +208,34 @@ def _open(file: PartFile, recipe: Recipe, resume: bool, force: bool) -> None:
 
 
 def _compute_here(file: PartFile, recipe: Recipe, layout: Plan) -> Generator[int, None, None]:
-    """Compute and write every block that is not done; yield its number."""
-    computer = Computer(recipe, layout)
-    for number in range(layout.count):
-        if not file.done[number]:
-            file.write(number, computer.compute(layout.block(number)).values())
+    """Compute and write every block that is not done; yield its number.
+
+    With several threads blocks are sealed and written while the next one is computed.
+    """
+    todo = (number for number in range(layout.count) if not file.done[number])
+    if numba.get_num_threads() == 1:
+        computer = Computer(recipe, layout)
+        for number in todo:
+            file.write(number, list(computer.compute(layout.block(number)).values()))
             yield number
+        return
+    computer = Computer(recipe, layout, WRITERS + 1)
+    writing: deque[tuple[int, Future[None]]] = deque()
+    with ThreadPoolExecutor(WRITERS) as pool:
+        for number in todo:
+            chunks = list(computer.compute(layout.block(number)).values())
+            writing.append((number, pool.submit(file.write, number, chunks)))
+            # The buffer of the oldest is the next to be filled.
+            yield from _written(writing, WRITERS)
+        yield from _written(writing, 0)
+
+
+def _written(writing: deque[tuple[int, "Future[None]"]], most: int) -> Iterator[int]:
+    """Wait for the oldest blocks until at most so many are left; yield their numbers."""
+    while len(writing) > most:
+        number, future = writing.popleft()
+        future.result()
+        yield number
 
 
 def _fill(

@@ -65,8 +65,9 @@ def main(count: int, folder: Path) -> None:
         path.write_bytes(data)
         try:
             # Without --verify: nothing but a sentence either, wherever it is noticed.
-            for name in lutgen.load_map(path).channels:
-                lutgen.load_map(path).channel(name)
+            opened = lutgen.load_map(path, unsealed=True)
+            for name in opened.channels:
+                opened.channel(name)
         except MapFileError as error:
             one_sentence(error)
         try:

@@ -183,8 +183,13 @@ def test_a_worker_that_cannot_write_stops_the_sweep_in_a_sentence_and_it_resumes
 
 
 def test_a_scheduler_that_dies_is_a_sentence_and_the_sweep_resumes(
-    tmp_path: Path, whole: bytes, capfd: pytest.CaptureFixture[str]
+    tmp_path: Path,
+    whole: bytes,
+    capfd: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    # It is started in this moment, on a machine that may be busy.
+    monkeypatch.setattr(engine_dask, "REACH", 60.0)
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = str(free.getsockname()[1])

@@ -11,12 +11,15 @@ import h5py
 import numpy as np
 import pytest
 import xarray
+from blake3 import blake3
 
 import lutgen
 from lutgen.errors import InputError, MapFileError
 from lutgen.mapping.checksum import fletcher32
-from lutgen.mapping.map import FORMAT, StabilityMap
+from lutgen.mapping.map import StabilityMap
+from lutgen.mapping.template import FORMAT
 from lutgen.mapping.verification import verify
+from lutgen.recipe import recipe_digest
 from tests.fixtures.maps import unseal
 from tests.fixtures.recipes import ALL_CHANNELS, rover, tripod
 
@@ -54,9 +57,9 @@ def unsealed(copy: Path) -> Path:
 
 
 def refusal(path: Path) -> str:
-    """Load a map that must be refused; return the sentence, which names the file."""
+    """Load a map that must be refused in any case; return the sentence, which names the file."""
     with pytest.raises(MapFileError) as caught:
-        lutgen.load_map(path)
+        lutgen.load_map(path, unsealed=True)
     message = str(caught.value)
     assert message.startswith(f"{path}: ")
     assert "\n" not in message
@@ -293,11 +296,80 @@ def test_verify_looks_at_the_file_though_its_values_are_in_memory(copy: Path) ->
 # The digest.
 
 
-def test_a_map_without_a_digest_loads_but_is_not_verified(unsealed: Path) -> None:
-    stability_map = lutgen.load_map(unsealed)
+def test_a_map_without_a_digest_is_read_where_that_is_asked_for_and_never_verified(
+    unsealed: Path,
+) -> None:
+    with pytest.raises(MapFileError, match="is not sealed") as caught:
+        lutgen.load_map(unsealed)
+    assert "\n" not in str(caught.value)
+    stability_map = lutgen.load_map(unsealed, unsealed=True)
     assert np.isfinite(stability_map.channel("tip_angle")).all()
     with pytest.raises(MapFileError, match="without a digest"):
         verify(stability_map)
+
+
+def test_a_map_that_was_sealed_in_the_earlier_way_has_to_be_swept_again(copy: Path) -> None:
+    copy.write_bytes(copy.read_bytes().replace(b"lutgen-digest-2", b"lutgen-digest-1"))
+    assert "sealed in another way (got lutgen-digest-1" in refusal(copy)
+
+
+# What lies somewhere else.
+
+
+@pytest.mark.parametrize("how", ["external storage", "a virtual dataset", "a link", "soft", "deep"])
+def test_a_map_that_reaches_outside_of_itself_is_refused(
+    how: str, folder: Path, unsealed: Path, tmp_path: Path
+) -> None:
+    secret = tmp_path / "secret"
+    secret.write_bytes(bytes(range(256)) * 4096)
+    with h5py.File(unsealed, "r+") as file:
+        shape = file["sdg"].shape
+        del file["sdg"]
+        if how == "external storage":
+            file.create_dataset("sdg", shape, "<f4", external=[(str(secret), 0, 1 << 20)])
+        elif how == "a virtual dataset":
+            layout = h5py.VirtualLayout(shape, "<f4")
+            layout[...] = h5py.VirtualSource(str(folder / "cone.h5"), "sdg", shape=shape)
+            file.create_virtual_dataset("sdg", layout)
+        elif how == "a link":
+            file["sdg"] = h5py.ExternalLink(str(folder / "cone.h5"), "/sdg")
+        elif how == "soft":
+            file["sdg"] = h5py.SoftLink("/tip_angle")
+        else:
+            file["seal/sdg"] = h5py.ExternalLink(str(folder / "cone.h5"), "/sdg")
+    said = refusal(unsealed)
+    assert "somewhere else" in said
+    assert ("a link" if how in ("soft", "deep") else how) in said
+
+
+@pytest.mark.parametrize("how", ["contiguous", "zipped", "wide", "claimed"])
+def test_values_that_are_stored_in_another_way_are_refused(how: str, unsealed: Path) -> None:
+    with h5py.File(unsealed, "r+") as file:
+        old, chunks = file["sdg"][...], file["sdg"].chunks
+        del file["sdg"]
+        options = {"chunks": chunks, "fletcher32": True}
+        if how == "contiguous":
+            options = {}
+        elif how == "zipped":
+            options["compression"] = "gzip"
+        elif how == "claimed":
+            # None of its chunks is there: values for which the file has no bytes.
+            file.attrs.modify("recipe", file.attrs["recipe"].replace("nodes = 9", "nodes = 999"))
+            text = str(file.attrs["recipe"])
+            file.attrs.modify("recipe_sha256", recipe_digest(text))
+            for name in lutgen.parse_recipe(text).channels:
+                if name in file:
+                    del file[name]
+                many = (*old.shape[:-2], 999, 999)
+                kind = "u1" if name == "status" else "<f4"
+                file.create_dataset(name, many, kind, chunks=(1, 1, 1, 999, 999), fletcher32=True)
+        if how != "claimed":
+            kind = "<f8" if how == "wide" else "<f4"
+            file.create_dataset("sdg", data=old.astype(kind), **options)
+    assert "not stored as a sweep stores it" in refusal(unsealed)
+
+
+# The digest.
 
 
 @pytest.mark.parametrize("name", ["title", "units", "knots"])
@@ -324,8 +396,26 @@ def test_verify_catches_values_that_were_replaced_with_their_checksum(copy: Path
     copy.write_bytes(head[:start] + raw.tobytes() + head[start + raw.nbytes :])
     stability_map = lutgen.load_map(copy)
     np.testing.assert_array_equal(stability_map.channel("sdg"), values)
-    with pytest.raises(MapFileError, match="do not match its digest"):
+    with pytest.raises(MapFileError, match="without its digest"):
         verify(stability_map)
+
+
+def test_verify_refuses_a_block_of_another_map_with_its_checksum(
+    folder: Path, copy: Path, tmp_path: Path
+) -> None:
+    other = tripod(channels=ALL_CHANNELS, nodes=9, max_tilt=59.0)
+    lutgen.sweep(lutgen.parse_recipe(other), tmp_path / "other.h5", threads=1)
+    content = copy.read_bytes()
+    with h5py.File(copy, "r") as file, h5py.File(tmp_path / "other.h5", "r") as foreign:
+        to, source = (one["sdg"].id.get_chunk_info(0) for one in (file, foreign))
+    foreign_bytes = (tmp_path / "other.h5").read_bytes()
+    taken = foreign_bytes[source.byte_offset : source.byte_offset + source.size]
+    assert len(taken) == to.size
+    copy.write_bytes(content[: to.byte_offset] + taken + content[to.byte_offset + to.size :])
+    # HDF5 sees nothing wrong.
+    assert lutgen.load_map(copy).channel("sdg").shape
+    with pytest.raises(MapFileError, match=r"sdg has values of another map or place"):
+        verify(lutgen.load_map(copy))
 
 
 def test_the_digest_is_that_of_its_definition(folder: Path) -> None:
@@ -333,15 +423,19 @@ def test_the_digest_is_that_of_its_definition(folder: Path) -> None:
     content = (folder / "cone.h5").read_bytes()
     with h5py.File(folder / "cone.h5", "r") as file:
         text = str(file.attrs["digest"])
-        sums = b""
-        for name in ALL_CHANNELS:
+        digests = file["seal/blocks"][...]
+        parts = [str(file.attrs[k]) for k in ("recipe_sha256", "lutgen_definition")]
+        parts += [str(file.attrs["lutgen_version"]), " ".join(map(str, file["sdg"].chunks))]
+        for index, name in enumerate(ALL_CHANNELS):
             chunk = file[name].id.get_chunk_info(0)
-            sums += content[chunk.byte_offset + chunk.size - 4 : chunk.byte_offset + chunk.size]
-    found = re.fullmatch(r"lutgen-digest-1 head=(\d+) sha256=(\w+) chunks=(\w+)", text)
+            key = blake3("\n".join(["lutgen block", *parts, name, "0"]).encode()).digest()
+            stored = content[chunk.byte_offset : chunk.byte_offset + chunk.size]
+            assert digests[0, index].tobytes() == blake3(stored, key=key).digest()
+    found = re.fullmatch(r"lutgen-digest-2 head=(\d+) sha256=(\w+)", text)
     assert found is not None
+    assert content[: int(found[1])].count(digests.tobytes()) == 1
     head = content[: int(found[1])].replace(found[2].encode(), b"0" * 64)
     assert hashlib.sha256(head).hexdigest() == found[2]
-    assert hashlib.sha256(sums).hexdigest() == found[3]
 
 
 # What `read` interpolates.

@@ -81,7 +81,7 @@ def calls_of_a_sweep(tmp_path: Path) -> list[str]:
     return calls.log
 
 
-def test_a_sweep_writes_every_byte_once_and_its_state_twice(tmp_path: Path) -> None:
+def test_a_sweep_writes_every_value_once_and_a_digest_thrice(tmp_path: Path) -> None:
     written: list[tuple[int, int]] = []
 
     def note(count: int, name: str, real: Any, *args: Any) -> Any:
@@ -96,8 +96,8 @@ def test_a_sweep_writes_every_byte_once_and_its_state_twice(tmp_path: Path) -> N
     times = np.zeros(size, int)
     for start, end in written:
         times[start:end] += 1
-    assert len(written) == 2 + 2 * BLOCKS + 1
-    assert set(times[:6000]) <= {1, 2}
+    assert len(written) == 2 + 3 * BLOCKS + 1
+    assert set(times[:6000]) <= {1, 2, 3}
     first = h5py_places(tmp_path / "a.h5")
     assert (times[first:] == 1).all()
 
@@ -114,7 +114,7 @@ def test_a_call_that_fails_anywhere_is_a_sentence_and_loses_no_block(
 ) -> None:
     log = calls_of_a_sweep(tmp_path)
     assert {name: log.count(name) for name in CALLS} == {
-        "pwrite": 2 + 2 * BLOCKS + 1,
+        "pwrite": 2 + 3 * BLOCKS + 1,
         "fsync": 3 + 2 + 1,
         "ftruncate": 2 + 1,
         "replace": 1,
@@ -134,8 +134,9 @@ def test_a_call_that_fails_anywhere_is_a_sentence_and_loses_no_block(
         assert "\n" not in str(caught.value)
         # Only the last sync, of the folder, comes after the name.
         assert path.exists() == (at == len(log))
-        # Two writes lay the file out, then two make a block; once it has its name it is the map's.
-        done = max(0, log[: at - 1].count("pwrite") - 2) // 2 if at < len(log) else 0
+        # Two writes lay the file out, then two make a block and one says so; once the file has its
+        # name it is the map's.
+        done = max(0, log[: at - 1].count("pwrite") - 2) // 3 if at < len(log) else 0
         with pytest.MonkeyPatch.context() as patch:
             computed = count_computed(patch)
             sweep(TRIPOD, path, resume=True)
@@ -322,18 +323,19 @@ class Stop:
             raise KeyboardInterrupt
 
 
-def test_a_block_of_zeros_is_computed_again_and_the_file_is_right(
+def test_a_block_of_zeros_is_known_to_be_done(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    # Of the channel `facet` a robot on three feet has only zeros, whose checksum is 0: that of
-    # a chunk that was never written.
+    # Of the channel `facet` a robot on three feet has only zeros, as a chunk that is not written.
     knots = "reach = [0.0, 0.01, 0.02, 0.03], swing = [-1.0, 0.0, 1.0]"
     recipe = lutgen.parse_recipe(tripod(knots, channels=("facet",), max_tilt=5.0))
     sweep(recipe, tmp_path / "whole.h5")
     assert not lutgen.load_map(tmp_path / "whole.h5").channel("facet").any()
     with pytest.raises(KeyboardInterrupt):
         sweep(recipe, tmp_path / "a.h5", progress=Stop(4))
+    computed = count_computed(monkeypatch)
     sweep(recipe, tmp_path / "a.h5", resume=True)
+    assert computed == [4, 5]
     assert (tmp_path / "a.h5").read_bytes() == (tmp_path / "whole.h5").read_bytes()
     verify(lutgen.load_map(tmp_path / "a.h5"))
 
@@ -429,7 +431,7 @@ def test_another_version_does_not_go_on_with_the_file(
 ) -> None:
     with pytest.raises(KeyboardInterrupt):
         sweep(TRIPOD, tmp_path / "a.h5", progress=Stop(5))
-    monkeypatch.setattr("lutgen.mapping.map.__version__", "99.0.0")
+    monkeypatch.setattr("lutgen.mapping.template.__version__", "99.0.0")
     with pytest.raises(MapFileError, match=r"cannot be resumed .*version"):
         sweep(TRIPOD, tmp_path / "a.h5", resume=True)
 
@@ -463,3 +465,11 @@ def test_a_damaged_file_is_refused_in_a_sentence_or_holds_the_right_values(tmp_p
     count = 1000 if SOAK else 100
     last = ran("tests.mapping.soak_damage", count, tmp_path)
     assert last.startswith(f"{count} damaged files: 0 wrong values accepted")
+
+
+def test_after_kills_with_edits_between_no_file_is_wrong_and_no_other_file_touched(
+    tmp_path: Path,
+) -> None:
+    count = 200 if SOAK else 24
+    last = ran("tests.mapping.soak_edits", count, tmp_path)
+    assert last.startswith(f"{count} kills with edits: 0 wrong files, 0 foreign files touched")

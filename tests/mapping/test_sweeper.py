@@ -17,7 +17,7 @@ from lutgen.mapping import compute as computer
 from lutgen.mapping import sweeper
 from lutgen.mapping.blocks import Block, Plan, plan
 from lutgen.mapping.compute import Computer
-from lutgen.mapping.map import BITMAP
+from lutgen.mapping.template import BITMAP
 from lutgen.mapping.verification import verify
 from lutgen.recipe.recipe import Recipe
 from tests.fixtures.recipes import ALL_CHANNELS, feet, rigid, rover, tripod
@@ -140,7 +140,7 @@ def test_an_interrupted_sweep_is_resumed_where_it_stopped(
     count = len(counted)
     path, part = tmp_path / "a.h5", tmp_path / "a.h5.part"
     with pytest.raises(KeyboardInterrupt):
-        lutgen.sweep(TRIPOD, path, progress=Interrupted(after))
+        lutgen.sweep(TRIPOD, path, threads=1, progress=Interrupted(after))
     assert not path.exists()
     with h5py.File(part, "r") as file:
         assert file.attrs["complete"] == 0
@@ -165,7 +165,7 @@ def test_a_sweep_interrupted_after_its_last_block_computes_nothing_again(
     cut(BLOCK)
     path, count = tmp_path / "a.h5", plan(TRIPOD, BLOCK).count
     with pytest.raises(KeyboardInterrupt):
-        lutgen.sweep(TRIPOD, path, progress=Interrupted(count))
+        lutgen.sweep(TRIPOD, path, threads=1, progress=Interrupted(count))
     assert not path.exists()
     counted.clear()
     lutgen.sweep(TRIPOD, path, resume=True)
@@ -179,7 +179,7 @@ def test_an_interruption_leaves_an_older_map_of_that_name_as_it_was(tmp_path: Pa
     before = path.read_bytes()
     other = lutgen.parse_recipe(tripod(nodes=9))
     with pytest.raises(KeyboardInterrupt):
-        lutgen.sweep(other, path, progress=Interrupted(1))
+        lutgen.sweep(other, path, threads=1, progress=Interrupted(1))
     assert path.read_bytes() == before
 
 
@@ -189,7 +189,7 @@ def test_only_force_begins_an_unfinished_file_anew(
     cut(BLOCK)
     path = tmp_path / "a.h5"
     with pytest.raises(KeyboardInterrupt):
-        lutgen.sweep(TRIPOD, path, progress=Interrupted(2))
+        lutgen.sweep(TRIPOD, path, threads=1, progress=Interrupted(2))
     counted.clear()
     with pytest.raises(InputError, match=r"unfinished work.*--resume, or begin anew with --force"):
         lutgen.sweep(TRIPOD, path)
@@ -209,7 +209,7 @@ def test_resume_with_another_recipe_is_refused_and_keeps_the_file(
     cut(BLOCK)
     path, part = tmp_path / "a.h5", tmp_path / "a.h5.part"
     with pytest.raises(KeyboardInterrupt):
-        lutgen.sweep(TRIPOD, path, progress=Interrupted(2))
+        lutgen.sweep(TRIPOD, path, threads=1, progress=Interrupted(2))
     before = part.read_bytes()
     other = lutgen.parse_recipe(tripod(nodes=9))
     with pytest.raises(MapFileError, match="belongs to another recipe"):
@@ -223,7 +223,7 @@ def test_resume_of_a_file_cut_into_other_blocks_is_refused(
     cut(BLOCK)
     path = tmp_path / "a.h5"
     with pytest.raises(KeyboardInterrupt):
-        lutgen.sweep(TRIPOD, path, progress=Interrupted(2))
+        lutgen.sweep(TRIPOD, path, threads=1, progress=Interrupted(2))
     for size in (7, 3 * BLOCK):
         cut(size)
         with pytest.raises(MapFileError, match="cannot be resumed"):
