@@ -9,6 +9,7 @@ import click
 from lutgen._version import __version__
 from lutgen.cli.check import check
 from lutgen.cli.eval import eval_
+from lutgen.cli.explore import explore
 from lutgen.cli.export import export
 from lutgen.cli.import_ import import_
 from lutgen.cli.info import info
@@ -72,6 +73,6 @@ def main(verbose: int, quiet: bool) -> None:
 
 for command in (
     *(new, schema, recipes, import_, check, sweep, info, eval_, limits, metrics),
-    *(stance, optimum, plot, export, wheels, paper, path),
+    *(stance, optimum, plot, export, explore, wheels, paper, path),
 ):
     main.add_command(command)
