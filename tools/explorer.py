@@ -17,6 +17,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 HOME = ROOT / "firmware_export" / "explore"
 RUNTIME = ROOT / "firmware_export" / "runtime"
+# memcpy and memset without a C library.
+MEMORY = ROOT / "targets" / "wasm" / "memory.c"
 FLAGS = (
     *("--target=wasm32", "-mcpu=mvp", "-ffreestanding", "-std=c99", "-O2", "-ffp-contract=off"),
     *("-fno-ident", "-Wall", "-Wextra", "-Wno-unknown-pragmas", "-Wno-unused-function"),
@@ -54,23 +56,40 @@ PLACES = {
     smap_add_piece(w, o, side, p, q, i);
   }""": "  exact_side(w, o, e, side);",
     # Which way a roll is followed, and so over which contact, is a matter of the last digits.
-    "  if (w->twin[e] < e) {\n    e = w->twin[e];": "  if (exact_backwards(w, e)) {\n    e = w->twin[e];",
-    "  if (w->twin[e] > e) {\n    SMAP_UNROLL": "  if (!exact_backwards(w, e)) {\n    SMAP_UNROLL",
+    "(w->twin[e] < e) {\n    e = w->twin[e];": "(exact_backwards(w, e)) {\n    e = w->twin[e];",
+    "(w->twin[e] > e) {\n    SMAP_UNROLL": "(!exact_backwards(w, e)) {\n    SMAP_UNROLL",
     "#define SMAP_NONE 255u": "#define SMAP_NONE 65535u",
 }
 
 
-def doubled(text: str) -> str:
-    """Return a part of the runtime in double precision."""
+def doubled(text: str, used: set[str]) -> str:
+    """Return a part of the runtime in double precision; add to `used` what was replaced in it."""
     text = re.sub(r"\bfloat\b", "double", text)
-    # Room for any robot: indices are wider than those of a microcontroller, and so are counts of work.
+    # Room for any robot: indices are wider than on a microcontroller, and so are counts of work.
     text = text.replace("uint16_t", "uint32_t").replace("uint8_t", "uint16_t")
     text = re.sub(r"(?<![\w.])(\d+\.?\d*(?:e[-+]?\d+)?)f\b", r"\1", text)
     for name, value in TOLERANCES.items():
-        text = re.sub(rf"(#define {name} +)\S+", rf"\g<1>{value}", text)
+        text, times = re.subn(rf"(#define {name} +)\S+", rf"\g<1>{value}", text)
+        used |= {name} if times else set()
     for single, double in PLACES.items():
+        used |= {single} if single in text else set()
         text = text.replace(single, double)
     return text
+
+
+def write_doubled(folder: Path) -> None:
+    """Write the parts of the runtime that engine/exact.c takes in, in double precision."""
+    used: set[str] = set()
+    for part in PARTS:
+        name = f"many_{part}.c"
+        text = (RUNTIME / name).read_text(encoding="utf-8")
+        (folder / name).write_text(doubled(text, used), encoding="utf-8")
+    lost = {*TOLERANCES, *PLACES} - used
+    if lost:
+        sys.exit(
+            f"the runtime no longer has what engine/exact.c has otherwise (got no {min(lost)!r}); "
+            "say here what stands in its place."
+        )
 
 
 def run(command: list[object], where: Path) -> None:
@@ -88,7 +107,7 @@ def build_exported(folder: Path, out: Path) -> None:
         name = f"host_{family}"
         digest = '-DSMAP_SOURCES="wasm"'
         source = RUNTIME / f"{name}.c"
-        command = ["clang", *FLAGS, digest, f"-I{HOME / 'engine'}", f"-I{RUNTIME}", "-c", source]
+        command = ["clang", *FLAGS, digest, f"-I{MEMORY.parent}", f"-I{RUNTIME}", "-c", source]
         run([*command, "-o", f"{name}.o"], folder)
     names = [f"smap_{family}_host_{what}" for family in FAMILIES for what in ("read", "at")]
     names += [f"smap_{family}_host_{what}" for family in FAMILIES for what in ("read_i", "at_i")]
@@ -100,12 +119,12 @@ def build_exported(folder: Path, out: Path) -> None:
 
 def build_exact(folder: Path, out: Path) -> None:
     """Build the module of the code for many contacts in double precision."""
-    for part in PARTS:
-        name = f"many_{part}.c"
-        text = (RUNTIME / name).read_text(encoding="utf-8")
-        (folder / name).write_text(doubled(text), encoding="utf-8")
-    includes = [f"-I{folder}", f"-I{HOME / 'engine'}"]
-    run(["clang", *FLAGS, *includes, "-c", HOME / "engine" / "exact.c", "-o", "exact.o"], folder)
+    write_doubled(folder)
+    source = HOME / "engine" / "exact.c"
+    run(
+        ["clang", *FLAGS, f"-I{folder}", f"-I{MEMORY.parent}", "-c", source, "-o", "exact.o"],
+        folder,
+    )
     lists = [f"exact_list_{name}" for name in ("facets", "edges", "segments")]
     data = ("contact", "number", "gravity", "answer", "facets", "edges", "segments")
     names = ["exact_pose", "exact_read", *lists, *(f"exact_{name}" for name in data)]
@@ -114,34 +133,56 @@ def build_exact(folder: Path, out: Path) -> None:
 
 def link(folder: Path, objects: list[str], names: list[str], out: Path) -> None:
     """Link objects with memcpy and memset into a module that gives some names."""
-    memory = HOME / "engine" / "memory.c"
-    run(["clang", *FLAGS, "-fno-builtin", f"-I{memory.parent}", "-c", memory], folder)
-    run(["wasm-ld", *LINK, *(f"--export={n}" for n in names), *objects, "memory.o", "-o", out], folder)
+    run(["clang", *FLAGS, "-fno-builtin", f"-I{MEMORY.parent}", "-c", MEMORY], folder)
+    given = [f"--export={name}" for name in names]
+    run(["wasm-ld", *LINK, *given, *objects, "memory.o", "-o", out], folder)
+    out.chmod(0o644)
 
 
 def build_scripts(folder: Path, out: Path) -> None:
     """Bundle the page's scripts and the worker's, with the packages that the lock file names."""
-    shutil.copytree(HOME / "web", folder, dirs_exist_ok=True, ignore=shutil.ignore_patterns("node_modules"))
+    aside = shutil.ignore_patterns("node_modules")
+    shutil.copytree(HOME / "web", folder, dirs_exist_ok=True, ignore=aside)
     run(["npm", "ci", "--no-audit", "--no-fund", "--ignore-scripts"], folder)
     packages = folder / "node_modules"
-    esbuild = ["node", packages / "esbuild" / "bin" / "esbuild"]
+    look = ["--bundle", "--minify", "--format=iife", "--target=es2020", "--charset=utf8"]
     for name in ("main", "worker"):
-        look = ["--bundle", "--minify", "--format=iife", "--target=es2020", "--charset=utf8"]
-        run([*esbuild, f"{name}.js", *look, "--legal-comments=none", f"--outfile={out / name}.js"], folder)
-    version = json.loads((packages / "three" / "package.json").read_text(encoding="utf-8"))["version"]
-    licence = (packages / "three" / "LICENSE").read_text(encoding="utf-8")
+        command = ["node", packages / "esbuild" / "bin" / "esbuild", f"{name}.js", *look]
+        run([*command, "--legal-comments=none", f"--outfile={out / name}.js"], folder)
+    three = packages / "three"
+    version = json.loads((three / "package.json").read_text(encoding="utf-8"))["version"]
+    licence = (three / "LICENSE").read_text(encoding="utf-8")
     (out / "three.LICENSE").write_text(f"three.js {version}\n\n{licence}", encoding="utf-8")
 
 
+def clang_version() -> str:
+    """Return which clang is here; another one gives other bytes."""
+    said = subprocess.run(["clang", "--version"], capture_output=True, text=True, check=True)
+    return said.stdout.splitlines()[0].strip()
+
+
 def build(out: Path, only: str) -> None:
-    """Build all files, or those of C alone, into a folder."""
+    """Build all files, or those of C or of scripts alone, into a folder."""
     if only != "scripts":
-        for what in (build_exported, build_exact):
+        for name, make in (("exported", build_exported), ("exact", build_exact)):
             with tempfile.TemporaryDirectory() as folder:
-                what(Path(folder), out / f"{what.__name__.removeprefix('build_')}.wasm")
+                make(Path(folder), out / f"{name}.wasm")
+        (out / "made_by.txt").write_text(f"{clang_version()}\n", encoding="utf-8")
     if only != "engine":
         with tempfile.TemporaryDirectory() as folder:
             build_scripts(Path(folder), out)
+
+
+def compare(folder: Path) -> None:
+    """Stop where a file that was built is not what is checked in."""
+    for path in sorted(folder.iterdir()):
+        built, held = path.read_bytes(), (HOME / "built" / path.name).read_bytes()
+        if built != held:
+            here, there = (hashlib.sha256(one).hexdigest()[:12] for one in (held, built))
+            sys.exit(
+                f"{path.name}: is not what its sources give (got {here}, built {there}); "
+                "run make engine."
+            )
 
 
 def main() -> None:
@@ -155,10 +196,7 @@ def main() -> None:
         return
     with tempfile.TemporaryDirectory() as folder:
         build(Path(folder), asked.only)
-        for path in sorted(Path(folder).iterdir()):
-            here, there = (hashlib.sha256(one.read_bytes()).hexdigest() for one in (path, HOME / "built" / path.name))
-            if here != there:
-                sys.exit(f"{path.name}: is not what its sources give (got {there[:12]}, built {here[:12]}); run make engine.")
+        compare(Path(folder))
 
 
 if __name__ == "__main__":

@@ -49,6 +49,7 @@ def page_text(recipe: Recipe, answers: Answers) -> str:
         "NAME": html.escape(recipe.name.replace("_", " ")),
         "ABOUT": html.escape(_about(recipe, answers)),
         "GUARD": f"{math.degrees(answers.guard):.2g}°",
+        "LICENCES": _inside_script(part("built/three.LICENSE").decode("utf-8")),
         "CSS": part("web/page.css").decode("utf-8"),
         "DATA": _inside_script(json.dumps(data, allow_nan=False, separators=(",", ":"))),
         "WORKER": _inside_script(part("built/worker.js").decode("utf-8")),

@@ -4,12 +4,11 @@ Owns where they come from and what is told of them.
 """
 
 import math
-import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from firmware_export.codecs import codec
-from firmware_export.device import ExportFolder
 from firmware_export.protocol import Blob, Export, describe, restored
 from firmware_export.truth import Model
 from lutgen.errors import ExportError, InputError
@@ -57,8 +56,8 @@ def answers_of_recipe(recipe: Recipe) -> Answers:
     reason = info.refusal(model, "float")
     if reason is not None:
         raise ExportError(
-            f"{recipe.source}: the codec {QUICK} cannot hold this robot (got: {reason.rstrip('.')}); "
-            "export it with another one, and explore the folder."
+            f"{recipe.source}: the codec {QUICK} cannot hold this robot (got: "
+            f"{reason.rstrip('.')}); export it with another one, and explore the folder."
         )
     spec = info.sizes(model, EXPORTABLE, "float")[0]
     tables = info.encode(model, EXPORTABLE, spec)
@@ -67,19 +66,20 @@ def answers_of_recipe(recipe: Recipe) -> Answers:
     return Answers(blob, f"codec {QUICK}, made for this page", float(tables.guard), {})
 
 
-def answers_of_folder(directory: str | os.PathLike[str], recipe: Recipe) -> Answers:
-    """Return the tables of an export folder; refuse one of another recipe.
+def answers_of_export(report: Mapping[str, Any], source: str, recipe: Recipe) -> Answers:
+    """Return the tables of an export; refuse one of another recipe.
+
+    `report` is of `device.ExportFolder`, which has looked at it, and `source` names the folder.
 
     Raises
     ------
     InputError
-        If the folder is none, was changed, or is of another recipe.
+        If it is of another recipe, or of a robot that the page cannot compute.
     """
     refuse_unknown(recipe)
-    report = ExportFolder(directory).report
     if report["recipe_sha256"] != recipe.digest:
         raise InputError(
-            f"{directory}: was exported from another recipe than {recipe.source} (got the digest "
+            f"{source}: was exported from another recipe than {recipe.source} (got the digest "
             f"{recipe.digest[:12]}, the export says {report['recipe_sha256'][:12]}); name its own "
             "with --recipe."
         )

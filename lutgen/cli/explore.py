@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -41,22 +41,26 @@ def explore(source: str, asked: Asked) -> None:
     \b
     $ lutgen explore recipe:absolem -o absolem.html
     """
-    from firmware_export.explore import answers_of_folder, answers_of_recipe, page_text
+    from firmware_export.explore import answers_of_export, answers_of_recipe, page_text
     from lutgen.files import write_text
 
-    if Path(asked.output).suffix.lower() not in ENDINGS:
+    suffix = Path(asked.output).suffix.lower()
+    if suffix not in ENDINGS:
         raise InputError(
-            f"{asked.output}: is no name of a page (got {Path(asked.output).suffix or 'no suffix'!r}); "
+            f"{asked.output}: is no name of a page (got {suffix or 'no suffix'!r}); "
             f"end it in {' or '.join(ENDINGS)}."
         )
     if Path(source).is_dir():
-        recipe = _recipe_of(source, asked)
-        answers = answers_of_folder(source, recipe)
+        from firmware_export.device import ExportFolder
+
+        report = ExportFolder(source).report
+        recipe = _recipe_of(source, report, asked)
+        answers = answers_of_export(report, source, recipe)
     else:
         recipe = open_recipe(source, asked.allow_python)
         answers = answers_of_recipe(recipe)
     write_text(asked.output, page_text(recipe, answers))
-    report = {
+    made = {
         "robot": recipe.name,
         "digest": recipe.digest,
         "source": source,
@@ -64,17 +68,15 @@ def explore(source: str, asked: Asked) -> None:
         "bytes": Path(asked.output).stat().st_size,
         "answers": answers.about,
     }
-    show(report, (), asked.as_json)
+    show(made, (), asked.as_json)
 
 
-def _recipe_of(folder: str, asked: Asked) -> "Recipe":
+def _recipe_of(folder: str, report: dict[str, Any], asked: Asked) -> "Recipe":
     """Return the recipe of an export: the one that is named, or that of the gallery."""
-    from firmware_export.emit import load_report
     from lutgen.recipe import GALLERY, gallery_names, load_recipe
 
     if asked.recipe is not None:
         return open_recipe(asked.recipe, asked.allow_python)
-    report = load_report(Path(folder))
     for name in gallery_names():
         recipe = load_recipe(f"{GALLERY}{name}")
         if recipe.digest == report.get("recipe_sha256"):

@@ -2,33 +2,45 @@
 // What the flat pictures share: sharp canvases, fields of verdicts as pixels, the key of their colours.
 import { level } from "./palette.js";
 
+// Asking a box for its size makes a browser lay out the page, so it is asked when that has changed.
+const boxes = new Map();
+export const measureAgain = () => boxes.clear();
+
 // Size a canvas to its box; returns the context in CSS pixels.
 export function fit(canvas) {
-  const ratio = Math.min(devicePixelRatio || 1, 2), { clientWidth: w, clientHeight: h } = canvas;
+  if (!boxes.has(canvas)) boxes.set(canvas, [canvas.clientWidth, canvas.clientHeight]);
+  const ratio = Math.min(devicePixelRatio || 1, 2), [w, h] = boxes.get(canvas);
   if (canvas.width !== Math.round(w * ratio) || canvas.height !== Math.round(h * ratio)) {
     canvas.width = Math.round(w * ratio);
     canvas.height = Math.round(h * ratio);
   }
-  const context = canvas.getContext("2d");
+  const context = canvas.getContext("2d", { willReadFrequently: true });
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   context.clearRect(0, 0, w, h);
   context.font = "11px system-ui, sans-serif";
   return { context, w, h };
 }
 
-const rgb = (hex) => [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16));
+// A colour as the four bytes of a pixel.
+const pixel = ([r, g, b]) => ((255 << 24) | (b << 16) | (g << 8) | r) >>> 0;
+const hex = (text) => pixel([1, 3, 5].map((at) => parseInt(text.slice(at, at + 2), 16)));
+const LEVELS = Array.from({ length: 10 }, (_, k) => pixel(level((k + 0.5) / 10)));
 
 // A field of statuses and values as a picture: levels where the robot stands, one colour where it
-// rocks, hatching where it tips.  `part` turns a value into 0 to 1.
-export function field(size, status, value, part, colours) {
-  const picture = new OffscreenCanvas(size, size), context = picture.getContext("2d");
-  const image = context.createImageData(size, size);
-  const [tips, hatch, rocks] = [colours.tips, colours.hatch, colours.rocks].map(rgb);
-  for (let i = 0; i < size * size; i++) {
-    if (status[i] === -128) continue;
-    const x = i % size, y = Math.floor(i / size), safe = status[i] === 0 || status[i] === 4;
-    const colour = status[i] === 4 ? rocks : safe ? level(part(value[i])) : (x + y) % 6 === 0 ? hatch : tips;
-    image.data.set([...colour, 255], 4 * i);
+// rocks, hatching where it tips.  `top` is the value of the highest level.
+export function field(size, status, value, top, colours) {
+  const picture = document.createElement("canvas");
+  picture.width = picture.height = size;
+  const context = picture.getContext("2d", { willReadFrequently: true });
+  const image = context.createImageData(size, size), out = new Uint32Array(image.data.buffer);
+  const tips = hex(colours.tips), hatch = hex(colours.hatch), rocks = hex(colours.rocks);
+  for (let y = 0, i = 0; y < size; y++) {
+    for (let x = 0; x < size; x++, i++) {
+      const here = status[i];
+      if (here === -128) continue;
+      if (here === 0) out[i] = LEVELS[Math.max(0, Math.min(9, Math.floor((10 * value[i]) / top)))];
+      else out[i] = here === 4 ? rocks : (x + y) % 6 === 0 ? hatch : tips;
+    }
   }
   context.putImageData(image, 0, 0);
   return picture;

@@ -20,18 +20,18 @@ export class Disc {
   take(message) {
     this.data = message;
     this.picture = null;
-    this.paint();
+    this.dirty = true;
   }
 
   show(answer) {
     this.answer = answer;
-    this.paint();
+    this.dirty = true;
   }
 
   recolour(colours) {
     this.colours = colours;
     this.picture = null;
-    this.paint();
+    this.dirty = true;
   }
 
   paint() {
@@ -43,10 +43,8 @@ export class Disc {
     if (this.data) {
       const { status, tip, size } = this.data;
       if (!this.picture) {
-        let most = 0;
-        for (let i = 0; i < tip.length; i++) if (status[i] === 0 || status[i] === 4) most = Math.max(most, tip[i]);
-        this.top = niceTop(Math.min(most, Math.PI) * DEGREES);
-        this.picture = field(size, status, tip, (x) => (x * DEGREES) / this.top, colours);
+        this.top = niceTop(this.data.most * DEGREES);
+        this.picture = field(size, status, tip, this.top / DEGREES, colours);
       }
       context.drawImage(this.picture, cx - r, cy - r, 2 * r, 2 * r);
     }

@@ -26,7 +26,7 @@ export function attachDrag(stage, state) {
     }
     const dx = (event.clientX - held.x) * RATE, dy = (event.clientY - held.y) * RATE;
     [held.x, held.y] = [event.clientX, event.clientY];
-    held.down = nudge(stage, held.down, held.what === "body" ? -dx : dx, held.what === "body" ? dy : -dy);
+    held.down = nudge(stage, held.down, dx, -dy);
     state.set({ mode: held.what, ...angles(held.down) });
   });
   const drop = () => {

@@ -21,13 +21,13 @@ export class JointMap {
   take(message) {
     this.data = message;
     this.picture = null;
-    this.paint();
+    this.dirty = true;
   }
 
   recolour(colours) {
     this.colours = colours;
     this.picture = null;
-    this.paint();
+    this.dirty = true;
   }
 
   paint() {
@@ -41,13 +41,8 @@ export class JointMap {
     if (fresh) {
       const { status, value, size, what } = this.data, tip = what === "tip";
       if (!this.picture) {
-        let most = 0;
-        const shown = (x) => (tip ? x * DEGREES : x);
-        value.forEach((x, i) => {
-          if ((status[i] === 0 || status[i] === 4) && x < 3.14159) most = Math.max(most, shown(x));
-        });
-        this.top = niceTop(most);
-        this.picture = field(size, status, value, (x) => shown(x) / this.top, colours);
+        this.top = niceTop(this.data.most * (tip ? DEGREES : 1));
+        this.picture = field(size, status, value, tip ? this.top / DEGREES : this.top, colours);
       }
       context.imageSmoothingEnabled = false;
       context.drawImage(this.picture, left, top, side, side);

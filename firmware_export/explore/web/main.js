@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Puts the page together: the worker answers, every part shows what it answered.
+import { measureAgain } from "./canvas.js";
 import { Controls } from "./controls.js";
 import { Disc } from "./disc.js";
 import { attachDrag } from "./drag.js";
@@ -22,7 +23,7 @@ const stage = new Stage(find("#view"), scene);
 const disc = new Disc(find("#disc"), scene, state), jointMap = new JointMap(find("#map"), scene, state);
 const trace = new Trace(find("#trace")), verdict = new Verdict(find("#verdict"), scene);
 const controls = new Controls(document, scene, state);
-const parts = [stage, disc, jointMap, trace];
+const flat = [disc, jointMap, trace];
 const timing = { script: [], frames: [], ready: 0 };
 
 // ---- the worker: one state at a time, always the newest; pictures when nothing moves ----------------
@@ -83,7 +84,7 @@ function timed(what) {
 let lastRough = 0;
 function later() {
   clearTimeout(still);
-  still = setTimeout(() => pictures(true), 160);
+  still = setTimeout(() => pictures(true), 250);
   const now = performance.now();
   if (now - lastRough > 120) {
     lastRough = now;
@@ -107,6 +108,12 @@ function draw() {
       part.next = null;
     }
   }
+  for (const part of flat) {
+    if (part.dirty) {
+      part.dirty = false;
+      part.paint();
+    }
+  }
   if (stage.render() && stage.answer && !timing.first) timing.first = performance.now();
 }
 let last = null;
@@ -128,7 +135,7 @@ function recolour() {
   document.documentElement.dataset.theme = isDark(state.now.theme) ? "dark" : "light";
   const colours = palette(state.now.theme);
   stage.paint(colours);
-  [disc, jointMap, trace].forEach((part) => part.recolour(colours));
+  flat.forEach((part) => part.recolour(colours));
 }
 
 state.listen((now, change) => timed(() => {
@@ -139,16 +146,23 @@ state.listen((now, change) => timed(() => {
     waiting = true;
     ask();
   }
-  jointMap.paint();
+  jointMap.dirty = true;
   later();
 }));
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", recolour);
-new ResizeObserver(() => parts.slice(1).forEach((part) => part.paint())).observe(find("main"));
+new ResizeObserver(() => {
+  measureAgain();
+  flat.forEach((part) => (part.dirty = true));
+}).observe(find("main"));
 
 const lines = () => [
   `${scene.name}: ${last ? `${VERDICT[last.exact.status]}, tip angle ${tipText(last.exact.tip)} (exported ${tipText(last.exported.tip)})` : ""}`,
 ];
-const shot = () => picture([find("#view"), find("#disc"), find("#map"), find("#trace")], lines(), palette(state.now.theme));
+const shot = () => {
+  stage.invalidate();
+  stage.render(); // what is drawn can be read until the next frame alone
+  return picture([find("#view"), find("#disc"), find("#map"), find("#trace")], lines(), palette(state.now.theme));
+};
 const buttons = {
   d: () => state.set({ theme: isDark(state.now.theme) ? "light" : "dark" }),
   g: () => state.set({ mode: state.now.mode === "ground" ? "body" : "ground" }),

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 // The robot's bodies: belts round wheels of a link, balls, feet, struts between joints, shapes of a URDF.
 import {
-  BoxGeometry, CylinderGeometry, ExtrudeGeometry, Group, Matrix4, Mesh, MeshStandardMaterial, Shape,
+  BoxGeometry, CylinderGeometry, ExtrudeGeometry, Group, Matrix4, Mesh, MeshLambertMaterial, Shape,
   SphereGeometry, Vector3,
 } from "three";
 import { hull } from "./kinematics.js";
 import { across, add, dot, length, minus, scale, unit } from "./vector.js";
 
 const UP = new Vector3(0, 1, 0);
-const material = (look) => new MeshStandardMaterial({ roughness: 0.75, metalness: 0.05, ...look });
+const material = (look) => new MeshLambertMaterial(look);
 
 // A cylinder between two points.
 export function rod(from, to, radius, look) {

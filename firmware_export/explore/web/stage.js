@@ -2,25 +2,25 @@
 // The 3-D picture: camera, lights, ground; gravity always points down on the screen.
 import {
   AmbientLight, CircleGeometry, ConeGeometry, DirectionalLight, DoubleSide, Group, HemisphereLight, LineBasicMaterial,
-  LineSegments, BufferGeometry, Float32BufferAttribute, Matrix4, Mesh, MeshBasicMaterial, MeshStandardMaterial, PerspectiveCamera,
+  LineSegments, BufferGeometry, Float32BufferAttribute, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial, PerspectiveCamera,
   Quaternion, Raycaster, Scene, Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-import { frames } from "./kinematics.js";
+import { frames, posture } from "./kinematics.js";
 import { Marks } from "./marks.js";
 import { bodies } from "./solids.js";
-import { minus, scale, unit } from "./vector.js";
+import { add, apply, length, minus, scale, unit } from "./vector.js";
 
 export class Stage {
   constructor(canvas, scene) {
     this.canvas = canvas;
     this.robot = scene;
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+    this.renderer = new WebGLRenderer({ canvas, antialias: true });
     this.scene = new Scene();
     this.camera = new PerspectiveCamera(32, 1, 0.01 * scene.size, 60 * scene.size);
     this.camera.up.set(0, 0, 1);
-    this.home();
     this.controls = new OrbitControls(this.camera, canvas);
+    this.home();
     this.controls.enableDamping = false;
     this.controls.addEventListener("change", () => this.invalidate());
     const sun = new DirectionalLight(0xffffff, 2.1);
@@ -33,11 +33,25 @@ export class Stage {
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
   }
 
+  // Look at the robot from its front left, as near as lets all of it be seen at its home posture.
   home() {
-    const far = 3.9 * this.robot.size;
-    this.camera.position.set(0.62 * far, -0.68 * far, 0.34 * far);
-    this.camera.lookAt(0, 0, -0.25 * this.robot.size);
-    if (this.controls) this.controls.target.set(0, 0, -0.25 * this.robot.size);
+    const { parameters, links, contacts, size } = this.robot, { camera } = this;
+    const seen = posture(this.robot, parameters.map((p) => p.home));
+    const points = seen.contacts.map((one) => one.centre);
+    links.forEach((link, i) => {
+      const { turn, at } = seen.frames[i], drawn = link.shapes.length || link.mass > 0;
+      points.push(minus(at, seen.com), ...(drawn ? [minus(add(at, apply(turn, link.com)), seen.com)] : []));
+    });
+    const middle = [0, 1, 2].map((k) => {
+      const row = points.map((p) => p[k]);
+      return (Math.min(...row) + Math.max(...row)) / 2;
+    });
+    const round = Math.max(...contacts.map((one) => one.radius));
+    const reach = Math.max(0.6 * size, round + Math.max(...points.map((p) => length(minus(p, middle)))));
+    const far = 3.7 * reach;
+    camera.position.set(middle[0] + 0.62 * far, middle[1] - 0.68 * far, middle[2] + 0.34 * far);
+    camera.lookAt(...middle);
+    if (this.controls) this.controls.target.set(...middle);
   }
 
   invalidate() {
@@ -65,7 +79,7 @@ export class Stage {
     this.marks = new Marks(this.robot, colours);
     this.ahead = new Mesh(new ConeGeometry(0.035 * this.robot.size, 0.11 * this.robot.size, 4).rotateZ(-Math.PI / 2), new MeshBasicMaterial({ color: colours.soft }));
     const reach = 2.1 * this.robot.size;
-    const look = new MeshStandardMaterial({ color: colours.ground, roughness: 1, side: DoubleSide, transparent: true, opacity: 0.92 });
+    const look = new MeshLambertMaterial({ color: colours.ground, side: DoubleSide, transparent: true, opacity: 0.92 });
     this.ground = new Mesh(new CircleGeometry(reach, 72), look);
     this.ground.renderOrder = -1;
     const lines = [], step = reach / 7;

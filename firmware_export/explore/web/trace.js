@@ -16,12 +16,12 @@ export class Trace {
     const { g, exact, exported } = answer;
     this.rows.push({ time: performance.now() / 1000, q: [...now.q], mode: now.mode, g, exact, exported });
     if (this.rows.length > KEPT) this.rows.shift();
-    this.paint();
+    this.dirty = true;
   }
 
   recolour(colours) {
     this.colours = colours;
-    this.paint();
+    this.dirty = true;
   }
 
   paint() {

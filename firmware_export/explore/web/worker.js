@@ -38,6 +38,15 @@ function slowly(kind, id, rows, row, done) {
   step();
 }
 
+// The largest value where the robot does not tip, but for where it never does.
+function largest(status, value, below = Infinity) {
+  let most = 0;
+  for (let i = 0; i < value.length; i++) {
+    if ((status[i] === 0 || status[i] === 4) && value[i] > most && value[i] < below) most = value[i];
+  }
+  return most;
+}
+
 // The exported verdict and tip angle over the disc, `size` places to a side; NaN beyond the rim.
 function disc({ id, q, rim, size }) {
   const status = new Int8Array(size * size).fill(-128), tip = new Float32Array(size * size).fill(NaN);
@@ -54,7 +63,7 @@ function disc({ id, q, rim, size }) {
       status[place] = read.status[i];
       tip[place] = read.reading[3 * i + 1];
     });
-  }, () => postMessage({ kind: "disc", id, size, rim, status, tip }, [status.buffer, tip.buffer]));
+  }, () => postMessage({ kind: "disc", id, size, rim, status, tip, most: largest(status, tip, 3.14159) }, [status.buffer, tip.buffer]));
 }
 
 // The same over two joints at the present gravity; on the ground the robot is seated anew at each node.
@@ -76,7 +85,8 @@ function map({ id, q, axes, size, mode, tilt, heading, what }) {
       status[place] = read.status[0];
       value[place] = read.reading[what === "sdg" ? 0 : 1];
     }
-  }, () => postMessage({ kind: "map", id, size, axes, what, status, value }, [status.buffer, value.buffer]));
+  }, () => postMessage({ kind: "map", id, size, axes, what, status, value, most: largest(status, value, what === "sdg" ? Infinity : 3.14159) },
+    [status.buffer, value.buffer]));
 }
 
 const asked = {
