@@ -73,6 +73,7 @@ def export(
     allow_python: bool = False,
     points: int = POINTS,
     progress: Callable[[str], None] | None = None,
+    force: bool = False,
 ) -> Report:
     """Write a map or a recipe as C tables with their runtime.
 
@@ -82,8 +83,8 @@ def export(
         What to export.  Of a map its recipe counts: every number is computed exactly from it, none
         is read from the map's nodes.
     directory : path
-        The folder; it appears when it is whole.  One that holds anything but an earlier export is
-        refused.
+        The folder; it appears when it is whole.  One that holds anything but an earlier export, or
+        one that was edited, is refused without `force`.
     name : str, optional
         C identifier; the robot's name by default.
     flash : str or int, optional
@@ -106,6 +107,8 @@ def export(
         Points of the certificate.
     progress : callable, optional
         Called with a text for people before each step.
+    force : bool
+        Whether files that lutgen did not make, or that were edited, may be replaced.
 
     Returns
     -------
@@ -120,7 +123,7 @@ def export(
         If nothing meets what is asked for, or the folder cannot be written.
     """
     tell = progress or log.debug
-    check_directory(directory)
+    check_directory(directory, force)
     load_library()  # what is certified with must be there before the minutes of a fit
     recipe = _recipe(source, allow_python)
     label = check_name(name) if name is not None else default_name(recipe.name)
@@ -139,7 +142,7 @@ def export(
         "candidates": len(trials.tried),
     }
     final = replace(chosen.export, certificate=result, pareto=front(trials, chosen))
-    return Report(write(final, directory, tell))
+    return Report(write(final, directory, tell, force))
 
 
 def _refuse_useless(certificate: Certificate, chosen: Candidate, source: str) -> None:

@@ -1,5 +1,9 @@
-"""NAME_report.md: the report as a page for people, from the content of NAME_report.json alone."""
+"""NAME_report.md: the report as a page for people, from the content of NAME_report.json alone.
 
+Names come from a recipe that anybody may have written: no markup of theirs is markup on the page.
+"""
+
+import re
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -25,6 +29,18 @@ COST = {
 }
 
 
+def literal(text: str) -> str:
+    r"""Return a text of one line that Markdown and HTML show as it is.
+
+    Examples
+    --------
+    >>> print(literal("<b>front</b> [x](y)"))
+    &lt;b&gt;front&lt;/b&gt; \[x\](y)
+    """
+    escaped = re.sub(r"([\\`*\[\]!])", r"\\\1", " ".join(text.split()))
+    return escaped.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+
+
 def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
     """Return a Markdown table."""
     lines = [f"| {' | '.join(head)} |", f"|{'---|' * len(head)}"]
@@ -47,7 +63,7 @@ def page(content: dict[str, Any], body: CBody, picture: str | None) -> str:
     lines = [
         f"# Firmware export {content['name']}",
         "",
-        f"Stability map of the robot {' '.join(content['robot'].split())}, codec "
+        f"Stability map of the robot {literal(content['robot'])}, codec "
         f"`{content['codec']}` ({content['spec']}), {content['arithmetic']} arithmetic.",
         "",
         "## Flash",
@@ -58,7 +74,7 @@ def page(content: dict[str, Any], body: CBody, picture: str | None) -> str:
     lines += _table(
         ("table", "type", "elements", "holds"),
         [
-            (array.name, array.ctype, f"{array.numbers.size:,}", array.comment)
+            (array.name, array.ctype, f"{array.numbers.size:,}", literal(array.comment))
             for array in tables
             if array.bytes
         ],
@@ -67,7 +83,7 @@ def page(content: dict[str, Any], body: CBody, picture: str | None) -> str:
     lines += ["## Parameters and directions", ""]
     lines += _table(
         ("parameter", "range", "what it does"),
-        [(p["name"], axis_range(p), p["meaning"]) for p in content["parameters"]],
+        [(literal(p["name"]), axis_range(p), literal(p["meaning"])) for p in content["parameters"]],
     )
     lines += [f"Gravity: {chart_text(content['chart'])}.", "", "## Accuracy", ""]
     lines += _accuracy(content)

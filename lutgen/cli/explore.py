@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import RecipeOptions, asks, option, output
+from lutgen.cli.options import RecipeOptions, asks, check_outputs, force, option, output
 from lutgen.cli.sources import open_recipe
 from lutgen.cli.table import show
 from lutgen.errors import InputError
@@ -22,6 +22,7 @@ class Asked(RecipeOptions):
     """What the command line says."""
 
     output: str = output(required=True, help="The page, an HTML file.")
+    force: bool = force()
     recipe: str | None = option(
         metavar="RECIPE",
         help="Of a folder: the recipe that it was exported from, unless that is in the gallery.",
@@ -50,6 +51,7 @@ def explore(source: str, asked: Asked) -> None:
             f"{asked.output}: is no name of a page (got {suffix or 'no suffix'!r}); "
             f"end it in {' or '.join(ENDINGS)}."
         )
+    check_outputs(asked.force, asked.output)
     if Path(source).is_dir():
         from firmware_export.device import ExportFolder
 
@@ -59,7 +61,7 @@ def explore(source: str, asked: Asked) -> None:
     else:
         recipe = open_recipe(source, asked.allow_python)
         answers = answers_of_recipe(recipe)
-    write_text(asked.output, page_text(recipe, answers))
+    write_text(asked.output, page_text(recipe, answers), force=asked.force)
     made = {
         "robot": recipe.name,
         "digest": recipe.digest,

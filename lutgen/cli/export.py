@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from lutgen.cli.options import RecipeOptions, asks, log, option, output
+from lutgen.cli.options import RecipeOptions, asks, force, log, option, output
 from lutgen.cli.sources import open_source
 from lutgen.cli.table import show
 from lutgen.quantities import EXPORTABLE
@@ -20,6 +20,7 @@ class Asked(RecipeOptions):
     """What the command line says."""
 
     output: str = output(required=True, help="The folder; it appears when whole.")
+    force: bool = force()
     name: str | None = option(help="C identifier of the map.  [default: the robot's name]")
     flash: str | None = option(
         metavar="SIZE", help="Most bytes of tables and code: 16KiB, 64k (of 1000), 4096."
@@ -65,7 +66,7 @@ def export(ctx: click.Context, source: str, asked: Asked) -> None:
     from firmware_export.quantity import parse_error, parse_size
 
     # What is wrong with the command is said before anything is computed.
-    check_directory(asked.output)
+    check_directory(asked.output, asked.force)
     named(asked.codec)
     if asked.flash is not None:
         parse_size(asked.flash)
@@ -91,6 +92,7 @@ def export(ctx: click.Context, source: str, asked: Asked) -> None:
             codec=asked.codec,
             arithmetic=asked.arithmetic,
             progress=progress,
+            force=asked.force,
         )
     except KeyboardInterrupt:
         raise click.ClickException("interrupted; nothing is left behind") from None

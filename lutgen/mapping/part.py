@@ -71,7 +71,7 @@ class PartFile:
     def __enter__(self) -> "PartFile":
         # Whoever has the lock of a file that was renamed or removed meanwhile has nothing.
         while self.handle < 0:
-            handle = os.open(self.path, os.O_RDWR | os.O_CREAT, 0o666)
+            handle = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)
             try:
                 self._lock(handle)
                 with contextlib.suppress(FileNotFoundError):

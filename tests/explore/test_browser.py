@@ -12,7 +12,7 @@ from firmware_export.host import Host
 from lutgen.channels import evaluate_each
 from tests.fixtures.exact_library import states
 
-pytestmark = pytest.mark.needs("chromium", "chromedriver")
+pytestmark = pytest.mark.needs("chromium", "chromedriver", "selenium")
 ROBOTS = ("paper_two", "articulated", "absolem")
 STATES = 200
 # States whose exact tip angle is off by more than the page prints (docs/guide/explorer.md).

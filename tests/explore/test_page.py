@@ -14,6 +14,7 @@ from firmware_export.explore import answers_of_recipe, page_text, scene_of
 from firmware_export.protocol import Export
 from firmware_export.truth import Model
 from lutgen.cli import main
+from lutgen.files import is_ours
 from tests.fixtures.places import MAPS
 
 MOST_BYTES = 1_500_000
@@ -97,6 +98,16 @@ def test_a_folder_is_asked_with_its_own_tables(tmp_path: Path) -> None:
     )
     assert other[0] == 2
     assert "was exported from another recipe" in other[1]
+
+
+def test_a_page_carries_the_mark_and_nothing_else_is_replaced(tmp_path: Path) -> None:
+    path, asked = tmp_path / "page.html", ("recipe:paper_one", "-o", tmp_path / "page.html")
+    assert explored(*asked)[0] == explored(*asked)[0] == 0
+    path.write_text("mine")
+    assert explored(*asked)[0] == 2
+    assert path.read_text() == "mine"
+    assert explored(*asked, "--force")[0] == 0
+    assert is_ours(path)
 
 
 @pytest.mark.parametrize(
