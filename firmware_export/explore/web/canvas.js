@@ -33,13 +33,14 @@ export function field(size, status, value, top, colours) {
   picture.width = picture.height = size;
   const context = picture.getContext("2d", { willReadFrequently: true });
   const image = context.createImageData(size, size), out = new Uint32Array(image.data.buffer);
+  const fine = size > 100; // hatching of few pixels looks like noise
   const tips = hex(colours.tips), hatch = hex(colours.hatch), rocks = hex(colours.rocks);
   for (let y = 0, i = 0; y < size; y++) {
     for (let x = 0; x < size; x++, i++) {
       const here = status[i];
       if (here === -128) continue;
       if (here === 0) out[i] = LEVELS[Math.max(0, Math.min(9, Math.floor((10 * value[i]) / top)))];
-      else out[i] = here === 4 ? rocks : (x + y) % 6 === 0 ? hatch : tips;
+      else out[i] = here === 4 ? rocks : fine && (x + y) % 6 === 0 ? hatch : tips;
     }
   }
   context.putImageData(image, 0, 0);
