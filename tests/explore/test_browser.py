@@ -193,10 +193,10 @@ def test_frames_are_cheap_and_the_first_picture_is_there_soon(pages, browser) ->
         "const done = arguments[0]; explorer.timing.script.length = 0; let n = 0;"
         "const step = () => { n++; explorer.state.set({ q: [Math.sin(n / 20), Math.cos(n / 15)],"
         "tilt: 0.2 + 0.1 * Math.sin(n / 9), heading: n / 30 });"
-        "n < 40 ? requestAnimationFrame(step) : done(explorer.timing.script); }; step();"
+        "n < 25 ? requestAnimationFrame(step) : done(explorer.timing.script); }; step();"
     )
     before = seconds(browser, "ScriptDuration")
     spent = browser.driver.execute_async_script(walk)
-    assert len(spent) >= 30
+    assert len(spent) >= 15
     assert 1000.0 * (seconds(browser, "ScriptDuration") - before) / len(spent) <= MOST_SCRIPT
     assert browser.complaints() == []
