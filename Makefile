@@ -1,7 +1,7 @@
 # Every command of the project; `make help` lists them.
 # `maps` is also a folder, so without this line make would call it up to date.
-.PHONY: help venv maps paper explorer engine exports size firmware cmsis verify fuzz hostile physics robots test check bench
-.PHONY: soak lock oldest dist bill clean
+.PHONY: help venv maps paper explorer engine exports size firmware cmsis verify fuzz hostile physics
+.PHONY: robots test check bench soak control lock oldest dist bill clean
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -72,6 +72,9 @@ bench: .venv/.installed ## measure speed
 soak: .venv/.installed ## kill, damage and fill up sweeps at length; needs 20 GB in build/ (ten minutes)
 	LUTGEN_SOAK=1 $(BIN)/python -m pytest -q -s tests/mapping/test_survival.py tests/mapping/test_engines.py
 	$(BIN)/python -m benchmarks.large
+
+control: .venv/.installed ## attack on-board control at length over the gallery (hours)
+	$(BIN)/python -m proofs.control
 
 exports: .venv/.installed ## make and certify the exports that docs/measured/exports.md lists (ten minutes)
 	$(BIN)/python tools/export_table.py

@@ -27,12 +27,16 @@ SOURCES = sorted(RUNTIME.glob("*.[ch]"))
 DIGEST = hashlib.sha256(b"\0".join(path.read_bytes() for path in SOURCES)).hexdigest()
 FAMILIES = [path.stem.removeprefix("host_") for path in sorted(RUNTIME.glob("host_*.c"))]
 ASKED = ("read", "read_i", "at", "at_i", "check")
+# On-board control, of the families that are read with floats.
+CONTROLLED = ("three", "grid", "many", "search")
+CONTROL = tuple("control control_sizes start step ground target transit budget turn".split())  # noqa: SIM905
 EXPORTED = [
     "smap_sources",
     "smap_many_host_room",
     "smap_search_host_room",
     *(f"smap_{name}_host_positions" for name in ("three", "many", "search")),
     *(f"smap_{name}_host_{what}" for name in FAMILIES for what in ASKED),
+    *(f"smap_{name}_host_{what}" for name in CONTROLLED for what in CONTROL),
 ]
 # Each operation rounds once, as on the targets; whatever CFLAGS say, these stand behind them.
 FLAGS = ["-std=c99", "-O2", "-ffp-contract=off", "-fno-fast-math", "-Wno-unknown-pragmas"]

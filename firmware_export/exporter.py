@@ -24,7 +24,7 @@ from lutgen.mapping import StabilityMap, load_map
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import Recipe, load_recipe
 
-__all__ = ["Report", "export"]
+__all__ = ["Report", "certified", "export"]
 
 log = logging.getLogger("lutgen")
 
@@ -124,6 +124,26 @@ def export(
     """
     tell = progress or log.debug
     check_directory(directory, force)
+    final = certified(
+        *(source, name, flash, max_error, channels, codec, arithmetic, allow_python, points, tell)
+    )
+    tell("writing")
+    return Report(write(final, directory, tell, force))
+
+
+def certified(
+    source: str | os.PathLike[str] | StabilityMap | Recipe,
+    name: str | None = None,
+    flash: str | int | None = None,
+    max_error: str | float | None = None,
+    channels: Sequence[str] | None = None,
+    codec: str = "auto",
+    arithmetic: str = "float",
+    allow_python: bool = False,
+    points: int = POINTS,
+    tell: Callable[[str], None] = log.debug,
+) -> Export:
+    """Return the export of a source, chosen and certified, before it is written; see `export`."""
     load_library()  # what is certified with must be there before the minutes of a fit
     recipe = _recipe(source, allow_python)
     label = check_name(name) if name is not None else default_name(recipe.name)
@@ -135,14 +155,12 @@ def export(
     trials = Trials(model, label, held, arithmetic)
     chosen, certificate, bound = _certified(trials, codecs, size, bound, points, tell)
     _refuse_useless(certificate, chosen, model.recipe.source)
-    tell("writing")
     result = described(certificate, chosen.export) | {
         "error_percent": certificate.error_of(certificate.bounded[0], relative=True),
         "bound": None if bound is None else str(bound),
         "candidates": len(trials.tried),
     }
-    final = replace(chosen.export, certificate=result, pareto=front(trials, chosen))
-    return Report(write(final, directory, tell, force))
+    return replace(chosen.export, certificate=result, pareto=front(trials, chosen))
 
 
 def _refuse_useless(certificate: Certificate, chosen: Candidate, source: str) -> None:

@@ -30,14 +30,16 @@ def header_text(content: dict[str, Any]) -> str:
     parts = [
         block_comment([title, *_head(content)]),
         f"#ifndef {guard}\n#define {guard}",
-        '#include "smap.h"',
+        '#include "smap.h"' + ('\n#include "smap_control.h"' if content["policy"] else ""),
         f"#if SMAP_VERSION != {version}\n"
         f'#error "{name} needs smap.h of version {version}: use the one exported with it"\n'
         "#endif",
         _macros(content),
         _poses(content),
+        *_states(content),
         '#ifdef __cplusplus\nextern "C" {\n#endif',
-        f"extern const smap_t {name};",
+        f"extern const smap_t {name};"
+        + (f"\nextern const smap_control_t {name}_control;" if content["policy"] else ""),
         "#ifdef __cplusplus\n}\n#endif",
         f"#endif /* {guard} */",
     ]
@@ -170,6 +172,19 @@ def _poses(content: dict[str, Any]) -> str:
         "typedef struct {\n  const smap_t *map;\n"
         f"  uint32_t rest[{stem}_POSE_I_WORDS];\n}} {name}_pose_i_t;"
     )
+
+
+def _states(content: dict[str, Any]) -> list[str]:
+    """Return the type of the memory of on-board control, if there is a policy."""
+    if not content["policy"]:
+        return []
+    name, stem = content["name"], macro(content["name"])
+    return [
+        f"#define {stem}_STATE_WORDS {content['policy']['state_words']}u\n"
+        "/* Memory of on-board control, see smap_control.h. */\n"
+        "typedef struct {\n  const smap_control_t *control;\n"
+        f"  uint32_t rest[{stem}_STATE_WORDS];\n}} {name}_state_t;"
+    ]
 
 
 def _define(rows: list[tuple[str, str, str]]) -> str:

@@ -14,6 +14,7 @@ from typing import Any
 
 from firmware_export.emit import report as reports
 from firmware_export.emit.alarm import alarm_text, sketch_text
+from firmware_export.emit.control import control_example, control_sketch
 from firmware_export.emit.example import example_text
 from firmware_export.emit.facts import MARKER, report
 from firmware_export.emit.figure import draw_pareto
@@ -27,10 +28,10 @@ from firmware_export.emit.project_files import (
     zephyr_cmake,
     zephyr_module,
 )
-from firmware_export.emit.runtime import features, runtime_file, runtime_text
+from firmware_export.emit.runtime import control_text, features, runtime_file, runtime_text
 from firmware_export.emit.source import body_of, described, source_text
 from firmware_export.emit.trial import try_out
-from firmware_export.protocol import Export, stored
+from firmware_export.protocol import CBody, Export, stored
 from lutgen.errors import ExportError, InputError
 from lutgen.files import digest as file_digest
 
@@ -59,9 +60,12 @@ def contents(export: Export) -> tuple[dict[str, bytes], dict[str, Any]]:
         "smap.h": runtime_file("smap.h"),
         "smap.c": runtime_text(features(body)),
         "smap_config.h": runtime_file("smap_config.h"),
+        **_control(export, body, content),
         "examples/read.c": example_text(content),
         "examples/alarm.c": alarm_text(content),
-        f"examples/{name}/{name}.ino": sketch_text(content),
+        f"examples/{name}/{name}.ino": (control_sketch if content["policy"] else sketch_text)(
+            content
+        ),
         "CMakeLists.txt": cmake_lists(export),
         "library.json": library_json(export),
         "library.properties": library_properties(export),
@@ -79,6 +83,17 @@ def contents(export: Export) -> tuple[dict[str, bytes], dict[str, Any]]:
     content[DIGESTS] = {key: file_digest(files[key]) for key in sorted(files)}
     files[last] = reports.json_text(content).encode("utf-8")
     return files, content
+
+
+def _control(export: Export, body: CBody, content: dict[str, Any]) -> dict[str, str]:
+    """Return the files of on-board control, if there is a policy."""
+    if export.policy is None:
+        return {}
+    return {
+        "smap_control.h": runtime_file("smap_control.h"),
+        "smap_control.c": control_text(features(body)),
+        "examples/control.c": control_example(content),
+    }
 
 
 def _ours(directory: Path) -> dict[str, str | None]:
