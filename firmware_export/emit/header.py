@@ -16,6 +16,7 @@ from firmware_export.emit.words import (
     chart_text,
     errors_of,
     number,
+    proof_text,
     share,
 )
 from firmware_export.protocol import literal
@@ -118,7 +119,7 @@ def _errors(content: dict[str, Any]) -> list[str]:
         f"Guard {number(content['guard_deg'], 3)} deg, subtracted from tip_angle; "
         f"{FALSE_TIP}: {share(content['false_tip'])}."
     )
-    return lines
+    return [*lines, proof_text(content)]
 
 
 def _usage(content: dict[str, Any]) -> list[str]:

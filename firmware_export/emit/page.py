@@ -13,6 +13,7 @@ from firmware_export.emit.words import (
     chart_text,
     errors_of,
     number,
+    proof_text,
     share,
 )
 from firmware_export.protocol import CBody
@@ -141,8 +142,15 @@ def _accuracy(content: dict[str, Any]) -> list[str]:
         f"- guard subtracted from `tip_angle`: {number(content['guard_deg'])} deg "
         f"({content['guard_text']})",
         f"- {FALSE_TIP}: {share(content['false_tip'])}",
+        f"- {proof_text(content)}{_why(content)}",
         "",
     ]
+
+
+def _why(content: dict[str, Any]) -> str:
+    """Return what stands in the way of a proof, where something does."""
+    reason = (content["proof"] or {}).get("reason")
+    return f"  No proof: {reason}." if reason else ""
 
 
 def _choice(content: dict[str, Any], picture: str | None) -> list[str]:

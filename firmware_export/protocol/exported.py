@@ -46,6 +46,9 @@ class Export:
         Code of the runtime with this export's features on the target; None if not measured.
     policy : Policy, optional
         What on-board control follows; None for an export that is only read.
+    proof : dict, optional
+        Whether it is proved that the export is never falsely safe (`prove.Statement.told`); None
+        where nobody asked.
     """
 
     name: str
@@ -59,6 +62,7 @@ class Export:
     pareto: list[dict[str, Any]] | None = None
     code_bytes: int | None = None
     policy: Policy | None = None
+    proof: dict[str, Any] | None = None
 
     @property
     def integer(self) -> bool:

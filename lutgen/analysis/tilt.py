@@ -103,8 +103,8 @@ def tilt_limits(
     standing direction: the walk from level ground steps exactly that far, and at least
     `SHORTEST_STEP`, until it has passed the limit; false position then finds it in the last step.
     Beyond an edge that two rests share the robot may stand and yet not be caught there (`gaps`): it
-    falls as gravity passes the edge, where `tip_angle` is zero, so that edge is the limit.  Where it
-    has been nearer than `SHORTEST_STEP` to a boundary for `MOST_CREPT` steps, that is the limit.
+    falls as gravity passes the edge, where `tip_angle` is zero, so that edge is the limit.  So is
+    where it has been nearer than `SHORTEST_STEP` to a boundary for `MOST_CREPT` steps.
     """
     posture = np.asarray(params, dtype=np.float64)
     heading = np.asarray(headings, dtype=np.float64)

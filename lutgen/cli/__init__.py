@@ -2,7 +2,7 @@
 
 In reading order: `options`, `sources`, `table`, `check`, `compiling`, `eval_export`, `eval`,
 `export`, `explore`, `import_`, `info`, `limits`, `metrics`, `new`, `optimum`, `paper`, `path`,
-`plot`, `policy`, `recipes`, `schema`, `stance`, `sweep`, `wheels`, `group`.
+`plot`, `policy`, `prove`, `recipes`, `schema`, `stance`, `sweep`, `wheels`, `group`.
 """
 
 from lutgen.cli.group import main
