@@ -1,7 +1,7 @@
 # Every command of the project; `make help` lists them.
 # `maps` is also a folder, so without this line make would call it up to date.
-.PHONY: help venv maps paper exports size firmware cmsis verify fuzz hostile physics robots test check bench soak
-.PHONY: control lock oldest dist bill clean
+.PHONY: help venv maps paper explorer engine exports size firmware cmsis verify fuzz hostile physics
+.PHONY: robots test check bench soak control lock oldest dist bill clean
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -22,6 +22,7 @@ EXPORTS := $(NAMES:%=build/maps/%/firmware.stamp)
 vpath %.toml maps build/maps
 SOURCES := $(shell find lutgen -name '*.py')
 EXPORTER := $(shell find firmware_export -name '*.py' -o -path '*/runtime/*' -not -name '*.so')
+PAGES := $(wildcard firmware_export/explore/built/* firmware_export/explore/web/page.*)
 UV := $(shell command -v uv 2>/dev/null)
 VENV := $(if $(UV),uv venv --quiet --allow-existing --python '>=3.11',$(PYTHON) -m venv) .venv
 INSTALL := $(if $(UV),uv pip install --quiet --python $(BIN)/python,$(BIN)/python -m pip install -qq) -e
@@ -51,6 +52,11 @@ check: .venv/.installed ## lint, format, types, spelling
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/codespell
+
+explorer: $(NAMES:%=build/explorer/%.html) ## write a page for every robot of maps/ into build/explorer
+
+engine: ## rebuild the scripts and the WebAssembly of those pages (clang, wasm-ld, node, npm)
+	$(PYTHON) tools/explorer.py
 
 physics: .venv/.physics ## judge the verdicts by a physics engine (docs/measured/physics.md, judged.md, steady.md)
 	$(BIN)/python -m proofs.physics.agreement
@@ -129,6 +135,10 @@ clean: ## remove build/ and the caches, keep .venv
 	@$(INSTALL) '.[physics]'
 	@touch $@
 
+.venv/.browser: .venv/.installed
+	@$(INSTALL) '.[browser]'
+	@touch $@
+
 .venv/.robots: .venv/.installed
 	@$(INSTALL) '.[robots]'
 	@touch $@
@@ -152,6 +162,10 @@ build/maps/%/firmware.stamp: build/maps/%.h5 $(EXPORTER)
 	@mkdir -p $(@D)
 	$(BIN)/lutgen export $< -o build/maps/$*/firmware --force
 	@touch $@
+
+build/explorer/%.html: maps/%.toml $(EXPORTER) $(PAGES) lutgen/cli/explore.py | .venv/.installed
+	@mkdir -p $(@D)
+	$(BIN)/lutgen explore $< -o $@
 
 build/paper/gallery.stamp: $(SOURCES) tools/gallery.py tools/paper_gallery.py | .venv/.installed
 	$(BIN)/lutgen -v paper -o build/paper --force

@@ -31,6 +31,7 @@ _MARKS: tuple[tuple[int, bytes, tuple[bytes, ...]], ...] = (
     (0, b"\x89PNG\r\n\x1a\n", (b"tEXtSoftware\0lutgen",)),
     (0, b"%PDF-", (b"/Creator (lutgen)",)),
     (0, b"<?xml", (b"<dc:title>lutgen</dc:title>",)),
+    (0, b"<!DOCTYPE html>", (b'<meta name="generator" content="lutgen">',)),
     (0, b"GIF8", (b"\x21\xfe\x06lutgen\0",)),
     (4, b"ftyp", (b"\0lutgen",)),
     (0, b"\x89HDF\r\n\x1a\n", (b"lutgen-digest-", b"lutgen_format")),

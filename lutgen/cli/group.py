@@ -12,6 +12,7 @@ import click
 from lutgen._version import __version__
 from lutgen.cli.check import check
 from lutgen.cli.eval import eval_
+from lutgen.cli.explore import explore
 from lutgen.cli.export import export
 from lutgen.cli.import_ import import_
 from lutgen.cli.info import info
@@ -126,6 +127,6 @@ def main(verbose: int, quiet: bool) -> None:
 
 for command in (
     *(new, schema, recipes, import_, check, sweep, info, eval_, limits, metrics),
-    *(stance, optimum, plot, export, prove, policy, wheels, paper, path),
+    *(stance, optimum, plot, export, explore, prove, policy, wheels, paper, path),
 ):
     main.add_command(command)
