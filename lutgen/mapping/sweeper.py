@@ -189,11 +189,6 @@ def _open(file: PartFile, recipe: Recipe, resume: bool, force: bool) -> None:
             "--force); go on with --resume, or begin anew with --force."
         )
     go_on = resume and file.begun()
-    if file.begun() and not resume and not force:
-        raise InputError(
-            f"{file.path}: holds the unfinished work of a sweep (got neither --resume nor "
-            "--force); go on with --resume, or begin anew with --force."
-        )
     try:
         if go_on:
             file.require_same(recipe)
