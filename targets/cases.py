@@ -18,6 +18,7 @@ from firmware_export.codecs import CODECS, usable
 from firmware_export.emit import package, report
 from firmware_export.emit.runtime import features, runtime_text
 from firmware_export.emit.source import body_of, source_text
+from firmware_export.exporter import proved
 from firmware_export.grid.spec import Spec
 from firmware_export.grid.tables import SPAN, Part, Tables, U, V, places_of
 from firmware_export.protocol.exported import Export
@@ -136,7 +137,8 @@ def of_recipe(name: str, kind: str, arithmetic: str = "float", label: str = "") 
     one = usable(model, arithmetic, kind)[0]
     size = one.read_label(label) if label else one.sizes(model, channels, arithmetic)[0]
     tables = encoded(model, kind, channels, size)
-    return Export(name, model.recipe, model, kind, arithmetic, channels, tables)
+    # With the guard that its proof needs, as `lutgen export` has it.
+    return proved(Export(name, model.recipe, model, kind, arithmetic, channels, tables))
 
 
 def of_noise(arithmetic: str, source: Recipe, shape: tuple[int, ...]) -> Export:
