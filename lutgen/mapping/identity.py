@@ -8,7 +8,6 @@ another place of the same one, does not have the digest that is expected there.
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
-import numpy as np
 from blake3 import blake3
 from numpy.typing import NDArray
 
