@@ -1,6 +1,7 @@
 # Every command of the project; `make help` lists them.
 # `maps` is also a folder, so without this line make would call it up to date.
-.PHONY: help venv maps paper exports size firmware cmsis verify fuzz physics robots test check bench soak clean
+.PHONY: help venv maps paper explorer engine exports size firmware cmsis verify fuzz hostile physics
+.PHONY: robots test check bench soak control lock oldest dist bill clean
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -21,12 +22,16 @@ EXPORTS := $(NAMES:%=build/maps/%/firmware.stamp)
 vpath %.toml maps build/maps
 SOURCES := $(shell find lutgen -name '*.py')
 EXPORTER := $(shell find firmware_export -name '*.py' -o -path '*/runtime/*' -not -name '*.so')
+PAGES := $(wildcard firmware_export/explore/built/* firmware_export/explore/web/page.*)
 UV := $(shell command -v uv 2>/dev/null)
 VENV := $(if $(UV),uv venv --quiet --allow-existing --python '>=3.11',$(PYTHON) -m venv) .venv
 INSTALL := $(if $(UV),uv pip install --quiet --python $(BIN)/python,$(BIN)/python -m pip install -qq) -e
 # Sweeps use all cores, the search for tables mostly one: two at a time, unless make was told
 # otherwise (-j1, -j4), and nobody's output in the middle of another's.
 TWO := $(if $(filter output-sync,$(.FEATURES)),--output-sync) -j2
+# A part of the tests that imports every dependency and uses most of each.
+OLDEST := tests/recipe tests/mapping/test_map.py tests/mapping/test_checksum.py tests/urdf \
+  tests/plot/test_plot.py tests/cli/test_cli.py tests/search
 
 help: ## list the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## (.*)/\1\t\2/' | expand -t 10
@@ -48,6 +53,11 @@ check: .venv/.installed ## lint, format, types, spelling
 	$(BIN)/mypy
 	$(BIN)/codespell
 
+explorer: $(NAMES:%=build/explorer/%.html) ## write a page for every robot of maps/ into build/explorer
+
+engine: ## rebuild the scripts and the WebAssembly of those pages (clang, wasm-ld, node, npm)
+	$(PYTHON) tools/explorer.py
+
 physics: .venv/.physics ## judge the verdicts by a physics engine (docs/measured/physics.md, judged.md, steady.md)
 	$(BIN)/python -m proofs.physics.agreement
 	$(BIN)/python -m proofs.physics.steady
@@ -63,6 +73,9 @@ soak: .venv/.installed ## kill, damage and fill up sweeps at length; needs 20 GB
 	LUTGEN_SOAK=1 $(BIN)/python -m pytest -q -s tests/mapping/test_survival.py tests/mapping/test_engines.py tests/ground/test_cache.py
 	$(BIN)/python -m benchmarks.large
 
+control: .venv/.installed ## attack on-board control at length over the gallery (hours)
+	$(BIN)/python -m proofs.control
+
 exports: .venv/.installed ## make and certify the exports that docs/measured/exports.md lists (ten minutes)
 	$(BIN)/python tools/export_table.py
 
@@ -76,12 +89,34 @@ fuzz: SECONDS ?= 600
 fuzz: $(EXPORTS) ## fuzz the exports for SECONDS=600 in all
 	$(BIN)/python -m proofs.run --only fuzz --seconds $(SECONDS)
 
+hostile: .venv/.installed ## fuzz recipes, URDFs, terrains, maps, command lines; SECONDS=30 for a sample
+	$(BIN)/python -m proofs.fuzzing $(if $(SECONDS),--seconds $(SECONDS),--update)
+
 firmware: $(EXPORTS) ## run exports on emulated targets: hashes, counts against the baseline, bounds
 	$(BIN)/python -m targets.run
 	$(BIN)/python -m targets.longest
 
 cmsis: .venv/.installed ## count 2-D reads beside CMSIS-DSP, whose source it downloads
 	$(BIN)/python -m targets.cmsis
+
+lock: ## lock what the tests and checks need in requirements.txt, by uv
+	uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-annotate \
+	  --no-header --no-emit-index-url --no-emit-find-links --upgrade --extra test --extra dev \
+	  pyproject.toml -o requirements.txt
+
+oldest: ## test with the oldest versions that pyproject.toml allows, in build/oldest (ten minutes)
+	@mkdir -p build
+	$(PYTHON) -m tools.pins oldest > build/oldest.txt
+	@$(subst .venv,build/oldest,$(VENV))
+	@$(subst -e,,$(subst $(BIN),build/oldest/bin,$(INSTALL))) -c build/oldest.txt -e '.[test]'
+	build/oldest/bin/python -m pytest -q -p no:cacheprovider -W default $(OLDEST)
+
+dist: .venv/.installed ## build wheel and sdist into build/dist; twice, and they have to be the same
+	$(BIN)/python -m tools.twice build/dist
+
+bill: .venv/.installed ## write what is locked as a bill of materials (CycloneDX): build/bill.cdx.json
+	@mkdir -p build
+	$(BIN)/python -m tools.pins bill > build/bill.cdx.json
 
 clean: ## remove build/ and the caches, keep .venv
 	rm -rf build .pytest_cache .mypy_cache .ruff_cache .hypothesis *.egg-info
@@ -91,12 +126,17 @@ clean: ## remove build/ and the caches, keep .venv
 .venv/.installed: pyproject.toml setup.py $(wildcard firmware_export/runtime/*.[ch])
 	@echo "installing numpy, numba and others into .venv: a minute or two"
 	@$(VENV)
-	@$(INSTALL) '.[test,dev]'
+	@$(if $(LOCKED),$(subst -e,--require-hashes -r requirements.txt,$(INSTALL)))
+	@$(INSTALL) '.[test,dev]' $(if $(LOCKED),--no-deps --no-build-isolation)
 	@$(BIN)/python tools/warm.py
 	@touch $@
 
 .venv/.physics: .venv/.installed
 	@$(INSTALL) '.[physics]'
+	@touch $@
+
+.venv/.browser: .venv/.installed
+	@$(INSTALL) '.[browser]'
 	@touch $@
 
 .venv/.robots: .venv/.installed
@@ -105,12 +145,12 @@ clean: ## remove build/ and the caches, keep .venv
 
 build/maps/absolem_urdf.toml: $(LUTGEN_ROBOTS)/absolem.urdf $(SOURCES) | .venv/.installed
 	@mkdir -p $(@D)
-	$(BIN)/lutgen import $< -o $@ --name absolem_urdf -j front_left_flipper_j \
+	$(BIN)/lutgen import $< -o $@ --force --name absolem_urdf -j front_left_flipper_j \
 	  -j front_right_flipper_j -j rear_left_flipper_j -j rear_right_flipper_j
 
 build/maps/%.h5: %.toml $(SOURCES) | .venv/.installed
 	@mkdir -p $(@D)
-	$(BIN)/lutgen sweep $< -o $@
+	$(BIN)/lutgen sweep $< -o $@ --force
 
 build/maps/%/figures.stamp: %.toml build/maps/%.h5 tools/gallery.py
 	@mkdir -p $(@D)
@@ -120,10 +160,14 @@ build/maps/%/figures.stamp: %.toml build/maps/%.h5 tools/gallery.py
 # The folder of an export holds nothing but its files, so the stamp stands beside it.
 build/maps/%/firmware.stamp: build/maps/%.h5 $(EXPORTER)
 	@mkdir -p $(@D)
-	$(BIN)/lutgen export $< -o build/maps/$*/firmware
+	$(BIN)/lutgen export $< -o build/maps/$*/firmware --force
 	@touch $@
 
+build/explorer/%.html: maps/%.toml $(EXPORTER) $(PAGES) lutgen/cli/explore.py | .venv/.installed
+	@mkdir -p $(@D)
+	$(BIN)/lutgen explore $< -o $@
+
 build/paper/gallery.stamp: $(SOURCES) tools/gallery.py tools/paper_gallery.py | .venv/.installed
-	$(BIN)/lutgen -v paper -o build/paper
+	$(BIN)/lutgen -v paper -o build/paper --force
 	$(BIN)/python tools/paper_gallery.py build/paper
 	@touch $@

@@ -26,6 +26,8 @@ class ExportFolder:
         The content of NAME_report.json.
     integer : bool
         Whether it answers ``smap_read_i``.
+    blob : Blob
+        The map.
     host : Host
         What is asked.
 
@@ -63,4 +65,5 @@ class ExportFolder:
                 f"{path}: is not the file that was exported (got the digest {digest[:12]}, its "
                 f"report says {str(tables['source_sha256'])[:12]}); export again."
             )
+        self.blob = content
         self.host = Host(content)

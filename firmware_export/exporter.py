@@ -4,6 +4,7 @@ Owns the order of the steps and the defaults; each step is a module of its own.
 """
 
 import logging
+import math
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -16,7 +17,8 @@ from firmware_export.codecs import codec as info
 from firmware_export.codecs import usable
 from firmware_export.emit import check_directory, check_name, default_name, write
 from firmware_export.host import load_library
-from firmware_export.protocol import CodecInfo, Export
+from firmware_export.protocol import CodecInfo, Export, describe
+from firmware_export.prove import state, stored_guard
 from firmware_export.quantity import ErrorBound, parse_error, parse_size
 from firmware_export.truth import Model
 from lutgen.errors import ExportError, InputError
@@ -24,7 +26,7 @@ from lutgen.mapping import StabilityMap, load_map
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import Recipe, load_recipe
 
-__all__ = ["Report", "export"]
+__all__ = ["Report", "certified", "export"]
 
 log = logging.getLogger("lutgen")
 
@@ -73,6 +75,7 @@ def export(
     allow_python: bool = False,
     points: int = POINTS,
     progress: Callable[[str], None] | None = None,
+    force: bool = False,
 ) -> Report:
     """Write a map or a recipe as C tables with their runtime.
 
@@ -82,8 +85,8 @@ def export(
         What to export.  Of a map its recipe counts: every number is computed exactly from it, none
         is read from the map's nodes.
     directory : path
-        The folder; it appears when it is whole.  One that holds anything but an earlier export is
-        refused.
+        The folder; it appears when it is whole.  One that holds anything but an earlier export, or
+        one that was edited, is refused without `force`.
     name : str, optional
         C identifier; the robot's name by default.
     flash : str or int, optional
@@ -106,6 +109,8 @@ def export(
         Points of the certificate.
     progress : callable, optional
         Called with a text for people before each step.
+    force : bool
+        Whether files that lutgen did not make, or that were edited, may be replaced.
 
     Returns
     -------
@@ -120,7 +125,27 @@ def export(
         If nothing meets what is asked for, or the folder cannot be written.
     """
     tell = progress or log.debug
-    check_directory(directory)
+    check_directory(directory, force)
+    final = certified(
+        *(source, name, flash, max_error, channels, codec, arithmetic, allow_python, points, tell)
+    )
+    tell("writing")
+    return Report(write(final, directory, tell, force))
+
+
+def certified(
+    source: str | os.PathLike[str] | StabilityMap | Recipe,
+    name: str | None = None,
+    flash: str | int | None = None,
+    max_error: str | float | None = None,
+    channels: Sequence[str] | None = None,
+    codec: str = "auto",
+    arithmetic: str = "float",
+    allow_python: bool = False,
+    points: int = POINTS,
+    tell: Callable[[str], None] = log.debug,
+) -> Export:
+    """Return the export of a source, chosen and certified, before it is written; see `export`."""
     load_library()  # what is certified with must be there before the minutes of a fit
     recipe = _recipe(source, allow_python)
     label = check_name(name) if name is not None else default_name(recipe.name)
@@ -132,14 +157,12 @@ def export(
     trials = Trials(model, label, held, arithmetic)
     chosen, certificate, bound = _certified(trials, codecs, size, bound, points, tell)
     _refuse_useless(certificate, chosen, model.recipe.source)
-    tell("writing")
     result = described(certificate, chosen.export) | {
         "error_percent": certificate.error_of(certificate.bounded[0], relative=True),
         "bound": None if bound is None else str(bound),
         "candidates": len(trials.tried),
     }
-    final = replace(chosen.export, certificate=result, pareto=front(trials, chosen))
-    return Report(write(final, directory, tell))
+    return replace(chosen.export, certificate=result, pareto=front(trials, chosen))
 
 
 def _refuse_useless(certificate: Certificate, chosen: Candidate, source: str) -> None:
@@ -220,6 +243,8 @@ def _certified(
     goal = Goal(size, _percent(trials, bound))
     for _ in range(ATTEMPTS):
         chosen = choose(trials, codecs, goal)
+        tell(f"proving {chosen.label}")
+        chosen = replace(chosen, export=proved(chosen.export))
         tell(f"certifying {chosen.label}, {chosen.total:,} bytes")
         certificate = examine(chosen.export, trials, bound, points)
         certificate.refuse_false_safe(f"{trials.model.recipe.source}: {chosen.label}")
@@ -234,6 +259,26 @@ def _certified(
         f"{trials.model.recipe.source}: no export was certified to an error of {bound} (got "
         f"{found:.3g} for {chosen.label}, {chosen.total:,} bytes); allow a larger error."
     )
+
+
+def proved(export: Export) -> Export:
+    """Return an export with the guard that its proof needs, and what is said of it.
+
+    Where nothing can be proved, or only of a larger guard, it keeps its own.
+    """
+
+    def bytes_of(one: Export) -> bytes:
+        body = info(one.codec).c_body(one.tables, one.integer)
+        return describe(one, body).bytes
+
+    found = state(export.recipe, bytes_of(export), export.integer, least=True)
+    if found.needed < found.guard:
+        text = f"{export.tables.guard_text}; no more than its proof needs"
+        tables = replace(export.tables, guard=stored_guard(found.needed), guard_text=text)
+        export = replace(export, tables=tables)
+    if math.isfinite(found.needed):
+        found = state(export.recipe, bytes_of(export), export.integer)
+    return replace(export, proof=found.told)
 
 
 def described(certificate: Certificate, export: Export) -> dict[str, Any]:

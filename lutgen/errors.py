@@ -15,12 +15,15 @@ __all__ = [
     "MapFileError",
     "RecipeError",
     "SweepError",
+    "readable",
     "suggestion",
     "unreadable",
 ]
 
 # Names that a message lists at most.
 _MOST = 30
+# Characters of a message that are shown; of a longer one its beginning and its way out.
+_LONGEST, _END = 2000, 400
 
 
 class LutgenError(Exception):
@@ -52,6 +55,20 @@ def unreadable(source: str, error: OSError) -> RecipeError:
     if isinstance(error, FileNotFoundError):
         return RecipeError(f"{source}: there is no such file; check the path.")
     return RecipeError(f"{source}: cannot be read (got {error.strerror}); check the path.")
+
+
+def readable(message: str) -> str:
+    """Return a message as a terminal may show it.
+
+    It quotes files, whose names and values may be of any length and hold characters that a
+    terminal obeys: those are written as escapes.
+    """
+    if len(message) > _LONGEST:
+        message = f"{message[: _LONGEST - _END]} ... {message[-_END:]}"
+    return "".join(
+        character if character.isprintable() or character in "\n\t" else ascii(character)[1:-1]
+        for character in message
+    )
 
 
 def suggestion(word: str, known: Iterable[str], otherwise: str) -> str:

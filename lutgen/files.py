@@ -1,47 +1,175 @@
-"""Files that are either whole or not there.
+"""Files that are either whole or not there, and never in the place of what lutgen did not make.
 
-Owns the temporary name, the rename, and the error messages for a full disk and a bad path.
+Owns the marks by which lutgen knows its files, what may be replaced, the temporary name and the
+rename, and the error messages for a full disk and a bad path.
 """
 
 import csv
+import hashlib
 import io
 import os
+import secrets
+import stat
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from lutgen.errors import InputError
 
-__all__ = ["csv_text", "write_bytes", "write_text"]
+__all__ = [
+    "check_kind",
+    "check_target",
+    "csv_text",
+    "digest",
+    "is_ours",
+    "write_bytes",
+    "write_text",
+]
+
+# How the kinds of files begin that can say who made them, and what lutgen's say.  Texts have no
+# place for a mark that no reader stumbles over, and recipes are for hands: both have none.
+_MARKS: tuple[tuple[int, bytes, tuple[bytes, ...]], ...] = (
+    (0, b"\x89PNG\r\n\x1a\n", (b"tEXtSoftware\0lutgen",)),
+    (0, b"%PDF-", (b"/Creator (lutgen)",)),
+    (0, b"<?xml", (b"<dc:title>lutgen</dc:title>",)),
+    (0, b"<!DOCTYPE html>", (b'<meta name="generator" content="lutgen">',)),
+    (0, b"GIF8", (b"\x21\xfe\x06lutgen\0",)),
+    (4, b"ftyp", (b"\0lutgen",)),
+    (0, b"\x89HDF\r\n\x1a\n", (b"lutgen-digest-", b"lutgen_format")),
+)
+# They stand within so many bytes of either end.
+_NEAR = 1 << 16
 
 
-def write_text(path: str | os.PathLike[str], text: str) -> None:
-    """Write a UTF-8 file under a temporary name and rename it; see `write_bytes`."""
-    write_bytes(path, text.encode("utf-8"))
+def is_ours(path: str | os.PathLike[str]) -> bool:
+    """Return whether a file carries the mark of those that lutgen makes; OSError may be raised."""
+    handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+    with os.fdopen(handle, "rb") as file:
+        if not stat.S_ISREG(os.fstat(handle).st_mode):
+            return False
+        ends = file.read(_NEAR)
+        file.seek(max(file.tell(), file.seek(0, io.SEEK_END) - _NEAR))
+        ends += file.read()
+    return any(
+        ends.startswith(kind, at) and any(mark in ends for mark in marks)
+        for at, kind, marks in _MARKS
+    )
 
 
-def write_bytes(
-    path: str | os.PathLike[str], content: bytes, failed: str = "cannot be written"
+def check_kind(path: str | os.PathLike[str]) -> None:
+    """Refuse, with an InputError, to write to a link, a device or a pipe; nothing else is said."""
+    try:
+        kind = os.lstat(path).st_mode
+        leads = Path(path).readlink() if stat.S_ISLNK(kind) else None
+    except OSError:
+        return
+    if leads is not None:
+        raise InputError(
+            f"{path}: is a link (got one to {leads}); name the file that it leads to, or remove it."
+        )
+    if not (stat.S_ISREG(kind) or stat.S_ISDIR(kind)):
+        raise InputError(f"{path}: is no file (got a device, pipe or socket); name a file.")
+
+
+def check_target(
+    path: str | os.PathLike[str],
+    force: bool = False,
+    content: bytes | None = None,
+    way_out: str = "choose another name, or pass --force to replace it",
 ) -> None:
-    """Write a file under a temporary name and rename it.
+    """Refuse to write where something stands that lutgen did not make.
+
+    Parameters
+    ----------
+    path : path
+        Where a file is to be written.
+    force : bool
+        Whether a file of somebody else may be replaced.
+    content : bytes, optional
+        What is to be written: a file that holds just that may be replaced.
+    way_out : str
+        How the message ends.
 
     Raises
     ------
     InputError
-        Where the file cannot be written, in the words of `failed`; what was there before is
-        untouched.
+        For a file without lutgen's mark, unless `force`; for a link or a device always.  A folder
+        is left to whoever writes.
     """
-    target = Path(path)
-    partial = target.with_name(f".{target.name}.{os.getpid()}")
+    check_kind(path)
     try:
-        partial.write_bytes(content)
-        partial.replace(target)
+        found = os.lstat(path)
+        if force or stat.S_ISDIR(found.st_mode) or is_ours(path):
+            return
+        if content is not None and found.st_size == len(content):
+            handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW)
+            with os.fdopen(handle, "rb") as file:
+                if file.read(len(content) + 1) == content:
+                    return
+    except OSError:
+        # Nothing there, or the writing says what is wrong.
+        if not os.path.lexists(path):
+            return
+    raise InputError(
+        f"{path}: is there already, without a mark that lutgen made it (got no --force); {way_out}."
+    )
+
+
+def write_text(path: str | os.PathLike[str], text: str, force: bool = False) -> None:
+    """Write a UTF-8 file under a temporary name and rename it; see `write_bytes`."""
+    write_bytes(path, text.encode("utf-8"), force=force)
+
+
+def write_bytes(
+    path: str | os.PathLike[str],
+    content: bytes,
+    failed: str = "cannot be written",
+    force: bool = False,
+) -> None:
+    """Write a file under a temporary name and rename it.
+
+    The temporary name cannot be foreseen, and the file behind it is opened only if it is new.
+
+    Raises
+    ------
+    InputError
+        As `check_target`; where the file cannot be written, in the words of `failed`: what was
+        there before is untouched.
+    """
+    check_target(path, force, content)
+    target = Path(path)
+    partial = target.with_name(f".lutgen-{secrets.token_hex(8)}")
+    try:
+        handle = os.open(partial, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o666)
+        try:
+            with os.fdopen(handle, "wb") as file:
+                file.write(content)
+            _put(partial, target, force, content)
+        finally:
+            partial.unlink(missing_ok=True)
     except OSError as error:
         raise InputError(
             f"{target}: {failed} (got {error.strerror or error}); "
             "choose a folder that exists and is writable."
         ) from error
-    finally:
-        partial.unlink(missing_ok=True)
+
+
+def _put(partial: Path, target: Path, force: bool, content: bytes) -> None:
+    """Give a finished file its name; one that somebody else has taken meanwhile is left alone."""
+    if not force:
+        try:
+            os.link(partial, target)
+            return
+        except FileExistsError:
+            check_target(target, force, content)
+        except OSError:
+            # A file system without links.
+            pass
+    partial.replace(target)
+
+
+def digest(content: bytes) -> str:
+    """Return the SHA-256 of bytes, in hex."""
+    return hashlib.sha256(content).hexdigest()
 
 
 def csv_text(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:

@@ -160,6 +160,48 @@ static void try_whole_root(void)
   report("whole_root", tried, wrong);
 }
 
+/* Is a sine or cosine further off than the proofs of exports assume (firmware_export/prove/rounding.py)? */
+static unsigned wrong_waves(float x, int near)
+{
+  float s, c;
+  const double off = near ? SINE_NEAR : SINE;
+  if (near) {
+    smap_sine_cosine_near(x, &s, &c);
+  } else {
+    smap_sine_cosine(x, &s, &c);
+  }
+  return (unsigned)!(fabs((double)s - sin((double)x)) <= off && fabs((double)c - cos((double)x)) <= off);
+}
+
+/* Of both signs, from 2^-12 to a limit every float, below it some: there x x is 0 beside 1. */
+static void try_waves(const char *name, float limit, int near)
+{
+  const uint32_t small = (127u - 12u) << 23, last = smap_bits(limit);
+  uint64_t wrong = 0, tried = 0;
+  uint32_t bits;
+  for (bits = 0; bits <= last; bits += bits < small ? 4099u : STEP) {
+    wrong += wrong_waves(float_of(bits), near) + wrong_waves(-float_of(bits), near);
+    tried += 2;
+  }
+  report(name, tried, wrong);
+}
+
+/* Arcsines: the same up to 1, and beyond it what 1 gives. */
+static void try_arcsine(void)
+{
+  const uint32_t small = (127u - 12u) << 23, last = smap_bits(1.001f);
+  uint64_t wrong = 0, tried = 0;
+  uint32_t bits;
+  for (bits = 0; bits <= last; bits += bits < small ? 4099u : STEP) {
+    const float x = float_of(bits);
+    const double truth = asin(x < 1.0f ? (double)x : 1.0);
+    wrong += (unsigned)!(fabs((double)smap_asin(x) - truth) <= ARCSINE);
+    wrong += (unsigned)!(fabs((double)smap_asin(-x) + truth) <= ARCSINE);
+    tried += 2;
+  }
+  report("arcsine", tried, wrong);
+}
+
 #endif
 
 int main(void)
@@ -171,6 +213,9 @@ int main(void)
   try_guards();
   try_root();
   try_whole_root();
+  try_waves("waves_near", NEAREST, 1);
+  try_waves("waves", FURTHEST, 0);
+  try_arcsine();
 #endif
   return 0;
 }

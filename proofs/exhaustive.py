@@ -3,6 +3,7 @@
 import shutil
 from pathlib import Path
 
+from firmware_export.prove import ARCSINE, FURTHEST, NEAREST, SINE, SINE_NEAR
 from proofs.parts import place
 from proofs.tools import FAILED, OK, Clock, Result, run
 
@@ -14,6 +15,11 @@ FLAGS = (
     *("-std=c99", "-O3", "-march=native", "-ffp-contract=off", "-DSMAP_HARDWARE_ROOT=0"),
     *("-D__ARM_FEATURE_IDIV", "-D__ARM_FEATURE_CLZ"),
 )
+# What proofs of exports assume of all floats.
+ASSUMED = (
+    *(f"-DSINE_NEAR={SINE_NEAR!r}", f"-DSINE={SINE!r}", f"-DARCSINE={ARCSINE!r}"),
+    *(f"-DNEAREST={NEAREST!r}f", f"-DFURTHEST={FURTHEST!r}f"),
+)
 # Name in the program's output: what it shows.
 PROOFS = {
     "between": "a value lies between its two nodes, and is the node at a node",
@@ -23,6 +29,9 @@ PROOFS = {
     "root": "square roots are correctly rounded",
     "whole_root": "whole square roots are rounded down",
     "cell": "the cell found is the one that holds the place",
+    "waves_near": "sines and cosines without quarter turns are as near as proofs of exports assume",
+    "waves": "sines and cosines are as near as proofs of exports assume",
+    "arcsine": "arcsines are as near as proofs of exports assume",
 }
 
 
@@ -40,6 +49,7 @@ def prove(parts: dict[str, str], folder: Path, patience: float, step: int = 1) -
             command = [
                 compiler,
                 *FLAGS,
+                *ASSUMED,
                 *more,
                 f"-DSTEP={step}u",
                 "exhaustive.c",

@@ -24,6 +24,7 @@ from matplotlib.figure import Figure
 from lutgen import plot
 from lutgen.analysis import Posture, even_headings, posture_limits, sweep_limits
 from lutgen.errors import InputError, LutgenError
+from lutgen.files import write_text
 from lutgen.mapping.map import StabilityMap, load_map
 from lutgen.recipe.recipe import Recipe, load_recipe
 from lutgen.recipe.robot import to_internal
@@ -263,9 +264,7 @@ def write_page(page: Path, name: str, text: str) -> None:
         old = page.read_text(encoding="utf-8") if page.exists() else PAGE_HEAD
         new = with_block(old, name, text)
         if new != old or not page.exists():
-            partial = page.with_name(f".{page.name}.{os.getpid()}")
-            partial.write_text(new, encoding="utf-8")
-            partial.replace(page)
+            write_text(page, new, force=True)
 
 
 def main(arguments: list[str] | None = None) -> int:

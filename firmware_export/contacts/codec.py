@@ -12,7 +12,7 @@ from functools import lru_cache
 import numpy as np
 
 from firmware_export.contacts.closed import closed_form
-from firmware_export.contacts.layout import pose_words
+from firmware_export.contacts.layout import pose_words, swept_words
 from firmware_export.contacts.many import Many, many_of, order_of
 from firmware_export.contacts.many import refusal as many_refusal
 from firmware_export.contacts.off import most_off
@@ -243,7 +243,8 @@ def c_body(tables: Tables, integer: bool = False) -> CBody:
             tuple(macros),
             pose_words(dict(macros)),
             tables.reach / STEPS,
-        )
+        ),
+        swept=swept_words(dict(macros)),
     )
 
 

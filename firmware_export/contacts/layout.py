@@ -106,3 +106,8 @@ def pose_words(macros: Mapping[str, int]) -> tuple[int, int]:
     )
     # The head's four bytes; up to seven more where the work is aligned.
     return -(-(4 + real + 8 + max(work, whole)) // 4), -(-(4 + layout + 1 + whole + 4) // 4)
+
+
+def swept_words(macros: Mapping[str, int]) -> int:
+    """Return the words of 32 bits of a pose of a box of postures (runtime/control_types.c)."""
+    return -(-struct_bytes("smap_many_pose_t", macros)[0] // 4) + 3

@@ -1,7 +1,7 @@
 """An export written as C, with its report.
 
 In reading order: `names`, `text`, `size`, `runtime`, `facts`, `words`, `header`, `source`,
-`example`, `alarm`, `project_files`, `page`, `figure`, `report`, `trial`, `package`.
+`example`, `alarm`, `control`, `project_files`, `page`, `figure`, `report`, `trial`, `package`.
 """
 
 from firmware_export.emit.facts import flash_bytes
@@ -10,18 +10,22 @@ from firmware_export.emit.package import check_directory, write
 from firmware_export.emit.report import load_report
 from firmware_export.emit.runtime import features
 from firmware_export.emit.size import code_bytes
-from firmware_export.emit.words import bytes_text, errors_of, share
+from firmware_export.emit.source import body_of, described
+from firmware_export.emit.words import bytes_text, errors_of, proof_text, share
 
 __all__ = [
+    "body_of",
     "bytes_text",
     "check_directory",
     "check_name",
     "code_bytes",
     "default_name",
+    "described",
     "errors_of",
     "features",
     "flash_bytes",
     "load_report",
+    "proof_text",
     "share",
     "write",
 ]

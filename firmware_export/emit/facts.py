@@ -4,6 +4,7 @@ The header, the example, the page and the command line print what stands here, i
 `words`; nothing is measured or laid out here.
 """
 
+import base64
 import json
 import math
 from functools import cache
@@ -34,7 +35,10 @@ def axis_macros(export: Export) -> tuple[str, ...]:
     stem = macro(export.name)
     taken = {
         f"{stem}_{word}"
-        for word in ("H", "PARAMS", "SDG_STEP", "HEIGHT_STEP", "POSE_WORDS", "POSE_I_WORDS")
+        for word in (
+            *("H", "PARAMS", "SDG_STEP", "HEIGHT_STEP", "POSE_WORDS", "POSE_I_WORDS"),
+            "STATE_WORDS",
+        )
     }
     names: list[str] = []
     for index, parameter in enumerate(export.recipe.parameters):
@@ -144,6 +148,7 @@ def report(export: Export, body: CBody, names: list[str]) -> dict[str, Any]:
         "lutgen_version": __version__,
         "smap_version": runtime_version(),
         "recipe_sha256": recipe.digest,
+        "recipe": {"text": recipe.text, "urdf": recipe.urdf},
         "length_unit": recipe.length_unit,
         "codec": export.codec,
         "spec": tables.spec.label,
@@ -180,11 +185,13 @@ def report(export: Export, body: CBody, names: list[str]) -> dict[str, Any]:
         },
         "steps": {name: step for name, step in body.steps.items() if name in export.channels},
         "pose": {"both": body.pose[0], "integer": body.pose[1]},
+        "policy": _policy(export, body),
         "forms": sorted(features(body) & {"SMAP_FLOATS", "SMAP_INTEGERS"}),
         "bytes": flash_bytes(export, body),
         "counts": counted(export),
         "guard_deg": math.degrees(float(tables.guard)),
         "guard_text": tables.guard_text,
+        "proof": export.proof,
         "false_tip": certificate.get("false_tip"),
         "false_safe": certificate.get("false_safe"),
         "points": certificate.get("points"),
@@ -194,3 +201,25 @@ def report(export: Export, body: CBody, names: list[str]) -> dict[str, Any]:
     }
     result: dict[str, Any] = plain(content)
     return result
+
+
+def _policy(export: Export, body: CBody) -> dict[str, Any] | None:
+    """Return what is known of the policy, and its bytes, or None where there is none."""
+    policy = export.policy
+    if policy is None:
+        return None
+    packed = policy.packed(describe(export, body).bytes)
+    # Behind an address: joints, few numbers, the pose with its address, the pose of a box.
+    state = 4 * max(export.model.k, 1) + 7 + 3 + body.pose[0] + body.swept + 2
+    return {
+        "bytes": len(packed),
+        "table_bytes": policy.table_bytes,
+        "nodes": len(policy.codes),
+        "state_words": state,
+        "home": list(export.recipe.home_params),
+        "cycle_s": policy.cycle,
+        "latency_s": policy.latency,
+        "margin_deg": math.degrees(policy.margin),
+        "levels_deg": [math.degrees(level) for level in policy.levels],
+        "blob": base64.b64encode(packed).decode("ascii"),
+    }

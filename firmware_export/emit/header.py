@@ -16,6 +16,7 @@ from firmware_export.emit.words import (
     chart_text,
     errors_of,
     number,
+    proof_text,
     share,
 )
 from firmware_export.protocol import literal
@@ -30,14 +31,16 @@ def header_text(content: dict[str, Any]) -> str:
     parts = [
         block_comment([title, *_head(content)]),
         f"#ifndef {guard}\n#define {guard}",
-        '#include "smap.h"',
+        '#include "smap.h"' + ('\n#include "smap_control.h"' if content["policy"] else ""),
         f"#if SMAP_VERSION != {version}\n"
         f'#error "{name} needs smap.h of version {version}: use the one exported with it"\n'
         "#endif",
         _macros(content),
         _poses(content),
+        *_states(content),
         '#ifdef __cplusplus\nextern "C" {\n#endif',
-        f"extern const smap_t {name};",
+        f"extern const smap_t {name};"
+        + (f"\nextern const smap_control_t {name}_control;" if content["policy"] else ""),
         "#ifdef __cplusplus\n}\n#endif",
         f"#endif /* {guard} */",
     ]
@@ -116,7 +119,7 @@ def _errors(content: dict[str, Any]) -> list[str]:
         f"Guard {number(content['guard_deg'], 3)} deg, subtracted from tip_angle; "
         f"{FALSE_TIP}: {share(content['false_tip'])}."
     )
-    return lines
+    return [*lines, proof_text(content)]
 
 
 def _usage(content: dict[str, Any]) -> list[str]:
@@ -170,6 +173,19 @@ def _poses(content: dict[str, Any]) -> str:
         "typedef struct {\n  const smap_t *map;\n"
         f"  uint32_t rest[{stem}_POSE_I_WORDS];\n}} {name}_pose_i_t;"
     )
+
+
+def _states(content: dict[str, Any]) -> list[str]:
+    """Return the type of the memory of on-board control, if there is a policy."""
+    if not content["policy"]:
+        return []
+    name, stem = content["name"], macro(content["name"])
+    return [
+        f"#define {stem}_STATE_WORDS {content['policy']['state_words']}u\n"
+        "/* Memory of on-board control, see smap_control.h. */\n"
+        "typedef struct {\n  const smap_control_t *control;\n"
+        f"  uint32_t rest[{stem}_STATE_WORDS];\n}} {name}_state_t;"
+    ]
 
 
 def _define(rows: list[tuple[str, str, str]]) -> str:

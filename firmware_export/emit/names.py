@@ -64,8 +64,8 @@ def _fault(name: str) -> str | None:
     # The C library has its functions for single and for long numbers, too.
     if name.lower() in TAKEN or (name[-1] in "fl" and name[:-1] in TAKEN and len(name) > 3):
         return "is taken by the C library or by a file of the export"
-    if re.search(r"_pose(_i)?(_t)?$", name.lower()):
-        return "ends like the types of a pose"
+    if re.search(r"_(pose(_i)?|state)(_t)?$|_control$", name.lower()):
+        return "ends like the types of a pose or the parts of control"
     if len(name) > LONGEST:
         return f"has more than {LONGEST} characters"
     return None

@@ -3,7 +3,6 @@
 Owns what a folder holds and when it may be replaced; the contents come from the emitters.
 """
 
-import hashlib
 import json
 import os
 import shutil
@@ -15,6 +14,7 @@ from typing import Any
 
 from firmware_export.emit import report as reports
 from firmware_export.emit.alarm import alarm_text, sketch_text
+from firmware_export.emit.control import control_example, control_sketch
 from firmware_export.emit.example import example_text
 from firmware_export.emit.facts import MARKER, report
 from firmware_export.emit.figure import draw_pareto
@@ -28,14 +28,18 @@ from firmware_export.emit.project_files import (
     zephyr_cmake,
     zephyr_module,
 )
-from firmware_export.emit.runtime import features, runtime_file, runtime_text
+from firmware_export.emit.runtime import control_text, features, runtime_file, runtime_text
 from firmware_export.emit.source import body_of, described, source_text
 from firmware_export.emit.trial import try_out
-from firmware_export.protocol import Export, stored
+from firmware_export.protocol import CBody, Export, stored
 from lutgen.errors import ExportError, InputError
+from lutgen.files import digest as file_digest
 
+# The key of the report under which each other file has its SHA-256.
+DIGESTS = "sha256"
 # Names of our own unfinished work, which a power cut may leave behind.
 _STAGE = ".lutgen-export-"
+PROOF = "_proof.json"
 
 
 def contents(export: Export) -> tuple[dict[str, bytes], dict[str, Any]]:
@@ -49,7 +53,7 @@ def contents(export: Export) -> tuple[dict[str, bytes], dict[str, Any]]:
     picture = draw_pareto(export.pareto or [], "99th percentile of the" if jumps else "largest")
     content = report(export, body, [])
     source = source_text(export, body)
-    digest = hashlib.sha256(source.encode("utf-8")).hexdigest()
+    digest = file_digest(source.encode("utf-8"))
     content["tables"] = {"source_sha256": digest, **stored(described(export, body))}
     texts = {
         f"{name}.h": header_text(content),
@@ -57,9 +61,12 @@ def contents(export: Export) -> tuple[dict[str, bytes], dict[str, Any]]:
         "smap.h": runtime_file("smap.h"),
         "smap.c": runtime_text(features(body)),
         "smap_config.h": runtime_file("smap_config.h"),
+        **_control(export, body, content),
         "examples/read.c": example_text(content),
         "examples/alarm.c": alarm_text(content),
-        f"examples/{name}/{name}.ino": sketch_text(content),
+        f"examples/{name}/{name}.ino": (control_sketch if content["policy"] else sketch_text)(
+            content
+        ),
         "CMakeLists.txt": cmake_lists(export),
         "library.json": library_json(export),
         "library.properties": library_properties(export),
@@ -71,40 +78,68 @@ def contents(export: Export) -> tuple[dict[str, bytes], dict[str, Any]]:
     texts = {key: text for key, text in texts.items() if text}
     last = f"{name}{reports.SUFFIX}"
     content["files"] = [*texts, last, *([f"{name}_pareto.png"] if picture else [])]
-    texts[last] = reports.json_text(content)
     files = {key: text.encode("utf-8") for key, text in texts.items()}
     if picture:
         files[f"{name}_pareto.png"] = picture
+    content[DIGESTS] = {key: file_digest(files[key]) for key in sorted(files)}
+    files[last] = reports.json_text(content).encode("utf-8")
     return files, content
 
 
-def _ours(directory: Path) -> set[str]:
-    """Return the names that an earlier export into a folder left there, of any format."""
-    names: set[str] = set()
+def _control(export: Export, body: CBody, content: dict[str, Any]) -> dict[str, str]:
+    """Return the files of on-board control, if there is a policy."""
+    if export.policy is None:
+        return {}
+    return {
+        "smap_control.h": runtime_file("smap_control.h"),
+        "smap_control.c": control_text(features(body)),
+        "examples/control.c": control_example(content),
+    }
+
+
+def _ours(directory: Path) -> dict[str, str | None]:
+    """Return the names that an earlier export into a folder left there, of any format.
+
+    With them stands the digest of each, None where the report does not know it.
+    """
+    names: dict[str, str | None] = {}
     for path in reports.find(directory):
         try:
             content = json.loads(path.read_text(encoding="utf-8"))
-            names |= {str(name) for name in content["files"] if MARKER in content} | {path.name}
-        except (OSError, ValueError, KeyError, TypeError):
+            known = dict(content.get(DIGESTS, {}))
+            if MARKER in content:
+                names |= {str(name): known.get(name) for name in content["files"]}
+            names[path.name] = None
+            # What `lutgen prove` wrote beside them.
+            names[path.name.removesuffix(reports.SUFFIX) + PROOF] = None
+        except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
             continue
     return names
 
 
+def _staged(name: str) -> bool:
+    """Return whether a name is that of our own unfinished work."""
+    return name.startswith(_STAGE)
+
+
 def _held(directory: Path) -> list[str]:
-    """Return the files in a folder and below, and folders without any, by their names."""
+    """Return the files in a folder and below, links, and folders without any, by their names."""
     found = []
     for root, folders, names in os.walk(directory):
         place = Path(root).relative_to(directory)
-        found += [(place / name).as_posix() for name in names]
+        links = [name for name in folders if (Path(root) / name).is_symlink()]
+        found += [(place / name).as_posix() for name in [*names, *links]]
         if not folders and not names and place != Path():
             found.append(place.as_posix())
     return sorted(found)
 
 
-def check_directory(directory: str | os.PathLike[str]) -> Path:
+def check_directory(directory: str | os.PathLike[str], force: bool = False) -> Path:
     """Return the folder that an export may be written to; refuse a file or foreign content.
 
     A folder that does not exist, is empty or holds an earlier export and nothing else will do.
+    With `force` so does one that holds other files, which stay unless they have the name of a new
+    one, and an export that was edited.  A link is never followed.
     """
     path = Path(directory)
     try:
@@ -115,18 +150,37 @@ def check_directory(directory: str | os.PathLike[str]) -> Path:
                     "make it first."
                 )
             return path
+        if path.is_symlink():
+            raise InputError(
+                f"{path}: is a link (got one to {path.readlink()}); name the folder that it "
+                "leads to."
+            )
         if not path.is_dir():
             raise InputError(f"{path}: is no folder (got a file); name a folder for the export.")
         held = _held(path)
         ours = _ours(path)
+        # Work that a power cut stopped half-way has files of two exports.
+        whole = not any(_staged(name) for name in held)
+        for name in held:
+            if (path / name).is_symlink():
+                raise InputError(
+                    f"{path}: holds a link, which is not of an export (got {name!r}); remove it."
+                )
+            if force or _staged(name):
+                continue
+            if name not in ours:
+                raise InputError(
+                    f"{path}: holds a file that is not of an export (got {name!r}); "
+                    "name an empty folder, remove it, or pass --force to write beside it."
+                )
+            known = ours[name]
+            if whole and known is not None and file_digest((path / name).read_bytes()) != known:
+                raise InputError(
+                    f"{path}: holds a file that was edited since it was exported (got {name!r}); "
+                    "name another folder, or pass --force to write over it."
+                )
     except OSError as error:
         raise _unwritable(path, error) from error
-    for name in held:
-        if name not in ours and not name.startswith(_STAGE):
-            raise InputError(
-                f"{path}: holds a file that is not of an export (got {name!r}); "
-                "name an empty folder, or remove it."
-            )
     return path
 
 
@@ -134,6 +188,7 @@ def write(
     export: Export,
     directory: str | os.PathLike[str],
     tell: Callable[[str], None] | None = None,
+    force: bool = False,
 ) -> dict[str, Any]:
     """Write an export folder; an earlier export there is replaced.
 
@@ -145,6 +200,8 @@ def write(
         See `check_directory`.
     tell : callable, optional
         What is written is first compiled and run, and this is called with what came of it.
+    force : bool
+        Whether files that lutgen did not make, or that were edited, may be replaced.
 
     Returns
     -------
@@ -156,7 +213,7 @@ def write(
     ExportError
         If it does not compile or run, or cannot be written.
     """
-    path = check_directory(directory)
+    path = check_directory(directory, force)
     files, content = contents(export)
     if tell is not None:
         tell(try_out(files, export.name))
@@ -205,7 +262,8 @@ def _fill(stage: Path, files: dict[str, bytes]) -> None:
 
 def _replace(path: Path, files: dict[str, bytes], first: str) -> None:
     """Move all files into a folder that exists, once they are all on its disk."""
-    old = set(_held(path)) - set(files)
+    ours = _ours(path)
+    old = {name for name in _held(path) if name not in files and (name in ours or _staged(name))}
     with _stage(path) as stage:
         _fill(stage, files)
         # The report first: it names the others, so that even a power cut between two moves leaves
@@ -215,7 +273,7 @@ def _replace(path: Path, files: dict[str, bytes], first: str) -> None:
             (stage / name).replace(path / name)
     # Their own report last, for the same reason.
     for name in sorted(old, key=lambda name: name.endswith(reports.SUFFIX)):
-        if name.startswith(_STAGE):
+        if _staged(name):
             shutil.rmtree(path / name.split("/")[0], ignore_errors=True)
         elif (path / name).is_dir():
             (path / name).rmdir()

@@ -1,5 +1,9 @@
-"""NAME_report.md: the report as a page for people, from the content of NAME_report.json alone."""
+"""NAME_report.md: the report as a page for people, from the content of NAME_report.json alone.
 
+Names come from a recipe that anybody may have written: no markup of theirs is markup on the page.
+"""
+
+import re
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -9,6 +13,7 @@ from firmware_export.emit.words import (
     chart_text,
     errors_of,
     number,
+    proof_text,
     share,
 )
 from firmware_export.protocol import CBody
@@ -23,6 +28,18 @@ COST = {
     "at_i": "`smap_at_i`",
     "read": "whole read",
 }
+
+
+def literal(text: str) -> str:
+    r"""Return a text of one line that Markdown and HTML show as it is.
+
+    Examples
+    --------
+    >>> print(literal("<b>front</b> [x](y)"))
+    &lt;b&gt;front&lt;/b&gt; \[x\](y)
+    """
+    escaped = re.sub(r"([\\`*\[\]!])", r"\\\1", " ".join(text.split()))
+    return escaped.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
 
 
 def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
@@ -47,7 +64,7 @@ def page(content: dict[str, Any], body: CBody, picture: str | None) -> str:
     lines = [
         f"# Firmware export {content['name']}",
         "",
-        f"Stability map of the robot {' '.join(content['robot'].split())}, codec "
+        f"Stability map of the robot {literal(content['robot'])}, codec "
         f"`{content['codec']}` ({content['spec']}), {content['arithmetic']} arithmetic.",
         "",
         "## Flash",
@@ -58,7 +75,7 @@ def page(content: dict[str, Any], body: CBody, picture: str | None) -> str:
     lines += _table(
         ("table", "type", "elements", "holds"),
         [
-            (array.name, array.ctype, f"{array.numbers.size:,}", array.comment)
+            (array.name, array.ctype, f"{array.numbers.size:,}", literal(array.comment))
             for array in tables
             if array.bytes
         ],
@@ -67,7 +84,7 @@ def page(content: dict[str, Any], body: CBody, picture: str | None) -> str:
     lines += ["## Parameters and directions", ""]
     lines += _table(
         ("parameter", "range", "what it does"),
-        [(p["name"], axis_range(p), p["meaning"]) for p in content["parameters"]],
+        [(literal(p["name"]), axis_range(p), literal(p["meaning"])) for p in content["parameters"]],
     )
     lines += [f"Gravity: {chart_text(content['chart'])}.", "", "## Accuracy", ""]
     lines += _accuracy(content)
@@ -125,8 +142,15 @@ def _accuracy(content: dict[str, Any]) -> list[str]:
         f"- guard subtracted from `tip_angle`: {number(content['guard_deg'])} deg "
         f"({content['guard_text']})",
         f"- {FALSE_TIP}: {share(content['false_tip'])}",
+        f"- {proof_text(content)}{_why(content)}",
         "",
     ]
+
+
+def _why(content: dict[str, Any]) -> str:
+    """Return what stands in the way of a proof, where something does."""
+    reason = (content["proof"] or {}).get("reason")
+    return f"  No proof: {reason}." if reason else ""
 
 
 def _choice(content: dict[str, Any], picture: str | None) -> list[str]:

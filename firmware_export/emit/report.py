@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from firmware_export.emit.facts import FORMAT, MARKER
+from lutgen import bounds
 from lutgen.errors import InputError
 
 SUFFIX = "_report.json"
@@ -38,11 +39,16 @@ def load_report(directory: Path) -> dict[str, Any]:
 def load_file(path: Path) -> dict[str, Any]:
     """Return the content of a report; refuse a file that is damaged or of another format."""
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        with path.open("rb") as file:
+            raw = file.read(bounds.REPORT_BYTES.most + 1)
+        bounds.check(len(raw), bounds.REPORT_BYTES, str(path), "export again")
+        content = json.loads(raw.decode("utf-8"))
         version = content[MARKER]
         names = {str(parameter["name"]) for parameter in content["parameters"]}
         known = {"name", "robot", "length_unit", "arithmetic", "channels", "files"} <= set(content)
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+    except InputError:
+        raise
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise _damaged(path, f"{type(error).__name__}: {error}") from error
     if version != FORMAT:
         raise InputError(

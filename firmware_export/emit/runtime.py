@@ -45,6 +45,8 @@ _PARTS: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("check", ()),
     ("end", ()),
 )
+# The parts of on-board control; that which looks at a way is of the codec's family.
+_CONTROL = ("head", "types", "{}", "target", "watch", "way", "step", "end")
 _TITLE = re.compile(r"^/\* ---- (\w[^:\n]*: [^\n]*?) -*(?: \*/)?$", re.MULTILINE)
 
 
@@ -102,6 +104,26 @@ def runtime_text(on: frozenset[str]) -> str:
 {"".join(parts)}
 #else
 typedef int smap_is_taken_in_by_an_export;
+#endif
+"""
+
+
+def control_text(on: frozenset[str]) -> str:
+    """Return smap_control.c for the family of codecs that some switches need."""
+    family = "many" if "SMAP_MANY" in on else "grid" if "SMAP_GRID" in on else "three"
+    names = [f"control_{part.format(family)}.c" for part in _CONTROL]
+    parts = [_without_licence(runtime_file(name)) for name in names]
+    titles = [title.strip() for part in parts for title in _TITLE.findall(part)]
+    contents = "\n".join(f" *   {title}" for title in titles)
+    return f"""{LICENCE}/* smap_control.c: steers by a map and its policy.  NAME.c takes it in
+ * behind smap.c; compiled by itself it is nothing.  Its promises are in smap_control.h.
+ *
+{contents} */
+#ifdef SMAP_CONTROL
+
+{"".join(parts)}
+#else
+typedef int smap_control_is_taken_in_by_an_export;
 #endif
 """
 

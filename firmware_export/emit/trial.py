@@ -50,7 +50,7 @@ def try_out(files: Mapping[str, bytes], name: str) -> str:
             if file.endswith((".c", ".h")):
                 (folder / file).parent.mkdir(parents=True, exist_ok=True)
                 (folder / file).write_bytes(content)
-        for example in ("read", "alarm"):
+        for example in ("read", "alarm", "control"):
             if f"examples/{example}.c" in files:
                 _built(words, folder, name, example)
                 _run([str(folder / example)], folder, name)

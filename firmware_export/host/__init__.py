@@ -1,9 +1,31 @@
 """The C runtime on this machine, asked with blobs in memory.
 
-In reading order: `library`, `reader`.
+In reading order: `library`, `reader`, `control`.
 """
 
+from firmware_export.host.control import (
+    BLIND,
+    CYCLE,
+    ESCAPES,
+    HELD,
+    MOVES,
+    RESTS,
+    Controller,
+    budget,
+)
 from firmware_export.host.library import RUNTIME, load_library
 from firmware_export.host.reader import Host
 
-__all__ = ["RUNTIME", "Host", "load_library"]
+__all__ = [
+    "BLIND",
+    "CYCLE",
+    "ESCAPES",
+    "HELD",
+    "MOVES",
+    "RESTS",
+    "RUNTIME",
+    "Controller",
+    "Host",
+    "budget",
+    "load_library",
+]

@@ -1,14 +1,16 @@
 """What every codec hands to those who choose, certify and write exports.
 
-In reading order: `array`, `exported`, `blob`, `info`.
+In reading order: `array`, `policy`, `exported`, `blob`, `info`.
 """
 
 from firmware_export.protocol.array import CTYPES, CArray, CBody, literal
 from firmware_export.protocol.blob import VERSION, Blob, describe, restored, stored, turns
 from firmware_export.protocol.exported import Export
 from firmware_export.protocol.info import CodecInfo, Foresight, Tables
+from firmware_export.protocol.policy import CONTROL_VERSION, Joint, Policy
 
 __all__ = [
+    "CONTROL_VERSION",
     "CTYPES",
     "VERSION",
     "Blob",
@@ -17,6 +19,8 @@ __all__ = [
     "CodecInfo",
     "Export",
     "Foresight",
+    "Joint",
+    "Policy",
     "Tables",
     "describe",
     "literal",

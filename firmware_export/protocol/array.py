@@ -102,6 +102,8 @@ class CBody:
         By how many 1/32767 the integer form may read a sine too high.
     lengths : tuple of (str, float), optional
         The step of ``"sdg"`` and of ``"height"`` where they are not `step`.
+    swept : int
+        Words of a pose that holds for a box of postures, as on-board control makes it.
     """
 
     codec: int
@@ -112,6 +114,7 @@ class CBody:
     step: float = 1.0
     rounded: int = 3
     lengths: tuple[tuple[str, float], ...] | None = None
+    swept: int = 1
 
     @property
     def steps(self) -> dict[str, float]:

@@ -6,6 +6,7 @@ Data only; it is made by the exporter and read by `source`, `package`, `report` 
 from dataclasses import dataclass
 from typing import Any
 
+from firmware_export.protocol.policy import Policy
 from lutgen.recipe import Recipe
 
 
@@ -43,6 +44,11 @@ class Export:
         ``total_bytes`` (with code), ``error`` (percent), ``chosen`` (bool); the smallest first.
     code_bytes : int, optional
         Code of the runtime with this export's features on the target; None if not measured.
+    policy : Policy, optional
+        What on-board control follows; None for an export that is only read.
+    proof : dict, optional
+        Whether it is proved that the export is never falsely safe (`prove.Statement.told`); None
+        where nobody asked.
     """
 
     name: str
@@ -55,6 +61,8 @@ class Export:
     certificate: dict[str, Any] | None = None
     pareto: list[dict[str, Any]] | None = None
     code_bytes: int | None = None
+    policy: Policy | None = None
+    proof: dict[str, Any] | None = None
 
     @property
     def integer(self) -> bool:

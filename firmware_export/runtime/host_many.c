@@ -13,6 +13,7 @@
 #define SMAP_GRID 0
 #define SMAP_MANY 1
 #define SMAP_SERIES 1
+#define SMAP_CONTROL 1
 #define SMAP_MAX_PARAMS 64
 #define SMAP_MAX_ENTRIES 255
 #define SMAP_MAX_COORDINATES 255
@@ -26,6 +27,7 @@
 #define SMAP_MANY_LINKS 254
 
 #include "smap.h"
+#include "smap_control.h"
 
 #include "head.c"
 #include "arithmetic.c"
@@ -48,6 +50,15 @@
 #include "steps.c"
 #include "check.c"
 #include "end.c"
+#include "control_head.c"
+#include "control_types.c"
+#include "control_many.c"
+#include "control_target.c"
+#include "control_watch.c"
+#include "control_way.c"
+#include "control_step.c"
+#include "control_end.c"
 #include "host.h"
+#include "host_control.h"
 #include "host_positions.h"
 #include "host_room.h"

@@ -45,9 +45,11 @@ SMAP_INLINE void smap_many_numbers(const smap_t *map, smap_many_t *out)
   out->rock_angle = smap_f32(body + 28);
   out->band = smap_f32(body + 32);
   out->guard = smap_f32(body + 36);
+#if SMAP_SERIES || SMAP_CONTROL
+  out->off = out->turned = 0.0f;
+#endif
 #if SMAP_SERIES
   body += SMAP_MANY_SINGLES + 2 + out->rails + out->contacts;
-  out->off = out->turned = 0.0f;
   if (smap_body(map)[SMAP_IN_FLAGS] & SMAP_BY_SERIES) {
     out->off = smap_f32(body);
     out->turned = smap_f32(body + 4);
@@ -64,15 +66,12 @@ SMAP_INLINE uint8_t smap_many_named(const smap_t *map, uint8_t contact)
              : 255;
 }
 
-/* Make the pose of checked parameters. */
-static int8_t smap_many_of(const smap_t *map, const float *params, smap_many_pose_t *pose,
-                           smap_many_work_t *work)
+/* Where the contacts of checked parameters are. */
+SMAP_INLINE int8_t smap_many_place(const smap_t *map, const float *params, smap_many_place_t *place)
 {
   float q[SMAP_MAX_PARAMS], p[SMAP_MAX_COORDINATES];
   const int8_t status = smap_range(map, params, q);
   smap_places_t at;
-  smap_many_t numbers;
-  smap_many_place_t place;
   uint8_t i;
   if (SMAP_RARELY(status != SMAP_OK)) {
     return status;
@@ -80,15 +79,28 @@ static int8_t smap_many_of(const smap_t *map, const float *params, smap_many_pos
   at = smap_places(map);
   smap_positions(map, q, p);
   for (i = 0; i < at.contacts; i++) {
-    memcpy(place.contact[i].p, &p[3 * i], sizeof place.contact[i].p);
-    place.contact[i].radius =
+    memcpy(place->contact[i].p, &p[3 * i], sizeof place->contact[i].p);
+    place->contact[i].radius =
         smap_body(map)[SMAP_IN_FLAGS] & SMAP_ROUND ? smap_f32(at.radii + 4 * i) : 0.0f;
 #if !SMAP_MANY_RAILS
-    memset(place.axle[i], 0, sizeof place.axle[i]);
+    memset(place->axle[i], 0, sizeof place->axle[i]);
     if (smap_body(map)[SMAP_IN_AXES] != 0 && at.axis_of[i] != SMAP_NO_AXIS) {
-      memcpy(place.axle[i], &p[3 * (at.contacts + at.axis_of[i])], sizeof place.axle[i]);
+      memcpy(place->axle[i], &p[3 * (at.contacts + at.axis_of[i])], sizeof place->axle[i]);
     }
 #endif
+  }
+  return SMAP_OK;
+}
+
+/* Make the pose of checked parameters. */
+static int8_t smap_many_of(const smap_t *map, const float *params, smap_many_pose_t *pose,
+                           smap_many_work_t *work)
+{
+  smap_many_t numbers;
+  smap_many_place_t place;
+  const int8_t status = smap_many_place(map, params, &place);
+  if (SMAP_RARELY(status != SMAP_OK)) {
+    return status;
   }
   smap_many_numbers(map, &numbers);
   return smap_many_pose(&numbers, &place, pose, work) ? SMAP_OK : SMAP_TIPS;

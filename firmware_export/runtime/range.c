@@ -15,6 +15,12 @@ SMAP_INLINE int smap_unwind(float *x, float low, float high)
   whole = (float)(int32_t)away;
   whole -= away < whole ? 1.0f : 0.0f;
   *x = (*x - whole * 6.28125f) - whole * 1.93530718e-3f;
+  /* After many turns `away` is rounded: next to the seam it may be one turn off. */
+  if (*x > high) {
+    *x = (*x - 6.28125f) - 1.93530718e-3f;
+  } else if (*x < low) {
+    *x = (*x + 6.28125f) + 1.93530718e-3f;
+  }
   *x = *x < low ? low : *x > high ? high : *x;
   return 1;
 }

@@ -24,6 +24,8 @@ from lutgen.vector import Floats
 
 # A tip-over region crossed in less than this tilt (rad, 0.005 deg) may be stepped over.
 SHORTEST_STEP = math.radians(0.005)
+# Shortest steps in a row: five degrees.
+MOST_CREPT = 1000
 # The limit is known to this (rad), a few hundred times the rounding of tip_angle.
 KNOWN = 1e-13
 # Where `tip_angle` falls to this (rad) between two directions that stand, an axis lies between two
@@ -101,7 +103,8 @@ def tilt_limits(
     standing direction: the walk from level ground steps exactly that far, and at least
     `SHORTEST_STEP`, until it has passed the limit; false position then finds it in the last step.
     Beyond an edge that two rests share the robot may stand and yet not be caught there (`gaps`): it
-    falls as gravity passes the edge, where `tip_angle` is zero, so that edge is the limit.
+    falls as gravity passes the edge, where `tip_angle` is zero, so that edge is the limit.  So is
+    where it has been nearer than `SHORTEST_STEP` to a boundary for `MOST_CREPT` steps.
     """
     posture = np.asarray(params, dtype=np.float64)
     heading = np.asarray(headings, dtype=np.float64)
@@ -148,7 +151,7 @@ def _limits(recipe: Recipe, rows: Floats, heading: Floats, convention: str) -> F
         reach[which] = np.where(passed, found, reach[which])
         return np.asarray(passed)
 
-    walking = reach >= 0.0
+    walking, crept = reach >= 0.0, np.zeros(stands.shape, np.int64)
     while walking.any():
         which = np.flatnonzero(walking.any(axis=1))
         goes = walking[which]
@@ -169,6 +172,11 @@ def _limits(recipe: Recipe, rows: Floats, heading: Floats, convention: str) -> F
             tips[which] = np.where(axis, at, tips[which])
             beyond[which] = np.where(wedge, least, beyond[which])
             walking[which] &= ~axis
+        crept[which] = np.where(forced, crept[which] + 1, 0)
+        # It goes along its boundary: that is its limit, though it may stand further on.
+        ends = walking[which] & (crept[which] >= MOST_CREPT)
+        tips[which] = np.where(ends, stands[which], tips[which])
+        walking[which] &= ~ends
     rounds = 0
     while (tips - stands > KNOWN).any():
         which = np.flatnonzero((tips - stands > KNOWN).any(axis=1))

@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from lutgen import bounds
 from lutgen.analysis.diagnosis import diagnose
 from lutgen.analysis.ground_outline import GroundTilt, ground_tilt
 from lutgen.analysis.stance import Posture
@@ -145,13 +146,15 @@ def even_headings(count: int) -> Floats:
     Raises
     ------
     InputError
-        Unless `count` is a multiple of 4, so that the four named headings are among them.
+        Unless `count` is a multiple of 4, so that the four named headings are among them, and no
+        more than HEADINGS of `bounds`.
     """
     if count < 4 or count % 4:
         raise InputError(
             f"the number of headings must be a multiple of 4 (got {count}); nose, tail and both "
             "sides are then among them"
         )
+    bounds.check(count, bounds.HEADINGS, "the headings", "use fewer")
     return np.arange(count, dtype=np.float64) * (2.0 * math.pi / count)
 
 
@@ -225,6 +228,7 @@ def sweep_limits(
             f"limits over postures need at least one row of params (got the shape {rows.shape}); "
             "pass for example those of recipe.grid"
         )
+    bounds.check(len(rows) * len(heading), bounds.LIMITS, recipe.source, "use fewer headings")
     tilts = tilt_limits(recipe, rows, heading, convention)
     least_at, most_at = _first(tilts, -1.0), _first(tilts, 1.0)
     across = np.arange(len(heading))

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from lutgen.cli.options import RecipeOptions, asks, log, option, output
+from lutgen.cli.options import RecipeOptions, asks, force, log, option, output
 from lutgen.cli.sources import open_source
 from lutgen.cli.table import show
 from lutgen.quantities import EXPORTABLE
@@ -20,6 +20,7 @@ class Asked(RecipeOptions):
     """What the command line says."""
 
     output: str = output(required=True, help="The folder; it appears when whole.")
+    force: bool = force()
     name: str | None = option(help="C identifier of the map.  [default: the robot's name]")
     flash: str | None = option(
         metavar="SIZE", help="Most bytes of tables and code: 16KiB, 64k (of 1000), 4096."
@@ -65,7 +66,7 @@ def export(ctx: click.Context, source: str, asked: Asked) -> None:
     from firmware_export.quantity import parse_error, parse_size
 
     # What is wrong with the command is said before anything is computed.
-    check_directory(asked.output)
+    check_directory(asked.output, asked.force)
     named(asked.codec)
     if asked.flash is not None:
         parse_size(asked.flash)
@@ -91,6 +92,7 @@ def export(ctx: click.Context, source: str, asked: Asked) -> None:
             codec=asked.codec,
             arithmetic=asked.arithmetic,
             progress=progress,
+            force=asked.force,
         )
     except KeyboardInterrupt:
         raise click.ClickException("interrupted; nothing is left behind") from None
@@ -109,7 +111,7 @@ def lines(report: dict[str, Any]) -> Iterator[str]:
 
 
 def _entries(report: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    from firmware_export.emit import bytes_text, errors_of, share
+    from firmware_export.emit import bytes_text, errors_of, proof_text, share
 
     yield "flash", bytes_text(report["bytes"])
     for name, errors in errors_of(report).items():
@@ -122,6 +124,7 @@ def _entries(report: dict[str, Any]) -> Iterator[tuple[str, str]]:
         f"{share(report['false_tip'])} of the stable configurations reported unsafe, "
         + ("not certified" if unsafe is None else f"{unsafe} points said to stand that tip"),
     )
+    yield "proof", proof_text(report)
     for note in (report["certificate"] or {}).get("text", ()):
         yield "note", note
     yield "folder", report["directory"]

@@ -1,14 +1,18 @@
 """The command group: its options, and how errors become one line and an exit code."""
 
+import errno
 import logging
 import os
-from typing import Any
+import traceback
+from pathlib import Path
+from typing import Any, NoReturn
 
 import click
 
 from lutgen._version import __version__
 from lutgen.cli.check import check
 from lutgen.cli.eval import eval_
+from lutgen.cli.explore import explore
 from lutgen.cli.export import export
 from lutgen.cli.import_ import import_
 from lutgen.cli.info import info
@@ -19,14 +23,21 @@ from lutgen.cli.optimum import optimum
 from lutgen.cli.paper import paper
 from lutgen.cli.path import path
 from lutgen.cli.plot import plot
+from lutgen.cli.policy import policy
+from lutgen.cli.prove import prove
 from lutgen.cli.recipes import recipes
 from lutgen.cli.schema import schema
 from lutgen.cli.stance import stance
 from lutgen.cli.sweep import sweep
 from lutgen.cli.wheels import wheels
-from lutgen.errors import ExportError, LutgenError, SweepError
+from lutgen.errors import ExportError, InputError, LutgenError, SweepError, readable
 
 FAILED, BAD_INPUT = 1, 2
+# What the system says of an output that takes no more: a name stands with all other files.
+NO_OUTPUT = (errno.EPIPE, errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
+# What a fault of lutgen itself is called, and how much of its own words is quoted.
+UNFORESEEN = "this is a fault of lutgen"
+LONGEST = 300
 
 
 class Group(click.Group):
@@ -37,15 +48,58 @@ class Group(click.Group):
         try:
             return super().invoke(ctx)
         except LutgenError as error:
-            failure = click.ClickException(str(error))
+            failure = click.ClickException(readable(str(error)))
             failed = isinstance(error, ExportError | SweepError)
             # click reads it from the instance; the class has the value 1.
             vars(failure)["exit_code"] = FAILED if failed else BAD_INPUT
             raise failure from error
-        except BrokenPipeError:
-            # The reader of our output has gone: nothing is left to say, not even at exit.
-            os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-            ctx.exit(FAILED)
+        except click.ClickException as error:
+            vars(error)["message"] = readable(error.message)
+            raise
+
+    def main(self, *args: Any, **settings: Any) -> Any:
+        """Run the command line; whatever nobody foresaw ends in a sentence, too."""
+        try:
+            return super().main(*args, **settings)
+        except Exception as error:
+            _end(error)
+
+
+def _end(error: Exception) -> NoReturn:
+    """Say in a sentence why a command ended that no message of ours explains; exit."""
+    if isinstance(error, OSError) and error.errno in NO_OUTPUT and error.filename is None:
+        # The reader of our output has gone, or its disk is full: it gets nothing, not even at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        if not isinstance(error, BrokenPipeError):
+            click.echo(f"Error: the output cannot be written (got {error.strerror}).", err=True)
+        raise SystemExit(FAILED)
+    log = logging.getLogger("lutgen")
+    log.info("%s", UNFORESEEN, exc_info=error)
+    if isinstance(error, MemoryError):
+        said = f"the memory is not enough (got {str(error) or 'no more'}); ask for less at once."
+    else:
+        place = ""
+        if error.__traceback__ is not None:
+            *_, last = traceback.extract_tb(error.__traceback__)
+            place = f" in {Path(last.filename).name}, line {last.lineno}"
+        got = readable(" ".join(f"{type(error).__name__}: {error}".split())[:LONGEST])
+        way_out = "" if log.isEnabledFor(logging.INFO) else "run it again with `lutgen -v`, and "
+        said = (
+            f"{UNFORESEEN} (got {got}{place}); {way_out}report the traceback, the command and its "
+            "files to whoever gave you lutgen (SECURITY.md in its sources)."
+        )
+    click.echo(f"Error: {said}", err=True)
+    raise SystemExit(FAILED) from error
+
+
+def check_environment() -> None:
+    """Refuse settings of the environment that a library would answer with a traceback."""
+    threads = os.environ.get("NUMBA_NUM_THREADS")
+    if threads is not None and not (threads.isascii() and threads.isdigit() and int(threads[:6])):
+        raise InputError(
+            f"NUMBA_NUM_THREADS: must be a whole number above 0 (got {threads!r}); correct it in "
+            "the environment, or unset it."
+        )
 
 
 @click.group(cls=Group, context_settings={"help_option_names": ["-h", "--help"]})
@@ -68,10 +122,11 @@ def main(verbose: int, quiet: bool) -> None:
     level = logging.ERROR if quiet else max(logging.WARNING - 10 * verbose, logging.DEBUG)
     logging.basicConfig(level=level, format="lutgen: %(message)s")
     logging.getLogger("lutgen").setLevel(level)
+    check_environment()
 
 
 for command in (
     *(new, schema, recipes, import_, check, sweep, info, eval_, limits, metrics),
-    *(stance, optimum, plot, export, wheels, paper, path),
+    *(stance, optimum, plot, export, explore, prove, policy, wheels, paper, path),
 ):
     main.add_command(command)

@@ -8,13 +8,16 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import Assignment, as_json, asks, finite_numbers, option, output
+from lutgen.cli.options import Assignment, as_json, asks, finite_numbers, force, option, output
 from lutgen.cli.table import show
 from lutgen.errors import InputError
 
 if TYPE_CHECKING:
     from lutgen.parts import Contact
     from lutgen.urdf import Srdf, UrdfRobot
+
+# How the refusal ends where a recipe may have been edited.
+KEPT = "pass --merge to keep what was edited by hand, or --force to write over it"
 
 
 @dataclass(frozen=True)
@@ -53,6 +56,7 @@ class Asked:
         is_flag=True,
         help="Keep the recipe that is there: only masses and places of its links become new.",
     )
+    force: bool = force(help="Write over a recipe that is there, and what was edited in it.")
     assignments: tuple[tuple[str, float], ...] = option(
         "-p",
         "--parameter",
@@ -89,12 +93,15 @@ def import_(urdf: str, asked: Asked) -> None:
     wheels and feet that are recognised in meshes (pip install lutgen[meshes]).
     Without --joint and --couple, every joint that moves a contact, or the centre of mass by more
     than 0.5 % of the robot's size, becomes a parameter; of more than ten those that are alike move
-    together.  Give --merge the same options as the first time.
+    together.
+
+    A recipe that is there stays as it is unless --merge or --force is given; give --merge the same
+    options as the first time.
 
     \b
     $ lutgen import robot.urdf -o recipe.toml -c left_wheel -c right_wheel -c nose=0.3,0,-0.1
     """
-    from lutgen.files import write_text
+    from lutgen.files import check_target, write_text
     from lutgen.recipe import Coupling, import_urdf, merged_recipe, read_text
     from lutgen.urdf import Meshes, Packages, centre_of_mass, places, read_motion
 
@@ -132,7 +139,9 @@ def import_(urdf: str, asked: Asked) -> None:
     if asked.merge:
         old = read_text(asked.output)
         text, report["changed"] = merged_recipe(old, asked.output, made.text)
-    write_text(asked.output, text)
+    else:
+        check_target(asked.output, asked.force, text.encode("utf-8"), KEPT)
+    write_text(asked.output, text, asked.force or asked.merge)
     show(report, import_lines(report, robot.root), asked.as_json)
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from lutgen import bounds
 from lutgen.cli import options
 from lutgen.cli.options import RecipeOptions, asks, option
 from lutgen.cli.sources import open_recipe
@@ -36,6 +37,9 @@ class Asked(RecipeOptions):
         "Whether body tilt counts from level ground under it, or from a level body.",
     )
     output: str | None = options.output(help="Figure (PNG, SVG or PDF).")
+    size: str | None = options.size()
+    style: str = options.style()
+    force: bool = options.force()
 
 
 @click.command(short_help="Largest tilt nose down, nose up, left, right and in the worst heading.")
@@ -58,6 +62,7 @@ def limits(recipe: str, asked: Asked) -> None:
     from lutgen.analysis import Posture, even_headings, posture_limits, sweep_limits
 
     robot = open_recipe(recipe, asked.allow_python)
+    options.check_outputs(asked.force, asked.output)
     # Refused before the work, which takes as many as the figure needs.
     around = even_headings(asked.headings)
     found = posture_limits(
@@ -67,11 +72,19 @@ def limits(recipe: str, asked: Asked) -> None:
     if asked.over_all or asked.best:
         grid = robot.grid
         around = even_headings(asked.headings * -(-FIGURE // asked.headings))
+        # Before a row of parameters is made for each.
+        way_out = "sweep fewer samples, or ask fewer headings"
+        bounds.check(grid.size * len(around), bounds.LIMITS, robot.source, way_out)
         swept = sweep_limits(robot, grid.params(range(grid.size)), around, asked.convention)
     if asked.output is not None:
-        from lutgen.plot import draw_limits, save
+        from lutgen.plot import draw_limits, on_sheet, save
 
-        save(draw_limits(robot, found, swept, worst=asked.over_all), asked.output)
+        with on_sheet(asked.size, asked.style):
+            save(
+                draw_limits(robot, found, swept, worst=asked.over_all),
+                asked.output,
+                force=asked.force,
+            )
     report = limits_report(robot, found)
     report["posture_from"] = options.posture_source(robot, asked.assignments) or "given"
     if swept is not None and asked.over_all:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from lutgen import bounds
 from lutgen.cli.options import (
     RecipeOptions,
     asks,
@@ -34,7 +35,7 @@ from lutgen.quantities import QUANTITIES
 if TYPE_CHECKING:
     from lutgen.analysis import Metrics, Posture
 
-MOST = 3600
+MOST = bounds.HEADINGS.most
 
 
 @dataclass(frozen=True)

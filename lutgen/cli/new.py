@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
 import click
 
@@ -33,6 +32,7 @@ def new(kind: str | None, asked: Asked) -> None:
     $ lutgen new tracks -o robot.toml
     $ lutgen new --list
     """
+    from lutgen.files import write_text
     from lutgen.recipe import start_recipe, start_recipes
 
     if asked.list_kinds:
@@ -46,21 +46,9 @@ def new(kind: str | None, asked: Asked) -> None:
             "`lutgen new wheels -o robot.toml`, or `lutgen new --list`."
         )
     text = start_recipe(kind)
-    write_recipe(asked.output, text, asked.force)
+    write_text(asked.output, text, asked.force)
     lines = [f"{asked.output}: {start_recipes()[kind]}"]
     show({"kind": kind, "recipe": asked.output}, lines, asked.as_json)
-
-
-def write_recipe(path: str, text: str, force: bool) -> None:
-    """Write a recipe, over a file that is there only with `force`."""
-    from lutgen.files import write_text
-
-    if not force and Path(path).exists():
-        raise InputError(
-            f"{path}: is there already (got no --force); choose another name, or pass --force to "
-            "write over it."
-        )
-    write_text(path, text)
 
 
 def kind_lines(kinds: Mapping[str, str]) -> Iterator[str]:

@@ -110,6 +110,9 @@ Assignments = tuple[tuple[str, float], ...]
 allow_python = functools.partial(
     option, is_flag=True, help="Run the code that the recipe names (`python = ...`)."
 )
+force = functools.partial(
+    option, is_flag=True, help="Replace what is there also where lutgen did not make it."
+)
 as_json = functools.partial(option, "--json", is_flag=True, help="Print the result as JSON.")
 gravity = functools.partial(
     option,
@@ -129,6 +132,14 @@ parameters = functools.partial(
 METHODS = ("map", "nelder-mead", "search", "multistart")
 method = functools.partial(option, type=click.Choice(METHODS), default="search")
 output = functools.partial(option, "-o", type=click.Path())
+size = functools.partial(
+    option, metavar="WIDTH[xHEIGHT]", help="Of the figure in mm.  [default: one column, 89 wide]"
+)
+# Those of `lutgen.plot`, which takes a second to import.
+STYLES = ("journal", "slides", "dark")
+style = functools.partial(
+    option, type=click.Choice(STYLES), default="journal", help="How the figure looks."
+)
 tilt = functools.partial(
     option, default=20.0, help="Of the ground in deg, for the metrics over all headings."
 )
@@ -224,6 +235,15 @@ def require_known(source: str, known: Sequence[str], name: str, got: str) -> Non
             f"{source}: there is no parameter {name!r} (got {got}); it has "
             f"{', '.join(known) or 'none'}"
         )
+
+
+def check_outputs(force: bool, *paths: str | None) -> None:
+    """Refuse, before the work, to write figures and films where lutgen made nothing."""
+    from lutgen.files import check_target
+
+    for path in paths:
+        if path is not None:
+            check_target(path, force)
 
 
 def file_size(count: float) -> str:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import click
 
-from lutgen.cli.options import as_json, asks, log, option
+from lutgen.cli.options import as_json, asks, force, log, option
 from lutgen.cli.table import show
 
 
@@ -15,6 +15,7 @@ class Asked:
     output: str = option(
         "-o", required=True, type=click.Path(file_okay=False), help="Folder to write."
     )
+    force: bool = force()
     as_json: bool = as_json()
 
 
@@ -32,5 +33,5 @@ def paper(asked: Asked) -> None:
     """
     from lutgen.paper import write_report
 
-    page = str(write_report(asked.output, lambda what: log.info("%s", what)))
+    page = str(write_report(asked.output, lambda what: log.info("%s", what), asked.force))
     show({"folder": asked.output, "page": page}, [page], asked.as_json)

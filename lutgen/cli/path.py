@@ -60,6 +60,8 @@ class Asked(RecipeOptions):
     speed: float | None = option(type=float, help="Along the path, length per second; with --rate.")
     headings: int | None = option(type=int, help="Let the robot turn, too, to this many headings.")
     output: str | None = options.output(help="CSV file of the last run.")
+    style: str = options.style()
+    force: bool = options.force()
     plot: str | None = option(type=click.Path(), help="Figure (PNG, SVG or PDF).")
     animate: str | None = option(
         type=click.Path(), help="Film of both runs: GIF, or MP4 where ffmpeg is installed."
@@ -85,6 +87,7 @@ def path(recipe: str, asked: Asked) -> None:
 
         # The runs take their time.
         check_animation(asked.animate)
+    options.check_outputs(asked.force, asked.plot, asked.animate)
     robot = open_recipe(recipe, asked.allow_python)
     runs = drives(robot, asked)
     names = list(runs)
@@ -92,16 +95,18 @@ def path(recipe: str, asked: Asked) -> None:
         from lutgen.files import csv_text, write_text
 
         columns = table(robot, runs[names[-1]])
-        write_text(asked.output, csv_text(list(columns), zip(*columns.values(), strict=True)))
+        text = csv_text(list(columns), zip(*columns.values(), strict=True))
+        write_text(asked.output, text, asked.force)
     drawn = {name: runs[name] for name in (names[0], names[-1])}
     if asked.plot is not None:
-        from lutgen.plot import draw_path, save
+        from lutgen.plot import draw_path, on_sheet, save
 
-        save(draw_path(robot, drawn), asked.plot)
+        with on_sheet(style=asked.style):
+            save(draw_path(robot, drawn), asked.plot, force=asked.force)
     if asked.animate is not None:
         from lutgen.plot import animate
 
-        animate(robot, drawn, asked.animate)
+        animate(robot, drawn, asked.animate, asked.force)
     lines = path_lines(robot, runs, asked.terrain)
     stands = not runs[names[-1]].tips.any()
     show(path_report(robot, runs, asked), lines, asked.as_json, stands, TIPS)

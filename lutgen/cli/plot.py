@@ -8,13 +8,17 @@ import click
 from lutgen.cli.options import (
     RecipeOptions,
     asks,
+    check_outputs,
     convention,
+    force,
     gravity,
     log,
     named_values,
     option,
     parameters,
     posture_source,
+    size,
+    style,
     tilt,
 )
 from lutgen.cli.sources import open_source
@@ -31,6 +35,7 @@ class Asked(RecipeOptions):
     output: str = option(
         "-o", "--output", required=True, type=click.Path(), help="PNG, SVG or PDF file."
     )
+    force: bool = force()
     kind: str = option("--kind", required=True, type=click.Choice(KINDS), help="Which figure.")
     assignments: tuple[tuple[str, float], ...] = parameters()
     gravity: tuple[float, float, float] = gravity()
@@ -41,6 +46,8 @@ class Asked(RecipeOptions):
     )
     convention: str = convention()
     tilt: float = tilt()
+    size: str | None = size()
+    style: str = style()
 
 
 @click.command(short_help="Draw a figure (PNG, SVG or PDF).")
@@ -64,25 +71,27 @@ def plot(source: str, asked: Asked) -> None:
     \b
     $ lutgen plot paper_two.h5 -o map.png --kind contour
     """
-    from lutgen.plot import draw, save
+    from lutgen.plot import draw, on_sheet, save
     from lutgen.recipe import Recipe
 
+    check_outputs(asked.force, asked.output)
     opened = open_source(source, asked.allow_python)
     recipe = opened if isinstance(opened, Recipe) else opened.recipe
     axes = tuple(part.strip() for part in asked.axes.split(",")) if asked.axes else None
     if origin := posture_source(recipe, asked.assignments):
         log.info("parameters without a value: %s", origin)
-    figure = draw(
-        asked.kind,
-        opened,
-        params=named_values(recipe, asked.assignments),
-        gravity=asked.gravity,
-        channel=asked.channel,
-        axes=axes,
-        convention=asked.convention,
-        tilt=asked.tilt,
-    )
-    save(figure, asked.output)
+    with on_sheet(asked.size, asked.style):
+        figure = draw(
+            asked.kind,
+            opened,
+            params=named_values(recipe, asked.assignments),
+            gravity=asked.gravity,
+            channel=asked.channel,
+            axes=axes,
+            convention=asked.convention,
+            tilt=asked.tilt,
+        )
+        save(figure, asked.output, force=asked.force)
     report = {
         "robot": recipe.name,
         "digest": recipe.digest,

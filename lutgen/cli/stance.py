@@ -37,6 +37,9 @@ class Asked:
     )
     as_json: bool = options.as_json()
     output: str | None = options.output(help="Figure (PNG, SVG or PDF).")
+    size: str | None = options.size()
+    style: str = options.style()
+    force: bool = options.force()
 
 
 @click.command(short_help="Whether feet on uneven ground hold a weight.")
@@ -59,9 +62,10 @@ def stance(file: str, asked: Asked) -> None:
         footing = replace(footing, gravity_dir=np.array(asked.gravity))
     found = footing.equilibrium()
     if asked.output is not None:
-        from lutgen.plot import draw_footing, save
+        from lutgen.plot import draw_footing, on_sheet, save
 
-        save(draw_footing(footing, found), asked.output)
+        with on_sheet(asked.size, asked.style):
+            save(draw_footing(footing, found), asked.output, force=asked.force)
     report = stance_report(footing, found)
     show(report, stance_lines(footing, found), asked.as_json, bool(found.holds), TIPS)
 

@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from lutgen.cli.compiling import compiling_is_told
-from lutgen.cli.options import RecipeOptions, asks, file_size, log, option, output
+from lutgen.cli.options import RecipeOptions, asks, file_size, force, log, option, output
 from lutgen.cli.sources import open_recipe
 from lutgen.cli.table import show
 
@@ -19,6 +19,9 @@ class Asked(RecipeOptions):
     """What the command line says."""
 
     output: str = output(required=True, help="The map file (HDF5).")
+    force: bool = force(
+        help="Replace what is there: unfinished work, or a file that lutgen did not make."
+    )
     threads: int | None = option(type=int, help="Threads to compute with.  [default: all]")
     resume: bool = option(is_flag=True, help="Go on with an interrupted sweep of the same recipe.")
     engine: str = option(default="local", help="Where blocks are computed: local or dask.")
@@ -38,7 +41,7 @@ def sweep(ctx: click.Context, recipe: str, asked: Asked) -> None:
     """Compute the map of RECIPE into an HDF5 file.
 
     The file appears under its name when it is whole.  A sweep that is stopped, by Ctrl-C, a kill
-    or a power cut, leaves OUTPUT.part, from which `--resume` goes on.
+    or a power cut, leaves OUTPUT.part, from which `--resume` goes on; only `--force` begins anew.
 
     \b
     $ lutgen sweep maps/paper_two.toml -o paper_two.h5
@@ -74,6 +77,7 @@ def sweep(ctx: click.Context, recipe: str, asked: Asked) -> None:
                     progress=progress,
                     scheduler=asked.scheduler,
                     workers=asked.workers,
+                    force=asked.force,
                 )
         except KeyboardInterrupt:
             begun = Path(f"{asked.output}.part").exists()

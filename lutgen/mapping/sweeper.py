@@ -4,6 +4,7 @@ Owns the run: which blocks are still to be computed, where, progress, interrupti
 Numbers come from `compute`, the file from `part`.
 """
 
+import contextlib
 import os
 from collections import deque
 from collections.abc import Callable, Generator, Iterator
@@ -15,7 +16,9 @@ from pathlib import Path
 
 import numba
 
+from lutgen import bounds
 from lutgen.errors import InputError, MapFileError, SweepError
+from lutgen.files import check_kind, check_target, is_ours
 from lutgen.mapping.blocks import Plan, plan
 from lutgen.mapping.compute import Computer, require_standing
 from lutgen.mapping.layout import lay_out
@@ -37,6 +40,7 @@ def sweep(
     progress: Callable[[int, int], None] | None = None,
     scheduler: str | None = None,
     workers: int | None = None,
+    force: bool = False,
 ) -> None:
     """Compute a recipe's map into an HDF5 file.
 
@@ -62,12 +66,16 @@ def sweep(
         Address of a running scheduler (``tcp://host:8786``); without it workers are started here.
     workers : int, optional
         How many to start here; one per core by default.
+    force : bool
+        Begin anew where PATH.part holds unfinished work, and replace files that lutgen did not
+        make.  A link is refused even so.
 
     Raises
     ------
     InputError
         For an unknown engine, an impossible number of threads or workers, or a robot given by
-        code with an engine other than "local".
+        code with an engine other than "local"; where PATH or PATH.part is a file that lutgen did
+        not make, or holds work that neither `resume` nor `force` is said of.
     RecipeError
         If the robot stands nowhere.
     MapFileError
@@ -92,10 +100,15 @@ def sweep(
             "make it first"
         )
     part = target.with_name(target.name + ".part")
+    check_target(target, force)
+    check_kind(part)
+    if force:
+        _clear_part(part)
     before = numba.get_num_threads()
     numba.set_num_threads(threads or most)
     try:
         layout = plan(recipe)
+        bounds.check(layout.count, bounds.BLOCKS, recipe.source, "use fewer samples")
         with ExitStack() as stack:
             compute: Callable[[PartFile], Generator[int, None, None]]
             if engine == "local":
@@ -111,8 +124,10 @@ def sweep(
                 )
             identity = identity_of(recipe, layout)
             file = stack.enter_context(PartFile(part, lay_out(recipe, layout), identity))
-            _open(file, recipe, resume)
+            _open(file, recipe, resume, force)
             _fill(file, recipe, layout, compute(file), progress)
+            # It may be hours since that was asked.
+            check_target(target, force)
             file.finish(target)
     except OSError as error:
         if isinstance(error, MapFileError):
@@ -139,6 +154,8 @@ def _require_options(
             f"workers are started for a sweep of their own only (got {workers} with the scheduler "
             f"{scheduler}); leave one of the two out"
         )
+    if workers is not None:
+        bounds.check(workers, bounds.WORKERS, "workers", "start fewer, or give a scheduler")
     if workers is not None and workers < 1:
         raise InputError(f"workers must be at least 1 (got {workers})")
     if recipe.function is not None and engine != "local":
@@ -148,8 +165,29 @@ def _require_options(
         )
 
 
-def _open(file: PartFile, recipe: Recipe, resume: bool) -> None:
-    """Lay out the unfinished file, or check one to go on with."""
+def _clear_part(part: Path) -> None:
+    """Remove an unfinished file that is none of ours: to empty it might empty its other names.
+
+    One that another sweep is just laying out begins with zeros.
+    """
+    with contextlib.suppress(FileNotFoundError):
+        with part.open("rb") as file:
+            begun = any(file.read(1))
+        if begun and not is_ours(part):
+            part.unlink()
+
+
+def _open(file: PartFile, recipe: Recipe, resume: bool, force: bool) -> None:
+    """Lay out the unfinished file, or check one to go on with.
+
+    Work that neither `resume` nor `force` is said of, and a file of somebody else, is left alone.
+    """
+    if file.begun() and not resume and not force:
+        check_target(file.path)
+        raise InputError(
+            f"{file.path}: holds the unfinished work of a sweep (got neither --resume nor "
+            "--force); go on with --resume, or begin anew with --force."
+        )
     go_on = resume and file.begun()
     try:
         if go_on:

@@ -6,7 +6,7 @@ The words are data: `errata.toml` those of the errata, `page.md.in` those of the
 In reading order: `nominal`, `printed`, `published`, `closed_form`, `erratum`, `checks_path`,
 `forces`, `reference`, `triples`, `checks_plane`, `checks_polygon`, `checks_statics`,
 `checks_text`, `errata`, `markup`, `page`, `robot`, `rough`, `simulations`, `results`, `pictures`,
-`numbers`, `tables`, `page_tables`, `report`.
+`numbers`, `tables`, `page_tables`, `manifest`, `report`.
 """
 
 from lutgen.paper.report import write_report

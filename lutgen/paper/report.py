@@ -13,11 +13,12 @@ from pathlib import Path
 
 from lutgen.errors import InputError
 from lutgen.files import csv_text, write_text
+from lutgen.paper import manifest
 from lutgen.paper.numbers import page_numbers
 from lutgen.paper.page import Picture, render
 from lutgen.paper.page_tables import page_tables
 from lutgen.paper.pictures import draw_pictures
-from lutgen.paper.results import Results, compute
+from lutgen.paper.results import MAP, Results, compute
 from lutgen.paper.tables import tables
 
 PAGE = "paper.html"
@@ -25,25 +26,36 @@ TEMPLATE = files(__package__).joinpath("page.md.in").read_text(encoding="utf-8")
 
 
 def write_report(
-    directory: str | os.PathLike[str], progress: Callable[[str], None] = lambda _: None
+    directory: str | os.PathLike[str],
+    progress: Callable[[str], None] = lambda _: None,
+    force: bool = False,
 ) -> Path:
     """Compute everything and write page, figures, tables and map into a folder.
 
     Parameters
     ----------
     directory : path
-        Made if it is not there.  Files of an earlier report are replaced; others stay.  Where it
-        cannot be written, `InputError` says so.
+        Made if it is not there.  Files of an earlier report are replaced, as far as its list
+        (`manifest`) knows them; others stay.
     progress : callable
         Is told what is being done.
+    force : bool
+        Whether files that lutgen did not make, or that were edited, may be replaced.
 
     Returns
     -------
     pathlib.Path
         The page.
+
+    Raises
+    ------
+    InputError
+        Where the folder cannot be written, or a file of the report would replace another's.
     """
     begin = time.perf_counter()
     target = Path(directory)
+    if not force:
+        manifest.check(target, (PAGE, MAP))
     try:
         target.mkdir(parents=True, exist_ok=True)
         # Everything appears at once, or not at all.
@@ -60,8 +72,13 @@ def write_report(
         for name, (head, rows) in tables(results).items():
             write_text(work / name, csv_text(head, rows))
         write_text(work / PAGE, build_page(results, pictures, time.perf_counter() - begin))
-        for made in sorted(work.iterdir()):
-            made.replace(target / made.name)
+        made = sorted(path.name for path in work.iterdir())
+        if not force:
+            manifest.check(target, made)
+        write_text(work / manifest.NAME, manifest.text(work, made))
+        # The list last, so that it never names what is not there yet.
+        for name in (*made, manifest.NAME):
+            (work / name).replace(target / name)
     except OSError as error:
         raise InputError(
             f"{target}: the report cannot be written (got {error.strerror or error}); "

@@ -1,13 +1,14 @@
 """Figures of a robot's stability, from a map or a recipe.
 
-In reading order: `box`, `view`, `labels`, `style`, `marks`, `levels`, `path`, `robot`, `animation`,
-`curve`, `metrics`, `plane`, `sphere`, `tilt`, `figure`, `steps`,
-`uneven`.
+In reading order: `sheet`, `fonts`, `palette`, `dark`, `style`, `words`, `legend`, `box`, `view`,
+`labels`, `marks`, `levels`, `path`, `shape`, `robot`, `animation`, `curve`, `metrics`, `plane`,
+`sphere`, `tilt`, `figure`, `steps`, `uneven`.
 """
 
 from lutgen.plot.animation import animate, check_animation
 from lutgen.plot.figure import KINDS, draw
 from lutgen.plot.path import draw_path
+from lutgen.plot.sheet import STYLES, on_sheet
 from lutgen.plot.steps import draw_steps
 from lutgen.plot.style import save
 from lutgen.plot.tilt import draw_limits
@@ -15,6 +16,7 @@ from lutgen.plot.uneven import draw_footing
 
 __all__ = [
     "KINDS",
+    "STYLES",
     "animate",
     "check_animation",
     "draw",
@@ -22,5 +24,6 @@ __all__ = [
     "draw_limits",
     "draw_path",
     "draw_steps",
+    "on_sheet",
     "save",
 ]

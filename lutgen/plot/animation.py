@@ -29,9 +29,11 @@ from lutgen.errors import InputError
 from lutgen.files import write_bytes
 from lutgen.plot.box import box_axes, set_limits
 from lutgen.plot.labels import angle_text, unit_label
-from lutgen.plot.path import RED, draw_angles
+from lutgen.plot.palette import BLUE, GREEN, GREY, RED
+from lutgen.plot.path import draw_angles
 from lutgen.plot.robot import rims
-from lutgen.plot.style import BLUE, GREEN, GREY, house_style, known_suffix, new_figure
+from lutgen.plot.shape import shape_of
+from lutgen.plot.style import house_style, known_suffix, new_figure
 from lutgen.recipe import Recipe
 from lutgen.search import Drive
 
@@ -43,6 +45,8 @@ MOST_FRAMES = 60
 LENGTH, SHORTEST, LONGEST = 7.2, 0.12, 0.5
 COLOURS = 64
 RESOLUTION = 100
+# Of ffmpeg: no dates and versions, but our mark (lutgen/files.py).
+EXACTLY = ["-fflags", "+bitexact", "-metadata", "comment=lutgen"]
 # Inches.  Both sides are whole even numbers of dots, which films need.
 WIDTH, HEIGHT = 6.4, 4.5
 ELEVATION, AZIMUTH = 14.0, -68.0
@@ -67,7 +71,9 @@ def check_animation(path: str | os.PathLike[str]) -> None:
         )
 
 
-def animate(recipe: Recipe, runs: Mapping[str, Drive], path: str | os.PathLike[str]) -> int:
+def animate(
+    recipe: Recipe, runs: Mapping[str, Drive], path: str | os.PathLike[str], force: bool = False
+) -> int:
     """Write a film of one or two runs along the same path.
 
     Parameters
@@ -79,6 +85,8 @@ def animate(recipe: Recipe, runs: Mapping[str, Drive], path: str | os.PathLike[s
     path : str or path
         Ends in .gif, or in .mp4 where ffmpeg is installed.  The same runs give the same bytes of a
         GIF.
+    force : bool
+        Whether a file that lutgen did not make may be replaced.
 
     Returns
     -------
@@ -101,7 +109,7 @@ def animate(recipe: Recipe, runs: Mapping[str, Drive], path: str | os.PathLike[s
         frames = (film.frame(int(i)) for i in at)
         gif = Path(path).suffix.lower() == ".gif"
         content = _gif(frames, pause) if gif else _mp4(film.figure, frames, pause, path)
-    write_bytes(path, content)
+    write_bytes(path, content, force=force)
     return count
 
 
@@ -115,7 +123,15 @@ def _gif(frames: Iterator[Floats], pause: float) -> bytes:
     few = [Image.fromarray(p).quantize(palette=palette, dither=Image.Dither.NONE) for p in pictures]
     out = io.BytesIO()
     duration = round(1000.0 * pause)
-    few[0].save(out, format="GIF", save_all=True, append_images=few[1:], duration=duration, loop=0)
+    few[0].save(
+        out,
+        format="GIF",
+        save_all=True,
+        append_images=few[1:],
+        duration=duration,
+        loop=0,
+        comment=b"lutgen",
+    )
     return out.getvalue()
 
 
@@ -125,7 +141,7 @@ def _mp4(
     """Return a film that ffmpeg made of the frames."""
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / "film.mp4"
-        writer = FFMpegWriter(fps=1.0 / pause, extra_args=["-fflags", "+bitexact"])  # type: ignore[arg-type]
+        writer = FFMpegWriter(fps=1.0 / pause, extra_args=EXACTLY)  # type: ignore[arg-type]
         try:
             with writer.saving(figure, str(target), RESOLUTION):
                 for _ in frames:
@@ -232,8 +248,9 @@ class _Robot:
         state = diagnose(Posture(self.recipe, self.run.params[i]), self.run.gravity_body[i])
         turn = to_world(self.run.gravity_body[i], float(self.run.heading[i]))
         tips = bool(self.run.tips[i])
-        centres = state.centres @ turn.T
-        self.body.set_segments([np.array([np.zeros(3), centre]) for centre in centres])
+        shape = shape_of(self.recipe, self.run.params[i])
+        outlines = [np.concatenate([face, face[:1]]) for face in shape.faces]
+        self.body.set_segments([part @ turn.T for part in (*shape.bones, *shape.belts, *outlines)])
         self.wheels.set_segments(
             [rim @ turn.T for i in range(len(state.kind)) for rim in rims(state, i)]
         )

@@ -11,14 +11,19 @@ from typing import Any
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
+from matplotlib.transforms import BboxBase
 from mpl_toolkits.mplot3d import proj3d
 from numpy.typing import ArrayLike, NDArray
+
+from lutgen.plot.legend import add_legend
 
 Floats = NDArray[np.float64]
 
 # Space beside the box and between the parts of a figure, inches.
 MARGIN = 0.06
 ROUNDS = 3
+# Points between the numbers of an axis and its name, at most.
+FURTHEST = 45.0
 # Larger than the figure, because axes cut off what is drawn outside of them.
 WIDE = (-0.5, -0.5, 2.0, 2.0)
 
@@ -46,11 +51,32 @@ def enlarge(figure: Figure, axes: Any, aspect: ArrayLike, room: Floats) -> tuple
     for _ in range(ROUNDS):
         axes.set_box_aspect(aspect, zoom=zoom)
         figure.draw_without_rendering()
+        _clear_labels(figure, axes)
         corner, far = extent(figure, axes)
         zoom *= float((room / (far - corner)).min())
     axes.set_box_aspect(aspect, zoom=zoom)
     figure.draw_without_rendering()
     return extent(figure, axes)
+
+
+def _clear_labels(figure: Figure, axes: Any) -> None:
+    """Move the names of the axes away from the numbers that they cover."""
+    canvas: Any = figure.canvas
+    renderer = canvas.get_renderer()
+    every = (axes.xaxis, axes.yaxis, axes.zaxis)
+    for axis in every:
+        while axis.labelpad < FURTHEST:
+            name = axis.label.get_window_extent(renderer)
+            # As they were drawn; asked for in any other way they are where flat axes have them.
+            ticks = [tick.label1 for one in every for tick in one.majorTicks]
+            others = [other.label for other in every if other is not axis]
+            boxes = [
+                text.get_window_extent(renderer) for text in (*ticks, *others) if text.get_text()
+            ]
+            if not any(name.overlaps(box) for box in boxes):
+                break
+            axis.labelpad += 1.0
+            figure.draw_without_rendering()
 
 
 def fit_box(
@@ -62,7 +88,7 @@ def fit_box(
     that the box does not need.
     """
     title = figure.suptitle(heading, x=MARGIN / figure.get_figwidth(), ha="left", va="top")
-    legend = figure.legend(handles=handles, loc="lower center", ncols=2, columnspacing=1.0)
+    legend = add_legend(figure, handles, place="lower center", columnspacing=1.0)
     width, height = figure.get_size_inches()
     over = title.get_window_extent().height / figure.dpi + 2.0 * MARGIN
     under = legend.get_window_extent().height / figure.dpi + MARGIN if handles else MARGIN
@@ -85,6 +111,17 @@ def place(axes: Any, points: Floats) -> tuple[Floats, Floats]:
     x, y, _ = proj3d.proj_transform(*points.T, axes.get_proj())
     flat = np.column_stack([x, y])
     return flat, np.asarray(axes.transData.transform(flat))
+
+
+def label_boxes(axes: Any) -> list[BboxBase]:
+    """Return where the names and the numbers of the three axes stand, display coordinates."""
+    renderer = axes.get_figure(root=True).canvas.get_renderer()
+    texts = [
+        text
+        for axis in (axes.xaxis, axes.yaxis, axes.zaxis)
+        for text in (axis.label, *(tick.label1 for tick in axis.majorTicks))
+    ]
+    return [text.get_window_extent(renderer) for text in texts if text.get_text()]
 
 
 def extent(figure: Figure, axes: Any) -> tuple[Floats, Floats]:

@@ -1,5 +1,6 @@
 """Curve: a channel and the height |OC| over one parameter at one gravity direction."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -9,17 +10,23 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from lutgen.plot.labels import channel_label, name_axes, optimum_text, title
+from lutgen.plot.labels import NOTE, channel_label, name_axes, optimum_text, title
+from lutgen.plot.legend import add_legend
 from lutgen.plot.levels import crossings, jumps
 from lutgen.plot.marks import CENTRED, HATCHED, PLATE, TIPS, mark_optimum, tip_patch, write_beside
-from lutgen.plot.style import BLUE, ORANGE, new_figure
-from lutgen.plot.view import View, optimum
+from lutgen.plot.palette import BLUE, GREY
+from lutgen.plot.style import head, new_figure
+from lutgen.plot.view import View, is_sealed, optimum
+from lutgen.plot.words import folded
 from lutgen.quantities import QUANTITIES
+from lutgen.recipe import Recipe, robot_size_of
 
 Floats = NDArray[np.float64]
 
 SIZE = (3.5, 2.7)
 SAMPLES = 401
+# Parts of the size (or of 1 deg) that rounding may leave of nothing.
+ROUNDING = 1e-9
 # A hatched interval narrower than this share of the axis has no room for its label.
 NARROW = 0.2
 
@@ -31,12 +38,12 @@ def draw_curve(view: View) -> Figure:
     exact = _exact(view, values)
     figure = new_figure(SIZE)
     axes = figure.add_subplot()
-    axes.set_title(title(view, gravity=True))
+    head(figure, title(view, gravity=True))
     name_axes(axes, view, shown)
     lines = [_line(axes, view, view.channel, shown, exact, color=BLUE)]
     if view.channel != "height":
         twin = axes.twinx()
-        dashed = {"color": ORANGE, "linestyle": (0, (4, 1.5))}
+        dashed = {"color": GREY, "linestyle": (0, (4, 1.5))}
         lines.append(_line(twin, view, "height", shown, exact, **dashed))
         # The twin is drawn last; lift the first axes, whose notes belong on top.
         axes.set_zorder(twin.get_zorder() + 1)
@@ -44,18 +51,19 @@ def draw_curve(view: View) -> Figure:
     handles: list[Artist] = [*lines, *_nodes(axes, view)]
     if shade_intervals(axes, shown, exact["tip_angle"]):
         handles.append(tip_patch())
-    figure.legend(
-        handles=handles, loc="outside lower center", ncols=len(handles), columnspacing=1.2
-    )
+    add_legend(figure, handles, columns=len(handles))
     best = _best(view, exact)
     if best is not None:
         at = float(shown[best])
-        value = float(QUANTITIES[view.channel].shown(exact[view.channel][best]))
-        text = optimum_text(view, value, lines[0].get_ydata(), at, "\n")
+        drawn = np.asarray(lines[0].get_ydata(), dtype=np.float64)
+        value = float(drawn[best])
+        if math.isnan(value):  # where the line is broken
+            value = float(QUANTITIES[view.channel].shown(exact[view.channel][best]))
+        text = folded(optimum_text(view, value, drawn, at, "\n"), NOTE)
         figure.draw_without_rendering()
         paths = [line.get_transform().transform(line.get_xydata()) for line in lines]
         mark_optimum(axes, at, value, text)
-        write_beside(axes, at, value, text, paths)
+        write_beside(axes, (at, value), text, paths)
     return figure
 
 
@@ -86,6 +94,7 @@ def _line(
     """Draw one channel on its own axis, broken where it jumps to another facet."""
     values = np.array(QUANTITIES[channel].shown(exact[channel]))
     known = np.isfinite(values)
+    values[known] = without_noise(view.recipe, values[known])
     if known.any():
         low, high = values[known].min(), values[known].max()
         room = 0.08 * (high - low if high > low else max(abs(high), 1e-6))
@@ -97,6 +106,15 @@ def _line(
     axes.tick_params(axis="y", colors=look["color"])
     (line,) = axes.plot(shown, values, label=QUANTITIES[channel].symbol, **look)
     return line
+
+
+def without_noise(recipe: Recipe, values: Floats) -> Floats:
+    """Return values (display unit) that are 0 or alike but for rounding as 0, or as one value."""
+    noise = ROUNDING * (1.0 if is_sealed(recipe) else max(robot_size_of(recipe), 1.0))
+    if len(values) == 0:
+        return values
+    values = np.where(np.abs(values) < noise, 0.0, values)
+    return np.full_like(values, values.mean()) if np.ptp(values) < noise else values
 
 
 def _nodes(axes: Axes, view: View) -> list[Line2D]:

@@ -4,7 +4,6 @@ Owns every text that depends on the robot; angles become degrees here.
 """
 
 import math
-import re
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from numpy.typing import ArrayLike
 from lutgen.analysis import FOUR, rounded_down
 from lutgen.parts import Parameter
 from lutgen.plot.view import View
+from lutgen.plot.words import folded, printed
 from lutgen.quantities import QUANTITIES
 from lutgen.recipe import Recipe
 
@@ -23,8 +23,8 @@ GREEK = (
 )
 # Headings in deg, from 0 up.
 HEADINGS = {round(math.degrees(heading)) % 360: name for name, heading in FOUR.items()}
-# Characters on a line of a figure one column wide.
-COLUMN = 52
+# Characters on a line of a figure one column wide, along a short axis, and of a note.
+COLUMN, SLANTED, NOTE = 52, 22, 34
 DEGREE = "\N{DEGREE SIGN}"
 MINUS = "\N{MINUS SIGN}"
 DIMENSIONLESS = "\N{EN DASH}"
@@ -37,9 +37,9 @@ def parameter_text(parameter: Parameter) -> str:
     return parameter.name.replace("_", " ")
 
 
-def axis_label(parameter: Parameter) -> str:
-    """Return the label of a parameter's axis, with its unit."""
-    return unit_label(parameter_text(parameter), parameter.display_unit)
+def axis_label(parameter: Parameter, longest: int = SLANTED) -> str:
+    """Return the label of a parameter's axis, with its unit, in lines of so many characters."""
+    return folded(unit_label(parameter_text(parameter), parameter.display_unit), longest)
 
 
 def name_axes(axes: Any, view: View, *shown: ArrayLike) -> None:
@@ -47,13 +47,17 @@ def name_axes(axes: Any, view: View, *shown: ArrayLike) -> None:
     for place, (letter, values) in enumerate(zip("xy", shown, strict=False)):
         parameter = view.parameter(place)
         low, high = np.asarray(values)[[0, -1]]
-        axes.set(**{f"{letter}label": axis_label(parameter), f"{letter}lim": (low, high)})
-        if parameter.display_unit == "deg" and high - low > 100.0:
-            # Degrees that divide a turn.
-            locator = MaxNLocator(7, steps=[1, 1.5, 3, 4.5, 6, 9, 10])
-            if view.kind == "surface":
-                # The lowest labels of two axes would meet in the corner of the box.
-                locator.set_params(prune="lower")
+        # The side of a picture is shorter than its foot, and that of a box in perspective, too.
+        short = letter == "y" or view.kind == "surface"
+        words = axis_label(parameter, SLANTED if short else COLUMN - 16)
+        axes.set(**{f"{letter}label": words, f"{letter}lim": (low, high)})
+        # Degrees that divide a turn, where there are many.
+        turns = parameter.display_unit == "deg" and high - low > 100.0
+        box = view.kind == "surface"
+        if turns or box:
+            steps = [1, 1.5, 3, 4.5, 6, 9, 10] if turns else [1, 2, 2.5, 5, 10]
+            # The last labels of two axes would meet in a corner of the box.
+            locator = MaxNLocator(7 if turns else 5, steps=steps, prune="both" if box else None)
             getattr(axes, f"{letter}axis").set_major_locator(locator)
 
 
@@ -140,18 +144,26 @@ def _joined(text: str, unit: str) -> str:
     return text if unit == "1" else f"{text} {unit}"
 
 
+def attitude(tilt: float, heading: float) -> str:
+    """Return in words how the body is tilted (rad)."""
+    degrees = math.degrees(tilt)
+    if degrees < 0.05:
+        return "body level"
+    return f"tilted {angle_text(degrees)}, {heading_text(math.degrees(heading))}"
+
+
 def gravity_text(view: View) -> str:
     """Return where gravity points, as tilt and heading; a plane's tilt is that of the ground."""
     x, y, z = view.gravity_dir
     tilt = math.degrees(math.atan2(math.hypot(x, y), -z))
     words = f"{angle_text(tilt)}, {heading_text(math.degrees(math.atan2(y, x)))}"
     if view.convention == "plane" and view.kind != "robot":
-        return "on a level plane" if tilt < 0.005 else f"on a plane of {words}"
+        return "on level ground" if tilt < 0.005 else f"on ground that slopes {words}"
     if tilt < 0.005:
-        return "level ground"
+        return "body level"
     if tilt > 179.995:
-        return "upside down"
-    return f"tilted {words}"
+        return "body upside down"
+    return f"body tilted {words}"
 
 
 def title(view: View, *, gravity: bool, more: str = "") -> str:
@@ -165,9 +177,8 @@ def title(view: View, *, gravity: bool, more: str = "") -> str:
     lines = [view.recipe.name]
     for i, part in enumerate(parts):
         longer = f"{lines[-1]}{', ' if i else ': '}{part}"
-        # A Greek letter prints as one character.
-        if len(re.sub(r"\$.*?\$", "x", longer)) > COLUMN:
+        if printed(longer) > COLUMN:
             lines.append(part)
         else:
             lines[-1] = longer
-    return "\n".join(lines)
+    return "\n".join(folded(line, COLUMN) for line in lines)

@@ -6,13 +6,14 @@ Works on arrays in display units; it knows nothing of robots.
 from typing import Any
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.contour import QuadContourSet
 from matplotlib.ticker import MaxNLocator
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from lutgen.plot.style import MAP
+from lutgen.plot.palette import MAP, ON_COLOURS
 
 Floats = NDArray[np.float64]
 
@@ -42,9 +43,27 @@ def fill(axes: Any, x: Floats, y: Floats, values: Floats, steps: Floats, **look:
 def outline(
     axes: Axes, x: Floats, y: Floats, values: Floats, steps: Floats, **look: Any
 ) -> QuadContourSet:
-    """Draw the lines of levels in white; they end at cliffs."""
+    """Draw the lines of levels, white or black as the colour needs; they end at cliffs."""
     clear = _apart(_extend(values, steps), steps[1] - steps[0])
-    return axes.contour(x, y, clear, levels=steps[1:-1], colors=["white"], **look)
+    lines = axes.contour(x, y, clear, levels=steps[1:-1], colors=inks(steps), **look)
+    lines.set_gid(ON_COLOURS)
+    return lines
+
+
+def inks(steps: Floats) -> list[str]:
+    """Return for each level but the ends in which colour it is read best on the fill around it.
+
+    White or black, whichever contrasts more (WCAG 2.2) with the paler or darker of the two fills
+    that meet there; on viridis at least 4.0, where the two are alike.
+    """
+    fills = colormaps[MAP](np.linspace(0.0, 1.0, len(steps) - 1))[:, :3]
+    linear = np.where(fills <= 0.04045, fills / 12.92, ((fills + 0.055) / 1.055) ** 2.4)
+    bright = linear @ [0.2126, 0.7152, 0.0722]
+    dark, pale = np.minimum(bright[:-1], bright[1:]), np.maximum(bright[:-1], bright[1:])
+    return [
+        "white" if 1.05 / (p + 0.05) > (d + 0.05) / 0.05 else "black"
+        for d, p in zip(dark, pale, strict=True)
+    ]
 
 
 def jumps(values: Floats, axis: int = 0) -> NDArray[np.bool_]:
@@ -109,7 +128,8 @@ def label_lines(axes: Axes, lines: QuadContourSet) -> None:
         taken = np.vstack([taken, piece[best]])
         places.append(pieces[longest][best])
     if places:
-        lines.axes.clabel(lines, fontsize=6, inline_spacing=2, manual=places, zorder=5)
+        for text in lines.axes.clabel(lines, fontsize=6, inline_spacing=2, manual=places, zorder=5):
+            text.set_gid(ON_COLOURS)
 
 
 def _extend(values: Floats, steps: Floats) -> Floats:

@@ -14,10 +14,10 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.text import Annotation, Text
-from matplotlib.transforms import Bbox
+from matplotlib.transforms import Bbox, BboxBase
 from numpy.typing import NDArray
 
-from lutgen.plot.style import GREY, HATCH, ORANGE, WASH
+from lutgen.plot.palette import GREY, HATCH, ORANGE, WASH
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -29,7 +29,7 @@ HATCHED: dict[str, Any] = {"facecolor": WASH, "edgecolor": GREY, "hatch": HATCH}
 TIPPED: dict[str, Any] = {"levels": [-4.0, 0.0], "colors": [WASH], "hatches": [HATCH]}
 # Places for a note around its point, in points, the best first.
 AROUND = ((7, 6), (-7, 6), (7, -6), (-7, -6), (0, 9), (0, -9), (9, 0), (-9, 0))
-FAR = tuple((times * x, times * y) for times in (2.5, 5) for x, y in AROUND)
+FAR = tuple((times * x, times * y) for times in (2.5, 5, 8) for x, y in AROUND)
 STAR: dict[str, Any] = {
     "linestyle": "none",
     "marker": "*",
@@ -38,6 +38,8 @@ STAR: dict[str, Any] = {
     "markeredgecolor": "black",
     "markeredgewidth": 0.7,
 }
+# What it costs to hide a point of a text, in points of lines.
+WORSE = 1000.0
 # Clear space around a note, in dots.
 CLEAR = 5.0
 # The line where sliding begins.
@@ -121,19 +123,26 @@ def mark_sliding(
     if ((grip >= 0.0) & (tip_angle >= 0.0)).any():
         look: dict[str, Any] = {"colors": [ORANGE], "linewidths": 1.0, "linestyles": [SLIDE_DASHES]}
         axes.contour(*mesh, grip, levels=[0.0], zorder=2.5, **look)
-    return [Line2D([], [], color=ORANGE, linestyle=SLIDE_DASHES, label=label)]
+    look = {"edgecolor": ORANGE, "hatchcolor": ORANGE, "linestyle": SLIDE_DASHES, "hatch": "..."}
+    return [Patch(facecolor="none", linewidth=1.0, label=label, **look)]
 
 
 def write_beside(
-    axes: Axes, x: float, y: float, text: str, obstacles: Sequence[Floats] = ()
-) -> None:
+    axes: Axes,
+    place: tuple[float, float],
+    text: str,
+    obstacles: Sequence[Floats] = (),
+    words: Sequence[Floats] | None = None,
+) -> Floats:
     """Write a note beside a point, where it stays inside the axes and covers least.
 
-    `obstacles` are (k, 2) arrays of points in display coordinates, such as those of lines.
+    `obstacles` are (k, 2) arrays of points in display coordinates, such as those of lines; returns
+    the same of the note, for the next one.  With `words`, other texts, it is left out where it
+    would cover one of them, or leave the axes: then there is no room for it.
     """
     note = axes.annotate(
         text,
-        (x, y),
+        place,
         xytext=AROUND[0],
         textcoords="offset points",
         bbox=PLATE,
@@ -153,9 +162,21 @@ def write_beside(
         # Of the text alone: the leader to the point does not count.
         box = Text.get_window_extent(note).padded(CLEAR)
         outside = np.maximum(np.array([window.min, box.max]) - [box.min, window.max], 0.0).sum()
-        return float(1000.0 * outside + sum(map(box.count_contains, obstacles)))
+        hidden = outside + sum(map(box.count_contains, words or ()))
+        return float(WORSE * hidden + sum(map(box.count_contains, obstacles)))
 
-    _move(note, min((*AROUND, *FAR), key=cost))
+    best = min((*AROUND, *FAR), key=cost)
+    if words is not None and cost(best) >= WORSE:
+        note.remove()
+        return np.empty((0, 2))
+    _move(note, best)
+    return covered(Text.get_window_extent(note).padded(CLEAR))
+
+
+def covered(box: BboxBase) -> Floats:
+    """Return points (k, 2) all over a box in display coordinates, for `write_beside`."""
+    across, up = np.meshgrid(np.linspace(box.x0, box.x1, 25), np.linspace(box.y0, box.y1, 9))
+    return np.column_stack([across.ravel(), up.ravel()])
 
 
 def _move(note: Annotation, offset: tuple[float, float]) -> None:

@@ -13,9 +13,11 @@ from numpy.typing import NDArray
 from lutgen.analysis import Metrics, Posture, compare_metrics, tilted
 from lutgen.plot.curve import shade_intervals
 from lutgen.plot.labels import HEADINGS, MINUS, angle_text, title, with_unit
+from lutgen.plot.legend import add_legend
 from lutgen.plot.levels import crossings, jumps
 from lutgen.plot.marks import tip_patch
-from lutgen.plot.style import BLUE, GREEN, ORANGE, PURPLE, SKY, new_figure
+from lutgen.plot.palette import BLUE, GREEN, GREY, PURPLE, SKY
+from lutgen.plot.style import head, new_figure
 from lutgen.plot.view import View
 
 SIZE = (3.5, 3.3)
@@ -36,7 +38,7 @@ LOOKS: dict[str, tuple[str, Any]] = {
     "margin": (GREEN, (0, (6, 1.5))),
     "energy_margin": (SKY, (0, (3, 1.5))),
     "force_angle": (PURPLE, (0, (1, 1))),
-    "sdg": (ORANGE, (0, (6, 1.5, 1, 1.5))),
+    "sdg": (GREY, (0, (6, 1.5, 1, 1.5))),
 }
 
 
@@ -48,12 +50,12 @@ def draw_metrics(view: View) -> Figure:
     figure = new_figure(SIZE)
     axes = figure.add_subplot()
     tilt = f"tilted {angle_text(math.degrees(view.tilt))} in every heading"
-    axes.set_title(title(view, gravity=False, more=tilt))
+    head(figure, title(view, gravity=False, more=tilt))
     axes.set_xlim(0.0, 360.0)
     # In two lines.
     short = [name.replace(" side", "").replace(" ", "\n") for name in HEADINGS.values()]
     axes.set_xticks([*HEADINGS, 360], [*short, short[0]])
-    axes.set(xlabel="heading of the tilt", ylabel="metric / its value on level ground")
+    axes.set(xlabel="heading of the tilt", ylabel="metric, scaled as below")
     axes.axhline(0.0, color="black", linewidth=0.8, zorder=1.5)
     lines = [_line(axes, view, name, heading, found) for name in LOOKS]
     axes.set_ylim(bottom=max(axes.get_ylim()[0], LOWEST))
@@ -63,7 +65,7 @@ def draw_metrics(view: View) -> Figure:
         handles.append(Line2D([], [], label="changes sign", **DOT))
     if shade_intervals(axes, heading, found.values["tip_angle"]):
         handles.append(tip_patch("tips over (the verdict)"))
-    figure.legend(handles=handles, loc="outside lower center", ncols=2, columnspacing=1.2)
+    add_legend(figure, handles)
     return figure
 
 

@@ -15,22 +15,22 @@ from numpy.typing import NDArray
 
 from lutgen.plot.box import box_axes, enlarge, set_limits
 from lutgen.plot.labels import parameter_text, unit_label
+from lutgen.plot.legend import add_legend
 from lutgen.plot.marks import HATCHED, TIPS, tip_patch
-from lutgen.plot.style import BLUE, GREEN, GREY, ORANGE, in_house_style, new_figure
+from lutgen.plot.palette import BLUE, GREEN, GREY, PURPLE, RED
+from lutgen.plot.style import in_house_style, new_figure
 from lutgen.recipe import Recipe
 from lutgen.search import Drive
 
 Floats = NDArray[np.float64]
 
-# Tip-over is red, as in the paper; the line is also thicker, for those who do not see red.
-RED = "#C8102E"
 STANDING: dict[str, Any] = {"color": "black", "linewidth": 0.9}
 TIPPING: dict[str, Any] = {"color": RED, "linewidth": 2.6}
 CURTAIN = "#e4e4e4"
 LOOKS: tuple[dict[str, Any], ...] = (
     {"color": BLUE, "linestyle": "-"},
     {"color": GREEN, "linestyle": (0, (4, 1.5))},
-    {"color": ORANGE, "linestyle": (0, (4, 1.2, 1, 1.2))},
+    {"color": PURPLE, "linestyle": (0, (4, 1.2, 1, 1.2))},
     {"color": GREY, "linestyle": (0, (2.5, 1))},
 )
 # Inches: a column of a journal, the picture in perspective, and one of the strips below it.
@@ -89,7 +89,7 @@ def draw_path(recipe: Recipe, runs: Mapping[str, Drive]) -> Figure:
     strips[-1].tick_params(labelbottom=True)
     stands, tips = Line2D([], [], label="stands", **STANDING), Line2D([], [], label=TIPS, **TIPPING)
     handles: list[Artist] = [stands, tips, tip_patch("tip-over angle < 0")]
-    figure.legend(handles=handles, loc="lower center", ncols=3, columnspacing=1.4)
+    add_legend(figure, handles, columns=3, place="lower center", columnspacing=1.4)
     return figure
 
 

@@ -1,5 +1,6 @@
 """Contour and surface: a channel over two parameters at one gravity direction."""
 
+import math
 from dataclasses import dataclass
 from typing import Any, cast
 
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from lutgen.plot.box import box_axes, fit_box
 from lutgen.plot.labels import channel_label, name_axes, optimum_text, slide_label, title
+from lutgen.plot.legend import add_legend
 from lutgen.plot.levels import fill, jumps, label_lines, levels, outline
 from lutgen.plot.marks import (
     STAR,
@@ -21,7 +23,8 @@ from lutgen.plot.marks import (
     shade_tip_over,
     tip_patch,
 )
-from lutgen.plot.style import MAP, new_figure
+from lutgen.plot.palette import MAP
+from lutgen.plot.style import head, new_figure
 from lutgen.plot.view import View, optimum
 from lutgen.quantities import QUANTITIES
 
@@ -31,9 +34,11 @@ CONTOUR_SIZE = (3.5, 2.9)
 SURFACE_SIZE = (3.5, 3.6)
 SAMPLES = 101
 # The floor of a surface lies this share of the range below it.
-FLOOR = 0.6
+FLOOR = 0.35
 # Lines of the mesh drawn on a surface, each way.
 MESH = 12
+# Numbers beside a surface.
+MOST_STEPS = 6
 
 
 @dataclass(frozen=True)
@@ -61,7 +66,7 @@ def draw_contour(view: View) -> Figure:
     plane = _plane(view)
     figure = new_figure(CONTOUR_SIZE)
     axes = figure.add_subplot()
-    axes.set_title(title(view, gravity=True))
+    head(figure, title(view, gravity=True))
     name_axes(axes, view, plane.x[0], plane.y[:, 0])
     handles: list[Artist] = []
     if plane.best is not None:
@@ -79,7 +84,7 @@ def draw_contour(view: View) -> Figure:
     if tips and not label_tip_over(axes, *fine, tip_angle, cells=SAMPLES // 8):
         handles.append(tip_patch())
     if handles:
-        figure.legend(handles=handles, loc="outside lower center", ncols=2, columnspacing=1.2)
+        add_legend(figure, handles)
     return figure
 
 
@@ -94,7 +99,7 @@ def draw_surface(view: View) -> Figure:
     if plane.best is not None:
         steps = levels(plane.values)
         axes.set_zlim(steps[0] - FLOOR * (steps[-1] - steps[0]), steps[-1])
-        axes.set_zticks(steps[:: 1 if len(steps) < 9 else 2])
+        axes.set_zticks(steps[:: max(1, math.ceil(len(steps) / MOST_STEPS))])
         _raise_surface(axes, plane, steps)
         handles.append(_raise_optimum(axes, *plane.best))
     if (plane.tip_angle < 0.0).any():
@@ -143,5 +148,8 @@ def _plane(view: View) -> Plane:
     best, at = None, optimum(view.channel, values)
     if at is not None:
         place, value = (float(x.flat[at]), float(y.flat[at])), float(values.flat[at])
-        best = (*place, value, optimum_text(view, value, values, place))
+        words = optimum_text(view, value, values, place)
+        # The best of a map's nodes, which the robot's own optimum may lie between.
+        words += " (of the map's nodes)" if view.stability_map is not None else ""
+        best = (*place, value, words)
     return Plane(x, y, values, fine_x, fine_y, tip_angle, grip, best)

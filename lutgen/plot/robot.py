@@ -1,6 +1,7 @@
 """Robot: the body in 3-D with its support, its tip-over axes and the gravity ray."""
 
 import math
+from itertools import pairwise
 from typing import Any, cast
 
 import numpy as np
@@ -14,11 +15,14 @@ from numpy.typing import NDArray
 
 from lutgen.analysis import Diagnosis, Facet, Posture, diagnose
 from lutgen.parts import KINDS
-from lutgen.plot.box import box_axes, fit_box, place, set_limits
+from lutgen.plot.box import box_axes, fit_box, label_boxes, place, set_limits
 from lutgen.plot.labels import angle_text, title, unit_label, with_unit
-from lutgen.plot.marks import write_beside
-from lutgen.plot.style import BLUE, GREEN, GREY, ORANGE, PURPLE, new_figure
+from lutgen.plot.marks import covered, write_beside
+from lutgen.plot.palette import BLUE, GREEN, GREY, PURPLE, RED
+from lutgen.plot.shape import circle, shape_of
+from lutgen.plot.style import new_figure
 from lutgen.plot.view import View
+from lutgen.plot.words import folded
 from lutgen.quantities import QUANTITIES
 
 Floats = NDArray[np.float64]
@@ -27,10 +31,14 @@ SIZE = (3.5, 4.2)
 # Contacts are named on the picture up to this many; more names would cover it.
 NAMED = 6
 ELEVATION, AZIMUTH = 20.0, -62.0
-CORNERS = 49
+# Letters of a line of a name on the picture.
+SHORT = 16
 # Letters of two contacts' names that fit on one line of the legend.
 LONG_NAMES = 26
-LINK: dict[str, Any] = {"color": "#a0a0a0", "linewidth": 0.8, "zorder": 2}
+LINK: dict[str, Any] = {"color": "#808080", "linewidth": 1.4, "zorder": 2}
+LEVER: dict[str, Any] = {"color": "#a0a0a0", "linewidth": 0.8, "zorder": 2}
+# Bodies are sketched, so they are faint.
+BODY, WHEEL = (0.3, 0.3, 0.3, 0.07), (0.3, 0.3, 0.3, 0.12)
 
 
 def draw_robot(view: View) -> Figure:
@@ -39,7 +47,7 @@ def draw_robot(view: View) -> Figure:
     figure = new_figure(SIZE)
     axes = box_axes(figure, ELEVATION, AZIMUTH)
     heading = title(view, gravity=True, more=_verdict(state))
-    handles = [*_body(axes, state), *_load(axes, view, state)]
+    handles = [*_body(axes, view, state), *_load(axes, view, state)]
     handles += [*_support(axes, view, state), *_edges(axes, state)]
     sides = _frame(axes, view, state)
     fit_box(figure, axes, sides, heading, handles)
@@ -61,24 +69,22 @@ def _verdict(state: Diagnosis) -> str:
 
 def _name_contacts(axes: Any, view: View, state: Diagnosis) -> None:
     """Write the contacts' names beside them, clear of the lines."""
-    ends = [(np.zeros(3), centre) for centre in state.centres]
+    ends = [(bone[0], bone[1]) for bone in shape_of(view.recipe, view.params).bones]
     ends += [(axis.start, axis.stop) for axis in state.tip_over_axes]
     if state.facet is not None:
         ends.append((np.zeros(3), state.pierced))
+        # The polygon, too, is not to be covered: lines from its centre to its edges.
+        corners = state.facet.points
+        edges = np.concatenate([np.linspace(p, q, 9) for p, q in pairwise([*corners, corners[0]])])
+        ends += [(state.facet.centroid, edge) for edge in edges]
     part = np.linspace(0.0, 1.0, 41)[:, None]
     lines = [place(axes, start + part * (stop - start))[1] for start, stop in ends]
+    lines += [place(axes, rim)[1] for i in range(len(state.kind)) for rim in rims(state, i)]
+    words = [covered(box) for box in label_boxes(axes)]
     for name, centre in zip(view.recipe.contact_names, state.centres, strict=True):
         x, y = place(axes, centre[None, :])[0][0]
-        write_beside(axes, float(x), float(y), name.replace("_", " "), lines)
-
-
-def circle(centre: Floats, normal: Floats, radius: float) -> Floats:
-    """Return (49, 3) points of a circle around a unit axis, the first and last the same."""
-    across = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
-    across /= np.linalg.norm(across)
-    turn = np.linspace(0.0, 2.0 * math.pi, CORNERS)[:, None]
-    rim = np.cos(turn) * across + np.sin(turn) * np.cross(normal, across)
-    return np.asarray(centre + radius * rim)
+        text = folded(name.replace("_", " "), SHORT)
+        words.append(write_beside(axes, (float(x), float(y)), text, lines, words))
 
 
 def rims(state: Diagnosis, index: int) -> list[Floats]:
@@ -88,16 +94,22 @@ def rims(state: Diagnosis, index: int) -> list[Floats]:
     return [circle(centre, normal, radius) for normal in normals[KINDS[state.kind[index]]]]
 
 
-def _body(axes: Any, state: Diagnosis) -> list[Artist]:
-    """Draw the contacts and their links to the com."""
+def _body(axes: Any, view: View, state: Diagnosis) -> list[Artist]:
+    """Draw the body and the contacts."""
+    shape = shape_of(view.recipe, view.params)
+    for bone in shape.bones:
+        _line(axes, *bone, **LINK)
+    if shape.faces:
+        axes.add_collection3d(Poly3DCollection(shape.faces, facecolor=BODY, edgecolor="none"))
+    for belt in shape.belts:
+        axes.add_collection3d(Poly3DCollection([belt], facecolor=WHEEL, edgecolor="none"))
+        axes.plot(*belt.T, color=GREY, linewidth=0.8, zorder=3)
     for i, centre in enumerate(state.centres):
-        _line(axes, np.zeros(3), centre, **LINK)
         found = rims(state, i)
         if not found:
             axes.plot(*centre[:, None], "o", color=GREY, markersize=3.5, zorder=6)
         elif KINDS[state.kind[i]] == "disc":
-            wheel = Poly3DCollection(found, facecolor=(0.3, 0.3, 0.3, 0.12), edgecolor="none")
-            axes.add_collection3d(wheel)
+            axes.add_collection3d(Poly3DCollection(found, facecolor=WHEEL, edgecolor="none"))
             axes.plot(*found[0].T, color=GREY, linewidth=0.8, zorder=3)
         else:
             axes.add_collection3d(Line3DCollection(found, colors=GREY, linewidths=0.6, zorder=3))
@@ -121,7 +133,7 @@ def _load(axes: Any, view: View, state: Diagnosis) -> list[Artist]:
         handles.append(Line2D([], [], color="black", linewidth=0.5, label=words))
     acting = state.forces.any(axis=1)
     for start, force in zip(state.force_points[acting], state.forces[acting], strict=True):
-        _line(axes, np.zeros(3), start, **LINK)
+        _line(axes, np.zeros(3), start, **LEVER)
         tip = _size(state) * force
         axes.quiver(*start, *tip, color=PURPLE, linewidth=1.6, arrow_length_ratio=0.25, zorder=9)
     if acting.any():
@@ -177,7 +189,7 @@ def _edges(axes: Any, state: Diagnosis) -> list[Artist]:
         ends = list(dict.fromkeys(name.replace("_", " ") for name in axis.names))
         # Two long names take a line each.
         between = (" to " if len("".join(ends)) <= LONG_NAMES else " to\n").join(ends)
-        look: dict[str, Any] = {"color": ORANGE, "linewidth": 2.0, "zorder": 5}
+        look: dict[str, Any] = {"color": RED, "linewidth": 2.0, "zorder": 5}
         words = f"least stable, {angle}:\n{between}"
         handles.append(_line(axes, axis.start, axis.stop, label=words, **look))
     return handles
@@ -187,6 +199,7 @@ def _frame(axes: Any, view: View, state: Diagnosis) -> Floats:
     """Name the axes, give them room for everything drawn, and return their lengths, (3,)."""
     reach = state.radius[:, None]
     drawn = [np.zeros((1, 3)), state.centres - reach, state.centres + reach]
+    drawn += [part for parts in shape_of(view.recipe, view.params) for part in parts]
     if state.facet is not None:
         drawn.append(state.facet.points)
     if _is_near(state):

@@ -19,7 +19,16 @@ from numpy.typing import NDArray
 
 from lutgen.analysis import tilted
 from lutgen.errors import InputError
-from lutgen.plot.labels import HEADINGS, channel_label, optimum_text, slide_label, title, with_unit
+from lutgen.plot.labels import (
+    HEADINGS,
+    attitude,
+    channel_label,
+    optimum_text,
+    slide_label,
+    title,
+    with_unit,
+)
+from lutgen.plot.legend import add_legend
 from lutgen.plot.levels import fill, levels, outline
 from lutgen.plot.marks import (
     CENTRED,
@@ -31,7 +40,8 @@ from lutgen.plot.marks import (
     shade_tip_over,
     tip_patch,
 )
-from lutgen.plot.style import GREY, MAP, new_figure
+from lutgen.plot.palette import GREY, MAP, ON_COLOURS
+from lutgen.plot.style import head, new_figure
 from lutgen.plot.view import View, optimum
 from lutgen.quantities import QUANTITIES
 
@@ -73,10 +83,12 @@ def draw_sphere(view: View) -> Figure:
     half = math.pi / 2.0
     spans = [(0.0, half), (math.pi, half)] if whole else [(0.0, chart.max_tilt)]
     discs = [_disc(view, *span) for span in spans]
+    # A disc that is hatched all over says no more than the share of directions that tip.
+    discs = [disc for disc in discs if (disc.tip_angle >= 0.0).any()] or discs[:1]
     stack = np.stack([disc.values for disc in discs])
     best = optimum(view.channel, stack)
-    figure = new_figure(SPHERE_SIZE if whole else CONE_SIZE)
-    figure.suptitle(title(view, gravity=False), x=0.01, ha="left")
+    figure = new_figure(SPHERE_SIZE if len(discs) > 1 else CONE_SIZE)
+    head(figure, title(view, gravity=False))
     panels = figure.subplots(1, len(discs), squeeze=False)[0]
     handles: list[Artist] = []
     if best is not None:
@@ -92,7 +104,11 @@ def draw_sphere(view: View) -> Figure:
         x, y, value = (
             float(part[*node]) for part in (discs[number].x, discs[number].y, stack[number])
         )
-        handles.append(mark_optimum(panels[number], x, y, optimum_text(view, value, stack)))
+        tilt = discs[number].inner + (discs[number].outer - discs[number].inner) * node[0] / (
+            TILTS - 1
+        )
+        words = f"{optimum_text(view, value, stack)},\n{attitude(tilt, math.atan2(-x, y))}"
+        handles.append(mark_optimum(panels[number], x, y, words))
     slides: list[Artist] = []
     tips = rocks = False
     for panel, disc in zip(panels, discs, strict=True):
@@ -108,7 +124,7 @@ def draw_sphere(view: View) -> Figure:
         share = 100.0 * _share_that_tips(view)
         where = "all directions" if whole else "the chart's directions"
         handles.append(tip_patch(f"tips over ({share:.1f} % of {where})"))
-    figure.legend(handles=handles, loc="outside lower center", ncols=2, columnspacing=1.2)
+    add_legend(figure, handles)
     return figure
 
 
@@ -142,22 +158,29 @@ def _radius(tilt: Any, inner: float, outer: float) -> Any:
     return np.sin(np.abs(tilt - inner) / 2.0) / math.sin(abs(outer - inner) / 2.0)
 
 
+def _name_ring(panel: Axes, ring: float, place: tuple[float, float]) -> None:
+    """Write its tilt (deg) on a circle."""
+    words = with_unit(ring, "deg")
+    panel.text(*place, words, fontsize=6, zorder=6, path_effects=HALO, **CENTRED)
+
+
 def _graticule(panel: Axes, disc: Disc) -> None:
     """Draw circles of equal tilt, four headings, and their names."""
     around = np.linspace(0.0, 2.0 * math.pi, 181)
     low, high = sorted((math.degrees(disc.inner), math.degrees(disc.outer)))
     rings = [ring for ring in np.arange(15.0, 180.0, 15.0) if low + 1e-6 < ring < high - 1e-6]
     style: dict[str, Any] = {"color": "black", "linewidth": 0.35, "alpha": 0.55, "zorder": 5}
+    style["gid"] = ON_COLOURS
     for ring in rings:
         radius = _radius(math.radians(ring), disc.inner, disc.outer)
         panel.plot(radius * np.sin(around), radius * np.cos(around), **style)
         corner = (radius * math.sqrt(0.5), -radius * math.sqrt(0.5))
-        words = with_unit(ring, "deg")
-        panel.text(*corner, words, fontsize=5.5, zorder=6, path_effects=HALO, **CENTRED)
+        _name_ring(panel, ring, corner)
     for heading in (0.0, 45.0, 90.0, 135.0):
         x, y = -math.sin(math.radians(heading)), math.cos(math.radians(heading))
         panel.plot([-x, x], [-y, y], **style)
     panel.plot(np.sin(around), np.cos(around), color="black", linewidth=0.8, zorder=5)
+    _name_ring(panel, math.degrees(disc.outer), (math.sqrt(0.5), -math.sqrt(0.5)))
     for heading, name in HEADINGS.items():
         x, y = -math.sin(math.radians(heading)), math.cos(math.radians(heading))
         turn = 90 * round(-x) if abs(x) > 0.5 else 0

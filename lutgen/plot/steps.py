@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lutgen.errors import InputError
 from lutgen.plot.labels import axis_label, channel_label, measured, parameter_text
+from lutgen.plot.legend import add_legend
 from lutgen.plot.levels import fill, levels
 from lutgen.plot.marks import STAR, shade_tip_over, tip_patch
 from lutgen.plot.style import in_house_style, new_figure
@@ -80,7 +81,7 @@ def draw_steps(recipe: Recipe, found: Optimum, gravity: ArrayLike, steps: Sequen
     handles += [_nodes(axes, recipe, found, *at) for at in enumerate(steps)]
     spread = 2.0 if one else 20.0
     handles += [_best(axes, recipe, found, *at, spread) for at in enumerate(steps)]
-    figure.legend(handles=handles, loc="outside lower center", ncols=1 if one else 2)
+    add_legend(figure, handles, columns=1 if one else 2)
     return figure
 
 

@@ -8,6 +8,7 @@ import functools
 import io
 import os
 from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any, ParamSpec
 
@@ -18,19 +19,17 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from lutgen.errors import InputError
 from lutgen.files import write_bytes
+from lutgen.plot.dark import darken
+from lutgen.plot.fonts import families, said_once
+from lutgen.plot.palette import GREY
+from lutgen.plot.sheet import SLIDE, sheet
 
 P = ParamSpec("P")
 
-# Okabe and Ito's palette, which stays distinct for colour-blind readers.
-BLUE, ORANGE, GREEN, GREY = "#0072B2", "#D55E00", "#009E73", "#595959"
-PURPLE, SKY = "#CC79A7", "#56B4E9"
-WASH = "#f0f0f0"
-HATCH = "/////"
-# Viridis is perceptually even, also for colour-blind readers and in grey.
-MAP = "viridis"
 RESOLUTION = 200
+# Of a line of text, times the size of its letters.
+LINE = 1.25
 SETTINGS: dict[str, Any] = {
-    "font.family": "DejaVu Sans",
     "font.size": 7.5,
     "mathtext.fontset": "dejavusans",
     "axes.labelsize": 7.5,
@@ -56,25 +55,37 @@ SETTINGS: dict[str, Any] = {
     "hatch.color": GREY,
     "pdf.fonttype": 42,
     "svg.hashsalt": "lutgen",
+    # Text that can be searched, read aloud and set in the font of a page.
+    "svg.fonttype": "none",
 }
-# Dates would make two runs differ, and the program's name two versions of matplotlib.
+# The mark of our files (lutgen/files.py).  Dates would make two runs differ, and the program's name
+# two versions of matplotlib.
 METADATA: dict[str, dict[str, Any]] = {
-    ".png": {"Software": None},
-    ".svg": {"Date": None},
-    ".pdf": {"CreationDate": None},
+    ".png": {"Software": "lutgen"},
+    ".svg": {"Date": None, "Creator": "lutgen"},
+    ".pdf": {"CreationDate": None, "Creator": "lutgen", "Producer": "lutgen"},
 }
 
 
-# Applies the settings inside a with block, whatever the user's own are.
-house_style = functools.partial(matplotlib.style.context, ["default", SETTINGS])
+def house_style() -> AbstractContextManager[None]:
+    """Apply the settings inside a with block, whatever the user's own are."""
+    return matplotlib.style.context(["default", {**SETTINGS, "font.family": families()}])
 
 
 def new_figure(size: tuple[float, float]) -> Figure:
     """Return an empty figure, `size` in inches, that lays itself out."""
     layout = ConstrainedLayoutEngine(w_pad=0.03, h_pad=0.03)
-    figure = Figure(figsize=size, layout=layout, dpi=RESOLUTION)
+    figure = Figure(figsize=sheet().size_of(size), layout=layout, dpi=RESOLUTION)
     FigureCanvasAgg(figure)
     return figure
+
+
+def head(figure: Figure, words: str) -> None:
+    """Write a title over a figure, which grows by the lines that it has more than two of."""
+    figure.suptitle(words, x=0.01, ha="left")
+    width, height = figure.get_size_inches()
+    more = max(words.count("\n") - 1, 0)
+    figure.set_size_inches(width, height + more * LINE * SETTINGS["figure.titlesize"] / 72.0)
 
 
 def in_house_style(paint: Callable[P, Figure]) -> Callable[P, Figure]:
@@ -83,10 +94,13 @@ def in_house_style(paint: Callable[P, Figure]) -> Callable[P, Figure]:
     @functools.wraps(paint)
     def painted(*args: P.args, **kwargs: P.kwargs) -> Figure:
         with house_style():
-            figure = paint(*args, **kwargs)
-            # The layout would move a little with every further drawing, and so would two savings.
-            figure.draw_without_rendering()
+            with said_once():
+                figure = paint(*args, **kwargs)
+                # The layout would move a little with every further drawing, and two savings too.
+                figure.draw_without_rendering()
             figure.set_layout_engine("none")
+            if sheet().style == "dark":
+                darken(figure)
             return figure
 
     return painted
@@ -104,14 +118,20 @@ def known_suffix(path: str | os.PathLike[str], kind: str, known: Iterable[str]) 
     return suffix
 
 
-def save(figure: Figure, path: str | os.PathLike[str], dpi: int = RESOLUTION) -> None:
+def save(
+    figure: Figure, path: str | os.PathLike[str], dpi: int = RESOLUTION, force: bool = False
+) -> None:
     """Write a figure as PNG, SVG or PDF, whichever the path ends in.
 
     The same figure gives the same bytes; the file appears under its name only when it is whole.
+    A file that lutgen did not make is replaced with `force` only; InputError is raised otherwise.
     """
     target = Path(path)
     suffix = known_suffix(target, "picture", METADATA)
     picture = io.BytesIO()
-    with house_style():
+    with house_style(), said_once():
+        if sheet().style == "slides":
+            dpi = round(SLIDE * dpi)
         figure.savefig(picture, dpi=dpi, format=suffix[1:], metadata=METADATA[suffix])
-    write_bytes(target, picture.getvalue(), failed="the picture cannot be written")
+    failed = "the picture cannot be written"
+    write_bytes(target, picture.getvalue(), failed=failed, force=force)

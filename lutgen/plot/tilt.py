@@ -27,6 +27,7 @@ from lutgen.analysis import (
     tilted,
 )
 from lutgen.plot.labels import HEADINGS, heading_text, limit_text, slide_label, title, with_unit
+from lutgen.plot.legend import add_legend
 from lutgen.plot.marks import (
     CENTRED,
     HALO,
@@ -36,7 +37,8 @@ from lutgen.plot.marks import (
     shade_rocking,
     tip_patch,
 )
-from lutgen.plot.style import BLUE, GREEN, GREY, ORANGE, PURPLE, in_house_style, new_figure
+from lutgen.plot.palette import BLUE, GREEN, GREY, ORANGE, PURPLE
+from lutgen.plot.style import head, in_house_style, new_figure
 from lutgen.plot.view import View
 from lutgen.recipe import Recipe
 
@@ -56,9 +58,9 @@ FROM = {"plane": "tilt from level ground", "body": "tilt from a level body"}
 BODY: Look = {"color": BLUE, "linewidth": 1.8, "zorder": 4}
 GROUND: Look = {"color": PURPLE, "linewidth": 1.0, "zorder": 4.2}
 GUARANTEED: Look = {"linestyle": (0, (4, 2)), "linewidth": 1.0}
-SLIDES: Look = {"color": GREY, "linestyle": (0, (1, 1.2)), "linewidth": 1.2}
+SLIDES: Look = {"color": ORANGE, "linestyle": SLIDE_DASHES, "linewidth": 1.2}
 BEST: Look = {"color": GREEN, "linewidth": 1.0}
-LEAST: Look = {"color": ORANGE, "linewidth": 1.0, "linestyle": (0, (5, 1))}
+LEAST: Look = {"color": GREEN, "linewidth": 1.0, "linestyle": (0, (3, 1, 1, 1))}
 
 
 def draw_polar(view: View) -> Figure:
@@ -76,8 +78,7 @@ def draw_polar(view: View) -> Figure:
         # Where the robot has not tipped before.
         slides = np.where(slides < outline, slides, np.nan)
         if np.isfinite(slides).any():
-            look: Look = {"color": ORANGE, "linestyle": SLIDE_DASHES}
-            axes.plot(AROUND, slides, label=slide_label(view.recipe), **look)
+            axes.plot(AROUND, slides, label=slide_label(view.recipe), **SLIDES)
     _roll_limit(axes, posture)
     return _with_legend(axes, "tips over (body tilt)", rocks)
 
@@ -148,7 +149,7 @@ def _polar_axes(words: str, outline: Floats, ground: Floats, drawn: Floats) -> P
     (deg) of both outlines in those, or one number where they are the same.
     """
     figure = new_figure(SIZE)
-    figure.suptitle(words, x=0.01, ha="left")
+    head(figure, words)
     axes = cast("PolarAxes", figure.add_subplot(projection="polar"))
     axes.set_theta_zero_location("N")
     highest = max(float(drawn.max()), float(ground.max()))
@@ -255,6 +256,11 @@ def _with_legend(axes: PolarAxes, tips: str, rocks: list[Artist]) -> Figure:
     columns = [handles[first:second], others[:left], handles[second:third], others[left:]]
     handles = [handle for part in columns for handle in part]
     figure = cast("Figure", axes.figure)
-    narrow = {"columnspacing": 0.8, "handlelength": 1.4, "handletextpad": 0.5, "borderpad": 0.0}
-    figure.legend(handles=handles, loc="outside lower center", ncols=2, **narrow)
+    narrow: Look = {
+        "columnspacing": 0.8,
+        "handlelength": 1.4,
+        "handletextpad": 0.5,
+        "borderpad": 0.0,
+    }
+    add_legend(figure, handles, **narrow)
     return figure

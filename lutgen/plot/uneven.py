@@ -14,8 +14,10 @@ from numpy.typing import NDArray
 from lutgen.analysis import Equilibrium, Footing
 from lutgen.chart import unit_directions
 from lutgen.plot.labels import measured, number, unit_label
+from lutgen.plot.legend import add_legend
 from lutgen.plot.marks import write_beside
-from lutgen.plot.style import BLUE, GREEN, GREY, ORANGE, SKY, in_house_style, new_figure
+from lutgen.plot.palette import BLUE, GREEN, GREY, ORANGE, SKY
+from lutgen.plot.style import in_house_style, new_figure
 
 Floats = NDArray[np.float64]
 
@@ -94,7 +96,7 @@ def draw_footing(footing: Footing, found: Equilibrium) -> Figure:
         Line2D([], [], label="foot", **FOOT),
         Line2D([], [], label="centre of mass", **COM),
     ]
-    figure.legend(handles=handles, loc="outside lower center", ncols=2)
+    add_legend(figure, handles)
     figure.align_ylabels()
     _name(above, feet, com, footing.names, found)
     return figure
@@ -191,4 +193,4 @@ def _name(
         line = corners[:-1] + share * (corners[1:] - corners[:-1])
         covered.append(above.transData.transform(line.reshape(-1, 2)))
     for foot, name in zip(feet, names, strict=True):
-        write_beside(above, foot[0], foot[1], name.replace("_", " "), covered)
+        write_beside(above, (foot[0], foot[1]), name.replace("_", " "), covered)

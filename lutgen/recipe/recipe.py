@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from lutgen import bounds
 from lutgen.chart import Chart
 from lutgen.errors import suggestion
 from lutgen.grid import Axis, Grid
@@ -241,6 +242,7 @@ def parse_recipe(
         tolerance,
         home,
     )
+    sweep.at_most("samples", recipe.nodes, bounds.NODES)
     undefined = [name for name in UNLOADED if name in channels]
     if recipe.loaded and undefined:
         sweep.fail(
@@ -302,6 +304,7 @@ def _read_knots(samples: Table, parameter: Parameter) -> np.ndarray[Any, np.dtyp
     count = samples.integer(name, way_out)
     if count < 2:
         samples.fail(name, "needs at least 2 nodes", count, "use 2 or more")
+    samples.at_most(name, count, bounds.KNOTS)
     return np.linspace(parameter.minimum, parameter.maximum, count)
 
 
@@ -313,6 +316,7 @@ def _read_gravity(sweep: Table) -> tuple[Chart, tuple[str, ...]]:
     fewest = 1 if kind == "cone" else 2
     if nodes < fewest:
         table.fail("nodes", f"must be {fewest} or more for the {kind}", nodes, "use more nodes")
+    table.at_most("nodes", nodes, bounds.SIDE)
     if kind == "sphere":
         table.refuse(("max_tilt",), "belongs to the cone only", "remove it")
         chart = Chart(kind, nodes)

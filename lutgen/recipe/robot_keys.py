@@ -3,6 +3,7 @@
 Owns what the reference says of them; those of the other tables are in `keys`.
 """
 
+from lutgen import bounds
 from lutgen.recipe.key import Key
 
 LENGTH_UNITS = ("m", "cm", "mm", "1")
@@ -10,7 +11,7 @@ ANGLE_UNITS = ("deg", "rad")
 JOINT_TYPES = ("revolute", "prismatic", "none")
 IDENTIFIER = r"[A-Za-z][A-Za-z0-9_]*"
 LENGTH = "length_unit"
-MAX_CONTACTS = 62
+MAX_CONTACTS = bounds.CONTACTS.most
 
 # In the order of the reference.
 ROBOT: dict[str, tuple[Key, ...]] = {

@@ -6,11 +6,13 @@ wrong, the value received and the way out.  It does not know what a robot is.
 
 import math
 import os
+import re
 import tomllib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
+from lutgen import bounds
 from lutgen.errors import RecipeError, suggestion, unreadable
 
 # What a map file begins with, and no text does.
@@ -21,19 +23,33 @@ _LONGEST = 60
 
 def fail(source: str, key: str, what: str, got: object, way_out: str) -> NoReturn:
     """Raise the RecipeError FILE: key KEY: WHAT (got GOT); WAY OUT.."""
-    shown = got if isinstance(got, str) and got.startswith("nothing") else repr(got)
+    shown = got if isinstance(got, str) and got.startswith("nothing") else _repr(got)
     if len(shown) > _LONGEST:
         shown = shown[: _LONGEST - 3] + "..."
     raise RecipeError(f"{source}: key `{key}`: {what} (got {shown}); {way_out}.")
 
 
-def read_text(path: str | os.PathLike[str]) -> str:
-    """Return the text of a file, which must be UTF-8."""
-    source = os.fspath(path)
+def _repr(value: object) -> str:
+    """Return a value as written; of a number that Python refuses to print, its length."""
     try:
-        raw = Path(path).read_bytes()
+        return repr(value)
+    except ValueError:
+        return bounds.shown(value) if isinstance(value, int) else f"a {type(value).__name__}"
+
+
+def read_text(path: str | os.PathLike[str]) -> str:
+    """Return the text of a file, which must be UTF-8 and no longer than a recipe may be."""
+    source = os.fspath(path)
+    most = bounds.RECIPE_BYTES
+    try:
+        with Path(path).open("rb") as file:
+            raw = file.read(most.most + 1)
     except OSError as error:
         raise unreadable(source, error) from error
+    if len(raw) > most.most:
+        raise RecipeError(
+            f"{source}: is too long (got more than {most.most:,} {most.what}); is it a recipe?"
+        )
     if raw.startswith(HDF5):
         raise RecipeError(
             f"{source}: is no text (got HDF5, as maps are); the recipe inside a map is "
@@ -51,13 +67,59 @@ def read_text(path: str | os.PathLike[str]) -> str:
 
 def parse_table(text: str, source: str, known: Iterable[str]) -> "Table":
     """Return the table that a whole TOML file is."""
+    _check_numbers_and_keys(text, source)
     try:
         values = tomllib.loads(text)
+    except RecursionError:
+        raise _too_deep(source) from None
     except tomllib.TOMLDecodeError as error:
         last = f"at line {text.count(chr(10)) + 1}, the end of the file"
         got = str(error).replace("at end of document", last)
         raise RecipeError(f"{source}: is not TOML (got {got}); correct that line.") from None
+    _check_depth(values, source)
     return Table(values, source, "", known)
+
+
+def _check_numbers_and_keys(text: str, source: str) -> None:
+    """Refuse what a reader of TOML takes long for, or nobody can print."""
+    digits, dots = bounds.DIGITS, bounds.KEY_DOTS
+    for run in re.finditer(rf"[0-9_]{{{digits.most + 1},}}", text):
+        line = text.count("\n", 0, run.start()) + 1
+        raise RecipeError(
+            f"{source}: line {line}: a number is too long (got {len(run[0]):,}, at most "
+            f"{digits.most:,} {digits.what}); round it."
+        )
+    # Whatever ends a key parts these runs; a reader looks at each key once for each of its dots.
+    for run in re.finditer(rf"[^\n,=\[\]{{}}#]{{{dots.most + 1},}}", text):
+        if run[0].count(".") > dots.most:
+            line = text.count("\n", 0, run.start()) + 1
+            raise RecipeError(
+                f"{source}: line {line}: a key is nested too deep (got {run[0].count('.'):,}, at "
+                f"most {dots.most:,} {dots.what}); recipes have three."
+            )
+
+
+def _check_depth(values: Mapping[str, Any], source: str) -> None:
+    """Refuse tables and lists too deep within each other: to print one takes as many calls."""
+    layer: list[Any] = [values]
+    for _ in range(bounds.NESTING.most):
+        layer = [
+            inner
+            for outer in layer
+            for inner in (outer.values() if isinstance(outer, dict) else outer)
+            if isinstance(inner, dict | list)
+        ]
+        if not layer:
+            return
+    raise _too_deep(source)
+
+
+def _too_deep(source: str) -> RecipeError:
+    most = bounds.NESTING
+    return RecipeError(
+        f"{source}: is nested too deep (got more than {most.most} {most.what}); recipes have "
+        "fewer than ten."
+    )
 
 
 class Table:
@@ -149,6 +211,8 @@ class Table:
             result = math.inf
         if not math.isfinite(result):
             self.fail(name, "must be finite", value, way_out)
+        if abs(result) > bounds.MAGNITUDE.most:
+            self.fail(name, f"must be at most {bounds.MAGNITUDE.most:.0e}", value, way_out)
         return result
 
     def integer(self, name: str, way_out: str) -> int:
@@ -157,6 +221,12 @@ class Table:
         if isinstance(value, bool) or not isinstance(value, int):
             self.fail(name, "must be a whole number", value, way_out)
         return value
+
+    def at_most(self, name: str, value: int, bound: bounds.Bound) -> None:
+        """Refuse a whole number of an entry above a bound."""
+        if value > bound.most:
+            what = f"is beyond the limit of {bound.most:,} {bound.what}"
+            self.fail(name, what, value, "use fewer")
 
     def vector(
         self,
@@ -204,6 +274,10 @@ class Table:
         way_out = f"start each entry with [[{self.path(name)}]]"
         if not isinstance(value, list):
             self.fail(name, "must be an array of tables", value, way_out)
+        if len(value) > bounds.ENTRIES.most:
+            self.fail(
+                name, f"has more than {bounds.ENTRIES.most:,} entries", len(value), "use fewer"
+            )
         known = list(known)
         result = []
         for i, entry in enumerate(value, 1):

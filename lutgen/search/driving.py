@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from lutgen import bounds
 from lutgen.channels import body_gravity, evaluate_each
 from lutgen.errors import InputError
 from lutgen.recipe import Recipe
@@ -209,6 +210,7 @@ def _turns(headings: int) -> Floats:
     """Return the turns to evenly spaced headings, rad, the smallest first."""
     if headings < 1:
         raise InputError(f"a robot has at least one heading (got {headings}); use 1 or more")
+    bounds.check(headings, bounds.HEADINGS, "the headings of a robot", "use fewer")
     whole = np.arange(headings)
     # Half a turn and more to the left is less to the right.
     steps = np.where(2 * whole > headings, whole - headings, whole)

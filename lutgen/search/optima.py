@@ -10,6 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from lutgen.bounds import LEVELS as MOST_LEVELS
+from lutgen.bounds import SEARCHED, check
 from lutgen.errors import InputError
 from lutgen.grid import Grid
 from lutgen.recipe import Recipe
@@ -21,7 +23,7 @@ from lutgen.search.objective import AT_ONCE, TIPS, Objective
 METHODS = ("map", "nelder-mead", "search", "multistart")
 ENDS = ("left", "right")
 # A mesh of 5 nodes a side has 390,625 nodes then, and every step is remembered.
-MOST_FOR_SEARCH = 8
+MOST_FOR_SEARCH = SEARCHED.most
 
 
 @dataclass(frozen=True)
@@ -132,6 +134,7 @@ def optimum(
         raise InputError(f"unknown ends {ends!r}; choose from {', '.join(ENDS)}")
     if levels < 1:
         raise InputError(f"a search needs at least one level (got {levels})")
+    check(levels, MOST_LEVELS, "the levels of a search", "use fewer, 6 by default")
     goal = Objective(recipe, gravity_dir, objective, convention)
     box = _box(recipe, bounds)
     space = _space(recipe, box)

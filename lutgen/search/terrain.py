@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from lutgen import bounds
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 
@@ -82,6 +83,7 @@ def paper_path(
     """
     if points < 2:
         raise InputError(f"a path needs at least 2 points (got {points}); ask for more points")
+    bounds.check(points, bounds.POINTS, "the points of a path", "ask for fewer")
     if attitude not in ATTITUDES:
         raise InputError(f"unknown attitude {attitude!r}; choose from {', '.join(ATTITUDES)}")
     if not -LARGEST < span[0] < span[1] < LARGEST:

@@ -11,6 +11,7 @@ from pathlib import Path as File
 
 import numpy as np
 
+from lutgen import bounds
 from lutgen.errors import InputError
 from lutgen.search.terrain import LARGEST, Floats, Path, along, repeated
 
@@ -51,7 +52,10 @@ def _read_rows(file: str | os.PathLike[str]) -> tuple[dict[str, Floats], list[in
     """Return the columns of a CSV file by name, each (p,), and the line of each row."""
     source = os.fspath(file)
     try:
-        text = File(file).read_text(encoding="utf-8-sig")
+        with File(file).open("rb") as opened:
+            raw = opened.read(bounds.TERRAIN_BYTES.most + 1)
+        bounds.check(len(raw), bounds.TERRAIN_BYTES, source, "cut the path into parts")
+        text = raw.decode("utf-8-sig")
     except OSError as error:
         raise InputError(
             f"{source}: cannot be read (got {error.strerror}); check the path"
@@ -69,6 +73,8 @@ def _read_rows(file: str | os.PathLike[str]) -> tuple[dict[str, Floats], list[in
         _check_names(source, names)
         for cells in reader:
             if cells:
+                way_out = "cut the path into parts"
+                bounds.check(len(rows) + 1, bounds.POINTS, source, way_out)
                 rows.append(_read_row(f"{source}: line {reader.line_num}", names, cells))
                 lines.append(reader.line_num)
     except csv.Error as error:

@@ -10,11 +10,12 @@ from pathlib import Path
 
 import numpy as np
 
+from lutgen import bounds
 from lutgen.errors import InputError
 from lutgen.vector import Floats
 
 # Larger files are not read: they have more than a million triangles, and no foot needs that.
-MAX_BYTES = 64 * 2**20
+MAX_BYTES = bounds.MESH_BYTES.most
 FORMATS = (".stl", ".obj", ".dae")
 # Characters that a message quotes of a reader's failure.
 LONGEST = 120

@@ -14,17 +14,17 @@ from pathlib import Path
 from typing import NoReturn
 from xml.etree.ElementTree import Element
 
+from lutgen import bounds
 from lutgen.errors import RecipeError, suggestion, unreadable
 from lutgen.parts import parents_first
 from lutgen.urdf.xml import parse_xml
 from lutgen.vector import Vector
 
-# Larger files are refused: a description without its meshes is far smaller.
-MAX_BYTES = 16 * 2**20
-MAX_LINKS = 10_000
+MAX_BYTES = bounds.URDF_BYTES.most
+MAX_LINKS = bounds.LINKS.most
 MAX_NAME = 200
 # Sums and products over a chain of links stay far from infinity.
-LARGEST = 1e12
+LARGEST = float(bounds.MAGNITUDE.most)
 JOINT_KINDS = ("fixed", "revolute", "continuous", "prismatic", "floating", "planar")
 SHAPES = {"sphere": ("radius",), "cylinder": ("radius", "length"), "box": ("size",)}
 ZERO: Vector = (0.0, 0.0, 0.0)

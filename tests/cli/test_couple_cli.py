@@ -27,11 +27,11 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def imported(*arguments: str) -> dict[str, Any]:
-    return data("import", "quadruped.urdf", "-o", "q.toml", *arguments)
+    return data("import", "quadruped.urdf", "-o", "q.toml", "--force", *arguments)
 
 
 def test_more_than_ten_joints_are_coupled_and_the_import_says_so() -> None:
-    said = printed("import", "quadruped.urdf", "-o", "q.toml")
+    said = printed("import", "quadruped.urdf", "-o", "q.toml", "--force")
     assert "parameters (3): hip thigh knee" in said
     assert "chosen, as 12 joints move contacts or com (or choose with --couple or --joint)" in said
     assert "hip drives FL_hip_joint, -FR_hip_joint, RL_hip_joint, -RR_hip_joint" in said
@@ -43,7 +43,7 @@ def test_more_than_ten_joints_are_coupled_and_the_import_says_so() -> None:
 
 
 def test_the_recipe_says_which_joints_a_parameter_drives_and_why() -> None:
-    good("import", "quadruped.urdf", "-o", "q.toml")
+    good("import", "quadruped.urdf", "-o", "q.toml", "--force")
     text = Path("q.toml").read_text(encoding="utf-8")
     before, _, _ = text.partition('name = "hip"')
     comment = " ".join(before.replace("# ", "").split())
@@ -146,7 +146,7 @@ def test_what_cannot_be_coupled_is_refused_in_one_sentence(
     texts: list[str], said: str | None
 ) -> None:
     arguments = [part for text in texts for part in ("--couple", text)]
-    result = run("import", "quadruped.urdf", "-o", "q.toml", *arguments)
+    result = run("import", "quadruped.urdf", "-o", "q.toml", "--force", *arguments)
     if said is None:
         # Any factors that the limits allow.
         assert result.exit_code == 0
@@ -159,7 +159,9 @@ def test_what_cannot_be_coupled_is_refused_in_one_sentence(
 
 def test_a_joint_cannot_be_a_parameter_and_coupled() -> None:
     couple = ("--couple", "a=FL_hip_joint,FR_hip_joint")
-    result = run("import", "quadruped.urdf", "-o", "q.toml", "-j", "FL_hip_joint", *couple)
+    result = run(
+        "import", "quadruped.urdf", "-o", "q.toml", "--force", "-j", "FL_hip_joint", *couple
+    )
     assert (result.exit_code, "is asked for twice" in result.stderr) == (2, True)
 
 
@@ -179,7 +181,7 @@ def test_where_even_groups_are_too_many_the_greatest_are_parameters() -> None:
         for side, y in (("left", 0.5), ("right", -0.5))
     )
     Path("many.urdf").write_text(robot(link("base", 9.0, inside=foot), arms), encoding="utf-8")
-    report = data("import", "many.urdf", "-o", "many.toml")
+    report = data("import", "many.urdf", "-o", "many.toml", "--force")
     assert report["parameters"] == [f"arm_{i}" for i in range(2, 8)]
     assert "16 joints move contacts or com" in report["because"]
     held = [text for text in report["left_out"] if "changes less" in text]
@@ -192,7 +194,7 @@ def test_where_even_groups_are_too_many_the_greatest_are_parameters() -> None:
 
 def test_merged_onto_an_edited_recipe_parameters_and_comments_stay() -> None:
     pytest.importorskip("tomlkit")
-    options = ("quadruped.urdf", "-o", "q.toml", "--couple", "auto")
+    options = ("quadruped.urdf", "-o", "q.toml", "--force", "--couple", "auto")
     good("import", *options)
     path = Path("q.toml")
     edited = path.read_text(encoding="utf-8").replace("min = -45.8366236", "min = -30.0  # stop")

@@ -3,6 +3,8 @@
 import builtins
 import io
 import json
+import os
+import re
 import shlex
 import shutil
 import sys
@@ -152,7 +154,7 @@ def test_of_many_joints_that_are_not_alike_the_greatest_become_parameters(folder
     assert len(report["parameters"]) == 6
     assert report["because"] == "12 joints move contacts or com"
     assert report["coupled"] == {}
-    good("import", "many.urdf", "-o", "many.toml", *(f"-jj{i}" for i in range(12)))
+    good("import", "many.urdf", "-o", "many.toml", "--force", *(f"-jj{i}" for i in range(12)))
     recipe = lutgen.load_recipe("many.toml")
     assert len(recipe.parameters) == 12
     # With three nodes each it would be 531,441 postures.
@@ -186,18 +188,22 @@ def test_no_file_that_a_description_names_is_opened_unless_it_is_called_a_mesh(
     Path("secret").write_text("x")
     good("import", "a.urdf", "-o", "first.toml")  # all modules are loaded now
     seen: list[str] = []
-    before = io.open
 
-    def spy(file: Any, *arguments: Any, **options: Any) -> Any:
-        seen.append(str(file))
-        return before(file, *arguments, **options)
+    def spied(before: Any) -> Any:
+        def spy(file: Any, *arguments: Any, **options: Any) -> Any:
+            # A number stands for a file that was opened before.
+            seen.extend([] if isinstance(file, int) else [str(file)])
+            return before(file, *arguments, **options)
 
-    for module in (io, builtins):
-        monkeypatch.setattr(module, "open", spy)
+        return spy
+
+    for module in (io, builtins, os):
+        monkeypatch.setattr(module, "open", spied(module.open))
     good("import", "a.urdf", "-o", "second.toml")
     monkeypatch.undo()
-    names = {Path(name).name.partition(".toml")[0].lstrip(".") for name in seen}
-    assert names == {"a.urdf", "second"}
+    # What is written has a name that cannot be foreseen.
+    names = {re.sub(r"^\.lutgen-\w+$", "new", Path(name).name) for name in seen}
+    assert names == {"a.urdf", "new"}
 
 
 XACRO = """<robot name="macro" xmlns:xacro="http://www.ros.org/wiki/xacro">

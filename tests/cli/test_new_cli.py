@@ -59,7 +59,7 @@ def test_a_file_that_is_there_stays_unless_it_is_forced() -> None:
     Path("robot.toml").write_text("mine")
     result = run("new", "wheels", "-o", "robot.toml")
     assert (result.exit_code, result.stdout) == (2, "")
-    assert "robot.toml: is there already (got no --force); " in result.stderr
+    assert "robot.toml: is there already, without a mark" in result.stderr
     assert Path("robot.toml").read_text() == "mine"
     report = data("new", "wheels", "-o", "robot.toml", "--force")
     assert report == {"kind": "wheels", "recipe": "robot.toml"}

@@ -128,6 +128,6 @@ def test_a_figure_is_reported_with_what_it_shows(recipe: Path, tmp_path: Path) -
 
 def test_the_papers_page_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     page = tmp_path / "paper.html"
-    monkeypatch.setattr("lutgen.paper.write_report", lambda folder, tell: page)
+    monkeypatch.setattr("lutgen.paper.write_report", lambda folder, tell, force: page)
     assert data("paper", "-o", tmp_path) == {"folder": str(tmp_path), "page": str(page)}
     assert good("paper", "-o", tmp_path).stdout == f"{page}\n"

@@ -204,5 +204,5 @@ def test_nothing_outside_the_tests_imports_from_them() -> None:
 
 def test_the_reader_of_prose_finds_docstrings_and_comments() -> None:
     text = prose(ROOT / "lutgen" / "files.py")
-    assert "Owns the temporary name" in text
+    assert "Owns the marks" in text
     assert "import csv" not in text

@@ -4,6 +4,7 @@ import errno
 import json
 import math
 import os
+import shutil
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -13,6 +14,7 @@ import pytest
 
 from firmware_export.emit import package, report, size
 from firmware_export.emit.figure import draw_pareto
+from firmware_export.emit.page import page
 from firmware_export.emit.source import body_of
 from firmware_export.protocol.exported import Export
 from lutgen.errors import ExportError, InputError
@@ -225,6 +227,76 @@ def test_a_folder_with_foreign_content_is_refused_and_left_alone(
         package.write(export, tmp_path / "out")
     assert repr(foreign) in str(caught.value)
     assert {path.name for path in (tmp_path / "out").iterdir()} == names
+
+
+def test_an_export_that_was_edited_is_replaced_with_force_alone(
+    export: Export, tmp_path: Path
+) -> None:
+    package.write(export, tmp_path / "out")
+    before = contents(tmp_path / "out")
+    config = tmp_path / "out" / "smap_config.h"
+    config.write_text("/* mine */\n")
+    with pytest.raises(InputError, match=r"was edited .*'smap_config\.h'.*--force"):
+        package.write(export, tmp_path / "out")
+    assert config.read_text() == "/* mine */\n"
+    package.write(export, tmp_path / "out", force=True)
+    assert contents(tmp_path / "out") == before
+
+
+def test_force_leaves_what_has_no_name_of_an_export(export: Export, tmp_path: Path) -> None:
+    (tmp_path / "notes.txt").write_text("mine")
+    (tmp_path / "feet.c").write_text("mine")
+    package.write(rover_export("old"), tmp_path, force=True)
+    package.write(export, tmp_path, force=True)
+    assert (tmp_path / "notes.txt").read_text() == "mine"
+    assert set(contents(tmp_path)) == NAMES | {"notes.txt"}
+
+
+@pytest.mark.parametrize("force", [False, True])
+@pytest.mark.parametrize("link", ["", "examples", "feet.h"])
+def test_a_link_in_the_place_of_an_export_is_never_followed(
+    export: Export, tmp_path: Path, link: str, force: bool
+) -> None:
+    victim = tmp_path / "victim"
+    victim.mkdir()
+    out = tmp_path / "out"
+    if link:
+        package.write(export, out)
+        shutil.rmtree(out / link) if (out / link).is_dir() else (out / link).unlink()
+    (out / link).symlink_to(victim)
+    with pytest.raises(InputError, match=r"is a link|holds a link"):
+        package.write(export, out, force=force)
+    assert list(victim.iterdir()) == []
+
+
+def test_a_power_cut_between_two_files_leaves_what_the_next_export_may_replace(
+    export: Export, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out, moved = tmp_path / "out", Path.replace
+    package.write(replace(export, certificate=None), out)
+    left = [3]
+
+    def cut(self: Path, target: Path) -> Path:
+        left[0] -= 1
+        if left[0] < 0:
+            raise KeyboardInterrupt
+        return moved(self, target)
+
+    with monkeypatch.context() as patch:
+        # Nothing is tidied up either.
+        patch.setattr(shutil, "rmtree", lambda *args, **kwargs: None)
+        patch.setattr(Path, "replace", cut)
+        with pytest.raises(KeyboardInterrupt):
+            package.write(export, out)
+    package.write(export, out)
+    assert set(contents(out)) == NAMES
+
+
+def test_names_of_a_recipe_are_no_markup_on_the_page(export: Export, tmp_path: Path) -> None:
+    content = package.contents(export)[1] | {"robot": "<script>alert(1)</script> ![x](//y)"}
+    text = page(content, body_of(export), None)
+    assert "<script" not in text
+    assert "&lt;script&gt;alert(1)&lt;/script&gt; \\!\\[x\\](//y)" in text
 
 
 def test_a_folder_of_somebody_elses_sources_is_refused(export: Export, tmp_path: Path) -> None:

@@ -417,9 +417,9 @@ def test_a_full_disk_is_no_reason_to_lose_an_unfinished_file(
         disk = os.statvfs(tmp_path)
         full = os.statvfs_result([1, 1, disk.f_blocks, -(10**9), -(10**9), *disk[5:]])
         patch.setattr(os, "statvfs", lambda path: full)
-        for resume in (False, True):
+        for how in ("resume", "force"):
             with pytest.raises(SweepError, match="too full"):
-                sweep(TRIPOD, path, resume=resume)
+                sweep(TRIPOD, path, **{how: True})
     computed = count_computed(monkeypatch)
     sweep(TRIPOD, path, resume=True)
     assert computed == [5, 6, 7]

@@ -183,7 +183,7 @@ def test_an_interruption_leaves_an_older_map_of_that_name_as_it_was(tmp_path: Pa
     assert path.read_bytes() == before
 
 
-def test_without_resume_an_unfinished_file_is_begun_anew(
+def test_only_force_begins_an_unfinished_file_anew(
     tmp_path: Path, cut: Callable[[int], None], counted: list[int]
 ) -> None:
     cut(BLOCK)
@@ -191,7 +191,10 @@ def test_without_resume_an_unfinished_file_is_begun_anew(
     with pytest.raises(KeyboardInterrupt):
         lutgen.sweep(TRIPOD, path, threads=1, progress=Interrupted(2))
     counted.clear()
-    lutgen.sweep(TRIPOD, path)
+    with pytest.raises(InputError, match=r"unfinished work.*--resume, or begin anew with --force"):
+        lutgen.sweep(TRIPOD, path)
+    assert counted == []
+    lutgen.sweep(TRIPOD, path, force=True)
     assert counted == list(range(plan(TRIPOD, BLOCK).count))
 
 

@@ -26,6 +26,37 @@ from lutgen.recipe.recipe import Recipe
 from tests.fixtures.places import MAPS
 
 DOWN = (0.0, 0.0, -1.0)
+# It has its com in the middle, and falls from no facet onto none.
+TETRAHEDRON = """
+[robot]
+name = "tetrahedron"
+length_unit = "m"
+upright = 180.0
+rock_angle = 180.0
+[[robot.link]]
+name = "body"
+[[robot.contact]]
+name = "a"
+link = "body"
+position = [1.0, 1.0, 1.0]
+[[robot.contact]]
+name = "b"
+link = "body"
+position = [1.0, -1.0, -1.0]
+[[robot.contact]]
+name = "c"
+link = "body"
+position = [-1.0, 1.0, -1.0]
+[[robot.contact]]
+name = "d"
+link = "body"
+position = [-1.0, -1.0, 1.0]
+[sweep]
+[sweep.gravity]
+chart = "sphere"
+nodes = 9
+channels = ["sdg", "tip_angle"]
+"""
 # Half of the hatched figures: the paper's robot with its nose up, where some postures tip over.
 NOSE_UP = (-0.9, 0.0, -1.0)
 
@@ -142,7 +173,7 @@ def test_title_tells_the_posture_and_where_gravity_points(two: Recipe) -> None:
     text = words(plot.draw("curve", two, params={"gamma": 12.5}, gravity=(0.0, 1.0, -1.0)))
     assert "12.5\N{DEGREE SIGN}" in text
     assert "tilted 45.0\N{DEGREE SIGN}, left side down" in text
-    assert "level ground" in words(plot.draw("curve", two))
+    assert "body level" in words(plot.draw("curve", two))
 
 
 @pytest.mark.parametrize("channel", sorted(RANKED))
@@ -296,9 +327,13 @@ def test_boundary_on_a_disc_is_where_the_tip_angle_is_zero(two: Recipe) -> None:
 
 
 def test_discs_of_the_whole_sphere_are_of_equal_area(table: Recipe) -> None:
+    # A table stands in no attitude of the upper half, whose disc would be hatched all over.
     figure = plot.draw("sphere", table)
-    assert len(figure.axes) == 3  # two discs and the colour bar
-    for panel in figure.axes[:2]:
+    assert len(figure.axes) == 2  # one disc and the colour bar
+    # A robot on three points all around stands on its back, too.
+    both = plot.draw("sphere", lutgen.parse_recipe(TETRAHEDRON))
+    assert len(both.axes) == 3
+    for panel in (figure.axes[0], *both.axes[:2]):
         circles = [np.hypot(*line.get_data()) for line in panel.get_lines()]
         radii = sorted(c.mean() for c in circles if len(c) == 181)
         # The cap within tilt t holds 1 - cos t of a hemisphere's 2 pi sr: its circle's area.

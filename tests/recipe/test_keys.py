@@ -12,6 +12,7 @@ from lutgen.recipe.key import Key, toml_value
 from lutgen.recipe.keys import KEYS
 from lutgen.recipe.schema import TYPES
 from lutgen.recipe.table import Table
+from proofs.toml import toml_text
 from tests.fixtures.every_key import (
     CODED,
     DESCRIBED,
@@ -24,7 +25,6 @@ from tests.fixtures.every_key import (
     named,
     refused,
 )
-from tests.fixtures.toml import toml_text
 
 
 def test_the_recipes_of_these_tests_are_good_and_have_every_key() -> None:

@@ -117,8 +117,9 @@ def test_the_command_keeps_what_was_edited(tmp_path: Path, monkeypatch: pytest.M
     said = good("import", "rover.urdf", "-o", "rover.toml", "--merge").stdout
     assert said.endswith("changed:\n  link body: mass was 20.0, is 22.0\n")
     assert Path("rover.toml").read_text(encoding="utf-8") == edited.replace("= 20.0", "= 22.0")
-    # Without it the recipe is written anew, as ever.
-    good("import", "rover.urdf", "-o", "rover.toml")
+    # Without it the recipe stays, or is written anew.
+    assert run("import", "rover.urdf", "-o", "rover.toml").exit_code == 2
+    good("import", "rover.urdf", "-o", "rover.toml", "--force")
     assert Path("rover.toml").read_text(encoding="utf-8") == first.replace("= 20.0", "= 22.0")
     result = run("import", "rover.urdf", "-o", "none.toml", "--merge")
     assert result.exit_code == 2

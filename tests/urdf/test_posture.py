@@ -74,7 +74,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_an_srdf_beside_the_description_says_how_the_robot_stands(folder: Path) -> None:
-    report = json.loads(good("import", "dog.urdf", "-o", "dog.toml", "--json"))
+    report = json.loads(good("import", "dog.urdf", "-o", "dog.toml", "--force", "--json"))
     assert report["posture"] == "standing of dog.srdf"
     recipe = lutgen.load_recipe("dog.toml")
     # 12 digits of a degree are 2e-14 rad.
@@ -86,7 +86,7 @@ def test_an_srdf_beside_the_description_says_how_the_robot_stands(folder: Path) 
 
 
 def test_contacts_are_those_near_the_ground_and_the_others_are_listed(folder: Path) -> None:
-    report = json.loads(good("import", "dog.urdf", "-o", "dog.toml", "--json"))
+    report = json.loads(good("import", "dog.urdf", "-o", "dog.toml", "--force", "--json"))
     assert report["contacts"] == [f"{leg}_foot" for leg in LEGS]
     away = [f"{leg}_thigh" for leg in LEGS]
     assert (
@@ -101,12 +101,12 @@ def test_a_robot_whose_feet_are_meshes_does_not_stand_on_its_rotors(folder: Path
     text = quadruped()
     assert text.count(ball) == 4
     Path("dog.urdf").write_text(text.replace(ball, f"{sole}</collision>"))
-    result = run("import", "dog.urdf", "-o", "dog.toml")
+    result = run("import", "dog.urdf", "-o", "dog.toml", "--force")
     assert result.exit_code == 2
     assert "(got lf_foot, rf_foot, lh_foot, rh_foot: f.dae: there is no such file)" in result.stderr
     assert "which are not opened" in result.stderr
     points = [f"-c{leg}_foot=0,0,-0.3,0.02" for leg in LEGS]
-    good("import", "dog.urdf", "-o", "dog.toml", *points)
+    good("import", "dog.urdf", "-o", "dog.toml", "--force", *points)
 
 
 def test_what_the_robot_would_lie_on_is_named(folder: Path) -> None:
@@ -115,11 +115,13 @@ def test_what_the_robot_would_lie_on_is_named(folder: Path) -> None:
     Path("dog.urdf").write_text(quadruped().replace("</robot>", f"{keel}{mount}</robot>"))
     lies = "shapes below all contacts, on which it lies in this posture: keel"
     # Feet reach 0.6 cos(0.6) + 0.02 = 0.515 m below the hips, the keel 0.55 m.
-    report = json.loads(good("import", "dog.urdf", "-o", "dog.toml", "--json"))
+    report = json.loads(good("import", "dog.urdf", "-o", "dog.toml", "--force", "--json"))
     assert lies in report["left_out"]
     # 0.6 cos(15 deg) + 0.02 = 0.600 m.
     straight = [f"-p{leg}_{part}" for leg in LEGS for part in ("hip=15", "knee=-30")]
-    report = json.loads(good("import", "dog.urdf", "-o", "dog.toml", *straight, "--json"))
+    report = json.loads(
+        good("import", "dog.urdf", "-o", "dog.toml", "--force", *straight, "--json")
+    )
     assert lies not in report["left_out"]
 
 
@@ -128,12 +130,12 @@ def test_where_the_com_is_not_above_what_is_near_the_ground_all_below_it_are_con
 ) -> None:
     # On its fore legs alone, the hind ones up: no ground is level in the frame of the root.
     up = [f"-p{leg}_{part}" for leg in LEGS[2:] for part in ("hip=80", "knee=-140")]
-    report = json.loads(good("import", "dog.urdf", "-o", "dog.toml", *up, "--json"))
+    report = json.loads(good("import", "dog.urdf", "-o", "dog.toml", "--force", *up, "--json"))
     assert {f"{leg}_foot" for leg in LEGS} <= set(report["contacts"])
 
 
 def test_the_com_is_that_of_the_posture(folder: Path) -> None:
-    report = json.loads(good("import", "dog.urdf", "-o", "dog.toml", "--json"))
+    report = json.loads(good("import", "dog.urdf", "-o", "dog.toml", "--force", "--json"))
     # By hand, about the y axis: a thigh of 1 kg 0.15 m below the hip turned by 0.6, a shank of
     # 0.2 kg 0.1 m below the knee turned by -0.6.
     x = 4 * (-1.0 * 0.15 * math.sin(0.6) + 0.2 * (-0.3 * math.sin(0.6) + 0.1 * math.sin(0.6)))
@@ -157,13 +159,15 @@ def test_without_a_name_that_stands_the_joints_are_at_zero_and_the_reason_is_sai
     folder: Path,
 ) -> None:
     Path("dog.srdf").write_text(srdf(state("folded", 1.0, -2.0)))
-    said = good("import", "dog.urdf", "-o", "dog.toml")
+    said = good("import", "dog.urdf", "-o", "dog.toml", "--force")
     zero = "posture: joints at zero, or at their limit nearest to it"
     assert f"{zero} (dog.srdf names none to stand in: folded)" in said
     # Knees end at -0.5 rad.
     assert lutgen.load_recipe("dog.toml").home["lf_knee"] == pytest.approx(-0.5, abs=1e-13)
     Path("dog.srdf").unlink()
-    assert f"{zero} (no SRDF file names one)" in good("import", "dog.urdf", "-o", "dog.toml")
+    assert f"{zero} (no SRDF file names one)" in good(
+        "import", "dog.urdf", "-o", "dog.toml", "--force"
+    )
 
 
 def test_joints_that_are_no_parameters_stand_where_the_posture_puts_them(folder: Path) -> None:
@@ -183,7 +187,7 @@ def test_joints_that_are_no_parameters_stand_where_the_posture_puts_them(folder:
 
 def test_values_beyond_the_limits_stand_at_the_limit_and_are_listed(folder: Path) -> None:
     Path("dog.srdf").write_text(srdf(state("stand", 0.6, -2.7)))
-    report = json.loads(good("import", "dog.urdf", "-o", "dog.toml", "--json"))
+    report = json.loads(good("import", "dog.urdf", "-o", "dog.toml", "--force", "--json"))
     assert "joint lf_knee: at its limit, beyond which the posture is" in report["left_out"]
     assert lutgen.load_recipe("dog.toml").home["lf_knee"] == pytest.approx(-2.5, abs=1e-13)
 
@@ -203,7 +207,7 @@ def test_values_beyond_the_limits_stand_at_the_limit_and_are_listed(folder: Path
 def test_postures_that_cannot_be_are_refused_in_a_sentence(
     folder: Path, arguments: tuple[str, ...], said: str
 ) -> None:
-    result = run("import", "dog.urdf", "-o", "dog.toml", *arguments)
+    result = run("import", "dog.urdf", "-o", "dog.toml", "--force", *arguments)
     assert result.exit_code == 2
     assert said in result.stderr
     assert "Traceback" not in result.stderr
@@ -212,7 +216,7 @@ def test_postures_that_cannot_be_are_refused_in_a_sentence(
 
 def test_a_posture_is_asked_for_only_where_there_is_an_srdf(folder: Path) -> None:
     Path("dog.srdf").unlink()
-    result = run("import", "dog.urdf", "-o", "dog.toml", "--posture", "standing")
+    result = run("import", "dog.urdf", "-o", "dog.toml", "--force", "--posture", "standing")
     assert (result.exit_code, "no SRDF file beside dog.urdf" in result.stderr) == (2, True)
 
 

@@ -1,0 +1,148 @@
+"""What a robot's joints alter at most: how far contacts move, walls bend and the body leans.
+
+Owns the numbers by which the C bounds what it does not compute: it looks at a few postures of a way
+and must know of all the others.  Each is the largest over a lattice of postures, with a margin for
+what is between its nodes.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from firmware_export.truth import Model, combinations
+from lutgen.channels import body_gravity, evaluate_each
+from lutgen.recipe import robot_size_of
+from lutgen.vector import Floats
+
+# Postures of the lattice at most, random ones beside it, seed; steps of differences, as a part
+# of an axis; the margin on what was seen.
+LATTICE, RANDOM, SEED, STEP, MARGIN = 6000, 3000, 17, 1e-4, 1.1
+# As fast as this share of postures turns a robot turns on a plane; faster it rolls on over what
+# is next to no facet.
+LEANS = 0.995
+# Nor does it turn on a facet narrower than this part of the size: there it rolls on.
+NARROW = 0.5
+# The curvature of a circle counts where gravity is as far outside (rad) of what is still looked at.
+OUTSIDE = 0.02
+# Of a grid: pairs of postures, and how far they are apart, as a part of an axis.
+PAIRS, APART = 20_000, 0.005
+
+
+class Limits(NamedTuple):
+    """For each parameter (k,), per rad or length: see `protocol.Joint`."""
+
+    reach: Floats
+    bend: Floats
+    lean: Floats
+
+
+def limits_of(model: Model, grid: bool = False) -> Limits:
+    """Return what the joints of a robot alter at most.
+
+    Parameters
+    ----------
+    model : Model
+        The robot.
+    grid : bool
+        Whether its map is a grid, of which `reach` is how far a joint alters the tip angle.
+    """
+    places = max(3, int(LATTICE ** (1.0 / max(model.k, 1))))
+    lattice = combinations([np.linspace(0.0, 1.0, places)] * model.k)
+    random = np.random.default_rng(SEED).random((RANDOM, model.k))
+    t = np.clip(np.concatenate([lattice, random]), STEP, 1.0 - STEP)
+    moved = np.zeros((model.k, len(model.kind)))
+    bend, lean = np.zeros(model.k), np.zeros(model.k)
+    for axis in range(model.k):
+        step = np.zeros(model.k)
+        step[axis] = STEP
+        width = STEP * (model.upper[axis] - model.lower[axis])
+        there = [model.at(t + sign * step) for sign in (-1.0, 0.0, 1.0)]
+        moved[axis] = MARGIN * _moved(model, there[0], there[2], 2.0 * width)
+        lean[axis] = MARGIN * _lean(model, there[0], there[2], 2.0 * width, moved[axis].max())
+        if model.is_tripod:
+            bend[axis] = MARGIN * _bend(model, there, width)
+    if model.is_tripod or grid:
+        return Limits(_slopes(model) if grid else moved.max(axis=1), bend, lean)
+    return Limits(*_shared(moved), lean)
+
+
+def _moved(model: Model, a: Floats, b: Floats, apart: float) -> Floats:
+    """Return how far each contact (n,) moves, seen from the com; a disc's rim with its axis."""
+    first, second = model.postures(a), model.postures(b)
+    moved = np.sqrt(((second.centres - first.centres) ** 2).sum(axis=2))
+    turned = np.sqrt(((second.axes - first.axes) ** 2).sum(axis=2)) * model.radius
+    return np.asarray((moved + turned).max(axis=0) / apart)
+
+
+def _shared(moved: Floats) -> tuple[Floats, Floats]:
+    """Return what each joint moves its own contacts beyond others, and what it moves others.
+
+    A contact is the joint's own that moves it most.  No contact then moves further than what all
+    joints move others, together, and the most that one joint moves its own beyond that.
+    """
+    own = moved.argmax(axis=0)
+    others = np.array([row[own != i].max(initial=0.0) for i, row in enumerate(moved)])
+    most = np.array([row[own == i].max(initial=0.0) for i, row in enumerate(moved)])
+    return np.maximum(most - others, 0.0), others
+
+
+def _lean(model: Model, a: Floats, b: Floats, apart: float, moved: float) -> float:
+    """Return how fast the body turns on a plane while it stands on one facet."""
+    rng = np.random.default_rng(SEED + 1)
+    limit = 0.5 * min(model.chart_limit, 1.0)
+    slope = np.concatenate([rng.uniform(-limit, limit, (len(a), 2)), -np.ones((len(a), 1))], axis=1)
+    most, fastest = 2.0 * moved / (NARROW * robot_size_of(model.recipe)), 0.0
+    for downs in (np.tile([0.0, 0.0, -1.0], (len(a), 1)), slope):
+        first = body_gravity(model.recipe, a, downs, "plane")
+        second = body_gravity(model.recipe, b, downs, "plane")
+        rates = np.sqrt(((second - first) ** 2).sum(axis=1)) / apart
+        fastest = max(fastest, float(np.quantile(np.minimum(rates, most), LEANS)))
+    return fastest
+
+
+def _walls(model: Model, params: Floats) -> Floats:
+    """Return the inward normals (m, 3, 3) of a tripod's tip-over planes, in the ground's frame."""
+    p = model.postures(params).centres
+    edges = np.cross(p, np.roll(p, -1, axis=1))
+    plane = edges.sum(axis=1)
+    side = np.sign((plane * p[:, 0]).sum(axis=1))
+    walls = side[:, None, None] * edges / np.linalg.norm(edges, axis=2, keepdims=True)
+    up = -side[:, None] * plane / np.linalg.norm(plane, axis=1, keepdims=True)
+    w = np.stack([up[:, 1], -up[:, 0], np.zeros(len(up))], axis=1)[:, None, :]
+    first = np.cross(w, walls)
+    share = 1.0 / (1.0 + up[:, 2])
+    return np.asarray(walls + first + share[:, None, None] * np.cross(w, first))
+
+
+def _bend(model: Model, there: list[Floats], apart: float) -> float:
+    """Return the largest second derivative of a tripod's tip angles in the ground's frame.
+
+    A wall's unit normal m(q) that moved on a great circle would make the tip angle concave, for
+    directions inside it; what bends it the other way is m's acceleration across that, and for
+    directions just outside a little of the circle's.
+    """
+    a, b, c = (_walls(model, params) for params in there)
+    speed, bow = (c - a) / (2.0 * apart), (a - 2.0 * b + c) / apart**2
+    across = bow - (bow * b).sum(axis=2, keepdims=True) * b
+    square = (speed**2).sum(axis=2)
+    return float((np.sqrt((across**2).sum(axis=2)) + OUTSIDE * square).max())
+
+
+def _slopes(model: Model) -> Floats:
+    """Return how fast the tip angle changes with each joint, where it is continuous."""
+    rng = np.random.default_rng(SEED + 2)
+    t = rng.random((PAIRS, model.k))
+    uv = rng.uniform(-model.chart_limit, model.chart_limit, (2, PAIRS))
+    gravity = model.uv_to_gravity(np.arange(PAIRS) % model.faces, *uv)
+    found = np.zeros(model.k)
+    for axis in range(model.k):
+        other = t.copy()
+        other[:, axis] = np.where(t[:, axis] > 0.5, t[:, axis] - APART, t[:, axis] + APART)
+        tips = [
+            evaluate_each(model.recipe, model.at(one), gravity, ("tip_angle",))["tip_angle"]
+            for one in (t, other)
+        ]
+        apart = APART * (model.upper[axis] - model.lower[axis])
+        stands = (tips[0] >= 0.0) & (tips[1] >= 0.0)
+        found[axis] = MARGIN * np.abs(tips[1] - tips[0])[stands].max(initial=0.0) / apart
+    return found

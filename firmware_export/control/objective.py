@@ -1,0 +1,97 @@
+"""What makes one posture better than another on a slope.
+
+Owns the objectives, their words, and the scores of a lattice of postures on slopes.
+"""
+
+import math
+import re
+from dataclasses import dataclass
+
+import numpy as np
+
+from firmware_export.truth import Model, combinations
+from lutgen.channels import body_gravity, evaluate_each
+from lutgen.errors import InputError
+from lutgen.vector import Floats
+
+# Postures of the lattice at most.
+POSTURES = 4200
+# A score of what tips: below every other.
+TIPS = -1e3
+_PRICED = re.compile(r"tip_angle\s*-\s*([0-9.]+)\s*\*\s*move2$")
+WORDS = "tip_angle, tip_angle-X*move2, move, sdg"
+
+
+@dataclass(frozen=True)
+class Objective:
+    """An objective: the larger its score, the better.
+
+    Parameters
+    ----------
+    kind : str
+        ``"tip_angle"``: less `price` times the square of the move from home, rad.
+        ``"move"``: the smallest move that has the tip angle `margin`.
+        ``"sdg"``: the smallest |SD_g|, as the paper has it.
+    price : float
+        rad of tip angle for a move of 1 rad.
+    margin : float
+        rad.
+    """
+
+    kind: str
+    price: float = 0.0
+    margin: float = 0.0
+
+    @classmethod
+    def of(cls, text: str, margin: float) -> "Objective":
+        """Return the objective of a text.
+
+        Examples
+        --------
+        >>> Objective.of("tip_angle-0.03*move2", 0.1)
+        Objective(kind='tip_angle', price=0.03, margin=0.1)
+        """
+        found = _PRICED.match(text.strip())
+        if found:
+            return cls("tip_angle", float(found[1]), margin)
+        if text not in ("tip_angle", "move", "sdg"):
+            raise InputError(f"--objective: unknown objective (got {text!r}); one of {WORDS}.")
+        return cls(text, 0.0, margin)
+
+    def score(self, tip: Floats, sdg: Floats, move2: Floats) -> Floats:
+        """Return the scores of postures with a tip angle (rad), |SD_g| and squared move."""
+        if self.kind == "sdg":
+            value = -sdg
+        elif self.kind == "move":
+            value = np.where(tip >= self.margin, math.pi - np.sqrt(move2), tip - math.pi)
+        else:
+            value = tip - self.price * move2
+        return np.asarray(np.where(tip >= 0.0, value, TIPS + tip))
+
+
+def lattice(model: Model) -> Floats:
+    """Return the postures (p, k) that are tried; a joint that turns round has no end twice."""
+    places = max(2, int(POSTURES ** (1.0 / max(model.k, 1))))
+    axes = [
+        np.linspace(low, high, places, endpoint=high - low < 2.0 * math.pi - 1e-6)
+        for low, high in zip(model.lower, model.upper, strict=True)
+    ]
+    return np.asarray(combinations(axes))
+
+
+def scales(model: Model) -> Floats:
+    """Return what a move of one (rad) is of each parameter: of a length, its axis."""
+    units = [parameter.unit == "rad" for parameter in model.recipe.parameters]
+    return np.where(units, 1.0, model.upper - model.lower)
+
+
+def measured(
+    model: Model, postures: Floats, slopes: Floats, convention: str
+) -> tuple[Floats, Floats]:
+    """Return tip angle (rad) and |SD_g|, each (s, p), of every posture (p, k) on slopes (s, 3)."""
+    tip, sdg = (np.empty((len(slopes), len(postures))) for _ in range(2))
+    for at, slope in enumerate(slopes):
+        downs = body_gravity(model.recipe, postures, slope, convention)
+        found = evaluate_each(model.recipe, postures, downs, ("sdg", "tip_angle"))
+        tip[at], sdg[at] = found["tip_angle"], found["sdg"]
+    return tip, sdg

@@ -1,0 +1,212 @@
+"""On-board control asked on this machine: the C of `smap_control.h`, of many robots at a time.
+
+Owns the shapes and types of samples and commands, and the memory of states.
+"""
+
+import ctypes
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from firmware_export.host.library import load_library
+from firmware_export.host.reader import FAMILIES, Map
+from lutgen.errors import InputError
+from lutgen.vector import Floats
+
+# smap_cycle_t.
+CYCLE = np.dtype(
+    [
+        *(("slope", "<f4", 3), ("tip", "<f4"), ("least", "<f4"), ("left", "<f4")),
+        *(("alarm", "u1"), ("move", "u1"), ("poses", "u1"), ("spare", "u1")),
+    ]
+)
+# smap_move_t.
+MOVES, RESTS, HELD, ESCAPES, BLIND = range(5)
+
+
+class Controller:
+    """A map and its policy, and the states of some robots that they steer.
+
+    Parameters
+    ----------
+    blob : Map
+        Of `protocol.describe`: read with floats.
+    policy : bytes
+        Of `protocol.Policy.packed`.
+    robots : int
+        How many states there are.
+
+    Raises
+    ------
+    InputError
+        If the map is read without floats, or the C refuses the policy.
+
+    Attributes
+    ----------
+    joints : int
+        Joints of a posture, k.
+    state_bytes : int
+        Bytes of a state, on this machine.
+    """
+
+    def __init__(self, blob: Map, policy: bytes, robots: int = 1) -> None:
+        if blob.integer:
+            raise InputError(
+                "on-board control needs a map that is read with floats (got one without); export "
+                "with --arithmetic float."
+            )
+        self.joints = blob.params
+        self._map = np.frombuffer(blob.bytes, np.uint8)
+        self._policy = np.frombuffer(policy, np.uint8)
+        self._stem = f"smap_{FAMILIES[blob.codec]}_host_"
+        sizes = np.zeros(2, np.uint32)
+        self._function("control_sizes")(_at(sizes))
+        self._both = np.zeros(-(-int(sizes[0]) // 8), np.uint64)
+        self.state_bytes = int(sizes[1])
+        if self.state_bytes % 8:
+            raise InputError(f"a state has no whole words (got {self.state_bytes}); install anew.")
+        status = self._function("control")(
+            _at(self._both), *_sized(self._map), *_sized(self._policy)
+        )
+        if ctypes.c_int8(status).value != 0:
+            raise InputError(
+                f"the policy is refused by the C that follows it (got status {status}); it is "
+                "damaged, or of another map: make it again with `lutgen policy`."
+            )
+        self.robots = robots
+        self.restart()
+
+    def restart(self, robots: int | None = None) -> None:
+        """Begin anew, with as many robots as there were or another number."""
+        self.robots = self.robots if robots is None else robots
+        self._states = np.zeros(self.robots * self.state_bytes // 8, np.uint64)
+        self._function("start")(_at(self._both), ctypes.c_int64(self.robots), _at(self._states))
+
+    def step(
+        self,
+        posture: ArrayLike,
+        up: ArrayLike,
+        rate: ArrayLike | None = None,
+        own: ArrayLike | None = None,
+        desired: ArrayLike | None = None,
+    ) -> tuple[NDArray[np.float32], NDArray[Any], NDArray[np.int8]]:
+        """Ask smap_step once for each of n robots, which keep their states.
+
+        Parameters
+        ----------
+        posture, desired : (n, k) array_like
+            Joints, rad or length; without `desired` the policy goes where it will.
+        up, own : (n, 3) array_like
+            What the accelerometer reads, and the acceleration that is known, m/s^2.
+        rate : (n, 3) array_like
+            What the gyroscope reads, rad/s.
+
+        Returns
+        -------
+        command : (n, k) float32
+        cycle : (n,) structured
+            As smap_cycle_t, see `CYCLE`.
+        status : (n,) int8
+            See smap_status_t.
+        """
+        rows = self._rows(posture)
+        count = len(rows)
+        if count != self.robots:
+            raise InputError(f"a row for each robot (got {count} of {self.robots})")
+        sensors = np.zeros((count, 9), np.float32)
+        for at, given in ((0, up), (3, rate), (6, own)):
+            if given is not None:
+                sensors[:, at : at + 3] = given
+        wanted = None if desired is None else self._rows(desired)
+        command = np.empty((count, self.joints), np.float32)
+        cycle, status = np.empty(count, CYCLE), np.empty(count, np.int8)
+        self._call("step", count, self._states, rows, wanted, sensors, command, cycle, status)
+        return command, cycle, status
+
+    def ground(self, posture: ArrayLike, up: ArrayLike) -> tuple[Floats, NDArray[np.int8]]:
+        """Return gravity in the ground's frame (m, 3) under postures (m, k) and `up` (m, 3)."""
+        rows, ups = self._rows(posture), np.ascontiguousarray(up, np.float32)
+        slope, status = np.empty((len(rows), 3), np.float32), np.empty(len(rows), np.int8)
+        self._call("ground", len(rows), self._scratch(), rows, ups, slope, status)
+        return slope.astype(np.float64), status
+
+    def target(self, slope: ArrayLike, desired: ArrayLike | None = None) -> NDArray[np.float32]:
+        """Return the postures (m, k) for slopes (m, 3), within the range around `desired`."""
+        slopes = np.ascontiguousarray(slope, np.float32)
+        target = np.zeros((len(slopes), self.joints), np.float32)
+        wanted = None if desired is None else self._rows(desired)
+        self._call("target", len(slopes), slopes, wanted, target)
+        return target
+
+    def transit(self, start: ArrayLike, end: ArrayLike, gravity: ArrayLike) -> NDArray[np.float32]:
+        """Return the certified least tip angle (m,), rad, of the ways between postures (m, k).
+
+        `gravity` (m, 3) is in the body frame at the start.
+        """
+        rows, ends = self._rows(start), self._rows(end)
+        downs, least = np.ascontiguousarray(gravity, np.float32), np.empty(len(rows), np.float32)
+        self._call("transit", len(rows), self._scratch(), rows, ends, downs, least)
+        return least
+
+    def _scratch(self) -> NDArray[np.uint64]:
+        """Return a state of its own."""
+        state = np.zeros(self.state_bytes // 8, np.uint64)
+        self._function("start")(_at(self._both), ctypes.c_int64(1), _at(state))
+        return state
+
+    def _rows(self, posture: ArrayLike) -> NDArray[np.float32]:
+        rows = np.ascontiguousarray(posture, np.float32)
+        if rows.ndim != 2 or rows.shape[1] != self.joints:
+            raise InputError(
+                f"postures must have the shape (m, {self.joints}) (got {rows.shape}); give one row "
+                "for each robot."
+            )
+        return rows
+
+    def _function(self, what: str) -> Any:
+        return getattr(load_library(), self._stem + what)
+
+    def _call(self, what: str, count: int, *arrays: NDArray[Any] | None) -> None:
+        """Call a function of the library with map and policy, a count, and arrays."""
+        given = [ctypes.c_void_p(None) if one is None else _at(one) for one in arrays]
+        self._function(what)(_at(self._both), ctypes.c_int64(count), *given)
+
+
+def budget(
+    blob: Map, params: ArrayLike, gravity: ArrayLike, direction: ArrayLike, reads: int = 4
+) -> tuple[NDArray[np.float32], NDArray[np.int8]]:
+    """Ask smap_budget: the largest acceleration (m,), m/s^2, and the status (m,) of each posture.
+
+    Parameters
+    ----------
+    blob : Map
+        Read with floats.
+    params : (m, k) array_like
+        rad or length.
+    gravity, direction : (m, 3) array_like
+        Down, and where the robot accelerates; body frame, any length > 0.
+    reads : int
+        Reads of the map for each.
+    """
+    rows = np.ascontiguousarray(params, np.float32)
+    downs = np.ascontiguousarray(gravity, np.float32)
+    toward = np.ascontiguousarray(direction, np.float32)
+    found, status = np.empty(len(rows), np.float32), np.empty(len(rows), np.int8)
+    function = getattr(load_library(), f"smap_{FAMILIES[blob.codec]}_host_budget")
+    function(
+        *_sized(np.frombuffer(blob.bytes, np.uint8)),
+        ctypes.c_int64(len(rows)),
+        *(_at(array) for array in (rows, downs, toward)),
+        ctypes.c_uint8(reads),
+        *(_at(array) for array in (found, status)),
+    )
+    return found, status
+
+
+def _at(array: NDArray[Any]) -> ctypes.c_void_p:
+    return ctypes.c_void_p(array.ctypes.data)
+
+
+def _sized(array: NDArray[Any]) -> tuple[ctypes.c_void_p, ctypes.c_uint32]:
+    return _at(array), ctypes.c_uint32(len(array))

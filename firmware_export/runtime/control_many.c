@@ -1,0 +1,123 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
+/* ---- control: many contacts: one pose that holds for every posture of a box -------------------------- */
+/* All contacts of all postures of a box are within `off` of where they are in its middle: what each joint moves
+ * all contacts, and the most that one moves its own beyond that.  A pose of the
+ * middle whose limits are narrower by what that can alter is a pose of them all, as that of a robot given by
+ * code whose contacts are known to `off` (contacts/many.py): rests are wider, gaps turn less and hold
+ * more, and every wall is as much nearer as moving its contacts can turn it. */
+#define SMAP_SWEPT_REST 40.0f /* a rest is at least so many times `off` wide, so that its plane turns little */
+#define SMAP_SWEPT_LOW 0.5f   /* of the present plane's height: lower facets are given up */
+#define SMAP_SWEPT_ROLLS 4.0f /* as contacts/many.py has it */
+
+/* The facet that a direction pierces first; SMAP_NONE where there is none. */
+static uint8_t smap_stood_on(const smap_many_pose_t *o, const float g[3])
+{
+  float rate = 0.0f;
+  uint8_t i, best = SMAP_NONE;
+  for (i = 0; i < o->at.shown; i++) {
+    const float v = smap_dot(o->plane[i], g);
+    if (v > rate) {
+      rate = v;
+      best = i;
+    }
+  }
+  return best;
+}
+
+/* The upward normal of the plane on which a pose stands under a direction; 0 where it stands on none. */
+static int smap_upright(const smap_pose_memory_t *pose, const float g[3], float up[3])
+{
+  const uint8_t facet = pose->head.status == SMAP_OK ? smap_stood_on(&pose->real, g) : (uint8_t)SMAP_NONE;
+  uint8_t i;
+  for (i = 0; facet != SMAP_NONE && i < 3; i++) {
+    up[i] = -pose->real.plane[facet][i] * pose->real.height[facet];
+  }
+  return facet != SMAP_NONE;
+}
+
+/* Narrow a map's limits for contacts that may be `off` from where they are, and planes of at least a
+ * height.  A rest's plane turns by no more than `turn`, and a wheel touches it elsewhere, too.  Returns how far
+ * any place at which the robot touches may be off. */
+static float smap_narrow(smap_many_t *m, float off, float radius, float lowest)
+{
+  const float rest = SMAP_SWEPT_REST * off, wide = m->rest_width > rest ? m->rest_width : rest;
+  const float turn = wide > 0.0f ? 2.0f * off / wide : 0.0f;
+  const float low = m->least_height > lowest ? m->least_height : lowest;
+  off += radius * turn;
+  m->steepest += m->steepest > -1.0f ? turn : 0.0f;
+  m->least_height = low + off;
+  m->rest_width = wide + 2.0f * off;
+  m->tolerance = m->tolerance > SMAP_SWEPT_ROLLS * off ? m->tolerance - SMAP_SWEPT_ROLLS * off : 0.0f;
+  m->rock_angle -= 2.0f * turn;
+  m->band -= 2.0f * off;
+  m->off += SMAP_SWEPT_ROLLS * off / m->size;
+  m->turned += 2.0f * turn;
+  return off;
+}
+
+/* Make the pose of the box between two postures, and of what is near.  `lowest`: planes that count are no lower. */
+static void smap_sweep(const smap_control_t *control, smap_state_memory_t *state, const float *from,
+                       const float *to, float lowest)
+{
+  const smap_t *const map = SMAP_CONTROLLED(control);
+  const uint8_t count = smap_joints(control);
+  smap_swept_t *const swept = &state->swept;
+  smap_many_t limits;
+  smap_many_place_t place;
+  float off = 0.0f, own, most = 0.0f, radius = 0.0f, height = lowest;
+  uint8_t i;
+  swept->turned = 0.0f;
+  for (i = 0; i < count; i++) {
+    state->half[i] = 0.5f * smap_absolute(to[i] - from[i]) + smap_joint(control, i, SMAP_JOINT_NEAR);
+    state->mid[i] = from[i] + 0.5f * (to[i] - from[i]);
+    off += state->half[i] * smap_joint(control, i, SMAP_JOINT_BEND);
+    own = smap_joint(control, i, SMAP_JOINT_REACH) * state->half[i];
+    most = own > most ? own : most;
+    swept->turned += 2.0f * state->half[i] * smap_joint(control, i, SMAP_JOINT_LEAN);
+  }
+  smap_many_numbers(map, &limits);
+  swept->status = smap_many_place(map, state->mid, &place);
+  for (i = 0; swept->status == SMAP_OK && i < limits.contacts; i++) {
+    radius = place.contact[i].radius > radius ? place.contact[i].radius : radius;
+  }
+  off = smap_narrow(&limits, off + most, radius, lowest);
+  if (swept->status == SMAP_OK) {
+    swept->status =
+        smap_many_pose(&limits, &place, &swept->real, &state->here.rest.work) ? SMAP_OK : SMAP_TIPS;
+  }
+  if (swept->status == SMAP_OK) {
+    for (i = 0; i < swept->real.at.shown; i++) {
+      if (i == 0 || swept->real.height[i] < height) {
+        height = swept->real.height[i];
+      }
+    }
+    /* A wall turns by no more than its contacts move, seen from the com over their line. */
+    swept->widened = height > 2.0f * off ? off / (height - off) : 1.0f;
+    swept->real.guard = limits.guard + swept->widened;
+  }
+}
+
+/* What the pose of a box says of it under a direction. */
+static void smap_swept_at(const smap_control_t *control, const smap_swept_t *swept, const float g[3],
+                          smap_way_t *way)
+{
+  smap_reading_t reading;
+  float d[3];
+  way->least = way->end = -SMAP_PI;
+  if (swept->status == SMAP_OK && smap_direction(SMAP_CONTROLLED(control), g, d) == SMAP_OK) {
+    (void)smap_many_read(SMAP_CONTROLLED(control), &swept->real, d, &reading);
+    way->least = reading.tip_angle - swept->turned;
+    way->end = reading.tip_angle + swept->widened; /* a sine is less than its angle */
+  }
+}
+
+/* The height of the plane on which a pose stands under a direction, less what may count as low; 0: none. */
+static float smap_lowest(const smap_pose_memory_t *pose, const float g[3])
+{
+  const uint8_t facet = pose->head.status == SMAP_OK ? smap_stood_on(&pose->real, g) : (uint8_t)SMAP_NONE;
+  return facet != SMAP_NONE ? SMAP_SWEPT_LOW * pose->real.height[facet] : 0.0f;
+}
+
+enum { SMAP_MOST_JOINTS = SMAP_MAX_PARAMS };
+

@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
+/* ---- control: is the sample plausible, and how near is tipping over? ----------------------------------- */
+#define SMAP_FAR_TURN 0.7f  /* rad: gravity is turned ahead by no more */
+#define SMAP_FASTEST 35.0f  /* rad/s: no gyroscope shows more */
+#define SMAP_STUCK_TURN 0.1f /* rad: a robot that has turned so far reads another `up` */
+enum { SMAP_CALM = 10, SMAP_STUCK = 10 }; /* cycles */
+
+static float smap_rate_of(const float rate[3])
+{
+  return smap_root(smap_dot(rate, rate));
+}
+
+/* What a sample is against the one before it; remembers it. */
+static int8_t smap_run_sane(const smap_control_t *control, void *memory, const smap_sample_t *sample)
+{
+  smap_state_memory_t *const state = (smap_state_memory_t *)memory;
+  const float cycle = smap_setting(control, SMAP_POLICY_CYCLE);
+  const uint8_t had = state->has & SMAP_HAS_SAMPLE;
+  float up[3] = {sample->up[0], sample->up[1], sample->up[2]}, away[3], size, turn, rate;
+  int8_t status = SMAP_OK;
+  uint8_t i;
+  state->has &= (uint8_t)~SMAP_HAS_SAMPLE;
+  if (state->control != control || !smap_are_finite(up, 3) || !smap_are_finite(sample->rate, 3) ||
+      !smap_are_finite(sample->own, 3) || !smap_are_finite(sample->posture, smap_joints(control)) ||
+      !(smap_absolute(up[0]) < 100.0f && smap_absolute(up[1]) < 100.0f && smap_absolute(up[2]) < 100.0f)) {
+    return SMAP_INVALID;
+  }
+  size = smap_root(smap_dot(up, up));
+  rate = smap_absolute(sample->rate[0]) + smap_absolute(sample->rate[1]) + smap_absolute(sample->rate[2]);
+  if (!(size > 0.3f * SMAP_GRAVITY && size < 3.0f * SMAP_GRAVITY) || !(rate < SMAP_FASTEST) ||
+      !smap_to_unit(up)) {
+    return SMAP_INVALID;
+  }
+  turn = cycle * rate;
+  if (had) {
+    const float swerve = smap_setting(control, SMAP_POLICY_SWERVE) + turn;
+    for (i = 0; i < 3; i++) {
+      away[i] = up[i] - state->up[i];
+    }
+    size = smap_dot(away, away);
+    if (size > swerve * swerve) {
+      status = SMAP_INVALID;
+    }
+    state->stuck = (uint8_t)(size > 0.0f ? 0 : state->stuck < 255 ? state->stuck + 1 : 255);
+    state->turned = size > 0.0f ? 0.0f : smap_lesser(state->turned + turn, SMAP_LONG);
+    if (state->stuck >= SMAP_STUCK && state->turned > SMAP_STUCK_TURN) {
+      status = SMAP_INVALID;
+    }
+  }
+  memcpy(state->up, up, sizeof up);
+  state->has |= SMAP_HAS_SAMPLE;
+  return status;
+}
+
+/* Gravity as it will be after the policy's latency, by the gyroscope: unit in, unit out. */
+static void smap_ahead(const smap_control_t *control, const float g[3], const float rate[3], float ahead[3])
+{
+  const float size = smap_rate_of(rate);
+  float time = smap_setting(control, SMAP_POLICY_LATENCY);
+  uint8_t i;
+  if (time * size > SMAP_FAR_TURN) {
+    time = SMAP_FAR_TURN / size;
+  }
+  smap_cross(g, rate, ahead); /* the body turns, and gravity against it */
+  for (i = 0; i < 3; i++) {
+    ahead[i] = g[i] + time * ahead[i];
+  }
+  (void)smap_to_unit(ahead);
+}
+
+/* The level: of the policy's three thresholds, how many the tip angle that is left after the latency is below. */
+static uint8_t smap_run_alarm(const smap_control_t *control, void *memory, float tip, float rate)
+{
+  smap_state_memory_t *const state = (smap_state_memory_t *)memory;
+  const float left = tip - smap_absolute(rate) * smap_setting(control, SMAP_POLICY_LATENCY);
+  uint8_t level = 0, i;
+  for (i = 0; i < 3; i++) {
+    level = (uint8_t)(level + !(left > smap_setting(control, (uint8_t)(SMAP_POLICY_LEVELS + 4 * i))));
+  }
+  if (level >= state->level) {
+    state->level = level;
+    state->calm = 0;
+  } else if (left > 1.2f * smap_setting(control, (uint8_t)(SMAP_POLICY_LEVELS + 4 * (state->level - 1)))) {
+    state->calm++;
+    if (state->calm >= SMAP_CALM) {
+      state->level--;
+      state->calm = 0;
+    }
+  } else {
+    state->calm = 0;
+  }
+  return state->level;
+}
+

@@ -1,0 +1,92 @@
+"""How large anything may be that somebody else wrote or typed: every limit, once.
+
+Owns the numbers and the sentence that refuses what is beyond one.  They are far above what a robot
+needs, and low enough that what is within them fits into a small machine's memory.
+docs/reference/bounds.md is this table.
+"""
+
+from dataclasses import dataclass
+
+from lutgen.errors import InputError
+
+__all__ = ["BOUNDS", "Bound", "check"]
+
+# Numbers of more digits than this are cut short in a message.
+_SHOWN = 24
+
+
+@dataclass(frozen=True)
+class Bound:
+    """The largest `most` that something may be; `what` says of what, with its unit."""
+
+    most: int
+    what: str
+
+
+RECIPE_BYTES = Bound(4 << 20, "bytes of a recipe or another TOML file")
+URDF_BYTES = Bound(16 << 20, "bytes of a URDF or SRDF file")
+MESH_BYTES = Bound(64 << 20, "bytes of a mesh")
+TERRAIN_BYTES = Bound(64 << 20, "bytes of a terrain in CSV")
+REPORT_BYTES = Bound(256 << 20, "bytes of the report in an export folder")
+NESTING = Bound(32, "levels of tables and lists within each other in TOML")
+KEY_DOTS = Bound(200, "dots in a key of TOML")
+DIGITS = Bound(1000, "digits of a number in TOML")
+MAGNITUDE = Bound(10**12, "the size of a number in a recipe or a URDF, in its unit")
+CONTACTS = Bound(62, "contacts of a robot")
+LINKS = Bound(10_000, "links of a URDF")
+ENTRIES = Bound(2000, "parameters, links, wheels, payloads or forces of a recipe, each")
+KNOTS = Bound(1_000_000, "nodes of a parameter")
+SIDE = Bound(1024, "nodes along a side of a face of the gravity chart")
+NODES = Bound(10**12, "nodes of a map")
+BLOCKS = Bound(1 << 18, "blocks of a map that is swept")
+WORKERS = Bound(512, "dask workers that are started on this machine")
+POINTS = Bound(100_000, "points of a path")
+HEADINGS = Bound(36_000, "headings")
+LIMITS = Bound(50_000_000, "postures times headings of `limits`")
+SEARCHED = Bound(8, "parameters that the method `search` varies")
+LEVELS = Bound(32, "levels of a search")
+
+# In the order of the table in the reference.
+BOUNDS: dict[str, Bound] = {
+    name: value for name, value in list(globals().items()) if isinstance(value, Bound)
+}
+
+
+def check(value: int, bound: Bound, where: str, way_out: str) -> None:
+    """Refuse a number above a bound, before anything is made of that size.
+
+    Parameters
+    ----------
+    value : int
+        What was asked for.
+    bound : Bound
+        What it may be at most.
+    where : str
+        The file and key, or the option, that asks for it.
+    way_out : str
+        What to do instead.
+
+    Raises
+    ------
+    InputError
+        Above the bound.
+    """
+    if value > bound.most:
+        raise InputError(
+            f"{where}: beyond the limit of {bound.most:,} {bound.what} (got {shown(value)}); "
+            f"{way_out}."
+        )
+
+
+def shown(value: int) -> str:
+    """Return a whole number for a message, a long one as its length.
+
+    Examples
+    --------
+    >>> shown(12345), shown(10**40)
+    ('12,345', 'a number of 41 digits')
+    """
+    if abs(value) < 10**_SHOWN:
+        return f"{value:,}"
+    # Python refuses to print the longest; 0.30103 is log10 of 2.
+    return f"a number of {int(value.bit_length() * 0.30103) + 1} digits"

@@ -1,0 +1,122 @@
+"""On-board control: what a cycle promises, attacked in small; `make control` does so at length."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from firmware_export.host import BLIND, Controller
+from lutgen.errors import InputError
+from proofs.control import G0, Steered, bits, budgets, damaged, fixed_slopes, robot, transits
+
+LEVEL = np.array([[0.0, 0.0, G0]])
+
+
+@cache
+def paper() -> Steered:
+    """Return the paper's robot with a price on moving, so that its table has something to say."""
+    return robot("paper_two", objective="tip_angle-0.5*move2", within=1e-9)
+
+
+def test_no_posture_of_a_certified_way_is_nearer_to_tipping_than_promised() -> None:
+    found = transits(paper(), 3000, inside=12)
+    assert found.promised > 1500
+    assert (found.faults, found.below) == (0, 0)
+
+
+def test_a_damaged_table_costs_margin_but_no_safety() -> None:
+    found = damaged(paper(), 40)
+    assert found.promised > 1000
+    assert found.faults == 0
+
+
+def test_on_a_fixed_slope_the_robot_comes_to_rest() -> None:
+    found = fixed_slopes(paper(), 200, cycles=300, tail=50)
+    assert found.promised > 150
+    assert found.faults == 0
+
+
+def test_budgets_are_never_too_large_and_nearly_as_large_as_they_may_be() -> None:
+    found = budgets(paper(), 2000)
+    assert found.faults == 0
+    assert found.share > 0.95  # the median, in four reads
+
+
+def test_commands_keep_axes_and_rates_whatever_bits_come_in() -> None:
+    found = bits(paper(), 5000)
+    assert found.promised > 5000
+    assert found.faults == 0
+
+
+def test_the_slope_is_that_of_the_ground_whatever_the_posture() -> None:
+    one, rng = paper(), np.random.default_rng(7)
+    params = one.model.at(rng.random((50, 2)))
+    slopes = np.tile([0.2, -0.1, -1.0], (50, 1)) / np.linalg.norm([0.2, -0.1, -1.0])
+    found, status = one.controller().ground(params, -one.down(params, slopes))
+    assert (status == 0).all()
+    np.testing.assert_allclose(found, slopes, atol=2e-6)  # singles
+
+
+@pytest.mark.parametrize("wrong", [np.nan, 1e30, 0.0])
+def test_an_implausible_sensor_holds_the_last_command_and_alarms(wrong: float) -> None:
+    one = paper()
+    controller, posture = one.controller(), one.model.at(np.array([[0.5, 0.5]]))
+    before, _, status = controller.step(posture, LEVEL)
+    assert status[0] == 0
+    command, cycle, status = controller.step(posture, LEVEL * wrong)
+    assert (status[0], cycle["move"][0], cycle["alarm"][0]) == (-1, BLIND, 3)
+    np.testing.assert_array_equal(command, before)
+
+
+def test_an_accelerometer_that_is_stuck_while_the_robot_turns_is_not_believed() -> None:
+    one = paper()
+    controller, posture = one.controller(), one.model.at(np.array([[0.5, 0.5]]))
+    moves = [controller.step(posture, LEVEL, [[1.0, 0.0, 0.0]])[1]["move"][0] for _ in range(20)]
+    assert moves[0] != BLIND
+    assert moves[-1] == BLIND
+
+
+def test_the_alarm_rises_at_once_and_falls_late() -> None:
+    one = paper()
+    controller, posture = one.controller(), one.model.at(np.array([[0.0, 0.0]]))
+    flat = [controller.step(posture, LEVEL)[1] for _ in range(2)][-1]
+    assert flat["alarm"][0] == 0
+    lean = flat["tip"][0] - np.radians(4.0)
+    steep = [[G0 * np.sin(lean), 0.0, G0 * np.cos(lean)]]
+    # Further than a cycle explains: not believed once, then seen.
+    levels = [controller.step(posture, steep)[1]["alarm"][0] for _ in range(3)]
+    assert max(levels) >= 2
+    again = [int(controller.step(posture, LEVEL)[1]["alarm"][0]) for _ in range(60)]
+    assert again[0] >= 2
+    assert again[-1] == 0
+
+
+def test_a_policy_of_another_map_or_with_a_wrong_bit_is_refused() -> None:
+    one = paper()
+    packed = one.policy.packed(one.blob.bytes)
+    Controller(one.blob, packed)
+    for at in (0, 9, 20, 60, len(packed) - 1):
+        broken = bytearray(packed)
+        broken[at] ^= 4
+        with pytest.raises(InputError, match="refused"):
+            Controller(one.blob, bytes(broken))
+
+
+def test_prediction_sees_gravity_where_the_gyroscope_says_it_will_be() -> None:
+    one = paper()
+    posture = one.model.at(np.array([[0.2, 0.2]]))
+    still = one.controller().step(posture, LEVEL)[1]["tip"][0]
+    turning = one.controller().step(posture, LEVEL, [[0.0, 1.0, 0.0]])[1]
+    assert turning["tip"][0] < still
+    assert turning["left"][0] == pytest.approx(turning["tip"][0], rel=1e-3)  # at 1 rad/s
+
+
+def test_the_driver_is_followed_within_delta() -> None:
+    one = paper()
+    joints = tuple(joint._replace(delta=0.05) for joint in one.policy.joints)
+    controller = one.controller(policy=replace(one.policy, joints=joints))
+    wanted, slopes = one.model.at(np.random.default_rng(1).random((50, 2))), np.zeros((50, 3))
+    slopes[:, 2] = -1.0
+    target = controller.target(slopes, wanted)
+    assert (np.abs(target - wanted) <= 0.05 + 1e-6).all()
