@@ -69,8 +69,10 @@ def front(trials: Trials, chosen: Candidate) -> list[dict[str, Any]]:
             for o in trials.candidates
             if o.export.codec == one.export.codec
         )
-        if one is chosen or not beaten:
-            rows.append(one.row(one is chosen))
+        # Its guard may be another since, that of its proof.
+        is_chosen = one.label == chosen.label
+        if is_chosen or not beaten:
+            rows.append(one.row(is_chosen))
     return sorted(rows, key=lambda row: (row["total_bytes"], row["error"], row["label"]))
 
 
