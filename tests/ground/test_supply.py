@@ -46,6 +46,7 @@ def test_the_lock_keeps_within_the_bounds_and_has_all_that_tests_and_checks_need
         "mujoco",
         "pin",
         "example-robot-data",
+        "selenium",
         "zfpy",
     }
 
