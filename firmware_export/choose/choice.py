@@ -70,7 +70,7 @@ def front(trials: Trials, chosen: Candidate) -> list[dict[str, Any]]:
             if o.export.codec == one.export.codec
         )
         # Its guard may be another since, that of its proof.
-        is_chosen = one.label == chosen.label
+        is_chosen = (one.export.codec, one.label) == (chosen.export.codec, chosen.label)
         if is_chosen or not beaten:
             rows.append(one.row(is_chosen))
     return sorted(rows, key=lambda row: (row["total_bytes"], row["error"], row["label"]))

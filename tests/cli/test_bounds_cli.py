@@ -53,8 +53,13 @@ def sampled(count: int) -> str:
         (sampled(2**63), "limit of 1,000,000 nodes of a parameter"),
         (sampled(10**9), "limit of 1,000,000 nodes of a parameter"),
         (START.replace("nodes = 3", "nodes = 15000"), "limit of 1,024 nodes along a side"),
-        (sampled(10**6).replace("nodes = 3", "nodes = 1024"), "1,000,000,000,000 nodes of a map"),
-        (START.replace("[sweep]", "[[robot.force]]\n" * 3000 + "[sweep]"), "2,000 entries"),
+        (
+            sampled(10**6)
+            .replace("swing = 2", "swing = 1000000")
+            .replace('"cone"\nnodes = 3\nmax_tilt = 50.0', '"cube"\nnodes = 1024'),
+            "4,611,686,018,427,387,904 nodes of a map",
+        ),
+        (START.replace("[sweep]", "[[robot.force]]\n" * 10_001 + "[sweep]"), "10,000 entries"),
         (f"{START}\n[export]\nmax_error = 1e300", "at most 1e+12"),
     ],
     ids=lambda value: value[:24],
