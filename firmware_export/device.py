@@ -3,11 +3,13 @@
 import hashlib
 import os
 from pathlib import Path
+from typing import Any
 
 from firmware_export.emit import load_report
 from firmware_export.host import Host
 from firmware_export.protocol import restored
-from lutgen.errors import InputError
+from lutgen.errors import InputError, LutgenError
+from lutgen.recipe import Recipe, parse_recipe
 
 __all__ = ["ExportFolder"]
 
@@ -38,7 +40,7 @@ class ExportFolder:
     """
 
     def __init__(self, directory: str | os.PathLike[str]) -> None:
-        folder = Path(directory)
+        folder = self._directory = Path(directory)
         self.report = load_report(folder)
         self.integer = self.report["arithmetic"] == "integer"
         tables = self.report.get("tables")
@@ -67,3 +69,24 @@ class ExportFolder:
             )
         self.blob = content
         self.host = Host(content)
+
+    def recipe(self) -> Recipe:
+        """Return the recipe that the report holds; its code is left alone.
+
+        Raises
+        ------
+        InputError
+            If the report does not hold it.
+        """
+        held: Any = self.report.get("recipe")
+        try:
+            text, urdf = held["text"], held["urdf"]
+            name = f"{self._directory} (recipe inside)"
+            return parse_recipe(text, name, inert=True, urdf=urdf)
+        except LutgenError:
+            raise
+        except (KeyError, TypeError, AttributeError) as error:
+            raise InputError(
+                f"{self._directory}: its report does not hold the recipe (got one of lutgen "
+                f"{self.report.get('lutgen_version')}); export again."
+            ) from error

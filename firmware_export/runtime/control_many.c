@@ -103,12 +103,13 @@ static void smap_swept_at(const smap_control_t *control, const smap_swept_t *swe
                           smap_way_t *way)
 {
   smap_reading_t reading;
-  float d[3];
+  float on[3], d[3];
+  const float turned = smap_to_chart(SMAP_CONTROLLED(control), g, on);
   way->least = way->end = -SMAP_PI;
-  if (swept->status == SMAP_OK && smap_direction(SMAP_CONTROLLED(control), g, d) == SMAP_OK) {
+  if (swept->status == SMAP_OK && smap_direction(SMAP_CONTROLLED(control), on, d) == SMAP_OK) {
     (void)smap_many_read(SMAP_CONTROLLED(control), &swept->real, d, &reading);
-    way->least = reading.tip_angle - swept->turned;
-    way->end = reading.tip_angle + swept->widened; /* a sine is less than its angle */
+    way->least = smap_between(reading.tip_angle - swept->turned - turned, -SMAP_PI, SMAP_PI);
+    way->end = reading.tip_angle - turned + swept->widened; /* a sine is less than its angle */
   }
 }
 

@@ -145,12 +145,37 @@ static int smap_to_unit(float v[3])
   return 1;
 }
 
-/* The tip angle of a pose under a direction; what is unsafe or unknown is below 0. */
+/* Turn a direction that the map does not hold to the rim of its chart.  Returns by how much at most, rad; 0
+ * where it is on the chart. */
+static float smap_to_chart(const smap_t *map, const float g[3], float on[3])
+{
+  const smap_bytes_t blob = SMAP_BLOB(map);
+  const float limit = 0.9999f * smap_f32(blob + SMAP_AT_LIMIT), down = g[2] < -1e-3f ? -g[2] : 1e-3f;
+  float square, chord;
+  memcpy(on, g, sizeof(float) * 3);
+  if (blob[SMAP_AT_FACES] != 1 || (smap_absolute(g[0]) < limit * down && smap_absolute(g[1]) < limit * down &&
+                                   g[2] < -1e-3f)) {
+    return 0.0f;
+  }
+  on[0] = smap_between(g[0], -limit * down, limit * down);
+  on[1] = smap_between(g[1], -limit * down, limit * down);
+  on[2] = -down;
+  (void)smap_to_unit(on);
+  square = 2.0f - 2.0f * smap_dot(on, g);
+  chord = square > 0.0f ? smap_root(square) : 0.0f;
+  /* An angle is no more than so much above its chord. */
+  return square < 2.0f ? chord * (1.0f + 0.0625f * square) + 1e-3f : SMAP_PI;
+}
+
+/* The tip angle of a pose under a direction, unit; what is unsafe or unknown is below 0.  Off the chart from below: it
+ * changes by no more than the direction turns. */
 static float smap_tip_of(const smap_pose_memory_t *pose, const float g[3])
 {
   smap_reading_t reading;
-  (void)smap_run_at(pose, g, &reading);
-  return reading.tip_angle;
+  float on[3];
+  const float turned = smap_to_chart(pose->head.map, g, on);
+  (void)smap_run_at(pose, on, &reading);
+  return smap_between(reading.tip_angle - turned, -SMAP_PI, SMAP_PI);
 }
 
 /* Turn a direction from the body's frame to that of a plane whose upward normal is `up` (sign 1), or back

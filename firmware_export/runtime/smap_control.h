@@ -63,7 +63,8 @@ typedef enum {
 /* What a cycle says beside its command. */
 typedef struct {
   float slope[3]; /* gravity in the ground's frame, unit; zeros where nothing is known */
-  float tip;      /* tip angle of the posture, the lesser of now and of gravity turned ahead, rad */
+  float tip;      /* tip angle of the posture, the lesser of now and of gravity turned ahead, rad; of directions
+                     that the map does not hold, from below */
   float least;    /* certified least tip angle from the posture to the command, rad; tip where it rests */
   float left;     /* s until it tips at the present rate of turning, at most 1000 */
   uint8_t alarm;  /* 0 to 3: rises at once, falls late */

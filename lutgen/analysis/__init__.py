@@ -2,9 +2,10 @@
 
 In reading order: `stance`, `lying`, `forces`, `diagnosis`, `ground`, `ground_contact`, `wheels`,
 `tilt`, `rocking`, `ground_walk`, `ground_outline`, `sliding`, `resistance`, `rolling`, `metrics`,
-`tilt_table`, `balance`, `uneven_region`, `uneven`.
+`tilt_table`, `budget`, `balance`, `uneven_region`, `uneven`.
 """
 
+from lutgen.analysis.budget import budgets, turn_speed
 from lutgen.analysis.diagnosis import Diagnosis, diagnose
 from lutgen.analysis.forces import heuristic_forces, load_corners, normal_forces
 from lutgen.analysis.ground_outline import GroundTilt, ground_limits, ground_tilt
@@ -49,6 +50,7 @@ __all__ = [
     "SweepLimits",
     "axis_force_angle",
     "below_ground",
+    "budgets",
     "compare_metrics",
     "diagnose",
     "equilibrium",
@@ -73,5 +75,6 @@ __all__ = [
     "sweep_limits",
     "tilt_limits",
     "tilted",
+    "turn_speed",
     "wheel_speeds",
 ]

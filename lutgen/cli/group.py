@@ -10,7 +10,9 @@ from typing import Any, NoReturn
 import click
 
 from lutgen._version import __version__
+from lutgen.cli.budget import budget
 from lutgen.cli.check import check
+from lutgen.cli.control import control
 from lutgen.cli.eval import eval_
 from lutgen.cli.explore import explore
 from lutgen.cli.export import export
@@ -128,5 +130,6 @@ def main(verbose: int, quiet: bool) -> None:
 for command in (
     *(new, schema, recipes, import_, check, sweep, info, eval_, limits, metrics),
     *(stance, optimum, plot, export, explore, prove, policy, wheels, paper, path),
+    *(budget, control),
 ):
     main.add_command(command)

@@ -1,11 +1,12 @@
 """Figures of a robot's stability, from a map or a recipe.
 
 In reading order: `sheet`, `fonts`, `palette`, `dark`, `style`, `words`, `legend`, `box`, `view`,
-`labels`, `marks`, `levels`, `path`, `shape`, `robot`, `animation`, `curve`, `metrics`, `plane`,
-`sphere`, `tilt`, `figure`, `steps`, `uneven`.
+`labels`, `marks`, `levels`, `path`, `shape`, `robot`, `animation`, `curve`, `metrics`, `budget`,
+`plane`, `sphere`, `tilt`, `figure`, `steps`, `uneven`.
 """
 
 from lutgen.plot.animation import animate, check_animation
+from lutgen.plot.budget import draw_budget
 from lutgen.plot.figure import KINDS, draw
 from lutgen.plot.path import draw_path
 from lutgen.plot.sheet import STYLES, on_sheet
@@ -20,6 +21,7 @@ __all__ = [
     "animate",
     "check_animation",
     "draw",
+    "draw_budget",
     "draw_footing",
     "draw_limits",
     "draw_path",

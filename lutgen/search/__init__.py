@@ -8,7 +8,7 @@ from lutgen.search.driving import Drive, drive
 from lutgen.search.objective import Objective
 from lutgen.search.optima import Optimum, optimum
 from lutgen.search.terrain import Path, paper_path, turned
-from lutgen.search.terrain_csv import read_path
+from lutgen.search.terrain_csv import read_path, read_rows
 
 __all__ = [
     "Drive",
@@ -19,5 +19,6 @@ __all__ = [
     "optimum",
     "paper_path",
     "read_path",
+    "read_rows",
     "turned",
 ]

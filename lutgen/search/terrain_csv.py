@@ -1,11 +1,13 @@
 """Paths in CSV files, as other programs write them.
 
 Owns the columns and the messages that say where a file is wrong; what a path is, `terrain` knows.
+Logs of robots are read by the same rows.
 """
 
 import csv
 import math
 import os
+from collections.abc import Callable
 from io import StringIO
 from pathlib import Path as File
 
@@ -32,7 +34,7 @@ def read_path(file: str | os.PathLike[str]) -> Path:
     InputError
         For anything else, with line and column.
     """
-    rows, lines = _read_rows(file)
+    rows, lines = read_rows(file, _check_names)
     point = np.column_stack([rows[name] for name in ("x", "y", "z")])
     repeat = repeated(point)
     if repeat is not None:
@@ -48,13 +50,33 @@ def read_path(file: str | os.PathLike[str]) -> Path:
         raise InputError(f"{os.fspath(file)}: {error}") from error
 
 
-def _read_rows(file: str | os.PathLike[str]) -> tuple[dict[str, Floats], list[int]]:
-    """Return the columns of a CSV file by name, each (p,), and the line of each row."""
-    source = os.fspath(file)
+def read_rows(
+    file: str | os.PathLike[str],
+    check_names: Callable[[str, list[str]], None],
+    what: str = "a path needs at least 2 points",
+) -> tuple[dict[str, Floats], list[int]]:
+    """Return the columns of a CSV file by name, each (p,), and the line of each row.
+
+    Parameters
+    ----------
+    file : path
+        UTF-8, comma separated, the names of the columns in the first line, finite numbers in all
+        others; as large as a terrain may be.
+    check_names : callable
+        Refuses a header: given the file's name, and the columns.
+    what : str
+        The sentence for a file of fewer than 2 rows.
+
+    Raises
+    ------
+    InputError
+        For anything else, with line and column.
+    """
+    source, way_out = os.fspath(file), "cut the path into parts"
     try:
         with File(file).open("rb") as opened:
             raw = opened.read(bounds.TERRAIN_BYTES.most + 1)
-        bounds.check(len(raw), bounds.TERRAIN_BYTES, source, "cut the path into parts")
+        bounds.check(len(raw), bounds.TERRAIN_BYTES, source, way_out)
         text = raw.decode("utf-8-sig")
     except OSError as error:
         raise InputError(
@@ -70,10 +92,9 @@ def _read_rows(file: str | os.PathLike[str]) -> tuple[dict[str, Floats], list[in
     lines: list[int] = []
     try:
         names = [name.strip() for name in next(reader, [])]
-        _check_names(source, names)
+        check_names(source, names)
         for cells in reader:
             if cells:
-                way_out = "cut the path into parts"
                 bounds.check(len(rows) + 1, bounds.POINTS, source, way_out)
                 rows.append(_read_row(f"{source}: line {reader.line_num}", names, cells))
                 lines.append(reader.line_num)
@@ -82,7 +103,7 @@ def _read_rows(file: str | os.PathLike[str]) -> tuple[dict[str, Floats], list[in
             f"{source}: line {reader.line_num} is no CSV (got {error}); save it again"
         ) from error
     if len(rows) < 2:
-        raise InputError(f"{source}: a path needs at least 2 points (got {len(rows)}); add lines")
+        raise InputError(f"{source}: {what} (got {len(rows)}); add lines")
     return dict(zip(names, np.array(rows).T, strict=True)), lines
 
 
