@@ -265,11 +265,11 @@ def _listen(
         call: [int(value, 16) for kind, value in lines if kind == letter]
         for call, letter in job.calls.items()
     }
-    count = _counter(board, said)
+    count = counter_of(board, said)
     return said, {call: [count(one) for one in found] for call, found in ticks.items()}
 
 
-def _counter(board: Board, said: dict[str, int]) -> Callable[[int], int]:
+def counter_of(board: Board, said: dict[str, int]) -> Callable[[int], int]:
     """Return what makes ticks of a board's counter the unit that is counted."""
     if board.unit == "cycles":
         # Each overflow of the 16-bit timer takes an interrupt; `o` holds the cycles of three.

@@ -14,12 +14,12 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from firmware_export.emit import report
-from firmware_export.emit.runtime import SWITCHES, parts_of, runtime_file
+from firmware_export.emit.runtime import SWITCHES, control_parts, parts_of, runtime_file
 from firmware_export.emit.size import FILE, TARGET
 from lutgen.errors import ExportError, LutgenError
 from targets.cases import ROOT
@@ -104,8 +104,11 @@ def _sections(text: str) -> Measure:
     return result
 
 
-def deepest(graph: str) -> int:
-    """Return the deepest stack of any chain of calls, from GCC's call graph (VCG)."""
+def deepest(graph: str, begins: Callable[[str], bool] = lambda title: True) -> int:
+    """Return the deepest stack of any chain of calls, from GCC's call graph (VCG).
+
+    `begins` tells of a function's title whether a chain begins there.
+    """
     own = {
         title: int(size)
         for title, size in re.findall(r'node: \{ title: "([^"]+)" label: "[^"]*?(\d+) bytes', graph)
@@ -122,15 +125,24 @@ def deepest(graph: str) -> int:
         below = [depth(name, (*seen, title)) for name in calls.get(title, ())]
         return own.get(title, 0) + max(below, default=0)
 
-    return max((depth(title, ()) for title in own), default=0)
+    return max((depth(title, ()) for title in own if begins(title)), default=0)
 
 
-def program(config: Mapping[str, int]) -> str:
-    """Return a file that has the parts that some settings need, with a blob in memory."""
+def program(config: Mapping[str, int], control: bool = False) -> str:
+    """Return a file that has the parts that some settings need, with a blob in memory.
+
+    `control`: with those of on-board control, and a policy in memory.
+    """
     on = frozenset(name for name, value in config.items() if value)
     lines = ["#define SMAP_HOST", *(f"#define {name} {value}" for name, value in config.items())]
     lines += ['#include "smap.h"', '#include "smap_config.h"']
     lines += [f'#include "{part}.c"' for part in parts_of(on)]
+    if control:
+        lines.insert(1, "#define SMAP_CONTROL 1")
+        lines += ['#include "smap_control.h"']
+        lines += [f'#include "{part}.c"' for part in control_parts(on)]
+        lines += ["extern const smap_control_runtime_t *const steers;"]
+        lines += ["const smap_control_runtime_t *const steers = &smap_control_run;"]
     return "\n".join(
         [
             *lines,
@@ -141,7 +153,7 @@ def program(config: Mapping[str, int]) -> str:
     )
 
 
-def measure(config: Mapping[str, int], folder: Path) -> Measure:
+def measure(config: Mapping[str, int], folder: Path, control: bool = False) -> Measure:
     """Compile the runtime with these settings; return bytes of code, data, bss and stack.
 
     Parameters
@@ -150,11 +162,14 @@ def measure(config: Mapping[str, int], folder: Path) -> Measure:
         Value of each setting.
     folder : path
         Where to work.
+    control : bool
+        Whether with on-board control.
     """
     on = frozenset(name for name, value in config.items() if value)
-    for name in ("smap.h", "smap_config.h", *(f"{part}.c" for part in parts_of(on))):
+    parts = [f"{part}.c" for part in (*parts_of(on), *(control_parts(on) if control else ()))]
+    for name in ("smap.h", "smap_control.h", "smap_config.h", *parts):
         (folder / name).write_text(runtime_file(name), encoding="utf-8")
-    (folder / "all.c").write_text(program(config), encoding="utf-8")
+    (folder / "all.c").write_text(program(config, control), encoding="utf-8")
     flags = [*FLAGS, "-ffunction-sections", "-fcallgraph-info=su"]
     _run([COMPILER, *flags, "-c", "all.c", "-o", "smap.o"], folder)
     missing = set(_run([f"{_prefix()}nm", "-u", "smap.o"], folder).split()[1::2])
@@ -176,7 +191,11 @@ def measure_set(features: Sequence[str], folder: Path) -> Measure:
         for key, value in zip(CAPACITIES, values, strict=True)
     }
     switches = {name: int(name in features) for name in SWITCHES}
-    return measure({**switches, **USUAL, **more}, folder)
+    config = {**switches, **USUAL, **more}
+    alone = measure(config, folder)
+    # Control computes with floats.
+    steered = measure(config, folder, control=True) if "SMAP_FLOATS" in features else alone
+    return {**alone, "control": steered["code"] - alone["code"]}
 
 
 def feature_sets() -> list[list[str]]:
@@ -193,11 +212,13 @@ def _settings_of(directory: Path) -> dict[str, int]:
 
 def shown(page: str, rows: Sequence[dict[str, Any]]) -> str:
     """Return the document with its table of sizes made from what was measured."""
-    lines = ["| runtime | switches | code | stack |", "|---|---|---|---|"]
+    lines = ["| runtime | switches | code | stack | on-board control |", "|---|---|---|---|---|"]
     known = {frozenset(row["features"]): row for row in rows}
     for title, features in zip(TITLES, SETS, strict=True):
         row = known[frozenset(features)]
-        lines.append(f"| {title} | `{' '.join(features)}` | {row['code']:,} | {row['stack']:,} |")
+        more = f"{row['control']:,}" if row["control"] else "-"
+        cells = f"{row['code']:,} | {row['stack']:,} | {more}"
+        lines.append(f"| {title} | `{' '.join(features)}` | {cells} |")
     head, begin, rest = page.partition(BEGIN)
     _, end, tail = rest.partition(END)
     return head + begin + "\n".join(lines) + end + tail

@@ -15,7 +15,7 @@ import numpy as np
 
 from firmware_export.emit.names import macro
 from firmware_export.emit.runtime import features, runtime_version
-from firmware_export.emit.size import TARGET
+from firmware_export.emit.size import TARGET, control_bytes
 from firmware_export.protocol import CBody, Export, describe, turns
 from firmware_export.truth import slack
 from lutgen._version import __version__
@@ -67,14 +67,24 @@ def _movement(parameter: Parameter, recipe: Recipe) -> str:
 
 
 def flash_bytes(export: Export, body: CBody) -> dict[str, Any]:
-    """Return the bytes of an export: tables, descriptor, code, total (None: not measured)."""
+    """Return the bytes of an export: tables, descriptor, code, total (None: not measured).
+
+    With a policy there are those of the code that follows it, and of the policy itself.
+    """
     tables, code = body.bytes, export.code_bytes
-    descriptors = len(describe(export, body).bytes) - tables
+    blob = describe(export, body).bytes
+    descriptors, more = len(blob) - tables, {}
+    if export.policy is not None:
+        more = {
+            "control": control_bytes(features(body)),
+            "policy": len(export.policy.packed(blob)),
+        }
     return {
         "tables": tables,
         "descriptors": descriptors,
         "code": code,
-        "total": None if code is None else tables + descriptors + code,
+        **more,
+        "total": None if code is None else tables + descriptors + code + sum(more.values()),
         "target": TARGET,
     }
 

@@ -108,11 +108,15 @@ typedef int smap_is_taken_in_by_an_export;
 """
 
 
+def control_parts(on: frozenset[str]) -> list[str]:
+    """Return the names of the parts of on-board control that some switches need."""
+    family = "many" if "SMAP_MANY" in on else "grid" if "SMAP_GRID" in on else "three"
+    return [f"control_{part.format(family)}" for part in _CONTROL]
+
+
 def control_text(on: frozenset[str]) -> str:
     """Return smap_control.c for the family of codecs that some switches need."""
-    family = "many" if "SMAP_MANY" in on else "grid" if "SMAP_GRID" in on else "three"
-    names = [f"control_{part.format(family)}.c" for part in _CONTROL]
-    parts = [_without_licence(runtime_file(name)) for name in names]
+    parts = [_without_licence(runtime_file(f"{name}.c")) for name in control_parts(on)]
     titles = [title.strip() for part in parts for title in _TITLE.findall(part)]
     contents = "\n".join(f" *   {title}" for title in titles)
     return f"""{LICENCE}/* smap_control.c: steers by a map and its policy.  NAME.c takes it in

@@ -22,7 +22,8 @@ def parse_sizes(text: str) -> dict[str, Any]:
         content = json.loads(text)
         sets = {
             frozenset(map(str, row["features"])): {
-                key: int(row[key]) for key in ("code", "data", "bss", "stack")
+                key: int(row.get(key, 0) if key == "control" else row[key])
+                for key in ("code", "data", "bss", "stack", "control")
             }
             for row in content["sets"]
         }
@@ -36,7 +37,7 @@ def parse_sizes(text: str) -> dict[str, Any]:
 
 @cache
 def measured() -> Mapping[str, Any]:
-    """Return ``sets`` (features -> code, data, bss, stack)."""
+    """Return ``sets`` (features -> code, data, bss, stack, and the code of control)."""
     try:
         text = (files("firmware_export") / "runtime" / FILE).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
@@ -44,6 +45,12 @@ def measured() -> Mapping[str, Any]:
             f"{FILE}: the measured sizes cannot be read (got {error}); install lutgen again."
         ) from error
     return parse_sizes(text)
+
+
+def control_bytes(features: Iterable[str]) -> int:
+    """Return the bytes of code that on-board control adds to these switches; 0 if not measured."""
+    row = measured()["sets"].get(frozenset(features))
+    return 0 if row is None else int(row["control"])
 
 
 def code_bytes(features: Iterable[str]) -> int | None:

@@ -29,6 +29,8 @@ WAYS = {
 FACING = {0.0: "nose down", 90.0: "left side down", 180.0: "nose up", 270.0: "right side down"}
 # Slopes of the figure; a table of fewer is read more easily.  Most of either, and of postures.
 CURVE, MOST, STEEPEST = 46, 200, 80.0
+# m/s^2: neither the recipe nor the C looks further than 50.
+BOUNDLESS = 49.9
 
 
 @dataclass(frozen=True)
@@ -226,8 +228,9 @@ def _draw(robot: "Recipe", tells: Any, postures: Any, slopes: Any, asked: Asked)
         words = f"{robot.name} at {posture_text(by_unit(robot, postures[0]))}"
     else:
         at = [p.name for p in robot.parameters].index(asked.over[0])
-        name = robot.parameters[at].name
-        shown = [f"{name} = {robot.parameters[at].shown(row[at]):.4g}" for row in postures]
+        one = robot.parameters[at]
+        unit = "" if one.display_unit == "1" else f" {one.display_unit}"
+        shown = [f"{one.name} = {one.shown(row[at]):.4g}{unit}" for row in postures]
         curves = {
             "braking": dict(zip(shown, braking, strict=True)),
             "turning": dict(zip(shown, np.minimum(left, right), strict=True)),
@@ -243,7 +246,10 @@ def lines(report: dict[str, Any]) -> Iterator[str]:
     exact = "exactly" if report["source"] == "exact" else "as its C says"
     facing = FACING.get(report["heading_deg"] % 360.0, f"heading {report['heading_deg']:g} deg")
     yield f"{report['robot']}: acceleration before it tips over, {exact}; slopes {facing}"
-    yield f"a turn of {report['turn_m']:g} m takes the less of both sides at the speed in the end"
+    yield (
+        f"none: none below 50 m/s2; a turn of {report['turn_m']:g} m takes the less of both sides "
+        "at the last speed"
+    )
     before = None
     rows: list[list[str]] = []
     for row in [*report["budgets"], None]:
@@ -262,4 +268,6 @@ def lines(report: dict[str, Any]) -> Iterator[str]:
 
 def _value(value: float, unit: str) -> str:
     """Return a limit as text, rounded down."""
-    return "tips" if value <= 0.0 else f"{math.floor(100.0 * value) / 100.0:.2f}{unit}"
+    if value <= 0.0:
+        return "tips"
+    return "none" if value >= BOUNDLESS else f"{math.floor(100.0 * value) / 100.0:.2f}{unit}"

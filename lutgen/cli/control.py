@@ -1,4 +1,4 @@
-"""`lutgen control`: the C of on-board control steers a robot over rough ground, in a closed loop."""
+"""`lutgen control`: the C steers a robot over rough ground, in a closed loop."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -22,8 +22,9 @@ if TYPE_CHECKING:
     from lutgen.search import Drive
 
 PAPER, POINTS = "paper", 100
-# Of a policy that is made here: a cycle at each point of a path, and seldom a step is too large.
-CYCLE, ANYHOW = 1.0, math.pi
+# Of a policy that is made here: a cycle at each point of a path, no turn of `up` is too large, and
+# little is given up for smoothness.
+CYCLE, ANYHOW, WITHIN = 1.0, math.pi, math.radians(0.1)
 MOVES = ("moves", "rests", "held", "escapes", "blind")
 WITHOUT, WITH = "without control", "with control"
 
@@ -46,7 +47,7 @@ class Asked(RecipeOptions):
     turn: float = option(
         default=0.0, help="Turn the robot by this angle against the path's heading, deg."
     )
-    assignments: Assignments = options.parameters()
+    assignments: tuple[tuple[str, float], ...] = options.parameters()
     speed: float | None = option(
         type=float, help="Along the path, length per second.  [default: a cycle at each point]"
     )
@@ -139,9 +140,10 @@ def _steering(source: str, asked: Asked) -> "Steering":
     cycle = CYCLE if asked.cycle is None else asked.cycle
     wishes = Wishes(
         objective=asked.objective or "tip_angle",
+        within=WITHIN,
         rate=_stored(robot, asked.rate) or {p.name: _at_once(p, cycle) for p in robot.parameters},
         cycle=cycle,
-        latency=max(asked.latency or 0.0, 1e-6) if asked.latency is not None else 1e-6,
+        latency=max(asked.latency or 0.0, 1e-6),
         swerve=ANYHOW,
     )
     return steering_of(robot, wishes)
@@ -180,6 +182,11 @@ def _ride(steering: "Steering", asked: Asked) -> "Ride":
     from lutgen.search import paper_path, read_path, turned
 
     if asked.log is not None:
+        if asked.animate is not None:
+            raise InputError(
+                f"{asked.log}: a log does not say where the robot was (got --animate with --log); "
+                "take --plot."
+            )
         if asked.terrain != PAPER or asked.speed is not None or asked.turn:
             raise InputError(
                 f"{asked.log}: a log has its own ground, time and heading (got --terrain, --speed "

@@ -1,0 +1,190 @@
+"""`lutgen budget`, `lutgen control` and their page: what they print, write and draw, and refuse."""
+
+import csv
+import io
+import json
+import math
+import shutil
+import subprocess
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lutgen.analysis import budgets, turn_speed
+from lutgen.channels import evaluate_each
+from lutgen.recipe.recipe import load_recipe
+from tests.fixtures import commands
+from tests.fixtures.documents import blocks
+from tests.fixtures.places import MAPS
+
+RECIPE = str(MAPS / "paper_two.toml")
+NOMINAL = ("-p", "alpha=30.96", "-p", "gamma=30.96")
+budget, control = partial(commands.data, "budget"), partial(commands.data, "control")
+
+
+@pytest.fixture(scope="module")
+def firmware(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Run the commands of the page, on a coarser lattice of postures; return the folder."""
+    folder = tmp_path_factory.mktemp("page")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        patch.setattr("firmware_export.control.objective.POSTURES", 100)
+        patch.setattr("firmware_export.exporter.POINTS", 500)
+        shell, *_ = blocks("docs/guide/control.md", "sh")
+        for line in shell.splitlines():
+            program, *arguments = line.split()
+            if program == "lutgen":
+                result = commands.run(*arguments)
+                assert result.exit_code == 0, f"{line}: {result.output}"
+            elif shutil.which("cc"):
+                done = subprocess.run(line, shell=True, capture_output=True, text=True, check=True)
+                assert not done.stderr
+    return folder
+
+
+def test_simulation_3_driven_by_the_exported_c_tips_at_22_points_in_place_of_72(
+    firmware: Path,
+) -> None:
+    found = control(firmware / "paper_firmware", "--turn", 30, *NOMINAL)
+    assert [run["tips"] for run in found["runs"]] == [72, 22]
+    assert (found["cycles"], found["late_by_cycles"], found["tips_only_with_control"]) == (
+        100,
+        1,
+        0,
+    )
+    page = (MAPS.parent / "docs/guide/control.md").read_text(encoding="utf-8")
+    assert "72 of 100 points" in page
+    assert "22 with control" in page
+
+
+def test_the_page_writes_figures_and_a_table(firmware: Path) -> None:
+    assert (firmware / "ride.svg").read_bytes().startswith(b"<?xml")
+    assert (firmware / "budget.svg").read_bytes().startswith(b"<?xml")
+    rows = list(csv.DictReader(io.StringIO((firmware / "budget.csv").read_text())))
+    assert float(rows[0]["braking_m_s2"]) > 16.0
+
+
+def test_latency_noise_and_slow_joints_cost_what_control_gains(firmware: Path) -> None:
+    folder = firmware / "paper_firmware"
+    ideal = control(folder, "--turn", 30, *NOMINAL)["runs"][1]["tips"]
+    late = control(folder, "--turn", 30, *NOMINAL, "--latency", 15)
+    assert late["late_by_cycles"] == 15
+    assert late["runs"][1]["tips"] > ideal
+    slow = ("--rate", "alpha=1", "--rate", "gamma=1")
+    assert control(folder, "--turn", 30, *NOMINAL, *slow)["runs"][1]["tips"] > ideal
+    noisy = control(folder, "--turn", 30, *NOMINAL, "--noise", 0.5)
+    assert ideal <= noisy["runs"][1]["tips"] < 30
+
+
+def test_at_a_speed_the_path_is_ridden_in_cycles_of_the_policy(firmware: Path) -> None:
+    found = control(firmware / "paper_firmware", "--turn", 30, *NOMINAL, "--speed", 0.1)
+    assert found["cycles"] == math.floor(found_length() / 0.1) + 1
+    assert found["runs"][1]["tips"] < found["runs"][0]["tips"]
+
+
+def found_length() -> float:
+    """Return the length of the paper's path."""
+    return float(commands.run("path", RECIPE, "--no-control").stdout.split("length ")[1].split()[0])
+
+
+def test_a_log_is_ridden_again_with_control(firmware: Path, tmp_path: Path) -> None:
+    log, cycles = tmp_path / "log.csv", 40
+    tilt = np.radians(np.linspace(0.0, 60.0, cycles))
+    ups = 9.81 * np.stack([np.zeros(cycles), -np.sin(tilt), np.cos(tilt)], axis=1)
+    rows = [[at, *up, 31.0, 31.0] for at, up in enumerate(ups)]
+    text = "time,ax,ay,az,alpha,gamma\n" + "".join(",".join(map(str, r)) + "\n" for r in rows)
+    log.write_text(text)
+    found = control(firmware / "paper_firmware", "--log", log)
+    recorded = evaluate_each(
+        load_recipe(RECIPE), np.radians([[31.0, 31.0]] * cycles), -ups, ("tip_angle",)
+    )
+    assert found["runs"][0]["tips"] == (recorded["tip_angle"] < 0.0).sum() > 0
+    assert found["runs"][1]["tips"] < found["runs"][0]["tips"]
+    for change, said in (
+        (("ay", "side"), "no column ay"),
+        (("\n3,", "\n1,"), "line 5 is not after"),
+        (("time", "time,gx"), "no column gy"),
+        (("alpha", "beta"), "no column alpha"),
+    ):
+        log.write_text(text.replace(*change, 1))
+        refused = commands.run("control", firmware / "paper_firmware", "--log", log)
+        assert refused.exit_code == 2
+        assert said in refused.stderr
+
+
+def test_budgets_of_a_recipe_are_where_it_tips() -> None:
+    recipe, rng = load_recipe(RECIPE), np.random.default_rng(1)
+    low, high = (
+        np.array([getattr(p, of) for p in recipe.parameters]) for of in ("minimum", "maximum")
+    )
+    params = low + rng.random((200, 2)) * (high - low)
+    down = np.stack([*rng.uniform(-0.5, 0.5, (2, 200)), -np.ones(200)], axis=1)
+    down /= np.linalg.norm(down, axis=1, keepdims=True)
+    way = np.stack([*rng.normal(size=(2, 200)), np.zeros(200)], axis=1)
+    way /= np.linalg.norm(way, axis=1, keepdims=True)
+    found = budgets(recipe, params, down, way)
+
+    def tips(acceleration: np.ndarray) -> np.ndarray:
+        felt = down - way * (acceleration / 9.80665)[:, None]
+        return np.asarray(evaluate_each(recipe, params, felt, ("tip_angle",))["tip_angle"] < 0.0)
+
+    stands = ~tips(np.zeros(200))
+    limited = stands & (found < 49.0)
+    assert limited.sum() > 100
+    assert not tips(found)[stands].any()
+    assert tips(1.001 * found + 1e-3)[limited].all()
+    assert (found[~stands] == 0.0).all()
+    assert turn_speed(8.0, 2.0) == pytest.approx(4.0)
+
+
+def test_the_c_says_nearly_the_exact_budget_and_never_more(firmware: Path) -> None:
+    more = ("--over", "alpha=0:40", "--steps", 4, "--slope", "0:20:10", "--heading", 90)
+    exact, told = (budget(of, *more)["budgets"] for of in (RECIPE, firmware / "paper_firmware"))
+    assert len(exact) == len(told) == 12
+    for one, other in zip(exact, told, strict=True):
+        for key in ("braking_m_s2", "turning_left_m_s2"):
+            assert other[key] <= one[key] + 1e-4
+            if one[key] < 20.0:  # four reads come far
+                assert other[key] > 0.85 * one[key]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("budget", RECIPE, "--slope", "30:0:5"), "--slope"),
+        (("budget", RECIPE, "--slope", "0:30:0"), "--slope"),
+        (("budget", RECIPE, "--over", "beta=0:1"), "there is no parameter 'beta'"),
+        (("budget", RECIPE, "--reads", "0"), "--reads"),
+        (("budget", RECIPE, "--turn", "-1"), "--turn"),
+        (("control", "FIRMWARE", "--noise", "-1"), "--noise"),
+        (("control", "FIRMWARE", "--speed", "0"), "--speed"),
+        (("control", "FIRMWARE", "--rate", "alpha=0"), "--rate"),
+        (("control", "FIRMWARE", "--cycle", "1"), "a folder has its policy"),
+        (("control", "FIRMWARE", "--terrain", "none.csv"), "none.csv"),
+        (("control", "."), "no folder of `lutgen export`"),
+    ],
+)
+def test_what_means_nothing_is_refused(
+    arguments: tuple[str, ...], said: str, firmware: Path
+) -> None:
+    folder = str(firmware / "paper_firmware")
+    result = commands.run(*(folder if one == "FIRMWARE" else one for one in arguments))
+    assert result.exit_code == 2
+    assert said in result.stderr
+
+
+def test_an_export_without_a_policy_and_a_damaged_one_are_refused(
+    firmware: Path, tmp_path: Path
+) -> None:
+    for change, said in ((None, "without a policy"), ({"blob": "AAAA"}, "damaged")):
+        folder = tmp_path / str(said)
+        shutil.copytree(firmware / "paper_firmware", folder)
+        path = folder / "paper_two_report.json"
+        report = json.loads(path.read_text())
+        report["policy"] = change
+        path.write_text(json.dumps(report))
+        result = commands.run("control", folder)
+        assert result.exit_code == 2
+        assert said in result.stderr
