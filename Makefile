@@ -62,6 +62,7 @@ physics: .venv/.physics ## judge the verdicts by a physics engine (docs/measured
 	$(BIN)/python -m proofs.physics.agreement
 	$(BIN)/python -m proofs.physics.steady
 	$(BIN)/python -m proofs.physics.judge
+	$(BIN)/python -m proofs.physics.braking
 
 robots: .venv/.robots ## import published robots, which it downloads (docs/measured/robots.md; five minutes)
 	$(BIN)/python -m proofs.robots --update
@@ -73,8 +74,10 @@ soak: .venv/.installed ## kill, damage and fill up sweeps at length; needs 20 GB
 	LUTGEN_SOAK=1 $(BIN)/python -m pytest -q -s tests/mapping/test_survival.py tests/mapping/test_engines.py tests/ground/test_cache.py
 	$(BIN)/python -m benchmarks.large
 
-control: .venv/.installed ## attack on-board control at length over the gallery (hours)
-	$(BIN)/python -m proofs.control
+control: .venv/.installed ## attack on-board control at length over the gallery, and ride with it (an hour)
+	$(BIN)/python -m proofs.control --update
+	$(BIN)/python -m proofs.gain 1000 --update
+	$(BIN)/python -m targets.control --update
 
 exports: .venv/.installed ## make and certify the exports that docs/measured/exports.md lists (ten minutes)
 	$(BIN)/python tools/export_table.py

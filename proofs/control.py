@@ -1,11 +1,12 @@
 """Attacks on on-board control: random ways, damaged tables, fixed slopes, budgets, bits.
 
-Owns the attacks and what counts as a fault; `python -m proofs.control` runs them at length over
-the gallery and prints what it counts, the tests a sample.  Truth is the
-program's own evaluation of the recipe, which shares no code with the C.
+Owns the attacks and what counts as a fault; `python -m proofs.control [SCALE [ROBOT ...]]` runs
+them at length over the gallery, the tests a sample.  Truth is the program's own evaluation of the
+recipe, which shares no code with the C.
 """
 
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -19,6 +20,7 @@ from firmware_export.host import BLIND, ESCAPES, Controller, budget
 from firmware_export.protocol import Blob, Export, Policy
 from firmware_export.truth import Model
 from lutgen.channels import body_gravity, evaluate_each
+from lutgen.errors import InputError
 from lutgen.recipe import load_recipe
 from lutgen.vector import Floats
 
@@ -260,12 +262,55 @@ def bits(one: Steered, count: int, seed: int = 5) -> Count:
     return Count(4 * count, known, faults)
 
 
+# Cases in all of each attack; a part of them for each recipe.
+CASES = {"transits": 1_000_000, "damaged": 10_000, "slopes": 1_000, "budgets": 100_000}
+CASES["bits"] = 400_000
+PAGE = GALLERY.parent / "docs" / "measured" / "control.md"
+BEGIN, END = "<!-- attacks -->\n", "<!-- end of attacks -->"
+HEAD = (
+    "| robot | ways certified | tip | less than promised | damaged tables, moves | tip | "
+    "fixed slopes | still moving | budgets | too large | share, median | random bits | faults |"
+)
+
+
+def attacked(name: str, part: float) -> str:
+    """Run a part of all attacks on a recipe of the gallery; return its row of the table."""
+    one = robot(name)
+    ways = transits(one, round(part * CASES["transits"]))
+    broken = damaged(one, round(part * CASES["damaged"]))
+    fixed = fixed_slopes(one, round(part * CASES["slopes"]))
+    hard = budgets(one, round(part * CASES["budgets"]))
+    wild = bits(one, round(part * CASES["bits"] / 4))
+    numbers = [
+        f"{ways.promised:,} of {ways.cases:,}",
+        *(f"{ways.faults}", f"{ways.below}"),
+        *(f"{broken.cases:,}, {broken.promised:,}", f"{broken.faults}"),
+        *(f"{fixed.cases:,}", f"{fixed.faults}"),
+        *(f"{hard.cases:,}", f"{hard.faults}", f"{100.0 * hard.share:.1f} %"),
+        *(f"{wild.cases:,}", f"{wild.faults}"),
+    ]
+    return f"| {name} | {' | '.join(numbers)} |"
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Attack, print the table, and with --update write it into the page; return an exit code."""
+    names = sorted(path.stem for path in GALLERY.glob("*.toml"))
+    update, words = "--update" in arguments, [a for a in arguments if a != "--update"]
+    scale = float(words[0]) if words else 1.0
+    rows = [HEAD, "|---" * (HEAD.count("|") - 1) + "|"]
+    print("\n".join(rows), flush=True)
+    for name in words[1:] or names:
+        try:
+            rows.append(attacked(name, scale / len(names)))
+        except InputError as error:
+            rows.append(f"| {name} | none: {error} |")
+        print(rows[-1], flush=True)
+    if update:
+        head, _, rest = PAGE.read_text("utf-8").partition(BEGIN)
+        _, _, tail = rest.partition(END)
+        PAGE.write_text(head + BEGIN + "\n".join(rows) + "\n" + END + tail, "utf-8")
+    return 0
+
+
 if __name__ == "__main__":
-    scale = float(sys.argv[1]) if len(sys.argv) > 1 else 1.0
-    for name in sys.argv[2:] or sorted(path.stem for path in GALLERY.glob("*.toml")):
-        one = robot(name)
-        print(name, "transits", transits(one, int(125_000 * scale)), flush=True)
-        print(name, "damaged", damaged(one, int(1250 * scale)), flush=True)
-        print(name, "slopes", fixed_slopes(one, int(1000 * scale)), flush=True)
-        print(name, "budgets", budgets(one, int(12_500 * scale)), flush=True)
-        print(name, "bits", bits(one, int(100_000 * scale)), flush=True)
+    sys.exit(main(sys.argv[1:]))

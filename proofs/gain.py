@@ -7,6 +7,7 @@ nothing in between, which no robot reaches.
 
 import math
 import sys
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -14,12 +15,17 @@ import numpy as np
 from firmware_export.control.objective import lattice, measured
 from lutgen.recipe import load_recipe
 from lutgen.vector import Floats
-from proofs.control import G0, GALLERY, Steered, robot
+from proofs.control import G0, GALLERY, PAGE, Steered, robot
 
 # deg: slopes are no steeper; s: how long the ground takes from one to another.
 STEEPEST, PERIODS = 42.0, (8.0, 40.0)
-RATE, CYCLE, LATENCY = math.radians(45.0), 0.1, 0.2
+RATE, CYCLE, LATENCY, HOME = math.radians(45.0), 0.1, 0.2, math.radians(60.0)
 CASES = {"absolem": 85.0, "marv": 90.0}
+BEGIN, END = "<!-- gains -->\n", "<!-- end of gains -->"
+HEAD = (
+    "| robot | bytes of table | runs | captured | cycles that tip, still | with control | "
+    "runs that tip only with control | 0.2 s late, no gyroscope | 0.2 s late |"
+)
 
 
 class Gain(NamedTuple):
@@ -34,6 +40,11 @@ class Gain(NamedTuple):
     still: float
     steered: float
     only: int
+
+
+def home_of(one: Steered) -> Floats:
+    """Return the posture in which robots begin, and hold still: flippers 60 deg up."""
+    return np.full(one.model.k, HOME)
 
 
 def ground(runs: int, cycles: int, cycle: float, seed: int) -> Floats:
@@ -77,7 +88,7 @@ def steered_tips(
 def gain(one: Steered, runs: int, cycles: int = 600, scored: int = 240, seed: int = 11) -> Gain:
     """Ride, and compare with holding still at home and with the best posture of each slope."""
     slopes = ground(runs, cycles, CYCLE, seed)
-    home = np.array(one.model.recipe.home_params)
+    home = home_of(one)
     tips = steered_tips(one, slopes, home)
     still = np.stack([one.tip(rows, one.down(rows, s)) for s, rows in _same(home, slopes)])
     rng = np.random.default_rng(seed)
@@ -101,17 +112,45 @@ def late(one: Steered, runs: int, cycles: int = 600, seed: int = 12) -> tuple[fl
     The policy is to know the latency.
     """
     slopes = ground(runs, cycles, CYCLE, seed)
-    home, lag = np.array(one.model.recipe.home_params), round(LATENCY / CYCLE)
+    home, lag = home_of(one), round(LATENCY / CYCLE)
     still = np.stack([one.tip(rows, one.down(rows, s)) for s, rows in _same(home, slopes)])
     tips = [steered_tips(one, slopes, home, lag, gyro) for gyro in (False, True)]
     return (float((still < 0.0).mean()), *(float((t < 0.0).mean()) for t in tips))  # type: ignore[return-value]
 
 
+def row(name: str, runs: int) -> str:
+    """Return a robot's row of the table."""
+    joints = [p.name for p in load_recipe(GALLERY / f"{name}.toml").parameters]
+    one = robot(
+        name,
+        home=dict.fromkeys(joints, HOME),
+        rate=dict.fromkeys(joints, RATE),
+        cycle=CYCLE,
+        latency=LATENCY,
+    )
+    found, (_, blind, seen) = gain(one, runs), late(one, runs)
+    cells = [
+        *(name, f"{one.policy.table_bytes}", f"{runs:,}"),
+        f"{100.0 * found.captured:.1f} % (asked for: {CASES[name]:g} %)",
+        *(f"{100.0 * part:.3f} %" for part in (found.still, found.steered)),
+        f"{found.only}",
+        *(f"{100.0 * part:.3f} %" for part in (blind, seen)),
+    ]
+    return f"| {' | '.join(cells)} |"
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Ride, print the table, and with --update write it into the page; return an exit code."""
+    words = [a for a in arguments if a != "--update"]
+    rows = [HEAD, "|---" * (HEAD.count("|") - 1) + "|"]
+    rows += [row(name, int(words[0]) if words else 500) for name in CASES]
+    print("\n".join(rows))
+    if "--update" in arguments:
+        head, _, rest = PAGE.read_text("utf-8").partition(BEGIN)
+        _, _, tail = rest.partition(END)
+        PAGE.write_text(head + BEGIN + "\n".join(rows) + "\n" + END + tail, "utf-8")
+    return 0
+
+
 if __name__ == "__main__":
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 500
-    for name, goal in CASES.items():
-        recipe = load_recipe(GALLERY / f"{name}.toml")
-        joints = [p.name for p in recipe.parameters]
-        one = robot(name, rate=dict.fromkeys(joints, RATE), cycle=CYCLE, latency=LATENCY)
-        print(name, one.policy.table_bytes, "bytes", gain(one, count), "asked", goal, flush=True)
-        print(name, "late by 0.2 s: still, no gyroscope, gyroscope", late(one, count), flush=True)
+    sys.exit(main(sys.argv[1:]))

@@ -41,7 +41,7 @@ GOALS = {
 MOST_CODE, MOST_STACK = 2_500, 600
 CYCLES = 256
 PAGE = ROOT / "docs" / "measured" / "control.md"
-BEGIN, END = "<!-- cycles -->\n", "\n<!-- end of cycles -->"
+BEGIN, END = "<!-- cycles -->\n", "<!-- end of cycles -->"
 HERE = Path(__file__).resolve().parent
 MULTIPLIER, INCREMENT = 1664525, 1013904223
 
@@ -239,7 +239,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.update and not faults:
         head_, _, rest = PAGE.read_text("utf-8").partition(BEGIN)
         _, _, tail = rest.partition(END)
-        PAGE.write_text(head_ + BEGIN + "\n".join(table) + END + tail, "utf-8")
+        PAGE.write_text(head_ + BEGIN + "\n".join(table) + "\n" + END + tail, "utf-8")
     return int(bool(faults))
 
 

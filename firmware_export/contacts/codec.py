@@ -91,6 +91,13 @@ class Tables(AnyTables):
         """Bytes of all tables."""
         return c_body(self).bytes
 
+    def boxed(self) -> "Tables":
+        """Return the tables with room for the pose of a box: of facets all may be shown."""
+        if not self.room or self.many is None:
+            return self
+        facets, edges, shown, *more = self.room
+        return replace(self, room=(facets, edges, max(shown, min(facets, MOST_ROOM[2])), *more))
+
 
 @lru_cache(maxsize=4)
 def _tables(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:

@@ -41,6 +41,10 @@ class Tables(ABC):
         """What a reader must know beside the numbers, sentences."""
         return ()
 
+    def boxed(self) -> "Tables":
+        """Return the tables with room for what on-board control makes of a box of postures."""
+        return self
+
 
 class Foresight(NamedTuple):
     """What is known of a size before it is encoded, of a codec whose encoding takes a minute.

@@ -62,6 +62,7 @@ static void smap_decide(const smap_control_t *control, smap_state_memory_t *stat
   cycle->least = way.least;
   if (cycle->move == SMAP_HELD) {
     cycle->least = cycle->tip;
+    state->has &= (uint8_t)~SMAP_HAS_SWEPT; /* a smaller box may do */
     for (i = 0; i < smap_joints(control); i++) {
       command[i] = smap_on_axis(control, i, sample->posture[i]);
     }
