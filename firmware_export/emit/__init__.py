@@ -1,7 +1,8 @@
 """An export written as C, with its report.
 
 In reading order: `names`, `text`, `size`, `runtime`, `facts`, `words`, `header`, `source`,
-`example`, `alarm`, `control`, `project_files`, `page`, `figure`, `report`, `trial`, `package`.
+`example`, `alarm`, `control`, `ros`, `project_files`, `page`, `figure`, `report`, `trial`,
+`package`.
 """
 
 from firmware_export.emit.facts import flash_bytes

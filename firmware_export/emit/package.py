@@ -28,6 +28,7 @@ from firmware_export.emit.project_files import (
     zephyr_cmake,
     zephyr_module,
 )
+from firmware_export.emit.ros import keeper_text, node_text
 from firmware_export.emit.runtime import control_text, features, runtime_file, runtime_text
 from firmware_export.emit.source import body_of, described, source_text
 from firmware_export.emit.trial import try_out
@@ -94,6 +95,8 @@ def _control(export: Export, body: CBody, content: dict[str, Any]) -> dict[str, 
         "smap_control.h": runtime_file("smap_control.h"),
         "smap_control.c": control_text(features(body)),
         "examples/control.c": control_example(content),
+        "examples/keeper.hpp": keeper_text(content),
+        "examples/ros2_node.cpp": node_text(content),
     }
 
 

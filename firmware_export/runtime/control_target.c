@@ -20,7 +20,10 @@ static uint8_t smap_node(const smap_control_t *control, float along, float down,
   const float limit = smap_setting(control, SMAP_POLICY_LIMIT), most = (float)(nodes - 1);
   const float reach = smap_between(along, -limit * down, limit * down);
   const float at = smap_between((reach / down + limit) * most / (2.0f * limit), 0.0f, most);
-  const uint8_t node = (uint8_t)smap_between(at, 0.0f, most - 1.0f);
+  uint8_t node = 0;
+  while (node + 2 < nodes && at >= (float)(node + 1)) {
+    node++;
+  }
   *beyond = at - (float)node;
   return node;
 }

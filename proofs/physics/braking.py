@@ -25,7 +25,7 @@ from proofs.physics.robots import ROOT, cap
 from proofs.physics.start import start
 
 PAGE = MEASURED / "control.md"
-ROBOTS = ("paper_two", "excavator", "articulated", "absolem")
+ROBOTS = ("three_leg_sphere", "excavator", "articulated", "absolem")
 CASES, SEED = 200, 31
 STANDS, TIPS = 0.95, 1.05
 # deg and m/s^2: slopes of the ground, and budgets that are worth a case.

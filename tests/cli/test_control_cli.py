@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import math
+import os
 import shutil
 import subprocess
 from functools import partial
@@ -64,6 +65,45 @@ def test_the_page_writes_figures_and_a_table(firmware: Path) -> None:
     assert (firmware / "budget.svg").read_bytes().startswith(b"<?xml")
     rows = list(csv.DictReader(io.StringIO((firmware / "budget.csv").read_text())))
     assert float(rows[0]["braking_m_s2"]) > 16.0
+
+
+KEEPER = """
+#include <cstdio>
+#include "keeper.hpp"
+int main() {
+  paper_two_cpp::Keeper keeper;
+  paper_two_cpp::Joints at = {0.5f, 0.5f};
+  for (int i = 0; i < 10; i++) {
+    const auto told = keeper.step(at, std::nullopt, {0.0f, 0.0f, 9.81f}, {});
+    if (!told.certain) return 1;
+    at = told.command;
+  }
+  const auto none = keeper.step(at, std::nullopt, {}, {});
+  std::printf("%d %d %d\\n", keeper.fit(), at[0] < 0.1f, none.cycle.alarm);
+}
+"""
+
+
+@pytest.mark.needs("c++")
+def test_the_class_in_c_plus_plus_steers_and_alarms(firmware: Path, tmp_path: Path) -> None:
+    folder = firmware / "paper_firmware"
+    (tmp_path / "main.cpp").write_text(KEEPER)
+    for line in (
+        f"cc -std=c99 -O1 -I{folder} -c {folder}/paper_two.c -o map.o",
+        f"c++ -std=c++17 -Wall -Wextra -Werror -I{folder} -I{folder}/examples main.cpp map.o -o k",
+    ):
+        subprocess.run(line.split(), cwd=tmp_path, check=True)
+    done = subprocess.run([str(tmp_path / "k")], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["1", "1", "3"]
+
+
+@pytest.mark.skipif("ROS_DISTRO" not in os.environ, reason="ROS 2 is not installed")
+def test_the_node_compiles_where_ros_is(firmware: Path) -> None:
+    folder, ros = firmware / "paper_firmware", Path("/opt/ros") / os.environ["ROS_DISTRO"]
+    includes = [f"-I{path}" for path in sorted((ros / "include").iterdir())]
+    flags = ["-std=c++17", "-fsyntax-only", f"-I{folder}", f"-I{ros}/include", *includes]
+    node = str(folder / "examples" / "ros2_node.cpp")
+    subprocess.run(["c++", *flags, node], check=True)
 
 
 def test_latency_noise_and_slow_joints_cost_what_control_gains(firmware: Path) -> None:
