@@ -242,7 +242,7 @@ def bits(one: Steered, count: int, seed: int = 5) -> Count:
         wild = rng.integers(0, 2**32, shape, np.uint32).view(np.float32)
         return np.where(rng.random(shape) < share, wild, plain)
 
-    for at, wild in enumerate((0.0, 0.1, 0.1, 0.1)):
+    for at, wild in enumerate((0.0, 0.1, 0.1, 0.1)):  # from the second on a few off their axes
         q = (model.lower + rng.random((count, k)) * (model.upper - model.lower)).astype(np.float32)
         q = np.where(rng.random((count, k)) < 0.05 * at, noise((count, k), wild), q)
         up, rate, own = (noise((count, 3), wild) for _ in range(3))

@@ -16,6 +16,7 @@ from lutgen.errors import LutgenError
 from proofs import analysers, eva, exhaustive, fuzz, loops, structure
 from proofs.annotate import MUTANTS
 from proofs.document import DOCUMENT, code, with_counts, with_rows
+from proofs.eva_control import prove_steered
 from proofs.parts import place, runtime_parts
 from proofs.subjects import Subject, mapped, small
 from proofs.tools import FAILED, PACKAGES, SKIPPED, Result, missing
@@ -83,6 +84,10 @@ class Plan:
         for subject in self.subjects:
             if subject.name in eva.SURVEYED:
                 jobs.append(self._survey(subject, self._work(f"survey_{subject.name}")))
+        work = self._work("eva_control")
+        jobs.append(
+            _guarded("eva, control", "steered", lambda: [prove_steered(work, self.patience)])
+        )
         return proved("eva", ("frama-c", "gcc"), jobs)
 
     def _survey(self, subject: Subject, work: Path) -> Job:

@@ -84,7 +84,8 @@ def prepared(name: str) -> Robot:
         raise LutgenError(f"{name}: has no policy (got none).")
     controller = Controller(blob, poor.policy.packed(blob.bytes))
     low, high = (np.asarray(ends, np.float32) for ends in (poor.model.lower, poor.model.upper))
-    return Robot(name, *folders, low, high, fnv1a(answers(controller, low, high)))
+    wanted = fnv1a(answers(controller, low, high))
+    return Robot(name, folders[0], folders[1], low, high, wanted)
 
 
 def answers(controller: Controller, low: Any, high: Any) -> bytes:

@@ -61,7 +61,7 @@ def ride_along(path: Path, cycle: float, speed: float | None) -> Ride:
             raise InputError(f"--speed: above 0 and finite (got {speed:g}); give another one.")
         length = float(path.distance[-1])
         _check(length / (speed * cycle))
-        at = np.arange(math.floor(length / (speed * cycle)) + 1) * speed * cycle
+        at: Floats = np.arange(math.floor(length / (speed * cycle)) + 1) * speed * cycle
         path = Path(
             _between(at, path.distance, path.position),
             np.interp(at, path.distance, np.unwrap(path.heading)),
@@ -90,7 +90,7 @@ def ride_logged(
     """
     _check((time[-1] - time[0]) / steering.cycle)
     count = math.floor((time[-1] - time[0]) / steering.cycle * (1.0 + 1e-9)) + 1
-    at = time[0] + np.arange(count) * steering.cycle
+    at: Floats = time[0] + np.arange(count, dtype=np.float64) * steering.cycle
     ups, joints = _between(at, time, up), _between(at, time, driven)
     size = np.linalg.norm(ups, axis=1)
     felt = -ups / np.maximum(size, 1e-12)[:, None]

@@ -59,8 +59,7 @@ static int smap_is_swept(const smap_control_t *control, const smap_state_memory_
 static uint8_t smap_find_way(const smap_control_t *control, smap_state_memory_t *state, const float *posture,
                              float *to, const float g[3], uint8_t made, smap_way_t *way)
 {
-  const size_t bytes = sizeof(float) * smap_joints(control);
-  uint8_t more = 0;
+  uint8_t more = 0, i;
   if (!smap_is_swept(control, state, posture, to)) {
     if (made && SMAP_POLICY(control)[SMAP_POLICY_POSES] < 2) {
       const int same = (state->has & SMAP_HAS_COMMAND) != 0 && smap_is_swept(control, state, posture, state->command);
@@ -68,7 +67,9 @@ static uint8_t smap_find_way(const smap_control_t *control, smap_state_memory_t 
       if (same) { /* as near as a step is */
         (void)smap_toward(control, posture, state->command, 1.0f, to);
       } else {
-        memcpy(to, posture, bytes);
+        for (i = 0; i < smap_joints(control); i++) { /* it may be off its axis by the slack of a sensor */
+          to[i] = smap_on_axis(control, i, posture[i]);
+        }
       }
       if (!same) {
         return 0;

@@ -57,18 +57,15 @@ def brake(name: str, cases: int) -> Row:
         if not LEAST < limit < MOST or not all(_fair(recipe, params, one) for one in felt):
             continue
         posture = recipe_postures(recipe, params)[0]
-        begins = [start(posture, one / np.linalg.norm(one)) for one in felt]
-        if any(b is None or b.balanced or b.slope(f) > STEEPEST for b, f in _both(begins, felt)):
+        directions = [one / np.linalg.norm(one) for one in felt]
+        begins = [(start(posture, one), one) for one in directions]
+        if not all(b is not None and not b.balanced and b.slope(d) < STEEPEST for b, d in begins):
             continue
         done += 1
-        for i, (begin, one) in enumerate(_both(begins, felt)):
-            tipped = release(posture, begin, one / np.linalg.norm(one)).tipped  # type: ignore[arg-type]
-            wrong[i] += tipped is (i == 0)
+        for i, (begin, one) in enumerate(begins):
+            assert begin is not None
+            wrong[i] += release(posture, begin, one).tipped is (i == 0)
     return Row(name, cases, *wrong)
-
-
-def _both(begins: Sequence[object], felt: Sequence[Floats]) -> list[tuple[object, Floats]]:
-    return list(zip(begins, felt, strict=True))
 
 
 def _fair(recipe: Recipe, params: Floats, felt: Floats) -> bool:

@@ -1,0 +1,49 @@
+"""Frama-C Eva on on-board control: no undefined behaviour, and no command off the axes.
+
+Owns the export that it is shown for, on three points; a state begins as `smap_start` leaves it and
+goes through three cycles of any input.  Of many contacts there is no proof, as of their reads.
+"""
+
+import re
+import shutil
+from pathlib import Path
+
+from firmware_export.control import Wishes, steered
+from firmware_export.emit import package
+from proofs.annotate import annotate
+from proofs.eva import OPTIONS, verdict
+from proofs.exports import tripod_export
+from proofs.tools import FAILED, OK, Clock, Result, run
+
+HARNESS = Path(__file__).with_name("eva_control.c")
+NAME = "steered"
+
+
+def prove_steered(folder: Path, patience: float) -> Result:
+    """Prove an export on three points with a policy; `folder` is to work in."""
+    export, _ = steered(tripod_export(NAME), Wishes(nodes=5))
+    made = folder / "export"
+    package.write(export, made)
+    for path in made.glob("*.[ch]"):
+        shutil.copy(path, folder / path.name)
+    smap = folder / "smap.c"
+    smap.write_text(annotate(smap.read_text("utf-8")), "utf-8")
+    # Of each joint: wider by what a single rounds.
+    axes = enumerate(zip(export.model.lower, export.model.upper, strict=True))
+    within = [
+        f"/*@ assert {low - 1e-6:.9f} <= command[{i}] <= {high + 1e-6:.9f}; */"
+        for i, (low, high) in axes
+    ]
+    text = HARNESS.read_text("utf-8").replace("@NAME@", NAME)
+    text = text.replace("@PARAMS@", str(export.model.k)).replace("@ASSERTIONS@", " ".join(within))
+    (folder / "harness.c").write_text(text, "utf-8")
+    include = f"-cpp-extra-args=-DSMAP_HARDWARE_ROOT=0 -DSMAP_WIDE_FLOATS -U__GNUC__ -I{folder}"
+    with Clock() as clock:
+        command = ["frama-c", *OPTIONS, include, str(folder.absolute() / "harness.c")]
+        said = run(command, folder, patience).text
+    (folder / "eva.log").write_text(said, encoding="utf-8")
+    wrong = verdict(said)
+    asserted = re.search(r"Assertions +(\d+) valid", said)
+    valid = asserted[1] if asserted else 0
+    words = wrong or f"0 alarms, {valid} assertions on commands"
+    return Result("eva, control", NAME, FAILED if wrong else OK, words, clock.seconds)
