@@ -61,7 +61,8 @@ def ride_along(path: Path, cycle: float, speed: float | None) -> Ride:
             raise InputError(f"--speed: above 0 and finite (got {speed:g}); give another one.")
         length = float(path.distance[-1])
         _check(length / (speed * cycle))
-        at: Floats = np.arange(math.floor(length / (speed * cycle)) + 1) * speed * cycle
+        count = math.floor(length / (speed * cycle)) + 1
+        at = np.asarray(np.arange(count) * (speed * cycle), np.float64)
         path = Path(
             _between(at, path.distance, path.position),
             np.interp(at, path.distance, np.unwrap(path.heading)),

@@ -1,8 +1,9 @@
 """The `lutgen` command: one module per verb, results on stdout, progress and logs on stderr.
 
 In reading order: `options`, `sources`, `table`, `check`, `compiling`, `eval_export`, `eval`,
-`export`, `explore`, `import_`, `info`, `limits`, `metrics`, `new`, `optimum`, `paper`, `path`,
-`plot`, `policy`, `prove`, `recipes`, `schema`, `stance`, `sweep`, `wheels`, `group`.
+`export`, `explore`, `import_`, `info`, `limits`, `budget`, `metrics`, `new`, `optimum`, `paper`,
+`path`, `plot`, `policy`, `control`, `prove`, `recipes`, `schema`, `stance`, `sweep`, `wheels`,
+`group`.
 """
 
 from lutgen.cli.group import main
