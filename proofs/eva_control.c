@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
-/* Frama-C Eva starts at `prove`: cycles of on-board control, every bit pattern as a sample.  Commands are
- * within the axes, whatever comes in. */
+/* Frama-C Eva starts at `prove`: cycles of on-board control, every bit pattern as a sample. */
 #include "@NAME@.c"
 
 static volatile uint32_t any_bits;
@@ -41,7 +40,6 @@ void prove(void)
     sample.posture = posture;
     sample.desired = any_bits ? desired : 0;
     (void)smap_step(&@NAME@_control, &state, &sample, command, &cycle);
-    @ASSERTIONS@
   }
   (void)smap_transit(&@NAME@_control, &state, posture, desired, up, &least);
   (void)smap_ground(&@NAME@_control, &state, posture, up, slope);

@@ -1,7 +1,8 @@
-"""Frama-C Eva on on-board control: no undefined behaviour, and no command off the axes.
+"""Frama-C Eva on on-board control: no undefined behaviour, whatever bits come in.
 
 Owns the export that it is shown for, on three points; a state begins as `smap_start` leaves it and
 goes through three cycles of any input.  Of many contacts there is no proof, as of their reads.
+That commands are on their axes it does not show; `proofs.control` attacks that.
 """
 
 import re
@@ -28,14 +29,8 @@ def prove_steered(folder: Path, patience: float) -> Result:
         shutil.copy(path, folder / path.name)
     smap = folder / "smap.c"
     smap.write_text(annotate(smap.read_text("utf-8")), "utf-8")
-    # Of each joint: wider by what a single rounds.
-    axes = enumerate(zip(export.model.lower, export.model.upper, strict=True))
-    within = [
-        f"/*@ assert {low - 1e-6:.9f} <= command[{i}] <= {high + 1e-6:.9f}; */"
-        for i, (low, high) in axes
-    ]
     text = HARNESS.read_text("utf-8").replace("@NAME@", NAME)
-    text = text.replace("@PARAMS@", str(export.model.k)).replace("@ASSERTIONS@", " ".join(within))
+    text = text.replace("@PARAMS@", str(export.model.k))
     (folder / "harness.c").write_text(text, "utf-8")
     include = f"-cpp-extra-args=-DSMAP_HARDWARE_ROOT=0 -DSMAP_WIDE_FLOATS -U__GNUC__ -I{folder}"
     with Clock() as clock:
@@ -43,7 +38,6 @@ def prove_steered(folder: Path, patience: float) -> Result:
         said = run(command, folder, patience).text
     (folder / "eva.log").write_text(said, encoding="utf-8")
     wrong = verdict(said)
-    asserted = re.search(r"Assertions +(\d+) valid", said)
-    valid = asserted[1] if asserted else 0
-    words = wrong or f"0 alarms, {valid} assertions on commands"
+    reached = re.search(r"statements reached \(out of \d+\): (\d+)%", said)
+    words = wrong or f"0 alarms, {reached[1] if reached else 0} % read"
     return Result("eva, control", NAME, FAILED if wrong else OK, words, clock.seconds)
