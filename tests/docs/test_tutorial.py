@@ -9,7 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from firmware_export import control, exporter
-from firmware_export.control import maker
+from firmware_export.control import objective
 from lutgen.cli import main
 from tests.fixtures.documents import blocks, mixed
 
@@ -44,10 +44,10 @@ def test_the_tutorial_runs_from_nothing_to_control_and_prints_what_it_shows(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    # What is certified on half a million points, and measured on a hundred slopes, is seen on fewer.
+    # What is certified on half a million points, and chosen of 600 postures, is seen on fewer.
     monkeypatch.setattr(exporter, "export", partial(exporter.export, points=20_000))
     monkeypatch.setattr(control, "policy", partial(control.policy, points=20_000))
-    monkeypatch.setattr(maker, "UNSEEN", 5)
+    monkeypatch.setattr(objective, "POSTURES", 40)
     for page in PAGES:
         said, shown = "", 0
         for language, text in mixed(page):

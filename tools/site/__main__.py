@@ -21,6 +21,9 @@ def build(site: Path) -> int:
     Stage(ROOT, source, explorers).fill()
     settings = ["-c", str(Path(__file__).parent), "-d", str(work)]
     code = sphinx(["-q", "-W", "--keep-going", *settings, str(source), str(site)])
+    if code:
+        # A page that was read is not read again, and would not be warned of again.
+        shutil.rmtree(work, ignore_errors=True)
     if explorers.is_dir():
         shutil.copytree(explorers, site / "explorer", dirs_exist_ok=True)
     return code

@@ -11,7 +11,7 @@ project_copyright = "The lutgen authors"
 version = release = lutgen.__version__
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
-myst_enable_extensions = ["html_image"]
+myst_enable_extensions = ["attrs_inline"]
 # Links to a heading are those of a git host.
 myst_heading_anchors = 4
 # Pages begin with the first level everywhere but in what is read off the sources.

@@ -15,6 +15,8 @@ from tools.site.navigation import HOME, home
 __all__ = ["Stage"]
 
 _LINK = re.compile(r"(?:\]\(|<img src=\")([^)#:\"\s]+)")
+# An image with a width, as a git host takes it.
+_IMAGE = re.compile(r'<img src="([^"]+)" width="([^"]+)" alt="([^"]+)"[^>]*>')
 # Pages that have no file; their names are in the comment of docs/README.md.
 _MADE: dict[str, Callable[[], str]] = {
     "docs/reference/commands.md": command_page.page,
@@ -78,6 +80,7 @@ class Stage:
             text = _glossary(text)
         text = re.sub(r"(\]\([^)\s]*)\.ipynb\)", r"\1.md)", text)
         text = text.replace("```csv\n", "```text\n")  # which no lexer colours
+        text = _IMAGE.sub(r"![\3](\1){width=\2}", text)
         up = "../" * name.count("/")
         text = re.sub(r"\]\((?:\.\./)*(?:docs/)?README\.md\)", lambda m: _homeward(m[0], name, up), text)
         self._text(name, text)
@@ -131,8 +134,8 @@ def _glossary(text: str) -> str:
     blocks = []
     for entry in entries:
         term, said = entry.split("**: ", 1)
-        names = "\n".join(f"  {name}" for name in term.split(", "))
-        lines = "\n".join(f"     {line.strip()}" for line in said.strip().splitlines())
+        names = "\n".join(term.split(", "))
+        lines = "\n".join(f"   {line.strip()}" for line in said.strip().splitlines())
         blocks.append(f"{names}\n{lines}")
     body = "\n\n".join(blocks)
     return f"{head}```{{glossary}}\n:sorted:\n\n{body}\n```\n" if entries else text
