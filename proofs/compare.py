@@ -2,9 +2,10 @@
 
 python -m proofs.compare [--update] [-o FOLDER]
 
-Whoever uses a library of margins gives it one polygon: the contact points on level ground.  Here it
-is the support polygon of the facet on which the robot rests there.  Two things are compared.
-*Verdict*: from which tilt on the robot tips, by the polygon (all margins of proofs/margins.py
+Whoever uses a library of margins gives it one polygon.  Here it is the support polygon of the facet
+on which the robot rests on level ground, or the outline of all its contacts seen from above, which
+is what is left where nobody knows which of them carry.  Two things are compared.
+*Verdict*: from which tilt on the robot tips, by either polygon (all margins of proofs/margins.py
 change their sign in the same place) and by `lutgen.analysis.tilt_limits`, in `HEADINGS` headings.
 *Ranking*: of how many pairs of postures a measure on level ground calls the wrong one the stabler,
 if the largest tilt that is safe in every heading decides.  Writes `postures.csv` and
@@ -19,11 +20,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from scipy.spatial import ConvexHull
 
 from lutgen.analysis import Posture, compare_metrics, even_headings, tilt_limits, tilted
 from lutgen.errors import LutgenError
 from lutgen.recipe import Recipe, gallery_names, import_urdf, load_recipe
-from lutgen.urdf import Meshes, Packages, load_urdf
+from lutgen.support import support_contact
+from lutgen.urdf import load_urdf
 from lutgen.vector import Floats
 from proofs.descriptions import FOLDER
 from proofs.margins import MARGINS
@@ -54,6 +57,7 @@ class Asked:
     params: Floats
     level: dict[str, float]
     polygon: Floats
+    outline: Floats
     ours: Floats
 
 
@@ -80,7 +84,7 @@ def drawn(recipe: Recipe) -> Floats:
     high = np.array([axis.maximum for axis in recipe.parameters])
     rows = low + (high - low) * rng.random((POSTURES if len(low) else 1, len(low)))
     rows[0] = recipe.home_params if recipe.home else 0.5 * (low + high)
-    return rows
+    return np.asarray(rows)
 
 
 def polygon_limits(corners: Floats, headings: Floats) -> Floats:
@@ -88,9 +92,18 @@ def polygon_limits(corners: Floats, headings: Floats) -> Floats:
     low, high = np.zeros(len(headings)), np.full(len(headings), math.pi / 2)
     for _ in range(40):
         middle = 0.5 * (low + high)
-        stands = MARGINS["zmp_distance"](corners, tilted(middle, headings)) >= 0.0
+        stands = MARGINS["static_margin"](corners, tilted(middle, headings)) >= 0.0
         low, high = np.where(stands, middle, low), np.where(stands, high, middle)
     return low
+
+
+def outline(posture: Posture) -> Floats:
+    """Return the lowest points of all contacts whose outline from above has no other outside."""
+    down = (0.0, 0.0, -1.0)
+    contacts = range(len(posture.primitives))
+    points = np.array([support_contact(posture.primitives, k, down) for k in contacts])
+    # From above they are counter-clockwise.
+    return np.asarray(points[ConvexHull(points[:, :2]).vertices[::-1]])
 
 
 def asked(recipe: Recipe, params: Floats, headings: Floats) -> Asked | None:
@@ -107,7 +120,9 @@ def asked(recipe: Recipe, params: Floats, headings: Floats) -> Asked | None:
     level = {name: ours.level[name] for name in OURS}
     level |= {name: float(rule(facet.points, LEVEL)[0]) for name, rule in MARGINS.items()}
     limits = tilt_limits(recipe, params, headings, "body")
-    return Asked(params, level, polygon_limits(facet.points, headings), np.asarray(limits).reshape(-1))
+    polygon = polygon_limits(facet.points, headings)
+    beside = polygon_limits(outline(posture), headings)
+    return Asked(params, level, polygon, beside, np.asarray(limits))
 
 
 def misranked(found: list[Asked], name: str) -> float:
@@ -127,11 +142,14 @@ def share(value: float) -> str:
 
 def verdicts(name: str, found: list[Asked]) -> str:
     """Return the row of verdicts: by how much a polygon promises more or less than there is."""
-    over = np.degrees(np.array([one.polygon - one.ours for one in found]))
-    bold, timid = over[over > SAME], over[over < -SAME]
-    cells = [name, str(len(found)), share(len(bold) / over.size), share(len(timid) / over.size)]
-    cells.append(f"{over.max():.2f}" if len(bold) else "-")
-    cells.append(f"{-over.min():.2f}" if len(timid) else "-")
+    cells = [name, str(len(found))]
+    for kind in ("polygon", "outline"):
+        over = np.degrees(np.array([getattr(one, kind) - one.ours for one in found]))
+        for sign in (1.0, -1.0):
+            wrong = sign * over[sign * over > SAME]
+            cells.append(
+                f"{share(len(wrong) / over.size)}, {wrong.max():.1f}" if len(wrong) else "-"
+            )
     return f"| {' | '.join(cells)} |"
 
 
@@ -155,12 +173,13 @@ def write(folder: Path, all_found: dict[str, tuple[Recipe, list[Asked]]], headin
                 table.writerow(row)
     with (folder / "headings.csv").open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file)
-        table.writerow(["robot", "posture", "heading_rad", "polygon_limit_rad", "limit_rad"])
+        limits = ("support_polygon_limit_rad", "outline_limit_rad", "limit_rad")
+        table.writerow(["robot", "posture", "heading_rad", *limits])
         for name, (_, found) in all_found.items():
             for one in found:
                 posture = " ".join(f"{value:.9g}" for value in one.params)
-                for row in zip(headings, one.polygon, one.ours, strict=True):
-                    table.writerow([name, posture, *(f"{value:.9g}" for value in row)])
+                for tilts in zip(headings, one.polygon, one.outline, one.ours, strict=True):
+                    table.writerow([name, posture, *(f"{value:.9g}" for value in tilts)])
 
 
 def main() -> None:
@@ -177,8 +196,7 @@ def main() -> None:
             all_found[name] = recipe, found
             print(verdicts(name, found), flush=True)
     heads = {
-        "verdicts": "| robot | postures | polygon says more | polygon says less | "
-        "most too much, deg | most too little, deg |",
+        "verdicts": "| robot | postures | support polygon: more | less | outline: more | less |",
         "rankings": f"| robot | {' | '.join(WORDS[name] for name in MEASURES)} |".replace(
             "|SD_g|", r"\|SD_g\|"
         ),

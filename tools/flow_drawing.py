@@ -3,7 +3,7 @@
 `python -m tools.flow_drawing` writes both.  A test compares the rooms with the folders.
 """
 
-from tools.frames_drawing import FOLDER, ORANGE, WIDTH, arrow, sheet
+from tools.frames_drawing import FOLDER, ORANGE, arrow, sheet
 from tools.rests_drawing import BLUE, GREEN, INK, WASH, words
 
 # The way of the data, room by room, with what leaves it.
@@ -33,7 +33,9 @@ EXPORT = (
 )
 
 
-def box(x: float, y: float, size: tuple[float, float], said: tuple[str, str], fill: str = WASH) -> str:
+def box(
+    x: float, y: float, size: tuple[float, float], said: tuple[str, str], fill: str = WASH
+) -> str:
     """Return a box with a name and, below it, what comes out of it."""
     look = f'rx="4" fill="{fill}" stroke="{INK}"'
     middle = x + size[0] / 2
@@ -57,8 +59,20 @@ def rooms() -> str:
             lines.append(box(x, y, (140.0, 50.0), said))
             if place % 5 < 4:
                 lines.append(arrow((x + 142, y + 25), (x + 163, y + 25)))
-    lines.append(words(14, 400, "Each room sees only rooms before it.  Of lutgen, firmware_export sees all but cli, "))
-    lines.append(words(14, 416, "and only cli sees firmware_export.  Below: what stands beside them and only looks on."))
+    lines.append(
+        words(
+            14,
+            400,
+            "Each room sees only rooms before it.  Of lutgen, firmware_export sees all but cli, ",
+        )
+    )
+    lines.append(
+        words(
+            14,
+            416,
+            "and only cli sees firmware_export.  Below: what stands beside them and only looks on.",
+        )
+    )
     for place, name in enumerate(("tests", "proofs", "targets", "benchmarks", "tools")):
         lines.append(box(14.0 + 165.0 * place, 426, (140.0, 34.0), (name, ""), "white"))
     return sheet("The rooms of the two packages in the order of the data", lines, 470)
@@ -89,7 +103,9 @@ def reading() -> str:
         if k % 14 == 0:
             lines.append(f'<rect x="{x:.1f}" y="238" width="14" height="18" fill="{ORANGE}"/>')
         lines.append(f'<rect x="{x + 6:.1f}" y="266" width="3" height="14" fill="{BLUE}"/>')
-    lines.append(f'<path d="M80 290 H812" stroke="{GREEN}" stroke-width="1.5" marker-end="url(#tip)"/>')
+    lines.append(
+        f'<path d="M80 290 H812" stroke="{GREEN}" stroke-width="1.5" marker-end="url(#tip)"/>'
+    )
     lines.append(words(782, 306, "time"))
     return sheet("The two phases of a read: once a posture, and once a sample", lines, 316)
 

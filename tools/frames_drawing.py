@@ -12,6 +12,7 @@ from tools.rests_drawing import BLUE, GREEN, GREY, INK, path, words
 FOLDER = Path(__file__).resolve().parents[1] / "docs/explanation"
 WIDTH, HEIGHT, PANEL = 840, 300, 280
 ORANGE = "#B94700"
+MID, HEAD = 'class="mid"', 'class="head"'
 # Contacts of the robot on the chart, relative to its com: x, y and height.
 FEET = ((0.45, 0.25), (-0.35, 0.25), (-0.35, -0.25), (0.45, -0.25))
 DROP = 0.4
@@ -64,22 +65,31 @@ def _side(left: float, pitch: float, title: str) -> list[str]:
     lines = [path(outline, f'fill="#f0f0f0" stroke="{INK}"', closed=True)]
     for x in (-0.3, 0.3):
         at = on(x, -0.18)
-        lines.append(f'<circle cx="{at[0]:.1f}" cy="{at[1]:.1f}" r="18" fill="none" stroke="{INK}"/>')
+        lines.append(
+            f'<circle cx="{at[0]:.1f}" cy="{at[1]:.1f}" r="18" fill="none" stroke="{INK}"/>'
+        )
     ground = [on(-0.62, -0.3), on(0.62, -0.3)]
     lines.append(path(ground, f'stroke="{GREY}" stroke-width="2"'))
     ends = {"x": on(0.62, 0.0), "z": on(0.0, 0.5)}
     for name, end in ends.items():
         lines += [arrow(middle, end), words(end[0] + 6, end[1] - 4, name)]
     down = (middle[0], middle[1] + 100.0)
-    lines += [arrow(middle, down, BLUE), words(down[0] + 8, down[1], "gravity_dir", f'style="fill:{BLUE}"')]
+    lines += [
+        arrow(middle, down, BLUE),
+        words(down[0] + 8, down[1], "gravity_dir", f'style="fill:{BLUE}"'),
+    ]
     up = (middle[0], middle[1] - 95.0)
     if pitch == 0.0:
-        lines.append(words(middle[0] + 8, middle[1] - 56, "up_dir: accelerometer", f'style="fill:{ORANGE}"'))
-        lines.append(words(middle[0] + 8, middle[1] - 42, "at rest reads this", f'style="fill:{ORANGE}"'))
+        lines.append(
+            words(middle[0] + 8, middle[1] - 56, "up_dir: accelerometer", f'style="fill:{ORANGE}"')
+        )
+        lines.append(
+            words(middle[0] + 8, middle[1] - 42, "at rest reads this", f'style="fill:{ORANGE}"')
+        )
     lines.append(arrow(middle, (up[0], up[1] + (25.0 if pitch == 0.0 else 0.0)), ORANGE))
     lines.append(f'<circle cx="{middle[0]:.1f}" cy="{middle[1]:.1f}" r="4" fill="{INK}"/>')
     lines.append(words(middle[0] - 34, middle[1] - 8, "com"))
-    return [*lines, words(left + PANEL / 2, 22, title, 'class="head"')]
+    return [*lines, words(left + PANEL / 2, 22, title, HEAD)]
 
 
 def frames() -> str:
@@ -88,8 +98,8 @@ def frames() -> str:
     lines = _side(0.0, 0.0, "level: gravity_dir (0, 0, -1)")
     lines += _side(PANEL, tilt, "nose down by t: (sin t, 0, -cos t)")
     left, middle = 2.0 * PANEL, (2.5 * PANEL, 150.0)
-    lines.append(words(left + PANEL / 2, 22, "heading: which side is low", 'class="head"'))
-    lines.append(words(left + PANEL / 2, 40, "seen from above, y to the left", 'class="mid"'))
+    lines.append(words(left + PANEL / 2, 22, "heading: which side is low", HEAD))
+    lines.append(words(left + PANEL / 2, 40, "seen from above, y to the left", MID))
     box = [(middle[0] - 32, middle[1] - 50), (middle[0] + 32, middle[1] - 50)]
     box += [(middle[0] + 32, middle[1] + 50), (middle[0] - 32, middle[1] + 50)]
     lines.append(path(box, f'fill="#f0f0f0" stroke="{INK}"', closed=True))
@@ -98,10 +108,10 @@ def frames() -> str:
         end = (middle[0] - 80 * math.sin(turn), middle[1] - 80 * math.cos(turn))
         lines.append(arrow(middle, end, BLUE))
         shift = -8 if angle in (0,) else 16
-        lines.append(words(end[0], end[1] + shift, said, 'class="mid"'))
-    lines.append(words(140, 286, "seen from the right; y points away", 'class="mid"'))
-    lines.append(words(420, 286, "the body frame turns with the robot", 'class="mid"'))
-    lines.append(words(700, 286, "degrees, downhill in the body frame", 'class="mid"'))
+        lines.append(words(end[0], end[1] + shift, said, MID))
+    lines.append(words(140, 286, "seen from the right; y points away", MID))
+    lines.append(words(420, 286, "the body frame turns with the robot", MID))
+    lines.append(words(700, 286, "degrees, downhill in the body frame", MID))
     return sheet("The body frame, gravity and its opposite, tilt and heading", lines)
 
 
@@ -109,9 +119,13 @@ def _section(left: float) -> list[str]:
     """Return the cut through the sphere: even nodes of the chart, and their directions."""
     com, radius = (left + PANEL / 2, 80.0), 90.0
     floor = com[1] + radius
-    lines = [words(left + PANEL / 2, 22, "even nodes on a plane below the com", 'class="head"')]
+    lines = [words(left + PANEL / 2, 22, "even nodes on a plane below the com", HEAD)]
     reach = math.tan(math.radians(52.0))
-    lines.append(path([(com[0] - reach * radius, floor), (com[0] + reach * radius, floor)], f'stroke="{INK}"'))
+    lines.append(
+        path(
+            [(com[0] - reach * radius, floor), (com[0] + reach * radius, floor)], f'stroke="{INK}"'
+        )
+    )
     arc = [
         (com[0] + radius * math.sin(a), com[1] + radius * math.cos(a))
         for a in (math.radians(k) for k in range(-90, 91, 5))
@@ -122,8 +136,8 @@ def _section(left: float) -> list[str]:
         lines.append(path([com, (x, floor)], f'stroke="{BLUE}" stroke-width="0.8"'))
         lines.append(f'<circle cx="{x:.1f}" cy="{floor:.1f}" r="3" fill="{BLUE}"/>')
     lines.append(words(com[0] + 8, com[1] - 6, "com"))
-    lines.append(words(left + PANEL / 2, 196, "u = g_x / -g_z,  v = g_y / -g_z", 'class="mid"'))
-    lines.append(words(left + PANEL / 2, 214, "tilt = atan of the distance from the middle", 'class="mid"'))
+    lines.append(words(left + PANEL / 2, 196, "u = g_x / -g_z,  v = g_y / -g_z", MID))
+    lines.append(words(left + PANEL / 2, 214, "tilt = atan of the distance from the middle", MID))
     return lines
 
 
@@ -149,9 +163,9 @@ def _square(left: float) -> list[str]:
         dash = f'fill="none" stroke="{GREY}" stroke-dasharray="4 3"'
         lines.append(f'<circle cx="{middle[0]}" cy="{middle[1]}" r="{size:.1f}" {dash}/>')
         lines.append(words(middle[0] + 0.71 * size, middle[1] - 0.71 * size, f"{tilt}°"))
-    lines.append(words(left + PANEL / 2, 22, "chart cone: one face, |u|, |v| ≤ tan 60°", 'class="head"'))
-    lines.append(words(left + PANEL / 2, 40, "green: a rectangle of contacts stands", 'class="mid"'))
-    lines.append(words(middle[0], 290, "the sides of the region are straight lines", 'class="mid"'))
+    lines.append(words(left + PANEL / 2, 22, "chart cone: one face, |u|, |v| ≤ tan 60°", HEAD))
+    lines.append(words(left + PANEL / 2, 40, "green: a rectangle of contacts stands", MID))
+    lines.append(words(middle[0], 290, "the sides of the region are straight lines", MID))
     return lines
 
 
@@ -160,15 +174,18 @@ def _cross(left: float) -> list[str]:
     side, middle = 56.0, (left + PANEL / 2, 150.0)
     places = {0: (0, 0), 1: (0, -1), 2: (0, 1), 3: (-1, 0), 4: (1, 0), 5: (2, 0)}
     middles = ("-z", "+x", "-x", "+y", "-y", "+z")
-    lines = [words(left + PANEL / 2, 22, "chart sphere: six faces", 'class="head"')]
+    lines = [words(left + PANEL / 2, 22, "chart sphere: six faces", HEAD)]
     for face, (across, down) in places.items():
         x, y = middle[0] + (across - 0.9) * side, middle[1] + (down - 0.5) * side
         fill = "#d9efe6" if face == 0 else "white"
-        lines.append(f'<rect x="{x:.1f}" y="{y:.1f}" width="{side}" height="{side}" fill="{fill}" stroke="{INK}"/>')
-        lines.append(words(x + side / 2, y + 25, str(face), 'class="head"'))
-        lines.append(words(x + side / 2, y + 42, middles[face], 'class="mid"'))
-    lines.append(words(left + PANEL / 2, 256, "face 0 is the cone; the direction in the", 'class="mid"'))
-    lines.append(words(left + PANEL / 2, 272, "middle of each face is written in it", 'class="mid"'))
+        lines.append(
+            f'<rect x="{x:.1f}" y="{y:.1f}" width="{side}" height="{side}" '
+            f'fill="{fill}" stroke="{INK}"/>'
+        )
+        lines.append(words(x + side / 2, y + 25, str(face), HEAD))
+        lines.append(words(x + side / 2, y + 42, middles[face], MID))
+    lines.append(words(left + PANEL / 2, 256, "face 0 is the cone; the direction in the", MID))
+    lines.append(words(left + PANEL / 2, 272, "middle of each face is written in it", MID))
     return lines
 
 

@@ -63,10 +63,20 @@ def test_a_polygon_tips_where_its_robot_of_three_feet_does() -> None:
     assert found.polygon == pytest.approx(found.ours, abs=1e-6)
 
 
+def test_an_outline_takes_for_a_leg_what_hangs_in_the_air() -> None:
+    recipe = lutgen.load_recipe("recipe:absolem")
+    found = compare.asked(recipe, np.radians([0.0, 60.0]), np.radians([180.0]))
+    assert found is not None
+    assert found.polygon[0] <= found.ours[0] + 1e-6
+    assert found.outline[0] > found.ours[0] + 0.01
+
+
 def test_pairs_that_are_ranked_the_wrong_way_round_are_counted() -> None:
     limits, values = (0.3, 0.5, 0.4), (1.0, 2.0, 3.0)
     found = [
-        compare.Asked(np.zeros(0), {"margin": v, "sdg": -v}, np.zeros(1), np.array([limit]))
+        compare.Asked(
+            np.zeros(0), {"margin": v, "sdg": -v}, np.zeros(1), np.zeros(1), np.array([limit])
+        )
         for limit, v in zip(limits, values, strict=True)
     ]
     # The second and third of three are exchanged.

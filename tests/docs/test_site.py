@@ -161,7 +161,9 @@ def test_every_link_leads_to_a_page_and_a_place_and_nothing_comes_from_a_network
 
 def test_every_term_of_the_glossary_can_be_looked_up(site: Path) -> None:
     text = (ROOT / "docs/reference/glossary.md").read_text(encoding="utf-8")
-    terms = {one for said in re.findall(r"^- \*\*(.+?)\*\*:", text, re.M) for one in said.split(", ")}
+    terms = {
+        one for said in re.findall(r"^- \*\*(.+?)\*\*:", text, re.M) for one in said.split(", ")
+    }
     assert len(terms) > 60
     assert {term.lower() for term in terms} == {term.lower() for term in known(site)["std:term"]}
     index = (site / "genindex.html").read_text(encoding="utf-8")

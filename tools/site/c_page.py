@@ -15,9 +15,10 @@ _RUNTIME = Path(__file__).parents[2] / "firmware_export" / "runtime"
 HEADERS = (_RUNTIME / "smap.h", _RUNTIME / "smap_control.h")
 _HEAD = """# Every function of C
 
-Made from the headers by `make docs`: these are the comments of `smap.h` and `smap_control.h` as they stand in
-every export. [Firmware](../guide/firmware.md) and [on-board control](../guide/control.md) show them at work;
-which name may change when is in the [deprecation policy](deprecation.md).
+Made from the headers by `make docs`: these are the comments of `smap.h` and `smap_control.h` as
+they stand in every export. [Firmware](../guide/firmware.md) and
+[on-board control](../guide/control.md) show them at work; which name may change when is in the
+[deprecation policy](deprecation.md).
 """
 _SECTION = re.compile(r"/\* -{4,} (.*?) -+ \*/")
 _COMMENT = re.compile(r"/\*(.*?)\*/", re.DOTALL)
@@ -98,7 +99,8 @@ def _records(text: str) -> list[str]:
         found.append(_directive(kind, name, "", "\n" + "\n\n".join(rows)))
     for body, said in _FORMS.findall(text):
         found += [
-            _directive("macro", one, f"{said} ({value})") for one, value, _ in _CONSTANT.findall(body)
+            _directive("macro", one, f"{said} ({value})")
+            for one, value, _ in _CONSTANT.findall(body)
         ]
     return found
 

@@ -15,8 +15,9 @@ __all__ = ["commands", "options", "page"]
 
 _HEAD = """# Every command and option
 
-Made from the sources by `make docs`; `lutgen COMMAND --help` prints the same. How commands behave together,
-their exit codes and their completion in shells are in [the command line](../guide/commands.md).
+Made from the sources by `make docs`; `lutgen COMMAND --help` prints the same. How commands behave
+together, their exit codes and their completion in shells are in
+[the command line](../guide/commands.md).
 """
 
 

@@ -73,6 +73,8 @@ def home(text: str) -> str:
     )
     trees = []
     for part in parts(text):
-        pages = "\n".join(f"{title} <{path.replace('.ipynb', '.md')}>" for title, path in part.pages)
+        pages = "\n".join(
+            f"{title} <{path.replace('.ipynb', '.md')}>" for title, path in part.pages
+        )
         trees.append(f"```{{toctree}}\n:hidden:\n:caption: {part.title}\n\n{pages}\n```\n")
     return "\n".join([shown, *trees])

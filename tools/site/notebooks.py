@@ -31,9 +31,7 @@ class Cell:
 def _cells(notebook: Path) -> list[Cell]:
     """Return the cells of a notebook."""
     content = json.loads(notebook.read_text(encoding="utf-8"))
-    return [
-        Cell(cell["cell_type"] == "code", "".join(cell["source"])) for cell in content["cells"]
-    ]
+    return [Cell(cell["cell_type"] == "code", "".join(cell["source"])) for cell in content["cells"]]
 
 
 def _figures(value: Any) -> Iterator[bytes]:

@@ -1,4 +1,4 @@
-"""The reference of Python.  Owns which names it lists; Sphinx takes the rest from the docstrings."""
+"""The reference of Python.  Owns which names it lists; the docstrings have the rest."""
 
 from importlib import import_module
 from inspect import isclass
@@ -15,10 +15,12 @@ _HEAD = """# Every name of Python
 Made from the docstrings by `make docs`. [Python](../guide/python.md) shows them at work.
 
 **Promised** are the names of `lutgen` and `firmware_export`: the
-[deprecation policy](deprecation.md) holds for them. The others serve the command line and the guides; they
-are documented as they are now, and may change in any version, which the changelog then says.
+[deprecation policy](deprecation.md) holds for them. The others serve the command line and the
+guides; they are documented as they are now, and may change in any version, which the changelog then
+says.
 
-Angles are in rad, lengths in the recipe's unit, and arrays are C-contiguous float64 where nothing else is said.
+Angles are in rad, lengths in the recipe's unit, and arrays are C-contiguous float64 where nothing
+else is said.
 """
 # What the promised names return, by the module that it is documented in.
 _RETURNED = {

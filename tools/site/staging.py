@@ -46,7 +46,11 @@ class Stage:
 
     def fill(self) -> None:
         """Write every page and what belongs to it."""
-        pages = [*self.root.glob("*.md"), *self.root.glob("docs/**/*.md"), self.root / "maps/README.md"]
+        pages = [
+            *self.root.glob("*.md"),
+            *self.root.glob("docs/**/*.md"),
+            self.root / "maps/README.md",
+        ]
         for page in sorted(pages):
             name = page.relative_to(self.root).as_posix()
             self._page("index.md" if name == HOME else name, page)
@@ -82,7 +86,9 @@ class Stage:
         text = text.replace("```csv\n", "```text\n")  # which no lexer colours
         text = _IMAGE.sub(r"![\3](\1){width=\2}", text)
         up = "../" * name.count("/")
-        text = re.sub(r"\]\((?:\.\./)*(?:docs/)?README\.md\)", lambda m: _homeward(m[0], name, up), text)
+        text = re.sub(
+            r"\]\((?:\.\./)*(?:docs/)?README\.md\)", lambda m: _homeward(m[0], name, up), text
+        )
         self._text(name, text)
 
     def _copy(self, file: Path) -> None:
@@ -98,7 +104,9 @@ class Stage:
         page = (self.target / notebook.relative_to(self.root)).with_suffix(".md")
         sources = [notebook, *(self.root / "lutgen").rglob("*.py")]
         sources += (self.root / "firmware_export").rglob("*.[pch]*")
-        newest = max(path.stat().st_mtime for path in sources if path.suffix in {".ipynb", ".py", ".c", ".h"})
+        newest = max(
+            path.stat().st_mtime for path in sources if path.suffix in {".ipynb", ".py", ".c", ".h"}
+        )
         if not page.is_file() or page.stat().st_mtime < newest:
             folder = self.target.parent / "notebooks" / notebook.stem
             shutil.rmtree(folder, ignore_errors=True)
@@ -109,11 +117,11 @@ class Stage:
     def _list_of_explorers(self) -> str:
         """Return the page that leads to the explorers that have been made."""
         names = sorted(path.stem for path in self.explorers.glob("*.html"))
-        head = "# Move a robot by hand\n\nEach page is an [explorer](../docs/guide/explorer.md) of a robot"
+        head = "# Move a robot by hand\n\nEach page is an [explorer](../docs/guide/explorer.md)"
         if not names:
-            return f"{head}; `make explorer docs` puts them here. None has been made for this site.\n"
+            return f"{head} of a robot; `make explorer docs` puts them here. None has been made for this site.\n"
         rows = "\n".join(f'- <a href="../explorer/{name}.html">{name}</a>' for name in names)
-        return f"{head} of the [gallery](README.md).\n\n{rows}\n"
+        return f"{head} of a robot of the [gallery](README.md).\n\n{rows}\n"
 
 
 def _homeward(link: str, name: str, up: str) -> str:
