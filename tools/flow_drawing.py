@@ -17,7 +17,7 @@ LUTGEN = (
     ("search", "the best one"),
     ("plot", "figures"),
     ("paper", "its report"),
-    ("cli", "the door"),
+    ("cli", "commands"),
 )
 EXPORT = (
     ("truth", "exact answers"),

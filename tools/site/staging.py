@@ -119,7 +119,7 @@ class Stage:
         names = sorted(path.stem for path in self.explorers.glob("*.html"))
         head = "# Move a robot by hand\n\nEach page is an [explorer](../docs/guide/explorer.md)"
         if not names:
-            return f"{head} of a robot; `make explorer docs` puts them here. None has been made for this site.\n"
+            return f"{head} of a robot; `make explorer docs` puts them here. None is made yet.\n"
         rows = "\n".join(f'- <a href="../explorer/{name}.html">{name}</a>' for name in names)
         return f"{head} of a robot of the [gallery](README.md).\n\n{rows}\n"
 
