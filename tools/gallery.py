@@ -75,6 +75,8 @@ TWISTED = {"front": -45.0, "rear": 0.0}
 STEERED = {"steer": 35.0, "roll": 6.0}
 REACHING = {"swing": 90.0, "boom": 20.0, "stick": -60.0}
 FORWARD = {"swing": 0.0}
+# Degrees: two figures that are compared.
+ARM_SCALE = (18.0, 42.0)
 # The joints of the published description; positive angles lower a front flipper's tip.
 STAIRS = {
     **{"front_left_flipper_j": -40.0, "front_right_flipper_j": -40.0},
@@ -137,10 +139,16 @@ SHOTS: dict[str, tuple[Shot, ...]] = {
             "contour",
             "tip-over angle over boom and stick, arm forward",
             params=FORWARD,
+            scale=ARM_SCALE,
             **TIP,
         ),
         shot(
-            "aside", "contour", "the same with the arm to the left", params={"swing": 90.0}, **TIP
+            "aside",
+            "contour",
+            "the same with the arm to the left",
+            params={"swing": 90.0},
+            scale=ARM_SCALE,
+            **TIP,
         ),
     ),
     "absolem_urdf": (

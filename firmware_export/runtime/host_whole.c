@@ -12,7 +12,6 @@
 #define SMAP_TABLES 0
 #define SMAP_GRID 1
 #define SMAP_MANY 0
-#define SMAP_CONTROL 0
 #define SMAP_MAX_PARAMS 8
 
 #include "smap.h"

@@ -45,7 +45,7 @@ SMAP_INLINE void smap_many_numbers(const smap_t *map, smap_many_t *out)
   out->rock_angle = smap_f32(body + 28);
   out->band = smap_f32(body + 32);
   out->guard = smap_f32(body + 36);
-#if SMAP_SERIES || SMAP_CONTROL
+#if SMAP_SERIES || defined(SMAP_CONTROL)
   out->off = out->turned = 0.0f;
 #endif
 #if SMAP_SERIES

@@ -68,12 +68,12 @@ typedef struct {
   uint8_t first[SMAP_MANY_RAILS + 1];
   float axis[2];
   float size, steepest, least_height, rest_width, tolerance, rock_angle, band, guard;
-#if SMAP_SERIES || SMAP_CONTROL
+#if SMAP_SERIES || defined(SMAP_CONTROL)
   float off, turned; /* parts of the size, of R also for each rad: what series alter, see many_held.c */
 #endif
 } smap_many_t;
 
-#if SMAP_SERIES || SMAP_CONTROL
+#if SMAP_SERIES || defined(SMAP_CONTROL)
 #define SMAP_OFF(map) ((map)->off)
 #define SMAP_OFF_TURNED(map) ((map)->turned)
 #else

@@ -46,6 +46,12 @@ class Asked(RecipeOptions):
     )
     convention: str = convention()
     tilt: float = tilt()
+    scale: tuple[float, float] | None = option(
+        "--scale",
+        nargs=2,
+        type=float,
+        help="What the colours span at least, in the unit shown, so that figures compare.",
+    )
     size: str | None = size()
     style: str = style()
 
@@ -90,6 +96,7 @@ def plot(source: str, asked: Asked) -> None:
             axes=axes,
             convention=asked.convention,
             tilt=asked.tilt,
+            scale=asked.scale,
         )
         save(figure, asked.output, force=asked.force)
     report = {

@@ -70,6 +70,7 @@ class Choices(TypedDict, total=False):
     axes: Sequence[str] | None
     convention: str
     tilt: float
+    scale: tuple[float, float] | None
 
 
 @in_house_style
@@ -103,6 +104,9 @@ def draw(kind: str, source: StabilityMap | Recipe, **asked: Unpack[Choices]) -> 
         latter for recipes only, and not for `sphere`, `polar` and `metrics`.
     tilt : float
         Degrees; used by `metrics` only.
+    scale : (2,) of float, optional
+        What the colours of `contour`, `surface` and `sphere` have to span at least, in the unit
+        that is shown: figures of one scale can be compared.
 
     Returns
     -------
@@ -134,6 +138,10 @@ def _choose(kind: Kind, source: StabilityMap | Recipe, asked: Choices) -> View:
             _refuse("channel is not in the map", channel, f"{_nearest(channel, held)} or a recipe")
     if not 0.0 <= tilt <= 180.0:
         _refuse("tilt must lie between 0 and 180 deg", f"{tilt:g}", "20 is the default")
+    scale = asked.get("scale")
+    if scale is not None and not (all(map(math.isfinite, scale)) and scale[0] < scale[1]):
+        what = "a scale goes from a number to a larger one"
+        _refuse(what, ", ".join(f"{x:g}" for x in scale), "give two such as 0, 60")
     if kind.of_robot and is_sealed(recipe):
         _refuse(
             f"a {kind.name} figure needs the robot itself",
@@ -165,7 +173,7 @@ def _choose(kind: Kind, source: StabilityMap | Recipe, asked: Choices) -> View:
             direction = body_gravity(recipe, np.array([posture]), direction, convention)[0]
     view = View(
         *(kind.name, recipe, stability_map, np.array(posture), direction, channel, columns),
-        *(convention, math.radians(tilt)),
+        *(convention, math.radians(tilt), scale),
     )
     if kind.varies == 2 and stability_map is not None and not view.on_chart():
         _refuse(

@@ -26,9 +26,11 @@ MERGED = 2.5
 APART = 0.1
 
 
-def levels(values: Floats) -> Floats:
-    """Return round contour levels that enclose all finite values."""
+def levels(values: Floats, scale: tuple[float, float] | None = None) -> Floats:
+    """Return round contour levels that enclose all finite values, and `scale` where it is given."""
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    if scale is not None:
+        low, high = min(low, *scale), max(high, *scale)
     if not high - low > 1e-9 * max(abs(high), abs(low)):
         spread = 0.5 * abs(high) if high != 0.0 else 1.0
         low, high = low - spread, high + spread

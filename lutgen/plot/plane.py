@@ -70,7 +70,7 @@ def draw_contour(view: View) -> Figure:
     name_axes(axes, view, plane.x[0], plane.y[:, 0])
     handles: list[Artist] = []
     if plane.best is not None:
-        steps = levels(plane.values)
+        steps = levels(plane.values, view.scale)
         filled = fill(axes, plane.x, plane.y, plane.values, steps)
         look: dict[str, Any] = {"linewidths": 0.5, "linestyles": "solid"}
         label_lines(axes, outline(axes, plane.x, plane.y, plane.values, steps, **look))
@@ -97,7 +97,7 @@ def draw_surface(view: View) -> Figure:
     axes.set(zlabel=channel_label(view.recipe, view.channel), zlim=(0.0, 1.0), zticks=[])
     handles: list[Artist] = []
     if plane.best is not None:
-        steps = levels(plane.values)
+        steps = levels(plane.values, view.scale)
         axes.set_zlim(steps[0] - FLOOR * (steps[-1] - steps[0]), steps[-1])
         axes.set_zticks(steps[:: max(1, math.ceil(len(steps) / MOST_STEPS))])
         _raise_surface(axes, plane, steps)

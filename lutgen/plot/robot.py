@@ -189,7 +189,9 @@ def _edges(axes: Any, state: Diagnosis) -> list[Artist]:
         ends = list(dict.fromkeys(name.replace("_", " ") for name in axis.names))
         # Two long names take a line each.
         between = (" to " if len("".join(ends)) <= LONG_NAMES else " to\n").join(ends)
-        look: dict[str, Any] = {"color": RED, "linewidth": 2.0, "zorder": 5}
+        # With marks at its ends: over a wheel it may be as short as a point.
+        look: dict[str, Any] = {"color": RED, "linewidth": 2.0, "marker": "o", "markersize": 3.0}
+        look["zorder"] = 7
         words = f"least stable, {angle}:\n{between}"
         handles.append(_line(axes, axis.start, axis.stop, label=words, **look))
     return handles

@@ -92,7 +92,7 @@ def draw_sphere(view: View) -> Figure:
     panels = figure.subplots(1, len(discs), squeeze=False)[0]
     handles: list[Artist] = []
     if best is not None:
-        steps = levels(stack)
+        steps = levels(stack, view.scale)
         for panel, disc in zip(panels, discs, strict=True):
             if np.isfinite(disc.values).any():
                 fill(panel, disc.x, disc.y, disc.values, steps)

@@ -32,7 +32,8 @@ class View:
     `params` (k,) float64 is the posture, rad or length, at `home` or in the middle of the range
     where the caller gave none; `axes` are the columns that the figure varies; `gravity_dir` (3,)
     is a unit vector in the frame that `convention` names, see `lutgen.channels.settle`.
-    `tilt` (rad) is that of a figure over all headings.
+    `tilt` (rad) is that of a figure over all headings, `scale` what colours have to span at least,
+    in the unit shown.
     """
 
     kind: str
@@ -44,6 +45,7 @@ class View:
     axes: tuple[int, ...]
     convention: str = "body"
     tilt: float = 0.0
+    scale: tuple[float, float] | None = None
 
     def parameter(self, place: int) -> Parameter:
         """Return the parameter on one of the figure's axes."""

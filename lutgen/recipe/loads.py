@@ -13,9 +13,11 @@ from lutgen.recipe.table import Table
 def read_payloads(robot: Table, links: tuple[Link, ...]) -> tuple[Link, ...]:
     """Read ``[[robot.payload]]``: the links, and after them one massive link for each payload."""
     result = list(links)
+    taken = {link.name for link in links}
     for table in robot.tables("payload", names("robot.payload")):
         _refuse_massless(table, "mass", links, "moves no com of a robot without masses")
-        name = table.new_name("payload", (link.name for link in result))
+        name = table.new_name("payload", taken)
+        taken.add(name)
         link = carrier(table, "payload", links)
         position = table.vector("position", "write [x, y, z] in the link's frame")
         mass = table.number("mass", "write the payload's mass in the unit of the links' masses")
@@ -28,9 +30,11 @@ def read_payloads(robot: Table, links: tuple[Link, ...]) -> tuple[Link, ...]:
 def read_forces(robot: Table, links: tuple[Link, ...]) -> tuple[Force, ...]:
     """Read ``[[robot.force]]`` in order; `links` without the payloads, which carry none."""
     result: list[Force] = []
+    taken: set[str] = set()
     for table in robot.tables("force", names("robot.force")):
         _refuse_massless(table, "force", links, "has no weight to compare with without masses")
-        name = table.new_name("force", (force.name for force in result))
+        name = table.new_name("force", taken)
+        taken.add(name)
         link = carrier(table, "force", links)
         position = table.vector("position", "write [x, y, z] in the link's frame")
         force = table.vector("force", "write [x, y, z] in N along the body's axes")

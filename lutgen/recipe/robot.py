@@ -33,12 +33,14 @@ RESERVED = ("face", "v", "u", *CHANNELS)
 def read_parameters(robot: Table, length_unit: str) -> tuple[Parameter, ...]:
     """Read ``[[robot.parameter]]`` in order."""
     result: list[Parameter] = []
+    taken: set[str] = set()
     for table in robot.tables("parameter", names("robot.parameter")):
         if "urdf" not in robot:
             table.refuse(("joint",), "means nothing without `robot.urdf`", "remove it")
             way_out = "give links that share the parameter a joint with a scale each"
             table.refuse(("drive",), "means nothing without `robot.urdf`", way_out)
-        name = table.new_name("parameter", (p.name for p in result))
+        name = table.new_name("parameter", taken)
+        taken.add(name)
         if not re.fullmatch(IDENTIFIER, name):
             table.fail("name", "is not an identifier", name, "use letters, digits and _ only")
         if name in RESERVED:
@@ -85,8 +87,10 @@ def read_links(robot: Table, parameters: tuple[Parameter, ...]) -> tuple[Link, .
     """Read ``[[robot.link]]``; "body" comes first unless the recipe declares it itself."""
     tables = robot.tables("link", names("robot.link"))
     links: list[Link] = []
+    taken: set[str] = set()
     for table in tables:
-        name = table.new_name("link", (link.name for link in links))
+        name = table.new_name("link", taken)
+        taken.add(name)
         mass = table.number("mass", "write a mass in any unit", 0.0)
         if mass < 0.0:
             table.fail("mass", "must not be negative", mass, "write a mass of 0 or more")
@@ -191,10 +195,10 @@ def read_contacts(
             for contact in derive(table, link):
                 if rolling and contact.radius == 0.0:
                     table.fail("rolling", "needs a round shape", rolling, "a box slides: remove it")
-                table.refuse_twice(contact.name, (other.name for other in result))
+                table.refuse_twice(contact.name, {other.name for other in result})
                 result.append(replace(contact, rolling=rolling))
             continue
-        name = table.new_name("contact", (other.name for other in result))
+        name = table.new_name("contact", {other.name for other in result})
         position = table.vector("position", "write [x, y, z] in the link's frame")
         radius = table.number("radius", "write a length", 0.0)
         if radius < 0.0:

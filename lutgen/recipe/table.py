@@ -8,7 +8,7 @@ import math
 import os
 import re
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -184,13 +184,13 @@ class Table:
             self.fail(name, what, value, suggestion(value, choices, "use one of"))
         return value
 
-    def new_name(self, noun: str, others: Iterable[str]) -> str:
+    def new_name(self, noun: str, others: Container[str]) -> str:
         """Return the name of a part, which no other may have."""
         name = self.string("name", f"name the {noun}")
         self.refuse_twice(name, others)
         return name
 
-    def refuse_twice(self, name: str, others: Iterable[str]) -> None:
+    def refuse_twice(self, name: str, others: Container[str]) -> None:
         """Refuse a name that was given before."""
         if name in others:
             self.fail("name", "is given twice", name, "choose another name")

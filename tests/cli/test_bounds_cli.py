@@ -56,7 +56,7 @@ def sampled(count: int) -> str:
         (
             sampled(10**6)
             .replace("swing = 2", "swing = 1000000")
-            .replace('"cone"\nnodes = 3\nmax_tilt = 50.0', '"cube"\nnodes = 1024'),
+            .replace('"cone"\nnodes = 3\nmax_tilt = 50.0', '"sphere"\nnodes = 1024'),
             "4,611,686,018,427,387,904 nodes of a map",
         ),
         (START.replace("[sweep]", "[[robot.force]]\n" * 10_001 + "[sweep]"), "10,000 entries"),

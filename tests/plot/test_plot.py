@@ -592,3 +592,27 @@ def assert_one_sentence(message: str) -> None:
     assert "\n" not in message
     assert message.endswith(".")
     assert not re.search(r"\. [A-Z]", message)
+
+
+def colours_span(figure: Figure) -> tuple[float, float]:
+    (filled,) = (
+        c for c in figure.axes[0].collections if isinstance(c, QuadContourSet) and c.filled
+    )
+    steps = list(filled.levels)
+    return steps[0], steps[-1]
+
+
+def test_figures_of_one_scale_span_the_same_colours_and_lose_nothing(two: Recipe) -> None:
+    slopes = {"level": DOWN, "slope": (-0.2, 0.0, -1.0)}
+    alone = {n: colours_span(plot.draw("contour", two, gravity=g)) for n, g in slopes.items()}
+    assert alone["level"] != alone["slope"]
+    scale = (0.0, max(alone["slope"]))
+    spans = {
+        colours_span(plot.draw("contour", two, gravity=g, scale=scale)) for g in slopes.values()
+    }
+    assert len(spans) == 1
+    # A scale too narrow hides nothing.
+    assert colours_span(plot.draw("contour", two, scale=(0.5, 0.6))) == alone["level"]
+    for wrong in ((1.0, 1.0), (2.0, 1.0), (math.nan, 1.0)):
+        with pytest.raises(InputError, match="from a number to a larger one"):
+            plot.draw("contour", two, scale=wrong)
