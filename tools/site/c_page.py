@@ -6,6 +6,7 @@ comment of its own is told by the section.
 """
 
 import re
+import textwrap
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -124,9 +125,9 @@ def _manual(text: str) -> str:
     for block in re.split(r"\n\s*\n", "\n".join(lines)):
         if block.startswith("    "):
             if found and found[-1].startswith("```"):
-                found[-1] = f"{found[-1][:-4]}\n\n{block}\n```"
+                found[-1] = f"{found[-1][:-4]}\n\n{textwrap.dedent(block)}\n```"
             else:
-                found.append(f"```text\n{block}\n```")
+                found.append(f"```text\n{textwrap.dedent(block)}\n```")
         else:
             found.append(_escaped(" ".join(block.split())))
     return "\n\n".join(found)

@@ -71,7 +71,8 @@ def home(text: str) -> str:
         lambda match: f"]({_normal(match[1])}{match[2] or ''})",
         _with_made(text),
     )
-    trees = []
+    # What Sphinx makes of all of them, which has no file either.
+    trees = ["```{toctree}\n:hidden:\n\nIndex <genindex>\n```\n"]
     for part in parts(text):
         pages = "\n".join(
             f"{title} <{path.replace('.ipynb', '.md')}>" for title, path in part.pages

@@ -84,7 +84,7 @@ class Stage:
             text = _glossary(text)
         text = re.sub(r"(\]\([^)\s]*)\.ipynb\)", r"\1.md)", text)
         text = text.replace("```csv\n", "```text\n")  # which no lexer colours
-        text = _IMAGE.sub(r"![\3](\1){width=\2}", text)
+        text = _IMAGE.sub(r'![\3](\1){width="\2"}', text)
         up = "../" * name.count("/")
         text = re.sub(
             r"\]\((?:\.\./)*(?:docs/)?README\.md\)", lambda m: _homeward(m[0], name, up), text
