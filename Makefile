@@ -1,7 +1,7 @@
 # Every command of the project; `make help` lists them.
 # `maps` is also a folder, so without this line make would call it up to date.
 .PHONY: help venv maps paper explorer engine exports size firmware cmsis verify fuzz hostile physics
-.PHONY: robots test check bench soak control lock oldest dist bill clean
+.PHONY: robots compare test check docs bench soak control lock oldest dist bill clean
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -53,6 +53,9 @@ check: .venv/.installed ## lint, format, types, spelling
 	$(BIN)/mypy
 	$(BIN)/codespell
 
+docs: .venv/.docs ## build the site of the documents into build/site (the explorers too, if they are made)
+	$(BIN)/python -m tools.site
+
 explorer: $(NAMES:%=build/explorer/%.html) ## write a page for every robot of maps/ into build/explorer
 
 engine: ## rebuild the scripts and the WebAssembly of those pages (clang, wasm-ld, node, npm)
@@ -63,6 +66,9 @@ physics: .venv/.physics ## judge the verdicts by a physics engine (docs/measured
 	$(BIN)/python -m proofs.physics.steady
 	$(BIN)/python -m proofs.physics.judge
 	$(BIN)/python -m proofs.physics.braking
+
+compare: .venv/.installed ## public measures of stability beside ours (docs/measured/compare.md, build/compare)
+	$(BIN)/python -m proofs.compare --update
 
 robots: .venv/.robots ## import published robots, which it downloads (docs/measured/robots.md; five minutes)
 	$(BIN)/python -m proofs.robots --update
@@ -140,6 +146,10 @@ clean: ## remove build/ and the caches, keep .venv
 
 .venv/.browser: .venv/.installed
 	@$(INSTALL) '.[browser]'
+	@touch $@
+
+.venv/.docs: .venv/.installed
+	@$(INSTALL) '.[docs]'
 	@touch $@
 
 .venv/.robots: .venv/.installed

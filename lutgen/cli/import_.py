@@ -8,14 +8,25 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import Assignment, as_json, asks, finite_numbers, force, option, output
+from lutgen.cli.options import (
+    Assignment,
+    as_json,
+    asks,
+    finite_numbers,
+    force,
+    log,
+    option,
+    output,
+)
 from lutgen.cli.table import show
-from lutgen.errors import InputError
+from lutgen.errors import InputError, RecipeError
 
 if TYPE_CHECKING:
     from lutgen.parts import Contact
+    from lutgen.recipe import Recipe
     from lutgen.urdf import Srdf, UrdfRobot
 
+STANDS_NOWHERE = "the robot stands in none of its postures on these contacts"
 # How the refusal ends where a recipe may have been edited.
 KEPT = "pass --merge to keep what was edited by hand, or --force to write over it"
 
@@ -142,7 +153,22 @@ def import_(urdf: str, asked: Asked) -> None:
     else:
         check_target(asked.output, asked.force, text.encode("utf-8"), KEPT)
     write_text(asked.output, text, asked.force or asked.merge)
+    _warn_unless_standing(recipe)
     show(report, import_lines(report, robot.root), asked.as_json)
+
+
+def _warn_unless_standing(recipe: "Recipe") -> None:
+    """Say that a recipe is of no use yet where its robot stands in none of its postures."""
+    from lutgen.mapping.compute import require_standing
+
+    try:
+        require_standing(recipe)
+    except RecipeError:
+        log.warning(
+            "%s: %s; choose others with --contact, or correct them in the recipe",
+            recipe.name,
+            STANDS_NOWHERE,
+        )
 
 
 def import_lines(report: dict[str, Any], root: str) -> Iterator[str]:

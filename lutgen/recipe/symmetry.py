@@ -127,19 +127,20 @@ class Limbs:
         """Return the first joint and those that are where its mirror images are."""
         first = self.limbs[names[0]]
         result = [names[0]]
-        middle = float(np.mean([self.limbs[name].spot[0] for name in names]))
+        spots = np.array([self.limbs[name].spot for name in names])
+        middle = float(np.mean(spots[:, 0]))
         for mirror in ((1.0, -1.0, 1.0), (-1.0, 1.0, 1.0), (-1.0, -1.0, 1.0)):
             image = np.array(mirror) * (first.spot - [middle, 0.0, 0.0]) + [middle, 0.0, 0.0]
-            found = [
-                (float(np.linalg.norm(self.limbs[name].spot - image)), name)
-                for name in names
-                if name not in result
-                and abs(self.limbs[name].mass - first.mass) <= MASS * first.mass
-                and self.sign(names[0], name)
-            ]
-            distance, name = min(found, default=(math.inf, ""))
-            if distance <= IMAGE * self.size:
-                result.append(name)
+            away = np.linalg.norm(spots - image, axis=1)
+            near = np.flatnonzero(away <= IMAGE * self.size)
+            for _, name in sorted((float(away[i]), names[i]) for i in near):
+                if (
+                    name not in result
+                    and abs(self.limbs[name].mass - first.mass) <= MASS * first.mass
+                    and self.sign(names[0], name)
+                ):
+                    result.append(name)
+                    break
         return result
 
     def _is_folded(self, sets: Sequence[Sequence[str]]) -> bool:

@@ -32,6 +32,8 @@ class Meshes:
 
         InputError is raised where the file is not found or not read, and says why.
         """
+        if not shape.file:
+            raise InputError("a mesh names no file")
         scale = np.array(shape.scale)
         if len(scale) != 3 or not np.all(np.isfinite(scale) & (scale != 0.0)):
             raise InputError(f"{shape.file}: has no scale of three numbers but 0")

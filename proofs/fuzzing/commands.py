@@ -4,6 +4,7 @@ The commands are those of the program itself, so a new one is tried without a wo
 """
 
 import functools
+import itertools
 import random
 
 import click
@@ -18,9 +19,11 @@ __all__ = ["commands", "make"]
 
 # What takes longer than a case may, where it succeeds, is only tried with what cannot: half a
 # minute of computing, a C compiler's runs, other processes.
-SLOW = frozenset(("paper", "export"))
+SLOW = frozenset(("paper", "export", "policy", "explore", "prove"))
 UNTRIED = ("--engine", "--scheduler", "--workers", "--animate", "--xacro")
-FILES = ("r.toml", "rover.toml", "m.h5", "t.csv", "s.toml", "r.urdf", "r.srdf", "empty", "folder")
+# A map that lutgen made is replaced by another one without a word.
+OWN = "m.h5"
+FILES = ("r.toml", "rover.toml", OWN, "t.csv", "s.toml", "r.urdf", "r.srdf", "empty", "folder")
 # Nothing outside of the case's folder: a program that is run as root could replace it.
 PATHS = (*FILES, "nowhere", ".", "", "nowhere/out", "-", "empty/x")
 OUTPUTS = (*("out.toml", "out.h5", "out.csv", "out.svg", "out.png", "out", "out.gif"), *PATHS)
@@ -90,7 +93,13 @@ def _files() -> dict[str, bytes]:
     texts = {"t.csv": TERRAIN, "s.toml": STANCE, "r.urdf": DESCRIPTIONS["crane.urdf"], "empty": ""}
     texts |= {"r.toml": recipes()["tripod"], "rover.toml": recipes()["rover"]}
     own = {name: text.encode() for name, text in texts.items()}
-    return own | {"m.h5": swept("tripod"), "mast.stl": MESH, "spy.py": SPY}
+    return own | {OWN: swept("tripod"), "mast.stl": MESH, "spy.py": SPY}
+
+
+def _is_output(flag: str, command: click.Command) -> bool:
+    """Return whether a file that is written stands behind a flag."""
+    named = (option for option in command.params if flag in option.opts)
+    return any("output" in (option.name or "") for option in named)
 
 
 def make(rng: random.Random) -> Case:
@@ -103,5 +112,11 @@ def make(rng: random.Random) -> Case:
         words.append("--no-such-option")
     if rng.random() < 0.1:
         words.insert(0, pick(rng, ("-q", "-v", "-vv", "--version", "--no-such", "")))
-    written = tuple(word for word in words if word.startswith("out") or "nowhere" in word)
+    written = tuple(
+        word
+        for before, word in itertools.pairwise(words)
+        if word.startswith("out")
+        or "nowhere" in word
+        or ((word == OWN or "--force" in words) and _is_output(before, command))
+    )
     return Case(name, _files(), tuple(words), ANSWERS, written)

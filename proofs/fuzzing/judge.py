@@ -36,7 +36,7 @@ def fault(case: Case, outcome: Outcome) -> str:
         return f"signal: {-outcome.code}"
     if outcome.code not in case.must:
         return f"exit code: {case.words[0]} ended with {outcome.code}: {_short(said)}"
-    if outcome.code in (1, 2) and not re.search(r"^(Error|lutgen)?: ?\S|Error: \S", said, re.M):
+    if outcome.code in (1, 2) and not re.search(r"^(Error|lutgen)?: ?\S|Error: +\S", said, re.M):
         return f"message: {case.words[0]} ended with {outcome.code} and gave no reason"
     if len(said) > LONGEST:
         return f"message: {len(said):,} characters of {case.words[0]}"

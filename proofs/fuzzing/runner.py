@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
 
+from lutgen.cli.import_ import STANDS_NOWHERE
 from proofs.fuzzing.case import Case, Outcome
 from proofs.fuzzing.worker import LARGEST_FILE, MEMORY, SPARE, delay
 
@@ -76,7 +77,7 @@ class Runner:
         self._lay_out(case)
         outcome = self._served(case.words)
         for words in case.then:
-            if outcome.code == 0:
+            if outcome.code == 0 and STANDS_NOWHERE not in outcome.stderr:
                 after = self._served(words)
                 if after.code:
                     said = f"after it {' '.join(words)} ended with {after.code}: {after.stderr}"

@@ -69,6 +69,19 @@ def test_the_recipe_is_complete_for_check_and_sweep(folder: Path) -> None:
     assert level["tip_angle"][0] > 0.3
 
 
+def test_a_robot_that_stands_on_nothing_is_written_with_a_warning(
+    folder: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    points = [f"--contact=chassis={x},{y},9" for x, y in ((1, 1), (1, -1), (-1, 0))]
+    result = run("import", "robot.urdf", "-o", "high.toml", *points)
+    assert result.exit_code == 0
+    assert "stands in none of its postures on these contacts" in caplog.text
+    caplog.clear()
+    assert run("check", "high.toml").exit_code == 2
+    good("import", "robot.urdf", "-o", "robot.toml")
+    assert "stands in none" not in caplog.text
+
+
 def test_a_name_of_its_own_may_be_given(folder: Path) -> None:
     good("import", "robot.urdf", "-o", "robot.toml", "--name", "crawler")
     assert lutgen.load_recipe("robot.toml").name == "crawler"

@@ -48,6 +48,9 @@ def test_the_lock_keeps_within_the_bounds_and_has_all_that_tests_and_checks_need
         "example-robot-data",
         "selenium",
         "zfpy",
+        "furo",
+        "myst-parser",
+        "sphinx",
     }
 
 

@@ -1,0 +1,84 @@
+"""Margins written down from the papers: values of a public library, and our channels."""
+
+import numpy as np
+import pytest
+
+import lutgen
+from lutgen.analysis import Posture, compare_metrics
+from proofs import compare
+from proofs.margins import MARGINS
+
+# Corners counter-clockwise from below.
+RECTANGLE = np.array([[0.0, 0.0, 0.0], [0.0, 2.0, 0.0], [1.0, 2.0, 0.0], [1.0, 0.0, 0.0]])
+LEVEL = np.array([[0.0, 0.0, -1.0]])
+# What hector_stability_metrics gives for this rectangle, force-angle for a weight of 9.81.
+THEIRS = {
+    0.2: {"static_margin": 0.2, "energy_margin": 0.019803903, "force_angle": 0.387290088},
+    -0.2: {"static_margin": -0.2, "energy_margin": -0.019803903, "force_angle": -0.387290088},
+}
+
+
+@pytest.mark.parametrize("aside", THEIRS)
+def test_the_formulas_give_what_the_public_library_gives(aside: float) -> None:
+    corners = RECTANGLE - np.array([aside, 0.7, 1.0])
+    for name, value in THEIRS[aside].items():
+        weight = 9.81 if name == "force_angle" else 1.0
+        # They are printed with nine decimals.
+        assert weight * MARGINS[name](corners, LEVEL)[0] == pytest.approx(value, abs=6e-10)
+
+
+def test_on_one_polygon_they_are_our_channels_under_any_gravity() -> None:
+    posture = Posture(lutgen.load_recipe("recipe:paper_two"), np.radians([31.0, 12.0]))
+    stance = posture.stance_of_weight()
+    down = np.random.default_rng(3).normal(size=(50, 3)) * 0.4 + LEVEL
+    down /= np.linalg.norm(down, axis=1, keepdims=True)
+    ours = compare_metrics(posture, down)
+    corners = stance.facets[0].points
+    for name, channel in (("static_margin", "margin"), ("force_angle", "force_angle")):
+        assert MARGINS[name](corners, down) == pytest.approx(ours.values[channel], rel=1e-6)
+    stands = ours.standing
+    assert stands.any()
+    assert not stands.all()
+    # Beyond the limit ours takes the least rise of the axes that are passed, theirs of all.
+    energy = MARGINS["energy_margin"](corners, down)
+    assert energy[stands] == pytest.approx(ours.values["energy_margin"][stands], rel=1e-6)
+    for rule in MARGINS.values():
+        assert np.array_equal(rule(corners, down) > 0.0, stands)
+
+
+def test_the_zero_moment_point_is_measured_in_the_plane_of_the_ground() -> None:
+    corners = RECTANGLE - np.array([0.5, 1.0, 1.0])
+    down = np.array([[np.sin(0.3), 0.0, -np.cos(0.3)]])
+    assert MARGINS["zmp_distance"](corners, down)[0] == pytest.approx(0.5 - np.tan(0.3))
+    assert MARGINS["static_margin"](corners, down)[0] == pytest.approx(
+        (0.5 - np.tan(0.3)) * np.cos(0.3)
+    )
+
+
+def test_a_polygon_tips_where_its_robot_of_three_feet_does() -> None:
+    recipe = lutgen.load_recipe("recipe:paper_one")
+    headings = np.radians([0.0, 77.0, 180.0, 250.0])
+    found = compare.asked(recipe, np.radians([20.0]), headings)
+    assert found is not None
+    assert found.polygon == pytest.approx(found.ours, abs=1e-6)
+
+
+def test_an_outline_takes_for_a_leg_what_hangs_in_the_air() -> None:
+    recipe = lutgen.load_recipe("recipe:absolem")
+    found = compare.asked(recipe, np.radians([0.0, 60.0]), np.radians([180.0]))
+    assert found is not None
+    assert found.polygon[0] <= found.ours[0] + 1e-6
+    assert found.outline[0] > found.ours[0] + 0.01
+
+
+def test_pairs_that_are_ranked_the_wrong_way_round_are_counted() -> None:
+    limits, values = (0.3, 0.5, 0.4), (1.0, 2.0, 3.0)
+    found = [
+        compare.Asked(
+            np.zeros(0), {"margin": v, "sdg": -v}, np.zeros(1), np.zeros(1), np.array([limit])
+        )
+        for limit, v in zip(limits, values, strict=True)
+    ]
+    # The second and third of three are exchanged.
+    assert compare.misranked(found, "margin") == pytest.approx(1.0 / 3.0)
+    assert compare.misranked(found, "sdg") == pytest.approx(1.0 / 3.0)

@@ -1,0 +1,24 @@
+"""What a reference manager reads, and what the policy promises."""
+
+import re
+
+import lutgen
+from tests.fixtures.places import ROOT
+
+CITATION = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+POLICY = (ROOT / "docs/reference/deprecation.md").read_text(encoding="utf-8")
+
+
+def test_the_citation_has_what_its_format_asks_for_and_the_version_of_the_package() -> None:
+    keys = dict(re.findall(r"^([a-z-]+):[ ]*(.*)$", CITATION, re.MULTILINE))
+    assert {"cff-version", "message", "title", "authors"} <= set(keys)
+    assert keys["cff-version"] == "1.2.0"
+    assert keys["version"] == lutgen.__version__
+    assert f'license = {{ text = "{keys["license"]}" }}' in (ROOT / "pyproject.toml").read_text()
+    assert "- name: The lutgen developers" in CITATION
+
+
+def test_the_policy_names_the_numbers_that_formats_have() -> None:
+    for name in ("lutgen_format", "lutgen_definition", "SMAP_VERSION", "SMAP_CONTROL_VERSION"):
+        assert f"`{name}`" in POLICY
+    assert "from-0.1.md" in POLICY
