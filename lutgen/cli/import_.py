@@ -159,7 +159,7 @@ def import_(urdf: str, asked: Asked) -> None:
 
 def _warn_unless_standing(recipe: "Recipe") -> None:
     """Say that a recipe is of no use yet where its robot stands in none of its postures."""
-    from lutgen.mapping.compute import require_standing
+    from lutgen.mapping import require_standing
 
     try:
         require_standing(recipe)

@@ -132,7 +132,7 @@ class Limbs:
         for mirror in ((1.0, -1.0, 1.0), (-1.0, 1.0, 1.0), (-1.0, -1.0, 1.0)):
             image = np.array(mirror) * (first.spot - [middle, 0.0, 0.0]) + [middle, 0.0, 0.0]
             away = np.linalg.norm(spots - image, axis=1)
-            near = np.flatnonzero(away <= IMAGE * self.size)
+            near = np.flatnonzero(away <= IMAGE * self.size).tolist()
             for _, name in sorted((float(away[i]), names[i]) for i in near):
                 if (
                     name not in result
