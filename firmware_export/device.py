@@ -76,13 +76,13 @@ class ExportFolder:
         Raises
         ------
         InputError
-            If the report does not hold it.
+            If the report does not hold it, or another than that of the export.
         """
         held: Any = self.report.get("recipe")
         try:
             text, urdf = held["text"], held["urdf"]
             name = f"{self._directory} (recipe inside)"
-            return parse_recipe(text, name, inert=True, urdf=urdf)
+            recipe = parse_recipe(text, name, inert=True, urdf=urdf)
         except LutgenError:
             raise
         except (KeyError, TypeError, AttributeError) as error:
@@ -90,3 +90,10 @@ class ExportFolder:
                 f"{self._directory}: its report does not hold the recipe (got one of lutgen "
                 f"{self.report.get('lutgen_version')}); export again."
             ) from error
+        if recipe.digest != self.report.get("recipe_sha256"):
+            raise InputError(
+                f"{self._directory}: the recipe of its report was changed (got the digest "
+                f"{recipe.digest[:12]}, not {str(self.report.get('recipe_sha256'))[:12]}); "
+                "export again."
+            )
+        return recipe
