@@ -137,6 +137,8 @@ def write_bytes(
     """
     check_target(path, force, content)
     target = Path(path)
+    if not target.name:
+        raise InputError(f"{path}: {failed} (got the path of a folder); add a file's name.")
     partial = target.with_name(f".lutgen-{secrets.token_hex(8)}")
     try:
         handle = os.open(partial, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o666)

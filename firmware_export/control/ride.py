@@ -54,12 +54,17 @@ def ride_along(path: Path, cycle: float, speed: float | None) -> Ride:
     Raises
     ------
     InputError
-        For a speed that is none, and one at which there are too many cycles.
+        For a speed that is none, and one at which there are too many cycles, or one alone.
     """
     if speed is not None:
         if not 0.0 < speed < math.inf:
             raise InputError(f"--speed: above 0 and finite (got {speed:g}); give another one.")
         length = float(path.distance[-1])
+        if speed * cycle > 0.5 * length:
+            raise InputError(
+                f"--speed: {length:g} of path take at least two cycles of {cycle:g} s "
+                f"(got {speed:g}); go slower, or take a shorter --cycle."
+            )
         _check(length / (speed * cycle))
         count = math.floor(length / (speed * cycle)) + 1
         at = np.asarray(np.arange(count) * (speed * cycle), np.float64)

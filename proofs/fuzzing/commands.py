@@ -117,7 +117,7 @@ def make(rng: random.Random) -> Case:
         words.insert(0, pick(rng, ("-q", "-v", "-vv", "--version", "--no-such", "")))
     files = _files()
     written = tuple(
-        word
+        word.rstrip("/")
         for before, word in itertools.pairwise(words)
         if word.startswith("out")
         or "nowhere" in word
