@@ -31,8 +31,6 @@ FACING = {0.0: "nose down", 90.0: "left side down", 180.0: "nose up", 270.0: "ri
 CURVE, MOST, STEEPEST = 46, 200, 80.0
 # m/s^2: neither the recipe nor the C looks further than 50.
 BOUNDLESS = 49.9
-# What is refused: below the first slope.
-NO_SLOPE = (-1.0, -1.0, -1.0)
 
 
 @dataclass(frozen=True)
@@ -154,12 +152,14 @@ def _slopes(asked: Asked) -> "NDArray[np.float64]":
     parts = options.finite_numbers(asked.slope.replace(":", ",")) if "," not in asked.slope else ()
     if len(parts) == 1:
         parts = (*parts, *parts)
-    low, high, step = (*parts, 10.0) if len(parts) == 2 else parts if len(parts) == 3 else NO_SLOPE
-    if not 0.0 <= low <= high <= STEEPEST or not step > 0.0:
+    if len(parts) == 2:
+        parts = (*parts, 10.0)
+    if len(parts) != 3 or not 0.0 <= parts[0] <= parts[1] <= STEEPEST or not parts[2] > 0.0:
         raise InputError(
             f"--slope: FROM:TO:STEP from 0 to {STEEPEST:g} deg (got {asked.slope}); write for "
             "example 0:30:10."
         )
+    low, high, step = parts
     if (high - low) / step > MOST:
         raise InputError(f"--slope: at most {MOST} slopes (got {asked.slope}); take larger steps.")
     if not math.isfinite(asked.heading):
