@@ -229,7 +229,7 @@ def feet(tmp_path_factory: pytest.TempPathFactory) -> Subject:
 def test_the_fuzzer_passes_what_is_right_and_finds_a_seeded_fault(
     feet: Subject, tmp_path: Path
 ) -> None:
-    assert fuzz.fuzz(feet, tmp_path / "asked", 2).state == OK
+    assert fuzz.fuzz(feet, tmp_path / "asked", fuzz.Length(runs=5000)).state == OK
     assert fuzz.fuzz_fault_is_found(feet, tmp_path / "fault").state == OK
 
 
@@ -237,14 +237,14 @@ def test_the_fuzzer_passes_what_is_right_and_finds_a_seeded_fault(
 def test_a_check_that_looks_at_no_size_is_found_by_damaged_maps(
     feet: Subject, tmp_path: Path
 ) -> None:
-    assert fuzz.fuzz(feet, tmp_path / "right", 2, "damage").state == OK
+    assert fuzz.fuzz(feet, tmp_path / "right", fuzz.Length(runs=5000), "damage").state == OK
     source = feet.folder / "smap.c"
     right = source.read_text()
     faulty = right.replace("good && smap_check_body(map, blob + map->size)", "good")
     assert faulty != right
     source.write_text(faulty)
     try:
-        found = fuzz.fuzz(feet, tmp_path / "wrong", 20, "damage")
+        found = fuzz.fuzz(feet, tmp_path / "wrong", fuzz.Length(seconds=60), "damage")
     finally:
         source.write_text(right)
     assert found.state == FAILED
