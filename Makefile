@@ -91,8 +91,8 @@ exports: .venv/.installed ## make and certify the exports that docs/measured/exp
 size: $(EXPORTS) ## measure flash, RAM and stack on a Cortex-M4 (arm-none-eabi-gcc)
 	$(BIN)/python -m targets.size $(NAMES:%=build/maps/%/firmware)
 
-verify: $(EXPORTS) ## prove the C runtime (a few minutes; docs/measured/c-runtime.md)
-	$(BIN)/python -m proofs.run
+verify: $(EXPORTS) ## prove the C runtime (ten minutes, SAMPLE=1: three; docs/measured/c-runtime.md)
+	$(BIN)/python -m proofs.run $(if $(SAMPLE),--sample)
 
 fuzz: SECONDS ?= 600
 fuzz: $(EXPORTS) ## fuzz the exports for SECONDS=600 in all
@@ -102,8 +102,8 @@ hostile: .venv/.installed ## fuzz recipes, URDFs, terrains, maps, command lines;
 	$(BIN)/python -m proofs.fuzzing $(if $(SECONDS),--seconds $(SECONDS),--update)
 
 firmware: $(EXPORTS) ## run exports on emulated targets: hashes, counts against the baseline, bounds
-	$(BIN)/python -m targets.run
-	$(BIN)/python -m targets.longest
+	$(BIN)/python -m targets.run $(if $(SAMPLE),--sample)
+	$(BIN)/python -m targets.longest $(if $(SAMPLE),--reads 5000)
 
 cmsis: .venv/.installed ## count 2-D reads beside CMSIS-DSP, whose source it downloads
 	$(BIN)/python -m targets.cmsis

@@ -187,9 +187,9 @@ def test_the_evaluations_are_those_made(
     counted = [0]
     cost = Objective._cost
 
-    def counting(self: Objective, rows: Floats) -> Floats:
+    def counting(self: Objective, rows: Floats, down: Floats) -> Floats:
         counted[0] += len(rows)
-        return np.asarray(cost(self, rows))
+        return np.asarray(cost(self, rows, down))
 
     monkeypatch.setattr(Objective, "_cost", counting)
     # The ranges are no part of the method: without them nothing else is evaluated.
