@@ -1,6 +1,46 @@
-"""`python -m lutgen`: the command `lutgen`, also where its program is not on the path."""
+"""The command `lutgen`, as a program and as `python -m lutgen`.
 
-from lutgen.cli import main
+Owns what Ctrl-C does where no command can answer it: while the commands are being imported it ends
+the program without a word, and one that falls into a callback of a compiled library, which can only
+drop it, comes again.
+"""
+
+import _thread
+import signal
+import sys
+import threading
+from typing import TYPE_CHECKING, NoReturn
+
+_usual = signal.signal(signal.SIGINT, signal.SIG_DFL)
+from lutgen.cli import main  # noqa: E402
+
+signal.signal(signal.SIGINT, _usual)
+
+if TYPE_CHECKING:
+    from sys import UnraisableHookArgs
+
+__all__ = ["program"]
+
+# Seconds after which a dropped Ctrl-C comes again: by then the callback has ended.
+AGAIN = 0.05
+
+
+def program() -> NoReturn:
+    """Run the command line and exit."""
+    usual = sys.unraisablehook
+
+    def dropped(what: "UnraisableHookArgs") -> None:
+        if not issubclass(what.exc_type, KeyboardInterrupt):
+            usual(what)
+            return
+        later = threading.Timer(AGAIN, _thread.interrupt_main)
+        later.daemon = True
+        later.start()
+
+    sys.unraisablehook = dropped
+    main()
+    raise SystemExit(0)
+
 
 if __name__ == "__main__":
-    main()
+    program()

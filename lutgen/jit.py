@@ -24,6 +24,7 @@ from numba.core.caching import FunctionCache
 from numba.core.registry import CPUDispatcher
 from numba.core.runtime import rtsys
 
+from lutgen import interrupts
 from lutgen.cache import Entries, cache_root, usable
 
 __all__ = ["cache_folder", "in_threads", "njit", "prange"]
@@ -38,6 +39,8 @@ PARTS_PER_THREAD = 8
 # Files that hold kernels import this module; the text of that import marks them.
 _MARK = b"lutgen.jit"
 _PACKAGE = Path(__file__).resolve().parent
+
+interrupts.defer()
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
@@ -213,6 +216,11 @@ def in_threads(kernel: Callable[..., int], pieces: int, *arguments: object, leas
 
     parts = min(threads * PARTS_PER_THREAD, pieces)
     bounds = [part * pieces // parts for part in range(parts + 1)]
+    # What is not compiled yet is compiled here: Ctrl-C does not reach other threads.
+    first = 0 if getattr(kernel, "signatures", True) else 1
+    found = sum(int(kernel(*bounds[at : at + 2], *arguments)) for at in range(first))
     with ThreadPoolExecutor(threads) as pool:
-        answers = pool.map(lambda a, b: kernel(a, b, *arguments), bounds[:-1], bounds[1:])
-        return int(sum(answers))
+        answers = pool.map(
+            lambda a, b: kernel(a, b, *arguments), bounds[first:-1], bounds[first + 1 :]
+        )
+        return found + int(sum(answers))
