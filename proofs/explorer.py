@@ -37,7 +37,7 @@ CODES = {0: 0.0, 4: 1.0, 2: 2.0}
 # What the page prints of an angle (deg), and of a length (a part of it).
 ANGLE, LENGTH = 0.01, 1e-4
 NAN = 0x7FC00000
-TIMED, FRAMES = "absolem", 120
+TIMED, FRAMES = "absolem", 40
 WALK = """
 const done = arguments[1], frames = arguments[0], { timing, state } = explorer;
 timing.script.length = timing.frames.length = 0;

@@ -11,7 +11,7 @@ from proofs.explorer import STATES, equal
 pytestmark = pytest.mark.needs("chromium", "chromedriver", "selenium")
 ROBOTS = ("paper_two", "articulated", "absolem")
 # States whose tip angle is too small by more than the page prints (docs/measured/explorer.md).
-OFF = {"absolem": 3}
+OFF = {"absolem": 1}
 # Of the processor's time: milliseconds of script a frame, seconds until the first picture.
 MOST_SCRIPT, MOST_FIRST = 8.0, 1.0
 COLOURS = """

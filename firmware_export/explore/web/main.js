@@ -82,6 +82,7 @@ function timed(what) {
 
 let lastRough = 0;
 function later() {
+  if (!timing.shown) return;
   clearTimeout(still);
   still = setTimeout(() => pictures(true), 250);
   const now = performance.now();
@@ -119,12 +120,11 @@ let last = null;
 
 // The robot without its ground would be drawn for nothing, and disc and map wait for the first picture.
 function picture3d() {
-  const drawn = stage.render();
-  if (drawn && !timing.first) {
-    timing.first = performance.now();
+  if (stage.render()) timing.first ||= performance.now();
+  if (!timing.shown && stage.isShown()) {
+    timing.shown = performance.now();
     later();
   }
-  if (!timing.shown && stage.isShown()) timing.shown = performance.now();
 }
 
 function frame(now) {

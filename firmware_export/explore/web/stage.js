@@ -12,11 +12,18 @@ import { Marks } from "./marks.js";
 import { bodies } from "./solids.js";
 import { add, apply, length, minus, scale, unit } from "./vector.js";
 
+// Smooth edges take four times the work, too much where no graphics card does it.
+function contextOf(canvas) {
+  const wish = { alpha: false, depth: true, stencil: false };
+  return canvas.getContext("webgl2", { ...wish, antialias: true, failIfMajorPerformanceCaveat: true }) ||
+    canvas.getContext("webgl2", { ...wish, antialias: false });
+}
+
 export class Stage {
   constructor(canvas, scene) {
     this.canvas = canvas;
     this.robot = scene;
-    this.renderer = new WebGLRenderer({ canvas, antialias: true });
+    this.renderer = new WebGLRenderer({ canvas, context: contextOf(canvas) });
     this.renderer.debug.checkShaderErrors = false; // asking waits until each has been compiled
     this.scene = new Scene();
     this.camera = new PerspectiveCamera(32, 1, 0.01 * scene.size, 60 * scene.size);
