@@ -1,6 +1,5 @@
 """No words of a figure cover others or leave the paper, whatever the robot's parts are called."""
 
-import os
 import re
 from itertools import combinations
 
@@ -14,12 +13,13 @@ from lutgen.plot.fonts import said_once
 from lutgen.plot.levels import inks
 from lutgen.plot.words import folded, printed
 from lutgen.recipe import Recipe, parse_recipe
+from tests.fixtures.length import part
 
 # Dots: letters have room around them that is theirs, and none of it ink.
 CLEAR = 2.0
 KINDS = ("curve", "contour", "surface", "sphere", "polar", "metrics", "robot")
-# As many strange robots; a few always, 50 where somebody asks (LUTGEN_STRANGE=50, six minutes).
-STRANGE = int(os.environ.get("LUTGEN_STRANGE", str(len(KINDS))))
+# Strange robots: one of each kind, at length 50 (six minutes).
+STRANGE = part(50, 7)
 SYLLABLES = (
     *("front", "rear", "left", "wheel", "suspension", "a", "of_the", "Höhe", "роботик", "ύψος"),
     *("carrier", "x", "alpha", "track", "tip", "II", "manipulator", "_", "angle", "履帯", "גלגל"),
