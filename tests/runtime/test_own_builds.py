@@ -15,7 +15,7 @@ from proofs.parts import program_text
 from proofs.subjects import SMALL
 from targets.cases import of_recipe
 from targets.compiled import FLAGS, HostLibrary, compile_c
-from tests.fixtures.length import part
+from tests.fixtures.length import LONG, part
 from tests.fixtures.queries import integer_queries, random_queries
 
 # Not for speed: all that is then part of its callers would take minutes to compile with checks.
@@ -37,6 +37,8 @@ CASES = {
     "grid_float": part(300_000),
     "grid_sphere_float": part(300_000),
 }
+# Of these the sanitizers see the square root in software, too: points, many contacts, tables.
+SOFT = ("paper_two", "absolem", "grid_float")
 WHOLE = ("tables_integer", "grid_integer", "grid_sphere_integer")
 
 
@@ -81,11 +83,12 @@ def test_the_c_code_is_clean_under_the_sanitizers(name: str, tmp_path: Path) -> 
     package.write(export, tmp_path / "out")
     params, gravity = random_queries(export.model, count, seed=8)
     status, reading = HostLibrary(tmp_path / "out").run_driver(params, gravity, SANITIZERS)
-    # The software square root is what parts without one run.
-    soft = (*SANITIZERS, "-DSMAP_HARDWARE_ROOT=0")
-    again, soft_reading = HostLibrary(tmp_path / "out").run_driver(params, gravity, soft)
-    np.testing.assert_array_equal(status, again)
-    np.testing.assert_array_equal(reading.view(np.uint32), soft_reading.view(np.uint32))
+    if name in SOFT or LONG:
+        # The software square root is what parts without one run.
+        soft = (*SANITIZERS, "-DSMAP_HARDWARE_ROOT=0")
+        again, soft_reading = HostLibrary(tmp_path / "out").run_driver(params, gravity, soft)
+        np.testing.assert_array_equal(status, again)
+        np.testing.assert_array_equal(reading.view(np.uint32), soft_reading.view(np.uint32))
     assert answers(export) <= set(status.tolist())
 
 

@@ -304,15 +304,14 @@ def test_the_misra_table_is_what_cppcheck_finds_and_another_rule_fails(tmp_path:
     place(PARTS, tmp_path)
     end = tmp_path / "end.c"
     right = end.read_text()
-    end.write_text(right + "int f(int x);\nint f(int x)\n{\n  goto end;\nend:\n  return x;\n}\n")
+    lost = "int go_astray(int x);\nint go_astray(int x)\n{\n  goto there;\nthere:\n  return x;\n}\n"
+    end.write_text(right + lost)
     result, found = analysers.analyse("MISRA", TEXT, tmp_path, PATIENCE)
     assert result.state == FAILED
     assert "15.1 is not in the list" in result.text
-    assert found.pop("15.1") == 1
     listed = findings(TEXT, "MISRA deviations")
-    # What else breaks a rule is that function's own.
-    own = {rule: number - listed[rule] for rule, number in found.items()}
-    assert {rule: more for rule, more in own.items() if more} == {}
+    own = {rule: number - listed.get(rule, 0) for rule, number in found.items()}
+    assert {rule: more for rule, more in own.items() if more} == {"15.1": 1}
     # A file that it gives up is not one without findings.
     end.write_text(
         right + "static int g(int x)\n{\n  switch (x) {\n  case 1 ? 2 : 3:\n    return 1;\n"
