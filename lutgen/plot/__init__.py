@@ -1,8 +1,8 @@
 """Figures of a robot's stability, from a map or a recipe.
 
 In reading order: `sheet`, `fonts`, `palette`, `dark`, `style`, `words`, `legend`, `box`, `view`,
-`labels`, `marks`, `levels`, `path`, `shape`, `robot`, `animation`, `curve`, `metrics`, `budget`,
-`plane`, `sphere`, `tilt`, `figure`, `steps`, `uneven`.
+`labels`, `marks`, `levels`, `path`, `shape`, `robot`, `ground`, `animation`, `curve`, `metrics`,
+`budget`, `plane`, `sphere`, `tilt`, `figure`, `steps`, `uneven`.
 """
 
 from lutgen.plot.animation import animate, check_animation

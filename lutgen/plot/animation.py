@@ -28,6 +28,7 @@ from lutgen.analysis import Diagnosis, Posture, diagnose
 from lutgen.errors import InputError
 from lutgen.files import write_bytes
 from lutgen.plot.box import box_axes, set_limits
+from lutgen.plot.ground import eye, lay
 from lutgen.plot.labels import angle_text, unit_label
 from lutgen.plot.palette import BLUE, GREEN, GREY, RED
 from lutgen.plot.path import draw_angles
@@ -49,11 +50,9 @@ RESOLUTION = 100
 EXACTLY = ["-fflags", "+bitexact", "-metadata", "comment=lutgen"]
 # Inches.  Both sides are whole even numbers of dots, which films need.
 WIDTH, HEIGHT = 6.4, 4.5
-ELEVATION, AZIMUTH = 14.0, -68.0
+ELEVATION, AZIMUTH = 28.0, -66.0
 DOWN = (0.0, 0.0, -1.0)
 EARTH = "#dcdcdc"
-# Half a side of the ground that is drawn and the distance of its lines, in reaches of the robot.
-GROUND, LINES = 1.15, 0.5
 
 
 def check_animation(path: str | os.PathLike[str]) -> None:
@@ -222,19 +221,19 @@ class _Robot:
         chord = run.path.position[-1] - run.path.position[0]
         yaw = math.degrees(math.atan2(chord[1], chord[0]))
         axes = box_axes(figure, ELEVATION, yaw + AZIMUTH)
+        self.eye = eye(ELEVATION, yaw + AZIMUTH)
         axes.set_axis_off()
         axes.set_position((left, 0.4, share, 0.56))
         half = np.full(3, 1.15 * self.reach)
         set_limits(axes, -half, half)
-        axes.set_box_aspect((1.0, 1.0, 1.0), zoom=1.4)
+        axes.set_box_aspect((1.0, 1.0, 1.0), zoom=1.25)
         axes.patch.set_visible(False)
         self.title = figure.text(left + 0.02, 0.985, name, va="top")
-        self.ground = Poly3DCollection([], facecolor=EARTH, edgecolor=GREY, linewidth=0.5)
-        self.lines = Line3DCollection([], colors=GREY, linewidths=0.3)
+        self.ground = Poly3DCollection([], linewidth=0.5)
         self.support = Poly3DCollection([], facecolor=GREEN, alpha=0.35, edgecolor="none")
         self.wheels = Line3DCollection([], colors=GREY, linewidths=1.2)
         self.body = Line3DCollection([], colors="black", linewidths=1.1)
-        parts = (self.ground, self.lines, self.support, self.wheels, self.body)
+        parts = (self.ground, self.support, self.wheels, self.body)
         for order, part in enumerate(parts, 1):
             part.set_zorder(order)
             # A steep ground may leave the box; the strips below lie on top of it.
@@ -278,14 +277,8 @@ class _Robot:
             along = _across(np.eye(3)[int(np.abs(normal).argmin())], normal)
         along /= np.linalg.norm(along)
         across = np.cross(normal, along)
-        half, step = GROUND * self.reach, LINES * self.reach
-        sides = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) @ np.stack([along, across])
-        self.ground.set_verts([foot + half * sides])
-        # Lines that stay behind show how far the robot has come.
-        begin = -half + (-float(self.run.path.distance[i])) % step
-        middles = foot + np.arange(begin, half, step)[:, None] * along
-        ends = [middles - half * across, middles + half * across]
-        self.lines.set_segments(np.stack(ends, axis=1))
+        place = np.stack([foot, along, across, normal])
+        lay(self.ground, place, self.reach, float(self.run.path.distance[i]), self.eye)
         # Down from the com to the ground, or as far as the box goes on a wall.
         rate, furthest = -float(normal[2]), 1.3 * self.reach
         length = min(height / rate, furthest) if rate > 0.0 else furthest

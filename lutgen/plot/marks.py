@@ -156,6 +156,9 @@ def write_beside(
         figure.draw_without_rendering()
         # Axes in perspective reach beyond the paper.
         window = Bbox.intersection(axes.get_window_extent(), figure.bbox) or window
+        # Nor is there room upon the legend below them.
+        below = [legend.get_window_extent().y1 for legend in figure.legends]
+        window = Bbox([[window.x0, max([window.y0, *below])], window.max])
 
     def cost(offset: tuple[float, float]) -> float:
         _move(note, offset)

@@ -16,6 +16,10 @@ def test_the_citation_has_what_its_format_asks_for_and_the_version_of_the_packag
     assert keys["version"] == lutgen.__version__
     assert f'license = {{ text = "{keys["license"]}" }}' in (ROOT / "pyproject.toml").read_text()
     assert "- name: The lutgen developers" in CITATION
+    changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    newest = re.search(r"^## (.*)$", changes, re.MULTILINE)
+    assert newest is not None
+    assert newest[1] == f"{lutgen.__version__}, {keys['date-released']}"
 
 
 def test_the_policy_names_the_numbers_that_formats_have() -> None:

@@ -11,7 +11,8 @@ import pytest
 
 import lutgen
 from lutgen.channels import evaluate_each
-from tests.fixtures.exact_library import answers, build, states
+from proofs.explorer import states
+from tests.fixtures.exact_library import answers, build
 from tests.fixtures.places import MAPS, ROOT
 from tools.explorer import HOME, clang_version
 

@@ -7,11 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from numpy.typing import NDArray
 from PIL import Image
 
 from lutgen.plot import animate
 from lutgen.plot.animation import MOST_FRAMES, to_world
+from lutgen.plot.ground import HALF, THICK, eye, lay
 from lutgen.recipe.recipe import Recipe, load_recipe, parse_recipe
 from lutgen.search.driving import Drive, drive
 from lutgen.search.terrain import along, paper_path, turned
@@ -73,6 +75,23 @@ def test_a_long_path_has_no_more_frames_and_stays_small(two: Recipe, tmp_path: P
     assert animate(two, {"fixed": by_hand(two, 150, control=False)}, film) == MOST_FRAMES
     assert len(frames(film)) == MOST_FRAMES
     assert film.stat().st_size < 2_000_000
+
+
+def test_ground_is_seen_from_every_side_and_never_as_a_line() -> None:
+    rng, to_eye = np.random.default_rng(5), eye(28.0, -40.0)
+    slab = Poly3DCollection([])
+    edge_on = np.cross(to_eye, [0.0, 0.0, 1.0])
+    for normal in (*rng.normal(size=(200, 3)), edge_on, to_eye, -to_eye):
+        down = normal / np.linalg.norm(normal)
+        along = np.cross(down, rng.normal(size=3))
+        along /= np.linalg.norm(along)
+        lay(slab, np.stack([down, along, np.cross(down, along), down]), 1.0, rng.random(), to_eye)
+        # Of each face the part of its area that the eye sees.
+        faces = [np.cross(f[1:-1] - f[0], f[2:] - f[0]).sum(axis=0) / 2.0 for f in slab._faces]
+        seen = sum(abs(float(face @ to_eye)) for face in faces)
+        assert seen > 0.99 * 2.0 * HALF * THICK
+        top = 4.0 * HALF**2 * abs(float(down @ to_eye))
+        assert seen >= top - 1e-9
 
 
 def is_red(picture: NDArray[np.uint8]) -> bool:

@@ -3,12 +3,13 @@
 import { field, fit, key, onDrag, spot } from "./canvas.js";
 import { angles, fromDisc, toDisc } from "./gravity.js";
 import { niceTop } from "./palette.js";
+import { Sheet } from "./sheet.js";
 import { add, length, scale, unit } from "./vector.js";
 import { DEGREES } from "./words.js";
 
-export class Disc {
+export class Disc extends Sheet {
   constructor(canvas, scene, state) {
-    this.canvas = canvas;
+    super(canvas, scene, state);
     this.rim = scene.rim;
     onDrag(canvas, (x, y) => {
       if (!this.box) return;
@@ -17,20 +18,8 @@ export class Disc {
     });
   }
 
-  take(message) {
-    this.data = message;
-    this.picture = null;
-    this.dirty = true;
-  }
-
   show(answer) {
     this.answer = answer;
-    this.dirty = true;
-  }
-
-  recolour(colours) {
-    this.colours = colours;
-    this.picture = null;
     this.dirty = true;
   }
 

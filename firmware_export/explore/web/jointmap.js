@@ -2,11 +2,12 @@
 // The map over two chosen joints at the present gravity, as the exported C answers it.
 import { field, fit, key, onDrag, spot } from "./canvas.js";
 import { niceTop } from "./palette.js";
+import { Sheet } from "./sheet.js";
 import { DEGREES, digits, plain } from "./words.js";
 
-export class JointMap {
+export class JointMap extends Sheet {
   constructor(canvas, scene, state) {
-    Object.assign(this, { canvas, scene, state });
+    super(canvas, scene, state);
     onDrag(canvas, (x, y) => {
       if (!this.box) return;
       const { left, top, side } = this.box, [a, b] = state.now.axes, q = [...state.now.q];
@@ -16,18 +17,6 @@ export class JointMap {
       if (a !== b) q[b] = at(scene.parameters[b], 1 - (y - top) / side);
       state.set({ q });
     });
-  }
-
-  take(message) {
-    this.data = message;
-    this.picture = null;
-    this.dirty = true;
-  }
-
-  recolour(colours) {
-    this.colours = colours;
-    this.picture = null;
-    this.dirty = true;
   }
 
   paint() {

@@ -15,25 +15,28 @@ import { Verdict } from "./verdict.js";
 import { tipText, VERDICT } from "./words.js";
 
 const find = (selector) => document.querySelector(selector);
-const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
 const held = JSON.parse(find("#data").textContent);
-const { scene, map } = held;
+const { scene } = held;
+
+// Answers take a while to start, and so does a program that draws: the worker is there first.
+const source = new Blob([find("#worker").textContent], { type: "text/javascript" });
+const worker = new Worker(URL.createObjectURL(source));
+worker.postMessage({ kind: "start", held });
+
 const state = new State(scene);
 const stage = new Stage(find("#view"), scene);
 const disc = new Disc(find("#disc"), scene, state), jointMap = new JointMap(find("#map"), scene, state);
 const trace = new Trace(find("#trace")), verdict = new Verdict(find("#verdict"), scene);
 const controls = new Controls(document, scene, state);
 const flat = [disc, jointMap, trace];
-const timing = { script: [], frames: [], ready: 0 };
+const timing = { script: [], frames: [], ready: 0, first: 0, shown: 0 };
 
 // ---- the worker: one state at a time, always the newest; pictures when nothing moves ----------------
-const source = new Blob([find("#worker").textContent], { type: "text/javascript" });
-const worker = new Worker(URL.createObjectURL(source));
 let flying = null, waiting = true, fresh = null, count = 0, still = 0;
 const batches = new Map();
 
 function ask() {
-  if (flying !== null || !waiting || !timing.ready) return;
+  if (flying !== null || !waiting) return;
   waiting = false;
   flying = ++count;
   const { q, mode, tilt, heading } = state.now;
@@ -52,9 +55,6 @@ const told = {
   ready({ check }) {
     timing.ready = performance.now();
     timing.check = check;
-    ask();
-    pictures(false);
-    later();
   },
   state(answer) {
     flying = null;
@@ -70,8 +70,7 @@ const told = {
   },
 };
 worker.onmessage = ({ data }) => timed(() => told[data.kind](data));
-worker.postMessage({ kind: "start", scene, exported: bytes(held.exported), exact: bytes(held.exact),
-  map: { ...map, blob: bytes(map.blob) } });
+ask();
 
 // ---- frames: everything is drawn here, and the script's time of each is kept ---------------------------
 let spent = 0;
@@ -83,6 +82,7 @@ function timed(what) {
 
 let lastRough = 0;
 function later() {
+  if (!timing.shown) return;
   clearTimeout(still);
   still = setTimeout(() => pictures(true), 250);
   const now = performance.now();
@@ -114,9 +114,18 @@ function draw() {
       part.paint();
     }
   }
-  if (stage.render() && stage.answer && !timing.first) timing.first = performance.now();
+  if (stage.answer) picture3d();
 }
 let last = null;
+
+// The robot without its ground would be drawn for nothing, and disc and map wait for the first picture.
+function picture3d() {
+  if (stage.render()) timing.first ||= performance.now();
+  if (!timing.shown && stage.isShown()) {
+    timing.shown = performance.now();
+    later();
+  }
+}
 
 function frame(now) {
   timed(draw);

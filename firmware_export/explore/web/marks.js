@@ -1,23 +1,21 @@
 // SPDX-License-Identifier: MIT
 // What stands for stability in the picture: support polygon, rests, gaps, the ray of gravity, D_g, s, axes.
 import {
-  BufferAttribute, BufferGeometry, CircleGeometry, ConeGeometry, CylinderGeometry, DoubleSide, Group, Mesh,
-  MeshBasicMaterial, OctahedronGeometry, SphereGeometry, Vector3,
+  BufferGeometry, CircleGeometry, ConeGeometry, CylinderGeometry, Group, Mesh, OctahedronGeometry,
+  SphereGeometry, Vector3,
 } from "three";
 import { supportPolygon } from "./kinematics.js";
+import { flat, places } from "./looks.js";
 import { dot, length, minus, mix, scale, unit } from "./vector.js";
 
 const UP = new Vector3(0, 1, 0), AXES = 64, REST = 2;
 
 // A flat polygon whose corners change: a fan with room for so many.
 function patch(colour, opacity) {
-  const geometry = new BufferGeometry(), most = 192;
-  geometry.setAttribute("position", new BufferAttribute(new Float32Array(9 * most), 3));
-  const look = new MeshBasicMaterial({ color: colour, transparent: true, opacity, side: DoubleSide, depthWrite: false });
-  const mesh = new Mesh(geometry, look);
+  const geometry = new BufferGeometry(), most = 192, at = places(geometry, 9 * most);
+  const mesh = new Mesh(geometry, flat(colour, { opacity, depthWrite: false }));
   mesh.frustumCulled = false;
   mesh.userData.fill = (triangles) => {
-    const at = geometry.attributes.position;
     const count = Math.min(triangles.length, 3 * most);
     for (let i = 0; i < count; i++) at.setXYZ(i, ...triangles[i]);
     at.needsUpdate = true;
@@ -32,7 +30,7 @@ export class Marks {
   constructor(scene, colours) {
     this.scene = scene;
     this.group = new Group();
-    const flat = (colour) => new MeshBasicMaterial({ color: colour, depthTest: false, transparent: true });
+    const above = (colour) => flat(colour, { depthTest: false });
     const put = (mesh, order) => {
       mesh.renderOrder = order;
       this.group.add(mesh);
@@ -42,16 +40,15 @@ export class Marks {
     this.rests = put(patch(colours.support, 0.13), 1);
     this.gaps = put(patch(colours.gap, 0.35), 2);
     this.polygon = put(patch(colours.support, 0.42), 3);
-    this.looks = { axis: flat(colours.ink), least: flat(colours.least) };
+    this.looks = { axis: above(colours.ink), least: above(colours.least) };
     const bar = new CylinderGeometry(1, 1, 1, 8);
     this.axes = Array.from({ length: AXES }, () => put(new Mesh(bar, this.looks.axis), 5));
-    this.ray = put(new Mesh(bar, flat(colours.gravity)), 6);
+    this.ray = put(new Mesh(bar, above(colours.gravity)), 6);
     this.head = put(new Mesh(new ConeGeometry(0.02 * size, 0.06 * size, 16), this.ray.material), 6);
-    this.factor = put(new Mesh(bar, flat(colours.centre)), 6);
-    this.com = put(new Mesh(new SphereGeometry(0.022 * size, 20, 14), flat(colours.gravity)), 8);
-    this.pierced = put(new Mesh(new OctahedronGeometry(0.018 * size), flat(colours.gravity)), 8);
-    this.centre = put(new Mesh(new CircleGeometry(0.017 * size, 4), flat(colours.centre)), 7);
-    this.centre.material.side = DoubleSide;
+    this.factor = put(new Mesh(bar, above(colours.centre)), 6);
+    this.com = put(new Mesh(new SphereGeometry(0.022 * size, 20, 14), above(colours.gravity)), 8);
+    this.pierced = put(new Mesh(new OctahedronGeometry(0.018 * size), above(colours.gravity)), 8);
+    this.centre = put(new Mesh(new CircleGeometry(0.017 * size, 4), above(colours.centre)), 7);
   }
 
   bar(mesh, from, to, radius) {

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
 // The robot's bodies: belts round wheels of a link, balls, feet, struts between joints, shapes of a URDF.
 import {
-  BoxGeometry, CylinderGeometry, ExtrudeGeometry, Group, Matrix4, Mesh, MeshLambertMaterial, Shape,
-  SphereGeometry, Vector3,
+  BoxGeometry, CylinderGeometry, ExtrudeGeometry, Group, Matrix4, Mesh, Shape, SphereGeometry, Vector3,
 } from "three";
 import { hull } from "./kinematics.js";
+import { lit } from "./looks.js";
 import { across, add, dot, length, minus, scale, unit } from "./vector.js";
 
 const UP = new Vector3(0, 1, 0);
-const material = (look) => new MeshLambertMaterial(look);
 
 // A cylinder between two points.
 export function rod(from, to, radius, look) {
@@ -77,8 +76,7 @@ function widthOf(discs, all, size) {
 // A group for each link, in the order of the scene; `colours` of the palette.
 export function bodies(scene, colours) {
   const size = scene.size, looks = {
-    body: material({ color: colours.body }), link: material({ color: colours.link }),
-    wheel: material({ color: colours.wheel }), foot: material({ color: colours.foot }),
+    body: lit(colours.body), link: lit(colours.link), wheel: lit(colours.wheel), foot: lit(colours.foot),
   };
   return scene.links.map((link, index) => {
     const group = new Group();

@@ -1,21 +1,30 @@
 // SPDX-License-Identifier: MIT
 // The 3-D picture: camera, lights, ground; gravity always points down on the screen.
 import {
-  AmbientLight, CircleGeometry, ConeGeometry, DirectionalLight, DoubleSide, Group, HemisphereLight, LineBasicMaterial,
-  LineSegments, BufferGeometry, Float32BufferAttribute, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial, PerspectiveCamera,
-  Quaternion, Raycaster, Scene, Vector2, Vector3, WebGLRenderer,
+  AmbientLight, BufferGeometry, CircleGeometry, ConeGeometry, DirectionalLight, Group,
+  HemisphereLight, LineSegments, Matrix4, Mesh, PerspectiveCamera, Quaternion, Raycaster, Scene, Vector2, Vector3,
+  WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { frames, posture } from "./kinematics.js";
+import { flat, lit, places } from "./looks.js";
 import { Marks } from "./marks.js";
 import { bodies } from "./solids.js";
 import { add, apply, length, minus, scale, unit } from "./vector.js";
+
+// Smooth edges take four times the work, too much where no graphics card does it.
+function contextOf(canvas) {
+  const wish = { alpha: false, depth: true, stencil: false };
+  return canvas.getContext("webgl2", { ...wish, antialias: true, failIfMajorPerformanceCaveat: true }) ||
+    canvas.getContext("webgl2", { ...wish, antialias: false });
+}
 
 export class Stage {
   constructor(canvas, scene) {
     this.canvas = canvas;
     this.robot = scene;
-    this.renderer = new WebGLRenderer({ canvas, antialias: true });
+    this.renderer = new WebGLRenderer({ canvas, context: contextOf(canvas) });
+    this.renderer.debug.checkShaderErrors = false; // asking waits until each has been compiled
     this.scene = new Scene();
     this.camera = new PerspectiveCamera(32, 1, 0.01 * scene.size, 60 * scene.size);
     this.camera.up.set(0, 0, 1);
@@ -77,10 +86,9 @@ export class Stage {
     this.body = new Group();
     this.body.add(...this.links);
     this.marks = new Marks(this.robot, colours);
-    this.ahead = new Mesh(new ConeGeometry(0.035 * this.robot.size, 0.11 * this.robot.size, 4).rotateZ(-Math.PI / 2), new MeshBasicMaterial({ color: colours.soft }));
+    this.ahead = new Mesh(new ConeGeometry(0.035 * this.robot.size, 0.11 * this.robot.size, 4).rotateZ(-Math.PI / 2), flat(colours.soft));
     const reach = 2.1 * this.robot.size;
-    const look = new MeshLambertMaterial({ color: colours.ground, side: DoubleSide, transparent: true, opacity: 0.92 });
-    this.ground = new Mesh(new CircleGeometry(reach, 72), look);
+    this.ground = new Mesh(new CircleGeometry(reach, 72), lit(colours.ground));
     this.ground.renderOrder = -1;
     const lines = [], step = reach / 7;
     for (let k = -6; k <= 6; k++) {
@@ -88,9 +96,10 @@ export class Stage {
       lines.push(at, -half, 0, at, half, 0, -half, at, 0, half, at, 0);
     }
     const grid = new BufferGeometry();
-    grid.setAttribute("position", new Float32BufferAttribute(lines, 3));
-    this.ground.add(new LineSegments(grid, new LineBasicMaterial({ color: colours.rim, transparent: true, opacity: 0.35 })));
+    places(grid, lines);
+    this.ground.add(new LineSegments(grid, flat(colours.rim, { opacity: 0.35 })));
     this.world.add(this.body, this.ground, this.marks.group, this.ahead);
+    this.renderer.compile(this.scene, this.camera); // which goes on while the answer is computed
     if (this.answer) this.show(this.answer, this.q);
     this.invalidate();
   }
@@ -138,6 +147,14 @@ export class Stage {
     if (!this.dirty) return false;
     this.dirty = false;
     this.renderer.render(this.scene, this.camera);
+    const gl = this.renderer.getContext();
+    this.fence ??= gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
     return true;
+  }
+
+  // Whether the first picture is not only asked for, but made.
+  isShown() {
+    const gl = this.renderer.getContext();
+    return Boolean(this.fence) && gl.getSyncParameter(this.fence, gl.SYNC_STATUS) === gl.SIGNALED;
   }
 }

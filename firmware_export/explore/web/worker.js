@@ -5,7 +5,8 @@ import { fromDisc, pierced, seated, tilted } from "./gravity.js";
 import { posture } from "./kinematics.js";
 import { dot, unit } from "./vector.js";
 
-let scene, exported, exact;
+const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+let scene, exported, exact, started;
 const wanted = { disc: 0, map: 0 };
 
 // All that is known of one state.
@@ -90,10 +91,11 @@ function map({ id, q, axes, size, mode, tilt, heading, what }) {
 }
 
 const asked = {
-  async start(message) {
-    scene = message.scene;
-    exported = await Exported.start(message.exported, message.map);
-    exact = await Exact.start(message.exact, scene.numbers);
+  async start({ held }) {
+    scene = held.scene;
+    const map = { ...held.map, blob: bytes(held.map.blob) };
+    started = Promise.all([Exported.start(bytes(held.exported), map), Exact.start(bytes(held.exact), scene.numbers)]);
+    [exported, exact] = await started;
     return { kind: "ready", check: exported.check() };
   },
   state: (message) => ({ kind: "state", id: message.id, ...answer(message) }),
@@ -106,6 +108,7 @@ const asked = {
 };
 
 onmessage = async ({ data }) => {
+  await started; // what is asked before the modules are there waits for them
   if (data.kind === "disc" || data.kind === "map") {
     wanted[data.kind] = data.id;
     (data.kind === "disc" ? disc : map)(data);
