@@ -44,8 +44,8 @@ maps: .venv/.installed ## build every map of maps/, its figures and its firmware
 
 paper: build/paper/gallery.stamp ## reproduce the paper: figures, tables and one page in build/paper
 
-test: .venv/.installed ## run the tests; those that need tools which are not here are skipped
-	$(BIN)/python -m pytest -n 2 --dist worksteal -rs --skipped-to=build/skipped.txt
+test: .venv/.installed ## run the tests, with LONG=1 at length; what needs tools that are not here is skipped
+	$(if $(LONG),LUTGEN_LONG=1) $(BIN)/python -m pytest -n 2 --dist worksteal -rs --skipped-to=build/skipped.txt
 
 check: .venv/.installed ## lint, format, types, spelling
 	$(BIN)/ruff check .
@@ -91,8 +91,8 @@ exports: .venv/.installed ## make and certify the exports that docs/measured/exp
 size: $(EXPORTS) ## measure flash, RAM and stack on a Cortex-M4 (arm-none-eabi-gcc)
 	$(BIN)/python -m targets.size $(NAMES:%=build/maps/%/firmware)
 
-verify: $(EXPORTS) ## prove the C runtime (a few minutes; docs/measured/c-runtime.md)
-	$(BIN)/python -m proofs.run
+verify: $(EXPORTS) ## prove the C runtime (ten minutes, SAMPLE=1: three; docs/measured/c-runtime.md)
+	$(BIN)/python -m proofs.run $(if $(SAMPLE),--sample)
 
 fuzz: SECONDS ?= 600
 fuzz: $(EXPORTS) ## fuzz the exports for SECONDS=600 in all
@@ -102,8 +102,8 @@ hostile: .venv/.installed ## fuzz recipes, URDFs, terrains, maps, command lines;
 	$(BIN)/python -m proofs.fuzzing $(if $(SECONDS),--seconds $(SECONDS),--update)
 
 firmware: $(EXPORTS) ## run exports on emulated targets: hashes, counts against the baseline, bounds
-	$(BIN)/python -m targets.run
-	$(BIN)/python -m targets.longest
+	$(BIN)/python -m targets.run $(if $(SAMPLE),--sample)
+	$(BIN)/python -m targets.longest $(if $(SAMPLE),--reads 5000)
 
 cmsis: .venv/.installed ## count 2-D reads beside CMSIS-DSP, whose source it downloads
 	$(BIN)/python -m targets.cmsis

@@ -2,19 +2,9 @@
  * Copyright (c) The lutgen authors */
 /* Frama-C Eva starts at `prove`: cycles of on-board control, every bit pattern as a sample. */
 #include "@NAME@.c"
+#include "eva_any.h"
 
-static volatile uint32_t any_bits;
 static @NAME@_state_t state;
-
-static float any_number(void)
-{
-  union {
-    uint32_t bits;
-    float value;
-  } number;
-  number.bits = any_bits;
-  return number.value;
-}
 
 void prove(void)
 {

@@ -12,9 +12,9 @@ from pathlib import Path
 from firmware_export.control import Wishes, steered
 from firmware_export.emit import package
 from proofs.annotate import annotate
-from proofs.eva import OPTIONS, verdict
+from proofs.eva import analysed, verdict
 from proofs.exports import tripod_export
-from proofs.tools import FAILED, OK, Clock, Result, run
+from proofs.tools import FAILED, OK, Clock, Result
 
 HARNESS = Path(__file__).with_name("eva_control.c")
 NAME = "steered"
@@ -31,11 +31,8 @@ def prove_steered(folder: Path, patience: float) -> Result:
     smap.write_text(annotate(smap.read_text("utf-8")), "utf-8")
     text = HARNESS.read_text("utf-8").replace("@NAME@", NAME)
     text = text.replace("@PARAMS@", str(export.model.k))
-    (folder / "harness.c").write_text(text, "utf-8")
-    include = f"-cpp-extra-args=-DSMAP_HARDWARE_ROOT=0 -DSMAP_WIDE_FLOATS -U__GNUC__ -I{folder}"
     with Clock() as clock:
-        command = ["frama-c", *OPTIONS, include, str(folder.absolute() / "harness.c")]
-        said = run(command, folder, patience).text
+        said = analysed(text, folder, patience)
     (folder / "eva.log").write_text(said, encoding="utf-8")
     wrong = verdict(said)
     reached = re.search(r"statements reached \(out of \d+\): (\d+)%", said)

@@ -3,12 +3,13 @@
 import re
 import shutil
 import struct
+from dataclasses import dataclass
 from pathlib import Path
 
 from proofs.subjects import Subject
 from proofs.tools import FAILED, OK, Clock, Result, run
 
-__all__ = ["flip", "fuzz", "fuzz_fault_is_found"]
+__all__ = ["Length", "flip", "fuzz", "fuzz_fault_is_found"]
 
 HERE = Path(__file__).resolve().parent
 # What is asked, and what else the compiler is told: a damaged blob is read from memory.
@@ -23,7 +24,9 @@ FAULTS = {
     True: ("if (least < 0 || tip < 0) {", "if (least < -2000000000) {"),
 }
 # It stops at the first fault, long before.
-FAULT_SECONDS = 20
+FAULT_RUNS = 500_000
+# A run of so many ends within minutes on any machine; what is slower than that is cut, and fails.
+PATIENCE = 600
 
 
 def _seeds(subject: Subject, folder: Path) -> None:
@@ -38,8 +41,21 @@ def _seeds(subject: Subject, folder: Path) -> None:
             (folder / f"{at}-{step}").write_bytes(data)
 
 
+@dataclass(frozen=True)
+class Length:
+    """How long an export is tried: for so many inputs, the same everywhere, or for seconds."""
+
+    runs: int = 0
+    seconds: int = 0
+
+    @property
+    def most(self) -> int:
+        """Seconds after which the fuzzer stops by itself."""
+        return self.seconds or PATIENCE
+
+
 def _run(
-    subject: Subject, source: str, folder: Path, seconds: int, harness: str
+    subject: Subject, source: str, folder: Path, length: Length, harness: str
 ) -> tuple[int, str]:
     folder.mkdir(exist_ok=True)
     (folder / "smap.c").write_text(source, encoding="utf-8")
@@ -52,20 +68,21 @@ def _run(
     built = run(command, folder, 600.0)
     if built.code:
         return built.code, built.text
-    limits = [f"-max_total_time={seconds}", "-max_len=160", "-timeout=10", "-print_final_stats=1"]
-    # The same seed each time; what differs is how far it comes.
-    done = run(
-        [str(folder / "fuzzer"), *limits, "-seed=1", "corpus"], folder, seconds * 3.0 + 120.0
-    )
+    limits = [f"-max_total_time={length.most}", "-max_len=160", "-timeout=10"]
+    if length.runs:
+        limits.append(f"-runs={length.runs}")
+    # The same seed each time: the same inputs, as far as it comes.
+    command = [str(folder / "fuzzer"), *limits, "-print_final_stats=1", "-seed=1", "corpus"]
+    done = run(command, folder, length.most + 120.0)
     return done.code, done.text
 
 
-def fuzz(subject: Subject, folder: Path, seconds: int, harness: str = "fuzz") -> Result:
-    """Try an export for some seconds: "fuzz" its queries, or "damage" its blob."""
+def fuzz(subject: Subject, folder: Path, length: Length, harness: str = "fuzz") -> Result:
+    """Try an export at some length: "fuzz" its queries, or "damage" its blob."""
     with Clock() as clock:
-        code, text = _run(subject, subject.source, folder, seconds, harness)
+        code, text = _run(subject, subject.source, folder, length, harness)
     tried = re.search(r"stat::number_of_executed_units: (\d+)", text)
-    if code or tried is None or int(tried[1]) < 500:
+    if code or tried is None or int(tried[1]) < max(length.runs, 1):
         said = re.search(r"broken claim: .*|runtime error: .*|ERROR: .*|.*error: .*", text)
         reason = said[0] if said else "too few queries"
         return Result(harness, subject.name, FAILED, reason[:100], clock.seconds)
@@ -96,7 +113,7 @@ def fuzz_fault_is_found(subject: Subject, folder: Path) -> Result:
         return Result("fuzz, seeded fault", subject.name, FAILED, reason)
     with Clock() as clock:
         faulty = subject.source.replace(text, instead)
-        code, said = _run(subject, faulty, folder, FAULT_SECONDS, "fuzz")
+        code, said = _run(subject, faulty, folder, Length(runs=FAULT_RUNS), "fuzz")
     broken = re.search(r"broken claim: .*", said)
     if code == 0 or broken is None:
         return Result("fuzz, seeded fault", subject.name, FAILED, "not found", clock.seconds)

@@ -1,4 +1,4 @@
-"""Prove the C runtime: `python -m proofs.run [--only PART] [--strict] [--update]`.
+"""Prove the C runtime: `python -m proofs.run [--only PART] [--sample] [--strict] [--update]`.
 
 Prints one table; the exit code is 1 if anything fails.  What lacks a program is skipped, and the
 table says so; with --strict, or where the environment variable CI is set, that is a failure too.
@@ -17,6 +17,7 @@ from proofs import analysers, eva, exhaustive, fuzz, loops, structure
 from proofs.annotate import MUTANTS
 from proofs.document import DOCUMENT, code, with_counts, with_rows
 from proofs.eva_control import prove_steered
+from proofs.fuzz import Length
 from proofs.parts import place, runtime_parts
 from proofs.subjects import Subject, mapped, small
 from proofs.tools import FAILED, PACKAGES, SKIPPED, Result, missing
@@ -24,9 +25,11 @@ from proofs.tools import FAILED, PACKAGES, SKIPPED, Result, missing
 __all__ = ["main", "proved"]
 
 BUILD = Path("build")
-# Seconds of fuzzing all exports together, and of one run of the analyser.
-FUZZ_SECONDS = 24
+# Inputs for each export and harness, and seconds of one run of the analyser.
+FUZZ_RUNS = 2500
 PATIENCE = 900.0
+# Of a sample: one in so many of what is tried exhaustively.
+SPARSE = 61
 JOBS = 2
 
 Job = Callable[[], list[Result]]
@@ -54,12 +57,19 @@ def proved(name: str, programs: tuple[str, ...], jobs: list[Job]) -> list[Job]:
 
 
 class Plan:
-    """What is to be run, on which exports; `folder` is to work in."""
+    """What is to be run, on which exports; `folder` is to work in.
 
-    def __init__(self, folder: Path, subjects: list[Subject], patience: float) -> None:
+    Of a sample, exports that are like others are not fuzzed, not everything is tried that could be,
+    and of those without a proof the largest is not counted.
+    """
+
+    def __init__(
+        self, folder: Path, subjects: list[Subject], patience: float, sample: bool = False
+    ) -> None:
         self.folder = folder
         self.subjects = subjects
         self.patience = patience
+        self.sample = sample
         self.parts = runtime_parts()
         self.document = DOCUMENT.read_text(encoding="utf-8")
         self.found: dict[str, dict[str, int]] = {}
@@ -81,9 +91,9 @@ class Plan:
             if subject.kind not in kinds:
                 kinds.add(subject.kind)
                 jobs.append(self._eva_fault(subject, self._work(f"fault_{subject.name}")))
-        for subject in self.subjects:
-            if subject.name in eva.SURVEYED:
-                jobs.append(self._survey(subject, self._work(f"survey_{subject.name}")))
+        surveyed = [subject for subject in self.subjects if subject.name in eva.SURVEYED]
+        for subject in surveyed[-1:] if self.sample else surveyed:
+            jobs.append(self._survey(subject, self._work(f"survey_{subject.name}")))
         work = self._work("eva_control")
         jobs.append(
             _guarded("eva, control", "steered", lambda: [prove_steered(work, self.patience)])
@@ -109,21 +119,23 @@ class Plan:
         )
 
     def exhaustive(self) -> list[Job]:
-        """Return what is proved by trying everything."""
-        work = self._work("exhaustive")
+        """Return what is proved by trying everything, or a part of it."""
+        work, step = self._work("exhaustive"), SPARSE if self.sample else 1
         job = _guarded(
-            "exhaustive", "smap.c", lambda: exhaustive.prove(self.parts, work, self.patience)
+            "exhaustive", "smap.c", lambda: exhaustive.prove(self.parts, work, self.patience, step)
         )
         return proved("exhaustive", ("gcc",), [job])
 
     def fuzz(self, seconds: int) -> list[Job]:
-        """Return a share of the seconds for each export, and a seeded fault."""
-        each = max(2, seconds * JOBS // max(1, 2 * len(self.subjects)))
+        """Return the same inputs or a share of the seconds for each export, and a seeded fault."""
+        subjects = self._unlike() if self.sample else self.subjects
+        share = max(1, seconds * JOBS // max(1, 2 * len(subjects)))
+        length = Length(seconds=share) if seconds else Length(runs=FUZZ_RUNS)
         jobs: list[Job] = []
-        for subject in self.subjects:
+        for subject in subjects:
             for harness in fuzz.HARNESSES:
                 work = self._work(f"{harness}_{subject.name}")
-                jobs.append(self._fuzz(subject, work, each, harness))
+                jobs.append(self._fuzz(subject, work, length, harness))
             jobs.append(self._flip(subject, self._work(f"flips_{subject.name}")))
         # Seeded where `smap_judge` alone decides, in the smallest that has floats.
         judged = [one for one in self.subjects if one.kind in MUTANTS and not one.integer]
@@ -131,8 +143,12 @@ class Plan:
             jobs.append(self._fuzz_fault(subject, self._work(f"fuzz_fault_{subject.name}")))
         return proved("fuzz", ("clang", "gcc"), jobs)
 
-    def _fuzz(self, subject: Subject, work: Path, seconds: int, harness: str) -> Job:
-        return _guarded(harness, subject.name, lambda: [fuzz.fuzz(subject, work, seconds, harness)])
+    def _unlike(self) -> list[Subject]:
+        """Return the last subject of each kind and of each set of forms."""
+        return list({(one.kind, one.forms): one for one in self.subjects}.values())
+
+    def _fuzz(self, subject: Subject, work: Path, length: Length, harness: str) -> Job:
+        return _guarded(harness, subject.name, lambda: [fuzz.fuzz(subject, work, length, harness)])
 
     def _flip(self, subject: Subject, work: Path) -> Job:
         return _guarded("flips", subject.name, lambda: [fuzz.flip(subject, work, self.patience)])
@@ -202,7 +218,8 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--update", action="store_true", help="rewrite counts in the document")
     parser.add_argument("--only", choices=("eva", "exhaustive", "fuzz", "analysers", "structure"))
     parser.add_argument("--maps", type=Path, default=BUILD / "maps", help="where `make maps` wrote")
-    parser.add_argument("--seconds", type=int, default=FUZZ_SECONDS, help="of fuzzing, in all")
+    parser.add_argument("--seconds", type=int, default=0, help="of fuzzing, in all")
+    parser.add_argument("--sample", action="store_true", help="what takes a quarter of the time")
     parser.add_argument("--patience", type=float, default=PATIENCE, help="seconds for one program")
     options = parser.parse_args(arguments)
     strict = options.strict or bool(os.environ.get("CI"))
@@ -235,7 +252,7 @@ def _run(folder: Path, options: argparse.Namespace) -> tuple[list[Result], Plan]
         if not subjects:
             absent = [Result("eva, fuzz", "maps", SKIPPED, f"{options.maps} is empty: make maps")]
         subjects += small(folder / "small")
-    plan = Plan(folder, subjects, options.patience)
+    plan = Plan(folder, subjects, options.patience, options.sample)
     parts = {
         "eva": plan.eva,
         "exhaustive": plan.exhaustive,

@@ -88,8 +88,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     every = {case.name: case for case in cases()}
     names = chosen(options.export, [name for name in every if name not in COUNTED_ONCE], "export")
     try:
-        rows = [prepared(every[name]) for name in names]
         with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+            rows = list(pool.map(lambda name: prepared(every[name]), names))
             found = list(pool.map(lambda row: longest(row, options.reads), rows))
     except (LutgenError, CellError) as error:
         print(f"Error: {error}", file=sys.stderr)

@@ -9,7 +9,7 @@ import numpy as np
 
 from lutgen.errors import InputError
 from lutgen.recipe import Recipe
-from lutgen.search import read_rows
+from lutgen.search import check_columns, read_rows
 from lutgen.vector import Floats
 
 UP, RATE = ("ax", "ay", "az"), ("gx", "gy", "gz")
@@ -45,23 +45,9 @@ def read_log(
     source, joints = os.fspath(file), [p.name for p in recipe.parameters]
 
     def check_names(_: str, names: list[str]) -> None:
-        got = f"(got {','.join(names) or 'nothing'})"
-        gyroscope = any(name in names for name in RATE)
-        wanted = ["time", *UP, *(RATE if gyroscope else ()), *joints]
-        missing = [name for name in wanted if name not in names]
-        if missing:
-            raise InputError(
-                f"{source}: line 1 names no column {missing[0]} {got}; a log of this robot has "
-                f"{','.join(wanted)}"
-            )
-        unknown = [name for name in names if name not in wanted]
-        if unknown:
-            raise InputError(
-                f"{source}: line 1 names the unknown column {unknown[0]!r} {got}; leave only "
-                f"{','.join(wanted)}"
-            )
-        if len(set(names)) < len(names):
-            raise InputError(f"{source}: line 1 names a column twice {got}; rename or drop one")
+        gyroscope = RATE if any(name in names for name in RATE) else ()
+        wanted = ["time", *UP, *gyroscope, *joints]
+        check_columns(source, names, wanted, wanted)
 
     rows, lines = read_rows(file, check_names, "a log needs at least 2 rows")
     time = rows["time"]

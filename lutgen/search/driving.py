@@ -7,7 +7,7 @@ the verdict of the attitude that it takes, and nothing else.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from lutgen.channels import body_gravity, evaluate_each
 from lutgen.errors import InputError
 from lutgen.recipe import Recipe
 from lutgen.search.objective import Objective
-from lutgen.search.optima import optimum
+from lutgen.search.optima import optimum, searched_each
 from lutgen.search.terrain import Floats, Path, turned
 
 DRIVE_CHANNELS = ("sdg", "height", "tip_angle", "margin")
@@ -155,8 +155,7 @@ def drive(
         asked = {"method": method, "objective": objective, "convention": convention, **options}
         seek = _Seeker(recipe, start, control, {"limit": NO_LIMIT, **asked})
         turns = _turns(1 if headings is None else headings)
-        for i in range(lag, count):
-            wanted[i], turn[i] = seek.best(path.gravity[i - lag], turns)
+        wanted[lag:], turn[lag:] = seek.best(path.gravity[: max(count - lag, 0)], turns)
         evaluations = seek.evaluations
     taken = turned(path, turn)
     params = wanted if fastest is None else _follow(wanted, start, path, fastest)
@@ -167,7 +166,7 @@ def drive(
 
 @dataclass
 class _Seeker:
-    """Finds the best geometry and turn for gravity relative to the ground; keeps what it found.
+    """Finds the best geometries and turns for directions of gravity relative to the ground.
 
     `asked` are the keywords of `optimum`.
     """
@@ -177,33 +176,42 @@ class _Seeker:
     control: bool
     asked: Mapping[str, Any]
     evaluations: int = 0
-    known: dict[tuple[float, ...], tuple[Floats, float]] = field(default_factory=dict)
 
-    def best(self, gravity: Floats, turns: Floats) -> tuple[Floats, float]:
-        """Return the geometry (k,) and the turn (rad) for a direction (3,) on the ground."""
-        key = tuple(gravity.tolist())
-        if key not in self.known:
-            ground = Path(
-                np.zeros((len(turns), 3)), np.zeros(len(turns)), np.tile(gravity, (len(turns), 1))
-            )
-            found = [self._geometry(down) for down in turned(ground, turns).gravity]
-            costs = np.array([cost for _, cost in found])
-            least = costs.min()
-            chosen = int((costs <= least + EQUAL + ROUNDING * abs(least)).argmax())
-            self.known[key] = found[chosen][0], float(turns[chosen])
-        return self.known[key]
+    def best(self, gravity: Floats, turns: Floats) -> tuple[Floats, Floats]:
+        """Return geometries (p, k) and turns (p,), rad, for directions (p, 3) on the ground."""
+        if not len(gravity):
+            return np.empty((0, len(self.start))), np.empty(0)
+        # Equal directions are searched once.
+        unlike, which = np.unique(gravity, axis=0, return_inverse=True)
+        each = np.repeat(unlike, len(turns), axis=0)
+        ground = Path(np.zeros((len(each), 3)), np.zeros(len(each)), each)
+        down = turned(ground, np.tile(turns, len(unlike))).gravity
+        params, costs = self._geometries(down)
+        costs = costs.reshape(len(unlike), len(turns))
+        least = costs.min(axis=1, keepdims=True)
+        chosen = (costs <= least + EQUAL + ROUNDING * np.abs(least)).argmax(axis=1)
+        rows = np.arange(len(unlike)) * len(turns) + chosen
+        return params[rows][which.ravel()], turns[chosen][which.ravel()]
 
-    def _geometry(self, gravity: Floats) -> tuple[Floats, float]:
-        """Return the geometry for one heading, and its cost."""
-        goal = Objective(self.recipe, gravity, self.asked["objective"], self.asked["convention"])
-        params = self.start
-        if self.control:
-            found = optimum(self.recipe, gravity, **self.asked)
-            params = found.params
-            self.evaluations += found.evaluations
-        else:
-            self.evaluations += 1
-        return params, float(goal.cost(params)[0])
+    def _geometries(self, gravity: Floats) -> tuple[Floats, Floats]:
+        """Return the geometries (m, k) for headings (m, 3), and their costs (m,)."""
+        asked = {**self.asked}
+        method, objective = asked.pop("method"), asked.pop("objective")
+        if not self.control:
+            goal = Objective(self.recipe, gravity[0], objective, asked["convention"])
+            params = np.tile(self.start, (len(gravity), 1))
+            self.evaluations += len(gravity)
+            return params, goal.cost(params, gravity)
+        if method == "search":
+            kept = {key: asked[key] for key in asked if key not in ("limit", "start", "seed")}
+            params, costs, evaluations = searched_each(self.recipe, gravity, objective, **kept)
+            self.evaluations += evaluations
+            return params, costs
+        found = [optimum(self.recipe, one, method, objective, **asked) for one in gravity]
+        params = np.array([one.params for one in found])
+        self.evaluations += sum(one.evaluations for one in found)
+        goal = Objective(self.recipe, gravity[0], objective, asked["convention"])
+        return params, goal.cost(params, gravity)
 
 
 def _turns(headings: int) -> Floats:

@@ -74,20 +74,32 @@ def refine(cost: Cost, bounds: Floats, levels: int = LEVELS, ends: str = "left")
     best node of the level before is dropped with left ends as with right ones, and the search is
     not monotone: its last value may be worse than one seen before.
     """
-    low, width = bounds[:, 0].copy(), bounds[:, 1] - bounds[:, 0]
+    return refine_each(lambda nodes: cost(nodes[0])[None], bounds, 1, levels, ends)[0]
+
+
+def refine_each(
+    cost: Cost, bounds: Floats, count: int, levels: int = LEVELS, ends: str = "left"
+) -> list[list[Step]]:
+    """Return the steps of `refine` for each of n costs at once.
+
+    `cost` takes meshes (n, 5^k, k) and returns what the i-th cost has on the i-th mesh (n, 5^k);
+    `count` is n.
+    """
+    low, width = np.tile(bounds[:, 0], (count, 1)), np.tile(np.ptp(bounds, axis=1), (count, 1))
     first = 0 if ends == "left" else 1
-    steps: list[Step] = []
+    steps: list[list[Step]] = [[] for _ in range(count)]
+    turns = np.indices((NODES,) * len(bounds)).reshape(len(bounds), -1).T + first
     for level in range(levels):
         spacing = width / NODES
-        lines = [
-            np.clip(low[i] + spacing[i] * np.arange(first, NODES + first), *bounds[i])
-            for i in range(len(bounds))
-        ]
-        nodes = np.stack([part.ravel() for part in np.meshgrid(*lines, indexing="ij")], axis=1)
+        nodes = low[:, None] + spacing[:, None] * turns
+        nodes = np.clip(nodes, bounds[:, 0], bounds[:, 1])
         costs = cost(nodes)
-        best = int(np.argmin(costs))
-        steps.append(Step(nodes[best].copy(), float(costs[best]), (level + 1) * len(nodes), nodes))
-        low, width = nodes[best] - spacing, 2.0 * spacing
+        best = costs.argmin(axis=1)
+        chosen = nodes[np.arange(count), best]
+        for i, at in enumerate(best):
+            seen = (level + 1) * len(turns)
+            steps[i].append(Step(chosen[i].copy(), float(costs[i, at]), seen, nodes[i]))
+        low, width = chosen - spacing, 2.0 * spacing
     return steps
 
 

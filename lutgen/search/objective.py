@@ -92,22 +92,23 @@ class Objective:
             )
         self.gravity = checked_directions(self.gravity)[0]
 
-    def cost(self, params: ArrayLike) -> NDArray[np.float64]:
+    def cost(self, params: ArrayLike, gravity: ArrayLike | None = None) -> NDArray[np.float64]:
         """Return the cost of m geometries (m, k), rad or length, as (m,) float64.
 
-        Below `TIPS` exactly where the robot stands.
+        Below `TIPS` exactly where the robot stands.  With `gravity` (m, 3) each geometry has its
+        own direction in place of the objective's.
         """
         rows = np.atleast_2d(np.asarray(params, dtype=np.float64))
+        each = np.broadcast_to(self.gravity if gravity is None else gravity, (len(rows), 3))
         self.evaluations += len(rows)
-        parts = [self._cost(rows[i : i + AT_ONCE]) for i in range(0, len(rows), AT_ONCE)]
+        blocks = [slice(i, i + AT_ONCE) for i in range(0, len(rows), AT_ONCE)]
+        parts = [self._cost(rows[block], each[block]) for block in blocks]
         return np.concatenate(parts) if parts else np.empty(0)
 
-    def _cost(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
-        if self.convention == "body":
-            # As `body_gravity` would, without computing the postures twice.
-            down = np.broadcast_to(np.asarray(self.gravity), (len(rows), 3))
-        else:
-            down = body_gravity(self.recipe, rows, self.gravity, self.convention)
+    def _cost(self, rows: NDArray[np.float64], down: NDArray[np.float64]) -> NDArray[np.float64]:
+        # In the body the postures need not be computed twice.
+        if self.convention != "body":
+            down = body_gravity(self.recipe, rows, down, self.convention)
         found = evaluate_each(self.recipe, rows, down, [*{**self.weights, "tip_angle": 0.0}])
         angle = found["tip_angle"]
         cost = np.zeros(len(rows))

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lutgen.bounds import LEVELS as MOST_LEVELS
 from lutgen.bounds import SEARCHED, check
+from lutgen.channels import checked_directions
 from lutgen.errors import InputError
 from lutgen.grid import Grid
 from lutgen.recipe import Recipe
@@ -128,23 +129,13 @@ def optimum(
     >>> [round(float(np.degrees(step.params[0])), 4) for step in found.trace]
     [30.0, 32.0, 31.2, 30.88, 31.008, 30.9568]
     """
-    if method not in METHODS:
-        raise InputError(f"unknown method {method!r}; choose from {', '.join(METHODS)}")
-    if ends not in ENDS:
-        raise InputError(f"unknown ends {ends!r}; choose from {', '.join(ENDS)}")
-    if levels < 1:
-        raise InputError(f"a search needs at least one level (got {levels})")
-    check(levels, MOST_LEVELS, "the levels of a search", "use fewer, 6 by default")
+    _check(method, ends, levels)
     goal = Objective(recipe, gravity_dir, objective, convention)
     box = _box(recipe, bounds)
     space = _space(recipe, box)
     begin = space.points(_start(recipe, start, box)[None, :])[0]
-    if method == "search" and len(space.box) > MOST_FOR_SEARCH:
-        raise InputError(
-            f"{recipe.source}: the method search takes at most {MOST_FOR_SEARCH} parameters (got "
-            f"{len(space.box)}, or 5^{len(space.box)} nodes a step); use multistart, or keep some "
-            "parameters by equal bounds"
-        )
+    if method == "search":
+        _check_mesh(recipe, space)
 
     def cost(points: Floats) -> Floats:
         return goal.cost(space.params(points))
@@ -182,6 +173,83 @@ def optimum(
         objective,
         convention,
     )
+
+
+def searched_each(
+    recipe: Recipe,
+    gravity_dir: ArrayLike,
+    objective: str = "sdg",
+    *,
+    convention: str = "body",
+    bounds: ArrayLike | None = None,
+    levels: int = LEVELS,
+    ends: str = "left",
+) -> tuple[Floats, Floats, int]:
+    """Return what the method `search` of `optimum` finds for each of m gravity directions.
+
+    Parameters
+    ----------
+    recipe, objective, convention, bounds, levels, ends
+        As for `optimum`.
+    gravity_dir : (m, 3) array_like
+        Pointing down, any length > 0.
+
+    Returns
+    -------
+    params : (m, k) float64
+        The best geometries seen, rad or length.
+    costs : (m,) float64
+        As `Objective.cost` gives them: below `TIPS` where the robot stands.
+    evaluations : int
+        Geometries evaluated in all.
+
+    Raises
+    ------
+    InputError
+        As `optimum`.
+    """
+    _check("search", ends, levels)
+    down = np.array([checked_directions(one)[0] for one in np.asarray(gravity_dir)])
+    space = _space(recipe, _box(recipe, bounds))
+    _check_mesh(recipe, space)
+    params, costs, evaluations = np.empty((len(down), len(space.kept))), np.empty(len(down)), 0
+    at_once = max(1, AT_ONCE // minimise.NODES ** len(space.box))
+    for begin in range(0, len(down), at_once):
+        some = down[begin : begin + at_once]
+        goal = Objective(recipe, some[0], objective, convention)
+
+        def cost(nodes: Floats, goal: Objective = goal, some: Floats = some) -> Floats:
+            rows = space.params(nodes.reshape(-1, nodes.shape[2]))
+            found = goal.cost(rows, np.repeat(some, nodes.shape[1], axis=0))
+            return found.reshape(nodes.shape[:2])
+
+        for i, steps in enumerate(minimise.refine_each(cost, space.box, len(some), levels, ends)):
+            best = min(steps, key=lambda step: step.value)
+            params[begin + i] = space.params(best.params[None, :])[0]
+            costs[begin + i] = best.value
+        evaluations += goal.evaluations
+    return params, costs, evaluations
+
+
+def _check(method: str, ends: str, levels: int) -> None:
+    """Refuse unknown words and levels that make no search."""
+    if method not in METHODS:
+        raise InputError(f"unknown method {method!r}; choose from {', '.join(METHODS)}")
+    if ends not in ENDS:
+        raise InputError(f"unknown ends {ends!r}; choose from {', '.join(ENDS)}")
+    if levels < 1:
+        raise InputError(f"a search needs at least one level (got {levels})")
+    check(levels, MOST_LEVELS, "the levels of a search", "use fewer, 6 by default")
+
+
+def _check_mesh(recipe: Recipe, space: "_Space") -> None:
+    """Refuse more free parameters than a mesh of 5 nodes a side can have."""
+    if len(space.box) > MOST_FOR_SEARCH:
+        raise InputError(
+            f"{recipe.source}: the method search takes at most {MOST_FOR_SEARCH} parameters (got "
+            f"{len(space.box)}, or 5^{len(space.box)} nodes a step); use multistart, or keep some "
+            "parameters by equal bounds"
+        )
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ Logs of robots are read by the same rows.
 import csv
 import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from io import StringIO
 from pathlib import Path as File
 
@@ -107,23 +107,39 @@ def read_rows(
     return dict(zip(names, np.array(rows).T, strict=True)), lines
 
 
-def _check_names(source: str, names: list[str]) -> None:
-    """Refuse a header that does not name the columns."""
+def check_columns(
+    source: str, names: Sequence[str], wanted: Sequence[str], known: Sequence[str]
+) -> None:
+    """Refuse the names of columns of a file unless all wanted ones and only known ones are there.
+
+    Raises
+    ------
+    InputError
+        For a name that is missing, unknown or there twice.
+    """
     got = f"(got {','.join(names) or 'nothing'})"
-    missing = [name for name in ("x", "y", "z") if name not in names]
+    missing = [name for name in wanted if name not in names]
     if missing:
-        raise InputError(f"{source}: line 1 names no column {missing[0]} {got}; begin with x,y,z")
-    unknown = [name for name in names if name not in COLUMNS]
+        raise InputError(
+            f"{source}: line 1 names no column {missing[0]} {got}; begin with {','.join(wanted)}"
+        )
+    unknown = [name for name in names if name not in known]
     if unknown:
         raise InputError(
             f"{source}: line 1 names the unknown column {unknown[0]!r} {got}; leave only columns "
-            f"of {', '.join(COLUMNS)}"
+            f"of {', '.join(known)}"
         )
     if len(set(names)) < len(names):
         raise InputError(f"{source}: line 1 names a column twice {got}; rename or drop one")
+
+
+def _check_names(source: str, names: list[str]) -> None:
+    """Refuse a header that does not name the columns of a path."""
+    check_columns(source, names, COLUMNS[:3], COLUMNS)
     if 0 < sum(name in names for name in COLUMNS[4:]) < 3:
         raise InputError(
-            f"{source}: line 1 names only a part of nx, ny, nz {got}; a normal needs all three"
+            f"{source}: line 1 names only a part of nx, ny, nz (got {','.join(names)}); a normal "
+            "needs all three"
         )
 
 

@@ -15,6 +15,7 @@ from lutgen.analysis.tilt_table import FOUR, even_headings, posture_limits, swee
 from lutgen.channels.evaluation import evaluate_each
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import Recipe, parse_recipe
+from tests.fixtures.length import part
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, rigid, rover, tripod
 
@@ -110,7 +111,9 @@ def random_postures() -> list[tuple[str, Recipe, np.ndarray]]:
             name,
             robot,
             random.uniform(
-                [p.minimum for p in robot.parameters], [p.maximum for p in robot.parameters], (8, k)
+                [p.minimum for p in robot.parameters],
+                [p.maximum for p in robot.parameters],
+                (part(8, 2), k),
             ),
         )
         for name, robot in robots

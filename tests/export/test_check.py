@@ -14,6 +14,7 @@ from firmware_export.protocol import Blob
 from proofs.exports import coded_export, rover_export, tripod_export
 from targets.compiled import compile_c
 from tests.fixtures.frozen import exports
+from tests.fixtures.length import part
 
 OK, CORRUPT = 0, 6
 MAKERS: dict[str, Any] = {
@@ -105,12 +106,12 @@ def test_what_passes_leads_no_read_out_of_its_bounds(name: str, tmp_path: Path) 
     blob = blob_of(name)
     rng = np.random.default_rng(2)
     cases = [blob.bytes]
-    for _ in range(20_000):
+    for _ in range(part(20_000)):
         content = bytearray(blob.bytes)
         for at in rng.integers(4, len(content), rng.integers(1, 4)):
             content[at] = rng.integers(0, 256)
         cases.append(sealed(bytes(content)))
-    for _ in range(2000):
+    for _ in range(part(2000)):
         size = int(rng.integers(32, 400))
         content = bytearray(rng.integers(0, 256, size).astype(np.uint8).tobytes())
         content[4:8] = size.to_bytes(4, "little")

@@ -27,6 +27,13 @@ RECIPE = lutgen.parse_recipe(TEXT)
 POINTS = 4000
 
 
+@pytest.fixture(autouse=True)
+def unproved(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave out the proofs, which take longest; `test_prove` has them."""
+    if "proved" not in request.keywords:
+        monkeypatch.setattr(exporter, "proved", lambda export: export)
+
+
 def run(directory: Path, source: Any = RECIPE, **more: Any) -> Report:
     """Export with a short certificate; `poly` is the codec that is encoded fastest."""
     options: dict[str, Any] = {"codec": "poly", "points": POINTS} | more

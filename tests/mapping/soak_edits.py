@@ -120,7 +120,8 @@ def main(count: int, folder: Path) -> None:
     kills = wrong = touched = 0
     outcomes: Counter[str] = Counter()
     while kills < count:
-        if not killed(path, takes, rng):
+        # One that dies between its renaming and its end has left nothing to edit.
+        if not killed(path, takes, rng) or not part.exists():
             path.unlink(missing_ok=True)
             continue
         kind = EDITS[kills % len(EDITS)]

@@ -15,6 +15,7 @@ from proofs.parts import program_text
 from proofs.subjects import SMALL
 from targets.cases import of_recipe
 from targets.compiled import FLAGS, HostLibrary, compile_c
+from tests.fixtures.length import LONG, part
 from tests.fixtures.queries import integer_queries, random_queries
 
 # Not for speed: all that is then part of its callers would take minutes to compile with checks.
@@ -25,17 +26,19 @@ INVALID, OK, TIPS, OFF_CHART, ROCKS, OFF_RANGE = -1, 0, 2, 3, 4, 5
 BUILDS = (("-Os",), ("-O3",), ("-DSMAP_HARDWARE_ROOT=0",))
 # Many contacts take up to 20 us a query.
 CASES = {
-    "paper_two": 300_000,
-    "three_leg_sphere": 300_000,
-    "absolem": 40_000,
-    "articulated": 20_000,
-    "poly_cone": 300_000,
-    "legs_by_code": 100_000,
-    "wheels_by_code": 20_000,
-    "tables_float": 300_000,
-    "grid_float": 300_000,
-    "grid_sphere_float": 300_000,
+    "paper_two": part(300_000),
+    "three_leg_sphere": part(300_000),
+    "absolem": part(40_000),
+    "articulated": part(20_000),
+    "poly_cone": part(300_000),
+    "legs_by_code": part(100_000),
+    "wheels_by_code": part(20_000),
+    "tables_float": part(300_000),
+    "grid_float": part(300_000),
+    "grid_sphere_float": part(300_000),
 }
+# Of these the sanitizers see the square root in software, too: points, many contacts, tables.
+SOFT = ("paper_two", "absolem", "grid_float")
 WHOLE = ("tables_integer", "grid_integer", "grid_sphere_integer")
 
 
@@ -80,11 +83,12 @@ def test_the_c_code_is_clean_under_the_sanitizers(name: str, tmp_path: Path) -> 
     package.write(export, tmp_path / "out")
     params, gravity = random_queries(export.model, count, seed=8)
     status, reading = HostLibrary(tmp_path / "out").run_driver(params, gravity, SANITIZERS)
-    # The software square root is what parts without one run.
-    soft = (*SANITIZERS, "-DSMAP_HARDWARE_ROOT=0")
-    again, soft_reading = HostLibrary(tmp_path / "out").run_driver(params, gravity, soft)
-    np.testing.assert_array_equal(status, again)
-    np.testing.assert_array_equal(reading.view(np.uint32), soft_reading.view(np.uint32))
+    if name in SOFT or LONG:
+        # The software square root is what parts without one run.
+        soft = (*SANITIZERS, "-DSMAP_HARDWARE_ROOT=0")
+        again, soft_reading = HostLibrary(tmp_path / "out").run_driver(params, gravity, soft)
+        np.testing.assert_array_equal(status, again)
+        np.testing.assert_array_equal(reading.view(np.uint32), soft_reading.view(np.uint32))
     assert answers(export) <= set(status.tolist())
 
 

@@ -197,7 +197,7 @@ def row(folder: Path) -> run.Row:
     rows = queries.as_bytes(export, *asked) + queries.as_bytes(export, *queries.counted(export))
     job = image.Job(folder / "firmware", export.name, 2, True, True, rows, 1000, 256)
     case = cases.Case("tripod", lambda: export)
-    return run.Row(case, export, job, right, right)
+    return run.Row(case, export, job, right, right, job, right)
 
 
 def test_a_wrong_hash_and_a_failed_cell_are_failures(

@@ -18,6 +18,7 @@ from lutgen.recipe.recipe import Recipe
 from lutgen.search.minimise import multistart, nelder_mead, refine
 from lutgen.search.objective import Objective
 from lutgen.search.optima import METHODS
+from tests.fixtures.length import part
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import contact, sweep_part, tripod
 from tests.oracles import rounds as oracle
@@ -187,9 +188,9 @@ def test_the_evaluations_are_those_made(
     counted = [0]
     cost = Objective._cost
 
-    def counting(self: Objective, rows: Floats) -> Floats:
+    def counting(self: Objective, rows: Floats, down: Floats) -> Floats:
         counted[0] += len(rows)
-        return np.asarray(cost(self, rows))
+        return np.asarray(cost(self, rows, down))
 
     monkeypatch.setattr(Objective, "_cost", counting)
     # The ranges are no part of the method: without them nothing else is evaluated.
@@ -334,12 +335,12 @@ def flippers() -> Recipe:
         (MAPS / "absolem.toml").read_text(encoding="utf-8"),
     )
     text = head
-    for part in contacts:
-        if part.startswith("[[robot.contact]]"):
-            if "_track_" in part:
+    for lines in contacts:
+        if lines.startswith("[[robot.contact]]"):
+            if "_track_" in lines:
                 continue
-            part = re.sub(r"(?m)^(radius|axis) = .*\n", "", part)
-        text += part
+            lines = re.sub(r"(?m)^(radius|axis) = .*\n", "", lines)
+        text += lines
     return lutgen.parse_recipe(text)
 
 
@@ -373,7 +374,7 @@ def brute_force(goal: Objective, nodes: int) -> float:
     return lowest
 
 
-@pytest.mark.parametrize(("objective", "starts"), [("sdg", 40), ("sdg+0.2*height", 20)])
+@pytest.mark.parametrize(("objective", "starts"), [("sdg", part(40)), ("sdg+0.2*height", part(20))])
 def test_multistart_finds_the_global_optimum_from_every_one_of_many_starts(
     objective: str, starts: int
 ) -> None:

@@ -16,6 +16,7 @@ from scipy.optimize import nnls
 from scipy.spatial import ConvexHull
 
 import lutgen
+from tests.fixtures.length import part
 from tests.oracles import points as oracle
 from tests.oracles.points import Floats
 from tests.oracles.tipping import least_barrier
@@ -152,6 +153,10 @@ def random_case(rng: np.random.Generator, count: int, keep_level: bool = False) 
     return Case(kind, contacts, aim(rng, contacts))
 
 
+# Of each number of contacts.
+SOME = part(300)
+
+
 @cache
 def cases(count: int, total: int, keep_level: bool = False) -> tuple[Case, ...]:
     """`total` cases of `count` contacts, the same on every run."""
@@ -202,18 +207,18 @@ def test_the_cases_are_of_every_kind_and_about_balanced_between_standing_and_tip
     tips = Counter[str]()
     boundless = 0
     for count in range(3, 9):
-        for case, verdict in zip(cases(count, 300), verdicts(count, 300), strict=True):
+        for case, verdict in zip(cases(count, SOME), verdicts(count, SOME), strict=True):
             (stands if verdict.tip_angle >= 0.0 else tips)[case.kind] += 1
             boundless += verdict.tip_angle == pi
     # A constant answer would be wrong in at least a quarter of the cases.
     assert 0.25 < stands.total() / (stands.total() + tips.total()) < 0.75
-    assert all(stands[kind] >= 20 and tips[kind] >= 20 for kind in KINDS)
-    assert boundless >= 20
+    assert all(min(stands[kind], tips[kind]) >= part(20) for kind in KINDS)
+    assert boundless >= part(20)
 
 
 @pytest.mark.parametrize("count", range(3, 9))
 def test_oracle_verdict_by_barycentrics_equals_its_verdict_by_planes(count: int) -> None:
-    for case, verdict in zip(cases(count, 300), verdicts(count, 300), strict=True):
+    for case, verdict in zip(cases(count, SOME), verdicts(count, SOME), strict=True):
         planes = oracle.cone_tip_angle(case.contacts, case.gravity)
         # Two formulas for the same angle: asin loses half the digits near pi/2.
         assert verdict.tip_angle == pytest.approx(planes, abs=1e-8)
@@ -247,12 +252,15 @@ def test_oracle_verdict_equals_membership_of_the_convex_cone_of_the_contacts(cou
         assert verdict.stands == (residual < 1e-9)
 
 
-@pytest.mark.parametrize(("count", "total"), [(3, 1500), (4, 2000), (5, 1700), (6, 1700)])
+@pytest.mark.parametrize(
+    ("count", "total"),
+    [(3, part(1500)), (4, part(2000)), (5, part(1700)), (6, part(1700))],
+)
 def test_verdict_sdg_height_and_tip_angle_equal_the_oracle(count: int, total: int) -> None:
     compare_with_oracle(count, total)
 
 
-@pytest.mark.parametrize(("count", "total"), [(7, 1600), (8, 1500)])
+@pytest.mark.parametrize(("count", "total"), [(7, part(1600)), (8, part(1500))])
 def test_verdict_sdg_height_and_tip_angle_equal_the_oracle_for_many_contacts(
     count: int, total: int
 ) -> None:
@@ -299,9 +307,9 @@ def compare_with_oracle(
 def test_margins_equal_the_oracle_on_both_sides_of_the_tipping_limit(
     count: int, limits: tuple[float | None, float | None]
 ) -> None:
-    drawn = cases(count, 300, limits[0] is not None)
+    drawn = cases(count, SOME, limits[0] is not None)
     got = answers(drawn, *limits)
-    for index, (case, want) in enumerate(zip(drawn, verdicts(count, 300, *limits), strict=True)):
+    for index, (case, want) in enumerate(zip(drawn, verdicts(count, SOME, *limits), strict=True)):
         if abs(want.tip_angle) < LIMIT:
             continue
         where = describe(index, case)
