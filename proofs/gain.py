@@ -1,8 +1,11 @@
 """What on-board control gains: on slopes that change all the time, against holding still.
 
 Owns the rides and what is counted of them; `python -m proofs.gain` runs them at length and prints
-a table, the tests a sample.  The best posture of each slope is that of a lattice, at once and with
-nothing in between, which no robot reaches.
+tables, the tests a sample.  The best posture of each slope is that of a lattice, at once and with
+nothing in between, which no robot reaches.  There are three rides: over slopes on which flippers
+stand still well enough, and it is told what of the best is captured; over steeper ones, on which
+they tip that hold still; and, with short legs of little speed, over slopes that turn fast, on which
+commands come late.
 """
 
 import math
@@ -11,35 +14,58 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from firmware_export.control.objective import lattice, measured
+from firmware_export.host import HELD
 from lutgen.recipe import load_recipe
 from lutgen.vector import Floats
 from proofs.control import G0, GALLERY, PAGE, Steered, robot
 
 # deg: slopes are no steeper; s: how long the ground takes from one to another.
-STEEPEST, PERIODS = 42.0, (8.0, 40.0)
-RATE, CYCLE, LATENCY, HOME = math.radians(45.0), 0.1, 0.2, math.radians(60.0)
+STEEPEST, STEEPER, PERIODS = 42.0, 60.0, (8.0, 40.0)
+RATE, CYCLE, HOME = math.radians(45.0), 0.1, math.radians(60.0)
+# Late commands: a robot on three points, its rate (deg/s), cycle and latency (s), the tip angle
+# that it keeps (deg), and how fast the ground turns.
+LATE, SLOW, SHORT, LATENCY, KEPT, QUICK = "paper_two", 20.0, 0.02, 0.2, 20.0, (3.5, 10.0)
+# deg: of that ground.
+TILTED = 55.0
 CASES = {"absolem": 85.0, "marv": 90.0}
-BEGIN, END = "<!-- gains -->\n", "<!-- end of gains -->"
-HEAD = (
-    "| robot | bytes of table | runs | captured | cycles that tip, still | with control | "
-    "runs that tip only with control | 0.2 s late, no gyroscope | 0.2 s late |"
-)
+# Cycles before a robot tips in which it tells why.
+BEFORE = 10
+HEADS = {
+    "gains": "| robot | bytes of table | runs | captured | asked for | tip, still | with control |",
+    "steep": "| robot | runs | that tip, still | with control | only with control | of these no "
+    "posture stands | held | on the way | cycles that tip, still | with control |",
+    "late": "| robot | runs | turns, mean and most | cycles that tip, still | at once | "
+    "0.2 s late, no gyroscope | 0.2 s late |",
+}
 
 
-class Gain(NamedTuple):
-    """Of rides with and without control.
+class Ridden(NamedTuple):
+    """Of a ride: tip angles (cycles, runs), rad; moves of those that are steered."""
 
-    `captured`: part of the mean tip angle that is to be gained; `still`, `steered`: part of all
-    cycles that tip; `only`: runs in which only the steered robot tips; `runs`: how many there were.
+    tips: Floats
+    moves: NDArray[np.uint8]
+
+
+class Steep(NamedTuple):
+    """Of runs over steep slopes: how many tip, still and steered, and only when steered.
+
+    Of these at the moment in which they tip: `none`, no posture of the lattice stands; `held`, ways
+    were not certified in half of the cycles before; `under_way`, any other, the ground being faster
+    than the joints.  `still`, `steered`: parts of all cycles that tip.
     """
 
     runs: int
-    captured: float
+    still_runs: int
+    steered_runs: int
+    only: int
+    none: int
+    held: int
+    under_way: int
     still: float
     steered: float
-    only: int
 
 
 def home_of(one: Steered) -> Floats:
@@ -47,108 +73,177 @@ def home_of(one: Steered) -> Floats:
     return np.full(one.model.k, HOME)
 
 
-def ground(runs: int, cycles: int, cycle: float, seed: int) -> Floats:
+def ground(
+    runs: int,
+    cycles: int,
+    cycle: float,
+    seed: int,
+    steepest: float = STEEPEST,
+    periods: tuple[float, float] = PERIODS,
+) -> Floats:
     """Return slopes (cycles, runs, 3) that wander, each the sum of three waves along and across."""
     rng = np.random.default_rng(seed)
     t = np.arange(cycles)[:, None, None, None] * cycle
-    period = rng.uniform(*PERIODS, (runs, 2, 3))
+    period = rng.uniform(*periods, (runs, 2, 3))
     waves = np.sin(2.0 * np.pi * (t / period + rng.random((runs, 2, 3)))).mean(axis=3)
-    uv = math.tan(math.radians(STEEPEST)) * waves * rng.uniform(0.5, 1.5, (runs, 1))
-    length = np.maximum(np.hypot(*np.moveaxis(uv, 2, 0)) / math.tan(math.radians(STEEPEST)), 1.0)
+    most = math.tan(math.radians(steepest))
+    uv = most * waves * rng.uniform(0.5, 1.5, (runs, 1))
+    length = np.maximum(np.hypot(*np.moveaxis(uv, 2, 0)) / most, 1.0)
     rows = np.concatenate([uv / length[..., None], -np.ones((cycles, runs, 1))], axis=2)
     return np.asarray(rows / np.linalg.norm(rows, axis=2, keepdims=True))
 
 
-def steered_tips(
+def steered_over(
     one: Steered, slopes: Floats, start: Floats, lag: int = 1, gyroscope: bool = True
-) -> Floats:
-    """Return the tip angles (cycles, runs) of robots that are steered; commands are late by `lag`.
+) -> Ridden:
+    """Ride with control; what accelerometer and gyroscope say is `lag` cycles old when it acts.
 
-    With `lag` above 1 the posture that is commanded for a cycle is that of `lag` cycles ago.
+    Joints are known as they are: a command is where they are to be next, seen from there.
     """
     cycles, runs, _ = slopes.shape
-    controller = one.controller(runs)
+    controller, cycle = one.controller(runs), one.policy.cycle
+    most = np.array([joint.rate for joint in one.policy.joints])
     posture, tips = np.tile(start, (runs, 1)), np.empty((cycles, runs))
-    commands: list[Floats] = []
+    moves, felt = np.empty((cycles, runs), np.uint8), []
     before = one.down(posture, slopes[0])
     for i in range(cycles):
         down = one.down(posture, slopes[i])
         tips[i] = one.tip(posture, down)
         # The body turns about this, as far as anyone can tell by gravity.
-        rate = np.cross(down, before) / CYCLE if gyroscope else None
+        felt.append((down, np.cross(down, before) / cycle))
         before = down
-        command, _, _ = controller.step(posture, -G0 * down, rate)
-        commands.append(np.clip(command.astype(float), one.model.lower, one.model.upper))
-        if i + 1 >= lag:
-            goal, most = commands[i + 1 - lag], [joint.rate for joint in one.policy.joints]
-            posture = posture + np.clip(goal - posture, -np.array(most), most)
-    return tips
+        seen, rate = felt[max(i + 1 - lag, 0)]
+        command, told, _ = controller.step(posture, -G0 * seen, rate if gyroscope else None)
+        moves[i] = told["move"]
+        goal = np.clip(command.astype(float), one.model.lower, one.model.upper)
+        posture = posture + np.clip(goal - posture, -most, most)
+    return Ridden(tips, moves)
 
 
-def gain(one: Steered, runs: int, cycles: int = 600, scored: int = 240, seed: int = 11) -> Gain:
-    """Ride, and compare with holding still at home and with the best posture of each slope."""
-    slopes = ground(runs, cycles, CYCLE, seed)
-    home = home_of(one)
-    tips = steered_tips(one, slopes, home)
-    still = np.stack([one.tip(rows, one.down(rows, s)) for s, rows in _same(home, slopes)])
-    rng = np.random.default_rng(seed)
+def still_over(one: Steered, slopes: Floats, home: Floats) -> Floats:
+    """Return the tip angles (cycles, runs) of robots that hold still."""
+    rows = np.tile(home, (slopes.shape[1], 1))
+    return np.stack([one.tip(rows, one.down(rows, s)) for s in slopes])
+
+
+def captured(one: Steered, slopes: Floats, still: Floats, tips: Floats, scored: int = 240) -> float:
+    """Return the part of the mean tip angle that is to be gained, on some slopes of a ride."""
+    cycles, runs = tips.shape
+    rng = np.random.default_rng(11)
     some = rng.integers(cycles // 10, cycles, scored), rng.integers(0, runs, scored)
     best = measured(one.model, lattice(one.model), slopes[some], "plane")[0].max(axis=1)
     known = best >= 0.0
     had, got = still[some][known], tips[some][known]
-    captured = float((got - had).mean() / (best[known] - had).mean())
-    only = int(((tips < 0.0).any(axis=0) & ~(still < 0.0).any(axis=0)).sum())
-    return Gain(runs, captured, float((still < 0.0).mean()), float((tips < 0.0).mean()), only)
+    return float((got - had).mean() / (best[known] - had).mean())
 
 
-def _same(home: Floats, slopes: Floats) -> list[tuple[Floats, Floats]]:
-    """Return the slopes of each cycle, and home for each robot."""
-    return [(s, np.tile(home, (len(s), 1))) for s in slopes]
+def steep(one: Steered, runs: int, cycles: int = 600, seed: int = 13) -> Steep:
+    """Ride over steep slopes, and tell why those tip that tip only with control."""
+    slopes, home = ground(runs, cycles, CYCLE, seed, STEEPER), home_of(one)
+    still, (tips, moves) = still_over(one, slopes, home), steered_over(one, slopes, home)
+    fallen, fell = (tips < 0.0).any(axis=0), (still < 0.0).any(axis=0)
+    only = np.flatnonzero(fallen & ~fell)
+    when = (tips < 0.0).argmax(axis=0)
+    none = held = 0
+    for run in only:
+        at = int(when[run])
+        best = measured(one.model, lattice(one.model), slopes[at, run][None, :], "plane")[0].max()
+        waited = (moves[max(at - BEFORE, 0) : at, run] == HELD).mean() if at else 0.0
+        none += int(best < 0.0)
+        held += int(best >= 0.0 and waited >= 0.5)
+    return Steep(
+        runs,
+        *(int(fell.sum()), int(fallen.sum())),
+        *(len(only), none, held, len(only) - none - held),
+        *(float((part < 0.0).mean()) for part in (still, tips)),
+    )
 
 
-def late(one: Steered, runs: int, cycles: int = 600, seed: int = 12) -> tuple[float, float, float]:
-    """Return the parts of cycles that tip: still, and steered 0.2 s late without and with a gyro.
+def late(one: Steered, runs: int, cycles: int = 1000, seed: int = 12) -> list[float]:
+    """Return the parts of cycles that tip: still, at once, 0.2 s late without and with a gyro.
 
-    The policy is to know the latency.
+    Before them: by how much (deg/s) the ground turns in the mean and at most.
     """
-    slopes = ground(runs, cycles, CYCLE, seed)
-    home, lag = home_of(one), round(LATENCY / CYCLE)
-    still = np.stack([one.tip(rows, one.down(rows, s)) for s, rows in _same(home, slopes)])
-    tips = [steered_tips(one, slopes, home, lag, gyro) for gyro in (False, True)]
-    return (float((still < 0.0).mean()), *(float((t < 0.0).mean()) for t in tips))  # type: ignore[return-value]
+    cycle, lag = one.policy.cycle, round(LATENCY / one.policy.cycle)
+    slopes, home = ground(runs, cycles, cycle, seed, TILTED, QUICK), one.model.recipe.home_params
+    turned = np.linalg.norm(np.diff(slopes, axis=0), axis=2) / cycle
+    still = still_over(one, slopes, np.array(home))
+    rides = [
+        steered_over(one, slopes, np.array(home), *how).tips
+        for how in ((1, True), (lag, False), (lag, True))
+    ]
+    tip = [float((part < 0.0).mean()) for part in (still, *rides)]
+    return [*(float(np.degrees(x)) for x in (turned.mean(), turned.max())), *tip]
 
 
-def row(name: str, runs: int) -> str:
-    """Return a robot's row of the table."""
+def flippers(name: str) -> Steered:
+    """Return a robot with flippers, and its policy."""
     joints = [p.name for p in load_recipe(GALLERY / f"{name}.toml").parameters]
-    one = robot(
+    return robot(
         name,
         home=dict.fromkeys(joints, HOME),
         rate=dict.fromkeys(joints, RATE),
+        within=math.radians(0.5),
         cycle=CYCLE,
-        latency=LATENCY,
+        latency=CYCLE,
+        poses=2,
     )
-    found, (_, blind, seen) = gain(one, runs), late(one, runs)
-    cells = [
-        *(name, f"{one.policy.table_bytes}", f"{runs:,}"),
-        f"{100.0 * found.captured:.1f} % (asked for: {CASES[name]:g} %)",
-        *(f"{100.0 * part:.3f} %" for part in (found.still, found.steered)),
-        f"{found.only}",
-        *(f"{100.0 * part:.3f} %" for part in (blind, seen)),
-    ]
-    return f"| {' | '.join(cells)} |"
+
+
+def legs(latency: float = LATENCY) -> Steered:
+    """Return the robot whose commands come late."""
+    joints = [p.name for p in load_recipe(GALLERY / f"{LATE}.toml").parameters]
+    return robot(
+        LATE,
+        objective="move",
+        margin=math.radians(KEPT),
+        rate=dict.fromkeys(joints, math.radians(SLOW)),
+        cycle=SHORT,
+        latency=latency,
+    )
+
+
+def _share(part: float) -> str:
+    return f"{100.0 * part:.3f} %"
+
+
+def rows(runs: int) -> dict[str, list[str]]:
+    """Ride; return the rows of each table."""
+    found: dict[str, list[str]] = {key: [head, _rule(head)] for key, head in HEADS.items()}
+
+    def add(key: str, *cells: str) -> None:
+        found[key].append(f"| {' | '.join(cells)} |")
+        print(found[key][-1], flush=True)
+
+    for name, asked in CASES.items():
+        one = flippers(name)
+        slopes, home = ground(runs, 600, CYCLE, 11), home_of(one)
+        still, tips = still_over(one, slopes, home), steered_over(one, slopes, home).tips
+        share = f"{100.0 * captured(one, slopes, still, tips):.1f} %"
+        shares = (_share(float((part < 0.0).mean())) for part in (still, tips))
+        add("gains", name, f"{one.policy.table_bytes}", f"{runs:,}", share, f"{asked:g} %", *shares)
+        hard = steep(one, runs)
+        add("steep", name, *(f"{x:,}" for x in hard[:-2]), *(_share(x) for x in hard[-2:]))
+    mean, most, *tip = late(legs(), runs)
+    turns = f"{mean:.0f}, {most:.0f} deg/s"
+    add("late", LATE, f"{runs:,}", turns, *(_share(part) for part in tip))
+    return found
+
+
+def _rule(head: str) -> str:
+    return "|---" * (head.count("|") - 1) + "|"
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Ride, print the table, and with --update write it into the page; return an exit code."""
+    """Ride, print the tables, and with --update write them into the page; return an exit code."""
     words = [a for a in arguments if a != "--update"]
-    rows = [HEAD, "|---" * (HEAD.count("|") - 1) + "|"]
-    rows += [row(name, int(words[0]) if words else 500) for name in CASES]
-    print("\n".join(rows))
-    if "--update" in arguments:
-        head, _, rest = PAGE.read_text("utf-8").partition(BEGIN)
-        _, _, tail = rest.partition(END)
-        PAGE.write_text(head + BEGIN + "\n".join(rows) + "\n" + END + tail, "utf-8")
+    found = rows(int(words[0]) if words else 500)
+    for key, lines in found.items():
+        if "--update" in arguments:
+            begin, end = f"<!-- {key} -->\n", f"<!-- end of {key} -->"
+            head, _, rest = PAGE.read_text("utf-8").partition(begin)
+            _, _, tail = rest.partition(end)
+            PAGE.write_text(head + begin + "\n".join(lines) + "\n" + end + tail, "utf-8")
     return 0
 
 

@@ -1,7 +1,7 @@
 """On-board control: the policy of a robot, and an export that has one.
 
-In reading order: `limits`, `objective`, `choose`, `measure`, `maker`, `folder`, `steering`,
-`ride`, `log`, `loop`.
+In reading order: `limits`, `objective`, `choose`, `polish`, `measure`,
+`maker`, `folder`, `steering`, `ride`, `log`, `loop`.
 """
 
 from firmware_export.control.folder import policy, steered

@@ -14,6 +14,7 @@ from firmware_export.control.choose import choose
 from firmware_export.control.limits import limits_of
 from firmware_export.control.measure import Loss, loss, slopes_within
 from firmware_export.control.objective import Objective, lattice, measured, scales
+from firmware_export.control.polish import polished
 from firmware_export.protocol import Joint, Policy
 from firmware_export.truth import Model
 from lutgen.channels import CONVENTIONS
@@ -22,7 +23,7 @@ from lutgen.vector import Floats
 
 # Slopes on which losses are measured; codes of a byte; nearness, as a part of a cycle's change;
 # joints of three points at most, of which every corner is looked at (runtime/control_three.c).
-UNSEEN, CODES, NEAR, MOST_JOINTS = 100, 255, 0.1, 4
+UNSEEN, CODES, NEAR, MOST_JOINTS = 100, 255, 0.02, 4
 
 
 @dataclass(frozen=True)
@@ -112,6 +113,14 @@ def design(model: Model, wishes: Wishes, grid: bool = False) -> Design:
     n = wishes.nodes
     score = goal.score(tip, sdg, move2).reshape(n, n, -1)
     plain, smooth = (choose(postures, score, home, scale, w) for w in (0.0, wishes.within))
+
+    def scored(params: Floats, places: Floats) -> Floats:
+        uv = (2.0 * places - 1.0) * limit
+        down = np.concatenate([uv, -np.ones((len(uv), 1))], axis=1)
+        return goal.of_postures(model, params, down, home, scale, wishes.convention)
+
+    enough = np.maximum(score.max(axis=2), -math.pi) - wishes.within
+    smooth = polished(smooth, enough, (model.lower, model.upper), scale, scored)
     codes, limit, joints = _coded(model, smooth, limit, _joints(model, wishes, grid))
     policy = Policy(
         codes,

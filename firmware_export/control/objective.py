@@ -68,6 +68,21 @@ class Objective:
             value = tip - self.price * move2
         return np.asarray(np.where(tip >= 0.0, value, TIPS + tip))
 
+    def of_postures(
+        self,
+        model: Model,
+        params: Floats,
+        slopes: Floats,
+        home: Floats,
+        scale: Floats,
+        convention: str,
+    ) -> Floats:
+        """Return the scores (m,) of postures (m, k), each on a slope (m, 3) of its own."""
+        downs = body_gravity(model.recipe, params, slopes, convention)
+        found = evaluate_each(model.recipe, params, downs, ("sdg", "tip_angle"))
+        move2 = (((params - home) / scale) ** 2).sum(axis=1)
+        return self.score(found["tip_angle"], found["sdg"], move2)
+
 
 def lattice(model: Model) -> Floats:
     """Return the postures (p, k) that are tried; a joint that turns round has no end twice."""

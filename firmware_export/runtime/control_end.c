@@ -3,8 +3,55 @@
 /* ---- control: budgets, checks, and the functions of this export ------------------------------------- */
 #define SMAP_MOST_BUDGET 50.0f /* m/s^2: no robot accelerates more */
 
+#if SMAP_MANY
+#define SMAP_BESIDE 1e-3f /* a sine: a way that passes the end of a segment as near meets it */
+
+/* How much of `to` can be taken off a direction f that stands until it meets the boundary of the island on
+ * which it does, guard included; both unit. */
+static float smap_to_boundary(const smap_many_pose_t *o, const float f[3], const float to[3])
+{
+  const uint8_t facet = smap_stood_on(o, f);
+  const float beside = o->guard + SMAP_BESIDE;
+  float least = SMAP_MOST_BUDGET / SMAP_GRAVITY;
+  uint8_t k, i;
+  if (facet == SMAP_NONE) {
+    return 0.0f;
+  }
+  for (k = o->at.first[o->at.island[facet]]; k < o->at.last[o->at.island[facet]]; k++) {
+    const smap_segment_t *s = &o->at.segment[k];
+    const float *n = o->wall[s->wall], *p = o->point[s->start], *q = o->point[s->stop];
+    const float above = smap_dot(n, f) - o->guard, down = smap_dot(n, to) + o->guard;
+    float at[3], c[3], slack, t;
+    if (!(down > 1e-6f) || above < 0.0f || above >= least * down) {
+      continue;
+    }
+    t = above / down;
+    for (i = 0; i < 3; i++) {
+      at[i] = f[i] - t * to[i];
+    }
+    slack = beside * (1.0f + t);
+    smap_cross(at, n, c);
+    if (smap_dot(q, c) <= slack && smap_dot(p, c) >= -slack && smap_dot(p, at) + smap_dot(q, at) > -slack) {
+      least = t;
+    }
+  }
+  return least;
+}
+
+/* Whether a pose stands when so much of `to` is taken off a direction. */
+static int smap_stands_at(const void *pose, const float f[3], const float to[3], float t)
+{
+  const float at[3] = {f[0] - t * to[0], f[1] - t * to[1], f[2] - t * to[2]};
+  smap_reading_t reading;
+  const int8_t status = smap_run_at(pose, at, &reading);
+  return (status == SMAP_OK || status == SMAP_ROCKS) && reading.tip_angle >= 0.0f;
+}
+#endif
+
 /* The largest acceleration along a direction.  Gravity and inertia together are turned against it by as much
- * as was read, and read again: the tip angle changes by no more than the angle of turning. */
+ * as was read, and read again: the tip angle changes by no more than the angle of turning.  Of many contacts
+ * the boundary is gone through for where the way meets it, which counts as a read, and read there; turned by
+ * little at a time only where that does not stand. */
 static int8_t smap_run_budget(const void *pose, const float *gravity, const float *direction, uint8_t reads,
                               float *acceleration)
 {
@@ -26,6 +73,16 @@ static int8_t smap_run_budget(const void *pose, const float *gravity, const floa
     if ((now != SMAP_OK && now != SMAP_ROCKS) || !(reading.tip_angle > 0.0f)) {
       break;
     }
+#if SMAP_MANY
+    if (n == 0 && reads > 2) {
+      t = 0.9999f * smap_to_boundary(&((const smap_pose_memory_t *)pose)->real, f, to);
+      if (smap_stands_at(pose, f, to, t)) {
+        sum = t;
+        break;
+      }
+      reads = (uint8_t)(reads - 2);
+    }
+#endif
     t = smap_lesser(reading.tip_angle, 1.0f) * 0.9999f;
     s = t - t * t * t * (1.0f / 6.0f);
     across = 1.0f - along * along;
@@ -101,6 +158,7 @@ static int8_t smap_run_start(const smap_control_t *control, void *memory, uint16
   if (status == SMAP_OK) {
     state->control = control;
     state->part = 1.0f;
+    state->only = SMAP_ALL;
   }
   return status;
 }

@@ -9,6 +9,8 @@
 #define SMAP_SWEPT_REST 40.0f /* a rest is at least so many times `off` wide, so that its plane turns little */
 #define SMAP_SWEPT_LOW 0.5f   /* of the present plane's height: lower facets are given up */
 #define SMAP_SWEPT_ROLLS 4.0f /* as contacts/many.py has it */
+#define SMAP_CORNER 1e-4f     /* of the size: nearer to an edge a contact is one of its ends */
+#define SMAP_DOUBT 4.0f       /* twice the turn over a contact that has a facet on either side */
 
 /* The facet that a direction pierces first; SMAP_NONE where there is none. */
 static uint8_t smap_stood_on(const smap_many_pose_t *o, const float g[3])
@@ -56,6 +58,60 @@ static float smap_narrow(smap_many_t *m, float off, float radius, float lowest)
   return off;
 }
 
+/* By how much (rad) a facet's boundary may be nearer than its edges say, since a contact that hangs over it
+ * carries elsewhere in the box.  Contacts are up to `off` from where they are.  The facet is then several
+ * that meet at the contact, and the robot rocks over it: it is not caught where an edge is nearer than twice
+ * that turn, nor on what is cut off if that is narrow. */
+static float smap_doubt(smap_many_work_t *w, uint8_t start, float off)
+{
+  const smap_facet_t *f = &w->facet[w->owner[start]];
+  float most = 0.0f;
+  uint8_t k;
+  for (k = 0; k < w->map->contacts; k++) {
+    const float below = 2.0f * off - f->h + smap_extent(w, k, &f->at);
+    float here = 0.0f, place[3];
+    uint8_t e = start;
+    if (!(below > 0.0f)) {
+      continue;
+    }
+    smap_touch(w, k, &f->at, place);
+    do {
+      float along[3], arm[3], in[3], apart, lost, size;
+      smap_minus(smap_end(w, e), smap_corner(w, e), along);
+      smap_minus(place, smap_corner(w, e), arm);
+      smap_cross(along, arm, in);
+      size = smap_root(smap_dot(along, along));
+      apart = size > 0.0f ? smap_dot(in, f->at.n) / size : 0.0f;
+      if (!(apart > SMAP_CORNER * w->map->size)) {
+        here = 0.0f; /* a corner, on an edge or outside: it cuts nothing off */
+        break;
+      }
+      lost = SMAP_DOUBT * below / apart;
+      apart /= f->h;
+      lost = lost < apart ? lost : apart;
+      here = lost > here ? lost : here;
+      e = w->onward[e];
+    } while (e != start && smap_may(w, &w->left.outlines));
+    most = here > most ? here : most;
+  }
+  return most;
+}
+
+/* The most of all rests. */
+static float smap_doubts(smap_many_work_t *w, float off)
+{
+  uint8_t seen = SMAP_NONE, e;
+  float most = 0.0f;
+  for (e = 0; e < w->edges; e++) {
+    if (w->owner[e] != seen && w->facet[w->owner[e]].kind == SMAP_REST && w->low[e] != SMAP_SHORT) {
+      const float doubt = smap_doubt(w, e, off);
+      most = doubt > most ? doubt : most;
+      seen = w->owner[e];
+    }
+  }
+  return most;
+}
+
 /* Make the pose of the box between two postures, and of what is near.  `lowest`: planes that count are no lower. */
 static void smap_sweep(const smap_control_t *control, smap_state_memory_t *state, const float *from,
                        const float *to, float lowest)
@@ -81,7 +137,8 @@ static void smap_sweep(const smap_control_t *control, smap_state_memory_t *state
   for (i = 0; swept->status == SMAP_OK && i < limits.contacts; i++) {
     radius = place.contact[i].radius > radius ? place.contact[i].radius : radius;
   }
-  off = smap_narrow(&limits, off + most, radius, lowest);
+  own = off + most;
+  off = smap_narrow(&limits, own, radius, lowest);
   if (swept->status == SMAP_OK) {
     swept->status =
         smap_many_pose(&limits, &place, &swept->real, &state->here.rest.work) ? SMAP_OK : SMAP_TIPS;
@@ -95,6 +152,8 @@ static void smap_sweep(const smap_control_t *control, smap_state_memory_t *state
     /* A wall turns by no more than its contacts move, seen from the com over their line. */
     swept->widened = height > 2.0f * off ? off / (height - off) : 1.0f;
     swept->real.guard = limits.guard + swept->widened;
+    most = smap_doubts(&state->here.rest.work, own);
+    swept->turned += most;
   }
 }
 

@@ -2,6 +2,10 @@
  * Copyright (c) The lutgen authors */
 /* ---- control: a cycle -------------------------------------------------------------------------------------- */
 #define SMAP_SHORTEST 0.0625f /* of a step: no shorter one is tried */
+/* What a step becomes after one that was held, and after one that was gone: a box that is little larger than
+ * what was certified is most often certified too, one that is twice as large is not. */
+#define SMAP_SHORTER 0.6f
+#define SMAP_LONGER 1.15f
 
 /* The last command, or the posture where there was none: always on the axes. */
 static void smap_keep_command(const smap_control_t *control, const smap_state_memory_t *state, const float *posture,
@@ -39,6 +43,25 @@ static uint8_t smap_judge_way(const smap_control_t *control, const smap_way_t *w
   return !(stay >= 0.0f) && way->end > stay ? SMAP_ESCAPES : SMAP_HELD;
 }
 
+/* Which joints move next: after a step that was held one that is not where it should be, all of them after the
+ * last; none alone that has arrived.  1 where all have had their turn. */
+static int smap_take_turns(const smap_control_t *control, smap_state_memory_t *state, const float *posture,
+                           const float *target, int held)
+{
+  uint8_t i = state->only;
+  if (!held && (i == SMAP_ALL || smap_absolute(target[i] - posture[i]) > smap_joint(control, i, SMAP_JOINT_NEAR))) {
+    return 0;
+  }
+  for (i = held ? (uint8_t)(i + 1u) : 0; held && i < smap_joints(control); i++) {
+    if (smap_absolute(target[i] - posture[i]) > smap_joint(control, i, SMAP_JOINT_NEAR)) {
+      state->only = i;
+      return 0;
+    }
+  }
+  state->only = SMAP_ALL;
+  return 1;
+}
+
 /* From a posture that is seen to a command: what is wanted, the way there, the verdict.  `cycle->least` is the
  * tip angle of staying. */
 static void smap_decide(const smap_control_t *control, smap_state_memory_t *state, const smap_sample_t *sample,
@@ -51,12 +74,17 @@ static void smap_decide(const smap_control_t *control, smap_state_memory_t *stat
   int there = 0;
   cycle->move = SMAP_HELD;
   for (tries = 0; tries < (SMAP_MANY ? 1 : 2) && cycle->move == SMAP_HELD; tries++) {
-    there = smap_toward(control, sample->posture, target, state->part, command);
+    there = smap_toward(control, sample->posture, target, state->part, state->only, command);
     way.least = way.end = stay;
     cycle->poses = (uint8_t)(cycle->poses +
                              smap_find_way(control, state, sample->posture, command, ahead, made, &way));
     cycle->move = smap_judge_way(control, &way, stay);
-    state->part = cycle->move == SMAP_HELD ? 0.5f * state->part : 2.0f * state->part;
+    if (cycle->move != SMAP_HELD) {
+      state->part *= SMAP_LONGER;
+      (void)smap_take_turns(control, state, command, target, 0);
+    } else if (smap_take_turns(control, state, sample->posture, target, 1)) {
+      state->part *= SMAP_SHORTER;
+    }
     state->part = smap_between(state->part, SMAP_SHORTEST, 1.0f);
   }
   cycle->least = way.least;

@@ -46,6 +46,7 @@ enum {
 #define SMAP_CONTROLLED(control) ((control)->map)
 
 #define SMAP_LONG 1000.0f /* s */
+enum { SMAP_ALL = 255 };
 
 /* Which of a state's poses are made, and whether there was a sample before. */
 enum { SMAP_HAS_HERE = 1, SMAP_HAS_SWEPT = 2, SMAP_HAS_SAMPLE = 4, SMAP_HAS_COMMAND = 8 };
@@ -70,7 +71,7 @@ typedef struct {
   float command[SMAP_MAX_PARAMS], at[SMAP_MAX_PARAMS], mid[SMAP_MAX_PARAMS], half[SMAP_MAX_PARAMS];
   float up[3], part, turned;
   uint8_t has, level, later;
-  uint8_t calm, stuck, spare[3];
+  uint8_t calm, stuck, only, spare[2]; /* only: the joint that moves, or SMAP_ALL */
   smap_pose_memory_t here;
   smap_swept_t swept;
 } smap_state_memory_t;

@@ -15,14 +15,15 @@ static int smap_look(const smap_control_t *control, smap_state_memory_t *state, 
   return state->has & SMAP_HAS_HERE;
 }
 
-/* A step towards a target: no joint further than it goes in a cycle, nor off its axis.  1 where all are there. */
+/* A step of all joints or of one towards a target: none further than it goes in a cycle, nor off its axis.
+ * 1 where all are there. */
 static int smap_toward(const smap_control_t *control, const float *posture, const float *target, float part,
-                       float *to)
+                       uint8_t only, float *to)
 {
   uint8_t i;
   int there = 1;
   for (i = 0; i < smap_joints(control); i++) {
-    const float rate = part * smap_joint(control, i, SMAP_JOINT_RATE);
+    const float rate = only == SMAP_ALL || only == i ? part * smap_joint(control, i, SMAP_JOINT_RATE) : 0.0f;
     to[i] = smap_on_axis(control, i, smap_between(target[i], posture[i] - rate, posture[i] + rate));
     there = there && smap_absolute(target[i] - posture[i]) <= smap_joint(control, i, SMAP_JOINT_NEAR);
   }
@@ -65,7 +66,7 @@ static uint8_t smap_find_way(const smap_control_t *control, smap_state_memory_t 
       const int same = (state->has & SMAP_HAS_COMMAND) != 0 && smap_is_swept(control, state, posture, state->command);
       state->later = 1;
       if (same) { /* as near as a step is */
-        (void)smap_toward(control, posture, state->command, 1.0f, to);
+        (void)smap_toward(control, posture, state->command, 1.0f, SMAP_ALL, to);
       } else {
         for (i = 0; i < smap_joints(control); i++) { /* it may be off its axis by the slack of a sensor */
           to[i] = smap_on_axis(control, i, posture[i]);

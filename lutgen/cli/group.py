@@ -67,6 +67,14 @@ class Group(click.Group):
             _end(error)
 
 
+class _Readable(logging.Formatter):
+    """Says what a terminal may show: names may hold characters that it obeys."""
+
+    def formatMessage(self, record: logging.LogRecord) -> str:  # noqa: N802
+        """Return the line of a record, without a traceback."""
+        return readable(super().formatMessage(record))
+
+
 def _end(error: Exception) -> NoReturn:
     """Say in a sentence why a command ended that no message of ours explains; exit."""
     if isinstance(error, OSError) and error.errno in NO_OUTPUT and error.filename is None:
@@ -122,7 +130,9 @@ def main(verbose: int, quiet: bool) -> None:
     3 the answer is that the robot tips over, or that nobody can tell.
     """
     level = logging.ERROR if quiet else max(logging.WARNING - 10 * verbose, logging.DEBUG)
-    logging.basicConfig(level=level, format="lutgen: %(message)s")
+    handler = logging.StreamHandler()
+    handler.setFormatter(_Readable("lutgen: %(message)s"))
+    logging.basicConfig(level=level, handlers=[handler])
     logging.getLogger("lutgen").setLevel(level)
     check_environment()
 

@@ -6,9 +6,26 @@ from functools import cache
 import numpy as np
 import pytest
 
+from firmware_export.codecs import usable
+from firmware_export.control.polish import polished
+from firmware_export.emit import body_of, described
 from firmware_export.host import BLIND, Controller
+from firmware_export.protocol import Export, Joint, Policy
+from firmware_export.truth import Model
 from lutgen.errors import InputError
-from proofs.control import G0, Steered, bits, budgets, damaged, fixed_slopes, robot, transits
+from lutgen.recipe import load_recipe
+from lutgen.vector import Floats
+from proofs.control import (
+    G0,
+    GALLERY,
+    Steered,
+    bits,
+    budgets,
+    damaged,
+    fixed_slopes,
+    robot,
+    transits,
+)
 
 LEVEL = np.array([[0.0, 0.0, G0]])
 
@@ -120,3 +137,60 @@ def test_the_driver_is_followed_within_delta() -> None:
     slopes[:, 2] = -1.0
     target = controller.target(slopes, wanted)
     assert (np.abs(target - wanted) <= 0.05 + 1e-6).all()
+
+
+@cache
+def crawler() -> Steered:
+    """Return absolem with a policy that was not looked for: ways alone are asked."""
+    model = Model(load_recipe(GALLERY / "absolem.toml"))
+    info = usable(model, "float", "contacts")[0]
+    tables = info.encode(model, ("tip_angle",), info.sizes(model, ("tip_angle",), "float")[0])
+    export = Export(
+        "absolem", model.recipe, model, info.name, "float", ("tip_angle",), tables.boxed()
+    )
+    joints = [Joint(0.0, 1e-3, 0.0314, 6.28, 0.00314, 0.354, 0.0045, x) for x in (1.35, 1.11)]
+    policy = Policy(
+        np.zeros((2, 2, 2), np.uint8), 1.0, tuple(joints), 0.02, 0.06, 0.05, (0.3, 0.2, 0.1), 0.5
+    )
+    return Steered(model, described(export, body_of(export)), policy)
+
+
+def test_a_contact_that_hangs_low_over_a_rest_may_carry_elsewhere_in_the_box() -> None:
+    # In the middle the tracks hang 1.9, 1.8 and 0.9 mm over a plane on which flippers' tips stand.
+    one = crawler()
+    start = np.radians([[-143.62, 16.40], [-151.14, 13.23], [-11.30, 31.11]])
+    end = np.radians([[-143.23, 17.90], [-150.62, 11.93], [-10.49, 32.20]])
+    down = np.array([[-0.796, 0.272, -0.541], [-0.781, -0.086, -0.619], [-0.601, 0.357, -0.715]])
+    inside = np.radians([[-143.48, 17.90], [-151.14, 13.23], [-10.64, 31.15]])
+    turned = np.array([[-0.793, 0.308, -0.526], [-0.782, -0.100, -0.615], [-0.601, 0.357, -0.715]])
+    least = one.controller().transit(start, end, down)
+    assert (least <= one.tip(inside, turned) + 1e-4).all()
+
+
+def test_of_many_contacts_a_budget_is_what_the_boundary_leaves() -> None:
+    found = budgets(crawler(), 300)
+    assert found.faults == 0
+    assert found.share > 0.99
+
+
+def test_between_its_nodes_a_polished_table_loses_less_than_before() -> None:
+    def score(params: Floats, places: Floats) -> Floats:
+        return -np.abs(params[:, 0] - np.sin(6.0 * places[:, 0]) - places[:, 1])
+
+    u, v = np.meshgrid(*[np.linspace(0.0, 1.0, 4)] * 2, indexing="ij")
+    before = (np.sin(6.0 * u) + v)[:, :, None]
+    best, ends, scale = np.full((4, 4), -0.02), (np.full(1, -2.0), np.full(1, 3.0)), np.ones(1)
+    after = polished(before, best, ends, scale, score)
+    places = np.random.default_rng(1).random((4000, 2))
+    lost = [-score(_at(table, places), places).mean() for table in (before, after)]
+    assert lost[1] < 0.8 * lost[0]
+
+
+def _at(table: Floats, places: Floats) -> Floats:
+    """Return a table (n, n, 1) between its nodes, at places (m, 2)."""
+    n = len(table)
+    cell = np.minimum((places * (n - 1)).astype(int), n - 2)
+    u, v = (places * (n - 1) - cell).T[:, :, None]
+    i, j = cell.T
+    low = table[i, j] * (1.0 - v) + table[i, j + 1] * v
+    return np.asarray(low * (1.0 - u) + (table[i + 1, j] * (1.0 - v) + table[i + 1, j + 1] * v) * u)
