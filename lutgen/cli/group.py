@@ -70,7 +70,7 @@ class Group(click.Group):
 class _Readable(logging.Formatter):
     """Says what a terminal may show: names may hold characters that it obeys."""
 
-    def formatMessage(self, record: logging.LogRecord) -> str:  # noqa: N802
+    def formatMessage(self, record: logging.LogRecord) -> str:
         """Return the line of a record, without a traceback."""
         return readable(super().formatMessage(record))
 

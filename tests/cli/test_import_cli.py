@@ -7,6 +7,7 @@ import os
 import re
 import shlex
 import shutil
+import subprocess
 import sys
 from pathlib import Path
 from typing import Any
@@ -80,6 +81,16 @@ def test_a_robot_that_stands_on_nothing_is_written_with_a_warning(
     assert run("check", "high.toml").exit_code == 2
     good("import", "robot.urdf", "-o", "robot.toml")
     assert "stands in none" not in caplog.text
+
+
+def test_a_name_that_a_terminal_obeys_is_shown_and_not_obeyed(folder: Path) -> None:
+    points = [f"--contact=chassis={x},{y},9" for x, y in ((1, 1), (1, -1), (-1, 0))]
+    command = ["import", "robot.urdf", "-o", "high.toml", "--name", "\x1b[31mred", *points]
+    done = subprocess.run(
+        [sys.executable, "-m", "lutgen", *command], capture_output=True, text=True, check=True
+    )
+    assert "lutgen: \\x1b[31mred: the robot stands in none" in done.stderr
+    assert "\x1b" not in done.stderr + done.stdout
 
 
 def test_a_name_of_its_own_may_be_given(folder: Path) -> None:

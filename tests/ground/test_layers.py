@@ -11,8 +11,8 @@ from tests.fixtures.places import ROOT
 
 # A room sees only rooms before it.  Files of the ground floor are rooms of one file.
 ORDER = {
-    "lutgen": "errors _version bounds files cache interrupts jit vector rotation grid bracket chart parts "
-    "quantities urdf recipe support channels mapping analysis search plot paper cli",
+    "lutgen": "errors _version bounds files cache interrupts jit vector rotation grid bracket "
+    "chart parts quantities urdf recipe support channels mapping analysis search plot paper cli",
     "firmware_export": "quantity host truth protocol prove contacts grid verdict codecs emit "
     "certify choose exporter device proved control explore",
 }
