@@ -44,8 +44,9 @@ maps: .venv/.installed ## build every map of maps/, its figures and its firmware
 
 paper: build/paper/gallery.stamp ## reproduce the paper: figures, tables and one page in build/paper
 
+test: export LUTGEN_LONG = $(LONG)
 test: .venv/.installed ## run the tests, with LONG=1 at length; what needs tools that are not here is skipped
-	$(if $(LONG),LUTGEN_LONG=1) $(BIN)/python -m pytest -n 2 --dist worksteal -rs --skipped-to=build/skipped.txt
+	$(BIN)/python -m pytest -n 2 --dist worksteal -rs --skipped-to=build/skipped.txt
 
 check: .venv/.installed ## lint, format, types, spelling
 	$(BIN)/ruff check .
