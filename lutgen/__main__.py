@@ -6,12 +6,15 @@ drop it, comes again.
 """
 
 import _thread
+import os
 import signal
 import sys
 import threading
 from typing import TYPE_CHECKING, NoReturn
 
 _usual = signal.signal(signal.SIGINT, signal.SIG_DFL)
+import click  # noqa: E402
+
 from lutgen.cli import main  # noqa: E402
 
 signal.signal(signal.SIGINT, _usual)
@@ -38,7 +41,14 @@ def program() -> NoReturn:
         later.start()
 
     sys.unraisablehook = dropped
-    main()
+    try:
+        main()
+    except SystemExit as end:
+        if isinstance(end.__context__, click.Abort):
+            # Threads that still compile are not waited for.
+            sys.stdout.flush()
+            os._exit(end.code if isinstance(end.code, int) else 1)
+        raise
     raise SystemExit(0)
 
 

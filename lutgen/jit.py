@@ -219,8 +219,15 @@ def in_threads(kernel: Callable[..., int], pieces: int, *arguments: object, leas
     # What is not compiled yet is compiled here: Ctrl-C does not reach other threads.
     first = 0 if getattr(kernel, "signatures", True) else 1
     found = sum(int(kernel(*bounds[at : at + 2], *arguments)) for at in range(first))
-    with ThreadPoolExecutor(threads) as pool:
+    pool = ThreadPoolExecutor(threads)
+    try:
         answers = pool.map(
             lambda a, b: kernel(a, b, *arguments), bounds[first:-1], bounds[first + 1 :]
         )
-        return found + int(sum(answers))
+        found += int(sum(answers))
+    except BaseException:
+        # Ctrl-C need not wait for what nobody wants any more.
+        pool.shutdown(wait=False, cancel_futures=True)
+        raise
+    pool.shutdown()
+    return found
