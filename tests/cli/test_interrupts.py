@@ -27,7 +27,11 @@ def interrupted(after: float) -> tuple[int, str]:
     )
     time.sleep(after)
     process.send_signal(signal.SIGINT)
-    return process.wait(timeout=60.0), process.communicate()[1]
+    try:
+        said = process.communicate(timeout=60.0)[1]
+    finally:
+        process.kill()
+    return process.returncode, said
 
 
 def test_a_command_that_is_interrupted_ends_without_a_traceback() -> None:
