@@ -14,7 +14,9 @@ from pathlib import Path
 import numpy as np
 
 from lutgen.jit import njit
+from tests.fixtures.forks import end, fork
 
+WRONG = 98
 KINDS = ("flip", "flips", "cut", "empty", "zeros", "noise", "swapped", "older", "gone")
 TEXT = "from lutgen.jit import njit\n@njit()\ndef {name}(x):\n    return x * {factor} + 1\n"
 
@@ -29,18 +31,15 @@ def answers(folder: Path) -> tuple[list[float], int]:
 
 def forked(folder: Path) -> str:
     """Ask for the answers in a process of its own; return how that ended."""
-    process = os.fork()
-    if process == 0:
-        status = 99
-        try:
-            found, loaded = answers(folder)
-            status = 10 + loaded if found == [5, 6.0, 7, 8.5] else 98
-        finally:
-            os._exit(status)
-    code = os.waitstatus_to_exitcode(os.waitpid(process, 0)[1])
+
+    def ask() -> int:
+        found, loaded = answers(folder)
+        return 10 + loaded if found == [5, 6.0, 7, 8.5] else WRONG
+
+    code = end(fork(ask))
     if code < 0:
         return f"signal {signal.Signals(-code).name}"
-    return {98: "wrong", 99: "error"}.get(code, f"{code - 10} loaded")
+    return {WRONG: "wrong", 1: "error"}.get(code, f"{code - 10} loaded")
 
 
 def damage(kind: str, files: list[Path], rng: np.random.Generator) -> None:
@@ -97,9 +96,9 @@ def main(count: int, folder: Path) -> None:
         if number % 20 == 0:
             # And it is whole again.
             assert forked(folder) == "4 loaded"
-    for end, times in sorted(ends.items()):
-        print(f"{times:4d} {end}")
-    right = sum(times for end, times in ends.items() if end.endswith("loaded"))
+    for how, times in sorted(ends.items()):
+        print(f"{times:4d} {how}")
+    right = sum(times for how, times in ends.items() if how.endswith("loaded"))
     print(f"{count} damaged entries: {right} right answers")
 
 

@@ -19,8 +19,8 @@ from lutgen.mapping import sweeper
 from lutgen.mapping.blocks import plan
 from lutgen.mapping.layout import lay_out
 from lutgen.recipe import Recipe
+from tests.fixtures.forks import end, fork, running
 from tests.fixtures.recipes import tripod
-from tests.mapping.soak_kill import end, running
 
 NODES = 84
 OURS, OTHER = (
@@ -46,18 +46,17 @@ REFUSED = 3
 
 def start(path: Path, recipe: Recipe) -> int:
     """Go on with a sweep in a process of its own; return its number."""
-    process = os.fork()
-    if process == 0:
-        signal.alarm(60)
-        status = 1
+
+    def sweep() -> int:
         try:
             lutgen.sweep(recipe, path, threads=1, resume=True)
-            status = 0
         except LutgenError as error:
-            status = REFUSED if "\n" not in str(error) else 1
-        finally:
-            os._exit(status)
-    return process
+            if "\n" in str(error):
+                raise
+            return REFUSED
+        return 0
+
+    return fork(sweep)
 
 
 def edited(kind: str, data: bytearray, other: bytes, rng: np.random.Generator) -> bytearray:

@@ -14,45 +14,28 @@ import numpy as np
 import lutgen
 from lutgen.mapping import sweeper
 from lutgen.mapping.blocks import plan
+from tests.fixtures.forks import end, fork, running
 from tests.fixtures.recipes import tripod
 
 RECIPE = lutgen.parse_recipe(tripod("reach = 20, swing = 15", nodes=21))
 # 132,300 nodes: 1,800 blocks down to 8.
 BLOCKS = (84, 400, 2_000, 20_000)
-HANGS = 20
 
 
 def start(path: Path, nodes: int, resume: bool, threads: int = 1) -> int:
     """Begin a sweep in a process of its own; return its number."""
-    process = os.fork()
-    if process == 0:
+
+    def sweep() -> int:
         sweeper.plan = lambda recipe: plan(recipe, nodes)  # type: ignore[attr-defined]
-        # A fork can hang in numba's threads before it begins; it dies then, as from any other kill.
-        signal.alarm(HANGS)
-        status = 1
-        try:
-            lutgen.sweep(RECIPE, path, threads=threads, resume=resume)
-            status = 0
-        finally:
-            os._exit(status)
-    return process
+        lutgen.sweep(RECIPE, path, threads=threads, resume=resume)
+        return 0
 
-
-def end(process: int) -> int:
-    """Wait for a process; return its exit status, negative for a signal."""
-    return os.waitstatus_to_exitcode(os.waitpid(process, 0)[1])
-
-
-def running(process: int) -> bool:
-    """Return whether a process has not ended."""
-    return os.waitid(os.P_PID, process, os.WEXITED | os.WNOHANG | os.WNOWAIT) is None
+    return fork(sweep)
 
 
 def resumed(path: Path, nodes: int) -> int:
     """Resume a sweep to its end; return its exit status."""
-    while (status := end(start(path, nodes, True))) == -signal.SIGALRM:
-        pass
-    return status
+    return end(start(path, nodes, True))
 
 
 def main(count: int, folder: Path) -> None:
