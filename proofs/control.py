@@ -176,15 +176,20 @@ def damaged(one: Steered, count: int, cycles: int = 12, seed: int = 2) -> Count:
 def fixed_slopes(
     one: Steered, count: int, cycles: int = 1500, tail: int = 100, seed: int = 3
 ) -> Count:
-    """Attack with slopes that stay: robots that are still on the move in the end."""
+    """Attack with slopes that stay: robots that are still on the move in the end.
+
+    The gyroscope feels them lean while their joints move.
+    """
     rng, model = np.random.default_rng(seed), one.model
     slopes = directions(one, rng, count, 0.6)
     q = model.lower + rng.random((count, model.k)) * (model.upper - model.lower)
     stands = one.tip(q, one.down(q, slopes)) >= 0.0
     c = one.controller(count)
-    moved = np.zeros(count)
+    moved, before = np.zeros(count), one.down(q, slopes)
     for at in range(cycles):
-        command, _, _ = c.step(q, -G0 * one.down(q, slopes))
+        down = one.down(q, slopes)
+        command, _, _ = c.step(q, -G0 * down, np.cross(down, before) / one.policy.cycle)
+        before = down
         after = np.clip(command.astype(float), model.lower, model.upper)
         if at >= cycles - tail:
             moved = np.maximum(moved, np.abs(after - q).max(axis=1))

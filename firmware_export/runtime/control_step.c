@@ -103,7 +103,7 @@ static int8_t smap_run_step(const smap_control_t *control, void *memory, const s
                             float *command, smap_cycle_t *cycle)
 {
   smap_state_memory_t *const state = (smap_state_memory_t *)memory;
-  float g[3], ahead[3], still[3], target[SMAP_MAX_PARAMS], rate, now;
+  float g[3], ahead[3], still[3], slope[3], target[SMAP_MAX_PARAMS], rate, now;
   uint8_t i;
   memset(cycle, 0, sizeof *cycle);
   smap_keep_command(control, state, sample->posture, command);
@@ -125,7 +125,8 @@ static int8_t smap_run_step(const smap_control_t *control, void *memory, const s
     }
   }
   smap_slope_under(&state->here, still, cycle->slope);
-  if (smap_run_target(control, cycle->slope, sample->desired, target) != SMAP_OK) {
+  smap_slope_ahead(control, state, still, sample->rate, cycle->poses, slope);
+  if (smap_run_target(control, slope, sample->desired, target) != SMAP_OK) {
     return smap_blind(state, SMAP_INVALID, cycle);
   }
   now = smap_tip_of(&state->here, g);

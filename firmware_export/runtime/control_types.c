@@ -49,7 +49,7 @@ enum {
 enum { SMAP_ALL = 255 };
 
 /* Which of a state's poses are made, and whether there was a sample before. */
-enum { SMAP_HAS_HERE = 1, SMAP_HAS_SWEPT = 2, SMAP_HAS_SAMPLE = 4, SMAP_HAS_COMMAND = 8 };
+enum { SMAP_HAS_HERE = 1, SMAP_HAS_SWEPT = 2, SMAP_HAS_SAMPLE = 4, SMAP_HAS_COMMAND = 8, SMAP_HAS_NORMAL = 16 };
 
 #if SMAP_MANY
 /* A pose that holds for every posture of a box: see control_many.c. */
@@ -65,13 +65,14 @@ typedef struct {
 } smap_swept_t;
 #endif
 
-/* A state.  `here` is the pose of the posture `at`; `swept` holds for all within `half` of `mid`. */
+/* A state.  `here` is the pose of the posture `at`; `swept` holds for all within `half` of `mid`.  `normal`: of the
+ * plane on which the robot stood `since` cycles ago; `lean`: how fast it has turned the body by its joints, rad/s. */
 typedef struct {
   const smap_control_t *control;
   float command[SMAP_MAX_PARAMS], at[SMAP_MAX_PARAMS], mid[SMAP_MAX_PARAMS], half[SMAP_MAX_PARAMS];
-  float up[3], part, turned;
+  float up[3], part, turned, normal[3], lean[3];
   uint8_t has, level, later;
-  uint8_t calm, stuck, only, spare[2]; /* only: the joint that moves, or SMAP_ALL */
+  uint8_t calm, stuck, only, since, spare; /* only: the joint that moves, or SMAP_ALL */
   smap_pose_memory_t here;
   smap_swept_t swept;
 } smap_state_memory_t;

@@ -69,6 +69,46 @@ static void smap_ahead(const smap_control_t *control, const float g[3], const fl
   (void)smap_to_unit(ahead);
 }
 
+/* The slope as it will be after the policy's latency, by what the gyroscope feels beside the robot's own lean:
+ * where the ground has not turned, the slope stays however the joints move the body.  `made`: whether the pose is of
+ * this cycle.  No rate is no gyroscope, and on no plane nothing is known of lean: there it is that of now. */
+static void smap_slope_ahead(const smap_control_t *control, smap_state_memory_t *state, const float g[3],
+                             const float rate[3], int made, float slope[3])
+{
+  const uint8_t had = state->has & SMAP_HAS_NORMAL;
+  float up[3], before[3], ground[3], ahead[3];
+  uint8_t i;
+  smap_slope_under(&state->here, g, slope);
+  if (state->since < 255) {
+    state->since++;
+  }
+  if (made) {
+    state->has &= (uint8_t)~SMAP_HAS_NORMAL;
+    if (SMAP_GRID || !smap_upright(&state->here, g, up) || !smap_are_finite(up, 3)) {
+      return;
+    }
+    if (had) { /* gravity as the body would have felt it then, on this ground */
+      const float per = 1.0f / ((float)state->since * smap_setting(control, SMAP_POLICY_CYCLE));
+      smap_lean(state->normal, slope, -1.0f, before);
+      smap_cross(g, before, state->lean);
+      for (i = 0; i < 3; i++) {
+        state->lean[i] *= per;
+      }
+    }
+    memcpy(state->normal, up, sizeof up);
+    state->since = 0;
+    state->has |= SMAP_HAS_NORMAL;
+  }
+  if (!had || !(smap_rate_of(rate) > 0.0f) || !smap_are_finite(state->lean, 3)) {
+    return;
+  }
+  for (i = 0; i < 3; i++) {
+    ground[i] = rate[i] - state->lean[i];
+  }
+  smap_ahead(control, g, ground, ahead);
+  smap_slope_under(&state->here, ahead, slope);
+}
+
 /* The level: of the policy's three thresholds, how many the tip angle that is left after the latency is below. */
 static uint8_t smap_run_alarm(const smap_control_t *control, void *memory, float tip, float rate)
 {

@@ -18,10 +18,11 @@
  *     }
  *
  * One cycle: gravity is turned ahead by the gyroscope for as long as commands take to act; the slope of the
- * ground follows from the posture and the accelerometer; the policy's table names the best posture for that
- * slope; the command goes there by no more than the joints can do in a cycle, and only where *every* posture
- * between now and the command is certified to stand by the map, or staying is worse.  The map decides, never
- * the table: a wrong table may cost margin, not safety.
+ * ground follows from the posture and the accelerometer, and is turned ahead by what the gyroscope feels beside the
+ * robot's own lean; the policy's table names the best posture for that slope; the command goes there by no more
+ * than the joints can do in a cycle, and only where *every* posture between now and the command is certified to
+ * stand by the map, or staying is worse.  The map decides, never the table: a wrong table may cost margin, not
+ * safety.
  *
  * Frames: body frame, x forward, y left, z up.  The ground's frame has z along its normal, and is
  * turned against the body by the least rotation.  `up` is what the accelerometer reads, at rest up; gravity
@@ -43,7 +44,7 @@ extern "C" {
 
 typedef struct smap_control smap_control_t; /* a map and its policy: constant, in flash */
 
-/* What a cycle is told. */
+/* What a cycle is told, all of one moment. */
 typedef struct {
   const float *posture; /* joints as measured */
   const float *desired; /* joints that the driver asks for; 0: what the policy says, wherever that is */
@@ -55,14 +56,15 @@ typedef struct {
 typedef enum {
   SMAP_MOVES = 0,   /* every posture on the way is certified */
   SMAP_RESTS = 1,   /* the posture is where it should be */
-  SMAP_HELD = 2,    /* the way is not certified: the command is the posture; a shorter step is tried next */
+  SMAP_HELD = 2,    /* the way is not certified: the command is the posture; next one joint after another is tried
+                       alone, then a step of 0.6 the size; steps that are gone grow by 1.15 */
   SMAP_ESCAPES = 3, /* staying tips: the way is not certified, and ends further from tipping */
   SMAP_BLIND = 4    /* nothing is known (NaN, damaged map, implausible sensor): the last command is kept */
 } smap_move_t;
 
 /* What a cycle says beside its command. */
 typedef struct {
-  float slope[3]; /* gravity in the ground's frame, unit; zeros where nothing is known */
+  float slope[3]; /* gravity in the ground's frame, unit, as it is now; zeros where nothing is known */
   float tip;      /* tip angle of the posture, the lesser of now and of gravity turned ahead, rad; of directions
                      that the map does not hold, from below */
   float least;    /* certified least tip angle from the posture to the command, rad; tip where it rests */

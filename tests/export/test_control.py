@@ -28,12 +28,24 @@ from proofs.control import (
 )
 
 LEVEL = np.array([[0.0, 0.0, G0]])
+MOVES, RESTS = 0, 1
 
 
 @cache
 def paper() -> Steered:
     """Return the paper's robot with a price on moving, so that its table has something to say."""
     return robot("paper_two", objective="tip_angle-0.5*move2", within=1e-9)
+
+
+def swift() -> Steered:
+    """Return that robot with commands that take 0.5 s, and a table that is a slope each way."""
+    one = paper()
+    count = len(one.policy.codes)
+    along = np.linspace(64, 192, count).astype(np.uint8)
+    codes = np.stack(np.meshgrid(along, along, indexing="ij"), axis=2)
+    ends = zip(one.policy.joints, one.model.lower, one.model.upper, strict=True)
+    joints = tuple(j._replace(low=a, code=(b - a) / 255.0, rate=0.05) for j, a, b in ends)
+    return replace(one, policy=replace(one.policy, latency=0.5, codes=codes, joints=joints))
 
 
 def test_no_posture_of_a_certified_way_is_nearer_to_tipping_than_promised() -> None:
@@ -127,6 +139,39 @@ def test_prediction_sees_gravity_where_the_gyroscope_says_it_will_be() -> None:
     turning = one.controller().step(posture, LEVEL, [[0.0, 1.0, 0.0]])[1]
     assert turning["tip"][0] < still
     assert turning["left"][0] == pytest.approx(turning["tip"][0], rel=1e-3)  # at 1 rad/s
+
+
+def _after_a_step(one: Steered, before: Floats, after: Floats, rate: object) -> Floats:
+    """Return the command (1, k) on level ground at the second of two postures (1, k)."""
+    controller, level = one.controller(), np.array([[0.0, 0.0, -1.0]])
+    controller.step(before, -G0 * one.down(before, level))
+    command, cycle, _ = controller.step(after, -G0 * one.down(after, level), rate)
+    assert cycle["move"][0] in (MOVES, RESTS)
+    return command
+
+
+def test_the_table_is_asked_by_the_slope_that_the_ground_is_turning_to() -> None:
+    one, level = swift(), np.array([[0.0, 0.0, -1.0]])
+    posture = one.controller().target(level).astype(float)
+    rate = np.array([[0.3, 0.4, 0.0]])  # gravity turns against it, for the policy's 0.5 s
+    down = one.down(posture, level)
+    slope, _ = one.controller().ground(posture, -(down + 0.5 * np.cross(down, rate)))
+    most = np.array([joint.rate for joint in one.policy.joints])
+    wanted = posture + np.clip(one.controller().target(slope) - posture, -most, most)
+    assert np.abs(wanted - posture).max() > 0.02
+    np.testing.assert_allclose(_after_a_step(one, posture, posture, rate), wanted, atol=1e-5)
+    np.testing.assert_allclose(_after_a_step(one, posture, posture, None), posture, atol=1e-5)
+
+
+def test_the_robot_s_own_lean_is_no_turn_of_the_ground() -> None:
+    one, level = swift(), np.array([[0.0, 0.0, -1.0]])
+    target = one.controller().target(level).astype(float)
+    before, after = target - 0.03, target - 0.01
+    felt = np.cross(one.down(after, level), one.down(before, level)) / one.policy.cycle
+    assert np.linalg.norm(felt) > 0.2
+    with_it, without = (_after_a_step(one, before, after, rate) for rate in (felt, None))
+    np.testing.assert_allclose(with_it, target, atol=1e-5)
+    np.testing.assert_allclose(without, target, atol=1e-5)
 
 
 def test_the_driver_is_followed_within_delta() -> None:
