@@ -32,6 +32,8 @@ from lutgen.recipe import Recipe
 ENGINES = ("local", "dask")
 # So many blocks for each thread are enough for it to compute whole ones: the last may wait for one.
 ENOUGH_BLOCKS = 4
+# Blocks that are computed at a time, of 29 MB each where all channels are swept.
+AT_A_TIME = 16
 
 
 def sweep(
@@ -209,13 +211,13 @@ def _compute_here(file: PartFile, recipe: Recipe, layout: Plan) -> Generator[int
     """Compute and write every block that is not done; yield its number.
 
     All threads compute the first block: what is not compiled yet is compiled in this one, which
-    Ctrl-C reaches.  Then each takes whole blocks, where there are enough of them.
+    Ctrl-C reaches.  Then each takes whole blocks, or with many of them a few do, where there are enough.
     """
     todo = np.flatnonzero(~file.done).tolist()
     threads = numba.get_num_threads()
     # A robot given by code is asked by one thread, as its author expects.
     enough = recipe.function is None and len(todo) > ENOUGH_BLOCKS * threads
-    workers = threads if enough else 1
+    workers = min(threads, AT_A_TIME) if enough else 1
     alone = len(todo) if workers == 1 else 1
     computer = Computer(recipe, layout)
     for number in todo[:alone]:
@@ -230,6 +232,7 @@ def _compute_side_by_side(
     file: PartFile, layout: Plan, computers: list[Computer], todo: list[int]
 ) -> Generator[int, None, None]:
     """Compute and write blocks, a thread for each computer; yield their numbers in order."""
+    threads = numba.get_num_threads() // len(computers)
     idle: SimpleQueue[Computer] = SimpleQueue()
     for computer in computers:
         idle.put(computer)
@@ -237,7 +240,7 @@ def _compute_side_by_side(
     may_write = Semaphore(len(computers))
 
     def work(number: int) -> None:
-        numba.set_num_threads(1)
+        numba.set_num_threads(threads)
         computer = idle.get()
         try:
             chunks = list(computer.compute(layout.block(number)).values())
@@ -260,6 +263,7 @@ def _compute_side_by_side(
         stopped = True
         for _ in computers:
             may_write.acquire()
+        may_write.release(len(computers))
         pool.shutdown(wait=False, cancel_futures=True)
 
 
