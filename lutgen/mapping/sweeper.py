@@ -211,7 +211,8 @@ def _compute_here(file: PartFile, recipe: Recipe, layout: Plan) -> Generator[int
     """Compute and write every block that is not done; yield its number.
 
     All threads compute the first block: what is not compiled yet is compiled in this one, which
-    Ctrl-C reaches.  Then each takes whole blocks, or with many of them a few do, where there are enough.
+    Ctrl-C reaches.  Then, where there are enough, each takes whole blocks (of many threads a few
+    together).
     """
     todo = np.flatnonzero(~file.done).tolist()
     threads = numba.get_num_threads()
