@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from lutgen.errors import MapFileError, SweepError
 from lutgen.mapping.identity import DIGEST, Identity
 from lutgen.mapping.layout import Skeleton
+from lutgen.mapping.probe import remember
 from lutgen.mapping.seal import sealed
 from lutgen.recipe import Recipe
 
@@ -226,6 +227,7 @@ class PartFile:
         span = slice(int(changed[0]), int(changed[-1]) + 1)
         write_all(self.handle, memoryview(whole)[span], span.start)
         os.fsync(self.handle)
+        remember(whole)
         self.path.replace(target)
         sync_folder(target.parent)
 
