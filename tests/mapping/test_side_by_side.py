@@ -96,24 +96,29 @@ def test_ctrl_c_waits_for_no_block_and_nothing_is_written_after_it(
 ) -> None:
     slow, compute, path = 1.0, Computer.compute, tmp_path / "two.h5"
     after: list[int] = []
+    begun = threading.Event()
 
     def late(self: Computer, block: Block) -> Any:
         if block.number == 6:
+            begun.set()
             time.sleep(slow)
         chunks = compute(self, block)
         after.append(block.number)
         return chunks
 
+    pressed: list[float] = []
+
     def press(done: int, total: int) -> None:
         if done >= total // 8:
+            assert begun.wait(30.0)
+            pressed.append(time.perf_counter())
             raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
         patch.setattr(Computer, "compute", late)
-        begin = time.perf_counter()
         with pytest.raises(KeyboardInterrupt):
             lutgen.sweep(RECIPE, path, threads=2, progress=press)
-        took = time.perf_counter() - begin
+        took = time.perf_counter() - pressed[0]
         left = path.with_name("two.h5.part").read_bytes()
         # Half of it is room for a busy machine.
         assert took < slow / 2
