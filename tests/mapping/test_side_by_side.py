@@ -94,7 +94,7 @@ def test_a_disk_that_fails_under_one_of_them_is_a_sentence_and_the_rest_is_resum
 def test_ctrl_c_waits_for_no_block_and_nothing_is_written_after_it(
     tmp_path: Path, whole: bytes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    slow, compute, path = 1.0, Computer.compute, tmp_path / "two.h5"
+    slow, compute, path = 3.0, Computer.compute, tmp_path / "two.h5"
     after: list[int] = []
     begun = threading.Event()
 
