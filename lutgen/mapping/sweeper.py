@@ -198,7 +198,9 @@ def _open(file: PartFile, recipe: Recipe, resume: bool, force: bool) -> None:
         if go_on:
             file.require_same(recipe)
         file.require_space()
-        if not go_on:
+        if go_on:
+            file.clear_gaps()
+        else:
             file.begin()
     except BaseException:
         # A file that is not laid out yet is of no use.
