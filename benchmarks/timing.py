@@ -21,15 +21,25 @@ class Times(NamedTuple):
 def interleave(
     contenders: Mapping[str, Callable[[], object]], repeats: int = REPEATS, warm: bool = True
 ) -> dict[str, Times]:
-    """Time every contender `repeats` times in turns; `warm` runs each once before that."""
+    """Time every contender `repeats` times in turns; `warm` runs each once before that.
+
+    What a run returns is called when its time is over, if it can be: that cleans up.
+    """
+
+    def timed(run: Callable[[], object]) -> float:
+        begin = time.perf_counter()
+        left = run()
+        taken = time.perf_counter() - begin
+        if callable(left):
+            left()
+        return taken
+
     if warm:
         for run in contenders.values():
-            run()
+            timed(run)
     taken: dict[str, list[float]] = {name: [] for name in contenders}
     for _ in range(repeats):
         for name, run in contenders.items():
             time.sleep(PAUSE)
-            begin = time.perf_counter()
-            run()
-            taken[name].append(time.perf_counter() - begin)
+            taken[name].append(timed(run))
     return {name: Times(median(every), min(every)) for name, every in taken.items()}

@@ -1,7 +1,8 @@
 """A recipe into a map file, and a map file into values.
 
-In reading order: `interpolate`, `blocks`, `checksum`, `identity`, `seal`, `template`, `admission`,
-`labelled`, `map`, `verification`, `statistics`, `layout`, `part`, `compute`, `dask`, `sweeper`.
+In reading order: `interpolate`, `blocks`, `checksum`, `identity`, `seal`, `probe`, `template`,
+`admission`, `labelled`, `map`, `verification`, `statistics`, `layout`, `part`, `compute`, `dask`,
+`sweeper`.
 """
 
 from lutgen.mapping.blocks import plan

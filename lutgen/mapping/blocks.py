@@ -70,16 +70,16 @@ class Plan:
     def block(self, number: int) -> Block:
         """Return a block by its number, 0 <= number < count."""
         width = self.shape[-1]
-        place = np.unravel_index(number, self.counts)
-        offset = tuple(int(d) * part for d, part in zip(place, self.chunk, strict=True))
-        flat = 0
-        for start, size in zip(offset, self.shape, strict=True):
-            flat = flat * size + start
-        held = math.prod(
-            min(part, size - start)
-            for part, size, start in zip(self.chunk, self.shape, offset, strict=True)
-        )
-        return Block(number, offset, flat // width, (flat + held) // width)
+        offset: list[int] = []
+        rest, stride, flat, held = number, 1, 0, 1
+        for size, part in zip(reversed(self.shape), reversed(self.chunk), strict=True):
+            rest, place = divmod(rest, -(-size // part))
+            start = place * part
+            offset.append(start)
+            flat += start * stride
+            held *= min(part, size - start)
+            stride *= size
+        return Block(number, tuple(reversed(offset)), flat // width, (flat + held) // width)
 
     def blocks(self) -> Iterator[Block]:
         """Yield every block in the order of its number."""

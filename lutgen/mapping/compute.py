@@ -5,7 +5,6 @@ kernel, since a second one would have to be compiled first, it looks for one sta
 sweep.
 """
 
-import itertools
 import math
 import time
 from typing import Any
@@ -29,21 +28,18 @@ AT_MOST = 100_000_000
 
 
 class Computer:
-    """Computes blocks of one recipe into buffers that it keeps, so many that take turns."""
+    """Computes blocks of one recipe, one at a time, into a buffer that it keeps."""
 
-    def __init__(self, recipe: Recipe, layout: Plan, buffers: int = 1) -> None:
+    def __init__(self, recipe: Recipe, layout: Plan) -> None:
         self.recipe = recipe
         self.nodes = recipe.chart.nodes
         self._scanner = Scanner(recipe, recipe.chart, recipe.channels)
-        self._buffers = itertools.cycle([self._buffer(layout) for _ in range(buffers)])
-
-    def _buffer(self, layout: Plan) -> tuple[NDArray[np.float32], dict[str, NDArray[np.uint8]]]:
-        """Return memory for one block, with room for checksums, and for channels of words."""
         # One item more than the chunk, for its checksum.  Of channels of words a byte for each
         # node, and four for the checksum.
-        return np.empty((len(CHANNELS), layout.chunk_nodes + 1), np.float32), {
+        self._out = np.empty((len(CHANNELS), layout.chunk_nodes + 1), np.float32)
+        self._own = {
             name: np.empty(layout.chunk_bytes(name), np.uint8)
-            for name in self.recipe.channels
+            for name in recipe.channels
             if QUANTITIES[name].words
         }
 
@@ -51,10 +47,10 @@ class Computer:
         """Return a chunk of each channel, with zeros for the checksum in the last four bytes.
 
         They are float32 (chunk nodes + 1,), or uint8 (chunk nodes + 4,) of channels of words.  The
-        arrays are overwritten when their buffer's turn comes again.  Past the end of the map a
-        chunk is NaN, or the worst word.
+        arrays are overwritten by the next block.  Past the end of the map a chunk is NaN, or the
+        worst word.
         """
-        out, own = next(self._buffers)
+        out, own = self._out, self._own
         first, last = block.first_row, block.last_row
         per_posture = self._scanner.rows
         begin, end = first // per_posture, -(-last // per_posture)

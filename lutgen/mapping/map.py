@@ -21,6 +21,7 @@ from lutgen.mapping.admission import require_inside, require_stored
 from lutgen.mapping.blocks import Plan, plan
 from lutgen.mapping.interpolate import Place, interpolate, worst
 from lutgen.mapping.labelled import labelled
+from lutgen.mapping.probe import require_readable
 from lutgen.mapping.seal import Seal, check_head
 from lutgen.mapping.template import COMPLETE, DEFINITION, FORMAT
 from lutgen.quantities import QUANTITIES
@@ -203,8 +204,7 @@ def load_map(path: str | os.PathLike[str], unsealed: bool = False) -> StabilityM
         The file.
     unsealed : bool
         Whether a file without a digest is read, too: a map that was edited by other programs and
-        whose `digest` was removed.  Nobody can tell then what its values are, and HDF5 can crash
-        on damage in it.
+        whose `digest` was removed.  Nobody can tell then what its values are.
 
     Raises
     ------
@@ -216,6 +216,7 @@ def load_map(path: str | os.PathLike[str], unsealed: bool = False) -> StabilityM
     name = os.fspath(path)
     try:
         seal = check_head(Path(name))
+        require_readable(Path(name), seal)
         with h5py.File(name, "r") as file:
             attributes = dict(file.attrs)
             # Names and texts must be texts, to be compared and printed.

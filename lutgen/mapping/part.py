@@ -10,6 +10,7 @@ import errno
 import fcntl
 import os
 from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from numpy.typing import NDArray
 from lutgen.errors import MapFileError, SweepError
 from lutgen.mapping.identity import DIGEST, Identity
 from lutgen.mapping.layout import Skeleton
+from lutgen.mapping.probe import remember
 from lutgen.mapping.seal import sealed
 from lutgen.recipe import Recipe
 
@@ -43,6 +45,16 @@ def write_chunks(handle: int, chunks: Iterable[NDArray[Any]], places: Iterable[i
         write_all(handle, memoryview(chunk.data).cast("B"), int(place))
 
 
+def begin_writing(handle: int, place: int, size: int) -> None:
+    """Have the system write a part of a file to the disk while the sweep goes on.
+
+    At the end of a sweep all of it would be waited for.
+    """
+    if hasattr(os, "posix_fadvise"):
+        with contextlib.suppress(OSError):
+            os.posix_fadvise(handle, place, size, os.POSIX_FADV_DONTNEED)
+
+
 def sync_folder(folder: Path) -> None:
     """Wait until a folder's entries are on the disk."""
     handle = os.open(folder, os.O_RDONLY)
@@ -63,6 +75,8 @@ class PartFile:
         self.path, self.skeleton, self.identity = path, skeleton, identity
         self.done = np.zeros(skeleton.places.shape[1], np.bool_)
         self.handle = -1
+        # It hands blocks to the disk, which takes as long as to compute them.
+        self._disk = ThreadPoolExecutor(1)
 
     def __enter__(self) -> "PartFile":
         # Whoever has the lock of a file that was renamed or removed meanwhile has nothing.
@@ -79,6 +93,7 @@ class PartFile:
         return self
 
     def __exit__(self, *_: object) -> None:
+        self._disk.shutdown(cancel_futures=True)
         os.close(self.handle)
 
     def _lock(self, handle: int) -> None:
@@ -114,7 +129,9 @@ class PartFile:
     def begin(self) -> None:
         """Lay the file out anew, without values."""
         head = memoryview(self.skeleton.head)
-        os.ftruncate(self.handle, 0)
+        if os.fstat(self.handle).st_size:
+            # Not of a new file: some file systems write one that was emptied when it is closed.
+            os.ftruncate(self.handle, 0)
         os.ftruncate(self.handle, self.skeleton.size)
         write_all(self.handle, head[len(SIGNATURE) :], len(SIGNATURE))
         os.fsync(self.handle)
@@ -142,6 +159,17 @@ class PartFile:
         raise MapFileError(
             f"{self.path}: cannot be resumed (got {what}); remove it and sweep without --resume"
         )
+
+    def clear_gaps(self) -> None:
+        """Write zeros where no chunk is, between one and the next: damage there has no checksum."""
+        starts = np.sort(self.skeleton.places, axis=None)
+        sizes = np.broadcast_to(self.skeleton.chunk_bytes[:, None], self.skeleton.places.shape)
+        ends = np.sort(self.skeleton.places + sizes, axis=None)
+        begins = np.maximum(ends, len(self.skeleton.head))
+        counts = np.append(starts[1:], self.skeleton.size) - begins
+        for begin, count in zip(begins[counts > 0], counts[counts > 0], strict=True):
+            if any(os.pread(self.handle, int(count), int(begin))):
+                write_all(self.handle, memoryview(bytes(int(count))), int(begin))
 
     def find_done(self) -> Iterator[int]:
         """Read what is there and yield the number of every block that has its digest."""
@@ -175,7 +203,10 @@ class PartFile:
     def write(self, number: int, chunks: Sequence[NDArray[Any]]) -> None:
         """Seal and write the chunks of one block, of all channels, and count it as done."""
         digests = self.identity.seal(number, chunks)
-        write_chunks(self.handle, chunks, self.skeleton.places[:, number])
+        places = self.skeleton.places[:, number]
+        write_chunks(self.handle, chunks, places)
+        for chunk, place in zip(chunks, places, strict=True):
+            self._disk.submit(begin_writing, self.handle, int(place), chunk.nbytes)
         self.note(number, digests)
 
     def note(self, number: int, digests: Iterable[bytes]) -> None:
@@ -207,6 +238,7 @@ class PartFile:
         span = slice(int(changed[0]), int(changed[-1]) + 1)
         write_all(self.handle, memoryview(whole)[span], span.start)
         os.fsync(self.handle)
+        remember(whole)
         self.path.replace(target)
         sync_folder(target.parent)
 

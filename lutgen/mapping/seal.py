@@ -40,6 +40,12 @@ def sealed(head: bytes) -> bytes:
     return with_digest(hashlib.sha256(with_digest("0" * 64)).hexdigest())
 
 
+def seal_of(data: bytes) -> Seal | None:
+    """Return what the digest in a file's beginning says; None where there is none of ours."""
+    found = _PATTERN.search(data[:_SEARCHED])
+    return Seal(int(found[2]), found[3].decode()) if found and int(found[1]) == _WAY else None
+
+
 def check_head(path: Path) -> Seal | None:
     """Check the head of a map file against its digest; MapFileError or OSError is raised.
 

@@ -13,8 +13,11 @@ from contextlib import ExitStack, closing
 from functools import partial
 from itertools import chain
 from pathlib import Path
+from queue import SimpleQueue
+from threading import Semaphore
 
 import numba
+import numpy as np
 
 from lutgen import bounds
 from lutgen.errors import InputError, MapFileError, SweepError
@@ -27,8 +30,10 @@ from lutgen.mapping.template import identity_of
 from lutgen.recipe import Recipe
 
 ENGINES = ("local", "dask")
-# Threads that seal and write blocks while others compute the next.
-WRITERS = 2
+# So many blocks for each thread are enough for it to compute whole ones: the last may wait for one.
+ENOUGH_BLOCKS = 4
+# Blocks that are computed at a time, of 29 MB each where all channels are swept.
+AT_A_TIME = 16
 
 
 def sweep(
@@ -193,7 +198,9 @@ def _open(file: PartFile, recipe: Recipe, resume: bool, force: bool) -> None:
         if go_on:
             file.require_same(recipe)
         file.require_space()
-        if not go_on:
+        if go_on:
+            file.clear_gaps()
+        else:
             file.begin()
     except BaseException:
         # A file that is not laid out yet is of no use.
@@ -205,30 +212,68 @@ def _open(file: PartFile, recipe: Recipe, resume: bool, force: bool) -> None:
 def _compute_here(file: PartFile, recipe: Recipe, layout: Plan) -> Generator[int, None, None]:
     """Compute and write every block that is not done; yield its number.
 
-    With several threads blocks are sealed and written while the next one is computed.
+    All threads compute the first block: what is not compiled yet is compiled in this one, which
+    Ctrl-C reaches.  Then, where there are enough, each takes whole blocks (of many threads a few
+    together).
     """
-    todo = (number for number in range(layout.count) if not file.done[number])
-    if numba.get_num_threads() == 1:
-        computer = Computer(recipe, layout)
-        for number in todo:
-            file.write(number, list(computer.compute(layout.block(number)).values()))
-            yield number
-        return
-    computer = Computer(recipe, layout, WRITERS + 1)
-    writing: deque[tuple[int, Future[None]]] = deque()
-    with ThreadPoolExecutor(WRITERS) as pool:
-        for number in todo:
+    todo = np.flatnonzero(~file.done).tolist()
+    threads = numba.get_num_threads()
+    # A robot given by code is asked by one thread, as its author expects.
+    enough = recipe.function is None and len(todo) > ENOUGH_BLOCKS * threads
+    workers = min(threads, AT_A_TIME) if enough else 1
+    alone = len(todo) if workers == 1 else 1
+    computer = Computer(recipe, layout)
+    for number in todo[:alone]:
+        file.write(number, list(computer.compute(layout.block(number)).values()))
+        yield number
+    if workers > 1:
+        computers = [computer, *(Computer(recipe, layout) for _ in range(workers - 1))]
+        yield from _compute_side_by_side(file, layout, computers, todo[alone:])
+
+
+def _compute_side_by_side(
+    file: PartFile, layout: Plan, computers: list[Computer], todo: list[int]
+) -> Generator[int, None, None]:
+    """Compute and write blocks, a thread for each computer; yield their numbers in order."""
+    threads = numba.get_num_threads() // len(computers)
+    idle: SimpleQueue[Computer] = SimpleQueue()
+    for computer in computers:
+        idle.put(computer)
+    stopped = False
+    may_write = Semaphore(len(computers))
+
+    def work(number: int) -> None:
+        numba.set_num_threads(threads)
+        computer = idle.get()
+        try:
             chunks = list(computer.compute(layout.block(number)).values())
-            writing.append((number, pool.submit(file.write, number, chunks)))
-            # The buffer of the oldest is the next to be filled.
-            yield from _written(writing, WRITERS)
-        yield from _written(writing, 0)
+            with may_write:
+                if not stopped:
+                    file.write(number, chunks)
+        finally:
+            idle.put(computer)
+
+    pool = ThreadPoolExecutor(len(computers))
+    begun: deque[tuple[int, Future[None]]] = deque()
+    try:
+        for number in todo:
+            begun.append((number, pool.submit(work, number)))
+            # Each thread has a block that waits for it.
+            yield from _ended(begun, 2 * len(computers))
+        yield from _ended(begun, 0)
+    finally:
+        # Ctrl-C waits for what is being written, not for what is being computed.
+        stopped = True
+        for _ in computers:
+            may_write.acquire()
+        may_write.release(len(computers))
+        pool.shutdown(wait=False, cancel_futures=True)
 
 
-def _written(writing: deque[tuple[int, "Future[None]"]], most: int) -> Iterator[int]:
+def _ended(begun: deque[tuple[int, "Future[None]"]], most: int) -> Iterator[int]:
     """Wait for the oldest blocks until at most so many are left; yield their numbers."""
-    while len(writing) > most:
-        number, future = writing.popleft()
+    while len(begun) > most:
+        number, future = begun.popleft()
         future.result()
         yield number
 

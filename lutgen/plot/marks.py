@@ -38,6 +38,8 @@ STAR: dict[str, Any] = {
     "markeredgecolor": "black",
     "markeredgewidth": 0.7,
 }
+# A part of an axis, within which the star reaches over its end.
+NEAR_EDGE = 0.02
 # What it costs to hide a point of a text, in points of lines.
 WORSE = 1000.0
 # Clear space around a note, in dots.
@@ -101,7 +103,16 @@ def label_tip_over(axes: Axes, x: Floats, y: Floats, tip_angle: Floats, cells: i
 
 
 def mark_optimum(axes: Axes, x: float, y: float, text: str) -> Line2D:
-    """Mark a point with a star and return it; its label is `text`, for a legend."""
+    """Mark a point with a star and return it; its label is `text`, for a legend.
+
+    Where the star stands over the left or the lower edge, the numbers there make room for it.
+    """
+    for at, (low, high), across in (
+        (x, axes.get_xlim(), axes.yaxis),
+        (y, axes.get_ylim(), axes.xaxis),
+    ):
+        if abs(at - low) <= NEAR_EDGE * abs(high - low):
+            across.set_tick_params(pad=STAR["markersize"] / 2.0 + 1.5)
     (star,) = axes.plot([x], [y], zorder=8, clip_on=False, label=text, in_layout=False, **STAR)
     return star
 

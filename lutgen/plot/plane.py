@@ -150,6 +150,6 @@ def _plane(view: View) -> Plane:
         place, value = (float(x.flat[at]), float(y.flat[at])), float(values.flat[at])
         words = optimum_text(view, value, values, place)
         # The best of a map's nodes, which the robot's own optimum may lie between.
-        words += " (of the map's nodes)" if view.stability_map is not None else ""
+        words += " (map node)" if view.stability_map is not None else ""
         best = (*place, value, words)
     return Plane(x, y, values, fine_x, fine_y, tip_angle, grip, best)

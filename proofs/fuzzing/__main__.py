@@ -1,7 +1,7 @@
 """`python -m proofs.fuzzing [--scale X] [--seconds S] [--seed N] [--update]`.
 
 Tries every kind of hostile input and prints a table; the exit code is 1 where anything was found.
-`--only KIND --at N` runs one case again and says how it ended.
+`--only KIND` tries one kind (and writes its row), with `--at N` one case, and says how it ended.
 """
 
 import argparse
@@ -12,7 +12,7 @@ from pathlib import Path
 
 from proofs.fuzzing.campaign import Task, campaign, distinct, tried
 from proofs.fuzzing.kinds import KINDS
-from proofs.fuzzing.page import PAGE, page, table
+from proofs.fuzzing.page import PAGE, page, table, with_rows
 
 FAILURES = Path("build/fuzzing")
 
@@ -40,7 +40,9 @@ def main() -> int:
     for one in faults:
         print(f"{one.kind} {one.at}: {one.what}\n    {one.folder}")
     if asked.update:
-        PAGE.write_text(page(found, asked.seed), "utf-8")
+        before = PAGE.read_text("utf-8")
+        text = with_rows(before, found) if asked.only else page(found, asked.seed)
+        PAGE.write_text(text, "utf-8")
     return bool(faults)
 
 

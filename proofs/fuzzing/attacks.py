@@ -4,6 +4,7 @@ Those that say so need a process of their own, for what they do to it.
 """
 
 from proofs.fuzzing.case import ANSWERS, Case
+from proofs.fuzzing.mapfiles import endless, unsealed
 from proofs.fuzzing.seeds import SPY, recipes, swept
 
 __all__ = ["alone", "attacks"]
@@ -47,6 +48,12 @@ def attacks() -> list[Case]:
             {R: good.encode(), "m.h5.part": b"mine"},
             ("sweep", R, "-o", "m.h5"),
             BAD,
+        ),
+        Case(
+            "texts without end",
+            {"m.h5": endless(unsealed(swept()))},
+            ("info", "m.h5", "--unsealed"),
+            INPUT,
         ),
         Case("half a map", {"m.h5": swept()[:9000]}, ("info", "m.h5", "--json"), INPUT),
     ]

@@ -19,11 +19,11 @@ from proofs.fuzzing.hostile import pick
 from proofs.fuzzing.recipes import mutated
 from proofs.fuzzing.seeds import recipes, swept
 
-__all__ = ["edited", "make", "unsealed"]
+__all__ = ["edited", "endless", "make", "unsealed"]
 
 ANY = frozenset((0, 1, 2, 3))
 REFUSED = frozenset((1, 2))
-SEAL, OTHER = b"lutgen-digest-1", b"another-digest-"
+SEAL, OTHER = b"lutgen-digest-", b"Lutgen-digest-"
 OUTSIDE = ("external", "virtual", "link")
 VALUES: tuple[Any, ...] = (
     *("", "x", b"\xff\xfe", 0, -1, 2**63 - 1, float("nan"), 1e308, "a" * 60_000, "[" * 50_000),
@@ -50,7 +50,16 @@ CHANGES = (
 
 def unsealed(data: bytes) -> bytes:
     """Return a map without a digest, which HDF5 may edit."""
+    assert SEAL in data
     return data.replace(SEAL, OTHER)
+
+
+def endless(data: bytes) -> bytes:
+    """Return a map whose second text has no number and no size: HDF5 goes to it for ever."""
+    first = data.index(b"GCOL") + 16
+    size = int.from_bytes(data[first + 8 : first + 16], "little")
+    second = first + 16 + -(-size // 8) * 8
+    return data[:second] + bytes(16) + data[second + 16 :]
 
 
 def edited(rng: random.Random, data: bytes, what: str) -> bytes:
@@ -172,6 +181,8 @@ def _bytes(rng: random.Random, data: bytes) -> bytes:
     """Return bytes damaged as files are: cut, holed, or with fields of HDF5 overwritten."""
     if rng.random() < 0.5:
         return hostile.damaged(rng, data)
+    if rng.random() < 0.02:
+        return endless(data)
     at = 8 * rng.randrange(len(data) // 8)
     word = struct.pack("<Q", pick(rng, (0, 1, 2**32 - 1, 2**63, 2**64 - 1, at, len(data))))
     return data[:at] + word + data[at + 8 :]
@@ -181,7 +192,8 @@ def _words(rng: random.Random, file: str) -> tuple[str, ...]:
     down = ",".join(f"{rng.uniform(-1, 1):.3g}" for _ in range(3))
     words = (
         ("info", file, "--json"),
-        ("info", file, "--json"),
+        ("info", file, "--json", "--unsealed"),
+        ("info", file, "--json", "--unsealed"),
         ("info", file, "--verify", "--json"),
         ("info", file, "--verify"),
         ("eval", file, "--json", "-g", down),

@@ -8,7 +8,7 @@ from proofs.fuzzing.campaign import ATTACKS, Tally
 from proofs.fuzzing.judge import FAULTS
 from proofs.fuzzing.kinds import KINDS
 
-__all__ = ["PAGE", "page", "table"]
+__all__ = ["PAGE", "page", "table", "with_rows"]
 
 PAGE = Path(__file__).resolve().parent.parent.parent / "docs" / "measured" / "fuzzing.md"
 HEAD = ("input", "cases", "exit 0 / 1 / 2 / 3", "slowest (s)", "most memory (GiB)", *FAULTS)
@@ -53,3 +53,10 @@ def page(found: Mapping[str, Tally], seed: int) -> str:
         stand="full length" if full else "stopped before its full length",
         table="\n".join(table(found)),
     )
+
+
+def with_rows(text: str, found: Mapping[str, Tally]) -> str:
+    """Return a page in which the rows of some kinds are those of another campaign."""
+    _, _, *rows = table(found)
+    new = {row.split("|")[1]: row for row in rows}
+    return "\n".join(new.get(f"{line}||".split("|")[1], line) for line in text.split("\n"))

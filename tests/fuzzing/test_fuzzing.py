@@ -12,9 +12,11 @@ import pytest
 from lutgen.cli import main
 from proofs.fuzzing import commands, recipes, seeds, shrink
 from proofs.fuzzing.attacks import attacks
+from proofs.fuzzing.campaign import Tally
 from proofs.fuzzing.case import Case, Outcome
 from proofs.fuzzing.judge import FAULTS, fault
 from proofs.fuzzing.kinds import KINDS
+from proofs.fuzzing.page import page, with_rows
 from proofs.fuzzing.worker import MEMORY
 
 GOOD = Outcome(0, '{"sdg": 0.5}', "", 0.1, 300 << 20)
@@ -121,7 +123,19 @@ def test_the_smallest_input_has_nothing_in_it_that_is_not_needed() -> None:
 
 
 def test_what_once_went_wrong_is_on_the_list(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("proofs.fuzzing.attacks.swept", lambda: b"map")
+    monkeypatch.setattr("proofs.fuzzing.attacks.swept", lambda: b"lutgen-digest-2 GCOL" + bytes(99))
     labels = [case.label for case in attacks()]
-    assert len(set(labels)) == len(labels) >= 19
+    assert len(set(labels)) == len(labels) >= 20
     assert all(case.must for case in attacks())
+
+
+def test_a_campaign_of_one_kind_writes_its_own_row_and_no_other() -> None:
+    both = {kind: Tally(cases=7) for kind in ("urdf", "map")}
+    text = page({kind: Tally(cases=KINDS[kind].count) for kind in KINDS}, 1)
+    new = with_rows(text, both)
+    old_lines, lines = text.splitlines(), new.splitlines()
+    changed = [i for i, line in enumerate(lines) if line != old_lines[i]]
+    assert [lines[i].split("|")[1:3] for i in changed] == [
+        [f" {KINDS[kind].title} ", " 7 "] for kind in both
+    ]
+    assert with_rows(new, {}) == new

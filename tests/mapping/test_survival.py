@@ -22,6 +22,7 @@ from lutgen.errors import MapFileError, SweepError
 from lutgen.mapping import sweeper
 from lutgen.mapping.blocks import Block, plan
 from lutgen.mapping.compute import Computer
+from lutgen.mapping.layout import lay_out
 from lutgen.mapping.verification import verify
 from lutgen.recipe.recipe import Recipe
 from tests.fixtures.places import ROOT
@@ -116,7 +117,7 @@ def test_a_call_that_fails_anywhere_is_a_sentence_and_loses_no_block(
     assert {name: log.count(name) for name in CALLS} == {
         "pwrite": 2 + 3 * BLOCKS + 1,
         "fsync": 3 + 2 + 1,
-        "ftruncate": 2 + 1,
+        "ftruncate": 1 + 1,
         "replace": 1,
     }
     path = tmp_path / "a.h5"
@@ -307,6 +308,26 @@ def test_blocks_that_were_damaged_in_the_unfinished_file_are_computed_again(
     computed = count_computed(monkeypatch)
     sweep(TRIPOD, path, resume=True)
     assert sorted(computed) == sorted({*blocks, 6, 7})
+    assert path.read_bytes() == whole
+
+
+def test_what_stands_between_chunks_of_an_unfinished_file_is_cleared(
+    tmp_path: Path, whole: bytes
+) -> None:
+    path, part = tmp_path / "a.h5", tmp_path / "a.h5.part"
+    with pytest.raises(KeyboardInterrupt):
+        sweep(TRIPOD, path, progress=Stop(5))
+    skeleton = lay_out(TRIPOD, plan(TRIPOD, 98))
+    free = np.ones(skeleton.size, bool)
+    free[: len(skeleton.head)] = False
+    for places, size in zip(skeleton.places, skeleton.chunk_bytes, strict=True):
+        for place in places:
+            free[place : place + size] = False
+    assert free.sum() > BLOCKS
+    data = np.frombuffer(part.read_bytes(), np.uint8).copy()
+    data[free] = 0x44
+    part.write_bytes(data.tobytes())
+    sweep(TRIPOD, path, resume=True)
     assert path.read_bytes() == whole
 
 
