@@ -161,12 +161,13 @@ class PartFile:
         )
 
     def clear_gaps(self) -> None:
-        """Write zeros where no chunk is, between one and the next: damage there has no checksum."""
+        """Write zeros between head, chunks and end of the file: damage there has no checksum."""
         starts = np.sort(self.skeleton.places, axis=None)
         sizes = np.broadcast_to(self.skeleton.chunk_bytes[:, None], self.skeleton.places.shape)
         ends = np.sort(self.skeleton.places + sizes, axis=None)
-        begins = np.maximum(ends, len(self.skeleton.head))
-        counts = np.append(starts[1:], self.skeleton.size) - begins
+        head = len(self.skeleton.head)
+        begins = np.maximum(np.append(head, ends), head)
+        counts = np.append(starts, self.skeleton.size) - begins
         for begin, count in zip(begins[counts > 0], counts[counts > 0], strict=True):
             if any(os.pread(self.handle, int(count), int(begin))):
                 write_all(self.handle, memoryview(bytes(int(count))), int(begin))

@@ -311,7 +311,7 @@ def test_blocks_that_were_damaged_in_the_unfinished_file_are_computed_again(
     assert path.read_bytes() == whole
 
 
-def test_what_stands_between_chunks_of_an_unfinished_file_is_cleared(
+def test_what_stands_between_head_and_chunks_of_an_unfinished_file_is_cleared(
     tmp_path: Path, whole: bytes
 ) -> None:
     path, part = tmp_path / "a.h5", tmp_path / "a.h5.part"
@@ -323,7 +323,7 @@ def test_what_stands_between_chunks_of_an_unfinished_file_is_cleared(
     for places, size in zip(skeleton.places, skeleton.chunk_bytes, strict=True):
         for place in places:
             free[place : place + size] = False
-    assert free.sum() > BLOCKS
+    assert free.any()
     data = np.frombuffer(part.read_bytes(), np.uint8).copy()
     data[free] = 0x44
     part.write_bytes(data.tobytes())
