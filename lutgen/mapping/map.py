@@ -271,7 +271,7 @@ def load_map(path: str | os.PathLike[str], unsealed: bool = False) -> StabilityM
     try:
         text = str(attributes["recipe"])
         urdf = str(attributes["urdf"]) if "urdf" in attributes else None
-        if recipe_digest(text, urdf) != attributes["recipe_sha256"]:
+        if recipe_digest(text, urdf) != str(attributes["recipe_sha256"]):
             raise MapFileError(
                 f"{name}: its recipe does not match its digest; the file is damaged: sweep it again"
             )

@@ -231,6 +231,13 @@ def test_a_recipe_that_does_not_match_its_digest_is_refused(unsealed: Path) -> N
     assert "digest" in refusal(unsealed)
 
 
+@pytest.mark.parametrize("value", [np.zeros(0, np.uint8), np.ones((3, 3)), h5py.Empty("f")])
+def test_a_digest_of_a_recipe_that_is_no_text_is_refused(unsealed: Path, value: object) -> None:
+    with h5py.File(unsealed, "r+") as file:
+        file.attrs["recipe_sha256"] = value
+    assert "does not match its digest" in refusal(unsealed)
+
+
 @pytest.mark.parametrize("name", ["recipe", "recipe_sha256"])
 def test_a_map_without_its_recipe_is_refused(unsealed: Path, name: str) -> None:
     with h5py.File(unsealed, "r+") as file:
