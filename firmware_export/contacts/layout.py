@@ -7,7 +7,7 @@ import ast
 import operator
 import re
 from collections.abc import Mapping
-from functools import cache
+from functools import cache, lru_cache
 
 from firmware_export.host import RUNTIME
 
@@ -48,6 +48,13 @@ def _chosen(macros: Mapping[str, int]) -> str:
     return "\n".join(kept)
 
 
+@lru_cache(maxsize=16)
+def _structs(macros: tuple[tuple[str, int], ...]) -> dict[str, str]:
+    """Return the bodies of the structs by name; an export asks for each of them many times."""
+    found = list(_STRUCT.finditer(_chosen(dict(macros))))
+    return {one["name"]: one["body"] for one in reversed(found)}  # the first of a name counts
+
+
 def _number(text: str, macros: Mapping[str, int]) -> int:
     """Return the value of the size of an array: numbers, macros, sums, differences and products."""
 
@@ -77,7 +84,7 @@ def struct_bytes(name: str, macros: Mapping[str, int]) -> tuple[int, int]:
     """
     if name in _BASIC:
         return _BASIC[name]
-    body = next(one["body"] for one in _STRUCT.finditer(_chosen(macros)) if one["name"] == name)
+    body = _structs(tuple(macros.items()))[name]
     size, widest = 0, 1
     for declaration in filter(str.strip, body.split(";")):
         words = " ".join(declaration.split()).removeprefix("const ")

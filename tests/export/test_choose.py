@@ -1,5 +1,6 @@
 """The chooser: the best of what a codec can do, on codecs whose errors are known formulas."""
 
+import functools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -307,6 +308,12 @@ def test_a_robot_that_no_codec_can_hold_is_refused_with_the_reason() -> None:
         usable(wheels, "integer", "contacts")
 
 
+@functools.cache
+def robot_of(text: str) -> Model:
+    """Return the robot of a recipe, whose knots are looked for once for all tests."""
+    return Model(lutgen.parse_recipe(text))
+
+
 @pytest.fixture
 def wheels(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Trials]:
     """Return a function that makes a bench of four wheels, one of which lifts off."""
@@ -317,7 +324,7 @@ def wheels(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Trials]:
     monkeypatch.setattr(grid_knots, "LINES", 600)
 
     def make(*channels: str, arithmetic: str = "integer", text: str = rover()) -> Trials:
-        return Trials(Model(lutgen.parse_recipe(text)), "rover", channels, arithmetic)
+        return Trials(robot_of(text), "rover", channels, arithmetic)
 
     return make
 

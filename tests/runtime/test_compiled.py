@@ -12,7 +12,7 @@ from proofs.exports import rover_export, tripod_export
 from targets.compiled import HostLibrary
 
 OK, TIPS, OFF_CHART, OFF_RANGE, INVALID = 0, 2, 3, 5, -1
-SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g")
+SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g", "-O0")
 
 
 @pytest.fixture(scope="module")
