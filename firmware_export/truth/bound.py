@@ -97,7 +97,7 @@ def _parts(points: Floats) -> list[Floats]:
 
 
 def _across(a: Sequence[Floats], b: Sequence[Floats]) -> list[Floats]:
-    """Return the coordinates of vector products; `np.cross` takes four times as long."""
+    """Return the coordinates of vector products; `numpy.cross` takes four times as long."""
     return [a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3)]
 
 
