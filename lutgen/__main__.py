@@ -12,12 +12,16 @@ import sys
 import threading
 from typing import TYPE_CHECKING, NoReturn
 
-_usual = signal.signal(signal.SIGINT, signal.SIG_DFL)
+# One that is ignored, as in the background of a shell, stays so.
+_heard = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+if _heard:
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 import click  # noqa: E402
 
 from lutgen.cli import main  # noqa: E402
 
-signal.signal(signal.SIGINT, _usual)
+if _heard:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 if TYPE_CHECKING:
     from sys import UnraisableHookArgs

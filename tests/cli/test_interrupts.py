@@ -4,6 +4,7 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -15,7 +16,7 @@ from tests.fixtures.places import MAPS, ROOT
 STARTED = 0.1
 
 
-def interrupted(after: float) -> tuple[int, str]:
+def interrupted(after: float, answer: signal.Handlers = signal.SIG_DFL) -> tuple[int, str]:
     """Interrupt `lutgen check` after some seconds; return its status and what it said."""
     command = [sys.executable, "-m", "lutgen", "check", str(MAPS / "absolem.toml")]
     process = subprocess.Popen(
@@ -24,6 +25,8 @@ def interrupted(after: float) -> tuple[int, str]:
         stderr=subprocess.PIPE,
         text=True,
         cwd=ROOT,
+        # Whoever runs the tests in the background of a shell ignores Ctrl-C, and so would it.
+        preexec_fn=partial(signal.signal, signal.SIGINT, answer),
     )
     time.sleep(after)
     process.send_signal(signal.SIGINT)
@@ -55,3 +58,9 @@ def test_an_interrupted_compiler_is_not_waited_for(
     assert "Traceback" not in said
     # An empty cache takes half a minute and more to fill.
     assert time.monotonic() - begin < 20.0
+
+
+@pytest.mark.parametrize("after", [0.3, 1.0])
+def test_in_the_background_of_a_shell_ctrl_c_is_nobody_s(after: float) -> None:
+    status, said = interrupted(after, signal.SIG_IGN)
+    assert status == 0, said
