@@ -51,6 +51,16 @@ def test_more_than_two_percent_is_worse_or_asks_for_an_update(measure: str) -> N
             assert found[0][0].startswith(f"a m4f -O2 {label}: {old:,} in the baseline")
 
 
+def test_of_a_sample_the_least_count_says_nothing_and_all_others_do() -> None:
+    for measure in baseline.COUNTED:
+        old = baseline.flat(cell())[f"at {measure}"]
+        assert old is not None
+        changed = content(**{measure: round(old * 1.05)})
+        worse, _ = baseline.compare(content(), changed, {"m4f"})
+        assert len(worse) == (measure != "min")
+        assert baseline.compare(content(), changed, {"m0"}) == baseline.compare(content(), changed)
+
+
 def test_what_the_baseline_does_not_hold_is_a_failure() -> None:
     found = content()
     found["rows"]["b"] = found["rows"]["a"]
