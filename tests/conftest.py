@@ -14,6 +14,9 @@ from tests.fixtures.recipes import tripod
 settings.register_profile("lutgen", deadline=None, derandomize=True, max_examples=100)
 settings.load_profile("lutgen")
 
+# What CI cannot install: a whole distribution.
+ROS = "ROS 2 is not installed"
+
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Add the two options by which continuous integration runs every test exactly once."""
@@ -61,12 +64,16 @@ def pytest_make_collect_report(
 def pytest_terminal_summary(
     terminalreporter: pytest.TerminalReporter, config: pytest.Config
 ) -> None:
-    """Write down what was skipped; the real robots' files cannot be installed, so without them."""
+    """Write down what was skipped, without what cannot be installed."""
     place = config.getoption("skipped_to")
     if place is None:
         return
     reports = terminalreporter.stats.get("skipped", [])
-    names = {report.nodeid for report in reports if ROBOTS not in str(report.longrepr)}
+    names = {
+        report.nodeid
+        for report in reports
+        if not any(reason in str(report.longrepr) for reason in (ROBOTS, ROS))
+    }
     place.parent.mkdir(parents=True, exist_ok=True)
     place.write_text("".join(f"{name}\n" for name in sorted(names)), encoding="utf-8")
 
