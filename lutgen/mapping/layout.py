@@ -35,8 +35,10 @@ class Image(io.RawIOBase):
     def readinto(self, buffer: memoryview) -> int:  # type: ignore[override]
         """Fill a buffer; past the head with zeros."""
         part = self.head[self._at : self._at + len(buffer)]
-        buffer[: len(part)] = part
-        buffer[len(part) :] = bytes(len(buffer) - len(part))
+        # The view of older versions of h5py takes no bytes.
+        target = np.frombuffer(buffer, np.uint8)
+        target[: len(part)] = np.frombuffer(part, np.uint8)
+        target[len(part) :] = 0
         self._at += len(buffer)
         return len(buffer)
 
