@@ -6,16 +6,13 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from tests.fixtures.needs import ROBOTS, lacking
+from tests.fixtures.needs import ABSENT, lacking
 from tests.fixtures.recipes import tripod
 
 # The first call of a kernel compiles it, so a deadline would fail at random; the examples
 # are the same in every run, so a failure can be repeated.
 settings.register_profile("lutgen", deadline=None, derandomize=True, max_examples=100)
 settings.load_profile("lutgen")
-
-# What CI cannot install: a whole distribution.
-ROS = "ROS 2 is not installed"
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -72,7 +69,7 @@ def pytest_terminal_summary(
     names = {
         report.nodeid
         for report in reports
-        if not any(reason in str(report.longrepr) for reason in (ROBOTS, ROS))
+        if not any(reason in str(report.longrepr) for reason in ABSENT)
     }
     place.parent.mkdir(parents=True, exist_ok=True)
     place.write_text("".join(f"{name}\n" for name in sorted(names)), encoding="utf-8")

@@ -72,8 +72,9 @@ class Plan:
         width = self.shape[-1]
         offset: list[int] = []
         rest, stride, flat, held = number, 1, 0, 1
-        for size, part in zip(reversed(self.shape), reversed(self.chunk), strict=True):
-            rest, place = divmod(rest, -(-size // part))
+        axes = zip(self.shape, self.chunk, self.counts, strict=True)
+        for size, part, count in reversed(tuple(axes)):
+            rest, place = divmod(rest, count)
             start = place * part
             offset.append(start)
             flat += start * stride

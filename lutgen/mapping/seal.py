@@ -52,15 +52,15 @@ def check_head(path: Path) -> Seal | None:
     None for a file without a digest: foreign, unfinished, or edited.
     """
     with path.open("rb") as file:
-        found = _PATTERN.search(file.read(_SEARCHED))
+        begin = file.read(_SEARCHED)
+        found, seal = _PATTERN.search(begin), seal_of(begin)
         if found is None:
             return None
-        if int(found[1]) != _WAY:
+        if seal is None:
             raise MapFileError(
                 f"{path}: was sealed in another way (got lutgen-digest-{int(found[1])}, this "
                 f"lutgen has {_WAY}), by an earlier or a later version; sweep it again"
             )
-        seal = Seal(int(found[2]), found[3].decode())
         file.seek(0)
         head = file.read(seal.length) if seal.length < 1 << 32 else b""
     if len(head) < seal.length:

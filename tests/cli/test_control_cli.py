@@ -18,6 +18,7 @@ from lutgen.channels import evaluate_each
 from lutgen.recipe.recipe import load_recipe
 from tests.fixtures import commands
 from tests.fixtures.documents import blocks
+from tests.fixtures.needs import ROS
 from tests.fixtures.places import MAPS
 
 RECIPE = str(MAPS / "paper_two.toml")
@@ -97,7 +98,7 @@ def test_the_class_in_c_plus_plus_steers_and_alarms(firmware: Path, tmp_path: Pa
     assert done.stdout.split() == ["1", "1", "3"]
 
 
-@pytest.mark.skipif("ROS_DISTRO" not in os.environ, reason="ROS 2 is not installed")
+@pytest.mark.skipif("ROS_DISTRO" not in os.environ, reason=ROS)
 def test_the_node_compiles_where_ros_is(firmware: Path) -> None:
     folder, ros = firmware / "paper_firmware", Path("/opt/ros") / os.environ["ROS_DISTRO"]
     includes = [f"-I{path}" for path in sorted((ros / "include").iterdir())]
