@@ -50,13 +50,28 @@ def enlarge(figure: Figure, axes: Any, aspect: ArrayLike, room: Floats) -> tuple
     zoom = 1.0
     for _ in range(ROUNDS):
         axes.set_box_aspect(aspect, zoom=zoom)
-        figure.draw_without_rendering()
+        _draw_bare(figure, axes)
         _clear_labels(figure, axes)
         corner, far = extent(figure, axes)
         zoom *= float((room / (far - corner)).min())
     axes.set_box_aspect(aspect, zoom=zoom)
-    figure.draw_without_rendering()
+    _draw_bare(figure, axes)
     return extent(figure, axes)
+
+
+def _draw_bare(figure: Figure, axes: Any) -> None:
+    """Draw the box with its numbers and names alone, which says where they stand.
+
+    What is in the box, and what is beside it, costs ten times as much.
+    """
+    kept = {axes, axes.xaxis, axes.yaxis, axes.zaxis}
+    artists = [*figure.get_children(), *axes.get_children()]
+    hidden = [artist for artist in artists if artist not in kept and artist.get_visible()]
+    for artist in hidden:
+        artist.set_visible(False)
+    figure.draw_without_rendering()
+    for artist in hidden:
+        artist.set_visible(True)
 
 
 def _clear_labels(figure: Figure, axes: Any) -> None:
@@ -76,7 +91,7 @@ def _clear_labels(figure: Figure, axes: Any) -> None:
             if not any(name.overlaps(box) for box in boxes):
                 break
             axis.labelpad += 1.0
-            figure.draw_without_rendering()
+            _draw_bare(figure, axes)
 
 
 def fit_box(
@@ -103,7 +118,7 @@ def fit_box(
         (x + shift[0] / width, (y * height + shift[1]) / whole, across, up * height / whole)
     )
     title.set_y(1.0 - MARGIN / whole)
-    figure.draw_without_rendering()
+    _draw_bare(figure, axes)
 
 
 def place(axes: Any, points: Floats) -> tuple[Floats, Floats]:

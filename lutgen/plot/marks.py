@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib import patheffects
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.text import Annotation, Text
@@ -164,7 +165,11 @@ def write_beside(
     figure = axes.get_figure(root=True)
     window = axes.get_window_extent()
     if figure is not None:
-        figure.draw_without_rendering()
+        # Nothing moves in a figure whose layout is fixed.
+        if isinstance(figure.get_layout_engine(), ConstrainedLayoutEngine):
+            figure.draw_without_rendering()
+        else:
+            note.update_positions(figure.canvas.get_renderer())  # type: ignore[attr-defined]
         # Axes in perspective reach beyond the paper.
         window = Bbox.intersection(axes.get_window_extent(), figure.bbox) or window
         # Nor is there room upon the legend below them.
