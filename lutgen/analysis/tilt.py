@@ -129,21 +129,38 @@ def _reading(recipe: Recipe, rows: Floats, frames: Floats, down: Floats) -> Floa
     return evaluate_each(recipe, rows, turned, ("tip_angle",))["tip_angle"]
 
 
+def _where_asked(
+    recipe: Recipe,
+    postures: tuple[Floats, Floats],
+    heading: Floats,
+    asked: NDArray[np.bool_],
+    tilt: Floats,
+) -> Floats:
+    """Return tip_angle of postures, in their frames, at tilts (m, h); NaN where it is not asked."""
+    result = np.full(tilt.shape, np.nan)
+    # Packed to the left: a posture with one open heading costs few directions, not all.
+    packed = np.argsort(~asked, axis=1, kind="stable")[:, : asked.sum(axis=1).max(initial=0)]
+    tilts = np.take_along_axis(np.where(asked, tilt, 0.0), packed, axis=1)
+    found = _reading(recipe, *postures, tilted(tilts, heading[packed]))
+    np.put_along_axis(result, packed, found, axis=1)
+    return np.where(asked, result, np.nan)
+
+
 def _limits(recipe: Recipe, rows: Floats, heading: Floats, convention: str) -> Floats:
     """Return the limits (m, h) of postures (m, k)."""
     frames = level_frames(recipe, rows, convention)
 
-    def reading(which: NDArray[np.intp], tilt: Floats) -> Floats:
-        return _reading(recipe, rows[which], frames[which], tilted(tilt, heading))
+    def reading(which: NDArray[np.intp], asked: NDArray[np.bool_], tilt: Floats) -> Floats:
+        return _where_asked(recipe, (rows[which], frames[which]), heading, asked, tilt)
 
     stands = np.zeros((len(rows), heading.size))
-    reach = reading(np.arange(len(rows)), stands)
+    reach = reading(np.arange(len(rows)), np.ones(stands.shape, np.bool_), stands)
     # Where it tips and by how much; the same place as `stands` until it has been found.
     tips, beyond = stands.copy(), np.zeros_like(stands)
 
     def keep(which: NDArray[np.intp], goes: NDArray[np.bool_], at: Floats) -> NDArray[np.bool_]:
         """Keep where it tips or still stands, as read at tilts; return where it stands."""
-        found = reading(which, at)
+        found = reading(which, goes, at)
         fallen, passed = goes & (found < 0.0), goes & (found >= 0.0)
         tips[which] = np.where(fallen, at, tips[which])
         beyond[which] = np.where(fallen, found, beyond[which])
@@ -162,16 +179,19 @@ def _limits(recipe: Recipe, rows: Floats, heading: Floats, convention: str) -> F
         passed = keep(which, goes, ahead)
         tips[which] = np.where(passed, ahead, tips[which])
         walking[which] = passed & (ahead < math.pi)
-        if (forced & passed).any():
-            at, least = _lowest(partial(reading, which), behind, ahead)
-            axis = forced & passed & (least <= TOUCHES)
+        crosses = forced & passed
+        if crosses.any():
+            some = np.flatnonzero(crosses.any(axis=1))
+            near, those = behind[some], which[some]
+            at, least = _lowest(partial(reading, those, crosses[some]), near, ahead[some])
+            axis = crosses[some] & (least <= TOUCHES)
             # A wedge narrower than the step: its near side is where the robot tips.
             wedge = axis & (least < 0.0)
-            stands[which] = np.where(wedge, behind, np.where(axis, at, stands[which]))
-            reach[which] = np.where(wedge, held, reach[which])
-            tips[which] = np.where(axis, at, tips[which])
-            beyond[which] = np.where(wedge, least, beyond[which])
-            walking[which] &= ~axis
+            stands[those] = np.where(wedge, near, np.where(axis, at, stands[those]))
+            reach[those] = np.where(wedge, held[some], reach[those])
+            tips[those] = np.where(axis, at, tips[those])
+            beyond[those] = np.where(wedge, least, beyond[those])
+            walking[those] &= ~axis
         crept[which] = np.where(forced, crept[which] + 1, 0)
         # It goes along its boundary: that is its limit, though it may stand further on.
         ends = walking[which] & (crept[which] >= MOST_CREPT)
