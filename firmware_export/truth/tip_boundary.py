@@ -6,13 +6,9 @@ Tables err most beside it, and nowhere else can a verdict be wrong by little.
 import numpy as np
 
 from firmware_export.truth.model import Model
+from lutgen.channels import cross_boundary
 from lutgen.vector import Bools, Floats
 
-# Steps to the boundary: most brackets are then narrower than a float32 resolves.
-STEPS = 11
-TINY = 1e-300
-# Shortest step (rad) across the boundary.
-FINEST = 1e-8
 # A direction of the rim comes back from its unit vector within a few 1e-16.
 ROUNDING = 1e-12
 # Directions that are added at a time where a posture's own may all be alike.
@@ -39,42 +35,8 @@ def unit(vectors: Floats) -> Floats:
 def boundary(
     model: Model, params: Floats, inside: Floats, outside: Floats
 ) -> tuple[Floats, Floats]:
-    """Find where great arcs leave the standing region, by false position on the exact tip angle.
-
-    Parameters
-    ----------
-    params : (m, k) float64
-        Postures.
-    inside, outside : (m, d, 3) float64
-        Ends of the arcs: a direction that stands and one that tips, not opposite.
-
-    Returns
-    -------
-    last, first : (m, d, 3) float64
-        Directions on the arc, unit, either side of the boundary: most are 1e-8 rad apart.
-    """
-    low, high = inside.copy(), outside.copy()
-    below = model.exact(params, low).tip_angle
-    above = model.exact(params, high).tip_angle
-    for turn in range(STEPS):
-        gap = np.sqrt(((high - low) ** 2).sum(axis=-1))
-        if turn % 3 == 0:
-            share = below / np.maximum(below - above, TINY)
-        elif turn % 3 == 1:
-            # False position leaves one end behind.  The tip angle changes by less than the way,
-            # seldom by less than a third of it: this far beyond the near end is the other side.
-            step = np.maximum(3.0 * np.minimum(below, -above), FINEST)
-            near = np.minimum(step / np.maximum(gap, TINY), 0.5)
-            share = np.where(below < -above, near, 1.0 - near)
-        else:
-            share = np.full(gap.shape, 0.5)
-        middle = unit(low + np.clip(share, 0.0, 1.0)[..., None] * (high - low))
-        value = model.exact(params, middle).tip_angle
-        stands = value >= 0.0
-        low = np.where(stands[..., None], middle, low)
-        high = np.where(stands[..., None], high, middle)
-        below, above = np.where(stands, value, below), np.where(stands, above, value)
-    return low, high
+    """Find where great arcs of postures (m, k) leave the standing region; see `cross_boundary`."""
+    return cross_boundary(model.recipe, model.postures(params), unit(inside), unit(outside))
 
 
 def _wider(model: Model, rng: np.random.Generator, params: Floats, gravity: Floats) -> Floats:

@@ -1,12 +1,13 @@
 """Standing regions and directions of gravity into numbers.
 
 In reading order: `angles`, `axes`, `barrier`, `plain`, `block`, `loaded`, `wrench`, `batch`,
-`evaluation`, `raster`, `tilt_rows`, `scan`, `settle`.
+`evaluation`, `crossing`, `raster`, `tilt_rows`, `scan`, `settle`.
 """
 
 from lutgen.channels.angles import JUST_OUTSIDE, tip_angle
 from lutgen.channels.axes import MU, PHI, RHO, add, empty_axes, find_axes, part
 from lutgen.channels.batch import for_each_posture
+from lutgen.channels.crossing import cross_boundary
 from lutgen.channels.evaluation import (
     evaluate,
     evaluate_each,
@@ -47,6 +48,7 @@ __all__ = [
     "axis_margin",
     "body_gravity",
     "checked_directions",
+    "cross_boundary",
     "empty_axes",
     "evaluate",
     "evaluate_each",
