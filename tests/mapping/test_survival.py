@@ -476,14 +476,14 @@ def ran(module: str, count: int, tmp_path: Path) -> str:
 
 
 def test_after_kill_9_at_random_moments_every_resumed_file_is_the_same(tmp_path: Path) -> None:
-    count = 50 if SOAK else 10
+    count = 50 if SOAK else 6
     assert (
         ran("tests.mapping.soak_kill", count, tmp_path) == f"{count} kills, {count} identical files"
     )
 
 
 def test_a_damaged_file_is_refused_in_a_sentence_or_holds_the_right_values(tmp_path: Path) -> None:
-    count = 1000 if SOAK else 100
+    count = 1000 if SOAK else 50
     last = ran("tests.mapping.soak_damage", count, tmp_path)
     assert last.startswith(f"{count} damaged files: 0 wrong values accepted")
 
@@ -491,6 +491,6 @@ def test_a_damaged_file_is_refused_in_a_sentence_or_holds_the_right_values(tmp_p
 def test_after_kills_with_edits_between_no_file_is_wrong_and_no_other_file_touched(
     tmp_path: Path,
 ) -> None:
-    count = 200 if SOAK else 24
+    count = 200 if SOAK else 12
     last = ran("tests.mapping.soak_edits", count, tmp_path)
     assert last.startswith(f"{count} kills with edits: 0 wrong files, 0 foreign files touched")
