@@ -3,6 +3,21 @@
 /* The runtime on the machine of the exporter: many queries at a time, of blobs in memory.  Taken in behind
  * the parts of a family of codecs whose functions get its name.  No part of an export. */
 
+#if SMAP_MANY
+/* Whether a row of bytes is the one before it; the WebAssembly has no library. */
+static int smap_host_again(const void *row, uint32_t bytes)
+{
+  const uint8_t *const here = (const uint8_t *)row;
+  uint32_t i;
+  for (i = 0; i < bytes; i++) {
+    if (here[i] != (here - bytes)[i]) {
+      return 0;
+    }
+  }
+  return 1;
+}
+#endif
+
 /* `params`: as many numbers as the map has parameters for each query; `gravity`: three. */
 void SMAP_HOST_NAME(read)(const uint8_t *blob, uint32_t size, int64_t count, const float *params,
                           const float *gravity, int8_t *status, smap_reading_t *reading);
@@ -21,7 +36,7 @@ void SMAP_HOST_NAME(read)(const uint8_t *blob, uint32_t size, int64_t count, con
 #if SMAP_MANY
     /* smap_read is smap_pose and smap_at.  Queries of one posture come one behind the other, and its
      * pose, which costs ten times as much as a reading of it, is made once. */
-    if (i == 0 || memcmp(row, row - width, width * sizeof *row) != 0) {
+    if (i == 0 || !smap_host_again(row, width * (uint32_t)sizeof *row)) {
       made = (int8_t)smap_pose(&map, row, &pose, sizeof pose, SMAP_FLOAT);
     }
     status[i] = made != SMAP_OK ? smap_deny(reading + i, -SMAP_PI, made)
@@ -47,7 +62,7 @@ void SMAP_HOST_NAME(read_i)(const uint8_t *blob, uint32_t size, int64_t count, c
   for (i = 0; i < count; i++) {
     const int16_t *const row = params + i * width;
 #if SMAP_MANY
-    if (i == 0 || memcmp(row, row - width, width * sizeof *row) != 0) {
+    if (i == 0 || !smap_host_again(row, width * (uint32_t)sizeof *row)) {
       made = smap_run_pose_q(&map, row, &pose, sizeof pose, SMAP_INTEGER);
     }
     status[i] = made != SMAP_OK ? smap_deny_i(reading + i, made)

@@ -15,7 +15,7 @@ from lutgen.paper.page_tables import page_tables
 from lutgen.paper.pictures import painters
 from lutgen.paper.published import PRINTED
 from lutgen.paper.report import TEMPLATE
-from lutgen.paper.results import Results, compute
+from lutgen.paper.results import Results
 
 # What may hold digits: placeholders, words of the paper, code, formulas (with a letter), names of
 # files and tables, and references to equations, figures, steps and wheels by number.
@@ -41,11 +41,6 @@ def typed_numbers(text: str) -> list[str]:
 def fields(text: str) -> set[str]:
     """Return the names of a text's placeholders, without what they look up in what is named."""
     return {re.split(r"[.\[]", name)[0] for _, name, _, _ in Formatter().parse(text) if name}
-
-
-@pytest.fixture(scope="module")
-def results(tmp_path_factory: pytest.TempPathFactory) -> Results:
-    return compute(tmp_path_factory.mktemp("results"))
 
 
 @pytest.fixture(scope="module")

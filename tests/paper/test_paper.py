@@ -135,16 +135,6 @@ def test_published_percentages_are_those_of_the_printed_values() -> None:
     assert percent == pytest.approx([0.022, 0.0009092, 0.821, 0.566, 0.131, 0.0037889])
 
 
-@pytest.fixture(scope="module")
-def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("paper")
-    (folder / "mine.txt").write_text("not the report's")
-    done = CliRunner().invoke(main, ["paper", "-o", str(folder)])
-    assert done.exit_code == 0, done.output
-    assert done.stdout.strip() == str(folder / "paper.html")
-    return folder
-
-
 def test_the_page_needs_no_other_file(report: Path) -> None:
     text = (report / "paper.html").read_text(encoding="utf-8")
     sources = re.findall(r'(?:src|href)="([^"]{0,30})', text)
