@@ -17,7 +17,7 @@ from firmware_export.emit.source import body_of, described
 from firmware_export.host import Host, library
 from firmware_export.protocol import Blob, restored, stored
 from lutgen.errors import ExportError, InputError
-from proofs.exports import tripod_export
+from proofs.exports import rover_export, tripod_export
 from targets.compiled import HostLibrary
 from tests.fixtures.frozen import HEAD, PLACE, exports, rows
 
@@ -77,6 +77,26 @@ def test_many_queries_are_answered_in_order_whatever_the_threads(
         assert reading.tobytes() == found[0][1].tobytes()
     single = [read(params[at : at + 1], gravity[at : at + 1])[1] for at in (0, 25_000, 50_000)]
     assert np.concatenate(single).tobytes() == found[0][1][[0, 25_000, 50_000]].tobytes()
+
+
+@pytest.mark.parametrize("way", ["read", "read_i"])
+def test_queries_of_one_posture_are_answered_as_if_each_came_alone(way: str) -> None:
+    export, rng = rover_export(), np.random.default_rng(4)
+    host, model = Host(described(export, body_of(export))), export.model
+    whole = way == "read_i"
+    params = rng.integers(0, 32768, (30, model.k)) if whole else model.at(rng.random((30, model.k)))
+    # Off its axis, and no number at all.
+    params[7, 0] = -9 if whole else 1e9
+    params[8] = 32767 if whole else np.nan
+    rows = np.repeat(params, 8, axis=0).astype(np.int16 if whole else np.float32)
+    downs = rng.normal(size=(len(rows), 3)) - [0.0, 0.0, 2.0]
+    downs = (5000.0 * downs).clip(-32767.0, 32767.0).astype(rows.dtype)
+    status, reading = host.ask(way, rows, downs)
+    assert len(set(status.tolist())) >= 3
+    alone = [host.ask(way, rows[at : at + 1], downs[at : at + 1]) for at in range(len(rows))]
+    assert status.tolist() == [int(one[0][0]) for one in alone]
+    for name in reading.dtype.names or ():
+        assert reading[name].tobytes() == b"".join(one[1][name].tobytes() for one in alone), name
 
 
 def test_a_descriptor_survives_its_way_through_the_report(content: Blob) -> None:
