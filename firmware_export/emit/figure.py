@@ -30,13 +30,13 @@ def _size(row: dict[str, Any]) -> int:
 
 
 def draw_pareto(pareto: list[dict[str, Any]], measure: str = "largest") -> bytes | None:
-    """Return the plot as PNG, or None where there is nothing to plot.
+    """Return the plot as PNG, or None where there is nothing to choose from: fewer than two sizes.
 
     Candidates without an error above 0 are left out; `measure` says which error it is, such as
     ``largest`` or ``99th percentile``.
     """
     rows = [row for row in pareto if (row.get("error") or 0.0) > 0.0 and _size(row) > 0]
-    if not rows:
+    if len(set(map(_size, rows))) < 2:
         return None
     import matplotlib.style
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -69,7 +69,7 @@ def draw_pareto(pareto: list[dict[str, Any]], measure: str = "largest") -> bytes
                 axes.plot(*at, "o", ms=8, mfc="none", mec="black", mew=0.9, label="chosen")
         with_code = all(row.get("total_bytes") for row in rows)
         axes.set_xlabel(f"flash: tables{' and code' if with_code else ''} [bytes]")
-        axes.set_ylabel(rf"{measure} error of $|SD_g|$ [% of range]")
+        axes.set_ylabel(f"{measure} error\nof $|SD_g|$ [% of range]")
         axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.0f}"))
         axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         for axis, values in (

@@ -114,6 +114,13 @@ def test_without_a_choice_there_is_no_picture(export: Export, tmp_path: Path) ->
     assert draw_pareto([{"label": "exact", "codec": "poly", "bytes": 1, "error": 0.0}]) is None
 
 
+def test_of_one_size_there_is_nothing_to_choose_from_and_no_picture() -> None:
+    one, other = ({"codec": "contacts", "bytes": size, "error": 1e-5} for size in (60, 80))
+    assert draw_pareto([one]) is None
+    assert draw_pareto([one, dict(one, chosen=True)]) is None
+    assert draw_pareto([one, other], "99th percentile of the") is not None
+
+
 # a library for others
 
 
