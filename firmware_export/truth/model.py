@@ -108,6 +108,12 @@ class Model:
             result[here, FACE_V[number]] = vs[here]
         return result
 
+    def tip_angle(self, where: Postures, gravity: ArrayLike) -> Floats:
+        """Return the tip angles (m, d), rad, of m postures under directions (m, d, 3), down."""
+        wanted = wanted_channels(("tip_angle",))
+        rows = measure_recipe(self.recipe, where, unit_directions(gravity), wanted)
+        return rows[CHANNELS.index("tip_angle")]
+
     def exact(
         self,
         params: ArrayLike,

@@ -39,23 +39,26 @@ def boundary(
     return cross_boundary(model.recipe, model.postures(params), unit(inside), unit(outside))
 
 
-def _wider(model: Model, rng: np.random.Generator, params: Floats, gravity: Floats) -> Floats:
-    """Return the directions (m, d, 3) and POOL more, sought where a posture may stand.
+def _wider(
+    model: Model, rng: np.random.Generator, params: Floats, gravity: Floats
+) -> tuple[Floats, Floats]:
+    """Return the directions (m, d, 3) and 3 POOL more, sought where a posture may stand.
 
     The first are round about; then, twice, round the one that is nearest to standing, no further
-    away than the region can be.
+    away than the region can be.  With them their tip angles.
     """
     m = len(params)
-    shown = gravity
+    where = model.postures(params)
+    shown, tip = gravity, model.tip_angle(where, gravity)
     for turn in range(3):
-        tip = model.exact(params, shown).tip_angle
         best = shown[np.arange(m), tip.argmax(axis=1)][:, None]
         reach = np.abs(tip).max(axis=1) if turn == 0 else np.abs(tip.max(axis=1))
         new = unit(best + rng.normal(size=(m, POOL, 3)) * reach[:, None, None])
         # Off the chart a direction is no use; the one that it was to improve is.
         new = np.where(on_chart(model, new)[..., None], new, best)
         shown = np.concatenate([shown, new], axis=1)
-    return shown
+        tip = np.concatenate([tip, model.tip_angle(where, new)], axis=1)
+    return shown, tip
 
 
 def arcs(
@@ -67,8 +70,8 @@ def arcs(
     them if the posture has any of the other verdict, the standing ones first; and whether (m, d)
     directions of both kinds were found on the chart.
     """
-    pool = _wider(model, rng, params, gravity)
-    stands = model.exact(params, pool).tip_angle >= 0.0
+    pool, tip = _wider(model, rng, params, gravity)
+    stands = tip >= 0.0
     m, d = gravity.shape[:2]
     row, turn = np.arange(m)[:, None], np.arange(d)[None, :]
     key = rng.random(stands.shape)
