@@ -62,10 +62,10 @@ explorer: $(NAMES:%=build/explorer/%.html) ## write a page for every robot of ma
 engine: ## rebuild the scripts and the WebAssembly of those pages (clang, wasm-ld, node, npm)
 	$(PYTHON) tools/explorer.py
 
-physics: .venv/.physics ## judge the verdicts by a physics engine (docs/measured: physics, judged, steady; ten minutes, SAMPLE=1: two)
+physics: .venv/.physics ## judge the verdicts by a physics engine (docs/measured: physics, judged, steady; ten minutes, SAMPLE=1: three)
 	$(BIN)/python -m proofs.physics.agreement $(if $(SAMPLE),--cases 100)
 	$(if $(SAMPLE),,$(BIN)/python -m proofs.physics.steady)
-	$(BIN)/python -m proofs.physics.judge $(if $(SAMPLE),noisy)
+	$(BIN)/python -m proofs.physics.judge $(if $(SAMPLE),rocking)
 	$(BIN)/python -m proofs.physics.braking $(if $(SAMPLE),--cases 40)
 
 compare: .venv/.installed ## public measures of stability beside ours (docs/measured/compare.md, build/compare)
