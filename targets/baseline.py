@@ -17,6 +17,8 @@ TOLERANCE = 0.02
 MEASURES = ("code", "stack", "pose_bytes", "pose_i_bytes")
 # Of every call: what was counted.
 COUNTED = ("min", "median", "max")
+# And bytes, where the compiler tells.
+STACK = "stack"
 
 Cell = dict[str, Any]
 
@@ -42,6 +44,8 @@ def numbers(outcome: Outcome) -> Cell:
         counts = sorted(found)
         of_call = (counts[0], median_low(counts), counts[-1])
         result["calls"][call] = dict(zip(COUNTED, of_call, strict=True))
+        if call in outcome.footprint.calls:
+            result["calls"][call][STACK] = outcome.footprint.calls[call]
     return result
 
 
@@ -49,7 +53,7 @@ def flat(cell: Cell) -> dict[str, int | None]:
     """Return the numbers of a cell under one name each, as ``at_i median``."""
     found = {name: cell.get(name) for name in MEASURES}
     for call, counts in cell.get("calls", {}).items():
-        found |= {f"{call} {name}": counts[name] for name in COUNTED}
+        found |= {f"{call} {name}": counts[name] for name in (*COUNTED, STACK) if name in counts}
     return found
 
 
@@ -191,6 +195,7 @@ def published(content: dict[str, Any], boards: Iterable[Board], names: Iterable[
                 "call": call,
                 "median": counts["median"],
                 "max": counts["max"],
+                "stack": counts.get(STACK),
             }
             for board in boards
             for option, cell in sorted(row["boards"].get(board.name, {}).items())

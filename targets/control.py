@@ -31,7 +31,6 @@ from targets.cases import BUILD, ROOT, of_recipe
 from targets.digest import fnv1a
 from targets.footprint import footprint
 from targets.image import COLOUR, CellError, TooLargeError, build, compiler, counter_of, run
-from targets.size import deepest
 
 # Robots, and the most instructions of a cycle on a Cortex-M4F that are asked for: median, largest.
 GOALS = {
@@ -41,6 +40,8 @@ GOALS = {
 }
 CYCLES = 256
 PAGE = ROOT / "docs" / "measured" / "control.md"
+# What the image calls; all else of smap.c it leaves alone.
+CALLED = {"step": "smap_run_step", "start": "smap_run_start"}
 BEGIN, END = "<!-- cycles -->\n", "<!-- end of cycles -->"
 HERE = Path(__file__).resolve().parent
 MULTIPLIER, INCREMENT = 1664525, 1013904223
@@ -132,17 +133,14 @@ def execute(robot: Robot, board: Board, optimise: str) -> Cell:
         tool, wasm = compiler(board), board.family == "wasm"
         flags = [*board.flags, optimise, "-ffunction-sections", "-fdata-sections", "-I."]
         flags += [f"-I{HERE / 'wasm'}"] if wasm else []
-        asks = ["-fcallgraph-info=su"] if board.family in ("arm", "riscv") else []
         names = [f"{robot.name}.c", "control.c", *(["memory.c"] if wasm else [])]
         for one in names:
-            build([tool, *flags, *asks, "-c", one, "-o", one.replace(".c", ".o")], folder)
+            build([tool, *flags, "-c", one, "-o", one.replace(".c", ".o")], folder)
         objects = [one.replace(".c", ".o") for one in names]
         extra = [] if wasm else ["queries.S"]
         build([tool, *flags, *extra, *objects, *board.link, "-o", "image.elf"], folder)
-        _fits(board, folder, _deep(robot, board, flags, folder))
-        stack = None
-        if asks:
-            stack = deepest((folder / f"{robot.name}.ci").read_text(encoding="utf-8"), _steers)
+        stacks = _stacks(robot, board, flags, folder)
+        _fits(board, folder, max(stacks.values(), default=0))
         code = 0 if wasm else _text(board, folder, robot.name)
         if code:
             shutil.copy(robot.plain / f"{robot.name}.c", folder)
@@ -159,7 +157,7 @@ def execute(robot: Robot, board: Board, optimise: str) -> Cell:
     if board.unit:
         count = counter_of(board, said)
         counts = tuple(count(int(value, 16)) for kind, value in lines if kind == "c")
-    return Cell(said["h"], counts, said["s"], code, stack)
+    return Cell(said["h"], counts, said["s"], code, stacks.get("step"))
 
 
 def _header(robot: Robot) -> str:
@@ -183,24 +181,17 @@ def _header(robot: Robot) -> str:
     )
 
 
-def _steers(title: str) -> bool:
-    """Whether a function is what a cycle calls."""
-    return title.endswith("smap_run_step")
-
-
 def _text(board: Board, folder: Path, name: str) -> int:
     """Return the bytes of code of an object."""
     listing = run([f"{board.prefix}size", "-A", f"{name}.o"], folder).stdout
     return sum(map(int, re.findall(r"^\.text\S*\s+(\d+)", listing, re.MULTILINE)))
 
 
-def _deep(robot: Robot, board: Board, flags: list[str], folder: Path) -> int:
-    """Return the deepest stack (bytes) of an export, 0 where the compiler does not tell."""
-    if board.family == "wasm":
-        return 0
+def _stacks(robot: Robot, board: Board, flags: list[str], folder: Path) -> dict[str, int]:
+    """Return the stack (bytes) of what the image calls, nothing where that is not told."""
     aside = folder / "aside"
     shutil.copytree(robot.folder, aside)
-    return footprint(robot.name, board, flags, aside, build, run).stack or 0
+    return footprint(robot.name, board, flags, aside, build, run, CALLED).calls
 
 
 def _fits(board: Board, folder: Path, stack: int) -> None:

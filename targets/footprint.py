@@ -1,8 +1,8 @@
 """Bytes of code and stack of the runtime as a board's compiler makes it."""
 
 import re
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +11,8 @@ from targets.size import deepest
 
 # Bytes that a call pushes on an AVR of more than 128 KiB of flash, and of less.
 RETURN = {"mega2560": 3, "mega328p": 2}
+# A pose with floats never calls it: it makes one of integers alone, all of it on the stack.
+APART = "smap_pose_whole"
 
 
 @dataclass(frozen=True)
@@ -18,11 +20,13 @@ class Footprint:
     """Bytes.
 
     `code` is that of NAME.o, without the blob.  `stack` is that of the deepest chain of calls; None
-    where the compiler does not tell.
+    where the compiler does not tell.  `calls` has that of each call of smap.h, of poses with
+    floats where the export has floats.
     """
 
     code: int
     stack: int | None
+    calls: dict[str, int] = field(default_factory=dict)
 
 
 def footprint(
@@ -32,8 +36,12 @@ def footprint(
     folder: Path,
     build: Callable[[list[str], Path], None],
     run: Callable[[list[str], Path], Any],
+    entries: Mapping[str, str],
 ) -> Footprint:
-    """Compile the map with its runtime to an object in `folder` and measure it."""
+    """Compile the map with its runtime to an object in `folder` and measure it.
+
+    `entries` names the function that answers a call.
+    """
     tool = f"{board.prefix}gcc" if board.prefix else "clang"
     asks = {"avr": ["-fstack-usage"], "wasm": []}.get(board.family, ["-fcallgraph-info=su"])
     build([tool, *flags, *asks, "-c", f"{name}.c", "-o", f"{name}.o"], folder)
@@ -43,12 +51,23 @@ def footprint(
     sizes = re.findall(r"^\.text\S*\s+(\d+)", listing, re.MULTILINE)
     code = sum(map(int, sizes))
     if board.family == "avr":
-        return Footprint(code, _avr_stack(name, board, folder, run))
-    return Footprint(code, deepest((folder / f"{name}.ci").read_text(encoding="utf-8")))
+        return Footprint(code, *_avr_stack(name, board, folder, run, entries))
+    graph = (folder / f"{name}.ci").read_text(encoding="utf-8")
+    stacks = {
+        call: deepest(graph, lambda title, entry=entry: title.endswith(entry), APART)
+        for call, entry in entries.items()
+    }
+    return Footprint(code, deepest(graph), stacks)
 
 
-def _avr_stack(name: str, board: Board, folder: Path, run: Callable[[list[str], Path], Any]) -> int:
-    """Return the deepest chain: .su has each function's bytes, the listing who calls whom.
+def _avr_stack(
+    name: str,
+    board: Board,
+    folder: Path,
+    run: Callable[[list[str], Path], Any],
+    entries: Mapping[str, str],
+) -> tuple[int, dict[str, int]]:
+    """Return the deepest chains: .su has each function's bytes, the listing who calls whom.
 
     avr-gcc 5 writes no call graph.  Its own arithmetic is not counted, as on the other boards.
     """
@@ -70,10 +89,12 @@ def _avr_stack(name: str, board: Board, folder: Path, run: Callable[[list[str], 
             if target in own and target != here:
                 calls[here].add(target)
 
-    def depth(function: str) -> int:
-        return own[function] + max((depth(called) for called in calls[function]), default=0)
+    def depth(function: str, without: str = "") -> int:
+        below = (depth(called, without) for called in calls[function] if called != without)
+        return own[function] + max(below, default=0)
 
-    return max(map(depth, own), default=0)
+    stacks = {call: depth(entry, APART) for call, entry in entries.items() if entry in own}
+    return max(map(depth, own), default=0), stacks
 
 
 def _wasm_code(data: bytes) -> int:

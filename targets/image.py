@@ -112,6 +112,13 @@ def calls_of(floats: bool, integers: bool) -> dict[str, str]:
     return calls | {"read": "r"}
 
 
+def entry_of(call: str, floats: bool) -> str:
+    """Return the function of smap.c that answers a call."""
+    if floats:
+        return f"smap_run_{'pose' if call == 'both' else call}"
+    return {"pose": "smap_run_pose_q", "read": "smap_run_read_i"}.get(call, f"smap_run_{call}")
+
+
 def run(arguments: Sequence[str], folder: Path) -> subprocess.CompletedProcess[str]:
     """Run a program in a folder; one that cannot be run or hangs is a CellError."""
     try:
@@ -188,7 +195,8 @@ def execute(job: Job, board: Board, optimise: str) -> Outcome:
             shutil.copy(HERE / path, folder)
         flags = [*board.flags, optimise, "-ffunction-sections", "-fdata-sections", "-I."]
         flags += [f"-I{HERE / 'wasm'}"] if board.family == "wasm" else []
-        size = footprint(job.name, board, flags, folder, build, run)
+        entries = {call: entry_of(call, job.floats) for call in job.calls}
+        size = footprint(job.name, board, flags, folder, build, run, entries)
         room = _room(job, board, flags, folder, size)
         value, counts, at = START, {call: list[int]() for call in job.calls}, 0
         said = dict[str, int]()

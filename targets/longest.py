@@ -18,7 +18,7 @@ from lutgen.errors import LutgenError
 from targets import queries
 from targets.boards import board
 from targets.cases import COUNTED_ONCE, cases
-from targets.image import CellError, build, compiler, execute, run
+from targets.image import CellError, build, compiler, entry_of, execute, run
 from targets.loops import shape_of
 from targets.run import FEWER, Row, chosen, prepared
 from targets.tables import columns
@@ -51,13 +51,6 @@ def bounded(row: Row) -> dict[str, int]:
     source = (job.folder / "smap.c").read_text(encoding="utf-8")
     entries = {call: entry_of(call, job.floats) for call in job.calls}
     return bound(listing, source, shape_of(row.export), entries)
-
-
-def entry_of(call: str, floats: bool) -> str:
-    """Return the function of smap.c that answers a call."""
-    if floats:
-        return f"smap_run_{'pose' if call == 'both' else call}"
-    return {"pose": "smap_run_pose_q", "read": "smap_run_read_i"}.get(call, f"smap_run_{call}")
 
 
 def measured(row: Row, reads: int) -> dict[str, int]:

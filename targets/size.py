@@ -104,10 +104,13 @@ def _sections(text: str) -> Measure:
     return result
 
 
-def deepest(graph: str, begins: Callable[[str], bool] = lambda title: True) -> int:
+def deepest(
+    graph: str, begins: Callable[[str], bool] = lambda title: True, without: str = "\n"
+) -> int:
     """Return the deepest stack of any chain of calls, from GCC's call graph (VCG).
 
-    `begins` tells of a function's title whether a chain begins there.
+    `begins` tells of a function's title whether a chain begins there; no chain has one whose
+    title contains `without`.
     """
     own = {
         title: int(size)
@@ -122,7 +125,8 @@ def deepest(graph: str, begins: Callable[[str], bool] = lambda title: True) -> i
     def depth(title: str, seen: tuple[str, ...]) -> int:
         if title in seen:
             raise ExportError(f"smap.c: {title} calls itself (got a recursion); write a loop.")
-        below = [depth(name, (*seen, title)) for name in calls.get(title, ())]
+        further = [name for name in calls.get(title, ()) if without not in name]
+        below = [depth(name, (*seen, title)) for name in further]
         return own.get(title, 0) + max(below, default=0)
 
     return max((depth(title, ()) for title in own if begins(title)), default=0)

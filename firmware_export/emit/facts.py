@@ -111,7 +111,7 @@ def counted(export: Export) -> list[dict[str, Any]] | None:
     """Return what a read of this very export was counted to cost, None where it was not.
 
     Per target and compiler option ``target``, ``option``, ``unit`` (instructions or cycles),
-    ``median`` and ``max``.
+    ``call``, ``median``, ``max`` and ``stack`` (bytes, None where it is not known).
     """
     for row in _counts():
         same = (

@@ -111,11 +111,16 @@ def _counts(counts: list[dict[str, Any]] | None) -> list[str]:
             c["unit"],
             f"{c['median']:,}",
             f"{c['max']:,}",
+            "-" if c["stack"] is None else f"{c['stack']:,}",
         )
         for c in counts
     ]
-    lines += ["On emulators, over 256 queries; instructions are not cycles.", ""]
-    return lines + _table(("target", "call", "unit", "median", "most"), rows)
+    lines += [
+        "On emulators, over 256 queries; instructions are not cycles. The stack is in bytes, "
+        "without the compiler's own arithmetic and interrupts; a whole read has its pose there.",
+        "",
+    ]
+    return lines + _table(("target", "call", "unit", "median", "most", "stack"), rows)
 
 
 def _accuracy(content: dict[str, Any]) -> list[str]:

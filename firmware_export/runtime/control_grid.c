@@ -27,7 +27,7 @@ static void smap_pass(const smap_control_t *control, const float *from, const fl
   }
   way->end = now;
   way->least = -SMAP_PI;
-  if (smap_run_pose(SMAP_CONTROLLED(control), at, &pose, sizeof pose, SMAP_FLOAT) == SMAP_OK) {
+  if (smap_pose_of(SMAP_CONTROLLED(control), at, &pose) == SMAP_OK) {
     way->end = smap_tip_of(&pose, slope);
     way->least = way->end - less;
   }

@@ -71,7 +71,7 @@ static int8_t smap_run_ground(const smap_control_t *control, void *memory, const
   if (state->control != control || !smap_to_unit(g)) {
     return SMAP_INVALID;
   }
-  status = smap_run_pose(SMAP_CONTROLLED(control), posture, &state->here, sizeof state->here, SMAP_FLOAT);
+  status = smap_pose_of(SMAP_CONTROLLED(control), posture, &state->here);
   if (status == SMAP_OK || status == SMAP_TIPS) {
     memcpy(state->at, posture, sizeof(float) * smap_joints(control));
     state->has |= SMAP_HAS_HERE;

@@ -36,7 +36,7 @@ static void smap_pass(const smap_control_t *control, const float *from, const fl
       at[i] = corner >> i & 1u ? to[i] : from[i];
     }
     way->end = -SMAP_PI;
-    if (smap_run_pose(map, at, &pose, sizeof pose, SMAP_FLOAT) == SMAP_OK && smap_upright(&pose, slope, up)) {
+    if (smap_pose_of(map, at, &pose) == SMAP_OK && smap_upright(&pose, slope, up)) {
       smap_lean(up, slope, -1.0f, g);
       way->end = smap_tip_of(&pose, g);
     }

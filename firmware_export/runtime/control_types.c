@@ -169,6 +169,16 @@ static float smap_to_chart(const smap_t *map, const float g[3], float on[3])
   return square < 2.0f ? chord * (1.0f + 0.0625f * square) + 1e-3f : SMAP_PI;
 }
 
+/* Make the pose of a posture, with floats. */
+static int8_t smap_pose_of(const smap_t *map, const float *posture, smap_pose_memory_t *pose)
+{
+#if SMAP_MANY
+  return smap_pose_floats(map, posture, pose, sizeof *pose, SMAP_FLOAT);
+#else
+  return smap_run_pose(map, posture, pose, sizeof *pose, SMAP_FLOAT);
+#endif
+}
+
 /* The tip angle of a pose under a direction, unit; what is unsafe or unknown is below 0.  Off the chart from below: it
  * changes by no more than the direction turns. */
 static float smap_tip_of(const smap_pose_memory_t *pose, const float g[3])

@@ -5,8 +5,7 @@
 /* Make the pose of a posture; 0 where it is not known. */
 static int smap_look(const smap_control_t *control, smap_state_memory_t *state, const float *posture)
 {
-  const int8_t status =
-      smap_run_pose(SMAP_CONTROLLED(control), posture, &state->here, sizeof state->here, SMAP_FLOAT);
+  const int8_t status = smap_pose_of(SMAP_CONTROLLED(control), posture, &state->here);
   memcpy(state->at, posture, sizeof(float) * smap_joints(control));
   state->has &= (uint8_t)~SMAP_HAS_HERE;
   if (status == SMAP_OK || status == SMAP_TIPS) {

@@ -182,31 +182,49 @@ static int8_t smap_run_at_i(const void *pose, const int16_t *gravity, smap_readi
   return out->tip < 0 ? (int8_t)SMAP_TIPS : status;
 }
 
+/* Make a pose with floats; the work on it is done in its own memory. */
+static int8_t smap_pose_floats(const smap_t *map, const float *params, smap_pose_memory_t *pose, uint16_t bytes,
+                               uint8_t forms)
+{
+  if (!smap_begin(map, pose, bytes, forms, sizeof *pose)) {
+    return SMAP_INVALID;
+  }
+  pose->head.status = smap_many_of(map, params, &pose->real, &pose->rest.work);
+  return pose->head.status;
+}
+
+/* Make one of integers alone, with all work on the stack: apart, so that one with floats needs none of that. */
+SMAP_APART static int8_t smap_pose_whole(const smap_t *map, const float *params, smap_pose_memory_i_t *pose,
+                                         uint16_t bytes, uint8_t forms)
+{
+  smap_many_pose_t real;
+  smap_many_work_t work;
+  if (!smap_begin(map, pose, bytes, forms, sizeof *pose)) {
+    return SMAP_INVALID;
+  }
+  pose->head.status = smap_many_of(map, params, &real, &work);
+  if (pose->head.status == SMAP_OK) {
+    const float step = smap_f32(SMAP_BLOB(map) + SMAP_AT_STEP);
+    pose->at = real.at;
+    smap_many_make_i(&real, step, step, &pose->whole);
+  }
+  return pose->head.status;
+}
+
 static int8_t smap_run_pose(const smap_t *map, const float *params, void *pose, uint16_t bytes,
                             uint8_t forms)
 {
-  smap_head_t *const head = (smap_head_t *)pose;
-  const float step = smap_f32(SMAP_BLOB(map) + SMAP_AT_STEP);
-  if (!smap_begin(map, pose, bytes, forms,
-                  forms & SMAP_FLOAT ? sizeof(smap_pose_memory_t) : sizeof(smap_pose_memory_i_t))) {
-    return SMAP_INVALID;
+  smap_pose_memory_t *const many = (smap_pose_memory_t *)pose;
+  int8_t status;
+  if (!(forms & SMAP_FLOAT)) {
+    return smap_pose_whole(map, params, (smap_pose_memory_i_t *)pose, bytes, forms);
   }
-  if (forms & SMAP_FLOAT) {
-    smap_pose_memory_t *const many = (smap_pose_memory_t *)pose;
-    head->status = smap_many_of(map, params, &many->real, &many->rest.work);
-    if ((forms & SMAP_INTEGER) && head->status == SMAP_OK) {
-      smap_many_make_i(&many->real, step, step, &many->rest.whole);
-    }
-  } else {
-    smap_many_pose_t real;
-    smap_many_work_t work;
-    head->status = smap_many_of(map, params, &real, &work);
-    if (head->status == SMAP_OK) {
-      ((smap_pose_memory_i_t *)pose)->at = real.at;
-      smap_many_make_i(&real, step, step, &((smap_pose_memory_i_t *)pose)->whole);
-    }
+  status = smap_pose_floats(map, params, many, bytes, forms);
+  if ((forms & SMAP_INTEGER) && status == SMAP_OK) {
+    const float step = smap_f32(SMAP_BLOB(map) + SMAP_AT_STEP);
+    smap_many_make_i(&many->real, step, step, &many->rest.whole);
   }
-  return head->status;
+  return status;
 }
 
 /* Numbers that no loop or index may be led astray by. */

@@ -116,6 +116,14 @@ def test_the_integer_form_costs_what_it_adds_to_each_posture() -> None:
     assert "form_i" not in baseline.numbers(image.Outcome(0, {"pose": [1]}, Footprint(1, 2), 8, 4))
 
 
+def test_the_stack_of_a_call_stands_beside_its_counts() -> None:
+    size = Footprint(1, 900, {"pose": 300})
+    made = baseline.numbers(image.Outcome(0, {"pose": [1], "at": [2]}, size, 80, 40))
+    assert baseline.flat(made)["pose stack"] == 300
+    assert made["calls"]["pose"]["stack"] == 300
+    assert "stack" not in made["calls"]["at"]
+
+
 def test_an_update_replaces_what_was_run_and_keeps_the_rest(tmp_path: Path) -> None:
     old = content()
     old["rows"]["b"] = copy.deepcopy(old["rows"]["a"])
@@ -171,6 +179,7 @@ def test_a_report_tells_the_counts_of_just_the_export_that_was_counted(
 
     export = tripod_export()
     known = content(max=290)
+    known["rows"]["a"]["boards"]["m4f"]["-O2"]["calls"]["at"]["stack"] = 48
     known["rows"]["a"] |= {
         "spec": export.tables.spec.label,
         "recipe_sha256": export.recipe.digest,
@@ -179,10 +188,10 @@ def test_a_report_tells_the_counts_of_just_the_export_that_was_counted(
     rows = json.loads(baseline.published(known, BOARDS, ["a", "b"]))["rows"]
     monkeypatch.setattr(facts, "_counts", lambda: rows)
     expected = {"target": "Cortex-M4F", "option": "-O2", "unit": "instructions", "call": "at"}
-    assert facts.counted(export) == [expected | {"median": 200, "max": 290}]
+    assert facts.counted(export) == [expected | {"median": 200, "max": 290, "stack": 48}]
     body = body_of(export)
     text = page(facts.report(export, body, []), body, None)
-    assert "| Cortex-M4F, -O2 | `smap_at` | instructions | 200 | 290 |" in text
+    assert "| Cortex-M4F, -O2 | `smap_at` | instructions | 200 | 290 | 48 |" in text
     other = replace(export, channels=("tip_angle",))
     assert facts.counted(other) is None
     assert "Not measured for these tables." in page(facts.report(other, body, []), body, None)
