@@ -25,7 +25,7 @@ CALLS = (
     ("at_i", "`smap_at_i`, the same without floats"),
 )
 THREE = re.compile(r"in [\d.]+ kB of code and [\d,]+ bytes of(\s+)stack")
-MANY = re.compile(r"take [\d.]+ kB, [\d.]+ kB of stack")
+MANY = re.compile(r"take [\d.]+ kB, [\d.]+ kB of stack for a pose \([\d.]+ kB for")
 
 
 def errors(exports: str) -> dict[tuple[str, str, str], str]:
@@ -60,10 +60,16 @@ def table(content: dict[str, Any], exports: str) -> str:
         ("largest error of \\|SD_g\\|, of its range", [known.get(key, "-") for key in keys]),
         *((title, [pair(cell, call) for cell in fast]) for call, title in CALLS),
         ("RAM of a pose, bytes", [f"{cell['pose_bytes']:,}" for cell in fast]),
+        ("stack of `smap_pose`, bytes, `-Os`", [_stack(cell) for cell in small]),
         ("code, bytes, `-Os`", [f"{cell['code']:,}" for cell in small]),
     ]
     body = [f"| {title} | {' | '.join(cells)} |" for title, cells in lines]
     return "\n".join([HEAD, f"|{'---|' * (len(COLUMNS) + 1)}", *body])
+
+
+def _stack(cell: dict[str, Any]) -> str:
+    """Return the bytes of stack of a pose."""
+    return f"{cell['calls']['pose']['stack']:,}"
 
 
 def shown(readme: str, content: dict[str, Any], exports: str) -> str:
@@ -82,4 +88,5 @@ def shown(readme: str, content: dict[str, Any], exports: str) -> str:
 
     said = rf"in {thousands(three['code'])} of code and {three['stack']:,} bytes of\1stack"
     text = THREE.sub(said, text)
-    return MANY.sub(f"take {thousands(many['code'])}, {thousands(many['stack'])} of stack", text)
+    pose, read = (thousands(many["calls"][call]["stack"]) for call in ("pose", "read"))
+    return MANY.sub(f"take {thousands(many['code'])}, {pose} of stack for a pose ({read} for", text)
