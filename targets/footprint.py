@@ -53,10 +53,7 @@ def footprint(
     if board.family == "avr":
         return Footprint(code, *_avr_stack(name, board, folder, run, entries))
     graph = (folder / f"{name}.ci").read_text(encoding="utf-8")
-    stacks = {
-        call: deepest(graph, lambda title, entry=entry: title.endswith(entry), APART)
-        for call, entry in entries.items()
-    }
+    stacks = {call: deepest(graph, entry, APART) for call, entry in entries.items()}
     return Footprint(code, deepest(graph), stacks)
 
 

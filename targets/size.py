@@ -14,7 +14,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -104,13 +104,11 @@ def _sections(text: str) -> Measure:
     return result
 
 
-def deepest(
-    graph: str, begins: Callable[[str], bool] = lambda title: True, without: str = "\n"
-) -> int:
+def deepest(graph: str, entry: str = "", without: str = "\n") -> int:
     """Return the deepest stack of any chain of calls, from GCC's call graph (VCG).
 
-    `begins` tells of a function's title whether a chain begins there; no chain has one whose
-    title contains `without`.
+    Chains begin with functions whose title ends with `entry`; none has one whose title contains
+    `without`.
     """
     own = {
         title: int(size)
@@ -129,7 +127,7 @@ def deepest(
         below = [depth(name, (*seen, title)) for name in further]
         return own.get(title, 0) + max(below, default=0)
 
-    return max((depth(title, ()) for title in own if begins(title)), default=0)
+    return max((depth(title, ()) for title in own if title.endswith(entry)), default=0)
 
 
 def program(config: Mapping[str, int], control: bool = False) -> str:

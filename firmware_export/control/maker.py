@@ -120,7 +120,8 @@ def design(model: Model, wishes: Wishes, grid: bool = False) -> Design:
         return goal.of_postures(model, params, down, home, scale, wishes.convention)
 
     enough = np.maximum(score.max(axis=2), -math.pi) - wishes.within
-    smooth = polished(smooth, enough, (model.lower, model.upper), scale, scored)
+    alike = np.broadcast_to(postures[score.mean(axis=(0, 1)).argmax()], smooth.shape)
+    smooth = polished((smooth, alike), enough, (model.lower, model.upper), scale, scored)
     codes, limit, joints = _coded(model, smooth, limit, _joints(model, wishes, grid))
     policy = Policy(
         codes,

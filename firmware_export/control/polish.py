@@ -2,32 +2,37 @@
 
 Owns the moves and what counts as a loss.  Nodes that are each nearly the best may have a bad
 posture half way; a node moves where all slopes of the cells around it lose less by that, together.
+Moves only go downhill, so it is begun from several tables.  Where many joints may be combined, one
+posture for all slopes is a better beginning than the best of each: of marv, whose flippers turn
+all the way round, the former loses 0.2 deg in the end and the latter 5.3.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from lutgen.vector import Floats
 
-# Slopes of a cell along each side; moves (rad, or parts of a length's axis), one after the other;
-# how often each is tried at most.
-SIDE, MOVES, ROUNDS = 3, (0.2, 0.1, 0.05), 4
+# Slopes of a cell along each side; how often each move is tried at most.
+SIDE, ROUNDS = 3, 2
+# Moves (rad, or parts of a length's axis), one after the other: of every table, and of the one that
+# loses least.
+COARSE, FINE = (0.8, 0.4, 0.2), (0.1, 0.05)
 
 
 def polished(
-    values: Floats,
+    tables: Sequence[Floats],
     best: Floats,
     ends: tuple[Floats, Floats],
     scale: Floats,
     score: Callable[[Floats, Floats], Floats],
 ) -> Floats:
-    """Return the postures (n, n, k) of a table's nodes, moved.
+    """Return the postures (n, n, k) of a table's nodes: of some tables the best, moved.
 
     Parameters
     ----------
-    values : (n, n, k) float64
-        Of the nodes, u first.
+    tables : sequence of (n, n, k) float64
+        To begin from; postures of the nodes, u first.
     best : (n, n) float64
         The score that will do at each node; between them what lies between is wanted.
     ends : ((k,), (k,)) float64
@@ -37,30 +42,31 @@ def polished(
     score : callable
         Of postures (m, k) at places (m, 2) of the table, in parts of its sides: scores (m,).
     """
-    n, k = values.shape[0], values.shape[2]
-    inner = (np.arange(SIDE) + 0.5) / SIDE
+    n = len(best)
     cells = np.stack(np.meshgrid(np.arange(n - 1), np.arange(n - 1), indexing="ij"), axis=-1)
+    inner = (np.arange(SIDE) + 0.5) / SIDE
     parts = np.stack(np.meshgrid(inner, inner, indexing="ij"), axis=-1).reshape(-1, 2)
     cell = np.repeat(cells.reshape(-1, 2), len(parts), axis=0)
     part = np.tile(parts, ((n - 1) ** 2, 1))
-    places = (cell + part) / (n - 1)
     wanted = _between(best[:, :, None], cell, part)[:, 0]
 
     def lost(table: Floats) -> Floats:
-        return np.asarray(np.maximum(wanted - score(_between(table, cell, part), places), 0.0))
+        found = score(_between(table, cell, part), (cell + part) / (n - 1))
+        return np.asarray(np.maximum(wanted - found, 0.0))
 
-    values, now = values.copy(), lost(values)
-    for move in np.array(MOVES):
-        for _ in range(ROUNDS):
-            before = float(now.sum())
-            for axis in range(k):
-                for sign in (-1.0, 1.0):
-                    step = np.zeros(k)
-                    step[axis] = sign * move * scale[axis]
+    def by(moves: Sequence[float], values: Floats) -> tuple[float, Floats]:
+        now = lost(values)
+        for move in moves:
+            for _ in range(ROUNDS):
+                before = float(now.sum())
+                for step in move * np.concatenate([-np.diag(scale), np.diag(scale)]):
                     values, now = _moved(values, now, step, ends, cell, lost)
-            if now.sum() > before - 1e-3 * (abs(before) + 1e-9):
-                break
-    return values
+                if now.sum() > before - 1e-3 * (abs(before) + 1e-9):
+                    break
+        return float(now.sum()), values
+
+    _, values = min((by(COARSE, table) for table in tables), key=lambda found: found[0])
+    return by(FINE, values)[1]
 
 
 def _moved(

@@ -70,12 +70,12 @@ static float smap_doubt(smap_many_work_t *w, uint8_t start, float off)
   for (k = 0; k < w->map->contacts; k++) {
     const float below = 2.0f * off - f->h + smap_extent(w, k, &f->at);
     float here = 0.0f, place[3];
-    uint8_t e = start;
+    uint8_t e = start, left;
     if (!(below > 0.0f)) {
       continue;
     }
     smap_touch(w, k, &f->at, place);
-    do {
+    for (left = w->edges; left > 0; left--) {
       float along[3], arm[3], in[3], apart, lost, size;
       smap_minus(smap_end(w, e), smap_corner(w, e), along);
       smap_minus(place, smap_corner(w, e), arm);
@@ -91,7 +91,11 @@ static float smap_doubt(smap_many_work_t *w, uint8_t start, float off)
       lost = lost < apart ? lost : apart;
       here = lost > here ? lost : here;
       e = w->onward[e];
-    } while (e != start && smap_may(w, &w->left.outlines));
+      if (e == start) {
+        break;
+      }
+    }
+    here = left > 0 ? here : SMAP_PI; /* an outline that does not close: of none that is known */
     most = here > most ? here : most;
   }
   return most;

@@ -105,7 +105,7 @@ static int8_t smap_run_step(const smap_control_t *control, void *memory, const s
   smap_state_memory_t *const state = (smap_state_memory_t *)memory;
   float g[3], ahead[3], still[3], slope[3], target[SMAP_MAX_PARAMS], rate, now;
   uint8_t i;
-  memset(cycle, 0, sizeof *cycle);
+  cycle->poses = cycle->spare = 0;
   smap_keep_command(control, state, sample->posture, command);
   if (smap_run_sane(control, memory, sample) != SMAP_OK) {
     return smap_blind(state, SMAP_INVALID, cycle);
@@ -114,7 +114,7 @@ static int8_t smap_run_step(const smap_control_t *control, void *memory, const s
     g[i] = -state->up[i];
     still[i] = sample->own[i] - sample->up[i];
   }
-  if (!smap_to_unit(still)) {
+  if ((sample->own[0] == 0.0f && sample->own[1] == 0.0f && sample->own[2] == 0.0f) || !smap_to_unit(still)) {
     memcpy(still, g, sizeof g);
   }
   smap_ahead(control, g, sample->rate, ahead);
@@ -125,6 +125,7 @@ static int8_t smap_run_step(const smap_control_t *control, void *memory, const s
     }
   }
   smap_slope_under(&state->here, still, cycle->slope);
+  memcpy(slope, cycle->slope, sizeof slope);
   smap_slope_ahead(control, state, still, sample->rate, cycle->poses, slope);
   if (smap_run_target(control, slope, sample->desired, target) != SMAP_OK) {
     return smap_blind(state, SMAP_INVALID, cycle);

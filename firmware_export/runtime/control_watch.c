@@ -69,16 +69,15 @@ static void smap_ahead(const smap_control_t *control, const float g[3], const fl
   (void)smap_to_unit(ahead);
 }
 
-/* The slope as it will be after the policy's latency, by what the gyroscope feels beside the robot's own lean:
- * where the ground has not turned, the slope stays however the joints move the body.  `made`: whether the pose is of
- * this cycle.  No rate is no gyroscope, and on no plane nothing is known of lean: there it is that of now. */
+/* Turn the slope under gravity g ahead by the policy's latency, by what the gyroscope feels beside the robot's own
+ * lean: where the ground has not turned, the slope stays however the joints move the body.  `made`: whether the pose
+ * is of this cycle.  No rate is no gyroscope, and on no plane nothing is known of lean: there it stays that of now. */
 static void smap_slope_ahead(const smap_control_t *control, smap_state_memory_t *state, const float g[3],
                              const float rate[3], int made, float slope[3])
 {
   const uint8_t had = state->has & SMAP_HAS_NORMAL;
   float up[3], before[3], ground[3], ahead[3];
   uint8_t i;
-  smap_slope_under(&state->here, g, slope);
   if (state->since < 255) {
     state->since++;
   }

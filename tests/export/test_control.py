@@ -225,10 +225,27 @@ def test_between_its_nodes_a_polished_table_loses_less_than_before() -> None:
     u, v = np.meshgrid(*[np.linspace(0.0, 1.0, 4)] * 2, indexing="ij")
     before = (np.sin(6.0 * u) + v)[:, :, None]
     best, ends, scale = np.full((4, 4), -0.02), (np.full(1, -2.0), np.full(1, 3.0)), np.ones(1)
-    after = polished(before, best, ends, scale, score)
+    after = polished([before], best, ends, scale, score)
     places = np.random.default_rng(1).random((4000, 2))
     lost = [-score(_at(table, places), places).mean() for table in (before, after)]
     assert lost[1] < 0.8 * lost[0]
+
+
+def test_a_table_begins_from_one_posture_where_the_best_of_nodes_have_bad_ones_between() -> None:
+    def score(params: Floats, places: Floats) -> Floats:
+        return -np.abs(np.abs(params[:, 0]) - 2.0 - 0.2 * places[:, 0])
+
+    u = np.meshgrid(*[np.linspace(0.0, 1.0, 5)] * 2, indexing="ij")[0]
+    swings = ((2.0 + 0.2 * u) * (-1.0) ** np.add.outer(range(5), range(5)))[:, :, None]
+    alike, best = np.full((5, 5, 1), -2.0), np.zeros((5, 5))
+    ends, scale = (np.full(1, -3.0), np.full(1, 3.0)), np.ones(1)
+    places = np.random.default_rng(2).random((4000, 2))
+    lost = [
+        -score(_at(polished(tables, best, ends, scale, score), places), places).mean()
+        for tables in ([swings], [alike], [swings, alike])
+    ]
+    assert lost[2] == lost[1] < 0.03
+    assert lost[0] > 3.0 * lost[1]
 
 
 def _at(table: Floats, places: Floats) -> Floats:

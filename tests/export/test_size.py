@@ -26,11 +26,8 @@ def test_the_stack_is_that_of_the_deepest_chain_of_calls() -> None:
 
 
 def test_the_stack_of_a_call_has_no_chain_that_it_never_takes() -> None:
-    def begins(title: str) -> bool:
-        return title == "smap_read"
-
-    assert size_measure.deepest(GRAPH, begins, without="facet") == 64 + 8
-    assert size_measure.deepest(GRAPH, lambda title: title.endswith("facet")) == 40 + 8
+    assert size_measure.deepest(GRAPH, "smap_read", without="facet") == 64 + 8
+    assert size_measure.deepest(GRAPH, "facet") == 40 + 8
 
 
 def test_a_recursion_is_found() -> None:
