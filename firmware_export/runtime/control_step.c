@@ -91,11 +91,11 @@ static void smap_decide(const smap_control_t *control, smap_state_memory_t *stat
   if (cycle->move == SMAP_HELD) {
     cycle->least = cycle->tip;
     state->has &= (uint8_t)~SMAP_HAS_SWEPT; /* a smaller box may do */
-    for (i = 0; i < smap_joints(control); i++) {
-      command[i] = smap_on_axis(control, i, sample->posture[i]);
-    }
   } else if (there && cycle->move == SMAP_MOVES) {
-    cycle->move = SMAP_RESTS;
+    cycle->move = SMAP_RESTS; /* near enough: a smaller step would be felt by the gyroscope, and answered */
+  }
+  for (i = 0; i < smap_joints(control) && (cycle->move == SMAP_HELD || cycle->move == SMAP_RESTS); i++) {
+    command[i] = smap_on_axis(control, i, sample->posture[i]);
   }
 }
 

@@ -31,12 +31,16 @@ static int smap_toward(const smap_control_t *control, const float *posture, cons
 
 #if SMAP_MANY
 /* Whether the pose that is there will do: a posture that is near needs none, nor one that is to wait for
- * its turn, since a cycle makes one pose. */
-static int smap_is_seen(const smap_control_t *control, const smap_state_memory_t *state, const float *posture)
+ * its turn, since a cycle makes one pose.  One that is near does not turn the body either. */
+static int smap_is_seen(const smap_control_t *control, smap_state_memory_t *state, const float *posture)
 {
   uint8_t i, near = 1;
   for (i = 0; i < smap_joints(control); i++) {
     near = near && smap_absolute(posture[i] - state->at[i]) <= smap_joint(control, i, SMAP_JOINT_NEAR);
+  }
+  if (near) {
+    state->lean[0] = state->lean[1] = state->lean[2] = 0.0f;
+    state->since = 0;
   }
   return (state->has & SMAP_HAS_HERE) && (near || (state->later && SMAP_POLICY(control)[SMAP_POLICY_POSES] < 2));
 }
@@ -85,7 +89,7 @@ static uint8_t smap_find_way(const smap_control_t *control, smap_state_memory_t 
   return more;
 }
 #else
-static int smap_is_seen(const smap_control_t *control, const smap_state_memory_t *state, const float *posture)
+static int smap_is_seen(const smap_control_t *control, smap_state_memory_t *state, const float *posture)
 {
   (void)control;
   (void)state;
