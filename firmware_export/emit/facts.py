@@ -220,7 +220,7 @@ def _policy(export: Export, body: CBody) -> dict[str, Any] | None:
         return None
     packed = policy.packed(describe(export, body).bytes)
     # Behind an address: joints, some numbers, the pose with its address, the pose of a box.
-    state = 4 * max(export.model.k, 1) + 13 + 3 + body.pose[0] + body.swept + 2
+    state = 4 * max(export.model.k, 1) + 16 + 3 + body.pose[0] + body.swept + 2
     return {
         "bytes": len(packed),
         "table_bytes": policy.table_bytes,

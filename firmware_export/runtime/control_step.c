@@ -103,9 +103,10 @@ static int8_t smap_run_step(const smap_control_t *control, void *memory, const s
                             float *command, smap_cycle_t *cycle)
 {
   smap_state_memory_t *const state = (smap_state_memory_t *)memory;
-  float g[3], ahead[3], still[3], slope[3], target[SMAP_MAX_PARAMS], rate, now;
-  uint8_t i;
+  float g[3], ahead[3], still[3], target[SMAP_MAX_PARAMS], rate, now;
+  uint8_t i, seen;
   cycle->poses = cycle->spare = 0;
+  state->since = (uint8_t)(state->since < 255 ? state->since + 1 : 255);
   smap_keep_command(control, state, sample->posture, command);
   if (smap_run_sane(control, memory, sample) != SMAP_OK) {
     return smap_blind(state, SMAP_INVALID, cycle);
@@ -118,16 +119,19 @@ static int8_t smap_run_step(const smap_control_t *control, void *memory, const s
     memcpy(still, g, sizeof g);
   }
   smap_ahead(control, g, sample->rate, ahead);
-  if (!smap_is_seen(control, state, sample->posture)) {
+  seen = smap_is_seen(control, state, sample->posture);
+  if (seen == SMAP_UNSEEN) {
     cycle->poses = 1;
     if (!smap_look(control, state, sample->posture)) {
       return smap_blind(state, state->here.head.status, cycle);
     }
   }
   smap_slope_under(&state->here, still, cycle->slope);
-  memcpy(slope, cycle->slope, sizeof slope);
-  smap_slope_ahead(control, state, still, sample->rate, cycle->poses, slope);
-  if (smap_run_target(control, slope, sample->desired, target) != SMAP_OK) {
+  if (seen != SMAP_WAITS) { /* of a posture that has no pose yet the slope is that of the last */
+    memcpy(state->slope, cycle->slope, sizeof state->slope);
+    smap_slope_ahead(control, state, still, sample->rate, cycle->poses, state->slope);
+  }
+  if (smap_run_target(control, state->slope, sample->desired, target) != SMAP_OK) {
     return smap_blind(state, SMAP_INVALID, cycle);
   }
   now = smap_tip_of(&state->here, g);

@@ -66,11 +66,12 @@ typedef struct {
 #endif
 
 /* A state.  `here` is the pose of the posture `at`; `swept` holds for all within `half` of `mid`.  `normal`: of the
- * plane on which the robot stood `since` cycles ago; `lean`: how fast it has turned the body by its joints, rad/s. */
+ * plane on which the robot stood `since` cycles ago; `lean`: how fast it has turned the body by its joints, rad/s;
+ * `slope`: by which the table was asked last. */
 typedef struct {
   const smap_control_t *control;
   float command[SMAP_MAX_PARAMS], at[SMAP_MAX_PARAMS], mid[SMAP_MAX_PARAMS], half[SMAP_MAX_PARAMS];
-  float up[3], part, turned, normal[3], lean[3];
+  float up[3], part, turned, normal[3], lean[3], slope[3];
   uint8_t has, level, later;
   uint8_t calm, stuck, only, since, spare; /* only: the joint that moves, or SMAP_ALL */
   smap_pose_memory_t here;

@@ -78,9 +78,6 @@ static void smap_slope_ahead(const smap_control_t *control, smap_state_memory_t 
   const uint8_t had = state->has & SMAP_HAS_NORMAL;
   float up[3], before[3], ground[3], ahead[3];
   uint8_t i;
-  if (state->since < 255) {
-    state->since++;
-  }
   if (made) {
     state->has &= (uint8_t)~SMAP_HAS_NORMAL;
     if (SMAP_GRID || !smap_upright(&state->here, g, up) || !smap_are_finite(up, 3)) {

@@ -29,20 +29,24 @@ static int smap_toward(const smap_control_t *control, const float *posture, cons
   return there;
 }
 
+enum { SMAP_UNSEEN, SMAP_WAITS, SMAP_STAYS };
+
 #if SMAP_MANY
-/* Whether the pose that is there will do: a posture that is near needs none, nor one that is to wait for
- * its turn, since a cycle makes one pose.  One that is near does not turn the body either. */
-static int smap_is_seen(const smap_control_t *control, smap_state_memory_t *state, const float *posture)
+/* Whether the pose that is there will do: a posture that is near needs none (SMAP_STAYS), nor one that is to wait
+ * for its turn, since a cycle makes one pose.  One that is near does not turn the body either. */
+static uint8_t smap_is_seen(const smap_control_t *control, smap_state_memory_t *state, const float *posture)
 {
-  uint8_t i, near = 1;
+  uint8_t i, near = (state->has & SMAP_HAS_HERE) != 0;
   for (i = 0; i < smap_joints(control); i++) {
     near = near && smap_absolute(posture[i] - state->at[i]) <= smap_joint(control, i, SMAP_JOINT_NEAR);
   }
   if (near) {
     state->lean[0] = state->lean[1] = state->lean[2] = 0.0f;
     state->since = 0;
+    return SMAP_STAYS;
   }
-  return (state->has & SMAP_HAS_HERE) && (near || (state->later && SMAP_POLICY(control)[SMAP_POLICY_POSES] < 2));
+  return (state->has & SMAP_HAS_HERE) && state->later && SMAP_POLICY(control)[SMAP_POLICY_POSES] < 2 ? SMAP_WAITS
+                                                                                                     : SMAP_UNSEEN;
 }
 
 /* Whether two postures are in the box whose pose is there. */
@@ -89,12 +93,12 @@ static uint8_t smap_find_way(const smap_control_t *control, smap_state_memory_t 
   return more;
 }
 #else
-static int smap_is_seen(const smap_control_t *control, smap_state_memory_t *state, const float *posture)
+static uint8_t smap_is_seen(const smap_control_t *control, smap_state_memory_t *state, const float *posture)
 {
   (void)control;
   (void)state;
   (void)posture;
-  return 0;
+  return SMAP_UNSEEN;
 }
 
 static uint8_t smap_find_way(const smap_control_t *control, smap_state_memory_t *state, const float *posture,
