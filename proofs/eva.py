@@ -29,10 +29,7 @@ __all__ = [
 OPTIONS = (
     *("-eva", "-eva-slevel", "100", "-eva-ilevel", "64", "-eva-auto-loop-unroll", "300"),
     *("-eva-split-return", "auto"),
-    *(
-        "-eva-split-return-function",
-        "smap_run_pose:0,smap_run_pose_q:0,smap_pose_floats:0,smap_pose_whole:0",
-    ),
+    *("-eva-split-return-function", "smap_run_pose:0,smap_run_pose_q:0"),
     *("-warn-special-float", "none", "-machdep", "gcc_x86_32"),
     *("-main", "prove"),
 )
