@@ -26,6 +26,8 @@ from lutgen.vector import Floats
 
 GALLERY = Path(__file__).resolve().parent.parent / "maps"
 G0 = 9.80665
+# Cycles on a fixed slope: joints that move alone, by small steps, take thousands.
+LONG = 8000
 # rad: what singles may round of a tip angle.
 ROUNDED = 2e-5
 
@@ -283,7 +285,7 @@ def attacked(name: str, part: float) -> str:
     one = robot(name)
     ways = transits(one, round(part * CASES["transits"]))
     broken = damaged(one, round(part * CASES["damaged"]))
-    fixed = fixed_slopes(one, round(part * CASES["slopes"]))
+    fixed = fixed_slopes(one, round(part * CASES["slopes"]), LONG)
     hard = budgets(one, round(part * CASES["budgets"]))
     wild = bits(one, round(part * CASES["bits"] / 4))
     numbers = [
