@@ -36,8 +36,8 @@ ASKED = (
     Asked("gravity_2d_integer", "m4f", "read", 110),
     Asked("gravity_2d_integer", "m3", "read", 110),
 )
-# Bytes on a Cortex-M4F: of code with -Os, of the deepest stack (that of a whole read) and of a
-# pose with floats, of a pose in both forms and of integers alone.
+# Bytes on a Cortex-M4F: of code with -Os, of the deepest stack (that of integers alone) and of
+# a pose with floats, of a pose in both forms and of integers alone.
 BYTES = {
     "marv": {
         "code": 3_000,

@@ -85,6 +85,11 @@ class Job:
         """The calls that are counted, each with the letter that the image says it by."""
         return calls_of(self.floats, self.integers)
 
+    @property
+    def entries(self) -> dict[str, str]:
+        """The functions of smap.c that answer those calls."""
+        return {call: entry_of(call, self.floats) for call in self.calls}
+
 
 @dataclass(frozen=True)
 class Outcome:
@@ -195,8 +200,7 @@ def execute(job: Job, board: Board, optimise: str) -> Outcome:
             shutil.copy(HERE / path, folder)
         flags = [*board.flags, optimise, "-ffunction-sections", "-fdata-sections", "-I."]
         flags += [f"-I{HERE / 'wasm'}"] if board.family == "wasm" else []
-        entries = {call: entry_of(call, job.floats) for call in job.calls}
-        size = footprint(job.name, board, flags, folder, build, run, entries)
+        size = footprint(job.name, board, flags, folder, build, run, job.entries)
         room = _room(job, board, flags, folder, size)
         value, counts, at = START, {call: list[int]() for call in job.calls}, 0
         said = dict[str, int]()

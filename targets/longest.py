@@ -18,7 +18,7 @@ from lutgen.errors import LutgenError
 from targets import queries
 from targets.boards import board
 from targets.cases import COUNTED_ONCE, cases
-from targets.image import CellError, build, compiler, entry_of, execute, run
+from targets.image import CellError, build, compiler, execute, run
 from targets.loops import shape_of
 from targets.run import FEWER, Row, chosen, prepared
 from targets.tables import columns
@@ -49,8 +49,7 @@ def bounded(row: Row) -> dict[str, int]:
         tool = [f"{on.prefix}objdump", "-dl", "--no-show-raw-insn", "image.elf"]
         listing = run(tool, folder).stdout
     source = (job.folder / "smap.c").read_text(encoding="utf-8")
-    entries = {call: entry_of(call, job.floats) for call in job.calls}
-    return bound(listing, source, shape_of(row.export), entries)
+    return bound(listing, source, shape_of(row.export), job.entries)
 
 
 def measured(row: Row, reads: int) -> dict[str, int]:

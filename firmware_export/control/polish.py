@@ -48,11 +48,11 @@ def polished(
     parts = np.stack(np.meshgrid(inner, inner, indexing="ij"), axis=-1).reshape(-1, 2)
     cell = np.repeat(cells.reshape(-1, 2), len(parts), axis=0)
     part = np.tile(parts, ((n - 1) ** 2, 1))
+    places = (cell + part) / (n - 1)
     wanted = _between(best[:, :, None], cell, part)[:, 0]
 
     def lost(table: Floats) -> Floats:
-        found = score(_between(table, cell, part), (cell + part) / (n - 1))
-        return np.asarray(np.maximum(wanted - found, 0.0))
+        return np.asarray(np.maximum(wanted - score(_between(table, cell, part), places), 0.0))
 
     def by(moves: Sequence[float], values: Floats) -> tuple[float, Floats]:
         now = lost(values)
