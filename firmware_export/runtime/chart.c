@@ -20,7 +20,7 @@ SMAP_INLINE int8_t smap_direction(const smap_t *map, const float gravity[3], flo
   float depth = -gravity[2];
   uint8_t i;
   if (!cone) {
-    SMAP_UNROLL
+    SMAP_THRICE
     for (i = 0; i < 3; i++) {
       const float size = smap_absolute(gravity[i]);
       if (!smap_is_finite(size)) {
@@ -39,7 +39,7 @@ SMAP_INLINE int8_t smap_direction(const smap_t *map, const float gravity[3], flo
     }
     return any != 0 ? (int8_t)SMAP_OFF_CHART : (int8_t)SMAP_INVALID;
   }
-  SMAP_UNROLL
+  SMAP_THRICE
   for (i = 0; i < 3; i++) {
     d[i] = cone && i == 2 ? -1.0f : gravity[i] / depth;
     if (cone && SMAP_RARELY(i < 2 && !smap_is_within(d[i], smap_f32(blob + SMAP_AT_LIMIT)))) {
@@ -85,7 +85,7 @@ SMAP_INLINE int8_t smap_direction_i(const smap_t *map, const int16_t gravity[3],
   const smap_bytes_t blob = SMAP_BLOB(map);
   uint32_t size[3], longest = 0, shift;
   uint8_t i;
-  SMAP_UNROLL
+  SMAP_THRICE
   for (i = 0; i < 3; i++) {
     g[i] = gravity[i];
     size[i] = (uint32_t)(g[i] < 0 ? -g[i] : g[i]);
@@ -100,7 +100,7 @@ SMAP_INLINE int8_t smap_direction_i(const smap_t *map, const int16_t gravity[3],
   for (shift = 0; longest << shift < 16384u; shift++) { /* at most 14 times */
   }
 #endif
-  SMAP_UNROLL
+  SMAP_THRICE
   for (i = 0; i < 3; i++) {
     g[i] *= (int32_t)1 << shift;
     size[i] <<= shift;

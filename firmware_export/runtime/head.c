@@ -49,6 +49,13 @@
 #define SMAP_RARELY(condition) (condition)
 #endif
 
+/* Three coordinates become straight code in any case. */
+#if defined(__GNUC__) && !defined(__clang__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
+#define SMAP_THRICE _Pragma("GCC unroll 3")
+#else
+#define SMAP_THRICE
+#endif
+
 /* Stays a function, so that its calls can be counted (the bound of a pose rests on it). */
 #if defined(__GNUC__)
 #define SMAP_APART __attribute__((__noinline__))

@@ -93,37 +93,62 @@ static int smap_within(const smap_many_pose_t *o, uint8_t side, const float g[3]
   return !s->inwards;
 }
 
-/* Whether a direction stands or rocks that pierces facet f first.  Beyond an edge of it is a strip,
- * and where planes are all but one it may lie on the facet at the far end.  The guard may be wide, for
- * a com in a ball: nearer to an edge than that the robot may rock. */
-static int smap_verdict(const smap_many_pose_t *o, uint8_t f, const float g[3])
+/* The first edge of a facet that a direction lies beyond, or the one after its last; and the least
+ * distance (sine) of it from an edge, and from which. */
+static inline uint8_t smap_first_beyond(const smap_many_pose_t *o, uint8_t f, const float g[3],
+                                        float *least, uint8_t *which)
 {
-  uint8_t left, e;
+  const uint8_t end = o->at.edge[f + 1];
+  const float hair = o->hair;
+  uint8_t e;
+  *least = 1.0f;
+  for (e = o->at.edge[f]; e < end; e++) {
+    const float in = smap_dot(o->wall[e], g);
+    if (!(in >= *least)) {
+      if (!(in >= hair)) {
+        break;
+      }
+      *least = in;
+      *which = e;
+    }
+  }
+  return e;
+}
+
+/* What a direction on a facet reads, `least` from the nearest edge.  The guard may be wide, for a com
+ * in a ball: nearer to an edge than that the robot may rock. */
+static inline int smap_on_facet(const smap_many_pose_t *o, uint8_t f, float least)
+{
+  return o->at.kind[f] != SMAP_REST ? SMAP_TIPS : least < o->guard ? SMAP_ROCKS : SMAP_OK;
+}
+
+/* The same of a direction that pierces facet f first, and lies beyond its edge e.  There is a strip, and
+ * where planes are all but one the direction may lie on the facet at the far end. */
+SMAP_APART static int smap_beyond(const smap_many_pose_t *o, uint8_t f, uint8_t e, const float g[3])
+{
+  uint8_t left, which;
+  float least;
   for (left = 4; left > 0; left--) {
-    uint8_t beyond = 0, near = 0, to = SMAP_NONE;
-    for (e = o->at.edge[f]; e < o->at.edge[f + 1]; e++) {
+    uint8_t to = SMAP_NONE;
+    for (; e < o->at.edge[f + 1]; e++) {
       const smap_rim_t *rim = &o->at.rim[e];
-      const float in = smap_dot(o->wall[rim->wall], g);
-      if (in >= o->hair) {
-        near = near || in < o->guard;
+      if (rim->side == SMAP_NONE || smap_dot(o->wall[e], g) >= o->hair) {
         continue;
       }
-      beyond = 1;
-      if (rim->side != SMAP_NONE) {
-        if (smap_dot(o->wall[rim->back], g) >= o->hair) {
-          to = rim->to;
-        } else if (smap_within(o, rim->side, g) && smap_within(o, (uint8_t)(rim->side + 1u), g)) {
-          return SMAP_ROCKS;
-        }
+      if (smap_dot(o->wall[rim->back], g) >= o->hair) {
+        to = rim->to;
+      } else if (smap_within(o, rim->side, g) && smap_within(o, (uint8_t)(rim->side + 1u), g)) {
+        return SMAP_ROCKS;
       }
     }
-    if (!beyond) {
-      return o->at.kind[f] != SMAP_REST ? SMAP_TIPS : near ? SMAP_ROCKS : SMAP_OK;
-    }
-    if (to == SMAP_NONE) {
+    if (to == SMAP_NONE || left == 1) {
       return SMAP_TIPS;
     }
     f = to;
+    e = smap_first_beyond(o, f, g, &least, &which);
+    if (e == o->at.edge[f + 1]) {
+      return smap_on_facet(o, f, least);
+    }
   }
   return SMAP_TIPS;
 }
@@ -133,7 +158,7 @@ static smap_status_t smap_many_at(const smap_many_pose_t *o, const float gravity
   const float size = 1.0f / smap_root(smap_dot(gravity, gravity));
   const float g[3] = {gravity[0] * size, gravity[1] * size, gravity[2] * size};
   float rate = 0.0f, tip;
-  uint8_t i, best = SMAP_NONE, which = 0;
+  uint8_t i, best = SMAP_NONE, edge, nearest = 0, which;
   int status;
   out->sdg = out->height = SMAP_NAN;
   out->tip_angle = -1.5707964f;
@@ -148,8 +173,12 @@ static smap_status_t smap_many_at(const smap_many_pose_t *o, const float gravity
   if (!o->at.alive || best == SMAP_NONE) {
     return SMAP_TIPS;
   }
-  status = smap_verdict(o, best, g);
-  tip = smap_boundary(o, best, g, status != SMAP_TIPS, &which);
+  edge = smap_first_beyond(o, best, g, &tip, &nearest);
+  which = nearest;
+  status = edge == o->at.edge[best + 1] ? smap_on_facet(o, best, tip) : smap_beyond(o, best, edge, g);
+  if (status == SMAP_TIPS || !o->at.alone[best]) {
+    tip = smap_boundary(o, best, g, status != SMAP_TIPS, &which);
+  }
   if (tip < 1.0f) {
     out->over[0] = o->at.over[which][0];
     out->over[1] = o->at.over[which][1];
@@ -163,7 +192,7 @@ static smap_status_t smap_many_at(const smap_many_pose_t *o, const float gravity
   out->height = o->height[best];
   {
     float d[3], reach = 1.0f / rate;
-    SMAP_UNROLL
+    SMAP_THRICE
     for (i = 0; i < 3; i++) {
       d[i] = reach * g[i] - o->centre[best][i];
     }

@@ -31,7 +31,7 @@ static int16_t smap_rounded_i(float x)
 static void smap_scale_i(const float from[3], float scale, int16_t to[3])
 {
   uint8_t k;
-  SMAP_UNROLL
+  SMAP_THRICE
   for (k = 0; k < 3; k++) {
     to[k] = smap_rounded_i(from[k] * scale);
   }
@@ -42,7 +42,7 @@ static void smap_units_i(const float (*from)[3], uint8_t n, int16_t (*to)[3])
 {
   uint8_t i, k;
   for (i = 0; i < n; i++) {
-    SMAP_UNROLL
+    SMAP_THRICE
     for (k = 0; k < 3; k++) {
       to[i][k] = (int16_t)((int32_t)(from[i][k] * (float)SMAP_ONE_I + 32768.5f) - 32768);
     }
@@ -168,9 +168,10 @@ static int32_t smap_nearest_i(const smap_many_pose_i_t *o, const smap_segment_t 
                               const smap_segment_t *end, const int32_t g[3], int inside,
                               int32_t top, int32_t least, uint8_t *which)
 {
+  const int32_t h[3] = {g[0], g[1], g[2]}; /* no store can alter it */
   for (; s < end; s++) {
-    const int16_t *n = o->wall[s->wall], *p = o->point[s->stop];
-    int32_t away = smap_dot_i(n, g), c[3];
+    const int16_t *n = o->wall[s->wall], *p;
+    int32_t away = smap_dot_i(n, h), c[3];
     if (away >= top) {
       continue;
     }
@@ -180,15 +181,16 @@ static int32_t smap_nearest_i(const smap_many_pose_i_t *o, const smap_segment_t 
         continue;
       }
     }
-    smap_cross_i(g, n, c);
+    p = o->point[s->stop];
+    smap_cross_i(h, n, c);
     c[0] >>= 16;
     c[1] >>= 16;
     c[2] >>= 16;
     if (smap_dot_i(p, c) > 0) {
-      if ((inside && !s->bent) || smap_dot_i(p, g) <= 0) {
+      if ((inside && !s->bent) || smap_dot_i(p, h) <= 0) {
         continue;
       }
-      smap_cross_i(g, p, c);
+      smap_cross_i(h, p, c);
       if (smap_is_far_i(c, least)) {
         continue;
       }
@@ -244,38 +246,63 @@ static int smap_within_i(const smap_layout_t *at, const smap_many_pose_i_t *o, u
   return !s->inwards;
 }
 
-/* As smap_verdict. */
-static int smap_verdict_i(const smap_layout_t *at, const smap_many_pose_i_t *o, uint8_t f,
-                          const int32_t g[3], int32_t length)
+/* As smap_first_beyond. */
+static inline uint8_t smap_first_beyond_i(const smap_layout_t *at, const smap_many_pose_i_t *o,
+                                          uint8_t f, const int32_t g[3], int32_t hair,
+                                          int32_t *least, uint8_t *which)
+{
+  const uint8_t end = at->edge[f + 1];
+  uint8_t e;
+  for (e = at->edge[f]; e < end; e++) {
+    const int32_t in = smap_dot_i(o->wall[e], g);
+    if (in < *least) {
+      if (in < hair) {
+        break;
+      }
+      *least = in;
+      *which = e;
+    }
+  }
+  return e;
+}
+
+/* As smap_on_facet. */
+static inline int smap_on_facet_i(const smap_layout_t *at, const smap_many_pose_i_t *o, uint8_t f,
+                                  int32_t least, int32_t length)
+{
+  return at->kind[f] != SMAP_REST ? SMAP_TIPS : least < o->guard * length ? SMAP_ROCKS : SMAP_OK;
+}
+
+/* As smap_beyond. */
+SMAP_APART static int smap_beyond_i(const smap_layout_t *at, const smap_many_pose_i_t *o, uint8_t f,
+                                    uint8_t e, const int32_t g[3], int32_t length)
 {
   const int32_t hair = o->hair * length, slack = o->slack * length;
-  uint8_t left, e;
+  uint8_t left, which;
+  int32_t least;
   for (left = 4; left > 0; left--) {
-    uint8_t beyond = 0, near = 0, to = SMAP_NONE;
-    for (e = at->edge[f]; e < at->edge[f + 1]; e++) {
+    uint8_t to = SMAP_NONE;
+    for (; e < at->edge[f + 1]; e++) {
       const smap_rim_t *rim = &at->rim[e];
-      const int32_t in = smap_dot_i(o->wall[rim->wall], g);
-      if (in >= hair) {
-        near = near || in < o->guard * length;
+      if (rim->side == SMAP_NONE || smap_dot_i(o->wall[e], g) >= hair) {
         continue;
       }
-      beyond = 1;
-      if (rim->side != SMAP_NONE) {
-        if (smap_dot_i(o->wall[rim->back], g) >= hair) {
-          to = rim->to;
-        } else if (smap_within_i(at, o, rim->side, g, slack) &&
-                   smap_within_i(at, o, (uint8_t)(rim->side + 1u), g, slack)) {
-          return SMAP_ROCKS;
-        }
+      if (smap_dot_i(o->wall[rim->back], g) >= hair) {
+        to = rim->to;
+      } else if (smap_within_i(at, o, rim->side, g, slack) &&
+                 smap_within_i(at, o, (uint8_t)(rim->side + 1u), g, slack)) {
+        return SMAP_ROCKS;
       }
     }
-    if (!beyond) {
-      return at->kind[f] != SMAP_REST ? SMAP_TIPS : near ? SMAP_ROCKS : SMAP_OK;
-    }
-    if (to == SMAP_NONE) {
+    if (to == SMAP_NONE || left == 1) {
       return SMAP_TIPS;
     }
     f = to;
+    least = SMAP_ONE_I * (length - 1);
+    e = smap_first_beyond_i(at, o, f, g, hair, &least, &which);
+    if (e == at->edge[f + 1]) {
+      return smap_on_facet_i(at, o, f, least, length);
+    }
   }
   return SMAP_TIPS;
 }
@@ -291,7 +318,7 @@ static uint16_t smap_sdg_i(const smap_many_pose_i_t *o, uint8_t f, const int32_t
   shift = (int8_t)(shift + 16 - k);
   rate = k > 16 ? rate >> (k - 16) : (int32_t)((uint32_t)rate << (16 - k));
   factor = ((uint32_t)o->mantissa << 15) / (uint32_t)rate; /* 2^14 to 2^16 */
-  SMAP_UNROLL
+  SMAP_THRICE
   for (k = 0; k < 3; k++) {
     int32_t v = g[k] * (int32_t)(factor >> 1);
     const int8_t by = (int8_t)(shift + 1);
@@ -317,8 +344,8 @@ static smap_status_t smap_many_at_i(const smap_layout_t *at, const smap_many_pos
                                     const int32_t g[3], uint32_t length, smap_reading_i_t *out)
 {
   const int32_t size = (int32_t)length, all = SMAP_ONE_I * (size - 1);
-  int32_t rate = 0, least;
-  uint8_t i, best = SMAP_NONE, which = 0;
+  int32_t rate = 0, least = all;
+  uint8_t i, best = SMAP_NONE, edge, nearest = 0, which;
   int status;
   out->sdg = out->height = 65535u;
   out->tip = -SMAP_ONE_I;
@@ -333,8 +360,13 @@ static smap_status_t smap_many_at_i(const smap_layout_t *at, const smap_many_pos
   if (best == SMAP_NONE) {
     return SMAP_TIPS;
   }
-  status = smap_verdict_i(at, o, best, g, size);
-  least = smap_boundary_i(at, o, best, g, status != SMAP_TIPS, all, &which);
+  edge = smap_first_beyond_i(at, o, best, g, o->hair * size, &least, &nearest);
+  which = nearest;
+  status = edge == at->edge[best + 1] ? smap_on_facet_i(at, o, best, least, size)
+                                      : smap_beyond_i(at, o, best, edge, g, size);
+  if (status == SMAP_TIPS || !at->alone[best]) {
+    least = smap_boundary_i(at, o, best, g, status != SMAP_TIPS, all, &which);
+  }
   if (least < all) {
     out->over[0] = at->over[which][0];
     out->over[1] = at->over[which][1];

@@ -166,8 +166,8 @@ static int8_t smap_run_at_i(const void *pose, const int16_t *gravity, smap_readi
   if (SMAP_RARELY(status != SMAP_OK)) {
     return smap_deny_i(out, status);
   }
-  status = (int8_t)(whole ? smap_many_at_i(&alone->at, &alone->whole, g, length, out)
-                          : smap_many_at_i(&both->real.at, &both->rest.whole, g, length, out));
+  status = (int8_t)smap_many_at_i(whole ? &alone->at : &both->real.at,
+                                  whole ? &alone->whole : &both->rest.whole, g, length, out);
   out->over[0] = smap_many_named(head->map, out->over[0]);
   out->over[1] = smap_many_named(head->map, out->over[1]);
   if (status != SMAP_OK && status != SMAP_ROCKS) {

@@ -12,7 +12,7 @@ static void smap_touch(const smap_many_work_t *w, uint8_t i, const smap_aim_t *a
   if (axle[0] != 0.0f || axle[1] != 0.0f || axle[2] != 0.0f) {
     r = r / smap_root(flat > 1e-6f ? flat : 1e-6f);
   }
-  SMAP_UNROLL
+  SMAP_THRICE
   for (k = 0; k < 3; k++) {
     out[k] = w->p[i][k] + r * (at->n[k] - along * axle[k]);
   }
@@ -24,7 +24,7 @@ static void smap_aim(smap_aim_t *o, const float v[3])
   const float size = 1.0f / smap_root(smap_dot(v, v));
   uint8_t k;
   o->s = o->c = 0.0f;
-  SMAP_UNROLL
+  SMAP_THRICE
   for (k = 0; k < 3; k++) {
     o->n[k] = v[k] * size;
   }
@@ -43,7 +43,7 @@ static void smap_on_arc(const smap_many_work_t *w, uint8_t i, uint8_t j, const s
     smap_touch(w, j, out, q);
     smap_minus(p, q, v);
     higher = smap_dot(v, out->n);
-    SMAP_UNROLL
+    SMAP_THRICE
     for (k = 0; k < 3; k++) {
       v[k] -= higher * out->n[k];
     }
@@ -51,7 +51,7 @@ static void smap_on_arc(const smap_many_work_t *w, uint8_t i, uint8_t j, const s
     if (!(size > 0.0f)) {
       return;
     }
-    SMAP_UNROLL
+    SMAP_THRICE
     for (k = 0; k < 3; k++) {
       v[k] = out->n[k] - v[k] * (higher / size);
     }

@@ -26,7 +26,7 @@ static void smap_show(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start)
     w->failed = 1;
     return;
   }
-  SMAP_UNROLL
+  SMAP_THRICE
   for (k = 0; k < 3; k++) {
     o->plane[at][k] = f->at.n[k] / f->h;
     o->centre[at][k] = f->centre[k];
@@ -35,6 +35,7 @@ static void smap_show(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start)
   o->at.kind[at] = f->kind;
   o->at.island[at] = at;
   o->at.begin[at] = 0;
+  o->at.alone[at] = 1;
   do {
     w->facet[w->owner[e]].shown = at;
     smap_cross(smap_corner(w, e), smap_end(w, e), wall);
@@ -42,7 +43,6 @@ static void smap_show(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start)
     w->point_of[e] = smap_add_point(w, o, smap_corner(w, e));
     if (smap_dot(wall, wall) > 1e-14f * w->map->size * w->map->size * w->map->size * w->map->size) {
       w->wall_of[e] = smap_add_wall(w, o, wall, w->vertex[e], w->vertex[w->next[e]]);
-      o->at.rim[n].wall = w->wall_of[e];
       o->at.rim[n++].side = e; /* until the sides are known */
     }
     e = w->onward[e];
@@ -63,9 +63,10 @@ static void smap_add_strips(smap_many_work_t *w, smap_many_pose_t *o)
 {
   uint8_t e, k;
   for (e = smap_to_strip(w, 0); e < w->edges && !w->failed; e = smap_to_strip(w, (uint8_t)(e + 1u))) {
-    const uint8_t a = o->at.island[w->facet[w->owner[e]].shown];
-    const uint8_t b = o->at.island[w->facet[w->owner[w->twin[e]]].shown];
+    const uint8_t from = w->facet[w->owner[e]].shown, to = w->facet[w->owner[w->twin[e]]].shown;
+    const uint8_t a = o->at.island[from], b = o->at.island[to];
     if (smap_add_sides(w, o, e)) {
+      o->at.alone[from] = o->at.alone[to] = 0;
       for (k = 0; k < o->at.shown; k++) {
         o->at.island[k] = o->at.island[k] == b ? a : o->at.island[k];
       }

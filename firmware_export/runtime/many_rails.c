@@ -263,7 +263,7 @@ static uint8_t smap_triangle(smap_many_work_t *w, float s, float c, const uint8_
       !smap_enter(w, &at, h / norm, 3)) {
     return SMAP_NONE;
   }
-  SMAP_UNROLL
+  SMAP_THRICE
   for (k = 0; k < 3; k++) {
     w->vertex[e + k] = three[k];
     smap_touch(w, three[k], &at, w->corner[e + k]);

@@ -122,7 +122,7 @@ static int smap_centroid(const smap_spot_t *spot, const uint8_t *corner, uint8_t
   a = o->a + a * all;
   b = o->b + b * all;
   smap_frame(&f->at, along, across);
-  SMAP_UNROLL
+  SMAP_THRICE
   for (i = 0; i < 3; i++) {
     out[i] = f->h * f->at.n[i] + a * along[i] + b * across[i];
   }
@@ -143,7 +143,7 @@ static void smap_classify(smap_many_work_t *w)
       continue;
     }
     if (n < 3 || !smap_centroid(spot, corner, n, facet, facet->centre)) {
-      SMAP_UNROLL
+      SMAP_THRICE
       for (k = 0; k < 3; k++) {
         const uint8_t e = facet->first;
         facet->centre[k] = (w->corner[e][k] + w->corner[e + 1][k] + w->corner[e + 2][k]) * (1.0f / 3.0f);

@@ -52,12 +52,12 @@ static void smap_turn_across(const float a[3], const float n[3], float spin, sma
   const float part = -smap_dot(n, o->t) / (1.0f + smap_dot(a, n)), left = 1.0f - 0.5f * spin * spin;
   float t[3], b[3];
   uint8_t k;
-  SMAP_UNROLL
+  SMAP_THRICE
   for (k = 0; k < 3; k++) {
     t[k] = o->t[k] + part * (a[k] + n[k]);
   }
   smap_cross(n, t, b);
-  SMAP_UNROLL
+  SMAP_THRICE
   for (k = 0; k < 3; k++) {
     o->t[k] = left * t[k] + spin * b[k];
     o->b[k] = left * b[k] - spin * t[k];
@@ -70,7 +70,7 @@ static void smap_add_seen(const smap_across_t *o, const float n[3], const float 
 {
   float v[3];
   uint8_t k;
-  SMAP_UNROLL
+  SMAP_THRICE
   for (k = 0; k < 3; k++) {
     v[k] = p * place[0][k] + q * place[1][k] + r * place[2][k];
   }
@@ -105,10 +105,10 @@ static void smap_end_roll(const float a[3], const smap_across_t *from, const flo
                           const smap_across_t *to, const float sum[3], smap_row_t *o)
 {
   uint8_t k, n;
-  SMAP_UNROLL
+  SMAP_THRICE
   for (k = 0; k < 3; k++) {
     o[SMAP_RISE][k] = sum[0] * from->t[k] + sum[1] * a[k] + sum[2] * from->b[k];
-    SMAP_UNROLL
+    SMAP_THRICE
     for (n = 0; n < 3; n++) {
       o[k][n] = to->t[k] * from->t[n] + b[k] * a[n] + to->b[k] * from->b[n];
     }
@@ -202,13 +202,13 @@ static float smap_roll_over(const smap_many_work_t *w, smap_row_t *o, uint8_t e,
 {
   uint8_t k;
   if (w->twin[e] > e) {
-    SMAP_UNROLL
+    SMAP_THRICE
     for (k = 0; k < 3; k++) {
       out[k] = smap_dot(o[k], g);
     }
     return smap_dot(o[SMAP_RISE], g);
   }
-  SMAP_UNROLL
+  SMAP_THRICE
   for (k = 0; k < 3; k++) {
     out[k] = o[0][k] * g[0] + o[1][k] * g[1] + o[2][k] * g[2];
   }

@@ -18,7 +18,7 @@ static int smap_common(smap_many_work_t *w, const uint8_t three[3], smap_aim_t *
   float p[3][3], a[3], b[3], v[3], size2, change, before[3] = {0.0f, 0.0f, 0.0f};
   const float least = 1e-6f * w->map->size * w->map->size;
   uint8_t round, k;
-  SMAP_UNROLL
+  SMAP_THRICE
   for (k = 0; k < 3; k++) {
     smap_copy(w->p[three[k]], p[k]);
   }
@@ -36,7 +36,7 @@ static int smap_common(smap_many_work_t *w, const uint8_t three[3], smap_aim_t *
       v[2] = -v[2];
     }
     smap_aim(at, v);
-    SMAP_UNROLL
+    SMAP_THRICE
     for (k = 0; k < 3; k++) {
       smap_touch(w, three[k], at, p[k]);
     }

@@ -42,12 +42,6 @@
 #endif
 #define SMAP_MANY_ROLLS (SMAP_MANY_LINKS / 5) /* that are kept */
 #define SMAP_NONE 255u
-#undef SMAP_UNROLL
-#if defined(__GNUC__) && !defined(__clang__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
-#define SMAP_UNROLL _Pragma("GCC unroll 3")
-#else
-#define SMAP_UNROLL
-#endif
 
 enum { SMAP_REFUSED = 0, SMAP_STAGE = 1, SMAP_REST = 2 };
 
@@ -87,10 +81,10 @@ typedef struct {
   uint8_t wall, point, count, inwards, inner;
 } smap_side_t;
 
-/* An edge of a shown facet: its wall; of its strip the wall at the far end, the first of the two
- * sides, and the facet there, or SMAP_NONE. */
+/* An edge of a shown facet, whose wall has its number: of its strip the wall at the far end, the first
+ * of the two sides, and the facet there, or SMAP_NONE. */
 typedef struct {
-  uint8_t wall, back, side, to;
+  uint8_t back, side, to;
 } smap_rim_t;
 
 /* A part of the boundary.  Where it is bent inwards at its end, the end may be what is nearest. */
@@ -105,6 +99,7 @@ typedef struct {
   uint8_t begin[SMAP_MANY_SHOWN]; /* a segment on the facet */
   uint8_t first[SMAP_MANY_SHOWN], last[SMAP_MANY_SHOWN]; /* of an island's segments, and beyond */
   uint8_t convex[SMAP_MANY_SHOWN]; /* whether the facet's island is: no end of a segment is bent */
+  uint8_t alone[SMAP_MANY_SHOWN];  /* whether it has no strip: its edges are its island's boundary */
   smap_rim_t rim[SMAP_MANY_EDGES];
   uint8_t over[SMAP_MANY_WALLS][2];
   smap_segment_t segment[SMAP_MANY_LINKS];
