@@ -25,6 +25,7 @@ typedef struct {
   float bend[SMAP_MANY_RAILS], changed[SMAP_MANY_RAILS];
   uint8_t disc[SMAP_MANY_RAILS], onto[SMAP_MANY_RAILS], on[SMAP_MANY_RAILS];
   uint8_t own[SMAP_MANY_RAILS]; /* the edge at which the arc to the next rail began */
+  float turn[SMAP_MANY_RAILS];  /* where an inner rail leaves the hull or enters it, once it is looked for */
 } smap_hull_t;
 
 /* The first place from u on where x s - z c + q is above zero. */
@@ -128,6 +129,29 @@ static void smap_begin_hull(const smap_many_work_t *w, smap_hull_t *o)
   }
 }
 
+/* Rail k has changed: so have the turns of the rails from its neighbour on one side to that on the other. */
+static void smap_forget(const smap_many_work_t *w, smap_hull_t *o, uint8_t k)
+{
+  const uint8_t rails = w->map->rails, b = smap_after(o, rails, k);
+  uint8_t a = smap_before(o, k);
+  for (a = a == SMAP_NONE ? 0 : a; a < rails && (b == SMAP_NONE || a <= b); a++) {
+    o->turn[a] = -SMAP_NEVER;
+  }
+}
+
+/* Where the inner rail k turns next from u on, looked for if it is not known. */
+static float smap_next_turn(const smap_many_work_t *w, smap_hull_t *o, uint8_t k, float u)
+{
+  if (o->turn[k] == -SMAP_NEVER) {
+    o->turn[k] = smap_turns(w, o, k, u);
+    if (o->turn[k] == o->changed[k]) {
+      /* What has just changed may be wrong by rounding: look a little further on. */
+      o->turn[k] = smap_turns(w, o, k, u + SMAP_ON);
+    }
+  }
+  return o->turn[k];
+}
+
 /* Put the contacts into the frame of the axis; find each rail's disc at a pitch of -90 deg. */
 static void smap_lay_out(smap_many_work_t *w, const smap_many_place_t *place, smap_hull_t *o)
 {
@@ -149,7 +173,7 @@ static void smap_lay_out(smap_many_work_t *w, const smap_many_place_t *place, sm
     }
     o->disc[k] = best;
     o->on[k] = 1;
-    o->changed[k] = -SMAP_NEVER;
+    o->changed[k] = o->turn[k] = -SMAP_NEVER;
     o->own[k] = SMAP_NONE;
     smap_next_bend(w, o, k, -1.0f);
   }
@@ -351,11 +375,7 @@ static void smap_find_facets(smap_many_work_t *w, const smap_many_place_t *place
       }
     }
     for (k = 1; k + 1 < w->map->rails; k++) {
-      float at = smap_turns(w, &o, k, u);
-      if (at == o.changed[k]) {
-        /* What has just changed may be wrong by rounding: look a little further on. */
-        at = smap_turns(w, &o, k, u + SMAP_ON);
-      }
+      const float at = smap_next_turn(w, &o, k, u);
       if (at < first || (at == first && bends && k < which)) {
         first = at;
         which = k;
@@ -376,6 +396,7 @@ static void smap_find_facets(smap_many_work_t *w, const smap_many_place_t *place
     } else {
       smap_swap(w, &o, which, first, s, c);
     }
+    smap_forget(w, &o, which);
     u = first;
   }
 }

@@ -54,7 +54,12 @@ static uint8_t smap_polygon(smap_many_work_t *w, const smap_spot_t *spot, uint8_
     corner[2] = bend > 0.0f ? 2 : 1;
     return bend != 0.0f ? 3 : 2;
   }
-  for (k = 0; k < 2u * count && smap_may(w, &w->left.corners); k++) {
+  if (count > w->left.corners / 2u) {
+    w->failed = 1;
+    return 0;
+  }
+  w->left.corners = (uint16_t)(w->left.corners - 2u * count);
+  for (k = 0; k < 2u * count; k++) {
     i = k < count ? k : (uint8_t)(2u * count - 1u - k);
     if (k == count) {
       least = n;

@@ -334,7 +334,8 @@ static void smap_find_boundary(smap_many_work_t *w, smap_many_pose_t *o)
   for (k = 0; k < o->at.shown; k++) {
     o->at.first[k] = o->at.segments;
     o->at.convex[k] = 1;
-    for (e = smap_to_bound(w, k, 0); e < w->edges && smap_may(w, &w->left.outlines);
+    for (e = o->at.island[k] != k ? w->edges : smap_to_bound(w, k, 0);
+         e < w->edges && smap_may(w, &w->left.outlines);
          e = smap_to_bound(w, k, e)) {
       if (!(smap_is_gap(w, e) && smap_is_inner(w, o, e))) {
         smap_loop(w, o, e, k);

@@ -97,8 +97,8 @@ static void smap_series_positions(const smap_t *map, const float *q, float p[SMA
 SMAP_INLINE void smap_positions(const smap_t *map, const float *q, float p[SMAP_MAX_COORDINATES])
 {
   const smap_places_t at = smap_places(map);
-  const int shared = smap_body(map)[SMAP_IN_FLAGS] & SMAP_COMMON;
-  float entry[SMAP_MAX_ENTRIES], common[3] = {0.0f, 0.0f, 0.0f};
+  const uint8_t shared = smap_body(map)[SMAP_IN_FLAGS] & SMAP_COMMON ? 3 : 0;
+  float entry[SMAP_MAX_ENTRIES], common[3];
   uint16_t term = 0, i, k;
 #if SMAP_SERIES
   if (smap_body(map)[SMAP_IN_FLAGS] & SMAP_BY_SERIES) {
@@ -116,18 +116,13 @@ SMAP_INLINE void smap_positions(const smap_t *map, const float *q, float p[SMAP_
       const float value = smap_f32(at.weights + 4 * term) * entry[at.entries[term]];
       sum = k == 0 ? value : sum + value;
     }
-    if (!shared) {
-      p[i] = sum;
-    } else if (i < 3) {
-      common[i] = sum;
-    } else {
-      p[i - 3] = sum;
-    }
+    *(i < shared ? &common[i] : &p[i - shared]) = sum;
   }
-  if (shared) {
+  SMAP_UNROLL
+  for (i = 0; shared && i < 3 * at.contacts; i = (uint16_t)(i + 3)) {
     SMAP_UNROLL
-    for (i = 0; i < 3 * at.contacts; i++) {
-      p[i] += common[i % 3];
+    for (k = 0; k < 3; k++) {
+      p[i + k] += common[k];
     }
   }
 }
