@@ -122,7 +122,8 @@ static int8_t smap_run_step(const smap_control_t *control, void *memory, const s
   seen = smap_is_seen(control, state, sample->posture);
   if (seen == SMAP_UNSEEN) {
     cycle->poses = 1;
-    if (!smap_look(control, state, sample->posture)) {
+    (void)smap_look(control, state, sample->posture);
+    if (!(state->has & SMAP_HAS_HERE)) {
       return smap_blind(state, state->here.head.status, cycle);
     }
   }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
-/* ---- control: the slope of the ground, and the posture for it ---------------------------------------- */
+/* ---- control: the pose of the posture, the slope of the ground, and the posture for it ----------------- */
 
 /* Gravity in the frame of the plane on which a pose stands.  Where it stands on none, that of the body. */
 static void smap_slope_under(const smap_pose_memory_t *pose, const float g[3], float slope[3])
@@ -59,6 +59,18 @@ static int8_t smap_run_target(const smap_control_t *control, const float slope[3
   return SMAP_OK;
 }
 
+/* Make the state's pose of a posture, and return its status; the state tells whether it is one. */
+static int8_t smap_look(const smap_control_t *control, smap_state_memory_t *state, const float *posture)
+{
+  const int8_t status = smap_pose_of(SMAP_CONTROLLED(control), posture, &state->here);
+  memcpy(state->at, posture, sizeof(float) * smap_joints(control));
+  state->has &= (uint8_t)~SMAP_HAS_HERE;
+  if (status == SMAP_OK || status == SMAP_TIPS) {
+    state->has |= SMAP_HAS_HERE;
+  }
+  return status;
+}
+
 /* The slope under a posture and an accelerometer; makes the state's pose of the posture. */
 static int8_t smap_run_ground(const smap_control_t *control, void *memory, const float *posture,
                               const float *up, float *slope)
@@ -71,10 +83,8 @@ static int8_t smap_run_ground(const smap_control_t *control, void *memory, const
   if (state->control != control || !smap_to_unit(g)) {
     return SMAP_INVALID;
   }
-  status = smap_pose_of(SMAP_CONTROLLED(control), posture, &state->here);
-  if (status == SMAP_OK || status == SMAP_TIPS) {
-    memcpy(state->at, posture, sizeof(float) * smap_joints(control));
-    state->has |= SMAP_HAS_HERE;
+  status = smap_look(control, state, posture);
+  if (state->has & SMAP_HAS_HERE) {
     smap_slope_under(&state->here, g, slope);
   }
   return status;
