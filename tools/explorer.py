@@ -57,7 +57,7 @@ PLACES = {
   }""": "  exact_side(w, o, e, side);",
     # Which way a roll is followed, and so over which contact, is a matter of the last digits.
     "(w->twin[e] < e) {\n    e = w->twin[e];": "(exact_backwards(w, e)) {\n    e = w->twin[e];",
-    "(w->twin[e] > e) {\n    SMAP_UNROLL": "(!exact_backwards(w, e)) {\n    SMAP_UNROLL",
+    "(w->twin[e] > e) {\n    SMAP_THRICE": "(!exact_backwards(w, e)) {\n    SMAP_THRICE",
     "#define SMAP_NONE 255u": "#define SMAP_NONE 65535u",
 }
 

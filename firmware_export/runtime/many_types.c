@@ -176,6 +176,7 @@ typedef struct {
 
 #ifndef SMAP_VERSION /* smap.h's parts have them */
 #define SMAP_APART
+#define SMAP_THRICE
 static inline float smap_dot(const float a[3], const float b[3])
 {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
