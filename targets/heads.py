@@ -13,7 +13,7 @@ CHECKS = ("smap_check", "smap_crc")
 def heads(source: str) -> dict[int, str]:
     """Return the loops of C source: line -> what stands in the parentheses.
 
-    A head may go on on the next line.  The loops of smap_check are left out.
+    A head may go on for two lines more.  The loops of smap_check are left out.
 
     Raises
     ------
@@ -30,8 +30,9 @@ def heads(source: str) -> dict[int, str]:
         if directive or not re.search(r"\b(for|while|goto)\b", line):
             continue
         text = line.rstrip()
-        if text.count("(") > text.count(")") and number < len(lines):
-            text = f"{text} {lines[number].strip()}"
+        for more in lines[number : number + 2]:
+            if text.count("(") > text.count(")"):
+                text = f"{text} {more.strip()}"
         match = HEAD.search(text)
         if match is None:
             raise ExportError(f"smap.c: line {number} has a loop without a bound (got {line!r}).")

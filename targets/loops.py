@@ -124,7 +124,7 @@ VISIT = (
     "{0} = w->onward[came]; {0} != came && o->low < o->high && smap_may(w, &w->left.visits); "
     "{0} = w->onward[{0}]"
 )
-POLYGON = "k = 0; k < 2u * count && smap_may(w, &w->left.corners); k++"
+POLYGON = "k = 0; k < 2u * count; k++"
 WIDE = "side = 0; side < n && smap_may(w, &w->left.corners); side++"
 OUTLINE = "e != start && smap_may(w, &w->left.outlines)"
 NEWTON = "round = 0; round < SMAP_NEWTON && smap_may(w, &w->left.events); round++"
@@ -134,7 +134,8 @@ GAP = (
     "e = smap_between_rests(w, (uint8_t)(e + 1u))"
 )
 BOUND = (
-    "e = smap_to_bound(w, k, 0); e < w->edges && smap_may(w, &w->left.outlines); "
+    "e = o->at.island[k] != k ? w->edges : smap_to_bound(w, k, 0); "
+    "e < w->edges && smap_may(w, &w->left.outlines); "
     "e = smap_to_bound(w, k, e)"
 )
 SHOW = "e = smap_to_show(w, 0); e < w->edges && !w->failed; e = smap_to_show(w, e)"
@@ -181,7 +182,6 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     # arithmetic, chart
     "mantissa < 0x800000u": _plain("a denormal's 23 shifts", 23),
     "digit = 0x1000000u; digit != 0; digit >>= 1": _plain("25 binary digits", 25),
-    "step = 0; step < 4; step++": _plain("4 steps", 4),
     "digit = (uint32_t)1 << 30; digit != 0; digit >>= 2": _plain("16 digits", 16),
     "shift = 0; longest << shift < 16384u; shift++": _plain("14 shifts", 14),
     "i = 1; i < 6; i++": _plain("5 faces", 5),
@@ -202,7 +202,7 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "i = 0; i < body[SMAP_IN_PRODUCTS]; i++": _of("products"),
     "i = 0; i < at.coordinates; i++": _of("coordinates"),
     "k = 0; k < count; k++, term++": _of("terms"),
-    "i = 0; i < 3 * at.contacts; i++": ("3 x contacts", lambda s: 3 * s.contacts),
+    "i = 0; shared && i < 3 * at.contacts; i = (uint16_t)(i + 3)": CONTACTS,
     "term = 0; term < shape[params]; term++": _of("terms"),
     # series
     "i = 0; i < groups; i++": _of("groups"),
@@ -233,6 +233,7 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "left = w->map->rails; left > 0; left--": RAILS,
     "k > 0": RAILS,
     "k++; k < rails; k++": RAILS,
+    "a = a == SMAP_NONE ? 0 : a; a < rails && (b == SMAP_NONE || a <= b); a++": RAILS,
     "i = first; i < m->first[k + 1]; i++": CONTACTS,
     "j = w->map->first[k]; j < w->map->first[k + 1]; j++": _of("row"),
     "i = 0; i + 2 < count; i++": ("contacts less two", lambda s: max(s.contacts - 2, 1)),
@@ -294,8 +295,10 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "k = at->first[island]; k < at->last[island]; k++": LINKS,
     "k = 0; k < s->count; k++": _plain("SMAP_PIECES and one", 13),
     "left = 4; left > 0; left--": _plain("4 facets", 4),
-    "e = o->at.edge[f]; e < o->at.edge[f + 1]; e++": EDGES,
-    "e = at->edge[f]; e < at->edge[f + 1]; e++": EDGES,
+    "e = o->at.edge[f]; e < end; e++": EDGES,
+    "e = at->edge[f]; e < end; e++": EDGES,
+    "; e < o->at.edge[f + 1]; e++": EDGES,
+    "; e < at->edge[f + 1]; e++": EDGES,
     "; x != 0; x >>= 1": _plain("32 bits", 32),
     "sum < 0x10000000u": _plain("15 shifts", 15),
     "sum >= 0x40000000u": _plain("2 shifts", 2),

@@ -114,15 +114,6 @@ static inline uint8_t smap_bits_i(uint32_t x)
 #endif
 }
 
-/* Square root of a number of 29 or 30 bits, to 1. */
-static uint32_t smap_root_i(uint32_t x)
-{
-  /* A line is right to 5 %; each step of Newton squares that. */
-  uint32_t root = 11964u + (x >> 16) + (x >> 18);
-  root = (root + x / root) >> 1;
-  return (root + x / root) >> 1;
-}
-
 /* The length of a vector of int32, to 2^-14 of it. */
 static int32_t smap_length_i(const int32_t c[3])
 {
@@ -148,7 +139,7 @@ static int32_t smap_length_i(const int32_t c[3])
     sum >>= 2;
     half--;
   }
-  sum = smap_root_i(sum);
+  sum = smap_whole_root(sum);
   {
     const int by = shift - (int)half;
     return (int32_t)(by < 0 ? sum >> -by : sum > (0x7FFFFFFFu >> by) ? 0x7FFFFFFFu : sum << by);
