@@ -288,8 +288,7 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "k = 1; k < 4; k = (uint8_t)(k + 2u)": _plain("2 places of an arc", 2),
     BENT: LINKS,
     # reads of many contacts
-    "i = 0; i < o->at.shown; i++": SHOWN,
-    "i = 0; at->alive && i < at->shown; i++": SHOWN,
+    "i = 0; i < shown; i++": SHOWN,
     "; s < end; s++": LINKS,
     "k = o->at.first[island]; k < o->at.last[island]; k++": LINKS,
     "k = at->first[island]; k < at->last[island]; k++": LINKS,

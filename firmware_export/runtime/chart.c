@@ -17,7 +17,8 @@ SMAP_INLINE int8_t smap_direction(const smap_t *map, const float gravity[3], flo
 {
   const smap_bytes_t blob = SMAP_BLOB(map);
   const int cone = blob[SMAP_AT_FACES] == 1;
-  float depth = -gravity[2];
+  /* Turned by its bit: of a minus compilers make two, one for each dividend. */
+  float depth = smap_from_bits(smap_bits(gravity[2]) ^ 0x80000000u);
   uint8_t i;
   if (!cone) {
     SMAP_THRICE

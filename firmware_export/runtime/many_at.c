@@ -24,9 +24,10 @@ static float smap_nearest(const smap_many_pose_t *o, const smap_segment_t *s,
                           const smap_segment_t *end, const float g[3], int inside, float top,
                           float least, uint8_t *which)
 {
+  const float h[3] = {g[0], g[1], g[2]}; /* no store can alter it */
   for (; s < end; s++) {
     const float *n = o->wall[s->wall];
-    float away = smap_dot(n, g), c[3];
+    float away = smap_dot(n, h), c[3];
     if (away >= top) {
       continue;
     }
@@ -36,12 +37,12 @@ static float smap_nearest(const smap_many_pose_t *o, const smap_segment_t *s,
         continue;
       }
     }
-    smap_cross(g, n, c);
+    smap_cross(h, n, c);
     if (smap_dot(o->point[s->stop], c) > 0.0f) {
       if (inside && !s->bent) {
         continue;
       }
-      away = smap_point_sine(o->point[s->stop], g);
+      away = smap_point_sine(o->point[s->stop], h);
     } else if (smap_dot(o->point[s->start], c) < 0.0f) {
       continue;
     }
@@ -157,13 +158,15 @@ static smap_status_t smap_many_at(const smap_many_pose_t *o, const float gravity
 {
   const float size = 1.0f / smap_root(smap_dot(gravity, gravity));
   const float g[3] = {gravity[0] * size, gravity[1] * size, gravity[2] * size};
+  const uint8_t shown = o->at.shown;
   float rate = 0.0f, tip;
   uint8_t i, best = SMAP_NONE, edge, nearest = 0, which;
   int status;
   out->sdg = out->height = SMAP_NAN;
   out->tip_angle = -1.5707964f;
   out->over[0] = out->over[1] = SMAP_NONE;
-  for (i = 0; i < o->at.shown; i++) {
+  SMAP_THRICE
+  for (i = 0; i < shown; i++) {
     const float v = smap_dot(o->plane[i], g);
     if (v > rate) {
       rate = v;

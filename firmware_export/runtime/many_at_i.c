@@ -21,30 +21,31 @@ typedef struct {
   int16_t point[SMAP_MANY_LINKS][3];
 } smap_many_pose_i_t;
 
-/* The nearest int16: what is beyond them becomes the last one. */
-static int16_t smap_rounded_i(float x)
+/* The nearest whole number of what is less than 2^22: the last digits of a sum whose last is worth 1. */
+static inline int16_t smap_whole_i(float x)
 {
-  const int32_t y = (int32_t)((x < 40000.0f ? x > -40000.0f ? x : -40000.0f : 40000.0f) + 65536.5f);
-  return (int16_t)(y < 32769 ? -32767 : y > 98303 ? 32767 : y - 65536);
+  return (int16_t)(int32_t)(smap_bits(x + 12582912.0f) - 0x4B400000u);
 }
 
+/* The same of what may be beyond int16: that becomes the last one. */
 static void smap_scale_i(const float from[3], float scale, int16_t to[3])
 {
   uint8_t k;
   SMAP_THRICE
   for (k = 0; k < 3; k++) {
-    to[k] = smap_rounded_i(from[k] * scale);
+    const float x = from[k] * scale;
+    to[k] = smap_whole_i(x < 32767.0f ? x > -32767.0f ? x : -32767.0f : 32767.0f);
   }
 }
 
-/* The same of unit vectors, 32767 for 1: no component is beyond 1. */
-static void smap_units_i(const float (*from)[3], uint8_t n, int16_t (*to)[3])
+/* The same of vectors of which no component is beyond 1 / scale, times 32767. */
+static inline void smap_units_i(const float (*from)[3], uint8_t n, float scale, int16_t (*to)[3])
 {
   uint8_t i, k;
   for (i = 0; i < n; i++) {
     SMAP_THRICE
     for (k = 0; k < 3; k++) {
-      to[i][k] = (int16_t)((int32_t)(from[i][k] * (float)SMAP_ONE_I + 32768.5f) - 32768);
+      to[i][k] = smap_whole_i(from[i][k] * scale);
     }
   }
 }
@@ -64,12 +65,11 @@ static void smap_many_make_i(const smap_many_pose_t *o, float sdg_step, float he
     i->height[k] = (uint16_t)(high < 65534.0f ? high + 0.5f : 65534.0f);
   }
   for (k = 0; k < o->at.shown; k++) {
-    /* n / h: the greatest is 1 */
-    smap_scale_i(o->plane[k], (float)SMAP_ONE_I * least, i->plane[k]);
     smap_scale_i(o->centre[k], 0.5f / sdg_step, i->centre[k]);
   }
-  smap_units_i(o->wall, o->at.walls, i->wall);
-  smap_units_i(o->point, o->at.points, i->point);
+  smap_units_i(o->plane, o->at.shown, (float)SMAP_ONE_I * least, i->plane); /* n / h: the greatest is 1 */
+  smap_units_i(o->wall, o->at.walls, (float)SMAP_ONE_I, i->wall);
+  smap_units_i(o->point, o->at.points, (float)SMAP_ONE_I, i->point);
   /* D = g 32767 least / (2 sdg_step) / (plane . g) = g mantissa 2^shift / (plane . g) */
   factor = (float)SMAP_ONE_I * least * 0.5f / sdg_step;
   i->shift = 0;
@@ -335,13 +335,15 @@ static smap_status_t smap_many_at_i(const smap_layout_t *at, const smap_many_pos
                                     const int32_t g[3], uint32_t length, smap_reading_i_t *out)
 {
   const int32_t size = (int32_t)length, all = SMAP_ONE_I * (size - 1);
+  const uint8_t shown = at->alive ? at->shown : 0;
   int32_t rate = 0, least = all;
   uint8_t i, best = SMAP_NONE, edge, nearest = 0, which;
   int status;
   out->sdg = out->height = 65535u;
   out->tip = -SMAP_ONE_I;
   out->over[0] = out->over[1] = SMAP_NONE;
-  for (i = 0; at->alive && i < at->shown; i++) {
+  SMAP_THRICE
+  for (i = 0; i < shown; i++) {
     const int32_t v = smap_dot_i(o->plane[i], g);
     if (v > rate) {
       rate = v;

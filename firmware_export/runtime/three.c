@@ -95,23 +95,23 @@ SMAP_INLINE int8_t smap_three_read(const smap_t *map, uint8_t order, const smap_
                                    const float d[3], smap_reading_t *out)
 {
   float least = smap_dot(three->edge, d) * three->scale[0], reach, away[3];
-  uint8_t i, over = 0;
+  uint8_t i;
+  smap_three_over(order, 0, out->over);
   SMAP_UNROLL
   for (i = 1; i < 3; i++) {
     const float along = smap_dot(&three->edge[3 * i], d) * three->scale[i];
     if (along < least) {
       least = along;
-      over = i;
+      smap_three_over(order, i, out->over);
     }
   }
-  smap_three_over(order, over, out->over);
   out->tip_angle = smap_asin(least / smap_root(smap_dot(d, d))) -
                    smap_f32(SMAP_BLOB(map) + SMAP_AT_GUARD);
   out->height = three->height;
   reach = three->det / smap_dot(three->plane, d);
   SMAP_UNROLL
   for (i = 0; i < 3; i++) {
-    away[i] = reach * d[i] - three->centroid[i];
+    away[i] = three->centroid[i] - reach * d[i];
   }
   out->sdg = smap_root(smap_dot(away, away));
   return smap_judge(map, out, SMAP_OK);
@@ -144,17 +144,16 @@ SMAP_INLINE int8_t smap_three_read_i(const smap_t *map, uint8_t order, const sma
   const int32_t guard = smap_u16(SMAP_BLOB(map) + SMAP_AT_GUARD_I);
   const uint8_t channels = SMAP_BLOB(map)[SMAP_AT_CHANNELS];
   int32_t least = 0, tip, deep;
-  uint8_t i, over = 0;
+  uint8_t i;
   SMAP_UNROLL
   for (i = 0; i < 3; i++) {
     const int16_t *const wall = &three->wall[3 * i];
     const int32_t along = wall[0] * g[0] + wall[1] * g[1] + wall[2] * g[2];
     if (i == 0 || along < least) {
       least = along;
-      over = i;
+      smap_three_over(order, i, out->over);
     }
   }
-  smap_three_over(order, over, out->over);
   out->sdg = out->height = 65535;
   tip = 2 * least / (int32_t)length;
   tip = (tip > 32767 ? 32767 : tip < -32000 ? -32000 : tip) - guard;
