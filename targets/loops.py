@@ -202,7 +202,7 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "i = 0; i < body[SMAP_IN_PRODUCTS]; i++": _of("products"),
     "i = 0; i < at.coordinates; i++": _of("coordinates"),
     "k = 0; k < count; k++, term++": _of("terms"),
-    "i = 0; shared && i < 3 * at.contacts; i = (uint16_t)(i + 3)": CONTACTS,
+    "i = 0; i < 3 * at.contacts; i = (uint16_t)(i + 3)": CONTACTS,
     "term = 0; term < shape[params]; term++": _of("terms"),
     # series
     "i = 0; i < groups; i++": _of("groups"),

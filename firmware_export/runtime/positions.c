@@ -118,11 +118,13 @@ SMAP_INLINE void smap_positions(const smap_t *map, const float *q, float p[SMAP_
     }
     *(i < shared ? &common[i] : &p[i - shared]) = sum;
   }
-  SMAP_UNROLL
-  for (i = 0; shared && i < 3 * at.contacts; i = (uint16_t)(i + 3)) {
+  if (shared) {
     SMAP_UNROLL
-    for (k = 0; k < 3; k++) {
-      p[i + k] += common[k];
+    for (i = 0; i < 3 * at.contacts; i = (uint16_t)(i + 3)) {
+      SMAP_UNROLL
+      for (k = 0; k < 3; k++) {
+        p[i + k] += common[k];
+      }
     }
   }
 }
