@@ -30,6 +30,8 @@ ASKED = (
     Asked("excavator", "m3", "at_i", 140),
     Asked("articulated", "m4f", "pose", 30_000, 60_000),
     Asked("articulated", "m3", "at_i", 300, 800),
+    Asked("quadruped", "m4f", "pose", 12_000, 25_000),
+    Asked("quadruped", "m3", "at_i", 150, 300),
     Asked("paper_two", "m4f", "read", 270, 300),
     Asked("paper_two_grid_integer", "m3", "read", 400),
     Asked("gravity_2d_float", "m4f", "read", 120),

@@ -27,6 +27,7 @@ from lutgen.errors import ExportError
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe.recipe import Recipe, load_recipe, parse_recipe
 from targets.boards import BOARDS
+from targets.quadruped import quadruped
 
 ROOT = Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build" / "targets"
@@ -40,6 +41,7 @@ COUNTED_ONCE = ("markhor", "paper_one")
 WITHOUT: dict[str, tuple[str, ...]] = {
     name: ("mega328p",) for name in ("marv", "absolem", "excavator", "articulated")
 }
+WITHOUT["quadruped"] = ("mega328p",)
 WITHOUT |= {name: tuple(one.name for one in BOARDS if one.name != "m4f") for name in COUNTED_ONCE}
 VERDICT = ("tip_angle",)
 # What tables depend on: the codecs, and the exact kernels that they ask.
@@ -127,8 +129,15 @@ def encoded(model: Model, name: str, channels: tuple[str, ...], spec: Any) -> An
 
 
 def of_recipe(name: str, kind: str, arithmetic: str = "float", label: str = "") -> Export:
-    """Return the export of a recipe in a codec, of its smallest size if no label tells another."""
+    """Return the export of a recipe of maps/ in a codec; see `of_model`."""
     model = Model(load_recipe(ROOT / "maps" / f"{name}.toml"))
+    return of_model(model, name, kind, arithmetic, label)
+
+
+def of_model(
+    model: Model, name: str, kind: str, arithmetic: str = "float", label: str = ""
+) -> Export:
+    """Return the export of a robot in a codec, of its smallest size if no label tells another."""
     channels = tuple(
         channel
         for channel in EXPORTABLE
@@ -171,6 +180,8 @@ def cases() -> list[Case]:
         )
         for name in (*ROBOTS, *COUNTED_ONCE)
     ]
+    legs = partial(of_model, Model(quadruped()), "quadruped", "contacts")
+    rows.append(Case("quadruped", legs, None, WITHOUT["quadruped"]))
     folder = MAPS / "paper_two" / "firmware"
     poly = partial(of_recipe, "paper_two", "poly", "float", POLY)
     rows.append(Case("paper_two_poly", poly, folder))

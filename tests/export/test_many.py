@@ -11,6 +11,7 @@ import pytest
 import lutgen
 from firmware_export.contacts.codec import WORK
 from lutgen.channels import evaluate_each
+from targets.quadruped import quadruped
 from tests.fixtures.many_library import (
     HARNESS,
     RUNTIME,
@@ -28,44 +29,6 @@ TIPS = 2
 # Of each kind of work, in the order of `WORK`: too little for some postures.
 FEW = (20, 60, 6, 2, 6, 4, 4)
 FLAGS = "-Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wdouble-promotion -Werror"
-# Of a leg: hip roll, hip pitch, knee; balls for feet.
-LEG = """
-[[robot.link]]
-name = "{n}_hip"
-parent = "body"
-origin = [{x}, {y}, 0]
-joint = {{ type = "revolute", axis = [1, 0, 0], parameter = "{n}_roll" }}
-[[robot.link]]
-name = "{n}_thigh"
-parent = "{n}_hip"
-joint = {{ type = "revolute", axis = [0, 1, 0], parameter = "{n}_pitch" }}
-mass = 0.6
-com = [0, 0, -0.05]
-[[robot.link]]
-name = "{n}_shank"
-parent = "{n}_thigh"
-origin = [0, 0, -0.2]
-joint = {{ type = "revolute", axis = [0, 1, 0], parameter = "{n}_knee" }}
-[[robot.contact]]
-name = "{n}"
-link = "{n}_shank"
-position = [0, 0, -0.2]
-radius = 0.022
-"""
-AXIS = '[[robot.parameter]]\nname = "{n}_{j}"\nmin = {low}\nmax = {high}\nunit = "deg"\n'
-JOINTS = (("roll", -30, 30), ("pitch", -20, 80), ("knee", -140, -40))
-
-
-def quadruped():
-    legs = (("fl", 0.2, 0.15), ("fr", 0.2, -0.15), ("rl", -0.2, 0.15), ("rr", -0.2, -0.15))
-    text = '[robot]\nname = "quadruped"\nlength_unit = "m"\n'
-    text += "".join(AXIS.format(n=n, j=j, low=a, high=b) for n, _, _ in legs for j, a, b in JOINTS)
-    text += '[[robot.link]]\nname = "body"\nmass = 6.0\ncom = [0, 0, 0]\n'
-    text += "".join(LEG.format(n=n, x=x, y=y) for n, x, y in legs)
-    samples = ", ".join(f"{n}_{j} = 2" for n, _, _ in legs for j, _, _ in JOINTS)
-    text += f"[sweep]\nsamples = {{ {samples} }}\n[sweep.gravity]\n"
-    text += 'chart = "cone"\nmax_tilt = 60.0\nnodes = 5\nchannels = ["sdg", "tip_angle"]\n'
-    return lutgen.parse_recipe(text)
 
 
 @pytest.fixture(scope="module", params=ROBOTS)
