@@ -233,6 +233,8 @@ def c_body(tables: Tables, integer: bool = False) -> CBody:
         ("SMAP_MANY_BY_RAILS" if rails else "SMAP_MANY_SEARCH", 1),
         ("SMAP_MANY_CONTACTS", contacts),
         ("SMAP_MANY_RAILS", rails),
+        ("SMAP_MANY_AXLES", int(terms.axes > 0)),
+        ("SMAP_MANY_KNOWN", 1),
         ("SMAP_MANY_FACETS", facets),
         ("SMAP_MANY_EDGES", edges),
         ("SMAP_MANY_SHOWN", shown),

@@ -62,6 +62,11 @@ class Series:
         return 3 * (len(self.masks) - self.common)
 
     @property
+    def axes(self) -> int:
+        """How many distinct axes of discs there are: codes hold none."""
+        return 0
+
+    @property
     def switches(self) -> tuple[str, ...]:
         """Switches of the runtime beyond those of every robot."""
         return ("SMAP_SERIES",)

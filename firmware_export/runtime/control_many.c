@@ -67,7 +67,7 @@ static float smap_doubt(smap_many_work_t *w, uint8_t start, float off)
   const smap_facet_t *f = &w->facet[w->owner[start]];
   float most = 0.0f;
   uint8_t k;
-  for (k = 0; k < w->map->contacts; k++) {
+  for (k = 0; k < smap_contacts_of(w->map); k++) {
     const float below = 2.0f * off - f->h + smap_extent(w, k, &f->at);
     float here = 0.0f, place[3];
     uint8_t e = start, left;

@@ -68,6 +68,16 @@
 #pragma GCC optimize("no-ivopts")
 #endif
 
+/* Of positions next to all is known, of many contacts too. */
+#if defined(__GNUC__) && !defined(__clang__) && !defined(__OPTIMIZE_SIZE__) && defined(__OPTIMIZE__) && \
+    !defined(SMAP_HOST) && !defined(__AVR__) && !defined(__SANITIZE_ADDRESS__)
+#define SMAP_FOLDED static inline __attribute__((__always_inline__))
+#define SMAP_FOLD _Pragma("GCC unroll 64")
+#else
+#define SMAP_FOLDED SMAP_INLINE
+#define SMAP_FOLD SMAP_UNROLL
+#endif
+
 #define SMAP_PI 3.14159265f
 #define SMAP_LARGEST 3.402823466e+38f
 #define SMAP_NAN smap_from_bits(0x7FC00000u)

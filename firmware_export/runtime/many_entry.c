@@ -82,7 +82,7 @@ SMAP_INLINE int8_t smap_many_place(const smap_t *map, const float *params, smap_
     memcpy(place->contact[i].p, &p[3 * i], sizeof place->contact[i].p);
     place->contact[i].radius =
         smap_body(map)[SMAP_IN_FLAGS] & SMAP_ROUND ? smap_f32(at.radii + 4 * i) : 0.0f;
-#if !SMAP_MANY_RAILS
+#if SMAP_MANY_AXLES
     memset(place->axle[i], 0, sizeof place->axle[i]);
     if (smap_body(map)[SMAP_IN_AXES] != 0 && at.axis_of[i] != SMAP_NO_AXIS) {
       memcpy(place->axle[i], &p[3 * (at.contacts + at.axis_of[i])], sizeof place->axle[i]);
@@ -243,6 +243,7 @@ static int smap_check_many(const smap_t *map)
   }
 #endif
   if (contacts > SMAP_MANY_CONTACTS || contacts < 3 || rails > SMAP_MANY_RAILS ||
+      (SMAP_MANY_KNOWN && (contacts != SMAP_MANY_CONTACTS || rails != SMAP_MANY_RAILS)) ||
       (rails == 0) != (SMAP_MANY_RAILS == 0) ||
       bytes != SMAP_MANY_SINGLES + 2u + rails + contacts + more ||
       first[0] != 0 || (rails != 0 && first[rails] != contacts)) {

@@ -5,6 +5,7 @@
 /* Where a contact touches a plane. */
 static void smap_touch(const smap_many_work_t *w, uint8_t i, const smap_aim_t *at, float out[3])
 {
+#if SMAP_MANY_AXLES
   const float *axle = w->axle[i];
   const float along = smap_dot(axle, at->n);
   float r = w->r[i], flat = 1.0f - along * along;
@@ -16,6 +17,14 @@ static void smap_touch(const smap_many_work_t *w, uint8_t i, const smap_aim_t *a
   for (k = 0; k < 3; k++) {
     out[k] = w->p[i][k] + r * (at->n[k] - along * axle[k]);
   }
+#else
+  const float r = w->r[i];
+  uint8_t k;
+  SMAP_THRICE
+  for (k = 0; k < 3; k++) {
+    out[k] = w->p[i][k] + r * at->n[k];
+  }
+#endif
 }
 
 /* The direction of a vector. */

@@ -106,7 +106,7 @@ static uint8_t smap_after(const smap_hull_t *o, uint8_t rails, uint8_t k)
 /* Where the inner rail k leaves the hull, or enters it. */
 static float smap_turns(const smap_many_work_t *w, const smap_hull_t *o, uint8_t k, float u)
 {
-  const uint8_t a = smap_before(o, k), b = smap_after(o, w->map->rails, k);
+  const uint8_t a = smap_before(o, k), b = smap_after(o, smap_rails_of(w->map), k);
   const uint8_t i = o->disc[k], l = o->disc[a], r = o->disc[b];
   const float *p = w->p[i], *pl = w->p[l], *pr = w->p[r];
   const float part = (p[1] - pr[1]) / (pl[1] - pr[1]), rest = 1.0f - part;
@@ -120,8 +120,8 @@ static float smap_turns(const smap_many_work_t *w, const smap_hull_t *o, uint8_t
 static void smap_begin_hull(const smap_many_work_t *w, smap_hull_t *o)
 {
   uint8_t left, k;
-  for (left = w->map->rails; left > 0; left--) {
-    for (k = 1; k + 1 < w->map->rails; k++) {
+  for (left = smap_rails_of(w->map); left > 0; left--) {
+    for (k = 1; k + 1 < smap_rails_of(w->map); k++) {
       if (o->on[k] && smap_turns(w, o, k, -1.0f) == -1.0f) {
         o->on[k] = 0;
       }
@@ -132,7 +132,7 @@ static void smap_begin_hull(const smap_many_work_t *w, smap_hull_t *o)
 /* Rail k has changed: so have the turns of the rails from its neighbour on one side to that on the other. */
 static void smap_forget(const smap_many_work_t *w, smap_hull_t *o, uint8_t k)
 {
-  const uint8_t rails = w->map->rails, b = smap_after(o, rails, k);
+  const uint8_t rails = smap_rails_of(w->map), b = smap_after(o, rails, k);
   uint8_t a = smap_before(o, k);
   for (a = a == SMAP_NONE ? 0 : a; a < rails && (b == SMAP_NONE || a <= b); a++) {
     o->turn[a] = -SMAP_NEVER;
@@ -157,7 +157,7 @@ static void smap_lay_out(smap_many_work_t *w, const smap_many_place_t *place, sm
 {
   const smap_many_t *m = w->map;
   uint8_t k, i;
-  for (k = 0; k < m->rails; k++) {
+  for (k = 0; k < smap_rails_of(m); k++) {
     const uint8_t first = m->first[k];
     uint8_t best = first;
     for (i = first; i < m->first[k + 1]; i++) {
@@ -311,7 +311,7 @@ static uint8_t smap_edge(uint8_t facet, uint8_t side)
 /* Rail k goes on to another disc: a facet with each neighbour. */
 static void smap_bend(smap_many_work_t *w, smap_hull_t *o, uint8_t k, float u, float s, float c)
 {
-  const uint8_t a = smap_before(o, k), b = smap_after(o, w->map->rails, k);
+  const uint8_t a = smap_before(o, k), b = smap_after(o, smap_rails_of(w->map), k);
   const uint8_t d = o->disc[k], e = o->onto[k];
   uint8_t f = SMAP_NONE, g = SMAP_NONE;
   o->disc[k] = e;
@@ -339,7 +339,7 @@ static void smap_bend(smap_many_work_t *w, smap_hull_t *o, uint8_t k, float u, f
 /* The inner rail k leaves the hull or enters it: a facet with both neighbours. */
 static void smap_swap(smap_many_work_t *w, smap_hull_t *o, uint8_t k, float u, float s, float c)
 {
-  const uint8_t a = smap_before(o, k), b = smap_after(o, w->map->rails, k);
+  const uint8_t a = smap_before(o, k), b = smap_after(o, smap_rails_of(w->map), k);
   const uint8_t i = o->disc[a], j = o->disc[b], d = o->disc[k], on = o->on[k];
   const uint8_t three[3] = {i, on ? d : j, on ? j : d};
   const uint8_t f = smap_triangle(w, s, c, three, i, j);
@@ -367,14 +367,14 @@ static void smap_find_facets(smap_many_work_t *w, const smap_many_place_t *place
     int bends = 0;
     first = SMAP_NEVER;
     which = SMAP_NONE;
-    for (k = 0; k < w->map->rails; k++) {
+    for (k = 0; k < smap_rails_of(w->map); k++) {
       if (o.bend[k] < first) {
         first = o.bend[k];
         which = k;
         bends = 1;
       }
     }
-    for (k = 1; k + 1 < w->map->rails; k++) {
+    for (k = 1; k + 1 < smap_rails_of(w->map); k++) {
       const float at = smap_next_turn(w, &o, k, u);
       if (at < first || (at == first && bends && k < which)) {
         first = at;

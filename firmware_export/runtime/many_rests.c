@@ -15,7 +15,7 @@ static uint8_t smap_list_spots(const smap_many_work_t *w, const smap_aim_t *aim,
                                float most, smap_spot_t *spot)
 {
   const smap_aim_t plane = *aim; /* no store to a spot can alter it */
-  const uint8_t contacts = w->map->contacts;
+  const uint8_t contacts = smap_contacts_of(w->map);
   float along[3], across[3];
   uint8_t i, at, count = 0;
   smap_frame(&plane, along, across);

@@ -77,7 +77,7 @@ static void smap_try(smap_many_work_t *w, const uint8_t three[3])
       !(h > w->map->least_height)) {
     return;
   }
-  for (k = 0; k < w->map->contacts; k++) {
+  for (k = 0; k < smap_contacts_of(w->map); k++) {
     if (smap_extent(w, k, &at) > h + SMAP_NOISY * size) {
       return;
     }
@@ -109,7 +109,7 @@ static int smap_is_clear(const smap_many_work_t *w, uint8_t e, uint8_t back)
     float h;
     smap_on_arc(w, i, j, from, to, 0.25f * (float)part, &at);
     h = smap_extent(w, i, &at) + 2.0f * SMAP_NOISY * w->map->size;
-    for (k = 0; k < w->map->contacts; k++) {
+    for (k = 0; k < smap_contacts_of(w->map); k++) {
       if (smap_extent(w, k, &at) > h) {
         return 0;
       }
@@ -146,9 +146,11 @@ static void smap_find_twin(smap_many_work_t *w, uint8_t e)
 /* Fill the complex of one posture. */
 static void smap_find_facets(smap_many_work_t *w, const smap_many_place_t *place)
 {
-  const uint8_t count = w->map->contacts;
+  const uint8_t count = smap_contacts_of(w->map);
   uint8_t i, j, k, e;
+#if SMAP_MANY_AXLES
   w->axle = place->axle;
+#endif
   for (i = 0; i < count; i++) {
     smap_copy(place->contact[i].p, w->p[i]);
     w->r[i] = place->contact[i].radius;

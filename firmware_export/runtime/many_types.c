@@ -13,6 +13,12 @@
 #ifndef SMAP_MANY_RAILS
 #define SMAP_MANY_RAILS 4 /* 0: axes that are not parallel */
 #endif
+#ifndef SMAP_MANY_AXLES
+#define SMAP_MANY_AXLES (!SMAP_MANY_RAILS) /* whether there are discs, whose axes are not parallel */
+#endif
+#ifndef SMAP_MANY_KNOWN
+#define SMAP_MANY_KNOWN 0 /* 1: there are just as many contacts and rails */
+#endif
 #ifndef SMAP_MANY_FACETS
 #define SMAP_MANY_FACETS 40
 #endif
@@ -52,7 +58,7 @@ typedef struct {
 
 typedef struct {
   smap_contact_t contact[SMAP_MANY_CONTACTS];
-#if !SMAP_MANY_RAILS
+#if SMAP_MANY_AXLES
   float axle[SMAP_MANY_CONTACTS][3]; /* of discs; zero for points and spheres */
 #endif
 } smap_many_place_t;
@@ -66,6 +72,17 @@ typedef struct {
   float off, turned; /* parts of the size, of R also for each rad: what series alter, see many_held.c */
 #endif
 } smap_many_t;
+
+/* How many there are; an export has just as many as it has room for. */
+static inline uint8_t smap_contacts_of(const smap_many_t *map)
+{
+  return SMAP_MANY_KNOWN ? SMAP_MANY_CONTACTS : map->contacts;
+}
+
+static inline uint8_t smap_rails_of(const smap_many_t *map)
+{
+  return SMAP_MANY_KNOWN ? SMAP_MANY_RAILS : map->rails;
+}
 
 #if SMAP_SERIES || defined(SMAP_CONTROL)
 #define SMAP_OFF(map) ((map)->off)
@@ -156,7 +173,8 @@ typedef struct {
   float p[SMAP_MANY_CONTACTS][3], r[SMAP_MANY_CONTACTS];
 #if SMAP_MANY_RAILS
   uint8_t rail[SMAP_MANY_CONTACTS];
-#else
+#endif
+#if SMAP_MANY_AXLES
   const float (*axle)[3];
 #endif
   smap_facet_t facet[SMAP_MANY_FACETS];

@@ -276,8 +276,13 @@ static int smap_is_inner(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start
   uint8_t e = start;
 #if !SMAP_MANY_RAILS
   const uint8_t contact = w->vertex[start];
-  if (w->r[contact] > 0.0f && !(smap_dot(w->axle[contact], w->axle[contact]) > 0.0f)) {
-    return 0;
+  if (w->r[contact] > 0.0f) {
+#if SMAP_MANY_AXLES
+    if (!(smap_dot(w->axle[contact], w->axle[contact]) > 0.0f))
+#endif
+    {
+      return 0;
+    }
   }
 #endif
   do {

@@ -39,7 +39,7 @@ typedef struct {
   uint8_t contacts, coordinates;
 } smap_places_t;
 
-SMAP_INLINE smap_places_t smap_places(const smap_t *map)
+SMAP_FOLDED smap_places_t smap_places(const smap_t *map)
 {
   const smap_bytes_t body = smap_body(map);
   const uint8_t angles = body[SMAP_IN_ANGLES], flags = body[SMAP_IN_FLAGS];
@@ -60,14 +60,14 @@ SMAP_INLINE smap_places_t smap_places(const smap_t *map)
 }
 
 /* The entries of one posture. */
-SMAP_INLINE void smap_entries(const smap_t *map, const smap_places_t *at, const float *q,
+SMAP_FOLDED void smap_entries(const smap_t *map, const smap_places_t *at, const float *q,
                               float entry[SMAP_MAX_ENTRIES])
 {
   const smap_bytes_t body = smap_body(map);
   const uint8_t angles = body[SMAP_IN_ANGLES], travels = body[SMAP_IN_TRAVELS];
   uint8_t count = 1, i;
   entry[0] = 1.0f;
-  SMAP_UNROLL
+  SMAP_FOLD
   for (i = 0; i < angles; i++, count = (uint8_t)(count + 2)) {
     float angle = q[at->joints[i]];
     if (body[SMAP_IN_FLAGS] & SMAP_RATED) {
@@ -79,11 +79,11 @@ SMAP_INLINE void smap_entries(const smap_t *map, const smap_places_t *at, const 
       smap_sine_cosine(angle, &entry[count], &entry[count + 1]);
     }
   }
-  SMAP_UNROLL
+  SMAP_FOLD
   for (i = 0; i < travels; i++) {
     entry[count++] = q[at->joints[angles + i]];
   }
-  SMAP_UNROLL
+  SMAP_FOLD
   for (i = 0; i < body[SMAP_IN_PRODUCTS]; i++) {
     entry[count++] = entry[at->products[2 * i]] * entry[at->products[2 * i + 1]];
   }
@@ -94,7 +94,7 @@ static void smap_series_positions(const smap_t *map, const float *q, float p[SMA
 #endif
 
 /* Contacts relative to the centre of mass, p[3 * contact], and after them the unit axes of discs. */
-SMAP_INLINE void smap_positions(const smap_t *map, const float *q, float p[SMAP_MAX_COORDINATES])
+SMAP_FOLDED void smap_positions(const smap_t *map, const float *q, float p[SMAP_MAX_COORDINATES])
 {
   const smap_places_t at = smap_places(map);
   const uint8_t shared = smap_body(map)[SMAP_IN_FLAGS] & SMAP_COMMON ? 3 : 0;
@@ -107,11 +107,11 @@ SMAP_INLINE void smap_positions(const smap_t *map, const float *q, float p[SMAP_
   }
 #endif
   smap_entries(map, &at, q, entry);
-  SMAP_UNROLL
+  SMAP_FOLD
   for (i = 0; i < at.coordinates; i++) {
     const uint8_t count = at.counts[i];
     float sum = 0.0f;
-    SMAP_UNROLL
+    SMAP_FOLD
     for (k = 0; k < count; k++, term++) {
       const float value = smap_f32(at.weights + 4 * term) * entry[at.entries[term]];
       sum = k == 0 ? value : sum + value;
@@ -119,9 +119,9 @@ SMAP_INLINE void smap_positions(const smap_t *map, const float *q, float p[SMAP_
     *(i < shared ? &common[i] : &p[i - shared]) = sum;
   }
   if (shared) {
-    SMAP_UNROLL
+    SMAP_FOLD
     for (i = 0; i < 3 * at.contacts; i = (uint16_t)(i + 3)) {
-      SMAP_UNROLL
+      SMAP_FOLD
       for (k = 0; k < 3; k++) {
         p[i + k] += common[k];
       }
