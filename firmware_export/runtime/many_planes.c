@@ -1,30 +1,53 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
 /* ---- planes on any contacts: points, spheres, and discs whose axes are not parallel ------------------- */
+#define SMAP_FLAT 1e-6f /* of a disc that lies flatter, the square of the sine to its axle */
+
+/* Whether a contact is a disc, with an axle, and no point or ball. */
+static inline int smap_is_disc(const smap_many_work_t *w, uint8_t i)
+{
+#if SMAP_MANY_AXLES
+  return w->axle[i][1] != 0.0f || w->axle[i][0] != 0.0f || w->axle[i][2] != 0.0f;
+#else
+  (void)w;
+  (void)i;
+  return 0;
+#endif
+}
+
+/* The cosine between a disc's axle and a plane's normal. */
+static inline float smap_along_axle(const smap_many_work_t *w, uint8_t i, const smap_aim_t *at)
+{
+#if SMAP_MANY_AXLES
+  return smap_dot(w->axle[i], at->n);
+#else
+  (void)w;
+  (void)i;
+  (void)at;
+  return 0.0f;
+#endif
+}
 
 /* Where a contact touches a plane. */
 static void smap_touch(const smap_many_work_t *w, uint8_t i, const smap_aim_t *at, float out[3])
 {
+  float r = w->r[i];
+  uint8_t k;
 #if SMAP_MANY_AXLES
-  const float *axle = w->axle[i];
-  const float along = smap_dot(axle, at->n);
-  float r = w->r[i], flat = 1.0f - along * along;
-  uint8_t k;
-  if (axle[0] != 0.0f || axle[1] != 0.0f || axle[2] != 0.0f) {
-    r = r / smap_root(flat > 1e-6f ? flat : 1e-6f);
+  if (smap_is_disc(w, i)) {
+    const float along = smap_along_axle(w, i, at), flat = 1.0f - along * along;
+    r = r / smap_root(flat > SMAP_FLAT ? flat : SMAP_FLAT);
+    SMAP_THRICE
+    for (k = 0; k < 3; k++) {
+      out[k] = w->p[i][k] + r * (at->n[k] - along * w->axle[i][k]);
+    }
+    return;
   }
-  SMAP_THRICE
-  for (k = 0; k < 3; k++) {
-    out[k] = w->p[i][k] + r * (at->n[k] - along * axle[k]);
-  }
-#else
-  const float r = w->r[i];
-  uint8_t k;
+#endif
   SMAP_THRICE
   for (k = 0; k < 3; k++) {
     out[k] = w->p[i][k] + r * at->n[k];
   }
-#endif
 }
 
 /* The direction of a vector. */
@@ -43,6 +66,8 @@ static void smap_aim(smap_aim_t *o, const float v[3])
 static void smap_on_arc(const smap_many_work_t *w, uint8_t i, uint8_t j, const smap_aim_t *from,
                         const smap_aim_t *to, float part, smap_aim_t *out)
 {
+  /* Of balls of one size each goes on as far as the other: the first plane is right. */
+  const int alike = w->r[i] == w->r[j] && !smap_is_disc(w, i) && !smap_is_disc(w, j);
   float v[3], p[3], q[3], size, higher;
   uint8_t round, k;
   smap_mix(from->n, to->n, part, v);
@@ -65,6 +90,9 @@ static void smap_on_arc(const smap_many_work_t *w, uint8_t i, uint8_t j, const s
       v[k] = out->n[k] - v[k] * (higher / size);
     }
     smap_aim(out, v);
+    if (alike) {
+      return;
+    }
   }
 }
 
@@ -119,9 +147,12 @@ static void smap_meet(const smap_many_work_t *w, uint8_t i, uint8_t j, float par
 }
 
 /* How far a contact extends along a plane's normal. */
-static float smap_extent(const smap_many_work_t *w, uint8_t i, const smap_aim_t *at)
+static inline float smap_extent(const smap_many_work_t *w, uint8_t i, const smap_aim_t *at)
 {
-  float p[3];
-  smap_touch(w, i, at, p);
-  return smap_dot(p, at->n);
+  float r = w->r[i];
+  if (smap_is_disc(w, i)) {
+    const float along = smap_along_axle(w, i, at), flat = 1.0f - along * along;
+    r *= flat > SMAP_FLAT ? smap_root(flat) : flat * 1e3f; /* as smap_touch has it */
+  }
+  return smap_dot(w->p[i], at->n) + r;
 }
