@@ -4,7 +4,7 @@ Owns the layout that runtime/positions.c describes, and how far single precision
 contact.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -18,10 +18,12 @@ from lutgen.recipe import Recipe
 from lutgen.vector import Floats
 
 # Flags of the runtime.
-COMMON, RATED, ROUND, NEAR = 1, 2, 4, 8
+COMMON, RATED, ROUND, NEAR, SHARED = 1, 2, 4, 8, 64
 # Largest angle (rad) of its shorter sine.
 NEAREST = 1.05
 MOST_ENTRIES, MOST_COORDINATES = 255, 252
+# Numbers that weights may share: a code has one bit for the sign.
+MOST_NUMBERS = 128
 NO_AXIS = 255
 # Weights smaller than this part of the robot's size are left out.
 NEGLIGIBLE = 1e-9
@@ -103,9 +105,13 @@ class Terms:
         """
         terms = [term for coordinate in self.coordinates for term in coordinate]
         flags = self.flags
+        weights = [term.weight for term in terms]
+        radii: Sequence[float] | Floats = self.radii if flags & ROUND else []
+        numbers = _distinct([*weights, *radii]) if many else None
+        if numbers is not None:
+            flags, order = flags | SHARED, len(numbers)
         sizes = [len(self.angles), len(self.travels), len(self.products), self.axes]
         rates = [rate for _, rate in self.angles] if flags & RATED else []
-        round_ = flags & ROUND
         joints = [parameter for parameter, _ in self.angles] + list(self.travels)
         more = sum(array.bytes for array in many)
         return (
@@ -117,11 +123,7 @@ class Terms:
             ),
             CArray("more", "uint16_t", [more], "bytes of what is for many contacts", False),
             *many,
-            CArray(
-                "weights", "float", [term.weight for term in terms], "weight of each term, length"
-            ),
-            CArray("rates", "float", rates, "of each angle: rad for each rad of its parameter"),
-            CArray("radii", "float", self.radii if round_ else [], "radius of each contact"),
+            *_weights(weights, rates, radii, numbers),
             CArray("joints", "uint8_t", joints, "parameter of each angle and travel"),
             CArray("products", "uint8_t", np.array(self.products).reshape(-1), "pairs of entries"),
             CArray("axes", "uint8_t", self.axis_of if self.axes else [], "axis of each contact"),
@@ -130,6 +132,38 @@ class Terms:
             ),
             CArray("entries", "uint8_t", [term.entry for term in terms], "entry of each term"),
         )
+
+
+def _distinct(values: Sequence[float]) -> list[float] | None:
+    """Return the sizes of numbers in single precision, each once, if so they take fewer bytes."""
+    sizes = np.unique(np.abs(np.asarray(values, np.float32)))
+    fewer = 4 * len(sizes) + len(values) < 4 * len(values)
+    return [float(size) for size in sizes] if fewer and len(sizes) <= MOST_NUMBERS else None
+
+
+def _weights(
+    weights: Sequence[float],
+    rates: Sequence[float],
+    radii: Sequence[float] | Floats,
+    numbers: Sequence[float] | None,
+) -> Iterator[CArray]:
+    """Return the arrays of weights, rates and radii: themselves, or which of some numbers each is."""
+    text = "of each angle: rad for each rad of its parameter"
+    if numbers is None:
+        yield CArray("weights", "float", weights, "weight of each term, length")
+        yield CArray("rates", "float", rates, text)
+        yield CArray("radii", "float", radii, "radius of each contact")
+        return
+
+    def codes(values: Sequence[float] | Floats) -> list[int]:
+        single = np.asarray(values, np.float32)
+        negative = np.where(np.signbit(single), 128, 0)
+        return [int(at) for at in np.searchsorted(numbers, np.abs(single)) + negative]
+
+    yield CArray("numbers", "float", numbers, "sizes of weights, and radii; length")
+    yield CArray("rates", "float", rates, text)
+    yield CArray("weights", "uint8_t", codes(weights), "number of each term, + 128: negative")
+    yield CArray("radii", "uint8_t", codes(radii), "number of each contact's radius")
 
 
 def terms_of(recipe: Recipe, radius: Floats, order: Sequence[int], turning: bool = False) -> Terms:

@@ -54,6 +54,7 @@ static int smap_check_positions(const smap_t *map, smap_bytes_t limit)
   const smap_bytes_t body = smap_body(map);
   uint32_t sum = 0, fixed, i;
   uint16_t terms;
+  uint8_t shared;
   smap_places_t at;
   if (limit - body < SMAP_IN_MANY) {
     return 0;
@@ -68,13 +69,19 @@ static int smap_check_positions(const smap_t *map, smap_bytes_t limit)
   if (fixed + body[SMAP_IN_PRODUCTS] > SMAP_MAX_ENTRIES ||
       3u * SMAP_BLOB(map)[SMAP_AT_CONTACTS] + 3u * body[SMAP_IN_AXES] > SMAP_MAX_COORDINATES ||
       3u + 3u * SMAP_BLOB(map)[SMAP_AT_CONTACTS] + 3u * body[SMAP_IN_AXES] > 255u ||
-      body[SMAP_IN_FLAGS] > 15u) {
+      (body[SMAP_IN_FLAGS] & ~(SMAP_MANY ? SMAP_SHARED : 0)) > 15) {
     return 0;
   }
   at = smap_places(map);
+  shared = body[SMAP_IN_FLAGS] & SMAP_SHARED;
   if (at.end != limit || !smap_check_singles(body + SMAP_IN_LOWEST, 3) ||
-      !smap_check_singles(at.weights, (uint32_t)(at.joints - at.weights) / 4u)) {
+      !smap_check_singles(at.weights, (uint32_t)((shared ? at.codes : at.joints) - at.weights) / 4u)) {
     return 0;
+  }
+  for (i = 0; shared && i < (uint32_t)(at.joints - at.codes); i++) { /* of terms, then of contacts */
+    if ((at.codes[i] & (i < terms ? 127u : 255u)) >= body[SMAP_IN_ORDER]) {
+      return 0;
+    }
   }
   for (i = 0; i < (uint32_t)(at.products - at.joints); i++) {
     if (at.joints[i] >= SMAP_BLOB(map)[SMAP_AT_PARAMS]) {

@@ -66,6 +66,16 @@ SMAP_INLINE uint8_t smap_many_named(const smap_t *map, uint8_t contact)
              : 255;
 }
 
+/* The radius of a contact. */
+SMAP_INLINE float smap_radius(const smap_t *map, const smap_places_t *at, uint8_t contact)
+{
+  const uint8_t flags = smap_body(map)[SMAP_IN_FLAGS];
+  if (!(flags & SMAP_ROUND)) {
+    return 0.0f;
+  }
+  return smap_f32(flags & SMAP_SHARED ? at->weights + 4 * at->radii[contact] : at->radii + 4 * contact);
+}
+
 /* Where the contacts of checked parameters are. */
 SMAP_INLINE int8_t smap_many_place(const smap_t *map, const float *params, smap_many_place_t *place)
 {
@@ -80,8 +90,7 @@ SMAP_INLINE int8_t smap_many_place(const smap_t *map, const float *params, smap_
   smap_positions(map, q, p);
   for (i = 0; i < at.contacts; i++) {
     memcpy(place->contact[i].p, &p[3 * i], sizeof place->contact[i].p);
-    place->contact[i].radius =
-        smap_body(map)[SMAP_IN_FLAGS] & SMAP_ROUND ? smap_f32(at.radii + 4 * i) : 0.0f;
+    place->contact[i].radius = smap_radius(map, &at, i);
 #if SMAP_MANY_AXLES
     memset(place->axle[i], 0, sizeof place->axle[i]);
     if (smap_body(map)[SMAP_IN_AXES] != 0 && at.axis_of[i] != SMAP_NO_AXIS) {

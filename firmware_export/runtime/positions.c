@@ -9,6 +9,8 @@
  *                             7 order u8          16 rest_width f32   if -n_z is greater
  *  20 bytes of the codec for many contacts u16          22 that, and then
  *   weights f32[terms]; rates f32[angles] with SMAP_RATED; radii f32[contacts] with SMAP_ROUND;
+ *     with SMAP_SHARED, which only many contacts have, instead: numbers f32[order]; rates; which of them
+ *     each weight is u8[terms], + 128: negative; which of them each radius is u8[contacts];
  *   joint of each angle and travel u8; products u8[2 products]; axis of each contact u8 where there are axes;
  *   terms of each coordinate u8; entry of each term u8
  *
@@ -16,7 +18,7 @@
  * With SMAP_NEAR no angle is ever beyond 1.05 rad.  Entries: 0 is the number 1; then sine and cosine of each angle, the travels, the products.
  * Coordinates: with SMAP_COMMON three that every contact has in common (the centre of mass moving),
  * then x, y, z of every contact relative to it, then x, y, z of every axis. */
-enum { SMAP_COMMON = 1, SMAP_RATED = 2, SMAP_ROUND = 4, SMAP_NEAR = 8, SMAP_BY_SERIES = 16, SMAP_WIDE = 32 };
+enum { SMAP_COMMON = 1, SMAP_RATED = 2, SMAP_ROUND = 4, SMAP_NEAR = 8, SMAP_BY_SERIES = 16, SMAP_WIDE = 32, SMAP_SHARED = 64 };
 enum {
   SMAP_IN_ANGLES = 0,
   SMAP_IN_TRAVELS = 1,
@@ -35,7 +37,7 @@ enum {
 
 /* Where each table of the body begins. */
 typedef struct {
-  smap_bytes_t weights, rates, radii, joints, products, axis_of, counts, entries, end;
+  smap_bytes_t weights, rates, codes, radii, joints, products, axis_of, counts, entries, end;
   uint8_t contacts, coordinates;
 } smap_places_t;
 
@@ -48,15 +50,26 @@ SMAP_FOLDED smap_places_t smap_places(const smap_t *map)
   at.contacts = SMAP_BLOB(map)[SMAP_AT_CONTACTS];
   at.coordinates = (uint8_t)((flags & SMAP_COMMON ? 3 : 0) + 3 * at.contacts + 3 * body[SMAP_IN_AXES]);
   at.weights = body + SMAP_IN_MANY + smap_u16(body + SMAP_IN_MANY_BYTES);
-  at.rates = at.weights + 4 * terms;
-  at.radii = at.rates + (flags & SMAP_RATED ? 4 * angles : 0);
-  at.joints = at.radii + (flags & SMAP_ROUND ? 4 * at.contacts : 0);
+  at.rates = at.weights + 4 * (flags & SMAP_SHARED ? body[SMAP_IN_ORDER] : terms);
+  at.codes = at.rates + (flags & SMAP_RATED ? 4 * angles : 0);
+  at.radii = at.codes + (flags & SMAP_SHARED ? terms : 0);
+  at.joints = at.radii + (flags & SMAP_ROUND ? (flags & SMAP_SHARED ? 1 : 4) * at.contacts : 0);
   at.products = at.joints + angles + body[SMAP_IN_TRAVELS];
   at.axis_of = at.products + 2 * body[SMAP_IN_PRODUCTS];
   at.counts = at.axis_of + (body[SMAP_IN_AXES] != 0 ? at.contacts : 0);
   at.entries = at.counts + at.coordinates;
   at.end = at.entries + terms;
   return at;
+}
+
+/* The weight of a term. */
+SMAP_FOLDED float smap_weight(const smap_t *map, const smap_places_t *at, uint16_t term)
+{
+  if (SMAP_MANY && (smap_body(map)[SMAP_IN_FLAGS] & SMAP_SHARED)) {
+    const float size = smap_f32(at->weights + 4 * (at->codes[term] & 127u));
+    return at->codes[term] & 128u ? -size : size;
+  }
+  return smap_f32(at->weights + 4 * term);
 }
 
 /* The entries of one posture. */
@@ -113,7 +126,7 @@ SMAP_FOLDED void smap_positions(const smap_t *map, const float *q, float p[SMAP_
     float sum = 0.0f;
     SMAP_FOLD
     for (k = 0; k < count; k++, term++) {
-      const float value = smap_f32(at.weights + 4 * term) * entry[at.entries[term]];
+      const float value = smap_weight(map, &at, term) * entry[at.entries[term]];
       sum = k == 0 ? value : sum + value;
     }
     *(i < shared ? &common[i] : &p[i - shared]) = sum;
