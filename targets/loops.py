@@ -195,8 +195,6 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "i = 0; i < params; i++": PARAMS,
     "j = 0; j < params; j++": PARAMS,
     "i = 0; i < SMAP_BLOB(map)[SMAP_AT_PARAMS]; i++": PARAMS,
-    "i = 0; status == SMAP_OK && i < SMAP_BLOB(map)[SMAP_AT_PARAMS]; i++": PARAMS,
-    "i = 0; status == SMAP_OK && i < count; i++": PARAMS,
     "i = 0; i < angles; i++, count = (uint8_t)(count + 2)": _of("angles"),
     "i = 0; i < travels; i++": _of("travels"),
     "i = 0; i < body[SMAP_IN_PRODUCTS]; i++": _of("products"),

@@ -147,7 +147,7 @@ def _weights(
     radii: Sequence[float] | Floats,
     numbers: Sequence[float] | None,
 ) -> Iterator[CArray]:
-    """Return the arrays of weights, rates and radii: themselves, or which of some numbers each is."""
+    """Return the arrays of weights, rates and radii, or which of some numbers each is."""
     text = "of each angle: rad for each rad of its parameter"
     if numbers is None:
         yield CArray("weights", "float", weights, "weight of each term, length")

@@ -147,12 +147,15 @@ SMAP_INLINE int8_t smap_grid_places(const smap_t *map, const float *params, floa
   const uint8_t count = SMAP_BLOB(map)[SMAP_AT_PARAMS];
   const int8_t status = smap_range(map, params, place);
   uint8_t i;
+  if (SMAP_RARELY(status != SMAP_OK)) {
+    return status;
+  }
   SMAP_UNROLL
-  for (i = 0; status == SMAP_OK && i < count; i++) {
+  for (i = 0; i < count; i++) {
     const float x = (place[i] - smap_f32(body + 16 + 12 * i)) * smap_f32(body + 20 + 12 * i);
     place[i] = x < 0.0f ? 0.0f : x > 65534.0f ? 65534.0f : x;
   }
-  return status;
+  return SMAP_OK;
 }
 
 /* Read the tables at places of the parameters; `place` has room for u and v. */

@@ -150,13 +150,16 @@ SMAP_INLINE int8_t smap_grid_places_i(const smap_t *map, const int16_t *params_q
   int16_t q[SMAP_MAX_PARAMS];
   const int8_t status = smap_range_q(map, params_q, q);
   uint8_t i;
+  if (SMAP_RARELY(status != SMAP_OK)) {
+    return status;
+  }
   SMAP_UNROLL
-  for (i = 0; status == SMAP_OK && i < SMAP_BLOB(map)[SMAP_AT_PARAMS]; i++) {
+  for (i = 0; i < SMAP_BLOB(map)[SMAP_AT_PARAMS]; i++) {
     const int32_t step = (int32_t)smap_u16(body + 26 + 12 * i) * q[i];
     const int32_t x = (int32_t)smap_u16(body + 24 + 12 * i) + (step < 0 ? -(-step >> 14) : step >> 14);
     place[i] = (uint16_t)(x < 0 ? 0 : x > 65534 ? 65534 : x);
   }
-  return status;
+  return SMAP_OK;
 }
 
 static int8_t smap_run_pose_q(const smap_t *map, const int16_t *params_q, void *pose, uint16_t bytes,

@@ -83,6 +83,7 @@ SMAP_INLINE void smap_table_points(const smap_t *map, const float *q, float p[9]
   float place[SMAP_MAX_PARAMS];
   smap_table_t table[3];
   uint8_t i;
+  place[0] = 0.0f; /* of a robot of fixed shape nothing else is */
   (void)smap_table_begin(map, table);
   SMAP_UNROLL
   for (i = 0; i < SMAP_BLOB(map)[SMAP_AT_PARAMS]; i++) {
@@ -145,14 +146,17 @@ SMAP_INLINE int8_t smap_table_places(const smap_t *map, const int16_t *params_q,
   int16_t q[SMAP_MAX_PARAMS];
   const int8_t status = smap_range_q(map, params_q, q);
   uint8_t i;
+  if (SMAP_RARELY(status != SMAP_OK)) {
+    return status;
+  }
   SMAP_UNROLL
-  for (i = 0; status == SMAP_OK && i < SMAP_BLOB(map)[SMAP_AT_PARAMS]; i++) {
+  for (i = 0; i < SMAP_BLOB(map)[SMAP_AT_PARAMS]; i++) {
     const smap_bytes_t axis = smap_body(map) + 8 + SMAP_PLACE_BYTES * i;
     const int32_t x =
         (int32_t)smap_u16(axis + 8) + ((int32_t)smap_u16(axis + 10) * q[i] + 8192) / 16384;
     place[i] = (uint16_t)(x < 0 ? 0 : x > 65535 ? 65535 : x);
   }
-  return status;
+  return SMAP_OK;
 }
 
 /* Make a vector's length 16383 and return what it was before, rounded down; its parts stay in 30 bits. */

@@ -149,6 +149,7 @@ static int8_t smap_run_pose_q(const smap_t *map, const int16_t *params_q, void *
   if (!smap_begin(map, pose, bytes, forms, sizeof *made)) {
     return SMAP_INVALID;
   }
+  place[0] = 0; /* of a robot of fixed shape nothing else is */
   made->head.status = smap_table_places(map, params_q, place);
   if (made->head.status == SMAP_OK) {
     smap_table_make(map, place, &made->whole);
@@ -163,7 +164,9 @@ static int8_t smap_run_read_i(const smap_t *map, const int16_t *params_q, const 
   smap_three_i_t made;
   int32_t g[3];
   uint32_t length;
-  int8_t status = smap_table_places(map, params_q, place);
+  int8_t status;
+  place[0] = 0;
+  status = smap_table_places(map, params_q, place);
   if (status == SMAP_OK) {
     status = smap_direction_i(map, gravity_q, g, &length);
   }

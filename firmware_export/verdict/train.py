@@ -52,6 +52,8 @@ def _points(model: Model) -> tuple[Floats, NDArray[np.int64], Floats]:
 
 def _corners(found: Outlines, posture: NDArray[np.int64], rng: np.random.Generator) -> list[Floats]:
     """Return of each parameter its values (n,) at random corners of the sub-cells of postures."""
+    if not found.axes:
+        return []
     at = np.unravel_index(posture, tuple(len(axis) - 1 for axis in found.axes))
     return [
         axis[index + rng.integers(0, 2, len(posture))]

@@ -1,0 +1,62 @@
+"""Robots that cannot change their shape: every codec that can hold one compiles clean and answers."""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from firmware_export.codecs import usable
+from firmware_export.emit import package
+from firmware_export.protocol.exported import Export
+from firmware_export.truth.model import Model
+from lutgen.quantities import EXPORTABLE
+from lutgen.recipe.recipe import parse_recipe
+from targets.compiled import HostLibrary, compile_c
+from tests.export.test_programs import STRICT
+from tests.fixtures.recipes import contact, rigid
+
+pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="needs cc")
+CORNERS = [(0.3, 0.2, -0.4), (-0.3, 0.2, -0.4), (0.0, -0.3, -0.4), (0.35, -0.2, -0.4)]
+SAFE = (0, 4)
+# Of these each had a level at which it did not compile without a warning, or did not export at all.
+KINDS = [
+    *((3, codec, "float") for codec in ("contacts", "poly", "grid")),
+    (3, "grid", "integer"),
+    (4, "contacts", "float"),
+    (4, "grid", "integer"),
+]
+
+
+@pytest.mark.parametrize(("count", "codec", "arithmetic"), KINDS)
+def test_a_robot_of_fixed_shape_compiles_clean_and_is_never_falsely_safe(
+    tmp_path: Path, count: int, codec: str, arithmetic: str
+) -> None:
+    text = rigid("".join(contact(f"P{i}", p) for i, p in enumerate(CORNERS[:count])))
+    model = Model(parse_recipe(text))
+    one = usable(model, arithmetic, codec)[0]
+    tables = one.encode(model, EXPORTABLE, one.sizes(model, EXPORTABLE, arithmetic)[0])
+    export = Export("rigid", model.recipe, model, codec, arithmetic, EXPORTABLE, tables)
+    package.write(export, tmp_path / "rigid")
+
+    # Many contacts take a compiler seconds.
+    for level in ("-O2", "-Os") if count > 3 else ("-O0", "-O1", "-O2", "-O3", "-Os"):
+        words = [*STRICT, level, "-std=c99", "-ffp-contract=off", "-I."]
+        compile_c([*words, "-c", "rigid.c", "-o", "rigid.o"], tmp_path / "rigid")
+
+    rng = np.random.default_rng(3)
+    gravity = np.column_stack([rng.uniform(-1.2, 1.2, (4000, 2)), -np.ones(4000)])
+    exact = model.exact(np.zeros((1, 0)), gravity[None]).tip_angle[0]
+    library = HostLibrary(tmp_path / "rigid")
+    none = np.zeros((4000, 0))
+    if arithmetic == "integer":
+        whole = np.rint(gravity * 16000.0).astype(np.int16)
+        said = library.read_i(none.astype(np.int16), whole)[0]
+        exact = model.exact(np.zeros((1, 0)), whole[None].astype(float)).tip_angle[0]
+    else:
+        single = gravity.astype(np.float32)
+        said = library.read(none.astype(np.float32), single)[0]
+    safe = np.isin(said, SAFE)
+    assert not (safe & (exact < 0.0)).any()
+    # A table of the smallest size gives up a part; a constant would give up all, or be unsafe.
+    assert safe[exact > 0.1].mean() > 0.5
