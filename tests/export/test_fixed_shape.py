@@ -1,4 +1,4 @@
-"""Robots that cannot change their shape: every codec that can hold one compiles clean and answers."""
+"""Robots that cannot change their shape: what holds them compiles clean and answers."""
 
 import shutil
 from pathlib import Path
