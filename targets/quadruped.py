@@ -1,7 +1,7 @@
 """A quadruped with twelve joints and four ball feet: a robot of legs among the rows.
 
-The sizes are those of a small walking robot, some 10 kg with shanks of 0.2 m; its four feet all touch
-only where its joints are symmetric, else it rocks on three of them.
+The sizes are those of a small walking robot, some 10 kg with shanks of 0.2 m; its four feet all
+touch only where its joints are symmetric, else it rocks on three of them.
 """
 
 from functools import lru_cache

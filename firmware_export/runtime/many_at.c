@@ -16,40 +16,46 @@ static float smap_point_sine(const float p[3], const float g[3])
   return smap_root(smap_dot(c, c));
 }
 
-/* The distance (sine) of g from some segments, if it is less than `least`, and the wall of the
- * nearest.  Seen from `inside` only walls in front can be nearest, and ends where the boundary is
+/* The distance (sine) of g from the boundary of an island, and the wall of the nearest segment; those of a
+ * facet come first.  Seen from `inside` only walls in front can be nearest, and ends where the boundary is
  * bent; of what is convex, seen from outside, only walls that are less than `top` in front.  No place on
  * a wall is nearer than the wall. */
-static float smap_nearest(const smap_many_pose_t *o, const smap_segment_t *s,
-                          const smap_segment_t *end, const float g[3], int inside, float top,
-                          float least, uint8_t *which)
+static float smap_nearest(const smap_many_pose_t *o, uint8_t facet, const float g[3], int inside,
+                          float top, uint8_t *which)
 {
+  const uint8_t island = o->at.island[facet];
+  const smap_segment_t *const middle = o->at.segment + o->at.begin[facet];
+  const smap_segment_t *s = middle, *end = o->at.segment + o->at.last[island];
   const float h[3] = {g[0], g[1], g[2]}; /* no store can alter it */
-  for (; s < end; s++) {
-    const float *n = o->wall[s->wall];
-    float away = smap_dot(n, h), c[3];
-    if (away >= top) {
-      continue;
-    }
-    if (away < 0.0f) {
-      away = -away;
-      if (away >= least || (inside && !s->bent)) {
+  float least = 1.0f;
+  uint8_t part;
+  for (part = 0; part < 2; part++, s = o->at.segment + o->at.first[island], end = middle) {
+    for (; s < end; s++) {
+      const float *n = o->wall[s->wall];
+      float away = smap_dot(n, h), c[3];
+      if (away >= top) {
         continue;
       }
-    }
-    smap_cross(h, n, c);
-    if (smap_dot(o->point[s->stop], c) > 0.0f) {
-      if (inside && !s->bent) {
+      if (away < 0.0f) {
+        away = -away;
+        if (away >= least || (inside && !s->bent)) {
+          continue;
+        }
+      }
+      smap_cross(h, n, c);
+      if (smap_dot(o->point[s->stop], c) > 0.0f) {
+        if (inside && !s->bent) {
+          continue;
+        }
+        away = smap_point_sine(o->point[s->stop], h);
+      } else if (smap_dot(o->point[s->start], c) < 0.0f) {
         continue;
       }
-      away = smap_point_sine(o->point[s->stop], h);
-    } else if (smap_dot(o->point[s->start], c) < 0.0f) {
-      continue;
-    }
-    if (away < least) {
-      least = away;
-      top = least < top ? least : top;
-      *which = s->wall;
+      if (away < least) {
+        least = away;
+        top = least < top ? least : top;
+        *which = s->wall;
+      }
     }
   }
   return least;
@@ -60,10 +66,8 @@ static float smap_boundary(const smap_many_pose_t *o, uint8_t facet, const float
                            uint8_t *which)
 {
   const uint8_t island = o->at.island[facet];
-  const smap_segment_t *middle = o->at.segment + o->at.begin[facet];
-  const float top = o->at.convex[facet] ? SMAP_BEYOND : 1.0f;
-  float near = 1.0f;
   if (inside && o->at.convex[facet]) {
+    float near = 1.0f;
     uint8_t k;
     for (k = o->at.first[island]; k < o->at.last[island]; k++) {
       const float v = smap_dot(o->wall[o->at.segment[k].wall], g);
@@ -74,9 +78,7 @@ static float smap_boundary(const smap_many_pose_t *o, uint8_t facet, const float
     }
     return near;
   }
-  near = smap_nearest(o, middle, o->at.segment + o->at.last[island], g, inside, top, near, which);
-  return smap_nearest(o, o->at.segment + o->at.first[island], middle, g, inside,
-                      near < top ? near : top, near, which);
+  return smap_nearest(o, facet, g, inside, o->at.convex[facet] ? SMAP_BEYOND : 1.0f, which);
 }
 
 /* Whether a direction lies on the inner side of a strip's side. */

@@ -155,44 +155,50 @@ static inline int smap_is_far_i(const int32_t c[3], int32_t least)
 }
 
 /* As smap_nearest; the distance is 32767 |g| times the sine, rounded down. */
-static int32_t smap_nearest_i(const smap_many_pose_i_t *o, const smap_segment_t *s,
-                              const smap_segment_t *end, const int32_t g[3], int inside,
-                              int32_t top, int32_t least, uint8_t *which)
+static int32_t smap_nearest_i(const smap_layout_t *at, const smap_many_pose_i_t *o, uint8_t facet,
+                              const int32_t g[3], int inside, int32_t least, uint8_t *which)
 {
+  const uint8_t island = at->island[facet];
+  const smap_segment_t *const middle = at->segment + at->begin[facet];
+  const smap_segment_t *s = middle, *end = at->segment + at->last[island];
   const int32_t h[3] = {g[0], g[1], g[2]}; /* no store can alter it */
-  for (; s < end; s++) {
-    const int16_t *n = o->wall[s->wall], *p;
-    int32_t away = smap_dot_i(n, h), c[3];
-    if (away >= top) {
-      continue;
-    }
-    if (away < 0) {
-      away = -away;
-      if (away >= least || (inside && !s->bent)) {
+  int32_t top = at->convex[facet] ? least / 100 : least; /* SMAP_BEYOND */
+  uint8_t part;
+  for (part = 0; part < 2; part++, s = at->segment + at->first[island], end = middle) {
+    for (; s < end; s++) {
+      const int16_t *n = o->wall[s->wall], *p;
+      int32_t away = smap_dot_i(n, h), c[3];
+      if (away >= top) {
         continue;
       }
-    }
-    p = o->point[s->stop];
-    smap_cross_i(h, n, c);
-    c[0] >>= 16;
-    c[1] >>= 16;
-    c[2] >>= 16;
-    if (smap_dot_i(p, c) > 0) {
-      if ((inside && !s->bent) || smap_dot_i(p, h) <= 0) {
+      if (away < 0) {
+        away = -away;
+        if (away >= least || (inside && !s->bent)) {
+          continue;
+        }
+      }
+      p = o->point[s->stop];
+      smap_cross_i(h, n, c);
+      c[0] >>= 16;
+      c[1] >>= 16;
+      c[2] >>= 16;
+      if (smap_dot_i(p, c) > 0) {
+        if ((inside && !s->bent) || smap_dot_i(p, h) <= 0) {
+          continue;
+        }
+        smap_cross_i(h, p, c);
+        if (smap_is_far_i(c, least)) {
+          continue;
+        }
+        away = smap_length_i(c);
+      } else if (smap_dot_i(o->point[s->start], c) < 0) {
         continue;
       }
-      smap_cross_i(h, p, c);
-      if (smap_is_far_i(c, least)) {
-        continue;
+      if (away < least) {
+        least = away;
+        top = least < top ? least : top;
+        *which = s->wall;
       }
-      away = smap_length_i(c);
-    } else if (smap_dot_i(o->point[s->start], c) < 0) {
-      continue;
-    }
-    if (away < least) {
-      least = away;
-      top = least < top ? least : top;
-      *which = s->wall;
     }
   }
   return least;
@@ -204,8 +210,6 @@ static int32_t smap_boundary_i(const smap_layout_t *at, const smap_many_pose_i_t
                                uint8_t *which)
 {
   const uint8_t island = at->island[facet];
-  const smap_segment_t *middle = at->segment + at->begin[facet];
-  const int32_t top = at->convex[facet] ? least / 100 : least; /* SMAP_BEYOND */
   if (inside && at->convex[facet]) {
     uint8_t k;
     for (k = at->first[island]; k < at->last[island]; k++) {
@@ -217,9 +221,7 @@ static int32_t smap_boundary_i(const smap_layout_t *at, const smap_many_pose_i_t
     }
     return least;
   }
-  least = smap_nearest_i(o, middle, at->segment + at->last[island], g, inside, top, least, which);
-  return smap_nearest_i(o, at->segment + at->first[island], middle, g, inside,
-                        least < top ? least : top, least, which);
+  return smap_nearest_i(at, o, facet, g, inside, least, which);
 }
 
 static int smap_within_i(const smap_layout_t *at, const smap_many_pose_i_t *o, uint8_t side,
