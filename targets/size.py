@@ -37,9 +37,9 @@ ALLOWED = frozenset(("memcpy", "memset"))
 # Arrays on the stack are as large as a map needs: two joints, and three points or twelve discs.
 USUAL = {"SMAP_MAX_PARAMS": 2, "SMAP_MAX_ENTRIES": 8, "SMAP_MAX_COORDINATES": 42}
 # Of many contacts those that marv has, on two rails, and articulated, whose axes are not parallel.
-CAPACITIES = ("CONTACTS", "RAILS", "FACETS", "EDGES", "ARCS", "SHOWN", "WALLS", "LINKS", "SIDES")
-MANY = {"SMAP_MANY_BY_RAILS": (8, 2, 10, 25, 9, 10, 45, 55, 12)}
-MANY["SMAP_MANY_SEARCH"] = (4, 0, 5, 10, 4, 5, 25, 27, 5)
+CAPACITIES = ("CONTACTS", "RAILS", "AXLES", "FACETS", "EDGES", "SHOWN", "WALLS", "LINKS", "SIDES")
+MANY = {"SMAP_MANY_BY_RAILS": (8, 2, 0, 10, 25, 10, 45, 55, 12)}
+MANY["SMAP_MANY_SEARCH"] = (4, 0, 1, 5, 10, 5, 25, 27, 5)
 SETS = (
     ("SMAP_POINTS", "SMAP_FLOATS", "SMAP_INTEGERS"),
     ("SMAP_POLY", "SMAP_FLOATS", "SMAP_INTEGERS"),

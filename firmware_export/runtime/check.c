@@ -54,7 +54,7 @@ static int smap_check_positions(const smap_t *map, smap_bytes_t limit)
   const smap_bytes_t body = smap_body(map);
   uint32_t sum = 0, fixed, i;
   uint16_t terms;
-  uint8_t shared;
+  int shared;
   smap_places_t at;
   if (limit - body < SMAP_IN_MANY) {
     return 0;
@@ -73,7 +73,7 @@ static int smap_check_positions(const smap_t *map, smap_bytes_t limit)
     return 0;
   }
   at = smap_places(map);
-  shared = body[SMAP_IN_FLAGS] & SMAP_SHARED;
+  shared = SMAP_MANY && (body[SMAP_IN_FLAGS] & SMAP_SHARED);
   if (at.end != limit || !smap_check_singles(body + SMAP_IN_LOWEST, 3) ||
       !smap_check_singles(at.weights, (uint32_t)((shared ? at.codes : at.joints) - at.weights) / 4u)) {
     return 0;

@@ -45,15 +45,16 @@ SMAP_FOLDED smap_places_t smap_places(const smap_t *map)
 {
   const smap_bytes_t body = smap_body(map);
   const uint8_t angles = body[SMAP_IN_ANGLES], flags = body[SMAP_IN_FLAGS];
+  const int shared = SMAP_MANY && (flags & SMAP_SHARED);
   const uint16_t terms = smap_u16(body + SMAP_IN_TERMS);
   smap_places_t at;
   at.contacts = SMAP_BLOB(map)[SMAP_AT_CONTACTS];
   at.coordinates = (uint8_t)((flags & SMAP_COMMON ? 3 : 0) + 3 * at.contacts + 3 * body[SMAP_IN_AXES]);
   at.weights = body + SMAP_IN_MANY + smap_u16(body + SMAP_IN_MANY_BYTES);
-  at.rates = at.weights + 4 * (flags & SMAP_SHARED ? body[SMAP_IN_ORDER] : terms);
+  at.rates = at.weights + 4 * (shared ? body[SMAP_IN_ORDER] : terms);
   at.codes = at.rates + (flags & SMAP_RATED ? 4 * angles : 0);
-  at.radii = at.codes + (flags & SMAP_SHARED ? terms : 0);
-  at.joints = at.radii + (flags & SMAP_ROUND ? (flags & SMAP_SHARED ? 1 : 4) * at.contacts : 0);
+  at.radii = at.codes + (shared ? terms : 0);
+  at.joints = at.radii + (flags & SMAP_ROUND ? (shared ? 1 : 4) * at.contacts : 0);
   at.products = at.joints + angles + body[SMAP_IN_TRAVELS];
   at.axis_of = at.products + 2 * body[SMAP_IN_PRODUCTS];
   at.counts = at.axis_of + (body[SMAP_IN_AXES] != 0 ? at.contacts : 0);

@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 
 from firmware_export.certify.answers import device
 from firmware_export.contacts import codec as contacts
+from firmware_export.contacts import terms as closed_terms
 from firmware_export.contacts.terms import Terms, terms_of
 from firmware_export.protocol.exported import Export
 from firmware_export.truth.model import Model
@@ -117,6 +118,23 @@ def test_a_robot_of_fixed_shape_has_no_parameters_and_is_read() -> None:
         exact = model.exact(np.zeros((1, 0)), [[[0.02, 0.0, -1.0]]])
         assert status[0] == OK
         assert reading[0, 0] == pytest.approx(exact.sdg[0, 0], abs=1e-6)
+
+
+def test_weights_that_share_numbers_answer_as_those_that_do_not(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    export = export_of("marv")
+    params = places(export.recipe, 300, 8)
+    gravity = np.random.default_rng(9).normal(size=(300, 3))
+    gravity[:, 2] = -np.abs(gravity[:, 2]) - 0.5
+    shared, fewer = device(export).read(params, gravity), export.tables.bytes
+    # Seven sizes of weights and two radii: a robot with more than there are codes shares none.
+    monkeypatch.setattr(closed_terms, "MOST_NUMBERS", 8)
+    own, more = device(export).read(params, gravity), export.tables.bytes
+    assert (fewer, more) == (145, 238)
+    assert np.isin(own[0], (OK, ROCKS)).sum() > 30
+    for one, other in zip(own, shared, strict=True):
+        assert one.tobytes() == other.tobytes()
 
 
 def test_a_robot_given_by_code_has_no_closed_form_and_integers_are_refused() -> None:
