@@ -17,6 +17,7 @@ BLOB = "bytes of the map"
 CHECKED = {
     "bit = 0; bit < 8; bit++": "8 bits",
     "i = 0; i < (uint32_t)(at.products - at.joints); i++": BLOB,
+    "i = 0; shared && i < (uint32_t)(at.joints - at.codes); i++": BLOB,
     "i = 0; i < 2u * body[SMAP_IN_PRODUCTS]; i++": "2 x products",
     "i = 0; at.axis_of + i < at.counts; i++": "contacts",
     "i = 0; i < terms; i++": BLOB,
