@@ -113,6 +113,7 @@ def _mean(name: str, part: int) -> tuple[str, Callable[[Shape], int]]:
 
 EDGES, CONTACTS, SHOWN, LINKS = (_of(name) for name in ("edges", "contacts", "shown", "links"))
 RAILS, PARAMS, DIMS, FACETS = (_of(name) for name in ("rails", "params", "dims", "facets"))
+TWICE = _plain("2", 2)
 THREE = _plain("3 coordinates", 3)
 # Loops and functions of which something bounds all rounds or calls within one call from outside,
 # however often they are begun: the work left (smap_may), that a pose has no more room, or that they
@@ -185,7 +186,7 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "digit = (uint32_t)1 << 30; digit != 0; digit >>= 2": _plain("16 digits", 16),
     "shift = 0; longest << shift < 16384u; shift++": _plain("14 shifts", 14),
     "i = 1; i < 6; i++": _plain("5 faces", 5),
-    "i = 0; i < 2; i++": _plain("2", 2),
+    "i = 0; i < 2; i++": TWICE,
     **{f"{i} = 0; {i} < 3; {i}++": THREE for i in ("i", "k", "n", "c")},
     "i = 1; i < 3; i++": THREE,
     "i = 0; i < 9; i = (uint8_t)(i + 3)": THREE,
@@ -288,8 +289,10 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     # reads of many contacts
     "i = 0; i < shown; i++": SHOWN,
     "; s < end; s++": LINKS,
-    "part = 0; part < 2; part++, s = o->at.segment + o->at.first[island], end = middle": _plain("2", 2),
-    "part = 0; part < 2; part++, s = at->segment + at->first[island], end = middle": _plain("2", 2),
+    **{
+        f"part = 0; part < 2; part++, s = {at}segment + {at}first[island], end = middle": TWICE
+        for at in ("o->at.", "at->")
+    },
     "k = o->at.first[island]; k < o->at.last[island]; k++": LINKS,
     "k = at->first[island]; k < at->last[island]; k++": LINKS,
     "k = 0; k < s->count; k++": _plain("SMAP_PIECES and one", 13),
