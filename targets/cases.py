@@ -39,9 +39,8 @@ ROBOTS = ("marv", "absolem", "excavator", "articulated", "paper_two", "three_leg
 COUNTED_ONCE = ("markhor", "paper_one")
 # Code of many contacts is larger than all flash of this board.
 WITHOUT: dict[str, tuple[str, ...]] = {
-    name: ("mega328p",) for name in ("marv", "absolem", "excavator", "articulated")
+    name: ("mega328p",) for name in ("marv", "absolem", "excavator", "articulated", "quadruped")
 }
-WITHOUT["quadruped"] = ("mega328p",)
 WITHOUT |= {name: tuple(one.name for one in BOARDS if one.name != "m4f") for name in COUNTED_ONCE}
 VERDICT = ("tip_angle",)
 # What tables depend on: the codecs, and the exact kernels that they ask.
@@ -129,15 +128,15 @@ def encoded(model: Model, name: str, channels: tuple[str, ...], spec: Any) -> An
 
 
 def of_recipe(name: str, kind: str, arithmetic: str = "float", label: str = "") -> Export:
-    """Return the export of a recipe of maps/ in a codec; see `of_model`."""
-    model = Model(load_recipe(ROOT / "maps" / f"{name}.toml"))
-    return of_model(model, name, kind, arithmetic, label)
+    """Return the export of a recipe of maps/ in a codec; see `of_robot`."""
+    return of_robot(load_recipe(ROOT / "maps" / f"{name}.toml"), name, kind, arithmetic, label)
 
 
-def of_model(
-    model: Model, name: str, kind: str, arithmetic: str = "float", label: str = ""
+def of_robot(
+    source: Recipe, name: str, kind: str, arithmetic: str = "float", label: str = ""
 ) -> Export:
     """Return the export of a robot in a codec, of its smallest size if no label tells another."""
+    model = Model(source)
     channels = tuple(
         channel
         for channel in EXPORTABLE
@@ -180,7 +179,7 @@ def cases() -> list[Case]:
         )
         for name in (*ROBOTS, *COUNTED_ONCE)
     ]
-    legs = partial(of_model, Model(quadruped()), "quadruped", "contacts")
+    legs = partial(of_robot, quadruped(), "quadruped", "contacts")
     rows.append(Case("quadruped", legs, None, WITHOUT["quadruped"]))
     folder = MAPS / "paper_two" / "firmware"
     poly = partial(of_recipe, "paper_two", "poly", "float", POLY)

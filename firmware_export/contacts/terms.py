@@ -100,7 +100,8 @@ class Terms:
     ) -> tuple[CArray, ...]:
         """Return the codec's part of a blob.
 
-        `order` is its eighth byte, `thresholds` the lowest height, the steepest normal and the
+        `order` is its eighth byte (of many contacts it tells how many numbers their weights share
+        instead), `thresholds` the lowest height, the steepest normal and the
         least width of a facet, `many` what the codec for many contacts adds.
         """
         terms = [term for coordinate in self.coordinates for term in coordinate]

@@ -27,10 +27,15 @@
 
 /* Unless code is to be small, loops of a known number of turns become straight code, and functions part
  * of their callers: the tables of an export are known, so most of what they say becomes constants.  Of
- * many contacts next to nothing is known, and a sanitizer's checks, copied into every turn, take a
- * compiler minutes: there functions stay what they are. */
+ * many contacts next to nothing is known but their positions (SMAP_FOLD), and a sanitizer's checks, copied
+ * into every turn, take a compiler minutes: there functions stay what they are. */
 #if defined(__GNUC__) && !defined(__OPTIMIZE_SIZE__) && defined(__OPTIMIZE__) && \
-    !defined(SMAP_HOST) && !defined(__AVR__) && !SMAP_MANY && !defined(__SANITIZE_ADDRESS__)
+    !defined(SMAP_HOST) && !defined(__AVR__) && !defined(__SANITIZE_ADDRESS__)
+#define SMAP_MAY_GROW 1
+#else
+#define SMAP_MAY_GROW 0
+#endif
+#if SMAP_MAY_GROW && !SMAP_MANY
 #define SMAP_INLINE static inline __attribute__((__always_inline__))
 #ifdef __clang__
 #define SMAP_UNROLL /* decides well by itself, and would warn of what it declines */
@@ -47,6 +52,13 @@
 #define SMAP_INLINE static inline
 #define SMAP_UNROLL
 #define SMAP_RARELY(condition) (condition)
+#endif
+#if SMAP_MAY_GROW && !defined(__clang__)
+#define SMAP_FOLDED static inline __attribute__((__always_inline__))
+#define SMAP_FOLD _Pragma("GCC unroll 64")
+#else
+#define SMAP_FOLDED SMAP_INLINE
+#define SMAP_FOLD SMAP_UNROLL
 #endif
 
 /* Three coordinates become straight code in any case. */
@@ -66,16 +78,6 @@
 #if defined(__AVR__) && defined(__GNUC__) && __GNUC__ < 8
 /* avr-gcc 5 fails ("in get_use_type") where it improves loops over what lies in flash. */
 #pragma GCC optimize("no-ivopts")
-#endif
-
-/* Of positions next to all is known, of many contacts too. */
-#if defined(__GNUC__) && !defined(__clang__) && !defined(__OPTIMIZE_SIZE__) && defined(__OPTIMIZE__) && \
-    !defined(SMAP_HOST) && !defined(__AVR__) && !defined(__SANITIZE_ADDRESS__)
-#define SMAP_FOLDED static inline __attribute__((__always_inline__))
-#define SMAP_FOLD _Pragma("GCC unroll 64")
-#else
-#define SMAP_FOLDED SMAP_INLINE
-#define SMAP_FOLD SMAP_UNROLL
 #endif
 
 #define SMAP_PI 3.14159265f
