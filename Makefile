@@ -62,11 +62,11 @@ explorer: $(NAMES:%=build/explorer/%.html) ## write a page for every robot of ma
 engine: ## rebuild the scripts and the WebAssembly of those pages (clang, wasm-ld, node, npm)
 	$(PYTHON) tools/explorer.py
 
-physics: .venv/.physics ## judge the verdicts by a physics engine (docs/measured: physics, judged, steady; ten minutes, SAMPLE=1: three)
-	$(BIN)/python -m proofs.physics.agreement $(if $(SAMPLE),--cases 100)
+physics: .venv/.physics ## judge the verdicts by a physics engine (docs/measured: physics, judged, steady; ten minutes, SAMPLE=1: two)
+	$(BIN)/python -m proofs.physics.agreement $(if $(SAMPLE),--cases 60)
 	$(if $(SAMPLE),,$(BIN)/python -m proofs.physics.steady)
 	$(BIN)/python -m proofs.physics.judge $(if $(SAMPLE),rocking)
-	$(BIN)/python -m proofs.physics.braking $(if $(SAMPLE),--cases 40)
+	$(BIN)/python -m proofs.physics.braking $(if $(SAMPLE),--cases 20)
 
 compare: .venv/.installed ## public measures of stability beside ours (docs/measured/compare.md, build/compare)
 	$(BIN)/python -m proofs.compare --update

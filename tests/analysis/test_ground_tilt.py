@@ -13,6 +13,7 @@ from lutgen.analysis.stance import Posture
 from lutgen.analysis.tilt import level_frames, level_limits, tilt_limits, tilted
 from lutgen.analysis.tilt_table import posture_limits
 from lutgen.recipe.recipe import Recipe, parse_recipe
+from tests.fixtures.length import part
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import contact, feet, rigid
 
@@ -149,14 +150,14 @@ def random_rows(robot: Recipe, count: int, seed: int = 3) -> np.ndarray:
 def test_a_robot_whose_body_is_tilted_until_it_tips_has_been_on_more_than_the_guaranteed_slope(
     name: str, convention: str
 ) -> None:
-    robot, steps = lutgen.load_recipe(MAPS / f"{name}.toml"), 20
-    rows = random_rows(robot, 40)
+    robot, steps, count = lutgen.load_recipe(MAPS / f"{name}.toml"), 20, part(40, 2)
+    rows = random_rows(robot, count)
     limits = tilt_limits(robot, rows, ALL_ROUND, convention)
     frames = level_frames(robot, rows, convention)
     ways = np.concatenate([limits * k / steps for k in range(steps + 1)], axis=1)
-    headings = np.tile(ALL_ROUND, (40, steps + 1))
+    headings = np.tile(ALL_ROUND, (count, steps + 1))
     downs = np.einsum("mij,mhj->mhi", frames, tilted(ways, headings))
-    along = slopes(robot, rows, downs).reshape(40, steps + 1, -1)
+    along = slopes(robot, rows, downs).reshape(count, steps + 1, -1)
     # Between two places the slope may have been larger, but by no more than gravity turned.
     most = along.max(axis=1) + limits / steps
     # Where it stands at all with that attitude to begin with.
@@ -255,7 +256,7 @@ def by_steps(posture: Posture, heading: float, step: float) -> float:
 def test_a_ground_that_is_tilted_step_by_step_tips_robots_at_the_limits_in_closed_form() -> None:
     rng, step = np.random.default_rng(1), math.radians(0.2)
     rocking = standing = 0
-    for _ in range(16):
+    for _ in range(part(16, 2)):
         posture = bowl(rng)
         found = ground_tilt(posture)
         for heading in rng.uniform(-math.pi, math.pi, 3):
@@ -266,8 +267,8 @@ def test_a_ground_that_is_tilted_step_by_step_tips_robots_at_the_limits_in_close
             rocking += body > limit + 0.02
             standing += limit > 0.1
     # Most edges of a bowl catch nothing, and there ground and body tip at one tilt.
-    assert rocking > 5
-    assert standing > 20
+    assert rocking > part(5, 2)
+    assert standing > part(20, 2)
 
 
 @pytest.mark.parametrize(
@@ -326,7 +327,8 @@ def turned_about(posture: Posture, slope: float, heading: float) -> bool:
 
 def test_a_ground_no_steeper_than_guaranteed_tips_no_robot_however_it_is_turned() -> None:
     rng = np.random.default_rng(6)
-    rows = [row for row in (bowl(rng) for _ in range(30)) if ground_tilt(row).guaranteed > 0.05]
+    bowls = (bowl(rng) for _ in range(part(30, 2)))
+    rows = [row for row in bowls if ground_tilt(row).guaranteed > 0.05]
     for posture in rows:
         found = ground_tilt(posture)
         heading = float(rng.uniform(-math.pi, math.pi))
@@ -334,7 +336,7 @@ def test_a_ground_no_steeper_than_guaranteed_tips_no_robot_however_it_is_turned(
         assert not turned_about(posture, 0.99 * found.guaranteed, heading)
         # Further than the least limit of all headings it tips, tilted in that one.
         assert turned_about(posture, found.least + math.radians(0.1), found.worst)
-    assert len(rows) > 10
+    assert len(rows) > part(10, 2)
 
 
 def test_positions_that_are_a_little_wrong_do_not_change_what_is_guaranteed() -> None:

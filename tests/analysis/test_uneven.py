@@ -202,7 +202,7 @@ def nearest(points: Floats, normals: Floats, mu: Floats, com: Floats) -> tuple[F
 def test_an_oracle_of_round_cones_agrees_where_it_can_tell() -> None:
     told = {True: 0, False: 0}
     undecided = 0
-    for seed in range(part(30, 2)):
+    for seed in range(part(30)):
         points, normals, mu, com = scene(seed, 2 + seed % 4 + (seed > 3))
         _, missing = nearest(points, normals, mu, com)
         gap = float(np.linalg.norm(missing))
@@ -213,8 +213,8 @@ def test_an_oracle_of_round_cones_agrees_where_it_can_tell() -> None:
         expected = gap <= 1e-5
         assert equilibrium(points, normals, mu, com).holds is expected, seed
         told[expected] += 1
-    assert undecided <= part(30, 2) // 5
-    assert min(told.values()) >= part(30, 2) // 5
+    assert undecided <= part(30) // 5
+    assert min(told.values()) >= part(30) // 5
 
 
 @pytest.mark.parametrize("seed", range(part(5, 2)))

@@ -15,10 +15,12 @@ from lutgen.mapping.map import load_map
 from lutgen.paper import report as write
 from lutgen.paper.nominal import NOMINAL, RADIUS
 from lutgen.paper.published import TABLE
+from lutgen.paper.results import MAP, Results
 from lutgen.paper.robot import paper_recipe
 from lutgen.paper.simulations import first_simulation, second_simulation, table_one, timed_map
 from lutgen.recipe.kinematics import forward
 from lutgen.recipe.recipe import load_recipe
+from tests.fixtures.length import LONG
 from tests.fixtures.places import MAPS
 
 BOTH = ("plane", "body")
@@ -192,10 +194,17 @@ def test_the_csv_files_hold_what_the_page_shows(report: Path) -> None:
 
 
 def test_a_second_report_replaces_the_first_and_leaves_other_files(
-    report: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    report: Path, results: Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = Path(shutil.copytree(report, tmp_path / "report"))
-    # Everything is computed again; to draw it again would show no more.
+
+    def computed(work: Path, *_: object) -> Results:
+        shutil.copyfile(report / MAP, work / MAP)
+        return results
+
+    # At length everything is computed again; to draw it again would show no more.
+    if not LONG:
+        monkeypatch.setattr(write, "compute", computed)
     monkeypatch.setattr(write, "draw_pictures", lambda folder, results: {})
     monkeypatch.setattr(write, "build_page", lambda *_: "another page")
     done = CliRunner().invoke(main, ["paper", "-o", str(folder)])

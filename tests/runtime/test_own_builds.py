@@ -23,10 +23,10 @@ from tests.fixtures.queries import integer_queries, random_queries
 SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g", "-O0")
 INVALID, OK, TIPS, OFF_CHART, ROCKS, OFF_RANGE = -1, 0, 2, 3, 4, 5
 
-# Small code, and fast code with the square root in software.
-BUILDS: tuple[tuple[str, ...], ...] = (("-Os",), ("-O3", "-DSMAP_HARDWARE_ROOT=0"))
+# Fast code with the square root in software; small code is what chips are asked, too.
+BUILDS: tuple[tuple[str, ...], ...] = (("-O3", "-DSMAP_HARDWARE_ROOT=0"),)
 if LONG:
-    BUILDS += (("-O3",), ("-DSMAP_HARDWARE_ROOT=0",))
+    BUILDS += (("-Os",), ("-O3",), ("-DSMAP_HARDWARE_ROOT=0",))
 # Many contacts take up to 20 us a query.
 CASES = {
     "paper_two": part(300_000),
@@ -97,13 +97,13 @@ def test_the_c_code_is_clean_under_the_sanitizers(name: str, tmp_path: Path) -> 
 
 @pytest.mark.parametrize("name", WHOLE)
 def test_every_build_gives_the_same_numbers_without_floats(name: str, tmp_path: Path) -> None:
-    export, few = export_of(name), 100_000
+    export, few = export_of(name), part(100_000)
     package.write(export, tmp_path / "out")
-    params, gravity = integer_queries(export.model, 300_000)
+    params, gravity = integer_queries(export.model, part(300_000, 2))
     status, reading = host_of(export).read_i(params, gravity)
     found, times = np.unique(status, return_counts=True)
     assert answers(export) <= set(found.tolist())
-    assert times.min() > 100
+    assert times.min() > 50
     # The last is how a Cortex-M finds a whole root.
     divides = ("-D__ARM_FEATURE_IDIV=1", "-D__ARM_FEATURE_CLZ=1")
     for flags in ((), *BUILDS, divides):

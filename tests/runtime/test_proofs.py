@@ -188,12 +188,10 @@ def test_an_alarm_is_told_by_its_line() -> None:
 
 
 @pytest.mark.needs("frama-c", "gcc")
-@pytest.mark.parametrize("kind", ["poly", "grid"])
-def test_eva_proves_a_small_export_and_finds_its_seeded_fault(kind: str, tmp_path: Path) -> None:
-    name = {"poly": "poly_cone", "grid": "grid_integer"}[kind]
-    package.write(SMALL[name]("feet"), tmp_path / "feet")
+def test_eva_proves_a_small_export_and_finds_its_seeded_fault(tmp_path: Path) -> None:
+    package.write(SMALL["poly_cone"]("feet"), tmp_path / "feet")
     subject = read_subject(tmp_path / "feet")
-    assert (subject.kind, subject.params, subject.integer) == (kind, 2, kind == "grid")
+    assert (subject.kind, subject.params, subject.integer) == ("poly", 2, False)
     proof = eva.prove(subject, tmp_path, PATIENCE)
     assert proof.state == OK, proof.text
     fault = eva.prove_fault_is_found(subject, tmp_path, PATIENCE)
@@ -317,18 +315,25 @@ def test_a_finding_that_is_not_listed_fails_and_so_does_another_number() -> None
 
 
 @pytest.mark.needs("cppcheck")
-def test_the_misra_table_is_what_cppcheck_finds_and_another_rule_fails(tmp_path: Path) -> None:
+def test_a_rule_that_is_broken_once_more_is_found_and_so_is_a_file_that_is_not_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # That the tables are what is found in all programs is what `make verify` tells.
+    monkeypatch.setattr(analysers, "PROGRAMS", ("grid_w",))
     place(PARTS, tmp_path)
     end = tmp_path / "end.c"
     right = end.read_text()
+    before, failed = analysers.count("MISRA", tmp_path, PATIENCE)
+    assert not failed
     lost = "int go_astray(int x);\nint go_astray(int x)\n{\n  goto there;\nthere:\n  return x;\n}\n"
     end.write_text(right + lost)
     result, found = analysers.analyse("MISRA", TEXT, tmp_path, PATIENCE)
     assert result.state == FAILED
     assert "15.1 is not in the list" in result.text
-    listed = findings(TEXT, "MISRA deviations")
-    own = {rule: number - listed.get(rule, 0) for rule, number in found.items()}
-    assert {rule: more for rule, more in own.items() if more} == {"15.1": 1}
+    assert before.keys() <= findings(TEXT, "MISRA deviations").keys()
+    assert {
+        rule: n - before.get(rule, 0) for rule, n in found.items() if n != before.get(rule)
+    } == {"15.1": 1}
     # A file that it gives up is not one without findings.
     end.write_text(
         right + "static int g(int x)\n{\n  switch (x) {\n  case 1 ? 2 : 3:\n    return 1;\n"

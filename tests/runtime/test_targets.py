@@ -223,6 +223,34 @@ def test_a_wrong_hash_and_a_failed_cell_are_failures(
     assert "FAIL" in tables.hashes(matrix.verdicts, {"tripod": ("0", "ok")})
 
 
+def test_a_sample_compiles_every_export_and_every_board_in_both_ways_but_each_cell_in_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    one = row(tmp_path)
+    rows = [replace(one, case=replace(one.case, name=name)) for name in ("a", "b")]
+    asked = list[tuple[str, str]]()
+
+    def fake(job: image.Job, on: Any, option: str) -> image.Outcome:
+        asked.append((on.name, option))
+        return image.Outcome(one.wanted, {"at": [5]}, Footprint(1, 2), 80, 40)
+
+    monkeypatch.setattr(run, "execute", fake)
+    monkeypatch.setattr(run, "version", lambda on: "1")
+    monkeypatch.setattr("targets.boards.shutil.which", lambda name: name)
+    boards = [board(name) for name in ("m4f", "m0", "rv32imc")]
+    matrix = run.Matrix(rows, boards, sample=True)
+    matrix.run(1)
+    assert matrix.failures == []
+    both = {"-O2", "-Os"}
+    found = {name: list(one["boards"].values()) for name, one in matrix.found["rows"].items()}
+    assert sorted(asked) == sorted(
+        [("m4f", option) for option in both] * 2 + [(n, o) for n in ("m0", "rv32imc") for o in both]
+    )
+    for cells in found.values():
+        assert [len(options) for options in cells] == [2, 1, 1]
+        assert {option for options in cells[1:] for option in options} == both
+
+
 # The run itself
 
 

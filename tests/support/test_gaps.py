@@ -16,6 +16,7 @@ from lutgen.support.region import Acceptance, acceptance
 from lutgen.support.rest import find_rests
 from lutgen.support.table import FIRST, NEIGHBOUR, VERTEX, FacetTable
 from lutgen.vector import Floats, Ints
+from tests.fixtures.length import part
 
 STEPS = 60
 
@@ -149,11 +150,11 @@ def robots() -> list[tuple[str, LetGo]]:
         high = [one.maximum for one in recipe.parameters]
         postures = forward(recipe, rng.uniform(low, high, (4, len(low))))
         limits = acceptance_of(recipe)
-        for m in range(4):
+        for m in range(part(4, 2)):
             rows = pack(postures.centres[m], postures.axes[m], *radii_and_kinds(recipe))
             found.append((f"{name} {m}", LetGo(rows, limits, limits.rest_width / 0.01)))
     limits = acceptance(math.radians(80), math.radians(30), 0.0, 0.01, 1e-4)
-    for m in range(12):
+    for m in range(part(12, 2)):
         centres = rng.uniform([-1.0, -0.6, -0.5], [1.0, 0.6, -0.3], (6, 3))
         kinds = np.full(6, 2 if m % 2 else 1)
         axes = np.tile([0.0, 1.0, 0.0], (6, 1)) * (m % 2)
@@ -173,22 +174,22 @@ def test_a_balance_is_caught_in_the_gap_and_not_beside_it(let_go) -> None:
     for name, robot in let_go:
         for f, at in robot.edges():
             low, high = robot.table.held[at]
-            for part in places:
+            for place in places:
                 # Steps of 1/60 of an arc are right to about 1e-3 of the edge.
-                if min(abs(part - low), abs(part - high)) < 5e-3:
+                if min(abs(place - low), abs(place - high)) < 5e-3:
                     continue
-                caught = robot.caught(f, at, float(part))
-                if low < part < high:
-                    assert caught, f"{name}: facet {f}, edge {at}, place {part}, [{low}, {high}]"
+                caught = robot.caught(f, at, float(place))
+                if low < place < high:
+                    assert caught, f"{name}: facet {f}, edge {at}, place {place}, [{low}, {high}]"
                     inside += 1
                 elif low >= high:
                     outside += 1
-                    assert not caught, f"{name}: facet {f}, edge {at}, place {part}, no gap"
+                    assert not caught, f"{name}: facet {f}, edge {at}, place {place}, no gap"
                 else:
                     outside += not caught
     # Neither "never caught" nor "always caught" would pass.
-    assert inside > 100
-    assert outside > 100
+    assert inside > part(100, 2)
+    assert outside > part(100, 2)
 
 
 def test_a_roll_is_linear_in_gravity_and_rolling_back_undoes_it(let_go) -> None:
@@ -214,7 +215,7 @@ def test_a_roll_is_linear_in_gravity_and_rolling_back_undoes_it(let_go) -> None:
             back, sunk = rows[1, :9].reshape(3, 3), rows[1, 9:12]
             assert np.abs(back @ (matrix @ g) - g).max() < 1e-14
             assert sunk @ (matrix @ g) == pytest.approx(-(rise @ g), abs=1e-14)
-    assert turned > 30
+    assert turned > part(30, 2)
 
 
 def test_a_roll_over_a_wheel_that_lies_nearly_flat_is_right_too() -> None:

@@ -99,7 +99,7 @@ def describe(index: int) -> str:
 def test_oracle_finds_the_facet_where_a_ray_leaves_the_hull_by_minimisation() -> None:
     rng = np.random.default_rng(20240613)
     met = 0
-    for index in range(0, TOTAL, STEP):
+    for index in range(0, TOTAL, 2 * STEP):
         robot = robots()[index][1]
         facet_list = expected()[index]
         for facet in facet_list[:2]:
@@ -127,7 +127,7 @@ def test_oracle_finds_the_facet_where_a_ray_leaves_the_hull_by_minimisation() ->
             # SLSQP stops at about the square root of its tolerance.
             assert normal == pytest.approx(facet.normal, abs=1e-5), describe(index)
             met += 1
-    assert met >= 0.6 * TOTAL / STEP
+    assert met >= 0.3 * TOTAL / STEP
 
 
 def test_every_facet_of_the_support_function_is_returned() -> None:

@@ -154,7 +154,7 @@ def random_case(rng: np.random.Generator, count: int, keep_level: bool = False) 
 
 
 # Of each number of contacts.
-SOME = part(300)
+SOME = part(300, 8)
 
 
 @cache
@@ -212,8 +212,8 @@ def test_the_cases_are_of_every_kind_and_about_balanced_between_standing_and_tip
             boundless += verdict.tip_angle == pi
     # A constant answer would be wrong in at least a quarter of the cases.
     assert 0.25 < stands.total() / (stands.total() + tips.total()) < 0.75
-    assert all(min(stands[kind], tips[kind]) >= part(20) for kind in KINDS)
-    assert boundless >= part(20)
+    assert all(min(stands[kind], tips[kind]) >= part(20, 10) for kind in KINDS)
+    assert boundless >= part(20, 10)
 
 
 @pytest.mark.parametrize("count", range(3, 9))
