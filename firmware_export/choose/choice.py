@@ -235,9 +235,13 @@ def _refusal(trials: Trials, tried: list[Candidate], goal: Goal) -> ExportError:
             "guard: choose another with --codec and report it."
         )
     if not usable:
+        said = [
+            f"{name}: {reason.removeprefix(f'{where}: ')}"
+            for name, reason in trials.refused.items()
+        ]
+        got = "; ".join(said).rstrip(".") or f"{len(tried)} candidates without an answer"
         return ExportError(
-            f"{where}: no codec could encode the robot (got {len(tried)} candidates without an "
-            "answer); ask for another codec."
+            f"{where}: no codec could encode the robot (got {got}); ask for another codec."
         )
     asked = []
     if goal.flash is not None:

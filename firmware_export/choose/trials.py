@@ -85,6 +85,7 @@ class Trials:
         self.model, self.name = model, name
         self.channels, self.arithmetic = channels, arithmetic
         self.tried: dict[tuple[CodecInfo, Any], Candidate | None] = {}
+        self.refused: dict[str, str] = {}  # by codec what it said last of a size
         self.jumps = find_jumps(model, SEED)
 
     @cached_property
@@ -117,8 +118,9 @@ class Trials:
         if key not in self.tried:
             try:
                 tables = codec.encode(self.model, self.channels, spec)
-            except InputError:
+            except InputError as error:
                 self.tried[key] = None
+                self.refused[codec.name] = str(error)
             else:
                 self.tried[key] = self.assess(codec, tables)
         return self.tried[key]

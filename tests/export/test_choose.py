@@ -382,3 +382,17 @@ def test_a_costly_codec_is_not_encoded_where_another_has_met_the_goal(
     found = best(bench, ["contacts", "grid"], Goal(60_000, None))
     assert found.export.codec == "contacts"
     assert not any(one.name == "grid" for one, _ in bench.tried)
+
+
+def test_where_no_size_can_be_encoded_the_reason_is_told_once() -> None:
+    def encode(*_: object) -> Tables:
+        raise InputError("tripod.toml: its region has too many pieces; choose another.")
+
+    model = robot_of(tripod())
+    bench = Trials(model, "tripod", ("tip_angle",), "float")
+    place = model.recipe.source
+    grid = replace(codec("grid"), encode=encode)
+    with pytest.raises(ExportError, match="no codec could encode the robot") as caught:
+        choose(bench, [grid], Goal(8_000, None))
+    assert "grid: tripod.toml: its region has too many pieces; choose another)" in str(caught.value)
+    assert str(caught.value).startswith(f"{place}: no codec")
