@@ -7,7 +7,7 @@ import logging
 import math
 import os
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +26,7 @@ from lutgen.mapping import StabilityMap, load_map
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import Recipe, load_recipe
 
-__all__ = ["Report", "certified", "export"]
+__all__ = ["Asked", "Report", "certified", "export"]
 
 log = logging.getLogger("lutgen")
 
@@ -36,6 +36,20 @@ ATTEMPTS = 6
 USELESS = 0.25
 # Bytes of the export that is made where nothing was asked for and nothing reaches the knee.
 ROOM = 64 * 1024
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What is asked of an export; see the parameters of `export`."""
+
+    name: str | None = None
+    flash: str | int | None = None
+    max_error: str | float | None = None
+    channels: Sequence[str] | None = None
+    codec: str = "auto"
+    arithmetic: str = "float"
+    allow_python: bool = False
+    points: int = field(default_factory=lambda: POINTS)
 
 
 class Report(dict[str, Any]):
@@ -126,36 +140,28 @@ def export(
     """
     tell = progress or log.debug
     check_directory(directory, force)
-    final = certified(
-        *(source, name, flash, max_error, channels, codec, arithmetic, allow_python, points, tell)
-    )
+    asked = Asked(name, flash, max_error, channels, codec, arithmetic, allow_python, points)
+    final = certified(source, asked, tell)
     tell("writing")
     return Report(write(final, directory, tell, force))
 
 
 def certified(
     source: str | os.PathLike[str] | StabilityMap | Recipe,
-    name: str | None = None,
-    flash: str | int | None = None,
-    max_error: str | float | None = None,
-    channels: Sequence[str] | None = None,
-    codec: str = "auto",
-    arithmetic: str = "float",
-    allow_python: bool = False,
-    points: int = POINTS,
+    asked: Asked,
     tell: Callable[[str], None] = log.debug,
 ) -> Export:
     """Return the export of a source, chosen and certified, before it is written; see `export`."""
     load_library()  # what is certified with must be there before the minutes of a fit
-    recipe = _recipe(source, allow_python)
-    label = check_name(name) if name is not None else default_name(recipe.name)
-    held = _channels(recipe, channels)
-    size, bound = _limits(recipe, flash, max_error)
+    recipe = _recipe(source, asked.allow_python)
+    label = check_name(asked.name) if asked.name is not None else default_name(recipe.name)
+    held = _channels(recipe, asked.channels)
+    size, bound = _limits(recipe, asked.flash, asked.max_error)
     model = Model(recipe)
-    codecs = usable(model, arithmetic, codec)
+    codecs = usable(model, asked.arithmetic, asked.codec)
     tell(f"looking for the best of {', '.join(one.name for one in codecs)}")
-    trials = Trials(model, label, held, arithmetic)
-    chosen, certificate, bound = _certified(trials, codecs, size, bound, points, tell)
+    trials = Trials(model, label, held, asked.arithmetic)
+    chosen, certificate, bound = _certified(trials, codecs, size, bound, asked.points, tell)
     _refuse_useless(certificate, chosen, model.recipe.source)
     result = described(certificate, chosen.export) | {
         "error_percent": certificate.error_of(certificate.bounded[0], relative=True),

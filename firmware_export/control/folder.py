@@ -10,7 +10,7 @@ from typing import Any
 
 from firmware_export.control.maker import Design, Wishes, design
 from firmware_export.emit import body_of, check_directory, described, write
-from firmware_export.exporter import certified
+from firmware_export.exporter import Asked, certified
 from firmware_export.host import Controller
 from firmware_export.protocol import Export
 from lutgen.errors import InputError
@@ -74,7 +74,7 @@ def policy(
         If nothing meets what is asked for, or the folder cannot be written.
     """
     check_directory(directory)
-    export = certified(source, tell=tell, **options)
+    export = certified(source, Asked(**options), tell)
     tell("looking for the best postures")
     export, found = steered(export, wishes or Wishes())
     tell("writing")
