@@ -1,6 +1,7 @@
 """Which names an export may have: it becomes a C identifier, a prefix and file names."""
 
 import re
+from pathlib import Path
 
 from lutgen.errors import InputError
 
@@ -44,9 +45,20 @@ _TAKEN = """
     strtoll strtoul strxfrm system tan tanh tgamma time tmpfile tmpnam toascii tolower toupper
     towlower trunc ungetc va_arg va_end va_list va_start vfprintf vprintf vsnprintf vsprintf wchar_t
     wint_t y0 y1 yn bool true false complex imaginary i noreturn
+    pinmode digitalwrite digitalread analogread analogreference analogwrite analogreadresolution
+    analogwriteresolution notone tone yield pulsein pulseinlong shiftout shiftin attachinterrupt
+    detachinterrupt randomseed map makeword bit lowbyte highbyte bitread bitset bitclear bitwrite
+    bittoggle interrupts nointerrupts min max constrain radians degrees sq led_builtin sda scl ss
+    mosi miso sck wire spi eeprom servo stream print string progmem serial1 serial2 serial3 keyboard
+    mouse
 """
 KEYWORDS = frozenset(re.findall(r"\w+", _KEYWORDS))
 TAKEN = frozenset(re.findall(r"\w+", _TAKEN))
+# What else the C libraries of Linux (glibc), of picolibc and of AVR define, POSIX and their own: a
+# map of such a name would take a function's place, and be called where a library asks for that.
+LIBRARIES = frozenset((Path(__file__).parent / "libc_names.txt").read_text("utf-8").split())
+# What libraries append to a function for other kinds of numbers.
+_KIND = re.compile(r"(f128|f32x?|f64x?|64)$")
 
 
 def _fault(name: str) -> str | None:
@@ -64,6 +76,8 @@ def _fault(name: str) -> str | None:
     # The C library has its functions for single and for long numbers, too.
     if name.lower() in TAKEN or (name[-1] in "fl" and name[:-1] in TAKEN and len(name) > 3):
         return "is taken by the C library or by a file of the export"
+    if name in LIBRARIES or _KIND.sub("", name) in LIBRARIES | TAKEN:
+        return "is taken by the C library of some target"
     if re.search(r"_(pose(_i)?|state)(_t)?$|_control$", name.lower()):
         return "ends like the types of a pose or the parts of control"
     if len(name) > LONGEST:
