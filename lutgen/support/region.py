@@ -142,9 +142,21 @@ def _inside(span: Ints, edge: Floats, link: Ints, k: int, g: Vector) -> bool:
 
 
 @njit(bare=True)
-def _in_tile(tile: Ints, wall: Floats, tiles: int, g: Vector) -> bool:
+def _on_rest(tally: Ints, span: Ints, edge: Floats, link: Ints, k: int, g: Vector) -> bool:
+    """Tell whether g lies in the cone of a rest, most likely in that of facet k."""
+    if span[k, IS_REST] == 1 and _inside(span, edge, link, k, g):
+        return True
+    # Where planes are all but one, rounding may take the next one for that of the rest itself.
+    for other in range(tally[FACETS]):
+        if other != k and span[other, IS_REST] == 1 and _inside(span, edge, link, other, g):
+            return True
+    return False
+
+
+@njit(bare=True)
+def _in_tile(tally: Ints, tile: Ints, wall: Floats, g: Vector) -> bool:
     """Tell whether g lies in any tile."""
-    for t in range(tiles):
+    for t in range(tally[TILES]):
         inside = True
         for w in range(tile[t], tile[t + 1]):
             if dot(vector_at(wall, w, 0), g) < -wall[w, SLACK]:
@@ -160,19 +172,6 @@ def status_of(region: Region, k: int, g: Vector) -> int:
     """Return STANDS, ROCKS or TIPS for direction g, whose supporting facet is k."""
     if k < 0:
         return TIPS
-    return _status(
-        *(region.tally, region.span, region.edge, region.link, region.tile, region.wall, k, g)
-    )
-
-
-@njit(bare=True)
-def _status(
-    tally: Ints, span: Ints, edge: Floats, link: Ints, tile: Ints, wall: Floats, k: int, g: Vector
-) -> int:
-    if span[k, IS_REST] == 1 and _inside(span, edge, link, k, g):
+    if _on_rest(region.tally, region.span, region.edge, region.link, k, g):
         return STANDS
-    # Where planes are all but one, rounding may take the next one for that of the rest itself.
-    for other in range(tally[FACETS]):
-        if other != k and span[other, IS_REST] == 1 and _inside(span, edge, link, other, g):
-            return STANDS
-    return ROCKS if _in_tile(tile, wall, tally[TILES], g) else TIPS
+    return ROCKS if _in_tile(region.tally, region.tile, region.wall, g) else TIPS
