@@ -50,13 +50,13 @@ class Enumeration:
 def find_all(primitives: Floats, accept: Acceptance, regions: bool) -> int:
     """Find the facets, and if asked the regions, of all postures; return how many facets."""
     n = primitives.shape[1]
-    pieces, table, region = facet_table(n), facet_table(n), empty_region(n)
+    table, region = facet_table(n), empty_region(n)
     found = 0
     for m in range(primitives.shape[0]):
         size = robot_size(primitives[m])
-        find_facets(pieces, primitives[m], accept.lowest_up, size)
-        unite(pieces, table, primitives[m], size)
-        found += table.tally[0]
+        find_facets(table.work, primitives[m], accept.lowest_up, size)
+        unite(table, primitives[m], size)
+        found += table.hull.tally[0]
         if regions:
             find_region(region, table, primitives[m], accept, size)
     return found

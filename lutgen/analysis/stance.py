@@ -181,16 +181,16 @@ class Posture:
         primitives = self.primitives
         table, region = facet_table(len(primitives)), empty_region(len(primitives))
         stand(table, region, primitives, acceptance_of(self.recipe))
-        facets = []
+        hull, facets = table.hull, []
         for k in range(facets_in(region.tally)):
             f = source_at(region.span, k)
-            at = slice(*edges_at(table.span, f))
-            normal, mask = table.facet[f, :3].copy(), touching_at(table.span, f)
-            corners = tuple(vertex_at(table.link, e) for e in range(*edges_at(table.span, f)))
+            at = slice(*edges_at(hull.span, f))
+            normal, mask = hull.facet[f, :3].copy(), touching_at(hull.span, f)
+            corners = tuple(vertex_at(hull.link, e) for e in range(*edges_at(hull.span, f)))
             others = [i for i in range(len(primitives)) if mask >> i & 1 and i not in corners]
             x, y, z = normal.tolist()
             inner = [support_contact(primitives, i, (x, y, z)) for i in others]
-            points = table.corner[at].copy()
+            points = hull.corner[at].copy()
             facets.append(
                 Facet(
                     normal,

@@ -127,7 +127,7 @@ def scan_part(
         np.empty(band_rows * nodes + VECTOR, np.float32),
         np.empty((band_rows, 2), np.int64),
         np.empty(band_rows * nodes if wanted[1] or wanted[5] else 0, np.int64),
-        np.empty((table.link.shape[0], 6)),
+        np.empty((table.hull.link.shape[0], 6)),
         np.empty((3, band_rows)),
     )
     squared = drawing.squared

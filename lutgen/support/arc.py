@@ -7,6 +7,7 @@ next.
 """
 
 import math
+from typing import NamedTuple
 
 from lutgen.jit import njit
 from lutgen.support.primitive import KIND, POINT, RADIUS, support_contact
@@ -19,11 +20,22 @@ SEEN, RISE, TURN = 0, 9, 12
 PAIR = 0.4
 
 
+class Arc(NamedTuple):
+    """The arc of normals at which primitives i and j carry, between two facets.
+
+    `begin` and `end` are the facets' unit normals, outward, body frame.
+    """
+
+    i: int
+    j: int
+    begin: Vector
+    end: Vector
+
+
 @njit(bare=True)
-def arc_normal(
-    primitives: Floats, i: int, j: int, begin: Vector, end: Vector, fraction: float
-) -> Vector:
-    """Return the unit normal at a fraction of the arc over i and j between two normals."""
+def arc_normal(primitives: Floats, arc: Arc, fraction: float) -> Vector:
+    """Return the unit normal at a fraction of an arc."""
+    i, j, begin, end = arc
     normal = unit(
         (
             begin[0] + fraction * (end[0] - begin[0]),
@@ -127,22 +139,14 @@ def _rim_chord(primitives: Floats, i: int, place: Vector, end: Vector) -> float:
 
 
 @njit(bare=True)
-def enter_roll(
-    primitives: Floats,
-    i: int,
-    j: int,
-    begin: Vector,
-    end: Vector,
-    at: int,
-    back: int,
-    roll: Floats,
-) -> float:
-    """Fill rows `at` and `back` of `roll` (E, 13): rolling over i and j, and rolling back.
+def enter_roll(primitives: Floats, arc: Arc, at: int, back: int, roll: Floats) -> float:
+    """Fill rows `at` and `back` of `roll` (E, 13): rolling along an arc, and rolling back.
 
     What rolling does is linear in gravity.  A row holds the matrix (row by row) that gives gravity
     as the body sees it at the end, the vector whose product with gravity at the start is how far
     the com has risen (length, negative where it has sunk), and the turn (rad), which is returned.
     """
+    i, j, begin, end = arc
     x, y, z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
     rise = (0.0, 0.0, 0.0)
     turn = 0.0
@@ -163,14 +167,11 @@ def enter_roll(
         if own > 2.0 * angle and own > other:
             # Both tell how far the com rises; the other one's way is less bent.
             i, j, p = j, i, q
+        arc = Arc(i, j, begin, end)
         here = begin
         for pair in range(pairs):
-            half = arc_normal(primitives, i, j, begin, end, (pair + 0.5) / pairs)
-            there = (
-                end
-                if pair + 1 == pairs
-                else arc_normal(primitives, i, j, begin, end, (pair + 1.0) / pairs)
-            )
+            half = arc_normal(primitives, arc, (pair + 0.5) / pairs)
+            there = end if pair + 1 == pairs else arc_normal(primitives, arc, (pair + 1.0) / pairs)
             q, r = support_contact(primitives, i, half), support_contact(primitives, i, there)
             # The com's height over the contact is g . p; the ground's own changes by -g . dp.  The
             # integral of p . dg, both as parabolas through their three values.

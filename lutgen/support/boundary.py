@@ -33,7 +33,7 @@ from lutgen.support.region import (
     Region,
 )
 from lutgen.support.rest import find_rests
-from lutgen.support.strips import add_strips
+from lutgen.support.strips import Strips, add_strips
 from lutgen.support.table import (
     BACK,
     FIRST,
@@ -44,6 +44,7 @@ from lutgen.support.table import (
     RELATIVE_TOLERANCE,
     VERTEX,
     FacetTable,
+    Hull,
     corner_after,
     put,
     vector_at,
@@ -62,16 +63,13 @@ ONE_PLANE = 1e-5
 
 
 @njit(bare=True)
-def _enter_facets(
-    facets: int,
-    facet: Floats,
-    span: Ints,
-    kind: Ints,
-    middle: Floats,
-    entered: Floats,
-    first: Ints,
-) -> int:
-    """Enter the accepted facets in canonical order; return their number."""
+def _enter_facets(region: Region, hull: Hull, kind: Ints, middle: Floats) -> int:
+    """Enter the accepted facets in canonical order; return their number.
+
+    `kind` (F,) and `middle` (F, 3), the centroids, are as `find_rests` leaves them.
+    """
+    facets, facet, span = hull.tally[FOUND], hull.facet, hull.span
+    entered, first = region.facet, region.span
     accepted = 0
     for f in range(facets):
         if kind[f] != REFUSED:
@@ -115,9 +113,7 @@ def _is_convex(segment: Floats, segments: int, edge: Floats, edges: int) -> bool
 
 @njit(bare=True)
 def _add_edge(
-    tally: Ints,
-    segment: Floats,
-    contacts: Ints,
+    region: Region,
     p: Vector,
     q: Vector,
     inward: Vector,
@@ -128,28 +124,19 @@ def _add_edge(
     low, high = part
     i, j = pair
     if low >= high:
-        add_segment(tally, segment, contacts, p, q, inward, i, j)
+        add_segment(region, p, q, inward, i, j)
         return
     if low > 0.0:
-        add_segment(tally, segment, contacts, p, between(p, q, low), inward, i, j)
+        add_segment(region, p, between(p, q, low), inward, i, j)
     if high < 1.0:
-        add_segment(tally, segment, contacts, between(p, q, high), q, inward, i, j)
+        add_segment(region, between(p, q, high), q, inward, i, j)
 
 
 @njit(bare=True)
-def _add_stage(
-    span: Ints,
-    corner: Floats,
-    link: Ints,
-    gap: Floats,
-    f: int,
-    tally: Ints,
-    segment: Floats,
-    contacts: Ints,
-    tile: Ints,
-    wall: Floats,
-) -> None:
+def _add_stage(region: Region, hull: Hull, gap: Floats, f: int) -> None:
     """Append a stage as a tile: the polygon of those parts of its edges that gaps hold."""
+    tally, tile, wall = region.tally, region.tile, region.wall
+    span, corner, link = hull.span, hull.corner, hull.link
     begin, end = span[f, FIRST], span[f + 1, FIRST]
     x = y = z = 0.0
     edges = 0
@@ -180,7 +167,7 @@ def _add_stage(
             continue
         w = add_wall(wall, w, there, beyond, middle, 0.0)
         i, j = link[following, VERTEX], link[ahead, VERTEX]
-        add_segment(tally, segment, contacts, there, beyond, middle, i, j)
+        add_segment(region, there, beyond, middle, i, j)
     tally[TILES] += 1
     tile[tally[TILES]] = w
 
@@ -204,10 +191,10 @@ def find_region(
     size : float
         Size of the robot, for the tolerances (length).
     """
-    facets = table.tally[FOUND]
-    facet, span, corner, link = table.facet, table.span, table.corner, table.link
+    hull = table.hull
+    facets = hull.tally[FOUND]
+    facet, span, corner, link = hull.facet, hull.span, hull.corner, hull.link
     tally, first, edge, about = region.tally, region.span, region.edge, region.link
-    segment, contacts = region.segment, region.contacts
     tolerance = RELATIVE_TOLERANCE * size
     accept = Acceptance(
         acceptance.steepest,
@@ -219,7 +206,7 @@ def find_region(
     )
     work = table.work
     kind, middle = work.counts[0, :facets], work.normals
-    find_rests(primitives, facets, facet, span, corner, accept, size, kind, middle, work)
+    find_rests(hull, primitives, accept, size, kind, middle, work)
     asked = accept.rock_angle < math.inf
     rests = 0
     for f in range(facets):
@@ -230,7 +217,7 @@ def find_region(
     if rests == 0:
         # Stages alone lead nowhere: the region is empty, not one without a boundary.
         kind[:] = REFUSED
-    accepted = _enter_facets(facets, facet, span, kind, middle, region.facet, first)
+    accepted = _enter_facets(region, hull, kind, middle)
     tally[FACETS], tally[SEGMENTS], tally[GAPS], tally[TILES] = accepted, 0, 0, 0
     tally[BLURRED] = 0
     region.tile[0] = 0
@@ -238,7 +225,7 @@ def find_region(
     gap = table.held[: span[facets, FIRST]]
     if asked:
         limits = (accept.rock_angle + 1e-12, max(0.5 * accept.rest_width, tolerance))
-        find_gaps(primitives, facets, facet, span, corner, link, kind, limits, gap, work)
+        find_gaps(hull, primitives, kind, limits, gap, work)
     else:
         gap[:, LOW], gap[:, HIGH] = 0.0, 1.0
     strips = work.counts[1]
@@ -248,10 +235,7 @@ def find_region(
         f = first[k, SOURCE]
         if kind[f] == STAGE:
             tally[GAPS] += 1
-            _add_stage(
-                *(span, corner, link, gap, f, tally, segment, contacts),
-                *(region.tile, region.wall),
-            )
+            _add_stage(region, hull, gap, f)
         for at in range(span[f, FIRST], span[f + 1, FIRST]):
             following = corner_after(span, f, at)
             p, q = row(corner, at), row(corner, following)
@@ -279,12 +263,12 @@ def find_region(
                         strips[2 * count], strips[2 * count + 1] = f, at
                         count += 1
             if kind[f] == REST:
-                _add_edge(tally, segment, contacts, p, q, edge_plane, part, (i, j))
+                _add_edge(region, p, q, edge_plane, part, (i, j))
             e += 1
         first[k + 1, FIRST] = e
     if count > 0:
-        add_strips(
-            *(primitives, facet, span, link, gap, strips, count),
-            *(accept.rock_angle, size, region, work),
-        )
-    tally[CONVEX] = 1 if tally[GAPS] == 0 and _is_convex(segment, tally[SEGMENTS], edge, e) else 0
+        found = Strips(hull, primitives, gap, strips[: 2 * count])
+        add_strips(region, found, accept.rock_angle, size, work)
+    tally[CONVEX] = (
+        1 if tally[GAPS] == 0 and _is_convex(region.segment, tally[SEGMENTS], edge, e) else 0
+    )

@@ -14,15 +14,20 @@ roll is worked out for one w, together with the next place at which any of its a
 """
 
 import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from lutgen.jit import njit
-from lutgen.support.arc import TURN, enter_roll, risen_after, seen_after
+from lutgen.support.arc import TURN, Arc, enter_roll, risen_after, seen_after
 from lutgen.support.table import (
     BACK,
     FIRST,
     NEIGHBOUR,
     VERTEX,
     WAYS,
+    Hull,
     corner_after,
     put,
     vector_at,
@@ -50,6 +55,21 @@ SURE, MOST = 9, 10
 STRIDE, HALVINGS = 0.0625, 40
 # Part of its size up to which such a function counts as zero: contacts in a row are equally easy.
 LEVEL = 1e-12
+
+
+class Rolling(NamedTuple):
+    """A posture as far as rolls over its hull go.
+
+    `primitives` (n, 8): rows of `primitive.pack`.  `kind` (F,): REFUSED, STAGE or REST of each
+    facet of `hull`.  Per edge: `brink` (E, 13), see `enter_brink`, and `roll` (E, 13), see
+    `arc.enter_roll`; its turn is negative where nobody has asked for it yet.
+    """
+
+    hull: Hull
+    primitives: NDArray[np.float64]
+    kind: NDArray[np.int64]
+    brink: NDArray[np.float64]
+    roll: NDArray[np.float64]
 
 
 @njit(inline=True, bare=True)
@@ -197,17 +217,7 @@ def _easiest(
 
 @njit(bare=True)
 def comes_to_rest(
-    primitives: Floats,
-    facet: Floats,
-    span: Ints,
-    link: Ints,
-    kind: Ints,
-    brink: Floats,
-    roll: Floats,
-    w: float,
-    limits: tuple[float, float],
-    way: Floats,
-    ends: Ints,
+    rolling: Rolling, w: float, limits: tuple[float, float], way: Floats, ends: Ints
 ) -> tuple[float, float]:
     """Return the largest sum of turns (rad) of a roll that ends on rests whatever way it takes.
 
@@ -219,6 +229,8 @@ def comes_to_rest(
     second limit (length) of that line, which on a stage runs the same way; noise makes two edges
     of one.
     """
+    hull, primitives, kind, brink, roll = rolling
+    facet, span, link = hull.facet, hull.span, hull.link
     budget, band = limits
     waiting, most, sure = 1, way[0, TURNED], math.inf
     ends[0] = 0
@@ -291,9 +303,8 @@ def comes_to_rest(
             turn = roll[at, TURN]
             if turn < 0.0:
                 i, j = link[at, VERTEX], link[following, VERTEX]
-                turn = enter_roll(
-                    primitives, i, j, row(facet, f), row(facet, other), at, back, roll
-                )
+                arc = Arc(i, j, row(facet, f), row(facet, other))
+                turn = enter_roll(primitives, arc, at, back, roll)
             if turned + turn > budget or waiting == WAYS:
                 return math.inf, here
             stays = min(stays, here)

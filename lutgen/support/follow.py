@@ -6,6 +6,7 @@ place where the primitive first touches is solved for.
 """
 
 import math
+from typing import NamedTuple
 
 from lutgen.jit import njit
 from lutgen.support.primitive import support_contact, support_height
@@ -29,11 +30,22 @@ HALVINGS, SETTLED = 8, 1e5
 FURTHER = 0.3
 
 
+class OpenArc(NamedTuple):
+    """An arc of normals at which primitives i and j carry (i alone where j is -1), end unknown.
+
+    It leaves the unit normal `start` along the unit tangent `along`; outward, body frame.
+    """
+
+    i: int
+    j: int
+    start: Vector
+    along: Vector
+
+
 @njit(bare=True)
-def _on_arc(
-    primitives: Floats, i: int, j: int, start: Vector, along: Vector, angle: float
-) -> Vector:
+def _on_arc(primitives: Floats, arc: OpenArc, angle: float) -> Vector:
     """Return the normal at an angle from `start`, put back to where i and j are equally low."""
+    i, j, start, along = arc
     c, s = math.cos(angle), math.sin(angle)
     n = (
         c * start[0] + s * along[0],
@@ -64,19 +76,13 @@ def excess(primitives: Floats, m: int, i: int, normal: Vector) -> float:
 
 @njit(bare=True)
 def _touches_at(
-    primitives: Floats,
-    i: int,
-    j: int,
-    m: int,
-    start: Vector,
-    along: Vector,
-    bounds: tuple[float, float],
-    level: float,
+    primitives: Floats, arc: OpenArc, m: int, bounds: tuple[float, float], level: float
 ) -> float:
     """Return the angle within bounds at which m touches: it is lower at the last of them."""
+    i = arc.i
     low, high = bounds
-    under = excess(primitives, m, i, _on_arc(primitives, i, j, start, along, low))
-    over = excess(primitives, m, i, _on_arc(primitives, i, j, start, along, high))
+    under = excess(primitives, m, i, _on_arc(primitives, arc, low))
+    over = excess(primitives, m, i, _on_arc(primitives, arc, high))
     under = min(under, -0.01 * level)
     side = 0
     for _ in range(80):
@@ -85,7 +91,7 @@ def _touches_at(
         there = low - under * (high - low) / (over - under)
         if not low < there < high:
             there = 0.5 * (low + high)
-        value = excess(primitives, m, i, _on_arc(primitives, i, j, start, along, there))
+        value = excess(primitives, m, i, _on_arc(primitives, arc, there))
         if abs(value) < 0.01 * level:
             return there
         # Illinois: an end that stays counts half.
@@ -116,15 +122,7 @@ def _highest_between(a: float, b: float, from_slope: float, to_slope: float) -> 
 
 @njit(bare=True)
 def _first_touched(
-    primitives: Floats,
-    i: int,
-    j: int,
-    third: int,
-    start: Vector,
-    along: Vector,
-    step: float,
-    level: float,
-    clear: float,
+    primitives: Floats, arc: OpenArc, third: int, step: float, level: float, clear: float
 ) -> tuple[int, float, Vector]:
     """Return the first primitive that touches within a step along an arc, the angle, the normal.
 
@@ -133,14 +131,15 @@ def _first_touched(
     `third` touches at the start, and is let go.  With a `clear` length above 0 the answer is -2
     where another primitive comes nearer than that.
     """
+    i, j, start, along = arc
     n = primitives.shape[0]
-    end = _on_arc(primitives, i, j, start, along, step)
+    end = _on_arc(primitives, arc, step)
     for _ in range(HALVINGS):
         if j < 0 or abs(excess(primitives, j, i, end)) <= SETTLED * level:
             break
         # A rim that lies nearly flat turns many times as fast as the plane.
         step *= 0.5
-        end = _on_arc(primitives, i, j, start, along, step)
+        end = _on_arc(primitives, arc, step)
     here, there = support_contact(primitives, i, start), support_contact(primitives, i, end)
     onward = subtract(scale(along, math.cos(step)), scale(start, math.sin(step)))
     onward = unit(subtract(onward, scale(end, dot(onward, end))))
@@ -165,7 +164,7 @@ def _first_touched(
                 # It sinks first: find where it has.
                 low = 0.5 * step
                 for _ in range(40):
-                    if excess(primitives, m, i, _on_arc(primitives, i, j, start, along, low)) < 0.0:
+                    if excess(primitives, m, i, _on_arc(primitives, arc, low)) < 0.0:
                         break
                     low *= 0.5
             bounds = (low, step)
@@ -174,12 +173,12 @@ def _first_touched(
             if height <= 0.0:
                 continue
             high = part * step
-            if excess(primitives, m, i, _on_arc(primitives, i, j, start, along, high)) <= 0.0:
+            if excess(primitives, m, i, _on_arc(primitives, arc, high)) <= 0.0:
                 continue
             bounds = (0.0, high)
         else:
             continue
-        angle = _touches_at(primitives, i, j, m, start, along, bounds, level)
+        angle = _touches_at(primitives, arc, m, bounds, level)
         if angle < nearest or best < 0:
             best, nearest = m, angle
     # Another one may be lower where the first is met: then it touches before.
@@ -187,7 +186,7 @@ def _first_touched(
     for _ in range(n + 1):
         if best < 0:
             break
-        normal = _on_arc(primitives, i, j, start, along, nearest)
+        normal = _on_arc(primitives, arc, nearest)
         lower, furthest = -1, level
         for m in range(n):
             if m not in (i, j, best, third):
@@ -197,36 +196,29 @@ def _first_touched(
         if lower < 0:
             break
         best = lower
-        nearest = _touches_at(primitives, i, j, lower, start, along, (0.0, nearest), level)
+        nearest = _touches_at(primitives, arc, lower, (0.0, nearest), level)
     return best, nearest, normal
 
 
 @njit(bare=True)
 def follow(
-    primitives: Floats,
-    i: int,
-    j: int,
-    third: int,
-    start: Vector,
-    along: Vector,
-    lowest_up: float,
-    size: float,
+    primitives: Floats, arc: OpenArc, third: int, lowest_up: float, size: float
 ) -> tuple[int, Vector]:
-    """Follow the arc over i and j (over i alone where j is -1) until another primitive touches.
+    """Follow an arc until another primitive touches.
 
-    Returns it and the normal, or -1 where the arc leads up or all round.
+    Returns it and the normal, or -1 where the arc leads up or all round.  `third` touches at the
+    start; -1 for none.
     """
-    here, level = start, LEVEL * size
+    i, j, here, along = arc
+    level = LEVEL * size
     for _ in range(MOST_STEPS):
         best, angle, there = -2, 0.0, here
         if third < 0:
             best, angle, there = _first_touched(
-                primitives, i, j, third, here, along, STRIDES * STEP, level, FREE * size
+                primitives, arc, third, STRIDES * STEP, level, FREE * size
             )
         if best == -2:
-            best, angle, there = _first_touched(
-                primitives, i, j, third, here, along, STEP, level, 0.0
-            )
+            best, angle, there = _first_touched(primitives, arc, third, STEP, level, 0.0)
         if best >= 0:
             return best, there
         if there[2] > lowest_up + FURTHER:
@@ -243,4 +235,5 @@ def follow(
         else:
             along = unit(subtract(scale(along, math.cos(angle)), scale(here, math.sin(angle))))
         here = there
+        arc = OpenArc(i, j, here, along)
     return -1, here

@@ -8,7 +8,7 @@ from change to change, and no part of it is passed over.
 import math
 
 from lutgen.jit import njit
-from lutgen.support.arc import TURN, angle_between, enter_roll, risen_after, seen_after
+from lutgen.support.arc import TURN, Arc, angle_between, enter_roll, risen_after, seen_after
 from lutgen.support.catch import (
     ALONG,
     CAME,
@@ -22,6 +22,7 @@ from lutgen.support.catch import (
     SURE,
     TURNED,
     UNTIL,
+    Rolling,
     comes_to_rest,
     enter_brink,
     leads_back,
@@ -29,8 +30,10 @@ from lutgen.support.catch import (
 from lutgen.support.table import (
     BACK,
     FIRST,
+    FOUND,
     NEIGHBOUR,
     VERTEX,
+    Hull,
     Workspace,
     corner_after,
     put,
@@ -53,12 +56,8 @@ ENDS = 4
 
 @njit(bare=True)
 def find_gaps(
+    hull: Hull,
     primitives: Floats,
-    facets: int,
-    facet: Floats,
-    span: Ints,
-    corner: Floats,
-    link: Ints,
     kind: Ints,
     limits: tuple[float, float],
     gap: Floats,
@@ -69,7 +68,10 @@ def find_gaps(
     An edge without a gap has LOW 1 and HIGH 0.  `limits`: the largest sum of turns (rad), and half
     the least width of a rest.
     """
-    brink, roll, begin, ends = work.brink, work.roll, work.begin, work.counts
+    facets, facet, span = hull.tally[FOUND], hull.facet, hull.span
+    corner, link = hull.corner, hull.link
+    brink, roll = work.brink, work.roll
+    rolling = Rolling(hull, primitives, kind, brink, roll)
     for f in range(facets):
         for at in range(span[f, FIRST], span[f + 1, FIRST]):
             gap[at, LOW], gap[at, HIGH] = 1.0, 0.0
@@ -89,14 +91,12 @@ def find_gaps(
                 continue
             if roll[at, TURN] < 0.0:
                 i, j = link[at, VERTEX], link[corner_after(span, f, at), VERTEX]
-                enter_roll(primitives, i, j, row(facet, f), row(facet, other), at, back, roll)
+                arc = Arc(i, j, row(facet, f), row(facet, other))
+                enter_roll(primitives, arc, at, back, roll)
             if roll[at, TURN] > limits[0]:
                 continue
-            _lay_out(span, corner, roll, f, at, other, back, begin)
-            low, high = _held(
-                *(primitives, facet, span, link, kind, brink, roll, f, at, limits),
-                *(begin, work.way, ends),
-            )
+            _lay_out(rolling, f, at, work.begin)
+            low, high = _held(rolling, f, at, limits, work.begin, work.way, work.counts)
             if low < high:
                 _enter(link, gap, at, low, high)
     for _ in range(SLIVERS):
@@ -147,14 +147,15 @@ def _join(span: Ints, link: Ints, brink: Floats, f: int, at: int, band: float, g
 
 
 @njit(bare=True)
-def _lay_out(
-    span: Ints, corner: Floats, roll: Floats, f: int, at: int, other: int, back: int, begin: Floats
-) -> None:
+def _lay_out(rolling: Rolling, f: int, at: int, begin: Floats) -> None:
     """Fill `begin` (4, 11) with how the four rolls from a balance begin.
 
     Rows 0 and 1 are the ways on and back from where the gap begins, 2 and 3 from where it ends;
     each holds gravity and rise for both ends of the edge, and the turn; its answer comes after.
     """
+    hull, roll = rolling.hull, rolling.roll
+    span, corner, link = hull.span, hull.corner, hull.link
+    other, back = link[at, NEIGHBOUR], link[at, BACK]
     for turn in range(2):
         near, edge = (f, at) if turn == 0 else (other, back)
         ahead = corner_after(span, near, edge)
@@ -172,13 +173,7 @@ def _lay_out(
 
 @njit(bare=True)
 def _held(
-    primitives: Floats,
-    facet: Floats,
-    span: Ints,
-    link: Ints,
-    kind: Ints,
-    brink: Floats,
-    roll: Floats,
+    rolling: Rolling,
     f: int,
     at: int,
     limits: tuple[float, float],
@@ -191,6 +186,7 @@ def _held(
     A robot that balances on a gap is caught if it comes to rest whichever way it is nudged, both
     where the gap begins and where it ends, and the two ways do not end on one and the same rest.
     """
+    link = rolling.hull.link
     other, back = link[at, NEIGHBOUR], link[at, BACK]
     for t in range(4):
         begin[t, SURE] = -1.0
@@ -212,8 +208,7 @@ def _held(
                     put(way, 0, ROOT, (0.0, 0.0, 0.0))
                     way[0, TURNED], way[0, UNTIL] = begin[t, 8], math.inf
                     begin[t, MOST], begin[t, SURE] = comes_to_rest(
-                        *(primitives, facet, span, link, kind, brink, roll, w, limits),
-                        *(way, ends[ENDS + t]),
+                        rolling, w, limits, way, ends[ENDS + t]
                     )
                 if begin[t, MOST] == math.inf:
                     caught, until = False, begin[t, SURE]
@@ -223,7 +218,7 @@ def _held(
             for t in range(0, 4, 2):
                 turned = begin[t, MOST] + begin[t + 1, MOST]
                 if turned > limits[0] or _comes_back(
-                    facet, ends[ENDS + t], ends[ENDS + t + 1], turned
+                    rolling.hull.facet, ends[ENDS + t], ends[ENDS + t + 1], turned
                 ):
                     caught = False
                     until = min(begin[t, SURE], begin[t + 1, SURE])

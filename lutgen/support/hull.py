@@ -26,7 +26,8 @@ from lutgen.support.table import (
     RELATIVE_TOLERANCE,
     UNKNOWN,
     VERTEX,
-    FacetTable,
+    Hull,
+    Workspace,
     join,
     matching_corner,
     put,
@@ -42,11 +43,7 @@ ROUNDING, CLEAR = 1e-13, 1e-8
 
 @njit(bare=True)
 def add_facet(
-    count: Ints,
-    facet: Floats,
-    span: Ints,
-    corner: Floats,
-    link: Ints,
+    hull: Hull,
     owner: Ints,
     primitives: Floats,
     normal: Vector,
@@ -56,9 +53,10 @@ def add_facet(
 ) -> int:
     """Enter a plane that has no primitive below it; return its index, or -1 if it is no facet.
 
-    The arrays of the table come one by one, here and in what calls this: out of a tuple their
-    references are counted at every call, which takes a tenth of the time of a posture of points.
+    `owner` (n, n) holds the facet and the corner at which the edge between two contacts begins, or
+    `OUTSIDE`.
     """
+    count, facet, span, corner, link = hull
     n = primitives.shape[0]
     new = count[FOUND]
     begin = span[new, FIRST]
@@ -133,19 +131,9 @@ def _first_touched(
 
 
 @njit(bare=True)
-def _roll(
-    count: Ints,
-    facet: Floats,
-    span: Ints,
-    corner: Floats,
-    link: Ints,
-    owner: Ints,
-    primitives: Floats,
-    f: int,
-    at: int,
-    size: float,
-) -> int:
+def _roll(hull: Hull, owner: Ints, primitives: Floats, f: int, at: int, size: float) -> int:
     """Return the facet reached by rolling f over the edge that starts at corner `at`, or -1."""
+    facet, span, corner, link = hull.facet, hull.span, hull.corner, hull.link
     following = at + 1 if at + 1 < span[f + 1, FIRST] else span[f, FIRST]
     p, q = row(corner, at), row(corner, following)
     i, j = link[at, VERTEX], link[following, VERTEX]
@@ -156,22 +144,12 @@ def _roll(
     if k < 0:
         # All contacts lie in this plane.
         return OUTSIDE
-    return _enter_plane(count, facet, span, corner, link, owner, primitives, q, p, k, size)
+    return _enter_plane(hull, owner, primitives, q, p, k, size)
 
 
 @njit(bare=True)
 def _enter_plane(
-    count: Ints,
-    facet: Floats,
-    span: Ints,
-    corner: Floats,
-    link: Ints,
-    owner: Ints,
-    primitives: Floats,
-    p: Vector,
-    q: Vector,
-    k: int,
-    size: float,
+    hull: Hull, owner: Ints, primitives: Floats, p: Vector, q: Vector, k: int, size: float
 ) -> int:
     """Enter the plane through points p and q and contact k, counter-clockwise, or return -1."""
     normal = cross(subtract(q, p), subtract(row(primitives, k), p))
@@ -185,13 +163,11 @@ def _enter_plane(
     for m in range(primitives.shape[0]):
         over = dot(row(primitives, m), normal) - height
         if abs(over) > ROUNDING * size and abs(over) < CLEAR * size:
-            count[DOUBT] = 1
+            hull.tally[DOUBT] = 1
         if over > tolerance:
             return OUTSIDE
         mask |= (1 if over >= -tolerance else 0) << m
-    return add_facet(
-        count, facet, span, corner, link, owner, primitives, normal, height, mask, size
-    )
+    return add_facet(hull, owner, primitives, normal, height, mask, size)
 
 
 @njit(bare=True)
@@ -212,16 +188,7 @@ def _turn_onto(
 
 
 @njit(bare=True)
-def _seed(
-    count: Ints,
-    facet: Floats,
-    span: Ints,
-    corner: Floats,
-    link: Ints,
-    owner: Ints,
-    primitives: Floats,
-    size: float,
-) -> None:
+def _seed(hull: Hull, owner: Ints, primitives: Floats, size: float) -> None:
     """Enter a first facet: lower a level plane onto a contact and turn it onto two more."""
     tolerance = RELATIVE_TOLERANCE * size
     i = 0
@@ -246,18 +213,18 @@ def _seed(
         return
     # Counter-clockwise about the new normal: outward is to the right of base -> j.
     p, q = (row(primitives, j), base) if way > 0.0 else (base, row(primitives, j))
-    _enter_plane(count, facet, span, corner, link, owner, primitives, p, q, k, size)
+    _enter_plane(hull, owner, primitives, p, q, k, size)
 
 
 @njit(bare=True)
 def find_point_facets(
-    table: FacetTable, primitives: NDArray[np.float64], lowest_up: float, size: float
+    work: Workspace, primitives: NDArray[np.float64], lowest_up: float, size: float
 ) -> None:
-    """Fill `table` with the facets of the hull of point contacts.
+    """Fill the pieces of `work` with the facets of the hull of point contacts.
 
     Parameters
     ----------
-    table : FacetTable
+    work : Workspace
         Overwritten.
     primitives : (n, 8) float64
         Rows of `primitive.pack`, relative to the com; only the centres are read.
@@ -267,14 +234,13 @@ def find_point_facets(
     size : float
         Size of the robot (length).
     """
-    count, facet, span = table.tally, table.facet, table.span
-    corner, link = table.corner, table.link
+    hull, owner = work.pieces, work.owner
+    count, facet, span, link = hull.tally, hull.facet, hull.span, hull.link
     n = primitives.shape[0]
     count[FOUND] = count[OVERFLOW] = count[DOUBT] = 0
     span[0, FIRST] = 0
-    owner = table.work.owner
     owner[:] = OUTSIDE
-    _seed(count, facet, span, corner, link, owner, primitives, size)
+    _seed(hull, owner, primitives, size)
     if count[FOUND] == 0:
         return
     if facet[0, 3] < 0.0 and span[0, MASK] == (1 << n) - 1:
@@ -283,7 +249,7 @@ def find_point_facets(
         height, mask = -facet[0, 3], span[0, MASK]
         owner[:] = OUTSIDE
         count[FOUND] = 0
-        add_facet(count, facet, span, corner, link, owner, primitives, normal, height, mask, size)
+        add_facet(hull, owner, primitives, normal, height, mask, size)
     faces_down = False
     f = 0
     while f < count[FOUND]:
@@ -293,7 +259,7 @@ def find_point_facets(
             for at in range(span[f, FIRST], span[f + 1, FIRST]):
                 if link[at, NEIGHBOUR] != UNKNOWN:
                     continue
-                other = _roll(count, facet, span, corner, link, owner, primitives, f, at, size)
+                other = _roll(hull, owner, primitives, f, at, size)
                 link[at, NEIGHBOUR] = other
                 if other >= 0 and other != f:
                     back = matching_corner(span, link, f, at, other)

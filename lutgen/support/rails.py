@@ -27,7 +27,7 @@ from lutgen.support.table import (
     OUTSIDE,
     OVERFLOW,
     UNKNOWN,
-    FacetTable,
+    Workspace,
     add_triangle,
     join,
 )
@@ -246,12 +246,12 @@ def _begin_arc(own: Ints, a: int, f: int, at: int) -> None:
 
 
 @njit(exact=True, bare=True)
-def find_rail_facets(table: FacetTable, primitives: NDArray[np.float64], size: float) -> bool:
-    """Fill `table` with the support facets of discs on parallel axes.
+def find_rail_facets(work: Workspace, primitives: NDArray[np.float64], size: float) -> bool:
+    """Fill the pieces of `work` with the support facets of discs on parallel axes.
 
     Parameters
     ----------
-    table : FacetTable
+    work : Workspace
         Overwritten; every facet has three corners, and facets that face up are left out.
     primitives : (n, 8) float64
         Rows of `primitive.pack`, relative to the com.
@@ -261,18 +261,16 @@ def find_rail_facets(table: FacetTable, primitives: NDArray[np.float64], size: f
     Returns
     -------
     bool
-        Whether it is such a robot; if not, the table is empty.
+        Whether it is such a robot; if not, there are no facets.
     """
-    count, facet, span = table.tally, table.facet, table.span
-    corner, link = table.corner, table.link
+    hull, counts = work.pieces, work.counts
+    count, facet, span, link = hull.tally, hull.facet, hull.span, hull.link
     count[FOUND] = count[OVERFLOW] = 0
     span[0, FIRST] = 0
     axis = common_axis(primitives)
     if axis[0] == 0.0 and axis[1] == 0.0:
         return False
     n = primitives.shape[0]
-    work = table.work
-    counts = work.counts
     place, across, own = work.place, work.across[0], work.own
     order, rail = counts[0, :n], counts[1]
     _lay_out(primitives, axis, place, order)
@@ -286,7 +284,7 @@ def find_rail_facets(table: FacetTable, primitives: NDArray[np.float64], size: f
     u = -1.0
     for k in range(rails):
         bend[k], goes_to[k] = _next_bend(place, rail, order, k, disc[k], u)
-    # Each event but the changes of a disc's neighbours is a facet, and the table is bounded.
+    # Each event but the changes of a disc's neighbours is a facet, and their number is bounded.
     for _ in range(4 * facet.shape[0]):
         first, which, bends = NEVER, -1, False
         for k in range(rails):
@@ -314,7 +312,7 @@ def find_rail_facets(table: FacetTable, primitives: NDArray[np.float64], size: f
                 slope = (_level(place, disc[a], sine, cosine) - level) / (across[k] - across[a])
                 normal = _normal(axis, sine, cosine, slope)
                 three = (disc[a], d, e)
-                f = add_triangle(count, facet, span, corner, link, primitives, normal, three)
+                f = add_triangle(hull, primitives, normal, three)
                 if f < 0:
                     break
                 at = span[f, FIRST]
@@ -324,7 +322,7 @@ def find_rail_facets(table: FacetTable, primitives: NDArray[np.float64], size: f
                 slope = (level - _level(place, disc[b], sine, cosine)) / (across[b] - across[k])
                 normal = _normal(axis, sine, cosine, slope)
                 three = (disc[b], e, d)
-                g = add_triangle(count, facet, span, corner, link, primitives, normal, three)
+                g = add_triangle(hull, primitives, normal, three)
                 if g < 0:
                     break
                 at = span[g, FIRST]
@@ -337,7 +335,7 @@ def find_rail_facets(table: FacetTable, primitives: NDArray[np.float64], size: f
         left, right = _level(place, i, sine, cosine), _level(place, j, sine, cosine)
         normal = _normal(axis, sine, cosine, (left - right) / (across[b] - across[a]))
         three = (i, d, j) if on[k] == 1 else (i, j, d)
-        f = add_triangle(count, facet, span, corner, link, primitives, normal, three)
+        f = add_triangle(hull, primitives, normal, three)
         if f < 0:
             break
         at = span[f, FIRST]

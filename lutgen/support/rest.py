@@ -11,7 +11,7 @@ from lutgen.support.catch import REFUSED, REST, STAGE
 from lutgen.support.polygon import area_centroid, outline
 from lutgen.support.primitive import support_contact, support_height
 from lutgen.support.region import Acceptance
-from lutgen.support.table import FIRST, MASK, RELATIVE_TOLERANCE, Workspace, put
+from lutgen.support.table import FIRST, FOUND, MASK, RELATIVE_TOLERANCE, Hull, Workspace, put
 from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, scale, subtract, unit
 
 
@@ -39,11 +39,8 @@ def is_accepted(facet: Floats, f: int, acceptance: Acceptance) -> bool:
 
 @njit(bare=True)
 def find_rests(
+    hull: Hull,
     primitives: Floats,
-    facets: int,
-    facet: Floats,
-    span: Ints,
-    corner: Floats,
     acceptance: Acceptance,
     size: float,
     kind: Ints,
@@ -51,6 +48,7 @@ def find_rests(
     work: Workspace,
 ) -> None:
     """Fill `kind` (F,), and of accepted facets `centroid` (F, 3) and the touching bits."""
+    facets, facet, span, corner = hull.tally[FOUND], hull.facet, hull.span, hull.corner
     n = primitives.shape[0]
     points, polygon, flat = work.points, work.polygon, work.flat
     order, rank = work.counts[2], work.counts[3]

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.jit import njit
-from lutgen.support.arc import angle_between, arc_normal, turned_along
+from lutgen.support.arc import Arc, angle_between, arc_normal, turned_along
 from lutgen.support.gaps import HIGH, LOW
 from lutgen.support.primitive import KIND, POINT, support_contact
 from lutgen.support.region import (
@@ -90,18 +90,10 @@ def has_ridges(tally: Ints) -> bool:
 
 
 @njit(bare=True)
-def _enter(
-    primitives: Floats,
-    i: int,
-    j: int,
-    begin: Vector,
-    end: Vector,
-    moves: bool,
-    e: int,
-    ridge: Floats,
-    arc: Floats,
-) -> None:
-    """Fill the ridge of edge e: over primitives i and j from one facet's normal to another's."""
+def _enter(ridges: Ridges, e: int, primitives: Floats, way: Arc, moves: bool) -> None:
+    """Fill the ridge of edge e, over which the robot rolls along an arc of normals."""
+    ridge, arc = ridges.ridge, ridges.arc
+    i, j, begin, end = way
     # Where the three axes of the body of the start are by now, and how far each would have risen.
     x, y, z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
     rise = (0.0, 0.0, 0.0)
@@ -111,11 +103,7 @@ def _enter(
     steps = (PLACES - 1) * STEPS if moves else 1
     for step in range(steps + 1):
         if step > 0:
-            there = (
-                end
-                if step == steps
-                else arc_normal(primitives, i, j, begin, end, float(step) / steps)
-            )
+            there = end if step == steps else arc_normal(primitives, way, float(step) / steps)
             beyond = support_contact(primitives, i, there)
             u, v, w = (
                 turned_along(here, there, x),
@@ -164,7 +152,8 @@ def find_ridges(ridges: Ridges, table: FacetTable, region: Region, primitives: F
     primitives : (n, 8) float64
         Rows of `primitive.pack`, relative to the com.
     """
-    span, corner, link, held = table.span, table.corner, table.link, table.held
+    hull, held = table.hull, table.held
+    facet, span, corner, link = hull.facet, hull.span, hull.corner, hull.link
     ridge, ways = ridges.ridge, ridges.beyond
     for k in range(region.tally[FACETS]):
         f = region.span[k, SOURCE]
@@ -188,8 +177,8 @@ def find_ridges(ridges: Ridges, table: FacetTable, region: Region, primitives: F
             i, j = link[at, VERTEX], link[following, VERTEX]
             moves = primitives[i, KIND] != POINT or primitives[j, KIND] != POINT
             ways[e, MOVES] = 1 if moves else 0
-            begin, end = row(table.facet, f), row(table.facet, link[at, NEIGHBOUR])
-            _enter(primitives, i, j, begin, end, moves, e, ridge, ridges.arc)
+            way = Arc(i, j, row(facet, f), row(facet, link[at, NEIGHBOUR]))
+            _enter(ridges, e, primitives, way, moves)
 
 
 @njit(inline=True, bare=True)

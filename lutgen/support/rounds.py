@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.jit import njit
-from lutgen.support.follow import excess, follow
+from lutgen.support.follow import OpenArc, excess, follow
 from lutgen.support.primitive import KIND, POINT, RADIUS, SPHERE, support_contact, support_height
 from lutgen.support.table import (
     FIRST,
@@ -29,7 +29,8 @@ from lutgen.support.table import (
     OVERFLOW,
     UNKNOWN,
     VERTEX,
-    FacetTable,
+    Hull,
+    Workspace,
     add_triangle,
     corner_after,
     join,
@@ -86,7 +87,7 @@ def common_normal(
 
 @njit(bare=True)
 def _enter(
-    table: FacetTable,
+    hull: Hull,
     solved: Floats,
     primitives: Floats,
     normal: Vector,
@@ -97,7 +98,7 @@ def _enter(
 
     `solved` (F, 3) holds the normals of the search, which are those of the enlarged primitives.
     """
-    count, span, link = table.tally, table.span, table.link
+    count, span, link = hull.tally, hull.span, hull.link
     for f in range(count[FOUND]):
         at = span[f, FIRST]
         for turn in range(3):
@@ -121,7 +122,7 @@ def _enter(
         above = level - support_height(primitives, m, place)
         if above < -OFF * size or (m in three and above > OFF * size):
             return OUTSIDE
-    f = add_triangle(count, table.facet, span, table.corner, link, primitives, place, three)
+    f = add_triangle(hull, primitives, place, three)
     if f >= 0:
         solved[f, 0], solved[f, 1], solved[f, 2] = normal
     return f
@@ -129,7 +130,7 @@ def _enter(
 
 @njit(bare=True)
 def _seed(
-    table: FacetTable,
+    hull: Hull,
     solved: Floats,
     primitives: Floats,
     grown: Floats,
@@ -148,7 +149,7 @@ def _seed(
     across = (1.0, 0.0, 0.0) if abs(normal[0]) < 0.7 else (0.0, 1.0, 0.0)
     along = unit(subtract(across, scale(normal, dot(across, normal))))
     for _ in range(4):
-        j, there = follow(grown, i, -1, -1, normal, along, lowest_up, size)
+        j, there = follow(grown, OpenArc(i, -1, normal, along), -1, lowest_up, size)
         if j >= 0:
             for turn in range(2):
                 p, q = (i, j) if turn == 0 else (j, i)
@@ -156,12 +157,13 @@ def _seed(
                 ahead = cross(arm, there)
                 if not length(ahead) > 0.0:
                     continue
-                k, onto = follow(grown, p, q, -1, there, unit(ahead), lowest_up, size)
+                arc = OpenArc(p, q, there, unit(ahead))
+                k, onto = follow(grown, arc, -1, lowest_up, size)
                 # One way leads up where the other leads down.
                 if (
                     k >= 0
                     and onto[2] <= lowest_up
-                    and _enter(table, solved, primitives, onto, (q, p, k), size) >= 0
+                    and _enter(hull, solved, primitives, onto, (q, p, k), size) >= 0
                 ):
                     return True
         along = cross(normal, along)
@@ -192,7 +194,7 @@ def _lowered(primitives: Floats, m: int, normal: Vector) -> tuple[int, Vector]:
 
 @njit(bare=True)
 def _roll_on(
-    table: FacetTable,
+    hull: Hull,
     solved: Floats,
     primitives: Floats,
     grown: Floats,
@@ -201,7 +203,7 @@ def _roll_on(
     size: float,
 ) -> bool:
     """Follow all arcs from facet `first` on; tell whether the ends of all of them agree."""
-    count, span, link = table.tally, table.span, table.link
+    count, span, link = hull.tally, hull.span, hull.link
     agreed = True
     f = first
     while f < count[FOUND]:
@@ -221,10 +223,11 @@ def _roll_on(
             if not length(ahead) > 0.0:
                 agreed = False
                 continue
-            m, onto = follow(grown, i, j, third, normal, unit(ahead), lowest_up, size)
+            arc = OpenArc(i, j, normal, unit(ahead))
+            m, onto = follow(grown, arc, third, lowest_up, size)
             if m < 0:
                 continue
-            other = _enter(table, solved, primitives, onto, (j, i, m), size)
+            other = _enter(hull, solved, primitives, onto, (j, i, m), size)
             if other < 0:
                 continue
             back = span[other, FIRST]
@@ -240,13 +243,13 @@ def _roll_on(
 
 @njit(bare=True)
 def find_round_facets(
-    table: FacetTable, primitives: NDArray[np.float64], lowest_up: float, size: float
+    work: Workspace, primitives: NDArray[np.float64], lowest_up: float, size: float
 ) -> None:
-    """Fill `table` with the support facets of any primitives.
+    """Fill the pieces of `work` with the support facets of any primitives.
 
     Parameters
     ----------
-    table : FacetTable
+    work : Workspace
         Overwritten; every facet has three corners.
     primitives : (n, 8) float64
         Rows of `primitive.pack`, relative to the com.
@@ -256,8 +259,8 @@ def find_round_facets(
         Size of the robot (length).
     """
     n = primitives.shape[0]
-    count, span, link = table.tally, table.span, table.link
-    solved, grown = table.work.normals, table.work.grown
+    hull, solved, grown = work.pieces, work.normals, work.grown
+    count, span, link = hull.tally, hull.span, hull.link
     for i in range(n):
         for c in range(primitives.shape[1]):
             grown[i, c] = primitives[i, c]
@@ -288,9 +291,9 @@ def find_round_facets(
             if lowest != m or normal[2] > max(lowest_up, 0.0):
                 continue
             first = count[FOUND]
-            if _seed(table, solved, primitives, grown, normal, lowest_up, size):
+            if _seed(hull, solved, primitives, grown, normal, lowest_up, size):
                 agreed = (
-                    _roll_on(table, solved, primitives, grown, first, lowest_up, size) and agreed
+                    _roll_on(hull, solved, primitives, grown, first, lowest_up, size) and agreed
                 )
         if agreed or count[OVERFLOW] == 1:
             break

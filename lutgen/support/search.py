@@ -14,21 +14,21 @@ from lutgen.support.primitive import KIND, POINT
 from lutgen.support.rails import find_rail_facets
 from lutgen.support.region import Acceptance, Region
 from lutgen.support.rounds import find_round_facets
-from lutgen.support.table import DOUBT, OVERFLOW, FacetTable, robot_size
+from lutgen.support.table import DOUBT, OVERFLOW, FacetTable, Workspace, robot_size
 from lutgen.support.unite import unite
 from lutgen.vector import Floats
 
 
 @njit(bare=True)
 def find_facets(
-    table: FacetTable, primitives: NDArray[np.float64], lowest_up: float, size: float
+    work: Workspace, primitives: NDArray[np.float64], lowest_up: float, size: float
 ) -> None:
-    """Fill `table` with the complex of one posture, see the three searches.
+    """Fill the pieces of `work` with the complex of one posture, see the three searches.
 
     Parameters
     ----------
-    table : FacetTable
-        Overwritten.
+    work : Workspace
+        Overwritten; `unite` goes on from there.
     primitives : (n, 8) float64
         Rows of `primitive.pack`, relative to the com.
     lowest_up : float
@@ -39,13 +39,14 @@ def find_facets(
     round_ones = 0
     for i in range(primitives.shape[0]):
         round_ones += primitives[i, KIND] != POINT
-    table.tally[DOUBT] = 0
+    tally = work.pieces.tally
+    tally[DOUBT] = 0
     if round_ones == 0:
-        find_point_facets(table, primitives, lowest_up, size)
-        if table.tally[DOUBT] == 1:
-            find_round_facets(table, primitives, lowest_up, size)
-    elif lowest_up > 0.0 or not find_rail_facets(table, primitives, size):
-        find_round_facets(table, primitives, lowest_up, size)
+        find_point_facets(work, primitives, lowest_up, size)
+        if tally[DOUBT] == 1:
+            find_round_facets(work, primitives, lowest_up, size)
+    elif lowest_up > 0.0 or not find_rail_facets(work, primitives, size):
+        find_round_facets(work, primitives, lowest_up, size)
 
 
 @njit(bare=True)
@@ -67,11 +68,7 @@ def stand(table: FacetTable, region: Region, primitives: Floats, acceptance: Acc
         1 where the table was too small, which only spheres that overlap oddly do.
     """
     size = robot_size(primitives)
-    work = table.work
-    pieces = FacetTable(
-        *(work.tally, work.facet, work.span, work.corner, work.link, table.held, work)
-    )
-    find_facets(pieces, primitives, acceptance.lowest_up, size)
-    unite(pieces, table, primitives, size)
+    find_facets(table.work, primitives, acceptance.lowest_up, size)
+    unite(table, primitives, size)
     find_region(region, table, primitives, acceptance, size)
-    return int(table.tally[OVERFLOW])
+    return int(table.hull.tally[OVERFLOW])

@@ -28,7 +28,7 @@ MOST_FACETS, MOST_CORNERS = 12, 36
 UNKNOWN, OUTSIDE = -2, -1
 VERTEX, NEIGHBOUR, BACK = 0, 1, 2
 FIRST, MASK, PLACE = 0, 1, 2
-# Entries of FacetTable.tally.
+# Entries of Hull.tally.
 FOUND, OVERFLOW, DOUBT = 0, 1, 2
 
 
@@ -36,11 +36,16 @@ FOUND, OVERFLOW, DOUBT = 0, 1, 2
 WAYS, MOST_PIECES, CUTS = 32, 12, 8
 
 
-class Workspace(NamedTuple):
-    """Arrays that the steps of one posture work in; nobody finds there what another one left.
+class Hull(NamedTuple):
+    """The hull of one posture's contacts: its facets, and which lies beyond which edge.
 
-    `tally` to `link` are a table of their own, for the complex before short arcs are united.
-    `counts` (8, E) serves whoever counts or lists; the others are named where they are used.
+    `tally` (3,): facets; 1 where the arrays were too small; 1 where points are too near to a plane
+    to tell by themselves whether they touch it.  Per facet: `facet` (F, 4) unit normal, outward,
+    and height (length), body frame; `span` (F + 1, 3) its first corner, the bit set of the
+    primitives that it touches, and room for its place among the accepted facets.  Per corner,
+    counter-clockwise seen from outside: `corner` (E, 3) contact point relative to the com (length);
+    `link` (E, 3) primitive, and of the edge from this corner to the next the facet beyond it and
+    the corner there at which it begins, or `OUTSIDE`.
     """
 
     tally: NDArray[np.int64]
@@ -48,6 +53,16 @@ class Workspace(NamedTuple):
     span: NDArray[np.int64]
     corner: NDArray[np.float64]
     link: NDArray[np.int64]
+
+
+class Workspace(NamedTuple):
+    """Arrays that the steps of one posture work in; nobody finds there what another one left.
+
+    `pieces` is the hull before short arcs are united.  `counts` (8, E) serves whoever counts or
+    lists; the others are named where they are used.
+    """
+
+    pieces: Hull
     counts: NDArray[np.int64]
     owner: NDArray[np.int64]
     place: NDArray[np.float64]
@@ -66,25 +81,27 @@ class Workspace(NamedTuple):
 
 
 class FacetTable(NamedTuple):
-    """Facets of one posture as flat arrays, reused from posture to posture.
+    """Facets of one posture, reused from posture to posture.
 
-    `tally` (3,): facets; 1 where the table was too small; 1 where points are too near to a plane to
-    tell by themselves whether they touch it.  Per facet: `facet` (F, 4) normal
-    and height; `span` (F + 1, 3) its first corner, the bit set of the primitives that it
-    touches, and room for its place among the accepted facets.  Per corner, counter-clockwise seen
-    from outside: `corner` (E, 3) contact point; `link` (E, 3) primitive, and of the edge from this
-    corner to the next the facet beyond it and the corner there at which it begins, or `OUTSIDE`;
-    `held` (E, 2) from which part of that edge to which the robot is caught beyond, 1 and 0 if not.
-    `work` is room for the steps that fill it.
+    `hull`: its facets, corners and edges.  `held` (E, 2): from which part of the edge from each
+    corner to which the robot is caught beyond, 1 and 0 if not.  `work` is room for the steps that
+    fill it.
     """
 
-    tally: NDArray[np.int64]
-    facet: NDArray[np.float64]
-    span: NDArray[np.int64]
-    corner: NDArray[np.float64]
-    link: NDArray[np.int64]
+    hull: Hull
     held: NDArray[np.float64]
     work: Workspace
+
+
+@njit()
+def _empty_hull(facets: int, corners: int) -> Hull:
+    return Hull(
+        np.zeros(3, np.int64),
+        np.empty((facets, 4)),
+        np.zeros((facets + 1, 3), np.int64),
+        np.empty((corners, 3)),
+        np.empty((corners, 3), np.int64),
+    )
 
 
 @njit()
@@ -93,11 +110,7 @@ def facet_table(primitives: int) -> FacetTable:
     facets, corners = MOST_FACETS * primitives, MOST_CORNERS * primitives
     n = primitives
     work = Workspace(
-        np.zeros(3, np.int64),
-        np.empty((facets, 4)),
-        np.zeros((facets + 1, 3), np.int64),
-        np.empty((corners, 3)),
-        np.empty((corners, 3), np.int64),
+        _empty_hull(facets, corners),
         np.empty((8, corners), np.int64),
         np.empty((n, n), np.int64),
         np.empty((n, 4)),
@@ -114,15 +127,7 @@ def facet_table(primitives: int) -> FacetTable:
         np.empty((4, 11)),
         np.empty((MOST_PIECES + CUTS, 6)),
     )
-    return FacetTable(
-        np.zeros(3, np.int64),
-        np.empty((facets, 4)),
-        np.zeros((facets + 1, 3), np.int64),
-        np.empty((corners, 3)),
-        np.empty((corners, 3), np.int64),
-        np.empty((corners, 2)),
-        work,
-    )
+    return FacetTable(_empty_hull(facets, corners), np.empty((corners, 2)), work)
 
 
 @njit(inline=True, bare=True)
@@ -178,19 +183,13 @@ def vector_at(array: Floats, index: int, column: int) -> Vector:
 
 @njit(bare=True)
 def add_triangle(
-    count: Ints,
-    facet: Floats,
-    span: Ints,
-    corner: Floats,
-    link: Ints,
-    primitives: Floats,
-    normal: Vector,
-    three: tuple[int, int, int],
+    hull: Hull, primitives: Floats, normal: Vector, three: tuple[int, int, int]
 ) -> int:
     """Enter a facet of three primitives, counter-clockwise; return its index, or -1 if no room.
 
     Its corners are where the primitives touch a plane with the unit `normal`.
     """
+    count, facet, span, corner, link = hull
     new = count[FOUND]
     at = span[new, FIRST]
     if new + 1 >= facet.shape[0] or at + 3 > link.shape[0]:

@@ -10,11 +10,11 @@ bulges outwards.  What is lost is at most `MOST_LOST` of the size.
 import math
 
 from lutgen.jit import njit
-from lutgen.support.arc import arc_normal
+from lutgen.support.arc import Arc, arc_normal
 from lutgen.support.primitive import RADIUS, support_contact
-from lutgen.support.region import SEGMENTS, SLACK, START, STOP, TILES, TIP_PLANE
+from lutgen.support.region import SEGMENTS, SLACK, START, STOP, TILES, TIP_PLANE, Region
 from lutgen.support.table import MOST_PIECES, put
-from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, scale, subtract, unit
+from lutgen.vector import Floats, Vector, cross, dot, length, row, scale, subtract, unit
 
 # Part of the robot's size that a wall may lie within the rim.
 MOST_LOST = 2e-4
@@ -40,16 +40,10 @@ def between(p: Vector, q: Vector, part: float) -> Vector:
 
 @njit(inline=True, bare=True)
 def add_segment(
-    tally: Ints,
-    segment: Floats,
-    contacts: Ints,
-    start: Vector,
-    stop: Vector,
-    inward: Vector,
-    i: int,
-    j: int,
+    region: Region, start: Vector, stop: Vector, inward: Vector, i: int, j: int
 ) -> None:
     """Append a boundary segment; the direction `inward` is on the inner side of its plane."""
+    tally, segment, contacts = region.tally, region.segment, region.contacts
     normal = cross(start, stop)
     size = length(normal)
     b = tally[SEGMENTS]
@@ -83,10 +77,9 @@ def add_wall(wall: Floats, w: int, p: Vector, q: Vector, inner: Vector, slack: f
 
 
 @njit(bare=True)
-def strip_pieces(
-    primitives: Floats, i: int, j: int, begin: Vector, end: Vector, size: float
-) -> int:
-    """Return into how many pieces the arc over i and j must be cut."""
+def strip_pieces(primitives: Floats, arc: Arc, size: float) -> int:
+    """Return into how many pieces the strip of an arc must be cut."""
+    i, j, begin, end = arc
     furthest = 0.0
     for side in range(2):
         m = i if side == 0 else j
@@ -135,34 +128,29 @@ def side_point(
 
 @njit(bare=True)
 def add_strip(
+    region: Region,
     primitives: Floats,
-    i: int,
-    j: int,
-    begin: Vector,
-    end: Vector,
+    arc: Arc,
     strip: tuple[float, float, float, float],
     size: float,
-    tally: Ints,
-    tile: Ints,
-    wall: Floats,
     outline: Floats,
 ) -> int:
-    """Append the tiles of the strip that i and j sweep from one normal to the other.
+    """Append the tiles of the strip that the contacts of an arc sweep.
 
     `strip`: the part [low, high] of the segment between the contacts that counts, and by which sine
     the tiles may be left on the side of i and on that of j.  `outline` (MOST_PIECES + 2, 6)
     receives the points of both sides; returns how many there are of each.
     """
+    tally, tile, wall = region.tally, region.tile, region.wall
+    i, j, begin, end = arc
     low, high, near_slack, far_slack = strip
-    pieces = strip_pieces(primitives, i, j, begin, end, size)
+    pieces = strip_pieces(primitives, arc, size)
     before = begin
     put(outline, 0, 0, support_contact(primitives, i, begin))
     put(outline, 0, 3, support_contact(primitives, j, begin))
     for k in range(pieces):
-        here = arc_normal(primitives, i, j, begin, end, (k + 0.5) / pieces)
-        after = (
-            end if k + 1 == pieces else arc_normal(primitives, i, j, begin, end, (k + 1.0) / pieces)
-        )
+        here = arc_normal(primitives, arc, (k + 0.5) / pieces)
+        after = end if k + 1 == pieces else arc_normal(primitives, arc, (k + 1.0) / pieces)
         put(outline, k + 1, 0, side_point(primitives, i, j, before, here, after))
         put(outline, k + 1, 3, side_point(primitives, j, i, before, here, after))
         before = after

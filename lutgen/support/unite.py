@@ -20,6 +20,7 @@ from lutgen.support.table import (
     RELATIVE_TOLERANCE,
     VERTEX,
     FacetTable,
+    Hull,
     corner_after,
     doubled_area,
     put,
@@ -47,8 +48,9 @@ def _joined(facet: Floats, link: Ints, f: int, at: int) -> bool:
 
 
 @njit(bare=True)
-def _groups(facets: int, facet: Floats, span: Ints, link: Ints, parent: Ints) -> int:
+def _groups(hull: Hull, parent: Ints) -> int:
     """Fill `parent` with the first facet of each one's group; return how many arcs are short."""
+    facets, facet, span, link = hull.tally[FOUND], hull.facet, hull.span, hull.link
     short = 0
     for f in range(facets):
         parent[f] = f
@@ -65,13 +67,14 @@ def _groups(facets: int, facet: Floats, span: Ints, link: Ints, parent: Ints) ->
 
 @njit(bare=True)
 def _walk(
-    span: Ints, link: Ints, parent: Ints, owner: Ints, group: int, start: int, out: Ints, begin: int
+    hull: Hull, parent: Ints, owner: Ints, group: int, start: int, out: Ints, begin: int
 ) -> int:
     """List the corners where the edges of a group's outline begin, from `start` on.
 
     Returns the end of the list in `out`, which is filled from `begin` on; `owner` (E,) holds the
     facet of each corner.
     """
+    span, link = hull.span, hull.link
     at, end = start, begin
     for _ in range(link.shape[0]):
         out[end] = at
@@ -102,18 +105,9 @@ def _is_bent_in(corner: Floats, outline: Ints, normal: Vector, size: float) -> b
 
 
 @njit(bare=True)
-def _outlines(
-    facets: int,
-    facet: Floats,
-    span: Ints,
-    corner: Floats,
-    link: Ints,
-    parent: Ints,
-    owner: Ints,
-    outline: Ints,
-    size: float,
-) -> None:
+def _outlines(hull: Hull, parent: Ints, owner: Ints, outline: Ints, size: float) -> None:
     """Take groups apart whose outline is bent in, since a facet's cone is cut out by its edges."""
+    facets, facet, span, link = hull.tally[FOUND], hull.facet, hull.span, hull.link
     for f in range(facets):
         if parent[f] != f:
             continue
@@ -127,8 +121,8 @@ def _outlines(
                         start = at
         if members == 1:
             continue
-        end = _walk(span, link, parent, owner, f, start, outline, 0) if start >= 0 else 0
-        if end < 3 or _is_bent_in(corner, outline[:end], row(facet, f), size):
+        end = _walk(hull, parent, owner, f, start, outline, 0) if start >= 0 else 0
+        if end < 3 or _is_bent_in(hull.corner, outline[:end], row(facet, f), size):
             for member in range(f, facets):
                 if parent[member] == f:
                     parent[member] = -1 - member
@@ -152,29 +146,29 @@ def _begin_at_lowest(link: Ints, outline: Ints, begin: int, end: int) -> None:
 
 
 @njit(bare=True)
-def unite(table: FacetTable, united: FacetTable, primitives: Floats, size: float) -> None:
-    """Fill `united` with the facets of `table`, those that short arcs join as one.
+def unite(table: FacetTable, primitives: Floats, size: float) -> None:
+    """Fill the hull of `table` from its pieces: those that short arcs join as one facet.
 
     Parameters
     ----------
     table : FacetTable
-        A complex; where no arc is short it is copied.
-    united : FacetTable
-        Overwritten.
+        Its `work` is as `search.find_facets` leaves it; where no arc is short the pieces are
+        copied.
     primitives : (n, 8) float64
         Rows of `primitive.pack`, relative to the com.
     size : float
         Size of the robot (length).
     """
-    facets = table.tally[FOUND]
-    facet, span, corner, link = table.facet, table.span, table.corner, table.link
-    new, bounds, points, links = united.facet, united.span, united.corner, united.link
-    united.tally[FOUND], united.tally[OVERFLOW] = facets, table.tally[OVERFLOW]
+    pieces, counts = table.work.pieces, table.work.counts
+    count, facet, span, corner, link = pieces
+    tally, new, bounds, points, links = table.hull
+    facets = count[FOUND]
+    tally[FOUND], tally[OVERFLOW] = facets, count[OVERFLOW]
     bounds[0, FIRST] = 0
-    counts, corners = united.work.counts, span[facets, FIRST]
+    corners = span[facets, FIRST]
     parent, moved = counts[0], counts[1, :corners]
     moved[:] = OUTSIDE
-    if _groups(facets, facet, span, link, parent) == 0:
+    if _groups(pieces, parent) == 0:
         for f in range(facets):
             put(new, f, 0, row(facet, f))
             new[f, 3] = facet[f, 3]
@@ -197,7 +191,7 @@ def unite(table: FacetTable, united: FacetTable, primitives: Floats, size: float
     for f in range(facets):
         for at in range(span[f, FIRST], span[f + 1, FIRST]):
             owner[at] = f
-    _outlines(facets, facet, span, corner, link, parent, owner, outline, size)
+    _outlines(pieces, parent, owner, outline, size)
     groups, end = 0, 0
     for f in range(facets):
         if parent[f] != f:
@@ -219,7 +213,7 @@ def unite(table: FacetTable, united: FacetTable, primitives: Floats, size: float
         put(new, groups, 0, row(facet, best))
         new[groups, 3] = facet[best, 3]
         if start >= 0:
-            end = _walk(span, link, parent, owner, f, start, outline, begin)
+            end = _walk(pieces, parent, owner, f, start, outline, begin)
         _begin_at_lowest(link, outline, begin, end)
         normal = row(facet, best)
         for at in range(begin, end):
@@ -232,7 +226,7 @@ def unite(table: FacetTable, united: FacetTable, primitives: Floats, size: float
                 number[member] = groups
         groups += 1
     bounds[groups, FIRST] = end
-    united.tally[FOUND] = groups
+    tally[FOUND] = groups
     for at in range(end):
         old = outline[at]
         other, back = link[old, NEIGHBOUR], link[old, BACK]

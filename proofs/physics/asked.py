@@ -34,16 +34,16 @@ def _ask(
     angle: Floats,
 ) -> int:
     n, refused = primitives.shape[1], 0
-    pieces, table, region = facet_table(n), facet_table(n), empty_region(n)
+    table, region = facet_table(n), empty_region(n)
     for m in range(len(primitives)):
         size = robot_size(primitives[m])
         if search == ROLLING:
-            find_round_facets(pieces, primitives[m], acceptance.lowest_up, size)
+            find_round_facets(table.work, primitives[m], acceptance.lowest_up, size)
         elif search == RAILS:
-            refused += 0 if find_rail_facets(pieces, primitives[m], size) else 1
+            refused += 0 if find_rail_facets(table.work, primitives[m], size) else 1
         else:
-            find_facets(pieces, primitives[m], acceptance.lowest_up, size)
-        unite(pieces, table, primitives[m], size)
+            find_facets(table.work, primitives[m], acceptance.lowest_up, size)
+        unite(table, primitives[m], size)
         find_region(region, table, primitives[m], acceptance, size)
         for d in range(gravity_dir.shape[1]):
             g = row(gravity_dir[m], d)

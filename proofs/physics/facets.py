@@ -44,24 +44,25 @@ def facets(
         collinear or the com is in or outside every facet's plane.
     """
     primitives = pack(centre, axis, radius, kind)
-    pieces, table = facet_table(len(primitives)), facet_table(len(primitives))
+    table = facet_table(len(primitives))
     size = robot_size(primitives)
-    find_facets(pieces, primitives, 2.0, size)
-    unite(pieces, table, primitives, size)
+    find_facets(table.work, primitives, 2.0, size)
+    unite(table, primitives, size)
+    hull = table.hull
     tolerance = RELATIVE_TOLERANCE * size
     found = []
-    for f in range(table.tally[0]):
-        if table.facet[f, 3] > tolerance:
-            corners = slice(*edges_at(table.span, f))
-            normal = tuple(table.facet[f, :3].tolist())
+    for f in range(hull.tally[0]):
+        if hull.facet[f, 3] > tolerance:
+            corners = slice(*edges_at(hull.span, f))
+            normal = tuple(hull.facet[f, :3].tolist())
             heights = [support_height(primitives, i, normal) for i in range(len(primitives))]
             found.append(
                 Facet(
-                    table.facet[f, :3].copy(),
-                    float(table.facet[f, 3]),
-                    tuple(i for i, h in enumerate(heights) if h > table.facet[f, 3] - tolerance),
-                    tuple(int(i) for i in table.link[corners, VERTEX]),
-                    table.corner[corners].copy(),
+                    hull.facet[f, :3].copy(),
+                    float(hull.facet[f, 3]),
+                    tuple(i for i, h in enumerate(heights) if h > hull.facet[f, 3] - tolerance),
+                    tuple(int(i) for i in hull.link[corners, VERTEX]),
+                    hull.corner[corners].copy(),
                 )
             )
     return sorted(found, key=lambda facet: sum(1 << i for i in facet.touching))

@@ -9,7 +9,7 @@ import lutgen
 from lutgen.channels import acceptance_of
 from lutgen.recipe import forward, radii_and_kinds
 from lutgen.support import edges_at, empty_region, facet_table, pack, stand
-from lutgen.support.arc import arc_normal, enter_roll
+from lutgen.support.arc import Arc, arc_normal, enter_roll
 from lutgen.support.catch import REFUSED, REST
 from lutgen.support.primitive import support_contact
 from lutgen.support.region import Acceptance, acceptance
@@ -31,7 +31,7 @@ def rolled(
         there = np.array(
             end
             if step == STEPS
-            else arc_normal(primitives, i, j, tuple(begin), tuple(end), step / STEPS)
+            else arc_normal(primitives, Arc(i, j, tuple(begin), tuple(end)), step / STEPS)
         )
         about = np.cross(here, there)
         turned = g + np.cross(about, g) + np.cross(about, np.cross(about, g)) / (1.0 + here @ there)
@@ -50,13 +50,13 @@ class LetGo:
         self.primitives, self.limits = primitives, limits
         self.table: FacetTable = facet_table(n)
         stand(self.table, empty_region(n), primitives, limits)
-        facets = self.table.tally[0]
-        self.span = self.table.span[: facets + 1].copy()
+        facets = self.table.hull.tally[0]
+        # Finding the rests writes bits into the spans, which `stand` has done already.
+        self.hull = self.table.hull._replace(span=self.table.hull.span[: facets + 1].copy())
+        self.span = self.hull.span
         self.kind: Ints = np.zeros(facets, np.int64)
-        find_rests(
-            *(primitives, facets, self.table.facet, self.span, self.table.corner, limits, size),
-            *(self.kind, np.empty((facets, 3)), self.table.work),
-        )
+        centroid = np.empty((facets, 3))
+        find_rests(self.hull, primitives, limits, size, self.kind, centroid, self.table.work)
 
     def after(self, f: int, at: int) -> int:
         """Return the next corner of a facet."""
@@ -67,25 +67,23 @@ class LetGo:
         found = []
         for f in np.flatnonzero(self.kind != REFUSED):
             for at in range(*edges_at(self.span, f)):
-                other = self.table.link[at, NEIGHBOUR]
+                other = self.hull.link[at, NEIGHBOUR]
                 if other > f and self.kind[other] != REFUSED:
                     found.append((int(f), at))
         return found
 
     def roll(self, f: int, at: int, g: Floats) -> tuple[Floats, float, float]:
         """Roll over an edge of a facet; see `rolled`."""
-        i, j = self.table.link[at, VERTEX], self.table.link[self.after(f, at), VERTEX]
-        other = self.table.link[at, NEIGHBOUR]
-        return rolled(
-            self.primitives, i, j, self.table.facet[f, :3], self.table.facet[other, :3], g
-        )
+        i, j = self.hull.link[at, VERTEX], self.hull.link[self.after(f, at), VERTEX]
+        other = self.hull.link[at, NEIGHBOUR]
+        return rolled(self.primitives, i, j, self.hull.facet[f, :3], self.hull.facet[other, :3], g)
 
     def rests_on(
         self, f: int, came: int, g: Floats, raised: float, turned: float, depth: int = 0
     ) -> tuple[float, set[int]]:
         """Return the largest sum of turns of any way, infinity if one tips, and where they end."""
         assert depth < 20
-        corner, least, ends = self.table.corner, turned, set()
+        corner, least, ends = self.hull.corner, turned, set()
         begin, end = corner[came], corner[self.after(f, came)]
         line = (end - begin) / np.linalg.norm(end - begin)
         ways = []
@@ -109,13 +107,13 @@ class LetGo:
         if not goes:
             return math.inf, ends
         for at, from_height in goes:
-            other = self.table.link[at, NEIGHBOUR]
+            other = self.hull.link[at, NEIGHBOUR]
             if other < 0 or self.kind[other] == REFUSED:
                 return math.inf, ends
             seen, more, turn = self.roll(f, at, g)
             if turned + turn > self.limits.rock_angle:
                 return math.inf, ends
-            back = int(self.table.link[at, 2])
+            back = int(self.hull.link[at, 2])
             sum_of_turns, rests = self.rests_on(
                 other, back, seen, from_height + more, turned + turn, depth + 1
             )
@@ -124,12 +122,12 @@ class LetGo:
 
     def caught(self, f: int, at: int, part: float) -> bool:
         """Tell whether a balance over an edge is caught, where its gap begins and where it ends."""
-        other, back = int(self.table.link[at, NEIGHBOUR]), int(self.table.link[at, 2])
+        other, back = int(self.hull.link[at, NEIGHBOUR]), int(self.hull.link[at, 2])
         for near, edge, far, far_edge, w in (
             (f, at, other, back, part),
             (other, back, f, at, 1.0 - part),
         ):
-            p, q = self.table.corner[edge], self.table.corner[self.after(near, edge)]
+            p, q = self.hull.corner[edge], self.hull.corner[self.after(near, edge)]
             g = p + w * (q - p)
             g = g / np.linalg.norm(g)
             seen, rise, turn = self.roll(near, edge, g)
@@ -198,10 +196,13 @@ def test_a_roll_is_linear_in_gravity_and_rolling_back_undoes_it(let_go) -> None:
     turned = 0
     for _, robot in let_go:
         for f, at in robot.edges():
-            other = robot.table.link[at, NEIGHBOUR]
-            i, j = robot.table.link[at, VERTEX], robot.table.link[robot.after(f, at), VERTEX]
-            begin, end = robot.table.facet[f, :3], robot.table.facet[other, :3]
-            turn = enter_roll(robot.primitives, i, j, tuple(begin), tuple(end), 0, 1, rows)
+            other = robot.hull.link[at, NEIGHBOUR]
+            i, j = (
+                robot.hull.link[at, VERTEX],
+                robot.hull.link[robot.after(f, at), VERTEX],
+            )
+            begin, end = robot.hull.facet[f, :3], robot.hull.facet[other, :3]
+            turn = enter_roll(robot.primitives, Arc(i, j, tuple(begin), tuple(end)), 0, 1, rows)
             if turn > 0.6:
                 continue
             turned += 1
@@ -228,14 +229,14 @@ def test_a_roll_over_a_wheel_that_lies_nearly_flat_is_right_too() -> None:
     )
     begin, end = np.array([-0.3957, 0.0001, -0.9184]), np.array([-0.529, 0.2411, -0.8136])
     begin, end = (
-        np.array(arc_normal(rows, 0, 1, tuple(n), tuple(n), 0.0))
+        np.array(arc_normal(rows, Arc(0, 1, tuple(n), tuple(n)), 0.0))
         for n in (begin / np.linalg.norm(begin), end / np.linalg.norm(end))
     )
     rim = [np.array(support_contact(rows, 1, tuple(n))) for n in (begin, end)]
     assert np.linalg.norm(rim[1] - rim[0]) > 1.3 * 0.1426
     out = np.empty((2, 13))
     for i, j in ((0, 1), (1, 0)):
-        turn = enter_roll(rows, i, j, tuple(begin), tuple(end), 0, 1, out)
+        turn = enter_roll(rows, Arc(i, j, tuple(begin), tuple(end)), 0, 1, out)
         matrix, rise = out[0, :9].reshape(3, 3), out[0, 9:12]
         for g in np.eye(3):
             want, raised, length = rolled(rows, i, j, begin, end, g)

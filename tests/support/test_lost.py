@@ -49,8 +49,8 @@ def test_the_contacts_of_a_facet_lie_on_its_plane_and_nothing_lies_below() -> No
         stand(table, region, robot, LIMITS)
         for k in range(facets_in(region.tally)):
             f = source_at(region.span, k)
-            normal, height = table.facet[f, :3], table.facet[f, 3]
-            corners = table.corner[slice(*edges_at(table.span, f))]
+            normal, height = table.hull.facet[f, :3], table.hull.facet[f, 3]
+            corners = table.hull.corner[slice(*edges_at(table.hull.span, f))]
             # Noise joins what is within 1e-9; the search was lost by 1e-5 to 1e-2.
             assert np.abs(corners @ normal - height).max() < 1e-6
             assert max(support_height(robot, i, tuple(normal)) for i in range(8)) < height + 1e-6
