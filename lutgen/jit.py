@@ -84,8 +84,8 @@ def njit(
         Whether every operation is rounded by itself, as it is written.  For predicates that must
         say the same wherever they are asked.
     bare : bool
-        Whether the function makes no array.  References to the arrays that it is given are then
-        not counted, which for ten arrays takes longer than a short kernel's work.
+        Whether the function makes no array and returns none.  References to the arrays that it is
+        given are then not counted, which for ten arrays takes longer than a short kernel's work.
 
     Returns
     -------

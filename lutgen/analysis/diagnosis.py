@@ -21,6 +21,7 @@ from lutgen.channels import (
     checked_directions,
     empty_axes,
     find_axes,
+    loaded_axis,
     loaded_margin,
     loaded_verdict,
     measure_moved,
@@ -212,10 +213,9 @@ def _loaded_axes(posture: Posture, g: Vector, standing: bool) -> tuple[int, tupl
     convex = is_convex(region.tally)
     axes = []
     for b in range(segments_in(region.tally)):
-        start, stop = start_at(region.segment, b), stop_at(region.segment, b)
-        row, ends = found.axis[b], found.ends[b]
-        angle = axis_angle(convex, row, ends, start, stop, wrench, standing, g)
-        margin = loaded_margin(convex, row, start, stop, wrench, standing, g)
+        segment = loaded_axis(region, found, b)
+        angle = axis_angle(convex, segment, wrench, standing, g)
+        margin = loaded_margin(convex, segment, wrench, standing, g)
         axes.append(_tip_axis(posture, b, angle, margin, math.nan))
     return k, tuple(axes)
 

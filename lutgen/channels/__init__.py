@@ -15,7 +15,7 @@ from lutgen.channels.evaluation import (
     measure_recipe,
     stability,
 )
-from lutgen.channels.loaded import axis_angle, loaded_margin, loaded_verdict
+from lutgen.channels.loaded import axis_angle, loaded_axis, loaded_margin, loaded_verdict
 from lutgen.channels.plain import (
     ALONG,
     ASIDE,
@@ -54,6 +54,7 @@ __all__ = [
     "evaluate_each",
     "find_axes",
     "for_each_posture",
+    "loaded_axis",
     "loaded_margin",
     "loaded_verdict",
     "measure",

@@ -22,7 +22,7 @@ WAITS, GONE_ON, DROPPED = 0, 1, 2
 SAME_WAY = 1e-9
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def _enter(
     label: Floats,
     way: Ints,
@@ -37,7 +37,7 @@ def _enter(
     way[at, STATE] = WAITS
 
 
-@njit()
+@njit(bare=True)
 def _adds_nothing(label: Floats, way: Ints, held: int, at: int) -> bool:
     """Tell whether the robot has gone on from a way's facet often enough, or just like that."""
     visits = 0
@@ -52,7 +52,7 @@ def _adds_nothing(label: Floats, way: Ints, held: int, at: int) -> bool:
     return visits >= VISITS
 
 
-@njit(inline=True)
+@njit(inline=True, bare=True)
 def _has_been(way: Ints, at: int, k: int) -> bool:
     """Tell whether a way has come to facet k."""
     while at >= 0:
@@ -62,7 +62,7 @@ def _has_been(way: Ints, at: int, k: int) -> bool:
     return False
 
 
-@njit()
+@njit(bare=True)
 def barrier(region: Region, ridges: Ridges, k: int, g: Vector) -> float:
     """Return the least rise of the com (length) on any way of rolling that ends in tipping over.
 
@@ -70,23 +70,7 @@ def barrier(region: Region, ridges: Ridges, k: int, g: Vector) -> float:
     highest points, from each facet by the first `VISITS` of them: on level ground all ways to a
     facet see the same gravity, and more than one is only for slopes.  Infinity where no way ends.
     """
-    # Arrays are taken out once: each use of a table of arrays counts references.
-    return _search(
-        *(region.span, ridges.ridge, ridges.beyond, ridges.arc, ridges.label, ridges.way, k, g)
-    )
-
-
-@njit()
-def _search(
-    span: Ints,
-    ridge: Floats,
-    edges: Ints,
-    arc: Floats,
-    label: Floats,
-    way: Ints,
-    k: int,
-    g: Vector,
-) -> float:
+    span, label, way = region.span, ridges.label, ridges.way
     _enter(label, way, 0, (0.0, 0.0), g, (k, -1))
     held, best = 1, math.inf
     while True:
@@ -102,7 +86,7 @@ def _search(
         way[at, STATE] = GONE_ON
         here, raised, down = way[at, FACET], label[at, RAISED], vector_at(label, at, SEEN)
         for e in range(*edges_at(span, here)):
-            beyond, most, last, seen = roll_over(ridge, edges, arc, e, down)
+            beyond, most, last, seen = roll_over(ridges.ridge, ridges.beyond, ridges.arc, e, down)
             peak = max(lowest, raised + most)
             if beyond == OVER:
                 best = min(best, peak)

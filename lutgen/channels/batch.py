@@ -68,7 +68,7 @@ def measure_some(
     room, values, places = empty_block(), np.empty(ROWS), np.empty(ROWS, np.int64)
     held = 0
     for c in range(len(CHANNELS)):
-        places[c] = held
+        places[c] = held if wanted[c] else -1
         held += wanted[c]
     current, overflow = -1, 0
     for piece in range(begin, end):
@@ -85,7 +85,7 @@ def measure_some(
         if wrench is None and worth_blocks(region.tally, wanted, directions.shape[0]):
             for at in range(0, directions.shape[0], BLOCK):
                 some = directions[at : at + BLOCK]
-                measure_block(region, ridges, some, wanted, room, places, posture, first + at, out)
+                measure_block(region, ridges, some, room, places, (posture, first + at), out)
         else:
             for d in range(directions.shape[0]):
                 g = row(directions, d)

@@ -53,6 +53,14 @@ class Block(NamedTuple):
     first: NDArray[np.int64]
 
 
+class Directions(NamedTuple):
+    """Unit directions of gravity side by side, body frame; each (d,)."""
+
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    z: NDArray[np.float64]
+
+
 @njit()
 def empty_block() -> Block:
     """Return room for a block of directions."""
@@ -69,20 +77,20 @@ def worth_blocks(tally: Ints, wanted: Bools, directions: int) -> bool:
     return fits
 
 
-@njit()
-def _take(directions: Floats, x: Floats, y: Floats, z: Floats) -> None:
-    for i in range(np.uint64(directions.shape[0])):
-        x[i], y[i], z[i] = directions[i, 0], directions[i, 1], directions[i, 2]
+@njit(bare=True)
+def _take(given: Floats, directions: Directions) -> None:
+    x, y, z = directions
+    for i in range(np.uint64(given.shape[0])):
+        x[i], y[i], z[i] = given[i, 0], given[i, 1], given[i, 2]
 
 
-@njit()
-def _pierce(
-    plane: Vector, k: int, x: Floats, y: Floats, z: Floats, rate: Floats, first: Ints
-) -> None:
+@njit(bare=True)
+def _pierce(plane: Vector, k: int, directions: Directions, rate: Floats, first: Ints) -> None:
     """Let facet k take the directions whose ray pierces its plane before those of lower facets.
 
     The rule for ties is that of `support.supporting_facet`.
     """
+    x, y, z = directions
     for i in range(np.uint64(x.shape[0])):
         here = dot(plane, (x[i], y[i], z[i]))
         sooner = here > rate[i] * (1.0 + 1e-12)
@@ -90,8 +98,9 @@ def _pierce(
         first[i] = k if sooner else first[i]
 
 
-@njit()
-def _lower(plane: Vector, x: Floats, y: Floats, z: Floats, lowest: Floats) -> None:
+@njit(bare=True)
+def _lower(plane: Vector, directions: Directions, lowest: Floats) -> None:
+    x, y, z = directions
     for i in range(np.uint64(x.shape[0])):
         lowest[i] = min(lowest[i], dot(plane, (x[i], y[i], z[i])))
 
@@ -102,18 +111,12 @@ def _stands(first: int, lowest: float) -> bool:
     return standing
 
 
-@njit()
+@njit(bare=True)
 def _factors(
-    facet: Floats,
-    x: Floats,
-    y: Floats,
-    z: Floats,
-    rate: Floats,
-    first: Ints,
-    lowest: Floats,
-    out: Floats,
+    facet: Floats, directions: Directions, rate: Floats, first: Ints, lowest: Floats, out: Floats
 ) -> None:
     """Fill `out` with |SD_g|, NaN where the robot does not stand."""
+    x, y, z = directions
     for i in range(np.uint64(out.shape[0])):
         k, g = max(first[i], 0), (x[i], y[i], z[i])
         along = dot(first_axis_at(facet, k), g)
@@ -122,54 +125,55 @@ def _factors(
         out[i] = factor if _stands(first[i], lowest[i]) else math.nan
 
 
-@njit()
+@njit(bare=True)
 def _heights(facet: Floats, first: Ints, lowest: Floats, out: Floats) -> None:
     for i in range(out.shape[0]):
         out[i] = height_at(facet, first[i]) if _stands(first[i], lowest[i]) else math.nan
 
 
-@njit()
+@njit(bare=True)
 def _angles(first: Ints, lowest: Floats, out: Floats) -> None:
     for i in range(np.uint64(out.shape[0])):
         out[i] = signed_angle(lowest[i], _stands(first[i], lowest[i]))
 
 
-@njit()
+@njit(bare=True)
 def _nearer(
-    start: Vector, stop: Vector, plane: Vector, x: Floats, y: Floats, z: Floats, least: Floats
+    start: Vector, stop: Vector, plane: Vector, directions: Directions, least: Floats
 ) -> None:
     """Lower `least` to the margin of one axis."""
+    x, y, z = directions
     for i in range(np.uint64(x.shape[0])):
         least[i] = min(least[i], axis_margin(start, stop, plane, True, (x[i], y[i], z[i])))
 
 
-@njit()
+@njit(bare=True)
 def _easier(
-    start: Vector, stop: Vector, plane: Vector, x: Floats, y: Floats, z: Floats, least: Floats
+    start: Vector, stop: Vector, plane: Vector, directions: Directions, least: Floats
 ) -> None:
     """Lower `least` to the rise of the com over one axis."""
+    x, y, z = directions
     for i in range(np.uint64(x.shape[0])):
         least[i] = min(least[i], axis_energy(start, stop, plane, (x[i], y[i], z[i])))
 
 
-@njit()
+@njit(bare=True)
 def _barriers(
     region: Region,
     ridges: Ridges,
-    x: Floats,
-    y: Floats,
-    z: Floats,
+    directions: Directions,
     first: Ints,
     lowest: Floats,
     least: Floats,
 ) -> None:
     """Put the least barrier for the least rise where the robot stands and may roll."""
+    x, y, z = directions
     for i in range(x.shape[0]):
         if _stands(first[i], lowest[i]):
             least[i] = least_barrier(region, ridges, first[i], (x[i], y[i], z[i]), least[i])
 
 
-@njit()
+@njit(bare=True)
 def _margins(least: Floats, first: Ints, lowest: Floats, out: Floats) -> None:
     """Give a margin the sign of the verdict."""
     for i in range(np.uint64(out.shape[0])):
@@ -181,35 +185,34 @@ def _margins(least: Floats, first: Ints, lowest: Floats, out: Floats) -> None:
 def measure_block(
     region: Region,
     ridges: Ridges,
-    directions: Floats,
-    wanted: Bools,
+    given: Floats,
     room: Block,
     places: Ints,
-    posture: int,
-    begin: int,
+    at: tuple[int, int],
     out: Floats,
 ) -> None:
-    """Fill out[:, posture, begin:] with the wanted channels of at most BLOCK directions (d, 3).
+    """Fill out[:, m, d:], (m, d) = `at`, with the channels of at most BLOCK directions (d, 3).
 
-    `places`: the row of each channel.
+    `places`: the row of each channel in `out`, or -1 where it is not wanted.
     """
     facet, segment, tally = region.facet, region.segment, region.tally
-    facets, segments, count = facets_in(tally), segments_in(tally), directions.shape[0]
+    facets, segments, count = facets_in(tally), segments_in(tally), given.shape[0]
+    posture, begin = at
     here = slice(begin, begin + count)
     numbers, first = room.numbers, room.first[:count]
-    x, y, z = numbers[0, :count], numbers[1, :count], numbers[2, :count]
+    directions = Directions(numbers[0, :count], numbers[1, :count], numbers[2, :count])
     rate, lowest, least = numbers[3, :count], numbers[4, :count], numbers[5, :count]
-    _take(directions, x, y, z)
+    _take(given, directions)
     rate[:], first[:], lowest[:] = 0.0, -1, 2.0
     for k in range(facets):
-        _pierce(plane_at(facet, k), k, x, y, z, rate, first)
+        _pierce(plane_at(facet, k), k, directions, rate, first)
     for b in range(segments):
-        _lower(tip_plane_at(segment, b), x, y, z, lowest)
-    if wanted[0]:
-        _factors(facet, x, y, z, rate, first, lowest, out[places[0], posture, here])
-    if wanted[1]:
+        _lower(tip_plane_at(segment, b), directions, lowest)
+    if places[0] >= 0:
+        _factors(facet, directions, rate, first, lowest, out[places[0], posture, here])
+    if places[1] >= 0:
         _heights(facet, first, lowest, out[places[1], posture, here])
-    if wanted[2]:
+    if places[2] >= 0:
         target = out[places[2], posture, here]
         if facets == 0:
             target[:] = -math.pi
@@ -218,21 +221,21 @@ def measure_block(
         else:
             _angles(first, lowest, target)
     for c in range(3, 5):
-        if wanted[c]:
+        if places[c] >= 0:
             least[:] = math.inf if facets > 0 else -math.inf
             for b in range(segments):
                 start, stop = start_at(segment, b), stop_at(segment, b)
                 plane = tip_plane_at(segment, b)
                 if c == 3:
-                    _nearer(start, stop, plane, x, y, z, least)
+                    _nearer(start, stop, plane, directions, least)
                 else:
-                    _easier(start, stop, plane, x, y, z, least)
+                    _easier(start, stop, plane, directions, least)
             if c == 4 and has_ridges(tally):
-                _barriers(region, ridges, x, y, z, first, lowest, least)
+                _barriers(region, ridges, directions, first, lowest, least)
             _margins(least, first, lowest, out[places[c], posture, here])
-    if wanted[5]:
+    if places[5] >= 0:
         for i in range(count):
             out[places[5], posture, begin + i] = first[i] if _stands(first[i], lowest[i]) else -1.0
-    if wanted[6]:
+    if places[6] >= 0:
         for i in range(count):
             out[places[6], posture, begin + i] = STANDS if _stands(first[i], lowest[i]) else TIPS

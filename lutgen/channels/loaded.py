@@ -7,6 +7,10 @@ below.  Under both together they are such bounds, too (docs/reference/convention
 """
 
 import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from lutgen.channels.angles import JUST_OUTSIDE, arc_distance
 from lutgen.channels.axes import (
@@ -148,21 +152,35 @@ def counts_whole(convex: bool, wrench: Floats) -> bool:
     return convex or pulled or length(part(wrench, MU)) > 0.0
 
 
-@njit()
+class LoadedAxis(NamedTuple):
+    """A segment of the boundary as an axis under a wrench.
+
+    `start`, `stop`: its contact points relative to the com (length), body frame; `axis` (16,) and
+    `ends` (4, 3): its rows of `Axes`.
+    """
+
+    start: Vector
+    stop: Vector
+    axis: NDArray[np.float64]
+    ends: NDArray[np.float64]
+
+
+@njit(inline=True)
+def loaded_axis(region: Region, axes: Axes, b: int) -> LoadedAxis:
+    """Return boundary segment b as an axis."""
+    start, stop = start_at(region.segment, b), stop_at(region.segment, b)
+    return LoadedAxis(start, stop, axes.axis[b], axes.ends[b])
+
+
+@njit(bare=True)
 def axis_angle(
-    convex: bool,
-    axis: Floats,
-    ends: Floats,
-    start: Vector,
-    stop: Vector,
-    wrench: Floats,
-    standing: bool,
-    g: Vector,
+    convex: bool, segment: LoadedAxis, wrench: Floats, standing: bool, g: Vector
 ) -> float:
     """Return the signed angle (rad) from g to one boundary segment under a wrench.
 
     Where the axis does not count as a whole line, `standing` of the nominal com gives the sign.
     """
+    start, stop, axis, ends = segment
     if counts_whole(convex, wrench):
         return whole_axis_angle(axis, g)
     rho, phi = wrench[RHO], part(wrench, PHI)
@@ -175,15 +193,9 @@ def axis_angle(
     return max(-away - math.asin(min(rho / axis[NEAREST], 1.0)), -math.pi)
 
 
-@njit()
+@njit(bare=True)
 def loaded_margin(
-    convex: bool,
-    axis: Floats,
-    start: Vector,
-    stop: Vector,
-    wrench: Floats,
-    standing: bool,
-    g: Vector,
+    convex: bool, segment: LoadedAxis, wrench: Floats, standing: bool, g: Vector
 ) -> float:
     """Return the signed distance from the resultant's line to one axis, less what rho takes.
 
@@ -191,6 +203,7 @@ def loaded_margin(
     counts a twist as well; of another one it is the segment, and `standing` gives the sign.  A com
     delta away moves the weight alone, so it takes rho |e x g| / |e x F|, at most rho / |F|.
     """
+    start, stop, axis = segment.start, segment.stop, segment.axis
     rho, mu = wrench[RHO], part(wrench, MU)
     force = add(g, part(wrench, PHI))
     size = length(force)
@@ -228,7 +241,7 @@ def loaded_verdict(region: Region, axes: Axes, wrench: Floats, g: Vector) -> tup
     convex, it stands too while the zero-moment point stays in one rest, and the larger of the two
     angles counts.
     """
-    count, segment = region.tally, region.segment
+    count = region.tally
     force, mu = add(g, part(wrench, PHI)), part(wrench, MU)
     convex = is_convex(count)
     if facets_in(count) == 0:
@@ -245,8 +258,8 @@ def loaded_verdict(region: Region, axes: Axes, wrench: Floats, g: Vector) -> tup
     whole = counts_whole(convex, wrench)
     angle = math.pi if standing or whole else -math.pi
     for b in range(segments_in(count)):
-        start, stop = start_at(segment, b), stop_at(segment, b)
-        here = axis_angle(convex, axes.axis[b], axes.ends[b], start, stop, wrench, standing, g)
+        segment = loaded_axis(region, axes, b)
+        here = axis_angle(convex, segment, wrench, standing, g)
         angle = min(angle, here) if standing or whole else max(angle, here)
     if whole and not convex:
         for f in range(facets_in(count)):
@@ -277,7 +290,7 @@ def measure_loaded(
 
     All wanted channels but margin are computed always; energy_margin is NaN.
     """
-    count, segment = region.tally, region.segment
+    count = region.tally
     k, status, angle = loaded_verdict(region, axes, wrench, g)
     standing = status != TIPS
     out[: len(CHANNELS)] = math.nan
@@ -296,7 +309,7 @@ def measure_loaded(
     outward = not standing and not convex
     margin = -math.inf if outward or facets_in(count) == 0 else math.inf
     for b in range(segments_in(count)):
-        start, stop = start_at(segment, b), stop_at(segment, b)
-        away = loaded_margin(convex, axes.axis[b], start, stop, wrench, standing, g)
+        segment = loaded_axis(region, axes, b)
+        away = loaded_margin(convex, segment, wrench, standing, g)
         margin = max(margin, away) if outward else min(margin, away)
     out[3] = max(margin, 0.0) if standing else min(margin, JUST_OUTSIDE)

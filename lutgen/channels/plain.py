@@ -117,7 +117,7 @@ def find_wanted_ridges(
         find_ridges(ridges, table, region, primitives)
 
 
-@njit()
+@njit(bare=True)
 def least_barrier(region: Region, ridges: Ridges, k: int, g: Vector, nearest: float) -> float:
     """Return the energy margin of a robot that stands on facet k.
 
