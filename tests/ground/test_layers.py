@@ -186,3 +186,24 @@ def test_the_firmware_export_imports_neither_figures_nor_the_command_line() -> N
 def test_no_module_is_longer_than_400_lines() -> None:
     for path in FILES:
         assert len(path.read_text(encoding="utf-8").splitlines()) <= 400, path
+
+
+# What users call, most of it by keyword; nobody else has to name them all.
+PUBLIC = {
+    "lutgen.mapping.sweeper.sweep",
+    "lutgen.search.driving.drive",
+    "lutgen.search.optima.optimum",
+    "firmware_export.exporter.export",
+}
+
+
+def test_no_function_has_more_than_seven_parameters_but_what_users_call_with_keywords() -> None:
+    long = set()
+    for path in FILES:
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda):
+                given = node.args
+                named = [one.arg for one in (*given.posonlyargs, *given.args, *given.kwonlyargs)]
+                if len([name for name in named if name not in ("self", "cls")]) > 7:
+                    long.add(f"{dotted(path)}.{getattr(node, 'name', 'lambda')}")
+    assert long == PUBLIC
