@@ -3,6 +3,7 @@
 from collections.abc import Generator
 from pathlib import Path
 
+import numba
 import pytest
 from hypothesis import settings
 
@@ -13,6 +14,12 @@ from tests.fixtures.recipes import tripod
 # are the same in every run, so a failure can be repeated.
 settings.register_profile("lutgen", deadline=None, derandomize=True, max_examples=100)
 settings.load_profile("lutgen")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Let each of several workers compute by one thread: more than cores wait for each other."""
+    if hasattr(config, "workerinput"):
+        numba.set_num_threads(1)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
