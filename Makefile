@@ -25,7 +25,7 @@ EXPORTER := $(shell find firmware_export -name '*.py' -o -path '*/runtime/*' -no
 PAGES := $(wildcard firmware_export/explore/built/* firmware_export/explore/web/page.*)
 UV := $(shell command -v uv 2>/dev/null)
 VENV := $(if $(UV),uv venv --quiet --allow-existing --python '>=3.11',$(PYTHON) -m venv) .venv
-INSTALL := $(if $(UV),uv pip install --quiet --python $(BIN)/python,$(BIN)/python -m pip install -qq) -e
+INSTALL := $(if $(UV),uv pip install --quiet --python $(BIN)/python,$(BIN)/python -m pip install -qq --no-compile) -e
 # Sweeps use all cores, the search for tables mostly one: two at a time, unless make was told
 # otherwise (-j1, -j4), and nobody's output in the middle of another's.
 TWO := $(if $(filter output-sync,$(.FEATURES)),--output-sync) -j2

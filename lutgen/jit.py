@@ -20,7 +20,7 @@ from typing import Any, TypeVar
 import numba
 from llvmlite import binding
 from numba import prange, types
-from numba.core.caching import FunctionCache
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, UserProvidedCacheLocator
 from numba.core.registry import CPUDispatcher
 from numba.core.runtime import rtsys
 
@@ -38,11 +38,38 @@ PARTS_PER_THREAD = 8
 
 # Files that hold kernels import this module; the text of that import marks them.
 _MARK = b"lutgen.jit"
+# Packages whose kernels read nothing that is not in such a file: a test holds it.
+_OURS = ("lutgen", "firmware_export")
 _PACKAGE = Path(__file__).resolve().parent
 
 interrupts.defer()
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
+
+
+class _Place(UserProvidedCacheLocator):  # type: ignore[misc]
+    """Where a kernel's entries lie: equal sources of ours share them, wherever they are.
+
+    numba names a folder after the path of the source, so a second clone or a second environment
+    would compile for a minute what is there already.
+    """
+
+    @classmethod
+    def get_suitable_cache_subpath(cls, py_file: str) -> str:
+        """Return the folder for a source: named by its room, or by the path of others."""
+        room = Path(py_file).resolve().parent
+        package = _package_of(room)
+        if package.name in _OURS and (package / "__init__.py").is_file():
+            return ".".join(room.relative_to(package.parent).parts)
+        return str(super().get_suitable_cache_subpath(py_file))
+
+    def get_source_stamp(self) -> str:
+        """Return nothing: the folder above is named by all that is in the sources."""
+        return ""
+
+
+class _Forms(CompileResultCacheImpl):  # type: ignore[misc]
+    _locator_classes = (_Place,)
 
 
 class _Kernels(FunctionCache):  # type: ignore[misc]
@@ -52,6 +79,8 @@ class _Kernels(FunctionCache):  # type: ignore[misc]
     machine code: a quarter of the time of a short command.  A compilation imports it by itself.
     Entries that are damaged count as none.
     """
+
+    _impl_class = _Forms
 
     def __init__(self, function: Callable[..., Any]) -> None:
         super().__init__(function)

@@ -35,7 +35,7 @@ from firmware_export.truth import Model, combinations
 from lutgen.channels import acceptance_of, measure, room_for_ridges, wanted_channels
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
-from lutgen.jit import njit, prange
+from lutgen.jit import in_threads, njit
 from lutgen.quantities import CHANNELS
 from lutgen.support import (
     Acceptance,
@@ -98,6 +98,18 @@ class _View(NamedTuple):
     gravity: Floats
     wanted: Bools
     slack: float
+
+
+class _Filled(NamedTuple):
+    """What is found of m postures.
+
+    `pieces` (m, MOST_PIECES, 4) float32: as in `Outlines`, `counts` (m, faces) of each face, or -1
+    where there are too many, and `tips` (m, J).
+    """
+
+    pieces: NDArray[np.float32]
+    counts: Ints
+    tips: Bools
 
 
 @njit(inline=True)
@@ -220,17 +232,23 @@ def _outline(
         count[face] = total - begin
 
 
-@njit(parallel=True)
-def _outline_all(
-    primitives: Floats, moved: Floats, acceptance: Acceptance, view: _View
-) -> tuple[NDArray[np.float32], Ints, Bools]:
-    m = len(primitives)
-    out = np.empty((m, MOST_PIECES, 4), np.float32)
-    count = np.zeros((m, len(view.basis)), np.int64)
-    tips = np.empty((m, len(view.gravity)), np.bool_)
-    for p in prange(m):
-        _outline(primitives[p], moved[p], acceptance, view, out[p], count[p], tips[p])
-    return out, count, tips
+@njit()
+def _outline_some(
+    begin: int,
+    end: int,
+    primitives: Floats,
+    moved: Floats,
+    acceptance: Acceptance,
+    view: _View,
+    filled: _Filled,
+) -> int:
+    """Fill postures [begin, end); returns how many of them have too many pieces."""
+    too_many = 0
+    for p in range(begin, end):
+        out, count, tips = filled.pieces[p], filled.counts[p], filled.tips[p]
+        _outline(primitives[p], moved[p], acceptance, view, out, count, tips)
+        too_many += count.min() < 0
+    return too_many
 
 
 def outlines(model: Model, per_axis: int, gravity: NDArray[np.float64]) -> Outlines:
@@ -265,9 +283,12 @@ def outlines(model: Model, per_axis: int, gravity: NDArray[np.float64]) -> Outli
     view = _View(chart.basis(), model.chart_limit, directions, nothing, slack)
     kept, counts, flags = [], [], []
     for begin in range(0, len(place), CHUNK):
-        part = slice(begin, begin + CHUNK)
-        out, count, tips = _outline_all(primitives[part], moved[part], accept, view)
-        if (count < 0).any():
+        part = primitives[begin : begin + CHUNK]
+        m = len(part)
+        out = np.empty((m, MOST_PIECES, 4), np.float32)
+        count, tips = np.zeros((m, len(view.basis)), np.int64), np.empty((m, len(directions)), bool)
+        filled = _Filled(out, count, tips)
+        if in_threads(_outline_some, m, part, moved[begin:], accept, view, filled, least=32):
             raise InputError(
                 f"{model.recipe.source}: a standing region has more than {MOST_PIECES} pieces of "
                 "outline; choose the codec `contacts`."

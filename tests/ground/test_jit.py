@@ -108,6 +108,23 @@ def test_files_of_one_name_in_two_rooms_count_each(tmp_path):
     assert len(set(folders)) == 3
 
 
+def test_equal_sources_of_ours_share_what_was_compiled_wherever_they_are(tmp_path):
+    for place in ("one", "two", "else"):
+        (tmp_path / place).mkdir()
+        two_rooms(tmp_path / place)
+    outer = OUTER.replace("from caller import", "from house.near.codec import")
+    ours = "import lutgen.jit as jit; jit._OURS += ('house',); " + outer
+    cache = tmp_path / "cache"
+    assert run(tmp_path / "one", ours, XDG_CACHE_HOME=cache) == "20.0 0"
+    assert run(tmp_path / "two", ours, XDG_CACHE_HOME=cache) == "20.0 1"
+    # What somebody else's kernels read may be in files that no digest covers.
+    assert run(tmp_path / "else", outer, XDG_CACHE_HOME=cache) == "20.0 0"
+    # Another text is another kernel.
+    path = tmp_path / "two" / "house" / "far" / "codec.py"
+    path.write_text(CALLEE.format(2))
+    assert run(tmp_path / "two", ours, XDG_CACHE_HOME=cache) == "30.0 0"
+
+
 # What marks a file whose bytes the cache's digest covers, see `lutgen.jit`.
 MARK = "lutgen.jit"
 
