@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Iterator
 
 from lutgen.errors import ExportError
-from targets.loops import LOOPS
+from targets.loops import in_words
 
 __all__ = ["functions", "loops", "plain", "rows", "unbounded"]
 
@@ -83,7 +83,7 @@ def _bound(function: str, head: str) -> str:
     for words in (CHECKED.get(f"{function}: {inside}"), CHECKED.get(inside)):
         if words:
             return words
-    return LOOPS[inside][0] if inside in LOOPS else ""
+    return in_words(inside)
 
 
 def unbounded(source: str) -> list[str]:

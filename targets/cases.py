@@ -43,8 +43,9 @@ WITHOUT: dict[str, tuple[str, ...]] = {
 }
 WITHOUT |= {name: tuple(one.name for one in BOARDS if one.name != "m4f") for name in COUNTED_ONCE}
 VERDICT = ("tip_angle",)
-# What tables depend on: the codecs, and the exact kernels that they ask.
+# What tables depend on: the codecs, what they ask of the runtime, and the exact kernels.
 SOURCES = (
+    "firmware_export/runtime/*.[ch]",
     "lutgen/*.py",
     *(f"lutgen/{room}/*.py" for room in ("urdf", "recipe", "support", "channels")),
     *(f"firmware_export/{room}/*.py" for room in ("truth", "protocol")),

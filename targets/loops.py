@@ -18,10 +18,7 @@ from lutgen.errors import ExportError
 from targets.heads import heads
 
 # What a pose of many contacts has room and time for, by its macros.
-CAPACITIES = (
-    *("rails", "facets", "edges", "shown", "links", "walls", "sides"),
-    *("events", "corners", "outlines", "gaps", "visits", "ways", "rollings"),
-)
+CAPACITIES = (*("rails", "facets", "edges", "shown", "links", "walls", "sides", "work"),)
 
 
 @dataclass(frozen=True)
@@ -51,13 +48,7 @@ class Shape:
     links: int = 0
     walls: int = 0
     sides: int = 0
-    events: int = 0
-    corners: int = 0
-    outlines: int = 0
-    gaps: int = 0
-    visits: int = 0
-    ways: int = 0
-    rollings: int = 0
+    work: int = 0
     groups: int = 0
     pieces: int = 0
     degree: int = 0
@@ -115,67 +106,25 @@ EDGES, CONTACTS, SHOWN, LINKS = (_of(name) for name in ("edges", "contacts", "sh
 RAILS, PARAMS, DIMS, FACETS = (_of(name) for name in ("rails", "params", "dims", "facets"))
 TWICE = _plain("2", 2)
 THREE = _plain("3 coordinates", 3)
-# Loops and functions of which something bounds all rounds or calls within one call from outside,
-# however often they are begun: the work left (smap_may), that a pose has no more room, or that they
-# go on where they were left.
-EVENTS, CORNERS, OUTLINES, GAPS, VISITS, ROLLINGS = (
-    _of(name) for name in ("events", "corners", "outlines", "gaps", "visits", "rollings")
-)
-VISIT = (
-    "{0} = w->onward[came]; {0} != came && o->low < o->high && smap_may(w, &w->left.visits); "
-    "{0} = w->onward[{0}]"
-)
+# Work that is taken: as often as there is enough left of it, during a whole call.
+CHARGE = re.compile(r"smap_may\(w, SMAP_COST_(\w+)\)")
+# Other loops of which something bounds all rounds within one call from outside, however often they
+# are begun: the work was taken before (POLYGON), a pose has no more room, or they go on
+# where they were left.
 POLYGON = "k = 0; k < 2u * count; k++"
-WIDE = "side = 0; side < n && smap_may(w, &w->left.corners); side++"
-OUTLINE = "e != start && smap_may(w, &w->left.outlines)"
-NEWTON = "round = 0; round < SMAP_NEWTON && smap_may(w, &w->left.events); round++"
-EVENT = "u <= 1.0f && smap_may(w, &w->left.events)"
-GAP = (
-    "e = smap_between_rests(w, 0); e < w->edges && smap_may(w, &w->left.gaps); "
-    "e = smap_between_rests(w, (uint8_t)(e + 1u))"
-)
-BOUND = (
-    "e = o->at.island[k] != k ? w->edges : smap_to_bound(w, k, 0); "
-    "e < w->edges && smap_may(w, &w->left.outlines); "
-    "e = smap_to_bound(w, k, e)"
-)
-SHOW = "e = smap_to_show(w, 0); e < w->edges && !w->failed; e = smap_to_show(w, e)"
-LOOKED_AT, BENT = "; e < w->edges; e++", "k = first; gaps && k < o->at.segments && !w->failed; k++"
-STRIP = (
-    "e = smap_to_strip(w, 0); e < w->edges && !w->failed; e = smap_to_strip(w, (uint8_t)(e + 1u))"
-)
+LOOKED_AT, BENT = "; e < w->edges; e++", "k = first; gaps && k < o->at.segments && w->left; k++"
 SHORT = "; w->low[e] != SMAP_SHORT && w->low[at] == SMAP_SHORT && left > 0; left--"
-ROLLING = "k = 1; k <= pairs && smap_may(w, &w->left.rollings); k++"
-PIECE, PUSH = (
-    "k = 1; (float)k <= count && !w->failed; k++",
-    "k = 0; k < side->count && !w->failed; k++",
-)
-COUNTED = {
-    VISIT.format("e"): "visits",
-    VISIT.format("at"): "visits",
-    POLYGON: "corners",
-    WIDE: "corners",
-    OUTLINE: "outlines",
-    EVENT: "events",
-    NEWTON: "events",
-    GAP: "gaps",
-    BOUND: "outlines",
-    SHOW: "shown",
-    STRIP: "gaps",
-    LOOKED_AT: "edges",
-    SHORT: "edges",
-    BENT: "links",
-    ROLLING: "rollings",
-    PIECE: "walls",
-    PUSH: "links",
-}
-# Function -> what bounds its calls, and how often it may still be called when that has run out.
+PUSH = "k = 0; k < side->count && w->left; k++"
+COUNTED = {LOOKED_AT: "edges", SHORT: "edges", BENT: "links", PUSH: "links"}
+PAID = {POLYGON: "CORNER"}
+# Function -> the work that is taken before each call, and how often it may be called without.
 CALLED = {
-    "smap_loop": ("outlines", 0),
-    "smap_go_on": ("ways", 1),
-    "smap_go_further": ("ways", 1),
-    "smap_find_roll": ("rollings", 3),
-    "smap_add_side": ("sides", 1),
+    "smap_add_facet": ("FACET", 0),
+    "smap_is_clear": ("CLEAR", 0),
+    "smap_bound": ("LOOP", 0),
+    "smap_go_on": ("WAY", 1),
+    "smap_go_further": ("WAY", 1),
+    "smap_find_roll": ("ROLL", 3),
 }
 
 # Head of a loop as it stands in smap.c -> most rounds, in words and as a function of the shape.
@@ -228,19 +177,18 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "k = 0; k < smap_contacts_of(w->map); k++": CONTACTS,
     "k = 0; k < smap_rails_of(m); k++": RAILS,
     "k = 0; k < smap_rails_of(w->map); k++": RAILS,
-    "k = 1; k + 1 < smap_rails_of(w->map); k++": RAILS,
+    "k = 1; k + 1 < smap_rails_of(w->map); k++": ("inner rails", lambda s: max(s.rails - 2, 0)),
     "left = smap_rails_of(w->map); left > 0; left--": RAILS,
     "k > 0": RAILS,
     "k++; k < rails; k++": RAILS,
     "a = a == SMAP_NONE ? 0 : a; a < rails && (b == SMAP_NONE || a <= b); a++": RAILS,
-    "i = first; i < m->first[k + 1]; i++": CONTACTS,
+    "i = first; i < m->first[k + 1]; i++": _of("row"),
     "j = w->map->first[k]; j < w->map->first[k + 1]; j++": _of("row"),
     "i = 0; i + 2 < count; i++": ("contacts less two", lambda s: max(s.contacts - 2, 1)),
     # Of triples i < j < k.
     "j = (uint8_t)(i + 1u); j + 1 < count; j++": _mean("contacts", 2),
     "k = (uint8_t)(j + 1u); k < count; k++": _mean("contacts", 3),
     "round = 0; round < 2; round++": _plain("2", 2),
-    NEWTON: EVENTS,
     "part = 1; part < 4; part++": _plain("3 places of an arc", 3),
     "k = (uint8_t)(e + 1u); k < w->edges; k++": _mean("edges", 2),
     "f = 0; f < w->facets; f++": FACETS,
@@ -248,13 +196,12 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     # support polygons
     "at = count++; at > 0 && (spot[at - 1].b > here.b || (spot[at - 1].b == here.b && "
     "spot[at - 1].a < here.a)); at--": _mean("contacts", 2),
-    POLYGON: CORNERS,
+    POLYGON: _of("work"),
     # What is taken away was put there by a round of the loop round it.
     "n > least && !(smap_bend_of(&spot[corner[n - 2]], &spot[corner[n - 1]], &spot[i]) > 0.0f)": (
         _plain("1 on average", 1)
     ),
     "i = 0; i < n; i++": ("corners, walls or points", lambda s: max(s.contacts, s.links)),
-    WIDE: CORNERS,
     "j = (uint8_t)(next + 1u < n ? next + 1u : 0); j != side; "
     "j = (uint8_t)(j + 1u < n ? j + 1u : 0)": CONTACTS,
     "k = 0; k < n; k++": ("corners, walls or points", lambda s: max(s.contacts, s.links)),
@@ -267,21 +214,11 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "k = 0; k < o->ends; k++": _plain("4 other ends", 4),
     "k = 0; k < count; k++": _plain("4 other ends", 4),
     "k = 0; k < (o.split ? 1 : 5); k++": _plain("5 trials", 5),
-    **dict.fromkeys((VISIT.format("e"), VISIT.format("at")), VISITS),
-    OUTLINE: OUTLINES,
-    EVENT: EVENTS,
-    GAP: GAPS,
-    BOUND: OUTLINES,
-    SHOW: SHOWN,
-    STRIP: GAPS,
     "; e < w->edges && !(smap_is_gap(w, e) && w->twin[e] > e); e++": EDGES,
     LOOKED_AT: EDGES,
-    "; e < w->edges && w->seen[e] != island; e++": EDGES,
-    ROLLING: ROLLINGS,
-    PIECE: _of("walls"),
     PUSH: LINKS,
     # walls
-    "k = 0; k < o->at.edge[o->at.shown] && !w->failed; k++": EDGES,
+    "k = 0; k < o->at.edge[o->at.shown] && w->left; k++": EDGES,
     "k = 0; k < o->at.shown; k++": SHOWN,
     "k = 0; k + 1u < side->count; k++": _plain("SMAP_PIECES", 12),
     "k = 1; k < 4; k = (uint8_t)(k + 2u)": _plain("2 places of an arc", 2),
@@ -313,6 +250,24 @@ TOTALS: Mapping[str, Any] = {"level = 0; corner >> level & 1u; level++": lambda 
 CONSTANTS = {"SMAP_NEWTON": 8, "SMAP_PIECES": 12, "SMAP_PAIRS": 2.5}
 
 
+def costs(source: str, shape: Shape) -> dict[str, int]:
+    """Return the units of each part of the work, as smap.c says."""
+    result = {}
+    for name, units in re.findall(r"#define SMAP_COST_(\w+) (.*?) */\*", source):
+        terms = units.replace("SMAP_EACH", str(shape.contacts)).replace("/", "//")
+        terms = terms.replace("smap_rails_of(w->map)", str(shape.rails))
+        result[name] = int(eval(re.sub(r"\b(\d+)u\b", r"\1", terms), {"__builtins__": {}}))
+    return result
+
+
+def in_words(head: str) -> str:
+    """Return how often a loop of smap.c goes round at most, in words; "" where no list says it."""
+    charge = CHARGE.search(head)
+    if charge:
+        return f"work, by SMAP_COST_{charge[1]}"
+    return LOOPS[head][0] if head in LOOPS else ""
+
+
 def bounds(source: str, shape: Shape) -> dict[int, int]:
     """Return for the line of every loop of smap.c how often it goes round at most.
 
@@ -321,14 +276,15 @@ def bounds(source: str, shape: Shape) -> dict[int, int]:
     ExportError
         If a loop, or a constant, is not in the list.
     """
-    result = {}
+    result, units = {}, costs(source, shape)
     for number, head in heads(source).items():
-        if head not in LOOPS:
+        charge = CHARGE.search(head)
+        if charge is None and head not in LOOPS:
             raise ExportError(
                 f"smap.c: the loop of line {number} has no bound (got {head!r}); add it to "
                 "targets/loops.py."
             )
-        result[number] = int(LOOPS[head][1](shape))
+        result[number] = shape.work // units[charge[1]] if charge else int(LOOPS[head][1](shape))
     for name, value in CONSTANTS.items():
         found = re.search(rf"#define {name} ([\d.]+)", source)
         if found is not None and float(found[1]) != value:
@@ -342,12 +298,20 @@ def totals(source: str, shape: Shape) -> dict[int, int]:
     return {line: int(TOTALS[head](shape)) for line, head in found.items() if head in TOTALS}
 
 
-def counted(source: str) -> dict[int, str]:
-    """Return for the lines of loops that share a counter which one that is."""
-    return {line: COUNTED[head] for line, head in heads(source).items() if head in COUNTED}
+def counted(source: str, shape: Shape) -> dict[int, tuple[str, int, int]]:
+    """Return for the lines of loops that share a counter: its name, its most, a round's part."""
+    result, units = {}, costs(source, shape)
+    for line, head in heads(source).items():
+        charge = CHARGE.search(head)
+        paid = charge[1] if charge else PAID.get(head)
+        if paid is not None:
+            result[line] = "work", shape.work, units[paid]
+        elif head in COUNTED:
+            result[line] = COUNTED[head], int(getattr(shape, COUNTED[head])), 1
+    return result
 
 
-def called(shape: Shape) -> dict[str, tuple[str, int]]:
-    """Return of the functions of `CALLED` what bounds their calls, and how often at most."""
-    most = CALLED.items()
-    return {name: (what, int(getattr(shape, what)) + more) for name, (what, more) in most}
+def called(source: str, shape: Shape) -> dict[str, tuple[int, int]]:
+    """Return of the functions of `CALLED` the work that each call takes, and calls without."""
+    units = costs(source, shape)
+    return {name: (units.get(cost, 1), more) for name, (cost, more) in CALLED.items()}

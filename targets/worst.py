@@ -9,6 +9,7 @@ skips, as the emulator counts.  No path is excluded because its conditions contr
 the bound is safe and not tight.
 """
 
+import math
 from bisect import bisect_right
 from collections.abc import Collection, Iterable, Mapping, Sequence
 
@@ -38,10 +39,13 @@ class Bounds:
         Line of a loop's head -> most rounds during all of the loop round it, where that is known.
     spans : dict of int to int
         Line of a loop's head -> line on which its body ends.
-    counted : dict of int to str
-        Line of a loop's head -> the counter that bounds its rounds during a whole call.
-    called : dict of str to (str, int)
-        Function -> the counter that bounds its calls, and its calls at most.
+    counted : dict of int to (str, int, int)
+        Line of a loop's head -> the counter that bounds its rounds during a whole call, where that
+        begins, and by how much each round alters it.
+    called : dict of str to (int, int)
+        Function -> the work that each call takes, and how often it may be called without.
+    work : int
+        The most of it.
     """
 
     def __init__(
@@ -51,15 +55,16 @@ class Bounds:
         starts: Sequence[int],
         totals: Mapping[int, int],
         spans: Mapping[int, int],
-        counted: Mapping[int, str],
-        called: Mapping[str, tuple[str, int]],
+        counted: Mapping[int, tuple[str, int, int]],
+        called: Mapping[str, tuple[int, int]],
+        work: int,
     ) -> None:
         self.functions, self.rounds, self.starts = functions, rounds, starts
         self.totals, self.spans = totals, spans
-        self.counted, self.called = counted, called
+        self.counted, self.called, self.work = counted, called, work
         self.known: dict[str, int] = {}
-        # Function -> counter -> its rounds and the most that one takes, callees included.
-        self.units: dict[str, dict[str, tuple[int, int]]] = {}
+        # Function -> counter -> where it begins and the most that one of it takes, with callees.
+        self.units: dict[str, dict[str, tuple[int, float]]] = {}
 
     def place(self, line: int | None) -> int:
         """Return the number of the function of smap.c in which a line stands."""
@@ -77,9 +82,10 @@ class Bounds:
 
     def whole(self, name: str) -> int:
         """Return the most instructions of a call, its callees and counted rounds included."""
-        return self.of(name) + sum(often * unit for often, unit in self.units[name].values())
+        plain = self.of(name)
+        return plain + math.ceil(sum(often * unit for often, unit in self.units[name].values()))
 
-    def count(self, name: str, counter: str, often: int, unit: int) -> None:
+    def count(self, name: str, counter: str, often: int, unit: float) -> None:
         """Note that what a counter counts takes some instructions."""
         seen = self.units[name].get(counter, (0, 0))
         self.units[name][counter] = max(often, seen[0]), max(unit, seen[1])
@@ -104,7 +110,9 @@ class Bounds:
                 for counter, (often, unit) in self.units[one.calls].items():
                     self.count(name, counter, often, unit)
                 if one.calls in self.called:
-                    self.count(name, *self.called[one.calls], extra)
+                    part, without = self.called[one.calls]
+                    self.count(name, "work", self.work, extra / part)
+                    self.count(name, one.calls, without, extra)
                     extra = 0
             cost[one.address] = 1 + extra
             ahead = [*one.targets, *([after.address] if one.falls and after else [])]
@@ -175,8 +183,8 @@ class _Ways:
         cycle = max(round_[node] for node in back if node in round_)
         counted = max(own - taken, default=0)
         if counted in self.bounds.counted:
-            rounds = self.bounds.rounds[counted]
-            self.bounds.count(self.function, self.bounds.counted[counted], rounds, turns * cycle)
+            counter, most, each = self.bounds.counted[counted]
+            self.bounds.count(self.function, counter, most, turns * cycle / each)
             turns = 0
         reached = max([begins.get(head, 0), *(first[node] for node in back if node in first)])
         result = dict(first)
@@ -300,5 +308,6 @@ def bound(listing: str, source: str, shape: Shape, entries: Mapping[str, str]) -
         Name of a call -> function of smap.c that answers it.
     """
     known = bounds(source, shape), starts(source), totals(source, shape), spans(source)
-    found = Bounds(parse(listing), *known, counted(source), called(shape))
+    work = counted(source, shape), called(source, shape), shape.work
+    found = Bounds(parse(listing), *known, *work)
     return {call: found.whole(function) + CALL for call, function in entries.items()}

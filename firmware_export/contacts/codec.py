@@ -29,10 +29,9 @@ from lutgen.recipe import robot_size_of
 # Their numbers in runtime/blob.c.
 POINTS, RAILS, SEARCH = 1, 5, 6
 # The most room of a pose: facets, edges, facets that are shown, walls, segments, points, sides; the
-# kinds of work (smap_work_t), with their most; and the margin on what was seen.
-MOST_ROOM = (80, 250, 60, 254, 254, 254, 250)
-WORK, MOST_WORK = ("EVENTS", "CORNERS", "OUTLINES", "GAPS", "VISITS", "WAYS", "ROLLINGS"), 65535
-LIMITS, MARGIN = MOST_ROOM + (MOST_WORK,) * len(WORK), 1.25
+# most work (SMAP_COST_...); and the margin on what was seen.
+MOST_ROOM, MOST_WORK = (80, 250, 60, 254, 254, 254, 250), 0x7FFFFFFF
+LIMITS, MARGIN = (*MOST_ROOM, MOST_WORK), 1.25
 # Steps of the integer form from the com to the furthest contact.
 STEPS = 16000.0
 # Words of a pose: head, floats, integers (runtime/three.c).
@@ -166,7 +165,7 @@ def _room(model: Model, tables: Tables) -> tuple[int, ...]:
     t = np.concatenate([rng.random((3000, model.k)), rng.integers(0, 5, (1500, model.k)) / 4.0])
     equal = np.repeat(rng.random((500, 1)), model.k, axis=1)
     most = host.room(model.at(np.concatenate([t, equal])).astype(np.float32))
-    more = (2,) * len(MOST_ROOM) + (1,) * len(WORK)
+    more = (2,) * len(MOST_ROOM) + (1,)
     return tuple(
         min(math.ceil(MARGIN * found) + least, limit)
         for found, least, limit in zip(most, more, LIMITS, strict=True)
@@ -227,7 +226,7 @@ def c_body(tables: Tables, integer: bool = False) -> CBody:
         return CBody(POINTS, arrays, 3, tuple(macros), POSE, tables.reach / STEPS)
     assert many is not None
     contacts = len(many.order)
-    facets, edges, shown, walls, segments, points, sides, *work = tables.room
+    facets, edges, shown, walls, segments, points, sides, work = tables.room
     rails = len(many.first) - 1
     macros += [
         ("SMAP_MANY_BY_RAILS" if rails else "SMAP_MANY_SEARCH", 1),
@@ -241,7 +240,7 @@ def c_body(tables: Tables, integer: bool = False) -> CBody:
         ("SMAP_MANY_WALLS", walls),
         ("SMAP_MANY_LINKS", max(segments, points)),
         ("SMAP_MANY_SIDES", sides),
-        *((f"SMAP_MANY_{kind}", most) for kind, most in zip(WORK, work, strict=True)),
+        ("SMAP_MANY_WORK", work),
     ]
     arrays = terms.arrays(0, (0.0, 0.0, 0.0), many.arrays)
     return CBody(

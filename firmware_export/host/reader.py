@@ -147,9 +147,9 @@ class Host:
         return made, status, reading
 
     def room(self, params: ArrayLike) -> NDArray[np.int32]:
-        """Return the most room and work (14,) that poses of postures (m, k) take."""
+        """Return the most room and work (8,) that poses of postures (m, k) take."""
         rows = np.ascontiguousarray(params, np.float32)
-        found, most = np.zeros(14, np.int32), np.zeros(14, np.int32)
+        found, most = np.zeros(8, np.int32), np.zeros(8, np.int32)
         function = self._function("room")
         blob = ctypes.c_void_p(self._bytes.ctypes.data), ctypes.c_uint32(len(self._bytes))
         for row in rows:

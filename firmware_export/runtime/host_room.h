@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
 /* How much room the posture of some parameters takes: facets, edges, shown, walls, segments,
- * points, sides, and work by kind; 0 where it failed for want of room, or otherwise. */
-int SMAP_HOST_NAME(room)(const uint8_t *blob, uint32_t size, const float *params, int32_t room[14]);
-int SMAP_HOST_NAME(room)(const uint8_t *blob, uint32_t size, const float *params, int32_t room[14])
+ * points, sides, and work; 0 where it failed for want of room, or otherwise. */
+int SMAP_HOST_NAME(room)(const uint8_t *blob, uint32_t size, const float *params, int32_t room[8]);
+int SMAP_HOST_NAME(room)(const uint8_t *blob, uint32_t size, const float *params, int32_t room[8])
 {
   const smap_t map = {&smap_run, blob, size};
   smap_many_pose_t pose;
@@ -16,12 +16,6 @@ int SMAP_HOST_NAME(room)(const uint8_t *blob, uint32_t size, const float *params
   room[4] = pose.at.segments;
   room[5] = pose.at.points;
   room[6] = pose.at.sides;
-  room[7] = SMAP_MANY_EVENTS - work.left.events;
-  room[8] = SMAP_MANY_CORNERS - work.left.corners;
-  room[9] = SMAP_MANY_OUTLINES - work.left.outlines;
-  room[10] = SMAP_MANY_GAPS - work.left.gaps;
-  room[11] = SMAP_MANY_VISITS - work.left.visits;
-  room[12] = SMAP_MANY_WAYS - work.left.ways;
-  room[13] = SMAP_MANY_ROLLINGS - work.left.rollings;
+  room[7] = work.left == 0 ? 0 : (int32_t)(SMAP_MANY_WORK - work.left);
   return status == SMAP_OK;
 }

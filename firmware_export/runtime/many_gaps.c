@@ -100,7 +100,7 @@ static uint8_t smap_between_rests(const smap_many_work_t *w, uint8_t e)
 static void smap_find_gaps(smap_many_work_t *w)
 {
   uint8_t e;
-  for (e = smap_between_rests(w, 0); e < w->edges && smap_may(w, &w->left.gaps);
+  for (e = smap_between_rests(w, 0); e < w->edges && smap_may(w, SMAP_COST_GAP);
        e = smap_between_rests(w, (uint8_t)(e + 1u))) {
     if (w->map->rock_angle >= 3.1415f) {
       w->low[e] = w->low[w->twin[e]] = 0.0f;

@@ -2,6 +2,15 @@
  * Copyright (c) The lutgen authors */
 /* ---- planes on any contacts: points, spheres, and discs whose axes are not parallel ------------------- */
 #define SMAP_FLAT 1e-6f /* of a disc that lies flatter, the square of the sine to its axle */
+/* Costs, see SMAP_COST_CORNER; by 40 instructions where wheels have axles, as balls take less. */
+#define SMAP_COST_NEWTON 8u                                                /* a round on a plane */
+#define SMAP_COST_FACET (5u + 28u * SMAP_EACH)                             /* that may be entered */
+#define SMAP_COST_CLEAR (92u + 3u * SMAP_EACH)                             /* an arc */
+#define SMAP_COST_KIND (20u + 4u * SMAP_EACH + SMAP_EACH * SMAP_EACH / 3u) /* a facet's polygon */
+#define SMAP_COST_ROLL 62u   /* a roll over an arc, but for */
+#define SMAP_COST_PAIR 52u   /* two steps of it */
+#define SMAP_COST_STRIP 290u /* a strip, but for */
+#define SMAP_COST_PIECE 32u  /* a piece of its sides */
 
 /* Whether a contact is a disc, with an axle, and no point or ball. */
 static inline int smap_is_disc(const smap_many_work_t *w, uint8_t i)

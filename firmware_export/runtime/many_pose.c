@@ -23,7 +23,7 @@ static void smap_show(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start)
   uint8_t e = start, n = o->at.edge[at], k;
   float wall[3];
   if (at >= SMAP_MANY_SHOWN) {
-    w->failed = 1;
+    w->left = 0;
     return;
   }
   SMAP_THRICE
@@ -46,7 +46,7 @@ static void smap_show(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start)
       o->at.rim[n++].side = e; /* until the sides are known */
     }
     e = w->onward[e];
-  } while (e != start && smap_may(w, &w->left.outlines));
+  } while (e != start && smap_may(w, SMAP_COST_OUTLINE));
   o->at.edge[++o->at.shown] = n;
 }
 
@@ -62,7 +62,8 @@ static uint8_t smap_to_strip(const smap_many_work_t *w, uint8_t e)
 static void smap_add_strips(smap_many_work_t *w, smap_many_pose_t *o)
 {
   uint8_t e, k;
-  for (e = smap_to_strip(w, 0); e < w->edges && !w->failed; e = smap_to_strip(w, (uint8_t)(e + 1u))) {
+  for (e = smap_to_strip(w, 0); e < w->edges && smap_may(w, SMAP_COST_STRIP);
+       e = smap_to_strip(w, (uint8_t)(e + 1u))) {
     const uint8_t from = w->facet[w->owner[e]].shown, to = w->facet[w->owner[w->twin[e]]].shown;
     const uint8_t a = o->at.island[from], b = o->at.island[to];
     if (smap_add_sides(w, o, e)) {
@@ -72,7 +73,7 @@ static void smap_add_strips(smap_many_work_t *w, smap_many_pose_t *o)
       }
     }
   }
-  for (k = 0; k < o->at.edge[o->at.shown] && !w->failed; k++) {
+  for (k = 0; k < o->at.edge[o->at.shown] && w->left; k++) {
     e = o->at.rim[k].side;
     o->at.rim[k].side = SMAP_NONE;
     if (smap_is_gap(w, e) && w->wall_of[w->twin[e]] != SMAP_NONE) {
@@ -107,31 +108,25 @@ static int smap_many_pose(const smap_many_t *m, const smap_many_place_t *place, 
   o->slack = 5e-4f; /* a sine */
   w->map = m;
   w->roll = o->point;
-  w->facets = w->edges = w->rolls = w->failed = 0;
-  w->left.events = SMAP_MANY_EVENTS;
-  w->left.corners = SMAP_MANY_CORNERS;
-  w->left.outlines = SMAP_MANY_OUTLINES;
-  w->left.gaps = SMAP_MANY_GAPS;
-  w->left.visits = SMAP_MANY_VISITS;
-  w->left.ways = SMAP_MANY_WAYS;
-  w->left.rollings = SMAP_MANY_ROLLINGS;
+  w->facets = w->edges = w->rolls = 0;
+  w->left = SMAP_MANY_WORK;
   smap_find_facets(w, place);
-  if (!w->failed) {
+  if (w->left) {
     smap_classify(w);
     smap_mark_short(w);
     smap_find_outlines(w);
     smap_find_gaps(w);
   }
-  for (e = smap_to_show(w, 0); e < w->edges && !w->failed; e = smap_to_show(w, e)) {
+  for (e = smap_to_show(w, 0); e < w->edges && smap_may(w, SMAP_COST_SHOW); e = smap_to_show(w, e)) {
     smap_show(w, o, e);
   }
-  if (!w->failed) {
+  if (w->left) {
     smap_add_strips(w, o);
   }
-  if (!w->failed) {
+  if (w->left) {
     smap_find_boundary(w, o);
   }
-  if (w->failed) {
+  if (!w->left) {
     o->at.shown = 0;
     return 0;
   }

@@ -20,6 +20,13 @@
 #define SMAP_RECESS 3e-7f /* of the size: inner rails count as this much higher */
 #define SMAP_ON 4e-6f     /* of tan(pitch / 2): this far apart are changes of one rail */
 #define SMAP_FAR 1e30f
+/* Costs, see SMAP_COST_CORNER. */
+#define SMAP_COST_EVENT (2u * SMAP_EACH + 20u * smap_rails_of(w->map) - 19u) /* of the hull */
+#define SMAP_COST_KIND (15u + 4u * SMAP_EACH + SMAP_EACH * SMAP_EACH / 3u)   /* a facet's polygon */
+#define SMAP_COST_ROLL 34u  /* a roll over an arc, but for */
+#define SMAP_COST_PAIR 21u  /* two steps of it */
+#define SMAP_COST_STRIP 90u /* a strip, but for */
+#define SMAP_COST_PIECE 9u  /* a piece of its sides */
 
 typedef struct {
   float bend[SMAP_MANY_RAILS], changed[SMAP_MANY_RAILS];
@@ -362,7 +369,7 @@ static void smap_find_facets(smap_many_work_t *w, const smap_many_place_t *place
   uint8_t k, which;
   float u = -1.0f, first;
   smap_lay_out(w, place, &o);
-  while (u <= 1.0f && smap_may(w, &w->left.events)) {
+  while (u <= 1.0f && smap_may(w, SMAP_COST_EVENT)) {
     float scale, s, c;
     int bends = 0;
     first = SMAP_NEVER;

@@ -54,11 +54,9 @@ static uint8_t smap_polygon(smap_many_work_t *w, const smap_spot_t *spot, uint8_
     corner[2] = bend > 0.0f ? 2 : 1;
     return bend != 0.0f ? 3 : 2;
   }
-  if (count > w->left.corners / 2u) {
-    w->failed = 1;
+  if (!smap_may(w, 2u * SMAP_COST_CORNER * count)) {
     return 0;
   }
-  w->left.corners = (uint16_t)(w->left.corners - 2u * count);
   for (k = 0; k < 2u * count; k++) {
     i = k < count ? k : (uint8_t)(2u * count - 1u - k);
     if (k == count) {
@@ -89,7 +87,7 @@ static int smap_wide(smap_many_work_t *w, const smap_spot_t *spot, const uint8_t
     return area > 0.0f && smap_apart2(a, b) <= most && smap_apart2(b, c) <= most &&
            smap_apart2(c, a) <= most;
   }
-  for (side = 0; side < n && smap_may(w, &w->left.corners); side++) {
+  for (side = 0; side < n && smap_may(w, SMAP_COST_SIDE); side++) {
     const uint8_t next = (uint8_t)(side + 1 < n ? side + 1 : 0);
     const smap_spot_t *o = &spot[corner[side]], *q = &spot[corner[next]];
     const float da = q->a - o->a, db = q->b - o->b, wanted = width * width * (da * da + db * db);
@@ -138,7 +136,7 @@ static void smap_classify(smap_many_work_t *w)
 {
   smap_spot_t spot[SMAP_MANY_CONTACTS];
   uint8_t corner[2 * SMAP_MANY_CONTACTS + 1], f, k;
-  for (f = 0; f < w->facets; f++) {
+  for (f = 0; f < w->facets && smap_may(w, SMAP_COST_KIND); f++) {
     smap_facet_t *facet = &w->facet[f];
     const uint8_t count = smap_list_spots(w, &facet->at, facet->h - w->map->tolerance,
                                           facet->h + SMAP_BELOW * w->map->size, spot);

@@ -137,7 +137,7 @@ SMAP_APART static void smap_find_roll(smap_many_work_t *w, uint8_t e, smap_row_t
   smap_across_t first, last;
   float sum[3] = {0.0f, 0.0f, 0.0f}, place[3][3];
   uint8_t k, pairs;
-  (void)smap_may(w, &w->left.rollings);
+  (void)smap_may(w, SMAP_COST_ROLL);
   smap_begin_across(from->n, &first);
   last = first;
   o[SMAP_ANGLE][0] = smap_angle(from, to);
@@ -161,7 +161,7 @@ SMAP_APART static void smap_find_roll(smap_many_work_t *w, uint8_t e, smap_row_t
       smap_copy(smap_end(w, e), place[0]);
     }
     o[SMAP_ANGLE][0] = 0.0f;
-    for (k = 1; k <= pairs && smap_may(w, &w->left.rollings); k++) {
+    for (k = 1; k <= pairs && smap_may(w, SMAP_COST_PAIR); k++) {
       smap_on_arc(w, i, j, from, to, ((float)k - 0.5f) / (float)pairs, &half);
       there = *to;
       if (k < pairs) {

@@ -22,7 +22,7 @@ static int smap_common(smap_many_work_t *w, const uint8_t three[3], smap_aim_t *
   for (k = 0; k < 3; k++) {
     smap_copy(w->p[three[k]], p[k]);
   }
-  for (round = 0; round < SMAP_NEWTON && smap_may(w, &w->left.events); round++) {
+  for (round = 0; round < SMAP_NEWTON && smap_may(w, SMAP_COST_NEWTON); round++) {
     smap_minus(p[1], p[0], a);
     smap_minus(p[2], p[0], b);
     smap_cross(a, b, v);
@@ -66,40 +66,49 @@ static uint8_t smap_corners_near(smap_many_work_t *w, const smap_aim_t *at, floa
   return n;
 }
 
+/* Enter the facet on a plane that carries the robot, if it is new. */
+SMAP_APART static void smap_add_facet(smap_many_work_t *w, const smap_aim_t *at, float h)
+{
+  uint8_t contact[SMAP_MANY_CONTACTS], n, k, f, e;
+  float d[3];
+  for (f = 0; f < w->facets; f++) {
+    smap_minus(w->facet[f].at.n, at->n, d);
+    if (smap_dot(d, d) < 1e-8f) {
+      return;
+    }
+  }
+  n = smap_corners_near(w, at, h - SMAP_TOUCHES * w->map->size, contact);
+  if (n >= 3 && smap_enter(w, at, h, n)) {
+    e = w->facet[w->facets - 1].first;
+    for (k = 0; k < n; k++) {
+      w->vertex[e + k] = contact[k];
+      smap_touch(w, contact[k], at, w->corner[e + k]);
+    }
+  }
+}
+
 /* Enter the facet of three contacts, if it is one and new. */
 static void smap_try(smap_many_work_t *w, const uint8_t three[3])
 {
-  const float size = w->map->size;
-  uint8_t contact[SMAP_MANY_CONTACTS], n, k, f, e;
   smap_aim_t at;
-  float h, d[3];
+  uint8_t k;
+  float h;
   if (!smap_common(w, three, &at, &h) || !(-at.n[2] > w->map->steepest) ||
       !(h > w->map->least_height)) {
     return;
   }
   for (k = 0; k < smap_contacts_of(w->map); k++) {
-    if (smap_extent(w, k, &at) > h + SMAP_NOISY * size) {
+    if (smap_extent(w, k, &at) > h + SMAP_NOISY * w->map->size) {
       return;
     }
   }
-  n = smap_corners_near(w, &at, h - SMAP_TOUCHES * size, contact);
-  for (f = 0; f < w->facets; f++) {
-    smap_minus(w->facet[f].at.n, at.n, d);
-    if (smap_dot(d, d) < 1e-8f) {
-      return;
-    }
-  }
-  if (n >= 3 && smap_enter(w, &at, h, n)) {
-    e = w->facet[w->facets - 1].first;
-    for (k = 0; k < n; k++) {
-      w->vertex[e + k] = contact[k];
-      smap_touch(w, contact[k], &at, w->corner[e + k]);
-    }
+  if (smap_may(w, SMAP_COST_FACET)) {
+    smap_add_facet(w, &at, h);
   }
 }
 
 /* Whether nothing is below the planes on the contacts of an edge, on the way to its twin. */
-static int smap_is_clear(const smap_many_work_t *w, uint8_t e, uint8_t back)
+SMAP_APART static int smap_is_clear(const smap_many_work_t *w, uint8_t e, uint8_t back)
 {
   const uint8_t i = w->vertex[e], j = w->vertex[w->next[e]];
   const smap_aim_t *from = &w->facet[w->owner[e]].at, *to = &w->facet[w->owner[back]].at;
@@ -119,7 +128,7 @@ static int smap_is_clear(const smap_many_work_t *w, uint8_t e, uint8_t back)
 }
 
 /* Find the arc over an edge: of the facets that share its contacts the next one on its outside. */
-static void smap_find_twin(smap_many_work_t *w, uint8_t e)
+SMAP_APART static void smap_find_twin(smap_many_work_t *w, uint8_t e)
 {
   const uint8_t next = w->next[e];
   const float *n = w->facet[w->owner[e]].at.n;
@@ -137,7 +146,7 @@ static void smap_find_twin(smap_many_work_t *w, uint8_t e)
       }
     }
   }
-  if (best != SMAP_NONE && (least < 1e-6f || smap_is_clear(w, e, best))) {
+  if (best != SMAP_NONE && (least < 1e-6f || (smap_may(w, SMAP_COST_CLEAR) && smap_is_clear(w, e, best)))) {
     w->twin[e] = best;
     w->twin[best] = e;
   }

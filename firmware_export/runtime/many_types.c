@@ -37,14 +37,8 @@
 #ifndef SMAP_MANY_SIDES
 #define SMAP_MANY_SIDES (4 * SMAP_MANY_SHOWN)
 #endif
-#ifndef SMAP_MANY_EVENTS /* the most work that a pose may take, of each kind: see smap_work_t */
-#define SMAP_MANY_EVENTS 65535
-#define SMAP_MANY_CORNERS 65535
-#define SMAP_MANY_OUTLINES 65535
-#define SMAP_MANY_GAPS 65535
-#define SMAP_MANY_VISITS 65535
-#define SMAP_MANY_WAYS 65535
-#define SMAP_MANY_ROLLINGS 65535
+#ifndef SMAP_MANY_WORK /* the most work that a pose may take: see SMAP_COST_... */
+#define SMAP_MANY_WORK 0x7FFFFFFFu
 #endif
 #define SMAP_MANY_ROLLS (SMAP_MANY_LINKS / 5) /* that are kept */
 #define SMAP_NONE 255u
@@ -157,19 +151,24 @@ typedef struct {
   uint8_t contact;
 } smap_spot_t;
 
-/* How much work is left of each kind: events of a hull, or rounds of Newton's; corners of polygons; edges
- * of outlines that are gone round; gaps that are looked at; visits of edges and ways on while these are
- * followed; rolls and their pairs of steps.  It is what many postures took, with a margin, so that none
- * can take long. */
-typedef struct {
-  uint16_t events, corners, outlines, gaps, visits, ways, rollings;
-} smap_work_t;
+/* What a part of the work costs, in 32 instructions that it may take on a Cortex-M4F; what depends on how
+ * planes are found is with these.  What many postures took, with a margin, is all that a pose may take, so
+ * that none can take long. */
+#define SMAP_EACH (unsigned)smap_contacts_of(w->map)
+#define SMAP_COST_CORNER 3u                       /* a corner of a facet's polygon, and */
+#define SMAP_COST_SIDE (3u + 3u * SMAP_EACH / 4u) /* one of its sides, if it is wide */
+#define SMAP_COST_GAP 51u                         /* an arc between rests, but for */
+#define SMAP_COST_VISIT 15u                       /* an edge of a rest that the robot comes to, and */
+#define SMAP_COST_WAY 35u                         /* going on from there */
+#define SMAP_COST_SHOW 7u                         /* a facet that is shown, but for */
+#define SMAP_COST_OUTLINE 4u                      /* one of its edges */
+#define SMAP_COST_LOOP 7u                         /* a loop of the boundary, but for its edges */
 
 /* What is only needed while a pose is made. */
 typedef struct {
   const smap_many_t *map;
-  uint8_t facets, edges, failed;
-  smap_work_t left;
+  uint32_t left; /* of the work; 0 where the pose has failed */
+  uint8_t facets, edges;
   float p[SMAP_MANY_CONTACTS][3], r[SMAP_MANY_CONTACTS];
 #if SMAP_MANY_RAILS
   uint8_t rail[SMAP_MANY_CONTACTS];
@@ -239,14 +238,14 @@ static const float *smap_end(const smap_many_work_t *w, uint8_t e)
   return w->corner[w->next[e]];
 }
 
-/* Whether there is some work left of a kind; if not, the pose fails, and then there is none of any. */
-static inline int smap_may(smap_many_work_t *w, uint16_t *left)
+/* Take some of the work that is left; if there is not as much the pose fails, and then there is none. */
+static inline int smap_may(smap_many_work_t *w, uint32_t cost)
 {
-  if (*left == 0 || w->failed) {
-    w->failed = 1;
+  if (w->left <= cost) {
+    w->left = 0;
     return 0;
   }
-  (*left)--;
+  w->left -= cost;
   return 1;
 }
 
@@ -264,7 +263,7 @@ static int smap_enter(smap_many_work_t *w, const smap_aim_t *at, float h, uint8_
   smap_facet_t *f = &w->facet[w->facets];
   const uint8_t last = (uint8_t)(w->edges + corners);
   if (w->facets >= SMAP_MANY_FACETS || w->edges + corners > SMAP_MANY_EDGES) {
-    w->failed = 1;
+    w->left = 0;
     return 0;
   }
   f->at = *at;

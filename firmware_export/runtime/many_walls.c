@@ -46,7 +46,7 @@ static uint8_t smap_add_wall(smap_many_work_t *w, smap_many_pose_t *o, const flo
                              uint8_t j)
 {
   if (o->at.walls >= SMAP_MANY_WALLS || !smap_scale(n, o->wall[o->at.walls])) {
-    w->failed = 1;
+    w->left = 0;
     return 0;
   }
   o->at.over[o->at.walls][0] = i;
@@ -57,7 +57,7 @@ static uint8_t smap_add_wall(smap_many_work_t *w, smap_many_pose_t *o, const flo
 static uint8_t smap_add_point(smap_many_work_t *w, smap_many_pose_t *o, const float p[3])
 {
   if (o->at.points >= SMAP_MANY_LINKS || !smap_scale(p, o->point[o->at.points])) {
-    w->failed = 1;
+    w->left = 0;
     return 0;
   }
   return o->at.points++;
@@ -115,7 +115,7 @@ static void smap_bulge(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e, smap
   count = (float)(int32_t)(turn * (1.0f / SMAP_PIECE)) + 1.0f;
   count = count > pieces ? pieces : count;
   smap_copy(p, last);
-  for (k = 1; (float)k <= count && !w->failed; k++) {
+  for (k = 1; (float)k <= count && smap_may(w, SMAP_COST_PIECE); k++) {
     if ((float)(k + 1) > count) {
       there = *to;
     } else {
@@ -138,7 +138,7 @@ static void smap_add_side(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
   float p[3], q[3], middle[3], chord[3], d[3];
   smap_aim_t half;
   if (o->at.sides >= SMAP_MANY_SIDES) {
-    w->failed = 1;
+    w->left = 0;
     return;
   }
   w->side_of[e] = o->at.sides++;
@@ -214,7 +214,7 @@ static int smap_add_sides(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
   const uint8_t walls = o->at.walls, points = o->at.points, sides = o->at.sides;
   smap_add_side(w, o, e);
   smap_add_side(w, o, back);
-  if (!w->failed && !(smap_is_bent_once(w, o, e) && smap_is_bent_once(w, o, back))) {
+  if (w->left && !(smap_is_bent_once(w, o, e) && smap_is_bent_once(w, o, back))) {
     o->at.walls = walls;
     o->at.points = points;
     o->at.sides = sides;
@@ -230,8 +230,8 @@ static void smap_push(smap_many_work_t *w, smap_many_pose_t *o, uint8_t wall, ui
                       uint8_t stop)
 {
   smap_segment_t *segment = &o->at.segment[o->at.segments];
-  if (w->failed || o->at.segments >= SMAP_MANY_LINKS) {
-    w->failed = 1;
+  if (!w->left || o->at.segments >= SMAP_MANY_LINKS) {
+    w->left = 0;
     return;
   }
   segment->wall = wall;
@@ -258,7 +258,7 @@ static uint8_t smap_follow(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
   if (w->low[e] > 0.0f && w->wall_of[e] != SMAP_NONE) {
     smap_push(w, o, w->wall_of[e], w->point_of[e], side->point);
   }
-  for (k = 0; k < side->count && !w->failed; k++) {
+  for (k = 0; k < side->count && w->left; k++) {
     smap_push(w, o, (uint8_t)(side->wall + k), (uint8_t)(side->point + k),
               (uint8_t)(side->point + k + 1u));
   }
@@ -290,18 +290,18 @@ static int smap_is_inner(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start
       return 0;
     }
     e = w->onward[w->twin[e]];
-  } while (e != start && smap_may(w, &w->left.outlines));
+  } while (e != start && smap_may(w, SMAP_COST_OUTLINE));
   do {
     w->seen[e] = SMAP_NONE;
     o->at.side[w->side_of[e]].inner = 1;
     e = w->onward[w->twin[e]];
-  } while (e != start && smap_may(w, &w->left.outlines));
+  } while (e != start && smap_may(w, SMAP_COST_OUTLINE));
   return 1;
 }
 
 /* Append the loop of an island's boundary from an edge on.  Without a gap it is convex: nothing of it is
  * bent. */
-SMAP_APART static void smap_loop(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start,
+static void smap_loop(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start,
                                  uint8_t island)
 {
   const uint8_t first = o->at.segments;
@@ -310,20 +310,20 @@ SMAP_APART static void smap_loop(smap_many_work_t *w, smap_many_pose_t *o, uint8
     w->seen[e] = SMAP_NONE;
     gaps = gaps || smap_is_gap(w, e);
     e = smap_follow(w, o, e);
-  } while (e != start && smap_may(w, &w->left.outlines));
-  for (k = first; gaps && k < o->at.segments && !w->failed; k++) {
+  } while (e != start && smap_may(w, SMAP_COST_OUTLINE));
+  for (k = first; gaps && k < o->at.segments && w->left; k++) {
     const smap_segment_t *next = &o->at.segment[k + 1 < o->at.segments ? k + 1 : first];
     o->at.segment[k].bent = smap_dot(o->wall[o->at.segment[k].wall], o->point[next->stop]) < 1e-4f;
     o->at.convex[island] = o->at.convex[island] && !o->at.segment[k].bent;
   }
 }
 
-/* The first edge from e on that may be of an island's boundary. */
-static uint8_t smap_to_bound(const smap_many_work_t *w, uint8_t island, uint8_t e)
+/* Append what of an island's boundary an edge is of, if it is of any. */
+SMAP_APART static void smap_bound(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e, uint8_t island)
 {
-  for (; e < w->edges && w->seen[e] != island; e++) {
+  if (!(smap_is_gap(w, e) && smap_is_inner(w, o, e))) {
+    smap_loop(w, o, e, island);
   }
-  return e;
 }
 
 /* List the segments of all loops. */
@@ -339,11 +339,9 @@ static void smap_find_boundary(smap_many_work_t *w, smap_many_pose_t *o)
   for (k = 0; k < o->at.shown; k++) {
     o->at.first[k] = o->at.segments;
     o->at.convex[k] = 1;
-    for (e = o->at.island[k] != k ? w->edges : smap_to_bound(w, k, 0);
-         e < w->edges && smap_may(w, &w->left.outlines);
-         e = smap_to_bound(w, k, e)) {
-      if (!(smap_is_gap(w, e) && smap_is_inner(w, o, e))) {
-        smap_loop(w, o, e, k);
+    for (e = 0; e < w->edges; e++) {
+      if (w->seen[e] == k && smap_may(w, SMAP_COST_LOOP)) {
+        smap_bound(w, o, e, k);
       }
     }
     o->at.last[k] = o->at.segments;

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import lutgen
-from firmware_export.contacts.codec import WORK
 from lutgen.channels import evaluate_each
 from targets.quadruped import quadruped
 from tests.fixtures.many_library import (
@@ -26,8 +25,6 @@ from tests.fixtures.places import MAPS
 pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 ROBOTS = ("absolem", "marv", "markhor", "excavator", "articulated", "quadruped")
 TIPS = 2
-# Of each kind of work, in the order of `WORK`: too little for some postures.
-FEW = (20, 60, 6, 2, 6, 4, 4)
 FLAGS = "-Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wdouble-promotion -Werror"
 
 
@@ -92,11 +89,11 @@ def test_a_map_without_room_is_never_safe(robot, tmp_path):
 
 def test_a_posture_that_takes_more_work_than_there_is_reads_unsafe(robot, tmp_path):
     # The bits are those of any optimisation, see test_programs.
-    few = ["-O0", *(f"-DSMAP_MANY_{kind}={most}" for kind, most in zip(WORK, FEW, strict=True))]
     rng = np.random.default_rng(7)
     params, g = postures_of(robot.recipe, rng, 40), random_directions(rng, 100)
-    got = Library(robot.recipe, tmp_path, flags=few).read(params, g)["status"]
     whole = robot.read(params, g)["status"]
+    few = ["-O0", f"-DSMAP_MANY_WORK={robot.most['work'] * 3 // 4}"]
+    got = Library(robot.recipe, tmp_path, flags=few).read(params, g)["status"]
     # A posture that fails tips in every direction, and any other reads as it does.
     failed = (got != whole).any(axis=1)
     assert failed.any()

@@ -61,7 +61,7 @@ static void exact_side(smap_many_work_t *w, smap_many_pose_t *o, uint16_t e, sma
   double last[3], p[3], q[3];
   int k;
   smap_mix(smap_corner(w, e), smap_end(w, e), w->low[e], last);
-  for (k = 0; k < pieces && !w->failed; k++) {
+  for (k = 0; k < pieces && w->left; k++) {
     smap_on_arc(w, i, j, from, to, (k + 0.5) / pieces, &here);
     after = *to;
     if (k + 1 < pieces) {
