@@ -32,13 +32,13 @@ static inline float float_of(uint32_t bits)
 #ifdef GRID
 /* Is one value between its neighbours, the node where the weight is 0 or all of it, and no less
  * than the bound that rounding down leaves? */
-static unsigned wrong_between(uint32_t low, uint32_t high, uint32_t frac)
+static unsigned wrong_between(uint32_t low, uint32_t high, uint32_t frac, uint8_t finer)
 {
-  const uint32_t value = smap_between(low, high, frac);
-  const uint32_t least = low < high ? low : high, most = low < high ? high : low;
+  const uint32_t value = smap_between(low, high, frac, finer), first = low << finer, last = high << finer;
+  const uint32_t least = low < high ? first : last, most = low < high ? last : first;
   return (unsigned)(value < least) | (unsigned)(value > most) |
-         ((unsigned)(frac == 0) & (unsigned)(value != low)) |
-         ((unsigned)(frac == 16384) & (unsigned)(value != high));
+         ((unsigned)(frac == 0) & (unsigned)(value != first)) |
+         ((unsigned)(frac == 16384) & (unsigned)(value != last));
 }
 
 /* All differences and all weights, with the lower of the two values at either end of its range. */
@@ -50,10 +50,18 @@ static void try_between(void)
     const uint32_t base = 65535 - size;
     uint32_t here = 0;
     for (frac = 0; frac <= 16384; frac++) {
-      here += wrong_between(0, size, frac) + wrong_between(size, 0, frac);
-      here += wrong_between(base, 65535, frac) + wrong_between(65535, base, frac);
+      here += wrong_between(0, size, frac, 0) + wrong_between(size, 0, frac, 0);
+      here += wrong_between(base, 65535, frac, 0) + wrong_between(65535, base, frac, 0);
     }
     wrong += here;
+    tried += 4 * 16385;
+  }
+  /* Of codes of 8 bits, read 256 times as finely. */
+  for (size = 0; size <= 255; size++) {
+    for (frac = 0; frac <= 16384; frac++) {
+      wrong += wrong_between(0, size, frac, 8) + wrong_between(size, 0, frac, 8);
+      wrong += wrong_between(255 - size, 255, frac, 8) + wrong_between(255, 255 - size, frac, 8);
+    }
     tried += 4 * 16385;
   }
   report("between", tried, wrong);
@@ -141,7 +149,14 @@ static void try_root(void)
   report("root", tried, wrong);
 }
 
-/* Whole square roots by division: at both ends of every root, and now and then between. */
+static unsigned wrong_whole(uint32_t x, uint32_t root)
+{
+  return (unsigned)(smap_whole_root(x) != root) |
+         ((unsigned)(x >= 0x10000000u) & (unsigned)(smap_length_root(x) != root));
+}
+
+/* Whole square roots by division: at both ends of every root, and now and then between.  Of lengths from
+ * 2^28 on as well. */
 static void try_whole_root(void)
 {
   const uint64_t most = (uint64_t)3 << 30; /* what the runtime asks for at most */
@@ -149,12 +164,12 @@ static void try_whole_root(void)
   uint32_t result;
   for (result = 0; (uint64_t)(result + 2) * result <= most; result += STEP) {
     const uint32_t low = result * result;
-    wrong += (smap_whole_root(low) != result) + (smap_whole_root(low + 2 * result) != result);
+    wrong += wrong_whole(low, result) + wrong_whole(low + 2 * result, result);
     tried += 2;
   }
   for (x = 0; x <= most; x += 61 * STEP) {
     const uint64_t found = smap_whole_root((uint32_t)x);
-    wrong += found * found > x || (found + 1) * (found + 1) <= x;
+    wrong += found * found > x || (found + 1) * (found + 1) <= x || wrong_whole((uint32_t)x, (uint32_t)found);
     tried++;
   }
   report("whole_root", tried, wrong);

@@ -18,7 +18,7 @@ from firmware_export.grid.fit import conjugate
 from firmware_export.grid.lattice import Lattice, from_places, spread_knots, to_places
 from firmware_export.grid.lookup import INFO
 from firmware_export.grid.spec import CHANNEL, GROUPS, LARGEST, Spec, active_axes, grow, start
-from firmware_export.grid.tables import SPAN, Part, Tables, U, V, places_of
+from firmware_export.grid.tables import SPAN, Part, Tables, U, V, evenly, places_of
 
 __all__ = [
     "CHANNEL",
@@ -36,6 +36,7 @@ __all__ = [
     "V",
     "active_axes",
     "conjugate",
+    "evenly",
     "from_places",
     "grow",
     "lattice_of",

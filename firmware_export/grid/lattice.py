@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_export.grid.tables import SPAN, U, V
+from firmware_export.grid.tables import SPAN, U, V, is_even
 from firmware_export.truth import Model, Sample, combinations
 from lutgen.jit import njit, prange
 from lutgen.vector import Floats
@@ -198,7 +198,10 @@ class Lattice:
         # A table without v and u is the same on every face.
         self.faces = model.faces if {U, V} & set(coordinates) else 1
         # The ends of the cells, 0 to 1, and the columns of a place that they are for.
-        self.ends = tuple(k.astype(np.float64) / SPAN for k in knots)
+        self.ends = tuple(
+            np.linspace(0.0, 1.0, len(k)) if is_even(k) else k.astype(np.float64) / SPAN
+            for k in knots
+        )
         self.columns = [{U: -1, V: -2}.get(c, c) for c in coordinates]
 
     def find(

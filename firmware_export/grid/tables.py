@@ -18,6 +18,10 @@ from firmware_export.protocol import Tables as AnyTables
 from firmware_export.truth import Cells, Model, slack
 
 SPAN = 65534
+# The end of an axis for the integer path, whose places fill 16 bits.
+WHOLE = 65535
+# Instead of an axis's first knot: its knots are even, and not held.
+EVEN = 65535
 # Coordinates above every parameter's index.
 U, V = 254, 255
 CTYPE = {8: "uint8_t", 16: "uint16_t"}
@@ -28,6 +32,16 @@ MEANING = {
     "sdg": "components of D_g - s along two axes of the facet",
     "height": "height of the centre of mass over its facet",
 }
+
+
+def evenly(count: int) -> NDArray[np.uint16]:
+    """Return evenly spaced knots, to the nearest place."""
+    return np.rint(np.linspace(0.0, SPAN, count)).astype(np.uint16)
+
+
+def is_even(knots: NDArray[np.uint16]) -> bool:
+    """Tell whether knots are those of `evenly`, which the runtime computes."""
+    return np.array_equal(knots, evenly(len(knots)))
 
 
 class Place(NamedTuple):
@@ -48,8 +62,8 @@ def places_of(model: Model) -> tuple[Place, ...]:
     result = []
     for p in model.recipe.parameters:
         room, span = slack(p), p.maximum - p.minimum
-        units = SPAN / (span + 2.0 * room)
-        first, rate = round(room * units), round(span * units / 32767.0 * 2.0**14)
+        units, whole = SPAN / (span + 2.0 * room), WHOLE / (span + 2.0 * room)
+        first, rate = round(room * whole), round(span * whole / 32767.0 * 2.0**14)
         result.append(Place(p.minimum - room, units, first, rate))
     return tuple(result)
 
@@ -111,7 +125,8 @@ class Part:
         if self.name == "height":
             return max(round(float(self.offset[0]) / self.height_step), 0), 0
         if self.name == "tip":
-            return max(math.ceil(at[0]) + self.remainder, 0), 0
+            # Beyond the largest value nothing stands, however far it is.
+            return min(max(math.ceil(at[0]) + self.remainder, 0), 65536), 0
         return max(round(at[0]), 0), max(round(at[1]), 0)
 
     @property
@@ -127,8 +142,9 @@ class Part:
         ratio = (
             self.fine_step * 32767.0 if self.name == "tip" else self.fine_step / self.height_step
         )
-        shift = max(0, min(31, 15 - math.floor(math.log2(ratio)))) if ratio > 0.0 else 0
-        return min(math.floor(ratio * 2.0**shift), 65535), shift
+        bits = 15 if self.name == "tip" else 16  # a margin has a sign
+        shift = max(0, min(31, bits - 1 - math.floor(math.log2(ratio)))) if ratio > 0.0 else 0
+        return min(math.floor(ratio * 2.0**shift), (1 << bits) - 1), shift
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,9 +194,9 @@ class Tables(AnyTables):
         return tuple((name, step) for name, step in steps.items() if step > 0.0)
 
     def shared_knots(self) -> tuple[NDArray[np.uint16], list[NDArray[np.uint16]]]:
-        """Return the knots of all axes, equal ones once, and per part (axes, 3) uint16.
+        """Return the knots of all uneven axes, equal ones once, and per part (axes, 3) uint16.
 
-        The latter are coordinate, nodes and first knot, innermost axis first.
+        The latter are coordinate, nodes and first knot (or `EVEN`), innermost axis first.
         """
         seen: dict[bytes, int] = {}
         pool: list[int] = []
@@ -190,11 +206,11 @@ class Tables(AnyTables):
             for coordinate, knots in zip(part.coordinates, part.knots, strict=True):
                 key = knots.tobytes()
                 if key not in seen:
-                    seen[key] = len(pool)
-                    pool += knots.tolist()
+                    seen[key] = EVEN if is_even(knots) else len(pool)
+                    pool += [] if is_even(knots) else knots.tolist()
                 row.append((coordinate, len(knots), seen[key]))
             rows.append(np.array(row[::-1], dtype=np.uint16).reshape(-1, 3))
-        return np.array(pool or [0], dtype=np.uint16), rows
+        return np.array(pool, dtype=np.uint16), rows
 
     @property
     def bytes(self) -> int:
@@ -233,8 +249,8 @@ def c_body(tables: Tables, integer: bool) -> CBody:
     codes_at = [knots_at + 2 * len(knots)]
     for part in tables.parts:
         codes_at.append(codes_at[-1] + part.codes.nbytes)
-    # Rounded up: so the rim is held.
-    limit = math.ceil(tables.chart_limit * 8192.0 * 32768.0 / 32767.0)
+    # Wider than the rounding of two divisions: so the rim is held.
+    limit = math.ceil(tables.chart_limit * (8192.0 + 1.0))
     arrays = [
         CArray("half", "float", [tables.half], "units of an axis for one of u or v", False),
         CArray("reach", "uint32_t", [limit, knots_at], "chart limit, where the knots are", False),

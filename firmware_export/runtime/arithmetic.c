@@ -173,10 +173,14 @@ SMAP_INLINE int16_t smap_to_whole(float x, float most)
 #endif
 
 #if SMAP_INTEGERS
+#if defined(__ARM_FEATURE_IDIV) && defined(__ARM_FEATURE_CLZ) && !defined(__OPTIMIZE_SIZE__)
+#define SMAP_ROOT_BY_DIVISION
+#endif
+
 /* Square root, rounded down, of at most 3 * 2^30, which is the longest direction. */
 SMAP_INLINE uint32_t smap_whole_root(uint32_t x)
 {
-#if defined(__ARM_FEATURE_IDIV) && defined(__ARM_FEATURE_CLZ) && !defined(__OPTIMIZE_SIZE__)
+#ifdef SMAP_ROOT_BY_DIVISION
   /* A line, then Newton: off by up to 6 %, 0.2 %, and at last by less than 1 (0.1, and rounding). */
   const uint32_t odd = x | 1u; /* so that there is a first digit */
   const int half = (33 - __builtin_clz(odd)) >> 1;
@@ -195,6 +199,20 @@ SMAP_INLINE uint32_t smap_whole_root(uint32_t x)
     }
   }
   return result;
+#endif
+}
+
+/* The same of a scaled direction's, 2^28 to 3 * 2^30. */
+SMAP_INLINE uint32_t smap_length_root(uint32_t x)
+{
+#ifdef SMAP_ROOT_BY_DIVISION
+  /* A line, then Newton: off by up to 11 %, 0.6 %, and at last by less than 1. */
+  uint32_t result = (x >> 16) + 13900u;
+  result = (result + x / result) >> 1;
+  result = (result + x / result) >> 1;
+  return result - (result * result > x);
+#else
+  return smap_whole_root(x);
 #endif
 }
 #endif

@@ -78,41 +78,49 @@ SMAP_INLINE int8_t smap_deny_i(smap_reading_i_t *out, int8_t status)
   return status;
 }
 
-/* Scale raw counts so that the longest component is from 16384 to 32768, and tell the length, rounded
- * up. */
-SMAP_INLINE int8_t smap_direction_i(const smap_t *map, const int16_t gravity[3], int32_t g[3],
-                                    uint32_t *length)
+/* Scale raw counts so that the longest component is from 16384 to 32768, and return the square of the
+ * length; 0 where there is none. */
+SMAP_INLINE uint32_t smap_scale_counts(const int16_t gravity[3], int32_t g[3])
 {
-  const smap_bytes_t blob = SMAP_BLOB(map);
-  uint32_t size[3], longest = 0, shift;
+  uint32_t longest = 0, shift, sum = 0;
   uint8_t i;
   SMAP_THRICE
   for (i = 0; i < 3; i++) {
     g[i] = gravity[i];
-    size[i] = (uint32_t)(g[i] < 0 ? -g[i] : g[i]);
-    longest |= size[i];
+    longest |= (uint32_t)(g[i] ^ -(g[i] < 0)); /* of a negative number one less: -16384 may become -32768 */
   }
-  if (longest == 0) {
-    return SMAP_INVALID;
-  }
+  longest = longest << 1 | 1u; /* at most 65535 */
 #if defined(__GNUC__) && !defined(__AVR__)
-  shift = longest < 16384u ? (uint32_t)__builtin_clz((unsigned)longest) - 17u : 0u;
+  shift = (uint32_t)__builtin_clz((unsigned)longest) - 16u;
 #else
-  for (shift = 0; longest << shift < 16384u; shift++) { /* at most 14 times */
+  for (shift = 0; longest << shift < 32768u; shift++) { /* at most 15 times */
   }
 #endif
   SMAP_THRICE
   for (i = 0; i < 3; i++) {
     g[i] *= (int32_t)1 << shift;
-    size[i] <<= shift;
+    sum += (uint32_t)(g[i] * g[i]);
   }
+  return sum;
+}
+
+/* The same of a direction that the map holds; `length` is rounded up. */
+SMAP_INLINE int8_t smap_direction_i(const smap_t *map, const int16_t gravity[3], int32_t g[3],
+                                    uint32_t *length)
+{
+  const smap_bytes_t blob = SMAP_BLOB(map);
+  const uint32_t sum = smap_scale_counts(gravity, g);
   if (blob[SMAP_AT_FACES] == 1) {
-    const uint32_t reach = (g[2] < 0 ? size[2] : 0u) * smap_u16(blob + SMAP_AT_LIMIT_I);
-    if (g[2] >= 0 || size[0] << 12 > reach || size[1] << 12 > reach) {
-      return SMAP_OFF_CHART;
+    /* Beyond the rim on either side is above twice the reach, or has no sign and wraps. */
+    const uint32_t reach = (uint32_t)-g[2] * smap_u16(blob + SMAP_AT_LIMIT_I);
+    if (g[2] >= 0 || (uint32_t)g[0] * 4096u + reach > 2u * reach ||
+        (uint32_t)g[1] * 4096u + reach > 2u * reach) {
+      return sum == 0 ? (int8_t)SMAP_INVALID : (int8_t)SMAP_OFF_CHART;
     }
+  } else if (sum == 0) {
+    return SMAP_INVALID;
   }
-  *length = smap_whole_root(size[0] * size[0] + size[1] * size[1] + size[2] * size[2]) + 1u;
+  *length = smap_length_root(sum) + 1u;
   return SMAP_OK;
 }
 #endif

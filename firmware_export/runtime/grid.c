@@ -5,7 +5,8 @@
  * 8 where the knots are u32; 12 tables u8.  From 16 per parameter: where its axis begins f32, 1 / its
  * length f32, the same in steps: place = first u16 + (step x u16 >> 14).  Then per table SMAP_PART_BYTES:
  * the tip margin mu = sine of the tip angle x |(u, v, 1)|, the two components of D_g - s, the height.
- * Then axes (coordinate, nodes, first knot: u16 each, innermost first), knots (0 to 65534), codes. */
+ * Then axes (coordinate, nodes, first knot or SMAP_EVEN: u16 each, innermost first), knots (0 to 65534),
+ * codes.  Knots that are evenly spaced are not held. */
 enum {
   SMAP_PART_CODES = 0,  /* u32, from the body on */
   SMAP_PART_AXES = 4,   /* u32 */
@@ -20,10 +21,12 @@ enum {
   SMAP_PART_WIDE = 37,  /* 1: codes of 16 bits */
   SMAP_PART_BYTES = 38
 };
+#define SMAP_EVEN 65535u
+#define SMAP_CELLS 1.52592e-5f /* a hair less than 1/65534: no place is beyond the last cell */
 #define SMAP_GRID_U 254 /* coordinates above every parameter's number */
 #define SMAP_GRID_AXES (SMAP_MAX_PARAMS + 2)
 
-/* A pose: the places of the parameters, 0 to 65534 on their axes. */
+/* A pose: the places of the parameters on their axes, 0 to 65534, without floats 0 to 65535. */
 typedef struct {
   smap_head_t head;
   uint16_t place[SMAP_MAX_PARAMS + (SMAP_MAX_PARAMS & 1)];
@@ -56,9 +59,15 @@ SMAP_INLINE uint16_t smap_cell(smap_bytes_t knots, uint16_t nodes, uint32_t x)
   return lower;
 }
 
-SMAP_INLINE uint16_t smap_code(smap_bytes_t codes, uint8_t wide, uint32_t at)
+/* Where a component of the first corner of a cell is. */
+SMAP_INLINE smap_bytes_t smap_corner_of(smap_bytes_t body, smap_bytes_t part, uint32_t at)
 {
-  return wide ? smap_u16(codes + 2 * at) : codes[at];
+  return body + smap_u32(part + SMAP_PART_CODES) + (part[SMAP_PART_WIDE] ? 2 * at : at);
+}
+
+SMAP_INLINE uint16_t smap_code(smap_bytes_t at, uint8_t wide)
+{
+  return wide ? smap_u16(at) : *at;
 }
 
 /* The face of a direction, its normal axis and the two others: of equal components the lower face. */
@@ -90,10 +99,11 @@ typedef struct {
   float frac[SMAP_GRID_AXES];
 } smap_grid_cell_t;
 
-/* `place`: of the parameters, then of u and v, 0 to 65534. */
+/* `place`: of the parameters, 0 to 65534; then u and v. */
 SMAP_INLINE void smap_grid_cell(smap_bytes_t body, smap_bytes_t part, const float *place,
                                 uint8_t params, uint8_t face, smap_grid_cell_t *cell)
 {
+  const float half = smap_f32(body);
   const smap_bytes_t knots = body + smap_u32(body + 8);
   smap_bytes_t axis = body + smap_u32(part + SMAP_PART_AXES);
   uint32_t stride = part[SMAP_PART_WIDTH], back = 0;
@@ -101,13 +111,23 @@ SMAP_INLINE void smap_grid_cell(smap_bytes_t body, smap_bytes_t part, const floa
   cell->at = face * smap_u32(part + SMAP_PART_STRIDE);
   SMAP_UNROLL
   for (i = 0; i < part[SMAP_PART_DIMS]; i++, axis += 6) {
-    const uint16_t coordinate = smap_u16(axis), nodes = smap_u16(axis + 2);
-    const smap_bytes_t own = knots + 2 * smap_u16(axis + 4);
-    const float x =
-        place[coordinate >= SMAP_GRID_U ? params + coordinate - SMAP_GRID_U : coordinate];
-    const uint16_t lower = smap_cell(own, nodes, (uint32_t)(int32_t)x);
-    const float low = smap_u16(own + 2 * lower), high = smap_u16(own + 2 * lower + 2);
-    cell->frac[i] = (x - low) / (high - low);
+    const uint16_t coordinate = smap_u16(axis), nodes = smap_u16(axis + 2), first = smap_u16(axis + 4);
+    const int chart = coordinate >= SMAP_GRID_U;
+    const float at = place[chart ? params + coordinate - SMAP_GRID_U : coordinate];
+    float x = chart ? at * half + 32767.0f : at; /* of the rim beyond 0 or 65534 by a rounding */
+    uint32_t lower;
+    if (first == SMAP_EVEN) {
+      x *= (float)(nodes - 1) * SMAP_CELLS;
+      lower = (uint32_t)(int32_t)x;
+      cell->frac[i] = x - (float)(int32_t)lower;
+    } else {
+      const smap_bytes_t own = knots + 2 * first;
+      float low, high;
+      lower = smap_cell(own, nodes, (uint32_t)(int32_t)x);
+      low = smap_u16(own + 2 * lower);
+      high = smap_u16(own + 2 * lower + 2);
+      cell->frac[i] = (x - low) / (high - low);
+    }
     cell->at += lower * stride;
     cell->jump[i] = stride - back;
     back += stride;
@@ -118,15 +138,15 @@ SMAP_INLINE void smap_grid_cell(smap_bytes_t body, smap_bytes_t part, const floa
 SMAP_INLINE float smap_grid_value(smap_bytes_t body, smap_bytes_t part, const smap_grid_cell_t *cell,
                                   uint8_t component)
 {
-  const smap_bytes_t codes = body + smap_u32(part + SMAP_PART_CODES);
+  const uint8_t wide = part[SMAP_PART_WIDE];
   const uint16_t corners = (uint16_t)(1u << part[SMAP_PART_DIMS]);
   float below[SMAP_GRID_AXES], value = 0.0f;
-  uint32_t at = cell->at + component;
+  smap_bytes_t at = smap_corner_of(body, part, cell->at + component);
   uint16_t corner;
   SMAP_UNROLL
   for (corner = 0; corner < corners; corner++) {
     uint8_t level;
-    value = smap_code(codes, part[SMAP_PART_WIDE], at);
+    value = smap_code(at, wide);
     SMAP_UNROLL
     for (level = 0; corner >> level & 1u; level++) {
       value = below[level] + (value - below[level]) * cell->frac[level];
@@ -135,7 +155,7 @@ SMAP_INLINE float smap_grid_value(smap_bytes_t body, smap_bytes_t part, const sm
       break;
     }
     below[level] = value;
-    at += cell->jump[level];
+    at += wide ? 2 * cell->jump[level] : cell->jump[level];
   }
   return smap_f32(part + SMAP_PART_OFFSET + 4 * component) + smap_f32(part + SMAP_PART_STEP) * value;
 }
@@ -164,7 +184,6 @@ SMAP_INLINE int8_t smap_grid_read(const smap_t *map, float *place, const float d
 {
   const smap_bytes_t body = smap_body(map);
   const uint8_t params = SMAP_BLOB(map)[SMAP_AT_PARAMS], channels = SMAP_BLOB(map)[SMAP_AT_CHANNELS];
-  const float half = smap_f32(body);
   smap_grid_cell_t cell;
   smap_bytes_t part = smap_part(body, params, 0);
   int32_t along[3];
@@ -176,9 +195,9 @@ SMAP_INLINE int8_t smap_grid_read(const smap_t *map, float *place, const float d
   }
   face = smap_face(map, along, axes);
   for (i = 0; i < 2; i++) {
-    const float at = d[axes[i + 1]], x = at * half + 32767.0f;
+    const float at = d[axes[i + 1]];
     slant += at * at;
-    place[params + i] = x < 0.0f ? 0.0f : x > 65534.0f ? 65534.0f : x;
+    place[params + i] = at;
   }
   out->over[0] = out->over[1] = 255;
   smap_grid_cell(body, part, place, params, face, &cell);

@@ -17,16 +17,19 @@ static uint32_t smap_check_axes_of(const smap_t *map, smap_bytes_t part, smap_by
   }
   for (i = 0; i < dims; i++) {
     const smap_bytes_t axis = body + first + 6u * i;
-    const uint16_t coordinate = smap_u16(axis), nodes = smap_u16(axis + 2);
-    const uint32_t from = smap_u32(body + 8) + 2u * smap_u16(axis + 4);
+    const uint16_t coordinate = smap_u16(axis), nodes = smap_u16(axis + 2), knot = smap_u16(axis + 4);
+    const uint32_t from = smap_u32(body + 8) + 2u * knot;
     uint32_t k;
     if ((coordinate >= params && coordinate != SMAP_GRID_U && coordinate != SMAP_GRID_U + 1) ||
-        nodes < 2 || from > room || (room - from) / 2u < nodes ||
-        smap_u16(knots + 2 * smap_u16(axis + 4)) != 0 ||
-        smap_u16(body + from + 2u * (nodes - 1u)) < 65534u || codes > room / nodes) {
+        nodes < 2 || nodes > 4096 || codes > room / nodes) {
       return 0;
     }
-    for (k = 1; k < nodes; k++) {
+    if (knot != SMAP_EVEN &&
+        (from > room || (room - from) / 2u < nodes || smap_u16(knots + 2 * knot) != 0 ||
+         smap_u16(body + from + 2u * (nodes - 1u)) < 65534u)) {
+      return 0;
+    }
+    for (k = 1; knot != SMAP_EVEN && k < nodes; k++) {
       if (smap_u16(body + from + 2u * k) <= smap_u16(body + from + 2u * k - 2u)) {
         return 0;
       }
@@ -44,13 +47,15 @@ static int smap_check_grid(const smap_t *map, smap_bytes_t limit)
       (uint8_t)(1 + ((channels & SMAP_SDG) != 0) + ((channels & SMAP_HEIGHT) != 0));
   const uint32_t room = (uint32_t)(limit - body), fixed = 16u + 12u * params + 38u * parts;
   uint8_t i;
-  if (room < fixed || body[12] != parts || smap_u32(body + 8) < fixed ||
+  if (room < fixed || smap_u32(smap_part(body, params, 0) + SMAP_PART_ZERO) > 65536u ||
+      smap_u16(smap_part(body, params, 0) + SMAP_PART_GAIN) > 32767u || body[12] != parts || smap_u32(body + 8) < fixed ||
       smap_u32(body + 8) > room || smap_u32(body + 4) >= 1u << 17) {
     return 0;
   }
 #if SMAP_FLOATS
   /* Places of parameters and on the chart are numbers: finite less finite, times finite. */
-  if (!smap_is_within(smap_f32(body), 1e30f)) {
+  if (!smap_is_within(smap_f32(body), 32767.05f) ||
+      !smap_is_within(smap_f32(body) * smap_f32(blob + SMAP_AT_LIMIT), 32767.05f)) {
     return 0;
   }
   for (i = 0; i < params; i++) {

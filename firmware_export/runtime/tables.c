@@ -159,33 +159,31 @@ SMAP_INLINE int8_t smap_table_places(const smap_t *map, const int16_t *params_q,
   return SMAP_OK;
 }
 
-/* Make a vector's length 16383 and return what it was before, rounded down; its parts stay in 30 bits. */
+/* Make a vector's length 16383; its parts stay in 30 bits. */
 SMAP_INLINE void smap_table_unit(const int32_t v[3], int16_t out[3])
 {
-  uint32_t size[3], most = 1, shift = 0, length;
+  int32_t part[3];
+  uint32_t most = 32767, shift = 0, length = 1;
   uint8_t i;
   SMAP_UNROLL
   for (i = 0; i < 3; i++) {
-    size[i] = (uint32_t)(v[i] < 0 ? -v[i] : v[i]);
-    most |= size[i];
+    most |= (uint32_t)(v[i] ^ -(v[i] < 0));
   }
 #if defined(__GNUC__) && !defined(__AVR__)
-  shift = most > 32767u ? 17u - (uint32_t)__builtin_clz((unsigned)most) : 0u;
+  shift = 17u - (uint32_t)__builtin_clz((unsigned)most);
 #else
   for (; most >> shift > 32767u; shift++) {
   }
 #endif
-  length = 1;
   SMAP_UNROLL
   for (i = 0; i < 3; i++) {
-    size[i] >>= shift;
-    length += size[i] * size[i];
+    part[i] = v[i] >> shift;
+    length += (uint32_t)(part[i] * part[i]);
   }
   length = smap_whole_root(length);
   SMAP_UNROLL
   for (i = 0; i < 3; i++) {
-    const int32_t unit = (int32_t)(size[i] * 16383u / length);
-    out[i] = (int16_t)(v[i] < 0 ? -unit : unit);
+    out[i] = (int16_t)(part[i] * 16383 / (int32_t)length);
   }
 }
 

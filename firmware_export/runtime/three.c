@@ -155,13 +155,12 @@ SMAP_INLINE int8_t smap_three_read_i(const smap_t *map, uint8_t order, const sma
     }
   }
   out->sdg = out->height = 65535;
-  tip = 2 * least / (int32_t)length;
-  tip = (tip > 32767 ? 32767 : tip < -32000 ? -32000 : tip) - guard;
-  out->tip = (int16_t)(tip < -32767 ? -32767 : tip);
+  tip = 2 * least / (int32_t)length - guard; /* a wall is at most 16384 long, and the length rounded up */
   if (least < 0 || tip < 0) {
-    out->tip = out->tip < 0 ? out->tip : (int16_t)-1;
+    out->tip = (int16_t)(tip < -32767 ? -32767 : tip < 0 ? tip : -1);
     return SMAP_TIPS;
   }
+  out->tip = (int16_t)tip;
   if (channels & SMAP_HEIGHT) {
     out->height = three->height;
   }
