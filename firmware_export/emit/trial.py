@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import tempfile
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from lutgen.errors import ExportError
@@ -52,18 +53,26 @@ def try_out(files: Mapping[str, bytes], name: str) -> str:
                 (folder / file).parent.mkdir(parents=True, exist_ok=True)
                 (folder / file).write_bytes(content)
         examples = [one for one in EXAMPLES if f"examples/{one}.c" in files]
-        if examples:
-            # The map is most of what there is to compile.
-            _compiled(words, folder, name, ["-c", f"{name}.c", "-o", f"{name}.o"])
-        for example in examples:
-            sources = [f"{name}.o", f"examples/{example}.c", "-o", example]
-            _compiled(words, folder, name, sources)
+
+        def compiled(source: str) -> str:
+            made = str(Path(source).with_suffix(".o"))
+            _compiled(words, folder, name, ["-c", source, "-o", made])
+            return made
+
+        def tried(example: str) -> None:
+            _run([*words, f"{name}.o", f"examples/{example}.o", "-o", example], folder, name)
             _run([str(folder / example)], folder, name)
+
+        if examples:
+            sources = [f"{name}.c", *(f"examples/{one}.c" for one in examples)]
+            with ThreadPoolExecutor() as pool:
+                list(pool.map(compiled, sources))
+                list(pool.map(tried, examples))
     return f"compiled and run with {' '.join(words)}"
 
 
 def _compiled(words: list[str], folder: Path, name: str, sources: list[str]) -> None:
-    """Compile the map, or an example with it: without warnings, or at least so that it runs."""
+    """Compile the map or an example: without warnings, or at least so that it runs."""
     try:
         _run([*words, *FLAGS, "-I.", *sources], folder, name)
     except ExportError:

@@ -6,8 +6,10 @@ chart, the middles of a table's cells, and both sides of the tip-over boundary. 
 the same points.
 """
 
+import itertools
 import math
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +20,8 @@ from lutgen.vector import Floats
 
 # Directions per posture: exact evaluation costs by the posture where facets have to be searched.
 FEW, MANY = 4, 40
+# Parts of a sample, each with random numbers of its own: the same points for any number of cores.
+PARTS = 2
 
 
 class Sample(NamedTuple):
@@ -147,9 +151,21 @@ def biased(model: Model, points: int, seed: int, cells: Cells | None = None) -> 
     Of each posture's directions three in four are beside the tip-over boundary, the others on the
     rim of the chart or on the middles of the table's cells.
     """
-    rng = np.random.default_rng([seed, 1])
+    m = -(-points // per_posture(model))
+    cuts = [m * part // PARTS for part in range(PARTS + 1)]
+    with ThreadPoolExecutor(PARTS) as pool:
+        jobs = [
+            pool.submit(_biased_part, model, after - before, [seed, 1, part], cells)
+            for part, (before, after) in enumerate(itertools.pairwise(cuts))
+            if before < after
+        ]
+        return join([job.result() for job in jobs])
+
+
+def _biased_part(model: Model, m: int, seed: list[int], cells: Cells | None) -> Sample:
+    """Return m postures of `biased`."""
+    rng = np.random.default_rng(seed)
     d = per_posture(model)
-    m = -(-points // d)
     params = _biased_params(model, rng, m, cells)
     gravity = uniform_directions(model, rng, (m, d))
     rims = -(-d // 4)

@@ -44,20 +44,28 @@ def _wider(
 ) -> tuple[Floats, Floats]:
     """Return the directions (m, d, 3) and 3 POOL more, sought where a posture may stand.
 
-    The first are round about; then, twice, round the one that is nearest to standing, no further
-    away than the region can be.  With them their tip angles.
+    Only postures whose directions all stand or all tip need more: first round about, then, twice,
+    round the direction that is nearest to standing, no further away than the region can be.  The
+    others get that direction again.  With them their tip angles.
     """
-    m = len(params)
-    where = model.postures(params)
-    shown, tip = gravity, model.tip_angle(where, gravity)
+    m = np.arange(len(params))
+    shown, tip = gravity, model.tip_angle(model.postures(params), gravity)
     for turn in range(3):
-        best = shown[np.arange(m), tip.argmax(axis=1)][:, None]
-        reach = np.abs(tip).max(axis=1) if turn == 0 else np.abs(tip.max(axis=1))
-        new = unit(best + rng.normal(size=(m, POOL, 3)) * reach[:, None, None])
-        # Off the chart a direction is no use; the one that it was to improve is.
-        new = np.where(on_chart(model, new)[..., None], new, best)
+        at = tip.argmax(axis=1)
+        new = np.repeat(shown[m, at][:, None], POOL, axis=1)
+        angle = np.repeat(tip[m, at][:, None], POOL, axis=1)
+        stands = (tip >= 0.0).sum(axis=1)
+        rows = np.flatnonzero((stands == 0) | (stands == tip.shape[1]))
+        if len(rows):
+            here = tip[rows]
+            reach = np.abs(here).max(axis=1) if turn == 0 else np.abs(here.max(axis=1))
+            tried = rng.normal(size=(len(rows), POOL, 3)) * reach[:, None, None]
+            tried = unit(new[rows] + tried)
+            # Off the chart a direction is no use; the one that it was to improve is.
+            new[rows] = np.where(on_chart(model, tried)[..., None], tried, new[rows])
+            angle[rows] = model.tip_angle(model.postures(params[rows]), new[rows])
         shown = np.concatenate([shown, new], axis=1)
-        tip = np.concatenate([tip, model.tip_angle(where, new)], axis=1)
+        tip = np.concatenate([tip, angle], axis=1)
     return shown, tip
 
 
