@@ -45,12 +45,11 @@ HINTS = (
     # range, chart: what gets past the guards
     Hint(r"q\[i\] = x;", (r"admit \is_finite(x);", "admit -1e7 <= x <= 1e7;")),
     Hint(
-        r"const float at = d\[axes\[i \+ 1\]\], .*",
+        r"const float at = d\[axes\[i \+ 1\]\];",
         (r"admit \is_finite(d[axes[i + 1]]);", "admit -2.0 <= d[axes[i + 1]] <= 2.0;"),
     ),
     Hint(r"g\[i\] \*= \(int32_t\)1 << shift;", ("admit -32768 <= g[i] <= 32768;",), after=True),
-    Hint(r"size\[i\] <<= shift;", ("admit size[i] <= 32768;",), after=True),
-    Hint(r"\*length = smap_whole_root\(.*", ("admit 16385 <= *length <= 56757;",), after=True),
+    Hint(r"\*length = smap_length_root\(.*", ("admit 16385 <= *length <= 56757;",), after=True),
     # series: a parameter is within what the pieces cover
     Hint(
         r"for \(n = 0; n < degree; n\+\+\) \{",
@@ -63,17 +62,23 @@ HINTS = (
         (f"admit {_POINT} && -16400 <= p[3 * i + 2] <= 16400;",),
         after=True,
     ),
+    Hint(r"part\[i\] = v\[i\] >> shift;", ("admit -32768 <= part[i] <= 32767;",), after=True),
     Hint(r"length = smap_whole_root\(length\);", ("admit length > 0;",), after=True),
-    Hint(r"const int32_t unit = .*", ("admit 0 <= unit <= 16383;",), after=True),
+    Hint(
+        r"out\[i\] = \(int16_t\)\(part\[i\] \* 16383 / \(int32_t\)length\);",
+        ("admit -16383 <= out[i] <= 16383;",),
+        after=True,
+    ),
     # grid
-    Hint(r"cell->frac\[i\] = .*", ("split low;", "admit low < high;")),
-    Hint(r"cell->frac\[i\] = .*", ("merge low;",), after=True),
+    Hint(r"float x = chart \? .*", ("admit -0.1 <= x <= 65534.1;",), after=True),
+    Hint(r"cell->frac\[i\] = .* / \(high - low\);", ("split low;", "admit low < high;")),
+    Hint(r"cell->frac\[i\] = .* / \(high - low\);", ("merge low;",), after=True),
     Hint(
         r"face = smap_face\(map, along, axes\);", ("split axes[1];", "split axes[2];"), after=True
     ),
     Hint(r"mu = smap_grid_value\(.*", ("merge axes[1];", "merge axes[2];")),
     Hint(
-        r"value = smap_between\(below\[level\], value, cell->frac\[level\]\);",
+        r"value = smap_between\(below\[level\], value, cell->frac\[level\], .*",
         ("admit value <= 65535;",),
         after=True,
     ),

@@ -25,7 +25,7 @@ CHECKED = {
     "i = 0; i < 2u * products; i++": "2 x products",
     "i = 0; i < 2u * knots; i++": BLOB,
     "i = 0; i < dims; i++": "dims",
-    "k = 1; k < nodes; k++": "nodes of an axis, within the map",
+    "k = 1; knot != SMAP_EVEN && k < nodes; k++": "nodes of an axis, within the map",
     "i = 0; i < parts; i++": "3 tables",
     "i = 0; i < rails; i++": "rails",
     "i = 0; i < SMAP_MANY_SINGLES; i = (uint8_t)(i + 4)": "10 numbers",

@@ -115,16 +115,27 @@ POLYGON = "k = 0; k < 2u * count; k++"
 LOOKED_AT, BENT = "; e < w->edges; e++", "k = first; gaps && k < o->at.segments && w->left; k++"
 SHORT = "; w->low[e] != SMAP_SHORT && w->low[at] == SMAP_SHORT && left > 0; left--"
 PUSH = "k = 0; k < side->count && w->left; k++"
-COUNTED = {LOOKED_AT: "edges", SHORT: "edges", BENT: "links", PUSH: "links"}
+# A read looks at a segment of the boundary once.  Of a facet it looks at each strip once from each of
+# two edges at most, at all pieces of its sides (no more than there are walls), and goes on four times.
+SEGMENT, WITHIN = "; s < end; s++", "k = 0; k < s->count; k++"
+# Head -> counter, and of which capacity it is how many.
+COUNTED = {
+    LOOKED_AT: ("edges", "edges", 1),
+    SHORT: ("edges", "edges", 1),
+    BENT: ("links", "links", 1),
+    PUSH: ("links", "links", 1),
+    SEGMENT: ("segments", "links", 1),
+    WITHIN: ("within", "walls", 8),
+}
 PAID = {POLYGON: "CORNER"}
 # Function -> the work that is taken before each call, and how often it may be called without.
 CALLED = {
     "smap_add_facet": ("FACET", 0),
     "smap_is_clear": ("CLEAR", 0),
     "smap_bound": ("LOOP", 0),
-    "smap_go_on": ("WAY", 1),
-    "smap_go_further": ("WAY", 1),
-    "smap_find_roll": ("ROLL", 3),
+    "smap_go_on": ("WAY", 0),
+    "smap_go_further": ("WAY", 0),
+    "smap_find_roll": ("ROLL", 0),
 }
 
 # Head of a loop as it stands in smap.c -> most rounds, in words and as a function of the shape.
@@ -133,7 +144,7 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "mantissa < 0x800000u": _plain("a denormal's 23 shifts", 23),
     "digit = 0x1000000u; digit != 0; digit >>= 1": _plain("25 binary digits", 25),
     "digit = (uint32_t)1 << 30; digit != 0; digit >>= 2": _plain("16 digits", 16),
-    "shift = 0; longest << shift < 16384u; shift++": _plain("14 shifts", 14),
+    "shift = 0; longest << shift < 32768u; shift++": _plain("15 shifts", 15),
     "i = 1; i < 6; i++": _plain("5 faces", 5),
     "i = 0; i < 2; i++": TWICE,
     **{f"{i} = 0; {i} < 3; {i}++": THREE for i in ("i", "k", "n", "c")},
@@ -145,6 +156,9 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "i = 0; i < params; i++": PARAMS,
     "j = 0; j < params; j++": PARAMS,
     "i = 0; i < SMAP_BLOB(map)[SMAP_AT_PARAMS]; i++": PARAMS,
+    "i = 0; i < SMAP_BLOB(made->head.map)[SMAP_AT_PARAMS]; i++": PARAMS,
+    "i = 0; made->head.status == SMAP_OK && i < SMAP_BLOB(map)[SMAP_AT_PARAMS]; i++": PARAMS,
+    "i = 0; i < out->contacts; i++": CONTACTS,
     "i = 0; i < angles; i++, count = (uint8_t)(count + 2)": _of("angles"),
     "i = 0; i < travels; i++": _of("travels"),
     "i = 0; i < body[SMAP_IN_PRODUCTS]; i++": _of("products"),
@@ -225,24 +239,22 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     BENT: LINKS,
     # reads of many contacts
     "i = 0; i < shown; i++": SHOWN,
-    "; s < end; s++": LINKS,
+    SEGMENT: LINKS,
     **{
         f"part = 0; part < 2; part++, s = {at}segment + {at}first[island], end = middle": TWICE
         for at in ("o->at.", "at->")
     },
     "k = o->at.first[island]; k < o->at.last[island]; k++": LINKS,
     "k = at->first[island]; k < at->last[island]; k++": LINKS,
-    "k = 0; k < s->count; k++": _plain("SMAP_PIECES and one", 13),
-    "left = 4; left > 0; left--": _plain("4 facets", 4),
+    WITHIN: _plain("SMAP_PIECES and one", 13),
+    "left = 4; left > 0 && status == SMAP_FURTHER; left--": _plain("4 facets", 4),
     "e = o->at.edge[f]; e < end; e++": EDGES,
-    "e = at->edge[f]; e < end; e++": EDGES,
-    "; e < o->at.edge[f + 1]; e++": EDGES,
-    "; e < at->edge[f + 1]; e++": EDGES,
+    "e = at->edge[f]; e < end; e++, n++": EDGES,
+    "k = *e; k < o->at.edge[*f + 1]; k++": EDGES,
+    "k = *e; k < at->edge[*f + 1]; k++": EDGES,
     "; x != 0; x >>= 1": _plain("32 bits", 32),
     "sum < 0x10000000u": _plain("15 shifts", 15),
     "sum >= 0x40000000u": _plain("2 shifts", 2),
-    "factor >= 65535.0f && i->shift < 40": _plain("40 shifts", 40),
-    "factor < 32767.0f && i->shift > -40": _plain("80 shifts", 80),
 }
 # Each corner but one is merged once.
 TOTALS: Mapping[str, Any] = {"level = 0; corner >> level & 1u; level++": lambda s: 2**s.dims}
@@ -307,7 +319,8 @@ def counted(source: str, shape: Shape) -> dict[int, tuple[str, int, int]]:
         if paid is not None:
             result[line] = "work", shape.work, units[paid]
         elif head in COUNTED:
-            result[line] = COUNTED[head], int(getattr(shape, COUNTED[head])), 1
+            counter, capacity, often = COUNTED[head]
+            result[line] = counter, often * int(getattr(shape, capacity)), 1
     return result
 
 

@@ -27,12 +27,14 @@ static float smap_nearest(const smap_many_pose_t *o, uint8_t facet, const float 
   const smap_segment_t *const middle = o->at.segment + o->at.begin[facet];
   const smap_segment_t *s = middle, *end = o->at.segment + o->at.last[island];
   const float h[3] = {g[0], g[1], g[2]}; /* no store can alter it */
+  const int bulges = o->at.convex[facet];
   float least = 1.0f;
   uint8_t part;
   for (part = 0; part < 2; part++, s = o->at.segment + o->at.first[island], end = middle) {
     for (; s < end; s++) {
       const float *n = o->wall[s->wall];
-      float away = smap_dot(n, h), c[3];
+      const float ahead = smap_dot(n, h);
+      float away = ahead, c[3];
       if (away >= top) {
         continue;
       }
@@ -50,6 +52,9 @@ static float smap_nearest(const smap_many_pose_t *o, uint8_t facet, const float 
         away = smap_point_sine(o->point[s->stop], h);
       } else if (smap_dot(o->point[s->start], c) < 0.0f) {
         continue;
+      } else if (bulges && ahead < 0.0f) { /* of what is convex no other place is as near */
+        *which = s->wall;
+        return away;
       }
       if (away < least) {
         least = away;
@@ -125,35 +130,42 @@ static inline int smap_on_facet(const smap_many_pose_t *o, uint8_t f, float leas
   return o->at.kind[f] != SMAP_REST ? SMAP_TIPS : least < o->guard ? SMAP_ROCKS : SMAP_OK;
 }
 
-/* The same of a direction that pierces facet f first, and lies beyond its edge e.  There is a strip, and
- * where planes are all but one the direction may lie on the facet at the far end. */
-SMAP_APART static int smap_beyond(const smap_many_pose_t *o, uint8_t f, uint8_t e, const float g[3])
+#define SMAP_FURTHER 1 /* no status: what a direction reads is told by the facet that it has come to */
+
+/* What a direction reads that lies beyond edge *e of facet *f: there is a strip, or, where planes are all but
+ * one, it may lie on the facet at the far end, or beyond an edge of that. */
+SMAP_APART static int smap_step_beyond(const smap_many_pose_t *o, uint8_t *f, uint8_t *e, const float g[3])
 {
-  uint8_t left, which;
+  uint8_t k, to = SMAP_NONE, which;
   float least;
-  for (left = 4; left > 0; left--) {
-    uint8_t to = SMAP_NONE;
-    for (; e < o->at.edge[f + 1]; e++) {
-      const smap_rim_t *rim = &o->at.rim[e];
-      if (rim->side == SMAP_NONE || smap_dot(o->wall[e], g) >= o->hair) {
-        continue;
-      }
-      if (smap_dot(o->wall[rim->back], g) >= o->hair) {
-        to = rim->to;
-      } else if (smap_within(o, rim->side, g) && smap_within(o, (uint8_t)(rim->side + 1u), g)) {
-        return SMAP_ROCKS;
-      }
+  for (k = *e; k < o->at.edge[*f + 1]; k++) {
+    const smap_rim_t *rim = &o->at.rim[k];
+    if (rim->side == SMAP_NONE || smap_dot(o->wall[k], g) >= o->hair) {
+      continue;
     }
-    if (to == SMAP_NONE || left == 1) {
-      return SMAP_TIPS;
-    }
-    f = to;
-    e = smap_first_beyond(o, f, g, &least, &which);
-    if (e == o->at.edge[f + 1]) {
-      return smap_on_facet(o, f, least);
+    if (smap_dot(o->wall[rim->back], g) >= o->hair) {
+      to = rim->to;
+    } else if (smap_within(o, rim->side, g) && smap_within(o, (uint8_t)(rim->side + 1u), g)) {
+      return SMAP_ROCKS;
     }
   }
-  return SMAP_TIPS;
+  if (to == SMAP_NONE) {
+    return SMAP_TIPS;
+  }
+  *f = to;
+  *e = smap_first_beyond(o, to, g, &least, &which);
+  return *e == o->at.edge[to + 1] ? smap_on_facet(o, to, least) : SMAP_FURTHER;
+}
+
+/* The same of a direction that pierces facet f first, and lies beyond its edge e. */
+static int smap_beyond(const smap_many_pose_t *o, uint8_t f, uint8_t e, const float g[3])
+{
+  int status = SMAP_FURTHER;
+  uint8_t left;
+  for (left = 4; left > 0 && status == SMAP_FURTHER; left--) {
+    status = smap_step_beyond(o, &f, &e, g);
+  }
+  return status == SMAP_FURTHER ? SMAP_TIPS : status;
 }
 
 static smap_status_t smap_many_at(const smap_many_pose_t *o, const float gravity[3], smap_reading_t *out)
@@ -180,7 +192,9 @@ static smap_status_t smap_many_at(const smap_many_pose_t *o, const float gravity
   }
   edge = smap_first_beyond(o, best, g, &tip, &nearest);
   which = nearest;
-  status = edge == o->at.edge[best + 1] ? smap_on_facet(o, best, tip) : smap_beyond(o, best, edge, g);
+  status = edge == o->at.edge[best + 1] ? smap_on_facet(o, best, tip)
+           : o->at.alone[best]          ? SMAP_TIPS
+                                        : smap_beyond(o, best, edge, g);
   if (status == SMAP_TIPS || !o->at.alone[best]) {
     tip = smap_boundary(o, best, g, status != SMAP_TIPS, &which);
   }

@@ -11,7 +11,7 @@
 #define SMAP_ROUNDED_I 9e-5f /* sine that rounding may alter */
 
 typedef struct {
-  int8_t shift;      /* of D: see smap_factor_i */
+  uint8_t shift;     /* of D: see smap_many_make_i */
   uint16_t mantissa; /* of D */
   int16_t guard, hair, slack;
   uint16_t height[SMAP_MANY_SHOWN];
@@ -70,17 +70,11 @@ static void smap_many_make_i(const smap_many_pose_t *o, float sdg_step, float he
   smap_units_i(o->plane, o->at.shown, (float)SMAP_ONE_I * least, i->plane); /* n / h: the greatest is 1 */
   smap_units_i(o->wall, o->at.walls, (float)SMAP_ONE_I, i->wall);
   smap_units_i(o->point, o->at.points, (float)SMAP_ONE_I, i->point);
-  /* D = g 32767 least / (2 sdg_step) / (plane . g) = g mantissa 2^shift / (plane . g) */
+  /* D = g 32767 least / (2 sdg_step) / (plane . g) = g (mantissa 2^16 / (plane . g >> shift)) / 2^15 */
   factor = (float)SMAP_ONE_I * least * 0.5f / sdg_step;
-  i->shift = 0;
-  while (factor >= 65535.0f && i->shift < 40) {
-    factor *= 0.5f;
-    i->shift++;
-  }
-  while (factor < 32767.0f && i->shift > -40) {
-    factor *= 2.0f;
-    i->shift--;
-  }
+  k = (uint8_t)(smap_bits(factor) >> 23);
+  i->shift = (uint8_t)(k > 143 && k < 173 ? k - 143 : 0); /* so that it is less than 2^17 */
+  factor = smap_from_bits(smap_bits(factor) - ((uint32_t)i->shift << 23)) * 0.5f;
   i->mantissa = (uint16_t)(factor < 65535.0f ? factor + 0.5f : 65535.0f);
   i->guard = (int16_t)((o->guard + SMAP_ROUNDED_I) * (float)SMAP_ONE_I + 1.0f);
   i->hair = (int16_t)((o->hair + SMAP_ROUNDED_I) * (float)SMAP_ONE_I + 1.0f);
@@ -162,12 +156,14 @@ static int32_t smap_nearest_i(const smap_layout_t *at, const smap_many_pose_i_t 
   const smap_segment_t *const middle = at->segment + at->begin[facet];
   const smap_segment_t *s = middle, *end = at->segment + at->last[island];
   const int32_t h[3] = {g[0], g[1], g[2]}; /* no store can alter it */
-  int32_t top = at->convex[facet] ? least / 100 : least; /* SMAP_BEYOND */
+  const int bulges = at->convex[facet];
+  int32_t top = bulges ? least / 100 : least; /* SMAP_BEYOND */
   uint8_t part;
   for (part = 0; part < 2; part++, s = at->segment + at->first[island], end = middle) {
     for (; s < end; s++) {
       const int16_t *n = o->wall[s->wall], *p;
-      int32_t away = smap_dot_i(n, h), c[3];
+      const int32_t ahead = smap_dot_i(n, h);
+      int32_t away = ahead, c[3];
       if (away >= top) {
         continue;
       }
@@ -193,6 +189,9 @@ static int32_t smap_nearest_i(const smap_layout_t *at, const smap_many_pose_i_t 
         away = smap_length_i(c);
       } else if (smap_dot_i(o->point[s->start], c) < 0) {
         continue;
+      } else if (bulges && ahead < 0) { /* of what is convex no other place is as near */
+        *which = s->wall;
+        return away;
       }
       if (away < least) {
         least = away;
@@ -205,7 +204,7 @@ static int32_t smap_nearest_i(const smap_layout_t *at, const smap_many_pose_i_t 
 }
 
 /* As smap_boundary. */
-static int32_t smap_boundary_i(const smap_layout_t *at, const smap_many_pose_i_t *o,
+SMAP_APART static int32_t smap_boundary_i(const smap_layout_t *at, const smap_many_pose_i_t *o,
                                uint8_t facet, const int32_t g[3], int inside, int32_t least,
                                uint8_t *which)
 {
@@ -245,17 +244,21 @@ static inline uint8_t smap_first_beyond_i(const smap_layout_t *at, const smap_ma
                                           int32_t *least, uint8_t *which)
 {
   const uint8_t end = at->edge[f + 1];
+  const int32_t h[3] = {g[0], g[1], g[2]}; /* no store can alter it */
+  const int16_t(*n)[3] = o->wall + at->edge[f];
+  int32_t low = *least;
   uint8_t e;
-  for (e = at->edge[f]; e < end; e++) {
-    const int32_t in = smap_dot_i(o->wall[e], g);
-    if (in < *least) {
+  for (e = at->edge[f]; e < end; e++, n++) {
+    const int32_t in = smap_dot_i(*n, h);
+    if (in < low) {
       if (in < hair) {
         break;
       }
-      *least = in;
+      low = in;
       *which = e;
     }
   }
+  *least = low;
   return e;
 }
 
@@ -266,69 +269,65 @@ static inline int smap_on_facet_i(const smap_layout_t *at, const smap_many_pose_
   return at->kind[f] != SMAP_REST ? SMAP_TIPS : least < o->guard * length ? SMAP_ROCKS : SMAP_OK;
 }
 
-/* As smap_beyond. */
-SMAP_APART static int smap_beyond_i(const smap_layout_t *at, const smap_many_pose_i_t *o, uint8_t f,
-                                    uint8_t e, const int32_t g[3], int32_t length)
+/* As smap_step_beyond. */
+SMAP_APART static int smap_step_beyond_i(const smap_layout_t *at, const smap_many_pose_i_t *o,
+                                         uint8_t *f, uint8_t *e, const int32_t g[3], int32_t length)
 {
   const int32_t hair = o->hair * length, slack = o->slack * length;
-  uint8_t left, which;
-  int32_t least;
-  for (left = 4; left > 0; left--) {
-    uint8_t to = SMAP_NONE;
-    for (; e < at->edge[f + 1]; e++) {
-      const smap_rim_t *rim = &at->rim[e];
-      if (rim->side == SMAP_NONE || smap_dot_i(o->wall[e], g) >= hair) {
-        continue;
-      }
-      if (smap_dot_i(o->wall[rim->back], g) >= hair) {
-        to = rim->to;
-      } else if (smap_within_i(at, o, rim->side, g, slack) &&
-                 smap_within_i(at, o, (uint8_t)(rim->side + 1u), g, slack)) {
-        return SMAP_ROCKS;
-      }
+  int32_t least = SMAP_ONE_I * (length - 1);
+  uint8_t k, to = SMAP_NONE, which;
+  for (k = *e; k < at->edge[*f + 1]; k++) {
+    const smap_rim_t *rim = &at->rim[k];
+    if (rim->side == SMAP_NONE || smap_dot_i(o->wall[k], g) >= hair) {
+      continue;
     }
-    if (to == SMAP_NONE || left == 1) {
-      return SMAP_TIPS;
-    }
-    f = to;
-    least = SMAP_ONE_I * (length - 1);
-    e = smap_first_beyond_i(at, o, f, g, hair, &least, &which);
-    if (e == at->edge[f + 1]) {
-      return smap_on_facet_i(at, o, f, least, length);
+    if (smap_dot_i(o->wall[rim->back], g) >= hair) {
+      to = rim->to;
+    } else if (smap_within_i(at, o, rim->side, g, slack) &&
+               smap_within_i(at, o, (uint8_t)(rim->side + 1u), g, slack)) {
+      return SMAP_ROCKS;
     }
   }
-  return SMAP_TIPS;
+  if (to == SMAP_NONE) {
+    return SMAP_TIPS;
+  }
+  *f = to;
+  *e = smap_first_beyond_i(at, o, to, g, hair, &least, &which);
+  return *e == at->edge[to + 1] ? smap_on_facet_i(at, o, to, least, length) : SMAP_FURTHER;
 }
 
-/* |D - s| in steps. */
-static uint16_t smap_sdg_i(const smap_many_pose_i_t *o, uint8_t f, const int32_t g[3], int32_t rate)
+/* As smap_beyond. */
+static int smap_beyond_i(const smap_layout_t *at, const smap_many_pose_i_t *o, uint8_t f, uint8_t e,
+                         const int32_t g[3], int32_t length)
 {
-  int32_t d[3];
-  uint32_t factor;
-  int8_t shift = (int8_t)(o->shift - 15);
+  int status = SMAP_FURTHER;
+  uint8_t left;
+  for (left = 4; left > 0 && status == SMAP_FURTHER; left--) {
+    status = smap_step_beyond_i(at, o, &f, &e, g, length);
+  }
+  return status == SMAP_FURTHER ? SMAP_TIPS : status;
+}
+
+/* |D - s| in steps.  A contact is at most 32767 two-steps away and the longest of g is 16384 or more, so the
+ * factor is at most 2^16 for 2. */
+SMAP_APART static uint16_t smap_sdg_i(const smap_many_pose_i_t *o, uint8_t f, const int32_t g[3], int32_t rate)
+{
+  const uint32_t deep = (uint32_t)rate >> o->shift, factor = deep ? ((uint32_t)o->mantissa << 16) / deep : 65536u;
+  uint32_t sum = 0;
   uint8_t k;
-  k = smap_bits_i((uint32_t)rate);
-  shift = (int8_t)(shift + 16 - k);
-  rate = k > 16 ? rate >> (k - 16) : (int32_t)((uint32_t)rate << (16 - k));
-  factor = ((uint32_t)o->mantissa << 15) / (uint32_t)rate; /* 2^14 to 2^16 */
+  if (SMAP_RARELY(factor > 65535u)) {
+    return 65534;
+  }
   SMAP_THRICE
   for (k = 0; k < 3; k++) {
-    int32_t v = g[k] * (int32_t)(factor >> 1);
-    const int8_t by = (int8_t)(shift + 1);
-    if (by < 0) {
-      v = by < -30 ? 0 : v >> -by;
-    } else if (v > 0x3FFFFFFF >> by || v < -(0x3FFFFFFF >> by)) {
-      return 65534;
-    } else {
-      v = (int32_t)((uint32_t)v << by);
-    }
-    d[k] = v - o->centre[f][k];
-    if (d[k] > 32768 || d[k] < -32768) {
+    const int32_t d = (g[k] * (int32_t)factor >> 15) - o->centre[f][k];
+    if (SMAP_RARELY(d > 32767 || d < -32767)) {
       return 65534;
     }
+    sum += (uint32_t)(d * d);
   }
-  rate = smap_length_i(d);
-  return (uint16_t)(rate < 32767 ? 2 * rate : 65534);
+  sum = 2u * smap_whole_root(sum);
+  return (uint16_t)(sum < 65534u ? sum : 65534u);
 }
 
 /* Read a pose under a direction whose longest component is 16384 to 32768; `length` is that of it,
@@ -338,6 +337,7 @@ static smap_status_t smap_many_at_i(const smap_layout_t *at, const smap_many_pos
 {
   const int32_t size = (int32_t)length, all = SMAP_ONE_I * (size - 1);
   const uint8_t shown = at->alive ? at->shown : 0;
+  const int32_t h[3] = {g[0], g[1], g[2]}; /* no store can alter it */
   int32_t rate = 0, least = all;
   uint8_t i, best = SMAP_NONE, edge, nearest = 0, which;
   int status;
@@ -346,7 +346,7 @@ static smap_status_t smap_many_at_i(const smap_layout_t *at, const smap_many_pos
   out->over[0] = out->over[1] = SMAP_NONE;
   SMAP_THRICE
   for (i = 0; i < shown; i++) {
-    const int32_t v = smap_dot_i(o->plane[i], g);
+    const int32_t v = smap_dot_i(o->plane[i], h);
     if (v > rate) {
       rate = v;
       best = i;
@@ -358,6 +358,7 @@ static smap_status_t smap_many_at_i(const smap_layout_t *at, const smap_many_pos
   edge = smap_first_beyond_i(at, o, best, g, o->hair * size, &least, &nearest);
   which = nearest;
   status = edge == at->edge[best + 1] ? smap_on_facet_i(at, o, best, least, size)
+           : at->alone[best]          ? SMAP_TIPS
                                       : smap_beyond_i(at, o, best, edge, g, size);
   if (status == SMAP_TIPS || !at->alone[best]) {
     least = smap_boundary_i(at, o, best, g, status != SMAP_TIPS, all, &which);

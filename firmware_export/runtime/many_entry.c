@@ -35,6 +35,9 @@ SMAP_INLINE void smap_many_numbers(const smap_t *map, smap_many_t *out)
   for (i = 0; i <= out->rails; i++) {
     out->first[i] = body[SMAP_MANY_SINGLES + 1 + i];
   }
+  for (i = 0; i < out->contacts; i++) {
+    out->named[i] = body[SMAP_MANY_SINGLES + 2 + out->rails + i];
+  }
   out->axis[0] = smap_f32(body);
   out->axis[1] = smap_f32(body + 4);
   out->size = smap_f32(body + 8);
@@ -55,15 +58,6 @@ SMAP_INLINE void smap_many_numbers(const smap_t *map, smap_many_t *out)
     out->turned = smap_f32(body + 4);
   }
 #endif
-}
-
-/* The recipe's number of a contact. */
-SMAP_INLINE uint8_t smap_many_named(const smap_t *map, uint8_t contact)
-{
-  const smap_bytes_t body = smap_many_body(map);
-  return contact < SMAP_BLOB(map)[SMAP_AT_CONTACTS]
-             ? body[SMAP_MANY_SINGLES + 2 + body[SMAP_MANY_SINGLES] + contact]
-             : 255;
 }
 
 /* The radius of a contact. */
@@ -120,8 +114,6 @@ static int8_t smap_many_read(const smap_t *map, const smap_many_pose_t *pose, co
                              smap_reading_t *out)
 {
   const int8_t status = (int8_t)smap_many_at(pose, d, out);
-  out->over[0] = smap_many_named(map, out->over[0]);
-  out->over[1] = smap_many_named(map, out->over[1]);
   if (status != SMAP_OK && status != SMAP_ROCKS) {
     const float tip = out->tip_angle;
     out->tip_angle = tip < 0.0f ? tip : -SMAP_PI;
@@ -177,8 +169,6 @@ static int8_t smap_run_at_i(const void *pose, const int16_t *gravity, smap_readi
   }
   status = (int8_t)smap_many_at_i(whole ? &alone->at : &both->real.at,
                                   whole ? &alone->whole : &both->rest.whole, g, length, out);
-  out->over[0] = smap_many_named(head->map, out->over[0]);
-  out->over[1] = smap_many_named(head->map, out->over[1]);
   if (status != SMAP_OK && status != SMAP_ROCKS) {
     out->tip = out->tip < 0 ? out->tip : (int16_t)-1;
   }

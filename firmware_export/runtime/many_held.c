@@ -260,7 +260,7 @@ SMAP_APART static void smap_go_on(smap_many_work_t *w, uint8_t e, const float sp
                                   smap_end_t *end, uint8_t *ends)
 {
   smap_held_t next;
-  if (smap_may(w, SMAP_COST_WAY) && *ends < SMAP_ENDS && smap_roll_on(w, e, o, span, &next) &&
+  if (*ends < SMAP_ENDS && smap_roll_on(w, e, o, span, &next) &&
       smap_hold_last(w, w->twin[e], &next)) {
     smap_keep(w, e, &next, span, o, &end[*ends]);
     (*ends)++;
@@ -278,7 +278,7 @@ static int smap_hold_next(smap_many_work_t *w, uint8_t came, smap_held_t *o, sma
   uint8_t at;
   for (at = w->onward[came]; at != came && o->low < o->high && smap_may(w, SMAP_COST_VISIT);
        at = w->onward[at]) {
-    if (smap_leaves(w, came, at, o, span)) {
+    if (smap_leaves(w, came, at, o, span) && smap_may(w, SMAP_COST_WAY)) {
       smap_go_on(w, at, span, o, end, ends);
     }
   }
@@ -294,7 +294,7 @@ SMAP_APART static void smap_go_further(smap_many_work_t *w, uint8_t e, const flo
                                        smap_held_t *o, smap_end_t *end, uint8_t *ends)
 {
   smap_held_t next;
-  if (smap_may(w, SMAP_COST_WAY) && *ends < SMAP_ENDS && smap_roll_on(w, e, o, span, &next) &&
+  if (*ends < SMAP_ENDS && smap_roll_on(w, e, o, span, &next) &&
       smap_hold_next(w, w->twin[e], &next, end, ends) && *ends < SMAP_ENDS) {
     smap_keep(w, e, &next, span, o, &end[*ends]);
     (*ends)++;
@@ -311,7 +311,7 @@ static void smap_hold_rest(smap_many_work_t *w, uint8_t came, smap_held_t *o, sm
   uint8_t e;
   for (e = w->onward[came]; e != came && o->low < o->high && smap_may(w, SMAP_COST_VISIT);
        e = w->onward[e]) {
-    if (smap_leaves(w, came, e, o, span)) {
+    if (smap_leaves(w, came, e, o, span) && smap_may(w, SMAP_COST_WAY)) {
       smap_go_further(w, e, span, o, end, ends);
     }
   }

@@ -137,7 +137,6 @@ SMAP_APART static void smap_find_roll(smap_many_work_t *w, uint8_t e, smap_row_t
   smap_across_t first, last;
   float sum[3] = {0.0f, 0.0f, 0.0f}, place[3][3];
   uint8_t k, pairs;
-  (void)smap_may(w, SMAP_COST_ROLL);
   smap_begin_across(from->n, &first);
   last = first;
   o[SMAP_ANGLE][0] = smap_angle(from, to);
@@ -191,7 +190,11 @@ static smap_row_t *smap_roll(smap_many_work_t *w, uint8_t e)
     if (k + 1 < SMAP_MANY_ROLLS) {
       w->roll_of[e] = w->rolls++;
     }
-    smap_find_roll(w, e, w->roll + SMAP_ROLL * k);
+    if (smap_may(w, SMAP_COST_ROLL)) {
+      smap_find_roll(w, e, w->roll + SMAP_ROLL * k);
+    } else {
+      memset(w->roll + SMAP_ROLL * k, 0, sizeof(smap_row_t) * SMAP_ROLL);
+    }
   }
   return w->roll + SMAP_ROLL * k;
 }

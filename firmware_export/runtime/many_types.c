@@ -60,6 +60,7 @@ typedef struct {
 typedef struct {
   uint8_t contacts, rails;
   uint8_t first[SMAP_MANY_RAILS + 1];
+  uint8_t named[SMAP_MANY_CONTACTS]; /* the recipe's number of each contact */
   float axis[2];
   float size, steepest, least_height, rest_width, tolerance, rock_angle, band, guard;
 #if SMAP_SERIES || defined(SMAP_CONTROL)
@@ -157,11 +158,11 @@ typedef struct {
 #define SMAP_EACH (unsigned)smap_contacts_of(w->map)
 #define SMAP_COST_CORNER 3u                       /* a corner of a facet's polygon, and */
 #define SMAP_COST_SIDE (3u + 3u * SMAP_EACH / 4u) /* one of its sides, if it is wide */
-#define SMAP_COST_GAP 51u                         /* an arc between rests, but for */
+#define SMAP_COST_GAP 66u                         /* an arc between rests, but for */
 #define SMAP_COST_VISIT 15u                       /* an edge of a rest that the robot comes to, and */
-#define SMAP_COST_WAY 35u                         /* going on from there */
+#define SMAP_COST_WAY 43u                         /* going on from there */
 #define SMAP_COST_SHOW 7u                         /* a facet that is shown, but for */
-#define SMAP_COST_OUTLINE 4u                      /* one of its edges */
+#define SMAP_COST_OUTLINE 5u                      /* one of its edges */
 #define SMAP_COST_LOOP 7u                         /* a loop of the boundary, but for its edges */
 
 /* What is only needed while a pose is made. */

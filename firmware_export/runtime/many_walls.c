@@ -49,8 +49,8 @@ static uint8_t smap_add_wall(smap_many_work_t *w, smap_many_pose_t *o, const flo
     w->left = 0;
     return 0;
   }
-  o->at.over[o->at.walls][0] = i;
-  o->at.over[o->at.walls][1] = j;
+  o->at.over[o->at.walls][0] = w->map->named[i];
+  o->at.over[o->at.walls][1] = w->map->named[j];
   return o->at.walls++;
 }
 

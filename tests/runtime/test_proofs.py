@@ -206,7 +206,7 @@ def test_eva_proves_a_small_export_and_finds_its_seeded_fault(tmp_path: Path) ->
 @pytest.mark.parametrize(
     ("name", "part", "text", "instead"),
     [
-        ("between", "grid_i", "+ high * frac) >> 14", "+ high * frac + 16384u) >> 14"),
+        ("between", "grid_i", "(way >> (14 - finer))", "(way >> (14 - finer)) + 1u"),
         ("cell", "grid", "lower = x >= smap_u16", "lower = x > smap_u16"),
         ("root", "arithmetic", "digits += digits & 1u;", "digits += 0u;"),
         (

@@ -115,6 +115,7 @@ int exact_pose(int contacts)
     memcpy(place.contact[i].p, from, sizeof place.contact[i].p);
     place.contact[i].radius = from[3];
     memcpy(place.axle[i], from + 4, sizeof place.axle[i]);
+    robot.named[i] = (uint8_t)i;
   }
   return smap_many_pose(&robot, &place, &pose, &work);
 }
