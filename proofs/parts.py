@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from firmware_export.emit.runtime import SWITCHES, parts_of, runtime_file
-from targets.size import USUAL, program
+from targets.size import GAPS, USUAL, program
 
 __all__ = ["PROGRAMS", "place", "program_text", "runtime_parts"]
 
@@ -16,8 +16,8 @@ PROGRAMS: dict[str, tuple[str, ...]] = {
     "three_i": ("SMAP_TABLES", "SMAP_INTEGERS"),
     "grid_f": ("SMAP_GRID", "SMAP_FLOATS"),
     "grid_w": ("SMAP_GRID", "SMAP_INTEGERS"),
-    "rails": ("SMAP_MANY", "SMAP_MANY_BY_RAILS", "SMAP_FLOATS", "SMAP_INTEGERS", "SMAP_SERIES"),
-    "search": ("SMAP_MANY", "SMAP_MANY_SEARCH", "SMAP_FLOATS", "SMAP_INTEGERS", "SMAP_SERIES"),
+    "rails": ("SMAP_MANY", "SMAP_MANY_BY_RAILS", "SMAP_SERIES", *GAPS),
+    "search": ("SMAP_MANY", "SMAP_MANY_SEARCH", "SMAP_SERIES", *GAPS),
 }
 # Without rails there is none to hold; all else is as large as it can be.
 SEARCHED = {"SMAP_MANY_RAILS": 0}

@@ -115,8 +115,9 @@ POLYGON = "k = 0; k < 2u * count; k++"
 LOOKED_AT, BENT = "; e < w->edges; e++", "k = first; gaps && k < o->at.segments && w->left; k++"
 SHORT = "; w->low[e] != SMAP_SHORT && w->low[at] == SMAP_SHORT && left > 0; left--"
 PUSH = "k = 0; k < side->count && w->left; k++"
-# A read looks at a segment of the boundary once.  Of a facet it looks at each strip once from each of
-# two edges at most, at all pieces of its sides (no more than there are walls), and goes on four times.
+# A read looks at a segment of the boundary once.  Of a facet it looks at each strip once from each
+# of two edges at most, at all pieces of its sides (no more than there are walls), and goes on four
+# times.
 SEGMENT, WITHIN = "; s < end; s++", "k = 0; k < s->count; k++"
 # Head -> counter, and of which capacity it is how many.
 COUNTED = {
@@ -204,6 +205,8 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "k = (uint8_t)(j + 1u); k < count; k++": _mean("contacts", 3),
     "round = 0; round < 2; round++": _plain("2", 2),
     "part = 1; part < 4; part++": _plain("3 places of an arc", 3),
+    "e = w->facet[facet].first; e < last; e++": CONTACTS,
+    "k = 0; k < others; k++": CONTACTS,
     "k = (uint8_t)(e + 1u); k < w->edges; k++": _mean("edges", 2),
     "f = 0; f < w->facets; f++": FACETS,
     "; w->edges < last; w->edges++": CONTACTS,

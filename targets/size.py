@@ -38,18 +38,21 @@ ALLOWED = frozenset(("memcpy", "memset"))
 USUAL = {"SMAP_MAX_PARAMS": 2, "SMAP_MAX_ENTRIES": 8, "SMAP_MAX_COORDINATES": 42}
 # Of many contacts those that marv has, on two rails, and articulated, whose axes are not parallel.
 CAPACITIES = ("CONTACTS", "RAILS", "AXLES", "FACETS", "EDGES", "SHOWN", "WALLS", "LINKS", "SIDES")
-MANY = {"SMAP_MANY_BY_RAILS": (8, 2, 0, 10, 25, 10, 45, 55, 12)}
-MANY["SMAP_MANY_SEARCH"] = (4, 0, 1, 5, 10, 5, 25, 27, 5)
+MANY = {"SMAP_MANY_BY_RAILS": (8, 2, 0, 7, 20, 7, 30, 36, 6)}
+MANY["SMAP_MANY_SEARCH"] = (4, 0, 1, 3, 7, 3, 18, 20, 2)
+GAPS = ("SMAP_MANY_GAPS", "SMAP_FLOATS", "SMAP_INTEGERS")
 SETS = (
     ("SMAP_POINTS", "SMAP_FLOATS", "SMAP_INTEGERS"),
     ("SMAP_POLY", "SMAP_FLOATS", "SMAP_INTEGERS"),
     ("SMAP_TABLES", "SMAP_FLOATS", "SMAP_INTEGERS"),
     ("SMAP_TABLES", "SMAP_INTEGERS"),
-    ("SMAP_MANY", "SMAP_MANY_BY_RAILS", "SMAP_FLOATS", "SMAP_INTEGERS"),
-    ("SMAP_MANY", "SMAP_MANY_SEARCH", "SMAP_FLOATS", "SMAP_INTEGERS"),
+    ("SMAP_MANY", "SMAP_MANY_BY_RAILS", *GAPS),
+    ("SMAP_MANY", "SMAP_MANY_BY_RAILS", *GAPS[1:]),
+    ("SMAP_MANY", "SMAP_MANY_SEARCH", *GAPS),
+    ("SMAP_MANY", "SMAP_MANY_SEARCH", *GAPS[1:]),
     ("SMAP_POINTS", "SMAP_SERIES", "SMAP_FLOATS", "SMAP_INTEGERS"),
-    ("SMAP_MANY", "SMAP_MANY_BY_RAILS", "SMAP_SERIES", "SMAP_FLOATS", "SMAP_INTEGERS"),
-    ("SMAP_MANY", "SMAP_MANY_SEARCH", "SMAP_SERIES", "SMAP_FLOATS", "SMAP_INTEGERS"),
+    ("SMAP_MANY", "SMAP_MANY_BY_RAILS", "SMAP_SERIES", *GAPS),
+    ("SMAP_MANY", "SMAP_MANY_SEARCH", "SMAP_SERIES", *GAPS),
     ("SMAP_GRID", "SMAP_FLOATS"),
     ("SMAP_GRID", "SMAP_INTEGERS"),
 )
@@ -59,7 +62,9 @@ TITLES = (
     "`grid` of three points, floats too",
     "`grid` of three points, integers",
     "`contacts` on rails",
+    "`contacts` on rails, never rocking",
     "`contacts`, axes not parallel",
+    "`contacts`, axes not parallel, never rocking",
     "`contacts`, three points given by code",
     "`contacts` on rails, given by code",
     "`contacts`, others given by code",
@@ -193,7 +198,7 @@ def measure_set(features: Sequence[str], folder: Path) -> Measure:
         for key, value in zip(CAPACITIES, values, strict=True)
     }
     switches = {name: int(name in features) for name in SWITCHES}
-    config = {**switches, **USUAL, **more}
+    config = {**switches, **USUAL, **more, "SMAP_MANY_KNOWN": int(bool(more))}
     alone = measure(config, folder)
     # Control computes with floats.
     steered = measure(config, folder, control=True) if "SMAP_FLOATS" in features else alone

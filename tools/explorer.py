@@ -25,7 +25,10 @@ FLAGS = (
 )
 LINK = ("--no-entry", "--strip-all", "-z", "stack-size=524288", "--export=__heap_base")
 FAMILIES = ("three", "points", "grid", "whole", "many", "search")
-PARTS = ("types", "planes", "rests", "search", "rolls", "held", "gaps", "walls", "pose", "at")
+PARTS = (
+    *("types", "planes", "rests", "search", "rolls", "held", "gaps"),
+    *("walls", "strips", "pose", "at"),
+)
 # Tolerances of single precision, and what the exact definition has in their place.
 TOLERANCES = {
     "SMAP_BELOW": "1e-9",
@@ -41,7 +44,9 @@ TOLERANCES = {
 }
 # Single places where a number stands without a name, or bits are those of a single.
 PLACES = {
-    "  uint32_t bits;\n  memcpy(&bits, &w->low[e], sizeof bits);\n  return bits <= 0x3F800000u;": (
+    """  uint32_t bits;
+  memcpy(&bits, &w->low[e], sizeof bits);
+  return SMAP_MANY_GAPS && bits <= 0x3F800000u;""": (
         "  return w->low[e] >= 0.0 && w->low[e] <= 1.0;"
     ),
     "change < 1e-9)": "change < 1e-26)",

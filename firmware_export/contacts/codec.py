@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from firmware_export.contacts.closed import closed_form
 from firmware_export.contacts.layout import pose_words, swept_words
@@ -28,10 +29,12 @@ from lutgen.recipe import robot_size_of
 
 # Their numbers in runtime/blob.c.
 POINTS, RAILS, SEARCH = 1, 5, 6
-# The most room of a pose: facets, edges, facets that are shown, walls, segments, points, sides; the
-# most work (SMAP_COST_...); and the margin on what was seen.
-MOST_ROOM, MOST_WORK = (80, 250, 60, 254, 254, 254, 250), 0x7FFFFFFF
-LIMITS, MARGIN = (*MOST_ROOM, MOST_WORK), 1.25
+# The most room of a pose, as in the runtime's smap_room_t: facets, edges, facets that are shown,
+# walls, links, sides, work on gaps (SMAP_COST_...) and all work; and the margin on what was seen.
+LIMITS, MARGIN = (80, 250, 60, 254, 254, 250, 0xFFFF, 0x7FFFFFFF), 1.1
+# Of what gaps take there may be less, in this share of postures: they give up some, which is safe,
+# and without them a pose takes a quarter less memory.  Links at least, a fifth of which are rolls.
+GIVEN_UP, FEWEST = 0.003, 5
 # Steps of the integer form from the com to the furthest contact.
 STEPS = 16000.0
 # Words of a pose: head, floats, integers (runtime/three.c).
@@ -95,7 +98,7 @@ class Tables(AnyTables):
         if not self.room or self.many is None:
             return self
         facets, edges, shown, *more = self.room
-        return replace(self, room=(facets, edges, max(shown, min(facets, MOST_ROOM[2])), *more))
+        return replace(self, room=(facets, edges, max(shown, min(facets, LIMITS[2])), *more))
 
 
 @lru_cache(maxsize=4)
@@ -158,18 +161,31 @@ def off_of(model: Model, spec: Spec) -> float:
 
 
 def _room(model: Model, tables: Tables) -> tuple[int, ...]:
-    """Return the room of a pose: the most that many postures take, and a margin."""
-    export = Export("room", model.recipe, model, "contacts", "float", tables.channels, tables)
-    host = Host(describe(export, c_body(tables)))
+    """Return the room of a pose: the most that many postures take, of gaps what nearly all take."""
     rng = np.random.default_rng(5)
-    t = np.concatenate([rng.random((3000, model.k)), rng.integers(0, 5, (1500, model.k)) / 4.0])
+    any_posture = rng.random((3000, model.k))
+    even = rng.integers(0, 5, (1500, model.k)) / 4.0
     equal = np.repeat(rng.random((500, 1)), model.k, axis=1)
-    most = host.room(model.at(np.concatenate([t, equal])).astype(np.float32))
-    more = (2,) * len(MOST_ROOM) + (1,)
-    return tuple(
-        min(math.ceil(MARGIN * found) + least, limit)
-        for found, least, limit in zip(most, more, LIMITS, strict=True)
-    )
+    params = model.at(np.concatenate([any_posture, even, equal])).astype(np.float32)
+
+    def taken(room: tuple[int, ...]) -> NDArray[np.float64]:
+        one = replace(tables, room=room)
+        export = Export("room", model.recipe, model, "contacts", "float", tables.channels, one)
+        return Host(describe(export, c_body(one))).room(params).astype(np.float64)
+
+    found = taken(LIMITS)
+    kinds = np.split(found, np.cumsum([len(any_posture), len(even)]))
+    nearly = [np.quantile(kind, 1.0 - GIVEN_UP, axis=0, method="higher") for kind in kinds]
+    often = np.max(nearly, axis=0)
+    facets, edges, shown = (math.ceil(MARGIN * most) for most in found[:, :3].max(axis=0))
+    # Facets alone need a wall and a point for each edge; an array of C has one element at least.
+    walls, links = (max(int(most), edges, FEWEST) for most in often[3:5])
+    # All that is left is never taken.
+    sought = int(often[6]) + 1 if often[6] else 0
+    some = (facets, edges, shown, walls, links, max(int(often[5]), 1), sought)
+    room = tuple(min(one, limit) for one, limit in zip(some, LIMITS, strict=False))
+    work = math.ceil(MARGIN * taken((*room, LIMITS[-1]))[:, -1].max()) + 1
+    return (*room, min(work, LIMITS[-1]))
 
 
 def refusal(model: Model, arithmetic: str) -> str | None:
@@ -226,10 +242,11 @@ def c_body(tables: Tables, integer: bool = False) -> CBody:
         return CBody(POINTS, arrays, 3, tuple(macros), POSE, tables.reach / STEPS)
     assert many is not None
     contacts = len(many.order)
-    facets, edges, shown, walls, segments, points, sides, work = tables.room
+    facets, edges, shown, walls, links, sides, sought, work = tables.room
     rails = len(many.first) - 1
     macros += [
         ("SMAP_MANY_BY_RAILS" if rails else "SMAP_MANY_SEARCH", 1),
+        ("SMAP_MANY_GAPS", int(sought > 0)),
         ("SMAP_MANY_CONTACTS", contacts),
         ("SMAP_MANY_RAILS", rails),
         ("SMAP_MANY_AXLES", int(terms.axes > 0)),
@@ -238,11 +255,12 @@ def c_body(tables: Tables, integer: bool = False) -> CBody:
         ("SMAP_MANY_EDGES", edges),
         ("SMAP_MANY_SHOWN", shown),
         ("SMAP_MANY_WALLS", walls),
-        ("SMAP_MANY_LINKS", max(segments, points)),
+        ("SMAP_MANY_LINKS", links),
         ("SMAP_MANY_SIDES", sides),
+        ("SMAP_MANY_SOUGHT", sought),
         ("SMAP_MANY_WORK", work),
     ]
-    arrays = terms.arrays(0, (0.0, 0.0, 0.0), many.arrays)
+    arrays = terms.arrays(0, (0.0, 0.0, 0.0), many.arrays(tables.room))
     return CBody(
         *(
             RAILS if rails else SEARCH,

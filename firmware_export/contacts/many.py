@@ -54,15 +54,17 @@ class Many(NamedTuple):
     guard: float
     text: str
 
-    @property
-    def arrays(self) -> tuple[CArray, ...]:
-        """What the codec adds to positions, in the order of runtime/many_entry.c."""
+    def arrays(self, room: tuple[int, ...]) -> tuple[CArray, ...]:
+        """Return what the codec adds to positions, in the order of runtime/many_entry.c."""
         singles = [*self.axis, *self.numbers]
         rails = [len(self.first) - 1, *self.first]
         return (
             CArray("axis and limits", "float", singles, "see smap_many_t", False),
             CArray("rails", "uint8_t", rails, "rails, first contact of each", False),
             CArray("names", "uint8_t", self.order, "the recipe's number of each contact", False),
+            CArray("room", "uint8_t", room[:6], "the most of each: see smap_room_t", False),
+            CArray("sought", "uint16_t", room[6:7], "the most work on gaps", False),
+            CArray("work", "uint32_t", room[7:], "the most work on a pose", False),
             CArray("off", "float", self.more, "what series alter", False),
         )
 

@@ -14,7 +14,7 @@ from lutgen.errors import ExportError
 # The switches of the runtime: what its code depends on.
 SWITCHES = (
     *("SMAP_FLOATS", "SMAP_INTEGERS", "SMAP_POINTS", "SMAP_POLY", "SMAP_TABLES", "SMAP_GRID"),
-    *("SMAP_MANY", "SMAP_MANY_BY_RAILS", "SMAP_MANY_SEARCH", "SMAP_SERIES"),
+    *("SMAP_MANY", "SMAP_MANY_BY_RAILS", "SMAP_MANY_SEARCH", "SMAP_MANY_GAPS", "SMAP_SERIES"),
 )
 # A part, and the switches that need it; all always have it where none is named.
 _PARTS: tuple[tuple[str, tuple[str, ...]], ...] = (
@@ -37,10 +37,10 @@ _PARTS: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("many_planes", ("SMAP_MANY_SEARCH",)),
     ("many_rests", ("SMAP_MANY",)),
     ("many_search", ("SMAP_MANY_SEARCH",)),
-    *(
-        (f"many_{name}", ("SMAP_MANY",))
-        for name in ("rolls", "held", "gaps", "walls", "pose", "at", "at_i", "entry")
-    ),
+    *((f"many_{name}", ("SMAP_MANY_GAPS",)) for name in ("rolls", "held", "gaps")),
+    ("many_walls", ("SMAP_MANY",)),
+    ("many_strips", ("SMAP_MANY_GAPS",)),
+    *((f"many_{name}", ("SMAP_MANY",)) for name in ("pose", "at", "at_i", "entry")),
     ("steps", ("SMAP_FLOATS",)),
     ("check", ()),
     ("end", ()),

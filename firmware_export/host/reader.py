@@ -146,16 +146,12 @@ class Host:
         made = self._call(function, len(downs), (row, downs, status, reading))
         return made, status, reading
 
-    def room(self, params: ArrayLike) -> NDArray[np.int32]:
-        """Return the most room and work (8,) that poses of postures (m, k) take."""
+    def room(self, params: ArrayLike) -> NDArray[np.uint32]:
+        """Return the room and work (m, 8) that poses of postures (m, k) take; see host_room.h."""
         rows = np.ascontiguousarray(params, np.float32)
-        found, most = np.zeros(8, np.int32), np.zeros(8, np.int32)
-        function = self._function("room")
-        blob = ctypes.c_void_p(self._bytes.ctypes.data), ctypes.c_uint32(len(self._bytes))
-        for row in rows:
-            function(*blob, ctypes.c_void_p(row.ctypes.data), ctypes.c_void_p(found.ctypes.data))
-            np.maximum(most, found, out=most)
-        return most
+        found = np.zeros((len(rows), 8), np.uint32)
+        self._call(self._function("room"), len(rows), (rows, found))
+        return found
 
     def positions(self, params: ArrayLike) -> NDArray[np.float32]:
         """Return where the contacts (m, n, 3) of postures (m, k) are, in the order of the map.

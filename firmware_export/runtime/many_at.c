@@ -27,7 +27,7 @@ static float smap_nearest(const smap_many_pose_t *o, uint8_t facet, const float 
   const smap_segment_t *const middle = o->at.segment + o->at.begin[facet];
   const smap_segment_t *s = middle, *end = o->at.segment + o->at.last[island];
   const float h[3] = {g[0], g[1], g[2]}; /* no store can alter it */
-  const int bulges = o->at.convex[facet];
+  const int bulges = smap_is_convex(&o->at, facet);
   float least = 1.0f;
   uint8_t part;
   for (part = 0; part < 2; part++, s = o->at.segment + o->at.first[island], end = middle) {
@@ -71,7 +71,7 @@ static float smap_boundary(const smap_many_pose_t *o, uint8_t facet, const float
                            uint8_t *which)
 {
   const uint8_t island = o->at.island[facet];
-  if (inside && o->at.convex[facet]) {
+  if (inside && smap_is_convex(&o->at, facet)) {
     float near = 1.0f;
     uint8_t k;
     for (k = o->at.first[island]; k < o->at.last[island]; k++) {
@@ -83,7 +83,7 @@ static float smap_boundary(const smap_many_pose_t *o, uint8_t facet, const float
     }
     return near;
   }
-  return smap_nearest(o, facet, g, inside, o->at.convex[facet] ? SMAP_BEYOND : 1.0f, which);
+  return smap_nearest(o, facet, g, inside, smap_is_convex(&o->at, facet) ? SMAP_BEYOND : 1.0f, which);
 }
 
 /* Whether a direction lies on the inner side of a strip's side. */
@@ -192,10 +192,10 @@ static smap_status_t smap_many_at(const smap_many_pose_t *o, const float gravity
   }
   edge = smap_first_beyond(o, best, g, &tip, &nearest);
   which = nearest;
-  status = edge == o->at.edge[best + 1] ? smap_on_facet(o, best, tip)
-           : o->at.alone[best]          ? SMAP_TIPS
-                                        : smap_beyond(o, best, edge, g);
-  if (status == SMAP_TIPS || !o->at.alone[best]) {
+  status = edge == o->at.edge[best + 1]  ? smap_on_facet(o, best, tip)
+           : smap_is_alone(&o->at, best) ? SMAP_TIPS
+                                         : smap_beyond(o, best, edge, g);
+  if (status == SMAP_TIPS || !smap_is_alone(&o->at, best)) {
     tip = smap_boundary(o, best, g, status != SMAP_TIPS, &which);
   }
   if (tip < 1.0f) {

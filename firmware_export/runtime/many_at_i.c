@@ -156,7 +156,7 @@ static int32_t smap_nearest_i(const smap_layout_t *at, const smap_many_pose_i_t 
   const smap_segment_t *const middle = at->segment + at->begin[facet];
   const smap_segment_t *s = middle, *end = at->segment + at->last[island];
   const int32_t h[3] = {g[0], g[1], g[2]}; /* no store can alter it */
-  const int bulges = at->convex[facet];
+  const int bulges = smap_is_convex(at, facet);
   int32_t top = bulges ? least / 100 : least; /* SMAP_BEYOND */
   uint8_t part;
   for (part = 0; part < 2; part++, s = at->segment + at->first[island], end = middle) {
@@ -209,7 +209,7 @@ SMAP_APART static int32_t smap_boundary_i(const smap_layout_t *at, const smap_ma
                                uint8_t *which)
 {
   const uint8_t island = at->island[facet];
-  if (inside && at->convex[facet]) {
+  if (inside && smap_is_convex(at, facet)) {
     uint8_t k;
     for (k = at->first[island]; k < at->last[island]; k++) {
       const int32_t v = smap_dot_i(o->wall[at->segment[k].wall], g);
@@ -358,9 +358,9 @@ static smap_status_t smap_many_at_i(const smap_layout_t *at, const smap_many_pos
   edge = smap_first_beyond_i(at, o, best, g, o->hair * size, &least, &nearest);
   which = nearest;
   status = edge == at->edge[best + 1] ? smap_on_facet_i(at, o, best, least, size)
-           : at->alone[best]          ? SMAP_TIPS
+           : smap_is_alone(at, best)  ? SMAP_TIPS
                                       : smap_beyond_i(at, o, best, edge, g, size);
-  if (status == SMAP_TIPS || !at->alone[best]) {
+  if (status == SMAP_TIPS || !smap_is_alone(at, best)) {
     least = smap_boundary_i(at, o, best, g, status != SMAP_TIPS, all, &which);
   }
   if (least < all) {

@@ -3,8 +3,9 @@
 /* ---- entries: robots on many contacts -----------------------------------------------------------
  * What the map adds to positions: ten singles (the level axis of all discs, size, steepest, least height,
  * rest width, tolerance, rock angle, band, guard: see smap_many_t; with SMAP_BY_SERIES two more), rails u8, the first contact of each
- * rail and behind the last u8, the recipe's number of each contact u8; with SMAP_BY_SERIES two singles more, off and turned. */
-enum { SMAP_MANY_SINGLES = 40 };
+ * rail and behind the last u8, the recipe's number of each contact u8, the room of a pose (see smap_room_t)
+ * u8[6], u16, u32; with SMAP_BY_SERIES two singles more, off and turned. */
+enum { SMAP_MANY_SINGLES = 40, SMAP_MANY_ROOM = 12 };
 
 typedef struct {
   smap_head_t head;
@@ -24,6 +25,21 @@ typedef struct {
 SMAP_INLINE smap_bytes_t smap_many_body(const smap_t *map)
 {
   return smap_body(map) + SMAP_IN_MANY;
+}
+
+/* The room that a map tells. */
+SMAP_INLINE smap_room_t smap_room_in(smap_bytes_t at)
+{
+  smap_room_t room;
+  room.facets = at[0];
+  room.edges = at[1];
+  room.shown = at[2];
+  room.walls = at[3];
+  room.links = at[4];
+  room.sides = at[5];
+  room.sought = smap_u16(at + 6);
+  room.work = smap_u32(at + 8);
+  return room;
 }
 
 SMAP_INLINE void smap_many_numbers(const smap_t *map, smap_many_t *out)
@@ -51,8 +67,14 @@ SMAP_INLINE void smap_many_numbers(const smap_t *map, smap_many_t *out)
 #if SMAP_SERIES || defined(SMAP_CONTROL)
   out->off = out->turned = 0.0f;
 #endif
-#if SMAP_SERIES
+#if SMAP_SERIES || !SMAP_MANY_KNOWN
   body += SMAP_MANY_SINGLES + 2 + out->rails + out->contacts;
+#endif
+#if !SMAP_MANY_KNOWN
+  out->room = smap_room_in(body);
+#endif
+#if SMAP_SERIES
+  body += SMAP_MANY_ROOM;
   if (smap_body(map)[SMAP_IN_FLAGS] & SMAP_BY_SERIES) {
     out->off = smap_f32(body);
     out->turned = smap_f32(body + 4);
@@ -226,6 +248,20 @@ static int8_t smap_run_pose(const smap_t *map, const float *params, void *pose, 
   return status;
 }
 
+/* Whether a map's room is that of an export, or of any robot not beyond what there is. */
+static int smap_is_room(uint32_t found, uint32_t most)
+{
+  return SMAP_MANY_KNOWN ? found == most : found <= most;
+}
+
+static int smap_check_room(const smap_room_t *room)
+{
+  return smap_is_room(room->facets, SMAP_MANY_FACETS) && smap_is_room(room->edges, SMAP_MANY_EDGES) &&
+         smap_is_room(room->shown, SMAP_MANY_SHOWN) && smap_is_room(room->walls, SMAP_MANY_WALLS) &&
+         smap_is_room(room->links, SMAP_MANY_LINKS) && smap_is_room(room->sides, SMAP_MANY_SIDES) &&
+         smap_is_room(room->sought, SMAP_MANY_SOUGHT) && smap_is_room(room->work, SMAP_MANY_WORK);
+}
+
 /* Numbers that no loop or index may be led astray by. */
 static int smap_check_many(const smap_t *map)
 {
@@ -234,11 +270,13 @@ static int smap_check_many(const smap_t *map)
   const uint8_t contacts = SMAP_BLOB(map)[SMAP_AT_CONTACTS];
   const uint8_t rails = bytes > SMAP_MANY_SINGLES ? body[SMAP_MANY_SINGLES] : SMAP_NONE;
   const smap_bytes_t first = body + SMAP_MANY_SINGLES + 1;
-  uint16_t more = 0;
+  smap_bytes_t after;
+  smap_room_t room;
+  uint16_t more = SMAP_MANY_ROOM;
   uint8_t i;
 #if SMAP_SERIES
   if (smap_body(map)[SMAP_IN_FLAGS] & SMAP_BY_SERIES) {
-    more = 8;
+    more = SMAP_MANY_ROOM + 8;
   }
 #endif
   if (contacts > SMAP_MANY_CONTACTS || contacts < 3 || rails > SMAP_MANY_RAILS ||
@@ -258,13 +296,15 @@ static int smap_check_many(const smap_t *map)
       return 0;
     }
   }
+  after = body + SMAP_MANY_SINGLES + 2 + rails + contacts;
+  room = smap_room_in(after);
 #if SMAP_SERIES
-  if (more && !(smap_is_within(smap_f32(body + SMAP_MANY_SINGLES + 2 + rails + contacts), 1e6f) &&
-                smap_is_within(smap_f32(body + SMAP_MANY_SINGLES + 6 + rails + contacts), 1e6f))) {
+  if (more > SMAP_MANY_ROOM && !(smap_is_within(smap_f32(after + SMAP_MANY_ROOM), 1e6f) &&
+                                 smap_is_within(smap_f32(after + SMAP_MANY_ROOM + 4), 1e6f))) {
     return 0;
   }
 #endif
-  return smap_is_within(smap_f32(body), 1.001f) && smap_is_within(smap_f32(body + 4), 1.001f) &&
-         smap_is_positive(smap_f32(body + 8)) && smap_is_within(smap_f32(body + 36), 0.5f);
+  return smap_check_room(&room) && smap_is_within(smap_f32(body), 1.001f) &&
+         smap_is_within(smap_f32(body + 4), 1.001f) && smap_is_positive(smap_f32(body + 8)) && smap_is_within(smap_f32(body + 36), 0.5f);
 }
 

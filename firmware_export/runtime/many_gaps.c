@@ -97,15 +97,29 @@ static uint8_t smap_between_rests(const smap_many_work_t *w, uint8_t e)
   return e;
 }
 
+/* Look for gaps as long as may be; what is not found in that time is none. */
 static void smap_find_gaps(smap_many_work_t *w)
 {
+  const uint32_t all = w->left, most = SMAP_MOST(w->map, sought, SMAP_MANY_SOUGHT);
+  const uint32_t part = all < most ? all : most;
   uint8_t e;
+  if (!(w->map->rock_angle > 0.0f)) {
+    return;
+  }
+  w->left = part;
   for (e = smap_between_rests(w, 0); e < w->edges && smap_may(w, SMAP_COST_GAP);
        e = smap_between_rests(w, (uint8_t)(e + 1u))) {
     if (w->map->rock_angle >= 3.1415f) {
       w->low[e] = w->low[w->twin[e]] = 0.0f;
-    } else if (w->map->rock_angle > 0.0f) {
+    } else {
       smap_find_gap(w, e);
     }
+    if (!w->left) {
+      w->low[e] = w->low[w->twin[e]] = SMAP_OPEN;
+    }
   }
+#ifdef SMAP_HOST
+  w->sought = part - w->left;
+#endif
+  w->left += all - part;
 }

@@ -126,6 +126,7 @@ static void smap_find_spot(const smap_many_work_t *w, uint8_t i, const smap_aim_
   o->contact = i;
 }
 
+#if SMAP_MANY_GAPS
 /* Whether two contacts touch at the same places all the way. */
 static int smap_is_still(const smap_many_work_t *w, uint8_t i, uint8_t j)
 {
@@ -154,6 +155,7 @@ static void smap_meet(const smap_many_work_t *w, uint8_t i, uint8_t j, float par
   smap_tangents(w, j, a, b, q);
   smap_mix(p, q, part, out);
 }
+#endif
 
 /* How far a contact extends along a plane's normal. */
 static inline float smap_extent(const smap_many_work_t *w, uint8_t i, const smap_aim_t *at)

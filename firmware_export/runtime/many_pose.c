@@ -22,7 +22,7 @@ static void smap_show(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start)
   const uint8_t at = o->at.shown;
   uint8_t e = start, n = o->at.edge[at], k;
   float wall[3];
-  if (at >= SMAP_MANY_SHOWN) {
+  if (at >= SMAP_MOST(w->map, shown, SMAP_MANY_SHOWN)) {
     w->left = 0;
     return;
   }
@@ -50,40 +50,6 @@ static void smap_show(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start)
   o->at.edge[++o->at.shown] = n;
 }
 
-/* The first edge from e on that has a gap; each arc has one. */
-static uint8_t smap_to_strip(const smap_many_work_t *w, uint8_t e)
-{
-  for (; e < w->edges && !(smap_is_gap(w, e) && w->twin[e] > e); e++) {
-  }
-  return e;
-}
-
-/* Make the strips of all gaps, and give the islands that they join one number. */
-static void smap_add_strips(smap_many_work_t *w, smap_many_pose_t *o)
-{
-  uint8_t e, k;
-  for (e = smap_to_strip(w, 0); e < w->edges && smap_may(w, SMAP_COST_STRIP);
-       e = smap_to_strip(w, (uint8_t)(e + 1u))) {
-    const uint8_t from = w->facet[w->owner[e]].shown, to = w->facet[w->owner[w->twin[e]]].shown;
-    const uint8_t a = o->at.island[from], b = o->at.island[to];
-    if (smap_add_sides(w, o, e)) {
-      o->at.alone[from] = o->at.alone[to] = 0;
-      for (k = 0; k < o->at.shown; k++) {
-        o->at.island[k] = o->at.island[k] == b ? a : o->at.island[k];
-      }
-    }
-  }
-  for (k = 0; k < o->at.edge[o->at.shown] && w->left; k++) {
-    e = o->at.rim[k].side;
-    o->at.rim[k].side = SMAP_NONE;
-    if (smap_is_gap(w, e) && w->wall_of[w->twin[e]] != SMAP_NONE) {
-      o->at.rim[k].side = w->side_of[w->twin[e] < e ? w->twin[e] : e];
-      o->at.rim[k].back = w->wall_of[w->twin[e]];
-      o->at.rim[k].to = w->facet[w->owner[w->twin[e]]].shown;
-    }
-  }
-}
-
 #if SMAP_MANY_RAILS
 /* Turn what was found in the rails' frame into the body's. */
 static void smap_turn_back(const smap_many_t *m, float (*v)[3], uint8_t n)
@@ -108,21 +74,28 @@ static int smap_many_pose(const smap_many_t *m, const smap_many_place_t *place, 
   o->slack = 5e-4f; /* a sine */
   w->map = m;
   w->roll = o->point;
-  w->facets = w->edges = w->rolls = 0;
-  w->left = SMAP_MANY_WORK;
+  w->facets = w->edges = w->rolls = w->full = 0;
+  w->left = SMAP_MOST(m, work, SMAP_MANY_WORK);
   smap_find_facets(w, place);
   if (w->left) {
     smap_classify(w);
     smap_mark_short(w);
     smap_find_outlines(w);
+#if SMAP_MANY_GAPS
     smap_find_gaps(w);
+#endif
   }
   for (e = smap_to_show(w, 0); e < w->edges && smap_may(w, SMAP_COST_SHOW); e = smap_to_show(w, e)) {
     smap_show(w, o, e);
   }
+  if (w->full) {
+    w->left = 0;
+  }
+#if SMAP_MANY_GAPS
   if (w->left) {
     smap_add_strips(w, o);
   }
+#endif
   if (w->left) {
     smap_find_boundary(w, o);
   }

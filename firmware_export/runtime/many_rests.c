@@ -182,7 +182,7 @@ static void smap_mark_short(smap_many_work_t *w)
 /* Find the outlines of what short arcs join: no short arc is gone over twice. */
 static void smap_find_outlines(smap_many_work_t *w)
 {
-  uint8_t e, left = SMAP_MANY_EDGES;
+  uint8_t e, left = SMAP_MOST(w->map, edges, SMAP_MANY_EDGES);
   for (e = 0; e < w->edges; e++) {
     uint8_t at = w->next[e];
     for (; w->low[e] != SMAP_SHORT && w->low[at] == SMAP_SHORT && left > 0; left--) {

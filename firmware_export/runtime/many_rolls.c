@@ -187,7 +187,7 @@ static smap_row_t *smap_roll(smap_many_work_t *w, uint8_t e)
   k = w->roll_of[e];
   if (k == SMAP_NONE) {
     k = w->rolls;
-    if (k + 1 < SMAP_MANY_ROLLS) {
+    if (k + 1 < SMAP_MOST(w->map, links, SMAP_MANY_LINKS) / SMAP_ROLL) {
       w->roll_of[e] = w->rolls++;
     }
     if (smap_may(w, SMAP_COST_ROLL)) {

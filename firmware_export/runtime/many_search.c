@@ -66,10 +66,29 @@ static uint8_t smap_corners_near(smap_many_work_t *w, const smap_aim_t *at, floa
   return n;
 }
 
-/* Enter the facet on a plane that carries the robot, if it is new. */
-SMAP_APART static void smap_add_facet(smap_many_work_t *w, const smap_aim_t *at, float h)
+/* The same of three contacts that alone touch the plane. */
+static void smap_corners_of(const smap_many_work_t *w, const smap_aim_t *at, const uint8_t three[3],
+                            uint8_t *contact)
 {
-  uint8_t contact[SMAP_MANY_CONTACTS], n, k, f, e;
+  float p[3], q[3], r[3], a[3];
+  int turns;
+  smap_touch(w, three[0], at, p);
+  smap_touch(w, three[1], at, q);
+  smap_touch(w, three[2], at, r);
+  smap_minus(q, p, q);
+  smap_minus(r, p, r);
+  smap_cross(q, r, a);
+  turns = smap_dot(a, at->n) > 0.0f;
+  contact[0] = three[0];
+  contact[1] = three[turns ? 1 : 2];
+  contact[2] = three[turns ? 2 : 1];
+}
+
+/* Enter the facet on a plane that carries the robot, if it is new; `touch` contacts do, three of them for sure. */
+SMAP_APART static void smap_add_facet(smap_many_work_t *w, const smap_aim_t *at, float h,
+                                      const uint8_t three[3], uint8_t touch)
+{
+  uint8_t contact[SMAP_MANY_CONTACTS], n = 3, k, f, e;
   float d[3];
   for (f = 0; f < w->facets; f++) {
     smap_minus(w->facet[f].at.n, at->n, d);
@@ -77,7 +96,11 @@ SMAP_APART static void smap_add_facet(smap_many_work_t *w, const smap_aim_t *at,
       return;
     }
   }
-  n = smap_corners_near(w, at, h - SMAP_TOUCHES * w->map->size, contact);
+  if (touch == 3) {
+    smap_corners_of(w, at, three, contact);
+  } else {
+    n = smap_corners_near(w, at, h - SMAP_TOUCHES * w->map->size, contact);
+  }
   if (n >= 3 && smap_enter(w, at, h, n)) {
     e = w->facet[w->facets - 1].first;
     for (k = 0; k < n; k++) {
@@ -91,20 +114,54 @@ SMAP_APART static void smap_add_facet(smap_many_work_t *w, const smap_aim_t *at,
 static void smap_try(smap_many_work_t *w, const uint8_t three[3])
 {
   smap_aim_t at;
-  uint8_t k;
+  uint8_t k, touch = 3;
   float h;
   if (!smap_common(w, three, &at, &h) || !(-at.n[2] > w->map->steepest) ||
       !(h > w->map->least_height)) {
     return;
   }
   for (k = 0; k < smap_contacts_of(w->map); k++) {
-    if (smap_extent(w, k, &at) > h + SMAP_NOISY * w->map->size) {
+    const float reach = smap_extent(w, k, &at);
+    if (k == three[0] || k == three[1] || k == three[2]) {
+      continue;
+    }
+    if (reach > h + SMAP_NOISY * w->map->size) {
       return;
     }
+    touch = (uint8_t)(touch + (reach >= h - SMAP_TOUCHES * w->map->size));
   }
   if (smap_may(w, SMAP_COST_FACET)) {
-    smap_add_facet(w, &at, h);
+    smap_add_facet(w, &at, h, three, touch);
   }
+}
+
+/* Whether a contact is at a corner of a facet. */
+static int smap_is_corner(const smap_many_work_t *w, uint8_t facet, uint8_t contact)
+{
+  const uint8_t last = facet + 1u < w->facets ? w->facet[facet + 1].first : w->edges;
+  uint8_t e;
+  for (e = w->facet[facet].first; e < last; e++) {
+    if (w->vertex[e] == contact) {
+      return 1;
+    }
+  }
+  return 0;
+}
+
+/* The contacts that may be below the planes on those of an edge, on the way to its twin: not those of a facet
+ * at either end, of which the plane turns away if all three are points or balls of one size. */
+static uint8_t smap_list_others(const smap_many_work_t *w, uint8_t e, uint8_t back, uint8_t *other)
+{
+  const uint8_t i = w->vertex[e], j = w->vertex[w->next[e]];
+  const int alike = w->r[i] == w->r[j] && !smap_is_disc(w, i) && !smap_is_disc(w, j);
+  uint8_t k, count = 0;
+  for (k = 0; k < smap_contacts_of(w->map); k++) {
+    if (!(alike && w->r[k] == w->r[i] && !smap_is_disc(w, k) &&
+          (smap_is_corner(w, w->owner[e], k) || smap_is_corner(w, w->owner[back], k)))) {
+      other[count++] = k;
+    }
+  }
+  return count;
 }
 
 /* Whether nothing is below the planes on the contacts of an edge, on the way to its twin. */
@@ -112,14 +169,18 @@ SMAP_APART static int smap_is_clear(const smap_many_work_t *w, uint8_t e, uint8_
 {
   const uint8_t i = w->vertex[e], j = w->vertex[w->next[e]];
   const smap_aim_t *from = &w->facet[w->owner[e]].at, *to = &w->facet[w->owner[back]].at;
-  uint8_t part, k;
+  uint8_t other[SMAP_MANY_CONTACTS], part, k;
+  const uint8_t others = smap_list_others(w, e, back, other);
+  if (others == 0) {
+    return 1;
+  }
   for (part = 1; part < 4; part++) {
     smap_aim_t at;
     float h;
     smap_on_arc(w, i, j, from, to, 0.25f * (float)part, &at);
     h = smap_extent(w, i, &at) + 2.0f * SMAP_NOISY * w->map->size;
-    for (k = 0; k < smap_contacts_of(w->map); k++) {
-      if (smap_extent(w, k, &at) > h) {
+    for (k = 0; k < others; k++) {
+      if (smap_extent(w, other[k], &at) > h) {
         return 0;
       }
     }

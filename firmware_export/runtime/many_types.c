@@ -40,6 +40,12 @@
 #ifndef SMAP_MANY_WORK /* the most work that a pose may take: see SMAP_COST_... */
 #define SMAP_MANY_WORK 0x7FFFFFFFu
 #endif
+#ifndef SMAP_MANY_SOUGHT /* and of it that on gaps */
+#define SMAP_MANY_SOUGHT 0xFFFFu
+#endif
+#ifndef SMAP_MANY_GAPS
+#define SMAP_MANY_GAPS 1 /* 0: the robot was not seen to rock from rest to rest, and no gap is looked for */
+#endif
 #define SMAP_MANY_ROLLS (SMAP_MANY_LINKS / 5) /* that are kept */
 #define SMAP_NONE 255u
 
@@ -57,6 +63,15 @@ typedef struct {
 #endif
 } smap_many_place_t;
 
+/* The most that a pose may have of each, of the work on it and of that on gaps.  What a pose needs beyond
+ * that it has not: gaps that find no more room, or are not found in time, are given up, which makes the
+ * region smaller; without room or time for anything else the pose fails. */
+typedef struct {
+  uint8_t facets, edges, shown, walls, links, sides;
+  uint16_t sought;
+  uint32_t work;
+} smap_room_t;
+
 typedef struct {
   uint8_t contacts, rails;
   uint8_t first[SMAP_MANY_RAILS + 1];
@@ -65,6 +80,9 @@ typedef struct {
   float size, steepest, least_height, rest_width, tolerance, rock_angle, band, guard;
 #if SMAP_SERIES || defined(SMAP_CONTROL)
   float off, turned; /* parts of the size, of R also for each rad: what series alter, see many_held.c */
+#endif
+#if !SMAP_MANY_KNOWN
+  smap_room_t room;
 #endif
 } smap_many_t;
 
@@ -78,6 +96,13 @@ static inline uint8_t smap_rails_of(const smap_many_t *map)
 {
   return SMAP_MANY_KNOWN ? SMAP_MANY_RAILS : map->rails;
 }
+
+/* An export has just the room that its arrays have; others have room for many, and a map tells its own. */
+#if SMAP_MANY_KNOWN
+#define SMAP_MOST(map, one, known) (known)
+#else
+#define SMAP_MOST(map, one, known) ((map)->room.one)
+#endif
 
 #if SMAP_SERIES || defined(SMAP_CONTROL)
 #define SMAP_OFF(map) ((map)->off)
@@ -117,6 +142,16 @@ typedef struct {
   smap_segment_t segment[SMAP_MANY_LINKS];
   smap_side_t side[SMAP_MANY_SIDES];
 } smap_layout_t;
+
+static inline int smap_is_alone(const smap_layout_t *at, uint8_t facet)
+{
+  return !SMAP_MANY_GAPS || at->alone[facet];
+}
+
+static inline int smap_is_convex(const smap_layout_t *at, uint8_t facet)
+{
+  return !SMAP_MANY_GAPS || at->convex[facet];
+}
 
 typedef char smap_holds_a_roll[SMAP_MANY_ROLLS > 0 ? 1 : -1];
 
@@ -170,6 +205,10 @@ typedef struct {
   const smap_many_t *map;
   uint32_t left; /* of the work; 0 where the pose has failed */
   uint8_t facets, edges;
+  uint8_t full; /* whether there was no room for a wall, a point or a side */
+#ifdef SMAP_HOST
+  uint32_t sought; /* what gaps took */
+#endif
   float p[SMAP_MANY_CONTACTS][3], r[SMAP_MANY_CONTACTS];
 #if SMAP_MANY_RAILS
   uint8_t rail[SMAP_MANY_CONTACTS];
@@ -255,7 +294,7 @@ static int smap_is_gap(const smap_many_work_t *w, uint8_t e)
 {
   uint32_t bits;
   memcpy(&bits, &w->low[e], sizeof bits);
-  return bits <= 0x3F800000u;
+  return SMAP_MANY_GAPS && bits <= 0x3F800000u;
 }
 
 /* Begin a facet of some corners, from edge w->edges on; 0 where there is no room. */
@@ -263,7 +302,8 @@ static int smap_enter(smap_many_work_t *w, const smap_aim_t *at, float h, uint8_
 {
   smap_facet_t *f = &w->facet[w->facets];
   const uint8_t last = (uint8_t)(w->edges + corners);
-  if (w->facets >= SMAP_MANY_FACETS || w->edges + corners > SMAP_MANY_EDGES) {
+  if (w->facets >= SMAP_MOST(w->map, facets, SMAP_MANY_FACETS) ||
+      w->edges + corners > SMAP_MOST(w->map, edges, SMAP_MANY_EDGES)) {
     w->left = 0;
     return 0;
   }

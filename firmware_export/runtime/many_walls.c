@@ -11,22 +11,8 @@
  *                  |  low    |                edge there is a pocket between A and B.
  *                  +---------+
  *
- *   A segment lies on a wall, between two points, kept as unit vectors.  The side of a strip is a
- *   curve, cut into pieces that lose a little of the strip and add nothing to it: along tangents
- *   where it bulges into the strip, along its chord where it bulges outwards.
+ *   A segment lies on a wall, between two points, kept as unit vectors.
  */
-#if SMAP_MANY_RAILS
-#define SMAP_PIECE 0.2f  /* rad: longest piece of a side */
-#else
-#define SMAP_PIECE 0.07f  /* two rims that turn at different rates make no circle between them */
-#endif
-#if !SMAP_MANY_RAILS
-#define SMAP_BENT 1e-4f /* a sine: what rounding may bend */
-#endif
-#define SMAP_LOST 2e-4f  /* of the size: what the exact definition's pieces lose */
-#define SMAP_PIECES 12.0f
-#define SMAP_STRAIGHT 1e-7f /* of the size, squared: a side as short as this is straight */
-
 /* Scale a vector to length 1; 0 where it has no direction, or is no number. */
 static int smap_scale(const float v[3], float out[3])
 {
@@ -45,8 +31,9 @@ static int smap_scale(const float v[3], float out[3])
 static uint8_t smap_add_wall(smap_many_work_t *w, smap_many_pose_t *o, const float n[3], uint8_t i,
                              uint8_t j)
 {
-  if (o->at.walls >= SMAP_MANY_WALLS || !smap_scale(n, o->wall[o->at.walls])) {
-    w->left = 0;
+  if (o->at.walls >= SMAP_MOST(w->map, walls, SMAP_MANY_WALLS) ||
+      !smap_scale(n, o->wall[o->at.walls])) {
+    w->full = 1;
     return 0;
   }
   o->at.over[o->at.walls][0] = w->map->named[i];
@@ -56,173 +43,12 @@ static uint8_t smap_add_wall(smap_many_work_t *w, smap_many_pose_t *o, const flo
 
 static uint8_t smap_add_point(smap_many_work_t *w, smap_many_pose_t *o, const float p[3])
 {
-  if (o->at.points >= SMAP_MANY_LINKS || !smap_scale(p, o->point[o->at.points])) {
-    w->left = 0;
+  if (o->at.points >= SMAP_MOST(w->map, links, SMAP_MANY_LINKS) ||
+      !smap_scale(p, o->point[o->at.points])) {
+    w->full = 1;
     return 0;
   }
   return o->at.points++;
-}
-
-/* How many pieces the exact definition cuts the strip of an edge into; `turn` is by how much the
- * contacts go on along their rims (rad). */
-static float smap_pieces(const smap_many_work_t *w, uint8_t e, float *turn)
-{
-  const uint8_t back = w->twin[e], contact[2] = {w->vertex[e], w->vertex[w->next[e]]};
-  float most = 0.0f, d[3], n;
-  uint8_t k;
-  *turn = 0.0f;
-  for (k = 0; k < 2; k++) {
-    const float r = w->r[contact[k]];
-    if (r > 0.0f) {
-      float chord2;
-      smap_minus(k ? smap_end(w, e) : smap_corner(w, e), k ? smap_corner(w, back) : smap_end(w, back),
-                 d);
-      chord2 = smap_dot(d, d) / r;
-      most = chord2 > most ? chord2 : most;
-      n = smap_root(chord2 / r);
-      *turn = n > *turn ? n : *turn;
-    }
-  }
-  most *= 0.125f / (SMAP_LOST * w->map->size);
-  if (most <= 1.0f) {
-    return 1.0f;
-  }
-  n = smap_root(most);
-  return n < SMAP_PIECES - 1.0f ? 1.0f + (float)(int32_t)n : SMAP_PIECES;
-}
-
-/* Append a piece of a side: a wall from the last point to one more. */
-static void smap_add_piece(smap_many_work_t *w, smap_many_pose_t *o, smap_side_t *side,
-                           const float p[3], const float q[3], uint8_t i)
-{
-  float n[3];
-  smap_cross(p, q, n);
-  (void)smap_add_wall(w, o, n, i, i);
-  (void)smap_add_point(w, o, q);
-  side->count++;
-}
-
-/* A side from p to q bulges into the strip: corners on tangents, as many as it takes. */
-static void smap_bulge(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e, smap_side_t *side,
-                       const float p[3], const float q[3])
-{
-  const smap_aim_t *from = &w->facet[w->owner[e]].at, *to = &w->facet[w->owner[w->twin[e]]].at;
-  const uint8_t i = w->vertex[e], j = w->vertex[w->next[e]];
-  float count, turn, last[3], a[3];
-  const float pieces = smap_pieces(w, e, &turn);
-  smap_aim_t here = *from, there;
-  uint8_t k;
-  count = (float)(int32_t)(turn * (1.0f / SMAP_PIECE)) + 1.0f;
-  count = count > pieces ? pieces : count;
-  smap_copy(p, last);
-  for (k = 1; (float)k <= count && smap_may(w, SMAP_COST_PIECE); k++) {
-    if ((float)(k + 1) > count) {
-      there = *to;
-    } else {
-      smap_on_arc(w, i, j, from, to, (float)(int32_t)((float)k * pieces / count + 0.5f) / pieces,
-                  &there);
-    }
-    smap_meet(w, i, j, w->low[e], &here, &there, a);
-    smap_add_piece(w, o, side, last, a, i);
-    smap_copy(a, last);
-    here = there;
-  }
-  smap_add_piece(w, o, side, last, q, i);
-}
-
-/* Make the walls of the side of a strip at the beginning of an edge, on the way to its twin. */
-static void smap_add_side(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
-{
-  const uint8_t back = w->twin[e], i = w->vertex[e], j = w->vertex[w->next[e]];
-  smap_side_t *side = &o->at.side[o->at.sides];
-  float p[3], q[3], middle[3], chord[3], d[3];
-  smap_aim_t half;
-  if (o->at.sides >= SMAP_MANY_SIDES) {
-    w->left = 0;
-    return;
-  }
-  w->side_of[e] = o->at.sides++;
-  side->wall = o->at.walls;
-  side->inner = side->inwards = side->count = 0;
-  smap_mix(smap_corner(w, e), smap_end(w, e), w->low[e], p);
-  smap_mix(smap_end(w, back), smap_corner(w, back), w->low[e], q);
-  side->point = smap_add_point(w, o, p);
-  smap_minus(q, p, d);
-  if (!(smap_dot(d, d) > 1e-10f * w->map->size * w->map->size)) {
-    /* No width: a wall across the way to the far end. */
-    const float *far = smap_end(w, e);
-    smap_minus(far, p, d);
-    smap_cross(p, d, middle);
-    smap_cross(middle, p, d);
-    (void)smap_add_wall(w, o, d, i, i);
-    (void)smap_add_point(w, o, p);
-    side->count = 1;
-    return;
-  }
-  smap_on_arc(w, i, j, &w->facet[w->owner[e]].at, &w->facet[w->owner[back]].at, 0.5f, &half);
-  smap_meet(w, i, j, w->low[e], &half, &half, middle);
-  smap_cross(p, q, chord);
-  side->inwards = smap_dot(chord, middle) > 0.0f;
-  if (side->inwards && smap_dot(d, d) > SMAP_STRAIGHT * w->map->size * w->map->size) {
-    smap_bulge(w, o, e, side, p, q);
-  } else {
-    smap_add_piece(w, o, side, p, q, i);
-  }
-}
-
-#if !SMAP_MANY_RAILS
-/* Whether the side at the beginning of an edge is bent one way only.  Two rims that turn at different rates,
- * one of them lying nearly flat, draw an S between them, and neither its tangents nor its chord keep to the
- * strip. */
-static int smap_is_bent_once(const smap_many_work_t *w, const smap_many_pose_t *o, uint8_t e)
-{
-  const smap_side_t *side = &o->at.side[w->side_of[e]];
-  const smap_aim_t *from = &w->facet[w->owner[e]].at, *to = &w->facet[w->owner[w->twin[e]]].at;
-  const uint8_t i = w->vertex[e], j = w->vertex[w->next[e]];
-  uint8_t k;
-  if (side->inwards) {
-    for (k = 0; k + 1u < side->count; k++) {
-      if (smap_dot(o->wall[side->wall + k], o->point[side->point + k + 2u]) > SMAP_BENT) {
-        return 0;
-      }
-    }
-    return 1;
-  }
-  for (k = 1; k < 4; k = (uint8_t)(k + 2u)) {
-    smap_aim_t at;
-    float p[3], q[3];
-    smap_on_arc(w, i, j, from, to, 0.25f * (float)k, &at);
-    smap_touch(w, i, &at, p);
-    smap_touch(w, j, &at, q);
-    smap_mix(p, q, w->low[e], p);
-    if (smap_dot(o->wall[side->wall], p) > SMAP_BENT * w->map->size) {
-      return 0;
-    }
-  }
-  return 1;
-}
-#endif
-
-/* Make both sides of the strip of an edge; 0 where it must not be one. */
-static int smap_add_sides(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
-{
-  const uint8_t back = w->twin[e];
-#if SMAP_MANY_RAILS
-  smap_add_side(w, o, e);
-  smap_add_side(w, o, back);
-#else
-  const uint8_t walls = o->at.walls, points = o->at.points, sides = o->at.sides;
-  smap_add_side(w, o, e);
-  smap_add_side(w, o, back);
-  if (w->left && !(smap_is_bent_once(w, o, e) && smap_is_bent_once(w, o, back))) {
-    o->at.walls = walls;
-    o->at.points = points;
-    o->at.sides = sides;
-    w->low[e] = w->low[back] = SMAP_OPEN;
-    return 0;
-  }
-#endif
-  return 1;
 }
 
 /* Append a part of the boundary. */
@@ -230,7 +56,7 @@ static void smap_push(smap_many_work_t *w, smap_many_pose_t *o, uint8_t wall, ui
                       uint8_t stop)
 {
   smap_segment_t *segment = &o->at.segment[o->at.segments];
-  if (!w->left || o->at.segments >= SMAP_MANY_LINKS) {
+  if (!w->left || o->at.segments >= SMAP_MOST(w->map, links, SMAP_MANY_LINKS)) {
     w->left = 0;
     return;
   }

@@ -100,6 +100,27 @@ def test_a_posture_that_takes_more_work_than_there_is_reads_unsafe(robot, tmp_pa
     assert (got[failed] == TIPS).all()
 
 
+@pytest.mark.parametrize("limit", ["SOUGHT", "SIDES"])
+def test_gaps_without_time_or_room_are_given_up_and_nothing_else(robot, tmp_path, limit):
+    # As if the robot might not rock at all: that is the region of its rests alone.
+    rng = np.random.default_rng(7)
+    params, g = postures_of(robot.recipe, rng, 120), random_directions(rng, 100)
+    whole = robot.read(params, g)
+    few = Library(robot.recipe, tmp_path, flags=["-O0", f"-DSMAP_MANY_{limit}=1"])
+    got = few.read(params, g)
+    assert few.most["failed"] == 0
+    few.many.rock_angle = -1e-5
+    rests = few.read(params, g)
+    # Where two facets turn by 2e-6 to 4e-5 rad they are one, but for a robot that may not rock.
+    assert (got["status"] == rests["status"]).mean() > 0.999
+    safe = got["status"] != TIPS
+    assert not (safe & (whole["status"] == TIPS)).any()
+    # The same wall is read at two places of the list, 1e-7 by rounding.
+    assert (got["tip_angle"] <= whole["tip_angle"] + 2e-7)[safe].all()
+    rocks = {"marv", "absolem", "articulated", "quadruped"}
+    assert ((got["status"] != whole["status"]).any()) >= (robot.recipe.name in rocks)
+
+
 def test_memory_that_is_all_zero_reads_unsafe(robot):
     robot.c.many_zero.restype = ctypes.c_int
     assert robot.c.many_zero() == TIPS

@@ -77,6 +77,7 @@ static int exact_backwards(const smap_many_work_t *w, uint16_t e)
 #include "many_gaps.c"
 static void exact_side(smap_many_work_t *w, smap_many_pose_t *o, uint16_t e, smap_side_t *side);
 #include "many_walls.c"
+#include "many_strips.c"
 #include "sides.c"
 #include "many_pose.c"
 #include "many_at.c"
@@ -110,6 +111,14 @@ int exact_pose(int contacts)
   robot.tolerance = exact_number[4];
   robot.rock_angle = exact_number[5];
   robot.band = exact_number[6];
+  robot.room.facets = SMAP_MANY_FACETS;
+  robot.room.edges = SMAP_MANY_EDGES;
+  robot.room.shown = SMAP_MANY_SHOWN;
+  robot.room.walls = SMAP_MANY_WALLS;
+  robot.room.links = SMAP_MANY_LINKS;
+  robot.room.sides = SMAP_MANY_SIDES;
+  robot.room.sought = SMAP_MANY_WORK;
+  robot.room.work = SMAP_MANY_WORK;
   for (i = 0; i < contacts; i++) {
     const double *from = exact_contact + CONTACT * i;
     memcpy(place.contact[i].p, from, sizeof place.contact[i].p);

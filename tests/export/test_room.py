@@ -1,0 +1,110 @@
+"""The room of a pose: what is given up for want of it, on the chip as in the certificate."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lutgen
+from firmware_export.contacts import INFO as contacts
+from firmware_export.contacts.codec import GIVEN_UP, LIMITS
+from firmware_export.emit import package
+from firmware_export.emit.source import body_of
+from firmware_export.host import Host
+from firmware_export.protocol import Export, describe
+from firmware_export.truth import Model
+from targets.compiled import HostLibrary
+from targets.quadruped import quadruped
+from tests.fixtures.places import MAPS
+
+OK, TIPS, ROCKS, CORRUPT = 0, 2, 4, 6
+SIDES, SOUGHT = 5, 6
+
+
+def export_of(name: str) -> Export:
+    recipe = quadruped() if name == "quadruped" else lutgen.load_recipe(MAPS / f"{name}.toml")
+    model = Model(recipe)
+    tables = contacts.encode(model, ("tip_angle",), contacts.sizes(model, (), "float")[0])
+    return Export(name, recipe, model, "contacts", "float", ("tip_angle",), tables)
+
+
+def with_room(export: Export, **numbers: int) -> Export:
+    """Return an export with other numbers in its room, by their places."""
+    room = list(export.tables.room)
+    for place, number in numbers.items():
+        room[globals()[place]] = number
+    return replace(export, tables=replace(export.tables, room=tuple(room)))
+
+
+def host_of(export: Export) -> Host:
+    return Host(describe(export, body_of(export)))
+
+
+def queries(export: Export, postures: int, each: int) -> tuple[np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(11)
+    t = rng.random((postures, export.model.k))
+    params = np.repeat(export.model.at(t), each, axis=0).astype(np.float32)
+    gravity = rng.normal(size=(len(params), 3))
+    gravity[:, 2] = -1.5 * np.abs(gravity[:, 2])
+    return params, gravity.astype(np.float32)
+
+
+@pytest.mark.needs("gcc")
+@pytest.mark.parametrize("name", ["marv", "quadruped"])
+def test_what_an_export_gives_up_the_certificate_gives_up_too(name: str, tmp_path: Path) -> None:
+    whole = export_of(name)
+    # A quarter of the time that gaps may take, and room for one of them.
+    small = with_room(whole, SOUGHT=whole.tables.room[SOUGHT] // 4, SIDES=2)
+    package.write(small, tmp_path / "out")
+    asked = queries(whole, 400, 20)
+    status, reading = host_of(small).read(*asked)
+    own_status, own_reading = HostLibrary(tmp_path / "out").read(*asked)
+    assert status.tobytes() == own_status.tobytes()
+    assert reading.tobytes() == own_reading.tobytes()
+    more, tip = (one.copy() for one in host_of(whole).read(*asked))
+    safe, could = np.isin(status, (OK, ROCKS)), np.isin(more, (OK, ROCKS))
+    assert not (safe & ~could).any()
+    # One wall may be reached by two ways, which differ by rounding.
+    assert (reading[:, 1] <= tip[:, 1] + 2e-7)[safe].all()
+    # Gaps are given up, and the rests beside them stay.
+    assert 0 < (could & ~safe).sum() < 0.3 * could.sum()
+
+
+@pytest.mark.needs("gcc")
+def test_a_robot_that_never_rocks_has_no_code_for_it(tmp_path: Path) -> None:
+    export = export_of("excavator")
+    assert export.tables.room[SOUGHT] == 0
+    package.write(export, tmp_path / "out")
+    text = (tmp_path / "out" / "smap.c").read_text()
+    assert "smap_find_gap(" not in text
+    assert "smap_add_sides(" not in text
+    asked = queries(export, 300, 20)
+    status, reading = host_of(export).read(*asked)
+    own_status, own_reading = HostLibrary(tmp_path / "out").read(*asked)
+    assert status.tobytes() == own_status.tobytes()
+    assert reading.tobytes() == own_reading.tobytes()
+    assert {OK, TIPS} <= set(status.tolist())
+
+
+@pytest.mark.parametrize("name", ["marv", "absolem", "quadruped"])
+def test_hardly_a_posture_gives_anything_up_and_none_fails(name: str) -> None:
+    whole = export_of(name)
+    t = np.random.default_rng(12).random((4000, whole.model.k))
+    params = whole.model.at(t).astype(np.float32)
+    found = host_of(whole).room(params)
+    free = host_of(replace(whole, tables=replace(whole.tables, room=LIMITS))).room(params)
+    assert (found[:, -1] > 0).all()
+    # Twice the share: each of walls, links, sides and work on gaps may be what is short of.
+    assert (found[:, 3:6] < free[:, 3:6]).any(axis=1).mean() < 4.0 * GIVEN_UP
+    assert (found <= np.array(whole.tables.room)).all()
+
+
+@pytest.mark.parametrize("place", range(6))
+def test_a_room_that_is_larger_than_there_is_is_corrupt(place: int) -> None:
+    export = export_of("excavator")
+    assert host_of(export).check() == OK
+    room = list(export.tables.room)
+    room[place] = LIMITS[place] + 1
+    wrong = replace(export, tables=replace(export.tables, room=tuple(room)))
+    assert host_of(wrong).check() == CORRUPT
