@@ -223,12 +223,13 @@ def certify(
     model = reader.model
     effort = effort or Effort()
     half = -(-effort.points // 2)
-    even = reader.measure(uniform(model, half, seed))
-    seen = [even, reader.measure(biased(model, half, seed, cells))]
-    found = jumps if jumps is not None else find_jumps(model, seed)
     worst = None
-    # Two searches that do not depend on each other: what Python does in one waits for no core.
+    # Of what does not depend on each other two at a time: what Python does in one waits for no core.
     with ThreadPoolExecutor(1) as pool:
+        near = pool.submit(biased, model, half, seed, cells)
+        even = reader.measure(uniform(model, half, seed))
+        found = jumps if jumps is not None else find_jumps(model, seed)
+        seen = [even, reader.measure(near.result())]
         attacked = pool.submit(worst_false_safe, reader, seen, effort.starts, effort.rounds, seed)
         if "sdg" in channels:
             begin = starts(seen, (sdg_error,), effort.worst)
