@@ -225,6 +225,7 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "i = 1; i + 1 < n; i++": CONTACTS,
     # gaps
     "e = 0; e < w->edges; e++": EDGES,
+    "e = o->at.island[k] == k ? 0 : w->edges; e < w->edges; e++": EDGES,
     SHORT: EDGES,
     "k = 0; k < 2; k++": _plain("2", 2),
     "end = 0; end < 2; end++": _plain("2", 2),

@@ -16,18 +16,19 @@ static float smap_point_sine(const float p[3], const float g[3])
   return smap_root(smap_dot(c, c));
 }
 
-/* The distance (sine) of g from the boundary of an island, and the wall of the nearest segment; those of a
- * facet come first.  Seen from `inside` only walls in front can be nearest, and ends where the boundary is
- * bent; of what is convex, seen from outside, only walls that are less than `top` in front.  No place on
- * a wall is nearer than the wall. */
-static float smap_nearest(const smap_many_pose_t *o, uint8_t facet, const float g[3], int inside,
+/* The distance (sine) of g from the boundary of an island, and the wall of the nearest segment; that of
+ * *which, an edge of a facet, comes first.  No place is nearer than `floor`, which is below 0 where g is outside.
+ * Seen from inside only walls in front can be nearest, and ends where the boundary is bent; of what is convex,
+ * seen from outside, only walls that are less than `top` in front.  No place on a wall is nearer than the
+ * wall. */
+static float smap_nearest(const smap_many_pose_t *o, uint8_t facet, const float g[3], float floor,
                           float top, uint8_t *which)
 {
   const uint8_t island = o->at.island[facet];
-  const smap_segment_t *const middle = o->at.segment + o->at.begin[facet];
+  const smap_segment_t *const middle = o->at.segment + smap_begin_at(&o->at, island, *which);
   const smap_segment_t *s = middle, *end = o->at.segment + o->at.last[island];
   const float h[3] = {g[0], g[1], g[2]}; /* no store can alter it */
-  const int bulges = smap_is_convex(&o->at, facet);
+  const int bulges = smap_is_convex(&o->at, facet), inside = floor >= 0.0f;
   float least = 1.0f;
   uint8_t part;
   for (part = 0; part < 2; part++, s = o->at.segment + o->at.first[island], end = middle) {
@@ -60,18 +61,21 @@ static float smap_nearest(const smap_many_pose_t *o, uint8_t facet, const float 
         least = away;
         top = least < top ? least : top;
         *which = s->wall;
+        if (away <= floor) {
+          return away;
+        }
       }
     }
   }
   return least;
 }
 
-/* The distance (sine) of g from the boundary of a facet's island, those of its own edges first. */
-static float smap_boundary(const smap_many_pose_t *o, uint8_t facet, const float g[3], int inside,
+/* The distance (sine) of g from the boundary of a facet's island; see smap_nearest. */
+static float smap_boundary(const smap_many_pose_t *o, uint8_t facet, const float g[3], float floor,
                            uint8_t *which)
 {
   const uint8_t island = o->at.island[facet];
-  if (inside && smap_is_convex(&o->at, facet)) {
+  if (floor >= 0.0f && smap_is_convex(&o->at, facet)) {
     float near = 1.0f;
     uint8_t k;
     for (k = o->at.first[island]; k < o->at.last[island]; k++) {
@@ -83,7 +87,7 @@ static float smap_boundary(const smap_many_pose_t *o, uint8_t facet, const float
     }
     return near;
   }
-  return smap_nearest(o, facet, g, inside, smap_is_convex(&o->at, facet) ? SMAP_BEYOND : 1.0f, which);
+  return smap_nearest(o, facet, g, floor, smap_is_convex(&o->at, facet) ? SMAP_BEYOND : 1.0f, which);
 }
 
 /* Whether a direction lies on the inner side of a strip's side. */
@@ -175,9 +179,9 @@ static smap_status_t smap_many_at(const smap_many_pose_t *o, const float gravity
   const uint8_t shown = o->at.shown;
   float rate = 0.0f, tip;
   uint8_t i, best = SMAP_NONE, edge, nearest = 0, which;
-  int status;
+  int status, inside;
   out->sdg = out->height = SMAP_NAN;
-  out->tip_angle = -1.5707964f;
+  out->tip_angle = -3.1415927f;
   out->over[0] = out->over[1] = SMAP_NONE;
   SMAP_THRICE
   for (i = 0; i < shown; i++) {
@@ -191,20 +195,21 @@ static smap_status_t smap_many_at(const smap_many_pose_t *o, const float gravity
     return SMAP_TIPS;
   }
   edge = smap_first_beyond(o, best, g, &tip, &nearest);
-  which = nearest;
-  status = edge == o->at.edge[best + 1]  ? smap_on_facet(o, best, tip)
+  inside = edge == o->at.edge[best + 1];
+  which = inside ? nearest : edge;
+  status = inside                        ? smap_on_facet(o, best, tip)
            : smap_is_alone(&o->at, best) ? SMAP_TIPS
                                          : smap_beyond(o, best, edge, g);
   if (status == SMAP_TIPS || !smap_is_alone(&o->at, best)) {
-    tip = smap_boundary(o, best, g, status != SMAP_TIPS, &which);
+    tip = smap_boundary(o, best, g, status == SMAP_TIPS ? -1.0f : inside ? tip : 0.0f, &which);
   }
   if (tip < 1.0f) {
     out->over[0] = o->at.over[which][0];
     out->over[1] = o->at.over[which][1];
   }
-  tip -= o->guard;
-  if (status == SMAP_TIPS || !(tip >= 0.0f)) {
-    out->tip_angle = tip < 0.0f ? smap_asin(tip > -1.0f ? tip : -1.0f) : -1e-30f;
+  tip = (status == SMAP_TIPS ? -tip : tip) - o->guard; /* outside no island is further than this one */
+  if (!(tip >= 0.0f)) {
+    out->tip_angle = tip > -1.0f ? smap_asin(tip) : -3.1415927f;
     return SMAP_TIPS;
   }
   out->tip_angle = tip < 1.0f ? smap_asin(tip) : 3.1415925f;

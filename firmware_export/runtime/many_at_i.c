@@ -150,13 +150,13 @@ static inline int smap_is_far_i(const int32_t c[3], int32_t least)
 
 /* As smap_nearest; the distance is 32767 |g| times the sine, rounded down. */
 static int32_t smap_nearest_i(const smap_layout_t *at, const smap_many_pose_i_t *o, uint8_t facet,
-                              const int32_t g[3], int inside, int32_t least, uint8_t *which)
+                              const int32_t g[3], int32_t floor, int32_t least, uint8_t *which)
 {
   const uint8_t island = at->island[facet];
-  const smap_segment_t *const middle = at->segment + at->begin[facet];
+  const smap_segment_t *const middle = at->segment + smap_begin_at(at, island, *which);
   const smap_segment_t *s = middle, *end = at->segment + at->last[island];
   const int32_t h[3] = {g[0], g[1], g[2]}; /* no store can alter it */
-  const int bulges = smap_is_convex(at, facet);
+  const int bulges = smap_is_convex(at, facet), inside = floor >= 0;
   int32_t top = bulges ? least / 100 : least; /* SMAP_BEYOND */
   uint8_t part;
   for (part = 0; part < 2; part++, s = at->segment + at->first[island], end = middle) {
@@ -197,6 +197,9 @@ static int32_t smap_nearest_i(const smap_layout_t *at, const smap_many_pose_i_t 
         least = away;
         top = least < top ? least : top;
         *which = s->wall;
+        if (away <= floor) {
+          return away;
+        }
       }
     }
   }
@@ -205,11 +208,11 @@ static int32_t smap_nearest_i(const smap_layout_t *at, const smap_many_pose_i_t 
 
 /* As smap_boundary. */
 SMAP_APART static int32_t smap_boundary_i(const smap_layout_t *at, const smap_many_pose_i_t *o,
-                               uint8_t facet, const int32_t g[3], int inside, int32_t least,
-                               uint8_t *which)
+                                          uint8_t facet, const int32_t g[3], int32_t floor,
+                                          int32_t least, uint8_t *which)
 {
   const uint8_t island = at->island[facet];
-  if (inside && smap_is_convex(at, facet)) {
+  if (floor >= 0 && smap_is_convex(at, facet)) {
     uint8_t k;
     for (k = at->first[island]; k < at->last[island]; k++) {
       const int32_t v = smap_dot_i(o->wall[at->segment[k].wall], g);
@@ -220,7 +223,7 @@ SMAP_APART static int32_t smap_boundary_i(const smap_layout_t *at, const smap_ma
     }
     return least;
   }
-  return smap_nearest_i(at, o, facet, g, inside, least, which);
+  return smap_nearest_i(at, o, facet, g, floor, least, which);
 }
 
 static int smap_within_i(const smap_layout_t *at, const smap_many_pose_i_t *o, uint8_t side,
@@ -340,7 +343,7 @@ static smap_status_t smap_many_at_i(const smap_layout_t *at, const smap_many_pos
   const int32_t h[3] = {g[0], g[1], g[2]}; /* no store can alter it */
   int32_t rate = 0, least = all;
   uint8_t i, best = SMAP_NONE, edge, nearest = 0, which;
-  int status;
+  int status, inside;
   out->sdg = out->height = 65535u;
   out->tip = -SMAP_ONE_I;
   out->over[0] = out->over[1] = SMAP_NONE;
@@ -356,20 +359,21 @@ static smap_status_t smap_many_at_i(const smap_layout_t *at, const smap_many_pos
     return SMAP_TIPS;
   }
   edge = smap_first_beyond_i(at, o, best, g, o->hair * size, &least, &nearest);
-  which = nearest;
-  status = edge == at->edge[best + 1] ? smap_on_facet_i(at, o, best, least, size)
-           : smap_is_alone(at, best)  ? SMAP_TIPS
-                                      : smap_beyond_i(at, o, best, edge, g, size);
+  inside = edge == at->edge[best + 1];
+  which = inside ? nearest : edge;
+  status = inside                    ? smap_on_facet_i(at, o, best, least, size)
+           : smap_is_alone(at, best) ? SMAP_TIPS
+                                     : smap_beyond_i(at, o, best, edge, g, size);
   if (status == SMAP_TIPS || !smap_is_alone(at, best)) {
-    least = smap_boundary_i(at, o, best, g, status != SMAP_TIPS, all, &which);
+    least = smap_boundary_i(at, o, best, g, status == SMAP_TIPS ? -1 : inside ? least : 0, all, &which);
   }
   if (least < all) {
     out->over[0] = at->over[which][0];
     out->over[1] = at->over[which][1];
   }
-  least = least / (size + 1) - o->guard;
-  if (status == SMAP_TIPS || least < 0) {
-    out->tip = (int16_t)(least < 0 ? least : -1);
+  least = (status == SMAP_TIPS ? -(least / (size - 1)) : least / (size + 1)) - o->guard;
+  if (least < 0) {
+    out->tip = (int16_t)(least > -SMAP_ONE_I ? least : -SMAP_ONE_I);
     return SMAP_TIPS;
   }
   out->tip = (int16_t)least;

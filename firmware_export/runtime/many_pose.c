@@ -34,7 +34,6 @@ static void smap_show(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start)
   o->height[at] = f->h;
   o->at.kind[at] = f->kind;
   o->at.island[at] = at;
-  o->at.begin[at] = 0;
   o->at.alone[at] = 1;
   do {
     w->facet[w->owner[e]].shown = at;
@@ -43,6 +42,7 @@ static void smap_show(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start)
     w->point_of[e] = smap_add_point(w, o, smap_corner(w, e));
     if (smap_dot(wall, wall) > 1e-14f * w->map->size * w->map->size * w->map->size * w->map->size) {
       w->wall_of[e] = smap_add_wall(w, o, wall, w->vertex[e], w->vertex[w->next[e]]);
+      o->at.begin[n] = 0;
       o->at.rim[n++].side = e; /* until the sides are known */
     }
     e = w->onward[e];

@@ -79,9 +79,9 @@ static void smap_corners_of(const smap_many_work_t *w, const smap_aim_t *at, con
   smap_minus(r, p, r);
   smap_cross(q, r, a);
   turns = smap_dot(a, at->n) > 0.0f;
-  contact[0] = three[0];
-  contact[1] = three[turns ? 1 : 2];
-  contact[2] = three[turns ? 2 : 1];
+  contact[1] = three[0];
+  contact[2] = three[turns ? 1 : 2];
+  contact[0] = three[turns ? 2 : 1];
 }
 
 /* Enter the facet on a plane that carries the robot, if it is new; `touch` contacts do, three of them for sure. */

@@ -133,7 +133,7 @@ typedef struct {
 typedef struct {
   uint8_t shown, walls, points, segments, sides, alive;
   uint8_t kind[SMAP_MANY_SHOWN], island[SMAP_MANY_SHOWN], edge[SMAP_MANY_SHOWN + 1];
-  uint8_t begin[SMAP_MANY_SHOWN]; /* a segment on the facet */
+  uint8_t begin[SMAP_MANY_EDGES]; /* a segment on an edge, or of the side of its strip */
   uint8_t first[SMAP_MANY_SHOWN], last[SMAP_MANY_SHOWN]; /* of an island's segments, and beyond */
   uint8_t convex[SMAP_MANY_SHOWN]; /* whether the facet's island is: no end of a segment is bent */
   uint8_t alone[SMAP_MANY_SHOWN];  /* whether it has no strip: its edges are its island's boundary */
@@ -151,6 +151,13 @@ static inline int smap_is_alone(const smap_layout_t *at, uint8_t facet)
 static inline int smap_is_convex(const smap_layout_t *at, uint8_t facet)
 {
   return !SMAP_MANY_GAPS || at->convex[facet];
+}
+
+/* Where a search of an island's boundary begins that an edge may be nearest of. */
+static inline uint8_t smap_begin_at(const smap_layout_t *at, uint8_t island, uint8_t edge)
+{
+  const uint8_t begin = at->begin[edge];
+  return begin >= at->first[island] && begin < at->last[island] ? begin : at->first[island];
 }
 
 typedef char smap_holds_a_roll[SMAP_MANY_ROLLS > 0 ? 1 : -1];

@@ -75,14 +75,17 @@ static uint8_t smap_follow(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
   uint8_t k;
   if (!smap_is_gap(w, e)) {
     if (w->wall_of[e] != SMAP_NONE) {
-      o->at.begin[w->facet[w->owner[e]].shown] = o->at.segments;
+      o->at.begin[w->wall_of[e]] = o->at.segments;
       smap_push(w, o, w->wall_of[e], w->point_of[e], w->point_of[w->onward[e]]);
     }
     return w->onward[e];
   }
   side = &o->at.side[w->side_of[e]];
-  if (w->low[e] > 0.0f && w->wall_of[e] != SMAP_NONE) {
-    smap_push(w, o, w->wall_of[e], w->point_of[e], side->point);
+  if (w->wall_of[e] != SMAP_NONE) {
+    o->at.begin[w->wall_of[e]] = o->at.segments;
+    if (w->low[e] > 0.0f) {
+      smap_push(w, o, w->wall_of[e], w->point_of[e], side->point);
+    }
   }
   for (k = 0; k < side->count && w->left; k++) {
     smap_push(w, o, (uint8_t)(side->wall + k), (uint8_t)(side->point + k),
@@ -165,7 +168,7 @@ static void smap_find_boundary(smap_many_work_t *w, smap_many_pose_t *o)
   for (k = 0; k < o->at.shown; k++) {
     o->at.first[k] = o->at.segments;
     o->at.convex[k] = 1;
-    for (e = 0; e < w->edges; e++) {
+    for (e = o->at.island[k] == k ? 0 : w->edges; e < w->edges; e++) {
       if (w->seen[e] == k && smap_may(w, SMAP_COST_LOOP)) {
         smap_bound(w, o, e, k);
       }
@@ -173,10 +176,6 @@ static void smap_find_boundary(smap_many_work_t *w, smap_many_pose_t *o)
     o->at.last[k] = o->at.segments;
   }
   for (k = 0; k < o->at.shown; k++) {
-    const uint8_t island = o->at.island[k];
-    o->at.convex[k] = o->at.convex[island];
-    if (o->at.begin[k] < o->at.first[island] || o->at.begin[k] >= o->at.last[island]) {
-      o->at.begin[k] = o->at.first[island];
-    }
+    o->at.convex[k] = o->at.convex[o->at.island[k]];
   }
 }
