@@ -132,7 +132,9 @@ PAID = {POLYGON: "CORNER"}
 # Function -> the work that is taken before each call, and how often it may be called without.
 CALLED = {
     "smap_add_facet": ("FACET", 0),
-    "smap_is_clear": ("CLEAR", 0),
+    "smap_corners_near": ("NEAR", 0),
+    "smap_is_clear": ("ARC", 0),
+    "smap_are_clear": ("CLEAR", 0),
     "smap_bound": ("LOOP", 0),
     "smap_go_on": ("WAY", 0),
     "smap_go_further": ("WAY", 0),

@@ -52,7 +52,7 @@ static int smap_common(smap_many_work_t *w, const uint8_t three[3], smap_aim_t *
 }
 
 /* The contacts at the corners of those that reach as far as `top`, counter-clockwise. */
-static uint8_t smap_corners_near(smap_many_work_t *w, const smap_aim_t *at, float top,
+SMAP_APART static uint8_t smap_corners_near(smap_many_work_t *w, const smap_aim_t *at, float top,
                                  uint8_t *contact)
 {
   smap_spot_t spot[SMAP_MANY_CONTACTS];
@@ -98,8 +98,10 @@ SMAP_APART static void smap_add_facet(smap_many_work_t *w, const smap_aim_t *at,
   }
   if (touch == 3) {
     smap_corners_of(w, at, three, contact);
-  } else {
+  } else if (smap_may(w, SMAP_COST_NEAR)) {
     n = smap_corners_near(w, at, h - SMAP_TOUCHES * w->map->size, contact);
+  } else {
+    return;
   }
   if (n >= 3 && smap_enter(w, at, h, n)) {
     e = w->facet[w->facets - 1].first;
@@ -164,16 +166,13 @@ static uint8_t smap_list_others(const smap_many_work_t *w, uint8_t e, uint8_t ba
   return count;
 }
 
-/* Whether nothing is below the planes on the contacts of an edge, on the way to its twin. */
-SMAP_APART static int smap_is_clear(const smap_many_work_t *w, uint8_t e, uint8_t back)
+/* Whether none of some contacts is below the planes on those of an edge, on the way to its twin. */
+SMAP_APART static int smap_are_clear(const smap_many_work_t *w, uint8_t e, uint8_t back, const uint8_t *other,
+                                     uint8_t others)
 {
   const uint8_t i = w->vertex[e], j = w->vertex[w->next[e]];
   const smap_aim_t *from = &w->facet[w->owner[e]].at, *to = &w->facet[w->owner[back]].at;
-  uint8_t other[SMAP_MANY_CONTACTS], part, k;
-  const uint8_t others = smap_list_others(w, e, back, other);
-  if (others == 0) {
-    return 1;
-  }
+  uint8_t part, k;
   for (part = 1; part < 4; part++) {
     smap_aim_t at;
     float h;
@@ -186,6 +185,14 @@ SMAP_APART static int smap_is_clear(const smap_many_work_t *w, uint8_t e, uint8_
     }
   }
   return 1;
+}
+
+/* Whether nothing is below the planes on the contacts of an edge, on the way to its twin. */
+SMAP_APART static int smap_is_clear(smap_many_work_t *w, uint8_t e, uint8_t back)
+{
+  uint8_t other[SMAP_MANY_CONTACTS];
+  const uint8_t others = smap_list_others(w, e, back, other);
+  return others == 0 || (smap_may(w, SMAP_COST_CLEAR) && smap_are_clear(w, e, back, other, others));
 }
 
 /* Find the arc over an edge: of the facets that share its contacts the next one on its outside. */
@@ -207,9 +214,22 @@ SMAP_APART static void smap_find_twin(smap_many_work_t *w, uint8_t e)
       }
     }
   }
-  if (best != SMAP_NONE && (least < 1e-6f || (smap_may(w, SMAP_COST_CLEAR) && smap_is_clear(w, e, best)))) {
+  if (best != SMAP_NONE && (least < 1e-6f || (smap_may(w, SMAP_COST_ARC) && smap_is_clear(w, e, best)))) {
     w->twin[e] = best;
     w->twin[best] = e;
+  }
+}
+
+/* Take the contacts over from where they are. */
+static void smap_take(smap_many_work_t *w, const smap_many_place_t *place)
+{
+  uint8_t k;
+#if SMAP_MANY_AXLES
+  w->axle = place->axle;
+#endif
+  for (k = 0; k < smap_contacts_of(w->map); k++) {
+    smap_copy(place->contact[k].p, w->p[k]);
+    w->r[k] = place->contact[k].radius;
   }
 }
 
@@ -218,13 +238,7 @@ static void smap_find_facets(smap_many_work_t *w, const smap_many_place_t *place
 {
   const uint8_t count = smap_contacts_of(w->map);
   uint8_t i, j, k, e;
-#if SMAP_MANY_AXLES
-  w->axle = place->axle;
-#endif
-  for (i = 0; i < count; i++) {
-    smap_copy(place->contact[i].p, w->p[i]);
-    w->r[i] = place->contact[i].radius;
-  }
+  smap_take(w, place);
   for (i = 0; i + 2 < count; i++) {
     for (j = (uint8_t)(i + 1u); j + 1 < count; j++) {
       for (k = (uint8_t)(j + 1u); k < count; k++) {
