@@ -224,7 +224,7 @@ def certify(
     effort = effort or Effort()
     half = -(-effort.points // 2)
     worst = None
-    # Of what does not depend on each other two at a time: what Python does in one waits for no core.
+    # Two at a time that do not depend on each other: what Python does in one waits for no core.
     with ThreadPoolExecutor(1) as pool:
         near = pool.submit(biased, model, half, seed, cells)
         even = reader.measure(uniform(model, half, seed))
