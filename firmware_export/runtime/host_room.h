@@ -7,15 +7,15 @@ int SMAP_HOST_NAME(room)(const uint8_t *blob, uint32_t size, int64_t count, cons
 {
   const smap_t map = {&smap_run, blob, size};
   const uint8_t dims = SMAP_BLOB(&map)[SMAP_AT_PARAMS];
+  smap_many_t numbers;
   int failed = 0;
   int64_t i;
+  smap_many_numbers(&map, &numbers);
   for (i = 0; i < count; i++, params += dims, room += 8) {
     smap_many_pose_t pose;
     smap_many_work_t work;
-    smap_many_t numbers;
     memset(&pose, 0, sizeof pose);
     memset(&work, 0, sizeof work);
-    smap_many_numbers(&map, &numbers);
     failed += smap_many_of(&map, params, &pose, &work) != SMAP_OK;
     room[0] = work.facets;
     room[1] = work.edges;

@@ -53,7 +53,7 @@ static int smap_common(smap_many_work_t *w, const uint8_t three[3], smap_aim_t *
 
 /* The contacts at the corners of those that reach as far as `top`, counter-clockwise. */
 SMAP_APART static uint8_t smap_corners_near(smap_many_work_t *w, const smap_aim_t *at, float top,
-                                 uint8_t *contact)
+                                            uint8_t *contact)
 {
   smap_spot_t spot[SMAP_MANY_CONTACTS];
   uint8_t corner[2 * SMAP_MANY_CONTACTS + 1], k;
@@ -84,7 +84,8 @@ static void smap_corners_of(const smap_many_work_t *w, const smap_aim_t *at, con
   contact[0] = three[turns ? 2 : 1];
 }
 
-/* Enter the facet on a plane that carries the robot, if it is new; `touch` contacts do, three of them for sure. */
+/* Enter the facet on a plane that carries the robot, if it is new: `touch` contacts touch it, these three
+ * among them. */
 SMAP_APART static void smap_add_facet(smap_many_work_t *w, const smap_aim_t *at, float h,
                                       const uint8_t three[3], uint8_t touch)
 {
@@ -124,13 +125,12 @@ static void smap_try(smap_many_work_t *w, const uint8_t three[3])
   }
   for (k = 0; k < smap_contacts_of(w->map); k++) {
     const float reach = smap_extent(w, k, &at);
-    if (k == three[0] || k == three[1] || k == three[2]) {
-      continue;
-    }
     if (reach > h + SMAP_NOISY * w->map->size) {
       return;
     }
-    touch = (uint8_t)(touch + (reach >= h - SMAP_TOUCHES * w->map->size));
+    if (reach >= h - SMAP_TOUCHES * w->map->size && k != three[0] && k != three[1] && k != three[2]) {
+      touch++;
+    }
   }
   if (smap_may(w, SMAP_COST_FACET)) {
     smap_add_facet(w, &at, h, three, touch);
