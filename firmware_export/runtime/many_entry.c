@@ -305,6 +305,7 @@ static int smap_check_many(const smap_t *map)
   }
 #endif
   return smap_check_room(&room) && smap_is_within(smap_f32(body), 1.001f) &&
-         smap_is_within(smap_f32(body + 4), 1.001f) && smap_is_positive(smap_f32(body + 8)) && smap_is_within(smap_f32(body + 36), 0.5f);
+         smap_is_within(smap_f32(body + 4), 1.001f) && smap_is_positive(smap_f32(body + 8)) &&
+         smap_is_within(smap_f32(body + 36), 0.5f);
 }
 

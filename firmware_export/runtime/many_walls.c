@@ -13,6 +13,7 @@
  *
  *   A segment lies on a wall, between two points, kept as unit vectors.
  */
+
 /* Scale a vector to length 1; 0 where it has no direction, or is no number. */
 static int smap_scale(const float v[3], float out[3])
 {
