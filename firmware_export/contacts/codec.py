@@ -33,8 +33,8 @@ POINTS, RAILS, SEARCH = 1, 5, 6
 # walls, links, sides, work on gaps (SMAP_COST_...) and all work; and the margin on what was seen.
 LIMITS, MARGIN = (80, 250, 60, 254, 254, 250, 0xFFFF, 0x7FFFFFFF), 1.1
 # Of what gaps take there may be less, in this share of postures: they give up some, which is safe,
-# and without them a pose takes a quarter less memory.  Links at least, a fifth of which are rolls.
-GIVEN_UP, FEWEST = 0.003, 5
+# and without them a pose takes a quarter less memory.
+GIVEN_UP = 0.003
 # Steps of the integer form from the com to the furthest contact.
 STEPS = 16000.0
 # Words of a pose: head, floats, integers (runtime/three.c).
@@ -177,11 +177,14 @@ def _room(model: Model, tables: Tables) -> tuple[int, ...]:
     kinds = np.split(found, np.cumsum([len(any_posture), len(even)]))
     nearly = [np.quantile(kind, 1.0 - GIVEN_UP, axis=0, method="higher") for kind in kinds]
     often = np.max(nearly, axis=0)
-    facets, edges, shown = (math.ceil(MARGIN * most) for most in found[:, :3].max(axis=0))
-    # Facets alone need a wall and a point for each edge; an array of C has one element at least.
-    walls, links = (max(int(most), edges, FEWEST) for most in often[3:5])
+    # Of one triangle at least, also for a robot that stands nowhere.
+    most = np.maximum(found[:, :3].max(axis=0), (1, 3, 1))
+    facets, edges, shown = (math.ceil(MARGIN * one) for one in most)
+    # Facets alone need a wall and a point for each edge.
+    walls, links = (max(int(one), edges) for one in often[3:5])
     # All that is left is never taken.
     sought = int(often[6]) + 1 if often[6] else 0
+    # An array of C has one element at least.
     some = (facets, edges, shown, walls, links, max(int(often[5]), 1), sought)
     room = tuple(min(one, limit) for one, limit in zip(some, LIMITS, strict=False))
     work = math.ceil(MARGIN * taken((*room, LIMITS[-1]))[:, -1].max()) + 1

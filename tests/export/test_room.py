@@ -1,5 +1,6 @@
 """The room of a pose: what is given up for want of it, on the chip as in the certificate."""
 
+import subprocess
 from dataclasses import replace
 from pathlib import Path
 
@@ -95,9 +96,33 @@ def test_hardly_a_posture_gives_anything_up_and_none_fails(name: str) -> None:
     found = host_of(whole).room(params)
     free = host_of(replace(whole, tables=replace(whole.tables, room=LIMITS))).room(params)
     assert (found[:, -1] > 0).all()
-    # Twice the share: each of walls, links, sides and work on gaps may be what is short of.
+    # Four times the share: walls, links, sides and work on gaps may each be what is short.
     assert (found[:, 3:6] < free[:, 3:6]).any(axis=1).mean() < 4.0 * GIVEN_UP
     assert (found <= np.array(whole.tables.room)).all()
+
+
+@pytest.mark.needs("gcc")
+def test_a_robot_that_stands_nowhere_compiles_without_a_warning(tmp_path: Path) -> None:
+    # Its centre of mass is below all contacts: no posture has a facet to make room for.
+    corners = ((0.3, 0.2), (0.3, -0.2), (-0.3, 0.2), (-0.3, -0.2))
+    text = '[robot]\nname = "hung"\nlength_unit = "m"\n[[robot.link]]\nname = "body"\nmass = 3.0\n'
+    text += "com = [0, 0, -2.0]\n" + "".join(
+        f'[[robot.contact]]\nname = "c{n}"\nlink = "body"\nposition = [{x}, {y}, -0.3]\n'
+        for n, (x, y) in enumerate(corners)
+    )
+    recipe = lutgen.parse_recipe(
+        text + '[sweep.gravity]\nchart = "sphere"\nnodes = 3\nchannels = ["tip_angle"]\n'
+    )
+    model = Model(recipe)
+    tables = contacts.encode(model, ("tip_angle",), contacts.sizes(model, (), "float")[0])
+    export = Export("hung", recipe, model, "contacts", "float", ("tip_angle",), tables)
+    package.write(export, tmp_path / "out")
+    words = "gcc -std=c99 -O2 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror -I. -c hung.c"
+    done = subprocess.run(words.split(), cwd=tmp_path / "out", capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    status, reading = host_of(export).read(*queries(export, 1, 50))
+    assert set(status.tolist()) == {TIPS}
+    assert (reading[:, 1] == -np.float32(np.pi)).all()
 
 
 @pytest.mark.parametrize("place", range(6))
