@@ -48,8 +48,8 @@ static int smap_check_grid(const smap_t *map, smap_bytes_t limit)
   const uint32_t room = (uint32_t)(limit - body), fixed = 16u + 12u * params + 38u * parts;
   uint8_t i;
   if (room < fixed || smap_u32(smap_part(body, params, 0) + SMAP_PART_ZERO) > 65536u ||
-      smap_u16(smap_part(body, params, 0) + SMAP_PART_GAIN) > 32767u || body[12] != parts || smap_u32(body + 8) < fixed ||
-      smap_u32(body + 8) > room || smap_u32(body + 4) >= 1u << 17) {
+      smap_u16(smap_part(body, params, 0) + SMAP_PART_GAIN) > 32767u || body[12] != parts ||
+      smap_u32(body + 8) < fixed || smap_u32(body + 8) > room || smap_u32(body + 4) >= 1u << 17) {
     return 0;
   }
 #if SMAP_FLOATS

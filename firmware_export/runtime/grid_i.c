@@ -103,13 +103,13 @@ SMAP_INLINE int8_t smap_grid_uv(const smap_t *map, const int16_t gravity[3], uin
 
 /* Read the tables at places of the parameters; `place` has room for u and v. */
 SMAP_INLINE int8_t smap_grid_read_i(const smap_t *map, uint32_t *place, const int16_t gravity[3],
-                               smap_reading_i_t *out)
+                                    smap_reading_i_t *out)
 {
   const smap_bytes_t body = smap_body(map);
   const uint8_t params = SMAP_BLOB(map)[SMAP_AT_PARAMS], channels = SMAP_BLOB(map)[SMAP_AT_CHANNELS];
   smap_bytes_t part = smap_part(body, params, 0);
   smap_grid_cell_i_t cell;
-  uint32_t cosine, zero;
+  uint32_t cosine, value;
   int32_t tip;
   uint8_t face;
   const int8_t status = smap_grid_uv(map, gravity, place + params, &face, &cosine);
@@ -130,19 +130,19 @@ SMAP_INLINE int8_t smap_grid_read_i(const smap_t *map, uint32_t *place, const in
   if (channels & SMAP_SDG) {
     int32_t along, aside;
     part += SMAP_PART_BYTES;
-    zero = smap_u32(part + SMAP_PART_ZERO);
     smap_grid_cell_i(body, part, place, params, face, &cell);
-    along = (int32_t)(smap_grid_value_i(body, part, &cell, 0) - zero) / 2;
-    zero = smap_u32(part + SMAP_PART_ZERO + 4);
-    aside = (int32_t)(smap_grid_value_i(body, part, &cell, 1) - zero) / 2;
+    value = smap_grid_value_i(body, part, &cell, 0);
+    along = (int32_t)(value - smap_u32(part + SMAP_PART_ZERO)) / 2;
+    value = smap_grid_value_i(body, part, &cell, 1);
+    aside = (int32_t)(value - smap_u32(part + SMAP_PART_ZERO + 4)) / 2;
     out->sdg = (uint16_t)smap_whole_root((uint32_t)along * (uint32_t)along +
                                          (uint32_t)aside * (uint32_t)aside);
   }
   if (channels & SMAP_HEIGHT) {
     part += SMAP_PART_BYTES;
     smap_grid_cell_i(body, part, place, params, face, &cell);
-    zero = smap_grid_value_i(body, part, &cell, 0) * smap_u16(part + SMAP_PART_GAIN);
-    out->height = (uint16_t)(smap_u32(part + SMAP_PART_ZERO) + (zero >> part[SMAP_PART_SHIFT]));
+    value = smap_grid_value_i(body, part, &cell, 0) * smap_u16(part + SMAP_PART_GAIN);
+    out->height = (uint16_t)(smap_u32(part + SMAP_PART_ZERO) + (value >> part[SMAP_PART_SHIFT]));
   }
   return SMAP_OK;
 }

@@ -207,7 +207,7 @@ static smap_status_t smap_many_at(const smap_many_pose_t *o, const float gravity
     out->over[0] = o->at.over[which][0];
     out->over[1] = o->at.over[which][1];
   }
-  tip = (status == SMAP_TIPS ? -tip : tip) - o->guard; /* outside no island is further than this one */
+  tip = (status == SMAP_TIPS ? -tip : tip) - o->guard; /* outside the region is no further than this island */
   if (!(tip >= 0.0f)) {
     out->tip_angle = tip > -1.0f ? smap_asin(tip) : -3.1415927f;
     return SMAP_TIPS;
