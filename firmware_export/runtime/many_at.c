@@ -3,6 +3,7 @@
 /* ---- reading many contacts --------------------------------------------------------------------------- */
 /* One direction of gravity against a pose, float. */
 
+#define SMAP_SINE 1e-6f   /* what rounding may alter of one, which near a right angle alters its angle by much more */
 #define SMAP_BEYOND 0.01f /* a sine beyond guard and slack: what tips is no further inside a wall */
 
 /* The sine of the angle between g and a point of the boundary; 1 from a right angle on. */
@@ -172,6 +173,13 @@ static int smap_beyond(const smap_many_pose_t *o, uint8_t f, uint8_t e, const fl
   return status == SMAP_FURTHER ? SMAP_TIPS : status;
 }
 
+/* The angle of a sine of at least the guard, less the guard as an angle. */
+static inline float smap_less(float sine, float guard)
+{
+  const float angle = smap_asin(sine - SMAP_SINE) - guard * (1.0f + 0.2f * guard * guard);
+  return sine < 1.0f ? angle > 0.0f ? angle : 0.0f : 3.1415925f;
+}
+
 static smap_status_t smap_many_at(const smap_many_pose_t *o, const float gravity[3], smap_reading_t *out)
 {
   const float size = 1.0f / smap_root(smap_dot(gravity, gravity));
@@ -207,12 +215,12 @@ static smap_status_t smap_many_at(const smap_many_pose_t *o, const float gravity
     out->over[0] = o->at.over[which][0];
     out->over[1] = o->at.over[which][1];
   }
-  tip = (status == SMAP_TIPS ? -tip : tip) - o->guard; /* outside the region is no further than this island */
-  if (!(tip >= 0.0f)) {
+  if (status == SMAP_TIPS || !(tip >= o->guard)) {
+    tip = (status == SMAP_TIPS ? -tip : tip) - o->guard; /* outside the region is no further than this island */
     out->tip_angle = tip > -1.0f ? smap_asin(tip) : -3.1415927f;
     return SMAP_TIPS;
   }
-  out->tip_angle = tip < 1.0f ? smap_asin(tip) : 3.1415925f;
+  out->tip_angle = smap_less(tip, o->guard);
   out->height = o->height[best];
   {
     float d[3], reach = 1.0f / rate;

@@ -3,7 +3,7 @@
 /* ---- gaps: where the robot rocks and is caught ------------------------------------------------------- */
 /* Over which part of the segment between two rests the robot is caught, whichever way it rolls. */
 #define SMAP_END 1e-4f      /* nearer to an end of a segment no balance is looked at */
-#define SMAP_HAIR 2e-4f     /* parts of the segment that a limit of a gap is drawn in */
+#define SMAP_HAIR 5e-6f     /* parts of the segment that a limit of a gap is drawn in */
 
 static void smap_all_of(smap_end_t *end, uint8_t facet)
 {

@@ -15,8 +15,8 @@
 #define SMAP_NOISE 2e-3f   /* rad: over an arc as short the exact definition may go in a circle */
 #define SMAP_ENDS 6        /* rests that one way may end on */
 #define SMAP_CAUGHT 4e-7f /* of the size: what rounding may alter of S and N */
-#define SMAP_RAISED 2e-7f /* of the size: of R, by the rounding of normals */
-#define SMAP_TURNED 2e-6f /* of the size, for each rad: of R */
+#define SMAP_RAISED 5e-8f /* of the size: of R, by the rounding of normals */
+#define SMAP_TURNED 1e-6f /* of the size, for each rad: of R */
 
 /* Where the other way ends: on a facet, for a part of the segment, after a further turn. */
 typedef struct {

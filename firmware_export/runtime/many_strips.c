@@ -12,9 +12,26 @@
 #if !SMAP_MANY_RAILS
 #define SMAP_BENT 1e-4f /* a sine: what rounding may bend */
 #endif
-#define SMAP_LOST 2e-4f  /* of the size: what the exact definition's pieces lose */
+#define SMAP_LOST 2e-4f  /* of the posture's size: what the exact definition's pieces lose */
 #define SMAP_PIECES 12.0f
 #define SMAP_STRAIGHT 1e-7f /* of the size, squared: a side as short as this is straight */
+
+/* A posture's size, as the exact definition has it for its pieces: how far any contact reaches from the
+ * recipe's first. */
+static float smap_posture_size(const smap_many_work_t *w)
+{
+  float most = 0.0f, d[3], reach;
+  uint8_t k, first = 0;
+  for (k = 0; k < smap_contacts_of(w->map); k++) {
+    first = w->map->named[k] == 0 ? k : first;
+  }
+  for (k = 0; k < smap_contacts_of(w->map); k++) {
+    smap_minus(w->p[k], w->p[first], d);
+    reach = smap_root(smap_dot(d, d)) + w->r[k];
+    most = reach > most ? reach : most;
+  }
+  return most;
+}
 
 /* How many pieces the exact definition cuts the strip of an edge into; `turn` is by how much the
  * contacts go on along their rims (rad). */
@@ -36,7 +53,7 @@ static float smap_pieces(const smap_many_work_t *w, uint8_t e, float *turn)
       *turn = n > *turn ? n : *turn;
     }
   }
-  most *= 0.125f / (SMAP_LOST * w->map->size);
+  most *= 0.125f / (SMAP_LOST * smap_posture_size(w));
   if (most <= 1.0f) {
     return 1.0f;
   }

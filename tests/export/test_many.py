@@ -52,6 +52,22 @@ def test_no_boundary_point_that_tips_is_called_safe(robot):
     assert robot.most["failed"] == 0
 
 
+def test_what_rounding_alters_is_a_seventh_of_the_guard(robot, tmp_path):
+    # Two pairs of flippers alike: the exact definition's pieces of that strip lose more than the guard.
+    tight = Library(robot.recipe, tmp_path, guard=3e-5)
+    rng = np.random.default_rng(9)
+    params = postures_of(robot.recipe, rng, 80)
+    if robot.recipe.name == "marv":
+        params[:40] = np.float32(2.8382704) * np.array([1, 1, -1, -1], np.float32)
+    g = boundary_points(robot.recipe, params, rng, 60)
+    truth = evaluate_each(
+        robot.recipe, params.astype(float), g.astype(float), ("tip_angle", "status")
+    )
+    got = tight.read(params, g)
+    assert not ((got["status"] != TIPS) & (truth["status"] == TIPS)).any()
+    assert (got["tip_angle"] <= truth["tip_angle"]).all()
+
+
 @pytest.mark.parametrize("whole", [False, True])
 def test_what_stands_is_told_with_its_angle_and_its_factor(robot, whole):
     rng = np.random.default_rng(6)
@@ -70,7 +86,9 @@ def test_what_stands_is_told_with_its_angle_and_its_factor(robot, whole):
     assert lost.sum() <= 0.008 * stands.sum()
     error = np.degrees(truth["tip_angle"] - got["tip_angle"])[safe]
     assert error.min() > 0.0
-    assert np.percentile(error, 90) < 0.06
+    # The guard is 0.0115 deg; of an integer form's sine, less its guard, more is lost near a right angle.
+    part, most = (90, 0.06) if whole else (99, 0.02)
+    assert np.percentile(error, part) < most
     # Rounding of the integer form: half a step each of D, s and the angle of its walls.
     loose = 10 * step if whole else 1e-5 * robot.many.size
     assert np.percentile(np.abs(truth["sdg"] - got["sdg"])[safe], 99) < loose
