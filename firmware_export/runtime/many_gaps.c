@@ -21,28 +21,15 @@ static void smap_begin_gap(const smap_many_work_t *w, smap_row_t *roll, uint8_t 
   o->rise[1] = smap_roll_over(w, roll, e, q, o->g[1]);
 }
 
-/* Whether the middle of the segment is held further on. */
-static int smap_is_further(const smap_end_t *end, uint8_t count)
-{
-  uint8_t k;
-  for (k = 0; k < count; k++) {
-    if (end[k].part[0] <= 0.5f && end[k].part[1] >= 0.5f) {
-      return 1;
-    }
-  }
-  return 0;
-}
-
-/* Over which part of an edge between two rests the robot is caught. */
+/* Over which part of an edge between two rests the robot is caught: of several the longest. */
 static void smap_find_gap(smap_many_work_t *w, uint8_t e)
 {
-  static const float trial[5] = {0.5f, 0.25f, 0.75f, 0.1f, 0.9f};
   const uint8_t back = w->twin[e];
   smap_end_t ends[SMAP_ENDS], more[SMAP_ENDS], here;
   smap_row_t *roll;
   smap_held_t o;
   float low, high;
-  uint8_t k, count = 1;
+  uint8_t count = 1, others = 0;
   if (smap_chord(&w->facet[w->owner[e]].at, &w->facet[w->owner[back]].at) > w->map->rock_angle) {
     return;
   }
@@ -52,7 +39,7 @@ static void smap_find_gap(smap_many_work_t *w, uint8_t e)
   }
   o.low = SMAP_END;
   o.high = 1.0f - SMAP_END;
-  o.split = 0;
+  o.spare = 0.0f;
   o.turned = roll[SMAP_ANGLE][0];
   o.before = 0.0f;
   o.ends = 1;
@@ -67,20 +54,12 @@ static void smap_find_gap(smap_many_work_t *w, uint8_t e)
   o.other = ends;
   o.ends = count;
   smap_begin_gap(w, smap_roll(w, e), back, smap_end(w, back), smap_corner(w, back), &o);
-  k = 0;
-  smap_hold_rest(w, e, &o, more, &k);
-  if (o.split && (smap_is_further(ends + 1, (uint8_t)(count - 1u)) || smap_is_further(more, k))) {
-    /* In two parts, and held by a third rest: the exact definition may take the other part. */
-    return;
-  }
+  smap_hold_rest(w, e, &o, more, &others);
   low = o.low > SMAP_END ? o.low + SMAP_HAIR : 0.0f;
   high = o.high < 1.0f - SMAP_END ? o.high - SMAP_HAIR : 1.0f;
-  for (k = 0; k < (o.split ? 1 : 5); k++) {
-    if (low < trial[k] && trial[k] < high) {
-      w->low[e] = low;
-      w->low[back] = 1.0f - high;
-      return;
-    }
+  if (high - low > o.spare) {
+    w->low[e] = low;
+    w->low[back] = 1.0f - high;
   }
 }
 

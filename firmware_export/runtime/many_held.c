@@ -14,6 +14,7 @@
  */
 #define SMAP_NOISE 2e-3f   /* rad: over an arc as short the exact definition may go in a circle */
 #define SMAP_ENDS 6        /* rests that one way may end on */
+#define SMAP_LONGER 1e-3f /* of the segment: so much longer than all others one part must be */
 #define SMAP_CAUGHT 4e-7f /* of the size: what rounding may alter of S and N */
 #define SMAP_RAISED 5e-8f /* of the size: of R, by the rounding of normals */
 #define SMAP_TURNED 1e-6f /* of the size, for each rad: of R */
@@ -31,28 +32,36 @@ typedef struct {
   float low, high;   /* of the segment, that are left */
   float turned;      /* rad, so far */
   float before;      /* rad, of that over further arcs than the first, which both ways share */
-  uint8_t split, ends;
+  float spare;       /* length of the parts that another one may be of: given up, or not looked into */
+  uint8_t ends;
   const smap_end_t *other; /* of the other way */
 } smap_held_t;
 
-/* Let go between a and b. */
+/* Another part, of some length, may hold too. */
+static void smap_spare(smap_held_t *o, float length)
+{
+  o->spare += length > 0.0f ? length + SMAP_LONGER : 0.0f;
+}
+
+/* Let go between a and b; of two parts that are left the longer is kept. */
 static void smap_forbid(smap_held_t *o, float a, float b)
 {
   if (b <= o->low || a >= o->high || a >= b) {
     return;
   }
-  if (a <= o->low) {
+  if (a - o->low < o->high - b) {
+    smap_spare(o, a - o->low);
     o->low = b;
-  } else if (b >= o->high) {
-    o->high = a;
   } else {
-    o->split = 1;
-    if (b < 0.5f) {
-      o->low = b;
-    } else {
-      o->high = a;
-    }
+    smap_spare(o, o->high - b);
+    o->high = a;
   }
+}
+
+/* How much of [a, b] is left of the segment. */
+static float smap_left_of(const smap_held_t *o, const float span[2])
+{
+  return (span[1] < o->high ? span[1] : o->high) - (span[0] > o->low ? span[0] : o->low);
 }
 
 /* Widen what is let go by the part of [a, b] that is left of the segment. */
@@ -200,7 +209,7 @@ static void smap_carry(const smap_many_work_t *w, smap_row_t *roll, uint8_t e,
   }
   to->turned += roll[SMAP_ANGLE][0];
   to->before += roll[SMAP_ANGLE][0];
-  to->split = 0;
+  to->spare = 0.0f;
 }
 
 /* Let a gap roll on over edge e onto the rest there, for a part of the segment; 0 where it must not. */
@@ -210,6 +219,7 @@ static int smap_roll_on(smap_many_work_t *w, uint8_t e, const smap_held_t *o, co
   const uint8_t back = w->twin[e];
   smap_row_t *roll;
   float part[2];
+  next->spare = 0.0f;
   if (back == SMAP_NONE ||
       w->facet[w->owner[back]].kind != SMAP_REST ||
       smap_chord(&w->facet[w->owner[e]].at, &w->facet[w->owner[back]].at) + o->turned >
@@ -218,6 +228,7 @@ static int smap_roll_on(smap_many_work_t *w, uint8_t e, const smap_held_t *o, co
   }
   roll = smap_roll(w, e);
   if (roll[SMAP_ANGLE][0] < SMAP_NOISE) {
+    smap_spare(next, smap_left_of(o, span));
     return 0;
   }
   part[0] = span[0] > o->low ? span[0] : o->low;
@@ -229,7 +240,7 @@ static int smap_roll_on(smap_many_work_t *w, uint8_t e, const smap_held_t *o, co
   return next->low < next->high;
 }
 
-/* Keep what the rest holds that the robot has come to over its edge `came`. */
+/* Keep what the rest holds that the robot has come to over its edge `came`; no further way is looked into. */
 static int smap_hold_last(smap_many_work_t *w, uint8_t came, smap_held_t *o)
 {
   float span[2];
@@ -237,10 +248,11 @@ static int smap_hold_last(smap_many_work_t *w, uint8_t came, smap_held_t *o)
   for (at = w->onward[came]; at != came && o->low < o->high && smap_may(w, SMAP_COST_VISIT);
        at = w->onward[at]) {
     if (smap_leaves(w, came, at, o, span)) {
+      smap_spare(o, smap_left_of(o, span));
       smap_forbid(o, span[0], span[1]);
     }
   }
-  return !o->split && o->low < o->high;
+  return o->low < o->high;
 }
 
 /* Let go of what is lost but for the part that is held further on, and list where that ends. */
@@ -255,18 +267,27 @@ static void smap_keep(const smap_many_work_t *w, uint8_t e, const smap_held_t *h
   smap_forbid(o, held->high < o->high ? held->high : span[1], span[1]);
 }
 
+/* Let go of a part of the segment but for what was `held` further on over edge e. */
+static void smap_take_over(const smap_many_work_t *w, uint8_t e, int held, const smap_held_t *next,
+                           const float span[2], smap_held_t *o, smap_end_t *end, uint8_t *ends)
+{
+  smap_spare(o, next->spare);
+  if (held && *ends < SMAP_ENDS) {
+    smap_keep(w, e, next, span, o, &end[*ends]);
+    (*ends)++;
+  } else {
+    smap_spare(o, held ? next->high - next->low : 0.0f);
+    smap_forbid(o, span[0], span[1]);
+  }
+}
+
 /* Go on over edge e onto the rest there, and let go of what that does not hold. */
 SMAP_APART static void smap_go_on(smap_many_work_t *w, uint8_t e, const float span[2], smap_held_t *o,
                                   smap_end_t *end, uint8_t *ends)
 {
   smap_held_t next;
-  if (*ends < SMAP_ENDS && smap_roll_on(w, e, o, span, &next) &&
-      smap_hold_last(w, w->twin[e], &next)) {
-    smap_keep(w, e, &next, span, o, &end[*ends]);
-    (*ends)++;
-  } else {
-    smap_forbid(o, span[0], span[1]);
-  }
+  const int held = smap_roll_on(w, e, o, span, &next) && smap_hold_last(w, w->twin[e], &next);
+  smap_take_over(w, e, held, &next, span, o, end, ends);
 }
 
 /* As smap_hold_last, or one rest further on. */
@@ -282,7 +303,7 @@ static int smap_hold_next(smap_many_work_t *w, uint8_t came, smap_held_t *o, sma
       smap_go_on(w, at, span, o, end, ends);
     }
   }
-  if (!o->split && o->low < o->high) {
+  if (o->low < o->high) {
     return 1;
   }
   *ends = first;
@@ -294,13 +315,8 @@ SMAP_APART static void smap_go_further(smap_many_work_t *w, uint8_t e, const flo
                                        smap_held_t *o, smap_end_t *end, uint8_t *ends)
 {
   smap_held_t next;
-  if (*ends < SMAP_ENDS && smap_roll_on(w, e, o, span, &next) &&
-      smap_hold_next(w, w->twin[e], &next, end, ends) && *ends < SMAP_ENDS) {
-    smap_keep(w, e, &next, span, o, &end[*ends]);
-    (*ends)++;
-  } else {
-    smap_forbid(o, span[0], span[1]);
-  }
+  const int held = smap_roll_on(w, e, o, span, &next) && smap_hold_next(w, w->twin[e], &next, end, ends);
+  smap_take_over(w, e, held, &next, span, o, end, ends);
 }
 
 /* As smap_hold_last, or up to two rests further on; list where it ends. */
