@@ -14,7 +14,7 @@
  */
 #define SMAP_NOISE 2e-3f   /* rad: over an arc as short the exact definition may go in a circle */
 #define SMAP_ENDS 6        /* rests that one way may end on */
-#define SMAP_LONGER 1e-3f /* of the segment: so much longer than all others one part must be */
+#define SMAP_SPARE 1e-3f /* of the segment: so much longer than all others one part must be */
 #define SMAP_CAUGHT 4e-7f /* of the size: what rounding may alter of S and N */
 #define SMAP_RAISED 5e-8f /* of the size: of R, by the rounding of normals */
 #define SMAP_TURNED 1e-6f /* of the size, for each rad: of R */
@@ -40,7 +40,7 @@ typedef struct {
 /* Another part, of some length, may hold too. */
 static void smap_spare(smap_held_t *o, float length)
 {
-  o->spare += length > 0.0f ? length + SMAP_LONGER : 0.0f;
+  o->spare += length > 0.0f ? length + SMAP_SPARE : 0.0f;
 }
 
 /* Let go between a and b; of two parts that are left the longer is kept. */
@@ -212,6 +212,12 @@ static void smap_carry(const smap_many_work_t *w, smap_row_t *roll, uint8_t e,
   to->spare = 0.0f;
 }
 
+/* Whether there is a rest beyond an edge. */
+static inline int smap_leads_on(const smap_many_work_t *w, uint8_t e)
+{
+  return w->twin[e] != SMAP_NONE && w->facet[w->owner[w->twin[e]]].kind == SMAP_REST;
+}
+
 /* Let a gap roll on over edge e onto the rest there, for a part of the segment; 0 where it must not. */
 static int smap_roll_on(smap_many_work_t *w, uint8_t e, const smap_held_t *o, const float span[2],
                         smap_held_t *next)
@@ -325,9 +331,14 @@ static void smap_hold_rest(smap_many_work_t *w, uint8_t came, smap_held_t *o, sm
 {
   float span[2];
   uint8_t e;
+  for (e = w->onward[came]; e != came && o->low < o->high && smap_may(w, SMAP_COST_VISIT); e = w->onward[e]) {
+    if (!smap_leads_on(w, e) && smap_leaves(w, came, e, o, span)) {
+      smap_forbid(o, span[0], span[1]);
+    }
+  }
   for (e = w->onward[came]; e != came && o->low < o->high && smap_may(w, SMAP_COST_VISIT);
        e = w->onward[e]) {
-    if (smap_leaves(w, came, e, o, span) && smap_may(w, SMAP_COST_WAY)) {
+    if (smap_leads_on(w, e) && smap_leaves(w, came, e, o, span) && smap_may(w, SMAP_COST_WAY)) {
       smap_go_further(w, e, span, o, end, ends);
     }
   }

@@ -26,6 +26,12 @@ static inline int smap_is_disc(const smap_many_work_t *w, uint8_t i)
 #endif
 }
 
+/* Whether two contacts are points or balls of one size. */
+static inline int smap_are_alike(const smap_many_work_t *w, uint8_t i, uint8_t j)
+{
+  return w->r[i] == w->r[j] && !smap_is_disc(w, i) && !smap_is_disc(w, j);
+}
+
 /* The cosine between a disc's axle and a plane's normal. */
 static inline float smap_along_axle(const smap_many_work_t *w, uint8_t i, const smap_aim_t *at)
 {
@@ -77,13 +83,12 @@ static void smap_aim(smap_aim_t *o, const float v[3])
 static void smap_on_arc(const smap_many_work_t *w, uint8_t i, uint8_t j, const smap_aim_t *from,
                         const smap_aim_t *to, float part, smap_aim_t *out)
 {
-  /* Of balls of one size each goes on as far as the other: the first plane is right. */
-  const int alike = w->r[i] == w->r[j] && !smap_is_disc(w, i) && !smap_is_disc(w, j);
   float v[3], p[3], q[3], size, higher;
   uint8_t round, k;
   smap_mix(from->n, to->n, part, v);
   smap_aim(out, v);
-  for (round = 0; round < 2; round++) {
+  /* Of balls of one size each goes on as far as the other: the first plane is right. */
+  for (round = smap_are_alike(w, i, j) ? 2 : 0; round < 2; round++) {
     smap_touch(w, i, out, p);
     smap_touch(w, j, out, q);
     smap_minus(p, q, v);
@@ -101,9 +106,6 @@ static void smap_on_arc(const smap_many_work_t *w, uint8_t i, uint8_t j, const s
       v[k] = out->n[k] - v[k] * (higher / size);
     }
     smap_aim(out, v);
-    if (alike) {
-      return;
-    }
   }
 }
 

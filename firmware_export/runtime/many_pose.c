@@ -3,16 +3,19 @@
 /* ---- poses of many contacts -------------------------------------------------------------------------- */
 /* A pose: what `at` needs of a posture. */
 
-/* The first edge from e on of a facet that is not shown yet. */
-static uint8_t smap_to_show(const smap_many_work_t *w, uint8_t e)
+/* The first edge of a facet's outline if it is to be shown and is not yet, or the one after all. */
+static uint8_t smap_to_show(const smap_many_work_t *w, uint8_t facet)
 {
-  for (; e < w->edges; e++) {
-    if (w->facet[w->owner[e]].shown == SMAP_NONE && w->low[e] != SMAP_SHORT &&
-        w->facet[w->owner[e]].kind != SMAP_REFUSED) {
-      break;
-    }
+  const smap_facet_t *f = &w->facet[facet];
+  const uint8_t last = facet + 1u < w->facets ? f[1].first : w->edges;
+  uint8_t e = f->first;
+  if (f->shown != SMAP_NONE || f->kind == SMAP_REFUSED) {
+    return w->edges;
   }
-  return e;
+  while (e < last && w->low[e] == SMAP_SHORT) {
+    e++;
+  }
+  return e < last ? e : w->edges;
 }
 
 /* Enter what short arcs join with edge `start` as one facet: its walls, in the order of its edges. */
@@ -20,6 +23,7 @@ static void smap_show(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start)
 {
   smap_facet_t *f = &w->facet[w->owner[start]];
   const uint8_t at = o->at.shown;
+  const float size2 = w->map->size * w->map->size, least = 1e-14f * size2 * size2;
   uint8_t e = start, n = o->at.edge[at], k;
   float wall[3];
   if (at >= SMAP_MOST(w->map, shown, SMAP_MANY_SHOWN)) {
@@ -40,7 +44,7 @@ static void smap_show(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start)
     smap_cross(smap_corner(w, e), smap_end(w, e), wall);
     w->wall_of[e] = SMAP_NONE;
     w->point_of[e] = smap_add_point(w, o, smap_corner(w, e));
-    if (smap_dot(wall, wall) > 1e-14f * w->map->size * w->map->size * w->map->size * w->map->size) {
+    if (smap_dot(wall, wall) > least) {
       w->wall_of[e] = smap_add_wall(w, o, wall, w->vertex[e], w->vertex[w->next[e]]);
       o->at.begin[n] = 0;
       o->at.rim[n++].side = e; /* until the sides are known */
@@ -67,7 +71,7 @@ static void smap_turn_back(const smap_many_t *m, float (*v)[3], uint8_t n)
 static int smap_many_pose(const smap_many_t *m, const smap_many_place_t *place, smap_many_pose_t *o,
                           smap_many_work_t *w)
 {
-  uint8_t e;
+  uint8_t f;
   o->at.shown = o->at.walls = o->at.points = o->at.segments = o->at.sides = o->at.alive = o->at.edge[0] = 0;
   o->guard = m->guard;
   o->hair = 2e-4f;  /* a sine: nearer to the wall of an edge both sides of it are looked at */
@@ -75,6 +79,7 @@ static int smap_many_pose(const smap_many_t *m, const smap_many_place_t *place, 
   w->map = m;
   w->roll = o->point;
   w->facets = w->edges = w->rolls = w->full = 0;
+  w->posture = 0.0f;
   w->left = SMAP_MOST(m, work, SMAP_MANY_WORK);
   smap_find_facets(w, place);
   if (w->left) {
@@ -85,8 +90,11 @@ static int smap_many_pose(const smap_many_t *m, const smap_many_place_t *place, 
     smap_find_gaps(w);
 #endif
   }
-  for (e = smap_to_show(w, 0); e < w->edges && smap_may(w, SMAP_COST_SHOW); e = smap_to_show(w, e)) {
-    smap_show(w, o, e);
+  for (f = 0; f < w->facets && w->left; f++) {
+    const uint8_t e = smap_to_show(w, f);
+    if (e < w->edges && smap_may(w, SMAP_COST_SHOW)) {
+      smap_show(w, o, e);
+    }
   }
   if (w->full) {
     w->left = 0;

@@ -12,11 +12,14 @@
 #define SMAP_NOISY 3e-6f   /* of the size: nearer to a plane a contact is not below it */
 #define SMAP_NEWTON 8
 
-/* The plane below three contacts, which faces down; 0 where there is none. */
+/* The plane below three contacts, which faces down; 1 where they go round it counter-clockwise, seen from
+ * outside, -1 where clockwise, and 0 where there is none. */
 static int smap_common(smap_many_work_t *w, const uint8_t three[3], smap_aim_t *at, float *h)
 {
-  float p[3][3], a[3], b[3], v[3], size2, change, before[3] = {0.0f, 0.0f, 0.0f};
   const float least = 1e-6f * w->map->size * w->map->size;
+  const int alike = smap_are_alike(w, three[0], three[1]) && smap_are_alike(w, three[0], three[2]);
+  float p[3][3], a[3], b[3], v[3], size2, change, before[3] = {0.0f, 0.0f, 0.0f};
+  int turns = 1;
   uint8_t round, k;
   SMAP_THRICE
   for (k = 0; k < 3; k++) {
@@ -30,12 +33,17 @@ static int smap_common(smap_many_work_t *w, const uint8_t three[3], smap_aim_t *
     if (!(size2 > least * least)) {
       return 0;
     }
-    if (round == 0 ? v[2] > 0.0f : smap_dot(v, at->n) < 0.0f) {
+    turns = (round == 0 ? v[2] > 0.0f : smap_dot(v, at->n) < 0.0f) ? -1 : 1;
+    if (turns < 0) {
       v[0] = -v[0];
       v[1] = -v[1];
       v[2] = -v[2];
     }
     smap_aim(at, v);
+    if (alike) { /* as far above the plane of their centres */
+      *h = smap_dot(p[0], at->n) + w->r[three[0]];
+      return turns;
+    }
     SMAP_THRICE
     for (k = 0; k < 3; k++) {
       smap_touch(w, three[k], at, p[k]);
@@ -45,7 +53,7 @@ static int smap_common(smap_many_work_t *w, const uint8_t three[3], smap_aim_t *
     change = smap_dot(a, a);
     *h = smap_dot(p[0], at->n);
     if (round > 0 && change < 1e-9f) {
-      return 1;
+      return turns;
     }
   }
   return 0;
@@ -66,28 +74,10 @@ SMAP_APART static uint8_t smap_corners_near(smap_many_work_t *w, const smap_aim_
   return n;
 }
 
-/* The same of three contacts that alone touch the plane. */
-static void smap_corners_of(const smap_many_work_t *w, const smap_aim_t *at, const uint8_t three[3],
-                            uint8_t *contact)
-{
-  float p[3], q[3], r[3], a[3];
-  int turns;
-  smap_touch(w, three[0], at, p);
-  smap_touch(w, three[1], at, q);
-  smap_touch(w, three[2], at, r);
-  smap_minus(q, p, q);
-  smap_minus(r, p, r);
-  smap_cross(q, r, a);
-  turns = smap_dot(a, at->n) > 0.0f;
-  contact[1] = three[0];
-  contact[2] = three[turns ? 1 : 2];
-  contact[0] = three[turns ? 2 : 1];
-}
-
-/* Enter the facet on a plane that carries the robot, if it is new: `touch` contacts touch it, these three
- * among them. */
+/* Enter the facet on a plane that carries the robot, if it is new: on three contacts, counter-clockwise, or
+ * on all that touch it if they are not `alone`. */
 SMAP_APART static void smap_add_facet(smap_many_work_t *w, const smap_aim_t *at, float h,
-                                      const uint8_t three[3], uint8_t touch)
+                                      const uint8_t three[3], int alone)
 {
   uint8_t contact[SMAP_MANY_CONTACTS], n = 3, k, f, e;
   float d[3];
@@ -97,8 +87,8 @@ SMAP_APART static void smap_add_facet(smap_many_work_t *w, const smap_aim_t *at,
       return;
     }
   }
-  if (touch == 3) {
-    smap_corners_of(w, at, three, contact);
+  if (alone) {
+    memcpy(contact, three, n);
   } else if (smap_may(w, SMAP_COST_NEAR)) {
     n = smap_corners_near(w, at, h - SMAP_TOUCHES * w->map->size, contact);
   } else {
@@ -117,10 +107,11 @@ SMAP_APART static void smap_add_facet(smap_many_work_t *w, const smap_aim_t *at,
 static void smap_try(smap_many_work_t *w, const uint8_t three[3])
 {
   smap_aim_t at;
-  uint8_t k, touch = 3;
+  int turns, alone = 1;
+  uint8_t k;
   float h;
-  if (!smap_common(w, three, &at, &h) || !(-at.n[2] > w->map->steepest) ||
-      !(h > w->map->least_height)) {
+  turns = smap_common(w, three, &at, &h);
+  if (turns == 0 || !(-at.n[2] > w->map->steepest) || !(h > w->map->least_height)) {
     return;
   }
   for (k = 0; k < smap_contacts_of(w->map); k++) {
@@ -129,25 +120,23 @@ static void smap_try(smap_many_work_t *w, const uint8_t three[3])
       return;
     }
     if (reach >= h - SMAP_TOUCHES * w->map->size && k != three[0] && k != three[1] && k != three[2]) {
-      touch++;
+      alone = 0;
     }
   }
   if (smap_may(w, SMAP_COST_FACET)) {
-    smap_add_facet(w, &at, h, three, touch);
+    const uint8_t round[3] = {three[turns > 0 ? 2 : 1], three[0], three[turns > 0 ? 1 : 2]};
+    smap_add_facet(w, &at, h, round, alone);
   }
 }
 
-/* Whether a contact is at a corner of a facet. */
-static int smap_is_corner(const smap_many_work_t *w, uint8_t facet, uint8_t contact)
+/* Mark the contacts at the corners of a facet. */
+static inline void smap_mark_corners(const smap_many_work_t *w, uint8_t facet, uint8_t *marked)
 {
   const uint8_t last = facet + 1u < w->facets ? w->facet[facet + 1].first : w->edges;
   uint8_t e;
   for (e = w->facet[facet].first; e < last; e++) {
-    if (w->vertex[e] == contact) {
-      return 1;
-    }
+    marked[w->vertex[e]] = 1;
   }
-  return 0;
 }
 
 /* The contacts that may be below the planes on those of an edge, on the way to its twin: not those of a facet
@@ -155,11 +144,14 @@ static int smap_is_corner(const smap_many_work_t *w, uint8_t facet, uint8_t cont
 static uint8_t smap_list_others(const smap_many_work_t *w, uint8_t e, uint8_t back, uint8_t *other)
 {
   const uint8_t i = w->vertex[e], j = w->vertex[w->next[e]];
-  const int alike = w->r[i] == w->r[j] && !smap_is_disc(w, i) && !smap_is_disc(w, j);
-  uint8_t k, count = 0;
+  const int alike = smap_are_alike(w, i, j);
+  uint8_t marked[SMAP_MANY_CONTACTS] = {0}, k, count = 0;
+  if (alike) {
+    smap_mark_corners(w, w->owner[e], marked);
+    smap_mark_corners(w, w->owner[back], marked);
+  }
   for (k = 0; k < smap_contacts_of(w->map); k++) {
-    if (!(alike && w->r[k] == w->r[i] && !smap_is_disc(w, k) &&
-          (smap_is_corner(w, w->owner[e], k) || smap_is_corner(w, w->owner[back], k)))) {
+    if (!(marked[k] && w->r[k] == w->r[i] && !smap_is_disc(w, k))) {
       other[count++] = k;
     }
   }

@@ -18,26 +18,31 @@
 
 /* A posture's size, as the exact definition has it for its pieces: how far any contact reaches from the
  * recipe's first. */
-static float smap_posture_size(const smap_many_work_t *w)
+static float smap_posture_size(smap_many_work_t *w)
 {
-  float most = 0.0f, d[3], reach;
+  const uint8_t contacts = smap_contacts_of(w->map);
+  float d[3], reach;
   uint8_t k, first = 0;
-  for (k = 0; k < smap_contacts_of(w->map); k++) {
+  if (w->posture > 0.0f) {
+    return w->posture;
+  }
+  for (k = 1; k < contacts; k++) {
     first = w->map->named[k] == 0 ? k : first;
   }
-  for (k = 0; k < smap_contacts_of(w->map); k++) {
+  for (k = 0; k < contacts; k++) {
     smap_minus(w->p[k], w->p[first], d);
     reach = smap_root(smap_dot(d, d)) + w->r[k];
-    most = reach > most ? reach : most;
+    w->posture = reach > w->posture ? reach : w->posture;
   }
-  return most;
+  return w->posture;
 }
 
 /* How many pieces the exact definition cuts the strip of an edge into; `turn` is by how much the
  * contacts go on along their rims (rad). */
-static float smap_pieces(const smap_many_work_t *w, uint8_t e, float *turn)
+static float smap_pieces(smap_many_work_t *w, uint8_t e, float *turn)
 {
   const uint8_t back = w->twin[e], contact[2] = {w->vertex[e], w->vertex[w->next[e]]};
+  const float lost = SMAP_LOST * smap_posture_size(w);
   float most = 0.0f, d[3], n;
   uint8_t k;
   *turn = 0.0f;
@@ -53,7 +58,7 @@ static float smap_pieces(const smap_many_work_t *w, uint8_t e, float *turn)
       *turn = n > *turn ? n : *turn;
     }
   }
-  most *= 0.125f / (SMAP_LOST * smap_posture_size(w));
+  most *= 0.125f / lost;
   if (most <= 1.0f) {
     return 1.0f;
   }

@@ -213,6 +213,7 @@ typedef struct {
   uint32_t left; /* of the work; 0 where the pose has failed */
   uint8_t facets, edges;
   uint8_t full; /* whether there was no room for a wall, a point or a side */
+  float posture; /* its size, once it is asked for: see smap_posture_size */
 #ifdef SMAP_HOST
   uint32_t sought; /* what gaps took */
 #endif
