@@ -4,7 +4,7 @@
 /* One direction of gravity against a pose, float. */
 
 #define SMAP_SINE 1e-6f   /* what rounding may alter of one, which near a right angle alters its angle by much more */
-#define SMAP_BEYOND 0.01f /* a sine beyond guard and slack: what tips is no further inside a wall */
+#define SMAP_BEYOND 2e-3f /* a sine beyond hair and slack: what tips is no further inside a wall */
 
 /* The sine of the angle between g and a point of the boundary; 1 from a right angle on. */
 static float smap_point_sine(const float p[3], const float g[3])
@@ -19,11 +19,10 @@ static float smap_point_sine(const float p[3], const float g[3])
 
 /* The distance (sine) of g from the boundary of an island, and the wall of the nearest segment; that of
  * *which, an edge of a facet, comes first.  No place is nearer than `floor`, which is below 0 where g is outside.
- * Seen from inside only walls in front can be nearest, and ends where the boundary is bent; of what is convex,
- * seen from outside, only walls that are less than `top` in front.  No place on a wall is nearer than the
- * wall. */
+ * Seen from inside only walls in front can be nearest, and ends where the boundary is bent; seen from outside
+ * only walls that are behind, or hardly in front.  No place on a wall is nearer than the wall. */
 static float smap_nearest(const smap_many_pose_t *o, uint8_t facet, const float g[3], float floor,
-                          float top, uint8_t *which)
+                          uint8_t *which)
 {
   const uint8_t island = o->at.island[facet];
   const smap_segment_t *const middle = o->at.segment + smap_begin_at(&o->at, island, *which);
@@ -36,15 +35,9 @@ static float smap_nearest(const smap_many_pose_t *o, uint8_t facet, const float 
     for (; s < end; s++) {
       const float *n = o->wall[s->wall];
       const float ahead = smap_dot(n, h);
-      float away = ahead, c[3];
-      if (away >= top) {
+      float away = smap_absolute(ahead), c[3];
+      if (away >= least || (ahead < 0.0f ? inside && !s->bent : !inside && ahead >= SMAP_BEYOND)) {
         continue;
-      }
-      if (away < 0.0f) {
-        away = -away;
-        if (away >= least || (inside && !s->bent)) {
-          continue;
-        }
       }
       smap_cross(h, n, c);
       if (smap_dot(o->point[s->stop], c) > 0.0f) {
@@ -60,7 +53,6 @@ static float smap_nearest(const smap_many_pose_t *o, uint8_t facet, const float 
       }
       if (away < least) {
         least = away;
-        top = least < top ? least : top;
         *which = s->wall;
         if (away <= floor) {
           return away;
@@ -88,7 +80,7 @@ static float smap_boundary(const smap_many_pose_t *o, uint8_t facet, const float
     }
     return near;
   }
-  return smap_nearest(o, facet, g, floor, smap_is_convex(&o->at, facet) ? SMAP_BEYOND : 1.0f, which);
+  return smap_nearest(o, facet, g, floor, which);
 }
 
 /* Whether a direction lies on the inner side of a strip's side. */

@@ -151,6 +151,12 @@ static int smap_lost(const smap_many_work_t *w, const float a[3], const float b[
   return span[0] < span[1] && span[0] < o->high && span[1] > o->low;
 }
 
+/* Whether there is a rest beyond an edge. */
+static inline int smap_leads_on(const smap_many_work_t *w, uint8_t e)
+{
+  return w->twin[e] != SMAP_NONE && w->facet[w->owner[w->twin[e]]].kind == SMAP_REST;
+}
+
 /* Whether a place is within a distance (squared) of the line from a along a direction. */
 static int smap_beside(const float p[3], const float a[3], const float along[3], float band2)
 {
@@ -212,12 +218,6 @@ static void smap_carry(const smap_many_work_t *w, smap_row_t *roll, uint8_t e,
   to->spare = 0.0f;
 }
 
-/* Whether there is a rest beyond an edge. */
-static inline int smap_leads_on(const smap_many_work_t *w, uint8_t e)
-{
-  return w->twin[e] != SMAP_NONE && w->facet[w->owner[w->twin[e]]].kind == SMAP_REST;
-}
-
 /* Let a gap roll on over edge e onto the rest there, for a part of the segment; 0 where it must not. */
 static int smap_roll_on(smap_many_work_t *w, uint8_t e, const smap_held_t *o, const float span[2],
                         smap_held_t *next)
@@ -254,7 +254,7 @@ static int smap_hold_last(smap_many_work_t *w, uint8_t came, smap_held_t *o)
   for (at = w->onward[came]; at != came && o->low < o->high && smap_may(w, SMAP_COST_VISIT);
        at = w->onward[at]) {
     if (smap_leaves(w, came, at, o, span)) {
-      smap_spare(o, smap_left_of(o, span));
+      smap_spare(o, smap_leads_on(w, at) ? smap_left_of(o, span) : 0.0f);
       smap_forbid(o, span[0], span[1]);
     }
   }
