@@ -137,7 +137,7 @@ def of_nodes(model: Model, channels: tuple[str, ...], nodes: dict[str, int], bit
     shapes = []
     for name in GROUPS:
         if name == "tip":
-            shapes.append((name, balanced(model, nodes.get(name, 0))))
+            shapes.append((name, balanced(widened(model), nodes.get(name, 0))))
         elif CHANNEL[name] in channels:
             shapes.append((name, even(model, name, nodes.get(name, 0))))
     return Spec(bits, tuple(shapes))
