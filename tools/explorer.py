@@ -41,6 +41,7 @@ TOLERANCES = {
     "SMAP_RAISED": "1e-12",
     "SMAP_TURNED": "1e-12",
     "SMAP_HAIR": "1e-9",
+    "SMAP_SPARE": "1e-9",
 }
 # Single places where a number stands without a name, or bits are those of a single.
 PLACES = {

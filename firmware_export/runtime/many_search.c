@@ -88,7 +88,7 @@ SMAP_APART static void smap_add_facet(smap_many_work_t *w, const smap_aim_t *at,
     }
   }
   if (alone) {
-    memcpy(contact, three, n);
+    memcpy(contact, three, 3 * sizeof *three);
   } else if (smap_may(w, SMAP_COST_NEAR)) {
     n = smap_corners_near(w, at, h - SMAP_TOUCHES * w->map->size, contact);
   } else {

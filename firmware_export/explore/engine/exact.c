@@ -31,6 +31,11 @@ static double smap_root(double x)
   return __builtin_sqrt(x);
 }
 
+static double smap_absolute(double x)
+{
+  return x < 0.0 ? -x : x;
+}
+
 /* asin(x), rad, as lutgen/channels/angles.py has it: to 1.3 units in the last place. */
 static double smap_asin(double x)
 {

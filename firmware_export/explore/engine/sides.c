@@ -4,10 +4,10 @@
  * fewer and longer ones, which lose a little more of the gap. */
 
 /* Into how many pieces the strip of an edge is cut. */
-static int exact_pieces(const smap_many_work_t *w, uint16_t e)
+static int exact_pieces(smap_many_work_t *w, uint16_t e)
 {
   const uint16_t back = w->twin[e];
-  const double most_lost = 2e-4 * w->map->size;
+  const double size = smap_posture_size(w), most_lost = SMAP_LOST * size;
   double furthest = 0.0, d[3], r, pieces;
   r = w->r[w->vertex[e]];
   if (r > 0.0) {
@@ -20,7 +20,7 @@ static int exact_pieces(const smap_many_work_t *w, uint16_t e)
     furthest = smap_dot(d, d) / (8.0 * r) > furthest ? smap_dot(d, d) / (8.0 * r) : furthest;
   }
   if (furthest <= most_lost) {
-    return furthest > 1e-9 * w->map->size;
+    return furthest > 1e-9 * size;
   }
   pieces = smap_root(furthest / most_lost);
   return pieces < 11.0 ? 1 + (int)pieces : 12;
