@@ -17,6 +17,7 @@ static void smap_all_of(smap_end_t *end, uint8_t facet)
 static void smap_begin_gap(const smap_many_work_t *w, smap_row_t *roll, uint8_t e,
                            const float p[3], const float q[3], smap_held_t *o)
 {
+  o->line = w->twin[e];
   o->rise[0] = smap_roll_over(w, roll, e, p, o->g[0]);
   o->rise[1] = smap_roll_over(w, roll, e, q, o->g[1]);
 }

@@ -12,7 +12,7 @@
  * part across it, and R how much higher the com is than where it was let go.  All three are linear
  * in w, so the edge lets go between the roots of a quadratic.
  */
-#define SMAP_NOISE 2e-3f   /* rad: over an arc as short the exact definition may go in a circle */
+#define SMAP_ONE_LINE 3e-3f /* rad: over an arc as short the line that the robot came over stays what it was */
 #define SMAP_ENDS 6        /* rests that one way may end on */
 #define SMAP_SPARE 1e-3f /* of the segment: so much longer than all others one part must be */
 #define SMAP_CAUGHT 4e-7f /* of the size: what rounding may alter of S and N */
@@ -33,7 +33,7 @@ typedef struct {
   float turned;      /* rad, so far */
   float before;      /* rad, of that over further arcs than the first, which both ways share */
   float spare;       /* length of the parts that another one may be of: given up, or not looked into */
-  uint8_t ends;
+  uint8_t line, ends;      /* the edge over which it came, see SMAP_ONE_LINE */
   const smap_end_t *other; /* of the other way */
 } smap_held_t;
 
@@ -166,18 +166,17 @@ static int smap_beside(const float p[3], const float a[3], const float along[3],
   return smap_dot(c, c) < band2 * smap_dot(along, along);
 }
 
-/* Whether the robot goes on over an edge, which is not the way back over that on which it came, and over
- * which part. */
-static int smap_leaves(const smap_many_work_t *w, uint8_t came, uint8_t e, const smap_held_t *o,
-                       float span[2])
+/* Whether the robot goes on over an edge, which is not the way back over the line on which it came, and
+ * over which part. */
+static int smap_leaves(const smap_many_work_t *w, uint8_t e, const smap_held_t *o, float span[2])
 {
   const float band2 = w->map->band > 0.0f ? w->map->band * w->map->band : 0.0f;
-  const float *p = smap_corner(w, e), *q = smap_end(w, e), *a = smap_corner(w, came);
+  const float *p = smap_corner(w, e), *q = smap_end(w, e), *a = smap_corner(w, o->line);
   float along[3];
   if (!smap_lost(w, p, q, o, span)) {
     return 0;
   }
-  smap_minus(smap_end(w, came), a, along);
+  smap_minus(smap_end(w, o->line), a, along);
   return !(smap_beside(p, a, along, band2) && smap_beside(q, a, along, band2));
 }
 
@@ -216,6 +215,7 @@ static void smap_carry(const smap_many_work_t *w, smap_row_t *roll, uint8_t e,
   to->turned += roll[SMAP_ANGLE][0];
   to->before += roll[SMAP_ANGLE][0];
   to->spare = 0.0f;
+  to->line = roll[SMAP_ANGLE][0] > SMAP_ONE_LINE ? w->twin[e] : from->line;
 }
 
 /* Let a gap roll on over edge e onto the rest there, for a part of the segment; 0 where it must not. */
@@ -233,10 +233,6 @@ static int smap_roll_on(smap_many_work_t *w, uint8_t e, const smap_held_t *o, co
     return 0;
   }
   roll = smap_roll(w, e);
-  if (roll[SMAP_ANGLE][0] < SMAP_NOISE) {
-    smap_spare(next, smap_left_of(o, span));
-    return 0;
-  }
   part[0] = span[0] > o->low ? span[0] : o->low;
   part[1] = span[1] < o->high ? span[1] : o->high;
   smap_refuse(w, o, w->owner[back], roll[SMAP_ANGLE][0], part);
@@ -253,7 +249,7 @@ static int smap_hold_last(smap_many_work_t *w, uint8_t came, smap_held_t *o)
   uint8_t at;
   for (at = w->onward[came]; at != came && o->low < o->high && smap_may(w, SMAP_COST_VISIT);
        at = w->onward[at]) {
-    if (smap_leaves(w, came, at, o, span)) {
+    if (smap_leaves(w, at, o, span)) {
       smap_spare(o, smap_leads_on(w, at) ? smap_left_of(o, span) : 0.0f);
       smap_forbid(o, span[0], span[1]);
     }
@@ -305,7 +301,7 @@ static int smap_hold_next(smap_many_work_t *w, uint8_t came, smap_held_t *o, sma
   uint8_t at;
   for (at = w->onward[came]; at != came && o->low < o->high && smap_may(w, SMAP_COST_VISIT);
        at = w->onward[at]) {
-    if (smap_leaves(w, came, at, o, span) && smap_may(w, SMAP_COST_WAY)) {
+    if (smap_leaves(w, at, o, span) && smap_may(w, SMAP_COST_WAY)) {
       smap_go_on(w, at, span, o, end, ends);
     }
   }
@@ -332,13 +328,13 @@ static void smap_hold_rest(smap_many_work_t *w, uint8_t came, smap_held_t *o, sm
   float span[2];
   uint8_t e;
   for (e = w->onward[came]; e != came && o->low < o->high && smap_may(w, SMAP_COST_VISIT); e = w->onward[e]) {
-    if (!smap_leads_on(w, e) && smap_leaves(w, came, e, o, span)) {
+    if (!smap_leads_on(w, e) && smap_leaves(w, e, o, span)) {
       smap_forbid(o, span[0], span[1]);
     }
   }
   for (e = w->onward[came]; e != came && o->low < o->high && smap_may(w, SMAP_COST_VISIT);
        e = w->onward[e]) {
-    if (smap_leads_on(w, e) && smap_leaves(w, came, e, o, span) && smap_may(w, SMAP_COST_WAY)) {
+    if (smap_leads_on(w, e) && smap_leaves(w, e, o, span) && smap_may(w, SMAP_COST_WAY)) {
       smap_go_further(w, e, span, o, end, ends);
     }
   }
