@@ -5,18 +5,11 @@
 #define SMAP_END 1e-4f      /* nearer to an end of a segment no balance is looked at */
 #define SMAP_HAIR 5e-6f     /* parts of the segment that a limit of a gap is drawn in */
 
-static void smap_all_of(smap_end_t *end, uint8_t facet)
-{
-  end->part[0] = -1.0f;
-  end->part[1] = 2.0f;
-  end->turn = 0.0f;
-  end->facet = facet;
-}
-
 /* Let a gap be where the robot has rolled over edge e onto the facet beyond; it is 0 at p. */
 static void smap_begin_gap(const smap_many_work_t *w, smap_row_t *roll, uint8_t e,
                            const float p[3], const float q[3], smap_held_t *o)
 {
+  o->home = w->owner[e];
   o->line = w->twin[e];
   o->rise[0] = smap_roll_over(w, roll, e, p, o->g[0]);
   o->rise[1] = smap_roll_over(w, roll, e, q, o->g[1]);
@@ -26,11 +19,9 @@ static void smap_begin_gap(const smap_many_work_t *w, smap_row_t *roll, uint8_t 
 static void smap_find_gap(smap_many_work_t *w, uint8_t e)
 {
   const uint8_t back = w->twin[e];
-  smap_end_t ends[SMAP_ENDS], more[SMAP_ENDS], here;
   smap_row_t *roll;
   smap_held_t o;
   float low, high;
-  uint8_t count = 1, others = 0;
   if (smap_chord(&w->facet[w->owner[e]].at, &w->facet[w->owner[back]].at) > w->map->rock_angle) {
     return;
   }
@@ -42,20 +33,13 @@ static void smap_find_gap(smap_many_work_t *w, uint8_t e)
   o.high = 1.0f - SMAP_END;
   o.spare = 0.0f;
   o.turned = roll[SMAP_ANGLE][0];
-  o.before = 0.0f;
-  o.ends = 1;
-  o.other = &here;
-  smap_all_of(&here, w->owner[e]);
-  smap_all_of(&ends[0], w->owner[back]);
   smap_begin_gap(w, roll, e, smap_corner(w, e), smap_end(w, e), &o);
-  smap_hold_rest(w, back, &o, ends, &count);
+  smap_hold_rest(w, back, &o);
   if (!(o.low < o.high)) {
     return;
   }
-  o.other = ends;
-  o.ends = count;
   smap_begin_gap(w, smap_roll(w, e), back, smap_end(w, back), smap_corner(w, back), &o);
-  smap_hold_rest(w, e, &o, more, &others);
+  smap_hold_rest(w, e, &o);
   low = o.low > SMAP_END ? o.low + SMAP_HAIR : 0.0f;
   high = o.high < 1.0f - SMAP_END ? o.high - SMAP_HAIR : 1.0f;
   if (high - low > o.spare) {

@@ -13,17 +13,10 @@
  * in w, so the edge lets go between the roots of a quadratic.
  */
 #define SMAP_ONE_LINE 3e-3f /* rad: over an arc as short the line that the robot came over stays what it was */
-#define SMAP_ENDS 6        /* rests that one way may end on */
 #define SMAP_SPARE 1e-3f /* of the segment: so much longer than all others one part must be */
 #define SMAP_CAUGHT 4e-7f /* of the size: what rounding may alter of S and N */
 #define SMAP_RAISED 5e-8f /* of the size: of R, by the rounding of normals */
 #define SMAP_TURNED 1e-6f /* of the size, for each rad: of R */
-
-/* Where the other way ends: on a facet, for a part of the segment, after a further turn. */
-typedef struct {
-  float part[2], turn;
-  uint8_t facet;
-} smap_end_t;
 
 /* A gap while it is looked at: gravity at both ends of its segment where the roll has come to, and
  * how much higher the com is there. */
@@ -31,10 +24,9 @@ typedef struct {
   float g[2][3], rise[2];
   float low, high;   /* of the segment, that are left */
   float turned;      /* rad, so far */
-  float before;      /* rad, of that over further arcs than the first, which both ways share */
   float spare;       /* length of the parts that another one may be of: given up, or not looked into */
-  uint8_t line, ends;      /* the edge over which it came, see SMAP_ONE_LINE */
-  const smap_end_t *other; /* of the other way */
+  uint8_t home;      /* the facet on which the other way ends: the one that it balances from */
+  uint8_t line;      /* the edge over which it came, see SMAP_ONE_LINE */
 } smap_held_t;
 
 /* Another part, of some length, may hold too. */
@@ -180,27 +172,12 @@ static int smap_leaves(const smap_many_work_t *w, uint8_t e, const smap_held_t *
   return !(smap_beside(p, a, along, band2) && smap_beside(q, a, along, band2));
 }
 
-/* Leave of a part of the segment that for which the way to a facet after `turn` more may be taken:
- * not where the other way ends on the same one, nor where both turn too far. */
-static void smap_refuse(const smap_many_work_t *w, const smap_held_t *o, uint8_t facet, float turn,
-                        float part[2])
+/* Whether a facet is the one that it balances from, but for noise, `turned` rad from there: the other way
+ * may end on that. */
+static int smap_is_home(const smap_many_work_t *w, const smap_held_t *o, uint8_t facet, float turned)
 {
-  const smap_facet_t *f = &w->facet[facet];
-  uint8_t k;
-  for (k = 0; k < o->ends; k++) {
-    const smap_end_t *e = &o->other[k];
-    const smap_facet_t *g = &w->facet[e->facet];
-    const float all = o->turned + turn + e->turn, apart = smap_chord(&f->at, &g->at);
-    if (all <= w->map->rock_angle &&
-        !(apart < 1.01e-2f && (apart < 1e-4f || all + 1e-5f > apart + 1e-2f))) {
-      continue;
-    }
-    if (e->part[1] >= part[1]) {
-      part[1] = e->part[0] < part[1] ? e->part[0] : part[1];
-    } else if (e->part[1] > part[0]) {
-      part[0] = e->part[1];
-    }
-  }
+  const float apart = smap_chord(&w->facet[facet].at, &w->facet[o->home].at);
+  return apart < 1.01e-2f && (apart < 1e-4f || turned + 1e-5f > apart + 1e-2f);
 }
 
 /* Turn a gap along the roll over edge e. */
@@ -213,7 +190,6 @@ static void smap_carry(const smap_many_work_t *w, smap_row_t *roll, uint8_t e,
     to->rise[end] += smap_roll_over(w, roll, e, from->g[end], to->g[end]);
   }
   to->turned += roll[SMAP_ANGLE][0];
-  to->before += roll[SMAP_ANGLE][0];
   to->spare = 0.0f;
   to->line = roll[SMAP_ANGLE][0] > SMAP_ONE_LINE ? w->twin[e] : from->line;
 }
@@ -224,22 +200,25 @@ static int smap_roll_on(smap_many_work_t *w, uint8_t e, const smap_held_t *o, co
 {
   const uint8_t back = w->twin[e];
   smap_row_t *roll;
-  float part[2];
+  float turned;
   next->spare = 0.0f;
-  if (back == SMAP_NONE ||
-      w->facet[w->owner[back]].kind != SMAP_REST ||
-      smap_chord(&w->facet[w->owner[e]].at, &w->facet[w->owner[back]].at) + o->turned >
-          w->map->rock_angle) {
+  if (!smap_leads_on(w, e) ||
+      smap_chord(&w->facet[w->owner[e]].at, &w->facet[w->owner[back]].at) + o->turned > w->map->rock_angle) {
     return 0;
   }
   roll = smap_roll(w, e);
-  part[0] = span[0] > o->low ? span[0] : o->low;
-  part[1] = span[1] < o->high ? span[1] : o->high;
-  smap_refuse(w, o, w->owner[back], roll[SMAP_ANGLE][0], part);
+  turned = o->turned + roll[SMAP_ANGLE][0];
+  if (turned > w->map->rock_angle) {
+    return 0;
+  }
+  if (smap_is_home(w, o, w->owner[back], turned)) { /* where it may, or may go on */
+    smap_spare(next, smap_left_of(o, span));
+    return 0;
+  }
   smap_carry(w, roll, e, o, next);
-  next->low = part[0];
-  next->high = part[1];
-  return next->low < next->high;
+  next->low = span[0] > o->low ? span[0] : o->low;
+  next->high = span[1] < o->high ? span[1] : o->high;
+  return 1;
 }
 
 /* Keep what the rest holds that the robot has come to over its edge `came`; no further way is looked into. */
@@ -257,73 +236,50 @@ static int smap_hold_last(smap_many_work_t *w, uint8_t came, smap_held_t *o)
   return o->low < o->high;
 }
 
-/* Let go of what is lost but for the part that is held further on, and list where that ends. */
-static void smap_keep(const smap_many_work_t *w, uint8_t e, const smap_held_t *held, const float span[2],
-                      smap_held_t *o, smap_end_t *end)
-{
-  end->part[0] = held->low;
-  end->part[1] = held->high;
-  end->turn = held->before;
-  end->facet = w->owner[w->twin[e]];
-  smap_forbid(o, span[0], held->low > o->low ? held->low : span[0]);
-  smap_forbid(o, held->high < o->high ? held->high : span[1], span[1]);
-}
-
-/* Let go of a part of the segment but for what was `held` further on over edge e. */
-static void smap_take_over(const smap_many_work_t *w, uint8_t e, int held, const smap_held_t *next,
-                           const float span[2], smap_held_t *o, smap_end_t *end, uint8_t *ends)
+/* Let go of a part of the segment but for what was `held` further on. */
+static void smap_take_over(const smap_held_t *next, int held, const float span[2], smap_held_t *o)
 {
   smap_spare(o, next->spare);
-  if (held && *ends < SMAP_ENDS) {
-    smap_keep(w, e, next, span, o, &end[*ends]);
-    (*ends)++;
+  if (held) {
+    smap_forbid(o, span[0], next->low > o->low ? next->low : span[0]);
+    smap_forbid(o, next->high < o->high ? next->high : span[1], span[1]);
   } else {
-    smap_spare(o, held ? next->high - next->low : 0.0f);
     smap_forbid(o, span[0], span[1]);
   }
 }
 
 /* Go on over edge e onto the rest there, and let go of what that does not hold. */
-SMAP_APART static void smap_go_on(smap_many_work_t *w, uint8_t e, const float span[2], smap_held_t *o,
-                                  smap_end_t *end, uint8_t *ends)
+SMAP_APART static void smap_go_on(smap_many_work_t *w, uint8_t e, const float span[2], smap_held_t *o)
 {
   smap_held_t next;
   const int held = smap_roll_on(w, e, o, span, &next) && smap_hold_last(w, w->twin[e], &next);
-  smap_take_over(w, e, held, &next, span, o, end, ends);
+  smap_take_over(&next, held, span, o);
 }
 
 /* As smap_hold_last, or one rest further on. */
-static int smap_hold_next(smap_many_work_t *w, uint8_t came, smap_held_t *o, smap_end_t *end,
-                          uint8_t *ends)
+static int smap_hold_next(smap_many_work_t *w, uint8_t came, smap_held_t *o)
 {
-  const uint8_t first = *ends;
   float span[2];
   uint8_t at;
   for (at = w->onward[came]; at != came && o->low < o->high && smap_may(w, SMAP_COST_VISIT);
        at = w->onward[at]) {
     if (smap_leaves(w, at, o, span) && smap_may(w, SMAP_COST_WAY)) {
-      smap_go_on(w, at, span, o, end, ends);
+      smap_go_on(w, at, span, o);
     }
   }
-  if (o->low < o->high) {
-    return 1;
-  }
-  *ends = first;
-  return 0;
+  return o->low < o->high;
 }
 
 /* As smap_go_on, or one rest further on. */
-SMAP_APART static void smap_go_further(smap_many_work_t *w, uint8_t e, const float span[2],
-                                       smap_held_t *o, smap_end_t *end, uint8_t *ends)
+SMAP_APART static void smap_go_further(smap_many_work_t *w, uint8_t e, const float span[2], smap_held_t *o)
 {
   smap_held_t next;
-  const int held = smap_roll_on(w, e, o, span, &next) && smap_hold_next(w, w->twin[e], &next, end, ends);
-  smap_take_over(w, e, held, &next, span, o, end, ends);
+  const int held = smap_roll_on(w, e, o, span, &next) && smap_hold_next(w, w->twin[e], &next);
+  smap_take_over(&next, held, span, o);
 }
 
-/* As smap_hold_last, or up to two rests further on; list where it ends. */
-static void smap_hold_rest(smap_many_work_t *w, uint8_t came, smap_held_t *o, smap_end_t *end,
-                           uint8_t *ends)
+/* As smap_hold_last, or up to two rests further on; edges that lead to none come first. */
+static void smap_hold_rest(smap_many_work_t *w, uint8_t came, smap_held_t *o)
 {
   float span[2];
   uint8_t e;
@@ -335,7 +291,7 @@ static void smap_hold_rest(smap_many_work_t *w, uint8_t came, smap_held_t *o, sm
   for (e = w->onward[came]; e != came && o->low < o->high && smap_may(w, SMAP_COST_VISIT);
        e = w->onward[e]) {
     if (smap_leads_on(w, e) && smap_leaves(w, e, o, span) && smap_may(w, SMAP_COST_WAY)) {
-      smap_go_further(w, e, span, o, end, ends);
+      smap_go_further(w, e, span, o);
     }
   }
 }
