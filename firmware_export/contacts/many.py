@@ -22,7 +22,7 @@ from lutgen.support import SPHERE
 from lutgen.vector import Floats
 
 # Sine that is taken off every distance.
-GUARD = 2e-4
+GUARD = 1e-4
 # Parts of the size by which thresholds are kept, and within which contacts are on one rail.
 HAIR, SAME = 1e-5, 1e-7
 # Angles beyond which nothing is asked.

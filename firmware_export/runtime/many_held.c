@@ -15,7 +15,7 @@
 #define SMAP_ONE_LINE 3e-3f /* rad: over an arc as short the line that the robot came over stays what it was */
 #define SMAP_SPARE 1e-3f /* of the segment: so much longer than all others one part must be */
 #define SMAP_CAUGHT 4e-7f /* of the size: what rounding may alter of S and N */
-#define SMAP_RAISED 5e-8f /* of the size: of R, by the rounding of normals */
+#define SMAP_RAISED 2e-7f /* of the size: of R, by the rounding of normals */
 #define SMAP_TURNED 1e-6f /* of the size, for each rad: of R */
 
 /* A gap while it is looked at: gravity at both ends of its segment where the roll has come to, and

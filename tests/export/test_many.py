@@ -47,13 +47,13 @@ def test_no_boundary_point_that_tips_is_called_safe(robot):
     tips, safe = truth["status"] == TIPS, got["status"] != TIPS
     assert tips.mean() > 0.2
     assert not (safe & tips).any()
-    # Float32 has 24 digits: an angle of 1 rad is right to 1e-7, and the guard is 3e-4.
+    # Float32 has 24 digits: an angle of 1 rad is right to 1e-7, and the guard is 1e-4.
     assert (got["tip_angle"] <= truth["tip_angle"]).all()
     assert robot.most["failed"] == 0
 
 
-def test_what_rounding_alters_is_a_seventh_of_the_guard(robot, tmp_path):
-    # Two pairs of flippers alike: the exact definition's pieces of that strip lose more than the guard.
+def test_what_rounding_alters_is_a_third_of_the_guard(robot, tmp_path):
+    # Two pairs of flippers alike: the exact definition's pieces lose more there than the guard.
     tight = Library(robot.recipe, tmp_path, guard=3e-5)
     rng = np.random.default_rng(9)
     params = postures_of(robot.recipe, rng, 80)
@@ -66,6 +66,20 @@ def test_what_rounding_alters_is_a_seventh_of_the_guard(robot, tmp_path):
     got = tight.read(params, g)
     assert not ((got["status"] != TIPS) & (truth["status"] == TIPS)).any()
     assert (got["tip_angle"] <= truth["tip_angle"]).all()
+
+
+def test_a_strip_that_another_cuts_keeps_to_the_definition(tmp_path):
+    # Wheels in four rows: the exact definition cuts a strip where the next one begins, and its
+    # pieces are others then; and over arcs of 0.07 and 0.7 deg the com rises by what rounding
+    # alters.
+    absolem = Library(lutgen.load_recipe(MAPS / "absolem.toml"), tmp_path)
+    params = np.float32([[1.5773930549621582, 0.08346787095069885], [0.31692666, -1.6499567]])
+    aims = [[-0.7346289, 0.1087306, -0.66969997], [0.80463946, 0.14135224, -0.57669306]]
+    g = np.float32(aims)[:, None]
+    truth = evaluate_each(absolem.recipe, params.astype(float), g.astype(float), ("tip_angle",))
+    short = np.degrees(truth["tip_angle"] - absolem.read(params, g)["tip_angle"])
+    assert (short > 0.0).all()
+    assert (short < 0.2).all()
 
 
 @pytest.mark.parametrize("whole", [False, True])
@@ -81,12 +95,14 @@ def test_what_stands_is_told_with_its_angle_and_its_factor(robot, whole):
     safe, stands = got["status"] != TIPS, truth["status"] != TIPS
     assert not (safe & ~stands).any()
     assert not ((got["status"] == 0) & (truth["status"] == 1)).any()
-    # Given up: what is within the guard of the boundary (0.02 deg), and a few gaps in a hundred.
+    # Given up: what is within the guard of the boundary, and a gap in thousands;
+    # between ball feet that stand nearly in a plane more.
     lost = stands & ~safe
-    assert lost.sum() <= 0.008 * stands.sum()
+    assert lost.sum() <= (0.006 if robot.recipe.name == "quadruped" else 0.001) * stands.sum()
     error = np.degrees(truth["tip_angle"] - got["tip_angle"])[safe]
     assert error.min() > 0.0
-    # The guard is 0.0115 deg; of an integer form's sine, less its guard, more is lost near a right angle.
+    # The guard is 0.006 deg; of an integer form's sine, less its guard, more is lost near a right
+    # angle.
     part, most = (90, 0.06) if whole else (99, 0.02)
     assert np.percentile(error, part) < most
     # Rounding of the integer form: half a step each of D, s and the angle of its walls.
