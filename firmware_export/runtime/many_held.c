@@ -143,10 +143,17 @@ static int smap_lost(const smap_many_work_t *w, const float a[3], const float b[
   return span[0] < span[1] && span[0] < o->high && span[1] > o->low;
 }
 
-/* Whether there is a rest beyond an edge. */
-static inline int smap_leads_on(const smap_many_work_t *w, uint8_t e)
+/* What is beyond an edge. */
+static inline uint8_t smap_kind_beyond(const smap_many_work_t *w, uint8_t e)
 {
-  return w->twin[e] != SMAP_NONE && w->facet[w->owner[w->twin[e]]].kind == SMAP_REST;
+  return w->twin[e] == SMAP_NONE ? (uint8_t)SMAP_REFUSED : w->facet[w->owner[w->twin[e]]].kind;
+}
+
+/* Let go of a part that is not looked into further on: the exact definition may keep it. */
+static void smap_give_up(const smap_many_work_t *w, smap_held_t *o, uint8_t e, const float span[2])
+{
+  smap_spare(o, smap_kind_beyond(w, e) != SMAP_REFUSED ? smap_left_of(o, span) : 0.0f);
+  smap_forbid(o, span[0], span[1]);
 }
 
 /* Whether a place is within a distance (squared) of the line from a along a direction. */
@@ -202,8 +209,7 @@ static int smap_roll_on(smap_many_work_t *w, uint8_t e, const smap_held_t *o, co
   smap_row_t *roll;
   float turned;
   next->spare = 0.0f;
-  if (!smap_leads_on(w, e) ||
-      smap_chord(&w->facet[w->owner[e]].at, &w->facet[w->owner[back]].at) + o->turned > w->map->rock_angle) {
+  if (smap_chord(&w->facet[w->owner[e]].at, &w->facet[w->owner[back]].at) + o->turned > w->map->rock_angle) {
     return 0;
   }
   roll = smap_roll(w, e);
@@ -229,8 +235,7 @@ static int smap_hold_last(smap_many_work_t *w, uint8_t came, smap_held_t *o)
   for (at = w->onward[came]; at != came && o->low < o->high && smap_may(w, SMAP_COST_VISIT);
        at = w->onward[at]) {
     if (smap_leaves(w, at, o, span)) {
-      smap_spare(o, smap_leads_on(w, at) ? smap_left_of(o, span) : 0.0f);
-      smap_forbid(o, span[0], span[1]);
+      smap_give_up(w, o, at, span);
     }
   }
   return o->low < o->high;
@@ -263,7 +268,12 @@ static int smap_hold_next(smap_many_work_t *w, uint8_t came, smap_held_t *o)
   uint8_t at;
   for (at = w->onward[came]; at != came && o->low < o->high && smap_may(w, SMAP_COST_VISIT);
        at = w->onward[at]) {
-    if (smap_leaves(w, at, o, span) && smap_may(w, SMAP_COST_WAY)) {
+    if (!smap_leaves(w, at, o, span)) {
+      continue;
+    }
+    if (smap_kind_beyond(w, at) != SMAP_REST) {
+      smap_give_up(w, o, at, span);
+    } else if (smap_may(w, SMAP_COST_WAY)) {
       smap_go_on(w, at, span, o);
     }
   }
@@ -278,19 +288,21 @@ SMAP_APART static void smap_go_further(smap_many_work_t *w, uint8_t e, const flo
   smap_take_over(&next, held, span, o);
 }
 
-/* As smap_hold_last, or up to two rests further on; edges that lead to none come first. */
+/* As smap_hold_last, or up to two rests further on.  Edges that lead to none come first: often nothing is left
+ * to go on with. */
 static void smap_hold_rest(smap_many_work_t *w, uint8_t came, smap_held_t *o)
 {
   float span[2];
   uint8_t e;
-  for (e = w->onward[came]; e != came && o->low < o->high && smap_may(w, SMAP_COST_VISIT); e = w->onward[e]) {
-    if (!smap_leads_on(w, e) && smap_leaves(w, e, o, span)) {
-      smap_forbid(o, span[0], span[1]);
+  for (e = w->onward[came]; e != came && o->low < o->high && smap_may(w, SMAP_COST_VISIT);
+       e = w->onward[e]) {
+    if (smap_kind_beyond(w, e) != SMAP_REST && smap_leaves(w, e, o, span)) {
+      smap_give_up(w, o, e, span);
     }
   }
   for (e = w->onward[came]; e != came && o->low < o->high && smap_may(w, SMAP_COST_VISIT);
        e = w->onward[e]) {
-    if (smap_leads_on(w, e) && smap_leaves(w, e, o, span) && smap_may(w, SMAP_COST_WAY)) {
+    if (smap_kind_beyond(w, e) == SMAP_REST && smap_leaves(w, e, o, span) && smap_may(w, SMAP_COST_WAY)) {
       smap_go_further(w, e, span, o);
     }
   }

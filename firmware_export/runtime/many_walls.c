@@ -157,11 +157,12 @@ SMAP_APART static void smap_bound(smap_many_work_t *w, smap_many_pose_t *o, uint
 }
 
 /* Append all loops of the island that an edge is of: no earlier edge is. */
-static void smap_find_loops(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
+SMAP_APART static void smap_find_loops(smap_many_work_t *w, smap_many_pose_t *o, uint8_t first)
 {
-  const uint8_t island = w->seen[e];
+  const uint8_t island = w->seen[first];
+  uint8_t e;
   o->at.first[island] = o->at.segments;
-  for (; e < w->edges; e++) {
+  for (e = first; e < w->edges; e++) {
     if (w->seen[e] == island && smap_may(w, SMAP_COST_LOOP)) {
       smap_bound(w, o, e, island);
     }
@@ -184,7 +185,7 @@ static void smap_find_boundary(smap_many_work_t *w, smap_many_pose_t *o)
     o->at.convex[k] = 1;
   }
   for (e = 0; e < w->edges; e++) {
-    if (w->seen[e] != SMAP_NONE) {
+    if (w->seen[e] != SMAP_NONE && smap_may(w, SMAP_COST_LOOP)) {
       smap_find_loops(w, o, e);
     }
   }
