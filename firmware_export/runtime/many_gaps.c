@@ -71,6 +71,7 @@ static void smap_find_gaps(smap_many_work_t *w)
     return;
   }
   w->left = part;
+  memset(w->strips, 0, sizeof w->strips);
   for (e = smap_between_rests(w, 0); e < w->edges && smap_may(w, SMAP_COST_GAP);
        e = smap_between_rests(w, (uint8_t)(e + 1u))) {
     if (w->map->rock_angle >= 3.1415f) {
@@ -80,6 +81,10 @@ static void smap_find_gaps(smap_many_work_t *w)
     }
     if (!w->left) {
       w->low[e] = w->low[w->twin[e]] = SMAP_OPEN;
+    }
+    if (smap_is_gap(w, e)) {
+      w->strips[w->vertex[e]]++;
+      w->strips[w->vertex[w->next[e]]]++;
     }
   }
 #ifdef SMAP_HOST

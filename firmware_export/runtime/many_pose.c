@@ -3,19 +3,16 @@
 /* ---- poses of many contacts -------------------------------------------------------------------------- */
 /* A pose: what `at` needs of a posture. */
 
-/* The first edge of a facet's outline if it is to be shown and is not yet, or the one after all. */
-static uint8_t smap_to_show(const smap_many_work_t *w, uint8_t facet)
+/* The first edge from e on of a facet that is not shown yet. */
+static uint8_t smap_to_show(const smap_many_work_t *w, uint8_t e)
 {
-  const smap_facet_t *f = &w->facet[facet];
-  const uint8_t last = facet + 1u < w->facets ? f[1].first : w->edges;
-  uint8_t e = f->first;
-  if (f->shown != SMAP_NONE || f->kind == SMAP_REFUSED) {
-    return w->edges;
+  for (; e < w->edges; e++) {
+    if (w->facet[w->owner[e]].shown == SMAP_NONE && w->low[e] != SMAP_SHORT &&
+        w->facet[w->owner[e]].kind != SMAP_REFUSED) {
+      break;
+    }
   }
-  while (e < last && w->low[e] == SMAP_SHORT) {
-    e++;
-  }
-  return e < last ? e : w->edges;
+  return e;
 }
 
 /* Enter what short arcs join with edge `start` as one facet: its walls, in the order of its edges. */
@@ -71,7 +68,7 @@ static void smap_turn_back(const smap_many_t *m, float (*v)[3], uint8_t n)
 static int smap_many_pose(const smap_many_t *m, const smap_many_place_t *place, smap_many_pose_t *o,
                           smap_many_work_t *w)
 {
-  uint8_t f;
+  uint8_t e;
   o->at.shown = o->at.walls = o->at.points = o->at.segments = o->at.sides = o->at.alive = o->at.edge[0] = 0;
   o->guard = m->guard;
   o->hair = 2e-4f;  /* a sine: nearer to the wall of an edge both sides of it are looked at */
@@ -90,11 +87,8 @@ static int smap_many_pose(const smap_many_t *m, const smap_many_place_t *place, 
     smap_find_gaps(w);
 #endif
   }
-  for (f = 0; f < w->facets && w->left; f++) {
-    const uint8_t e = smap_to_show(w, f);
-    if (e < w->edges && smap_may(w, SMAP_COST_SHOW)) {
-      smap_show(w, o, e);
-    }
+  for (e = smap_to_show(w, 0); e < w->edges && smap_may(w, SMAP_COST_SHOW); e = smap_to_show(w, e)) {
+    smap_show(w, o, e);
   }
   if (w->full) {
     w->left = 0;

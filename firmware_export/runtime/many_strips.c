@@ -77,19 +77,11 @@ static void smap_add_piece(smap_many_work_t *w, smap_many_pose_t *o, smap_side_t
   side->count++;
 }
 
-/* Whether another strip may cut that of an edge: they have a wheel in common.  The exact definition cuts the
- * side there, and of its tangents only those at both ends are known. */
-static int smap_is_cut(const smap_many_work_t *w, uint8_t e)
+/* Whether another strip may cut that of an edge: they have a wheel in common, and more than two rails.  The
+ * exact definition cuts the side there, and of its tangents only those at both ends are known. */
+static inline int smap_is_cut(const smap_many_work_t *w, uint8_t e)
 {
-  const uint8_t i = w->vertex[e], j = w->vertex[w->next[e]];
-  uint8_t k;
-  for (k = 0; k < w->edges; k++) {
-    const uint8_t m = w->vertex[k], n = w->vertex[w->next[k]];
-    if (k != e && k != w->twin[e] && smap_is_gap(w, k) && (m == i || m == j || n == i || n == j)) {
-      return 1;
-    }
-  }
-  return 0;
+  return SMAP_MANY_RAILS != 2 && (w->strips[w->vertex[e]] > 1 || w->strips[w->vertex[w->next[e]]] > 1);
 }
 
 /* A side from p to q bulges into the strip: corners on tangents, as many as it takes. */
@@ -104,7 +96,7 @@ static void smap_bulge(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e, smap
   uint8_t k;
   count = (float)(int32_t)(turn * (1.0f / SMAP_PIECE)) + 1.0f;
   count = count > pieces ? pieces : count;
-  count = SMAP_MANY_RAILS != 2 && count > 1.0f && smap_is_cut(w, e) ? 1.0f : count;
+  count = smap_is_cut(w, e) ? 1.0f : count;
   smap_copy(p, last);
   for (k = 1; (float)k <= count && smap_may(w, SMAP_COST_PIECE); k++) {
     if ((float)(k + 1) > count) {

@@ -200,9 +200,9 @@ typedef struct {
 #define SMAP_EACH (unsigned)smap_contacts_of(w->map)
 #define SMAP_COST_CORNER 3u                       /* a corner of a facet's polygon, and */
 #define SMAP_COST_SIDE (3u + 3u * SMAP_EACH / 4u) /* one of its sides, if it is wide */
-#define SMAP_COST_GAP 66u                         /* an arc between rests, but for */
+#define SMAP_COST_GAP 88u                         /* an arc between rests, but for */
 #define SMAP_COST_VISIT 15u                       /* an edge of a rest that the robot comes to, and */
-#define SMAP_COST_WAY 43u                         /* going on from there */
+#define SMAP_COST_WAY 35u                         /* going on from there */
 #define SMAP_COST_SHOW 7u                         /* a facet that is shown, but for */
 #define SMAP_COST_OUTLINE 5u                      /* one of its edges */
 #define SMAP_COST_LOOP 7u                         /* a loop of the boundary, but for its edges */
@@ -227,6 +227,7 @@ typedef struct {
   smap_facet_t facet[SMAP_MANY_FACETS];
   uint8_t vertex[SMAP_MANY_EDGES], twin[SMAP_MANY_EDGES], next[SMAP_MANY_EDGES];
   uint8_t onward[SMAP_MANY_EDGES]; /* the next edge of the outline of what short arcs join */
+  uint8_t strips[SMAP_MANY_CONTACTS]; /* at a contact */
   uint8_t owner[SMAP_MANY_EDGES], wall_of[SMAP_MANY_EDGES], point_of[SMAP_MANY_EDGES];
   uint8_t side_of[SMAP_MANY_EDGES];
   uint8_t seen[SMAP_MANY_EDGES]; /* the island whose boundary it may be of, or SMAP_NONE */

@@ -156,20 +156,6 @@ SMAP_APART static void smap_bound(smap_many_work_t *w, smap_many_pose_t *o, uint
   }
 }
 
-/* Append all loops of the island that an edge is of: no earlier edge is. */
-SMAP_APART static void smap_find_loops(smap_many_work_t *w, smap_many_pose_t *o, uint8_t first)
-{
-  const uint8_t island = w->seen[first];
-  uint8_t e;
-  o->at.first[island] = o->at.segments;
-  for (e = first; e < w->edges; e++) {
-    if (w->seen[e] == island && smap_may(w, SMAP_COST_LOOP)) {
-      smap_bound(w, o, e, island);
-    }
-  }
-  o->at.last[island] = o->at.segments;
-}
-
 /* List the segments of all loops. */
 static void smap_find_boundary(smap_many_work_t *w, smap_many_pose_t *o)
 {
@@ -181,13 +167,14 @@ static void smap_find_boundary(smap_many_work_t *w, smap_many_pose_t *o)
                      : o->at.island[f->shown];
   }
   for (k = 0; k < o->at.shown; k++) {
-    o->at.first[k] = o->at.last[k] = 0;
+    o->at.first[k] = o->at.segments;
     o->at.convex[k] = 1;
-  }
-  for (e = 0; e < w->edges; e++) {
-    if (w->seen[e] != SMAP_NONE && smap_may(w, SMAP_COST_LOOP)) {
-      smap_find_loops(w, o, e);
+    for (e = o->at.island[k] == k ? 0 : w->edges; e < w->edges; e++) {
+      if (w->seen[e] == k && smap_may(w, SMAP_COST_LOOP)) {
+        smap_bound(w, o, e, k);
+      }
     }
+    o->at.last[k] = o->at.segments;
   }
   for (k = 0; k < o->at.shown; k++) {
     o->at.convex[k] = o->at.convex[o->at.island[k]];

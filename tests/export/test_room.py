@@ -66,8 +66,9 @@ def test_what_an_export_gives_up_the_certificate_gives_up_too(name: str, tmp_pat
     more, tip = (one.copy() for one in host_of(whole).read(*asked))
     safe, could = np.isin(status, (OK, ROCKS)), np.isin(more, (OK, ROCKS))
     assert not (safe & ~could).any()
-    # One wall may be reached by two ways, which differ by rounding.
-    assert (reading[:, 1] <= tip[:, 1] + 2e-7)[safe].all()
+    # One wall may be reached by two ways, which differ by rounding: 2e-7 of a sine, and the last
+    # digits of its angle and of the guard that is taken off that.
+    assert (reading[:, 1] <= tip[:, 1] + 4e-7)[safe].all()
     # Gaps are given up, and the rests beside them stay.
     assert 0 < (could & ~safe).sum() < 0.3 * could.sum()
 
