@@ -16,10 +16,11 @@ from tests.fixtures.exact_library import answers, build
 from tests.fixtures.places import MAPS, ROOT
 from tools.explorer import HOME, clang_version
 
-# Robots whose regions are convex are equal but for rounding; where the robot rocks between rests,
-# gaps are not followed as far as the definition follows them (docs/guide/explorer.md).
+# Robots whose regions are convex are equal but for rounding; with more than two rows of wheels the
+# strips of several gaps lie over each other (docs/guide/explorer.md).
 CONVEX = ("paper_one", "paper_two", "three_leg_sphere", "excavator")
 ROLLING = sorted({path.stem for path in MAPS.glob("*.toml")} - set(CONVEX))
+APART = {"absolem": 3}
 STATES = 200
 # Digits that the page prints: 0.01 deg and four that count.
 PRINTED_DEG, PRINTED_PART = 0.01, 1e-3
@@ -48,16 +49,14 @@ def test_double_precision_is_the_definition(exact: ctypes.CDLL, name: str) -> No
 
 
 @pytest.mark.parametrize("name", ROLLING)
-def test_where_robots_rock_nearly_all_is_within_the_printed_digits(
-    exact: ctypes.CDLL, name: str
-) -> None:
+def test_where_robots_rock_it_is_within_the_printed_digits(exact: ctypes.CDLL, name: str) -> None:
     truth, found = compared(exact, name)
     apart = np.degrees(np.abs(found["tip_angle"] - truth["tip_angle"]))
     same = (found["status"] == truth["status"]) & (apart <= PRINTED_DEG)
     for channel in ("sdg", "height"):
         near = np.isclose(found[channel], truth[channel], rtol=PRINTED_PART, equal_nan=True)
         same &= near
-    assert same.sum() >= STATES - 3
+    assert same.sum() >= STATES - APART.get(name, 0)
     # Never does it say that a robot stands which tips.
     assert not ((found["status"] != 2) & (truth["status"] == 2)).any()
 
