@@ -81,7 +81,7 @@ static void smap_add_piece(smap_many_work_t *w, smap_many_pose_t *o, smap_side_t
  * exact definition cuts the side there, and of its tangents only those at both ends are known. */
 static inline int smap_is_cut(const smap_many_work_t *w, uint8_t e)
 {
-  return SMAP_MANY_RAILS != 2 && (w->strips[w->vertex[e]] > 1 || w->strips[w->vertex[w->next[e]]] > 1);
+  return smap_rails_of(w->map) != 2 && (w->strips[w->vertex[e]] > 1 || w->strips[w->vertex[w->next[e]]] > 1);
 }
 
 /* A side from p to q bulges into the strip: corners on tangents, as many as it takes. */

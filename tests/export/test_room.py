@@ -74,6 +74,19 @@ def test_what_an_export_gives_up_the_certificate_gives_up_too(name: str, tmp_pat
 
 
 @pytest.mark.needs("gcc")
+@pytest.mark.parametrize("name", ["marv", "absolem", "markhor", "articulated", "quadruped"])
+def test_an_export_that_knows_its_robot_answers_as_code_for_any(name: str, tmp_path: Path) -> None:
+    # What an export knows when it is compiled (contacts, rails, room) certificates read of the map.
+    export = export_of(name)
+    package.write(export, tmp_path / "out")
+    asked = queries(export, 8_000, 8)
+    status, reading = host_of(export).read(*asked)
+    own_status, own_reading = HostLibrary(tmp_path / "out").read(*asked)
+    assert status.tobytes() == own_status.tobytes()
+    assert reading.tobytes() == own_reading.tobytes()
+
+
+@pytest.mark.needs("gcc")
 def test_a_robot_that_never_rocks_has_no_code_for_it(tmp_path: Path) -> None:
     export = export_of("excavator")
     assert export.tables.room[SOUGHT] == 0
