@@ -14,6 +14,7 @@
 #endif
 #define SMAP_LOST 2e-4f  /* of the posture's size: what the exact definition's pieces lose */
 #define SMAP_PIECES 12.0f
+#define SMAP_DIGITS 1e-4f /* of a piece: what rounding may alter */
 #define SMAP_STRAIGHT 1e-7f /* of the size, squared: a side as short as this is straight */
 
 /* A posture's size, as the exact definition has it for its pieces: how far any contact reaches from the
@@ -63,6 +64,9 @@ static float smap_pieces(smap_many_work_t *w, uint8_t e, float *turn)
     return 1.0f;
   }
   n = smap_root(most);
+  if (smap_absolute(n - (float)(int32_t)(n + 0.5f)) < SMAP_DIGITS) {
+    *turn = 0.0f; /* the last digits decide: of the pieces only both ends are known, as with one of them */
+  }
   return n < SMAP_PIECES - 1.0f ? 1.0f + (float)(int32_t)n : SMAP_PIECES;
 }
 
