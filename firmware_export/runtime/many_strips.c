@@ -64,6 +64,9 @@ static float smap_pieces(smap_many_work_t *w, uint8_t e, float *turn)
     return 1.0f;
   }
   n = smap_root(most);
+  if (!(n < SMAP_PIECES - 0.5f)) {
+    return SMAP_PIECES;
+  }
   if (smap_absolute(n - (float)(int32_t)(n + 0.5f)) < SMAP_DIGITS) {
     *turn = 0.0f; /* the last digits decide: of the pieces only both ends are known, as with one of them */
   }
