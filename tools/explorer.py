@@ -34,7 +34,7 @@ TOLERANCES = {
     "SMAP_BELOW": "1e-9",
     "SMAP_TURN_SHORT": "1e-7",
     "SMAP_TURN_ROUNDED": "1e-7",
-    "SMAP_TOUCHES": "1e-9",
+    "SMAP_TOUCHES": "2e-9",
     "SMAP_NOISY": "2e-9",
     "SMAP_NEWTON": "40",
     "SMAP_CAUGHT": "1e-12",
@@ -51,7 +51,7 @@ PLACES = {
         "  return w->low[e] >= 0.0 && w->low[e] <= 1.0;"
     ),
     "change < 1e-9)": "change < 1e-26)",
-    "if (smap_dot(d, d) < 1e-8) {\n      return;": "if (smap_dot(d, d) < 1e-16) {\n      return;",
+    "smap_dot(d, d) >= 1e-8": "smap_dot(d, d) >= 1e-16",
     "o->hair = 2e-4": "o->hair = 1e-12",
     "o->slack = 5e-4": "o->slack = 1e-9",
     # Sides of gaps are cut as the definition cuts them, see exact.c.

@@ -8,8 +8,8 @@
  * where nothing is below the planes between them.  A facet or an arc that is not found makes the
  * region smaller and never larger.
  */
-#define SMAP_TOUCHES 1e-6f /* of the size: nearer to a plane a contact touches it */
-#define SMAP_NOISY 3e-6f   /* of the size: nearer to a plane a contact is not below it */
+#define SMAP_TOUCHES 3e-6f /* of the size: nearer to a plane a contact touches it */
+#define SMAP_NOISY 3e-6f   /* of the size: nearer to a plane a contact is not below it; no more than touches */
 #define SMAP_NEWTON 8
 
 /* The plane below three contacts, which faces down; 1 where they go round it counter-clockwise, seen from
@@ -74,29 +74,54 @@ SMAP_APART static uint8_t smap_corners_near(smap_many_work_t *w, const smap_aim_
   return n;
 }
 
+/* Whether a facet on a plane is there already, but for rounding: it has three of some contacts.  Of a robot
+ * that stands nearly level two facets may be as good as parallel. */
+static int smap_is_known(const smap_many_work_t *w, const smap_aim_t *at, const uint8_t *contact, uint8_t corners)
+{
+  uint8_t marked[SMAP_MANY_CONTACTS] = {0}, f, k, e;
+  float d[3];
+  for (k = 0; k < corners; k++) {
+    marked[contact[k]] = 1;
+  }
+  for (f = 0; f < w->facets; f++) {
+    const uint8_t last = f + 1u < w->facets ? w->facet[f + 1].first : w->edges;
+    uint8_t common = 0;
+    smap_minus(w->facet[f].at.n, at->n, d);
+    if (smap_dot(d, d) >= 1e-8f) {
+      continue;
+    }
+    for (e = w->facet[f].first; e < last; e++) {
+      common = (uint8_t)(common + marked[w->vertex[e]]);
+    }
+    if (common > 2) {
+      return 1;
+    }
+  }
+  return 0;
+}
+
 /* Enter the facet on a plane that carries the robot, if it is new: on three contacts, counter-clockwise, or
  * on all that touch it if they are not `alone`. */
 SMAP_APART static void smap_add_facet(smap_many_work_t *w, const smap_aim_t *at, float h,
                                       const uint8_t three[3], int alone)
 {
-  uint8_t contact[SMAP_MANY_CONTACTS], n = 3, k, f, e;
-  float d[3];
-  for (f = 0; f < w->facets; f++) {
-    smap_minus(w->facet[f].at.n, at->n, d);
-    if (smap_dot(d, d) < 1e-8f) {
+  uint8_t contact[SMAP_MANY_CONTACTS], corners = 3, k, e;
+  if (smap_is_known(w, at, three, 3)) {
+    return;
+  }
+  memcpy(contact, three, 3 * sizeof *three);
+  if (!alone) {
+    if (!smap_may(w, SMAP_COST_NEAR)) {
+      return;
+    }
+    corners = smap_corners_near(w, at, h - SMAP_TOUCHES * w->map->size, contact);
+    if (corners < 3 || smap_is_known(w, at, contact, corners)) {
       return;
     }
   }
-  if (alone) {
-    memcpy(contact, three, 3 * sizeof *three);
-  } else if (smap_may(w, SMAP_COST_NEAR)) {
-    n = smap_corners_near(w, at, h - SMAP_TOUCHES * w->map->size, contact);
-  } else {
-    return;
-  }
-  if (n >= 3 && smap_enter(w, at, h, n)) {
+  if (smap_enter(w, at, h, corners)) {
     e = w->facet[w->facets - 1].first;
-    for (k = 0; k < n; k++) {
+    for (k = 0; k < corners; k++) {
       w->vertex[e + k] = contact[k];
       smap_touch(w, contact[k], at, w->corner[e + k]);
     }

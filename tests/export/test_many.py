@@ -111,6 +111,29 @@ def test_what_stands_is_told_with_its_angle_and_its_factor(robot, whole):
     assert np.percentile(np.abs(truth["height"] - got["height"])[safe], 99) < loose
 
 
+@pytest.mark.parametrize("name", ["articulated", "quadruped"])
+def test_wheels_and_feet_that_stand_nearly_in_one_plane_carry_as_in_the_definition(name, tmp_path):
+    # What sensors of a level robot say: four contacts a micrometre to centimetres out of a plane.
+    recipe = quadruped() if name == "quadruped" else lutgen.load_recipe(MAPS / f"{name}.toml")
+    robot, rng = Library(recipe, tmp_path), np.random.default_rng(4)
+    low = np.array([p.minimum for p in recipe.parameters])
+    high = np.array([p.maximum for p in recipe.parameters])
+    level = np.zeros(len(low)) if name == "articulated" else np.tile((low + high)[:3] / 2, 4)
+    noise = rng.normal(size=(300, len(low))) * 10.0 ** rng.uniform(-7, -2, (300, 1))
+    params = np.clip(level + noise, low, high).astype(np.float32)
+    g = random_directions(rng, 300 * 60).reshape(300, 60, 3).astype(np.float32)
+    channels = ("tip_angle", "status")
+    truth = evaluate_each(recipe, params.astype(float), g.astype(float), channels)
+    got = robot.read(params, g)
+    safe, stands = got["status"] != TIPS, truth["status"] != TIPS
+    assert stands.mean() > 0.15
+    assert not (safe & ~stands).any()
+    assert (stands & ~safe).sum() <= 0.004 * stands.sum()
+    short = np.degrees(truth["tip_angle"] - got["tip_angle"])[safe]
+    assert short.min() > 0.0
+    assert np.percentile(short, 99) < 0.02
+
+
 @pytest.mark.parametrize("whole", [False, True])
 def test_how_far_a_robot_has_tipped_is_never_less_than_the_truth(robot, whole):
     rng = np.random.default_rng(8)
