@@ -52,7 +52,7 @@ PLACES = {
     ),
     "change < 1e-9)": "change < 1e-26)",
     "smap_dot(d, d) >= 1e-8": "smap_dot(d, d) >= 1e-16",
-    "o->hair = 2e-4": "o->hair = 1e-12",
+    "o->hair = 1e-4": "o->hair = 1e-12",
     "o->slack = 5e-4": "o->slack = 1e-9",
     # Sides of gaps are cut as the definition cuts them, see exact.c.
     "smap_is_bent_once(w, o, e) && smap_is_bent_once(w, o, back)": "1",

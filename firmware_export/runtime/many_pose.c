@@ -71,7 +71,7 @@ static int smap_many_pose(const smap_many_t *m, const smap_many_place_t *place, 
   uint8_t e;
   o->at.shown = o->at.walls = o->at.points = o->at.segments = o->at.sides = o->at.alive = o->at.edge[0] = 0;
   o->guard = m->guard;
-  o->hair = 2e-4f;  /* a sine: nearer to the wall of an edge both sides of it are looked at */
+  o->hair = 1e-4f;  /* a sine, no more than the guard: nearer to the wall of an edge both sides of it are looked at */
   o->slack = 5e-4f; /* a sine */
   w->map = m;
   w->roll = o->point;
