@@ -51,6 +51,17 @@ def queries(export: Export, postures: int, each: int) -> tuple[np.ndarray, np.nd
     return params, gravity.astype(np.float32)
 
 
+def read_alike(
+    export: Export, folder: Path, asked: tuple[np.ndarray, np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return what certificates read; what was written to the folder answers so bit by bit."""
+    status, reading = host_of(export).read(*asked)
+    own_status, own_reading = HostLibrary(folder).read(*asked)
+    assert status.tobytes() == own_status.tobytes()
+    assert reading.tobytes() == own_reading.tobytes()
+    return status, reading
+
+
 @pytest.mark.needs("gcc")
 @pytest.mark.parametrize("name", ["marv", "quadruped"])
 def test_what_an_export_gives_up_the_certificate_gives_up_too(name: str, tmp_path: Path) -> None:
@@ -59,10 +70,7 @@ def test_what_an_export_gives_up_the_certificate_gives_up_too(name: str, tmp_pat
     small = with_room(whole, SOUGHT=whole.tables.room[SOUGHT] // 4, SIDES=2)
     package.write(small, tmp_path / "out")
     asked = queries(whole, 400, 20)
-    status, reading = host_of(small).read(*asked)
-    own_status, own_reading = HostLibrary(tmp_path / "out").read(*asked)
-    assert status.tobytes() == own_status.tobytes()
-    assert reading.tobytes() == own_reading.tobytes()
+    status, reading = read_alike(small, tmp_path / "out", asked)
     more, tip = (one.copy() for one in host_of(whole).read(*asked))
     safe, could = np.isin(status, (OK, ROCKS)), np.isin(more, (OK, ROCKS))
     assert not (safe & ~could).any()
@@ -79,11 +87,7 @@ def test_an_export_that_knows_its_robot_answers_as_code_for_any(name: str, tmp_p
     # What an export knows when it is compiled (contacts, rails, room) certificates read of the map.
     export = export_of(name)
     package.write(export, tmp_path / "out")
-    asked = queries(export, 8_000, 8)
-    status, reading = host_of(export).read(*asked)
-    own_status, own_reading = HostLibrary(tmp_path / "out").read(*asked)
-    assert status.tobytes() == own_status.tobytes()
-    assert reading.tobytes() == own_reading.tobytes()
+    read_alike(export, tmp_path / "out", queries(export, 8_000, 8))
 
 
 @pytest.mark.needs("gcc")
@@ -94,11 +98,7 @@ def test_a_robot_that_never_rocks_has_no_code_for_it(tmp_path: Path) -> None:
     text = (tmp_path / "out" / "smap.c").read_text()
     assert "smap_find_gap(" not in text
     assert "smap_add_sides(" not in text
-    asked = queries(export, 300, 20)
-    status, reading = host_of(export).read(*asked)
-    own_status, own_reading = HostLibrary(tmp_path / "out").read(*asked)
-    assert status.tobytes() == own_status.tobytes()
-    assert reading.tobytes() == own_reading.tobytes()
+    status, _ = read_alike(export, tmp_path / "out", queries(export, 300, 20))
     assert {OK, TIPS} <= set(status.tolist())
 
 
