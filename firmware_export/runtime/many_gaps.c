@@ -31,7 +31,7 @@ static void smap_find_gap(smap_many_work_t *w, uint8_t e)
   }
   o.low = SMAP_END;
   o.high = 1.0f - SMAP_END;
-  o.spare = 0.0f;
+  o.before = o.after = o.spare = 0.0f;
   o.turned = roll[SMAP_ANGLE][0];
   smap_begin_gap(w, roll, e, smap_corner(w, e), smap_end(w, e), &o);
   smap_hold_rest(w, back, &o);

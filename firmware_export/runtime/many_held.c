@@ -13,6 +13,7 @@
  * in w, so the edge lets go between the roots of a quadratic.
  */
 #define SMAP_ONE_LINE 3e-3f /* rad: over an arc as short the line that the robot came over stays what it was */
+#define SMAP_WAYS 3 /* rests that it comes to in a row, as far as is looked into */
 #define SMAP_SPARE 1e-3f /* of the segment: so much longer than all others one part must be */
 #define SMAP_CAUGHT 4e-7f /* of the size: what rounding may alter of S and N */
 #define SMAP_RAISED 2e-7f /* of the size: of R, by the rounding of normals */
@@ -23,6 +24,7 @@
 typedef struct {
   float g[2][3], rise[2];
   float low, high;   /* of the segment, that are left */
+  float before, after; /* of the segment, that holds without rolling on and adjoins it */
   float turned;      /* rad, so far */
   float spare;       /* length of the parts that another one may be of: given up, or not looked into */
   uint8_t home;      /* the facet on which the other way ends: the one that it balances from */
@@ -35,18 +37,20 @@ static void smap_spare(smap_held_t *o, float length)
   o->spare += length > 0.0f ? length + SMAP_SPARE : 0.0f;
 }
 
-/* Let go between a and b; of two parts that are left the longer is kept. */
+/* Let go between a and b; of two parts that are left that is kept which is the longer with what adjoins it. */
 static void smap_forbid(smap_held_t *o, float a, float b)
 {
   if (b <= o->low || a >= o->high || a >= b) {
     return;
   }
-  if (a - o->low < o->high - b) {
+  if (a - o->low + o->before < o->high - b + o->after) {
     smap_spare(o, a - o->low);
     o->low = b;
+    o->before = 0.0f;
   } else {
     smap_spare(o, o->high - b);
     o->high = a;
+    o->after = 0.0f;
   }
 }
 
@@ -65,22 +69,20 @@ static void smap_widen(const smap_held_t *o, float span[2], float a, float b)
   }
 }
 
-/* Widen the part that is let go by what does not hold of q0 + q1 w + q2 w^2 >= 0, where it need hold
- * only while n0 + n1 w > 0.  What it comes from is convex, so that what lets go is one interval:
- * all, where both ends do. */
-static void smap_lost_energy(const smap_held_t *o, const float q[3], float n0, float n1,
-                             float span[2])
+/* Widen the part that is let go by what does not hold of a (1 - w)^2 + 2 b (1 - w) w + c w^2 >= 0, where it need
+ * hold only while n0 (1 - w) + n1 w > 0.  What it comes from is convex, so that what lets go is one interval:
+ * all, where both ends do.  Kept by its values at both ends it has its digits where it is next to nothing. */
+static void smap_lost_energy(const smap_held_t *o, float a, float b, float c, float n0, float n1, float span[2])
 {
-  const float at_low = q[0] + o->low * (q[1] + o->low * q[2]);
-  const float at_high = q[0] + o->high * (q[1] + o->high * q[2]);
-  const int below = at_low < 0.0f && n0 + o->low * n1 > 0.0f;
-  const int above = at_high < 0.0f && n0 + o->high * n1 > 0.0f;
-  float d, t, a, b;
-  if (!below && !above && (q[2] <= 0.0f || (q[1] + 2.0f * q[2] * o->low) *
-                                               (q[1] + 2.0f * q[2] * o->high) >= 0.0f)) {
+  const float low = o->low, high = o->high, from = 1.0f - low, to = 1.0f - high;
+  const int below = from * (from * a + 2.0f * low * b) + low * low * c < 0.0f && from * n0 + low * n1 > 0.0f;
+  const int above = to * (to * a + 2.0f * high * b) + high * high * c < 0.0f && to * n0 + high * n1 > 0.0f;
+  float d, t, u, v;
+  if (!below && !above && (!(a - b > b - c) || (from * (b - a) + low * (c - b)) *
+                                                   (to * (b - a) + high * (c - b)) >= 0.0f)) {
     return;
   }
-  d = q[1] * q[1] - 4.0f * q[2] * q[0];
+  d = b * b - a * c;
   if (!below && !above && !(d > 0.0f)) {
     return;
   }
@@ -88,20 +90,20 @@ static void smap_lost_energy(const smap_held_t *o, const float q[3], float n0, f
     smap_widen(o, span, -1.0f, 2.0f);
     return;
   }
-  t = -0.5f * (q[1] + (q[1] < 0.0f ? -smap_root(d) : smap_root(d)));
-  a = q[2] != 0.0f ? t / q[2] : 2.0f;
-  b = t != 0.0f ? q[0] / t : 2.0f;
-  if (a > b) {
-    t = a;
-    a = b;
-    b = t;
+  t = -(b + (b < 0.0f ? -smap_root(d) : smap_root(d))); /* w / (1 - w) is t / c and a / t */
+  u = t + c != 0.0f ? t / (t + c) : 2.0f;
+  v = t + a != 0.0f ? a / (t + a) : 2.0f;
+  if (u > v) {
+    t = u;
+    u = v;
+    v = t;
   }
   if (below) {
-    smap_widen(o, span, -1.0f, b > o->low && b < o->high ? b : a > o->low && a < o->high ? a : 2.0f);
+    smap_widen(o, span, -1.0f, v > low && v < high ? v : u > low && u < high ? u : 2.0f);
   } else if (above) {
-    smap_widen(o, span, a > o->low && a < o->high ? a : b > o->low && b < o->high ? b : -1.0f, 2.0f);
+    smap_widen(o, span, u > low && u < high ? u : v > low && v < high ? v : -1.0f, 2.0f);
   } else {
-    smap_widen(o, span, a, b);
+    smap_widen(o, span, u, v);
   }
 }
 
@@ -112,7 +114,7 @@ static int smap_lost(const smap_many_work_t *w, const float a[3], const float b[
   const float square = w->map->size * w->map->size, slack = (SMAP_CAUGHT + SMAP_OFF(w->map)) * square;
   const float lost = (SMAP_RAISED + SMAP_OFF(w->map) +
                       (SMAP_TURNED + SMAP_OFF_TURNED(w->map)) * o->turned) * square;
-  float along[3], wall[3], s, ds, n, dn, r, dr, q[3], size2, inverse;
+  float along[3], wall[3], s[2], n[2], r[2], size2, inverse, end;
   smap_minus(b, a, along);
   size2 = smap_dot(along, along);
   if (!(size2 > 1e-10f * square)) {
@@ -120,26 +122,26 @@ static int smap_lost(const smap_many_work_t *w, const float a[3], const float b[
   }
   inverse = 1.0f / smap_root(size2);
   smap_cross(a, b, wall);
-  s = smap_dot(wall, o->g[0]) * inverse - slack;
-  ds = smap_dot(wall, o->g[1]) * inverse - slack - s;
+  s[0] = smap_dot(wall, o->g[0]) * inverse - slack;
+  s[1] = smap_dot(wall, o->g[1]) * inverse - slack;
   span[0] = 3.0f;
   span[1] = -3.0f;
-  if (s < 0.0f || s + ds < 0.0f) {
-    r = s < 0.0f && s + ds < 0.0f ? 0.0f : -s / ds;
-    smap_widen(o, span, s < 0.0f ? -1.0f : r, s + ds < 0.0f ? 2.0f : r);
-    if (s < 0.0f && s + ds < 0.0f) {
-      return 1;
-    }
+  if (s[0] < 0.0f && s[1] < 0.0f) {
+    smap_widen(o, span, -1.0f, 2.0f);
+    return 1;
+  }
+  if (s[0] < 0.0f || s[1] < 0.0f) {
+    end = s[0] / (s[0] - s[1]);
+    smap_widen(o, span, s[0] < 0.0f ? -1.0f : end, s[0] < 0.0f ? end : 2.0f);
   }
   smap_mix(a, b, -smap_dot(a, along) * inverse * inverse, wall); /* the com's foot on the edge's line */
-  n = smap_dot(wall, o->g[0]) + slack;
-  dn = smap_dot(wall, o->g[1]) + slack - n;
-  r = o->rise[0] - lost;
-  dr = o->rise[1] - o->rise[0];
-  q[0] = s * s + (n + n - r) * r;
-  q[1] = 2.0f * (s * ds + n * dr + r * (dn - dr));
-  q[2] = ds * ds + (dn + dn - dr) * dr;
-  smap_lost_energy(o, q, n - r, dn - dr, span);
+  n[0] = smap_dot(wall, o->g[0]) + slack;
+  n[1] = smap_dot(wall, o->g[1]) + slack;
+  r[0] = o->rise[0] - lost;
+  r[1] = o->rise[1] - lost;
+  smap_lost_energy(o, s[0] * s[0] + (n[0] + n[0] - r[0]) * r[0],
+                   s[0] * s[1] + n[0] * r[1] + (n[1] - r[1]) * r[0],
+                   s[1] * s[1] + (n[1] + n[1] - r[1]) * r[1], n[0] - r[0], n[1] - r[1], span);
   return span[0] < span[1] && span[0] < o->high && span[1] > o->low;
 }
 
@@ -222,23 +224,15 @@ static int smap_roll_on(smap_many_work_t *w, uint8_t e, const smap_held_t *o, co
     return 0;
   }
   smap_carry(w, roll, e, o, next);
-  next->low = span[0] > o->low ? span[0] : o->low;
-  next->high = span[1] < o->high ? span[1] : o->high;
-  return 1;
-}
-
-/* Keep what the rest holds that the robot has come to over its edge `came`; no further way is looked into. */
-static int smap_hold_last(smap_many_work_t *w, uint8_t came, smap_held_t *o)
-{
-  float span[2];
-  uint8_t at;
-  for (at = w->onward[came]; at != came && o->low < o->high && smap_may(w, SMAP_COST_VISIT);
-       at = w->onward[at]) {
-    if (smap_leaves(w, at, o, span)) {
-      smap_give_up(w, o, at, span);
-    }
+  if (span[0] > o->low) {
+    next->low = span[0];
+    next->before += span[0] - o->low;
   }
-  return o->low < o->high;
+  if (span[1] < o->high) {
+    next->high = span[1];
+    next->after += o->high - span[1];
+  }
+  return 1;
 }
 
 /* Let go of a part of the segment but for what was `held` further on. */
@@ -253,57 +247,73 @@ static void smap_take_over(const smap_held_t *next, int held, const float span[2
   }
 }
 
-/* Go on over edge e onto the rest there, and let go of what that does not hold. */
-SMAP_APART static void smap_go_on(smap_many_work_t *w, uint8_t e, const float span[2], smap_held_t *o)
-{
-  smap_held_t next;
-  const int held = smap_roll_on(w, e, o, span, &next) && smap_hold_last(w, w->twin[e], &next);
-  smap_take_over(&next, held, span, o);
-}
-
-/* As smap_hold_last, or one rest further on. */
-static int smap_hold_next(smap_many_work_t *w, uint8_t came, smap_held_t *o)
-{
+/* A rest that the robot has come to, over its edge `came`: the edge that is looked at, and which part of the
+ * segment before comes here.  On the first rest edges that lead to no other are looked at first: often nothing is
+ * left to go on with. */
+typedef struct {
+  smap_held_t held;
   float span[2];
-  uint8_t at;
-  for (at = w->onward[came]; at != came && o->low < o->high && smap_may(w, SMAP_COST_VISIT);
-       at = w->onward[at]) {
-    if (!smap_leaves(w, at, o, span)) {
-      continue;
-    }
-    if (smap_kind_beyond(w, at) != SMAP_REST) {
-      smap_give_up(w, o, at, span);
-    } else if (smap_may(w, SMAP_COST_WAY)) {
-      smap_go_on(w, at, span, o);
-    }
-  }
-  return o->low < o->high;
-}
+  uint8_t came, at, turn;
+} smap_visit_t;
 
-/* As smap_go_on, or one rest further on. */
-SMAP_APART static void smap_go_further(smap_many_work_t *w, uint8_t e, const float span[2], smap_held_t *o)
+enum { SMAP_TO_NONE = 0, SMAP_TO_RESTS = 1, SMAP_TO_ALL = 2 }; /* which edges are looked at in a turn */
+
+/* Go on to the next edge of a rest; 0 where it has been round. */
+static inline int smap_look_on(const smap_many_work_t *w, smap_visit_t *v)
 {
-  smap_held_t next;
-  const int held = smap_roll_on(w, e, o, span, &next) && smap_hold_next(w, w->twin[e], &next);
-  smap_take_over(&next, held, span, o);
+  v->at = w->onward[v->at];
+  if (v->at != v->came) {
+    return 1;
+  }
+  return v->turn++ == SMAP_TO_NONE;
 }
 
-/* As smap_hold_last, or up to two rests further on.  Edges that lead to none come first: often nothing is left
- * to go on with. */
+/* Whether an edge is looked at in this turn, and the robot goes on over it. */
+static inline int smap_is_left(const smap_many_work_t *w, const smap_visit_t *v, float span[2])
+{
+  if (v->at == v->came || (v->turn != SMAP_TO_ALL &&
+                           (v->turn == SMAP_TO_RESTS) != (smap_kind_beyond(w, v->at) == SMAP_REST))) {
+    return 0;
+  }
+  return smap_leaves(w, v->at, &v->held, span);
+}
+
+/* Come to the next rest, over the edge that is looked at; 0 where it must not. */
+SMAP_APART static int smap_come(smap_many_work_t *w, const smap_visit_t *v, const float span[2],
+                                smap_visit_t *next)
+{
+  next->came = next->at = w->twin[v->at];
+  next->turn = SMAP_TO_ALL;
+  next->span[0] = span[0];
+  next->span[1] = span[1];
+  return smap_may(w, SMAP_COST_WAY) && smap_roll_on(w, v->at, &v->held, span, &next->held);
+}
+
+/* Keep what is held of a robot that comes to a rest over its edge `came`, there or on rests further on. */
 static void smap_hold_rest(smap_many_work_t *w, uint8_t came, smap_held_t *o)
 {
+  smap_visit_t visit[SMAP_WAYS], *v = visit;
   float span[2];
-  uint8_t e;
-  for (e = w->onward[came]; e != came && o->low < o->high && smap_may(w, SMAP_COST_VISIT);
-       e = w->onward[e]) {
-    if (smap_kind_beyond(w, e) != SMAP_REST && smap_leaves(w, e, o, span)) {
-      smap_give_up(w, o, e, span);
+  v->held = *o;
+  v->came = v->at = came;
+  v->turn = SMAP_TO_NONE;
+  while (smap_may(w, SMAP_COST_VISIT)) {
+    const int held = v->held.low < v->held.high;
+    if (!held || !smap_look_on(w, v)) {
+      if (v == visit) {
+        break;
+      }
+      v--;
+      smap_take_over(&v[1].held, held, v[1].span, &v->held);
+    } else if (smap_is_left(w, v, span)) {
+      if (v == visit + SMAP_WAYS - 1 || smap_kind_beyond(w, v->at) != SMAP_REST) {
+        smap_give_up(w, &v->held, v->at, span);
+      } else if (smap_come(w, v, span, v + 1)) {
+        v++;
+      } else {
+        smap_take_over(&v[1].held, 0, span, &v->held);
+      }
     }
   }
-  for (e = w->onward[came]; e != came && o->low < o->high && smap_may(w, SMAP_COST_VISIT);
-       e = w->onward[e]) {
-    if (smap_kind_beyond(w, e) == SMAP_REST && smap_leaves(w, e, o, span) && smap_may(w, SMAP_COST_WAY)) {
-      smap_go_further(w, e, span, o);
-    }
-  }
+  *o = visit[0].held;
 }

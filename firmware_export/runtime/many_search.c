@@ -74,9 +74,15 @@ SMAP_APART static uint8_t smap_corners_near(smap_many_work_t *w, const smap_aim_
   return n;
 }
 
-/* Whether a facet on a plane is there already, but for rounding: it has three of some contacts.  Of a robot
+/* One beyond the last edge of a facet. */
+static inline uint8_t smap_last_of(const smap_many_work_t *w, uint8_t facet)
+{
+  return facet + 1u < w->facets ? w->facet[facet + 1].first : w->edges;
+}
+
+/* The facet that a plane has already, but for rounding, or SMAP_NONE: it has three of some contacts.  Of a robot
  * that stands nearly level two facets may be as good as parallel. */
-static int smap_is_known(const smap_many_work_t *w, const smap_aim_t *at, const uint8_t *contact, uint8_t corners)
+static uint8_t smap_known(const smap_many_work_t *w, const smap_aim_t *at, const uint8_t *contact, uint8_t corners)
 {
   uint8_t marked[SMAP_MANY_CONTACTS] = {0}, f, k, e;
   float d[3];
@@ -84,20 +90,35 @@ static int smap_is_known(const smap_many_work_t *w, const smap_aim_t *at, const 
     marked[contact[k]] = 1;
   }
   for (f = 0; f < w->facets; f++) {
-    const uint8_t last = f + 1u < w->facets ? w->facet[f + 1].first : w->edges;
     uint8_t common = 0;
     smap_minus(w->facet[f].at.n, at->n, d);
     if (smap_dot(d, d) >= 1e-8f) {
       continue;
     }
-    for (e = w->facet[f].first; e < last; e++) {
+    for (e = w->facet[f].first; e < smap_last_of(w, f); e++) {
       common = (uint8_t)(common + marked[w->vertex[e]]);
     }
     if (common > 2) {
-      return 1;
+      return f;
     }
   }
-  return 0;
+  return SMAP_NONE;
+}
+
+/* Whether a facet of some contacts is new.  The last one found, of fewer of them, gives way to it: in noise a
+ * contact touches one plane and not the next. */
+static int smap_is_new(smap_many_work_t *w, const smap_aim_t *at, const uint8_t *contact, uint8_t corners)
+{
+  const uint8_t known = smap_known(w, at, contact, corners);
+  if (known == SMAP_NONE) {
+    return 1;
+  }
+  if (known + 1u < w->facets || w->edges - w->facet[known].first >= corners) {
+    return 0;
+  }
+  w->edges = w->facet[known].first;
+  w->facets = known;
+  return 1;
 }
 
 /* Enter the facet on a plane that carries the robot, if it is new: on three contacts, counter-clockwise, or
@@ -106,7 +127,7 @@ SMAP_APART static void smap_add_facet(smap_many_work_t *w, const smap_aim_t *at,
                                       const uint8_t three[3], int alone)
 {
   uint8_t contact[SMAP_MANY_CONTACTS], corners = 3, k, e;
-  if (smap_is_known(w, at, three, 3)) {
+  if (smap_known(w, at, three, 3) != SMAP_NONE) {
     return;
   }
   memcpy(contact, three, 3 * sizeof *three);
@@ -115,7 +136,7 @@ SMAP_APART static void smap_add_facet(smap_many_work_t *w, const smap_aim_t *at,
       return;
     }
     corners = smap_corners_near(w, at, h - SMAP_TOUCHES * w->map->size, contact);
-    if (corners < 3 || smap_is_known(w, at, contact, corners)) {
+    if (corners < 3 || !smap_is_new(w, at, contact, corners)) {
       return;
     }
   }
@@ -157,9 +178,8 @@ static void smap_try(smap_many_work_t *w, const uint8_t three[3])
 /* Mark the contacts at the corners of a facet. */
 static inline void smap_mark_corners(const smap_many_work_t *w, uint8_t facet, uint8_t *marked)
 {
-  const uint8_t last = facet + 1u < w->facets ? w->facet[facet + 1].first : w->edges;
   uint8_t e;
-  for (e = w->facet[facet].first; e < last; e++) {
+  for (e = w->facet[facet].first; e < smap_last_of(w, facet); e++) {
     marked[w->vertex[e]] = 1;
   }
 }

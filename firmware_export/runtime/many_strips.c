@@ -77,8 +77,9 @@ static float smap_pieces(smap_many_work_t *w, uint8_t e, float *turn)
 static void smap_add_piece(smap_many_work_t *w, smap_many_pose_t *o, smap_side_t *side,
                            const float p[3], const float q[3], uint8_t i)
 {
-  float n[3];
-  smap_cross(p, q, n);
+  float along[3], n[3];
+  smap_minus(q, p, along); /* of a short piece p x q would lose the digits that make it go through p */
+  smap_cross(p, along, n);
   (void)smap_add_wall(w, o, n, i, i);
   (void)smap_add_point(w, o, q);
   side->count++;
