@@ -6,11 +6,18 @@
 #define SMAP_SINE 1e-6f   /* what rounding may alter of one, which near a right angle alters its angle by much more */
 #define SMAP_BEYOND 2e-3f /* a sine beyond hair and slack: what tips is no further inside a wall */
 
-/* The sine of the angle between g and a point of the boundary; 1 from a right angle on. */
-static float smap_point_sine(const float p[3], const float g[3])
+/* No more than the cosine of an angle of up to a right one of this sine, and 5e-7 less for rounding. */
+static inline float smap_low_cosine(float sine)
+{
+  const float square = sine * sine;
+  return 0.9999995f - square * (0.5f + 0.5f * square);
+}
+
+/* The sine of the angle between g and a point of the boundary; 1 where its cosine is no more than `cosine`. */
+static inline float smap_point_sine(const float p[3], const float g[3], float cosine)
 {
   float c[3];
-  if (!(smap_dot(p, g) > 0.0f)) {
+  if (!(smap_dot(p, g) > cosine)) {
     return 1.0f;
   }
   smap_cross(p, g, c);
@@ -29,7 +36,7 @@ static float smap_nearest(const smap_many_pose_t *o, uint8_t facet, const float 
   const smap_segment_t *s = middle, *end = o->at.segment + o->at.last[island];
   const float h[3] = {g[0], g[1], g[2]}; /* no store can alter it */
   const int bulges = smap_is_convex(&o->at, facet), inside = floor >= 0.0f;
-  float least = 1.0f;
+  float least = 1.0f, cosine = 0.0f;
   uint8_t part;
   for (part = 0; part < 2; part++, s = o->at.segment + o->at.first[island], end = middle) {
     for (; s < end; s++) {
@@ -44,7 +51,7 @@ static float smap_nearest(const smap_many_pose_t *o, uint8_t facet, const float 
         if (inside && !s->bent) {
           continue;
         }
-        away = smap_point_sine(o->point[s->stop], h);
+        away = smap_point_sine(o->point[s->stop], h, cosine);
       } else if (smap_dot(o->point[s->start], c) < 0.0f) {
         continue;
       } else if (bulges && ahead < 0.0f) { /* of what is convex no other place is as near */
@@ -53,6 +60,7 @@ static float smap_nearest(const smap_many_pose_t *o, uint8_t facet, const float 
       }
       if (away < least) {
         least = away;
+        cosine = smap_low_cosine(away);
         *which = s->wall;
         if (away <= floor) {
           return away;

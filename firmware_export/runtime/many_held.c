@@ -278,15 +278,20 @@ static inline int smap_is_left(const smap_many_work_t *w, const smap_visit_t *v,
   return smap_leaves(w, v->at, &v->held, span);
 }
 
-/* Come to the next rest, over the edge that is looked at; 0 where it must not. */
-SMAP_APART static int smap_come(smap_many_work_t *w, const smap_visit_t *v, const float span[2],
-                                smap_visit_t *next)
+/* Go on over the edge that is looked at; returns the rest to look at from then on, which is the same where the
+ * robot must not. */
+SMAP_APART static smap_visit_t *smap_come(smap_many_work_t *w, smap_visit_t *v, const float span[2])
 {
+  smap_visit_t *next = v + 1;
   next->came = next->at = w->twin[v->at];
   next->turn = SMAP_TO_ALL;
   next->span[0] = span[0];
   next->span[1] = span[1];
-  return smap_may(w, SMAP_COST_WAY) && smap_roll_on(w, v->at, &v->held, span, &next->held);
+  if (smap_roll_on(w, v->at, &v->held, span, &next->held)) {
+    return next;
+  }
+  smap_take_over(&next->held, 0, span, &v->held);
+  return v;
 }
 
 /* Keep what is held of a robot that comes to a rest over its edge `came`, there or on rests further on. */
@@ -308,10 +313,8 @@ static void smap_hold_rest(smap_many_work_t *w, uint8_t came, smap_held_t *o)
     } else if (smap_is_left(w, v, span)) {
       if (v == visit + SMAP_WAYS - 1 || smap_kind_beyond(w, v->at) != SMAP_REST) {
         smap_give_up(w, &v->held, v->at, span);
-      } else if (smap_come(w, v, span, v + 1)) {
-        v++;
-      } else {
-        smap_take_over(&v[1].held, 0, span, &v->held);
+      } else if (smap_may(w, SMAP_COST_WAY)) {
+        v = smap_come(w, v, span);
       }
     }
   }
