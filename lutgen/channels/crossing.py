@@ -19,11 +19,13 @@ from lutgen.recipe import Postures, Recipe, radii_and_kinds
 from lutgen.support import empty_region, facet_table, pack, stand
 from lutgen.vector import Floats, Vector, length, row, scale, subtract
 
-# Steps to the boundary: most brackets are then narrower than a float32 resolves.
-STEPS = 11
+# Most steps to the boundary: by then nearly all brackets are narrower than a float32 resolves.
+STEPS = 17
 TINY = 1e-300
 # Shortest step (rad) across the boundary.
 FINEST = 1e-8
+# rad between the tip angles of both ends from which on no step is made; both are found by now.
+NARROW = 1e-8
 TIP = CHANNELS.index("tip_angle")
 
 
@@ -102,6 +104,8 @@ def cross_some(
                     stands, below = at, angle
                 else:
                     tips, above = at, angle
+                if turn >= 0 and below - above < NARROW:
+                    break
             for i in range(3):
                 low[posture, d, i], high[posture, d, i] = stands[i], tips[i]
     return overflow

@@ -10,6 +10,7 @@ import pytest
 
 import lutgen
 from lutgen.channels import evaluate_each
+from lutgen.recipe import parse_recipe
 from targets.quadruped import quadruped
 from tests.fixtures.many_library import (
     HARNESS,
@@ -21,6 +22,7 @@ from tests.fixtures.many_library import (
     read_i,
 )
 from tests.fixtures.places import MAPS
+from tests.fixtures.recipes import steered
 
 pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 ROBOTS = ("absolem", "marv", "markhor", "excavator", "articulated", "quadruped")
@@ -111,27 +113,42 @@ def test_what_stands_is_told_with_its_angle_and_its_factor(robot, whole):
     assert np.percentile(np.abs(truth["height"] - got["height"])[safe], 99) < loose
 
 
-@pytest.mark.parametrize("name", ["articulated", "quadruped"])
-def test_wheels_and_feet_that_stand_nearly_in_one_plane_carry_as_in_the_definition(name, tmp_path):
-    # What sensors of a level robot say: four contacts a micrometre to centimetres out of a plane.
-    recipe = quadruped() if name == "quadruped" else lutgen.load_recipe(MAPS / f"{name}.toml")
-    robot, rng = Library(recipe, tmp_path), np.random.default_rng(4)
+def nearly_level(name):
+    """Return a robot and 2,000 of its postures, four contacts 1e-7 to 1e-2 out of one plane."""
+    recipe = {"quadruped": quadruped, "steered": lambda: parse_recipe(steered())}.get(
+        name, lambda: lutgen.load_recipe(MAPS / f"{name}.toml")
+    )()
+    rng = np.random.default_rng(4)
     low = np.array([p.minimum for p in recipe.parameters])
     high = np.array([p.maximum for p in recipe.parameters])
-    level = np.zeros(len(low)) if name == "articulated" else np.tile((low + high)[:3] / 2, 4)
-    noise = rng.normal(size=(300, len(low))) * 10.0 ** rng.uniform(-7, -2, (300, 1))
-    params = np.clip(level + noise, low, high).astype(np.float32)
-    g = random_directions(rng, 300 * 60).reshape(300, 60, 3).astype(np.float32)
+    noise = rng.normal(size=(2000, len(low))) * 10.0 ** rng.uniform(-7, -2, (2000, 1))
+    at = rng.uniform(low, high, (2000, len(low)))
+    if name == "quadruped":  # four legs alike
+        at = np.tile(at[:, :3], 4) + noise
+    else:  # headings of any size, nothing twisted
+        at[:, 1::2] = noise[:, 1::2]
+    return recipe, np.clip(at, low, high).astype(np.float32)
+
+
+@pytest.mark.parametrize("name", ["articulated", "quadruped", "steered"])
+def test_wheels_and_feet_that_stand_nearly_in_one_plane_carry_as_in_the_definition(name, tmp_path):
+    # What sensors of a level robot say.
+    recipe, params = nearly_level(name)
+    robot, rng = Library(recipe, tmp_path), np.random.default_rng(5)
+    g = random_directions(rng, len(params) * 40).reshape(-1, 40, 3).astype(np.float32)
     channels = ("tip_angle", "status")
     truth = evaluate_each(recipe, params.astype(float), g.astype(float), channels)
     got = robot.read(params, g)
     safe, stands = got["status"] != TIPS, truth["status"] != TIPS
     assert stands.mean() > 0.15
     assert not (safe & ~stands).any()
-    assert (stands & ~safe).sum() <= 0.004 * stands.sum()
+    assert (stands & ~safe).sum() <= 0.002 * stands.sum()
     short = np.degrees(truth["tip_angle"] - got["tip_angle"])[safe]
     assert short.min() > 0.0
+    # The guard is 0.006 deg.  Where arcs are a thousandth of a degree rounding moves the ends of
+    # gaps between feet by a thousandth of their length.
     assert np.percentile(short, 99) < 0.02
+    assert short.max() < (0.3 if name == "quadruped" else 0.05)
 
 
 @pytest.mark.parametrize("whole", [False, True])
