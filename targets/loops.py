@@ -136,8 +136,7 @@ CALLED = {
     "smap_is_clear": ("ARC", 0),
     "smap_are_clear": ("CLEAR", 0),
     "smap_bound": ("LOOP", 0),
-    "smap_go_on": ("WAY", 0),
-    "smap_go_further": ("WAY", 0),
+    "smap_come": ("WAY", 0),
     "smap_find_roll": ("ROLL", 0),
 }
 
@@ -210,7 +209,7 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "k = (uint8_t)(j + 1u); k < count; k++": _mean("contacts", 3),
     "round = smap_are_alike(w, i, j) ? 2 : 0; round < 2; round++": _plain("2", 2),
     "part = 1; part < 4; part++": _plain("3 places of an arc", 3),
-    **{f"e = w->facet[{f}].first; e < last; e++": CONTACTS for f in ("f", "facet")},
+    **{f"e = w->facet[{f}].first; e < smap_last_of(w, {f}); e++": CONTACTS for f in ("f", "facet")},
     "k = 0; k < others; k++": CONTACTS,
     "k = (uint8_t)(e + 1u); k < w->edges; k++": _mean("edges", 2),
     "f = 0; f < w->facets; f++": FACETS,

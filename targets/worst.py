@@ -237,7 +237,8 @@ class _Ways:
                 raise ExportError(f"{self.function}: a loop at lines {sorted(held)} of no head.")
             if only is None:
                 return LARGEST_COPY, taken
-            return self.bounds.rounds[only], taken
+            paid = only in self.bounds.counted and only not in taken
+            return 1 if paid else self.bounds.rounds[only], taken | {only}
         free = heads - taken
         if not free:
             return max(self.bounds.rounds[line] for line in heads), taken

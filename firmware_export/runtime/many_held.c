@@ -121,7 +121,7 @@ static int smap_lost(const smap_many_work_t *w, const float a[3], const float b[
     return 0;
   }
   inverse = 1.0f / smap_root(size2);
-  smap_cross(a, b, wall);
+  smap_cross(a, along, wall);
   s[0] = smap_dot(wall, o->g[0]) * inverse - slack;
   s[1] = smap_dot(wall, o->g[1]) * inverse - slack;
   span[0] = 3.0f;

@@ -4,7 +4,7 @@
 #define SMAP_FLAT 1e-6f /* of a disc that lies flatter, the square of the sine to its axle */
 /* Costs, see SMAP_COST_CORNER; by 40 instructions where wheels have axles, as balls take less. */
 #define SMAP_COST_NEWTON 8u                                                /* a round on a plane */
-#define SMAP_COST_FACET (17u + 8u * SMAP_EACH)                             /* that may be entered, but for */
+#define SMAP_COST_FACET (23u + 8u * SMAP_EACH)                             /* that may be entered, but for */
 #define SMAP_COST_NEAR (13u * SMAP_EACH)                                   /* more contacts than three */
 #define SMAP_COST_ARC (3u * SMAP_EACH)                                     /* an arc, but for */
 #define SMAP_COST_CLEAR (92u + 3u * SMAP_EACH)                             /* contacts that may be in its way */

@@ -22,7 +22,7 @@ static void smap_show(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start)
   const uint8_t at = o->at.shown;
   const float size2 = w->map->size * w->map->size, least = 1e-14f * size2 * size2;
   uint8_t e = start, n = o->at.edge[at], k;
-  float wall[3];
+  float along[3], wall[3];
   if (at >= SMAP_MOST(w->map, shown, SMAP_MANY_SHOWN)) {
     w->left = 0;
     return;
@@ -38,7 +38,8 @@ static void smap_show(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start)
   o->at.alone[at] = 1;
   do {
     w->facet[w->owner[e]].shown = at;
-    smap_cross(smap_corner(w, e), smap_end(w, e), wall);
+    smap_minus(smap_end(w, e), smap_corner(w, e), along);
+    smap_cross(smap_corner(w, e), along, wall);
     w->wall_of[e] = SMAP_NONE;
     w->point_of[e] = smap_add_point(w, o, smap_corner(w, e));
     if (smap_dot(wall, wall) > least) {

@@ -25,7 +25,7 @@
 #define SMAP_COST_KIND (15u + 4u * SMAP_EACH + SMAP_EACH * SMAP_EACH / 3u)   /* a facet's polygon */
 #define SMAP_COST_ROLL 34u  /* a roll over an arc, but for */
 #define SMAP_COST_PAIR 21u  /* two steps of it */
-#define SMAP_COST_STRIP 90u /* a strip, but for */
+#define SMAP_COST_STRIP 112u /* a strip, but for */
 #define SMAP_COST_PIECE 9u  /* a piece of its sides */
 
 typedef struct {
