@@ -22,10 +22,8 @@ from lutgen.vector import Floats, Vector, length, row, scale, subtract
 # Most steps to the boundary: by then nearly all brackets are narrower than a float32 resolves.
 STEPS = 17
 TINY = 1e-300
-# Shortest step (rad) across the boundary.
+# Shortest step (rad) across the boundary; where both ends' tip angles differ by less, the last.
 FINEST = 1e-8
-# rad between the tip angles of both ends from which on no step is made; both are found by now.
-NARROW = 1e-8
 TIP = CHANNELS.index("tip_angle")
 
 
@@ -104,7 +102,7 @@ def cross_some(
                     stands, below = at, angle
                 else:
                     tips, above = at, angle
-                if turn >= 0 and below - above < NARROW:
+                if turn >= 0 and below - above < FINEST:
                     break
             for i in range(3):
                 low[posture, d, i], high[posture, d, i] = stands[i], tips[i]

@@ -30,12 +30,18 @@ TIPS = 2
 FLAGS = "-Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wdouble-promotion -Werror"
 
 
+def recipe_of(name):
+    """Return a robot of the gallery, the quadruped or the four steered wheels."""
+    if name == "quadruped":
+        return quadruped()
+    return (
+        parse_recipe(steered()) if name == "steered" else lutgen.load_recipe(MAPS / f"{name}.toml")
+    )
+
+
 @pytest.fixture(scope="module", params=ROBOTS)
 def robot(request, tmp_path_factory):
-    name = request.param
-    path = MAPS / f"{name}.toml"
-    recipe = quadruped() if name == "quadruped" else lutgen.load_recipe(path)
-    return Library(recipe, tmp_path_factory.mktemp(name))
+    return Library(recipe_of(request.param), tmp_path_factory.mktemp(request.param))
 
 
 def test_no_boundary_point_that_tips_is_called_safe(robot):
@@ -115,9 +121,7 @@ def test_what_stands_is_told_with_its_angle_and_its_factor(robot, whole):
 
 def nearly_level(name):
     """Return a robot and 2,000 of its postures, four contacts 1e-7 to 1e-2 out of one plane."""
-    recipe = {"quadruped": quadruped, "steered": lambda: parse_recipe(steered())}.get(
-        name, lambda: lutgen.load_recipe(MAPS / f"{name}.toml")
-    )()
+    recipe = recipe_of(name)
     rng = np.random.default_rng(4)
     low = np.array([p.minimum for p in recipe.parameters])
     high = np.array([p.maximum for p in recipe.parameters])
