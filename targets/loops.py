@@ -239,8 +239,6 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     # walls
     "k = 0; k < o->at.edge[o->at.shown] && w->left; k++": EDGES,
     "k = 0; k < o->at.shown; k++": SHOWN,
-    "k = 0; k + 1u < side->count; k++": _plain("SMAP_PIECES", 12),
-    "k = 1; k < 4; k = (uint8_t)(k + 2u)": _plain("2 places of an arc", 2),
     BENT: LINKS,
     # reads of many contacts
     "i = 0; i < shown; i++": SHOWN,

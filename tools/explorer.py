@@ -27,7 +27,7 @@ LINK = ("--no-entry", "--strip-all", "-z", "stack-size=524288", "--export=__heap
 FAMILIES = ("three", "points", "grid", "whole", "many", "search")
 PARTS = (
     *("types", "planes", "rests", "search", "rolls", "held", "gaps"),
-    *("walls", "strips", "pose", "at"),
+    *("walls", "pieces", "trace", "strips", "pose", "at"),
 )
 # Tolerances of single precision, and what the exact definition has in their place.
 TOLERANCES = {
@@ -36,6 +36,9 @@ TOLERANCES = {
     "SMAP_TURN_ROUNDED": "1e-7",
     "SMAP_TOUCHES": "2e-9",
     "SMAP_NOISY": "2e-9",
+    "SMAP_FLAT": "1e-12",
+    "SMAP_FACE": "0.17364817766693033",
+    "SMAP_FLATTEST": "1e-6",
     "SMAP_NEWTON": "40",
     "SMAP_CAUGHT": "1e-12",
     "SMAP_RAISED": "1e-12",
@@ -55,7 +58,8 @@ PLACES = {
     "o->hair = 1e-4": "o->hair = 1e-12",
     "o->slack = 5e-4": "o->slack = 1e-9",
     # Sides of gaps are cut as the definition cuts them, see exact.c.
-    "smap_is_bent_once(w, o, e) && smap_is_bent_once(w, o, back)": "1",
+    "smap_has_ends(w, o, e) && smap_has_ends(w, o, back)": "1",
+    "!smap_are_alike(w, i, j) && smap_dot(d, d) >": "0 && smap_dot(d, d) >",
     """  if (side->inwards && smap_dot(d, d) > SMAP_STRAIGHT * w->map->size * w->map->size) {
     smap_bulge(w, o, e, side, p, q);
   } else {

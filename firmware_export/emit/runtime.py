@@ -16,7 +16,7 @@ SWITCHES = (
     *("SMAP_FLOATS", "SMAP_INTEGERS", "SMAP_POINTS", "SMAP_POLY", "SMAP_TABLES", "SMAP_GRID"),
     *("SMAP_MANY", "SMAP_MANY_BY_RAILS", "SMAP_MANY_SEARCH", "SMAP_MANY_GAPS", "SMAP_SERIES"),
 )
-# A part, and the switches that need it; all always have it where none is named.
+# A part, and the switches that need it, any of them; all always have it where none is named.
 _PARTS: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("head", ()),
     ("arithmetic", ()),
@@ -39,6 +39,8 @@ _PARTS: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("many_search", ("SMAP_MANY_SEARCH",)),
     *((f"many_{name}", ("SMAP_MANY_GAPS",)) for name in ("rolls", "held", "gaps")),
     ("many_walls", ("SMAP_MANY",)),
+    ("many_pieces", ("SMAP_MANY_GAPS",)),
+    ("many_trace", ("SMAP_MANY_SEARCH SMAP_MANY_GAPS",)),
     ("many_strips", ("SMAP_MANY_GAPS",)),
     *((f"many_{name}", ("SMAP_MANY",)) for name in ("pose", "at", "at_i", "entry")),
     ("steps", ("SMAP_FLOATS",)),
@@ -86,8 +88,12 @@ def features(body: CBody) -> frozenset[str]:
 
 
 def parts_of(on: frozenset[str]) -> list[str]:
-    """Return the names of the parts that some switches need."""
-    return [name for name, needed in _PARTS if not needed or on.intersection(needed)]
+    """Return the names of the parts that some switches need; two in one word, both of them."""
+    return [
+        name
+        for name, needed in _PARTS
+        if not needed or any(on.issuperset(each.split()) for each in needed)
+    ]
 
 
 def runtime_text(on: frozenset[str]) -> str:

@@ -44,6 +44,8 @@
 #include "many_held.c"
 #include "many_gaps.c"
 #include "many_walls.c"
+#include "many_pieces.c"
+#include "many_trace.c"
 #include "many_strips.c"
 #include "many_pose.c"
 #include "many_at.c"

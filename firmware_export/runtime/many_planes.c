@@ -1,18 +1,20 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
 /* ---- planes on any contacts: points, spheres, and discs whose axes are not parallel ------------------- */
-#define SMAP_FLAT 1e-6f /* of a disc that lies flatter, the square of the sine to its axle */
-/* Costs, see SMAP_COST_CORNER; by 40 instructions where wheels have axles, as balls take less. */
+#define SMAP_FLAT 1e-6f     /* of a disc that lies flatter, the square of the sine to its axle */
+#define SMAP_FACE 0.173658f /* the sine of 10 deg: nearer to a plane's normal a carrying wheel's axle may not be, */
+#define SMAP_FLATTEST 1e-2f /* nor than this, whatever `upright` says: its rim touches where rounding likes */
+/* Costs, see SMAP_COST_CORNER; by 46 instructions where wheels have axles, as balls take less. */
 #define SMAP_COST_NEWTON 8u                                                /* a round on a plane */
 #define SMAP_COST_FACET (23u + 8u * SMAP_EACH)                             /* that may be entered, but for */
-#define SMAP_COST_NEAR (13u * SMAP_EACH)                                   /* more contacts than three */
+#define SMAP_COST_NEAR (19u * SMAP_EACH)                                   /* more contacts than three */
 #define SMAP_COST_ARC (3u * SMAP_EACH)                                     /* an arc, but for */
 #define SMAP_COST_CLEAR (92u + 3u * SMAP_EACH)                             /* contacts that may be in its way */
 #define SMAP_COST_KIND (16u + 4u * SMAP_EACH + SMAP_EACH * SMAP_EACH / 3u) /* a facet's polygon */
-#define SMAP_COST_ROLL 62u   /* a roll over an arc, but for */
-#define SMAP_COST_PAIR 52u   /* two steps of it */
-#define SMAP_COST_STRIP 290u /* a strip, but for */
-#define SMAP_COST_PIECE 32u  /* a piece of its sides */
+#define SMAP_COST_ROLL 76u                                                /* a roll over an arc, but for */
+#define SMAP_COST_PAIR 46u                                                /* two steps of it */
+#define SMAP_COST_STRIP 150u                                               /* a strip, but for */
+#define SMAP_COST_PIECE 28u                                               /* a piece of its sides */
 
 /* Whether a contact is a disc, with an axle, and no point or ball. */
 static inline int smap_is_disc(const smap_many_work_t *w, uint8_t i)
@@ -161,13 +163,41 @@ static void smap_meet(const smap_many_work_t *w, uint8_t i, uint8_t j, float par
 }
 #endif
 
+#if SMAP_MANY_AXLES
+/* The square of a small sine between two unit vectors, to the last digit. */
+SMAP_APART static float smap_small_sine2(const float a[3], const float b[3])
+{
+  float across[3];
+  smap_cross(a, b, across);
+  return smap_dot(across, across);
+}
+#endif
+
+/* The square of the sine between a plane's normal and a disc's axle; 1 of others. */
+static inline float smap_sine2_to_axle(const smap_many_work_t *w, uint8_t i, const smap_aim_t *at)
+{
+#if SMAP_MANY_AXLES
+  const float along = smap_along_axle(w, i, at), flat = 1.0f - along * along;
+  return flat > SMAP_FLAT ? flat : smap_small_sine2(w->axle[i], at->n);
+#else
+  (void)w;
+  (void)i;
+  (void)at;
+  return 1.0f;
+#endif
+}
+
+/* Whether a contact is a wheel that lies on its face: nobody stands on that.  Of level axles `upright` says so
+ * itself. */
+static int smap_is_flat(const smap_many_work_t *w, uint8_t i, const smap_aim_t *at)
+{
+  const float steepest = w->map->steepest > SMAP_FLATTEST ? w->map->steepest : SMAP_FLATTEST;
+  const float face = SMAP_FACE + SMAP_OFF_TURNED(w->map), least = steepest < face ? steepest : face;
+  return smap_is_disc(w, i) && !(smap_sine2_to_axle(w, i, at) > least * least);
+}
+
 /* How far a contact extends along a plane's normal. */
 static inline float smap_extent(const smap_many_work_t *w, uint8_t i, const smap_aim_t *at)
 {
-  float r = w->r[i];
-  if (smap_is_disc(w, i)) {
-    const float along = smap_along_axle(w, i, at), flat = 1.0f - along * along;
-    r *= flat > SMAP_FLAT ? smap_root(flat) : flat * 1e3f; /* as smap_touch has it */
-  }
-  return smap_dot(w->p[i], at->n) + r;
+  return smap_dot(w->p[i], at->n) + (smap_is_disc(w, i) ? w->r[i] * smap_root(smap_sine2_to_axle(w, i, at)) : w->r[i]);
 }

@@ -259,6 +259,12 @@ static void smap_on_arc(const smap_many_work_t *w, uint8_t i, uint8_t j, const s
   }
 }
 
+/* The square of the sine between a plane's normal and a disc's axle; 1 of others. */
+static inline float smap_sine2_to_axle(const smap_many_work_t *w, uint8_t i, const smap_aim_t *at)
+{
+  return w->r[i] > 0.0f ? at->n[0] * at->n[0] + at->n[2] * at->n[2] : 1.0f;
+}
+
 /* Whether two contacts touch at the same places all the way. */
 static int smap_is_still(const smap_many_work_t *w, uint8_t i, uint8_t j)
 {

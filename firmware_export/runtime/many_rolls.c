@@ -8,7 +8,9 @@
  * balances, there and back.  Turned along is a frame on the normal: what its two vectors across the
  * normal become tells what becomes of every vector.
  */
-#define SMAP_PAIRS 2.5f /* pairs of steps of a roll per rad, as in the exact definition */
+#define SMAP_PAIRS 2.5f /* pairs of steps of a roll per rad, as in the exact definition, */
+#define SMAP_UNEVEN 1.5f /* and more from this ratio of a disc's paces along its rim on, */
+#define SMAP_MOST_UNEVEN 16.0f /* up to so many times */
 
 static float smap_chord(const smap_aim_t *a, const smap_aim_t *b)
 {
@@ -128,6 +130,23 @@ static float smap_rim_chord(const float p[3], const float q[3], float radius)
   return chord < 2.0f ? chord : 2.0f; /* no number: as far as can be */
 }
 
+/* By how many times the pace of a contact along its rim changes between three planes: a disc's pace is
+ * that of the plane over the sine between the plane's normal and its axle. */
+static float smap_unevenness(const smap_many_work_t *w, uint8_t i, const smap_aim_t *from,
+                             const smap_aim_t *half, const smap_aim_t *to)
+{
+  const float a = smap_sine2_to_axle(w, i, from), b = smap_sine2_to_axle(w, i, half);
+  const float c = smap_sine2_to_axle(w, i, to);
+  float most = a > b ? a : b, least = a < b ? a : b;
+  most = c > most ? c : most;
+  least = c < least ? c : least;
+  if (most <= SMAP_UNEVEN * SMAP_UNEVEN * least) {
+    return 1.0f;
+  }
+  most = smap_root(most / (least > 1e-6f ? least : 1e-6f));
+  return most < SMAP_MOST_UNEVEN ? most : SMAP_MOST_UNEVEN;
+}
+
 /* The map of a roll over an edge onto the facet beyond. */
 SMAP_APART static void smap_find_roll(smap_many_work_t *w, uint8_t e, smap_row_t *o)
 {
@@ -153,15 +172,22 @@ SMAP_APART static void smap_find_roll(smap_many_work_t *w, uint8_t e, smap_row_t
     const float other = smap_rim_chord(smap_end(w, e), smap_corner(w, back), w->r[j]);
     const float angle = o[SMAP_ANGLE][0], beyond = (own > other ? own : other) - angle;
     uint8_t over = i;
-    pairs = (uint8_t)(1.0f + SMAP_PAIRS * (beyond > angle ? beyond : angle));
-    if (own > 2.0f * angle && own > other) {
+    float uneven, second;
+    smap_on_arc(w, i, j, from, to, 0.5f, &half);
+    uneven = smap_unevenness(w, i, from, &half, to);
+    second = smap_unevenness(w, j, from, &half, to);
+    uneven = (uneven > second ? uneven : second) * SMAP_PAIRS * (beyond > angle ? beyond : angle);
+    pairs = (uint8_t)(uneven < 199.0f ? 1.0f + uneven : 200.0f);
+    if (own > other) {
       /* Both tell how far the com rises; the other one's way is less bent. */
       over = j;
       smap_copy(smap_end(w, e), place[0]);
     }
     o[SMAP_ANGLE][0] = 0.0f;
     for (k = 1; k <= pairs && smap_may(w, SMAP_COST_PAIR); k++) {
-      smap_on_arc(w, i, j, from, to, ((float)k - 0.5f) / (float)pairs, &half);
+      if (pairs > 1) {
+        smap_on_arc(w, i, j, from, to, ((float)k - 0.5f) / (float)pairs, &half);
+      }
       there = *to;
       if (k < pairs) {
         smap_on_arc(w, i, j, from, to, (float)k / (float)pairs, &there);

@@ -11,10 +11,13 @@
 #define SMAP_TOUCHES 3e-6f /* of the size: nearer to a plane a contact touches it */
 #define SMAP_NOISY 3e-6f   /* of the size: nearer to a plane a contact is not below it; no more than touches */
 #define SMAP_NEWTON 8
+#define SMAP_SLIVER 4e-5f  /* rad: less steep, what a contact adds that all but touches is part of the facet */
+#define SMAP_STEEP 0.8f /* the cosine of a plane of centres: of a less steep one no contact makes one that faces down */
 
-/* The plane below three contacts, which faces down; 1 where they go round it counter-clockwise, seen from
+/* The plane below three contacts, near that of their centres, seen from below or from above, where that is so
+ * steep that the plane may face down for all that; 1 where they go round it counter-clockwise, seen from
  * outside, -1 where clockwise, and 0 where there is none. */
-static int smap_common(smap_many_work_t *w, const uint8_t three[3], smap_aim_t *at, float *h)
+static int smap_common(smap_many_work_t *w, const uint8_t three[3], int above, smap_aim_t *at, float *h)
 {
   const float least = 1e-6f * w->map->size * w->map->size;
   const int alike = smap_are_alike(w, three[0], three[1]) && smap_are_alike(w, three[0], three[2]);
@@ -33,13 +36,16 @@ static int smap_common(smap_many_work_t *w, const uint8_t three[3], smap_aim_t *
     if (!(size2 > least * least)) {
       return 0;
     }
-    turns = (round == 0 ? v[2] > 0.0f : smap_dot(v, at->n) < 0.0f) ? -1 : 1;
+    turns = (round == 0 ? (v[2] > 0.0f) != above : smap_dot(v, at->n) < 0.0f) ? -1 : 1;
     if (turns < 0) {
       v[0] = -v[0];
       v[1] = -v[1];
       v[2] = -v[2];
     }
     smap_aim(at, v);
+    if (above && round == 0 && at->n[2] > SMAP_STEEP) {
+      return 0;
+    }
     if (alike) { /* as far above the plane of their centres */
       *h = smap_dot(p[0], at->n) + w->r[three[0]];
       return turns;
@@ -72,6 +78,33 @@ SMAP_APART static uint8_t smap_corners_near(smap_many_work_t *w, const smap_aim_
     contact[k] = spot[corner[n - 1u - k]].contact;
   }
   return n;
+}
+
+/* Leave out the corners that all but touch a facet's plane where what they add is a facet of its own, over
+ * whose arc the robot rolls first: of round contacts that may be a thousandth of the size. */
+static uint8_t smap_cut_slivers(const smap_many_work_t *w, const smap_aim_t *at, uint8_t *contact,
+                                uint8_t corners)
+{
+  uint8_t k, kept = 0;
+  for (k = 0; k < corners; k++) {
+    const uint8_t before = contact[kept > 0 ? kept - 1u : corners - 1u], c = contact[k];
+    const uint8_t after = contact[k + 1u < corners ? k + 1u : 0];
+    float p[3], d[3], along[3], out[3], size2, width, part, under;
+    smap_touch(w, before, at, p);
+    smap_touch(w, after, at, along);
+    smap_touch(w, c, at, d);
+    smap_minus(along, p, along);
+    smap_minus(d, p, d);
+    smap_cross(along, at->n, out);
+    size2 = smap_dot(along, along);
+    part = smap_dot(along, d) / size2;
+    width = smap_dot(out, d) / smap_root(size2);
+    under = (1.0f - part) * smap_extent(w, before, at) + part * smap_extent(w, after, at) - smap_extent(w, c, at);
+    if (!(width > SMAP_SLIVER * w->map->size) || under <= SMAP_SLIVER * width) {
+      contact[kept++] = c;
+    }
+  }
+  return kept;
 }
 
 /* One beyond the last edge of a facet. */
@@ -136,6 +169,7 @@ SMAP_APART static void smap_add_facet(smap_many_work_t *w, const smap_aim_t *at,
       return;
     }
     corners = smap_corners_near(w, at, h - SMAP_TOUCHES * w->map->size, contact);
+    corners = smap_cut_slivers(w, at, contact, corners);
     if (corners < 3 || !smap_is_new(w, at, contact, corners)) {
       return;
     }
@@ -149,25 +183,26 @@ SMAP_APART static void smap_add_facet(smap_many_work_t *w, const smap_aim_t *at,
   }
 }
 
-/* Enter the facet of three contacts, if it is one and new. */
-static void smap_try(smap_many_work_t *w, const uint8_t three[3])
+/* Enter the facet of three contacts near the plane of their centres, seen from below or from above, if it is
+ * one and new. */
+static void smap_try(smap_many_work_t *w, const uint8_t three[3], int above)
 {
   smap_aim_t at;
   int turns, alone = 1;
   uint8_t k;
   float h;
-  turns = smap_common(w, three, &at, &h);
+  turns = smap_common(w, three, above, &at, &h);
   if (turns == 0 || !(-at.n[2] > w->map->steepest) || !(h > w->map->least_height)) {
     return;
   }
   for (k = 0; k < smap_contacts_of(w->map); k++) {
     const float reach = smap_extent(w, k, &at);
-    if (reach > h + SMAP_NOISY * w->map->size) {
+    const int one = k == three[0] || k == three[1] || k == three[2];
+    const int near = one || reach >= h - SMAP_TOUCHES * w->map->size;
+    if (reach > h + SMAP_NOISY * w->map->size || (near && smap_is_flat(w, k, &at))) {
       return;
     }
-    if (reach >= h - SMAP_TOUCHES * w->map->size && k != three[0] && k != three[1] && k != three[2]) {
-      alone = 0;
-    }
+    alone = alone && (one || !near);
   }
   if (smap_may(w, SMAP_COST_FACET)) {
     const uint8_t round[3] = {three[turns > 0 ? 2 : 1], three[0], three[turns > 0 ? 1 : 2]};
@@ -280,7 +315,10 @@ static void smap_find_facets(smap_many_work_t *w, const smap_many_place_t *place
     for (j = (uint8_t)(i + 1u); j + 1 < count; j++) {
       for (k = (uint8_t)(j + 1u); k < count; k++) {
         const uint8_t three[3] = {i, j, k};
-        smap_try(w, three);
+        smap_try(w, three, 0);
+        if (!(smap_are_alike(w, i, j) && smap_are_alike(w, i, k))) {
+          smap_try(w, three, 1);
+        }
       }
     }
   }

@@ -1,96 +1,14 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
 /* ---- strips: the sides of gaps ----------------------------------------------------------------------- */
-/* A strip is swept by the part of a segment between two contacts that holds.  Its side is a curve, cut into
- * pieces that lose a little of the strip and add nothing to it: along tangents where it bulges into the
- * strip, along its chord where it bulges outwards. */
+/* A strip is swept by the part of a segment between two contacts that holds.  Where its side is part of a
+ * circle it is cut along tangents if it bulges into the strip, along its chord if it bulges outwards. */
 #if SMAP_MANY_RAILS
-#define SMAP_PIECE 0.2f  /* rad: longest piece of a side */
+#define SMAP_PIECE 0.2f /* rad: longest piece of a side */
 #else
-#define SMAP_PIECE 0.07f  /* two rims that turn at different rates make no circle between them */
+#define SMAP_PIECE 0.07f
 #endif
-#if !SMAP_MANY_RAILS
-#define SMAP_BENT 1e-4f /* a sine: what rounding may bend */
-#endif
-#define SMAP_LOST 2e-4f  /* of the posture's size: what the exact definition's pieces lose */
-#define SMAP_PIECES 12.0f
-#define SMAP_DIGITS 1e-4f /* of a piece: what rounding may alter */
 #define SMAP_STRAIGHT 1e-7f /* of the size, squared: a side as short as this is straight */
-
-/* A posture's size, as the exact definition has it for its pieces: how far any contact reaches from the
- * recipe's first. */
-static float smap_posture_size(smap_many_work_t *w)
-{
-  const uint8_t contacts = smap_contacts_of(w->map);
-  float d[3], reach;
-  uint8_t k, first = 0;
-  if (w->posture > 0.0f) {
-    return w->posture;
-  }
-  for (k = 1; k < contacts; k++) {
-    first = w->map->named[k] == 0 ? k : first;
-  }
-  for (k = 0; k < contacts; k++) {
-    smap_minus(w->p[k], w->p[first], d);
-    reach = smap_root(smap_dot(d, d)) + w->r[k];
-    w->posture = reach > w->posture ? reach : w->posture;
-  }
-  return w->posture;
-}
-
-/* How many pieces the exact definition cuts the strip of an edge into; `turn` is by how much the
- * contacts go on along their rims (rad). */
-static float smap_pieces(smap_many_work_t *w, uint8_t e, float *turn)
-{
-  const uint8_t back = w->twin[e], contact[2] = {w->vertex[e], w->vertex[w->next[e]]};
-  const float lost = SMAP_LOST * smap_posture_size(w);
-  float most = 0.0f, d[3], n;
-  uint8_t k;
-  *turn = 0.0f;
-  for (k = 0; k < 2; k++) {
-    const float r = w->r[contact[k]];
-    if (r > 0.0f) {
-      float chord2;
-      smap_minus(k ? smap_end(w, e) : smap_corner(w, e), k ? smap_corner(w, back) : smap_end(w, back),
-                 d);
-      chord2 = smap_dot(d, d) / r;
-      most = chord2 > most ? chord2 : most;
-      n = smap_root(chord2 / r);
-      *turn = n > *turn ? n : *turn;
-    }
-  }
-  most *= 0.125f / lost;
-  if (most <= 1.0f) {
-    return 1.0f;
-  }
-  n = smap_root(most);
-  if (!(n < SMAP_PIECES - 0.5f)) {
-    return SMAP_PIECES;
-  }
-  if (smap_absolute(n - (float)(int32_t)(n + 0.5f)) < SMAP_DIGITS) {
-    *turn = 0.0f; /* the last digits decide: of the pieces only both ends are known, as with one of them */
-  }
-  return n < SMAP_PIECES - 1.0f ? 1.0f + (float)(int32_t)n : SMAP_PIECES;
-}
-
-/* Append a piece of a side: a wall from the last point to one more. */
-static void smap_add_piece(smap_many_work_t *w, smap_many_pose_t *o, smap_side_t *side,
-                           const float p[3], const float q[3], uint8_t i)
-{
-  float along[3], n[3];
-  smap_minus(q, p, along); /* of a short piece p x q would lose the digits that make it go through p */
-  smap_cross(p, along, n);
-  (void)smap_add_wall(w, o, n, i, i);
-  (void)smap_add_point(w, o, q);
-  side->count++;
-}
-
-/* Whether another strip may cut that of an edge: they have a wheel in common, and more than two rails.  The
- * exact definition cuts the side there, and of its tangents only those at both ends are known. */
-static inline int smap_is_cut(const smap_many_work_t *w, uint8_t e)
-{
-  return smap_rails_of(w->map) != 2 && (w->strips[w->vertex[e]] > 1 || w->strips[w->vertex[w->next[e]]] > 1);
-}
 
 /* A side from p to q bulges into the strip: corners on tangents, as many as it takes. */
 static void smap_bulge(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e, smap_side_t *side,
@@ -150,6 +68,12 @@ static void smap_add_side(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
     side->count = 1;
     return;
   }
+#if !SMAP_MANY_RAILS
+  if (!smap_are_alike(w, i, j) && smap_dot(d, d) > SMAP_STRAIGHT * w->map->size * w->map->size) {
+    smap_trace(w, o, e, side, q);
+    return;
+  }
+#endif
   smap_on_arc(w, i, j, &w->facet[w->owner[e]].at, &w->facet[w->owner[back]].at, 0.5f, &half);
   smap_meet(w, i, j, w->low[e], &half, &half, middle);
   smap_cross(p, q, chord);
@@ -161,39 +85,6 @@ static void smap_add_side(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
   }
 }
 
-#if !SMAP_MANY_RAILS
-/* Whether the side at the beginning of an edge is bent one way only.  Two rims that turn at different rates,
- * one of them lying nearly flat, draw an S between them, and neither its tangents nor its chord keep to the
- * strip. */
-static int smap_is_bent_once(const smap_many_work_t *w, const smap_many_pose_t *o, uint8_t e)
-{
-  const smap_side_t *side = &o->at.side[w->side_of[e]];
-  const smap_aim_t *from = &w->facet[w->owner[e]].at, *to = &w->facet[w->owner[w->twin[e]]].at;
-  const uint8_t i = w->vertex[e], j = w->vertex[w->next[e]];
-  uint8_t k;
-  if (side->inwards) {
-    for (k = 0; k + 1u < side->count; k++) {
-      if (smap_dot(o->wall[side->wall + k], o->point[side->point + k + 2u]) > SMAP_BENT) {
-        return 0;
-      }
-    }
-    return 1;
-  }
-  for (k = 1; k < 4; k = (uint8_t)(k + 2u)) {
-    smap_aim_t at;
-    float p[3], q[3];
-    smap_on_arc(w, i, j, from, to, 0.25f * (float)k, &at);
-    smap_touch(w, i, &at, p);
-    smap_touch(w, j, &at, q);
-    smap_mix(p, q, w->low[e], p);
-    if (smap_dot(o->wall[side->wall], p) > SMAP_BENT * w->map->size) {
-      return 0;
-    }
-  }
-  return 1;
-}
-#endif
-
 /* Make both sides of the strip of an edge; 0 where it must not be one, or finds no room. */
 static int smap_add_sides(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
 {
@@ -203,7 +94,7 @@ static int smap_add_sides(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
   smap_add_side(w, o, back);
   done = !w->full;
 #if !SMAP_MANY_RAILS
-  done = done && w->left && smap_is_bent_once(w, o, e) && smap_is_bent_once(w, o, back);
+  done = done && w->left && smap_has_ends(w, o, e) && smap_has_ends(w, o, back);
 #endif
   if (!done) {
     o->at.walls = walls;

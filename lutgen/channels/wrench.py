@@ -12,7 +12,7 @@ from lutgen.channels.axes import MU, PHI, RHO
 from lutgen.chart import STANDARD_GRAVITY
 from lutgen.errors import InputError
 from lutgen.recipe import Postures, Recipe, robot_size_of
-from lutgen.support import Acceptance, acceptance
+from lutgen.support import OFF_FACE, Acceptance, acceptance
 
 # Parts of the robot's size: the least width of a rest, and how near to a facet's plane a contact
 # counts to its support polygon (see docs/reference/conventions.md).
@@ -50,7 +50,8 @@ def wrenches(recipe: Recipe, postures: Postures) -> NDArray[np.float64]:
 def acceptance_of(recipe: Recipe, tighter: float = 0.0) -> Acceptance:
     """Return the acceptance of a recipe: a facet counts for every com in the ball or not at all.
 
-    `tighter` (rad) is taken from `upright` and from `rock_angle`.
+    `tighter` (rad) is taken from `upright` and from `rock_angle`, and added to how far from its
+    face a wheel must be.
     """
     size = robot_size_of(recipe)
     return acceptance(
@@ -59,6 +60,7 @@ def acceptance_of(recipe: Recipe, tighter: float = 0.0) -> Acceptance:
         recipe.com_uncertainty,
         REST_WIDTH * size if recipe.rest_width is None else recipe.rest_width,
         TOLERANCE * size if recipe.contact_tolerance is None else recipe.contact_tolerance,
+        OFF_FACE + tighter,
     )
 
 

@@ -42,6 +42,7 @@ from lutgen.support.primitive import (
     support_height,
 )
 from lutgen.support.region import (
+    OFF_FACE,
     POINT,
     ROCKS,
     STANDS,
@@ -69,6 +70,7 @@ __all__ = [
     "DISC",
     "FACE_ANGLE",
     "MAX_PRIMITIVES",
+    "OFF_FACE",
     "OVER",
     "POINT",
     "RELATIVE_TOLERANCE",

@@ -10,7 +10,7 @@ import math
 from typing import NamedTuple
 
 from lutgen.jit import njit
-from lutgen.support.primitive import KIND, POINT, RADIUS, support_contact
+from lutgen.support.primitive import DISC, KIND, POINT, RADIUS, support_contact
 from lutgen.vector import Floats, Vector, cross, dot, length, scale, subtract, unit
 
 # Columns of the rows of a roll.
@@ -18,6 +18,8 @@ SEEN, RISE, TURN = 0, 9, 12
 # Longest pair of steps (rad) of a rolling plane, and of what a contact goes along its rim beyond
 # that: gravity is right to 1e-4 rad, a rise to 1e-4 of a radius.
 PAIR = 0.4
+# From which ratio of a disc's paces along its rim on pairs are shorter, and the most that counts.
+UNEVEN, MOST_UNEVEN = 1.5, 16.0
 
 
 class Arc(NamedTuple):
@@ -138,6 +140,21 @@ def _rim_chord(primitives: Floats, i: int, place: Vector, end: Vector) -> float:
     return length(moved) / radius if radius > 0.0 else 0.0
 
 
+@njit(inline=True, bare=True)
+def _unevenness(primitives: Floats, m: int, begin: Vector, half: Vector, end: Vector) -> float:
+    """Return by how many times the pace of a contact along its rim changes between three normals.
+
+    A disc's pace is that of the plane over the sine between the plane's normal and its axle.
+    """
+    if primitives[m, KIND] != DISC:
+        return 1.0
+    axle = (primitives[m, 3], primitives[m, 4], primitives[m, 5])
+    first, amid = length(cross(axle, begin)), length(cross(axle, half))
+    last = length(cross(axle, end))
+    ratio = max(first, amid, last) / max(min(first, amid, last), 1e-3)
+    return min(ratio, MOST_UNEVEN) if ratio > UNEVEN else 1.0
+
+
 @njit(bare=True)
 def enter_roll(primitives: Floats, arc: Arc, at: int, back: int, roll: Floats) -> float:
     """Fill rows `at` and `back` of `roll` (E, 13): rolling along an arc, and rolling back.
@@ -163,8 +180,13 @@ def enter_roll(primitives: Floats, arc: Arc, at: int, back: int, roll: Floats) -
         angle = angle_between(begin, end)
         q = support_contact(primitives, j, begin)
         own, other = _rim_chord(primitives, i, p, end), _rim_chord(primitives, j, q, end)
-        pairs = 1 + int(max(angle, max(own, other) - angle) / PAIR)
-        if own > 2.0 * angle and own > other:
+        half = arc_normal(primitives, arc, 0.5)
+        uneven = max(
+            _unevenness(primitives, i, begin, half, end),
+            _unevenness(primitives, j, begin, half, end),
+        )
+        pairs = 1 + int(uneven * max(angle, max(own, other) - angle) / PAIR)
+        if own > other:
             # Both tell how far the com rises; the other one's way is less bent.
             i, j, p = j, i, q
         arc = Arc(i, j, begin, end)

@@ -203,6 +203,7 @@ def find_region(
         max(acceptance.least_height, tolerance),
         acceptance.rest_width,
         acceptance.contact_tolerance,
+        acceptance.face,
     )
     work = table.work
     kind, middle = work.counts[0, :facets], work.normals

@@ -29,6 +29,8 @@ START, STOP, TIP_PLANE = 0, 3, 6
 EDGE_KIND, ACROSS = 0, 1
 SOURCE, IS_REST = 1, 2
 SLACK = 3
+# Nearer to the normal of a facet that it carries (rad) the axle of a wheel may not be.
+OFF_FACE = math.radians(10.0)
 # Sine by which a direction may lie beyond an edge that two rests share: no ray slips between them.
 SAME_EDGE = 1e-12
 
@@ -87,7 +89,8 @@ class Acceptance(NamedTuple):
     `lowest_up`: from which n_z on the facet search need not go further, see `search.find_facets`.
     `least_height` (length): a facet is accepted if the com is higher above it than this.
     `rest_width` (length): a rest is at least this wide.  `contact_tolerance` (length): contacts
-    this near to a facet's plane make up its support polygon.
+    this near to a facet's plane make up its support polygon.  `face`: a wheel that carries a facet
+    has at least this sine between its axle and the normal, or it lies on its face.
     """
 
     steepest: float
@@ -96,6 +99,7 @@ class Acceptance(NamedTuple):
     least_height: float
     rest_width: float
     contact_tolerance: float
+    face: float
 
 
 def acceptance(
@@ -104,13 +108,24 @@ def acceptance(
     least_height: float = 0.0,
     rest_width: float | None = None,
     contact_tolerance: float | None = None,
+    face: float = OFF_FACE,
 ) -> Acceptance:
-    """Return the acceptance of two angles (rad) and three lengths; None is no limit."""
+    """Return the acceptance of two angles (rad) and three lengths; None is no limit.
+
+    `face` (rad): nearer to a facet's normal, or than 90 deg less `upright`, the axle of a wheel
+    that carries it may not be.  Of level axles `upright` says so itself.
+    """
     steepest = NO_LIMIT if upright is None or upright >= math.pi else math.cos(upright) + 1e-9
     rock = math.inf if rock_angle is None or rock_angle >= math.pi else rock_angle
     lowest_up = 0.0 if steepest > 0.0 else 2.0
     return Acceptance(
-        steepest, rock, lowest_up, least_height, rest_width or 0.0, contact_tolerance or 0.0
+        steepest,
+        rock,
+        lowest_up,
+        least_height,
+        rest_width or 0.0,
+        contact_tolerance or 0.0,
+        min(math.sin(face), max(steepest, 0.0)),
     )
 
 

@@ -9,9 +9,18 @@ import math
 from lutgen.jit import njit
 from lutgen.support.catch import REFUSED, REST, STAGE
 from lutgen.support.polygon import area_centroid, outline
-from lutgen.support.primitive import support_contact, support_height
+from lutgen.support.primitive import DISC, KIND, support_contact, support_height
 from lutgen.support.region import Acceptance
-from lutgen.support.table import FIRST, FOUND, MASK, RELATIVE_TOLERANCE, Hull, Workspace, put
+from lutgen.support.table import (
+    FIRST,
+    FOUND,
+    MASK,
+    RELATIVE_TOLERANCE,
+    VERTEX,
+    Hull,
+    Workspace,
+    put,
+)
 from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, scale, subtract, unit
 
 
@@ -38,6 +47,19 @@ def is_accepted(facet: Floats, f: int, acceptance: Acceptance) -> bool:
 
 
 @njit(bare=True)
+def is_on_a_face(hull: Hull, primitives: Floats, f: int, acceptance: Acceptance) -> bool:
+    """Tell whether a wheel that carries facet f lies on its face: nobody stands on that."""
+    normal, span, link = row(hull.facet, f), hull.span, hull.link
+    for at in range(span[f, FIRST], span[f + 1, FIRST]):
+        m = link[at, VERTEX]
+        if primitives[m, KIND] == DISC:
+            axle = (primitives[m, 3], primitives[m, 4], primitives[m, 5])
+            if length(cross(axle, normal)) < acceptance.face:
+                return True
+    return False
+
+
+@njit(bare=True)
 def find_rests(
     hull: Hull,
     primitives: Floats,
@@ -55,7 +77,7 @@ def find_rests(
     near = max(acceptance.contact_tolerance, RELATIVE_TOLERANCE * size)
     for f in range(facets):
         kind[f] = REFUSED
-        if not is_accepted(facet, f, acceptance):
+        if not is_accepted(facet, f, acceptance) or is_on_a_face(hull, primitives, f, acceptance):
             continue
         normal = row(facet, f)
         across = (1.0, 0.0, 0.0) if abs(normal[0]) < 0.9 else (0.0, 1.0, 0.0)

@@ -22,16 +22,16 @@ STEPS = 60
 
 
 def rolled(
-    primitives: Floats, i: int, j: int, begin: Floats, end: Floats, g: Floats
+    primitives: Floats, i: int, j: int, begin: Floats, end: Floats, g: Floats, steps: int = STEPS
 ) -> tuple[Floats, float, float]:
     """Return gravity after a roll, how far the com has risen and the turn; in small steps."""
     rise = turn = 0.0
     here, contact = np.array(begin), np.array(support_contact(primitives, i, tuple(begin)))
-    for step in range(1, STEPS + 1):
+    for step in range(1, steps + 1):
         there = np.array(
             end
-            if step == STEPS
-            else arc_normal(primitives, Arc(i, j, tuple(begin), tuple(end)), step / STEPS)
+            if step == steps
+            else arc_normal(primitives, Arc(i, j, tuple(begin), tuple(end)), step / steps)
         )
         about = np.cross(here, there)
         turned = g + np.cross(about, g) + np.cross(about, np.cross(about, g)) / (1.0 + here @ there)
@@ -244,3 +244,48 @@ def test_a_roll_over_a_wheel_that_lies_nearly_flat_is_right_too() -> None:
             # 60 steps over the rim are right to 1e-5; one pair of steps was off by 3e-3.
             assert rise @ g == pytest.approx(raised, abs=5e-5)
             assert turn == pytest.approx(length, abs=1e-4)
+
+
+def speeding(rng: np.random.Generator) -> tuple[Floats, Arc]:
+    """Return a wheel and a foot, and an arc on which the wheel's pace at least doubles."""
+    while True:
+        axle, begin, end = (v / np.linalg.norm(v) for v in rng.normal(size=(3, 3)))
+        rows = pack(
+            rng.uniform(-0.5, 0.5, (2, 3)),
+            np.array([axle, np.zeros(3)]),
+            np.array([0.2, 0.0]),
+            np.array([2, 0]),
+        )
+        ends = [
+            arc_normal(rows, Arc(0, 1, tuple(n), tuple(n)), 0.0)
+            for n in (begin, (begin + 0.5 * end) / np.linalg.norm(begin + 0.5 * end))
+        ]
+        arc = Arc(0, 1, *ends)
+        sines = [
+            np.linalg.norm(np.cross(axle, arc_normal(rows, arc, part / 8))) for part in range(9)
+        ]
+        if max(sines) > 2.0 * min(sines) and min(sines) > 0.05:
+            return rows, arc
+
+
+def test_a_roll_is_the_same_from_either_end_and_whichever_contact_comes_first() -> None:
+    rng, out, other = np.random.default_rng(3), np.empty((2, 13)), np.empty((2, 13))
+    for _ in range(100):
+        rows, arc = speeding(rng)
+        enter_roll(rows, arc, 0, 1, out)
+        enter_roll(rows, Arc(1, 0, arc.end, arc.begin), 0, 1, other)
+        assert np.abs(out[::-1] - other).max() < 1e-12
+
+
+def test_a_roll_is_right_where_a_wheel_runs_ever_faster_along_its_rim() -> None:
+    rng, out, off = np.random.default_rng(3), np.empty((2, 13)), []
+    for _ in range(30):
+        rows, arc = speeding(rng)
+        enter_roll(rows, arc, 0, 1, out)
+        begin, end = np.array(arc.begin), np.array(arc.end)
+        # Over the foot, whose place is known to the last digit.
+        fine = [rolled(rows, 1, 0, begin, end, g, 500)[1] for g in np.eye(3)]
+        off.append(np.abs(out[0, 9:12] - fine).max())
+    # Pairs of 0.4 rad at any pace had a median of 3e-4, and 5e-3 in one of ten.
+    assert np.median(off) < 2e-5
+    assert np.percentile(off, 90) < 2e-4

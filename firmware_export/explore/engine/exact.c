@@ -82,6 +82,8 @@ static int exact_backwards(const smap_many_work_t *w, uint16_t e)
 #include "many_gaps.c"
 static void exact_side(smap_many_work_t *w, smap_many_pose_t *o, uint16_t e, smap_side_t *side);
 #include "many_walls.c"
+#include "many_pieces.c"
+#include "many_trace.c"
 #include "many_strips.c"
 #include "sides.c"
 #include "many_pose.c"
