@@ -65,24 +65,9 @@ static int smap_common(smap_many_work_t *w, const uint8_t three[3], int above, s
   return 0;
 }
 
-/* The contacts at the corners of those that reach as far as `top`, counter-clockwise. */
-SMAP_APART static uint8_t smap_corners_near(smap_many_work_t *w, const smap_aim_t *at, float top,
-                                            uint8_t *contact)
-{
-  smap_spot_t spot[SMAP_MANY_CONTACTS];
-  uint8_t corner[2 * SMAP_MANY_CONTACTS + 1], k;
-  const uint8_t count = smap_list_spots(w, at, top, 4.0f * w->map->size, spot);
-  const uint8_t n = smap_polygon(w, spot, count, corner);
-  for (k = 0; k < n; k++) {
-    /* From outside (a, b) is left-handed. */
-    contact[k] = spot[corner[n - 1u - k]].contact;
-  }
-  return n;
-}
-
 /* Leave out the corners that all but touch a facet's plane where what they add is a facet of its own, over
  * whose arc the robot rolls first: of round contacts that may be a thousandth of the size. */
-static uint8_t smap_cut_slivers(const smap_many_work_t *w, const smap_aim_t *at, uint8_t *contact,
+SMAP_APART static uint8_t smap_cut_slivers(const smap_many_work_t *w, const smap_aim_t *at, uint8_t *contact,
                                 uint8_t corners)
 {
   uint8_t k, kept = 0;
@@ -105,6 +90,21 @@ static uint8_t smap_cut_slivers(const smap_many_work_t *w, const smap_aim_t *at,
     }
   }
   return kept;
+}
+
+/* The contacts at the corners of those that reach as far as `top`, counter-clockwise. */
+SMAP_APART static uint8_t smap_corners_near(smap_many_work_t *w, const smap_aim_t *at, float top,
+                                            uint8_t *contact)
+{
+  smap_spot_t spot[SMAP_MANY_CONTACTS];
+  uint8_t corner[2 * SMAP_MANY_CONTACTS + 1], k;
+  const uint8_t count = smap_list_spots(w, at, top, 4.0f * w->map->size, spot);
+  const uint8_t n = smap_polygon(w, spot, count, corner);
+  for (k = 0; k < n; k++) {
+    /* From outside (a, b) is left-handed. */
+    contact[k] = spot[corner[n - 1u - k]].contact;
+  }
+  return smap_cut_slivers(w, at, contact, n);
 }
 
 /* One beyond the last edge of a facet. */
@@ -169,7 +169,6 @@ SMAP_APART static void smap_add_facet(smap_many_work_t *w, const smap_aim_t *at,
       return;
     }
     corners = smap_corners_near(w, at, h - SMAP_TOUCHES * w->map->size, contact);
-    corners = smap_cut_slivers(w, at, contact, corners);
     if (corners < 3 || !smap_is_new(w, at, contact, corners)) {
       return;
     }

@@ -34,7 +34,7 @@ def test_every_loop_of_the_runtime_has_a_bound() -> None:
 
 
 def test_what_work_costs_is_read_from_the_runtime_itself() -> None:
-    for rails, asked in ((4, {"EVENT": 93}), (0, {"NEWTON": 8, "FACET": 23 + 8 * 16})):
+    for rails, asked in ((4, {"EVENT": 93}), (0, {"NEWTON": 8, "FACET": 25 + 8 * 16})):
         found = next(
             loops.costs(source, loops.Shape(8, 16, rails=rails))
             for source in (runtime_text(frozenset(one)) for one in SETS)
