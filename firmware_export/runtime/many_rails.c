@@ -25,6 +25,7 @@
 #define SMAP_COST_KIND (15u + 4u * SMAP_EACH + SMAP_EACH * SMAP_EACH / 3u)   /* a facet's polygon */
 #define SMAP_COST_ROLL 34u  /* a roll over an arc, but for */
 #define SMAP_COST_PAIR 21u  /* two steps of it */
+#define SMAP_LEAN 0.125f     /* of what a corner is out: how much further where wheels lean */
 #define SMAP_COST_STRIP 112u /* a strip, but for */
 #define SMAP_COST_PIECE 9u  /* a piece of its sides */
 
@@ -34,6 +35,8 @@ typedef struct {
   uint8_t own[SMAP_MANY_RAILS]; /* the edge at which the arc to the next rail began */
   float turn[SMAP_MANY_RAILS];  /* where an inner rail leaves the hull or enters it, once it is looked for */
 } smap_hull_t;
+
+#define SMAP_ROUNDED 3e-6f /* what rounding does to a place (u) */
 
 /* The first place from u on where x s - z c + q is above zero. */
 static float smap_crossing(float x, float z, float q, float u)
@@ -70,11 +73,14 @@ static void smap_next_bend(const smap_many_work_t *w, smap_hull_t *o, uint8_t k,
   o->bend[k] = SMAP_NEVER;
   o->onto[k] = SMAP_NONE;
   for (j = w->map->first[k]; j < w->map->first[k + 1]; j++) {
+    const float x = w->p[j][0] - w->p[i][0], z = w->p[j][2] - w->p[i][2];
     float at;
     if (j == i) {
       continue;
     }
-    at = smap_crossing(w->p[j][0] - w->p[i][0], w->p[j][2] - w->p[i][2], w->r[j] - w->r[i], u);
+    /* One that sinks is above by rounding alone: wheels of one size in a row would take turns. */
+    at = x * (1.0f - u * u) + 2.0f * z * u < 0.0f ? u + SMAP_ROUNDED : u;
+    at = smap_crossing(x, z, w->r[j] - w->r[i], at);
     if (at < o->bend[k]) {
       o->bend[k] = at;
       o->onto[k] = j;
@@ -271,11 +277,13 @@ static int smap_is_still(const smap_many_work_t *w, uint8_t i, uint8_t j)
   return w->rail[i] == w->rail[j] || (w->r[i] == 0.0f && w->r[j] == 0.0f);
 }
 
-/* Where the tangents at two directions meet, of the rim a part of the way from that of i to j's. */
+/* Where the tangents at two directions meet, of the rim a part of the way from that of i to j's.  On wheels
+ * that lean the exact definition's pieces are longer at one end, and its corners so much further out. */
 static void smap_meet(const smap_many_work_t *w, uint8_t i, uint8_t j, float part, const smap_aim_t *a,
                       const smap_aim_t *b, float out[3])
 {
-  const float r = (w->r[i] + part * (w->r[j] - w->r[i])) / (1.0f + a->s * b->s + a->c * b->c);
+  const float cosine = a->s * b->s + a->c * b->c, lean = SMAP_LEAN * (a->n[1] * a->n[1] + b->n[1] * b->n[1]);
+  const float r = (w->r[i] + part * (w->r[j] - w->r[i])) * (1.0f + lean * (1.0f - cosine)) / (1.0f + cosine);
   smap_mix(w->p[i], w->p[j], part, out);
   out[0] += r * (a->s + b->s);
   out[2] -= r * (a->c + b->c);

@@ -9,7 +9,7 @@ import math
 from typing import NamedTuple
 
 from lutgen.jit import njit
-from lutgen.support.primitive import support_contact, support_height
+from lutgen.support.primitive import DISC, KIND, support_contact, support_height
 from lutgen.vector import Floats, Vector, cross, dot, length, scale, subtract, unit
 
 # Steps along an arc (rad): between them a height is a cubic to 2e-6 of a radius.
@@ -20,6 +20,9 @@ LEVEL = 1e-14
 # is then good to 2e-4 of a radius, unless a disc all but lies on its face.
 FREE, STRIDES = 0.03, 3.0
 MOST_STEPS = 48
+# Of a wheel whose axle is nearer than 30 deg to the normal steps are shorter, as its contact runs
+# along the rim that much faster than the plane turns; and the shortest of them, in parts of a step.
+LEANING, SHORTEST = 2.0, 0.1
 # Part of the distance between two contacts by which they may differ in height before the last step
 # of Newton.
 CLOSE = 1e-8
@@ -66,6 +69,15 @@ def _on_arc(primitives: Floats, arc: OpenArc, angle: float) -> Vector:
         if abs(higher) <= CLOSE * math.sqrt(size):
             break
     return n
+
+
+@njit(inline=True, bare=True)
+def _share(primitives: Floats, m: int, normal: Vector) -> float:
+    """Return which part of a step is as good on primitive m as a whole one on an upright wheel."""
+    if primitives[m, KIND] != DISC:
+        return 1.0
+    axle = (primitives[m, 3], primitives[m, 4], primitives[m, 5])
+    return min(max(LEANING * length(cross(axle, normal)), SHORTEST), 1.0)
 
 
 @njit(inline=True, bare=True)
@@ -213,12 +225,15 @@ def follow(
     level = LEVEL * size
     for _ in range(MOST_STEPS):
         best, angle, there = -2, 0.0, here
+        step = STEP
+        if j >= 0:
+            step *= min(_share(primitives, i, here), _share(primitives, j, here))
         if third < 0:
             best, angle, there = _first_touched(
-                primitives, arc, third, STRIDES * STEP, level, FREE * size
+                primitives, arc, third, STRIDES * step, level, FREE * size
             )
         if best == -2:
-            best, angle, there = _first_touched(primitives, arc, third, STEP, level, 0.0)
+            best, angle, there = _first_touched(primitives, arc, third, step, level, 0.0)
         if best >= 0:
             return best, there
         if there[2] > lowest_up + FURTHER:

@@ -41,6 +41,8 @@ PARALLEL = 1e-14
 ONE_RAIL = 1e-12
 RECESS = 1e-12
 NEVER = 2.0
+# What rounding does to a place (u).
+ROUNDED = 1e-12
 
 
 @njit(exact=True, bare=True)
@@ -112,7 +114,9 @@ def _next_bend(
         if j == i:
             continue
         x, z = place[j, 0] - place[i, 0], place[j, 2] - place[i, 2]
-        there = _crossing(x, z, place[j, 3] - place[i, 3], u, 1.0)
+        # One that sinks is above by rounding alone: wheels of one size in a row would take turns.
+        begin = u + ROUNDED if x * (1.0 - u * u) + 2.0 * z * u < 0.0 else u
+        there = _crossing(x, z, place[j, 3] - place[i, 3], begin, 1.0)
         if there < first:
             first, best = there, j
         elif there == first and best >= 0 and there < NEVER:

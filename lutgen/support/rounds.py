@@ -41,13 +41,13 @@ from lutgen.vector import Floats, Vector, cross, dot, length, row, scale, subtra
 GROWN = 1e-10
 ATTEMPTS = 4
 NEWTON_STEPS = 24
-# How far (n_z) above the highest wanted normal facets are still rolled on from: they join pieces of
-# the complex whose wanted facets are not joined by wanted ones.
-BEYOND = 0.2
+# How far (n_z) above the highest wanted normal facets are still rolled on from, further than arcs
+# are followed: they join pieces of the complex whose wanted facets are not joined by wanted ones.
+BEYOND = 0.5
 # Steps of the relaxation that looks for a plane on which a primitive is lowest.
 RELAXATIONS = 24
-# The z of a normal that leads out and down, before it is one.
-DOWN = -0.5
+# The z of a normal that leads out and down, before it is one; and how often a way there is begun.
+DOWN, DOWNWARDS = -0.5, 4
 # Parts of the size by which contacts may be off a facet's plane; beyond, the search is lost.
 OFF = 1e-6
 # Normals nearer than this (rad) with the same three primitives are one facet.
@@ -283,11 +283,13 @@ def find_round_facets(
                 seen += 1
             if met >> m & 1:
                 continue
-            outwards = unit(row(grown, m))
-            lowest, normal = _lowered(grown, m, outwards)
-            if normal[2] > max(lowest_up, 0.0):
-                # The centre of a foot may be above the com and its sole below: from there down.
-                lowest, normal = _lowered(grown, m, unit((outwards[0], outwards[1], DOWN)))
+            lowest, normal = _lowered(grown, m, unit(row(grown, m)))
+            for _ in range(DOWNWARDS):
+                if lowest == m and normal[2] <= max(lowest_up, 0.0):
+                    break
+                # It may be lowest further down: the centre of a foot may be above the com and its
+                # sole below.
+                lowest, normal = _lowered(grown, m, unit((normal[0], normal[1], DOWN)))
             if lowest != m or normal[2] > max(lowest_up, 0.0):
                 continue
             first = count[FOUND]

@@ -9,7 +9,7 @@ from lutgen.channels import acceptance_of, evaluate_each
 from lutgen.recipe import forward, radii_and_kinds
 from lutgen.support import empty_region, facet_table, pack, stand
 from tests.fixtures.many_library import Library, boundary_points, postures_of, random_directions
-from tests.fixtures.odd_robots import odd_robot
+from tests.fixtures.odd_robots import odd_rails, odd_robot
 
 pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 TIPS = 2
@@ -20,6 +20,7 @@ TIPS = 2
 ONCE_WRONG = (7, 24, 32, 71, 80, 110, 438, 447, 466, 725, 748)
 # Of any other: the first ones.
 SEEDS = sorted({*ONCE_WRONG, *range(4)})
+ROBOTS = [*((odd_robot, seed) for seed in SEEDS), *((odd_rails, seed) for seed in range(4))]
 # Where a wheel lies flatter than this sine its rim runs so fast that the definition draws the side
 # of a gap across the rest beside it, and says less than what is left without that gap.
 FLAT = 0.3
@@ -39,9 +40,9 @@ def flattest(recipe, params):
     return np.array(result)
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-def test_no_robot_is_told_more_than_the_definition_says(seed, tmp_path):
-    recipe, rng = odd_robot(seed), np.random.default_rng(seed + 1000)
+@pytest.mark.parametrize(("make", "seed"), ROBOTS)
+def test_no_robot_is_told_more_than_the_definition_says(make, seed, tmp_path):
+    recipe, rng = make(seed), np.random.default_rng(seed + 1000)
     count = 150 if recipe.parameters else 1
     params = postures_of(recipe, rng, count) if recipe.parameters else np.zeros((1, 0), np.float32)
     near = boundary_points(recipe, params, rng, 60, 18)
@@ -50,6 +51,7 @@ def test_no_robot_is_told_more_than_the_definition_says(seed, tmp_path):
     channels = ("tip_angle", "status")
     truth = evaluate_each(recipe, params.astype(float), g.astype(float), channels)
     robot = Library(recipe, tmp_path)
+    assert robot.parallel == (make is odd_rails)
     got = robot.read(params, g)
     assert robot.most["failed"] == 0
     safe, stands = got["status"] != TIPS, truth["status"] != TIPS
