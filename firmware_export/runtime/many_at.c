@@ -26,8 +26,8 @@ static inline float smap_point_sine(const float p[3], const float g[3], float co
 
 /* The distance (sine) of g from the boundary of an island, and the wall of the nearest segment; that of
  * *which, an edge of a facet, comes first.  No place is nearer than `floor`, which is below 0 where g is outside.
- * Seen from inside only walls in front can be nearest, and ends where the boundary is bent; seen from outside
- * only walls that are behind, or hardly in front.  No place on a wall is nearer than the wall. */
+ * Seen from inside only walls in front can be nearest, or behind by rounding, next to a corner, and ends where
+ * the boundary is bent; seen from outside only walls that are behind, or hardly in front.  No place on a wall is nearer than the wall. */
 static float smap_nearest(const smap_many_pose_t *o, uint8_t facet, const float g[3], float floor,
                           uint8_t *which)
 {
@@ -43,7 +43,7 @@ static float smap_nearest(const smap_many_pose_t *o, uint8_t facet, const float 
       const float *n = o->wall[s->wall];
       const float ahead = smap_dot(n, h);
       float away = smap_absolute(ahead), c[3];
-      if (away >= least || (ahead < 0.0f ? inside && !s->bent : !inside && ahead >= SMAP_BEYOND)) {
+      if (away >= least || (ahead < -SMAP_SINE ? inside && !s->bent : !inside && ahead >= SMAP_BEYOND)) {
         continue;
       }
       smap_cross(h, n, c);

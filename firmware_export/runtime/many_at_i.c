@@ -157,14 +157,14 @@ static int32_t smap_nearest_i(const smap_layout_t *at, const smap_many_pose_i_t 
   const smap_segment_t *s = middle, *end = at->segment + at->last[island];
   const int32_t h[3] = {g[0], g[1], g[2]}; /* no store can alter it */
   const int bulges = smap_is_convex(at, facet), inside = floor >= 0;
-  const int32_t beyond = least >> 9; /* SMAP_BEYOND */
+  const int32_t beyond = least >> 9, rounded = least >> 14; /* SMAP_BEYOND, and SMAP_ROUNDED_I */
   uint8_t part;
   for (part = 0; part < 2; part++, s = at->segment + at->first[island], end = middle) {
     for (; s < end; s++) {
       const int16_t *n = o->wall[s->wall], *p;
       const int32_t ahead = smap_dot_i(n, h);
       int32_t away = ahead < 0 ? -ahead : ahead, c[3];
-      if (away >= least || (ahead < 0 ? inside && !s->bent : !inside && ahead >= beyond)) {
+      if (away >= least || (ahead < -rounded ? inside && !s->bent : !inside && ahead >= beyond)) {
         continue;
       }
       p = o->point[s->stop];
