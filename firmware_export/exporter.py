@@ -172,7 +172,14 @@ def certified(
 
 
 def _refuse_useless(certificate: Certificate, chosen: Candidate, source: str) -> None:
-    """Refuse an export that says of most of what stands that it tips."""
+    """Refuse an export whose robot stands nowhere, or that says of most of what stands it tips."""
+    if certificate.standing == 0:
+        raise ExportError(
+            f"{source}: key `robot.contact`: the export would only ever answer that the robot "
+            f"tips (got none of {certificate.points:,} postures and directions in which it "
+            "stands); check that the contacts lie below the centre of mass (z up) and are not "
+            "collinear, or raise `robot.upright`."
+        )
     if certificate.false_tip > USELESS:
         raise ExportError(
             f"{source}: the export would report too much of what stands as unsafe (got "

@@ -194,6 +194,10 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "k = 0; k < contacts; k++": CONTACTS,
     "k = 0; k < corners; k++": CONTACTS,
     "k = 1; k < contacts; k++": CONTACTS,
+    # Of each spot that is no corner: corners times such spots.
+    "at = 0; at < corners; at++": _mean("contacts", 4),
+    "last = corners++; last > at + 1u; last--": CONTACTS,
+    "k = 0; k < count; k++": CONTACTS,
     "k = 0; k < smap_rails_of(m); k++": RAILS,
     "k = 0; k < smap_rails_of(w->map); k++": RAILS,
     "k = 1; k + 1 < smap_rails_of(w->map); k++": ("inner rails", lambda s: max(s.rails - 2, 0)),

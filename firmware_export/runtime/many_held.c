@@ -107,14 +107,24 @@ static void smap_lost_energy(const smap_held_t *o, float a, float b, float c, fl
   }
 }
 
+/* Widen one part that is let go by another; what is between them is let go too, though it may hold. */
+static void smap_let_both_go(smap_held_t *o, const float more[2], float span[2])
+{
+  if (span[0] < span[1] && more[0] < more[1]) {
+    smap_spare(o, (span[0] > more[0] ? span[0] : more[0]) - (span[1] < more[1] ? span[1] : more[1]));
+  }
+  span[0] = more[0] < span[0] ? more[0] : span[0];
+  span[1] = more[1] > span[1] ? more[1] : span[1];
+}
+
 /* Over which part of the segment the robot goes on over an edge from a to b; 0 for none. */
 static int smap_lost(const smap_many_work_t *w, const float a[3], const float b[3],
-                     const smap_held_t *o, float span[2])
+                     smap_held_t *o, float span[2])
 {
   const float square = w->map->size * w->map->size, slack = (SMAP_CAUGHT + SMAP_OFF(w->map)) * square;
   const float lost = (SMAP_RAISED + SMAP_OFF(w->map) +
                       (SMAP_TURNED + SMAP_OFF_TURNED(w->map)) * o->turned) * square;
-  float along[3], wall[3], s[2], n[2], r[2], size2, inverse, end;
+  float along[3], wall[3], s[2], n[2], r[2], more[2] = {3.0f, -3.0f}, size2, inverse, end;
   smap_minus(b, a, along);
   size2 = smap_dot(along, along);
   if (!(size2 > 1e-10f * square)) {
@@ -141,7 +151,8 @@ static int smap_lost(const smap_many_work_t *w, const float a[3], const float b[
   r[1] = o->rise[1] - lost;
   smap_lost_energy(o, s[0] * s[0] + (n[0] + n[0] - r[0]) * r[0],
                    s[0] * s[1] + n[0] * r[1] + (n[1] - r[1]) * r[0],
-                   s[1] * s[1] + (n[1] + n[1] - r[1]) * r[1], n[0] - r[0], n[1] - r[1], span);
+                   s[1] * s[1] + (n[1] + n[1] - r[1]) * r[1], n[0] - r[0], n[1] - r[1], more);
+  smap_let_both_go(o, more, span);
   return span[0] < span[1] && span[0] < o->high && span[1] > o->low;
 }
 
@@ -169,7 +180,7 @@ static int smap_beside(const float p[3], const float a[3], const float along[3],
 
 /* Whether the robot goes on over an edge, which is not the way back over the line on which it came, and
  * over which part. */
-static int smap_leaves(const smap_many_work_t *w, uint8_t e, const smap_held_t *o, float span[2])
+static int smap_leaves(const smap_many_work_t *w, uint8_t e, smap_held_t *o, float span[2])
 {
   const float band2 = w->map->band > 0.0f ? w->map->band * w->map->band : 0.0f;
   const float *p = smap_corner(w, e), *q = smap_end(w, e), *a = smap_corner(w, o->line);
@@ -269,7 +280,7 @@ static inline int smap_look_on(const smap_many_work_t *w, smap_visit_t *v)
 }
 
 /* Whether an edge is looked at in this turn, and the robot goes on over it. */
-static inline int smap_is_left(const smap_many_work_t *w, const smap_visit_t *v, float span[2])
+static inline int smap_is_left(const smap_many_work_t *w, smap_visit_t *v, float span[2])
 {
   if (v->at == v->came || (v->turn != SMAP_TO_ALL &&
                            (v->turn == SMAP_TO_RESTS) != (smap_kind_beyond(w, v->at) == SMAP_REST))) {

@@ -7,7 +7,7 @@
 /* Costs, see SMAP_COST_CORNER; by 46 instructions where wheels have axles, as balls take less. */
 #define SMAP_COST_NEWTON 8u                                                /* a round on a plane */
 #define SMAP_COST_FACET (25u + 8u * SMAP_EACH)                             /* that may be entered, but for */
-#define SMAP_COST_NEAR (22u * SMAP_EACH)                                   /* more contacts than three */
+#define SMAP_COST_NEAR (30u * SMAP_EACH)                                   /* more contacts than three */
 #define SMAP_COST_ARC (3u * SMAP_EACH)                                     /* an arc, but for */
 #define SMAP_COST_CLEAR (92u + 3u * SMAP_EACH)                             /* contacts that may be in its way */
 #define SMAP_COST_KIND (16u + 4u * SMAP_EACH + SMAP_EACH * SMAP_EACH / 3u) /* a facet's polygon */

@@ -20,14 +20,14 @@
 #define SMAP_RECESS 3e-7f /* of the size: inner rails count as this much higher */
 #define SMAP_ON 4e-6f     /* of tan(pitch / 2): this far apart are changes of one rail */
 #define SMAP_FAR 1e30f
+#define SMAP_LEAN 0.125f  /* of what a corner is out: how much further where wheels lean */
 /* Costs, see SMAP_COST_CORNER. */
 #define SMAP_COST_EVENT (2u * SMAP_EACH + 20u * smap_rails_of(w->map) - 19u) /* of the hull */
 #define SMAP_COST_KIND (15u + 4u * SMAP_EACH + SMAP_EACH * SMAP_EACH / 3u)   /* a facet's polygon */
-#define SMAP_COST_ROLL 34u  /* a roll over an arc, but for */
-#define SMAP_COST_PAIR 21u  /* two steps of it */
-#define SMAP_LEAN 0.125f     /* of what a corner is out: how much further where wheels lean */
+#define SMAP_COST_ROLL 34u   /* a roll over an arc, but for */
+#define SMAP_COST_PAIR 21u   /* two steps of it */
 #define SMAP_COST_STRIP 112u /* a strip, but for */
-#define SMAP_COST_PIECE 9u  /* a piece of its sides */
+#define SMAP_COST_PIECE 9u   /* a piece of its sides */
 
 typedef struct {
   float bend[SMAP_MANY_RAILS], changed[SMAP_MANY_RAILS];

@@ -178,8 +178,8 @@ SMAP_APART static void smap_find_roll(smap_many_work_t *w, uint8_t e, smap_row_t
     second = smap_unevenness(w, j, from, &half, to);
     uneven = (uneven > second ? uneven : second) * SMAP_PAIRS * (beyond > angle ? beyond : angle);
     pairs = (uint8_t)(uneven < 199.0f ? 1.0f + uneven : 200.0f);
-    if (own > other) {
-      /* Both tell how far the com rises; the other one's way is less bent. */
+    if (own * w->r[i] > other * w->r[j]) {
+      /* Both tell how far the com rises; the other one's contact goes a shorter way. */
       over = j;
       smap_copy(smap_end(w, e), place[0]);
     }

@@ -12,6 +12,8 @@
 #define SMAP_NOISY 3e-6f   /* of the size: nearer to a plane a contact is not below it; no more than touches */
 #define SMAP_NEWTON 8
 #define SMAP_SLIVER 4e-5f  /* rad: less steep, what a contact adds that all but touches is part of the facet */
+#define SMAP_BESIDE 2e-3f  /* of the size: as far inside a side a contact may bear before one of its ends does, */
+#define SMAP_HARDLY 1e-5f  /* and less than this does not matter */
 #define SMAP_STEEP 0.8f /* the cosine of a plane of centres: of a less steep one no contact makes one that faces down */
 
 /* The plane below three contacts, near that of their centres, seen from below or from above, where that is so
@@ -92,6 +94,50 @@ SMAP_APART static uint8_t smap_cut_slivers(const smap_many_work_t *w, const smap
   return kept;
 }
 
+/* Whether a spot lies inside a side of a polygon, and next to it. */
+static int smap_is_beside(const smap_many_work_t *w, const smap_spot_t *a, const smap_spot_t *b, const smap_spot_t *o)
+{
+  const float bend = smap_bend_of(a, b, o), size2 = smap_apart2(a, b), part = size2 * w->map->size * w->map->size;
+  const float ahead = (o->a - a->a) * (b->a - a->a) + (o->b - a->b) * (b->b - a->b);
+  return ahead > 0.0f && ahead < size2 && bend > 0.0f && bend * bend < SMAP_BESIDE * SMAP_BESIDE * part &&
+         bend * bend > SMAP_HARDLY * SMAP_HARDLY * part &&
+         !(smap_are_alike(w, a->contact, b->contact) && smap_are_alike(w, a->contact, o->contact));
+}
+
+/* The side of a polygon that a spot lies just inside of, or one beyond the last. */
+static uint8_t smap_side_beside(const smap_many_work_t *w, const smap_spot_t *spot, const smap_spot_t *o,
+                                const uint8_t *corner, uint8_t corners)
+{
+  uint8_t at;
+  for (at = 0; at < corners; at++) {
+    if (smap_is_beside(w, &spot[corner[at]], &spot[corner[at + 1u < corners ? at + 1u : 0]], o)) {
+      break;
+    }
+  }
+  return at;
+}
+
+/* Make corners of all spots that lie just inside a side: while a wheel rolls it rises less than a ball, so that the
+ * robot may never stand on the whole side, but on one part of it and then on the other. */
+static uint8_t smap_indent_sides(const smap_many_work_t *w, const smap_spot_t *spot, uint8_t count, uint8_t *corner,
+                                 uint8_t corners)
+{
+  uint8_t taken[SMAP_MANY_CONTACTS] = {0}, k, at, last;
+  for (k = 0; k < corners; k++) {
+    taken[corner[k]] = 1;
+  }
+  for (k = 0; k < count; k++) {
+    at = taken[k] ? corners : smap_side_beside(w, spot, &spot[k], corner, corners);
+    if (at < corners) {
+      for (last = corners++; last > at + 1u; last--) {
+        corner[last] = corner[last - 1u];
+      }
+      corner[last] = k;
+    }
+  }
+  return corners;
+}
+
 /* The contacts at the corners of those that reach as far as `top`, counter-clockwise. */
 SMAP_APART static uint8_t smap_corners_near(smap_many_work_t *w, const smap_aim_t *at, float top,
                                             uint8_t *contact)
@@ -99,7 +145,7 @@ SMAP_APART static uint8_t smap_corners_near(smap_many_work_t *w, const smap_aim_
   smap_spot_t spot[SMAP_MANY_CONTACTS];
   uint8_t corner[2 * SMAP_MANY_CONTACTS + 1], k;
   const uint8_t count = smap_list_spots(w, at, top, 4.0f * w->map->size, spot);
-  const uint8_t n = smap_polygon(w, spot, count, corner);
+  const uint8_t n = smap_indent_sides(w, spot, count, corner, smap_polygon(w, spot, count, corner));
   for (k = 0; k < n; k++) {
     /* From outside (a, b) is left-handed. */
     contact[k] = spot[corner[n - 1u - k]].contact;

@@ -9,6 +9,7 @@
 #define SMAP_PIECE 0.07f
 #endif
 #define SMAP_STRAIGHT 1e-7f /* of the size, squared: a side as short as this is straight */
+#define SMAP_BEHIND 1e-6f   /* a sine: as far on the hither side of a wall by rounding */
 
 /* A side from p to q bulges into the strip: corners on tangents, as many as it takes. */
 static void smap_bulge(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e, smap_side_t *side,
@@ -85,6 +86,20 @@ static void smap_add_side(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
   }
 }
 
+/* Whether a strip lies beyond an edge of it, as seen from the com, at its far end too: a com that is next to none
+ * above its facets may see that end on the hither side. */
+static int smap_is_beyond(const smap_many_work_t *w, const smap_many_pose_t *o, uint8_t e)
+{
+  const smap_side_t *side = &o->at.side[w->side_of[e]], *other = &o->at.side[w->side_of[w->twin[e]]];
+  const float *wall;
+  if (w->wall_of[e] == SMAP_NONE) {
+    return 1;
+  }
+  wall = o->wall[w->wall_of[e]];
+  return smap_dot(wall, o->point[side->point + side->count]) < SMAP_BEHIND &&
+         smap_dot(wall, o->point[other->point]) < SMAP_BEHIND;
+}
+
 /* Make both sides of the strip of an edge; 0 where it must not be one, or finds no room. */
 static int smap_add_sides(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
 {
@@ -92,9 +107,9 @@ static int smap_add_sides(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
   int done;
   smap_add_side(w, o, e);
   smap_add_side(w, o, back);
-  done = !w->full;
+  done = !w->full && w->left && smap_is_beyond(w, o, e) && smap_is_beyond(w, o, back);
 #if !SMAP_MANY_RAILS
-  done = done && w->left && smap_has_ends(w, o, e) && smap_has_ends(w, o, back);
+  done = done && smap_has_ends(w, o, e) && smap_has_ends(w, o, back);
 #endif
   if (!done) {
     o->at.walls = walls;

@@ -10,7 +10,7 @@ import math
 from typing import NamedTuple
 
 from lutgen.jit import njit
-from lutgen.support.primitive import DISC, KIND, POINT, RADIUS, support_contact
+from lutgen.support.primitive import KIND, POINT, RADIUS, sine_to_axle, support_contact
 from lutgen.vector import Floats, Vector, cross, dot, length, scale, subtract, unit
 
 # Columns of the rows of a roll.
@@ -146,11 +146,8 @@ def _unevenness(primitives: Floats, m: int, begin: Vector, half: Vector, end: Ve
 
     A disc's pace is that of the plane over the sine between the plane's normal and its axle.
     """
-    if primitives[m, KIND] != DISC:
-        return 1.0
-    axle = (primitives[m, 3], primitives[m, 4], primitives[m, 5])
-    first, amid = length(cross(axle, begin)), length(cross(axle, half))
-    last = length(cross(axle, end))
+    first, amid = sine_to_axle(primitives, m, begin), sine_to_axle(primitives, m, half)
+    last = sine_to_axle(primitives, m, end)
     ratio = max(first, amid, last) / max(min(first, amid, last), 1e-3)
     return min(ratio, MOST_UNEVEN) if ratio > UNEVEN else 1.0
 
@@ -186,8 +183,8 @@ def enter_roll(primitives: Floats, arc: Arc, at: int, back: int, roll: Floats) -
             _unevenness(primitives, j, begin, half, end),
         )
         pairs = 1 + int(uneven * max(angle, max(own, other) - angle) / PAIR)
-        if own > other:
-            # Both tell how far the com rises; the other one's way is less bent.
+        if own * primitives[i, RADIUS] > other * primitives[j, RADIUS]:
+            # Both tell how far the com rises; the other one's contact goes a shorter way.
             i, j, p = j, i, q
         arc = Arc(i, j, begin, end)
         here = begin

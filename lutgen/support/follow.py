@@ -9,7 +9,7 @@ import math
 from typing import NamedTuple
 
 from lutgen.jit import njit
-from lutgen.support.primitive import DISC, KIND, support_contact, support_height
+from lutgen.support.primitive import sine_to_axle, support_contact, support_height
 from lutgen.vector import Floats, Vector, cross, dot, length, scale, subtract, unit
 
 # Steps along an arc (rad): between them a height is a cubic to 2e-6 of a radius.
@@ -74,10 +74,7 @@ def _on_arc(primitives: Floats, arc: OpenArc, angle: float) -> Vector:
 @njit(inline=True, bare=True)
 def _share(primitives: Floats, m: int, normal: Vector) -> float:
     """Return which part of a step is as good on primitive m as a whole one on an upright wheel."""
-    if primitives[m, KIND] != DISC:
-        return 1.0
-    axle = (primitives[m, 3], primitives[m, 4], primitives[m, 5])
-    return min(max(LEANING * length(cross(axle, normal)), SHORTEST), 1.0)
+    return min(max(LEANING * sine_to_axle(primitives, m, normal), SHORTEST), 1.0)
 
 
 @njit(inline=True, bare=True)

@@ -39,6 +39,7 @@ from lutgen.support.table import (
     put,
     vector_at,
 )
+from lutgen.support.tiles import leads_out
 from lutgen.vector import Floats, Ints, dot, row, subtract
 
 # Columns of a gap: the part of the segment between its two contacts over which it holds.
@@ -97,7 +98,9 @@ def find_gaps(
                 continue
             _lay_out(rolling, f, at, work.begin)
             low, high = _held(rolling, f, at, limits, work.begin, work.way, work.counts)
-            if low < high:
+            ahead, behind = corner_after(span, f, at), corner_after(span, other, back)
+            here, there = (at, ahead), (behind, back)
+            if low < high and leads_out(corner, here, there, low, high):
                 _enter(link, gap, at, low, high)
     for _ in range(SLIVERS):
         for f in range(facets):

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lutgen.jit import njit
 from lutgen.parts import KINDS
-from lutgen.vector import Floats, Vector, dot, length, row, scale, subtract
+from lutgen.vector import Floats, Vector, cross, dot, length, row, scale, subtract
 
 POINT, SPHERE, DISC = (float(KINDS.index(kind)) for kind in ("point", "sphere", "disc"))
 RADIUS, KIND = 6, 7
@@ -87,3 +87,13 @@ def support_contact(primitives: Floats, index: int, normal: Vector) -> Vector:
     radius, kind = primitives[index, RADIUS], primitives[index, KIND]
     point: Vector = _contact(row(primitives, index), _axle(primitives, index), radius, kind, normal)
     return point
+
+
+@njit(inline=True, bare=True)
+def sine_to_axle(primitives: Floats, index: int, normal: Vector) -> float:
+    """Return the sine between a unit `normal` and the axle of primitive `index`.
+
+    1 for points and spheres; 0 where a disc lies on its face.
+    """
+    kind, axle = primitives[index, KIND], _axle(primitives, index)
+    return length(cross(axle, normal)) if kind == DISC else 1.0

@@ -9,7 +9,7 @@ import math
 from lutgen.jit import njit
 from lutgen.support.catch import REFUSED, REST, STAGE
 from lutgen.support.polygon import area_centroid, outline
-from lutgen.support.primitive import DISC, KIND, support_contact, support_height
+from lutgen.support.primitive import sine_to_axle, support_contact, support_height
 from lutgen.support.region import Acceptance
 from lutgen.support.table import (
     FIRST,
@@ -51,11 +51,8 @@ def is_on_a_face(hull: Hull, primitives: Floats, f: int, acceptance: Acceptance)
     """Tell whether a wheel that carries facet f lies on its face: nobody stands on that."""
     normal, span, link = row(hull.facet, f), hull.span, hull.link
     for at in range(span[f, FIRST], span[f + 1, FIRST]):
-        m = link[at, VERTEX]
-        if primitives[m, KIND] == DISC:
-            axle = (primitives[m, 3], primitives[m, 4], primitives[m, 5])
-            if length(cross(axle, normal)) < acceptance.face:
-                return True
+        if sine_to_axle(primitives, link[at, VERTEX], normal) < acceptance.face:
+            return True
     return False
 
 

@@ -20,6 +20,8 @@ from lutgen.vector import Floats, Vector, cross, dot, length, row, scale, subtra
 MOST_LOST = 2e-4
 # Sine by which a direction may lie outside a wall beyond which the region goes on.
 ROUNDING = 1e-13
+# Sine by which one end of a strip may lie on the hither side of its other end.
+FOLDED = 1e-4
 # Sides shorter than this part of their distance have no direction.
 SHORT = 1e-6
 
@@ -36,6 +38,27 @@ def between(p: Vector, q: Vector, part: float) -> Vector:
         p[1] + part * (q[1] - p[1]),
         p[2] + part * (q[2] - p[2]),
     )
+
+
+@njit(bare=True)
+def leads_out(
+    corner: Floats, here: tuple[int, int], there: tuple[int, int], low: float, high: float
+) -> bool:
+    """Tell whether the part [low, high] of a strip lies beyond both its edges, seen from the com.
+
+    `here` and `there`: the rows of `corner` where the contacts i and j touch at both ends of the
+    arc.  A com that is next to none above its facets may see one end on the hither side of the
+    other: such a strip is folded, and no walls cut it out.
+    """
+    for turn in range(2):
+        (i, j), (k, m) = (here, there) if turn == 0 else (there, here)
+        plane = cross(row(corner, i), row(corner, j))
+        for end in range(2):
+            p = between(row(corner, k), row(corner, m), low if end == 0 else high)
+            out = dot(plane, p) if turn == 1 else -dot(plane, p)
+            if out < -FOLDED * length(plane) * length(p):
+                return False
+    return True
 
 
 @njit(inline=True, bare=True)

@@ -19,7 +19,7 @@ from firmware_export.protocol import CodecInfo
 from firmware_export.protocol.exported import Export
 from lutgen.errors import ExportError, InputError, MapFileError, RecipeError
 from tests.fixtures.programs import contents
-from tests.fixtures.recipes import feet, rigid, rover, tripod
+from tests.fixtures.recipes import contact, feet, rigid, rover, tripod
 
 ALL = ("sdg", "tip_angle", "height")
 TEXT = tripod(nodes=5, channels=ALL)
@@ -234,6 +234,30 @@ def test_a_codec_with_a_guard_that_is_too_small_is_never_shipped(
     tampered(lambda tables: replace(tables, guard=0.0))
     with pytest.raises(ExportError, match="guard"):
         run(tmp_path / "out", max_error="2%")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_export_that_calls_most_of_what_stands_unsafe_is_refused(
+    tmp_path: Path, tampered: Callable[[Callable[[Tables], Tables]], None]
+) -> None:
+    tampered(lambda tables: replace(tables, guard=0.3))
+    with pytest.raises(ExportError, match=r"too much of what stands as unsafe.*more than 25 %"):
+        run(tmp_path / "out", flash="64KiB")
+    assert list(tmp_path.iterdir()) == []
+
+
+IN_A_ROW = "".join(contact(f"W{x}", (x, 0.0, -0.5), 0.1, (0, 1, 0)) for x in (-1, 0, 1))
+ABOVE = feet(((1, 1, 0.5), (-1, 1, 0.5), (0, -1, 0.5)))
+
+
+@pytest.mark.parametrize("codec", ["contacts", "grid"])
+@pytest.mark.parametrize("contacts", [IN_A_ROW, ABOVE], ids=["in a row", "above"])
+def test_a_robot_that_never_stands_is_refused_by_what_its_contacts_are(
+    contacts: str, codec: str, tmp_path: Path
+) -> None:
+    recipe = lutgen.parse_recipe(rigid(contacts))
+    with pytest.raises(ExportError, match=r"robot.contact.*only ever answer that the robot tips"):
+        run(tmp_path / "out", recipe, codec=codec)
     assert list(tmp_path.iterdir()) == []
 
 
