@@ -1,7 +1,7 @@
 """One posture into its support facets and its standing region.
 
 In reading order: `primitive`, `polygon`, `table`, `hull`, `rails`, `follow`, `rounds`, `unite`,
-`arc`, `catch`, `gaps`, `region`, `rest`, `tiles`, `strips`, `boundary`, `search`,
+`arc`, `catch`, `region`, `tiles`, `gaps`, `rest`, `strips`, `boundary`, `search`,
 `ridges`, and `access`, how others read them.
 """
 
