@@ -22,7 +22,7 @@ from firmware_export.prove import state, stored_guard
 from firmware_export.quantity import ErrorBound, parse_error, parse_size
 from firmware_export.truth import Model
 from lutgen.errors import ExportError, InputError
-from lutgen.mapping import StabilityMap, load_map
+from lutgen.mapping import TO_STAND, StabilityMap, load_map
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import Recipe, load_recipe
 
@@ -177,8 +177,7 @@ def _refuse_useless(certificate: Certificate, chosen: Candidate, source: str) ->
         raise ExportError(
             f"{source}: key `robot.contact`: the export would only ever answer that the robot "
             f"tips (got none of {certificate.points:,} postures and directions in which it "
-            "stands); check that the contacts lie below the centre of mass (z up) and are not "
-            "collinear, or raise `robot.upright`."
+            f"stands); {TO_STAND}."
         )
     if certificate.false_tip > USELESS:
         raise ExportError(

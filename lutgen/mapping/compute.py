@@ -25,6 +25,11 @@ PIECES, PIECE, ENOUGH = 24, 1 << 15, 2.0
 # For the check that the robot stands at all: directions a side, and readings at once.
 COARSE_NODES, AT_ONCE = 9, 200_000
 AT_MOST = 100_000_000
+# The way out for a robot that never stands.
+TO_STAND = (
+    "check that the contacts lie below the centre of mass (z up) and are not collinear, or raise "
+    "`robot.upright`"
+)
 
 
 class Computer:
@@ -143,8 +148,7 @@ def require_standing(recipe: Recipe) -> None:
     raise RecipeError(
         f"{recipe.source}: key `robot.contact`: the robot stands in none of its {grid.size} "
         f"postures under any of the {math.prod(chart.shape)} gravity directions of its chart (got "
-        f"contacts {', '.join(recipe.contact_names)}); check that the contacts lie below the "
-        "centre of mass (z up) and are not collinear, or raise `robot.upright`"
+        f"contacts {', '.join(recipe.contact_names)}); {TO_STAND}"
     )
 
 

@@ -98,10 +98,11 @@ def find_gaps(
                 continue
             _lay_out(rolling, f, at, work.begin)
             low, high = _held(rolling, f, at, limits, work.begin, work.way, work.counts)
-            ahead, behind = corner_after(span, f, at), corner_after(span, other, back)
-            here, there = (at, ahead), (behind, back)
-            if low < high and leads_out(corner, here, there, low, high):
-                _enter(link, gap, at, low, high)
+            if low < high:
+                here = at, corner_after(span, f, at)
+                there = corner_after(span, other, back), back
+                if leads_out(corner, here, there, low, high):
+                    _enter(link, gap, at, low, high)
     for _ in range(SLIVERS):
         for f in range(facets):
             if kind[f] == STAGE and span[f + 1, FIRST] - span[f, FIRST] == 3:

@@ -40,6 +40,18 @@ def between(p: Vector, q: Vector, part: float) -> Vector:
     )
 
 
+@njit(inline=True, bare=True)
+def _is_beyond(
+    corner: Floats, edge: tuple[int, int], far: tuple[int, int], low: float, high: float
+) -> bool:
+    """Tell whether the part [low, high] from one `far` corner to the other is beyond an edge."""
+    plane = cross(row(corner, edge[0]), row(corner, edge[1]))
+    most = FOLDED * length(plane)
+    p = between(row(corner, far[0]), row(corner, far[1]), low)
+    q = between(row(corner, far[0]), row(corner, far[1]), high)
+    return dot(plane, p) <= most * length(p) and dot(plane, q) <= most * length(q)
+
+
 @njit(bare=True)
 def leads_out(
     corner: Floats, here: tuple[int, int], there: tuple[int, int], low: float, high: float
@@ -50,15 +62,8 @@ def leads_out(
     arc.  A com that is next to none above its facets may see one end on the hither side of the
     other: such a strip is folded, and no walls cut it out.
     """
-    for turn in range(2):
-        (i, j), (k, m) = (here, there) if turn == 0 else (there, here)
-        plane = cross(row(corner, i), row(corner, j))
-        for end in range(2):
-            p = between(row(corner, k), row(corner, m), low if end == 0 else high)
-            out = dot(plane, p) if turn == 1 else -dot(plane, p)
-            if out < -FOLDED * length(plane) * length(p):
-                return False
-    return True
+    back = there[1], there[0]
+    return _is_beyond(corner, here, there, low, high) and _is_beyond(corner, back, here, low, high)
 
 
 @njit(inline=True, bare=True)
