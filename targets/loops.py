@@ -132,7 +132,7 @@ PAID = {POLYGON: "CORNER"}
 # Function -> the work that is taken before each call, and how often it may be called without.
 CALLED = {
     "smap_add_facet": ("FACET", 0),
-    "smap_corners_near": ("NEAR", 0),
+    "smap_corners_new": ("NEAR", 0),
     "smap_is_clear": ("ARC", 0),
     "smap_are_clear": ("CLEAR", 0),
     "smap_bound": ("LOOP", 0),
@@ -216,7 +216,7 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     **{f"e = w->facet[{f}].first; e < smap_last_of(w, {f}); e++": CONTACTS for f in ("f", "facet")},
     "k = 0; k < others; k++": CONTACTS,
     "k = (uint8_t)(e + 1u); k < w->edges; k++": _mean("edges", 2),
-    "f = 0; f < w->facets; f++": FACETS,
+    **{f"{f} = 0; {f} < w->facets; {f}++": FACETS for f in ("f", "k")},
     "; w->edges < last; w->edges++": CONTACTS,
     # support polygons
     "at = count++; at > 0 && (spot[at - 1].b > here.b || (spot[at - 1].b == here.b && "

@@ -42,8 +42,10 @@ TOLERANCES = {
     "SMAP_NEWTON": "40",
     "SMAP_CAUGHT": "1e-12",
     "SMAP_RAISED": "1e-12",
+    "SMAP_FURTHER_ON": "1e-12",
     "SMAP_TURNED": "1e-12",
     "SMAP_HAIR": "1e-9",
+    "SMAP_STRAIGHT": "0.0",
     "SMAP_SPARE": "1e-9",
 }
 # Single places where a number stands without a name, or bits are those of a single.
@@ -59,12 +61,7 @@ PLACES = {
     "o->slack = 5e-4": "o->slack = 1e-9",
     # Sides of gaps are cut as the definition cuts them, see exact.c.
     "smap_has_ends(w, o, e) && smap_has_ends(w, o, back)": "1",
-    "!smap_are_alike(w, i, j) && smap_dot(d, d) >": "0 && smap_dot(d, d) >",
-    """  if (side->inwards && smap_dot(d, d) > SMAP_STRAIGHT * w->map->size * w->map->size) {
-    smap_bulge(w, o, e, side, p, q);
-  } else {
-    smap_add_piece(w, o, side, p, q, i);
-  }""": "  exact_side(w, o, e, side);",
+    "    smap_curve(w, o, e, side, p, q);": "    exact_side(w, o, e, side, p, q);",
     # Which way a roll is followed, and so over which contact, is a matter of the last digits.
     "(w->twin[e] < e) {\n    e = w->twin[e];": "(exact_backwards(w, e)) {\n    e = w->twin[e];",
     "(w->twin[e] > e) {\n    SMAP_THRICE": "(!exact_backwards(w, e)) {\n    SMAP_THRICE",

@@ -40,6 +40,7 @@ _PARTS: tuple[tuple[str, tuple[str, ...]], ...] = (
     *((f"many_{name}", ("SMAP_MANY_GAPS",)) for name in ("rolls", "held", "gaps")),
     ("many_walls", ("SMAP_MANY",)),
     ("many_pieces", ("SMAP_MANY_GAPS",)),
+    ("many_bulge", ("SMAP_MANY_BY_RAILS SMAP_MANY_GAPS",)),
     ("many_trace", ("SMAP_MANY_SEARCH SMAP_MANY_GAPS",)),
     ("many_strips", ("SMAP_MANY_GAPS",)),
     *((f"many_{name}", ("SMAP_MANY",)) for name in ("pose", "at", "at_i", "entry")),

@@ -44,6 +44,7 @@
 #include "many_gaps.c"
 #include "many_walls.c"
 #include "many_pieces.c"
+#include "many_bulge.c"
 #include "many_strips.c"
 #include "many_pose.c"
 #include "many_at.c"

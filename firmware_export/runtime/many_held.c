@@ -16,7 +16,8 @@
 #define SMAP_WAYS 3 /* rests that it comes to in a row, as far as is looked into */
 #define SMAP_SPARE 1e-3f /* of the segment: so much longer than all others one part must be */
 #define SMAP_CAUGHT 4e-7f /* of the size: what rounding may alter of S and N */
-#define SMAP_RAISED 2e-7f /* of the size: of R, by the rounding of normals */
+#define SMAP_RAISED 2e-7f /* of the size: of R, by the rounding of normals, */
+#define SMAP_FURTHER_ON 1e-7f /* and for each roll after the first */
 #define SMAP_TURNED 1e-6f /* of the size, for each rad: of R */
 
 /* A gap while it is looked at: gravity at both ends of its segment where the roll has come to, and
@@ -113,8 +114,7 @@ static void smap_let_both_go(smap_held_t *o, const float more[2], float span[2])
   if (span[0] < span[1] && more[0] < more[1]) {
     smap_spare(o, (span[0] > more[0] ? span[0] : more[0]) - (span[1] < more[1] ? span[1] : more[1]));
   }
-  span[0] = more[0] < span[0] ? more[0] : span[0];
-  span[1] = more[1] > span[1] ? more[1] : span[1];
+  smap_widen(o, span, more[0], more[1]);
 }
 
 /* Over which part of the segment the robot goes on over an edge from a to b; 0 for none. */
@@ -170,7 +170,7 @@ static void smap_give_up(const smap_many_work_t *w, smap_held_t *o, uint8_t e, c
 }
 
 /* Whether a place is within a distance (squared) of the line from a along a direction. */
-static int smap_beside(const float p[3], const float a[3], const float along[3], float band2)
+static int smap_is_on_line(const float p[3], const float a[3], const float along[3], float band2)
 {
   float arm[3], c[3];
   smap_minus(p, a, arm);
@@ -189,7 +189,7 @@ static int smap_leaves(const smap_many_work_t *w, uint8_t e, smap_held_t *o, flo
     return 0;
   }
   smap_minus(smap_end(w, o->line), a, along);
-  return !(smap_beside(p, a, along, band2) && smap_beside(q, a, along, band2));
+  return !(smap_is_on_line(p, a, along, band2) && smap_is_on_line(q, a, along, band2));
 }
 
 /* Whether a facet is the one that it balances from, but for noise, `turned` rad from there: the other way
@@ -204,10 +204,11 @@ static int smap_is_home(const smap_many_work_t *w, const smap_held_t *o, uint8_t
 static void smap_carry(const smap_many_work_t *w, smap_row_t *roll, uint8_t e,
                        const smap_held_t *from, smap_held_t *to)
 {
+  const float lost = SMAP_FURTHER_ON * w->map->size * w->map->size;
   uint8_t end;
   *to = *from;
   for (end = 0; end < 2; end++) {
-    to->rise[end] += smap_roll_over(w, roll, e, from->g[end], to->g[end]);
+    to->rise[end] += smap_roll_over(w, roll, e, from->g[end], to->g[end]) - lost;
   }
   to->turned += roll[SMAP_ANGLE][0];
   to->spare = 0.0f;

@@ -63,6 +63,15 @@ static float smap_pieces(smap_many_work_t *w, uint8_t e, float *turn)
   return n < SMAP_PIECES - 1.0f ? 1.0f + (float)(int32_t)n : SMAP_PIECES;
 }
 
+/* Where the side of the strip of an edge is on a plane. */
+static void smap_place(const smap_many_work_t *w, uint8_t e, const smap_aim_t *at, float out[3])
+{
+  float p[3], q[3];
+  smap_touch(w, w->vertex[e], at, p);
+  smap_touch(w, w->vertex[w->next[e]], at, q);
+  smap_mix(p, q, w->low[e], out);
+}
+
 /* Append a piece of a side: a wall from the last point to one more. */
 static void smap_add_piece(smap_many_work_t *w, smap_many_pose_t *o, smap_side_t *side,
                            const float p[3], const float q[3], uint8_t i)

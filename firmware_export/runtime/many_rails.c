@@ -20,7 +20,6 @@
 #define SMAP_RECESS 3e-7f /* of the size: inner rails count as this much higher */
 #define SMAP_ON 4e-6f     /* of tan(pitch / 2): this far apart are changes of one rail */
 #define SMAP_FAR 1e30f
-#define SMAP_LEAN 0.125f  /* of what a corner is out: how much further where wheels lean */
 /* Costs, see SMAP_COST_CORNER. */
 #define SMAP_COST_EVENT (2u * SMAP_EACH + 20u * smap_rails_of(w->map) - 19u) /* of the hull */
 #define SMAP_COST_KIND (15u + 4u * SMAP_EACH + SMAP_EACH * SMAP_EACH / 3u)   /* a facet's polygon */
@@ -275,18 +274,6 @@ static inline float smap_sine2_to_axle(const smap_many_work_t *w, uint8_t i, con
 static int smap_is_still(const smap_many_work_t *w, uint8_t i, uint8_t j)
 {
   return w->rail[i] == w->rail[j] || (w->r[i] == 0.0f && w->r[j] == 0.0f);
-}
-
-/* Where the tangents at two directions meet, of the rim a part of the way from that of i to j's.  On wheels
- * that lean the exact definition's pieces are longer at one end, and its corners so much further out. */
-static void smap_meet(const smap_many_work_t *w, uint8_t i, uint8_t j, float part, const smap_aim_t *a,
-                      const smap_aim_t *b, float out[3])
-{
-  const float cosine = a->s * b->s + a->c * b->c, lean = SMAP_LEAN * (a->n[1] * a->n[1] + b->n[1] * b->n[1]);
-  const float r = (w->r[i] + part * (w->r[j] - w->r[i])) * (1.0f + lean * (1.0f - cosine)) / (1.0f + cosine);
-  smap_mix(w->p[i], w->p[j], part, out);
-  out[0] += r * (a->s + b->s);
-  out[2] -= r * (a->c + b->c);
 }
 #endif
 

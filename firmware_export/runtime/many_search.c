@@ -3,7 +3,7 @@
 /* ---- facets of any contacts -------------------------------------------------------------------------- */
 /* Facets of any contacts: points, spheres, and discs whose axes are not parallel.
  *
- * Three contacts have one plane below them; it is a facet if no other contact is below it.  What
+ * Three contacts have a plane below them, in a row two; it is a facet if no other contact is below it.  What
  * touches it within rounding makes up its corners.  An arc joins two facets that share two contacts,
  * where nothing is below the planes between them.  A facet or an arc that is not found makes the
  * region smaller and never larger.
@@ -14,12 +14,39 @@
 #define SMAP_SLIVER 4e-5f  /* rad: less steep, what a contact adds that all but touches is part of the facet */
 #define SMAP_BESIDE 2e-3f  /* of the size: as far inside a side a contact may bear before one of its ends does, */
 #define SMAP_HARDLY 1e-5f  /* and less than this does not matter */
+#define SMAP_LEAN 1.5f     /* how steeply planes lean from which those on three contacts in a row are looked for */
 #define SMAP_STEEP 0.8f /* the cosine of a plane of centres: of a less steep one no contact makes one that faces down */
 
-/* The plane below three contacts, near that of their centres, seen from below or from above, where that is so
- * steep that the plane may face down for all that; 1 where they go round it counter-clockwise, seen from
- * outside, -1 where clockwise, and 0 where there is none. */
-static int smap_common(smap_many_work_t *w, const uint8_t three[3], int above, smap_aim_t *at, float *h)
+/* Where the plane below three contacts is looked for: near that of their centres, seen from below or from above, or
+ * leaning to either side of the longest way between two of them. */
+enum { SMAP_FROM_BELOW = 0, SMAP_FROM_ABOVE = 1, SMAP_FROM_LEFT = 2, SMAP_FROM_RIGHT = 3 };
+
+/* A plane that leans, to one side of the longest of the ways a, b and from a to b: steeply enough for any that faces
+ * down. */
+static void smap_leaning(const float a[3], const float b[3], uint8_t start, float v[3])
+{
+  const float *along = smap_dot(a, a) > smap_dot(b, b) ? a : b;
+  float c[3], lean;
+  smap_minus(b, a, c);
+  along = smap_dot(c, c) > smap_dot(along, along) ? c : along;
+  lean = smap_root(smap_dot(along, along)) * (start == SMAP_FROM_LEFT ? SMAP_LEAN : -SMAP_LEAN);
+  v[0] = along[0] * along[2] + lean * along[1];
+  v[1] = along[1] * along[2] - lean * along[0];
+  v[2] = -along[0] * along[0] - along[1] * along[1];
+}
+
+/* Whether three centres are so nearly on one line that it is their radii that tell how planes on them lean. */
+static inline int smap_is_thin(const smap_many_work_t *w, const uint8_t three[3], float apart2, float size2)
+{
+  const float r = w->r[three[0]], q = w->r[three[1]], s = w->r[three[2]];
+  return size2 <= (r * r + q * q + s * s) * apart2;
+}
+
+/* The plane below three contacts, from a start on, from above where that is so steep that the plane may face down
+ * for all that; 1 where they go round it counter-clockwise, seen from outside, -1 where clockwise, and 0 where there
+ * is none.  Of the first start it tells from how many there may be more. */
+static int smap_common(smap_many_work_t *w, const uint8_t three[3], uint8_t start, smap_aim_t *at, float *h,
+                       uint8_t *starts)
 {
   const float least = 1e-6f * w->map->size * w->map->size;
   const int alike = smap_are_alike(w, three[0], three[1]) && smap_are_alike(w, three[0], three[2]);
@@ -33,19 +60,26 @@ static int smap_common(smap_many_work_t *w, const uint8_t three[3], int above, s
   for (round = 0; round < SMAP_NEWTON && smap_may(w, SMAP_COST_NEWTON); round++) {
     smap_minus(p[1], p[0], a);
     smap_minus(p[2], p[0], b);
-    smap_cross(a, b, v);
+    if (round == 0 && start >= SMAP_FROM_LEFT) {
+      smap_leaning(a, b, start, v);
+    } else {
+      smap_cross(a, b, v);
+    }
     size2 = smap_dot(v, v);
+    if (round == 0 && start == SMAP_FROM_BELOW) {
+      *starts = alike ? 1 : smap_is_thin(w, three, smap_dot(a, a) + smap_dot(b, b), size2) ? 4 : 2;
+    }
     if (!(size2 > least * least)) {
       return 0;
     }
-    turns = (round == 0 ? (v[2] > 0.0f) != above : smap_dot(v, at->n) < 0.0f) ? -1 : 1;
+    turns = (round == 0 ? (v[2] > 0.0f) != (start == SMAP_FROM_ABOVE) : smap_dot(v, at->n) < 0.0f) ? -1 : 1;
     if (turns < 0) {
       v[0] = -v[0];
       v[1] = -v[1];
       v[2] = -v[2];
     }
     smap_aim(at, v);
-    if (above && round == 0 && at->n[2] > SMAP_STEEP) {
+    if (round == 0 && start == SMAP_FROM_ABOVE && at->n[2] > SMAP_STEEP) {
       return 0;
     }
     if (alike) { /* as far above the plane of their centres */
@@ -139,7 +173,7 @@ static uint8_t smap_indent_sides(const smap_many_work_t *w, const smap_spot_t *s
 }
 
 /* The contacts at the corners of those that reach as far as `top`, counter-clockwise. */
-SMAP_APART static uint8_t smap_corners_near(smap_many_work_t *w, const smap_aim_t *at, float top,
+static uint8_t smap_corners_near(smap_many_work_t *w, const smap_aim_t *at, float top,
                                             uint8_t *contact)
 {
   smap_spot_t spot[SMAP_MANY_CONTACTS];
@@ -159,9 +193,10 @@ static inline uint8_t smap_last_of(const smap_many_work_t *w, uint8_t facet)
   return facet + 1u < w->facets ? w->facet[facet + 1].first : w->edges;
 }
 
-/* The facet that a plane has already, but for rounding, or SMAP_NONE: it has three of some contacts.  Of a robot
- * that stands nearly level two facets may be as good as parallel. */
-static uint8_t smap_known(const smap_many_work_t *w, const smap_aim_t *at, const uint8_t *contact, uint8_t corners)
+/* The facet that a plane has already, but for rounding, or SMAP_NONE: it has three of some contacts; and how many of
+ * them.  Of a robot that stands nearly level two facets may be as good as parallel. */
+static uint8_t smap_known(const smap_many_work_t *w, const smap_aim_t *at, const uint8_t *contact, uint8_t corners,
+                          uint8_t *common)
 {
   uint8_t marked[SMAP_MANY_CONTACTS] = {0}, f, k, e;
   float d[3];
@@ -169,35 +204,70 @@ static uint8_t smap_known(const smap_many_work_t *w, const smap_aim_t *at, const
     marked[contact[k]] = 1;
   }
   for (f = 0; f < w->facets; f++) {
-    uint8_t common = 0;
+    *common = 0;
     smap_minus(w->facet[f].at.n, at->n, d);
     if (smap_dot(d, d) >= 1e-8f) {
       continue;
     }
     for (e = w->facet[f].first; e < smap_last_of(w, f); e++) {
-      common = (uint8_t)(common + marked[w->vertex[e]]);
+      *common = (uint8_t)(*common + marked[w->vertex[e]]);
     }
-    if (common > 2) {
+    if (*common > 2) {
       return f;
     }
   }
   return SMAP_NONE;
 }
 
-/* Whether a facet of some contacts is new.  The last one found, of fewer of them, gives way to it: in noise a
- * contact touches one plane and not the next. */
-static int smap_is_new(smap_many_work_t *w, const smap_aim_t *at, const uint8_t *contact, uint8_t corners)
+/* Take a facet out again; returns how far along a plane's normal all of its contacts reach, if not as far as `top`. */
+static float smap_take_out(smap_many_work_t *w, uint8_t f, const smap_aim_t *at, float top)
 {
-  const uint8_t known = smap_known(w, at, contact, corners);
-  if (known == SMAP_NONE) {
-    return 1;
+  const uint8_t first = w->facet[f].first, corners = (uint8_t)(smap_last_of(w, f) - first);
+  uint8_t e, k, to = 0;
+  for (e = 0; e < w->edges; e++) {
+    if (w->owner[e] == f) {
+      const float reach = smap_extent(w, w->vertex[e], at);
+      top = reach < top ? reach : top;
+      continue;
+    }
+    w->vertex[to] = w->vertex[e];
+    w->owner[to] = (uint8_t)(w->owner[e] - (e > first ? 1u : 0));
+    w->next[to] = (uint8_t)(w->next[e] - (e - to));
+    smap_copy(w->corner[e], w->corner[to++]);
   }
-  if (known + 1u < w->facets || w->edges - w->facet[known].first >= corners) {
-    return 0;
+  w->edges = to;
+  to = 0;
+  for (k = 0; k < w->facets; k++) {
+    if (w->facet[k].first != first) { /* the compiler shall not make it a call of memmove */
+      w->facet[to] = w->facet[k];
+      w->facet[to++].first = (uint8_t)(w->facet[k].first - (k > f ? corners : 0));
+    }
   }
-  w->edges = w->facet[known].first;
-  w->facets = known;
-  return 1;
+  w->facets = to;
+  return top;
+}
+
+/* The corners of all that reaches as far as `top` along a plane's normal, or 0 where a facet has them already; and
+ * which facet has three of them but not all, or SMAP_NONE. */
+SMAP_APART static uint8_t smap_corners_new(smap_many_work_t *w, const smap_aim_t *at, float top, uint8_t *contact,
+                                           uint8_t *known)
+{
+  const uint8_t corners = smap_corners_near(w, at, top, contact);
+  uint8_t common;
+  *known = smap_known(w, at, contact, corners, &common);
+  return *known != SMAP_NONE && common == corners ? 0 : corners;
+}
+
+/* The same of all that touches a plane.  In noise a contact touches one plane and not the next: a facet that has three
+ * of them but not all gives way to one of its own and these. */
+static uint8_t smap_unite(smap_many_work_t *w, const smap_aim_t *at, float top, uint8_t *contact)
+{
+  uint8_t known, corners = smap_corners_new(w, at, top, contact, &known);
+  while (corners > 0 && known != SMAP_NONE && smap_may(w, SMAP_COST_OUT)) {
+    top = smap_take_out(w, known, at, top);
+    corners = smap_may(w, SMAP_COST_NEAR) ? smap_corners_new(w, at, top, contact, &known) : 0;
+  }
+  return corners;
 }
 
 /* Enter the facet on a plane that carries the robot, if it is new: on three contacts, counter-clockwise, or
@@ -205,21 +275,15 @@ static int smap_is_new(smap_many_work_t *w, const smap_aim_t *at, const uint8_t 
 SMAP_APART static void smap_add_facet(smap_many_work_t *w, const smap_aim_t *at, float h,
                                       const uint8_t three[3], int alone)
 {
-  uint8_t contact[SMAP_MANY_CONTACTS], corners = 3, k, e;
-  if (smap_known(w, at, three, 3) != SMAP_NONE) {
+  uint8_t contact[SMAP_MANY_CONTACTS], corners = 3, common, k, e;
+  if (smap_known(w, at, three, 3, &common) != SMAP_NONE) {
     return;
   }
   memcpy(contact, three, 3 * sizeof *three);
-  if (!alone) {
-    if (!smap_may(w, SMAP_COST_NEAR)) {
-      return;
-    }
-    corners = smap_corners_near(w, at, h - SMAP_TOUCHES * w->map->size, contact);
-    if (corners < 3 || !smap_is_new(w, at, contact, corners)) {
-      return;
-    }
+  if (!alone && smap_may(w, SMAP_COST_NEAR)) {
+    corners = smap_unite(w, at, h - SMAP_TOUCHES * w->map->size, contact);
   }
-  if (smap_enter(w, at, h, corners)) {
+  if (corners > 2 && w->left && smap_enter(w, at, h, corners)) {
     e = w->facet[w->facets - 1].first;
     for (k = 0; k < corners; k++) {
       w->vertex[e + k] = contact[k];
@@ -228,24 +292,24 @@ SMAP_APART static void smap_add_facet(smap_many_work_t *w, const smap_aim_t *at,
   }
 }
 
-/* Enter the facet of three contacts near the plane of their centres, seen from below or from above, if it is
- * one and new. */
-static void smap_try(smap_many_work_t *w, const uint8_t three[3], int above)
+/* Enter the facet of three contacts that is found from a start on, if it is one and new; returns, of the first start,
+ * how many there are. */
+static uint8_t smap_try(smap_many_work_t *w, const uint8_t three[3], uint8_t start)
 {
   smap_aim_t at;
   int turns, alone = 1;
-  uint8_t k;
+  uint8_t k, starts = 1;
   float h;
-  turns = smap_common(w, three, above, &at, &h);
+  turns = smap_common(w, three, start, &at, &h, &starts);
   if (turns == 0 || !(-at.n[2] > w->map->steepest) || !(h > w->map->least_height)) {
-    return;
+    return starts;
   }
   for (k = 0; k < smap_contacts_of(w->map); k++) {
     const float reach = smap_extent(w, k, &at);
     const int one = k == three[0] || k == three[1] || k == three[2];
     const int near = one || reach >= h - SMAP_TOUCHES * w->map->size;
     if (reach > h + SMAP_NOISY * w->map->size || (near && smap_is_flat(w, k, &at))) {
-      return;
+      return starts;
     }
     alone = alone && (one || !near);
   }
@@ -253,6 +317,7 @@ static void smap_try(smap_many_work_t *w, const uint8_t three[3], int above)
     const uint8_t round[3] = {three[turns > 0 ? 2 : 1], three[0], three[turns > 0 ? 1 : 2]};
     smap_add_facet(w, &at, h, round, alone);
   }
+  return starts;
 }
 
 /* Mark the contacts at the corners of a facet. */
@@ -360,9 +425,10 @@ static void smap_find_facets(smap_many_work_t *w, const smap_many_place_t *place
     for (j = (uint8_t)(i + 1u); j + 1 < count; j++) {
       for (k = (uint8_t)(j + 1u); k < count; k++) {
         const uint8_t three[3] = {i, j, k};
-        smap_try(w, three, 0);
-        if (!(smap_are_alike(w, i, j) && smap_are_alike(w, i, k))) {
-          smap_try(w, three, 1);
+        const uint8_t starts = smap_try(w, three, SMAP_FROM_BELOW);
+        uint8_t start;
+        for (start = SMAP_FROM_ABOVE; start < starts && smap_may(w, SMAP_COST_START); start++) {
+          (void)smap_try(w, three, start);
         }
       }
     }

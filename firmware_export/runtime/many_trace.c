@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
-/* ---- traced sides of strips: along no circle --------------------------------------------------------- */
+/* ---- sides of strips on any contacts: along any curve ------------------------------------------------ */
 /* Where two wheels that touch at different paces carry, or a ball beside anything else, the side of what
  * they sweep is no circle, nor even bent one way only: its corners are traced, and drawn as a line that
  * bulges into the strip everywhere. */
@@ -34,15 +34,6 @@ static void smap_corner_of(const smap_many_work_t *w, uint8_t i, uint8_t j, cons
   other = smap_dot(d, d);
   half = 1.0f - 0.5f * (other > half ? other : half) / (w->r[i] * w->r[i]);
   smap_mix(w->p[i], out, 1.0f / (half > 0.5f ? half : 0.5f), out);
-}
-
-/* Where the side is on a plane. */
-static void smap_place(const smap_many_work_t *w, uint8_t e, const smap_aim_t *at, float out[3])
-{
-  float p[3], q[3];
-  smap_touch(w, w->vertex[e], at, p);
-  smap_touch(w, w->vertex[w->next[e]], at, q);
-  smap_mix(p, q, w->low[e], out);
 }
 
 /* A corner as far within the strip as any of the exact definition's, for a piece of the side. */
@@ -91,10 +82,10 @@ static void smap_draw(smap_many_work_t *w, smap_many_pose_t *o, smap_side_t *sid
   }
 }
 
-/* A side to q along no circle.  Its corners are those that the exact definition has, or, where it is not
+/* A side to q along any curve.  Its corners are those that the exact definition has, or, where it is not
  * known how often that cuts the side, lie as far within the strip as those may; and of the side only that
  * counts which bulges into the strip. */
-static void smap_trace(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e, smap_side_t *side,
+static void smap_curve(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e, smap_side_t *side, const float p[3],
                        const float q[3])
 {
   const smap_aim_t *from = &w->facet[w->owner[e]].at, *to = &w->facet[w->owner[w->twin[e]]].at;
@@ -104,6 +95,7 @@ static void smap_trace(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e, smap
   const int known = turn > 0.0f && !smap_is_cut(w, e);
   smap_aim_t at[3];
   uint8_t k;
+  (void)p; /* the pose's last point */
   at[2] = *from;
   for (k = 1; (float)k <= count && smap_may(w, SMAP_COST_CORNERS); k++) {
     at[0] = at[2];
@@ -124,12 +116,4 @@ static void smap_trace(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e, smap
   smap_draw(w, o, side, q, i);
   side->inwards = 1;
   w->full = w->full || side->count == 0; /* seen from the com it has no width */
-}
-
-/* Whether what holds at both ends of the strip is on the inner side of the side of an edge. */
-static int smap_has_ends(const smap_many_work_t *w, const smap_many_pose_t *o, uint8_t e)
-{
-  const smap_side_t *side = &o->at.side[w->side_of[e]];
-  return smap_dot(o->wall[side->wall], smap_end(w, e)) >= 0.0f &&
-         smap_dot(o->wall[side->wall + side->count - 1u], smap_corner(w, w->twin[e])) >= 0.0f;
 }

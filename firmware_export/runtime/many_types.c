@@ -200,9 +200,9 @@ typedef struct {
 #define SMAP_EACH (unsigned)smap_contacts_of(w->map)
 #define SMAP_COST_CORNER 3u                       /* a corner of a facet's polygon, and */
 #define SMAP_COST_SIDE (3u + 3u * SMAP_EACH / 4u) /* one of its sides, if it is wide */
-#define SMAP_COST_GAP 66u                         /* an arc between rests, but for */
-#define SMAP_COST_VISIT 16u                       /* an edge of a rest that the robot comes to, and */
-#define SMAP_COST_WAY 18u                         /* going on from there */
+#define SMAP_COST_GAP 69u                         /* an arc between rests, but for */
+#define SMAP_COST_VISIT 17u                       /* an edge of a rest that the robot comes to, and */
+#define SMAP_COST_WAY 19u                         /* going on from there */
 #define SMAP_COST_SHOW 8u                         /* a facet that is shown, but for */
 #define SMAP_COST_OUTLINE 5u                      /* one of its edges */
 #define SMAP_COST_LOOP 7u                         /* a loop of the boundary, but for its edges */

@@ -9,7 +9,7 @@ from lutgen.channels import acceptance_of, evaluate_each
 from lutgen.recipe import forward, radii_and_kinds
 from lutgen.support import empty_region, facet_table, pack, stand
 from tests.fixtures.many_library import Library, boundary_points, postures_of, random_directions
-from tests.fixtures.odd_robots import odd_rails, odd_robot
+from tests.fixtures.odd_robots import odd_rails, odd_robot, six_feet
 
 pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 TIPS = 2
@@ -87,3 +87,55 @@ def test_of_a_gap_of_two_parts_only_the_definitions_is_kept(tmp_path):
     got = Library(recipe, tmp_path).read(params, g)
     assert not ((got["status"] != TIPS) & (truth["status"] == TIPS)).any()
     assert (got["tip_angle"] <= truth["tip_angle"]).all()
+
+
+@pytest.mark.parametrize(
+    ("seed", "angle"), [(5003, 1.917837), (5161, -2.356194), (5225, 2.356194), (5577, -1.904113)]
+)
+def test_of_three_contacts_in_a_row_both_planes_are_found(seed, angle, tmp_path):
+    # Of wheels and balls whose centres are nearly on one line the radii tell how the planes below
+    # them lean, and that of their centres is no good begin: whole rests were not found.
+    recipe, rng = odd_robot(seed), np.random.default_rng(1)
+    params = np.full((60, 1), angle, np.float32)
+    g = random_directions(rng, 3600).reshape(60, 60, 3).astype(np.float32)
+    truth = evaluate_each(recipe, params.astype(float), g.astype(float), ("tip_angle", "status"))
+    got = Library(recipe, tmp_path).read(params, g)["status"]
+    # Nearer to the boundary than the guard and what rounding takes nobody is told to stand.
+    clear = (truth["status"] != TIPS) & (truth["tip_angle"] > 3e-4)
+    assert clear.mean() > 0.1
+    assert (got[clear] != TIPS).all()
+
+
+@pytest.mark.parametrize(("shape", "seed"), [("ball", 0), ("disc", 5), ("point", 7)])
+def test_six_feet_that_noise_puts_next_to_one_plane_stand_where_they_should(shape, seed, tmp_path):
+    # Coordinates with six digits: a foot is within rounding of one plane and not of the next, and
+    # of what stood 12 to 46 % was called unsafe where facets of some feet hid that of all.
+    recipe, rng = six_feet(shape, seed), np.random.default_rng(5)
+    params = postures_of(recipe, rng, 3)
+    g = random_directions(rng, 900).reshape(3, 300, 3).astype(np.float32)
+    truth = evaluate_each(recipe, params.astype(float), g.astype(float), ("tip_angle", "status"))
+    got = Library(recipe, tmp_path).read(params, g)
+    assert (got["tip_angle"] <= truth["tip_angle"]).all()
+    clear = (truth["status"] != TIPS) & (truth["tip_angle"] > 3e-4)
+    assert clear.mean() > 0.1
+    assert (got["status"][clear] != TIPS).all()
+
+
+@pytest.mark.parametrize(
+    ("seed", "params", "gravity"),
+    [
+        # Rolls over two edges in a row: each rounds by how much the com rises.
+        (4009, (0.17325874,), (-0.68448699, -0.17543611, -0.70760137)),
+        # A wheel that leans goes along its rim at an uneven pace: halfway is not in the middle.
+        (4029, (2.22512722, -1.87216735, -2.90233254), (0.18634935, 0.68403447, -0.7052452)),
+        # Its side of a gap runs nearly along the edge that it comes to.
+        (4029, (2.22512722, -1.87216735, -2.90233254), (-0.684814, 0.624925, -0.374831)),
+    ],
+)
+def test_directions_that_were_once_told_more_on_rails(seed, params, gravity, tmp_path):
+    recipe, params = odd_rails(seed), np.float32([params])
+    g = np.float32([[gravity]])
+    truth = evaluate_each(recipe, params.astype(float), g.astype(float), ("tip_angle", "status"))
+    got = Library(recipe, tmp_path).read(params, g)
+    assert (got["tip_angle"] <= truth["tip_angle"]).all()
+    assert (got["status"] == TIPS).all() or (truth["status"] != TIPS).all()

@@ -80,7 +80,8 @@ static int exact_backwards(const smap_many_work_t *w, uint16_t e)
 #include "many_rolls.c"
 #include "many_held.c"
 #include "many_gaps.c"
-static void exact_side(smap_many_work_t *w, smap_many_pose_t *o, uint16_t e, smap_side_t *side);
+static void exact_side(smap_many_work_t *w, smap_many_pose_t *o, uint16_t e, smap_side_t *side,
+                       const double p[3], const double q[3]);
 #include "many_walls.c"
 #include "many_pieces.c"
 #include "many_trace.c"

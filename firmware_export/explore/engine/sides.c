@@ -26,17 +26,22 @@ static int exact_pieces(smap_many_work_t *w, uint16_t e)
   return pieces < 11.0 ? 1 + (int)pieces : 12;
 }
 
-/* The walls of the side of a strip at the beginning of an edge, over all corners that the definition has. */
-static void exact_side(smap_many_work_t *w, smap_many_pose_t *o, uint16_t e, smap_side_t *side)
+/* The walls of the side of the strip of an edge from p to q, over all corners that the definition has. */
+static void exact_side(smap_many_work_t *w, smap_many_pose_t *o, uint16_t e, smap_side_t *side,
+                       const double p[3], const double q[3])
 {
-  const uint16_t i = w->vertex[e], j = w->vertex[w->next[e]], back = w->twin[e];
-  const smap_aim_t *from = &w->facet[w->owner[e]].at, *to = &w->facet[w->owner[back]].at;
+  const uint16_t i = w->vertex[e], j = w->vertex[w->next[e]];
+  const smap_aim_t *from = &w->facet[w->owner[e]].at, *to = &w->facet[w->owner[w->twin[e]]].at;
   const int pieces = exact_pieces(w, e);
   smap_aim_t at[3];
-  double last[3], p[3], q[3];
+  double last[3], here[3], there[3];
   int k;
+  smap_on_arc(w, i, j, from, to, 0.5, &at[1]);
+  smap_place(w, e, &at[1], here);
+  smap_cross(p, q, there);
+  side->inwards = smap_dot(there, here) > 0.0;
   at[2] = *from;
-  smap_mix(smap_corner(w, e), smap_end(w, e), w->low[e], last);
+  smap_copy(p, last);
   for (k = 0; k < pieces && w->left; k++) {
     at[0] = at[2];
     at[2] = *to;
@@ -44,12 +49,11 @@ static void exact_side(smap_many_work_t *w, smap_many_pose_t *o, uint16_t e, sma
     if (k + 1 < pieces) {
       smap_on_arc(w, i, j, from, to, (k + 1.0) / pieces, &at[2]);
     }
-    smap_corner_of(w, i, j, at, p);
-    smap_corner_of(w, j, i, at, q);
-    smap_mix(p, q, w->low[e], p);
-    smap_add_piece(w, o, side, last, p, i);
-    smap_copy(p, last);
+    smap_corner_of(w, i, j, at, here);
+    smap_corner_of(w, j, i, at, there);
+    smap_mix(here, there, w->low[e], here);
+    smap_add_piece(w, o, side, last, here, i);
+    smap_copy(here, last);
   }
-  smap_mix(smap_end(w, back), smap_corner(w, back), w->low[e], p);
-  smap_add_piece(w, o, side, last, p, i);
+  smap_add_piece(w, o, side, last, q, i);
 }
