@@ -6,17 +6,19 @@
 #define SMAP_PIECE 0.2f /* rad: longest piece of a side */
 
 /* A corner of the side of the strip of an edge, from plane a to plane b: at the pitch of `middle`, where its rim's
- * tangent at the further of both ends comes to.  Of wheels that lean middle is not halfway along the rim. */
-static void smap_meet(const smap_many_work_t *w, uint8_t e, const float middle[3], const smap_aim_t *a,
-                      const smap_aim_t *b, float out[3])
+ * tangent at the further of both ends comes to; 0 where it does not.  Of wheels that lean middle is not halfway along
+ * the rim. */
+static int smap_meet(const smap_many_work_t *w, uint8_t e, const float middle[3], const smap_aim_t *a,
+                     const smap_aim_t *b, float out[3])
 {
   const uint8_t i = w->vertex[e], j = w->vertex[w->next[e]];
   const float r = w->r[i] + w->low[e] * (w->r[j] - w->r[i]);
   const float before = a->s * middle[0] - a->c * middle[2], after = b->s * middle[0] - b->c * middle[2];
-  const float grown = r / (before < after ? before : after);
+  const float least = before < after ? before : after, grown = r / (least > 0.0f ? least : 1.0f);
   smap_mix(w->p[i], w->p[j], w->low[e], out);
   out[0] += grown * middle[0];
   out[2] += grown * middle[2];
+  return least > 0.0f;
 }
 
 /* A side from p to q bulges into the strip: corners on tangents, as many as it takes. */
@@ -41,9 +43,11 @@ static void smap_bulge(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e, smap
       smap_on_arc(w, i, j, from, to, after, &there);
     }
     smap_mix(from->n, to->n, 0.5f * (before + after), middle);
-    smap_meet(w, e, middle, &here, &there, a);
-    before = after;
+    if (!smap_meet(w, e, middle, &here, &there, a)) {
+      w->full = 1;
+    }
     smap_add_piece(w, o, side, last, a, i);
+    before = after;
     smap_copy(a, last);
     here = there;
   }
