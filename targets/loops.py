@@ -58,6 +58,11 @@ class Shape:
         """Steps in which a binary search finds a cell of the longest axis."""
         return math.ceil(math.log2(max(self.nodes - 1, 1)))
 
+    @property
+    def triples(self) -> int:
+        """Ways to choose three contacts."""
+        return math.comb(self.contacts, 3)
+
 
 def shape_of(export: Export) -> Shape:
     """Return the shape of an export's tables."""
@@ -115,12 +120,15 @@ POLYGON = "k = 0; k < 2u * count; k++"
 LOOKED_AT, BENT = "; e < w->edges; e++", "k = first; gaps && k < o->at.segments && w->left; k++"
 SHORT = "; w->low[e] != SMAP_SHORT && w->low[at] == SMAP_SHORT && left > 0; left--"
 PUSH = "k = 0; k < side->count && w->left; k++"
+# The innermost of the three loops over contacts i < j < k.
+TRIPLE = "k = (uint8_t)(j + 1u); k < count; k++"
 # A read looks at a segment of the boundary once.  Of a facet it looks at each strip once from each
 # of two edges at most, at all pieces of its sides (no more than there are walls), and goes on four
 # times.
 SEGMENT, WITHIN = "; s < end; s++", "k = 0; k < s->count; k++"
 # Head -> counter, and of which capacity it is how many.
 COUNTED = {
+    TRIPLE: ("triples", "triples", 1),
     LOOKED_AT: ("edges", "edges", 1),
     SHORT: ("edges", "edges", 1),
     BENT: ("links", "links", 1),
@@ -210,7 +218,7 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "i = 0; i + 2 < count; i++": ("contacts less two", lambda s: max(s.contacts - 2, 1)),
     # Of triples i < j < k.
     "j = (uint8_t)(i + 1u); j + 1 < count; j++": _mean("contacts", 2),
-    "k = (uint8_t)(j + 1u); k < count; k++": _mean("contacts", 3),
+    TRIPLE: _mean("contacts", 3),
     "round = smap_are_alike(w, i, j) ? 2 : 0; round < 2; round++": _plain("2", 2),
     "part = 1; part < 4; part++": _plain("3 places of an arc", 3),
     **{f"e = w->facet[{f}].first; e < smap_last_of(w, {f}); e++": CONTACTS for f in ("f", "facet")},

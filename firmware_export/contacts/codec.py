@@ -2,7 +2,7 @@
 
 The facade that the chooser and the emitter use; the parts are `closed` (the algebra of links) and
 `terms` (their tables), `pieces` and `series` (the same of robots given by code), `three` and `many`
-(what is asked of robots on three points and of others, and the guard).
+(what is asked of robots on three points and of others, and the guard), and `room` (of their pose).
 """
 
 import math
@@ -10,13 +10,13 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from firmware_export.contacts.closed import closed_form
 from firmware_export.contacts.layout import pose_words, swept_words
 from firmware_export.contacts.many import Many, many_of, order_of
 from firmware_export.contacts.many import refusal as many_refusal
 from firmware_export.contacts.off import most_off
+from firmware_export.contacts.room import LIMITS, Room, room_of
 from firmware_export.contacts.series import Series, ordered, series_of
 from firmware_export.contacts.terms import Terms, terms_of
 from firmware_export.contacts.three import Three, three_of
@@ -29,12 +29,6 @@ from lutgen.recipe import robot_size_of
 
 # Their numbers in runtime/blob.c.
 POINTS, RAILS, SEARCH = 1, 5, 6
-# The most room of a pose, as in the runtime's smap_room_t: facets, edges, facets that are shown,
-# walls, links, sides, work on gaps (SMAP_COST_...) and all work; and the margin on what was seen.
-LIMITS, MARGIN = (80, 250, 60, 254, 254, 250, 0xFFFF, 0x7FFFFFFF), 1.1
-# Of what gaps take there may be less, in this share of postures: they give up some, which is safe,
-# and without them a pose takes a quarter less memory.
-GIVEN_UP = 0.003
 # Steps of the integer form from the com to the furthest contact.
 STEPS = 16000.0
 # Words of a pose: head, floats, integers (runtime/three.c).
@@ -97,8 +91,9 @@ class Tables(AnyTables):
         """Return the tables with room for the pose of a box: of facets all may be shown."""
         if not self.room or self.many is None:
             return self
-        facets, edges, shown, *more = self.room
-        return replace(self, room=(facets, edges, max(shown, min(facets, LIMITS[2])), *more))
+        facets, edges, shown, walls, links, *more = self.room
+        every = (max(shown, min(facets, LIMITS[2])), max(walls, edges), max(links, edges))
+        return replace(self, room=(facets, edges, *every, *more))
 
 
 @lru_cache(maxsize=4)
@@ -119,7 +114,15 @@ def _tables(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
     tables = Tables(
         *(spec, channels, terms, three, many, LIMITS, model.k, 1.02 * reach, guard, text)
     )
-    return tables if many is None else replace(tables, room=_room(model, tables))
+    if many is None:
+        return tables
+
+    def host(room: Room) -> Host:
+        one = replace(tables, room=room)
+        export = Export("room", model.recipe, model, "contacts", "float", channels, one)
+        return Host(describe(export, c_body(one)))
+
+    return replace(tables, room=room_of(model, host))
 
 
 def _order(model: Model) -> tuple[tuple[int, ...], bool]:
@@ -158,37 +161,6 @@ def off_of(model: Model, spec: Spec) -> float:
             "or have kinks along no axis); use --codec grid"
         )
     return off
-
-
-def _room(model: Model, tables: Tables) -> tuple[int, ...]:
-    """Return the room of a pose: the most that many postures take, of gaps what nearly all take."""
-    rng = np.random.default_rng(5)
-    any_posture = rng.random((3000, model.k))
-    even = rng.integers(0, 5, (1500, model.k)) / 4.0
-    equal = np.repeat(rng.random((500, 1)), model.k, axis=1)
-    params = model.at(np.concatenate([any_posture, even, equal])).astype(np.float32)
-
-    def taken(room: tuple[int, ...]) -> NDArray[np.float64]:
-        one = replace(tables, room=room)
-        export = Export("room", model.recipe, model, "contacts", "float", tables.channels, one)
-        return Host(describe(export, c_body(one))).room(params).astype(np.float64)
-
-    found = taken(LIMITS)
-    kinds = np.split(found, np.cumsum([len(any_posture), len(even)]))
-    nearly = [np.quantile(kind, 1.0 - GIVEN_UP, axis=0, method="higher") for kind in kinds]
-    often = np.max(nearly, axis=0)
-    # Of one triangle at least, also for a robot that stands nowhere.
-    most = np.maximum(found[:, :3].max(axis=0), (1, 3, 1))
-    facets, edges, shown = (math.ceil(MARGIN * one) for one in most)
-    # Facets alone need a wall and a point for each edge.
-    walls, links = (max(int(one), edges) for one in often[3:5])
-    # All that is left is never taken.
-    sought = int(often[6]) + 1 if often[6] else 0
-    # An array of C has one element at least.
-    some = (facets, edges, shown, walls, links, max(int(often[5]), 1), sought)
-    room = tuple(min(one, limit) for one, limit in zip(some, LIMITS, strict=False))
-    work = math.ceil(MARGIN * taken((*room, LIMITS[-1]))[:, -1].max()) + 1
-    return (*room, min(work, LIMITS[-1]))
 
 
 def refusal(model: Model, arithmetic: str) -> str | None:

@@ -70,6 +70,13 @@ def test_the_halvings_of_a_binary_search_are_counted_by_trying() -> None:
         assert loops.Shape(1, nodes=nodes).halvings == steps
 
 
+def test_triples_of_contacts_are_counted_by_trying() -> None:
+    for n in range(3, 17):
+        # As smap_find_facets goes over them.
+        tried = sum(n - 1 - j for i in range(n - 2) for j in range(i + 1, n - 1))
+        assert loops.Shape(1, contacts=n).triples == tried
+
+
 def test_a_jump_by_address_is_not_followed() -> None:
     for text in ("tbb\t[pc, r3]", "add\tpc, r3", "ldr.w\tpc, [r3]"):
         with pytest.raises(ExportError, match="table of branches"):

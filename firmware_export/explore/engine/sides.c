@@ -3,27 +3,14 @@
 /* Sides of gaps, cut into pieces as the definition cuts them (lutgen/support/tiles.py): the runtime takes
  * fewer and longer ones, which lose a little more of the gap. */
 
+#define EXACT_STILL 1e-4 /* rad: a strip whose contacts go as far along their rims is not cut */
+
 /* Into how many pieces the strip of an edge is cut. */
 static int exact_pieces(smap_many_work_t *w, uint16_t e)
 {
-  const uint16_t back = w->twin[e];
-  const double size = smap_posture_size(w), most_lost = SMAP_LOST * size;
-  double furthest = 0.0, d[3], r, pieces;
-  r = w->r[w->vertex[e]];
-  if (r > 0.0) {
-    smap_minus(smap_corner(w, e), smap_end(w, back), d);
-    furthest = smap_dot(d, d) / (8.0 * r);
-  }
-  r = w->r[w->vertex[w->next[e]]];
-  if (r > 0.0) {
-    smap_minus(smap_end(w, e), smap_corner(w, back), d);
-    furthest = smap_dot(d, d) / (8.0 * r) > furthest ? smap_dot(d, d) / (8.0 * r) : furthest;
-  }
-  if (furthest <= most_lost) {
-    return furthest > 1e-9 * size;
-  }
-  pieces = smap_root(furthest / most_lost);
-  return pieces < 11.0 ? 1 + (int)pieces : 12;
+  double turn;
+  const int pieces = (int)smap_pieces(w, e, &turn);
+  return pieces > 1 ? pieces : turn > EXACT_STILL;
 }
 
 /* The walls of the side of the strip of an edge from p to q, over all corners that the definition has. */
