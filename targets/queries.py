@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware_export.certify import device
+from firmware_export.host import STANDS
 from firmware_export.protocol.exported import Export
 
 CHECKED, COUNTED, OUTSIDE = 1000, 256, 32
@@ -19,7 +20,6 @@ SEED = 2018
 ODD = (0.0, -0.0, np.nan, np.inf, -np.inf, 1e-42, -1e-42, 3e38, -3e38, 1.0, -1.0)
 ODD_WHOLE = (-32768, -32767, -1, 0, 1, 16384, 32766, 32767)
 FULL_SCALE = 32767
-STANDS = (0, 4)
 
 Numbers = NDArray[Any]
 

@@ -11,13 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware_export.codecs import codec
-from firmware_export.host import Host
+from firmware_export.host import STANDS, Host
 from firmware_export.protocol import Export, describe
 from firmware_export.truth import Exact, Model, Sample
 from lutgen.vector import Bools, Floats
 
-# Status codes with which the robot is said not to tip: it stands, or rocks between rests.
-OK, ROCKS = 0, 4
 # In the place of a status where nothing was asked.
 NOT_ASKED = -128
 FULL_SCALE = 32767
@@ -143,7 +141,7 @@ class Reader:
             found, reading = self.read(known.params[part // max(d, 1)], gravity[part])
             status[part] = found
             values[part] = self._units(reading)
-        stands = (status == OK) | (status == ROCKS)
+        stands = np.isin(status, STANDS)
         grid = (m, d)
         answers = Answers(
             stands.reshape(grid),

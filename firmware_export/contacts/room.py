@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_export.host import Host
+from firmware_export.host import STANDS, Host
 from firmware_export.truth import Model
 
 # The most of each, in the order of the runtime's smap_room_t: facets, edges, facets that are shown,
@@ -24,7 +24,6 @@ GIVEN_UP = 0.003
 ORDER = {SOUGHT: 0.5, LINKS: 0.8, WALLS: 0.9, SIDES: 1.0}
 # Otherwise is: it tips, or the tip angle (rad) is less by more than this.
 NOTICED = math.radians(0.02)
-STANDS = (0, 4)
 DIRECTIONS = 40
 
 Room = tuple[int, ...]
@@ -33,12 +32,7 @@ Room = tuple[int, ...]
 class _Sample:
     """Postures, the directions that each is asked in, and the answers with all room there is.
 
-    Parameters
-    ----------
-    model : Model
-        Of a robot on many contacts.
-    host : callable
-        The C that reads with a room.
+    Made of what `room_of` is given.
     """
 
     def __init__(self, model: Model, host: Callable[[Room], Host]) -> None:
@@ -53,13 +47,12 @@ class _Sample:
         count = len(self._params) * DIRECTIONS
         u, v = rng.uniform(-1.0, 1.0, (2, count)) * model.chart_limit
         gravity = model.uv_to_gravity(rng.integers(0, model.faces, count), u, v)
-        self._gravity = gravity.astype(np.float32)
+        self._asked = np.repeat(self._params, DIRECTIONS, axis=0), gravity.astype(np.float32)
         self._stands, self._tip = self._read(LIMITS)
 
     def _read(self, room: Room) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
         """Return in which directions the robot stands, and the tip angles (rad)."""
-        many = np.repeat(self._params, DIRECTIONS, axis=0)
-        status, reading = self._host(room).read(many, self._gravity)
+        status, reading = self._host(room).read(*self._asked)
         return np.isin(status, STANDS), reading[:, 1].astype(np.float64)
 
     def taken(self, room: Room) -> NDArray[np.int64]:

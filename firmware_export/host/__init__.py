@@ -14,7 +14,7 @@ from firmware_export.host.control import (
     budget,
 )
 from firmware_export.host.library import RUNTIME, load_library
-from firmware_export.host.reader import Host
+from firmware_export.host.reader import STANDS, Host
 
 __all__ = [
     "BLIND",
@@ -24,6 +24,7 @@ __all__ = [
     "MOVES",
     "RESTS",
     "RUNTIME",
+    "STANDS",
     "Controller",
     "Host",
     "budget",

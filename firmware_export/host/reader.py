@@ -25,6 +25,8 @@ READING = np.dtype(
     }
 )
 READING_I = np.dtype([("sdg", "<u2"), ("tip", "<i2"), ("height", "<u2"), ("over", "u1", 2)])
+# Status codes with which the robot is said not to tip: it stands, or rocks between rests.
+STANDS = (0, 4)
 # The functions that read each codec, by its number in runtime/blob.c.
 FAMILIES = {1: "three", 2: "three", 3: "three", 4: "grid", 5: "many", 6: "search"}
 # The same without floats.
