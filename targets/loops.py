@@ -146,6 +146,7 @@ CALLED = {
     "smap_bound": ("LOOP", 0),
     "smap_come": ("WAY", 0),
     "smap_find_roll": ("ROLL", 0),
+    "smap_lost_to_mate": ("MATE", 0),
 }
 
 # Head of a loop as it stands in smap.c -> most rounds, in words and as a function of the shape.
@@ -215,6 +216,8 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "a = a == SMAP_NONE ? 0 : a; a < rails && (b == SMAP_NONE || a <= b); a++": RAILS,
     "i = first; i < m->first[k + 1]; i++": _of("row"),
     "j = w->map->first[k]; j < w->map->first[k + 1]; j++": _of("row"),
+    "i = 0; rails > 2 && i < smap_contacts_of(w->map); i++": CONTACTS,
+    "j = w->map->first[next]; j < w->map->first[next + 1]; j++": _of("row"),
     "i = 0; i + 2 < count; i++": ("contacts less two", lambda s: max(s.contacts - 2, 1)),
     # Of triples i < j < k.
     "j = (uint8_t)(i + 1u); j + 1 < count; j++": _mean("contacts", 2),

@@ -31,6 +31,8 @@ from lutgen.vector import Floats
 POINTS = 500_000
 # Fits and choices use seeds below 1000.
 SEED = 1001
+# Part of the largest value by which a channel that never changes does so in double precision.
+ROUNDED = 1e-9
 
 
 class Effort(NamedTuple):
@@ -147,10 +149,11 @@ def judged_by(channel: str, jumps: bool) -> str:
 
 
 def span_of(seen: Sequence[Measured] | Sequence[Truth], channel: str) -> float:
-    """Return the range of a channel over the points that stand."""
+    """Return the range of a channel over the points that stand; 0 where it changes by rounding."""
     exact = [one.exact for one in seen]
     values = np.concatenate([getattr(one, channel)[one.tip_angle >= 0.0] for one in exact])
-    return float(values.max() - values.min()) if len(values) else 0.0
+    span = float(values.max() - values.min()) if len(values) else 0.0
+    return span if span > ROUNDED * float(np.abs(values).max(initial=0.0)) else 0.0
 
 
 def statistics(seen: Sequence[Measured], channel: str) -> dict[str, float]:

@@ -111,8 +111,9 @@ def grow_sizes(trials: Trials, codec: CodecInfo, spec: Any, goal: Goal) -> list[
     ceiling = _ceiling(trials, goal)
     if codec.bytes is not None:
         code = code_bytes([codec.switches[trials.arithmetic]]) or 0
-        if codec.bytes(spec) + code > ceiling:
-            return []  # what has been found is smaller than this can be
+        # What has been found is smaller than this can be; a refusal names the smallest there is.
+        if codec.bytes(spec) + code > ceiling and trials.candidates:
+            return []
     now = trials.try_out(codec, spec)
     if now is None:
         return []

@@ -1,7 +1,7 @@
 """Codecs that store where the contacts are: in closed form, or as polynomials.
 
-In reading order: `closed`, `terms`, `lines`, `pieces`, `series`, `off`, `three`, `many`, `room`,
-`layout`, `codec`, `shorten`, `poly`.
+In reading order: `closed`, `terms`, `lines`, `pieces`, `series`, `off`, `shown`, `three`, `many`,
+`room`, `layout`, `codec`, `shorten`, `poly`.
 """
 
 from firmware_export.contacts.codec import INFO

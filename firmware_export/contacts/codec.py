@@ -38,6 +38,8 @@ POSE = (1 + 20 + 8, 1 + 8)
 # that contacts may be off, in single precision and with the margin of what was seen.
 ERRORS = {True: (3e-3, 3e-4, 3e-5, 3e-6), False: (1e-5, 3e-6, 1e-6)}
 MOST_OFF = 4.0
+# What is said of a guard that a certificate made larger.
+NEEDED = "; as much as points needed where contacts all but lie on one plane"
 
 
 @dataclass(frozen=True)
@@ -173,7 +175,7 @@ def refusal(model: Model, arithmetic: str) -> str | None:
             off_of(model, sizes(model)[0])
         elif problem is None:
             closed_form(model.recipe)
-            terms_of(model.recipe, model.radius, range(len(model.kind)))
+            terms_of(model.recipe, model.radius, _order(model)[0])
     except InputError as error:
         return str(error)
     return problem
@@ -249,6 +251,15 @@ def c_body(tables: Tables, integer: bool = False) -> CBody:
     )
 
 
+def guarded(tables: Tables, guard: float) -> Tables:
+    """Return tables of many contacts with a larger guard (rad); of three points as they are."""
+    if tables.many is None:
+        return tables
+    text = f"{tables.many.text.removesuffix(NEEDED)}{NEEDED}"
+    many = tables.many.guarded(math.sin(guard), text)
+    return replace(tables, many=many, guard=guard, guard_text=text)
+
+
 def cells(model: Model, tables: Tables) -> Cells:
     """Return where the ends of the axes are, and where series are cut."""
     rim = np.array([-model.chart_limit, model.chart_limit])
@@ -272,6 +283,7 @@ INFO = CodecInfo(
     c_body=c_body,
     read_label=Spec.of_label,
     cells=cells,
+    guarded=guarded,
     # Of three points given by code `poly`, which needs such a bound, has a smaller runtime.
     exact=lambda model: model.recipe.python is None or least_edge_of(model) <= 0.0,
 )

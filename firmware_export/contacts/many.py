@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from firmware_export.contacts.closed import Sum, closed_form
+from firmware_export.contacts.shown import shown_contacts
 from firmware_export.protocol import CArray
 from firmware_export.truth import Model
 from lutgen.channels import acceptance_of
@@ -40,10 +41,10 @@ LOOKED, ROLLS, NARROWEST, LOW = 20_000, 4.0, 1e-3, 0.5
 class Many(NamedTuple):
     """What the tables of many contacts need beside positions.
 
-    `order` of the contacts: rail by rail; `first` contact of each rail, and how many there are;
-    `axis`, level, of all discs; `numbers` in the order of the runtime's struct, behind the axis;
-    `more`, what series alter there; `guard`, the sine that is taken off every distance, and a
-    sentence about it.
+    `order` of the shown contacts: rail by rail; `first` contact of each rail, and how many there
+    are; `axis`, level, of all discs; `numbers` in the order of the runtime's struct, behind the
+    axis; `more`, what series alter there; `guard`, the sine that is taken off every distance, and
+    a sentence about it.
     """
 
     order: tuple[int, ...]
@@ -53,6 +54,10 @@ class Many(NamedTuple):
     more: tuple[float, ...]
     guard: float
     text: str
+
+    def guarded(self, guard: float, text: str) -> "Many":
+        """Return the same with another guard (sine), and a sentence about it."""
+        return self._replace(guard=guard, text=text, numbers=(*self.numbers[:-1], guard))
 
     def arrays(self, room: tuple[int, ...]) -> tuple[CArray, ...]:
         """Return what the codec adds to positions, in the order of runtime/many_entry.c."""
@@ -71,8 +76,9 @@ class Many(NamedTuple):
 
 def refusal(model: Model) -> str | None:
     """Return why the runtime cannot find this robot's facets, or None."""
-    if len(model.kind) > MOST_CONTACTS:
-        return f"the runtime knows {MOST_CONTACTS} contacts (got {len(model.kind)})"
+    contacts = len(shown_contacts(model))
+    if contacts > MOST_CONTACTS:
+        return f"the runtime knows {MOST_CONTACTS} contacts (got {contacts})"
     return None
 
 
@@ -81,22 +87,27 @@ def _axis(model: Model) -> tuple[float, float] | None:
     found = None
     if model.recipe.python is not None:
         return (0.0, 1.0)  # points have none
-    for axis in closed_form(model.recipe).axes:
+    axes = closed_form(model.recipe).axes
+    for axis in (axes[at] for at in shown_contacts(model)):
         if axis is None:
             continue
         if len(axis.terms) > 1 or abs(axis.terms[()][2]) > SAME:
             return None
         x, y = (float(value) for value in axis.terms[()][:2])
-        size = math.hypot(x, y)
+        # Either way along the axle; that next to y needs no turn there and back.
+        size = math.hypot(x, y) * (-1.0 if (y, x) < (0.0, 0.0) else 1.0)
         if found is None:
-            found = (x / size, y / size)
-        elif abs(found[0] * y - found[1] * x) > SAME * size:
+            found = (x / size + 0.0, y / size + 0.0)
+        elif abs(found[0] * y - found[1] * x) > SAME * abs(size):
             return None
     return found or (0.0, 1.0)
 
 
 def _places(model: Model) -> Floats | None:
-    """Return where each contact is along the common axis, None where there is none or one moves."""
+    """Return where each shown contact is along the common axis.
+
+    None where there is no such axis, or one moves along it.
+    """
     axis = _axis(model)
     if axis is None:
         return None
@@ -105,7 +116,8 @@ def _places(model: Model) -> Floats | None:
     places = []
     if model.recipe.python is not None:
         return _seen_places(model, SAME * size)
-    for centre in closed_form(model.recipe).centres:
+    centres = closed_form(model.recipe).centres
+    for centre in (centres[at] for at in shown_contacts(model)):
         along = Sum.constant(row) @ centre
         if any(m and float(np.abs(v).max()) > SAME * size for m, v in along.terms.items()):
             return None
@@ -144,16 +156,17 @@ def _lowest(model: Model, rho: float) -> float:
 
 
 def order_of(model: Model) -> tuple[tuple[int, ...], bool]:
-    """Return the order of a robot's contacts, and whether axes of its discs turn."""
-    places = _rails(model)
+    """Return the order of a robot's shown contacts, and whether axes of its discs turn."""
+    places, shown = _rails(model), shown_contacts(model)
     if places is None:
-        return tuple(range(len(model.kind))), True
-    return tuple(int(at) for at in np.argsort(places, kind="stable")), False
+        return shown, True
+    return tuple(shown[at] for at in np.argsort(places, kind="stable")), False
 
 
 def _rails(model: Model) -> Floats | None:
-    """Return where each contact's rail is, None where the runtime searches."""
-    return None if (model.kind == SPHERE).any() else _places(model)
+    """Return where each shown contact's rail is, None where the runtime searches."""
+    spheres = model.kind[list(shown_contacts(model))] == SPHERE
+    return None if spheres.any() else _places(model)
 
 
 def many_of(model: Model, off: float = 0.0) -> Many:
@@ -165,9 +178,9 @@ def many_of(model: Model, off: float = 0.0) -> Many:
     places, (order, _) = _rails(model), order_of(model)
     first, axis = [0], (0.0, 1.0)
     if places is not None:
-        axis = _axis(model) or axis
+        axis, places = _axis(model) or axis, np.sort(places)
         for at in range(1, len(order)):
-            if places[order[at]] - places[order[first[-1]]] > SAME * size:
+            if places[at] - places[first[-1]] > SAME * size:
                 first.append(at)
         first.append(len(order))
     rho = model.recipe.com_uncertainty + off

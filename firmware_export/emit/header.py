@@ -22,6 +22,10 @@ from firmware_export.emit.words import (
 from firmware_export.protocol import literal
 from lutgen.quantities import QUANTITIES
 
+# What an angle says in the example; of a table of which only the sign is bounded neither is so.
+PROMISE = ", and tips only after another reading.tip_angle rad"
+INTEGER_PROMISE = "; reading.tip is the sine of the angle to tip-over, times 32767"
+
 
 def header_text(content: dict[str, Any]) -> str:
     """Return NAME.h from the content of NAME_report.json."""
@@ -148,7 +152,7 @@ def _usage(content: dict[str, Any]) -> list[str]:
             "  smap_reading_i_t reading;",
             "  smap_gravity_from_up_i(accelerometer, gravity);  at rest it reads up",
             "  if (smap_at_i(&pose, gravity, &reading) == SMAP_OK) {",
-            "    it stands; reading.tip is the sine of the angle to tip-over, times 32767",
+            "    it stands" + ("" if content["sign_only"] else INTEGER_PROMISE),
         ]
     else:
         lines += [
@@ -156,7 +160,7 @@ def _usage(content: dict[str, Any]) -> list[str]:
             "  smap_reading_t reading;",
             "  smap_gravity_from_up(accelerometer, gravity);  at rest it reads up",
             "  if (smap_at(&pose, gravity, &reading) == SMAP_OK) {",
-            "    it stands, and tips only after another reading.tip_angle rad",
+            "    it stands" + ("" if content["sign_only"] else PROMISE),
         ]
     return [*lines, "  }"]
 

@@ -92,6 +92,8 @@ class CodecInfo:
     exact : callable
         (model) -> whether its answers are exact but for rounding, or all others take far more: then
         no other is tried where it will do.
+    guarded : callable, optional
+        (tables, guard) -> the tables with another guard (rad) and what is said of it.
     encodings : int
         Encodings that may be spent on one bit width.
     patience, gain : int, float
@@ -112,6 +114,7 @@ class CodecInfo:
     cells: Callable[[Model, Any], Cells | None] = lambda model, tables: None
     costly: Callable[[Model], Foresight | None] = lambda model: None
     exact: Callable[[Model], bool] = lambda model: False
+    guarded: Callable[[Any, float], Any] | None = None
     encodings: int = 40
     patience: int = 3
     gain: float = 0.98

@@ -178,17 +178,72 @@ static int smap_is_on_line(const float p[3], const float a[3], const float along
   return smap_dot(c, c) < band2 * smap_dot(along, along);
 }
 
+#if SMAP_MANY_RAILS
+/* The mate of the contact at an end of an edge if it is on the facet's plane and along the edge, or SMAP_NONE:
+ * what is on one axle is one corner of a facet as rounding has it, and the definition knows the side between both. */
+static uint8_t smap_mate_along(const smap_many_work_t *w, uint8_t e, uint8_t end)
+{
+  const uint8_t mate = w->mate[w->vertex[end]], other = w->vertex[end == e ? w->next[e] : e];
+  const smap_facet_t *f = &w->facet[w->owner[e]];
+  float along[3], ahead;
+  if (mate == SMAP_NONE || mate == other) {
+    return SMAP_NONE;
+  }
+  smap_minus(smap_end(w, e), smap_corner(w, e), along);
+  ahead = (w->p[mate][1] - smap_corner(w, end)[1]) * along[1];
+  if ((end == e ? ahead : -ahead) <= 0.0f || along[1] * along[1] < 0.5f * smap_dot(along, along) ||
+      smap_extent(w, mate, &f->at) < f->h - 4.0f * SMAP_RECESS * w->map->size) {
+    return SMAP_NONE;
+  }
+  return mate;
+}
+
+/* Widen the part over which the robot goes on over an edge by that over the side to a mate, and tell whether there
+ * is any. */
+SMAP_APART static int smap_lost_to_mate(const smap_many_work_t *w, uint8_t e, uint8_t end, int lost,
+                                        smap_held_t *o, float span[2])
+{
+  const float *p = smap_corner(w, end);
+  float spot[3], more[2];
+  smap_touch(w, w->mate[w->vertex[end]], &w->facet[w->owner[e]].at, spot);
+  if (!smap_lost(w, end == e ? p : spot, end == e ? spot : p, o, more)) {
+    return lost;
+  }
+  if (lost) {
+    smap_let_both_go(o, more, span);
+  } else {
+    span[0] = more[0];
+    span[1] = more[1];
+  }
+  return 1;
+}
+#endif
+
 /* Whether the robot goes on over an edge, which is not the way back over the line on which it came, and
- * over which part. */
-static int smap_leaves(const smap_many_work_t *w, uint8_t e, smap_held_t *o, float span[2])
+ * over which part.  A long edge that runs the other way is the way on: over a facet that is a sliver, though
+ * it be a rest with the contacts near its plane. */
+static int smap_leaves(smap_many_work_t *w, uint8_t e, smap_held_t *o, float span[2])
 {
   const float band2 = w->map->band > 0.0f ? w->map->band * w->map->band : 0.0f;
   const float *p = smap_corner(w, e), *q = smap_end(w, e), *a = smap_corner(w, o->line);
-  float along[3];
-  if (!smap_lost(w, p, q, o, span)) {
+  float along[3], edge[3];
+  int lost = smap_lost(w, p, q, o, span);
+#if SMAP_MANY_RAILS
+  if (smap_mate_along(w, e, e) != SMAP_NONE && smap_may(w, SMAP_COST_MATE)) {
+    lost = smap_lost_to_mate(w, e, e, lost, o, span);
+  }
+  if (smap_mate_along(w, e, w->next[e]) != SMAP_NONE && smap_may(w, SMAP_COST_MATE)) {
+    lost = smap_lost_to_mate(w, e, w->next[e], lost, o, span);
+  }
+#endif
+  if (!lost) {
     return 0;
   }
   smap_minus(smap_end(w, o->line), a, along);
+  smap_minus(q, p, edge);
+  if (smap_dot(edge, along) <= 0.0f && smap_dot(edge, edge) > band2) {
+    return 1;
+  }
   return !(smap_is_on_line(p, a, along, band2) && smap_is_on_line(q, a, along, band2));
 }
 
@@ -281,7 +336,7 @@ static inline int smap_look_on(const smap_many_work_t *w, smap_visit_t *v)
 }
 
 /* Whether an edge is looked at in this turn, and the robot goes on over it. */
-static inline int smap_is_left(const smap_many_work_t *w, smap_visit_t *v, float span[2])
+static inline int smap_is_left(smap_many_work_t *w, smap_visit_t *v, float span[2])
 {
   if (v->at == v->came || (v->turn != SMAP_TO_ALL &&
                            (v->turn == SMAP_TO_RESTS) != (smap_kind_beyond(w, v->at) == SMAP_REST))) {

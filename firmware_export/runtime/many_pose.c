@@ -107,7 +107,7 @@ static int smap_many_pose(const smap_many_t *m, const smap_many_place_t *place, 
     return 0;
   }
 #if SMAP_MANY_RAILS
-  if (m->axis[0] != 0.0f) {
+  if (m->axis[1] != 1.0f) {
     smap_turn_back(m, o->plane, o->at.shown);
     smap_turn_back(m, o->centre, o->at.shown);
     smap_turn_back(m, o->wall, o->at.walls);

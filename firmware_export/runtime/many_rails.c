@@ -23,6 +23,8 @@
 /* Costs, see SMAP_COST_CORNER. */
 #define SMAP_COST_EVENT (2u * SMAP_EACH + 20u * smap_rails_of(w->map) - 19u) /* of the hull */
 #define SMAP_COST_KIND (15u + 4u * SMAP_EACH + SMAP_EACH * SMAP_EACH / 3u)   /* a facet's polygon */
+#define SMAP_COST_VISIT 20u  /* an edge of a rest that the robot comes to, and */
+#define SMAP_COST_MATE 12u   /* the side between two rims on one axle there */
 #define SMAP_COST_ROLL 34u   /* a roll over an arc, but for */
 #define SMAP_COST_PAIR 21u   /* two steps of it */
 #define SMAP_COST_STRIP 112u /* a strip, but for */
@@ -164,6 +166,26 @@ static float smap_next_turn(const smap_many_work_t *w, smap_hull_t *o, uint8_t k
   return o->turn[k];
 }
 
+/* Find of each contact the one that is the same but for its rail, on the next one towards the middle: the two
+ * rims of a flipper's wheel. */
+static void smap_find_mates(smap_many_work_t *w)
+{
+  const uint8_t rails = smap_rails_of(w->map);
+  const float same = SMAP_RECESS * w->map->size;
+  uint8_t i, j;
+  memset(w->mate, SMAP_NONE, sizeof w->mate);
+  for (i = 0; rails > 2 && i < smap_contacts_of(w->map); i++) {
+    const uint8_t k = w->rail[i];
+    const uint8_t next = (uint8_t)(2u * k + 1u < rails ? k + 1u : k - 1u);
+    for (j = w->map->first[next]; j < w->map->first[next + 1]; j++) {
+      if (smap_absolute(w->p[i][0] - w->p[j][0]) + smap_absolute(w->p[i][2] - w->p[j][2]) +
+              smap_absolute(w->r[i] - w->r[j]) <= same) {
+        w->mate[i] = j;
+      }
+    }
+  }
+}
+
 /* Put the contacts into the frame of the axis; find each rail's disc at a pitch of -90 deg. */
 static void smap_lay_out(smap_many_work_t *w, const smap_many_place_t *place, smap_hull_t *o)
 {
@@ -190,6 +212,7 @@ static void smap_lay_out(smap_many_work_t *w, const smap_many_place_t *place, sm
     smap_next_bend(w, o, k, -1.0f);
   }
   smap_begin_hull(w, o);
+  smap_find_mates(w);
 }
 
 static inline float smap_level(const smap_many_work_t *w, uint8_t i, float s, float c)

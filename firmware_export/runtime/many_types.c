@@ -201,8 +201,7 @@ typedef struct {
 #define SMAP_COST_CORNER 3u                       /* a corner of a facet's polygon, and */
 #define SMAP_COST_SIDE (3u + 3u * SMAP_EACH / 4u) /* one of its sides, if it is wide */
 #define SMAP_COST_GAP 69u                         /* an arc between rests, but for */
-#define SMAP_COST_VISIT 17u                       /* an edge of a rest that the robot comes to, and */
-#define SMAP_COST_WAY 19u                         /* going on from there */
+#define SMAP_COST_WAY 19u                         /* going on from a rest that the robot comes to */
 #define SMAP_COST_SHOW 8u                         /* a facet that is shown, but for */
 #define SMAP_COST_OUTLINE 5u                      /* one of its edges */
 #define SMAP_COST_LOOP 7u                         /* a loop of the boundary, but for its edges */
@@ -220,6 +219,7 @@ typedef struct {
   float p[SMAP_MANY_CONTACTS][3], r[SMAP_MANY_CONTACTS];
 #if SMAP_MANY_RAILS
   uint8_t rail[SMAP_MANY_CONTACTS];
+  uint8_t mate[SMAP_MANY_CONTACTS]; /* the same wheel on the next rail towards the middle, or SMAP_NONE */
 #endif
 #if SMAP_MANY_AXLES
   const float (*axle)[3];

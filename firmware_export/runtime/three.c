@@ -32,8 +32,8 @@ typedef struct {
 #define SMAP_EITHER_WAY 128
 SMAP_INLINE void smap_three_over(uint8_t order, uint8_t edge, uint8_t over[2])
 {
-  over[0] = order >> 2 * edge & 3;
-  over[1] = edge == 2 ? order & 3 : order >> (2 * edge + 2) & 3;
+  over[0] = (uint8_t)(order >> 2 * edge & 3);
+  over[1] = (uint8_t)(edge == 2 ? order & 3 : order >> (2 * edge + 2) & 3);
 }
 
 #if SMAP_FLOATS

@@ -1,7 +1,7 @@
 """One posture into its support facets and its standing region.
 
-In reading order: `primitive`, `polygon`, `table`, `hull`, `rails`, `follow`, `rounds`, `unite`,
-`arc`, `catch`, `region`, `tiles`, `gaps`, `rest`, `strips`, `boundary`, `search`,
+In reading order: `primitive`, `polygon`, `table`, `hidden`, `hull`, `rails`, `follow`, `rounds`,
+`unite`, `arc`, `catch`, `region`, `tiles`, `gaps`, `rest`, `strips`, `boundary`, `search`,
 `ridges`, and `access`, how others read them.
 """
 
@@ -32,6 +32,7 @@ from lutgen.support.access import (
     vertex_at,
     with_one_segment,
 )
+from lutgen.support.hidden import STICKS_OUT, lies_within
 from lutgen.support.polygon import area_centroid, convex_polygon
 from lutgen.support.primitive import (
     DISC,
@@ -77,6 +78,7 @@ __all__ = [
     "ROCKS",
     "SPHERE",
     "STANDS",
+    "STICKS_OUT",
     "TIPS",
     "Acceptance",
     "FacetTable",
@@ -103,6 +105,7 @@ __all__ = [
     "is_rest_at",
     "is_shared",
     "kind_at",
+    "lies_within",
     "pack",
     "plane_at",
     "point_at",

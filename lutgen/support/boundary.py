@@ -99,15 +99,19 @@ def _enter_facets(region: Region, hull: Hull, kind: Ints, middle: Floats) -> int
 
 
 @njit(bare=True)
-def _is_convex(segment: Floats, segments: int, edge: Floats, edges: int) -> bool:
-    """Tell whether every corner of every accepted facet is inside every tip-over plane."""
-    for b in range(segments):
+def _is_convex(region: Region, accepted: int) -> bool:
+    """Tell whether every corner of every rest is inside every tip-over plane."""
+    span, edge, segment = region.span, region.edge, region.segment
+    for b in range(region.tally[SEGMENTS]):
         normal = vector_at(segment, b, TIP_PLANE)
-        for e in range(edges):
-            point = vector_at(edge, e, POINT)
-            depth = dot(normal, point)
-            if depth < 0.0 and depth < -RELATIVE_TOLERANCE * length(point):
-                return False
+        for k in range(accepted):
+            if span[k, IS_REST] == 0:
+                continue
+            for e in range(span[k, FIRST], span[k + 1, FIRST]):
+                point = vector_at(edge, e, POINT)
+                depth = dot(normal, point)
+                if depth < 0.0 and depth < -RELATIVE_TOLERANCE * length(point):
+                    return False
     return True
 
 
@@ -230,7 +234,7 @@ def find_region(
     else:
         gap[:, LOW], gap[:, HIGH] = 0.0, 1.0
     strips = work.counts[1]
-    count = 0
+    count = held = 0
     e = 0
     for k in range(accepted):
         f = first[k, SOURCE]
@@ -259,6 +263,7 @@ def find_region(
                         if length(subtract(row(facet, f), row(facet, other))) < ONE_PLANE:
                             tally[BLURRED] += 1
                 elif part[0] < part[1]:
+                    held += 1
                     tally[GAPS] += 1
                     if f < other:
                         strips[2 * count], strips[2 * count + 1] = f, at
@@ -270,6 +275,5 @@ def find_region(
     if count > 0:
         found = Strips(hull, primitives, gap, strips[: 2 * count])
         add_strips(region, found, accept.rock_angle, size, work)
-    tally[CONVEX] = (
-        1 if tally[GAPS] == 0 and _is_convex(region.segment, tally[SEGMENTS], edge, e) else 0
-    )
+    # A stage that no gap leads over is no part of the region, and says nothing about its shape.
+    tally[CONVEX] = 1 if held == 0 and _is_convex(region, accepted) else 0

@@ -88,14 +88,9 @@ def enter_brink(brink: Floats, at: int, p: Vector, q: Vector) -> None:
 
 
 @njit(inline=True, bare=True)
-def leads_back(brink: Floats, at: int, following: int, line: int, band: float, rests: bool) -> bool:
-    """Tell whether an edge lies within `band` of the line that the robot came over.
-
-    On a stage it must also run the same way: one that runs back is the way on.
-    """
+def is_on_line(brink: Floats, at: int, following: int, line: int, band: float) -> bool:
+    """Tell whether an edge lies within `band` (length) of the line of another one."""
     along, arm = vector_at(brink, line, ALONG), vector_at(brink, line, ARM)
-    if not rests and dot(vector_at(brink, at, ALONG), along) <= 0.0:
-        return False
     for end in range(2):
         p = row(brink, at if end == 0 else following)
         slant = dot(p, along)
@@ -107,6 +102,21 @@ def leads_back(brink: Floats, at: int, following: int, line: int, band: float, r
         if x * x + y * y + z * z > band * band:
             return False
     return True
+
+
+@njit(inline=True, bare=True)
+def leads_back(brink: Floats, at: int, following: int, line: int, band: float, rests: bool) -> bool:
+    """Tell whether an edge is one with the line that the robot came over, which noise cut in two.
+
+    It lies within `band` of that line and runs the same way: one that runs back is the way on, over
+    a facet that is a sliver, though it be a rest with the contacts near its plane.  On a rest such
+    an edge is longer than `band`; a shorter one is what noise makes of a corner.
+    """
+    if dot(vector_at(brink, at, ALONG), vector_at(brink, line, ALONG)) <= 0.0:
+        apart = subtract(row(brink, following), row(brink, at))
+        if not rests or dot(apart, apart) > band * band:
+            return False
+    return is_on_line(brink, at, following, line, band)
 
 
 @njit(inline=True, bare=True)

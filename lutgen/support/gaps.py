@@ -17,6 +17,7 @@ from lutgen.support.catch import (
     MOST,
     ONE_REST,
     REFUSED,
+    REST,
     ROOT,
     STAGE,
     SURE,
@@ -25,7 +26,7 @@ from lutgen.support.catch import (
     Rolling,
     comes_to_rest,
     enter_brink,
-    leads_back,
+    is_on_line,
 )
 from lutgen.support.table import (
     BACK,
@@ -47,6 +48,10 @@ LOW, HIGH = 0, 1
 # Nearer to an end of the segment than this part of it the balance is not looked at; and by so much
 # beyond a change it is looked at again.
 END, HAIR = 1e-4, 1e-9
+# A turn (rad) from rest to rest that is held up to the ends.  From a balance it sets free no more
+# than takes the com over another edge that is as near (rad) as the turn.  Contacts that noise, or
+# what `rounds` makes them larger by, puts on several planes would leave an axis inside.
+NO_ROLL = 2e-4
 # Changes on a segment; what lies beyond so many is not held.
 MOST_CHANGES = 128
 # Times that what slivers join is gone through: as often as they may cut one line.
@@ -96,8 +101,10 @@ def find_gaps(
                 enter_roll(primitives, arc, at, back, roll)
             if roll[at, TURN] > limits[0]:
                 continue
-            _lay_out(rolling, f, at, work.begin)
-            low, high = _held(rolling, f, at, limits, work.begin, work.way, work.counts)
+            low, high = 0.0, 1.0
+            if roll[at, TURN] > NO_ROLL or kind[f] != REST or kind[other] != REST:
+                _lay_out(rolling, f, at, work.begin)
+                low, high = _held(rolling, f, at, limits, work.begin, work.way, work.counts)
             if low < high:
                 here = at, corner_after(span, f, at)
                 there = corner_after(span, other, back), back
@@ -132,7 +139,7 @@ def _join(span: Ints, link: Ints, brink: Floats, f: int, at: int, band: float, g
         # Both run back along the line of the first.
         if dot(vector_at(brink, part, ALONG), vector_at(brink, at, ALONG)) >= 0.0:
             return
-        if not leads_back(brink, part, corner_after(span, f, part), at, band, True):
+        if not is_on_line(brink, part, corner_after(span, f, part), at, band):
             return
     p, q, k = row(brink, at), row(brink, ahead), row(brink, last)
     whole, here = subtract(q, p), subtract(k, p)

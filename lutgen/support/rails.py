@@ -74,14 +74,15 @@ def common_axis(primitives: Floats) -> Vector:
 def _crossing(x: float, z: float, q: float, u: float, way: float) -> float:
     """Return the first place from u on at which way (x sin k - z cos k + q) is above zero.
 
-    NEVER where it is not above zero at u, nor grows through zero later.  Whether it is above zero
+    NEVER where it is not above zero at u, nor grows through zero later; u where it is nowhere below
+    zero but in a touch, as of a wheel over a point on its rim.  Whether it is above zero
     is told by its two roots and not by its value, so what ends at a root has ended there: the roots
     of a function and of its negative are the same numbers.
     """
     x, z, q = way * x, way * z, way * q
     rest = x * x + z * z - q * q
     if not rest > 0.0:
-        return NEVER
+        return u if q > 0.0 else NEVER
     root = math.sqrt(rest)
     # (q + z) u^2 + 2 x u + (q - z): it grows at one root and sinks at the other.
     # Of a function and its negative one goes either way, also where one disc is above the other.

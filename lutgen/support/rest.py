@@ -26,17 +26,22 @@ from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, scale, 
 
 @njit(bare=True)
 def polygon_width(points: Floats, begin: int, end: int, normal: Vector) -> float:
-    """Return the least width of a convex polygon of rows [begin, end) in any direction (length)."""
+    """Return the least width of a convex polygon of rows [begin, end) in any direction (length).
+
+    Points that are one but for rounding give an edge any direction; across it the polygon is no
+    narrower than it is, as both sides are measured.
+    """
     least = math.inf
     for at in range(begin, end):
         origin = row(points, at)
         along = subtract(row(points, at + 1 if at + 1 < end else begin), origin)
         inward = unit(cross(normal, along))
-        furthest = 0.0
+        furthest = nearest = 0.0
         for other in range(begin, end):
-            furthest = max(furthest, dot(subtract(row(points, other), origin), inward))
+            depth = dot(subtract(row(points, other), origin), inward)
+            furthest, nearest = max(furthest, depth), min(nearest, depth)
         if length(along) > 0.0:
-            least = min(least, furthest)
+            least = min(least, furthest - nearest)
     return least if least < math.inf else 0.0
 
 

@@ -10,7 +10,9 @@ length of its own, a tenth of a billionth of the size, and in the robot that thi
 primitives and never four touch one plane, well above rounding.  Its facets say who is whose
 neighbour; where a facet is, is solved for with the primitives as they are, and what was torn apart
 is put together again by `unite`.  Should the arcs not fit together even so, other lengths are
-tried.
+tried.  The lengths depend on the primitive's number by no straight line: the corners of a box are
+numbered so that those across both diagonals of a face add up to the same, and such lengths would
+leave all four on one plane.
 """
 
 import math
@@ -24,6 +26,7 @@ from lutgen.support.primitive import KIND, POINT, RADIUS, SPHERE, support_contac
 from lutgen.support.table import (
     FIRST,
     FOUND,
+    MAX_PRIMITIVES,
     NEIGHBOUR,
     OUTSIDE,
     OVERFLOW,
@@ -39,6 +42,10 @@ from lutgen.vector import Floats, Vector, cross, dot, length, row, scale, subtra
 
 # Part of the size by which primitives are made larger.
 GROWN = 1e-10
+# Which part of that each is made larger by: the fraction of a cubic in its number.  No sum of these
+# with whole weights is whole, so no weights of four contacts on one plane that are fractions cancel
+# four such parts; of the triples of roots that were tried these come least near to it on boxes.
+CUBIC = (math.sqrt(3.0) - 1.0, math.sqrt(23.0) - 4.0, math.sqrt(11.0) - 3.0)
 ATTEMPTS = 4
 NEWTON_STEPS = 24
 # How far (n_z) above the highest wanted normal facets are still rolled on from, further than arcs
@@ -50,6 +57,8 @@ RELAXATIONS = 24
 DOWN, DOWNWARDS = -0.5, 4
 # Parts of the size by which contacts may be off a facet's plane; beyond, the search is lost.
 OFF = 1e-6
+# What stands for a facet that is none: the search has lost its way.
+LOST = -3
 # Normals nearer than this (rad) with the same three primitives are one facet.
 SAME = 1e-7
 
@@ -121,7 +130,7 @@ def _enter(
     for m in range(primitives.shape[0]):
         above = level - support_height(primitives, m, place)
         if above < -OFF * size or (m in three and above > OFF * size):
-            return OUTSIDE
+            return LOST
     f = add_triangle(hull, primitives, place, three)
     if f >= 0:
         solved[f, 0], solved[f, 1], solved[f, 2] = normal
@@ -229,6 +238,7 @@ def _roll_on(
                 continue
             other = _enter(hull, solved, primitives, onto, (j, i, m), size)
             if other < 0:
+                agreed = agreed and other != LOST
                 continue
             back = span[other, FIRST]
             while link[back, VERTEX] != j:
@@ -244,7 +254,7 @@ def _roll_on(
 @njit(bare=True)
 def find_round_facets(
     work: Workspace, primitives: NDArray[np.float64], lowest_up: float, size: float
-) -> None:
+) -> bool:
     """Fill the pieces of `work` with the support facets of any primitives.
 
     Parameters
@@ -257,21 +267,27 @@ def find_round_facets(
         Only facets whose normal's z is below this are wanted (more may be found).
     size : float
         Size of the robot (length).
+
+    Returns
+    -------
+    bool
+        Whether the ends of all arcs agree and there was room for what was found.
     """
     n = primitives.shape[0]
-    hull, solved, grown = work.pieces, work.normals, work.grown
+    hull, solved, grown = work.pieces, work.normals, work.grown[:n]
     count, span, link = hull.tally, hull.span, hull.link
     for i in range(n):
         for c in range(primitives.shape[1]):
             grown[i, c] = primitives[i, c]
+    agreed = True
     for attempt in range(ATTEMPTS):
         count[FOUND] = count[OVERFLOW] = 0
         span[0, FIRST] = 0
         if n < 3:
-            return
+            return True
         for i in range(n):
-            # Fractions of the golden ratio are never near each other.
-            own = (i + 1.0) * 0.6180339887498949 * (1.0 + 0.37 * attempt)
+            number = 1.0 + i + attempt * MAX_PRIMITIVES
+            own = number * (CUBIC[0] + number * (CUBIC[1] + number * CUBIC[2]))
             grown[i, RADIUS] = primitives[i, RADIUS] + GROWN * size * (own - math.floor(own))
             if primitives[i, KIND] == POINT:
                 grown[i, KIND] = SPHERE
@@ -302,3 +318,4 @@ def find_round_facets(
     for at in range(span[count[FOUND], FIRST]):
         if link[at, NEIGHBOUR] == UNKNOWN:
             link[at, NEIGHBOUR] = OUTSIDE
+    return agreed and count[OVERFLOW] == 0

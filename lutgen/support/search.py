@@ -1,7 +1,7 @@
 """One posture, from primitives to its standing region.
 
 Owns the choice of the search: closed form for parallel axes, the hull for points, rolling for the
-rest.
+rest; round ones without what lies within another one.
 """
 
 import numpy as np
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from lutgen.jit import njit
 from lutgen.support.boundary import find_region
+from lutgen.support.hidden import STICKS_OUT, renumber, show
 from lutgen.support.hull import find_point_facets
 from lutgen.support.primitive import KIND, POINT
 from lutgen.support.rails import find_rail_facets
@@ -17,6 +18,21 @@ from lutgen.support.rounds import find_round_facets
 from lutgen.support.table import DOUBT, OVERFLOW, FacetTable, Workspace, robot_size
 from lutgen.support.unite import unite
 from lutgen.vector import Floats
+
+# Times that a search which loses its way is begun again, each time without what sticks out ten
+# times as far: a corner that all but lies on a rim touches next to it, and no double has the digits
+# to tell which of them a third one touches with.
+LOOKS = 3
+
+
+@njit(bare=True)
+def _find_round(
+    work: Workspace, primitives: NDArray[np.float64], lowest_up: float, size: float
+) -> bool:
+    """Search for facets of any primitives; tell whether all arcs found their ends."""
+    if lowest_up <= 0.0 and find_rail_facets(work, primitives, size):
+        return True
+    return bool(find_round_facets(work, primitives, lowest_up, size))
 
 
 @njit(bare=True)
@@ -36,17 +52,30 @@ def find_facets(
     size : float
         Size of the robot (length).
     """
+    n = primitives.shape[0]
     round_ones = 0
-    for i in range(primitives.shape[0]):
+    for i in range(n):
         round_ones += primitives[i, KIND] != POINT
     tally = work.pieces.tally
     tally[DOUBT] = 0
     if round_ones == 0:
         find_point_facets(work, primitives, lowest_up, size)
-        if tally[DOUBT] == 1:
-            find_round_facets(work, primitives, lowest_up, size)
-    elif lowest_up > 0.0 or not find_rail_facets(work, primitives, size):
-        find_round_facets(work, primitives, lowest_up, size)
+        if tally[DOUBT] == 0:
+            return
+    number = work.counts[5]
+    last, sticks_out = n + 1, STICKS_OUT
+    for _ in range(LOOKS):
+        shown = show(primitives, sticks_out * size, work.shown, number)
+        if shown < last:
+            last = shown
+            if shown == n:
+                agreed = _find_round(work, primitives, lowest_up, size)
+            else:
+                agreed = _find_round(work, work.shown[:shown], lowest_up, size)
+                renumber(work.pieces, number)
+            if agreed:
+                break
+        sticks_out *= 10.0
 
 
 @njit(bare=True)

@@ -69,6 +69,7 @@ class Workspace(NamedTuple):
     across: NDArray[np.float64]
     own: NDArray[np.int64]
     grown: NDArray[np.float64]
+    shown: NDArray[np.float64]
     normals: NDArray[np.float64]
     points: NDArray[np.float64]
     polygon: NDArray[np.float64]
@@ -116,6 +117,7 @@ def facet_table(primitives: int) -> FacetTable:
         np.empty((n, 4)),
         np.empty((3, n)),
         np.empty((n, 2), np.int64),
+        np.empty((n, 8)),
         np.empty((n, 8)),
         np.empty((facets, 3)),
         np.empty((n, 3)),

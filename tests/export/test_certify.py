@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 import lutgen
 from firmware_export.certify.answers import Read, Reader, truth
-from firmware_export.certify.certifier import Certificate, Effort, certify
+from firmware_export.certify.certifier import Certificate, Effort, certify, span_of
 from firmware_export.certify.jumps import find_jumps
 from firmware_export.certify.search import Walk, climb, sdg_error
 from firmware_export.quantity import ErrorBound
@@ -318,3 +318,24 @@ def test_the_report_of_a_certificate_has_plain_numbers_only() -> None:
     flat = [*content.values(), *(x for c in content["channels"].values() for x in c.values())]
     for value in flat:
         assert isinstance(value, int | float | bool | list | dict | None)
+
+
+def test_a_height_that_changes_by_rounding_alone_has_no_range() -> None:
+    # A car on four equal wheels: its com keeps its height in every posture, but for 1e-17 m.
+    points = [(x, y, -0.3) for x in (-0.4, 0.3) for y in (-0.2, 0.2)]
+    model = Model(lutgen.parse_recipe(rigid(feet(points))))
+    seen = [truth(model, uniform(model, 1000, 7), False)]
+    height = seen[0].exact.height
+    assert np.nanmax(height) == pytest.approx(0.3)
+    jittered = seen[0]._replace(
+        exact=seen[0].exact._replace(
+            height=height + 1e-17 * np.arange(height.size).reshape(height.shape)
+        )
+    )
+    assert span_of([jittered], "height") == 0.0
+    wider = seen[0]._replace(
+        exact=seen[0].exact._replace(
+            height=height + 1e-6 * (np.arange(height.size) % 2).reshape(height.shape)
+        )
+    )
+    assert span_of([wider], "height") == pytest.approx(1e-6)

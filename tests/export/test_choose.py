@@ -357,6 +357,15 @@ def test_a_region_that_jumps_is_encoded_a_few_times_for_an_error(
     assert len(bench.tried) <= 6
 
 
+def test_a_flash_that_no_size_fits_is_refused_with_the_smallest_there_is() -> None:
+    # Nothing was tried, and the refusal said that no codec could encode the robot.
+    model = Model(lutgen.parse_recipe(tripod()))
+    bench = Trials(model, "tripod", ("sdg", "tip_angle"), "float")
+    with pytest.raises(ExportError, match=r"got 1 bytes of flash.*bytes is the smallest there is"):
+        best(bench, ["grid"], Goal(1, None))
+    assert len(bench.tried) == 1
+
+
 def test_what_no_table_can_hold_is_refused_after_a_few_encodings(
     wheels: Callable[..., Trials],
 ) -> None:

@@ -9,7 +9,7 @@ from lutgen.channels import acceptance_of, evaluate_each
 from lutgen.recipe import forward, radii_and_kinds
 from lutgen.support import empty_region, facet_table, pack, stand
 from tests.fixtures.many_library import Library, boundary_points, postures_of, random_directions
-from tests.fixtures.odd_robots import odd_rails, odd_robot, six_feet
+from tests.fixtures.odd_robots import boxed_tracks, odd_rails, odd_robot, six_feet, two_rims
 
 pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 TIPS = 2
@@ -139,3 +139,42 @@ def test_directions_that_were_once_told_more_on_rails(seed, params, gravity, tmp
     got = Library(recipe, tmp_path).read(params, g)
     assert (got["tip_angle"] <= truth["tip_angle"]).all()
     assert (got["status"] == TIPS).all() or (truth["status"] != TIPS).all()
+
+
+@pytest.mark.parametrize("seed", [0, 6, 28, 109])
+def test_corners_on_the_rims_of_wheels_open_no_axis(seed, tmp_path):
+    # All contacts are asked, also those that exports leave out.  A sliver between two facets was a
+    # rest with the contacts near its plane, and its far edge was taken for the way back: a gap was
+    # held that is not, 12 deg above the truth, and once safe where it tips.
+    recipe, rng = boxed_tracks(seed), np.random.default_rng(seed + 1000)
+    params = postures_of(recipe, rng, 60)
+    near = boundary_points(recipe, params, rng, 30, 18)
+    far = random_directions(rng, 3600).reshape(60, 60, 3).astype(np.float32)
+    g = np.concatenate([near, far], axis=1)
+    truth = evaluate_each(recipe, params.astype(float), g.astype(float), ("tip_angle", "status"))
+    got = Library(recipe, tmp_path).read(params, g)
+    safe, stands = got["status"] != TIPS, truth["status"] != TIPS
+    assert not (safe & ~stands).any()
+    assert (got["tip_angle"] <= truth["tip_angle"]).all()
+    # Within the guard of the boundary, where half of these directions are, nobody is said to stand.
+    assert safe[stands & (truth["tip_angle"] > 3e-4)].mean() > 0.98
+
+
+def test_of_a_wheel_of_two_rims_either_may_be_the_corner_of_a_rest(tmp_path):
+    # Flippers that are nearly straight down put four pairs of rims next to one plane.  Rounding
+    # tells which rim of a pair is a facet's corner, and over the side between both nobody was
+    # asked to go: a gap was held 0.07 deg too far.
+    recipe, rng = two_rims(), np.random.default_rng(8)
+    down = np.where(rng.random((150, 4)) < 0.5, -1.0, 1.0) * np.pi / 2.0
+    off = rng.choice([0.0, 0.005, 0.02], (150, 4)) * rng.random((150, 4))
+    params = (down * (1.0 - off)).astype(np.float32)
+    g = boundary_points(recipe, params, rng, 40, 18)
+    truth = evaluate_each(recipe, params.astype(float), g.astype(float), ("tip_angle", "status"))
+    robot = Library(recipe, tmp_path, facets=80, shown=60)
+    got = robot.read(params, g)
+    assert robot.most["failed"] == 0
+    # The guard is 1e-4; which of two facets a wedge between rims is of may alter as much again.
+    safe, stands = got["status"] != TIPS, truth["status"] != TIPS
+    assert not (safe & (truth["tip_angle"] < -1e-4)).any()
+    assert (got["tip_angle"] <= truth["tip_angle"] + 1e-4)[safe].all()
+    assert safe[stands & (truth["tip_angle"] > 1e-3)].mean() > 0.98
