@@ -178,7 +178,7 @@ static int smap_is_on_line(const float p[3], const float a[3], const float along
   return smap_dot(c, c) < band2 * smap_dot(along, along);
 }
 
-#if SMAP_MANY_RAILS
+#if SMAP_MANY_RAILS > 2
 /* The mate of the contact at an end of an edge if it is on the facet's plane and along the edge, or SMAP_NONE:
  * what is on one axle is one corner of a facet as rounding has it, and the definition knows the side between both. */
 static uint8_t smap_mate_along(const smap_many_work_t *w, uint8_t e, uint8_t end)
@@ -228,7 +228,7 @@ static int smap_leaves(smap_many_work_t *w, uint8_t e, smap_held_t *o, float spa
   const float *p = smap_corner(w, e), *q = smap_end(w, e), *a = smap_corner(w, o->line);
   float along[3], edge[3];
   int lost = smap_lost(w, p, q, o, span);
-#if SMAP_MANY_RAILS
+#if SMAP_MANY_RAILS > 2
   if (smap_mate_along(w, e, e) != SMAP_NONE && smap_may(w, SMAP_COST_MATE)) {
     lost = smap_lost_to_mate(w, e, e, lost, o, span);
   }

@@ -166,6 +166,7 @@ static float smap_next_turn(const smap_many_work_t *w, smap_hull_t *o, uint8_t k
   return o->turn[k];
 }
 
+#if SMAP_MANY_RAILS > 2
 /* Find of each contact the one that is the same but for its rail, on the next one towards the middle: the two
  * rims of a flipper's wheel. */
 static void smap_find_mates(smap_many_work_t *w)
@@ -185,6 +186,7 @@ static void smap_find_mates(smap_many_work_t *w)
     }
   }
 }
+#endif
 
 /* Put the contacts into the frame of the axis; find each rail's disc at a pitch of -90 deg. */
 static void smap_lay_out(smap_many_work_t *w, const smap_many_place_t *place, smap_hull_t *o)
@@ -212,7 +214,9 @@ static void smap_lay_out(smap_many_work_t *w, const smap_many_place_t *place, sm
     smap_next_bend(w, o, k, -1.0f);
   }
   smap_begin_hull(w, o);
+#if SMAP_MANY_RAILS > 2
   smap_find_mates(w);
+#endif
 }
 
 static inline float smap_level(const smap_many_work_t *w, uint8_t i, float s, float c)

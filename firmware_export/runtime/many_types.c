@@ -219,6 +219,8 @@ typedef struct {
   float p[SMAP_MANY_CONTACTS][3], r[SMAP_MANY_CONTACTS];
 #if SMAP_MANY_RAILS
   uint8_t rail[SMAP_MANY_CONTACTS];
+#endif
+#if SMAP_MANY_RAILS > 2
   uint8_t mate[SMAP_MANY_CONTACTS]; /* the same wheel on the next rail towards the middle, or SMAP_NONE */
 #endif
 #if SMAP_MANY_AXLES
