@@ -40,7 +40,7 @@ def lies_within(primitives: Floats, i: int, j: int, tolerance: float) -> bool:
             return bool(length(arm) + (radius if kind == SPHERE else 0.0) <= reach)
         along = dot(arm, axle)
         across = length(subtract(arm, scale(axle, along))) + radius
-        return along * along + across * across <= reach * reach
+        return bool(along * along + across * across <= reach * reach)
     if kind == SPHERE:
         return False
     other = (primitives[j, 3], primitives[j, 4], primitives[j, 5])
