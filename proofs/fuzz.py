@@ -54,13 +54,22 @@ class Length:
         return self.seconds or PATIENCE
 
 
+def _copy(subject: Subject, folder: Path, host: bool) -> None:
+    """Copy an export but for smap.c; on a host a pose counts what gaps took, in a word more."""
+    for name in (f"{subject.name}.c", f"{subject.name}.h", "smap.h", "smap_config.h"):
+        shutil.copy(subject.folder / name, folder / name)
+    header = folder / f"{subject.name}.h"
+    if host:
+        text = re.sub(r"(_WORDS) (\d+)u", r"\1 (\2u + 2u)", header.read_text("utf-8"))
+        header.write_text(text, encoding="utf-8")
+
+
 def _run(
     subject: Subject, source: str, folder: Path, length: Length, harness: str
 ) -> tuple[int, str]:
     folder.mkdir(exist_ok=True)
     (folder / "smap.c").write_text(source, encoding="utf-8")
-    for name in (f"{subject.name}.c", f"{subject.name}.h", "smap.h", "smap_config.h"):
-        shutil.copy(subject.folder / name, folder / name)
+    _copy(subject, folder, bool(HARNESSES[harness]))
     template = (HERE / f"{harness}.c").read_text("utf-8")
     (folder / "harness.c").write_text(subject.filled(template), "utf-8")
     _seeds(subject, folder / "corpus")
@@ -94,6 +103,7 @@ def flip(subject: Subject, folder: Path, patience: float) -> Result:
     """Flip bits of an export's blob, each alone and in pairs: smap_check has to tell."""
     template = (HERE / "flips.c").read_text("utf-8")
     (folder / "flips.c").write_text(subject.filled(template), "utf-8")
+    _copy(subject, folder, host=True)
     include = ["-I", str(subject.folder), "flips.c", "-o", "flips"]
     with Clock() as clock:
         built = run(["gcc", "-std=c99", "-O1", "-DSMAP_HOST", *include], folder, patience)
