@@ -292,9 +292,10 @@ def guarded(
             break
         _, _, said, true = certificate.witness
         guard = float(export.tables.guard) + 2.0 * (said - true)
-        if guard > WIDEST:
+        tables = wider(export.tables, guard)
+        if tables is None or guard > WIDEST:
             break
-        export = replace(export, tables=wider(export.tables, guard))
+        export = replace(export, tables=tables)
         certificate = examine(export, trials, bound, points, SEED + attempt)
     return export, certificate
 

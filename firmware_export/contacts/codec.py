@@ -251,10 +251,10 @@ def c_body(tables: Tables, integer: bool = False) -> CBody:
     )
 
 
-def guarded(tables: Tables, guard: float) -> Tables:
-    """Return tables of many contacts with a larger guard (rad); of three points as they are."""
+def guarded(tables: Tables, guard: float) -> Tables | None:
+    """Return tables of many contacts with a larger guard (rad); None of three points."""
     if tables.many is None:
-        return tables
+        return None
     text = f"{tables.many.text.removesuffix(NEEDED)}{NEEDED}"
     many = tables.many.guarded(math.sin(guard), text)
     return replace(tables, many=many, guard=guard, guard_text=text)

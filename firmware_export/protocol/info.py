@@ -93,7 +93,7 @@ class CodecInfo:
         (model) -> whether its answers are exact but for rounding, or all others take far more: then
         no other is tried where it will do.
     guarded : callable, optional
-        (tables, guard) -> the tables with another guard (rad) and what is said of it.
+        (tables, guard) -> the tables with another guard (rad) and what is said of it, or None.
     encodings : int
         Encodings that may be spent on one bit width.
     patience, gain : int, float

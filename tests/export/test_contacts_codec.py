@@ -211,3 +211,9 @@ def test_a_guard_that_is_too_small_is_made_as_large_as_points_need() -> None:
     kept, certificate = guarded(wild, trials, None, 10_000)
     assert certificate.false_safe > 0
     assert kept.tables.guard == wild.tables.guard
+
+
+def test_a_larger_guard_is_no_way_out_for_three_points() -> None:
+    # Their guard follows from a bound: other points, with nothing altered, would be no proof.
+    export = export_of("tripod")
+    assert contacts.guarded(export.tables, 1e-3) is None
