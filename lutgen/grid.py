@@ -5,6 +5,7 @@ parameter values.  It does not know robots, gravity or files.
 """
 
 import math
+import reprlib
 from dataclasses import dataclass
 
 import numpy as np
@@ -50,7 +51,7 @@ class Axis:
         if not (np.isfinite(knots).all() and (np.diff(knots) > 0.0).all()):
             raise InputError(
                 f"axis `{self.name}`: knots must be finite and strictly increasing "
-                f"(got {knots.tolist()}); sort them and remove duplicates."
+                f"(got {reprlib.repr(knots.tolist())}); sort them and remove duplicates."
             )
         knots.setflags(write=False)
         object.__setattr__(self, "knots", knots)

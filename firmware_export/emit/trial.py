@@ -41,17 +41,14 @@ def try_out(files: Mapping[str, bytes], name: str) -> str:
     Raises
     ------
     ExportError
-        If it does not compile, or its example does not run.
+        If it does not compile, or its example does not run; where there is no room to try it.
     """
     words = compiler()
     if words is None:
         return "not compiled: there is no C compiler here"
     with tempfile.TemporaryDirectory(prefix="lutgen-") as place:
         folder = Path(place)
-        for file, content in files.items():
-            if file.endswith((".c", ".h")):
-                (folder / file).parent.mkdir(parents=True, exist_ok=True)
-                (folder / file).write_bytes(content)
+        _fill(folder, files, name)
         examples = [one for one in EXAMPLES if f"examples/{one}.c" in files]
 
         def compiled(source: str) -> str:
@@ -69,6 +66,20 @@ def try_out(files: Mapping[str, bytes], name: str) -> str:
                 list(pool.map(compiled, sources))
                 list(pool.map(tried, examples))
     return f"compiled and run with {' '.join(words)}"
+
+
+def _fill(folder: Path, files: Mapping[str, bytes], name: str) -> None:
+    """Write the C of an export where it is tried."""
+    try:
+        for file, content in files.items():
+            if file.endswith((".c", ".h")):
+                (folder / file).parent.mkdir(parents=True, exist_ok=True)
+                (folder / file).write_bytes(content)
+    except OSError as error:
+        raise ExportError(
+            f"{name}: what was written cannot be tried (got {error.strerror or error} in "
+            f"{folder.parent}); make room there, or set TMPDIR to a folder that has."
+        ) from error
 
 
 def _compiled(words: list[str], folder: Path, name: str, sources: list[str]) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from lutgen.cli import options
-from lutgen.cli.options import RecipeOptions, asks, option
+from lutgen.cli.options import Named, RecipeOptions, asks, option
 from lutgen.cli.table import aligned, by_unit, cell, posture_text, show
 from lutgen.errors import InputError
 
@@ -55,14 +55,14 @@ class Asked(RecipeOptions):
     turn: float = option(default=2.0, help="Radius of the turn whose speed is told, m.")
     reads: int = option(default=4, help="Of an export: reads of its map for each budget, 1 to 32.")
     output: str | None = options.output(help="CSV file of the table.")
-    plot: str | None = option(type=click.Path(), help="Figure (PNG, SVG or PDF).")
+    plot: str | None = option(type=Named(), help="Figure (PNG, SVG or PDF).")
     size: str | None = options.size()
     style: str = options.style()
     force: bool = options.force()
 
 
 @click.command(short_help="How hard a robot may brake and turn before it tips over, by slope.")
-@click.argument("source", type=click.Path())
+@click.argument("source", type=Named())
 @asks(Asked)
 def budget(source: str, asked: Asked) -> None:
     """Print how hard SOURCE may brake, speed up and turn before it tips over.

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import RecipeOptions, asks, file_size, log
+from lutgen.cli.options import Named, RecipeOptions, asks, file_size, log
 from lutgen.cli.sources import open_recipe
 from lutgen.cli.table import show, unit_text
 
@@ -20,7 +20,7 @@ SHOWN = 6
 
 
 @click.command(short_help="Validate a recipe; print robot, nodes, file size and run time.")
-@click.argument("recipe", type=click.Path())
+@click.argument("recipe", type=Named())
 @asks(RecipeOptions)
 def check(recipe: str, asked: RecipeOptions) -> None:
     """Validate RECIPE and say what its sweep will cost.

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from lutgen.cli import options
-from lutgen.cli.options import Assignments, RecipeOptions, asks, option
+from lutgen.cli.options import Assignments, Named, RecipeOptions, asks, option
 from lutgen.cli.table import aligned, by_unit, show
 from lutgen.errors import InputError
 
@@ -39,7 +39,7 @@ class Asked(RecipeOptions):
         help="As of `lutgen path`: the paper's path, or columns x,y,z and more.",
     )
     log: str | None = option(
-        type=click.Path(),
+        type=Named(),
         metavar="FILE.csv",
         help="Instead, what a robot has recorded: time, ax,ay,az, gx,gy,gz (rad/s) if it has a "
         "gyroscope, and each parameter.",
@@ -67,17 +67,17 @@ class Asked(RecipeOptions):
     objective: str | None = option(help="Of the policy that is made for a recipe.")
     cycle: float | None = option(type=float, help="Of that policy, s.  [default: 1]")
     output: str | None = options.output(help="CSV file of the run with control.")
-    plot: str | None = option(type=click.Path(), help="Figure (PNG, SVG or PDF).")
+    plot: str | None = option(type=Named(), help="Figure (PNG, SVG or PDF).")
     size: str | None = options.size()
     style: str = options.style()
     force: bool = options.force()
     animate: str | None = option(
-        type=click.Path(), help="Film of both runs: GIF, or MP4 where ffmpeg is installed."
+        type=Named(), help="Film of both runs: GIF, or MP4 where ffmpeg is installed."
     )
 
 
 @click.command(short_help="Steer a robot over rough ground with the C of on-board control.")
-@click.argument("source", type=click.Path())
+@click.argument("source", type=Named())
 @asks(Asked)
 def control(source: str, asked: Asked) -> None:
     """Ride with SOURCE, a folder of `lutgen policy` or a recipe, in a closed loop with smap_step.

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from lutgen.cli import options
-from lutgen.cli.options import RecipeOptions, asks, log, option
+from lutgen.cli.options import Named, RecipeOptions, asks, log, option
 from lutgen.cli.sources import open_source
 from lutgen.cli.table import (
     TIPS,
@@ -51,7 +51,7 @@ class Asked(RecipeOptions):
 
 
 @click.command("eval", short_help="Evaluate one point of a recipe, a map or an export.")
-@click.argument("source", type=click.Path())
+@click.argument("source", type=Named())
 @asks(Asked)
 def eval_(source: str, asked: Asked) -> None:
     """Evaluate SOURCE at one point.

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import RecipeOptions, asks, check_outputs, force, option, output
+from lutgen.cli.options import Named, RecipeOptions, asks, check_outputs, force, option, output
 from lutgen.cli.sources import open_recipe
 from lutgen.cli.table import show
 from lutgen.errors import InputError
@@ -30,7 +30,7 @@ class Asked(RecipeOptions):
 
 
 @click.command(short_help="Write a page on which the robot is moved by hand.")
-@click.argument("source", type=click.Path())
+@click.argument("source", type=Named())
 @asks(Asked)
 def explore(source: str, asked: Asked) -> None:
     """Write one offline HTML page of SOURCE, a recipe, a map or a folder of `lutgen export`.

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from lutgen.cli.options import RecipeOptions, asks, force, log, option, output
+from lutgen.cli.options import Named, RecipeOptions, asks, force, log, option, output
 from lutgen.cli.sources import open_source
 from lutgen.cli.table import show
 from lutgen.quantities import EXPORTABLE
@@ -47,7 +47,7 @@ class Asked(RecipeOptions):
 
 
 @click.command(short_help="Write a map as C tables with a small runtime.")
-@click.argument("source", type=click.Path())
+@click.argument("source", type=Named())
 @asks(Asked)
 @click.pass_context
 def export(ctx: click.Context, source: str, asked: Asked) -> None:

@@ -10,6 +10,7 @@ import click
 
 from lutgen.cli.options import (
     Assignment,
+    Named,
     as_json,
     asks,
     finite_numbers,
@@ -79,7 +80,7 @@ class Asked:
         metavar="NAME", help="The posture to stand in, of the SRDF; the likeliest by default."
     )
     srdf: str | None = option(
-        type=click.Path(), help="SRDF file with postures; by default one beside the description."
+        type=Named(), help="SRDF file with postures; by default one beside the description."
     )
     packages: tuple[str, ...] = option(
         "--package",
@@ -94,7 +95,7 @@ class Asked:
 
 
 @click.command("import", short_help="Write a recipe from a robot description (URDF).")
-@click.argument("urdf", type=click.Path())
+@click.argument("urdf", type=Named())
 @asks(Asked)
 def import_(urdf: str, asked: Asked) -> None:
     """Write a recipe from the robot description URDF and say what it leaves out.

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from lutgen.cli.check import axis_entry, grid_lines
-from lutgen.cli.options import as_json, asks, option
+from lutgen.cli.options import Named, as_json, asks, option
 from lutgen.cli.table import cell, show
 from lutgen.quantities import QUANTITIES
 
@@ -25,7 +25,7 @@ class Asked:
 
 
 @click.command(short_help="Print what a map file holds; --verify its checksums.")
-@click.argument("map_file", metavar="MAP.h5", type=click.Path())
+@click.argument("map_file", metavar="MAP.h5", type=Named())
 @asks(Asked)
 def info(map_file: str, asked: Asked) -> None:
     """Print axes, channels, ranges, the share of directions that tip, and provenance.

@@ -9,7 +9,7 @@ import click
 
 from lutgen import bounds
 from lutgen.cli import options
-from lutgen.cli.options import RecipeOptions, asks, option
+from lutgen.cli.options import Named, RecipeOptions, asks, option
 from lutgen.cli.sources import open_recipe
 from lutgen.cli.table import TIPS, aligned, by_unit, cell, degrees, posture_text, show
 
@@ -43,7 +43,7 @@ class Asked(RecipeOptions):
 
 
 @click.command(short_help="Largest tilt nose down, nose up, left, right and in the worst heading.")
-@click.argument("recipe", type=click.Path())
+@click.argument("recipe", type=Named())
 @asks(Asked)
 def limits(recipe: str, asked: Asked) -> None:
     """Print how far RECIPE can be tilted before it tips over.

@@ -9,6 +9,7 @@ import click
 
 from lutgen import bounds
 from lutgen.cli.options import (
+    Named,
     RecipeOptions,
     asks,
     option,
@@ -52,7 +53,7 @@ class Asked(RecipeOptions):
 
 
 @click.command(short_help="Compare five metrics over all headings.")
-@click.argument("recipe", type=click.Path())
+@click.argument("recipe", type=Named())
 @asks(Asked)
 def metrics(recipe: str, asked: Asked) -> None:
     """Print |SD_g|, tip-over angle, static and energy margin, and force-angle of one posture.

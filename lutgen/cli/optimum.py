@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from lutgen.cli import options
-from lutgen.cli.options import RecipeOptions, asks, log, option
+from lutgen.cli.options import Named, RecipeOptions, asks, log, option
 from lutgen.cli.sources import open_recipe
 from lutgen.cli.table import TIPS, cell, number, show, unit_text
 from lutgen.errors import InputError
@@ -72,7 +72,7 @@ class Asked(RecipeOptions):
 
 
 @click.command(short_help="Best geometry for a gravity direction.")
-@click.argument("recipe", type=click.Path())
+@click.argument("recipe", type=Named())
 @asks(Asked)
 def optimum(recipe: str, asked: Asked) -> None:
     """Print the best geometry of RECIPE for a gravity direction.

@@ -27,6 +27,16 @@ def finite_numbers(value: object) -> tuple[float, ...]:
     return numbers if all(map(math.isfinite, numbers)) else ()
 
 
+class Named(click.Path):
+    """A path, which an empty text is not: Python would take that for the folder it runs in."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the path."""
+        if not str(value):
+            self.fail("names nothing (got ''); give a path", param, ctx)
+        return super().convert(value, param, ctx)
+
+
 class Numbers(click.ParamType):  # type: ignore[type-arg]
     """Numbers separated by commas, as many as `name` has parts, such as ``X,Y,Z``.
 
@@ -131,7 +141,7 @@ parameters = functools.partial(
 )
 METHODS = ("map", "nelder-mead", "search", "multistart")
 method = functools.partial(option, type=click.Choice(METHODS), default="search")
-output = functools.partial(option, "-o", type=click.Path())
+output = functools.partial(option, "-o", type=Named())
 size = functools.partial(
     option, metavar="WIDTH[xHEIGHT]", help="Of the figure in mm.  [default: one column, 89 wide]"
 )

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import click
 
-from lutgen.cli.options import as_json, asks, force, log, option
+from lutgen.cli.options import Named, as_json, asks, force, log, option
 from lutgen.cli.table import show
 
 
@@ -12,9 +12,7 @@ from lutgen.cli.table import show
 class Asked:
     """What the command line says."""
 
-    output: str = option(
-        "-o", required=True, type=click.Path(file_okay=False), help="Folder to write."
-    )
+    output: str = option("-o", required=True, type=Named(file_okay=False), help="Folder to write.")
     force: bool = force()
     as_json: bool = as_json()
 

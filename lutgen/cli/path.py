@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from lutgen.cli import options
-from lutgen.cli.options import RecipeOptions, asks, option
+from lutgen.cli.options import Named, RecipeOptions, asks, option
 from lutgen.cli.sources import open_recipe
 from lutgen.cli.table import TIPS, by_unit, number, show, unit_text
 from lutgen.errors import InputError
@@ -62,14 +62,14 @@ class Asked(RecipeOptions):
     output: str | None = options.output(help="CSV file of the last run.")
     style: str = options.style()
     force: bool = options.force()
-    plot: str | None = option(type=click.Path(), help="Figure (PNG, SVG or PDF).")
+    plot: str | None = option(type=Named(), help="Figure (PNG, SVG or PDF).")
     animate: str | None = option(
-        type=click.Path(), help="Film of both runs: GIF, or MP4 where ffmpeg is installed."
+        type=Named(), help="Film of both runs: GIF, or MP4 where ffmpeg is installed."
     )
 
 
 @click.command(short_help="Drive over rough terrain: where does the robot tip over?")
-@click.argument("recipe", type=click.Path())
+@click.argument("recipe", type=Named())
 @asks(Asked)
 def path(recipe: str, asked: Asked) -> None:
     """Drive RECIPE along a path and count where it tips over, with a fixed shape and with control.

@@ -6,6 +6,7 @@ from pathlib import Path
 import click
 
 from lutgen.cli.options import (
+    Named,
     RecipeOptions,
     asks,
     check_outputs,
@@ -33,7 +34,7 @@ class Asked(RecipeOptions):
     """What the command line says."""
 
     output: str = option(
-        "-o", "--output", required=True, type=click.Path(), help="PNG, SVG or PDF file."
+        "-o", "--output", required=True, type=Named(), help="PNG, SVG or PDF file."
     )
     force: bool = force()
     kind: str = option("--kind", required=True, type=click.Choice(KINDS), help="Which figure.")
@@ -57,7 +58,7 @@ class Asked(RecipeOptions):
 
 
 @click.command(short_help="Draw a figure (PNG, SVG or PDF).")
-@click.argument("source", type=click.Path())
+@click.argument("source", type=Named())
 @asks(Asked)
 def plot(source: str, asked: Asked) -> None:
     """Draw a figure of SOURCE, a map or a recipe.

@@ -7,7 +7,16 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import Assignment, Assignments, RecipeOptions, asks, log, option, output
+from lutgen.cli.options import (
+    Assignment,
+    Assignments,
+    Named,
+    RecipeOptions,
+    asks,
+    log,
+    option,
+    output,
+)
 from lutgen.cli.sources import open_source
 from lutgen.cli.table import show
 from lutgen.parts import to_internal
@@ -55,7 +64,7 @@ class Asked(RecipeOptions):
 
 
 @click.command(short_help="Write on-board control: the best posture for each slope, and its C.")
-@click.argument("source", type=click.Path())
+@click.argument("source", type=Named())
 @asks(Asked)
 def policy(source: str, asked: Asked) -> None:
     """Write SOURCE, a map or a recipe, as `lutgen export` does, with a policy that steers it.

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import as_json, asks, output
+from lutgen.cli.options import Named, as_json, asks, output
 from lutgen.cli.table import show
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ class Asked:
 
 
 @click.command(short_help="Prove that an export is never falsely safe.")
-@click.argument("directory", metavar="DIR", type=click.Path())
+@click.argument("directory", metavar="DIR", type=Named())
 @asks(Asked)
 def prove(directory: str, asked: Asked) -> None:
     """Prove that the export in DIR never says that the robot stands where it tips.

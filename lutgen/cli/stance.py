@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from lutgen.cli import options
-from lutgen.cli.options import asks, option
+from lutgen.cli.options import Named, asks, option
 from lutgen.cli.table import TIPS, aligned, cell, even, number, show, unit_text
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ class Asked:
 
 
 @click.command(short_help="Whether feet on uneven ground hold a weight.")
-@click.argument("file", type=click.Path())
+@click.argument("file", type=Named())
 @asks(Asked)
 def stance(file: str, asked: Asked) -> None:
     """Print whether the feet that FILE (TOML) describes hold its centre of mass.

@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from lutgen.cli.compiling import compiling_is_told
-from lutgen.cli.options import RecipeOptions, asks, file_size, force, log, option, output
+from lutgen.cli.options import Named, RecipeOptions, asks, file_size, force, log, option, output
 from lutgen.cli.sources import open_recipe
 from lutgen.cli.table import show
 
@@ -34,7 +34,7 @@ class Asked(RecipeOptions):
 
 
 @click.command(short_help="Compute a recipe's stability map.")
-@click.argument("recipe", type=click.Path())
+@click.argument("recipe", type=Named())
 @asks(Asked)
 @click.pass_context
 def sweep(ctx: click.Context, recipe: str, asked: Asked) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from lutgen.cli import options
-from lutgen.cli.options import RecipeOptions, asks, log, option
+from lutgen.cli.options import Named, RecipeOptions, asks, log, option
 from lutgen.cli.sources import open_recipe
 from lutgen.cli.table import (
     NO,
@@ -42,7 +42,7 @@ class Asked(RecipeOptions):
 
 
 @click.command(short_help="Wheel speeds and steering angles of a motion.")
-@click.argument("recipe", type=click.Path())
+@click.argument("recipe", type=Named())
 @asks(Asked)
 def wheels(recipe: str, asked: Asked) -> None:
     """Print how fast each wheel of RECIPE spins, and how far it is steered, for a motion.

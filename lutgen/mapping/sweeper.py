@@ -79,8 +79,9 @@ def sweep(
     ------
     InputError
         For an unknown engine, an impossible number of threads or workers, or a robot given by
-        code with an engine other than "local"; where PATH or PATH.part is a file that lutgen did
-        not make, or holds work that neither `resume` nor `force` is said of.
+        code with an engine other than "local"; where PATH is a folder or in one that is not there,
+        or where PATH or PATH.part is a file that lutgen did not make, or holds work that neither
+        `resume` nor `force` is said of.
     RecipeError
         If the robot stands nowhere.
     MapFileError
@@ -96,11 +97,11 @@ def sweep(
     require_standing(recipe)
     target = Path(path)
     if not target.name or target.is_dir():
-        raise SweepError(
+        raise InputError(
             f"{target}: cannot be written (got the path of a folder); add a name such as map.h5"
         )
     if not target.parent.is_dir():
-        raise SweepError(
+        raise InputError(
             f"{target}: cannot be written (got the folder {target.parent}, which does not exist); "
             "make it first"
         )
@@ -137,9 +138,11 @@ def sweep(
     except OSError as error:
         if isinstance(error, MapFileError):
             raise
+        # Where nothing was begun no file is left behind.
+        on = ", then go on with `lutgen sweep --resume`" if part.exists() else ""
         raise SweepError(
             f"{target}: cannot be written (got {error.strerror or error}); check the path, the "
-            "permissions and the free space, then go on with `lutgen sweep --resume`"
+            f"permissions and the free space{on}"
         ) from error
     finally:
         numba.set_num_threads(before)

@@ -305,7 +305,11 @@ def _read_knots(samples: Table, parameter: Parameter) -> np.ndarray[Any, np.dtyp
     if count < 2:
         samples.fail(name, "needs at least 2 nodes", count, "use 2 or more")
     samples.at_most(name, count, bounds.KNOTS)
-    return np.linspace(parameter.minimum, parameter.maximum, count)
+    evenly = np.linspace(parameter.minimum, parameter.maximum, count)
+    if not (np.diff(evenly) > 0.0).all():
+        problem = "has nodes that are one and the same number, so close are the parameter's limits"
+        samples.fail(name, problem, count, "move min and max apart, or use fewer nodes")
+    return evenly
 
 
 def _read_gravity(sweep: Table) -> tuple[Chart, tuple[str, ...]]:

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import click
 import pytest
 
 import lutgen
@@ -131,3 +132,16 @@ def test_the_papers_page_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyP
     monkeypatch.setattr("lutgen.paper.write_report", lambda folder, tell, force: page)
     assert data("paper", "-o", tmp_path) == {"folder": str(tmp_path), "page": str(page)}
     assert good("paper", "-o", tmp_path).stdout == f"{page}\n"
+
+
+# paths
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_an_empty_text_is_no_path_to_any_command(name: str, tmp_path: Path) -> None:
+    paths = [one for one in main.commands[name].params if isinstance(one.type, click.Path)]
+    for one in paths:
+        with pytest.raises(click.BadParameter, match="names nothing"):
+            one.type.convert("", one, None)
+        assert one.type.convert(str(tmp_path), one, None) == str(tmp_path)
+    assert paths or name in {"new", "recipes", "schema"}

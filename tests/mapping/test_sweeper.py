@@ -248,14 +248,14 @@ def test_places_that_cannot_be_written_are_refused_in_a_sentence(tmp_path: Path)
     (tmp_path / "folder").mkdir()
     # No folder; a file where a folder should be; a folder where the file should be.
     for path in (tmp_path / "none" / "a.h5", tmp_path / "file" / "a.h5", tmp_path / "folder"):
-        with pytest.raises(SweepError, match="cannot be written") as caught:
+        with pytest.raises(InputError, match="cannot be written") as caught:
             lutgen.sweep(TRIPOD, path)
         assert one_sentence(caught.value, path)
 
 
 def test_a_path_without_a_file_name_is_refused() -> None:
     for path in ("", ".", "/"):
-        with pytest.raises(SweepError, match="cannot be written"):
+        with pytest.raises(InputError, match="cannot be written"):
             lutgen.sweep(TRIPOD, path)
 
 
@@ -292,6 +292,19 @@ def test_a_full_disk_is_a_sentence_and_the_sweep_goes_on_when_there_is_space(
             lutgen.sweep(TRIPOD, path)
     lutgen.sweep(TRIPOD, path, resume=True)
     assert values(path) == values(tmp_path / "whole.h5")
+
+
+def test_where_nothing_was_begun_no_message_tells_to_go_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def too_large(handle: int, size: int) -> None:
+        raise OSError(errno.EFBIG, os.strerror(errno.EFBIG))
+
+    monkeypatch.setattr(os, "ftruncate", too_large)
+    with pytest.raises(SweepError, match="File too large") as caught:
+        lutgen.sweep(TRIPOD, tmp_path / "a.h5")
+    assert "--resume" not in str(caught.value)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_chunks_are_whole_though_the_system_writes_them_in_pieces(

@@ -162,6 +162,8 @@ BAD = {
     "sample one": ("lift = 4", "lift = 1", "sweep.samples.lift", "1", "use 2 or more"),
     "sample fraction": ("lift = 4", "lift = 4.0", "sweep.samples.lift", "4.0", "give a number of"),
     "sample bool": ("lift = 4", "lift = true", "sweep.samples.lift", "True", "give a number of"),
+    "sample alike": ("min = -10\nmax = 50.0", "min = 1\nmax = 1.0000000000000002",
+        "sweep.samples.lift", "4", "move min and max apart"),
     "knot one": ("[100, 110, 200.0]", "[100]", "sweep.samples.reach", "[100]", "add knots"),
     "knots equal": ("[100, 110, 200.0]", "[100, 100]", "sweep.samples.reach[2]", "100.0", "sort"),
     "knots descend": ("[100, 110, 200.0]", "[100, 150, 120]", "sweep.samples.reach[3]", "120.0",
