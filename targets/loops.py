@@ -147,6 +147,7 @@ CALLED = {
     "smap_come": ("WAY", 0),
     "smap_find_roll": ("ROLL", 0),
     "smap_lost_to_mate": ("MATE", 0),
+    "smap_take_inner": ("INNER", 0),
 }
 
 # Head of a loop as it stands in smap.c -> most rounds, in words and as a function of the shape.

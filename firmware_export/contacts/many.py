@@ -24,8 +24,12 @@ from lutgen.vector import Floats
 
 # Sine that is taken off every distance.
 GUARD = 1e-4
-# Parts of the size by which thresholds are kept, and within which contacts are on one rail.
-HAIR, SAME = 1e-5, 1e-7
+# Parts of the size by which thresholds are kept, and within which contacts are on one rail; sines
+# within which axes are parallel, and level.
+HAIR, SAME = 1e-5, 4e-6
+# What a sum of turns may lack (rad): the runtime makes one facet of what turns of up to 4e-5 join,
+# and a robot rolls over up to four such facets from one end of a gap to the other.
+JOINED = 2e-4
 # Angles beyond which nothing is asked.
 NO_LIMIT = 4.0
 MOST_CONTACTS = 62
@@ -199,7 +203,7 @@ def many_of(model: Model, off: float = 0.0) -> Many:
         max(HAIR * size, accept.least_height * (1.0 + HAIR), lowest) + off,
         accept.rest_width * (1.0 + HAIR) + HAIR * size + 2.0 * off,
         max(accept.contact_tolerance - 0.1 * HAIR * size - ROLLS * off, 0.0),
-        min(accept.rock_angle, NO_LIMIT) - HAIR - 2.0 * turn,
+        min(accept.rock_angle, NO_LIMIT) - JOINED - 2.0 * turn,
         0.5 * accept.rest_width - HAIR * size - 2.0 * off,
         guard,
     )

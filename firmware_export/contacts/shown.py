@@ -8,11 +8,10 @@ touches first, and would only cost bytes and time, and slivers of facets that ro
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from firmware_export.truth import Model
 from lutgen.recipe import robot_size_of
-from lutgen.support import STICKS_OUT, lies_within, pack
+from lutgen.support import STICKS_OUT, lies_within, pack, robot_size
 from lutgen.vector import Floats
 
 # Postures that tell: where sums of products of sines are equal in so many they are the same.
@@ -46,13 +45,13 @@ def shown_contacts(model: Model) -> tuple[int, ...]:
     params = model.at(np.random.default_rng(SEED).random((POSTURES, model.k)))
     where, size = model.postures(params), robot_size_of(model.recipe)
     primitives = pack(where.centres, where.axes, model.radius, model.kind)
+    least = min(robot_size(one) for one in primitives)  # of which the definition takes its parts
     hides = np.zeros((len(every), len(every)), dtype=bool)
     for i in every:
         for j in every:
-            hides[i, j] = i != j and _hides(primitives, i, j, size)
+            hides[i, j] = (
+                i != j
+                and lies_within(primitives[0], i, j, STICKS_OUT, least)
+                and _keeps(primitives, i, j, size)
+            )
     return tuple(i for i in every if not (hides[i] & ~(hides[:, i] & (np.array(every) > i))).any())
-
-
-def _hides(primitives: NDArray[np.float64], i: int, j: int, size: float) -> bool:
-    """Tell whether contact i lies within j in every posture (m, n, 8)."""
-    return lies_within(primitives[0], i, j, STICKS_OUT * size) and _keeps(primitives, i, j, size)

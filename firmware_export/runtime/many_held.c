@@ -13,11 +13,12 @@
  * in w, so the edge lets go between the roots of a quadratic.
  */
 #define SMAP_ONE_LINE 3e-3f /* rad: over an arc as short the line that the robot came over stays what it was */
-#define SMAP_WAYS 3 /* rests that it comes to in a row, as far as is looked into */
+#define SMAP_WAYS (SMAP_MANY_RAILS > 2 ? 4 : 3) /* rests that it comes to in a row, as far as is looked into */
 #define SMAP_SPARE 1e-3f /* of the segment: so much longer than all others one part must be */
 #define SMAP_CAUGHT 4e-7f /* of the size: what rounding may alter of S and N */
 #define SMAP_RAISED 2e-7f /* of the size: of R, by the rounding of normals, */
 #define SMAP_FURTHER_ON 1e-7f /* and for each roll after the first */
+#define SMAP_INSIDE 3e-4f /* of the size: further inside a side no rim is a corner */
 #define SMAP_TURNED 1e-6f /* of the size, for each rad: of R */
 
 /* A gap while it is looked at: gravity at both ends of its segment where the roll has come to, and
@@ -162,10 +163,18 @@ static inline uint8_t smap_kind_beyond(const smap_many_work_t *w, uint8_t e)
   return w->twin[e] == SMAP_NONE ? (uint8_t)SMAP_REFUSED : w->facet[w->owner[w->twin[e]]].kind;
 }
 
-/* Let go of a part that is not looked into further on: the exact definition may keep it. */
+/* Whether the facet beyond an edge is near enough for the robot to be caught there: a chord is no longer than its
+ * arc. */
+static inline int smap_is_near(const smap_many_work_t *w, const smap_held_t *o, uint8_t e)
+{
+  return smap_chord(&w->facet[w->owner[e]].at, &w->facet[w->owner[w->twin[e]]].at) + o->turned <= w->map->rock_angle;
+}
+
+/* Let go of a part that is not looked into further on: where what is beyond may catch the robot the exact definition
+ * may keep it. */
 static void smap_give_up(const smap_many_work_t *w, smap_held_t *o, uint8_t e, const float span[2])
 {
-  smap_spare(o, smap_kind_beyond(w, e) != SMAP_REFUSED ? smap_left_of(o, span) : 0.0f);
+  smap_spare(o, smap_kind_beyond(w, e) != SMAP_REFUSED && smap_is_near(w, o, e) ? smap_left_of(o, span) : 0.0f);
   smap_forbid(o, span[0], span[1]);
 }
 
@@ -179,6 +188,23 @@ static int smap_is_on_line(const float p[3], const float a[3], const float along
 }
 
 #if SMAP_MANY_RAILS > 2
+/* Whether a contact is a corner of a facet, or of one that a short arc joins with it. */
+static int smap_is_corner(const smap_many_work_t *w, uint8_t facet, uint8_t contact)
+{
+  const uint8_t first = w->facet[facet].first;
+  uint8_t k, n;
+  for (k = 0; k < 3; k++) {
+    const uint8_t e = (uint8_t)(first + k), back = w->low[e] == SMAP_SHORT ? w->twin[e] : e;
+    const uint8_t other = w->facet[w->owner[back]].first;
+    for (n = 0; n < 3; n++) {
+      if (w->vertex[other + n] == contact) {
+        return 1;
+      }
+    }
+  }
+  return 0;
+}
+
 /* The mate of the contact at an end of an edge if it is on the facet's plane and along the edge, or SMAP_NONE:
  * what is on one axle is one corner of a facet as rounding has it, and the definition knows the side between both. */
 static uint8_t smap_mate_along(const smap_many_work_t *w, uint8_t e, uint8_t end)
@@ -198,15 +224,20 @@ static uint8_t smap_mate_along(const smap_many_work_t *w, uint8_t e, uint8_t end
   return mate;
 }
 
-/* Widen the part over which the robot goes on over an edge by that over the side to a mate, and tell whether there
- * is any. */
+/* Widen the part over which the robot goes on over an edge by that over the side to a mate, which is no corner itself
+ * and not inside the edge, and tell whether there is any. */
 SMAP_APART static int smap_lost_to_mate(const smap_many_work_t *w, uint8_t e, uint8_t end, int lost,
                                         smap_held_t *o, float span[2])
 {
-  const float *p = smap_corner(w, end);
-  float spot[3], more[2];
-  smap_touch(w, w->mate[w->vertex[end]], &w->facet[w->owner[e]].at, spot);
-  if (!smap_lost(w, end == e ? p : spot, end == e ? spot : p, o, more)) {
+  const uint8_t mate = w->mate[w->vertex[end]], facet = w->owner[e];
+  const smap_facet_t *f = &w->facet[facet];
+  const float *p = smap_corner(w, end), inside = SMAP_INSIDE * w->map->size * f->h;
+  float along[3], wall[3], spot[3], more[2];
+  smap_touch(w, mate, &f->at, spot);
+  smap_minus(smap_end(w, e), smap_corner(w, e), along);
+  smap_cross(smap_corner(w, e), along, wall);
+  if (smap_dot(wall, spot) > inside * smap_root(smap_dot(along, along)) || smap_is_corner(w, facet, mate) ||
+      !smap_lost(w, end == e ? p : spot, end == e ? spot : p, o, more)) {
     return lost;
   }
   if (lost) {
@@ -278,7 +309,7 @@ static int smap_roll_on(smap_many_work_t *w, uint8_t e, const smap_held_t *o, co
   smap_row_t *roll;
   float turned;
   next->spare = 0.0f;
-  if (smap_chord(&w->facet[w->owner[e]].at, &w->facet[w->owner[back]].at) + o->turned > w->map->rock_angle) {
+  if (!smap_is_near(w, o, e)) {
     return 0;
   }
   roll = smap_roll(w, e);

@@ -13,7 +13,7 @@
 #define SMAP_COST_ARC (3u * SMAP_EACH)                                     /* an arc, but for */
 #define SMAP_COST_CLEAR (92u + 3u * SMAP_EACH)                             /* contacts that may be in its way */
 #define SMAP_COST_KIND (16u + 4u * SMAP_EACH + SMAP_EACH * SMAP_EACH / 3u) /* a facet's polygon */
-#define SMAP_COST_VISIT 17u                                               /* an edge of a rest that it comes to */
+#define SMAP_COST_VISIT 18u                                               /* an edge of a rest that it comes to */
 #define SMAP_COST_ROLL 76u                                                /* a roll over an arc, but for */
 #define SMAP_COST_PAIR 46u                                                /* two steps of it */
 #define SMAP_COST_STRIP 150u                                               /* a strip, but for */

@@ -15,6 +15,63 @@ static uint8_t smap_to_show(const smap_many_work_t *w, uint8_t e)
   return e;
 }
 
+#if SMAP_MANY_RAILS > 2
+/* Whether the wheel at an end of an edge has an inner rim on the near half of the way to the other end. */
+static inline int smap_has_inner(const smap_many_work_t *w, uint8_t end, uint8_t other)
+{
+  const uint8_t i = w->vertex[end], mate = w->mate[i];
+  float part, whole;
+  if (mate == SMAP_NONE) {
+    return 0;
+  }
+  part = w->p[mate][1] - w->p[i][1];
+  whole = w->p[w->vertex[other]][1] - w->p[i][1];
+  return part * whole > 2.0f * part * part;
+}
+
+/* Move an end of an edge to the inner rim of its wheel where that is on the planes on both sides of the edge and within
+ * it: over which of both rims the robot turns there is rounding. */
+SMAP_APART static void smap_take_inner(const smap_many_work_t *w, uint8_t e, uint8_t end, const float wall[3],
+                                       float p[3])
+{
+  const uint8_t mate = w->mate[w->vertex[end]];
+  const smap_facet_t *f = &w->facet[w->owner[e]], *g = &w->facet[w->owner[w->twin[e]]];
+  const float noise = 4.0f * SMAP_RECESS * w->map->size;
+  float spot[3];
+  if (smap_extent(w, mate, &f->at) < f->h - noise || smap_extent(w, mate, &g->at) < g->h - noise) {
+    return;
+  }
+  smap_touch(w, mate, &f->at, spot);
+  if (smap_dot(wall, spot) > 0.0f) {
+    smap_copy(spot, p);
+  }
+}
+#endif
+
+/* The wall of an edge, not scaled; returns the square of its length. */
+static float smap_edge_wall(smap_many_work_t *w, uint8_t e, float wall[3])
+{
+  float along[3];
+  smap_minus(smap_end(w, e), smap_corner(w, e), along);
+  smap_cross(smap_corner(w, e), along, wall);
+#if SMAP_MANY_RAILS > 2
+  if (w->twin[e] != SMAP_NONE && !smap_is_gap(w, e)) {
+    float p[3], q[3];
+    smap_copy(smap_corner(w, e), p);
+    smap_copy(smap_end(w, e), q);
+    if (smap_has_inner(w, e, w->next[e]) && smap_may(w, SMAP_COST_INNER)) {
+      smap_take_inner(w, e, e, wall, p);
+    }
+    if (smap_has_inner(w, w->next[e], e) && smap_may(w, SMAP_COST_INNER)) {
+      smap_take_inner(w, e, w->next[e], wall, q);
+    }
+    smap_minus(q, p, along);
+    smap_cross(p, along, wall);
+  }
+#endif
+  return smap_dot(wall, wall);
+}
+
 /* Enter what short arcs join with edge `start` as one facet: its walls, in the order of its edges. */
 static void smap_show(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start)
 {
@@ -22,7 +79,7 @@ static void smap_show(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start)
   const uint8_t at = o->at.shown;
   const float size2 = w->map->size * w->map->size, least = 1e-14f * size2 * size2;
   uint8_t e = start, n = o->at.edge[at], k;
-  float along[3], wall[3];
+  float wall[3];
   if (at >= SMAP_MOST(w->map, shown, SMAP_MANY_SHOWN)) {
     w->left = 0;
     return;
@@ -38,11 +95,9 @@ static void smap_show(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start)
   o->at.alone[at] = 1;
   do {
     w->facet[w->owner[e]].shown = at;
-    smap_minus(smap_end(w, e), smap_corner(w, e), along);
-    smap_cross(smap_corner(w, e), along, wall);
     w->wall_of[e] = SMAP_NONE;
     w->point_of[e] = smap_add_point(w, o, smap_corner(w, e));
-    if (smap_dot(wall, wall) > least) {
+    if (smap_edge_wall(w, e, wall) > least) {
       w->wall_of[e] = smap_add_wall(w, o, wall, w->vertex[e], w->vertex[w->next[e]]);
       o->at.begin[n] = 0;
       o->at.rim[n++].side = e; /* until the sides are known */

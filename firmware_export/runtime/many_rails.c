@@ -24,7 +24,8 @@
 #define SMAP_COST_EVENT (2u * SMAP_EACH + 20u * smap_rails_of(w->map) - 19u) /* of the hull */
 #define SMAP_COST_KIND (15u + 4u * SMAP_EACH + SMAP_EACH * SMAP_EACH / 3u)   /* a facet's polygon */
 #define SMAP_COST_VISIT 20u  /* an edge of a rest that the robot comes to, and */
-#define SMAP_COST_MATE 12u   /* the side between two rims on one axle there */
+#define SMAP_COST_MATE 15u   /* the side between two rims on one axle there */
+#define SMAP_COST_INNER 5u   /* an end of an edge whose wheel has an inner rim */
 #define SMAP_COST_ROLL 34u   /* a roll over an arc, but for */
 #define SMAP_COST_PAIR 21u   /* two steps of it */
 #define SMAP_COST_STRIP 112u /* a strip, but for */

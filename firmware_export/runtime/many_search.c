@@ -14,6 +14,7 @@
 #define SMAP_SLIVER 4e-5f  /* rad: less steep, what a contact adds that all but touches is part of the facet */
 #define SMAP_BESIDE 2e-3f  /* of the size: as far inside a side a contact may bear before one of its ends does, */
 #define SMAP_HARDLY 1e-5f  /* and less than this does not matter */
+#define SMAP_AT_END 1e-4f  /* of the size: nearer to an end of a side what bears is part of that end */
 #define SMAP_LEAN 1.5f     /* how steeply planes lean from which those on three contacts in a row are looked for */
 #define SMAP_STEEP 0.8f /* the cosine of a plane of centres: of a less steep one no contact makes one that faces down */
 
@@ -133,9 +134,10 @@ static int smap_is_beside(const smap_many_work_t *w, const smap_spot_t *a, const
 {
   const float bend = smap_bend_of(a, b, o), size2 = smap_apart2(a, b), part = size2 * w->map->size * w->map->size;
   const float ahead = (o->a - a->a) * (b->a - a->a) + (o->b - a->b) * (b->b - a->b);
-  return ahead > 0.0f && ahead < size2 && bend > 0.0f && bend * bend < SMAP_BESIDE * SMAP_BESIDE * part &&
-         bend * bend > SMAP_HARDLY * SMAP_HARDLY * part &&
-         !(smap_are_alike(w, a->contact, b->contact) && smap_are_alike(w, a->contact, o->contact));
+  const float end = ahead < size2 - ahead ? ahead : size2 - ahead;
+  return end > 0.0f && end * end > SMAP_AT_END * SMAP_AT_END * part && bend > 0.0f &&
+         bend * bend < SMAP_BESIDE * SMAP_BESIDE * part &&
+         bend * bend > SMAP_HARDLY * SMAP_HARDLY * part;
 }
 
 /* The side of a polygon that a spot lies just inside of, or one beyond the last. */

@@ -203,7 +203,7 @@ typedef struct {
 #define SMAP_COST_GAP 69u                         /* an arc between rests, but for */
 #define SMAP_COST_WAY 19u                         /* going on from a rest that the robot comes to */
 #define SMAP_COST_SHOW 8u                         /* a facet that is shown, but for */
-#define SMAP_COST_OUTLINE 5u                      /* one of its edges */
+#define SMAP_COST_OUTLINE 6u                      /* one of its edges */
 #define SMAP_COST_LOOP 7u                         /* a loop of the boundary, but for its edges */
 
 /* What is only needed while a pose is made. */

@@ -190,7 +190,7 @@ def _left_out(
     kinds = sorted({kind for found in partly.values() for kind in found})
     carrying = carrying_links(robot, contacts)
     shaped = [link for link in robot.links if link.collisions]
-    named = {
+    named: dict[str, Sequence[str]] = {
         "contacts between two others, which carry nothing alone: ": [one.name for one in inner],
         "collision shapes of links that are no contacts: ": [
             link.name for link in shaped if link.name not in touching
@@ -202,6 +202,7 @@ def _left_out(
         "links without mass or contacts: ": [
             link.name for link in robot.links if link.name not in carrying
         ],
+        "how far printed angles are off the parts of a turn that they stand for: ": robot.rounded,
     }
     if not any(link.mass > 0.0 for link in robot.links):
         named["masses: "] = ["none is given, so that the com is the origin of the root link"]

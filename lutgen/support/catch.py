@@ -26,6 +26,7 @@ from lutgen.support.table import (
     FIRST,
     NEIGHBOUR,
     VERTEX,
+    VISITS,
     WAYS,
     Hull,
     corner_after,
@@ -35,10 +36,11 @@ from lutgen.support.table import (
 from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, scale, subtract
 
 REFUSED, STAGE, REST = 0, 1, 2
-# Facets that one roll may come to until it counts as lost.
-VISITS = 48
 # rad; rests whose normals are nearer than this may be one but for noise.
 ONE_REST = 0.01
+# rad; a turn from rest to rest that is none but for noise: those that such turns join are gone over
+# once.  From a balance it sets free no more than takes the com over another edge that is as near.
+NO_ROLL = 2e-4
 # rad; after a turn of less the line that the robot came over is still that of the turn before.
 ONE_LINE = 0.003
 # First columns of a brink: an edge's start, the unit inward normal of the plane through it and the
@@ -46,8 +48,9 @@ ONE_LINE = 0.003
 CORNER, WALL, ALONG, ARM, REACH = 0, 3, 6, 9, 12
 # Columns of a way: gravity for w = 0 and w = 1, how far the com has risen for both, less the root
 # of a quadratic in w; the turn so far; up to which w it is so; the facet that it has come to and
-# the corner of the edge that it came over, and that of the last edge over which it turned.
-G, RAISED, ROOT, TURNED, UNTIL, FACET, CAME, LINE = 0, 6, 8, 11, 12, 13, 14, 15
+# the corner of the edge that it came over, and that of the last edge over which it turned; which
+# turn of the roll that was, as a number of its own.
+G, RAISED, ROOT, TURNED, UNTIL, FACET, CAME, LINE, SINCE = 0, 6, 8, 11, 12, 13, 14, 15, 16
 # Columns of a roll's answer: up to which w it is so, the largest sum of turns.
 SURE, MOST = 9, 10
 # Where a question is not quadratic in w its sign is asked for at this step, and its change sought
@@ -225,6 +228,15 @@ def _easiest(
     return best, until
 
 
+@njit(inline=True, bare=True)
+def _was_at(way: Floats, visited: int, facet: int, since: float) -> bool:
+    """Tell whether a roll has come to a facet since its last turn that was one."""
+    for row_of in range(WAYS, WAYS + visited):
+        if way[row_of, FACET] == facet and way[row_of, SINCE] == since:
+            return True
+    return False
+
+
 @njit(bare=True)
 def comes_to_rest(
     rolling: Rolling, w: float, limits: tuple[float, float], way: Floats, ends: Ints
@@ -237,17 +249,21 @@ def comes_to_rest(
     turn by more than the first of `limits`.  `ends` receives the rests that it ends on, after their
     number.  Back over the edge that it came over it does not go: that is every edge within the
     second limit (length) of that line, which on a stage runs the same way; noise makes two edges
-    of one.
+    of one.  Nor does it go round and round over rests that noise makes of one.  The rows of `way`
+    from WAYS on receive the facets that it comes to.
     """
     hull, primitives, kind, brink, roll = rolling
     facet, span, link = hull.facet, hull.span, hull.link
     budget, band = limits
     waiting, most, sure = 1, way[0, TURNED], math.inf
+    way[0, SINCE] = 0.0
     ends[0] = 0
-    for _ in range(VISITS):
+    for visited in range(VISITS):
         if waiting == 0:
             return most, sure
         waiting -= 1
+        since = way[waiting, SINCE]
+        way[WAYS + visited, FACET], way[WAYS + visited, SINCE] = way[waiting, FACET], since
         f, came, line = int(way[waiting, FACET]), int(way[waiting, CAME]), int(way[waiting, LINE])
         a, b = vector_at(way, waiting, G), vector_at(way, waiting, G + 3)
         r0, r1 = way[waiting, RAISED], way[waiting, RAISED + 1]
@@ -306,7 +322,6 @@ def comes_to_rest(
                     stays = min(stays, here)
                     continue
                 here = min(until, here)
-            leaves = True
             other, back = link[at, NEIGHBOUR], link[at, BACK]
             if other < 0 or back < 0 or kind[other] == REFUSED:
                 return math.inf, here
@@ -315,6 +330,10 @@ def comes_to_rest(
                 i, j = link[at, VERTEX], link[following, VERTEX]
                 arc = Arc(i, j, row(facet, f), row(facet, other))
                 turn = enter_roll(primitives, arc, at, back, roll)
+            one = turn < NO_ROLL and kind[f] == REST and kind[other] == REST
+            if one and _was_at(way, visited + 1, other, since):
+                continue
+            leaves = True
             if turned + turn > budget or waiting == WAYS:
                 return math.inf, here
             stays = min(stays, here)
@@ -327,6 +346,7 @@ def comes_to_rest(
                 top = root
             way[waiting, FACET], way[waiting, CAME] = other, back
             way[waiting, LINE] = back if turn > ONE_LINE else line
+            way[waiting, SINCE] = since if one else 1.0 + at + visited * float(brink.shape[0])
             put(way, waiting, G, seen_after(roll, at, a))
             put(way, waiting, G + 3, seen_after(roll, at, b))
             way[waiting, RAISED], way[waiting, RAISED + 1] = more0, more1

@@ -15,6 +15,7 @@ from lutgen.support.catch import (
     FACET,
     LINE,
     MOST,
+    NO_ROLL,
     ONE_REST,
     REFUSED,
     REST,
@@ -48,10 +49,6 @@ LOW, HIGH = 0, 1
 # Nearer to an end of the segment than this part of it the balance is not looked at; and by so much
 # beyond a change it is looked at again.
 END, HAIR = 1e-4, 1e-9
-# A turn (rad) from rest to rest that is held up to the ends.  From a balance it sets free no more
-# than takes the com over another edge that is as near (rad) as the turn.  Contacts that noise, or
-# what `rounds` makes them larger by, puts on several planes would leave an axis inside.
-NO_ROLL = 2e-4
 # Changes on a segment; what lies beyond so many is not held.
 MOST_CHANGES = 128
 # Times that what slivers join is gone through: as often as they may cut one line.

@@ -2,9 +2,10 @@
 
 Owns who is left out of the searches.  Tracks are boxes and cylinders as often as not, and the
 corners of the box lie on the rims: at one pitch, or while the plane turns about a tangent, corner
-and rim touch it at one place, and which of the two does is told by rounding.  So a primitive within
-another one, to a length that no sensor could tell, is no contact; of two that are one the first is.
-Among points alone the hull itself sees to it.
+and rim touch it at one place, and which of the two does is told by rounding, or by how many digits
+of both were printed.  So a primitive within another one, to a length that is printed in no
+description, is no contact; of two that are one the first is.  Among points alone the hull itself
+sees to it.
 """
 
 import math
@@ -17,18 +18,29 @@ from lutgen.support.primitive import DISC, KIND, POINT, RADIUS, SPHERE
 from lutgen.support.table import FIRST, FOUND, MASK, VERTEX, Hull
 from lutgen.vector import Floats, Ints, dot, length, row, scale, subtract
 
-# Part of the size by which what is hidden may stick out.  A corner that does so by e beyond a rim
-# of radius r carries at most sqrt(2 r e) beside it, a twenty-thousandth of the size.
-STICKS_OUT = 1e-8
+# Part of the radius of what hides by which what is hidden may stick out: of a wheel of 10 cm three
+# micrometres, twice as much as sixth decimals are off at worst.  A corner that does so by e beyond
+# a rim of radius r carries at most sqrt(2 r e) beside it, 0.008 of the radius.
+STICKS_OUT = 3e-5
+# Points are one where a wheel of this part of the size would hide one of them.
+POINT_WHEEL = 0.2
 # Sine between the axes of two discs that are in one plane.
-ONE_AXIS = 1e-7
+ONE_AXIS = 1e-5
+
+
+@njit(inline=True, bare=True)
+def reach_of(primitives: Floats, j: int, part: float, size: float) -> float:
+    """Return by how much (length) what primitive j hides may stick out."""
+    radius = primitives[j, RADIUS]
+    return part * (radius if radius > 0.0 else POINT_WHEEL * size)
 
 
 @njit(bare=True)
-def lies_within(primitives: Floats, i: int, j: int, tolerance: float) -> bool:
-    """Tell whether primitive i lies within j, a ball, a round plate or a point, to a length."""
+def lies_within(primitives: Floats, i: int, j: int, part: float, size: float) -> bool:
+    """Tell whether primitive i lies within j, a ball, a round plate or a point, to a part of it."""
     radius, kind = primitives[i, RADIUS], primitives[i, KIND]
     arm = subtract(row(primitives, i), row(primitives, j))
+    tolerance = reach_of(primitives, j, part, size)
     reach = primitives[j, RADIUS] + tolerance
     if dot(arm, arm) > reach * reach:
         return False
@@ -53,15 +65,19 @@ def lies_within(primitives: Floats, i: int, j: int, tolerance: float) -> bool:
 
 
 @njit(bare=True)
-def show(primitives: NDArray[np.float64], tolerance: float, shown: Floats, number: Ints) -> int:
+def show(
+    primitives: NDArray[np.float64], part: float, size: float, shown: Floats, number: Ints
+) -> int:
     """Copy the primitives that no other one hides; return how many they are.
 
     Parameters
     ----------
     primitives : (n, 8) float64
         Rows of `primitive.pack`, relative to the com.
-    tolerance : float
-        By which what is hidden may stick out (length).
+    part : float
+        Of the radius of what hides, or of the size, by which what is hidden may stick out.
+    size : float
+        Of the robot (length).
     shown : (n, 8) float64
         Filled with them, in their order.
     number : (n,) int64
@@ -72,9 +88,9 @@ def show(primitives: NDArray[np.float64], tolerance: float, shown: Floats, numbe
     for i in range(n):
         hidden = False
         for j in range(n):
-            if j != i and lies_within(primitives, i, j, tolerance):
+            if j != i and lies_within(primitives, i, j, part, size):
                 # Of two that are one the first stays.
-                hidden = hidden or j < i or not lies_within(primitives, j, i, tolerance)
+                hidden = hidden or j < i or not lies_within(primitives, j, i, part, size)
         if not hidden:
             number[count] = i
             for c in range(primitives.shape[1]):

@@ -31,8 +31,9 @@ SOURCE, IS_REST = 1, 2
 SLACK = 3
 # Nearer to the normal of a facet that it carries (rad) the axle of a wheel may not be.
 OFF_FACE = math.radians(10.0)
-# Sine by which a direction may lie beyond an edge that two rests share: no ray slips between them.
-SAME_EDGE = 1e-12
+# Sine by which a direction may lie beyond an edge that two rests share: no ray slips between them,
+# where on either one the edge is elsewhere by up to RELATIVE_TOLERANCE of the size.
+SAME_EDGE = 1e-8
 
 
 class Region(NamedTuple):

@@ -19,10 +19,10 @@ from lutgen.support.table import DOUBT, OVERFLOW, FacetTable, Workspace, robot_s
 from lutgen.support.unite import unite
 from lutgen.vector import Floats
 
-# Times that a search which loses its way is begun again, each time without what sticks out ten
+# Times that a search which loses its way is begun anew, the second time without what sticks out ten
 # times as far: a corner that all but lies on a rim touches next to it, and no double has the digits
 # to tell which of them a third one touches with.
-LOOKS = 3
+LOOKS = 2
 
 
 @njit(bare=True)
@@ -65,7 +65,7 @@ def find_facets(
     number = work.counts[5]
     last, sticks_out = n + 1, STICKS_OUT
     for _ in range(LOOKS):
-        shown = show(primitives, sticks_out * size, work.shown, number)
+        shown = show(primitives, sticks_out, size, work.shown, number)
         if shown < last:
             last = shown
             if shown == n:

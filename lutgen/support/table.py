@@ -32,8 +32,9 @@ FIRST, MASK, PLACE = 0, 1, 2
 FOUND, OVERFLOW, DOUBT = 0, 1, 2
 
 
-# Ways that one roll may branch into; pieces and cuts of a strip, see `catch` and `strips`.
-WAYS, MOST_PIECES, CUTS = 32, 12, 8
+# Ways that one roll may branch into, and facets that it may come to until it counts as lost; pieces
+# and cuts of a strip, see `catch` and `strips`.
+WAYS, VISITS, MOST_PIECES, CUTS = 32, 48, 12, 8
 
 
 class Hull(NamedTuple):
@@ -125,7 +126,7 @@ def facet_table(primitives: int) -> FacetTable:
         np.empty((n, 2)),
         np.empty((corners, 13)),
         np.empty((corners, 13)),
-        np.empty((WAYS, 16)),
+        np.empty((WAYS + VISITS, 17)),
         np.empty((4, 11)),
         np.empty((MOST_PIECES + CUTS, 6)),
     )

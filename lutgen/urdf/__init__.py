@@ -1,26 +1,18 @@
 """A robot description of ROS, read into links, joints and contacts.
 
-In reading order: `xml`, `read`, `motion`, `links`, `contacts`, `groups`, `posture`,
-`packages`, `xacro`, `mesh_file`, `reach`, `meshes`, `wheel_shape`, `foot_shape`.
+In reading order: `xml`, `description`, `printed`, `read`, `motion`, `links`, `contacts`, `groups`,
+`posture`, `packages`, `xacro`, `mesh_file`, `reach`, `meshes`, `wheel_shape`, `foot_shape`.
 """
 
 from lutgen.urdf.contacts import TOUCHING, link_contacts, used_shapes
+from lutgen.urdf.description import Collision, UrdfJoint, UrdfLink, UrdfRobot
 from lutgen.urdf.foot_shape import foot_of
 from lutgen.urdf.links import Place, centre_of_mass, downwards, links_of, places
 from lutgen.urdf.meshes import Meshes
 from lutgen.urdf.motion import TURN, Couple, Motion, read_motion
 from lutgen.urdf.packages import Packages
 from lutgen.urdf.posture import Srdf, beyond_limits, joint_values, load_srdf, srdf_beside
-from lutgen.urdf.read import (
-    JOINT_KINDS,
-    MAX_BYTES,
-    Collision,
-    UrdfJoint,
-    UrdfLink,
-    UrdfRobot,
-    load_urdf,
-    parse_urdf,
-)
+from lutgen.urdf.read import JOINT_KINDS, MAX_BYTES, load_urdf, parse_urdf
 from lutgen.urdf.wheel_shape import wheel_of
 from lutgen.urdf.xacro import load_xacro
 

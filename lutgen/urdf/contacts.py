@@ -11,8 +11,8 @@ import numpy as np
 
 from lutgen.parts import Contact
 from lutgen.rotation import rotation
+from lutgen.urdf.description import Collision, UrdfLink
 from lutgen.urdf.links import as_vector
-from lutgen.urdf.read import Collision, UrdfLink
 from lutgen.vector import Vector
 
 # Shapes that are taken for feet and wheels; points are what a mesh that was opened has at its foot.

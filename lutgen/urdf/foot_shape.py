@@ -9,8 +9,8 @@ import math
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
+from lutgen.urdf.description import Collision
 from lutgen.urdf.reach import across, fan, plain, reaches, ring
-from lutgen.urdf.read import Collision
 from lutgen.urdf.wheel_shape import wheel_of
 from lutgen.vector import Floats
 

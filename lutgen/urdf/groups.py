@@ -7,7 +7,7 @@ the groups in it.  What groups are good for is not known here.
 from collections.abc import Iterator, Mapping
 from xml.etree.ElementTree import Element
 
-from lutgen.urdf.read import UrdfJoint, UrdfRobot
+from lutgen.urdf.description import UrdfJoint, UrdfRobot
 
 
 def joint_groups(root: Element, robot: UrdfRobot) -> dict[str, tuple[str, ...]]:

@@ -13,10 +13,11 @@ from scipy.spatial import ConvexHull, QhullError
 
 from lutgen.errors import InputError
 from lutgen.rotation import rotation
+from lutgen.urdf.description import Collision
 from lutgen.urdf.mesh_file import load_corners
 from lutgen.urdf.packages import Packages
 from lutgen.urdf.reach import DIGITS
-from lutgen.urdf.read import LARGEST, Collision
+from lutgen.urdf.read import LARGEST
 from lutgen.vector import Floats
 
 

@@ -9,7 +9,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from lutgen.errors import RecipeError, suggestion
-from lutgen.urdf.read import LARGEST, UrdfJoint, UrdfRobot
+from lutgen.urdf.description import UrdfJoint, UrdfRobot
+from lutgen.urdf.read import LARGEST
 
 TURN = 2.0 * math.pi
 

@@ -11,8 +11,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from lutgen.errors import InputError, RecipeError, suggestion
+from lutgen.urdf.description import UrdfRobot
 from lutgen.urdf.groups import joint_groups
-from lutgen.urdf.read import LARGEST, MAX_BYTES, UrdfRobot, read_bytes
+from lutgen.urdf.read import LARGEST, MAX_BYTES, read_bytes
 from lutgen.urdf.xml import parse_xml
 
 # Names of postures in which robots stand, the likeliest first.

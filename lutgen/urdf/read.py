@@ -9,7 +9,6 @@ import math
 import os
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import NoReturn
 from xml.etree.ElementTree import Element
@@ -17,6 +16,8 @@ from xml.etree.ElementTree import Element
 from lutgen import bounds
 from lutgen.errors import RecipeError, suggestion, unreadable
 from lutgen.parts import parents_first
+from lutgen.urdf.description import ZERO, Collision, Mimic, UrdfJoint, UrdfLink, UrdfRobot
+from lutgen.urdf.printed import parts_of_turns
 from lutgen.urdf.xml import parse_xml
 from lutgen.vector import Vector
 
@@ -27,87 +28,6 @@ MAX_NAME = 200
 LARGEST = float(bounds.MAGNITUDE.most)
 JOINT_KINDS = ("fixed", "revolute", "continuous", "prismatic", "floating", "planar")
 SHAPES = {"sphere": ("radius",), "cylinder": ("radius", "length"), "box": ("size",)}
-ZERO: Vector = (0.0, 0.0, 0.0)
-
-
-@dataclass(frozen=True)
-class Collision:
-    """A collision shape, placed in its link's frame.
-
-    `kind` is ``"sphere"`` with size (radius,), ``"cylinder"`` (radius, length; along z),
-    ``"box"`` (x, y, z), ``"mesh"`` with the name of a `file` and its `scale`, neither checked, or
-    the name of any other geometry, with size ().  Of a mesh that was opened there may be
-    ``"points"`` (x, y, z, x, ...) or another shape instead; `note` then says how it was found, and
-    on a mesh why it was not opened.
-    """
-
-    name: str
-    kind: str
-    size: tuple[float, ...]
-    origin: Vector = ZERO
-    rpy: Vector = ZERO
-    file: str = ""
-    scale: tuple[float, ...] = ()
-    note: str = ""
-
-
-@dataclass(frozen=True)
-class UrdfLink:
-    """A link: mass in kg, com in its frame (m); without an inertial the mass is 0.
-
-    `visuals` are the meshes of its looks, of a link without collision shapes.
-    """
-
-    name: str
-    mass: float = 0.0
-    com: Vector = ZERO
-    collisions: tuple[Collision, ...] = ()
-    visuals: tuple[Collision, ...] = ()
-
-
-@dataclass(frozen=True)
-class Mimic:
-    """Value of a joint: multiplier * value of `joint` + offset."""
-
-    joint: str
-    multiplier: float = 1.0
-    offset: float = 0.0
-
-
-@dataclass(frozen=True)
-class UrdfJoint:
-    """A joint: T = Trans(origin) * Rz(yaw) Ry(pitch) Rx(roll) * motion in its parent.
-
-    `kind` is one of ``JOINT_KINDS``; `axis` is a unit vector; `lower` and `upper` (rad or m)
-    are infinite where the description sets no limit.
-    """
-
-    name: str
-    kind: str
-    parent: str
-    child: str
-    origin: Vector = ZERO
-    rpy: Vector = ZERO
-    axis: Vector = (1.0, 0.0, 0.0)
-    lower: float = -math.inf
-    upper: float = math.inf
-    mimic: Mimic | None = None
-
-
-@dataclass(frozen=True)
-class UrdfRobot:
-    """A checked description: a tree of links under `root`.
-
-    `links` and `joints` are in the order of the file; `ignored` counts the other children of
-    <robot> by their tag.
-    """
-
-    name: str
-    source: str
-    root: str
-    links: tuple[UrdfLink, ...]
-    joints: tuple[UrdfJoint, ...]
-    ignored: dict[str, int]
 
 
 def read_bytes(source: str) -> bytes:
@@ -164,6 +84,7 @@ class _Reader:
 
     def __init__(self, source: str) -> None:
         self.source = source
+        self.rounded: dict[str, None] = {}
 
     def fail(self, where: str, what: str, got: object, way_out: str) -> NoReturn:
         """Refuse an element."""
@@ -191,7 +112,8 @@ class _Reader:
         self.mimics(joints)
         ignored = Counter(child.tag for child in root if child.tag not in ("link", "joint"))
         name = self.name(root) if root.get("name", "").strip() else Path(self.source).stem
-        return UrdfRobot(name, self.source, top, tuple(links), tuple(joints), dict(ignored))
+        tree = tuple(links), tuple(joints)
+        return UrdfRobot(name, self.source, top, *tree, dict(ignored), tuple(self.rounded))
 
     def link(self, element: Element) -> UrdfLink:
         """Read a <link>."""
@@ -300,7 +222,11 @@ class _Reader:
         origin = self.only(element, "origin", where)
         if origin is None:
             return ZERO, ZERO
-        return self.vector(origin, "xyz", where, ZERO), self.vector(origin, "rpy", where, ZERO)
+        xyz, rpy = self.vector(origin, "xyz", where, ZERO), self.vector(origin, "rpy", where, ZERO)
+        if any(rpy):
+            rpy, taken = parts_of_turns(origin.attrib["rpy"])
+            self.rounded |= dict.fromkeys(taken)
+        return xyz, rpy
 
     def name(self, element: Element) -> str:
         """Return the name of the robot, a link or a joint."""

@@ -8,8 +8,8 @@ import math
 import numpy as np
 
 from lutgen.rotation import angles
+from lutgen.urdf.description import Collision
 from lutgen.urdf.reach import across, plain, reaches, ring
-from lutgen.urdf.read import Collision
 from lutgen.vector import Floats
 
 # Planes that lean so far (rad) from the wheel's upright touch it like its discs, or it is none.

@@ -10,8 +10,9 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from lutgen.errors import InputError, RecipeError
+from lutgen.urdf.description import UrdfRobot
 from lutgen.urdf.packages import Packages
-from lutgen.urdf.read import UrdfRobot, parse_urdf
+from lutgen.urdf.read import parse_urdf
 
 # Characters that a message quotes of a macro's failure.
 LONGEST = 300

@@ -102,7 +102,7 @@ BEYOND = {
     *("min above max", "min equals max", "link twice", "link loop", "parent unknown"),
     *("joint parameter", "revolute in mm", "prismatic in deg", "parameter unused", "mass zero"),
     *("contact twice", "contact link", "samples unknown", "sample missing"),
-    *("knots equal", "knots descend", "knot outside"),
+    *("sample alike", "knots equal", "knots descend", "knot outside"),
     # NaN is a number that is neither above nor below another, and 3.0 an integer of JSON.
     *("friction nan", "knot nan", "sample fraction", "nodes fraction"),
 }

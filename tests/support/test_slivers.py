@@ -8,8 +8,10 @@ import pytest
 
 import lutgen
 from lutgen.analysis import Facet, Posture
+from lutgen.channels import evaluate_each
 from lutgen.errors import InputError, RecipeError
 from lutgen.recipe import Recipe
+from tests.fixtures.drawn_robots import car_with_flippers, rocker_bogie
 from tests.fixtures.recipes import contact, feet, rigid
 
 TIPS = 2
@@ -177,3 +179,32 @@ def test_over_a_single_ball_a_robot_tips_and_beside_its_patch_it_stands(
     assert 100 < alone.sum() < 1500
     # Beyond the four facets' corners on the ball it stands: on three contacts, also at no rock.
     assert (status(recipe, leaning(np.arange(16.0, 38.0), 0.0)) != TIPS).all()
+
+
+def tip_angles(recipe: Recipe, params: np.ndarray, gravity_dir: np.ndarray) -> np.ndarray:
+    """Return the tip angle (m,) of postures (m, k) under one direction each (m, 3)."""
+    g = np.asarray(gravity_dir)[:, None]
+    return np.asarray(evaluate_each(recipe, params, g, ("tip_angle",))["tip_angle"][:, 0])
+
+
+def test_no_ray_slips_between_two_rests_that_rounding_tilts() -> None:
+    # Flippers of two rims, straight down on three sides: the diagonal that two rests share goes
+    # through the com's foot, and is 7e-13 m elsewhere on the one than on the other.  A robot that
+    # stands level, and by 35 deg to all sides, was said to tip by 35 deg.
+    posture = [-1.5707154, -1.5707999, 1.5707999, 1.1126823]
+    rng = np.random.default_rng(1)
+    aside = np.array([0.0, *(10.0 ** rng.uniform(-12, -6, 40))])[:, None] * rng.normal(size=(41, 3))
+    g = np.array([0.0, 0.0, -1.0]) + aside * [1, 1, 0]
+    found = tip_angles(car_with_flippers(), np.tile(posture, (41, 1)), g)
+    np.testing.assert_allclose(found, 0.61075017, rtol=0.0, atol=1e-5)
+
+
+def test_a_robot_does_not_go_round_and_round_over_rests_that_are_one_but_for_noise() -> None:
+    # Five wheels of a rover are next to one plane, in three rests that turns of 4e-6 rad join round
+    # the foot of one wheel.  None of the edges between them is higher than the com has been, so the
+    # roll went over them in turn until it counted as lost.
+    posture = np.array([-0.0925897, 0.1297626, 0.0809596, 0.2555615])
+    gravity_dir = np.array([-0.2772653, -0.5194992, -0.8082355])
+    near = np.concatenate([[posture], posture + 1e-5 * np.concatenate([np.eye(4), -np.eye(4)])])
+    found = tip_angles(rocker_bogie(), near, np.tile(gravity_dir, (9, 1)))
+    np.testing.assert_allclose(found, 0.15117, rtol=0.0, atol=2e-5)

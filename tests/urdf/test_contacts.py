@@ -18,9 +18,10 @@ from lutgen.recipe.candidates import (
 )
 from lutgen.recipe.recipe import Recipe
 from lutgen.urdf.contacts import link_contacts
+from lutgen.urdf.description import UrdfRobot
 from lutgen.urdf.links import places
 from lutgen.urdf.motion import read_motion
-from lutgen.urdf.read import UrdfRobot, parse_urdf
+from lutgen.urdf.read import parse_urdf
 from tests.fixtures.recipes import contact, rigid
 from tests.fixtures.robots import collision, joint, link, robot
 

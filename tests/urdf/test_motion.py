@@ -5,9 +5,10 @@ import math
 import pytest
 
 from lutgen.errors import RecipeError
+from lutgen.urdf.description import UrdfRobot
 from lutgen.urdf.links import links_of, places
 from lutgen.urdf.motion import Drive, read_motion
-from lutgen.urdf.read import UrdfRobot, parse_urdf
+from lutgen.urdf.read import parse_urdf
 from tests.fixtures.robots import joint, link, robot
 
 MIMIC = '<mimic joint="{}" multiplier="{}" offset="{}"/>'

@@ -9,8 +9,9 @@ import pytest
 
 from lutgen.errors import RecipeError
 from lutgen.recipe.proposal import import_urdf
+from lutgen.urdf.description import Mimic, UrdfRobot
 from lutgen.urdf.motion import read_motion
-from lutgen.urdf.read import Mimic, UrdfRobot, load_urdf, parse_urdf
+from lutgen.urdf.read import load_urdf, parse_urdf
 from tests.fixtures.places import VECTORS
 from tests.fixtures.robots import broken, collision, joint, link, real, robot
 

@@ -1,0 +1,93 @@
+"""What a robot description has: links, collision shapes and joints, as plain values.
+
+Owns their types; `read` fills them.
+"""
+
+import math
+from dataclasses import dataclass
+
+from lutgen.vector import Vector
+
+ZERO: Vector = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Collision:
+    """A collision shape, placed in its link's frame.
+
+    `kind` is ``"sphere"`` with size (radius,), ``"cylinder"`` (radius, length; along z),
+    ``"box"`` (x, y, z), ``"mesh"`` with the name of a `file` and its `scale`, neither checked, or
+    the name of any other geometry, with size ().  Of a mesh that was opened there may be
+    ``"points"`` (x, y, z, x, ...) or another shape instead; `note` then says how it was found, and
+    on a mesh why it was not opened.
+    """
+
+    name: str
+    kind: str
+    size: tuple[float, ...]
+    origin: Vector = ZERO
+    rpy: Vector = ZERO
+    file: str = ""
+    scale: tuple[float, ...] = ()
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class UrdfLink:
+    """A link: mass in kg, com in its frame (m); without an inertial the mass is 0.
+
+    `visuals` are the meshes of its looks, of a link without collision shapes.
+    """
+
+    name: str
+    mass: float = 0.0
+    com: Vector = ZERO
+    collisions: tuple[Collision, ...] = ()
+    visuals: tuple[Collision, ...] = ()
+
+
+@dataclass(frozen=True)
+class Mimic:
+    """Value of a joint: multiplier * value of `joint` + offset."""
+
+    joint: str
+    multiplier: float = 1.0
+    offset: float = 0.0
+
+
+@dataclass(frozen=True)
+class UrdfJoint:
+    """A joint: T = Trans(origin) * Rz(yaw) Ry(pitch) Rx(roll) * motion in its parent.
+
+    `kind` is one of ``JOINT_KINDS``; `axis` is a unit vector; `lower` and `upper` (rad or m)
+    are infinite where the description sets no limit.
+    """
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    origin: Vector = ZERO
+    rpy: Vector = ZERO
+    axis: Vector = (1.0, 0.0, 0.0)
+    lower: float = -math.inf
+    upper: float = math.inf
+    mimic: Mimic | None = None
+
+
+@dataclass(frozen=True)
+class UrdfRobot:
+    """A checked description: a tree of links under `root`.
+
+    `links` and `joints` are in the order of the file; `ignored` counts the other children of
+    <robot> by their tag; `rounded` has the angles whose digits were taken for parts of a turn, as
+    they are printed.
+    """
+
+    name: str
+    source: str
+    root: str
+    links: tuple[UrdfLink, ...]
+    joints: tuple[UrdfJoint, ...]
+    ignored: dict[str, int]
+    rounded: tuple[str, ...] = ()

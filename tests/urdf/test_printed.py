@@ -1,0 +1,92 @@
+"""Angles that descriptions print with few digits stand for parts of a turn."""
+
+import math
+
+import numpy as np
+import pytest
+
+from lutgen.recipe import import_urdf
+from lutgen.urdf import parse_urdf
+from lutgen.urdf.printed import meant
+
+QUARTER = math.pi / 2.0
+
+
+@pytest.mark.parametrize(
+    ("text", "angle"),
+    [
+        *((text, QUARTER) for text in ("1.57", "1.570", "1.571", "1.5707", "1.5708", "1.57080")),
+        *((text, QUARTER) for text in ("1.57079", "1.5707963", "1.5707963705062866", "+1.57")),
+        ("-1.57", -QUARTER),
+        *((text, math.pi) for text in ("3.14", "3.141", "3.142", "3.1415", "3.1416", "3.141592")),
+        *((text, -math.pi) for text in ("-3.14", "-3.14159265359")),
+        *((text, 2.0 * math.pi) for text in ("6.28", "6.283", "6.2832")),
+        *((text, QUARTER / 2.0) for text in ("0.785", "0.7854", ".785398")),
+        ("2.356", 1.5 * QUARTER),
+        ("4.71", 3.0 * QUARTER),
+        ("0.5236", math.pi / 6.0),
+        ("1.0472", math.pi / 3.0),
+        ("1.570796326795e+00", QUARTER),
+    ],
+)
+def test_a_part_of_a_turn_is_known_by_its_digits(text, angle):
+    assert meant(text) == pytest.approx(angle, abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        *("0", "0.0", "-0.0", "1.6", "1.5", "1.58", "1.56", "1.5700001", "1.572", "1.5709"),
+        *("1.569", "0.78", "0.79", "0.786", "0.52", "0.524", "0.262", "0.26", "3.1", "3", "3.15"),
+        *("0.001", "1e-4", "1.57e0", "2.0", "9.42", "12.57", "1000.0", "0.0001", "-0.00001"),
+    ],
+)
+def test_any_other_angle_is_what_it_says(text):
+    assert meant(text) == float(text)
+
+
+def test_every_part_that_is_printed_or_cut_off_is_found_and_nothing_is_moved_by_more_than_a_digit():
+    for decimals in range(4, 18):
+        for k in range(-24, 25):
+            exact = k * math.pi / 12.0
+            printed = f"{exact:.{decimals}f}"
+            whole, _, digits = f"{exact:.25f}".partition(".")
+            for text in (printed, f"{whole}.{digits[:decimals]}"):
+                assert abs(meant(text) - exact) <= 1e-15, text
+    for value in np.random.default_rng(1).uniform(-7.0, 7.0, 20_000):
+        for decimals in (1, 2, 3, 4, 6):
+            text = f"{value:.{decimals}f}"
+            most = max(10.0**-decimals, 5e-7)
+            assert abs(meant(text) - float(text)) <= (most if decimals > 1 else 0.0)
+
+
+def car(quarter: str) -> str:
+    """Return the URDF of a car on four cylinders whose axles are turned by a quarter."""
+    parts = '<link name="base"><inertial><mass value="9"/></inertial></link>'
+    for k, (x, y) in enumerate((x, y) for x in (-0.2, 0.2) for y in (-0.2, 0.2)):
+        turn = f"-{quarter}" if y > 0.0 else quarter
+        parts += (
+            f'<link name="wheel{k}"><inertial><mass value="1"/></inertial><collision><geometry>'
+            '<cylinder radius="0.1" length="0.04"/></geometry></collision></link>'
+            f'<joint name="axle{k}" type="continuous"><parent link="base"/><child link="wheel{k}"/>'
+            f'<origin xyz="{x} {y} -0.1" rpy="{turn} 0 0"/><axis xyz="0 0 1"/></joint>'
+        )
+    return f'<robot name="car">{parts}</robot>'
+
+
+@pytest.mark.parametrize("quarter", ["1.57", "1.5708", "1.5707"])
+def test_wheels_whose_quarter_turns_lack_digits_make_the_same_recipe_and_it_is_said(quarter):
+    exact = import_urdf(parse_urdf(car(repr(QUARTER)), "car.urdf"))
+    short = import_urdf(parse_urdf(car(quarter), "car.urdf"))
+    assert short.text == exact.text
+    said = f"how far printed angles are off the parts of a turn that they stand for: {quarter}"
+    assert [line for line in short.left_out if line not in exact.left_out] == [
+        f"{said}, -{quarter}"
+    ]
+
+
+def test_nothing_is_said_of_angles_that_have_their_digits_or_stand_for_themselves():
+    for text in (repr(QUARTER), "1.5707963", "1.5"):
+        robot = parse_urdf(car(text), "car.urdf")
+        assert robot.rounded == ()
+    assert parse_urdf(car("1.5"), "car.urdf").joints[0].rpy[0] == 1.5
