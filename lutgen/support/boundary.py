@@ -6,7 +6,7 @@ Owns the assembly of a `Region`.
 import math
 
 from lutgen.jit import njit
-from lutgen.support.catch import REFUSED, REST, STAGE
+from lutgen.support.catch import NO_ROLL, REFUSED, REST, STAGE
 from lutgen.support.gaps import HIGH, LOW, find_gaps
 from lutgen.support.region import (
     ACROSS,
@@ -26,6 +26,8 @@ from lutgen.support.region import (
     SEGMENTS,
     SHARED,
     SOURCE,
+    START,
+    STOP,
     TILES,
     TIP,
     TIP_PLANE,
@@ -60,6 +62,9 @@ from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, scale, 
 # Where two rests are nearer than this (rad) to one plane, which of the two a ray pierces first is
 # not to be told by their planes, as `raster` does where there are no gaps.
 ONE_PLANE = 1e-5
+# Part of a corner's distance from the com: as far outside a plane it may be of a region that is
+# convex but for noise, and the planes of shorter segments say nothing.
+NOISE = 1e-4
 
 
 @njit(bare=True)
@@ -98,11 +103,21 @@ def _enter_facets(region: Region, hull: Hull, kind: Ints, middle: Floats) -> int
     return accepted
 
 
+@njit(inline=True, bare=True)
+def _is_short(segment: Floats, b: int) -> bool:
+    """Tell whether a boundary segment is so short that noise tells where its plane is."""
+    start = vector_at(segment, b, START)
+    apart = subtract(vector_at(segment, b, STOP), start)
+    return dot(apart, apart) <= NOISE * NOISE * dot(start, start)
+
+
 @njit(bare=True)
 def _is_convex(region: Region, accepted: int) -> bool:
-    """Tell whether every corner of every rest is inside every tip-over plane."""
+    """Tell whether every corner of every rest is inside every tip-over plane, but for noise."""
     span, edge, segment = region.span, region.edge, region.segment
     for b in range(region.tally[SEGMENTS]):
+        if _is_short(segment, b):
+            continue
         normal = vector_at(segment, b, TIP_PLANE)
         for k in range(accepted):
             if span[k, IS_REST] == 0:
@@ -110,9 +125,23 @@ def _is_convex(region: Region, accepted: int) -> bool:
             for e in range(span[k, FIRST], span[k + 1, FIRST]):
                 point = vector_at(edge, e, POINT)
                 depth = dot(normal, point)
-                if depth < 0.0 and depth < -RELATIVE_TOLERANCE * length(point):
+                if depth < 0.0 and depth < -NOISE * length(point):
                     return False
     return True
+
+
+@njit(bare=True)
+def _leave_short_out(region: Region) -> None:
+    """Take the segments out of a convex region's boundary whose planes are noise."""
+    tally, segment, contacts = region.tally, region.segment, region.contacts
+    kept = 0
+    for b in range(tally[SEGMENTS]):
+        if not _is_short(segment, b):
+            for c in range(segment.shape[1]):
+                segment[kept, c] = segment[b, c]
+            contacts[kept, 0], contacts[kept, 1] = contacts[b, 0], contacts[b, 1]
+            kept += 1
+    tally[SEGMENTS] = kept
 
 
 @njit(bare=True)
@@ -263,7 +292,9 @@ def find_region(
                         if length(subtract(row(facet, f), row(facet, other))) < ONE_PLANE:
                             tally[BLURRED] += 1
                 elif part[0] < part[1]:
-                    held += 1
+                    apart = length(subtract(row(facet, f), row(facet, other)))
+                    if apart > NO_ROLL or kind[f] != REST or kind[other] != REST:
+                        held += 1
                     tally[GAPS] += 1
                     if f < other:
                         strips[2 * count], strips[2 * count + 1] = f, at
@@ -275,5 +306,8 @@ def find_region(
     if count > 0:
         found = Strips(hull, primitives, gap, strips[: 2 * count])
         add_strips(region, found, accept.rock_angle, size, work)
-    # A stage that no gap leads over is no part of the region, and says nothing about its shape.
+    # A stage that no gap leads over is no part of the region, and says nothing about its shape; nor
+    # does a turn between rests that are one but for noise.
     tally[CONVEX] = 1 if held == 0 and _is_convex(region, accepted) else 0
+    if tally[CONVEX] == 1:
+        _leave_short_out(region)

@@ -131,9 +131,11 @@ def test_noise_that_no_sensor_tells_changes_nothing(noise):
 
 
 @pytest.mark.parametrize("noise", [1e-7, 3e-7])
-def test_places_of_six_decimals_change_no_answer_where_a_robot_stands(noise):
+def test_places_of_six_decimals_change_no_answer(noise):
     # A corner that sticks out of a rim by a micrometre carried half a millimetre beside it: of such
-    # robots one in eight had another angle or |SD_g| than as it was drawn.
+    # robots one in eight had another angle or |SD_g| than as it was drawn.  And where a robot tips
+    # the angle to a region that noise bends was that to its boundary and no longer to its planes:
+    # of one direction in ten it was another one, by up to 16 deg.
     for seed in range(30):
         drawn, printed = boxed_tracks(seed), boxed_tracks(seed, noise)
         rng = np.random.default_rng(seed)
@@ -145,7 +147,7 @@ def test_places_of_six_decimals_change_no_answer_where_a_robot_stands(noise):
         stands = (a["status"] != TIPS) & clear
         assert ((b["status"] != TIPS) == (a["status"] != TIPS))[clear].all()
         np.testing.assert_allclose(
-            b["tip_angle"][stands], a["tip_angle"][stands], rtol=0.0, atol=2e-3
+            b["tip_angle"][clear], a["tip_angle"][clear], rtol=0.0, atol=2e-3
         )
         np.testing.assert_allclose(b["sdg"][stands], a["sdg"][stands], rtol=0.0, atol=1e-3)
 
