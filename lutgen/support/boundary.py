@@ -65,6 +65,8 @@ ONE_PLANE = 1e-5
 # Part of a corner's distance from the com: as far outside a plane it may be of a region that is
 # convex but for noise, and the planes of shorter segments say nothing.
 NOISE = 1e-4
+# So many times as far beyond a short segment another plane must have closed the region.
+BESIDE = 4.0
 
 
 @njit(bare=True)
@@ -112,11 +114,30 @@ def _is_short(segment: Floats, b: int) -> bool:
 
 
 @njit(bare=True)
+def _is_noise(segment: Floats, segments: int, b: int) -> bool:
+    """Tell whether a boundary segment is short, and others close the region all the same.
+
+    Of a region as narrow as that, which is a sliver, every segment counts.
+    """
+    if not _is_short(segment, b):
+        return False
+    out = scale(vector_at(segment, b, TIP_PLANE), -BESIDE * NOISE)
+    start = unit(vector_at(segment, b, START))
+    beyond = (start[0] + out[0], start[1] + out[1], start[2] + out[2])
+    for other in range(segments):
+        if not _is_short(segment, other):
+            inside = dot(vector_at(segment, other, TIP_PLANE), beyond)
+            if inside < -0.1 * NOISE:
+                return True
+    return False
+
+
+@njit(bare=True)
 def _is_convex(region: Region, accepted: int) -> bool:
     """Tell whether every corner of every rest is inside every tip-over plane, but for noise."""
     span, edge, segment = region.span, region.edge, region.segment
     for b in range(region.tally[SEGMENTS]):
-        if _is_short(segment, b):
+        if _is_noise(segment, region.tally[SEGMENTS], b):
             continue
         normal = vector_at(segment, b, TIP_PLANE)
         for k in range(accepted):
@@ -136,7 +157,8 @@ def _leave_short_out(region: Region) -> None:
     tally, segment, contacts = region.tally, region.segment, region.contacts
     kept = 0
     for b in range(tally[SEGMENTS]):
-        if not _is_short(segment, b):
+        # All that is not short has been kept, or is still to come.
+        if not _is_noise(segment, tally[SEGMENTS], b):
             for c in range(segment.shape[1]):
                 segment[kept, c] = segment[b, c]
             contacts[kept, 0], contacts[kept, 1] = contacts[b, 0], contacts[b, 1]

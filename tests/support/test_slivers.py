@@ -208,3 +208,20 @@ def test_a_robot_does_not_go_round_and_round_over_rests_that_are_one_but_for_noi
     near = np.concatenate([[posture], posture + 1e-5 * np.concatenate([np.eye(4), -np.eye(4)])])
     found = tip_angles(rocker_bogie(), near, np.tile(gravity_dir, (9, 1)))
     np.testing.assert_allclose(found, 0.15117, rtol=0.0, atol=2e-5)
+
+
+@pytest.mark.parametrize("width", [3e-3, 3e-4, 3e-5, 3e-6])
+@pytest.mark.parametrize("apart", [1.0, 3e-4, 3e-5])
+def test_a_foot_as_small_as_noise_still_tips_to_all_sides(width: float, apart: float) -> None:
+    # Short segments say nothing where others close the region, and everything where none do.
+    half = 0.5 * width
+    feet_at = np.array(
+        [[apart, half, -1], [apart, -half, -1], [-apart, -half, -1], [-apart, half, -1]]
+    )
+    ways = np.radians(np.arange(0, 360, 10.0))
+    g = np.stack([np.cos(ways), np.sin(ways), -1.0 + 0.0 * ways], axis=1)
+    found = lutgen.stability(feet_at[None], g, ("tip_angle",))["tip_angle"][0]
+    down = lutgen.stability(feet_at[None], [[0.0, 0.0, -1.0]], ("tip_angle",))["tip_angle"][0, 0]
+    assert (found[np.abs(np.sin(ways)) > 0.1] < 0.0).all()
+    assert apart == 1.0 or (found < 0.0).all()
+    assert down == pytest.approx(math.atan(min(half, apart)), rel=1e-6)
