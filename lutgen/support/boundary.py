@@ -65,8 +65,9 @@ ONE_PLANE = 1e-5
 # Part of a corner's distance from the com: as far outside a plane it may be of a region that is
 # convex but for noise, and the planes of shorter segments say nothing.
 NOISE = 1e-4
-# So many times as far beyond a short segment another plane must have closed the region.
-BESIDE = 4.0
+# So many times NOISE beyond a short segment another plane must have closed the region, by at least
+# this part of NOISE: a sliver's long sides all but never meet.
+BESIDE, CLOSED = 4.0, 0.1
 
 
 @njit(bare=True)
@@ -127,7 +128,7 @@ def _is_noise(segment: Floats, segments: int, b: int) -> bool:
     for other in range(segments):
         if not _is_short(segment, other):
             inside = dot(vector_at(segment, other, TIP_PLANE), beyond)
-            if inside < -0.1 * NOISE:
+            if inside < -CLOSED * NOISE:
                 return True
     return False
 
@@ -308,15 +309,14 @@ def find_region(
                     subtract(row(corner, corner_after(span, other, back)), p)
                 )
                 part = (gap[at, LOW], gap[at, HIGH])
+                rests_both = kind[f] == REST and kind[other] == REST
+                turn = length(subtract(row(facet, f), row(facet, other)))
                 if moved <= tolerance:
-                    if kind[f] == REST and kind[other] == REST:
+                    if rests_both:
                         about[e, EDGE_KIND] = SHARED
-                        if length(subtract(row(facet, f), row(facet, other))) < ONE_PLANE:
-                            tally[BLURRED] += 1
+                        tally[BLURRED] += turn < ONE_PLANE
                 elif part[0] < part[1]:
-                    apart = length(subtract(row(facet, f), row(facet, other)))
-                    if apart > NO_ROLL or kind[f] != REST or kind[other] != REST:
-                        held += 1
+                    held += not (rests_both and turn <= NO_ROLL)
                     tally[GAPS] += 1
                     if f < other:
                         strips[2 * count], strips[2 * count + 1] = f, at

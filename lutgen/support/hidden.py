@@ -28,20 +28,17 @@ POINT_WHEEL = 0.2
 ONE_AXIS = 1e-5
 
 
-@njit(inline=True, bare=True)
-def reach_of(primitives: Floats, j: int, part: float, size: float) -> float:
-    """Return by how much (length) what primitive j hides may stick out."""
-    radius = primitives[j, RADIUS]
-    return part * (radius if radius > 0.0 else POINT_WHEEL * size)
-
-
 @njit(bare=True)
 def lies_within(primitives: Floats, i: int, j: int, part: float, size: float) -> bool:
-    """Tell whether primitive i lies within j, a ball, a round plate or a point, to a part of it."""
+    """Tell whether primitive i lies within j, a ball, a round plate or a point.
+
+    But for a `part` of the radius of j, or where j is a point of POINT_WHEEL of the size (length).
+    """
     radius, kind = primitives[i, RADIUS], primitives[i, KIND]
     arm = subtract(row(primitives, i), row(primitives, j))
-    tolerance = reach_of(primitives, j, part, size)
-    reach = primitives[j, RADIUS] + tolerance
+    outer = primitives[j, RADIUS]
+    tolerance = part * (outer if outer > 0.0 else POINT_WHEEL * size)
+    reach = outer + tolerance
     if dot(arm, arm) > reach * reach:
         return False
     if primitives[j, KIND] == POINT:
