@@ -117,7 +117,8 @@ CHARGE = re.compile(r"smap_may\(w, SMAP_COST_(\w+)\)")
 # are begun: the work was taken before (POLYGON), a pose has no more room, or they go on
 # where they were left.
 POLYGON = "k = 0; k < 2u * count; k++"
-LOOKED_AT, BENT = "; e < w->edges; e++", "k = first; gaps && k < o->at.segments && w->left; k++"
+LOOKED_AT = "; e < w->edges; e++"
+BENT = "left = (uint8_t)(o->at.segments - first); left > 0; left--, before = s++"
 SHORT = "; w->low[e] != SMAP_SHORT && w->low[at] == SMAP_SHORT && left > 0; left--"
 PUSH = "k = 0; k < side->count && w->left; k++"
 # The innermost of the three loops over contacts i < j < k.
@@ -146,6 +147,8 @@ CALLED = {
     "smap_bound": ("LOOP", 0),
     "smap_come": ("WAY", 0),
     "smap_find_roll": ("ROLL", 0),
+    # Where no work is left: once for the roll that is asked for, and once on the way back.
+    "smap_no_roll": ("ROLL", 2),
     "smap_lost_to_mate": ("MATE", 0),
     "smap_take_inner": ("INNER", 0),
 }
@@ -231,7 +234,7 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     **{f"{f} = 0; {f} < w->facets; {f}++": FACETS for f in ("f", "k")},
     "; w->edges < last; w->edges++": CONTACTS,
     # support polygons
-    "at = count++; at > 0 && (spot[at - 1].b > here.b || (spot[at - 1].b == here.b && "
+    "at = k; at > 0 && (spot[at - 1].b > here.b || (spot[at - 1].b == here.b && "
     "spot[at - 1].a < here.a)); at--": _mean("contacts", 2),
     POLYGON: _of("work"),
     # What is taken away was put there by a round of the loop round it.
@@ -245,6 +248,7 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "i = 1; i + 1 < n; i++": CONTACTS,
     # gaps
     "e = 0; e < w->edges; e++": EDGES,
+    "start = 0; start < w->edges; start++": EDGES,
     "e = o->at.island[k] == k ? 0 : w->edges; e < w->edges; e++": EDGES,
     SHORT: EDGES,
     "k = 0; k < 2; k++": _plain("2", 2),

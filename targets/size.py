@@ -19,12 +19,22 @@ from pathlib import Path
 from typing import Any
 
 from firmware_export.emit import report
-from firmware_export.emit.runtime import SWITCHES, control_parts, parts_of, runtime_file
+from firmware_export.emit.runtime import SWITCHES, control_parts, parts_of
 from firmware_export.emit.size import FILE, TARGET
+from firmware_export.host import RUNTIME
 from lutgen.errors import ExportError, LutgenError
 from targets.cases import ROOT
 
-__all__ = ["Measure", "deepest", "feature_sets", "main", "measure", "measure_set"]
+__all__ = [
+    "Measure",
+    "deepest",
+    "feature_sets",
+    "main",
+    "measure",
+    "measure_set",
+    "program",
+    "settings_of",
+]
 
 # What exports read instead of compiling.
 SIZES = ROOT / "firmware_export" / "runtime" / FILE
@@ -172,12 +182,8 @@ def measure(config: Mapping[str, int], folder: Path, control: bool = False) -> M
     control : bool
         Whether with on-board control.
     """
-    on = frozenset(name for name, value in config.items() if value)
-    parts = [f"{part}.c" for part in (*parts_of(on), *(control_parts(on) if control else ()))]
-    for name in ("smap.h", "smap_control.h", "smap_config.h", *parts):
-        (folder / name).write_text(runtime_file(name), encoding="utf-8")
     (folder / "all.c").write_text(program(config, control), encoding="utf-8")
-    flags = [*FLAGS, "-ffunction-sections", "-fcallgraph-info=su"]
+    flags = [*FLAGS, f"-I{RUNTIME}", "-ffunction-sections", "-fcallgraph-info=su"]
     _run([COMPILER, *flags, "-c", "all.c", "-o", "smap.o"], folder)
     missing = set(_run([f"{_prefix()}nm", "-u", "smap.o"], folder).split()[1::2])
     if missing - ALLOWED:
@@ -189,8 +195,8 @@ def measure(config: Mapping[str, int], folder: Path, control: bool = False) -> M
     return _sections(_run([f"{_prefix()}size", "-A", "smap.o"], folder)) | {"stack": deepest(graph)}
 
 
-def measure_set(features: Sequence[str], folder: Path) -> Measure:
-    """Measure the runtime with these switches on and all others off."""
+def settings_of(features: Sequence[str]) -> dict[str, int]:
+    """Return the settings of a runtime with these switches on and all others off."""
     more = {
         f"SMAP_MANY_{key}": value
         for switch, values in MANY.items()
@@ -198,7 +204,12 @@ def measure_set(features: Sequence[str], folder: Path) -> Measure:
         for key, value in zip(CAPACITIES, values, strict=True)
     }
     switches = {name: int(name in features) for name in SWITCHES}
-    config = {**switches, **USUAL, **more, "SMAP_MANY_KNOWN": int(bool(more))}
+    return {**switches, **USUAL, **more, "SMAP_MANY_KNOWN": int(bool(more))}
+
+
+def measure_set(features: Sequence[str], folder: Path) -> Measure:
+    """Measure the runtime with these switches on and all others off."""
+    config = settings_of(features)
     alone = measure(config, folder)
     # Control computes with floats.
     steered = measure(config, folder, control=True) if "SMAP_FLOATS" in features else alone

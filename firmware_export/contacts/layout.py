@@ -19,6 +19,7 @@ _BASIC = {
 _ADDRESS = (8, 8)
 _STRUCT = re.compile(r"typedef struct \{(?P<body>[^{}]*)\} (?P<name>\w+);")
 _OPERATORS = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul}
+_EITHER = re.compile(r"([^()?]+) \? ([^()?]+) : ([^()?]+)")
 
 
 @cache
@@ -57,7 +58,10 @@ def _structs(macros: tuple[tuple[str, int], ...]) -> dict[str, str]:
 
 
 def _number(text: str, macros: Mapping[str, int]) -> int:
-    """Return the value of the size of an array: numbers, macros, sums, differences and products."""
+    """Return the value of the size of an array.
+
+    Numbers, macros, sums, differences and products; of two of them the one, if one is greater.
+    """
 
     def value(node: ast.expr) -> int:
         if isinstance(node, ast.Constant):
@@ -69,10 +73,16 @@ def _number(text: str, macros: Mapping[str, int]) -> int:
             assert found is not None, node.id
             # A default; what it says of others counts.
             return _number(found[1], macros)
+        if isinstance(node, ast.IfExp):
+            assert isinstance(node.test, ast.Compare), text
+            assert isinstance(node.test.ops[0], ast.Gt), text
+            greater = value(node.test.left) > value(node.test.comparators[0])
+            return value(node.body if greater else node.orelse)
         assert isinstance(node, ast.BinOp), text
         return _OPERATORS[type(node.op)](value(node.left), value(node.right))  # type: ignore[no-any-return]
 
-    return value(ast.parse(text.strip(), mode="eval").body)
+    python = _EITHER.sub(r"\2 if \1 else \3", text.strip())
+    return value(ast.parse(python, mode="eval").body)
 
 
 def struct_bytes(name: str, macros: Mapping[str, int]) -> tuple[int, int]:

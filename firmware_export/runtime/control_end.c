@@ -4,14 +4,14 @@
 #define SMAP_MOST_BUDGET 50.0f /* m/s^2: no robot accelerates more */
 
 #if SMAP_MANY
-#define SMAP_BESIDE 1e-3f /* a sine: a way that passes the end of a segment as near meets it */
+#define SMAP_NEXT_TO 1e-3f /* a sine: a way that passes the end of a segment as near meets it */
 
 /* How much of `to` can be taken off a direction f that stands until it meets the boundary of the island on
  * which it does, guard included; both unit. */
 static float smap_to_boundary(const smap_many_pose_t *o, const float f[3], const float to[3])
 {
   const uint8_t facet = smap_stood_on(o, f);
-  const float beside = o->guard + SMAP_BESIDE;
+  const float beside = o->guard + SMAP_NEXT_TO;
   float least = SMAP_MOST_BUDGET / SMAP_GRAVITY;
   uint8_t k, i;
   if (facet == SMAP_NONE) {

@@ -124,7 +124,10 @@ static void smap_sweep(const smap_control_t *control, smap_state_memory_t *state
   const uint8_t count = smap_joints(control);
   smap_swept_t *const swept = &state->swept;
   smap_many_t limits;
-  smap_many_place_t place;
+  smap_many_work_t *const work = &state->here.rest.work;
+#if SMAP_MANY_AXLES
+  float axle[SMAP_MANY_CONTACTS][3];
+#endif
   float off = 0.0f, own, most = 0.0f, radius = 0.0f, height = lowest;
   uint8_t i;
   swept->turned = 0.0f;
@@ -137,15 +140,17 @@ static void smap_sweep(const smap_control_t *control, smap_state_memory_t *state
     swept->turned += 2.0f * state->half[i] * smap_joint(control, i, SMAP_JOINT_LEAN);
   }
   smap_many_numbers(map, &limits);
-  swept->status = smap_many_place(map, state->mid, &place);
+#if SMAP_MANY_AXLES
+  work->axle = axle;
+#endif
+  swept->status = smap_many_place(map, state->mid, work);
   for (i = 0; swept->status == SMAP_OK && i < limits.contacts; i++) {
-    radius = place.contact[i].radius > radius ? place.contact[i].radius : radius;
+    radius = work->r[i] > radius ? work->r[i] : radius;
   }
   own = off + most;
   off = smap_narrow(&limits, own, radius, lowest);
   if (swept->status == SMAP_OK) {
-    swept->status =
-        smap_many_pose(&limits, &place, &swept->real, &state->here.rest.work) ? SMAP_OK : SMAP_TIPS;
+    swept->status = smap_many_pose(&limits, &swept->real, work) ? SMAP_OK : SMAP_TIPS;
   }
   if (swept->status == SMAP_OK) {
     for (i = 0; i < swept->real.at.shown; i++) {
@@ -156,7 +161,7 @@ static void smap_sweep(const smap_control_t *control, smap_state_memory_t *state
     /* A wall turns by no more than its contacts move, seen from the com over their line. */
     swept->widened = height > 2.0f * off ? off / (height - off) : 1.0f;
     swept->real.guard = limits.guard + swept->widened;
-    most = smap_doubts(&state->here.rest.work, own);
+    most = smap_doubts(work, own);
     swept->turned += most;
   }
 }

@@ -54,9 +54,8 @@ static void smap_bulge(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e, smap
   smap_add_piece(w, o, side, last, q, i);
 }
 
-/* A side along a circle, or its chord where it bulges outwards. */
-static void smap_curve(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e, smap_side_t *side, const float p[3],
-                      const float q[3])
+/* Whether the side of the strip of an edge, from p to q, bulges into the strip. */
+static uint8_t smap_bulges(const smap_many_work_t *w, uint8_t e, const float p[3], const float q[3])
 {
   const uint8_t i = w->vertex[e], j = w->vertex[w->next[e]];
   float middle[3], chord[3];
@@ -64,10 +63,17 @@ static void smap_curve(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e, smap
   smap_on_arc(w, i, j, &w->facet[w->owner[e]].at, &w->facet[w->owner[w->twin[e]]].at, 0.5f, &half);
   smap_place(w, e, &half, middle);
   smap_cross(p, q, chord);
-  side->inwards = smap_dot(chord, middle) > 0.0f;
+  return smap_dot(chord, middle) > 0.0f;
+}
+
+/* A side along a circle, or its chord where it bulges outwards. */
+static void smap_curve(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e, smap_side_t *side, const float p[3],
+                      const float q[3])
+{
+  side->inwards = smap_bulges(w, e, p, q);
   if (side->inwards) {
     smap_bulge(w, o, e, side, p, q);
   } else {
-    smap_add_piece(w, o, side, p, q, i);
+    smap_add_piece(w, o, side, p, q, w->vertex[e]);
   }
 }

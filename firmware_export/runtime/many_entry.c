@@ -92,8 +92,8 @@ SMAP_INLINE float smap_radius(const smap_t *map, const smap_places_t *at, uint8_
   return smap_f32(flags & SMAP_SHARED ? at->weights + 4 * at->radii[contact] : at->radii + 4 * contact);
 }
 
-/* Where the contacts of checked parameters are. */
-SMAP_INLINE int8_t smap_many_place(const smap_t *map, const float *params, smap_many_place_t *place)
+/* Put the contacts where checked parameters have them. */
+SMAP_APART static int8_t smap_many_place(const smap_t *map, const float *params, smap_many_work_t *work)
 {
   float q[SMAP_MAX_PARAMS], p[SMAP_MAX_COORDINATES];
   const int8_t status = smap_range(map, params, q);
@@ -105,12 +105,12 @@ SMAP_INLINE int8_t smap_many_place(const smap_t *map, const float *params, smap_
   at = smap_places(map);
   smap_positions(map, q, p);
   for (i = 0; i < at.contacts; i++) {
-    memcpy(place->contact[i].p, &p[3 * i], sizeof place->contact[i].p);
-    place->contact[i].radius = smap_radius(map, &at, i);
+    memcpy(work->p[i], &p[3 * i], sizeof work->p[i]);
+    work->r[i] = smap_radius(map, &at, i);
 #if SMAP_MANY_AXLES
-    memset(place->axle[i], 0, sizeof place->axle[i]);
+    memset(work->axle[i], 0, sizeof work->axle[i]);
     if (smap_body(map)[SMAP_IN_AXES] != 0 && at.axis_of[i] != SMAP_NO_AXIS) {
-      memcpy(place->axle[i], &p[3 * (at.contacts + at.axis_of[i])], sizeof place->axle[i]);
+      memcpy(work->axle[i], &p[3 * (at.contacts + at.axis_of[i])], sizeof work->axle[i]);
     }
 #endif
   }
@@ -122,13 +122,19 @@ static int8_t smap_many_of(const smap_t *map, const float *params, smap_many_pos
                            smap_many_work_t *work)
 {
   smap_many_t numbers;
-  smap_many_place_t place;
-  const int8_t status = smap_many_place(map, params, &place);
+#if SMAP_MANY_AXLES
+  float axle[SMAP_MANY_CONTACTS][3];
+#endif
+  int8_t status;
+#if SMAP_MANY_AXLES
+  work->axle = axle;
+#endif
+  status = smap_many_place(map, params, work);
   if (SMAP_RARELY(status != SMAP_OK)) {
     return status;
   }
   smap_many_numbers(map, &numbers);
-  return smap_many_pose(&numbers, &place, pose, work) ? SMAP_OK : SMAP_TIPS;
+  return smap_many_pose(&numbers, pose, work) ? SMAP_OK : SMAP_TIPS;
 }
 
 /* Read a pose under a scaled direction. */

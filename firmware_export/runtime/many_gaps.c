@@ -19,8 +19,8 @@ static void smap_begin_gap(const smap_many_work_t *w, smap_row_t *roll, uint8_t 
 static void smap_find_gap(smap_many_work_t *w, uint8_t e)
 {
   const uint8_t back = w->twin[e];
+  smap_held_t *const o = &w->bench->visit[0].held;
   smap_row_t *roll;
-  smap_held_t o;
   float low, high;
   if (smap_chord(&w->facet[w->owner[e]].at, &w->facet[w->owner[back]].at) > w->map->rock_angle) {
     return;
@@ -29,20 +29,20 @@ static void smap_find_gap(smap_many_work_t *w, uint8_t e)
   if (!(roll[SMAP_ANGLE][0] <= w->map->rock_angle)) {
     return;
   }
-  o.low = SMAP_END;
-  o.high = 1.0f - SMAP_END;
-  o.before = o.after = o.spare = 0.0f;
-  o.turned = roll[SMAP_ANGLE][0];
-  smap_begin_gap(w, roll, e, smap_corner(w, e), smap_end(w, e), &o);
-  smap_hold_rest(w, back, &o);
-  if (!(o.low < o.high)) {
+  o->low = SMAP_END;
+  o->high = 1.0f - SMAP_END;
+  o->before = o->after = o->spare = 0.0f;
+  o->turned = roll[SMAP_ANGLE][0];
+  smap_begin_gap(w, roll, e, smap_corner(w, e), smap_end(w, e), o);
+  smap_hold_rest(w, back);
+  if (!(o->low < o->high)) {
     return;
   }
-  smap_begin_gap(w, smap_roll(w, e), back, smap_end(w, back), smap_corner(w, back), &o);
-  smap_hold_rest(w, e, &o);
-  low = o.low > SMAP_END ? o.low + SMAP_HAIR : 0.0f;
-  high = o.high < 1.0f - SMAP_END ? o.high - SMAP_HAIR : 1.0f;
-  if (high - low > o.spare) {
+  smap_begin_gap(w, smap_roll(w, e), back, smap_end(w, back), smap_corner(w, back), o);
+  smap_hold_rest(w, e);
+  low = o->low > SMAP_END ? o->low + SMAP_HAIR : 0.0f;
+  high = o->high < 1.0f - SMAP_END ? o->high - SMAP_HAIR : 1.0f;
+  if (high - low > o->spare) {
     w->low[e] = low;
     w->low[back] = 1.0f - high;
   }

@@ -13,25 +13,12 @@
  * in w, so the edge lets go between the roots of a quadratic.
  */
 #define SMAP_ONE_LINE 3e-3f /* rad: over an arc as short the line that the robot came over stays what it was */
-#define SMAP_WAYS (SMAP_MANY_RAILS > 2 ? 4 : 3) /* rests that it comes to in a row, as far as is looked into */
 #define SMAP_SPARE 1e-3f /* of the segment: so much longer than all others one part must be */
 #define SMAP_CAUGHT 4e-7f /* of the size: what rounding may alter of S and N */
 #define SMAP_RAISED 2e-7f /* of the size: of R, by the rounding of normals, */
 #define SMAP_FURTHER_ON 1e-7f /* and for each roll after the first */
 #define SMAP_INSIDE 3e-4f /* of the size: further inside a side no rim is a corner */
 #define SMAP_TURNED 1e-6f /* of the size, for each rad: of R */
-
-/* A gap while it is looked at: gravity at both ends of its segment where the roll has come to, and
- * how much higher the com is there. */
-typedef struct {
-  float g[2][3], rise[2];
-  float low, high;   /* of the segment, that are left */
-  float before, after; /* of the segment, that holds without rolling on and adjoins it */
-  float turned;      /* rad, so far */
-  float spare;       /* length of the parts that another one may be of: given up, or not looked into */
-  uint8_t home;      /* the facet on which the other way ends: the one that it balances from */
-  uint8_t line;      /* the edge over which it came, see SMAP_ONE_LINE */
-} smap_held_t;
 
 /* Another part, of some length, may hold too. */
 static void smap_spare(smap_held_t *o, float length)
@@ -163,19 +150,11 @@ static inline uint8_t smap_kind_beyond(const smap_many_work_t *w, uint8_t e)
   return w->twin[e] == SMAP_NONE ? (uint8_t)SMAP_REFUSED : w->facet[w->owner[w->twin[e]]].kind;
 }
 
-/* Whether the facet beyond an edge is near enough for the robot to be caught there: a chord is no longer than its
- * arc. */
-static inline int smap_is_near(const smap_many_work_t *w, const smap_held_t *o, uint8_t e)
+/* Whether a facet is beyond an edge, near enough for the robot to be caught there: a chord is no longer than its arc. */
+static inline int smap_may_catch(const smap_many_work_t *w, const smap_held_t *o, uint8_t e)
 {
-  return smap_chord(&w->facet[w->owner[e]].at, &w->facet[w->owner[w->twin[e]]].at) + o->turned <= w->map->rock_angle;
-}
-
-/* Let go of a part that is not looked into further on: where what is beyond may catch the robot the exact definition
- * may keep it. */
-static void smap_give_up(const smap_many_work_t *w, smap_held_t *o, uint8_t e, const float span[2])
-{
-  smap_spare(o, smap_kind_beyond(w, e) != SMAP_REFUSED && smap_is_near(w, o, e) ? smap_left_of(o, span) : 0.0f);
-  smap_forbid(o, span[0], span[1]);
+  return smap_kind_beyond(w, e) != SMAP_REFUSED &&
+         smap_chord(&w->facet[w->owner[e]].at, &w->facet[w->owner[w->twin[e]]].at) + o->turned <= w->map->rock_angle;
 }
 
 /* Whether a place is within a distance (squared) of the line from a along a direction. */
@@ -210,7 +189,6 @@ static int smap_is_corner(const smap_many_work_t *w, uint8_t facet, uint8_t cont
 static uint8_t smap_mate_along(const smap_many_work_t *w, uint8_t e, uint8_t end)
 {
   const uint8_t mate = w->mate[w->vertex[end]], other = w->vertex[end == e ? w->next[e] : e];
-  const smap_facet_t *f = &w->facet[w->owner[e]];
   float along[3], ahead;
   if (mate == SMAP_NONE || mate == other) {
     return SMAP_NONE;
@@ -218,7 +196,7 @@ static uint8_t smap_mate_along(const smap_many_work_t *w, uint8_t e, uint8_t end
   smap_minus(smap_end(w, e), smap_corner(w, e), along);
   ahead = (w->p[mate][1] - smap_corner(w, end)[1]) * along[1];
   if ((end == e ? ahead : -ahead) <= 0.0f || along[1] * along[1] < 0.5f * smap_dot(along, along) ||
-      smap_extent(w, mate, &f->at) < f->h - 4.0f * SMAP_RECESS * w->map->size) {
+      !smap_touches(w, mate, &w->facet[w->owner[e]])) {
     return SMAP_NONE;
   }
   return mate;
@@ -302,18 +280,12 @@ static void smap_carry(const smap_many_work_t *w, smap_row_t *roll, uint8_t e,
 }
 
 /* Let a gap roll on over edge e onto the rest there, for a part of the segment; 0 where it must not. */
-static int smap_roll_on(smap_many_work_t *w, uint8_t e, const smap_held_t *o, const float span[2],
+static int smap_roll_on(const smap_many_work_t *w, smap_row_t *roll, uint8_t e, const smap_held_t *o, const float span[2],
                         smap_held_t *next)
 {
   const uint8_t back = w->twin[e];
-  smap_row_t *roll;
-  float turned;
+  const float turned = o->turned + roll[SMAP_ANGLE][0];
   next->spare = 0.0f;
-  if (!smap_is_near(w, o, e)) {
-    return 0;
-  }
-  roll = smap_roll(w, e);
-  turned = o->turned + roll[SMAP_ANGLE][0];
   if (turned > w->map->rock_angle) {
     return 0;
   }
@@ -345,15 +317,6 @@ static void smap_take_over(const smap_held_t *next, int held, const float span[2
   }
 }
 
-/* A rest that the robot has come to, over its edge `came`: the edge that is looked at, and which part of the
- * segment before comes here.  On the first rest edges that lead to no other are looked at first: often nothing is
- * left to go on with. */
-typedef struct {
-  smap_held_t held;
-  float span[2];
-  uint8_t came, at, turn;
-} smap_visit_t;
-
 enum { SMAP_TO_NONE = 0, SMAP_TO_RESTS = 1, SMAP_TO_ALL = 2 }; /* which edges are looked at in a turn */
 
 /* Go on to the next edge of a rest; 0 where it has been round. */
@@ -376,45 +339,48 @@ static inline int smap_is_left(smap_many_work_t *w, smap_visit_t *v, float span[
   return smap_leaves(w, v->at, &v->held, span);
 }
 
-/* Go on over the edge that is looked at; returns the rest to look at from then on, which is the same where the
- * robot must not. */
-SMAP_APART static smap_visit_t *smap_come(smap_many_work_t *w, smap_visit_t *v, const float span[2])
+/* Go on over the edge that is looked at, by its roll, to the next visit; 0 where the robot must not. */
+SMAP_APART static uint8_t smap_come(const smap_many_work_t *w, smap_row_t *roll, smap_visit_t *v, const float span[2])
 {
   smap_visit_t *next = v + 1;
   next->came = next->at = w->twin[v->at];
   next->turn = SMAP_TO_ALL;
   next->span[0] = span[0];
   next->span[1] = span[1];
-  if (smap_roll_on(w, v->at, &v->held, span, &next->held)) {
-    return next;
+  if (smap_roll_on(w, roll, v->at, &v->held, span, &next->held)) {
+    return 1;
   }
   smap_take_over(&next->held, 0, span, &v->held);
-  return v;
+  return 0;
 }
 
-/* Keep what is held of a robot that comes to a rest over its edge `came`, there or on rests further on. */
-static void smap_hold_rest(smap_many_work_t *w, uint8_t came, smap_held_t *o)
+/* Keep what is held of a robot that comes to a rest over its edge `came`, there or on rests further on: the first
+ * visit's. */
+static void smap_hold_rest(smap_many_work_t *w, uint8_t came)
 {
-  smap_visit_t visit[SMAP_WAYS], *v = visit;
+  smap_visit_t *const visit = w->bench->visit;
+  uint8_t at = 0;
   float span[2];
-  v->held = *o;
-  v->came = v->at = came;
-  v->turn = SMAP_TO_NONE;
+  visit->came = visit->at = came;
+  visit->turn = SMAP_TO_NONE;
   while (smap_may(w, SMAP_COST_VISIT)) {
+    smap_visit_t *const v = &visit[at];
     const int held = v->held.low < v->held.high;
     if (!held || !smap_look_on(w, v)) {
-      if (v == visit) {
+      if (at == 0) {
         break;
       }
-      v--;
-      smap_take_over(&v[1].held, held, v[1].span, &v->held);
+      at--;
+      smap_take_over(&v->held, held, v->span, &visit[at].held);
     } else if (smap_is_left(w, v, span)) {
-      if (v == visit + SMAP_WAYS - 1 || smap_kind_beyond(w, v->at) != SMAP_REST) {
-        smap_give_up(w, &v->held, v->at, span);
+      const int caught = smap_may_catch(w, &v->held, v->at);
+      if (!caught || at == SMAP_WAYS - 1 || smap_kind_beyond(w, v->at) != SMAP_REST) {
+        /* It is not looked into further on: what may catch the robot the exact definition may keep. */
+        smap_spare(&v->held, caught ? smap_left_of(&v->held, span) : 0.0f);
+        smap_forbid(&v->held, span[0], span[1]);
       } else if (smap_may(w, SMAP_COST_WAY)) {
-        v = smap_come(w, v, span);
+        at = (uint8_t)(at + smap_come(w, smap_roll(w, v->at), v, span));
       }
     }
   }
-  *o = visit[0].held;
 }

@@ -36,9 +36,8 @@ SMAP_APART static void smap_take_inner(const smap_many_work_t *w, uint8_t e, uin
 {
   const uint8_t mate = w->mate[w->vertex[end]];
   const smap_facet_t *f = &w->facet[w->owner[e]], *g = &w->facet[w->owner[w->twin[e]]];
-  const float noise = 4.0f * SMAP_RECESS * w->map->size;
   float spot[3];
-  if (smap_extent(w, mate, &f->at) < f->h - noise || smap_extent(w, mate, &g->at) < g->h - noise) {
+  if (!smap_touches(w, mate, f) || !smap_touches(w, mate, g)) {
     return;
   }
   smap_touch(w, mate, &f->at, spot);
@@ -73,7 +72,7 @@ static float smap_edge_wall(smap_many_work_t *w, uint8_t e, float wall[3])
 }
 
 /* Enter what short arcs join with edge `start` as one facet: its walls, in the order of its edges. */
-static void smap_show(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start)
+SMAP_APART static void smap_show(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start)
 {
   smap_facet_t *f = &w->facet[w->owner[start]];
   const uint8_t at = o->at.shown;
@@ -120,9 +119,8 @@ static void smap_turn_back(const smap_many_t *m, float (*v)[3], uint8_t n)
 }
 #endif
 
-/* Make the pose of a posture; 0 where that fails, and then it reads unsafe. */
-static int smap_many_pose(const smap_many_t *m, const smap_many_place_t *place, smap_many_pose_t *o,
-                          smap_many_work_t *w)
+/* Make the pose of a posture whose contacts are where `w` has them; 0 where that fails, and then it reads unsafe. */
+static int smap_many_pose(const smap_many_t *m, smap_many_pose_t *o, smap_many_work_t *w)
 {
   uint8_t e;
   o->at.shown = o->at.walls = o->at.points = o->at.segments = o->at.sides = o->at.alive = o->at.edge[0] = 0;
@@ -131,14 +129,14 @@ static int smap_many_pose(const smap_many_t *m, const smap_many_place_t *place, 
   o->slack = 5e-4f; /* a sine */
   w->map = m;
   w->roll = o->point;
+  w->bench = (smap_bench_t *)o->wall;
   w->facets = w->edges = w->rolls = w->full = 0;
   w->posture = 0.0f;
   w->left = SMAP_MOST(m, work, SMAP_MANY_WORK);
-  smap_find_facets(w, place);
+  smap_find_facets(w);
   if (w->left) {
     smap_classify(w);
-    smap_mark_short(w);
-    smap_find_outlines(w);
+    smap_find_outlines(w, smap_mark_short(w));
 #if SMAP_MANY_GAPS
     smap_find_gaps(w);
 #endif

@@ -75,14 +75,14 @@ static void smap_next_bend(const smap_many_work_t *w, smap_hull_t *o, uint8_t k,
   o->bend[k] = SMAP_NEVER;
   o->onto[k] = SMAP_NONE;
   for (j = w->map->first[k]; j < w->map->first[k + 1]; j++) {
-    const float x = w->p[j][0] - w->p[i][0], z = w->p[j][2] - w->p[i][2];
+    const float x = w->p[j][0] - w->p[i][0], z = w->p[j][2] - w->p[i][2], q = w->r[j] - w->r[i];
     float at;
-    if (j == i) {
+    if (j == i || (x < 0.0f && q == 0.0f)) { /* of one size: it has been left behind */
       continue;
     }
     /* One that sinks is above by rounding alone: wheels of one size in a row would take turns. */
     at = x * (1.0f - u * u) + 2.0f * z * u < 0.0f ? u + SMAP_ROUNDED : u;
-    at = smap_crossing(x, z, w->r[j] - w->r[i], at);
+    at = smap_crossing(x, z, q, at);
     if (at < o->bend[k]) {
       o->bend[k] = at;
       o->onto[k] = j;
@@ -190,7 +190,7 @@ static void smap_find_mates(smap_many_work_t *w)
 #endif
 
 /* Put the contacts into the frame of the axis; find each rail's disc at a pitch of -90 deg. */
-static void smap_lay_out(smap_many_work_t *w, const smap_many_place_t *place, smap_hull_t *o)
+static void smap_lay_out(smap_many_work_t *w, smap_hull_t *o)
 {
   const smap_many_t *m = w->map;
   uint8_t k, i;
@@ -198,11 +198,9 @@ static void smap_lay_out(smap_many_work_t *w, const smap_many_place_t *place, sm
     const uint8_t first = m->first[k];
     uint8_t best = first;
     for (i = first; i < m->first[k + 1]; i++) {
-      const float *p = place->contact[i].p;
-      w->p[i][0] = p[0] * m->axis[1] - p[1] * m->axis[0];
-      w->p[i][1] = i == first ? p[0] * m->axis[0] + p[1] * m->axis[1] : w->p[first][1];
-      w->p[i][2] = p[2];
-      w->r[i] = place->contact[i].radius;
+      const float x = w->p[i][0], y = w->p[i][1];
+      w->p[i][0] = x * m->axis[1] - y * m->axis[0];
+      w->p[i][1] = i == first ? x * m->axis[0] + y * m->axis[1] : w->p[first][1];
       w->rail[i] = k;
       if (w->r[i] - w->p[i][0] > w->r[best] - w->p[best][0]) {
         best = i;
@@ -252,6 +250,14 @@ static inline float smap_extent(const smap_many_work_t *w, uint8_t i, const smap
          w->p[i][1] * at->n[1];
 }
 
+#if SMAP_MANY_RAILS > 2
+/* Whether a contact touches a facet's plane, as rounding has it. */
+static inline int smap_touches(const smap_many_work_t *w, uint8_t contact, const smap_facet_t *f)
+{
+  return !(smap_extent(w, contact, &f->at) < f->h - 4.0f * SMAP_RECESS * w->map->size);
+}
+#endif
+
 /* Where a contact touches a plane, along and across. */
 static inline void smap_find_spot(const smap_many_work_t *w, uint8_t i, const smap_aim_t *at,
                                   const float along[3], const float across[3], smap_spot_t *o)
@@ -259,7 +265,6 @@ static inline void smap_find_spot(const smap_many_work_t *w, uint8_t i, const sm
   const float *p = w->p[i];
   o->a = p[0] * along[0] + p[2] * along[2];
   o->b = p[1] * across[1] - at->n[1] * smap_level(w, i, at->s, at->c);
-  o->contact = i;
 }
 
 /* The direction with a pitch and a slope; returns the length of (s, t, -c). */
@@ -279,13 +284,13 @@ static inline float smap_slope(smap_aim_t *o, float s, float c, float t)
 static void smap_on_arc(const smap_many_work_t *w, uint8_t i, uint8_t j, const smap_aim_t *from,
                         const smap_aim_t *to, float part, smap_aim_t *out)
 {
-  float n[3], size, s, c;
-  smap_mix(from->n, to->n, part, n);
-  size = 1.0f / smap_root(n[0] * n[0] + n[2] * n[2]);
-  s = n[0] * size;
-  c = -n[2] * size;
+  float size, s, c;
+  smap_mix(from->n, to->n, part, out->n);
+  size = 1.0f / smap_root(out->n[0] * out->n[0] + out->n[2] * out->n[2]);
+  s = out->n[0] * size;
+  c = -out->n[2] * size;
   if (w->rail[i] == w->rail[j]) {
-    (void)smap_slope(out, s, c, n[1] * size);
+    (void)smap_slope(out, s, c, out->n[1] * size);
   } else {
     (void)smap_slope(out, s, c, (smap_level(w, i, s, c) - smap_level(w, j, s, c)) /
                                     (w->p[j][1] - w->p[i][1]));
@@ -394,12 +399,12 @@ static void smap_swap(smap_many_work_t *w, smap_hull_t *o, uint8_t k, float u, f
 }
 
 /* Fill the complex of one posture. */
-static void smap_find_facets(smap_many_work_t *w, const smap_many_place_t *place)
+SMAP_APART static void smap_find_facets(smap_many_work_t *w)
 {
   smap_hull_t o;
   uint8_t k, which;
   float u = -1.0f, first;
-  smap_lay_out(w, place, &o);
+  smap_lay_out(w, &o);
   while (u <= 1.0f && smap_may(w, SMAP_COST_EVENT)) {
     float scale, s, c;
     int bends = 0;

@@ -9,33 +9,41 @@
 #define SMAP_TURN_SHORT 4e-5f   /* rad: arcs as short as this join what is one facet */
 #define SMAP_TURN_ROUNDED 2e-6f /* rad: the same for a robot that may not rock */
 
-/* List the contacts that reach as far as `top` along a plane's normal, sorted by b; none where one
- * reaches beyond `most`. */
-static uint8_t smap_list_spots(const smap_many_work_t *w, const smap_aim_t *aim, float top,
-                               float most, smap_spot_t *spot)
+/* List the contacts that reach as far as `top` along a plane's normal; none where one reaches beyond `most`. */
+static uint8_t smap_list_near(const smap_many_work_t *w, const smap_aim_t *aim, float top, float most,
+                              uint8_t *contact)
 {
-  const smap_aim_t plane = *aim; /* no store to a spot can alter it */
+  const smap_aim_t plane = *aim; /* no store can alter it */
   const uint8_t contacts = smap_contacts_of(w->map);
-  float along[3], across[3];
-  uint8_t i, at, count = 0;
-  smap_frame(&plane, along, across);
+  uint8_t i, count = 0;
   for (i = 0; i < contacts; i++) {
     const float reach = smap_extent(w, i, &plane);
-    smap_spot_t here;
     if (reach > most) {
       return 0;
     }
-    if (!(reach >= top)) {
-      continue;
+    if (reach >= top) {
+      contact[count++] = i;
     }
-    smap_find_spot(w, i, &plane, along, across, &here);
-    for (at = count++; at > 0 && (spot[at - 1].b > here.b ||
-                                  (spot[at - 1].b == here.b && spot[at - 1].a < here.a)); at--) {
+  }
+  return count;
+}
+
+/* Find where contacts touch a plane, sorted by b. */
+static void smap_find_spots(const smap_many_work_t *w, const smap_aim_t *aim, const uint8_t *contact, uint8_t count,
+                            smap_spot_t *spot)
+{
+  float along[3], across[3];
+  uint8_t k, at;
+  smap_frame(aim, along, across);
+  for (k = 0; k < count; k++) {
+    smap_spot_t here;
+    smap_find_spot(w, contact[k], aim, along, across, &here);
+    for (at = k; at > 0 && (spot[at - 1].b > here.b ||
+                            (spot[at - 1].b == here.b && spot[at - 1].a < here.a)); at--) {
       spot[at] = spot[at - 1];
     }
     spot[at] = here;
   }
-  return count;
 }
 
 static inline float smap_bend_of(const smap_spot_t *o, const smap_spot_t *p, const smap_spot_t *q)
@@ -47,13 +55,6 @@ static inline float smap_bend_of(const smap_spot_t *o, const smap_spot_t *p, con
 static uint8_t smap_polygon(smap_many_work_t *w, const smap_spot_t *spot, uint8_t count, uint8_t *corner)
 {
   uint8_t n = 0, k, i, least = 1;
-  if (count == 3) {
-    const float bend = smap_bend_of(&spot[0], &spot[1], &spot[2]);
-    corner[0] = 0;
-    corner[1] = bend > 0.0f ? 1 : 2;
-    corner[2] = bend > 0.0f ? 2 : 1;
-    return bend != 0.0f ? 3 : 2;
-  }
   if (!smap_may(w, 2u * SMAP_COST_CORNER * count)) {
     return 0;
   }
@@ -71,22 +72,11 @@ static uint8_t smap_polygon(smap_many_work_t *w, const smap_spot_t *spot, uint8_
   return (uint8_t)(n > 0 ? n - 1u : 0u);
 }
 
-static inline float smap_apart2(const smap_spot_t *p, const smap_spot_t *q)
-{
-  return (q->a - p->a) * (q->a - p->a) + (q->b - p->b) * (q->b - p->b);
-}
-
 /* Whether a polygon is at least `width` wide in every direction. */
 static int smap_wide(smap_many_work_t *w, const smap_spot_t *spot, const uint8_t *corner, uint8_t n,
                      float width)
 {
   uint8_t side, j;
-  if (n == 3) {
-    const smap_spot_t *a = &spot[corner[0]], *b = &spot[corner[1]], *c = &spot[corner[2]];
-    const float area = smap_bend_of(a, b, c), wanted = area / width, most = wanted * wanted;
-    return area > 0.0f && smap_apart2(a, b) <= most && smap_apart2(b, c) <= most &&
-           smap_apart2(c, a) <= most;
-  }
   for (side = 0; side < n && smap_may(w, SMAP_COST_SIDE); side++) {
     const uint8_t next = (uint8_t)(side + 1 < n ? side + 1 : 0);
     const smap_spot_t *o = &spot[corner[side]], *q = &spot[corner[next]];
@@ -132,57 +122,146 @@ static int smap_centroid(const smap_spot_t *spot, const uint8_t *corner, uint8_t
   return 1;
 }
 
-static void smap_classify(smap_many_work_t *w)
+/* The square of twice the area of a triangle, and that of its longest side. */
+static inline float smap_area2(const float (*corner)[3], float *longest)
 {
+  float a[3], b[3], other, third;
+  smap_minus(corner[1], corner[0], a);
+  smap_minus(corner[2], corner[0], b);
+  *longest = smap_dot(a, a);
+  other = smap_dot(b, b);
+  third = *longest + other - 2.0f * smap_dot(a, b); /* to the last digits where it is the longest */
+  *longest = other > *longest ? other : *longest;
+  *longest = third > *longest ? third : *longest;
+  other = a[1] * b[2] - a[2] * b[1];
+  third = a[2] * b[0] - a[0] * b[2];
+  a[2] = a[0] * b[1] - a[1] * b[0];
+  return other * other + third * third + a[2] * a[2];
+}
+
+/* Whether a triangle is at least `width` wide: it is least wide across its longest side. */
+static int smap_is_broad(const float (*corner)[3], float width)
+{
+  float longest;
+  const float area2 = smap_area2(corner, &longest);
+  return area2 > 0.0f && area2 >= width * width * longest;
+}
+
+/* Whether a facet that three contacts are near, as most are, has just these for corners. */
+static inline int smap_is_triangle(const smap_many_work_t *w, const smap_facet_t *facet, uint8_t count)
+{
+  return count == 3 && w->next[facet->first + 2u] == facet->first;
+}
+
+SMAP_APART static void smap_classify(smap_many_work_t *w)
+{
+  const float width = w->map->rock_angle >= 3.1415f ? 0.0f : w->map->rest_width;
   smap_spot_t spot[SMAP_MANY_CONTACTS];
-  uint8_t corner[2 * SMAP_MANY_CONTACTS + 1], f, k;
+  uint8_t corner[2 * SMAP_MANY_CONTACTS + 1] = {0}, f, k;
   for (f = 0; f < w->facets && smap_may(w, SMAP_COST_KIND); f++) {
     smap_facet_t *facet = &w->facet[f];
-    const uint8_t count = smap_list_spots(w, &facet->at, facet->h - w->map->tolerance,
-                                          facet->h + SMAP_BELOW * w->map->size, spot);
-    const uint8_t n = smap_polygon(w, spot, count, corner);
-    facet->kind = count ? SMAP_STAGE : SMAP_REFUSED;
-    if (count == 0) {
-      continue;
+    const float(*const at)[3] = (const float(*)[3])w->corner + facet->first;
+    const uint8_t count = smap_list_near(w, &facet->at, facet->h - w->map->tolerance,
+                                         facet->h + SMAP_BELOW * w->map->size, corner);
+    int wide = 0, whole = 0;
+    if (smap_is_triangle(w, facet, count)) {
+      wide = smap_is_broad(at, width);
+    } else if (count != 0) {
+      uint8_t n;
+      smap_find_spots(w, &facet->at, corner, count, spot);
+      n = smap_polygon(w, spot, count, corner);
+      whole = n >= 3 && smap_centroid(spot, corner, n, facet, facet->centre);
+      wide = whole && smap_wide(w, spot, corner, n, width);
     }
-    if (n < 3 || !smap_centroid(spot, corner, n, facet, facet->centre)) {
+    if (!whole) {
       SMAP_THRICE
       for (k = 0; k < 3; k++) {
-        const uint8_t e = facet->first;
-        facet->centre[k] = (w->corner[e][k] + w->corner[e + 1][k] + w->corner[e + 2][k]) * (1.0f / 3.0f);
+        facet->centre[k] = (at[0][k] + at[1][k] + at[2][k]) * (1.0f / 3.0f);
       }
-    } else if (w->map->rock_angle >= 3.1415f || smap_wide(w, spot, corner, n, w->map->rest_width)) {
-      facet->kind = SMAP_REST;
     }
+    facet->kind = wide ? SMAP_REST : count ? SMAP_STAGE : SMAP_REFUSED;
   }
 }
 
-/* Mark the arcs between rests that are one but for rounding. */
-static void smap_mark_short(smap_many_work_t *w)
+/* Mark the arcs between rests that are one but for rounding, and tell whether there is any. */
+static int smap_mark_short(smap_many_work_t *w)
 {
   const float turn = w->map->rock_angle < SMAP_TURN_SHORT ? SMAP_TURN_ROUNDED : SMAP_TURN_SHORT;
   uint8_t e;
+  int any = 0;
   for (e = 0; e < w->edges; e++) {
     const uint8_t back = w->twin[e];
     w->roll_of[e] = SMAP_NONE;
-    if (back == SMAP_NONE || back > e) {
-      w->low[e] = SMAP_OPEN;
-    } else {
+    w->low[e] = SMAP_OPEN;
+    if (back < e) {
       const smap_facet_t *f = &w->facet[w->owner[e]], *g = &w->facet[w->owner[back]];
       float d[3];
       smap_minus(f->at.n, g->at.n, d);
-      w->low[e] = w->low[back] = f->kind == SMAP_REST && g->kind == SMAP_REST &&
-                                         smap_dot(d, d) < turn * turn
-                                     ? SMAP_SHORT
-                                     : SMAP_OPEN;
+      if (smap_dot(d, d) < turn * turn && f->kind == SMAP_REST && g->kind == SMAP_REST) {
+        w->low[e] = w->low[back] = SMAP_SHORT;
+        any = 1;
+      }
+    }
+  }
+  return any;
+}
+
+#if SMAP_MANY_GAPS && SMAP_MANY_RAILS
+/* The facet of the largest triangle along an outline: rounding, and what inner rails count as higher, alter its plane
+ * least. */
+static uint8_t smap_largest(smap_many_work_t *w, uint8_t start)
+{
+  uint8_t e = start, best = w->owner[start];
+  float most = 0.0f, longest;
+  do {
+    const uint8_t here = w->owner[e];
+    const float area2 = smap_area2((const float(*)[3])w->corner + w->facet[here].first, &longest);
+    best = area2 > most ? here : best;
+    most = area2 > most ? area2 : most;
+    w->seen[e] = 1;
+    e = w->onward[e];
+  } while (e != start && smap_may(w, SMAP_COST_OUTLINE));
+  return best;
+}
+
+/* Give the facets along an outline the plane of the largest. */
+SMAP_APART static void smap_share_plane(smap_many_work_t *w, uint8_t start)
+{
+  const uint8_t best = smap_largest(w, start);
+  uint8_t e = start;
+  do {
+    const uint8_t here = w->owner[e];
+    if (here != best) {
+      w->facet[here].at = w->facet[best].at;
+      w->facet[here].h = w->facet[best].h;
+      smap_touch(w, w->vertex[e], &w->facet[here].at, w->corner[e]);
+    }
+    e = w->onward[e];
+  } while (e != start && smap_may(w, SMAP_COST_OUTLINE));
+}
+
+/* Give facets that short arcs join one plane: nobody rolls from one of them to another, so that what a roll ends on
+ * would not be what the next one begins from. */
+static void smap_share_planes(smap_many_work_t *w)
+{
+  uint8_t start;
+  memset(w->seen, 0, sizeof w->seen);
+  for (start = 0; start < w->edges; start++) {
+    if (!w->seen[start] && w->low[start] != SMAP_SHORT && w->owner[w->onward[start]] != w->owner[start]) {
+      smap_share_plane(w, start);
     }
   }
 }
+#endif
 
-/* Find the outlines of what short arcs join: no short arc is gone over twice. */
-static void smap_find_outlines(smap_many_work_t *w)
+/* Find the outlines of what short arcs join, if there is any: no short arc is gone over twice. */
+static void smap_find_outlines(smap_many_work_t *w, int joined)
 {
   uint8_t e, left = SMAP_MOST(w->map, edges, SMAP_MANY_EDGES);
+  if (SMAP_MANY_RAILS && !joined) { /* elsewhere it would cost more bytes than time */
+    memcpy(w->onward, w->next, w->edges);
+    return;
+  }
   for (e = 0; e < w->edges; e++) {
     uint8_t at = w->next[e];
     for (; w->low[e] != SMAP_SHORT && w->low[at] == SMAP_SHORT && left > 0; left--) {
@@ -190,4 +269,7 @@ static void smap_find_outlines(smap_many_work_t *w)
     }
     w->onward[e] = at;
   }
+#if SMAP_MANY_GAPS && SMAP_MANY_RAILS
+  smap_share_planes(w);
+#endif
 }

@@ -12,12 +12,18 @@
 #define SMAP_UNEVEN 1.5f /* and more from this ratio of a disc's paces along its rim on, */
 #define SMAP_MOST_UNEVEN 16.0f /* up to so many times */
 
-static float smap_chord(const smap_aim_t *a, const smap_aim_t *b)
+/* The chord between two normals. */
+static float smap_apart(const float a[3], const float b[3])
 {
   float d[3], size2;
-  smap_minus(a->n, b->n, d);
+  smap_minus(a, b, d);
   size2 = smap_dot(d, d);
   return smap_root(size2 < 4.0f ? size2 : 4.0f); /* no number: as far as can be */
+}
+
+static float smap_chord(const smap_aim_t *a, const smap_aim_t *b)
+{
+  return smap_apart(a->n, b->n);
 }
 
 static float smap_angle(const smap_aim_t *a, const smap_aim_t *b)
@@ -26,93 +32,101 @@ static float smap_angle(const smap_aim_t *a, const smap_aim_t *b)
 }
 
 /* The same of a step of a roll, at most 0.4 rad, to 1e-6 rad. */
-static float smap_small_angle(const smap_aim_t *a, const smap_aim_t *b)
+static float smap_small_angle(const float a[3], const float b[3])
 {
-  const float chord = smap_chord(a, b), z = chord * chord;
+  const float chord = smap_apart(a, b), z = chord * chord;
   return chord + chord * z * (1.0f / 24.0f + z * (3.0f / 640.0f));
 }
 
-/* Two unit vectors across a normal. */
-typedef struct {
-  float t[3], b[3];
-} smap_across_t;
-
-/* Two of them, of any direction. */
-static void smap_begin_across(const float n[3], smap_across_t *o)
+/* Two vectors across a normal, of any direction. */
+static void smap_begin_across(const float n[3], float t[3], float b[3])
 {
   const uint8_t k = n[0] * n[0] < 0.5f ? 0 : 1; /* an axis that is not along the normal */
   const float far = 1.0f / smap_root(1.0f - n[k] * n[k]);
   float axis[3] = {0.0f, 0.0f, 0.0f};
   axis[k] = far;
-  smap_cross(n, axis, o->t);
-  smap_cross(n, o->t, o->b);
+  smap_cross(n, axis, t);
+  smap_cross(n, t, b);
 }
 
 /* Turn them by the least rotation from normal a to normal n, and by a small angle about n. */
 static void smap_turn_across(const float a[3], const float n[3], float spin, smap_across_t *o)
 {
   const float part = -smap_dot(n, o->t) / (1.0f + smap_dot(a, n)), left = 1.0f - 0.5f * spin * spin;
-  float t[3], b[3];
   uint8_t k;
   SMAP_THRICE
   for (k = 0; k < 3; k++) {
-    t[k] = o->t[k] + part * (a[k] + n[k]);
+    o->t[k] += part * (a[k] + n[k]);
   }
-  smap_cross(n, t, b);
+  smap_cross(n, o->t, o->b);
   SMAP_THRICE
   for (k = 0; k < 3; k++) {
-    o->t[k] = left * t[k] + spin * b[k];
-    o->b[k] = left * b[k] - spin * t[k];
+    const float t = o->t[k], b = o->b[k];
+    o->t[k] = left * t + spin * b;
+    o->b[k] = left * b - spin * t;
   }
 }
 
-/* Add p u + q v + r x of three places, as the frame on normal n sees it. */
-static void smap_add_seen(const smap_across_t *o, const float n[3], const float (*place)[3], float p,
-                          float q, float r, float sum[3])
+/* Add p, q and r times the three places, as the frame on normal n sees it. */
+static void smap_add_seen(const smap_bench_t *o, const float n[3], float p, float q, float r, float sum[3])
 {
   float v[3];
   uint8_t k;
   SMAP_THRICE
   for (k = 0; k < 3; k++) {
-    v[k] = p * place[0][k] + q * place[1][k] + r * place[2][k];
+    v[k] = p * o->place[0][k] + q * o->place[1][k] + r * o->place[2][k];
   }
-  sum[0] += smap_dot(o->t, v);
+  sum[0] += smap_dot(o->turned.t, v);
   sum[1] += smap_dot(n, v);
-  sum[2] += smap_dot(o->b, v);
+  sum[2] += smap_dot(o->turned.b, v);
 }
 
-/* Roll two steps, from normal a over b to c, over a contact that touches at three places.
+/* Roll two steps, from the bench's normal over b to c, over a contact that touches at its three places.
  *
  * The com's height over the contact is g . p; the ground's own changes by -g . dp: together the
- * integral of p . dg, both as parabolas through three values.  Where the arc is bent gravity turns
- * about the normal by the solid angle between the arc and its chords (Archimedes). */
-static float smap_roll_pair(const float (*place)[3], const smap_aim_t *a, const smap_aim_t *b,
-                            const smap_aim_t *c, smap_across_t *o, float sum[3])
+ * integral of p . dg, both as parabolas through three values.  Places are from where the roll begins: what is left out
+ * by that, with which a rise that is a hundredth of it would lose its digits, is that place . (g after - g before).
+ * Where the arc is bent gravity turns about the normal by the solid angle between the arc and its chords (Archimedes). */
+static float smap_roll_pair(smap_bench_t *o, const float b[3], const float c[3], float sum[3])
 {
+  const float *const a = o->normal;
   float side[3], spin, steps;
-  smap_cross(b->n, c->n, side);
-  spin = smap_dot(a->n, side) * (1.0f / 3.0f) /
-         (1.0f + smap_dot(a->n, b->n) + smap_dot(b->n, c->n) + smap_dot(c->n, a->n));
-  smap_add_seen(o, a->n, place, -0.5f, -2.0f / 3.0f, 1.0f / 6.0f, sum);
-  smap_turn_across(a->n, b->n, spin, o);
-  smap_add_seen(o, b->n, place, 2.0f / 3.0f, 0.0f, -2.0f / 3.0f, sum);
-  smap_turn_across(b->n, c->n, spin, o);
-  smap_add_seen(o, c->n, place, -1.0f / 6.0f, 2.0f / 3.0f, 0.5f, sum);
+  smap_cross(b, c, side);
+  spin = smap_dot(a, side) * (1.0f / 3.0f) / (1.0f + smap_dot(a, b) + smap_dot(b, c) + smap_dot(c, a));
+  smap_add_seen(o, a, -0.5f, -2.0f / 3.0f, 1.0f / 6.0f, sum);
+  smap_turn_across(a, b, spin, &o->turned);
+  smap_add_seen(o, b, 2.0f / 3.0f, 0.0f, -2.0f / 3.0f, sum);
+  smap_turn_across(b, c, spin, &o->turned);
+  smap_add_seen(o, c, -1.0f / 6.0f, 2.0f / 3.0f, 0.5f, sum);
   steps = smap_small_angle(a, b) + smap_small_angle(b, c);
-  return steps + (steps - smap_small_angle(a, c)) * (1.0f / 3.0f);
+  steps += (steps - smap_small_angle(a, c)) * (1.0f / 3.0f);
+  smap_copy(c, o->normal);
+  smap_copy(o->place[2], o->place[0]);
+  return steps;
 }
 
-/* Fill in what a roll does from its frames at both ends and its rise as they see it. */
-static void smap_end_roll(const float a[3], const smap_across_t *from, const float b[3],
-                          const smap_across_t *to, const float sum[3], smap_row_t *o)
+/* Fill in what a roll does from its frame at its start, on normal a, which its first two rows hold, and that at the
+ * end, on normal b, where it begins, and its rise but for that as they see it. */
+static void smap_end_roll(const float a[3], const float b[3], const float origin[3], smap_bench_t *bench, smap_row_t *o)
 {
+  const smap_across_t *to = &bench->turned;
+  float *const from_t = bench->place[0], *const from_b = bench->place[1]; /* places are no longer needed */
+  float sum[3] = {o[SMAP_RISE][0], o[SMAP_RISE][1], o[SMAP_RISE][2]};
   uint8_t k, n;
+  smap_copy(o[0], from_t);
+  smap_copy(o[1], from_b);
   SMAP_THRICE
   for (k = 0; k < 3; k++) {
-    o[SMAP_RISE][k] = sum[0] * from->t[k] + sum[1] * a[k] + sum[2] * from->b[k];
+    sum[0] += origin[k] * (to->t[k] - from_t[k]);
+    sum[1] += origin[k] * (b[k] - a[k]);
+    sum[2] += origin[k] * (to->b[k] - from_b[k]);
+  }
+  SMAP_THRICE
+  for (k = 0; k < 3; k++) {
+    o[SMAP_RISE][k] = sum[0] * from_t[k] + sum[1] * a[k] + sum[2] * from_b[k];
     SMAP_THRICE
     for (n = 0; n < 3; n++) {
-      o[k][n] = to->t[k] * from->t[n] + b[k] * a[n] + to->b[k] * from->b[n];
+      o[k][n] = to->t[k] * from_t[n] + b[k] * a[n] + to->b[k] * from_b[n];
     }
   }
 }
@@ -151,22 +165,20 @@ static float smap_unevenness(const smap_many_work_t *w, uint8_t i, const smap_ai
 SMAP_APART static void smap_find_roll(smap_many_work_t *w, uint8_t e, smap_row_t *o)
 {
   const uint8_t i = w->vertex[e], j = w->vertex[w->next[e]], back = w->twin[e];
-  const smap_aim_t *from = &w->facet[w->owner[e]].at, *to = &w->facet[w->owner[back]].at;
-  smap_aim_t here = *from, half, there;
-  smap_across_t first, last;
-  float sum[3] = {0.0f, 0.0f, 0.0f}, place[3][3];
+  const smap_aim_t *const from = &w->facet[w->owner[e]].at, *const to = &w->facet[w->owner[back]].at;
+  smap_bench_t *const bench = w->bench;
+  const float *origin = smap_corner(w, e);
+  smap_aim_t half, there;
   uint8_t k, pairs;
-  smap_begin_across(from->n, &first);
-  last = first;
+  smap_begin_across(from->n, o[0], o[1]);
+  smap_copy(o[0], bench->turned.t);
+  smap_copy(o[1], bench->turned.b);
+  smap_copy(from->n, bench->normal);
+  o[SMAP_RISE][0] = o[SMAP_RISE][1] = o[SMAP_RISE][2] = 0.0f;
   o[SMAP_ANGLE][0] = smap_angle(from, to);
-  smap_copy(smap_corner(w, e), place[0]);
   if (smap_is_still(w, i, j)) {
     /* Over two places that stay: one step, of any length. */
-    smap_copy(smap_end(w, back), place[1]);
-    smap_copy(place[1], place[2]);
-    smap_add_seen(&last, from->n, (const float(*)[3])place, -1.0f, 0.0f, 0.0f, sum);
-    smap_turn_across(from->n, to->n, 0.0f, &last);
-    smap_add_seen(&last, to->n, (const float(*)[3])place, 0.0f, 0.0f, 1.0f, sum);
+    smap_turn_across(from->n, to->n, 0.0f, &bench->turned);
   } else {
     const float own = smap_rim_chord(smap_corner(w, e), smap_end(w, back), w->r[i]);
     const float other = smap_rim_chord(smap_end(w, e), smap_corner(w, back), w->r[j]);
@@ -175,15 +187,15 @@ SMAP_APART static void smap_find_roll(smap_many_work_t *w, uint8_t e, smap_row_t
     float uneven, second;
     smap_on_arc(w, i, j, from, to, 0.5f, &half);
     uneven = smap_unevenness(w, i, from, &half, to);
-    second = smap_unevenness(w, j, from, &half, to);
+    second = SMAP_MANY_RAILS && w->r[i] > 0.0f ? uneven : smap_unevenness(w, j, from, &half, to);
     uneven = (uneven > second ? uneven : second) * SMAP_PAIRS * (beyond > angle ? beyond : angle);
     pairs = (uint8_t)(uneven < 199.0f ? 1.0f + uneven : 200.0f);
     if (own * w->r[i] > other * w->r[j]) {
       /* Both tell how far the com rises; the other one's contact goes a shorter way. */
       over = j;
-      smap_copy(smap_end(w, e), place[0]);
+      origin = smap_end(w, e);
     }
-    o[SMAP_ANGLE][0] = 0.0f;
+    o[SMAP_ANGLE][0] = bench->place[0][0] = bench->place[0][1] = bench->place[0][2] = 0.0f;
     for (k = 1; k <= pairs && smap_may(w, SMAP_COST_PAIR); k++) {
       if (pairs > 1) {
         smap_on_arc(w, i, j, from, to, ((float)k - 0.5f) / (float)pairs, &half);
@@ -192,14 +204,20 @@ SMAP_APART static void smap_find_roll(smap_many_work_t *w, uint8_t e, smap_row_t
       if (k < pairs) {
         smap_on_arc(w, i, j, from, to, (float)k / (float)pairs, &there);
       }
-      smap_touch(w, over, &half, place[1]);
-      smap_touch(w, over, &there, place[2]);
-      o[SMAP_ANGLE][0] += smap_roll_pair((const float(*)[3])place, &here, &half, &there, &last, sum);
-      smap_copy(place[2], place[0]);
-      here = there;
+      smap_touch(w, over, &half, bench->place[1]);
+      smap_touch(w, over, &there, bench->place[2]);
+      smap_minus(bench->place[1], origin, bench->place[1]);
+      smap_minus(bench->place[2], origin, bench->place[2]);
+      o[SMAP_ANGLE][0] += smap_roll_pair(bench, half.n, there.n, o[SMAP_RISE]);
     }
   }
-  smap_end_roll(from->n, &first, to->n, &last, sum, o);
+  smap_end_roll(from->n, to->n, origin, bench, o);
+}
+
+/* A roll for which no work is left: the pose fails, or its gap is given up. */
+SMAP_APART static void smap_no_roll(smap_row_t *o)
+{
+  memset(o, 0, sizeof(smap_row_t) * SMAP_ROLL);
 }
 
 /* The roll over an edge onto the facet beyond; each arc's is found once, and is good until the next
@@ -219,7 +237,7 @@ static smap_row_t *smap_roll(smap_many_work_t *w, uint8_t e)
     if (smap_may(w, SMAP_COST_ROLL)) {
       smap_find_roll(w, e, w->roll + SMAP_ROLL * k);
     } else {
-      memset(w->roll + SMAP_ROLL * k, 0, sizeof(smap_row_t) * SMAP_ROLL);
+      smap_no_roll(w->roll + SMAP_ROLL * k);
     }
   }
   return w->roll + SMAP_ROLL * k;

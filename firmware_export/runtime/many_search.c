@@ -129,6 +129,11 @@ SMAP_APART static uint8_t smap_cut_slivers(const smap_many_work_t *w, const smap
   return kept;
 }
 
+static inline float smap_apart2(const smap_spot_t *p, const smap_spot_t *q)
+{
+  return (q->a - p->a) * (q->a - p->a) + (q->b - p->b) * (q->b - p->b);
+}
+
 /* Whether a spot lies inside a side of a polygon, and next to it. */
 static int smap_is_beside(const smap_many_work_t *w, const smap_spot_t *a, const smap_spot_t *b, const smap_spot_t *o)
 {
@@ -153,8 +158,9 @@ static uint8_t smap_side_beside(const smap_many_work_t *w, const smap_spot_t *sp
   return at;
 }
 
-/* Make corners of all spots that lie just inside a side: while a wheel rolls it rises less than a ball, so that the
- * robot may never stand on the whole side, but on one part of it and then on the other. */
+/* Make corners of all spots that lie just inside a side: while a wheel rolls it rises less than a ball, and of what
+ * is alike rounding decides which touches, so that the robot may never stand on the whole side, but on one part of it
+ * and then on the other. */
 static uint8_t smap_indent_sides(const smap_many_work_t *w, const smap_spot_t *spot, uint8_t count, uint8_t *corner,
                                  uint8_t corners)
 {
@@ -179,9 +185,11 @@ static uint8_t smap_corners_near(smap_many_work_t *w, const smap_aim_t *at, floa
                                             uint8_t *contact)
 {
   smap_spot_t spot[SMAP_MANY_CONTACTS];
-  uint8_t corner[2 * SMAP_MANY_CONTACTS + 1], k;
-  const uint8_t count = smap_list_spots(w, at, top, 4.0f * w->map->size, spot);
-  const uint8_t n = smap_indent_sides(w, spot, count, corner, smap_polygon(w, spot, count, corner));
+  uint8_t corner[2 * SMAP_MANY_CONTACTS + 1] = {0}, k;
+  const uint8_t count = smap_list_near(w, at, top, 4.0f * w->map->size, corner);
+  uint8_t n;
+  smap_find_spots(w, at, corner, count, spot);
+  n = smap_indent_sides(w, spot, count, corner, smap_polygon(w, spot, count, corner));
   for (k = 0; k < n; k++) {
     /* From outside (a, b) is left-handed. */
     contact[k] = spot[corner[n - 1u - k]].contact;
@@ -404,25 +412,11 @@ SMAP_APART static void smap_find_twin(smap_many_work_t *w, uint8_t e)
   }
 }
 
-/* Take the contacts over from where they are. */
-static void smap_take(smap_many_work_t *w, const smap_many_place_t *place)
-{
-  uint8_t k;
-#if SMAP_MANY_AXLES
-  w->axle = place->axle;
-#endif
-  for (k = 0; k < smap_contacts_of(w->map); k++) {
-    smap_copy(place->contact[k].p, w->p[k]);
-    w->r[k] = place->contact[k].radius;
-  }
-}
-
 /* Fill the complex of one posture. */
-static void smap_find_facets(smap_many_work_t *w, const smap_many_place_t *place)
+SMAP_APART static void smap_find_facets(smap_many_work_t *w)
 {
   const uint8_t count = smap_contacts_of(w->map);
   uint8_t i, j, k, e;
-  smap_take(w, place);
   for (i = 0; i + 2 < count; i++) {
     for (j = (uint8_t)(i + 1u); j + 1 < count; j++) {
       for (k = (uint8_t)(j + 1u); k < count; k++) {

@@ -51,18 +51,6 @@
 
 enum { SMAP_REFUSED = 0, SMAP_STAGE = 1, SMAP_REST = 2 };
 
-typedef struct {
-  float p[3];
-  float radius;
-} smap_contact_t;
-
-typedef struct {
-  smap_contact_t contact[SMAP_MANY_CONTACTS];
-#if SMAP_MANY_AXLES
-  float axle[SMAP_MANY_CONTACTS][3]; /* of discs; zero for points and spheres */
-#endif
-} smap_many_place_t;
-
 /* The most that a pose may have of each, of the work on it and of that on gaps.  What a pose needs beyond
  * that it has not: gaps that find no more room, or are not found in time, are given up, which makes the
  * region smaller; without room or time for anything else the pose fails. */
@@ -160,15 +148,59 @@ static inline uint8_t smap_begin_at(const smap_layout_t *at, uint8_t island, uin
   return begin >= at->first[island] && begin < at->last[island] ? begin : at->first[island];
 }
 
-typedef char smap_holds_a_roll[SMAP_MANY_ROLLS > 0 ? 1 : -1];
+/* A gap while it is looked at: gravity at both ends of its segment where the roll has come to, and
+ * how much higher the com is there. */
+typedef struct {
+  float g[2][3], rise[2];
+  float low, high;   /* of the segment, that are left */
+  float before, after; /* of the segment, that holds without rolling on and adjoins it */
+  float turned;      /* rad, so far */
+  float spare;       /* length of the parts that another one may be of: given up, or not looked into */
+  uint8_t home;      /* the facet on which the other way ends: the one that it balances from */
+  uint8_t line;      /* the edge over which it came, see SMAP_ONE_LINE */
+} smap_held_t;
 
+/* A rest that the robot has come to, over its edge `came`: the edge that is looked at, and which part of the
+ * segment before comes here.  On the first rest edges that lead to no other are looked at first: often nothing is
+ * left to go on with. */
+typedef struct {
+  smap_held_t held;
+  float span[2];
+  uint8_t came, at, turn;
+} smap_visit_t;
+
+/* Two unit vectors across a normal. */
+typedef struct {
+  float t[3], b[3];
+} smap_across_t;
+
+/* A vector, as a row of the map of a roll. */
+typedef float smap_row_t[3];
+
+#define SMAP_WAYS (SMAP_MANY_RAILS > 2 ? 4 : 3) /* rests that it comes to in a row, as far as is looked into */
+
+/* What gaps are looked for with: the rests come to, and of two steps of a roll the normal at the start, a frame on
+ * it, and where a contact touches at the start, between both, and at the end. */
+typedef struct {
+  smap_visit_t visit[SMAP_WAYS];
+  smap_row_t normal;
+  smap_across_t turned;
+  smap_row_t place[3];
+} smap_bench_t;
+
+#define SMAP_ROWS (SMAP_MANY_GAPS * (SMAP_WAYS + 1) * 6) /* vectors that take no less room than it */
+
+typedef char smap_holds_a_roll[SMAP_MANY_ROLLS > 0 ? 1 : -1];
+typedef char smap_holds_the_bench[sizeof(smap_bench_t) <= (SMAP_WAYS + 1) * 6 * sizeof(smap_row_t) ? 1 : -1];
+
+/* Gaps are looked for before there are walls: the bench is where those will be. */
 typedef struct {
   smap_layout_t at;
   float guard, hair, slack;
   float plane[SMAP_MANY_SHOWN][3]; /* n / h */
   float centre[SMAP_MANY_SHOWN][3];
   float height[SMAP_MANY_SHOWN];
-  float wall[SMAP_MANY_WALLS][3];
+  float wall[SMAP_MANY_WALLS > SMAP_ROWS ? SMAP_MANY_WALLS : SMAP_ROWS][3];
   float point[SMAP_MANY_LINKS][3];
 } smap_many_pose_t;
 
@@ -179,7 +211,6 @@ typedef struct {
 
 /* What a roll over an arc does, from the lesser of its two edges on.  Its rows: three that turn gravity
  * before to gravity after; rise of the com = rise . gravity before; its angle (rad). */
-typedef float smap_row_t[3];
 enum { SMAP_RISE = 3, SMAP_ANGLE = 4, SMAP_ROLL = 5 };
 
 typedef struct {
@@ -191,7 +222,9 @@ typedef struct {
 /* A contact on a facet's plane: its place along and across. */
 typedef struct {
   float a, b;
+#if !SMAP_MANY_RAILS
   uint8_t contact;
+#endif
 } smap_spot_t;
 
 /* What a part of the work costs, in 32 instructions that it may take on a Cortex-M4F; what depends on how
@@ -224,7 +257,7 @@ typedef struct {
   uint8_t mate[SMAP_MANY_CONTACTS]; /* the same wheel on the next rail towards the middle, or SMAP_NONE */
 #endif
 #if SMAP_MANY_AXLES
-  const float (*axle)[3];
+  float (*axle)[3]; /* of discs; zero for points and spheres */
 #endif
   smap_facet_t facet[SMAP_MANY_FACETS];
   uint8_t vertex[SMAP_MANY_EDGES], twin[SMAP_MANY_EDGES], next[SMAP_MANY_EDGES];
@@ -233,7 +266,8 @@ typedef struct {
   uint8_t owner[SMAP_MANY_EDGES], wall_of[SMAP_MANY_EDGES], point_of[SMAP_MANY_EDGES];
   uint8_t side_of[SMAP_MANY_EDGES];
   uint8_t seen[SMAP_MANY_EDGES]; /* the island whose boundary it may be of, or SMAP_NONE */
-  smap_row_t *roll; /* where the pose's points will be */
+  smap_row_t *roll;    /* where the pose's points will be */
+  smap_bench_t *bench; /* where its walls will be */
   uint8_t roll_of[SMAP_MANY_EDGES], rolls; /* of an arc, if it is known, by its lesser edge */
   float low[SMAP_MANY_EDGES]; /* SMAP_SHORT, SMAP_OPEN, or from which part of the edge on it holds */
   float corner[SMAP_MANY_EDGES][3]; /* where the contact touches at which it begins */

@@ -129,22 +129,33 @@ static int smap_is_inner(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start
   return 1;
 }
 
+/* Mark where a loop's segments, from `first` on, are bent inwards at their ends, and tell whether any is. */
+static int smap_mark_bent(smap_many_pose_t *o, uint8_t first)
+{
+  smap_segment_t *before = &o->at.segment[o->at.segments - 1], *s = &o->at.segment[first];
+  uint8_t left;
+  int any = 0;
+  for (left = (uint8_t)(o->at.segments - first); left > 0; left--, before = s++) {
+    before->bent = smap_dot(o->wall[before->wall], o->point[s->stop]) < 1e-4f;
+    any = any || before->bent;
+  }
+  return any;
+}
+
 /* Append the loop of an island's boundary from an edge on.  Without a gap it is convex: nothing of it is
  * bent. */
-static void smap_loop(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start,
-                                 uint8_t island)
+static void smap_loop(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start, uint8_t island)
 {
   const uint8_t first = o->at.segments;
-  uint8_t e = start, k, gaps = 0;
+  uint8_t e = start;
+  int gaps = 0;
   do {
     w->seen[e] = SMAP_NONE;
     gaps = gaps || smap_is_gap(w, e);
     e = smap_follow(w, o, e);
   } while (e != start && smap_may(w, SMAP_COST_OUTLINE));
-  for (k = first; gaps && k < o->at.segments && w->left; k++) {
-    const smap_segment_t *next = &o->at.segment[k + 1 < o->at.segments ? k + 1 : first];
-    o->at.segment[k].bent = smap_dot(o->wall[o->at.segment[k].wall], o->point[next->stop]) < 1e-4f;
-    o->at.convex[island] = o->at.convex[island] && !o->at.segment[k].bent;
+  if (gaps && w->left && o->at.segments > first && smap_mark_bent(o, first)) {
+    o->at.convex[island] = 0;
   }
 }
 
@@ -157,7 +168,7 @@ SMAP_APART static void smap_bound(smap_many_work_t *w, smap_many_pose_t *o, uint
 }
 
 /* List the segments of all loops. */
-static void smap_find_boundary(smap_many_work_t *w, smap_many_pose_t *o)
+SMAP_APART static void smap_find_boundary(smap_many_work_t *w, smap_many_pose_t *o)
 {
   uint8_t e, k;
   for (e = 0; e < w->edges; e++) {

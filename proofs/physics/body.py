@@ -171,11 +171,19 @@ def turned_to(direction: Floats, target: Floats) -> Floats:
     return np.asarray(np.eye(3) + skew + skew @ skew / (1.0 + cosine))
 
 
-def mjcf(posture: Posture, rotation: Floats, height: float, gravity: Floats, mu: float) -> str:
+def mjcf(
+    posture: Posture,
+    rotation: Floats,
+    height: float,
+    gravity: Floats,
+    mu: float,
+    torsion: float = 0.0,
+) -> str:
     """Return the model: a level plane, tilted gravity (m/s2), the robot's com at a height.
 
     `rotation` (3, 3) takes body vectors to the world.  The inertia is that of a solid box as
-    wide as the robot; it decides how fast the robot tips, not whether.
+    wide as the robot; it decides how fast the robot tips, not whether.  `torsion` (m) is by how
+    much of its force a contact resists being turned about the ground's normal; a point does not.
     """
 
     def text(values: Floats) -> str:
@@ -190,6 +198,8 @@ def mjcf(posture: Posture, rotation: Floats, height: float, gravity: Floats, mu:
     own = posture.mass - light * len(free)
     com = -light / own * np.sum([solid.centre for solid in free], axis=0) if free else np.zeros(3)
     inertia = own / 12.0 * (squares.sum() - squares)
+    softness = SOFTNESS.replace('condim="3"', 'condim="4"') if torsion else SOFTNESS
+    rough = f'{softness} friction="{mu!r} {torsion!r} 0"'
     parts = []
     for solid in posture.solids:
         size = text(np.array([solid.radius, solid.half][: 1 if solid.shape == "sphere" else 2]))
@@ -208,7 +218,7 @@ def mjcf(posture: Posture, rotation: Floats, height: float, gravity: Floats, mu:
             )
     return (
         f'<mujoco><option {OPTION} gravity="{text(gravity)}"/>'
-        f'<default><geom {SOFTNESS} friction="{mu!r} 0 0" contype="1" conaffinity="0"/></default>'
+        f'<default><geom {rough} contype="1" conaffinity="0"/></default>'
         '<worldbody><geom type="plane" size="100 100 1" contype="0" conaffinity="1"/>'
         f'<body name="robot" pos="0 0 {height!r}" xyaxes="{frame}"><freejoint/>'
         f'<inertial pos="{text(com)}" mass="{own!r}" diaginertia="{text(inertia)}"/>'

@@ -25,6 +25,7 @@ from firmware_export.protocol.exported import Export
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import parse_recipe
 from proofs.exports import rover_export, tripod_export
+from targets import size
 from targets.compiled import compile_c
 from tests.fixtures.recipes import tripod
 
@@ -85,6 +86,30 @@ def test_every_compiler_takes_every_file_without_a_warning(
 ) -> None:
     done = build(folders[kind], *language, *WARNINGS, compiler=compiler)
     assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("rails", [None, 4])
+@pytest.mark.parametrize("control", [False, True], ids=["alone", "with control"])
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_every_set_of_parts_is_one_program_without_a_warning(
+    language: list[str], control: bool, rails: int | None
+) -> None:
+    # Parts that never met in one file may both define a macro, each in its own sense.
+    for switches in size.feature_sets():
+        if (control and "SMAP_FLOATS" not in switches) or (
+            rails and "SMAP_MANY_BY_RAILS" not in switches
+        ):
+            continue
+        settings = size.settings_of(switches) | ({"SMAP_MANY_RAILS": rails} if rails else {})
+        words = ["gcc", *(language if "-x" in language else [*language, "-x", "c"]), *WARNINGS]
+        done = subprocess.run(
+            [*words, f"-I{RUNTIME}", "-fsyntax-only", "-"],
+            input=size.program(settings, control),
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 0, f"{switches}: {done.stderr}"
 
 
 def test_tables_are_refused_by_a_runtime_of_another_version(

@@ -18,6 +18,8 @@ from proofs.physics.release import DOWN
 from proofs.physics.robots import cap
 from proofs.physics.slow import UNTIL, lag, slope_at_fall
 
+# Torsion (m) with which no contact turns about the normal; that of a wheel's patch is 0.01.
+FIRM = 1.0
 TABLE = np.array([[0.1, 0.2, -0.3], [0.1, -0.2, -0.3], [-0.2, 0.2, -0.3], [-0.2, -0.2, -0.3]])
 
 
@@ -105,6 +107,30 @@ def test_an_answer_that_everything_stands_is_disproved_and_that_all_tips_is_not(
     assert (found.safe, found.fell, found.rests, found.tips, found.held) == (2, 1, 1, 2, 2)
     assert rocking.missed([found])
     assert not rocking.missed([rocking.row("any", trials[1:])])
+
+
+def test_a_robot_may_fall_by_turning_about_one_contact_which_is_no_roll() -> None:
+    # Six wheels of two rims each on rockers and bogies, on a slope of 53.8 deg: in balance over
+    # the right front wheel, which carries 7 %, and the left rear one.
+    wheels = [(0.33032, 0.3, -0.12406), (-0.04421, 0.3, -0.18131), (-0.30399, 0.3, -0.192)]
+    wheels += [(0.28666, -0.3, -0.19138), (-0.09133, -0.3, -0.16445), (-0.34702, -0.3, -0.11726)]
+    centres = np.array([[x, y + side, z] for x, y, z in wheels for side in (0.04, -0.04)])
+    posture = rigid_body(centres, 0.1, np.array([0.0, 1.0, 0.0]), 28.6)
+    down = np.array([-0.53269, 0.60558, -0.5912])
+    down /= np.linalg.norm(down)
+    place = pierced(posture, down[None])[0]
+    assert place is not None
+    assert place.is_line(posture)
+    assert 0.3 < math.degrees(posture.tip_angle(down)) < 0.7
+    assert any(fate.fell for fate in fates(posture, place, down))
+    assert not any(fate.fell for fate in fates(posture, place, down, FIRM))
+    # Contacts that do not turn hold nothing that rolls over.
+    beyond = np.array([-0.50, 0.66, -0.56])
+    beyond /= np.linalg.norm(beyond)
+    place = pierced(posture, beyond[None])[0]
+    assert place is not None
+    assert posture.tip_angle(beyond) < 0.0
+    assert all(fate.fell for fate in fates(posture, place, beyond, FIRM))
 
 
 def test_the_releases_over_gaps_are_in_balance_and_both_outcomes_occur() -> None:

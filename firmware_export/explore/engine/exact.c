@@ -100,7 +100,7 @@ double exact_answer[ANSWER];
 double exact_facets[FACET * SMAP_MANY_SHOWN];
 double exact_edges[EDGE * SMAP_MANY_EDGES];
 static smap_many_t robot;
-static smap_many_place_t place;
+static double axles[SMAP_MANY_CONTACTS][3];
 static smap_many_pose_t pose;
 static smap_many_work_t work;
 
@@ -127,14 +127,15 @@ int exact_pose(int contacts)
   robot.room.sides = SMAP_MANY_SIDES;
   robot.room.sought = SMAP_MANY_WORK;
   robot.room.work = SMAP_MANY_WORK;
+  work.axle = axles;
   for (i = 0; i < contacts; i++) {
     const double *from = exact_contact + CONTACT * i;
-    memcpy(place.contact[i].p, from, sizeof place.contact[i].p);
-    place.contact[i].radius = from[3];
-    memcpy(place.axle[i], from + 4, sizeof place.axle[i]);
+    smap_copy(from, work.p[i]);
+    work.r[i] = from[3];
+    smap_copy(from + 4, axles[i]);
     robot.named[i] = (uint8_t)i;
   }
-  return smap_many_pose(&robot, &place, &pose, &work);
+  return smap_many_pose(&robot, &pose, &work);
 }
 
 /* The angle between a direction and a segment of the boundary. */
