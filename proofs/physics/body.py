@@ -29,7 +29,7 @@ OPTION = (
     'timestep="0.001" integrator="implicitfast" solver="Newton" iterations="100" '
     'tolerance="1e-12" cone="elliptic" impratio="100"'
 )
-SOFTNESS = 'condim="3" solref="0.004 1" solimp="0.99 0.999 0.0001"'
+SOFTNESS = 'solref="0.004 1" solimp="0.99 0.999 0.0001"'
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,11 @@ class Solid:
 
 @dataclass(frozen=True)
 class Posture:
-    """A rigid robot: primitives for lutgen (centres relative to the com), solids for the engine."""
+    """A rigid robot: primitives for lutgen (centres relative to the com), solids for the engine.
+
+    `torsion` (m) is by how much of its force a contact resists being turned about the ground's
+    normal; that of a point does not.
+    """
 
     centres: Floats
     axes: Floats
@@ -59,6 +63,7 @@ class Posture:
     mass: float = 10.0
     upright: float = np.radians(80.0)
     rock_angle: float = np.pi / 6
+    torsion: float = 0.0
 
     @property
     def size(self) -> float:
@@ -171,19 +176,11 @@ def turned_to(direction: Floats, target: Floats) -> Floats:
     return np.asarray(np.eye(3) + skew + skew @ skew / (1.0 + cosine))
 
 
-def mjcf(
-    posture: Posture,
-    rotation: Floats,
-    height: float,
-    gravity: Floats,
-    mu: float,
-    torsion: float = 0.0,
-) -> str:
+def mjcf(posture: Posture, rotation: Floats, height: float, gravity: Floats, mu: float) -> str:
     """Return the model: a level plane, tilted gravity (m/s2), the robot's com at a height.
 
     `rotation` (3, 3) takes body vectors to the world.  The inertia is that of a solid box as
-    wide as the robot; it decides how fast the robot tips, not whether.  `torsion` (m) is by how
-    much of its force a contact resists being turned about the ground's normal; a point does not.
+    wide as the robot; it decides how fast the robot tips, not whether.
     """
 
     def text(values: Floats) -> str:
@@ -198,8 +195,6 @@ def mjcf(
     own = posture.mass - light * len(free)
     com = -light / own * np.sum([solid.centre for solid in free], axis=0) if free else np.zeros(3)
     inertia = own / 12.0 * (squares.sum() - squares)
-    softness = SOFTNESS.replace('condim="3"', 'condim="4"') if torsion else SOFTNESS
-    rough = f'{softness} friction="{mu!r} {torsion!r} 0"'
     parts = []
     for solid in posture.solids:
         size = text(np.array([solid.radius, solid.half][: 1 if solid.shape == "sphere" else 2]))
@@ -216,9 +211,10 @@ def mjcf(
                 f'<inertial pos="0 0 0" mass="{light!r}" diaginertia="{spin!r} {spin!r} {spin!r}"/>'
                 f"{geom}/></body>"
             )
+    contact = f'condim="{4 if posture.torsion else 3}" {SOFTNESS} contype="1" conaffinity="0"'
     return (
         f'<mujoco><option {OPTION} gravity="{text(gravity)}"/>'
-        f'<default><geom {rough} contype="1" conaffinity="0"/></default>'
+        f'<default><geom {contact} friction="{mu!r} {posture.torsion!r} 0"/></default>'
         '<worldbody><geom type="plane" size="100 100 1" contype="0" conaffinity="1"/>'
         f'<body name="robot" pos="0 0 {height!r}" xyaxes="{frame}"><freejoint/>'
         f'<inertial pos="{text(com)}" mass="{own!r}" diaginertia="{text(inertia)}"/>'

@@ -47,9 +47,9 @@ def turning(axis: Floats, angle: float) -> Floats:
     return np.asarray(np.eye(3) + math.sin(angle) * skew + (1.0 - math.cos(angle)) * skew @ skew)
 
 
-def watched(posture: Posture, begin: Start, gravity_dir: Floats, torsion: float = 0.0) -> Fate:
-    """Let a robot go at rest and watch it until it lies still; `torsion` is that of `mjcf`."""
-    run = Run(posture, begin, gravity_dir, torsion=torsion)
+def watched(posture: Posture, begin: Start, gravity_dir: Floats) -> Fate:
+    """Let a robot go at rest and watch it until it lies still."""
+    run = Run(posture, begin, gravity_dir)
     while run.data.time < SECONDS and run.turned <= OVER and not run.resting:
         run.step()
     lying = -run.normals[-1][2] < math.cos(min(math.pi, posture.upright + SPARE))
@@ -75,13 +75,10 @@ def pushed(
     return Start(normal, height, place.points, True), turn @ gravity_dir
 
 
-def fates(
-    posture: Posture, place: Pierced, gravity_dir: Floats, torsion: float = 0.0
-) -> list[Fate]:
+def fates(posture: Posture, place: Pierced, gravity_dir: Floats) -> list[Fate]:
     """Return what comes of a robot let go: on a facet once, in balance pushed both ways."""
     if not place.is_line(posture):
-        return [watched(posture, place.start(posture), gravity_dir, torsion)]
+        return [watched(posture, place.start(posture), gravity_dir)]
     return [
-        watched(posture, *pushed(posture, place, gravity_dir, angle), torsion)
-        for angle in (-PUSH, PUSH)
+        watched(posture, *pushed(posture, place, gravity_dir, angle)) for angle in (-PUSH, PUSH)
     ]

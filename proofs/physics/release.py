@@ -42,17 +42,12 @@ class Run:
     """A robot in the engine, put on a plane under a direction of gravity given in its frame."""
 
     def __init__(
-        self,
-        posture: Posture,
-        begin: Start,
-        gravity_dir: Floats,
-        mu: float = FRICTION,
-        torsion: float = 0.0,
+        self, posture: Posture, begin: Start, gravity_dir: Floats, mu: float = FRICTION
     ) -> None:
         rotation = turned_to(begin.normal, DOWN)
         gravity = GRAVITY * (rotation @ gravity_dir)
         self.laid = rotation
-        xml = mjcf(posture, rotation, begin.height, gravity, mu, torsion)
+        xml = mjcf(posture, rotation, begin.height, gravity, mu)
         self.model: Any = mujoco.MjModel.from_xml_string(xml)
         self.data: Any = mujoco.MjData(self.model)
         self.body = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_BODY, "robot")
