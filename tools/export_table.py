@@ -50,7 +50,7 @@ CASES = (
     Case("marv", "contacts", contacts.Spec()),
     Case("absolem", "contacts", contacts.Spec()),
     Case("articulated", "contacts", contacts.Spec()),
-    Case("absolem", "grid", verdict.Spec(8, (("tip", (17, 22, 9, 19)),)), "integer", VERDICT),
+    Case("absolem", "grid", verdict.Spec(8, (("tip", (16, 19, 10, 20)),)), "integer", VERDICT),
 )
 HEAD = (
     "| robot | export | arithmetic | tables, B | with code, B | \\|SD_g\\| max | p99 | guard | "

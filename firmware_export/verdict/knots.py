@@ -123,7 +123,9 @@ def chosen_knots(model: Model, axis: int, count: int) -> NDArray[np.uint16]:
     least, came = _paths(model, axis)
     count = min(count, len(place))
     near = np.abs(place - np.linspace(0.0, 1.0, count)[:, None]).argmin(axis=1)
-    given = loss[near[:-1], near[1:]].sum() if (np.diff(near) > 0).all() else math.inf
+    # Where the table is proved nothing may be between two of the places at which it bends.
+    met = axis >= model.k or (len(place) - 1) % max(count - 1, 1) == 0
+    given = loss[near[:-1], near[1:]].sum() if met and (np.diff(near) > 0).all() else math.inf
     if given <= least[count - 1] * (1.0 + EVEN_LOSES):
         return evenly(count)
     at = [len(place) - 1]

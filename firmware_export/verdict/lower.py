@@ -18,13 +18,15 @@ PARTS = 8
 class Places(NamedTuple):
     """Where a table must not be above zero.
 
-    `nodes`, `weight` (P, sub-cell's corners, corners): nodes of the parameters around each corner
-    of each sub-cell.  `pieces`, `first`, `tips`: see `outline.Outlines`.  `u`, `v` (n,) float64:
-    knots, 0 to 1.
+    `nodes`, `weight` (P, 2^k): nodes of the table around each posture, and their shares.
+    `counts` (k,): postures along each axis, the last one fastest.  `pieces`, `first`: see
+    `outline.Outlines`; at a posture those of all that are next to it count.  `tips` (P, J): what
+    tips at any of these.  `u`, `v` (n,) float64: knots, 0 to 1.
     """
 
     nodes: NDArray[np.int32]
     weight: Floats
+    counts: Ints
     pieces: NDArray[np.float32]
     first: Ints
     tips: Bools
@@ -87,6 +89,9 @@ def _piece(
         after = min(_next(u, u0, du, s + 1e-9), _next(v, v0, dv, s + 1e-9))
         mid = 0.5 * (s + after)
         i, j = _cell(v, v0 + mid * dv), _cell(u, u0 + mid * du)
+        if max(plane[i, j], plane[i, j + 1], plane[i + 1, j], plane[i + 1, j + 1]) <= 0.0:
+            s = after
+            continue
         low = _bilinear(piece, u, v, plane, i, j, s)
         middle = _bilinear(piece, u, v, plane, i, j, mid)
         high = _bilinear(piece, u, v, plane, i, j, after)
@@ -109,42 +114,61 @@ def _piece(
         s = after
 
 
+@njit(bare=True)
+def beside(p: int, counts: Ints, turn: int) -> int:
+    """Return the posture next to p by one of 3^k turns, -1 where the lattice has none."""
+    there, stride = 0, 1
+    for a in range(len(counts) - 1, -1, -1):
+        at = p % counts[a] + turn % 3 - 1
+        if at < 0 or at >= counts[a]:
+            return -1
+        there += at * stride
+        stride *= counts[a]
+        p //= counts[a]
+        turn //= 3
+    return there
+
+
 @njit(parallel=True)
 def _excess(
-    node: Floats, places: Places, gentle: bool, which: Ints, drops: Floats, above: Bools
+    node: Floats, places: Places, how: tuple[bool, bool], which: Ints, drops: Floats, above: Bools
 ) -> None:
-    index, weight, pieces, first, tips, u, v = places
+    index, weight, counts, pieces, first, tips, u, v = places
     parts, faces, rows, columns = len(drops), node.shape[1], node.shape[2], node.shape[3]
+    gentle, around = how
+    turns = 3 ** len(counts)
     for part in prange(parts):
         plane = np.empty((faces, rows, columns))
         drop = np.empty((faces, rows, columns))
         for at in range(part, len(which), parts):
             p = which[at]
-            for corner in range(index.shape[1]):
-                plane[:] = 0.0
-                squares = 0.0
-                for c in range(index.shape[2]):
-                    share = weight[p, corner, c]
-                    squares += share * share
-                    if share > 0.0:
-                        _add(plane, share, node[index[p, corner, c]])
-                drop[:] = 0.0
-                flat = 0
-                for face in range(faces):
-                    for i in range(rows):
-                        for j in range(columns):
-                            if tips[p, flat]:
-                                drop[face, i, j] = max(plane[face, i, j], 0.0)
-                            flat += 1
-                    for n in range(first[p * faces + face], first[p * faces + face + 1]):
-                        _piece(pieces[n], u, v, plane[face], gentle, drop[face])
-                if not drop.any():
-                    continue
-                above[at] = True
-                for c in range(index.shape[2]):
-                    if weight[p, corner, c] > 0.0:
-                        share = weight[p, corner, c] / squares if gentle else 1.0
-                        _raise(drops[part, index[p, corner, c]], share, drop)
+            plane[:] = 0.0
+            squares = 0.0
+            for c in range(index.shape[1]):
+                share = weight[p, c]
+                squares += share * share
+                if share > 0.0:
+                    _add(plane, share, node[index[p, c]])
+            drop[:] = 0.0
+            flat = 0
+            for face in range(faces):
+                for i in range(rows):
+                    for j in range(columns):
+                        if tips[p, flat]:
+                            drop[face, i, j] = max(plane[face, i, j], 0.0)
+                        flat += 1
+                for turn in range(0 if around else turns // 2, turns if around else turns // 2 + 1):
+                    q = beside(p, counts, turn)
+                    if q >= 0:
+                        for n in range(first[q * faces + face], first[q * faces + face + 1]):
+                            _piece(pieces[n], u, v, plane[face], gentle, drop[face])
+            if not drop.any():
+                continue
+            above[at] = True
+            for c in range(index.shape[1]):
+                if weight[p, c] > 0.0:
+                    share = weight[p, c] / squares if gentle else 1.0
+                    _raise(drops[part, index[p, c]], share, drop)
 
 
 @njit()
@@ -164,7 +188,11 @@ def _raise(most: Floats, share: float, values: Floats) -> None:
 
 
 def excess(
-    node: Floats, places: Places, gentle: bool, which: Ints | None = None
+    node: Floats,
+    places: Places,
+    gentle: bool,
+    which: Ints | None = None,
+    around: bool = True,
 ) -> tuple[Floats, Ints]:
     """Return by how much each node must be lowered for the table to be nowhere above zero.
 
@@ -173,18 +201,20 @@ def excess(
     node : (Q, faces, nv, nu) float64
         Values less the limit that must not be reached.
     places : Places
-        Where; of its sub-cells those of `which` (S,), all by default.
+        Where; of its postures those of `which` (S,), all by default.
     gentle : bool
         Whether to lower nodes only by their shares, which has to be repeated; otherwise the
         lowered table is certain to be below zero.
+    around : bool
+        Whether outlines of the postures next to each count there, or only its own.
 
     Returns
     -------
     (Q, faces, nv, nu) float64, (n,) int64
-        By how much, 0 or more; the sub-cells where the table is above zero somewhere.
+        By how much, 0 or more; the postures where the table is above zero somewhere.
     """
     which = np.arange(len(places.nodes)) if which is None else which
     drops = np.zeros((PARTS, *node.shape))
     above = np.zeros(len(which), np.bool_)
-    _excess(node, places, gentle, which, drops, above)
+    _excess(node, places, (gentle, around), which, drops, above)
     return np.asarray(drops.max(axis=0)), which[above]

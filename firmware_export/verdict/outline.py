@@ -5,17 +5,23 @@ facets that `upright` or `rock_angle` refuse, so that the region jumps with the 
 
 The box of parameters is cut into sub-cells, none of which a knot crosses, so that in a sub-cell the
 table is multilinear in the parameters.  It is below zero at a direction throughout a sub-cell if it
-is at the sub-cell's corners.  What may tip anywhere in a sub-cell is found at its middle:
+is at the sub-cell's corners.  There it is below zero wherever any node of the lattice says that a
+direction may tip, of those from which the corner is one sub-cell away or none along each axis.  So
+a direction that the table calls safe in a sub-cell stands at all of its corners:
 
-- Each segment of the outline runs between two contact points.  They move by at most D from the
-  middle to any corner (measured on the contacts' centres, plus the radius times the turn of the
-  facet), so the segment, at the distance d from the com, turns by at most delta = asin(D / d).  It
-  is shifted inwards by delta, and made longer by delta at both ends.
-- Where a facet is accepted or the robot rocks at the middle but not at q, the region jumps.
-  Normals turn by at most about D / w over a facet of width w, so the region is computed with
-  `upright` and `rock_angle` tightened by that for w a quarter of the robot's size.  A rest at the
-  middle may be narrower at q by 2 D and what its rims roll; and contacts near its plane may have
-  left it, so none but those on it count.
+- Each segment of a node's outline runs between two contact points.  From the nearest node to a
+  posture they move by at most D (half a sub-cell along each axis, measured on the contacts'
+  centres, plus the radius times the turn of the facet), so the segment, at the distance d from the
+  com, turns by at most delta = asin(D / d).  It is shifted inwards by delta, and made longer by
+  delta at both ends.
+- Where a facet is accepted or the robot rocks at the nodes but not between them, the region jumps.
+  What decides that, an angle or a width, is all but linear over a sub-cell: if it suffices at all
+  corners it does between them, but for `BENT` of how far it changes.  Normals turn by at most about
+  D / w over a facet of width w, so the region is computed with `upright` and `rock_angle` tightened
+  by that part of it for w a quarter of the robot's size, and rests are wider by the same part of
+  2 D and of what rims roll.  Contacts near a facet's plane may have left it, so none but those on
+  it count.  No angle tells how near a roll is to going over an edge that it does not go over: of
+  3.2 million configurations of Absolem the nearest node alone missed nine, all corners none.
 - The part of an edge that a gap holds ends where a wall of a rest meets it, which moves faster than
   the wall itself: a segment on the side of a gap is shifted by `SWAY` delta, and every segment is
   made longer by as much.
@@ -32,22 +38,27 @@ from numpy.typing import NDArray
 
 from firmware_export.grid import SPAN
 from firmware_export.truth import Model, combinations
-from lutgen.channels import acceptance_of, measure, room_for_ridges, wanted_channels
+from lutgen.channels import acceptance_of
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 from lutgen.jit import in_threads, njit
-from lutgen.quantities import CHANNELS
 from lutgen.support import (
+    TIPS,
     Acceptance,
+    Region,
     empty_region,
     facet_table,
+    facets_in,
+    is_convex,
     pack,
     radius_at,
     robot_size,
     segments_in,
     stand,
     start_at,
+    status_of,
     stop_at,
+    supporting_facet,
     tip_plane_at,
 )
 from lutgen.vector import Bools, Floats, Ints, Vector, cross, dot, length, row, scale
@@ -56,6 +67,8 @@ from lutgen.vector import Bools, Floats, Ints, Vector, cross, dot, length, row, 
 MOST_PIECES, LONGEST = 160, 0.35
 # Width of facets that the limits are tightened for, in robot sizes.
 WIDTH = 0.25
+# Part of how far contacts move by which what decides a jump may be off a line between two nodes.
+BENT = 0.2
 # How much faster than a wall the end of a gap moves along its edge: the rests beyond it, whose
 # walls cut it off, lean as the robot's contacts move, and gravity has turned with the roll.
 SWAY = 3.0
@@ -73,10 +86,11 @@ ASTRAY, ASTRAY_SHARE = 4e-4, 1.1e-4
 class Outlines(NamedTuple):
     """Outlines of a lattice of postures, and which directions may tip.
 
-    `axes`: per parameter the ends of the sub-cells, 0 to 1.  `pieces` (total, 4) float32: straight
-    pieces u0, v0, u1, v1, each 0 to 1 over the chart; those of a posture on a face begin at
-    `first` (P faces + 1,).  `tips` (P, J) bool: whether each direction asked for tips, or is within
-    the shift of the outline.  `tighter` (rad): by how much limits are tightened.
+    `axes`: per parameter the nodes, 0 to 1, at which sub-cells end; the P postures are all of their
+    combinations.  `pieces` (total, 4) float32: straight pieces u0, v0, u1, v1, each 0 to 1 over the
+    chart; those of a posture on a face begin at `first` (P faces + 1,).  `tips` (P, J) bool:
+    whether each direction asked for tips, or is within the shift of the outline.  `tighter` (rad):
+    by how much limits are tightened.
     """
 
     axes: tuple[NDArray[np.float64], ...]
@@ -90,13 +104,12 @@ class _View(NamedTuple):
     """What is the same for all postures.
 
     `basis` (faces, 3, 3) and `reach`: the chart.  `gravity` (J, 3): directions to be judged.
-    `wanted`: no channel.  `slack` (rad): added to every shift.
+    `slack` (rad): added to every shift.
     """
 
     basis: Floats
     reach: float
     gravity: Floats
-    wanted: Bools
     slack: float
 
 
@@ -153,12 +166,25 @@ def _flag(
     tips: Bools, gravity: Floats, a: Vector, along: Vector, normal: Vector, arc: float, delta: float
 ) -> None:
     """Mark the directions within `delta` of an arc that runs from `a` the way `along`."""
+    reach = math.sin(delta)
     for d in range(len(gravity)):
         g = row(gravity, d)
-        if abs(dot(normal, g)) <= math.sin(delta):
+        if abs(dot(normal, g)) <= reach:
             place = math.atan2(dot(along, g), dot(a, g))
             if -1.5 * delta <= place <= arc + 1.5 * delta:
                 tips[d] = True
+
+
+@njit(inline=True)
+def _stands(region: Region, g: Vector) -> bool:
+    """Tell whether a robot stands, or rocks, under a direction."""
+    k = supporting_facet(region.facet, facets_in(region.tally), g)
+    if not is_convex(region.tally):
+        return status_of(region, k, g) != TIPS
+    standing = k >= 0
+    for b in range(segments_in(region.tally)):
+        standing = standing and dot(tip_plane_at(region.segment, b), g) >= 0.0
+    return standing
 
 
 @njit()
@@ -172,18 +198,16 @@ def _outline(
     tips: Bools,
 ) -> None:
     """Fill one posture: pieces and their number per face (-1: too many), and what tips."""
-    basis, reach, gravity, wanted, slack = view
+    basis, reach, gravity, slack = view
     n = primitives.shape[0]
-    table, region, ridges = facet_table(n), empty_region(n), room_for_ridges(n, wanted)
+    table, region = facet_table(n), empty_region(n)
     stand(table, region, primitives, acceptance)
     size = robot_size(primitives)
     farthest = 0.0
     for i in range(n):
         farthest = max(farthest, moved[i])
-    values = np.empty(len(CHANNELS))
     for d in range(len(gravity)):
-        measure(region, ridges, row(gravity, d), wanted, values)
-        tips[d] = math.isnan(values[0])
+        tips[d] = not _stands(region, row(gravity, d))
     turn = farthest / (WIDTH * size)
     everywhere = farthest
     for i in range(n):
@@ -252,35 +276,36 @@ def _outline_some(
 
 
 def outlines(model: Model, per_axis: int, gravity: NDArray[np.float64]) -> Outlines:
-    """Return the outlines in the middles of `per_axis` sub-cells along each parameter.
+    """Return the outlines at the ends of `per_axis` sub-cells along each parameter.
 
     `gravity` (J, 3): directions to be judged.
     """
     k = model.k
     axis = np.rint(np.linspace(0.0, 1.0, per_axis + 1) * SPAN) / SPAN
     axes = (axis,) * k
-    middle = 0.5 * (axis[1:] + axis[:-1])
-    place = combinations([middle] * k)
+    place = combinations([axis] * k)
     where = model.postures(model.at(place))
     moved = np.zeros(where.centres.shape[:2])
-    reach = 0.5 / per_axis + MISPLACED / SPAN
+    beyond = MISPLACED / SPAN
+    reach = 0.5 / per_axis + beyond
     slack = max(ASTRAY, ASTRAY_SHARE * model.chart_limit)
     # Summed over the axes: a corner differs along all of them.
     for a in range(k):
-        away = [
-            np.sqrt(((model.postures(model.at(moved_to)).centres - where.centres) ** 2).sum(axis=2))
-            for moved_to in (place + half * np.eye(k)[a] for half in (-reach, reach))
-        ]
+        away = []
+        for half in (-reach, reach):
+            beside = np.clip(place + half * np.eye(k)[a], -beyond, 1.0 + beyond)
+            apart = model.postures(model.at(beside)).centres - where.centres
+            away.append(np.sqrt((apart**2).sum(axis=2)))
         moved += CURVED * np.maximum(*away)
     size = float(np.sqrt((where.centres**2).sum(axis=2)).max())
-    tighter = float(moved.max(initial=0.0)) / (WIDTH * size)
+    between = BENT * float(moved.max(initial=0.0))
+    tighter = between / (WIDTH * size)
     primitives = pack(where.centres, where.axes, model.radius, model.kind)
     accept = acceptance_of(model.recipe, tighter)
-    wider = 2.0 * (float(moved.max(initial=0.0)) + tighter * float(model.radius.max(initial=0.0)))
+    wider = 2.0 * (between + tighter * float(model.radius.max(initial=0.0)))
     accept = accept._replace(rest_width=accept.rest_width + wider, contact_tolerance=0.0)
     directions = np.ascontiguousarray(unit_directions(gravity))
-    chart, nothing = model.recipe.chart, wanted_channels(())
-    view = _View(chart.basis(), model.chart_limit, directions, nothing, slack)
+    view = _View(model.recipe.chart.basis(), model.chart_limit, directions, slack)
     kept, counts, flags = [], [], []
     for begin in range(0, len(place), CHUNK):
         part = primitives[begin : begin + CHUNK]

@@ -1,6 +1,7 @@
 """The codec `grid`: multilinear tables with fitted nodes, and a verdict that is never too safe."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -14,11 +15,13 @@ from firmware_export.grid import lookup
 from firmware_export.grid.lattice import at_points
 from firmware_export.grid.points import bounds, depends_on, fit_point
 from firmware_export.grid.spec import Spec
-from firmware_export.grid.tables import Tables
+from firmware_export.grid.tables import SPAN, Tables
 from firmware_export.protocol.exported import Export
+from firmware_export.truth import widened
 from firmware_export.truth.model import Exact, Model
 from firmware_export.verdict import codec as verdict
-from firmware_export.verdict import train
+from firmware_export.verdict import lower, train
+from firmware_export.verdict.knots import chosen_knots, places_of
 from firmware_export.verdict.lower import Places, excess
 from firmware_export.verdict.outline import outlines
 from lutgen.quantities import EXPORTABLE
@@ -155,11 +158,66 @@ def test_outlines_hold_what_tips_nearby() -> None:
     down = wheels.uv_to_gravity(0, *rng.uniform(-limit, limit, (2, 400)))
     found = outlines(wheels, 20, down)
     cell = rng.integers(0, 20, 300)
-    t = found.axes[0][cell] + rng.random(300) * np.diff(found.axes[0])[cell]
+    part = rng.random(300)
+    t = found.axes[0][cell] + part * np.diff(found.axes[0])[cell]
     params = wheels.lower + (wheels.upper - wheels.lower) * t[:, None]
     tips = wheels.exact(params, np.repeat(down[None], 300, axis=0)).tip_angle < 0.0
-    assert not (tips & ~found.tips[cell]).any()
+    # This robot's region does not jump: the nearest posture alone says so.
+    assert not (tips & ~found.tips[np.where(part < 0.5, cell, cell + 1)]).any()
     assert found.tips.mean() < tips.mean() + 0.1
+
+
+def test_where_a_region_jumps_one_of_the_postures_around_knows_what_the_nearest_does_not() -> None:
+    wide = widened(Model(load_recipe("maps/absolem.toml")))
+    # Found among 3.2 million configurations: it tips where what is nearest to it stands, with room.
+    posture = np.array([[2.9165471108881995, -2.806358183819956]])
+    down = np.array([[0.43122, -0.05026, -0.90085]])
+    assert wide.exact(posture, down[None]).tip_angle[0, 0] < 0.0
+    span = wide.upper - wide.lower
+    place = (posture[0] - wide.lower) / span * 512.0
+    for first, tips in ((np.floor(place), True), (np.floor(place) + 0.5, False)):
+        low = wide.lower + first / 512.0 * span
+        window = tuple(
+            replace(parameter, minimum=a, maximum=a + b / 512.0)
+            for parameter, a, b in zip(wide.recipe.parameters, low, span, strict=True)
+        )
+        found = outlines(Model(replace(wide.recipe, parameters=window)), 1, down)
+        # The corners of its sub-cell; then the sub-cell's middle.
+        said = found.tips.any() if tips else found.tips[0, 0]
+        assert said == tips
+
+
+def test_a_table_that_calls_safe_what_stands_at_one_corner_only_is_lowered() -> None:
+    counts = np.array([4, 3])
+    rng = np.random.default_rng(12)
+    tips = rng.random((12, 7)) < 0.1
+    near = train.anywhere_near(tips, counts)
+    at = np.stack(np.unravel_index(np.arange(12), counts), axis=1)
+    for p in range(12):
+        beside = np.abs(at - at[p]).max(axis=1) <= 1
+        np.testing.assert_array_equal(near[p], tips[beside].any(axis=0))
+        turns = {lower.beside(p, counts, turn) for turn in range(9)}
+        assert turns - {-1} == set(np.flatnonzero(beside).tolist())
+    # No piece at the first posture, one at the second: the first is lowered too, the fourth is not.
+    node = np.ones((4, 1, 2, 2))
+    index, weight = np.arange(4, dtype=np.int32)[:, None], np.ones((4, 1))
+    pieces, first = np.array([[0.2, 0.2, 0.8, 0.8]], np.float32), np.array([0, 0, 1, 1, 1])
+    ends = np.array([0.0, 1.0])
+    found = Places(index, weight, np.array([4]), pieces, first, np.zeros((4, 4), bool), ends, ends)
+    fallen = excess(node, found, False)[0].reshape(4, -1).max(axis=1)
+    assert fallen.tolist() == [1.0, 1.0, 1.0, 0.0]
+    alone = excess(node, found, False, None, around=False)[0].reshape(4, -1).max(axis=1)
+    assert alone.tolist() == [0.0, 1.0, 0.0, 0.0]
+
+
+def test_no_knot_of_a_verdict_lies_between_two_of_the_postures_at_which_it_is_proved() -> None:
+    for model in (Model(parse_recipe(rover())), Model(load_recipe("maps/paper_two.toml"))):
+        wide = widened(model)
+        for axis in range(model.k):
+            for count in range(3, 40):
+                found = chosen_knots(wide, axis, count) / SPAN * places_of(wide)
+                # Knots and places are rounded to 1/65534.
+                assert np.abs(found - np.rint(found)).max() <= 1.01 * places_of(wide) / SPAN
 
 
 def test_a_lowered_table_is_below_zero_on_every_piece() -> None:
@@ -167,9 +225,9 @@ def test_a_lowered_table_is_below_zero_on_every_piece() -> None:
     u, v = np.array([0.0, 0.3, 0.7, 1.0]), np.array([0.0, 0.5, 1.0])
     node = rng.normal(size=(2, 1, 3, 4))
     pieces = rng.random((40, 4)).astype(np.float32)
-    index, weight = np.array([[[0, 1], [1, 0]]], np.int32), np.array([[[0.4, 0.6], [1.0, 0.0]]])
-    first, tips = np.array([0, 40]), np.zeros((1, 12), np.bool_)
-    places = Places(index, weight, pieces, first, tips, u, v)
+    index, weight = np.array([[0, 1], [1, 0]], np.int32), np.array([[0.4, 0.6], [1.0, 0.0]])
+    first, tips = np.array([0, 40, 40]), np.zeros((2, 12), np.bool_)
+    places = Places(index, weight, np.array([2]), pieces, first, tips, u, v)
     lowered = node - excess(node, places, False)[0]
     for share in ([0.4, 0.6], [0.0, 1.0]):
         plane = np.tensordot(share, lowered[:, 0], 1)
@@ -186,15 +244,15 @@ def test_a_lowered_table_is_below_zero_on_every_piece() -> None:
         assert value.max() < 1e-6
 
 
-def test_sub_cells_below_zero_need_not_be_looked_at_again() -> None:
+def test_postures_below_zero_need_not_be_looked_at_again() -> None:
     rng = np.random.default_rng(10)
     u, v = np.linspace(0.0, 1.0, 4), np.linspace(0.0, 1.0, 3)
     node = rng.normal(size=(6, 1, 3, 4)) - 0.3
     pieces = rng.random((50, 4)).astype(np.float32)
-    index = np.stack([np.arange(5), np.arange(1, 6)], axis=1).astype(np.int32)[:, None]
-    weight = np.full((5, 1, 2), 0.5)
+    index = np.stack([np.arange(5), np.arange(1, 6)], axis=1).astype(np.int32)
+    weight, counts = np.full((5, 2), 0.5), np.array([5])
     tips = rng.random((5, 12)) < 0.1
-    places = Places(index, weight, pieces, np.arange(0, 51, 10), tips, u, v)
+    places = Places(index, weight, counts, pieces, np.arange(0, 51, 10), tips, u, v)
     whole, part, which = node.copy(), node.copy(), None
     left = []
     for _ in range(30):
