@@ -24,12 +24,19 @@ def steered(export: Export, wishes: Wishes) -> tuple[Export, Design]:
     Raises
     ------
     InputError
-        For wishes that mean nothing, and exports that are read without floats.
+        For wishes that mean nothing, and exports that are read without floats or of whose angles
+        only the sign is bounded.
     """
     if export.integer:
         raise InputError(
             f"{export.recipe.source}: on-board control computes with floats (got integer "
             "arithmetic); export with --arithmetic float."
+        )
+    if export.tables.notes:
+        raise InputError(
+            f"{export.recipe.source}: on-board control takes off an angle what a way may cost, and "
+            f"of this table only the sign is bounded (got codec {export.codec} for more than three "
+            "contacts); choose the codec contacts."
         )
     export = replace(export, tables=export.tables.boxed())
     found = design(export.model, wishes, grid=export.codec == "grid")
