@@ -36,7 +36,7 @@ def steered(export: Export, wishes: Wishes) -> tuple[Export, Design]:
         raise InputError(
             f"{export.recipe.source}: on-board control takes off an angle what a way may cost, and "
             f"of this table only the sign is bounded (got codec {export.codec} for more than three "
-            "contacts); choose the codec contacts."
+            "contacts); `lutgen export --codec contacts` says what keeps that codec from it."
         )
     export = replace(export, tables=export.tables.boxed())
     found = design(export.model, wishes, grid=export.codec == "grid")
