@@ -39,7 +39,7 @@ def steered(export: Export, wishes: Wishes) -> tuple[Export, Design]:
             "contacts); `lutgen export --codec contacts` says what keeps that codec from it."
         )
     export = replace(export, tables=export.tables.boxed())
-    found = design(export.model, wishes, grid=export.codec == "grid")
+    found = design(export.model, wishes)
     blob = described(export, body_of(export))
     Controller(blob, found.policy.packed(blob.bytes))  # whether the C takes it
     return replace(export, policy=found.policy), found

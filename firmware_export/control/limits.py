@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from firmware_export.truth import Model, combinations
-from lutgen.channels import body_gravity, evaluate_each
+from lutgen.channels import body_gravity
 from lutgen.recipe import robot_size_of
 from lutgen.vector import Floats
 
@@ -24,8 +24,6 @@ LEANS = 0.995
 NARROW = 0.5
 # The curvature of a circle counts where gravity is as far outside (rad) of what is still looked at.
 OUTSIDE = 0.02
-# Of a grid: pairs of postures, and how far they are apart, as a part of an axis.
-PAIRS, APART = 20_000, 0.005
 
 
 class Limits(NamedTuple):
@@ -36,16 +34,8 @@ class Limits(NamedTuple):
     lean: Floats
 
 
-def limits_of(model: Model, grid: bool = False) -> Limits:
-    """Return what the joints of a robot alter at most.
-
-    Parameters
-    ----------
-    model : Model
-        The robot.
-    grid : bool
-        Whether its map is a grid, of which `reach` is how far a joint alters the tip angle.
-    """
+def limits_of(model: Model) -> Limits:
+    """Return what the joints of a robot alter at most."""
     places = max(3, int(LATTICE ** (1.0 / max(model.k, 1))))
     lattice = combinations([np.linspace(0.0, 1.0, places)] * model.k)
     random = np.random.default_rng(SEED).random((RANDOM, model.k))
@@ -61,8 +51,8 @@ def limits_of(model: Model, grid: bool = False) -> Limits:
         lean[axis] = MARGIN * _lean(model, there[0], there[2], 2.0 * width, moved[axis].max())
         if model.is_tripod:
             bend[axis] = MARGIN * _bend(model, there, width)
-    if model.is_tripod or grid:
-        return Limits(_slopes(model) if grid else moved.max(axis=1), bend, lean)
+    if model.is_tripod:
+        return Limits(moved.max(axis=1), bend, lean)
     return Limits(*_shared(moved), lean)
 
 
@@ -126,23 +116,3 @@ def _bend(model: Model, there: list[Floats], apart: float) -> float:
     across = bow - (bow * b).sum(axis=2, keepdims=True) * b
     square = (speed**2).sum(axis=2)
     return float((np.sqrt((across**2).sum(axis=2)) + OUTSIDE * square).max())
-
-
-def _slopes(model: Model) -> Floats:
-    """Return how fast the tip angle changes with each joint, where it is continuous."""
-    rng = np.random.default_rng(SEED + 2)
-    t = rng.random((PAIRS, model.k))
-    uv = rng.uniform(-model.chart_limit, model.chart_limit, (2, PAIRS))
-    gravity = model.uv_to_gravity(np.arange(PAIRS) % model.faces, *uv)
-    found = np.zeros(model.k)
-    for axis in range(model.k):
-        other = t.copy()
-        other[:, axis] = np.where(t[:, axis] > 0.5, t[:, axis] - APART, t[:, axis] + APART)
-        tips = [
-            evaluate_each(model.recipe, model.at(one), gravity, ("tip_angle",))["tip_angle"]
-            for one in (t, other)
-        ]
-        apart = APART * (model.upper[axis] - model.lower[axis])
-        stands = (tips[0] >= 0.0) & (tips[1] >= 0.0)
-        found[axis] = MARGIN * np.abs(tips[1] - tips[0])[stands].max(initial=0.0) / apart
-    return found

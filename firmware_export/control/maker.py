@@ -80,7 +80,7 @@ class Design(NamedTuple):
     slopes: int
 
 
-def design(model: Model, wishes: Wishes, grid: bool = False) -> Design:
+def design(model: Model, wishes: Wishes) -> Design:
     """Return the policy of a robot, and what it loses.
 
     Parameters
@@ -89,8 +89,6 @@ def design(model: Model, wishes: Wishes, grid: bool = False) -> Design:
         The robot.
     wishes : Wishes
         What is asked for.
-    grid : bool
-        Whether its map is a grid.
 
     Raises
     ------
@@ -122,7 +120,7 @@ def design(model: Model, wishes: Wishes, grid: bool = False) -> Design:
     enough = np.maximum(score.max(axis=2), -math.pi) - wishes.within
     alike = np.broadcast_to(postures[score.mean(axis=(0, 1)).argmax()], smooth.shape)
     smooth = polished((smooth, alike), enough, (model.lower, model.upper), scale, scored)
-    codes, limit, joints = _coded(model, smooth, limit, _joints(model, wishes, grid))
+    codes, limit, joints = _coded(model, smooth, limit, _joints(model, wishes))
     policy = Policy(
         codes,
         limit,
@@ -144,9 +142,9 @@ def design(model: Model, wishes: Wishes, grid: bool = False) -> Design:
     return Design(policy, found, jumps, UNSEEN)
 
 
-def _joints(model: Model, wishes: Wishes, grid: bool) -> list[Joint]:
+def _joints(model: Model, wishes: Wishes) -> list[Joint]:
     """Return what the C knows of each parameter; low and code are still to be found."""
-    limits, span = limits_of(model, grid), model.upper - model.lower
+    limits, span = limits_of(model), model.upper - model.lower
     joints = []
     for at, parameter in enumerate(model.recipe.parameters):
         rate = wishes.rate.get(parameter.name, 0.25 * span[at]) * wishes.cycle
