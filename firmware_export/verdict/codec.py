@@ -74,9 +74,9 @@ def _tip_table(model: Model, shape: tuple[int, ...], bits: int) -> tuple[Part, s
     lattice = lattice_of(model, shape, _chosen)
     codes, found = train.fit(model, lattice, bits)
     text = (
-        f"the table is below zero on every outline of the standing region at {len(found.tips)} "
-        f"postures, moved inwards by what the contacts move within half a step to the next, and "
-        f"drawn around each as far as that, with `upright` and `rock_angle` tightened by "
+        f"at each of {len(found.tips)} postures the table is below zero on every outline of the "
+        f"standing region there and at those next to it, moved inwards by what the contacts move "
+        f"within half a step to the next, with `upright` and `rock_angle` tightened by "
         f"{math.degrees(found.tighter):.2g} deg; the guard covers the rounding of the arithmetic."
     )
     return tip_part(lattice, codes, bits), text

@@ -137,6 +137,7 @@ def _excess(
     parts, faces, rows, columns = len(drops), node.shape[1], node.shape[2], node.shape[3]
     gentle, around = how
     turns = 3 ** len(counts)
+    begin, end = (0, turns) if around else (turns // 2, turns // 2 + 1)
     for part in prange(parts):
         plane = np.empty((faces, rows, columns))
         drop = np.empty((faces, rows, columns))
@@ -157,7 +158,7 @@ def _excess(
                         if tips[p, flat]:
                             drop[face, i, j] = max(plane[face, i, j], 0.0)
                         flat += 1
-                for turn in range(0 if around else turns // 2, turns if around else turns // 2 + 1):
+                for turn in range(begin, end):
                     q = beside(p, counts, turn)
                     if q >= 0:
                         for n in range(first[q * faces + face], first[q * faces + face + 1]):
