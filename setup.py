@@ -28,7 +28,7 @@ DIGEST = hashlib.sha256(b"\0".join(path.read_bytes() for path in SOURCES)).hexdi
 FAMILIES = [path.stem.removeprefix("host_") for path in sorted(RUNTIME.glob("host_*.c"))]
 ASKED = ("read", "read_i", "at", "at_i", "check")
 # On-board control, of the families that are read with floats.
-CONTROLLED = ("three", "grid", "many", "search")
+CONTROLLED = ("three", "many", "search")
 CONTROL = tuple("control control_sizes start step ground target transit budget turn".split())  # noqa: SIM905
 EXPORTED = [
     "smap_sources",

@@ -38,6 +38,10 @@ WIDER, WIDEST = 3, 5e-3
 USELESS = 0.25
 # Bytes of the export that is made where nothing was asked for and nothing reaches the knee.
 ROOM = 64 * 1024
+VERDICT_ONLY = (
+    "This export tells whether the robot stands, and not how far it is from tipping: tip_angle is "
+    "0 where it stands, and -pi where it may tip."
+)
 
 
 @dataclass(frozen=True)
@@ -323,7 +327,11 @@ def proved(export: Export) -> Export:
 def described(certificate: Certificate, export: Export) -> dict[str, Any]:
     """Return a certificate's content with what the codec has to say to its readers."""
     content = certificate.as_dict()
-    return content | {"text": [*content["text"], *export.tables.notes]}
+    if export.tables.verdict_only:
+        content["text"] = [*content["text"], VERDICT_ONLY]
+        # By how much 0 is less than an angle is no error.
+        content["channels"] = {k: v for k, v in content["channels"].items() if k != "tip_angle"}
+    return content
 
 
 def examine(

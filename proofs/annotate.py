@@ -45,7 +45,7 @@ HINTS = (
     # range, chart: what gets past the guards
     Hint(r"q\[i\] = x;", (r"admit \is_finite(x);", "admit -1e7 <= x <= 1e7;")),
     Hint(
-        r"const float at = d\[axes\[i \+ 1\]\];",
+        r"place\[params \+ i\] = d\[axes\[i \+ 1\]\] \* half; .*",
         (r"admit \is_finite(d[axes[i + 1]]);", "admit -2.0 <= d[axes[i + 1]] <= 2.0;"),
     ),
     Hint(r"g\[i\] \*= \(int32_t\)1 << shift;", ("admit -32768 <= g[i] <= 32768;",), after=True),
@@ -76,7 +76,7 @@ HINTS = (
     Hint(
         r"face = smap_face\(map, along, axes\);", ("split axes[1];", "split axes[2];"), after=True
     ),
-    Hint(r"mu = smap_grid_value\(.*", ("merge axes[1];", "merge axes[2];")),
+    Hint(r"out->tip_angle = smap_tree\(.*", ("merge axes[1];", "merge axes[2];")),
     Hint(
         r"value = smap_between\(below\[level\], value, cell->frac\[level\], .*",
         ("admit value <= 65535;",),

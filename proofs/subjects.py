@@ -3,22 +3,18 @@
 import re
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-import numpy as np
-
 from firmware_export.emit import package, report
-from firmware_export.grid import start
 from firmware_export.protocol.exported import Export
 from firmware_export.truth.model import Model
-from firmware_export.verdict.codec import blank
 from lutgen.errors import ExportError, InputError
-from lutgen.quantities import EXPORTABLE
 from lutgen.recipe.recipe import parse_recipe
 from proofs.exports import coded_export, rover_export, tripod_export
 from proofs.recipes import tripod
+from targets.noise import noise
 
 __all__ = ["Subject", "mapped", "read_subject", "small"]
 
@@ -29,25 +25,12 @@ def _looked_up(arithmetic: str, name: str) -> Export:
 
 
 def _over_gravity(arithmetic: str, chart: str, name: str) -> Export:
-    """Return all three tables over the chart, on one face or six; their codes mean nothing.
+    """Return trees and both tables over the chart, on one face or six; they mean nothing.
 
-    Codes of every value are the harder case for a proof, and need no fit.
+    Bytes of every value are the harder case for a proof, and need no fit.
     """
     model = Model(parse_recipe(tripod(chart=chart)))
-    spec = start(model, EXPORTABLE, arithmetic)[-1]
-    tables = blank(model, EXPORTABLE, spec)
-    rng = np.random.default_rng(3)
-    parts = tuple(
-        replace(
-            part,
-            codes=rng.integers(0, 1 << part.bits, part.codes.shape).astype(part.codes.dtype),
-            offset=np.full(2, 0.0 if part.name == "height" else -0.5, np.float32),
-            step=np.float32(2.0**-part.bits),
-        )
-        for part in tables.parts
-    )
-    noise = replace(tables, parts=parts, guard_text="its codes mean nothing")
-    return Export(name, model.recipe, model, "grid", arithmetic, EXPORTABLE, noise)
+    return noise(name, model, arithmetic, 600, {"sdg": (3, 3, 5, 5), "height": (3, 3)}, 16)
 
 
 # Small exports, so that every codec and both kinds of arithmetic are there, all channels and faces.

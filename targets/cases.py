@@ -12,21 +12,18 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from firmware_export.codecs import CODECS, usable
 from firmware_export.emit import package, report
 from firmware_export.emit.runtime import features, runtime_text
 from firmware_export.emit.source import body_of, source_text
 from firmware_export.exporter import proved
-from firmware_export.grid.spec import Spec
-from firmware_export.grid.tables import SPAN, Part, Tables, U, V, places_of
 from firmware_export.protocol.exported import Export
 from firmware_export.truth.model import Model
 from lutgen.errors import ExportError
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe.recipe import Recipe, load_recipe, parse_recipe
 from targets.boards import BOARDS
+from targets.noise import noise
 from targets.quadruped import quadruped
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -42,7 +39,6 @@ WITHOUT: dict[str, tuple[str, ...]] = {
     name: ("mega328p",) for name in ("marv", "absolem", "excavator", "articulated", "quadruped")
 }
 WITHOUT |= {name: tuple(one.name for one in BOARDS if one.name != "m4f") for name in COUNTED_ONCE}
-VERDICT = ("tip_angle",)
 # What tables depend on: the codecs, what they ask of the runtime, and the exact kernels.
 SOURCES = (
     "firmware_export/runtime/*.[ch]",
@@ -84,6 +80,8 @@ max_tilt = 60.0
 nodes = 11
 channels = ["sdg", "tip_angle", "height"]
 """
+# Tables beside a tree of 40 kB.
+LENGTHS = {"sdg": (9, 9, 11, 11), "height": (7, 7, 9, 9)}
 # Sizes of docs/measured/exports.md.
 POLY = "poly 0x2 2x0 0x0"
 GRIDS = {"float": "grid i16 1x8 9x1 1x1", "integer": "grid i16 1x10 11x1 1x1"}
@@ -150,19 +148,11 @@ def of_robot(
     return proved(Export(name, model.recipe, model, kind, arithmetic, channels, tables))
 
 
-def of_noise(arithmetic: str, source: Recipe, shape: tuple[int, ...]) -> Export:
-    """Return a table over gravity with codes that mean nothing: what matters is where they lie."""
-    model = Model(source)
-    knots = tuple(np.linspace(0, SPAN, n).round().astype(np.uint16) for n in shape)
-    codes = np.random.default_rng(8).integers(0, 256, (1, *shape, 1)).astype(np.uint8)
-    offset = np.full(2, -0.5, np.float32)
-    axes = (*range(model.k), V, U)
-    part = Part("tip", axes, knots, codes, offset, np.float32(1.0 / 256.0))
-    spec = Spec(8, (("tip", shape),))
-    tables = Tables(
-        spec, VERDICT, (part,), model.chart_limit, places_of(model), 0.0, "codes that mean nothing"
-    )
-    return Export("noise", model.recipe, model, "grid", arithmetic, VERDICT, tables)
+def of_noise(
+    arithmetic: str, source: Recipe, size: int, shapes: dict[str, tuple[int, ...]] | None = None
+) -> Export:
+    """Return a grid that means nothing: what matters is where its trees and codes lie."""
+    return noise("noise", Model(source), arithmetic, size, shapes)
 
 
 def _paper_two() -> Recipe:
@@ -188,10 +178,10 @@ def cases() -> list[Case]:
     for arithmetic in ("float", "integer"):
         make = partial(of_recipe, "paper_two", "grid", arithmetic, GRIDS[arithmetic])
         rows.append(Case(f"paper_two_grid_{arithmetic}", make, folder))
-        two = partial(of_noise, arithmetic, parse_recipe(STOOL), (17, 17))
-        rows.append(Case(f"gravity_2d_{arithmetic}", two))
-        four = partial(of_noise, arithmetic, _paper_two(), (13, 13, 21, 21))
-        rows.append(Case(f"gravity_74kB_{arithmetic}", four))
+        two = partial(of_noise, arithmetic, parse_recipe(STOOL), 17 * 17)
+        rows.append(Case(f"tree_2d_{arithmetic}", two))
+        four = partial(of_noise, arithmetic, _paper_two(), 40_000, LENGTHS)
+        rows.append(Case(f"grid_60kB_{arithmetic}", four))
     return rows
 
 

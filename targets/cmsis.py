@@ -81,7 +81,7 @@ def fetch() -> Path | None:
 
 def even_stool(arithmetic: str = "float") -> Export:
     """Return a table over gravity with evenly spaced nodes, which is all that CMSIS knows."""
-    return of_noise(arithmetic, parse_recipe(STOOL), (17, 17))
+    return of_noise(arithmetic, parse_recipe(STOOL), 32, {"height": (17, 17)})
 
 
 def header(export: Export) -> str:

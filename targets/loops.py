@@ -52,6 +52,7 @@ class Shape:
     groups: int = 0
     pieces: int = 0
     degree: int = 0
+    levels: int = 0
 
     @property
     def halvings(self) -> int:
@@ -69,9 +70,10 @@ def shape_of(export: Export) -> Shape:
     k, body = export.model.k, body_of(export)
     macros = dict(body.macros)
     if "SMAP_GRID" in macros:
-        dims = max(len(part.knots) for part in export.tables.parts)
-        nodes = max(len(knots) for part in export.tables.parts for knots in part.knots)
-        return Shape(k, dims=dims, nodes=nodes)
+        tables = export.tables
+        dims = max((len(part.knots) for part in tables.parts), default=0)
+        nodes = max((len(knots) for part in tables.parts for knots in part.knots), default=2)
+        return Shape(k, dims=dims, nodes=nodes, levels=tables.trees.levels)
     if "SMAP_TABLES" in macros:
         return Shape(k, dims=max(len(one.axes) for one in export.tables.points))
     if "SMAP_POLY" in macros:
@@ -192,6 +194,9 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "; most >> shift > 32767u; shift++": _plain("17 shifts", 17),
     "k = 0; k < axes; k++": DIMS,
     "k = 0; k < table[i].axes[0]; k++": DIMS,
+    "at < bytes": ("boxes of a tree within each other", lambda s: s.levels),
+    "k = 0; k < dims; k++": ("parameters, u and v", lambda s: s.params + 2),
+    "i = 0; i < faces; i++": ("faces", lambda s: 6),
     "i = 0; i < part[SMAP_PART_DIMS]; i++, axis += 6": DIMS,
     "left = (uint16_t)(nodes - 1u); left > 1; left = (uint16_t)((left + 1u) >> 1)": (
         "log2 of an axis's nodes",

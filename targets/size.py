@@ -63,6 +63,8 @@ SETS = (
     ("SMAP_POINTS", "SMAP_SERIES", "SMAP_FLOATS", "SMAP_INTEGERS"),
     ("SMAP_MANY", "SMAP_MANY_BY_RAILS", "SMAP_SERIES", *GAPS),
     ("SMAP_MANY", "SMAP_MANY_SEARCH", "SMAP_SERIES", *GAPS),
+    ("SMAP_GRID", "SMAP_LENGTHS", "SMAP_FLOATS"),
+    ("SMAP_GRID", "SMAP_LENGTHS", "SMAP_INTEGERS"),
     ("SMAP_GRID", "SMAP_FLOATS"),
     ("SMAP_GRID", "SMAP_INTEGERS"),
 )
@@ -80,6 +82,8 @@ TITLES = (
     "`contacts`, others given by code",
     "`grid` over gravity, floats",
     "`grid` over gravity, integers",
+    "`grid` over gravity, the verdict alone, floats",
+    "`grid` over gravity, the verdict alone, integers",
 )
 PAGE = ROOT / "docs" / "measured" / "targets.md"
 BEGIN, END = "<!-- sizes -->\n", "\n<!-- end of sizes -->"
@@ -207,12 +211,16 @@ def settings_of(features: Sequence[str]) -> dict[str, int]:
     return {**switches, **USUAL, **more, "SMAP_MANY_KNOWN": int(bool(more))}
 
 
+def steers(features: Sequence[str]) -> bool:
+    """Tell whether on-board control reads such maps: with floats, and no verdict alone."""
+    return "SMAP_FLOATS" in features and "SMAP_GRID" not in features
+
+
 def measure_set(features: Sequence[str], folder: Path) -> Measure:
     """Measure the runtime with these switches on and all others off."""
     config = settings_of(features)
     alone = measure(config, folder)
-    # Control computes with floats.
-    steered = measure(config, folder, control=True) if "SMAP_FLOATS" in features else alone
+    steered = measure(config, folder, control=True) if steers(features) else alone
     return {**alone, "control": steered["code"] - alone["code"]}
 
 

@@ -262,9 +262,9 @@ def _refusal(trials: Trials, tried: list[Candidate], goal: Goal) -> ExportError:
     if goal.percent is not None and accurate:
         one = min(accurate, key=lambda one: one.total)
         nearest.append(f"{one.total:,} bytes are needed for that error ({one.label})")
-    notes = smallest.export.tables.notes
-    if goal.percent is not None and trials.bounded == ("tip_angle",) and notes:
-        nearest.append("only the sign of its tip angle is bounded: ask for a size of flash alone")
+    only = smallest.export.tables.verdict_only
+    if goal.percent is not None and trials.bounded == ("tip_angle",) and only:
+        nearest.append("it tells whether the robot stands: ask for a size of flash alone")
     return ExportError(
         f"{where}: no export meets what is asked for (got {' and '.join(asked)}); the nearest that "
         f"can be had: {'; '.join(nearest)}."

@@ -94,7 +94,7 @@ def foresee(
         table = max(wanting, key=lambda at: wanting[at], default="tip")
         if wanting.get(table, 0.0) <= 1.0:
             if not goal.holds(now) and now.false_safe == 0:
-                return  # the tip angle's error, which no size bounds
+                return  # the tip angle's error: a tree tells none
             table = "tip"
         elif table in stuck:
             return

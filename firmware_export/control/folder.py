@@ -24,18 +24,18 @@ def steered(export: Export, wishes: Wishes) -> tuple[Export, Design]:
     Raises
     ------
     InputError
-        For wishes that mean nothing, and exports that are read without floats or of whose angles
-        only the sign is bounded.
+        For wishes that mean nothing, and exports that are read without floats or tell nothing but
+        whether the robot stands.
     """
     if export.integer:
         raise InputError(
             f"{export.recipe.source}: on-board control computes with floats (got integer "
             "arithmetic); export with --arithmetic float."
         )
-    if export.tables.notes:
+    if export.tables.verdict_only:
         raise InputError(
             f"{export.recipe.source}: on-board control takes off an angle what a way may cost, and "
-            f"of this table only the sign is bounded (got codec {export.codec} for more than three "
+            f"these tables hold none (got codec {export.codec} for more than three "
             "contacts); `lutgen export --codec contacts` says what keeps that codec from it."
         )
     export = replace(export, tables=export.tables.boxed())

@@ -18,6 +18,8 @@ from lutgen.errors import InputError
 from lutgen.search import Drive
 from lutgen.vector import Floats
 
+# How the robot leans while its shape changes, see `lutgen.channels`: as the C takes it.
+LEANS = "plane"
 CHANNELS = ("sdg", "height", "tip_angle", "margin")
 
 
@@ -73,7 +75,7 @@ def uncontrolled(steering: Steering, ride: Ride, start: Floats) -> Drive:
     if ride.driven is not None and ride.felt is not None:
         return _judged(steering, ride, ride.driven, ride.driven, ride.felt)
     params = np.tile(start, (len(ride.slope), 1))
-    down = body_gravity(steering.recipe, params, ride.slope, steering.convention)
+    down = body_gravity(steering.recipe, params, ride.slope, LEANS)
     return _judged(steering, ride, params, params, down)
 
 
@@ -97,7 +99,7 @@ def controlled(steering: Steering, ride: Ride, start: Floats, plant: Plant) -> L
         For a plant that is none.
     """
     _refuse(plant)
-    recipe, convention, cycle = steering.recipe, steering.convention, steering.cycle
+    recipe, cycle = steering.recipe, steering.cycle
     rng, controller = np.random.default_rng(plant.seed), steering.controller()
     low, high = (np.array([getattr(p, of) for p in recipe.parameters]) for of in _ENDS)
     lag, most = plant.lag(cycle), plant.rates * cycle
@@ -109,7 +111,7 @@ def controlled(steering: Steering, ride: Ride, start: Floats, plant: Plant) -> L
         goal = wanted[i - lag] if i >= lag else posture
         posture = np.clip(posture + np.clip(goal - posture, -most, most), low, high)
         params[i] = posture
-        down[i] = body_gravity(recipe, posture[None, :], ride.slope[i], convention)[0]
+        down[i] = body_gravity(recipe, posture[None, :], ride.slope[i], LEANS)[0]
         up = -ride.size[i] * down[i] + rng.normal(0.0, 1.0, 3) * plant.noise
         command, told, _ = controller.step(
             posture[None, :],

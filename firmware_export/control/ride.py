@@ -100,10 +100,8 @@ def ride_logged(
     ups, joints = _between(at, time, up), _between(at, time, driven)
     size = np.linalg.norm(ups, axis=1)
     felt = -ups / np.maximum(size, 1e-12)[:, None]
-    slope = felt
-    if steering.convention == "plane":
-        slope, _ = steering.controller().ground(joints, ups)
-        slope = unit_directions(np.where(np.any(slope, axis=1)[:, None], slope, felt))
+    slope, _ = steering.controller().ground(joints, ups)
+    slope = unit_directions(np.where(np.any(slope, axis=1)[:, None], slope, felt))
     nowhere = np.zeros(count)
     path = Path(np.stack([at - at[0], nowhere, nowhere], axis=1), nowhere, slope)
     turning = None if rate is None else _between(at, time, rate)

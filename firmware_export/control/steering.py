@@ -44,7 +44,7 @@ class Steering:
     rates : (k,) float64
         Of the policy: changes in a second.
     codec : str
-        Of the map.  One that holds no plane takes the attitude of the body for that of the ground.
+        Of the map.
     """
 
     recipe: Recipe
@@ -54,11 +54,6 @@ class Steering:
     latency: float
     rates: Floats
     codec: str
-
-    @property
-    def convention(self) -> str:
-        """How the robot leans while its shape changes, see `lutgen.channels`."""
-        return "body" if self.codec == "grid" else "plane"
 
     def controller(self, robots: int = 1) -> Controller:
         """Return the C that steers so many robots."""

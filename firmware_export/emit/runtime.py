@@ -14,6 +14,7 @@ from lutgen.errors import ExportError
 # The switches of the runtime: what its code depends on.
 SWITCHES = (
     *("SMAP_FLOATS", "SMAP_INTEGERS", "SMAP_POINTS", "SMAP_POLY", "SMAP_TABLES", "SMAP_GRID"),
+    "SMAP_LENGTHS",
     *("SMAP_MANY", "SMAP_MANY_BY_RAILS", "SMAP_MANY_SEARCH", "SMAP_MANY_GAPS", "SMAP_SERIES"),
 )
 # A part, and the switches that need it, any of them; all always have it where none is named.
@@ -117,7 +118,7 @@ typedef int smap_is_taken_in_by_an_export;
 
 def control_parts(on: frozenset[str]) -> list[str]:
     """Return the names of the parts of on-board control that some switches need."""
-    family = "many" if "SMAP_MANY" in on else "grid" if "SMAP_GRID" in on else "three"
+    family = "many" if "SMAP_MANY" in on else "three"
     return [f"control_{part.format(family)}" for part in _CONTROL]
 
 

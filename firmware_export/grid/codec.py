@@ -1,9 +1,9 @@
-"""Tables over the parameters and the chart, for what the room `verdict` trains.
+"""Tables of lengths over the parameters and the chart, beside the trees of the room `verdict`.
 
 The parts are in `spec` (sizes), `fit` (stability factor and height) and `tables` (layout).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -11,13 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware_export.grid import fit as fitting
-from firmware_export.grid.codes import Codes
 from firmware_export.grid.lattice import Lattice, spread_knots
-from firmware_export.grid.tables import Part, U, V
-from firmware_export.truth import Model
-
-# (model, coordinate, count) -> the knots of an axis, uint16.
-Knots = Callable[[Model, int, int], NDArray[np.uint16]]
+from firmware_export.grid.spec import Spec
+from firmware_export.grid.tables import Fold, Part, Tables, Trees, U, V, places_of
+from firmware_export.truth import Model, widened
 
 DTYPE: dict[int, Any] = {8: np.uint8, 16: np.uint16}
 # Parameters that smap_read_i and the tables can address, and the largest u it can.
@@ -25,8 +22,6 @@ MOST_PARAMS = 8
 STEEPEST = 15.9
 # Nodes along each axis below which a table says little, and nodes of a table that can be fitted.
 FEWEST, MOST_NODES = 4, 1 << 18
-# Rounding of the float path: operations after the codes, in units of 2^-24.
-OPERATIONS = 64.0
 
 
 def too_large(model: Model, arithmetic: str) -> str | None:
@@ -47,20 +42,20 @@ def too_large(model: Model, arithmetic: str) -> str | None:
     return None
 
 
-def lattice_of(model: Model, shape: tuple[int, ...], knots: Knots = spread_knots) -> Lattice:
+def lattice_of(model: Model, shape: tuple[int, ...]) -> Lattice:
     """Return a table's lattice: the nodes of each parameter, of v and of u."""
     names = [*range(model.k), V, U]
     held = [(c, n) for c, n in zip(names, shape, strict=True) if n > 1]
-    return Lattice(model, tuple(c for c, _ in held), tuple(knots(model, c, n) for c, n in held))
+    return Lattice(
+        model, tuple(c for c, _ in held), tuple(spread_knots(model, c, n) for c, n in held)
+    )
 
 
 # Tables do not depend on each other: sizes that share one do not fit it again.
 @lru_cache(maxsize=16)
-def length_table(
-    model: Model, name: str, shape: tuple[int, ...], bits: int, knots: Knots = spread_knots
-) -> Part:
+def length_table(model: Model, name: str, shape: tuple[int, ...], bits: int) -> Part:
     """Return the table ``sdg`` or ``height``."""
-    lattice = lattice_of(model, shape, knots)
+    lattice = lattice_of(model, shape)
     node = fitting.fit(model, lattice, name)
     if name == "height":
         # Nodes where nothing stands may come out negative; the integer path has no such height.
@@ -84,12 +79,15 @@ def part_of(
     )
 
 
-def tip_part(lattice: Lattice, codes: Codes, bits: int) -> Part:
-    """Return the verdict's codes as a table."""
-    return part_of("tip", lattice, codes.codes.astype(DTYPE[bits]), [codes.offset], codes.step)
-
-
-def rounding(tip: Part) -> float:
-    """Return by how much (rad) the arithmetic may read a tip angle too high."""
-    largest = float(np.abs(tip.offset[0]) + tip.step * 2.0**tip.bits)
-    return OPERATIONS * 2.0**-24 * max(largest, 1.0)
+def blank(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
+    """Return tables of a size before anything is fitted: as many bytes, all of them 0."""
+    parts = []
+    places, model = places_of(model), widened(model)
+    for name, shape in spec.nodes:
+        lattice = lattice_of(model, shape)
+        width = 2 if name == "sdg" else 1
+        codes = np.zeros((lattice.faces, *lattice.shape, width), DTYPE[spec.bits])
+        parts.append(part_of(name, lattice, codes, [0.0], 1.0))
+    ends = [spec.tree * face // model.faces for face in range(model.faces + 1)]
+    trees = Trees(Fold(0, 0, 0), 0, tuple(map(bytes, np.diff(ends).tolist())))
+    return Tables(spec, channels, trees, tuple(parts), model.chart_limit, places, "")

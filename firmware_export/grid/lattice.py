@@ -5,7 +5,6 @@ from 0 to 1 over its axis.
 """
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +18,6 @@ Ints = NDArray[np.int32]
 
 # Pieces of the work, each with its own result: the same for any number of threads.
 PARTS = 4
-NOTHING = np.empty(0)
 
 
 @njit(parallel=True)
@@ -83,106 +81,6 @@ def at_nodes(
     return np.asarray(out.sum(axis=0))
 
 
-@njit(inline=True)
-def _shares(frac: NDArray[np.float32], share: Floats) -> None:
-    """Fill the weights of a cell's corners; bit a of a corner's number is its side on axis a."""
-    share[0] = 1.0
-    for a in range(len(frac)):
-        f = float(frac[a])
-        for c in range(1 << a):
-            share[c + (1 << a)] = share[c] * f
-            share[c] *= 1.0 - f
-
-
-@njit(inline=True)
-def _sum(share: Floats, node: Floats, first: int, offset: NDArray[np.int64]) -> float:
-    """Return the sum over a cell's corners of their shares of the nodes."""
-    value = 0.0
-    for c in range(len(offset)):
-        value += share[c] * node[first + offset[c]]
-    return value
-
-
-@njit(parallel=True)
-def _spread(
-    first: Ints,
-    frac: NDArray[np.float32],
-    offset: NDArray[np.int64],
-    value: Floats,
-    node: Floats,
-    power: int,
-    out: Floats,
-) -> None:
-    """Add up values at the nodes, each times what `node` (empty: 1) comes to at its place."""
-    parts, m = len(out), len(first)
-    for part in prange(parts):
-        share = np.empty(len(offset))
-        for p in range(m * part // parts, m * (part + 1) // parts):
-            _shares(frac[p], share)
-            amount = value[p]
-            if len(node):
-                amount *= _sum(share, node, first[p], offset)
-            for c in range(len(offset)):
-                weight = share[c] * share[c] if power == 2 else share[c]
-                out[part, first[p] + offset[c]] += weight * amount
-
-
-@njit(parallel=True)
-def _interpolate(
-    first: Ints, frac: NDArray[np.float32], offset: NDArray[np.int64], node: Floats, out: Floats
-) -> None:
-    m = len(first)
-    for part in prange(PARTS):
-        share = np.empty(len(offset))
-        for p in range(m * part // PARTS, m * (part + 1) // PARTS):
-            _shares(frac[p], share)
-            out[p] = _sum(share, node, first[p], offset)
-
-
-class Spots:
-    """Where points lie in a lattice, in a sixth of the memory that all their corners take.
-
-    `first` (m,) is the lowest node of a point's cell, `frac` (m, d) where in the cell it lies, 0 to
-    1 along each axis, `offset` (2^d,) leads to the other corners; `nodes` are those of all faces.
-    """
-
-    def __init__(
-        self, first: Ints, frac: NDArray[np.float32], offset: NDArray[np.int64], nodes: int
-    ) -> None:
-        self.first, self.frac, self.offset, self.nodes = first, frac, offset, nodes
-
-    def __len__(self) -> int:
-        return len(self.first)
-
-    def part(self, which: NDArray[Any]) -> "Spots":
-        """Return some of the points: indices, or a mask."""
-        return Spots(self.first[which], self.frac[which], self.offset, self.nodes)
-
-    def joined(self, other: "Spots") -> "Spots":
-        """Return these points and then others of the same lattice."""
-        return Spots(
-            np.concatenate([self.first, other.first]),
-            np.concatenate([self.frac, other.frac]),
-            self.offset,
-            self.nodes,
-        )
-
-    def at(self, node: Floats) -> Floats:
-        """Interpolate nodes (n,) at the points."""
-        out = np.empty(len(self.first))
-        _interpolate(self.first, self.frac, self.offset, node, out)
-        return out
-
-    def spread(self, value: Floats, node: Floats = NOTHING, power: int = 1) -> Floats:
-        """Add up values (m,) at the nodes, by the weights or (`power` 2) by their squares.
-
-        With `node` (n,) each value counts times `at(node)`, in one pass.
-        """
-        out = np.zeros((PARTS, self.nodes))
-        _spread(self.first, self.frac, self.offset, value, node, power, out)
-        return np.asarray(out.sum(axis=0))
-
-
 class Lattice:
     """Knots of a table, its nodes and what the exact kernels say there.
 
@@ -211,42 +109,11 @@ class Lattice:
         start = face * self.face_nodes if self.faces > 1 else np.zeros(len(face), np.int64)
         return *_cells(place[:, self.columns], self.ends), start
 
-    def posture_corners(self, place: Floats) -> tuple[Ints, Floats]:
-        """Return index and weight (m, 2^axes) among the parameters' nodes of places (m, k...).
-
-        Rounding must not make a posture at a knot lean on the next one.
-        """
-        held = [(c, ends) for c, ends in zip(self.coordinates, self.ends, strict=True) if c < U]
-        index, weight = _cells(place[:, [c for c, _ in held]], [ends for _, ends in held])
-        return index, np.where(weight < 1e-9, 0.0, weight)
-
-    def spots(self, place: Floats, face: NDArray[np.int64]) -> Spots:
-        """Return where places (m, k + 2) lie; see `find`."""
-        first = (face if self.faces > 1 else np.zeros_like(face)) * self.face_nodes
-        frac = np.empty((len(place), len(self.ends)), np.float32)
-        offset = np.zeros(1 << len(self.ends), np.int64)
-        stride = self.face_nodes
-        for axis, (column, ends) in enumerate(zip(self.columns, self.ends, strict=True)):
-            x = place[:, column]
-            cell = np.clip(np.searchsorted(ends, x, side="right") - 1, 0, len(ends) - 2)
-            frac[:, axis] = (x - ends[cell]) / (ends[cell + 1] - ends[cell])
-            stride //= len(ends)
-            first = first + cell * stride
-            offset += (np.arange(len(offset)) >> axis & 1) * stride
-        return Spots(first.astype(np.int32), frac, offset, self.faces * self.face_nodes)
-
     def places(self) -> tuple[Floats, NDArray[np.int64]]:
         """Return the places (nodes, k + 2) and faces of all nodes; pruned axes in the middle."""
         place = np.full((self.faces * self.face_nodes, self.model.k + 2), 0.5)
         place[:, self.columns] = np.tile(combinations(self.ends), (self.faces, 1))
         return place, np.repeat(np.arange(self.faces), self.face_nodes)
-
-    def directions(self) -> Floats:
-        """Return the directions (faces v u, 3) of the knots of v and u on every face."""
-        v, u = (2.0 * self.ends[self.coordinates.index(c)] - 1.0 for c in (V, U))
-        limit = self.model.chart_limit
-        face, vs, us = np.meshgrid(np.arange(self.model.faces), v * limit, u * limit, indexing="ij")
-        return self.model.uv_to_gravity(face, us, vs).reshape(-1, 3)
 
 
 def _cells(x: Floats, axes: Sequence[Floats]) -> tuple[Ints, Floats]:

@@ -1,19 +1,21 @@
-"""Sizes of the codec `grid`: bits of a code and nodes per axis of each table.
+"""Sizes of the codec `grid`: bytes of its trees, bits of a code and nodes per axis of each table.
 
-Owns which axes a table has (found by probing), the smallest sensible sizes, and how a size grows.
+Owns which axes a table has (found by probing), and how nodes are shared out over them.
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
 from firmware_export.truth import Model
 
-GROUPS = ("tip", "sdg", "height")
-CHANNEL = {"tip": "tip_angle", "sdg": "sdg", "height": "height"}
+# Tables of lengths; what else is held is the trees.
+GROUPS = ("sdg", "height")
 LARGEST = 65
+# Nodes of an axis, and bytes of a tree, at least; bytes of a tree at most.
+FEWEST, LEAST, MOST_TREE = 3, 32, 65535
 # Places looked at per axis when asking whether a value depends on it.
 PROBES = 9
 SEED = 20
@@ -27,19 +29,22 @@ class Spec:
     ----------
     bits : int
         8 or 16.
+    tree : int
+        Bytes of the trees of all faces, at most.
     nodes : tuple of (str, tuple of int)
         Per table its name and the nodes of each parameter, of v and of u; 1 for an axis on
         which nothing depends.
     """
 
     bits: int
-    nodes: tuple[tuple[str, tuple[int, ...]], ...]
+    tree: int
+    nodes: tuple[tuple[str, tuple[int, ...]], ...] = ()
 
     @property
     def label(self) -> str:
-        """Short text, such as ``grid u8 tip 7x7x13x13 sdg 5x5x9x9``."""
+        """Short text, such as ``grid u8 tree 9000 sdg 5x5x9x9``."""
         parts = [f"{name} {'x'.join(map(str, nodes))}" for name, nodes in self.nodes]
-        return f"grid u{self.bits} {' '.join(parts)}"
+        return " ".join([f"grid u{self.bits} tree {self.tree}", *parts])
 
     @classmethod
     def of_label(cls, label: str) -> "Spec":
@@ -47,19 +52,13 @@ class Spec:
 
         Examples
         --------
-        >>> Spec.of_label("grid u8 tip 17x17 sdg 9x9").nodes
-        (('tip', (17, 17)), ('sdg', (9, 9)))
+        >>> Spec.of_label("grid u8 tree 9000 sdg 9x9")
+        Spec(bits=8, tree=9000, nodes=(('sdg', (9, 9)),))
         """
-        _, bits, *words = label.split()
+        _, bits, _, tree, *words = label.split()
         tables = zip(words[::2], words[1::2], strict=True)
         nodes = tuple((name, tuple(map(int, shape.split("x")))) for name, shape in tables)
-        return cls(int(bits[1:]), nodes)
-
-    @property
-    def bytes(self) -> int:
-        """Bytes of the codes, known before anything is encoded."""
-        values = sum((2 if name == "sdg" else 1) * math.prod(shape) for name, shape in self.nodes)
-        return values * self.bits // 8
+        return cls(int(bits[1:]), int(tree), nodes)
 
 
 @lru_cache(maxsize=8)
@@ -70,8 +69,6 @@ def active_axes(model: Model, name: str) -> tuple[bool, ...]:
     """
     rng = np.random.default_rng(SEED)
     axes = model.k + 2
-    if name == "tip":
-        return (True,) * axes
     result = []
     for axis in range(axes):
         base = rng.random((12, axes))
@@ -91,32 +88,32 @@ def active_axes(model: Model, name: str) -> tuple[bool, ...]:
     return tuple(result)
 
 
-def start(model: Model, channels: tuple[str, ...], arithmetic: str) -> list[Spec]:
-    """Return the smallest sensible size for each bit width."""
-    nodes = []
-    for name in GROUPS:
-        if CHANNEL[name] in channels or name == "tip":
-            active = active_axes(model, name)
-            count = [3] * model.k + [5, 5]
-            shape = tuple(n if on else 1 for n, on in zip(count, active, strict=True))
-            nodes.append((name, shape))
-    return [Spec(bits, tuple(nodes)) for bits in (8, 16)]
+def even(model: Model, name: str, nodes: int) -> tuple[int, ...]:
+    """Return the nodes of each axis of a table of at most so many in all, alike as far as can be.
+
+    FEWEST at least on each axis on which the table depends.
+    """
+    active = active_axes(model, name)
+    faces = model.faces if any(active[-2:]) else 1
+    shape = [FEWEST if on else 1 for on in active]
+    while True:
+        total = faces * math.prod(shape)
+        able = [
+            axis
+            for axis, on in enumerate(active)
+            if on and shape[axis] < LARGEST and total // shape[axis] * (shape[axis] + 1) <= nodes
+        ]
+        if not able:
+            return tuple(shape)
+        shape[min(able, key=lambda axis: shape[axis])] += 1
 
 
-def grow(model: Model, spec: Spec) -> list[Spec]:
-    """Return the next larger sizes: one axis of one table each, v and u together."""
-    result = []
-    for at, (name, shape) in enumerate(spec.nodes):
-        for axis in range(model.k + 1):
-            if shape[axis] == 1 or shape[axis] >= LARGEST:
-                continue
-            # v and u are alike: an odd number keeps a knot in the middle.
-            more = shape[axis] + (2 if axis == model.k or shape[axis] >= 9 else 1)
-            larger = list(shape)
-            larger[axis] = more
-            if axis == model.k:
-                larger[axis + 1] = more if shape[axis + 1] > 1 else 1
-            nodes = list(spec.nodes)
-            nodes[at] = (name, tuple(larger))
-            result.append(replace(spec, nodes=tuple(nodes)))
-    return result
+def of_nodes(model: Model, channels: tuple[str, ...], nodes: dict[str, int], bits: int) -> Spec:
+    """Return the size whose tables have at most so many nodes each, spread over the axes.
+
+    `nodes` counts those of ``sdg`` and ``height``, and the bytes of ``tip``; each has a few at
+    least.
+    """
+    shapes = [(name, even(model, name, nodes.get(name, 0))) for name in GROUPS if name in channels]
+    tree = min(max(nodes.get("tip", 0), LEAST), model.faces * MOST_TREE)
+    return Spec(bits, tree, tuple(shapes))

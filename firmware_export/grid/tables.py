@@ -1,8 +1,9 @@
-"""Tables of the codec `grid` as they stand in C: knots, codes, and what turns codes into values.
+"""Tables of the codec `grid` as they stand in C: trees, knots, codes, and what these mean.
 
-Owns the layout.  A table holds one group of channels (the tip margin mu, the two components of
-D_g - s, or the height) over its own axes: those parameters on which it depends, then v, then u.
-Places on an axis are counted in 1/65534 of it, so that both ends and the middle are whole numbers.
+Owns the layout.  A tree for each face of the chart tells where the robot stands.  A table holds one
+group of channels (the two components of D_g - s, or the height) over its own axes: those parameters
+on which it depends, then v, then u.  Places on an axis are counted in 1/65534 of it, so that both
+ends and the middle are whole numbers; on a tree's in 1/65536.
 """
 
 import math
@@ -25,10 +26,12 @@ EVEN = 65535
 # Coordinates above every parameter's index.
 U, V = 254, 255
 CTYPE = {8: "uint8_t", 16: "uint16_t"}
-# Its number in runtime/blob.c, and bytes of what grid.c knows of a parameter and of a table.
-GRID, PLACE_BYTES, PART_BYTES = 4, 12, 38
+# Its number in runtime/blob.c; bytes of what grid.c knows of a parameter, of how v is folded, of a
+# face and of a table; bytes that it may read behind a tree.
+GRID, PLACE_BYTES, FOLD_BYTES, FACE_BYTES, PART_BYTES, BEHIND = 4, 12, 8, 6, 38, 16
+# Places on a tree's axis, and of a rate those that v is moved by.
+PLACES, RATE = 65536, 8192
 MEANING = {
-    "tip": "tip margin, sine of the tip angle times |(u, v, 1)|",
     "sdg": "components of D_g - s along two axes of the facet",
     "height": "height of the centre of mass over its facet",
 }
@@ -68,6 +71,34 @@ def places_of(model: Model) -> tuple[Place, ...]:
     return tuple(result)
 
 
+class Fold(NamedTuple):
+    """How v becomes a place: `base` + d rate / RATE of PLACES, d in 1/32768 of the chart's limit.
+
+    `ahead` is the rate of v >= 0, `behind` of v < 0: folded, both sides share places.
+    """
+
+    base: int
+    ahead: int
+    behind: int
+
+
+@dataclass(frozen=True, eq=False)
+class Trees:
+    """A tree for each face of the chart, as bytes; see runtime/grid.c for what they mean.
+
+    `levels`: boxes within each other at most.
+    """
+
+    fold: Fold
+    levels: int
+    held: tuple[bytes, ...]
+
+    @property
+    def bytes(self) -> int:
+        """Bytes of all trees."""
+        return sum(map(len, self.held))
+
+
 @dataclass(frozen=True, eq=False)
 class Part:
     """One table.
@@ -75,7 +106,7 @@ class Part:
     Parameters
     ----------
     name : str
-        ``tip``, ``sdg`` or ``height``.
+        ``sdg`` or ``height``.
     coordinates : tuple of int
         Per axis, outermost first: index of a parameter, `V` or `U`.
     knots : tuple of (n,) uint16 arrays
@@ -86,8 +117,6 @@ class Part:
         Value at code 0 of each component.
     step : float32
         Value of one code.
-    remainder : int
-        By how much the integer path may read too high, in 1/65536 of the codes' range.
     """
 
     name: str
@@ -96,7 +125,6 @@ class Part:
     codes: NDArray[Any]
     offset: NDArray[np.float32]
     step: np.float32
-    remainder: int = 0
 
     @property
     def bits(self) -> int:
@@ -124,9 +152,6 @@ class Part:
         at = [-float(value) / self.fine_step for value in self.offset]
         if self.name == "height":
             return max(round(float(self.offset[0]) / self.height_step), 0), 0
-        if self.name == "tip":
-            # Beyond the largest value nothing stands, however far it is.
-            return min(max(math.ceil(at[0]) + self.remainder, 0), 65536), 0
         return max(round(at[0]), 0), max(round(at[1]), 0)
 
     @property
@@ -139,12 +164,9 @@ class Part:
         """Output of one unit of the integer path, and by how many bits to shift it."""
         if self.name == "sdg":
             return 1, 0
-        ratio = (
-            self.fine_step * 32767.0 if self.name == "tip" else self.fine_step / self.height_step
-        )
-        bits = 15 if self.name == "tip" else 16  # a margin has a sign
-        shift = max(0, min(31, bits - 1 - math.floor(math.log2(ratio)))) if ratio > 0.0 else 0
-        return min(math.floor(ratio * 2.0**shift), (1 << bits) - 1), shift
+        ratio = self.fine_step / self.height_step
+        shift = max(0, min(31, 15 - math.floor(math.log2(ratio)))) if ratio > 0.0 else 0
+        return min(math.floor(ratio * 2.0**shift), 65535), shift
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,8 +179,10 @@ class Tables(AnyTables):
         What was asked for.
     channels : tuple of str
         What is held.
+    trees : Trees
+        Where the robot stands.
     parts : tuple of Part
-        ``tip``, then ``sdg`` and ``height`` if held.
+        ``sdg`` and ``height`` if held.
     chart_limit : float
         Largest |u| and |v|.
     places : tuple of Place
@@ -167,12 +191,17 @@ class Tables(AnyTables):
 
     spec: Spec
     channels: tuple[str, ...]
+    trees: Trees
     parts: tuple[Part, ...]
     chart_limit: float
     places: tuple[Place, ...]
-    guard: float
     guard_text: str
-    notes: tuple[str, ...] = ()
+    guard: float = 0.0
+
+    @property
+    def verdict_only(self) -> bool:
+        """Whether tip_angle is no angle: it is 0, or -pi."""
+        return True
 
     @property
     def half(self) -> np.float32:
@@ -189,7 +218,6 @@ class Tables(AnyTables):
         steps = {
             part.name: part.height_step if part.name == "height" else 2.0 * part.fine_step
             for part in self.parts
-            if part.name != "tip"
         }
         return tuple((name, step) for name, step in steps.items() if step > 0.0)
 
@@ -217,15 +245,17 @@ class Tables(AnyTables):
         """Bytes of all tables of numbers."""
         knots, axes = self.shared_knots()
         codes = sum(part.codes.nbytes for part in self.parts)
-        return codes + 2 * len(knots) + 6 * sum(map(len, axes))
+        return self.trees.bytes + codes + 2 * len(knots) + 6 * sum(map(len, axes))
 
     def body(self, integer: bool) -> CBody:
         """Return the tables for the emitter."""
         return c_body(self, integer)
 
-    def cells(self, model: Model) -> Cells:
+    def cells(self, model: Model) -> Cells | None:
         """Return the knots of the tables: of |SD_g| where it is held, as that is bounded."""
-        part = next((part for part in self.parts if part.name == "sdg"), self.parts[0])
+        part = next(iter(self.parts), None)
+        if part is None:
+            return None
         knots = {
             coordinate: places.astype(np.float64) / places[-1]
             for coordinate, places in zip(part.coordinates, part.knots, strict=True)
@@ -242,13 +272,20 @@ class Tables(AnyTables):
 def c_body(tables: Tables, integer: bool) -> CBody:
     """Return the tables for the emitter, in the layout of runtime/grid.c."""
     knots, axes = tables.shared_knots()
-    params = len(tables.places)
-    head = 16 + PLACE_BYTES * params + PART_BYTES * len(tables.parts)
-    axes_at = [head + sum(6 * len(one) for one in axes[:at]) for at in range(len(axes))]
-    knots_at = head + sum(6 * len(one) for one in axes)
-    codes_at = [knots_at + 2 * len(knots)]
+    params, trees = len(tables.places), tables.trees
+    head = 16 + PLACE_BYTES * params + FOLD_BYTES + FACE_BYTES * len(trees.held)
+    axes_at = [head + PART_BYTES * len(tables.parts)]
+    for one in axes:
+        axes_at.append(axes_at[-1] + 6 * len(one))
+    knots_at = axes_at[-1]
+    # What may be read behind a tree is what follows it.
+    trees_at = [knots_at + 2 * len(knots)]
+    for tree in trees.held:
+        trees_at.append(trees_at[-1] + len(tree))
+    codes_at = [trees_at[-1]]
     for part in tables.parts:
         codes_at.append(codes_at[-1] + part.codes.nbytes)
+    spare = max(0, BEHIND - (codes_at[-1] - trees_at[-1]))
     # Wider than the rounding of two divisions: so the rim is held.
     limit = math.ceil(tables.chart_limit * (8192.0 + 1.0))
     arrays = [
@@ -263,6 +300,12 @@ def c_body(tables: Tables, integer: bool) -> CBody:
         arrays.append(
             CArray("place in steps", "uint16_t", [first, rate], "the same of steps", False)
         )
+    arrays.append(CArray("fold", "uint16_t", [trees.fold.base], "place of v = 0", False))
+    rates = [trees.fold.ahead, trees.fold.behind, 0]
+    arrays.append(CArray("fold", "int16_t", rates, "places for v ahead and behind", False))
+    for at, tree in zip(trees_at, trees.held, strict=False):
+        arrays.append(CArray("tree", "uint32_t", [at], "where it is", False))
+        arrays.append(CArray("tree", "uint16_t", [len(tree)], "its bytes", False))
     for at, part in enumerate(tables.parts):
         offsets = [codes_at[at], axes_at[at], part.face_stride]
         gain, shift = part.gain
@@ -283,12 +326,17 @@ def c_body(tables: Tables, integer: bool) -> CBody:
             CArray(f"{part.name} axes", "uint16_t", axis, "coordinate, nodes, first knot")
         )
     arrays.append(CArray("knots", "uint16_t", knots, "0 to 65534 over an axis"))
+    for tree in trees.held:
+        arrays.append(CArray("tree", "uint8_t", list(tree), "where the robot stands"))
     for part in tables.parts:
         arrays.append(
             CArray(f"{part.name} codes", CTYPE[part.bits], part.codes, MEANING[part.name])
         )
+    arrays.append(CArray("behind", "uint8_t", [0] * spare, "so that no tree ends the map", False))
     sizes = dict(tables.steps)
-    macros = (("SMAP_GRID", 1), ("SMAP_INTEGERS" if integer else "SMAP_FLOATS", 1))
+    forms = ("SMAP_INTEGERS" if integer else "SMAP_FLOATS", 1)
+    lengths = (("SMAP_LENGTHS", 1),) if tables.parts else ()
+    macros = (("SMAP_GRID", 1), *lengths, forms)
     held = max(params, 1)  # as SMAP_MAX_PARAMS
     places = (held + 1) // 2 if integer else held
     words = 1 + places + places % 2  # where pointers have 8 bytes a head fills two words behind it

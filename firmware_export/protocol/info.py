@@ -37,9 +37,9 @@ class Tables(ABC):
         """Bytes of all tables of numbers."""
 
     @property
-    def notes(self) -> tuple[str, ...]:
-        """What a reader must know beside the numbers, sentences."""
-        return ()
+    def verdict_only(self) -> bool:
+        """Whether tip_angle tells whether the robot stands, and not how far it is from tipping."""
+        return False
 
     def boxed(self) -> "Tables":
         """Return the tables with room for what on-board control makes of a box of postures."""

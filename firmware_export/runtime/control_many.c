@@ -125,11 +125,12 @@ static void smap_sweep(const smap_control_t *control, smap_state_memory_t *state
   smap_swept_t *const swept = &state->swept;
   smap_many_t limits;
   smap_many_work_t *const work = &state->here.rest.work;
-#if SMAP_MANY_AXLES
-  float axle[SMAP_MANY_CONTACTS][3];
-#endif
   float off = 0.0f, own, most = 0.0f, radius = 0.0f, height = lowest;
   uint8_t i;
+#if SMAP_MANY_AXLES
+  float axle[SMAP_MANY_CONTACTS][3];
+  work->axle = axle;
+#endif
   swept->turned = 0.0f;
   for (i = 0; i < count; i++) {
     state->half[i] = 0.5f * smap_absolute(to[i] - from[i]) + smap_joint(control, i, SMAP_JOINT_NEAR);
@@ -140,9 +141,6 @@ static void smap_sweep(const smap_control_t *control, smap_state_memory_t *state
     swept->turned += 2.0f * state->half[i] * smap_joint(control, i, SMAP_JOINT_LEAN);
   }
   smap_many_numbers(map, &limits);
-#if SMAP_MANY_AXLES
-  work->axle = axle;
-#endif
   swept->status = smap_many_place(map, state->mid, work);
   for (i = 0; swept->status == SMAP_OK && i < limits.contacts; i++) {
     radius = work->r[i] > radius ? work->r[i] : radius;

@@ -80,7 +80,7 @@ static void smap_slope_ahead(const smap_control_t *control, smap_state_memory_t 
   uint8_t i;
   if (made) {
     state->has &= (uint8_t)~SMAP_HAS_NORMAL;
-    if (SMAP_GRID || !smap_upright(&state->here, g, up) || !smap_are_finite(up, 3)) {
+    if (!smap_upright(&state->here, g, up) || !smap_are_finite(up, 3)) {
       return;
     }
     if (had) { /* gravity as the body would have felt it then, on this ground */

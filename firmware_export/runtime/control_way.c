@@ -96,7 +96,7 @@ static uint8_t smap_find_way(const smap_control_t *control, smap_state_memory_t 
   (void)made;
   smap_slope_under(&state->here, g, slope);
   smap_pass(control, posture, to, slope, way->least, way);
-  return (uint8_t)(SMAP_GRID ? 1 : (1u << smap_joints(control)) - 1u);
+  return (uint8_t)((1u << smap_joints(control)) - 1u);
 }
 #endif
 

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
-/* ---- grid: multilinear tables over the parameters and the chart ------------------------------------
+/* ---- grid: a tree that tells whether the robot stands, multilinear tables of lengths -----------------
  * The body: 0 units of an axis for one of u or v f32; 4 chart limit u32, times 2^13 and 32768/32767;
- * 8 where the knots are u32; 12 tables u8.  From 16 per parameter: where its axis begins f32, 1 / its
- * length f32, the same in steps: place = first u16 + (step x u16 >> 14).  Then per table SMAP_PART_BYTES:
- * the tip margin mu = sine of the tip angle x |(u, v, 1)|, the two components of D_g - s, the height.
+ * 8 where the knots are u32; 12 tables u8.  From 16 per parameter: where its axis
+ * begins f32, 1 / its length f32, the same in steps: place = first u16 + (step x u16 >> 14).  Then the place of
+ * v = 0 u16 and the rates ahead of it and behind it i16, in 1/8192, 0 u16; per face where its tree is u32 and
+ * its bytes u16; and per table SMAP_PART_BYTES: the two components of D_g - s, the height.
  * Then axes (coordinate, nodes, first knot or SMAP_EVEN: u16 each, innermost first), knots (0 to 65534),
- * codes.  Knots that are evenly spaced are not held. */
+ * trees, codes.  Knots that are evenly spaced are not held. */
 enum {
   SMAP_PART_CODES = 0,  /* u32, from the body on */
   SMAP_PART_AXES = 4,   /* u32 */
@@ -25,6 +26,8 @@ enum {
 #define SMAP_CELLS 1.52592e-5f /* a hair less than 1/65534: no place is beyond the last cell */
 #define SMAP_GRID_U 254 /* coordinates above every parameter's number */
 #define SMAP_GRID_AXES (SMAP_MAX_PARAMS + 2)
+#define SMAP_TREE_AXES (SMAP_GRID_AXES <= 4 ? 4 : SMAP_GRID_AXES <= 8 ? 8 : 16) /* a power of two */
+#define SMAP_TREE_BEHIND 16 /* bytes that are held behind a tree, as what is no tree may be read further */
 
 /* A pose: the places of the parameters on their axes, 0 to 65534, without floats 0 to 65535. */
 typedef struct {
@@ -42,9 +45,78 @@ typedef struct {
 typedef smap_grid_pose_t smap_pose_memory_t;
 typedef smap_grid_pose_i_t smap_pose_memory_i_t;
 
-SMAP_INLINE smap_bytes_t smap_part(smap_bytes_t body, uint8_t params, uint8_t part)
+SMAP_INLINE smap_bytes_t smap_fold(smap_bytes_t body, uint8_t params)
 {
-  return body + 16 + 12 * params + SMAP_PART_BYTES * part;
+  return body + 16 + 12 * params;
+}
+
+SMAP_INLINE smap_bytes_t smap_part(const smap_t *map, uint8_t part)
+{
+  const smap_bytes_t blob = SMAP_BLOB(map);
+  return smap_fold(smap_body(map), blob[SMAP_AT_PARAMS]) + 8 + 6 * blob[SMAP_AT_FACES] + SMAP_PART_BYTES * part;
+}
+
+/* What a leaf says of a place in it: a half-space, of 12 bits its limit, then 7 of a coefficient for each axis. */
+SMAP_INLINE int smap_leaf(smap_bytes_t leaf, uint8_t dims, const uint16_t x[SMAP_TREE_AXES])
+{
+  int32_t sum = (2048 - (int32_t)(smap_u16(leaf) & 4095u)) * 2016 * dims;
+  uint8_t bits = 12, k;
+  SMAP_UNROLL
+  for (k = 0; k < dims; k++) {
+    const uint16_t word = (uint16_t)(smap_u16(leaf + (bits >> 3)) >> (bits & 7u));
+    sum += ((int32_t)((word & 127u) ^ 64u) - 64) * (int32_t)x[k];
+    bits = (uint8_t)(bits + 7u);
+  }
+  return sum > 0;
+}
+
+/* Does a place lie where the tree of a face says that the robot stands?  A node halves its box along an axis:
+ * axis (4 bits), what its halves are (2 bits each, the lower first: 0 tips, 1 stands, 2 a leaf, 3 a node), if
+ * both are nodes the bytes of the lower one u8, or 255 and u16, then the halves, lower first but a leaf before a node.
+ * `x`: places of 65536 in the box, of its dims axes, the rest 0; doubled with every half that is gone into. */
+static int smap_tree(const smap_t *map, uint8_t face, uint16_t x[SMAP_TREE_AXES])
+{
+  const smap_bytes_t body = smap_body(map);
+  const uint8_t dims = (uint8_t)(SMAP_BLOB(map)[SMAP_AT_PARAMS] + 2u), leaf = (uint8_t)((7u * dims + 19u) >> 3);
+  const smap_bytes_t own = smap_fold(body, (uint8_t)(dims - 2u)) + 8 + 6 * face;
+  const smap_bytes_t tree = body + smap_u32(own);
+  const uint16_t bytes = smap_u16(own + 4);
+  uint32_t at = 0;
+  while (at < bytes) { /* every turn goes on, by a byte at least */
+    const uint8_t head = tree[at], axis = head & (SMAP_TREE_AXES - 1u);
+    const uint8_t lower = head >> 4 & 3u, upper = head >> 6;
+    const uint16_t place = x[axis];
+    const int above = place >> 15;
+    const uint8_t mine = above ? upper : lower;
+    x[axis] = (uint16_t)(place << 1);
+    at++;
+    if (mine == 3) {
+      if (lower == upper) {
+        uint32_t skip = tree[at++];
+        if (skip == 255) {
+          skip = smap_u16(tree + at);
+          at += 2;
+        }
+        at += above ? skip : 0u;
+      } else {
+        at += lower == 2 || upper == 2 ? leaf : 0u;
+      }
+    } else if (mine == 2) {
+      at += above && lower == 2 ? leaf : 0u;
+      return at < bytes && smap_leaf(tree + at, dims, x);
+    } else {
+      return mine;
+    }
+  }
+  return 0;
+}
+
+/* The places of u and v on the trees' axes, from those in 1/32768 of the chart's limit. */
+SMAP_INLINE void smap_fold_uv(smap_bytes_t fold, int32_t u, int32_t v, uint16_t x[2])
+{
+  const int32_t rate = (int16_t)smap_u16(fold + (v < 0 ? 4 : 2));
+  x[0] = (uint16_t)(32768 + u);
+  x[1] = (uint16_t)((uint32_t)smap_u16(fold) + (uint32_t)(v * rate >> 13));
 }
 
 /* The first knot of the cell of a place on an axis; a knot is in the cell that it begins. */
@@ -99,11 +171,10 @@ typedef struct {
   float frac[SMAP_GRID_AXES];
 } smap_grid_cell_t;
 
-/* `place`: of the parameters, 0 to 65534; then u and v. */
+/* `place`: of the parameters, 0 to 65534; then u and v from the middle, -32767 to 32767. */
 SMAP_INLINE void smap_grid_cell(smap_bytes_t body, smap_bytes_t part, const float *place,
                                 uint8_t params, uint8_t face, smap_grid_cell_t *cell)
 {
-  const float half = smap_f32(body);
   const smap_bytes_t knots = body + smap_u32(body + 8);
   smap_bytes_t axis = body + smap_u32(part + SMAP_PART_AXES);
   uint32_t stride = part[SMAP_PART_WIDTH], back = 0;
@@ -114,7 +185,7 @@ SMAP_INLINE void smap_grid_cell(smap_bytes_t body, smap_bytes_t part, const floa
     const uint16_t coordinate = smap_u16(axis), nodes = smap_u16(axis + 2), first = smap_u16(axis + 4);
     const int chart = coordinate >= SMAP_GRID_U;
     const float at = place[chart ? params + coordinate - SMAP_GRID_U : coordinate];
-    float x = chart ? at * half + 32767.0f : at; /* of the rim beyond 0 or 65534 by a rounding */
+    float x = chart ? at + 32767.0f : at; /* of the rim beyond 0 or 65534 by a rounding */
     uint32_t lower;
     if (first == SMAP_EVEN) {
       x *= (float)(nodes - 1) * SMAP_CELLS;
@@ -178,44 +249,47 @@ SMAP_INLINE int8_t smap_grid_places(const smap_t *map, const float *params, floa
   return SMAP_OK;
 }
 
-/* Read the tables at places of the parameters; `place` has room for u and v. */
+/* Read the trees and tables at places of the parameters; `place` has room for u and v. */
 SMAP_INLINE int8_t smap_grid_read(const smap_t *map, float *place, const float d[3],
                                   smap_reading_t *out)
 {
   const smap_bytes_t body = smap_body(map);
   const uint8_t params = SMAP_BLOB(map)[SMAP_AT_PARAMS], channels = SMAP_BLOB(map)[SMAP_AT_CHANNELS];
-  smap_grid_cell_t cell;
-  smap_bytes_t part = smap_part(body, params, 0);
+  const float half = smap_f32(body);
+  uint16_t x[SMAP_TREE_AXES] = {0};
   int32_t along[3];
   uint8_t axes[3], face, i;
-  float slant = 1.0f, mu;
   for (i = 0; i < 3; i++) { /* bits of floats are in the order of their sizes */
     along[i] = (int32_t)(smap_bits(d[i]) & 0x7FFFFFFFu);
     along[i] = smap_bits(d[i]) >> 31 ? -along[i] : along[i];
   }
   face = smap_face(map, along, axes);
+  SMAP_UNROLL
+  for (i = 0; i < params; i++) {
+    x[i] = (uint16_t)(int32_t)place[i];
+  }
   for (i = 0; i < 2; i++) {
-    const float at = d[axes[i + 1]];
-    slant += at * at;
-    place[params + i] = at;
+    place[params + i] = d[axes[i + 1]] * half; /* at most 32767.05 */
   }
+  smap_fold_uv(smap_fold(body, params), (int32_t)place[params], (int32_t)place[params + 1], x + params);
   out->over[0] = out->over[1] = 255;
-  smap_grid_cell(body, part, place, params, face, &cell);
-  mu = smap_grid_value(body, part, &cell, 0);
-  out->tip_angle = smap_asin(mu / smap_root(slant)) - smap_f32(SMAP_BLOB(map) + SMAP_AT_GUARD);
   out->sdg = out->height = 0.0f;
-  if (channels & SMAP_SDG) {
-    float ahead, aside;
-    part += SMAP_PART_BYTES;
-    smap_grid_cell(body, part, place, params, face, &cell);
-    ahead = smap_grid_value(body, part, &cell, 0);
-    aside = smap_grid_value(body, part, &cell, 1);
-    out->sdg = smap_root(ahead * ahead + aside * aside);
-  }
-  if (channels & SMAP_HEIGHT) {
-    part += SMAP_PART_BYTES;
-    smap_grid_cell(body, part, place, params, face, &cell);
-    out->height = smap_grid_value(body, part, &cell, 0);
+  out->tip_angle = smap_tree(map, face, x) ? 0.0f : -SMAP_PI;
+  if (SMAP_LENGTHS && (channels & (SMAP_SDG | SMAP_HEIGHT))) {
+    smap_bytes_t part = smap_part(map, 0);
+    smap_grid_cell_t cell;
+    if (channels & SMAP_SDG) {
+      float ahead, aside;
+      smap_grid_cell(body, part, place, params, face, &cell);
+      ahead = smap_grid_value(body, part, &cell, 0);
+      aside = smap_grid_value(body, part, &cell, 1);
+      out->sdg = smap_root(ahead * ahead + aside * aside);
+      part += SMAP_PART_BYTES;
+    }
+    if (channels & SMAP_HEIGHT) {
+      smap_grid_cell(body, part, place, params, face, &cell);
+      out->height = smap_grid_value(body, part, &cell, 0);
+    }
   }
   return smap_judge(map, out, SMAP_OK);
 }

@@ -42,15 +42,22 @@ static uint32_t smap_check_axes_of(const smap_t *map, smap_bytes_t part, smap_by
 static int smap_check_grid(const smap_t *map, smap_bytes_t limit)
 {
   const smap_bytes_t blob = SMAP_BLOB(map), body = smap_body(map);
-  const uint8_t params = blob[SMAP_AT_PARAMS], channels = blob[SMAP_AT_CHANNELS];
-  const uint8_t parts =
-      (uint8_t)(1 + ((channels & SMAP_SDG) != 0) + ((channels & SMAP_HEIGHT) != 0));
-  const uint32_t room = (uint32_t)(limit - body), fixed = 16u + 12u * params + 38u * parts;
+  const uint8_t params = blob[SMAP_AT_PARAMS], channels = blob[SMAP_AT_CHANNELS], faces = blob[SMAP_AT_FACES];
+  const uint8_t lengths = (uint8_t)((channels & SMAP_SDG ? 1u : 0u) + (channels & SMAP_HEIGHT ? 1u : 0u));
+  const uint8_t parts = SMAP_LENGTHS ? lengths : 0;
+  const uint32_t room = (uint32_t)(limit - body);
+  const uint32_t fixed = 24u + 12u * params + 6u * faces + SMAP_PART_BYTES * parts;
   uint8_t i;
-  if (room < fixed || smap_u32(smap_part(body, params, 0) + SMAP_PART_ZERO) > 65536u ||
-      smap_u16(smap_part(body, params, 0) + SMAP_PART_GAIN) > 32767u || body[12] != parts ||
+  if (faces - 1u > 5u || room < fixed || body[12] != lengths || lengths != parts ||
       smap_u32(body + 8) < fixed || smap_u32(body + 8) > room || smap_u32(body + 4) >= 1u << 17) {
     return 0;
+  }
+  for (i = 0; i < faces; i++) {
+    const smap_bytes_t own = smap_fold(body, params) + 8 + 6 * i;
+    const uint32_t at = smap_u32(own), needed = SMAP_TREE_BEHIND + (uint32_t)smap_u16(own + 4);
+    if (at > room || room - at < needed) {
+      return 0;
+    }
   }
 #if SMAP_FLOATS
   /* Places of parameters and on the chart are numbers: finite less finite, times finite. */
@@ -66,14 +73,14 @@ static int smap_check_grid(const smap_t *map, smap_bytes_t limit)
   }
 #endif
   for (i = 0; i < parts; i++) {
-    const smap_bytes_t part = smap_part(body, params, i);
+    const smap_bytes_t part = smap_part(map, i);
     const uint32_t codes = smap_check_axes_of(map, part, limit), stride = smap_u32(part + SMAP_PART_STRIDE);
     const uint32_t at = smap_u32(part + SMAP_PART_CODES), bytes = part[SMAP_PART_WIDE] ? 2u : 1u;
-    const uint32_t faces = stride != 0 ? blob[SMAP_AT_FACES] : 1u;
-    const int paired = i == 1 && (channels & SMAP_SDG);
+    const uint32_t held = stride != 0 ? faces : 1u;
+    const int paired = i == 0 && (channels & SMAP_SDG);
     if (codes == 0 || (stride != 0 && stride != codes) || part[SMAP_PART_WIDE] > 1 || at > room ||
-        part[SMAP_PART_SHIFT] > 31 || part[SMAP_PART_WIDTH] != (paired ? 2 : 1) || faces - 1u > 5u ||
-        codes > (room - at) / (bytes * faces)) {
+        part[SMAP_PART_SHIFT] > 31 || part[SMAP_PART_WIDTH] != (paired ? 2 : 1) ||
+        codes > (room - at) / (bytes * held)) {
       return 0;
     }
   }

@@ -77,9 +77,8 @@ SMAP_INLINE uint32_t smap_grid_value_i(smap_bytes_t body, smap_bytes_t part,
   return part[SMAP_PART_DIMS] == 0 ? value << finer : value;
 }
 
-/* Places of u and v, and the cosine of the slant in 1/16384, rounded so that the sine is too small. */
-SMAP_INLINE int8_t smap_grid_uv(const smap_t *map, const int16_t gravity[3], uint32_t uv[2],
-                                uint8_t *face, uint32_t *cosine)
+/* Places of u and v. */
+SMAP_INLINE int8_t smap_grid_uv(const smap_t *map, const int16_t gravity[3], uint32_t uv[2], uint8_t *face)
 {
   const uint32_t limit = smap_u32(smap_body(map) + 4);
   int32_t g[3], size, deep;
@@ -91,7 +90,6 @@ SMAP_INLINE int8_t smap_grid_uv(const smap_t *map, const int16_t gravity[3], uin
   if (deep == 0) {
     return sum == 0 ? (int8_t)SMAP_INVALID : (int8_t)SMAP_OFF_CHART;
   }
-  *cosine = ((uint32_t)size << 14) / (smap_length_root(sum) + 1u);
   for (i = 0; i < 2; i++) {
     uv[i] = (uint32_t)(32768 + g[axes[i + 1]] * 32768 / deep);
     if (SMAP_RARELY(uv[i] > 65535u)) {
@@ -101,35 +99,35 @@ SMAP_INLINE int8_t smap_grid_uv(const smap_t *map, const int16_t gravity[3], uin
   return SMAP_OK;
 }
 
-/* Read the tables at places of the parameters; `place` has room for u and v. */
+/* Read the trees and tables at places of the parameters; `place` has room for u and v. */
 SMAP_INLINE int8_t smap_grid_read_i(const smap_t *map, uint32_t *place, const int16_t gravity[3],
                                     smap_reading_i_t *out)
 {
   const smap_bytes_t body = smap_body(map);
   const uint8_t params = SMAP_BLOB(map)[SMAP_AT_PARAMS], channels = SMAP_BLOB(map)[SMAP_AT_CHANNELS];
-  smap_bytes_t part = smap_part(body, params, 0);
+  uint16_t x[SMAP_TREE_AXES] = {0};
+  smap_bytes_t part = smap_part(map, 0);
   smap_grid_cell_i_t cell;
-  uint32_t cosine, value;
-  int32_t tip;
-  uint8_t face;
-  const int8_t status = smap_grid_uv(map, gravity, place + params, &face, &cosine);
+  uint32_t value;
+  uint8_t face, i;
+  const int8_t status = smap_grid_uv(map, gravity, place + params, &face);
   if (SMAP_RARELY(status != SMAP_OK)) {
     return smap_deny_i(out, status);
   }
-  smap_grid_cell_i(body, part, place, params, face, &cell);
-  tip = (int32_t)(smap_grid_value_i(body, part, &cell, 0) - smap_u32(part + SMAP_PART_ZERO));
-  tip = (int32_t)((uint32_t)tip * cosine) >> 14; /* both products are less than 2^31 in size */
-  tip = (int32_t)((uint32_t)tip * smap_u16(part + SMAP_PART_GAIN)) >> part[SMAP_PART_SHIFT];
-  tip -= tip < 0 ? 0 : smap_u16(SMAP_BLOB(map) + SMAP_AT_GUARD_I);
-  out->tip = (int16_t)(tip < -32767 ? -32767 : tip > 32767 ? 32767 : tip);
+  SMAP_UNROLL
+  for (i = 0; i < params; i++) {
+    x[i] = (uint16_t)place[i];
+  }
+  smap_fold_uv(smap_fold(body, params), (int32_t)place[params] - 32768, (int32_t)place[params + 1] - 32768,
+               x + params);
+  if (!smap_tree(map, face, x)) {
+    return smap_deny_i(out, SMAP_TIPS);
+  }
+  out->tip = 0;
   out->sdg = out->height = 65535;
   out->over[0] = out->over[1] = 255;
-  if (tip < 0) {
-    return SMAP_TIPS;
-  }
-  if (channels & SMAP_SDG) {
+  if (SMAP_LENGTHS && (channels & SMAP_SDG)) {
     int32_t along, aside;
-    part += SMAP_PART_BYTES;
     smap_grid_cell_i(body, part, place, params, face, &cell);
     value = smap_grid_value_i(body, part, &cell, 0);
     along = (int32_t)(value - smap_u32(part + SMAP_PART_ZERO)) / 2;
@@ -137,9 +135,9 @@ SMAP_INLINE int8_t smap_grid_read_i(const smap_t *map, uint32_t *place, const in
     aside = (int32_t)(value - smap_u32(part + SMAP_PART_ZERO + 4)) / 2;
     out->sdg = (uint16_t)smap_whole_root((uint32_t)along * (uint32_t)along +
                                          (uint32_t)aside * (uint32_t)aside);
-  }
-  if (channels & SMAP_HEIGHT) {
     part += SMAP_PART_BYTES;
+  }
+  if (SMAP_LENGTHS && (channels & SMAP_HEIGHT)) {
     smap_grid_cell_i(body, part, place, params, face, &cell);
     value = smap_grid_value_i(body, part, &cell, 0) * smap_u16(part + SMAP_PART_GAIN);
     out->height = (uint16_t)(smap_u32(part + SMAP_PART_ZERO) + (value >> part[SMAP_PART_SHIFT]));

@@ -11,12 +11,11 @@
 #define SMAP_POLY 0
 #define SMAP_TABLES 0
 #define SMAP_GRID 1
+#define SMAP_LENGTHS 1
 #define SMAP_MANY 0
-#define SMAP_CONTROL 1
 #define SMAP_MAX_PARAMS 8
 
 #include "smap.h"
-#include "smap_control.h"
 
 #include "head.c"
 #include "arithmetic.c"
@@ -28,13 +27,4 @@
 #include "steps.c"
 #include "check.c"
 #include "end.c"
-#include "control_head.c"
-#include "control_types.c"
-#include "control_grid.c"
-#include "control_target.c"
-#include "control_watch.c"
-#include "control_way.c"
-#include "control_step.c"
-#include "control_end.c"
 #include "host.h"
-#include "host_control.h"

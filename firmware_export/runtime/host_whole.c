@@ -11,6 +11,7 @@
 #define SMAP_POLY 0
 #define SMAP_TABLES 0
 #define SMAP_GRID 1
+#define SMAP_LENGTHS 1
 #define SMAP_MANY 0
 #define SMAP_MAX_PARAMS 8
 

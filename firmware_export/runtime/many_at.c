@@ -25,17 +25,17 @@ static inline float smap_point_sine(const float p[3], const float g[3], float co
 }
 
 /* The distance (sine) of g from the boundary of an island, and the wall of the nearest segment; that of
- * *which, an edge of a facet, comes first.  No place is nearer than `floor`, which is below 0 where g is outside.
+ * *which, an edge of a facet, comes first.  No place is nearer than `floor`, below 0 where g is not `inside`.
  * Seen from inside only walls in front can be nearest, or behind by rounding, next to a corner, and ends where
  * the boundary is bent; seen from outside only walls that are behind, or hardly in front.  No place on a wall is nearer than the wall. */
-static float smap_nearest(const smap_many_pose_t *o, uint8_t facet, const float g[3], float floor,
-                          uint8_t *which)
+static float smap_nearest(const smap_many_pose_t *o, uint8_t facet, const float g[3], int inside,
+                          float floor, uint8_t *which)
 {
   const uint8_t island = o->at.island[facet];
   const smap_segment_t *const middle = o->at.segment + smap_begin_at(&o->at, island, *which);
   const smap_segment_t *s = middle, *end = o->at.segment + o->at.last[island];
   const float h[3] = {g[0], g[1], g[2]}; /* no store can alter it */
-  const int bulges = smap_is_convex(&o->at, facet), inside = floor >= 0.0f;
+  const int bulges = smap_is_convex(&o->at, facet);
   float least = 1.0f, cosine = 0.0f;
   uint8_t part;
   for (part = 0; part < 2; part++, s = o->at.segment + o->at.first[island], end = middle) {
@@ -43,7 +43,7 @@ static float smap_nearest(const smap_many_pose_t *o, uint8_t facet, const float 
       const float *n = o->wall[s->wall];
       const float ahead = smap_dot(n, h);
       float away = smap_absolute(ahead), c[3];
-      if (away >= least || (ahead < -SMAP_SINE ? inside && !s->bent : !inside && ahead >= SMAP_BEYOND)) {
+      if (away >= least || (inside ? ahead < -SMAP_SINE && !s->bent : ahead >= SMAP_BEYOND)) {
         continue;
       }
       smap_cross(h, n, c);
@@ -72,11 +72,11 @@ static float smap_nearest(const smap_many_pose_t *o, uint8_t facet, const float 
 }
 
 /* The distance (sine) of g from the boundary of a facet's island; see smap_nearest. */
-static float smap_boundary(const smap_many_pose_t *o, uint8_t facet, const float g[3], float floor,
-                           uint8_t *which)
+static float smap_boundary(const smap_many_pose_t *o, uint8_t facet, const float g[3], int inside,
+                           float floor, uint8_t *which)
 {
   const uint8_t island = o->at.island[facet];
-  if (floor >= 0.0f && smap_is_convex(&o->at, facet)) {
+  if (inside && smap_is_convex(&o->at, facet)) {
     float near = 1.0f;
     uint8_t k;
     for (k = o->at.first[island]; k < o->at.last[island]; k++) {
@@ -88,7 +88,7 @@ static float smap_boundary(const smap_many_pose_t *o, uint8_t facet, const float
     }
     return near;
   }
-  return smap_nearest(o, facet, g, floor, which);
+  return smap_nearest(o, facet, g, inside, floor, which);
 }
 
 /* Whether a direction lies on the inner side of a strip's side. */
@@ -209,7 +209,8 @@ static smap_status_t smap_many_at(const smap_many_pose_t *o, const float gravity
            : smap_is_alone(&o->at, best) ? SMAP_TIPS
                                          : smap_beyond(o, best, edge, g);
   if (status == SMAP_TIPS || !smap_is_alone(&o->at, best)) {
-    tip = smap_boundary(o, best, g, status == SMAP_TIPS ? -1.0f : inside ? tip : 0.0f, &which);
+    const float floor = status == SMAP_TIPS ? -1.0f : inside ? tip : 0.0f;
+    tip = smap_boundary(o, best, g, status != SMAP_TIPS, floor, &which);
   }
   if (tip < 1.0f) {
     out->over[0] = o->at.over[which][0];

@@ -122,11 +122,9 @@ static int8_t smap_many_of(const smap_t *map, const float *params, smap_many_pos
                            smap_many_work_t *work)
 {
   smap_many_t numbers;
-#if SMAP_MANY_AXLES
-  float axle[SMAP_MANY_CONTACTS][3];
-#endif
   int8_t status;
 #if SMAP_MANY_AXLES
+  float axle[SMAP_MANY_CONTACTS][3];
   work->axle = axle;
 #endif
   status = smap_many_place(map, params, work);

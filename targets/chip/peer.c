@@ -59,12 +59,12 @@ static float held(float u)
 
 APART static void ours_table(const point_t *p)
 {
-  const smap_bytes_t body = smap_body(&noise), part = smap_part(body, 0, 0);
+  const smap_bytes_t body = smap_body(&noise), part = smap_part(&noise, 0);
   const float half = smap_f32(body);
   float place[2];
   smap_grid_cell_t cell;
-  place[0] = held(p->u) * half + 32767.0f;
-  place[1] = held(p->v) * half + 32767.0f;
+  place[0] = held(p->u) * half;
+  place[1] = held(p->v) * half;
   smap_grid_cell(body, part, place, 0, 0, &cell);
   answer = smap_grid_value(body, part, &cell, 0);
 }

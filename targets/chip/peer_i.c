@@ -8,7 +8,7 @@
 /* The table alone. */
 APART void ours_table_i(const point_t *p)
 {
-  const smap_bytes_t body = smap_body(&whole), part = smap_part(body, 0, 0);
+  const smap_bytes_t body = smap_body(&whole), part = smap_part(&whole, 0);
   smap_grid_cell_i_t cell;
   smap_grid_cell_i(body, part, p->place, 0, 0, &cell);
   answer_i = (int32_t)smap_grid_value_i(body, part, &cell, 0);

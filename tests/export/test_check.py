@@ -10,13 +10,26 @@ import pytest
 
 from firmware_export.emit.source import body_of, described
 from firmware_export.host import RUNTIME, Host
-from firmware_export.protocol import Blob
+from firmware_export.protocol import Blob, Export
+from firmware_export.truth import Model
+from lutgen.recipe import parse_recipe
 from proofs.exports import coded_export, rover_export, tripod_export
+from proofs.recipes import tripod
 from targets.compiled import compile_c
+from targets.noise import noise
 from tests.fixtures.frozen import exports
 from tests.fixtures.length import part
 
 OK, CORRUPT = 0, 6
+
+
+def trees(arithmetic: str) -> Export:
+    """Return trees and tables that mean nothing, of all faces."""
+    model = Model(parse_recipe(tripod(chart="sphere")))
+    shapes = {"sdg": (2, 2, 2, 3), "height": (2, 3)}
+    return noise("trees", model, arithmetic, 60, shapes)
+
+
 MAKERS: dict[str, Any] = {
     "contacts": tripod_export,
     "many": rover_export,
@@ -25,10 +38,13 @@ MAKERS: dict[str, Any] = {
     "poly": lambda: tripod_export(codec="poly"),
     "grid": lambda: tripod_export(codec="grid"),
     "grid without floats": lambda: tripod_export(codec="grid", arithmetic="integer"),
+    "trees": lambda: trees("float"),
+    "trees without floats": lambda: trees("integer"),
 }
 FAMILY = {
     **{"contacts": "three", "many": "many", "poly": "three", "grid": "three"},
     **{"points given by code": "three", "many given by code": "search"},
+    **{"trees": "grid", "trees without floats": "whole"},
 }
 
 

@@ -266,11 +266,11 @@ def _at(table: Floats, places: Floats) -> Floats:
     return np.asarray(low * (1.0 - u) + (table[i + 1, j] * (1.0 - v) + table[i + 1, j + 1] * v) * u)
 
 
-def test_a_table_of_whose_angle_only_the_sign_is_bounded_steers_nothing() -> None:
+def test_what_tells_no_more_than_whether_the_robot_stands_steers_nothing() -> None:
     wheels = Model(parse_recipe(rover()))
     channels = ("tip_angle",)
     with few_points():
-        tables = verdict.encode(wheels, channels, Spec(8, (("tip", (3, 3, 3)),)))
+        tables = verdict.encode(wheels, channels, Spec(8, 300))
     export = Export("wheels", wheels.recipe, wheels, "grid", "float", channels, tables)
-    with pytest.raises(InputError, match=r"only the sign is bounded \(got codec grid .* contacts"):
+    with pytest.raises(InputError, match=r"these tables hold none \(got codec grid .* contacts"):
         steered(export, Wishes())

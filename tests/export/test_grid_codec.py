@@ -1,8 +1,7 @@
-"""The codec `grid`: multilinear tables with fitted nodes, and a verdict that is never too safe."""
+"""The codec `grid`: tables of positions and of lengths, and trees that are never too safe."""
 
+from collections import Counter
 from collections.abc import Iterator
-from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,24 +11,31 @@ from firmware_export.certify.answers import device
 from firmware_export.grid import codec as grid
 from firmware_export.grid import fit as grid_fit
 from firmware_export.grid import lookup
-from firmware_export.grid.lattice import at_points
 from firmware_export.grid.points import bounds, depends_on, fit_point
-from firmware_export.grid.spec import Spec
-from firmware_export.grid.tables import SPAN, Tables
+from firmware_export.grid.spec import Spec, of_nodes
+from firmware_export.grid.tables import Tables, Trees, places_of
 from firmware_export.protocol.exported import Export
-from firmware_export.truth import widened
+from firmware_export.truth import biased, uniform, widened
 from firmware_export.truth.model import Exact, Model
 from firmware_export.verdict import codec as verdict
-from firmware_export.verdict import lower, train
-from firmware_export.verdict.knots import chosen_knots, places_of
-from firmware_export.verdict.lower import Places, excess
-from firmware_export.verdict.outline import outlines
+from firmware_export.verdict import middles
+from firmware_export.verdict.fold import FLAT, fold_of, folded
+from firmware_export.verdict.grow import Forest, Nodes
+from firmware_export.verdict.middles import Middles
+from firmware_export.verdict.outline import Slab, View, draw, empty_sheet, may_tip, view_of
+from firmware_export.verdict.planes import kept_by
+from firmware_export.verdict.prove import prove
+from firmware_export.verdict.prune import HALF, INNER, SAFE
+from firmware_export.verdict.tree import fitting, packed, whole
+from lutgen.jit import njit
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe.recipe import load_recipe, parse_recipe
+from proofs.recipes import tripod
+from targets.noise import noise
 from tests.fixtures.fits import few_points
-from tests.fixtures.recipes import rover
+from tests.fixtures.recipes import contact, rigid, rover, sweep_part
 
-OK = 0
+OK, OFF_CHART = 0, 3
 
 
 @pytest.fixture(scope="module")
@@ -100,11 +106,11 @@ def test_three_contacts_looked_up_are_never_safer_than_the_truth_and_as_exact_in
 
 def test_a_point_has_the_axes_on_which_it_depends_and_errors_within_its_bound(model: Model) -> None:
     wide, unit = bounds(model)
-    for contact, axes in ((0, (0,)), (1, (1,)), (2, ())):
-        assert depends_on(wide, contact) == axes
-        point = fit_point(wide, contact, (5,) * len(axes), 16, unit)
+    for foot, axes in ((0, (0,)), (1, (1,)), (2, ())):
+        assert depends_on(wide, foot) == axes
+        point = fit_point(wide, foot, (5,) * len(axes), 16, unit)
         t = np.random.default_rng(4).random((3000, 2))
-        exact = wide.postures(wide.at(t)).centres[:, contact]
+        exact = wide.postures(wide.at(t)).centres[:, foot]
         found = (
             np.broadcast_to(point.codes.astype(np.float64) * unit, (3000, 3)) if not axes else None
         )
@@ -133,22 +139,206 @@ def test_a_size_grows_along_one_parameter_at_a_time_and_is_read_from_its_label(
         assert lookup.encode(model, EXPORTABLE, spec).spec == spec
 
 
+def walked(tree: bytes, x: list[int]) -> bool:
+    """Tell what a tree says of a place (d,), 0 to 65535: written from docs/reference/format.md."""
+    at, d = 0, len(x)
+    x = list(x)
+    leaf = (12 + 7 * d + 7) // 8
+    while True:
+        head = tree[at]
+        axis, kinds = head % 16, (head // 16 % 4, head // 64)
+        upper, x[axis] = divmod(2 * x[axis], 65536)
+        mine, other = kinds[upper], kinds[1 - upper]
+        at += 1
+        if mine < 2:
+            return mine == 1
+        if mine == 3:
+            if other == 3:
+                skip, at = tree[at], at + 1
+                if skip == 255:
+                    skip, at = int.from_bytes(tree[at : at + 2], "little"), at + 2
+                at += upper * skip
+            at += leaf * (other == 2)
+            continue
+        at += leaf * (upper and other == 2)
+        word = int.from_bytes(tree[at : at + leaf], "little")
+        signed = [(word >> (12 + 7 * k)) % 128 for k in range(d)]
+        total = sum((c - 128 * (c > 63)) * place for c, place in zip(signed, x, strict=True))
+        return total > (word % 4096 - 2048) * 2016 * d
+
+
+@pytest.mark.parametrize("chart", ["cone", "sphere"])
+def test_the_c_walks_a_tree_as_its_format_says(chart: str) -> None:
+    robot = Model(parse_recipe(tripod(chart=chart)))
+    export = noise("noise", robot, "integer", 3_000)
+    trees, fold = export.tables.trees.held, export.tables.trees.fold
+    rng = np.random.default_rng(2)
+    params = rng.integers(0, 32768, (4_000, robot.k)).astype(np.int16)
+    gravity = rng.integers(-32767, 32768, (4_000, 3)).astype(np.int16)
+    gravity[:, 2] = -np.abs(gravity[:, 2]) if chart == "cone" else gravity[:, 2]
+    status = device(export).read(params, gravity)[0]
+    limit = np.ceil(robot.chart_limit * 8193.0)
+    checked = Counter[bool]()
+    for q, g, said in zip(params.tolist(), gravity.tolist(), status.tolist(), strict=True):
+        if said == OFF_CHART:
+            continue
+        sizes = [-g[2], g[0], -g[0], g[1], -g[1], g[2]]
+        face = int(np.argmax(sizes)) if chart == "sphere" else 0
+        across = [axis for axis in range(3) if axis != (2, 0, 0, 1, 1, 2)[face]]
+        scale = 1 << (16 - max(g[i] ^ -(g[i] < 0) for i in range(3)).bit_length() - 1)
+        deep = int(sizes[face] * scale * limit) >> 13
+        u, v = (int(g[i] * scale * 32768 / deep) for i in across)
+        rate = fold.behind if v < 0 else fold.ahead
+        x = [
+            min(max(place.first + int(place.rate * one / 16384), 0), 65535)
+            for place, one in zip(export.tables.places, q, strict=True)
+        ]
+        x += [32768 + u, fold.base + (v * rate >> 13)]
+        expected = walked(trees[face], x)
+        checked[expected] += 1
+        assert (said == OK) == expected
+    assert min(checked.values()) > 500
+
+
 def test_bytes_are_known_before_anything_is_encoded() -> None:
     wheels = Model(parse_recipe(rover()))
-    spec = Spec(8, (("tip", (5, 5, 5)),))
-    blank, made = (make(wheels, ("tip_angle",), spec) for make in (verdict.blank, verdict.encode))
-    assert blank.bytes == made.bytes
-    assert made.bytes == sum(a.bytes for a in made.body(False).arrays if a.table)
+    for most in (200, 2_000):
+        spec = Spec(8, most)
+        before, made = (make(wheels, ("tip_angle",), spec) for make in (grid.blank, verdict.encode))
+        assert before.bytes == most
+        # What is fitted is never larger, and a leaf or two smaller, or all that is of any use.
+        assert made.bytes <= most
+        assert made.bytes > 0.9 * most
+        assert made.bytes == sum(a.bytes for a in made.body(False).arrays if a.table)
 
 
-def test_a_robot_on_wheels_is_never_called_safe_where_it_tips() -> None:
+@pytest.mark.parametrize(
+    ("arithmetic", "chart"), [("float", "cone"), ("integer", "cone"), ("integer", "sphere")]
+)
+def test_a_robot_on_wheels_is_never_called_safe_where_it_tips(arithmetic: str, chart: str) -> None:
+    wheels = Model(parse_recipe(rover(chart=chart)))
+    tables = verdict.encode(wheels, ("tip_angle",), Spec(8, 2_000))
+    reader = device(export_of(wheels, tables, arithmetic))
+    for sample in (uniform(wheels, 60_000, 6), biased(wheels, 60_000, 6)):
+        found = reader.measure(sample)
+        assert not found.false_safe.any()
+        # It says 0 where the robot stands, and so never more than the truth.
+        said = found.answers.tip_angle
+        assert set(np.unique(said)) <= {0.0, np.float32(-np.pi), -1.5707963267948966}
+        assert (said <= np.maximum(found.exact.tip_angle, 0.0)).all()
+    assert reader.measure(uniform(wheels, 60_000, 7)).false_tip < 0.2
+
+
+def test_a_robot_of_fixed_shape_has_a_tree_of_a_few_bytes() -> None:
+    corners = [(0.3, 0.2, -0.4), (-0.3, 0.2, -0.4), (0.0, -0.3, -0.4), (0.35, -0.2, -0.4)]
+    model = Model(parse_recipe(rigid("".join(contact(f"P{i}", p) for i, p in enumerate(corners)))))
+    tables = verdict.encode(model, ("tip_angle",), Spec(8, 100))
+    found = device(export_of(model, tables, "integer")).measure(uniform(model, 40_000, 3))
+    assert not found.false_safe.any()
+    assert found.false_tip < 0.05
+
+
+def grown(model: Model, faces: int, seed: int) -> Nodes:
+    """Return trees that were grown on nothing: boxes halved anywhere, planes that mean nothing."""
+    rng = np.random.default_rng(seed)
+    d, halved = model.k + 2, 120
+    count = faces + 2 * halved
+    axis = np.where(np.arange(count) < halved, rng.integers(d, size=count), -1).astype(np.int8)
+    child, parent = np.zeros(count, np.int64), np.zeros(count, np.int64)
+    low, size = np.zeros((count, d)), np.ones((count, d))
+    for i in range(halved):
+        child[i] = faces + 2 * i
+        for s in range(2):
+            n = child[i] + s
+            parent[n], low[n], size[n] = i, low[i], size[i]
+            size[n, axis[i]] *= 0.5
+            low[n, axis[i]] += s * size[n, axis[i]]
+    plane = rng.integers(-63, 64, (count, d + 1)) / 63.0
+    plane[:, d] = -np.inf
+    worth = np.zeros(count)
+    return Nodes(axis, child, parent, low, size, plane, worth, worth, worth, child, child)
+
+
+@pytest.mark.parametrize("chart", ["cone", "sphere"])
+def test_any_tree_is_safe_once_its_leaves_are_moved_as_far_as_the_proof_says(chart: str) -> None:
+    wheels = Model(parse_recipe(rover(chart=chart)))
+    wide = widened(wheels)
+    middles, fold = Middles(wide), fold_of(wide)
+    view = view_of(wide.recipe.chart.basis(), wide.chart_limit)
+    nodes = grown(wide, wide.faces, 5)
+    kind = np.where(nodes.axis >= 0, INNER, HALF).astype(np.int8)
+    rng = np.random.default_rng(4)
+    kind[kind == HALF] = np.where(rng.random((kind == HALF).sum()) < 0.2, SAFE, HALF)
+    need = prove(nodes, kind, middles, view, fold).limit
+    safe = {}
+    for name, limit in (("proved", need), ("not", np.where(kind == SAFE, -4.0, need - 0.3))):
+        held, levels = packed(nodes, kind, whole(limit, wide.k + 2), wide.faces)
+        trees = Trees(fold, levels, held)
+        tables = Tables(
+            Spec(8, 9_999), ("tip_angle",), trees, (), wide.chart_limit, places_of(wheels), ""
+        )
+        reader = device(export_of(wheels, tables, "integer"))
+        seen = [reader.measure(make(wheels, 100_000, 8)) for make in (uniform, biased)]
+        safe[name] = sum(int(one.false_safe.sum()) for one in seen)
+        if name == "proved":
+            # What the proof allows is not nothing, though no plane was turned for this robot.
+            assert seen[0].false_tip < 0.9
+    assert safe["proved"] == 0
+    assert safe["not"] > 100
+
+
+def test_trees_take_no_more_bytes_than_there_are_and_lose_what_is_worth_least() -> None:
     wheels = Model(parse_recipe(rover()))
-    tables = verdict.encode(wheels, ("tip_angle",), Spec(8, (("tip", (9, 11, 11)),)))
-    query = places(wheels, 60_000, 6)
-    safe = device(export_of(wheels, tables)).read(*query)[1][:, 1] >= 0.0
-    exact = truth(wheels, *query).tip_angle[:, 0]
-    assert not (safe & (exact < 0.0)).any()
-    assert safe[exact > 0.0].mean() > 0.8
+    nodes = grown(wheels, 1, 6)
+    kind = np.where(nodes.axis >= 0, INNER, HALF).astype(np.int8)
+    limit = whole(np.full(len(kind), -0.5), wheels.k + 2)
+    # As many points in each leaf as its number; the planes call some of them safe.
+    leaves = np.flatnonzero(kind == HALF)
+    counts = np.where(kind == HALF, np.arange(len(kind)), 0)
+    last = np.cumsum(counts)
+    nodes = nodes._replace(first=last - counts, last=last)
+    rng = np.random.default_rng(7)
+    of = np.repeat(np.arange(len(kind)), counts)
+    x = (nodes.low[of] + nodes.size[of] * rng.random((len(of), wheels.k + 2))).astype(np.float32)
+    forest = Forest(nodes, x, np.ones(len(of), np.float32))
+    height = (nodes.plane[of, :-1] * (x - nodes.low[of]) / nodes.size[of]).sum(axis=1)
+    kept = np.bincount(of[height > limit[0]], minlength=len(kind))
+    np.testing.assert_allclose(kept_by(forest, limit), kept)
+    (full,), _ = packed(nodes, kind, limit, 1)
+    # All but the leaf that keeps least, and no other.
+    few = limit.copy()
+    few[leaves[np.argmin(kept[leaves])]] = np.inf
+    assert fitting(forest, kind, limit, 1, len(full) - 1)[0] == packed(nodes, kind, few, 1)[0]
+    before = len(full)
+    for most in (before, before - 1, before // 2, 30, 1):
+        (tree,), _ = fitting(forest, kind, limit, 1, most)
+        assert len(tree) <= most
+        assert len(tree) > most - 40 or most == before
+        before = len(tree)
+    assert tree == bytes([0])
+
+
+def _sheet(
+    model: Model, at: NDArray[np.float64], gravity: NDArray[np.float64]
+) -> NDArray[np.bool_]:
+    """Return for the middles around a place (k,), a row each, which directions (d, 3) may tip."""
+    middles = Middles(model)
+    first = np.floor(at * middles.per_axis - 0.5).astype(np.int64)
+    first = np.clip(first, 0, middles.per_axis - 2)
+    slab = middles.slab(first, first + 2)
+    view = view_of(model.recipe.chart.basis(), model.chart_limit)
+    return _asked(slab, view, gravity)
+
+
+@njit()
+def _asked(slab: Slab, view: View, gravity: NDArray[np.float64]) -> NDArray[np.bool_]:
+    sheet = empty_sheet(slab.primitives.shape[1], len(view.basis))
+    out = np.zeros((len(slab.low), len(gravity)), np.bool_)
+    for p in range(len(slab.low)):
+        draw(sheet, slab, p, view)
+        for i in range(len(gravity)):
+            out[p, i] = may_tip(sheet, (gravity[i, 0], gravity[i, 1], gravity[i, 2]))
+    return out
 
 
 def test_outlines_hold_what_tips_nearby() -> None:
@@ -156,132 +346,80 @@ def test_outlines_hold_what_tips_nearby() -> None:
     rng = np.random.default_rng(7)
     limit = wheels.chart_limit
     down = wheels.uv_to_gravity(0, *rng.uniform(-limit, limit, (2, 400)))
-    found = outlines(wheels, 20, down)
-    cell = rng.integers(0, 20, 300)
-    part = rng.random(300)
-    t = found.axes[0][cell] + part * np.diff(found.axes[0])[cell]
-    params = wheels.lower + (wheels.upper - wheels.lower) * t[:, None]
-    tips = wheels.exact(params, np.repeat(down[None], 300, axis=0)).tip_angle < 0.0
-    # This robot's region does not jump: the nearest posture alone says so.
-    assert not (tips & ~found.tips[np.where(part < 0.5, cell, cell + 1)]).any()
-    assert found.tips.mean() < tips.mean() + 0.1
+    down /= np.linalg.norm(down, axis=1)[:, None]
+    missed = held = all_ = 0
+    for _ in range(100):
+        at = rng.random(wheels.k)
+        tips = wheels.exact(wheels.at(at[None]), down[None]).tip_angle[0] < 0.0
+        said = _sheet(wheels, at, down).any(axis=0)
+        missed += int((tips & ~said).sum())
+        held, all_ = held + int(said.sum()), all_ + int(tips.sum())
+    assert missed == 0
+    # Not by calling all of it doubtful.
+    assert held < 1.1 * all_
 
 
-def test_where_a_region_jumps_one_of_the_postures_around_knows_what_the_nearest_does_not() -> None:
+def test_where_a_region_jumps_one_of_the_postures_around_knows_what_the_nearest_does_not(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     wide = widened(Model(load_recipe("maps/absolem.toml")))
     # Found among 3.2 million configurations: it tips where what is nearest to it stands, with room.
     posture = np.array([[2.9165471108881995, -2.806358183819956]])
     down = np.array([[0.43122, -0.05026, -0.90085]])
     assert wide.exact(posture, down[None]).tip_angle[0, 0] < 0.0
-    span = wide.upper - wide.lower
-    place = (posture[0] - wide.lower) / span * 512.0
-    for first, tips in ((np.floor(place), True), (np.floor(place) + 0.5, False)):
-        low = wide.lower + first / 512.0 * span
-        window = tuple(
-            replace(parameter, minimum=a, maximum=a + b / 512.0)
-            for parameter, a, b in zip(wide.recipe.parameters, low, span, strict=True)
-        )
-        found = outlines(Model(replace(wide.recipe, parameters=window)), 1, down)
-        # The corners of its sub-cell; then the sub-cell's middle.
-        said = found.tips.any() if tips else found.tips[0, 0]
-        assert said == tips
+    monkeypatch.setattr(middles, "MOST", 512**2)
+    at = ((posture - wide.lower) / (wide.upper - wide.lower))[0]
+    said = _sheet(wide, at, down)[:, 0]
+    assert said.any()
+    # The first of the four is that of its own sub-cell.
+    own = np.floor(at * 512) - np.floor(at * 512 - 0.5)
+    assert not said[int(own @ [2, 1])]
 
 
-def test_a_table_that_calls_safe_what_stands_at_one_corner_only_is_lowered() -> None:
-    counts = np.array([4, 3])
-    rng = np.random.default_rng(12)
-    tips = rng.random((12, 7)) < 0.1
-    near = train.anywhere_near(tips, counts)
-    at = np.stack(np.unravel_index(np.arange(12), counts), axis=1)
-    for p in range(12):
-        beside = np.abs(at - at[p]).max(axis=1) <= 1
-        np.testing.assert_array_equal(near[p], tips[beside].any(axis=0))
-        turns = {lower.beside(p, counts, turn) for turn in range(9)}
-        assert turns - {-1} == set(np.flatnonzero(beside).tolist())
-    # No piece at the first posture, one at the second: the first is lowered too, the fourth is not.
-    node = np.ones((4, 1, 2, 2))
-    index, weight = np.arange(4, dtype=np.int32)[:, None], np.ones((4, 1))
-    pieces, first = np.array([[0.2, 0.2, 0.8, 0.8]], np.float32), np.array([0, 0, 1, 1, 1])
-    ends = np.array([0.0, 1.0])
-    found = Places(index, weight, np.array([4]), pieces, first, np.zeros((4, 4), bool), ends, ends)
-    fallen = excess(node, found, False)[0].reshape(4, -1).max(axis=1)
-    assert fallen.tolist() == [1.0, 1.0, 1.0, 0.0]
-    alone = excess(node, found, False, None, around=False)[0].reshape(4, -1).max(axis=1)
-    assert alone.tolist() == [0.0, 1.0, 0.0, 0.0]
-
-
-def test_no_knot_of_a_verdict_lies_between_two_of_the_postures_at_which_it_is_proved() -> None:
-    for model in (Model(parse_recipe(rover())), Model(load_recipe("maps/paper_two.toml"))):
-        wide = widened(model)
-        for axis in range(model.k):
-            for count in range(3, 40):
-                found = chosen_knots(wide, axis, count) / SPAN * places_of(wide)
-                # Knots and places are rounded to 1/65534.
-                assert np.abs(found - np.rint(found)).max() <= 1.01 * places_of(wide) / SPAN
-
-
-def test_a_lowered_table_is_below_zero_on_every_piece() -> None:
-    rng = np.random.default_rng(8)
-    u, v = np.array([0.0, 0.3, 0.7, 1.0]), np.array([0.0, 0.5, 1.0])
-    node = rng.normal(size=(2, 1, 3, 4))
-    pieces = rng.random((40, 4)).astype(np.float32)
-    index, weight = np.array([[0, 1], [1, 0]], np.int32), np.array([[0.4, 0.6], [1.0, 0.0]])
-    first, tips = np.array([0, 40, 40]), np.zeros((2, 12), np.bool_)
-    places = Places(index, weight, np.array([2]), pieces, first, tips, u, v)
-    lowered = node - excess(node, places, False)[0]
-    for share in ([0.4, 0.6], [0.0, 1.0]):
-        plane = np.tensordot(share, lowered[:, 0], 1)
-        along = np.linspace(0.0, 1.0, 501)[:, None, None]
-        at = pieces[:, :2] + along * (pieces[:, 2:] - pieces[:, :2])
-        i = np.clip(np.searchsorted(v, at[..., 1], "right") - 1, 0, 1)
-        j = np.clip(np.searchsorted(u, at[..., 0], "right") - 1, 0, 2)
-        g = (at[..., 1] - v[i]) / np.diff(v)[i]
-        f = (at[..., 0] - u[j]) / np.diff(u)[j]
-        value = (1 - g) * ((1 - f) * plane[i, j] + f * plane[i, j + 1]) + g * (
-            (1 - f) * plane[i + 1, j] + f * plane[i + 1, j + 1]
-        )
-        # float32 ends of pieces, crossings skipped within 1e-9.
-        assert value.max() < 1e-6
-
-
-def test_postures_below_zero_need_not_be_looked_at_again() -> None:
-    rng = np.random.default_rng(10)
-    u, v = np.linspace(0.0, 1.0, 4), np.linspace(0.0, 1.0, 3)
-    node = rng.normal(size=(6, 1, 3, 4)) - 0.3
-    pieces = rng.random((50, 4)).astype(np.float32)
-    index = np.stack([np.arange(5), np.arange(1, 6)], axis=1).astype(np.int32)
-    weight, counts = np.full((5, 2), 0.5), np.array([5])
-    tips = rng.random((5, 12)) < 0.1
-    places = Places(index, weight, counts, pieces, np.arange(0, 51, 10), tips, u, v)
-    whole, part, which = node.copy(), node.copy(), None
-    left = []
-    for _ in range(30):
-        whole -= 0.5 * excess(whole, places, True)[0]
-        drop, which = excess(part, places, True, which)
-        part -= 0.5 * drop
-        left.append(len(which))
-    np.testing.assert_array_equal(part, whole)
-    assert sorted(left, reverse=True) == left
-    assert set(which) == set(excess(part, places, True)[1])
-
-
-def test_points_of_the_training_interpolate_as_the_table_does(model: Model) -> None:
-    lattice = grid.lattice_of(model, (4, 5, 6, 7))
-    rng = np.random.default_rng(11)
-    place, face = rng.random((3_000, 4)), np.zeros(3_000, np.int64)
-    node, importance, value = rng.normal(size=840), rng.random(3_000), rng.normal(size=3_000)
-    spots = lattice.spots(place, face)
-    index, weight, start = lattice.find(place, face)
-    here = at_points(index, weight, node[:, None], start)[:, 0]
-    # Places in float32: 6e-8 of a cell, across which a few units are interpolated.
-    np.testing.assert_allclose(spots.at(node), here, atol=3e-6)
-    # The transpose.
-    assert spots.spread(value) @ node == pytest.approx(value @ spots.at(node), rel=1e-9)
-    np.testing.assert_allclose(
-        spots.spread(importance, node), spots.spread(importance * spots.at(node)), atol=1e-10
+def car(left: float) -> Model:
+    """Return a robot on two wheels and two wheels on an arm, its com so far to the left."""
+    wheels = "".join(
+        contact(f"{link}{y}", (x, y - left, z), 0.2, (0, 1, 0), link)
+        for x, z, link in ((0.5, 0.0, "arm"), (-0.5, -0.3, "body"))
+        for y in (0.4, -0.4)
     )
-    squares = np.bincount(index.ravel(), (weight**2 * importance[:, None]).ravel(), 840)
-    np.testing.assert_allclose(spots.spread(importance, power=2), squares, atol=1e-5)
+    return Model(
+        parse_recipe(
+            '[robot]\nname = "car"\nlength_unit = "m"\n[[robot.parameter]]\nname = "lift"\n'
+            'min = 0.1\nmax = 0.5\nunit = "m"\n[[robot.link]]\nname = "arm"\nparent = "body"\n'
+            'joint = { type = "prismatic", axis = [0, 0, -1], parameter = "lift" }\n'
+            + wheels
+            + sweep_part("lift = 3")
+        )
+    )
+
+
+def test_v_is_folded_where_a_robot_is_mirrored_and_nowhere_else() -> None:
+    # A lifted wheel on one side only; a com to the left stretches that side.
+    rovers = Model(parse_recipe(rover()))
+    for robot, mirrored in (
+        (car(0.0), True),
+        (car(0.004), True),
+        (car(0.06), True),
+        (rovers, False),
+    ):
+        fold = fold_of(robot)
+        assert (fold != FLAT) == mirrored
+        # At the rim, -32768 of 32768, all places are on the axis: one beyond it is the first again.
+        ends = [
+            fold.base + (v * rate >> 13) for v, rate in ((32767, fold.ahead), (-32768, fold.behind))
+        ]
+        assert all(0 <= end <= 65535 for end in ends)
+        v = np.linspace(-1.0, 1.0, 9)
+        places = folded(fold, v)
+        assert places.min() >= 0.0
+        assert places.max() <= 1.0
+        if mirrored:
+            assert (np.diff(places[4:]) > 0.0).all()
+            assert (np.diff(places[:5]) < 0.0).all()
+    evenly, unevenly = fold_of(car(0.0)), fold_of(car(0.004))
+    assert evenly.ahead == -evenly.behind
+    assert unevenly.ahead != -unevenly.behind
 
 
 def test_a_node_below_the_ground_does_not_shift_the_heights_without_floats(
@@ -302,22 +440,17 @@ def test_a_node_below_the_ground_does_not_shift_the_heights_without_floats(
     np.testing.assert_allclose(read[part.codes.ravel()[:26]], heights[:26], atol=0.001)
 
 
-def test_nodes_are_shared_out_as_the_axes_need_and_never_more_than_asked() -> None:
+def test_nodes_are_shared_out_evenly_and_never_more_than_asked() -> None:
     wheels = Model(parse_recipe(rover()))
     before = (3, 3, 3)
     for nodes in (27, 200, 1_000, 5_000):
-        shape = verdict.of_nodes(wheels, ("tip_angle",), {"tip": nodes}, 8).nodes[0][1]
-        # Beyond some 1,400 nodes nothing more is lost along any axis.
-        assert 0.7 * min(nodes, 1_400) <= np.prod(shape) <= nodes
+        spec = of_nodes(wheels, EXPORTABLE, {"tip": 10 * nodes, "sdg": nodes, "height": nodes}, 8)
+        assert Spec.of_label(spec.label) == spec
+        assert spec.tree == 10 * nodes
+        names, (shape, _) = zip(*spec.nodes, strict=True)
+        assert names == ("sdg", "height")
+        assert 0.5 * nodes <= np.prod(shape) <= nodes
+        assert max(shape) - min(shape) <= 1
         assert all(more >= few for more, few in zip(shape, before, strict=True))
         before = shape
-    # u and v matter more than how far one wheel is lifted.
-    assert shape[0] < min(shape[1:])
-
-
-def test_where_nothing_is_outlined_no_point_is_drawn() -> None:
-    axes = [np.linspace(0.0, 1.0, 4), np.linspace(0.0, 1.0, 3)]
-    for pieces, first in ((0, np.zeros(7, int)), (5, np.minimum(np.arange(7), 5))):
-        found = SimpleNamespace(pieces=np.ones((pieces, 4)), first=first, axes=axes)
-        place, face = train._outline_points(found, 1, 100, 3)  # type: ignore[arg-type]
-        assert len(place) == len(face) == (100 if pieces else 0)
+    assert of_nodes(wheels, ("tip_angle",), {"tip": 1 << 20}, 8).tree == 65535

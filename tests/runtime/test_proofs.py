@@ -27,7 +27,7 @@ ON = {
     "poly": ("SMAP_POLY", "SMAP_FLOATS", "SMAP_INTEGERS"),
     "tables": ("SMAP_TABLES", "SMAP_FLOATS", "SMAP_INTEGERS"),
     "tables whole": ("SMAP_TABLES", "SMAP_INTEGERS"),
-    "grid": ("SMAP_GRID", "SMAP_FLOATS"),
+    "grid": ("SMAP_GRID", "SMAP_LENGTHS", "SMAP_FLOATS"),
 }
 SOURCES = {kind: runtime_text(frozenset(on)) for kind, on in ON.items()}
 TEXT = DOCUMENT.read_text(encoding="utf-8")
