@@ -196,7 +196,6 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "k = 0; k < table[i].axes[0]; k++": DIMS,
     "at < bytes": ("boxes of a tree within each other", lambda s: s.levels),
     "k = 0; k < dims; k++": ("parameters, u and v", lambda s: s.params + 2),
-    "i = 0; i < faces; i++": ("faces", lambda s: 6),
     "i = 0; i < part[SMAP_PART_DIMS]; i++, axis += 6": DIMS,
     "left = (uint16_t)(nodes - 1u); left > 1; left = (uint16_t)((left + 1u) >> 1)": (
         "log2 of an axis's nodes",
