@@ -1,13 +1,16 @@
 """The codec `grid`: tables of positions and of lengths, and trees that are never too safe."""
 
+import subprocess
 from collections import Counter
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from firmware_export.certify.answers import device
+from firmware_export.emit import package
 from firmware_export.grid import codec as grid
 from firmware_export.grid import fit as grid_fit
 from firmware_export.grid import lookup
@@ -31,7 +34,9 @@ from lutgen.jit import njit
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe.recipe import load_recipe, parse_recipe
 from proofs.recipes import tripod
+from targets.compiled import compile_c
 from targets.noise import noise
+from tests.export.test_programs import STRICT
 from tests.fixtures.fits import few_points
 from tests.fixtures.recipes import contact, rigid, rover, sweep_part
 
@@ -227,6 +232,22 @@ def test_a_robot_on_wheels_is_never_called_safe_where_it_tips(arithmetic: str, c
         assert set(np.unique(said)) <= {0.0, np.float32(-np.pi), -1.5707963267948966}
         assert (said <= np.maximum(found.exact.tip_angle, 0.0)).all()
     assert reader.measure(uniform(wheels, 60_000, 7)).false_tip < 0.2
+
+
+def test_the_alarm_of_a_verdict_alone_is_clear_where_the_robot_stands(tmp_path: Path) -> None:
+    # Its angle is 0 there, which is below any level.
+    wheels = Model(parse_recipe(rover()))
+    tables = verdict.encode(wheels, ("tip_angle",), Spec(8, 2_000))
+    package.write(export_of(wheels, tables, "integer"), tmp_path / "out")
+    compile_c([*STRICT, "-I..", "../robot.c", "alarm.c", "-o", "a"], tmp_path / "out" / "examples")
+    said = subprocess.run(
+        [tmp_path / "out" / "examples" / "a"], capture_output=True, text=True, check=True
+    ).stdout.splitlines()
+    words = [line.rsplit(" ", 1)[1] for line in said]
+    assert words == ["danger", "clear", "danger", "clear"]
+    # It leans by 27 deg and more before it may tip, and comes back as far.
+    leans = [int(line[4:9]) / 4096.0 for line in said[2:]]
+    assert min(leans) > 0.5
 
 
 def test_a_robot_of_fixed_shape_has_a_tree_of_a_few_bytes() -> None:
