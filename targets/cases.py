@@ -6,7 +6,7 @@ What takes long to fit is kept in build/targets/tables, by the digest of what it
 
 import hashlib
 import pickle
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -149,7 +149,7 @@ def of_robot(
 
 
 def of_noise(
-    arithmetic: str, source: Recipe, size: int, shapes: dict[str, tuple[int, ...]] | None = None
+    arithmetic: str, source: Recipe, size: int, shapes: Mapping[str, tuple[int, ...]] | None = None
 ) -> Export:
     """Return a grid that means nothing: what matters is where its trees and codes lie."""
     return noise("noise", Model(source), arithmetic, size, shapes)

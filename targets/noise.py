@@ -1,5 +1,6 @@
 """Maps of the codec `grid` that mean nothing: what matters of them is how they are read."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -33,8 +34,8 @@ def noise_trees(dims: int, faces: int, size: int, seed: int = 8) -> Trees:
     plane = rng.uniform(-1.0, 1.0, (count, dims + 1))
     plane[:, dims] = 0.5 * plane[:, :dims].sum(axis=1)
     empty = np.zeros((count, dims))
-    nothing = [np.zeros(count)] * 3 + [child] * 2
-    nodes = Nodes(axis, child, child, empty, empty, plane, *nothing)
+    none = np.zeros(count)
+    nodes = Nodes(axis, child, child, empty, empty, plane, none, none, none, child, child)
     held, levels = packed(nodes, kind, whole(plane[:, dims], dims), faces)
     return Trees(SPARSE if faces == 1 else Fold(1 << 15, RATE, RATE), levels, held)
 
@@ -62,7 +63,7 @@ def noise(
     model: Model,
     arithmetic: str,
     size: int,
-    shapes: dict[str, tuple[int, ...]] | None = None,
+    shapes: Mapping[str, tuple[int, ...]] | None = None,
     bits: int = 8,
 ) -> Export:
     """Return a map with trees of so many bytes, and a table of each shape that is asked for.
