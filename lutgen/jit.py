@@ -13,7 +13,7 @@ folder may be deleted at any time.
 
 import functools
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -45,6 +45,8 @@ _PACKAGE = Path(__file__).resolve().parent
 interrupts.defer()
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
+Job = TypeVar("Job")
+Result = TypeVar("Result")
 
 
 class _Place(UserProvidedCacheLocator):  # type: ignore[misc]
@@ -241,22 +243,25 @@ def in_threads(kernel: Callable[..., int], pieces: int, *arguments: object, leas
     threads = 1 if pieces < 2 * least else min(numba.get_num_threads(), pieces // least)
     if threads == 1:
         return int(kernel(0, pieces, *arguments))
-    from concurrent.futures import ThreadPoolExecutor
-
     parts = min(threads * PARTS_PER_THREAD, pieces)
     bounds = [part * pieces // parts for part in range(parts + 1)]
     # What is not compiled yet is compiled here: Ctrl-C does not reach other threads.
     first = 0 if getattr(kernel, "signatures", True) else 1
     found = sum(int(kernel(*bounds[at : at + 2], *arguments)) for at in range(first))
+    spans = zip(bounds[first:-1], bounds[first + 1 :], strict=True)
+    return found + sum(in_pool(lambda span: int(kernel(*span, *arguments)), spans, threads))
+
+
+def in_pool(work: Callable[[Job], Result], jobs: Iterable[Job], threads: int) -> list[Result]:
+    """Return what `work` answers to each job, in order, asked in so many threads."""
+    from concurrent.futures import ThreadPoolExecutor
+
     pool = ThreadPoolExecutor(threads)
     try:
-        answers = pool.map(
-            lambda a, b: kernel(a, b, *arguments), bounds[first:-1], bounds[first + 1 :]
-        )
-        found += int(sum(answers))
+        answers = list(pool.map(work, jobs))
     except BaseException:
         # Ctrl-C need not wait for what nobody wants any more.
         pool.shutdown(wait=False, cancel_futures=True)
         raise
     pool.shutdown()
-    return found
+    return answers

@@ -7,7 +7,15 @@ from firmware_export.truth.beyond import slack, widened
 from firmware_export.truth.bound import polynomial_guard
 from firmware_export.truth.model import Exact, Model, combinations
 from firmware_export.truth.rest import least_edge_of
-from firmware_export.truth.sample import Cells, Sample, biased, join, uniform, uniform_directions
+from firmware_export.truth.sample import (
+    Cells,
+    Sample,
+    biased,
+    join,
+    uniform,
+    uniform_directions,
+    uniform_params,
+)
 from firmware_export.truth.series import chebyshev_nodes, chebyshev_transform, expand, rounds
 from firmware_export.truth.tip_boundary import boundary, on_chart, unit
 
@@ -30,6 +38,7 @@ __all__ = [
     "slack",
     "uniform",
     "uniform_directions",
+    "uniform_params",
     "unit",
     "widened",
 ]

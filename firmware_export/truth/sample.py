@@ -94,12 +94,17 @@ def uniform_directions(model: Model, rng: np.random.Generator, shape: tuple[int,
     return unit(model.uv_to_gravity(face, np.clip(u, -limit, limit), np.clip(v, -limit, limit)))
 
 
+def uniform_params(model: Model, rng: np.random.Generator, count: int) -> Floats:
+    """Return postures (count, k), uniform in the parameters; the first of more are the same."""
+    return to_box(model, _spread(rng, count, model.k))
+
+
 def uniform(model: Model, points: int, seed: int) -> Sample:
     """Return at least `points` points, uniform in the parameters and in solid angle."""
     rng = np.random.default_rng(seed)
     d = per_posture(model)
     m = -(-points // d)
-    return Sample(to_box(model, _spread(rng, m, model.k)), uniform_directions(model, rng, (m, d)))
+    return Sample(uniform_params(model, rng, m), uniform_directions(model, rng, (m, d)))
 
 
 def _middles(knots: Floats, rng: np.random.Generator, count: int) -> Floats:

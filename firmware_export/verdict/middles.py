@@ -5,7 +5,6 @@ Owns how finely the box of parameters is cut, and what is tightened for the part
 
 import math
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
 import numba
@@ -15,6 +14,7 @@ from firmware_export.grid import PLACES
 from firmware_export.truth import Model, combinations
 from firmware_export.verdict.outline import CURVED, WIDTH, Slab
 from lutgen.channels import acceptance_of
+from lutgen.jit import in_pool
 from lutgen.support import pack
 from lutgen.vector import Floats, Ints
 
@@ -101,12 +101,4 @@ def each(work: Callable[[Job], Result], jobs: Iterable[Job]) -> list[Result]:
     """Return what `work` answers to each job, in order; in threads, as it is NumPy and kernels."""
     first, *others = jobs
     # What is not compiled yet is compiled here: Ctrl-C does not reach other threads.
-    done = [work(first)]
-    pool = ThreadPoolExecutor(numba.get_num_threads())
-    try:
-        done += pool.map(work, others)
-    except BaseException:
-        pool.shutdown(wait=False, cancel_futures=True)
-        raise
-    pool.shutdown()
-    return done
+    return [work(first), *in_pool(work, others, numba.get_num_threads())]

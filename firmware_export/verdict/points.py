@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from firmware_export.grid import Fold
-from firmware_export.truth import Model, uniform, uniform_directions
+from firmware_export.truth import Model, uniform_directions, uniform_params
 from firmware_export.verdict.fold import folded
 from firmware_export.verdict.middles import AT_ONCE, Middles, each
 from firmware_export.verdict.outline import Slab, View, draw, empty_sheet, too_many_pieces
@@ -70,7 +70,7 @@ def _measured(model: Model, fold: Fold, params: Floats, rng: np.random.Generator
 
 def _of_sample(model: Model, fold: Fold) -> list[_Mixed]:
     """Return the configurations of a sample."""
-    params = uniform(model, 40 * POSTURES, SEED).params[:POSTURES]
+    params = uniform_params(model, np.random.default_rng(SEED), POSTURES)
 
     def measured(at: int) -> _Mixed:
         rng = np.random.default_rng([SEED, at])

@@ -48,7 +48,7 @@ def packed(
     most = np.maximum(a, 0).sum(axis=1) / WHOLE
     lost = (kind == HALF) & (limit >= most)
     kind[lost | ((kind == SAFE) & (limit == np.inf))] = UNSAFE
-    code = np.where(kind == HALF, np.rint(np.where(kind == HALF, limit, 0.0) * MIDDLE / d), 0.0)
+    code = np.rint(np.where(kind == HALF, limit, 0.0) * MIDDLE / d)
     code = np.clip(code, -MIDDLE, MIDDLE - 1).astype(np.int64) + MIDDLE
     for i in range(len(kind) - 1, -1, -1):
         if kind[i] == INNER:
@@ -79,11 +79,11 @@ def packed(
             halves.reverse()
         done[i] = head + halves[0] + halves[1]
 
-    def whole(root: int) -> bytes:
+    def tree(root: int) -> bytes:
         """Return a tree; of a root that is all safe or all unsafe, so are both halves."""
         return done.get(root, bytes([int(kind[root]) << 4 | int(kind[root]) << 6]))
 
-    return tuple(map(whole, range(roots))), int(levels[:roots].max())
+    return tuple(map(tree, range(roots))), int(levels[:roots].max())
 
 
 def fitting(
