@@ -92,7 +92,7 @@ exports: .venv/.installed ## make and certify the exports that docs/measured/exp
 size: $(EXPORTS) ## measure flash, RAM and stack on a Cortex-M4 (arm-none-eabi-gcc)
 	$(BIN)/python -m targets.size $(NAMES:%=build/maps/%/firmware)
 
-verify: $(EXPORTS) ## prove the C runtime (ten minutes, SAMPLE=1: three; docs/measured/c-runtime.md)
+verify: $(EXPORTS) ## prove the C runtime (fifteen minutes, SAMPLE=1: three; docs/measured/c-runtime.md)
 	$(BIN)/python -m proofs.run $(if $(SAMPLE),--sample)
 
 fuzz: SECONDS ?= 600

@@ -7,6 +7,7 @@ docs/measured/c-runtime.md lists beside it.
 """
 
 import re
+from collections.abc import Collection
 from typing import NamedTuple
 
 from lutgen.errors import ExportError
@@ -30,7 +31,15 @@ class Mutant(NamedTuple):
     instead: str
 
 
+LOOP = re.compile(r"\s*(?:for \(|while \(|do \{)")
+# Arrays of structures of many contacts, and how many there are.
+_ROOM = {"facet": "FACETS", "segment": "LINKS", "side": "SIDES", "rim": "EDGES"}
+_ADDRESS = re.compile(
+    rf"&\w+->(?:at\.)?({'|'.join(_ROOM)})\[((?:[^][]|\[(?:[^][]|\[[^][]*\])*\])+)\]"
+)
 _POINT = "-16400 <= p[3 * i] <= 16400 && -16400 <= p[3 * i + 1] <= 16400"
+
+_FEW = r"contacts|smap_contacts_of\(.*\)|rails|smap_rails_of\(.*\)|first\[k \+ 1\]|count"
 
 # Lines are regular expressions over one stripped line; parts that an export lacks are left out.
 HINTS = (
@@ -41,6 +50,82 @@ HINTS = (
     Hint(
         r"return \(int16_t\)away;",
         (r"admit \is_finite(away);", "admit -32767.5 <= away <= 32767.5;"),
+    ),
+    # many contacts: contacts and rails are few, and what is known of each of them is kept apart
+    Hint(
+        rf"for \(\w+ = \w+; .*(?:{_FEW}); \w+\+\+\) \{{",
+        ("loop unroll 40;",),
+    ),
+    Hint(
+        r"for \(i = 0; i < (?:angles|travels|body\[SMAP_IN_PRODUCTS\]|at\.coordinates); .*",
+        ("loop unroll 100;",),
+    ),
+    Hint(r"for \(k = 0; k < count; k\+\+, term\+\+\) \{", ("loop unroll 100;",)),
+    Hint(r"pairs = \(uint8_t\)\(1\.0f \+ uneven\);", (r"admit \is_finite(uneven);",)),
+    Hint(
+        r"/\* from here on a number \*/", (r"admit \is_finite(n);", "admit 0.0 <= n;"), after=True
+    ),
+    Hint(
+        r"count = 1\.0f \+ \(float\)\(int32_t\)longest;",
+        (r"admit \is_finite(longest);", "admit 0.0 <= longest;"),
+    ),
+    Hint(
+        r"for \(k = 0; k < o->at\.edge\[o->at\.shown\] && w->left; k\+\+\) \{",
+        ("loop unroll 300;",),
+    ),
+    Hint(
+        r"const int32_t x = n\[0\], y = n\[1\], z = n\[2\];",
+        ("admit -32767 <= x && -32767 <= y && -32767 <= z;",),
+        after=True,
+    ),
+    Hint(r"for \(; x != 0; x >>= 1\) \{", ("loop unroll 33;",)),
+    Hint(r"while \(sum < 0x10000000u\) \{", ("admit sum > 0;", "loop unroll 16;")),
+    Hint(r"while \(sum >= 0x40000000u\) \{", ("loop unroll 3;",)),
+    Hint(
+        r"whole = \(float\)\(int32_t\)away;",
+        (r"admit \is_finite(away);", "admit -1000.0 <= away <= 1000.0;"),
+    ),
+    Hint(r"const uint8_t shift = o->shift;", ("admit shift <= 29;",), after=True),
+    # ... where a pointer goes that is worked out: no alarm tells while it stays in the pose
+    Hint(
+        r"smap_visit_t \*const v = &visit\[at\];",
+        ("assert at < SMAP_WAYS;",),
+    ),
+    Hint(r"at = \(uint8_t\)\(at \+ smap_come\(.*", ("assert at < SMAP_WAYS - 1;",)),
+    Hint(r"if \(smap_may\(w, SMAP_COST_ROLL\)\) \{", ("assert k < SMAP_MANY_ROLLS;",)),
+    Hint(r"return w->roll \+ SMAP_ROLL \* k;", ("assert k < SMAP_MANY_ROLLS;",)),
+    Hint(
+        r"const float\(\*const at\)\[3\] = .*w->corner \+ facet->first;",
+        ("assert facet->first <= SMAP_MANY_EDGES - 3;",),
+    ),
+    Hint(
+        r"const float area2 = smap_area2\(\(const float\(\*\)\[3\]\)w->corner .*",
+        ("assert w->facet[here].first <= SMAP_MANY_EDGES - 3;",),
+    ),
+    Hint(
+        r"memcpy\(w->onward, w->next, w->edges\);",
+        ("assert w->edges <= SMAP_MANY_EDGES;",),
+    ),
+    *(
+        Hint(
+            rf"const smap_segment_t \*s = middle, \*end = {at}segment \+ .*",
+            (f"assert {at}last[island] <= SMAP_MANY_LINKS;",),
+        )
+        for at in ("o->at.", "at->")
+    ),
+    Hint(
+        r"const int16_t\(\*n\)\[3\] = o->wall \+ at->edge\[f\];",
+        ("assert at->edge[f + 1] <= SMAP_MANY_WALLS;",),
+    ),
+    *(
+        Hint(
+            line,
+            tuple(
+                f"assert o->at.{name} <= SMAP_MANY_{most};"
+                for name, most in (("shown", "SHOWN"), ("walls", "WALLS"), ("points", "LINKS"))
+            ),
+        )
+        for line in (r"smap_turn_back\(m, o->plane, .*", r"smap_units_i\(o->plane, .*")
     ),
     # range, chart: what gets past the guards
     Hint(r"q\[i\] = x;", (r"admit \is_finite(x);", "admit -1e7 <= x <= 1e7;")),
@@ -110,6 +195,11 @@ MUTANTS = {
     "tables whole": Mutant(
         "the last cell of an axis is one further", "cell[k] = x >> 16;", "cell[k] = (x >> 16) + 1u;"
     ),
+    "rails": Mutant(
+        "one part more of the boundary than there is room for",
+        "o->at.segments >= SMAP_MOST(",
+        "o->at.segments > SMAP_MOST(",
+    ),
     "grid": Mutant(
         "the last knot of an axis is one further",
         "left = (uint16_t)(nodes - 1u);",
@@ -118,22 +208,38 @@ MUTANTS = {
 }
 
 
-def annotate(source: str) -> str:
+def annotate(source: str, limits: Collection[int] = ()) -> str:
     """Return smap.c with the annotations in it; what it has no line for is left out.
 
-    A hint whose line is in no part at all is an error of `stale`.
+    A hint whose line is in no part at all is an error of `stale`.  `limits` are numbers that what
+    loops count may not go beyond: where the analyser guesses how far, it guesses these first.
+    With them each index of which an address is taken is asserted to be one of its array: a pointer
+    that stays in the pose raises no alarm.
     """
     lines = source.split("\n")
     before: dict[int, list[str]] = {}
     for hint in HINTS:
         places = [i for i, line in enumerate(lines) if re.fullmatch(hint.line, line.strip())]
         for place in places:
-            before.setdefault(place + int(hint.after), []).extend(
-                f"//@ {text}" for text in hint.annotations
-            )
+            before.setdefault(place + int(hint.after), []).extend(hint.annotations)
+    if limits:
+        for place, line in enumerate(lines):
+            # What a statement goes on with is said before it begins.
+            while place and not re.search(r"(?:[;{}]|\*/|^#.*|^)$", lines[place - 1]):
+                place -= 1
+            for name, index in _ADDRESS.findall(line):
+                text = f"assert {index} < SMAP_MANY_{_ROOM[name]};"
+                before.setdefault(place, []).append(text)
+        guesses = f'loop widen_hints "all", {", ".join(map(str, sorted(limits)))};'
+        for place, line in enumerate(lines):
+            if LOOP.match(line):
+                given = before.setdefault(place, [])
+                # What is said of one loop is one comment.
+                last = [given.pop()] if given and given[-1].startswith("loop ") else []
+                given.append(" ".join([*last, guesses]))
     result = []
     for i, line in enumerate(lines):
-        result += [*before.get(i, []), line]
+        result += [*(f"//@ {text}" for text in before.get(i, [])), line]
     return "\n".join(result)
 
 

@@ -120,15 +120,15 @@ CHARGE = re.compile(r"smap_may\(w, SMAP_COST_(\w+)\)")
 # where they were left.
 POLYGON = "k = 0; k < 2u * count; k++"
 LOOKED_AT = "; e < w->edges; e++"
-BENT = "left = (uint8_t)(o->at.segments - first); left > 0; left--, before = s++"
+BENT = "k = first; k < end; before = k++"
 SHORT = "; w->low[e] != SMAP_SHORT && w->low[at] == SMAP_SHORT && left > 0; left--"
-PUSH = "k = 0; k < side->count && w->left; k++"
+PUSH = "k = side->wall; k < end && point + 1 < o->at.points && w->left; k++, point++"
 # The innermost of the three loops over contacts i < j < k.
 TRIPLE = "k = (uint8_t)(j + 1u); k < count; k++"
 # A read looks at a segment of the boundary once.  Of a facet it looks at each strip once from each
 # of two edges at most, at all pieces of its sides (no more than there are walls), and goes on four
 # times.
-SEGMENT, WITHIN = "; s < end; s++", "k = 0; k < s->count; k++"
+SEGMENT, WITHIN = "; s < end; s++", "k = s->wall; k < end; k++"
 # Head -> counter, and of which capacity it is how many.
 COUNTED = {
     TRIPLE: ("triples", "triples", 1),
@@ -219,8 +219,8 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "k = 0; k < smap_rails_of(w->map); k++": RAILS,
     "k = 1; k + 1 < smap_rails_of(w->map); k++": ("inner rails", lambda s: max(s.rails - 2, 0)),
     "left = smap_rails_of(w->map); left > 0; left--": RAILS,
-    "k > 0": RAILS,
-    "k++; k < rails; k++": RAILS,
+    "k--; k > 0 && !o->on[k]; k--": RAILS,
+    "k++; k + 1 < rails && !o->on[k]; k++": RAILS,
     "a = a == SMAP_NONE ? 0 : a; a < rails && (b == SMAP_NONE || a <= b); a++": RAILS,
     "i = first; i < m->first[k + 1]; i++": _of("row"),
     "j = w->map->first[k]; j < w->map->first[k + 1]; j++": _of("row"),
@@ -236,7 +236,8 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "k = 0; k < others; k++": CONTACTS,
     "k = (uint8_t)(e + 1u); k < w->edges; k++": _mean("edges", 2),
     **{f"{f} = 0; {f} < w->facets; {f}++": FACETS for f in ("f", "k")},
-    "; w->edges < last; w->edges++": CONTACTS,
+    "e = first; e < last; e++": CONTACTS,
+    "k = 0; e != SMAP_NONE && k < corners; k++": CONTACTS,
     # support polygons
     "at = k; at > 0 && (spot[at - 1].b > here.b || (spot[at - 1].b == here.b && "
     "spot[at - 1].a < here.a)); at--": _mean("contacts", 2),
@@ -246,8 +247,8 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
         _plain("1 on average", 1)
     ),
     "i = 0; i < n; i++": ("corners, walls or points", lambda s: max(s.contacts, s.links)),
-    "j = (uint8_t)(next + 1u < n ? next + 1u : 0); j != side; "
-    "j = (uint8_t)(j + 1u < n ? j + 1u : 0)": CONTACTS,
+    "j = (uint8_t)(next + 1 < n ? next + 1 : 0); j != side; "
+    "j = (uint8_t)(j + 1 < n ? j + 1 : 0)": CONTACTS,
     "k = 0; k < n; k++": ("corners, walls or points", lambda s: max(s.contacts, s.links)),
     "i = 1; i + 1 < n; i++": CONTACTS,
     # gaps

@@ -92,13 +92,14 @@ static float smap_boundary(const smap_many_pose_t *o, uint8_t facet, const float
 }
 
 /* Whether a direction lies on the inner side of a strip's side. */
-static int smap_within(const smap_many_pose_t *o, uint8_t side, const float g[3])
+SMAP_APART static int smap_within(const smap_many_pose_t *o, uint8_t side, const float g[3])
 {
   const smap_side_t *s = &o->at.side[side];
   const float slack = s->inner ? -o->slack : 0.0f;
+  const uint8_t end = s->end;
   uint8_t k;
-  for (k = 0; k < s->count; k++) {
-    const int in = smap_dot(o->wall[s->wall + k], g) > slack;
+  for (k = s->wall; k < end; k++) {
+    const int in = smap_dot(o->wall[k], g) > slack;
     if (in != !s->inwards) {
       return in;
     }
@@ -145,16 +146,17 @@ SMAP_APART static int smap_step_beyond(const smap_many_pose_t *o, uint8_t *f, ui
   float least;
   for (k = *e; k < o->at.edge[*f + 1]; k++) {
     const smap_rim_t *rim = &o->at.rim[k];
-    if (rim->side == SMAP_NONE || smap_dot(o->wall[k], g) >= o->hair) {
+    const uint8_t side = rim->side;
+    if (side + 1 >= SMAP_MANY_SIDES || smap_dot(o->wall[k], g) >= o->hair) { /* there is no strip, or within */
       continue;
     }
     if (smap_dot(o->wall[rim->back], g) >= o->hair) {
       to = rim->to;
-    } else if (smap_within(o, rim->side, g) && smap_within(o, (uint8_t)(rim->side + 1u), g)) {
+    } else if (smap_within(o, side, g) && smap_within(o, (uint8_t)(side + 1u), g)) {
       return SMAP_ROCKS;
     }
   }
-  if (to == SMAP_NONE) {
+  if (to >= SMAP_MANY_SHOWN) {
     return SMAP_TIPS;
   }
   *f = to;
@@ -203,8 +205,8 @@ static smap_status_t smap_many_at(const smap_many_pose_t *o, const float gravity
     return SMAP_TIPS;
   }
   edge = smap_first_beyond(o, best, g, &tip, &nearest);
-  inside = edge == o->at.edge[best + 1];
-  which = inside ? nearest : edge;
+  inside = edge >= o->at.edge[best + 1];
+  which = edge < o->at.edge[best + 1] ? edge : nearest;
   status = inside                        ? smap_on_facet(o, best, tip)
            : smap_is_alone(&o->at, best) ? SMAP_TIPS
                                          : smap_beyond(o, best, edge, g);

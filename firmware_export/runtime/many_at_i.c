@@ -50,6 +50,12 @@ static inline void smap_units_i(const float (*from)[3], uint8_t n, float scale, 
   }
 }
 
+/* The same from 0 to `most`, which is at most 65535. */
+static inline uint16_t smap_steps_i(float x, float most)
+{
+  return (uint16_t)smap_whole_i(x < most ? x : most);
+}
+
 /* Make the integer form of a pose. */
 static void smap_many_make_i(const smap_many_pose_t *o, float sdg_step, float height_step,
                              smap_many_pose_i_t *i)
@@ -60,9 +66,8 @@ static void smap_many_make_i(const smap_many_pose_t *o, float sdg_step, float he
     return;
   }
   for (k = 0; k < o->at.shown; k++) {
-    const float high = o->height[k] / height_step;
     least = k == 0 || o->height[k] < least ? o->height[k] : least;
-    i->height[k] = (uint16_t)(high < 65534.0f ? high + 0.5f : 65534.0f);
+    i->height[k] = smap_steps_i(o->height[k] / height_step, 65534.0f);
   }
   for (k = 0; k < o->at.shown; k++) {
     smap_scale_i(o->centre[k], 0.5f / sdg_step, i->centre[k]);
@@ -75,7 +80,7 @@ static void smap_many_make_i(const smap_many_pose_t *o, float sdg_step, float he
   k = (uint8_t)(smap_bits(factor) >> 23);
   i->shift = (uint8_t)(k > 143 && k < 173 ? k - 143 : 0); /* so that it is less than 2^17 */
   factor = smap_from_bits(smap_bits(factor) - ((uint32_t)i->shift << 23)) * 0.5f;
-  i->mantissa = (uint16_t)(factor < 65535.0f ? factor + 0.5f : 65535.0f);
+  i->mantissa = smap_steps_i(factor, 65535.0f);
   i->guard = (int16_t)((o->guard + SMAP_ROUNDED_I) * (float)SMAP_ONE_I + 1.0f);
   i->hair = (int16_t)((o->hair + SMAP_ROUNDED_I) * (float)SMAP_ONE_I + 1.0f);
   i->slack = (int16_t)(o->slack * (float)SMAP_ONE_I);
@@ -87,11 +92,18 @@ static inline int32_t smap_dot_i(const int16_t a[3], const int32_t b[3])
   return (int32_t)((uint32_t)(a[0] * b[0]) + (uint32_t)(a[1] * b[1]) + (uint32_t)(a[2] * b[2]));
 }
 
-static inline void smap_cross_i(const int32_t a[3], const int16_t b[3], int32_t out[3])
+/* How large a number is; of the least, which only a damaged map has, not. */
+static inline int32_t smap_size_i(int32_t x)
 {
-  out[0] = a[1] * b[2] - a[2] * b[1];
-  out[1] = a[2] * b[0] - a[0] * b[2];
-  out[2] = a[0] * b[1] - a[1] * b[0];
+  return x < 0 ? (int32_t)(0u - (uint32_t)x) : x;
+}
+
+static inline void smap_cross_i(const int32_t g[3], const int16_t n[3], int32_t out[3])
+{
+  const int32_t x = n[0], y = n[1], z = n[2];
+  out[0] = g[1] * z - g[2] * y;
+  out[1] = g[2] * x - g[0] * z;
+  out[2] = g[0] * y - g[1] * x;
 }
 
 /* How many bits a number has. */
@@ -163,7 +175,7 @@ static int32_t smap_nearest_i(const smap_layout_t *at, const smap_many_pose_i_t 
     for (; s < end; s++) {
       const int16_t *n = o->wall[s->wall], *p;
       const int32_t ahead = smap_dot_i(n, h);
-      int32_t away = ahead < 0 ? -ahead : ahead, c[3];
+      int32_t away = smap_size_i(ahead), c[3];
       if (away >= least || (ahead < -rounded ? inside && !s->bent : !inside && ahead >= beyond)) {
         continue;
       }
@@ -219,14 +231,15 @@ SMAP_APART static int32_t smap_boundary_i(const smap_layout_t *at, const smap_ma
   return smap_nearest_i(at, o, facet, g, floor, least, which);
 }
 
-static int smap_within_i(const smap_layout_t *at, const smap_many_pose_i_t *o, uint8_t side,
-                         const int32_t g[3], int32_t slack)
+SMAP_APART static int smap_within_i(const smap_layout_t *at, const smap_many_pose_i_t *o, uint8_t side,
+                                    const int32_t g[3], int32_t slack)
 {
   const smap_side_t *s = &at->side[side];
+  const uint8_t end = s->end;
   uint8_t k;
   slack = s->inner ? -slack : 0;
-  for (k = 0; k < s->count; k++) {
-    const int in = smap_dot_i(o->wall[s->wall + k], g) > slack;
+  for (k = s->wall; k < end; k++) {
+    const int in = smap_dot_i(o->wall[k], g) > slack;
     if (in != !s->inwards) {
       return in;
     }
@@ -274,17 +287,18 @@ SMAP_APART static int smap_step_beyond_i(const smap_layout_t *at, const smap_man
   uint8_t k, to = SMAP_NONE, which;
   for (k = *e; k < at->edge[*f + 1]; k++) {
     const smap_rim_t *rim = &at->rim[k];
-    if (rim->side == SMAP_NONE || smap_dot_i(o->wall[k], g) >= hair) {
+    const uint8_t side = rim->side;
+    if (side + 1 >= SMAP_MANY_SIDES || smap_dot_i(o->wall[k], g) >= hair) {
       continue;
     }
     if (smap_dot_i(o->wall[rim->back], g) >= hair) {
       to = rim->to;
-    } else if (smap_within_i(at, o, rim->side, g, slack) &&
-               smap_within_i(at, o, (uint8_t)(rim->side + 1u), g, slack)) {
+    } else if (smap_within_i(at, o, side, g, slack) &&
+               smap_within_i(at, o, (uint8_t)(side + 1u), g, slack)) {
       return SMAP_ROCKS;
     }
   }
-  if (to == SMAP_NONE) {
+  if (to >= SMAP_MANY_SHOWN) {
     return SMAP_TIPS;
   }
   *f = to;
@@ -308,7 +322,8 @@ static int smap_beyond_i(const smap_layout_t *at, const smap_many_pose_i_t *o, u
  * factor is at most 2^16 for 2. */
 SMAP_APART static uint16_t smap_sdg_i(const smap_many_pose_i_t *o, uint8_t f, const int32_t g[3], int32_t rate)
 {
-  const uint32_t deep = (uint32_t)rate >> o->shift, factor = deep ? ((uint32_t)o->mantissa << 16) / deep : 65536u;
+  const uint8_t shift = o->shift;
+  const uint32_t deep = (uint32_t)rate >> shift, factor = deep ? ((uint32_t)o->mantissa << 16) / deep : 65536u;
   uint32_t sum = 0;
   uint8_t k;
   if (SMAP_RARELY(factor > 65535u)) {
@@ -352,8 +367,8 @@ static smap_status_t smap_many_at_i(const smap_layout_t *at, const smap_many_pos
     return SMAP_TIPS;
   }
   edge = smap_first_beyond_i(at, o, best, g, o->hair * size, &least, &nearest);
-  inside = edge == at->edge[best + 1];
-  which = inside ? nearest : edge;
+  inside = edge >= at->edge[best + 1];
+  which = edge < at->edge[best + 1] ? edge : nearest;
   status = inside                    ? smap_on_facet_i(at, o, best, least, size)
            : smap_is_alone(at, best) ? SMAP_TIPS
                                      : smap_beyond_i(at, o, best, edge, g, size);

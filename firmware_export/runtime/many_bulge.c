@@ -29,10 +29,13 @@ static void smap_bulge(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e, smap
   const uint8_t i = w->vertex[e], j = w->vertex[w->next[e]];
   float count, turn, before = 0.0f, after, middle[3], last[3], a[3];
   const float pieces = smap_pieces(w, e, &turn);
+  const float longest = turn * (1.0f / SMAP_PIECE);
   smap_aim_t here = *from, there;
   uint8_t k;
-  count = (float)(int32_t)(turn * (1.0f / SMAP_PIECE)) + 1.0f;
-  count = count > pieces ? pieces : count;
+  count = pieces;
+  if (longest < pieces) {
+    count = 1.0f + (float)(int32_t)longest;
+  }
   count = smap_is_cut(w, e) ? 1.0f : count;
   smap_copy(p, last);
   for (k = 1; (float)k <= count && smap_may(w, SMAP_COST_PIECE); k++) {

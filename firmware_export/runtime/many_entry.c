@@ -132,7 +132,12 @@ static int8_t smap_many_of(const smap_t *map, const float *params, smap_many_pos
     return status;
   }
   smap_many_numbers(map, &numbers);
-  return smap_many_pose(&numbers, pose, work) ? SMAP_OK : SMAP_TIPS;
+  status = smap_many_pose(&numbers, pose, work) ? SMAP_OK : SMAP_TIPS;
+  work->map = 0;
+#if SMAP_MANY_AXLES
+  work->axle = 0;
+#endif
+  return status;
 }
 
 /* Read a pose under a scaled direction. */

@@ -53,7 +53,7 @@ static uint8_t smap_between_rests(const smap_many_work_t *w, uint8_t e)
 {
   for (; e < w->edges; e++) {
     const uint8_t back = w->twin[e];
-    if (back != SMAP_NONE && back >= e && w->low[e] != SMAP_SHORT &&
+    if (back > e && w->low[e] != SMAP_SHORT &&
         w->facet[w->owner[e]].kind == SMAP_REST && w->facet[w->owner[back]].kind == SMAP_REST) {
       break;
     }

@@ -147,7 +147,7 @@ static int smap_lost(const smap_many_work_t *w, const float a[3], const float b[
 /* What is beyond an edge. */
 static inline uint8_t smap_kind_beyond(const smap_many_work_t *w, uint8_t e)
 {
-  return w->twin[e] == SMAP_NONE ? (uint8_t)SMAP_REFUSED : w->facet[w->owner[w->twin[e]]].kind;
+  return w->twin[e] == e ? (uint8_t)SMAP_REFUSED : w->facet[w->owner[w->twin[e]]].kind;
 }
 
 /* Whether a facet is beyond an edge, near enough for the robot to be caught there: a chord is no longer than its arc. */
@@ -190,7 +190,7 @@ static uint8_t smap_mate_along(const smap_many_work_t *w, uint8_t e, uint8_t end
 {
   const uint8_t mate = w->mate[w->vertex[end]], other = w->vertex[end == e ? w->next[e] : e];
   float along[3], ahead;
-  if (mate == SMAP_NONE || mate == other) {
+  if (mate >= SMAP_MANY_CONTACTS || mate == other) {
     return SMAP_NONE;
   }
   smap_minus(smap_end(w, e), smap_corner(w, e), along);
@@ -210,7 +210,10 @@ SMAP_APART static int smap_lost_to_mate(const smap_many_work_t *w, uint8_t e, ui
   const uint8_t mate = w->mate[w->vertex[end]], facet = w->owner[e];
   const smap_facet_t *f = &w->facet[facet];
   const float *p = smap_corner(w, end), inside = SMAP_INSIDE * w->map->size * f->h;
-  float along[3], wall[3], spot[3], more[2];
+  float along[3], wall[3], spot[3], more[2] = {0.0f, 0.0f};
+  if (mate >= SMAP_MANY_CONTACTS) {
+    return lost;
+  }
   smap_touch(w, mate, &f->at, spot);
   smap_minus(smap_end(w, e), smap_corner(w, e), along);
   smap_cross(smap_corner(w, e), along, wall);
@@ -360,7 +363,7 @@ static void smap_hold_rest(smap_many_work_t *w, uint8_t came)
 {
   smap_visit_t *const visit = w->bench->visit;
   uint8_t at = 0;
-  float span[2];
+  float span[2] = {0.0f, 0.0f};
   visit->came = visit->at = came;
   visit->turn = SMAP_TO_NONE;
   while (smap_may(w, SMAP_COST_VISIT)) {
@@ -374,7 +377,7 @@ static void smap_hold_rest(smap_many_work_t *w, uint8_t came)
       smap_take_over(&v->held, held, v->span, &visit[at].held);
     } else if (smap_is_left(w, v, span)) {
       const int caught = smap_may_catch(w, &v->held, v->at);
-      if (!caught || at == SMAP_WAYS - 1 || smap_kind_beyond(w, v->at) != SMAP_REST) {
+      if (!caught || at >= SMAP_WAYS - 1 || smap_kind_beyond(w, v->at) != SMAP_REST) {
         /* It is not looked into further on: what may catch the robot the exact definition may keep. */
         smap_spare(&v->held, caught ? smap_left_of(&v->held, span) : 0.0f);
         smap_forbid(&v->held, span[0], span[1]);

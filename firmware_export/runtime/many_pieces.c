@@ -57,6 +57,7 @@ static float smap_pieces(smap_many_work_t *w, uint8_t e, float *turn)
   if (!(n < SMAP_PIECES - 0.5f)) {
     return SMAP_PIECES;
   }
+  /* from here on a number */
   if (smap_absolute(n - (float)(int32_t)(n + 0.5f)) < SMAP_DIGITS) {
     *turn = 0.0f; /* the last digits decide: of the pieces only both ends are known, as with one of them */
   }
@@ -72,6 +73,13 @@ static void smap_place(const smap_many_work_t *w, uint8_t e, const smap_aim_t *a
   smap_mix(p, q, w->low[e], out);
 }
 
+/* The last point of a side, of those that there are. */
+static inline uint8_t smap_last_point(const smap_many_pose_t *o, const smap_side_t *side)
+{
+  const uint8_t last = (uint8_t)(side->point + (side->end - side->wall));
+  return last < o->at.points ? last : side->point;
+}
+
 /* Append a piece of a side: a wall from the last point to one more. */
 static void smap_add_piece(smap_many_work_t *w, smap_many_pose_t *o, smap_side_t *side,
                            const float p[3], const float q[3], uint8_t i)
@@ -81,7 +89,7 @@ static void smap_add_piece(smap_many_work_t *w, smap_many_pose_t *o, smap_side_t
   smap_cross(p, along, n);
   (void)smap_add_wall(w, o, n, i, i);
   (void)smap_add_point(w, o, q);
-  side->count++;
+  side->end = o->at.walls;
 }
 
 /* Whether another strip may cut that of an edge: they have a wheel in common, and more than two rails.  The

@@ -21,7 +21,7 @@ static inline int smap_has_inner(const smap_many_work_t *w, uint8_t end, uint8_t
 {
   const uint8_t i = w->vertex[end], mate = w->mate[i];
   float part, whole;
-  if (mate == SMAP_NONE) {
+  if (mate >= SMAP_MANY_CONTACTS) {
     return 0;
   }
   part = w->p[mate][1] - w->p[i][1];
@@ -37,7 +37,7 @@ SMAP_APART static void smap_take_inner(const smap_many_work_t *w, uint8_t e, uin
   const uint8_t mate = w->mate[w->vertex[end]];
   const smap_facet_t *f = &w->facet[w->owner[e]], *g = &w->facet[w->owner[w->twin[e]]];
   float spot[3];
-  if (!smap_touches(w, mate, f) || !smap_touches(w, mate, g)) {
+  if (mate >= SMAP_MANY_CONTACTS || !smap_touches(w, mate, f) || !smap_touches(w, mate, g)) {
     return;
   }
   smap_touch(w, mate, &f->at, spot);
@@ -54,7 +54,7 @@ static float smap_edge_wall(smap_many_work_t *w, uint8_t e, float wall[3])
   smap_minus(smap_end(w, e), smap_corner(w, e), along);
   smap_cross(smap_corner(w, e), along, wall);
 #if SMAP_MANY_RAILS > 2
-  if (w->twin[e] != SMAP_NONE && !smap_is_gap(w, e)) {
+  if (w->twin[e] != e && !smap_is_gap(w, e)) {
     float p[3], q[3];
     smap_copy(smap_corner(w, e), p);
     smap_copy(smap_end(w, e), q);
@@ -97,13 +97,19 @@ SMAP_APART static void smap_show(smap_many_work_t *w, smap_many_pose_t *o, uint8
     w->wall_of[e] = SMAP_NONE;
     w->point_of[e] = smap_add_point(w, o, smap_corner(w, e));
     if (smap_edge_wall(w, e, wall) > least) {
-      w->wall_of[e] = smap_add_wall(w, o, wall, w->vertex[e], w->vertex[w->next[e]]);
+      if (n >= SMAP_WALLED) { /* no edge is come to twice */
+        w->left = 0;
+        return;
+      }
+      (void)smap_add_wall(w, o, wall, w->vertex[e], w->vertex[w->next[e]]);
+      w->wall_of[e] = n;
       o->at.begin[n] = 0;
       o->at.rim[n++].side = e; /* until the sides are known */
     }
     e = w->onward[e];
   } while (e != start && smap_may(w, SMAP_COST_OUTLINE));
-  o->at.edge[++o->at.shown] = n;
+  o->at.edge[at + 1] = n;
+  o->at.shown = (uint8_t)(at + 1u);
 }
 
 #if SMAP_MANY_RAILS

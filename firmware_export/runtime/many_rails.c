@@ -20,6 +20,7 @@
 #define SMAP_RECESS 3e-7f /* of the size: inner rails count as this much higher */
 #define SMAP_ON 4e-6f     /* of tan(pitch / 2): this far apart are changes of one rail */
 #define SMAP_FAR 1e30f
+#define SMAP_IS_NONE(first) ((first) > SMAP_MANY_EDGES - 3) /* no facet's first of three edges: SMAP_NONE is none */
 /* Costs, see SMAP_COST_CORNER. */
 #define SMAP_COST_EVENT (2u * SMAP_EACH + 20u * smap_rails_of(w->map) - 19u) /* of the hull */
 #define SMAP_COST_KIND (15u + 4u * SMAP_EACH + SMAP_EACH * SMAP_EACH / 3u)   /* a facet's polygon */
@@ -73,7 +74,7 @@ static void smap_next_bend(const smap_many_work_t *w, smap_hull_t *o, uint8_t k,
   const uint8_t i = o->disc[k];
   uint8_t j;
   o->bend[k] = SMAP_NEVER;
-  o->onto[k] = SMAP_NONE;
+  o->onto[k] = i;
   for (j = w->map->first[k]; j < w->map->first[k + 1]; j++) {
     const float x = w->p[j][0] - w->p[i][0], z = w->p[j][2] - w->p[i][2], q = w->r[j] - w->r[i];
     float at;
@@ -97,25 +98,26 @@ static void smap_next_bend(const smap_many_work_t *w, smap_hull_t *o, uint8_t k,
   }
 }
 
+/* The rail on the hull before rail k, or SMAP_NONE for the first, which is always on it. */
 static uint8_t smap_before(const smap_hull_t *o, uint8_t k)
 {
-  while (k > 0) {
-    k--;
-    if (o->on[k]) {
-      return k;
-    }
+  if (k == 0) {
+    return SMAP_NONE;
   }
-  return SMAP_NONE;
+  for (k--; k > 0 && !o->on[k]; k--) {
+  }
+  return k;
 }
 
+/* The one after it, or SMAP_NONE for the last, which is always on it. */
 static uint8_t smap_after(const smap_hull_t *o, uint8_t rails, uint8_t k)
 {
-  for (k++; k < rails; k++) {
-    if (o->on[k]) {
-      return k;
-    }
+  if (k + 1 >= rails) {
+    return SMAP_NONE;
   }
-  return SMAP_NONE;
+  for (k++; k + 1 < rails && !o->on[k]; k++) {
+  }
+  return k;
 }
 
 /* Where the inner rail k leaves the hull, or enters it. */
@@ -314,10 +316,9 @@ static int smap_is_still(const smap_many_work_t *w, uint8_t i, uint8_t j)
 static uint8_t smap_triangle(smap_many_work_t *w, float s, float c, const uint8_t three[3], uint8_t a,
                              uint8_t b)
 {
-  const uint8_t e = w->edges;
   float ya, la, t, h, norm;
   smap_aim_t at;
-  uint8_t k;
+  uint8_t e, k;
   if (!(c > w->map->steepest)) {
     return SMAP_NONE;
   }
@@ -326,8 +327,11 @@ static uint8_t smap_triangle(smap_many_work_t *w, float s, float c, const uint8_
   t = (la - smap_level(w, b, s, c)) / (w->p[b][1] - ya);
   h = la + t * ya;
   norm = smap_slope(&at, s, c, t);
-  if (!(c > w->map->steepest * norm && h > w->map->least_height * norm) ||
-      !smap_enter(w, &at, h / norm, 3)) {
+  if (!(c > w->map->steepest * norm && h > w->map->least_height * norm)) {
+    return SMAP_NONE;
+  }
+  e = smap_enter(w, &at, h / norm, 3);
+  if (SMAP_IS_NONE(e)) {
     return SMAP_NONE;
   }
   SMAP_THRICE
@@ -340,7 +344,7 @@ static uint8_t smap_triangle(smap_many_work_t *w, float s, float c, const uint8_
 
 static void smap_join(smap_many_work_t *w, uint8_t e, uint8_t facet, uint8_t side)
 {
-  if (e != SMAP_NONE && facet != SMAP_NONE) {
+  if (e < SMAP_MANY_EDGES && !SMAP_IS_NONE(facet)) {
     w->twin[e] = (uint8_t)(facet + side);
     w->twin[facet + side] = e;
   }
@@ -348,7 +352,7 @@ static void smap_join(smap_many_work_t *w, uint8_t e, uint8_t facet, uint8_t sid
 
 static uint8_t smap_edge(uint8_t facet, uint8_t side)
 {
-  return facet == SMAP_NONE ? (uint8_t)SMAP_NONE : (uint8_t)(facet + side);
+  return SMAP_IS_NONE(facet) ? (uint8_t)SMAP_NONE : (uint8_t)(facet + side);
 }
 
 /* Rail k goes on to another disc: a facet with each neighbour. */
@@ -374,7 +378,7 @@ static void smap_bend(smap_many_work_t *w, smap_hull_t *o, uint8_t k, float u, f
     smap_join(w, o->own[k], g, 2);
     o->own[k] = smap_edge(g, 0);
   }
-  if (f != SMAP_NONE) {
+  if (!SMAP_IS_NONE(f)) {
     smap_join(w, (uint8_t)(f + 1u), g, 1);
   }
 }
@@ -402,30 +406,26 @@ static void smap_swap(smap_many_work_t *w, smap_hull_t *o, uint8_t k, float u, f
 SMAP_APART static void smap_find_facets(smap_many_work_t *w)
 {
   smap_hull_t o;
-  uint8_t k, which;
   float u = -1.0f, first;
   smap_lay_out(w, &o);
   while (u <= 1.0f && smap_may(w, SMAP_COST_EVENT)) {
+    uint8_t k, bends = 0, turns = SMAP_NONE; /* which rail comes first */
     float scale, s, c;
-    int bends = 0;
     first = SMAP_NEVER;
-    which = SMAP_NONE;
     for (k = 0; k < smap_rails_of(w->map); k++) {
       if (o.bend[k] < first) {
         first = o.bend[k];
-        which = k;
-        bends = 1;
+        bends = k;
       }
     }
     for (k = 1; k + 1 < smap_rails_of(w->map); k++) {
       const float at = smap_next_turn(w, &o, k, u);
-      if (at < first || (at == first && bends && k < which)) {
+      if (at < first || (at == first && turns == SMAP_NONE && k < bends)) {
         first = at;
-        which = k;
-        bends = 0;
+        turns = k;
       }
     }
-    if (which == SMAP_NONE || first > 1.0f) {
+    if (first > 1.0f) {
       return;
     }
     scale = 1.0f / (1.0f + first * first);
@@ -434,12 +434,13 @@ SMAP_APART static void smap_find_facets(smap_many_work_t *w)
     if (first > 0.0f && c <= w->map->steepest) {
       return; /* steeper and steeper */
     }
-    if (bends) {
-      smap_bend(w, &o, which, first, s, c);
+    if (turns == SMAP_NONE) {
+      smap_bend(w, &o, bends, first, s, c);
     } else {
-      smap_swap(w, &o, which, first, s, c);
+      smap_swap(w, &o, turns, first, s, c);
+      bends = turns;
     }
-    smap_forget(w, &o, which);
+    smap_forget(w, &o, bends);
     u = first;
   }
 }

@@ -81,7 +81,7 @@ static int smap_wide(smap_many_work_t *w, const smap_spot_t *spot, const uint8_t
     const uint8_t next = (uint8_t)(side + 1 < n ? side + 1 : 0);
     const smap_spot_t *o = &spot[corner[side]], *q = &spot[corner[next]];
     const float da = q->a - o->a, db = q->b - o->b, wanted = width * width * (da * da + db * db);
-    for (j = (uint8_t)(next + 1u < n ? next + 1u : 0); j != side; j = (uint8_t)(j + 1u < n ? j + 1u : 0)) {
+    for (j = (uint8_t)(next + 1 < n ? next + 1 : 0); j != side; j = (uint8_t)(j + 1 < n ? j + 1 : 0)) {
       const float out = smap_bend_of(o, q, &spot[corner[j]]);
       if (out > 0.0f && out * out >= wanted) {
         break;
@@ -156,7 +156,7 @@ static inline int smap_is_triangle(const smap_many_work_t *w, const smap_facet_t
 SMAP_APART static void smap_classify(smap_many_work_t *w)
 {
   const float width = w->map->rock_angle >= 3.1415f ? 0.0f : w->map->rest_width;
-  smap_spot_t spot[SMAP_MANY_CONTACTS];
+  smap_spot_t *const spot = (smap_spot_t *)w->roll;
   uint8_t corner[2 * SMAP_MANY_CONTACTS + 1] = {0}, f, k;
   for (f = 0; f < w->facets && smap_may(w, SMAP_COST_KIND); f++) {
     smap_facet_t *facet = &w->facet[f];

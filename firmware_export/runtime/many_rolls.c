@@ -169,7 +169,7 @@ SMAP_APART static void smap_find_roll(smap_many_work_t *w, uint8_t e, smap_row_t
   smap_bench_t *const bench = w->bench;
   const float *origin = smap_corner(w, e);
   smap_aim_t half, there;
-  uint8_t k, pairs;
+  uint8_t k, pairs = 200;
   smap_begin_across(from->n, o[0], o[1]);
   smap_copy(o[0], bench->turned.t);
   smap_copy(o[1], bench->turned.b);
@@ -189,7 +189,9 @@ SMAP_APART static void smap_find_roll(smap_many_work_t *w, uint8_t e, smap_row_t
     uneven = smap_unevenness(w, i, from, &half, to);
     second = SMAP_MANY_RAILS && w->r[i] > 0.0f ? uneven : smap_unevenness(w, j, from, &half, to);
     uneven = (uneven > second ? uneven : second) * SMAP_PAIRS * (beyond > angle ? beyond : angle);
-    pairs = (uint8_t)(uneven < 199.0f ? 1.0f + uneven : 200.0f);
+    if (uneven >= 0.0f && uneven < 199.0f) {
+      pairs = (uint8_t)(1.0f + uneven);
+    }
     if (own * w->r[i] > other * w->r[j]) {
       /* Both tell how far the com rises; the other one's contact goes a shorter way. */
       over = j;
@@ -229,10 +231,11 @@ static smap_row_t *smap_roll(smap_many_work_t *w, uint8_t e)
     e = w->twin[e];
   }
   k = w->roll_of[e];
-  if (k == SMAP_NONE) {
+  if (k >= SMAP_MANY_ROLLS) { /* it is not kept */
     k = w->rolls;
     if (k + 1 < SMAP_MOST(w->map, links, SMAP_MANY_LINKS) / SMAP_ROLL) {
-      w->roll_of[e] = w->rolls++;
+      w->roll_of[e] = k;
+      w->rolls = (uint8_t)(k + 1u);
     }
     if (smap_may(w, SMAP_COST_ROLL)) {
       smap_find_roll(w, e, w->roll + SMAP_ROLL * k);

@@ -293,9 +293,9 @@ SMAP_APART static void smap_add_facet(smap_many_work_t *w, const smap_aim_t *at,
   if (!alone && smap_may(w, SMAP_COST_NEAR)) {
     corners = smap_unite(w, at, h - SMAP_TOUCHES * w->map->size, contact);
   }
-  if (corners > 2 && w->left && smap_enter(w, at, h, corners)) {
-    e = w->facet[w->facets - 1].first;
-    for (k = 0; k < corners; k++) {
+  if (corners > 2 && w->left) {
+    e = smap_enter(w, at, h, corners);
+    for (k = 0; e != SMAP_NONE && k < corners; k++) {
       w->vertex[e + k] = contact[k];
       smap_touch(w, contact[k], at, w->corner[e + k]);
     }
@@ -398,7 +398,7 @@ SMAP_APART static void smap_find_twin(smap_many_work_t *w, uint8_t e)
   smap_cross(along, n, out);
   for (k = (uint8_t)(e + 1u); k < w->edges; k++) {
     if (w->vertex[k] == w->vertex[next] && w->vertex[w->next[k]] == w->vertex[e] &&
-        w->twin[k] == SMAP_NONE && w->owner[k] != w->owner[e]) {
+        w->twin[k] == k && w->owner[k] != w->owner[e]) {
       smap_minus(w->facet[w->owner[k]].at.n, n, d);
       if (smap_dot(d, out) > 0.0f && smap_dot(d, d) < least) {
         least = smap_dot(d, d);
@@ -430,7 +430,7 @@ SMAP_APART static void smap_find_facets(smap_many_work_t *w)
     }
   }
   for (e = 0; e < w->edges; e++) {
-    if (w->twin[e] == SMAP_NONE) {
+    if (w->twin[e] == e) {
       smap_find_twin(w, e);
     }
   }

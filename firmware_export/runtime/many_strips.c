@@ -10,15 +10,16 @@
 static void smap_add_side(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
 {
   const uint8_t back = w->twin[e], i = w->vertex[e];
-  smap_side_t *side = &o->at.side[o->at.sides];
+  smap_side_t *side;
   float p[3], q[3], d[3];
   if (o->at.sides >= SMAP_MOST(w->map, sides, SMAP_MANY_SIDES)) {
     w->full = 1;
     return;
   }
+  side = &o->at.side[o->at.sides];
   w->side_of[e] = o->at.sides++;
-  side->wall = o->at.walls;
-  side->inner = side->inwards = side->count = 0;
+  side->wall = side->end = o->at.walls;
+  side->inner = side->inwards = 0;
   smap_mix(smap_corner(w, e), smap_end(w, e), w->low[e], p);
   smap_mix(smap_end(w, back), smap_corner(w, back), w->low[e], q);
   side->point = smap_add_point(w, o, p);
@@ -30,7 +31,7 @@ static void smap_add_side(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
     smap_cross(q, p, d);
     (void)smap_add_wall(w, o, d, i, i);
     (void)smap_add_point(w, o, p);
-    side->count = 1;
+    side->end = o->at.walls;
   } else if (smap_dot(d, d) > SMAP_STRAIGHT * w->map->size * w->map->size) {
     smap_curve(w, o, e, side, p, q);
   } else {
@@ -43,21 +44,18 @@ static void smap_add_side(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
 static int smap_is_beyond(const smap_many_work_t *w, const smap_many_pose_t *o, uint8_t e)
 {
   const smap_side_t *side = &o->at.side[w->side_of[e]], *other = &o->at.side[w->side_of[w->twin[e]]];
-  const float *wall;
-  if (w->wall_of[e] == SMAP_NONE) {
-    return 1;
-  }
-  wall = o->wall[w->wall_of[e]];
-  return smap_dot(wall, o->point[side->point + side->count]) < SMAP_BEHIND &&
-         smap_dot(wall, o->point[other->point]) < SMAP_BEHIND;
+  const uint8_t wall = w->wall_of[e];
+  return wall >= SMAP_WALLED || (smap_dot(o->wall[wall], o->point[smap_last_point(o, side)]) < SMAP_BEHIND &&
+                                     smap_dot(o->wall[wall], o->point[other->point]) < SMAP_BEHIND);
 }
 
 /* Whether what holds at both ends of the strip is on the inner side of the side of an edge. */
 static int smap_has_ends(const smap_many_work_t *w, const smap_many_pose_t *o, uint8_t e)
 {
   const smap_side_t *side = &o->at.side[w->side_of[e]];
-  return smap_dot(o->wall[side->wall], smap_end(w, e)) >= 0.0f &&
-         smap_dot(o->wall[side->wall + side->count - 1u], smap_corner(w, w->twin[e])) >= 0.0f;
+  const uint8_t wall = side->wall, end = side->end;
+  return wall < end && smap_dot(o->wall[wall], smap_end(w, e)) >= 0.0f &&
+         smap_dot(o->wall[end - 1u], smap_corner(w, w->twin[e])) >= 0.0f;
 }
 
 /* Make both sides of the strip of an edge; 0 where it must not be one, or finds no room. */
@@ -94,7 +92,13 @@ static void smap_add_strips(smap_many_work_t *w, smap_many_pose_t *o)
   for (e = smap_to_strip(w, 0); e < w->edges && smap_may(w, SMAP_COST_STRIP);
        e = smap_to_strip(w, (uint8_t)(e + 1u))) {
     const uint8_t from = w->facet[w->owner[e]].shown, to = w->facet[w->owner[w->twin[e]]].shown;
-    const uint8_t a = o->at.island[from], b = o->at.island[to];
+    uint8_t a, b;
+    if (from >= SMAP_MANY_SHOWN || to >= SMAP_MANY_SHOWN) { /* all rests are shown */
+      w->left = 0;
+      return;
+    }
+    a = o->at.island[from];
+    b = o->at.island[to];
     if (smap_add_sides(w, o, e)) {
       o->at.alone[from] = o->at.alone[to] = 0;
       for (k = 0; k < o->at.shown; k++) {
@@ -103,12 +107,12 @@ static void smap_add_strips(smap_many_work_t *w, smap_many_pose_t *o)
     }
   }
   for (k = 0; k < o->at.edge[o->at.shown] && w->left; k++) {
-    e = o->at.rim[k].side;
+    const uint8_t edge = o->at.rim[k].side, beyond = w->twin[edge], back = w->wall_of[beyond];
     o->at.rim[k].side = SMAP_NONE;
-    if (smap_is_gap(w, e) && w->wall_of[w->twin[e]] != SMAP_NONE) {
-      o->at.rim[k].side = w->side_of[w->twin[e] < e ? w->twin[e] : e];
-      o->at.rim[k].back = w->wall_of[w->twin[e]];
-      o->at.rim[k].to = w->facet[w->owner[w->twin[e]]].shown;
+    if (smap_is_gap(w, edge) && back < SMAP_WALLED) {
+      o->at.rim[k].side = w->side_of[beyond < edge ? beyond : edge];
+      o->at.rim[k].back = back;
+      o->at.rim[k].to = w->facet[w->owner[beyond]].shown;
     }
   }
 }

@@ -70,11 +70,10 @@ static void smap_draw(smap_many_work_t *w, smap_many_pose_t *o, smap_side_t *sid
     return;
   }
   smap_minus(corner, o->point[o->at.points - 1], d);
-  while (side->count && (smap_dot(o->wall[o->at.walls - 1], corner) > 0.0f || smap_dot(d, d) < SMAP_SAME) &&
+  while (side->end > side->wall && (smap_dot(o->wall[side->end - 1], corner) > 0.0f || smap_dot(d, d) < SMAP_SAME) &&
          smap_may(w, SMAP_COST_BACK)) {
-    o->at.walls--;
+    o->at.walls = --side->end;
     o->at.points--;
-    side->count--;
     smap_minus(corner, o->point[o->at.points - 1], d);
   }
   if (!(smap_dot(d, d) < SMAP_SAME)) {
@@ -115,5 +114,5 @@ static void smap_curve(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e, smap
   }
   smap_draw(w, o, side, q, i);
   side->inwards = 1;
-  w->full = w->full || side->count == 0; /* seen from the com it has no width */
+  w->full = w->full || side->end == side->wall; /* seen from the com it has no width */
 }

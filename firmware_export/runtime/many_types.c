@@ -5,7 +5,8 @@
  *
  * A posture becomes a complex of support facets joined by arcs, over which the robot rolls on two
  * contacts.  An edge of the complex belongs to a facet and begins at one of its contacts; its twin
- * is the same arc seen from the facet beyond.  Counter-clockwise, seen from outside.
+ * is the same arc seen from the facet beyond, or it itself where nothing is.  Counter-clockwise, seen from
+ * outside.
  */
 #ifndef SMAP_MANY_CONTACTS
 #define SMAP_MANY_CONTACTS 12
@@ -48,6 +49,7 @@
 #endif
 #define SMAP_MANY_ROLLS (SMAP_MANY_LINKS / 5) /* that are kept */
 #define SMAP_NONE 255u
+#define SMAP_WALLED (SMAP_MANY_EDGES < SMAP_MANY_WALLS ? SMAP_MANY_EDGES : SMAP_MANY_WALLS) /* edges with a wall */
 
 enum { SMAP_REFUSED = 0, SMAP_STAGE = 1, SMAP_REST = 2 };
 
@@ -100,10 +102,10 @@ static inline uint8_t smap_rails_of(const smap_many_t *map)
 #define SMAP_OFF_TURNED(map) 0.0f
 #endif
 
-/* A side of a strip: `count` walls, and one more point, from these on.  Of a side that bulges
- * inwards one wall is enough, of any other all count. */
+/* A side of a strip: its walls from `wall` to before `end`, and from `point` on one more point.  Of a side that
+ * bulges inwards one wall is enough, of any other all count. */
 typedef struct {
-  uint8_t wall, point, count, inwards, inner;
+  uint8_t wall, end, point, inwards, inner;
 } smap_side_t;
 
 /* An edge of a shown facet, whose wall has its number: of its strip the wall at the far end, the first
@@ -188,12 +190,23 @@ typedef struct {
   smap_row_t place[3];
 } smap_bench_t;
 
+/* A contact on a facet's plane: its place along and across. */
+typedef struct {
+  float a, b;
+#if !SMAP_MANY_RAILS
+  uint8_t contact;
+#endif
+} smap_spot_t;
+
+#define SMAP_SPOTS SMAP_MANY_CONTACTS /* vectors that take no less room than one of each contact */
 #define SMAP_ROWS (SMAP_MANY_GAPS * (SMAP_WAYS + 1) * 6) /* vectors that take no less room than it */
 
 typedef char smap_holds_a_roll[SMAP_MANY_ROLLS > 0 ? 1 : -1];
+typedef char smap_holds_the_spots[SMAP_MANY_CONTACTS * sizeof(smap_spot_t) <= SMAP_SPOTS * sizeof(smap_row_t) ? 1 : -1];
 typedef char smap_holds_the_bench[sizeof(smap_bench_t) <= (SMAP_WAYS + 1) * 6 * sizeof(smap_row_t) ? 1 : -1];
 
-/* Gaps are looked for before there are walls: the bench is where those will be. */
+/* Gaps are looked for before there are walls: the bench is where those will be, and rolls where there will be points,
+ * before them spots of a facet. */
 typedef struct {
   smap_layout_t at;
   float guard, hair, slack;
@@ -201,7 +214,7 @@ typedef struct {
   float centre[SMAP_MANY_SHOWN][3];
   float height[SMAP_MANY_SHOWN];
   float wall[SMAP_MANY_WALLS > SMAP_ROWS ? SMAP_MANY_WALLS : SMAP_ROWS][3];
-  float point[SMAP_MANY_LINKS][3];
+  float point[SMAP_MANY_LINKS > SMAP_SPOTS ? SMAP_MANY_LINKS : SMAP_SPOTS][3];
 } smap_many_pose_t;
 
 /* A plane's direction: its outward unit normal, and in the rails' frame sine and cosine of pitch. */
@@ -218,14 +231,6 @@ typedef struct {
   float h, centre[3];
   uint8_t kind, shown, first;
 } smap_facet_t;
-
-/* A contact on a facet's plane: its place along and across. */
-typedef struct {
-  float a, b;
-#if !SMAP_MANY_RAILS
-  uint8_t contact;
-#endif
-} smap_spot_t;
 
 /* What a part of the work costs, in 32 instructions that it may take on a Cortex-M4F; what depends on how
  * planes are found is with these.  What many postures took, with a margin, is all that a pose may take, so
@@ -266,7 +271,7 @@ typedef struct {
   uint8_t owner[SMAP_MANY_EDGES], wall_of[SMAP_MANY_EDGES], point_of[SMAP_MANY_EDGES];
   uint8_t side_of[SMAP_MANY_EDGES];
   uint8_t seen[SMAP_MANY_EDGES]; /* the island whose boundary it may be of, or SMAP_NONE */
-  smap_row_t *roll;    /* where the pose's points will be */
+  smap_row_t *roll;    /* where the pose's points will be; before there is any, spots */
   smap_bench_t *bench; /* where its walls will be */
   uint8_t roll_of[SMAP_MANY_EDGES], rolls; /* of an arc, if it is known, by its lesser edge */
   float low[SMAP_MANY_EDGES]; /* SMAP_SHORT, SMAP_OPEN, or from which part of the edge on it holds */
@@ -342,25 +347,29 @@ static int smap_is_gap(const smap_many_work_t *w, uint8_t e)
   return SMAP_MANY_GAPS && bits <= 0x3F800000u;
 }
 
-/* Begin a facet of some corners, from edge w->edges on; 0 where there is no room. */
-static int smap_enter(smap_many_work_t *w, const smap_aim_t *at, float h, uint8_t corners)
+/* Begin a facet of some corners; returns its first edge, or SMAP_NONE where there is no room. */
+static uint8_t smap_enter(smap_many_work_t *w, const smap_aim_t *at, float h, uint8_t corners)
 {
-  smap_facet_t *f = &w->facet[w->facets];
-  const uint8_t last = (uint8_t)(w->edges + corners);
-  if (w->facets >= SMAP_MOST(w->map, facets, SMAP_MANY_FACETS) ||
-      w->edges + corners > SMAP_MOST(w->map, edges, SMAP_MANY_EDGES)) {
+  const uint8_t facet = w->facets, first = w->edges;
+  smap_facet_t *f;
+  uint8_t e, last;
+  if (facet >= SMAP_MOST(w->map, facets, SMAP_MANY_FACETS) ||
+      first + corners > SMAP_MOST(w->map, edges, SMAP_MANY_EDGES)) {
     w->left = 0;
-    return 0;
+    return SMAP_NONE;
   }
+  last = (uint8_t)(first + corners);
+  f = &w->facet[facet];
   f->at = *at;
   f->h = h;
-  f->first = w->edges;
+  f->first = first;
   f->shown = SMAP_NONE;
-  for (; w->edges < last; w->edges++) {
-    w->twin[w->edges] = SMAP_NONE;
-    w->owner[w->edges] = w->facets;
-    w->next[w->edges] = (uint8_t)(w->edges + 1u < last ? w->edges + 1u : f->first);
+  for (e = first; e < last; e++) {
+    w->twin[e] = e;
+    w->owner[e] = facet;
+    w->next[e] = (uint8_t)(e + 1 < last ? e + 1 : first);
   }
-  w->facets++;
-  return 1;
+  w->edges = last;
+  w->facets = (uint8_t)(facet + 1u);
+  return first;
 }

@@ -56,11 +56,12 @@ static uint8_t smap_add_point(smap_many_work_t *w, smap_many_pose_t *o, const fl
 static void smap_push(smap_many_work_t *w, smap_many_pose_t *o, uint8_t wall, uint8_t start,
                       uint8_t stop)
 {
-  smap_segment_t *segment = &o->at.segment[o->at.segments];
+  smap_segment_t *segment;
   if (!w->left || o->at.segments >= SMAP_MOST(w->map, links, SMAP_MANY_LINKS)) {
     w->left = 0;
     return;
   }
+  segment = &o->at.segment[o->at.segments];
   segment->wall = wall;
   segment->start = start;
   segment->stop = stop;
@@ -71,30 +72,29 @@ static void smap_push(smap_many_work_t *w, smap_many_pose_t *o, uint8_t wall, ui
 /* Append the boundary from edge e on, over a gap if it has one, and return the edge there. */
 static uint8_t smap_follow(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
 {
-  const uint8_t back = w->twin[e];
+  const uint8_t back = w->twin[e], wall = w->wall_of[e], beyond = w->wall_of[back];
   const smap_side_t *side;
-  uint8_t k;
+  uint8_t k, end, point;
+  if (wall < SMAP_WALLED) {
+    o->at.begin[wall] = o->at.segments;
+  }
   if (!smap_is_gap(w, e)) {
-    if (w->wall_of[e] != SMAP_NONE) {
-      o->at.begin[w->wall_of[e]] = o->at.segments;
-      smap_push(w, o, w->wall_of[e], w->point_of[e], w->point_of[w->onward[e]]);
+    if (wall < SMAP_WALLED) {
+      smap_push(w, o, wall, w->point_of[e], w->point_of[w->onward[e]]);
     }
     return w->onward[e];
   }
   side = &o->at.side[w->side_of[e]];
-  if (w->wall_of[e] != SMAP_NONE) {
-    o->at.begin[w->wall_of[e]] = o->at.segments;
-    if (w->low[e] > 0.0f) {
-      smap_push(w, o, w->wall_of[e], w->point_of[e], side->point);
-    }
+  end = side->end;
+  point = side->point;
+  if (wall < SMAP_WALLED && w->low[e] > 0.0f) {
+    smap_push(w, o, wall, w->point_of[e], point);
   }
-  for (k = 0; k < side->count && w->left; k++) {
-    smap_push(w, o, (uint8_t)(side->wall + k), (uint8_t)(side->point + k),
-              (uint8_t)(side->point + k + 1u));
+  for (k = side->wall; k < end && point + 1 < o->at.points && w->left; k++, point++) {
+    smap_push(w, o, k, point, (uint8_t)(point + 1u));
   }
-  if (w->low[e] > 0.0f && w->wall_of[back] != SMAP_NONE) {
-    smap_push(w, o, w->wall_of[back], (uint8_t)(side->point + side->count),
-              w->point_of[w->onward[back]]);
+  if (w->low[e] > 0.0f && beyond < SMAP_WALLED) {
+    smap_push(w, o, beyond, point, w->point_of[w->onward[back]]);
   }
   return w->onward[back];
 }
@@ -132,12 +132,13 @@ static int smap_is_inner(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start
 /* Mark where a loop's segments, from `first` on, are bent inwards at their ends, and tell whether any is. */
 static int smap_mark_bent(smap_many_pose_t *o, uint8_t first)
 {
-  smap_segment_t *before = &o->at.segment[o->at.segments - 1], *s = &o->at.segment[first];
-  uint8_t left;
+  const uint8_t end = o->at.segments;
+  uint8_t k, before = (uint8_t)(end - 1u);
   int any = 0;
-  for (left = (uint8_t)(o->at.segments - first); left > 0; left--, before = s++) {
-    before->bent = smap_dot(o->wall[before->wall], o->point[s->stop]) < 1e-4f;
-    any = any || before->bent;
+  for (k = first; k < end; before = k++) {
+    smap_segment_t *s = &o->at.segment[before];
+    s->bent = smap_dot(o->wall[s->wall], o->point[o->at.segment[k].stop]) < 1e-4f;
+    any = any || s->bent;
   }
   return any;
 }
@@ -173,9 +174,9 @@ SMAP_APART static void smap_find_boundary(smap_many_work_t *w, smap_many_pose_t 
   uint8_t e, k;
   for (e = 0; e < w->edges; e++) {
     const smap_facet_t *f = &w->facet[w->owner[e]];
-    w->seen[e] = f->kind != SMAP_REST || f->shown == SMAP_NONE || w->low[e] == SMAP_SHORT
-                     ? (uint8_t)SMAP_NONE
-                     : o->at.island[f->shown];
+    const uint8_t shown = f->shown;
+    w->seen[e] = f->kind != SMAP_REST || shown >= SMAP_MANY_SHOWN || w->low[e] == SMAP_SHORT ? (uint8_t)SMAP_NONE
+                                                                                           : o->at.island[shown];
   }
   for (k = 0; k < o->at.shown; k++) {
     o->at.first[k] = o->at.segments;

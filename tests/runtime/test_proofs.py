@@ -11,10 +11,11 @@ from firmware_export.emit.runtime import SWITCHES, runtime_text
 from firmware_export.host import RUNTIME
 from lutgen.errors import ExportError, InputError
 from proofs import analysers, eva, exhaustive, fuzz, loops, run, structure
-from proofs.annotate import ADMITS, HINTS, MUTANTS, annotate, mutate, stale
+from proofs.annotate import ADMITS, HINTS, LOOP, MUTANTS, annotate, mutate, stale
 from proofs.document import DOCUMENT, cells, findings, with_counts, with_rows
-from proofs.exports import tripod_export
+from proofs.exports import rover_export, tripod_export
 from proofs.parts import PROGRAMS, place, runtime_parts
+from proofs.recipes import rover
 from proofs.subjects import KINDS, SMALL, Subject, read_subject
 from proofs.tools import FAILED, OK, PACKAGES, SKIPPED, Result
 
@@ -28,6 +29,7 @@ ON = {
     "tables": ("SMAP_TABLES", "SMAP_FLOATS", "SMAP_INTEGERS"),
     "tables whole": ("SMAP_TABLES", "SMAP_INTEGERS"),
     "grid": ("SMAP_GRID", "SMAP_LENGTHS", "SMAP_FLOATS"),
+    "rails": ("SMAP_MANY", "SMAP_MANY_BY_RAILS", "SMAP_MANY_GAPS", "SMAP_FLOATS", "SMAP_INTEGERS"),
 }
 SOURCES = {kind: runtime_text(frozenset(on)) for kind, on in ON.items()}
 TEXT = DOCUMENT.read_text(encoding="utf-8")
@@ -129,7 +131,7 @@ def test_annotations_are_comments_and_leave_the_code_as_it_is() -> None:
         assert "\n".join(line for line in lines if not line.startswith("//@ ")) == source
         kinds |= {line.split()[1] for line in added}
         assert all(line.endswith(";") for line in added)
-    assert kinds == {"admit", "split", "merge", "loop"}
+    assert kinds == {"admit", "assert", "split", "merge", "loop"}
 
 
 def test_a_line_that_has_gone_is_told_and_so_is_the_place_of_a_seeded_fault() -> None:
@@ -155,7 +157,7 @@ def test_an_alarm_that_eva_counts_once_is_of_the_kind_that_the_document_explains
 
 def test_every_kind_that_eva_proves_has_a_fault_to_find() -> None:
     assert set(MUTANTS) == set(SOURCES)
-    assert {*KINDS.values(), "tables whole"} - set(MUTANTS) == {"rails", "search"}
+    assert {*KINDS.values(), "tables whole"} - set(MUTANTS) == {"search"}
     for kind, source in SOURCES.items():
         assert mutate(source, kind) != source
         assert annotate(source) != mutate(annotate(source), kind)
@@ -185,6 +187,46 @@ def test_only_the_literal_line_of_no_alarms_is_a_proof() -> None:
 def test_an_alarm_is_told_by_its_line() -> None:
     text = "[eva:alarm] work/smap.c:2: Warning: \n  out of bounds read.\n"
     assert eva.alarms(text, "int a;\n  a = b[3];\n") == ["a = b[3];"]
+
+
+def test_of_many_contacts_each_loop_is_told_how_far_it_may_count_and_no_code_is_altered() -> None:
+    source = SOURCES["rails"]
+    lines = annotate(source, {7, 12}).split("\n")
+    assert "\n".join(line for line in lines if not line.startswith("//@ ")) == source
+    told = [i for i, line in enumerate(lines) if 'loop widen_hints "all", 7, 12;' in line]
+    heads = [i for i, line in enumerate(lines) if LOOP.match(line)]
+    assert [i + 1 for i in told] == heads
+    # Each place that a pointer is made of is asserted to be in its array, ahead of the statement.
+    assert lines[lines.index("  segment = &o->at.segment[o->at.segments];") - 1] == (
+        "//@ assert o->at.segments < SMAP_MANY_LINKS;"
+    )
+    caught = next(i for i, line in enumerate(lines) if "return smap_kind_beyond(w, e) != " in line)
+    assert lines[caught - 1] == "//@ assert w->owner[w->twin[e]] < SMAP_MANY_FACETS;"
+    # Two comments before one loop are no C that the analyser reads.
+    assert not any(lines[i - 1].startswith("//@ loop") for i in told)
+    assert any(lines[i].startswith("//@ loop unroll 40; loop widen_hints") for i in told)
+
+
+def test_options_name_only_functions_that_an_export_has() -> None:
+    without = eva.coarse(runtime_text(frozenset({"SMAP_MANY", "SMAP_MANY_BY_RAILS"})))
+    with_code = eva.coarse(
+        runtime_text(frozenset({"SMAP_MANY", "SMAP_MANY_BY_RAILS", "SMAP_SERIES"}))
+    )
+    assert "smap_series_positions" not in " ".join(without)
+    assert "smap_series_positions:300" in " ".join(with_code)
+    assert "smap_many_of:50" in " ".join(without)
+
+
+@pytest.mark.needs("frama-c", "gcc")
+def test_eva_proves_four_rigid_wheels_and_finds_one_segment_too_many(tmp_path: Path) -> None:
+    four = rover_export("four", text=rover(rock_angle=0.0))
+    package.write(four, tmp_path / "four")
+    subject = read_subject(tmp_path / "four")
+    assert subject.kind == "rails"
+    proof = eva.prove(subject, tmp_path, PATIENCE)
+    assert proof.state == OK, proof.text
+    fault = eva.prove_fault_is_found(subject, tmp_path, PATIENCE)
+    assert fault.state == OK, fault.text
 
 
 @pytest.mark.needs("frama-c", "gcc")
