@@ -102,6 +102,17 @@ HINTS = (
         r"const float area2 = smap_area2\(\(const float\(\*\)\[3\]\)w->corner .*",
         ("assert w->facet[here].first <= SMAP_MANY_EDGES - 3;",),
     ),
+    Hint(r"spot\[at\] = (?:here|spot\[at - 1\]);", ("assert at < SMAP_MANY_CONTACTS;",)),
+    *(
+        Hint(line, tuple(f"assert corner[{i}] < SMAP_MANY_CONTACTS;" for i in indices))
+        for line, indices in (
+            (r"const smap_spot_t \*o = &spot\[corner\[0\]\];", ("0",)),
+            (r"const smap_spot_t \*p = &spot\[corner\[i\]\], .*", ("i", "i + 1")),
+            (r"const smap_spot_t \*o = &spot\[corner\[side\]\], .*", ("side", "next")),
+            (r"const float out = smap_bend_of\(o, q, &spot\[corner\[j\]\]\);", ("j",)),
+        )
+    ),
+    Hint(r"corner\[n\+\+\] = i;", ("assert i < SMAP_MANY_CONTACTS;",)),
     Hint(
         r"memcpy\(w->onward, w->next, w->edges\);",
         ("assert w->edges <= SMAP_MANY_EDGES;",),
