@@ -234,24 +234,32 @@ def annotate(source: str, limits: Collection[int] = ()) -> str:
         for place in places:
             before.setdefault(place + int(hint.after), []).extend(hint.annotations)
     if limits:
-        for place, line in enumerate(lines):
-            # What a statement goes on with is said before it begins.
-            while place and not re.search(r"(?:[;{}]|\*/|^#.*|^)$", lines[place - 1]):
-                place -= 1
-            for name, index in _ADDRESS.findall(line):
-                text = f"assert {index} < SMAP_MANY_{_ROOM[name]};"
-                before.setdefault(place, []).append(text)
-        guesses = f'loop widen_hints "all", {", ".join(map(str, sorted(limits)))};'
-        for place, line in enumerate(lines):
-            if LOOP.match(line):
-                given = before.setdefault(place, [])
-                # What is said of one loop is one comment.
-                last = [given.pop()] if given and given[-1].startswith("loop ") else []
-                given.append(" ".join([*last, guesses]))
+        _assert_indices(lines, before)
+        _bound_loops(lines, limits, before)
     result = []
     for i, line in enumerate(lines):
         result += [*(f"//@ {text}" for text in before.get(i, [])), line]
     return "\n".join(result)
+
+
+def _assert_indices(lines: list[str], before: dict[int, list[str]]) -> None:
+    for place, line in enumerate(lines):
+        first = place
+        # What a statement goes on with is said before it begins.
+        while first and not re.search(r"(?:[;{}]|\*/|^#.*|^)$", lines[first - 1]):
+            first -= 1
+        for name, index in _ADDRESS.findall(line):
+            before.setdefault(first, []).append(f"assert {index} < SMAP_MANY_{_ROOM[name]};")
+
+
+def _bound_loops(lines: list[str], limits: Collection[int], before: dict[int, list[str]]) -> None:
+    guesses = f'loop widen_hints "all", {", ".join(map(str, sorted(limits)))};'
+    for place, line in enumerate(lines):
+        if LOOP.match(line):
+            given = before.setdefault(place, [])
+            # What is said of one loop is one comment.
+            last = [given.pop()] if given and given[-1].startswith("loop ") else []
+            given.append(" ".join([*last, guesses]))
 
 
 def stale(parts: dict[str, str]) -> list[str]:
