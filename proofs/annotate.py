@@ -216,6 +216,11 @@ MUTANTS = {
         "left = (uint16_t)(nodes - 1u);",
         "left = nodes;",
     ),
+    "grid whole": Mutant(
+        "a box may be halved along any of 16 axes",
+        "axis = head & (SMAP_TREE_AXES - 1u)",
+        "axis = head & 15u",
+    ),
 }
 
 

@@ -58,8 +58,8 @@ class Subject:
     """An export: its C name, its folder, and what decides how it is proved.
 
     `kind` is the part that makes its postures: "points", "series" (points given by code), "poly",
-    "tables", "tables whole" (without floats), "grid", "rails" or "search"; `forms` are those of a
-    pose that it has, in C.
+    "tables", "grid", "rails" or "search", the first two of these "whole" where there are no
+    floats; `forms` are those of a pose that it has, in C.
     """
 
     name: str
@@ -111,8 +111,8 @@ def read_subject(folder: Path) -> Subject:
     forms = " | ".join(form for form in ("SMAP_FLOAT", "SMAP_INTEGER") if f"{form}S" in on)
     if kind == "points" and "SMAP_SERIES" in on:
         kind = "series"
-    if kind == "tables" and forms == "SMAP_INTEGER":
-        kind = "tables whole"
+    if kind in ("tables", "grid") and forms == "SMAP_INTEGER":
+        kind = f"{kind} whole"
     return Subject(content["name"], folder.absolute(), len(content["parameters"]), forms, kind)
 
 

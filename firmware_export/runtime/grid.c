@@ -83,29 +83,29 @@ static int smap_tree(const smap_t *map, uint8_t face, uint16_t x[SMAP_TREE_AXES]
   const uint16_t bytes = smap_u16(own + 4);
   uint32_t at = 0;
   while (at < bytes) { /* every turn goes on, by a byte at least */
-    const uint8_t head = tree[at], axis = head & (SMAP_TREE_AXES - 1u);
-    const uint8_t lower = head >> 4 & 3u, upper = head >> 6;
+    const smap_bytes_t node = tree + at;
+    const uint8_t head = node[0], axis = head & (SMAP_TREE_AXES - 1u);
     const uint16_t place = x[axis];
-    const int above = place >> 15;
-    const uint8_t mine = above ? upper : lower;
+    const uint32_t above = 0u - (place >> 15u); /* all bits, or none */
     x[axis] = (uint16_t)(place << 1);
-    at++;
-    if (mine == 3) {
-      if (lower == upper) {
-        uint32_t skip = tree[at++];
-        if (skip == 255) {
-          skip = smap_u16(tree + at);
-          at += 2;
-        }
-        at += above ? skip : 0u;
-      } else {
-        at += lower == 2 || upper == 2 ? leaf : 0u;
+    if (head >= 0xF0) { /* two nodes */
+      uint32_t skip = node[1];
+      at += 2;
+      if (SMAP_RARELY(skip == 255)) {
+        skip = smap_u16(node + 2);
+        at += 2;
       }
-    } else if (mine == 2) {
-      at += above && lower == 2 ? leaf : 0u;
-      return at < bytes && smap_leaf(tree + at, dims, x);
+      at += skip & above;
     } else {
-      return mine;
+      const uint8_t lower = head >> 4 & 3u, upper = head >> 6, mine = above ? upper : lower;
+      at++;
+      if (mine < 2) {
+        return mine;
+      }
+      at += (mine == 3 ? lower + upper == 5 : above && lower == 2) ? leaf : 0u;
+      if (mine == 2) {
+        return at < bytes && smap_leaf(tree + at, dims, x);
+      }
     }
   }
   return 0;

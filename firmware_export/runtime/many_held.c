@@ -150,11 +150,10 @@ static inline uint8_t smap_kind_beyond(const smap_many_work_t *w, uint8_t e)
   return w->twin[e] == e ? (uint8_t)SMAP_REFUSED : w->facet[w->owner[w->twin[e]]].kind;
 }
 
-/* Whether a facet is beyond an edge, near enough for the robot to be caught there: a chord is no longer than its arc. */
-static inline int smap_may_catch(const smap_many_work_t *w, const smap_held_t *o, uint8_t e)
+/* Whether the facet beyond an edge is near enough for the robot to be caught there: a chord is no longer than its arc. */
+static inline int smap_is_near(const smap_many_work_t *w, const smap_held_t *o, uint8_t e)
 {
-  return smap_kind_beyond(w, e) != SMAP_REFUSED &&
-         smap_chord(&w->facet[w->owner[e]].at, &w->facet[w->owner[w->twin[e]]].at) + o->turned <= w->map->rock_angle;
+  return smap_chord(&w->facet[w->owner[e]].at, &w->facet[w->owner[w->twin[e]]].at) + o->turned <= w->map->rock_angle;
 }
 
 /* Whether a place is within a distance (squared) of the line from a along a direction. */
@@ -376,8 +375,9 @@ static void smap_hold_rest(smap_many_work_t *w, uint8_t came)
       at--;
       smap_take_over(&v->held, held, v->span, &visit[at].held);
     } else if (smap_is_left(w, v, span)) {
-      const int caught = smap_may_catch(w, &v->held, v->at);
-      if (!caught || at >= SMAP_WAYS - 1 || smap_kind_beyond(w, v->at) != SMAP_REST) {
+      const uint8_t beyond = smap_kind_beyond(w, v->at);
+      const int caught = beyond != SMAP_REFUSED && smap_is_near(w, &v->held, v->at);
+      if (!caught || at >= SMAP_WAYS - 1 || beyond != SMAP_REST) {
         /* It is not looked into further on: what may catch the robot the exact definition may keep. */
         smap_spare(&v->held, caught ? smap_left_of(&v->held, span) : 0.0f);
         smap_forbid(&v->held, span[0], span[1]);

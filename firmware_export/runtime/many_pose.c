@@ -16,28 +16,27 @@ static uint8_t smap_to_show(const smap_many_work_t *w, uint8_t e)
 }
 
 #if SMAP_MANY_RAILS > 2
-/* Whether the wheel at an end of an edge has an inner rim on the near half of the way to the other end. */
-static inline int smap_has_inner(const smap_many_work_t *w, uint8_t end, uint8_t other)
+/* The inner rim of the wheel at an end of an edge if it is on the near half of the way to the other end, or SMAP_NONE. */
+static inline uint8_t smap_inner_of(const smap_many_work_t *w, uint8_t end, uint8_t other)
 {
   const uint8_t i = w->vertex[end], mate = w->mate[i];
   float part, whole;
   if (mate >= SMAP_MANY_CONTACTS) {
-    return 0;
+    return SMAP_NONE;
   }
   part = w->p[mate][1] - w->p[i][1];
   whole = w->p[w->vertex[other]][1] - w->p[i][1];
-  return part * whole > 2.0f * part * part;
+  return part * whole > 2.0f * part * part ? mate : (uint8_t)SMAP_NONE;
 }
 
-/* Move an end of an edge to the inner rim of its wheel where that is on the planes on both sides of the edge and within
+/* Move an end of an edge to an inner rim of its wheel where that is on the planes on both sides of the edge and within
  * it: over which of both rims the robot turns there is rounding. */
-SMAP_APART static void smap_take_inner(const smap_many_work_t *w, uint8_t e, uint8_t end, const float wall[3],
+SMAP_APART static void smap_take_inner(const smap_many_work_t *w, uint8_t e, uint8_t mate, const float wall[3],
                                        float p[3])
 {
-  const uint8_t mate = w->mate[w->vertex[end]];
   const smap_facet_t *f = &w->facet[w->owner[e]], *g = &w->facet[w->owner[w->twin[e]]];
   float spot[3];
-  if (mate >= SMAP_MANY_CONTACTS || !smap_touches(w, mate, f) || !smap_touches(w, mate, g)) {
+  if (!smap_touches(w, mate, f) || !smap_touches(w, mate, g)) {
     return;
   }
   smap_touch(w, mate, &f->at, spot);
@@ -55,14 +54,15 @@ static float smap_edge_wall(smap_many_work_t *w, uint8_t e, float wall[3])
   smap_cross(smap_corner(w, e), along, wall);
 #if SMAP_MANY_RAILS > 2
   if (w->twin[e] != e && !smap_is_gap(w, e)) {
+    const uint8_t near = smap_inner_of(w, e, w->next[e]), far = smap_inner_of(w, w->next[e], e);
     float p[3], q[3];
     smap_copy(smap_corner(w, e), p);
     smap_copy(smap_end(w, e), q);
-    if (smap_has_inner(w, e, w->next[e]) && smap_may(w, SMAP_COST_INNER)) {
-      smap_take_inner(w, e, e, wall, p);
+    if (near < SMAP_MANY_CONTACTS && smap_may(w, SMAP_COST_INNER)) {
+      smap_take_inner(w, e, near, wall, p);
     }
-    if (smap_has_inner(w, w->next[e], e) && smap_may(w, SMAP_COST_INNER)) {
-      smap_take_inner(w, e, w->next[e], wall, q);
+    if (far < SMAP_MANY_CONTACTS && smap_may(w, SMAP_COST_INNER)) {
+      smap_take_inner(w, e, far, wall, q);
     }
     smap_minus(q, p, along);
     smap_cross(p, along, wall);

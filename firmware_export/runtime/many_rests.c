@@ -173,7 +173,7 @@ SMAP_APART static void smap_classify(smap_many_work_t *w)
       whole = n >= 3 && smap_centroid(spot, corner, n, facet, facet->centre);
       wide = whole && smap_wide(w, spot, corner, n, width);
     }
-    if (!whole) {
+    if (!whole && count != 0) {
       SMAP_THRICE
       for (k = 0; k < 3; k++) {
         facet->centre[k] = (at[0][k] + at[1][k] + at[2][k]) * (1.0f / 3.0f);

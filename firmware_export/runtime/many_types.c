@@ -198,12 +198,12 @@ typedef struct {
 #endif
 } smap_spot_t;
 
-#define SMAP_SPOTS SMAP_MANY_CONTACTS /* vectors that take no less room than one of each contact */
-#define SMAP_ROWS (SMAP_MANY_GAPS * (SMAP_WAYS + 1) * 6) /* vectors that take no less room than it */
+#define SMAP_BENCH ((SMAP_WAYS + 1) * 6) /* vectors that take no less room than smap_bench_t */
+#define SMAP_ROWS (SMAP_MANY_GAPS * SMAP_BENCH) /* none where no gap is looked for */
 
 typedef char smap_holds_a_roll[SMAP_MANY_ROLLS > 0 ? 1 : -1];
-typedef char smap_holds_the_spots[SMAP_MANY_CONTACTS * sizeof(smap_spot_t) <= SMAP_SPOTS * sizeof(smap_row_t) ? 1 : -1];
-typedef char smap_holds_the_bench[sizeof(smap_bench_t) <= (SMAP_WAYS + 1) * 6 * sizeof(smap_row_t) ? 1 : -1];
+typedef char smap_holds_a_spot[sizeof(smap_spot_t) <= sizeof(smap_row_t) ? 1 : -1];
+typedef char smap_holds_the_bench[sizeof(smap_bench_t) <= SMAP_BENCH * sizeof(smap_row_t) ? 1 : -1];
 
 /* Gaps are looked for before there are walls: the bench is where those will be, and rolls where there will be points,
  * before them spots of a facet. */
@@ -214,7 +214,7 @@ typedef struct {
   float centre[SMAP_MANY_SHOWN][3];
   float height[SMAP_MANY_SHOWN];
   float wall[SMAP_MANY_WALLS > SMAP_ROWS ? SMAP_MANY_WALLS : SMAP_ROWS][3];
-  float point[SMAP_MANY_LINKS > SMAP_SPOTS ? SMAP_MANY_LINKS : SMAP_SPOTS][3];
+  float point[SMAP_MANY_LINKS > SMAP_MANY_CONTACTS ? SMAP_MANY_LINKS : SMAP_MANY_CONTACTS][3];
 } smap_many_pose_t;
 
 /* A plane's direction: its outward unit normal, and in the rails' frame sine and cosine of pitch. */

@@ -29,6 +29,7 @@ ON = {
     "tables": ("SMAP_TABLES", "SMAP_FLOATS", "SMAP_INTEGERS"),
     "tables whole": ("SMAP_TABLES", "SMAP_INTEGERS"),
     "grid": ("SMAP_GRID", "SMAP_LENGTHS", "SMAP_FLOATS"),
+    "grid whole": ("SMAP_GRID", "SMAP_LENGTHS", "SMAP_INTEGERS"),
     "rails": ("SMAP_MANY", "SMAP_MANY_BY_RAILS", "SMAP_MANY_GAPS", "SMAP_FLOATS", "SMAP_INTEGERS"),
 }
 SOURCES = {kind: runtime_text(frozenset(on)) for kind, on in ON.items()}
@@ -157,7 +158,7 @@ def test_an_alarm_that_eva_counts_once_is_of_the_kind_that_the_document_explains
 
 def test_every_kind_that_eva_proves_has_a_fault_to_find() -> None:
     assert set(MUTANTS) == set(SOURCES)
-    assert {*KINDS.values(), "tables whole"} - set(MUTANTS) == {"search"}
+    assert {*KINDS.values(), "tables whole", "grid whole"} - set(MUTANTS) == {"search"}
     for kind, source in SOURCES.items():
         assert mutate(source, kind) != source
         assert annotate(source) != mutate(annotate(source), kind)
@@ -200,8 +201,8 @@ def test_of_many_contacts_each_loop_is_told_how_far_it_may_count_and_no_code_is_
     assert lines[lines.index("  segment = &o->at.segment[o->at.segments];") - 1] == (
         "//@ assert o->at.segments < SMAP_MANY_LINKS;"
     )
-    caught = next(i for i, line in enumerate(lines) if "return smap_kind_beyond(w, e) != " in line)
-    assert lines[caught - 1] == "//@ assert w->owner[w->twin[e]] < SMAP_MANY_FACETS;"
+    near = next(i for i, line in enumerate(lines) if "return smap_chord(&w->facet[w->o" in line)
+    assert lines[near - 1] == "//@ assert w->owner[w->twin[e]] < SMAP_MANY_FACETS;"
     # Two comments before one loop are no C that the analyser reads.
     assert not any(lines[i - 1].startswith("//@ loop") for i in told)
     assert any(lines[i].startswith("//@ loop unroll 40; loop widen_hints") for i in told)
