@@ -58,8 +58,8 @@ class Subject:
     """An export: its C name, its folder, and what decides how it is proved.
 
     `kind` is the part that makes its postures: "points", "series" (points given by code), "poly",
-    "tables", "grid", "rails" or "search", the first two of these "whole" where there are no
-    floats; `forms` are those of a pose that it has, in C.
+    "tables", "grid" (without floats "tables whole", "grid whole"), "rails" or "search"; `forms`
+    are those of a pose that it has, in C.
     """
 
     name: str
