@@ -14,6 +14,7 @@ from lutgen.errors import ExportError, InputError
 from lutgen.recipe.recipe import parse_recipe
 from proofs.exports import coded_export, rover_export, tripod_export
 from proofs.recipes import tripod
+from targets.cases import CAR, VERDICT, of_robot
 from targets.noise import noise
 
 __all__ = ["Subject", "mapped", "read_subject", "small"]
@@ -41,6 +42,7 @@ SMALL: dict[str, Callable[[str], Export]] = {
     "grid_integer": partial(_over_gravity, "integer", "cone"),
     "grid_sphere_float": partial(_over_gravity, "float", "sphere"),
     "grid_sphere_integer": partial(_over_gravity, "integer", "sphere"),
+    "grid_cells": lambda name: of_robot(parse_recipe(CAR), name, "grid", "integer", VERDICT),
     "poly_cone": lambda name: tripod_export(name, codec="poly"),
     "four_wheels": rover_export,
     "legs_by_code": partial(coded_export, robot="legs"),

@@ -34,9 +34,9 @@ ASKED = (
     Asked("quadruped", "m3", "at_i", 150, 300),
     Asked("paper_two", "m4f", "read", 270, 300),
     Asked("paper_two_grid_integer", "m3", "read", 400),
-    Asked("tree_2d_float", "m4f", "read", 120),
-    Asked("tree_2d_integer", "m4f", "read", 110),
-    Asked("tree_2d_integer", "m3", "read", 110),
+    Asked("car_grid_float", "m4f", "read", 120),
+    Asked("car_grid_integer", "m4f", "read", 110),
+    Asked("car_grid_integer", "m3", "read", 110),
 )
 # Bytes on a Cortex-M4F: of code with -Os, of the deepest stack (that of integers alone) and of
 # a pose with floats, of a pose in both forms and of integers alone.

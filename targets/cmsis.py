@@ -26,7 +26,7 @@ from firmware_export.protocol.exported import Export
 from lutgen.errors import LutgenError
 from lutgen.recipe.recipe import parse_recipe
 from targets.boards import Board, board
-from targets.cases import BUILD, STOOL, of_noise
+from targets.cases import BUILD, CAR, of_noise
 from targets.image import CHIP, HERE, CellError, build, compiler, run
 from targets.tables import columns
 
@@ -81,7 +81,7 @@ def fetch() -> Path | None:
 
 def even_stool(arithmetic: str = "float") -> Export:
     """Return a table over gravity with evenly spaced nodes, which is all that CMSIS knows."""
-    return of_noise(arithmetic, parse_recipe(STOOL), 32, {"height": (17, 17)})
+    return of_noise(arithmetic, parse_recipe(CAR), 32, {"height": (17, 17)})
 
 
 def header(export: Export) -> str:

@@ -194,7 +194,7 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "; most >> shift > 32767u; shift++": _plain("17 shifts", 17),
     "k = 0; k < axes; k++": DIMS,
     "k = 0; k < table[i].axes[0]; k++": DIMS,
-    "at < bytes": ("boxes of a tree within each other", lambda s: s.levels),
+    "mine == 3 && at < bytes": ("boxes of a tree within each other", lambda s: s.levels),
     "k = 0; k < dims; k++": ("parameters, u and v", lambda s: s.params + 2),
     "i = 0; i < part[SMAP_PART_DIMS]; i++, axis += 6": DIMS,
     "left = (uint16_t)(nodes - 1u); left > 1; left = (uint16_t)((left + 1u) >> 1)": (

@@ -36,8 +36,8 @@ def noise_trees(dims: int, faces: int, size: int, seed: int = 8) -> Trees:
     empty = np.zeros((count, dims))
     none = np.zeros(count)
     nodes = Nodes(axis, child, child, empty, empty, plane, none, none, none, child, child)
-    held, levels = packed(nodes, kind, whole(plane[:, dims], dims), faces)
-    return Trees(SPARSE if faces == 1 else Fold(1 << 15, RATE, RATE), levels, held)
+    held, levels = packed(nodes, kind, whole(plane[:, dims], dims), 0, faces)
+    return Trees(SPARSE if faces == 1 else Fold(1 << 15, RATE, RATE), 0, levels, held)
 
 
 def _table(name: str, faces: int, shape: tuple[int, ...], dtype: Any, params: int) -> Part:

@@ -89,5 +89,5 @@ def blank(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
         codes = np.zeros((lattice.faces, *lattice.shape, width), DTYPE[spec.bits])
         parts.append(part_of(name, lattice, codes, [0.0], 1.0))
     ends = [spec.tree * face // model.faces for face in range(model.faces + 1)]
-    trees = Trees(Fold(0, 0, 0), 0, tuple(map(bytes, np.diff(ends).tolist())))
+    trees = Trees(Fold(0, 0, 0), 0, 0, tuple(map(bytes, np.diff(ends).tolist())))
     return Tables(spec, channels, trees, tuple(parts), model.chart_limit, places, "")

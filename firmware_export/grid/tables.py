@@ -86,10 +86,12 @@ class Fold(NamedTuple):
 class Trees:
     """A tree for each face of the chart, as bytes; see runtime/grid.c for what they mean.
 
-    `levels`: boxes within each other at most.
+    `bits` of u and of v are told by the directory with which each begins; `levels`: boxes within
+    each other at most, from its cells on.
     """
 
     fold: Fold
+    bits: int
     levels: int
     held: tuple[bytes, ...]
 
@@ -301,8 +303,9 @@ def c_body(tables: Tables, integer: bool) -> CBody:
             CArray("place in steps", "uint16_t", [first, rate], "the same of steps", False)
         )
     arrays.append(CArray("fold", "uint16_t", [trees.fold.base], "place of v = 0", False))
-    rates = [trees.fold.ahead, trees.fold.behind, 0]
+    rates = [trees.fold.ahead, trees.fold.behind]
     arrays.append(CArray("fold", "int16_t", rates, "places for v ahead and behind", False))
+    arrays.append(CArray("fold", "uint8_t", [trees.bits, 0], "bits of a directory", False))
     for at, tree in zip(trees_at, trees.held, strict=False):
         arrays.append(CArray("tree", "uint32_t", [at], "where it is", False))
         arrays.append(CArray("tree", "uint16_t", [len(tree)], "its bytes", False))

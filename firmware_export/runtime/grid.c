@@ -4,8 +4,8 @@
  * The body: 0 units of an axis for one of u or v f32; 4 chart limit u32, times 2^13 and 32768/32767;
  * 8 where the knots are u32; 12 tables u8.  From 16 per parameter: where its axis
  * begins f32, 1 / its length f32, the same in steps: place = first u16 + (step x u16 >> 14).  Then the place of
- * v = 0 u16 and the rates ahead of it and behind it i16, in 1/8192, 0 u16; per face where its tree is u32 and
- * its bytes u16; and per table SMAP_PART_BYTES: the two components of D_g - s, the height.
+ * v = 0 u16 and the rates ahead of it and behind it i16, in 1/8192, bits of a directory u8, 0; per face where its
+ * tree is u32 and its bytes u16; and per table SMAP_PART_BYTES: the two components of D_g - s, the height.
  * Then axes (coordinate, nodes, first knot or SMAP_EVEN: u16 each, innermost first), knots (0 to 65534),
  * trees, codes.  Knots that are evenly spaced are not held. */
 enum {
@@ -70,7 +70,9 @@ SMAP_INLINE int smap_leaf(smap_bytes_t leaf, uint8_t dims, const uint16_t x[SMAP
   return sum > 0;
 }
 
-/* Does a place lie where the tree of a face says that the robot stands?  A node halves its box along an axis:
+/* Does a place lie where the tree of a face says that the robot stands?  It begins with a directory: for each cell
+ * of u and v, of so many bits each, u16: what it is (2 bits: 0 tips, 1 stands, 2 a leaf, 3 a node) and where it
+ * is in the tree (14 bits).  A node halves its box along an axis:
  * axis (4 bits), what its halves are (2 bits each, the lower first: 0 tips, 1 stands, 2 a leaf, 3 a node), if
  * both are nodes the bytes of the lower one u8, or 255 and u16, then the halves, lower first but a leaf before a node.
  * `x`: places of 65536 in the box, of its dims axes, the rest 0; doubled with every half that is gone into. */
@@ -81,8 +83,14 @@ static int smap_tree(const smap_t *map, uint8_t face, uint16_t x[SMAP_TREE_AXES]
   const smap_bytes_t own = smap_fold(body, (uint8_t)(dims - 2u)) + 8 + 6 * face;
   const smap_bytes_t tree = body + smap_u32(own);
   const uint16_t bytes = smap_u16(own + 4);
-  uint32_t at = 0;
-  while (at < bytes) { /* every turn goes on, by a byte at least */
+  const uint8_t bits = smap_fold(body, (uint8_t)(dims - 2u))[6];
+  const uint32_t u = (uint32_t)x[dims - 2u] << bits, v = (uint32_t)x[dims - 1u] << bits;
+  const uint32_t entry = smap_u16(tree + 2u * ((u >> 16) << bits | v >> 16));
+  uint32_t at = entry & 16383u;
+  uint8_t mine = (uint8_t)(entry >> 14);
+  x[dims - 2u] = (uint16_t)u;
+  x[dims - 1u] = (uint16_t)v;
+  while (mine == 3 && at < bytes) { /* every turn goes on, by a byte at least */
     const smap_bytes_t node = tree + at;
     const uint8_t head = node[0], axis = head & (SMAP_TREE_AXES - 1u);
     const uint16_t place = x[axis];
@@ -97,18 +105,13 @@ static int smap_tree(const smap_t *map, uint8_t face, uint16_t x[SMAP_TREE_AXES]
       }
       at += skip & above;
     } else {
-      const uint8_t lower = head >> 4 & 3u, upper = head >> 6, mine = above ? upper : lower;
+      const uint8_t lower = head >> 4 & 3u, upper = head >> 6;
+      mine = above ? upper : lower;
       at++;
-      if (mine < 2) {
-        return mine;
-      }
       at += (mine == 3 ? lower + upper == 5 : above && lower == 2) ? leaf : 0u;
-      if (mine == 2) {
-        return at < bytes && smap_leaf(tree + at, dims, x);
-      }
     }
   }
-  return 0;
+  return mine == 2 ? at < bytes && smap_leaf(tree + at, dims, x) : mine == 1;
 }
 
 /* The places of u and v on the trees' axes, from those in 1/32768 of the chart's limit. */

@@ -13,7 +13,6 @@ from typing import NamedTuple
 from firmware_export.grid import INFO as LOOKUP
 from firmware_export.grid import (
     LEAST,
-    MOST_TREE,
     Fold,
     Spec,
     Tables,
@@ -26,6 +25,7 @@ from firmware_export.grid import (
 )
 from firmware_export.protocol import CodecInfo, Foresight
 from firmware_export.truth import Model, widened
+from firmware_export.verdict.directory import MOST_BITS, bits_of
 from firmware_export.verdict.fold import fold_of
 from firmware_export.verdict.grow import Forest, grow, joined
 from firmware_export.verdict.middles import Middles
@@ -66,7 +66,7 @@ def _grown(model: Model) -> _Grown:
     view = view_of(model.recipe.chart.basis(), model.chart_limit)
     trees = []
     for points in points_of(middles, view, fold):
-        tree = grow(points, middles.shortest)
+        tree = grow(points, middles.shortest, MOST_BITS if model.k == 0 else 0)
         refine(points, tree)
         trees.append((points, tree))
     return _Grown(joined(trees), fold, middles, view)
@@ -76,10 +76,11 @@ def _grown(model: Model) -> _Grown:
 def _trees(model: Model, most: int) -> tuple[Trees, str]:
     """Return trees of at most so many bytes, and how they were kept from calling safe what tips."""
     forest, fold, middles, view = _grown(model)
-    nodes, kind = prune(forest.nodes, model.faces, most * (1.0 + SPARE), MOST_TREE)
+    bits = bits_of(model.k, most / model.faces)
+    nodes, kind = prune(forest.nodes, bits, model.faces, most * (1.0 + SPARE))
     found = prove(nodes, kind, middles, view, fold)
     limit = whole(found.limit, model.k + 2)
-    held, levels = fitting(forest._replace(nodes=nodes), kind, limit, model.faces, most)
+    held, levels = fitting(forest._replace(nodes=nodes), kind, limit, bits, model.faces, most)
     text = (
         f"what the trees call safe in a posture meets none of the outlines of {found.postures} "
         "postures, each moved inwards by what contacts move to the postures next to it and drawn "
@@ -87,7 +88,7 @@ def _trees(model: Model, most: int) -> tuple[Trees, str]:
         f"{math.degrees(found.tighter):.2g} deg, and stands there; the rounding of the arithmetic "
         "is in what they are moved by."
     )
-    return Trees(fold, levels, held), text
+    return Trees(fold, bits, levels, held), text
 
 
 def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:

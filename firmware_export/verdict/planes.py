@@ -13,20 +13,27 @@ from lutgen.vector import Floats
 # A coefficient of 1 in a leaf; by how much one is changed at a time, in turn; rounds at most.
 WHOLE, ROUNDS = 63, 2
 STEPS = np.rint(np.array([0.6, 0.3, 0.15, 0.08, 0.04, 0.02]) * WHOLE) / WHOLE
-# Points of a box up to which its plane is worth the time.
-MOST_POINTS = 50_000
-# By how much of the box, for each unit of the coefficients, the proof is expected to move a plane:
-# one that would give up much then is not chosen.
+# Points of a box up to which its plane is turned on all of them; of a larger one on so many.
+MOST_POINTS, FEW_POINTS = 50_000, 5_000
+# By how much of the box, for each unit of the coefficients, the proof is expected to move a plane
+# of a robot that has parameters: one that would give up much then is not chosen.
 AWAY = 0.01
 
 
 @njit()
 def _turn(
-    x: Floats, worth: Floats, tipping: int, height: Floats, moved: Floats, a: Floats
+    x: Floats,
+    worth: Floats,
+    tipping: int,
+    height: Floats,
+    moved: Floats,
+    a: Floats,
+    expected: float,
 ) -> tuple[float, float]:
     """Turn `a` (d,); return its limit and what it gives up.  Points (d, m), the tipping first.
 
-    `height` and `moved` (m,) are room for a . x now and after a change.
+    `expected` is how far the proof may move it, for each unit of its coefficients.  `height` and
+    `moved` (m,) are room for a . x now and after a change.
     """
     d, m = x.shape
     limit, least, fresh = 0.0, 1e300, True
@@ -48,7 +55,7 @@ def _turn(
                     for i in range(tipping):
                         moved[i] = height[i] + change * x[k, i]
                         top = max(top, moved[i])
-                    away = top + AWAY * length
+                    away = top + expected * length
                     lost = 0.0
                     for i in range(tipping, m):
                         moved[i] = height[i] + change * x[k, i]
@@ -64,17 +71,43 @@ def _turn(
 
 
 @njit()
+def _measure(
+    points: Points, grown: Grown, n: int, a: Floats, expected: float
+) -> tuple[float, float]:
+    """Return the limit of a plane in a node, and what it gives up, as `_turn`: of all points."""
+    nodes = grown.nodes
+    d = len(a)
+    limit, lost = -1e300, 0.0
+    for stands in range(2):
+        away = limit + expected * np.abs(a).sum()
+        for p in range(nodes.first[n], nodes.last[n]):
+            if (points.worth[p] > 0.0) != (stands == 1):
+                continue
+            height = 0.0
+            for k in range(d):
+                height += a[k] * (points.x[p, k] - nodes.low[n, k]) / nodes.size[n, k]
+            if not stands:
+                limit = max(limit, height)
+            elif height <= away:
+                lost += points.worth[p]
+    return limit, lost
+
+
+@njit()
 def _refine_some(begin: int, end: int, points: Points, grown: Grown) -> int:
     nodes = grown.nodes
     d = nodes.low.shape[1]
+    expected = AWAY if d > 2 else 0.0
     a = np.empty(d)
     for n in range(begin, end):
         m = nodes.last[n] - nodes.first[n]
         if nodes.tips[n] == 0.0:
             continue
-        if nodes.stands[n] == 0.0 or m > MOST_POINTS:
+        # Where there are parameters, no box of so many points that was halved is worth a leaf.
+        if nodes.stands[n] == 0.0 or (m > MOST_POINTS and nodes.axis[n] >= 0 and d > 2):
             nodes.lost[n] = nodes.stands[n]
             continue
+        stride = 1 if m <= MOST_POINTS else m // FEW_POINTS
         most = 0.0
         for k in range(d):
             # Fitted in the box of its parent.
@@ -84,13 +117,13 @@ def _refine_some(begin: int, end: int, points: Points, grown: Grown) -> int:
             a[0] = most = 1.0
         for k in range(d):
             a[k] = np.rint(a[k] / most * WHOLE) / WHOLE
-        x, worth = np.empty((d, m)), np.empty(m)
-        height, moved = np.zeros(m), np.empty(m)
+        seen = (m + stride - 1) // stride
+        x, worth = np.empty((d, seen)), np.empty(seen)
+        height, moved = np.zeros(seen), np.empty(seen)
         at = 0
         tipping = 0
         for stands in range(2):
-            for q in range(nodes.first[n], nodes.last[n]):
-                p = grown.order[q]
+            for p in range(nodes.first[n], nodes.last[n], stride):
                 if (points.worth[p] > 0.0) != (stands == 1):
                     continue
                 for k in range(d):
@@ -100,7 +133,9 @@ def _refine_some(begin: int, end: int, points: Points, grown: Grown) -> int:
                 at += 1
             if stands == 0:
                 tipping = at
-        limit, lost = _turn(x, worth, tipping, height, moved, a)
+        limit, lost = _turn(x, worth, tipping, height, moved, a, expected)
+        if stride > 1:
+            limit, lost = _measure(points, grown, n, a, expected)
         nodes.plane[n, :d] = a
         nodes.plane[n, d], nodes.lost[n] = limit, lost
     return 0

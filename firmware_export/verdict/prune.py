@@ -7,6 +7,7 @@ of a byte each node is a leaf or is halved, whichever is cheaper, from the small
 import numpy as np
 from numpy.typing import NDArray
 
+from firmware_export.verdict.directory import above_cells, directory_bytes, most_bytes
 from firmware_export.verdict.grow import Nodes
 from lutgen.jit import njit
 from lutgen.vector import Floats
@@ -26,8 +27,13 @@ def leaf_bytes(dimensions: int) -> int:
 
 
 @njit()
-def _kinds(nodes: Nodes, roots: int, price: float, leaf: int) -> tuple[NDArray[np.int8], Floats]:
-    """Return what each node is at a price of a byte, and the bytes of the trees (roots,)."""
+def _kinds(
+    nodes: Nodes, above: NDArray[np.bool_], roots: int, price: float, leaf: int
+) -> tuple[NDArray[np.int8], Floats]:
+    """Return what each node is at a price of a byte, and the bytes of the trees (roots,).
+
+    Those `above` (n,) the cells of a directory have no bytes of their own, and no plane.
+    """
     n = len(nodes.axis)
     cost, size, kind = np.zeros(n), np.zeros(n), np.zeros(n, np.int8)
     for i in range(n - 1, -1, -1):
@@ -35,33 +41,34 @@ def _kinds(nodes: Nodes, roots: int, price: float, leaf: int) -> tuple[NDArray[n
             kind[i] = SAFE
             continue
         cost[i] = nodes.stands[i]
-        # A root is halved, or all of it is alike: a tree begins with a head.
-        if i >= roots and nodes.lost[i] + leaf * price < cost[i]:
+        if not above[i] and nodes.lost[i] + leaf * price < cost[i]:
             kind[i], cost[i], size[i] = HALF, nodes.lost[i] + leaf * price, leaf
         if nodes.axis[i] >= 0:
             a, b = nodes.child[i], nodes.child[i] + 1
-            own = HEAD + (SKIP if kind[a] == INNER and kind[b] == INNER else 0)
+            own = 0 if above[i] else HEAD + (SKIP if kind[a] == INNER and kind[b] == INNER else 0)
             whole = cost[a] + cost[b] + own * price
             if whole < cost[i]:
                 kind[i], cost[i], size[i] = INNER, whole, size[a] + size[b] + own
     return kind, size[:roots]
 
 
-def prune(nodes: Nodes, roots: int, most: float, each: float) -> tuple[Nodes, NDArray[np.int8]]:
+def prune(nodes: Nodes, bits: int, roots: int, most: float) -> tuple[Nodes, NDArray[np.int8]]:
     """Return the trees that give up least, and what each of their nodes is.
 
-    They have at most so many bytes together, and at most `each` by itself; their `roots` are the
-    first nodes.
+    They have at most so many bytes together, directories of so many bits among them; their `roots`
+    are the first nodes.
     """
     leaf = leaf_bytes(nodes.low.shape[1])
-    most -= HEAD * roots  # a tree of one leaf has a head
+    above = above_cells(nodes, bits)
+    each = most_bytes(bits) - directory_bytes(bits)
+    most -= directory_bytes(bits) * roots
     low, high = 0.0, float(max(nodes.stands[:roots].sum(), 1.0))
-    kind, size = _kinds(nodes, roots, low, leaf)
+    kind, size = _kinds(nodes, above, roots, low, leaf)
     if size.sum() > most or size.max() > each:
-        kind, _ = _kinds(nodes, roots, high, leaf)
+        kind, _ = _kinds(nodes, above, roots, high, leaf)
         for _ in range(HALVINGS):
             middle = np.sqrt(high * max(low, high * 1e-9))
-            tried, size = _kinds(nodes, roots, middle, leaf)
+            tried, size = _kinds(nodes, above, roots, middle, leaf)
             if size.sum() <= most and size.max() <= each:
                 kind, high = tried, middle
             else:

@@ -1,16 +1,17 @@
 """The tree as bytes, in the order in which the runtime walks it.
 
-Owns the layout.  An inner node: axis (4 bits), what its halves are (2 bits each, lower first), then
-the bytes of the lower half (u8, or 255 and u16) if both halves are inner, then the halves: lower
-first, a half that is a leaf before one that is inner.  A leaf that is all safe or all unsafe has no
-bytes.  Any other: a limit of 12 bits, then a coefficient of 7 bits for each axis, of 63.  It is
-safe where the coefficients times the places within the leaf, of 65536, come to more than
-(limit - 2048) 2016 d.
+Owns the layout.  It begins with a directory, see there.  An inner node: axis (4 bits), what its
+halves are (2 bits each, lower first), then the bytes of the lower half (u8, or 255 and u16) if both
+halves are inner, then the halves: lower first, a half that is a leaf before one that is inner.  A
+leaf that is all safe or all unsafe has no bytes.  Any other: a limit of 12 bits, then a coefficient
+of 7 bits for each axis, of 63.  It is safe where the coefficients times the places within the leaf,
+of 65536, come to more than (limit - 2048) 2016 d.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
+from firmware_export.verdict.directory import above_cells, cells_of, directory_bytes, entry
 from firmware_export.verdict.grow import Forest, Nodes
 from firmware_export.verdict.planes import WHOLE, kept_by
 from firmware_export.verdict.prune import COEFFICIENT, HALF, INNER, LIMIT, SAFE, UNSAFE, leaf_bytes
@@ -36,10 +37,11 @@ def whole(limit: Floats, d: int) -> Floats:
 
 
 def packed(
-    nodes: Nodes, kind: NDArray[np.int8], limit: Floats, roots: int
+    nodes: Nodes, kind: NDArray[np.int8], limit: Floats, bits: int, roots: int
 ) -> tuple[tuple[bytes, ...], int]:
-    """Return trees as bytes, and their levels; their `roots` are the first nodes.
+    """Return trees as bytes, and their levels below a directory of so many bits of u and of v.
 
+    Their `roots` are the first nodes.
     `limit` (n,) is that of each leaf, as `whole` has it; +inf: nothing of it is safe.
     """
     d = nodes.low.shape[1]
@@ -66,8 +68,9 @@ def packed(
     # Children lie behind their parents: from the last node on each is put together of what is done.
     done: dict[int, bytes] = {}
     levels = np.ones(len(kind), np.int64)
+    above = above_cells(nodes, bits)
     for i in range(len(kind) - 1, -1, -1):
-        if kind[i] != INNER:
+        if kind[i] != INNER or above[i]:
             continue
         low, high = int(nodes.child[i]), int(nodes.child[i]) + 1
         levels[i] = 1 + max(levels[n] if kind[n] == INNER else 0 for n in (low, high))
@@ -80,14 +83,27 @@ def packed(
         done[i] = head + halves[0] + halves[1]
 
     def tree(root: int) -> bytes:
-        """Return a tree; of a root that is all safe or all unsafe, so are both halves."""
-        return done.get(root, bytes([int(kind[root]) << 4 | int(kind[root]) << 6]))
+        """Return a tree behind its directory."""
+        entries, body = b"", b""
+        for n in map(int, cells_of(nodes, above & (kind == INNER), bits, root)):
+            more = leaf(n) if kind[n] == HALF else done.get(n, b"")
+            entries += entry(int(kind[n]), directory_bytes(bits) + len(body) if more else 0)
+            body += more
+            deepest.append(int(levels[n]))
+        return entries + body
 
-    return tuple(map(tree, range(roots))), int(levels[:roots].max())
+    deepest: list[int] = []
+    trees = tuple(map(tree, range(roots)))
+    return trees, max(deepest)
 
 
 def fitting(
-    forest: Forest, kind: NDArray[np.int8], limit: Floats, roots: int, most: int
+    forest: Forest,
+    kind: NDArray[np.int8],
+    limit: Floats,
+    bits: int,
+    roots: int,
+    most: int,
 ) -> tuple[tuple[bytes, ...], int]:
     """Return `packed` trees of at most so many bytes: leaves that keep least are unsafe.
 
@@ -100,7 +116,7 @@ def fitting(
     def without(count: int) -> tuple[tuple[bytes, ...], int]:
         fewer = limit.copy()
         fewer[leaves[:count]] = np.inf
-        return packed(nodes, kind, fewer, roots)
+        return packed(nodes, kind, fewer, bits, roots)
 
     low, high, best = 0, len(leaves), without(0)
     if sum(map(len, best[0])) <= most:

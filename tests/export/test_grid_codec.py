@@ -2,7 +2,7 @@
 
 import subprocess
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -144,42 +144,72 @@ def test_a_size_grows_along_one_parameter_at_a_time_and_is_read_from_its_label(
         assert lookup.encode(model, EXPORTABLE, spec).spec == spec
 
 
-def walked(tree: bytes, x: list[int]) -> bool:
+def walked(tree: bytes, bits: int, x: list[int]) -> bool:
     """Tell what a tree says of a place (d,), 0 to 65535: written from docs/reference/format.md."""
-    at, d = 0, len(x)
+    d, leaf = len(x), (12 + 7 * len(x) + 7) // 8
     x = list(x)
-    leaf = (12 + 7 * d + 7) // 8
-    while True:
+    u, x[-2] = divmod(x[-2] << bits, 65536)
+    v, x[-1] = divmod(x[-1] << bits, 65536)
+    cell = u * 2**bits + v
+    mine, at = divmod(int.from_bytes(tree[2 * cell : 2 * cell + 2], "little"), 1 << 14)
+    while mine == 3:
         head = tree[at]
         axis, kinds = head % 16, (head // 16 % 4, head // 64)
         upper, x[axis] = divmod(2 * x[axis], 65536)
         mine, other = kinds[upper], kinds[1 - upper]
         at += 1
-        if mine < 2:
-            return mine == 1
-        if mine == 3:
-            if other == 3:
-                skip, at = tree[at], at + 1
-                if skip == 255:
-                    skip, at = int.from_bytes(tree[at : at + 2], "little"), at + 2
-                at += upper * skip
-            at += leaf * (other == 2)
-            continue
-        at += leaf * (upper and other == 2)
-        word = int.from_bytes(tree[at : at + leaf], "little")
-        signed = [(word >> (12 + 7 * k)) % 128 for k in range(d)]
-        total = sum((c - 128 * (c > 63)) * place for c, place in zip(signed, x, strict=True))
-        return total > (word % 4096 - 2048) * 2016 * d
+        if mine == 3 and other == 3:
+            skip, at = tree[at], at + 1
+            if skip == 255:
+                skip, at = int.from_bytes(tree[at : at + 2], "little"), at + 2
+            at += upper * skip
+        elif mine >= 2 and other == 2:
+            at += leaf * (mine == 3 or upper)
+    if mine < 2:
+        return mine == 1
+    word = int.from_bytes(tree[at : at + leaf], "little")
+    signed = [(word >> (12 + 7 * k)) % 128 for k in range(d)]
+    total = sum((c - 128 * (c > 63)) * place for c, place in zip(signed, x, strict=True))
+    return total > (word % 4096 - 2048) * 2016 * d
 
 
+def fixed(**sweep: object) -> Model:
+    """Return a robot of fixed shape on four points: its trees have the two axes of the chart."""
+    corners = [(0.3, 0.2, -0.4), (-0.3, 0.2, -0.4), (0.0, -0.3, -0.4), (0.35, -0.2, -0.4)]
+    contacts = "".join(contact(f"P{i}", p) for i, p in enumerate(corners))
+    return Model(parse_recipe(rigid(contacts, **sweep)))
+
+
+def lone(model: Model, bytes_: int) -> Export:
+    """Return an export of a verdict alone."""
+    tables = verdict.encode(model, ("tip_angle",), Spec(8, bytes_))
+    return export_of(model, tables, "integer")
+
+
+@pytest.mark.parametrize(
+    ("make", "bits"),
+    [
+        (
+            lambda chart: noise(
+                "noise", Model(parse_recipe(tripod(chart=chart))), "integer", 3_000
+            ),
+            0,
+        ),
+        (lambda chart: lone(fixed(chart=chart), 3_000), 3),
+        (lambda chart: lone(fixed(chart=chart), 600 if chart == "sphere" else 100), 2),
+    ],
+    ids=["a root", "64 cells", "16 cells"],
+)
 @pytest.mark.parametrize("chart", ["cone", "sphere"])
-def test_the_c_walks_a_tree_as_its_format_says(chart: str) -> None:
-    robot = Model(parse_recipe(tripod(chart=chart)))
-    export = noise("noise", robot, "integer", 3_000)
-    trees, fold = export.tables.trees.held, export.tables.trees.fold
+def test_the_c_walks_a_tree_as_its_format_says(
+    make: Callable[[str], Export], bits: int, chart: str
+) -> None:
+    export = make(chart)
+    robot, trees, fold = export.model, export.tables.trees.held, export.tables.trees.fold
+    assert export.tables.trees.bits == bits
     rng = np.random.default_rng(2)
-    params = rng.integers(0, 32768, (4_000, robot.k)).astype(np.int16)
-    gravity = rng.integers(-32767, 32768, (4_000, 3)).astype(np.int16)
+    params = rng.integers(0, 32768, (8_000, robot.k)).astype(np.int16)
+    gravity = rng.integers(-32767, 32768, (8_000, 3)).astype(np.int16)
     gravity[:, 2] = -np.abs(gravity[:, 2]) if chart == "cone" else gravity[:, 2]
     status = device(export).read(params, gravity)[0]
     limit = np.ceil(robot.chart_limit * 8193.0)
@@ -199,10 +229,10 @@ def test_the_c_walks_a_tree_as_its_format_says(chart: str) -> None:
             for place, one in zip(export.tables.places, q, strict=True)
         ]
         x += [32768 + u, fold.base + (v * rate >> 13)]
-        expected = walked(trees[face], x)
+        expected = walked(trees[face], bits, x)
         checked[expected] += 1
         assert (said == OK) == expected
-    assert min(checked.values()) > 500
+    assert min(checked.values()) > 400
 
 
 def test_bytes_are_known_before_anything_is_encoded() -> None:
@@ -251,12 +281,12 @@ def test_the_alarm_of_a_verdict_alone_is_clear_where_the_robot_stands(tmp_path: 
 
 
 def test_a_robot_of_fixed_shape_has_a_tree_of_a_few_bytes() -> None:
-    corners = [(0.3, 0.2, -0.4), (-0.3, 0.2, -0.4), (0.0, -0.3, -0.4), (0.35, -0.2, -0.4)]
-    model = Model(parse_recipe(rigid("".join(contact(f"P{i}", p) for i, p in enumerate(corners)))))
-    tables = verdict.encode(model, ("tip_angle",), Spec(8, 100))
-    found = device(export_of(model, tables, "integer")).measure(uniform(model, 40_000, 3))
-    assert not found.false_safe.any()
-    assert found.false_tip < 0.05
+    for chart, most, lost in (("cone", 100, 0.05), ("cone", 400, 0.005), ("sphere", 2_400, 0.005)):
+        model = fixed(chart=chart)
+        found = device(lone(model, most)).measure(uniform(model, 200_000, 3))
+        assert not found.false_safe.any()
+        # On a sphere it was 10 %: boxes of many points that one plane divides were given up.
+        assert found.false_tip < lost
 
 
 def grown(model: Model, faces: int, seed: int) -> Nodes:
@@ -293,8 +323,8 @@ def test_any_tree_is_safe_once_its_leaves_are_moved_as_far_as_the_proof_says(cha
     need = prove(nodes, kind, middles, view, fold).limit
     safe = {}
     for name, limit in (("proved", need), ("not", np.where(kind == SAFE, -4.0, need - 0.3))):
-        held, levels = packed(nodes, kind, whole(limit, wide.k + 2), wide.faces)
-        trees = Trees(fold, levels, held)
+        held, levels = packed(nodes, kind, whole(limit, wide.k + 2), 0, wide.faces)
+        trees = Trees(fold, 0, levels, held)
         tables = Tables(
             Spec(8, 9_999), ("tip_angle",), trees, (), wide.chart_limit, places_of(wheels), ""
         )
@@ -325,18 +355,18 @@ def test_trees_take_no_more_bytes_than_there_are_and_lose_what_is_worth_least() 
     height = (nodes.plane[of, :-1] * (x - nodes.low[of]) / nodes.size[of]).sum(axis=1)
     kept = np.bincount(of[height > limit[0]], minlength=len(kind))
     np.testing.assert_allclose(kept_by(forest, limit), kept)
-    (full,), _ = packed(nodes, kind, limit, 1)
+    (full,), _ = packed(nodes, kind, limit, 0, 1)
     # All but the leaf that keeps least, and no other.
     few = limit.copy()
     few[leaves[np.argmin(kept[leaves])]] = np.inf
-    assert fitting(forest, kind, limit, 1, len(full) - 1)[0] == packed(nodes, kind, few, 1)[0]
+    assert fitting(forest, kind, limit, 0, 1, len(full) - 1)[0] == packed(nodes, kind, few, 0, 1)[0]
     before = len(full)
-    for most in (before, before - 1, before // 2, 30, 1):
-        (tree,), _ = fitting(forest, kind, limit, 1, most)
+    for most in (before, before - 1, before // 2, 30, 2):
+        (tree,), _ = fitting(forest, kind, limit, 0, 1, most)
         assert len(tree) <= most
         assert len(tree) > most - 40 or most == before
         before = len(tree)
-    assert tree == bytes([0])
+    assert tree == bytes(2)
 
 
 def _sheet(
