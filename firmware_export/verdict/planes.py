@@ -103,9 +103,8 @@ def _refine_some(begin: int, end: int, points: Points, grown: Grown) -> int:
         m = nodes.last[n] - nodes.first[n]
         if nodes.tips[n] == 0.0:
             continue
-        # Where there are parameters, no box of so many points that was halved is worth a leaf.
-        if nodes.stands[n] == 0.0 or (m > MOST_POINTS and nodes.axis[n] >= 0 and d > 2):
-            nodes.lost[n] = nodes.stands[n]
+        if nodes.stands[n] == 0.0:
+            nodes.lost[n] = 0.0
             continue
         stride = 1 if m <= MOST_POINTS else m // FEW_POINTS
         most = 0.0

@@ -281,7 +281,7 @@ def test_the_alarm_of_a_verdict_alone_is_clear_where_the_robot_stands(tmp_path: 
 
 
 def test_a_robot_of_fixed_shape_has_a_tree_of_a_few_bytes() -> None:
-    for chart, most, lost in (("cone", 100, 0.05), ("cone", 400, 0.005), ("sphere", 2_400, 0.005)):
+    for chart, most, lost in (("cone", 100, 0.02), ("cone", 400, 0.005), ("sphere", 2_400, 0.005)):
         model = fixed(chart=chart)
         found = device(lone(model, most)).measure(uniform(model, 200_000, 3))
         assert not found.false_safe.any()
