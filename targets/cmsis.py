@@ -79,7 +79,7 @@ def fetch() -> Path | None:
     return folder
 
 
-def even_stool(arithmetic: str = "float") -> Export:
+def even_table(arithmetic: str = "float") -> Export:
     """Return a table over gravity with evenly spaced nodes, which is all that CMSIS knows."""
     return of_noise(arithmetic, parse_recipe(CAR), 32, {"height": (17, 17)})
 
@@ -134,7 +134,7 @@ def measure(source: Path, export: Export, on: Board) -> Measured:
         folder = Path(name) / "firmware"
         package.write(export, folder)
         # The same table for reads without floats; two exports in one program do not mix.
-        whole = replace(even_stool("integer"), name="whole")
+        whole = replace(even_table("integer"), name="whole")
         package.write(whole, folder / "whole")
         for own in (folder / "whole").glob("whole.*"):
             shutil.copy(own, folder)
@@ -189,7 +189,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print("SKIPPED CMSIS-DSP: its source cannot be downloaded (pip download cmsisdsp).")
         return 0
     try:
-        export = even_stool()
+        export = even_table()
         found = {one.title: measure(source, export, one) for one in boards}
     except (LutgenError, CellError) as error:
         print(f"Error: {error}", file=sys.stderr)
