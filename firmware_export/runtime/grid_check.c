@@ -47,10 +47,13 @@ static int smap_check_grid(const smap_t *map, smap_bytes_t limit)
   const uint8_t parts = SMAP_LENGTHS ? lengths : 0;
   const uint32_t room = (uint32_t)(limit - body);
   const uint32_t fixed = 24u + 12u * params + 6u * faces + SMAP_PART_BYTES * parts;
-  const uint8_t bits = smap_fold(body, params)[6]; /* not beyond the blob: it is as long as `fixed` */
-  uint8_t i;
+  uint8_t i, bits;
   if (faces - 1u > 5u || room < fixed || body[12] != lengths || lengths != parts ||
-      smap_u32(body + 8) < fixed || smap_u32(body + 8) > room || smap_u32(body + 4) >= 1u << 17 || bits > 6) {
+      smap_u32(body + 8) < fixed || smap_u32(body + 8) > room || smap_u32(body + 4) >= 1u << 17) {
+    return 0;
+  }
+  bits = smap_fold(body, params)[6];
+  if (bits > 6) {
     return 0;
   }
   for (i = 0; i < faces; i++) {

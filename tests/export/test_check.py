@@ -15,6 +15,7 @@ from firmware_export.truth import Model
 from lutgen.recipe import parse_recipe
 from proofs.exports import coded_export, rover_export, tripod_export
 from proofs.recipes import tripod
+from targets.cases import CAR, VERDICT, of_robot
 from targets.compiled import compile_c
 from targets.noise import noise
 from tests.fixtures.frozen import exports
@@ -30,6 +31,11 @@ def trees(arithmetic: str) -> Export:
     return noise("trees", model, arithmetic, 60, shapes)
 
 
+def cells(arithmetic: str) -> Export:
+    """Return a tree with a directory."""
+    return of_robot(parse_recipe(CAR), "cells", "grid", arithmetic, VERDICT)
+
+
 MAKERS: dict[str, Any] = {
     "contacts": tripod_export,
     "many": rover_export,
@@ -40,11 +46,14 @@ MAKERS: dict[str, Any] = {
     "grid without floats": lambda: tripod_export(codec="grid", arithmetic="integer"),
     "trees": lambda: trees("float"),
     "trees without floats": lambda: trees("integer"),
+    "cells": lambda: cells("float"),
+    "cells without floats": lambda: cells("integer"),
 }
 FAMILY = {
     **{"contacts": "three", "many": "many", "poly": "three", "grid": "three"},
     **{"points given by code": "three", "many given by code": "search"},
     **{"trees": "grid", "trees without floats": "whole"},
+    **{"cells": "grid", "cells without floats": "whole"},
 }
 
 
@@ -94,8 +103,10 @@ int main(int count, char **names)
     }
     all++;
     if (SMAP_HOST_NAME(check)(blob, size) == SMAP_OK) {
-      float params[64], gravity[3] = {0.1f, -0.05f, -1.0f};
-      int16_t params_q[64], down[3] = {100, -50, -1000};
+      /* Any direction, another for each: what is held of it is another part of the blob. */
+      const int aside = (int)(all % 31u) * 100 - 1500, across = (int)(all % 29u) * 100 - 1400;
+      float params[64], gravity[3] = {(float)aside, (float)across, -1000.0f};
+      int16_t params_q[64], down[3] = {(int16_t)aside, (int16_t)across, -1000};
       smap_reading_t reading;
       smap_reading_i_t reading_i;
       int8_t status;
@@ -168,3 +179,13 @@ def test_a_grid_whose_places_would_be_no_numbers_is_refused(wrong: float) -> Non
         content = bytearray(blob.bytes)
         content[at : at + 4] = np.float32(wrong).tobytes()
         assert Host(changed(blob, sealed(bytes(content)))).check() == CORRUPT, at
+
+
+@pytest.mark.parametrize("bits", [4, 5, 6, 7, 255])
+def test_a_directory_that_is_larger_than_its_tree_is_refused(bits: int) -> None:
+    blob = blob_of("cells")
+    at = next(at for at, words in blob.sections if words.endswith("bits of a directory"))
+    assert blob.bytes[at] == 3
+    content = bytearray(blob.bytes)
+    content[at] = bits
+    assert Host(changed(blob, sealed(bytes(content)))).check() == CORRUPT
