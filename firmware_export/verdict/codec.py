@@ -25,7 +25,7 @@ from firmware_export.grid import (
 )
 from firmware_export.protocol import CodecInfo, Foresight
 from firmware_export.truth import Model, widened
-from firmware_export.verdict.directory import MOST_BITS, bits_of
+from firmware_export.verdict.directory import bits_of
 from firmware_export.verdict.fold import fold_of
 from firmware_export.verdict.grow import Forest, grow, joined
 from firmware_export.verdict.middles import Middles
@@ -66,7 +66,7 @@ def _grown(model: Model) -> _Grown:
     view = view_of(model.recipe.chart.basis(), model.chart_limit)
     trees = []
     for points in points_of(middles, view, fold):
-        tree = grow(points, middles.shortest, MOST_BITS if model.k == 0 else 0)
+        tree = grow(points, middles.shortest, bits_of(model.k, math.inf))
         refine(points, tree)
         trees.append((points, tree))
     return _Grown(joined(trees), fold, middles, view)

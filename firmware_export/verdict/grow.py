@@ -3,8 +3,7 @@
 Owns where boxes are halved.  A node is a box of places; a leaf says that all of it is safe, that
 none is, or that the side of a plane is.  Level by level every box that would give up much as a leaf
 is halved along the axis after which its halves would give up least, each with the better of a plane
-of its own and of being halved once more.  Planes are least-squares fits of the tip angle, moved to
-where no point that tips is on the safe side.
+of its own and of being halved once more.
 """
 
 from typing import Any, NamedTuple
@@ -49,8 +48,8 @@ class Nodes(NamedTuple):
         return Nodes(*columns)
 
 
-class Grown(NamedTuple):
-    """A tree; `shortest` (d,): no side of a box is shorter."""
+class _Growing(NamedTuple):
+    """A tree, and the length (d,) than which no side of a box is shorter."""
 
     nodes: Nodes
     shortest: Floats
@@ -90,7 +89,7 @@ def _swap(points: Points, i: int, j: int) -> None:
 
 @njit()
 def _halve_some(
-    begin: int, end: int, level: int, points: Points, grown: Grown, split: Ints, halves: Floats
+    begin: int, end: int, level: int, points: Points, growing: _Growing, split: Ints, halves: Floats
 ) -> int:
     """Choose the axes of nodes level + [begin, end), and sort their points.
 
@@ -98,7 +97,7 @@ def _halve_some(
     `split` (m,) receives where the upper half's points begin.  `halves` (m, 2, d + 4): of each half
     its plane, `stands`, `tips` and an estimate of `lost`.
     """
-    nodes = grown.nodes
+    nodes = growing.nodes
     d = nodes.low.shape[1]
     desk = empty_desk(d)
     for at in range(begin, end):
@@ -110,7 +109,7 @@ def _halve_some(
         nodes.axis[n] = -1
         low, size = nodes.low[n], nodes.size[n]
         stride = weigh_halves(_some(points, first, last), low, size, desk)
-        k = told if told >= 0 else best_axis(size, grown.shortest, desk)
+        k = told if told >= 0 else best_axis(size, growing.shortest, desk)
         if k < 0:
             continue
         nodes.axis[n] = k
@@ -135,7 +134,7 @@ def _halve_some(
     return 0
 
 
-def grow(points: Points, shortest: Floats, bits: int) -> Grown:
+def grow(points: Points, shortest: Floats, bits: int) -> Nodes:
     """Return the tree of one face, as finely halved as is worthwhile for its points, and sort them.
 
     Its first levels halve v and u in turn, `bits` times each, for a directory.
@@ -155,7 +154,7 @@ def grow(points: Points, shortest: Floats, bits: int) -> Grown:
         np.zeros(most, np.int64),
         np.zeros(most, np.int64),
     )
-    grown = Grown(nodes, shortest)
+    growing = _Growing(nodes, shortest)
     nodes.last[0] = len(points.x)
     nodes.stands[0] = nodes.lost[0] = points.worth.sum(dtype=np.float64)
     nodes.tips[0] = np.count_nonzero(points.worth == 0.0)
@@ -169,7 +168,7 @@ def grow(points: Points, shortest: Floats, bits: int) -> Grown:
         nodes.axis[here] = np.where(wanted, d - level % 2 if cells else 0, -1)
         count = end - begin
         split, halves = np.zeros(count, np.int64), np.zeros((count, 2, d + 4))
-        in_threads(_halve_some, count, begin, points, grown, split, halves)
+        in_threads(_halve_some, count, begin, points, growing, split, halves)
         halved = np.flatnonzero(nodes.axis[here] >= 0)[: (most - end) // 2]
         nodes.axis[here][~np.isin(np.arange(count), halved)] = -1
         if not len(halved):
@@ -191,14 +190,14 @@ def grow(points: Points, shortest: Floats, bits: int) -> Grown:
             nodes.stands[child], nodes.tips[child] = half[:, d + 1], half[:, d + 2]
             nodes.lost[child] = half[:, d + 3]
         begin, end = end, end + 2 * len(halved)
-    return grown._replace(nodes=nodes.part(slice(end)))
+    return nodes.part(slice(end))
 
 
-def joined(parts: list[tuple[Points, Grown]]) -> Forest:
+def joined(parts: list[tuple[Points, Nodes]]) -> Forest:
     """Return the trees of all faces as one forest, with those of their points that stand."""
     total, begin = len(parts), 0
     kept, standing = [], []
-    for face, (points, (nodes, _)) in enumerate(parts):
+    for face, (points, nodes) in enumerate(parts):
         at = total - 1 + np.arange(len(nodes.axis))
         at[0] = face
         stands = points.worth > 0.0

@@ -5,7 +5,7 @@ Owns the descent by which a plane is turned until it gives up least of the point
 
 import numpy as np
 
-from firmware_export.verdict.grow import Forest, Grown
+from firmware_export.verdict.grow import Forest, Nodes
 from firmware_export.verdict.points import Points
 from lutgen.jit import in_threads, njit
 from lutgen.vector import Floats
@@ -72,10 +72,9 @@ def _turn(
 
 @njit()
 def _measure(
-    points: Points, grown: Grown, n: int, a: Floats, expected: float
+    points: Points, nodes: Nodes, n: int, a: Floats, expected: float
 ) -> tuple[float, float]:
     """Return the limit of a plane in a node, and what it gives up, as `_turn`: of all points."""
-    nodes = grown.nodes
     d = len(a)
     limit, lost = -1e300, 0.0
     for stands in range(2):
@@ -94,8 +93,7 @@ def _measure(
 
 
 @njit()
-def _refine_some(begin: int, end: int, points: Points, grown: Grown) -> int:
-    nodes = grown.nodes
+def _refine_some(begin: int, end: int, points: Points, nodes: Nodes) -> int:
     d = nodes.low.shape[1]
     expected = AWAY if d > 2 else 0.0
     a = np.empty(d)
@@ -134,7 +132,7 @@ def _refine_some(begin: int, end: int, points: Points, grown: Grown) -> int:
                 tipping = at
         limit, lost = _turn(x, worth, tipping, height, moved, a, expected)
         if stride > 1:
-            limit, lost = _measure(points, grown, n, a, expected)
+            limit, lost = _measure(points, nodes, n, a, expected)
         nodes.plane[n, :d] = a
         nodes.plane[n, d], nodes.lost[n] = limit, lost
     return 0
@@ -161,6 +159,6 @@ def kept_by(forest: Forest, limit: Floats) -> Floats:
     return kept
 
 
-def refine(points: Points, grown: Grown) -> None:
+def refine(points: Points, nodes: Nodes) -> None:
     """Turn the planes of all nodes, and tell anew what each gives up."""
-    in_threads(_refine_some, len(grown.nodes.axis), points, grown)
+    in_threads(_refine_some, len(nodes.axis), points, nodes)

@@ -233,7 +233,8 @@ def test_the_c_walks_a_tree_as_its_format_says(
         expected = walked(trees[face], bits, x)
         checked[expected] += 1
         assert (said == OK) == expected
-    assert min(checked.values()) > 200
+    # Of a fixed shape on a sphere one direction in eighteen stands.
+    assert min(checked.values()) > (200 if bits else 500)
 
 
 def test_bytes_are_known_before_anything_is_encoded() -> None:
@@ -291,7 +292,7 @@ def test_a_robot_of_fixed_shape_has_a_tree_of_a_few_bytes() -> None:
 
 
 def test_a_few_bytes_go_a_long_way_as_large_boxes_have_planes_too() -> None:
-    # 8.9 and 10.4 % where boxes of many points were always halved.
+    # 2.5 and 10.4 % where boxes of many points were always halved.
     for text, most, lost in ((CAR, 150, 0.002), (rover(), 200, 0.06)):
         model = Model(parse_recipe(text))
         found = device(lone(model, most)).measure(uniform(model, 60_000, 3))
