@@ -15,6 +15,7 @@ from lutgen.channels.angles import JUST_OUTSIDE, signed_angle
 from lutgen.channels.plain import axis_energy, axis_margin, least_barrier
 from lutgen.jit import njit
 from lutgen.support import (
+    ON_AXIS,
     STANDS,
     TIPS,
     Region,
@@ -107,7 +108,7 @@ def _lower(plane: Vector, directions: Directions, lowest: Floats) -> None:
 
 @njit(inline=True)
 def _stands(first: int, lowest: float) -> bool:
-    standing: bool = (first >= 0) & (lowest >= 0.0)
+    standing: bool = (first >= 0) & (lowest >= -ON_AXIS)
     return standing
 
 

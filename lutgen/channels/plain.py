@@ -18,6 +18,7 @@ from lutgen.errors import InputError
 from lutgen.jit import njit
 from lutgen.quantities import CHANNELS, wanted
 from lutgen.support import (
+    ON_AXIS,
     STANDS,
     TIPS,
     Acceptance,
@@ -144,7 +145,7 @@ def measure(region: Region, ridges: Ridges, g: Vector, wanted: Bools, out: Float
     if convex:
         standing = k >= 0
         for b in range(segments_in(count)):
-            standing = standing and dot(tip_plane_at(segment, b), g) >= 0.0
+            standing = standing and dot(tip_plane_at(segment, b), g) >= -ON_AXIS
         # A region with gaps or stages never counts as convex: here all that stands is on rests.
         status = STANDS if standing else TIPS
     else:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from lutgen.jit import njit
 from lutgen.support import (
+    ON_AXIS,
     Region,
     across,
     edge_plane_at,
@@ -32,8 +33,12 @@ from lutgen.vector import Floats, Singles, Vector, dot, row
 VECTOR = 16
 # Within this part of a step from a node, rounding could say either side of an edge.
 IN_DOUBT = 1e-6
+# Below this part of its terms a slope is rounding: the edge is parallel to the rows.  So the place
+# of a root is at most 1e14 times the inverse of a step, which an int64 holds.
+PARALLEL = 1e-14
 # Ties of two facets go to the lower index, see `region.supporting_facet`.
 TIE = 1.0 + 1e-12
+LEAST_POSITIVE = 1e-300
 
 
 class Rows(NamedTuple):
@@ -73,8 +78,8 @@ def _edge_lines(region: Region, rows: Rows, k: int, lines: Floats) -> int:
     """Fill a row of `lines` for every edge of facet k on one face; return their number.
 
     Columns: c, b, a of the affine function c + b v + a u that is >= 0 on the facet's side; the
-    place of its root counted in nodes, as constant and factor of v; 1 where the root itself
-    belongs to the facet beyond.  A tip-over axis counts with its plane; towards a facet beyond,
+    place of its root counted in nodes, as constant and factor of v; from which value on a node at
+    the root belongs to the facet.  A tip-over axis counts with its plane; towards a facet beyond,
     the edge is where the two planes are pierced at once, so two neighbours never leave a node
     between them.
     """
@@ -83,13 +88,14 @@ def _edge_lines(region: Region, rows: Rows, k: int, lines: Floats) -> int:
     origin, per_step = rows.coords[0], 1.0 / (rows.coords[1] - rows.coords[0])
     count = 0
     for e in range(*edges_at(first, k)):
-        beyond_wins = 0.0
+        least = 0.0
         if not is_shared(link, e):
             plane = edge_plane_at(edge, e)
+            least = -ON_AXIS
         else:
             other = across(link, e)
             mine, theirs = (TIE, 1.0) if k < other else (1.0, TIE)
-            beyond_wins = 1.0 if other < k else 0.0
+            least = LEAST_POSITIVE if other < k else 0.0
             here, there = plane_at(facet, k), plane_at(facet, other)
             plane = (
                 mine * here[0] - theirs * there[0],
@@ -97,11 +103,13 @@ def _edge_lines(region: Region, rows: Rows, k: int, lines: Floats) -> int:
                 mine * here[2] - theirs * there[2],
             )
         level, tilt, slope = dot(plane, corner), dot(plane, aside), dot(plane, along)
+        if abs(slope) < PARALLEL * (abs(level) + abs(tilt)):
+            slope = 0.0
         scaled = -per_step / slope if slope != 0.0 else 0.0
         lines[count, 0], lines[count, 1], lines[count, 2] = level, tilt, slope
         lines[count, 3] = level * scaled - origin * per_step
         lines[count, 4] = tilt * scaled
-        lines[count, 5] = beyond_wins
+        lines[count, 5] = least
         count += 1
     return count
 
@@ -119,7 +127,7 @@ def _interval(lines: Floats, count: int, coords: Floats, nodes: int, v: float) -
             # The root is at a node but for rounding, or there is none: the sign decides.
             at = int(min(max(nearest, 0.0), nodes - 1.0))
             value = lines[e, 0] + lines[e, 1] * v + slope * coords[at]
-            passed = value > 0.0 or (value == 0.0 and lines[e, 5] == 0.0)
+            passed = value >= lines[e, 5]
             if slope == 0.0:
                 if not passed:
                     end = 0.0

@@ -44,6 +44,7 @@ from lutgen.support.primitive import (
 )
 from lutgen.support.region import (
     OFF_FACE,
+    ON_AXIS,
     POINT,
     ROCKS,
     STANDS,
@@ -72,6 +73,7 @@ __all__ = [
     "FACE_ANGLE",
     "MAX_PRIMITIVES",
     "OFF_FACE",
+    "ON_AXIS",
     "OVER",
     "POINT",
     "RELATIVE_TOLERANCE",

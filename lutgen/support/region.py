@@ -31,6 +31,9 @@ SOURCE, IS_REST = 1, 2
 SLACK = 3
 # Nearer to the normal of a facet that it carries (rad) the axle of a wheel may not be.
 OFF_FACE = math.radians(10.0)
+# Sine within which a direction counts as on a tip-over axis, where the robot stands.  Rounding is
+# 1e-15, so all ways to compute a verdict give the same one.
+ON_AXIS = 1e-12
 # Sine by which a direction may lie beyond an edge that two rests share: no ray slips between them,
 # where on either one the edge is elsewhere by up to RELATIVE_TOLERANCE of the size.
 SAME_EDGE = 1e-8
@@ -151,7 +154,7 @@ def supporting_facet(facet: Floats, facets: int, g: Vector) -> int:
 def _inside(span: Ints, edge: Floats, link: Ints, k: int, g: Vector) -> bool:
     """Tell whether g lies in the cone of facet k."""
     for e in range(span[k, FIRST], span[k + 1, FIRST]):
-        slack = SAME_EDGE if link[e, EDGE_KIND] == SHARED else 0.0
+        slack = SAME_EDGE if link[e, EDGE_KIND] == SHARED else ON_AXIS
         if dot(vector_at(edge, e, EDGE_PLANE), g) < -slack:
             return False
     return True
@@ -175,7 +178,7 @@ def _in_tile(tally: Ints, tile: Ints, wall: Floats, g: Vector) -> bool:
     for t in range(tally[TILES]):
         inside = True
         for w in range(tile[t], tile[t + 1]):
-            if dot(vector_at(wall, w, 0), g) < -wall[w, SLACK]:
+            if dot(vector_at(wall, w, 0), g) < -max(wall[w, SLACK], ON_AXIS):
                 inside = False
                 break
         if inside:

@@ -213,9 +213,9 @@ def test_a_ray_exactly_on_a_tip_over_axis_stands_with_tip_angle_zero() -> None:
     assert got["tip_angle"][0, 10, 10] == pytest.approx(np.pi / 4, rel=1e-7)
 
 
-def test_one_verdict_holds_where_tip_over_axes_run_through_nodes() -> None:
-    # Rectangles whose sides are rows and columns of nodes, at many heights: at a node on a side
-    # the two ways to compute it differ by rounding, either way.
+def test_nodes_within_rounding_of_a_tip_over_axis_stand() -> None:
+    # Rectangles whose sides are rows and columns of nodes, at many heights: rounding places them
+    # on either side.
     chart = Chart("cone", 23, np.radians(55.0))
     u = chart.coords
     scales = np.random.default_rng(9).uniform(0.1, 3.0, 60)
@@ -225,10 +225,9 @@ def test_one_verdict_holds_where_tip_over_axes_run_through_nodes() -> None:
     ]
     got = rows(Robots(np.array(corners) * scales[:, None, None]), chart)
     assert_one_verdict(got)
-    # Both sides of the rounding occur, or the test would say nothing.
     beside = got["tip_angle"][np.abs(got["tip_angle"]) < 1e-12]
-    assert (beside >= 0.0).any()
-    assert (beside < 0.0).any()
+    assert len(beside) > 1000
+    assert (beside >= 0.0).all()
 
 
 @pytest.mark.parametrize("channels", [FAST, CHANNELS], ids=["fast", "margins"])

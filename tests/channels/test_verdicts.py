@@ -1,0 +1,168 @@
+"""Verdicts of a sweep against `evaluate`, at every node."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from numpy.typing import NDArray
+
+import lutgen
+from lutgen.channels.evaluation import measure_primitives
+from lutgen.channels.plain import Setting, wanted_channels
+from lutgen.channels.scan import Scanner, nodes_of, scan
+from lutgen.chart import Chart
+from lutgen.cli import main
+from lutgen.quantities import CHANNELS
+from lutgen.recipe.start import start_recipe
+from lutgen.support.primitive import pack
+from lutgen.support.region import acceptance
+
+GALLERY = sorted((Path(__file__).parents[2] / "maps").glob("*.toml"))
+LIMITS = {"none": (None, None), "default": (np.radians(80.0), np.radians(30.0))}
+TIP = CHANNELS.index("tip_angle")
+
+
+def in_steps(low: float, high: float, size: tuple[int, ...], rng: np.random.Generator) -> NDArray:
+    """Return numbers in steps of 5 cm, as people give positions of feet."""
+    return np.round(rng.uniform(low, high, size) / 0.05) * 0.05
+
+
+def rectangles(count: int, rng: np.random.Generator) -> NDArray[np.float64]:
+    x, y = in_steps(-0.6, 0.6, (2, count, 2), rng)
+    return np.stack([np.stack([x[:, i], y[:, j]], -1) for i in (0, 1) for j in (0, 1)], 1)
+
+
+def polygons(count: int, corners: int, rng: np.random.Generator) -> NDArray[np.float64]:
+    turn = np.arange(corners) * 2.0 * np.pi / corners
+    ring = np.stack([np.cos(turn), np.sin(turn)], -1)
+    return rng.uniform(0.1, 1.0, (count, 1, 1)) * ring + in_steps(-0.2, 0.2, (count, 1, 2), rng)
+
+
+def two_rows(count: int, length: int, rng: np.random.Generator) -> NDArray[np.float64]:
+    x, y = in_steps(-0.6, 0.6, (count, length), rng), in_steps(0.05, 0.6, (count, 1), rng)
+    sides = [np.stack([x, np.broadcast_to(side, x.shape)], -1) for side in (y, -y)]
+    return np.concatenate(sides, 1)
+
+
+def on_node_lines(count: int, chart: Chart, rng: np.random.Generator) -> NDArray[np.float64]:
+    """Return rectangles at z = -1 whose sides are rows and columns of nodes."""
+    x, y = np.sort(rng.permuted(np.tile(chart.coords, (2, count, 1)), axis=2)[..., :2])
+    return np.stack([np.stack([x[:, i], y[:, j]], -1) for i in (0, 1) for j in (0, 1)], 1)
+
+
+def on_level_ground(
+    corners: NDArray[np.float64], height: NDArray[np.float64], rng: np.random.Generator
+) -> NDArray[np.float64]:
+    """Return points (m, n, 3) that far below the com, each robot's in an order of chance."""
+    points = np.concatenate([corners, np.broadcast_to(-height, (*corners.shape[:2], 1))], -1)
+    return np.stack([rng.permutation(robot) for robot in points])
+
+
+def tips_of_rows_and_exact(
+    points: NDArray[np.float64], chart: Chart, limits: tuple[float | None, float | None]
+) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
+    """Return whether each node tips by the rows of a sweep, and its exact tip angle."""
+    m, n = points.shape[:2]
+    primitives = pack(points, np.zeros((m, n, 3)), np.zeros(n), np.zeros(n, np.int64))
+    rows = chart.faces * chart.nodes
+    out = np.empty((len(CHANNELS), m * rows * chart.nodes), np.float32)
+    setting = Setting(acceptance(*limits), wanted_channels(("sdg", "tip_angle")))
+    assert scan(primitives, setting, nodes_of(chart), (0, rows), out) == 0
+    directions = chart.directions().reshape(-1, 3)
+    exact = measure_primitives(primitives, directions, ("tip_angle",), acceptance(*limits))
+    return out[TIP].reshape(m, -1) < 0.0, exact["tip_angle"]
+
+
+@pytest.mark.parametrize("limits", LIMITS.values(), ids=LIMITS)
+def test_10000_level_robots_in_any_order_of_contacts_have_the_exact_verdict_at_every_node(
+    limits: tuple[float | None, float | None],
+) -> None:
+    rng = np.random.default_rng(50)
+    robots = on_axis = 0
+    for nodes in (9, 17, 33):
+        chart = Chart("cone", nodes, np.radians(60.0))
+        shapes = [rectangles(1500, rng), *(polygons(300, n, rng) for n in (4, 5, 6, 8))]
+        shapes += [two_rows(300, n, rng) for n in (3, 4)]
+        heights = [rng.uniform(0.1, 0.9, (len(s), 1, 1)) for s in shapes]
+        heights[0] = in_steps(0.1, 0.9, heights[0].shape, rng)
+        # Scaled by chance, rounding places a side on either side of its row of nodes.
+        scale = rng.uniform(0.1, 3.0, (200, 1, 1))
+        shapes.append(on_node_lines(200, chart, rng) * scale)
+        heights.append(scale)
+        for corners, height in zip(shapes, heights, strict=True):
+            points = on_level_ground(corners, height, rng)
+            tips, exact = tips_of_rows_and_exact(points, chart, limits)
+            np.testing.assert_array_equal(tips, exact < 0.0)
+            assert 0.05 < tips.mean() < 0.95
+            robots += len(points)
+            on_axis += (np.abs(exact) < 1e-12).sum()
+    assert robots == 3 * 3500
+    # Nodes on a tip-over axis are what rounding can get wrong.
+    assert on_axis > 5000
+
+
+@pytest.mark.parametrize("path", GALLERY, ids=lambda path: path.stem)
+def test_every_node_of_a_gallery_map_has_the_exact_verdict(path: Path) -> None:
+    recipe = lutgen.load_recipe(path)
+    chart = recipe.chart
+    params = recipe.grid.params(np.arange(recipe.grid.size))
+    rows = chart.faces * chart.nodes
+    scanner = Scanner(recipe, chart, ("sdg", "tip_angle"))
+    directions = chart.directions().reshape(-1, 3)
+    for some in np.array_split(params, 1 + len(params) // 500):
+        out = np.empty((len(CHANNELS), len(some) * rows * chart.nodes), np.float32)
+        scanner.fill(some, 0, rows, out)
+        exact = lutgen.evaluate(recipe, some, directions, channels=("tip_angle",))["tip_angle"]
+        np.testing.assert_array_equal(out[TIP].reshape(exact.shape) < 0.0, exact < 0.0)
+
+
+BOX = (
+    """
+[robot]
+name = "box"
+length_unit = "m"
+[[robot.link]]
+name = "body"
+mass = 1.0
+com = [0.02, -0.01, 0.85]
+"""
+    + "".join(
+        f'[[robot.contact]]\nname = "c{i}"\nlink = "body"\nposition = [{x}, {y}, -0.1]\n'
+        for i, (x, y) in enumerate([(-0.35, -0.1), (-0.35, 0.1), (0.35, -0.1), (0.35, 0.1)])
+    )
+    + """
+[sweep]
+channels = ["sdg", "tip_angle"]
+[sweep.gravity]
+chart = "cone"
+max_tilt = 60.0
+nodes = 9
+"""
+)
+
+
+@pytest.mark.parametrize(
+    ("text", "posture", "gravity", "tip"),
+    [
+        (BOX, [], "0,0.4330127018922192,-1", -16.8),
+        (
+            start_recipe("arm"),
+            ["-p", "swing=-120", "-p", "shoulder=15", "-p", "elbow=-20"],
+            "0,-0.541265877365,-1",
+            -2.88,
+        ),
+    ],
+    ids=["box", "arm"],
+)
+def test_a_map_says_that_a_robot_tips_as_its_recipe_does(
+    tmp_path: Path, text: str, posture: list[str], gravity: str, tip: float
+) -> None:
+    recipe, stability_map = tmp_path / "robot.toml", tmp_path / "robot.h5"
+    recipe.write_text(text)
+    lutgen.sweep(lutgen.load_recipe(recipe), stability_map)
+    for source in (recipe, stability_map):
+        run = CliRunner().invoke(main, ["eval", str(source), *posture, "-g", gravity, "--json"])
+        assert run.exit_code == 3, run.output
+        assert json.loads(run.stdout)["tip_angle_deg"] == pytest.approx(tip, abs=0.1)
