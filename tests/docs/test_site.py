@@ -19,7 +19,7 @@ from tests.fixtures.places import ROOT
 
 pytestmark = pytest.mark.needs("sphinx")
 
-BUILD = "-q -W --keep-going -c docs -d build/site-work . build/site".split()
+BUILD = ["-q", "-W", "--keep-going", "-c", "docs", "-d", "build/site-work", ".", "build/site"]
 HEADERS = [ROOT / "firmware_export/runtime" / name for name in ("smap.h", "smap_control.h")]
 
 
