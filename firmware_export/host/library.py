@@ -12,7 +12,7 @@ from pathlib import Path
 from lutgen.errors import ExportError
 
 RUNTIME = Path(__file__).resolve().parent.parent / "runtime"
-LIBRARY = RUNTIME / ("_host.dll" if os.name == "nt" else "_host.so")
+NAME = "_host.dll" if os.name == "nt" else "_host.so"
 WAY_OUT = (
     "install a C compiler, then lutgen again (in a checkout `python setup.py build_ext --inplace`)."
 )
@@ -27,20 +27,21 @@ def load_library() -> ctypes.CDLL:
     ExportError
         If it was not built, or from another smap.c.
     """
-    if not LIBRARY.is_file():
+    path = RUNTIME / NAME
+    if not path.is_file():
         raise ExportError(
-            f"{RUNTIME}: the C runtime was not built for this machine (got no file {LIBRARY.name}"
+            f"{RUNTIME}: the C runtime was not built for this machine (got no file {NAME}"
             f"), so no export can be certified or read; {WAY_OUT}"
         )
     try:
-        loaded = ctypes.CDLL(str(LIBRARY))
+        loaded = ctypes.CDLL(str(path))
     except OSError as error:
-        raise ExportError(f"{LIBRARY}: cannot be loaded (got {error}); {WAY_OUT}") from error
+        raise ExportError(f"{path}: cannot be loaded (got {error}); {WAY_OUT}") from error
     loaded.smap_sources.restype = ctypes.c_char_p
     built = loaded.smap_sources().decode("ascii")
     if built != sources_digest():
         raise ExportError(
-            f"{LIBRARY}: was built from other files than those beside it (got the digest "
+            f"{path}: was built from other files than those beside it (got the digest "
             f"{built[:12]}); {WAY_OUT}"
         )
     return loaded

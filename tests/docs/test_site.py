@@ -75,8 +75,7 @@ def test_every_public_name_of_python_is_in_the_reference(site: Path) -> None:
 def test_every_command_and_every_option_is_in_the_reference(site: Path) -> None:
     wanted = set()
     for name, command in main.commands.items():
-        context = click.Context(command, info_name=name, help_option_names=["-h", "--help"])
-        for param in command.get_params(context):
+        for param in command.params:
             if isinstance(param, click.Option):
                 flags = (*param.opts, *param.secondary_opts)
                 wanted |= {f"lutgen-{name}.{flag}" for flag in flags}
@@ -129,7 +128,6 @@ def test_every_term_of_the_glossary_can_be_looked_up(site: Path) -> None:
 def test_the_site_shows_what_the_notebooks_gave(site: Path) -> None:
     for notebook in ROOT.glob("docs/notebooks/*.ipynb"):
         page = (site / "docs/notebooks" / f"{notebook.stem}.html").read_text(encoding="utf-8")
-        assert "cell_output" in page
-        assert page.count("<img") > 1, "it has a figure"
+        assert re.search(r'<img[^>]+src="../../_images/[0-9a-f]+\.png"', page), "it has a figure"
         assert '"outputs": []' in notebook.read_text(encoding="utf-8")
         assert not re.search(r'"outputs": \[[^\]]', notebook.read_text(encoding="utf-8"))
