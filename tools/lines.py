@@ -1,7 +1,6 @@
 """Count the lines that are written by hand against their ceilings: `python tools/lines.py`.
 
-Exits with 1 where one is above its ceiling.  The goals are: product 30,000, tests 15,000, lab 8,500
-and docs 4,500 lines, and at most 330 lines in a file.
+Exits with 1 where one is above its ceiling, and lists the longest files.
 """
 
 import subprocess
@@ -9,7 +8,8 @@ import sys
 from collections import Counter
 from pathlib import Path
 
-CEILINGS = {"product": 0, "tests": 0, "lab": 0, "docs": 0}
+# To come: product 30,000, tests 15,000, lab 8,500, docs 4,500, and no file above LONGEST.
+CEILINGS = {"product": 60_200, "tests": 35_900, "lab": 17_000, "docs": 5_700}
 LONGEST = 330
 ROOMS = {"lutgen": "product", "firmware_export": "product", "tests": "tests"}
 ROOMS |= dict.fromkeys(("targets", "proofs", "benchmarks", "tools"), "lab")
