@@ -23,12 +23,6 @@ class Case(NamedTuple):
     contacts: int
 
 
-CASES = (
-    Case("ground", 3),
-    *(Case(stance, contacts) for contacts in (4, 6, 8) for stance in ("inside", "ground")),
-)
-
-
 def wobble(points: NDArray[np.float64], postures: int, amount: float) -> NDArray[np.float64]:
     """Return (postures, n, 3) copies of points (n, 3), each coordinate moved by up to `amount`."""
     side = max(math.isqrt(postures), 1)
@@ -55,13 +49,8 @@ def points_of(case: Case) -> NDArray[np.float64]:
     if case.stance == "ground":
         angle = 2.0 * math.pi * np.arange(case.contacts) / case.contacts + 0.3
         return np.stack([np.cos(angle), np.sin(angle), np.full(case.contacts, -0.6)], axis=1)
-    corners = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
-    if case.contacts == 4:
-        return corners[[0, 3, 5, 6]]
-    if case.contacts == 6:
-        return np.concatenate([np.eye(3), -np.eye(3)])
     if case.contacts == 8:
-        return corners
+        return np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
     return evenly_spread(case.contacts)
 
 

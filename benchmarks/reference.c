@@ -2,7 +2,7 @@
  * Copyright (c) The lutgen authors */
 /* |SD_g| of many postures in many directions, written as one would: for every direction the facet
  * whose plane the ray pierces first, its walls, a square root and a division.  The arrays are
- * those of planes.py. */
+ * those of references.py. */
 #include <math.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -14,13 +14,13 @@ static double dot(const double *a, const double *b)
 
 void stability_factor(const double *facets, size_t most_facets, const double *walls,
                       size_t most_walls, const int64_t *first, const int64_t *counts,
-                      size_t begin, size_t end, const double *directions, size_t count, float *out)
+                      size_t postures, const double *directions, size_t count, float *out)
 {
-    for (size_t m = begin; m < end; m++) {
+    for (size_t m = 0; m < postures; m++) {
         const double *facet = facets + 9 * most_facets * m;
         const double *wall = walls + 3 * most_walls * m;
         const int64_t *start = first + (most_facets + 1) * m;
-        const int64_t held = counts[2 * m];
+        const int64_t held = counts[m];
         for (size_t i = 0; i < count; i++) {
             const double *g = directions + 3 * i;
             double nearest = 0.0;

@@ -10,7 +10,6 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 
 from firmware_export.truth.model import Model
@@ -27,8 +26,6 @@ CUBIC_NODES = ((4, 6, 9, 13), (6, 9, 13, 17, 25))
 ZFP_NODES = ((5, 7, 9, 13), (9, 13, 17, 25))
 # In the length unit; paper_two's |SD_g| has a range of 22.
 ZFP_TOLERANCES = tuple(2.0**n for n in range(-4, 7))
-DEGREES = (3, 4, 5, 6, 7)
-LAWSON_ROUNDS = 8
 
 
 class Points(NamedTuple):
@@ -187,53 +184,6 @@ def zfp(model: Model, points: Points) -> dict[str, list[Result]]:
             size = sum(len(one) for one in packed)
             found.append(Result(size, off, f"{q}x{q}x{g}x{g} to {tolerance:g}"))
     return {"zfp of the two components, fixed accuracy": found}
-
-
-def _basis(place: Floats, degree: int) -> Floats:
-    """Return the Chebyshev products (n, terms) of total degree up to `degree`."""
-    tables = [chebvander(2.0 * x - 1.0, degree) for x in place.T]
-    powers = product(range(degree + 1), repeat=place.shape[1])
-    columns = [a for a in powers if sum(a) <= degree]
-    result = np.ones((len(place), len(columns)))
-    for j, a in enumerate(columns):
-        for table, n in zip(tables, a, strict=True):
-            if n:
-                result[:, j] *= table[:, n]
-    return result
-
-
-def polynomials(
-    points: Points, fit_points: Points, fit_components: Floats
-) -> dict[str, list[Result]]:
-    """Measure total-degree Chebyshev polynomials of the components, int16, minimax on standing.
-
-    Fitted to other points than those that they are measured on, by Lawson's reweighting.
-    """
-    found = []
-    for degree in DEGREES:
-        basis = _basis(fit_points.place, degree)
-        weight = np.ones(len(basis))
-        best: tuple[float, Floats] | None = None
-        for _ in range(LAWSON_ROUNDS):
-            scaled = basis * weight[:, None]
-            solution = np.linalg.solve(
-                scaled.T @ basis + 1e-9 * np.eye(basis.shape[1]), scaled.T @ fit_components
-            )
-            unit = np.abs(solution).max(axis=0) / 32767.0
-            solution = np.rint(solution / unit) * unit
-            off = np.linalg.norm(basis @ solution - fit_components, axis=1)
-            if best is None or off.max() < best[0]:
-                best = off.max(), solution
-            weight *= off + 0.05 * off.max()
-            weight /= weight.mean()
-        assert best is not None
-        parts = [
-            _basis(points.place[i : i + 50_000], degree) @ best[1]
-            for i in range(0, len(points.place), 50_000)
-        ]
-        off_there = error(points, np.concatenate(parts))
-        found.append(Result(4 * basis.shape[1], off_there, f"degree {degree}"))
-    return {"Chebyshev polynomials of the two components in (q, u, v), int16": found}
 
 
 RIVALS: tuple[Callable[[Model, Points], dict[str, list[Result]]], ...] = (multilinear, cubic, zfp)

@@ -1,140 +1,74 @@
-"""Measure everything and print it: `python -m benchmarks.run [--json FILE] [--quick]`."""
-
-import os
-
-# Before NumPy is imported: one thread is what its column says.
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+"""Measure speed, print it, and with --update write it into docs/measured/benchmarks.md."""
 
 import argparse
-import json
-import sys
+import os
+import platform
+import re
 import tempfile
 import time
-from dataclasses import asdict, is_dataclass
-from math import radians
+from collections.abc import Iterator
+from datetime import date
 from pathlib import Path
-from typing import Any
+
+# Before NumPy is loaded: its column is of one thread.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numba
+import numpy as np
 
-from benchmarks import report
-from benchmarks.cases import CASES, Case
-from benchmarks.cell import NODES, Bench, Cell
-from benchmarks.directions import DIRECTIONS, measure_directions
-from benchmarks.enumeration import measure_enumeration
-from benchmarks.files import measure_file
-from benchmarks.machine import machine
-from benchmarks.postures import measure_postures
-from benchmarks.process import measure_processes
-from benchmarks.targets import verdicts
+from benchmarks import files, memory
+from benchmarks.references import COMMAND
+from benchmarks.rows import Row, table
 
-# Sphere charts of 1,014, 16,854 and 99,846 directions.
-FACE_NODES = (13, 53, 129)
-DEFAULT_LIMITS = (radians(90.0), radians(30.0))
-LIMITED_NODES = 1 << 20
-BUILD = Path("build")
+ROOT = Path(__file__).resolve().parent.parent
+PAGE = ROOT / "docs" / "measured" / "benchmarks.md"
+MARKS = re.compile(r"(<!-- run -->\n).*(<!-- end of run -->)", re.DOTALL)
 
 
-def plain(value: Any) -> Any:
-    """Return dataclasses as dictionaries, for JSON."""
-    if is_dataclass(value) and not isinstance(value, type):
-        return asdict(value)
-    raise TypeError(f"cannot write {type(value).__name__} as JSON")
-
-
-def section(title: str, text: str) -> None:
-    """Print one part of the report."""
-    print(f"\n== {title}\n{text}", flush=True)
-
-
-def measure_cells(bench: Bench, threads: tuple[int, ...]) -> list[Cell]:
-    """Measure and print the main table and the block with the default limits."""
-    cells = [
-        cell
-        for face_nodes in FACE_NODES
-        for case in CASES
-        for cell in bench.cells(case, face_nodes, threads)
-    ]
-    section(
-        "Sweep to memory, limits off: million evaluations per second (medians)\n"
-        "   large: into one output of 64 MiB per channel; reused: block after block into a buffer "
-        "of 4 MiB per channel, as for a file",
-        report.rates_table(cells),
+def machine() -> str:
+    """Return what identifies a run."""
+    known = Path("/proc/cpuinfo")
+    text = known.read_text("utf-8") if known.is_file() else ""
+    name = re.search(r"model name\s*: (.+)", text)
+    return (
+        f"{date.today()}: {os.cpu_count()} cores, {name[1] if name else platform.machine()}, load "
+        f"average {os.getloadavg()[0]:.1f} at the start; Python {platform.python_version()}, NumPy "
+        f"{np.__version__}, numba {numba.__version__}; C by `{' '.join(COMMAND[:3])}`."
     )
-    section(
-        "Ratios of median times, and agreement\n   diff: largest relative difference of sdg "
-        "(tip: absolute, rad); NaN: nodes NaN in one only",
-        report.ratios_table(cells),
-    )
-    limited = [
-        cell
-        for case in (Case("ground", 4), Case("inside", 8), Case("ground", 8))
-        for cell in bench.cells(case, 53, threads, DEFAULT_LIMITS, LIMITED_NODES)
-    ]
-    section(
-        "The same with the default limits: upright 90 deg, rock angle 30 deg; 4 MiB per channel",
-        report.rates_table(limited) + "\n\n" + report.ratios_table(limited),
-    )
-    return cells + limited
+
+
+def parts(folder: Path, nodes: int) -> Iterator[tuple[str, Iterator[Row]]]:
+    """Yield the title and the rows of each part."""
+    yield "Sweep to memory, time of an evaluation", memory.sweeps(folder, nodes)
+    yield "Support facets and region, time of a posture", memory.facets()
+    yield "`lutgen.stability`, time of a direction", memory.directions(folder)
+    yield "`lutgen.sweep` to HDF5", files.files(folder)
+    yield "What `lutgen check` foretells", files.costs(folder)
+    yield "Many postures, time of a posture", files.postures(folder)
+    yield "Processes", files.processes(folder)
 
 
 def main() -> None:
     """Run the benchmark."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.run", description=__doc__)
-    parser.add_argument("--json", type=Path, help="also write every number here")
-    parser.add_argument("--quick", action="store_true", help="an eighth of the work, noisier")
-    arguments = parser.parse_args()
+    parser.add_argument("--update", action="store_true", help=f"write {PAGE.name}")
+    parser.add_argument("--quick", action="store_true", help="an eighth of the nodes, noisier")
+    options = parser.parse_args()
     begin = time.perf_counter()
-    threads = (1, 2) if numba.config.NUMBA_NUM_THREADS >= 2 else (1,)
-    BUILD.mkdir(exist_ok=True)
-    found = machine()
-    section("Machine", "\n".join(f"{key}: {value}" for key, value in found.items()))
-    with tempfile.TemporaryDirectory(dir=BUILD, prefix="bench-") as name:
-        folder = Path(name)
-        cells = measure_cells(Bench(folder, NODES // 8 if arguments.quick else NODES), threads)
-        enumeration = measure_enumeration()
-        section(
-            "Support facets: microseconds per posture, 1 thread; share of facets and region in a "
-            "sweep of sdg over 1,014 directions",
-            report.enumeration_table(enumeration),
-        )
-        postures = [measure_postures(folder, 4, t) for t in threads]
-        postures.append(measure_postures(folder, 8, threads[-1]))
-        section(
-            "One direction, 1,000 x 1,000 postures, sdg + tip_angle; shares of the time to memory",
-            report.postures_table(postures),
-        )
-        directions = [measure_directions(folder, t) for t in threads]
-        section(
-            f"One posture of 4 feet, {DIRECTIONS:,} directions: ns of `lutgen.stability`, best\n"
-            "   two: sdg + tip_angle; three: tip_angle + margin + energy_margin; four: all of them",
-            report.directions_table(directions),
-        )
-        files = [
-            *(measure_file(folder, 4, ("sdg",), t) for t in threads),
-            *(measure_file(folder, 4, ("sdg", "tip_angle"), t) for t in threads),
-        ]
-        section("`lutgen.sweep` to HDF5 against raw writing, medians", report.files_table(files))
-        section("Where the time of one such sweep goes", report.stages_table(files))
-        processes = measure_processes(folder)
-    section("Processes", report.processes_text(processes))
-    judged = verdicts(cells, files, processes, directions)
-    section("Targets (worst case of each)", "\n".join(verdict.line() for verdict in judged))
-    seconds = time.perf_counter() - begin
-    print(f"\ntook {seconds:.0f} s", file=sys.stderr)
-    if arguments.json:
-        every = {
-            "machine": found,
-            "cells": cells,
-            "enumeration": enumeration,
-            "postures": postures,
-            "directions": directions,
-            "files": files,
-            "processes": processes,
-            "targets": [{**v._asdict(), "reached": v.reached} for v in judged],
-            "seconds": seconds,
-        }
-        arguments.json.write_text(json.dumps(every, default=plain, indent=1) + "\n", "utf-8")
+    (ROOT / "build").mkdir(exist_ok=True)
+    said = [machine()]
+    print(said[0], flush=True)
+    with tempfile.TemporaryDirectory(dir=ROOT / "build", prefix="bench-") as name:
+        nodes = memory.NODES // 8 if options.quick else memory.NODES
+        for title, rows in parts(Path(name), nodes):
+            numba.set_num_threads(numba.config.NUMBA_NUM_THREADS)
+            said.append(f"### {title}\n\n{table(rows)}")
+            print(f"\n{said[-1]}", flush=True)
+    print(f"\ntook {time.perf_counter() - begin:.0f} s")
+    if options.update:
+        text = "\n\n".join(said)
+        page = MARKS.sub(lambda found: f"{found[1]}{text}\n{found[2]}", PAGE.read_text("utf-8"))
+        PAGE.write_text(page, "utf-8")
 
 
 if __name__ == "__main__":

@@ -5,14 +5,14 @@ Owns where the library is and that it was built from the files beside it; see ru
 
 import ctypes
 import hashlib
+import os
 from functools import cache
-from importlib.machinery import EXTENSION_SUFFIXES
 from pathlib import Path
 
 from lutgen.errors import ExportError
 
 RUNTIME = Path(__file__).resolve().parent.parent / "runtime"
-STEM = "_host"
+NAME = "_host.dll" if os.name == "nt" else "_host.so"
 WAY_OUT = (
     "install a C compiler, then lutgen again (in a checkout `python setup.py build_ext --inplace`)."
 )
@@ -27,12 +27,11 @@ def load_library() -> ctypes.CDLL:
     ExportError
         If it was not built, or from another smap.c.
     """
-    found = [RUNTIME / f"{STEM}{suffix}" for suffix in EXTENSION_SUFFIXES]
-    path = next((path for path in found if path.is_file()), None)
-    if path is None:
+    path = RUNTIME / NAME
+    if not path.is_file():
         raise ExportError(
-            f"{RUNTIME}: the C runtime was not built for this machine (got no file {STEM}"
-            f"{EXTENSION_SUFFIXES[0]}), so no export can be certified or read; {WAY_OUT}"
+            f"{RUNTIME}: the C runtime was not built for this machine (got no file {NAME}"
+            f"), so no export can be certified or read; {WAY_OUT}"
         )
     try:
         loaded = ctypes.CDLL(str(path))

@@ -1,12 +1,10 @@
 """The wheel, installed where no checkout is: what it brings, and what a type checker sees of it."""
 
-import json
 import os
 import re
 import shutil
 import subprocess
 import sys
-import tomllib
 import venv
 import zipfile
 from pathlib import Path
@@ -36,7 +34,7 @@ def python(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for recipe in MAPS.glob("*.toml"):
         shutil.copy(recipe, source / "maps")
     subprocess.run([sys.executable, "-c", BUILD], cwd=source, capture_output=True, check=True)
-    (wheel,) = (source / "dist").glob("*.whl")
+    (wheel,) = (source / "dist").glob("*-py3-none-*.whl")
     place = tmp_path_factory.mktemp("environment")
     venv.create(place, symlinks=True)
     (site,) = place.glob("lib/python*/site-packages")
@@ -62,22 +60,6 @@ def test_the_wheel_runs_as_a_module_without_the_checkout(python: Path, tmp_path:
     assert Path(where).is_relative_to(python.parents[1])
     said = run(python, tmp_path, "-m", "lutgen", "--version")
     assert said == f"lutgen, version {lutgen.__version__}\n"
-
-
-def test_the_wheel_says_what_is_in_it_and_what_it_needs(python: Path) -> None:
-    (bill,) = python.parents[1].glob("lib/python*/site-packages/*.dist-info/sboms/*.cdx.json")
-    document = json.loads(bill.read_text("utf-8"))
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
-    needs = {
-        part["properties"][0]["value"]: part["name"]
-        for part in document["components"]
-        if "properties" in part
-    }
-    # A requirement may be written with its bounds in another order.
-    assert {need.partition("<")[0].partition(">")[0] for need in needs} == set(needs.values())
-    assert set(needs.values()) == {need.partition(">")[0] for need in project["dependencies"]}
-    assert [part["name"] for part in document["components"] if "hashes" in part] == ["smap"]
-    assert document["metadata"]["component"]["version"] == lutgen.__version__
 
 
 # Prints the digest of each recipe of the gallery, as the package finds it.
