@@ -1,6 +1,6 @@
 # Every command of the project; `make help` lists them.
 # `maps` is also a folder, so without this line make would call it up to date.
-.PHONY: help venv maps paper explorer engine exports size firmware cmsis verify fuzz hostile physics
+.PHONY: help venv maps paper explorer engine exports size firmware cmsis verify prove fuzz hostile physics
 .PHONY: robots compare test check docs bench soak control lock oldest dist bill clean
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -94,6 +94,9 @@ size: $(EXPORTS) ## measure flash, RAM and stack on a Cortex-M4 (arm-none-eabi-g
 
 verify: $(EXPORTS) ## prove the C runtime (fifteen minutes, SAMPLE=1: three; docs/measured/c-runtime.md)
 	$(BIN)/python -m proofs.run $(if $(SAMPLE),--sample)
+
+prove: .venv/.installed ## prove that exports on three points are never falsely safe (a minute or two)
+	$(BIN)/python -m proofs.prove
 
 fuzz: SECONDS ?= 600
 fuzz: $(EXPORTS) ## fuzz the exports for SECONDS=600 in all

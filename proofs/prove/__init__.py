@@ -1,4 +1,1 @@
-"""Proofs that an export on three contact points is never falsely safe, in ball arithmetic (Arb).
-
-In reading order: `balls`, `motion`, `held`, `cell`, `search`.
-"""
+"""Proofs that exports on three points are never falsely safe: balls, motion, held, cell, search."""

@@ -46,8 +46,9 @@ def prove(recipe: Recipe, blob: bytes, integer: bool) -> Proof:
     if recipe.python is not None:
         raise CannotProveError("the robot is given by code: nothing is known of it but values")
     map_ = Map(blob, integer)
-    if sorted(map_.order) != [0, 1, 2] or len(recipe.contacts) != 3:
-        raise CannotProveError("the map has not the recipe's three contacts")
+    held = (sorted(map_.order), len(map_.low))
+    if held != (list(range(len(recipe.contacts))), len(recipe.parameters)):
+        raise CannotProveError("the map has not the recipe's contacts or parameters")
     for at, parameter in enumerate(recipe.parameters):
         ends = (map_.low[at] - parameter.minimum, map_.high[at] - parameter.maximum)
         if max(map(abs, ends)) > map_.hair[at]:

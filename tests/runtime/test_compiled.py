@@ -129,7 +129,7 @@ def test_a_fault_of_the_code_is_an_error_of_the_driver(folder: Path, tmp_path: P
 
 
 def test_two_exports_of_one_name_do_not_mix(folder: Path, tmp_path: Path) -> None:
-    package.write(tripod_export("feet", codec="contacts"), tmp_path / "feet")
+    package.write(tripod_export("feet", codec="grid"), tmp_path / "feet")
     one, other = HostLibrary(folder), HostLibrary(tmp_path / "feet")
     point = ([[0.31, 0.2]], [[0.1, 0.1, -1.0]])
     first, second = one.read(*point)[1], other.read(*point)[1]
