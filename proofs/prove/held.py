@@ -187,7 +187,8 @@ class Tables:
             parts.append(part - here.constant(arb(cell[-1])))
         found = []
         for column in range(3):
-            near = codes[(*(slice(at, at + 2) for at in cell), column)]
+            corner: Any = (*(slice(at, at + 2) for at in cell), column)
+            near = codes[corner]
             values = [here.constant(arb(int(one))) for one in near.ravel()]
             # Along one axis after the other, the last first: differences, so that nothing cancels.
             for part in reversed(parts):
