@@ -115,7 +115,7 @@ def test_tables_are_refused_by_a_runtime_of_another_version(
     )
     done = build(tmp_path / "copy", *C99, sources=("feet.c",))
     assert done.returncode != 0
-    assert re.search(r'#error "smooth needs smap.h of version \d+', done.stderr)
+    assert re.search(r'#error "feet needs smap.h of version \d+', done.stderr)
 
 
 @pytest.mark.needs("avr-gcc")
