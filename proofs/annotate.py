@@ -195,11 +195,6 @@ MUTANTS = {
         "one coordinate more is written", "i < at.coordinates; i++", "i <= at.coordinates; i++"
     ),
     "series": Mutant("one polynomial more is written", "n < degree; n++", "n <= degree; n++"),
-    "poly": Mutant(
-        "one term more is summed",
-        "term < shape[params]; term++",
-        "term <= shape[params]; term++",
-    ),
     "tables": Mutant(
         "the last cell of an axis is one further", "(uint32_t)last - 1u", "(uint32_t)last"
     ),

@@ -3,8 +3,8 @@
 import shutil
 from pathlib import Path
 
-from firmware_export.prove import ARCSINE, FURTHEST, NEAREST, SINE, SINE_NEAR
 from proofs.parts import place
+from proofs.prove.rounding import ARCSINE, FURTHEST, NEAREST, SINE, SINE_NEAR
 from proofs.tools import FAILED, OK, Clock, Result, run
 
 __all__ = ["PROOFS", "prove"]

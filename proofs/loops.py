@@ -30,7 +30,6 @@ CHECKED = {
     "i = 0; i < parts; i++": "2 tables",
     "i = 0; i < rails; i++": "rails",
     "i = 0; i < SMAP_MANY_SINGLES; i = (uint8_t)(i + 4)": "10 numbers",
-    "i = 0; i < 2 * params; i++": "2 x params",
     "k = 0; k < at[0]; k++": "dims",
     "nodes = 0; body[4] && nodes < 3u * total; nodes++": BLOB,
     "smap_crc: i = 0; i < count; i++": BLOB,

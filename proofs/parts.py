@@ -9,10 +9,7 @@ __all__ = ["PROGRAMS", "place", "program_text", "runtime_parts"]
 
 # Program: its switches.
 PROGRAMS: dict[str, tuple[str, ...]] = {
-    "three": (
-        *("SMAP_POINTS", "SMAP_SERIES", "SMAP_POLY", "SMAP_TABLES"),
-        *("SMAP_FLOATS", "SMAP_INTEGERS"),
-    ),
+    "three": ("SMAP_POINTS", "SMAP_SERIES", "SMAP_TABLES", "SMAP_FLOATS", "SMAP_INTEGERS"),
     "three_i": ("SMAP_TABLES", "SMAP_INTEGERS"),
     "grid_f": ("SMAP_GRID", "SMAP_LENGTHS", "SMAP_FLOATS"),
     "grid_w": ("SMAP_GRID", "SMAP_LENGTHS", "SMAP_INTEGERS"),

@@ -43,7 +43,6 @@ SMALL: dict[str, Callable[[str], Export]] = {
     "grid_sphere_float": partial(_over_gravity, "float", "sphere"),
     "grid_sphere_integer": partial(_over_gravity, "integer", "sphere"),
     "grid_cells": lambda name: of_robot(parse_recipe(CAR), name, "grid", "integer", VERDICT),
-    "poly_cone": lambda name: tripod_export(name, codec="poly"),
     "four_wheels": rover_export,
     "legs_by_code": partial(coded_export, robot="legs"),
     "wheels_by_code": partial(coded_export, robot="wheels"),
@@ -59,7 +58,7 @@ MAPPED = (
 class Subject:
     """An export: its C name, its folder, and what decides how it is proved.
 
-    `kind` is the part that makes its postures: "points", "series" (points given by code), "poly",
+    `kind` is the part that makes its postures: "points", "series" (points given by code),
     "tables", "grid" (without floats "tables whole", "grid whole"), "rails" or "search"; `forms`
     are those of a pose that it has, in C.
     """
@@ -90,7 +89,6 @@ class Subject:
 # The part that makes postures, by its switch.
 KINDS = {
     "SMAP_POINTS": "points",
-    "SMAP_POLY": "poly",
     "SMAP_TABLES": "tables",
     "SMAP_GRID": "grid",
     "SMAP_MANY_BY_RAILS": "rails",

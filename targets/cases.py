@@ -17,7 +17,6 @@ from firmware_export.codecs import CODECS, usable
 from firmware_export.emit import package, report
 from firmware_export.emit.runtime import features, runtime_text
 from firmware_export.emit.source import body_of, source_text
-from firmware_export.exporter import proved
 from firmware_export.protocol.exported import Export
 from firmware_export.truth.model import Model
 from lutgen.errors import ExportError
@@ -98,7 +97,6 @@ channels = ["tip_angle"]
 LENGTHS = {"sdg": (9, 9, 11, 11), "height": (7, 7, 9, 9)}
 # Sizes of docs/measured/exports.md.
 VERDICT = "grid u8 tree 400"
-POLY = "poly 0x2 2x0 0x0"
 GRIDS = {"float": "grid i16 1x8 9x1 1x1", "integer": "grid i16 1x10 11x1 1x1"}
 
 
@@ -160,8 +158,7 @@ def of_robot(
     one = usable(model, arithmetic, kind)[0]
     size = one.read_label(label) if label else one.sizes(model, channels, arithmetic)[0]
     tables = encoded(model, kind, channels, size)
-    # With the guard that its proof needs, as `lutgen export` has it.
-    return proved(Export(name, model.recipe, model, kind, arithmetic, channels, tables))
+    return Export(name, model.recipe, model, kind, arithmetic, channels, tables)
 
 
 def of_noise(
@@ -189,8 +186,6 @@ def cases() -> list[Case]:
     legs = partial(of_robot, quadruped(), "quadruped", "contacts")
     rows.append(Case("quadruped", legs, None, WITHOUT["quadruped"]))
     folder = MAPS / "paper_two" / "firmware"
-    poly = partial(of_recipe, "paper_two", "poly", "float", POLY)
-    rows.append(Case("paper_two_poly", poly, folder))
     for arithmetic in ("float", "integer"):
         make = partial(of_recipe, "paper_two", "grid", arithmetic, GRIDS[arithmetic])
         rows.append(Case(f"paper_two_grid_{arithmetic}", make, folder))

@@ -13,7 +13,6 @@ BOARD = "m4f"
 # Rows of the baseline, and what heads their columns.
 COLUMNS = {
     "paper_two": "`contacts`",
-    "paper_two_poly": "`poly`",
     "paper_two_grid_float": "`grid`, floats",
     "paper_two_grid_integer": "`grid`, integers",
     "absolem": "`absolem`, `contacts`",

@@ -76,9 +76,6 @@ def shape_of(export: Export) -> Shape:
         return Shape(k, dims=dims, nodes=nodes, levels=tables.trees.levels)
     if "SMAP_TABLES" in macros:
         return Shape(k, dims=max(len(one.axes) for one in export.tables.points))
-    if "SMAP_POLY" in macros:
-        shape = next(array.numbers for array in body.arrays if array.name == "shape")
-        return Shape(k, terms=int(np.asarray(shape).reshape(3, k + 1)[:, k].max()))
     terms: Any = export.tables.terms
     return Shape(
         k,
@@ -166,7 +163,6 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "i = 0; i < 2; i++": TWICE,
     **{f"{i} = 0; {i} < 3; {i}++": THREE for i in ("i", "k", "n", "c")},
     "i = 1; i < 3; i++": THREE,
-    "i = 0; i < 9; i = (uint8_t)(i + 3)": THREE,
     "i = 0; i < 9; i++": _plain("9 coordinates", 9),
     # parameters and positions
     "i = 0; i < count; i++": ("parameters, or contacts", lambda s: max(s.params, s.contacts)),
@@ -182,14 +178,12 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "i = 0; i < at.coordinates; i++": _of("coordinates"),
     "k = 0; k < count; k++, term++": _of("terms"),
     "i = 0; i < 3 * at.contacts; i = (uint16_t)(i + 3)": CONTACTS,
-    "term = 0; term < shape[params]; term++": _of("terms"),
     # series
     "i = 0; i < groups; i++": _of("groups"),
     "n = 1; n < pieces && q[j] >= smap_f32(knots + SMAP_KNOT_BYTES * n); n++": _of("pieces"),
     "n = 0; n < degree; n++": _of("degree"),
     "pair = at->products; pair < at->entries; pair += 2": _of("products"),
     "k = 0; k < from[2 + c]; k++, term++": _of("terms"),
-    "j = 0; j < 3; j++, codes += 2": THREE,
     # tables
     "; most >> shift > 32767u; shift++": _plain("17 shifts", 17),
     "k = 0; k < axes; k++": DIMS,

@@ -53,7 +53,6 @@ MANY["SMAP_MANY_SEARCH"] = (4, 0, 1, 3, 7, 3, 18, 20, 2)
 GAPS = ("SMAP_MANY_GAPS", "SMAP_FLOATS", "SMAP_INTEGERS")
 SETS = (
     ("SMAP_POINTS", "SMAP_FLOATS", "SMAP_INTEGERS"),
-    ("SMAP_POLY", "SMAP_FLOATS", "SMAP_INTEGERS"),
     ("SMAP_TABLES", "SMAP_FLOATS", "SMAP_INTEGERS"),
     ("SMAP_TABLES", "SMAP_INTEGERS"),
     ("SMAP_MANY", "SMAP_MANY_BY_RAILS", *GAPS),
@@ -70,7 +69,6 @@ SETS = (
 )
 TITLES = (
     "`contacts`, three points",
-    "`poly`",
     "`grid` of three points, floats too",
     "`grid` of three points, integers",
     "`contacts` on rails",

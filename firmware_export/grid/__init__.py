@@ -1,6 +1,6 @@
 """Tables of the codec `grid`: trees, and multilinear tables over the parameters and the chart.
 
-In reading order: `spec`, `tables`, `lattice`, `fit`, `codec`, `points`, `lookup`.
+In reading order: `spec`, `tables`, `lattice`, `fit`, `codec`, `points`, `across`, `lookup`.
 """
 
 from firmware_export.grid.codec import blank, length_table, too_large

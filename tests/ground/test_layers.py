@@ -13,8 +13,8 @@ from tests.fixtures.places import ROOT
 ORDER = {
     "lutgen": "errors _version bounds files cache interrupts jit vector rotation grid bracket "
     "chart parts quantities urdf recipe support channels mapping analysis search plot paper cli",
-    "firmware_export": "quantity host truth protocol prove contacts grid verdict codecs emit "
-    "certify choose exporter device proved control explore",
+    "firmware_export": "quantity host truth protocol contacts grid verdict codecs emit "
+    "certify choose exporter device control explore",
 }
 # Distinct imports from one room to another, and the longest chain of them, at most.
 MOST_ARROWS = {"lutgen": 100, "firmware_export": 51}

@@ -18,7 +18,7 @@ SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g",
 @pytest.fixture(scope="module")
 def export() -> Export:
     """Return a small export."""
-    return tripod_export("feet", codec="poly")
+    return tripod_export("feet")
 
 
 @pytest.fixture(scope="module")
@@ -117,7 +117,7 @@ def test_a_program_with_sanitizers_answers_the_same_and_finds_no_fault(
 
 
 def test_a_fault_of_the_code_is_an_error_of_the_driver(folder: Path, tmp_path: Path) -> None:
-    package.write(tripod_export("feet", codec="poly"), tmp_path / "feet")
+    package.write(tripod_export("feet"), tmp_path / "feet")
     source = tmp_path / "feet" / "feet.c"
     text = source.read_text()
     # Room for one parameter less than the map has: the runtime then writes beyond its array.
@@ -129,7 +129,7 @@ def test_a_fault_of_the_code_is_an_error_of_the_driver(folder: Path, tmp_path: P
 
 
 def test_two_exports_of_one_name_do_not_mix(folder: Path, tmp_path: Path) -> None:
-    package.write(tripod_export("feet", codec="contacts"), tmp_path / "feet")
+    package.write(tripod_export("feet", codec="grid"), tmp_path / "feet")
     one, other = HostLibrary(folder), HostLibrary(tmp_path / "feet")
     point = ([[0.31, 0.2]], [[0.1, 0.1, -1.0]])
     first, second = one.read(*point)[1], other.read(*point)[1]

@@ -33,7 +33,6 @@ CASES = {
     "three_leg_sphere": part(300_000),
     "absolem": part(40_000),
     "articulated": part(20_000),
-    "poly_cone": part(300_000),
     "legs_by_code": part(100_000),
     "wheels_by_code": part(20_000),
     "tables_float": part(300_000),
@@ -144,5 +143,5 @@ def test_arcsine_is_right_to_3e_7_and_odd(tmp_path: Path) -> None:
 def test_the_cases_are_of_every_codec_and_both_kinds_of_arithmetic() -> None:
     seen = {(export_of(name).codec, export_of(name).arithmetic) for name in (*CASES, *WHOLE)}
     assert seen == {
-        *(("contacts", "float"), ("poly", "float"), ("grid", "float"), ("grid", "integer")),
+        *(("contacts", "float"), ("grid", "float"), ("grid", "integer")),
     }

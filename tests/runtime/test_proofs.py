@@ -25,7 +25,6 @@ ALL = "\n".join(text for _, text in sorted(PARTS.items()))
 ON = {
     "points": ("SMAP_POINTS", "SMAP_FLOATS", "SMAP_INTEGERS"),
     "series": ("SMAP_POINTS", "SMAP_SERIES", "SMAP_FLOATS", "SMAP_INTEGERS"),
-    "poly": ("SMAP_POLY", "SMAP_FLOATS", "SMAP_INTEGERS"),
     "tables": ("SMAP_TABLES", "SMAP_FLOATS", "SMAP_INTEGERS"),
     "tables whole": ("SMAP_TABLES", "SMAP_INTEGERS"),
     "grid": ("SMAP_GRID", "SMAP_LENGTHS", "SMAP_FLOATS"),
@@ -232,9 +231,9 @@ def test_eva_proves_four_rigid_wheels_and_finds_one_segment_too_many(tmp_path: P
 
 @pytest.mark.needs("frama-c", "gcc")
 def test_eva_proves_a_small_export_and_finds_its_seeded_fault(tmp_path: Path) -> None:
-    package.write(SMALL["poly_cone"]("feet"), tmp_path / "feet")
+    package.write(SMALL["tables_float"]("feet"), tmp_path / "feet")
     subject = read_subject(tmp_path / "feet")
-    assert (subject.kind, subject.params, subject.integer) == ("poly", 2, False)
+    assert (subject.kind, subject.params, subject.integer) == ("tables", 2, False)
     proof = eva.prove(subject, tmp_path, PATIENCE)
     assert proof.state == OK, proof.text
     fault = eva.prove_fault_is_found(subject, tmp_path, PATIENCE)
@@ -279,7 +278,7 @@ def test_what_is_tried_everywhere_finds_a_fault(
 @pytest.fixture(scope="module")
 def feet(tmp_path_factory: pytest.TempPathFactory) -> Subject:
     folder = tmp_path_factory.mktemp("fuzz") / "feet"
-    package.write(tripod_export("feet", codec="poly"), folder)
+    package.write(tripod_export("feet"), folder)
     return read_subject(folder)
 
 

@@ -1,0 +1,1 @@
+"""Proofs that exports on three points are never falsely safe: balls, motion, held, cell, search."""
