@@ -22,7 +22,7 @@ EXPORTS := $(NAMES:%=build/maps/%/firmware.stamp)
 vpath %.toml maps build/maps
 SOURCES := $(shell find lutgen -name '*.py')
 EXPORTER := $(shell find firmware_export -name '*.py' -o -path '*/runtime/*' -not -name '*.so')
-PAGES := $(wildcard firmware_export/explore/built/* firmware_export/explore/web/page.*)
+PAGES := $(wildcard firmware_export/explore/*/*)
 UV := $(shell command -v uv 2>/dev/null)
 VENV := $(if $(UV),uv venv --quiet --allow-existing --python '>=3.11',$(PYTHON) -m venv) .venv
 INSTALL := $(if $(UV),uv pip install --quiet --python $(BIN)/python,$(BIN)/python -m pip install -qq --no-compile) -e
@@ -59,8 +59,8 @@ docs: .venv/.docs ## build the site of the documents into build/site (the explor
 
 explorer: $(NAMES:%=build/explorer/%.html) ## write a page for every robot of maps/ into build/explorer
 
-engine: ## rebuild the scripts and the WebAssembly of those pages (clang, wasm-ld, node, npm)
-	$(PYTHON) tools/explorer.py
+engine: ## compile the runtime to the WebAssembly of those pages (clang, wasm-ld)
+	$(PYTHON) tools/engine.py
 
 physics: .venv/.physics ## judge the verdicts by a physics engine (docs/measured: physics, judged, steady; ten minutes, SAMPLE=1: two)
 	$(BIN)/python -m proofs.physics.agreement $(if $(SAMPLE),--cases 60)
