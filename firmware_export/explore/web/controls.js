@@ -33,7 +33,8 @@ class Controls {
     this.joints = scene.parameters.map((p, i) => {
       const [low, high] = [p.min / p.unit, p.max / p.unit], step = (high - low) / 1000;
       const has = { label: plain(p.name), low, high, step, unit: p.sign.trim() };
-      return row(find("#joints"), `joint-${i}`, has, (x) => state.setJoint(i, x * p.unit));
+      return row(find("#joints"), `joint-${i}`, has, (x) =>
+        state.set({ q: state.now.q.with(i, x * p.unit) }));
     });
     const gravity = find("#gravity"), turn = (name, low, high) =>
       row(gravity, name, { label: name, low, high, step: 0.1, unit: "°" },

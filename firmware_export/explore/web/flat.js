@@ -79,8 +79,9 @@ class Sheet extends Flat {
         places.push(...this.row(now, size, row));
         yield;
       }
-      const value = (one) => (one && (one.status === 0 || one.status === 4) ? one[this.channel(now)] : 0);
-      const most = Math.max(...places.map(value).filter((x) => x < 3.14159 || now.what === "sdg"));
+      const channel = this.channel(now), ends = (x) => channel === "sdg" || x < 3.14159;
+      const values = places.filter((one) => one && stands(one)).map((one) => one[channel]);
+      const most = Math.max(0, ...values.filter(ends));
       this.data = { places, size, now, top: niceTop(most * this.factor(now)) };
       this.picture = null;
       this.dirty = true;
@@ -162,7 +163,8 @@ class Disc extends Sheet {
 
   paint() {
     this.fit();
-    const r = Math.max(20, Math.min(this.w / 2 - 16, this.h / 2 - 27)), cx = this.w / 2, cy = r + 16;
+    const r = Math.max(20, Math.min(this.w / 2 - 16, this.h / 2 - 27));
+    const cx = this.w / 2, cy = r + 16;
     const { data, rim } = this, { last, colours } = this.app;
     this.box = { cx, cy, r };
     if (data) {
@@ -187,8 +189,9 @@ class Disc extends Sheet {
     last.pose.segments.forEach(({ start, stop, over }) => {
       const least = over.every((contact, k) => contact === last.over[k]);
       const parts = Math.max(2, Math.ceil(start.distanceTo(stop) * 24));
-      const points = Array.from({ length: parts + 1 }, (_, k) => start.clone().lerp(stop, k / parts));
-      const seen = points.filter((g) => Math.hypot(...toDisc(g, rim)) <= 1.001);
+      const points = Array.from({ length: parts + 1 }, (_, k) => k / parts);
+      const seen = points.map((part) => start.clone().lerp(stop, part))
+        .filter((g) => Math.hypot(...toDisc(g, rim)) <= 1.001);
       this.line(seen.map(place), least ? colours.least : colours.ink, least ? 3 : 1.6);
     });
     const [x, y] = toDisc(last.g, rim), far = Math.max(1, Math.hypot(x, y));

@@ -26,7 +26,7 @@ function fromDisc(x, y, rim) {
   return tilted(2 * Math.asin(r), Math.atan2(-x, y));
 }
 
-// A vector after the least rotation that takes the z axis to `up`; upside down, the half turn about x.
+// A vector after the least rotation that takes z to `up`; upside down, the half turn about x.
 function turned(up, x) {
   if (up.z < 1e-12 - 1) return new Vector3(x.x, -x.y, -x.z);
   return x.clone().applyQuaternion(new Quaternion().setFromUnitVectors(Z, up));

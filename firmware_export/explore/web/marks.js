@@ -46,9 +46,10 @@ class Marks extends THREE.Group {
       this.patch(back, facet === here ? "polygon" : "rest", facet === here ? 3 : 1);
     });
     edges.filter(({ part }) => part <= 1).forEach(({ start, stop, facet, contacts: [i, j] }) => {
-      const back = edges.find(({ contacts: [a, b], facet: far }) => a === j && b === i && far !== facet);
-      const far = back && [back.start, start, back.start, back.stop];
-      if (back) this.patch([start, stop, ...far], "gap", 2);
+      const back = edges.find(({ contacts, facet: far }) =>
+        contacts[0] === j && contacts[1] === i && far !== facet);
+      if (!back) return;
+      this.patch([start, stop, back.start, start, back.start, back.stop], "gap", 2);
     });
     // Of an edge that a gap holds from some part on, what is before that is an axis all the same.
     edges.filter(({ kind, part }) => kind === REST && part > 0).forEach((edge) => {
@@ -60,8 +61,8 @@ class Marks extends THREE.Group {
     const reach = here ? 1 / here.plane.dot(g) : Infinity, near = reach < 2 * size;
     const tip = g.clone().multiplyScalar(near ? reach : 1.3 * size);
     span(this.put(BAR, "ink", 6), new Vector3(), tip, 0.005 * size);
-    const head = moved(this.put(shapes.head, "ink", 6), tip.clone().addScaledVector(g, -0.03 * size));
-    head.quaternion.setFromUnitVectors(UP, g);
+    const head = this.put(shapes.head, "ink", 6);
+    moved(head, tip.clone().addScaledVector(g, -0.03 * size)).quaternion.setFromUnitVectors(UP, g);
     this.put(shapes.com, "ink", 8);
     if (!near) return;
     moved(this.put(shapes.pierced, "ink", 8), tip);

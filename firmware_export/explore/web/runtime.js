@@ -55,7 +55,8 @@ class Runtime {
     const status = down + 6 * count, reading = (status + count + 15) & ~15;
     const codes = params.map((x, i) => {
       const [low, high] = this.map.ends[i];
-      return x > high ? -1 - FULL : Math.max(Math.round((x - low) / (high - low) * FULL), -1 - FULL);
+      const code = Math.round((x - low) / (high - low) * FULL), least = -1 - FULL;
+      return x > high ? least : Math.max(code, least);
     });
     const rows = new Int16Array(this.buffer, into, k * count);
     const downs = new Int16Array(this.buffer, down, 3 * count);

@@ -65,10 +65,11 @@ class Stage {
         return;
       }
       const { clientX: x, clientY: y } = event;
-      held = { ...held, x, y, down: this.nudged(held.down, (x - held.x) * RATE, (held.y - y) * RATE) };
+      const down = this.nudged(held.down, (x - held.x) * RATE, (held.y - y) * RATE);
+      held = { ...held, x, y, down };
       state.set({ mode: held.what, ...angles(held.down) });
     });
-    ["pointerup", "pointercancel"].forEach((end) => canvas.addEventListener(end, () => (held = null)));
+    canvas.onpointerup = canvas.onpointercancel = () => (held = null);
     this.controls = new THREE.OrbitControls(this.camera, canvas);
     this.controls.addEventListener("change", () => (this.dirty = true));
     this.home();
@@ -76,12 +77,12 @@ class Stage {
 
   // Look from the front left, as near as lets all of the robot be seen at its home posture.
   home() {
-    const { scene, root } = this.robot;
+    const { scene } = this.robot;
     this.robot.pose(scene.parameters.map((p) => p.home));
     const contacts = this.robot.contacts(), points = contacts.map(([at]) => at);
-    scene.links.forEach((link, i) => {
-      points.push(this.robot.place(i, [0, 0, 0]));
-      if (link.shapes.length || link.mass > 0) points.push(this.robot.place(i, link.com));
+    scene.links.forEach(({ name, shapes, mass, com }) => {
+      points.push(this.robot.place(name, [0, 0, 0]));
+      if (shapes.length || mass > 0) points.push(this.robot.place(name, com));
     });
     const middle = new THREE.Box3().setFromPoints(points).getCenter(new Vector3());
     const round = Math.max(...contacts.map(([, radius]) => radius));
@@ -106,7 +107,7 @@ class Stage {
 
   recolour(colours) {
     this.renderer.setClearColor(colours.page, 1);
-    recolour(colours);
+    LOOKS.forEach(({ colour, material }) => material.color.set(colours[colour]));
     this.dirty = true;
   }
 
@@ -131,16 +132,17 @@ class Stage {
     const { clientWidth, clientHeight } = this.canvas;
     const at = new THREE.Vector2(2 * offsetX / clientWidth - 1, 1 - 2 * offsetY / clientHeight);
     this.ray.setFromCamera(at, this.camera);
-    if (this.ray.intersectObject(this.robot.body).length) return "body";
-    return this.ground.visible && this.ray.intersectObject(this.ground, false).length ? "ground" : "";
+    const met = (what) => what.visible && this.ray.intersectObject(what).length;
+    return met(this.robot.body) ? "body" : met(this.ground) ? "ground" : "";
   }
 
   // A direction of gravity turned towards the screen's right, and away from the reader.
   nudged(down, right, away) {
-    const across = new Vector3().setFromMatrixColumn(this.camera.matrixWorld, 0).setZ(0).normalize();
-    const ahead = new Vector3(-across.y, across.x, 0);
-    const push = across.multiplyScalar(right).addScaledVector(ahead, away);
-    const moved = push.applyQuaternion(this.world.quaternion.clone().invert()).add(down).normalize();
+    const [x, y] = this.camera.matrixWorld.elements; // what is to the right on the screen
+    const push = new Vector3(right * x - away * y, right * y + away * x, 0);
+    push.divideScalar(Math.hypot(x, y));
+    const turn = this.world.quaternion.clone().invert();
+    const moved = push.applyQuaternion(turn).add(down).normalize();
     return moved.z < 0.2 ? moved : down;
   }
 

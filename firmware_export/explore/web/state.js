@@ -8,15 +8,15 @@ class State {
     Object.assign(this, { scene, changed });
     this.now = this.initial();
     this.read(location.hash);
-    addEventListener("hashchange", () => location.hash !== this.written && this.set(this.read(location.hash)));
+    addEventListener("hashchange", () => {
+      if (location.hash !== this.written) this.set(this.read(location.hash));
+    });
   }
 
   initial() {
-    const { parameters, friction } = this.scene;
-    return {
-      q: parameters.map((p) => p.home), mode: "ground", tilt: 0, heading: 0, mu: friction,
-      axes: parameters.length ? [0, Math.min(1, parameters.length - 1)] : [], what: "tip", theme: "",
-    };
+    const { parameters, friction } = this.scene, q = parameters.map((p) => p.home);
+    const axes = q.length ? [0, Math.min(1, q.length - 1)] : [];
+    return { q, mode: "ground", tilt: 0, heading: 0, mu: friction, axes, what: "tip", theme: "" };
   }
 
   set(change) {
@@ -26,20 +26,15 @@ class State {
     this.later = setTimeout(() => this.write(), 250);
   }
 
-  setJoint(index, value) {
-    const { min, max } = this.scene.parameters[index];
-    this.set({ q: this.now.q.with(index, clamp(value, min, max)) });
-  }
-
   // In the units of the recipe, as `lutgen eval -p` takes them.
   text() {
-    const query = new URLSearchParams(), { q, mode, tilt, heading, mu, axes, what, theme } = this.now;
-    this.scene.parameters.forEach((p, i) =>
-      query.set(`p.${p.name}`, +(q[i] / p.unit).toPrecision(12)));
-    const angle = (x) => +(x * DEGREES).toFixed(4);
-    const rest = { mode, tilt: angle(tilt), heading: angle(heading), mu: mu ?? "" };
-    Object.entries({ ...rest, map: axes.join("."), what, theme }).forEach((one) => query.set(...one));
-    return `#${query}`;
+    const { q, tilt, heading, mu, axes, ...rest } = this.now;
+    const angle = (x) => +(x * DEGREES).toFixed(4), map = axes.join(".");
+    const joints = this.scene.parameters.map((p, i) =>
+      [`p.${p.name}`, +(q[i] / p.unit).toPrecision(12)]);
+    const numbers = { tilt: angle(tilt), heading: angle(heading), mu: mu ?? "", map };
+    const all = { ...Object.fromEntries(joints), ...numbers, ...rest };
+    return `#${new URLSearchParams(all)}`;
   }
 
   write() {

@@ -9,8 +9,10 @@ const VERDICT = { 0: "stands", 4: "rocks", 2: "tips over" };
 const CLASS = { 0: "stands", 4: "rocks", 2: "tips" };
 const CLOSE = 5 / DEGREES; // nearer to tipping than this nothing is green
 
+const stands = ({ status }) => status === 0 || status === 4;
 const verdictOf = ({ status }) => VERDICT[status] ?? "no answer";
-const classOf = ({ status, tip }) => (status === 0 && tip < CLOSE ? "close" : CLASS[status] ?? "tips");
+const classOf = ({ status, tip }) =>
+  status === 0 && tip < CLOSE ? "close" : CLASS[status] ?? "tips";
 const plain = (name) => name.replaceAll("_", " ");
 
 // A number with so many digits that count; a dash where there is none.
