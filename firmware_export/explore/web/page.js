@@ -104,7 +104,7 @@ class Page {
   save(suffix, blob) {
     const href = URL.createObjectURL(blob);
     element("a", { href, download: `${this.scene.name}.${suffix}` }).click();
-    setTimeout(() => URL.revokeObjectURL(href), 1000);
+    setTimeout(() => URL.revokeObjectURL(href), 60_000);
   }
 }
 

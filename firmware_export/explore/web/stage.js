@@ -132,8 +132,9 @@ class Stage {
     const { clientWidth, clientHeight } = this.canvas;
     const at = new THREE.Vector2(2 * offsetX / clientWidth - 1, 1 - 2 * offsetY / clientHeight);
     this.ray.setFromCamera(at, this.camera);
-    const met = (what) => what.visible && this.ray.intersectObject(what).length;
-    return met(this.robot.body) ? "body" : met(this.ground) ? "ground" : "";
+    if (this.ray.intersectObject(this.robot.body).length) return "body";
+    const met = this.ground.visible && this.ray.intersectObject(this.ground, false).length;
+    return met ? "ground" : "";
   }
 
   // A direction of gravity turned towards the screen's right, and away from the reader.
