@@ -4,7 +4,7 @@ In reading order: `closed`, `terms`, `lines`, `pieces`, `series`, `off`, `shown`
 `room`, `layout`, `codec`, `shorten`, `poly`.
 """
 
-from firmware_export.contacts.codec import INFO
+from firmware_export.contacts.codec import INFO, c_body, drawn_tables
 from firmware_export.contacts.poly import INFO as POLY
 
-__all__ = ["INFO", "POLY"]
+__all__ = ["INFO", "POLY", "c_body", "drawn_tables"]

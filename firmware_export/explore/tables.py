@@ -9,10 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from firmware_export.codecs import codec
-from firmware_export.contacts.codec import Spec, Tables, c_body
-from firmware_export.contacts.many import many_of, order_of
-from firmware_export.contacts.room import LIMITS
-from firmware_export.contacts.terms import terms_of
+from firmware_export.contacts import c_body, drawn_tables
 from firmware_export.protocol import Blob, Export, describe, restored
 from firmware_export.truth import Model
 from lutgen.errors import ExportError, InputError
@@ -104,9 +101,7 @@ def _drawn(recipe: Recipe) -> Blob:
             f"{reason.rstrip('.')}), and the page computes with it; look at the robot with "
             "`lutgen plot --kind robot`."
         )
-    order, turning = order_of(model)
-    terms = terms_of(recipe, model.radius, order, turning)
-    tables = Tables(Spec(), (), terms, None, many_of(model), LIMITS, model.k, 1.0, 0.0, "")
+    tables = drawn_tables(model)
     return describe(Export("drawn", recipe, model, QUICK, "float", (), tables), c_body(tables))
 
 
