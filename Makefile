@@ -80,8 +80,8 @@ hostile: .venv/.installed ## fuzz recipes, URDFs, terrains, maps, command lines
 docs: .venv/.docs ## build the site of the documents into build/site (the explorers too, if they are made)
 	$(BIN)/sphinx-build -q -W --keep-going -c docs -d build/site-work . build/site
 explorer: $(NAMES:%=build/explorer/%.html) ## write a page for every robot of maps/ into build/explorer
-engine: ## rebuild the WebAssembly of those pages (clang, wasm-ld)
-	$(PYTHON) tools/explorer.py
+engine: ## compile the runtime to the WebAssembly of those pages (clang, wasm-ld)
+	$(PYTHON) tools/engine.py
 
 control: .venv/.installed ## attack on-board control at length over the gallery, and ride with it (an hour)
 	$(BIN)/python -m proofs.control --update

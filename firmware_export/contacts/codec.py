@@ -127,6 +127,13 @@ def _tables(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
     return replace(tables, room=room_of(model, host))
 
 
+def drawn_tables(model: Model) -> Tables:
+    """Return tables by which the runtime for many contacts makes any pose, of three points too."""
+    order, turning = order_of(model)
+    terms = terms_of(model.recipe, model.radius, order, turning)
+    return Tables(Spec(), (), terms, None, many_of(model), LIMITS, model.k, 1.0, 0.0, "")
+
+
 def _order(model: Model) -> tuple[tuple[int, ...], bool]:
     """Return the order of the contacts in the tables, and whether axes of discs are asked for."""
     return (rounds(model), False) if model.is_tripod else order_of(model)

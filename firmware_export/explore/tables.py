@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from firmware_export.codecs import codec
+from firmware_export.contacts import c_body, drawn_tables
 from firmware_export.protocol import Blob, Export, describe, restored
 from firmware_export.truth import Model
 from lutgen.errors import ExportError, InputError
@@ -27,8 +28,10 @@ class Answers:
     ----------
     blob : Blob
         As they stand in flash.
+    drawn : Blob
+        Tables of the same robot from which the runtime for many contacts makes its pose.
     about : str
-        Codec and whether it was certified, for people.
+        Codec and what its certificate found, for people.
     guard : float
         What is taken off the tip angle, rad.
     steps : dict
@@ -36,6 +39,7 @@ class Answers:
     """
 
     blob: Blob
+    drawn: Blob
     about: str
     guard: float
     steps: dict[str, float]
@@ -51,19 +55,12 @@ def answers_of_recipe(recipe: Recipe) -> Answers:
     ExportError
         If the codec cannot hold the robot.
     """
-    refuse_unknown(recipe)
-    model, info = Model(recipe), codec(QUICK)
-    reason = info.refusal(model, "float")
-    if reason is not None:
-        raise ExportError(
-            f"{recipe.source}: the codec {QUICK} cannot hold this robot (got: "
-            f"{reason.rstrip('.')}); export it with another one, and explore the folder."
-        )
+    drawn, info, model = _drawn(recipe), codec(QUICK), Model(recipe)
     spec = info.sizes(model, EXPORTABLE, "float")[0]
     tables = info.encode(model, EXPORTABLE, spec)
     export = Export("explored", recipe, model, info.name, "float", EXPORTABLE, tables)
     blob = describe(export, info.c_body(tables, False))
-    return Answers(blob, f"codec {QUICK}, made for this page", float(tables.guard), {})
+    return Answers(blob, drawn, f"codec {QUICK}, made for this page", float(tables.guard), {})
 
 
 def answers_of_export(report: Mapping[str, Any], source: str, recipe: Recipe) -> Answers:
@@ -75,8 +72,10 @@ def answers_of_export(report: Mapping[str, Any], source: str, recipe: Recipe) ->
     ------
     InputError
         If it is of another recipe, or of a robot that the page cannot compute.
+    ExportError
+        If the robot has more contacts than the runtime knows.
     """
-    refuse_unknown(recipe)
+    drawn = _drawn(recipe)
     if report["recipe_sha256"] != recipe.digest:
         raise InputError(
             f"{source}: was exported from another recipe than {recipe.source} (got the digest "
@@ -84,8 +83,26 @@ def answers_of_export(report: Mapping[str, Any], source: str, recipe: Recipe) ->
             "with --recipe."
         )
     about = f"export {report['name']}, {report['spec']}, {report['arithmetic']} arithmetic"
+    if report.get("points"):
+        about += f", certified on {report['points']:,} points: {report['false_safe']} falsely safe"
     steps = {name: float(step) for name, step in (report.get("steps") or {}).items()}
-    return Answers(restored(report["tables"]), about, math.radians(report["guard_deg"]), steps)
+    guard = math.radians(report["guard_deg"])
+    return Answers(restored(report["tables"]), drawn, about, guard, steps)
+
+
+def _drawn(recipe: Recipe) -> Blob:
+    """Return what the picture is made from; refuse a robot that the page cannot compute."""
+    refuse_unknown(recipe)
+    model = Model(recipe)
+    reason = codec(QUICK).refusal(model, "float")
+    if reason is not None:
+        raise ExportError(
+            f"{recipe.source}: the codec {QUICK} cannot hold this robot (got: "
+            f"{reason.rstrip('.')}), and the page computes with it; look at the robot with "
+            "`lutgen plot --kind robot`."
+        )
+    tables = drawn_tables(model)
+    return describe(Export("drawn", recipe, model, QUICK, "float", (), tables), c_body(tables))
 
 
 def refuse_unknown(recipe: Recipe) -> None:

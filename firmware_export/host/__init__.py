@@ -14,7 +14,7 @@ from firmware_export.host.control import (
     budget,
 )
 from firmware_export.host.library import RUNTIME, load_library
-from firmware_export.host.reader import STANDS, Host
+from firmware_export.host.reader import STANDS, Host, stem_of
 
 __all__ = [
     "BLIND",
@@ -29,4 +29,5 @@ __all__ = [
     "Host",
     "budget",
     "load_library",
+    "stem_of",
 ]

@@ -55,6 +55,11 @@ class Map(Protocol):
         """Whether it is read without floats."""
 
 
+def stem_of(blob: Map) -> str:
+    """Return what the names of the functions begin with that read a map."""
+    return f"smap_{(WHOLE if blob.integer else FAMILIES)[blob.codec]}_host_"
+
+
 class Host:
     """A map that is asked as a microcontroller asks it.
 
@@ -67,8 +72,7 @@ class Host:
     def __init__(self, blob: Map) -> None:
         self._blob = blob
         self._bytes = np.frombuffer(blob.bytes, np.uint8)
-        family = (WHOLE if blob.integer else FAMILIES)[blob.codec]
-        self._stem = f"smap_{family}_host_"
+        self._stem = stem_of(blob)
 
     def read(
         self, params: ArrayLike, gravity: ArrayLike

@@ -63,5 +63,6 @@
 #include "control_end.c"
 #include "host.h"
 #include "host_control.h"
+#include "host_pose.h"
 #include "host_positions.h"
 #include "host_room.h"

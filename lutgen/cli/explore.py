@@ -36,8 +36,8 @@ def explore(source: str, asked: Asked) -> None:
     """Write one offline HTML page of SOURCE, a recipe, a map or a folder of `lutgen export`.
 
     The page shows the robot in 3-D on its ground, the directions of gravity in which it stands,
-    and a map over two joints.  What it answers is the exported C, compiled to WebAssembly, beside
-    the same code in double precision.  Without a folder the tables are of the codec contacts.
+    and a map over two joints.  What it answers is the exported C, compiled to WebAssembly.
+    Without a folder the tables are of the codec contacts.
 
     \b
     $ lutgen explore recipe:absolem -o absolem.html

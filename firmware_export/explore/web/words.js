@@ -1,34 +1,42 @@
 // SPDX-License-Identifier: MIT
 // Numbers and verdicts as text.
+const DEGREES = 180 / Math.PI;
+const STATUS = {
+  0: "SMAP_OK", 4: "SMAP_ROCKS", 2: "SMAP_TIPS", 3: "SMAP_OFF_CHART", 5: "SMAP_OFF_RANGE",
+  6: "SMAP_CORRUPT", "-1": "SMAP_INVALID",
+};
+const VERDICT = { 0: "stands", 4: "rocks", 2: "tips over" };
+const CLASS = { 0: "stands", 4: "rocks", 2: "tips" };
+const CLOSE = 5 / DEGREES; // nearer to tipping than this nothing is green
 
-export const DEGREES = 180 / Math.PI;
+const stands = ({ status }) => status === 0 || status === 4;
+const verdictOf = ({ status }) => VERDICT[status] ?? "no answer";
+const classOf = ({ status, tip }) =>
+  status === 0 && tip < CLOSE ? "close" : CLASS[status] ?? "tips";
+const plain = (name) => name.replaceAll("_", " ");
 
 // A number with so many digits that count; a dash where there is none.
-export function digits(x, count) {
+function digits(x, count) {
   if (!Number.isFinite(x)) return "–";
-  if (x === 0 || Math.abs(x) < 1e-12) return "0";
-  return Math.abs(x) >= 1e-3 && Math.abs(x) < 1e5 ? String(Number(x.toPrecision(count))) : x.toPrecision(count);
+  if (Math.abs(x) < 1e-12) return "0";
+  const text = x.toPrecision(count);
+  return Math.abs(x) >= 1e-3 && Math.abs(x) < 1e5 ? String(Number(text)) : text;
 }
 
-export const degrees = (x, places = 2) =>
+const degrees = (x, places = 2) =>
   Number.isFinite(x) ? `${(x * DEGREES).toFixed(places).replace("-", "−")}°` : "–";
-
-export const lengthOf = (x, unit, count = 4) =>
-  digits(x, count) === "–" ? "–" : `${digits(x, count)}${unit === "1" ? "" : ` ${unit}`}`;
-
-export const plain = (name) => name.replaceAll("_", " ");
-
-export const VERDICT = { 0: "stands", 4: "rocks", 2: "tips over" };
-
-// The two contacts of an axis in words.
-export function pair(scene, over) {
-  const names = [...new Set(over)].map((i) => scene.contacts[i]).filter(Boolean).map((c) => plain(c.name));
-  return names.length ? names.join(" – ") : "none";
-}
+const withUnit = (x, unit) =>
+  Number.isFinite(x) ? `${digits(x, 4)}${unit === "1" ? "" : ` ${unit}`}` : "–";
 
 // How a tip angle reads where there is no boundary, or nothing to stand on.
-export function tipText(tip, places = 2) {
+function tipText({ status, tip }, places = 2) {
+  if (!(status in VERDICT)) return "–";
   if (tip > 3.14159) return "never tips";
-  if (tip < -3.14159) return "no support";
-  return degrees(tip, places);
+  return tip < -3.14159 ? "no support" : degrees(tip, places);
+}
+
+// The two contacts of an axis in words.
+function pairText(scene, over) {
+  const names = [...new Set(over)].map((i) => scene.contacts[i]).filter(Boolean);
+  return names.map((contact) => plain(contact.name)).join(" – ") || "none";
 }
