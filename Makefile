@@ -1,7 +1,7 @@
 # Every command of the project; `make help` lists them.
 # `maps` is also a folder, so without this line make would call it up to date.
-.PHONY: help venv maps paper explorer engine exports size firmware cmsis verify fuzz hostile physics
-.PHONY: robots compare test check docs bench soak control lock oldest dist bill clean
+.PHONY: help venv maps paper explorer engine exports size firmware verify fuzz hostile physics
+.PHONY: robots test check docs bench soak lock oldest dist bill clean
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -68,9 +68,6 @@ physics: .venv/.physics ## judge the verdicts by a physics engine (docs/measured
 	$(BIN)/python -m proofs.physics.judge $(if $(SAMPLE),rocking)
 	$(BIN)/python -m proofs.physics.braking $(if $(SAMPLE),--cases 20)
 
-compare: .venv/.installed ## public measures of stability beside ours (docs/measured/compare.md, build/compare)
-	$(BIN)/python -m proofs.compare --update
-
 robots: .venv/.robots ## import published robots, which it downloads (docs/measured/robots.md; five minutes)
 	$(BIN)/python -m proofs.robots --update
 
@@ -81,33 +78,25 @@ soak: .venv/.installed ## kill, damage and fill up sweeps at length; needs 20 GB
 	LUTGEN_SOAK=1 $(BIN)/python -m pytest -q -s tests/mapping/test_survival.py tests/mapping/test_engines.py tests/ground/test_cache.py
 	$(BIN)/python -m benchmarks.large
 
-control: .venv/.installed ## attack on-board control at length over the gallery, and ride with it (an hour)
-	$(BIN)/python -m proofs.control --update
-	$(BIN)/python -m proofs.gain 1000 --update
-	$(BIN)/python -m targets.control --update
-
 exports: .venv/.installed ## make and certify the exports that docs/measured/exports.md lists (ten minutes)
 	$(BIN)/python tools/export_table.py
 
 size: $(EXPORTS) ## measure flash, RAM and stack on a Cortex-M4 (arm-none-eabi-gcc)
 	$(BIN)/python -m targets.size $(NAMES:%=build/maps/%/firmware)
 
-verify: $(EXPORTS) ## prove the C runtime (fifteen minutes, SAMPLE=1: three; docs/measured/c-runtime.md)
+verify: .venv/.installed ## prove the C runtime (ten minutes, SAMPLE=1: three; docs/measured/c-runtime.md)
 	$(BIN)/python -m proofs.run $(if $(SAMPLE),--sample)
 
 fuzz: SECONDS ?= 600
-fuzz: $(EXPORTS) ## fuzz the exports for SECONDS=600 in all
+fuzz: .venv/.installed ## fuzz the exported C for SECONDS=600 in all
 	$(BIN)/python -m proofs.run --only fuzz --seconds $(SECONDS)
 
 hostile: .venv/.installed ## fuzz recipes, URDFs, terrains, maps, command lines; SECONDS=30 for a sample
 	$(BIN)/python -m proofs.fuzzing $(if $(SECONDS),--seconds $(SECONDS),--update)
 
-firmware: $(EXPORTS) ## run exports on emulated targets: hashes, counts against the baseline, bounds
-	$(BIN)/python -m targets.run $(if $(SAMPLE),--sample)
-	$(BIN)/python -m targets.longest $(if $(SAMPLE),--reads 5000)
-
-cmsis: .venv/.installed ## count 2-D reads beside CMSIS-DSP, whose source it downloads
-	$(BIN)/python -m targets.cmsis
+firmware: .venv/.installed ## run exports on four emulated targets: hashes, counts, control (docs/measured/targets.md)
+	$(BIN)/python -m targets.run $(if $(SAMPLE),,--reads 20000)
+	$(if $(SAMPLE),,$(BIN)/python -m targets.control)
 
 lock: ## lock what the tests and checks need in requirements.txt, by uv
 	uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-annotate \

@@ -18,7 +18,7 @@ from firmware_export.prove import state, stored_guard
 from firmware_export.truth import Model
 from lutgen.recipe import parse_recipe
 from lutgen.vector import Floats
-from proofs.recipes import tripod
+from tests.fixtures.recipes import tripod
 
 __all__ = ["Verdict", "judge", "main", "proved_maps", "search", "seeded"]
 

@@ -24,9 +24,9 @@ from firmware_export.protocol.array import CArray, literal
 from firmware_export.protocol.exported import Export
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import parse_recipe
-from proofs.exports import rover_export, tripod_export
 from targets import size
-from targets.compiled import compile_c
+from tests.fixtures.compiled import compile_c
+from tests.fixtures.exports import rover_export, tripod_export
 from tests.fixtures.recipes import tripod
 
 WARNINGS = [

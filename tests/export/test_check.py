@@ -13,13 +13,13 @@ from firmware_export.host import RUNTIME, Host
 from firmware_export.protocol import Blob, Export
 from firmware_export.truth import Model
 from lutgen.recipe import parse_recipe
-from proofs.exports import coded_export, rover_export, tripod_export
-from proofs.recipes import tripod
 from targets.cases import CAR, VERDICT, of_robot
-from targets.compiled import compile_c
 from targets.noise import noise
+from tests.fixtures.compiled import compile_c
+from tests.fixtures.exports import coded_export, rover_export, tripod_export
 from tests.fixtures.frozen import exports
 from tests.fixtures.length import part
+from tests.fixtures.recipes import tripod
 
 OK, CORRUPT = 0, 6
 

@@ -15,7 +15,7 @@ from firmware_export.truth.beyond import widened
 from firmware_export.truth.model import Exact, Model
 from firmware_export.truth.series import evaluate, expand
 from lutgen.recipe.recipe import load_recipe, parse_recipe
-from proofs.exports import before_guard
+from tests.fixtures.exports import before_guard
 from tests.fixtures.recipes import contact, feet, rigid, rover, tripod
 
 CHANNELS = ("sdg", "tip_angle", "height")

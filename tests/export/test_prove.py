@@ -25,8 +25,8 @@ from firmware_export.prove.search import problem_of
 from firmware_export.truth import Model
 from lutgen.recipe import load_recipe, parse_recipe
 from proofs import check_proof, faults
-from proofs.exports import rover_export, tripod_export
 from tests.fixtures.commands import run
+from tests.fixtures.exports import rover_export, tripod_export
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import tripod
 
