@@ -39,44 +39,25 @@ MULTIPLIER, INCREMENT = 1664525, 1013904223
 
 @dataclass(frozen=True, eq=False)
 class Robot:
-    """An export with a policy, one without, and the hash that every target must give."""
+    """An export with a policy, the ends of its axes, and the hash that every target must give."""
 
     name: str
     folder: Path
-    plain: Path
     low: Any
     high: Any
     wanted: int
 
 
-@dataclass(frozen=True)
-class Cell:
-    """The hash, counts of cycles, and bytes; no stack where it is not known."""
-
-    hash: int
-    counts: tuple[int, ...]
-    state: int
-    code: int
-    stack: int | None
-
-
 def prepared(name: str) -> Robot:
-    """Make a robot's export with a policy, and the same without, and drive the host."""
-    export = of_recipe(name, "contacts")
-    poor, _ = steered(export, Wishes())
-    folders = []
-    for kind, one in (("control", poor), ("plain", export)):
-        folder = BUILD / "control" / name / kind
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        package.write(one, folder)
-        folders.append(folder)
-    blob = described(poor, body_of(poor))
-    if poor.policy is None:
-        raise LutgenError(f"{name}: has no policy (got none).")
-    controller = Controller(blob, poor.policy.packed(blob.bytes))
-    low, high = (np.asarray(ends, np.float32) for ends in (poor.model.lower, poor.model.upper))
-    wanted = fnv1a(answers(controller, low, high))
-    return Robot(name, folders[0], folders[1], low, high, wanted)
+    """Make a robot's export with a policy, and drive the host."""
+    export, found = steered(of_recipe(name, "contacts"), Wishes())
+    folder = BUILD / name / "control"
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    package.write(export, folder)
+    blob = described(export, body_of(export))
+    controller = Controller(blob, found.policy.packed(blob.bytes))
+    low, high = (np.asarray(end, np.float32) for end in (export.model.lower, export.model.upper))
+    return Robot(name, folder, low, high, fnv1a(answers(controller, low, high)))
 
 
 def answers(controller: Controller, low: Any, high: Any) -> bytes:
@@ -108,25 +89,24 @@ def answers(controller: Controller, low: Any, high: Any) -> bytes:
     return b"".join(said)
 
 
-def execute(robot: Robot, board: Board, option: str) -> Cell:
-    """Build and run a cell; if anything fails it is a CellError."""
-    entries = {"step": "smap_run_step"}
+def execute(robot: Robot, board: Board, option: str) -> tuple[bool, list[int], list[str]]:
+    """Run a cell; return whether it answers as the host, the counts, and the rest of its row."""
     with tempfile.TemporaryDirectory(prefix="targets-") as name:
         folder = Path(name)
-        shutil.copytree(robot.plain, folder / "plain")
-        plain = compiled(robot.name, board, option, folder / "plain", {})
         for path in robot.folder.glob("*.[ch]"):
             shutil.copy(path, folder)
         (folder / "queries.bin").write_bytes(b"\0\0\0\0")
         (folder / "case.h").write_text(_header(robot), encoding="utf-8")
-        size = compiled(robot.name, board, option, folder, entries)
+        size = compiled(robot.name, board, option, folder, {"step": "smap_run_step"})
         lines = listen(robot.name, "control", board, option, folder, size)
-    said = dict(lines)
-    counts: tuple[int, ...] = ()
+    said, counts, shown = dict(lines), list[int](), "-"
     if board.unit:
         count = counter_of(board, said["o"])
-        counts = tuple(count(value) for kind, value in lines if kind == "c")
-    return Cell(said["h"], counts, said["s"], size.code - plain.code, size.calls.get("step"))
+        counts = [count(value) for kind, value in lines if kind == "c"]
+        shown = f"{round(median(counts)):,} / {max(counts):,} {board.unit}"
+    same = said["h"] == robot.wanted
+    stack = f"{size.calls['step']:,}" if size.calls else "-"
+    return same, counts, ["same" if same else "OTHER", shown, stack, f"{said['s']:,}"]
 
 
 def _header(robot: Robot) -> str:
@@ -147,20 +127,14 @@ def _header(robot: Robot) -> str:
     return "\n".join([*lines, ""])
 
 
-def _row(robot: Robot, board: Board, option: str) -> tuple[list[str], bool]:
-    """Run a cell; return its row of the table, and whether it answers as the host."""
+def _row(robot: Robot, board: Board, option: str) -> tuple[bool, list[str]]:
+    """Run a cell; return whether it answers as the host, and its row of the table."""
     label = [robot.name, board.title, option]
     try:
-        cell = execute(robot, board, option)
+        same, _, cells = execute(robot, board, option)
     except LutgenError as error:
-        return [*label, str(error), *["-"] * 4], False
-    same = cell.hash == robot.wanted
-    counts = "-"
-    if cell.counts:
-        counts = f"{round(median(cell.counts)):,} / {max(cell.counts):,} {board.unit}"
-    stack = "-" if cell.stack is None else f"{cell.stack:,}"
-    bits = "same" if same else "OTHER"
-    return [*label, bits, counts, f"{cell.code:,}", stack, f"{cell.state:,}"], same
+        return False, [*label, str(error), "-", "-", "-"]
+    return same, [*label, *cells]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -180,12 +154,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     ]
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         rows = list(pool.map(lambda cell: _row(*cell), cells))
-    head = (
-        f"| robot | target | | bits | median / largest of {CYCLES} cycles | code | stack | state |"
-    )
-    text = markdown(head, [row for row, _ in rows])
+    head = f"| robot | target | | bits | median / largest of {CYCLES} cycles | stack | state |"
+    text = markdown(head, [row for _, row in rows])
     print(text)
-    good = all(same for _, same in rows)
+    good = all(same for same, _ in rows)
     if options.update and good:
         between(PAGE, "cycles", text)
     return int(not good)
