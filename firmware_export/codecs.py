@@ -1,7 +1,6 @@
 """The codecs, a row each, and which of them can hold a robot."""
 
 from firmware_export.contacts import INFO as CONTACTS
-from firmware_export.contacts import POLY
 from firmware_export.grid import INFO as LOOKUP
 from firmware_export.protocol import CodecInfo
 from firmware_export.truth import Model
@@ -11,7 +10,7 @@ from lutgen.errors import ExportError, InputError
 __all__ = ["ARITHMETIC", "CODECS", "codec", "named", "usable"]
 
 # In the order in which they are tried: the first are smallest for what they can hold.
-CODECS = (CONTACTS, POLY, LOOKUP, VERDICT)
+CODECS = (CONTACTS, LOOKUP, VERDICT)
 ARITHMETIC = ("float", "integer")
 
 

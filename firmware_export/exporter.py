@@ -4,7 +4,6 @@ Owns the order of the steps and the defaults; each step is a module of its own.
 """
 
 import logging
-import math
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -17,8 +16,7 @@ from firmware_export.codecs import codec as info
 from firmware_export.codecs import usable
 from firmware_export.emit import check_directory, check_name, default_name, write
 from firmware_export.host import load_library
-from firmware_export.protocol import CodecInfo, Export, describe
-from firmware_export.prove import state, stored_guard
+from firmware_export.protocol import CodecInfo, Export
 from firmware_export.quantity import ErrorBound, parse_error, parse_size
 from firmware_export.truth import Model
 from lutgen.errors import ExportError, InputError
@@ -261,8 +259,6 @@ def _certified(
     goal = Goal(size, _percent(trials, bound))
     for _ in range(ATTEMPTS):
         chosen = choose(trials, codecs, goal)
-        tell(f"proving {chosen.label}")
-        chosen = replace(chosen, export=proved(chosen.export))
         tell(f"certifying {chosen.label}, {chosen.total:,} bytes")
         export, certificate = guarded(chosen.export, trials, bound, points)
         chosen = replace(chosen, export=export)
@@ -302,26 +298,6 @@ def guarded(
         export = replace(export, tables=tables)
         certificate = examine(export, trials, bound, points, SEED + attempt)
     return export, certificate
-
-
-def proved(export: Export) -> Export:
-    """Return an export with the guard that its proof needs, and what is said of it.
-
-    Where nothing can be proved, or only of a larger guard, it keeps its own.
-    """
-
-    def bytes_of(one: Export) -> bytes:
-        body = info(one.codec).c_body(one.tables, one.integer)
-        return describe(one, body).bytes
-
-    found = state(export.recipe, bytes_of(export), export.integer, least=True)
-    if found.needed < found.guard:
-        text = f"{export.tables.guard_text}; no more than its proof needs"
-        tables = replace(export.tables, guard=stored_guard(found.needed), guard_text=text)
-        export = replace(export, tables=tables)
-    if math.isfinite(found.needed):
-        found = state(export.recipe, bytes_of(export), export.integer)
-    return replace(export, proof=found.told)
 
 
 def described(certificate: Certificate, export: Export) -> dict[str, Any]:

@@ -107,7 +107,7 @@ static void try_whole_root(void)
   report("whole_root", tried, wrong);
 }
 
-/* Is a sine or cosine further off than the proofs of exports assume (firmware_export/prove/rounding.py)? */
+/* Is a sine or cosine further off than the proofs of exports assume (proofs/prove/rounding.py)? */
 static unsigned wrong_waves(float x, int near)
 {
   float s, c;

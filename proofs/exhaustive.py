@@ -4,7 +4,7 @@ import shutil
 from pathlib import Path
 
 from firmware_export.host import RUNTIME
-from firmware_export.prove import ARCSINE, FURTHEST, NEAREST, SINE, SINE_NEAR
+from proofs.prove.rounding import ARCSINE, FURTHEST, NEAREST, SINE, SINE_NEAR
 from proofs.tools import FAILED, OK, Clock, Result, run
 from targets.size import THREE, program, settings_of
 

@@ -15,7 +15,6 @@ from typing import Any
 from firmware_export.choose.trials import Trials
 from firmware_export.codecs import usable
 from firmware_export.contacts import codec as contacts
-from firmware_export.contacts.shorten import Spec as PolySpec
 from firmware_export.emit import package
 from firmware_export.exporter import described, examine
 from firmware_export.grid import Spec, lookup
@@ -40,8 +39,6 @@ class Case:
 
 CASES = (
     Case("paper_two", "contacts", contacts.Spec()),
-    Case("paper_two", "poly", PolySpec(((0, 2), (2, 0), (0, 0)))),
-    Case("paper_two", "poly", PolySpec(((0, 3), (3, 0), (0, 0)))),
     Case("paper_two", "grid", lookup.Spec.of_label("grid i8 1x3 4x1 1x1")),
     Case("paper_two", "grid", lookup.Spec.of_label("grid i8 1x3 4x1 1x1"), "integer"),
     Case("paper_two", "grid", lookup.Spec.of_label("grid i16 1x8 9x1 1x1")),

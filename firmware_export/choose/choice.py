@@ -69,7 +69,7 @@ def front(trials: Trials, chosen: Candidate) -> list[dict[str, Any]]:
             for o in trials.candidates
             if o.export.codec == one.export.codec
         )
-        # Its guard may be another since, that of its proof.
+        # Its guard may be another since, see `exporter.guarded`.
         is_chosen = (one.export.codec, one.label) == (chosen.export.codec, chosen.label)
         if is_chosen or not beaten:
             rows.append(one.row(is_chosen))

@@ -1,10 +1,9 @@
-"""Codecs that store where the contacts are: in closed form, or as polynomials.
+"""The codec `contacts`, which stores where the contacts are: in closed form, or as polynomials.
 
 In reading order: `closed`, `terms`, `lines`, `pieces`, `series`, `off`, `shown`, `three`, `many`,
-`room`, `layout`, `codec`, `shorten`, `poly`.
+`room`, `layout`, `codec`.
 """
 
 from firmware_export.contacts.codec import INFO
-from firmware_export.contacts.poly import INFO as POLY
 
-__all__ = ["INFO", "POLY"]
+__all__ = ["INFO"]

@@ -284,6 +284,6 @@ INFO = CodecInfo(
     read_label=Spec.of_label,
     cells=cells,
     guarded=guarded,
-    # Of three points given by code `poly`, which needs such a bound, has a smaller runtime.
+    # Of three points given by code `grid`, which needs such a bound, has a smaller runtime.
     exact=lambda model: model.recipe.python is None or least_edge_of(model) <= 0.0,
 )

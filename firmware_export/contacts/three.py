@@ -2,7 +2,7 @@
 
 The contacts are exact but for rounding.  So the guard is what single precision can turn the
 tip-over planes: an edge normal E = P x Q is off by 2 e |P| + 4 u |P| |Q| with e the error of a
-contact, and turns by that over |E|.  Where the least |E| over the box is bounded (`poly`) nothing
+contact, and turns by that over |E|.  Where the least |E| over the box is bounded nothing
 else is needed.  Where the box holds postures in which the com comes close to a tip-over axis,
 facets that are low are refused: |E| is at least the side's length times the height of the com over
 the facet.

@@ -12,7 +12,7 @@ from firmware_export.emit.report import load_report
 from firmware_export.emit.runtime import features
 from firmware_export.emit.size import code_bytes
 from firmware_export.emit.source import body_of, described
-from firmware_export.emit.words import bytes_text, errors_of, proof_text, share
+from firmware_export.emit.words import bytes_text, errors_of, share
 
 __all__ = [
     "body_of",
@@ -26,7 +26,6 @@ __all__ = [
     "features",
     "flash_bytes",
     "load_report",
-    "proof_text",
     "share",
     "write",
 ]

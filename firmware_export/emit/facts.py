@@ -210,7 +210,6 @@ def report(export: Export, body: CBody, names: list[str]) -> dict[str, Any]:
         "counts": counted(export),
         "guard_deg": math.degrees(float(tables.guard)),
         "guard_text": tables.guard_text,
-        "proof": export.proof,
         "false_tip": certificate.get("false_tip"),
         "false_safe": certificate.get("false_safe"),
         "points": certificate.get("points"),

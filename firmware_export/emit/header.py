@@ -16,7 +16,6 @@ from firmware_export.emit.words import (
     chart_text,
     errors_of,
     number,
-    proof_text,
     share,
 )
 from firmware_export.protocol import literal
@@ -122,11 +121,14 @@ def _errors(content: dict[str, Any]) -> list[str]:
         lines = [] if content["points"] else ["Errors: not measured."]
     lines += (content["certificate"] or {}).get("text", ())
     if content["false_safe"] is not None:
-        lines.append(f"Answered safe where the robot tips: {content['false_safe']:,} points.")
+        lines.append(
+            f"Tested, not proved: {content['false_safe']:,} points are answered safe where the "
+            "robot tips."
+        )
     unsafe = f"{FALSE_TIP}: {share(content['false_tip'])}."
     guard = f"Guard {number(content['guard_deg'], 3)} deg, subtracted from tip_angle; {unsafe}"
     lines.append(unsafe[0].upper() + unsafe[1:] if content["verdict_only"] else guard)
-    return [*lines, proof_text(content)]
+    return lines
 
 
 def _usage(content: dict[str, Any]) -> list[str]:

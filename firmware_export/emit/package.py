@@ -40,7 +40,6 @@ from lutgen.files import digest as file_digest
 DIGESTS = "sha256"
 # Names of our own unfinished work, which a power cut may leave behind.
 _STAGE = ".lutgen-export-"
-PROOF = "_proof.json"
 
 
 def contents(export: Export) -> tuple[dict[str, bytes], dict[str, Any]]:
@@ -113,8 +112,6 @@ def _ours(directory: Path) -> dict[str, str | None]:
             if MARKER in content:
                 names |= {str(name): known.get(name) for name in content["files"]}
             names[path.name] = None
-            # What `lutgen prove` wrote beside them.
-            names[path.name.removesuffix(reports.SUFFIX) + PROOF] = None
         except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
             continue
     return names

@@ -13,7 +13,6 @@ from firmware_export.emit.words import (
     chart_text,
     errors_of,
     number,
-    proof_text,
     share,
 )
 from firmware_export.protocol import CBody
@@ -148,7 +147,6 @@ def _accuracy(content: dict[str, Any]) -> list[str]:
         f"{'not measured' if unsafe is None else f'{unsafe:,} points'}",
         f"- {guard} ({content['guard_text']})",
         f"- {FALSE_TIP}: {share(content['false_tip'])}",
-        f"- {proof_text(content)}{_why(content)}",
         "",
     ]
 
@@ -157,12 +155,6 @@ def _no_error(content: dict[str, Any], channel: str) -> str:
     """Return why a channel has no error."""
     told = channel == "tip_angle" and content["verdict_only"]
     return "a verdict: 0 or -pi" if told else "not measured"
-
-
-def _why(content: dict[str, Any]) -> str:
-    """Return what stands in the way of a proof, where something does."""
-    reason = (content["proof"] or {}).get("reason")
-    return f"  No proof: {reason}." if reason else ""
 
 
 def _choice(content: dict[str, Any], picture: str | None) -> list[str]:

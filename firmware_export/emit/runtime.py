@@ -13,7 +13,7 @@ from lutgen.errors import ExportError
 
 # The switches of the runtime: what its code depends on.
 SWITCHES = (
-    *("SMAP_FLOATS", "SMAP_INTEGERS", "SMAP_POINTS", "SMAP_POLY", "SMAP_TABLES", "SMAP_GRID"),
+    *("SMAP_FLOATS", "SMAP_INTEGERS", "SMAP_POINTS", "SMAP_TABLES", "SMAP_GRID"),
     "SMAP_LENGTHS",
     *("SMAP_MANY", "SMAP_MANY_BY_RAILS", "SMAP_MANY_SEARCH", "SMAP_MANY_GAPS", "SMAP_SERIES"),
 )
@@ -26,10 +26,9 @@ _PARTS: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("positions", ("SMAP_POINTS", "SMAP_MANY")),
     ("series", ("SMAP_SERIES",)),
     ("chart", ()),
-    ("three", ("SMAP_POINTS", "SMAP_POLY", "SMAP_TABLES")),
-    ("poly", ("SMAP_POLY",)),
+    ("three", ("SMAP_POINTS", "SMAP_TABLES")),
     ("tables", ("SMAP_TABLES",)),
-    ("three_entry", ("SMAP_POINTS", "SMAP_POLY", "SMAP_TABLES")),
+    ("three_entry", ("SMAP_POINTS", "SMAP_TABLES")),
     ("grid", ("SMAP_GRID",)),
     ("grid_i", ("SMAP_GRID",)),
     ("grid_check", ("SMAP_GRID",)),

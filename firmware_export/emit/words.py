@@ -95,22 +95,3 @@ def bytes_text(sizes: dict[str, Any]) -> str:
         text += f", {sizes['total']:,} together"
     known = sizes["descriptors"] is not None or sizes["code"] is not None
     return f"{text} ({sizes['target']})" if known else text
-
-
-def proof_text(content: dict[str, Any]) -> str:
-    """Return whether a report's export is proved never to be falsely safe, a sentence.
-
-    Examples
-    --------
-    >>> proof_text({"proof": {"status": "proved", "needed_deg": 0.0004, "cells": 18}})
-    'Proved never to be falsely safe: the proof needs a guard of 0.0004 deg (18 cells).'
-    >>> proof_text({"proof": None})
-    'Tested, not proved, never to be falsely safe.'
-    """
-    proof = content.get("proof") or {}
-    if proof.get("status") == "proved":
-        return (
-            "Proved never to be falsely safe: the proof needs a guard of "
-            f"{number(proof['needed_deg'], 3)} deg ({proof['cells']:,} cells)."
-        )
-    return "Tested, not proved, never to be falsely safe."

@@ -2,7 +2,7 @@
 
 Facade of the codec protocol.  Positions are looked up over the parameters alone; facet, walls and
 readings follow from them exactly for every direction, with floats or without.  The guard is what
-wrong positions can turn a tip-over plane.
+wrong positions can turn a tip-over plane (`across`).
 """
 
 import math
@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
+from firmware_export.grid.across import turned
 from firmware_export.grid.points import (
     MOST_AXES,
     Point,
     bounds,
     depends_on,
     fit_point,
-    pairs,
     reach_of,
 )
 from firmware_export.grid.spec import Spec as TableSpec
@@ -177,9 +177,10 @@ def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
         fit_point(wide, one, tuple(n for n in nodes if n > 1), spec.bits, unit)
         for one, nodes in zip(order, spec.nodes, strict=True)
     )
-    errors = [point.error + MISPLACED * unit for point in points]
-    off = pairs(errors, reach_of(wide)) / least_edge_of(model)
-    guard = ROUNDING + (math.asin(off) if off < 1.0 else math.pi)
+    # Of an edge normal, two of whose points integers misplace.
+    misplaced = MISPLACED * unit
+    off = misplaced * (2.0 * reach_of(wide) + misplaced) / least_edge_of(model)
+    guard = ROUNDING + turned(wide, order, points) + (math.asin(off) if off < 1.0 else math.pi)
     places = []
     for p in model.recipe.parameters:
         room, span = slack(p), p.maximum - p.minimum

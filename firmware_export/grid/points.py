@@ -1,4 +1,4 @@
-"""Tables of three contact points over the parameters, and how far they can be off.
+"""Tables of three contact points over the parameters.
 
 Owns the nodes: evenly spaced, and shifted by half of what a chord is away from its arc, so that
 points lie off on both sides alike.  A table has the axes on which its point depends.
@@ -6,7 +6,6 @@ points lie off on both sides alike.  A table has the axes on which its point dep
 
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +16,6 @@ from lutgen.vector import Floats
 # Units from the com to the furthest contact: products of two of them stay in 31 bits.
 UNITS = 16000
 MOST_AXES = 4
-# Places between two nodes at which errors are looked at, by the number of axes; what may lie
-# between.
-BETWEEN = {0: 1, 1: 16, 2: 8, 3: 4, 4: 3}
-MORE = 1.05
 PROBES = 9
 NEGLIGIBLE = 1e-9
 
@@ -35,13 +30,10 @@ class Point:
         Parameters on which it depends.
     codes : (nodes..., 3) int16 or int8
         x, y, z in units, or in 128 units.
-    error : float
-        How far (length) the point that is read can be from the contact.
     """
 
     axes: tuple[int, ...]
     codes: NDArray[np.int16] | NDArray[np.int8]
-    error: float
 
 
 @lru_cache(maxsize=4)
@@ -107,36 +99,10 @@ def fit_point(model: Model, contact: int, nodes: tuple[int, ...], bits: int, uni
     step = unit * (128 if bits == 8 else 1)
     most = 127 if bits == 8 else 16383
     codes = np.clip(np.rint((values + shift) / step), -most, most)
-    places = BETWEEN[len(axes)]
-    fine = [np.linspace(0.0, 1.0, (n - 1) * places + 1) for n in nodes]
-    away = _interpolated(codes * step, fine) - exact(fine)
-    error = MORE * float(np.sqrt((away**2).sum(axis=-1)).max())
-    return Point(axes, codes.astype(np.int8) if bits == 8 else codes.astype(np.int16), error)
-
-
-def _interpolated(values: Floats, places: list[Floats]) -> Floats:
-    """Return what is read at combinations of places, one list for each axis."""
-    result = values
-    for axis, place in enumerate(places):
-        last = values.shape[axis] - 1
-        x = place * last
-        cell = np.minimum(x.astype(np.intp), last - 1)
-        part = (x - cell).reshape(-1, *[1] * (result.ndim - 1))
-        moved = np.moveaxis(result, axis, 0)
-        result = np.moveaxis(moved[cell] * (1.0 - part) + moved[cell + 1] * part, 0, axis)
-    return result
+    return Point(axes, codes.astype(np.int8) if bits == 8 else codes.astype(np.int16))
 
 
 def bounds(model: Model) -> tuple[Model, float]:
     """Return the model over what sensors may say, and the length of a unit."""
     wide = widened(model)
     return wide, reach_of(wide) / UNITS
-
-
-def pairs(errors: list[float], reach: float) -> float:
-    """Return by how much (area) an edge normal can be off at most."""
-    most = 0.0
-    for i, j in product(range(3), repeat=2):
-        if i != j:
-            most = max(most, errors[i] * reach + errors[j] * reach + errors[i] * errors[j])
-    return most

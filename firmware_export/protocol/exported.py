@@ -23,7 +23,7 @@ class Export:
     model : Model
         The exact function that the tables stand for.
     codec : str
-        ``"contacts"``, ``"grid"`` or ``"poly"``.
+        ``"contacts"`` or ``"grid"``.
     arithmetic : str
         ``"float"`` or ``"integer"``.
     channels : tuple of str
@@ -46,9 +46,6 @@ class Export:
         Code of the runtime with this export's features on the target; None if not measured.
     policy : Policy, optional
         What on-board control follows; None for an export that is only read.
-    proof : dict, optional
-        Whether it is proved that the export is never falsely safe (`prove.Statement.told`); None
-        where nobody asked.
     """
 
     name: str
@@ -62,7 +59,6 @@ class Export:
     pareto: list[dict[str, Any]] | None = None
     code_bytes: int | None = None
     policy: Policy | None = None
-    proof: dict[str, Any] | None = None
 
     @property
     def integer(self) -> bool:

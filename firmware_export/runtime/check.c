@@ -118,10 +118,6 @@ static int smap_check_body(const smap_t *map, smap_bytes_t limit)
   case SMAP_CODEC_POINTS:
     return SMAP_BLOB(map)[SMAP_AT_CONTACTS] == 3 && smap_check_positions(map, limit);
 #endif
-#if SMAP_POLY
-  case SMAP_CODEC_POLY:
-    return smap_check_poly(map, limit);
-#endif
 #if SMAP_TABLES
   case SMAP_CODEC_TABLES:
     return smap_check_tables(map, limit);

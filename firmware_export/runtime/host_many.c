@@ -8,7 +8,6 @@
 #define SMAP_INTEGERS 1
 #define SMAP_HARDWARE_ROOT 1
 #define SMAP_POINTS 0
-#define SMAP_POLY 0
 #define SMAP_TABLES 0
 #define SMAP_GRID 0
 #define SMAP_MANY 1

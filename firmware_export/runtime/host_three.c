@@ -14,7 +14,6 @@
 #define SMAP_INTEGERS 1
 #define SMAP_HARDWARE_ROOT 1
 #define SMAP_POINTS 1
-#define SMAP_POLY 1
 #define SMAP_TABLES 1
 #define SMAP_GRID 0
 #define SMAP_MANY 0
@@ -35,7 +34,6 @@
 #include "series.c"
 #include "chart.c"
 #include "three.c"
-#include "poly.c"
 #include "tables.c"
 #include "three_entry.c"
 #include "steps.c"

@@ -37,7 +37,7 @@ SMAP_INLINE void smap_three_over(uint8_t order, uint8_t edge, uint8_t over[2])
 }
 
 #if SMAP_FLOATS
-#if (SMAP_POINTS || SMAP_POLY || SMAP_TABLES)
+#if (SMAP_POINTS || SMAP_TABLES)
 /* Tell whether a triangle is at least so wide: it is least wide across its longest side.  `size`: twice
  * its area. */
 SMAP_INLINE int smap_is_wide(const float p[9], float size, float width)
@@ -117,7 +117,7 @@ SMAP_INLINE int8_t smap_three_read(const smap_t *map, uint8_t order, const smap_
   return smap_judge(map, out, SMAP_OK);
 }
 
-#if (SMAP_POINTS || SMAP_POLY || SMAP_TABLES) && SMAP_INTEGERS
+#if (SMAP_POINTS || SMAP_TABLES) && SMAP_INTEGERS
 /* Make the integer form out of the other. */
 SMAP_INLINE void smap_three_whole(const smap_three_t *real, float step, smap_three_i_t *out)
 {

@@ -33,15 +33,6 @@ SMAP_INLINE int8_t smap_three_of(const smap_t *map, const float *params, smap_th
     break;
   }
 #endif
-#if SMAP_POLY
-  case SMAP_CODEC_POLY: {
-    float p[9];
-    smap_poly_points(map, q, p);
-    /* The exporter has made sure that the facet is a rest in every posture: -n_z > -2. */
-    stands = smap_three_make(p, smap_three_order(map) & SMAP_EITHER_WAY, 0.0f, -2.0f, 0.0f, out);
-    break;
-  }
-#endif
 #if SMAP_TABLES
   case SMAP_CODEC_TABLES: {
     float p[9];

@@ -1,10 +1,9 @@
 """What an export stands for: the exact answers, and where they are asked.
 
-In reading order: `model`, `beyond`, `tip_boundary`, `sample`, `series`, `bound`, `rest`.
+In reading order: `model`, `beyond`, `tip_boundary`, `sample`, `series`, `rest`.
 """
 
 from firmware_export.truth.beyond import slack, widened
-from firmware_export.truth.bound import polynomial_guard
 from firmware_export.truth.model import Exact, Model, combinations
 from firmware_export.truth.rest import least_edge_of
 from firmware_export.truth.sample import (
@@ -16,7 +15,7 @@ from firmware_export.truth.sample import (
     uniform_directions,
     uniform_params,
 )
-from firmware_export.truth.series import chebyshev_nodes, chebyshev_transform, expand, rounds
+from firmware_export.truth.series import chebyshev_nodes, chebyshev_transform, rounds
 from firmware_export.truth.tip_boundary import boundary, on_chart, unit
 
 __all__ = [
@@ -29,11 +28,9 @@ __all__ = [
     "chebyshev_nodes",
     "chebyshev_transform",
     "combinations",
-    "expand",
     "join",
     "least_edge_of",
     "on_chart",
-    "polynomial_guard",
     "rounds",
     "slack",
     "uniform",

@@ -1,8 +1,8 @@
 """Three point contacts as Chebyshev series in the parameters, to rounding.
 
-Owns the series that the codec `poly` shortens, and what can be said of any such series over the
-whole box without sampling it.  A robot of links is a sum of products of sines, cosines and
-lengths: its series end, to 1e-13, after a few terms for each axis.
+What can be said of such series holds over the whole box without sampling it.  A robot of links is a
+sum of products of sines, cosines and lengths: its series end, to 1e-13, after a few terms for each
+axis.
 
 A series is an array (n_1, ..., n_k, 3): entry a is the coefficient, a point relative to the com, of
 T_a1(s_1) ... T_ak(s_k) with s = 2 t - 1, so -1 to 1 over each axis of the box.
@@ -113,15 +113,6 @@ def trim(series: Floats, smallest: float) -> Floats:
         above = np.flatnonzero(np.abs(series).max(axis=others) > smallest)
         series = np.take(series, range(int(above[-1]) + 1 if len(above) else 1), axis)
     return series
-
-
-def difference(one: Floats, other: Floats) -> Floats:
-    """Return one - other, series of any lengths."""
-    shape = tuple(max(a, b) for a, b in zip(one.shape, other.shape, strict=True))
-    result = np.zeros(shape)
-    result[tuple(slice(n) for n in one.shape)] = one
-    result[tuple(slice(n) for n in other.shape)] -= other
-    return result
 
 
 def evaluate(series: Floats, s: Floats) -> Floats:

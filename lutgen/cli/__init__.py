@@ -2,8 +2,7 @@
 
 In reading order: `options`, `sources`, `table`, `check`, `compiling`, `eval_export`, `eval`,
 `export`, `explore`, `import_`, `info`, `limits`, `budget`, `metrics`, `new`, `optimum`, `paper`,
-`path`, `plot`, `policy`, `control`, `prove`, `recipes`, `schema`, `stance`, `sweep`, `wheels`,
-`group`.
+`path`, `plot`, `policy`, `control`, `recipes`, `schema`, `stance`, `sweep`, `wheels`, `group`.
 """
 
 from lutgen.cli.group import main

@@ -111,7 +111,7 @@ def lines(report: dict[str, Any]) -> Iterator[str]:
 
 
 def _entries(report: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    from firmware_export.emit import bytes_text, errors_of, proof_text, share
+    from firmware_export.emit import bytes_text, errors_of, share
 
     yield "flash", bytes_text(report["bytes"])
     for name, errors in errors_of(report).items():
@@ -125,7 +125,6 @@ def _entries(report: dict[str, Any]) -> Iterator[tuple[str, str]]:
         f"{guard}{share(report['false_tip'])} of the stable configurations reported unsafe, "
         + ("not certified" if unsafe is None else f"{unsafe} points said to stand that tip"),
     )
-    yield "proof", proof_text(report)
     for note in (report["certificate"] or {}).get("text", ()):
         yield "note", note
     yield "folder", report["directory"]

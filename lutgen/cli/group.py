@@ -26,7 +26,6 @@ from lutgen.cli.paper import paper
 from lutgen.cli.path import path
 from lutgen.cli.plot import plot
 from lutgen.cli.policy import policy
-from lutgen.cli.prove import prove
 from lutgen.cli.recipes import recipes
 from lutgen.cli.schema import schema
 from lutgen.cli.stance import stance
@@ -139,7 +138,7 @@ def main(verbose: int, quiet: bool) -> None:
 
 for command in (
     *(new, schema, recipes, import_, check, sweep, info, eval_, limits, metrics),
-    *(stance, optimum, plot, export, explore, prove, policy, wheels, paper, path),
+    *(stance, optimum, plot, export, explore, policy, wheels, paper, path),
     *(budget, control),
 ):
     main.add_command(command)

@@ -210,7 +210,7 @@ def test_eval_refuses_a_folder_whose_code_was_changed(place: Path, tmp_path: Pat
         (("--codec", "contacts", "--flash", "1.78kB", "--max-error", "1e-9%"), 1, "1e-09 %"),
         (("--name", "int"), 2, "keyword"),
         (("--name", "2legs"), 2, "no C identifier"),
-        (("--codec", "poly", "--arithmetic", "integer"), 1, "integer"),
+        (("--codec", "contacts", "--arithmetic", "integer"), 1, "floating point"),
     ],
 )
 def test_what_cannot_be_exported_is_one_sentence_and_nothing_is_written(

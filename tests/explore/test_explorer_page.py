@@ -84,11 +84,11 @@ def test_a_scene_has_every_part_of_a_robot(name: str) -> None:
 
 
 def test_a_folder_is_asked_with_its_own_tables(tmp_path: Path) -> None:
-    recipe, info = lutgen.load_recipe("recipe:paper_one"), codec("poly")
+    recipe, info = lutgen.load_recipe("recipe:paper_one"), codec("contacts")
     model = Model(recipe)
     spec = info.sizes(model, ("tip_angle",), "float")[0]
     tables = info.encode(model, ("tip_angle",), spec)
-    export = Export("mine", recipe, model, "poly", "float", ("tip_angle",), tables)
+    export = Export("mine", recipe, model, "contacts", "float", ("tip_angle",), tables)
     held = write(export, tmp_path / "firmware")["tables"]["blob"]
     code, output = explored(tmp_path / "firmware", "-o", tmp_path / "page.html")
     assert code == 0, output

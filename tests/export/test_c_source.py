@@ -40,7 +40,7 @@ LANGUAGES = [
     pytest.param(C99, id="C99"),
     pytest.param(CXX, id="C++17", marks=pytest.mark.needs("g++")),
 ]
-KINDS = ("contacts", "poly", "rover", "grid", "integer")
+KINDS = ("contacts", "rover", "grid", "integer")
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +48,6 @@ def exports() -> dict[str, Export]:
     """Return one export of each kind."""
     return {
         "contacts": tripod_export("feet"),
-        "poly": tripod_export("smooth", codec="poly"),
         "rover": rover_export(),
         "grid": tripod_export("table", codec="grid"),
         "integer": tripod_export("whole", codec="grid", arithmetic="integer"),
@@ -109,12 +108,12 @@ def test_every_set_of_parts_is_one_program_without_a_warning(
 def test_tables_are_refused_by_a_runtime_of_another_version(
     folders: dict[str, Path], tmp_path: Path
 ) -> None:
-    shutil.copytree(folders["poly"], tmp_path / "copy")
+    shutil.copytree(folders["contacts"], tmp_path / "copy")
     text = (tmp_path / "copy" / "smap.h").read_text()
     (tmp_path / "copy" / "smap.h").write_text(
         re.sub(r"#define SMAP_VERSION \d+", "#define SMAP_VERSION 999", text)
     )
-    done = build(tmp_path / "copy", *C99, sources=("smooth.c",))
+    done = build(tmp_path / "copy", *C99, sources=("feet.c",))
     assert done.returncode != 0
     assert re.search(r'#error "smooth needs smap.h of version \d+', done.stderr)
 
@@ -184,7 +183,7 @@ def test_no_text_can_end_a_comment_or_continue_a_line(text: str) -> None:
 
 
 def test_a_robot_with_an_unusual_name_gives_c_that_compiles(tmp_path: Path) -> None:
-    export = tripod_export("odd", codec="poly")
+    export = tripod_export("odd")
     robot = replace(export.recipe, name='a */ int x;\n /* 5° \\ "quoted" ??/')
     package.write(replace(export, recipe=robot), tmp_path / "odd")
     done = build(tmp_path / "odd", *C99, *WARNINGS)

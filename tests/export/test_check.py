@@ -41,7 +41,6 @@ MAKERS: dict[str, Any] = {
     "many": rover_export,
     "points given by code": lambda: coded_export("coded", "legs"),
     "many given by code": lambda: coded_export("coded", "scissors"),
-    "poly": lambda: tripod_export(codec="poly"),
     "grid": lambda: tripod_export(codec="grid"),
     "grid without floats": lambda: tripod_export(codec="grid", arithmetic="integer"),
     "trees": lambda: trees("float"),
@@ -50,7 +49,7 @@ MAKERS: dict[str, Any] = {
     "cells without floats": lambda: cells("integer"),
 }
 FAMILY = {
-    **{"contacts": "three", "many": "many", "poly": "three", "grid": "three"},
+    **{"contacts": "three", "many": "many", "grid": "three"},
     **{"points given by code": "three", "many given by code": "search"},
     **{"trees": "grid", "trees without floats": "whole"},
     **{"cells": "grid", "cells without floats": "whole"},

@@ -86,8 +86,9 @@ class Paper(Trials):
 
     def __init__(self, formulas: dict[str, Formula]) -> None:
         self.formulas, self.tried, self.encoded = formulas, {}, 0
+        changes = {"bytes": None, "exact": lambda model: False}
         self.infos = {
-            name: replace(codec(name), sizes=one.start, grow=one.grow, bytes=None)
+            name: replace(codec(name), sizes=one.start, grow=one.grow, **changes)
             for name, one in formulas.items()
         }
         self.model = cast(Model, SimpleNamespace(recipe=SimpleNamespace(source="paper.toml")))
@@ -171,16 +172,16 @@ def test_wider_codes_are_used_where_narrow_ones_are_too_coarse() -> None:
 
 def test_of_two_codecs_the_better_is_chosen() -> None:
     small = Formula(weights=(0.2, 0.05, 0.01))
-    for order in (["poly", "grid"], ["grid", "poly"]):
-        found = best(bench(poly=small, grid=Formula()), order, Goal(None, 1.0))
-        assert found.export.codec == "poly"
+    for order in (["contacts", "grid"], ["grid", "contacts"]):
+        found = best(bench(contacts=small, grid=Formula()), order, Goal(None, 1.0))
+        assert found.export.codec == "contacts"
 
 
 def test_a_codec_that_cannot_win_is_given_up_early() -> None:
     alone = bench(grid=Formula())
     best(alone, ["grid"], Goal(None, 0.5))
-    both = bench(poly=Formula(weights=(0.2, 0.05, 0.01)), grid=Formula())
-    best(both, ["poly", "grid"], Goal(None, 0.5))
+    both = bench(contacts=Formula(weights=(0.2, 0.05, 0.01)), grid=Formula())
+    best(both, ["contacts", "grid"], Goal(None, 0.5))
     tried = sum(one.name == "grid" for one, _ in both.tried)
     assert 0 < tried < alone.encoded / 2
 
@@ -257,12 +258,11 @@ def test_code_that_was_never_measured_is_not_taken_for_none(
 ) -> None:
     monkeypatch.setattr(trials, "code_bytes", lambda features: None)
     tool = Trials(Model(lutgen.parse_recipe(tripod())), "tripod", ("tip_angle",), "float")
-    poly = codec("poly")
-    tables = poly.encode(
-        tool.model, tool.channels, poly.sizes(tool.model, tool.channels, "float")[0]
-    )
+    contacts = codec("contacts")
+    (size,) = contacts.sizes(tool.model, tool.channels, "float")
+    tables = contacts.encode(tool.model, tool.channels, size)
     with pytest.raises(ExportError, match="never measured"):
-        tool.bytes_of(poly, tables)
+        tool.bytes_of(contacts, tables)
 
 
 def test_steps_too_small_to_count_alone_are_followed_while_they_add_up() -> None:
@@ -275,11 +275,11 @@ def test_steps_too_small_to_count_alone_are_followed_while_they_add_up() -> None
 
 
 def test_the_table_of_candidates_falls_in_error_as_it_grows_in_bytes() -> None:
-    paper = bench(poly=Formula(weights=(0.2, 0.05, 0.01)), grid=Formula())
-    chosen = best(paper, ["poly", "grid"], Goal(None, 0.5))
+    paper = bench(contacts=Formula(weights=(0.2, 0.05, 0.01)), grid=Formula())
+    chosen = best(paper, ["contacts", "grid"], Goal(None, 0.5))
     rows = front(paper, chosen)
     assert [row["label"] for row in rows if row["chosen"]] == [chosen.label]
-    for name in ("poly", "grid"):
+    for name in ("contacts", "grid"):
         own = [row for row in rows if row["codec"] == name]
         assert own, name
         sizes = [row["total_bytes"] for row in own]
@@ -290,8 +290,8 @@ def test_the_table_of_candidates_falls_in_error_as_it_grows_in_bytes() -> None:
 
 def test_codecs_are_named_and_tried_in_order() -> None:
     model = Model(lutgen.parse_recipe(tripod()))
-    assert [one.name for one in usable(model, "float")] == ["contacts", "poly", "grid"]
-    assert usable(model, "float", "poly") == named("poly")
+    assert [one.name for one in usable(model, "float")] == ["contacts", "grid"]
+    assert usable(model, "float", "contacts") == named("contacts")
     (grid,) = usable(model, "integer")
     assert grid is codec("grid")
     with pytest.raises(InputError, match="unknown"):
@@ -302,8 +302,6 @@ def test_codecs_are_named_and_tried_in_order() -> None:
 
 def test_a_robot_that_no_codec_can_hold_is_refused_with_the_reason() -> None:
     wheels = Model(lutgen.parse_recipe(rover()))
-    with pytest.raises(ExportError, match="poly needs a robot on three point contacts"):
-        usable(wheels, "float", "poly")
     with pytest.raises(ExportError, match="integer"):
         usable(wheels, "integer", "contacts")
 

@@ -13,13 +13,14 @@ import firmware_export
 import lutgen
 from firmware_export import codecs, exporter
 from firmware_export.certify.certifier import Certificate
-from firmware_export.contacts.shorten import Tables
 from firmware_export.exporter import Report
+from firmware_export.grid import lookup
+from firmware_export.grid.lookup import Tables
 from firmware_export.protocol import CodecInfo
 from firmware_export.protocol.exported import Export
 from lutgen.errors import ExportError, InputError, MapFileError, RecipeError
 from tests.fixtures.programs import contents
-from tests.fixtures.recipes import contact, feet, rigid, rover, tripod
+from tests.fixtures.recipes import contact, feet, rigid, tripod
 
 ALL = ("sdg", "tip_angle", "height")
 TEXT = tripod(nodes=5, channels=ALL)
@@ -27,16 +28,9 @@ RECIPE = lutgen.parse_recipe(TEXT)
 POINTS = 4000
 
 
-@pytest.fixture(autouse=True)
-def unproved(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Leave out the proofs, which take longest; `test_prove` has them."""
-    if "proved" not in request.keywords:
-        monkeypatch.setattr(exporter, "proved", lambda export: export)
-
-
 def run(directory: Path, source: Any = RECIPE, **more: Any) -> Report:
-    """Export with a short certificate; `poly` is the codec that is encoded fastest."""
-    options: dict[str, Any] = {"codec": "poly", "points": POINTS} | more
+    """Export with a short certificate; `contacts` has one size, `grid` many."""
+    options: dict[str, Any] = {"codec": "contacts", "points": POINTS} | more
     return firmware_export.export(source, directory, **options)
 
 
@@ -74,16 +68,16 @@ def test_the_same_source_gives_the_same_bytes_from_recipe_file_and_map(tmp_path:
 
 
 def test_an_error_in_the_length_unit_is_kept(tmp_path: Path) -> None:
-    relative = run(tmp_path / "a", max_error="0.5%")
+    relative = run(tmp_path / "a", codec="grid", max_error="0.5%")
     span = relative["certificate"]["channels"]["sdg"]["range"]
-    absolute = run(tmp_path / "b", max_error=0.005 * span)
+    absolute = run(tmp_path / "b", codec="grid", max_error=0.005 * span)
     for found in (relative, absolute):
         assert found["certificate"]["channels"]["sdg"]["max"] <= 0.005 * span
     assert absolute["certificate"]["bound"] == f"{0.005 * span:g}"
 
 
 def test_a_smaller_error_takes_more_bytes(tmp_path: Path) -> None:
-    coarse, fine = (run(tmp_path / name, max_error=name) for name in ("2%", "0.05%"))
+    coarse, fine = (run(tmp_path / name, codec="grid", max_error=name) for name in ("2%", "0.05%"))
     assert coarse.table_bytes < fine.table_bytes
     assert coarse.error is not None
     assert fine.error is not None
@@ -91,9 +85,9 @@ def test_a_smaller_error_takes_more_bytes(tmp_path: Path) -> None:
 
 
 def test_flash_gives_the_most_accurate_that_fits(tmp_path: Path) -> None:
-    coarse = run(tmp_path / "coarse", max_error="1%")
+    coarse = run(tmp_path / "coarse", codec="grid", max_error="1%")
     assert coarse.bytes is not None
-    fine = run(tmp_path / "fine", flash=coarse.bytes + 100)
+    fine = run(tmp_path / "fine", codec="grid", flash=coarse.bytes + 100)
     assert fine.bytes is not None
     assert fine.bytes <= coarse.bytes + 100
     assert fine.error is not None
@@ -153,7 +147,7 @@ def test_a_channel_that_is_not_there_is_refused(tmp_path: Path) -> None:
         ({"max_error": "-1%"}, InputError, "largest error"),
         ({"codec": "zip"}, InputError, "codec: 'zip' is unknown"),
         ({"arithmetic": "decimal"}, InputError, "arithmetic: 'decimal' is unknown"),
-        ({"arithmetic": "integer"}, ExportError, "poly computes with floats only"),
+        ({"codec": "contacts", "arithmetic": "integer"}, ExportError, "floating point"),
         ({"source": "missing.toml"}, RecipeError, "no such file"),
         ({"source": "missing.h5"}, MapFileError, "no such file"),
     ],
@@ -165,11 +159,6 @@ def test_what_means_nothing_is_refused_in_a_sentence(
         run(tmp_path / "out", **options)
     assert "\n" not in str(caught.value)
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_robot_of_wheels_is_no_robot_for_poly(tmp_path: Path) -> None:
-    with pytest.raises(ExportError, match="three point contacts"):
-        run(tmp_path / "out", lutgen.parse_recipe(rover()))
 
 
 def test_a_folder_with_foreign_files_is_refused_before_anything_is_computed(
@@ -216,13 +205,13 @@ def test_a_robot_given_by_code_is_exported_from_its_recipe_but_not_from_a_map(
 
 @pytest.fixture
 def tampered(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[Tables], Tables]], None]:
-    """Return a function that makes `poly` encode something else than it should."""
+    """Return a function that makes `grid` encode something else than it should."""
 
     def tamper(change: Callable[[Tables], Tables]) -> None:
         def changed(info: CodecInfo) -> CodecInfo:
             return replace(info, encode=lambda *given: change(info.encode(*given)))
 
-        rows = [changed(info) if info.name == "poly" else info for info in codecs.CODECS]
+        rows = [changed(info) if info is lookup.INFO else info for info in codecs.CODECS]
         monkeypatch.setattr(codecs, "CODECS", tuple(rows))
 
     return tamper
@@ -233,7 +222,7 @@ def test_a_codec_with_a_guard_that_is_too_small_is_never_shipped(
 ) -> None:
     tampered(lambda tables: replace(tables, guard=0.0))
     with pytest.raises(ExportError, match="guard"):
-        run(tmp_path / "out", max_error="2%")
+        run(tmp_path / "out", codec="grid", max_error="2%")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -242,7 +231,7 @@ def test_an_export_that_calls_most_of_what_stands_unsafe_is_refused(
 ) -> None:
     tampered(lambda tables: replace(tables, guard=0.3))
     with pytest.raises(ExportError, match=r"too much of what stands as unsafe.*more than 25 %"):
-        run(tmp_path / "out", flash="64KiB")
+        run(tmp_path / "out", codec="grid", flash="4KiB")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -275,7 +264,7 @@ def test_a_guard_that_is_wrong_by_too_little_for_the_chooser_is_stopped_by_the_c
 
     monkeypatch.setattr(exporter, "examine", noted)
     with pytest.raises(ExportError, match="called safe where it tips"):
-        run(tmp_path / "out", max_error="2%")
+        run(tmp_path / "out", codec="grid", max_error="2%")
     assert examined[0].false_safe > 0
     assert list(tmp_path.iterdir()) == []
 
@@ -292,9 +281,9 @@ def test_a_certificate_worse_than_the_choice_leads_to_a_finer_export(
         worse = sdg | {"max_percent": 1.6 * sdg["max_percent"]}
         return replace(found, channels=found.channels | {"sdg": worse})
 
-    usual = run(tmp_path / "usual", max_error="1%")
+    usual = run(tmp_path / "usual", codec="grid", max_error="1%")
     monkeypatch.setattr(exporter, "examine", pessimist)
-    found = run(tmp_path / "worse", max_error="1%")
+    found = run(tmp_path / "worse", codec="grid", max_error="1%")
     assert seen[0] == usual.table_bytes
     assert found.error is not None
     assert found.error <= 1.0
@@ -302,7 +291,7 @@ def test_a_certificate_worse_than_the_choice_leads_to_a_finer_export(
 
 
 def test_the_report_shows_what_was_chosen_from(tmp_path: Path) -> None:
-    found = run(tmp_path / "out", max_error="0.2%")
+    found = run(tmp_path / "out", codec="grid", max_error="0.2%")
     rows = found["pareto"]
     assert len(rows) > 1
     chosen = [row for row in rows if row["chosen"]]
@@ -317,7 +306,7 @@ def test_progress_is_told_in_words(tmp_path: Path) -> None:
     told: list[str] = []
     run(tmp_path / "out", max_error="2%", progress=told.append)
     assert told[0].startswith("looking for")
-    assert any(text.startswith("certifying poly") for text in told)
+    assert any(text.startswith("certifying contacts") for text in told)
 
 
 def test_a_robot_without_parameters_is_exported(tmp_path: Path) -> None:

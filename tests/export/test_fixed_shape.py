@@ -21,7 +21,7 @@ CORNERS = [(0.3, 0.2, -0.4), (-0.3, 0.2, -0.4), (0.0, -0.3, -0.4), (0.35, -0.2, 
 SAFE = (0, 4)
 # Of three contacts as `grid` some level gave warnings; four did not export as `grid` at all.
 KINDS = [
-    *((3, codec, "float") for codec in ("contacts", "poly", "grid")),
+    *((3, codec, "float") for codec in ("contacts", "grid")),
     (3, "grid", "integer"),
     (4, "contacts", "float"),
     (4, "grid", "integer"),

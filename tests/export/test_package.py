@@ -34,7 +34,7 @@ NAMES = {
 @pytest.fixture(scope="module")
 def export() -> Export:
     """Return a small export."""
-    return tripod_export("feet", codec="poly")
+    return tripod_export("feet")
 
 
 def full_disk(monkeypatch: pytest.MonkeyPatch, after: int) -> None:
@@ -68,7 +68,7 @@ def test_the_same_export_gives_the_same_bytes_wherever_it_goes(
     export: Export, tmp_path: Path
 ) -> None:
     package.write(export, tmp_path / "one")
-    package.write(tripod_export("feet", codec="poly"), tmp_path / "another")
+    package.write(tripod_export("feet"), tmp_path / "another")
     assert contents(tmp_path / "one") == contents(tmp_path / "another")
     for name, content in contents(tmp_path / "one").items():
         assert str(tmp_path).encode() not in content, name
@@ -76,7 +76,7 @@ def test_the_same_export_gives_the_same_bytes_wherever_it_goes(
 
 def test_the_report_has_what_a_program_asks_for(export: Export, tmp_path: Path) -> None:
     content = package.write(export, tmp_path / "out")
-    assert content["codec"] == "poly"
+    assert content["codec"] == "contacts"
     assert content["recipe_sha256"] == export.recipe.digest
     assert content["parameters"][1] == {
         "name": "swing",
@@ -100,8 +100,8 @@ def test_the_report_has_what_a_program_asks_for(export: Export, tmp_path: Path) 
 def test_the_page_shows_the_choice_and_its_picture(export: Export, tmp_path: Path) -> None:
     package.write(export, tmp_path / "out")
     page = (tmp_path / "out" / "feet_report.md").read_text()
-    rows = [line for line in page.split("\n") if line.startswith("| poly") or "grid u8" in line]
-    assert [row.split("|")[1].strip() for row in rows] == ["poly small", "poly large", "grid u8"]
+    rows = [line for line in page.split("\n") if line.endswith(("% |  |", "**chosen** |"))]
+    assert [row.split("|")[1].strip() for row in rows] == ["grid i8", "contacts", "grid u8"]
     assert "**chosen**" in rows[1]
     assert "(feet_pareto.png)" in page
     assert (tmp_path / "out" / "feet_pareto.png").read_bytes().startswith(b"\x89PNG")
@@ -111,7 +111,7 @@ def test_without_a_choice_there_is_no_picture(export: Export, tmp_path: Path) ->
     package.write(replace(export, pareto=None), tmp_path / "out")
     assert set(contents(tmp_path / "out")) == NAMES - {"feet_pareto.png"}
     assert "chosen from" not in (tmp_path / "out" / "feet_report.md").read_text()
-    assert draw_pareto([{"label": "exact", "codec": "poly", "bytes": 1, "error": 0.0}]) is None
+    assert draw_pareto([{"label": "exact", "codec": "contacts", "bytes": 1, "error": 0.0}]) is None
 
 
 def test_of_one_size_there_is_nothing_to_choose_from_and_no_picture() -> None:

@@ -23,7 +23,6 @@ OK, TIPS, OFF_CHART, ROCKS, OFF_RANGE, INVALID = 0, 2, 3, 4, 5, -1
 MAKERS: dict[str, Any] = {
     "contacts": tripod_export,
     "many": rover_export,
-    "poly": lambda: tripod_export(codec="poly"),
     "grid": lambda: tripod_export(codec="grid"),
 }
 ODD = np.array([0.0, -0.0, np.nan, np.inf, -np.inf, 1e-42, -1e-42, 3e38, -3e38, 1.0, -1.0], "f4")
@@ -114,7 +113,7 @@ def test_a_pose_reads_the_bits_that_a_read_at_once_gives(name: str) -> None:
         }
 
 
-@pytest.mark.parametrize("name", ["contacts", "many", "poly"])
+@pytest.mark.parametrize("name", ["contacts", "many"])
 def test_both_forms_of_a_pose_say_the_same_but_for_rounding(name: str) -> None:
     export = MAKERS[name]()
     host, body = host_of(export), body_of(export)

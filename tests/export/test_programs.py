@@ -90,7 +90,7 @@ def main_of(names: tuple[str, ...]) -> str:
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     place = tmp_path_factory.mktemp("programs")
-    exports = (tripod_export("one"), rover_export("two"), tripod_export("three", codec="poly"))
+    exports = (tripod_export("one"), rover_export("two"), tripod_export("three", codec="grid"))
     for export in exports:
         package.write(export, place / export.name)
     return place
