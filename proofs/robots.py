@@ -86,7 +86,7 @@ REFUSED = {
     "z1": "z1_description/urdf/z1",
 }
 TILTED = ("a1", "anymal b", "b1", "baxter", "go2", "hyq", "laikago", "pr2", "solo", "tiago pro")
-# kg and m, against pinocchio, which takes angles of few digits as they are; deg, against the engine.
+# kg and m, against pinocchio, which rounds no angles of few digits; deg, against the engine.
 SAME, ROUNDED, CLOSE, HEADINGS = 1e-9, 1e-5, 0.2, 24
 
 
