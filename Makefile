@@ -1,6 +1,6 @@
 # Every command of the project; `make help` lists them.
 .PHONY: help venv maps paper test check lines bench firmware verify prove size physics robots soak \
-  fuzz hostile docs explorer engine control dist oldest clean
+  fuzz hostile docs explorer engine dist oldest clean
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -51,10 +51,11 @@ lines: ## count the lines of product, tests, lab and documents against their cei
 bench: .venv/.installed ## measure speed (docs/measured/benchmarks.md; four minutes)
 	$(BIN)/python -m benchmarks.run
 
-firmware: $(EXPORTS) ## run exports on emulated targets: hashes, counts against the baseline, bounds
-	$(BIN)/python -m targets.run $(if $(SAMPLE),--sample)
+firmware: .venv/.installed ## run exports on four emulated targets: hashes, counts, control (docs/measured/targets.md)
+	$(BIN)/python -m targets.run $(if $(SAMPLE),,--reads 20000)
+	$(if $(SAMPLE),,$(BIN)/python -m targets.control)
 
-verify: $(EXPORTS) ## check the C runtime (fifteen minutes, SAMPLE=1: three; docs/measured/c-runtime.md)
+verify: .venv/.installed ## prove the C runtime (ten minutes, SAMPLE=1: three; docs/measured/c-runtime.md)
 	$(BIN)/python -m proofs.run $(if $(SAMPLE),--sample)
 prove: .venv/.installed ## prove that exports on three points are never falsely safe (a minute or two)
 	$(BIN)/python -m proofs.prove
@@ -62,9 +63,7 @@ size: $(EXPORTS) ## measure flash, RAM and stack on a Cortex-M4 (arm-none-eabi-g
 	$(BIN)/python -m targets.size $(NAMES:%=build/maps/%/firmware)
 
 physics: .venv/.physics ## judge the verdicts by a physics engine (docs/measured; ten minutes, SAMPLE=1: two)
-	$(BIN)/python -m proofs.physics.agreement $(if $(SAMPLE),--cases 60)
-	$(BIN)/python -m proofs.physics.judge $(if $(SAMPLE),rocking)
-	$(BIN)/python -m proofs.physics.braking $(if $(SAMPLE),--cases 20)
+	$(BIN)/python -m proofs.physics.judge $(if $(SAMPLE),agreement rocking braking --chunks 1,--update)
 robots: .venv/.robots ## import published robots, which it downloads (docs/measured/robots.md; five minutes)
 	$(BIN)/python -m proofs.robots --update
 
@@ -72,21 +71,16 @@ soak: .venv/.installed ## kill, damage and fill up sweeps at length; needs 20 GB
 	LUTGEN_SOAK=1 $(BIN)/python -m pytest -q -s tests/mapping
 	$(BIN)/python -m benchmarks.large
 
-fuzz: $(EXPORTS) ## fuzz the exports for SECONDS=600 in all
+fuzz: .venv/.installed ## fuzz the exports for SECONDS=600 in all
 	$(BIN)/python -m proofs.run --only fuzz --seconds $(or $(SECONDS),600)
-hostile: .venv/.installed ## fuzz recipes, URDFs, terrains, maps, command lines
-	$(BIN)/python -m proofs.fuzzing
+hostile: .venv/.installed ## fuzz recipes, URDFs, terrains, maps, command lines; SECONDS=30 for a sample
+	$(BIN)/python -m proofs.fuzzing $(if $(SECONDS),--seconds $(SECONDS))
 
 docs: .venv/.docs ## build the site of the documents into build/site (the explorers too, if they are made)
 	$(BIN)/sphinx-build -q -W --keep-going -c docs -d build/site-work . build/site
 explorer: $(NAMES:%=build/explorer/%.html) ## write a page for every robot of maps/ into build/explorer
 engine: ## compile the runtime to the WebAssembly of those pages (clang, wasm-ld)
 	$(PYTHON) tools/engine.py
-
-control: .venv/.installed ## attack on-board control at length over the gallery, and ride with it (an hour)
-	$(BIN)/python -m proofs.control --update
-	$(BIN)/python -m proofs.gain 1000 --update
-	$(BIN)/python -m targets.control --update
 
 dist: ## build sdist and wheel into build/dist; the same commit gives the same wheel
 	@$(PYTHON) -m venv build/builder && build/builder/bin/pip install -q build

@@ -1,20 +1,18 @@
 """Public measures of stability beside ours, on robots of the gallery and on published ones.
 
-python -m proofs.compare [--update] [-o FOLDER]
+`python -m proofs.compare [FILE.csv]` prints two tables, and writes the measures of each posture.
 
-Whoever uses a library of margins gives it one polygon.  Here it is the support polygon of the facet
-on which the robot rests on level ground, or the outline of all its contacts seen from above, which
-is what is left where nobody knows which of them carry.  Two things are compared.
-*Verdict*: from which tilt on the robot tips, by either polygon (all margins of proofs/margins.py
-change their sign in the same place) and by `lutgen.analysis.tilt_limits`, in `HEADINGS` headings.
-*Ranking*: of how many pairs of postures a measure on level ground calls the wrong one the stabler,
-if the largest tilt that is safe in every heading decides.  Writes `postures.csv` and
-`headings.csv` into FOLDER, by default build/compare; `--update` writes docs/measured/compare.md.
+A library of margins gets one polygon from its user: the support polygon of the facet on which the
+robot rests on level ground, or the outline of all its contacts seen from above.  Two things are
+compared.  *Verdict*: from which tilt on the robot tips, by either polygon (all margins of
+proofs/margins.py change their sign in the same place) and by `lutgen.analysis.tilt_limits`, in
+`HEADINGS` headings.  *Ranking*: of how many pairs of postures a measure on level ground calls the
+wrong one the stabler, if the largest tilt that is safe in every heading decides.
 """
 
-import argparse
 import csv
 import math
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -30,24 +28,13 @@ from lutgen.urdf import load_urdf
 from lutgen.vector import Floats
 from proofs.descriptions import FOLDER
 from proofs.margins import MARGINS
-from proofs.physics.page import MEASURED, page
 
-PAGE = MEASURED / "compare.md"
-OUT = Path("build/compare")
 HEADINGS, POSTURES, SEED = 72, 60, 1
 LEVEL = np.array([[0.0, 0.0, -1.0]])
 # deg; beyond it two limits are not the same.
 SAME = 0.05
 OURS = ("sdg", "tip_angle")
 MEASURES = (*OURS, *MARGINS)
-WORDS = {
-    "sdg": "|SD_g| (small is good)",
-    "tip_angle": "tip angle on level ground",
-    "static_margin": "static margin",
-    "zmp_distance": "ZMP distance",
-    "energy_margin": "energy margin (NE)",
-    "force_angle": "force-angle",
-}
 
 
 @dataclass(frozen=True)
@@ -159,10 +146,9 @@ def rankings(name: str, found: list[Asked]) -> str:
     return f"| {' | '.join([name, *cells])} |"
 
 
-def write(folder: Path, all_found: dict[str, tuple[Recipe, list[Asked]]], headings: Floats) -> None:
-    """Write the data: a row for each posture, and one for each posture and heading."""
-    folder.mkdir(parents=True, exist_ok=True)
-    with (folder / "postures.csv").open("w", newline="", encoding="utf-8") as file:
+def write(path: Path, all_found: dict[str, tuple[Recipe, list[Asked]]]) -> None:
+    """Write a row for each posture that stands on level ground."""
+    with path.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file)
         table.writerow(["robot", "length_unit", "posture", *MEASURES, "largest_safe_tilt_rad"])
         for name, (recipe, found) in all_found.items():
@@ -171,47 +157,24 @@ def write(folder: Path, all_found: dict[str, tuple[Recipe, list[Asked]]], headin
                 values = [f"{one.level[measure]:.9g}" for measure in MEASURES]
                 row = [name, recipe.length_unit, posture, *values, f"{one.ours.min():.9g}"]
                 table.writerow(row)
-    with (folder / "headings.csv").open("w", newline="", encoding="utf-8") as file:
-        table = csv.writer(file)
-        limits = ("support_polygon_limit_rad", "outline_limit_rad", "limit_rad")
-        table.writerow(["robot", "posture", "heading_rad", *limits])
-        for name, (_, found) in all_found.items():
-            for one in found:
-                posture = " ".join(f"{value:.9g}" for value in one.params)
-                for tilts in zip(headings, one.polygon, one.outline, one.ours, strict=True):
-                    table.writerow([name, posture, *(f"{value:.9g}" for value in tilts)])
 
 
 def main() -> None:
-    """Ask every robot, print the two tables, and write the data."""
-    parser = argparse.ArgumentParser(description="Compare public measures of stability with ours.")
-    parser.add_argument("--update", action="store_true", help=f"write {PAGE.name}")
-    parser.add_argument("-o", "--output", type=Path, default=OUT)
-    wanted = parser.parse_args()
+    """Ask every robot, print the two tables, and write the measures if a file is named."""
     headings = even_headings(HEADINGS)
     all_found: dict[str, tuple[Recipe, list[Asked]]] = {}
+    print("| robot | postures | support polygon: more | less | outline: more | less |")
     for name, recipe in robots():
         found = [one for row in drawn(recipe) if (one := asked(recipe, row, headings)) is not None]
         if found:
             all_found[name] = recipe, found
             print(verdicts(name, found), flush=True)
-    heads = {
-        "verdicts": "| robot | postures | support polygon: more | less | outline: more | less |",
-        "rankings": f"| robot | {' | '.join(WORDS[name] for name in MEASURES)} |".replace(
-            "|SD_g|", r"\|SD_g\|"
-        ),
-    }
-    text = PAGE.read_text(encoding="utf-8")
-    for part, row in (("verdicts", verdicts), ("rankings", rankings)):
-        head = heads[part]
-        columns = head.replace(r"\|", "").count("|") - 1
-        rows = [head, "|" + "---|" * columns]
-        rows += [row(name, found) for name, (_, found) in all_found.items() if len(found) > 1]
-        text = page(text, part, "\n".join(rows) + "\n")
-    write(wanted.output, all_found, headings)
-    if wanted.update:
-        PAGE.write_text(text, encoding="utf-8")
-    print(f"{wanted.output / 'postures.csv'}, {wanted.output / 'headings.csv'}")
+    print(f"\n| robot | {' | '.join(MEASURES)} |")
+    for name, (_, found) in all_found.items():
+        if len(found) > 1:
+            print(rankings(name, found))
+    if sys.argv[1:]:
+        write(Path(sys.argv[1]), all_found)
 
 
 if __name__ == "__main__":

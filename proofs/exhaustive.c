@@ -1,16 +1,11 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
-/* What is proved by trying everything.  The parts themselves are taken in, so it is their own functions
- * that are asked; those of the grid with GRID.  Prints one line for each proof: its name, what was
- * tried, and how often it failed. */
+/* Proofs by trying everything.  The parts themselves are taken in, so their own functions are asked.
+ * Prints one line for each proof: its name, how many were tried, and how often it failed. */
 #include <math.h>
 #include <stdio.h>
 
-#ifdef GRID
-#include "of_grid_w.c"
-#else
 #include "of_three.c"
-#endif
 
 #ifndef STEP
 #define STEP 1u /* a test that only looks for a fault tries fewer */
@@ -29,69 +24,6 @@ static inline float float_of(uint32_t bits)
   return x;
 }
 
-#ifdef GRID
-/* Is one value between its neighbours, the node where the weight is 0 or all of it, and no less
- * than the bound that rounding down leaves? */
-static unsigned wrong_between(uint32_t low, uint32_t high, uint32_t frac, uint8_t finer)
-{
-  const uint32_t value = smap_between(low, high, frac, finer), first = low << finer, last = high << finer;
-  const uint32_t least = low < high ? first : last, most = low < high ? last : first;
-  return (unsigned)(value < least) | (unsigned)(value > most) |
-         ((unsigned)(frac == 0) & (unsigned)(value != first)) |
-         ((unsigned)(frac == 16384) & (unsigned)(value != last));
-}
-
-/* All differences and all weights, with the lower of the two values at either end of its range. */
-static void try_between(void)
-{
-  uint64_t wrong = 0, tried = 0;
-  uint32_t size, frac;
-  for (size = 0; size <= 65535; size += STEP) {
-    const uint32_t base = 65535 - size;
-    uint32_t here = 0;
-    for (frac = 0; frac <= 16384; frac++) {
-      here += wrong_between(0, size, frac, 0) + wrong_between(size, 0, frac, 0);
-      here += wrong_between(base, 65535, frac, 0) + wrong_between(65535, base, frac, 0);
-    }
-    wrong += here;
-    tried += 4 * 16385;
-  }
-  /* Of codes of 8 bits, read 256 times as finely. */
-  for (size = 0; size <= 255; size++) {
-    for (frac = 0; frac <= 16384; frac++) {
-      wrong += wrong_between(0, size, frac, 8) + wrong_between(size, 0, frac, 8);
-      wrong += wrong_between(255 - size, 255, frac, 8) + wrong_between(255, 255 - size, frac, 8);
-    }
-    tried += 4 * 16385;
-  }
-  report("between", tried, wrong);
-}
-
-/* The search for a cell, on axes of 2 to 300 nodes, at every place. */
-static void try_cell(void)
-{
-  static uint8_t knots[600];
-  uint64_t wrong = 0, tried = 0;
-  uint16_t nodes;
-  for (nodes = 2; nodes <= 300; nodes = (uint16_t)(nodes + STEP)) {
-    uint32_t x, expected = 0, i;
-    for (i = 0; i < nodes; i++) {
-      const uint32_t knot = 65534u * i / (nodes - 1u);
-      knots[2 * i] = (uint8_t)knot;
-      knots[2 * i + 1] = (uint8_t)(knot >> 8);
-    }
-    for (x = 0; x <= 65534; x++) {
-      while (expected + 2 < nodes && smap_u16(knots + 2 * expected + 2) <= x) {
-        expected++;
-      }
-      wrong += smap_cell(knots, nodes, x) != expected;
-      tried++;
-    }
-  }
-  report("cell", tried, wrong);
-}
-
-#else
 /* All bit patterns of a float: what the guards let pass, and what of a parameter and of a direction is
  * kept.  The map: one axis from -1 to 2 with a slack of 0.01, a cone of 60 deg. */
 static void try_guards(void)
@@ -217,20 +149,13 @@ static void try_arcsine(void)
   report("arcsine", tried, wrong);
 }
 
-#endif
-
 int main(void)
 {
-#ifdef GRID
-  try_between();
-  try_cell();
-#else
   try_guards();
   try_root();
   try_whole_root();
   try_waves("waves_near", NEAREST, 1);
   try_waves("waves", FURTHEST, 0);
   try_arcsine();
-#endif
   return 0;
 }

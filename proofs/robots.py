@@ -86,8 +86,8 @@ REFUSED = {
     "z1": "z1_description/urdf/z1",
 }
 TILTED = ("a1", "anymal b", "b1", "baxter", "go2", "hyq", "laikago", "pr2", "solo", "tiago pro")
-# kg and m, against pinocchio; deg, against the engine.
-SAME, CLOSE, HEADINGS = 1e-9, 0.2, 24
+# kg and m, against pinocchio, which rounds no angles of few digits; deg, against the engine.
+SAME, ROUNDED, CLOSE, HEADINGS = 1e-9, 1e-5, 0.2, 24
 
 
 @dataclass(frozen=True)
@@ -162,7 +162,8 @@ def weighed(path: Path, robot: UrdfRobot, posture: dict[str, float], recipe: Rec
     theirs = postures(recipe, np.array([recipe.home_params]))[1][0]
     found += [("com", float(np.abs(own - com).max()))]
     found += [("com of the recipe", float(np.abs(theirs - com).max()))]
-    return [f"{what} differs by {off:.2g}" for what, off in found if off > SAME]
+    most = ROUNDED if robot.rounded else SAME
+    return [f"{what} differs by {off:.2g}" for what, off in found if off > most]
 
 
 def engine(recipe: Recipe) -> list[float]:

@@ -1,86 +1,90 @@
-"""What the runtime shows by itself: loops, lengths, recursion, globals, library calls."""
+"""Facts of the runtime that its text and its object code show: loops, lengths, calls, globals."""
 
 import re
 from pathlib import Path
 
+from firmware_export.host import RUNTIME
 from lutgen.errors import ExportError
-from proofs import loops
-from proofs.document import cells
-from proofs.parts import PROGRAMS
 from proofs.tools import FAILED, OK, Clock, Result, run
-from targets.size import ALLOWED, deepest
+from targets.elf import undefined, writable
+from targets.image import deepest
+from targets.size import ALLOWED, GAPS, RAILS, SEARCH, THREE, program, settings_of
 
-__all__ = ["LONGEST", "long_ones", "prove", "undocumented", "writable"]
+__all__ = ["endless", "long_ones", "prove"]
 
-FLAGS = ("-std=c99", "-O1", "-ffp-contract=off", "-fcallgraph-info=su", "-c")
+FLAGS = ("-std=c99", "-O0", "-fcallgraph-info=su", "-fno-stack-protector", "-w")
+# Every part of the runtime is in one of these programs.
+PROGRAMS = (
+    THREE,
+    ("SMAP_TABLES", "SMAP_INTEGERS"),
+    (*RAILS, "SMAP_SERIES", *GAPS),
+    (*SEARCH, "SMAP_SERIES", *GAPS),
+)
 # Lines of a function, its brackets among them.
 LONGEST = 60
+# The descriptors of the functions: the loader may have to write it.
+SEEN = {"seen", "smap_run", "steers", "smap_control_run", "_GLOBAL_OFFSET_TABLE_"}
+
+
+def plain(source: str) -> str:
+    """Return C without its comments, line by line as before."""
+    return re.sub(r"/\*.*?\*/", lambda found: "\n" * found[0].count("\n"), source, flags=re.DOTALL)
+
+
+def endless(source: str) -> list[str]:
+    """Return the jumps of C source, and the loops whose head has no condition."""
+    jumps = r"\b(?:goto|setjmp|longjmp)\b"
+    heads = r"\bfor \([^;]*;\s*;|\bwhile \(1\)"
+    return [found[0] for found in re.finditer(f"{jumps}|{heads}", plain(source))]
 
 
 def long_ones(source: str) -> list[str]:
-    """Return the functions of more than `LONGEST` lines, with how many they have."""
-    text = loops.plain(source)
+    """Return the functions of more than `LONGEST` lines: the line of each, and how many."""
     found = []
-    for at, name in loops.functions(text)[1:]:
-        lines = text[at : text.index("\n}", at)].count("\n") + 2
-        if lines > LONGEST:
-            found.append(f"{name}: {lines} lines")
+    lines = plain(source).split("\n")
+    for at, line in enumerate(lines):
+        if line == "{":
+            length = lines.index("}", at) - at + 2
+            found += [f"line {at}: {length} lines"] if length > LONGEST else []
     return found
 
 
-def undocumented(parts: dict[str, str], document: str) -> list[str]:
-    """Return loops that have no bound, that the document does not list, and that are gone."""
-    source = "\n".join(text for _, text in sorted(parts.items()))
-    present = {tuple(row) for row in loops.rows(parts)}
-    listed = {tuple(cell.replace("\\|", "|") for cell in row) for row in cells(document, "Loops")}
-    new = [f"{row[0]} of {row[2]} is not listed" for row in sorted(present - listed)]
-    gone = [f"{row[0]} of {row[2]} is listed and not there" for row in sorted(listed - present)]
-    return loops.unbounded(source) + new + gone
-
-
-def writable(listing: str) -> list[str]:
-    """Return the symbols of an ``nm`` listing that lie in memory that can be written."""
-    return re.findall(r"^[0-9a-f]+ [bBcCdDgGsS] (\S+)", listing, re.MULTILINE)
-
-
-def prove(parts: dict[str, str], document: str, folder: Path, patience: float) -> list[Result]:
-    """Check parts of the runtime that lie in a folder; see `proofs.parts.place`."""
-    results = []
-    source = "\n".join(text for name, text in sorted(parts.items()))
-
-    def add(subject: str, wrong: str, text: str, seconds: float) -> None:
-        state = FAILED if wrong else OK
-        results.append(Result("structure", subject, state, wrong[:160] or text, seconds))
-
+def prove(folder: Path, patience: float, parts: Path = RUNTIME) -> list[Result]:
+    """Check the parts of the runtime in `parts`; `folder` is to work in."""
+    texts = {
+        path.name: path.read_text(encoding="utf-8")
+        for path in sorted(parts.glob("*.[ch]"))
+        if not path.name.startswith("host")
+    }
+    wrong: dict[str, list[str]] = {
+        "loops": [f"{name}: {one}" for name, text in texts.items() for one in endless(text)],
+        "length": [f"{name}: {one}" for name, text in texts.items() for one in long_ones(text)],
+        "object code": [],
+    }
+    deep = 0
     with Clock() as clock:
-        wrong = "; ".join(undocumented(parts, document))
-    add(
-        "loops",
-        wrong,
-        f"{len(list(loops.loops(source)))} loops, each with its bound",
-        clock.seconds,
-    )
-    add("length", "; ".join(long_ones(source)), f"no function over {LONGEST} lines", 0.0)
-    deep, recursions, globals_, needed = 0, "", set(), set()
-    with Clock() as clock:
-        for name in PROGRAMS:
-            built = run(["gcc", *FLAGS, f"of_{name}.c", "-o", f"{name}.o"], folder, patience)
-            if built.code:
-                add("object code", f"{name} does not compile: {built.text}", "", clock.seconds)
-                return results
-            listing = run(["nm", f"{name}.o"], folder, patience).text
-            globals_ |= set(writable(listing))
-            needed |= set(re.findall(r"^ +U (\S+)", listing, re.MULTILINE)) - ALLOWED
+        for on in PROGRAMS:
+            text = program(settings_of(on), control="SMAP_FLOATS" in on)
+            (folder / "all.c").write_text(text, "utf-8")
+            command = ["gcc", *FLAGS, f"-I{parts}", "-c", "all.c", "-o", "all.o"]
+            if (built := run(command, folder, patience)).code:
+                wrong["object code"].append(f"does not compile: {built.text[:200]}")
+                continue
+            for name in writable(folder / "all.o") - SEEN:
+                wrong["object code"].append(f"{name} can be written")
+            for name in undefined(folder / "all.o") - ALLOWED - SEEN:
+                wrong["object code"].append(f"{name} of a library")
             try:
-                graph = (folder / f"{name}.ci").read_text(encoding="utf-8")
-                deep = max(deep, deepest(graph))
+                deep = max(deep, deepest((folder / "all.ci").read_text("utf-8")))
             except ExportError as error:
-                recursions = str(error)
-    add("recursion", recursions, f"none; {deep} bytes of stack here, all codecs", clock.seconds)
-    # The address of the functions is a constant that the loader may have to write.
-    globals_ = {name for name in globals_ if name not in ("seen", "smap_run")}
-    add("globals", ", ".join(sorted(globals_)), "none that can be written", 0.0)
-    # The host's compiler may guard the stack.
-    needed -= {"__stack_chk_fail", "_GLOBAL_OFFSET_TABLE_"}
-    add("library", ", ".join(sorted(needed)), "memcpy and memset at most", 0.0)
-    return results
+                wrong["object code"].append(str(error))
+    good = {
+        "loops": "each has a condition, and nothing jumps",
+        "length": f"no function over {LONGEST} lines",
+        "object code": f"no recursion, {deep:,} bytes of stack here; nothing that can be written; "
+        "memcpy and memset at most",
+    }
+    return [
+        Result("structure", name, FAILED if said else OK, "; ".join(said) or good[name], seconds)
+        for (name, said), seconds in zip(wrong.items(), (0.0, 0.0, clock.seconds), strict=True)
+    ]

@@ -1,31 +1,23 @@
-"""Programs that the proofs run: which Debian package has them, and how they are run."""
+"""Programs that the proofs run, and the rows of their table."""
 
-import shutil
 import subprocess
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from lutgen.errors import ExportError
 
-__all__ = ["PACKAGES", "Clock", "Outcome", "Result", "missing", "run"]
+__all__ = ["FAILED", "OK", "PACKAGES", "SKIPPED", "Clock", "Outcome", "Result", "run"]
 
 # Program: Debian packages that bring it.
-PACKAGES = {
-    "frama-c": ("frama-c-base",),
-    "gcc": ("gcc",),
-    "arm-none-eabi-gcc": ("gcc-arm-none-eabi", "picolibc-arm-none-eabi"),
-    "clang": ("clang", "libclang-rt-14-dev", "llvm"),
-    "clang-tidy": ("clang-tidy",),
-    "cppcheck": ("cppcheck",),
-}
+PACKAGES = {"frama-c": "frama-c-base", "gcc": "gcc", "clang": "clang libclang-rt-14-dev llvm"}
 OK, FAILED, SKIPPED = "passed", "FAILED", "SKIPPED"
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a program did: its exit code, and all it printed."""
+    """The exit code of a program, and all it printed."""
 
     code: int
     text: str
@@ -40,12 +32,6 @@ class Result:
     state: str
     text: str
     seconds: float = 0.0
-
-
-def missing(programs: Iterable[str]) -> list[str]:
-    """Return the Debian packages of those programs that are not installed."""
-    lacking = [name for name in programs if shutil.which(name) is None]
-    return [package for name in lacking for package in PACKAGES[name]]
 
 
 def run(arguments: Sequence[str], folder: Path, patience: float) -> Outcome:

@@ -1,51 +1,38 @@
-"""One cell: an export compiled for a board, run on its emulator, and what it said."""
+"""One cell: an export compiled for a board, run on its emulator, and the answers and counts."""
 
 import re
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
+from lutgen.errors import ExportError
 from targets.boards import Board
-from targets.digest import START
-from targets.footprint import Footprint, footprint
-from targets.queries import row_bytes
+from targets.elf import memory, section_bytes
 
 HERE = Path(__file__).resolve().parent
-CHIP = (
-    *("chip/image.c", "chip/counter.h", "chip/queries.S"),
-    *("wasm/run.mjs", "wasm/memory.c"),
-)
-# Seconds; an image that hangs is ended.  The slowest emulated run takes some fifty.
-PATIENCE = 300.0
-# Bytes of stack that an image needs beside the runtime, interrupts and arithmetic of the compiler
-# included, and the least queries worth a run.
+# Seconds; an image that hangs is ended.
+PATIENCE = 600.0
+# Bytes of stack beside the runtime's: interrupts, and the arithmetic of the compiler.
 STACK = 500
-LEAST = 20
-# Bytes of flash by which code may grow with the number of queries.
-SPARE = 256
 # Instructions of the call that come on top of the thousand of the check.
 SLACK = 2.0
 # Instructions of the interrupt that counts the overflows of the 24-bit SysTick.
 INTERRUPT = 5
-# What linkers and the blob say of a part without room.
-TOO_LARGE = "overflow|will not fit|is not within region|too large for avr-gcc"
 COLOUR = re.compile(r"\x1b\[[0-9;]*m")
+# A pose with floats never calls it: it makes one of integers alone, all of it on the stack.
+APART = "smap_pose_whole"
 
 
-class CellError(Exception):
-    """A cell that does not compile, does not run, or does not say what it should."""
-
-
-class TooLargeError(CellError):
-    """An image that the part has no room for."""
+class CellError(ExportError):
+    """A cell that does not compile, does not fit, does not run, or says something else."""
 
 
 @dataclass(frozen=True)
 class Job:
-    """What is to be run.
+    """An export and the queries of a board.
 
     Parameters
     ----------
@@ -61,8 +48,8 @@ class Job:
         The queries, those of the hash first.
     checked, counted : int
         How many of each.
-    largest_only : bool
-        Whether of the counts only the largest is wanted.
+    longest : bool
+        Whether only the longest read is counted.
     """
 
     folder: Path
@@ -73,55 +60,47 @@ class Job:
     rows: bytes = field(repr=False)
     checked: int
     counted: int
-    largest_only: bool = False
-
-    @property
-    def width(self) -> int:
-        """Bytes of a query."""
-        return row_bytes(self.params, self.floats)
+    longest: bool = False
 
     @property
     def calls(self) -> dict[str, str]:
-        """The calls that are counted, each with the letter that the image says it by."""
-        return calls_of(self.floats, self.integers)
+        """The calls that are counted, each with the letter that the image prints."""
+        if self.longest:
+            return {"read": "r"}
+        calls = {"pose": "p"}
+        if self.floats and self.integers:
+            calls["both"] = "b"
+        if self.floats:
+            calls["at"] = "a"
+        if self.integers:
+            calls["at_i"] = "i"
+        return calls | {"read": "r"}
 
-    @property
-    def entries(self) -> dict[str, str]:
-        """The functions of smap.c that answer those calls."""
-        return {call: entry_of(call, self.floats) for call in self.calls}
+    def entry(self, call: str) -> str:
+        """Return the function of the runtime that answers a call."""
+        if self.floats:
+            return f"smap_run_{'pose' if call == 'both' else call}"
+        return {"pose": "smap_run_pose_q", "read": "smap_run_read_i"}.get(call, f"smap_run_{call}")
+
+
+@dataclass(frozen=True)
+class Footprint:
+    """Bytes of code, of the deepest stack and of that of each call; None where it is not known."""
+
+    code: int
+    stack: int | None = None
+    calls: dict[str, int] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What an image said: the hash, the count of each query by call, bytes of the two poses.
-
-    Of a call there is one count where only the largest was asked for.
-    """
+    """The hash, the counts of each call, the footprint, and the bytes of the two poses."""
 
     hash: int
     counts: dict[str, list[int]]
     footprint: Footprint
     pose: int
     pose_i: int
-
-
-def calls_of(floats: bool, integers: bool) -> dict[str, str]:
-    """Return the calls that an export of some forms answers: name -> letter."""
-    calls = {"pose": "p"}
-    if floats and integers:
-        calls["both"] = "b"
-    if floats:
-        calls["at"] = "a"
-    if integers:
-        calls["at_i"] = "i"
-    return calls | {"read": "r"}
-
-
-def entry_of(call: str, floats: bool) -> str:
-    """Return the function of smap.c that answers a call."""
-    if floats:
-        return f"smap_run_{'pose' if call == 'both' else call}"
-    return {"pose": "smap_run_pose_q", "read": "smap_run_read_i"}.get(call, f"smap_run_{call}")
 
 
 def run(arguments: Sequence[str], folder: Path) -> subprocess.CompletedProcess[str]:
@@ -142,21 +121,105 @@ def run(arguments: Sequence[str], folder: Path) -> subprocess.CompletedProcess[s
 
 
 def build(arguments: Sequence[str], folder: Path) -> None:
-    """Run a compiler; what it says is the CellError's text."""
+    """Run a compiler; its first error is the CellError's text."""
     done = run(arguments, folder)
     if done.returncode:
-        lines = [line for line in done.stderr.splitlines() if re.search(f"error|{TOO_LARGE}", line)]
+        lines = [line for line in done.stderr.splitlines() if "error" in line or "overflow" in line]
         text = (lines or done.stderr.splitlines() or ["nothing"])[0]
-        kind = TooLargeError if re.search(TOO_LARGE, done.stderr) else CellError
-        raise kind(f"{arguments[0]}: {text.strip()}")
+        raise CellError(f"{arguments[0]}: {text.strip()}")
 
 
-def compiler(board: Board) -> str:
-    """Return the C compiler of a board."""
-    return f"{board.prefix}gcc" if board.prefix else "clang"
+def flags_of(board: Board, option: str) -> list[str]:
+    """Return the command of a board's compiler, without files."""
+    return [board.tool, *board.flags, option, "-ffunction-sections", "-fdata-sections", "-I."]
 
 
-def case_header(job: Job, board: Board, start: int, checked: int, counted: int) -> str:
+def deepest(graph: str, entry: str = "", without: str = "\n") -> int:
+    """Return the deepest stack of any chain of calls, from GCC's call graph (VCG).
+
+    Chains begin with functions whose title ends with `entry`; none has one whose title contains
+    `without`.
+    """
+    own = {
+        title: int(size)
+        for title, size in re.findall(r'node: \{ title: "([^"]+)" label: "[^"]*?(\d+) bytes', graph)
+    }
+    calls: dict[str, list[str]] = {}
+    edges = r'edge: \{ sourcename: "([^"]+)" targetname: "([^"]+)"'
+    for source, target in re.findall(edges, graph):
+        calls.setdefault(source, []).append(target)
+
+    def depth(title: str, seen: tuple[str, ...]) -> int:
+        if title in seen:
+            raise ExportError(f"smap.c: {title} calls itself (got a recursion); write a loop.")
+        further = [name for name in calls.get(title, ()) if without not in name]
+        below = [depth(name, (*seen, title)) for name in further]
+        return own.get(title, 0) + max(below, default=0)
+
+    return max((depth(title, ()) for title in own if title.endswith(entry)), default=0)
+
+
+def compiled(
+    name: str, board: Board, option: str, folder: Path, entries: Mapping[str, str]
+) -> Footprint:
+    """Compile NAME.c in a folder to NAME.o and measure it; `entries` has a function for each call.
+
+    avr-gcc 5 writes no call graph, so that no stack is known there.
+    """
+    graphed = "arm" in board.tool
+    more = ["-fcallgraph-info=su"] if graphed else []
+    build([*flags_of(board, option), *more, "-c", f"{name}.c", "-o", f"{name}.o"], folder)
+    code = section_bytes(folder / f"{name}.o", ".text")
+    if not graphed:
+        return Footprint(code)
+    graph = (folder / f"{name}.ci").read_text(encoding="utf-8")
+    stacks = {call: deepest(graph, entry, APART) for call, entry in entries.items()}
+    return Footprint(code, deepest(graph), stacks)
+
+
+def listen(
+    name: str, program: str, board: Board, option: str, folder: Path, size: Footprint
+) -> list[tuple[str, int]]:
+    """Link a program of chip/ around NAME.o and run it; return its letters and numbers."""
+    for path in (f"chip/{program}.c", "chip/counter.h", "chip/queries.S"):
+        shutil.copy(HERE / path, folder)
+    sources = [f"{program}.c", "queries.S", f"{name}.o"]
+    build([*flags_of(board, option), *sources, *board.link, "-o", "image.elf"], folder)
+    flash, ram = memory(folder / "image.elf")
+    if flash > board.flash or ram + (size.stack or 0) + STACK > board.ram:
+        raise CellError(f"{flash:,} bytes of flash and {ram:,} of RAM do not fit {board.title}")
+    done = run([*board.emulator, "image.elf"], folder)
+    text = COLOUR.sub("", done.stdout + (done.stderr if "avr" in board.tool else ""))
+    lines = re.findall(r"^([a-z])([0-9a-f]{8})\.*\s*$", text, re.MULTILINE)
+    if not lines or lines[-1][0] != "e":
+        last = (done.stderr.splitlines() or text.splitlines() or ["nothing"])[-1]
+        raise CellError(f"{board.emulator[0]}: exit code {done.returncode}, said {last[:80]!r}")
+    return [(kind, int(value, 16)) for kind, value in lines]
+
+
+def execute(job: Job, board: Board, option: str) -> Outcome:
+    """Build and run a cell; if anything fails it is a CellError."""
+    with tempfile.TemporaryDirectory(prefix="targets-") as name:
+        folder = Path(name)
+        for path in job.folder.glob("*.[ch]"):
+            shutil.copy(path, folder)
+        (folder / "queries.bin").write_bytes(job.rows)
+        (folder / "case.h").write_text(_header(job), encoding="utf-8")
+        entries = {call: job.entry(call) for call in job.calls}
+        size = compiled(job.name, board, option, folder, entries)
+        lines = listen(job.name, "image", board, option, folder, size)
+    said = dict(lines)
+    counts = dict[str, list[int]]()
+    if board.unit:
+        count = counter_of(board, said["o"])
+        counts = {
+            call: [count(value) for kind, value in lines if kind == letter]
+            for call, letter in job.calls.items()
+        }
+    return Outcome(said["h"], counts, size, said["s"], said["t"])
+
+
+def _header(job: Job) -> str:
     """Return case.h."""
     forms = [name for name, on in (("FLOAT", job.floats), ("INTEGER", job.integers)) if on]
     settings = {
@@ -167,128 +230,21 @@ def case_header(job: Job, board: Board, start: int, checked: int, counted: int) 
         "PARAMS": job.params,
         "FLOATS": int(job.floats),
         "INTEGERS": int(job.integers),
-        "CHECKED": checked,
-        "COUNTED": counted,
+        "CHECKED": job.checked,
+        "COUNTED": job.counted,
         "KINDS": f'"{"".join(job.calls.values())}"',
-        "HASH_START": f"{start}u",
-        "LARGEST_ONLY": int(job.largest_only),
+        "LARGEST_ONLY": int(job.longest),
     }
     lines = [f'#include "{job.name}.h"', *(f"#define {k} {v}" for k, v in settings.items())]
     return "\n".join(lines) + "\n"
 
 
-def execute(job: Job, board: Board, optimise: str) -> Outcome:
-    """Build and run a cell, in as many images as the part's flash asks for.
-
-    The hash goes on from one image to the next, so it does not depend on their number.
-
-    Raises
-    ------
-    TooLargeError
-        If the part has no room for the export.
-    CellError
-        If anything fails.
-    """
-    if not board.unit:
-        job = replace(job, counted=0)
-    with tempfile.TemporaryDirectory(prefix="targets-") as name:
-        folder = Path(name)
-        sources = (f"{job.name}.c", f"{job.name}.h", "smap.c", "smap.h", "smap_config.h")
-        for source in sources:
-            shutil.copy(job.folder / source, folder)
-        for path in CHIP:
-            shutil.copy(HERE / path, folder)
-        flags = [*board.flags, optimise, "-ffunction-sections", "-fdata-sections", "-I."]
-        flags += [f"-I{HERE / 'wasm'}"] if board.family == "wasm" else []
-        size = footprint(job.name, board, flags, folder, build, run, job.entries)
-        room = _room(job, board, flags, folder, size)
-        value, counts, at = START, {call: list[int]() for call in job.calls}, 0
-        said = dict[str, int]()
-        total = job.checked + job.counted
-        while at < total:
-            checked = min(max(job.checked - at, 0), room)
-            counted = min(total - at - checked, room - checked)
-            rows = job.rows[at * job.width : (at + checked + counted) * job.width]
-            (folder / "queries.bin").write_bytes(rows)
-            _link(job, board, flags, folder, case_header(job, board, value, checked, counted))
-            said, found = _listen(job, board, folder, checked + counted)
-            value = said["h"]
-            for call, ticks in found.items():
-                counts[call] += ticks
-            at += checked + counted
-        return Outcome(value, counts, size, said["s"], said["t"])
-
-
-def _link(job: Job, board: Board, flags: list[str], folder: Path, header: str) -> None:
-    """Make image.elf around the objects of the map and the runtime."""
-    (folder / "case.h").write_text(header, encoding="utf-8")
-    tool = compiler(board)
-    queries = [] if board.family == "wasm" else ["queries.S"]
-    objects = [f"{job.name}.o"]
-    if board.family == "wasm":
-        build([tool, *flags, "-c", "memory.c", "-o", "memory.o"], folder)
-        objects.append("memory.o")
-    # Two steps, as clang takes no linker flags when it compiles.
-    build([tool, *flags, "-c", "image.c", "-o", "image.o"], folder)
-    command = [tool, *flags, *queries, "image.o", *objects, *board.link, "-o", "image.elf"]
-    build(command, folder)
-
-
-def _room(job: Job, board: Board, flags: list[str], folder: Path, size: Footprint) -> int:
-    """Return how many queries fit a part together with everything else."""
-    total = job.checked + job.counted
-    if not board.unit:
-        return total
-    (folder / "queries.bin").write_bytes(job.rows[: 2 * job.width])
-    counted = min(job.counted, 1)
-    _link(job, board, flags, folder, case_header(job, board, START, 2 - counted, counted))
-    text = run([f"{board.prefix}size", "image.elf"], folder).stdout.split("\n")[1].split()
-    flash = int(text[0]) + int(text[1])
-    parts = run([f"{board.prefix}size", "-A", "image.elf"], folder).stdout
-    # Without the section that picolibc reserves for the stack.
-    ram = sum(int(found) for found in re.findall(r"^\.(?:data|bss)\s+(\d+)", parts, re.MULTILINE))
-    left = board.flash - flash - SPARE
-    if board.family == "avr":  # queries are read with 16-bit addresses, as all small tables are
-        left = min(left, 32767)
-    rows = min(total, left // job.width)
-    if rows < LEAST or ram + (size.stack or 0) + STACK > board.ram:
-        raise TooLargeError(
-            f"{flash:,} bytes of flash, {ram:,} of RAM and {size.stack or 0:,} of stack without "
-            "queries"
-        )
-    return rows
-
-
-def _listen(
-    job: Job, board: Board, folder: Path, expected: int
-) -> tuple[dict[str, int], dict[str, list[int]]]:
-    """Run image.elf; return what it said once, by letter, and the counts of each call."""
-    done = run([*board.emulator, "image.elf"], folder)
-    text = COLOUR.sub("", done.stdout + (done.stderr if board.family == "avr" else ""))
-    lines = re.findall(r"^([a-z])([0-9a-f]{8})\.*\s*$", text, re.MULTILINE)
-    said = {kind: int(value, 16) for kind, value in lines}
-    if "h" not in said or said.get("e") != expected:
-        errors = [line for line in done.stderr.splitlines() if "Error" in line]
-        last = (errors or done.stderr.splitlines() or text.splitlines() or ["nothing"])[-1]
-        raise CellError(f"{board.emulator[0]}: exit code {done.returncode}, said {last[:80]!r}")
-    if not board.unit:
-        return said, {}
-    ticks = {
-        call: [int(value, 16) for kind, value in lines if kind == letter]
-        for call, letter in job.calls.items()
-    }
-    count = counter_of(board, said)
-    return said, {call: [count(one) for one in found] for call, found in ticks.items()}
-
-
-def counter_of(board: Board, said: dict[str, int]) -> Callable[[int], int]:
-    """Return what makes ticks of a board's counter the unit that is counted."""
+def counter_of(board: Board, known: int) -> Callable[[int], int]:
+    """Return the conversion of a board's ticks to its unit, from the ticks of a known length."""
     if board.unit == "cycles":
-        # Each overflow of the 16-bit timer takes an interrupt; `o` holds the cycles of three.
-        each = said["o"] / 3.0
-        return lambda ticks: round(ticks - each * (ticks >> 16))
-    thousand = said["o"] / board.ticks
+        # Each overflow of the 16-bit timer takes an interrupt; `known` has the cycles of three.
+        return lambda ticks: round(ticks - known / 3.0 * (ticks >> 16))
+    thousand = known / board.ticks
     if abs(thousand - 1000.0) > SLACK:
         raise CellError(f"{board.emulator[0]}: counts {thousand:.0f} for 1,000 instructions")
-    interrupts = INTERRUPT if board.family == "arm" else 0
-    return lambda ticks: round(ticks / board.ticks) - interrupts * (ticks >> 24)
+    return lambda ticks: round(ticks / board.ticks) - INTERRUPT * (ticks >> 24)

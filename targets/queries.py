@@ -1,7 +1,7 @@
-"""What every target is asked: 1,000 queries for the hash, 256 for the counts.
+"""The queries of every target: 1,000 for the hash, 256 for the counts.
 
-The same for every run and machine: made by a seeded generator, kept as bits in queries.bin.  A
-query of an export with floats has the same posture and direction as whole numbers, too.
+They are the same in every run: a seeded generator makes them, and queries.bin holds their bits.
+A query of an export with floats has the same posture and direction as whole numbers, too.
 """
 
 from typing import Any
@@ -153,18 +153,13 @@ def counted(export: Export, count: int = COUNTED, outside: int = OUTSIDE) -> tup
     return _typed(export, t, gravity)
 
 
-def row_bytes(params: int, floats: bool) -> int:
-    """Return the bytes of a query: its floats, and its whole numbers up to a whole word."""
-    numbers = params + 3
-    return (4 * numbers if floats else 0) + 2 * (numbers + numbers % 2)
-
-
-def as_bytes(export: Export, params: Numbers, gravity: Numbers) -> bytes:
-    """Return queries row after row, little-endian, as queries.bin holds them."""
-    down = np.concatenate(whole(export, params, gravity), axis=1).astype("<i2")
+def as_bytes(export: Export, queries: tuple[Numbers, ...], order: str = "<") -> bytes:
+    """Return queries row after row, in a byte order, as queries.bin holds them."""
+    params, gravity = queries
+    down = np.concatenate(whole(export, params, gravity), axis=1).astype(f"{order}i2")
     down = np.pad(down, ((0, 0), (0, down.shape[1] % 2)))
     parts = [down.view(np.uint8)]
     if not export.integer:
-        real = np.concatenate([params, gravity], axis=1).astype("<f4")
+        real = np.concatenate([params, gravity], axis=1).astype(f"{order}f4")
         parts.insert(0, real.view(np.uint8))
     return np.concatenate([part.reshape(len(params), -1) for part in parts], axis=1).tobytes()

@@ -26,8 +26,10 @@ from lutgen.recipe import Recipe
 
 FORMAT = 2
 MARKER = "lutgen_export"
-# Beside sizes.json: what reads were counted to cost, written by `python -m targets.run --update`.
+# Beside sizes.json: counts of reads on emulated targets, by `python -m targets.run --update`.
 COUNTS = "counts.json"
+# The target that reports tell of.
+COUNTED, BOARD = "Cortex-M4F", "m4f"
 
 
 def axis_macros(export: Export) -> tuple[str, ...]:
@@ -90,39 +92,45 @@ def flash_bytes(export: Export, body: CBody) -> dict[str, Any]:
 
 
 @cache
-def _counts() -> list[dict[str, Any]]:
+def _counts() -> dict[str, Any]:
     """Return the rows of counts.json; none where nothing was counted."""
     path = files("firmware_export") / "runtime" / COUNTS
     if not path.is_file():
-        return []
+        return {}
     try:
-        rows: list[dict[str, Any]] = json.loads(path.read_text(encoding="utf-8"))["rows"]
-        for row in rows:
-            row["recipe_sha256"], row["spec"], row["arithmetic"], row["channels"], row["targets"]
+        rows: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))["rows"]
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise ExportError(
             f"{COUNTS}: is not the file of counted reads (got {type(error).__name__}: {error}); "
-            "run `make firmware` with --update, or install lutgen again."
+            "run `python -m targets.run --update`, or install lutgen again."
         ) from error
     return rows
 
 
 def counted(export: Export) -> list[dict[str, Any]] | None:
-    """Return what a read of this very export was counted to cost, None where it was not.
+    """Return the counted cost of a read of this very export, None where it was not counted.
 
-    Per target and compiler option ``target``, ``option``, ``unit`` (instructions or cycles),
-    ``call``, ``median``, ``max`` and ``stack`` (bytes, None where it is not known).
+    For each compiler option and call ``target``, ``option``, ``unit``, ``call``, ``median``,
+    ``max`` and ``stack`` (bytes, None where it is not known).
     """
-    for row in _counts():
-        same = (
-            row["recipe_sha256"] == export.recipe.digest
-            and row["spec"] == export.tables.spec.label
-            and row["arithmetic"] == export.arithmetic
-            and row["channels"] == list(export.channels)
-        )
-        if same:
-            targets: list[dict[str, Any]] = row["targets"]
-            return targets
+    same = {
+        "recipe_sha256": export.recipe.digest,
+        "spec": str(export.tables.spec.label),
+        "arithmetic": export.arithmetic,
+        "channels": list(export.channels),
+    }
+    for row in _counts().values():
+        if same.items() <= row["export"].items():
+            head = {"target": COUNTED, "unit": "instructions"}
+            return [
+                head
+                | {"option": key.split()[1], "call": call}
+                | {"median": numbers[0], "max": numbers[1], "stack": numbers[2]}
+                for key, cell in row.items()
+                if key.startswith(BOARD)
+                for call, numbers in cell.items()
+                if isinstance(numbers, list)
+            ]
     return None
 
 

@@ -68,6 +68,8 @@ SMAP_INLINE float smap_root(float x)
     int32_t exponent = (int32_t)(bits >> 23);
     if (exponent == 0) { /* denormal: at most 23 shifts */
       exponent = 1;
+      /*@ admit mantissa > 0; */
+      /*@ loop unroll 24; */
       while (mantissa < 0x800000u) {
         mantissa <<= 1;
         exponent--;
@@ -77,6 +79,7 @@ SMAP_INLINE float smap_root(float x)
     }
     exponent += 127; /* never negative, so that the shift below is defined */
     mantissa <<= 1 + (exponent & 1);
+    /*@ loop unroll 26; */
     for (digit = 0x1000000u; digit != 0; digit >>= 1) {
       const uint32_t trial = sum + digit;
       if (trial <= mantissa) {
@@ -166,6 +169,7 @@ SMAP_INLINE int16_t smap_to_whole(float x, float most)
 {
   if (x >= -most && x <= most) {
     const float away = x < 0.0f ? x - 0.5f : x + 0.5f;
+    /*@ admit \is_finite(away) && -32767.5 <= away <= 32767.5; */
     return (int16_t)away;
   }
   return 0;

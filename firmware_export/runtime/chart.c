@@ -99,6 +99,7 @@ SMAP_INLINE uint32_t smap_scale_counts(const int16_t gravity[3], int32_t g[3])
   SMAP_THRICE
   for (i = 0; i < 3; i++) {
     g[i] *= (int32_t)1 << shift;
+    /*@ admit -32768 <= g[i] <= 32768; */
     sum += (uint32_t)(g[i] * g[i]);
   }
   return sum;
@@ -121,6 +122,7 @@ SMAP_INLINE int8_t smap_direction_i(const smap_t *map, const int16_t gravity[3],
     return SMAP_INVALID;
   }
   *length = smap_length_root(sum) + 1u;
+  /*@ admit 16385 <= *length <= 56757; */
   return SMAP_OK;
 }
 #endif

@@ -12,6 +12,7 @@ SMAP_INLINE int smap_unwind(float *x, float low, float high)
   if (!smap_is_within(away, 1000.0f)) {
     return 0;
   }
+  /*@ admit \is_finite(away) && -1000.0 <= away <= 1000.0; */
   whole = (float)(int32_t)away;
   whole -= away < whole ? 1.0f : 0.0f;
   *x = (*x - whole * 6.28125f) - whole * 1.93530718e-3f;
@@ -51,6 +52,7 @@ SMAP_INLINE int8_t smap_range(const smap_t *map, const float *params, float *q)
         return SMAP_OFF_RANGE;
       }
     }
+    /*@ admit \is_finite(x) && -1e7 <= x <= 1e7; */
     q[i] = x;
   }
   return SMAP_OK;

@@ -85,6 +85,7 @@ SMAP_INLINE void smap_series_entries(const smap_t *map, const smap_series_t *at,
     cell[j] = (uint8_t)(n - 1);
     s = value = (q[j] - smap_f32(knots + SMAP_KNOT_BYTES * cell[j])) *
                     smap_f32(knots + SMAP_KNOT_BYTES * cell[j] + 4) - 1.0f;
+    /*@ admit \is_finite(s) && -1.01 <= s <= 1.01; */
     for (n = 0; n < degree; n++) {
       const float next = 2.0f * s * value - before;
       entry[count++] = value;

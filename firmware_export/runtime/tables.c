@@ -178,12 +178,15 @@ SMAP_INLINE void smap_table_unit(const int32_t v[3], int16_t out[3])
   SMAP_UNROLL
   for (i = 0; i < 3; i++) {
     part[i] = v[i] >> shift;
+    /*@ admit -32768 <= part[i] <= 32767; */
     length += (uint32_t)(part[i] * part[i]);
   }
   length = smap_whole_root(length);
+  /*@ admit length > 0; */
   SMAP_UNROLL
   for (i = 0; i < 3; i++) {
     out[i] = (int16_t)(part[i] * 16383 / (int32_t)length);
+    /*@ admit -16383 <= out[i] <= 16383; */
   }
 }
 
@@ -197,6 +200,8 @@ SMAP_INLINE void smap_table_make(const smap_t *map, const uint16_t *place, smap_
   SMAP_UNROLL
   for (i = 0; i < 3; i++) {
     smap_table_point_i(&table[i], wide, place, &p[3 * i]);
+    /*@ admit -16400 <= p[3 * i] <= 16400 && -16400 <= p[3 * i + 1] <= 16400; */
+    /*@ admit -16400 <= p[3 * i + 2] <= 16400; */
   }
   SMAP_UNROLL
   for (i = 0; i < 3; i++) {

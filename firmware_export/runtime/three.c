@@ -155,6 +155,7 @@ SMAP_INLINE int8_t smap_three_read_i(const smap_t *map, uint8_t order, const sma
     }
   }
   out->sdg = out->height = 65535;
+  /*@ admit -1073741824 <= least <= 1073741823; */
   tip = 2 * least / (int32_t)length - guard; /* a wall is at most 16384 long, and the length rounded up */
   if (least < 0 || tip < 0) {
     out->tip = (int16_t)(tip < -32767 ? -32767 : tip < 0 ? tip : -1);

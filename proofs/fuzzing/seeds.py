@@ -9,7 +9,7 @@ import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
-from proofs.recipes import rover, tripod
+from tests.fixtures.recipes import rover, tripod
 
 __all__ = ["DESCRIPTIONS", "MESH", "POSTURES", "SPY", "STANCE", "TERRAIN", "recipes", "swept"]
 

@@ -7,13 +7,6 @@
 #include "counter.h"
 #include <string.h>
 
-#ifdef __wasm__
-union {
-  uint8_t bytes[4];
-  uint32_t aligned;
-} queries; /* the runner writes them */
-#endif
-
 static STATE state;
 static uint32_t seed = 1;
 
@@ -24,11 +17,10 @@ static float noise(void)
   return (float)(int16_t)(uint16_t)(seed >> 16) * (1.0f / 32768.0f);
 }
 
-static uint32_t mix(uint32_t hash, const void *data, uint8_t size)
+static uint32_t mix_floats(uint32_t hash, const float *number, uint8_t count)
 {
-  const uint8_t *byte = (const uint8_t *)data;
-  while (size--) {
-    hash = (hash ^ *byte++) * 16777619u;
+  while (count--) {
+    hash = mix(hash, number++, 4);
   }
   return hash;
 }
@@ -45,26 +37,8 @@ int main(void)
   uint32_t hash = 2166136261u, row;
   uint8_t i;
   begin();
-#if !defined(__wasm__)
-  { /* what the counter counts: a thousand instructions, or a delay of known cycles */
-    uint32_t start, empty;
-    restart();
-    start = now();
-    empty = now() - start;
-    start = now();
-#ifdef __AVR__
-    __builtin_avr_delay_cycles(3ul << 16);
-    put_hex('o', now() - start - empty - (3ul << 16));
-#else
-    thousand();
-    put_hex('o', now() - start - empty);
-#endif
-  }
-#endif
-  {
-    const int8_t status = (int8_t)smap_start(&CONTROL, &state, sizeof state);
-    hash = mix(hash, &status, 1);
-  }
+  put_known();
+  hash = mix_status(hash, smap_start(&CONTROL, &state, sizeof state));
   for (i = 0; i < PARAMS; i++) {
     posture[i] = 0.5f * (low[i] + high[i]);
   }
@@ -72,7 +46,6 @@ int main(void)
     smap_sample_t sample;
     smap_cycle_t cycle;
     smap_status_t status;
-    int8_t said;
     uint32_t start = 0, stop = 0, none = 0;
     memset(&sample, 0, sizeof sample);
     for (i = 0; i < 2; i++) {
@@ -99,10 +72,10 @@ int main(void)
     status = smap_step(&CONTROL, &state, &sample, command, &cycle);
     stop = now();
     __asm__ volatile("" : : "r"(command) : "memory");
-    said = (int8_t)status;
-    hash = mix(hash, &said, 1);
-    hash = mix(hash, command, sizeof command);
-    hash = mix(hash, &cycle, sizeof cycle);
+    hash = mix_floats(mix_status(hash, status), command, PARAMS);
+    hash = mix_floats(hash, (const float *)&cycle, 6);
+    hash = mix(mix(hash, &cycle.alarm, 1), &cycle.move, 1);
+    hash = mix(mix(hash, &cycle.poses, 1), &cycle.spare, 1);
     memcpy(posture, command, sizeof posture);
     if (stop - start > none) {
       put_hex('c', stop - start - none);

@@ -12,16 +12,11 @@
 queries:
   .incbin "queries.bin"
 
-#ifndef __AVR__
-  .text
-  .balign 4
-  .global thousand
 #ifdef __arm__
   .syntax unified
-  .thumb
-#endif
+  .text
+  .balign 4
 /* The timer's interrupt: 5 instructions, which the reader of the counts takes off again. */
-#ifdef __arm__
   .global arm_systick_isr
   .thumb_func
 arm_systick_isr:
@@ -32,15 +27,13 @@ arm_systick_isr:
   bx lr
   .pool
   .balign 4
+  .global thousand
   .thumb_func
-#endif
 thousand:
   .rept 999
   nop
   .endr
-#ifdef __arm__
   bx lr
-#else
-  ret
-#endif
+#elif !defined(__AVR__)
+  .section .note.GNU-stack, "", @progbits
 #endif

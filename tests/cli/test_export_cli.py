@@ -17,9 +17,9 @@ import pytest
 import lutgen
 from firmware_export import exporter
 from firmware_export.emit import package
-from proofs.exports import tripod_export
 from tests.fixtures.commands import data, run
 from tests.fixtures.commands import stdout as good
+from tests.fixtures.exports import tripod_export
 from tests.fixtures.programs import contents
 from tests.fixtures.recipes import tripod
 

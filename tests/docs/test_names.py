@@ -195,9 +195,9 @@ def test_a_module_that_is_gone_is_no_word_of_the_programs() -> None:
     assert {"fit", "proposal_text", "smap_read_i", "upright"} <= identifiers()
 
 
-def test_nothing_outside_the_tests_imports_from_them() -> None:
+def test_the_product_imports_nothing_from_the_tests() -> None:
     for path in SOURCES:
-        if path.relative_to(ROOT).parts[0] != "tests":
+        if path.relative_to(ROOT).parts[0] in ("lutgen", "firmware_export"):
             text = path.read_text(encoding="utf-8")
             assert not re.search(r"^\s*(from|import) tests\b", text, re.MULTILINE), path
 

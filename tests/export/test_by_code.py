@@ -24,7 +24,7 @@ from firmware_export.truth.model import Model
 from lutgen.channels import evaluate_each
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import robot_size_of
-from proofs.linkage import coded
+from tests.fixtures.linkage import coded
 
 OK, ROCKS, OFF_RANGE = 0, 4, 5
 ROBOTS = ("legs", "stops", "wheels", "scissors")

@@ -24,9 +24,9 @@ from firmware_export.protocol.array import CArray, literal
 from firmware_export.protocol.exported import Export
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import parse_recipe
-from proofs.exports import rover_export, tripod_export
 from targets import size
-from targets.compiled import compile_c
+from tests.fixtures.compiled import compile_c
+from tests.fixtures.exports import rover_export, tripod_export
 from tests.fixtures.recipes import tripod
 
 WARNINGS = [
@@ -94,8 +94,8 @@ def test_every_set_of_parts_is_one_program_without_a_warning(
     language: list[str], control: bool, rails: int | None, tmp_path: Path
 ) -> None:
     # Parts that never met in one file may both define a macro, each in its own sense.
-    for switches in size.feature_sets():
-        if (control and not size.steers(switches)) or (
+    for switches in size.SETS.values():
+        if (control and "SMAP_FLOATS" not in switches) or (
             rails and "SMAP_MANY_BY_RAILS" not in switches
         ):
             continue

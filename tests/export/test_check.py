@@ -13,13 +13,13 @@ from firmware_export.host import RUNTIME, Host
 from firmware_export.protocol import Blob, Export
 from firmware_export.truth import Model
 from lutgen.recipe import parse_recipe
-from proofs.exports import coded_export, rover_export, tripod_export
-from proofs.recipes import tripod
-from targets.cases import CAR, VERDICT, of_robot
-from targets.compiled import compile_c
+from targets.cases import of_robot
 from targets.noise import noise
+from tests.fixtures.compiled import compile_c
+from tests.fixtures.exports import coded_export, rover_export, tripod_export
 from tests.fixtures.frozen import exports
 from tests.fixtures.length import part
+from tests.fixtures.recipes import CAR, tripod
 
 OK, CORRUPT = 0, 6
 
@@ -33,7 +33,7 @@ def trees(arithmetic: str) -> Export:
 
 def cells(arithmetic: str) -> Export:
     """Return a tree with a directory."""
-    return of_robot(parse_recipe(CAR), "cells", "grid", arithmetic, VERDICT)
+    return of_robot(parse_recipe(CAR), "cells", "grid", arithmetic, "grid u8 tree 400")
 
 
 MAKERS: dict[str, Any] = {

@@ -1,4 +1,4 @@
-"""On-board control: what a cycle promises, attacked in small; `make control` does so at length."""
+"""On-board control: promises of a cycle, attacked in small; `proofs.control` does so at length."""
 
 from dataclasses import replace
 from functools import cache

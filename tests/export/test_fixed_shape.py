@@ -12,8 +12,8 @@ from firmware_export.protocol.exported import Export
 from firmware_export.truth.model import Model
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe.recipe import parse_recipe
-from targets.compiled import HostLibrary, compile_c
 from tests.export.test_programs import STRICT
+from tests.fixtures.compiled import HostLibrary, compile_c
 from tests.fixtures.recipes import contact, rigid
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="needs cc")

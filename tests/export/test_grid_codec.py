@@ -33,13 +33,11 @@ from firmware_export.verdict.tree import fitting, packed, whole
 from lutgen.jit import njit
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe.recipe import load_recipe, parse_recipe
-from proofs.recipes import tripod
-from targets.cases import CAR
-from targets.compiled import compile_c
 from targets.noise import noise
 from tests.export.test_programs import STRICT
+from tests.fixtures.compiled import compile_c
 from tests.fixtures.fits import few_points
-from tests.fixtures.recipes import contact, rigid, rover, sweep_part
+from tests.fixtures.recipes import CAR, contact, rigid, rover, sweep_part, tripod
 
 OK, OFF_CHART = 0, 3
 

@@ -17,8 +17,8 @@ from firmware_export.emit.source import body_of, described
 from firmware_export.host import Host, library
 from firmware_export.protocol import Blob, restored, stored
 from lutgen.errors import ExportError, InputError
-from proofs.exports import rover_export, tripod_export
-from targets.compiled import HostLibrary
+from tests.fixtures.compiled import HostLibrary
+from tests.fixtures.exports import rover_export, tripod_export
 from tests.fixtures.frozen import HEAD, PLACE, exports, rows
 
 NAMES = sorted(path.stem for path in PLACE.glob("*.json"))

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from firmware_export.emit import package
-from proofs.exports import tripod_export
+from tests.fixtures.exports import tripod_export
 from tests.fixtures.places import ROOT
 
 LINES = ["SPDX-License-Identifier: MIT", "Copyright (c) The lutgen authors"]

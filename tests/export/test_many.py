@@ -11,7 +11,6 @@ import pytest
 import lutgen
 from lutgen.channels import evaluate_each
 from lutgen.recipe import parse_recipe
-from targets.quadruped import quadruped
 from tests.fixtures.many_library import (
     HARNESS,
     RUNTIME,
@@ -22,6 +21,7 @@ from tests.fixtures.many_library import (
     read_i,
 )
 from tests.fixtures.places import MAPS
+from tests.fixtures.quadruped import quadruped
 from tests.fixtures.recipes import steered
 
 pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")

@@ -18,9 +18,9 @@ from firmware_export.emit.page import page
 from firmware_export.emit.source import body_of
 from firmware_export.protocol.exported import Export
 from lutgen.errors import ExportError, InputError
-from proofs.exports import PARETO, rover_export, tripod_export
-from proofs.recipes import rover
+from tests.fixtures.exports import PARETO, rover_export, tripod_export
 from tests.fixtures.programs import contents, run
+from tests.fixtures.recipes import rover
 
 NAMES = {
     *("feet.c", "feet.h", "smap.c", "smap.h", "smap_config.h", "LICENSE"),

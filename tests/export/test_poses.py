@@ -15,8 +15,8 @@ from firmware_export.host.reader import READING
 from firmware_export.protocol import Export
 from firmware_export.truth import Model, slack
 from lutgen.recipe import Recipe, forward, load_recipe, parse_recipe
-from proofs.exports import rover_export, tripod_export
-from targets.compiled import compile_c
+from tests.fixtures.compiled import compile_c
+from tests.fixtures.exports import rover_export, tripod_export
 from tests.fixtures.recipes import contact, rigid
 
 OK, TIPS, OFF_CHART, ROCKS, OFF_RANGE, INVALID = 0, 2, 3, 4, 5, -1

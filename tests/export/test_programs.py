@@ -14,8 +14,8 @@ import pytest
 from firmware_export.emit import check_name, package, trial
 from firmware_export.emit.trial import try_out
 from lutgen.errors import ExportError, InputError
-from proofs.exports import rover_export, tripod_export
-from targets.compiled import compile_c
+from tests.fixtures.compiled import compile_c
+from tests.fixtures.exports import rover_export, tripod_export
 from tests.fixtures.length import LONG
 from tests.fixtures.needs import lacking
 

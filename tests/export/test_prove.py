@@ -10,11 +10,11 @@ from firmware_export.emit.source import body_of
 from firmware_export.host import Host
 from firmware_export.protocol import describe
 from lutgen.recipe import load_recipe
-from proofs.exports import rover_export, tripod_export
 from proofs.prove.__main__ import MAPS, made, main
 from proofs.prove.held import CannotProveError, Map, Points
 from proofs.prove.motion import Postures, contacts_of
 from proofs.prove.search import prove
+from tests.fixtures.exports import rover_export, tripod_export
 
 CONTACTS, GRID = "paper_two: contacts, float", "paper_one: grid i8 1 4 1, integer"
 

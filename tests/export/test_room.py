@@ -15,9 +15,9 @@ from firmware_export.emit.source import body_of
 from firmware_export.host import Host
 from firmware_export.protocol import Export, describe
 from firmware_export.truth import Model
-from targets.compiled import HostLibrary
-from targets.quadruped import quadruped
+from tests.fixtures.compiled import HostLibrary
 from tests.fixtures.places import MAPS
+from tests.fixtures.quadruped import quadruped
 
 OK, TIPS, ROCKS, CORRUPT = 0, 2, 4, 6
 SIDES, SOUGHT = 5, 6

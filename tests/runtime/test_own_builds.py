@@ -11,10 +11,9 @@ from firmware_export.emit import package
 from firmware_export.emit.source import body_of, described
 from firmware_export.host import RUNTIME, Host
 from firmware_export.protocol import Export
-from proofs.parts import program_text
-from proofs.subjects import SMALL
-from targets.cases import of_recipe
-from targets.compiled import FLAGS, HostLibrary, compile_c
+from proofs.exhaustive import program_text
+from proofs.subjects import SUBJECTS
+from tests.fixtures.compiled import FLAGS, HostLibrary, compile_c
 from tests.fixtures.length import LONG, part
 from tests.fixtures.queries import integer_queries, random_queries
 
@@ -36,18 +35,16 @@ CASES = {
     "legs_by_code": part(100_000),
     "wheels_by_code": part(20_000),
     "tables_float": part(300_000),
-    "grid_float": part(300_000),
-    "grid_sphere_float": part(300_000),
 }
 # Of these the sanitizers see the square root in software, too: points, many contacts, tables.
-SOFT = ("paper_two", "absolem", "grid_float")
-WHOLE = ("tables_integer", "grid_integer", "grid_sphere_integer")
+SOFT = ("paper_two", "absolem", "tables_float")
+WHOLE = ("tables_integer",)
 
 
 @functools.cache
 def export_of(name: str) -> Export:
-    """Return a small export of the proofs, or that of a recipe."""
-    return SMALL[name](name) if name in SMALL else of_recipe(name, "contacts")
+    """Return an export of the proofs."""
+    return SUBJECTS[name]()
 
 
 def host_of(export: Export) -> Host:
@@ -84,11 +81,11 @@ def test_the_c_code_is_clean_under_the_sanitizers(name: str, tmp_path: Path) -> 
     export, count = export_of(name), CASES[name] // 10
     package.write(export, tmp_path / "out")
     params, gravity = random_queries(export.model, count, seed=8)
-    status, reading = HostLibrary(tmp_path / "out").run_driver(params, gravity, SANITIZERS)
+    status, reading = HostLibrary(tmp_path / "out", (*FLAGS, *SANITIZERS)).read(params, gravity)
     if name in SOFT or LONG:
         # The software square root is what parts without one run.
         soft = (*SANITIZERS, "-DSMAP_HARDWARE_ROOT=0")
-        again, soft_reading = HostLibrary(tmp_path / "out").run_driver(params, gravity, soft)
+        again, soft_reading = HostLibrary(tmp_path / "out", (*FLAGS, *soft)).read(params, gravity)
         np.testing.assert_array_equal(status, again)
         np.testing.assert_array_equal(reading.view(np.uint32), soft_reading.view(np.uint32))
     assert answers(export) <= set(status.tolist())
@@ -109,7 +106,7 @@ def test_every_build_gives_the_same_numbers_without_floats(name: str, tmp_path: 
         other = HostLibrary(tmp_path / "out", (*FLAGS, *flags)).read_i(params, gravity)
         np.testing.assert_array_equal(other[0], status)
         np.testing.assert_array_equal(other[1], reading)
-    clean = HostLibrary(tmp_path / "out").run_driver(params[:few], gravity[:few], SANITIZERS)
+    clean = HostLibrary(tmp_path / "out", (*FLAGS, *SANITIZERS)).read_i(params[:few], gravity[:few])
     np.testing.assert_array_equal(clean[0], status[:few])
     np.testing.assert_array_equal(clean[1], reading[:few])
 
@@ -127,7 +124,7 @@ void each(int count, const float *x, float *arcsines)
 
 
 def test_arcsine_is_right_to_3e_7_and_odd(tmp_path: Path) -> None:
-    (tmp_path / "each.c").write_text(program_text("three") + EACH)
+    (tmp_path / "each.c").write_text(program_text() + EACH)
     compile_c([*FLAGS, "-fPIC", "-shared", "-I", str(RUNTIME), "each.c", "-o", "each.so"], tmp_path)
     x = np.append(np.linspace(-1.0, 1.0, 20_001), 1.5).astype(np.float32)
     values = np.empty_like(x)
