@@ -62,11 +62,8 @@ explorer: $(NAMES:%=build/explorer/%.html) ## write a page for every robot of ma
 engine: ## rebuild the scripts and the WebAssembly of those pages (clang, wasm-ld, node, npm)
 	$(PYTHON) tools/explorer.py
 
-physics: .venv/.physics ## judge the verdicts by a physics engine (docs/measured: physics, judged, steady; ten minutes, SAMPLE=1: two)
-	$(BIN)/python -m proofs.physics.agreement $(if $(SAMPLE),--cases 60)
-	$(if $(SAMPLE),,$(BIN)/python -m proofs.physics.steady)
-	$(BIN)/python -m proofs.physics.judge $(if $(SAMPLE),rocking)
-	$(BIN)/python -m proofs.physics.braking $(if $(SAMPLE),--cases 20)
+physics: .venv/.physics ## judge the verdicts by a physics engine (docs/measured/physics.md; ten minutes, SAMPLE=1: two)
+	$(BIN)/python -m proofs.physics.judge $(if $(SAMPLE),agreement rocking braking --chunks 1,--update)
 
 compare: .venv/.installed ## public measures of stability beside ours (docs/measured/compare.md, build/compare)
 	$(BIN)/python -m proofs.compare --update
@@ -99,8 +96,8 @@ fuzz: SECONDS ?= 600
 fuzz: $(EXPORTS) ## fuzz the exports for SECONDS=600 in all
 	$(BIN)/python -m proofs.run --only fuzz --seconds $(SECONDS)
 
-hostile: .venv/.installed ## fuzz recipes, URDFs, terrains, maps, command lines; SECONDS=30 for a sample
-	$(BIN)/python -m proofs.fuzzing $(if $(SECONDS),--seconds $(SECONDS),--update)
+hostile: .venv/.installed ## fuzz recipes, URDFs, terrains, maps, command lines (ten minutes; SECONDS=20: a sample)
+	$(BIN)/python -m proofs.fuzzing $(if $(SECONDS),--seconds $(SECONDS))
 
 firmware: $(EXPORTS) ## run exports on emulated targets: hashes, counts against the baseline, bounds
 	$(BIN)/python -m targets.run $(if $(SAMPLE),--sample)
