@@ -43,8 +43,8 @@ from lutgen.urdf import (
 )
 from proofs.physics.body import recipe_postures
 from proofs.physics.page import MEASURED, page
-from proofs.physics.pierced import pierced
-from proofs.physics.release import release
+from proofs.physics.release import falls
+from proofs.physics.start import pierced
 
 PAGE = MEASURED / "robots.md"
 # Files in the folder of robots: those that stand, and those that are bolted down or fly.
@@ -177,16 +177,15 @@ def engine(recipe: Recipe) -> list[float]:
     headings = even_headings(HEADINGS)
     limits = tilt_limits(recipe, home, headings, "plane")[0]
     frame = level_frames(recipe, home, "plane")[0]
-    level = pierced(posture, -frame[None, :, 2])[0]
-    if level is None:
+    begin = pierced(posture, -frame[None, :, 2])[0]
+    if begin is None:
         return [math.inf] * HEADINGS
-    begin = level.start(posture)
     found = []
     for heading, limit in zip(headings, limits, strict=True):
         wrong = 0
         for side in (-1.0, 1.0):
             down = np.asarray(frame @ tilted(limit + side * math.radians(CLOSE), heading))
-            wrong += release(posture, begin, down).tipped != (side > 0.0)
+            wrong += falls(posture, begin, down) != (side > 0.0)
         found.append(math.inf if wrong else CLOSE)
     return found
 

@@ -2,13 +2,14 @@
 
 import math
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 
 import lutgen
 from lutgen.recipe import Recipe
-from proofs.physics.body import Floats, Posture, Solid, on_solids, recipe_postures, rigid_body
+from proofs.physics.body import Floats, Posture, Solid, body, recipe_postures
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 Maker = Callable[[np.random.Generator], Posture]
@@ -39,7 +40,7 @@ def points(count: tuple[int, int], warp: float) -> Maker:
 
     def make(rng: np.random.Generator) -> Posture:
         n = int(rng.integers(count[0], count[1] + 1))
-        return rigid_body(stance(rng, n, warp), mass=rng.uniform(1.0, 30.0))
+        return body(stance(rng, n, warp), mass=rng.uniform(1.0, 30.0))
 
     return make
 
@@ -47,7 +48,7 @@ def points(count: tuple[int, int], warp: float) -> Maker:
 def balls(rng: np.random.Generator) -> Posture:
     """Return a body on 3 to 8 spheres of 1 to 10 cm."""
     n = int(rng.integers(3, 9))
-    return rigid_body(stance(rng, n, 0.03), rng.uniform(0.01, 0.1, n), mass=rng.uniform(1.0, 30.0))
+    return body(stance(rng, n, 0.03), rng.uniform(0.01, 0.1, n), mass=rng.uniform(1.0, 30.0))
 
 
 def corners(rng: np.random.Generator) -> Floats:
@@ -63,14 +64,14 @@ def thin_wheels(rng: np.random.Generator) -> Posture:
     """Return a car on four thin wheels of unequal heights, toed and cambered by up to 10 deg."""
     axes = SIDEWAYS + rng.uniform(-0.17, 0.17, (4, 3)) * [1, 0, 1]
     axes /= np.linalg.norm(axes, axis=1)[:, None]
-    return rigid_body(corners(rng), rng.uniform(0.05, 0.12), axes, rng.uniform(1.0, 30.0))
+    return body(corners(rng), rng.uniform(0.05, 0.12), axes, rng.uniform(1.0, 30.0))
 
 
 def wide_wheels(rng: np.random.Generator) -> Posture:
     """Return a car on four real cylinders 2 to 8 cm wide."""
     radius, half = rng.uniform(0.05, 0.12), rng.uniform(0.01, 0.04)
     solids = tuple(Solid("cylinder", c, radius, SIDEWAYS, half) for c in corners(rng))
-    return on_solids(solids, rng.uniform(1.0, 30.0))
+    return Posture(solids, rng.uniform(1.0, 30.0))
 
 
 def capsules(rng: np.random.Generator) -> Posture:
@@ -82,7 +83,7 @@ def capsules(rng: np.random.Generator) -> Posture:
         solids.append(
             Solid("capsule", centre, rng.uniform(0.01, 0.05), axis, rng.uniform(0.02, 0.1))
         )
-    return on_solids(tuple(solids), rng.uniform(1.0, 30.0))
+    return Posture(tuple(solids), rng.uniform(1.0, 30.0))
 
 
 def flippers(wide: bool) -> Maker:
@@ -103,49 +104,42 @@ def flippers(wide: bool) -> Maker:
                 solids.append(Solid("cylinder", hinge + reach * out, tip, SIDEWAYS, half))
         mass = rng.uniform(1.0, 30.0)
         if wide:
-            return on_solids(tuple(solids), mass)
+            return Posture(tuple(solids), mass)
         centres = np.array([solid.centre for solid in solids])
-        return rigid_body(centres, np.array([s.radius for s in solids]), SIDEWAYS, mass)
+        return body(centres, np.array([s.radius for s in solids]), SIDEWAYS, mass)
 
     return make
 
 
-def flipper_recipe(name: str, independent: bool) -> Recipe:
-    """Return a gallery robot of front and rear flippers, with an angle each or with all four."""
-    text = (ROOT / "maps" / f"{name}.toml").read_text(encoding="utf-8")
-    if not independent:
-        return lutgen.parse_recipe(text)
-    names = []
-    for end in ("front", "rear"):
-        both = [f"{end}_{side}" for side in ("left", "right")]
-        for flipper in both:
-            at = text.index(f'name = "{flipper}_flipper"')
-            tail = text[at:].replace(f'parameter = "{end}"', f'parameter = "{flipper}"', 1)
-            text = text[:at] + tail
-        at = text.index(f'[[robot.parameter]]\nname = "{end}"\n')
-        stop = text.index("\n\n", at) + 1
-        block = text[at:stop]
-        text = text[:at] + "".join(block.replace(end, flipper) for flipper in both) + text[stop:]
-        names += both
-    nodes = ", ".join(f"{name} = 9" for name in names)
-    return lutgen.parse_recipe(text.replace("front = 37, rear = 37", nodes))
+def chair(rng: np.random.Generator) -> Posture:
+    """Return a rocking chair: two rails of 3 to 10 thin wheels each, on arcs, the com above."""
+    count, step = int(rng.integers(3, 11)), math.radians(rng.uniform(2.0, 12.0))
+    arc, radius = rng.uniform(0.25, 0.6), rng.uniform(0.01, 0.06)
+    angle = step * (np.arange(count) - (count - 1) / 2.0)
+    rail = np.stack([arc * np.sin(angle), 0.0 * angle, -arc * np.cos(angle)], axis=1)
+    half = rng.uniform(0.1, 0.3)
+    com = [rng.uniform(-0.03, 0.03), rng.uniform(-0.05, 0.05), -arc + rng.uniform(0.05, 0.5)]
+    centres = np.concatenate([rail + side * SIDEWAYS for side in (-half, half)]) - com
+    return body(centres, radius, SIDEWAYS, rng.uniform(1.0, 30.0))
 
 
-def any_posture(recipe: Recipe) -> Maker:
-    """Return a maker of a recipe's postures, anywhere in its ranges."""
-    low = np.array([p.minimum for p in recipe.parameters])
-    high = np.array([p.maximum for p in recipe.parameters])
-
-    def make(rng: np.random.Generator) -> Posture:
-        return recipe_postures(recipe, rng.uniform(low, high)[None])[0]
-
-    return make
+def any_params(recipe: Recipe, rng: np.random.Generator) -> Floats:
+    """Return parameters (k,) anywhere in a recipe's ranges."""
+    ends = np.array([(p.minimum, p.maximum) for p in recipe.parameters])
+    return rng.uniform(ends[:, 0], ends[:, 1])
 
 
-def any_of(makers: tuple[Maker, ...]) -> Maker:
-    """Return a maker that draws one of several."""
+@cache
+def gallery(name: str) -> Recipe:
+    """Return the recipe of a gallery robot."""
+    return lutgen.load_recipe(ROOT / "maps" / f"{name}.toml")
+
+
+def any_posture(name: str) -> Maker:
+    """Return a maker of a gallery robot's postures."""
 
     def make(rng: np.random.Generator) -> Posture:
-        return makers[int(rng.integers(len(makers)))](rng)
+        recipe = gallery(name)
+        return recipe_postures(recipe, any_params(recipe, rng)[None])[0]
 
     return make

@@ -1,168 +1,150 @@
-"""Where a robot is put before it is let go: on a facet, or in balance over a gap.
+"""Which plane a robot touches when it reads a direction of gravity, found without any facets.
 
-Owns a second account of gaps, without quadrilaterals: over a gap two round primitives touch a
-plane whose normal turns from one facet's to the other's.  Gravity is read in the body frame, so
-the attitude that belongs to a direction is the one at which gravity passes through the line
-between the two contact points; there, and only there, the robot is in balance.
+The ray from the com along gravity leaves the convex hull of all primitives in one place, and the
+plane that supports the hull there is the ground: the robot is on a face of the hull, in balance
+over the line between two contacts, or on one ball.  That is the largest t for which t g is a
+mixture of points of the primitives, a linear programme with three of them in its basis; a better
+point enters, one at a time (column generation), until none is better.  Nothing here has a tolerance
+for what a facet is, and nothing is taken from lutgen.
 """
 
 import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
+from numpy.typing import NDArray
 
-from proofs.physics.begin import Start
-from proofs.physics.body import DISC, SPHERE, Floats, Posture
-from proofs.physics.facets import Facet, facets
+from proofs.physics.body import Floats, Posture
 
-# Nearer than this (rad, 0.02 deg) to a ridge the engine's softness decides which way a robot
-# turns, and it may go on from the next facet: there gravity, which has turned with it in the
-# body frame, can be one under which it tips.
-RIDGE = math.radians(0.02)
+Ints = NDArray[np.int64]
+DOWN = np.array([0.0, 0.0, -1.0])
+# A plane is found when no point is further beyond it than this share of the size: rounding.
+FOUND = 1e-14
+# Each step on a round part divides its error by four; 1e-14 takes 24 of them.
+STEPS = 200
+# The first basis: points so many sizes to the side of the com, round all primitives, and so far
+# behind it that no plane through one of them is of use.  Where the ray misses the hull, one stays.
+ASIDE, BEHIND = 4.0, 1e4
+# A basis less wide than this share of the size is a line, on which the robot is in balance: no
+# engine, and no robot, stands on a foot of a tenth of a millimetre.
+LINE = 3e-4
+# Directions that are looked at on the way to one that misses the hull.
+WAY = 64
 
 
 @dataclass(frozen=True)
-class Gap:
-    """Two accepted facets with a common edge, the primitives `pair`, over which a robot rocks."""
+class Start:
+    """A plane that the robot touches: outward normal, distance from the com, contact points (n, 3).
 
-    near: Facet
-    far: Facet
-    pair: tuple[int, int]
-
-
-def accepted(posture: Posture) -> list[Facet]:
-    """Return the facets that count as upright."""
-    every = facets(posture.centres, posture.axes, posture.radius, posture.kind)
-    return [f for f in every if -f.normal[2] > math.cos(posture.upright) + 1e-9]
-
-
-def contact(posture: Posture, index: int, normal: Floats) -> Floats:
-    """Return the point of a primitive that lies furthest along a normal."""
-    centre, radius = posture.centres[index], posture.radius[index]
-    if posture.kind[index] == SPHERE:
-        return np.asarray(centre + radius * normal)
-    if posture.kind[index] == DISC:
-        axis = posture.axes[index]
-        radial = normal - axis * (axis @ normal)
-        return np.asarray(centre + radius * radial / np.linalg.norm(radial))
-    return np.asarray(centre)
-
-
-def gaps(posture: Posture, found: list[Facet]) -> list[Gap]:
-    """Return the pairs of neighbouring facets at most `rock_angle` apart.
-
-    Between points the gap has no width: it is a ridge.
+    `basis` (n,) are the points' primitives, and `width` is the least width of the triangle of
+    three; without one the robot does not stand there.
     """
-    result = []
-    for a, near in enumerate(found):
-        for far in found[a + 1 :]:
-            angle = 2.0 * math.asin(min(1.0, float(np.linalg.norm(near.normal - far.normal)) / 2))
-            if angle > posture.rock_angle:
-                continue
-            ways = {(far.polygon[k - 1], far.polygon[k]) for k in range(len(far.polygon))}
-            for k in range(len(near.polygon)):
-                pair = (near.polygon[k - 1], near.polygon[k])
-                if pair[::-1] in ways:
-                    result.append(Gap(near, far, pair))
-    return result
+
+    normal: Floats
+    height: float
+    points: Floats
+    basis: Ints
+    width: float = math.inf
+
+    def balanced(self, posture: Posture) -> bool:
+        """Tell whether the robot is in balance over a line."""
+        return self.width < LINE * posture.size
+
+    def slope(self, gravity_dir: Floats) -> float:
+        """Return the angle (rad) between gravity and the normal."""
+        return math.acos(min(1.0, max(-1.0, float(self.normal @ gravity_dir))))
 
 
-def balance(posture: Posture, gap: Gap, way: float, share: float = math.nan) -> Start:
-    """Return the plane that both primitives of a gap touch, `way` (0 to 1) towards the far one."""
-    normal = (1.0 - way) * gap.near.normal + way * gap.far.normal
-    i, j = gap.pair
-    for _ in range(60):
-        normal = normal / math.sqrt(float(normal @ normal))
-        edge = contact(posture, j, normal) - contact(posture, i, normal)
-        lean = float(edge @ normal) / float(edge @ edge)
-        normal = normal - edge * lean
-        if abs(lean) * posture.size < 1e-15:
+def reach(posture: Posture, normals: Floats) -> Floats:
+    """Return the points (d, n, 3) of all primitives that lie furthest along normals (d, 3)."""
+    centres, axes, radius, _ = posture.primitives
+    out = normals[:, None] - (normals @ axes.T)[..., None] * axes
+    size = np.linalg.norm(out, axis=2, keepdims=True)
+    out = np.divide(out, size, out=np.zeros_like(out), where=size > 1e-12)
+    return np.asarray(centres + radius[:, None] * out)
+
+
+def heights(posture: Posture, normals: Floats) -> Floats:
+    """Return how far (d, n) each primitive reaches along normals (d, 3)."""
+    return np.asarray(np.einsum("dnk,dk->dn", reach(posture, normals), normals))
+
+
+def on_plane(posture: Posture, normal: Floats) -> Start:
+    """Return the start on level ground whose normal, out of the body, is given."""
+    high = heights(posture, normal[None])[0]
+    basis = np.argsort(high)[:-4:-1]
+    return Start(normal, float(high.max()), reach(posture, normal[None])[0, basis], basis)
+
+
+def pierced(posture: Posture, gravity_dir: Floats) -> list[Start | None]:
+    """Return where the rays along unit directions (d, 3) leave the hull; None where they miss."""
+    g = np.asarray(gravity_dir, np.float64)
+    count, size = len(g), posture.size
+    first = np.cross(g, np.eye(3)[np.argmin(np.abs(g), axis=1)])
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    across = np.stack([first, np.cross(g, first)], axis=1)
+    turn = 2.0 * np.pi / 3.0 * np.arange(3)
+    round_ = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    points = size * (ASIDE * np.einsum("ca,dak->dck", round_, across) - BEHIND * g[:, None])
+    basis = np.full((count, 3), -1, np.int64)
+    share = np.full((count, 3), 1.0 / 3.0)
+    normal, at = g.copy(), np.arange(count)
+    for _ in range(STEPS):
+        if not len(at):
             break
-    normal = normal / math.sqrt(float(normal @ normal))
-    points = np.array([contact(posture, i, normal), contact(posture, j, normal)])
-    return Start(normal, float(points[0] @ normal), points, True, share)
-
-
-def is_free(posture: Posture, plane: Start) -> bool:
-    """Tell whether no primitive is below a plane, as it would be round the far side of a robot."""
-    n = plane.normal
-    reach = max(float(contact(posture, k, n) @ n) for k in range(len(posture.kind)))
-    return reach <= plane.height + 1e-9
-
-
-def balanced(posture: Posture, gap: Gap, gravity_dir: Floats) -> Start | None:
-    """Return the plane of a gap on which gravity passes through the line of contact, if any.
-
-    Gravity may pass beyond the ends of the line, by a tenth of it: the robot then turns over one
-    of the two contacts.
-    """
-
-    def beside(way: float) -> float:
-        first, second = balance(posture, gap, way).points
-        return float(np.linalg.det([first, second, gravity_dir]))
-
-    if beside(0.0) * beside(1.0) > 0.0:
-        return None
-    plane = balance(posture, gap, float(brentq(beside, 0.0, 1.0, xtol=1e-13)))
-    if not is_free(posture, plane):
-        return None
-    weights = np.linalg.lstsq(plane.points.T, gravity_dir, rcond=None)[0]
-    share = float(weights[1] / weights.sum())
-    if weights.sum() <= 0.0 or not -0.1 < share < 1.1:
-        return None
-    return Start(plane.normal, plane.height, plane.points, True, share)
-
-
-def on_one(posture: Posture, gravity_dir: Floats) -> bool:
-    """Tell whether gravity passes through the one point in which a ball carries the robot.
-
-    That is the small piece between gaps that close into a ring.  No engine can show it: the
-    robot is in balance there as a pencil is.
-    """
-    for i in np.flatnonzero(posture.kind == SPHERE):
-        centre, radius = posture.centres[i], posture.radius[i]
-        along = float(centre @ gravity_dir)
-        depth = along**2 - float(centre @ centre) + radius**2
-        if depth > 0.0:
-            point = (along + math.sqrt(depth)) * gravity_dir
-            normal = (point - centre) / radius
-            reach = [float(contact(posture, k, normal) @ normal) for k in range(len(posture.kind))]
-            if max(reach) <= float(point @ normal) + 1e-9:
-                return True
-    return False
-
-
-def _beyond(plane: Start) -> float:
-    return abs(plane.share - 0.5)
+        corner = points[at]
+        n = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+        long = np.linalg.norm(n, axis=1, keepdims=True)
+        # A triangle seen from its edge has no normal; the last one serves.
+        n = np.where(long > 1e-18 * size**2, n / np.maximum(long, 1e-300), normal[at])
+        n *= np.where(np.einsum("dk,dk->d", n, g[at]) < 0.0, -1.0, 1.0)[:, None]
+        normal[at] = n
+        far = reach(posture, n)
+        high = np.einsum("dnk,dk->dn", far, n)
+        row, best = np.arange(len(at)), high.argmax(axis=1)
+        enters = far[row, best]
+        gain = high[row, best] - np.einsum("dk,dk->d", corner[:, 0], n)
+        # The entering point, seen along gravity, as a mixture of the basis.
+        system = np.concatenate(
+            [np.einsum("dak,dck->dac", across[at], corner), np.ones((len(at), 1, 3))], axis=1
+        )
+        target = np.einsum("dak,dk->da", across[at], enters)
+        singular = np.abs(np.linalg.det(system)) < 1e-300
+        system[singular] = np.eye(3)
+        mix = np.linalg.solve(
+            system, np.pad(target, ((0, 0), (0, 1)), constant_values=1.0)[..., None]
+        )
+        mix = mix[..., 0]
+        ratio = np.where(mix > 1e-12, share[at] / np.where(mix > 1e-12, mix, 1.0), np.inf)
+        leaves = ratio.argmin(axis=1)
+        step = ratio[row, leaves]
+        goes = (gain > FOUND * size) & ~singular & np.isfinite(step)
+        at, leaves, step = at[goes], leaves[goes], step[goes]
+        share[at] = np.maximum(share[at] - step[:, None] * mix[goes], 0.0)
+        share[at, leaves], points[at, leaves] = step, enters[goes]
+        basis[at, leaves] = best[goes]
+    high = heights(posture, normal).max(axis=1)
+    sides = np.linalg.norm(points - np.roll(points, 1, axis=1), axis=2).max(axis=1)
+    edges = points[:, 1:] - points[:, :1]
+    wide = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1) / np.maximum(sides, 1e-300)
+    return [
+        None
+        if (basis[d] < 0).any() or high[d] <= 1e-9 * size
+        else Start(normal[d], float(high[d]), points[d], basis[d], float(wide[d]))
+        for d in range(count)
+    ]
 
 
 def start(posture: Posture, gravity_dir: Floats) -> Start | None:
-    """Return where the robot is when it reads a direction of gravity; None without any facet.
+    """Return where the robot is under a direction; None where that is on one ball.
 
-    On the accepted facet that the ray pierces; else in balance over a gap; else on the facet
-    whose plane the ray pierces first, from which it is about to tip.  On the ridge between two
-    facets it is in balance too.
+    Where the ray misses the hull, the robot is about to tip from the last plane that it touched as
+    gravity turned there from the middle of the contacts.  On one ball it is in balance as a pencil
+    is, which no engine can show.
     """
-    found = accepted(posture)
-    rates = [float(f.normal @ gravity_dir) / f.height for f in found]
-    if not rates or max(rates) <= 0.0:
-        return None
-    facet = found[int(np.argmax(rates))]
-    corners = facet.points
-    following = np.roll(corners, -1, axis=0)
-    walls = np.cross(corners, following)
-    inside = walls @ gravity_dir / np.linalg.norm(walls, axis=1)
-    near = int(np.argmin(inside))
-    if inside[near] < 0.0:
-        planes = [balanced(posture, gap, gravity_dir) for gap in gaps(posture, found)]
-        best = min((p for p in planes if p is not None), key=_beyond, default=None)
-        if best is not None:
-            return best
-    if abs(inside[near]) < RIDGE:
-        pair = {facet.polygon[near], facet.polygon[(near + 1) % len(corners)]}
-        around = [gap for gap in gaps(posture, found) if set(gap.pair) == pair]
-        if any(facet is gap.near or facet is gap.far for gap in around):
-            points = np.array([corners[near], following[near]])
-            return Start(facet.normal, facet.height, points, True)
-    return Start(facet.normal, facet.height, corners)
+    middle = posture.primitives.centres.mean(axis=0)
+    part = np.linspace(1.0, 0.0, WAY)[:, None]
+    way = part * gravity_dir + (1.0 - part) * middle / np.linalg.norm(middle)
+    way /= np.linalg.norm(way, axis=1, keepdims=True)
+    found = next((one for one in pierced(posture, way) if one is not None), None)
+    return None if found is None or len(set(found.basis.tolist())) < 2 else found

@@ -17,7 +17,7 @@ from lutgen.support.primitive import pack
 from lutgen.support.region import PLANE, acceptance, empty_region
 from lutgen.support.search import stand
 from lutgen.support.table import facet_table
-from proofs.physics.facets import Facet, facets
+from tests.fixtures.facets import Facet, facets
 from tests.fixtures.length import part
 from tests.oracles import rounds as oracle
 from tests.oracles.points import unit

@@ -1,0 +1,163 @@
+"""What judges the verdict must itself be right: on geometry that is known, and on wrong answers."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+pytest.importorskip("mujoco", reason="the extra `physics` is not installed")
+
+from proofs.physics import agreement, braking, ground, holding, judge, rocking
+from proofs.physics.body import Posture, Solid, body
+from proofs.physics.release import falls, falls_either_way
+from proofs.physics.robots import cap, thin_wheels
+from proofs.physics.start import DOWN, Start, heights, pierced, start
+
+TABLE = np.array([[0.1, 0.2, -0.3], [0.1, -0.2, -0.3], [-0.2, 0.2, -0.3], [-0.2, -0.2, -0.3]])
+SIDEWAYS = np.array([0.0, 1.0, 0.0])
+# Torsion (m) with which no contact turns about the normal; that of a wheel's patch is 0.01.
+FIRM = 1.0
+
+
+def leaning(degrees: float) -> np.ndarray:
+    t = math.radians(degrees)
+    return np.array([math.sin(t), 0.0, -math.cos(t)])
+
+
+def begun(posture: Posture, gravity_dir: np.ndarray) -> Start:
+    begin = start(posture, gravity_dir)
+    assert begin is not None
+    return begin
+
+
+@pytest.mark.parametrize(("off", "tips"), [(-0.02, False), (0.02, True)])
+def test_the_engine_tips_a_table_where_gravity_passes_its_front_feet(
+    off: float, tips: bool
+) -> None:
+    posture, down = body(TABLE), leaning(math.degrees(math.atan(1.0 / 3.0)) + off)
+    assert falls(posture, begun(posture, down), down) is tips
+
+
+def test_gravity_leaves_between_the_contacts_and_nothing_is_below_their_plane() -> None:
+    # Together they are a proof: a mixture of points of the robot, and a plane that supports it.
+    rng = np.random.default_rng(2)
+    posture = thin_wheels(rng)
+    directions = np.array([cap(rng, 60.0) for _ in range(40)])
+    places = zip(directions, pierced(posture, directions), strict=True)
+    found = [(down, place) for down, place in places if place]
+    assert len(found) > 10
+    for down, place in found:
+        assert heights(posture, place.normal[None]).max() == pytest.approx(place.height, abs=1e-12)
+        out = down * place.height / (place.normal @ down)
+        # Two points of a wheel at which the search ended are 1e-7 m apart, and nearly in line.
+        mixture = np.linalg.lstsq(
+            np.vstack([place.points.T, np.ones(3)]), np.append(out, 1.0), rcond=1e-12
+        )[0]
+        assert mixture @ place.points == pytest.approx(out, abs=1e-7)
+        assert mixture.min() > -1e-3 or place.balanced(posture)
+    assert pierced(posture, -DOWN[None]) == [None]
+
+
+def test_a_rocking_chair_comes_to_rest_and_one_with_its_com_high_falls() -> None:
+    angle = np.radians([-8.0, 0.0, 8.0])
+    rail = np.stack([0.4 * np.sin(angle), 0.0 * angle, -0.4 * np.cos(angle)], axis=1)
+    centres = np.concatenate([rail + side * SIDEWAYS for side in (-0.2, 0.2)])
+    for com, fell in ((-0.2, False), (0.3, True)):
+        posture = body(centres - [0.0, 0.0, com], 0.02, SIDEWAYS)
+        # In balance on the middle wheels, which are the lowest by themselves for a moment.
+        place = begun(posture, DOWN)
+        assert place.balanced(posture)
+        assert 8.0 < math.degrees(rocking.gap_width(posture, place)) < 17.0
+        assert falls_either_way(posture, place, DOWN) is fell
+
+
+def test_a_robot_may_fall_by_turning_about_one_contact_which_is_no_roll() -> None:
+    # Six wheels of two rims each on rockers and bogies, on a slope of 53.8 deg: in balance over
+    # the right front wheel, which carries 7 %, and the left rear one.
+    wheels = [(0.33032, 0.3, -0.12406), (-0.04421, 0.3, -0.18131), (-0.30399, 0.3, -0.192)]
+    wheels += [(0.28666, -0.3, -0.19138), (-0.09133, -0.3, -0.16445), (-0.34702, -0.3, -0.11726)]
+    centres = np.array([[x, y + side, z] for x, y, z in wheels for side in (0.04, -0.04)])
+    posture = body(centres, 0.1, SIDEWAYS, 28.6)
+    down = np.array([-0.53269, 0.60558, -0.5912])
+    down /= np.linalg.norm(down)
+    place = begun(posture, down)
+    assert place.balanced(posture)
+    assert falls_either_way(posture, place, down)
+    assert not falls_either_way(replace(posture, torsion=FIRM), place, down)
+
+
+def test_a_cylinder_is_its_two_rims_to_lutgen_and_a_capsule_its_two_balls() -> None:
+    cylinder = Solid("cylinder", np.zeros(3), 0.1, SIDEWAYS, 0.02)
+    found = Posture((cylinder,)).primitives
+    assert found.centres.tolist() == [[0.0, -0.02, 0.0], [0.0, 0.02, 0.0]]
+    assert found.axes.tolist() == [[0.0, 1.0, 0.0], [0.0, 1.0, 0.0]]
+    assert not Posture((replace(cylinder, shape="capsule"),)).primitives.axes.any()
+
+
+def test_the_ground_is_tilted_in_the_heading_that_is_asked_and_the_engine_is_late() -> None:
+    posture = body(TABLE)
+    for heading, reach in ((0.0, 0.1), (0.5 * math.pi, 0.2), (math.pi, 0.2)):
+        limit = math.atan2(reach, 0.3)
+        slope = ground.slope_at_fall(posture, begun(posture, DOWN), heading, ground.UNTIL * limit)
+        assert ground.LATE - ground.CLEAR < slope - limit < math.radians(0.35)
+
+
+def test_a_com_off_by_3_cm_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(agreement, "CHUNK", 12)
+    name = "4 thin wheels"
+    assert judge.missed("agreement", {name: agreement.judged(name, 0)}) == []
+    true = Posture.tip_angles
+
+    def wrong(posture: Posture, gravity_dir: np.ndarray) -> np.ndarray:
+        moved = tuple(replace(s, centre=s.centre - [0.03, 0.0, 0.0]) for s in posture.solids)
+        return true(replace(posture, solids=moved), gravity_dir)
+
+    monkeypatch.setattr(Posture, "tip_angles", wrong)
+    assert judge.missed("agreement", {name: agreement.judged(name, 0)})
+
+
+def test_an_answer_that_every_gap_is_safe_is_disproved(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(rocking, "CHUNK", 6)
+    name = "marv"
+    assert judge.missed("rocking", {name: rocking.judged(name, 0)}) == []
+    monkeypatch.setattr(Posture, "tip_angles", lambda _, gravity_dir: np.ones(len(gravity_dir)))
+    assert judge.missed("rocking", {name: rocking.judged(name, 0)})
+
+
+def test_a_guarantee_of_5_deg_too_much_is_broken(monkeypatch: pytest.MonkeyPatch) -> None:
+    said = ground.promised
+    monkeypatch.setattr(ground, "HEADINGS", np.zeros(0))
+    recipe = ground.gallery("marv")
+    home = np.array(recipe.home_params)
+    assert judge.missed("ground", {"marv": ground.tilted(recipe, home)}) == []
+
+    def generous(*given: object) -> tuple[float, np.ndarray, np.ndarray]:
+        promise, headings, limits = said(*given)
+        return promise + math.radians(5.0), headings, limits
+
+    monkeypatch.setattr(ground, "promised", generous)
+    assert judge.missed("ground", {"marv": ground.tilted(recipe, home)})
+
+
+def test_wheels_that_are_said_to_hold_and_roll_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(holding, "CHUNK", 3)
+    name = "six wheels, only the middle ones braked"
+    monkeypatch.setattr(holding, "said", lambda *_: "holds")
+    assert judge.missed("holding", {name: holding.judged(name, 0)})
+
+
+def test_a_budget_of_a_tenth_more_is_too_much(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(braking, "CHUNK", 3)
+    assert judge.missed("braking", {"excavator": braking.judged("excavator", 0)}) == []
+    said = braking.budgets
+    monkeypatch.setattr(braking, "budgets", lambda *given: 1.1 * said(*given))
+    assert judge.missed("braking", {"excavator": braking.judged("excavator", 0)})
+
+
+def test_the_page_has_a_table_of_every_part() -> None:
+    text = judge.PAGE.read_text(encoding="utf-8")
+    for name, part in judge.PARTS.items():
+        rows = text.split(f"<!-- {name} -->\n")[1].split(f"<!-- end of {name} -->")[0]
+        assert f"| robots | {' | '.join(part.COLUMNS)} |" in rows
+        assert all(f"| {robot} |" in rows for robot in part.ROBOTS)
