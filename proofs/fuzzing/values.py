@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from lutgen.mapping import sweep
 from lutgen.recipe import parse_recipe
-from proofs.recipes import rover, tripod
 from proofs.toml import Raw
+from tests.fixtures.recipes import rover, tripod
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 NUMBERS: tuple[Any, ...] = (

@@ -5,7 +5,7 @@ from pathlib import Path
 from click.testing import CliRunner
 
 from lutgen.cli import main
-from proofs.recipes import tripod
+from tests.fixtures.recipes import tripod
 
 with CliRunner().isolated_filesystem():
     Path("r.toml").write_text(tripod(nodes=5), "utf-8")
