@@ -10,13 +10,11 @@ from setuptools import Extension, find_namespace_packages, setup
 from setuptools.command.bdist_wheel import bdist_wheel
 from setuptools.command.build_ext import build_ext
 
-RUNTIME = Path("firmware_export/runtime")
-SOURCES = sorted(RUNTIME.glob("*.[ch]"))
+SOURCES = sorted(Path("firmware_export/runtime").glob("*.[ch]"))
 # `firmware_export.host` refuses a library of other sources.
 DIGEST = hashlib.sha256(b"\0".join(path.read_bytes() for path in SOURCES)).hexdigest()
 # Each operation rounds once, as on the targets; no flag names the folder of the build.
-FLAGS = ["-std=c99", "-O2", "-ffp-contract=off", "-fno-fast-math", "-Wno-unknown-pragmas"]
-FLAGS += [f"-ffile-prefix-map={Path.cwd()}=.", "-g0"]
+FLAGS = ["-std=c99", "-O2", "-ffp-contract=off", "-fno-fast-math", "-Wno-unknown-pragmas", "-g0"]
 # Python may have been built by a compiler that this machine lacks.
 if not shutil.which((sysconfig.get_config_var("CC") or "cc").split()[0]):
     os.environ.setdefault("CC", "cc")
@@ -25,38 +23,31 @@ if not shutil.which((sysconfig.get_config_var("CC") or "cc").split()[0]):
 class Library(build_ext):
     """A library that exports no Python module, so its name carries no version of Python."""
 
-    def get_ext_filename(self, fullname: str) -> str:
-        """Return the path of the library."""
-        return fullname.replace(".", os.sep) + (".dll" if os.name == "nt" else ".so")
-
-    def get_export_symbols(self, ext: Extension) -> list[str]:
-        """Return no names: the compiler exports every function."""
-        return []
+    def get_ext_filename(self, fullname: str) -> str:  # noqa: D102
+        return fullname.replace(".", os.sep) + ".so"
 
 
 class Wheel(bdist_wheel):
     """A wheel for every Python 3 of one platform."""
 
-    def get_tag(self) -> tuple[str, str, str]:
-        """Return the tag."""
+    def get_tag(self) -> tuple[str, str, str]:  # noqa: D102
         return "py3", "none", super().get_tag()[2]
 
 
+runtime = Extension(
+    "firmware_export.runtime._host",
+    [str(path) for path in SOURCES if path.match("host_*.c")],
+    define_macros=[("SMAP_SOURCES", f'"{DIGEST}"')],
+    extra_compile_args=[*FLAGS, f"-ffile-prefix-map={Path.cwd()}=."],
+    depends=[str(path) for path in SOURCES],
+    optional=True,  # without a compiler all but exports works
+)
 packages = find_namespace_packages(
-    include=["lutgen*", "firmware_export*"], exclude=["*.__pycache__"]
+    include=["lutgen*", "firmware_export*"], exclude=["*__pycache__"]
 )
 setup(
     packages=[*packages, "lutgen.gallery"],
     package_dir={"lutgen.gallery": "maps"},
     cmdclass={"build_ext": Library, "bdist_wheel": Wheel},
-    ext_modules=[
-        Extension(
-            "firmware_export.runtime._host",
-            sorted(str(path) for path in RUNTIME.glob("host_*.c")),
-            define_macros=[("SMAP_SOURCES", f'"{DIGEST}"')],
-            extra_compile_args=FLAGS,
-            depends=[str(path) for path in SOURCES],
-            optional=True,  # without a compiler all but exports works
-        )
-    ],
+    ext_modules=[runtime],
 )

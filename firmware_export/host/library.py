@@ -5,14 +5,13 @@ Owns where the library is and that it was built from the files beside it; see ru
 
 import ctypes
 import hashlib
-import os
 from functools import cache
 from pathlib import Path
 
 from lutgen.errors import ExportError
 
 RUNTIME = Path(__file__).resolve().parent.parent / "runtime"
-NAME = "_host.dll" if os.name == "nt" else "_host.so"
+NAME = "_host.so"
 WAY_OUT = (
     "install a C compiler, then lutgen again (in a checkout `python setup.py build_ext --inplace`)."
 )
