@@ -24,7 +24,7 @@ STAGES = {
     "lutgen.mapping.sweeper.lay_out": "layout",
     "lutgen.mapping.compute.Computer.compute": "compute",
     "lutgen.mapping.identity.Identity.seal": "seal",
-    "lutgen.mapping.part.write_chunks": "write",
+    "lutgen.mapping.part.write_all": "write",
     "os.fsync": "disk",
 }
 
