@@ -53,6 +53,7 @@ check: .venv/.installed ## lint, format, types, spelling
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/codespell
+	$(BIN)/lint-imports
 
 docs: .venv/.docs ## build the site of the documents into build/site (the explorers too, if they are made)
 	$(BIN)/python -m tools.site

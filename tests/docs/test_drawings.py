@@ -8,7 +8,6 @@ import pytest
 
 import lutgen
 from tests.fixtures.places import ROOT
-from tests.ground.test_layers import ORDER
 from tools import flow_drawing, frames_drawing
 
 DRAWINGS = {**frames_drawing.DRAWINGS, **flow_drawing.DRAWINGS}
@@ -21,16 +20,6 @@ def test_each_file_is_what_its_script_draws_and_is_named_for_readers(name: str) 
     title = ElementTree.fromstring(text).find("{http://www.w3.org/2000/svg}title")
     assert title is not None
     assert title.text
-
-
-def test_the_rooms_that_are_drawn_are_rooms_in_their_order() -> None:
-    drawn = {"lutgen": flow_drawing.LUTGEN, "firmware_export": flow_drawing.EXPORT}
-    for package, rooms in drawn.items():
-        names = [name for name, _ in rooms]
-        order = [name for name in ORDER[package].split() if (ROOT / package / name).is_dir()]
-        assert [name for name in order if name in names] == names
-        if package == "lutgen":
-            assert names == order
 
 
 def test_the_outline_on_the_chart_is_where_that_robot_tips() -> None:
