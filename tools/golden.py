@@ -226,7 +226,8 @@ def record(groups):
     """Compute rows in this folder and leave them in rows.json."""
     found = {}
     for group, row, *arguments in ((name, *row) for name in groups for row in rows()[name]):
-        name = f"{group}: " + " ".join(str(getattr(x, "stem", x)) for x in arguments if x != Path)
+        told = ("/".join(x.parts[-3:]) if isinstance(x, Path) else str(x) for x in arguments)
+        name = f"{group}: " + " ".join(one for one in told if not one.startswith("<"))
         try:
             found[name] = digest(row(*arguments))
         except Exception as error:

@@ -33,9 +33,9 @@ _LOCK = threading.Lock()
 # Without a scheduler: one worker inside this process, which no port leads to.  The web servers that
 # dask starts even so are on loopback, without pages.
 LOOPBACK = "127.0.0.1:0"
-INSIDE = {"processes": False, "n_workers": 1, "memory_limit": 0}
+INSIDE: dict[str, Any] = {"processes": False, "n_workers": 1, "memory_limit": 0}
 INSIDE |= {"dashboard_address": LOOPBACK, "worker_dashboard_address": LOOPBACK}
-NO_PAGES = {f"distributed.{who}.http.routes": [] for who in ("scheduler", "worker")}
+NO_PAGES: dict[str, Any] = {f"distributed.{who}.http.routes": [] for who in ("scheduler", "worker")}
 
 
 class Job(NamedTuple):
