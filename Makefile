@@ -45,6 +45,7 @@ check: .venv/.installed lines ## lint, format, types, spelling, lines
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/codespell
+	$(BIN)/lint-imports
 lines: ## count the lines of product, tests, lab and documents against their ceilings
 	@$(PYTHON) tools/lines.py
 

@@ -28,9 +28,6 @@ class Asked(RecipeOptions):
     scheduler: str | None = option(
         metavar="ADDR", help="A running dask scheduler, tcp://HOST:8786."
     )
-    workers: int | None = option(
-        type=int, help="dask workers to start here.  [default: one per core]"
-    )
 
 
 @click.command(short_help="Compute a recipe's stability map.")
@@ -76,7 +73,6 @@ def sweep(ctx: click.Context, recipe: str, asked: Asked) -> None:
                     engine=asked.engine,
                     progress=progress,
                     scheduler=asked.scheduler,
-                    workers=asked.workers,
                     force=asked.force,
                 )
         except KeyboardInterrupt:

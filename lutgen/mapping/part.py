@@ -9,7 +9,7 @@ import contextlib
 import errno
 import fcntl
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -37,12 +37,6 @@ def write_all(handle: int, data: memoryview, place: int) -> None:
         if count == 0:
             raise OSError(errno.EIO, "the system writes nothing")
         data, place = data[count:], place + count
-
-
-def write_chunks(handle: int, chunks: Iterable[NDArray[Any]], places: Iterable[int]) -> None:
-    """Write chunks, with checksums at their ends, at their places."""
-    for chunk, place in zip(chunks, places, strict=True):
-        write_all(handle, memoryview(chunk.data).cast("B"), int(place))
 
 
 def begin_writing(handle: int, place: int, size: int) -> None:
@@ -205,13 +199,9 @@ class PartFile:
         """Seal and write the chunks of one block, of all channels, and count it as done."""
         digests = self.identity.seal(number, chunks)
         places = self.skeleton.places[:, number]
-        write_chunks(self.handle, chunks, places)
         for chunk, place in zip(chunks, places, strict=True):
+            write_all(self.handle, memoryview(chunk.data).cast("B"), int(place))
             self._disk.submit(begin_writing, self.handle, int(place), chunk.nbytes)
-        self.note(number, digests)
-
-    def note(self, number: int, digests: Iterable[bytes]) -> None:
-        """Count a block as done that was written, here or elsewhere, with these digests."""
         own = b"".join(digests)
         write_all(self.handle, memoryview(own), self.skeleton.digests.start + number * len(own))
         self.done[number] = True

@@ -44,7 +44,6 @@ def sweep(
     engine: str = "local",
     progress: Callable[[int, int], None] | None = None,
     scheduler: str | None = None,
-    workers: int | None = None,
     force: bool = False,
 ) -> None:
     """Compute a recipe's map into an HDF5 file.
@@ -63,14 +62,12 @@ def sweep(
         hold are computed again, so it does not matter what stopped the sweep.
     engine : {"local", "dask"}
         Where the blocks are computed: threads of this process, or workers of dask.distributed.
-        The file has the same bytes either way.  A script that uses "dask" without a scheduler needs
-        ``if __name__ == "__main__":``, since its workers import it.
+        The file has the same bytes either way.
     progress : callable, optional
         Called with (nodes done, nodes of the map) after every block.
     scheduler : str, optional
-        Address of a running scheduler (``tcp://host:8786``); without it workers are started here.
-    workers : int, optional
-        How many to start here; one per core by default.
+        Address of a running scheduler (``tcp://host:8786``); without it one of this process, with
+        one worker.
     force : bool
         Begin anew where PATH.part holds unfinished work, and replace files that lutgen did not
         make.  A link is refused even so.
@@ -78,7 +75,7 @@ def sweep(
     Raises
     ------
     InputError
-        For an unknown engine, an impossible number of threads or workers, or a robot given by
+        For an unknown engine, an impossible number of threads, or a robot given by
         code with an engine other than "local"; where PATH is a folder or in one that is not there,
         or where PATH or PATH.part is a file that lutgen did not make, or holds work that neither
         `resume` nor `force` is said of.
@@ -90,7 +87,7 @@ def sweep(
         If the file cannot be written, the disk is too full, another sweep is writing the same
         file, or no worker is left.
     """
-    _require_options(recipe, engine, scheduler, workers)
+    _require_options(recipe, engine, scheduler)
     most = numba.config.NUMBA_NUM_THREADS
     if threads is not None and not 1 <= threads <= most:
         raise InputError(f"threads must lie in 1..{most} on this machine (got {threads})")
@@ -120,13 +117,17 @@ def sweep(
             if engine == "local":
                 compute = partial(_compute_here, recipe=recipe, layout=layout)
             else:
-                from lutgen.mapping.dask import compute_there, connected
-
+                try:
+                    from lutgen.mapping.dask import compute_there, connected
+                except ImportError as error:
+                    raise InputError(
+                        f"the engine dask needs more packages (got {error}); install "
+                        "lutgen[cluster], or use the engine local"
+                    ) from error
                 # Before there is a file: without a scheduler none is left behind.
-                client = stack.enter_context(connected(scheduler, workers, threads))
-                own = threads if scheduler else None
+                client = stack.enter_context(connected(scheduler))
                 compute = partial(
-                    compute_there, recipe=recipe, layout=layout, client=client, threads=own
+                    compute_there, recipe=recipe, layout=layout, client=client, threads=threads
                 )
             identity = identity_of(recipe, layout)
             file = stack.enter_context(PartFile(part, lay_out(recipe, layout), identity))
@@ -148,24 +149,12 @@ def sweep(
         numba.set_num_threads(before)
 
 
-def _require_options(
-    recipe: Recipe, engine: str, scheduler: str | None, workers: int | None
-) -> None:
+def _require_options(recipe: Recipe, engine: str, scheduler: str | None) -> None:
     """Refuse engines that do not exist and options that they do not have."""
     if engine not in ENGINES:
         raise InputError(f"unknown engine {engine!r}; this version has: {', '.join(ENGINES)}")
-    for name, value in (("scheduler", scheduler), ("workers", workers)):
-        if value is not None and engine != "dask":
-            raise InputError(f"{name} needs the engine dask (got {value} with {engine})")
-    if workers is not None and scheduler is not None:
-        raise InputError(
-            f"workers are started for a sweep of their own only (got {workers} with the scheduler "
-            f"{scheduler}); leave one of the two out"
-        )
-    if workers is not None:
-        bounds.check(workers, bounds.WORKERS, "workers", "start fewer, or give a scheduler")
-    if workers is not None and workers < 1:
-        raise InputError(f"workers must be at least 1 (got {workers})")
+    if scheduler is not None and engine != "dask":
+        raise InputError(f"scheduler needs the engine dask (got {scheduler} with {engine})")
     if recipe.function is not None and engine != "local":
         raise InputError(
             f"{recipe.source}: a robot given by code is swept on this machine only (got the "

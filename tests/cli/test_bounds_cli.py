@@ -83,7 +83,6 @@ def test_a_device_without_an_end_is_a_file_too_long() -> None:
         ("limits", "--headings", str(4 * 10**30)),
         ("metrics", "--headings", "1000000000"),
         ("optimum", "--levels", "1000000"),
-        ("sweep", "-o", "a.h5", "--engine", "dask", "--workers", "1000000"),
     ],
     ids=" ".join,
 )

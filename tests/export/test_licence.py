@@ -23,14 +23,9 @@ def on_top(text: str) -> list[str]:
     return [line.strip("/*# ") for line in text.splitlines()[:2]]
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=lambda path: str(path.relative_to(ROOT)))
-def test_every_file_of_c_says_its_licence(path: Path) -> None:
-    assert on_top(path.read_text(encoding="utf-8")) == LINES
-
-
-def test_the_files_of_c_are_found() -> None:
-    found = {path.name for path in SOURCES}
-    assert {"three.c", "smap.h", "smap_config.h", "image.c", "fuzz.c", "queries.S"} <= found
+def test_every_file_of_c_says_its_licence() -> None:
+    assert SOURCES
+    assert [path for path in SOURCES if on_top(path.read_text(encoding="utf-8")) != LINES] == []
 
 
 @pytest.mark.parametrize("arithmetic", ["float", "integer"])

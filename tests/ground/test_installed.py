@@ -1,4 +1,4 @@
-"""The wheel, installed where no checkout is: what it brings, and what a type checker sees of it."""
+"""The wheel, installed where no checkout is, runs and brings the gallery's recipes."""
 
 import os
 import re
@@ -34,7 +34,7 @@ def python(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for recipe in MAPS.glob("*.toml"):
         shutil.copy(recipe, source / "maps")
     subprocess.run([sys.executable, "-c", BUILD], cwd=source, capture_output=True, check=True)
-    (wheel,) = (source / "dist").glob("*-py3-none-*.whl")
+    (wheel,) = (source / "dist").glob("*.whl")
     place = tmp_path_factory.mktemp("environment")
     venv.create(place, symlinks=True)
     (site,) = place.glob("lib/python*/site-packages")
@@ -55,13 +55,6 @@ def run(python: Path, folder: Path, *arguments: str) -> str:
     return done.stdout
 
 
-def test_the_wheel_runs_as_a_module_without_the_checkout(python: Path, tmp_path: Path) -> None:
-    where = run(python, tmp_path, "-c", "import lutgen; print(lutgen.__file__)").strip()
-    assert Path(where).is_relative_to(python.parents[1])
-    said = run(python, tmp_path, "-m", "lutgen", "--version")
-    assert said == f"lutgen, version {lutgen.__version__}\n"
-
-
 # Prints the digest of each recipe of the gallery, as the package finds it.
 DIGESTS = """
 import lutgen
@@ -79,77 +72,6 @@ def test_the_wheel_brings_every_recipe_of_the_gallery_as_it_is_in_the_checkout(
     assert found == {path.stem: lutgen.load_recipe(path).digest for path in recipes}
     said = run(python, tmp_path, "-m", "lutgen", "recipes")
     assert re.findall(r"^recipe:(\w+)", said, re.MULTILINE) == list(found)
-
-
-def test_the_wheel_says_that_it_is_typed_and_holds_no_pictures_of_the_gallery(
-    python: Path,
-) -> None:
     (site,) = python.parents[1].glob("lib/python*/site-packages")
     for package in ("lutgen", "firmware_export"):
         assert (site / package / "py.typed").is_file()
-    assert {path.suffix for path in (site / "lutgen" / "gallery").iterdir()} == {".toml"}
-
-
-# A user's program: every public function, and the type of what it gives.
-RIGHT = """
-from typing import Any, assert_type
-
-import numpy as np
-from numpy.typing import NDArray
-
-import lutgen
-from firmware_export import export
-
-Values = dict[str, NDArray[np.float64]]
-feet = np.array([[0.3, 0.2, -0.2], [-0.3, 0.2, -0.2], [0.0, -0.2, -0.2]])
-assert_type(lutgen.stability(feet, [[0, 0, -1]]), Values)
-assert_type(lutgen.__version__, str)
-try:
-    recipe = lutgen.load_recipe("recipe:paper_two", allow_python=False)
-    recipe = lutgen.parse_recipe(recipe.text)
-except lutgen.RecipeError as error:
-    raise SystemExit(str(error)) from error
-assert_type(recipe.contact_names, tuple[str, ...])
-assert_type(recipe.digest, str)
-assert_type(lutgen.evaluate(recipe, [[0.5, 0.5]], [[0, 0, -1]]), Values)
-contacts, com = lutgen.postures(recipe, [[0.5, 0.5]])
-assert_type(contacts, NDArray[np.float64])
-best = lutgen.optimum(recipe, [0, 0, -1], method="search")
-assert_type(best.params, NDArray[np.float64])
-assert_type(best.standing, bool)
-assert_type(lutgen.sweep(recipe, "map.h5", threads=2), None)
-stability_map = lutgen.load_map("map.h5")
-assert_type(stability_map.read([[0.5, 0.5]], [[0, 0, -1]]), Values)
-assert_type(stability_map.channels, tuple[str, ...])
-report: dict[str, Any] = export(stability_map, "firmware", flash="16KiB")
-report.keys()
-"""
-# Each line but the first is a mistake.
-WRONG = """import firmware_export, lutgen
-lutgen.load_recipe(3)
-lutgen.load_recip("robot.toml")
-lutgen.sweep("robot.toml", "map.h5")
-lutgen.optimum(lutgen.load_recipe("robot.toml"), [0, 0, -1], levels="six")
-lutgen.load_map("map.h5").chan("sdg")
-lutgen.stability([[0, 0, 1]], [[0, 0, -1]])["sdg"].no_such_method()
-firmware_export.export("map.h5", "firmware").no_such_method()
-"""
-
-
-def test_a_program_against_the_wheel_is_checked_strictly_and_its_mistakes_are_found(
-    python: Path, tmp_path: Path
-) -> None:
-    (tmp_path / "right.py").write_text(RIGHT)
-    (tmp_path / "wrong.py").write_text(WRONG)
-    # Of the wheel, not of a checkout: no path of ours, and none of the project's settings.
-    asked = ("-m", "mypy", "--strict", "--config-file=", f"--python-executable={python}")
-    done = subprocess.run(
-        [sys.executable, *asked, "--cache-dir=cache", "right.py", "wrong.py"],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    found = re.findall(r"^(\w+)\.py:(\d+): error", done.stdout, re.MULTILINE)
-    lines = [("wrong", str(line)) for line in range(2, len(WRONG.splitlines()) + 1)]
-    assert sorted(set(found)) == lines, done.stdout
