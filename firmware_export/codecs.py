@@ -2,16 +2,15 @@
 
 from firmware_export.contacts import INFO as CONTACTS
 from firmware_export.contacts import POLY
-from firmware_export.grid import INFO as LOOKUP
+from firmware_export.grid import LOOKUP, TABLE
 from firmware_export.protocol import CodecInfo
 from firmware_export.truth import Model
-from firmware_export.verdict import INFO as VERDICT
 from lutgen.errors import ExportError, InputError
 
 __all__ = ["ARITHMETIC", "CODECS", "codec", "named", "usable"]
 
 # In the order in which they are tried: the first are smallest for what they can hold.
-CODECS = (CONTACTS, POLY, LOOKUP, VERDICT)
+CODECS = (CONTACTS, POLY, LOOKUP, TABLE)
 ARITHMETIC = ("float", "integer")
 
 

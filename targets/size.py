@@ -63,9 +63,6 @@ SETS = (
     ("SMAP_POINTS", "SMAP_SERIES", "SMAP_FLOATS", "SMAP_INTEGERS"),
     ("SMAP_MANY", "SMAP_MANY_BY_RAILS", "SMAP_SERIES", *GAPS),
     ("SMAP_MANY", "SMAP_MANY_SEARCH", "SMAP_SERIES", *GAPS),
-    ("SMAP_GRID", "SMAP_LENGTHS", "SMAP_FLOATS"),
-    ("SMAP_GRID", "SMAP_LENGTHS", "SMAP_INTEGERS"),
-    ("SMAP_GRID", "SMAP_FLOATS"),
     ("SMAP_GRID", "SMAP_INTEGERS"),
 )
 TITLES = (
@@ -80,10 +77,7 @@ TITLES = (
     "`contacts`, three points given by code",
     "`contacts` on rails, given by code",
     "`contacts`, others given by code",
-    "`grid` over gravity, floats",
     "`grid` over gravity, integers",
-    "`grid` over gravity, the verdict alone, floats",
-    "`grid` over gravity, the verdict alone, integers",
 )
 PAGE = ROOT / "docs" / "measured" / "targets.md"
 BEGIN, END = "<!-- sizes -->\n", "\n<!-- end of sizes -->"

@@ -1,0 +1,129 @@
+"""The certificate of a table of which nothing is proved: many fresh points, half of them in doubt.
+
+Owns which points these are.  One half are uniform; of the other the directions are those in which
+the table only just says that the robot stands, which is where it may be wrong.  An answer of "stands"
+where the robot tips ends a test: the table is lowered, and other points judge it.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from firmware_export.certify.answers import FULL_SCALE, Reader, in_steps
+from firmware_export.certify.certifier import Certificate
+from firmware_export.host import STANDS
+from firmware_export.quantity import ErrorBound
+from firmware_export.truth import uniform, uniform_directions, uniform_params
+from lutgen.vector import Floats
+
+# Points of a test for one of another codec's certificate: 10 million.  Points of a part, after which
+# it may end.
+TIMES, PART = 20, 500_000
+# Directions of a posture, of which so many are asked further.
+POOL, ASKED = 300, 30
+# Tip angle (rad) up to which tables tell it.
+MOST = math.radians(30.0)
+# Events that a rate has caused with a probability of 95 % if none was seen.
+EXCLUDED = 3.0
+
+
+def put_to_test(
+    reader: Reader,
+    channels: Sequence[str],
+    bound: ErrorBound | None,
+    points: int,
+    seed: int,
+) -> Certificate:
+    """Compare an export with the truth on `TIMES` as many points, or until one is falsely safe."""
+    parts = max(1, points * TIMES // (2 * PART))
+    size = max(1, points * TIMES // (2 * parts))
+    lost: list[Floats] = []
+    errors: dict[str, list[Floats]] = {name: [] for name in channels if name != "tip_angle"}
+    ends = {name: [math.inf, -math.inf] for name in errors}
+    asked = standing = refused = 0
+    wrong: list[tuple[Floats, Floats]] = []
+    for part in range(parts):
+        seen = reader.measure(uniform(reader.model, size, 1000 * seed + part))
+        stands = seen.standing
+        both = stands & seen.answers.stands
+        lost.append((np.minimum(seen.exact.tip_angle, MOST) - seen.answers.tip_angle)[both])
+        for name, found in errors.items():
+            value = getattr(seen.exact, name)
+            found.append(np.abs(getattr(seen.answers, name) - value)[both])
+            low, high = ends[name]
+            ends[name] = [min(low, np.nanmin(value)), max(high, np.nanmax(value))]
+        standing += int(stands.sum())
+        refused += int((stands & ~seen.answers.stands).sum())
+        at = np.argwhere(seen.false_safe)
+        wrong.append((seen.sample.params[at[:, 0]], seen.sample.gravity[at[:, 0], at[:, 1]]))
+        doubted, more = in_doubt(reader, size, 1000 * seed + part)
+        wrong.append(doubted)
+        asked += seen.sample.points + more
+        if any(len(one[0]) for one in wrong):
+            break
+    q, g = (np.concatenate([one[at] for one in wrong]) for at in (0, 1))
+    table = {"tip_angle": _channel(np.concatenate(lost), 2.0 * MOST)} if "tip_angle" in channels else {}
+    for name, found in errors.items():
+        table[name] = _channel(np.concatenate(found), ends[name][1] - ends[name][0])
+        for key in ("max", "max_percent"):
+            table[name][key.replace("max", "largest_seen")] = table[name].pop(key)
+    beyond = None
+    if bound is not None and "sdg" in errors:
+        limit = bound.value * (table["sdg"]["range"] / 100.0 if bound.relative else 1.0)
+        beyond = float(np.mean(np.concatenate(errors["sdg"]) > limit))
+    return Certificate(
+        *(asked, standing, {name: table[name] for name in channels}, len(q)),
+        *(refused / max(standing, 1), "sdg" in errors, beyond, 0.0, 0, seed),
+        text=tuple(_sentences(np.concatenate(lost), asked)),
+        witness=(q[0], g[0], 0.0, -math.nan) if len(q) else None,
+        wrong=(q, g) if len(q) else None,
+    )
+
+
+def in_doubt(reader: Reader, points: int, seed: int) -> tuple[tuple[Floats, Floats], int]:
+    """Return which of so many points are falsely safe, and how many were asked."""
+    model, rng = reader.model, np.random.default_rng([seed, 5])
+    postures, more = (-(-points // ASKED), 1) if model.k else (1, -(-points // ASKED))
+    params, gravity = [np.zeros((0, model.k))], [np.zeros((0, 3))]
+    count = 0
+    for begin in range(0, postures, 1000):
+        m = min(1000, postures - begin)
+        q, asked = in_steps(model, uniform_params(model, rng, m))
+        g = np.rint(uniform_directions(model, rng, (POOL * more,)) * FULL_SCALE).astype(np.int16)
+        status, reading = reader.read(np.repeat(q, len(g), axis=0), np.tile(g, (m, 1)))
+        said = np.where(np.isin(status, STANDS), reading[:, 1], FULL_SCALE).reshape(m, -1)
+        at = np.argpartition(said, ASKED * more, axis=1)[:, : ASKED * more]
+        down = g[at].astype(np.float64)
+        tip = model.tip_angle(model.postures(asked), down)
+        bad = np.argwhere((tip < 0.0) & (np.take_along_axis(said, at, axis=1) < FULL_SCALE))
+        params.append(asked[bad[:, 0]])
+        gravity.append(down[bad[:, 0], bad[:, 1]])
+        count += at.size
+    return (np.concatenate(params), np.concatenate(gravity)), count
+
+
+def _channel(error: Floats, span: float) -> dict[str, Any]:
+    """Return the entry of a channel, see `Certificate`; what jumps has no largest error."""
+    size = np.abs(error)
+    entry = {"max": float(size.max(initial=0.0)), "rms": float(np.sqrt(np.mean(size * size)))}
+    entry["p99"] = float(np.quantile(size, 0.99))
+    entry |= {"p99_uniform": entry["p99"], "rms_uniform": entry["rms"], "range": span}
+    scale = 100.0 / span if span > 0.0 else 0.0
+    return entry | {f"{key}_percent": value * scale for key, value in entry.items() if key != "range"}
+
+
+def _sentences(lost: Floats, points: int) -> list[str]:
+    """Return what people should know beside the numbers."""
+    half, most = np.degrees(np.quantile(lost, [0.5, 0.9])) if len(lost) else (0.0, 0.0)
+    above = lost < -1e-9
+    worst = math.degrees(-float(lost.min(initial=0.0)))
+    return [
+        f"tip_angle: half of the angles are low by less than {half:.2g} deg, 9 of 10 by less than "
+        f"{most:.2g} deg, and above 30 deg it says 30; {100.0 * float(np.mean(above)):.2g} % are "
+        f"above the truth, by {worst:.2g} deg at most.",
+        f"Tested, not proved: of {points:,} fresh points, half of them where the table only just "
+        f"says that the robot stands, none was falsely safe; that excludes a rate above "
+        f"{EXCLUDED / points:.1g}.",
+    ]
