@@ -175,7 +175,7 @@ def certified(
     trials = Trials(model, label, held, asked.arithmetic)
     chosen, certificate, bound = _certified(trials, codecs, size, bound, asked.points, tell)
     _refuse_useless(certificate, chosen, model.recipe.source)
-    result = described(certificate, chosen.export) | {
+    result = certificate.as_dict() | {
         "error_percent": certificate.error_of(certificate.bounded[0], relative=True),
         "bound": None if bound is None else str(bound),
         "candidates": len(trials.tried),
@@ -334,12 +334,6 @@ def proved(export: Export) -> Export:
     if math.isfinite(found.needed):
         found = state(export.recipe, bytes_of(export), export.integer)
     return replace(export, proof=found.told)
-
-
-def described(certificate: Certificate, export: Export) -> dict[str, Any]:
-    """Return a certificate's content with what the codec has to say to its readers."""
-    content = certificate.as_dict()
-    return content
 
 
 def examine(

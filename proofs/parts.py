@@ -14,8 +14,7 @@ PROGRAMS: dict[str, tuple[str, ...]] = {
         *("SMAP_FLOATS", "SMAP_INTEGERS"),
     ),
     "three_i": ("SMAP_TABLES", "SMAP_INTEGERS"),
-    "grid_f": ("SMAP_GRID", "SMAP_LENGTHS", "SMAP_FLOATS"),
-    "grid_w": ("SMAP_GRID", "SMAP_LENGTHS", "SMAP_INTEGERS"),
+    "grid_w": ("SMAP_GRID", "SMAP_INTEGERS"),
     "rails": ("SMAP_MANY", "SMAP_MANY_BY_RAILS", "SMAP_SERIES", *GAPS),
     "search": ("SMAP_MANY", "SMAP_MANY_SEARCH", "SMAP_SERIES", *GAPS),
 }

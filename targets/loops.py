@@ -52,7 +52,6 @@ class Shape:
     groups: int = 0
     pieces: int = 0
     degree: int = 0
-    levels: int = 0
 
     @property
     def halvings(self) -> int:
@@ -70,10 +69,7 @@ def shape_of(export: Export) -> Shape:
     k, body = export.model.k, body_of(export)
     macros = dict(body.macros)
     if "SMAP_GRID" in macros:
-        tables = export.tables
-        dims = max((len(part.knots) for part in tables.parts), default=0)
-        nodes = max((len(knots) for part in tables.parts for knots in part.knots), default=2)
-        return Shape(k, dims=dims, nodes=nodes, levels=tables.trees.levels)
+        return Shape(k, dims=k + 2, nodes=max(map(len, export.tables.knots)))
     if "SMAP_TABLES" in macros:
         return Shape(k, dims=max(len(one.axes) for one in export.tables.points))
     if "SMAP_POLY" in macros:
@@ -194,7 +190,6 @@ LOOPS: Mapping[str, tuple[str, Callable[[Shape], int]]] = {
     "; most >> shift > 32767u; shift++": _plain("17 shifts", 17),
     "k = 0; k < axes; k++": DIMS,
     "k = 0; k < table[i].axes[0]; k++": DIMS,
-    "mine == 3 && at < bytes": ("boxes of a tree within each other", lambda s: s.levels),
     "k = 0; k < dims; k++": ("parameters, u and v", lambda s: s.params + 2),
     "i = 0; i < part[SMAP_PART_DIMS]; i++, axis += 6": DIMS,
     "left = (uint16_t)(nodes - 1u); left > 1; left = (uint16_t)((left + 1u) >> 1)": (

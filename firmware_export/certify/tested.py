@@ -1,8 +1,8 @@
 """The certificate of a table of which nothing is proved: many fresh points, half of them in doubt.
 
 Owns which points these are.  One half are uniform; of the other the directions are those in which
-the table only just says that the robot stands, which is where it may be wrong.  An answer of "stands"
-where the robot tips ends a test: the table is lowered, and other points judge it.
+the table only just says that the robot stands, which is where it may be wrong.  A point that is
+falsely safe ends a test: the table is lowered, and other points judge it.
 """
 
 import math
@@ -18,8 +18,8 @@ from firmware_export.quantity import ErrorBound
 from firmware_export.truth import uniform, uniform_directions, uniform_params
 from lutgen.vector import Floats
 
-# Points of a test for one of another codec's certificate: 10 million.  Points of a part, after which
-# it may end.
+# Points of a test for one of another codec's certificate: 10 million.  Points of each half of a
+# part, after which it may end.
 TIMES, PART = 20, 500_000
 # Directions of a posture, of which so many are asked further.
 POOL, ASKED = 300, 30
@@ -64,7 +64,9 @@ def put_to_test(
         if any(len(one[0]) for one in wrong):
             break
     q, g = (np.concatenate([one[at] for one in wrong]) for at in (0, 1))
-    table = {"tip_angle": _channel(np.concatenate(lost), 2.0 * MOST)} if "tip_angle" in channels else {}
+    table = (
+        {"tip_angle": _channel(np.concatenate(lost), 2.0 * MOST)} if "tip_angle" in channels else {}
+    )
     for name, found in errors.items():
         table[name] = _channel(np.concatenate(found), ends[name][1] - ends[name][0])
         for key in ("max", "max_percent"):
@@ -74,8 +76,16 @@ def put_to_test(
         limit = bound.value * (table["sdg"]["range"] / 100.0 if bound.relative else 1.0)
         beyond = float(np.mean(np.concatenate(errors["sdg"]) > limit))
     return Certificate(
-        *(asked, standing, {name: table[name] for name in channels}, len(q)),
-        *(refused / max(standing, 1), "sdg" in errors, beyond, 0.0, 0, seed),
+        points=asked,
+        standing=standing,
+        channels={name: table[name] for name in channels},
+        false_safe=len(q),
+        false_tip=refused / max(standing, 1),
+        jumps="sdg" in errors,
+        beyond=beyond,
+        nearest=0.0,
+        searched=0,
+        seed=seed,
         text=tuple(_sentences(np.concatenate(lost), asked)),
         witness=(q[0], g[0], 0.0, -math.nan) if len(q) else None,
         wrong=(q, g) if len(q) else None,
@@ -111,7 +121,9 @@ def _channel(error: Floats, span: float) -> dict[str, Any]:
     entry["p99"] = float(np.quantile(size, 0.99))
     entry |= {"p99_uniform": entry["p99"], "rms_uniform": entry["rms"], "range": span}
     scale = 100.0 / span if span > 0.0 else 0.0
-    return entry | {f"{key}_percent": value * scale for key, value in entry.items() if key != "range"}
+    return entry | {
+        f"{key}_percent": value * scale for key, value in entry.items() if key != "range"
+    }
 
 
 def _sentences(lost: Floats, points: int) -> list[str]:

@@ -1,8 +1,8 @@
 """The choice: which codec at which size meets a limit of flash, of error, or of both.
 
 Each codec's sizes are grown from the smallest, one axis at a time, always where accuracy gains
-most for a byte; a codec that takes minutes names the one to try.  All that was tried is kept: it is the
-table that the choice is made from.
+most for a byte; a codec that takes minutes names the one to try.  All that was tried is kept: it is
+the table that the choice is made from.
 """
 
 import math

@@ -15,9 +15,20 @@ from numpy.typing import NDArray
 
 from firmware_export.grid import train
 from firmware_export.grid.ground import WHOLE, Ground, bends, ground_of, spread_knots
-from firmware_export.grid.train import GUARD, LARGEST, MOST, SCALE, STANDS, Lattice, Points
+from firmware_export.grid.train import (
+    GUARD,
+    LARGEST,
+    MOST,
+    SCALE,
+    SQUARES,
+    STANDS,
+    Course,
+    Lattice,
+    Points,
+)
 from firmware_export.truth import Model, uniform_directions
-from lutgen.errors import InputError
+from lutgen.errors import ExportError
+from lutgen.mapping import TO_STAND
 from lutgen.vector import Floats, Singles
 
 # Points of the sample; directions of a posture, postures that share them.
@@ -127,7 +138,11 @@ def learn(model: Model) -> Lesson:
     )
     stands = aim >= STANDS
     if not stands.any():
-        raise InputError(f"{model.recipe.source}: the robot stands nowhere; choose another codec.")
+        raise ExportError(
+            f"{model.recipe.source}: key `robot.contact`: the export would only ever answer that "
+            f"the robot tips (got none of {len(aim):,} postures and directions in which it "
+            f"stands); {TO_STAND}."
+        )
     chart = place[stands, -2:]
     low = np.maximum(np.floor(chart.min(axis=0)) - SPARE, 0.0).astype(np.float64)
     high = np.minimum(np.ceil(chart.max(axis=0)) + SPARE, WHOLE).astype(np.float64)
@@ -161,7 +176,7 @@ def lowered(
         gravity = uniform_directions(model, rng, (pool,))
         place, face = ground.enter(x, gravity)
         place, block = place.reshape(-1, model.k + 2), lesson.block[face].ravel()
-        said = train.read(values, Points(place, block, block), lattice).reshape(postures, pool)
+        said = train.read(values, Points(place, block, place[:, 0]), lattice).reshape(postures, pool)
         least = np.where(said >= STANDS, said, np.inf)
         at = np.argpartition(least, asked, axis=1)[:, :asked]
         tip = ground.model.tip_angle(ground.model.postures(ground.params(x)), gravity[at])
@@ -179,21 +194,21 @@ def train_verdict(lesson: Lesson, lattice: Lattice, blocks: int) -> Singles:
     nodes, rng = blocks * int(np.prod(lattice.nodes)), np.random.default_rng([SEED, 1])
     points, steps = lesson.points, round(STEPS * max(1.0, math.sqrt(nodes / 16_000)))
     values = np.full(nodes, STANDS, np.float32)
-    costs = (train.FIRST, train.LAST)
-    values = train.descend(values, points, lattice, steps, RATE, costs, 0.0, rng)
+    first = Course(steps, RATE, train.FIRST, train.LAST, 0.0)
+    values = train.descend(values, points, lattice, first, rng)
     for again in range(1, AGAIN + 1):
         train.lower(values, points, lattice, False, BELOW)
-        costs, rate = (train.LAST, train.LAST), 0.15 * RATE / again
-        values = train.descend(values, points, lattice, steps // 3, rate, costs, GUARD, rng)
+        more = Course(steps // 3, 0.15 * RATE / again, train.LAST, train.LAST, GUARD)
+        values = train.descend(values, points, lattice, more, rng)
     train.lower(values, points, lattice, False, BELOW)
     values = np.rint(values).astype(np.float32)
     train.lower(values, points, lattice, True, BELOW)
-    some = Points(*(one[:JUDGED] for one in points))
+    some = points.some(JUDGED)
     stands = some.aim >= STANDS
     lost = float(np.mean(train.read(values, some, lattice)[stands] < STANDS))
     if lost > USELESS:
         source = lesson.ground.model.recipe.source
-        raise InputError(
+        raise ExportError(
             f"{source}: a table of {nodes:,} nodes would call {100.0 * lost:.3g} % of what stands "
             f"unsafe, more than {100.0 * USELESS:.0f} % (got {lesson.ground.model.k} parameters); "
             "choose the codec contacts, which computes where the contacts are."
@@ -206,25 +221,29 @@ def train_length(lesson: Lesson, lattice: Lattice, blocks: int, name: str) -> tu
     truth, rng = lesson.lengths[name], np.random.default_rng([SEED, 2])
     known = np.flatnonzero(np.isfinite(truth))
     step = float(truth[known].max()) / LARGEST or 1.0
-    points = Points(*(one[known] for one in lesson.points[:2]), truth[known] / np.float32(step))
+    held = lesson.points
+    points = Points(held.x[known], held.block[known], truth[known] / np.float32(step))
     values = np.full(blocks * int(np.prod(lattice.nodes)), points.aim.mean(), np.float32)
-    values = train.descend(values, points, lattice, STEPS_LENGTHS, RATE, (-1.0, -1.0), 0.0, rng)
+    course = Course(STEPS_LENGTHS, RATE, SQUARES, SQUARES, 0.0)
+    values = train.descend(values, points, lattice, course, rng)
     return np.rint(values).astype(np.float32), step
 
 
 def length_error(lesson: Lesson, lattice: Lattice) -> float:
     """Return p99 of the error of |SD_g| in percent of its range, of a table of this size."""
     values, step = train_length(lesson, lattice, int(lesson.block.max()) + 1, "sdg")
-    some = Points(*(one[:JUDGED] for one in lesson.points))
+    some = lesson.points.some(JUDGED)
     truth = lesson.lengths["sdg"][:JUDGED]
     error = np.abs(train.read(values, some, lattice) * step - truth)
-    return 100.0 * float(np.nanquantile(error, 0.99) / max(np.nanmax(truth) - np.nanmin(truth), 1e-300))
+    return 100.0 * float(
+        np.nanquantile(error, 0.99) / max(np.nanmax(truth) - np.nanmin(truth), 1e-300)
+    )
 
 
 def fit(
     model: Model, shape: tuple[int, ...], lengths: tuple[str, ...]
 ) -> tuple[Lattice, Singles, dict[str, tuple[Singles, float]]]:
-    """Return the axes of a robot's tables, the codes of the tip angle, and of lengths with steps."""
+    """Return the axes of tables, the codes of the tip angle, and those of lengths with steps."""
     lesson = learn(model)
     lattice, blocks = lesson.lattice(shape), int(lesson.block.max()) + 1
     with ThreadPoolExecutor(max(1, len(lengths))) as pool:

@@ -88,7 +88,7 @@ class Ground:
         return MIDDLE * 8192.0 / math.ceil(self.model.chart_limit * 8193.0)
 
     def enter(self, x: Floats, gravity: Floats) -> tuple[Singles, NDArray[np.int8]]:
-        """Return places (m, d, k + 2) and faces (m, d) of postures at places (m, k) under (d, 3)."""
+        """Return places (m, d, k + 2) and faces (m, d) of places (m, k) under directions (d, 3)."""
         k, chart = self.model.k, self.model.recipe.chart
         left = (gravity[:, 1] < 0.0) & (self.fold is not None)
         face, u, v, _ = chart.locate(np.where(left[:, None], gravity * [1.0, -1.0, 1.0], gravity))
@@ -176,4 +176,4 @@ def spread_knots(bend: Floats, low: float, high: float, count: int) -> NDArray[n
     dense = EVERYWHERE + (1.0 - EVERYWHERE) * bend / max(float(bend.mean()), 1e-300)
     share = np.concatenate([[0.0], np.cumsum((dense[1:] + dense[:-1]) / 2.0)])
     at = np.interp(np.linspace(0.0, share[-1], count), share, np.linspace(low, high, len(bend)))
-    return np.rint(at).astype(np.uint16)
+    return np.asarray(np.rint(at), np.uint16)

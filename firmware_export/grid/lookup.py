@@ -7,7 +7,6 @@ wrong positions can turn a tip-over plane.
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 

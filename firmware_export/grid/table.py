@@ -105,7 +105,13 @@ class Tables(AnyTables):
         head = [len(self.codes), blocks, int(fold is not None), 0]
         arrays = [
             CArray("limit", "uint32_t", [limit, self.codes.shape[1]], "chart, codes", False),
-            CArray("head", "uint8_t", [*head, *self.block.view(np.uint8), 0, 0], "tables, faces", False),
+            CArray(
+                "counts",
+                "uint8_t",
+                [*head, *self.block.view(np.uint8), 0, 0],
+                "tables, faces",
+                False,
+            ),
             CArray("first", "uint32_t", [first], "where the codes are", False),
         ]
         for i, place in enumerate(ground.places):
@@ -120,7 +126,9 @@ class Tables(AnyTables):
             arrays.append(CArray(f"{name} codes", "uint8_t", codes, "one for each node"))
         held = (max(params, 1) + 1) // 2
         words = 1 + held + held % 2  # where pointers have 8 bytes a head fills two words behind it
-        steps = tuple((name, step / 128.0) for name, step in zip(names[1:], self.steps, strict=True))
+        steps = tuple(
+            (name, step / 128.0) for name, step in zip(names[1:], self.steps, strict=True)
+        )
         macros = (("SMAP_GRID", 1), ("SMAP_INTEGERS", 1))
         return CBody(GRID, tuple(arrays), 0, macros, (words, words), lengths=steps)
 
@@ -208,7 +216,7 @@ INFO = CodecInfo(
     switches={"integer": "SMAP_GRID"},
     look=("#D55E00", "s"),
     refusal=refusal,
-    sizes=lambda model, channels, arithmetic: [],
+    sizes=lambda model, channels, arithmetic: [Spec((6,) * (model.k + 2))],
     grow=lambda model, spec: [],
     encode=encode,
     c_body=lambda tables, integer: tables.body(integer),

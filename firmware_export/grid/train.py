@@ -21,6 +21,8 @@ GUARD = 0.5
 # what one too high costs at first and at last.
 LOST, NEARLY, FIRST, LAST = 7.0, STANDS + 2.5, 4.0, 300.0
 BATCH = 40_000
+# In the place of these costs: least squares.
+SQUARES = -1.0
 
 
 class Lattice(NamedTuple):
@@ -40,6 +42,24 @@ class Points(NamedTuple):
     x: Singles
     block: NDArray[np.int8]
     aim: Singles
+
+    def some(self, count: int) -> "Points":
+        """Return the first of them."""
+        return Points(self.x[:count], self.block[:count], self.aim[:count])
+
+
+class Course(NamedTuple):
+    """How codes are trained.
+
+    `rate` in codes; what a reading too high costs at `first` and at `last`, `SQUARES` where squares
+    are minimised; `guard`: the codes by which a reading must be below the truth.
+    """
+
+    steps: int
+    rate: float
+    first: float
+    last: float
+    guard: float
 
 
 @njit(inline=True)
@@ -105,26 +125,20 @@ def _slope(
 
 
 def descend(
-    values: Singles,
-    points: Points,
-    lattice: Lattice,
-    steps: int,
-    rate: float,
-    costs: tuple[float, float],
-    guard: float,
-    rng: np.random.Generator,
+    values: Singles, points: Points, lattice: Lattice, course: Course, rng: np.random.Generator
 ) -> Singles:
-    """Return the codes after so many steps of Adam; `costs` of a reading too high, first to last."""
+    """Return the codes after the steps of a course of Adam."""
     mean, square = np.zeros_like(values), np.zeros_like(values)
-    for step in range(steps):
-        done = step / steps
-        high = costs[0] * (costs[1] / costs[0]) ** done if costs[0] > 0.0 else -1.0
+    for step in range(course.steps):
+        done = step / course.steps
+        high = course.first * (course.last / course.first) ** done
         begin = int(rng.integers(0, max(1, len(points.x) - BATCH + 1)))
-        slope = _slope(values, points, lattice, begin, high, guard)
+        slope = _slope(values, points, lattice, begin, high, course.guard)
         mean = 0.9 * mean + 0.1 * slope
         square = 0.98 * square + 0.02 * slope * slope
         root = np.sqrt(square)
-        change = rate * (1.01 - done) * mean / (root + 1e-6 + 0.05 * np.sqrt(square.mean()))
+        rate = course.rate * (1.01 - done)
+        change = rate * mean / (root + 1e-6 + 0.05 * np.sqrt(square.mean()))
         values = np.clip(values - change, 0.0, LARGEST).astype(np.float32)
     return values
 

@@ -197,12 +197,13 @@ static int smap_check_grid(const smap_t *map, smap_bytes_t limit)
   const uint8_t params = blob[SMAP_AT_PARAMS], faces = blob[SMAP_AT_FACES], channels = blob[SMAP_AT_CHANNELS];
   const uint8_t tables = (uint8_t)(1u + (channels & SMAP_SDG ? 1u : 0u) + (channels & SMAP_HEIGHT ? 1u : 0u));
   const uint32_t room = (uint32_t)(limit - body);
-  uint32_t at = SMAP_GRID_HEAD + (uint32_t)SMAP_GRID_PLACE * params, nodes = body[9], i, k;
+  uint32_t at = SMAP_GRID_HEAD + (uint32_t)SMAP_GRID_PLACE * params, nodes, i, k;
   uint32_t knots = at + 2u * params + 4u;
-  if (room < knots || (faces != 1 && faces != 6) || body[8] != tables || body[10] > 1 || nodes - 1u > 5u ||
+  if (room < knots || (faces != 1 && faces != 6) || body[8] != tables || body[9] - 1u > 5u || body[10] > 1 ||
       smap_u32(body) >= 1u << 17) {
     return 0;
   }
+  nodes = body[9];
   for (i = 0; i < faces; i++) {
     if (body[12 + i] >= nodes && body[12 + i] != 255) {
       return 0;
