@@ -95,7 +95,6 @@ nodes = 11
 channels = ["tip_angle"]
 """
 # Tables beside a tree of 40 kB.
-LENGTHS = {"sdg": (9, 9, 11, 11), "height": (7, 7, 9, 9)}
 # Sizes of docs/measured/exports.md.
 POLY = "poly 0x2 2x0 0x0"
 GRIDS = {"float": "grid i16 1x8 9x1 1x1", "integer": "grid i16 1x10 11x1 1x1"}

@@ -311,18 +311,3 @@ def test_what_a_board_is_not_asked_is_an_empty_cell_and_no_failure(
 
 
 # Beside CMSIS-DSP
-
-
-@needs_arm
-def test_without_a_network_the_comparison_says_so_and_ends(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    from targets import cmsis
-
-    monkeypatch.setattr(cmsis, "BUILD", tmp_path)
-    failed = subprocess.CompletedProcess([], 1)
-    monkeypatch.setattr("targets.cmsis.subprocess.run", lambda *_, **__: failed)
-    assert cmsis.main([]) == 0
-    assert capsys.readouterr().out == (
-        "SKIPPED CMSIS-DSP: its source cannot be downloaded (pip download cmsisdsp).\n"
-    )
