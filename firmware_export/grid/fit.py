@@ -36,12 +36,15 @@ POINTS, PER_POSTURE, AT_ONCE = 6_000_000, 60, 500
 # Steps of Adam for a table of 16,000 nodes (they grow with the root of these) and for lengths; its
 # rate in codes.
 STEPS, STEPS_LENGTHS, RATE = 600, 600, 10.0
-# Times that a lowered table is trained a little again, and by how many codes its points that tip
-# are brought below STANDS.
-AGAIN, BELOW = 2, 1.0
+# Times that a lowered table is trained a little again; by how many codes points that tip are
+# brought below STANDS, those of the sample and fresh ones.
+AGAIN, BELOW, FURTHER = 2, 1.0, 2.0
 # Of as many directions of each posture those that only just stand are asked; as many points in a
-# round; of how many a part is sought near postures that were falsely safe, and how near.
-POOL, ASKED, ROUND, NEAR = 300, 30, 1_500_000, 1 / 60
+# round.
+POOL, ASKED, ROUND = 300, 30, 1_500_000
+# A fifth as many are sought near postures that were falsely safe, and again near those found there:
+# how near at most (parts of an axis), over how many decades, how often.
+NEAR, DECADES, CHAIN = 1 / 60, 1.5, 5
 # Rounds at most, and the false safes of one below which the next is left to the certificate.
 ROUNDS, FEW = 8, 2
 # Share of what stands that may be given up, and of points with which it is found.
@@ -171,7 +174,8 @@ def lowered(
         x = rng.random((postures, model.k)) * WHOLE
         if near is not None:
             moved = near[rng.integers(0, len(near), postures)]
-            moved = moved + rng.normal(0.0, WHOLE * NEAR, x.shape)
+            reach = WHOLE * NEAR * 10.0 ** -rng.uniform(0.0, DECADES, (postures, 1))
+            moved = moved + rng.normal(0.0, 1.0, x.shape) * reach
             x = np.where(ground.rounds, moved % (WHOLE + 1.0), np.clip(moved, 0.0, WHOLE))
         gravity = uniform_directions(model, rng, (pool,))
         place, face = ground.enter(x, gravity)
@@ -185,7 +189,7 @@ def lowered(
         met += int(wrong.sum())
         rows = (np.arange(postures)[:, None] * pool + at).ravel()
         fresh = Points(place[rows], block[rows], aims(tip).ravel())
-        train.lower(values, fresh, lattice, True, BELOW)
+        train.lower(values, fresh, lattice, True, FURTHER)
     return met, np.concatenate(found)
 
 
@@ -253,11 +257,22 @@ def fit(
     return lattice, values, {name: job.result() for name, job in jobs.items()}
 
 
-def settle(lesson: Lesson, lattice: Lattice, values: Singles, seed: int) -> None:
+def settle(
+    lesson: Lesson, lattice: Lattice, values: Singles, seed: int, rounds: int | None = None
+) -> None:
     """Lower codes in place, round after round, until next to nothing is found falsely safe."""
-    for turn in range(ROUNDS):
-        met, where = lowered(lesson, values, lattice, [SEED, seed, turn, 0], None)
-        if len(where):
-            lowered(lesson, values, lattice, [SEED, seed, turn, 1], where)
+    for turn in range(rounds or ROUNDS):
+        met, where = lowered(lesson, values, lattice, [SEED, seed, turn], None)
+        follow(lesson, lattice, values, [SEED, seed, turn], where)
         if met <= FEW:
             break
+
+
+def follow(
+    lesson: Lesson, lattice: Lattice, values: Singles, seed: list[int], where: Floats
+) -> None:
+    """Lower codes in place near postures that were falsely safe, then near those found there."""
+    for again in range(CHAIN):
+        if not len(where):
+            break
+        _, where = lowered(lesson, values, lattice, [*seed, again], where)

@@ -29,8 +29,6 @@ LENGTHS = ("sdg", "height")
 FIRST, GROWTH = 2_000, 2.0
 # Bytes beside the codes: knots, at most about so many.
 HEAD = 300
-# Codes by which points that a test found falsely safe are brought below standing.
-MORE = 2.0
 TESTED = "the table was lowered where fresh points were called safe that tip: tested, not proved"
 
 
@@ -141,10 +139,10 @@ class Tables(AnyTables):
         place = np.concatenate([one[0].reshape(1, -1) for one in rows])
         block = np.concatenate([self.block[one[1]].ravel() for one in rows])
         points = Points(place, block, np.zeros(len(x), np.float32))
-        lower(values, points, self.lattice, True, MORE)
+        lower(values, points, self.lattice, True, fit.FURTHER)
         lesson = fit.learn(ground.narrow)
-        fit.lowered(lesson, values, self.lattice, [fit.SEED, 9, seed, 0], x)
-        fit.settle(lesson, self.lattice, values, 9 + seed)
+        fit.follow(lesson, self.lattice, values, [fit.SEED, 9, seed], x)
+        fit.settle(lesson, self.lattice, values, 9 + seed, rounds=1)
         return replace(self, codes=np.stack([values.astype(np.uint8), *self.codes[1:]]))
 
 
