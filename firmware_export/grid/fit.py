@@ -180,7 +180,9 @@ def lowered(
         gravity = uniform_directions(model, rng, (pool,))
         place, face = ground.enter(x, gravity)
         place, block = place.reshape(-1, model.k + 2), lesson.block[face].ravel()
-        said = train.read(values, Points(place, block, place[:, 0]), lattice).reshape(postures, pool)
+        said = train.read(values, Points(place, block, place[:, 0]), lattice).reshape(
+            postures, pool
+        )
         least = np.where(said >= STANDS, said, np.inf)
         at = np.argpartition(least, asked, axis=1)[:, :asked]
         tip = ground.model.tip_angle(ground.model.postures(ground.params(x)), gravity[at])

@@ -122,7 +122,7 @@ def test_a_size_grows_along_one_parameter_at_a_time_and_is_read_from_its_label(
     grown = lookup.grow(model, first)
     assert len(grown) == 3
     for spec in grown:
-        assert lookup.read_label(spec.label) == spec
+        assert lookup.Spec.of_label(spec.label) == spec
         assert spec.bytes > first.bytes
         assert lookup.encode(model, EXPORTABLE, spec).spec == spec
 
