@@ -26,7 +26,7 @@ from firmware_export.grid.train import (
     Lattice,
     Points,
 )
-from firmware_export.truth import Model, uniform_directions
+from firmware_export.truth import Model, biased, uniform_directions
 from lutgen.errors import ExportError
 from lutgen.mapping import TO_STAND
 from lutgen.vector import Floats, Singles
@@ -45,6 +45,8 @@ POOL, ASKED, ROUND = 300, 30, 1_500_000
 # A fifth as many are sought near postures that were falsely safe, and again near those found there:
 # how near at most (parts of an axis), over how many decades, how often.
 NEAR, DECADES, CHAIN = 1 / 60, 1.5, 5
+# Points of a round that lie beside the boundary; postures of a test from which others are sought.
+BESIDE, MOST_NEAR = 200_000, 2_000
 # Rounds at most, and the false safes of one below which the next is left to the certificate.
 ROUNDS, FEW = 8, 2
 # Share of what stands that may be given up, and of points with which it is found.
@@ -266,8 +268,20 @@ def settle(
     for turn in range(rounds or ROUNDS):
         met, where = lowered(lesson, values, lattice, [SEED, seed, turn], None)
         follow(lesson, lattice, values, [SEED, seed, turn], where)
+        met += beside(lesson, lattice, values, 1000 * seed + turn)
         if met <= FEW:
             break
+
+
+def beside(lesson: Lesson, lattice: Lattice, values: Singles, seed: int) -> int:
+    """Lower codes in place on points beside the boundary; return the false safes."""
+    ground = lesson.ground
+    sample = biased(ground.model, BESIDE, seed)
+    place, face = ground.enter_all(*sample)
+    tip = ground.model.tip_angle(ground.model.postures(sample.params), sample.gravity)
+    place = place.reshape(-1, ground.model.k + 2)
+    points = Points(place, lesson.block[face].ravel(), aims(tip).ravel())
+    return train.lower(values, points, lattice, True, FURTHER)
 
 
 def follow(

@@ -77,6 +77,13 @@ class Ground:
         """Return the parameters at places (..., k)."""
         return np.array([p.low for p in self.places]) + x / [p.inverse for p in self.places]
 
+    def enter_all(self, params: Floats, gravity: Floats) -> tuple[Singles, NDArray[np.int8]]:
+        """Return places (m, d, k + 2) and faces (m, d) of postures (m, k) under (m, d, 3) each."""
+        x = (params - [p.low for p in self.places]) * [p.inverse for p in self.places]
+        x = np.clip(x, 0.0, WHOLE)
+        rows = [self.enter(x[at : at + 1], gravity[at]) for at in range(len(x))]
+        return np.concatenate([one[0] for one in rows]), np.concatenate([one[1] for one in rows])
+
     def mirrored(self, x: Floats, fold: Fold) -> Floats:
         """Return the places (m, k) of the mirror images of postures at places (m, k)."""
         other = x[:, list(fold.partner)]

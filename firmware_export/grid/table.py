@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware_export.grid import fit
-from firmware_export.grid.ground import WHOLE, Ground
+from firmware_export.grid.ground import Ground
 from firmware_export.grid.lookup import INFO as LOOKUP
 from firmware_export.grid.train import Lattice, Points, lower
 from firmware_export.protocol import CArray, CBody, CodecInfo
@@ -133,15 +133,12 @@ class Tables(AnyTables):
     def lowered(self, params: Floats, gravity: Floats, seed: int) -> "Tables":
         """Return tables that call none of some points safe, lowered near them and anew."""
         ground, values = self.ground, self.codes[0].astype(np.float32)
-        low, per = (np.array([getattr(p, at) for p in ground.places]) for at in ("low", "inverse"))
-        x = np.clip((params - low) * per, 0.0, WHOLE)
-        rows = [ground.enter(x[at : at + 1], gravity[at : at + 1]) for at in range(len(x))]
-        place = np.concatenate([one[0].reshape(1, -1) for one in rows])
-        block = np.concatenate([self.block[one[1]].ravel() for one in rows])
-        points = Points(place, block, np.zeros(len(x), np.float32))
+        place, face = ground.enter_all(params, gravity[:, None])
+        points = Points(place[:, 0], self.block[face[:, 0]], np.zeros(len(place), np.float32))
         lower(values, points, self.lattice, True, fit.FURTHER)
         lesson = fit.learn(ground.narrow)
-        fit.follow(lesson, self.lattice, values, [fit.SEED, 9, seed], x)
+        near = place[: fit.MOST_NEAR, 0, : ground.model.k].astype(np.float64)
+        fit.follow(lesson, self.lattice, values, [fit.SEED, 9, seed], near)
         fit.settle(lesson, self.lattice, values, 9 + seed, rounds=1)
         return replace(self, codes=np.stack([values.astype(np.uint8), *self.codes[1:]]))
 
