@@ -1,16 +1,15 @@
 """The codecs, a row each, and which of them can hold a robot."""
 
 from firmware_export.contacts import INFO as CONTACTS
-from firmware_export.grid import INFO as LOOKUP
+from firmware_export.grid import LOOKUP, TABLE
 from firmware_export.protocol import CodecInfo
 from firmware_export.truth import Model
-from firmware_export.verdict import INFO as VERDICT
 from lutgen.errors import ExportError, InputError
 
 __all__ = ["ARITHMETIC", "CODECS", "codec", "named", "usable"]
 
 # In the order in which they are tried: the first are smallest for what they can hold.
-CODECS = (CONTACTS, LOOKUP, VERDICT)
+CODECS = (CONTACTS, LOOKUP, TABLE)
 ARITHMETIC = ("float", "integer")
 
 

@@ -10,7 +10,15 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from firmware_export.certify import POINTS, SEED, Certificate, Effort, certify, device
+from firmware_export.certify import (
+    POINTS,
+    SEED,
+    Certificate,
+    Effort,
+    certify,
+    device,
+    put_to_test,
+)
 from firmware_export.choose import KNEE, Candidate, Goal, Trials, choose, front
 from firmware_export.codecs import codec as info
 from firmware_export.codecs import usable
@@ -32,14 +40,12 @@ log = logging.getLogger("lutgen")
 ATTEMPTS = 6
 # Times that a guard is made larger for what a certificate has seen, and the largest (rad).
 WIDER, WIDEST = 3, 5e-3
+# Times that a table is lowered for what its test has found.
+LOWERED = 20
 # Share of what stands that an export may report as unsafe at most.
 USELESS = 0.25
 # Bytes of the export that is made where nothing was asked for and nothing reaches the knee.
 ROOM = 64 * 1024
-VERDICT_ONLY = (
-    "This export tells whether the robot stands, and not how far it is from tipping: tip_angle is "
-    "0 where it stands, and -pi where it may tip."
-)
 
 
 @dataclass(frozen=True)
@@ -167,7 +173,7 @@ def certified(
     trials = Trials(model, label, held, asked.arithmetic)
     chosen, certificate, bound = _certified(trials, codecs, size, bound, asked.points, tell)
     _refuse_useless(certificate, chosen, model.recipe.source)
-    result = described(certificate, chosen.export) | {
+    result = certificate.as_dict() | {
         "error_percent": certificate.error_of(certificate.bounded[0], relative=True),
         "bound": None if bound is None else str(bound),
         "candidates": len(trials.tried),
@@ -286,6 +292,12 @@ def guarded(
     Points that have not been seen judge it then.
     """
     certificate = examine(export, trials, bound, points)
+    for attempt in range(1, LOWERED + 1):
+        if certificate.wrong is None or not export.tables.tested:
+            break
+        lower = export.tables.lowered(*certificate.wrong, attempt)
+        export = replace(export, tables=lower)
+        certificate = examine(export, trials, bound, points, SEED + attempt)
     wider = info(export.codec).guarded
     for attempt in range(1, WIDER + 1):
         if wider is None or certificate.witness is None:
@@ -300,20 +312,12 @@ def guarded(
     return export, certificate
 
 
-def described(certificate: Certificate, export: Export) -> dict[str, Any]:
-    """Return a certificate's content with what the codec has to say to its readers."""
-    content = certificate.as_dict()
-    if export.tables.verdict_only:
-        content["text"] = [*content["text"], VERDICT_ONLY]
-        # By how much 0 is less than an angle is no error.
-        content["channels"] = {k: v for k, v in content["channels"].items() if k != "tip_angle"}
-    return content
-
-
 def examine(
     export: Export, trials: Trials, bound: ErrorBound | None, points: int, seed: int = SEED
 ) -> Certificate:
     """Certify one export."""
+    if export.tables.tested:
+        return put_to_test(device(export), export.channels, bound, points, seed)
     cells = info(export.codec).cells(export.model, export.tables)
     effort = Effort.of(points)
     return certify(device(export), export.channels, cells, bound, effort, seed, trials.jumps)

@@ -12,6 +12,7 @@ from firmware_export.truth import Model
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import Recipe, load_recipe
 from tests.fixtures.frozen import exports
+from tests.fixtures.noise import noise
 
 ROOT = Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build" / "targets"
@@ -22,6 +23,8 @@ ROBOTS = (
 )
 # Codec, arithmetic and size of a table of positions.
 TABLES = {"float": "grid i16 1x8 9x1 1x1", "integer": "grid i16 1x10 11x1 1x1"}
+# Nodes of a trained table, and what it holds beside the angle.
+LARGE = ((15, 15, 12, 11), ("sdg",))
 # Its pose of 5.5 kB, and a second one on the stack in smap_read, do not fit 8 kB.
 WITHOUT = {"absolem": ("avr",)}
 
@@ -62,6 +65,10 @@ def cases() -> list[Case]:
     for arithmetic, label in TABLES.items():
         make = partial(of_recipe, "paper_two", "grid", arithmetic, label)
         rows.append(Case(f"paper_two_grid_{arithmetic}", make))
+    # Bytes that mean nothing: what matters of a trained table is how it is read.
+    model = Model(load_recipe(ROOT / "maps" / "paper_two.toml"))
+    large = partial(noise, "grid_60kB", model, *LARGE)
+    rows.append(Case("grid_60kB", large, without=("avr",)))
     rows += [Case(one.name, partial(_same, one), counted=False) for one in exports()]
     return rows
 

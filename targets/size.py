@@ -49,6 +49,7 @@ SETS = {
     "`contacts`, three points": ("SMAP_POINTS", *BOTH),
     "`grid` of three points, floats too": ("SMAP_TABLES", *BOTH),
     "`grid` of three points, integers": ("SMAP_TABLES", "SMAP_INTEGERS"),
+    "`grid` over gravity, integers": ("SMAP_GRID", "SMAP_INTEGERS"),
     "`contacts`, parallel axes": (*RAILS, *GAPS),
     "`contacts`, parallel axes, never rocking": (*RAILS, *BOTH),
     "`contacts`, axes not parallel": (*SEARCH, *GAPS),

@@ -16,14 +16,13 @@ from firmware_export.choose.trials import Trials
 from firmware_export.codecs import usable
 from firmware_export.contacts import codec as contacts
 from firmware_export.emit import package
-from firmware_export.exporter import described, examine
-from firmware_export.grid import Spec, lookup
+from firmware_export.exporter import guarded
+from firmware_export.grid import lookup, table
 from firmware_export.truth.model import Model
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe.recipe import load_recipe
 
 ROOT = Path(__file__).resolve().parent.parent
-VERDICT = ("tip_angle",)
 
 
 @dataclass(frozen=True)
@@ -46,7 +45,7 @@ CASES = (
     Case("marv", "contacts", contacts.Spec()),
     Case("absolem", "contacts", contacts.Spec()),
     Case("articulated", "contacts", contacts.Spec()),
-    Case("absolem", "grid", Spec(8, 63_800), "integer", VERDICT),
+    Case("absolem", "grid", table.Spec((15, 18, 15, 15)), "integer", ("sdg", "tip_angle")),
 )
 HEAD = (
     "| robot | export | arithmetic | tables, B | with code, B | \\|SD_g\\| max | p99 | guard | "
@@ -62,8 +61,9 @@ def row(case: Case, output: Path, number: int, points: int) -> str:
     made = trials.try_out(usable(model, case.arithmetic, case.codec)[0], case.spec)
     if made is None:
         raise SystemExit(f"{case}: the codec refuses this size")
-    certificate = described(examine(made.export, trials, None, points), made.export)
-    final = replace(made.export, certificate=certificate)
+    export, found = guarded(made.export, trials, None, points)
+    certificate = found.as_dict()
+    final = replace(export, certificate=certificate)
     report = package.write(final, output / f"{case.recipe}_{number}")
     sdg = report["certificate"]["channels"].get("sdg", {})
     largest = f"{sdg['max_percent']:.3g} %" if "max_percent" in sdg else "jumps" if sdg else "-"

@@ -1,6 +1,6 @@
 """How far an export is from the truth, and that it is never falsely safe.
 
-In reading order: `answers`, `jumps`, `search`, `certifier`.
+In reading order: `answers`, `jumps`, `search`, `certifier`, `tested`.
 """
 
 from firmware_export.certify.answers import Measured, Reader, Truth, device, truth
@@ -16,6 +16,7 @@ from firmware_export.certify.certifier import (
     statistics,
 )
 from firmware_export.certify.jumps import find_jumps
+from firmware_export.certify.tested import put_to_test
 
 __all__ = [
     "POINTS",
@@ -30,6 +31,7 @@ __all__ = [
     "device",
     "find_jumps",
     "judged_by",
+    "put_to_test",
     "span_of",
     "statistics",
     "truth",

@@ -87,14 +87,20 @@ class Measured(NamedTuple):
         )
 
 
+def in_steps(model: Model, params: Floats) -> tuple[NDArray[np.int16], Floats]:
+    """Return the steps (m, k) nearest to postures, and the parameters that they stand for."""
+    share = (params - model.lower) / (model.upper - model.lower)
+    q = np.rint(share * FULL_SCALE).astype(np.int16)
+    return q, model.at(q / FULL_SCALE)
+
+
 def truth(model: Model, sample: Sample, integer: bool = False) -> Truth:
     """Return the queries nearest to a sample, and the truth at the queries."""
     params, gravity = sample
     if integer:
-        share = (params - model.lower) / (model.upper - model.lower)
-        q = np.rint(share * FULL_SCALE).astype(np.int16)
+        q, near = in_steps(model, params)
         g = np.rint(gravity * FULL_SCALE).astype(np.int16)
-        asked = Sample(model.at(q / FULL_SCALE), g.astype(np.float64))
+        asked = Sample(near, g.astype(np.float64))
         return Truth(q, g, asked, model.exact(*asked))
     single = params.astype(np.float32), gravity.astype(np.float32)
     asked = Sample(*(array.astype(np.float64) for array in single))

@@ -80,6 +80,8 @@ class Certificate:
         Points that the searches tried.
     witness : tuple, optional
         Parameters, gravity, answered and true tip angle of a false safe.
+    wrong : tuple, optional
+        Parameters (n, k) and gravity (n, 3) of all that a test found.
     """
 
     points: int
@@ -94,12 +96,15 @@ class Certificate:
     seed: int
     text: tuple[str, ...] = ()
     witness: tuple[Floats, Floats, float, float] | None = field(default=None, compare=False)
+    wrong: tuple[Floats, Floats] | None = field(default=None, compare=False)
 
     def as_dict(self) -> dict[str, Any]:
         """Return what the header and the report print; plain numbers and texts."""
         names = {"nearest": "nearest_false_safe_rad"}
         content = {
-            names.get(name, name): value for name, value in vars(self).items() if name != "witness"
+            names.get(name, name): value
+            for name, value in vars(self).items()
+            if name not in ("witness", "wrong")
         }
         return content | {"text": list(self.text)}
 

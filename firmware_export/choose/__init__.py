@@ -1,6 +1,6 @@
 """The search for the smallest tables that keep what was asked.
 
-In reading order: `trials`, `goal`, `foresee`, `choice`.
+In reading order: `trials`, `goal`, `choice`.
 """
 
 from firmware_export.choose.choice import choose, front

@@ -1,8 +1,8 @@
 """The choice: which codec at which size meets a limit of flash, of error, or of both.
 
 Each codec's sizes are grown from the smallest, one axis at a time, always where accuracy gains
-most for a byte; `foresee` does it for codecs that take long.  All that was tried is kept: it is the
-table that the choice is made from.
+most for a byte; a codec that takes minutes names the one to try.  All that was tried is kept: it is
+the table that the choice is made from.
 """
 
 import math
@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from firmware_export.choose.foresee import foresee
 from firmware_export.choose.goal import MOST_FALSE_TIP, Goal
 from firmware_export.choose.trials import Candidate, Trials
 from firmware_export.emit import code_bytes
@@ -78,10 +77,11 @@ def front(trials: Trials, chosen: Candidate) -> list[dict[str, Any]]:
 
 def try_codec(trials: Trials, codec: CodecInfo, goal: Goal) -> None:
     """Try the sizes of a codec, each bit width in turn, until they meet the goal or cannot."""
-    foresight = codec.costly(trials.model)
-    if foresight is not None:
+    if codec.size is not None:
         ceiling = _ceiling(trials, goal)
-        foresee(trials, codec, foresight, goal, min(ceiling, goal.flash or ceiling))
+        most = min(ceiling, goal.flash or ceiling) - (code_bytes(codec.switches.values()) or 0)
+        percent = None if goal.percent is None else goal.aim
+        trials.try_out(codec, codec.size(trials.model, trials.channels, most, percent))
         return
     path: list[Candidate] = []
     for spec in codec.sizes(trials.model, trials.channels, trials.arithmetic):
@@ -262,9 +262,6 @@ def _refusal(trials: Trials, tried: list[Candidate], goal: Goal) -> ExportError:
     if goal.percent is not None and accurate:
         one = min(accurate, key=lambda one: one.total)
         nearest.append(f"{one.total:,} bytes are needed for that error ({one.label})")
-    only = smallest.export.tables.verdict_only
-    if goal.percent is not None and trials.bounded == ("tip_angle",) and only:
-        nearest.append("it tells whether the robot stands: ask for a size of flash alone")
     return ExportError(
         f"{where}: no export meets what is asked for (got {' and '.join(asked)}); the nearest that "
         f"can be had: {'; '.join(nearest)}."

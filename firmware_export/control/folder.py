@@ -24,19 +24,12 @@ def steered(export: Export, wishes: Wishes) -> tuple[Export, Design]:
     Raises
     ------
     InputError
-        For wishes that mean nothing, and exports that are read without floats or tell nothing but
-        whether the robot stands.
+        For wishes that mean nothing, and exports that are read without floats.
     """
     if export.integer:
         raise InputError(
             f"{export.recipe.source}: on-board control computes with floats (got integer "
             "arithmetic); export with --arithmetic float."
-        )
-    if export.tables.verdict_only:
-        raise InputError(
-            f"{export.recipe.source}: on-board control takes off an angle what a way may cost, and "
-            f"these tables hold none (got codec {export.codec} for more than three "
-            "contacts); `lutgen export --codec contacts` says what keeps that codec from it."
         )
     export = replace(export, tables=export.tables.boxed())
     found = design(export.model, wishes)

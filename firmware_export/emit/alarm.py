@@ -36,10 +36,6 @@ _LEVELS = """\
 /* Sines of angles, in 1/32767: warn below 10 deg, danger below 5 deg, clear again 2 deg further. */
 enum { SMAP_WARNING = 5690, SMAP_DANGER = 2856, SMAP_AGAIN = 1143 };
 """
-_VERDICT = """\
-/* The map tells whether the robot stands and no angle: danger where it may tip, and no warning. */
-enum { SMAP_WARNING = 0, SMAP_DANGER = 0, SMAP_AGAIN = 0 };
-"""
 _SAMPLE = """\
 /* Take a sample of the accelerometer, raw counts; at rest it reads up. */
 static smap_alarm_level_t smap_alarm_sample(smap_alarm_t *alarm, const int16_t raw[3])
@@ -110,7 +106,7 @@ def alarm_text(content: dict[str, Any]) -> str:
     joints = _float_joints if "SMAP_FLOATS" in content["forms"] else _whole_joints
     counts = ", ".join("0" for _ in parameters) or "0"
     row = f"  static const int16_t joints[] = {{{counts}}}; /* counts of the encoders */\n"
-    top = _TOP.replace("@LEVELS@", _VERDICT if content["verdict_only"] else _LEVELS)
+    top = _TOP.replace("@LEVELS@", _LEVELS)
     text = top + joints(parameters) + _SAMPLE.replace("@JOINTS@", row)
     return LICENCE + text.replace("@NAME@", content["name"])
 

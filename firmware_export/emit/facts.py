@@ -204,7 +204,6 @@ def report(export: Export, body: CBody, names: list[str]) -> dict[str, Any]:
         "steps": {name: step for name, step in body.steps.items() if name in export.channels},
         "pose": {"both": body.pose[0], "integer": body.pose[1]},
         "policy": _policy(export, body),
-        "verdict_only": export.tables.verdict_only,
         "forms": sorted(features(body) & {"SMAP_FLOATS", "SMAP_INTEGERS"}),
         "bytes": flash_bytes(export, body),
         "counts": counted(export),

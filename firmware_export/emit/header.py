@@ -96,10 +96,6 @@ def _reading(content: dict[str, Any], channel: str) -> tuple[str, str]:
     """Return the member of the reading that holds a channel, and what it means."""
     unit = content["channels"][channel]["unit"]
     unit = "ratio of lengths" if unit == "1" else unit
-    if channel == "tip_angle" and content["verdict_only"]:
-        if content["arithmetic"] == "float":
-            return channel, "0 where the robot stands, -pi where it may tip (rad)"
-        return "tip", "0 where the robot stands, -32767 where it may tip"
     if content["arithmetic"] == "float":
         return channel, f"{QUANTITIES[channel].in_c} ({unit})"
     if channel == "tip_angle":
@@ -127,7 +123,7 @@ def _errors(content: dict[str, Any]) -> list[str]:
         )
     unsafe = f"{FALSE_TIP}: {share(content['false_tip'])}."
     guard = f"Guard {number(content['guard_deg'], 3)} deg, subtracted from tip_angle; {unsafe}"
-    lines.append(unsafe[0].upper() + unsafe[1:] if content["verdict_only"] else guard)
+    lines.append(guard)
     return lines
 
 
@@ -157,7 +153,7 @@ def _usage(content: dict[str, Any]) -> list[str]:
             "  smap_reading_i_t reading;",
             "  smap_gravity_from_up_i(accelerometer, gravity);  at rest it reads up",
             "  if (smap_at_i(&pose, gravity, &reading) == SMAP_OK) {",
-            "    it stands" + ("" if content["verdict_only"] else INTEGER_PROMISE),
+            "    it stands" + INTEGER_PROMISE,
         ]
     else:
         lines += [
@@ -165,7 +161,7 @@ def _usage(content: dict[str, Any]) -> list[str]:
             "  smap_reading_t reading;",
             "  smap_gravity_from_up(accelerometer, gravity);  at rest it reads up",
             "  if (smap_at(&pose, gravity, &reading) == SMAP_OK) {",
-            "    it stands" + ("" if content["verdict_only"] else PROMISE),
+            "    it stands" + PROMISE,
         ]
     return [*lines, "  }"]
 

@@ -128,10 +128,9 @@ def _accuracy(content: dict[str, Any]) -> list[str]:
     rows = [
         (f"`{name}`", QUANTITIES[name].in_c, content["channels"][name]["unit"], *texts)
         for name, texts in errors_of(content).items()
-        for texts in [texts or (_no_error(content, name), "", "")]
+        for texts in [texts or ("not measured", "", "")]
     ]
     guard = f"guard subtracted from `tip_angle`: {number(content['guard_deg'])} deg"
-    guard = "nothing is to be subtracted from it" if content["verdict_only"] else guard
     lines = _table(("channel", "meaning", "unit", "largest error", "p99", "RMS"), rows)
     if content["points"]:
         lines.append(f"Measured on {content['points']:,} points that the fit has not seen.")
@@ -149,12 +148,6 @@ def _accuracy(content: dict[str, Any]) -> list[str]:
         f"- {FALSE_TIP}: {share(content['false_tip'])}",
         "",
     ]
-
-
-def _no_error(content: dict[str, Any], channel: str) -> str:
-    """Return why a channel has no error."""
-    told = channel == "tip_angle" and content["verdict_only"]
-    return "a verdict: 0 or -pi" if told else "not measured"
 
 
 def _choice(content: dict[str, Any], picture: str | None) -> list[str]:

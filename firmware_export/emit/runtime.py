@@ -14,7 +14,6 @@ from lutgen.errors import ExportError
 # The switches of the runtime: what its code depends on.
 SWITCHES = (
     *("SMAP_FLOATS", "SMAP_INTEGERS", "SMAP_POINTS", "SMAP_TABLES", "SMAP_GRID"),
-    "SMAP_LENGTHS",
     *("SMAP_MANY", "SMAP_MANY_BY_RAILS", "SMAP_MANY_SEARCH", "SMAP_MANY_GAPS", "SMAP_SERIES"),
 )
 # A part, and the switches that need it, any of them; all always have it where none is named.
@@ -30,8 +29,6 @@ _PARTS: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("tables", ("SMAP_TABLES",)),
     ("three_entry", ("SMAP_POINTS", "SMAP_TABLES")),
     ("grid", ("SMAP_GRID",)),
-    ("grid_i", ("SMAP_GRID",)),
-    ("grid_check", ("SMAP_GRID",)),
     ("many_types", ("SMAP_MANY",)),
     ("many_rails", ("SMAP_MANY_BY_RAILS",)),
     ("many_planes", ("SMAP_MANY_SEARCH",)),

@@ -1,26 +1,9 @@
-"""Tables of the codec `grid`: trees, and multilinear tables over the parameters and the chart.
+"""Tables of the codec `grid`: of three contacts' positions, or trained over parameters and gravity.
 
-In reading order: `spec`, `tables`, `lattice`, `fit`, `codec`, `points`, `across`, `lookup`.
+In reading order: `points`, `across`, `lookup`; `ground`, `train`, `fit`, `table`.
 """
 
-from firmware_export.grid.codec import blank, length_table, too_large
-from firmware_export.grid.lookup import INFO
-from firmware_export.grid.spec import LEAST, MOST_TREE, Spec, of_nodes
-from firmware_export.grid.tables import PLACES, RATE, Fold, Tables, Trees, places_of
+from firmware_export.grid.lookup import INFO as LOOKUP
+from firmware_export.grid.table import INFO as TABLE
 
-__all__ = [
-    "INFO",
-    "LEAST",
-    "MOST_TREE",
-    "PLACES",
-    "RATE",
-    "Fold",
-    "Spec",
-    "Tables",
-    "Trees",
-    "blank",
-    "length_table",
-    "of_nodes",
-    "places_of",
-    "too_large",
-]
+__all__ = ["LOOKUP", "TABLE"]

@@ -1,202 +1,294 @@
-"""Node values of the codec `grid` for the stability factor and the height: fitted, not sampled.
+"""Tables of more than three contacts, trained: the sample, the nodes of each axis, the fit.
 
-Owns the fit.  It sees the standing region only.  The error that counts is that of the length of
-(along, aside), so the two components are free to turn a little: each round solves the linearised
-least-squares problem (conjugate gradients, the exact values at the nodes as prior) with the errors
-across the vector weighted down, then gives every point a weight that grows with its error
-(Lawson), which leads to the minimax fit.  After some rounds the points of a larger pool that are
-worst join the sample.
+Owns what a table learns from.  It is trained on random configurations, and then lowered where it
+calls safe what tips, on fresh ones that are sought where it only just says that the robot stands.
+None of this proves that it is safe: that is tested afterwards, on the C that ships.
 """
 
-from collections.abc import Callable
+import math
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_export.grid.lattice import Lattice, at_nodes, at_points, from_places, to_places
-from firmware_export.truth import Model, Sample, biased, join, uniform
-from lutgen.vector import Floats
+from firmware_export.grid import train
+from firmware_export.grid.ground import WHOLE, Ground, bends, ground_of, spread_knots
+from firmware_export.grid.train import (
+    GUARD,
+    LARGEST,
+    MOST,
+    SCALE,
+    SQUARES,
+    STANDS,
+    Course,
+    Lattice,
+    Points,
+)
+from firmware_export.truth import Model, biased, uniform_directions
+from lutgen.errors import ExportError
+from lutgen.mapping import TO_STAND
+from lutgen.vector import Floats, Singles
 
-Ints = NDArray[np.int32]
-
-SEED = 41
-# Postures cost by the number of facets to be searched: points of the sample, of the pool, and
-# how many of the pool join after each turn.
-POINTS, POOL, JOINING = 60_000, 600_000, 8_000
-FEW_POINTS, FEW_POOL = 40_000, 200_000
-TURNS, ROUNDS, STEPS = 4, 7, 25
-# Share of the error across the vector that counts, and of the prior in each node.
-ACROSS, PRIOR = 0.1, 1e-3
-# Nodes beyond the standing region hold at most this many times the largest value.
-CLIP = 1.25
-
-
-def _standing(model: Model, sample: Sample, name: str) -> tuple[Floats, NDArray[np.int64], Floats]:
-    """Return places, faces and values (m, w) of the points that stand."""
-    exact = model.exact(sample.params, sample.gravity)
-    stands = ~np.isnan(exact.sdg).ravel()
-    place, face = to_places(model, sample)
-    columns = [exact.height] if name == "height" else [exact.along, exact.aside]
-    value = np.stack([column.ravel() for column in columns], axis=1)
-    return place[stands], face[stands], value[stands]
-
-
-def _prior(lattice: Lattice, name: str, largest: float) -> Floats:
-    """Return the exact values at the nodes, continued and clipped beyond the standing region."""
-    model = lattice.model
-    exact = model.exact(*from_places(model, *lattice.places()))
-    columns = [exact.height_beyond] if name == "height" else [exact.along, exact.aside]
-    value = np.concatenate(columns, axis=1)
-    shape = (lattice.faces, *lattice.shape)
-    while np.isnan(value).any() and not np.isnan(value).all():
-        # Nodes whose direction pierces no facet's plane take the mean of their neighbours.
-        total, known = np.zeros_like(value), np.zeros((len(value), 1))
-        grid = value.reshape(*shape, -1)
-        for axis, count in list(enumerate(shape))[1:]:
-            rim = [(int(at == axis),) * 2 for at in range(grid.ndim)]
-            padded = np.pad(grid, rim, constant_values=np.nan)
-            for first in (0, 2):
-                moved = np.take(padded, range(first, first + count), axis)
-                here = moved.reshape(value.shape)
-                there = ~np.isnan(here).any(axis=1, keepdims=True)
-                total += np.where(there, here, 0.0)
-                known += there
-        fill = np.isnan(value).any(axis=1, keepdims=True) & (known > 0)
-        if not fill.any():
-            break
-        value = np.where(fill, total / np.maximum(known, 1.0), value)
-    value = np.nan_to_num(value)
-    length = np.sqrt((value * value).sum(axis=1, keepdims=True))
-    return np.asarray(value * np.minimum(1.0, CLIP * largest / np.maximum(length, 1e-300)))
+# Points of the sample; directions of a posture, postures that share them.
+POINTS, PER_POSTURE, AT_ONCE = 6_000_000, 60, 500
+# Steps of Adam for a table of 16,000 nodes (they grow with the root of these) and for lengths; its
+# rate in codes.
+STEPS, STEPS_LENGTHS, RATE = 600, 600, 10.0
+# Times that a lowered table is trained a little again; by how many codes points that tip are
+# brought below STANDS, those of the sample and fresh ones.
+AGAIN, BELOW, FURTHER = 2, 1.0, 2.0
+# Of as many directions of each posture those that only just stand are asked; as many points in a
+# round.
+POOL, ASKED, ROUND = 300, 30, 1_500_000
+# A fifth as many are sought near postures that were falsely safe, and again near those found there:
+# how near at most (parts of an axis), over how many decades, how often.
+NEAR, DECADES, CHAIN = 1 / 60, 1.5, 5
+# Points of a round that lie beside the boundary; postures of a test from which others are sought.
+BESIDE, MOST_NEAR = 200_000, 2_000
+# Rounds at most, and the false safes of one below which the next is left to the certificate.
+ROUNDS, FEW = 8, 2
+# Share of what stands that may be given up, and of points with which it is found.
+USELESS, JUDGED = 0.25, 400_000
+# Places of the chart beyond those where something stood.
+SPARE = 256.0
+FEWEST, MOST_NODES = 3, 65_000
+SEED = 71
 
 
-def conjugate(
-    right: Floats, scale: Floats, image: Callable[[Floats], Floats], steps: int
-) -> Floats:
-    """Return what `image` turns into `right`, nearly: least squares by conjugate gradients.
+@dataclass(frozen=True, eq=False)
+class Lesson:
+    """What the tables of a robot learn from.
 
-    `scale` is the diagonal of `image`, which is linear, symmetric and positive.
+    Parameters
+    ----------
+    ground : Ground
+        The robot.
+    low, high : (2,) float64
+        Places of v and of u between which it can stand.
+    block : (6,) int8
+        Of each face the block that its codes are in, -1 where nothing stands.
+    bend : (k + 2, n) float64
+        See `bends`.
+    points : Points
+        In random order.
+    lengths : dict of str to (n,) float32
+        The truth of ``sdg`` and ``height`` at these points.
     """
-    change = np.zeros_like(right)
-    left = right.copy()
-    way = step = left / scale
-    product = float((left * step).sum())
-    for _ in range(steps):
-        turned = image(way)
-        curvature = float((way * turned).sum())
-        if curvature <= 0.0 or product <= 0.0:
-            break
-        change += product / curvature * way
-        left -= product / curvature * turned
-        step = left / scale
-        before, product = product, float((left * step).sum())
-        way = step + product / before * way
-    return change
+
+    ground: Ground
+    low: Floats
+    high: Floats
+    block: NDArray[np.int8]
+    bend: Floats
+    points: Points
+    lengths: dict[str, Singles]
+
+    def shape(self, nodes: int) -> tuple[int, ...]:
+        """Return the nodes of each axis of a table of at most so many, by how much each bends."""
+        weight, blocks = self.bend.mean(axis=1), int(self.block.max(initial=0)) + 1
+        shape = [FEWEST] * len(weight)
+        while True:
+            total = blocks * math.prod(shape)
+            able = [
+                at
+                for at, count in enumerate(shape)
+                if total // count * (count + 1) <= nodes and count < LARGEST
+            ]
+            if not able:
+                return tuple(shape)
+            shape[max(able, key=lambda at: weight[at] / shape[at])] += 1
+
+    def lattice(self, shape: tuple[int, ...]) -> Lattice:
+        """Return the axes of a table with so many nodes."""
+        k, comes = self.ground.model.k, (*self.ground.rounds, False, False)
+        count = [n + int(round_) for n, round_ in zip(shape, comes, strict=True)]
+        knots = np.zeros((k + 2, max(count)), np.float32)
+        ends = [(0.0, WHOLE)] * k + list(zip(self.low, self.high, strict=True))
+        for axis, (low, high) in enumerate(ends):
+            knots[axis, : count[axis]] = spread_knots(self.bend[axis], low, high, count[axis])
+        return Lattice(np.array(shape), np.array(count) - 1, knots)
 
 
-def solve(
-    at: tuple[Ints, Floats, NDArray[np.int64]],
-    way: Floats,
-    importance: Floats,
-    residual: Floats,
-    pull: Floats,
-    prior: float,
-) -> Floats:
-    """Return the change of the nodes: weighted least squares along `way`, weaker across it.
-
-    `at`: index, weight and first node of each point, see `Lattice.find`.
-    """
-    (index, weight, start), count = at, len(pull)
-
-    def counted(value: Floats) -> Floats:
-        along = (value * way).sum(axis=1, keepdims=True) * way
-        return np.asarray(importance[:, None] * (along + ACROSS**2 * (value - along)))
-
-    right = at_nodes(index, weight, residual, start, count) - prior * pull
-    ones = np.ones((1, right.shape[1]))
-    scale = at_nodes(index, weight * weight, importance[:, None] * ones, start, count) + prior
-
-    def image(change: Floats) -> Floats:
-        value = counted(at_points(index, weight, change, start))
-        return at_nodes(index, weight, value, start, count) + prior * change
-
-    return conjugate(right, scale, image, STEPS)
+def aims(tip: Floats) -> Singles:
+    """Return the codes of tip angles (rad): 0 where the robot tips."""
+    sine = np.sin(np.clip(tip, 0.0, math.asin((MOST - STANDS) / SCALE)))
+    return np.where(tip < 0.0, 0.0, STANDS + SCALE * sine).astype(np.float32)
 
 
-def fit(model: Model, lattice: Lattice, name: str) -> Floats:
-    """Return the nodes (faces n..., w) of ``sdg`` (along, aside) or ``height``."""
-    points, pool = (POINTS, POOL) if model.is_tripod else (FEW_POINTS, FEW_POOL)
-    place, face, value = _cached(model, name, points, SEED)
-    pool_place, pool_face, pool_value = _cached(model, name, pool, SEED + 1)
-    length = np.sqrt((value * value).sum(axis=1))
-    exact = _prior(lattice, name, float(length.max(initial=0.0)))
-    if not len(value):
-        return exact
-    node = exact.copy()
-    best, lowest = node, np.inf
-    pool_at = lattice.find(pool_place, pool_face)
-    pool_length = np.sqrt((pool_value * pool_value).sum(axis=1))
-    for turn in range(TURNS):
-        index, weight, start = lattice.find(place, face)
-        length = np.sqrt((value * value).sum(axis=1))
-        prior = PRIOR * len(value) / len(node)
-        importance = np.ones(len(value))
-        inner, inner_error = node, np.inf
-        for _ in range(ROUNDS if turn else 3):
-            here = at_points(index, weight, node, start)
-            size = np.sqrt((here * here).sum(axis=1))
-            way = here / np.maximum(size, 1e-12 * length.max() + 1e-300)[:, None]
-            miss = value - here
-            across = miss - (miss * way).sum(axis=1, keepdims=True) * way
-            wanted = (length - size)[:, None] * way + ACROSS**2 * across
-            node = node + solve(
-                (index, weight, start),
-                way,
-                importance,
-                importance[:, None] * wanted,
-                node - exact,
-                prior,
-            )
-            here = at_points(index, weight, node, start)
-            error = np.abs(np.sqrt((here * here).sum(axis=1)) - length)
-            if error.max() < inner_error:
-                inner, inner_error = node, float(error.max())
-            importance *= 0.05 + error / max(float(error.max()), 1e-300)
-            importance /= importance.mean()
-        node = inner
-        here = at_points(*pool_at[:2], node, pool_at[2])
-        error = np.abs(np.sqrt((here * here).sum(axis=1)) - pool_length)
-        if error.max(initial=0.0) < lowest:
-            best, lowest = node, float(error.max(initial=0.0))
-        worst = np.argsort(error, kind="stable")[-JOINING:]
-        place, face, value = (
-            np.concatenate([mine, theirs[worst]])
-            for mine, theirs in ((place, pool_place), (face, pool_face), (value, pool_value))
-        )
-    return best
+def crowd(model: Model) -> tuple[int, int]:
+    """Return how many postures share directions, and how many times as many these are."""
+    return (AT_ONCE, 1) if model.k else (1, AT_ONCE)
 
 
-@lru_cache(maxsize=8)
-def _cached(
-    model: Model, name: str, points: int, seed: int
-) -> tuple[Floats, NDArray[np.int64], Floats]:
-    """Return `_standing` of a sample: half of it uniform, half where tables err most."""
-    sample = join([uniform(model, points // 2, seed), biased(model, points // 2, seed)])
-    return _standing(model, sample, name)
-
-
-def quantise(node: Floats, bits: int) -> tuple[NDArray[Any], list[float], float]:
-    """Return codes, the offsets of the components and the step that they share."""
-    lowest = node.min(axis=0)
-    span = float((node.max(axis=0) - lowest).max())
-    # Codes are read as offset + step * code in float32: keep the step's rounding out of range.
-    step = float(np.float32(span / (2**bits - 1) * (1.0 + 1e-6))) or 1.0
-    offset = np.float32(lowest).astype(np.float64)
-    codes = np.clip(np.rint((node - offset) / step), 0, 2**bits - 1)
-    return (
-        codes.astype(np.uint8 if bits == 8 else np.uint16),
-        list(map(float, np.atleast_1d(offset))),
-        step,
+@lru_cache(maxsize=1)
+def learn(model: Model) -> Lesson:
+    """Return what the tables of a robot learn from."""
+    ground = ground_of(model)
+    parts = []
+    for part in range(-(-POINTS // (PER_POSTURE * AT_ONCE))):
+        rng = np.random.default_rng([SEED, part])
+        postures, more = crowd(model)
+        x = rng.random((postures, model.k)) * WHOLE
+        gravity = uniform_directions(model, rng, (PER_POSTURE * more,))
+        exact = ground.model.exact(ground.params(x), gravity[None])
+        place, face = ground.enter(x, gravity)
+        lengths = (exact.sdg.astype(np.float32), exact.height.astype(np.float32))
+        parts.append((place, face, aims(exact.tip_angle), *lengths))
+    order = np.random.default_rng(SEED).permutation(sum(one[1].size for one in parts))
+    place = np.concatenate([one[0].reshape(-1, model.k + 2) for one in parts])[order]
+    face, aim, sdg, height = (
+        np.concatenate([one[at].ravel() for one in parts])[order] for at in range(1, 5)
     )
+    stands = aim >= STANDS
+    if not stands.any():
+        raise ExportError(
+            f"{model.recipe.source}: key `robot.contact`: the export would only ever answer that "
+            f"the robot tips (got none of {len(aim):,} postures and directions in which it "
+            f"stands); {TO_STAND}."
+        )
+    chart = place[stands, -2:]
+    low = np.maximum(np.floor(chart.min(axis=0)) - SPARE, 0.0).astype(np.float64)
+    high = np.minimum(np.ceil(chart.max(axis=0)) + SPARE, WHOLE).astype(np.float64)
+    block, held = np.full(6, -1, np.int8), np.unique(face[stands])
+    block[held] = np.arange(len(held))
+    return Lesson(
+        *(ground, low, high, block, bends(ground, low, high), Points(place, block[face], aim)),
+        {"sdg": sdg, "height": height},
+    )
+
+
+def lowered(
+    lesson: Lesson, values: Singles, lattice: Lattice, seed: list[int], near: Floats | None
+) -> tuple[int, Floats]:
+    """Lower codes on fresh points; return the false safes, and the places of their postures.
+
+    The postures are any, or near to given ones; the directions are those in which the table says
+    that the robot only just stands.
+    """
+    ground, met, found = lesson.ground, 0, []
+    model, fewer = ground.model, 1 if near is None else 5
+    postures, more = crowd(model)
+    pool, asked = POOL * more, ASKED * more
+    for part in range(max(1, ROUND // (AT_ONCE * ASKED * fewer))):
+        rng = np.random.default_rng([*seed, part])
+        x = rng.random((postures, model.k)) * WHOLE
+        if near is not None:
+            moved = near[rng.integers(0, len(near), postures)]
+            reach = WHOLE * NEAR * 10.0 ** -rng.uniform(0.0, DECADES, (postures, 1))
+            moved = moved + rng.normal(0.0, 1.0, x.shape) * reach
+            x = np.where(ground.rounds, moved % (WHOLE + 1.0), np.clip(moved, 0.0, WHOLE))
+        gravity = uniform_directions(model, rng, (pool,))
+        place, face = ground.enter(x, gravity)
+        place, block = place.reshape(-1, model.k + 2), lesson.block[face].ravel()
+        said = train.read(values, Points(place, block, place[:, 0]), lattice).reshape(
+            postures, pool
+        )
+        least = np.where(said >= STANDS, said, np.inf)
+        at = np.argpartition(least, asked, axis=1)[:, :asked]
+        tip = ground.model.tip_angle(ground.model.postures(ground.params(x)), gravity[at])
+        wrong = (tip < 0.0) & (np.take_along_axis(said, at, axis=1) >= STANDS)
+        found.append(x[wrong.any(axis=1)])
+        met += int(wrong.sum())
+        rows = (np.arange(postures)[:, None] * pool + at).ravel()
+        fresh = Points(place[rows], block[rows], aims(tip).ravel())
+        train.lower(values, fresh, lattice, True, FURTHER)
+    return met, np.concatenate(found)
+
+
+def train_verdict(lesson: Lesson, lattice: Lattice, blocks: int) -> Singles:
+    """Return the codes of the tip angle, whole numbers; refuse a robot that they cannot tell."""
+    nodes, rng = blocks * int(np.prod(lattice.nodes)), np.random.default_rng([SEED, 1])
+    points, steps = lesson.points, round(STEPS * max(1.0, math.sqrt(nodes / 16_000)))
+    values = np.full(nodes, STANDS, np.float32)
+    first = Course(steps, RATE, train.FIRST, train.LAST, 0.0)
+    values = train.descend(values, points, lattice, first, rng)
+    for again in range(1, AGAIN + 1):
+        train.lower(values, points, lattice, False, BELOW)
+        more = Course(steps // 3, 0.15 * RATE / again, train.LAST, train.LAST, GUARD)
+        values = train.descend(values, points, lattice, more, rng)
+    train.lower(values, points, lattice, False, BELOW)
+    values = np.rint(values).astype(np.float32)
+    train.lower(values, points, lattice, True, BELOW)
+    some = points.some(JUDGED)
+    stands = some.aim >= STANDS
+    lost = float(np.mean(train.read(values, some, lattice)[stands] < STANDS))
+    if lost > USELESS:
+        source = lesson.ground.model.recipe.source
+        raise ExportError(
+            f"{source}: a table of {nodes:,} nodes would call {100.0 * lost:.3g} % of what stands "
+            f"unsafe, more than {100.0 * USELESS:.0f} % (got {lesson.ground.model.k} parameters); "
+            "choose the codec contacts, which computes where the contacts are."
+        )
+    return values
+
+
+def train_length(lesson: Lesson, lattice: Lattice, blocks: int, name: str) -> tuple[Singles, float]:
+    """Return the codes of a length, whole numbers, and the length of one."""
+    truth, rng = lesson.lengths[name], np.random.default_rng([SEED, 2])
+    known = np.flatnonzero(np.isfinite(truth))
+    step = float(truth[known].max()) / LARGEST or 1.0
+    held = lesson.points
+    points = Points(held.x[known], held.block[known], truth[known] / np.float32(step))
+    values = np.full(blocks * int(np.prod(lattice.nodes)), points.aim.mean(), np.float32)
+    course = Course(STEPS_LENGTHS, RATE, SQUARES, SQUARES, 0.0)
+    values = train.descend(values, points, lattice, course, rng)
+    return np.rint(values).astype(np.float32), step
+
+
+def length_error(lesson: Lesson, lattice: Lattice) -> float:
+    """Return p99 of the error of |SD_g| in percent of its range, of a table of this size."""
+    values, step = train_length(lesson, lattice, int(lesson.block.max()) + 1, "sdg")
+    some = lesson.points.some(JUDGED)
+    truth = lesson.lengths["sdg"][:JUDGED]
+    error = np.abs(train.read(values, some, lattice) * step - truth)
+    return 100.0 * float(
+        np.nanquantile(error, 0.99) / max(np.nanmax(truth) - np.nanmin(truth), 1e-300)
+    )
+
+
+def fit(
+    model: Model, shape: tuple[int, ...], lengths: tuple[str, ...]
+) -> tuple[Lattice, Singles, dict[str, tuple[Singles, float]]]:
+    """Return the axes of tables, the codes of the tip angle, and those of lengths with steps."""
+    lesson = learn(model)
+    lattice, blocks = lesson.lattice(shape), int(lesson.block.max()) + 1
+    with ThreadPoolExecutor(max(1, len(lengths))) as pool:
+        jobs = {name: pool.submit(train_length, lesson, lattice, blocks, name) for name in lengths}
+        values = train_verdict(lesson, lattice, blocks)
+    settle(lesson, lattice, values, 3)
+    return lattice, values, {name: job.result() for name, job in jobs.items()}
+
+
+def settle(
+    lesson: Lesson, lattice: Lattice, values: Singles, seed: int, rounds: int | None = None
+) -> None:
+    """Lower codes in place, round after round, until next to nothing is found falsely safe."""
+    for turn in range(rounds or ROUNDS):
+        met, where = lowered(lesson, values, lattice, [SEED, seed, turn], None)
+        follow(lesson, lattice, values, [SEED, seed, turn], where)
+        met += beside(lesson, lattice, values, 1000 * seed + turn)
+        if met <= FEW:
+            break
+
+
+def beside(lesson: Lesson, lattice: Lattice, values: Singles, seed: int) -> int:
+    """Lower codes in place on points beside the boundary; return the false safes."""
+    ground = lesson.ground
+    sample = biased(ground.model, BESIDE, seed)
+    place, face = ground.enter_all(*sample)
+    tip = ground.model.tip_angle(ground.model.postures(sample.params), sample.gravity)
+    place = place.reshape(-1, ground.model.k + 2)
+    points = Points(place, lesson.block[face].ravel(), aims(tip).ravel())
+    return train.lower(values, points, lattice, True, FURTHER)
+
+
+def follow(
+    lesson: Lesson, lattice: Lattice, values: Singles, seed: list[int], where: Floats
+) -> None:
+    """Lower codes in place near postures that were falsely safe, then near those found there."""
+    for again in range(CHAIN):
+        if not len(where):
+            break
+        _, where = lowered(lesson, values, lattice, [*seed, again], where)

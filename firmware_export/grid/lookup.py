@@ -7,7 +7,6 @@ wrong positions can turn a tip-over plane (`across`).
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -20,7 +19,6 @@ from firmware_export.grid.points import (
     fit_point,
     reach_of,
 )
-from firmware_export.grid.spec import Spec as TableSpec
 from firmware_export.protocol import CArray, CBody, CodecInfo
 from firmware_export.protocol import Tables as AnyTables
 from firmware_export.truth import Cells, Model, least_edge_of, rounds, slack, widened
@@ -192,11 +190,6 @@ def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
     return Tables(spec, channels, points, tuple(places), code, unit, guard, text)
 
 
-def read_label(label: str) -> Any:
-    """Return the size with a label; those of the tables over gravity begin with u8 or u16."""
-    return (Spec if label.split()[1].startswith("i") else TableSpec).of_label(label)
-
-
 INFO = CodecInfo(
     name="grid",
     switches={"float": "SMAP_TABLES", "integer": "SMAP_TABLES"},
@@ -205,9 +198,8 @@ INFO = CodecInfo(
     sizes=start,
     grow=grow,
     encode=encode,
-    # The codec of the same name for other robots has tables of its own.
     c_body=lambda tables, integer: tables.body(integer),
-    read_label=read_label,
+    read_label=Spec.of_label,
     bytes=lambda spec: int(spec.bytes),
     cells=lambda model, tables: tables.cells(model),
     encodings=60,

@@ -28,7 +28,7 @@ READING_I = np.dtype([("sdg", "<u2"), ("tip", "<i2"), ("height", "<u2"), ("over"
 # Status codes with which the robot is said not to tip: it stands, or rocks between rests.
 STANDS = (0, 4)
 # The functions that read each codec, by its number in runtime/blob.c.
-FAMILIES = {1: "three", 2: "three", 3: "three", 4: "grid", 5: "many", 6: "search"}
+FAMILIES = {1: "three", 2: "three", 3: "three", 5: "many", 6: "search"}
 # The same without floats.
 WHOLE = {3: "points", 4: "whole"}
 # Where a blob has the number of its contacts.

@@ -6,7 +6,7 @@ In reading order: `array`, `policy`, `exported`, `blob`, `info`.
 from firmware_export.protocol.array import CTYPES, CArray, CBody, literal
 from firmware_export.protocol.blob import VERSION, Blob, describe, restored, stored, turns
 from firmware_export.protocol.exported import Export
-from firmware_export.protocol.info import CodecInfo, Foresight, Tables
+from firmware_export.protocol.info import CodecInfo, Tables
 from firmware_export.protocol.policy import CONTROL_VERSION, Joint, Policy
 
 __all__ = [
@@ -18,7 +18,6 @@ __all__ = [
     "CBody",
     "CodecInfo",
     "Export",
-    "Foresight",
     "Joint",
     "Policy",
     "Tables",

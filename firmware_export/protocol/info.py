@@ -7,10 +7,11 @@ here; everything else about a codec is its room's own.
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 from firmware_export.protocol.array import CBody
 from firmware_export.truth import Cells, Model
+from lutgen.vector import Floats
 
 
 class Tables(ABC):
@@ -37,25 +38,17 @@ class Tables(ABC):
         """Bytes of all tables of numbers."""
 
     @property
-    def verdict_only(self) -> bool:
-        """Whether tip_angle tells whether the robot stands, and not how far it is from tipping."""
+    def tested(self) -> bool:
+        """Whether nothing but many points says that it is never falsely safe."""
         return False
+
+    def lowered(self, params: Floats, gravity: Floats, seed: int) -> "Tables":
+        """Return tested tables that call none of some points (n, k) and (n, 3) safe."""
+        return self
 
     def boxed(self) -> "Tables":
         """Return the tables with room for what on-board control makes of a box of postures."""
         return self
-
-
-class Foresight(NamedTuple):
-    """What is known of a size before it is encoded, of a codec whose encoding takes a minute.
-
-    `of_nodes` (model, channels, nodes by table, bits) returns the size whose tables have at most so
-    many nodes, spread over their axes as serves best; `blank` (model, channels, spec) returns
-    tables of a size with all codes 0, as many bytes as the real ones.
-    """
-
-    of_nodes: Callable[[Model, tuple[str, ...], dict[str, int], int], Any]
-    blank: Callable[[Model, tuple[str, ...], Any], Any]
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,8 +80,9 @@ class CodecInfo:
         (spec) -> bytes of the tables at least, known before anything is encoded.
     cells : callable
         (model, tables) -> the knots of the tables, or None where there are none.
-    costly : callable
-        (model) -> `Foresight` where an encoding takes so long that few can be tried, else None.
+    size : callable, optional
+        (model, channels, bytes, percent) -> the one size that is worth its minutes of training:
+        the largest of so many bytes of tables, or the smallest for an error of |SD_g|.
     exact : callable
         (model) -> whether its answers are exact but for rounding, or all others take far more: then
         no other is tried where it will do.
@@ -112,7 +106,7 @@ class CodecInfo:
     read_label: Callable[[str], Any]
     bytes: Callable[[Any], int] | None = None
     cells: Callable[[Model, Any], Cells | None] = lambda model, tables: None
-    costly: Callable[[Model], Foresight | None] = lambda model: None
+    size: Callable[[Model, tuple[str, ...], int, float | None], Any] | None = None
     exact: Callable[[Model], bool] = lambda model: False
     guarded: Callable[[Any, float], Any] | None = None
     encodings: int = 40

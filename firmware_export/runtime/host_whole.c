@@ -10,7 +10,6 @@
 #define SMAP_POINTS 0
 #define SMAP_TABLES 0
 #define SMAP_GRID 1
-#define SMAP_LENGTHS 1
 #define SMAP_MANY 0
 #define SMAP_MAX_PARAMS 8
 
@@ -22,8 +21,6 @@
 #include "range.c"
 #include "chart.c"
 #include "grid.c"
-#include "grid_i.c"
-#include "grid_check.c"
 #include "check.c"
 #include "end.c"
 #include "host.h"

@@ -32,8 +32,8 @@
  *
  * Safe side: only SMAP_OK and SMAP_ROCKS say that the robot does not tip over.  With any other status
  * tip_angle is negative and sdg is NAN, whatever bits went in.  tip_angle is never above the truth: a
- * guard, printed in NAME.h, is subtracted.  Of a look-up table for more than three contacts only its sign
- * is bounded, which NAME.h says of such a map.
+ * guard, printed in NAME.h, is subtracted.  A look-up table for more than three contacts tells angles up to
+ * 30 deg, and is tested, not proved: NAME.h says on how many points.
  *
  * Cost: C99, no heap, no globals, no recursion, every loop bounded; stdint.h and string.h only.  NAME.h
  * has instructions and bytes.  An export is NAME.c alone: it takes in smap.c, whose functions are all

@@ -116,10 +116,9 @@ def _entries(report: dict[str, Any]) -> Iterator[tuple[str, str]]:
     yield "flash", bytes_text(report["bytes"])
     for name, errors in errors_of(report).items():
         text = "largest error {}, p99 {}, RMS {}".format(*errors) if errors else ""
-        if not (name == "tip_angle" and report["verdict_only"]):
-            yield name, text or "errors not measured"
+        yield name, text or "errors not measured"
     unsafe = report["false_safe"]
-    guard = "" if report["verdict_only"] else f"guard {report['guard_deg']:.3g} deg, "
+    guard = f"guard {report['guard_deg']:.3g} deg, "
     yield (
         "verdict",
         f"{guard}{share(report['false_tip'])} of the stable configurations reported unsafe, "

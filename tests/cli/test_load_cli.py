@@ -9,10 +9,9 @@ import lutgen
 from firmware_export.certify.answers import device
 from firmware_export.certify.certifier import Effort, certify
 from firmware_export.contacts import codec as contacts
-from firmware_export.grid import lookup
+from firmware_export.grid import lookup, table
 from firmware_export.protocol.exported import Export
 from firmware_export.truth.model import Model
-from firmware_export.verdict import codec as verdict
 from tests.fixtures.commands import data, good, run
 from tests.fixtures.documents import blocks
 from tests.fixtures.recipes import feet, rigid, rover, tripod
@@ -94,7 +93,7 @@ def test_no_export_of_an_uncertain_com_calls_a_robot_safe_that_some_com_tips() -
     ):
         recipe = lutgen.parse_recipe(text)
         model = Model(recipe)
-        assert "com_uncertainty" in str(verdict.refusal(model, "integer"))
+        assert "com_uncertainty" in str(table.refusal(model, "integer"))
         assert "com_uncertainty" in str(lookup.refusal(model, "integer"))
         tables = contacts.encode(model, ("sdg", "tip_angle"), contacts.Spec())
         export = Export(

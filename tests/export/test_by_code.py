@@ -150,7 +150,7 @@ def test_what_jumps_is_refused_with_the_place_and_the_chooser_goes_on() -> None:
     reason = str(contacts.refusal(model, "float"))
     assert "jump (by 0.05 where reach is 0.37)" in reason
     assert "use --codec grid" in reason
-    assert [info.name for info in usable(model, "float")] == ["grid"]
+    assert [info.name for info in usable(model, "integer")] == ["grid"]
 
 
 @pytest.mark.parametrize(

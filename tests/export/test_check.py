@@ -13,27 +13,18 @@ from firmware_export.host import RUNTIME, Host
 from firmware_export.protocol import Blob, Export
 from firmware_export.truth import Model
 from lutgen.recipe import parse_recipe
-from targets.cases import of_robot
-from targets.noise import noise
 from tests.fixtures.compiled import compile_c
 from tests.fixtures.exports import coded_export, rover_export, tripod_export
-from tests.fixtures.frozen import exports
 from tests.fixtures.length import part
-from tests.fixtures.recipes import CAR, tripod
+from tests.fixtures.noise import noise
+from tests.fixtures.recipes import tripod
 
 OK, CORRUPT = 0, 6
 
 
-def trees(arithmetic: str) -> Export:
-    """Return trees and tables that mean nothing, of all faces."""
-    model = Model(parse_recipe(tripod(chart="sphere")))
-    shapes = {"sdg": (2, 2, 2, 3), "height": (2, 3)}
-    return noise("trees", model, arithmetic, 60, shapes)
-
-
-def cells(arithmetic: str) -> Export:
-    """Return a tree with a directory."""
-    return of_robot(parse_recipe(CAR), "cells", "grid", arithmetic, "grid u8 tree 400")
+def trained() -> Export:
+    """Return trained tables that mean nothing, of all faces."""
+    return noise("trained", Model(parse_recipe(tripod(chart="sphere"))), (2, 2, 2, 3), ("sdg",))
 
 
 MAKERS: dict[str, Any] = {
@@ -43,16 +34,12 @@ MAKERS: dict[str, Any] = {
     "many given by code": lambda: coded_export("coded", "scissors"),
     "grid": lambda: tripod_export(codec="grid"),
     "grid without floats": lambda: tripod_export(codec="grid", arithmetic="integer"),
-    "trees": lambda: trees("float"),
-    "trees without floats": lambda: trees("integer"),
-    "cells": lambda: cells("float"),
-    "cells without floats": lambda: cells("integer"),
+    "trained": trained,
 }
 FAMILY = {
     **{"contacts": "three", "many": "many", "grid": "three"},
     **{"points given by code": "three", "many given by code": "search"},
-    **{"trees": "grid", "trees without floats": "whole"},
-    **{"cells": "grid", "cells without floats": "whole"},
+    "trained": "whole",
 }
 
 
@@ -165,26 +152,25 @@ def test_what_passes_leads_no_read_out_of_its_bounds(name: str, tmp_path: Path) 
     assert 1 < passed < total
 
 
-@pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf, 3e38])
-def test_a_grid_whose_places_would_be_no_numbers_is_refused(wrong: float) -> None:
-    export = next(one for one in exports() if one.name == "grid")
-    blob = described(export, body_of(export))
-    assert Host(blob).check() == OK
-    model = export.model
-    # The chart's half, and end and rate of each parameter's axis: before all tables.
-    begins = next(at for at, words in blob.sections if words.startswith("half"))
-    places = [begins, *(begins + 16 + 12 * i + 4 * n for i in range(model.k) for n in (0, 1))]
-    for at in places:
-        content = bytearray(blob.bytes)
-        content[at : at + 4] = np.float32(wrong).tobytes()
-        assert Host(changed(blob, sealed(bytes(content)))).check() == CORRUPT, at
-
-
-@pytest.mark.parametrize("bits", [4, 5, 6, 7, 255])
-def test_a_directory_that_is_larger_than_its_tree_is_refused(bits: int) -> None:
-    blob = blob_of("cells")
-    at = next(at for at, words in blob.sections if words.endswith("bits of a directory"))
-    assert blob.bytes[at] == 3
+@pytest.mark.parametrize(
+    ("part", "shift", "value"),
+    [
+        *(("counts", shift, value) for shift, value in ((0, 3), (1, 0), (1, 7), (2, 2), (4, 6))),
+        *(("mirror", shift, value) for shift, value in ((0, 2), (1, 3))),
+        *(("axes", shift, value) for shift, value in ((0, 1), (0, 200), (1, 1), (1, 9))),
+        *(("knots", shift, 7) for shift in (0, 1)),
+        ("knots", 3, 0),
+        *(("first", shift, 255) for shift in (0, 3)),
+        *(("limit", shift, 255) for shift in (2, 4, 7)),
+    ],
+)
+def test_a_trained_table_that_would_lead_astray_is_refused(
+    part: str, shift: int, value: int
+) -> None:
+    blob = blob_of("trained")
+    begins = [at for at, words in blob.sections if words.startswith(f"{part}:")]
     content = bytearray(blob.bytes)
-    content[at] = bits
+    at = begins[-1 if part == "limit" else 0] + shift
+    assert content[at] != value, "would change nothing"
+    content[at] = value
     assert Host(changed(blob, sealed(bytes(content)))).check() == CORRUPT

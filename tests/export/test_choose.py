@@ -2,7 +2,7 @@
 
 import functools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from types import SimpleNamespace
@@ -16,12 +16,10 @@ from firmware_export.choose.choice import choose, front
 from firmware_export.choose.goal import MOST_FALSE_TIP, Goal
 from firmware_export.choose.trials import Candidate, Trials
 from firmware_export.codecs import codec, named, usable
-from firmware_export.grid import fit as grid_fit
 from firmware_export.protocol.info import CodecInfo, Tables
 from firmware_export.truth.model import Model
-from firmware_export.verdict import middles as grid_middles
-from firmware_export.verdict import points as grid_points
 from lutgen.errors import ExportError, InputError
+from tests.fixtures.fits import few_points
 from tests.fixtures.recipes import rover, tripod
 
 CODE = 1000
@@ -308,51 +306,46 @@ def test_a_robot_that_no_codec_can_hold_is_refused_with_the_reason() -> None:
 
 @functools.cache
 def robot_of(text: str) -> Model:
-    """Return the robot of a recipe, whose knots are looked for once for all tests."""
+    """Return the robot of a recipe, whose points are sampled once for all tests."""
     return Model(lutgen.parse_recipe(text))
 
 
 @pytest.fixture
-def wheels(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Trials]:
+def wheels(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., Trials]]:
     """Return a function that makes a bench of four wheels, one of which lifts off."""
-    monkeypatch.setattr(grid_fit, "FEW_POINTS", 8_000)
-    monkeypatch.setattr(grid_fit, "FEW_POOL", 20_000)
     monkeypatch.setattr(trials, "POINTS", 6_000)
-    monkeypatch.setattr(grid_points, "POSTURES", 4_000)
-    monkeypatch.setattr(grid_points, "PLACES", 200_000)
-    monkeypatch.setattr(grid_middles, "MOST", 1_500)
 
-    def make(*channels: str, arithmetic: str = "integer", text: str = rover()) -> Trials:
-        return Trials(robot_of(text), "rover", channels, arithmetic)
+    def make(*channels: str, arithmetic: str = "integer") -> Trials:
+        return Trials(robot_of(rover()), "rover", channels, arithmetic)
 
-    return make
+    with few_points():
+        yield make
 
 
-# The code for floats is larger.  250 B of tree give 3 % up, 59 B 14 %.
-@pytest.mark.parametrize(("arithmetic", "flash"), [("integer", 3_050), ("float", 3_860)])
-def test_a_region_that_jumps_is_encoded_once_for_the_flash_there_is(
-    wheels: Callable[..., Trials], arithmetic: str, flash: int
+def test_a_trained_table_is_encoded_once_for_the_flash_there_is(
+    wheels: Callable[..., Trials],
 ) -> None:
-    bench = wheels("tip_angle", arithmetic=arithmetic)
-    found = best(bench, ["grid"], Goal(flash, None))
+    bench = wheels("tip_angle")
+    found = best(bench, ["grid"], Goal(4_000, None))
     assert len(bench.tried) == 1
-    # All but a leaf or two of which the proof leaves nothing.
-    assert flash - 20 < found.total <= flash
-    assert found.false_safe == 0
-    # A tree that always says no would give up all.
-    assert 0.0 < found.false_tip <= MOST_FALSE_TIP
+    # A node more on any axis does not fit.
+    assert 3_200 < found.total <= 4_000
+    # A table that always says no would give up all.
+    assert 0.0 < found.false_tip < 0.15
 
 
-def test_a_region_that_jumps_is_encoded_a_few_times_for_an_error(
+def test_a_trained_table_grows_until_p99_of_the_stability_factor_is_as_asked(
     wheels: Callable[..., Trials],
 ) -> None:
     bench = wheels("sdg", "tip_angle")
-    goal = Goal(8_000, 40.0)
+    goal = Goal(None, 30.0)
     found = best(bench, ["grid"], goal)
+    assert len(bench.tried) == 1
     assert goal.holds(found)
-    assert goal.fits(found)
-    assert found.false_tip <= MOST_FALSE_TIP
-    assert len(bench.tried) <= 6
+    with pytest.raises(ExportError, match=r"not that accurate \(got p99 .* codec contacts"):
+        best(wheels("sdg", "tip_angle"), ["grid"], Goal(6_000, 0.1))
+    with pytest.raises(ExportError, match="ask for a size of flash alone"):
+        best(wheels("tip_angle"), ["grid"], Goal(None, 1.0))
 
 
 def test_a_flash_that_no_size_fits_is_refused_with_the_smallest_there_is() -> None:
@@ -362,30 +355,6 @@ def test_a_flash_that_no_size_fits_is_refused_with_the_smallest_there_is() -> No
     with pytest.raises(ExportError, match=r"got 1 bytes of flash.*bytes is the smallest there is"):
         best(bench, ["grid"], Goal(1, None))
     assert len(bench.tried) == 1
-
-
-def test_what_no_table_can_hold_is_refused_after_a_few_encodings(
-    wheels: Callable[..., Trials],
-) -> None:
-    bench = wheels("sdg", "tip_angle")
-    with pytest.raises(ExportError, match="nearest that can be had"):
-        best(bench, ["grid"], Goal(4_000, 1.0))
-    assert len(bench.tried) <= 6
-    bench = wheels("tip_angle")
-    with pytest.raises(ExportError, match=r"got 1,000 bytes of flash.*is the smallest there is"):
-        best(bench, ["grid"], Goal(1_000, None))
-    assert len(bench.tried) == 1
-    with pytest.raises(ExportError, match="it tells whether the robot stands"):
-        best(wheels("tip_angle"), ["grid"], Goal(None, 1.0))
-
-
-def test_a_costly_codec_is_not_encoded_where_another_has_met_the_goal(
-    wheels: Callable[..., Trials],
-) -> None:
-    bench = wheels("tip_angle", arithmetic="float")
-    found = best(bench, ["contacts", "grid"], Goal(60_000, None))
-    assert found.export.codec == "contacts"
-    assert not any(one.name == "grid" for one, _ in bench.tried)
 
 
 def test_where_no_size_can_be_encoded_the_reason_is_told_once() -> None:

@@ -7,17 +7,13 @@ import numpy as np
 import pytest
 
 from firmware_export.codecs import usable
-from firmware_export.control.folder import steered
-from firmware_export.control.maker import Wishes
 from firmware_export.control.polish import polished
 from firmware_export.emit import body_of, described
-from firmware_export.grid.spec import Spec
 from firmware_export.host import BLIND, Controller
 from firmware_export.protocol import Export, Joint, Policy
 from firmware_export.truth import Model
-from firmware_export.verdict import codec as verdict
 from lutgen.errors import InputError
-from lutgen.recipe import load_recipe, parse_recipe
+from lutgen.recipe import load_recipe
 from lutgen.vector import Floats
 from proofs.control import (
     G0,
@@ -30,9 +26,7 @@ from proofs.control import (
     robot,
     transits,
 )
-from tests.fixtures.fits import few_points
 from tests.fixtures.length import part
-from tests.fixtures.recipes import rover
 
 LEVEL = np.array([[0.0, 0.0, G0]])
 MOVES, RESTS = 0, 1
@@ -264,13 +258,3 @@ def _at(table: Floats, places: Floats) -> Floats:
     i, j = cell.T
     low = table[i, j] * (1.0 - v) + table[i, j + 1] * v
     return np.asarray(low * (1.0 - u) + (table[i + 1, j] * (1.0 - v) + table[i + 1, j + 1] * v) * u)
-
-
-def test_what_tells_no_more_than_whether_the_robot_stands_steers_nothing() -> None:
-    wheels = Model(parse_recipe(rover()))
-    channels = ("tip_angle",)
-    with few_points():
-        tables = verdict.encode(wheels, channels, Spec(8, 300))
-    export = Export("wheels", wheels.recipe, wheels, "grid", "float", channels, tables)
-    with pytest.raises(InputError, match=r"these tables hold none \(got codec grid .* contacts"):
-        steered(export, Wishes())

@@ -1,0 +1,220 @@
+"""Codec `grid` for more than three contacts: trained tables over the parameters, face, v and u.
+
+Facade of the codec protocol, and the layout of runtime/grid.c.  `ground`, `train` and `fit` make
+the numbers.  It is read without floats.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from firmware_export.grid import fit
+from firmware_export.grid.ground import Ground
+from firmware_export.grid.lookup import INFO as LOOKUP
+from firmware_export.grid.train import Lattice, Points, lower
+from firmware_export.protocol import CArray, CBody, CodecInfo
+from firmware_export.protocol import Tables as AnyTables
+from firmware_export.truth import Model
+from lutgen.errors import ExportError
+from lutgen.vector import Floats
+
+# Its number in runtime/blob.c; parameters that the runtime takes, and the largest u.
+GRID, MOST_PARAMS, STEEPEST = 4, 6, 15.9
+LENGTHS = ("sdg", "height")
+# Nodes of the first size that is tried where an error is asked for, and how sizes grow.
+FIRST, GROWTH = 2_000, 2.0
+# Bytes beside the codes: knots, at most about so many.
+HEAD = 300
+TESTED = "the table was lowered where fresh points were called safe that tip: tested, not proved"
+
+
+@dataclass(frozen=True)
+class Spec:
+    """A size: the nodes of each parameter, of v and of u."""
+
+    nodes: tuple[int, ...]
+    bits: int = 8
+
+    @property
+    def label(self) -> str:
+        """Short text, such as ``grid u8 18x18x15x13``."""
+        return f"grid u{self.bits} " + "x".join(map(str, self.nodes))
+
+    @classmethod
+    def of_label(cls, label: str) -> "Spec":
+        """Return the size with a label.
+
+        Examples
+        --------
+        >>> Spec.of_label("grid u8 5x5x9x9").nodes
+        (5, 5, 9, 9)
+        """
+        return cls(tuple(map(int, label.split()[2].split("x"))))
+
+
+@dataclass(frozen=True, eq=False)
+class Tables(AnyTables):
+    """Codes of the tip angle and of lengths on one lattice.
+
+    `block` (6,) is of each face the block of its codes, -1: none; `codes` (tables, blocks x nodes);
+    `steps` are the lengths of a code of each table after the first.
+    """
+
+    spec: Spec
+    channels: tuple[str, ...]
+    ground: Ground
+    lattice: Lattice
+    block: NDArray[np.int8]
+    codes: NDArray[np.uint8]
+    steps: tuple[float, ...]
+    guard: float = 0.0
+    guard_text: str = TESTED
+
+    @property
+    def tested(self) -> bool:
+        """Whether nothing but many points says that it is never falsely safe."""
+        return True
+
+    @property
+    def knots(self) -> list[NDArray[np.uint16]]:
+        """The knots of each axis."""
+        rows = zip(self.lattice.knots, self.lattice.cells, strict=True)
+        return [row[: cells + 1].astype(np.uint16) for row, cells in rows]
+
+    @property
+    def bytes(self) -> int:
+        """Bytes of all tables of numbers."""
+        return self.codes.nbytes + sum(2 + one.nbytes for one in self.knots)
+
+    def body(self, integer: bool) -> CBody:
+        """Return the tables for the emitter."""
+        ground, knots = self.ground, self.knots
+        params = len(ground.places)
+        fold = ground.fold
+        partner = fold.partner if fold is not None else tuple(range(params))
+        over = fold.over if fold is not None else (False,) * params
+        first = 24 + 6 * params + sum(2 + one.nbytes for one in knots)
+        limit = math.ceil(ground.model.chart_limit * 8193.0)
+        blocks = int(self.block.max()) + 1
+        head = [len(self.codes), blocks, int(fold is not None), 0]
+        arrays = [
+            CArray("limit", "uint32_t", [limit, self.codes.shape[1]], "chart, codes", False),
+            CArray(
+                "counts",
+                "uint8_t",
+                [*head, *self.block.view(np.uint8), 0, 0],
+                "tables, faces",
+                False,
+            ),
+            CArray("first", "uint32_t", [first], "where the codes are", False),
+        ]
+        for i, place in enumerate(ground.places):
+            mirror = [partner[i], over[i] * (1 + int(ground.rounds[i]))]
+            arrays.append(CArray("place", "uint16_t", [place.first, place.rate], "steps", False))
+            arrays.append(CArray("mirror", "uint8_t", mirror, "of which it is the image", False))
+        counts = [[n, len(one)] for n, one in zip(self.spec.nodes, knots, strict=True)]
+        arrays.append(CArray("axes", "uint8_t", counts, "nodes and knots of each axis"))
+        arrays += [CArray("knots", "uint16_t", one, "places of an axis") for one in knots]
+        names = ("tip_angle", *(one for one in LENGTHS if one in self.channels))
+        for name, codes in zip(names, self.codes, strict=True):
+            arrays.append(CArray(f"{name} codes", "uint8_t", codes, "one for each node"))
+        held = (max(params, 1) + 1) // 2
+        words = 1 + held + held % 2  # where pointers have 8 bytes a head fills two words behind it
+        steps = tuple(
+            (name, step / 128.0) for name, step in zip(names[1:], self.steps, strict=True)
+        )
+        macros = (("SMAP_GRID", 1), ("SMAP_INTEGERS", 1))
+        return CBody(GRID, tuple(arrays), 0, macros, (words, words), lengths=steps)
+
+    def lowered(self, params: Floats, gravity: Floats, seed: int) -> "Tables":
+        """Return tables that call none of some points safe, lowered near them and anew."""
+        ground, values = self.ground, self.codes[0].astype(np.float32)
+        place, face = ground.enter_all(params, gravity[:, None])
+        points = Points(place[:, 0], self.block[face[:, 0]], np.zeros(len(place), np.float32))
+        lower(values, points, self.lattice, True, fit.FURTHER)
+        lesson = fit.learn(ground.narrow)
+        near = place[: fit.MOST_NEAR, 0, : ground.model.k].astype(np.float64)
+        fit.follow(lesson, self.lattice, values, [fit.SEED, 9, seed], near)
+        fit.settle(lesson, self.lattice, values, 9 + seed, rounds=1)
+        return replace(self, codes=np.stack([values.astype(np.uint8), *self.codes[1:]]))
+
+
+def refusal(model: Model, arithmetic: str) -> str | None:
+    """Return why the codec cannot be used, or None."""
+    if LOOKUP.refusal(model, arithmetic) is None:
+        return "three contacts are looked up by themselves"
+    if model.recipe.com_uncertainty > 0.0:
+        return "grid holds no com_uncertainty; choose the codec contacts"
+    if model.k > MOST_PARAMS:
+        return (
+            f"grid holds a node for every combination of at most {MOST_PARAMS} parameters (got "
+            f"{model.k}); choose the codec contacts"
+        )
+    if model.chart_limit > STEEPEST:
+        return f"grid reaches |u| = {STEEPEST} (got {model.chart_limit:.4g})"
+    if arithmetic != "integer":
+        return "grid of more than three contacts is read without floats; ask for integer arithmetic"
+    return None
+
+
+def _lengths(channels: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(name for name in LENGTHS if name in channels)
+
+
+@lru_cache(maxsize=2)
+def _fitted(model: Model, nodes: tuple[int, ...], lengths: tuple[str, ...]) -> tuple[Any, ...]:
+    return fit.fit(model, nodes, lengths)
+
+
+def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
+    """Train the tables of one size."""
+    lengths = _lengths(channels)
+    lattice, values, found = _fitted(model, spec.nodes, lengths)
+    codes = np.stack([values, *(found[name][0] for name in lengths)]).astype(np.uint8)
+    steps = tuple(found[name][1] for name in lengths)
+    lesson = fit.learn(model)
+    return Tables(spec, channels, lesson.ground, lattice, lesson.block, codes, steps)
+
+
+def size(model: Model, channels: tuple[str, ...], most: int, percent: float | None) -> Spec:
+    """Return the size that at most so many bytes of tables hold.
+
+    Where an error of |SD_g| is asked for, the smallest whose table of it has p99 below that; the
+    largest if none has.
+    """
+    lesson, tables = fit.learn(model), 1 + len(_lengths(channels))
+    least = (int(lesson.block.max()) + 1) * fit.FEWEST ** (model.k + 2)
+    whole = max(min((most - HEAD) // tables, fit.MOST_NODES), least)
+    if percent is None:
+        return Spec(lesson.shape(whole))
+    error, nodes = math.inf, min(FIRST, whole)
+    while "sdg" in channels:
+        error = fit.length_error(lesson, lesson.lattice(lesson.shape(nodes)))
+        if error <= percent or nodes == whole:
+            break
+        nodes = min(round(GROWTH * nodes), whole)
+    if error > percent:
+        raise ExportError(
+            f"{model.recipe.source}: a table of {whole:,} nodes is not that accurate (got p99 "
+            f"{error:.3g} % of the range for |SD_g|, {percent:.3g} % asked for); ask for a size of "
+            "flash alone, or choose the codec contacts."
+        )
+    return Spec(lesson.shape(nodes))
+
+
+INFO = CodecInfo(
+    name="grid",
+    switches={"integer": "SMAP_GRID"},
+    look=("#D55E00", "s"),
+    refusal=refusal,
+    sizes=lambda model, channels, arithmetic: [Spec((6,) * (model.k + 2))],
+    grow=lambda model, spec: [],
+    encode=encode,
+    c_body=lambda tables, integer: tables.body(integer),
+    read_label=Spec.of_label,
+    size=size,
+)
