@@ -11,7 +11,7 @@ ROOT = Path(__file__).resolve().parent.parent
 MODULE = ROOT / "firmware_export" / "explore" / "wasm" / "exported.wasm"
 RUNTIME = ROOT / "firmware_export" / "runtime"
 
-FAMILIES = ("three", "points", "grid", "whole", "many", "search")
+FAMILIES = ("three", "points", "whole", "many", "search")
 SOURCES = tuple(RUNTIME / f"host_{family}.c" for family in FAMILIES)
 GIVEN = (
     *(f"smap_{family}_host_{what}" for family in FAMILIES for what in ("at", "read_i", "check")),
