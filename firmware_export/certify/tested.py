@@ -1,4 +1,4 @@
-"""The certificate of a table of which nothing is proved: many fresh points, half beside the boundary.
+"""The certificate of a table of which nothing is proved: fresh points, half beside the boundary.
 
 Owns which points these are: one half uniform, the other beside the boundary and at the ends of
 axes.  A point that is falsely safe ends a test: the table is lowered, and other points judge it.
