@@ -288,10 +288,10 @@ def test_an_exported_table_is_nowhere_falsely_safe_and_gives_little_up(chart: st
     lost = np.minimum(seen.exact.tip_angle, np.radians(30.0)) - seen.answers.tip_angle
     assert np.degrees(np.median(lost[both])) < 3.0
     assert np.quantile(lost[both], 0.005) > -np.radians(1.0)
-    # A constant would be off by three times as much.
+    # A constant would be off by twice as much.
     spread = np.nanstd(seen.exact.sdg[both])
     error = (seen.answers.sdg - seen.exact.sdg)[both]
-    assert np.sqrt(np.mean(error * error)) < 0.35 * spread
+    assert np.sqrt(np.mean(error * error)) < 0.5 * spread
 
 
 def test_a_robot_of_fixed_shape_has_a_table_over_gravity_alone() -> None:
