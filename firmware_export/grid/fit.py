@@ -26,7 +26,7 @@ from firmware_export.grid.train import (
     Lattice,
     Points,
 )
-from firmware_export.truth import Model, biased, uniform_directions
+from firmware_export.truth import Model, Sample, biased, on_chart, uniform_directions, unit
 from lutgen.errors import ExportError
 from lutgen.mapping import TO_STAND
 from lutgen.vector import Floats, Singles
@@ -38,15 +38,17 @@ POINTS, PER_POSTURE, AT_ONCE = 6_000_000, 60, 500
 STEPS, STEPS_LENGTHS, RATE = 600, 600, 10.0
 # Times that a lowered table is trained a little again; by how many codes points that tip are
 # brought below STANDS, those of the sample and fresh ones.
-AGAIN, BELOW, FURTHER = 2, 1.0, 2.0
+AGAIN, BELOW, FURTHER = 2, 1.5, 3.0
 # Of as many directions of each posture those that only just stand are asked; as many points in a
 # round.
 POOL, ASKED, ROUND = 300, 30, 1_500_000
-# A fifth as many are sought near postures that were falsely safe, and again near those found there:
-# how near at most (parts of an axis), over how many decades, how often.
-NEAR, DECADES, CHAIN = 1 / 60, 1.5, 5
-# Points of a round that lie beside the boundary; postures of a test from which others are sought.
-BESIDE, MOST_NEAR = 200_000, 2_000
+# Points around one that was falsely safe: postures, directions of each; how near they are at most
+# (parts of an axis) and over how many decades; decades of the distance of directions (rad); how
+# often others are sought around those found there.
+NEAR_POSTURES, NEAR_DIRECTIONS = 3_000, 30
+NEAR, DECADES, ASIDE, CHAIN = 1 / 60, 2.5, (0.7, 4.0), 6
+# Points of a round that lie beside the boundary.
+BESIDE = 200_000
 # Rounds at most, and the false safes of one below which the next is left to the certificate.
 ROUNDS, FEW = 8, 2
 # Share of what stands that may be given up, and of points with which it is found.
@@ -55,6 +57,8 @@ USELESS, JUDGED = 0.25, 400_000
 SPARE = 256.0
 FEWEST, MOST_NODES = 3, 65_000
 SEED = 71
+# Postures (n, k) and the direction of each (n, 3).
+Found = tuple[Floats, Floats]
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,42 +163,43 @@ def learn(model: Model) -> Lesson:
     )
 
 
-def lowered(
-    lesson: Lesson, values: Singles, lattice: Lattice, seed: list[int], near: Floats | None
-) -> tuple[int, Floats]:
-    """Lower codes on fresh points; return the false safes, and the places of their postures.
+def lowered(lesson: Lesson, values: Singles, lattice: Lattice, seed: list[int]) -> Found:
+    """Lower codes in place on fresh points; return those that were falsely safe.
 
-    The postures are any, or near to given ones; the directions are those in which the table says
-    that the robot only just stands.
+    The directions are those in which the table says that the robot only just stands.
     """
-    ground, met, found = lesson.ground, 0, []
-    model, fewer = ground.model, 1 if near is None else 5
+    ground, found = lesson.ground, list[Found]()
+    model = ground.model
     postures, more = crowd(model)
     pool, asked = POOL * more, ASKED * more
-    for part in range(max(1, ROUND // (AT_ONCE * ASKED * fewer))):
+    for part in range(max(1, ROUND // (AT_ONCE * ASKED))):
         rng = np.random.default_rng([*seed, part])
         x = rng.random((postures, model.k)) * WHOLE
-        if near is not None:
-            moved = near[rng.integers(0, len(near), postures)]
-            reach = WHOLE * NEAR * 10.0 ** -rng.uniform(0.0, DECADES, (postures, 1))
-            moved = moved + rng.normal(0.0, 1.0, x.shape) * reach
-            x = np.where(ground.rounds, moved % (WHOLE + 1.0), np.clip(moved, 0.0, WHOLE))
         gravity = uniform_directions(model, rng, (pool,))
         place, face = ground.enter(x, gravity)
         place, block = place.reshape(-1, model.k + 2), lesson.block[face].ravel()
-        said = train.read(values, Points(place, block, place[:, 0]), lattice).reshape(
-            postures, pool
-        )
-        least = np.where(said >= STANDS, said, np.inf)
+        said = train.read(values, Points(place, block, place[:, 0]), lattice)
+        least = np.where(said >= STANDS, said, np.inf).reshape(postures, pool)
         at = np.argpartition(least, asked, axis=1)[:, :asked]
-        tip = ground.model.tip_angle(ground.model.postures(ground.params(x)), gravity[at])
-        wrong = (tip < 0.0) & (np.take_along_axis(said, at, axis=1) >= STANDS)
-        found.append(x[wrong.any(axis=1)])
-        met += int(wrong.sum())
         rows = (np.arange(postures)[:, None] * pool + at).ravel()
-        fresh = Points(place[rows], block[rows], aims(tip).ravel())
-        train.lower(values, fresh, lattice, True, FURTHER)
-    return met, np.concatenate(found)
+        fresh = Points(place[rows], block[rows], place[rows, 0])
+        found.append(_lower(lesson, values, lattice, ground.params(x), gravity[at], fresh))
+    params, direction = (np.concatenate(one) for one in zip(*found, strict=True))
+    return params, direction
+
+
+def _lower(
+    lesson: Lesson, values: Singles, lattice: Lattice, params: Floats, gravity: Floats, at: Points
+) -> Found:
+    """Lower codes in place at points; return the postures and directions that are falsely safe.
+
+    `params` (m, k), `gravity` (m, d, 3); `at` has their places, and no truth yet.
+    """
+    tip = lesson.ground.model.tip_angle(lesson.ground.model.postures(params), gravity)
+    said = train.read(values, at, lattice).reshape(tip.shape)
+    row, column = np.nonzero((tip < 0.0) & (said >= STANDS))
+    train.lower(values, Points(at.x, at.block, aims(tip).ravel()), lattice, True, FURTHER)
+    return params[row], gravity[row, column]
 
 
 def train_verdict(lesson: Lesson, lattice: Lattice, blocks: int) -> Singles:
@@ -206,7 +211,7 @@ def train_verdict(lesson: Lesson, lattice: Lattice, blocks: int) -> Singles:
     values = train.descend(values, points, lattice, first, rng)
     for again in range(1, AGAIN + 1):
         train.lower(values, points, lattice, False, BELOW)
-        more = Course(steps // 3, 0.15 * RATE / again, train.LAST, train.LAST, GUARD)
+        more = Course(steps // 3, 0.15 * RATE / again, train.LAST, train.LAST, 2.0 * GUARD)
         values = train.descend(values, points, lattice, more, rng)
     train.lower(values, points, lattice, False, BELOW)
     values = np.rint(values).astype(np.float32)
@@ -262,33 +267,44 @@ def fit(
 
 
 def settle(
-    lesson: Lesson, lattice: Lattice, values: Singles, seed: int, rounds: int | None = None
+    lesson: Lesson, lattice: Lattice, values: Singles, seed: int, rounds: int = ROUNDS
 ) -> None:
     """Lower codes in place, round after round, until next to nothing is found falsely safe."""
-    for turn in range(rounds or ROUNDS):
-        met, where = lowered(lesson, values, lattice, [SEED, seed, turn], None)
-        follow(lesson, lattice, values, [SEED, seed, turn], where)
-        met += beside(lesson, lattice, values, 1000 * seed + turn)
-        if met <= FEW:
+    for turn in range(rounds):
+        found = [
+            lowered(lesson, values, lattice, [SEED, seed, turn]),
+            given(lesson, lattice, values, biased(lesson.ground.model, BESIDE, 1000 * seed + turn)),
+        ]
+        for one in found:
+            around(lesson, lattice, values, one, [SEED, seed, turn])
+        if sum(len(one[0]) for one in found) <= FEW:
             break
 
 
-def beside(lesson: Lesson, lattice: Lattice, values: Singles, seed: int) -> int:
-    """Lower codes in place on points beside the boundary; return the false safes."""
-    ground = lesson.ground
-    sample = biased(ground.model, BESIDE, seed)
-    place, face = ground.enter_all(*sample)
-    tip = ground.model.tip_angle(ground.model.postures(sample.params), sample.gravity)
-    place = place.reshape(-1, ground.model.k + 2)
-    points = Points(place, lesson.block[face].ravel(), aims(tip).ravel())
-    return train.lower(values, points, lattice, True, FURTHER)
+def given(lesson: Lesson, lattice: Lattice, values: Singles, sample: Sample) -> Found:
+    """Lower codes in place on given points; return those that were falsely safe."""
+    place, face = lesson.ground.enter_all(*sample)
+    on = on_chart(lesson.ground.model, sample.gravity)
+    block = np.where(on, lesson.block[face], -1).astype(np.int8).ravel()
+    place = place.reshape(-1, place.shape[2])
+    return _lower(lesson, values, lattice, *sample, Points(place, block, place[:, 0]))
 
 
-def follow(
-    lesson: Lesson, lattice: Lattice, values: Singles, seed: list[int], where: Floats
+def around(
+    lesson: Lesson, lattice: Lattice, values: Singles, found: Found, seed: list[int]
 ) -> None:
-    """Lower codes in place near postures that were falsely safe, then near those found there."""
+    """Lower codes in place around points that were falsely safe, then around those found there."""
+    ground = lesson.ground
     for again in range(CHAIN):
-        if not len(where):
+        if not len(found[0]):
             break
-        _, where = lowered(lesson, values, lattice, [*seed, again], where)
+        rng = np.random.default_rng([*seed, again])
+        pick = rng.integers(0, len(found[0]), NEAR_POSTURES)
+        reach = NEAR * 10.0 ** -rng.uniform(0.0, DECADES, (NEAR_POSTURES, 1))
+        x = ground.places_of(found[0][pick])
+        x = x + rng.normal(0.0, WHOLE, x.shape) * reach
+        x = np.where(ground.rounds, x % (WHOLE + 1.0), np.clip(x, 0.0, WHOLE))
+        aside = rng.normal(size=(NEAR_POSTURES, NEAR_DIRECTIONS, 3))
+        aside *= 10.0 ** -rng.uniform(*ASIDE, (NEAR_POSTURES, NEAR_DIRECTIONS, 1))
+        gravity = unit(found[1][pick][:, None] + aside)
+        found = given(lesson, lattice, values, Sample(ground.params(x), gravity))

@@ -77,10 +77,14 @@ class Ground:
         """Return the parameters at places (..., k)."""
         return np.array([p.low for p in self.places]) + x / [p.inverse for p in self.places]
 
+    def places_of(self, params: Floats) -> Floats:
+        """Return the places (m, k) of postures (m, k)."""
+        x = (params - [p.low for p in self.places]) * [p.inverse for p in self.places]
+        return np.clip(x, 0.0, WHOLE)
+
     def enter_all(self, params: Floats, gravity: Floats) -> tuple[Singles, NDArray[np.int8]]:
         """Return places (m, d, k + 2) and faces (m, d) of postures (m, k) under (m, d, 3) each."""
-        x = (params - [p.low for p in self.places]) * [p.inverse for p in self.places]
-        x = np.clip(x, 0.0, WHOLE)
+        x = self.places_of(params)
         rows = [self.enter(x[at : at + 1], gravity[at]) for at in range(len(x))]
         return np.concatenate([one[0] for one in rows]), np.concatenate([one[1] for one in rows])
 

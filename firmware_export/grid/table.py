@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from firmware_export.grid import fit
 from firmware_export.grid.ground import Ground
 from firmware_export.grid.lookup import INFO as LOOKUP
-from firmware_export.grid.train import Lattice, Points, lower
+from firmware_export.grid.train import Lattice
 from firmware_export.protocol import CArray, CBody, CodecInfo
 from firmware_export.protocol import Tables as AnyTables
-from firmware_export.truth import Model
+from firmware_export.truth import Model, Sample
 from lutgen.errors import ExportError
 from lutgen.vector import Floats
 
@@ -132,13 +132,9 @@ class Tables(AnyTables):
 
     def lowered(self, params: Floats, gravity: Floats, seed: int) -> "Tables":
         """Return tables that call none of some points safe, lowered near them and anew."""
-        ground, values = self.ground, self.codes[0].astype(np.float32)
-        place, face = ground.enter_all(params, gravity[:, None])
-        points = Points(place[:, 0], self.block[face[:, 0]], np.zeros(len(place), np.float32))
-        lower(values, points, self.lattice, True, fit.FURTHER)
-        lesson = fit.learn(ground.narrow)
-        near = place[: fit.MOST_NEAR, 0, : ground.model.k].astype(np.float64)
-        fit.follow(lesson, self.lattice, values, [fit.SEED, 9, seed], near)
+        values, lesson = self.codes[0].astype(np.float32), fit.learn(self.ground.narrow)
+        found = fit.given(lesson, self.lattice, values, Sample(params, gravity[:, None]))
+        fit.around(lesson, self.lattice, values, found, [fit.SEED, 9, seed])
         fit.settle(lesson, self.lattice, values, 9 + seed, rounds=1)
         return replace(self, codes=np.stack([values.astype(np.uint8), *self.codes[1:]]))
 
