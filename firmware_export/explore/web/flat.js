@@ -55,7 +55,7 @@ class Sheet {
   image() {
     const { places, size, top, value } = this.data, { colours } = this.app;
     const picture = Object.assign(document.createElement("canvas"), { width: size, height: size });
-    const context = picture.getContext("2d");
+    const context = picture.getContext("2d", { willReadFrequently: true });
     places.forEach((one, i) => {
       if (!one) return;
       const x = i % size, y = Math.floor(i / size), hatched = size > 100 && (x + y) % 6 === 0;

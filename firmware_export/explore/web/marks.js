@@ -35,7 +35,7 @@ class Marks extends THREE.Group {
   // Show an answer; everything is relative to the com.
   show({ pose: { facets, edges }, here, g, over }) {
     const { size } = this;
-    this.children.forEach(({ geometry }) => geometry.dispose());
+    this.children.forEach(({ geometry: own }) => own.type === "BufferGeometry" && own.dispose());
     this.clear();
     facets.filter((facet) => facet.kind === REST || facet === here).forEach((facet) => {
       const own = edges.filter((edge) => facets[edge.facet] === facet);
