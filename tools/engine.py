@@ -11,10 +11,10 @@ ROOT = Path(__file__).resolve().parent.parent
 MODULE = ROOT / "firmware_export" / "explore" / "wasm" / "exported.wasm"
 RUNTIME = ROOT / "firmware_export" / "runtime"
 
-FAMILIES = ("three", "points", "whole", "many", "search")
+FAMILIES = ("three", "many", "search")
 SOURCES = tuple(RUNTIME / f"host_{family}.c" for family in FAMILIES)
 GIVEN = (
-    *(f"smap_{family}_host_{what}" for family in FAMILIES for what in ("at", "read_i", "check")),
+    *(f"smap_{family}_host_{what}" for family in FAMILIES for what in ("at", "check")),
     *("smap_many_host_pose", "smap_search_host_pose", "smap_sources", "__heap_base"),
 )
 FLAGS = (

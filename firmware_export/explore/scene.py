@@ -1,6 +1,6 @@
 """A recipe as the page knows it: links, contacts, parameters, and shapes to draw.
 
-Owns the names and units of that; radians and the recipe's length unit throughout.
+Owns the names and units: radians and the recipe's length unit, parameters in their own units.
 """
 
 import math
@@ -14,32 +14,32 @@ from lutgen.urdf import parse_urdf, used_shapes
 DRAWN = ("box", "cylinder", "sphere")
 # The most tilt of the page's disc where the recipe's chart has every direction.
 WHOLE = math.pi
-SIGNS = {"deg": "°", "1": "", "rad": " rad"}
+SIGNS = {"deg": "°", "1": ""}
 
 
 def scene_of(recipe: Recipe) -> dict[str, Any]:
     """Return what the page is told of a robot, ready for JSON."""
     shapes = _shapes(recipe)
+    parameters = []
+    for parameter, home in zip(recipe.parameters, recipe.home_params, strict=True):
+        unit = {"unit": float(parameter.stored(1.0)), "sign": _sign(parameter.display_unit)}
+        numbers = {"min": parameter.minimum, "max": parameter.maximum, "home": home}
+        shown = {name: float(f"{parameter.shown(number):.12g}") for name, number in numbers.items()}
+        parameters.append({"name": parameter.name} | unit | shown)
     return {
-        "name": recipe.name,
-        "unit": recipe.length_unit,
+        "unit": _sign(recipe.length_unit),
         "friction": recipe.friction,
         "size": robot_size_of(recipe),
         "rim": WHOLE if recipe.chart.kind == "sphere" else max(recipe.chart.max_tilt, 0.2),
-        "parameters": [
-            {
-                "name": parameter.name,
-                "min": parameter.minimum,
-                "max": parameter.maximum,
-                "home": home,
-                "unit": float(parameter.stored(1.0)),
-                "sign": SIGNS.get(parameter.display_unit, f" {parameter.display_unit}"),
-            }
-            for parameter, home in zip(recipe.parameters, recipe.home_params, strict=True)
-        ],
+        "parameters": parameters,
         "links": [asdict(link) | {"shapes": shapes.get(link.name, [])} for link in recipe.links],
         "contacts": [asdict(contact) for contact in recipe.contacts],
     }
+
+
+def _sign(unit: str) -> str:
+    """Return what stands behind a number."""
+    return SIGNS.get(unit, f" {unit}")
 
 
 def _shapes(recipe: Recipe) -> dict[str, list[dict[str, Any]]]:

@@ -2,17 +2,13 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import Named, RecipeOptions, asks, check_outputs, force, option, output
+from lutgen.cli.options import Named, RecipeOptions, asks, check_outputs, force, output
 from lutgen.cli.sources import open_recipe
 from lutgen.cli.table import show
 from lutgen.errors import InputError
-
-if TYPE_CHECKING:
-    from lutgen.recipe import Recipe
 
 ENDINGS = (".html", ".htm")
 
@@ -23,10 +19,6 @@ class Asked(RecipeOptions):
 
     output: str = output(required=True, help="The page, an HTML file.")
     force: bool = force()
-    recipe: str | None = option(
-        metavar="RECIPE",
-        help="Of a folder: the recipe that it was exported from, unless that is in the gallery.",
-    )
 
 
 @click.command(short_help="Write a page on which the robot is moved by hand.")
@@ -55,9 +47,8 @@ def explore(source: str, asked: Asked) -> None:
     if Path(source).is_dir():
         from firmware_export.device import ExportFolder
 
-        report = ExportFolder(source).report
-        recipe = _recipe_of(source, report, asked)
-        answers = answers_of_export(report, source, recipe)
+        folder = ExportFolder(source)
+        recipe, answers = folder.recipe(), answers_of_export(folder)
     else:
         recipe = open_recipe(source, asked.allow_python)
         answers = answers_of_recipe(recipe)
@@ -71,19 +62,3 @@ def explore(source: str, asked: Asked) -> None:
         "answers": answers.about,
     }
     show(made, (), asked.as_json)
-
-
-def _recipe_of(folder: str, report: dict[str, Any], asked: Asked) -> "Recipe":
-    """Return the recipe of an export: the one that is named, or that of the gallery."""
-    from lutgen.recipe import GALLERY, gallery_names, load_recipe
-
-    if asked.recipe is not None:
-        return open_recipe(asked.recipe, asked.allow_python)
-    for name in gallery_names():
-        recipe = load_recipe(f"{GALLERY}{name}")
-        if recipe.digest == report.get("recipe_sha256"):
-            return recipe
-    raise InputError(
-        f"{folder}: an export holds no recipe, and that of {report['robot']} is not in the gallery "
-        f"(got the digest {str(report.get('recipe_sha256'))[:12]}); name its file with --recipe."
-    )

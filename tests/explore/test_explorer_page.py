@@ -10,14 +10,12 @@ import pytest
 from click.testing import CliRunner
 
 import lutgen
-from firmware_export.codecs import codec
-from firmware_export.emit import write
+from firmware_export import exporter
 from firmware_export.explore import answers_of_recipe, page_text, scene_of
-from firmware_export.protocol import Export
-from firmware_export.truth import Model
 from lutgen.cli import main
 from lutgen.files import is_ours
 from tests.fixtures.places import MAPS
+from tools.engine import MODULE, build, clang_version
 
 MOST_BYTES = 1_500_000
 WIND = """[[robot.force]]
@@ -27,7 +25,6 @@ position = [0, 0, 0]
 force = [1, 0, 0]
 
 """
-GALLERY = sorted(path.stem for path in MAPS.glob("*.toml"))
 
 
 def explored(*arguments: object) -> tuple[int, str]:
@@ -45,7 +42,7 @@ def data_of(page: str) -> dict:
     return json.loads(re.search(r'id="data">(.*?)</script>', page, re.DOTALL)[1])
 
 
-def test_a_page_is_one_file_that_may_load_nothing(page: str) -> None:
+def test_a_page_is_one_file_that_may_load_nothing_and_the_same_every_time(page: str) -> None:
     policy = re.search(r'Content-Security-Policy" content="([^"]*)"', page)[1]
     rules = dict(rule.split(" ", 1) for rule in policy.split("; "))
     assert rules["default-src"] == "'none'"
@@ -58,13 +55,8 @@ def test_a_page_is_one_file_that_may_load_nothing(page: str) -> None:
         assert [one.decode() for one in digests] == allowed
     shell = re.sub(r"<script.*?</script>", "", page, flags=re.DOTALL)
     assert not re.search(r"""(?:src|href)\s*=\s*["'](?!data:)|\son\w+=|style=|url\(""", shell)
-
-
-def test_a_page_has_at_most_a_megabyte_and_a_half(page: str) -> None:
+    assert "three.js authors" in page
     assert len(page.encode()) <= MOST_BYTES
-
-
-def test_a_page_is_a_pure_function_of_its_recipe(page: str) -> None:
     recipe = lutgen.load_recipe("recipe:paper_two")
     assert page_text(recipe, answers_of_recipe(recipe)) == page
 
@@ -77,35 +69,42 @@ def test_no_name_of_a_robot_ends_a_script() -> None:
     assert data_of(page)["scene"]["contacts"][0]["name"] == "</script><b>"
 
 
-def test_the_licences_are_in_the_page(page: str) -> None:
-    assert "three.js authors" in page
+def test_a_scene_has_every_part_of_a_robot() -> None:
+    for path in MAPS.glob("*.toml"):
+        recipe = lutgen.load_recipe(path)
+        scene, known = scene_of(recipe), {None}
+        for link in scene["links"]:
+            assert link["parent"] in known, path  # links are drawn in this order
+            known.add(link["name"])
+        assert len(known) == len(recipe.links) + 1
+        assert [one["name"] for one in scene["contacts"]] == list(recipe.contact_names)
+        home = [one["home"] * one["unit"] for one in scene["parameters"]]
+        assert home == pytest.approx(list(recipe.home_params), rel=1e-11), path
 
 
-@pytest.mark.parametrize("name", GALLERY)
-def test_a_scene_has_every_part_of_a_robot(name: str) -> None:
-    recipe = lutgen.load_recipe(f"recipe:{name}")
-    scene = scene_of(recipe)
-    assert len(scene["links"]) == len(recipe.links)
-    assert all(link["parent"] < at for at, link in enumerate(scene["links"]))
-    assert [one["name"] for one in scene["contacts"]] == list(recipe.contact_names)
-    assert [one["home"] for one in scene["parameters"]] == list(recipe.home_params)
-
-
-def test_a_folder_is_asked_with_its_own_tables(tmp_path: Path) -> None:
-    recipe, info = lutgen.load_recipe("recipe:paper_one"), codec("grid")
-    model = Model(recipe)
-    spec = info.sizes(model, ("tip_angle",), "float")[0]
-    tables = info.encode(model, ("tip_angle",), spec)
-    export = Export("mine", recipe, model, "grid", "float", ("tip_angle",), tables)
-    held = write(export, tmp_path / "firmware")["tables"]["blob"]
-    code, output = explored(tmp_path / "firmware", "-o", tmp_path / "page.html")
-    assert code == 0, output
-    assert data_of((tmp_path / "page.html").read_text())["answers"]["blob"] == held
-    other = explored(
-        *(tmp_path / "firmware", "-o", tmp_path / "p.html", "--recipe", "recipe:paper_two")
+def test_a_folder_is_asked_and_the_head_tells_its_certificate(tmp_path: Path) -> None:
+    folder, page = tmp_path / "firmware", tmp_path / "page.html"
+    report = exporter.export(
+        lutgen.load_recipe("recipe:paper_one"), folder, codec="contacts", points=2000
     )
-    assert other[0] == 2
-    assert "was exported from another recipe" in other[1]
+    code, output = explored(folder, "-o", page)
+    assert code == 0, output
+    text = page.read_text()
+    assert data_of(text)["answers"]["blob"] == report["tables"]["blob"]
+    head = re.search(r"<header>.*?<p>(.*?)</p>", text, re.DOTALL)[1]
+    assert "export paper_one" in head
+    assert head.count("certified on 2,000 points: 0 falsely safe") == 1
+    (told,) = folder.glob("*_report.json")
+    told.write_text(told.read_text().replace('"false_safe": 0', '"false_safe": 7'))
+    explored(folder, "-o", page)
+    assert "certified on 2,000 points: 7 falsely safe" in page.read_text()
+
+
+def test_an_export_without_floats_is_refused(tmp_path: Path) -> None:
+    recipe = lutgen.load_recipe("recipe:paper_one")
+    exporter.export(recipe, tmp_path / "firmware", arithmetic="integer", points=1000)
+    code, output = explored(tmp_path / "firmware", "-o", tmp_path / "page.html")
+    assert (code, "without floats" in output) == (2, True), output
 
 
 def test_a_page_carries_the_mark_and_nothing_else_is_replaced(tmp_path: Path) -> None:
@@ -118,19 +117,21 @@ def test_a_page_carries_the_mark_and_nothing_else_is_replaced(tmp_path: Path) ->
     assert is_ours(path)
 
 
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        (("[sweep]", f"{WIND}[sweep]"), "under forces"),
-        (None, "is no name of a page"),
-    ],
-)
-def test_what_no_page_can_show_is_refused_in_a_sentence(
-    change: tuple[str, str] | None, words: str, tmp_path: Path
-) -> None:
-    text = (MAPS / "absolem.toml").read_text()
+def test_what_no_page_can_show_is_refused_in_a_sentence(tmp_path: Path) -> None:
     path = tmp_path / "robot.toml"
-    path.write_text(text.replace(*change, 1) if change else text)
-    code, output = explored(path, "-o", tmp_path / ("page.html" if change else "page.pdf"))
-    assert (code, words in output) == (2, True), output
-    assert "Traceback" not in output
+    path.write_text((MAPS / "absolem.toml").read_text().replace("[sweep]", f"{WIND}[sweep]", 1))
+    for asked, words in (
+        ((path, "-o", tmp_path / "page.html"), "under forces"),
+        (("recipe:absolem", "-o", tmp_path / "page.pdf"), "is no name of a page"),
+    ):
+        code, output = explored(*asked)
+        assert (code, words in output) == (2, True), output
+
+
+@pytest.mark.needs("clang", "wasm-ld")
+def test_the_webassembly_is_what_the_sources_give(tmp_path: Path) -> None:
+    held = MODULE.read_bytes()
+    if clang_version().encode() not in held:
+        pytest.skip(f"{clang_version()} is not what the module says that it was made by")
+    build(tmp_path / "made.wasm")
+    assert (tmp_path / "made.wasm").read_bytes() == held, "run make engine"

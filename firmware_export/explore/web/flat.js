@@ -1,26 +1,108 @@
 // SPDX-License-Identifier: MIT
-// The flat pictures: the disc of directions, the map over two joints, the history of the tip angle.
-const KEPT = 400;
+// The flat pictures: the disc of directions, and the map over two joints.
+const UPWARDS = -Math.PI / 2;
+const clamp = (x, low, high) => Math.min(high, Math.max(low, x));
 
-class Flat {
-  constructor(canvas, app) {
-    Object.assign(this, { canvas, app, dirty: true });
+// The most that there is, rounded up to one digit: the top of ten levels.
+function niceTop(most) {
+  const power = 10 ** Math.floor(Math.log10(most || 1));
+  return Math.ceil(most / power - 0.001) * power || 1;
+}
+
+// A picture of answers, computed row by row between frames: coarse first, then fine.
+class Sheet {
+  // `room`: what is beside and below the picture, how far it is to the right and from the top.
+  constructor(canvas, app, sizes, room) {
+    Object.assign(this, { canvas, app, sizes, room });
+    canvas.onpointerdown = (event) => {
+      canvas.setPointerCapture(event.pointerId);
+      canvas.onpointermove(event);
+    };
+    canvas.onpointermove = ({ buttons, offsetX, offsetY }) => {
+      const { left, top, side } = this.box;
+      if (buttons) app.state.set(this.taken((offsetX - left) / side, (offsetY - top) / side));
+    };
   }
 
-  // Size the canvas to its box; its context is in pixels of the page.
-  fit() {
-    const { canvas } = this, ratio = Math.min(devicePixelRatio || 1, 2);
-    const [w, h] = [canvas.clientWidth, canvas.clientHeight];
+  // A coarse picture is always finished, so that something is seen while all moves.
+  work(until) {
+    if (this.stale && (!this.job || this.fine)) {
+      this.stale = false;
+      this.job = this.rows(this.app.query());
+    }
+    while (this.job && performance.now() < until) if (this.job.next().done) this.job = null;
+  }
+
+  *rows(query) {
+    const tip = this.shows(query) === "tip";
+    for (const size of this.sizes) {
+      this.fine = size === this.sizes.at(-1);
+      const places = [];
+      for (let row = 0; row < size; row++) {
+        places.push(...this.row(query, size, row));
+        yield;
+      }
+      const value = (one) => (tip ? one.tip * DEGREES : one.sdg);
+      const values = places.filter((one) => one && stands(one)).map(value);
+      const top = niceTop(Math.max(0, ...values.filter((x) => !tip || x < 179.99)));
+      this.data = { places, size, tip, top, value };
+      this.picture = null;
+      this.dirty = true;
+    }
+  }
+
+  // Levels where the robot stands, one colour where it rocks, hatching where it tips.
+  image() {
+    const { places, size, top, value } = this.data, { colours } = this.app;
+    const picture = Object.assign(document.createElement("canvas"), { width: size, height: size });
+    const context = picture.getContext("2d", { willReadFrequently: true });
+    places.forEach((one, i) => {
+      if (!one) return;
+      const x = i % size, y = Math.floor(i / size), hatched = size > 100 && (x + y) % 6 === 0;
+      const level = LEVELS[clamp(Math.floor(value(one) * 10 / top), 0, 9)];
+      const fallen = hatched ? colours.hatch : colours.fallen;
+      context.fillStyle = { 0: level, 4: colours.gap }[one.status] ?? fallen;
+      context.fillRect(x, y, 1, 1);
+    });
+    return picture;
+  }
+
+  // Size the canvas to its box, in pixels of the page; draw the picture and the key of its levels.
+  paint() {
+    this.dirty = false;
+    const { canvas, app, data, room } = this, ratio = Math.min(devicePixelRatio, 2);
+    const { clientWidth: w, clientHeight: h } = canvas;
     Object.assign(canvas, { width: Math.round(w * ratio), height: Math.round(h * ratio) });
-    const context = canvas.getContext("2d", { willReadFrequently: true });
+    const context = this.context = canvas.getContext("2d", { willReadFrequently: true });
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.font = "11px system-ui, sans-serif";
-    Object.assign(this, { context, w, h });
+    const side = Math.max(40, Math.min(w - room.beside, h - room.below));
+    const left = (w - side) / 2 + room.right, { top } = room;
+    this.box = { left, top, side };
+    if (data) {
+      this.picture ??= this.image();
+      context.imageSmoothingEnabled = data.size > 100;
+      context.drawImage(this.picture, left, top, side, side);
+      const width = 0.062 * side, x = left + 0.19 * side, y = h - 24;
+      LEVELS.forEach((level, k) => {
+        context.fillStyle = level;
+        context.fillRect(x + k * width, y, width + 0.5, 8);
+      });
+      const high = digits(data.top, 4, data.tip ? "°" : app.scene.unit);
+      this.text("0", x, y + 11, "left");
+      this.text(high, x + 10 * width, y + 11, "right");
+      this.text(data.tip ? "tip angle" : "|SD_g|", x + 5 * width, y + 11);
+    }
+    this.outline(this.box);
   }
 
-  text(text, x, y, align = "center", baseline = "top", colour = this.app.colours.soft) {
-    Object.assign(this.context, { fillStyle: colour, textAlign: align, textBaseline: baseline });
-    this.context.fillText(text, x, y);
+  text(text, x, y, textAlign = "center", textBaseline = "top", turn = 0) {
+    this.context.save();
+    Object.assign(this.context, { fillStyle: this.app.colours.soft, textAlign, textBaseline });
+    this.context.translate(x, y);
+    this.context.rotate(turn);
+    this.context.fillText(text, 0, 0);
+    this.context.restore();
   }
 
   line(places, colour, width = 1) {
@@ -35,272 +117,109 @@ class Flat {
     this.stroke(colour, width);
   }
 
-  stroke(strokeStyle, lineWidth) {
-    Object.assign(this.context, { strokeStyle, lineWidth });
+  stroke(colour, lineWidth) {
+    Object.assign(this.context, { strokeStyle: this.app.colours[colour], lineWidth });
     this.context.stroke();
-  }
-
-  upwards(x, y, draw) {
-    this.context.save();
-    this.context.translate(x, y);
-    this.context.rotate(-Math.PI / 2);
-    draw();
-    this.context.restore();
-  }
-}
-
-// A picture of answers, computed row by row between frames: coarse first, then fine.
-class Sheet extends Flat {
-  constructor(canvas, app, sizes) {
-    super(canvas, app);
-    this.sizes = sizes;
-    const drag = (event) => this.box && event.buttons && this.take(event.offsetX, event.offsetY);
-    canvas.addEventListener("pointerdown", (event) => {
-      canvas.setPointerCapture(event.pointerId);
-      drag(event);
-    });
-    canvas.addEventListener("pointermove", drag);
-  }
-
-  // A coarse picture is always finished, so that something is seen while all moves.
-  work(until) {
-    if (this.stale && (!this.job || this.fine)) {
-      this.stale = false;
-      this.job = this.rows({ ...this.app.state.now });
-    }
-    while (this.job && performance.now() < until) if (this.job.next().done) this.job = null;
-  }
-
-  *rows(now) {
-    for (const size of this.sizes) {
-      this.fine = size === this.sizes.at(-1);
-      const places = [];
-      for (let row = 0; row < size; row++) {
-        places.push(...this.row(now, size, row));
-        yield;
-      }
-      const channel = this.channel(now), ends = (x) => channel === "sdg" || x < 3.14159;
-      const values = places.filter((one) => one && stands(one)).map((one) => one[channel]);
-      const most = Math.max(0, ...values.filter(ends));
-      this.data = { places, size, now, top: niceTop(most * this.factor(now)) };
-      this.picture = null;
-      this.dirty = true;
-    }
-  }
-
-  channel() {
-    return "tip";
-  }
-
-  factor(now) {
-    return this.channel(now) === "tip" ? DEGREES : 1;
-  }
-
-  // Levels where the robot stands, one colour where it rocks, hatching where it tips.
-  image() {
-    const { places, size, now, top } = this.data, { colours } = this.app;
-    const picture = Object.assign(document.createElement("canvas"), { width: size, height: size });
-    const context = picture.getContext("2d"), image = context.createImageData(size, size);
-    const bytes = (hex) => [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16));
-    const [fallen, hatch, rocks] = ["fallen", "hatch", "gap"].map((name) => bytes(colours[name]));
-    const channel = this.channel(now), factor = this.factor(now) * 10 / top;
-    places.forEach((one, i) => {
-      if (!one) return;
-      const hatched = size > 100 && (i % size + Math.floor(i / size)) % 6 === 0;
-      const level = LEVELS[clamp(Math.floor(one[channel] * factor), 0, 9)];
-      const colour = one.status === 0 ? level : one.status === 4 ? rocks : hatched ? hatch : fallen;
-      image.data.set([...colour, 255], 4 * i);
-    });
-    context.putImageData(image, 0, 0);
-    return picture;
-  }
-
-  draw(x, y, side) {
-    this.picture ??= this.image();
-    this.context.drawImage(this.picture, x, y, side, side);
-  }
-
-  key(x, y, width, low, high, words) {
-    LEVELS.forEach((level, k) => {
-      this.context.fillStyle = `rgb(${level})`;
-      this.context.fillRect(x + k * width / 10, y, width / 10 + 0.5, 8);
-    });
-    this.text(low, x, y + 11, "left");
-    this.text(high, x + width, y + 11, "right");
-    this.text(words, x + width / 2, y + 11);
   }
 
   // A mark that is seen on every colour.
   spot(x, y) {
-    this.circle(x, y, 5, this.app.colours.page, 4);
-    this.circle(x, y, 5, this.app.colours.ink, 2);
+    this.circle(x, y, 5, "page", 4);
+    this.circle(x, y, 5, "ink", 2);
   }
 }
 
 class Disc extends Sheet {
   constructor(canvas, app) {
-    super(canvas, app, [72, 180]);
-    this.rim = app.scene.rim;
+    super(canvas, app, [72, 180], { beside: 32, below: 56, right: 0, top: 16 });
+    Object.assign(this, { rim: app.scene.rim, shows: () => "tip" });
   }
 
-  take(x, y) {
-    const { cx, cy, r } = this.box, u = (x - cx) / r, v = (cy - y) / r;
-    const far = Math.max(1, Math.hypot(u, v));
-    this.app.state.set({ mode: "body", ...angles(fromDisc(u / far, v / far, this.rim)) });
+  taken(x, y) {
+    const u = 2 * x - 1, v = 1 - 2 * y, far = Math.max(1, Math.hypot(u, v));
+    return { mode: "body", ...angles(fromDisc(u / far, v / far, this.rim)) };
   }
 
   row({ q }, size, row) {
-    const found = Array(size).fill(null), columns = [], gravity = [];
-    for (let column = 0; column < size; column++) {
-      const x = (column + 0.5) / size * 2 - 1, y = 1 - (row + 0.5) / size * 2;
-      if (x * x + y * y > 1) continue;
-      columns.push(column);
-      gravity.push(...fromDisc(x, y, this.rim));
-    }
-    this.app.runtime.at(q, gravity).forEach((one, i) => (found[columns[i]] = one));
-    return found;
+    const y = 1 - (2 * row + 1) / size;
+    const columns = Array.from({ length: size }, (_, column) => (2 * column + 1) / size - 1);
+    const gravity = columns.flatMap((x) => [...fromDisc(x, y, this.rim)]);
+    const found = this.app.runtime.at(q, gravity);
+    return found.map((one, column) => (Math.hypot(columns[column], y) > 1 ? null : one));
   }
 
-  paint() {
-    this.fit();
-    const r = Math.max(20, Math.min(this.w / 2 - 16, this.h / 2 - 27));
-    const cx = this.w / 2, cy = r + 16;
-    const { data, rim } = this, { last, colours } = this.app;
-    this.box = { cx, cy, r };
-    if (data) {
-      this.draw(cx - r, cy - r, 2 * r);
-      this.key(cx - 0.62 * r, cy + r + 12, 1.24 * r, "0°", `${data.top}°`, "tip angle");
-    }
+  outline({ left, top, side }) {
+    const r = side / 2, cx = left + r, cy = top + r, { rim, app: { last } } = this;
     const step = rim > 1.6 ? 30 : 15;
     this.context.globalAlpha = 0.55;
     for (let ring = step; ring < rim * DEGREES - 1; ring += step) {
-      this.circle(cx, cy, r * Math.sin(ring / DEGREES / 2) / Math.sin(rim / 2), colours.rim);
+      this.circle(cx, cy, r * Math.sin(ring / DEGREES / 2) / Math.sin(rim / 2), "rim");
     }
-    this.line([[cx - r, cy], [cx + r, cy]], colours.rim);
-    this.line([[cx, cy - r], [cx, cy + r]], colours.rim);
+    this.line([[cx - r, cy], [cx + r, cy]], "rim");
+    this.line([[cx, cy - r], [cx, cy + r]], "rim");
     this.context.globalAlpha = 1;
-    this.circle(cx, cy, r, colours.rim);
-    this.text("nose down", cx, cy - r - 2, "center", "bottom");
-    this.upwards(cx - r - 8, cy, () => this.text("left down", 0, 0, "center", "middle"));
-    const word = `rim: ${Math.round(rim * DEGREES)}°`;
-    this.text(word, cx + 0.74 * r, cy - 0.86 * r, "left", "middle");
-    if (!last) return;
-    const place = (g) => toDisc(g, rim).map((x, k) => (k ? cy - r * x : cx + r * x));
+    this.circle(cx, cy, r, "rim");
+    this.text("nose down", cx, top - 2, "center", "bottom");
+    this.text("left down", left - 8, cy, "center", "middle", UPWARDS);
+    this.text(`rim: ${Math.round(rim * DEGREES)}°`, left + side, top + 0.04 * side);
+    const place = ([x, y]) => [cx + r * x, cy - r * y];
     last.pose.segments.forEach(({ start, stop, over }) => {
       const least = over.every((contact, k) => contact === last.over[k]);
       const parts = Math.max(2, Math.ceil(start.distanceTo(stop) * 24));
-      const points = Array.from({ length: parts + 1 }, (_, k) => k / parts);
-      const seen = points.map((part) => start.clone().lerp(stop, part))
-        .filter((g) => Math.hypot(...toDisc(g, rim)) <= 1.001);
-      this.line(seen.map(place), least ? colours.least : colours.ink, least ? 3 : 1.6);
+      const arc = Array.from({ length: parts + 1 }, (_, k) =>
+        toDisc(start.clone().lerp(stop, k / parts).normalize(), rim));
+      const seen = arc.filter((at) => Math.hypot(...at) <= 1.001);
+      this.line(seen.map(place), ...(least ? ["least", 3] : ["ink", 1.6]));
     });
-    const [x, y] = toDisc(last.g, rim), far = Math.max(1, Math.hypot(x, y));
-    this.spot(cx + r * x / far, cy - r * y / far);
+    const at = toDisc(last.g, rim), far = Math.max(1, Math.hypot(...at));
+    this.spot(...place(at.map((x) => x / far)));
   }
 }
 
 class JointMap extends Sheet {
   constructor(canvas, app) {
-    super(canvas, app, [21, 61]);
+    super(canvas, app, [21, 61], { beside: 52, below: 64, right: 14, top: 8 });
+    this.shows = ({ what }) => what;
   }
 
-  channel({ what }) {
-    return what;
+  // The value of a joint at a part of its range.
+  at(index, part) {
+    const { min, max } = this.app.scene.parameters[index];
+    return min + clamp(part, 0, 1) * (max - min);
   }
 
-  at(q, [a, b], x, y) {
-    const { parameters } = this.app.scene, here = [...q];
-    const between = ({ min, max }, part) => min + clamp(part, 0, 1) * (max - min);
-    here[a] = between(parameters[a], x);
-    if (a !== b) here[b] = between(parameters[b], y);
-    return here;
-  }
-
-  take(x, y) {
-    const { left, top, side } = this.box, { q, axes } = this.app.state.now;
-    this.app.state.set({ q: this.at(q, axes, (x - left) / side, 1 - (y - top) / side) });
+  taken(x, y) {
+    const [a, b] = this.app.query().axes, { parameters } = this.app.scene;
+    const change = (index, part) =>
+      ({ [`p.${parameters[index].name}`]: Number(this.at(index, part).toPrecision(6)) });
+    return { ...change(b, 1 - y), ...change(a, x) };
   }
 
   // On the ground the robot is seated anew at each place.
-  row({ q, axes, mode, tilt, heading }, size, row) {
-    const { runtime } = this.app, given = tilted(tilt, heading);
-    return Array.from({ length: axes.length && size }, (_, column) => {
-      const here = this.at(q, axes, column / (size - 1), 1 - row / (size - 1));
-      const g = mode === "ground" ? seated(runtime.pose(here), given) : given;
+  row({ q, axes: [a, b], mode, down }, size, row) {
+    const { runtime, scene: { parameters } } = this.app;
+    return Array.from({ length: size }, (_, column) => {
+      const here = [...q];
+      here[b] = this.at(b, 1 - row / (size - 1)) * parameters[b].unit;
+      here[a] = this.at(a, column / (size - 1)) * parameters[a].unit;
+      const g = mode === "ground" ? seated(runtime.pose(here), down) : down;
       return runtime.at(here, [...g])[0];
     });
   }
 
-  paint() {
-    this.fit();
-    const { scene, state, colours } = this.app, { axes, q } = state.now, { data } = this;
-    if (!axes.length) return;
-    const side = Math.max(40, Math.min(this.w - 52, this.h - 64));
-    const left = (this.w - side) / 2 + 14, top = 8, below = top + side + 3;
-    this.box = { left, top, side };
-    if (data && data.now.axes.join() === axes.join()) {
-      this.context.imageSmoothingEnabled = false;
-      this.draw(left, top, side);
-      const tip = data.now.what === "tip", words = tip ? "tip angle" : "|SD_g|";
-      const high = tip ? `${data.top}°` : withUnit(data.top, scene.unit);
-      this.key(left + 0.15 * side, below + 29, 0.7 * side, "0", high, words);
-    }
-    Object.assign(this.context, { strokeStyle: colours.rim, lineWidth: 1 });
+  outline({ left, top, side }) {
+    const { parameters } = this.app.scene, { q, axes: [i, j] } = this.app.query();
+    const [a, b] = [parameters[i], parameters[j]], below = top + side + 3;
+    this.context.strokeStyle = this.app.colours.rim;
     this.context.strokeRect(left, top, side, side);
-    const [a, b] = axes.map((i) => scene.parameters[i]);
-    const end = (p, x) => `${digits(x / p.unit, 3).replace("-", "−")}${p.sign}`;
-    const scale = (p, x, y) => {
-      this.text(end(p, p.min), x, y, "left");
-      this.text(plain(p.name), x + side / 2, y);
-      this.text(end(p, p.max), x + side, y, "right");
+    const scale = (p, x, y, turn, right, down) => {
+      this.text(digits(p.min, 3, p.sign), x, y, "left", "top", turn);
+      this.text(plain(p.name), x + right / 2, y + down / 2, "center", "top", turn);
+      this.text(digits(p.max, 3, p.sign), x + right, y + down, "right", "top", turn);
     };
-    scale(a, left, below);
-    if (a !== b) this.upwards(left - 13, top + side, () => scale(b, 0, 0));
-    const part = (p, i) => (q[i] - p.min) / (p.max - p.min), [i, j] = axes;
-    this.spot(left + side * part(a, i), top + side * (a === b ? 0.5 : 1 - part(b, j)));
-  }
-}
-
-// The tip angle of the last states, which a table can be made of.
-class Trace extends Flat {
-  constructor(canvas, app) {
-    super(canvas, app);
-    this.rows = [];
-  }
-
-  add(answer) {
-    this.rows = [...this.rows.slice(1 - KEPT), { time: performance.now() / 1000, ...answer }];
-    this.dirty = true;
-  }
-
-  paint() {
-    this.fit();
-    const { w, h, rows } = this, { colours } = this.app, left = 34, right = w - 6;
-    const values = rows.map(({ tip }) => clamp(tip * DEGREES, -60, 90));
-    const top = niceTop(Math.max(10, ...values)), low = Math.min(0, ...values) * 1.1;
-    const y = (x) => 6 + (h - 22) * (top - x) / (top - low);
-    const x = (i) => right - (rows.length - 1 - i) * (right - left) / KEPT;
-    this.context.fillStyle = colours.fallen;
-    this.context.fillRect(left, y(0), right - left, Math.max(0, h - 16 - y(0)));
-    this.line([[left, y(0)], [right, y(0)]], colours.rim);
-    this.text(`${top}°`, left - 4, y(top) + 3, "right", "middle");
-    this.text("0°", left - 4, y(0), "right", "middle");
-    this.line(values.map((value, i) => [x(i), y(value)]), colours.ink, 2);
-    this.text("tip angle", left, h - 3, "left", "alphabetic", colours.ink);
-  }
-
-  // Joints in the recipe's units, gravity in the body, and what the C answered.
-  csv() {
-    const { name, parameters, unit } = this.app.scene;
-    const units = parameters.map((p) => `${p.name} (${p.sign.trim().replace("°", "deg") || "1"})`);
-    const answers = ["status", `sdg (${unit})`, "tip_angle (deg)", `height (${unit})`];
-    const head = ["time (s)", ...units, "mode", "gravity x", "gravity y", "gravity z", ...answers];
-    const lines = this.rows.map(({ time, q, mode, g, status, sdg, tip, height }) => [
-      time.toFixed(3), ...q.map((x, i) => x / parameters[i].unit), mode, ...g,
-      STATUS[status], sdg, tip * DEGREES, height,
-    ]);
-    const quoted = (cell) =>
-      (/[",\n]/.test(cell) ? `"${String(cell).replaceAll('"', '""')}"` : cell);
-    return [head, ...lines].map((line) => line.map(quoted).join(",") + "\r\n").join("");
+    scale(a, left, below, 0, side, 0);
+    if (a !== b) scale(b, left - 13, top + side, UPWARDS, 0, -side);
+    const part = (p, x) => (x / p.unit - p.min) / (p.max - p.min);
+    this.spot(left + side * part(a, q[i]), top + side * (a === b ? 0.5 : 1 - part(b, q[j])));
   }
 }

@@ -1,55 +1,184 @@
 // SPDX-License-Identifier: MIT
 // Puts the page together: a state is answered by the C, and every part shows the answer.
+const PUSH = { ArrowUp: [1, 0], ArrowDown: [-1, 0], ArrowLeft: [0, 1], ArrowRight: [0, -1] };
+const find = (selector) => document.querySelector(selector);
+const element = (tag, has, ...inside) => {
+  const made = Object.assign(document.createElement(tag), has);
+  made.append(...inside);
+  return made;
+};
+
+// What the page shows, by keys that live in the address behind #, in the units of the recipe.
+class State {
+  constructor({ parameters, friction }, changed) {
+    const joints = (make) => Object.fromEntries(parameters.map((p) => [`p.${p.name}`, make(p)]));
+    const names = parameters.map(({ name }) => name), [x = "", y = x] = names;
+    const ends = joints(({ min, max }) => [min, max]);
+    this.limits = { ...ends, tilt: [0, 180], heading: [-180, 180], mu: [0, 2] };
+    this.choices = {
+      mode: ["ground", "body"], x: names, y: names, what: ["tip", "sdg"],
+      theme: ["", "dark", "light"],
+    };
+    this.initial = {
+      ...joints(({ home }) => home), tilt: 0, heading: 0, mu: friction ?? "", mode: "ground",
+      x, y, what: "tip", theme: "",
+    };
+    Object.assign(this, { now: { ...this.initial }, changed });
+    this.read();
+    addEventListener("hashchange", () => location.hash === this.written || location.reload());
+  }
+
+  set(change) {
+    Object.assign(this.now, change);
+    this.changed();
+    clearTimeout(this.later);
+    this.later = setTimeout(() => {
+      location.replace(this.written = `#${new URLSearchParams(this.now)}`);
+    }, 250);
+  }
+
+  // Take from the address what it says; what it does not say, or says wrongly, stays.
+  read() {
+    for (const [key, text] of new URLSearchParams(location.hash.slice(1))) {
+      const value = text ? Number(text) : NaN;
+      if (this.choices[key]?.includes(text)) this.now[key] = text;
+      if (this.limits[key] && Number.isFinite(value)) {
+        this.now[key] = clamp(value, ...this.limits[key]);
+      }
+    }
+  }
+}
+
+// Sliders, choices and the verdict.
+class Controls {
+  constructor(scene, state) {
+    Object.assign(this, { scene, state });
+    this.rows = scene.parameters.map((p) =>
+      this.row("#joints", `p.${p.name}`, plain(p.name), p.sign.trim()));
+    for (const key of ["tilt", "heading"]) this.rows.push(this.row("#gravity", key, key, "°"));
+    this.rows.push(this.row("#gravity", "mu", "friction μ", ""));
+    find("#range-tilt").max = find("#number-tilt").max = Math.round(scene.rim * DEGREES);
+    const options = () => scene.parameters.map(({ name }) => new Option(plain(name), name));
+    ["x", "y"].forEach((name) => find(`[name=${name}]`).append(...options()));
+    this.choices = [...document.querySelectorAll("[name]:not(meta)")];
+    this.choices.forEach((one) => (one.onchange = () => state.set({ [one.name]: one.value })));
+  }
+
+  // A row: a label, a slider, a number that can be typed and is cut to what there is.
+  row(into, key, label, unit) {
+    const [min, max] = this.state.limits[key], step = unit === "°" ? 0.1 : (max - min) / 1000;
+    const has = { min, max, ariaLabel: `${label}, ${unit || "number"}` };
+    const range = element("input", { type: "range", ...has, step, id: `range-${key}` });
+    const box = element("input", { type: "number", ...has, step: "any", id: `number-${key}` });
+    range.oninput = box.onchange = ({ target: { valueAsNumber: value } }) =>
+      Number.isFinite(value) && this.state.set({ [key]: clamp(value, min, max) });
+    const words = element("label", { htmlFor: range.id, textContent: label, title: label });
+    const sign = element("span", { className: "unit", textContent: unit });
+    find(into).append(element("div", { className: "row" }, words, range, box, sign));
+    return ({ [key]: value }) => {
+      range.value = value === "" ? min : value;
+      range.ariaValueText = value === "" ? "none" : digits(value, 4, ` ${unit}`);
+      box.value = value === "" ? "" : Number(value.toFixed(4));
+    };
+  }
+
+  show(now) {
+    this.rows.forEach((put) => put(now));
+    this.choices.forEach((one) => {
+      if (one.type === "radio") one.checked = one.value === now[one.name];
+      else one.value = now[one.name];
+    });
+  }
+
+  // What the exported C answers, and one sentence for readers of screens.
+  verdict(answer, mu) {
+    const { slope, over, height, sdg, status, tip } = answer, { unit } = this.scene;
+    const [name, verdict = "no answer", colour = "tips"] = STATUS[status];
+    const slides = mu === "" ? "" : Math.tan(slope) > mu ? " slides" : " holds";
+    const words = {
+      verdict, status: name, tip: tipText(answer),
+      sdg: digits(sdg, 4, unit), height: digits(height, 4, unit), over: pairText(this.scene, over),
+      slope: Number.isFinite(slope) ? `${(slope * DEGREES).toFixed(1)}°${slides}` : "–",
+    };
+    const at = (name) => find(`[data-is="${name}"]`);
+    Object.entries(words).forEach(([name, text]) => (at(name).textContent = text));
+    const kind = status === 0 && tip < CLOSE ? "close" : colour;
+    at("verdict").style.color = at("status").style.color = `var(--${kind})`;
+    at("slope").style.color = slides === " slides" ? "var(--rocks)" : "";
+    clearTimeout(this.later);
+    this.later = setTimeout(() => {
+      at("spoken").textContent = `The robot ${verdict}, ${tipText(answer, 1)} from tipping ` +
+        `over ${words.over}. The exported C answers ${name}.`;
+    }, 600);
+  }
+}
+
 class Page {
-  constructor(held, runtime) {
-    Object.assign(this, { scene: held.scene, runtime, last: null, first: 0 });
-    this.state = new State(held.scene, (change) => this.changed(change));
-    this.stage = new Stage(find("#view"), held.scene);
+  constructor(scene, runtime) {
+    Object.assign(this, { scene, runtime });
+    this.state = new State(scene, () => this.changed());
+    this.stage = new Stage(find("#view"), scene);
     this.stage.attach(this.state);
     this.disc = new Disc(find("#disc"), this);
     this.map = new JointMap(find("#map"), this);
-    this.trace = new Trace(find("#trace"), this);
-    this.flats = [this.disc, this.map, this.trace];
-    this.controls = new Controls(this);
-    attachKeys(this.state, {
-      d: () => this.state.set({ theme: isDark(this.state.now.theme) ? "light" : "dark" }),
-      g: () => this.state.set({ mode: this.state.now.mode === "ground" ? "body" : "ground" }),
-      l: () => this.state.set({ tilt: 0, heading: 0 }),
-      r: () => {
-        this.state.set({ ...this.state.initial(), theme: this.state.now.theme });
-        this.stage.home();
-      },
-      p: () => this.shot().toBlob((blob) => this.save("png", blob)),
-      c: () => this.save("csv", new Blob([this.trace.csv()], { type: "text/csv" })),
-    });
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.recolour());
+    this.sheets = scene.parameters.length ? [this.disc, this.map] : [this.disc];
+    this.controls = new Controls(scene, this.state);
+    this.keys();
+    matchMedia(DARK).addEventListener("change", () => this.recolour());
     new ResizeObserver(() => {
       this.stage.resize();
-      this.flats.forEach((one) => (one.dirty = true));
+      this.sheets.forEach((one) => (one.dirty = true));
     }).observe(find("main"));
     this.recolour();
-    this.changed(this.state.now);
+    this.changed();
     this.frame();
   }
 
-  changed(change) {
-    this.controls.show(this.state.now);
-    if ("theme" in change) this.recolour();
-    if ("mu" in change && this.last) this.controls.verdict(this.last, change.mu);
-    if (["q", "mode", "tilt", "heading"].some((key) => key in change)) {
-      this.moved = this.disc.stale = this.map.stale = true;
-    }
-    if ("axes" in change || "what" in change) this.map.stale = true;
-    this.map.dirty = true;
+  // Arrows tilt gravity, letters press buttons.
+  keys() {
+    const { state } = this, buttons = {
+      d: () => state.set({ theme: find(":root").style.colorScheme === "dark" ? "light" : "dark" }),
+      g: () => state.set({ mode: state.now.mode === "ground" ? "body" : "ground" }),
+      l: () => state.set({ tilt: 0, heading: 0 }),
+      r: () => {
+        state.set({ ...state.initial, theme: state.now.theme });
+        this.stage.home();
+      },
+    };
+    for (const one of document.querySelectorAll("button")) one.onclick = buttons[one.dataset.key];
+    addEventListener("keydown", (event) => {
+      const typing = /INPUT|SELECT/.test(event.target.tagName);
+      if (typing || event.ctrlKey || event.metaKey || event.altKey) return;
+      const push = PUSH[event.key], press = buttons[event.key.toLowerCase()];
+      if (push) {
+        const step = (event.shiftKey ? 5 : 1) / DEGREES, { tilt, heading } = state.now;
+        const [x, y] = push, g = tilted(tilt, heading);
+        state.set(angles(g.add(new Vector3(step * x, step * y, 0))));
+      } else press?.();
+      if (push || press) event.preventDefault();
+    });
   }
 
-  // All that is known of a state; `down` instead of tilt and heading in programs.
-  answer({ q, mode, tilt, heading, down }) {
-    const pose = this.runtime.pose(q), given = down ? vector(down) : tilted(tilt, heading);
+  changed() {
+    this.controls.show(this.state.now);
+    if (this.state.now.theme !== this.theme) this.recolour();
+    this.moved = true;
+  }
+
+  // What is asked of the C, in its units.
+  query() {
+    const { mode, tilt, heading, x, y, what, ...now } = this.state.now, { parameters } = this.scene;
+    const q = parameters.map(({ name, unit }) => now[`p.${name}`] * unit);
+    const axes = [x, y].map((axis) => parameters.findIndex(({ name }) => name === axis));
+    return { q, mode, down: tilted(tilt, heading), axes, what };
+  }
+
+  // All that is known of a posture under a direction.
+  answer({ q, mode, down }) {
+    const pose = this.runtime.pose(q), given = new Vector3(...down);
     const g = mode === "ground" ? seated(pose, given) : given, here = pierced(pose, g);
-    const cosine = here ? here.plane.clone().normalize().dot(g) : NaN;
-    const slope = Math.acos(Math.min(1, cosine));
-    return { ...this.runtime.at(q, [...g])[0], q, mode, g, pose, here, slope };
+    const slope = here ? g.angleTo(here.plane) : NaN;
+    return { ...this.runtime.at(q, [...g])[0], q, g, pose, here, slope };
   }
 
   // Answer and draw; what is left of the frame is for disc and map, most where nothing moves.
@@ -57,60 +186,29 @@ class Page {
     const until = performance.now() + (this.moved ? 6 : 14);
     if (this.moved) {
       this.moved = false;
-      this.last = this.answer(this.state.now);
+      this.last = this.answer(this.query());
       this.stage.show(this.last);
       this.controls.verdict(this.last, this.state.now.mu);
-      this.trace.add(this.last);
-      this.disc.dirty = true;
+      this.sheets.forEach((one) => (one.stale = one.dirty = true));
     }
     if (this.stage.dirty) this.stage.render();
-    if (this.first) [this.disc, this.map].forEach((one) => one.work(until));
-    this.first ||= performance.now();
-    this.flats.filter((one) => one.dirty).forEach((one) => {
-      one.dirty = false;
-      one.paint();
-    });
+    this.sheets.forEach((one) => one.work(until));
+    this.sheets.filter((one) => one.dirty).forEach((one) => one.paint());
     requestAnimationFrame(() => this.frame());
   }
 
   recolour() {
-    this.colours = palette(this.state.now.theme);
+    this.theme = this.state.now.theme;
+    this.colours = palette(this.theme);
     this.stage.recolour(this.colours);
-    this.flats.forEach((one) => Object.assign(one, { picture: null, dirty: true }));
-  }
-
-  // One picture: the robot at the left, disc and map at the right, the history below.
-  shot() {
-    this.stage.render(); // what is drawn can be read until the next frame alone
-    const [view, disc, map, trace] = ["#view", "#disc", "#map", "#trace"].map(find);
-    const ratio = view.width / view.clientWidth, gap = 12 * ratio, head = 34 * ratio;
-    const all = document.createElement("canvas"), context = all.getContext("2d");
-    all.width = view.width + Math.max(disc.width, map.width) + 3 * gap;
-    const height = Math.max(view.height + gap + trace.height, disc.height + map.height);
-    all.height = head + height + 2 * gap;
-    context.fillStyle = this.colours.page;
-    context.fillRect(0, 0, all.width, all.height);
-    context.fillStyle = this.colours.ink;
-    context.font = `${14 * ratio}px system-ui, sans-serif`;
-    const words = `${verdictOf(this.last)}, tip angle ${tipText(this.last)}`;
-    context.fillText(`${this.scene.name}: ${words}`, gap, 22 * ratio);
-    context.drawImage(view, gap, head);
-    context.drawImage(trace, gap, head + view.height + gap);
-    context.drawImage(disc, view.width + 2 * gap, head);
-    context.drawImage(map, view.width + 2 * gap, head + disc.height);
-    return all;
-  }
-
-  save(suffix, blob) {
-    const href = URL.createObjectURL(blob);
-    element("a", { href, download: `${this.scene.name}.${suffix}` }).click();
-    setTimeout(() => URL.revokeObjectURL(href), 60_000);
+    this.sheets.forEach((one) => Object.assign(one, { picture: null, dirty: true }));
   }
 }
 
 try {
   const held = JSON.parse(find("#data").textContent);
-  globalThis.explorer = new Page(held, await Runtime.start(held));
+  const { instance } = await WebAssembly.instantiate(bytesOf(held.wasm));
+  globalThis.explorer = new Page(held.scene, new Runtime(instance.exports, held));
 } catch (error) {
   find("#failed").hidden = false;
   find("#failed").textContent = `This browser could not start the page: ${error}`;

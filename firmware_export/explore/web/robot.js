@@ -13,67 +13,38 @@ const lit = (colour) => look(colour, new THREE.MeshLambertMaterial());
 const flat = (colour, more) =>
   look(colour, new THREE.MeshBasicMaterial({ transparent: true, ...more }));
 
-const turnOf = ([roll, pitch, yaw]) =>
-  new Quaternion().setFromEuler(new THREE.Euler(roll, pitch, yaw, "ZYX"));
-const solid = (shape, material, at) => moved(new THREE.Mesh(shape, material), at);
-const ball = (at, radius, material) =>
-  solid(new THREE.SphereGeometry(radius, 20, 14), material, at);
-function moved(mesh, at) {
+function solid(shape, material, at, order = 0) {
+  const mesh = new THREE.Mesh(shape, material);
   mesh.position.copy(at);
+  mesh.renderOrder = order;
   return mesh;
 }
+const ball = (at, radius, material) =>
+  solid(new THREE.SphereGeometry(radius, 20, 14), material, at);
 
-// Put a bar of length 1 along y between two points; hidden where they are one.
-function span(mesh, from, to, radius) {
-  const along = to.clone().sub(from), far = along.length();
-  mesh.visible = far > 1e-9;
-  mesh.position.copy(from).addScaledVector(along, 0.5);
-  mesh.scale.set(radius, far, radius);
+// A bar between two points.
+function bar(from, to, radius, material, order) {
+  const along = to.clone().sub(from), mesh = solid(BAR, material, from, order);
+  mesh.position.addScaledVector(along, 0.5);
+  mesh.scale.set(radius, Math.max(along.length(), 1e-9), radius);
   mesh.quaternion.setFromUnitVectors(UP, along.normalize());
   return mesh;
 }
 
-// The convex hull of points with x and y, counter-clockwise (Andrew).
-function hull(points) {
-  const bend = (o, a, b) => (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x);
-  const half = (row) => {
-    const out = [];
-    for (const p of row) {
-      while (out.length > 1 && bend(out.at(-2), out.at(-1), p) <= 0) out.pop();
-      out.push(p);
-    }
-    return out.slice(0, -1);
-  };
-  const sorted = [...points].sort((a, b) => a.x - b.x || a.y - b.y);
-  return sorted.length < 3 ? sorted : [...half(sorted), ...half(sorted.reverse())];
-}
-
-// What runs round discs with one axis and side: the hull of their rims, as a slab.
-function belt(discs, width, material) {
-  const [{ axis, position: first }] = discs, turn = new Quaternion().setFromUnitVectors(axis, Z);
-  const rims = discs.flatMap(({ position, radius }) => {
-    const rim = new THREE.EllipseCurve(0, 0, radius, radius).getPoints(36);
-    const { x, y } = position.clone().applyQuaternion(turn);
-    return rim.map((p) => p.add({ x, y }));
-  });
-  const slab = { depth: width, bevelEnabled: false, curveSegments: 1 };
-  const shape = new THREE.ExtrudeGeometry(new THREE.Shape(hull(rims)), slab);
-  const mesh = solid(shape, material, axis.clone().multiplyScalar(first.dot(axis) - width / 2));
-  mesh.quaternion.copy(turn.invert());
-  return mesh;
-}
-
-// Discs of a link that have one axis and side are round one belt.
+// What runs round discs of a link that have one axis and side: the hull of their rims.
 function belts(discs, size, material) {
-  const apart = (a, b) => Math.abs(b.position.clone().sub(a.position).dot(a.axis));
-  const alike = (a, b) => Math.abs(a.axis.dot(b.axis)) > 1 - 1e-6 && apart(a, b) < 1e-6 * size;
-  const firsts = discs.filter((disc, i) => !discs.slice(0, i).some((one) => alike(one, disc)));
-  return firsts.map((first) => {
-    const group = discs.filter((disc) => alike(first, disc));
-    const gaps = discs.map((disc) => apart(first, disc)).filter((gap) => gap > 1e-6 * size);
-    const round = Math.max(...group.map((disc) => disc.radius));
-    const width = Math.min(0.5 * round, 0.09 * size, ...gaps.map((gap) => 0.8 * gap));
-    return belt(group, width, material);
+  const side = ({ axis, position }) => (axis.dot(position) / size).toFixed(5);
+  const groups = Map.groupBy(discs, (disc) => [side(disc), ...disc.axis.toArray()].join());
+  return [...groups.values()].map((group) => {
+    const turn = new Quaternion().setFromUnitVectors(UP, group[0].axis);
+    const round = Math.max(...group.map(({ radius }) => radius));
+    const width = Math.min(0.5 * round, 0.09 * size);
+    const rims = group.flatMap(({ position, radius }) => {
+      const drum = new THREE.CylinderGeometry(radius, radius, width, 36);
+      const rim = drum.applyQuaternion(turn).translate(...position).getAttribute("position");
+      return Array.from({ length: rim.count }, (_, i) => vector(rim.array, 3 * i));
+    });
+    return new THREE.Mesh(new THREE.ConvexGeometry(rims), material);
   });
 }
 
@@ -84,7 +55,7 @@ function primitive({ kind, size, origin, rpy }, material) {
     cylinder: () => new THREE.CylinderGeometry(a, a, b, 28).rotateX(Math.PI / 2),
   }[kind]();
   const mesh = solid(shape, material, vector(origin));
-  mesh.quaternion.copy(turnOf(rpy));
+  mesh.rotation.set(...rpy, "ZYX");
   return mesh;
 }
 
@@ -126,7 +97,7 @@ class Robot {
     } else if (!parent) made.push(ball(start, 0.06 * size, looks.body));
     (boxed || discs.length > 1 ? feet.map((one) => one.position) : ends)
       .filter((end) => end.distanceTo(start) > 0.03 * size)
-      .forEach((end) => made.push(span(new THREE.Mesh(BAR, looks.link), start, end, thin)));
+      .forEach((end) => made.push(bar(start, end, thin, looks.link)));
     if (joint) made.push(ball(start, 1.6 * thin, looks.link));
     return made;
   }
@@ -137,7 +108,7 @@ class Robot {
     links.filter(({ parent }) => parent).forEach(({ name, origin, rpy, joint }) => {
       const link = this.links[name];
       link.position.fromArray(origin);
-      link.quaternion.copy(turnOf(rpy));
+      link.rotation.set(...rpy, "ZYX");
       if (!joint) return;
       const at = parameters.findIndex((one) => one.name === joint.parameter);
       const value = joint.scale * q[at] + joint.offset, axis = vector(joint.axis);
@@ -146,18 +117,8 @@ class Robot {
     });
     this.root.position.set(0, 0, 0);
     const total = links.reduce((sum, { mass }) => sum + mass, 0) || 1;
-    links.forEach((link) =>
-      com.addScaledVector(this.place(link.name, link.com), link.mass / total));
+    links.forEach(({ name, mass, com: at }) => com.addScaledVector(
+      this.body.worldToLocal(this.links[name].localToWorld(vector(at))), mass / total));
     this.root.position.copy(com.negate());
-  }
-
-  // A place in a link's frame, from the com.
-  place(name, at) {
-    return this.body.worldToLocal(this.links[name].localToWorld(vector(at)));
-  }
-
-  // Contacts from the com, [place, radius] each.
-  contacts() {
-    return this.scene.contacts.map((one) => [this.place(one.link, one.position), one.radius]);
   }
 }
