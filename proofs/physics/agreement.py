@@ -16,7 +16,7 @@ from proofs.physics import robots
 from proofs.physics.body import Floats, Posture
 from proofs.physics.release import STEEPEST, falls_either_way
 from proofs.physics.robots import Maker, cap
-from proofs.physics.start import DOWN, Start, start
+from proofs.physics.start import Start, start
 
 # Each kind of robot, and the tilt (deg) up to which directions are uniform.
 ROBOTS: dict[str, tuple[Maker, float]] = {
@@ -48,8 +48,7 @@ def counted(posture: Posture, tried: Iterable[tuple[Floats, Start]]) -> Counter[
     places = list(tried)
     angles = posture.tip_angles(np.array([gravity_dir for gravity_dir, _ in places]))
     for (gravity_dir, begin), angle in zip(places, angles, strict=True):
-        upright = abs(begin.slope(DOWN) - posture.upright)
-        if min(abs(angle), upright) < CLEAR:
+        if abs(angle) < CLEAR:
             found["near a limit"] += 1
             continue
         fell = falls_either_way(posture, begin, gravity_dir)
