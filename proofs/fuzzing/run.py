@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
 
+from numba.np.ufunc import parallel
+
 from lutgen.cli import main
 
 # Seconds of computing, and of waiting; bytes beyond those at the start, and of a file.
@@ -19,10 +21,7 @@ PATIENCE, WAIT, MEMORY, LARGEST = 30, 600, 3 << 30, 1 << 30
 
 @dataclass(frozen=True)
 class Case:
-    """Words that run beside `files` and may write out.*, and right exit codes.
-
-    Where it ended with 0, `then` has to take what that wrote.
-    """
+    """Words that run beside `files` and write out.*, right exit codes, and who reads out.*."""
 
     words: tuple[str, ...]
     files: Mapping[str, bytes]
@@ -32,6 +31,7 @@ class Case:
 
 def perform(words: tuple[str, ...], folder: Path) -> None:
     """Run a command in a process that is for nothing else; it says what it says to two files."""
+    parallel._backend_init_process_lock = None  # a fork killed with it would stop all others
     os.chdir(folder)
     for number, file in ((1, "../stdout"), (2, "../stderr")):
         os.dup2(os.open(file, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), number)
@@ -77,10 +77,10 @@ def fault(case: Case, code: int, out: str, err: str) -> str:
     """Return what is wrong with what a run said, "" if nothing."""
     if re.search(r"Traceback \(most recent|this is a fault of lutgen|memory is not enough", err):
         return f"traceback: {err[-2000:]}"
-    if code not in case.must:
+    if re.search(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]", err):
+        return f"message: control characters: {err[-300:]!r}"
+    if code not in case.must or (code in (1, 2) and not err.strip()):
         return f"exit code: {code} (-24 after {PATIENCE} s, -9 after {WAIT} s): {err[-300:]}"
-    if (code in (1, 2) and not err.strip()) or re.search(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]", err):
-        return f"message: {code} without a reason, or control characters"
     if code in (0, 3) and "--json" in case.words and not out.startswith(("Usage:", "lutgen,")):
         try:
             json.loads(out, parse_constant=int)  # no NaN and no Infinity

@@ -21,7 +21,7 @@ TRACE = 'Traceback (most recent call last):\n  File "x.py", line 7\nValueError: 
         (3, "{}", "", "exit code: 3"),
         (0, '{"sdg": NaN}', "", "output"),
         (0, "no JSON", "", "output"),
-        (2, "", "", "message"),
+        (2, "", "", "exit code: 2"),
         (0, "{}", "lutgen: a\x1b[31m", "message"),
     ],
 )
