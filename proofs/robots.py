@@ -41,7 +41,7 @@ from lutgen.urdf import (
     read_motion,
     srdf_beside,
 )
-from proofs.physics.body import recipe_postures
+from proofs.physics.body import recipe_posture
 from proofs.physics.page import MEASURED, page
 from proofs.physics.release import falls
 from proofs.physics.start import pierced
@@ -173,7 +173,7 @@ def engine(recipe: Recipe) -> list[float]:
     gravity 0.2 deg before and 0.2 deg after each limit.
     """
     home = np.array([recipe.home_params])
-    posture = recipe_postures(recipe, home)[0]
+    posture = recipe_posture(recipe, home[0])
     headings = even_headings(HEADINGS)
     limits = tilt_limits(recipe, home, headings, "plane")[0]
     frame = level_frames(recipe, home, "plane")[0]

@@ -62,17 +62,12 @@ class Primitives(NamedTuple):
 
 @dataclass(frozen=True)
 class Posture:
-    """A rigid robot of solids; angles in rad, mass in kg.
-
-    `torsion` (m) is by how much of its force a contact resists being turned about the ground's
-    normal; that of a point does not.
-    """
+    """A rigid robot of solids; angles in rad, mass in kg."""
 
     solids: tuple[Solid, ...]
     mass: float = 10.0
     upright: float = math.radians(80.0)
     rock_angle: float = math.radians(30.0)
-    torsion: float = 0.0
 
     @cached_property
     def primitives(self) -> Primitives:
@@ -133,18 +128,13 @@ def contact(centre: Floats, axis: Floats, radius: float) -> Solid:
     return Solid("sphere" if radius else "point", centre, float(radius))
 
 
-def recipe_postures(recipe: Recipe, params: Floats) -> list[Posture]:
-    """Return the postures of a recipe's robot at params (m, k), with its true mass."""
-    found, radius = forward(recipe, params), radii_and_kinds(recipe)[0]
-    metre = METRES[recipe.length_unit]
+def recipe_posture(recipe: Recipe, params: Floats) -> Posture:
+    """Return a recipe's robot at params (k,), with its true mass."""
+    found, metre = forward(recipe, params[None]), METRES[recipe.length_unit]
+    radius = radii_and_kinds(recipe)[0] * metre
+    solids = map(contact, found.centres[0] * metre, found.axes[0], radius)
     mass = sum(link.mass for link in recipe.links) or 10.0
-    return [
-        Posture(
-            tuple(map(contact, centres * metre, axes, radius * metre)),
-            *(mass, recipe.upright, recipe.rock_angle),
-        )
-        for centres, axes in zip(found.centres, found.axes, strict=True)
-    ]
+    return Posture(tuple(solids), mass, recipe.upright, recipe.rock_angle)
 
 
 def turned_to(direction: Floats, target: Floats) -> Floats:
@@ -165,11 +155,11 @@ def mjcf(posture: Posture, rotation: Floats, height: float, gravity: Floats, mu:
     own = posture.mass - light * len(free)
     com = -light / own * np.sum([solid.centre for solid in free], axis=0) if free else np.zeros(3)
     inertia = own / 12.0 * (squares.sum() - squares)
-    contacts = f'condim="{4 if posture.torsion else 3}" {SOFTNESS} contype="1" conaffinity="0"'
+    contacts = f'condim="3" {SOFTNESS} contype="1" conaffinity="0" friction="{mu!r} 0 0"'
     return (
         f'<mujoco><option {OPTION} gravity="{_text(gravity)}"/>'
-        f'<default><geom {contacts} friction="{mu!r} {posture.torsion!r} 0"/></default>'
-        '<worldbody><geom type="plane" size="100 100 1" contype="0" conaffinity="1"/>'
+        f"<default><geom {contacts}/></default><worldbody>"
+        '<geom type="plane" size="100 100 1" contype="0" conaffinity="1"/>'
         f'<body name="robot" pos="0 0 {height!r}" xyaxes="{_text(rotation[:, :2].T.ravel())}">'
         f'<freejoint/><inertial pos="{_text(com)}" mass="{own!r}" diaginertia="{_text(inertia)}"/>'
         f"{''.join(_geom(solid, light) for solid in posture.solids)}</body></worldbody></mujoco>"

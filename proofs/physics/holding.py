@@ -9,7 +9,6 @@ none, not where it stays with one; *may hold* is allowed both.
 
 import math
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -18,7 +17,7 @@ from lutgen.analysis import Posture as Asked
 from lutgen.analysis import holds, may_hold
 from proofs.physics.body import Floats, Posture, Solid
 from proofs.physics.release import Run
-from proofs.physics.robots import SIDEWAYS
+from proofs.physics.robots import SIDEWAYS, Maker
 from proofs.physics.start import DOWN, on_plane
 
 RADIUS, HALF = 0.1, 0.01
@@ -34,22 +33,21 @@ NEAR_LIMIT = math.radians(1.0)
 # Wheels are off by up to so much (m), a few times what they sink into the ground: any of them may
 # then carry a lot or nothing, and the robot leans by 0.01 deg.
 UNEVEN, SETS = 5e-5, 3
-COLUMNS = (
-    *("holds", "moved where it holds", "may hold", "of these moved with some load"),
-    *("rolls", "stayed where it rolls"),
-)
-NEVER = ("moved where it holds", "stayed where it rolls")
+WRONG = {
+    "holds": "moved where it holds",
+    "may hold": "of these moved with some load",
+    "rolls": "stayed where it rolls",
+}
+COLUMNS = tuple(column for pair in WRONG.items() for column in pair)
+NEVER, CASES = (WRONG["holds"], WRONG["rolls"]), tuple(WRONG)
 CHUNK, SEED = 10, 34
 
 
 def standing(places: list[tuple[float, float]], braked: list[bool], height: float) -> Posture:
     """Return a robot on wheels at places on level ground, its com at a height."""
-    return Posture(
-        tuple(
-            Solid("cylinder", np.array([x, y, RADIUS - height]), RADIUS, SIDEWAYS, HALF, brake)
-            for (x, y), brake in zip(places, braked, strict=True)
-        )
-    )
+    centres = [np.array([*place, RADIUS - height]) for place in places]
+    wheels = zip(centres, braked, strict=True)
+    return Posture(tuple(Solid("cylinder", at, RADIUS, SIDEWAYS, HALF, on) for at, on in wheels))
 
 
 def six(rng: np.random.Generator, middle: bool) -> Posture:
@@ -62,12 +60,8 @@ def six(rng: np.random.Generator, middle: bool) -> Posture:
 
 def in_line(rng: np.random.Generator) -> Posture:
     """Return a robot on three wheels in a line and a fourth beside it, some braked."""
-    places = [
-        (0.4, 0.2),
-        (rng.uniform(-0.2, 0.2), 0.2),
-        (-0.4, 0.2),
-        (rng.uniform(-0.1, 0.1), -0.4),
-    ]
+    middle, beside = rng.uniform(-0.2, 0.2), rng.uniform(-0.1, 0.1)
+    places = [(0.4, 0.2), (middle, 0.2), (-0.4, 0.2), (beside, -0.4)]
     return standing(places, some(rng, 4), rng.uniform(0.15, 0.4))
 
 
@@ -80,11 +74,10 @@ def inside(rng: np.random.Generator) -> Posture:
 
 def some(rng: np.random.Generator, count: int) -> list[bool]:
     """Return which wheels are braked: at least one, and not all."""
-    braked = rng.permutation(count) < rng.integers(1, count)
-    return [bool(one) for one in braked]
+    return list(map(bool, rng.permutation(count) < rng.integers(1, count)))
 
 
-ROBOTS: dict[str, Callable[[np.random.Generator], Posture]] = {
+ROBOTS: dict[str, Maker] = {
     "six wheels, the middle ones roll": lambda rng: six(rng, False),
     "six wheels, only the middle ones braked": lambda rng: six(rng, True),
     "three wheels in a line and one": in_line,
@@ -94,23 +87,21 @@ ROBOTS: dict[str, Callable[[np.random.Generator], Posture]] = {
 
 def uneven(posture: Posture, rng: np.random.Generator) -> Posture:
     """Return the robot with every wheel a little higher or lower."""
-    off = rng.uniform(-UNEVEN, UNEVEN, len(posture.solids))
-    solids = (
-        replace(solid, centre=solid.centre - up * DOWN)
-        for solid, up in zip(posture.solids, off, strict=True)
-    )
+    lift = -DOWN * rng.uniform(-UNEVEN, UNEVEN, len(posture.solids))[:, None]
+    solids = map(lambda one, up: replace(one, centre=one.centre + up), posture.solids, lift)
     return replace(posture, solids=tuple(solids))
 
 
 def moves(posture: Posture, gravity_dir: Floats, mu: float) -> bool:
     """Put it on level ground, tilt that, and tell whether the robot leaves its place."""
     run = Run(posture, on_plane(posture, DOWN), DOWN, mu)
-    while run.seconds < SETTLED + TILTED + WATCHED:
-        part = min(max(run.seconds - SETTLED, 0.0) / TILTED, 1.0)
+    place = run.data.xpos[run.body].copy()
+    while run.data.time < SETTLED + TILTED + WATCHED:
+        part = min(max(run.data.time - SETTLED, 0.0) / TILTED, 1.0)
         way = DOWN + part * (gravity_dir - DOWN)
         run.tilt(way / np.linalg.norm(way))
         run.step()
-        if run.moved > GONE:
+        if np.linalg.norm(run.data.xpos[run.body] - place) > GONE:
             return True
     return False
 
@@ -131,22 +122,17 @@ def said(posture: Posture, mu: float, tangent: float, heading: float) -> str:
     return "holds" if sure[0] else "may hold" if maybe[0] else "rolls"
 
 
-def judged(name: str, chunk: int) -> Counter[str]:
-    """Count `CHUNK` slopes, the same in every run."""
-    rng = np.random.default_rng([SEED, list(ROBOTS).index(name), chunk])
-    found: Counter[str] = Counter()
-    while found["holds"] + found["may hold"] + found["rolls"] < CHUNK:
-        posture, mu = ROBOTS[name](rng), rng.uniform(0.4, 0.9)
-        heading = rng.choice([0.0, math.pi, rng.uniform(0.0, 2.0 * math.pi)])
-        tangent = mu * rng.uniform(0.05, 0.95)
-        down = slope(tangent, heading)
-        if posture.tip_angles(down[None])[0] < NEAR_LIMIT:
-            continue
-        if verdict := said(posture, mu, tangent, heading):
-            sets = [posture, *(uneven(posture, rng) for _ in range(SETS))]
-            moved = [moves(one, down, mu) for one in sets]
-            found[verdict] += 1
-            found["moved where it holds"] += verdict == "holds" and any(moved)
-            found["of these moved with some load"] += verdict == "may hold" and any(moved)
-            found["stayed where it rolls"] += verdict == "rolls" and not all(moved)
-    return found
+def tried(name: str, rng: np.random.Generator) -> Counter[str]:
+    """Count a robot on a slope; nothing near a limit."""
+    posture, mu = ROBOTS[name](rng), rng.uniform(0.4, 0.9)
+    heading = rng.choice([0.0, math.pi, rng.uniform(0.0, 2.0 * math.pi)])
+    tangent = mu * rng.uniform(0.05, 0.95)
+    down = slope(tangent, heading)
+    if posture.tip_angles(down[None])[0] < NEAR_LIMIT:
+        return Counter()
+    if not (verdict := said(posture, mu, tangent, heading)):
+        return Counter()
+    sets = [posture, *(uneven(posture, rng) for _ in range(SETS))]
+    moved = [moves(one, down, mu) for one in sets]
+    wrong = {"holds": any(moved), "may hold": any(moved), "rolls": not all(moved)}[verdict]
+    return Counter({verdict: 1, WRONG[verdict]: int(wrong)})

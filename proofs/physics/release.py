@@ -48,7 +48,6 @@ class Run:
         self.body = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_BODY, "robot")
         self.normals = [begin.normal]
         mujoco.mj_forward(self.model, self.data)
-        self.place = self.data.xpos[self.body].copy()
 
     def step(self, count: int = CHUNK) -> None:
         """Go on by a number of milliseconds."""
@@ -60,19 +59,9 @@ class Run:
         self.model.opt.gravity[:] = GRAVITY * (self.laid @ gravity_dir)
 
     @property
-    def seconds(self) -> float:
-        """Time since the start."""
-        return float(self.data.time)
-
-    @property
     def turned(self) -> float:
         """Angle (rad) by which the ground's normal, seen from the body, has turned."""
         return _angle(self.normals[0], self.normals[-1])
-
-    @property
-    def moved(self) -> float:
-        """Way (m) of the body from its place."""
-        return float(np.linalg.norm(self.data.xpos[self.body] - self.place))
 
     @property
     def resting(self) -> bool:
@@ -91,7 +80,7 @@ def falls(posture: Posture, begin: Start, gravity_dir: Floats) -> bool:
     It fell if it ends more than `rock_angle` from where it began, or beyond `upright`.
     """
     run = Run(posture, begin, gravity_dir)
-    while run.seconds < SECONDS and run.turned <= OVER and not run.resting:
+    while run.data.time < SECONDS and run.turned <= OVER and not run.resting:
         run.step()
     lying = -run.normals[-1][2] < math.cos(min(math.pi, posture.upright + STILL))
     return run.turned > posture.rock_angle + SPARE or bool(lying)

@@ -9,7 +9,7 @@ import numpy as np
 
 import lutgen
 from lutgen.recipe import Recipe
-from proofs.physics.body import Floats, Posture, Solid, body, recipe_postures
+from proofs.physics.body import Floats, Posture, Solid, body, recipe_posture
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 Maker = Callable[[np.random.Generator], Posture]
@@ -35,14 +35,11 @@ def stance(rng: np.random.Generator, count: int, warp: float) -> Floats:
     return np.asarray(feet)
 
 
-def points(count: tuple[int, int], warp: float) -> Maker:
-    """Return a maker of bodies on points."""
-
-    def make(rng: np.random.Generator) -> Posture:
-        n = int(rng.integers(count[0], count[1] + 1))
-        return body(stance(rng, n, warp), mass=rng.uniform(1.0, 30.0))
-
-    return make
+def points(most: int, warp: float) -> Maker:
+    """Return a maker of bodies on three points or more."""
+    return lambda rng: body(
+        stance(rng, int(rng.integers(3, most + 1)), warp), mass=rng.uniform(1.0, 30.0)
+    )
 
 
 def balls(rng: np.random.Generator) -> Posture:
@@ -80,35 +77,25 @@ def capsules(rng: np.random.Generator) -> Posture:
     for centre in stance(rng, int(rng.integers(3, 5)), 0.03):
         axis = rng.normal(size=3)
         axis /= np.linalg.norm(axis)
-        solids.append(
-            Solid("capsule", centre, rng.uniform(0.01, 0.05), axis, rng.uniform(0.02, 0.1))
-        )
+        radius, half = rng.uniform(0.01, 0.05), rng.uniform(0.02, 0.1)
+        solids.append(Solid("capsule", centre, radius, axis, half))
     return Posture(tuple(solids), rng.uniform(1.0, 30.0))
 
 
-def flippers(wide: bool) -> Maker:
-    """Return a maker of robots on four flippers at any four angles, thin discs or cylinders."""
-
-    def make(rng: np.random.Generator) -> Posture:
-        length, width, reach = rng.uniform(0.3, 0.6), rng.uniform(0.3, 0.6), rng.uniform(0.2, 0.4)
-        root, half = rng.uniform(0.06, 0.12), rng.uniform(0.02, 0.04)
-        tip = root * rng.uniform(0.3, 0.9)
-        off = [*rng.uniform(-0.04, 0.04, 2), -rng.uniform(0.03, 0.15)]
-        solids = []
-        for forward in (1.0, -1.0):
-            for side in (1.0, -1.0):
-                hinge = np.array([forward * length, side * width, 0.0]) / 2.0 + off
-                angle = rng.uniform(-math.pi, math.pi)
-                out = np.array([forward * math.cos(angle), 0.0, math.sin(angle)])
-                solids.append(Solid("cylinder", hinge, root, SIDEWAYS, half))
-                solids.append(Solid("cylinder", hinge + reach * out, tip, SIDEWAYS, half))
-        mass = rng.uniform(1.0, 30.0)
-        if wide:
-            return Posture(tuple(solids), mass)
-        centres = np.array([solid.centre for solid in solids])
-        return body(centres, np.array([s.radius for s in solids]), SIDEWAYS, mass)
-
-    return make
+def flippers(wide: bool, rng: np.random.Generator) -> Posture:
+    """Return a robot on four flippers at any four angles, thin discs or cylinders."""
+    length, width, reach = rng.uniform(0.3, 0.6), rng.uniform(0.3, 0.6), rng.uniform(0.2, 0.4)
+    root, half = rng.uniform(0.06, 0.12), rng.uniform(0.02, 0.04)
+    tip = root * rng.uniform(0.3, 0.9)
+    off = [*rng.uniform(-0.04, 0.04, 2), -rng.uniform(0.03, 0.15)]
+    shape, half, solids = ("cylinder", half, []) if wide else ("disc", 0.0, [])
+    for forward, side in ((1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)):
+        hinge = np.array([forward * length, side * width, 0.0]) / 2.0 + off
+        angle = rng.uniform(-math.pi, math.pi)
+        out = np.array([forward * math.cos(angle), 0.0, math.sin(angle)])
+        solids.append(Solid(shape, hinge, root, SIDEWAYS, half))
+        solids.append(Solid(shape, hinge + reach * out, tip, SIDEWAYS, half))
+    return Posture(tuple(solids), rng.uniform(1.0, 30.0))
 
 
 def chair(rng: np.random.Generator) -> Posture:
@@ -126,7 +113,7 @@ def chair(rng: np.random.Generator) -> Posture:
 def any_params(recipe: Recipe, rng: np.random.Generator) -> Floats:
     """Return parameters (k,) anywhere in a recipe's ranges."""
     ends = np.array([(p.minimum, p.maximum) for p in recipe.parameters])
-    return rng.uniform(ends[:, 0], ends[:, 1])
+    return np.asarray(rng.uniform(*ends.T))
 
 
 @cache
@@ -137,9 +124,4 @@ def gallery(name: str) -> Recipe:
 
 def any_posture(name: str) -> Maker:
     """Return a maker of a gallery robot's postures."""
-
-    def make(rng: np.random.Generator) -> Posture:
-        recipe = gallery(name)
-        return recipe_postures(recipe, any_params(recipe, rng)[None])[0]
-
-    return make
+    return lambda rng: recipe_posture(gallery(name), any_params(gallery(name), rng))

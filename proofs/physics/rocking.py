@@ -6,36 +6,29 @@ is pushed out of it both ways.  How verdicts are counted is in `agreement`.
 
 import math
 from collections import Counter
+from functools import partial
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from proofs.physics import robots
 from proofs.physics.agreement import counted
 from proofs.physics.body import Floats, Posture
 from proofs.physics.release import STEEPEST
-from proofs.physics.robots import (
-    Maker,
-    any_posture,
-    balls,
-    cap,
-    chair,
-    flippers,
-    thin_wheels,
-    wide_wheels,
-)
+from proofs.physics.robots import Maker, cap
 from proofs.physics.start import Ints, Start, heights, pierced, reach
 
 ROBOTS: dict[str, Maker] = {
-    "3 to 8 balls": balls,
-    "4 thin wheels": thin_wheels,
-    "4 cylinders": wide_wheels,
-    "4 flippers, thin": flippers(False),
-    "4 flippers, cylinders": flippers(True),
-    "rocking chairs": chair,
-    **{name: any_posture(name) for name in ("marv", "markhor", "absolem", "articulated")},
+    "3 to 8 balls": robots.balls,
+    "4 thin wheels": robots.thin_wheels,
+    "4 cylinders": robots.wide_wheels,
+    "4 flippers, thin": partial(robots.flippers, False),
+    "4 flippers, cylinders": partial(robots.flippers, True),
+    "rocking chairs": robots.chair,
+    **{name: robots.any_posture(name) for name in ("marv", "markhor", "absolem", "articulated")},
 }
 COLUMNS = ("safe", "fell where safe", "tips", "held in balance", "near a limit")
-NEVER = ("fell where safe",)
+NEVER, CASES = ("fell where safe",), ("safe", "tips", "near a limit")
 # The range of gaps (rad): narrower ones are slivers, wider ones never count as rocking.
 NARROW, WIDE = math.radians(1.0), math.radians(30.0)
 # The step (rad) in which a roll is followed, how much further (m) another primitive must reach to
@@ -81,8 +74,7 @@ def rolled(posture: Posture, pair: Ints, normal: Floats, step: float) -> Floats:
 
 
 def _edge(posture: Posture, pair: Ints, normal: Floats) -> Floats:
-    first, second = reach(posture, normal[None])[0, pair]
-    return np.asarray(second - first)
+    return np.asarray(np.diff(reach(posture, normal[None])[0, pair], axis=0)[0])
 
 
 def over_gaps(rng: np.random.Generator, posture: Posture) -> list[tuple[Floats, Start]]:
@@ -102,12 +94,8 @@ def over_gaps(rng: np.random.Generator, posture: Posture) -> list[tuple[Floats, 
     ]
 
 
-def judged(name: str, chunk: int) -> Counter[str]:
-    """Count `CHUNK` directions over gaps, or a few more, the same in every run."""
-    rng = np.random.default_rng([SEED, list(ROBOTS).index(name), chunk])
-    found: Counter[str] = Counter()
-    while found["safe"] + found["tips"] + found["near a limit"] < CHUNK:
-        posture = ROBOTS[name](rng)
-        tried = over_gaps(rng, posture)
-        found += counted(posture, tried) if tried else Counter()
-    return found
+def tried(name: str, rng: np.random.Generator) -> Counter[str]:
+    """Count a robot under all its directions over gaps."""
+    posture = ROBOTS[name](rng)
+    places = over_gaps(rng, posture)
+    return counted(posture, places) if places else Counter()
