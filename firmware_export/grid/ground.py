@@ -174,7 +174,7 @@ def bends(ground: Ground, lowest: Sequence[float], highest: Sequence[float]) -> 
         u, v = ((x[..., at] - MIDDLE) / ground.chart_places for at in (-1, -2))
         face = rng.integers(0, model.faces, (LINES, 1))
         gravity = model.uv_to_gravity(face, u, v).reshape(-1, 1, 3)
-        params = ground.params(x[..., :k].reshape(-1, k))
+        params = ground.params(x[..., :k].reshape(LINES * ALONG, k))
         tip = model.tip_angle(model.postures(params), gravity).reshape(LINES, ALONG)
         tip = np.clip(tip, LOW, HIGH)
         bend = np.abs(tip[:, 2:] - 2.0 * tip[:, 1:-1] + tip[:, :-2]).mean(axis=0) ** POWER

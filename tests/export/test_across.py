@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from proofs.exports import before_guard
+from tests.fixtures.exports import before_guard
 
 from firmware_export.grid import lookup
 from firmware_export.grid.points import bounds, reach_of

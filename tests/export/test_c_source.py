@@ -206,7 +206,7 @@ def test_the_header_says_what_a_reader_must_know(exports: dict[str, Export]) -> 
         "Errors on 512,345 points",
         "sdg 0.0123 m (0.82 %) 0.0045 m (0.3 %) 0.0011 m (0.073 %)",
         "tip_angle 1.146 deg 0.573 deg 0.1146 deg",
-        "safe where the robot tips: 0 points",
+        "0 points are answered safe where the robot tips",
         "stable configurations reported unsafe: 1.23 %",
         f"Recipe sha256 {export.recipe.digest}",
         "#define FEET_PARAMS 2",
