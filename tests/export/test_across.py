@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from tests.fixtures.exports import before_guard
 
 from firmware_export.grid import lookup
 from firmware_export.grid.points import bounds, reach_of
@@ -10,6 +9,7 @@ from firmware_export.protocol import Export
 from firmware_export.truth.model import Model
 from firmware_export.truth.rest import least_edge_of
 from lutgen.recipe import load_recipe
+from tests.fixtures.exports import before_guard
 
 
 @pytest.mark.parametrize("label", ["grid i8 3x1 1x3 1x1", "grid i16 5x1 1x4 1x1"])
