@@ -13,9 +13,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.channels import (
-    ALONG,
-    ASIDE,
-    HEIGHT_BEYOND,
     measure_recipe,
     wanted_channels,
 )
@@ -35,17 +32,11 @@ class Exact(NamedTuple):
     """Exact channels, each (m, d) float64; lengths in the recipe's unit.
 
     `sdg` and `height` are NaN and `tip_angle` (rad) is negative outside the standing region.
-    `along` and `aside` are the components of D_g - s along the two in-plane axes of the facet whose
-    plane gravity pierces first, `height_beyond` its height: inside the region sdg is their
-    hypotenuse, and outside they go on smoothly until no accepted facet's plane is pierced (NaN).
     """
 
     sdg: Floats
     height: Floats
     tip_angle: Floats
-    along: Floats
-    aside: Floats
-    height_beyond: Floats
 
 
 class Model:
@@ -134,13 +125,11 @@ class Model:
         Returns
         -------
         Exact
-            Six arrays (m, d).
+            Three arrays (m, d).
         """
         where = self.postures(params)
         directions = unit_directions(gravity)
         names = ("sdg", "height", "tip_angle")
         wanted = wanted_channels(names)
-        values = measure_recipe(self.recipe, where, directions, wanted, tighter, beyond=True)
-        return Exact(
-            *(values[at] for at in (*map(CHANNELS.index, names), ALONG, ASIDE, HEIGHT_BEYOND))
-        )
+        values = measure_recipe(self.recipe, where, directions, wanted, tighter)
+        return Exact(*(values[CHANNELS.index(name)] for name in names))
