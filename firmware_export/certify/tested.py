@@ -1,7 +1,7 @@
 """The certificate of a table that is tested, not proved: fresh points, half beside the boundary.
 
-Owns which points these are: one half uniform, the other beside the boundary and at the ends of
-axes.  A point that is falsely safe ends a test: the table is lowered, and other points judge it.
+One half of the points is uniform.  The other lies beside the boundary and at the ends of axes.
+A point that is falsely safe ends a test: the table is lowered, and other points judge it.
 """
 
 import math

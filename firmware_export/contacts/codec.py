@@ -291,6 +291,6 @@ INFO = CodecInfo(
     read_label=Spec.of_label,
     cells=cells,
     guarded=guarded,
-    # Of three points given by code `grid`, which needs such a bound, has a smaller runtime.
+    # For three points given by code, `grid` has a smaller runtime; it needs such a bound.
     exact=lambda model: model.recipe.python is None or least_edge_of(model) <= 0.0,
 )

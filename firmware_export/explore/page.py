@@ -1,7 +1,7 @@
 """The page: one file of HTML with its scripts, the runtime as WebAssembly and the robot inside.
 
-Owns how they are put together, and the policy by which the page may run these scripts and load
-nothing else.
+This module puts them together.  A policy in the page lets it run these scripts and load nothing
+else.
 """
 
 import base64

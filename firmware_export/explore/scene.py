@@ -1,6 +1,6 @@
 """A recipe as the page knows it: links, contacts, parameters, and shapes to draw.
 
-Owns the names and units: radians and the recipe's length unit, parameters in their own units.
+Angles are in radians and lengths in the recipe's unit; parameters keep their own units.
 """
 
 import math

@@ -1,6 +1,6 @@
 """How far the errors of three tables turn the tip-over planes, at postures between all nodes.
 
-Owns the argument.  The true contacts P_i span a cone; M is the stored normal of edge i.  Where
+The true contacts P_i span a cone; M is the stored normal of edge i.  Where
 gravity is inside the cone and edge i the nearest, the foot of gravity on it lies on the arc from
 P_i to P_(i+1), so the tip angle is too large by at most the largest angle of that arc above the
 stored plane.  Errors along the legs lie in that plane and turn nothing.

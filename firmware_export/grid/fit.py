@@ -1,7 +1,7 @@
 """Tables of more than three contacts, trained: the sample, the nodes of each axis, the fit.
 
-Owns what a table learns from.  It is trained on random configurations, and then lowered where it
-calls safe what tips, on fresh ones that are sought where it only just says that the robot stands.
+A table is trained on random configurations.  Then it is lowered where it calls safe what tips, on
+fresh ones: where it only just says that the robot stands, and beside the true boundary.
 None of this proves that it is safe: that is tested afterwards, on the C that ships.
 """
 
@@ -39,8 +39,7 @@ STEPS, STEPS_LENGTHS, RATE = 600, 600, 10.0
 # Times that a lowered table is trained a little again; by how many codes points that tip are
 # brought below STANDS, those of the sample and fresh ones.
 AGAIN, BELOW, FURTHER = 2, 1.5, 3.0
-# Of as many directions of each posture those that only just stand are asked; as many points in a
-# round.
+# Directions drawn for a posture; those asked, which only just stand; points in a round.
 POOL, ASKED, ROUND = 300, 30, 1_500_000
 # Points around one that was falsely safe: postures, directions of each; how near they are at most
 # (parts of an axis) and over how many decades; decades of the distance of directions (rad); how
@@ -72,7 +71,7 @@ class Lesson:
     low, high : (2,) float64
         Places of v and of u between which it can stand.
     block : (6,) int8
-        Of each face the block that its codes are in, -1 where nothing stands.
+        The block that holds the codes of each face, -1 where nothing stands.
     bend : (k + 2, n) float64
         See `bends`.
     points : Points
@@ -269,7 +268,7 @@ def fit(
 def settle(
     lesson: Lesson, lattice: Lattice, values: Singles, seed: int, rounds: int = ROUNDS
 ) -> None:
-    """Lower codes in place, round after round, until next to nothing is found falsely safe."""
+    """Lower codes in place, round after round, until at most `FEW` points were falsely safe."""
     for turn in range(rounds):
         found = [
             lowered(lesson, values, lattice, [SEED, seed, turn]),
