@@ -2,75 +2,66 @@
 
 python -m tools.golden COMMIT [GROUP ...]
 
-Builds COMMIT in a temporary folder, runs this file on both checkouts, and lists the rows that
-differ.  Processors differ in the last bits, so nothing is stored.  A row that raises is the text of
-its exception.  Exits with 1 where a row differs.
+Builds COMMIT in a temporary folder, runs this file on both checkouts, and prints the `diff` of
+their rows.  Processors differ in the last bits, so nothing is stored.
 """
 
 import hashlib
-import json
-import os
 import random
 import re
 import subprocess
 import sys
 import tempfile
-from collections import Counter
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 
+import lutgen
+from firmware_export import export
+from firmware_export.device import ExportFolder
+
 ROOT = Path(__file__).resolve().parent.parent
-CASES = ROOT.parent / "shared"
 GALLERY = sorted((ROOT / "maps").glob("*.toml"))
 NAMED = [ROOT / "maps" / f"{name}.toml" for name in ("paper_two", "absolem", "markhor")]
+# Inputs that were once wrong, and published robots, which come with the package of `make robots`.
+WRONG, PUBLISHED = ROOT.parent / "shared", Path(np.__file__).parents[1] / "cmeel.prefix/share"
 CHANNELS = ("sdg", "height", "tip_angle", "margin", "energy_margin", "facet", "status")
 KINDS = ("curve", "surface", "contour", "sphere", "polar", "robot")
 COMMANDS = ("limits", "eval", "optimum", "metrics", "budget", "path --points 20", "check")
-# What each of the seeded robots has instead: points, spheres, two rims a wheel, a com in a ball,
-# a force, and nothing else.
+# What a seeded robot is made to have.
 EDITS = (
-    ("^(radius|axis) = .*", ""),
-    ("^axis = .*", ""),
-    (r'(\[\[robot\.contact\]\]\nname = ")(.+\n(?:.+\n)+)', r"\1\2\n\1rim_\2"),
+    ("^(radius|axis) = .*", ""),  # points
+    ("^axis = .*", ""),  # spheres
+    (r'(\[\[robot\.contact\]\]\nname = ")(.+\n(?:.+\n)+)', r"\1\2\n\1rim_\2"),  # two rims a wheel
     (r"\[robot\]\n", "[robot]\ncom_uncertainty = 0.01\n"),
-    (
-        r"\Z",
-        '\n[[robot.force]]\nname = "f"\nlink = "body"\nposition = [0, 0, 0]\nforce = [1, 2, -3]',
-    ),
+    (r"\Z", '\n[[robot.force]]\nname = "f"\nlink = "body"\nposition = [0, 0, 0]\nforce=[1, 2, 3]'),
     ("", ""),
 )
-READ = """#include <stdio.h>
-int main(void) {
-  float x[COUNT + 3];
-  smap_reading_t r = {0};
-  while (fread(x, sizeof x, 1, stdin) == 1)
-    printf("%d %a %a %a\\n", smap_read(&MAP, x, x + COUNT, &r), r.sdg, r.tip_angle, r.height);
-}"""
 
 
-def digest(value):
-    """Return sixteen digits for bytes, a text or an array (in float64)."""
-    if isinstance(value, str):
-        value = value.encode()
-    elif not isinstance(value, bytes):
-        value = np.ascontiguousarray(value, np.float64).tobytes()
-    return hashlib.sha256(value).hexdigest()[:16]
+def said(*words):
+    """Run a command; return its exit code, what it prints, and the file `new` that it writes."""
+    for path in Path().glob("new.*"):
+        path.unlink()
+    line = [sys.executable, "-P", "-m", "lutgen", *map(str, words)]
+    done = subprocess.run(line, capture_output=True)
+    made = [path.read_bytes() for path in Path().glob("new.*")]
+    return [bytes([done.returncode]), done.stdout, done.stderr, *made]
 
 
-def command(words):
-    """Run a command; return its exit code and what it prints."""
-    done = subprocess.run([sys.executable, "-P", "-m", "lutgen", *words], capture_output=True)
-    return f"{done.returncode} {(done.stdout + done.stderr).decode()}"
-
-
-def seeded(number):
-    """Write a robot of the gallery with other numbers and one of the edits."""
-    dice, path = random.Random(number), Path(f"seeded_{number}.toml")
-    text = re.sub(*EDITS[number % len(EDITS)], dice.choice(GALLERY).read_text(), flags=re.M)
-    path.write_text(re.sub(r"\d\.\d+", lambda x: str(float(x[0]) * dice.uniform(0.9, 1.1)), text))
-    return path
+def recipe_of(source):
+    """Load a recipe: of a TOML file, of a robot description, or of the seeded robot of a number."""
+    new = Path("new.toml")
+    if isinstance(source, int):
+        dice = random.Random(source)
+        text = re.sub(*dice.choice(EDITS), dice.choice(GALLERY).read_text(), flags=re.M)
+        text = re.sub(r"\d\.\d+", lambda x: str(float(x[0]) * dice.uniform(0.9, 1.1)), text)
+        new.write_text(text)
+    elif source.suffix == ".urdf":
+        said("import", source, "-o", new)
+    else:
+        new = source
+    return lutgen.load_recipe(new)
 
 
 def postures(recipe, count, directions):
@@ -81,126 +72,77 @@ def postures(recipe, count, directions):
     return dice.uniform(low, high, (count, len(low))), down
 
 
-def imported(path):
-    """Import a robot description; return its recipe, which begins with what the command says."""
-    out = Path(f"{path.parent.name}_{path.stem}.toml")
-    said = command(["import", str(path), "-o", str(out)])
-    out.write_text(f"# {said!r}\n" + (out.read_text() if out.exists() else ""))
-    return out
-
-
-def values(find, argument):
-    """Return the channels of a robot on 300 postures x 200 directions."""
-    import lutgen
-
-    recipe = lutgen.load_recipe(find(argument))
+def channels(source):
+    """Return every channel of a robot on 300 postures x 200 directions."""
+    recipe = recipe_of(source)
     found = lutgen.evaluate(recipe, *postures(recipe, 300, 200), channels=CHANNELS)
-    return " ".join(digest(found[name]) for name in CHANNELS)
+    return [np.asarray(found[name]) for name in CHANNELS]
 
 
-def dataset(path):
-    """Sweep a recipe; return the digest of every channel of its map."""
-    import lutgen
-
-    recipe, out = lutgen.load_recipe(path), f"{path.stem}.h5"
-    lutgen.sweep(recipe, out, force=True)
-    return " ".join(digest(lutgen.load_map(out).channel(name)) for name in recipe.channels)
+def maps(path):
+    """Sweep a recipe; return every channel of its map."""
+    recipe = lutgen.load_recipe(path)
+    lutgen.sweep(recipe, "map.h5", force=True)
+    return [lutgen.load_map("map.h5").channel(name) for name in recipe.channels]
 
 
-def export(path):
-    """Export a recipe and compile it; return digests of its blob and of 20,000 answers in C."""
-    import firmware_export
-    import lutgen
-
-    name, folder, recipe = path.stem, Path(f"{path.stem}_c"), lutgen.load_recipe(path)
-    firmware_export.export(path, folder, points=20_000)
-    (folder / "read.c").write_text(READ)
-    given = [f"-DMAP={name}", f"-DCOUNT={len(recipe.parameters)}", "-include", f"{name}.h"]
-    sources = ["-I", folder, folder / f"{name}.c", folder / "read.c", "-lm", "-o", folder / "read"]
-    subprocess.run(["cc", *given, *sources], check=True)
-    asked = np.hstack(postures(recipe, 20_000, 20_000)).astype(np.float32).tobytes()
-    said = subprocess.run(folder.resolve() / "read", input=asked, capture_output=True, check=True)
-    blob = json.loads((folder / f"{name}_report.json").read_text())["tables"]["blob"]
-    return f"{digest(json.dumps(blob))} {digest(said.stdout)}"
+def exports(path):
+    """Export a recipe; return its tables and the answers of the C to 20,000 queries."""
+    export(path, "export", points=20_000, force=True)
+    made = ExportFolder("export")
+    return [made.blob.bytes, *made.host.read(*postures(recipe_of(path), 20_000, 20_000))]
 
 
-def checked(number):
+def broken(number):
     """Break a line of a recipe; return the exit code of `check` and the keys that it names."""
-    dice, path = random.Random(number), Path("broken.toml")
-    lines = dice.choice(GALLERY).read_text().splitlines()
-    at = dice.choice([k for k, line in enumerate(lines) if "=" in line])
-    key, value = lines[at].split("=", 1)
-    lines[at] = key + dice.choice(("= -1e9", '= "x"', f"x = {value}", "= []", "= {}"))
-    path.write_text("\n".join(lines))
-    said = command(["check", str(path)])
-    return said[0] + " ".join(re.findall("key (`[^`]*`)", said))
-
-
-def drawn(kind, path):
-    """Draw a figure; return the digest of the file, in which a vector is a text."""
-    out = Path(f"{path.stem}_{kind}.svg")
-    return command(["plot", str(path), "--kind", kind, "-o", str(out)])[0] + out.read_text()
+    dice = random.Random(number)
+    text = dice.choice(GALLERY).read_text()
+    line = dice.choice([*re.finditer(r"^(\w+) = .*", text, flags=re.M)])
+    other = dice.choice((" = -1e9", ' = "x"', "x = 1", " = []", " = {}"))
+    Path("broken.toml").write_text(text[: line.end(1)] + other + text[line.end() :])
+    code, *printed = said("check", "broken.toml")
+    return [code, *re.findall(rb"key (`[^`]*`)", b"".join(printed))]
 
 
 def rows():
-    """Return a function for each row, by its name."""
-    urdfs = sorted([*CASES.rglob("cases/**/*.urdf"), *CASES.glob("robots/*.urdf")])
-    try:
-        from proofs.robots import STAND, data
-
-        urdfs += [data() / f"{path}.urdf" for path in STAND.values()]
-    except (ImportError, SystemExit) as missing:
-        print(f"published robots are skipped: {missing}", file=sys.stderr)
-    tomls = [*GALLERY, *sorted(CASES.rglob("*.toml"))]
-    found = {f"channels {path.stem}": partial(values, Path, path) for path in tomls}
-    found |= {f"channels {path.stem}": partial(values, imported, path) for path in urdfs}
-    found |= {f"channels seeded {n}": partial(values, seeded, n) for n in range(60)}
-    found |= {f"imports {path.stem}": lambda p=path: imported(p).read_text() for path in urdfs}
-    found |= {f"maps {path.stem}": partial(dataset, path) for path in GALLERY}
-    found |= {f"exports {path.stem}": partial(export, path) for path in GALLERY}
-    for path in NAMED:
-        for line in COMMANDS:
-            name, *rest = line.split()
-            found[f"answers {line} {path.stem}"] = partial(
-                command, [name, str(path), *rest, "--json"]
-            )
-        found |= {f"figures {kind} {path.stem}": partial(drawn, kind, path) for kind in KINDS}
-    return found | {f"broken {number}": partial(checked, number) for number in range(300)}
+    """Yield the group of each row, the function that computes it, and its arguments."""
+    robots = sorted([*WRONG.rglob("*.urdf"), *PUBLISHED.rglob("*.urdf")])
+    sources = (*GALLERY, *sorted(WRONG.rglob("*.toml")), *robots, *range(60))
+    yield from (("channels", channels, one) for one in sources)
+    yield from (("imports", said, "import", one, "-o", "new.toml") for one in robots)
+    yield from (("maps", maps, one) for one in GALLERY)
+    yield from (("exports", exports, one) for one in GALLERY)
+    for one in NAMED:
+        yield from (("answers", said, *line.split(), one, "--json") for line in COMMANDS)
+        drawn = ("-q", "plot", one, "-o", "new.svg", "--kind")
+        yield from (("figures", said, *drawn, kind) for kind in KINDS)
+    yield from (("broken", broken, one) for one in range(300))
 
 
 def record(groups):
-    """Compute the rows of some groups in this folder; leave them in rows.json."""
-    found = {}
-    for name, row in rows().items():
-        if not groups or name.split()[0] in groups:
+    """Print the digest of each row of some groups, or the text of what it raises."""
+    for group, find, *given in rows():
+        if not groups or group in groups:
             try:
-                found[name] = digest(row())
+                value = hashlib.sha256(b"\0".join(map(bytes, find(*given)))).hexdigest()[:16]
             except Exception as error:
-                found[name] = f"{type(error).__name__}: {error}"[:100]
-    Path("rows.json").write_text(json.dumps(found))
+                value = f"{type(error).__name__}: {error}"[:100]
+            print(group, *given, value, flush=True)
 
 
 def compare(commit, groups):
     """Compare the two checkouts; return 1 where a row differs."""
-    found, git = [], ["git", "-C", str(ROOT), "worktree"]
     with tempfile.TemporaryDirectory() as folder:
-        old = Path(folder, "checkout")
-        subprocess.run([*git, "add", "-qf", "--detach", old, commit], check=True)
-        for root in (old, ROOT):
-            build = [sys.executable, "setup.py", "-q", "build_ext", "--inplace"]
+        unpack = f"git -C '{ROOT}' archive --prefix=old/ '{commit}' | tar -x"
+        subprocess.run(unpack, shell=True, cwd=folder, check=True)
+        for root, name in ((Path(folder, "old"), "before"), (ROOT, "now")):
+            run = ["env", f"PYTHONPATH={root}", sys.executable, "-P"]
+            build = [*run, "setup.py", "-q", "build_ext", "--inplace"]
             subprocess.run(build, cwd=root, check=True, capture_output=True)
-            place = Path(tempfile.mkdtemp(dir=folder))
-            words = [sys.executable, "-P", __file__, "--record", *groups]
-            subprocess.run(words, cwd=place, env=os.environ | {"PYTHONPATH": str(root)}, check=True)
-            found.append(json.loads((place / "rows.json").read_text()))
-        subprocess.run([*git, "remove", "--force", old], check=True)
-    before, now = found
-    differ = [name for name in sorted(before | now) if before.get(name) != now.get(name)]
-    for name in differ:
-        print(f"{name}: {before.get(name, 'missing')} -> {now.get(name, 'missing')}")
-    same = Counter(name.split()[0] for name in now if name not in differ)
-    print("the same:", ", ".join(f"{group} {count}" for group, count in same.items()))
-    return int(bool(differ))
+            with Path(folder, name).open("w") as out:
+                words = [*run, __file__, "--record", *groups]
+                subprocess.run(words, cwd=folder, stdout=out, check=True)
+        return subprocess.run(["diff", "before", "now"], cwd=folder).returncode
 
 
 if __name__ == "__main__":
