@@ -60,8 +60,8 @@ verify: .venv/.installed ## prove the C runtime (ten minutes, SAMPLE=1: three; d
 	$(BIN)/python -m proofs.run $(if $(SAMPLE),--sample)
 prove: .venv/.installed ## prove that exports on three points are never falsely safe (a minute or two)
 	$(BIN)/python -m proofs.prove
-size: $(EXPORTS) ## measure flash, RAM and stack on a Cortex-M4 (arm-none-eabi-gcc)
-	$(BIN)/python -m targets.size $(NAMES:%=build/maps/%/firmware)
+size: .venv/.installed ## measure flash, RAM and stack on a Cortex-M4 (arm-none-eabi-gcc)
+	$(BIN)/python -m targets.size
 
 physics: .venv/.physics ## judge the verdicts by a physics engine (docs/measured; ten minutes, SAMPLE=1: two)
 	$(BIN)/python -m proofs.physics.judge $(if $(SAMPLE),agreement rocking braking --chunks 1,--update)

@@ -3,7 +3,6 @@
 import os
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
@@ -13,11 +12,9 @@ import numba
 
 from benchmarks.cases import legged_recipe
 from benchmarks.rows import Row, interleave
-from lutgen.mapping.compute import expected_seconds
 from lutgen.mapping.sweeper import sweep
-from lutgen.recipe.recipe import Recipe, load_recipe, parse_recipe
+from lutgen.recipe.recipe import Recipe, parse_recipe
 
-ROOT = Path(__file__).resolve().parent.parent
 BYTES, PIECE = 1 << 28, 1 << 22
 FACE_NODES = 53
 DOWN = 'chart = "cone"\nmax_tilt = 45.0\nnodes = 1'
@@ -66,44 +63,6 @@ def files(folder: Path) -> Iterator[Row]:
         name = f"4 legs, {size / 1e6:.0f} MB of sdg"
         yield Row(name, threads, ours, "raw write", plain, 2.0)
         yield Row(f"{name}, fsync", threads, ours_synced, "raw write, fsync", plain_synced, 1.15)
-
-
-def costs(folder: Path) -> Iterator[Row]:
-    """Hold sweeps against what `lutgen check` foretells for computing plus a raw write.
-
-    The first is bound by the disk, the second by directions, the third by facets and gaps.
-    """
-    target = folder / "map.h5"
-    for recipe in (
-        legged(3, 150, 'chart = "cone"\nmax_tilt = 60.0\nnodes = 65', "sdg"),
-        legged(8, 70, f'chart = "sphere"\nnodes = {FACE_NODES}', "sdg", "tip_angle"),
-        load_recipe(ROOT / "maps" / "absolem.toml"),
-    ):
-        sweep(recipe, target)  # loads the kernels
-        foretold = expected_seconds(recipe)
-        begin = time.perf_counter()
-        sweep(recipe, target)
-        taken = time.perf_counter() - begin
-        size = target.stat().st_size
-        begin = time.perf_counter()
-        write_raw(target, size, True)()
-        foretold += time.perf_counter() - begin
-        name = f"{Path(recipe.source).stem}, {size / 1e6:.0f} MB"
-        yield Row(name, numba.config.NUMBA_NUM_THREADS, taken, "foretold", foretold)
-
-
-def postures(folder: Path) -> Iterator[Row]:
-    """Hold a million postures in one direction against a hundredth of them."""
-    times = []
-    for side in (100, 100, 1000):  # the first loads the kernels
-        begin = time.perf_counter()
-        recipe = legged(4, side, DOWN, "sdg", "tip_angle")
-        sweep(recipe, folder / f"postures{side}.h5")
-        times.append((time.perf_counter() - begin) / side**2)
-    threads = numba.config.NUMBA_NUM_THREADS
-    yield Row(
-        "4 legs, 1,000 x 1,000 postures, one direction", threads, times[2], "100 x 100", times[1]
-    )
 
 
 def processes(folder: Path) -> Iterator[Row]:

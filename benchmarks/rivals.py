@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from firmware_export.truth.model import Model
 from lutgen.jit import njit, prange
 from lutgen.recipe.kinematics import postures
-
-Floats = NDArray[np.float64]
+from lutgen.vector import Floats
 
 # Nodes per parameter and per side of the chart.
 PARAMETER_NODES = (3, 5, 7, 9, 13, 17, 25)

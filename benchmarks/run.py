@@ -43,8 +43,6 @@ def parts(folder: Path, nodes: int) -> Iterator[tuple[str, Iterator[Row]]]:
     yield "Support facets and region, time of a posture", memory.facets()
     yield "`lutgen.stability`, time of a direction", memory.directions(folder)
     yield "`lutgen.sweep` to HDF5", files.files(folder)
-    yield "What `lutgen check` foretells", files.costs(folder)
-    yield "Many postures, time of a posture", files.postures(folder)
     yield "Processes", files.processes(folder)
 
 

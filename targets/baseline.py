@@ -79,13 +79,7 @@ def save(content: dict[str, Any]) -> None:
 
 
 def compare(known: dict[str, Any], found: dict[str, Any]) -> tuple[list[str], list[str]]:
-    """Return the lines on numbers that are worse than the baseline, and that are better.
-
-    Parameters
-    ----------
-    known, found : dict
-        The baseline; a run, in the same form.
-    """
+    """Return the lines on numbers of a run that are worse than the baseline, and better."""
     worse, better = list[str](), list[str]()
     for board, version in found["compilers"].items():
         if known["compilers"].get(board) != version:

@@ -1,7 +1,6 @@
 """The four emulated targets: compilers, flags, emulators and how their counters count."""
 
-import shutil
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 STRICT = ("-std=c99", "-ffp-contract=off")
 # avr-gcc knows address spaces in GNU C only; it never fuses a multiplication and an addition.
@@ -11,10 +10,6 @@ QEMU_ARM = (
     "-semihosting-config enable=on,target=native,chardev=s "
     "-icount shift=10,sleep=off,align=off -kernel"
 )
-ARM_PACKAGES = {
-    "arm-none-eabi-gcc": "gcc-arm-none-eabi picolibc-arm-none-eabi",
-    "qemu-system-arm": "qemu-system-arm",
-}
 
 
 @dataclass(frozen=True)
@@ -31,8 +26,6 @@ class Board:
         Of the compiler, also when it links; of the linker.
     emulator : tuple of str
         Command; the image's name follows it.
-    packages : dict
-        Program to the Debian packages that bring it.
     options : tuple of str
         Levels of optimisation.
     unit : str
@@ -53,7 +46,6 @@ class Board:
     flags: tuple[str, ...]
     link: tuple[str, ...]
     emulator: tuple[str, ...]
-    packages: dict[str, str] = field(hash=False)
     options: tuple[str, ...] = ("-O2",)
     unit: str = "instructions"
     ticks: float = 1.0
@@ -62,10 +54,10 @@ class Board:
     order: str = "<"
     sparse: int = 1
 
-    def missing(self) -> list[str]:
-        """Return the Debian packages of the programs that are not installed."""
-        found = [pack for tool, pack in self.packages.items() if shutil.which(tool) is None]
-        return sorted(" ".join(found).split())
+    @property
+    def programs(self) -> tuple[str, str]:
+        """What has to be installed."""
+        return self.tool, self.emulator[0]
 
 
 def _arm(flash: int, ram: int) -> tuple[str, ...]:
@@ -84,7 +76,6 @@ BOARDS = (
         ),
         _arm(1 << 22, 1 << 22),
         tuple(f"qemu-system-arm -M mps2-an386 {QEMU_ARM}".split()),
-        ARM_PACKAGES,
         options=("-O2", "-Os"),
         ticks=25.6,
     ),
@@ -96,7 +87,6 @@ BOARDS = (
         ),
         _arm(256 << 10, 16 << 10),
         tuple(f"qemu-system-arm -M microbit {QEMU_ARM}".split()),
-        ARM_PACKAGES,
         ticks=16.384,
         flash=256 << 10,
         ram=16 << 10,
@@ -104,7 +94,6 @@ BOARDS = (
     Board(
         *("avr", "ATmega2560", "avr-gcc", ("-mmcu=atmega2560", *GNU), ("-Wl,--gc-sections",)),
         ("simavr", "-m", "atmega2560", "-f", "16000000"),
-        {"avr-gcc": "gcc-avr avr-libc", "simavr": "simavr"},
         options=("-Os",),
         unit="cycles",
         flash=256 << 10,
@@ -114,10 +103,6 @@ BOARDS = (
     Board(
         *("ppc", "PowerPC, big-endian", "powerpc-linux-gnu-gcc", STRICT, ("-static",)),
         ("qemu-ppc",),
-        {
-            "powerpc-linux-gnu-gcc": "gcc-powerpc-linux-gnu libc6-dev-powerpc-cross",
-            "qemu-ppc": "qemu-user",
-        },
         unit="",
         order=">",
     ),

@@ -146,7 +146,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--update", action="store_true", help="rewrite the table of targets.md")
     options = parser.parse_args(arguments)
     wanted = options.only.split(",") if options.only else [board.name for board in BOARDS]
-    boards = [board for board in BOARDS if board.name in wanted and not board.missing()]
+    named = [board for board in BOARDS if board.name in wanted]
+    boards = [board for board in named if all(map(shutil.which, board.programs))]
     cells = [
         (robot, board, option)
         for robot in map(prepared, ROBOTS)

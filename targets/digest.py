@@ -16,13 +16,7 @@ Queries = tuple[NDArray[Any], NDArray[Any]]
 
 
 def fnv1a(data: bytes, start: int = START) -> int:
-    """Return the FNV-1a hash of bytes, going on from `start`.
-
-    Examples
-    --------
-    >>> hex(fnv1a(b"")), hex(fnv1a(b"a")), hex(fnv1a(b"foobar"))
-    ('0x811c9dc5', '0xe40c292c', '0xbf9cf968')
-    """
+    """Return the FNV-1a hash of bytes, going on from `start`."""
     value = start
     for byte in data:
         value = ((value ^ byte) * PRIME) & 0xFFFFFFFF
@@ -30,14 +24,7 @@ def fnv1a(data: bytes, start: int = START) -> int:
 
 
 def answer_bytes(status: NDArray[Any], reading: NDArray[Any]) -> NDArray[np.uint8]:
-    """Return answers as they are hashed: status, then the members of the struct, a row each query.
-
-    Parameters
-    ----------
-    status : (m,) int8
-    reading : (m,) structured
-        Of `Host.ask` or `Host.at`.
-    """
+    """Return answers (m,) as they are hashed: status, then the members of the struct."""
     members = [np.asarray(status, np.int8)]
     members += [np.ascontiguousarray(reading[name]) for name in reading.dtype.names or ()]
     rows = [one.view(np.uint8).reshape(len(reading), -1) for one in members]
@@ -47,15 +34,8 @@ def answer_bytes(status: NDArray[Any], reading: NDArray[Any]) -> NDArray[np.uint
 def answers(host: Host, floats: bool, integers: bool, real: Queries, whole: Queries) -> bytes:
     """Return all answers of a map to queries, in the order in which chip/image.c asks.
 
-    Parameters
-    ----------
-    host : Host
-        What is asked.
-    floats, integers : bool
-        The forms of its poses.
-    real, whole : tuple of array
-        Parameters (m, k) and gravity (m, 3), in floats and as whole numbers; those of a form that
-        the map does not have are not looked at.
+    `real` and `whole` are parameters (m, k) and gravity (m, 3), in floats and as whole numbers;
+    those of a form that its poses do not have are not looked at.
     """
     found = list[NDArray[np.uint8]]()
     if floats:

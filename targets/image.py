@@ -32,35 +32,17 @@ class CellError(ExportError):
 
 @dataclass(frozen=True)
 class Job:
-    """An export and the queries of a board.
-
-    Parameters
-    ----------
-    folder : Path
-        The export.
-    name : str
-        Of the map in C.
-    params : int
-        Geometry parameters.
-    floats, integers : bool
-        The forms of a pose that the export has.
-    rows : bytes
-        The queries, those of the hash first.
-    checked, counted : int
-        How many of each.
-    longest : bool
-        Whether only the longest read is counted.
-    """
+    """An export and the queries of a board: `rows`, first those `checked`, then those `counted`."""
 
     folder: Path
-    name: str
+    name: str  # of the map in C
     params: int
-    floats: bool
+    floats: bool  # whether a pose has this form
     integers: bool
     rows: bytes = field(repr=False)
     checked: int
     counted: int
-    longest: bool = False
+    longest: bool = False  # only the longest read is counted
 
     @property
     def calls(self) -> dict[str, str]:

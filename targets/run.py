@@ -8,6 +8,7 @@ docs/measured/targets.md explains the columns, and `--update` writes its table.
 
 import argparse
 import os
+import shutil
 import subprocess
 import sys
 import time
@@ -153,8 +154,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     begin = time.perf_counter()
     every, by_name = {one.name: one for one in cases()}, {one.name: one for one in BOARDS}
     boards = [by_name[name] for name in chosen(options.only, list(by_name))]
-    missing = sorted({pack for board in boards for pack in board.missing()})
-    boards = [board for board in boards if not board.missing()]
+    missing = {one for board in boards for one in board.programs if shutil.which(one) is None}
+    boards = [board for board in boards if not missing.intersection(board.programs)]
     rows = [prepared(every[name]) for name in chosen(options.export, list(every))]
     found, failed = run(rows, boards, options.reads)
     worse, better = list[str](), list[str]()
@@ -167,7 +168,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         baseline.save({"compilers": compilers, "rows": known | merged})
         pages.update(baseline.load())
     if missing:
-        print(f"SKIPPED targets: apt-get install {' '.join(missing)}")
+        print(f"SKIPPED targets: {', '.join(sorted(missing))} are not installed")
     for word, lines in (("WORSE", worse), ("BETTER", better)):
         print("".join(f"{word:<7} {line}\n" for line in lines), end="")
     if worse or better:

@@ -1,6 +1,6 @@
 """Measure the runtime with a cross compiler: code, RAM and stack for each set of features.
 
-    python -m targets.size [--update] [EXPORT_DIR ...]
+    python -m targets.size [--update]
 
 Prints a table on stdout.  With --update it rewrites runtime/sizes.json, which exports read instead
 of compiling anything, and the table of docs/measured/targets.md.  A runtime that needs more of a
@@ -9,7 +9,6 @@ library than memcpy and memset is an error.
 
 import argparse
 import json
-import re
 import shutil
 import sys
 import tempfile
@@ -17,7 +16,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from firmware_export.emit import report
 from firmware_export.emit.runtime import SWITCHES, control_parts, parts_of
 from firmware_export.emit.size import FILE, TARGET
 from firmware_export.host import RUNTIME
@@ -63,10 +61,7 @@ Measure = dict[str, int]
 
 
 def program(config: Mapping[str, int], control: bool = False) -> str:
-    """Return a file that has the parts that some settings need, with a blob in memory.
-
-    `control`: with those of on-board control, and a policy in memory.
-    """
+    """Return a file of the parts that some settings need, on request with on-board control."""
     on = frozenset(name for name, value in config.items() if value)
     lines = ["#define SMAP_HOST", *(f"#define {name} {value}" for name, value in config.items())]
     lines += ['#include "smap.h"', '#include "smap_config.h"']
@@ -83,17 +78,7 @@ def program(config: Mapping[str, int], control: bool = False) -> str:
 
 
 def measure(config: Mapping[str, int], folder: Path, control: bool = False) -> Measure:
-    """Compile the runtime with these settings; return bytes of code, data, bss and stack.
-
-    Parameters
-    ----------
-    config : mapping
-        Value of each setting.
-    folder : path
-        Where to work.
-    control : bool
-        Whether with on-board control.
-    """
+    """Compile the runtime with these settings; return bytes of code, data, bss and stack."""
     (folder / "all.c").write_text(program(config, control), encoding="utf-8")
     command = [*flags_of(BOARD, "-Os"), f"-I{RUNTIME}", "-fcallgraph-info=su"]
     build([*command, "-c", "all.c", "-o", "all.o"], folder)
@@ -133,13 +118,6 @@ def measure_set(features: Sequence[str], folder: Path) -> Measure:
     return {**alone, "control": steered["code"] - alone["code"]}
 
 
-def _settings_of(directory: Path) -> dict[str, int]:
-    """Return the settings in the NAME.c of an export."""
-    name = report.load_report(directory)["name"]
-    text = (directory / f"{name}.c").read_text(encoding="utf-8")
-    return {name: int(value) for name, value in re.findall(r"#define (SMAP_\w+) (\d+)", text)}
-
-
 def table(found: Mapping[str, Measure]) -> str:
     """Return the table of targets.md."""
     rows = []
@@ -157,7 +135,6 @@ def _row(label: str, result: Measure) -> str:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Print the table; return an exit code."""
     parser = argparse.ArgumentParser(prog="python -m targets.size", description=__doc__)
-    parser.add_argument("exports", nargs="*", type=Path, help="folders of `lutgen export`")
     parser.add_argument("--update", action="store_true", help="rewrite runtime/sizes.json")
     options = parser.parse_args(arguments)
     if shutil.which(BOARD.tool) is None:
@@ -170,10 +147,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
             for title, features in SETS.items():
                 found[title] = measure_set(features, Path(name))
                 print(_row(title.replace("`", ""), found[title]))
-            for directory in options.exports:
-                content = report.load_report(directory)
-                result = measure(_settings_of(directory), Path(name))
-                print(_row(f"export {content['name']} ({content['spec']})", result))
     except LutgenError as error:
         print(f"Error: {error}", file=sys.stderr)
         return 1

@@ -47,7 +47,7 @@ def test_the_queries_bring_out_every_answer_and_both_sides_of_tipping() -> None:
 
 
 @pytest.mark.parametrize(
-    "board", [pytest.param(board, marks=pytest.mark.needs(*board.packages)) for board in BOARDS]
+    "board", [pytest.param(board, marks=pytest.mark.needs(*board.programs)) for board in BOARDS]
 )
 def test_a_target_answers_as_the_host_does(row: run.Row, board: Board) -> None:
     cell = run.run_cell(row, board, board.options[-1], 0)
@@ -55,7 +55,7 @@ def test_a_target_answers_as_the_host_does(row: run.Row, board: Board) -> None:
     assert ("read" in cell) is bool(board.unit)
 
 
-@pytest.mark.needs(*ON["m4f"].packages)
+@pytest.mark.needs(*ON["m4f"].programs)
 def test_one_wrong_bit_in_a_table_gives_another_hash(row: run.Row) -> None:
     source = row.job.folder / "tripod.c"
     text = source.read_text()
@@ -66,7 +66,7 @@ def test_one_wrong_bit_in_a_table_gives_another_hash(row: run.Row) -> None:
     assert execute(replace(job, counted=1), ON["m4f"], "-Os").hash != wanted
 
 
-@pytest.mark.needs(*ON["m4f"].packages)
+@pytest.mark.needs(*ON["m4f"].programs)
 def test_a_chip_commands_what_this_machine_does_bit_for_bit(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
