@@ -8,7 +8,6 @@ from pathlib import Path
 
 from setuptools import Extension, find_namespace_packages, setup
 from setuptools.command.bdist_wheel import bdist_wheel
-from setuptools.command.build_ext import build_ext
 
 SOURCES = sorted(Path("firmware_export/runtime").glob("*.[ch]"))
 # `firmware_export.host` refuses a library of other sources.
@@ -18,13 +17,6 @@ FLAGS = ["-std=c99", "-O2", "-ffp-contract=off", "-fno-fast-math", "-Wno-unknown
 # Python may have been built by a compiler that this machine lacks.
 if not shutil.which((sysconfig.get_config_var("CC") or "cc").split()[0]):
     os.environ.setdefault("CC", "cc")
-
-
-class Library(build_ext):
-    """A library that exports no Python module, so its name carries no version of Python."""
-
-    def get_ext_filename(self, fullname: str) -> str:  # noqa: D102
-        return fullname.replace(".", os.sep) + ".so"
 
 
 class Wheel(bdist_wheel):
@@ -40,14 +32,13 @@ runtime = Extension(
     define_macros=[("SMAP_SOURCES", f'"{DIGEST}"')],
     extra_compile_args=[*FLAGS, f"-ffile-prefix-map={Path.cwd()}=."],
     depends=[str(path) for path in SOURCES],
+    py_limited_api=True,  # it is no Python module, so its name carries no version of Python
     optional=True,  # without a compiler all but exports works
 )
-packages = find_namespace_packages(
-    include=["lutgen*", "firmware_export*"], exclude=["*__pycache__"]
-)
+packages = find_namespace_packages(".", ["*__pycache__"], ["lutgen*", "firmware_export*"])
 setup(
     packages=[*packages, "lutgen.gallery"],
     package_dir={"lutgen.gallery": "maps"},
-    cmdclass={"build_ext": Library, "bdist_wheel": Wheel},
+    cmdclass={"bdist_wheel": Wheel},
     ext_modules=[runtime],
 )

@@ -1,6 +1,6 @@
 """The runtime's C code, built for this machine when lutgen was installed.
 
-Owns where the library is and that it was built from the files beside it; see runtime/batch.c.
+Owns where the library is and that it was built from the files beside it; see runtime/host.h.
 """
 
 import ctypes
@@ -11,7 +11,7 @@ from pathlib import Path
 from lutgen.errors import ExportError
 
 RUNTIME = Path(__file__).resolve().parent.parent / "runtime"
-NAME = "_host.so"
+NAME = "_host.abi3.so"
 WAY_OUT = (
     "install a C compiler, then lutgen again (in a checkout `python setup.py build_ext --inplace`)."
 )
