@@ -27,7 +27,7 @@ NAMED = [ROOT / "maps" / f"{name}.toml" for name in ("paper_two", "absolem", "ma
 WRONG, PUBLISHED = ROOT.parent / "shared", Path(np.__file__).parents[1] / "cmeel.prefix/share"
 CHANNELS = ("sdg", "height", "tip_angle", "margin", "energy_margin", "facet", "status")
 KINDS = ("curve", "surface", "contour", "sphere", "polar", "robot")
-COMMANDS = ("limits", "eval", "optimum", "metrics", "budget", "path --points 20", "check")
+COMMANDS = ("limits", "eval", "optimum", "metrics", "budget", "path --points 20")
 # What a seeded robot is made to have.
 EDITS = (
     ("^(radius|axis) = .*", ""),  # points
