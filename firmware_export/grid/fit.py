@@ -136,7 +136,7 @@ def learn(model: Model) -> Lesson:
         x = rng.random((postures, model.k)) * WHOLE
         gravity = uniform_directions(model, rng, (PER_POSTURE * more,))
         exact = ground.model.exact(ground.params(x), gravity[None])
-        place, face = ground.enter(x, gravity)
+        place, face = ground.enter(x, gravity[None])
         lengths = (exact.sdg.astype(np.float32), exact.height.astype(np.float32))
         parts.append((place, face, aims(exact.tip_angle), *lengths))
     order = np.random.default_rng(SEED).permutation(sum(one[1].size for one in parts))
@@ -175,7 +175,7 @@ def lowered(lesson: Lesson, values: Singles, lattice: Lattice, seed: list[int]) 
         rng = np.random.default_rng([*seed, part])
         x = rng.random((postures, model.k)) * WHOLE
         gravity = uniform_directions(model, rng, (pool,))
-        place, face = ground.enter(x, gravity)
+        place, face = ground.enter(x, gravity[None])
         place, block = place.reshape(-1, model.k + 2), lesson.block[face].ravel()
         said = train.read(values, Points(place, block, place[:, 0]), lattice)
         least = np.where(said >= STANDS, said, np.inf).reshape(postures, pool)
@@ -282,8 +282,9 @@ def settle(
 
 def given(lesson: Lesson, lattice: Lattice, values: Singles, sample: Sample) -> Found:
     """Lower codes in place on given points; return those that were falsely safe."""
-    place, face = lesson.ground.enter_all(*sample)
-    on = on_chart(lesson.ground.model, sample.gravity)
+    ground = lesson.ground
+    place, face = ground.enter(ground.places_of(sample.params), sample.gravity)
+    on = on_chart(ground.model, sample.gravity)
     block = np.where(on, lesson.block[face], -1).astype(np.int8).ravel()
     place = place.reshape(-1, place.shape[2])
     return _lower(lesson, values, lattice, *sample, Points(place, block, place[:, 0]))

@@ -82,12 +82,6 @@ class Ground:
         x = (params - [p.low for p in self.places]) * [p.inverse for p in self.places]
         return np.clip(x, 0.0, WHOLE)
 
-    def enter_all(self, params: Floats, gravity: Floats) -> tuple[Singles, NDArray[np.int8]]:
-        """Return places (m, d, k + 2) and faces (m, d) of postures (m, k) under (m, d, 3) each."""
-        x = self.places_of(params)
-        rows = [self.enter(x[at : at + 1], gravity[at]) for at in range(len(x))]
-        return np.concatenate([one[0] for one in rows]), np.concatenate([one[1] for one in rows])
-
     def mirrored(self, x: Floats, fold: Fold) -> Floats:
         """Return the places (m, k) of the mirror images of postures at places (m, k)."""
         other = x[:, list(fold.partner)]
@@ -99,17 +93,23 @@ class Ground:
         return MIDDLE * 8192.0 / math.ceil(self.model.chart_limit * 8193.0)
 
     def enter(self, x: Floats, gravity: Floats) -> tuple[Singles, NDArray[np.int8]]:
-        """Return places (m, d, k + 2) and faces (m, d) of places (m, k) under directions (d, 3)."""
+        """Return places (m, d, k + 2) and faces (m, d) of postures at places (m, k).
+
+        `gravity`: directions (m, d, 3) of each, or (1, d, 3) of all.
+        """
         k, chart = self.model.k, self.model.recipe.chart
-        left = (gravity[:, 1] < 0.0) & (self.fold is not None)
-        face, u, v, _ = chart.locate(np.where(left[:, None], gravity * [1.0, -1.0, 1.0], gravity))
-        places = np.empty((len(x), len(gravity), k + 2), np.float32)
+        left = ((gravity[..., 1] < 0.0) & (self.fold is not None))[..., None]
+        right = np.where(left, gravity * [1.0, -1.0, 1.0], gravity)
+        face, u, v, _ = chart.locate(right.reshape(-1, 3))
+        shape = gravity.shape[:2]
+        places = np.empty((len(x), shape[1], k + 2), np.float32)
         places[..., :k] = x[:, None]
         if self.fold is not None:
-            places[:, left, :k] = self.mirrored(x, self.fold)[:, None]
+            places[..., :k] = np.where(left, self.mirrored(x, self.fold)[:, None], x[:, None])
         for at, coordinate in ((k, v), (k + 1, u)):
-            places[..., at] = np.clip(MIDDLE + coordinate * self.chart_places, 0.0, WHOLE)
-        return places, np.broadcast_to(face.astype(np.int8), places.shape[:2])
+            place = MIDDLE + coordinate.reshape(shape) * self.chart_places
+            places[..., at] = np.clip(place, 0.0, WHOLE)
+        return places, np.broadcast_to(face.astype(np.int8).reshape(shape), places.shape[:2])
 
 
 @lru_cache(maxsize=4)

@@ -175,6 +175,5 @@ def _biased_part(model: Model, m: int, seed: list[int], cells: Cells | None) -> 
     gravity = uniform_directions(model, rng, (m, d))
     rims = -(-d // 4)
     gravity[:, :rims] = _rim_directions(model, rng, (m, rims), cells)
-    near = beside_boundary(model, rng, params, gravity)
-    gravity[:, rims:] = near[:, rims:]
+    gravity[:, rims:] = beside_boundary(model, rng, params, gravity, d - rims)
     return Sample(params, gravity)

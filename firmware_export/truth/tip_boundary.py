@@ -99,22 +99,26 @@ def arcs(
 
 
 def beside_boundary(
-    model: Model, rng: np.random.Generator, params: Floats, gravity: Floats
+    model: Model, rng: np.random.Generator, params: Floats, gravity: Floats, count: int
 ) -> Floats:
-    """Return directions (m, d, 3) close to the tip-over boundary, half of them on each side.
+    """Return directions (m, count, 3) close to the tip-over boundary: pairs, one on each side.
 
-    Where a posture's directions all stand or all tip they are returned as they are.
+    A crossing takes longer to find than two points to measure.  The crossings are on arcs from the
+    last of the directions (m, d, 3), which are returned as they are where a posture's directions
+    all stand or all tip.
     """
-    inside, outside, found = arcs(model, rng, params, gravity)
-    safe = np.where(found[..., None], outside, inside)
-    last, first = boundary(model, params, inside, safe)
+    half = -(-count // 2)
+    ins, outs, both = arcs(model, rng, params, gravity)
+    inside, outside, given = (one[:, -half:] for one in (ins, outs, gravity))
+    found = np.asarray(both[:, -half:, None])
+    ends = boundary(model, params, inside, np.where(found, outside, inside))
     along = outside - inside
-    along -= (along * last).sum(axis=-1, keepdims=True) * last
+    along -= (along * ends[0]).sum(axis=-1, keepdims=True) * ends[0]
     length = np.sqrt((along * along).sum(axis=-1, keepdims=True))
     along /= np.where(length > 0.0, length, 1.0)
-    offset = 10.0 ** rng.uniform(NEAREST, FARTHEST, found.shape)
-    beyond = rng.random(found.shape) < 0.5
-    near = np.where(beyond[..., None], first, last)
-    near = unit(near + np.where(beyond, offset, -offset)[..., None] * along)
-    good = found & on_chart(model, near)
-    return np.where(good[..., None], near, np.where(found[..., None], last, gravity))
+    sides = []
+    for sign, end in zip((-1.0, 1.0), ends, strict=True):
+        near = unit(end + sign * 10.0 ** rng.uniform(NEAREST, FARTHEST, found.shape) * along)
+        good = found & on_chart(model, near)[..., None]
+        sides.append(np.where(good, near, np.where(found, ends[0], given)))
+    return np.concatenate(sides, axis=1)[:, :count]
