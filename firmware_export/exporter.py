@@ -41,7 +41,7 @@ ATTEMPTS = 6
 # Times that a guard is made larger for what a certificate has seen, and the largest (rad).
 WIDER, WIDEST = 3, 5e-3
 # Times that a table is lowered for what its test has found.
-LOWERED = 20
+LOWERED = 40
 # Share of what stands that an export may report as unsafe at most.
 USELESS = 0.25
 # Bytes of the export that is made where nothing was asked for and nothing reaches the knee.
