@@ -42,8 +42,9 @@ static float smap_inside(const smap_many_pose_t *o, uint8_t rest, const float g[
 /* Whether a direction that is in no rest is in a gap. */
 static int smap_is_in_gap(const smap_many_pose_t *o, const float g[3])
 {
+  const uint8_t gaps = SMAP_MANY_GAPS ? o->at.gaps : 0;
   uint8_t k;
-  for (k = 0; k < o->at.gaps; k++) {
+  for (k = 0; k < gaps; k++) {
     const float(*const side)[3] = o->wall + SMAP_MANY_CORNERS + 2 * k;
     if (smap_dot(o->wall[o->at.gap[k].a], g) <= 0.0f && smap_dot(o->wall[o->at.gap[k].b], g) <= 0.0f &&
         smap_dot(side[0], g) >= 0.0f && smap_dot(side[1], g) >= 0.0f) {

@@ -113,8 +113,9 @@ static int32_t smap_inside_i(const smap_layout_t *at, const smap_many_pose_i_t *
 /* As smap_is_in_gap. */
 static int smap_is_in_gap_i(const smap_layout_t *at, const smap_many_pose_i_t *o, const int32_t g[3])
 {
+  const uint8_t gaps = SMAP_MANY_GAPS ? at->gaps : 0;
   uint8_t k;
-  for (k = 0; k < at->gaps; k++) {
+  for (k = 0; k < gaps; k++) {
     const int16_t(*const side)[3] = o->wall + SMAP_MANY_CORNERS + 2 * k;
     if (smap_dot_i(o->wall[at->gap[k].a], g) <= 0 && smap_dot_i(o->wall[at->gap[k].b], g) <= 0 &&
         smap_dot_i(side[0], g) >= 0 && smap_dot_i(side[1], g) >= 0) {

@@ -241,6 +241,7 @@ static inline float smap_slope(smap_aim_t *o, float s, float c, float t)
   return norm;
 }
 
+#if SMAP_MANY_GAPS
 /* The plane on the contacts i and j at a fraction of the way between two others. */
 static void smap_on_arc(const smap_many_work_t *w, uint8_t i, uint8_t j, const smap_aim_t *from,
                         const smap_aim_t *to, float part, smap_aim_t *out)
@@ -257,6 +258,7 @@ static void smap_on_arc(const smap_many_work_t *w, uint8_t i, uint8_t j, const s
                                     (w->p[j][1] - w->p[i][1]));
   }
 }
+#endif
 
 /* Enter the facet of three contacts, whose slope is that of a and b; its first edge, or none. */
 static uint8_t smap_triangle(smap_many_work_t *w, float s, float c, const uint8_t three[3], uint8_t a,
