@@ -54,22 +54,29 @@ static int smap_is_in_gap(const smap_many_pose_t *o, const float g[3])
   return 0;
 }
 
-/* The distance (sine) of a direction from the boundary, and from which wall of it. */
+/* The distance (sine) of a direction from the boundary, 1 where that is further than a right angle, and from which wall
+ * of it. */
 static float smap_nearest(const smap_many_pose_t *o, const float g[3], uint8_t *which)
 {
   const uint8_t arcs = o->at.arcs;
   float least = 1.0f;
   uint8_t k;
   for (k = 0; k < arcs; k++) {
-    float away = smap_dot(o->wall[o->at.arc[k]], g), beyond;
+    const float *const m = o->amid[k], *const t = o->along[k];
+    float away = smap_dot(o->wall[o->at.arc[k]], g), aside, ahead;
     away *= away;
+    if (!(away < least)) {
+      continue;
+    }
+    aside = smap_absolute(smap_dot(t, g));
+    ahead = smap_dot(m, g);
+    if (ahead < 0.0f && ahead * smap_dot(t, t) + aside * smap_dot(m, m) < 0.0f) {
+      continue; /* even the nearer end is behind */
+    }
+    away += aside > ahead ? (aside - ahead) * (aside - ahead) : 0.0f;
     if (away < least) {
-      beyond = smap_absolute(smap_dot(o->along[k], g)) - smap_dot(o->amid[k], g);
-      away += beyond > 0.0f ? beyond * beyond : 0.0f;
-      if (away < least) {
-        least = away;
-        *which = o->at.arc[k];
-      }
+      least = away;
+      *which = o->at.arc[k];
     }
   }
   return smap_root(least);

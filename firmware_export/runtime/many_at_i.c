@@ -92,6 +92,12 @@ static inline int32_t smap_dot_i(const int16_t a[3], const int32_t b[3])
   return (int32_t)((uint32_t)(a[0] * b[0]) + (uint32_t)(a[1] * b[1]) + (uint32_t)(a[2] * b[2]));
 }
 
+static inline int32_t smap_square_i(const int16_t a[3])
+{
+  const int32_t b[3] = {a[0], a[1], a[2]};
+  return smap_dot_i(a, b);
+}
+
 /* As smap_inside; 32767 |g| times the sine. */
 static int32_t smap_inside_i(const smap_layout_t *at, const smap_many_pose_i_t *o, uint8_t rest, const int32_t g[3],
                              int32_t least, uint8_t *which)
@@ -125,26 +131,34 @@ static int smap_is_in_gap_i(const smap_layout_t *at, const smap_many_pose_i_t *o
   return 0;
 }
 
-/* As smap_nearest; |g| times the sine, rounded down. */
+/* As smap_nearest; |g| times the sine, rounded down.  In doubt about an arc that is so short that it has no digits
+ * that what stands is nearer, and what tips further. */
 static int32_t smap_nearest_i(const smap_layout_t *at, const smap_many_pose_i_t *o, const int32_t g[3], uint32_t length,
-                              uint8_t *which)
+                              int stands, uint8_t *which)
 {
+  const int32_t doubt = stands ? -4 : 4;
   const uint8_t arcs = at->arcs;
   const int32_t h[3] = {g[0], g[1], g[2]}; /* no store can alter it */
   uint32_t least = (length - 1u) * (length - 1u);
   uint8_t k;
   for (k = 0; k < arcs; k++) {
+    const int16_t *const m = o->amid[k], *const t = o->along[k];
     const int32_t away = smap_dot_i(o->wall[at->arc[k]], h) >> 15;
     uint32_t square = (uint32_t)away * (uint32_t)away;
+    int32_t aside, ahead;
+    if (square >= least) {
+      continue;
+    }
+    aside = smap_dot_i(t, h) >> 15;
+    aside = aside < 0 ? -aside : aside;
+    ahead = smap_dot_i(m, h) >> 15;
+    if (ahead < doubt && ahead * (smap_square_i(t) >> 15) + aside * (smap_square_i(m) >> 15) < doubt * SMAP_ONE_I) {
+      continue;
+    }
+    square += aside > ahead ? (uint32_t)(aside - ahead) * (uint32_t)(aside - ahead) : 0u;
     if (square < least) {
-      int32_t beyond = smap_dot_i(o->along[k], h);
-      beyond = (beyond < 0 ? (int32_t)(0u - (uint32_t)beyond) : beyond) >> 15;
-      beyond -= smap_dot_i(o->amid[k], h) >> 15;
-      square += beyond > 0 ? (uint32_t)beyond * (uint32_t)beyond : 0u;
-      if (square < least) {
-        least = square;
-        *which = at->arc[k];
-      }
+      least = square;
+      *which = at->arc[k];
     }
   }
   return (int32_t)smap_whole_root(least);
@@ -213,7 +227,7 @@ static smap_status_t smap_many_at_i(const smap_layout_t *at, const smap_many_pos
            : tip >= edge || smap_is_in_gap_i(at, o, h) ? SMAP_ROCKS
                                                        : SMAP_TIPS;
   if (rests > 1 && !(tip >= 0 && at->alone[best])) {
-    tip = smap_nearest_i(at, o, h, length, &which);
+    tip = smap_nearest_i(at, o, h, length, status != SMAP_TIPS, &which);
     tip = (status == SMAP_TIPS ? -tip - 1 : tip) * SMAP_ONE_I;
   }
   if (tip < all) {
