@@ -27,8 +27,8 @@ GUARD = 1e-4
 # Parts of the size by which thresholds are kept, and within which contacts are on one rail; sines
 # within which axes are parallel, and level.
 HAIR, SAME = 1e-5, 4e-6
-# No further does a robot roll from rest to rest (rad): a point mass that falls from balance leaves its
-# pivot at 48.2 deg.
+# No further does a robot roll from rest to rest (rad): a point mass that falls from balance leaves
+# its pivot at 48.2 deg.
 FURTHEST = math.radians(45.0)
 MOST_CONTACTS = 62
 # With a com anywhere in its ball: facets lower than this share of heights are given up; how many

@@ -13,6 +13,7 @@
 #define SMAP_SUNK 1.01f    /* and of E, of which half-way values stand for a whole arc */
 #define SMAP_SPARE 1e-4f   /* of the way, by which a limit is on the safe side */
 #define SMAP_STEP_IN 1.1f  /* times what brings the side of a gap in */
+#define SMAP_HALVES 8      /* rounds of Newton's method, and one */
 #define SMAP_SLIT 1e-5f    /* of the size: between edges that are nearer there is nothing */
 #define SMAP_LEANS 1e-6f   /* of the size: the ends of a gap are as far inside its sides */
 
@@ -36,23 +37,40 @@ static void smap_turn(const float a[3], const float b[3], const float g[3], floa
   }
 }
 
-/* Roll under gravity g from normal a over b to c, over a contact at p, then m, at last q: the integral of -p . dg, both
- * as parabolas.  Places are from p on, lest a small rise loses its digits. */
-static float smap_roll(const float *const n[3], const float p[3], const float m[3], const float q[3], const float g[3],
-                       float out[3])
+/* By how much the com sinks over a contact at p, then m, at last q, while gravity turns by half and whole: the integral
+ * of -p . dg, both as parabolas.  Places are from p on, lest a small rise loses its digits. */
+static float smap_sinks(const float p[3], const float m[3], const float q[3], const float half[3], const float whole[3])
 {
-  float half[3], whole[3], sunk;
+  float sunk = -smap_dot(p, whole);
   uint8_t k;
-  smap_turn(n[0], n[1], g, half);
-  smap_turn(n[0], n[2], g, whole);
-  sunk = -smap_dot(p, whole);
   SMAP_THRICE
   for (k = 0; k < 3; k++) {
     const float end = q[k] - p[k];
     sunk += half[k] * end * (2.0f / 3.0f) - whole[k] * (end * 0.5f + (m[k] - p[k]) * (2.0f / 3.0f));
-    out[k] = g[k] + whole[k];
   }
   return sunk;
+}
+
+/* Roll from one rest to the other, `way` 1 for the way back, by its three normals, the corners of the gap and where
+ * both contacts are half-way; of what both contacts tell of how far the com sinks the greater counts. */
+static void smap_roll(const float *const n[3], const float *const corner[4], const float half[2][3], uint8_t way,
+                      smap_landing_t *l)
+{
+  const float *const from[2] = {corner[way ? 3 : 0], corner[way ? 2 : 1]};
+  const float *const to[2] = {corner[way ? 0 : 3], corner[way ? 1 : 2]};
+  uint8_t k, i;
+  for (k = 0; k < 2; k++) {
+    float part[3], whole[3], other;
+    smap_turn(n[0], n[1], from[k], part);
+    smap_turn(n[0], n[2], from[k], whole);
+    l->sunk[k] = smap_sinks(from[0], half[0], to[0], part, whole);
+    other = smap_sinks(from[1], half[1], to[1], part, whole);
+    l->sunk[k] = SMAP_SUNK * (other > l->sunk[k] ? other : l->sunk[k]);
+    SMAP_THRICE
+    for (i = 0; i < 3; i++) {
+      l->g[k][i] = from[k][i] + whole[i];
+    }
+  }
 }
 
 /* Cut the part `span` of the way down to what one edge holds; 0 where nothing is left.  `doubt`: length squared by
@@ -192,31 +210,63 @@ static int smap_is_slit(const smap_many_work_t *w, uint8_t e)
   return smap_dot(a, a) + smap_dot(b, b) < SMAP_SLIT * SMAP_SLIT * w->map->size * w->map->size;
 }
 
+/* The mean of two normals, and where the contacts i and j touch the plane half-way from one to the other: Newton's method is to take the plane
+ * through the places where they touch the one before. */
+static void smap_find_half(const smap_many_work_t *w, uint8_t i, uint8_t j, const float from[3], const float to[3],
+                           float mean[3], float place[2][3])
+{
+  smap_aim_t at;
+  float v[3], d[3], n[3], change = 1.0f, along;
+  uint8_t k, left;
+  smap_mix(from, to, 0.5f, v);
+  smap_minus(from, to, d);
+  smap_aim(&at, v);
+  smap_copy(at.n, mean);
+  along = smap_dot(d, mean); /* none but for rounding, which of a short way is much */
+  SMAP_THRICE
+  for (k = 0; k < 3; k++) {
+    d[k] -= along * mean[k];
+  }
+  for (left = SMAP_HALVES; left > 0; left--) {
+    smap_touch(w, i, &at, place[0]);
+    smap_touch(w, j, &at, place[1]);
+    if (!(change > 1e-12f)) {
+      return;
+    }
+    smap_minus(place[1], place[0], v);
+    smap_cross(v, d, n);
+    if (!smap_scale(n, n)) {
+      return;
+    }
+    along = smap_dot(n, at.n) < 0.0f ? -1.0f : 1.0f;
+    change = 0.0f;
+    SMAP_THRICE
+    for (k = 0; k < 3; k++) {
+      n[k] *= along;
+      change += (n[k] - at.n[k]) * (n[k] - at.n[k]);
+    }
+    smap_aim(&at, n);
+  }
+}
+
 /* Find what holds of an edge between two rests. */
 SMAP_APART static void smap_find_gap(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
 {
   const uint8_t back = w->twin[e], i = w->vertex[e], j = w->vertex[w->next[e]];
   const smap_aim_t *const from = &w->facet[w->owner[e]].at, *const to = &w->facet[w->owner[back]].at;
   const float *const corner[4] = {smap_corner(w, e), smap_end(w, e), smap_corner(w, back), smap_end(w, back)};
-  float half[2][3], span[2] = {0.0f, 1.0f}, turned;
-  smap_aim_t middle;
+  float half[2][3], span[2] = {0.0f, 1.0f}, mean[3], turned;
   uint8_t way, left;
   smap_minus(from->n, to->n, half[0]);
   turned = smap_root(smap_dot(half[0], half[0]));
   if (!(turned <= w->map->rock_chord)) {
     return;
   }
-  smap_on_arc(w, i, j, from, to, 0.5f, &middle);
-  smap_touch(w, i, &middle, half[0]);
-  smap_touch(w, j, &middle, half[1]);
+  smap_find_half(w, i, j, from->n, to->n, mean, half);
   for (way = 0; way < 2; way++) {
-    const float *const n[3] = {way ? to->n : from->n, middle.n, way ? from->n : to->n};
-    const float *const g[2] = {corner[way ? 3 : 0], corner[way ? 2 : 1]};
+    const float *const n[3] = {way ? to->n : from->n, mean, way ? from->n : to->n};
     smap_landing_t l;
-    uint8_t k;
-    for (k = 0; k < 2; k++) {
-      l.sunk[k] = SMAP_SUNK * smap_roll(n, g[0], half[0], corner[way ? 0 : 3], g[k], l.g[k]);
-    }
+    smap_roll(n, corner, (const float(*)[3])half, way, &l);
     if (!smap_land(w, way ? e : back, &l, turned, span)) {
       return;
     }

@@ -242,21 +242,11 @@ static inline float smap_slope(smap_aim_t *o, float s, float c, float t)
 }
 
 #if SMAP_MANY_GAPS
-/* The plane on the contacts i and j at a fraction of the way between two others. */
-static void smap_on_arc(const smap_many_work_t *w, uint8_t i, uint8_t j, const smap_aim_t *from,
-                        const smap_aim_t *to, float part, smap_aim_t *out)
+/* The direction of a vector. */
+static void smap_aim(smap_aim_t *o, const float v[3])
 {
-  float size, s, c;
-  smap_mix(from->n, to->n, part, out->n);
-  size = 1.0f / smap_root(out->n[0] * out->n[0] + out->n[2] * out->n[2]);
-  s = out->n[0] * size;
-  c = -out->n[2] * size;
-  if (w->rail[i] == w->rail[j]) {
-    (void)smap_slope(out, s, c, out->n[1] * size);
-  } else {
-    (void)smap_slope(out, s, c, (smap_level(w, i, s, c) - smap_level(w, j, s, c)) /
-                                    (w->p[j][1] - w->p[i][1]));
-  }
+  const float size = 1.0f / smap_root(v[0] * v[0] + v[2] * v[2]);
+  (void)smap_slope(o, v[0] * size, -v[2] * size, v[1] * size);
 }
 #endif
 
