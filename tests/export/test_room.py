@@ -62,7 +62,7 @@ def read_alike(
 
 
 @pytest.mark.needs("gcc")
-@pytest.mark.parametrize("name", ["marv", "articulated"])
+@pytest.mark.parametrize("name", ["marv", "absolem"])
 def test_what_an_export_gives_up_the_certificate_gives_up_too(name: str, tmp_path: Path) -> None:
     whole = export_of(name)
     small = with_room(whole, GAPS=1)
