@@ -57,7 +57,7 @@ def test_angles_of_robots_on_wide_wheels_are_next_to_the_definitions(make, tmp_p
     off = np.degrees(true - got)[stands & safe]
     # The guard alone is 0.0057 deg; where a wheel's two rims come between two rests less is held.
     assert np.quantile(off, 0.75) < 0.02
-    assert safe[stands & (true > 3e-4)].mean() > 0.99
+    assert safe[stands & (true > 3e-4)].mean() > 0.98
 
 
 @needs_gcc
