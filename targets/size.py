@@ -34,9 +34,9 @@ ALLOWED = frozenset(("memcpy", "memset"))
 # Arrays on the stack are as large as a map needs: two joints, and three points or twelve discs.
 USUAL = {"SMAP_MAX_PARAMS": 2, "SMAP_MAX_ENTRIES": 8, "SMAP_MAX_COORDINATES": 42}
 # Of many contacts those that marv has, whose axes are parallel, and articulated, whose are not.
-CAPACITIES = ("CONTACTS", "RAILS", "AXLES", "FACETS", "EDGES", "SHOWN", "WALLS", "LINKS", "SIDES")
-MANY = {"SMAP_MANY_BY_RAILS": (8, 2, 0, 7, 20, 7, 30, 36, 6)}
-MANY["SMAP_MANY_SEARCH"] = (4, 0, 1, 3, 7, 3, 18, 20, 2)
+CAPACITIES = ("CONTACTS", "RAILS", "AXLES", "FACETS", "EDGES", "RESTS", "CORNERS", "GAPS", "ARCS")
+MANY = {"SMAP_MANY_BY_RAILS": (8, 2, 0, 7, 20, 7, 20, 5, 38)}
+MANY["SMAP_MANY_SEARCH"] = (4, 0, 1, 3, 7, 3, 7, 2, 11)
 BOTH = ("SMAP_FLOATS", "SMAP_INTEGERS")
 GAPS = ("SMAP_MANY_GAPS", *BOTH)
 RAILS, SEARCH = ("SMAP_MANY", "SMAP_MANY_BY_RAILS"), ("SMAP_MANY", "SMAP_MANY_SEARCH")
@@ -104,8 +104,9 @@ def settings_of(features: Sequence[str]) -> dict[str, int]:
         if switch in features
         for key, value in zip(CAPACITIES, values, strict=True)
     }
-    switches = {name: int(name in features) for name in SWITCHES}
-    return {**switches, **USUAL, **more, "SMAP_MANY_KNOWN": int(bool(more))}
+    known = {"SMAP_MANY_KNOWN": int(bool(more))}
+    switches = {name: int(name in features) * more.pop(name, 1) for name in SWITCHES}
+    return {**switches, **USUAL, **more, **known}
 
 
 def measure_set(features: Sequence[str], folder: Path) -> Measure:

@@ -38,6 +38,8 @@ POSE = (1 + 20 + 8, 1 + 8)
 # that contacts may be off, in single precision and with the margin of what was seen.
 ERRORS = {True: (3e-3, 3e-4, 3e-5, 3e-6), False: (1e-5, 3e-6, 1e-6)}
 MOST_OFF = 4.0
+# Of which a pose has room for so many: see smap_room_t in runtime/many_types.c.
+CAPACITIES = ("FACETS", "EDGES", "RESTS", "CORNERS", "GAPS", "ARCS")
 # What is said of a guard that a certificate made larger.
 NEEDED = "; as much as points needed where contacts all but lie on one plane"
 
@@ -88,14 +90,6 @@ class Tables(AnyTables):
     def bytes(self) -> int:
         """Bytes of all tables."""
         return c_body(self).bytes
-
-    def boxed(self) -> "Tables":
-        """Return the tables with room for the pose of a box: of facets all may be shown."""
-        if not self.room or self.many is None:
-            return self
-        facets, edges, shown, walls, links, *more = self.room
-        every = (max(shown, min(facets, LIMITS[2])), max(walls, edges), max(links, edges))
-        return replace(self, room=(facets, edges, *every, *more))
 
 
 @lru_cache(maxsize=4)
@@ -226,23 +220,15 @@ def c_body(tables: Tables, integer: bool = False) -> CBody:
         return CBody(POINTS, arrays, 3, tuple(macros), POSE, tables.reach / STEPS)
     assert many is not None
     contacts = len(many.order)
-    facets, edges, shown, walls, links, sides, sought, work = tables.room
     rails = len(many.first) - 1
+    most = zip(CAPACITIES, tables.room, strict=True)
     macros += [
         ("SMAP_MANY_BY_RAILS" if rails else "SMAP_MANY_SEARCH", 1),
-        ("SMAP_MANY_GAPS", int(sought > 0)),
         ("SMAP_MANY_CONTACTS", contacts),
         ("SMAP_MANY_RAILS", rails),
         ("SMAP_MANY_AXLES", int(terms.axes > 0)),
         ("SMAP_MANY_KNOWN", 1),
-        ("SMAP_MANY_FACETS", facets),
-        ("SMAP_MANY_EDGES", edges),
-        ("SMAP_MANY_SHOWN", shown),
-        ("SMAP_MANY_WALLS", walls),
-        ("SMAP_MANY_LINKS", links),
-        ("SMAP_MANY_SIDES", sides),
-        ("SMAP_MANY_SOUGHT", sought),
-        ("SMAP_MANY_WORK", work),
+        *((f"SMAP_MANY_{name}", number) for name, number in most),
     ]
     arrays = terms.arrays(0, (0.0, 0.0, 0.0), many.arrays(tables.room))
     return CBody(

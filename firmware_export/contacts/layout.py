@@ -90,8 +90,8 @@ def struct_bytes(name: str, macros: Mapping[str, int]) -> tuple[int, int]:
 
     Examples
     --------
-    >>> struct_bytes("smap_side_t", {})
-    (5, 1)
+    >>> struct_bytes("smap_gap_t", {})
+    (2, 1)
     """
     if name in _BASIC:
         return _BASIC[name]

@@ -27,11 +27,9 @@ GUARD = 1e-4
 # Parts of the size by which thresholds are kept, and within which contacts are on one rail; sines
 # within which axes are parallel, and level.
 HAIR, SAME = 1e-5, 4e-6
-# What a sum of turns may lack (rad): the runtime makes one facet of what turns of up to 4e-5 join,
-# and a robot rolls over up to four such facets from one end of a gap to the other.
-JOINED = 2e-4
-# Angles beyond which nothing is asked.
-NO_LIMIT = 4.0
+# No further does a robot roll from rest to rest (rad): a point mass that falls from balance leaves
+# its pivot at 48.2 deg.
+FURTHEST = math.radians(45.0)
 MOST_CONTACTS = 62
 # With a com anywhere in its ball: facets lower than this share of heights are given up; how many
 # postures and directions tell.
@@ -71,9 +69,7 @@ class Many(NamedTuple):
             CArray("axis and limits", "float", singles, "see smap_many_t", False),
             CArray("rails", "uint8_t", rails, "rails, first contact of each", False),
             CArray("names", "uint8_t", self.order, "the recipe's number of each contact", False),
-            CArray("room", "uint8_t", room[:6], "the most of each: see smap_room_t", False),
-            CArray("sought", "uint16_t", room[6:7], "the most work on gaps", False),
-            CArray("work", "uint32_t", room[7:], "the most work on a pose", False),
+            CArray("room", "uint8_t", room, "the most of each: see smap_room_t", False),
             CArray("off", "float", self.more, "what series alter", False),
         )
 
@@ -203,8 +199,7 @@ def many_of(model: Model, off: float = 0.0) -> Many:
         max(HAIR * size, accept.least_height * (1.0 + HAIR), lowest) + off,
         accept.rest_width * (1.0 + HAIR) + HAIR * size + 2.0 * off,
         max(accept.contact_tolerance - 0.1 * HAIR * size - ROLLS * off, 0.0),
-        min(accept.rock_angle, NO_LIMIT) - JOINED - 2.0 * turn,
-        0.5 * accept.rest_width - HAIR * size - 2.0 * off,
+        2.0 * math.sin(0.5 * min(accept.rock_angle, FURTHEST)) - HAIR - 2.0 * turn,
         guard,
     )
     more = (ROLLS * off / size, 2.0 * turn) if off > 0.0 else ()

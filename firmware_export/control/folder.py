@@ -31,7 +31,6 @@ def steered(export: Export, wishes: Wishes) -> tuple[Export, Design]:
             f"{export.recipe.source}: on-board control computes with floats (got integer "
             "arithmetic); export with --arithmetic float."
         )
-    export = replace(export, tables=export.tables.boxed())
     found = design(export.model, wishes)
     blob = described(export, body_of(export))
     Controller(blob, found.policy.packed(blob.bytes))  # whether the C takes it

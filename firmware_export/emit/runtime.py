@@ -34,12 +34,8 @@ _PARTS: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("many_planes", ("SMAP_MANY_SEARCH",)),
     ("many_rests", ("SMAP_MANY",)),
     ("many_search", ("SMAP_MANY_SEARCH",)),
-    *((f"many_{name}", ("SMAP_MANY_GAPS",)) for name in ("rolls", "held", "gaps")),
     ("many_walls", ("SMAP_MANY",)),
-    ("many_pieces", ("SMAP_MANY_GAPS",)),
-    ("many_bulge", ("SMAP_MANY_BY_RAILS SMAP_MANY_GAPS",)),
-    ("many_trace", ("SMAP_MANY_SEARCH SMAP_MANY_GAPS",)),
-    ("many_strips", ("SMAP_MANY_GAPS",)),
+    ("many_gaps", ("SMAP_MANY_GAPS",)),
     *((f"many_{name}", ("SMAP_MANY",)) for name in ("pose", "at", "at_i", "entry")),
     ("steps", ("SMAP_FLOATS",)),
     ("check", ()),
@@ -86,12 +82,8 @@ def features(body: CBody) -> frozenset[str]:
 
 
 def parts_of(on: frozenset[str]) -> list[str]:
-    """Return the names of the parts that some switches need; two in one word, both of them."""
-    return [
-        name
-        for name, needed in _PARTS
-        if not needed or any(on.issuperset(each.split()) for each in needed)
-    ]
+    """Return the names of the parts that some switches need."""
+    return [name for name, needed in _PARTS if not needed or on.intersection(needed)]
 
 
 def runtime_text(on: frozenset[str]) -> str:

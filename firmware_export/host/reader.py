@@ -153,9 +153,9 @@ class Host:
         return made, status, reading
 
     def room(self, params: ArrayLike) -> NDArray[np.uint32]:
-        """Return the room and work (m, 8) that poses of postures (m, k) take; see host_room.h."""
+        """Return the room (m, 6) that poses of postures (m, k) take; see host_room.h."""
         rows = np.ascontiguousarray(params, np.float32)
-        found = np.zeros((len(rows), 8), np.uint32)
+        found = np.zeros((len(rows), 6), np.uint32)
         self._call(self._function("room"), len(rows), (rows, found))
         return found
 

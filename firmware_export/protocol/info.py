@@ -46,10 +46,6 @@ class Tables(ABC):
         """Return tested tables that call none of some points (n, k) and (n, 3) safe."""
         return self
 
-    def boxed(self) -> "Tables":
-        """Return the tables with room for what on-board control makes of a box of postures."""
-        return self
-
 
 @dataclass(frozen=True, eq=False)
 class CodecInfo:

@@ -4,24 +4,19 @@
 #define SMAP_MOST_BUDGET 50.0f /* m/s^2: no robot accelerates more */
 
 #if SMAP_MANY
-#define SMAP_NEXT_TO 1e-3f /* a sine: a way that passes the end of a segment as near meets it */
+#define SMAP_NEXT_TO 1e-3f /* a sine: a way that passes the end of an arc as near meets it */
 
-/* How much of `to` can be taken off a direction f that stands until it meets the boundary of the island on
- * which it does, guard included; both unit. */
+/* How much of `to` can be taken off a direction f that stands until it meets the boundary, guard included; both unit. */
 static float smap_to_boundary(const smap_many_pose_t *o, const float f[3], const float to[3])
 {
-  const uint8_t facet = smap_stood_on(o, f);
   const float beside = o->guard + SMAP_NEXT_TO;
   float least = SMAP_MOST_BUDGET / SMAP_GRAVITY;
   uint8_t k, i;
-  if (facet == SMAP_NONE) {
-    return 0.0f;
-  }
-  for (k = o->at.first[o->at.island[facet]]; k < o->at.last[o->at.island[facet]]; k++) {
-    const smap_segment_t *s = &o->at.segment[k];
-    const float *n = o->wall[s->wall], *p = o->point[s->start], *q = o->point[s->stop];
-    const float above = smap_dot(n, f) - o->guard, down = smap_dot(n, to) + o->guard;
-    float at[3], c[3], slack, t;
+  for (k = 0; k < o->at.arcs; k++) {
+    const float *n = o->wall[o->at.arc[k]];
+    const float ahead = smap_dot(n, f), side = ahead < 0.0f ? -1.0f : 1.0f;
+    const float above = side * ahead - o->guard, down = side * smap_dot(n, to) + o->guard;
+    float at[3], t;
     if (!(down > 1e-6f) || above < 0.0f || above >= least * down) {
       continue;
     }
@@ -29,9 +24,7 @@ static float smap_to_boundary(const smap_many_pose_t *o, const float f[3], const
     for (i = 0; i < 3; i++) {
       at[i] = f[i] - t * to[i];
     }
-    slack = beside * (1.0f + t);
-    smap_cross(at, n, c);
-    if (smap_dot(q, c) <= slack && smap_dot(p, c) >= -slack && smap_dot(p, at) + smap_dot(q, at) > -slack) {
+    if (smap_absolute(smap_dot(o->along[k], at)) - smap_dot(o->amid[k], at) <= beside * (1.0f + t)) {
       least = t;
     }
   }

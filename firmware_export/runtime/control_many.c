@@ -12,25 +12,11 @@
 #define SMAP_CORNER 1e-4f     /* of the size: nearer to an edge a contact is one of its ends */
 #define SMAP_DOUBT 4.0f       /* twice the turn over a contact that has a facet on either side */
 
-/* The facet that a direction pierces first; SMAP_NONE where there is none. */
-static uint8_t smap_stood_on(const smap_many_pose_t *o, const float g[3])
-{
-  float rate = 0.0f;
-  uint8_t i, best = SMAP_NONE;
-  for (i = 0; i < o->at.shown; i++) {
-    const float v = smap_dot(o->plane[i], g);
-    if (v > rate) {
-      rate = v;
-      best = i;
-    }
-  }
-  return best;
-}
-
 /* The upward normal of the plane on which a pose stands under a direction; 0 where it stands on none. */
 static int smap_upright(const smap_pose_memory_t *pose, const float g[3], float up[3])
 {
-  const uint8_t facet = pose->head.status == SMAP_OK ? smap_stood_on(&pose->real, g) : (uint8_t)SMAP_NONE;
+  float rate;
+  const uint8_t facet = pose->head.status == SMAP_OK ? smap_pierced(&pose->real, g, &rate) : (uint8_t)SMAP_NONE;
   uint8_t i;
   for (i = 0; facet != SMAP_NONE && i < 3; i++) {
     up[i] = -pose->real.plane[facet][i] * pose->real.height[facet];
@@ -51,8 +37,7 @@ static float smap_narrow(smap_many_t *m, float off, float radius, float lowest)
   m->least_height = low + off;
   m->rest_width = wide + 2.0f * off;
   m->tolerance = m->tolerance > SMAP_SWEPT_ROLLS * off ? m->tolerance - SMAP_SWEPT_ROLLS * off : 0.0f;
-  m->rock_angle -= 2.0f * turn;
-  m->band -= 2.0f * off;
+  m->rock_chord -= 2.0f * turn;
   m->off += SMAP_SWEPT_ROLLS * off / m->size;
   m->turned += 2.0f * turn;
   return off;
@@ -107,7 +92,7 @@ static float smap_doubts(smap_many_work_t *w, float off)
   uint8_t seen = SMAP_NONE, e;
   float most = 0.0f;
   for (e = 0; e < w->edges; e++) {
-    if (w->owner[e] != seen && w->facet[w->owner[e]].kind == SMAP_REST && w->low[e] != SMAP_SHORT) {
+    if (w->owner[e] != seen && w->facet[w->owner[e]].rest != SMAP_NONE && w->low[e] != SMAP_SHORT) {
       const float doubt = smap_doubt(w, e, off);
       most = doubt > most ? doubt : most;
       seen = w->owner[e];
@@ -151,7 +136,7 @@ static void smap_sweep(const smap_control_t *control, smap_state_memory_t *state
     swept->status = smap_many_pose(&limits, &swept->real, work) ? SMAP_OK : SMAP_TIPS;
   }
   if (swept->status == SMAP_OK) {
-    for (i = 0; i < swept->real.at.shown; i++) {
+    for (i = 0; i < swept->real.at.rests; i++) {
       if (i == 0 || swept->real.height[i] < height) {
         height = swept->real.height[i];
       }
@@ -182,7 +167,8 @@ static void smap_swept_at(const smap_control_t *control, const smap_swept_t *swe
 /* The height of the plane on which a pose stands under a direction, less what may count as low; 0: none. */
 static float smap_lowest(const smap_pose_memory_t *pose, const float g[3])
 {
-  const uint8_t facet = pose->head.status == SMAP_OK ? smap_stood_on(&pose->real, g) : (uint8_t)SMAP_NONE;
+  float rate;
+  const uint8_t facet = pose->head.status == SMAP_OK ? smap_pierced(&pose->real, g, &rate) : (uint8_t)SMAP_NONE;
   return facet != SMAP_NONE ? SMAP_SWEPT_LOW * pose->real.height[facet] : 0.0f;
 }
 

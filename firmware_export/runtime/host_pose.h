@@ -9,9 +9,9 @@ static float *smap_host_put(float *out, const float v[3])
   return out + 3;
 }
 
-/* `count`: facets that count, their edges, segments of the boundary; none where the pose fails.  `out`:
- * a facet as kind, n / h, centre, height; an edge as its facet, that one's kind, both ends, from which part
- * on it holds (above 1: nowhere), both contacts; a segment as both ends and both contacts. */
+/* `count`: rests, their edges, arcs of the boundary; none where the pose fails.  `out`: a rest as n / h, centre,
+ * height; an edge as its rest, both ends, from which part on it holds (above 1: nowhere), both contacts; an arc as
+ * both ends and both contacts. */
 void SMAP_HOST_NAME(pose)(const uint8_t *blob, uint32_t size, const float *params, int32_t *count, float *out);
 void SMAP_HOST_NAME(pose)(const uint8_t *blob, uint32_t size, const float *params, int32_t *count, float *out)
 {
@@ -19,7 +19,7 @@ void SMAP_HOST_NAME(pose)(const uint8_t *blob, uint32_t size, const float *param
   smap_many_t numbers;
   smap_many_pose_t pose;
   smap_many_work_t work;
-  uint8_t i;
+  uint8_t i, k, end;
   count[0] = count[1] = count[2] = 0;
   if (smap_many_of(&map, params, &pose, &work) != SMAP_OK) {
     return;
@@ -30,16 +30,13 @@ void SMAP_HOST_NAME(pose)(const uint8_t *blob, uint32_t size, const float *param
     smap_turn_back(&numbers, work.corner, work.edges);
   }
 #endif
-  for (i = 0; i < pose.at.shown; i++, count[0]++) {
-    *out++ = pose.at.kind[i];
+  for (i = 0; i < pose.at.rests; i++, count[0]++) {
     out = smap_host_put(smap_host_put(out, pose.plane[i]), pose.centre[i]);
     *out++ = pose.height[i];
   }
   for (i = 0; i < work.edges; i++) {
-    const smap_facet_t *const f = &work.facet[work.owner[i]];
-    if (f->kind != SMAP_REFUSED && f->shown != SMAP_NONE && work.low[i] != SMAP_SHORT) {
-      *out++ = f->shown;
-      *out++ = f->kind;
+    if (work.wall_of[i] != SMAP_NONE) {
+      *out++ = work.facet[work.owner[i]].rest;
       out = smap_host_put(smap_host_put(out, smap_corner(&work, i)), smap_end(&work, i));
       *out++ = work.low[i];
       *out++ = numbers.named[work.vertex[i]];
@@ -47,10 +44,17 @@ void SMAP_HOST_NAME(pose)(const uint8_t *blob, uint32_t size, const float *param
       count[1]++;
     }
   }
-  for (i = 0; i < pose.at.segments; i++, count[2]++) {
-    const smap_segment_t *const s = &pose.at.segment[i];
-    out = smap_host_put(smap_host_put(out, pose.point[s->start]), pose.point[s->stop]);
-    *out++ = pose.at.over[s->wall][0];
-    *out++ = pose.at.over[s->wall][1];
+  for (i = 0; i < pose.at.arcs; i++, count[2]++) {
+    const float *const m = pose.amid[i], *const t = pose.along[i];
+    const float wide = smap_root(smap_dot(m, m)), high = smap_root(smap_dot(t, t)); /* sine and cosine of half of it */
+    for (end = 0; end < 2; end++) {
+      for (k = 0; k < 3; k++) {
+        const float middle = wide > 0.0f ? m[k] * (high / wide) : 0.0f;
+        const float reach = high > 0.0f ? t[k] * (wide / high) : 0.0f;
+        *out++ = end ? middle + reach : middle - reach;
+      }
+    }
+    *out++ = pose.at.over[pose.at.arc[i]][0];
+    *out++ = pose.at.over[pose.at.arc[i]][1];
   }
 }

@@ -19,11 +19,11 @@
 #define SMAP_MANY_CONTACTS 62
 #define SMAP_MANY_RAILS 0
 #define SMAP_MANY_FACETS 80
-#define SMAP_MANY_SHOWN 60
 #define SMAP_MANY_EDGES 250
-#define SMAP_MANY_SIDES 250
-#define SMAP_MANY_WALLS 254
-#define SMAP_MANY_LINKS 254
+#define SMAP_MANY_RESTS 60
+#define SMAP_MANY_CORNERS 154
+#define SMAP_MANY_GAPS 50
+#define SMAP_MANY_ARCS 254
 
 #include "smap.h"
 #include "smap_control.h"
@@ -39,13 +39,8 @@
 #include "many_planes.c"
 #include "many_rests.c"
 #include "many_search.c"
-#include "many_rolls.c"
-#include "many_held.c"
-#include "many_gaps.c"
 #include "many_walls.c"
-#include "many_pieces.c"
-#include "many_trace.c"
-#include "many_strips.c"
+#include "many_gaps.c"
 #include "many_pose.c"
 #include "many_at.c"
 #include "many_at_i.c"

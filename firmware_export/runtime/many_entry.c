@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
 /* ---- entries: robots on many contacts -----------------------------------------------------------
- * What the map adds to positions: ten singles (the level axis of all discs, size, steepest, least height,
- * rest width, tolerance, rock angle, band, guard: see smap_many_t; with SMAP_BY_SERIES two more), rails u8, the first contact of each
- * rail and behind the last u8, the recipe's number of each contact u8, the room of a pose (see smap_room_t)
- * u8[6], u16, u32; with SMAP_BY_SERIES two singles more, off and turned. */
-enum { SMAP_MANY_SINGLES = 40, SMAP_MANY_ROOM = 12 };
+ * What the map adds to positions: nine singles (the level axis of all discs, size, steepest, least height,
+ * rest width, tolerance, rock chord, guard: see smap_many_t), rails u8, the first contact of each rail and
+ * behind the last u8, the recipe's number of each contact u8, the room of a pose (see smap_room_t) u8[6]; with
+ * SMAP_BY_SERIES two singles more, off and turned. */
+enum { SMAP_MANY_SINGLES = 36, SMAP_MANY_ROOM = 6 };
 
 typedef struct {
   smap_head_t head;
@@ -33,12 +33,10 @@ SMAP_INLINE smap_room_t smap_room_in(smap_bytes_t at)
   smap_room_t room;
   room.facets = at[0];
   room.edges = at[1];
-  room.shown = at[2];
-  room.walls = at[3];
-  room.links = at[4];
-  room.sides = at[5];
-  room.sought = smap_u16(at + 6);
-  room.work = smap_u32(at + 8);
+  room.rests = at[2];
+  room.corners = at[3];
+  room.gaps = at[4];
+  room.arcs = at[5];
   return room;
 }
 
@@ -61,9 +59,8 @@ SMAP_INLINE void smap_many_numbers(const smap_t *map, smap_many_t *out)
   out->least_height = smap_f32(body + 16);
   out->rest_width = smap_f32(body + 20);
   out->tolerance = smap_f32(body + 24);
-  out->rock_angle = smap_f32(body + 28);
-  out->band = smap_f32(body + 32);
-  out->guard = smap_f32(body + 36);
+  out->rock_chord = smap_f32(body + 28);
+  out->guard = smap_f32(body + 32);
 #if SMAP_SERIES || defined(SMAP_CONTROL)
   out->off = out->turned = 0.0f;
 #endif
@@ -266,9 +263,8 @@ static int smap_is_room(uint32_t found, uint32_t most)
 static int smap_check_room(const smap_room_t *room)
 {
   return smap_is_room(room->facets, SMAP_MANY_FACETS) && smap_is_room(room->edges, SMAP_MANY_EDGES) &&
-         smap_is_room(room->shown, SMAP_MANY_SHOWN) && smap_is_room(room->walls, SMAP_MANY_WALLS) &&
-         smap_is_room(room->links, SMAP_MANY_LINKS) && smap_is_room(room->sides, SMAP_MANY_SIDES) &&
-         smap_is_room(room->sought, SMAP_MANY_SOUGHT) && smap_is_room(room->work, SMAP_MANY_WORK);
+         smap_is_room(room->rests, SMAP_MANY_RESTS) && smap_is_room(room->corners, SMAP_MANY_CORNERS) &&
+         smap_is_room(room->gaps, SMAP_MANY_GAPS) && smap_is_room(room->arcs, SMAP_MANY_ARCS);
 }
 
 /* Numbers that no loop or index may be led astray by. */
@@ -315,6 +311,6 @@ static int smap_check_many(const smap_t *map)
 #endif
   return smap_check_room(&room) && smap_is_within(smap_f32(body), 1.001f) &&
          smap_is_within(smap_f32(body + 4), 1.001f) && smap_is_positive(smap_f32(body + 8)) &&
-         smap_is_within(smap_f32(body + 36), 0.5f);
+         smap_is_within(smap_f32(body + 32), 0.5f);
 }
 

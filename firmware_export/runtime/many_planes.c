@@ -4,19 +4,6 @@
 #define SMAP_FLAT 1e-6f     /* of a disc that lies flatter, the square of the sine to its axle */
 #define SMAP_FACE 0.173658f /* the sine of 10 deg: nearer to a plane's normal a carrying wheel's axle may not be, */
 #define SMAP_FLATTEST 1e-2f /* nor than this, whatever `upright` says: its rim touches where rounding likes */
-/* Costs, see SMAP_COST_CORNER; by 46 instructions where wheels have axles, as balls take less. */
-#define SMAP_COST_START (19u + 2u * SMAP_EACH)                             /* three contacts again, and */
-#define SMAP_COST_NEWTON 8u                                                /* a round on a plane */
-#define SMAP_COST_FACET (25u + 8u * SMAP_EACH)                             /* that may be entered, but for */
-#define SMAP_COST_NEAR (33u * SMAP_EACH)                                   /* more contacts than three */
-#define SMAP_COST_OUT (6u * SMAP_EACH)                                     /* a facet that gives way */
-#define SMAP_COST_ARC (3u * SMAP_EACH)                                     /* an arc, but for */
-#define SMAP_COST_CLEAR (92u + 3u * SMAP_EACH)                             /* contacts that may be in its way */
-#define SMAP_COST_KIND (16u + 4u * SMAP_EACH + SMAP_EACH * SMAP_EACH / 3u) /* a facet's polygon */
-#define SMAP_COST_VISIT 18u                                               /* an edge of a rest that it comes to */
-#define SMAP_COST_ROLL 76u                                                /* a roll over an arc, but for */
-#define SMAP_COST_PAIR 46u                                                /* two steps of it */
-#define SMAP_COST_STRIP 150u                                               /* a strip, but for */
 
 /* Whether a contact is a disc, with an axle, and no point or ball. */
 static inline int smap_is_disc(const smap_many_work_t *w, uint8_t i)
@@ -133,14 +120,6 @@ static void smap_find_spot(const smap_many_work_t *w, uint8_t i, const smap_aim_
   o->b = smap_dot(p, across);
   o->contact = i;
 }
-
-#if SMAP_MANY_GAPS
-/* Whether two contacts touch at the same places all the way. */
-static int smap_is_still(const smap_many_work_t *w, uint8_t i, uint8_t j)
-{
-  return w->r[i] == 0.0f && w->r[j] == 0.0f;
-}
-#endif
 
 #if SMAP_MANY_AXLES
 /* The square of a small sine between two unit vectors, to the last digit. */

@@ -3,113 +3,30 @@
 /* ---- poses of many contacts -------------------------------------------------------------------------- */
 /* A pose: what `at` needs of a posture. */
 
-/* The first edge from e on of a facet that is not shown yet. */
-static uint8_t smap_to_show(const smap_many_work_t *w, uint8_t e)
+/* Add what is boundary of the edge of a rest: all but what holds of it. */
+static void smap_bound(smap_many_work_t *w, smap_many_pose_t *o, uint8_t e)
 {
-  for (; e < w->edges; e++) {
-    if (w->facet[w->owner[e]].shown == SMAP_NONE && w->low[e] != SMAP_SHORT &&
-        w->facet[w->owner[e]].kind != SMAP_REFUSED) {
-      break;
+  const float *const p = smap_corner(w, e), *const q = smap_end(w, e);
+  const uint8_t wall = w->wall_of[e];
+#if SMAP_MANY_GAPS
+  const uint8_t back = w->twin[e];
+  float r[3];
+  if (smap_is_gap(w, e)) {
+    if (smap_is_slit(w, e) && back < e) {
+      return; /* it is that of the other rest */
     }
-  }
-  return e;
-}
-
-#if SMAP_MANY_RAILS > 2
-/* The inner rim of the wheel at an end of an edge if it is on the near half of the way to the other end, or SMAP_NONE. */
-static inline uint8_t smap_inner_of(const smap_many_work_t *w, uint8_t end, uint8_t other)
-{
-  const uint8_t i = w->vertex[end], mate = w->mate[i];
-  float part, whole;
-  if (mate >= SMAP_MANY_CONTACTS) {
-    return SMAP_NONE;
-  }
-  part = w->p[mate][1] - w->p[i][1];
-  whole = w->p[w->vertex[other]][1] - w->p[i][1];
-  return part * whole > 2.0f * part * part ? mate : (uint8_t)SMAP_NONE;
-}
-
-/* Move an end of an edge to an inner rim of its wheel where that is on the planes on both sides of the edge and within
- * it: over which of both rims the robot turns there is rounding. */
-SMAP_APART static void smap_take_inner(const smap_many_work_t *w, uint8_t e, uint8_t mate, const float wall[3],
-                                       float p[3])
-{
-  const smap_facet_t *f = &w->facet[w->owner[e]], *g = &w->facet[w->owner[w->twin[e]]];
-  float spot[3];
-  if (!smap_touches(w, mate, f) || !smap_touches(w, mate, g)) {
+    if (w->low[e] > 0.0f) {
+      smap_mix(p, q, w->low[e], r);
+      smap_add_arc(w, o, wall, p, r);
+    }
+    if (w->low[back] > 0.0f) {
+      smap_mix(q, p, w->low[back], r);
+      smap_add_arc(w, o, wall, r, q);
+    }
     return;
   }
-  smap_touch(w, mate, &f->at, spot);
-  if (smap_dot(wall, spot) > 0.0f) {
-    smap_copy(spot, p);
-  }
-}
 #endif
-
-/* The wall of an edge, not scaled; returns the square of its length. */
-static float smap_edge_wall(smap_many_work_t *w, uint8_t e, float wall[3])
-{
-  float along[3];
-  smap_minus(smap_end(w, e), smap_corner(w, e), along);
-  smap_cross(smap_corner(w, e), along, wall);
-#if SMAP_MANY_RAILS > 2
-  if (w->twin[e] != e && !smap_is_gap(w, e)) {
-    const uint8_t near = smap_inner_of(w, e, w->next[e]), far = smap_inner_of(w, w->next[e], e);
-    float p[3], q[3];
-    smap_copy(smap_corner(w, e), p);
-    smap_copy(smap_end(w, e), q);
-    if (near < SMAP_MANY_CONTACTS && smap_may(w, SMAP_COST_INNER)) {
-      smap_take_inner(w, e, near, wall, p);
-    }
-    if (far < SMAP_MANY_CONTACTS && smap_may(w, SMAP_COST_INNER)) {
-      smap_take_inner(w, e, far, wall, q);
-    }
-    smap_minus(q, p, along);
-    smap_cross(p, along, wall);
-  }
-#endif
-  return smap_dot(wall, wall);
-}
-
-/* Enter what short arcs join with edge `start` as one facet: its walls, in the order of its edges. */
-SMAP_APART static void smap_show(smap_many_work_t *w, smap_many_pose_t *o, uint8_t start)
-{
-  smap_facet_t *f = &w->facet[w->owner[start]];
-  const uint8_t at = o->at.shown;
-  const float size2 = w->map->size * w->map->size, least = 1e-14f * size2 * size2;
-  uint8_t e = start, n = o->at.edge[at], k;
-  float wall[3];
-  if (at >= SMAP_MOST(w->map, shown, SMAP_MANY_SHOWN)) {
-    w->left = 0;
-    return;
-  }
-  SMAP_THRICE
-  for (k = 0; k < 3; k++) {
-    o->plane[at][k] = f->at.n[k] / f->h;
-    o->centre[at][k] = f->centre[k];
-  }
-  o->height[at] = f->h;
-  o->at.kind[at] = f->kind;
-  o->at.island[at] = at;
-  o->at.alone[at] = 1;
-  do {
-    w->facet[w->owner[e]].shown = at;
-    w->wall_of[e] = SMAP_NONE;
-    w->point_of[e] = smap_add_point(w, o, smap_corner(w, e));
-    if (smap_edge_wall(w, e, wall) > least) {
-      if (n >= SMAP_WALLED) { /* no edge is come to twice */
-        w->left = 0;
-        return;
-      }
-      (void)smap_add_wall(w, o, wall, w->vertex[e], w->vertex[w->next[e]]);
-      w->wall_of[e] = n;
-      o->at.begin[n] = 0;
-      o->at.rim[n++].side = e; /* until the sides are known */
-    }
-    e = w->onward[e];
-  } while (e != start && smap_may(w, SMAP_COST_OUTLINE));
-  o->at.edge[at + 1] = n;
-  o->at.shown = (uint8_t)(at + 1u);
+  smap_add_arc(w, o, wall, p, q);
 }
 
 #if SMAP_MANY_RAILS
@@ -129,48 +46,42 @@ static void smap_turn_back(const smap_many_t *m, float (*v)[3], uint8_t n)
 static int smap_many_pose(const smap_many_t *m, smap_many_pose_t *o, smap_many_work_t *w)
 {
   uint8_t e;
-  o->at.shown = o->at.walls = o->at.points = o->at.segments = o->at.sides = o->at.alive = o->at.edge[0] = 0;
+  memset(&o->at, 0, sizeof o->at);
   o->guard = m->guard;
-  o->hair = 1e-4f;  /* a sine, no more than the guard: nearer to the wall of an edge both sides of it are looked at */
-  o->slack = 5e-4f; /* a sine */
   w->map = m;
-  w->roll = o->point;
-  w->bench = (smap_bench_t *)o->wall;
-  w->facets = w->edges = w->rolls = w->full = 0;
-  w->posture = 0.0f;
-  w->left = SMAP_MOST(m, work, SMAP_MANY_WORK);
+  w->facets = w->edges = w->full = 0;
   smap_find_facets(w);
-  if (w->left) {
-    smap_classify(w);
-    smap_find_outlines(w, smap_mark_short(w));
-#if SMAP_MANY_GAPS
-    smap_find_gaps(w);
-#endif
+  smap_classify(w);
+  smap_find_outlines(w);
+  memset(w->wall_of, (int)SMAP_NONE, sizeof w->wall_of);
+  for (e = 0; e < w->edges && !w->full; e++) {
+    if (w->facet[w->owner[e]].rest == SMAP_FOUND && w->low[e] != SMAP_SHORT) {
+      smap_add_rest(w, o, e);
+    }
   }
-  for (e = smap_to_show(w, 0); e < w->edges && smap_may(w, SMAP_COST_SHOW); e = smap_to_show(w, e)) {
-    smap_show(w, o, e);
+#if SMAP_MANY_GAPS
+  for (e = 0; e < w->edges && !w->full; e++) {
+    if (w->twin[e] > e && w->wall_of[e] != SMAP_NONE && w->wall_of[w->twin[e]] != SMAP_NONE) {
+      smap_find_gap(w, o, e);
+    }
+  }
+#endif
+  for (e = 0; e < w->edges && !w->full; e++) {
+    if (w->wall_of[e] != SMAP_NONE) {
+      smap_bound(w, o, e);
+    }
   }
   if (w->full) {
-    w->left = 0;
-  }
-#if SMAP_MANY_GAPS
-  if (w->left) {
-    smap_add_strips(w, o);
-  }
-#endif
-  if (w->left) {
-    smap_find_boundary(w, o);
-  }
-  if (!w->left) {
-    o->at.shown = 0;
     return 0;
   }
 #if SMAP_MANY_RAILS
   if (m->axis[1] != 1.0f) {
-    smap_turn_back(m, o->plane, o->at.shown);
-    smap_turn_back(m, o->centre, o->at.shown);
-    smap_turn_back(m, o->wall, o->at.walls);
-    smap_turn_back(m, o->point, o->at.points);
+    smap_turn_back(m, o->plane, o->at.rests);
+    smap_turn_back(m, o->centre, o->at.rests);
+    smap_turn_back(m, o->wall, o->at.edge[o->at.rests]);
+    smap_turn_back(m, o->wall + SMAP_MANY_CORNERS, (uint8_t)(2u * o->at.gaps));
+    smap_turn_back(m, o->amid, o->at.arcs);
+    smap_turn_back(m, o->along, o->at.arcs);
   }
 #endif
   o->at.alive = 1;

@@ -21,16 +21,8 @@
 #define SMAP_ON 4e-6f     /* of tan(pitch / 2): this far apart are changes of one rail */
 #define SMAP_FAR 1e30f
 #define SMAP_IS_NONE(first) ((first) > SMAP_MANY_EDGES - 3) /* no facet's first of three edges: SMAP_NONE is none */
-/* Costs, see SMAP_COST_CORNER. */
-#define SMAP_COST_EVENT (2u * SMAP_EACH + 20u * smap_rails_of(w->map) - 19u) /* of the hull */
-#define SMAP_COST_KIND (15u + 4u * SMAP_EACH + SMAP_EACH * SMAP_EACH / 3u)   /* a facet's polygon */
-#define SMAP_COST_VISIT 20u  /* an edge of a rest that the robot comes to, and */
-#define SMAP_COST_MATE 15u   /* the side between two rims on one axle there */
-#define SMAP_COST_INNER 5u   /* an end of an edge whose wheel has an inner rim */
-#define SMAP_COST_ROLL 34u   /* a roll over an arc, but for */
-#define SMAP_COST_PAIR 21u   /* two steps of it */
-#define SMAP_COST_STRIP 112u /* a strip, but for */
-#define SMAP_COST_PIECE 9u   /* a piece of its sides */
+#define SMAP_EVENTS 250 /* of one history, at most */
+#define SMAP_BEFORE 0.9f /* of the cosine of the steepest pitch: before any facet the history begins */
 
 typedef struct {
   float bend[SMAP_MANY_RAILS], changed[SMAP_MANY_RAILS];
@@ -133,13 +125,13 @@ static float smap_turns(const smap_many_work_t *w, const smap_hull_t *o, uint8_t
   return o->on[k] ? smap_crossing(-x, -z, -q, u) : smap_crossing(x, z, q, u);
 }
 
-/* Find which rails are on the hull at a pitch of -90 deg: what is below its neighbours' chord goes. */
-static void smap_begin_hull(const smap_many_work_t *w, smap_hull_t *o)
+/* Find which rails are on the hull at the first pitch u: what is below its neighbours' chord goes. */
+static void smap_begin_hull(const smap_many_work_t *w, smap_hull_t *o, float u)
 {
   uint8_t left, k;
   for (left = smap_rails_of(w->map); left > 0; left--) {
     for (k = 1; k + 1 < smap_rails_of(w->map); k++) {
-      if (o->on[k] && smap_turns(w, o, k, -1.0f) == -1.0f) {
+      if (o->on[k] && smap_turns(w, o, k, u) == u) {
         o->on[k] = 0;
       }
     }
@@ -169,32 +161,16 @@ static float smap_next_turn(const smap_many_work_t *w, smap_hull_t *o, uint8_t k
   return o->turn[k];
 }
 
-#if SMAP_MANY_RAILS > 2
-/* Find of each contact the one that is the same but for its rail, on the next one towards the middle: the two
- * rims of a flipper's wheel. */
-static void smap_find_mates(smap_many_work_t *w)
+static inline float smap_level(const smap_many_work_t *w, uint8_t i, float s, float c)
 {
-  const uint8_t rails = smap_rails_of(w->map);
-  const float same = SMAP_RECESS * w->map->size;
-  uint8_t i, j;
-  memset(w->mate, SMAP_NONE, sizeof w->mate);
-  for (i = 0; rails > 2 && i < smap_contacts_of(w->map); i++) {
-    const uint8_t k = w->rail[i];
-    const uint8_t next = (uint8_t)(2u * k + 1u < rails ? k + 1u : k - 1u);
-    for (j = w->map->first[next]; j < w->map->first[next + 1]; j++) {
-      if (smap_absolute(w->p[i][0] - w->p[j][0]) + smap_absolute(w->p[i][2] - w->p[j][2]) +
-              smap_absolute(w->r[i] - w->r[j]) <= same) {
-        w->mate[i] = j;
-      }
-    }
-  }
+  return w->p[i][0] * s - w->p[i][2] * c + w->r[i];
 }
-#endif
 
-/* Put the contacts into the frame of the axis; find each rail's disc at a pitch of -90 deg. */
-static void smap_lay_out(smap_many_work_t *w, smap_hull_t *o)
+/* Put the contacts into the frame of the axis; find each rail's disc at the first pitch u. */
+static void smap_lay_out(smap_many_work_t *w, smap_hull_t *o, float u)
 {
   const smap_many_t *m = w->map;
+  const float scale = 1.0f / (1.0f + u * u), s = 2.0f * u * scale, c = (1.0f - u * u) * scale;
   uint8_t k, i;
   for (k = 0; k < smap_rails_of(m); k++) {
     const uint8_t first = m->first[k];
@@ -204,7 +180,7 @@ static void smap_lay_out(smap_many_work_t *w, smap_hull_t *o)
       w->p[i][0] = x * m->axis[1] - y * m->axis[0];
       w->p[i][1] = i == first ? x * m->axis[0] + y * m->axis[1] : w->p[first][1];
       w->rail[i] = k;
-      if (w->r[i] - w->p[i][0] > w->r[best] - w->p[best][0]) {
+      if (smap_level(w, i, s, c) > smap_level(w, best, s, c)) {
         best = i;
       }
     }
@@ -212,17 +188,9 @@ static void smap_lay_out(smap_many_work_t *w, smap_hull_t *o)
     o->on[k] = 1;
     o->changed[k] = o->turn[k] = -SMAP_NEVER;
     o->own[k] = SMAP_NONE;
-    smap_next_bend(w, o, k, -1.0f);
+    smap_next_bend(w, o, k, u);
   }
-  smap_begin_hull(w, o);
-#if SMAP_MANY_RAILS > 2
-  smap_find_mates(w);
-#endif
-}
-
-static inline float smap_level(const smap_many_work_t *w, uint8_t i, float s, float c)
-{
-  return w->p[i][0] * s - w->p[i][2] * c + w->r[i];
+  smap_begin_hull(w, o, u);
 }
 
 /* Where a contact touches a plane. */
@@ -252,14 +220,6 @@ static inline float smap_extent(const smap_many_work_t *w, uint8_t i, const smap
          w->p[i][1] * at->n[1];
 }
 
-#if SMAP_MANY_RAILS > 2
-/* Whether a contact touches a facet's plane, as rounding has it. */
-static inline int smap_touches(const smap_many_work_t *w, uint8_t contact, const smap_facet_t *f)
-{
-  return !(smap_extent(w, contact, &f->at) < f->h - 4.0f * SMAP_RECESS * w->map->size);
-}
-#endif
-
 /* Where a contact touches a plane, along and across. */
 static inline void smap_find_spot(const smap_many_work_t *w, uint8_t i, const smap_aim_t *at,
                                   const float along[3], const float across[3], smap_spot_t *o)
@@ -282,33 +242,11 @@ static inline float smap_slope(smap_aim_t *o, float s, float c, float t)
 }
 
 #if SMAP_MANY_GAPS
-/* The plane on the contacts i and j at a fraction of the way between two others. */
-static void smap_on_arc(const smap_many_work_t *w, uint8_t i, uint8_t j, const smap_aim_t *from,
-                        const smap_aim_t *to, float part, smap_aim_t *out)
+/* The direction of a vector. */
+static void smap_aim(smap_aim_t *o, const float v[3])
 {
-  float size, s, c;
-  smap_mix(from->n, to->n, part, out->n);
-  size = 1.0f / smap_root(out->n[0] * out->n[0] + out->n[2] * out->n[2]);
-  s = out->n[0] * size;
-  c = -out->n[2] * size;
-  if (w->rail[i] == w->rail[j]) {
-    (void)smap_slope(out, s, c, out->n[1] * size);
-  } else {
-    (void)smap_slope(out, s, c, (smap_level(w, i, s, c) - smap_level(w, j, s, c)) /
-                                    (w->p[j][1] - w->p[i][1]));
-  }
-}
-
-/* The square of the sine between a plane's normal and a disc's axle; 1 of others. */
-static inline float smap_sine2_to_axle(const smap_many_work_t *w, uint8_t i, const smap_aim_t *at)
-{
-  return w->r[i] > 0.0f ? at->n[0] * at->n[0] + at->n[2] * at->n[2] : 1.0f;
-}
-
-/* Whether two contacts touch at the same places all the way. */
-static int smap_is_still(const smap_many_work_t *w, uint8_t i, uint8_t j)
-{
-  return w->rail[i] == w->rail[j] || (w->r[i] == 0.0f && w->r[j] == 0.0f);
+  const float size = 1.0f / smap_root(v[0] * v[0] + v[2] * v[2]);
+  (void)smap_slope(o, v[0] * size, -v[2] * size, v[1] * size);
 }
 #endif
 
@@ -406,9 +344,11 @@ static void smap_swap(smap_many_work_t *w, smap_hull_t *o, uint8_t k, float u, f
 SMAP_APART static void smap_find_facets(smap_many_work_t *w)
 {
   smap_hull_t o;
-  float u = -1.0f, first;
-  smap_lay_out(w, &o);
-  while (u <= 1.0f && smap_may(w, SMAP_COST_EVENT)) {
+  const float steepest = w->map->steepest > 0.0f ? SMAP_BEFORE * w->map->steepest : 0.0f;
+  float u = -smap_root((1.0f - steepest) / (1.0f + steepest)), first;
+  uint8_t left;
+  smap_lay_out(w, &o, u);
+  for (left = SMAP_EVENTS; left > 0; left--) {
     uint8_t k, bends = 0, turns = SMAP_NONE; /* which rail comes first */
     float scale, s, c;
     first = SMAP_NEVER;
@@ -443,4 +383,5 @@ SMAP_APART static void smap_find_facets(smap_many_work_t *w)
     smap_forget(w, &o, bends);
     u = first;
   }
+  w->full = 1;
 }

@@ -6,8 +6,7 @@
  * All contacts within the tolerance of a facet's plane make up its polygon.
  */
 #define SMAP_BELOW 2e-5f        /* of the size: a facet has no contact as far below it */
-#define SMAP_TURN_SHORT 4e-5f   /* rad: arcs as short as this join what is one facet */
-#define SMAP_TURN_ROUNDED 2e-6f /* rad: the same for a robot that may not rock */
+#define SMAP_TURN_SHORT 1.9e-4f /* rad: rests that a shorter arc joins are one; of 2e-4, less rounding */
 
 /* List the contacts that reach as far as `top` along a plane's normal; none where one reaches beyond `most`. */
 static uint8_t smap_list_near(const smap_many_work_t *w, const smap_aim_t *aim, float top, float most,
@@ -52,12 +51,9 @@ static inline float smap_bend_of(const smap_spot_t *o, const smap_spot_t *p, con
 }
 
 /* The corners of the polygon of spots, counter-clockwise in (a, b). */
-static uint8_t smap_polygon(smap_many_work_t *w, const smap_spot_t *spot, uint8_t count, uint8_t *corner)
+static uint8_t smap_polygon(const smap_spot_t *spot, uint8_t count, uint8_t *corner)
 {
   uint8_t n = 0, k, i, least = 1;
-  if (!smap_may(w, 2u * SMAP_COST_CORNER * count)) {
-    return 0;
-  }
   for (k = 0; k < 2u * count; k++) {
     i = k < count ? k : (uint8_t)(2u * count - 1u - k);
     if (k == count) {
@@ -73,11 +69,10 @@ static uint8_t smap_polygon(smap_many_work_t *w, const smap_spot_t *spot, uint8_
 }
 
 /* Whether a polygon is at least `width` wide in every direction. */
-static int smap_wide(smap_many_work_t *w, const smap_spot_t *spot, const uint8_t *corner, uint8_t n,
-                     float width)
+static int smap_wide(const smap_spot_t *spot, const uint8_t *corner, uint8_t n, float width)
 {
   uint8_t side, j;
-  for (side = 0; side < n && smap_may(w, SMAP_COST_SIDE); side++) {
+  for (side = 0; side < n; side++) {
     const uint8_t next = (uint8_t)(side + 1 < n ? side + 1 : 0);
     const smap_spot_t *o = &spot[corner[side]], *q = &spot[corner[next]];
     const float da = q->a - o->a, db = q->b - o->b, wanted = width * width * (da * da + db * db);
@@ -153,114 +148,55 @@ static inline int smap_is_triangle(const smap_many_work_t *w, const smap_facet_t
   return count == 3 && w->next[facet->first + 2u] == facet->first;
 }
 
+/* Tell which facets are rests, and find their centroids. */
 SMAP_APART static void smap_classify(smap_many_work_t *w)
 {
-  const float width = w->map->rock_angle >= 3.1415f ? 0.0f : w->map->rest_width;
-  smap_spot_t *const spot = (smap_spot_t *)w->roll;
-  uint8_t corner[2 * SMAP_MANY_CONTACTS + 1] = {0}, f, k;
-  for (f = 0; f < w->facets && smap_may(w, SMAP_COST_KIND); f++) {
+  const float width = w->map->rest_width;
+  uint8_t f;
+  for (f = 0; f < w->facets; f++) {
+    smap_spot_t spot[SMAP_MANY_CONTACTS];
+    uint8_t corner[2 * SMAP_MANY_CONTACTS + 1] = {0}, k;
     smap_facet_t *facet = &w->facet[f];
     const float(*const at)[3] = (const float(*)[3])w->corner + facet->first;
     const uint8_t count = smap_list_near(w, &facet->at, facet->h - w->map->tolerance,
                                          facet->h + SMAP_BELOW * w->map->size, corner);
-    int wide = 0, whole = 0;
+    int wide = 0;
     if (smap_is_triangle(w, facet, count)) {
       wide = smap_is_broad(at, width);
-    } else if (count != 0) {
-      uint8_t n;
-      smap_find_spots(w, &facet->at, corner, count, spot);
-      n = smap_polygon(w, spot, count, corner);
-      whole = n >= 3 && smap_centroid(spot, corner, n, facet, facet->centre);
-      wide = whole && smap_wide(w, spot, corner, n, width);
-    }
-    if (!whole && count != 0) {
       SMAP_THRICE
       for (k = 0; k < 3; k++) {
         facet->centre[k] = (at[0][k] + at[1][k] + at[2][k]) * (1.0f / 3.0f);
       }
+    } else if (count != 0) {
+      uint8_t n;
+      smap_find_spots(w, &facet->at, corner, count, spot);
+      n = smap_polygon(spot, count, corner);
+      wide = n >= 3 && smap_centroid(spot, corner, n, facet, facet->centre) && smap_wide(spot, corner, n, width);
     }
-    facet->kind = wide ? SMAP_REST : count ? SMAP_STAGE : SMAP_REFUSED;
+    facet->rest = wide ? (uint8_t)SMAP_FOUND : (uint8_t)SMAP_NONE;
   }
 }
 
-/* Mark the arcs between rests that are one but for rounding, and tell whether there is any. */
-static int smap_mark_short(smap_many_work_t *w)
+static inline int smap_is_rest(const smap_many_work_t *w, uint8_t e)
 {
-  const float turn = w->map->rock_angle < SMAP_TURN_SHORT ? SMAP_TURN_ROUNDED : SMAP_TURN_SHORT;
-  uint8_t e;
-  int any = 0;
-  for (e = 0; e < w->edges; e++) {
-    const uint8_t back = w->twin[e];
-    w->roll_of[e] = SMAP_NONE;
-    w->low[e] = SMAP_OPEN;
-    if (back < e) {
-      const smap_facet_t *f = &w->facet[w->owner[e]], *g = &w->facet[w->owner[back]];
-      float d[3];
-      smap_minus(f->at.n, g->at.n, d);
-      if (smap_dot(d, d) < turn * turn && f->kind == SMAP_REST && g->kind == SMAP_REST) {
-        w->low[e] = w->low[back] = SMAP_SHORT;
-        any = 1;
-      }
-    }
-  }
-  return any;
+  return w->facet[w->owner[e]].rest != SMAP_NONE;
 }
 
-#if SMAP_MANY_GAPS && SMAP_MANY_RAILS
-/* The facet of the largest triangle along an outline: rounding, and what inner rails count as higher, alter its plane
- * least. */
-static uint8_t smap_largest(smap_many_work_t *w, uint8_t start)
-{
-  uint8_t e = start, best = w->owner[start];
-  float most = 0.0f, longest;
-  do {
-    const uint8_t here = w->owner[e];
-    const float area2 = smap_area2((const float(*)[3])w->corner + w->facet[here].first, &longest);
-    best = area2 > most ? here : best;
-    most = area2 > most ? area2 : most;
-    w->seen[e] = 1;
-    e = w->onward[e];
-  } while (e != start && smap_may(w, SMAP_COST_OUTLINE));
-  return best;
-}
-
-/* Give the facets along an outline the plane of the largest. */
-SMAP_APART static void smap_share_plane(smap_many_work_t *w, uint8_t start)
-{
-  const uint8_t best = smap_largest(w, start);
-  uint8_t e = start;
-  do {
-    const uint8_t here = w->owner[e];
-    if (here != best) {
-      w->facet[here].at = w->facet[best].at;
-      w->facet[here].h = w->facet[best].h;
-      smap_touch(w, w->vertex[e], &w->facet[here].at, w->corner[e]);
-    }
-    e = w->onward[e];
-  } while (e != start && smap_may(w, SMAP_COST_OUTLINE));
-}
-
-/* Give facets that short arcs join one plane: nobody rolls from one of them to another, so that what a roll ends on
- * would not be what the next one begins from. */
-static void smap_share_planes(smap_many_work_t *w)
-{
-  uint8_t start;
-  memset(w->seen, 0, sizeof w->seen);
-  for (start = 0; start < w->edges; start++) {
-    if (!w->seen[start] && w->low[start] != SMAP_SHORT && w->owner[w->onward[start]] != w->owner[start]) {
-      smap_share_plane(w, start);
-    }
-  }
-}
-#endif
-
-/* Find the outlines of what short arcs join, if there is any: no short arc is gone over twice. */
-static void smap_find_outlines(smap_many_work_t *w, int joined)
+/* Mark the arcs between rests that are one, and find the outlines of what they join: no short arc is gone over
+ * twice. */
+static void smap_find_outlines(smap_many_work_t *w)
 {
   uint8_t e, left = SMAP_MOST(w->map, edges, SMAP_MANY_EDGES);
-  if (SMAP_MANY_RAILS && !joined) { /* elsewhere it would cost more bytes than time */
-    memcpy(w->onward, w->next, w->edges);
-    return;
+  for (e = 0; e < w->edges; e++) {
+    const uint8_t back = w->twin[e];
+    w->low[e] = SMAP_OPEN;
+    if (back < e && smap_is_rest(w, e) && smap_is_rest(w, back)) {
+      float d[3];
+      smap_minus(w->facet[w->owner[e]].at.n, w->facet[w->owner[back]].at.n, d);
+      if (smap_dot(d, d) < SMAP_TURN_SHORT * SMAP_TURN_SHORT) {
+        w->low[e] = w->low[back] = SMAP_SHORT;
+      }
+    }
   }
   for (e = 0; e < w->edges; e++) {
     uint8_t at = w->next[e];
@@ -269,7 +205,4 @@ static void smap_find_outlines(smap_many_work_t *w, int joined)
     }
     w->onward[e] = at;
   }
-#if SMAP_MANY_GAPS && SMAP_MANY_RAILS
-  smap_share_planes(w);
-#endif
 }

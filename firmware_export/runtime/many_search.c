@@ -58,7 +58,7 @@ static int smap_common(smap_many_work_t *w, const uint8_t three[3], uint8_t star
   for (k = 0; k < 3; k++) {
     smap_copy(w->p[three[k]], p[k]);
   }
-  for (round = 0; round < SMAP_NEWTON && smap_may(w, SMAP_COST_NEWTON); round++) {
+  for (round = 0; round < SMAP_NEWTON; round++) {
     smap_minus(p[1], p[0], a);
     smap_minus(p[2], p[0], b);
     if (round == 0 && start >= SMAP_FROM_LEFT) {
@@ -189,7 +189,7 @@ static uint8_t smap_corners_near(smap_many_work_t *w, const smap_aim_t *at, floa
   const uint8_t count = smap_list_near(w, at, top, 4.0f * w->map->size, corner);
   uint8_t n;
   smap_find_spots(w, at, corner, count, spot);
-  n = smap_indent_sides(w, spot, count, corner, smap_polygon(w, spot, count, corner));
+  n = smap_indent_sides(w, spot, count, corner, smap_polygon(spot, count, corner));
   for (k = 0; k < n; k++) {
     /* From outside (a, b) is left-handed. */
     contact[k] = spot[corner[n - 1u - k]].contact;
@@ -273,9 +273,9 @@ SMAP_APART static uint8_t smap_corners_new(smap_many_work_t *w, const smap_aim_t
 static uint8_t smap_unite(smap_many_work_t *w, const smap_aim_t *at, float top, uint8_t *contact)
 {
   uint8_t known, corners = smap_corners_new(w, at, top, contact, &known);
-  while (corners > 0 && known != SMAP_NONE && smap_may(w, SMAP_COST_OUT)) {
+  while (corners > 0 && known != SMAP_NONE) { /* each time there is a facet less */
     top = smap_take_out(w, known, at, top);
-    corners = smap_may(w, SMAP_COST_NEAR) ? smap_corners_new(w, at, top, contact, &known) : 0;
+    corners = smap_corners_new(w, at, top, contact, &known);
   }
   return corners;
 }
@@ -290,10 +290,10 @@ SMAP_APART static void smap_add_facet(smap_many_work_t *w, const smap_aim_t *at,
     return;
   }
   memcpy(contact, three, 3 * sizeof *three);
-  if (!alone && smap_may(w, SMAP_COST_NEAR)) {
+  if (!alone) {
     corners = smap_unite(w, at, h - SMAP_TOUCHES * w->map->size, contact);
   }
-  if (corners > 2 && w->left) {
+  if (corners > 2) {
     e = smap_enter(w, at, h, corners);
     for (k = 0; e != SMAP_NONE && k < corners; k++) {
       w->vertex[e + k] = contact[k];
@@ -323,7 +323,7 @@ static uint8_t smap_try(smap_many_work_t *w, const uint8_t three[3], uint8_t sta
     }
     alone = alone && (one || !near);
   }
-  if (smap_may(w, SMAP_COST_FACET)) {
+  {
     const uint8_t round[3] = {three[turns > 0 ? 2 : 1], three[0], three[turns > 0 ? 1 : 2]};
     smap_add_facet(w, &at, h, round, alone);
   }
@@ -384,7 +384,7 @@ SMAP_APART static int smap_is_clear(smap_many_work_t *w, uint8_t e, uint8_t back
 {
   uint8_t other[SMAP_MANY_CONTACTS];
   const uint8_t others = smap_list_others(w, e, back, other);
-  return others == 0 || (smap_may(w, SMAP_COST_CLEAR) && smap_are_clear(w, e, back, other, others));
+  return others == 0 || smap_are_clear(w, e, back, other, others);
 }
 
 /* Find the arc over an edge: of the facets that share its contacts the next one on its outside. */
@@ -406,7 +406,7 @@ SMAP_APART static void smap_find_twin(smap_many_work_t *w, uint8_t e)
       }
     }
   }
-  if (best != SMAP_NONE && (least < 1e-6f || (smap_may(w, SMAP_COST_ARC) && smap_is_clear(w, e, best)))) {
+  if (best != SMAP_NONE && (least < 1e-6f || smap_is_clear(w, e, best))) {
     w->twin[e] = best;
     w->twin[best] = e;
   }
@@ -423,7 +423,7 @@ SMAP_APART static void smap_find_facets(smap_many_work_t *w)
         const uint8_t three[3] = {i, j, k};
         const uint8_t starts = smap_try(w, three, SMAP_FROM_BELOW);
         uint8_t start;
-        for (start = SMAP_FROM_ABOVE; start < starts && smap_may(w, SMAP_COST_START); start++) {
+        for (start = SMAP_FROM_ABOVE; start < starts; start++) {
           (void)smap_try(w, three, start);
         }
       }

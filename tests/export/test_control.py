@@ -192,9 +192,7 @@ def crawler() -> Steered:
     model = Model(load_recipe(GALLERY / "absolem.toml"))
     info = usable(model, "float", "contacts")[0]
     tables = info.encode(model, ("tip_angle",), info.sizes(model, ("tip_angle",), "float")[0])
-    export = Export(
-        "absolem", model.recipe, model, info.name, "float", ("tip_angle",), tables.boxed()
-    )
+    export = Export("absolem", model.recipe, model, info.name, "float", ("tip_angle",), tables)
     joints = [Joint(0.0, 1e-3, 0.0314, 6.28, 0.00314, 0.354, 0.0045, x) for x in (1.35, 1.11)]
     policy = Policy(
         np.zeros((2, 2, 2), np.uint8), 1.0, tuple(joints), 0.02, 0.06, 0.05, (0.3, 0.2, 0.1), 0.5

@@ -1,6 +1,7 @@
 """Many contacts in C: what it calls safe against the exact evaluation, with and without float."""
 
 import ctypes
+import math
 import re
 import shutil
 import subprocess
@@ -76,18 +77,27 @@ def test_what_rounding_alters_is_a_third_of_the_guard(robot, tmp_path):
     assert (got["tip_angle"] <= truth["tip_angle"]).all()
 
 
-def test_a_strip_that_another_cuts_keeps_to_the_definition(tmp_path):
-    # Wheels in four rows: the exact definition cuts a strip where the next one begins, and its
-    # pieces are others then; and over arcs of 0.07 and 0.7 deg the com rises by what rounding
-    # alters.
-    absolem = Library(lutgen.load_recipe(MAPS / "absolem.toml"), tmp_path)
-    params = np.float32([[1.5773930549621582, 0.08346787095069885], [0.31692666, -1.6499567]])
-    aims = [[-0.7346289, 0.1087306, -0.66969997], [0.80463946, 0.14135224, -0.57669306]]
-    g = np.float32(aims)[:, None]
-    truth = evaluate_each(absolem.recipe, params.astype(float), g.astype(float), ("tip_angle",))
-    short = np.degrees(truth["tip_angle"] - absolem.read(params, g)["tip_angle"])
-    assert (short > 0.0).all()
-    assert (short < 0.2).all()
+@pytest.mark.parametrize("name", ["absolem", "marv", "markhor", "articulated", "quadruped"])
+def test_next_to_nothing_of_what_stands_is_lost_and_nothing_gained(name, tmp_path):
+    # Evenly random postures and directions, and those of coarse grids a little off.
+    recipe = recipe_of(name)
+    robot, rng = Library(recipe, tmp_path), np.random.default_rng(12)
+    low = np.array([p.minimum for p in recipe.parameters])
+    high = np.array([p.maximum for p in recipe.parameters])
+    params = rng.uniform(low, high, (1600, len(low)))
+    step, off = math.radians(7.5), rng.choice([0.0, 1e-6, 1e-4], (800, 1))
+    params[:800] = step * np.rint(params[:800] / step) + off * rng.normal(size=(800, len(low)))
+    params = np.clip(params, low, high).astype(np.float32)
+    g = random_directions(rng, len(params) * 50).reshape(-1, 50, 3).astype(np.float32)
+    channels = ("tip_angle", "status")
+    truth = evaluate_each(recipe, params.astype(float), g.astype(float), channels)
+    got = robot.read(params, g)
+    safe, stands = got["status"] != TIPS, truth["status"] != TIPS
+    assert robot.most["failed"] == 0
+    assert stands.mean() > 0.1
+    assert not (safe & ~stands).any()
+    assert (got["tip_angle"] <= truth["tip_angle"])[safe].all()
+    assert (stands & ~safe).mean() <= (0.003 if name == "marv" else 0.001) * stands.mean()
 
 
 @pytest.mark.parametrize("whole", [False, True])
@@ -103,16 +113,12 @@ def test_what_stands_is_told_with_its_angle_and_its_factor(robot, whole):
     safe, stands = got["status"] != TIPS, truth["status"] != TIPS
     assert not (safe & ~stands).any()
     assert not ((got["status"] == 0) & (truth["status"] == 1)).any()
-    # Given up: what is within the guard of the boundary, and a gap in thousands;
-    # between ball feet that stand nearly in a plane more.
-    lost = stands & ~safe
-    assert lost.sum() <= (0.006 if robot.recipe.name == "quadruped" else 0.001) * stands.sum()
+    # Given up: what is within the guard of the boundary, and a gap in thousands.
+    assert (stands & ~safe).sum() <= 0.003 * stands.sum()
     error = np.degrees(truth["tip_angle"] - got["tip_angle"])[safe]
     assert error.min() > 0.0
-    # The guard is 0.006 deg; of an integer form's sine, less its guard, more is lost near a right
-    # angle.
-    part, most = (90, 0.06) if whole else (99, 0.02)
-    assert np.percentile(error, part) < most
+    # The guard is 0.006 deg, of the integer form 0.015, and more is lost next to a gap.
+    assert np.percentile(error, 75) < (0.06 if whole else 0.02)
     # Rounding of the integer form: half a step each of D, s and the angle of its walls.
     loose = 10 * step if whole else 1e-5 * robot.many.size
     assert np.percentile(np.abs(truth["sdg"] - got["sdg"])[safe], 99) < loose
@@ -152,7 +158,7 @@ def test_wheels_and_feet_that_stand_nearly_in_one_plane_carry_as_in_the_definiti
     # The guard is 0.006 deg.  Where arcs are a thousandth of a degree rounding moves the ends of
     # gaps between feet by a thousandth of their length.
     assert np.percentile(short, 99) < 0.02
-    assert short.max() < (0.3 if name == "quadruped" else 0.05)
+    assert short.max() < (0.5 if name == "quadruped" else 0.05)
 
 
 @pytest.mark.parametrize("whole", [False, True])
@@ -171,48 +177,31 @@ def test_how_far_a_robot_has_tipped_is_never_less_than_the_truth(robot, whole):
     assert np.median(late) < 0.2
 
 
-def test_a_map_without_room_is_never_safe(robot, tmp_path):
-    small = Library(robot.recipe, tmp_path, ("-O0",), facets=1, shown=1, walls=3)
+@pytest.mark.parametrize("room", ["facets", "corners"])
+def test_a_map_without_room_is_never_safe(robot, room, tmp_path):
+    small = Library(robot.recipe, tmp_path, ("-O0",), **{room: 1})
     rng = np.random.default_rng(7)
     params = postures_of(robot.recipe, rng, 20)
-    got = small.read(params, random_directions(rng, 100))
+    g = random_directions(rng, 100)
+    got, enough = small.read(params, g), robot.read(params, g)
     assert small.most["failed"] > 0
-    enough = robot.read(params, random_directions(rng, 100))
-    assert (got["status"] == TIPS).sum() > (enough["status"] == TIPS).sum()
-
-
-def test_a_posture_that_takes_more_work_than_there_is_reads_unsafe(robot, tmp_path):
-    # The bits are those of any optimisation, see test_programs.
-    rng = np.random.default_rng(7)
-    params, g = postures_of(robot.recipe, rng, 40), random_directions(rng, 100)
-    whole = robot.read(params, g)["status"]
-    few = ["-O0", f"-DSMAP_MANY_WORK={robot.most['work'] * 3 // 4}"]
-    got = Library(robot.recipe, tmp_path, flags=few).read(params, g)["status"]
     # A posture that fails tips in every direction, and any other reads as it does.
-    failed = (got != whole).any(axis=1)
+    failed = (got["status"] != enough["status"]).any(axis=1)
     assert failed.any()
-    assert (got[failed] == TIPS).all()
+    assert (got["status"][failed] == TIPS).all()
 
 
-@pytest.mark.parametrize("limit", ["SOUGHT", "SIDES"])
-def test_gaps_without_time_or_room_are_given_up_and_nothing_else(robot, tmp_path, limit):
-    # As if the robot might not rock at all: that is the region of its rests alone.
+def test_gaps_without_room_are_given_up_and_nothing_else(robot, tmp_path):
     rng = np.random.default_rng(7)
     params, g = postures_of(robot.recipe, rng, 120), random_directions(rng, 100)
     whole = robot.read(params, g)
-    few = Library(robot.recipe, tmp_path, flags=["-O0", f"-DSMAP_MANY_{limit}=1"])
+    few = Library(robot.recipe, tmp_path, ("-O0",), gaps=1)
     got = few.read(params, g)
     assert few.most["failed"] == 0
-    few.many.rock_angle = -1e-5
-    rests = few.read(params, g)
-    # Where two facets turn by 2e-6 to 4e-5 rad they are one, but for a robot that may not rock.
-    assert (got["status"] == rests["status"]).mean() > 0.999
     safe = got["status"] != TIPS
     assert not (safe & (whole["status"] == TIPS)).any()
-    # The same wall is read at two places of the list, 1e-7 by rounding.
     assert (got["tip_angle"] <= whole["tip_angle"] + 2e-7)[safe].all()
-    rocks = {"marv", "absolem", "articulated", "quadruped"}
-    assert ((got["status"] != whole["status"]).any()) >= (robot.recipe.name in rocks)
+    assert (got["status"] != whole["status"]).any() == (robot.most["gaps"] > 1)
 
 
 def test_memory_that_is_all_zero_reads_unsafe(robot):

@@ -9,7 +9,7 @@ import pytest
 
 import lutgen
 from firmware_export.contacts import INFO as contacts
-from firmware_export.contacts.room import GIVEN_UP, LIMITS
+from firmware_export.contacts.room import GAPS, LIMITS
 from firmware_export.emit import package
 from firmware_export.emit.source import body_of
 from firmware_export.host import Host
@@ -20,7 +20,6 @@ from tests.fixtures.places import MAPS
 from tests.fixtures.quadruped import quadruped
 
 OK, TIPS, ROCKS, CORRUPT = 0, 2, 4, 6
-SIDES, SOUGHT = 5, 6
 
 
 def export_of(name: str) -> Export:
@@ -63,11 +62,10 @@ def read_alike(
 
 
 @pytest.mark.needs("gcc")
-@pytest.mark.parametrize("name", ["marv", "quadruped"])
+@pytest.mark.parametrize("name", ["marv", "absolem"])
 def test_what_an_export_gives_up_the_certificate_gives_up_too(name: str, tmp_path: Path) -> None:
     whole = export_of(name)
-    # A quarter of the time that gaps may take, and room for one of them.
-    small = with_room(whole, SOUGHT=whole.tables.room[SOUGHT] // 4, SIDES=2)
+    small = with_room(whole, GAPS=1)
     package.write(small, tmp_path / "out")
     asked = queries(whole, 400, 20)
     status, reading = read_alike(small, tmp_path / "out", asked)
@@ -78,7 +76,7 @@ def test_what_an_export_gives_up_the_certificate_gives_up_too(name: str, tmp_pat
     # digits of its angle and of the guard that is taken off that.
     assert (reading[:, 1] <= tip[:, 1] + 4e-7)[safe].all()
     # Gaps are given up, and the rests beside them stay.
-    assert 0 < (could & ~safe).sum() < 0.3 * could.sum()
+    assert 0 < (could & ~safe).sum() < 0.1 * could.sum()
 
 
 @pytest.mark.needs("gcc")
@@ -93,44 +91,20 @@ def test_an_export_that_knows_its_robot_answers_as_code_for_any(name: str, tmp_p
 @pytest.mark.needs("gcc")
 def test_a_robot_that_never_rocks_has_no_code_for_it(tmp_path: Path) -> None:
     export = export_of("excavator")
-    assert export.tables.room[SOUGHT] == 0
+    assert export.tables.room[GAPS] == 0
     package.write(export, tmp_path / "out")
     text = (tmp_path / "out" / "smap.c").read_text()
-    assert "smap_find_gap(" not in text
-    assert "smap_add_sides(" not in text
+    assert "static void smap_find_gap(" not in text
     status, _ = read_alike(export, tmp_path / "out", queries(export, 300, 20))
     assert {OK, TIPS} <= set(status.tolist())
 
 
 @pytest.mark.parametrize("name", ["marv", "absolem", "quadruped"])
-def test_hardly_a_direction_is_answered_otherwise_for_want_of_room(name: str) -> None:
-    whole = export_of(name)
-    free = replace(whole, tables=replace(whole.tables, room=LIMITS))
-    params, gravity = queries(whole, 4000, 40)
-    status, reading = host_of(free).read(params, gravity)
-    stands = np.isin(status, (OK, ROCKS))
-
-    def changed(export: Export) -> float:
-        less, tip = host_of(export).read(params, gravity)
-        short = np.degrees(reading[:, 1].astype(float) - tip[:, 1]) > 0.02
-        still = np.isin(less, (OK, ROCKS))
-        assert not (still & ~stands).any()
-        return float((stands & (~still | short)).sum() / stands.sum())
-
-    # Thrice the share: these are other postures and directions than those that the room is for.
-    assert changed(whole) < 3.0 * GIVEN_UP
-    # And not by being roomy: with half the time on gaps it would be far more.
-    half = with_room(whole, SOUGHT=whole.tables.room[SOUGHT] // 2)
-    assert changed(half) > 5.0 * GIVEN_UP
-
-
-@pytest.mark.parametrize("name", ["marv", "absolem", "quadruped"])
-def test_no_posture_fails_for_want_of_room(name: str) -> None:
+def test_hardly_a_posture_needs_more_room(name: str) -> None:
     whole = export_of(name)
     t = np.random.default_rng(12).random((20_000, whole.model.k))
     found = host_of(whole).room(whole.model.at(t).astype(np.float32))
-    assert (found[:, -1] > 0).all()
-    assert (found <= np.array(whole.tables.room)).all()
+    assert (found <= np.array(whole.tables.room)).all(axis=1).mean() > 0.9995
 
 
 @pytest.mark.needs("gcc")

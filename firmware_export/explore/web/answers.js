@@ -2,7 +2,7 @@
 // The exported C as WebAssembly, directions of gravity, and how a robot is seated.
 const { Quaternion, Vector3 } = THREE;
 const vector = (numbers, at = 0) => new Vector3().fromArray(numbers, at);
-const Z = new Vector3(0, 0, 1), REST = 2, ROOM = 1 << 22;
+const Z = new Vector3(0, 0, 1), ROOM = 1 << 22;
 
 const bytesOf = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
 
@@ -36,7 +36,7 @@ class Runtime {
     });
   }
 
-  // Facets, edges and the boundary of a posture, in lists as runtime/host_pose.h has them.
+  // Rests, their edges and the boundary of a posture, in lists as runtime/host_pose.h has them.
   pose(params) {
     const into = this.free, counts = into + 4 * params.length, out = counts + 12;
     new Float32Array(this.buffer, into, params.length).set(params);
@@ -49,11 +49,10 @@ class Runtime {
     });
     const [facets, edges, segments] = new Int32Array(this.buffer, counts, 3);
     return {
-      facets: rows(facets, 8, (r) =>
-        ({ kind: r[0], plane: vector(r, 1), centre: vector(r, 4), height: r[7] })),
-      edges: rows(edges, 11, (r) => ({
-        facet: r[0], kind: r[1], start: vector(r, 2), stop: vector(r, 5), part: r[8],
-        contacts: [r[9], r[10]],
+      facets: rows(facets, 7, (r) =>
+        ({ plane: vector(r), centre: vector(r, 3), height: r[6] })),
+      edges: rows(edges, 10, (r) => ({
+        facet: r[0], start: vector(r, 1), stop: vector(r, 4), part: r[7], contacts: [r[8], r[9]],
       })),
       segments: rows(segments, 8, (r) =>
         ({ start: vector(r), stop: vector(r, 3), over: [r[6], r[7]] })),
@@ -87,8 +86,7 @@ function fromDisc(x, y, rim) {
 // (`_settle` of lutgen/channels/settle.py): with the least inclined rest that carries it.
 function seated({ facets, edges }, gravity) {
   let best = null, up = -2, nearest = null, most = -Infinity;
-  const rests = facets.filter(({ kind }) => kind === REST);
-  (rests.length ? rests : facets).forEach((facet) => {
+  facets.forEach((facet) => {
     const above = facet.plane.clone().multiplyScalar(-facet.height);
     const turn = new Quaternion(1, 0, 0, 0);
     if (above.z > 1e-12 - 1) turn.setFromUnitVectors(Z, above); // else half a turn about x

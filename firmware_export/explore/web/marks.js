@@ -37,7 +37,7 @@ class Marks extends THREE.Group {
     const { size } = this;
     this.children.forEach(({ geometry: own }) => own.type === "BufferGeometry" && own.dispose());
     this.clear();
-    facets.filter((facet) => facet.kind === REST || facet === here).forEach((facet) => {
+    facets.forEach((facet) => {
       const own = edges.filter((edge) => facets[edge.facet] === facet);
       const fan = own.flatMap(({ start, stop }) => [own[0].start, start, stop]);
       this.patch(fan, ...(facet === here ? ["polygon", 3] : ["rest", 1]));
@@ -49,7 +49,7 @@ class Marks extends THREE.Group {
       this.patch([start, stop, back.start, start, back.start, back.stop], "gap", 2);
     });
     // Of an edge that a gap holds from some part on, what is before that is an axis all the same.
-    edges.filter(({ kind, part }) => kind === REST && part > 0).forEach((edge) => {
+    edges.filter(({ part }) => part > 0).forEach((edge) => {
       const least = edge.contacts.every((contact) => over.includes(contact));
       const end = edge.start.clone().lerp(edge.stop, Math.min(edge.part, 1));
       this.bar(edge.start, end, ...(least ? [0.009, "least"] : [0.0035, "ink"]), 5);
