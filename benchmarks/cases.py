@@ -78,9 +78,9 @@ def legged_recipe(
 ) -> str:
     """Return a recipe in TOML: a body on legs, whose even and odd ones turn in two groups.
 
-    `gravity` holds the lines of [sweep.gravity] for chart, tilt and nodes.  The limits are off.
+    `gravity` holds the lines of [sweep.gravity] for chart, tilt and nodes.  The limits are wide.
     """
-    lines = ['[robot]\nname = "bench"\nlength_unit = "m"\nupright = 180.0\nrock_angle = 180.0']
+    lines = ['[robot]\nname = "bench"\nlength_unit = "m"\nupright = 180.0\nrock_angle = 45.0']
     for name in ("even", "odd"):
         lines.append(f'[[robot.parameter]]\nname = "{name}"\nmin = 5.0\nmax = 50.0\nunit = "deg"')
     for leg in range(legs):

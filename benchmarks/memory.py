@@ -13,15 +13,13 @@ from benchmarks.cases import DISC, KIND_NAMES, POINT, SPHERE, Case, point_shapes
 from benchmarks.references import Loop, by_numpy, fill, planes, tip_over_axes
 from benchmarks.rows import Row, interleave
 from lutgen.channels.evaluation import stability
-from lutgen.channels.plain import CHANNELS, Setting, wanted_channels
-from lutgen.channels.scan import nodes_of, scan
+from lutgen.channels.exact import Setting, wanted_channels
+from lutgen.channels.rows import nodes_of
+from lutgen.channels.scan import scan
 from lutgen.chart import Chart, unit_directions
 from lutgen.jit import njit
-from lutgen.support.boundary import find_region
-from lutgen.support.region import Acceptance, acceptance, empty_region
-from lutgen.support.search import find_facets
-from lutgen.support.table import facet_table, robot_size
-from lutgen.support.unite import unite
+from lutgen.quantities import CHANNELS
+from lutgen.support import FACETS, Acceptance, acceptance, empty_region, stand
 from lutgen.vector import Floats
 
 # 64 MiB of float32 for each channel, more than the caches hold.
@@ -97,15 +95,11 @@ def agree(ours: NDArray[np.floating], theirs: NDArray[np.floating]) -> None:
 @njit()
 def find_all(primitives: Floats, accept: Acceptance) -> int:
     """Find facets and region of every posture; return how many facets."""
-    n = primitives.shape[1]
-    table, region = facet_table(n), empty_region(n)
+    region = empty_region(primitives.shape[1])
     found = 0
     for m in range(primitives.shape[0]):
-        size = robot_size(primitives[m])
-        find_facets(table.work, primitives[m], accept.lowest_up, size)
-        unite(table, primitives[m], size)
-        found += table.hull.tally[0]
-        find_region(region, table, primitives[m], accept, size)
+        stand(region, primitives[m], accept)
+        found += region.counts[FACETS]
     return found
 
 

@@ -12,20 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.jit import njit, prange
-from lutgen.support import (
-    edge_plane_at,
-    edges_at,
-    facets_in,
-    first_axis_at,
-    is_shared,
-    plane_at,
-    put,
-    second_axis_at,
-    segments_in,
-)
-from lutgen.support.region import Acceptance, empty_region
-from lutgen.support.search import stand
-from lutgen.support.table import facet_table
+from lutgen.support import ACCEPTED, ARCS, Acceptance, empty_region, rests_at, stand
 from lutgen.vector import Floats, Ints, Singles
 
 COMMAND = ("cc", "-O3", "-march=native", "-shared", "-fPIC")
@@ -51,19 +38,21 @@ class Planes(NamedTuple):
 def _copy(
     primitives: Floats, accept: Acceptance, facets: Floats, walls: Floats, first: Ints, counts: Ints
 ) -> None:
-    table, region = facet_table(primitives.shape[1]), empty_region(primitives.shape[1])
+    region = empty_region(primitives.shape[1])
     for m in range(primitives.shape[0]):
-        stand(table, region, primitives[m], accept)
-        counts[m] = facets_in(region.tally)
+        stand(region, primitives[m], accept)
+        counts[m] = region.counts[ACCEPTED]
         wall = 0
         for k in range(counts[m]):
-            put(facets[m], k, 0, plane_at(region.facet, k))
-            put(facets[m], k, 3, first_axis_at(region.facet, k))
-            put(facets[m], k, 6, second_axis_at(region.facet, k))
+            seat = region.seat[k]
+            facets[m, k, :3] = seat.plane
+            facets[m, k, 3:6] = seat.axes[0]
+            facets[m, k, 6:] = seat.axes[1]
             first[m, k] = wall
-            for e in range(*edges_at(region.span, k)):
-                if not is_shared(region.link, e):
-                    put(walls[m], wall, 0, edge_plane_at(region.edge, e))
+            facet = region.facet[seat.facet]
+            for e in range(facet.first, facet.first + facet.count):
+                if rests_at(region, e)[1] < 0:
+                    walls[m, wall] = region.edge[e].wall
                     wall += 1
         first[m, counts[m]] = wall
 
@@ -83,9 +72,10 @@ def planes(primitives: NDArray[np.float64], accept: Acceptance) -> Planes:
 
 def tip_over_axes(contacts: NDArray[np.float64], accept: Acceptance) -> NDArray[np.float64]:
     """Return start, stop and inward normal (b, 9) of the tip-over axes of packed contacts."""
-    table, region = facet_table(len(contacts)), empty_region(len(contacts))
-    stand(table, region, contacts, accept)
-    return region.segment[: segments_in(region.tally)].copy()
+    region = empty_region(len(contacts))
+    stand(region, contacts, accept)
+    arcs = region.arc[: region.counts[ARCS]]
+    return np.hstack([arcs["start"], arcs["stop"], arcs["wall"]])
 
 
 @njit(parallel=True)

@@ -216,7 +216,9 @@ def _kernel_files(root: Path) -> list[Path]:
     return sorted(path for path in root.rglob("*.py") if _MARK in path.read_bytes())
 
 
-def in_threads(kernel: Callable[..., int], pieces: int, *arguments: object, least: int = 1) -> int:
+def in_threads(
+    kernel: Callable[..., None], pieces: int, *arguments: object, least: int = 1
+) -> None:
     """Call a kernel on parts of a range, in as many threads as that is worth.
 
     Kernels release Python's lock, so Python's own threads are enough, and no kernel is compiled a
@@ -227,29 +229,23 @@ def in_threads(kernel: Callable[..., int], pieces: int, *arguments: object, leas
     Parameters
     ----------
     kernel : callable
-        Called as ``kernel(begin, end, *arguments)``; its answers are added up.
+        Called as ``kernel(begin, end, *arguments)``.
     pieces : int
         The parts make up range(pieces).
     arguments : object
         The same for every part.
     least : int
         Pieces that a thread of its own is worth.
-
-    Returns
-    -------
-    int
-        The sum of the kernel's answers.
     """
     threads = 1 if pieces < 2 * least else min(numba.get_num_threads(), pieces // least)
-    if threads == 1:
-        return int(kernel(0, pieces, *arguments))
-    parts = min(threads * PARTS_PER_THREAD, pieces)
+    parts = 1 if threads == 1 else min(threads * PARTS_PER_THREAD, pieces)
     bounds = [part * pieces // parts for part in range(parts + 1)]
     # What is not compiled yet is compiled here: Ctrl-C does not reach other threads.
-    first = 0 if getattr(kernel, "signatures", True) else 1
-    found = sum(int(kernel(*bounds[at : at + 2], *arguments)) for at in range(first))
+    first = 1 if threads == 1 or not getattr(kernel, "signatures", True) else 0
+    for at in range(first):
+        kernel(*bounds[at : at + 2], *arguments)
     spans = zip(bounds[first:-1], bounds[first + 1 :], strict=True)
-    return found + sum(in_pool(lambda span: int(kernel(*span, *arguments)), spans, threads))
+    in_pool(lambda span: kernel(*span, *arguments), spans, threads)
 
 
 def in_pool(work: Callable[[Job], Result], jobs: Iterable[Job], threads: int) -> list[Result]:

@@ -1,7 +1,6 @@
 """Three-component vectors as plain tuples, for use inside compiled kernels.
 
-Owns the six operations that the kernels need.  Tuples of scalars stay in registers where small
-arrays would be allocated.
+Tuples of scalars stay in registers where small arrays would be allocated.
 """
 
 import math
@@ -48,6 +47,12 @@ def subtract(a: Vector, b: Vector) -> Vector:
 
 
 @njit(inline=True)
+def add(a: Vector, b: Vector) -> Vector:
+    """Return a + b."""
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+@njit(inline=True)
 def scale(a: Vector, factor: float) -> Vector:
     """Return factor * a."""
     return a[0] * factor, a[1] * factor, a[2] * factor
@@ -66,3 +71,27 @@ def unit(a: Vector) -> Vector:
     if size == 0.0:
         return 0.0, 0.0, 0.0
     return scale(a, 1.0 / size)
+
+
+@njit(inline=True)
+def along(a: Vector, b: Vector, way: float) -> Vector:
+    """Return a + way * b."""
+    return a[0] + way * b[0], a[1] + way * b[1], a[2] + way * b[2]
+
+
+@njit(inline=True)
+def between(a: Vector, b: Vector, share: float) -> Vector:
+    """Return a + share * (b - a)."""
+    return along(a, subtract(b, a), share)
+
+
+@njit(inline=True, bare=True)
+def read3(a: Floats) -> Vector:
+    """Return an array of three numbers as a tuple."""
+    return a[0], a[1], a[2]
+
+
+@njit(inline=True, bare=True)
+def write3(a: Floats, vector: Vector) -> None:
+    """Write a tuple into an array of three numbers."""
+    a[0], a[1], a[2] = vector

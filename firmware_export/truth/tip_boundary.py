@@ -5,8 +5,8 @@ Tables err most beside it, and nowhere else can a verdict be wrong by little.
 
 import numpy as np
 
+from firmware_export.truth.crossing import cross_boundary
 from firmware_export.truth.model import Model
-from lutgen.channels import cross_boundary
 from lutgen.vector import Bools, Floats
 
 # A direction of the rim comes back from its unit vector within a few 1e-16.

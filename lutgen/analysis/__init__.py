@@ -1,14 +1,14 @@
 """Questions about one posture: forces, ground, tilt, sliding, rolling, wheels.
 
 In reading order: `stance`, `lying`, `forces`, `diagnosis`, `ground`, `ground_contact`, `wheels`,
-`tilt`, `rocking`, `ground_walk`, `ground_outline`, `sliding`, `resistance`, `rolling`, `metrics`,
+`tilt`, `ground_seat`, `ground_tilt`, `sliding`, `resistance`, `rolling`, `metrics`,
 `tilt_table`, `budget`, `balance`, `uneven_region`, `uneven`.
 """
 
 from lutgen.analysis.budget import budgets, turn_speed
 from lutgen.analysis.diagnosis import Diagnosis, diagnose
 from lutgen.analysis.forces import heuristic_forces, load_corners, normal_forces
-from lutgen.analysis.ground_outline import GroundTilt, ground_limits, ground_tilt
+from lutgen.analysis.ground_tilt import GroundTilt, ground_limits, ground_tilt
 from lutgen.analysis.lying import below_ground
 from lutgen.analysis.metrics import Metrics, axis_force_angle, compare_metrics
 from lutgen.analysis.rolling import (

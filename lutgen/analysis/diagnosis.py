@@ -15,34 +15,23 @@ from lutgen.channels import (
     MU,
     PHI,
     RHO,
+    arc_angle,
     axis_angle,
     axis_energy,
     axis_margin,
     checked_directions,
     empty_axes,
     find_axes,
-    loaded_axis,
     loaded_margin,
     loaded_verdict,
     measure_moved,
-    tip_angle,
+    segment_energy,
 )
 from lutgen.chart import STANDARD_GRAVITY
 from lutgen.quantities import CHANNELS
 from lutgen.recipe import Recipe
-from lutgen.support import (
-    facets_in,
-    is_convex,
-    kind_at,
-    radius_at,
-    segments_in,
-    start_at,
-    stop_at,
-    supporting_facet,
-    tip_plane_at,
-    with_one_segment,
-)
-from lutgen.vector import Floats, Vector, dot
+from lutgen.support import ARCS, KIND, RADIUS, seat_under
+from lutgen.vector import Floats, Vector, dot, read3
 
 # Shares of the weight nearer than this are one, as far as the balance is kept.
 BALANCED = 1e-9
@@ -119,7 +108,7 @@ def diagnose(posture: Posture, gravity_dir: ArrayLike) -> Diagnosis:
     if recipe.loaded:
         k, tip_axes = _loaded_axes(posture, g, standing)
     else:
-        k = supporting_facet(stance.region.facet, facets_in(stance.region.tally), g)
+        k = seat_under(stance.region, g)
         tip_axes = _tip_axes(posture, g, standing)
     angles = [axis.tip_angle if stance.convex else abs(axis.tip_angle) for axis in tip_axes]
     least = angles.index(min(angles)) if angles else None
@@ -150,14 +139,13 @@ def diagnose(posture: Posture, gravity_dir: ArrayLike) -> Diagnosis:
     slides = None
     if recipe.friction is not None and facet is not None:
         slides = math.tan(slope) > recipe.friction if slope < math.pi / 2 else True
-    contacts = range(len(posture.primitives))
     return Diagnosis(
         down[0],
         placed.com[0],
         placed.centres[0],
         placed.axes[0],
-        np.array([radius_at(posture.primitives, i) for i in contacts]),
-        np.array([kind_at(posture.primitives, i) for i in contacts]),
+        posture.primitives[:, RADIUS].copy(),
+        posture.primitives[:, KIND].astype(np.int64),
         standing,
         channels,
         facet,
@@ -185,45 +173,41 @@ def _over_weight(recipe: Recipe) -> Floats:
 
 
 def _tip_axes(posture: Posture, g: Vector, standing: bool) -> tuple[TipAxis, ...]:
-    """Return the boundary segments, each with its own angle, margin and energy."""
+    """Return the arcs of the boundary, each with its own angle, margin and energy."""
     region, convex = posture.stance.region, posture.stance.convex
-    alone = with_one_segment(region.tally)
+    sign = 1.0 if standing else -1.0
     axes = []
-    for b in range(segments_in(region.tally)):
-        start, stop = start_at(region.segment, b), stop_at(region.segment, b)
-        plane = tip_plane_at(region.segment, b)
-        margin = axis_margin(start, stop, plane, convex, g)
-        energy = axis_energy(start, stop, plane, g)
+    for b in range(region.counts[ARCS]):
+        start, stop, wall = (read3(region.arc[b][name]) for name in ("start", "stop", "wall"))
+        margin = axis_margin(start, stop, wall, convex, g)
         if convex:
-            angle = math.asin(min(max(dot(plane, g), -1.0), 1.0))
+            angle = math.asin(min(max(dot(wall, g), -1.0), 1.0))
+            energy = axis_energy(start, stop, wall, g)
         else:
-            angle = tip_angle(alone, region.segment[b : b + 1], standing, g)
-            sign = 1.0 if standing else -1.0
-            margin, energy = sign * abs(margin), sign * abs(energy)
+            angle = sign * arc_angle(region, b, g)
+            margin, energy = sign * abs(margin), sign * segment_energy(start, stop, g)
         axes.append(_tip_axis(posture, b, angle, margin, energy))
     return tuple(axes)
 
 
 def _loaded_axes(posture: Posture, g: Vector, standing: bool) -> tuple[int, tuple[TipAxis, ...]]:
-    """Return the facet on the ground, and the boundary segments; none has an energy margin."""
+    """Return the facet on the ground, and the arcs of the boundary; none has an energy margin."""
     region, wrench = posture.stance.region, posture.wrench
     found = empty_axes(region)
     find_axes(region, wrench, found)
     k, _, _ = loaded_verdict(region, found, wrench, g)
-    convex = is_convex(region.tally)
     axes = []
-    for b in range(segments_in(region.tally)):
-        segment = loaded_axis(region, found, b)
-        angle = axis_angle(convex, segment, wrench, standing, g)
-        margin = loaded_margin(convex, segment, wrench, standing, g)
+    for b in range(region.counts[ARCS]):
+        angle = axis_angle(region, found, b, wrench, standing, g)
+        margin = loaded_margin(region, found, b, wrench, standing, g)
         axes.append(_tip_axis(posture, b, angle, margin, math.nan))
     return k, tuple(axes)
 
 
 def _tip_axis(posture: Posture, b: int, angle: float, margin: float, energy: float) -> TipAxis:
-    """Return boundary segment b with its numbers."""
+    """Return arc b of the boundary with its numbers."""
     stance, names = posture.stance, posture.recipe.contact_names
-    i, j = (int(c) for c in stance.region.contacts[b])
+    i, j = (int(stance.region.source[c]) for c in stance.region.arc[b]["contacts"])
     return TipAxis(
         (i, j), (names[i], names[j]), stance.start[b], stance.stop[b], angle, margin, energy
     )

@@ -17,7 +17,6 @@ from lutgen.channels import (
     MU,
     PHI,
     acceptance_of,
-    add,
     checked_directions,
     empty_axes,
     find_axes,
@@ -29,16 +28,8 @@ from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 from lutgen.jit import njit
 from lutgen.recipe import Recipe, forward
-from lutgen.support import (
-    Acceptance,
-    empty_region,
-    facet_table,
-    facets_in,
-    plane_at,
-    stand,
-    supporting_facet,
-)
-from lutgen.vector import Floats, cross, dot, length, row
+from lutgen.support import Acceptance, empty_region, seat_under, stand
+from lutgen.vector import Floats, add, cross, dot, length, read3, row
 
 # Tilts between two looks (rad, 0.1 deg): what passes in less may be stepped over.
 STEP = math.radians(0.1)
@@ -55,15 +46,13 @@ def _slopes_of_some(
     gravity_dir: Floats,
     acceptance: Acceptance,
     out: Floats,
-) -> int:
-    """Fill `out` (m, d) for postures [begin, end); return how many tables were too small."""
-    n = primitives.shape[1]
-    table, region = facet_table(n), empty_region(n)
+) -> None:
+    """Fill `out` (m, d) for postures [begin, end)."""
+    region = empty_region(primitives.shape[1])
     axes = empty_axes(region)
-    overflow = 0
     for posture in range(begin, end):
         load = wrench[posture]
-        overflow += stand(table, region, primitives[posture], acceptance)
+        stand(region, primitives[posture], acceptance)
         has_wrench = length(part(load, PHI)) + length(part(load, MU)) > 0.0
         if has_wrench:
             find_axes(region, load, axes)
@@ -73,13 +62,11 @@ def _slopes_of_some(
                 k = loaded_verdict(region, axes, load, g)[0]
                 g = add(g, part(load, PHI))
             else:
-                k = supporting_facet(region.facet, facets_in(region.tally), g)
+                k = seat_under(region, g)
             out[posture, d] = math.nan
             if k >= 0:
-                # n / h: its length does not change the angle.
-                plane = plane_at(region.facet, k)
-                out[posture, d] = math.atan2(length(cross(plane, g)), dot(plane, g))
-    return overflow
+                normal = read3(region.seat[k].normal)
+                out[posture, d] = math.atan2(length(cross(normal, g)), dot(normal, g))
 
 
 def slopes(recipe: Recipe, params: ArrayLike, gravity_dir: ArrayLike) -> Floats:

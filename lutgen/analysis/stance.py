@@ -15,25 +15,15 @@ from lutgen.channels import acceptance_of, refuse_forces, wrenches
 from lutgen.errors import InputError
 from lutgen.recipe import Postures, Recipe, forward, radii_and_kinds
 from lutgen.support import (
+    ACCEPTED,
+    ARCS,
+    CONVEX,
     Region,
-    across,
-    centroid_at,
-    edges_at,
     empty_region,
-    facet_table,
-    facets_in,
-    height_at,
-    is_convex,
-    is_rest_at,
     pack,
-    segments_in,
-    source_at,
+    seat_beyond,
     stand,
-    start_at,
-    stop_at,
     support_contact,
-    touching_at,
-    vertex_at,
 )
 from lutgen.vector import Floats
 
@@ -117,7 +107,7 @@ class Stance:
         planes = np.array([facet.normal / facet.height for facet in self.facets])
         rates = gravity_dir @ planes.T
         highest = rates.max(axis=1)
-        # Ties go to the lower index, as in `region.supporting_facet`.
+        # Ties go to the lower index, as in `region.seat_under`.
         nearest = np.argmax(rates * (1.0 + 1e-12) >= highest[:, None], axis=1)
         return np.where(highest > 0.0, nearest, -1)
 
@@ -178,42 +168,39 @@ class Posture:
     @cached_property
     def stance(self) -> Stance:
         """Facets and tip-over axes."""
-        primitives = self.primitives
-        table, region = facet_table(len(primitives)), empty_region(len(primitives))
-        stand(table, region, primitives, acceptance_of(self.recipe))
-        hull, facets = table.hull, []
-        for k in range(facets_in(region.tally)):
-            f = source_at(region.span, k)
-            at = slice(*edges_at(hull.span, f))
-            normal, mask = hull.facet[f, :3].copy(), touching_at(hull.span, f)
-            corners = tuple(vertex_at(hull.link, e) for e in range(*edges_at(hull.span, f)))
-            others = [i for i in range(len(primitives)) if mask >> i & 1 and i not in corners]
-            x, y, z = normal.tolist()
-            inner = [support_contact(primitives, i, (x, y, z)) for i in others]
-            points = hull.corner[at].copy()
-            facets.append(
-                Facet(
-                    normal,
-                    float(height_at(region.facet, k)),
-                    corners,
-                    points,
-                    np.array(centroid_at(region.facet, k)),
-                    (*corners, *others),
-                    np.vstack([points, np.array(inner).reshape(-1, 3)]),
-                    tuple(across(region.link, e) for e in range(*edges_at(region.span, k))),
-                    is_rest_at(region.span, k),
-                )
-            )
-        segments = range(segments_in(region.tally))
-        return Stance(
-            tuple(facets),
-            np.array([start_at(region.segment, b) for b in segments]).reshape(-1, 3),
-            np.array([stop_at(region.segment, b) for b in segments]).reshape(-1, 3),
-            is_convex(region.tally),
-            region,
-        )
+        region = empty_region(len(self.primitives))
+        stand(region, self.primitives, acceptance_of(self.recipe))
+        count = region.counts
+        facets = tuple(_facet(region, k) for k in range(count[ACCEPTED]))
+        arcs = region.arc[: count[ARCS]]
+        start, stop = arcs["start"].copy(), arcs["stop"].copy()
+        return Stance(facets, start, stop, bool(count[CONVEX]), region)
 
     def stance_of_weight(self) -> Stance:
         """Return the stance; refuse forces, under which a ray of gravity finds no facet."""
         refuse_forces(self.recipe, "an answer on metrics or rolling")
         return self.stance
+
+
+def _facet(region: Region, k: int) -> Facet:
+    """Return accepted facet k of a region; contacts by their rows in the recipe."""
+    seat, source, shown = region.seat[k], region.source, region.shown
+    facet = region.facet[seat["facet"]]
+    edges = range(facet["first"], facet["first"] + facet["count"])
+    corners = [int(region.edge[e]["primitive"]) for e in edges]
+    mask = int(seat["mask"])
+    others = [i for i in range(len(source)) if mask >> i & 1 and i not in corners]
+    x, y, z = seat["normal"].tolist()
+    inner = [support_contact(shown, i, (x, y, z)) for i in others]
+    points = np.array([region.edge[e]["point"] for e in edges])
+    return Facet(
+        seat["normal"].copy(),
+        float(seat["height"]),
+        tuple(int(source[i]) for i in corners),
+        points,
+        seat["centroid"].copy(),
+        tuple(int(source[i]) for i in (*corners, *others)),
+        np.vstack([points, np.array(inner).reshape(-1, 3)]),
+        tuple(seat_beyond(region, e) for e in edges),
+        bool(seat["is_rest"]),
+    )

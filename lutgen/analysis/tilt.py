@@ -102,9 +102,10 @@ def tilt_limits(
     `tip_angle` changes no faster than gravity turns, so no tip-over lies within `tip_angle` of a
     standing direction: the walk from level ground steps exactly that far, and at least
     `SHORTEST_STEP`, until it has passed the limit; false position then finds it in the last step.
-    Beyond an edge that two rests share the robot may stand and yet not be caught there (`gaps`): it
-    falls as gravity passes the edge, where `tip_angle` is zero, so that edge is the limit.  So is
-    where it has been nearer than `SHORTEST_STEP` to a boundary for `MOST_CREPT` steps.
+    Where two rests share an edge over which the robot may not roll (`gaps`), it stands on both
+    sides and falls as gravity passes the edge: `tip_angle` is zero there, and that is the limit.
+    So is where it has been nearer than `SHORTEST_STEP` to a boundary for `MOST_CREPT` steps.  One
+    that is exactly on an axis at level stands, and its limit is where it tips next.
     """
     posture = np.asarray(params, dtype=np.float64)
     heading = np.asarray(headings, dtype=np.float64)
@@ -179,7 +180,8 @@ def _limits(recipe: Recipe, rows: Floats, heading: Floats, convention: str) -> F
         passed = keep(which, goes, ahead)
         tips[which] = np.where(passed, ahead, tips[which])
         walking[which] = passed & (ahead < math.pi)
-        crosses = forced & passed
+        on_axis = (behind == 0.0) & (held <= TOUCHES)
+        crosses = forced & passed & ~on_axis
         if crosses.any():
             some = np.flatnonzero(crosses.any(axis=1))
             near, those = behind[some], which[some]
@@ -229,29 +231,34 @@ def _lowest(
     return at, least
 
 
-def level_limits(recipe: Recipe, params: ArrayLike, convention: str = "body") -> Floats:
-    """Return the tilt (m,), rad, that each posture (m, k) survives in every heading.
-
-    0 where the robot tips on level ground, pi where it never tips.  It is
-    `tip_angle` on level ground: the distance to the nearest boundary of the standing region, so the
-    cap of that radius around level holds no tip-over, between headings as little as on them, and in
-    the heading of the nearest boundary point it is the limit itself.  Where `tip_angle` is only
-    known from below, so is this.
-    """
+def level_angles(recipe: Recipe, params: ArrayLike, convention: str = "body") -> Floats:
+    """Return `tip_angle` (m,), rad, of postures (m, k) at level: negative where they tip there."""
     rows = np.asarray(params, dtype=np.float64)
     parts = [np.empty(0)]
     for i in range(0, len(rows), AT_ONCE):
         part = rows[i : i + AT_ONCE]
         down = body_gravity(recipe, part, [0.0, 0.0, -1.0], convention)
         parts.append(evaluate_each(recipe, part, down, ("tip_angle",))["tip_angle"])
-    return np.maximum(np.concatenate(parts), 0.0)
+    return np.concatenate(parts)
+
+
+def level_limits(recipe: Recipe, params: ArrayLike, convention: str = "body") -> Floats:
+    """Return the tilt (m,), rad, that each posture (m, k) survives in every heading.
+
+    0 where the robot tips on level ground or is exactly on an axis there, pi where it never tips.
+    It is `tip_angle` at level: the distance to the nearest boundary of the standing region, so the
+    cap of that radius around level holds no tip-over, between headings as little as on them, and in
+    the heading of the nearest boundary point it is the limit itself.  Where `tip_angle` is only
+    known from below, so is this.
+    """
+    return np.maximum(level_angles(recipe, params, convention), 0.0)
 
 
 def worst_heading(posture: Posture, convention: str = "body") -> float:
     """Return the heading (rad, -pi to pi) in which a posture tips over first.
 
-    Of equally bad headings the one nearest the nose, on the left first; NaN where the robot tips on
-    level ground, or never.
+    Of equally bad headings the one nearest the nose, on the left first; NaN where `level_limits`
+    is 0, and where the robot never tips.
 
     On the circle of headings at the tilt of `level_limits`, `tip_angle` is zero in the worst
     heading and changes by at most sin(tilt) per rad.  Pieces of the circle in which it can

@@ -3,7 +3,7 @@
 Owns the names of the four headings, which axis gives way and whether the robot slides first there,
 and the least and largest limits over many postures.  *Body tilt* is how far the robot itself turns,
 as an accelerometer in it sees it (`tilt`); *ground tilt* the slope of the ground under a robot that
-is seated on it anew at each tilt (`ground_tilt`).  It prints and draws nothing.
+rolls from rest to rest on it (`ground_tilt`).  It prints and draws nothing.
 """
 
 import math
@@ -16,9 +16,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from lutgen import bounds
 from lutgen.analysis.diagnosis import diagnose
-from lutgen.analysis.ground_outline import GroundTilt, ground_tilt
+from lutgen.analysis.ground_tilt import GroundTilt, ground_tilt
 from lutgen.analysis.stance import Posture
-from lutgen.analysis.tilt import level_frames, level_limits, tilt_limits, tilted, worst_heading
+from lutgen.analysis.tilt import level_angles, level_frames, tilt_limits, tilted, worst_heading
 from lutgen.errors import InputError
 from lutgen.recipe import Recipe
 from lutgen.vector import Floats
@@ -55,19 +55,29 @@ class HeadingLimit:
 class PostureLimits:
     """The limits of one posture (k,): four headings, the worst, and what holds in all of them.
 
-    `headings` and `guaranteed` (rad, a bound for every heading, see `tilt.level_limits`) are of
-    body tilt against tipping over alone; `convention` says whether it is counted from the attitude
-    on level ground or from that of a level body.  `ground` are the limits of ground tilt, and
-    `slide` (rad) is the slope up to which friction holds the robot, all its contacts braked: None
-    where it is not known, or forces act beside the weight.
+    `headings` and `level` (rad, `tip_angle` at level) are of body tilt against tipping over alone;
+    `convention` says whether it is counted from the attitude on level ground or from that of a
+    level body.  `ground` are the limits of ground tilt, and `slide` (rad) is the slope up to which
+    friction holds the robot, all its contacts braked: None where it is not known, or forces act
+    beside the weight.
     """
 
     params: Floats
     headings: tuple[HeadingLimit, ...]
-    guaranteed: float
+    level: float
     convention: str
     ground: GroundTilt
     slide: float | None
+
+    @property
+    def stands(self) -> bool:
+        """Whether the robot stands at level, if only just: exactly on an axis it does."""
+        return self.level >= 0.0 or self.ground.stands
+
+    @property
+    def guaranteed(self) -> float:
+        """Body tilt (rad) that holds in every heading, see `tilt.level_limits`."""
+        return max(self.level, 0.0)
 
     @property
     def worst(self) -> HeadingLimit:
@@ -94,8 +104,8 @@ class SweepLimits:
     """Least and largest limits over m postures, `params` (m, k), in `headings` (h,), rad.
 
     `least` and `most` (h,) are the least and largest tilt (rad) of any posture in each heading,
-    `least_at` and `most_at` (h,) rows of `params`: the first posture that has it.  `guaranteed`
-    (m,) is what each posture survives in every heading, rad.  All of this is body tilt.
+    `least_at` and `most_at` (h,) rows of `params`: the first posture that has it.  `level` (m,) is
+    each posture's `tip_angle` at level, rad.  All of this is body tilt.
     """
 
     recipe: Recipe
@@ -105,7 +115,12 @@ class SweepLimits:
     most: Floats
     least_at: Ints
     most_at: Ints
-    guaranteed: Floats
+    level: Floats
+
+    @cached_property
+    def guaranteed(self) -> Floats:
+        """What each posture survives in every heading, (m,), rad."""
+        return np.maximum(self.level, 0.0)
 
     @cached_property
     def guaranteed_ground(self) -> Floats:
@@ -174,13 +189,13 @@ def posture_limits(posture: Posture, convention: str = "plane") -> PostureLimits
     ('right_track_rear', 'left_track_rear')
     """
     recipe, params = posture.recipe, posture.params
-    guaranteed = float(level_limits(recipe, posture.row, convention)[0])
+    level = float(level_angles(recipe, posture.row, convention)[0])
     headings = dict(FOUR)
     worst = worst_heading(posture, convention)
     known = [*headings.values(), *([] if math.isnan(worst) else [worst])]
     tilts = tilt_limits(recipe, params, np.array(known), convention).tolist()
     if math.isnan(worst):
-        tilts.append(guaranteed)
+        tilts.append(max(level, 0.0))
     elif min(tilts) < tilts[-1]:
         # A tie that rounding decided the other way.
         tilts[-1] = min(tilts)
@@ -192,7 +207,7 @@ def posture_limits(posture: Posture, convention: str = "plane") -> PostureLimits
         for (name, heading), tilt in zip(headings.items(), tilts, strict=True)
     ]
     ground, slide = ground_tilt(posture), slide_angle(recipe)
-    return PostureLimits(params, tuple(rows), guaranteed, convention, ground, slide)
+    return PostureLimits(params, tuple(rows), level, convention, ground, slide)
 
 
 def slide_angle(recipe: Recipe) -> float | None:
@@ -240,7 +255,7 @@ def sweep_limits(
         tilts[most_at, across],
         least_at,
         most_at,
-        level_limits(recipe, rows, convention),
+        level_angles(recipe, rows, convention),
     )
 
 

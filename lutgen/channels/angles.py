@@ -1,14 +1,10 @@
-"""Angles from a direction of gravity to the boundary of the standing region, in float64.
-
-Owns the arcsine that every way to a channel shares, so that all give the same bits, and the
-distance to an arc and to the whole boundary.
-"""
+"""Angles from a direction of gravity to the boundary of the standing region, in float64."""
 
 import math
 
 from lutgen.jit import njit
-from lutgen.support import facets_in, is_convex, segments_in, start_at, stop_at, tip_plane_at
-from lutgen.vector import Floats, Ints, Vector, cross, dot, length, scale, subtract
+from lutgen.support import ACCEPTED, ARCS, CONVEX, Region
+from lutgen.vector import Vector, dot, read3
 
 # What a direction just outside the region gets where its distance rounds to zero, so that the
 # sign alone always tells the verdict, in float32 too.
@@ -53,43 +49,60 @@ def arcsine(x: float) -> float:
     return math.copysign(angle, x)
 
 
-@njit()
-def arc_distance(start: Vector, stop: Vector, normal: Vector, g: Vector) -> float:
-    """Return the angle (rad) from g to the great-circle arc between two contact directions."""
-    if dot(cross(normal, start), g) >= 0.0 and dot(cross(stop, normal), g) >= 0.0:
-        return abs(math.asin(min(max(dot(normal, g), -1.0), 1.0)))
-    near_start = length(subtract(g, scale(start, 1.0 / length(start))))
-    near_stop = length(subtract(g, scale(stop, 1.0 / length(stop))))
-    return 2.0 * math.asin(min(0.5 * min(near_start, near_stop), 1.0))
+@njit(bare=True)
+def arc_nearness(region: Region, b: int, g: Vector) -> float:
+    """Return the squared sine of the angle from g to arc b; beyond 90 deg, 2 less it.
+
+    It grows with the angle, without end points and without cancellation.
+    """
+    arc = region.arc[b]
+    off = dot(read3(arc.wall), g)
+    reach, ahead = abs(dot(read3(arc.along), g)), dot(read3(arc.amid), g)
+    beyond = max(reach - ahead, 0.0)
+    square = off * off + beyond * beyond
+    return square if ahead * arc.spread + reach >= 0.0 else 2.0 - square
 
 
 @njit(inline=True)
-def signed_angle(lowest: float, standing: bool) -> float:
-    """Return the tip angle (rad) where `lowest` is the least m . g over the tip-over planes."""
-    angle = arcsine(lowest)
+def angle_of(nearness: float) -> float:
+    """Return the angle (rad) of a squared sine, or beyond 90 deg of 2 less it."""
+    angle = arcsine(math.sqrt(min(nearness, 2.0 - nearness)))
+    return angle if nearness <= 1.0 else math.pi - angle
+
+
+@njit(bare=True)
+def arc_angle(region: Region, b: int, g: Vector) -> float:
+    """Return the angle (rad) from g to arc b of the boundary."""
+    return angle_of(arc_nearness(region, b, g))
+
+
+@njit(inline=True)
+def signed_angle(sine: float, standing: bool) -> float:
+    """Return asin (rad), moved to the side of 0 that the verdict is on."""
+    angle = arcsine(sine)
     return max(angle, 0.0) if standing else min(angle, JUST_OUTSIDE)
 
 
-@njit()
-def tip_angle(count: Ints, segment: Floats, standing: bool, g: Vector) -> float:
+@njit(bare=True)
+def tip_angle(region: Region, standing: bool, g: Vector) -> float:
     """Return the signed angular distance (rad) from g to the boundary of the standing region.
 
     Positive inside; pi where there is no boundary, -pi where there is no region.  For a convex
-    region it is the smallest asin(m . g) over the tip-over planes, inside and outside: the angle
-    of the force-angle measure of Papadopoulos and Rey for a pure gravity load.
+    region it is the least asin(m . g) over the tip-over planes, inside and outside: the angle of
+    the force-angle measure of Papadopoulos and Rey for a pure gravity load.
     """
-    if facets_in(count) == 0:
+    count = region.counts
+    if count[ACCEPTED] == 0:
         return -math.pi
-    if segments_in(count) == 0:
-        # Without a boundary it never tips, or there is no rest at all.
+    if count[ARCS] == 0:
         return math.pi if standing else -math.pi
-    if is_convex(count):
-        lowest = 2.0
-        for b in range(segments_in(count)):
-            lowest = min(lowest, dot(tip_plane_at(segment, b), g))
+    if count[CONVEX] == 1:
+        lowest = 1.0
+        for b in range(count[ARCS]):
+            lowest = min(lowest, dot(read3(region.arc[b].wall), g))
         return signed_angle(lowest, standing)
-    nearest = math.pi
-    for b in range(segments_in(count)):
-        start, stop = start_at(segment, b), stop_at(segment, b)
-        nearest = min(nearest, arc_distance(start, stop, tip_plane_at(segment, b), g))
-    return nearest if standing else min(-nearest, JUST_OUTSIDE)
+    nearest = 2.0
+    for b in range(count[ARCS]):
+        nearest = min(nearest, arc_nearness(region, b, g))
+    angle = angle_of(nearest)
+    return angle if standing else min(-angle, JUST_OUTSIDE)

@@ -1,23 +1,103 @@
 """Stability of postures under directions of gravity, exactly: nothing is sampled or interpolated.
 
-Owns the steps to the measurement from contacts and from a recipe.  `evaluate` crosses every posture
-with every direction; for `evaluate_each` each posture has its own.
+`evaluate` crosses every posture with every direction; for `evaluate_each` each posture has its own.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lutgen.channels.batch import Rows, measure_postures, refuse_overflow
-from lutgen.channels.plain import Setting, checked_directions, wanted_channels
+from lutgen.channels.axes import empty_axes, find_axes
+from lutgen.channels.exact import Setting, checked_directions, measure, wanted_channels
+from lutgen.channels.loads import measure_loaded
 from lutgen.channels.wrench import acceptance_of, wrenches
 from lutgen.chart import unit_directions
 from lutgen.errors import InputError
+from lutgen.jit import in_threads, njit
 from lutgen.quantities import CHANNELS
-from lutgen.recipe import Postures, Recipe, forward, radii_and_kinds
-from lutgen.support import MAX_PRIMITIVES, Acceptance, acceptance, pack
-from lutgen.vector import Floats
+from lutgen.recipe import TOLERANCE, Postures, Recipe, forward, radii_and_kinds
+from lutgen.support import MAX_PRIMITIVES, Acceptance, acceptance, empty_region, pack, stand
+from lutgen.vector import Floats, row
+
+# Directions of one posture are measured in stretches of this many: a thread takes some of them.
+STRETCH = 1024
+# A thread is worth its waking for this many postures, half a millisecond of work for a few
+# contacts; finding the facets of one takes as long as measuring this many directions.
+POSTURES_A_THREAD, DIRECTIONS_A_POSTURE = 256, 64
+Rows = dict[int, NDArray[np.float64]]
+
+
+@njit()
+def measure_some(
+    begin: int,
+    end: int,
+    primitives: Floats,
+    wrench: Floats | None,
+    gravity_dir: Floats,
+    setting: Setting,
+    out: Floats,
+) -> None:
+    """Measure stretches [begin, end), which count through the directions of posture after posture.
+
+    Parameters as in `measure_postures`; `out` (channels, m, d) has a row for each wanted channel.
+    Compiled apart for the weight alone, where `wrench` is None.
+    """
+    accept, wanted = setting
+    count = gravity_dir.shape[1]
+    per_posture = (count + STRETCH - 1) // STRETCH
+    region = empty_region(primitives.shape[1])
+    if wrench is not None:
+        axes = empty_axes(region)
+    values, current = np.empty(len(CHANNELS)), -1
+    for piece in range(begin, end):
+        posture, first = piece // per_posture, piece % per_posture * STRETCH
+        if posture != current:
+            current = posture
+            stand(region, primitives[posture], accept)
+            if wrench is not None:
+                find_axes(region, wrench[posture], axes)
+        directions = gravity_dir[posture % gravity_dir.shape[0]]
+        for d in range(first, min(first + STRETCH, count)):
+            g = row(directions, d)
+            if wrench is None:
+                measure(region, g, wanted, values)
+            else:
+                measure_loaded(region, axes, wrench[posture], g, wanted, values)
+            place = 0
+            for c in range(len(CHANNELS)):
+                if wanted[c]:
+                    out[place, posture, d] = values[c]
+                    place += 1
+
+
+def measure_postures(
+    primitives: Floats, wrench: Floats | None, gravity_dir: Floats, setting: Setting
+) -> Rows:
+    """Measure m postures under d directions.
+
+    `primitives` (m, n, 8) are rows of `primitive.pack`, `wrench` (m, 7) those of `wrench.wrenches`,
+    or None for the weight alone, which is faster; the unit directions (m, d, 3) or (1, d, 3) point
+    down.  The answer holds (m, d) for the index of each wanted channel.
+    """
+    names = [c for c, wanted in enumerate(setting.wanted.tolist()) if wanted]
+    # No row that is not wanted: memory that is touched first takes longer than what fills it.
+    out = np.empty((len(names), len(primitives), gravity_dir.shape[1]))
+    stretches = -(-gravity_dir.shape[1] // STRETCH)
+    work = 1 + min(gravity_dir.shape[1], STRETCH) // DIRECTIONS_A_POSTURE
+    arguments = (primitives, wrench, np.ascontiguousarray(gravity_dir), setting, out)
+    least = max(POSTURES_A_THREAD // work, 1)
+    in_threads(measure_some, len(primitives) * stretches, *arguments, least=least)
+    return dict(zip(names, out, strict=True))
+
+
+def for_each_posture(
+    kernel: Callable[..., None], recipe: Recipe, postures: Postures, *arguments: object
+) -> None:
+    """Call ``kernel(begin, end, primitives, wrench, *arguments)`` on parts of the postures."""
+    primitives = pack(postures.centres, postures.axes, *radii_and_kinds(recipe))
+    everything = (primitives, wrenches(recipe, postures), *arguments)
+    in_threads(kernel, len(primitives), *everything, least=POSTURES_A_THREAD)
 
 
 def measure_recipe(
@@ -26,22 +106,17 @@ def measure_recipe(
     gravity_dir: NDArray[np.float64],
     wanted: NDArray[np.bool_],
     tighter: float = 0.0,
-    beyond: bool = False,
 ) -> Rows:
     """Measure postures of a recipe; see `measure_postures`.
 
     `tighter` (rad) is taken from `upright` and from `rock_angle`.
     """
-    radius, kind = radii_and_kinds(recipe)
-    values, overflow = measure_postures(
-        pack(postures.centres, postures.axes, radius, kind),
+    return measure_postures(
+        pack(postures.centres, postures.axes, *radii_and_kinds(recipe)),
         wrenches(recipe, postures) if recipe.loaded else None,
         gravity_dir,
         Setting(acceptance_of(recipe, tighter), wanted),
-        beyond,
     )
-    refuse_overflow(recipe.source, overflow, len(postures.com), len(kind))
-    return values
 
 
 def measure_primitives(
@@ -57,8 +132,7 @@ def measure_primitives(
     """
     directions = checked_directions(gravity_dir)[None]
     setting = Setting(limits, wanted_channels(channels))
-    values, overflow = measure_postures(primitives, None, directions, setting)
-    refuse_overflow("contacts", overflow, *primitives.shape[:2])
+    values = measure_postures(primitives, None, directions, setting)
     return {name: values[CHANNELS.index(name)] for name in channels}
 
 
@@ -85,7 +159,8 @@ def stability(
         Limits in rad (see the conventions); None for no limit.
     rest_width, contact_tolerance : float, optional
         How wide a facet must be for the robot to stand on it, and how near to its plane a contact
-        counts to its support polygon, in the contacts' unit; None for 0.
+        counts to its support polygon, in the contacts' unit; None for 0, and for 1e-4 of the
+        greatest distance of a contact from the com.
 
     Returns
     -------
@@ -129,7 +204,8 @@ def stability(
     if not np.isfinite(points).all():
         raise InputError("contacts must be finite numbers (got NaN or infinity)")
     primitives = pack(points, np.zeros_like(points), 0.0, 0)
-    limits = acceptance(upright, rock_angle, 0.0, rest_width, contact_tolerance)
+    tolerance = -TOLERANCE if contact_tolerance is None else contact_tolerance
+    limits = acceptance(upright, rock_angle, 0.0, rest_width, tolerance)
     return measure_primitives(primitives, gravity_dir, channels, limits)
 
 

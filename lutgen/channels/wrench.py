@@ -1,8 +1,8 @@
 """The wrench of each posture of a recipe: resultant of its forces over the weight, and com ball.
 
-Owns the step from a recipe's forces to what `loaded` computes with.  A wrench is one row of seven
-numbers: phi (3), the sum of the forces over the weight; mu (3), their moment about the com over the
-weight, a length; and the radius rho of the ball in which the com lies.  Body frame.
+A wrench is one row of seven numbers: phi (3), the sum of the forces over the weight; mu (3), their
+moment about the com over the weight, a length; and the radius rho of the ball in which the com
+lies.  Body frame.
 """
 
 import numpy as np
@@ -11,12 +11,11 @@ from numpy.typing import NDArray
 from lutgen.channels.axes import MU, PHI, RHO
 from lutgen.chart import STANDARD_GRAVITY
 from lutgen.errors import InputError
-from lutgen.recipe import Postures, Recipe, robot_size_of
+from lutgen.recipe import Postures, Recipe, contact_tolerance_of, robot_size_of
 from lutgen.support import OFF_FACE, Acceptance, acceptance
 
-# Parts of the robot's size: the least width of a rest, and how near to a facet's plane a contact
-# counts to its support polygon (see docs/reference/conventions.md).
-REST_WIDTH, TOLERANCE = 0.01, 1e-4
+# Part of the robot's size: the least width of a rest (see docs/reference/conventions.md).
+REST_WIDTH = 0.01
 
 
 def wrenches(recipe: Recipe, postures: Postures) -> NDArray[np.float64]:
@@ -59,7 +58,7 @@ def acceptance_of(recipe: Recipe, tighter: float = 0.0) -> Acceptance:
         max(recipe.rock_angle - tighter, 0.0),
         recipe.com_uncertainty,
         REST_WIDTH * size if recipe.rest_width is None else recipe.rest_width,
-        TOLERANCE * size if recipe.contact_tolerance is None else recipe.contact_tolerance,
+        contact_tolerance_of(recipe),
         OFF_FACE + tighter,
     )
 

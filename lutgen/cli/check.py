@@ -60,6 +60,7 @@ def check_report(robot: "Recipe") -> dict[str, Any]:
         "nodes": layout.nodes,
         "file_bytes": layout.count * sum(map(layout.chunk_bytes, robot.channels)),
         "seconds": round(expected_seconds(robot), 3),
+        "snapped": list(robot.snapped),
         "warnings": list(home_warnings(robot)) if robot.home else [],
     }
 
@@ -111,6 +112,7 @@ def check_lines(report: dict[str, Any]) -> Iterator[str]:
         f"{report['name']}: {len(contacts)} contacts ({' '.join(contacts)}), "
         f"{len(report['parameters'])} parameters, unit {report['length_unit']}"
     )
+    yield from (f"  {line}" for line in report["snapped"])
     yield from grid_lines(report["parameters"], report["chart"])
     yield f"  channels: {' '.join(channels)}"
     yield (

@@ -91,7 +91,7 @@ def limits(recipe: str, asked: Asked) -> None:
         report["all_postures"] = _all(robot, swept)
     if swept is not None and asked.best:
         report["best_postures"] = _best(robot, swept, asked.headings)
-    show(report, limits_lines(report), asked.as_json, _stands_level(report), TIPS)
+    show(report, limits_lines(report), asked.as_json, found.stands, TIPS)
 
 
 def limits_report(recipe: "Recipe", found: "PostureLimits") -> dict[str, Any]:
@@ -99,10 +99,12 @@ def limits_report(recipe: "Recipe", found: "PostureLimits") -> dict[str, Any]:
 
     Without "ground" in their names tilts are those of the body, and count tipping over alone.
     """
+    import numpy as np
+
     mu, ground = recipe.friction, found.ground
-    slopes = ground.limits(
-        [0.0 if math.isnan(row.heading) else row.heading for row in found.headings]
-    )
+    # Without a worst heading of body tilt that of ground tilt is beside it.
+    around = [ground.worst if math.isnan(row.heading) else row.heading for row in found.headings]
+    slopes = ground.limits(np.nan_to_num(around))
     return {
         "robot": recipe.name,
         "length_unit": recipe.length_unit,
@@ -118,9 +120,9 @@ def limits_report(recipe: "Recipe", found: "PostureLimits") -> dict[str, Any]:
                 "contacts": list(row.contacts),
                 "slides_first": row.slides,
                 "ground_tilt_deg": _down(slope),
-                "ground_contacts": list(ground.contacts(row.heading)),
+                "ground_contacts": list(ground.contacts(heading)),
             }
-            for row, slope in zip(found.headings, slopes.tolist(), strict=True)
+            for row, heading, slope in zip(found.headings, around, slopes.tolist(), strict=True)
         ],
         "guaranteed_tilt_deg": _down(found.guaranteed),
         "guaranteed_body_tilt_deg": _down(found.guaranteed),
@@ -132,6 +134,7 @@ def limits_report(recipe: "Recipe", found: "PostureLimits") -> dict[str, Any]:
         "worst_ground_contacts": list(ground.contacts(ground.worst)),
         "ground_rolling_included": False if found.rolls else None,
         "forces_act": recipe.has_wrench,
+        "stands_on_level_ground": found.stands,
     }
 
 
@@ -171,7 +174,7 @@ def _all(recipe: "Recipe", swept: "SweepLimits") -> dict[str, Any]:
     low, high = int(slopes.argmin()), int(slopes.argmax())
     return {
         "postures": len(swept.params),
-        "tip_on_level_ground": int((guaranteed <= 0.0).sum()),
+        "tip_on_level_ground": int((swept.level < 0.0).sum()),
         "limits": [
             {
                 "name": name,
@@ -244,14 +247,10 @@ def _of_both(row: dict[str, Any]) -> list[str]:
     return cells
 
 
-def _stands_level(report: dict[str, Any]) -> bool:
-    return bool(max(report["guaranteed_tilt_deg"], report["guaranteed_ground_tip_deg"]) > 0.0)
-
-
 def _guaranteed_lines(report: dict[str, Any]) -> Iterator[str]:
     """Return what holds in every heading, and what of."""
     tips = report["guaranteed_ground_tip_deg"]
-    if not _stands_level(report):
+    if not report["stands_on_level_ground"]:
         yield "it tips over on level ground"
         return
     body, ground = (_angle(report[f"guaranteed_{of}_tilt_deg"]) for of in ("body", "ground"))

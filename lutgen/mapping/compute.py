@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from lutgen.channels import Scanner
 from lutgen.chart import Chart
-from lutgen.errors import RecipeError, SweepError
+from lutgen.errors import RecipeError
 from lutgen.mapping.blocks import Block, Plan, plan
 from lutgen.quantities import CHANNELS, QUANTITIES
 from lutgen.recipe import Recipe
@@ -61,18 +61,12 @@ class Computer:
         begin, end = first // per_posture, -(-last // per_posture)
         held = (last - first) * self.nodes
         rows = first - begin * per_posture
-        overflow = self._scanner.fill(
+        self._scanner.fill(
             self.recipe.grid.params(np.arange(begin, end)),
             rows,
             rows + last - first if end - begin == 1 else per_posture,
             out,
         )
-        if overflow:
-            raise SweepError(
-                f"{self.recipe.source}: a posture of block {block.number} has more support facets "
-                f"than {len(self.recipe.contact_names)} contacts can have (got {overflow} such "
-                "postures); check the radii for overlapping spheres"
-            )
         chunks: dict[str, NDArray[Any]] = {}
         for name in self.recipe.channels:
             chunk = out[CHANNELS.index(name)]

@@ -21,8 +21,8 @@ from lutgen.recipe import Recipe
 
 FORMAT = 1
 # Which definition of what stands the values are by (docs/reference/conventions.md).  That of 0.1
-# wrote no number; 2 has rests, stages, gaps and *caught*.
-DEFINITION = 2
+# wrote no number; 2 had stages and chains of rolls; 3 has one roll and one landing.
+DEFINITION = 3
 COMPLETE, BITMAP = "complete", "blocks_done"
 # Where the digests of blocks are; in a group, so that who reads the map does not meet them.
 DIGESTS = "seal/blocks"

@@ -9,7 +9,7 @@ import numpy as np
 from lutgen.channels import stability
 from lutgen.paper import printed
 from lutgen.paper.nominal import Array
-from lutgen.support import area_centroid, convex_polygon
+from lutgen.support import measure_polygon, outline, pack, plane_axes
 
 # Weights of a fourth contact on the three wheels: behind the edge from wheel 2 to wheel 3, in
 # their plane.  The contacts in the order 1, 2, 3, 4 then make a polygon that crosses itself.
@@ -23,13 +23,13 @@ def four_contacts(wheels: Array) -> Array:
 
 def polygon_centre(contacts: Array) -> Array:
     """Return S, (3,): Eqs 22 to 27 corrected, in 3-D and for coplanar contacts in any order."""
-    points = contacts.copy()
-    normal = printed.normal_of(contacts)
-    labels = np.array([[i, 0] for i in range(len(points))])
-    axis = (float(normal[0]), float(normal[1]), float(normal[2]))
-    near = 1e-9 * float(np.abs(points).max())
-    corners = convex_polygon(points, labels, 0, len(points), axis, near)
-    return np.array(area_centroid(points, 0, corners))
+    x, y, z = printed.normal_of(contacts).tolist()
+    flat = contacts @ np.array(plane_axes((x, y, z))).T
+    ids = np.zeros(3 * len(contacts) + 2, np.int64)
+    ids[: len(contacts)] = range(len(contacts))
+    corners = outline(flat, ids, len(contacts), 1e-9 * float(np.abs(contacts).max()))
+    primitives = pack(contacts, np.zeros_like(contacts), 0.0, 0)
+    return np.array(measure_polygon(primitives, ids, corners, (x, y, z))[0])
 
 
 def contour_centroid(contacts: Array) -> Array:

@@ -1,9 +1,9 @@
 """Text into a recipe, and a recipe into postures.
 
 In reading order: `table`, `key`, `robot_keys`, `keys`, `schema`, `start`, `robot`, `loads`,
-`plugin`, `described`, `gallery`, `recipe`, `merge`, `kinematics`, `size`, `body`, `candidates`,
-`bolted`, `recognised`, `joint_names`, `symmetry`, `coupling`, `chosen`, `proposal_text`,
-`proposal`.
+`plugin`, `described`, `gallery`, `recipe`, `merge`, `kinematics`, `size`, `snap`, `body`,
+`candidates`, `bolted`, `recognised`, `joint_names`, `symmetry`, `coupling`, `chosen`,
+`proposal_text`, `proposal`.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -15,7 +15,7 @@ from lutgen.recipe.merge import merged_recipe
 from lutgen.recipe.recipe import Recipe, load_recipe, parse_recipe, recipe_digest
 from lutgen.recipe.robot_keys import LENGTH_UNITS
 from lutgen.recipe.schema import recipe_schema
-from lutgen.recipe.size import robot_size_of
+from lutgen.recipe.size import TOLERANCE, contact_tolerance_of, robot_size_of
 from lutgen.recipe.start import start_recipe, start_recipes
 from lutgen.recipe.table import HDF5, parse_table, read_text
 
@@ -27,11 +27,13 @@ __all__ = [
     "GALLERY",
     "HDF5",
     "LENGTH_UNITS",
+    "TOLERANCE",
     "Coupling",
     "Imported",
     "Postures",
     "Recipe",
     "body_parts",
+    "contact_tolerance_of",
     "forward",
     "gallery_names",
     "gallery_text",

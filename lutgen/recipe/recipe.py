@@ -53,6 +53,7 @@ class Recipe:
     Payloads are links; `com_uncertainty` is the radius of the ball in which the com lies.
     `rest_width` and `contact_tolerance` are None where the recipe leaves them to the size.
     `home` has the parameters of the posture that it stands in, as far as the recipe says.
+    `snapped` says which contacts are not quite where the text has them, see `snap`.
     """
 
     name: str
@@ -78,6 +79,7 @@ class Recipe:
     rest_width: float | None = None
     contact_tolerance: float | None = None
     home: dict[str, float] = field(default_factory=dict)
+    snapped: tuple[str, ...] = field(default=(), compare=False)
 
     def __hash__(self) -> int:
         # Of the text alone: the robot is looked up by its recipe in every evaluation.
@@ -179,8 +181,9 @@ def parse_recipe(
     if not 0.0 < upright <= 180.0:
         robot.fail("upright", "must lie in (0, 180] deg", upright, "use 80, or 180 for no limit")
     rock_angle = robot.number("rock_angle", "write an angle in deg", 30.0)
-    if not 0.0 <= rock_angle <= 180.0:
-        robot.fail("rock_angle", "must lie in [0, 180] deg", rock_angle, "30 is the default")
+    if not 0.0 <= rock_angle <= 45.0:
+        why = "must lie in [0, 45] deg: a mass that falls from balance leaves its pivot at 48.2 deg"
+        robot.fail("rock_angle", why, rock_angle, "30 is the default")
     rest_width = _read_length(robot, "rest_width", "leave it out for 1 % of the size")
     tolerance = _read_length(robot, "contact_tolerance", "leave it out for 1e-4 of the size")
     parameters = read_parameters(robot, length_unit)
@@ -251,7 +254,10 @@ def parse_recipe(
             list(channels),
             "leave it out",
         )
-    return recipe
+    # The size, of which tolerances are parts, is that of a recipe.
+    from lutgen.recipe.snap import snap
+
+    return snap(recipe)
 
 
 def _read_length(robot: Table, key: str, way_out: str) -> float | None:

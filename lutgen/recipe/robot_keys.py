@@ -44,11 +44,11 @@ ROBOT: dict[str, tuple[Key, ...]] = {
         Key(
             "rock_angle",
             "number",
-            "The largest sum of turns from rest to rest over which the robot may rock; 0: never.",
+            "The largest turn of a roll from rest to rest over which the robot may rock; 0: never.",
             "0.0",
             default="30.0",
             unit="deg",
-            bounds="[0, 180]",
+            bounds="[0, 45]",
         ),
         Key(
             "rest_width",

@@ -1,7 +1,4 @@
-"""The size of a recipe's robot: one length by which its tolerances and widths are measured.
-
-Owns that number.
-"""
+"""The size of a recipe's robot: one length by which its tolerances and widths are measured."""
 
 from functools import lru_cache
 from itertools import product
@@ -14,6 +11,14 @@ from lutgen.recipe.recipe import Recipe
 # Postures that are looked at: both ends and the middle of every parameter, or of so many parameters
 # that they would be more than this, the ends of as many as possible.
 POSTURES = 1024
+# Part of the size: how near to a facet's plane a contact counts to its support polygon.
+TOLERANCE = 1e-4
+
+
+def contact_tolerance_of(recipe: Recipe) -> float:
+    """Return `contact_tolerance` (length) of a recipe, or what it is by default."""
+    tolerance = recipe.contact_tolerance
+    return TOLERANCE * robot_size_of(recipe) if tolerance is None else tolerance
 
 
 @lru_cache(maxsize=64)

@@ -1,260 +1,280 @@
-"""Gaps: over which part of an edge the robot rocks.
+"""Gaps: over which part of an edge between two rests the robot rocks and does not tip over.
 
-Owns the part of the segment between two contacts over which a balance is caught, see `catch`.  The
-places where an answer changes are known from the answers themselves, so a segment is gone through
-from change to change, and no part of it is passed over.
+One roll, one landing: balanced on the edge, the robot rolls to either end of the arc and must stay
+on the rest there.  The cone of a gap has plane walls: seen from the com a rim is no plane, so its
+sides are moved in until the balances that are held are outside at every eighth of the way along.
 """
 
 import math
 
 from lutgen.jit import njit
-from lutgen.support.arc import TURN, Arc, angle_between, enter_roll, risen_after, seen_after
-from lutgen.support.catch import (
-    ALONG,
-    CAME,
-    FACET,
-    LINE,
-    MOST,
-    NO_ROLL,
-    ONE_REST,
-    REFUSED,
-    REST,
-    ROOT,
-    STAGE,
-    SURE,
-    TURNED,
-    UNTIL,
-    Rolling,
-    comes_to_rest,
-    enter_brink,
-    is_on_line,
+from lutgen.support.region import add_arc, add_wall
+from lutgen.support.rolling import (
+    Normals,
+    Places,
+    arc_between,
+    back,
+    balances,
+    held_by,
+    roll,
+    turned,
 )
 from lutgen.support.table import (
-    BACK,
-    FIRST,
-    FOUND,
-    NEIGHBOUR,
-    VERTEX,
-    Hull,
-    Workspace,
-    corner_after,
-    put,
-    vector_at,
+    ACCEPTED,
+    CONES,
+    EDGES,
+    ROCKS,
+    STANDS,
+    WALLS,
+    Acceptance,
+    Region,
+    edge_after,
+    ends_of,
+    is_slit,
+    rests_at,
+    seat_of,
 )
-from lutgen.support.tiles import leads_out
-from lutgen.vector import Floats, Ints, dot, row, subtract
+from lutgen.vector import (
+    Floats,
+    Vector,
+    along,
+    between,
+    cross,
+    dot,
+    length,
+    read3,
+    scale,
+    subtract,
+    unit,
+)
 
-# Columns of a gap: the part of the segment between its two contacts over which it holds.
-LOW, HIGH = 0, 1
-# Nearer to an end of the segment than this part of it the balance is not looked at; and by so much
-# beyond a change it is looked at again.
-END, HAIR = 1e-4, 1e-9
-# Changes on a segment; what lies beyond so many is not held.
-MOST_CHANGES = 128
-# Times that what slivers join is gone through: as often as they may cut one line.
-SLIVERS = 3
-# The first row of `Workspace.counts` in which a roll lists the rests that it ends on.
-ENDS = 4
+# A side is moved this many times the way to where it should be, SIDE_STEPS times.
+FURTHER, SIDE_STEPS = 1.05, 2
+Weights = tuple[float, float, float, float, float]
+# Lagrange's weights of five even places at each eighth of the way between the ends.
+LAGRANGE = (
+    (35.0 / 128.0, 140.0 / 128.0, -70.0 / 128.0, 28.0 / 128.0, -5.0 / 128.0),
+    (0.0, 1.0, 0.0, 0.0, 0.0),
+    (-5.0 / 128.0, 60.0 / 128.0, 90.0 / 128.0, -20.0 / 128.0, 3.0 / 128.0),
+    (0.0, 0.0, 1.0, 0.0, 0.0),
+    (3.0 / 128.0, -20.0 / 128.0, 90.0 / 128.0, 60.0 / 128.0, -5.0 / 128.0),
+    (0.0, 0.0, 0.0, 1.0, 0.0),
+    (-5.0 / 128.0, 28.0 / 128.0, -70.0 / 128.0, 140.0 / 128.0, 35.0 / 128.0),
+)
 
 
 @njit(bare=True)
-def find_gaps(
-    hull: Hull,
-    primitives: Floats,
-    kind: Ints,
-    limits: tuple[float, float],
-    gap: Floats,
-    work: Workspace,
-) -> None:
-    """Fill `gap` (E, 2) for every edge: from which part of it to which the robot is caught beyond.
+def _landing(
+    region: Region,
+    k: int,
+    came: int,
+    gravity: tuple[Vector, Vector],
+    sunk: tuple[float, float],
+) -> tuple[float, float]:
+    """Return the part [low, high] of [0, 1] for which the robot stays on rest k.
 
-    An edge without a gap has LOW 1 and HIGH 0.  `limits`: the largest sum of turns (rad), and half
-    the least width of a rest.
+    It came over the edge `came`, with gravity and the com sunk by as much as is given for 0 and 1;
+    both are linear between.  Rests of a group are one: edges inside it hold nothing.
     """
-    facets, facet, span = hull.tally[FOUND], hull.facet, hull.span
-    corner, link = hull.corner, hull.link
-    brink, roll = work.brink, work.roll
-    rolling = Rolling(hull, primitives, kind, brink, roll)
-    for f in range(facets):
-        for at in range(span[f, FIRST], span[f + 1, FIRST]):
-            gap[at, LOW], gap[at, HIGH] = 1.0, 0.0
-            if kind[f] != REFUSED:
-                following = corner_after(span, f, at)
-                enter_brink(brink, at, row(corner, at), row(corner, following))
-                roll[at, TURN] = -1.0
-    least = math.cos(min(limits[0], math.pi)) - 1e-12
-    for f in range(facets):
-        if kind[f] == REFUSED:
+    seat, edge = region.seat, region.edge
+    low, high = 0.0, 1.0
+    for here in range(region.counts[ACCEPTED]):
+        if seat[here].group != seat[k].group or not seat[here].is_rest:
             continue
-        for at in range(span[f, FIRST], span[f + 1, FIRST]):
-            other, back = link[at, NEIGHBOUR], link[at, BACK]
-            if other <= f or back < 0 or kind[other] == REFUSED:
+        g0, g1 = gravity
+        e0, e1 = sunk
+        facet = region.facet[seat[here].facet]
+        if here != k:
+            normal, other = read3(seat[k].normal), read3(seat[here].normal)
+            foot = read3(edge[facet.first].point)
+            g0, g1 = turned(normal, other, g0), turned(normal, other, g1)
+            e0 -= dot(foot, subtract(g0, gravity[0]))
+            e1 -= dot(foot, subtract(g1, gravity[1]))
+        for e in range(facet.first, facet.first + facet.count):
+            one, two = rests_at(region, e)
+            if e == came or (two >= 0 and seat[one].group == seat[two].group):
                 continue
-            if dot(row(facet, f), row(facet, other)) < least:
+            start, stop = ends_of(region, e)
+            side = subtract(stop, start)
+            size = length(side)
+            if size == 0.0:
                 continue
-            if roll[at, TURN] < 0.0:
-                i, j = link[at, VERTEX], link[corner_after(span, f, at), VERTEX]
-                arc = Arc(i, j, row(facet, f), row(facet, other))
-                enter_roll(primitives, arc, at, back, roll)
-            if roll[at, TURN] > limits[0]:
-                continue
-            low, high = 0.0, 1.0
-            if roll[at, TURN] > NO_ROLL or kind[f] != REST or kind[other] != REST:
-                _lay_out(rolling, f, at, work.begin)
-                low, high = _held(rolling, f, at, limits, work.begin, work.way, work.counts)
-            if low < high:
-                here = at, corner_after(span, f, at)
-                there = corner_after(span, other, back), back
-                if leads_out(corner, here, there, low, high):
-                    _enter(link, gap, at, low, high)
-    for _ in range(SLIVERS):
-        for f in range(facets):
-            if kind[f] == STAGE and span[f + 1, FIRST] - span[f, FIRST] == 3:
-                for at in range(span[f, FIRST], span[f + 1, FIRST]):
-                    _join(span, link, brink, f, at, limits[1], gap)
+            lever, axis = scale(cross(start, stop), 1.0 / size), scale(side, 1.0 / size)
+            foot = along(start, axis, -dot(start, axis))
+            inside = dot(lever, g0), dot(lever, g1)
+            above = dot(foot, g0), dot(foot, g1)
+            if inside[0] >= max(above[0] + e0, 0.0) and inside[1] >= max(above[1] + e1, 0.0):
+                continue  # It is held all along if it is so by (sunk + 2 above + sunk) / 2.
+            w0, w1 = held_by(inside, above, (e0, e1))
+            low, high = max(low, w0), min(high, w1)
+            if not low < high:
+                return 1.0, 0.0
+    return low, high
 
 
 @njit(inline=True, bare=True)
-def _enter(link: Ints, gap: Floats, at: int, low: float, high: float) -> None:
-    """Enter what an edge holds, for both its facets."""
-    gap[at, LOW], gap[at, HIGH] = (low, high) if low < high else (1.0, 0.0)
-    back = link[at, BACK]
-    if back >= 0:
-        gap[back, LOW], gap[back, HIGH] = 1.0 - gap[at, HIGH], 1.0 - gap[at, LOW]
+def _side(first: Places, second: Places, w: float) -> tuple[Vector, Vector]:
+    """Return the ends of a side of a gap: its balance w on the one rest and on the other."""
+    return between(first[0], second[0], w), between(first[4], second[4], w)
+
+
+@njit(inline=True, bare=True)
+def _beyond(side: tuple[Vector, Vector], point: Vector) -> float:
+    """Return how far a point is from the plane through the com and a side: > 0 to greater w."""
+    return dot(unit(cross(side[0], side[1])), point)
 
 
 @njit(bare=True)
-def _join(span: Ints, link: Ints, brink: Floats, f: int, at: int, band: float, gap: Floats) -> None:
-    """Hold over a line what both halves of its arc hold, where a sliver of a stage cuts it in two.
+def _moved_in(first: Places, second: Places, w: float, other: float) -> float:
+    """Return a side w moved towards the `other` one until the curve of its balances is outside."""
+    curve, sign = balances(first, second, w), 1.0 if other > w else -1.0
+    there = _side(first, second, other)
+    for _ in range(SIDE_STEPS):
+        here, share = _side(first, second, w), 0.0
+        for k in range(len(LAGRANGE)):
+            point = _amid(curve, LAGRANGE[k])
+            near, far = sign * _beyond(here, point), sign * _beyond(there, point)
+            if near > 0.0 > far:
+                share = max(share, near / (near - far))
+        w += (other - w) * FURTHER * share
+    return w
 
-    A third wheel on an axle carries for a moment, which moment is noise: before it the line of the
-    edge is one, after it the edge's other two make up the same line.
-    """
-    ahead = corner_after(span, f, at)
-    last = corner_after(span, f, ahead)
-    for part in (ahead, last):
-        # Both run back along the line of the first.
-        if dot(vector_at(brink, part, ALONG), vector_at(brink, at, ALONG)) >= 0.0:
-            return
-        if not is_on_line(brink, part, corner_after(span, f, part), at, band):
-            return
-    p, q, k = row(brink, at), row(brink, ahead), row(brink, last)
-    whole, here = subtract(q, p), subtract(k, p)
-    middle = dot(here, whole) / dot(whole, whole)
-    low, high = gap[at, LOW], gap[at, HIGH]
-    # What the others hold, from q to k and from k to p, in parts of the whole.
-    rest = 1.0 - middle
-    near = max(low, middle * (1.0 - gap[last, HIGH])), min(high, middle * (1.0 - gap[last, LOW]))
-    far = max(low, 1.0 - gap[ahead, HIGH] * rest), min(high, 1.0 - gap[ahead, LOW] * rest)
-    _enter(link, gap, ahead, (1.0 - far[1]) / rest, (1.0 - far[0]) / rest)
-    _enter(link, gap, last, 1.0 - near[1] / middle, 1.0 - near[0] / middle)
-    longer = near if near[1] - near[0] > far[1] - far[0] else far
-    if near[0] < near[1] and far[0] < far[1] and far[0] - near[1] <= END:
-        longer = near[0], far[1]
-    _enter(link, gap, at, longer[0], longer[1])
+
+@njit(inline=True, bare=True)
+def _amid(path: Places, weights: Weights) -> Vector:
+    """Return the sum of five places times their weights."""
+    point = scale(path[0], weights[0])
+    for k in range(1, 5):
+        point = along(point, path[k], weights[k])
+    return point
 
 
 @njit(bare=True)
-def _lay_out(rolling: Rolling, f: int, at: int, begin: Floats) -> None:
-    """Fill `begin` (4, 11) with how the four rolls from a balance begin.
-
-    Rows 0 and 1 are the ways on and back from where the gap begins, 2 and 3 from where it ends;
-    each holds gravity and rise for both ends of the edge, and the turn; its answer comes after.
-    """
-    hull, roll = rolling.hull, rolling.roll
-    span, corner, link = hull.span, hull.corner, hull.link
-    other, back = link[at, NEIGHBOUR], link[at, BACK]
-    for turn in range(2):
-        near, edge = (f, at) if turn == 0 else (other, back)
-        ahead = corner_after(span, near, edge)
-        p = row(corner, edge if turn == 0 else ahead)
-        q = row(corner, ahead if turn == 0 else edge)
-        on, rest = 2 * turn, 2 * turn + 1
-        put(begin, on, 0, seen_after(roll, edge, p))
-        put(begin, on, 3, seen_after(roll, edge, q))
-        begin[on, 6], begin[on, 7] = risen_after(roll, edge, p), risen_after(roll, edge, q)
-        begin[on, 8] = roll[edge, TURN]
-        put(begin, rest, 0, p)
-        put(begin, rest, 3, q)
-        put(begin, rest, 6, (0.0, 0.0, 0.0))
-
-
-@njit(bare=True)
-def _held(
-    rolling: Rolling,
-    f: int,
-    at: int,
-    limits: tuple[float, float],
-    begin: Floats,
-    way: Floats,
-    ends: Ints,
+def _add_gap(
+    region: Region, e: int, first: Places, second: Places, held: tuple[float, float]
 ) -> tuple[float, float]:
-    """Return the longest part of an edge beyond which the robot is caught, (1, 0) if there is none.
+    """Add the cones and the sides of a gap; return the part of the edge that is held.
 
-    A robot that balances on a gap is caught if it comes to rest whichever way it is nudged, both
-    where the gap begins and where it ends, and the two ways do not end on one and the same rest.
+    There are two, divided where both planes are pierced at once: the rest that gravity pierces
+    first gives `sdg` and `height`.
     """
-    link = rolling.hull.link
-    other, back = link[at, NEIGHBOUR], link[at, BACK]
-    for t in range(4):
-        begin[t, SURE] = -1.0
-    low, high, since = 1.0, 0.0, -1.0
-    w = END
-    for _ in range(MOST_CHANGES):
-        caught, until = True, math.inf
-        for t in range(4):
-            if begin[t, MOST] == math.inf and begin[t, SURE] > w:
-                caught, until = False, max(begin[t, SURE], until if not caught else 0.0)
-        if caught:
-            for t in range(4):
-                if begin[t, SURE] <= w:
-                    away = t == 0 or t == 3
-                    way[0, FACET], way[0, CAME] = (other, back) if away else (f, at)
-                    way[0, LINE] = way[0, CAME]
-                    for c in range(8):
-                        way[0, c] = begin[t, c]
-                    put(way, 0, ROOT, (0.0, 0.0, 0.0))
-                    way[0, TURNED], way[0, UNTIL] = begin[t, 8], math.inf
-                    begin[t, MOST], begin[t, SURE] = comes_to_rest(
-                        rolling, w, limits, way, ends[ENDS + t]
-                    )
-                if begin[t, MOST] == math.inf:
-                    caught, until = False, begin[t, SURE]
-                    break
-                until = min(until, begin[t, SURE])
-        if caught:
-            for t in range(0, 4, 2):
-                turned = begin[t, MOST] + begin[t + 1, MOST]
-                if turned > limits[0] or _comes_back(
-                    rolling.hull.facet, ends[ENDS + t], ends[ENDS + t + 1], turned
-                ):
-                    caught = False
-                    until = min(begin[t, SURE], begin[t + 1, SURE])
-                    break
-        if caught and since < 0.0:
-            since = w - HAIR if w > END else 0.0
-        if not caught and since >= 0.0:
-            if w - HAIR - since > high - low:
-                low, high = since, w - HAIR
-            since = -1.0
-        if until + HAIR >= 1.0 - END:
-            if since >= 0.0 and 1.0 - since > high - low:
-                low, high = since, 1.0
-            return low, high
-        w = max(until, w) + HAIR
+    low = _moved_in(first, second, held[0], held[1])
+    high = _moved_in(first, second, held[1], held[0])
+    if not low < high:
+        return 1.0, 0.0
+    p0, q0 = _side(first, second, low)
+    p1, q1 = _side(first, second, high)
+    left, right = unit(cross(p0, q0)), unit(cross(q1, p1))
+    least = min(min(dot(left, p1), dot(left, q1)), min(dot(right, p0), dot(right, q0)))
+    if not least > 0.0:
+        return 1.0, 0.0  # Twisted.
+    edge, seat, cone, count = region.edge, region.seat, region.cone, region.counts
+    here, there = seat_of(region, e), seat_of(region, edge[e].twin)
+    cut = unit(subtract(read3(seat[here].plane), read3(seat[there].plane)))
+    for side in range(2):
+        k = count[CONES]
+        cone[k].first, cone[k].count, cone[k].status = count[WALLS], 5, ROCKS
+        cone[k].seat = here if side == 0 else there
+        add_wall(region, left)
+        add_wall(region, right)
+        add_wall(region, unit(cross(second[0], first[0])))
+        add_wall(region, unit(cross(first[4], second[4])))
+        add_wall(region, cut if side == 0 else scale(cut, -1.0))
+        count[CONES] = k + 1
+    i, j = edge[e].primitive, edge[edge_after(region, e)].primitive
+    add_arc(region, p0, q0, (i, i))
+    add_arc(region, q1, p1, (j, j))
     return low, high
 
 
 @njit(bare=True)
-def _comes_back(facet: Floats, some: Ints, others: Ints, turned: float) -> bool:
-    """Tell whether both ways end on what is one rest, though they turn the robot by some angle.
+def _add_joint(region: Region, e: int, first: Places, second: Places) -> None:
+    """Add the cone between two rests of a group: all that is between their edges.
 
-    Noise makes one rest two, all but parallel.  Two rests that are joined by a turn as small as the
-    angle between them are two, however near.
+    It is too narrow for walls through both ends of a contact's way, so its ends are walls across
+    the edge, through the end that is further in.
     """
-    for a in range(1, some[0] + 1):
-        for b in range(1, others[0] + 1):
-            apart = angle_between(row(facet, some[a]), row(facet, others[b]))
-            if some[a] == others[b] or (apart < ONE_REST and turned > apart + ONE_REST):
-                return True
-    return False
+    cone, count = region.cone, region.counts
+    k, side = count[CONES], unit(subtract(second[0], first[0]))
+    cone[k].first, cone[k].count, cone[k].status = count[WALLS], 6, STANDS
+    cone[k].seat = seat_of(region, e)
+    for end in range(2):
+        start, stop = first[4 * end], second[4 * end]
+        add_wall(region, unit(along(side, start, -dot(side, start) / dot(start, start))))
+        add_wall(region, unit(along(scale(side, -1.0), stop, dot(side, stop) / dot(stop, stop))))
+    add_wall(region, unit(cross(second[0], first[0])))
+    add_wall(region, unit(cross(first[4], second[4])))
+    count[CONES] = k + 1
+
+
+@njit(bare=True)
+def _held(region: Region, e: int, arc: tuple[Normals, Places, Places]) -> tuple[float, float]:
+    """Return the part [low, high] of an edge from which the robot stays, whichever way it rolls."""
+    normals, first, second = arc
+    here, twin = seat_of(region, e), region.edge[e].twin
+    g0, e0 = roll(normals, first, first[0])
+    g1, e1 = roll(normals, second, second[0])
+    low, high = _landing(region, seat_of(region, twin), twin, (g0, g1), (e0, e1))
+    if not low < high:
+        return 1.0, 0.0
+    g0, e0 = roll(back(normals), back(first), first[4])
+    g1, e1 = roll(back(normals), back(second), second[4])
+    w0, w1 = _landing(region, here, e, (g0, g1), (e0, e1))
+    return max(low, w0), min(high, w1)
+
+
+@njit(bare=True)
+def _find_gap(primitives: Floats, region: Region, e: int, one: bool, free: bool) -> bool:
+    """Find the held part of an edge between two rests, and add the gap if it has any width.
+
+    Returns whether the robot rocks there.
+    """
+    edge, seat = region.edge, region.seat
+    twin = edge[e].twin
+    normals = read3(seat[seat_of(region, e)].normal), read3(seat[seat_of(region, twin)].normal)
+    slit, (a, b), (c, d) = is_slit(region, e), ends_of(region, e), ends_of(region, twin)
+    pair = edge[e].primitive, edge[edge_after(region, e)].primitive
+    first, second = (a, a, a, a, d), (b, b, b, b, c)
+    path = (normals[0], normals[1], normals[1], normals[1], normals[1])
+    if not slit:
+        # Other contacts of the rest may stand for the two at its corners.
+        path, one_way, other_way = arc_between(primitives, pair, normals)
+        first = (a, one_way[1], one_way[2], one_way[3], d)
+        second = (b, other_way[1], other_way[2], other_way[3], c)
+    low, high = 0.0, 1.0
+    if not (one or free):
+        low, high = _held(region, e, (path, first, second))
+    if one and not slit:
+        _add_joint(region, e, first, second)
+    elif low < high and not slit:
+        low, high = _add_gap(region, e, first, second, (low, high))
+    if low < high:
+        edge[e].held[0], edge[e].held[1] = low, high
+        edge[twin].held[0], edge[twin].held[1] = 1.0 - high, 1.0 - low
+    return low < high and not slit and not one
+
+
+@njit(bare=True)
+def find_gaps(primitives: Floats, region: Region, accept: Acceptance) -> int:
+    """Find the held part of every edge between two rests, and add the gaps to the region.
+
+    Rests of one group are one at any `rock_angle`; if it is infinite, all of an edge is held.
+
+    Returns
+    -------
+    int
+        How many gaps have an area in which the robot rocks.
+    """
+    edge, seat = region.edge, region.seat
+    free = accept.rock_angle > 4.0
+    # The turn of a gap may be longer by rounding.
+    least = -2.0 if free else math.cos(accept.rock_angle + 1e-12)
+    gaps = 0
+    for e in range(region.counts[EDGES]):
+        here, there = rests_at(region, e)
+        if there < 0 or edge[e].twin < e:
+            continue
+        one = seat[here].group == seat[there].group
+        if one or dot(read3(seat[here].normal), read3(seat[there].normal)) >= least:
+            gaps += _find_gap(primitives, region, e, one, free)
+    return gaps

@@ -1,211 +1,142 @@
-"""Convex polygons of contact points that lie in one plane.
-
-Owns the planar hull and the area centroid.  Corners are counter-clockwise seen from outside the
-robot, that is looking against the plane's outward normal.
-"""
+"""Convex polygons of contacts in a plane: corners, area centroid and width."""
 
 import math
 
 from lutgen.jit import njit
-from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, subtract
+from lutgen.support.primitive import support_contact
+from lutgen.support.table import Region
+from lutgen.vector import Floats, Ints, Vector, along, cross, dot, subtract, unit
 
 
 @njit(inline=True, bare=True)
-def _swap(points: Floats, labels: Ints, a: int, b: int) -> None:
-    for c in range(3):
-        points[a, c], points[b, c] = points[b, c], points[a, c]
-    labels[a, 0], labels[b, 0] = labels[b, 0], labels[a, 0]
-
-
-@njit(inline=True, bare=True)
-def _reverse(points: Floats, labels: Ints, begin: int, end: int) -> None:
-    end -= 1
-    while begin < end:
-        _swap(points, labels, begin, end)
-        begin += 1
-        end -= 1
-
-
-@njit(bare=True)
-def convex_polygon(
-    points: Floats, labels: Ints, begin: int, count: int, normal: Vector, tolerance: float
-) -> int:
-    """Reorder coplanar points in place to the corners of their convex polygon.
-
-    Parameters
-    ----------
-    points : (k, 3) float64
-        Coplanar points; rows [begin, begin + count) are read, and overwritten.
-    labels : (k, 2) int64
-        The first column is moved along with the points.
-    begin, count : int
-        Which rows.
-    normal : tuple
-        Unit normal of the plane, outward.
-    tolerance : float
-        Points closer than this are one point; a point that stands out of an edge by less than
-        this is not a corner.
-
-    Returns
-    -------
-    int
-        Number of corners, from row `begin` on, counter-clockwise about `normal`, starting with
-        the corner of the lowest label; 0 if the points are collinear.
-
-    Notes
-    -----
-    Gift wrapping: the few touching points of a robot's facet do not repay sorting.  With equal
-    turns the furthest point wins, which drops collinear and repeated points.
-    """
-    if count < 3:
-        return 0
-    corners = 0
-    if count == 3:
-        a, b, c = row(points, begin), row(points, begin + 1), row(points, begin + 2)
-        turn = dot(cross(subtract(b, a), subtract(c, a)), normal)
-        longest = max(length(subtract(b, a)), length(subtract(c, a)), length(subtract(c, b)))
-        if abs(turn) <= tolerance * longest:
-            return 0
-        if turn < 0.0:
-            _swap(points, labels, begin + 1, begin + 2)
-        corners = 3
-    else:
-        corners = _wrap(points, labels, begin, begin + count, normal, tolerance) - begin
-    lowest = 0
-    for i in range(1, corners):
-        if labels[begin + i, 0] < labels[begin + lowest, 0]:
-            lowest = i
-    if lowest > 0:
-        # Rotate by three reversals.
-        _reverse(points, labels, begin, begin + lowest)
-        _reverse(points, labels, begin + lowest, begin + corners)
-        _reverse(points, labels, begin, begin + corners)
-    return corners if corners >= 3 else 0
-
-
-@njit(bare=True)
-def _wrap(
-    points: Floats, labels: Ints, begin: int, end: int, normal: Vector, tolerance: float
-) -> int:
-    """Bring the corners of more than three points to the front; return the row after the last."""
+def plane_axes(normal: Vector) -> tuple[Vector, Vector]:
+    """Return two unit axes of a plane, right-handed with its unit normal."""
     across = (1.0, 0.0, 0.0) if abs(normal[0]) < 0.9 else (0.0, 1.0, 0.0)
-    along = cross(normal, across)
-    first = begin
-    for i in range(begin + 1, end):
-        step = subtract(row(points, i), row(points, first))
-        ahead = dot(across, step)
-        # An extreme edge has two ends; its lower end is a corner, its middle is not.
-        if ahead < -tolerance or (ahead <= tolerance and dot(along, step) < 0.0):
-            first = i
-    _swap(points, labels, begin, first)
-    last = begin + 1
-    while last < end:
-        here = row(points, last - 1)
-        best = -1
-        best_arm = (0.0, 0.0, 0.0)
-        best_length = 0.0
-        for i in range(begin, end):
-            # Corners already placed cannot come again, save the first, which closes the polygon.
-            if begin < i < last or (i == begin and last == begin + 1):
-                continue
-            arm = subtract(row(points, i), here)
-            size = length(arm)
-            if size <= tolerance:
-                continue
-            turn = dot(cross(best_arm, arm), normal)
-            slack = tolerance * max(size, best_length)
-            if best < 0 or turn < -slack or (turn <= slack and size > best_length):
-                best, best_arm, best_length = i, arm, size
-        if best <= begin:
-            break
-        _swap(points, labels, last, best)
-        last += 1
-    return last
+    first = unit(along(across, normal, -dot(across, normal)))
+    return first, cross(normal, first)
 
 
 @njit(bare=True)
-def outline(flat: Floats, count: int, order: Ints, rank: Ints) -> int:
-    """Find the corners of the convex polygon of points in a plane; return their number.
+def _left(flat: Floats, a: int, b: int, c: int) -> float:
+    """Return twice the area of a triangle of rows, positive if it turns left."""
+    x, y = flat[a, 0], flat[a, 1]
+    return float((flat[b, 0] - x) * (flat[c, 1] - y) - (flat[b, 1] - y) * (flat[c, 0] - x))
+
+
+@njit(bare=True)
+def outline(flat: Floats, ids: Ints, count: int, slack: float) -> int:
+    """Find the corners of the convex hull of points in a plane (Andrew's monotone chain).
 
     Parameters
     ----------
     flat : (k, 2) float64
-        Coordinates of the points in the plane; the first `count` rows are read.
+        Coordinates; the first `count` rows are read, and sorted.
+    ids : (3 k + 2,) int64
+        What each point is called; the names of the corners are left there, counter-clockwise and
+        from the lowest on.
     count : int
         How many points.
-    order : (2 k + 1,) int64
-        Receives the rows of the corners, counter-clockwise, from the lowest row on.
-    rank : (k,) int64
-        Overwritten.
+    slack : float
+        A point nearer than this to another corner, or to the line between its neighbours, is no
+        corner (length).
 
     Returns
     -------
     int
-        Number of corners; fewer than 3 if the points are collinear or too few.
-
-    Notes
-    -----
-    Andrew's monotone chain.  It knows no tolerance: of points that are collinear but for rounding
-    some may be corners, which alters neither area, centroid nor width by more than rounding.
+        Number of corners; 0 if the points are in a line or too few.
     """
-    for i in range(count):
-        at = i
-        while at > 0:
-            before = rank[at - 1]
-            if flat[before, 0] < flat[i, 0] or (
-                flat[before, 0] == flat[i, 0] and flat[before, 1] <= flat[i, 1]
-            ):
-                break
-            rank[at] = before
+    for last in range(1, count):
+        at = last
+        while at > 0 and (
+            flat[at, 0] < flat[at - 1, 0]
+            or (flat[at, 0] == flat[at - 1, 0] and flat[at, 1] < flat[at - 1, 1])
+        ):
+            for axis in range(2):
+                flat[at, axis], flat[at - 1, axis] = flat[at - 1, axis], flat[at, axis]
+            ids[at], ids[at - 1] = ids[at - 1], ids[at]
             at -= 1
-        rank[at] = i
-    end = 0
+    chain, held = ids[count:], 0
     for half in range(2):
-        least = end + 1 if half == 1 else 2
-        for step in range(half, count):
-            i = rank[step if half == 0 else count - 1 - step]
-            while end >= least:
-                a, b = order[end - 2], order[end - 1]
-                turn = (flat[b, 0] - flat[a, 0]) * (flat[i, 1] - flat[b, 1])
-                if turn - (flat[b, 1] - flat[a, 1]) * (flat[i, 0] - flat[b, 0]) > 0.0:
-                    break
-                end -= 1
-            order[end] = i
-            end += 1
-    # The first point has come again at the end.
-    corners = end - 1
+        base = held
+        for step in range(count):
+            k = step if half == 0 else count - 1 - step
+            while held - base > 1 and _left(flat, chain[held - 2], chain[held - 1], k) <= 0.0:
+                held -= 1
+            chain[held] = k
+            held += 1
+        held -= 1
+    at = 0
+    while at < held and held > 2:
+        a, b, c = chain[(at + held - 1) % held], chain[at], chain[(at + 1) % held]
+        chord = math.hypot(flat[c, 0] - flat[a, 0], flat[c, 1] - flat[a, 1])
+        step_before = math.hypot(flat[b, 0] - flat[a, 0], flat[b, 1] - flat[a, 1])
+        if step_before <= slack or _left(flat, a, b, c) <= slack * chord:
+            for k in range(at, held - 1):
+                chain[k] = chain[k + 1]
+            held -= 1
+            at = 0
+        else:
+            at += 1
     lowest = 0
-    for c in range(1, corners):
-        if order[c] < order[lowest]:
-            lowest = c
-    for c in range(corners):
-        order[corners + c] = order[c]
-    for c in range(corners):
-        order[c] = order[lowest + c]
-    return corners
+    for k in range(held):
+        chain[k] = ids[chain[k]]
+        lowest = k if chain[k] < chain[lowest] else lowest
+    for k in range(held):
+        ids[k] = chain[(lowest + k) % held]
+    return held if held > 2 else 0
+
+
+@njit(bare=True)
+def corners_of(primitives: Floats, mask: int, normal: Vector, slack: float, region: Region) -> int:
+    """Leave in `region.ids` the primitives at the corners of a plane's polygon; return how many.
+
+    `mask`: those that touch the plane; counter-clockwise seen from outside.
+    """
+    first, second = plane_axes(normal)
+    flat, ids = region.flat, region.ids
+    count = 0
+    for i in range(primitives.shape[0]):
+        if has_bit(mask, i):
+            point = support_contact(primitives, i, normal)
+            x, y = dot(first, point), dot(second, point)
+            # Of contacts that are one the first counts, in every facet.
+            fresh = True
+            for other in range(count):
+                fresh &= max(abs(flat[other, 0] - x), abs(flat[other, 1] - y)) > slack
+            if fresh:
+                flat[count, 0], flat[count, 1], ids[count] = x, y, i
+                count += 1
+    return outline(flat, ids, count, slack) if count > 2 else 0
 
 
 @njit(inline=True, bare=True)
-def area_centroid(points: Floats, begin: int, end: int) -> Vector:
-    """Return the area centroid of the convex polygon points[begin:end] (Eqs 22 to 26, in 3-D).
+def has_bit(mask: int, i: int) -> bool:
+    """Tell whether bit i of a mask is set."""
+    return (mask >> i) & 1 == 1
 
-    The polygon is cut into a fan of triangles from its first corner; each is weighted with its
-    own area, measured in the polygon's plane, so a vertical plane needs no special case.
+
+@njit(bare=True)
+def measure_polygon(
+    primitives: Floats, ids: Ints, count: int, normal: Vector
+) -> tuple[Vector, float]:
+    """Return the area centroid (Eqs 22 to 26, in 3-D) and the least width of a support polygon.
+
+    Triangles of a fan count by their area along the normal: contacts a little off the plane have
+    no part in it.
     """
-    origin = row(points, begin)
-    total = 0.0
-    x = y = z = 0.0
-    for i in range(begin + 1, end - 1):
-        a = subtract(row(points, i), origin)
-        b = subtract(row(points, i + 1), origin)
-        area = length(cross(a, b))
-        total += area
-        x += area * (a[0] + b[0])
-        y += area * (a[1] + b[1])
-        z += area * (a[2] + b[2])
-    third = 1.0 / (3.0 * total) if total > 0.0 else math.nan
-    return (
-        origin[0] + x * third,
-        origin[1] + y * third,
-        origin[2] + z * third,
-    )
+    origin = support_contact(primitives, ids[0], normal)
+    area, width, centroid = 0.0, math.inf, (0.0, 0.0, 0.0)
+    for k in range(count):
+        a = support_contact(primitives, ids[k], normal)
+        b = support_contact(primitives, ids[(k + 1) % count], normal)
+        inward = unit(cross(normal, subtract(b, a)))
+        furthest = nearest = 0.0
+        for other in range(count):
+            depth = dot(subtract(support_contact(primitives, ids[other], normal), a), inward)
+            furthest, nearest = max(furthest, depth), min(nearest, depth)
+        width = min(width, furthest - nearest)
+        u, v = subtract(a, origin), subtract(b, origin)
+        part = dot(cross(u, v), normal)
+        area += part
+        centroid = along(along(centroid, u, part), v, part)
+    return along(origin, centroid, 1.0 / (3.0 * area)), width

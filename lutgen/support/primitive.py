@@ -1,8 +1,8 @@
 """Contact primitives: where a point, a sphere or a disc touches a plane.
 
-Owns the support function of one primitive.  The primitives of a posture are the rows of one array
-(n, 8), so that kernels hand on a single array: centre x, y, z; axis x, y, z (zero unless a disc);
-radius; kind.  Lengths in the recipe's unit, relative to the com, body frame.
+The primitives of a posture are the rows of one array (n, 8): centre x, y, z; axis x, y, z (zero
+unless a disc); radius (zero of a point); kind.  Lengths in the recipe's unit, relative to the com,
+body frame.
 """
 
 import math
@@ -12,13 +12,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from lutgen.jit import njit
 from lutgen.parts import KINDS
-from lutgen.vector import Floats, Vector, cross, dot, length, row, scale, subtract
+from lutgen.vector import Floats, Vector, along, cross, dot, length, row, scale, subtract
 
 POINT, SPHERE, DISC = (float(KINDS.index(kind)) for kind in ("point", "sphere", "disc"))
 RADIUS, KIND = 6, 7
-# A disc whose axis is within this angle (rad) of the plane's normal lies on its face and has no
-# single point of contact.
+# A disc whose axis is within this angle (rad) of the plane's normal lies on its face.
 FACE_ANGLE = 1e-6
+# Steps of Newton's method: it converges in 4 to 6 wherever a plane is near to the one sought.
+NEWTON = 30
 
 
 def pack(
@@ -34,66 +35,74 @@ def pack(
 
 
 @njit(inline=True, bare=True)
-def _axle(primitives: Floats, index: int) -> Vector:
-    return primitives[index, 3], primitives[index, 4], primitives[index, 5]
+def axle(primitives: Floats, i: int) -> Vector:
+    """Return the axis of primitive i."""
+    return primitives[i, 3], primitives[i, 4], primitives[i, 5]
 
 
-# Arrays are read first, and decided upon in functions of numbers alone: where an array lives across
-# a branch its references are counted, which took half the time of a search.
+@njit(bare=True)
+def support_contact(primitives: Floats, i: int, normal: Vector) -> Vector:
+    """Return the point of primitive i that extends furthest along a unit `normal`.
 
-
-@njit(inline=True, bare=True)
-def _height(centre: Vector, axle: Vector, radius: float, kind: float, normal: Vector) -> float:
-    value: float = dot(centre, normal)
-    if kind == SPHERE:
-        value += radius
-    elif kind == DISC:
-        radial = subtract(normal, scale(axle, dot(normal, axle)))
-        value += radius * length(radial)
-    return value
-
-
-@njit(inline=True, bare=True)
-def _contact(centre: Vector, axle: Vector, radius: float, kind: float, normal: Vector) -> Vector:
-    x, y, z = centre
-    if kind == SPHERE:
-        return x + radius * normal[0], y + radius * normal[1], z + radius * normal[2]
-    if kind == DISC:
-        radial = subtract(normal, scale(axle, dot(normal, axle)))
-        size = length(radial)
-        if size < FACE_ANGLE:
-            return math.nan, math.nan, math.nan
-        r = radius / size
-        return x + r * radial[0], y + r * radial[1], z + r * radial[2]
-    return centre
-
-
-@njit(inline=True, bare=True)
-def support_height(primitives: Floats, index: int, normal: Vector) -> float:
-    """Return the support function: how far primitive `index` extends along a unit `normal`."""
-    radius, kind = primitives[index, RADIUS], primitives[index, KIND]
-    height: float = _height(row(primitives, index), _axle(primitives, index), radius, kind, normal)
-    return height
-
-
-@njit(inline=True, bare=True)
-def support_contact(primitives: Floats, index: int, normal: Vector) -> Vector:
-    """Return the point of primitive `index` that extends furthest along a unit `normal`.
-
-    It is the gradient of `support_height`: c for a point, c + r n for a sphere, and c + r u for a
-    disc, with u the normalised part of n orthogonal to the disc's axis.  A disc that lies on its
-    face has no such point: the answer is NaN.
+    It is c of a point, c + r n of a sphere, and c + r u of a disc, with u the normalised part of n
+    orthogonal to the axis.  A disc that lies on its face is taken to touch near its centre.
     """
-    radius, kind = primitives[index, RADIUS], primitives[index, KIND]
-    point: Vector = _contact(row(primitives, index), _axle(primitives, index), radius, kind, normal)
-    return point
+    centre, radius = row(primitives, i), primitives[i, RADIUS]
+    if radius == 0.0:
+        return centre
+    if primitives[i, KIND] != DISC:
+        return along(centre, normal, radius)
+    axis = axle(primitives, i)
+    cosine = dot(axis, normal)
+    radius /= math.sqrt(max(1.0 - cosine * cosine, FACE_ANGLE * FACE_ANGLE))
+    return along(along(centre, normal, radius), axis, -radius * cosine)
+
+
+@njit(bare=True)
+def support_height(primitives: Floats, i: int, normal: Vector) -> float:
+    """Return the support function: how far primitive i extends along a unit `normal`."""
+    return dot(support_contact(primitives, i, normal), normal)
 
 
 @njit(inline=True, bare=True)
-def sine_to_axle(primitives: Floats, index: int, normal: Vector) -> float:
-    """Return the sine between a unit `normal` and the axle of primitive `index`.
+def sine_to_axle(primitives: Floats, i: int, normal: Vector) -> float:
+    """Return the sine between a unit `normal` and the axis of primitive i; 1 if it has none."""
+    return length(cross(axle(primitives, i), normal)) if primitives[i, KIND] == DISC else 1.0
 
-    1 for points and spheres; 0 where a disc lies on its face.
+
+@njit(bare=True)
+def tangent_plane(
+    primitives: Floats, i: int, j: int, k: int, across: Vector, normal: Vector
+) -> tuple[Vector, bool]:
+    """Turn a plane until it touches primitives i, j and k.
+
+    With k = -1 it touches i and j and is parallel to `across`.  Newton's method is to take the
+    plane through the places where they touched the plane before.
+
+    Returns
+    -------
+    tuple
+        The unit normal, on the side of `normal`; whether the method converged.
     """
-    kind, axle = primitives[index, KIND], _axle(primitives, index)
-    return length(cross(axle, normal)) if kind == DISC else 1.0
+    third = k if k >= 0 else j
+    radius = primitives[i, RADIUS]
+    # Spheres of one radius are points, a radius further out.
+    flat = primitives[i, KIND] != DISC and primitives[j, KIND] != DISC
+    flat = flat and primitives[third, KIND] != DISC
+    flat = flat and primitives[j, RADIUS] == radius and primitives[third, RADIUS] == radius
+    before = 9.0
+    for _ in range(NEWTON):
+        origin = support_contact(primitives, i, normal)
+        if k >= 0:
+            across = subtract(support_contact(primitives, k, normal), origin)
+        turned = cross(subtract(support_contact(primitives, j, normal), origin), across)
+        size = length(turned)
+        if size == 0.0:
+            return normal, False
+        turned = scale(turned, math.copysign(1.0 / size, dot(turned, normal)))
+        change = subtract(turned, normal)
+        normal, moved = turned, dot(change, change)
+        if flat or (moved < 1e-18 and (moved < 1e-28 or moved >= before)):
+            return normal, True
+        before = moved
+    return normal, before < 1e-16

@@ -1,196 +1,201 @@
-"""Standing region of one posture: the gravity directions in which the robot does not tip over.
-
-Owns the arrays that describe the region and the test of one direction; `boundary` fills them.  The
-region is the union of the cones of the rests and of *tiles*, pieces of the gaps between them in
-which the robot is caught.  Its boundary is a list of segments between two points of contact.
-"""
-
-import math
-from typing import NamedTuple
-
-import numpy as np
-from numpy.typing import NDArray
+"""Standing region of one posture: convex cones with plane walls, and the arcs of its boundary."""
 
 from lutgen.jit import njit
-from lutgen.support.table import FIRST, MOST_CORNERS, MOST_FACETS, vector_at
-from lutgen.vector import Floats, Ints, Vector, dot
+from lutgen.support.table import (
+    ACCEPTED,
+    ARCS,
+    CONES,
+    CONVEX,
+    EDGES,
+    STANDS,
+    WALLS,
+    Region,
+    edge_after,
+    ends_of,
+    is_slit,
+    rests_at,
+    seat_of,
+)
+from lutgen.vector import (
+    Vector,
+    add,
+    along,
+    between,
+    cross,
+    dot,
+    length,
+    read3,
+    row,
+    scale,
+    subtract,
+    unit,
+    write3,
+)
 
-# Kinds of facet edge.  SHARED: beyond it another rest begins at once.  TIP: any other.
-TIP, SHARED = 0, 1
-# What `status_of` answers, and the channel `status` holds.
-STANDS, ROCKS, TIPS = 0, 1, 2
-NO_LIMIT = -2.0
-# Entries of Region.tally.
-FACETS, SEGMENTS, CONVEX, GAPS, TILES, BLURRED = 0, 1, 2, 3, 4, 5
-# First columns of the vectors in Region.facet, Region.edge and Region.segment.
-PLANE, FIRST_AXIS, SECOND_AXIS, CENTROID, HEIGHT = 0, 3, 6, 9, 12
-POINT, EDGE_PLANE = 0, 3
-START, STOP, TIP_PLANE = 0, 3, 6
-EDGE_KIND, ACROSS = 0, 1
-SOURCE, IS_REST = 1, 2
-SLACK = 3
-# Nearer to the normal of a facet that it carries (rad) the axle of a wheel may not be.
-OFF_FACE = math.radians(10.0)
-# Sine within which a direction counts as on a tip-over axis, where the robot stands.  Rounding is
-# 1e-15, so all ways to compute a verdict give the same one.
+# Sine within which a direction counts as on a wall, where the robot stands.  Rounding is 1e-15.
 ON_AXIS = 1e-12
-# Sine by which a direction may lie beyond an edge that two rests share: no ray slips between them,
-# where on either one the edge is elsewhere by up to RELATIVE_TOLERANCE of the size.
-SAME_EDGE = 1e-8
-
-
-class Region(NamedTuple):
-    """Standing region of one posture as flat arrays, reused from posture to posture.
-
-    `tally` (6,): accepted facets, boundary segments, 1 if the region is convex, gaps and stages,
-    tiles, edges between two rests whose planes are all but one.
-    Per facet, in canonical order (ascending bit set of touching primitives): `facet` (F, 13) =
-    n/h, so that (n/h) . x = 1 on its plane; two axes with which, for t = 1/((n/h) . g), the
-    in-plane components of D_g - s are t (axis . g); centroid s; height h.  `span` (F + 1, 3)
-    first edge, index in the facet table, and 1 for a rest.
-    Per edge: `edge` (E, 6) = contact point where it begins; the unit inward normal of its edge
-    plane, through the edge and the com.  `link` (E, 2) kind, and accepted facet beyond it or -1.
-    Per boundary segment: `segment` (B, 9) = two contact points and the unit inward normal of the
-    tip-over plane, start x stop pointing inward; `contacts` (B, 2) primitives.
-    Per tile: `tile` (T + 1,) its first wall; `wall` (W, 4) a unit inward normal, and the sine by
-    which a direction may lie outside where another tile begins.
-    """
-
-    tally: NDArray[np.int64]
-    facet: NDArray[np.float64]
-    span: NDArray[np.int64]
-    edge: NDArray[np.float64]
-    link: NDArray[np.int64]
-    segment: NDArray[np.float64]
-    contacts: NDArray[np.int64]
-    tile: NDArray[np.int64]
-    wall: NDArray[np.float64]
-
-
-@njit()
-def empty_region(primitives: int) -> Region:
-    """Return arrays large enough for the region of `primitives` contact primitives."""
-    facets, edges = MOST_FACETS * primitives, MOST_CORNERS * primitives
-    return Region(
-        np.zeros(6, np.int64),
-        np.empty((facets, 13)),
-        np.zeros((facets + 1, 3), np.int64),
-        np.empty((edges, 6)),
-        np.empty((edges, 2), np.int64),
-        np.empty((4 * edges, 9)),
-        np.empty((4 * edges, 2), np.int64),
-        np.zeros(2 * edges + 1, np.int64),
-        np.empty((8 * edges, 4)),
-    )
-
-
-class Acceptance(NamedTuple):
-    """Which facets count and where the robot rocks, as the numbers that kernels compare with.
-
-    `steepest`: a facet is accepted if -n_z is greater than this; one exactly at the limit is
-    refused, because a robot that lies on its side does not stand.  `rock_angle` (rad): the largest
-    sum of turns from rest to rest; infinity where rolling from facet to facet is never asked about.
-    `lowest_up`: from which n_z on the facet search need not go further, see `search.find_facets`.
-    `least_height` (length): a facet is accepted if the com is higher above it than this.
-    `rest_width` (length): a rest is at least this wide.  `contact_tolerance` (length): contacts
-    this near to a facet's plane make up its support polygon.  `face`: a wheel that carries a facet
-    has at least this sine between its axle and the normal, or it lies on its face.
-    """
-
-    steepest: float
-    rock_angle: float
-    lowest_up: float
-    least_height: float
-    rest_width: float
-    contact_tolerance: float
-    face: float
-
-
-def acceptance(
-    upright: float | None,
-    rock_angle: float | None,
-    least_height: float = 0.0,
-    rest_width: float | None = None,
-    contact_tolerance: float | None = None,
-    face: float = OFF_FACE,
-) -> Acceptance:
-    """Return the acceptance of two angles (rad) and three lengths; None is no limit.
-
-    `face` (rad): nearer to a facet's normal, or than 90 deg less `upright`, the axle of a wheel
-    that carries it may not be.  Of level axles `upright` says so itself.
-    """
-    steepest = NO_LIMIT if upright is None or upright >= math.pi else math.cos(upright) + 1e-9
-    rock = math.inf if rock_angle is None or rock_angle >= math.pi else rock_angle
-    lowest_up = 0.0 if steepest > 0.0 else 2.0
-    return Acceptance(
-        steepest,
-        rock,
-        lowest_up,
-        least_height,
-        rest_width or 0.0,
-        contact_tolerance or 0.0,
-        min(math.sin(face), max(steepest, 0.0)),
-    )
+# A region that is concave by less than this (sine) is convex, and sides shorter than this part of
+# their distance have no plane.
+NOISE = 1e-4
+# Directions nearer than this (rad) make no arc.
+NO_ARC = 1e-12
+# So many times NOISE beyond a short side another wall must have closed the region, by at least this
+# part of NOISE: a sliver's long sides all but never meet.
+BESIDE, CLOSED = 4.0, 0.1
 
 
 @njit(inline=True, bare=True)
-def supporting_facet(facet: Floats, facets: int, g: Vector) -> int:
-    """Return the accepted facet whose plane the ray along g pierces first, or -1.
+def add_wall(region: Region, normal: Vector) -> None:
+    """Append a unit inward normal to the walls."""
+    write3(region.wall[region.counts[WALLS]], normal)
+    region.counts[WALLS] += 1
 
-    The robot's hull lies above all its facets' planes, so the plane pierced first is the one of
-    the facet where the ray leaves the hull.  Ties go to the lower index.
+
+@njit(bare=True)
+def add_arc(region: Region, start: Vector, stop: Vector, contacts: tuple[int, int]) -> None:
+    """Append a piece of the boundary; the region is on the side of start x stop.
+
+    The sine squared of the distance of a direction g is (wall . g)^2 + max(0, |along . g| - amid .
+    g)^2: `amid` is the unit vector to the arc's middle times the sine of half of it, and `along`
+    its unit direction there times the cosine; `spread` is the cotangent of half of it, squared.
     """
-    best = -1
-    nearest = 0.0
-    for k in range(facets):
-        rate = dot(vector_at(facet, k, PLANE), g)
-        if rate > nearest * (1.0 + 1e-12):
-            nearest = rate
-            best = k
-    return best
+    a, b = unit(start), unit(stop)
+    side, middle = subtract(b, a), add(a, b)
+    long, wide = length(side), length(middle)
+    if long < NO_ARC:
+        return
+    arc = region.arc[region.counts[ARCS]]
+    write3(arc.start, start)
+    write3(arc.stop, stop)
+    write3(arc.wall, unit(cross(middle, side)))
+    write3(arc.along, scale(side, 0.5 * wide / long))
+    write3(arc.amid, scale(middle, 0.5 * long / wide))
+    arc.spread = wide * wide / (long * long)
+    arc.contacts[0], arc.contacts[1] = contacts
+    region.counts[ARCS] += 1
 
 
-@njit(inline=True, bare=True)
-def _inside(span: Ints, edge: Floats, link: Ints, k: int, g: Vector) -> bool:
-    """Tell whether g lies in the cone of facet k."""
-    for e in range(span[k, FIRST], span[k + 1, FIRST]):
-        slack = SAME_EDGE if link[e, EDGE_KIND] == SHARED else ON_AXIS
-        if dot(vector_at(edge, e, EDGE_PLANE), g) < -slack:
-            return False
+@njit(bare=True)
+def add_rests(region: Region) -> None:
+    """Add the cones of the rests, the first ones."""
+    cone, count = region.cone, region.counts
+    count[CONES] = count[WALLS] = count[ARCS] = 0
+    for k in range(count[ACCEPTED]):
+        if not region.seat[k].is_rest:
+            continue
+        facet, last = region.facet[region.seat[k].facet], count[CONES]
+        cone[last].first, cone[last].count = count[WALLS], facet.count
+        cone[last].seat, cone[last].status = k, STANDS
+        for e in range(facet.first, facet.first + facet.count):
+            add_wall(region, read3(region.edge[e].wall))
+        count[CONES] = last + 1
+
+
+@njit(bare=True)
+def add_boundary(region: Region, gaps: int) -> None:
+    """Add what of each rest's edges is not held, and tell whether the region is convex.
+
+    `gaps`: how many there are, but for those between rests of a group.
+    """
+    edge, count = region.edge, region.counts
+    for e in range(count[EDGES]):
+        here = seat_of(region, e)
+        if here < 0 or not region.seat[here].is_rest:
+            continue
+        if (
+            edge[e].twin >= 0
+            and edge[e].twin < e
+            and rests_at(region, e)[1] >= 0
+            and is_slit(region, e)
+        ):
+            continue  # It is there already, for the other rest.
+        start, stop = ends_of(region, e)
+        low, high = edge[e].held[0], edge[e].held[1]
+        pair = edge[e].primitive, edge[edge_after(region, e)].primitive
+        if low >= high:
+            add_arc(region, start, stop, pair)
+        else:
+            if low > 0.0:
+                add_arc(region, start, between(start, stop, low), pair)
+            if high < 1.0:
+                add_arc(region, between(start, stop, high), stop, pair)
+    count[CONVEX] = 1 if gaps == 0 and _is_convex(region) else 0
+    if count[CONVEX] == 1:
+        _leave_short_out(region)
+
+
+@njit(bare=True)
+def _is_short(region: Region, b: int) -> bool:
+    """Tell whether an arc is so short that noise tells where its plane is."""
+    start = read3(region.arc[b].start)
+    return length(subtract(read3(region.arc[b].stop), start)) <= NOISE * length(start)
+
+
+@njit(bare=True)
+def _is_noise(region: Region, b: int) -> bool:
+    """Tell whether an arc is short, and longer ones close the region beside it.
+
+    Of a region as narrow as that, which is a sliver, every arc counts.
+    """
+    if not _is_short(region, b):
+        return False
+    beyond = along(unit(read3(region.arc[b].start)), read3(region.arc[b].wall), -BESIDE * NOISE)
+    for other in range(region.counts[ARCS]):
+        inside = dot(read3(region.arc[other].wall), beyond)
+        if inside < -CLOSED * NOISE and not _is_short(region, other):
+            return True
+    return False
+
+
+@njit(bare=True)
+def _is_convex(region: Region) -> bool:
+    """Tell whether every corner of every rest is inside every tip-over plane, but for noise."""
+    edge = region.edge
+    for b in range(region.counts[ARCS]):
+        if _is_noise(region, b):
+            continue
+        normal = read3(region.arc[b].wall)
+        for e in range(region.counts[EDGES]):
+            here = seat_of(region, e)
+            if here >= 0 and region.seat[here].is_rest:
+                point = read3(edge[e].point)
+                if dot(normal, point) < -NOISE * length(point):
+                    return False
     return True
 
 
 @njit(bare=True)
-def _on_rest(tally: Ints, span: Ints, edge: Floats, link: Ints, k: int, g: Vector) -> bool:
-    """Tell whether g lies in the cone of a rest, most likely in that of facet k."""
-    if span[k, IS_REST] == 1 and _inside(span, edge, link, k, g):
-        return True
-    # Where planes are all but one, rounding may take the next one for that of the rest itself.
-    for other in range(tally[FACETS]):
-        if other != k and span[other, IS_REST] == 1 and _inside(span, edge, link, other, g):
-            return True
-    return False
+def _leave_short_out(region: Region) -> None:
+    """Take the arcs out of a convex region's boundary whose planes are noise."""
+    arcs, kept = region.counts[ARCS], 0
+    for b in range(arcs):
+        if not _is_noise(region, b):
+            region.arc[kept] = region.arc[b]
+            kept += 1
+    region.counts[ARCS] = kept
 
 
 @njit(bare=True)
-def _in_tile(tally: Ints, tile: Ints, wall: Floats, g: Vector) -> bool:
-    """Tell whether g lies in any tile."""
-    for t in range(tally[TILES]):
+def cone_of(region: Region, g: Vector) -> int:
+    """Return the cone that a unit direction is in, the first of several; -1 for none."""
+    for k in range(region.counts[CONES]):
         inside = True
-        for w in range(tile[t], tile[t + 1]):
-            if dot(vector_at(wall, w, 0), g) < -max(wall[w, SLACK], ON_AXIS):
-                inside = False
-                break
+        for w in range(region.cone[k].first, region.cone[k].first + region.cone[k].count):
+            inside &= dot(row(region.wall, w), g) >= -ON_AXIS
         if inside:
-            return True
-    return False
+            return k
+    return -1
 
 
-@njit(inline=True, bare=True)
-def status_of(region: Region, k: int, g: Vector) -> int:
-    """Return STANDS, ROCKS or TIPS for direction g, whose supporting facet is k."""
-    if k < 0:
-        return TIPS
-    if _on_rest(region.tally, region.span, region.edge, region.link, k, g):
-        return STANDS
-    return ROCKS if _in_tile(region.tally, region.tile, region.wall, g) else TIPS
+@njit(bare=True)
+def seat_under(region: Region, g: Vector) -> int:
+    """Return the accepted facet whose plane the ray along g pierces first, or -1.
+
+    Ties go to the lower index.
+    """
+    best, nearest = -1, 0.0
+    for k in range(region.counts[ACCEPTED]):
+        rate = dot(read3(region.seat[k].plane), g)
+        if rate > nearest * (1.0 + 1e-12):
+            best, nearest = k, rate
+    return best

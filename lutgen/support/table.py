@@ -1,12 +1,8 @@
-"""The facet table: support facets of one posture, and which lies beyond which edge.
+"""The tables of one posture: facets, edges, accepted facets, convex cones, and the boundary.
 
-Owns the arrays that the searches fill.  A support facet is a plane that touches at least three
-primitives in points that are not collinear, with no primitive below it.  Rolling the plane over an
-edge, two primitives carry it along an arc of normals until a third one touches: the facet beyond.
-Facets and arcs make up one complex.  It has no cracks where every edge names the facet beyond it
-and the corner there at which the same edge begins in the other direction.
-
-Normals are unit vectors, body frame, outward; corners are counter-clockwise seen from outside.
+A support facet is a plane that touches three primitives or more, not in a line, with none below.
+An edge lies between two corners of a facet; rolling over it, the two contacts there carry the robot
+until a third one touches: the facet beyond, whose own edge is the *twin*.
 """
 
 import math
@@ -16,211 +12,221 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.jit import njit
-from lutgen.support.primitive import RADIUS, support_contact
-from lutgen.vector import Floats, Ints, Vector, cross, dot, length, row, subtract
+from lutgen.support.primitive import RADIUS
+from lutgen.vector import Floats, Vector, dot, read3, row
 
 # Two lengths that differ by less than this part of the robot's size are the same length.
-RELATIVE_TOLERANCE = 1e-9
+SAME = 1e-9
 # As many as an int64 has bits for, with the sign and one to spare.
 MAX_PRIMITIVES = 62
-# Facets and corners that a table has room for, for each primitive.
-MOST_FACETS, MOST_CORNERS = 12, 36
-UNKNOWN, OUTSIDE = -2, -1
-VERTEX, NEIGHBOUR, BACK = 0, 1, 2
-FIRST, MASK, PLACE = 0, 1, 2
-# Entries of Hull.tally.
-FOUND, OVERFLOW, DOUBT = 0, 1, 2
+# What a direction does, and what the channel `status` holds.
+STANDS, ROCKS, TIPS = 0, 1, 2
+# Nearer to the normal of a facet that it carries (rad) the axle of a wheel may not be.
+OFF_FACE = math.radians(10.0)
+NO_LIMIT = -2.0
+
+# Entries of Region.counts.
+FACETS, EDGES, ACCEPTED, RESTS, CONES, WALLS, ARCS, CONVEX, SHOWN = range(9)
+
+VECTOR = ("f8", 3)
+FACET = np.dtype(
+    [
+        ("normal", *VECTOR),
+        ("height", "f8"),
+        ("mask", "i8"),
+        ("first", "i8"),
+        ("count", "i8"),
+        ("place", "i8"),
+    ]
+)
+EDGE = np.dtype(
+    [
+        ("point", *VECTOR),
+        ("wall", *VECTOR),
+        ("held", "f8", 2),
+        ("primitive", "i8"),
+        ("facet", "i8"),
+        ("twin", "i8"),
+    ]
+)
+SEAT = np.dtype(
+    [
+        ("normal", *VECTOR),
+        ("plane", *VECTOR),
+        ("axes", "f8", (2, 3)),
+        ("centroid", *VECTOR),
+        ("height", "f8"),
+        ("mask", "i8"),
+        ("facet", "i8"),
+        ("group", "i8"),
+        ("is_rest", "i8"),
+    ]
+)
+CONE = np.dtype([("first", "i8"), ("count", "i8"), ("seat", "i8"), ("status", "i8")])
+ARC = np.dtype(
+    [
+        ("start", *VECTOR),
+        ("stop", *VECTOR),
+        ("wall", *VECTOR),
+        ("along", *VECTOR),
+        ("amid", *VECTOR),
+        ("spread", "f8"),
+        ("contacts", "i8", 2),
+    ]
+)
 
 
-# Ways that one roll may branch into, and facets that it may come to until it counts as lost; pieces
-# and cuts of a strip, see `catch` and `strips`.
-WAYS, VISITS, MOST_PIECES, CUTS = 32, 48, 12, 8
+class Acceptance(NamedTuple):
+    """Which facets count and where the robot rocks, as the numbers that kernels compare with.
 
-
-class Hull(NamedTuple):
-    """The hull of one posture's contacts: its facets, and which lies beyond which edge.
-
-    `tally` (3,): facets; 1 where the arrays were too small; 1 where points are too near to a plane
-    to tell by themselves whether they touch it.  Per facet: `facet` (F, 4) unit normal, outward,
-    and height (length), body frame; `span` (F + 1, 3) its first corner, the bit set of the
-    primitives that it touches, and room for its place among the accepted facets.  Per corner,
-    counter-clockwise seen from outside: `corner` (E, 3) contact point relative to the com (length);
-    `link` (E, 3) primitive, and of the edge from this corner to the next the facet beyond it and
-    the corner there at which it begins, or `OUTSIDE`.
+    `steepest`: a facet is accepted if -n_z is greater than this; one exactly at the limit is
+    refused, because a robot that lies on its side does not stand.  `rock_angle` (rad): the largest
+    turn of a gap; infinity if every gap counts and nothing is asked.  `least_height` (length): a
+    facet is accepted if the com is higher above it.  `rest_width` (length): a rest is at least this
+    wide.  `contact_tolerance` (length): contacts this near to a facet's plane make up its support
+    polygon; below 0, minus a part of the posture's own size.  `face`: a wheel that carries a facet
+    has at least this sine between its axle and the normal, or it lies on its face.
     """
 
-    tally: NDArray[np.int64]
-    facet: NDArray[np.float64]
-    span: NDArray[np.int64]
-    corner: NDArray[np.float64]
-    link: NDArray[np.int64]
+    steepest: float
+    rock_angle: float
+    least_height: float
+    rest_width: float
+    contact_tolerance: float
+    face: float
 
 
-class Workspace(NamedTuple):
-    """Arrays that the steps of one posture work in; nobody finds there what another one left.
+def acceptance(
+    upright: float | None,
+    rock_angle: float | None,
+    least_height: float = 0.0,
+    rest_width: float | None = None,
+    contact_tolerance: float | None = None,
+    face: float = OFF_FACE,
+) -> Acceptance:
+    """Return the acceptance of two angles (rad) and three lengths; None is no limit.
 
-    `pieces` is the hull before short arcs are united.  `counts` (8, E) serves whoever counts or
-    lists; the others are named where they are used.
+    `face` (rad): nearer to a facet's normal, or than 90 deg less `upright`, the axle of a wheel
+    that carries it may not be.  Of level axles `upright` says so itself.
+    """
+    steepest = NO_LIMIT if upright is None or upright >= math.pi else math.cos(upright) + 1e-9
+    return Acceptance(
+        steepest,
+        math.inf if rock_angle is None or rock_angle >= math.pi else rock_angle,
+        least_height,
+        rest_width or 0.0,
+        contact_tolerance or 0.0,
+        min(math.sin(face), max(steepest, 0.0)),
+    )
+
+
+class Region(NamedTuple):
+    """Where one posture stands, reused from posture to posture.
+
+    `counts` (9,): entries in use of the tables below, 1 at CONVEX if the region is convex, and at
+    SHOWN the primitives that no other one covers.
+
+    `facet`: unit outward `normal`, `height` of the com, bits of the primitives that it touches,
+    its first edge and how many, and its `place` among the accepted ones, or -1.
+    `edge`: contact `point` where it begins and the `primitive` there; unit inward normal of the
+    `wall` through it and the com; the `twin` or -1; `held`, the part [low, high] of it over which
+    the robot may roll onto the rest beyond, low >= high for none.
+    `seat`: the accepted facets by ascending bits of touching primitives: `plane` n / h; `axes`,
+    with which the in-plane components of D_g - s are (axes . g) / (plane . g); `centroid` s of the
+    support polygon; whether it `is_rest`; rests of one `group` are one but for a turn of 2e-4 rad.
+    `cone`: `count` walls from `first` on, rests first, then gaps; and the `seat` that counts there.
+    `wall` (w, 3): unit inward normals.
+    `arc`: a piece of the boundary from contact point `start` to `stop`, see `region.add_arc`.
+    `shown` (n, 8), `source` (n,): the primitives that none covers, and their rows.
+    `flat`, `ids`: scratch memory.
     """
 
-    pieces: Hull
     counts: NDArray[np.int64]
-    owner: NDArray[np.int64]
-    place: NDArray[np.float64]
-    across: NDArray[np.float64]
-    own: NDArray[np.int64]
-    grown: NDArray[np.float64]
+    facet: NDArray[np.void]
+    edge: NDArray[np.void]
+    seat: NDArray[np.void]
+    cone: NDArray[np.void]
+    wall: NDArray[np.float64]
+    arc: NDArray[np.void]
     shown: NDArray[np.float64]
-    normals: NDArray[np.float64]
-    points: NDArray[np.float64]
-    polygon: NDArray[np.float64]
+    source: NDArray[np.int64]
     flat: NDArray[np.float64]
-    brink: NDArray[np.float64]
-    roll: NDArray[np.float64]
-    way: NDArray[np.float64]
-    begin: NDArray[np.float64]
-    side: NDArray[np.float64]
+    ids: NDArray[np.int64]
 
 
-class FacetTable(NamedTuple):
-    """Facets of one posture, reused from posture to posture.
+@njit()
+def empty_region(primitives: int) -> Region:
+    """Return tables large enough for the region of so many primitives.
 
-    `hull`: its facets, corners and edges.  `held` (E, 2): from which part of the edge from each
-    corner to which the robot is caught beyond, 1 and 0 if not.  `work` is room for the steps that
-    fill it.
+    The hull of n points has 2 n - 4 facets; that of n spheres grows with the square of n.
     """
-
-    hull: Hull
-    held: NDArray[np.float64]
-    work: Workspace
-
-
-@njit()
-def _empty_hull(facets: int, corners: int) -> Hull:
-    return Hull(
-        np.zeros(3, np.int64),
-        np.empty((facets, 4)),
-        np.zeros((facets + 1, 3), np.int64),
-        np.empty((corners, 3)),
-        np.empty((corners, 3), np.int64),
+    facets = primitives * primitives + 8
+    edges = 3 * facets
+    return Region(
+        np.zeros(9, np.int64),
+        np.zeros(facets, FACET),
+        np.zeros(edges, EDGE),
+        np.zeros(facets, SEAT),
+        np.zeros(facets + edges, CONE),
+        np.zeros((6 * edges, 3)),
+        np.zeros(2 * edges, ARC),
+        np.zeros((primitives, 8)),
+        np.zeros(primitives, np.int64),
+        np.zeros((primitives, 2)),
+        np.zeros(4 * primitives + 4, np.int64),
     )
 
 
-@njit()
-def facet_table(primitives: int) -> FacetTable:
-    """Return an empty table large enough for `primitives` contact primitives."""
-    facets, corners = MOST_FACETS * primitives, MOST_CORNERS * primitives
-    n = primitives
-    work = Workspace(
-        _empty_hull(facets, corners),
-        np.empty((8, corners), np.int64),
-        np.empty((n, n), np.int64),
-        np.empty((n, 4)),
-        np.empty((3, n)),
-        np.empty((n, 2), np.int64),
-        np.empty((n, 8)),
-        np.empty((n, 8)),
-        np.empty((facets, 3)),
-        np.empty((n, 3)),
-        np.empty((n, 3)),
-        np.empty((n, 2)),
-        np.empty((corners, 13)),
-        np.empty((corners, 13)),
-        np.empty((WAYS + VISITS, 17)),
-        np.empty((4, 11)),
-        np.empty((MOST_PIECES + CUTS, 6)),
-    )
-    return FacetTable(_empty_hull(facets, corners), np.empty((corners, 2)), work)
-
-
-@njit(inline=True, bare=True)
+@njit(bare=True)
 def robot_size(primitives: Floats) -> float:
-    """Return the largest distance from the first primitive to any other, radii included."""
+    """Return the greatest distance of a primitive's far side from the com."""
     size = 0.0
     for i in range(primitives.shape[0]):
-        dx = primitives[i, 0] - primitives[0, 0]
-        dy = primitives[i, 1] - primitives[0, 1]
-        dz = primitives[i, 2] - primitives[0, 2]
-        size = max(size, math.sqrt(dx * dx + dy * dy + dz * dz) + primitives[i, RADIUS])
+        centre = row(primitives, i)
+        size = max(size, math.sqrt(dot(centre, centre)) + primitives[i, RADIUS])
     return size
 
 
 @njit(inline=True, bare=True)
-def corner_after(span: Ints, f: int, at: int) -> int:
-    """Return the next corner of facet f, counter-clockwise."""
-    return at + 1 if at + 1 < span[f + 1, FIRST] else span[f, FIRST]
+def edge_after(region: Region, e: int) -> int:
+    """Return the edge that follows on e, counter-clockwise seen from outside."""
+    facet = region.facet[region.edge[e].facet]
+    return e + 1 if e + 1 < facet.first + facet.count else int(facet.first)
 
 
 @njit(inline=True, bare=True)
-def matching_corner(span: Ints, link: Ints, f: int, at: int, other: int) -> int:
-    """Return the corner of facet `other` whose edge is that of f from `at`, reversed; or -1."""
-    i, j = link[at, VERTEX], link[corner_after(span, f, at), VERTEX]
-    begin, end = span[other, FIRST], span[other + 1, FIRST]
-    for back in range(begin, end):
-        ahead = back + 1 if back + 1 < end else begin
-        if link[back, VERTEX] == j and link[ahead, VERTEX] == i:
-            return back
-    return -1
+def ends_of(region: Region, e: int) -> tuple[Vector, Vector]:
+    """Return the contact points between which an edge lies."""
+    return read3(region.edge[e].point), read3(region.edge[edge_after(region, e)].point)
 
 
 @njit(inline=True, bare=True)
-def join(link: Ints, f: int, at: int, other: int, back: int) -> None:
-    """Enter that the edges at corner `at` of f and at `back` of `other` are the two ends of one."""
-    link[at, NEIGHBOUR], link[at, BACK] = other, back
-    link[back, NEIGHBOUR], link[back, BACK] = f, at
+def seat_of(region: Region, e: int) -> int:
+    """Return the accepted facet that an edge belongs to, or -1."""
+    return int(region.facet[region.edge[e].facet].place)
 
 
 @njit(inline=True, bare=True)
-def put(array: Floats, index: int, column: int, vector: Vector) -> None:
-    """Write a vector into the three columns of a row that begin at `column`."""
-    array[index, column] = vector[0]
-    array[index, column + 1] = vector[1]
-    array[index, column + 2] = vector[2]
-
-
-@njit(inline=True, bare=True)
-def vector_at(array: Floats, index: int, column: int) -> Vector:
-    """Return the three components that begin in a column of a packed row."""
-    return array[index, column], array[index, column + 1], array[index, column + 2]
+def seat_beyond(region: Region, e: int) -> int:
+    """Return the accepted facet beyond an edge, or -1."""
+    twin = region.edge[e].twin
+    return -1 if twin < 0 else seat_of(region, twin)
 
 
 @njit(bare=True)
-def add_triangle(
-    hull: Hull, primitives: Floats, normal: Vector, three: tuple[int, int, int]
-) -> int:
-    """Enter a facet of three primitives, counter-clockwise; return its index, or -1 if no room.
-
-    Its corners are where the primitives touch a plane with the unit `normal`.
-    """
-    count, facet, span, corner, link = hull
-    new = count[FOUND]
-    at = span[new, FIRST]
-    if new + 1 >= facet.shape[0] or at + 3 > link.shape[0]:
-        count[OVERFLOW] = 1
-        return OUTSIDE
-    mask = 0
-    height = 0.0
-    for c in range(3):
-        i = three[c]
-        point = support_contact(primitives, i, normal)
-        put(corner, at + c, 0, point)
-        link[at + c, VERTEX], link[at + c, NEIGHBOUR], link[at + c, BACK] = i, UNKNOWN, OUTSIDE
-        height += dot(point, normal) / 3.0
-        mask |= 1 << i
-    put(facet, new, 0, normal)
-    facet[new, 3] = height
-    span[new, MASK] = mask
-    span[new + 1, FIRST] = at + 3
-    count[FOUND] = new + 1
-    return int(new)
+def rests_at(region: Region, e: int) -> tuple[int, int]:
+    """Return the rests on both sides of an edge; -1, -1 unless there are two."""
+    here, there = seat_of(region, e), seat_beyond(region, e)
+    if here < 0 or there < 0 or not (region.seat[here].is_rest and region.seat[there].is_rest):
+        return -1, -1
+    return here, there
 
 
-@njit(inline=True, bare=True)
-def doubled_area(corner: Floats, begin: int, end: int) -> float:
-    """Return twice the area of a facet's polygon."""
-    total = 0.0
-    origin = row(corner, begin)
-    for at in range(begin + 1, end - 1):
-        a, b = subtract(row(corner, at), origin), subtract(row(corner, at + 1), origin)
-        total += length(cross(a, b))
-    return total
+@njit(bare=True)
+def is_slit(region: Region, e: int) -> bool:
+    """Tell whether an edge and its twin are one line: both contacts stay where they are."""
+    a, b = ends_of(region, e)
+    d, c = ends_of(region, region.edge[e].twin)
+    x = (a[0] - c[0], a[1] - c[1], a[2] - c[2])
+    y = (b[0] - d[0], b[1] - d[1], b[2] - d[2])
+    return dot(x, x) + dot(y, y) <= SAME * SAME * (dot(a, a) + dot(b, b))

@@ -13,7 +13,7 @@ from lutgen.analysis.metrics import axis_force_angle, force_angle
 from lutgen.analysis.stance import Posture
 from lutgen.analysis.tilt import tilted
 from lutgen.chart import unit_directions
-from tests.fixtures.recipes import feet, rigid, rover
+from tests.fixtures.recipes import feet, rigid, rover, without_limits
 
 Floats = NDArray[np.float64]
 
@@ -143,5 +143,5 @@ def test_a_robot_that_supports_nothing_or_cannot_tip_has_an_infinite_measure() -
     line = lutgen.parse_recipe(rigid(feet([(1, 0, -1), (0, 0, -1), (-1, 0, -1)])))
     assert measured(Posture(line, []), [[0, 0, -1]]).tolist() == [-math.inf]
     around = [(1, 0, -1), (-1, 1, -1), (-1, -1, -1), (0, 0, 2)]
-    solid = lutgen.parse_recipe(rigid(feet(around), head="upright = 180.0\nrock_angle = 180.0"))
+    solid = without_limits(rigid(feet(around)))
     assert measured(Posture(solid, []), [[0, 0, -1], [1, 1, 1]]).tolist() == [math.inf] * 2

@@ -17,7 +17,7 @@ from lutgen.errors import InputError
 from lutgen.recipe.recipe import Recipe, parse_recipe
 from tests.fixtures.length import part
 from tests.fixtures.places import MAPS
-from tests.fixtures.recipes import feet, rigid, rover, tripod
+from tests.fixtures.recipes import feet, rigid, rover, tripod, without_limits
 
 AHEAD, BEHIND, LEFT, RIGHT, HEIGHT = 0.30, 0.25, 0.20, 0.15, 0.40
 CORNERS = [
@@ -94,8 +94,8 @@ def test_what_cannot_stand_has_no_limit_and_what_cannot_fall_has_no_axis() -> No
     assert found.guaranteed == 0.0
     assert [row.tilt for row in found.headings] == [0.0] * 5
     assert math.isnan(found.worst.heading)
-    free = "upright = 180.0\nrock_angle = 180.0\nfriction = 0.7"
-    found = posture_limits(Posture(parse_recipe(rigid(feet(CUBE), head=free)), []))
+    free = without_limits(rigid(feet(CUBE), head="friction = 0.7"))
+    found = posture_limits(Posture(free, []))
     assert found.guaranteed == math.pi
     assert {(row.tilt, row.contacts, row.slides) for row in found.headings} == {(math.pi, (), None)}
     assert math.isnan(found.worst.heading)

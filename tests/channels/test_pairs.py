@@ -1,13 +1,16 @@
-"""Each posture under its own gravity: `evaluate_each` is the diagonal of `evaluate`."""
+"""Every way to a reading: `evaluate_each` is the diagonal of `evaluate`, sweeps agree with both."""
 
 import numpy as np
 import pytest
 
 import lutgen
-from lutgen.channels.evaluation import evaluate_each, measure_recipe
-from lutgen.channels.plain import ALONG, ASIDE, HEIGHT_BEYOND
+from lutgen.analysis.diagnosis import diagnose
+from lutgen.analysis.stance import Posture
+from lutgen.channels import evaluate_each
+from lutgen.channels.scan import Scanner
 from lutgen.errors import InputError
-from lutgen.recipe.kinematics import forward
+from lutgen.quantities import CHANNELS
+from lutgen.recipe.recipe import Recipe
 from tests.fixtures.recipes import ALL_CHANNELS, rover, tripod
 
 
@@ -43,39 +46,49 @@ def test_each_posture_may_have_several_directions_of_its_own() -> None:
             evaluate_each(recipe, params, np.ones(shape))
 
 
-def test_the_length_of_gravity_does_not_matter() -> None:
-    recipe = lutgen.parse_recipe(tripod())
-    params, down = [[0.2, 0.1], [0.3, -0.2]], np.array([[0.0, 0.5, -1.0], [0.1, 0.0, -1.0]])
-    one = evaluate_each(recipe, params, down, ("sdg",))["sdg"]
-    # 4 is a power of two: the unit vectors are the same to the last bit.
-    np.testing.assert_array_equal(evaluate_each(recipe, params, 4.0 * down, ("sdg",))["sdg"], one)
-
-
-def test_the_stability_factor_goes_on_beyond_the_standing_region_on_the_same_plane() -> None:
-    recipe = lutgen.parse_recipe(tripod())
-    posture = forward(recipe, [[0.3, 0.1]])
-    tilts = np.radians(np.linspace(0.0, 70.0, 141))
-    down = np.stack([-np.sin(tilts), 0.0 * tilts, -np.cos(tilts)], axis=1)
-    found = measure_recipe(recipe, posture, down[None], np.ones(6, dtype=bool), beyond=True)
-    values = {row: value[0] for row, value in found.items()}
-    sdg, height = values[0], values[1]
-    stands = ~np.isnan(sdg)
-    assert 20 < stands.sum() < 120
-    beyond = np.hypot(values[ALONG], values[ASIDE])
-    # The in-plane components of D_g - s; a square root and two products.
-    np.testing.assert_allclose(beyond[stands], sdg[stands], rtol=1e-12)
-    np.testing.assert_array_equal(values[HEIGHT_BEYOND][stands], height[stands])
-    # D_g - s on the plane of the three feet, from the definitions.
-    feet = posture.centres[0]
-    normal = np.cross(feet[1] - feet[0], feet[2] - feet[0])
-    pierced = down * (normal @ feet[0] / (down @ normal))[:, None]
-    expected = np.linalg.norm(pierced - feet.mean(axis=0), axis=1)
-    np.testing.assert_allclose(beyond, expected, rtol=1e-11)  # cancels near the centroid
-
-
 def test_directions_that_are_not_one_per_posture_are_refused() -> None:
     recipe = lutgen.parse_recipe(tripod())
     with pytest.raises(InputError, match=r"for each of 2 postures \(got the shape \(1, 3\)\)"):
         evaluate_each(recipe, [[0.2, 0.1], [0.3, 0.1]], [[0, 0, -1]])
     with pytest.raises(InputError, match="unknown channel 'sgd'"):
         evaluate_each(recipe, [[0.2, 0.1]], [[0, 0, -1]], ("sgd",))
+
+
+def moving() -> Recipe:
+    """Return the tripod with a payload and a force on its leg and an uncertain com."""
+    extra = (
+        '[[robot.payload]]\nname = "tool"\nlink = "leg"\nposition = [0.1, 0, 0]\nmass = 0.5\n'
+        '[[robot.force]]\nname = "pull"\nlink = "leg"\nposition = [0.3, 0, 0]\nforce = [0, 6, -4]\n'
+    )
+    return lutgen.parse_recipe(
+        tripod(head="friction = 0.8\ncom_uncertainty = 0.03", contacts=extra)
+    )
+
+
+def test_pairs_sweeps_and_diagnoses_read_what_evaluate_reads() -> None:
+    recipe = moving()
+    params = recipe.grid.params(np.arange(recipe.grid.size))
+    g = recipe.chart.directions().reshape(-1, 3)
+    names = ("sdg", "height", "tip_angle", "margin", "facet")
+    got = lutgen.evaluate(recipe, params, g, names)
+    assert (got["tip_angle"] >= 0).any()
+    assert (got["tip_angle"] < 0).any()
+    scanner = Scanner(recipe, recipe.chart, names)
+    for first, last in ((0, scanner.rows), (2, 5)):
+        out = np.full(
+            (len(CHANNELS), len(params) * (last - first) * recipe.chart.nodes), 7.0, np.float32
+        )
+        scanner.fill(params, first, last, out)
+        for name in names:
+            want = got[name].reshape(len(params), scanner.rows, -1)[:, first:last]
+            mapped = out[CHANNELS.index(name)]
+            assert (mapped == want.ravel().astype(np.float32)).sum() == np.isfinite(want).sum()
+    for i, j in ((0, 3), (5, 24), (11, 40)):
+        pair = evaluate_each(recipe, params[[i]], g[[j]], names)
+        found = diagnose(Posture(recipe, params[i]), g[j])
+        for name in names:
+            assert pair[name][0] == pytest.approx(got[name][i, j], abs=0, nan_ok=True)
+            assert found.channels[name] == pytest.approx(got[name][i, j], abs=0, nan_ok=True)
+        assert min(axis.tip_angle for axis in found.tip_over_axes) == pytest.approx(
+            found.channels["tip_angle"]
+        )

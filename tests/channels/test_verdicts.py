@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 import lutgen
 from lutgen.channels.evaluation import measure_primitives
-from lutgen.channels.plain import Setting, wanted_channels
-from lutgen.channels.scan import Scanner, nodes_of, scan
+from lutgen.channels.exact import Setting, wanted_channels
+from lutgen.channels.rows import nodes_of
+from lutgen.channels.scan import Scanner, scan
 from lutgen.chart import Chart
 from lutgen.cli import main
 from lutgen.quantities import CHANNELS
 from lutgen.recipe.start import start_recipe
-from lutgen.support.primitive import pack
-from lutgen.support.region import acceptance
+from lutgen.support import acceptance, pack
 
 GALLERY = sorted((Path(__file__).parents[2] / "maps").glob("*.toml"))
 LIMITS = {"none": (None, None), "default": (np.radians(80.0), np.radians(30.0))}
@@ -69,7 +69,7 @@ def tips_of_rows_and_exact(
     rows = chart.faces * chart.nodes
     out = np.empty((len(CHANNELS), m * rows * chart.nodes), np.float32)
     setting = Setting(acceptance(*limits), wanted_channels(("sdg", "tip_angle")))
-    assert scan(primitives, setting, nodes_of(chart), (0, rows), out) == 0
+    scan(primitives, setting, nodes_of(chart), (0, rows), out)
     directions = chart.directions().reshape(-1, 3)
     exact = measure_primitives(primitives, directions, ("tip_angle",), acceptance(*limits))
     return out[TIP].reshape(m, -1) < 0.0, exact["tip_angle"]
@@ -116,6 +116,25 @@ def test_every_node_of_a_gallery_map_has_the_exact_verdict(path: Path) -> None:
         scanner.fill(some, 0, rows, out)
         exact = lutgen.evaluate(recipe, some, directions, channels=("tip_angle",))["tip_angle"]
         np.testing.assert_array_equal(out[TIP].reshape(exact.shape) < 0.0, exact < 0.0)
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "height", "nodes"),
+    [
+        ((-0.23954196431732422, 0.3205070860690768), 0.24655697993049897, 0.3309982257650182, 17),
+        ((-200.06, 199.94), 150.0, 11.1, 33),
+    ],
+    ids=["a table", "a statue of millimetres"],
+)
+def test_a_robot_stands_at_the_nodes_that_are_between_its_feet(
+    x: tuple[float, float], y: float, height: float, nodes: int
+) -> None:
+    chart = Chart("cone", nodes, np.radians(60.0))
+    feet = np.array([[[a, b, -height] for a in x for b in (-y, y)]])
+    tips, _ = tips_of_rows_and_exact(feet, chart, LIMITS["default"])
+    u = chart.coords * height
+    inside = (np.abs(u)[:, None] <= y) & (x[0] <= u) & (u <= x[1])
+    np.testing.assert_array_equal(~tips[0], inside.ravel())
 
 
 BOX = (
@@ -166,3 +185,22 @@ def test_a_map_says_that_a_robot_tips_as_its_recipe_does(
         run = CliRunner().invoke(main, ["eval", str(source), *posture, "-g", gravity, "--json"])
         assert run.exit_code == 3, run.output
         assert json.loads(run.stdout)["tip_angle_deg"] == pytest.approx(tip, abs=0.1)
+
+
+EDGE = BOX.replace("com = [0.02, -0.01, 0.85]", "com = [0.0, 0.1, 0.3]")
+
+
+@pytest.mark.parametrize("command", ["eval", "limits", "sweep"])
+def test_a_com_exactly_above_an_edge_stands_in_every_command(tmp_path: Path, command: str) -> None:
+    recipe, stability_map = tmp_path / "robot.toml", tmp_path / "robot.h5"
+    recipe.write_text(EDGE)
+    if command == "limits":
+        run = CliRunner().invoke(main, ["limits", str(recipe)])
+        assert "tips over on level ground" not in run.output
+        return
+    if command == "sweep":
+        lutgen.sweep(lutgen.load_recipe(recipe), stability_map)
+    source = recipe if command == "eval" else stability_map
+    run = CliRunner().invoke(main, ["eval", str(source), "-g", "0,0,-1", "--json"])
+    assert run.exit_code == 0, run.output
+    assert json.loads(run.stdout)["tip_angle_deg"] == pytest.approx(0.0, abs=1e-6)

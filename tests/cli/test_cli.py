@@ -137,7 +137,7 @@ def test_info_as_json_holds_the_ranges_of_the_stored_values(place: Path) -> None
     assert list(channels) == list(ALL_CHANNELS)
     words = channels.pop("status")
     assert (words["min"], words["max"], words["unit"]) == ("stands", "tips", "")
-    assert report["definition"] == 2
+    assert report["definition"] == 3
     for name, entry in channels.items():
         values = stability_map.channel(name)
         scale = 180.0 / math.pi if name == "tip_angle" else 1.0

@@ -236,7 +236,7 @@ def test_four_feet_in_one_plane_are_one_facet_and_nothing_jumps() -> None:
 
 def test_four_feet_on_two_facets_jump() -> None:
     table = feet([(2, 1, -1), (1, -1, -1.2), (-1, -1, -1), (-1, 1, -1.2)])
-    model = Model(lutgen.parse_recipe(rigid(table, head="rock_angle = 180.0")))
+    model = Model(lutgen.parse_recipe(rigid(table, head="rock_angle = 45.0")))
     assert find_jumps(model, 1).found
 
 

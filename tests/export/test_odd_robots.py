@@ -7,7 +7,7 @@ import pytest
 
 from lutgen.channels import acceptance_of, evaluate_each
 from lutgen.recipe import forward, radii_and_kinds
-from lutgen.support import empty_region, facet_table, pack, stand
+from lutgen.support import ACCEPTED, empty_region, pack, stand
 from tests.fixtures.many_library import Library, boundary_points, postures_of, random_directions
 from tests.fixtures.odd_robots import boxed_tracks, odd_rails, odd_robot, six_feet, two_rims
 
@@ -34,14 +34,13 @@ FLAT = 0.3
 
 
 def flattest(recipe, params):
-    """Return the least sine between an axle and the plane of a rest or stage, per posture."""
+    """Return the least sine between an axle and an accepted facet, per posture."""
     where, (radius, kind) = forward(recipe, params.astype(float)), radii_and_kinds(recipe)
-    table, region = facet_table(len(radius)), empty_region(len(radius))
+    region = empty_region(len(radius))
     result = []
     for centres, axes in zip(where.centres, where.axes, strict=True):
-        stand(table, region, pack(centres, axes, radius, kind), acceptance_of(recipe))
-        normals = region.facet[: region.tally[0], :3]
-        normals = normals / np.linalg.norm(normals, axis=1, keepdims=True)
+        stand(region, pack(centres, axes, radius, kind), acceptance_of(recipe))
+        normals = region.seat["normal"][: region.counts[ACCEPTED]]
         sines = np.linalg.norm(np.cross(normals[:, None], axes[None, kind == 2]), axis=-1)
         result.append(sines.min(initial=1.0))
     return np.array(result)

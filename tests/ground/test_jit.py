@@ -197,21 +197,21 @@ def test_a_constant_from_a_file_without_kernels_would_be_found(tmp_path):
     assert unseen(tmp_path, "house") == ["house/near/codec.py reads STEP"]
 
 
-def test_work_is_shared_among_threads_and_its_answers_are_added_up():
+def test_work_is_shared_among_threads():
     before = numba.get_num_threads()
     done = np.zeros(1000)
 
     def fill(begin, end, out):
         out[begin:end] += 1.0
-        return end - begin
 
     try:
         for threads in range(1, numba.config.NUMBA_NUM_THREADS + 1):
             numba.set_num_threads(threads)
             done[:] = 0.0
-            assert in_threads(fill, 1000, done, least=100) == 1000
+            in_threads(fill, 1000, done, least=100)
             assert (done == 1.0).all()
-        assert in_threads(fill, 0, done) == 0
+        in_threads(fill, 0, done)
+        assert (done == 1.0).all()
     finally:
         numba.set_num_threads(before)
 

@@ -119,7 +119,7 @@ def test_the_root_attributes_are_those_of_the_format(folder: Path) -> None:
             "Conventions": "CF-1.10",
             "title": "stability map of tripod",
             "lutgen_format": 1,
-            "lutgen_definition": 2,
+            "lutgen_definition": 3,
             "lutgen_version": lutgen.__version__,
             "recipe": recipe.text,
             "recipe_sha256": recipe.digest,
@@ -204,7 +204,7 @@ def test_another_format_is_refused(unsealed: Path, found: object) -> None:
     assert "format" in refusal(unsealed)
 
 
-@pytest.mark.parametrize("found", [None, 1, 3, "2"], ids=repr)
+@pytest.mark.parametrize("found", [None, 1, 2, "3"], ids=repr)
 def test_a_map_by_another_definition_is_refused(unsealed: Path, found: object) -> None:
     with h5py.File(unsealed, "r+") as file:
         del file.attrs["lutgen_definition"]

@@ -9,17 +9,15 @@ import pytest
 import lutgen
 from lutgen.mapping.map import StabilityMap
 from lutgen.mapping.statistics import share_that_tips, value_range
-from tests.fixtures.recipes import feet, rigid
+from tests.fixtures.recipes import feet, rigid, without_limits
 
 TETRAHEDRON = [(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)]
 SQUARE = [(1, 1, -1), (-1, 1, -1), (-1, -1, -1), (1, -1, -1)]
 
 
-def swept(
-    folder: Path, points: list[tuple[float, ...]], head: str = "", **sweep: object
-) -> StabilityMap:
+def swept(folder: Path, points: list[tuple[float, ...]], **sweep: object) -> StabilityMap:
     """Return the map of a stool."""
-    lutgen.sweep(lutgen.parse_recipe(rigid(feet(points), head=head, **sweep)), folder / "a.h5")
+    lutgen.sweep(lutgen.parse_recipe(rigid(feet(points), **sweep)), folder / "a.h5")
     return lutgen.load_map(folder / "a.h5")
 
 
@@ -58,8 +56,9 @@ def test_the_share_weighs_nodes_by_their_solid_angle(tmp_path: Path) -> None:
 
 
 def test_a_robot_that_cannot_tip_has_the_share_zero(tmp_path: Path) -> None:
-    head = "upright = 180.0\nrock_angle = 180.0"
-    assert share_that_tips(swept(tmp_path, TETRAHEDRON, head, chart="sphere", nodes=5)) == 0.0
+    recipe = without_limits(rigid(feet(TETRAHEDRON), chart="sphere", nodes=5))
+    lutgen.sweep(recipe, tmp_path / "a.h5")
+    assert share_that_tips(lutgen.load_map(tmp_path / "a.h5")) == 0.0
 
 
 def test_a_map_that_does_not_know_what_tips_has_no_share(tmp_path: Path) -> None:

@@ -24,6 +24,7 @@ from lutgen.mapping.map import StabilityMap
 from lutgen.quantities import RANKED
 from lutgen.recipe.recipe import Recipe
 from tests.fixtures.places import MAPS
+from tests.fixtures.recipes import without_limits
 
 DOWN = (0.0, 0.0, -1.0)
 # It has its com in the middle, and falls from no facet onto none.
@@ -32,7 +33,6 @@ TETRAHEDRON = """
 name = "tetrahedron"
 length_unit = "m"
 upright = 180.0
-rock_angle = 180.0
 [[robot.link]]
 name = "body"
 [[robot.contact]]
@@ -331,7 +331,7 @@ def test_discs_of_the_whole_sphere_are_of_equal_area(table: Recipe) -> None:
     figure = plot.draw("sphere", table)
     assert len(figure.axes) == 2  # one disc and the colour bar
     # A robot on three points all around stands on its back, too.
-    both = plot.draw("sphere", lutgen.parse_recipe(TETRAHEDRON))
+    both = plot.draw("sphere", without_limits(TETRAHEDRON))
     assert len(both.axes) == 3
     for panel in (figure.axes[0], *both.axes[:2]):
         circles = [np.hypot(*line.get_data()) for line in panel.get_lines()]
@@ -426,8 +426,7 @@ def test_tilt_limit_is_zero_for_what_cannot_stand_and_pi_for_what_cannot_fall(
     )
     head, _, _ = TABLE.partition("[[robot.contact]]")
     tail = TABLE[TABLE.index("[sweep]") :]
-    cube = f"{head}upright = 180.0\nrock_angle = 180.0\n{contacts}{tail}"
-    assert tilt_limits(lutgen.parse_recipe(cube), [], [0.3]).tolist() == [math.pi]
+    assert tilt_limits(without_limits(f"{head}{contacts}{tail}"), [], [0.3]).tolist() == [math.pi]
 
 
 def test_robot_is_drawn_to_one_scale_with_its_factor_written() -> None:

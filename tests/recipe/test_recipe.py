@@ -95,6 +95,7 @@ BAD = {
     "upright zero": ("upright = 80.0", "upright = 0", "robot.upright", "0.0", "use 80"),
     "upright large": ("upright = 80.0", "upright = 180.5", "robot.upright", "180.5", "use 80"),
     "rock angle": ("rock_angle = 20.0", "rock_angle = -1", "robot.rock_angle", "-1.0", "30 is"),
+    "rock angle large": ("rock_angle = 20.0", "rock_angle = 46", "robot.rock_angle", "46.0", "30"),
     "parameter no array": (GOOD, '[robot]\nname="a"\nlength_unit="m"\nparameter = 1',
         "robot.parameter", "1", "start each entry with [[robot.parameter]]"),
     "parameter no tables": (GOOD, '[robot]\nname="a"\nlength_unit="m"\nparameter = [1]',

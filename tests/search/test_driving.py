@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from lutgen.channels.evaluation import evaluate_each
-from lutgen.channels.settle import body_gravity
+from lutgen.channels.resting import body_gravity
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import Recipe, load_recipe, parse_recipe
 from lutgen.search.driving import Drive, drive

@@ -6,10 +6,10 @@ from numpy.typing import NDArray
 
 import lutgen
 from lutgen.channels.evaluation import evaluate_each
-from lutgen.channels.settle import body_gravity
+from lutgen.channels.resting import body_gravity
 from lutgen.errors import InputError
 from lutgen.search.objective import TIPS, Objective, parse_objective
-from tests.fixtures.recipes import feet, rigid, tripod
+from tests.fixtures.recipes import feet, rigid, tripod, without_limits
 
 TILTED = [0.4, 0.3, -1.0]
 
@@ -101,7 +101,7 @@ def test_among_tipping_geometries_the_one_closer_to_standing_costs_less() -> Non
 
 def test_a_robot_that_cannot_tip_is_as_good_as_can_be() -> None:
     corners = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
-    recipe = lutgen.parse_recipe(rigid(feet(corners), head="upright = 180.0\nrock_angle = 180.0"))
+    recipe = without_limits(rigid(feet(corners)))
     for text in ("margin", "energy_margin"):
         goal = Objective(recipe, [0, 0, -1], text)
         (cost,) = goal.cost(np.empty((1, 0)))

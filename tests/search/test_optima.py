@@ -6,22 +6,23 @@ import re
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull
 
 import lutgen
 from lutgen.channels import acceptance_of
 from lutgen.channels.evaluation import evaluate_each
-from lutgen.channels.settle import body_gravity
+from lutgen.channels.resting import body_gravity
 from lutgen.errors import InputError
 from lutgen.recipe.kinematics import forward, radii_and_kinds
 from lutgen.recipe.recipe import Recipe
 from lutgen.search.minimise import multistart, nelder_mead, refine
 from lutgen.search.objective import Objective
 from lutgen.search.optima import METHODS
+from lutgen.support import pack
 from tests.fixtures.length import part
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import contact, sweep_part, tripod
-from tests.oracles import rounds as oracle
+from tests.oracles.primitives import reach, unit
+from tests.oracles.standing import Limits, Standing
 
 Floats = NDArray[np.float64]
 LEVEL = [0.0, 0.0, -1.0]
@@ -405,30 +406,17 @@ def test_multistart_finds_the_global_optimum_from_every_one_of_many_starts(
 def seen_by_the_oracle(goal: Objective, degrees: list[float]) -> tuple[float, float]:
     """Return |SD_g| of a posture, and by how much the nearest contact misses the support facet.
 
-    From the support function alone: facets are normals at which three contacts reach equally far.
+    The oracle tries all triples of contacts.
     """
-    recipe = goal.recipe
+    recipe, accept = goal.recipe, acceptance_of(goal.recipe)
     where = forward(recipe, np.radians([degrees]))
-    robot = oracle.Robot(where.centres[0], where.axes[0], *radii_and_kinds(recipe))
-    touching = acceptance_of(recipe).contact_tolerance
-    down = np.asarray(goal.gravity) / np.linalg.norm(goal.gravity)
-    for facet in oracle.support_facets(robot):
-        normal = facet.normal
-        missing = facet.height - oracle.support(normal, robot)
-        plane = np.linalg.svd(normal[None])[2][1:].T
-        corners = np.array(
-            [oracle.contact(normal, robot, int(i)) for i in np.flatnonzero(missing <= touching)]
-        )
-        pierced = down * facet.height / (normal @ down) @ plane
-        hull = ConvexHull(corners @ plane)
-        within = ConvexHull(facet.contacts @ plane).equations @ [*pierced, 1.0]
-        if normal @ down > 0.0 and within.max() <= 1e-6:
-            ends = hull.points[hull.vertices]
-            after = np.roll(ends, -1, axis=0)
-            part = ends[:, 0] * after[:, 1] - ends[:, 1] * after[:, 0]
-            middle = part @ (ends + after) / (3.0 * part.sum())
-            return float(np.linalg.norm(pierced - middle)), float(missing[missing > touching].min())
-    raise AssertionError(degrees)
+    rows = pack(where.centres, where.axes, *radii_and_kinds(recipe))[0]
+    limits = recipe.upright, recipe.rock_angle, accept.rest_width, accept.contact_tolerance
+    standing = Standing(rows, Limits(*limits))
+    _, _, sdg, height = standing.read(unit(np.atleast_2d(goal.gravity)))
+    rest = min(standing.rests, key=lambda f: abs(f.height - height[0]))
+    missing = rest.height - reach(rows, rest.normal[None])[0]
+    return float(sdg[0]), float(missing[missing > accept.contact_tolerance].min())
 
 
 def test_multistart_finds_the_global_optimum_of_a_robot_on_tracks() -> None:

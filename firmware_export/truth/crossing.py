@@ -1,0 +1,138 @@
+"""Where great arcs of directions leave the standing region, by false position on the tip angle.
+
+The facets of a posture, which cost most, are found once for all steps of all its arcs.
+"""
+
+import math
+
+import numpy as np
+
+from lutgen.channels import (
+    Setting,
+    acceptance_of,
+    empty_axes,
+    find_axes,
+    measure,
+    measure_loaded,
+    wanted_channels,
+    wrenches,
+)
+from lutgen.jit import in_threads, njit
+from lutgen.quantities import CHANNELS
+from lutgen.recipe import Postures, Recipe, radii_and_kinds
+from lutgen.support import empty_region, pack, stand
+from lutgen.vector import Floats, Vector, add, length, row, scale, subtract
+
+# Most steps to the boundary: by then nearly all brackets are narrower than a float32 resolves.
+STEPS = 17
+TINY = 1e-300
+# Shortest step (rad) across the boundary; where both ends' tip angles differ by less, the last.
+FINEST = 1e-8
+TIP = CHANNELS.index("tip_angle")
+
+
+@njit(exact=True)
+def unit_as_read(v: Vector) -> Vector:
+    """Return a direction as `unit_directions` does, to the bit.
+
+    Beside the boundary the last bit decides, and whoever asks about a direction that is found here
+    normalises it once more.
+    """
+    size = max(abs(v[0]), abs(v[1]), abs(v[2]))
+    x, y, z = v[0] / size, v[1] / size, v[2] / size
+    long = math.sqrt(x * x + y * y + z * z)
+    return (x / long, y / long, z / long)
+
+
+@njit()
+def cross_some(
+    begin: int,
+    end: int,
+    primitives: Floats,
+    wrench: Floats | None,
+    setting: Setting,
+    low: Floats,
+    high: Floats,
+) -> None:
+    """Close in the arcs of postures [begin, end); `low` and `high` (m, d, 3) change in place."""
+    acceptance, wanted = setting
+    region = empty_region(primitives.shape[1])
+    if wrench is not None:
+        axes = empty_axes(region)
+    values = np.empty(len(CHANNELS))
+    for posture in range(begin, end):
+        stand(region, primitives[posture], acceptance)
+        if wrench is not None:
+            find_axes(region, wrench[posture], axes)
+        for d in range(low.shape[1]):
+            stands, tips = row(low[posture], d), row(high[posture], d)
+            below = above = 0.0
+            for turn in range(-2, STEPS):
+                if turn == -2:
+                    at = stands
+                elif turn == -1:
+                    at = tips
+                else:
+                    way = subtract(tips, stands)
+                    gap = length(way)
+                    share = 0.5
+                    if turn % 3 == 0:
+                        share = below / max(below - above, TINY)
+                    elif turn % 3 == 1:
+                        # False position leaves one end behind.  The tip angle changes by less than
+                        # the way, seldom by less than a third of it: this far beyond the near end
+                        # is the other side.
+                        step = max(3.0 * min(below, -above), FINEST)
+                        near = min(step / max(gap, TINY), 0.5)
+                        share = near if below < -above else 1.0 - near
+                    at = add(stands, scale(way, min(max(share, 0.0), 1.0)))
+                    at = unit_as_read(at)
+                g = unit_as_read(at)
+                if wrench is None:
+                    measure(region, g, wanted, values)
+                else:
+                    measure_loaded(region, axes, wrench[posture], g, wanted, values)
+                angle = values[TIP]
+                if turn == -2:
+                    below = angle
+                elif turn == -1:
+                    above = angle
+                elif angle >= 0.0:
+                    stands, below = at, angle
+                else:
+                    tips, above = at, angle
+                if turn >= 0 and below - above < FINEST:
+                    break
+            for i in range(3):
+                low[posture, d, i], high[posture, d, i] = stands[i], tips[i]
+
+
+def cross_boundary(
+    recipe: Recipe, postures: Postures, inside: Floats, outside: Floats
+) -> tuple[Floats, Floats]:
+    """Find where great arcs leave the standing region.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The robot.
+    postures : Postures
+        Of m rows of its parameters, see `forward`.
+    inside, outside : (m, d, 3) float64
+        Unit vectors pointing down, the ends of the arcs: a direction under which the posture
+        stands and one under which it tips, not opposite.
+
+    Returns
+    -------
+    last, first : (m, d, 3) float64
+        Directions on the arc, unit, either side of the boundary: most are 1e-8 rad apart.
+    """
+    radius, kind = radii_and_kinds(recipe)
+    primitives = pack(postures.centres, postures.axes, radius, kind)
+    wrench = wrenches(recipe, postures) if recipe.loaded else None
+    setting = Setting(acceptance_of(recipe), wanted_channels(("tip_angle",)))
+    low, high = inside.copy(), outside.copy()
+    arguments = (primitives, wrench, setting, low, high)
+    # A posture with its arcs is worth a thread after a tenth of a millisecond of work.
+    in_threads(cross_some, len(primitives), *arguments, least=32)
+    return low, high

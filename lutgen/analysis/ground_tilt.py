@@ -1,0 +1,249 @@
+"""How far the ground under a robot can be tilted slowly, in every heading, before it tips over.
+
+Owns *ground tilt*: the robot stands on level ground and the ground is tilted in one heading.  Where
+gravity reaches an edge of the rest that it stands on, it rolls onto the rest beyond if the edge is
+held there (`lutgen.support.gaps`: one roll, one landing), and tips over if not.  The limit is the
+slope of the ground at that moment.  *Body tilt* (`tilt`) is what an accelerometer in the robot
+sees: its body turns further than the ground does where it rocks.
+"""
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lutgen.analysis.ground_seat import SAME, Edge, Piece, Seat, seat_on
+from lutgen.analysis.stance import Posture
+from lutgen.analysis.tilt import level_frames
+from lutgen.channels import evaluate
+from lutgen.recipe import Recipe
+from lutgen.support import ACCEPTED
+from lutgen.vector import Floats
+
+# A slope counts as on a rest, and not beyond its edge, within this (rad).
+ON = 1e-9
+# A bound is lowered by this (rad), some hundred roundings.
+ROUNDING = 1e-12
+# At which edge the limit is, over which edge the robot goes, and whether it rolls there.
+Leaving = tuple[Edge, Edge, bool]
+
+
+@dataclass(frozen=True, eq=False)
+class GroundTilt:
+    """The limits of one posture on tilted ground, in all headings; angles in rad.
+
+    `pieces` cover the circle of headings; none of a robot that tips over on level ground.
+    `elsewhere` is a tilt below which it tips over on no rest that it could roll onto, also where
+    the ground is turned under it as it pleases and not tilted from level at once.
+    """
+
+    posture: Posture
+    pieces: tuple[Piece, ...]
+    elsewhere: float
+
+    def limits(self, headings: ArrayLike) -> Floats:
+        """Return the slope (h,) of the ground at tip-over in headings (h,): in [0, pi/2)."""
+        return self._at(headings)[0]
+
+    def contacts(self, heading: float) -> tuple[str, ...]:
+        """Return the names of the contacts over which the robot tips in a heading.
+
+        None where it tips on level ground.
+        """
+        if not self.pieces or math.isnan(heading):
+            return ()
+        names = self.posture.recipe.contact_names
+        piece = self.pieces[self._at([heading])[1][0]]
+        return tuple(dict.fromkeys(names[i] for i in piece.over.contacts))
+
+    @property
+    def stands(self) -> bool:
+        """Whether the robot stands on level ground, if only just."""
+        return len(self.pieces) > 0
+
+    @property
+    def guaranteed(self) -> float:
+        """Slope up to which the robot tips over in no heading, whatever headings came before.
+
+        The least limit of all headings, or `elsewhere` if that is less, and a rounding below it.
+        It holds for ground that has not been steeper since the robot stood on level ground: once it
+        has rolled onto another rest on a steeper slope, it may have less left there.
+        """
+        return max(min(self.least, self.elsewhere) - ROUNDING, 0.0)
+
+    @property
+    def least(self) -> float:
+        """The least limit of all headings, that of the worst one."""
+        return self._lowest()[0]
+
+    @property
+    def worst(self) -> float:
+        """Heading of the least limit, of several the nearest to the nose, on the left first.
+
+        NaN where the robot tips on level ground.
+        """
+        return self._lowest()[1]
+
+    def _lowest(self) -> tuple[float, float]:
+        """Return the least limit and its heading."""
+        if not self.pieces:
+            return 0.0, math.nan
+        found = [piece.lowest() for piece in self.pieces]
+        least = min(tilt for tilt, _ in found)
+        equal = [math.remainder(at, 2.0 * math.pi) for tilt, at in found if tilt <= least + ON]
+        return least, min(equal, key=lambda at: (round(abs(at), 4), -at))
+
+    def _at(self, headings: ArrayLike) -> tuple[Floats, NDArray[np.intp]]:
+        """Return limits and indices of the pieces (h,)."""
+        heading = np.remainder(np.asarray(headings, np.float64) + math.pi, 2.0 * math.pi) - math.pi
+        best, which = np.full(heading.shape, math.inf), np.zeros(heading.shape, np.intp)
+        for i, piece in enumerate(self.pieces):
+            near = (heading >= piece.begin - SAME) & (heading <= piece.end + SAME)
+            tilt = np.where(near, np.maximum(piece.limit.tilt(heading), 0.0), math.inf)
+            which, best = np.where(tilt < best, i, which), np.minimum(tilt, best)
+        return np.where(np.isfinite(best), best, 0.0), which
+
+
+def ground_tilt(posture: Posture) -> GroundTilt:
+    """Return how far the ground under a posture can be tilted in every heading.
+
+    Notes
+    -----
+    In the plane of slopes (see `ground_seat`) each rest is a polygon with straight sides, and the
+    robot arrives on the next one along a straight line, too.  The circle of headings is therefore
+    cut where a ray passes a corner or an end of a held part, and where lines cross.  One edge
+    decides between cuts: the limit is known in closed form, and so is its minimum.  No heading is a
+    sample.  A robot that comes back to a rest on the way counts as tipping, and so does one that
+    arrives beyond an edge of the rest.
+
+    Ground whose heading changes can bring the robot onto other rests than a tilt from level does;
+    `elsewhere` is about those.
+
+    Under forces or with an uncertain com the limit is where the robot leaves the rest that it
+    stands on at level.
+    """
+    frame = level_frames(posture.recipe, posture.row, "plane")[0]
+    region = posture.stance.region
+    seats = region.seat[: region.counts[ACCEPTED]]
+    rests = np.flatnonzero(seats["is_rest"] == 1)
+    if not len(rests) or _facet_under(posture, -frame[:, 2]) < 0:
+        return GroundTilt(posture, (), 0.0)
+    seat = seat_on(posture, int(rests[np.argmax(seats["normal"][rests] @ -frame[:, 2])]), frame)
+    if any(edge.reach + edge.push < -ON for edge in seat.edges):
+        # No rest carries it on level ground, where gravity pierces another one by chance.
+        return GroundTilt(posture, (), 0.0)
+    if posture.recipe.loaded:
+        pieces = [Piece(*ends, edge, edge) for edge in seat.edges for ends in edge.ahead]
+        return GroundTilt(posture, tuple(pieces), math.inf)
+    starts, upright = {seat.group}, _facet_under(posture, np.array([0.0, 0.0, -1.0]))
+    if upright >= 0:
+        # Also from the rest that it is on with its body level, which may be another one.
+        starts.add(int(seats[upright]["group"]))
+    pieces = _tilted(posture, seat, (-math.pi, math.pi), None, ())
+    return GroundTilt(posture, tuple(pieces), _elsewhere(posture, frame, starts))
+
+
+def _facet_under(posture: Posture, down: Floats) -> int:
+    """Return the facet on which a posture stands or rocks under a direction (3,); -1: it tips."""
+    found = evaluate(posture.recipe, posture.row, down[None], ("facet",))["facet"]
+    return int(found[0, 0])
+
+
+def _tilted(
+    posture: Posture,
+    seat: Seat,
+    arc: tuple[float, float],
+    line: Edge | None,
+    before: tuple[int, ...],
+) -> list[Piece]:
+    """Return where a robot tips that comes to a rest over an edge `line`, in an arc of headings.
+
+    `line` is None where it stands there on level ground; `before` are the rests that it has left.
+    """
+    pieces, gone = [], (*before, seat.group)
+    ends = seat.cuts(arc, line)
+    found = _leaves(seat, line, (ends[:-1] + ends[1:]) / 2.0)
+    for part, (limit, over, rolls) in _joined(ends, found):
+        there = seat_on(posture, over.beyond, seat.frame) if rolls else seat
+        if there.group in gone:
+            pieces.append(Piece(*part, limit, over))
+        else:
+            pieces += _tilted(posture, there, part, over, gone)
+    return pieces
+
+
+def _leaves(seat: Seat, line: Edge | None, headings: Floats) -> list[Leaving]:
+    """Return how a robot that came over an edge `line` leaves a rest in each heading (h,)."""
+    ahead = np.stack([np.cos(headings), np.sin(headings)], axis=1)
+    tilts = np.array([edge.tilt(headings) for edge in seat.edges])
+    slopes = np.tan(np.maximum(tilts.min(axis=0), 0.0))[:, None] * ahead
+    nearest = [seat.edges[i] for i in tilts.argmin(axis=0)]
+    found = [(e, e, e.holds(slope)) for e, slope in zip(nearest, slopes, strict=True)]
+    if line is not None:
+        arrived = np.tan(line.tilt(headings))[:, None] * ahead
+        outside = np.array([edge.outside(arrived) for edge in seat.edges])
+        for k in np.flatnonzero(outside.max(axis=0) > ON):
+            found[k] = line, seat.edges[outside[:, k].argmax()], False
+    return found
+
+
+def _joined(ends: Floats, found: list[Leaving]) -> list[tuple[tuple[float, float], Leaving]]:
+    """Return arcs between headings with what was found in each, those that agree as one."""
+    joined: list[tuple[tuple[float, float], Leaving]] = []
+    for (begin, end), leaving in zip(pairwise(ends.tolist()), found, strict=True):
+        if joined and joined[-1][1] == leaving:
+            joined[-1] = (joined[-1][0][0], end), leaving
+        else:
+            joined.append(((begin, end), leaving))
+    return joined
+
+
+def _elsewhere(posture: Posture, frame: Floats, starts: set[int]) -> float:
+    """Return a slope below which the robot tips over on no rest that it could roll onto.
+
+    It leaves a rest that it starts on over the nearest point of a held part at the earliest.  Once
+    it has rolled it swings, and may roll on over any part that is held before gravity is there:
+    then the least tilt to a part that is not held, of all rests to which such rolls lead, is what
+    is left, but never less than the slope of the first roll.
+    """
+    seats = posture.stance.region.seat[: posture.stance.region.counts[ACCEPTED]]
+    rests = [int(k) for k in np.flatnonzero(seats["is_rest"] == 1)]
+    one_each = {int(seats[k]["group"]): k for k in rests}
+    edges = {group: seat_on(posture, k, frame).edges for group, k in one_each.items()}
+    free = {group: min(edge.least_free for edge in of) for group, of in edges.items()}
+    rolls = [
+        (here, int(seats[edge.beyond]["group"]), edge.least_held)
+        for here, of in edges.items()
+        for edge in of
+        if edge.held is not None
+    ]
+    least = dict(free)
+    # As many rolls as there are rests lead to any of them.
+    for _ in one_each:
+        for here, there, _slope in rolls:
+            least[here] = min(least[here], least[there])
+    first = [max(slope, least[there]) for here, there, slope in rolls if here in starts]
+    return min([*(free[group] for group in starts), *first])
+
+
+def ground_limits(recipe: Recipe, params: ArrayLike, headings: ArrayLike) -> Floats:
+    """Return the slopes of the ground at which the robot tips over.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The robot.
+    params : (m, k) array_like
+        Postures, rad or length.
+    headings : (h,) array_like
+        In which the ground falls, rad; 0 is under the nose.
+
+    Returns
+    -------
+    (m, h) float64
+        Radians in [0, pi/2); 0 where the robot tips over on level ground.  See `ground_tilt`.
+    """
+    rows = np.asarray(params, dtype=np.float64)
+    return np.array([ground_tilt(Posture(recipe, row)).limits(headings) for row in rows])

@@ -1,0 +1,108 @@
+"""Accepted facets, and which of them are rests: where the robot stands still.
+
+The support polygon of a facet is that of all contacts within `contact_tolerance` of its plane, so
+four wheels whose positions are off by a little make up one rectangle.
+"""
+
+from lutgen.jit import njit
+from lutgen.support.polygon import corners_of, measure_polygon, plane_axes
+from lutgen.support.primitive import sine_to_axle, support_height
+from lutgen.support.table import (
+    ACCEPTED,
+    EDGES,
+    FACETS,
+    RESTS,
+    SAME,
+    Acceptance,
+    Region,
+    rests_at,
+)
+from lutgen.vector import Floats, along, dot, length, read3, scale, subtract, write3
+
+# Rests that a shorter turn (rad) joins are one rest.
+ONE_REST = 2e-4
+
+
+@njit(bare=True)
+def _is_accepted(
+    primitives: Floats, region: Region, f: int, accept: Acceptance, same: float
+) -> bool:
+    """Tell whether the com is above a facet, it faces down, and no wheel lies on its face there."""
+    facet = region.facet[f]
+    normal = read3(facet.normal)
+    if not (facet.height > max(accept.least_height, same) and -normal[2] > accept.steepest):
+        return False
+    for e in range(facet.first, facet.first + facet.count):
+        if sine_to_axle(primitives, region.edge[e].primitive, normal) < accept.face:
+            return False
+    return True
+
+
+@njit(bare=True)
+def _seat_at(primitives: Floats, region: Region, place: int, f: int, accept: Acceptance) -> None:
+    """Fill the row `place` of the accepted facets."""
+    seat = region.seat[place]
+    normal, height, mask = (
+        read3(region.facet[f].normal),
+        region.facet[f].height,
+        region.facet[f].mask,
+    )
+    corners = corners_of(primitives, mask, normal, 0.0, region)
+    centroid, width = measure_polygon(primitives, region.ids, corners, normal)
+    first, second = plane_axes(normal)
+    plane = scale(normal, 1.0 / height)
+    write3(seat.normal, normal)
+    write3(seat.plane, plane)
+    write3(seat.centroid, centroid)
+    write3(seat.axes[0], along(first, plane, -dot(first, centroid)))
+    write3(seat.axes[1], along(second, plane, -dot(second, centroid)))
+    seat.height, seat.mask, seat.facet, seat.group = height, mask, f, place
+    free = accept.rock_angle > 4.0
+    seat.is_rest = 1 if free or (width > 0.0 and width >= accept.rest_width) else 0
+
+
+@njit(bare=True)
+def find_rests(primitives: Floats, region: Region, accept: Acceptance, size: float) -> None:
+    """Fill the accepted facets of one posture; none if there is no rest among them.
+
+    If every gap counts (`rock_angle` infinite) every accepted facet is a rest.
+    """
+    facet, edge, seat, count = region.facet, region.edge, region.seat, region.counts
+    same = SAME * size
+    tolerance = accept.contact_tolerance
+    near = max(tolerance if tolerance >= 0.0 else -tolerance * size, same)
+    for f in range(count[FACETS]):
+        facet[f].place = 0 if _is_accepted(primitives, region, f, accept, same) else -1
+        if facet[f].place == 0:
+            normal, level = read3(facet[f].normal), facet[f].height
+            for i in range(primitives.shape[0]):
+                if level - support_height(primitives, i, normal) <= near:
+                    facet[f].mask |= 1 << i
+    accepted = rests = 0
+    for f in range(count[FACETS]):
+        if facet[f].place < 0:
+            continue
+        place = 0
+        for other in range(count[FACETS]):
+            if facet[other].place >= 0 and other != f:
+                place += facet[other].mask < facet[f].mask or (
+                    facet[other].mask == facet[f].mask and other < f
+                )
+        facet[f].place = place
+        _seat_at(primitives, region, place, f, accept)
+        rests += seat[place].is_rest
+        accepted += 1
+    if rests == 0:
+        for f in range(count[FACETS]):
+            facet[f].place = -1
+        accepted = 0
+    count[ACCEPTED], count[RESTS] = accepted, rests
+    for e in range(count[EDGES]):
+        here, there = rests_at(region, e)
+        if here < 0 or edge[e].twin < e:
+            continue
+        if length(subtract(read3(seat[here].normal), read3(seat[there].normal))) <= ONE_REST:
+            old, new = seat[here].group, seat[there].group
+            for k in range(accepted):
+                if seat[k].group == old:
+                    seat[k].group = new

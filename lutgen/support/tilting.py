@@ -1,0 +1,212 @@
+"""One roll of a plane: tilted about what it touches until it touches another primitive.
+
+On points the plane turns about a line and comes down on the one with the least angle.  On round
+ones the contacts move, so the plane goes in steps: each is short beside the bend of the arc, and
+Newton's method finds the plane again after it.
+"""
+
+import math
+
+from lutgen.jit import njit
+from lutgen.support.polygon import has_bit
+from lutgen.support.primitive import (
+    KIND,
+    RADIUS,
+    axle,
+    support_contact,
+    support_height,
+    tangent_plane,
+)
+from lutgen.vector import Floats, Vector, along, cross, dot, length, scale, subtract, unit
+
+# Longest step on round primitives (rad), and how many there are at most.
+LONGEST_STEP, MOST_STEPS = 0.5, 60
+# A step that is no use is shortened by this, and given up when it is shorter than that (rad).
+SHORTER, SHORTEST = 0.4, 1e-3
+# A plane on the same contacts that is turned by less (rad) is the one that was left.
+LEFT = 1e-7
+# So many times the length that counts as none a primitive may be below a plane where no other fits.
+NEARLY = 100.0
+# Primitives that a step may stop at before the first one that touches is found.
+TRIES = 12
+# Sine between axles that are parallel.
+PARALLEL = 1e-6
+# How far a primitive reaches beyond the place where it touched, in radii times (1 - cos turn): 2 if
+# the contacts did not move.
+REACH = 3.0
+
+
+@njit(bare=True)
+def touching(primitives: Floats, mask: int, normal: Vector, i: int, slack: float) -> int:
+    """Return the bits of those in `mask` that reach to within `slack` of a plane on primitive i."""
+    level, found = support_height(primitives, i, normal) - slack, 0
+    for k in range(primitives.shape[0]):
+        if has_bit(mask, k) and support_height(primitives, k, normal) >= level:
+            found |= 1 << k
+    return found
+
+
+@njit(inline=True, bare=True)
+def turn_to(highest: float, normal: Vector, ahead: Vector) -> float:
+    """Return by how much (rad) a plane turns towards `ahead` until its normal's z is `highest`."""
+    if normal[2] >= highest:
+        return 0.0
+    steep = math.hypot(normal[2], ahead[2])
+    turn = math.atan2(ahead[2], normal[2]) - math.acos(max(min(highest / steep, 1.0), -1.0))
+    return turn if turn >= 0.0 else turn + 2.0 * math.pi
+
+
+@njit(bare=True)
+def meets_another(
+    primitives: Floats, pair: tuple[int, int], normal: Vector, ahead: Vector, turn: float
+) -> bool:
+    """Tell whether a plane on a pair may touch another one before it has turned so far (rad).
+
+    Arcs over rims bend to the side unless the axles are parallel; that is not told beforehand.
+    """
+    i, j = pair
+    if j >= 0 and primitives[i, RADIUS] + primitives[j, RADIUS] > 0.0:
+        if length(cross(axle(primitives, i), axle(primitives, j))) > PARALLEL:
+            return True
+        if primitives[i, KIND] != primitives[j, KIND]:
+            return True
+    c, s = math.cos(turn), math.sin(turn)
+    if s < 0.0:
+        return True
+    origin = support_contact(primitives, i, normal)
+    for k in range(primitives.shape[0]):
+        if k != i and k != j:
+            arm = subtract(support_contact(primitives, k, normal), origin)
+            bulge = REACH * primitives[k, RADIUS] * (1.0 - c)
+            if dot(ahead, arm) * s + dot(normal, arm) * c + bulge >= 0.0:
+                return True
+    return False
+
+
+@njit(bare=True)
+def _first_ahead(
+    primitives: Floats, i: int, mask: int, normal: Vector, ahead: Vector, least: float
+) -> tuple[int, float]:
+    """Return the primitive that a plane about i comes to first if none moves, and the angle (rad).
+
+    `mask`: those that it touches already.  -1 and pi if there is none.
+    """
+    origin = support_contact(primitives, i, normal)
+    first, lever, depth = -1, -1.0, 0.0
+    for k in range(primitives.shape[0]):
+        if not has_bit(mask, k):
+            arm = subtract(support_contact(primitives, k, normal), origin)
+            x, y = dot(ahead, arm), max(-dot(normal, arm), least)
+            # The one with the greatest cotangent.
+            if first < 0 or x * depth > lever * y:
+                first, lever, depth = k, x, y
+    return first, math.atan2(depth, lever)
+
+
+@njit(bare=True)
+def _deepest(
+    primitives: Floats, pair: tuple[int, int], to: int, normal: Vector, same: float
+) -> int:
+    """Return the primitive that is furthest below a plane, -1 if none is by more than `same`."""
+    i, j = pair
+    worst, most, level = -1, same, support_height(primitives, i, normal)
+    for k in range(primitives.shape[0]):
+        if k != i and k != j and k != to:
+            below = support_height(primitives, k, normal) - level
+            if below > most:
+                worst, most = k, below
+    return worst
+
+
+@njit(bare=True)
+def tilt(
+    primitives: Floats,
+    pair: tuple[int, int],
+    mask: int,
+    normal: Vector,
+    ahead: Vector,
+    limits: tuple[float, float],
+) -> tuple[int, Vector]:
+    """Tilt a plane towards `ahead` until it touches another primitive.
+
+    Parameters
+    ----------
+    primitives : (n, 8) float64
+        Rows of `primitive.pack`, relative to the com.
+    pair : tuple of int
+        The two that carry; of (i, -1) the plane turns about the line on i across `ahead`.
+    mask : int
+        Bits of all that it touches.
+    normal, ahead : tuple of float
+        Unit vectors: the plane's normal, and where it is tilted to, at a right angle to it.
+    limits : tuple of float
+        The greatest n_z of a plane that is wanted, and the length that counts as none.
+
+    Returns
+    -------
+    tuple
+        The primitive that it comes to, or -1, and the unit normal there.
+    """
+    i, j = pair
+    highest, same = limits
+    left, touched = normal, mask
+    across = cross(ahead, normal)
+    radius, bent = max(primitives[i, RADIUS], primitives[j, RADIUS]) if j >= 0 else 0.0, False
+    for k in range(primitives.shape[0]):
+        # What is round touches a plane about a line of points twice.
+        bent |= has_bit(mask, k) and primitives[k, RADIUS] > 0.0
+    step = LONGEST_STEP if bent else 4.0
+    if radius > 0.0:
+        # The arc's radius is the distance of the contacts over that of the rim.
+        apart = subtract(
+            support_contact(primitives, i, normal), support_contact(primitives, j, normal)
+        )
+        step = max(min(step, 0.5 * length(apart) / radius), SHORTEST)
+    for _ in range(MOST_STEPS):
+        to, angle = _first_ahead(primitives, i, mask, normal, ahead, 1e-3 * same)
+        if angle > step:
+            to, angle = -1, step
+            if highest < 1.0:
+                room = turn_to(highest, normal, ahead)
+                if room < SHORTEST or not meets_another(primitives, pair, normal, ahead, room):
+                    return -1, normal
+                angle = min(step, room)
+        c, s = math.cos(angle), math.sin(angle)
+        start = along(scale(normal, c), ahead, s)
+        onward = along(scale(ahead, c), normal, -s)
+        if to < 0 and j >= 0:
+            start, _ = tangent_plane(primitives, i, j, -1, onward, start)
+        if start[2] > highest and not bent:
+            return -1, normal
+        good, found, worst = True, start, -1
+        for _ in range(TRIES):
+            if to >= 0 and j >= 0:
+                found, good = tangent_plane(primitives, i, j, to, across, start)
+            elif to >= 0:
+                found, good = tangent_plane(primitives, i, to, -1, across, start)
+            worst = _deepest(primitives, pair, to, found, same)
+            if worst < 0:
+                break
+            to = worst
+        if worst >= 0 and _deepest(primitives, pair, to, found, NEARLY * same) < 0:
+            # Each is below the plane of the other by noise: the facet takes in both.
+            worst = -1
+        # Three rims may touch two planes: back to the one that is left Newton's method must not go.
+        moved = not has_bit(touched, max(to, 0)) or length(subtract(found, left)) > LEFT
+        if worst < 0 and to >= 0 and good and moved and dot(found, ahead) > -1e-9:
+            return (to if found[2] <= highest else -1), found
+        if worst < 0 and to < 0:
+            normal, ahead = start, onward
+            mask = touching(primitives, mask, normal, i, same)
+            if j >= 0:
+                mask |= 1 << j
+                arm = subtract(
+                    support_contact(primitives, j, normal), support_contact(primitives, i, normal)
+                )
+                turned = unit(cross(arm, normal))
+                ahead = scale(turned, math.copysign(1.0, dot(turned, ahead)))
+        elif not bent or step < SHORTEST:
+            break
+        else:
+            step = SHORTER * min(step, angle)
+    return -1, normal

@@ -1,0 +1,154 @@
+"""What an accelerometer says of body and ground, and the least rotation between them."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+import lutgen
+from lutgen.analysis.ground import gravity_transform, roll_pitch, tangent_plane
+from lutgen.analysis.stance import Posture
+from lutgen.channels.resting import body_gravity
+from lutgen.errors import InputError
+from tests.fixtures.recipes import feet, rigid, tripod
+
+Floats = NDArray[np.float64]
+UP = np.array([0.0, 0.0, 1.0])
+# A product of two rotations of unit vectors.
+ROUNDING = 1e-14
+
+
+TABLE = [(0.5, 0.4, -0.5), (-0.5, 0.4, -0.5), (-0.5, -0.4, -0.5), (0.5, -0.4, -0.5)]
+
+
+def normals(count: int) -> Floats:
+    """Return random unit vectors all over the sphere."""
+    found = np.random.default_rng(5).normal(size=(count, 3))
+    return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
+
+
+def attitude(roll: float, pitch: float) -> Floats:
+    """Return the rotation from the body's frame to a frame with z upward."""
+    return np.asarray(Rotation.from_euler("xyz", [roll, pitch, 0.0]).as_matrix())
+
+
+def test_the_transform_is_the_least_rotation_from_the_z_axis_to_the_normal() -> None:
+    for normal in normals(300):
+        turn = gravity_transform(3.7 * normal)
+        assert turn @ UP == pytest.approx(normal, abs=ROUNDING)
+        assert turn @ turn.T == pytest.approx(np.eye(3), abs=ROUNDING)
+        assert np.linalg.det(turn) == pytest.approx(1.0, abs=ROUNDING)
+        between = math.acos(normal[2])
+        # No rotation that takes z to n turns by less than the angle between them.  acos of a
+        # trace near 3 or -1 loses half of the digits.
+        angle = math.acos(min(1.0, max(-1.0, (np.trace(turn) - 1.0) / 2.0)))
+        assert angle == pytest.approx(between, abs=1e-7)
+        # It turns about the line in which the two planes meet.
+        hinge = np.cross(UP, normal)
+        assert turn @ hinge == pytest.approx(hinge, abs=ROUNDING)
+
+
+def test_the_transform_agrees_with_a_second_way_to_write_the_rotation() -> None:
+    for normal in normals(100):
+        hinge = np.cross(UP, normal)
+        rodrigues = Rotation.from_rotvec(
+            hinge / np.linalg.norm(hinge) * math.atan2(np.linalg.norm(hinge), normal[2])
+        )
+        assert gravity_transform(normal) == pytest.approx(rodrigues.as_matrix(), abs=1e-13)
+
+
+def test_on_level_ground_nothing_turns() -> None:
+    assert gravity_transform([0, 0, 2]).tolist() == np.eye(3).tolist()
+
+
+def test_upside_down_is_half_a_turn_about_the_x_axis() -> None:
+    assert gravity_transform([0, 0, -1]).tolist() == np.diag([1.0, -1.0, -1.0]).tolist()
+
+
+def test_almost_upside_down_it_is_still_a_rotation() -> None:
+    for angle in (1e-3, 1e-6, 1e-9):
+        normal = [math.sin(angle) * 0.6, math.sin(angle) * 0.8, -math.cos(angle)]
+        turn = gravity_transform(normal)
+        assert turn @ UP == pytest.approx(normal, abs=ROUNDING)
+        assert turn @ turn.T == pytest.approx(np.eye(3), abs=ROUNDING)
+
+
+def test_roll_and_pitch_come_back_from_the_accelerometer() -> None:
+    random = np.random.default_rng(3)
+    for roll, pitch in random.uniform([-3.1, -1.5], [3.1, 1.5], (200, 2)):
+        reading = 9.81 * attitude(roll, pitch).T @ UP
+        # Near a pitch of 90 deg roll is a ratio of small numbers: cos 1.5 = 0.07.
+        assert roll_pitch(reading) == pytest.approx((roll, pitch), abs=1e-14 / math.cos(1.5))
+
+
+@pytest.mark.parametrize(
+    ("reading", "roll", "pitch"),
+    [
+        # Gravity pulls towards what is low, the accelerometer reads the opposite.
+        ((-0.5, 0.0, math.sqrt(0.75)), 0.0, 30.0),  # nose down
+        ((0.5, 0.0, math.sqrt(0.75)), 0.0, -30.0),  # nose up
+        ((0.0, -0.5, math.sqrt(0.75)), -30.0, 0.0),  # left side down
+        ((0.0, 0.5, math.sqrt(0.75)), 30.0, 0.0),  # right side down
+        ((0.0, 0.0, -1.0), 180.0, 0.0),  # on its back
+    ],
+)
+def test_signs_of_roll_and_pitch(reading: tuple[float, ...], roll: float, pitch: float) -> None:
+    assert np.degrees(roll_pitch(reading)) == pytest.approx([roll, pitch], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("reading", "heading"),
+    [((-0.3, 0.0, 1.0), 0.0), ((0.0, -0.3, 1.0), 90.0), ((0.0, 0.3, 1.0), -90.0)],
+)
+def test_a_level_robot_on_a_slope_knows_where_it_falls(
+    reading: tuple[float, ...], heading: float
+) -> None:
+    ground = tangent_plane(Posture(lutgen.parse_recipe(rigid(feet(TABLE))), []), reading)
+    assert math.degrees(ground.downhill) == pytest.approx(heading, abs=1e-12)
+    assert math.tan(ground.slope) == pytest.approx(0.3, abs=1e-12)
+    assert ground.height == pytest.approx(0.5, abs=1e-15)
+    assert ground.standing
+
+
+def test_a_robot_put_on_a_known_slope_finds_slope_downhill_roll_and_pitch_again() -> None:
+    recipe = lutgen.parse_recipe(tripod())
+    random = np.random.default_rng(8)
+    for _ in range(60):
+        params = random.uniform([0.0, -0.7], [0.6, 0.8])
+        slope, downhill = random.uniform(0.0, 0.3), random.uniform(-math.pi, math.pi)
+        (contacts,), _ = lutgen.postures(recipe, [params])
+        normal = np.cross(contacts[1] - contacts[0], contacts[2] - contacts[0])
+        normal /= np.linalg.norm(normal)
+        # The plane's frame: its z axis is the normal, and it is turned least from the body's: SciPy
+        # picks the rotation of least angle for one pair of vectors.
+        body_from_plane = Rotation.align_vectors([normal], [UP])[0].as_matrix()
+        gravity = np.array(
+            [
+                math.sin(slope) * math.cos(downhill),
+                math.sin(slope) * math.sin(downhill),
+                -math.cos(slope),
+            ]
+        )
+        up_dir = -9.81 * body_from_plane @ gravity
+        ground = tangent_plane(Posture(recipe, params), up_dir)
+        assert ground.slope == pytest.approx(slope, abs=1e-12)
+        # atan2 of a tilt of at least 1e-3 or so.
+        assert ground.downhill == pytest.approx(downhill, abs=1e-11)
+        assert ground.normal == pytest.approx(normal, abs=1e-13)
+        assert ground.gravity == pytest.approx(gravity, abs=1e-13)
+        assert ground.height == pytest.approx(-normal @ contacts[0], abs=1e-13)
+        # The body's z axis and x axis in a frame with z upward.
+        up = up_dir / np.linalg.norm(up_dir)
+        turned = attitude(ground.roll, ground.pitch).T @ UP
+        assert turned == pytest.approx(up, abs=1e-13)
+        # And T_g of convention P leads back to the body.
+        back = body_gravity(recipe, [params], ground.gravity, "plane")[0]
+        assert back == pytest.approx(-up, abs=1e-13)
+
+
+def test_nothing_is_known_of_the_ground_where_gravity_pierces_no_facet() -> None:
+    recipe = lutgen.parse_recipe(rigid(feet(TABLE)))
+    with pytest.raises(InputError, match=r"lies on no support facet \(got up_dir = \[0.0, 0.0, -1"):
+        tangent_plane(Posture(recipe, []), [0, 0, -1])

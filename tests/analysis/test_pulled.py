@@ -1,0 +1,95 @@
+"""Slopes, friction and metrics of a robot that something pulls at."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import lutgen
+from lutgen.analysis.diagnosis import diagnose
+from lutgen.analysis.metrics import compare_metrics
+from lutgen.analysis.sliding import slides_first, slopes
+from lutgen.analysis.stance import Posture
+from lutgen.chart import STANDARD_GRAVITY, gravito_inertial
+from lutgen.recipe.recipe import Recipe
+from tests.fixtures.recipes import feet, rigid, tripod
+
+Floats = NDArray[np.float64]
+MASS = 10.0
+WEIGHT = MASS * STANDARD_GRAVITY
+# Wide limits.
+FREE = "upright = 180.0\nrock_angle = 45.0"
+BOX = [(0.4, 0.3, -0.5), (-0.4, 0.3, -0.5), (-0.4, -0.3, -0.5), (0.4, -0.3, -0.5)]
+LEVEL = [0.0, 0.0, -1.0]
+
+
+def array(values: Any) -> str:
+    return str([float(x) for x in values])
+
+
+def pull(force: Any, position: Any = (0, 0, 0), moment: Any = (0, 0, 0)) -> str:
+    """Return the TOML of a force on the body."""
+    return (
+        f'[[robot.force]]\nname = "pull"\nlink = "body"\nposition = {array(position)}\n'
+        f"force = {array(force)}\nmoment = {array(moment)}\n"
+    )
+
+
+def robot(
+    contacts: str, force: str = "", rho: float = 0.0, com: Any = (0, 0, 0), head: str = FREE
+) -> Recipe:
+    """Return a rigid robot of 10 kg whose com is given."""
+    body = f'[[robot.link]]\nname = "body"\nmass = {MASS}\ncom = {array(com)}\n'
+    uncertain = f"\ncom_uncertainty = {rho!r}" if rho else ""
+    return lutgen.parse_recipe(rigid(contacts + body + force, head=head + uncertain))
+
+
+def moving() -> Recipe:
+    """Return the tripod with a payload and a force on its leg and an uncertain com."""
+    extra = (
+        '[[robot.payload]]\nname = "tool"\nlink = "leg"\nposition = [0.1, 0, 0]\nmass = 0.5\n'
+        '[[robot.force]]\nname = "pull"\nlink = "leg"\nposition = [0.3, 0, 0]\nforce = [0, 6, -4]\n'
+    )
+    return lutgen.parse_recipe(
+        tripod(head="friction = 0.8\ncom_uncertainty = 0.03", contacts=extra)
+    )
+
+
+def test_the_slope_is_that_of_the_resultant_and_friction_is_asked_of_it() -> None:
+    recipe = moving()
+    params = recipe.grid.params(np.arange(recipe.grid.size))
+    g = recipe.chart.directions().reshape(-1, 3)
+    got = slopes(recipe, params, np.broadcast_to(g, (len(params), *g.shape)))
+    slides = slides_first(recipe, params, g)
+    assert slides.any()
+    assert not slides.all()
+    for i, j in ((0, 3), (5, 24), (11, 40)):
+        found = diagnose(Posture(recipe, params[i]), g[j])
+        assert got[i, j] == pytest.approx(found.slope, abs=1e-7)
+        assert slides[i, j] == found.slides
+    # About 10 N across 64 N.
+    assert (
+        abs(got[0, 24] - diagnose(Posture(lutgen.parse_recipe(tripod()), params[0]), g[24]).slope)
+        > 0.02
+    )
+
+
+def test_what_knows_the_weight_alone_refuses_forces() -> None:
+    pulled, uncertain = robot(feet(BOX), pull((5, 0, 0))), robot(feet(BOX), rho=0.01)
+    with pytest.raises(lutgen.InputError, match="counts the weight and no other force"):
+        compare_metrics(Posture(pulled, []), LEVEL)
+    with pytest.raises(lutgen.InputError, match="metrics are those of one com"):
+        compare_metrics(Posture(uncertain, []), LEVEL)
+
+
+def test_braking_and_turning_shift_gravity_and_free_fall_is_refused() -> None:
+    assert gravito_inertial(LEVEL, [0, 0, 0]).tolist() == LEVEL
+    tan = 3.0 / STANDARD_GRAVITY
+    felt = gravito_inertial(LEVEL, [0, -3.0, 0])
+    assert felt[1] / -felt[2] == pytest.approx(tan)
+    with pytest.raises(lutgen.InputError, match="free fall"):
+        gravito_inertial(LEVEL, [0, 0, -STANDARD_GRAVITY])
+    with pytest.raises(lutgen.InputError, match="three finite numbers"):
+        gravito_inertial(LEVEL, [0, math.nan, 0])

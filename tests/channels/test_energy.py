@@ -1,0 +1,161 @@
+"""The energy margin: by hand, and by turning the robot in small steps.
+
+The com rises until the robot is balanced over an edge; over a held part of an edge it rolls on to
+the next rest, and counts what it takes over an edge of that.
+"""
+
+import math
+
+import numpy as np
+import pytest
+
+import lutgen
+from lutgen.channels.evaluation import measure_primitives
+from lutgen.support import acceptance
+from tests.fixtures.length import part
+from tests.oracles.primitives import Floats, unit
+from tests.oracles.standing import Standing
+from tests.support.postures import FAMILIES, asked, drawn, limits_of
+
+LEVEL = np.array([[0.0, 0.0, -1.0]])
+LIMITS = (math.radians(80.0), math.radians(30.0))
+BOX = np.array([[0.4, 0.3, -0.5], [-0.4, 0.3, -0.5], [-0.4, -0.3, -0.5], [0.4, -0.3, -0.5]])
+WAY = np.linspace(0.0, 1.0, 401)[:, None]
+
+
+def energy(contacts: Floats, g: Floats, *limits: float | None) -> Floats:
+    """Return the energy margin (g,) of point contacts."""
+    return lutgen.stability(contacts, g, ("energy_margin",), *limits)["energy_margin"][0]
+
+
+def risen(points: Floats, g: Floats) -> Floats:
+    """Return how far the com rises until it is balanced on points (m, 3): |p| - p . g."""
+    return np.asarray(np.sqrt((points**2).sum(-1)) - points @ g)
+
+
+def turned_over(start: Floats, stop: Floats, g: Floats) -> float:
+    """Return the greatest rise of the com while the robot turns about an axis, step by step."""
+    axis = unit(stop - start)
+    sense = math.copysign(1.0, float(np.cross(axis, -start) @ -g))
+    angle, arm = np.linspace(0.0, math.pi, 20_001)[:, None], -start
+    across, along = sense * np.cross(axis, arm), (axis @ arm) * axis
+    now = np.cos(angle) * (arm - along) + np.sin(angle) * across + along
+    heights = now @ -g
+    return float(heights.max() - heights[0])
+
+
+def of_standing(standing: Standing, g: Floats, seat: int) -> float:
+    """Return the energy margin of a robot on a rest, by trying every place of every edge."""
+    rests, least = standing.rests, math.inf
+    group = rests[seat].group
+    if all(f.group == group for f in rests):
+        return min(float(risen(a + WAY * (b - a), g).min()) for a, b in standing.sides)
+    for f in rests:
+        for e, _, a, b in f.edges() if f.group == group else []:
+            arc = f.beyond.get(e)
+            if arc is not None and arc.to.group == group:
+                continue
+            low, high = arc.held if arc is not None else (1.0, 0.0)
+            low, high = (low, high) if low < high else (1.0, 1.0)
+            for v, w in ((0.0, low), (high, 1.0)):
+                if v < w:
+                    free = a + (v + (w - v) * WAY) * (b - a)
+                    least = min(least, float(risen(free, g).min()))
+            if arc is None or low >= high:
+                continue
+            # Where it rolls over most easily, and then on over the easiest edge of the next rest.
+            there = low + (high - low) * WAY
+            easiest = float(risen(arc.p[0] + there * (arc.q[0] - arc.p[0]), g).min())
+            last, sunk, onward = arc.turned @ g, float(arc.sunk @ g), math.inf
+            for other in rests:
+                for k, _, c, d in other.edges() if other.group == arc.to.group else []:
+                    inner = k in other.beyond and other.beyond[k].to.group == other.group
+                    if not inner and not (other is arc.to and k == arc.back):
+                        onward = min(onward, float(risen(c + WAY * (d - c), last).min()))
+            least = min(least, max(easiest, onward - sunk))
+    return least
+
+
+def test_that_of_a_box_is_worked_by_hand() -> None:
+    # Over the long side at 0.3: sqrt(0.3^2 + 0.5^2) - 0.5; leaned to it by 20 deg, less.
+    assert energy(BOX, LEVEL).item() == pytest.approx(math.hypot(0.3, 0.5) - 0.5, abs=1e-12)
+    lean = math.radians(20.0)
+    aside = np.array([[0.0, math.sin(lean), -math.cos(lean)]])
+    now = 0.3 * math.sin(lean) + 0.5 * math.cos(lean)
+    assert energy(BOX, aside).item() == pytest.approx(math.hypot(0.3, 0.5) - now, abs=1e-12)
+
+
+def test_that_of_one_facet_is_the_least_rise_over_a_line_turned_step_by_step() -> None:
+    rng = np.random.default_rng(1)
+    for _ in range(12):
+        feet = BOX + np.array([*rng.uniform(-0.2, 0.2, 2), 0.0])
+        g = unit(np.array([*rng.uniform(-0.2, 0.2, 2), -1.0]))
+        rises = [turned_over(a, b, g) for a, b in zip(feet, np.roll(feet, -1, 0), strict=True)]
+        # 20,001 steps are right to (pi / 20,000)^2 / 8 of the radius.
+        assert energy(feet, g[None]).item() == pytest.approx(min(rises), abs=1e-8)
+
+
+def keel(high: float) -> Floats:
+    """Return feet below which two planes meet at x = 0; too wide to tip sideways."""
+    places = ((0.5, high), (0.0, 0.0), (-0.4, high))
+    return np.array([[x, y, z - 0.4] for x, z in places for y in (-5.0, 5.0)])
+
+
+def test_that_of_a_robot_with_two_rests_goes_over_the_keel_and_then_over_the_far_end_by_hand() -> (
+    None
+):
+    # On the plane ahead: 0.05 / 0.5.  Over the front edge, or over the keel and the rear edge.
+    high = 0.05
+    ahead, behind = math.atan2(high, 0.5), math.atan2(high, 0.4)
+    g = np.array([math.sin(ahead), 0.0, -math.cos(ahead)])
+    com = 0.4 * math.cos(ahead)
+    front = math.hypot(0.5, 0.4 - high) - (0.5 * g[0] + (high - 0.4) * g[2])
+    over_keel = 0.4 - com
+    # The plane behind lies where the plane ahead was: the body has turned by the angle of both.
+    turn = ahead + behind
+    last = np.array([math.sin(ahead - turn), 0.0, -math.cos(ahead - turn)])
+    sunk = com - 0.4 * math.cos(behind)
+    rear = math.hypot(0.4, 0.4 - high) - (-0.4 * last[0] + (high - 0.4) * last[2]) - sunk
+    want = min(front, max(over_keel, rear))
+    assert want == max(over_keel, rear) < front - 1e-3
+    got = energy(keel(high), g[None], *LIMITS).item()
+    assert got == pytest.approx(want, abs=1e-12)
+    # Where rocking is forbidden it tips over the keel.
+    assert energy(keel(high), g[None], LIMITS[0], 0.0).item() == pytest.approx(over_keel, abs=1e-12)
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_that_of_any_posture_is_the_least_rise_over_every_place_of_every_edge(family: str) -> None:
+    rolled = 0
+    for seed in range(part(8, 4)):
+        rng = np.random.default_rng(seed)
+        rows = drawn(family, rng)
+        limits = limits_of(rows)
+        standing = Standing(rows, limits)
+        g = asked(standing, 16, rng)
+        accept = acceptance(*limits[:2], 0.0, *limits[2:])
+        found = measure_primitives(rows[None], g, ("energy_margin",), accept)["energy_margin"][0]
+        for k, direction in enumerate(g):
+            walls = [unit(np.cross(f.points, np.roll(f.points, -1, 0))) for f in standing.rests]
+            on = [i for i, wall in enumerate(walls) if (wall @ direction > 1e-6).all()]
+            if on:
+                want = of_standing(standing, direction, on[0])
+                # Simpson's rule leaves 1e-6; gaps are moved in by up to 1e-3 of an edge, so that
+                # it tips over where it would be held, and never the other way.
+                assert -1e-3 < found[k] - want < 1e-5
+                rolled += any(f.beyond for f in standing.rests)
+    assert rolled > 5
+
+
+def test_outside_it_is_negative_and_a_body_without_an_edge_to_tip_over_has_an_infinite_one() -> (
+    None
+):
+    cube = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
+    assert np.isposinf(energy(cube, np.array([[0.0, 0.0, -1.0], [1.0, 2.0, 3.0]]))).all()
+    # Where it may not lie on its sides, it rises over an edge of its base.
+    assert energy(cube, LEVEL, 1.0).item() == pytest.approx(math.sqrt(2.0) - 1.0)
+    beyond = np.array([[0.0, 1.0, -1.0]])
+    # 45 deg aside, 14 beyond the balance: the com is that much lower than at the top.
+    size = math.hypot(0.3, 0.5)
+    lower = size * (1.0 - math.cos(math.radians(45.0) - math.atan2(0.3, 0.5)))
+    assert energy(BOX, beyond).item() == pytest.approx(-lower, abs=1e-12)

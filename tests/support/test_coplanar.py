@@ -1,0 +1,177 @@
+"""Contacts in one plane, in one line, at one place or all but so: in any order, one answer."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import nnls
+
+import lutgen
+from lutgen.channels.evaluation import measure_primitives
+from lutgen.support import acceptance
+from tests.oracles.primitives import Floats, unit
+from tests.support.postures import EXACT, drawn, exact, limits_of
+
+TIPS = 2
+CHANNELS = ("status", "tip_angle", "sdg", "height")
+LEVEL = np.array([[0.0, 0.0, -1.0]])
+
+
+def below(rng: np.random.Generator, count: int) -> Floats:
+    """Return unit directions below the horizon."""
+    g = rng.normal(size=(count, 3))
+    g[:, 2] = -np.abs(g[:, 2]) - 0.2
+    return unit(g)
+
+
+def read(rows: Floats, g: Floats) -> dict[str, Floats]:
+    """Return the channels of one posture with the limits that a recipe has by default."""
+    limits = limits_of(rows)
+    accept = acceptance(*limits[:2], 0.0, *limits[2:])
+    return {k: v[0] for k, v in measure_primitives(rows[None], g, CHANNELS, accept).items()}
+
+
+def points(*feet: Floats | list[list[float]]) -> Floats:
+    """Return contacts one after the other (n, 3)."""
+    return np.concatenate([np.asarray(one, float) for one in feet])
+
+
+@pytest.mark.parametrize("family", EXACT)
+def test_the_order_of_the_contacts_changes_no_reading(family: str) -> None:
+    rng = np.random.default_rng(1)
+    stands = 0.0
+    for seed in range(40):
+        rows, g = exact(family, np.random.default_rng(seed)), below(rng, 60)
+        first = read(rows, g)
+        # 1e-6 of noise turns a plane by less than 1e-5, and which triangles it is made of is free.
+        same = 1e-5 if family == "all but flat" else 1e-11
+        clear = np.abs(first["tip_angle"]) > same
+        for _ in range(4):
+            other = read(rows[rng.permutation(len(rows))], g)
+            assert (other["status"] == first["status"])[clear].all()
+            inside = clear & (first["status"] != TIPS)
+            for name in CHANNELS[1:]:
+                np.testing.assert_allclose(other[name][inside], first[name][inside], 0.0, same)
+        stands += (first["status"] != TIPS).mean() / 40
+    assert 0.1 < stands < 0.9
+
+
+@pytest.mark.parametrize("family", EXACT)
+def test_a_contact_given_twice_changes_nothing(family: str) -> None:
+    rng = np.random.default_rng(2)
+    for seed in range(20):
+        rows, g = exact(family, np.random.default_rng(seed)), below(rng, 60)
+        once, again = read(rows, g), read(np.concatenate([rows, rows[rng.integers(0, 4, 2)]]), g)
+        for name in CHANNELS:
+            np.testing.assert_allclose(again[name], once[name], 0.0, 1e-11)
+
+
+def test_without_limits_the_region_is_the_convex_cone_of_the_contacts() -> None:
+    rng = np.random.default_rng(3)
+    stands = asked = 0
+    for seed in range(60):
+        family = EXACT[seed % len(EXACT)] if seed % 2 else "points"
+        make = np.random.default_rng(seed)
+        feet = (drawn if family == "points" else exact)(family, make)[:, :3]  # type: ignore[operator]
+        g = below(rng, 30)
+        found = lutgen.stability(feet, g, ("tip_angle",))["tip_angle"][0]
+        for direction, angle in zip(g, found, strict=True):
+            if abs(angle) > 1e-6:
+                # Forces that only push at the contacts balance the weight, or none do.
+                left = nnls(feet.T, direction)[1]
+                assert (left < 1e-9) == (angle > 0.0)
+                stands, asked = stands + (angle > 0.0), asked + 1
+    assert 0.2 < stands / asked < 0.8
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-12, 1e-10, 1e-9, 1e-8, 1e-6])
+def test_contacts_a_little_off_a_plane_have_the_stability_factor_of_those_in_it(
+    noise: float,
+) -> None:
+    # Defects 4 and 5: a sliver got weight from noise, and the plane of a triangle had its centroid.
+    rng = np.random.default_rng(4)
+    for seed in range(30):
+        flat = exact(("rectangle", "polygon", "in line")[seed % 3], np.random.default_rng(seed))
+        off = flat.copy()
+        off[:, 2] += noise * rng.uniform(-1.0, 1.0, len(off))
+        g = below(rng, 40)
+        want, got = read(flat, g), read(off, g)
+        # The plane turns by the noise over the width, which is at least 0.2, and the pierced point
+        # moves by the height times that; near grazing by more.
+        inside = (want["tip_angle"] > 0.05) & (-g[:, 2] > 0.5)
+        for name in CHANNELS:
+            np.testing.assert_allclose(
+                got[name][inside], want[name][inside], 0.0, 40 * noise + 1e-12
+            )
+
+
+def test_a_com_above_an_edge_stands_with_tip_angle_zero_in_any_order() -> None:
+    feet = points([[0.3, 0.0, -0.3], [0.3, -0.4, -0.3], [-0.3, -0.4, -0.3], [-0.3, 0.0, -0.3]])
+    beyond = np.array([[0.0, 1e-9, -1.0], [0.0, 0.0, -1.0], [0.0, -1e-9, -1.0]])
+    rng = np.random.default_rng(5)
+    for _ in range(24):
+        got = lutgen.stability(feet[rng.permutation(4)], beyond, ("status", "tip_angle"))
+        assert got["status"].tolist() == [[TIPS, 0, 0]]
+        assert got["tip_angle"][0, 1] == 0.0
+        assert got["tip_angle"][0, [0, 2]] == pytest.approx([-1e-9, 1e-9], rel=1e-6)
+
+
+def test_a_com_just_above_its_contacts_is_a_quarter_turn_from_tipping() -> None:
+    feet = points([[1, 0.5, -8e-6], [-1, 0.5, -8e-6], [-1, -0.5, -8e-6], [1, -0.5, -8e-6]])
+    got = lutgen.stability(feet, LEVEL, ("tip_angle",))["tip_angle"]
+    # Defect 3: a sine that rounds to 1 is no missing boundary.
+    assert got.item() == pytest.approx(math.pi / 2.0 - 1.6e-5, abs=1e-9)
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-9, 1e-7, 1e-5, 1e-4])
+def test_the_diagonal_of_four_wheels_is_no_axis_where_rocking_is_forbidden(noise: float) -> None:
+    # Defect 6: rests that a turn of at most 2e-4 rad joins are one, at any rock_angle.
+    rng = np.random.default_rng(6)
+    for _ in range(20):
+        feet = points([[0.5, 0.4, -0.5], [0.5, -0.4, -0.5], [-0.5, -0.4, -0.5], [-0.5, 0.4, -0.5]])
+        off = feet + 0.4 * noise * rng.uniform(-1.0, 1.0, feet.shape)
+        got = lutgen.stability(off, LEVEL, ("tip_angle", "status"), math.radians(80.0), 0.0)
+        assert got["status"].item() == 0
+        assert got["tip_angle"].item() == pytest.approx(
+            math.atan2(0.4, 0.5), abs=5.0 * noise + 1e-12
+        )
+
+
+def test_the_diagonal_of_a_warped_table_is_an_axis_where_rocking_is_forbidden() -> None:
+    feet = points([[0.5, 0.4, -0.5], [0.5, -0.4, -0.49], [-0.5, -0.4, -0.5], [-0.5, 0.4, -0.49]])
+    ahead = unit(np.array([[0.2, 0.1, -1.0]]))
+    fixed, free = (
+        lutgen.stability(feet, ahead, ("tip_angle",), math.radians(80.0), angle)["tip_angle"].item()
+        for angle in (0.0, math.radians(30.0))
+    )
+    # From (0.2, 0.1, -1) to the plane through the com and the diagonal of slope 0.8.
+    normal = unit(np.cross(feet[0], feet[2]))
+    assert fixed == pytest.approx(abs(math.asin(normal @ ahead[0])), abs=1e-12)
+    assert free > fixed + 0.1
+
+
+@pytest.mark.parametrize("width", [3e-3, 3e-4, 3e-5, 3e-6])
+@pytest.mark.parametrize("apart", [1.0, 3e-4, 3e-5])
+def test_a_foot_as_small_as_noise_still_tips_to_all_sides(width: float, apart: float) -> None:
+    # Short sides say nothing where others close the region, and everything where none do.
+    x, y = apart, 0.5 * width
+    feet = points([[x, y, -1], [x, -y, -1], [-x, -y, -1], [-x, y, -1]])
+    ways = np.radians(np.arange(0, 360, 10.0))
+    g = np.stack([np.cos(ways), np.sin(ways), -1.0 + 0.0 * ways], axis=1)
+    found = lutgen.stability(feet[None], g, ("tip_angle",))["tip_angle"][0]
+    down = lutgen.stability(feet[None], LEVEL, ("tip_angle",))["tip_angle"].item()
+    assert (found[np.abs(np.sin(ways)) > 0.1] < 0.0).all()
+    assert apart == 1.0 or (found < 0.0).all()
+    assert down == pytest.approx(math.atan(min(x, y)), rel=1e-6)
+
+
+def test_contacts_that_support_nothing_tip_in_every_direction() -> None:
+    line = points([[0.1, 0, -1], [0.2, 0, -1], [0.4, 0, -1], [-0.4, 0, -1]])
+    above = points([[1, 0, 1], [-1, 1, 1], [-1, -1, 1]])
+    g = np.random.default_rng(7).normal(size=(50, 3))
+    for feet in (line, points(line[:1], line[:1], line[:1])):
+        assert (lutgen.stability(feet, g, ("tip_angle",))["tip_angle"] == -math.pi).all()
+    got = lutgen.stability(above, g, ("tip_angle",), math.radians(90.0))["tip_angle"]
+    assert (got == -math.pi).all()
+    # Without a limit they carry a robot that hangs from them.
+    assert lutgen.stability(above, -LEVEL, ("tip_angle",))["tip_angle"].item() > 0.4

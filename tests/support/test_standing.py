@@ -1,0 +1,125 @@
+"""Readings of postures of every kind against a slow second reading of the definition.
+
+With LUTGEN_LONG=1 500 postures of chance and 252 exact ones are asked in 200 directions each.
+"""
+
+import math
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from lutgen.channels.evaluation import measure_primitives
+from lutgen.support import acceptance
+from tests.fixtures.length import LONG
+from tests.oracles.primitives import Floats, size_of
+from tests.oracles.standing import ROCKS, TIPS, Limits, Standing
+from tests.support.postures import EXACT, FAMILIES, asked, drawn, exact, limits_of
+
+CHANNELS = ("status", "tip_angle", "sdg", "height")
+# What straight sides of a gap may bulge beyond the curve, and 3e-5 deg of the oracle's polylines.
+BULGE = math.radians(1e-3)
+# What the sides of gaps are moved in by at the median, in 99 of 100 readings, and at most.
+SHORT = math.radians(1e-4), math.radians(0.3), math.radians(3.0)
+
+
+class Compared(NamedTuple):
+    """Readings of the oracle and of lutgen (4, k); angles to the oracle's boundary; which gaps."""
+
+    truth: Floats
+    found: Floats
+    away: Floats
+    gaps: Floats
+    outside: Floats
+
+
+def read(rows: Floats, g: Floats, limits: Limits) -> Floats:
+    """Return lutgen's channels (4, m)."""
+    accept = acceptance(*limits[:2], 0.0, *limits[2:])
+    values = measure_primitives(rows[None], g, CHANNELS, accept)
+    return np.stack([values[name][0] for name in CHANNELS])
+
+
+@cache
+def compared(family: str) -> Compared:
+    """Compare the postures of a family; lengths are divided by the size."""
+    parts = []
+    few, many = (6, 125) if family in FAMILIES else (2, 36)
+    for seed in range(many if LONG else few):
+        rng = np.random.default_rng(seed)
+        rows = drawn(family, rng) if family in FAMILIES else exact(family, rng)
+        limits = limits_of(rows)
+        standing = Standing(rows, limits)
+        g = asked(standing, 200 if LONG else 100, rng)
+        truth, found = np.stack(standing.read(g)), read(rows, g, limits)
+        truth[2:] /= size_of(rows)
+        found[2:] /= size_of(rows)
+        # Outside of a single rest lutgen's angle is that to its planes.
+        outside = np.full(len(g), math.nan)
+        if len(standing.rests) == 1:
+            f = standing.rests[0]
+            walls = np.cross(f.points, np.roll(f.points, -1, 0))
+            sines = (g @ (walls / np.linalg.norm(walls, axis=1)[:, None]).T).min(1)
+            outside = np.where(sines < -1e-9, np.arcsin(sines) - found[1], math.nan)
+        gaps = np.full(len(g), float(len(standing.gaps)))
+        parts.append([*truth, *found, standing.distance(g), gaps, outside])
+    table = np.concatenate([np.array(part) for part in parts], 1)
+    return Compared(table[:4], table[4:8], table[8], table[9], table[10])
+
+
+ALL = pytest.mark.parametrize("family", [*FAMILIES, *EXACT])
+
+
+@ALL
+def test_no_robot_stands_or_rocks_where_the_definition_says_that_it_tips(family: str) -> None:
+    of = compared(family)
+    stands, tips = of.found[0] != TIPS, of.truth[0] == TIPS
+    # Within rounding of an edge that does not bend either may say what it likes.
+    clear = of.away > np.where(of.gaps > 0, BULGE, 1e-12)
+    assert not (stands & tips & clear).any()
+    # Both answers are common, or this would say little.
+    assert 0.1 < tips.mean() < 0.9
+
+
+@ALL
+def test_no_direction_that_stands_is_lost(family: str) -> None:
+    of = compared(family)
+    lost = (of.found[0] == TIPS) & (of.truth[0] != TIPS) & (of.away > 1e-12)
+    # The sides of gaps are straight and lie within the curves.
+    allowed = np.where(of.truth[0] == ROCKS, SHORT[2], 0.0)
+    assert (of.away[lost] <= allowed[lost]).all()
+    both = (of.found[0] != TIPS) & (of.truth[0] != TIPS)
+    assert (of.found[0] == of.truth[0])[both & (of.away > 1e-9)].all()
+
+
+@ALL
+def test_the_tip_angle_is_exact_without_gaps_and_never_above_the_truth_with_them(
+    family: str,
+) -> None:
+    of = compared(family)
+    both = (of.found[0] != TIPS) & (of.truth[0] != TIPS)
+    more = (of.found[1] - of.truth[1])[both]
+    rigid = of.gaps[both] == 0
+    # Planes of contacts 1e-9 of the size off them are told by which contacts they are laid through.
+    exact_to = 1e-8 if family == "all but flat" else 1e-11
+    assert np.abs(more[rigid]).max(initial=0.0) < exact_to
+    assert np.nanmax(np.abs(of.outside), initial=0.0) < exact_to
+    assert more.max() < BULGE
+    less = -more[~rigid]
+    if len(less) > 300:
+        assert np.median(less) < SHORT[0]
+        assert np.percentile(less, 99) < SHORT[1]
+    assert np.ptp(of.truth[1]) > 0.5
+
+
+@ALL
+def test_the_stability_factor_and_the_height_are_those_of_the_definition(family: str) -> None:
+    of = compared(family)
+    both = (of.found[0] != TIPS) & (of.truth[0] != TIPS) & (of.found[0] == of.truth[0])
+    off = np.abs(of.found - of.truth)[2:, both]
+    # A plane through three contacts 1e-9 of the size off it is that far off at them, and times
+    # the height over the width at the pierced point.
+    assert off.max() < (1e-8 if family == "all but flat" else 1e-9)
+    assert np.isnan(of.found[2:, of.found[0] == TIPS]).all()
+    assert np.ptp(of.truth[2][both]) > 0.1
