@@ -238,10 +238,13 @@ def in_threads(
         Pieces that a thread of its own is worth.
     """
     threads = 1 if pieces < 2 * least else min(numba.get_num_threads(), pieces // least)
-    parts = 1 if threads == 1 else min(threads * PARTS_PER_THREAD, pieces)
+    if threads == 1:
+        kernel(0, pieces, *arguments)
+        return
+    parts = min(threads * PARTS_PER_THREAD, pieces)
     bounds = [part * pieces // parts for part in range(parts + 1)]
     # What is not compiled yet is compiled here: Ctrl-C does not reach other threads.
-    first = 1 if threads == 1 or not getattr(kernel, "signatures", True) else 0
+    first = 0 if getattr(kernel, "signatures", True) else 1
     for at in range(first):
         kernel(*bounds[at : at + 2], *arguments)
     spans = zip(bounds[first:-1], bounds[first + 1 :], strict=True)
