@@ -1,7 +1,6 @@
 """Slopes, friction and metrics of a robot that something pulls at."""
 
 import math
-from typing import Any
 
 import numpy as np
 import pytest
@@ -13,48 +12,10 @@ from lutgen.analysis.metrics import compare_metrics
 from lutgen.analysis.sliding import slides_first, slopes
 from lutgen.analysis.stance import Posture
 from lutgen.chart import STANDARD_GRAVITY, gravito_inertial
-from lutgen.recipe.recipe import Recipe
-from tests.fixtures.recipes import feet, rigid, tripod
+from tests.fixtures.pulled import BOX, LEVEL, moving, pull, robot
+from tests.fixtures.recipes import feet, tripod
 
 Floats = NDArray[np.float64]
-MASS = 10.0
-WEIGHT = MASS * STANDARD_GRAVITY
-# Wide limits.
-FREE = "upright = 180.0\nrock_angle = 45.0"
-BOX = [(0.4, 0.3, -0.5), (-0.4, 0.3, -0.5), (-0.4, -0.3, -0.5), (0.4, -0.3, -0.5)]
-LEVEL = [0.0, 0.0, -1.0]
-
-
-def array(values: Any) -> str:
-    return str([float(x) for x in values])
-
-
-def pull(force: Any, position: Any = (0, 0, 0), moment: Any = (0, 0, 0)) -> str:
-    """Return the TOML of a force on the body."""
-    return (
-        f'[[robot.force]]\nname = "pull"\nlink = "body"\nposition = {array(position)}\n'
-        f"force = {array(force)}\nmoment = {array(moment)}\n"
-    )
-
-
-def robot(
-    contacts: str, force: str = "", rho: float = 0.0, com: Any = (0, 0, 0), head: str = FREE
-) -> Recipe:
-    """Return a rigid robot of 10 kg whose com is given."""
-    body = f'[[robot.link]]\nname = "body"\nmass = {MASS}\ncom = {array(com)}\n'
-    uncertain = f"\ncom_uncertainty = {rho!r}" if rho else ""
-    return lutgen.parse_recipe(rigid(contacts + body + force, head=head + uncertain))
-
-
-def moving() -> Recipe:
-    """Return the tripod with a payload and a force on its leg and an uncertain com."""
-    extra = (
-        '[[robot.payload]]\nname = "tool"\nlink = "leg"\nposition = [0.1, 0, 0]\nmass = 0.5\n'
-        '[[robot.force]]\nname = "pull"\nlink = "leg"\nposition = [0.3, 0, 0]\nforce = [0, 6, -4]\n'
-    )
-    return lutgen.parse_recipe(
-        tripod(head="friction = 0.8\ncom_uncertainty = 0.03", contacts=extra)
-    )
 
 
 def test_the_slope_is_that_of_the_resultant_and_friction_is_asked_of_it() -> None:

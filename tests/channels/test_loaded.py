@@ -13,40 +13,12 @@ import lutgen
 from lutgen.analysis.diagnosis import diagnose
 from lutgen.analysis.stance import Posture
 from lutgen.channels.resting import body_gravity
-from lutgen.chart import STANDARD_GRAVITY
 from lutgen.quantities import CHANNELS
 from lutgen.recipe.recipe import Recipe
-from tests.fixtures.recipes import contact, feet, rigid, without_limits
+from tests.fixtures.pulled import BOX, FREE, LEVEL, WEIGHT, pull, robot
+from tests.fixtures.recipes import contact, feet
 
 Floats = NDArray[np.float64]
-MASS = 10.0
-WEIGHT = MASS * STANDARD_GRAVITY
-# No limit at all, which no recipe can ask for.
-FREE = "# free"
-BOX = [(0.4, 0.3, -0.5), (-0.4, 0.3, -0.5), (-0.4, -0.3, -0.5), (0.4, -0.3, -0.5)]
-LEVEL = [0.0, 0.0, -1.0]
-
-
-def array(values: Any) -> str:
-    return str([float(x) for x in values])
-
-
-def pull(force: Any, position: Any = (0, 0, 0), moment: Any = (0, 0, 0)) -> str:
-    """Return the TOML of a force on the body."""
-    return (
-        f'[[robot.force]]\nname = "pull"\nlink = "body"\nposition = {array(position)}\n'
-        f"force = {array(force)}\nmoment = {array(moment)}\n"
-    )
-
-
-def robot(
-    contacts: str, force: str = "", rho: float = 0.0, com: Any = (0, 0, 0), head: str = FREE
-) -> Recipe:
-    """Return a rigid robot of 10 kg whose com is given."""
-    body = f'[[robot.link]]\nname = "body"\nmass = {MASS}\ncom = {array(com)}\n'
-    uncertain = f"\ncom_uncertainty = {rho!r}" if rho else ""
-    read = without_limits if head == FREE else lutgen.parse_recipe
-    return read(rigid(contacts + body + force, head=head + uncertain))
 
 
 def read(recipe: Recipe, gravity: Any, *channels: str) -> Floats:

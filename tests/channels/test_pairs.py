@@ -10,7 +10,7 @@ from lutgen.channels import evaluate_each
 from lutgen.channels.scan import Scanner
 from lutgen.errors import InputError
 from lutgen.quantities import CHANNELS
-from lutgen.recipe.recipe import Recipe
+from tests.fixtures.pulled import moving
 from tests.fixtures.recipes import ALL_CHANNELS, rover, tripod
 
 
@@ -52,17 +52,6 @@ def test_directions_that_are_not_one_per_posture_are_refused() -> None:
         evaluate_each(recipe, [[0.2, 0.1], [0.3, 0.1]], [[0, 0, -1]])
     with pytest.raises(InputError, match="unknown channel 'sgd'"):
         evaluate_each(recipe, [[0.2, 0.1]], [[0, 0, -1]], ("sgd",))
-
-
-def moving() -> Recipe:
-    """Return the tripod with a payload and a force on its leg and an uncertain com."""
-    extra = (
-        '[[robot.payload]]\nname = "tool"\nlink = "leg"\nposition = [0.1, 0, 0]\nmass = 0.5\n'
-        '[[robot.force]]\nname = "pull"\nlink = "leg"\nposition = [0.3, 0, 0]\nforce = [0, 6, -4]\n'
-    )
-    return lutgen.parse_recipe(
-        tripod(head="friction = 0.8\ncom_uncertainty = 0.03", contacts=extra)
-    )
 
 
 def test_pairs_sweeps_and_diagnoses_read_what_evaluate_reads() -> None:

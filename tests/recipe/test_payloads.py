@@ -1,45 +1,15 @@
 """Payloads, forces and an uncertain com in a recipe: what they mean, and what is refused."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 import lutgen
-from lutgen.chart import STANDARD_GRAVITY
-from lutgen.recipe.recipe import Recipe
 from lutgen.search.objective import Objective
+from tests.fixtures.pulled import BOX, LEVEL, robot
 from tests.fixtures.recipes import feet, rigid
 
 Floats = NDArray[np.float64]
-MASS = 10.0
-WEIGHT = MASS * STANDARD_GRAVITY
-# Wide limits.
-FREE = "upright = 180.0\nrock_angle = 45.0"
-BOX = [(0.4, 0.3, -0.5), (-0.4, 0.3, -0.5), (-0.4, -0.3, -0.5), (0.4, -0.3, -0.5)]
-LEVEL = [0.0, 0.0, -1.0]
-
-
-def array(values: Any) -> str:
-    return str([float(x) for x in values])
-
-
-def pull(force: Any, position: Any = (0, 0, 0), moment: Any = (0, 0, 0)) -> str:
-    """Return the TOML of a force on the body."""
-    return (
-        f'[[robot.force]]\nname = "pull"\nlink = "body"\nposition = {array(position)}\n'
-        f"force = {array(force)}\nmoment = {array(moment)}\n"
-    )
-
-
-def robot(
-    contacts: str, force: str = "", rho: float = 0.0, com: Any = (0, 0, 0), head: str = FREE
-) -> Recipe:
-    """Return a rigid robot of 10 kg whose com is given."""
-    body = f'[[robot.link]]\nname = "body"\nmass = {MASS}\ncom = {array(com)}\n'
-    uncertain = f"\ncom_uncertainty = {rho!r}" if rho else ""
-    return lutgen.parse_recipe(rigid(contacts + body + force, head=head + uncertain))
 
 
 def test_a_payload_moves_the_com_as_a_link_of_its_mass_does() -> None:
