@@ -1,10 +1,10 @@
 """A rest on tilted ground: over which of its edges, and at which slope, the robot leaves it.
 
-Owns the slopes under one rest.  In the ground's own frame, x and y level and z up before it is
-tilted, a slope is w = tan(tilt) (cos heading, sin heading), the place of D_g relative to the com's
-foot over the com's height.  A rest carries the slopes inside a convex polygon, its support polygon
-at that scale, and a slow tilt in one heading is a ray from the middle.  A roll turns the ground
-under the robot by the least rotation between two normals, and the slope remains what it was.
+In the ground's own frame, with x and y level and z up before the tilt, a slope is w = tan(tilt)
+(cos heading, sin heading): the place of D_g relative to the com's foot, over the com's height.  A
+rest carries the slopes inside a convex polygon, its support polygon at that scale, and a slow tilt
+in one heading is a ray from the middle.  A roll turns the ground under the robot by the least
+rotation between two normals, and the slope remains what it was.
 """
 
 import math
@@ -14,7 +14,7 @@ import numpy as np
 
 from lutgen.analysis.stance import Posture
 from lutgen.channels import MU, PHI, RHO
-from lutgen.support import ACCEPTED, edge_after, ends_of, rests_at
+from lutgen.support import ACCEPTED, edge_after, ends_of, is_inner, rests_at
 from lutgen.vector import Floats
 
 # A length of a vector below this (of unit ones) has no direction.
@@ -169,8 +169,7 @@ def seat_on(posture: Posture, k: int, frame: Floats) -> Seat:
         for e in range(facet["first"], facet["first"] + facet["count"]):
             beyond = rests_at(region, e)[1]
             start, stop = (np.array(end) for end in ends_of(region, e))
-            inner = beyond >= 0 and seats[beyond]["group"] == group
-            if not inner and np.linalg.norm(np.cross(start, stop)) > 0.0:
+            if not is_inner(region, e) and np.linalg.norm(np.cross(start, stop)) > 0.0:
                 edges.append(_edge(posture, e, beyond, (start, stop), there))
     return Seat(int(group), turned, tuple(edges))
 

@@ -15,6 +15,8 @@ from lutgen.support import (
     balances,
     edge_after,
     ends_of,
+    is_inner,
+    is_same_rest,
     rests_at,
     roll,
 )
@@ -72,12 +74,11 @@ def _over_rest(region: Region, k: int, came: int, g: Vector) -> float:
     """Return the least rise over an edge of rest k and its group but the one it was come over."""
     least = math.inf
     for here in range(region.counts[ACCEPTED]):
-        if region.seat[here].group != region.seat[k].group or not region.seat[here].is_rest:
+        if not is_same_rest(region, here, k):
             continue
         facet = region.facet[region.seat[here].facet]
         for e in range(facet.first, facet.first + facet.count):
-            one, two = rests_at(region, e)
-            if e != came and not (two >= 0 and region.seat[one].group == region.seat[two].group):
+            if e != came and not is_inner(region, e):
                 start, stop = ends_of(region, e)
                 least = min(least, segment_energy(start, stop, g))
     return least
@@ -107,15 +108,12 @@ def energy_margin(region: Region, k: int, g: Vector, nearest: float) -> float:
     """
     least, alone = math.inf, True
     for here in range(region.counts[ACCEPTED]):
-        if not region.seat[here].is_rest:
-            continue
-        if region.seat[here].group != region.seat[k].group:
-            alone = False
+        if not is_same_rest(region, here, k):
+            alone = alone and not region.seat[here].is_rest
             continue
         facet = region.facet[region.seat[here].facet]
         for e in range(facet.first, facet.first + facet.count):
-            one, two = rests_at(region, e)
-            if two >= 0 and region.seat[one].group == region.seat[two].group:
+            if is_inner(region, e):
                 continue
             start, stop = ends_of(region, e)
             low, high = region.edge[e].held[0], region.edge[e].held[1]

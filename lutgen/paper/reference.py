@@ -9,7 +9,7 @@ import numpy as np
 from lutgen.channels import stability
 from lutgen.paper import printed
 from lutgen.paper.nominal import Array
-from lutgen.support import measure_polygon, outline, pack, plane_axes
+from lutgen.support import measure_polygon, outline, plane_axes
 
 # Weights of a fourth contact on the three wheels: behind the edge from wheel 2 to wheel 3, in
 # their plane.  The contacts in the order 1, 2, 3, 4 then make a polygon that crosses itself.
@@ -28,8 +28,7 @@ def polygon_centre(contacts: Array) -> Array:
     ids = np.zeros(3 * len(contacts) + 2, np.int64)
     ids[: len(contacts)] = range(len(contacts))
     corners = outline(flat, ids, len(contacts), 1e-9 * float(np.abs(contacts).max()))
-    primitives = pack(contacts, np.zeros_like(contacts), 0.0, 0)
-    return np.array(measure_polygon(primitives, ids, corners, (x, y, z))[0])
+    return np.array(measure_polygon(contacts[ids[:corners]], (x, y, z))[0])
 
 
 def contour_centroid(contacts: Array) -> Array:

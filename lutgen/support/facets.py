@@ -287,14 +287,14 @@ def find_facets(primitives: Floats, region: Region, size: float, steepest: float
     """
     facet, edge, count = region.facet, region.edge, region.counts
     count[FACETS] = count[EDGES] = 0
-    same, highest = SAME * size, highest_of(primitives, steepest)
-    limits = (highest, same)
+    same = SAME * size
+    limits = (highest_of(primitives, steepest), same)
     _begin(primitives, region, limits)
     f = 0
     while f < count[FACETS]:
         normal, first, corners = read3(facet[f].normal), facet[f].first, facet[f].count
         for e in range(first, first + corners):
-            if edge[e].twin >= 0 or normal[2] > highest:
+            if edge[e].twin >= 0:
                 continue
             i, j = edge[e].primitive, edge[edge_after(region, e)].primitive
             start, stop = ends_of(region, e)

@@ -28,8 +28,11 @@ from lutgen.support.table import (
     WALLS,
     Acceptance,
     Region,
+    asks_nothing,
     edge_after,
     ends_of,
+    is_inner,
+    is_same_rest,
     is_slit,
     rests_at,
     seat_of,
@@ -79,7 +82,7 @@ def _landing(
     seat, edge = region.seat, region.edge
     low, high = 0.0, 1.0
     for here in range(region.counts[ACCEPTED]):
-        if seat[here].group != seat[k].group or not seat[here].is_rest:
+        if not is_same_rest(region, here, k):
             continue
         g0, g1 = gravity
         e0, e1 = sunk
@@ -91,8 +94,7 @@ def _landing(
             e0 -= dot(foot, subtract(g0, gravity[0]))
             e1 -= dot(foot, subtract(g1, gravity[1]))
         for e in range(facet.first, facet.first + facet.count):
-            one, two = rests_at(region, e)
-            if e == came or (two >= 0 and seat[one].group == seat[two].group):
+            if e == came or is_inner(region, e):
                 continue
             start, stop = ends_of(region, e)
             side = subtract(stop, start)
@@ -266,7 +268,7 @@ def find_gaps(primitives: Floats, region: Region, accept: Acceptance) -> int:
         How many gaps have an area in which the robot rocks.
     """
     edge, seat = region.edge, region.seat
-    free = accept.rock_angle > 4.0
+    free = asks_nothing(accept)
     # The turn of a gap may be longer by rounding.
     least = -2.0 if free else math.cos(accept.rock_angle + 1e-12)
     gaps = 0
@@ -274,7 +276,7 @@ def find_gaps(primitives: Floats, region: Region, accept: Acceptance) -> int:
         here, there = rests_at(region, e)
         if there < 0 or edge[e].twin < e:
             continue
-        one = seat[here].group == seat[there].group
+        one = is_inner(region, e)
         if one or dot(read3(seat[here].normal), read3(seat[there].normal)) >= least:
             gaps += _find_gap(primitives, region, e, one, free)
     return gaps

@@ -5,7 +5,7 @@ import math
 from lutgen.jit import njit
 from lutgen.support.primitive import support_contact
 from lutgen.support.table import Region
-from lutgen.vector import Floats, Ints, Vector, along, cross, dot, subtract, unit
+from lutgen.vector import Floats, Ints, Vector, along, cross, dot, row, subtract, unit
 
 
 @njit(inline=True, bare=True)
@@ -116,23 +116,21 @@ def has_bit(mask: int, i: int) -> bool:
 
 
 @njit(bare=True)
-def measure_polygon(
-    primitives: Floats, ids: Ints, count: int, normal: Vector
-) -> tuple[Vector, float]:
+def measure_polygon(points: Floats, normal: Vector) -> tuple[Vector, float]:
     """Return the area centroid (Eqs 22 to 26, in 3-D) and the least width of a support polygon.
 
+    `points` (k, 3) are its corners, counter-clockwise seen from where the unit `normal` points to.
     Triangles of a fan count by their area along the normal: contacts a little off the plane have
     no part in it.
     """
-    origin = support_contact(primitives, ids[0], normal)
+    origin, count = row(points, 0), points.shape[0]
     area, width, centroid = 0.0, math.inf, (0.0, 0.0, 0.0)
     for k in range(count):
-        a = support_contact(primitives, ids[k], normal)
-        b = support_contact(primitives, ids[(k + 1) % count], normal)
+        a, b = row(points, k), row(points, (k + 1) % count)
         inward = unit(cross(normal, subtract(b, a)))
         furthest = nearest = 0.0
         for other in range(count):
-            depth = dot(subtract(support_contact(primitives, ids[other], normal), a), inward)
+            depth = dot(subtract(row(points, other), a), inward)
             furthest, nearest = max(furthest, depth), min(nearest, depth)
         width = min(width, furthest - nearest)
         u, v = subtract(a, origin), subtract(b, origin)

@@ -6,15 +6,15 @@ four wheels whose positions are off by a little make up one rectangle.
 
 from lutgen.jit import njit
 from lutgen.support.polygon import corners_of, measure_polygon, plane_axes
-from lutgen.support.primitive import sine_to_axle, support_height
+from lutgen.support.primitive import sine_to_axle, support_contact, support_height
 from lutgen.support.table import (
     ACCEPTED,
     EDGES,
     FACETS,
-    RESTS,
     SAME,
     Acceptance,
     Region,
+    asks_nothing,
     rests_at,
 )
 from lutgen.vector import Floats, along, dot, length, read3, scale, subtract, write3
@@ -48,7 +48,10 @@ def _seat_at(primitives: Floats, region: Region, place: int, f: int, accept: Acc
         region.facet[f].mask,
     )
     corners = corners_of(primitives, mask, normal, 0.0, region)
-    centroid, width = measure_polygon(primitives, region.ids, corners, normal)
+    points = region.polygon[:corners]
+    for k in range(corners):
+        write3(points[k], support_contact(primitives, region.ids[k], normal))
+    centroid, width = measure_polygon(points, normal)
     first, second = plane_axes(normal)
     plane = scale(normal, 1.0 / height)
     write3(seat.normal, normal)
@@ -57,8 +60,7 @@ def _seat_at(primitives: Floats, region: Region, place: int, f: int, accept: Acc
     write3(seat.axes[0], along(first, plane, -dot(first, centroid)))
     write3(seat.axes[1], along(second, plane, -dot(second, centroid)))
     seat.height, seat.mask, seat.facet, seat.group = height, mask, f, place
-    free = accept.rock_angle > 4.0
-    seat.is_rest = 1 if free or (width > 0.0 and width >= accept.rest_width) else 0
+    seat.is_rest = 1 if asks_nothing(accept) or (width > 0.0 and width >= accept.rest_width) else 0
 
 
 @njit(bare=True)
@@ -96,7 +98,7 @@ def find_rests(primitives: Floats, region: Region, accept: Acceptance, size: flo
         for f in range(count[FACETS]):
             facet[f].place = -1
         accepted = 0
-    count[ACCEPTED], count[RESTS] = accepted, rests
+    count[ACCEPTED] = accepted
     for e in range(count[EDGES]):
         here, there = rests_at(region, e)
         if here < 0 or edge[e].twin < e:

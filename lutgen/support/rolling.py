@@ -40,20 +40,24 @@ def arc_between(
 
     Five of each: at the beginning, at the end, and at `SHARES` between.
     """
-    i, j = pair
-    start, stop = normals
-    side = subtract(stop, start)
-    quarter = unit(between(start, stop, SHARES[0]))
-    half = unit(between(start, stop, SHARES[1]))
-    last = unit(between(start, stop, SHARES[2]))
-    first = along(side, quarter, -dot(side, quarter))
-    second = along(side, half, -dot(side, half))
-    third = along(side, last, -dot(side, last))
-    quarter, _ = tangent_plane(primitives, i, j, -1, first, quarter)
-    half, _ = tangent_plane(primitives, i, j, -1, second, half)
-    last, _ = tangent_plane(primitives, i, j, -1, third, last)
-    path = (start, quarter, half, last, stop)
-    return path, _touched(primitives, i, path), _touched(primitives, j, path)
+    path = (
+        normals[0],
+        _plane_amid(primitives, pair, normals, SHARES[0]),
+        _plane_amid(primitives, pair, normals, SHARES[1]),
+        _plane_amid(primitives, pair, normals, SHARES[2]),
+        normals[1],
+    )
+    return path, _touched(primitives, pair[0], path), _touched(primitives, pair[1], path)
+
+
+@njit(bare=True)
+def _plane_amid(
+    primitives: Floats, pair: tuple[int, int], normals: tuple[Vector, Vector], share: float
+) -> Vector:
+    """Return the normal of a plane on a pair at a share of the way between two normals."""
+    normal, side = unit(between(normals[0], normals[1], share)), subtract(normals[1], normals[0])
+    across = along(side, normal, -dot(side, normal))
+    return tangent_plane(primitives, pair[0], pair[1], -1, across, normal)[0]
 
 
 @njit(bare=True)

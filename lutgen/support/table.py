@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from lutgen.jit import njit
 from lutgen.support.primitive import RADIUS
-from lutgen.vector import Floats, Vector, dot, read3, row
+from lutgen.vector import Floats, Vector, dot, read3, row, subtract
 
 # Two lengths that differ by less than this part of the robot's size are the same length.
 SAME = 1e-9
@@ -26,7 +26,7 @@ OFF_FACE = math.radians(10.0)
 NO_LIMIT = -2.0
 
 # Entries of Region.counts.
-FACETS, EDGES, ACCEPTED, RESTS, CONES, WALLS, ARCS, CONVEX, SHOWN = range(9)
+FACETS, EDGES, ACCEPTED, CONES, WALLS, ARCS, CONVEX, SHOWN = range(8)
 
 VECTOR = ("f8", 3)
 FACET = np.dtype(
@@ -123,7 +123,7 @@ def acceptance(
 class Region(NamedTuple):
     """Where one posture stands, reused from posture to posture.
 
-    `counts` (9,): entries in use of the tables below, 1 at CONVEX if the region is convex, and at
+    `counts` (8,): entries in use of the tables below, 1 at CONVEX if the region is convex, and at
     SHOWN the primitives that no other one covers.
 
     `facet`: unit outward `normal`, `height` of the com, bits of the primitives that it touches,
@@ -138,7 +138,7 @@ class Region(NamedTuple):
     `wall` (w, 3): unit inward normals.
     `arc`: a piece of the boundary from contact point `start` to `stop`, see `region.add_arc`.
     `shown` (n, 8), `source` (n,): the primitives that none covers, and their rows.
-    `flat`, `ids`: scratch memory.
+    `flat`, `polygon`, `ids`: scratch memory.
     """
 
     counts: NDArray[np.int64]
@@ -151,6 +151,7 @@ class Region(NamedTuple):
     shown: NDArray[np.float64]
     source: NDArray[np.int64]
     flat: NDArray[np.float64]
+    polygon: NDArray[np.float64]
     ids: NDArray[np.int64]
 
 
@@ -163,7 +164,7 @@ def empty_region(primitives: int) -> Region:
     facets = primitives * primitives + 8
     edges = 3 * facets
     return Region(
-        np.zeros(9, np.int64),
+        np.zeros(8, np.int64),
         np.zeros(facets, FACET),
         np.zeros(edges, EDGE),
         np.zeros(facets, SEAT),
@@ -173,6 +174,7 @@ def empty_region(primitives: int) -> Region:
         np.zeros((primitives, 8)),
         np.zeros(primitives, np.int64),
         np.zeros((primitives, 2)),
+        np.zeros((primitives, 3)),
         np.zeros(4 * primitives + 4, np.int64),
     )
 
@@ -223,10 +225,29 @@ def rests_at(region: Region, e: int) -> tuple[int, int]:
 
 
 @njit(bare=True)
+def is_inner(region: Region, e: int) -> bool:
+    """Tell whether an edge lies between two rests of one group."""
+    here, there = rests_at(region, e)
+    return bool(there >= 0 and region.seat[here].group == region.seat[there].group)
+
+
+@njit(bare=True)
+def is_same_rest(region: Region, here: int, k: int) -> bool:
+    """Tell whether an accepted facet is a rest of the group of rest k."""
+    seat = region.seat
+    return bool(seat[here].is_rest == 1 and seat[here].group == seat[k].group)
+
+
+@njit(inline=True, bare=True)
+def asks_nothing(accept: Acceptance) -> bool:
+    """Tell whether every gap counts, whatever its turn."""
+    return accept.rock_angle == math.inf
+
+
+@njit(bare=True)
 def is_slit(region: Region, e: int) -> bool:
     """Tell whether an edge and its twin are one line: both contacts stay where they are."""
     a, b = ends_of(region, e)
     d, c = ends_of(region, region.edge[e].twin)
-    x = (a[0] - c[0], a[1] - c[1], a[2] - c[2])
-    y = (b[0] - d[0], b[1] - d[1], b[2] - d[2])
+    x, y = subtract(a, c), subtract(b, d)
     return dot(x, x) + dot(y, y) <= SAME * SAME * (dot(a, a) + dot(b, b))
