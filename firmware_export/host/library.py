@@ -1,6 +1,6 @@
 """The runtime's C code, built for this machine when lutgen was installed.
 
-Owns where the library is and that it was built from the files beside it; see runtime/host.h.
+The library lies beside the C files and must have been built from them; see runtime/host.h.
 """
 
 import ctypes

@@ -6,7 +6,7 @@
  * another edge of that rest.  The gap is of the w from which it stays, whichever way it rolls.
  *
  *   On landing gravity lies S inside an edge, the com is N above the edge's line, and has sunk by E, all linear
- *   in w.  It stays where S^2 >= E (2 N + E); as no geometric mean is above an arithmetic one, where
+ *   in w.  The robot stays where S^2 >= E (2 N + E); as no geometric mean is above an arithmetic one, where
  *   S >= (c E + (2 N + E) / c) / 2 for any c: what lets go of it is then one end of the way.
  */
 #define SMAP_ROUND_OFF 1e-6f /* of the size squared: what rounding may alter of S, N and E, */
@@ -52,7 +52,7 @@ static float smap_sinks(const float p[3], const float m[3], const float q[3], co
 }
 
 /* Roll from one rest to the other, `way` 1 for the way back, by its three normals, the corners of the gap and where
- * both contacts are half-way; of what both contacts tell of how far the com sinks the greater counts. */
+ * both contacts are half-way.  The sunk height is the greater of those that the two contacts give. */
 static void smap_roll(const float *const n[3], const float *const corner[4], const float half[2][3], uint8_t way,
                       smap_landing_t *l)
 {
@@ -210,8 +210,8 @@ static int smap_is_slit(const smap_many_work_t *w, uint8_t e)
   return smap_dot(a, a) + smap_dot(b, b) < SMAP_SLIT * SMAP_SLIT * w->map->size * w->map->size;
 }
 
-/* The mean of two normals, and where the contacts i and j touch the plane half-way from one to the other: Newton's method is to take the plane
- * through the places where they touch the one before. */
+/* Find the mean of two normals, and where the contacts i and j touch the plane half-way between them.  Newton's method
+ * takes the plane through the places where they touch the plane before. */
 static void smap_find_half(const smap_many_work_t *w, uint8_t i, uint8_t j, const float from[3], const float to[3],
                            float mean[3], float place[2][3])
 {

@@ -8,8 +8,8 @@
  * is the same arc seen from the facet beyond, or it itself where nothing is.  Counter-clockwise, seen from
  * outside.
  *
- * Of it a pose keeps where the robot stands: a list of convex cones, of rests and of the gaps between two of
- * them, all with walls through the com, and their boundary, a list of arcs of great circles.
+ * A pose keeps where the robot stands: a list of convex cones, one for each rest and each gap between two rests,
+ * with walls through the com, and the boundary, a list of arcs of great circles.
  */
 #ifndef SMAP_MANY_CONTACTS
 #define SMAP_MANY_CONTACTS 12
@@ -107,7 +107,8 @@ typedef struct {
   smap_gap_t gap[SMAP_MANY_GAPS > 0 ? SMAP_MANY_GAPS : 1];
 } smap_layout_t;
 
-/* Of an arc the middle, times the sine of half of it, and its direction there, times the cosine. */
+/* A pose.  `amid` is the middle of an arc times the sine of half of it; `along` is the direction of the arc
+ * there times the cosine. */
 typedef struct {
   smap_layout_t at;
   float guard;

@@ -1,6 +1,6 @@
 """How far the ground under a robot can be tilted slowly, in every heading, before it tips over.
 
-Owns *ground tilt*: the robot stands on level ground and the ground is tilted in one heading.  Where
+*Ground tilt*: the robot stands on level ground, and the ground is tilted in one heading.  Where
 gravity reaches an edge of the rest that it stands on, it rolls onto the rest beyond if the edge is
 held there (`lutgen.support.gaps`: one roll, one landing), and tips over if not.  The limit is the
 slope of the ground at that moment.  *Body tilt* (`tilt`) is what an accelerometer in the robot
@@ -35,8 +35,8 @@ class GroundTilt:
     """The limits of one posture on tilted ground, in all headings; angles in rad.
 
     `pieces` cover the circle of headings; none of a robot that tips over on level ground.
-    `elsewhere` is a tilt below which it tips over on no rest that it could roll onto, also where
-    the ground is turned under it as it pleases and not tilted from level at once.
+    `elsewhere` is a tilt below which it tips over on no rest that it could roll onto, whatever the
+    headings in which the ground was tilted before.
     """
 
     posture: Posture

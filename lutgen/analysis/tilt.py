@@ -257,8 +257,8 @@ def level_limits(recipe: Recipe, params: ArrayLike, convention: str = "body") ->
 def worst_heading(posture: Posture, convention: str = "body") -> float:
     """Return the heading (rad, -pi to pi) in which a posture tips over first.
 
-    Of equally bad headings the one nearest the nose, on the left first; NaN where `level_limits`
-    is 0, and where the robot never tips.
+    If several are equally bad, it is the one nearest to the nose, on the left first.  NaN where
+    `level_limits` is 0, and where the robot never tips.
 
     On the circle of headings at the tilt of `level_limits`, `tip_angle` is zero in the worst
     heading and changes by at most sin(tilt) per rad.  Pieces of the circle in which it can

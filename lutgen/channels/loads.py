@@ -191,8 +191,8 @@ def loaded_margin(
 ) -> float:
     """Return the signed distance from the resultant's line to one axis, less what rho takes.
 
-    Of a convex region the axis is a whole line and the distance (d m . F + e . M) / |e x F|, which
-    counts a twist as well; of another one it is the segment, and `standing` gives the sign.  A com
+    In a convex region the axis is a whole line and the distance (d m . F + e . M) / |e x F|, which
+    counts a twist as well.  In others the axis is a segment, and `standing` gives the sign.  A com
     delta away moves the weight alone, so it takes rho |e x g| / |e x F|, at most rho / |F|.
     """
     axis, arc = axes.arc[b], region.arc[b]
