@@ -26,8 +26,9 @@ ONCE_WRONG_RAILS = (1045, 3271)
 SEEDS = sorted({*ONCE_WRONG, *range(4)})
 RAILS = sorted({*ONCE_WRONG_RAILS, *range(4)})
 ROBOTS = [*((odd_robot, seed) for seed in SEEDS), *((odd_rails, seed) for seed in RAILS)]
-# The exact definition's pieces lose as much of a gap (rad).
-PIECES = 4e-4
+# Rolls of the C are parabolas, and its sides of gaps are brought in by products that are not
+# normalised: seed 80 is told this much more (rad), all others nothing.
+MORE = 3e-5
 # Where a wheel lies flatter than this sine its rim runs so fast that the definition draws the side
 # of a gap across the rest beside it, and says less than what is left without that gap.
 FLAT = 0.3
@@ -61,9 +62,9 @@ def test_no_robot_is_told_more_than_the_definition_says(make, seed, tmp_path):
     got = robot.read(params, g)
     assert robot.most["failed"] == 0
     safe, stands = got["status"] != TIPS, truth["status"] != TIPS
-    assert not (safe & (truth["tip_angle"] < -PIECES)).any()
+    assert not (safe & (truth["tip_angle"] < -MORE)).any()
     plain = flattest(recipe, params) > FLAT
-    assert (got["tip_angle"] <= truth["tip_angle"] + PIECES)[plain].all()
+    assert (got["tip_angle"] <= truth["tip_angle"] + MORE)[plain].all()
     # Of random robots some gaps and facets are given up, of those with a wheel on its face rests.
     assert (safe & stands).sum() > (0.0 if seed in (24, 447, 725) else 0.6) * stands.sum()
 
@@ -138,7 +139,7 @@ def test_directions_that_were_once_told_more_on_rails(seed, params, gravity, tmp
     g = np.float32([[gravity]])
     truth = evaluate_each(recipe, params.astype(float), g.astype(float), ("tip_angle", "status"))
     got = Library(recipe, tmp_path).read(params, g)
-    assert (got["tip_angle"] <= truth["tip_angle"] + PIECES).all()
+    assert (got["tip_angle"] <= truth["tip_angle"] + MORE).all()
     assert (got["status"] == TIPS).all() or (truth["status"] != TIPS).all()
 
 
