@@ -1,0 +1,375 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
+/* ---- gaps: where the robot rocks from one rest to the next ------------------------------------------- */
+/* A balance on the contacts i and j at an edge of two rests is a part w of the way from i to j.  Let go there the
+ * robot rolls to the one rest or the other, and lands: it stays if what its com has sunk by does not lift it over
+ * another edge of that rest.  The gap is of the w from which it stays, whichever way it rolls.
+ *
+ *   On landing gravity lies S inside an edge, the com is N above the edge's line, and has sunk by E, all linear
+ *   in w.  The robot stays where S^2 >= E (2 N + E); as no geometric mean is above an arithmetic one, where
+ *   S >= (c E + (2 N + E) / c) / 2 for any c: what lets go of it is then one end of the way. */
+#define SMAP_ROUND_OFF 1e-6f /* of the size squared: what rounding may alter of S, N and E, */
+#define SMAP_SUNK 1.003f     /* and of E, of which a half-way place stands for a whole arc */
+#define SMAP_SPARE 1e-4f     /* of the way, by which a limit is on the safe side */
+#define SMAP_STEP_IN 1.1f    /* times what brings the side of a gap in */
+#define SMAP_SLIT 1e-5f      /* of the size: between edges that are nearer there is nothing */
+#define SMAP_LEANS 1e-6f     /* of the size: the ends of a gap are as far inside its sides, and no place is inside by less */
+
+#define SMAP_HALVES 3        /* rounds of Newton's method for the plane half-way over an arc */
+
+/* Gravity on arrival, and by how much the com has sunk, for w = 0 and 1. */
+typedef struct {
+  float g[2][3], sunk[2], doubt; /* doubt: length squared by which S, N and E may be off */
+} smap_landing_t;
+
+/* Find the plane that both contacts of an edge touch half-way between two normals, d apart, and where.  Newton's method
+ * takes the plane through the places where they touch the plane before. */
+static void smap_find_half(const smap_work_t *w, uint8_t e, const float d[3], float n[3], float (*half)[3])
+{
+  const uint8_t i = w->contact[e], j = w->contact[smap_after(w, e)];
+  const float *const from = w->normal[w->rest[e]];
+  float v[3];
+  uint8_t left;
+  for (left = 0; left < 3; left++) {
+    n[left] = from[left] - 0.5f * d[left];
+  }
+  (void)smap_unit(n);
+  for (left = SMAP_HALVES; left > 0; left--) {
+    smap_touch(w, i, n, half[0]);
+    smap_touch(w, j, n, half[1]);
+    smap_minus(half[0], half[1], v);
+    smap_cross(v, d, n);
+    (void)smap_unit(n);
+  }
+}
+
+/* Turn g by the least rotation from unit vector a to b. */
+static void smap_turn(const float a[3], const float b[3], const float g[3], float out[3])
+{
+  const float share = 1.0f / (1.0f + smap_dot(a, b));
+  float axis[3], across[3];
+  uint8_t k;
+  smap_cross(a, b, axis);
+  smap_cross(axis, g, across);
+  smap_cross(axis, across, out);
+  SMAP_THRICE
+  for (k = 0; k < 3; k++) {
+    out[k] = g[k] + across[k] + share * out[k];
+  }
+}
+
+/* Roll from one rest to another, by their normals and that half-way: gravity turns with them, and the com sinks by the
+ * integral of -p . dg over a contact that is at p, then m, at last at q: both as parabolas. */
+static void smap_roll(const float *const n[3], const float *const p[2], float (*m)[3], const float *const q[2],
+                      smap_landing_t *l)
+{
+  uint8_t k, w;
+  for (w = 0; w < 2; w++) {
+    float amid[3], sunk = 0.0f;
+    smap_turn(n[0], n[1], p[w], amid);
+    smap_turn(n[1], n[2], amid, l->g[w]);
+    SMAP_THRICE
+    for (k = 0; k < 3; k++) { /* from p on, lest a small rise loses its digits */
+      const float via = m[w][k] - p[w][k], to = q[w][k] - p[w][k], half = amid[k] - p[w][k], end = l->g[w][k] - p[w][k];
+      sunk += (2.0f / 3.0f) * (half * to - end * via) - end * (p[w][k] + 0.5f * to);
+    }
+    l->sunk[w] = SMAP_SUNK * sunk + l->doubt;
+    l->sunk[w] = l->sunk[w] > 0.5f * l->doubt ? l->sunk[w] : 0.5f * l->doubt;
+  }
+}
+
+/* Cut the part `span` of the way down to what one edge of a rest holds; 0 where nothing is left.  S is times the length
+ * of the edge, and 2 N + E times its square. */
+static int smap_hold(const smap_work_t *w, uint8_t e, const smap_landing_t *l, float span[2])
+{
+  const float *const a = w->corner[e];
+  float u[3], in[2], y[2], au, uu, least, begin = 0.0f, last = 0.0f, t = 0.5f;
+  uint8_t k, pass;
+  smap_minus(w->corner[smap_after(w, e)], a, u);
+  uu = smap_dot(u, u);
+  au = smap_dot(a, u);
+  least = 0.01f * uu * l->doubt;
+  for (k = 0; k < 2; k++) {
+    in[k] = smap_dot(w->region->wall[e], l->g[k]) - smap_root(uu) * l->doubt;
+    y[k] = 2.0f * (uu * (smap_dot(a, l->g[k]) + l->doubt) - au * smap_dot(u, l->g[k])) + uu * l->sunk[k];
+    y[k] = y[k] > least ? y[k] : least; /* the com is below: as soon as it is inside it stays */
+  }
+  for (pass = 0; pass < 2; pass++) { /* c of where it lets go is the best */
+    const float c = 0.5f * smap_root((y[0] + t * (y[1] - y[0])) / (l->sunk[0] + t * (l->sunk[1] - l->sunk[0])));
+    const float d = 0.25f / c;
+    begin = in[0] - c * l->sunk[0] - d * y[0];
+    last = in[1] - c * l->sunk[1] - d * y[1];
+    if ((begin < 0.0f) == (last < 0.0f)) {
+      break;
+    }
+    t = begin / (begin - last);
+  }
+  if (!(begin >= 0.0f || last >= 0.0f)) {
+    return 0;
+  }
+  if (!(begin >= 0.0f) && !(t <= span[0])) {
+    span[0] = t;
+  }
+  if (!(last >= 0.0f) && !(t >= span[1])) {
+    span[1] = t;
+  }
+  return span[0] < span[1];
+}
+
+/* Whether an edge joins two rests that are one. */
+SMAP_INLINE int smap_is_joined(const smap_work_t *w, uint8_t e)
+{
+  float d[3];
+  if (w->twin[e] == SMAP_NONE) {
+    return 0;
+  }
+  smap_minus(w->normal[w->rest[e]], w->normal[w->rest[w->twin[e]]], d);
+  return smap_dot(d, d) <= SMAP_JOINED * SMAP_JOINED;
+}
+
+/* The way off `w` by which gaps begin and end: cut it down to what the rest holds that the robot comes to over its edge
+ * `came`, and all rests that are one with it; 0 where nothing is left. */
+static int smap_land(const smap_work_t *w, uint8_t came, smap_landing_t *l, float span[2])
+{
+  const float doubt = l->doubt;
+  uint8_t left = SMAP_CORNERS, e;
+  for (e = smap_after(w, came); e != came && left > 0; e = smap_after(w, e), left--) {
+    while (smap_is_joined(w, e) && left > 0) {
+      e = smap_after(w, w->twin[e]);
+      left--;
+    }
+    if (e == came) {
+      break;
+    }
+    /* Rests that are one have planes of their own. */
+    l->doubt = w->rest[e] == w->rest[came] ? doubt : doubt + SMAP_JOINED * w->map->size * w->map->size;
+    if (!smap_hold(w, e, l, span)) {
+      return 0;
+    }
+  }
+  l->doubt = doubt;
+  return left > 0;
+}
+
+/* How far inside the side of a gap at w, a wall through the com, the places are that are furthest in: a - b on one rest,
+ * d - c on the other.  `sign`: -1 for the side at the end of its span. */
+static float smap_within(const float *const corner[4], float w, float sign, float (*place)[3])
+{
+  float p[3], q[3], n[3], most = -SMAP_LARGEST;
+  uint8_t k;
+  smap_mix(corner[0], corner[1], w, p);
+  smap_mix(corner[3], corner[2], w, q);
+  smap_minus(p, q, q); /* of places next to each other p x q would lose its digits */
+  smap_cross(p, q, n);
+  (void)smap_unit(n);
+  for (k = 0; k < 3; k++) {
+    const float in = sign * smap_dot(n, place[k]);
+    most = in > most ? in : most;
+  }
+  return most;
+}
+
+/* Bring one side of a gap in, by the rule of Illinois, until nothing of the curve is inside that it stands for: the places of one
+ * balance on the way over the arc, told by a parabola at each quarter; 0 where that does not happen. */
+static int smap_bring_in(const float *const corner[4], float (*half)[3], uint8_t side, float least, float span[2])
+{
+  const float sign = side ? -1.0f : 1.0f, other = span[1 - side];
+  float place[3][3], begin[3], end[3], now, then;
+  uint8_t left, k;
+  smap_mix(corner[0], corner[1], span[side], begin);
+  smap_mix(corner[3], corner[2], span[side], end);
+  smap_mix(half[0], half[1], span[side], place[1]);
+  SMAP_THRICE
+  for (k = 0; k < 3; k++) {
+    place[0][k] = 0.375f * begin[k] + 0.75f * place[1][k] - 0.125f * end[k];
+    place[2][k] = 0.375f * end[k] + 0.75f * place[1][k] - 0.125f * begin[k];
+  }
+  now = smap_within(corner, span[side], sign, place);
+  then = now > 0.0f ? smap_within(corner, other, sign, place) : 0.0f;
+  for (left = 3; now > 0.0f && left > 0; left--) {
+    span[side] += (other - span[side]) * SMAP_STEP_IN * now / (now - then);
+    now = smap_within(corner, span[side], sign, place);
+    then *= 0.5f; /* as that end stays */
+  }
+  return now <= least && span[0] < span[1];
+}
+
+/* Add the cone of a gap: between both edges, and the sides at both ends of its span, which are boundary; 0 where it is
+ * twisted, or there is no room. */
+static int smap_add_gap(smap_work_t *w, uint8_t e, const float *const corner[4], const float span[2])
+{
+  const uint8_t k = w->at->gaps;
+  const float least = SMAP_LEANS * w->map->size;
+  smap_gap_t *const gap = &w->at->gap[k];
+  float place[2][2][3];
+  uint8_t side;
+  if (k >= SMAP_GAPS) {
+    return 0;
+  }
+  gap->a = e;
+  gap->b = w->twin[e];
+  gap->left = (uint8_t)(SMAP_CORNERS + 2u * k);
+  gap->right = (uint8_t)(gap->left + 1u);
+  for (side = 0; side < 2; side++) {
+    smap_mix(corner[0], corner[1], span[side], place[side][0]);
+    smap_mix(corner[3], corner[2], span[side], place[side][1]);
+  }
+  for (side = 0; side < 2; side++) {
+    float *const wall = w->region->wall[gap->left + side];
+    float along[3];
+    smap_minus(place[side][side], place[side][1 - side], along);
+    smap_cross(place[side][side], along, wall);
+    if (!smap_unit(wall) || !(smap_dot(wall, place[1 - side][0]) > least) ||
+        !(smap_dot(wall, place[1 - side][1]) > least)) {
+      return 0;
+    }
+  }
+  w->at->gaps = (uint8_t)(k + 1u);
+  return 1;
+}
+
+/* Find what holds of the edge e between two rests. */
+SMAP_APART static void smap_find_gap(smap_work_t *w, uint8_t e)
+{
+  const uint8_t back = w->twin[e], end = smap_after(w, e), rear = smap_after(w, back);
+  const float *const from = w->normal[w->rest[e]], *const to = w->normal[w->rest[back]];
+  const float *const corner[4] = {w->corner[e], w->corner[end], w->corner[back], w->corner[rear]};
+  const float *const here[2] = {corner[0], corner[1]}, *const there[2] = {corner[3], corner[2]};
+  const float square = w->map->size * w->map->size;
+  float half[2][3], amid[3], span[2] = {0.0f, 1.0f}, d[3], turned2;
+  const float *const forth[3] = {from, amid, to}, *const over[3] = {to, amid, from};
+  smap_landing_t l;
+  uint8_t side;
+  int slit, one = smap_is_joined(w, e);
+  smap_minus(from, to, d);
+  turned2 = smap_dot(d, d);
+  if (!one && !(turned2 <= w->map->rock_chord * w->map->rock_chord)) {
+    return;
+  }
+  smap_minus(corner[0], corner[3], half[0]);
+  smap_minus(corner[1], corner[2], half[1]);
+  slit = smap_dot(half[0], half[0]) + smap_dot(half[1], half[1]) < SMAP_SLIT * SMAP_SLIT * square;
+  if (!one) {
+    l.doubt = (SMAP_ROUND_OFF + w->map->off + w->map->turned * smap_root(turned2)) * square;
+    smap_find_half(w, e, d, amid, half);
+    smap_roll(forth, here, half, there, &l);
+    if (!smap_land(w, back, &l, span)) {
+      return;
+    }
+    smap_roll(over, there, half, here, &l);
+    if (!smap_land(w, e, &l, span)) {
+      return;
+    }
+    for (side = 0; side < 2 && !slit; side++) {
+      if (!smap_bring_in(corner, half, side, SMAP_LEANS * w->map->size, span)) {
+        return;
+      }
+    }
+    span[0] = span[0] > 0.0f ? span[0] + SMAP_SPARE : 0.0f;
+    span[1] = span[1] < 1.0f ? span[1] - SMAP_SPARE : 1.0f;
+    if (!(span[0] < span[1]) || !(slit || smap_add_gap(w, e, corner, span))) {
+      return;
+    }
+  } else if (!slit && w->at->gaps < SMAP_GAPS) { /* what is between them has no sides but those of their edges */
+    smap_gap_t *const gap = &w->at->gap[w->at->gaps++];
+    gap->a = e;
+    gap->b = back;
+    gap->left = end;
+    gap->right = (uint8_t)(e > w->at->first[w->rest[e]] ? e - 1u : w->at->first[w->rest[e] + 1] - 1u);
+  }
+  w->at->nearly = one ? 1 : w->at->nearly;
+  w->low[e] = span[0];
+  w->low[back] = 1.0f - span[1];
+}
+
+/* Add what is boundary of the edge e of a rest: all but what holds of it. */
+static void smap_bound(smap_work_t *w, uint8_t e)
+{
+  const uint8_t end = smap_after(w, e), i = w->contact[e], j = w->contact[end];
+  const float *const p = w->corner[e], *const q = w->corner[end];
+  float r[3];
+  if (w->low[e] > 1.0f) {
+    smap_add_arc(w, e, p, q, i, j);
+    return;
+  }
+  if (w->low[e] > 0.0f) {
+    smap_mix(p, q, w->low[e], r);
+    smap_add_arc(w, e, p, r, i, j);
+  }
+  if (w->low[w->twin[e]] > 0.0f) {
+    smap_mix(q, p, w->low[w->twin[e]], r);
+    smap_add_arc(w, e, r, q, i, j);
+  }
+}
+
+/* Add both sides of a gap to the boundary. */
+static void smap_bound_sides(smap_work_t *w, const smap_gap_t *gap)
+{
+  const uint8_t a = gap->a, b = gap->b, end = smap_after(w, a), rear = smap_after(w, b);
+  const float low = w->low[a], high = w->low[b];
+  float p[3], q[3];
+  smap_mix(w->corner[a], w->corner[end], low, p);
+  smap_mix(w->corner[rear], w->corner[b], low, q);
+  smap_add_arc(w, gap->left, p, q, w->contact[a], w->contact[a]);
+  smap_mix(w->corner[end], w->corner[a], high, p);
+  smap_mix(w->corner[b], w->corner[rear], high, q);
+  smap_add_arc(w, gap->right, q, p, w->contact[end], w->contact[end]);
+}
+
+/* Find the rests that gaps join: `island` is the least number of those of one. */
+static void smap_find_islands(smap_work_t *w)
+{
+  const uint8_t corners = w->at->first[w->at->rests];
+  uint8_t e, r;
+  for (e = 0; e < corners; e++) {
+    const uint8_t to = w->island[w->rest[e]];
+    if (w->low[e] <= 1.0f) {
+      const uint8_t from = w->island[w->rest[w->twin[e]]];
+      for (r = 0; from != to && r < w->at->rests; r++) {
+        w->island[r] = w->island[r] == from ? to : w->island[r];
+      }
+    }
+  }
+}
+
+/* Find the gaps and the boundary of the rests that were added; 0 where there is no room for it. */
+static int smap_close(smap_work_t *w)
+{
+  smap_layout_t *const at = w->at;
+  const uint8_t corners = at->first[at->rests];
+  uint8_t e, i, r, k;
+  for (e = 0; e < corners; e++) {
+    if (w->twin[e] != SMAP_NONE && w->twin[e] > e) {
+      smap_find_gap(w, e);
+    }
+  }
+  for (e = 0; e < corners; e++) {
+    w->full |= !smap_unit(w->region->wall[e]);
+  }
+  smap_find_islands(w);
+  for (i = 0; i < at->rests; i++) {
+    const uint8_t from = at->arcs;
+    for (r = 0; r < at->rests; r++) {
+      if (w->island[r] == i) {
+        at->own[r] = at->arcs;
+        at->alone[r] = 1;
+        for (e = at->first[r]; e < at->first[r + 1]; e++) {
+          at->alone[r] = w->low[e] > 1.0f ? at->alone[r] : 0;
+          smap_bound(w, e);
+        }
+      }
+    }
+    for (k = 0; k < at->gaps; k++) {
+      if (w->island[w->rest[at->gap[k].a]] == i && at->gap[k].left >= SMAP_CORNERS) {
+        smap_bound_sides(w, &at->gap[k]);
+      }
+    }
+    for (r = 0; r < at->rests; r++) {
+      if (w->island[r] == i) {
+        at->from[r] = from;
+        at->till[r] = at->arcs;
+      }
+    }
+  }
+  return !w->full;
+}

@@ -1,0 +1,314 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
+/* ---- facets of discs and points on parallel axes ----------------------------------------------------- */
+/* Rests of discs and points on parallel axes: the history of a hull over pitch.
+ *
+ *   Contacts at one y are a track, from the left to the right; its level at a pitch is L = max (x s - z c + r), with sine s and cosine c of the
+ *   pitch.  Two tracks carry the robot where they are neighbours on the upper hull of the points (y, L):
+ *
+ *       L ^     o-------o          As the pitch grows a track goes on to another disc (a bend), or leaves the hull, or
+ *         |    /         `-o       enters it.  At each such event all that is on one line there makes up a facet:
+ *         |   o   x (off)  |       its corners are the discs that were on the hull, and those that are now.
+ *         +---------------------> right
+ *
+ * A facet's plane is s x + t y - c z = h |(s, t, -c)|, with the slope t of that line. */
+#define SMAP_UNITE 2e-5f   /* rad: changes that are nearer are one facet's */
+#define SMAP_RECESS 3e-7f  /* of the size: inner tracks count as this much lower */
+#define SMAP_ABOVE 1e-6f   /* of the size: no further is a track above a chord by rounding */
+#define SMAP_BEFORE 0.96f  /* of the cosine of the steepest pitch: before any rest the history begins, */
+#define SMAP_EARLIER 0.85f /* and looks for bends from here */
+#define SMAP_NEVER 2.0f
+
+/* `was` and `old` are from before the pitch that is looked at.  pend: the edge from a track to the next one on the
+ * hull, of the rest that both left last. */
+typedef struct {
+  float bend[SMAP_TRACKS];
+  uint8_t disc[SMAP_TRACKS], onto[SMAP_TRACKS], on[SMAP_TRACKS], was[SMAP_TRACKS], old[SMAP_TRACKS];
+  uint8_t bent[SMAP_TRACKS], changed[SMAP_TRACKS], pend[SMAP_TRACKS];
+} smap_hull_t;
+
+SMAP_INLINE float smap_level(const smap_work_t *w, uint8_t i, float s, float c)
+{
+  return w->p[i][0] * s - w->p[i][2] * c + w->r[i];
+}
+
+/* Where a contact touches a plane of a pitch. */
+SMAP_INLINE void smap_touch_at(const smap_work_t *w, uint8_t i, float s, float c, float out[3])
+{
+  out[0] = w->p[i][0] + w->r[i] * s;
+  out[1] = w->p[i][1];
+  out[2] = w->p[i][2] - w->r[i] * c;
+}
+
+static void smap_touch(const smap_work_t *w, uint8_t i, const float n[3], float out[3])
+{
+  const float size = 1.0f / smap_root(n[0] * n[0] + n[2] * n[2]);
+  smap_touch_at(w, i, n[0] * size, -n[2] * size, out);
+}
+
+/* The sine at which x s - z c + q, with c = root(1 - s^2), rises through zero behind s0. */
+static float smap_rises(float x, float z, float q, float s0, float least)
+{
+  const float d2 = x * x + z * z, w2 = d2 - q * q;
+  float w, s;
+  if (!(w2 > least)) {
+    return SMAP_NEVER;
+  }
+  w = smap_root(w2);
+  if (!(w * x + q * z > 0.0f)) {
+    return SMAP_NEVER;
+  }
+  s = (w * z - q * x) / d2;
+  return s > s0 ? s : SMAP_NEVER;
+}
+
+/* Find the next disc of a track behind the pitch of sine s0. */
+static void smap_next_bend(const smap_work_t *w, smap_hull_t *h, uint8_t k, float s0)
+{
+  const uint8_t i = h->disc[k], end = w->map->first[k + 1];
+  const float least = 1e-12f * w->map->size * w->map->size;
+  uint8_t j;
+  h->bend[k] = SMAP_NEVER;
+  for (j = w->map->first[k]; j < end; j++) {
+    const float s = smap_rises(w->p[j][0] - w->p[i][0], w->p[j][2] - w->p[i][2], w->r[j] - w->r[i], s0, least);
+    if (s < h->bend[k]) {
+      h->bend[k] = s;
+      h->onto[k] = j;
+    }
+  }
+}
+
+/* Where the inner track k leaves the hull, or enters it. */
+static float smap_turn_of(const smap_work_t *w, const smap_hull_t *h, uint8_t k, float s0)
+{
+  const float size = w->map->size, sign = h->on[k] ? -1.0f : 1.0f;
+  uint8_t a = k, b = k, d = h->disc[k];
+  const float *p = w->p[d], *pa, *pb;
+  float part, rest, x, z, q;
+  do {
+    a--;
+  } while (!h->on[a]); /* the first and the last always are */
+  do {
+    b++;
+  } while (!h->on[b]);
+  a = h->disc[a];
+  b = h->disc[b];
+  pa = w->p[a];
+  pb = w->p[b];
+  part = (p[1] - pb[1]) / (pa[1] - pb[1]);
+  rest = 1.0f - part;
+  x = sign * (p[0] - part * pa[0] - rest * pb[0]);
+  z = sign * (p[2] - part * pa[2] - rest * pb[2]);
+  q = sign * (w->r[d] - part * w->r[a] - rest * w->r[b] - SMAP_RECESS * size);
+  if (x * s0 - z * smap_root(1.0f - s0 * s0) + q > SMAP_ABOVE * size) {
+    return s0;
+  }
+  return smap_rises(x, z, q, s0, 1e-12f * size * size);
+}
+
+/* Find which tracks are on the upper hull of the levels at a pitch. */
+static void smap_lay_hull(const smap_work_t *w, smap_hull_t *h, float s, float c)
+{
+  const uint8_t tracks = w->map->tracks;
+  float level[SMAP_TRACKS], y[SMAP_TRACKS];
+  uint8_t list[SMAP_TRACKS], n = 0, k;
+  for (k = 0; k < tracks; k++) {
+    const uint8_t i = h->disc[k];
+    const float high = smap_level(w, i, s, c) - (k > 0 && k + 1 < tracks ? SMAP_RECESS * w->map->size : 0.0f);
+    while (n > 1 && (level[n - 1] - level[n - 2]) * (y[n - 1] - w->p[i][1]) <=
+                        (high - level[n - 1]) * (y[n - 2] - y[n - 1])) {
+      n--;
+    }
+    level[n] = high;
+    y[n] = w->p[i][1];
+    list[n++] = k;
+    h->on[k] = 0;
+  }
+  while (n > 0) {
+    h->on[list[--n]] = 1;
+  }
+}
+
+/* Add the facet of the tracks list[0..last], if it is a rest.  `side` is its edge on the last track between the disc that
+ * was there and the one that is now, and was that on the first track of the facet before it. */
+static void smap_enter(smap_work_t *w, smap_hull_t *h, const uint8_t *list, uint8_t last, const float plane[3],
+                       uint8_t *side)
+{
+  const float s = plane[0], c = plane[2], size = 1.0f / smap_root(1.0f + plane[1] * plane[1]);
+  const float n[3] = {s * size, plane[1] * size, -c * size};
+  float p[2 * SMAP_TRACKS][3], extent[SMAP_CONTACTS];
+  uint8_t id[2 * SMAP_TRACKS], track[2 * SMAP_TRACKS], count = 0, turns, j, k, before = *side, first;
+  *side = SMAP_NONE;
+  for (j = 0; j <= last; j++) { /* the way that was on the hull */
+    k = list[j];
+    if (h->was[k]) {
+      id[count] = h->old[k];
+      track[count++] = k;
+    }
+  }
+  turns = count;
+  for (j = (uint8_t)(last + 1u); j-- > 0;) { /* then back the way that is now */
+    k = list[j];
+    if (h->on[k] && !(h->was[k] && h->disc[k] == h->old[k] && (j == last || j == 0))) {
+      id[count] = h->disc[k];
+      track[count++] = k;
+    }
+  }
+  for (j = 0; j < count; j++) {
+    smap_touch_at(w, id[j], s, c, p[j]);
+  }
+  for (j = 0; j < w->map->contacts; j++) {
+    extent[j] = (smap_level(w, j, s, c) + w->p[j][1] * plane[1]) * size;
+  }
+  first = smap_add_rest(w, n, p, id, count, extent);
+  if (first != SMAP_NONE) {
+    for (j = 0; j + 1 < turns; j++) {
+      if (h->pend[track[j]] != SMAP_NONE) {
+        smap_pair(w, h->pend[track[j]], (uint8_t)(first + j));
+      }
+    }
+    if (track[count - 1] == track[0] && before != SMAP_NONE) {
+      smap_pair(w, before, (uint8_t)(first + count - 1));
+    }
+    if (turns < count && track[turns] == track[turns - 1]) {
+      *side = (uint8_t)(first + turns - 1);
+    }
+  }
+  for (j = 0; j < last; j++) {
+    h->pend[list[j]] = SMAP_NONE;
+  }
+  for (j = turns; first != SMAP_NONE && j <= count; j++) {
+    const uint8_t end = j < count ? j : 0;
+    if (track[end] != track[j - 1]) {
+      h->pend[track[end]] = (uint8_t)(first + j - 1);
+    }
+  }
+}
+
+/* Let all that changes at a pitch change: bends, and which tracks are on the hull. */
+static void smap_change(const smap_work_t *w, smap_hull_t *h, float s, float c)
+{
+  const uint8_t tracks = w->map->tracks;
+  uint8_t k, left;
+  memcpy(h->was, h->on, sizeof h->was);
+  memcpy(h->old, h->disc, sizeof h->old);
+  for (k = 0; k < tracks; k++) {
+    h->bent[k] = 0;
+    for (left = SMAP_CONTACTS; left > 0 && h->bend[k] <= s + SMAP_UNITE * c; left--) {
+      h->disc[k] = h->onto[k];
+      h->bent[k] = 1;
+      smap_next_bend(w, h, k, h->bend[k]);
+    }
+  }
+  if (tracks > 2) {
+    const float later = s + 1.5f * SMAP_UNITE * c;
+    smap_lay_hull(w, h, later, smap_root(1.0f - later * later));
+    for (k = 1; k + 1 < tracks; k++) {
+      h->changed[k] = h->on[k] != h->was[k];
+    }
+  }
+}
+
+/* Add the facets at a pitch: of neighbours on the hull those on one line. */
+static void smap_add_facets(smap_work_t *w, smap_hull_t *h, float s, float c)
+{
+  float level[SMAP_TRACKS], plane[3] = {s, 0.0f, c};
+  uint8_t list[SMAP_TRACKS], n = 0, from, to, k, side = SMAP_NONE;
+  for (k = 0; k < w->map->tracks; k++) {
+    if (h->was[k] || h->on[k]) {
+      level[n] = smap_level(w, h->old[k], s, c);
+      list[n++] = k;
+    }
+  }
+  for (from = 0; from + 1 < n; from = to) {
+    uint8_t any = h->bent[list[from]];
+    for (to = from; to + 1 < n; to++) {
+      const float apart = w->p[h->old[list[to]]][1] - w->p[h->old[list[to + 1]]][1];
+      const float t = (level[to + 1] - level[to]) / apart;
+      if (to == from) {
+        plane[1] = t;
+      } else if (!(t - plane[1] <= SMAP_UNITE && plane[1] - t <= SMAP_UNITE)) {
+        break;
+      }
+      any |= h->bent[list[to + 1]];
+    }
+    if (any || to > from + 1) {
+      smap_enter(w, h, list + from, (uint8_t)(to - from), plane, &side);
+    } else {
+      side = SMAP_NONE;
+    }
+  }
+}
+
+/* Put the contacts into the frame of the axis; find the disc of each track before any rest. */
+static void smap_lay_out(smap_work_t *w, smap_hull_t *h)
+{
+  const smap_limits_t *const m = w->map;
+  const float c = SMAP_BEFORE * m->steepest, s = -smap_root(1.0f - c * c), d = SMAP_EARLIER * m->steepest;
+  uint8_t k, i;
+  for (k = 0; k < m->tracks; k++) {
+    const uint8_t first = m->first[k];
+    float most = -SMAP_LARGEST;
+    for (i = first; i < m->first[k + 1]; i++) {
+      const float x = w->p[i][0], y = w->p[i][1];
+      float level;
+      w->p[i][0] = x * m->axis[1] - y * m->axis[0];
+      w->p[i][1] = i == first ? x * m->axis[0] + y * m->axis[1] : w->p[first][1];
+      level = smap_level(w, i, s, c);
+      if (level > most) {
+        most = level;
+        h->disc[k] = i;
+      }
+    }
+    h->on[k] = 1;
+    h->changed[k] = 0;
+    h->pend[k] = SMAP_NONE;
+    smap_next_bend(w, h, k, -smap_root(1.0f - d * d));
+  }
+  if (m->tracks > 2) {
+    smap_lay_hull(w, h, s, c);
+  }
+}
+
+/* Add the rests of a posture. */
+SMAP_APART static void smap_find_rests(smap_work_t *w)
+{
+  const uint8_t tracks = w->map->tracks;
+  const float c = SMAP_BEFORE * w->map->steepest;
+  const float end = smap_root(1.0f - w->map->steepest * w->map->steepest);
+  float before = -smap_root(1.0f - c * c);
+  smap_hull_t h;
+  uint8_t left, k;
+  smap_lay_out(w, &h);
+  for (left = 255; left > 0; left--) {
+    float s = SMAP_NEVER;
+    for (k = 0; k < tracks; k++) {
+      s = h.bend[k] < s ? h.bend[k] : s;
+    }
+    for (k = 1; k + 1 < tracks; k++) {
+      const float turn = smap_turn_of(w, &h, k, h.changed[k] ? before + SMAP_ABOVE : before);
+      s = turn < s ? turn : s;
+    }
+    if (s > end) {
+      return;
+    }
+    {
+      const float cosine = smap_root(1.0f - s * s);
+      smap_change(w, &h, s, cosine);
+      smap_add_facets(w, &h, s, cosine);
+    }
+    before = s;
+  }
+  w->full = 1;
+}
+
+/* Turn what was found in the frame of the axis into the body's. */
+static void smap_turn_back(const smap_limits_t *m, float (*v)[3], uint8_t n)
+{
+  uint8_t k;
+  for (k = 0; k < n; k++) {
+    const float x = v[k][0], y = v[k][1];
+    v[k][0] = x * m->axis[1] + y * m->axis[0];
+    v[k][1] = y * m->axis[1] - x * m->axis[0];
+  }
+}

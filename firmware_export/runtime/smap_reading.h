@@ -1,0 +1,140 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
+/* ---- reading a region: one direction of gravity, in floats and in whole numbers ------------------------ */
+#define SMAP_SINE 1e-6f  /* what rounding may alter of one, which near a right angle alters its angle by much more */
+#define SMAP_BEHIND 1e-5f /* a sine: an arc that is seen from as far behind is not what is nearest */
+
+/* The rest that a direction pierces first; `rate`: 1 / distance along it. */
+static uint8_t smap_pierced(const smap_layout_t *at, const smap_region_t *o, const float g[3], float *rate)
+{
+  uint8_t i, best = SMAP_NONE;
+  *rate = 0.0f;
+  for (i = 0; i < at->rests; i++) {
+    const float v = smap_dot(o->plane[i], g);
+    if (v > *rate) {
+      *rate = v;
+      best = i;
+    }
+  }
+  return best;
+}
+
+/* How far inside (sine) the edges of a rest a direction is, and which of them is nearest. */
+static float smap_inside(const smap_layout_t *at, const smap_region_t *o, uint8_t rest, const float g[3],
+                         uint8_t *which)
+{
+  float least = 1.0f;
+  uint8_t e;
+  *which = at->first[rest];
+  for (e = at->first[rest]; e < at->first[rest + 1]; e++) {
+    const float in = smap_dot(o->wall[e], g);
+    if (!(in >= least)) {
+      least = in;
+      *which = e;
+    }
+  }
+  return least;
+}
+
+/* Whether a direction that is in no rest is in a gap. */
+static int smap_is_in_gap(const smap_layout_t *at, const smap_region_t *o, const float g[3])
+{
+  uint8_t k;
+  for (k = 0; k < at->gaps; k++) {
+    const smap_gap_t *const gap = &at->gap[k];
+    if (smap_dot(o->wall[gap->a], g) <= 0.0f && smap_dot(o->wall[gap->b], g) <= 0.0f &&
+        smap_dot(o->wall[gap->left], g) >= 0.0f && smap_dot(o->wall[gap->right], g) >= 0.0f) {
+      return 1;
+    }
+  }
+  return 0;
+}
+
+/* The distance (sine) of a direction from arcs, 1 where that is further than a right angle, and which is nearest.
+ * `side`: 1 where the direction is in the region, and -1. */
+static float smap_nearest(const smap_layout_t *at, const smap_region_t *o, const float g[3], uint8_t from,
+                          uint8_t till, float side, uint8_t *which)
+{
+  float least = 1.0f;
+  uint8_t k;
+  for (k = from; k < till; k++) {
+    const float *const m = o->amid[k], *const t = o->along[k];
+    float away = side * smap_dot(o->wall[at->arc[k].wall], g), aside, ahead;
+    if (!(away >= -SMAP_BEHIND)) {
+      continue;
+    }
+    away *= away;
+    if (!(away < least)) {
+      continue;
+    }
+    aside = smap_absolute(smap_dot(t, g));
+    ahead = smap_dot(m, g);
+    if (ahead < 0.0f && ahead * smap_dot(t, t) + aside * smap_dot(m, m) < 0.0f) {
+      continue; /* even the nearer end is behind */
+    }
+    away += aside > ahead ? (aside - ahead) * (aside - ahead) : 0.0f;
+    if (away < least) {
+      least = away;
+      *which = k;
+    }
+  }
+  return smap_root(least);
+}
+
+/* The angle of a sine of at least the guard, less the guard as an angle. */
+SMAP_INLINE float smap_less(float sine, float guard)
+{
+  const float angle = smap_asin(sine < 1.0f ? sine - SMAP_SINE : 1.0f) - guard * (1.0f + 0.2f * guard * guard);
+  return angle > 0.0f ? angle : 0.0f;
+}
+
+/* Read a region under a direction of any length. */
+static int8_t smap_read_region(const smap_layout_t *at, const smap_region_t *o, float guard, const float gravity[3],
+                               smap_reading_t *out)
+{
+  const float size = 1.0f / smap_root(smap_dot(gravity, gravity));
+  const float g[3] = {gravity[0] * size, gravity[1] * size, gravity[2] * size};
+  float rate, tip, d[3];
+  uint8_t i, which, best = smap_pierced(at, o, g, &rate), arc = SMAP_NONE;
+  int8_t status = SMAP_OK;
+  if (best == SMAP_NONE) {
+    return smap_deny(out, -SMAP_PI, SMAP_TIPS);
+  }
+  tip = smap_inside(at, o, best, g, &which);
+  for (i = 0; at->nearly && tip < 0.0f && i < at->rests; i++) { /* planes that are all but one are in any order */
+    uint8_t near;
+    const float in = smap_inside(at, o, i, g, &near);
+    if (in >= 0.0f) {
+      tip = in;
+      best = i;
+      which = near;
+      rate = smap_dot(o->plane[i], g);
+    }
+  }
+  if (tip >= 0.0f && at->alone[best]) {
+    arc = (uint8_t)(at->own[best] + which - at->first[best]);
+  } else {
+    const int tips = tip < 0.0f && !smap_is_in_gap(at, o, g);
+    status = tips ? SMAP_TIPS : tip >= guard ? SMAP_OK : SMAP_ROCKS;
+    tip = tip >= 0.0f ? smap_nearest(at, o, g, at->from[best], at->till[best], 1.0f, &arc)
+                      : smap_nearest(at, o, g, 0, at->arcs, tips ? -1.0f : 1.0f, &arc);
+    tip = tips ? -tip : tip;
+  }
+  if (status == SMAP_TIPS || !(tip >= guard)) {
+    tip -= guard;
+    (void)smap_deny(out, tip > -1.0f ? smap_asin(tip) : -SMAP_PI, SMAP_TIPS);
+    status = SMAP_TIPS;
+  } else {
+    out->tip_angle = at->arcs ? smap_less(tip, guard) : 3.1415925f;
+    out->height = o->height[best];
+    rate = 1.0f / rate;
+    SMAP_THRICE
+    for (i = 0; i < 3; i++) {
+      d[i] = rate * g[i] - o->centre[best][i];
+    }
+    out->sdg = smap_root(smap_dot(d, d));
+  }
+  out->over[0] = arc != SMAP_NONE ? at->arc[arc].over[0] : SMAP_NONE;
+  out->over[1] = arc != SMAP_NONE ? at->arc[arc].over[1] : SMAP_NONE;
+  return status;
+}

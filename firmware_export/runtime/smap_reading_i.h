@@ -1,0 +1,219 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
+/* ---- reading a region without float: raw counts of an accelerometer ------------------------------------ */
+/* Walls, planes and arcs are int16, 32767 for 1; products with gravity are summed in int32, which they never leave,
+ * since both are at most 32768 sqrt(3) and 32767 long. */
+#define SMAP_ONE_I 32767
+#define SMAP_ROUNDED_I 1.6e-4f /* sine that rounding may alter: of walls, and to a step of 1 / 16384 twice */
+#define SMAP_BEHIND_I 4        /* of SMAP_ONE_I, as SMAP_BEHIND, and what is in doubt of short arcs */
+
+typedef struct {
+  uint8_t shift;     /* of D: see smap_make_i */
+  uint16_t mantissa; /* of D */
+  int16_t guard;
+  uint16_t height[SMAP_RESTS];
+  int16_t plane[SMAP_RESTS][3];
+  int16_t centre[SMAP_RESTS][3]; /* in two steps of sdg */
+  int16_t wall[SMAP_WALLS][3];
+  int16_t amid[SMAP_ARCS][3], along[SMAP_ARCS][3];
+} smap_region_i_t;
+
+/* The nearest whole number of what is less than 2^22: the last digits of a sum whose last is worth 1. */
+SMAP_INLINE int16_t smap_whole_i(float x)
+{
+  return (int16_t)(int32_t)(smap_bits(x + 12582912.0f) - 0x4B400000u);
+}
+
+/* Vectors times a scale as whole numbers; what is beyond int16 becomes the last one. */
+static void smap_scale_i(const float (*from)[3], uint8_t n, float scale, int16_t (*to)[3])
+{
+  uint8_t i, k;
+  for (i = 0; i < n; i++) {
+    SMAP_THRICE
+    for (k = 0; k < 3; k++) {
+      const float x = from[i][k] * scale;
+      to[i][k] = smap_whole_i(x < 32767.0f ? x > -32767.0f ? x : -32767.0f : 32767.0f);
+    }
+  }
+}
+
+/* The nearest whole number from 0 to `most`, which is at most 65535. */
+SMAP_INLINE uint16_t smap_steps_i(float x, float most)
+{
+  return (uint16_t)smap_whole_i(x < most ? x : most);
+}
+
+/* Make the integer form of a region; `step` is that of lengths. */
+static void smap_make_i(const smap_layout_t *at, const smap_region_t *o, float guard, float step, smap_region_i_t *i)
+{
+  float least = 0.0f, factor;
+  uint8_t k;
+  for (k = 0; k < at->rests; k++) {
+    least = k == 0 || o->height[k] < least ? o->height[k] : least;
+    i->height[k] = smap_steps_i(o->height[k] / step, 65534.0f);
+  }
+  smap_scale_i(o->centre, at->rests, 0.5f / step, i->centre);
+  smap_scale_i(o->plane, at->rests, (float)SMAP_ONE_I * least, i->plane); /* n / h: the greatest is 1 */
+  smap_scale_i(o->wall, at->first[at->rests], (float)SMAP_ONE_I, i->wall);
+  smap_scale_i(o->wall + SMAP_CORNERS, (uint8_t)(2u * at->gaps), (float)SMAP_ONE_I, i->wall + SMAP_CORNERS);
+  smap_scale_i(o->amid, at->arcs, (float)SMAP_ONE_I, i->amid);
+  smap_scale_i(o->along, at->arcs, (float)SMAP_ONE_I, i->along);
+  /* D = g 32767 least / (2 step) / (plane . g) = g (mantissa 2^16 / (plane . g >> shift)) / 2^15 */
+  factor = (float)SMAP_ONE_I * least * 0.5f / step;
+  k = (uint8_t)(smap_bits(factor) >> 23);
+  i->shift = (uint8_t)(k > 143 && k < 173 ? k - 143 : 0); /* so that it is less than 2^17 */
+  factor = smap_from_bits(smap_bits(factor) - ((uint32_t)i->shift << 23)) * 0.5f;
+  i->mantissa = smap_steps_i(factor, 65535.0f);
+  i->guard = (int16_t)((guard + SMAP_ROUNDED_I) * (float)SMAP_ONE_I + 1.0f);
+}
+
+SMAP_INLINE int32_t smap_dot_i(const int16_t a[3], const int32_t b[3])
+{
+  /* Summed without sign: only walls of a damaged map can be too long, and they may wrap. */
+  return (int32_t)((uint32_t)(a[0] * b[0]) + (uint32_t)(a[1] * b[1]) + (uint32_t)(a[2] * b[2]));
+}
+
+SMAP_INLINE int32_t smap_square_i(const int16_t a[3])
+{
+  const int32_t b[3] = {a[0], a[1], a[2]};
+  return smap_dot_i(a, b);
+}
+
+/* As smap_inside; 32767 |g| times the sine. */
+static int32_t smap_inside_i(const smap_layout_t *at, const smap_region_i_t *o, uint8_t rest, const int32_t g[3],
+                             int32_t least, uint8_t *which)
+{
+  uint8_t e;
+  *which = at->first[rest];
+  for (e = at->first[rest]; e < at->first[rest + 1]; e++) {
+    const int32_t in = smap_dot_i(o->wall[e], g);
+    if (in < least) {
+      least = in;
+      *which = e;
+    }
+  }
+  return least;
+}
+
+/* As smap_is_in_gap. */
+static int smap_is_in_gap_i(const smap_layout_t *at, const smap_region_i_t *o, const int32_t g[3])
+{
+  uint8_t k;
+  for (k = 0; k < at->gaps; k++) {
+    const smap_gap_t *const gap = &at->gap[k];
+    if (smap_dot_i(o->wall[gap->a], g) <= 0 && smap_dot_i(o->wall[gap->b], g) <= 0 &&
+        smap_dot_i(o->wall[gap->left], g) >= 0 && smap_dot_i(o->wall[gap->right], g) >= 0) {
+      return 1;
+    }
+  }
+  return 0;
+}
+
+/* As smap_nearest; |g| times the sine, rounded down.  In doubt about an arc that is so short that it has no digits
+ * that what stands is nearer, and what tips further. */
+static int32_t smap_nearest_i(const smap_layout_t *at, const smap_region_i_t *o, const int32_t g[3], uint32_t length,
+                              const uint8_t ends[2], int tips, uint8_t *which)
+{
+  const int32_t doubt = tips ? SMAP_BEHIND_I : -SMAP_BEHIND_I;
+  uint32_t least = (length - 1u) * (length - 1u);
+  uint8_t k;
+  for (k = ends[0]; k < ends[1]; k++) {
+    const int16_t *const m = o->amid[k], *const t = o->along[k];
+    const int32_t away = smap_dot_i(o->wall[at->arc[k].wall], g) >> 15;
+    uint32_t square = (uint32_t)away * (uint32_t)away;
+    int32_t aside, ahead;
+    if ((tips ? away : -away) > SMAP_BEHIND_I || square >= least) {
+      continue;
+    }
+    aside = smap_dot_i(t, g) >> 15;
+    aside = aside < 0 ? -aside : aside;
+    ahead = smap_dot_i(m, g) >> 15;
+    if (ahead < doubt && ahead * (smap_square_i(t) >> 15) + aside * (smap_square_i(m) >> 15) < doubt * SMAP_ONE_I) {
+      continue;
+    }
+    square += aside > ahead ? (uint32_t)(aside - ahead) * (uint32_t)(aside - ahead) : 0u;
+    if (square < least) {
+      least = square;
+      *which = k;
+    }
+  }
+  return (int32_t)smap_whole_root(least);
+}
+
+/* |D - s| in steps.  A contact is at most 32767 two-steps away and the longest of g is 16384 or more, so the
+ * factor is at most 2^16 for 2. */
+SMAP_APART static uint16_t smap_sdg_i(const smap_region_i_t *o, uint8_t f, const int32_t g[3], int32_t rate)
+{
+  const uint8_t shift = o->shift;
+  const uint32_t deep = (uint32_t)rate >> shift, factor = deep ? ((uint32_t)o->mantissa << 16) / deep : 65536u;
+  uint32_t sum = 0;
+  uint8_t k;
+  if (factor > 65535u) {
+    return 65534;
+  }
+  SMAP_THRICE
+  for (k = 0; k < 3; k++) {
+    const int32_t d = (g[k] * (int32_t)factor >> 15) - o->centre[f][k];
+    if (d > 32767 || d < -32767) {
+      return 65534;
+    }
+    sum += (uint32_t)(d * d);
+  }
+  sum = 2u * smap_whole_root(sum);
+  return (uint16_t)(sum < 65534u ? sum : 65534u);
+}
+
+/* Read a region under a direction whose longest component is 16384 to 32768; `length` is that of it, rounded up. */
+static int8_t smap_read_region_i(const smap_layout_t *at, const smap_region_i_t *o, const int32_t gravity[3],
+                                 uint32_t length, smap_reading_i_t *out)
+{
+  const int32_t size = (int32_t)length, all = SMAP_ONE_I * (size - 1);
+  const int32_t g[3] = {gravity[0], gravity[1], gravity[2]}; /* no store can alter it */
+  int32_t rate = 0, tip;
+  uint8_t i, best = SMAP_NONE, which, arc = SMAP_NONE;
+  int8_t status = SMAP_OK;
+  for (i = 0; i < at->rests; i++) {
+    const int32_t v = smap_dot_i(o->plane[i], g);
+    if (v > rate) {
+      rate = v;
+      best = i;
+    }
+  }
+  if (best == SMAP_NONE) {
+    return smap_deny_i(out, SMAP_TIPS);
+  }
+  tip = smap_inside_i(at, o, best, g, all, &which);
+  for (i = 0; at->nearly && tip < 0 && i < at->rests; i++) {
+    uint8_t near;
+    const int32_t in = smap_inside_i(at, o, i, g, all, &near);
+    if (in >= 0) {
+      tip = in;
+      best = i;
+      which = near;
+      rate = smap_dot_i(o->plane[i], g);
+    }
+  }
+  if (tip >= 0 && at->alone[best]) {
+    arc = tip < all ? (uint8_t)(at->own[best] + which - at->first[best]) : (uint8_t)SMAP_NONE;
+  } else {
+    const int tips = tip < 0 && !smap_is_in_gap_i(at, o, g);
+    const uint8_t ends[2] = {tip < 0 ? (uint8_t)0 : at->from[best], tip < 0 ? at->arcs : at->till[best]};
+    status = tips ? SMAP_TIPS : tip >= o->guard * size ? SMAP_OK : SMAP_ROCKS;
+    tip = smap_nearest_i(at, o, g, length, ends, tips, &arc);
+    tip = (tips ? -tip - 1 : tip) * SMAP_ONE_I;
+  }
+  tip = (tip < 0 ? tip / (size - 1) : tip / (size + 1)) - o->guard;
+  if (tip < 0 || status == SMAP_TIPS) {
+    (void)smap_deny_i(out, SMAP_TIPS);
+    tip = tip < 0 ? tip : -1;
+    out->tip = (int16_t)(tip > -SMAP_ONE_I ? tip : -SMAP_ONE_I);
+    status = SMAP_TIPS;
+  } else {
+    out->tip = (int16_t)tip;
+    out->height = o->height[best];
+    out->sdg = smap_sdg_i(o, best, g, rate);
+  }
+  out->over[0] = arc != SMAP_NONE ? at->arc[arc].over[0] : (uint8_t)SMAP_NONE;
+  out->over[1] = arc != SMAP_NONE ? at->arc[arc].over[1] : (uint8_t)SMAP_NONE;
+  return status;
+}

@@ -1,0 +1,290 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
+/* ---- region: where a robot of many contacts stands -------------------------------------------------- */
+/* A posture stands on rests: facets of the hull of its contacts that are wide enough.  Over an edge that two
+ * rests share the robot may rock: that is a gap.  A pose keeps both as convex cones with walls through the centre
+ * of mass, and the boundary of them all as arcs of great circles.
+ *
+ * A corner of a rest has a number, and so have the edge from it to the next one, counter-clockwise seen from
+ * the centre of mass, and the wall through that edge.  Behind the walls of all corners come the two sides of each gap. */
+#define SMAP_NONE 255u
+#define SMAP_WALLS (SMAP_CORNERS + 2 * SMAP_GAPS)
+#define SMAP_JOINED 2e-4f /* rad: rests that a shorter turn joins are one */
+#define SMAP_BELOW 2e-5f  /* of the size: a facet has no contact as far below it */
+
+/* What a map says of its robot beside positions.  Lengths, but sines: steepest, guard; and parts of the size: off, by
+ * which a roll ends elsewhere, also for each rad that it turns. */
+typedef struct {
+  smap_bytes_t first, named; /* the first contact of each track; the recipe's number of each contact */
+  uint8_t contacts, tracks;
+  float axis[2], size, steepest, least_height, rest_width, tolerance, rock_chord, guard, off, turned;
+} smap_limits_t;
+
+typedef struct {
+  uint8_t a, b, left, right; /* its walls: those of its edges, which it is behind, and its sides */
+} smap_gap_t;
+
+typedef struct {
+  uint8_t wall, over[2]; /* on which wall it lies; the recipe's numbers of the contacts at its ends */
+} smap_arc_t;
+
+/* What both forms of a pose begin with.  Arcs are in the order of islands: `from` and `till` are those of the island
+ * that a rest belongs to, and `own` is the first of its own. */
+typedef struct {
+  uint8_t rests, gaps, arcs, nearly; /* nearly: there are rests whose planes are all but one */
+  uint8_t first[SMAP_RESTS + 1];     /* corner of each rest */
+  uint8_t own[SMAP_RESTS], from[SMAP_RESTS], till[SMAP_RESTS];
+  uint8_t alone[SMAP_RESTS]; /* whether all of its edges are boundary */
+  smap_gap_t gap[SMAP_GAPS];
+  smap_arc_t arc[SMAP_ARCS];
+} smap_layout_t;
+
+/* The form for floats.  `plane` is n / h.  `amid` is the middle of an arc times the sine of half of it, `along` its
+ * direction there times the cosine. */
+typedef struct {
+  float plane[SMAP_RESTS][3], centre[SMAP_RESTS][3], height[SMAP_RESTS];
+  float wall[SMAP_WALLS][3];
+  float amid[SMAP_ARCS][3], along[SMAP_ARCS][3];
+} smap_region_t;
+
+/* What is only needed while a pose is made. */
+typedef struct {
+  const smap_limits_t *map;
+  smap_layout_t *at;
+  smap_region_t *region;
+  float p[SMAP_CONTACTS][3], r[SMAP_CONTACTS];
+  float normal[SMAP_RESTS][3];
+  float corner[SMAP_CORNERS][3], low[SMAP_CORNERS]; /* low: from which part of the edge on it holds, > 1: none does */
+  uint8_t contact[SMAP_CORNERS], twin[SMAP_CORNERS], rest[SMAP_CORNERS], island[SMAP_RESTS];
+  uint8_t full; /* whether there was no room for an arc: the pose has failed */
+} smap_work_t;
+
+/* A family tells where a contact touches the plane with a normal. */
+static void smap_touch(const smap_work_t *w, uint8_t i, const float n[3], float out[3]);
+
+SMAP_INLINE void smap_minus(const float a[3], const float b[3], float out[3])
+{
+  out[0] = a[0] - b[0];
+  out[1] = a[1] - b[1];
+  out[2] = a[2] - b[2];
+}
+
+SMAP_INLINE void smap_mix(const float p[3], const float q[3], float part, float out[3])
+{
+  uint8_t k;
+  SMAP_THRICE
+  for (k = 0; k < 3; k++) {
+    out[k] = p[k] + part * (q[k] - p[k]);
+  }
+}
+
+/* Scale a vector to length 1; 0 where it has no direction, or is no number. */
+static int smap_unit(float v[3])
+{
+  const float size2 = smap_dot(v, v);
+  float scale;
+  if (!(size2 > 1e-34f && size2 < 1e34f)) {
+    return 0;
+  }
+  scale = 1.0f / smap_root(size2);
+  v[0] *= scale;
+  v[1] *= scale;
+  v[2] *= scale;
+  return 1;
+}
+
+/* The corner behind e on its rest. */
+SMAP_INLINE uint8_t smap_after(const smap_work_t *w, uint8_t e)
+{
+  const uint8_t r = w->rest[e];
+  return e + 1 < w->at->first[r + 1] ? (uint8_t)(e + 1) : w->at->first[r];
+}
+
+/* Order the places p of some contacts around a plane, counter-clockwise as corners are, those inside left out; 0
+ * where rounding lets no outline close. */
+static uint8_t smap_outline(const float n[3], float (*p)[3], uint8_t *id, uint8_t count)
+{
+  uint8_t first = 0, k, placed = 0, at;
+  float most = -1.0f;
+  for (k = 1; k < count; k++) { /* the furthest from any is a corner */
+    float d[3];
+    smap_minus(p[k], p[0], d);
+    if (smap_dot(d, d) > most) {
+      most = smap_dot(d, d);
+      first = k;
+    }
+  }
+  at = first;
+  while (placed < count) {
+    uint8_t next = SMAP_NONE, j;
+    float in[3] = {0.0f, 0.0f, 0.0f}, d[3], size = 0.0f;
+    for (j = 0; j < 3; j++) { /* corners that are found come first */
+      const float x = p[placed][j];
+      p[placed][j] = p[at][j];
+      p[at][j] = x;
+    }
+    k = id[placed];
+    id[placed] = id[at];
+    id[at] = k;
+    for (k = 0; k < count; k++) {
+      float turn;
+      if (k == placed || (k < placed && k > 0)) {
+        continue;
+      }
+      smap_minus(p[k], p[placed], d);
+      turn = next == SMAP_NONE ? -1.0f : smap_dot(d, in);
+      if (turn < 0.0f || (turn <= 0.0f && smap_dot(d, d) > size)) {
+        next = k;
+        size = smap_dot(d, d);
+        smap_cross(d, n, in);
+      }
+    }
+    placed++;
+    if (next == 0 || next == SMAP_NONE) {
+      return next == 0 ? placed : 0;
+    }
+    at = next;
+  }
+  return 0;
+}
+
+/* Find the area centroid of a polygon; 0 where it is not as wide as a rest in every direction. */
+static int smap_measure(const smap_work_t *w, const float n[3], float (*p)[3], uint8_t count, float centre[3])
+{
+  const float width = w->map->rest_width;
+  float area = 0.0f;
+  uint8_t i, j, k;
+  centre[0] = centre[1] = centre[2] = 0.0f;
+  for (i = 0; i < count; i++) {
+    const uint8_t next = i + 1 < count ? (uint8_t)(i + 1) : 0;
+    float u[3], in[3], from, most = 0.0f;
+    smap_minus(p[next], p[i], u);
+    smap_cross(u, n, in);
+    from = smap_dot(p[i], in);
+    for (j = 0; j < count; j++) {
+      const float far = smap_dot(p[j], in) - from;
+      most = j != i && j != next && far > most ? far : most;
+    }
+    if (!(most > 0.0f && most * most >= width * width * smap_dot(u, u))) {
+      return 0;
+    }
+    if (i > 0 && next != 0) { /* a fan from corner 0 */
+      float a[3], b[3], part;
+      smap_minus(p[i], p[0], a);
+      smap_minus(p[next], p[0], b);
+      smap_cross(b, a, in);
+      part = smap_dot(in, n);
+      area += part;
+      SMAP_THRICE
+      for (k = 0; k < 3; k++) {
+        centre[k] += part * (a[k] + b[k]);
+      }
+    }
+  }
+  area = 1.0f / (3.0f * area);
+  SMAP_THRICE
+  for (k = 0; k < 3; k++) {
+    centre[k] = p[0][k] + centre[k] * area;
+  }
+  return 1;
+}
+
+/* Add the facet with normal n and these corners, if it is a rest: returns its first corner, else SMAP_NONE.  `extent`
+ * tells how far each contact extends along n. */
+static uint8_t smap_add_rest(smap_work_t *w, const float n[3], float (*p)[3], const uint8_t *id, uint8_t count,
+                             const float *extent)
+{
+  const uint8_t r = w->at->rests, first = w->at->first[r];
+  const float height = smap_dot(p[0], n), size = w->map->size;
+  smap_region_t *const o = w->region;
+  uint8_t i, k, near = 0;
+  int wide;
+  if (!(height > w->map->least_height && -n[2] > w->map->steepest) || count < 3 || r >= SMAP_RESTS ||
+      first + count > SMAP_CORNERS) {
+    return SMAP_NONE;
+  }
+  for (i = 0; i < w->map->contacts; i++) {
+    if (extent[i] > height + SMAP_BELOW * size) {
+      return SMAP_NONE;
+    }
+    near = (uint8_t)(near + (extent[i] >= height - w->map->tolerance));
+  }
+  if (near <= count) {
+    wide = smap_measure(w, n, p, count, o->centre[r]);
+  } else { /* all of them make up the support polygon */
+    float q[SMAP_CONTACTS][3];
+    uint8_t all[SMAP_CONTACTS];
+    near = 0;
+    for (i = 0; i < w->map->contacts; i++) {
+      if (extent[i] >= height - w->map->tolerance) {
+        smap_touch(w, i, n, q[near]);
+        all[near++] = i;
+      }
+    }
+    near = smap_outline(n, q, all, near);
+    wide = near > 2 && smap_measure(w, n, q, near, o->centre[r]);
+  }
+  if (!wide) {
+    return SMAP_NONE;
+  }
+  for (i = 0; i < count; i++) {
+    const uint8_t e = (uint8_t)(first + i);
+    memcpy(w->corner[e], p[i], sizeof w->corner[e]);
+    smap_cross(p[i + 1 < count ? i + 1 : 0], p[i], o->wall[e]); /* of length 1 only at the end */
+    w->contact[e] = id[i];
+    w->rest[e] = r;
+    w->twin[e] = SMAP_NONE;
+    w->low[e] = 2.0f;
+  }
+  SMAP_THRICE
+  for (k = 0; k < 3; k++) {
+    w->normal[r][k] = n[k];
+    o->plane[r][k] = n[k] / height;
+  }
+  o->height[r] = height;
+  w->island[r] = r;
+  w->at->rests = (uint8_t)(r + 1u);
+  w->at->first[r + 1] = (uint8_t)(first + count);
+  return first;
+}
+
+/* Edges a and b of two rests are the same arc: the robot rolls over it from one to the other. */
+SMAP_INLINE void smap_pair(smap_work_t *w, uint8_t a, uint8_t b)
+{
+  w->twin[a] = b;
+  w->twin[b] = a;
+}
+
+/* Add a part of the boundary, from place p to q on a wall. */
+static void smap_add_arc(smap_work_t *w, uint8_t wall, const float p[3], const float q[3], uint8_t i, uint8_t j)
+{
+  const uint8_t at = w->at->arcs;
+  smap_region_t *const o = w->region;
+  float a[3], b[3], sine2, sine, cosine;
+  uint8_t k;
+  memcpy(a, p, sizeof a);
+  memcpy(b, q, sizeof b);
+  if (at >= SMAP_ARCS || !smap_unit(a) || !smap_unit(b)) {
+    w->full = 1;
+    return;
+  }
+  smap_minus(b, a, o->along[at]);
+  sine2 = 0.25f * smap_dot(o->along[at], o->along[at]); /* of half of it */
+  sine = smap_root(sine2);
+  cosine = smap_root(1.0f - (sine2 < 1.0f ? sine2 : 1.0f));
+  smap_mix(a, b, 0.5f, b);
+  if (!smap_unit(b)) {
+    w->full = 1;
+    return;
+  }
+  smap_cross(o->wall[wall], b, a);
+  SMAP_THRICE
+  for (k = 0; k < 3; k++) {
+    o->along[at][k] = a[k] * cosine;
+    o->amid[at][k] = b[k] * sine;
+  }
+  w->at->arc[at].wall = wall;
+  w->at->arc[at].over[0] = w->map->named[i];
+  w->at->arc[at].over[1] = w->map->named[j];
+  w->at->arcs = (uint8_t)(at + 1u);
+}
