@@ -72,7 +72,7 @@ static inline uint8_t smap_contacts_of(const smap_many_t *map)
   return SMAP_MANY_KNOWN ? SMAP_MANY_CONTACTS : map->contacts;
 }
 
-static inline uint8_t smap_rails_of(const smap_many_t *map)
+SMAP_INLINE uint8_t smap_rails_of(const smap_many_t *map)
 {
   return SMAP_MANY_KNOWN ? SMAP_MANY_RAILS : map->rails;
 }
@@ -161,22 +161,6 @@ typedef struct {
 
 #define SMAP_SHORT (-1.0f)
 #define SMAP_OPEN 2.0f
-
-#ifndef SMAP_VERSION /* smap.h's parts have them */
-#define SMAP_APART
-#define SMAP_THRICE
-static inline float smap_dot(const float a[3], const float b[3])
-{
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static inline void smap_cross(const float a[3], const float b[3], float out[3])
-{
-  out[0] = a[1] * b[2] - a[2] * b[1];
-  out[1] = a[2] * b[0] - a[0] * b[2];
-  out[2] = a[0] * b[1] - a[1] * b[0];
-}
-#endif
 
 static inline void smap_minus(const float a[3], const float b[3], float out[3])
 {
