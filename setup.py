@@ -1,4 +1,4 @@
-"""Builds the C runtime as a plain library for ctypes; all else is in pyproject.toml."""
+"""Builds the C runtime, once for each family, as a library for ctypes; see pyproject.toml."""
 
 import hashlib
 import os
@@ -8,7 +8,9 @@ from pathlib import Path
 
 from setuptools import Extension, find_namespace_packages, setup
 from setuptools.command.bdist_wheel import bdist_wheel
+from setuptools.command.build_ext import build_ext
 
+FAMILIES = ("points", "tables", "tables_i", "grid", "rails", "search")
 SOURCES = sorted(Path("firmware_export/runtime").glob("*.[ch]"))
 # `firmware_export.host` refuses a library of other sources.
 DIGEST = hashlib.sha256(b"\0".join(path.read_bytes() for path in SOURCES)).hexdigest()
@@ -26,9 +28,25 @@ class Wheel(bdist_wheel):
         return "py3", "none", super().get_tag()[2]
 
 
+class Build(build_ext):
+    """The same file compiled for each family."""
+
+    def build_extension(self, ext: Extension) -> None:  # noqa: D102
+        for family in FAMILIES:
+            ext.extra_objects += self.compiler.compile(
+                ext.sources,
+                output_dir=str(Path(self.build_temp) / family),
+                macros=[*ext.define_macros, ("SMAP_FAMILY", family)],
+                extra_postargs=ext.extra_compile_args,
+                depends=ext.depends,
+            )
+        ext.sources = []
+        super().build_extension(ext)
+
+
 runtime = Extension(
     "firmware_export.runtime._host",
-    [str(path) for path in SOURCES if path.match("host_*.c")],
+    ["firmware_export/runtime/smap_host.c"],
     define_macros=[("SMAP_SOURCES", f'"{DIGEST}"')],
     extra_compile_args=[*FLAGS, f"-ffile-prefix-map={Path.cwd()}=."],
     depends=[str(path) for path in SOURCES],
@@ -39,6 +57,6 @@ packages = find_namespace_packages(".", ["*__pycache__"], ["lutgen*", "firmware_
 setup(
     packages=[*packages, "lutgen.gallery"],
     package_dir={"lutgen.gallery": "maps"},
-    cmdclass={"bdist_wheel": Wheel},
+    cmdclass={"bdist_wheel": Wheel, "build_ext": Build},
     ext_modules=[runtime],
 )

@@ -4,7 +4,7 @@ import json
 from statistics import median_low
 from typing import Any
 
-from firmware_export.emit.facts import COUNTS
+from firmware_export.emit.size import COUNTS
 from targets.cases import ROOT
 from targets.image import Outcome
 

@@ -9,8 +9,6 @@ from firmware_export.host import Host
 
 START = 2166136261
 PRIME = 16777619
-# How bad smap_at_n takes a status to be (smap.h).
-BADNESS = {0: 0, 4: 1, 2: 2, 3: 3, 5: 4, 6: 5, -1: 6}
 
 Queries = tuple[NDArray[Any], NDArray[Any]]
 
@@ -45,7 +43,7 @@ def answers(host: Host, floats: bool, integers: bool, real: Queries, whole: Quer
             said, status, reading = host.at(params, np.stack([down, -down]))
             made.append(said)
             one.append(answer_bytes(status, reading)[0])
-            worst = max(status, key=lambda code: BADNESS[int(code)])
+            worst = max(status)
             two.append(answer_bytes(np.array([worst, worst]), reading)[1])
         found += [np.array(made, np.int8).view(np.uint8)[:, None], np.stack(one), np.stack(two)]
     if integers and floats:

@@ -111,6 +111,12 @@ def build(arguments: Sequence[str], folder: Path) -> None:
         raise CellError(f"{arguments[0]}: {text.strip()}")
 
 
+def version(board: Board) -> str:
+    """Return the compiler's first line about itself."""
+    done = run([board.tool, "--version"], Path())
+    return (done.stdout.splitlines() or ["unknown"])[0].strip()
+
+
 def flags_of(board: Board, option: str) -> list[str]:
     """Return the command of a board's compiler, without files."""
     return [board.tool, *board.flags, option, "-ffunction-sections", "-fdata-sections", "-I."]
@@ -133,7 +139,7 @@ def deepest(graph: str, entry: str = "", without: str = "\n") -> int:
 
     def depth(title: str, seen: tuple[str, ...]) -> int:
         if title in seen:
-            raise ExportError(f"smap.c: {title} calls itself (got a recursion); write a loop.")
+            raise ExportError(f"the runtime: {title} calls itself (got a recursion); write a loop.")
         further = [name for name in calls.get(title, ()) if without not in name]
         below = [depth(name, (*seen, title)) for name in further]
         return own.get(title, 0) + max(below, default=0)
@@ -151,7 +157,9 @@ def compiled(
     graphed = "arm" in board.tool
     more = ["-fcallgraph-info=su"] if graphed else []
     build([*flags_of(board, option), *more, "-c", f"{name}.c", "-o", f"{name}.o"], folder)
-    code = section_bytes(folder / f"{name}.o", ".text")
+    made = folder / f"{name}.o"
+    tables = (f".rodata.{name}_tables", f".rodata.{name}_policy")
+    code = section_bytes(made, ".text", ".rodata") - section_bytes(made, *tables)
     if not graphed:
         return Footprint(code)
     graph = (folder / f"{name}.ci").read_text(encoding="utf-8")

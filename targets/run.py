@@ -9,7 +9,6 @@ docs/measured/targets.md explains the columns, and `--update` writes its table.
 import argparse
 import os
 import shutil
-import subprocess
 import sys
 import time
 from collections.abc import Sequence
@@ -17,7 +16,6 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import Any
 
-from firmware_export.emit.runtime import features
 from firmware_export.emit.source import body_of
 from firmware_export.host import Host
 from firmware_export.protocol import Export, describe
@@ -26,10 +24,10 @@ from targets import baseline, pages, queries
 from targets.boards import BOARDS, Board
 from targets.cases import Case, cases, written
 from targets.digest import answers, fnv1a
-from targets.image import Job, execute
+from targets.image import Job, execute, version
 
 # Of many contacts one query in so many is asked for the hash: a posture takes long on small parts.
-FEWER = 10
+FEWER, MANY = 10, (5, 6)
 # The board that is asked random reads for the longest one.
 LONGEST = "m4f"
 
@@ -67,10 +65,9 @@ def prepared(case: Case) -> Row:
     """Write the folder of a row."""
     export, folder = written(case)
     body = body_of(export)
-    on = features(body)
-    forms = "SMAP_FLOATS" in on, "SMAP_INTEGERS" in on
-    job = Job(folder, export.name, export.model.k, *forms, b"", 0, 0)
-    return Row(case, export, job, Host(describe(export, body)), FEWER if "SMAP_MANY" in on else 1)
+    job = Job(folder, export.name, export.model.k, not export.integer, True, b"", 0, 0)
+    many = body.codec in MANY
+    return Row(case, export, job, Host(describe(export, body)), FEWER if many else 1)
 
 
 def run_cell(row: Row, board: Board, option: str, reads: int) -> baseline.Cell:
@@ -84,13 +81,6 @@ def run_cell(row: Row, board: Board, option: str, reads: int) -> baseline.Cell:
         (most,) = execute(row.reads(reads), board, option).counts["read"]
         cell["longest"] = max(most, cell["read"][1])
     return cell
-
-
-def version(board: Board) -> str:
-    """Return the compiler's first line about itself."""
-    command = [board.tool, "--version"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60.0)
-    return (done.stdout.splitlines() or ["unknown"])[0].strip()
 
 
 def identity(export: Export) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Measure the runtime with a cross compiler: code, RAM and stack for each set of features.
+"""Measure the runtime with a cross compiler: code, RAM and stack of each family at its largest.
 
     python -m targets.size [--update]
 
@@ -9,21 +9,20 @@ library than memcpy and memset is an error.
 
 import argparse
 import json
+import re
 import shutil
 import sys
 import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
-from firmware_export.emit.runtime import SWITCHES, control_parts, parts_of
 from firmware_export.emit.size import FILE, TARGET
 from firmware_export.host import RUNTIME
 from lutgen.errors import ExportError, LutgenError
 from targets.boards import BOARDS
 from targets.cases import ROOT
 from targets.elf import section_bytes, undefined
-from targets.image import build, deepest, flags_of
+from targets.image import build, deepest, flags_of, version
 from targets.pages import PAGE, between, markdown
 
 # What exports read instead of compiling.
@@ -31,106 +30,93 @@ SIZES = ROOT / "firmware_export" / "runtime" / FILE
 BOARD = BOARDS[0]
 # Of string.h, which every C library has.
 ALLOWED = frozenset(("memcpy", "memset"))
-# Arrays on the stack are as large as a map needs: two joints, and three points or twelve discs.
-USUAL = {"SMAP_MAX_PARAMS": 2, "SMAP_MAX_ENTRIES": 8, "SMAP_MAX_COORDINATES": 42}
+# Arrays are as large as a map needs: two joints, and three points or twelve discs.
+USUAL = {"SMAP_MAX_PARAMS": 2, "SMAP_MAX_ENTRIES": 8, "SMAP_MAX_COORDINATES": 42, "SMAP_SERIES": 1}
 # Of many contacts those that marv has, whose axes are parallel, and articulated, whose are not.
 CAPACITIES = ("CONTACTS", "RAILS", "AXLES", "FACETS", "EDGES", "RESTS", "CORNERS", "GAPS", "ARCS")
-MANY = {"SMAP_MANY_BY_RAILS": (8, 2, 0, 7, 20, 7, 20, 5, 38)}
-MANY["SMAP_MANY_SEARCH"] = (4, 0, 1, 3, 7, 3, 7, 2, 11)
-BOTH = ("SMAP_FLOATS", "SMAP_INTEGERS")
-GAPS = ("SMAP_MANY_GAPS", *BOTH)
-RAILS, SEARCH = ("SMAP_MANY", "SMAP_MANY_BY_RAILS"), ("SMAP_MANY", "SMAP_MANY_SEARCH")
-# All that three contacts can have, for the proofs.
-THREE = ("SMAP_POINTS", "SMAP_SERIES", "SMAP_TABLES", *BOTH)
-# Title of a row: its switches.
-SETS = {
-    "`contacts`, three points": ("SMAP_POINTS", *BOTH),
-    "`grid` of three points, floats too": ("SMAP_TABLES", *BOTH),
-    "`grid` of three points, integers": ("SMAP_TABLES", "SMAP_INTEGERS"),
-    "`grid` over gravity, integers": ("SMAP_GRID", "SMAP_INTEGERS"),
-    "`contacts`, parallel axes": (*RAILS, *GAPS),
-    "`contacts`, parallel axes, never rocking": (*RAILS, *BOTH),
-    "`contacts`, axes not parallel": (*SEARCH, *GAPS),
-    "`contacts`, axes not parallel, never rocking": (*SEARCH, *BOTH),
-    "`contacts`, three points given by code": ("SMAP_POINTS", "SMAP_SERIES", *BOTH),
-    "`contacts`, parallel axes, given by code": (*RAILS, "SMAP_SERIES", *GAPS),
-    "`contacts`, others given by code": (*SEARCH, "SMAP_SERIES", *GAPS),
+MANY = {"rails": (8, 2, 0, 7, 20, 7, 20, 5, 38), "search": (4, 0, 1, 3, 7, 3, 7, 2, 11)}
+# Family: title of a row.
+FAMILIES = {
+    "points": "`contacts`, three points",
+    "tables": "`grid` of three points, floats too",
+    "tables_i": "`grid` of three points, integers",
+    "grid": "`grid` over gravity, integers",
+    "rails": "`contacts`, parallel axes",
+    "search": "`contacts`, any other robot",
 }
 
 Measure = dict[str, int]
 
 
-def program(config: Mapping[str, int], control: bool = False) -> str:
-    """Return a file of the parts that some settings need, on request with on-board control."""
-    on = frozenset(name for name, value in config.items() if value)
-    lines = ["#define SMAP_HOST", *(f"#define {name} {value}" for name, value in config.items())]
-    lines += ['#include "smap.h"', '#include "smap_config.h"']
-    lines += [f'#include "{part}.c"' for part in parts_of(on)]
+def steered(family: str) -> str:
+    """Return the file of on-board control for a family; nothing where it has no floats."""
+    text = (RUNTIME / f"smap_{family}.c").read_text(encoding="utf-8")
+    found = re.search(r'define SMAP_STEERED_BY "(.*)"', text)
+    return found[1] if found else ""
+
+
+def program(family: str, control: bool = False) -> str:
+    """Return a file that takes in a family, on request with on-board control.
+
+    It knows nothing of its tables, so that it has all that any export of the family can have.
+    """
+    config = {"SMAP_HOST": 1, **USUAL}
+    known = zip(CAPACITIES, MANY.get(family, ()), strict=family in MANY)
+    config |= {f"SMAP_MANY_{key}": value for key, value in known} | {"SMAP_MANY_KNOWN": 1}
+    config |= {"SMAP_CONTROL": 1} if control else {}
+    lines = [f"#define {name} {value}" for name, value in config.items()]
+    lines += ['#include "smap.h"', '#include "smap_control.h"', f'#include "smap_{family}.c"']
+    lines += ["extern const smap_runtime_t *const seen;"]
+    lines += ["const smap_runtime_t *const seen = &smap_run;"]
     if control:
-        lines.insert(1, "#define SMAP_CONTROL 1")
-        lines += ['#include "smap_control.h"']
-        lines += [f'#include "{part}.c"' for part in control_parts(on)]
+        lines += [f'#include "{steered(family)}"']
         lines += ["extern const smap_control_runtime_t *const steers;"]
         lines += ["const smap_control_runtime_t *const steers = &smap_control_run;"]
-    lines += ["extern const smap_runtime_t *const seen;"]
-    lines += ["const smap_runtime_t *const seen = &smap_run;", ""]
-    return "\n".join(lines)
+    return "\n".join([*lines, ""])
 
 
-def measure(config: Mapping[str, int], folder: Path, control: bool = False) -> Measure:
-    """Compile the runtime with these settings; return bytes of code, data, bss and stack."""
-    (folder / "all.c").write_text(program(config, control), encoding="utf-8")
+def measure(family: str, folder: Path, control: bool = False) -> Measure:
+    """Compile a family; return bytes of code, data, bss, stack and of a pose of both forms."""
+    text = program(family, control) + "char pose_bytes_of[sizeof(smap_pose_memory_t)];\n"
+    (folder / "all.c").write_text(text, encoding="utf-8")
     command = [*flags_of(BOARD, "-Os"), f"-I{RUNTIME}", "-fcallgraph-info=su"]
     build([*command, "-c", "all.c", "-o", "all.o"], folder)
     made = folder / "all.o"
     if more := undefined(made) - ALLOWED:
         raise ExportError(
-            f"smap.c: needs a function of a library (got {', '.join(sorted(more))}); "
+            f"smap_{family}.c: needs a function of a library (got {', '.join(sorted(more))}); "
             "write it without."
         )
+    pose = section_bytes(made, ".bss.pose_bytes_of")
     return {
         "code": section_bytes(made, ".text", ".rodata"),
         "data": section_bytes(made, ".data"),
-        "bss": section_bytes(made, ".bss"),
+        "bss": section_bytes(made, ".bss") - pose,
         "stack": deepest((folder / "all.ci").read_text(encoding="utf-8")),
+        "pose": pose,
     }
 
 
-def settings_of(features: Sequence[str]) -> dict[str, int]:
-    """Return the settings of a runtime with these switches on and all others off."""
-    more = {
-        f"SMAP_MANY_{key}": value
-        for switch, values in MANY.items()
-        if switch in features
-        for key, value in zip(CAPACITIES, values, strict=True)
-    }
-    known = {"SMAP_MANY_KNOWN": int(bool(more))}
-    switches = {name: int(name in features) * more.pop(name, 1) for name in SWITCHES}
-    return {**switches, **USUAL, **more, **known}
-
-
-def measure_set(features: Sequence[str], folder: Path) -> Measure:
-    """Measure the runtime with these switches on and all others off, and what control adds."""
-    config = settings_of(features)
-    alone = measure(config, folder)
+def measure_family(family: str, folder: Path) -> Measure:
+    """Measure a family, and what control adds to its code."""
+    alone = measure(family, folder)
     # On-board control reads floats.
-    floats = "SMAP_FLOATS" in features
-    steered = measure(config, folder, control=True) if floats else alone
-    return {**alone, "control": steered["code"] - alone["code"]}
+    both = measure(family, folder, control=True) if steered(family) else alone
+    return {**alone, "control": both["code"] - alone["code"]}
 
 
 def table(found: Mapping[str, Measure]) -> str:
     """Return the table of targets.md."""
     rows = []
-    for title, one in found.items():
+    for family, one in found.items():
         numbers = [f"{one[key]:,}" if one[key] else "-" for key in ("code", "stack", "control")]
-        rows.append([title, f"`{' '.join(SETS[title])}`", *numbers])
-    return markdown("| runtime | switches | code | stack | on-board control |", rows)
+        rows.append([FAMILIES[family], f"`smap_{family}.c`", *numbers])
+    return markdown("| runtime | file | code | stack | on-board control |", rows)
 
 
 def _row(label: str, result: Measure) -> str:
     cells = [f"{result[key]:>7,}" for key in ("code", "data", "bss", "stack")]
-    return f"{label:<58} {' '.join(cells)}"
+    return f"{label:<10} {' '.join(cells)}"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -141,22 +127,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if shutil.which(BOARD.tool) is None:
         print(f"{BOARD.tool} is not installed: nothing is measured", file=sys.stderr)
         return 1
-    print(f"{f'{TARGET}, bytes':<58}    code    data     bss   stack")
+    print(f"{f'{TARGET}, bytes':<10}    code    data     bss   stack")
     found = dict[str, Measure]()
     try:
         with tempfile.TemporaryDirectory(prefix="lutgen-") as name:
-            for title, features in SETS.items():
-                found[title] = measure_set(features, Path(name))
-                print(_row(title.replace("`", ""), found[title]))
+            for family in FAMILIES:
+                found[family] = measure_family(family, Path(name))
+                print(_row(family, found[family]))
     except LutgenError as error:
         print(f"Error: {error}", file=sys.stderr)
         return 1
     if options.update:
-        rows: list[dict[str, Any]] = [
-            {"features": sorted(SETS[title]), **one} for title, one in found.items()
-        ]
-        lines = ",\n".join(f"  {json.dumps(row)}" for row in rows)
-        SIZES.write_text(f'{{"sets": [\n{lines}\n]}}\n', encoding="utf-8")
+        compiler = json.dumps(version(BOARD))
+        lines = ",\n".join(f'  "{key}": {json.dumps(row)}' for key, row in found.items())
+        text = f'{{"compiler": {compiler},\n"rows": {{\n{lines}\n}}}}\n'
+        SIZES.write_text(text, encoding="utf-8")
         between(PAGE, "sizes", table(found))
     return 0
 

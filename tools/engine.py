@@ -5,22 +5,25 @@ Needs clang and wasm-ld.  The module holds the version of clang: another one giv
 
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 MODULE = ROOT / "firmware_export" / "explore" / "wasm" / "exported.wasm"
 RUNTIME = ROOT / "firmware_export" / "runtime"
 
-FAMILIES = ("three", "many", "search")
-SOURCES = tuple(RUNTIME / f"host_{family}.c" for family in FAMILIES)
+FAMILIES = ("points", "rails", "search")
 GIVEN = (
     *(f"smap_{family}_host_{what}" for family in FAMILIES for what in ("at", "check")),
-    *("smap_many_host_pose", "smap_search_host_pose", "smap_sources", "__heap_base"),
+    *("smap_rails_host_pose", "smap_search_host_pose", "smap_points_host_sources", "__heap_base"),
 )
 FLAGS = (
     *("--target=wasm32", "-mcpu=mvp", "-mbulk-memory", "-ffreestanding", "-std=c99", "-O2"),
     *("-ffp-contract=off", "-fno-ident", "-w", "-nostdlib", f"-I{MODULE.parent}", f"-I{RUNTIME}"),
-    *("-Wl,--no-entry,--strip-all,-z,stack-size=524288", *(f"-Wl,--export={one}" for one in GIVEN)),
+)
+LINK = (
+    "-Wl,--no-entry,--strip-all,-z,stack-size=524288",
+    *(f"-Wl,--export={one}" for one in GIVEN),
 )
 
 
@@ -32,9 +35,13 @@ def clang_version() -> str:
 
 def build(out: Path) -> None:
     """Compile the module into a file."""
-    made_by = f'-DSMAP_SOURCES="{clang_version()}"'
-    command = ["clang", *FLAGS, made_by, *map(str, SOURCES), "-o", str(out)]
-    subprocess.run(command, check=True)
+    flags = [*FLAGS, f'-DSMAP_SOURCES="{clang_version()}"']
+    with tempfile.TemporaryDirectory() as place:
+        made = [f"{place}/{family}.o" for family in FAMILIES]
+        for family, name in zip(FAMILIES, made, strict=True):
+            source = [f"-DSMAP_FAMILY={family}", "-c", str(RUNTIME / "smap_host.c"), "-o", name]
+            subprocess.run(["clang", *flags, *source], check=True)
+        subprocess.run(["clang", *FLAGS, *LINK, *made, "-o", str(out)], check=True)
     out.chmod(0o644)
 
 

@@ -79,7 +79,7 @@ def try_codec(trials: Trials, codec: CodecInfo, goal: Goal) -> None:
     """Try the sizes of a codec, each bit width in turn, until they meet the goal or cannot."""
     if codec.size is not None:
         ceiling = _ceiling(trials, goal)
-        most = min(ceiling, goal.flash or ceiling) - (code_bytes(codec.switches.values()) or 0)
+        most = min(ceiling, goal.flash or ceiling) - code_bytes(codec.families["integer"])
         percent = None if goal.percent is None else goal.aim
         trials.try_out(codec, codec.size(trials.model, trials.channels, most, percent))
         return
@@ -110,7 +110,7 @@ def grow_sizes(trials: Trials, codec: CodecInfo, spec: Any, goal: Goal) -> list[
     """Grow from one size; return the candidates on the way."""
     ceiling = _ceiling(trials, goal)
     if codec.bytes is not None:
-        code = code_bytes([codec.switches[trials.arithmetic]]) or 0
+        code = code_bytes(codec.families[trials.arithmetic])
         # What has been found is smaller than this can be; a refusal names the smallest there is.
         if codec.bytes(spec) + code > ceiling and trials.candidates:
             return []

@@ -19,7 +19,7 @@ from firmware_export.certify import (
     statistics,
     truth,
 )
-from firmware_export.emit import code_bytes, features, flash_bytes
+from firmware_export.emit import flash_bytes
 from firmware_export.protocol import CodecInfo, Export
 from firmware_export.truth import Model, biased, uniform
 from lutgen.errors import ExportError, InputError
@@ -131,17 +131,8 @@ class Trials:
         export = Export(
             *(self.name, model.recipe, model, codec.name, self.arithmetic, self.channels, tables)
         )
-        body = codec.c_body(tables, self.arithmetic == "integer")
-        export = replace(export, code_bytes=code_bytes(features(body)))
-        size = flash_bytes(export, body)
-        if size["code"] is None:
-            raise ExportError(
-                f"{codec.name}: the runtime was never measured with it (got no row of sizes.json "
-                f"for {', '.join(sorted(features(body)))}), so its bytes cannot be "
-                "compared; run `python -m targets.size --update` with arm-none-eabi-gcc."
-            )
-        parts = (size["tables"], size["descriptors"], size["code"])
-        return export, int(size["tables"]), sum(map(int, parts))
+        size = flash_bytes(export, codec.c_body(tables, self.arithmetic == "integer"))
+        return export, size["tables"], size["total"]
 
     def assess(self, codec: CodecInfo, tables: Any) -> Candidate:
         """Measure tables."""

@@ -207,9 +207,6 @@ def c_body(tables: Tables, integer: bool = False) -> CBody:
     """Return the tables for the emitter."""
     terms, three, many = tables.terms, tables.three, tables.many
     macros = [
-        ("SMAP_POINTS" if three else "SMAP_MANY", 1),
-        ("SMAP_FLOATS", 1),
-        ("SMAP_INTEGERS", 1),
         ("SMAP_MAX_ENTRIES", terms.entries),
         ("SMAP_MAX_COORDINATES", terms.width),
         *((switch, 1) for switch in terms.switches),
@@ -223,7 +220,6 @@ def c_body(tables: Tables, integer: bool = False) -> CBody:
     rails = len(many.first) - 1
     most = zip(CAPACITIES, tables.room, strict=True)
     macros += [
-        ("SMAP_MANY_BY_RAILS" if rails else "SMAP_MANY_SEARCH", 1),
         ("SMAP_MANY_CONTACTS", contacts),
         ("SMAP_MANY_RAILS", rails),
         ("SMAP_MANY_AXLES", int(terms.axes > 0)),
@@ -267,7 +263,7 @@ def cells(model: Model, tables: Tables) -> Cells:
 
 INFO = CodecInfo(
     name="contacts",
-    switches={"float": "SMAP_POINTS"},
+    families={"float": "points"},
     look=("#0072B2", "o"),
     refusal=refusal,
     sizes=lambda model, channels, arithmetic: sizes(model),

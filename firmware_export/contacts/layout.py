@@ -24,7 +24,7 @@ _EITHER = re.compile(r"([^()?]+) \? ([^()?]+) : ([^()?]+)")
 
 @cache
 def _texts() -> str:
-    files = sorted(RUNTIME.glob("many_*.c"))
+    files = [RUNTIME / f"smap_{name}" for name in ("region.h", "rails.c", "search.c")]
     return re.sub(
         r"/\*.*?\*/", "", "\n".join(f.read_text(encoding="utf-8") for f in files), flags=re.S
     )
@@ -86,7 +86,7 @@ def _number(text: str, macros: Mapping[str, int]) -> int:
 
 
 def struct_bytes(name: str, macros: Mapping[str, int]) -> tuple[int, int]:
-    """Return bytes and alignment of a struct of runtime/many_*.c.
+    """Return bytes and alignment of a struct of runtime/smap_region.h.
 
     Examples
     --------
@@ -127,5 +127,5 @@ def pose_words(macros: Mapping[str, int]) -> tuple[int, int]:
 
 
 def swept_words(macros: Mapping[str, int]) -> int:
-    """Return the words of 32 bits of a pose of a box of postures (runtime/control_types.c)."""
+    """Return the words of 32 bits of a pose of a box of postures (runtime/smap_state.h)."""
     return -(-struct_bytes("smap_many_pose_t", macros)[0] // 4) + 3

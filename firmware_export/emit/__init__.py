@@ -9,7 +9,6 @@ from firmware_export.emit.facts import flash_bytes
 from firmware_export.emit.names import check_name, default_name
 from firmware_export.emit.package import check_directory, write
 from firmware_export.emit.report import load_report
-from firmware_export.emit.runtime import features
 from firmware_export.emit.size import code_bytes
 from firmware_export.emit.source import body_of, described
 from firmware_export.emit.words import bytes_text, errors_of, share
@@ -23,7 +22,6 @@ __all__ = [
     "default_name",
     "described",
     "errors_of",
-    "features",
     "flash_bytes",
     "load_report",
     "share",

@@ -57,8 +57,8 @@ static smap_alarm_level_t smap_alarm_sample(smap_alarm_t *alarm, const int16_t r
   }
   alarm->started = 1;
   smap_gravity_from_up_i(up, gravity);
-  status = smap_at_i(&alarm->pose, gravity, &reading);
-  if (status != SMAP_OK && status != SMAP_ROCKS) {
+  status = smap_at_i(&alarm->pose.pose, gravity, &reading);
+  if (!smap_is_safe(status)) {
     seen = SMAP_ALARM_DANGER; /* it tips, or nothing is known */
   } else if (reading.tip < SMAP_DANGER + (alarm->level == SMAP_ALARM_DANGER ? SMAP_AGAIN : 0)) {
     seen = SMAP_ALARM_DANGER;
@@ -99,11 +99,9 @@ int main(void)
 
 
 def alarm_text(content: dict[str, Any]) -> str:
-    """Return examples/alarm.c, or nothing for a map that has no integer form."""
-    if "SMAP_INTEGERS" not in content["forms"]:
-        return ""
+    """Return examples/alarm.c."""
     parameters = content["parameters"]
-    joints = _float_joints if "SMAP_FLOATS" in content["forms"] else _whole_joints
+    joints = _float_joints if content["arithmetic"] == "float" else _whole_joints
     counts = ", ".join("0" for _ in parameters) or "0"
     row = f"  static const int16_t joints[] = {{{counts}}}; /* counts of the encoders */\n"
     top = _TOP.replace("@LEVELS@", _LEVELS)
@@ -133,8 +131,8 @@ def _float_joints(parameters: list[dict[str, Any]]) -> str:
         "        SMAP_ENCODERS[smap_i][0] +\n"
         "        SMAP_ENCODERS[smap_i][1] * (float)smap_counts[smap_i];\n"
         "  }\n"
-        "  return smap_pose(&@NAME@, smap_params, &smap_alarm->pose, sizeof smap_alarm->pose,\n"
-        "                   SMAP_INTEGER);\n"
+        "  return smap_pose(&@NAME@, smap_params, &smap_alarm->pose.pose,\n"
+        "                   sizeof smap_alarm->pose, SMAP_INTEGER);\n"
         "}\n\n"
     )
 
@@ -152,8 +150,8 @@ def _whole_joints(parameters: list[dict[str, Any]]) -> str:
         f"  for (smap_i = 0; smap_i < {count}; smap_i++) {{\n"
         "    smap_params[smap_i] = (int16_t)(16384 + smap_counts[smap_i]);\n"
         "  }\n"
-        "  return smap_pose_q(&@NAME@, smap_params, &smap_alarm->pose, sizeof smap_alarm->pose,\n"
-        "                     SMAP_INTEGER);\n"
+        "  return smap_pose_q(&@NAME@, smap_params, &smap_alarm->pose.pose,\n"
+        "                     sizeof smap_alarm->pose, SMAP_INTEGER);\n"
         "}\n\n"
     )
 
@@ -161,7 +159,7 @@ def _whole_joints(parameters: list[dict[str, Any]]) -> str:
 def sketch_text(content: dict[str, Any]) -> str:
     """Return the Arduino sketch: level ground once a second, on the serial line."""
     name = content["name"]
-    integer = "SMAP_FLOATS" not in content["forms"]
+    integer = content["arithmetic"] == "integer"
     count = max(len(content["parameters"]), 1)
     number, suffix = ("int16_t", "_i") if integer else ("float", "")
     if integer:
@@ -188,14 +186,14 @@ void setup()
   if (smap_check(&{name}) != SMAP_OK) {{
     Serial.println("the map in flash is damaged");
   }}
-  (void){made}(&{name}, smap_my_joints, &smap_my_pose, sizeof smap_my_pose, {form});
+  (void){made}(&{name}, smap_my_joints, &smap_my_pose.pose, sizeof smap_my_pose, {form});
 }}
 
 void loop()
 {{
   const {number} gravity[3] = {down};
   smap_reading{suffix}_t reading;
-  if (smap_at{suffix}(&smap_my_pose, gravity, &reading) == SMAP_OK) {{
+  if (smap_is_safe(smap_at{suffix}(&smap_my_pose.pose, gravity, &reading))) {{
     Serial.println({value});
   }} else {{
     Serial.println("unsafe");

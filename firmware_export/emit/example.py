@@ -31,7 +31,7 @@ def example_text(content: dict[str, Any]) -> str:
         "int main(void)\n{\n"
     )
     middle = _integer(content) if content["arithmetic"] == "integer" else _float(content)
-    return f"{head}{middle}  return smap_status < 0;\n}}\n#endif\n"
+    return f"{head}{middle}  return smap_status == SMAP_INVALID;\n}}\n#endif\n"
 
 
 def _switch() -> str:
@@ -91,7 +91,7 @@ def _integer(content: dict[str, Any]) -> str:
     ] or ["    0 /* there is no parameter: never read */\n"]
     text = _query(content, rows, "{0, 0, -1000}; /* level ground, milli-g")
     text += _print("sin(tip_angle)", "%.6g", "smap_reading.tip / 32767.0", "1")
-    for channel in content["steps"] if "SMAP_INTEGERS" in content["forms"] else ():
+    for channel in content["steps"]:
         step, held = f"{macro(content['name'])}_{channel.upper()}_STEP", f"smap_reading.{channel}"
         expression = f"(double)((float){held} * {step})"
         text += _print(channel, "%.6g", expression, content["length_unit"], f"{held} != 65535u")

@@ -5,29 +5,24 @@ The header, the example, the page and the command line print what stands here, i
 """
 
 import base64
-import json
 import math
-from functools import cache
-from importlib.resources import files
 from typing import Any
 
 import numpy as np
 
 from firmware_export.emit.names import macro
-from firmware_export.emit.runtime import features, runtime_version
-from firmware_export.emit.size import TARGET, control_bytes
+from firmware_export.emit.runtime import runtime_version
+from firmware_export.emit.size import CELL, TARGET, counted_row, family_row
+from firmware_export.host import family_of
 from firmware_export.protocol import CBody, Export, describe, turns
 from firmware_export.truth import slack
 from lutgen._version import __version__
-from lutgen.errors import ExportError
 from lutgen.parts import Parameter
 from lutgen.quantities import QUANTITIES
 from lutgen.recipe import Recipe
 
 FORMAT = 2
 MARKER = "lutgen_export"
-# Beside sizes.json: counts of reads on emulated targets, by `python -m targets.run --update`.
-COUNTS = "counts.json"
 # The target that reports tell of.
 COUNTED, BOARD = "Cortex-M4F", "m4f"
 
@@ -38,8 +33,7 @@ def axis_macros(export: Export) -> tuple[str, ...]:
     taken = {
         f"{stem}_{word}"
         for word in (
-            *("H", "PARAMS", "SDG_STEP", "HEIGHT_STEP", "POSE_WORDS", "POSE_I_WORDS"),
-            "STATE_WORDS",
+            *("H", "PARAMS", "SDG_STEP", "HEIGHT_STEP", "FLASH", "POSE_BYTES", "STACK"),
         )
     }
     names: list[str] = []
@@ -69,42 +63,30 @@ def _movement(parameter: Parameter, recipe: Recipe) -> str:
 
 
 def flash_bytes(export: Export, body: CBody) -> dict[str, Any]:
-    """Return the bytes of an export: tables, descriptor, code, total (None: not measured).
+    """Return the bytes of an export: tables, descriptor, code, total, and the stack of any call.
 
     With a policy there are those of the code that follows it, and of the policy itself.
+    `measured`: this very export was; else code and stack are the most that its family takes.
     """
-    tables, code = body.bytes, export.code_bytes
-    blob = describe(export, body).bytes
-    descriptors, more = len(blob) - tables, {}
+    tables, blob = body.bytes, describe(export, body)
+    most, row = family_row(family_of(blob.codec, blob.integer)), counted_row(export)
+    cell = {} if row is None else row.get(CELL, {})
+    code, more = cell.get("code", most["code"]), {}
+    stack = most["stack"] + max(0, 4 * body.pose[0] + 4 - most["pose"])
     if export.policy is not None:
-        more = {
-            "control": control_bytes(features(body)),
-            "policy": len(export.policy.packed(blob)),
-        }
+        packed = export.policy.packed(blob.bytes)
+        more = {"control": most["control"], "policy": len(packed)}
+    descriptors = len(blob.bytes) - tables
     return {
         "tables": tables,
         "descriptors": descriptors,
         "code": code,
         **more,
-        "total": None if code is None else tables + descriptors + code + sum(more.values()),
+        "total": tables + descriptors + code + sum(more.values()),
+        "stack": cell.get("stack", stack),
+        "measured": bool(cell) and not more,
         "target": TARGET,
     }
-
-
-@cache
-def _counts() -> dict[str, Any]:
-    """Return the rows of counts.json; none where nothing was counted."""
-    path = files("firmware_export") / "runtime" / COUNTS
-    if not path.is_file():
-        return {}
-    try:
-        rows: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))["rows"]
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise ExportError(
-            f"{COUNTS}: is not the file of counted reads (got {type(error).__name__}: {error}); "
-            "run `python -m targets.run --update`, or install lutgen again."
-        ) from error
-    return rows
 
 
 def counted(export: Export) -> list[dict[str, Any]] | None:
@@ -113,25 +95,19 @@ def counted(export: Export) -> list[dict[str, Any]] | None:
     For each compiler option and call ``target``, ``option``, ``unit``, ``call``, ``median``,
     ``max`` and ``stack`` (bytes, None where it is not known).
     """
-    same = {
-        "recipe_sha256": export.recipe.digest,
-        "spec": str(export.tables.spec.label),
-        "arithmetic": export.arithmetic,
-        "channels": list(export.channels),
-    }
-    for row in _counts().values():
-        if same.items() <= row["export"].items():
-            head = {"target": COUNTED, "unit": "instructions"}
-            return [
-                head
-                | {"option": key.split()[1], "call": call}
-                | {"median": numbers[0], "max": numbers[1], "stack": numbers[2]}
-                for key, cell in row.items()
-                if key.startswith(BOARD)
-                for call, numbers in cell.items()
-                if isinstance(numbers, list)
-            ]
-    return None
+    row = counted_row(export)
+    if row is None:
+        return None
+    head = {"target": COUNTED, "unit": "instructions"}
+    return [
+        head
+        | {"option": key.split()[1], "call": call}
+        | {"median": numbers[0], "max": numbers[1], "stack": numbers[2]}
+        for key, cell in row.items()
+        if key.startswith(BOARD)
+        for call, numbers in cell.items()
+        if isinstance(numbers, list)
+    ]
 
 
 def plain(value: Any) -> Any:
@@ -171,7 +147,6 @@ def report(export: Export, body: CBody, names: list[str]) -> dict[str, Any]:
         "codec": export.codec,
         "spec": tables.spec.label,
         "arithmetic": export.arithmetic,
-        "features": sorted(features(body)),
         "parameters": [
             {
                 "name": parameter.name,
@@ -204,7 +179,6 @@ def report(export: Export, body: CBody, names: list[str]) -> dict[str, Any]:
         "steps": {name: step for name, step in body.steps.items() if name in export.channels},
         "pose": {"both": body.pose[0], "integer": body.pose[1]},
         "policy": _policy(export, body),
-        "forms": sorted(features(body) & {"SMAP_FLOATS", "SMAP_INTEGERS"}),
         "bytes": flash_bytes(export, body),
         "counts": counted(export),
         "guard_deg": math.degrees(float(tables.guard)),

@@ -21,10 +21,6 @@ from firmware_export.emit.words import (
 from firmware_export.protocol import literal
 from lutgen.quantities import QUANTITIES
 
-# What an angle says in the example; of a table of which only the sign is bounded neither is so.
-PROMISE = ", and tips only after another reading.tip_angle rad"
-INTEGER_PROMISE = "; reading.tip is the sine of the angle to tip-over, times 32767"
-
 
 def header_text(content: dict[str, Any]) -> str:
     """Return NAME.h from the content of NAME_report.json."""
@@ -40,7 +36,6 @@ def header_text(content: dict[str, Any]) -> str:
         "#endif",
         _macros(content),
         _poses(content),
-        *_states(content),
         '#ifdef __cplusplus\nextern "C" {\n#endif',
         f"extern const smap_t {name};"
         + (f"\nextern const smap_control_t {name}_control;" if content["policy"] else ""),
@@ -130,67 +125,49 @@ def _errors(content: dict[str, Any]) -> list[str]:
 def _usage(content: dict[str, Any]) -> list[str]:
     """Return an example of use."""
     name, parameters = content["name"], content["parameters"]
-    both = "SMAP_FLOATS" in content["forms"]
-    forms = " | ".join(one.removesuffix("S") for one in content["forms"]) or "SMAP_FLOAT"
-    bytes_ = 4 * content["pose"]["both" if both else "integer"]
-    lines = [
-        f"Of a pose: {bytes_} bytes of RAM and those of an address; smap.h says how poses are used."
-    ]
-    pose = f"{name}_pose_t" if both else f"{name}_pose_i_t"
-    count = max(len(parameters), 1)
-    if both:
+    floats = content["arithmetic"] == "float"
+    if floats:
+        count = max(len(parameters), 1)
         zeros = ", ".join(["0.0f"] * count)
         row = f"  float params[{count}] = {{{zeros}}};  rad or length, see above"
-        made = f"  smap_pose(&{name}, params, &pose, sizeof pose, {forms});"
+        pose, made = f"{name}_pose_t", f"smap_pose(&{name}, params, "
+        forms = "SMAP_FLOAT | SMAP_INTEGER"
     else:
-        middles = [f"{p['macro']}_Q({number(0.5 * (p['min'] + p['max']))}f)" for p in parameters]
+        middles = [
+            f"{p['macro']}_Q({literal(0.5 * (p['min'] + p['max']), 'float')})" for p in parameters
+        ]
         row = f"  int16_t params[] = {{{', '.join(middles) or '0'}}};"
-        made = f"  smap_pose_q(&{name}, params, &pose, sizeof pose, {forms});"
-    lines += [row, f"  {pose} pose;", made]
-    if "SMAP_INTEGERS" in content["forms"]:
-        lines += [
-            "  int16_t gravity[3];  raw counts",
-            "  smap_reading_i_t reading;",
-            "  smap_gravity_from_up_i(accelerometer, gravity);  at rest it reads up",
-            "  if (smap_at_i(&pose, gravity, &reading) == SMAP_OK) {",
-            "    it stands" + INTEGER_PROMISE,
-        ]
-    else:
-        lines += [
-            "  float gravity[3];",
-            "  smap_reading_t reading;",
-            "  smap_gravity_from_up(accelerometer, gravity);  at rest it reads up",
-            "  if (smap_at(&pose, gravity, &reading) == SMAP_OK) {",
-            "    it stands" + PROMISE,
-        ]
-    return [*lines, "  }"]
+        pose, made = f"{name}_pose_i_t", f"smap_pose_q(&{name}, params, "
+        forms = "SMAP_INTEGER"
+    return [
+        "smap.h says how poses are used:",
+        row,
+        f"  {pose} pose;",
+        f"  {made}&pose.pose, sizeof pose, {forms});",
+        "  int16_t gravity[3];  raw counts",
+        "  smap_reading_i_t reading;",
+        "  smap_gravity_from_up_i(accelerometer, gravity);  at rest it reads up",
+        "  if (smap_is_safe(smap_at_i(&pose.pose, gravity, &reading))) {",
+        "    it stands or rocks; reading.tip is the sine of the angle to tip-over, times 32767",
+        "  }",
+    ]
 
 
 def _poses(content: dict[str, Any]) -> str:
-    """Return the types of the memory of a pose."""
-    name, stem, words = content["name"], macro(content["name"]), content["pose"]
-    return (
-        f"#define {stem}_POSE_WORDS {words['both']}u\n"
-        f"#define {stem}_POSE_I_WORDS {words['integer']}u\n"
-        "/* Memory of a pose: of both forms, and of SMAP_INTEGER alone. */\n"
-        "typedef struct {\n  const smap_t *map;\n"
-        f"  uint32_t rest[{stem}_POSE_WORDS];\n}} {name}_pose_t;\n"
-        "typedef struct {\n  const smap_t *map;\n"
-        f"  uint32_t rest[{stem}_POSE_I_WORDS];\n}} {name}_pose_i_t;"
-    )
-
-
-def _states(content: dict[str, Any]) -> list[str]:
-    """Return the type of the memory of on-board control, if there is a policy."""
-    if not content["policy"]:
-        return []
-    name, stem = content["name"], macro(content["name"])
-    return [
-        f"#define {stem}_STATE_WORDS {content['policy']['state_words']}u\n"
-        "/* Memory of on-board control, see smap_control.h. */\n"
-        "typedef struct {\n  const smap_control_t *control;\n"
-        f"  uint32_t rest[{stem}_STATE_WORDS];\n}} {name}_state_t;"
+    """Return the types of the memory of a pose, and of on-board control if there is a policy."""
+    name = content["name"]
+    kinds = [
+        ("A pose of both forms", "smap_pose_t pose", content["pose"]["both"] - 1, "pose_t"),
+        ("A pose of SMAP_INTEGER alone", "smap_pose_t pose", content["pose"]["integer"] - 1, "pose_i_t"),
     ]
+    if content["policy"]:
+        words = content["policy"]["state_words"]
+        first = "const smap_control_t *control"
+        kinds.append(("On-board control, see smap_control.h", first, words, "state_t"))
+    return "\n".join(
+        f"/* {what}. */\ntypedef struct {{\n  {first};\n  uint32_t rest[{words}];\n}} {name}_{kind};"
+        for what, first, words, kind in kinds
+    )
 
 
 def _define(rows: list[tuple[str, str, str]]) -> str:
@@ -210,9 +187,15 @@ def _macros(content: dict[str, Any]) -> str:
     rows = [(f"{stem}_PARAMS", str(len(parameters)), "number of geometry parameters")]
     for index, p in enumerate(parameters):
         rows.append((p["macro"], str(index), f"{p['name']}, {p['unit']}"))
+    sizes, pose = content["bytes"], content["pose"]
+    pose_words = pose["both" if content["arithmetic"] == "float" else "integer"]
+    what = "bytes, measured" if sizes["measured"] else "bytes at most"
+    rows += [
+        (f"{stem}_FLASH", f"{sizes['total']}u", f"{what}: {sizes['target']}"),
+        (f"{stem}_POSE_BYTES", f"{4 * pose_words + 4}u", "RAM of a pose, addresses of 4 bytes"),
+        (f"{stem}_STACK", f"{sizes['stack']}u", f"{what}: the deepest call"),
+    ]
     text = _define(rows)
-    if "SMAP_INTEGERS" not in content["forms"]:
-        return text
     unit = "ratio" if content["length_unit"] == "1" else content["length_unit"]
     steps = [
         (f"{stem}_{channel.upper()}_STEP", literal(step, "float"), f"{unit} in one step")
@@ -227,5 +210,5 @@ def _macros(content: dict[str, Any]) -> str:
     for p in parameters:
         scale = literal(32767.0 / (p["max"] - p["min"]), "float")
         low, high = literal(p["min"], "float"), literal(p["max"], "float")
-        lines.append(f"#define {p['macro']}_Q(x) SMAP_STEPS(x, {low}, {high}, {scale})")
+        lines.append(f"#define {p['macro']}_Q(x) smap_steps((float)(x), {low}, {high}, {scale})")
     return "\n".join(lines)

@@ -29,10 +29,10 @@ from firmware_export.emit.project_files import (
     zephyr_module,
 )
 from firmware_export.emit.ros import keeper_text, node_text
-from firmware_export.emit.runtime import control_text, features, runtime_file, runtime_text
+from firmware_export.emit.runtime import runtime_file
 from firmware_export.emit.source import body_of, described, source_text
 from firmware_export.emit.trial import try_out
-from firmware_export.protocol import CBody, Export, stored
+from firmware_export.protocol import Export, stored
 from lutgen.errors import ExportError, InputError
 from lutgen.files import digest as file_digest
 
@@ -59,9 +59,7 @@ def contents(export: Export) -> tuple[dict[str, bytes], dict[str, Any]]:
         f"{name}.h": header_text(content),
         f"{name}.c": source,
         "smap.h": runtime_file("smap.h"),
-        "smap.c": runtime_text(features(body)),
-        "smap_config.h": runtime_file("smap_config.h"),
-        **_control(export, body, content),
+        **_control(export, content),
         "examples/read.c": example_text(content),
         "examples/alarm.c": alarm_text(content),
         f"examples/{name}/{name}.ino": (control_sketch if content["policy"] else sketch_text)(
@@ -86,13 +84,12 @@ def contents(export: Export) -> tuple[dict[str, bytes], dict[str, Any]]:
     return files, content
 
 
-def _control(export: Export, body: CBody, content: dict[str, Any]) -> dict[str, str]:
+def _control(export: Export, content: dict[str, Any]) -> dict[str, str]:
     """Return the files of on-board control, if there is a policy."""
     if export.policy is None:
         return {}
     return {
         "smap_control.h": runtime_file("smap_control.h"),
-        "smap_control.c": control_text(features(body)),
         "examples/control.c": control_example(content),
         "examples/keeper.hpp": keeper_text(content),
         "examples/ros2_node.cpp": node_text(content),

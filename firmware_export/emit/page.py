@@ -18,6 +18,8 @@ from firmware_export.emit.words import (
 from firmware_export.protocol import CBody
 from lutgen.quantities import QUANTITIES
 
+# What takes flash.
+PARTS = ("tables", "descriptors", "code", "control", "policy", "total")
 # What was counted, in words.
 COST = {
     "pose": "`smap_pose`",
@@ -69,8 +71,9 @@ def page(content: dict[str, Any], body: CBody, picture: str | None) -> str:
         "## Flash",
         "",
     ]
-    rows = [(part, _count(sizes[part])) for part in ("tables", "descriptors", "code", "total")]
-    lines += _table((f"part ({sizes['target']})", "bytes"), rows)
+    rows = [(part, _count(sizes[part])) for part in PARTS if part in sizes]
+    how = "measured" if sizes["measured"] else "at most"
+    lines += _table((f"part ({sizes['target']})", f"bytes, {how}"), rows)
     lines += _table(
         ("table", "type", "elements", "holds"),
         [

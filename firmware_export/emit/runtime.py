@@ -1,6 +1,6 @@
-"""The runtime of an export: the parts that its codec needs, as one smap.c with a table of contents.
+"""The runtime of an export: the text of its family, the same bytes in every export of a version.
 
-Owns which parts those are, and the settings in front of them.
+Owns how the files of runtime/ become one text: each `#include "smap_..."` is replaced by its file.
 """
 
 import re
@@ -11,39 +11,10 @@ from firmware_export.emit.text import LICENCE
 from firmware_export.protocol import CBody
 from lutgen.errors import ExportError
 
-# The switches of the runtime: what its code depends on.
-SWITCHES = (
-    *("SMAP_FLOATS", "SMAP_INTEGERS", "SMAP_POINTS", "SMAP_TABLES", "SMAP_GRID"),
-    *("SMAP_MANY", "SMAP_MANY_BY_RAILS", "SMAP_MANY_SEARCH", "SMAP_MANY_GAPS", "SMAP_SERIES"),
-)
-# A part, and the switches that need it, any of them; all always have it where none is named.
-_PARTS: tuple[tuple[str, tuple[str, ...]], ...] = (
-    ("head", ()),
-    ("arithmetic", ()),
-    ("blob", ()),
-    ("range", ()),
-    ("positions", ("SMAP_POINTS", "SMAP_MANY")),
-    ("series", ("SMAP_SERIES",)),
-    ("chart", ()),
-    ("three", ("SMAP_POINTS", "SMAP_TABLES")),
-    ("tables", ("SMAP_TABLES",)),
-    ("three_entry", ("SMAP_POINTS", "SMAP_TABLES")),
-    ("grid", ("SMAP_GRID",)),
-    ("many_types", ("SMAP_MANY",)),
-    ("many_rails", ("SMAP_MANY_BY_RAILS",)),
-    ("many_planes", ("SMAP_MANY_SEARCH",)),
-    ("many_rests", ("SMAP_MANY",)),
-    ("many_search", ("SMAP_MANY_SEARCH",)),
-    ("many_walls", ("SMAP_MANY",)),
-    ("many_gaps", ("SMAP_MANY_GAPS",)),
-    *((f"many_{name}", ("SMAP_MANY",)) for name in ("pose", "at", "at_i", "entry")),
-    ("steps", ("SMAP_FLOATS",)),
-    ("check", ()),
-    ("end", ()),
-)
-# The parts of on-board control; that which looks at a way is of the codec's family.
-_CONTROL = ("head", "types", "{}", "target", "watch", "way", "step", "end")
-_TITLE = re.compile(r"^/\* ---- (\w[^:\n]*: [^\n]*?) -*(?: \*/)?$", re.MULTILINE)
+# What stands around the text of a family, and around that of on-board control.
+BEGIN, END = "/* ==== {} ==== */", "/* ==== end of {} ==== */"
+_INCLUDE = re.compile(r'^#include "(smap_\w+\.[ch])"\n+', re.MULTILINE)
+_STEERED = re.compile(r'^#define SMAP_STEERED_BY "(.*)"$', re.MULTILINE)
 
 
 @cache
@@ -69,65 +40,29 @@ def runtime_version() -> int:
 
 
 def settings(body: CBody, params: int) -> dict[str, int]:
-    """Return the settings of the runtime by name: all switches, then sizes."""
-    given = dict(body.macros)
-    switches = {name: given.pop(name, 0) for name in SWITCHES}
-    return {**switches, "SMAP_MAX_PARAMS": max(params, 1), **given}
+    """Return the macros in front of the runtime: how many there are of what."""
+    return {"SMAP_MAX_PARAMS": max(params, 1), "SMAP_SERIES": 0, **dict(body.macros)}
 
 
-def features(body: CBody) -> frozenset[str]:
-    """Return the switches that an export has on: what its code size depends on."""
-    given = dict(body.macros)
-    return frozenset(name for name in SWITCHES if given.get(name))
+@cache
+def runtime_text(name: str) -> str:
+    """Return the text of a family."""
+    return _marked(f"the runtime for {name}", f"smap_{name}.c")
 
 
-def parts_of(on: frozenset[str]) -> list[str]:
-    """Return the names of the parts that some switches need."""
-    return [name for name, needed in _PARTS if not needed or on.intersection(needed)]
+@cache
+def control_text(name: str) -> str:
+    """Return the text of on-board control for a family that computes in floats."""
+    found = _STEERED.search(runtime_file(f"smap_{name}.c"))
+    assert found is not None, name
+    return _marked(f"on-board control for {name}", found[1])
 
 
-def runtime_text(on: frozenset[str]) -> str:
-    """Return smap.c with the parts that some switches need."""
-    parts = [_without_licence(runtime_file(f"{name}.c")) for name in parts_of(on)]
-    titles = [title.strip() for part in parts for title in _TITLE.findall(part)]
-    contents = "\n".join(f" *   {title}" for title in titles)
-    return f"""{LICENCE}/* smap.c: reads the map of its export.  NAME.c takes it in behind its
- * settings and its blob; compiled by itself it is nothing.  Its promises are in smap.h.
- *
-{contents} */
-#ifdef SMAP_FLOATS
-
-{"".join(parts)}
-#else
-typedef int smap_is_taken_in_by_an_export;
-#endif
-"""
+def _marked(title: str, file: str) -> str:
+    return f"{BEGIN.format(title)}\n\n{_whole(file)}\n{END.format(title)}"
 
 
-def control_parts(on: frozenset[str]) -> list[str]:
-    """Return the names of the parts of on-board control that some switches need."""
-    family = "many" if "SMAP_MANY" in on else "three"
-    return [f"control_{part.format(family)}" for part in _CONTROL]
-
-
-def control_text(on: frozenset[str]) -> str:
-    """Return smap_control.c for the family of codecs that some switches need."""
-    parts = [_without_licence(runtime_file(f"{name}.c")) for name in control_parts(on)]
-    titles = [title.strip() for part in parts for title in _TITLE.findall(part)]
-    contents = "\n".join(f" *   {title}" for title in titles)
-    return f"""{LICENCE}/* smap_control.c: steers by a map and its policy.  NAME.c takes it in
- * behind smap.c; compiled by itself it is nothing.  Its promises are in smap_control.h.
- *
-{contents} */
-#ifdef SMAP_CONTROL
-
-{"".join(parts)}
-#else
-typedef int smap_control_is_taken_in_by_an_export;
-#endif
-"""
-
-
-def _without_licence(text: str) -> str:
-    """Return the text of a part without the licence's lines."""
-    return text.removeprefix(LICENCE)
+def _whole(file: str) -> str:
+    """Return a file with those that it includes in their places, without the licence's lines."""
+    text = runtime_file(file).removeprefix(LICENCE)
+    return _INCLUDE.sub(lambda found: f"{_whole(found[1])}\n", text)

@@ -1,75 +1,72 @@
-"""Bytes of code, RAM and stack of the runtime for each set of features, as measured.
+"""Bytes of code and stack of the runtime on a Cortex-M4, as measured.
 
-The measurement (`make size`, `targets.size`) needs a cross compiler; an export does not:
-it reads runtime/sizes.json, which is committed.
+The measurements need a cross compiler and an export does not: it reads runtime/counts.json, which
+has the exports of the gallery themselves (`python -m targets.run`), and for any other runtime/
+sizes.json, which has the most that a family takes (`python -m targets.size`).
 """
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from functools import cache
 from importlib.resources import files
 from typing import Any
 
+from firmware_export.protocol import Export
 from lutgen.errors import ExportError
 
 TARGET = "Cortex-M4, -Os"
-FILE = "sizes.json"
+# The compiler's cell of an export in counts.json that has its bytes.
+CELL = "m4f -Os"
+FILE, COUNTS = "sizes.json", "counts.json"
 
 
-def parse_sizes(text: str) -> dict[str, Any]:
-    """Return the content of sizes.json; refuse anything that is not such a file."""
+def parse(text: str, name: str, update: str) -> dict[str, Any]:
+    """Return the rows of a file of measurements; refuse anything that is not such a file."""
     try:
-        content = json.loads(text)
-        sets = {
-            frozenset(map(str, row["features"])): {
-                key: int(row.get(key, 0) if key == "control" else row[key])
-                for key in ("code", "data", "bss", "stack", "control")
-            }
-            for row in content["sets"]
-        }
+        rows: dict[str, Any] = json.loads(text)["rows"]
+        if not all(isinstance(row, dict) for row in rows.values()):
+            raise TypeError("a row is no object")
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise ExportError(
-            f"{FILE}: is not the file of measured sizes (got {type(error).__name__}: {error}); "
-            "run `make size` with --update, or install lutgen again."
+            f"{name}: is not the file of measured numbers (got {type(error).__name__}: {error}); "
+            f"run `python -m {update} --update`, or install lutgen again."
         ) from error
-    return {"sets": sets}
+    return rows
 
 
 @cache
-def measured() -> Mapping[str, Any]:
-    """Return ``sets`` (features -> code, data, bss, stack, and the code of control)."""
+def measured(name: str, update: str) -> Mapping[str, Any]:
+    """Return the rows of a file in runtime/."""
     try:
-        text = (files("firmware_export") / "runtime" / FILE).read_text(encoding="utf-8")
+        text = (files("firmware_export") / "runtime" / name).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise ExportError(
-            f"{FILE}: the measured sizes cannot be read (got {error}); install lutgen again."
+            f"{name}: the measured numbers cannot be read (got {error}); install lutgen again."
         ) from error
-    return parse_sizes(text)
+    return parse(text, name, update)
 
 
-def control_bytes(features: Iterable[str]) -> int:
-    """Return the bytes of code that on-board control adds to these switches; 0 if not measured."""
-    row = measured()["sets"].get(frozenset(features))
-    return 0 if row is None else int(row["control"])
+def family_row(family: str) -> dict[str, int]:
+    """Return the most bytes of `code`, `stack` and `control` that a family takes.
 
-
-def code_bytes(features: Iterable[str]) -> int | None:
-    """Return the bytes of code of the runtime with these switches on.
-
-    Parameters
-    ----------
-    features : iterable of str
-        See `runtime.features`.
-
-    Returns
-    -------
-    int or None
-        Of exactly this set, or of the smallest measured one that contains it; None if there is
-        none.
+    `pose` is the size of the pose that the stack was measured with.
     """
-    wanted = frozenset(features)
-    sets = measured()["sets"]
-    if wanted in sets:
-        return int(sets[wanted]["code"])
-    larger = [int(row["code"]) for key, row in sets.items() if key > wanted]
-    return min(larger, default=None)
+    row: dict[str, int] = measured(FILE, "targets.size")[family]
+    return row
+
+
+def code_bytes(family: str) -> int:
+    """Return the most bytes of code that a family takes."""
+    return family_row(family)["code"]
+
+
+def counted_row(export: Export) -> dict[str, Any] | None:
+    """Return the row of counts.json of this very export, None where it was not counted."""
+    same = {
+        "recipe_sha256": export.recipe.digest,
+        "spec": str(export.tables.spec.label),
+        "arithmetic": export.arithmetic,
+        "channels": list(export.channels),
+    }
+    rows = measured(COUNTS, "targets.run").values()
+    return next((row for row in rows if same.items() <= row["export"].items()), None)

@@ -79,19 +79,15 @@ def errors_of(content: dict[str, Any]) -> dict[str, tuple[str, str, str] | None]
 
 
 def bytes_text(sizes: dict[str, Any]) -> str:
-    """Return the bytes of flash in words; `sizes` has tables, descriptors, code, total, target.
+    """Return the bytes of flash in words; `sizes` is of `facts.flash_bytes`.
 
     Examples
     --------
-    >>> bytes_text({"tables": 66, "descriptors": None, "code": 1200, "total": None, "target": "M4"})
-    '66 bytes of tables, 1,200 of code (M4)'
+    >>> known = {"tables": 66, "descriptors": 60, "code": 1200, "total": 1326, "target": "M4"}
+    >>> bytes_text({**known, "measured": True})
+    '1,326 bytes, measured on M4: 66 of tables, 60 of descriptors, 1,200 of code'
     """
-    text = f"{sizes['tables']:,} bytes of tables"
-    if sizes["descriptors"] is not None:
-        text += f", {sizes['descriptors']:,} of descriptors"
-    if sizes["code"] is not None:
-        text += f", {sizes['code']:,} of code"
-    if sizes["total"] is not None:
-        text += f", {sizes['total']:,} together"
-    known = sizes["descriptors"] is not None or sizes["code"] is not None
-    return f"{text} ({sizes['target']})" if known else text
+    kinds = ("tables", "descriptors", "code", "control", "policy")
+    parts = ", ".join(f"{sizes[kind]:,} of {kind}" for kind in kinds if kind in sizes)
+    total, how = f"{sizes['total']:,} bytes", f"on {sizes['target']}: {parts}"
+    return f"{total}, measured {how}" if sizes["measured"] else f"at most {total} {how}"

@@ -112,9 +112,8 @@ class Tables(AnyTables):
         ctype = f"int{self.spec.bits}_t"
         for one in self.points:
             arrays.append(CArray("codes", ctype, one.codes, "x, y, z of each node"))
-        forms = (("SMAP_INTEGERS", 1),) if integer else (("SMAP_FLOATS", 1), ("SMAP_INTEGERS", 1))
         pose = POSE_I if integer else POSE
-        body = CBody(TABLES, tuple(arrays), 3, (("SMAP_TABLES", 1), *forms), pose, self.unit)
+        body = CBody(TABLES, tuple(arrays), 3, (), pose, self.unit)
         return replace(body, rounded=ROUNDED)
 
     def cells(self, model: Model) -> Cells:
@@ -192,7 +191,7 @@ def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
 
 INFO = CodecInfo(
     name="grid",
-    switches={"float": "SMAP_TABLES", "integer": "SMAP_TABLES"},
+    families={"float": "tables", "integer": "tables_i"},
     look=("#D55E00", "s"),
     refusal=refusal,
     sizes=start,

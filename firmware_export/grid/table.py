@@ -123,12 +123,11 @@ class Tables(AnyTables):
         for name, codes in zip(names, self.codes, strict=True):
             arrays.append(CArray(f"{name} codes", "uint8_t", codes, "one for each node"))
         held = (max(params, 1) + 1) // 2
-        words = 1 + held + held % 2  # where pointers have 8 bytes a head fills two words behind it
+        words = 1 + held
         steps = tuple(
             (name, step / 128.0) for name, step in zip(names[1:], self.steps, strict=True)
         )
-        macros = (("SMAP_GRID", 1), ("SMAP_INTEGERS", 1))
-        return CBody(GRID, tuple(arrays), 0, macros, (words, words), lengths=steps)
+        return CBody(GRID, tuple(arrays), 0, (), (words, words), lengths=steps)
 
     def lowered(self, params: Floats, gravity: Floats, seed: int) -> "Tables":
         """Return tables that call none of some points safe, lowered near them and anew."""
@@ -204,7 +203,7 @@ def size(model: Model, channels: tuple[str, ...], most: int, percent: float | No
 
 INFO = CodecInfo(
     name="grid",
-    switches={"integer": "SMAP_GRID"},
+    families={"integer": "grid"},
     look=("#D55E00", "s"),
     refusal=refusal,
     sizes=lambda model, channels, arithmetic: [Spec((6,) * (model.k + 2))],

@@ -14,7 +14,7 @@ from firmware_export.host.control import (
     budget,
 )
 from firmware_export.host.library import RUNTIME, load_library
-from firmware_export.host.reader import STANDS, Host, stem_of
+from firmware_export.host.reader import STANDS, Host, family_of, stem_of
 
 __all__ = [
     "BLIND",
@@ -28,6 +28,7 @@ __all__ = [
     "Controller",
     "Host",
     "budget",
+    "family_of",
     "load_library",
     "stem_of",
 ]

@@ -1,6 +1,6 @@
 """The runtime's C code, built for this machine when lutgen was installed.
 
-The library lies beside the C files and must have been built from them; see runtime/host.h.
+The library lies beside the C files and must have been built from them; see runtime/smap_host.c.
 """
 
 import ctypes
@@ -24,7 +24,7 @@ def load_library() -> ctypes.CDLL:
     Raises
     ------
     ExportError
-        If it was not built, or from another smap.c.
+        If it was not built, or from other files.
     """
     path = RUNTIME / NAME
     if not path.is_file():
@@ -36,8 +36,8 @@ def load_library() -> ctypes.CDLL:
         loaded = ctypes.CDLL(str(path))
     except OSError as error:
         raise ExportError(f"{path}: cannot be loaded (got {error}); {WAY_OUT}") from error
-    loaded.smap_sources.restype = ctypes.c_char_p
-    built = loaded.smap_sources().decode("ascii")
+    loaded.smap_points_host_sources.restype = ctypes.c_char_p
+    built = loaded.smap_points_host_sources().decode("ascii")
     if built != sources_digest():
         raise ExportError(
             f"{path}: was built from other files than those beside it (got the digest "

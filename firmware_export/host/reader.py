@@ -26,11 +26,9 @@ READING = np.dtype(
 )
 READING_I = np.dtype([("sdg", "<u2"), ("tip", "<i2"), ("height", "<u2"), ("over", "u1", 2)])
 # Status codes with which the robot is said not to tip: it stands, or rocks between rests.
-STANDS = (0, 4)
-# The functions that read each codec, by its number in runtime/blob.c.
-FAMILIES = {1: "three", 2: "three", 3: "three", 5: "many", 6: "search"}
-# The same without floats.
-WHOLE = {3: "points", 4: "whole"}
+STANDS = (0, 1)
+# The family of the runtime that reads each codec, by its number in runtime/smap_map.h.
+FAMILIES = {1: "points", 3: "tables", 4: "grid", 5: "rails", 6: "search"}
 # Where a blob has the number of its contacts.
 CONTACTS = 13
 
@@ -44,7 +42,7 @@ class Map(Protocol):
 
     @property
     def codec(self) -> int:
-        """Its number in runtime/blob.c."""
+        """Its number in runtime/smap_map.h."""
 
     @property
     def params(self) -> int:
@@ -55,9 +53,15 @@ class Map(Protocol):
         """Whether it is read without floats."""
 
 
+def family_of(codec: int, integer: bool) -> str:
+    """Return the family of the runtime that reads a codec, with or without floats."""
+    family = FAMILIES[codec]
+    return f"{family}_i" if integer and family == "tables" else family
+
+
 def stem_of(blob: Map) -> str:
     """Return what the names of the functions begin with that read a map."""
-    return f"smap_{(WHOLE if blob.integer else FAMILIES)[blob.codec]}_host_"
+    return f"smap_{family_of(blob.codec, blob.integer)}_host_"
 
 
 class Host:
@@ -153,7 +157,7 @@ class Host:
         return made, status, reading
 
     def room(self, params: ArrayLike) -> NDArray[np.uint32]:
-        """Return the room (m, 6) that poses of postures (m, k) take; see host_room.h."""
+        """Return the room (m, 6) that poses of postures (m, k) take; see smap_host_region.h."""
         rows = np.ascontiguousarray(params, np.float32)
         found = np.zeros((len(rows), 6), np.uint32)
         self._call(self._function("room"), len(rows), (rows, found))

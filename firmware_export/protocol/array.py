@@ -85,14 +85,13 @@ class CBody:
     Parameters
     ----------
     codec : int
-        Its number in runtime/blob.c.
+        Its number in runtime/smap_map.h.
     arrays : tuple of CArray
         Without gaps, in the order in which the runtime's file for the codec describes them.
     contacts : int
         Contacts of the robot where the runtime asks for their number.
     macros : tuple of (str, int)
-        Settings of the runtime beyond those that are 0: switches such as ``("SMAP_POINTS", 1)``,
-        and sizes of its arrays such as ``("SMAP_MAX_ENTRIES", 5)``.
+        How many there are of what, such as ``("SMAP_MAX_ENTRIES", 5)``.
     pose : (int, int)
         Words of 32 bits of a pose beside the map's address: with both forms, and with integers
         alone.

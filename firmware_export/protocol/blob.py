@@ -1,6 +1,6 @@
 """The blob of a map: descriptor and tables as one run of bytes, with a CRC-32 in front.
 
-Owns the layout that runtime/blob.c describes.  The file that is exported, the report and what this
+Owns the layout that runtime/smap_map.h describes.  The file that is exported, the report and what this
 machine is asked are all made of these bytes.
 """
 
@@ -18,7 +18,7 @@ from firmware_export.protocol.array import CArray, CBody
 from firmware_export.protocol.exported import Export
 from firmware_export.truth import Model, slack
 
-VERSION = 2
+VERSION = 3
 TURN = 2.0 * math.pi
 # A hair by which the rim of the chart is widened: rounding of a quotient.
 HAIR = 1e-6

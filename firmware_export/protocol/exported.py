@@ -42,8 +42,6 @@ class Export:
     pareto : list of dict, optional
         Candidates that the choice was made from: ``label`` (str), ``codec``, ``bytes`` (tables),
         ``total_bytes`` (with code), ``error`` (percent), ``chosen`` (bool); the smallest first.
-    code_bytes : int, optional
-        Code of the runtime with this export's features on the target; None if not measured.
     policy : Policy, optional
         What on-board control follows; None for an export that is only read.
     """
@@ -57,7 +55,6 @@ class Export:
     tables: Any
     certificate: dict[str, Any] | None = None
     pareto: list[dict[str, Any]] | None = None
-    code_bytes: int | None = None
     policy: Policy | None = None
 
     @property

@@ -56,8 +56,8 @@ class CodecInfo:
     name : str
         What people and reports call it.  Two codecs may share a name and the C that reads their
         tables: then at most one of them holds a given robot.
-    switches : mapping of str to str
-        The switch of the runtime for each arithmetic that the codec has.
+    families : mapping of str to str
+        The smallest family of the runtime for each arithmetic that the codec has.
     look : (str, str)
         Colour and marker of its candidates in figures.
     refusal : callable
@@ -92,7 +92,7 @@ class CodecInfo:
     """
 
     name: str
-    switches: Mapping[str, str]
+    families: Mapping[str, str]
     look: tuple[str, str]
     refusal: Callable[[Model, str], str | None]
     sizes: Callable[[Model, tuple[str, ...], str], list[Any]]

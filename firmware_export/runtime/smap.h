@@ -11,7 +11,7 @@
  *
  *     void joints_moved(const float *joints)           rad or length, in the order of crawler.h
  *     {
- *       (void)smap_pose(&crawler, joints, &pose, sizeof pose, SMAP_FLOAT | SMAP_INTEGER);
+ *       (void)smap_pose(&crawler, joints, &pose.pose, sizeof pose, SMAP_FLOAT | SMAP_INTEGER);
  *     }
  *
  *     int about_to_tip(const int16_t up[3])            raw counts of an accelerometer
@@ -19,7 +19,7 @@
  *       int16_t gravity[3];
  *       smap_reading_i_t reading;
  *       smap_gravity_from_up_i(up, gravity);
- *       return smap_at_i(&pose, gravity, &reading) != SMAP_OK || reading.tip < 2856;     5 deg
+ *       return !smap_is_safe(smap_at_i(&pose.pose, gravity, &reading)) || reading.tip < 2856;   5 deg
  *     }
  *
  * Frames and signs: body frame, x forward, y left, z up.  `gravity` points down and may have any length
@@ -30,25 +30,26 @@
  * axis's lower end to 32767 at its upper one; the sine of the tip angle in 1/32767; lengths in steps
  * that NAME.h defines.
  *
- * Safe side: only SMAP_OK and SMAP_ROCKS say that the robot does not tip over.  With any other status
- * tip_angle is negative and sdg is NAN, whatever bits went in.  tip_angle is never above the truth: a
- * guard, printed in NAME.h, is subtracted.  A look-up table for more than three contacts tells angles up to
+ * Safe side: smap_is_safe(status) holds for SMAP_OK and SMAP_ROCKS, the two answers of a robot that does
+ * not tip over.  With any other status tip_angle is negative and sdg is NAN, whatever bits went in.
+ * tip_angle is never above the truth: a guard, printed in NAME.h, is subtracted.  A look-up table for more than three contacts tells angles up to
  * 30 deg, and is tested, not proved: NAME.h says on how many points.
  *
  * Cost: C99, no heap, no globals, no recursion, every loop bounded; stdint.h and string.h only.  NAME.h
- * has instructions and bytes.  An export is NAME.c alone: it takes in smap.c, whose functions are all
- * static, so any number of exports live in one program and none can read another's tables. */
+ * has instructions and bytes.  An export is NAME.c: the runtime, whose functions are all static, and the
+ * tables, so any number of exports live in one program and none can read another's. */
 #ifndef SMAP_H
 #define SMAP_H
 
+#include <limits.h>
 #include <stdint.h>
 #include <string.h>
 
-#define SMAP_VERSION 2
-
-#ifdef __cplusplus
-extern "C" {
+#if CHAR_BIT != 8 || !defined(UINT8_MAX)
+#error "exports of lutgen need bytes of 8 bits and uint8_t"
 #endif
+
+#define SMAP_VERSION 3
 
 typedef struct smap smap_t; /* a map: constant, in flash */
 
@@ -66,24 +67,39 @@ typedef struct {
   uint8_t over[2]; /* as in smap_reading_t */
 } smap_reading_i_t;
 
+/* In order of badness. */
 typedef enum {
   SMAP_OK = 0,        /* stands on a rest */
-  SMAP_ROCKS = 4,     /* between rests: it rocks, but does not tip over */
+  SMAP_ROCKS = 1,     /* between rests: it rocks, but does not tip over */
   SMAP_TIPS = 2,      /* tips, or is so near that the map cannot exclude it */
   SMAP_OFF_CHART = 3, /* the map holds no such direction: taken as unsafe */
-  SMAP_OFF_RANGE = 5, /* a parameter is beyond its axis by more than a sensor's slack */
-  SMAP_CORRUPT = 6,   /* the map in flash is not what was exported */
-  SMAP_INVALID = -1   /* NaN, infinity, no gravity, no pose, too little memory for one */
+  SMAP_OFF_RANGE = 4, /* a parameter is beyond its axis by more than a sensor's slack */
+  SMAP_CORRUPT = 5,   /* the map in flash is not what was exported */
+  SMAP_INVALID = 6    /* NaN, infinity, no gravity, no pose, too little memory for one */
 } smap_status_t;
+
+/* Whether the robot stands or rocks, and so does not tip over. */
+static inline int smap_is_safe(smap_status_t status)
+{
+  return status <= SMAP_ROCKS;
+}
 
 enum { SMAP_FLOAT = 1, SMAP_INTEGER = 2 }; /* forms of a pose: what may be asked of it */
 
+/* What every pose begins with: the first member of NAME_pose_t and NAME_pose_i_t. */
+typedef struct {
+  const smap_t *map; /* 0: never made, reads unsafe */
+  int8_t status;     /* of making it; what reads answer unless it is SMAP_OK */
+  uint8_t forms;
+  uint16_t spare;
+} smap_pose_t;
+
 /* ---- how a map is reached: each export brings its own functions ------------------------------- */
 typedef struct {
-  int8_t (*pose)(const smap_t *, const float *, void *, uint16_t, uint8_t);
-  int8_t (*pose_q)(const smap_t *, const int16_t *, void *, uint16_t, uint8_t);
-  int8_t (*at)(const void *, const float *, smap_reading_t *);
-  int8_t (*at_i)(const void *, const int16_t *, smap_reading_i_t *);
+  int8_t (*pose)(const smap_t *, const float *, smap_pose_t *, uint16_t, uint8_t);
+  int8_t (*pose_q)(const smap_t *, const int16_t *, smap_pose_t *, uint16_t, uint8_t);
+  int8_t (*at)(const smap_pose_t *, const float *, smap_reading_t *);
+  int8_t (*at_i)(const smap_pose_t *, const int16_t *, smap_reading_i_t *);
   int8_t (*read)(const smap_t *, const float *, const float *, smap_reading_t *);
   int8_t (*read_i)(const smap_t *, const int16_t *, const int16_t *, smap_reading_i_t *);
   int8_t (*check)(const smap_t *);
@@ -97,17 +113,17 @@ struct smap {
 
 /* ---- once a posture --------------------------------------------------------------------------- */
 
-/* Compute a posture into `pose`, the caller's memory: NAME_pose_t for both forms, NAME_pose_i_t for
- * SMAP_INTEGER alone; `bytes` is its size.  SMAP_OK, or SMAP_TIPS where the robot stands nowhere in
- * this posture, SMAP_OFF_RANGE, SMAP_INVALID: then every direction reads unsafe. */
-static inline smap_status_t smap_pose(const smap_t *map, const float *params, void *pose,
+/* Compute a posture into `pose`: the member of a NAME_pose_t for both forms, of a NAME_pose_i_t for
+ * SMAP_INTEGER alone; `bytes` is the size of the whole.  SMAP_OK, or SMAP_TIPS where the robot stands
+ * nowhere in this posture, SMAP_OFF_RANGE, SMAP_INVALID: then every direction reads unsafe. */
+static inline smap_status_t smap_pose(const smap_t *map, const float *params, smap_pose_t *pose,
                                       uint16_t bytes, uint8_t forms)
 {
   return (smap_status_t)map->run->pose(map, params, pose, bytes, forms);
 }
 
 /* The same with every parameter as a whole number: 0 is an axis's lower end, 32767 its upper end. */
-static inline smap_status_t smap_pose_q(const smap_t *map, const int16_t *params_q, void *pose,
+static inline smap_status_t smap_pose_q(const smap_t *map, const int16_t *params_q, smap_pose_t *pose,
                                         uint16_t bytes, uint8_t forms)
 {
   return (smap_status_t)map->run->pose_q(map, params_q, pose, bytes, forms);
@@ -116,13 +132,11 @@ static inline smap_status_t smap_pose_q(const smap_t *map, const int16_t *params
 /* ---- for every sample of gravity -------------------------------------------------------------- */
 
 /* Read a pose under a direction of gravity, in floats. */
-static inline smap_status_t smap_at(const void *pose, const float gravity[3], smap_reading_t *out)
+static inline smap_status_t smap_at(const smap_pose_t *pose, const float gravity[3], smap_reading_t *out)
 {
-  const smap_t *map;
   const uint32_t nan_bits = 0x7FC00000u;
-  memcpy(&map, pose, sizeof map);
-  if (map != 0) {
-    return (smap_status_t)map->run->at(pose, gravity, out);
+  if (pose->map != 0) {
+    return (smap_status_t)pose->map->run->at(pose, gravity, out);
   }
   memcpy(&out->sdg, &nan_bits, sizeof nan_bits);
   memcpy(&out->height, &nan_bits, sizeof nan_bits);
@@ -132,13 +146,11 @@ static inline smap_status_t smap_at(const void *pose, const float gravity[3], sm
 }
 
 /* The same without any float: raw counts of an accelerometer, turned to point down. */
-static inline smap_status_t smap_at_i(const void *pose, const int16_t gravity[3],
+static inline smap_status_t smap_at_i(const smap_pose_t *pose, const int16_t gravity[3],
                                       smap_reading_i_t *out)
 {
-  const smap_t *map;
-  memcpy(&map, pose, sizeof map);
-  if (map != 0) {
-    return (smap_status_t)map->run->at_i(pose, gravity, out);
+  if (pose->map != 0) {
+    return (smap_status_t)pose->map->run->at_i(pose, gravity, out);
   }
   out->sdg = out->height = 65535;
   out->tip = -32767;
@@ -146,22 +158,15 @@ static inline smap_status_t smap_at_i(const void *pose, const int16_t gravity[3]
   return SMAP_INVALID;
 }
 
-/* Read a pose under n directions: n readings, and the worst status of all.  Worse than to stand is to
- * rock, then to tip, and then not to know. */
-static inline smap_status_t smap_at_n(const void *pose, const float (*gravity)[3], uint16_t n,
+/* Read a pose under n directions: n readings, and the worst status of all; SMAP_INVALID of none. */
+static inline smap_status_t smap_at_n(const smap_pose_t *pose, const float (*gravity)[3], uint16_t n,
                                       smap_reading_t *out)
 {
-  static const uint8_t badness[7] = {0, 6, 2, 3, 1, 4, 5}; /* by status; INVALID is 6 */
   smap_status_t worst = n != 0 ? SMAP_OK : SMAP_INVALID;
-  uint8_t most = 0;
   uint16_t i;
   for (i = 0; i < n; i++) {
     const smap_status_t status = smap_at(pose, gravity[i], &out[i]);
-    const uint8_t bad = status < 0 ? 6 : badness[status];
-    if (bad > most) {
-      most = bad;
-      worst = status;
-    }
+    worst = status > worst ? status : worst;
   }
   return worst;
 }
@@ -204,14 +209,15 @@ static inline void smap_gravity_from_up_i(const int16_t up[3], int16_t gravity[3
   }
 }
 
-/* A parameter x as smap_pose_q takes it: what the macros of NAME.h make of it.  Below the lower end
- * steps go on below 0; beyond the upper end there are none, and the answer is SMAP_OFF_RANGE. */
-#define SMAP_STEPS(x, low, high, scale) \
-  ((int16_t)((x) > (high) ? -32768.0f \
-             : (x) >= (low) ? ((x) - (low)) * (scale) + 0.5f \
-             : ((x) - (low)) * (scale) > -32766.0f ? ((x) - (low)) * (scale) - 0.99f : -32768.0f))
-
-#ifdef __cplusplus
+/* A parameter x as smap_pose_q takes it, for the macros of NAME.h.  Below the lower end steps go on
+ * below 0; beyond the upper end there are none, and the answer is SMAP_OFF_RANGE. */
+static inline int16_t smap_steps(float x, float low, float high, float scale)
+{
+  const float steps = (x - low) * scale;
+  if (x >= low && x <= high) {
+    return (int16_t)(steps + 0.5f);
+  }
+  return (int16_t)(x < low && steps > -32766.0f ? steps - 0.99f : -32768.0f);
 }
-#endif
+
 #endif

@@ -38,10 +38,6 @@
 #define SMAP_CONTROL_VERSION 1
 #define SMAP_GRAVITY 9.80665f
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef struct smap_control smap_control_t; /* a map and its policy: constant, in flash */
 
 /* What a cycle is told, all of one moment. */
@@ -82,7 +78,7 @@ typedef struct {
   int8_t (*target)(const smap_control_t *, const float *, const float *, float *);
   int8_t (*transit)(const smap_control_t *, void *, const float *, const float *, const float *, float *);
   int8_t (*step)(const smap_control_t *, void *, const smap_sample_t *, float *, smap_cycle_t *);
-  int8_t (*budget)(const void *, const float *, const float *, uint8_t, float *);
+  int8_t (*budget)(const smap_pose_t *, const float *, const float *, uint8_t, float *);
   float (*turn)(float, float);
   uint8_t (*alarm)(const smap_control_t *, void *, float, float);
   int8_t (*sane)(const smap_control_t *, void *, const smap_sample_t *);
@@ -139,7 +135,7 @@ static inline smap_status_t smap_transit(const smap_control_t *control, void *st
 /* The largest acceleration of the robot along `direction` (any length > 0, body frame) before it tips, m/s^2:
  * never too much.  `pose` is of smap_pose with SMAP_FLOAT; `reads` more make it more exact, 4 are
  * plenty.  Braking: backward; turning to the left: to the left. */
-static inline smap_status_t smap_budget(const smap_control_t *control, const void *pose,
+static inline smap_status_t smap_budget(const smap_control_t *control, const smap_pose_t *pose,
                                         const float gravity[3], const float direction[3], uint8_t reads,
                                         float *acceleration)
 {
@@ -173,7 +169,4 @@ static inline smap_status_t smap_control_check(const smap_control_t *control)
   return (smap_status_t)control->run->check(control);
 }
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -203,7 +203,7 @@ static int smap_add_gap(smap_work_t *w, uint8_t e, const float *const corner[4],
   smap_gap_t *const gap = &w->at->gap[k];
   float place[2][2][3];
   uint8_t side;
-  if (k >= SMAP_GAPS) {
+  if (smap_is_full(w, SMAP_OF_GAPS, k, SMAP_GAPS)) {
     return 0;
   }
   gap->a = e;
@@ -270,7 +270,7 @@ SMAP_APART static void smap_find_gap(smap_work_t *w, uint8_t e)
     if (!(span[0] < span[1]) || !(slit || smap_add_gap(w, e, corner, span))) {
       return;
     }
-  } else if (!slit && w->at->gaps < SMAP_GAPS) { /* what is between them has no sides but those of their edges */
+  } else if (!slit && !smap_is_full(w, SMAP_OF_GAPS, w->at->gaps, SMAP_GAPS)) { /* what is between them has no sides but those of their edges */
     smap_gap_t *const gap = &w->at->gap[w->at->gaps++];
     gap->a = e;
     gap->b = back;

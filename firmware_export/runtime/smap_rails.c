@@ -1,6 +1,16 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
-/* ---- facets of discs and points on parallel axes ----------------------------------------------------- */
+/* ---- rails: discs and points on parallel axes --------------------------------------------------------- */
+#define SMAP_INLINE SMAP_PLAIN
+#define SMAP_UNROLL
+#define SMAP_CODEC SMAP_CODEC_RAILS
+#define SMAP_AXLES 1
+#define SMAP_STEERED_BY "smap_control_region.c"
+#define SMAP_DRAWN_BY "smap_host_region.h"
+#include "smap_joints.h"
+#include "smap_region.h"
+#include "smap_gaps.h"
+
 /* Rests of discs and points on parallel axes: the history of a hull over pitch.
  *
  *   Contacts at one y are a track, from the left to the right; its level at a pitch is L = max (x s - z c + r), with sine s and cosine c of the
@@ -302,13 +312,6 @@ SMAP_APART static void smap_find_rests(smap_work_t *w)
   w->full = 1;
 }
 
-/* Turn what was found in the frame of the axis into the body's. */
-static void smap_turn_back(const smap_limits_t *m, float (*v)[3], uint8_t n)
-{
-  uint8_t k;
-  for (k = 0; k < n; k++) {
-    const float x = v[k][0], y = v[k][1];
-    v[k][0] = x * m->axis[1] + y * m->axis[0];
-    v[k][1] = y * m->axis[1] - x * m->axis[0];
-  }
-}
+#include "smap_reading.h"
+#include "smap_reading_i.h"
+#include "smap_pose.h"

@@ -15,10 +15,14 @@
 /* What a map says of its robot beside positions.  Lengths, but sines: steepest, guard; and parts of the size: off, by
  * which a roll ends elsewhere, also for each rad that it turns. */
 typedef struct {
-  smap_bytes_t first, named; /* the first contact of each track; the recipe's number of each contact */
+  smap_bytes_t first, named, room; /* of each track its first contact; of each contact the recipe's number; see below */
   uint8_t contacts, tracks;
   float axis[2], size, steepest, least_height, rest_width, tolerance, rock_chord, guard, off, turned;
 } smap_limits_t;
+
+/* The most that a pose may have of each.  What finds no more room is given up, which makes the region smaller; without
+ * room for an arc the pose fails. */
+enum { SMAP_OF_RESTS, SMAP_OF_CORNERS, SMAP_OF_GAPS, SMAP_OF_ARCS, SMAP_OF_FACETS, SMAP_ROOMS };
 
 typedef struct {
   uint8_t a, b, left, right; /* its walls: those of its edges, which it is behind, and its sides */
@@ -52,7 +56,7 @@ typedef struct {
   const smap_limits_t *map;
   smap_layout_t *at;
   smap_region_t *region;
-  float p[SMAP_CONTACTS][3], r[SMAP_CONTACTS];
+  float p[SMAP_CONTACTS][3], r[SMAP_CONTACTS], axle[SMAP_AXLES][3]; /* zero for points and balls */
   float normal[SMAP_RESTS][3];
   float corner[SMAP_CORNERS][3], low[SMAP_CORNERS]; /* low: from which part of the edge on it holds, > 1: none does */
   uint8_t contact[SMAP_CORNERS], twin[SMAP_CORNERS], rest[SMAP_CORNERS], island[SMAP_RESTS];
@@ -61,6 +65,12 @@ typedef struct {
 
 /* A family tells where a contact touches the plane with a normal. */
 static void smap_touch(const smap_work_t *w, uint8_t i, const float n[3], float out[3]);
+
+/* Whether there are as many of something as a map, or its pose, has room for. */
+SMAP_INLINE int smap_is_full(const smap_work_t *w, uint8_t what, uint8_t count, uint8_t most)
+{
+  return count >= most || count >= w->map->room[what];
+}
 
 SMAP_INLINE void smap_minus(const float a[3], const float b[3], float out[3])
 {
@@ -199,8 +209,9 @@ static uint8_t smap_add_rest(smap_work_t *w, const float n[3], float (*p)[3], co
   smap_region_t *const o = w->region;
   uint8_t i, k, near = 0;
   int wide;
-  if (!(height > w->map->least_height && -n[2] > w->map->steepest) || count < 3 || r >= SMAP_RESTS ||
-      first + count > SMAP_CORNERS) {
+  if (!(height > w->map->least_height && -n[2] > w->map->steepest) || count < 3 ||
+      smap_is_full(w, SMAP_OF_RESTS, r, SMAP_RESTS) ||
+      smap_is_full(w, SMAP_OF_CORNERS, (uint8_t)(first + count - 1u), SMAP_CORNERS)) {
     return SMAP_NONE;
   }
   for (i = 0; i < w->map->contacts; i++) {
@@ -264,7 +275,7 @@ static void smap_add_arc(smap_work_t *w, uint8_t wall, const float p[3], const f
   uint8_t k;
   memcpy(a, p, sizeof a);
   memcpy(b, q, sizeof b);
-  if (at >= SMAP_ARCS || !smap_unit(a) || !smap_unit(b)) {
+  if (smap_is_full(w, SMAP_OF_ARCS, at, SMAP_ARCS) || !smap_unit(a) || !smap_unit(b)) {
     w->full = 1;
     return;
   }

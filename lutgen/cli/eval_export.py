@@ -16,12 +16,12 @@ if TYPE_CHECKING:
 
 STATUS = {
     0: "SMAP_OK",
+    1: "SMAP_ROCKS",
     2: "SMAP_TIPS",
     3: "SMAP_OFF_CHART",
-    4: "SMAP_ROCKS",
-    5: "SMAP_OFF_RANGE",
-    6: "SMAP_CORRUPT",
-    -1: "SMAP_INVALID",
+    4: "SMAP_OFF_RANGE",
+    5: "SMAP_CORRUPT",
+    6: "SMAP_INVALID",
 }
 # Answers with which the robot is said not to tip; nothing is known off the chart or the axes.
 STANDS, UNKNOWN = ("SMAP_OK", "SMAP_ROCKS"), ("SMAP_OFF_CHART", "SMAP_OFF_RANGE")

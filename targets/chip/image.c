@@ -27,7 +27,7 @@ static struct {
   char before;
   POSE pose;
 } __attribute__((aligned(2))) memory;
-#define pose memory.pose
+#define kept memory.pose
 
 static void fetch(uint32_t row, query_t *to)
 {
@@ -46,14 +46,12 @@ static uint32_t mix_reading(uint32_t hash, smap_status_t status, const smap_read
 }
 #endif
 
-#if INTEGERS
 static uint32_t mix_whole(uint32_t hash, smap_status_t status, const smap_reading_i_t *reading)
 {
   hash = mix(mix_status(hash, status), &reading->sdg, 2);
   hash = mix(mix(hash, &reading->tip, 2), &reading->height, 2);
   return mix(mix(hash, &reading->over[0], 1), &reading->over[1], 1);
 }
-#endif
 
 /* All calls of the API under one query. */
 static uint32_t checked(uint32_t hash, const query_t *query)
@@ -66,14 +64,14 @@ static uint32_t checked(uint32_t hash, const query_t *query)
   uint8_t i;
   status = smap_read(&MAP, query->real, down, &reading);
   hash = mix_reading(hash, status, &reading);
-  hash = mix_status(hash, smap_pose(&MAP, query->real, &pose, sizeof pose, FORMS));
-  status = smap_at(&pose, down, &reading);
+  hash = mix_status(hash, smap_pose(&MAP, query->real, &kept.pose, sizeof kept, FORMS));
+  status = smap_at(&kept.pose, down, &reading);
   hash = mix_reading(hash, status, &reading);
   for (i = 0; i < 3; i++) {
     both[0][i] = down[i];
     both[1][i] = -down[i];
   }
-  status = smap_at_n(&pose, (const float(*)[3])both, 2, two);
+  status = smap_at_n(&kept.pose, (const float(*)[3])both, 2, two);
   hash = mix_reading(hash, status, &two[1]);
 #endif
 #if INTEGERS
@@ -82,13 +80,13 @@ static uint32_t checked(uint32_t hash, const query_t *query)
     smap_reading_i_t reading_i;
     smap_status_t said;
 #if FLOATS
-    said = smap_at_i(&pose, down_i, &reading_i);
+    said = smap_at_i(&kept.pose, down_i, &reading_i);
     hash = mix_whole(hash, said, &reading_i);
-    (void)smap_pose(&MAP, query->real, &pose, sizeof pose, SMAP_INTEGER);
+    (void)smap_pose(&MAP, query->real, &kept.pose, sizeof kept, SMAP_INTEGER);
 #else
-    (void)smap_pose_q(&MAP, query->whole, &pose, sizeof pose, SMAP_INTEGER);
+    (void)smap_pose_q(&MAP, query->whole, &kept.pose, sizeof kept, SMAP_INTEGER);
 #endif
-    said = smap_at_i(&pose, down_i, &reading_i);
+    said = smap_at_i(&kept.pose, down_i, &reading_i);
     hash = mix_whole(hash, said, &reading_i);
     said = smap_read_i(&MAP, query->whole, down_i, &reading_i);
     hash = mix_whole(hash, said, &reading_i);
@@ -118,25 +116,25 @@ static uint32_t checked(uint32_t hash, const query_t *query)
 
 #if FLOATS
 static uint32_t timed_pose(const query_t *query, void *out)
-TIMED((void)0, smap_pose(&MAP, query->real, out, sizeof pose, SMAP_FLOAT))
+TIMED((void)0, smap_pose(&MAP, query->real, &kept.pose, sizeof kept, SMAP_FLOAT))
 static uint32_t timed_at(const query_t *query, smap_reading_t *out)
-TIMED((void)smap_pose(&MAP, query->real, &pose, sizeof pose, SMAP_FLOAT),
-      smap_at(&pose, query->real + PARAMS, out))
+TIMED((void)smap_pose(&MAP, query->real, &kept.pose, sizeof kept, SMAP_FLOAT),
+      smap_at(&kept.pose, query->real + PARAMS, out))
 static uint32_t timed_read(const query_t *query, smap_reading_t *out)
 TIMED((void)0, smap_read(&MAP, query->real, query->real + PARAMS, out))
 #if INTEGERS
 static uint32_t timed_both(const query_t *query, void *out)
-TIMED((void)0, smap_pose(&MAP, query->real, out, sizeof pose, FORMS))
+TIMED((void)0, smap_pose(&MAP, query->real, &kept.pose, sizeof kept, FORMS))
 static uint32_t timed_at_i(const query_t *query, smap_reading_i_t *out)
-TIMED((void)smap_pose(&MAP, query->real, &pose, sizeof pose, FORMS),
-      smap_at_i(&pose, query->whole + PARAMS, out))
+TIMED((void)smap_pose(&MAP, query->real, &kept.pose, sizeof kept, FORMS),
+      smap_at_i(&kept.pose, query->whole + PARAMS, out))
 #endif
 #else
 static uint32_t timed_pose(const query_t *query, void *out)
-TIMED((void)0, smap_pose_q(&MAP, query->whole, out, sizeof pose, SMAP_INTEGER))
+TIMED((void)0, smap_pose_q(&MAP, query->whole, &kept.pose, sizeof kept, SMAP_INTEGER))
 static uint32_t timed_at_i(const query_t *query, smap_reading_i_t *out)
-TIMED((void)smap_pose_q(&MAP, query->whole, &pose, sizeof pose, SMAP_INTEGER),
-      smap_at_i(&pose, query->whole + PARAMS, out))
+TIMED((void)smap_pose_q(&MAP, query->whole, &kept.pose, sizeof kept, SMAP_INTEGER),
+      smap_at_i(&kept.pose, query->whole + PARAMS, out))
 static uint32_t timed_read(const query_t *query, smap_reading_i_t *out)
 TIMED((void)0, smap_read_i(&MAP, query->whole, query->whole + PARAMS, out))
 #endif
@@ -160,7 +158,7 @@ static uint32_t timed(char kind, uint32_t row)
     return timed_read(&query, &reading);
 #if INTEGERS
   case 'b':
-    return timed_both(&query, &pose);
+    return timed_both(&query, &kept);
 #endif
 #else
   case 'r':
@@ -171,7 +169,7 @@ static uint32_t timed(char kind, uint32_t row)
     return timed_at_i(&query, &reading_i);
 #endif
   default:
-    return timed_pose(&query, &pose);
+    return timed_pose(&query, &kept);
   }
 }
 #endif

@@ -61,7 +61,7 @@ class Sheet {
       const x = i % size, y = Math.floor(i / size), hatched = size > 100 && (x + y) % 6 === 0;
       const level = LEVELS[clamp(Math.floor(value(one) * 10 / top), 0, 9)];
       const fallen = hatched ? colours.hatch : colours.fallen;
-      context.fillStyle = { 0: level, 4: colours.gap }[one.status] ?? fallen;
+      context.fillStyle = { 0: level, 1: colours.gap }[one.status] ?? fallen;
       context.fillRect(x, y, 1, 1);
     });
     return picture;

@@ -2,9 +2,9 @@
 // Words and colours: one for one meaning, light and dark, as in lutgen/plot/style.py.
 const DEGREES = 180 / Math.PI;
 const STATUS = {
-  0: ["SMAP_OK", "stands", "stands"], 4: ["SMAP_ROCKS", "rocks", "rocks"],
+  0: ["SMAP_OK", "stands", "stands"], 1: ["SMAP_ROCKS", "rocks", "rocks"],
   2: ["SMAP_TIPS", "tips over", "tips"],
-  3: ["SMAP_OFF_CHART"], 5: ["SMAP_OFF_RANGE"], 6: ["SMAP_CORRUPT"], "-1": ["SMAP_INVALID"],
+  3: ["SMAP_OFF_CHART"], 4: ["SMAP_OFF_RANGE"], 5: ["SMAP_CORRUPT"], 6: ["SMAP_INVALID"],
 };
 const CLOSE = 5 / DEGREES; // nearer to tipping than this nothing is green
 const DARK = "(prefers-color-scheme: dark)";
@@ -24,7 +24,7 @@ const LEVELS = [
   "#239c88", "#32b27b", "#5cc863", "#9ad83c", "#dce32a",
 ];
 
-const stands = ({ status }) => status === 0 || status === 4;
+const stands = ({ status }) => status <= 1;
 const plain = (name) => name.replaceAll("_", " ");
 
 // A number with so many digits that count; a dash where there is none.

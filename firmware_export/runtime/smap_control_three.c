@@ -1,6 +1,19 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
 /* ---- control: three contact points: one plane, and a way by its corners ----------------------------- */
+typedef struct {
+  uint8_t none;
+} smap_swept_t;
+
+enum { SMAP_TRIES = 2, SMAP_JUMPS = 0 };
+
+/* Make the pose of a posture, with floats. */
+static int8_t smap_pose_of(const smap_t *map, const float *posture, smap_pose_memory_t *pose)
+{
+  return smap_run_pose(map, posture, &pose->head, sizeof *pose, SMAP_FLOAT);
+}
+
+#include "smap_state.h"
 
 /* The upward normal of the plane on which a pose stands; 0 where it stands on none. */
 static int smap_upright(const smap_pose_memory_t *pose, const float g[3], float up[3])
@@ -48,3 +61,33 @@ static void smap_pass(const smap_control_t *control, const float *from, const fl
 /* Whether three points' policy can be used: that many corners are looked at. */
 enum { SMAP_MOST_JOINTS = 4 };
 
+#include "smap_watch.h"
+
+static uint8_t smap_is_seen(const smap_control_t *control, smap_state_memory_t *state, const float *posture)
+{
+  (void)control;
+  (void)state;
+  (void)posture;
+  return SMAP_UNSEEN;
+}
+
+static uint8_t smap_find_way(const smap_control_t *control, smap_state_memory_t *state, const float *posture,
+                             float *to, const float g[3], uint8_t made, smap_way_t *way)
+{
+  float slope[3];
+  (void)made;
+  smap_slope_under(&state->here, g, slope);
+  smap_pass(control, posture, to, slope, way->least, way);
+  return (uint8_t)((1u << smap_joints(control)) - 1u);
+}
+
+static int smap_jump(const smap_pose_t *pose, const float f[3], const float to[3], float *sum)
+{
+  (void)pose;
+  (void)f;
+  (void)to;
+  (void)sum;
+  return 0;
+}
+
+#include "smap_cycle.h"

@@ -12,6 +12,24 @@
 #define SMAP_CORNER 1e-4f     /* of the size: nearer to an edge a contact is one of its ends */
 #define SMAP_DOUBT 4.0f       /* twice the turn over a contact that has a facet on either side */
 
+/* A pose that holds for every posture of a box: see above. */
+typedef struct {
+  smap_many_pose_t real;
+  float turned;  /* rad, by which gravity may turn in the box */
+  float widened; /* a sine: how much wider than the map's its guard is */
+  int8_t status;
+} smap_swept_t;
+
+enum { SMAP_TRIES = 1, SMAP_JUMPS = 1 };
+
+/* Make the pose of a posture, with floats. */
+static int8_t smap_pose_of(const smap_t *map, const float *posture, smap_pose_memory_t *pose)
+{
+  return smap_pose_floats(map, posture, pose, sizeof *pose, SMAP_FLOAT);
+}
+
+#include "smap_state.h"
+
 /* The upward normal of the plane on which a pose stands under a direction; 0 where it stands on none. */
 static int smap_upright(const smap_pose_memory_t *pose, const float g[3], float up[3])
 {
@@ -174,3 +192,114 @@ static float smap_lowest(const smap_pose_memory_t *pose, const float g[3])
 
 enum { SMAP_MOST_JOINTS = SMAP_MAX_PARAMS };
 
+#include "smap_watch.h"
+
+/* Whether the pose that is there will do: a posture that is near needs none (SMAP_STAYS), nor one that is to wait
+ * for its turn, since a cycle makes one pose.  One that is near does not turn the body either. */
+static uint8_t smap_is_seen(const smap_control_t *control, smap_state_memory_t *state, const float *posture)
+{
+  uint8_t i, near = (state->has & SMAP_HAS_HERE) != 0;
+  for (i = 0; i < smap_joints(control); i++) {
+    near = near && smap_absolute(posture[i] - state->at[i]) <= smap_joint(control, i, SMAP_JOINT_NEAR);
+  }
+  if (near) {
+    state->lean[0] = state->lean[1] = state->lean[2] = 0.0f;
+    state->since = 0;
+    return SMAP_STAYS;
+  }
+  return (state->has & SMAP_HAS_HERE) && state->later && SMAP_POLICY(control)[SMAP_POLICY_POSES] < 2 ? SMAP_WAITS
+                                                                                                     : SMAP_UNSEEN;
+}
+
+/* Whether two postures are in the box whose pose is there. */
+static int smap_is_swept(const smap_control_t *control, const smap_state_memory_t *state, const float *posture,
+                         const float *to)
+{
+  uint8_t i, within = (state->has & SMAP_HAS_SWEPT) != 0;
+  for (i = 0; i < smap_joints(control); i++) {
+    within = within && smap_absolute(posture[i] - state->mid[i]) <= state->half[i] &&
+             smap_absolute(to[i] - state->mid[i]) <= state->half[i];
+  }
+  return within;
+}
+
+/* The way to a command.  Where this cycle has made its pose and the box of the last one will not do, the last
+ * command stands as long as its box holds it, and else the posture: `to` is then that.  Returns the
+ * poses that were made. */
+static uint8_t smap_find_way(const smap_control_t *control, smap_state_memory_t *state, const float *posture,
+                             float *to, const float g[3], uint8_t made, smap_way_t *way)
+{
+  uint8_t more = 0, i;
+  if (!smap_is_swept(control, state, posture, to)) {
+    if (made && SMAP_POLICY(control)[SMAP_POLICY_POSES] < 2) {
+      const int same = (state->has & SMAP_HAS_COMMAND) != 0 && smap_is_swept(control, state, posture, state->command);
+      state->later = 1;
+      if (same) { /* as near as a step is */
+        (void)smap_toward(control, posture, state->command, 1.0f, SMAP_ALL, to);
+      } else {
+        for (i = 0; i < smap_joints(control); i++) { /* it may be off its axis by the slack of a sensor */
+          to[i] = smap_on_axis(control, i, posture[i]);
+        }
+      }
+      if (!same) {
+        return 0;
+      }
+    } else {
+      smap_sweep(control, state, posture, to, smap_lowest(&state->here, g));
+      state->has |= SMAP_HAS_SWEPT;
+      state->later = 0;
+      more = 1;
+    }
+  }
+  smap_swept_at(control, &state->swept, g, way);
+  return more;
+}
+
+#define SMAP_NEXT_TO 1e-3f /* a sine: a way that passes the end of an arc as near meets it */
+
+/* How much of `to` can be taken off a direction f that stands until it meets the boundary, guard included; both unit. */
+static float smap_to_boundary(const smap_many_pose_t *o, const float f[3], const float to[3])
+{
+  const float beside = o->guard + SMAP_NEXT_TO;
+  float least = SMAP_MOST_BUDGET / SMAP_GRAVITY;
+  uint8_t k, i;
+  for (k = 0; k < o->at.arcs; k++) {
+    const float *n = o->wall[o->at.arc[k]];
+    const float ahead = smap_dot(n, f), side = ahead < 0.0f ? -1.0f : 1.0f;
+    const float above = side * ahead - o->guard, down = side * smap_dot(n, to) + o->guard;
+    float at[3], t;
+    if (!(down > 1e-6f) || above < 0.0f || above >= least * down) {
+      continue;
+    }
+    t = above / down;
+    for (i = 0; i < 3; i++) {
+      at[i] = f[i] - t * to[i];
+    }
+    if (smap_absolute(smap_dot(o->along[k], at)) - smap_dot(o->amid[k], at) <= beside * (1.0f + t)) {
+      least = t;
+    }
+  }
+  return least;
+}
+
+/* Whether a pose stands when so much of `to` is taken off a direction. */
+static int smap_stands_at(const smap_pose_t *pose, const float f[3], const float to[3], float t)
+{
+  const float at[3] = {f[0] - t * to[0], f[1] - t * to[1], f[2] - t * to[2]};
+  smap_reading_t reading;
+  const int8_t status = smap_run_at(pose, at, &reading);
+  return (status == SMAP_OK || status == SMAP_ROCKS) && reading.tip_angle >= 0.0f;
+}
+
+/* The largest part of `to` that can be taken off a direction that stands, where the boundary tells it; 0 where not. */
+static int smap_jump(const smap_pose_t *pose, const float f[3], const float to[3], float *sum)
+{
+  *sum = 0.9999f * smap_to_boundary(&((const smap_pose_memory_t *)pose)->real, f, to);
+  if (smap_stands_at(pose, f, to, *sum)) {
+    return 1;
+  }
+  *sum = 0.0f;
+  return 0;
+}
+
+#include "smap_cycle.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
-/* ---- series: where the contacts are, of a robot that is given by code ------------------------------
+/* ---- series: where the contacts are, of a robot that is given by code -----------------------------
  * With SMAP_BY_SERIES the coordinates are Chebyshev series of up to three parameters, each axis of
  * which may be cut into pieces.  Then positions have no tables, and behind what is for many contacts stands
  *
@@ -111,7 +111,7 @@ SMAP_INLINE float smap_series_code(smap_bytes_t codes, int wide, uint16_t term)
 }
 
 /* Contacts relative to the centre of mass, p[3 * contact]. */
-static void smap_series_positions(const smap_t *map, const float *q, float p[SMAP_MAX_COORDINATES])
+SMAP_PLAIN void smap_series_positions(const smap_t *map, const float *q, float p[SMAP_MAX_COORDINATES])
 {
   const smap_series_t at = smap_series_begin(map);
   const uint8_t groups = smap_series_groups(map), params = SMAP_BLOB(map)[SMAP_AT_PARAMS];
@@ -142,7 +142,7 @@ static void smap_series_positions(const smap_t *map, const float *q, float p[SMA
 }
 
 /* Each row's terms are there, and each term's entry; products are of what is known before them. */
-static int smap_check_series_terms(const smap_series_t *at, uint8_t fixed)
+SMAP_PLAIN int smap_check_series_terms(const smap_series_t *at, uint8_t fixed)
 {
   const uint32_t terms = (uint32_t)(at->codes - at->entries);
   const uint32_t products = (uint32_t)(at->entries - at->products) / 2u;
@@ -186,7 +186,7 @@ static uint32_t smap_check_series_rows(smap_bytes_t axes, uint8_t params, smap_b
 }
 
 /* Sizes, up to `limit`: nothing is read before it is known to be there. */
-static int smap_check_series(const smap_t *map, smap_bytes_t limit)
+SMAP_PLAIN int smap_check_series(const smap_t *map, smap_bytes_t limit)
 {
   const smap_bytes_t body = smap_body(map);
   const uint8_t params = SMAP_BLOB(map)[SMAP_AT_PARAMS], contacts = SMAP_BLOB(map)[SMAP_AT_CONTACTS];
@@ -195,11 +195,6 @@ static int smap_check_series(const smap_t *map, smap_bytes_t limit)
   uint32_t need = SMAP_IN_MANY + many + SMAP_SERIES_HEAD + 2u * params, fixed = 1, knots = 0, rows, i;
   smap_bytes_t head, axes;
   smap_series_t at;
-#if SMAP_MANY /* what is read before it is checked itself */
-  if (many < 52) {
-    return 0;
-  }
-#endif
   if ((flags & ~(SMAP_COMMON | SMAP_WIDE)) != SMAP_BY_SERIES || smap_u32(body) != 0 ||
       smap_u16(body + SMAP_IN_TERMS) != 0 || params > SMAP_SERIES_AXES || need > bytes ||
       contacts < 3 || 3u * contacts > SMAP_MAX_COORDINATES) {
@@ -234,4 +229,3 @@ static int smap_check_series(const smap_t *map, smap_bytes_t limit)
           smap_u16(head + SMAP_SERIES_TERMS) + i;
   return need == bytes && smap_check_series_terms(&at, (uint8_t)fixed);
 }
-

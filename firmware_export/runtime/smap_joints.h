@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
-/* ---- positions: where the contacts are, from the joints ------------------------------------------
+#include "smap_map.h"
+
+/* ---- joints: where the contacts are -----------------------------------------------------------------
  * Every coordinate is a sum of weighted products of sines and cosines of revolute joints and of travels
  * of prismatic ones: exact for any tree of joints.  The body of the map:
  *
@@ -14,7 +16,7 @@
  *   joint of each angle and travel u8; products u8[2 products]; axis of each contact u8 where there are axes;
  *   terms of each coordinate u8; entry of each term u8
  *
- * With SMAP_BY_SERIES they are something else, see series.c.
+ * With SMAP_BY_SERIES they are something else, see below.
  * With SMAP_NEAR no angle is ever beyond 1.05 rad.  Entries: 0 is the number 1; then sine and cosine of each angle, the travels, the products.
  * Coordinates: with SMAP_COMMON three that every contact has in common (the centre of mass moving),
  * then x, y, z of every contact relative to it, then x, y, z of every axis. */
@@ -45,7 +47,7 @@ SMAP_FOLDED smap_places_t smap_places(const smap_t *map)
 {
   const smap_bytes_t body = smap_body(map);
   const uint8_t angles = body[SMAP_IN_ANGLES], flags = body[SMAP_IN_FLAGS];
-  const int shared = SMAP_MANY && (flags & SMAP_SHARED);
+  const int shared = (flags & SMAP_SHARED) != 0;
   const uint16_t terms = smap_u16(body + SMAP_IN_TERMS);
   smap_places_t at;
   at.contacts = SMAP_BLOB(map)[SMAP_AT_CONTACTS];
@@ -66,7 +68,7 @@ SMAP_FOLDED smap_places_t smap_places(const smap_t *map)
 /* The weight of a term. */
 SMAP_FOLDED float smap_weight(const smap_t *map, const smap_places_t *at, uint16_t term)
 {
-  if (SMAP_MANY && (smap_body(map)[SMAP_IN_FLAGS] & SMAP_SHARED)) {
+  if (smap_body(map)[SMAP_IN_FLAGS] & SMAP_SHARED) {
     const float size = smap_f32(at->weights + 4 * (at->codes[term] & 127u));
     return at->codes[term] & 128u ? -size : size;
   }
@@ -103,9 +105,7 @@ SMAP_FOLDED void smap_entries(const smap_t *map, const smap_places_t *at, const 
   }
 }
 
-#if SMAP_SERIES
-static void smap_series_positions(const smap_t *map, const float *q, float p[SMAP_MAX_COORDINATES]);
-#endif
+#include "smap_series.h"
 
 /* Contacts relative to the centre of mass, p[3 * contact], and after them the unit axes of discs. */
 SMAP_FOLDED void smap_positions(const smap_t *map, const float *q, float p[SMAP_MAX_COORDINATES])
@@ -114,12 +114,10 @@ SMAP_FOLDED void smap_positions(const smap_t *map, const float *q, float p[SMAP_
   const uint8_t shared = smap_body(map)[SMAP_IN_FLAGS] & SMAP_COMMON ? 3 : 0;
   float entry[SMAP_MAX_ENTRIES], common[3];
   uint16_t term = 0, i, k;
-#if SMAP_SERIES
-  if (smap_body(map)[SMAP_IN_FLAGS] & SMAP_BY_SERIES) {
+  if (SMAP_SERIES && (smap_body(map)[SMAP_IN_FLAGS] & SMAP_BY_SERIES)) {
     smap_series_positions(map, q, p);
     return;
   }
-#endif
   smap_entries(map, &at, q, entry);
   SMAP_FOLD
   for (i = 0; i < at.coordinates; i++) {
@@ -143,3 +141,61 @@ SMAP_FOLDED void smap_positions(const smap_t *map, const float *q, float p[SMAP_
   }
 }
 
+/* The tables of positions: indices of joints, entries and axes, and sizes, up to `limit`. */
+static int smap_check_positions(const smap_t *map, smap_bytes_t limit)
+{
+  const smap_bytes_t body = smap_body(map);
+  uint32_t sum = 0, fixed, i;
+  uint16_t terms;
+  int shared;
+  smap_places_t at;
+  if (limit - body < SMAP_IN_MANY) {
+    return 0;
+  }
+  if (SMAP_SERIES && (body[SMAP_IN_FLAGS] & SMAP_BY_SERIES)) {
+    return smap_check_singles(body + SMAP_IN_LOWEST, 3) && smap_check_series(map, limit);
+  }
+  terms = smap_u16(body + SMAP_IN_TERMS);
+  fixed = 1u + 2u * body[SMAP_IN_ANGLES] + body[SMAP_IN_TRAVELS];
+  if (fixed + body[SMAP_IN_PRODUCTS] > SMAP_MAX_ENTRIES ||
+      3u * SMAP_BLOB(map)[SMAP_AT_CONTACTS] + 3u * body[SMAP_IN_AXES] > SMAP_MAX_COORDINATES ||
+      3u + 3u * SMAP_BLOB(map)[SMAP_AT_CONTACTS] + 3u * body[SMAP_IN_AXES] > 255u ||
+      (body[SMAP_IN_FLAGS] & ~SMAP_SHARED) > 15) {
+    return 0;
+  }
+  at = smap_places(map);
+  shared = (body[SMAP_IN_FLAGS] & SMAP_SHARED) != 0;
+  if (at.end != limit || !smap_check_singles(body + SMAP_IN_LOWEST, 3) ||
+      !smap_check_singles(at.weights, (uint32_t)((shared ? at.codes : at.joints) - at.weights) / 4u)) {
+    return 0;
+  }
+  for (i = 0; shared && i < (uint32_t)(at.joints - at.codes); i++) { /* of terms, then of contacts */
+    if ((at.codes[i] & (i < terms ? 127u : 255u)) >= body[SMAP_IN_ORDER]) {
+      return 0;
+    }
+  }
+  for (i = 0; i < (uint32_t)(at.products - at.joints); i++) {
+    if (at.joints[i] >= SMAP_BLOB(map)[SMAP_AT_PARAMS]) {
+      return 0;
+    }
+  }
+  for (i = 0; i < 2u * body[SMAP_IN_PRODUCTS]; i++) { /* a product of what is known before it */
+    if (at.products[i] >= fixed + i / 2u) {
+      return 0;
+    }
+  }
+  for (i = 0; at.axis_of + i < at.counts; i++) {
+    if (at.axis_of[i] != SMAP_NO_AXIS && at.axis_of[i] >= body[SMAP_IN_AXES]) {
+      return 0;
+    }
+  }
+  for (i = 0; i < at.coordinates; i++) {
+    sum += at.counts[i];
+  }
+  for (i = 0; i < terms; i++) {
+    if (at.entries[i] >= fixed + body[SMAP_IN_PRODUCTS]) {
+      return 0;
+    }
+  }
+  return sum == terms;
+}

@@ -7,12 +7,16 @@
  * it is in the mirror image u8, whether that is turned over u8 (1; 2: and it comes round).  Per axis (parameters, v, u) nodes u8, knots u8,
  * one more where it comes round; the knots u16, places 0 to 65535; per table a code u8 for each node of each
  * block, u fastest.  Code 100 is a tip angle of 0, a step 1/300 of a sine; of lengths code 0 is 0. */
+#define SMAP_INLINE SMAP_FOLDED
+#define SMAP_UNROLL SMAP_SOME
+#include "smap_map.h"
+
 enum { SMAP_GRID_HEAD = 24, SMAP_GRID_PLACE = 6, SMAP_GRID_AXES = SMAP_MAX_PARAMS + 2 };
 enum { SMAP_GRID_STANDS = 100 * 128, SMAP_GRID_MOST = 16383 }; /* the sine of 30 deg */
 
 /* A pose: the places of the parameters on their axes. */
 typedef struct {
-  smap_head_t head;
+  smap_pose_t head;
   uint16_t place[SMAP_MAX_PARAMS + (SMAP_MAX_PARAMS & 1)];
 } smap_grid_pose_t;
 typedef smap_grid_pose_t smap_pose_memory_t;
@@ -103,7 +107,7 @@ SMAP_INLINE uint8_t smap_face(const smap_t *map, const int32_t along[3], uint8_t
   return face;
 }
 
-static int8_t smap_run_at_i(const void *pose, const int16_t *gravity, smap_reading_i_t *out)
+static int8_t smap_run_at_i(const smap_pose_t *pose, const int16_t *gravity, smap_reading_i_t *out)
 {
   const smap_grid_pose_t *const made = (const smap_grid_pose_t *)pose;
   const smap_t *const map = made->head.map;
@@ -164,12 +168,13 @@ static int8_t smap_run_at_i(const void *pose, const int16_t *gravity, smap_readi
   return SMAP_OK;
 }
 
-static int8_t smap_run_pose_q(const smap_t *map, const int16_t *params_q, void *pose, uint16_t bytes, uint8_t forms)
+static int8_t smap_run_pose_q(const smap_t *map, const int16_t *params_q, smap_pose_t *pose, uint16_t bytes,
+                              uint8_t forms)
 {
   smap_grid_pose_t *const made = (smap_grid_pose_t *)pose;
   int16_t q[SMAP_MAX_PARAMS];
   uint8_t i;
-  if (!smap_begin(map, pose, bytes, forms, sizeof *made)) {
+  if (!smap_begin(map, pose, bytes, forms, SMAP_INTEGER, sizeof *made)) {
     return SMAP_INVALID;
   }
   made->head.status = smap_range_q(map, params_q, q);
@@ -186,8 +191,8 @@ static int8_t smap_run_read_i(const smap_t *map, const int16_t *params_q, const 
                               smap_reading_i_t *out)
 {
   smap_grid_pose_t pose;
-  const int8_t status = smap_run_pose_q(map, params_q, &pose, sizeof pose, SMAP_INTEGER);
-  return status != SMAP_OK ? smap_deny_i(out, status) : smap_run_at_i(&pose, gravity_q, out);
+  const int8_t status = smap_run_pose_q(map, params_q, &pose.head, sizeof pose, SMAP_INTEGER);
+  return status != SMAP_OK ? smap_deny_i(out, status) : smap_run_at_i(&pose.head, gravity_q, out);
 }
 
 /* Axes whose knots ascend, blocks and mirror images that exist, tables that end where the map ends. */
@@ -199,8 +204,8 @@ static int smap_check_grid(const smap_t *map, smap_bytes_t limit)
   const uint32_t room = (uint32_t)(limit - body);
   uint32_t at = SMAP_GRID_HEAD + (uint32_t)SMAP_GRID_PLACE * params, nodes, i, k;
   uint32_t knots = at + 2u * params + 4u;
-  if (room < knots || (faces != 1 && faces != 6) || body[8] != tables || body[9] - 1u > 5u || body[10] > 1 ||
-      smap_u32(body) >= 1u << 17) {
+  if (params > 13 || room < knots || (faces != 1 && faces != 6) || body[8] != tables || body[9] - 1u > 5u || body[10] > 1 ||
+      smap_u32(body) >= (uint32_t)1 << 17) {
     return 0;
   }
   nodes = body[9];
@@ -234,3 +239,12 @@ static int smap_check_grid(const smap_t *map, smap_bytes_t limit)
   return smap_u32(body + 20) == knots && smap_u32(body + 4) == nodes && room - knots == nodes * tables;
 }
 
+static int8_t smap_run_check(const smap_t *map)
+{
+  return smap_check_head(map, SMAP_CODEC_GRID) && smap_check_grid(map, SMAP_BLOB(map) + map->size)
+             ? SMAP_OK
+             : SMAP_CORRUPT;
+}
+
+static const smap_runtime_t smap_run = {smap_no_pose, smap_run_pose_q, smap_no_at,    smap_run_at_i,
+                                        smap_no_read, smap_run_read_i, smap_run_check};

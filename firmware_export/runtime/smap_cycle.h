@@ -1,5 +1,32 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
+/* The way between any two postures. */
+static int8_t smap_run_transit(const smap_control_t *control, void *memory, const float *from, const float *to,
+                               const float *gravity, float *least)
+{
+  smap_state_memory_t *const state = (smap_state_memory_t *)memory;
+  float end[SMAP_MAX_PARAMS], g[3] = {gravity[0], gravity[1], gravity[2]};
+  smap_way_t way;
+  *least = -SMAP_PI;
+  if (state->control != control || !smap_to_unit(g) || !smap_are_finite(from, smap_joints(control)) ||
+      !smap_are_finite(to, smap_joints(control))) {
+    return SMAP_INVALID;
+  }
+  (void)smap_look(control, state, from);
+  if (!(state->has & SMAP_HAS_HERE)) {
+    return SMAP_OFF_RANGE;
+  }
+  state->has &= (uint8_t)~SMAP_HAS_SWEPT;
+  memcpy(end, to, sizeof(float) * smap_joints(control));
+  way.least = way.end = smap_tip_of(&state->here, g);
+  (void)smap_find_way(control, state, from, end, g, 0, &way);
+  state->has &= (uint8_t)~SMAP_HAS_SWEPT;
+  if (way.least > -SMAP_PI) {
+    *least = way.least;
+  }
+  return *least >= 0.0f ? (int8_t)SMAP_OK : (int8_t)SMAP_TIPS;
+}
+
 /* ---- control: a cycle -------------------------------------------------------------------------------------- */
 #define SMAP_SHORTEST 0.0625f /* of a step: no shorter one is tried */
 /* What a step becomes after one that was held, and after one that was gone: a box that is little larger than
@@ -73,7 +100,7 @@ static void smap_decide(const smap_control_t *control, smap_state_memory_t *stat
   uint8_t tries, i;
   int there = 0;
   cycle->move = SMAP_HELD;
-  for (tries = 0; tries < (SMAP_MANY ? 1 : 2) && cycle->move == SMAP_HELD; tries++) {
+  for (tries = 0; tries < SMAP_TRIES && cycle->move == SMAP_HELD; tries++) {
     there = smap_toward(control, sample->posture, target, state->part, state->only, command);
     way.least = way.end = stay;
     cycle->poses = (uint8_t)(cycle->poses +
@@ -147,3 +174,118 @@ static int8_t smap_run_step(const smap_control_t *control, void *memory, const s
   return SMAP_OK;
 }
 
+/* ---- control: budgets, checks, and the functions of this export ------------------------------------- */
+/* The largest acceleration along a direction.  Gravity and inertia together are turned against it by as much
+ * as was read, and read again: the tip angle changes by no more than the angle of turning.  Of many contacts
+ * the boundary is gone through for where the way meets it, which counts as a read, and read there; turned by
+ * little at a time only where that does not stand. */
+static int8_t smap_run_budget(const smap_pose_t *pose, const float *gravity, const float *direction, uint8_t reads,
+                              float *acceleration)
+{
+  float f[3], to[3], sum = 0.0f;
+  uint8_t n, i;
+  int8_t status = SMAP_INVALID;
+  *acceleration = 0.0f;
+  memcpy(f, gravity, sizeof f);
+  memcpy(to, direction, sizeof to);
+  if (!smap_to_unit(f) || !smap_to_unit(to)) {
+    return SMAP_INVALID;
+  }
+  for (n = 0; n < reads && n < 32; n++) {
+    const float size = smap_root(smap_dot(f, f)), along = -smap_dot(f, to) / size;
+    smap_reading_t reading;
+    float t, s, below, across;
+    const int8_t now = smap_run_at(pose, f, &reading);
+    status = n == 0 ? now : status;
+    if ((now != SMAP_OK && now != SMAP_ROCKS) || !(reading.tip_angle > 0.0f)) {
+      break;
+    }
+    if (SMAP_JUMPS && n == 0 && reads > 2) {
+      if (smap_jump(pose, f, to, &sum)) {
+        break;
+      }
+      reads = (uint8_t)(reads - 2);
+    }
+    t = smap_lesser(reading.tip_angle, 1.0f) * 0.9999f;
+    s = t - t * t * t * (1.0f / 6.0f);
+    across = 1.0f - along * along;
+    across = across > 0.0f ? smap_root(across) : 0.0f;
+    below = across * smap_root(1.0f - s * s) - along * s;
+    if (!(below > 0.0f)) { /* it can be turned all the way */
+      sum = SMAP_MOST_BUDGET / SMAP_GRAVITY;
+      break;
+    }
+    t = size * s / below;
+    sum += t;
+    if (!(sum < SMAP_MOST_BUDGET / SMAP_GRAVITY)) {
+      sum = SMAP_MOST_BUDGET / SMAP_GRAVITY;
+      break;
+    }
+    for (i = 0; i < 3; i++) {
+      f[i] -= t * to[i];
+    }
+  }
+  *acceleration = SMAP_GRAVITY * 0.9999f * sum;
+  return status;
+}
+
+static float smap_run_turn(float acceleration, float radius)
+{
+  const float square = acceleration * radius;
+  return square > 0.0f && square < 1e30f ? smap_root(square) : 0.0f;
+}
+
+static int8_t smap_run_control_check(const smap_control_t *control)
+{
+  const smap_t *const map = SMAP_CONTROLLED(control);
+  const smap_bytes_t policy = SMAP_POLICY(control);
+  uint32_t settings, table;
+  uint8_t i;
+  if (smap_run_check(map) != SMAP_OK || control->size < SMAP_POLICY_JOINTS) {
+    return SMAP_CORRUPT;
+  }
+  settings = SMAP_POLICY_JOINTS + (uint32_t)SMAP_POLICY_JOINT * smap_joints(control);
+  table = (uint32_t)policy[SMAP_POLICY_NODES] * policy[SMAP_POLICY_NODES] * smap_joints(control);
+  if (policy[SMAP_POLICY_VERSION] != SMAP_CONTROL_VERSION || policy[SMAP_POLICY_NODES] < 2 ||
+      policy[SMAP_POLICY_PARAMS] != smap_joints(control) || smap_joints(control) > SMAP_MOST_JOINTS ||
+      control->size != settings + table || smap_u32(policy + SMAP_POLICY_MAP) != smap_u32(SMAP_BLOB(map)) ||
+      smap_crc(policy + 8, settings - 8u) != smap_u32(policy) ||
+      smap_crc(policy + settings, table) != smap_u32(policy + SMAP_POLICY_CRC_TABLE)) {
+    return SMAP_CORRUPT;
+  }
+  for (i = 0; i < SMAP_POLICY_JOINT / 4 * smap_joints(control); i++) {
+    if (!smap_is_within(smap_f32(policy + SMAP_POLICY_JOINTS + 4u * i), 1e6f)) {
+      return SMAP_CORRUPT;
+    }
+  }
+  for (i = SMAP_POLICY_LIMIT; i < SMAP_POLICY_JOINTS; i = (uint8_t)(i + 4)) {
+    if (!smap_is_positive(smap_f32(policy + i))) {
+      return SMAP_CORRUPT;
+    }
+  }
+  return SMAP_OK;
+}
+
+static int8_t smap_run_start(const smap_control_t *control, void *memory, uint16_t bytes)
+{
+  smap_state_memory_t *const state = (smap_state_memory_t *)memory;
+  int8_t status;
+  if (bytes < sizeof *state) {
+    if (bytes >= sizeof control) {
+      memset(memory, 0, sizeof control);
+    }
+    return SMAP_INVALID;
+  }
+  memset(state, 0, sizeof *state);
+  status = smap_run_control_check(control);
+  if (status == SMAP_OK) {
+    state->control = control;
+    state->part = 1.0f;
+    state->only = SMAP_ALL;
+  }
+  return status;
+}
+
+static const smap_control_runtime_t smap_control_run = {
+    smap_run_start,  smap_run_ground, smap_run_target, smap_run_transit, smap_run_step,
+    smap_run_budget, smap_run_turn,   smap_run_alarm,  smap_run_sane,    smap_run_control_check};

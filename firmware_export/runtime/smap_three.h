@@ -15,15 +15,13 @@ typedef struct {
 } smap_three_i_t;
 
 typedef struct {
-  smap_head_t head;
-#if SMAP_FLOATS
+  smap_pose_t head;
   smap_three_t real;
-#endif
   smap_three_i_t whole;
 } smap_three_pose_t;
 
 typedef struct {
-  smap_head_t head;
+  smap_pose_t head;
   smap_three_i_t whole;
 } smap_three_pose_i_t;
 
@@ -36,8 +34,6 @@ SMAP_INLINE void smap_three_over(uint8_t order, uint8_t edge, uint8_t over[2])
   over[1] = (uint8_t)(edge == 2 ? order & 3 : order >> (2 * edge + 2) & 3);
 }
 
-#if SMAP_FLOATS
-#if (SMAP_POINTS || SMAP_TABLES)
 /* Tell whether a triangle is at least so wide: it is least wide across its longest side.  `size`: twice
  * its area. */
 SMAP_INLINE int smap_is_wide(const float p[9], float size, float width)
@@ -88,7 +84,6 @@ SMAP_INLINE int smap_three_make(const float p[9], int either, float lowest, floa
   }
   return 1;
 }
-#endif
 
 /* Read a posture under a scaled direction. */
 SMAP_INLINE int8_t smap_three_read(const smap_t *map, uint8_t order, const smap_three_t *three,
@@ -117,7 +112,6 @@ SMAP_INLINE int8_t smap_three_read(const smap_t *map, uint8_t order, const smap_
   return smap_judge(map, out, SMAP_OK);
 }
 
-#if (SMAP_POINTS || SMAP_TABLES) && SMAP_INTEGERS
 /* Make the integer form out of the other. */
 SMAP_INLINE void smap_three_whole(const smap_three_t *real, float step, smap_three_i_t *out)
 {
@@ -133,10 +127,7 @@ SMAP_INLINE void smap_three_whole(const smap_three_t *real, float step, smap_thr
   high = smap_to_whole(real->height / step, 32767.0f);
   out->height = (uint16_t)(high > 0 ? high : 0);
 }
-#endif
-#endif
 
-#if SMAP_INTEGERS
 /* Read the integer form under a scaled direction and its length, rounded up. */
 SMAP_INLINE int8_t smap_three_read_i(const smap_t *map, uint8_t order, const smap_three_i_t *three,
                                      const int32_t g[3], uint32_t length, smap_reading_i_t *out)
@@ -179,5 +170,26 @@ SMAP_INLINE int8_t smap_three_read_i(const smap_t *map, uint8_t order, const sma
   }
   return SMAP_OK;
 }
-#endif
 
+/* The order of the three points, see smap_three_over: every codec's own part has it in its eighth byte. */
+SMAP_INLINE uint8_t smap_three_order(const smap_t *map)
+{
+  return smap_body(map)[7];
+}
+
+/* Read the integer form of a pose. */
+SMAP_INLINE int8_t smap_three_at_i(const smap_pose_t *pose, const smap_three_i_t *whole,
+                                   const int16_t *gravity, smap_reading_i_t *out)
+{
+  int32_t g[3];
+  uint32_t length;
+  int8_t status = pose->forms & SMAP_INTEGER ? pose->status : (int8_t)SMAP_INVALID;
+  if (SMAP_RARELY(status != SMAP_OK)) {
+    return smap_deny_i(out, status);
+  }
+  status = smap_direction_i(pose->map, gravity, g, &length);
+  if (SMAP_RARELY(status != SMAP_OK)) {
+    return smap_deny_i(out, status);
+  }
+  return smap_three_read_i(pose->map, smap_three_order(pose->map), whole, g, length, out);
+}

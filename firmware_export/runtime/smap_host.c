@@ -1,9 +1,33 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
-/* The runtime on the machine of the exporter: many queries at a time, of blobs in memory.  Taken in behind
- * the parts of a family of codecs whose functions get its name.  No part of an export. */
+/* The runtime on the machine of the exporter: many queries at a time, of blobs in memory.  Compiled once for
+ * each family, SMAP_FAMILY, whose functions get its name.  No part of an export. */
+#define SMAP_HOST
+#define SMAP_MAX_PARAMS 64
+#define SMAP_MAX_ENTRIES 255
+#define SMAP_MAX_COORDINATES 255
+#define SMAP_SERIES 1
+#define SMAP_CONTROL 1
+#define SMAP_MANY_CONTACTS 62
+#define SMAP_MANY_FACETS 80
+#define SMAP_MANY_EDGES 250
+#define SMAP_MANY_RESTS 60
+#define SMAP_MANY_CORNERS 154
+#define SMAP_MANY_GAPS 50
+#define SMAP_MANY_ARCS 254
 
-#if SMAP_MANY
+#define SMAP_TEXT(file) #file
+#define SMAP_FILE(family) SMAP_TEXT(smap_##family.c)
+#define SMAP_FILE_OF(family) SMAP_FILE(family)
+#define SMAP_NAME(family, what) smap_##family##_host_##what
+#define SMAP_NAME_OF(family, what) SMAP_NAME(family, what)
+#define SMAP_HOST_NAME(what) SMAP_NAME_OF(SMAP_FAMILY, what)
+
+#include "smap.h"
+#include "smap_control.h"
+
+#include SMAP_FILE_OF(SMAP_FAMILY)
+
 /* Whether a row of bytes is the one before it; the WebAssembly has no library. */
 static int smap_host_again(const void *row, uint32_t bytes)
 {
@@ -16,7 +40,6 @@ static int smap_host_again(const void *row, uint32_t bytes)
   }
   return 1;
 }
-#endif
 
 /* `params`: as many numbers as the map has parameters for each query; `gravity`: three. */
 void SMAP_HOST_NAME(read)(const uint8_t *blob, uint32_t size, int64_t count, const float *params,
@@ -27,23 +50,17 @@ void SMAP_HOST_NAME(read)(const uint8_t *blob, uint32_t size, int64_t count, con
   const smap_t map = {&smap_run, blob, size};
   const uint8_t width = blob[SMAP_AT_PARAMS];
   int64_t i;
-#if SMAP_MANY
   smap_pose_memory_t pose;
   int8_t made = SMAP_INVALID;
-#endif
   for (i = 0; i < count; i++) {
     const float *const row = params + i * width;
-#if SMAP_MANY
     /* smap_read is smap_pose and smap_at.  Queries of one posture come one behind the other, and its
-     * pose, which costs ten times as much as a reading of it, is made once. */
+     * pose, which costs more than a reading of it, is made once. */
     if (i == 0 || !smap_host_again(row, width * (uint32_t)sizeof *row)) {
-      made = (int8_t)smap_pose(&map, row, &pose, sizeof pose, SMAP_FLOAT);
+      made = (int8_t)smap_pose(&map, row, &pose.head, sizeof pose, SMAP_FLOAT);
     }
     status[i] = made != SMAP_OK ? smap_deny(reading + i, -SMAP_PI, made)
-                                : (int8_t)smap_at(&pose, gravity + i * 3, reading + i);
-#else
-    status[i] = (int8_t)smap_read(&map, row, gravity + i * 3, reading + i);
-#endif
+                                : (int8_t)smap_at(&pose.head, gravity + i * 3, reading + i);
   }
 }
 
@@ -55,21 +72,15 @@ void SMAP_HOST_NAME(read_i)(const uint8_t *blob, uint32_t size, int64_t count, c
   const smap_t map = {&smap_run, blob, size};
   const uint8_t width = blob[SMAP_AT_PARAMS];
   int64_t i;
-#if SMAP_MANY
   smap_pose_memory_i_t pose;
   int8_t made = SMAP_INVALID;
-#endif
   for (i = 0; i < count; i++) {
     const int16_t *const row = params + i * width;
-#if SMAP_MANY
     if (i == 0 || !smap_host_again(row, width * (uint32_t)sizeof *row)) {
-      made = smap_run_pose_q(&map, row, &pose, sizeof pose, SMAP_INTEGER);
+      made = smap_run_pose_q(&map, row, &pose.head, sizeof pose, SMAP_INTEGER);
     }
     status[i] = made != SMAP_OK ? smap_deny_i(reading + i, made)
-                                : (int8_t)smap_at_i(&pose, gravity + i * 3, reading + i);
-#else
-    status[i] = (int8_t)smap_read_i(&map, row, gravity + i * 3, reading + i);
-#endif
+                                : (int8_t)smap_at_i(&pose.head, gravity + i * 3, reading + i);
   }
 }
 
@@ -81,10 +92,10 @@ int8_t SMAP_HOST_NAME(at)(const uint8_t *blob, uint32_t size, int64_t count, con
 {
   const smap_t map = {&smap_run, blob, size};
   smap_pose_memory_t pose;
-  const int8_t made = (int8_t)smap_pose(&map, params, &pose, sizeof pose, SMAP_FLOAT);
+  const int8_t made = (int8_t)smap_pose(&map, params, &pose.head, sizeof pose, SMAP_FLOAT);
   int64_t i;
   for (i = 0; i < count; i++) {
-    status[i] = (int8_t)smap_at(&pose, gravity + i * 3, reading + i);
+    status[i] = (int8_t)smap_at(&pose.head, gravity + i * 3, reading + i);
   }
   return made;
 }
@@ -96,10 +107,10 @@ int8_t SMAP_HOST_NAME(at_i)(const uint8_t *blob, uint32_t size, int64_t count, c
 {
   const smap_t map = {&smap_run, blob, size};
   smap_pose_memory_i_t pose;
-  const int8_t made = (int8_t)smap_pose(&map, params, &pose, sizeof pose, SMAP_INTEGER);
+  const int8_t made = (int8_t)smap_pose(&map, params, &pose.head, sizeof pose, SMAP_INTEGER);
   int64_t i;
   for (i = 0; i < count; i++) {
-    status[i] = (int8_t)smap_at_i(&pose, gravity + i * 3, reading + i);
+    status[i] = (int8_t)smap_at_i(&pose.head, gravity + i * 3, reading + i);
   }
   return made;
 }
@@ -110,3 +121,35 @@ int8_t SMAP_HOST_NAME(check)(const uint8_t *blob, uint32_t size)
   const smap_t map = {&smap_run, blob, size};
   return (int8_t)smap_check(&map);
 }
+
+/* What this was built from: the digest of the files beside it. */
+const char *SMAP_HOST_NAME(sources)(void);
+const char *SMAP_HOST_NAME(sources)(void)
+{
+  return SMAP_SOURCES;
+}
+
+#ifdef SMAP_STEERED_BY
+#include SMAP_STEERED_BY
+#include "smap_host_control.h"
+#endif
+#ifdef SMAP_NO_AXIS /* contacts follow from joints */
+/* `place`: x, y, z of every contact for each row of parameters. */
+void SMAP_HOST_NAME(positions)(const uint8_t *blob, uint32_t size, int64_t count, const float *params,
+                               float *place);
+void SMAP_HOST_NAME(positions)(const uint8_t *blob, uint32_t size, int64_t count, const float *params,
+                               float *place)
+{
+  const smap_t map = {&smap_run, blob, size};
+  const int32_t width = 3 * blob[SMAP_AT_CONTACTS];
+  float p[SMAP_MAX_COORDINATES];
+  int64_t i;
+  for (i = 0; i < count; i++) {
+    smap_positions(&map, params + i * blob[SMAP_AT_PARAMS], p);
+    memcpy(place + i * width, p, sizeof(float) * (size_t)width);
+  }
+}
+#endif
+#ifdef SMAP_DRAWN_BY
+#include SMAP_DRAWN_BY
+#endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
-/* On-board control on the machine of the exporter: a policy in memory, many robots at a time; see host.h.
+/* On-board control on the machine of the exporter: a policy in memory, many robots at a time; see smap_host.c.
  * Postures, desired postures and commands: as many numbers for each as the map has parameters. */
 
 typedef struct {
@@ -117,8 +117,8 @@ void SMAP_HOST_NAME(budget)(const uint8_t *blob, uint32_t size, int64_t count, c
   smap_pose_memory_t pose;
   int64_t i;
   for (i = 0; i < count; i++) {
-    (void)smap_pose(&map, params + i * blob[SMAP_AT_PARAMS], &pose, sizeof pose, SMAP_FLOAT);
-    status[i] = smap_run_budget(&pose, gravity + 3 * i, direction + 3 * i, reads, acceleration + i);
+    (void)smap_pose(&map, params + i * blob[SMAP_AT_PARAMS], &pose.head, sizeof pose, SMAP_FLOAT);
+    status[i] = smap_run_budget(&pose.head, gravity + 3 * i, direction + 3 * i, reads, acceleration + i);
   }
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
-/* ---- control: what its parts share --------------------------------------------------------------- */
-/* The policy, byte by byte, as blob.c has the map:
+/* ---- state: what on-board control keeps between cycles ------------------------------------------- */
+/* The policy, byte by byte, as smap_map.h has the map:
  *   0 crc of the settings u32: bytes 8 to the table    16 largest |u|, |v| of the table  f32
  *   4 crc of the table    u32                          20 cycle f32, 24 latency f32      s
  *   8 crc of the map      u32                          28 margin that is asked for f32   rad
@@ -39,31 +39,19 @@ enum {
 };
 
 #ifdef SMAP_HOST
-#define SMAP_POLICY(control) ((const uint8_t *)(control)->policy)
+#define SMAP_POLICY(control) ((smap_bytes_t)(control)->policy)
 #else
-#define SMAP_POLICY(control) ((void)(control), smap_policy)
+extern const SMAP_FLASH uint8_t SMAP_OWN_POLICY[SMAP_OWN_POLICY_BYTES];
+#define SMAP_POLICY(control) ((void)(control), (smap_bytes_t)SMAP_OWN_POLICY)
 #endif
 #define SMAP_CONTROLLED(control) ((control)->map)
 
 #define SMAP_LONG 1000.0f /* s */
+#define SMAP_MOST_BUDGET 50.0f /* m/s^2: no robot accelerates more */
 enum { SMAP_ALL = 255 };
 
 /* Which of a state's poses are made, and whether there was a sample before. */
 enum { SMAP_HAS_HERE = 1, SMAP_HAS_SWEPT = 2, SMAP_HAS_SAMPLE = 4, SMAP_HAS_COMMAND = 8, SMAP_HAS_NORMAL = 16 };
-
-#if SMAP_MANY
-/* A pose that holds for every posture of a box: see control_many.c. */
-typedef struct {
-  smap_many_pose_t real;
-  float turned;  /* rad, by which gravity may turn in the box */
-  float widened; /* a sine: how much wider than the map's its guard is */
-  int8_t status;
-} smap_swept_t;
-#else
-typedef struct {
-  uint8_t none;
-} smap_swept_t;
-#endif
 
 /* A state.  `here` is the pose of the posture `at`; `swept` holds for all within `half` of `mid`.  `normal`: of the
  * plane on which the robot stood `since` cycles ago; `lean`: how fast it has turned the body by its joints, rad/s;
@@ -170,16 +158,6 @@ static float smap_to_chart(const smap_t *map, const float g[3], float on[3])
   return square < 2.0f ? chord * (1.0f + 0.0625f * square) + 1e-3f : SMAP_PI;
 }
 
-/* Make the pose of a posture, with floats. */
-static int8_t smap_pose_of(const smap_t *map, const float *posture, smap_pose_memory_t *pose)
-{
-#if SMAP_MANY
-  return smap_pose_floats(map, posture, pose, sizeof *pose, SMAP_FLOAT);
-#else
-  return smap_run_pose(map, posture, pose, sizeof *pose, SMAP_FLOAT);
-#endif
-}
-
 /* The tip angle of a pose under a direction, unit; what is unsafe or unknown is below 0.  Off the chart from below: it
  * changes by no more than the direction turns. */
 static float smap_tip_of(const smap_pose_memory_t *pose, const float g[3])
@@ -187,7 +165,7 @@ static float smap_tip_of(const smap_pose_memory_t *pose, const float g[3])
   smap_reading_t reading;
   float on[3];
   const float turned = smap_to_chart(pose->head.map, g, on);
-  (void)smap_run_at(pose, on, &reading);
+  (void)smap_run_at(&pose->head, on, &reading);
   return smap_between(reading.tip_angle - turned, -SMAP_PI, SMAP_PI);
 }
 
@@ -211,4 +189,3 @@ static void smap_lean(const float up[3], const float in[3], float sign, float ou
   out[1] = in[1] + first[1] - share * a * first[2];
   out[2] = in[2] + first[2] + share * (a * first[1] - b * first[0]);
 }
-

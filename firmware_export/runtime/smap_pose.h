@@ -1,0 +1,258 @@
+/* SPDX-License-Identifier: MIT
+ * Copyright (c) The lutgen authors */
+/* ---- poses of many contacts: memory, and the functions behind smap.h ----------------------------------
+ * What the map adds to positions: eleven singles (the level axis of all discs, size, steepest, least height, rest
+ * width, tolerance, rock chord, guard, off, turned: see smap_limits_t), tracks u8, the first contact of each track and
+ * behind the last u8, the recipe's number of each contact u8, the room of a pose u8[5]. */
+enum { SMAP_SINGLES = 44 };
+
+typedef struct {
+  smap_pose_t head;
+  smap_layout_t at;
+  smap_region_t region;
+  union { /* scratch, free once the integer form is built */
+    smap_work_t work;
+    smap_region_i_t whole;
+  } rest;
+} smap_pose_memory_t;
+
+typedef struct {
+  smap_pose_t head;
+  smap_layout_t at;
+  smap_region_i_t whole;
+} smap_pose_memory_i_t;
+
+static void smap_limits(const smap_t *map, smap_limits_t *m)
+{
+  const smap_bytes_t body = smap_body(map) + SMAP_IN_MANY;
+  m->contacts = SMAP_BLOB(map)[SMAP_AT_CONTACTS];
+  m->tracks = body[SMAP_SINGLES];
+  m->first = body + SMAP_SINGLES + 1;
+  m->named = m->first + m->tracks + 1;
+  m->room = m->named + m->contacts;
+  m->axis[0] = smap_f32(body);
+  m->axis[1] = smap_f32(body + 4);
+  m->size = smap_f32(body + 8);
+  m->steepest = smap_f32(body + 12);
+  m->least_height = smap_f32(body + 16);
+  m->rest_width = smap_f32(body + 20);
+  m->tolerance = smap_f32(body + 24);
+  m->rock_chord = smap_f32(body + 28);
+  m->guard = smap_f32(body + 32);
+  m->off = smap_f32(body + 36);
+  m->turned = smap_f32(body + 40);
+}
+
+/* The sine that is taken off every distance. */
+SMAP_INLINE float smap_guard(const smap_t *map)
+{
+  return smap_f32(smap_body(map) + SMAP_IN_MANY + 32);
+}
+
+/* Put the contacts where the parameters have them. */
+SMAP_APART static int8_t smap_place(const smap_t *map, const float *params, smap_work_t *work)
+{
+  const uint8_t flags = smap_body(map)[SMAP_IN_FLAGS];
+  float q[SMAP_MAX_PARAMS], p[SMAP_MAX_COORDINATES];
+  const int8_t status = smap_range(map, params, q);
+  smap_places_t at;
+  uint8_t i;
+  if (SMAP_RARELY(status != SMAP_OK)) {
+    return status;
+  }
+  at = smap_places(map);
+  smap_positions(map, q, p);
+  for (i = 0; i < at.contacts; i++) {
+    memcpy(work->p[i], &p[3 * i], sizeof work->p[i]);
+    work->r[i] = !(flags & SMAP_ROUND)   ? 0.0f
+                 : (flags & SMAP_SHARED) ? smap_f32(at.weights + 4 * at.radii[i])
+                                         : smap_f32(at.radii + 4 * i);
+    if (SMAP_AXLES > 1) {
+      const int disc = smap_body(map)[SMAP_IN_AXES] != 0 && at.axis_of[i] != SMAP_NO_AXIS;
+      memset(work->axle[i], 0, sizeof work->axle[i]);
+      if (disc) {
+        memcpy(work->axle[i], &p[3 * (at.contacts + at.axis_of[i])], sizeof work->axle[i]);
+      }
+    }
+  }
+  return SMAP_OK;
+}
+
+/* Turn what was found in the frame of the axis into the body's. */
+static void smap_turn_back(const smap_limits_t *m, float (*v)[3], uint8_t n)
+{
+  uint8_t k;
+  for (k = 0; k < n; k++) {
+    const float x = v[k][0], y = v[k][1];
+    v[k][0] = x * m->axis[1] + y * m->axis[0];
+    v[k][1] = y * m->axis[1] - x * m->axis[0];
+  }
+}
+
+/* Make the region of contacts that are placed; 0 where that fails, and then no direction stands. */
+static int8_t smap_make_region(const smap_limits_t *m, smap_layout_t *at, smap_region_t *o, smap_work_t *work)
+{
+  work->map = m;
+  work->at = at;
+  work->region = o;
+  work->full = 0;
+  at->rests = at->gaps = at->arcs = at->nearly = at->first[0] = 0;
+  smap_find_rests(work);
+  if (!smap_close(work)) {
+    at->rests = 0;
+    return SMAP_TIPS;
+  }
+  if (SMAP_TRACKS > 1 && m->axis[1] != 1.0f) {
+    smap_turn_back(m, o->plane, at->rests);
+    smap_turn_back(m, o->centre, at->rests);
+    smap_turn_back(m, o->wall, at->first[at->rests]);
+    smap_turn_back(m, o->wall + SMAP_CORNERS, (uint8_t)(2u * at->gaps));
+    smap_turn_back(m, o->amid, at->arcs);
+    smap_turn_back(m, o->along, at->arcs);
+  }
+  return at->rests != 0 ? (int8_t)SMAP_OK : (int8_t)SMAP_TIPS;
+}
+
+SMAP_APART static int8_t smap_make(const smap_t *map, const float *params, smap_layout_t *at, smap_region_t *o,
+                                   smap_work_t *work)
+{
+  const int8_t status = smap_place(map, params, work);
+  smap_limits_t m;
+  if (SMAP_RARELY(status != SMAP_OK)) {
+    return status;
+  }
+  smap_limits(map, &m);
+  return smap_make_region(&m, at, o, work);
+}
+
+static int8_t smap_run_at(const smap_pose_t *pose, const float *gravity, smap_reading_t *out)
+{
+  const smap_pose_memory_t *const many = (const smap_pose_memory_t *)pose;
+  float d[3];
+  int8_t status = pose->forms & SMAP_FLOAT ? pose->status : (int8_t)SMAP_INVALID;
+  if (status == SMAP_OK) {
+    status = smap_direction(pose->map, gravity, d);
+  }
+  if (SMAP_RARELY(status != SMAP_OK)) {
+    return smap_deny(out, -SMAP_PI, status);
+  }
+  status = smap_read_region(&many->at, &many->region, smap_guard(pose->map), d, out);
+  return smap_judge(pose->map, out, status);
+}
+
+static int8_t smap_run_at_i(const smap_pose_t *pose, const int16_t *gravity, smap_reading_i_t *out)
+{
+  const smap_pose_memory_t *const both = (const smap_pose_memory_t *)pose;
+  const smap_pose_memory_i_t *const alone = (const smap_pose_memory_i_t *)pose;
+  const smap_region_i_t *const whole = pose->forms & SMAP_FLOAT ? &both->rest.whole : &alone->whole;
+  const uint8_t channels = SMAP_BLOB(pose->map)[SMAP_AT_CHANNELS];
+  int32_t g[3];
+  uint32_t length;
+  int8_t status = pose->forms & SMAP_INTEGER ? pose->status : (int8_t)SMAP_INVALID;
+  if (status == SMAP_OK) {
+    status = smap_direction_i(pose->map, gravity, g, &length);
+  }
+  if (SMAP_RARELY(status != SMAP_OK)) {
+    return smap_deny_i(out, status);
+  }
+  status = smap_read_region_i(&both->at, whole, g, length, out);
+  out->sdg = channels & SMAP_SDG ? out->sdg : (uint16_t)65535u;
+  out->height = channels & SMAP_HEIGHT ? out->height : (uint16_t)65535u;
+  return status;
+}
+
+/* Make a pose with floats; the work on it is done in its own memory. */
+static int8_t smap_pose_floats(const smap_t *map, const float *params, smap_pose_t *pose, uint16_t bytes, uint8_t forms)
+{
+  smap_pose_memory_t *const many = (smap_pose_memory_t *)pose;
+  if (!smap_begin(map, pose, bytes, forms, SMAP_FLOAT | SMAP_INTEGER, sizeof *many)) {
+    return SMAP_INVALID;
+  }
+  pose->status = smap_make(map, params, &many->at, &many->region, &many->rest.work);
+  if ((forms & SMAP_INTEGER) && pose->status == SMAP_OK) {
+    smap_make_i(&many->at, &many->region, smap_guard(map), smap_f32(SMAP_BLOB(map) + SMAP_AT_STEP), &many->rest.whole);
+  }
+  return pose->status;
+}
+
+/* Make one of integers alone, with all work on the stack: apart, so that one with floats needs none of that. */
+SMAP_APART static int8_t smap_pose_whole(const smap_t *map, const float *params, smap_pose_t *pose, uint16_t bytes,
+                                         uint8_t forms)
+{
+  smap_pose_memory_i_t *const alone = (smap_pose_memory_i_t *)pose;
+  smap_pose_memory_t both;
+  if (!smap_begin(map, pose, bytes, forms, SMAP_FLOAT | SMAP_INTEGER, sizeof *alone)) {
+    return SMAP_INVALID;
+  }
+  pose->status = smap_pose_floats(map, params, &both.head, sizeof both, SMAP_FLOAT | SMAP_INTEGER);
+  alone->at = both.at;
+  alone->whole = both.rest.whole;
+  return pose->status;
+}
+
+static int8_t smap_run_pose(const smap_t *map, const float *params, smap_pose_t *pose, uint16_t bytes, uint8_t forms)
+{
+  return forms & SMAP_FLOAT ? smap_pose_floats(map, params, pose, bytes, forms)
+                            : smap_pose_whole(map, params, pose, bytes, forms);
+}
+
+static int8_t smap_run_pose_q(const smap_t *map, const int16_t *params_q, smap_pose_t *pose, uint16_t bytes,
+                              uint8_t forms)
+{
+  float params[SMAP_MAX_PARAMS];
+  smap_from_steps(map, params_q, params);
+  return smap_run_pose(map, params, pose, bytes, forms);
+}
+
+static int8_t smap_run_read(const smap_t *map, const float *params, const float *gravity, smap_reading_t *out)
+{
+  smap_pose_memory_t pose;
+  const int8_t status = smap_pose_floats(map, params, &pose.head, sizeof pose, SMAP_FLOAT);
+  return status != SMAP_OK ? smap_deny(out, -SMAP_PI, status) : smap_run_at(&pose.head, gravity, out);
+}
+
+static int8_t smap_run_read_i(const smap_t *map, const int16_t *params_q, const int16_t *gravity_q,
+                              smap_reading_i_t *out)
+{
+  smap_pose_memory_t pose;
+  const int8_t status = smap_run_pose_q(map, params_q, &pose.head, sizeof pose, SMAP_FLOAT | SMAP_INTEGER);
+  return status != SMAP_OK ? smap_deny_i(out, status) : smap_run_at_i(&pose.head, gravity_q, out);
+}
+
+/* Numbers that no loop or index may be led astray by. */
+static int smap_check_many(const smap_t *map)
+{
+  const smap_bytes_t body = smap_body(map) + SMAP_IN_MANY;
+  const uint16_t bytes = smap_u16(smap_body(map) + SMAP_IN_MANY_BYTES);
+  const uint8_t contacts = SMAP_BLOB(map)[SMAP_AT_CONTACTS];
+  const uint8_t tracks = bytes > SMAP_SINGLES ? body[SMAP_SINGLES] : SMAP_NONE;
+  const smap_bytes_t first = body + SMAP_SINGLES + 1;
+  uint8_t i;
+  if (contacts > SMAP_CONTACTS || contacts < 3 || tracks > SMAP_TRACKS || (tracks > 1) != (SMAP_TRACKS > 1) ||
+      bytes != SMAP_SINGLES + 2u + tracks + contacts + SMAP_ROOMS || first[0] != 0 || first[tracks] != contacts) {
+    return 0;
+  }
+  for (i = 0; i < tracks; i++) {
+    if (first[i] >= first[i + 1]) {
+      return 0;
+    }
+  }
+  for (i = 0; i < SMAP_SINGLES; i = (uint8_t)(i + 4)) {
+    if (!smap_is_within(smap_f32(body + i), 1e6f)) {
+      return 0;
+    }
+  }
+  return smap_is_within(smap_f32(body), 1.001f) && smap_is_within(smap_f32(body + 4), 1.001f) &&
+         smap_is_positive(smap_f32(body + 8)) && smap_is_within(smap_f32(body + 32), 0.5f);
+}
+
+static int8_t smap_run_check(const smap_t *map)
+{
+  return smap_check_head(map, SMAP_CODEC) && smap_check_axes(map) &&
+                 smap_check_positions(map, SMAP_BLOB(map) + map->size) && smap_check_many(map)
+             ? SMAP_OK
+             : SMAP_CORRUPT;
+}
+
+static const smap_runtime_t smap_run = {smap_run_pose, smap_run_pose_q, smap_run_at,   smap_run_at_i,
+                                        smap_run_read, smap_run_read_i, smap_run_check};
