@@ -12,11 +12,10 @@ from functools import lru_cache
 import numpy as np
 
 from firmware_export.contacts.closed import closed_form
-from firmware_export.contacts.layout import pose_words, swept_words
 from firmware_export.contacts.many import Many, many_of, order_of
 from firmware_export.contacts.many import refusal as many_refusal
 from firmware_export.contacts.off import most_off
-from firmware_export.contacts.room import LIMITS, Room, room_of
+from firmware_export.contacts.room import LIMITS, Room, pose_words, room_of
 from firmware_export.contacts.series import Series, ordered, series_of
 from firmware_export.contacts.terms import Terms, terms_of
 from firmware_export.contacts.three import Three, three_of
@@ -31,6 +30,8 @@ from lutgen.recipe import robot_size_of
 POINTS, RAILS, SEARCH = 1, 5, 6
 # Steps of the integer form from the com to the furthest contact.
 STEPS = 16000.0
+# Corners of a facet that the search keeps.
+MOST_SIDES = 12
 # Words of a pose: head, floats, integers (runtime/three.c).
 POSE = (1 + 20 + 8, 1 + 8)
 # Of a robot given by code: errors asked for, in parts of the size, on three points and on more: of
@@ -38,8 +39,6 @@ POSE = (1 + 20 + 8, 1 + 8)
 # that contacts may be off, in single precision and with the margin of what was seen.
 ERRORS = {True: (3e-3, 3e-4, 3e-5, 3e-6), False: (1e-5, 3e-6, 1e-6)}
 MOST_OFF = 4.0
-# What the room of a pose counts, in order: see smap_room_t in runtime/many_types.c.
-CAPACITIES = ("FACETS", "EDGES", "RESTS", "CORNERS", "GAPS", "ARCS")
 # What is said of a guard that a certificate made larger.
 NEEDED = "; as much as points needed where contacts all but lie on one plane"
 
@@ -80,7 +79,7 @@ class Tables(AnyTables):
     terms: Terms | Series
     three: Three | None
     many: Many | None
-    room: tuple[int, ...]
+    room: Room
     params: int
     reach: float
     guard: float
@@ -155,7 +154,7 @@ def off_of(model: Model, spec: Spec) -> float:
     order, _ = _order(model)
     terms = ordered(series_of(model, error), order)
     body = CBody(POINTS if model.is_tripod else SEARCH, terms.arrays(0, (0.0,) * 3, ()), len(order))
-    blank = Tables(spec, (), terms, None, None, (), model.k, 1.0, 0.0, "")
+    blank = Tables(spec, (), terms, None, None, LIMITS, model.k, 1.0, 0.0, "")
     export = Export("off", model.recipe, model, "contacts", "float", (), blank)
     off = most_off(model, describe(export, body), order, terms.knots)
     if off > MOST_OFF * error:
@@ -216,27 +215,19 @@ def c_body(tables: Tables, integer: bool = False) -> CBody:
         arrays = terms.arrays(three.code, thresholds, ())
         return CBody(POINTS, arrays, 3, tuple(macros), POSE, tables.reach / STEPS)
     assert many is not None
-    contacts = len(many.order)
-    rails = len(many.first) - 1
-    most = zip(CAPACITIES, tables.room, strict=True)
+    contacts, tracks = len(many.order), len(many.first) - 1
+    both, whole, swept = pose_words(tables.room, contacts, terms.axes)
     macros += [
-        ("SMAP_MANY_CONTACTS", contacts),
-        ("SMAP_MANY_RAILS", rails),
-        ("SMAP_MANY_AXLES", int(terms.axes > 0)),
-        ("SMAP_MANY_KNOWN", 1),
-        *((f"SMAP_MANY_{name}", number) for name, number in most),
+        ("SMAP_MAX_CONTACTS", contacts),
+        ("SMAP_RAILS", tracks) if tracks else ("SMAP_DISCS", terms.axes),
+        *((f"SMAP_MAX_{name.upper()}", most) for name, most in tables.room._asdict().items()),
+        ("SMAP_MAX_SIDES", min(contacts, MOST_SIDES)),
     ]
     arrays = terms.arrays(0, (0.0, 0.0, 0.0), many.arrays(tables.room))
     return CBody(
-        *(
-            RAILS if rails else SEARCH,
-            arrays,
-            contacts,
-            tuple(macros),
-            pose_words(dict(macros)),
-            tables.reach / STEPS,
-        ),
-        swept=swept_words(dict(macros)),
+        *(RAILS if tracks else SEARCH, arrays, contacts, tuple(macros)),
+        *((both, whole), tables.reach / STEPS),
+        swept=swept,
     )
 
 

@@ -31,6 +31,8 @@ HAIR, SAME = 1e-5, 4e-6
 # its pivot at 48.2 deg.
 FURTHEST = math.radians(45.0)
 MOST_CONTACTS = 62
+# Steeper than this (rad) the history of tracks does not go.
+MOST_PITCH = math.radians(85.0)
 # With a com anywhere in its ball: facets lower than this share of heights are given up; how many
 # postures and directions tell.
 LOWEST, POSTURES, DIRECTIONS, SEED = 0.001, 500, 50, 7
@@ -62,15 +64,14 @@ class Many(NamedTuple):
         return self._replace(guard=guard, text=text, numbers=(*self.numbers[:-1], guard))
 
     def arrays(self, room: tuple[int, ...]) -> tuple[CArray, ...]:
-        """Return what the codec adds to positions, in the order of runtime/many_entry.c."""
-        singles = [*self.axis, *self.numbers]
-        rails = [len(self.first) - 1, *self.first]
+        """Return what the codec adds to positions, in the order of runtime/smap_pose.h."""
+        singles = [*self.axis, *self.numbers, *self.more]
+        tracks = [len(self.first) - 1, *self.first]
         return (
-            CArray("axis and limits", "float", singles, "see smap_many_t", False),
-            CArray("rails", "uint8_t", rails, "rails, first contact of each", False),
+            CArray("axis and limits", "float", singles, "see smap_limits_t", False),
+            CArray("tracks", "uint8_t", tracks, "tracks, first contact of each", False),
             CArray("names", "uint8_t", self.order, "the recipe's number of each contact", False),
-            CArray("room", "uint8_t", room, "the most of each: see smap_room_t", False),
-            CArray("off", "float", self.more, "what series alter", False),
+            CArray("room", "uint8_t", room, "the most of each: see smap_region.h", False),
         )
 
 
@@ -160,13 +161,14 @@ def order_of(model: Model) -> tuple[tuple[int, ...], bool]:
     places, shown = _rails(model), shown_contacts(model)
     if places is None:
         return shown, True
-    return tuple(shown[at] for at in np.argsort(places, kind="stable")), False
+    return tuple(shown[at] for at in np.argsort(-places, kind="stable")), False
 
 
 def _rails(model: Model) -> Floats | None:
     """Return where each shown contact's rail is, None where the runtime searches."""
     spheres = model.kind[list(shown_contacts(model))] == SPHERE
-    return None if spheres.any() else _places(model)
+    places = None if spheres.any() or model.recipe.upright > MOST_PITCH else _places(model)
+    return None if places is None or np.ptp(places) <= SAME * robot_size_of(model.recipe) else places
 
 
 def many_of(model: Model, off: float = 0.0) -> Many:
@@ -178,9 +180,9 @@ def many_of(model: Model, off: float = 0.0) -> Many:
     places, (order, _) = _rails(model), order_of(model)
     first, axis = [0], (0.0, 1.0)
     if places is not None:
-        axis, places = _axis(model) or axis, np.sort(places)
+        axis, places = _axis(model) or axis, -np.sort(-places)
         for at in range(1, len(order)):
-            if places[at] - places[first[-1]] > SAME * size:
+            if places[first[-1]] - places[at] > SAME * size:
                 first.append(at)
         first.append(len(order))
     rho = model.recipe.com_uncertainty + off
@@ -202,5 +204,5 @@ def many_of(model: Model, off: float = 0.0) -> Many:
         2.0 * math.sin(0.5 * min(accept.rock_angle, FURTHEST)) - HAIR - 2.0 * turn,
         guard,
     )
-    more = (ROLLS * off / size, 2.0 * turn) if off > 0.0 else ()
+    more = (ROLLS * off / size, 2.0 * turn)
     return Many(order, tuple(first), axis, numbers, more, guard, text)

@@ -1,45 +1,57 @@
-"""The room of a pose of many contacts: how many facets, rests, arcs and so on it has.
+"""The room of a pose of many contacts: the most rests, corners, gaps and arcs that it can hold.
 
-As much as many postures take, and a margin.  Where a posture needs more, gaps are given up and
-without anything else the pose fails: both are safe.
+Postures are counted, and a margin is added.  A posture that needs more loses gaps or rests, and
+without room for an arc of the boundary the pose fails: all of that is safe.
 """
 
 import math
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
 from firmware_export.host import Host
 from firmware_export.truth import Model
 
-# The most of each, in the order of the runtime's smap_room_t: facets, edges, rests, corners, gaps,
-# arcs; the least, as an array of C has an element; and the margin on what was seen.
-LIMITS, LEAST, MARGIN = (80, 250, 60, 154, 50, 254), (1, 3, 1, 3, 0, 3), 1.1
-CORNERS, GAPS, ARCS = 3, 4, 5
+MARGIN = 1.1
 
-Room = tuple[int, ...]
+
+class Room(NamedTuple):
+    """The most of each, in the order of the enum in runtime/smap_region.h."""
+
+    rests: int
+    corners: int
+    gaps: int
+    arcs: int
+    facets: int
+
+
+# What the host has room for, and the least that an array of C can have.
+LIMITS, LEAST = Room(60, 154, 50, 254, 250), Room(1, 3, 1, 3, 1)
 
 
 def room_of(model: Model, host: Callable[[Room], Host]) -> Room:
-    """Return the room that a pose needs.
-
-    Parameters
-    ----------
-    model : Model
-        Of a robot on many contacts.
-    host : callable
-        The C that reads with a room.
-
-    Returns
-    -------
-    tuple of int
-        In the order of `LIMITS`.  Without a gap in any of these postures none is ever looked for.
-    """
+    """Return the room that a pose needs; `host` reads with a room."""
     rng = np.random.default_rng(5)
-    any_posture = rng.random((6000, model.k))
-    even = rng.integers(0, 5, (3000, model.k)) / 4.0
-    equal = np.repeat(rng.random((1000, 1)), model.k, axis=1)
+    any_posture = rng.random((3500, model.k))
+    even = rng.integers(0, 5, (1000, model.k)) / 4.0
+    equal = np.repeat(rng.random((500, 1)), model.k, axis=1)
     params = model.at(np.concatenate([any_posture, even, equal])).astype(np.float32)
-    most = np.maximum(host(LIMITS).room(params).max(axis=0), LEAST)
-    most[ARCS] = max(most[ARCS], most[CORNERS])  # where gaps are given up
-    return tuple(min(math.ceil(MARGIN * n), limit) for n, limit in zip(most, LIMITS, strict=True))
+    most = np.maximum(host(LIMITS).room(params), LEAST)
+    return Room(*(min(math.ceil(MARGIN * n), most) for n, most in zip(most, LIMITS, strict=True)))
+
+
+def pose_words(room: Room, contacts: int, discs: int) -> tuple[int, int, int]:
+    """Return the words of 32 bits of poses beside an address; NAME.c asserts that they suffice.
+
+    With both forms, with integers alone, and of the region that on-board control keeps beside
+    (runtime/smap_pose.h, smap_region.h, smap_reading_i.h).  Addresses have up to 8 bytes.
+    """
+    walls = room.corners + 2 * room.gaps
+    layout = 5 + 5 * room.rests + 4 * room.gaps + 3 * room.arcs
+    region = 4 * (7 * room.rests + 3 * walls + 6 * room.arcs)
+    floats = 4 * contacts + 3 * (contacts if discs else 1) + 3 * room.rests + 4 * room.corners
+    work = 24 + 4 * floats + 3 * room.corners + room.rests + 8
+    whole = 6 + 14 * room.rests + 6 * walls + 12 * room.arcs
+    both = 4 + layout + 3 + region + 4 + max(work, whole + 2)
+    return -(-both // 4), -(-(4 + layout + whole + 4) // 4), -(-(layout + 3 + region + 4) // 4)

@@ -156,12 +156,12 @@ class Host:
         made = self._call(function, len(downs), (row, downs, status, reading))
         return made, status, reading
 
-    def room(self, params: ArrayLike) -> NDArray[np.uint32]:
-        """Return the room (m, 6) that poses of postures (m, k) take; see smap_host_region.h."""
+    def room(self, params: ArrayLike) -> NDArray[np.uint8]:
+        """Return the most of each that poses of postures (m, k) have; see smap_host_region.h."""
         rows = np.ascontiguousarray(params, np.float32)
-        found = np.zeros((len(rows), 6), np.uint32)
-        self._call(self._function("room"), len(rows), (rows, found))
-        return found
+        most = np.zeros(5, np.uint8)
+        self._call(self._function("room"), len(rows), (rows, most))
+        return most
 
     def positions(self, params: ArrayLike) -> NDArray[np.float32]:
         """Return where the contacts (m, n, 3) of postures (m, k) are, in the order of the map.

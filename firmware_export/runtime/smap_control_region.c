@@ -14,7 +14,9 @@
 
 /* A pose that holds for every posture of a box: see above. */
 typedef struct {
-  smap_many_pose_t real;
+  smap_layout_t at;
+  smap_region_t region;
+  float guard;
   float turned;  /* rad, by which gravity may turn in the box */
   float widened; /* a sine: how much wider than the map's its guard is */
   int8_t status;
@@ -25,7 +27,7 @@ enum { SMAP_TRIES = 1, SMAP_JUMPS = 1 };
 /* Make the pose of a posture, with floats. */
 static int8_t smap_pose_of(const smap_t *map, const float *posture, smap_pose_memory_t *pose)
 {
-  return smap_pose_floats(map, posture, pose, sizeof *pose, SMAP_FLOAT);
+  return smap_pose_floats(map, posture, &pose->head, sizeof *pose, SMAP_FLOAT);
 }
 
 #include "smap_state.h"
@@ -34,10 +36,10 @@ static int8_t smap_pose_of(const smap_t *map, const float *posture, smap_pose_me
 static int smap_upright(const smap_pose_memory_t *pose, const float g[3], float up[3])
 {
   float rate;
-  const uint8_t facet = pose->head.status == SMAP_OK ? smap_pierced(&pose->real, g, &rate) : (uint8_t)SMAP_NONE;
+  const uint8_t facet = pose->head.status == SMAP_OK ? smap_pierced(&pose->at, &pose->region, g, &rate) : (uint8_t)SMAP_NONE;
   uint8_t i;
   for (i = 0; facet != SMAP_NONE && i < 3; i++) {
-    up[i] = -pose->real.plane[facet][i] * pose->real.height[facet];
+    up[i] = -pose->region.plane[facet][i] * pose->region.height[facet];
   }
   return facet != SMAP_NONE;
 }
@@ -45,7 +47,7 @@ static int smap_upright(const smap_pose_memory_t *pose, const float g[3], float 
 /* Narrow a map's limits for contacts that may be `off` from where they are, and planes of at least a
  * height.  A rest's plane turns by no more than `turn`, and a wheel touches it elsewhere, too.  Returns how far
  * any place at which the robot touches may be off. */
-static float smap_narrow(smap_many_t *m, float off, float radius, float lowest)
+static float smap_narrow(smap_limits_t *m, float off, float radius, float lowest)
 {
   const float rest = SMAP_SWEPT_REST * off, wide = m->rest_width > rest ? m->rest_width : rest;
   const float turn = wide > 0.0f ? 2.0f * off / wide : 0.0f;
@@ -61,60 +63,43 @@ static float smap_narrow(smap_many_t *m, float off, float radius, float lowest)
   return off;
 }
 
-/* By how much (rad) a facet's boundary may be nearer than its edges say, since a contact that hangs over it
- * carries elsewhere in the box.  Contacts are up to `off` from where they are.  The facet is then several
+/* By how much (rad) the boundary of a rest may be nearer than its edges say, since a contact that hangs over it
+ * carries elsewhere in the box.  Contacts are up to `off` from where they are.  The rest is then several
  * that meet at the contact, and the robot rocks over it: it is not caught where an edge is nearer than twice
  * that turn, nor on what is cut off if that is narrow. */
-static float smap_doubt(smap_many_work_t *w, uint8_t start, float off)
+static float smap_doubt(const smap_work_t *w, uint8_t rest, float off)
 {
-  const smap_facet_t *f = &w->facet[w->owner[start]];
+  const float *const n = w->normal[rest], height = w->region->height[rest];
+  const uint8_t start = w->at->first[rest];
   float most = 0.0f;
   uint8_t k;
-  for (k = 0; k < smap_contacts_of(w->map); k++) {
-    const float below = 2.0f * off - f->h + smap_extent(w, k, &f->at);
-    float here = 0.0f, place[3];
-    uint8_t e = start, left;
+  for (k = 0; k < w->map->contacts; k++) {
+    float here = 0.0f, below, place[3];
+    uint8_t e = start, left = SMAP_MAX_CORNERS;
+    smap_touch(w, k, n, place);
+    below = 2.0f * off - height + smap_dot(place, n);
     if (!(below > 0.0f)) {
       continue;
     }
-    smap_touch(w, k, &f->at, place);
-    for (left = w->edges; left > 0; left--) {
+    do {
       float along[3], arm[3], in[3], apart, lost, size;
-      smap_minus(smap_end(w, e), smap_corner(w, e), along);
-      smap_minus(place, smap_corner(w, e), arm);
-      smap_cross(along, arm, in);
+      smap_minus(w->corner[smap_after(w, e)], w->corner[e], along);
+      smap_minus(place, w->corner[e], arm);
+      smap_cross(arm, along, in);
       size = smap_root(smap_dot(along, along));
-      apart = size > 0.0f ? smap_dot(in, f->at.n) / size : 0.0f;
+      apart = size > 0.0f ? smap_dot(in, n) / size : 0.0f;
       if (!(apart > SMAP_CORNER * w->map->size)) {
         here = 0.0f; /* a corner, on an edge or outside: it cuts nothing off */
         break;
       }
       lost = SMAP_DOUBT * below / apart;
-      apart /= f->h;
+      apart /= height;
       lost = lost < apart ? lost : apart;
       here = lost > here ? lost : here;
-      e = w->onward[e];
-      if (e == start) {
-        break;
-      }
-    }
+      e = smap_onward(w, e);
+    } while (e != start && --left > 0);
     here = left > 0 ? here : SMAP_PI; /* an outline that does not close: of none that is known */
     most = here > most ? here : most;
-  }
-  return most;
-}
-
-/* The most of all rests. */
-static float smap_doubts(smap_many_work_t *w, float off)
-{
-  uint8_t seen = SMAP_NONE, e;
-  float most = 0.0f;
-  for (e = 0; e < w->edges; e++) {
-    if (w->owner[e] != seen && w->facet[w->owner[e]].rest != SMAP_NONE && w->low[e] != SMAP_SHORT) {
-      const float doubt = smap_doubt(w, e, off);
-      most = doubt > most ? doubt : most;
-      seen = w->owner[e];
-    }
   }
   return most;
 }
@@ -126,14 +111,10 @@ static void smap_sweep(const smap_control_t *control, smap_state_memory_t *state
   const smap_t *const map = SMAP_CONTROLLED(control);
   const uint8_t count = smap_joints(control);
   smap_swept_t *const swept = &state->swept;
-  smap_many_t limits;
-  smap_many_work_t *const work = &state->here.rest.work;
+  smap_limits_t limits;
+  smap_work_t *const work = &state->here.rest.work;
   float off = 0.0f, own, most = 0.0f, radius = 0.0f, height = lowest;
   uint8_t i;
-#if SMAP_MANY_AXLES
-  float axle[SMAP_MANY_CONTACTS][3];
-  work->axle = axle;
-#endif
   swept->turned = 0.0f;
   for (i = 0; i < count; i++) {
     state->half[i] = 0.5f * smap_absolute(to[i] - from[i]) + smap_joint(control, i, SMAP_JOINT_NEAR);
@@ -143,27 +124,27 @@ static void smap_sweep(const smap_control_t *control, smap_state_memory_t *state
     most = own > most ? own : most;
     swept->turned += 2.0f * state->half[i] * smap_joint(control, i, SMAP_JOINT_LEAN);
   }
-  smap_many_numbers(map, &limits);
-  swept->status = smap_many_place(map, state->mid, work);
+  smap_limits(map, &limits);
+  swept->status = smap_place(map, state->mid, work);
   for (i = 0; swept->status == SMAP_OK && i < limits.contacts; i++) {
     radius = work->r[i] > radius ? work->r[i] : radius;
   }
   own = off + most;
   off = smap_narrow(&limits, own, radius, lowest);
   if (swept->status == SMAP_OK) {
-    swept->status = smap_many_pose(&limits, &swept->real, work) ? SMAP_OK : SMAP_TIPS;
+    swept->status = smap_make_region(&limits, &swept->at, &swept->region, work);
   }
   if (swept->status == SMAP_OK) {
-    for (i = 0; i < swept->real.at.rests; i++) {
-      if (i == 0 || swept->real.height[i] < height) {
-        height = swept->real.height[i];
-      }
+    most = 0.0f;
+    for (i = 0; i < swept->at.rests; i++) {
+      const float doubt = smap_doubt(work, i, own);
+      most = doubt > most ? doubt : most;
+      height = i == 0 || swept->region.height[i] < height ? swept->region.height[i] : height;
     }
+    swept->turned += most;
     /* A wall turns by no more than its contacts move, seen from the com over their line. */
     swept->widened = height > 2.0f * off ? off / (height - off) : 1.0f;
-    swept->real.guard = limits.guard + swept->widened;
-    most = smap_doubts(work, own);
-    swept->turned += most;
+    swept->guard = limits.guard + swept->widened;
   }
 }
 
@@ -176,7 +157,7 @@ static void smap_swept_at(const smap_control_t *control, const smap_swept_t *swe
   const float turned = smap_to_chart(SMAP_CONTROLLED(control), g, on);
   way->least = way->end = -SMAP_PI;
   if (swept->status == SMAP_OK && smap_direction(SMAP_CONTROLLED(control), on, d) == SMAP_OK) {
-    (void)smap_many_read(SMAP_CONTROLLED(control), &swept->real, d, &reading);
+    (void)smap_read_region(&swept->at, &swept->region, swept->guard, d, &reading);
     way->least = smap_between(reading.tip_angle - swept->turned - turned, -SMAP_PI, SMAP_PI);
     way->end = reading.tip_angle - turned + swept->widened; /* a sine is less than its angle */
   }
@@ -186,8 +167,8 @@ static void smap_swept_at(const smap_control_t *control, const smap_swept_t *swe
 static float smap_lowest(const smap_pose_memory_t *pose, const float g[3])
 {
   float rate;
-  const uint8_t facet = pose->head.status == SMAP_OK ? smap_pierced(&pose->real, g, &rate) : (uint8_t)SMAP_NONE;
-  return facet != SMAP_NONE ? SMAP_SWEPT_LOW * pose->real.height[facet] : 0.0f;
+  const uint8_t facet = pose->head.status == SMAP_OK ? smap_pierced(&pose->at, &pose->region, g, &rate) : (uint8_t)SMAP_NONE;
+  return facet != SMAP_NONE ? SMAP_SWEPT_LOW * pose->region.height[facet] : 0.0f;
 }
 
 enum { SMAP_MOST_JOINTS = SMAP_MAX_PARAMS };
@@ -258,15 +239,17 @@ static uint8_t smap_find_way(const smap_control_t *control, smap_state_memory_t 
 #define SMAP_NEXT_TO 1e-3f /* a sine: a way that passes the end of an arc as near meets it */
 
 /* How much of `to` can be taken off a direction f that stands until it meets the boundary, guard included; both unit. */
-static float smap_to_boundary(const smap_many_pose_t *o, const float f[3], const float to[3])
+static float smap_to_boundary(const smap_pose_t *pose, const float f[3], const float to[3])
 {
-  const float beside = o->guard + SMAP_NEXT_TO;
+  const smap_pose_memory_t *const many = (const smap_pose_memory_t *)pose;
+  const smap_region_t *const o = &many->region;
+  const float guard = smap_guard(pose->map), beside = guard + SMAP_NEXT_TO;
   float least = SMAP_MOST_BUDGET / SMAP_GRAVITY;
   uint8_t k, i;
-  for (k = 0; k < o->at.arcs; k++) {
-    const float *n = o->wall[o->at.arc[k]];
+  for (k = 0; k < many->at.arcs; k++) {
+    const float *n = o->wall[many->at.arc[k].wall];
     const float ahead = smap_dot(n, f), side = ahead < 0.0f ? -1.0f : 1.0f;
-    const float above = side * ahead - o->guard, down = side * smap_dot(n, to) + o->guard;
+    const float above = side * ahead - guard, down = side * smap_dot(n, to) + guard;
     float at[3], t;
     if (!(down > 1e-6f) || above < 0.0f || above >= least * down) {
       continue;
@@ -294,7 +277,7 @@ static int smap_stands_at(const smap_pose_t *pose, const float f[3], const float
 /* The largest part of `to` that can be taken off a direction that stands, where the boundary tells it; 0 where not. */
 static int smap_jump(const smap_pose_t *pose, const float f[3], const float to[3], float *sum)
 {
-  *sum = 0.9999f * smap_to_boundary(&((const smap_pose_memory_t *)pose)->real, f, to);
+  *sum = 0.9999f * smap_to_boundary(pose, f, to);
   if (smap_stands_at(pose, f, to, *sum)) {
     return 1;
   }

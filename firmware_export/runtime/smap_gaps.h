@@ -127,20 +127,22 @@ SMAP_INLINE int smap_is_joined(const smap_work_t *w, uint8_t e)
   return smap_dot(d, d) <= SMAP_JOINED * SMAP_JOINED;
 }
 
-/* The way off `w` by which gaps begin and end: cut it down to what the rest holds that the robot comes to over its edge
- * `came`, and all rests that are one with it; 0 where nothing is left. */
+/* The edge behind e on the outline of the rests that are one with its own. */
+static uint8_t smap_onward(const smap_work_t *w, uint8_t e)
+{
+  uint8_t left = SMAP_MAX_CORNERS;
+  for (e = smap_after(w, e); left > 0 && smap_is_joined(w, e); left--) {
+    e = smap_after(w, w->twin[e]);
+  }
+  return e;
+}
+
+/* Cut `span` down to what the rest holds that the robot comes to over its edge `came`; 0 where nothing is left. */
 static int smap_land(const smap_work_t *w, uint8_t came, smap_landing_t *l, float span[2])
 {
   const float doubt = l->doubt;
-  uint8_t left = SMAP_CORNERS, e;
-  for (e = smap_after(w, came); e != came && left > 0; e = smap_after(w, e), left--) {
-    while (smap_is_joined(w, e) && left > 0) {
-      e = smap_after(w, w->twin[e]);
-      left--;
-    }
-    if (e == came) {
-      break;
-    }
+  uint8_t left = SMAP_MAX_CORNERS, e;
+  for (e = smap_onward(w, came); e != came && left > 0; e = smap_onward(w, e), left--) {
     /* Rests that are one have planes of their own. */
     l->doubt = w->rest[e] == w->rest[came] ? doubt : doubt + SMAP_JOINED * w->map->size * w->map->size;
     if (!smap_hold(w, e, l, span)) {
@@ -203,12 +205,12 @@ static int smap_add_gap(smap_work_t *w, uint8_t e, const float *const corner[4],
   smap_gap_t *const gap = &w->at->gap[k];
   float place[2][2][3];
   uint8_t side;
-  if (smap_is_full(w, SMAP_OF_GAPS, k, SMAP_GAPS)) {
+  if (smap_is_full(w, SMAP_OF_GAPS, k, SMAP_MAX_GAPS)) {
     return 0;
   }
   gap->a = e;
   gap->b = w->twin[e];
-  gap->left = (uint8_t)(SMAP_CORNERS + 2u * k);
+  gap->left = (uint8_t)(SMAP_MAX_CORNERS + 2u * k);
   gap->right = (uint8_t)(gap->left + 1u);
   for (side = 0; side < 2; side++) {
     smap_mix(corner[0], corner[1], span[side], place[side][0]);
@@ -270,7 +272,7 @@ SMAP_APART static void smap_find_gap(smap_work_t *w, uint8_t e)
     if (!(span[0] < span[1]) || !(slit || smap_add_gap(w, e, corner, span))) {
       return;
     }
-  } else if (!slit && !smap_is_full(w, SMAP_OF_GAPS, w->at->gaps, SMAP_GAPS)) { /* what is between them has no sides but those of their edges */
+  } else if (!slit && !smap_is_full(w, SMAP_OF_GAPS, w->at->gaps, SMAP_MAX_GAPS)) { /* what is between them has no sides but those of their edges */
     smap_gap_t *const gap = &w->at->gap[w->at->gaps++];
     gap->a = e;
     gap->b = back;
@@ -360,7 +362,7 @@ static int smap_close(smap_work_t *w)
       }
     }
     for (k = 0; k < at->gaps; k++) {
-      if (w->island[w->rest[at->gap[k].a]] == i && at->gap[k].left >= SMAP_CORNERS) {
+      if (w->island[w->rest[at->gap[k].a]] == i && at->gap[k].left >= SMAP_MAX_CORNERS) {
         smap_bound_sides(w, &at->gap[k]);
       }
     }

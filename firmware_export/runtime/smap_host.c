@@ -8,13 +8,15 @@
 #define SMAP_MAX_COORDINATES 255
 #define SMAP_SERIES 1
 #define SMAP_CONTROL 1
-#define SMAP_MANY_CONTACTS 62
-#define SMAP_MANY_FACETS 80
-#define SMAP_MANY_EDGES 250
-#define SMAP_MANY_RESTS 60
-#define SMAP_MANY_CORNERS 154
-#define SMAP_MANY_GAPS 50
-#define SMAP_MANY_ARCS 254
+#define SMAP_MAX_CONTACTS 62
+#define SMAP_RAILS 62
+#define SMAP_DISCS 62
+#define SMAP_MAX_RESTS 60
+#define SMAP_MAX_CORNERS 154
+#define SMAP_MAX_GAPS 50
+#define SMAP_MAX_ARCS 254
+#define SMAP_MAX_FACETS 250
+#define SMAP_MAX_SIDES 20
 
 #define SMAP_TEXT(file) #file
 #define SMAP_FILE(family) SMAP_TEXT(smap_##family.c)

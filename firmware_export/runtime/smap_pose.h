@@ -95,7 +95,7 @@ static int8_t smap_make_region(const smap_limits_t *m, smap_layout_t *at, smap_r
   work->map = m;
   work->at = at;
   work->region = o;
-  work->full = 0;
+  work->full = work->facets = 0;
   at->rests = at->gaps = at->arcs = at->nearly = at->first[0] = 0;
   smap_find_rests(work);
   if (!smap_close(work)) {
@@ -106,7 +106,7 @@ static int8_t smap_make_region(const smap_limits_t *m, smap_layout_t *at, smap_r
     smap_turn_back(m, o->plane, at->rests);
     smap_turn_back(m, o->centre, at->rests);
     smap_turn_back(m, o->wall, at->first[at->rests]);
-    smap_turn_back(m, o->wall + SMAP_CORNERS, (uint8_t)(2u * at->gaps));
+    smap_turn_back(m, o->wall + SMAP_MAX_CORNERS, (uint8_t)(2u * at->gaps));
     smap_turn_back(m, o->amid, at->arcs);
     smap_turn_back(m, o->along, at->arcs);
   }
@@ -228,8 +228,9 @@ static int smap_check_many(const smap_t *map)
   const uint8_t tracks = bytes > SMAP_SINGLES ? body[SMAP_SINGLES] : SMAP_NONE;
   const smap_bytes_t first = body + SMAP_SINGLES + 1;
   uint8_t i;
-  if (contacts > SMAP_CONTACTS || contacts < 3 || tracks > SMAP_TRACKS || (tracks > 1) != (SMAP_TRACKS > 1) ||
-      bytes != SMAP_SINGLES + 2u + tracks + contacts + SMAP_ROOMS || first[0] != 0 || first[tracks] != contacts) {
+  if (contacts > SMAP_MAX_CONTACTS || contacts < 3 || tracks > SMAP_TRACKS || (tracks > 1) != (SMAP_TRACKS > 1) ||
+      bytes != SMAP_SINGLES + 2u + tracks + contacts + SMAP_ROOMS || first[0] != 0 ||
+      (tracks != 0 && first[tracks] != contacts)) {
     return 0;
   }
   for (i = 0; i < tracks; i++) {

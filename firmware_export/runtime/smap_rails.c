@@ -4,6 +4,7 @@
 #define SMAP_INLINE SMAP_PLAIN
 #define SMAP_UNROLL
 #define SMAP_CODEC SMAP_CODEC_RAILS
+#define SMAP_TRACKS SMAP_RAILS
 #define SMAP_AXLES 1
 #define SMAP_STEERED_BY "smap_control_region.c"
 #define SMAP_DRAWN_BY "smap_host_region.h"
@@ -146,7 +147,7 @@ static void smap_enter(smap_work_t *w, smap_hull_t *h, const uint8_t *list, uint
 {
   const float s = plane[0], c = plane[2], size = 1.0f / smap_root(1.0f + plane[1] * plane[1]);
   const float n[3] = {s * size, plane[1] * size, -c * size};
-  float p[2 * SMAP_TRACKS][3], extent[SMAP_CONTACTS];
+  float p[2 * SMAP_TRACKS][3], extent[SMAP_MAX_CONTACTS];
   uint8_t id[2 * SMAP_TRACKS], track[2 * SMAP_TRACKS], count = 0, turns, j, k, before = *side, first;
   *side = SMAP_NONE;
   for (j = 0; j <= last; j++) { /* the way that was on the hull */
@@ -204,7 +205,7 @@ static void smap_change(const smap_work_t *w, smap_hull_t *h, float s, float c)
   memcpy(h->old, h->disc, sizeof h->old);
   for (k = 0; k < tracks; k++) {
     h->bent[k] = 0;
-    for (left = SMAP_CONTACTS; left > 0 && h->bend[k] <= s + SMAP_UNITE * c; left--) {
+    for (left = SMAP_MAX_CONTACTS; left > 0 && h->bend[k] <= s + SMAP_UNITE * c; left--) {
       h->disc[k] = h->onto[k];
       h->bent[k] = 1;
       smap_next_bend(w, h, k, h->bend[k]);

@@ -11,11 +11,11 @@ typedef struct {
   uint8_t shift;     /* of D: see smap_make_i */
   uint16_t mantissa; /* of D */
   int16_t guard;
-  uint16_t height[SMAP_RESTS];
-  int16_t plane[SMAP_RESTS][3];
-  int16_t centre[SMAP_RESTS][3]; /* in two steps of sdg */
+  uint16_t height[SMAP_MAX_RESTS];
+  int16_t plane[SMAP_MAX_RESTS][3];
+  int16_t centre[SMAP_MAX_RESTS][3]; /* in two steps of sdg */
   int16_t wall[SMAP_WALLS][3];
-  int16_t amid[SMAP_ARCS][3], along[SMAP_ARCS][3];
+  int16_t amid[SMAP_MAX_ARCS][3], along[SMAP_MAX_ARCS][3];
 } smap_region_i_t;
 
 /* The nearest whole number of what is less than 2^22: the last digits of a sum whose last is worth 1. */
@@ -55,7 +55,7 @@ static void smap_make_i(const smap_layout_t *at, const smap_region_t *o, float g
   smap_scale_i(o->centre, at->rests, 0.5f / step, i->centre);
   smap_scale_i(o->plane, at->rests, (float)SMAP_ONE_I * least, i->plane); /* n / h: the greatest is 1 */
   smap_scale_i(o->wall, at->first[at->rests], (float)SMAP_ONE_I, i->wall);
-  smap_scale_i(o->wall + SMAP_CORNERS, (uint8_t)(2u * at->gaps), (float)SMAP_ONE_I, i->wall + SMAP_CORNERS);
+  smap_scale_i(o->wall + SMAP_MAX_CORNERS, (uint8_t)(2u * at->gaps), (float)SMAP_ONE_I, i->wall + SMAP_MAX_CORNERS);
   smap_scale_i(o->amid, at->arcs, (float)SMAP_ONE_I, i->amid);
   smap_scale_i(o->along, at->arcs, (float)SMAP_ONE_I, i->along);
   /* D = g 32767 least / (2 step) / (plane . g) = g (mantissa 2^16 / (plane . g >> shift)) / 2^15 */

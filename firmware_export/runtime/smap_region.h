@@ -8,7 +8,7 @@
  * A corner of a rest has a number, and so have the edge from it to the next one, counter-clockwise seen from
  * the centre of mass, and the wall through that edge.  Behind the walls of all corners come the two sides of each gap. */
 #define SMAP_NONE 255u
-#define SMAP_WALLS (SMAP_CORNERS + 2 * SMAP_GAPS)
+#define SMAP_WALLS (SMAP_MAX_CORNERS + 2 * SMAP_MAX_GAPS)
 #define SMAP_JOINED 2e-4f /* rad: rests that a shorter turn joins are one */
 #define SMAP_BELOW 2e-5f  /* of the size: a facet has no contact as far below it */
 
@@ -36,19 +36,19 @@ typedef struct {
  * that a rest belongs to, and `own` is the first of its own. */
 typedef struct {
   uint8_t rests, gaps, arcs, nearly; /* nearly: there are rests whose planes are all but one */
-  uint8_t first[SMAP_RESTS + 1];     /* corner of each rest */
-  uint8_t own[SMAP_RESTS], from[SMAP_RESTS], till[SMAP_RESTS];
-  uint8_t alone[SMAP_RESTS]; /* whether all of its edges are boundary */
-  smap_gap_t gap[SMAP_GAPS];
-  smap_arc_t arc[SMAP_ARCS];
+  uint8_t first[SMAP_MAX_RESTS + 1];     /* corner of each rest */
+  uint8_t own[SMAP_MAX_RESTS], from[SMAP_MAX_RESTS], till[SMAP_MAX_RESTS];
+  uint8_t alone[SMAP_MAX_RESTS]; /* whether all of its edges are boundary */
+  smap_gap_t gap[SMAP_MAX_GAPS];
+  smap_arc_t arc[SMAP_MAX_ARCS];
 } smap_layout_t;
 
 /* The form for floats.  `plane` is n / h.  `amid` is the middle of an arc times the sine of half of it, `along` its
  * direction there times the cosine. */
 typedef struct {
-  float plane[SMAP_RESTS][3], centre[SMAP_RESTS][3], height[SMAP_RESTS];
+  float plane[SMAP_MAX_RESTS][3], centre[SMAP_MAX_RESTS][3], height[SMAP_MAX_RESTS];
   float wall[SMAP_WALLS][3];
-  float amid[SMAP_ARCS][3], along[SMAP_ARCS][3];
+  float amid[SMAP_MAX_ARCS][3], along[SMAP_MAX_ARCS][3];
 } smap_region_t;
 
 /* What is only needed while a pose is made. */
@@ -56,11 +56,12 @@ typedef struct {
   const smap_limits_t *map;
   smap_layout_t *at;
   smap_region_t *region;
-  float p[SMAP_CONTACTS][3], r[SMAP_CONTACTS], axle[SMAP_AXLES][3]; /* zero for points and balls */
-  float normal[SMAP_RESTS][3];
-  float corner[SMAP_CORNERS][3], low[SMAP_CORNERS]; /* low: from which part of the edge on it holds, > 1: none does */
-  uint8_t contact[SMAP_CORNERS], twin[SMAP_CORNERS], rest[SMAP_CORNERS], island[SMAP_RESTS];
-  uint8_t full; /* whether there was no room for an arc: the pose has failed */
+  float p[SMAP_MAX_CONTACTS][3], r[SMAP_MAX_CONTACTS], axle[SMAP_AXLES][3]; /* zero for points and balls */
+  float normal[SMAP_MAX_RESTS][3];
+  float corner[SMAP_MAX_CORNERS][3], low[SMAP_MAX_CORNERS]; /* low: from which part of the edge on it holds, > 1: none does */
+  uint8_t contact[SMAP_MAX_CORNERS], twin[SMAP_MAX_CORNERS], rest[SMAP_MAX_CORNERS], island[SMAP_MAX_RESTS];
+  uint8_t facets; /* that were looked at */
+  uint8_t full;   /* whether there was no room for an arc: the pose has failed */
 } smap_work_t;
 
 /* A family tells where a contact touches the plane with a normal. */
@@ -210,8 +211,8 @@ static uint8_t smap_add_rest(smap_work_t *w, const float n[3], float (*p)[3], co
   uint8_t i, k, near = 0;
   int wide;
   if (!(height > w->map->least_height && -n[2] > w->map->steepest) || count < 3 ||
-      smap_is_full(w, SMAP_OF_RESTS, r, SMAP_RESTS) ||
-      smap_is_full(w, SMAP_OF_CORNERS, (uint8_t)(first + count - 1u), SMAP_CORNERS)) {
+      smap_is_full(w, SMAP_OF_RESTS, r, SMAP_MAX_RESTS) ||
+      smap_is_full(w, SMAP_OF_CORNERS, (uint8_t)(first + count - 1u), SMAP_MAX_CORNERS)) {
     return SMAP_NONE;
   }
   for (i = 0; i < w->map->contacts; i++) {
@@ -223,8 +224,8 @@ static uint8_t smap_add_rest(smap_work_t *w, const float n[3], float (*p)[3], co
   if (near <= count) {
     wide = smap_measure(w, n, p, count, o->centre[r]);
   } else { /* all of them make up the support polygon */
-    float q[SMAP_CONTACTS][3];
-    uint8_t all[SMAP_CONTACTS];
+    float q[SMAP_MAX_CONTACTS][3];
+    uint8_t all[SMAP_MAX_CONTACTS];
     near = 0;
     for (i = 0; i < w->map->contacts; i++) {
       if (extent[i] >= height - w->map->tolerance) {
@@ -275,7 +276,7 @@ static void smap_add_arc(smap_work_t *w, uint8_t wall, const float p[3], const f
   uint8_t k;
   memcpy(a, p, sizeof a);
   memcpy(b, q, sizeof b);
-  if (smap_is_full(w, SMAP_OF_ARCS, at, SMAP_ARCS) || !smap_unit(a) || !smap_unit(b)) {
+  if (smap_is_full(w, SMAP_OF_ARCS, at, SMAP_MAX_ARCS) || !smap_unit(a) || !smap_unit(b)) {
     w->full = 1;
     return;
   }

@@ -5,6 +5,7 @@
 #define SMAP_UNROLL
 #define SMAP_CODEC SMAP_CODEC_SEARCH
 #define SMAP_TRACKS 1
+#define SMAP_AXLES (SMAP_DISCS > 0 ? SMAP_MAX_CONTACTS : 1)
 #define SMAP_STEERED_BY "smap_control_region.c"
 #define SMAP_DRAWN_BY "smap_host_region.h"
 #include "smap_joints.h"
@@ -21,7 +22,7 @@
 #define SMAP_PARALLEL 1e-4f /* rad: planes on three contacts of a facet that differ by less are one */
 #define SMAP_NEWTON 8       /* rounds, of which */
 #define SMAP_SETTLED 1e-6f  /* the last changes a normal's square by less */
-#define SMAP_TRIES 6        /* contacts that a roll may come to before the first that touches is found */
+#define SMAP_ROLL_TRIES 6        /* contacts that a roll may come to before the first that touches is found */
 #define SMAP_STEPS_MOST 8   /* of half a radian, while a plane rolls over what is round */
 #define SMAP_STEP_COT 1.8304877f /* cotangent, cosine and sine of a step */
 #define SMAP_STEP_COS 0.87758256f
@@ -34,15 +35,15 @@
 
 typedef struct {
   float n[3];
-  uint8_t count, first, id[SMAP_SIDES]; /* first: its first corner as a rest, or SMAP_NONE */
+  uint8_t count, first, id[SMAP_MAX_SIDES]; /* first: its first corner as a rest, or SMAP_NONE */
 } smap_facet_t;
 
 /* Where all contacts touch the plane that is looked at, and that of the facet over whose edges it rolls. */
 typedef struct {
   smap_work_t *w;
   uint8_t facets, all; /* all: facets that face up lead on, too */
-  float there[SMAP_CONTACTS][3], here[SMAP_CONTACTS][3];
-  smap_facet_t facet[SMAP_FACETS];
+  float there[SMAP_MAX_CONTACTS][3], here[SMAP_MAX_CONTACTS][3];
+  smap_facet_t facet[SMAP_MAX_FACETS];
 } smap_search_t;
 
 SMAP_INLINE int smap_is_disc(const smap_work_t *w, uint8_t i)
@@ -81,7 +82,7 @@ static int smap_is_flat(const smap_work_t *w, uint8_t i, const float n[3])
 }
 
 /* Find where all contacts touch a plane, and which of them, but for three, is furthest below it; SMAP_NONE: none. */
-static uint8_t smap_look(smap_search_t *s, const float n[3], uint8_t i, uint8_t j, uint8_t k, float noise)
+static uint8_t smap_survey(smap_search_t *s, const float n[3], uint8_t i, uint8_t j, uint8_t k, float noise)
 {
   float most = noise * s->w->map->size, level;
   uint8_t l, worst = SMAP_NONE;
@@ -194,7 +195,7 @@ static uint8_t smap_tilt(smap_search_t *s, uint8_t i, uint8_t j, const float d[3
     if (start[2] > limit || !smap_settle(w, i, j, SMAP_NONE, b, start)) {
       return SMAP_NONE;
     }
-    to = smap_look(s, start, i, j, SMAP_NONE, SMAP_NOISY);
+    to = smap_survey(s, start, i, j, SMAP_NONE, SMAP_NOISY);
     if (to != SMAP_NONE) {
       break;
     }
@@ -208,13 +209,13 @@ static uint8_t smap_tilt(smap_search_t *s, uint8_t i, uint8_t j, const float d[3
   if (left == 0 || start[2] > limit) {
     return SMAP_NONE; /* no rest is so far up */
   }
-  for (left = SMAP_TRIES; left > 0; left--) {
+  for (left = SMAP_ROLL_TRIES; left > 0; left--) {
     uint8_t worst;
     memcpy(n, start, sizeof start);
     if (!(j == SMAP_NONE ? smap_settle(w, i, to, SMAP_NONE, d, n) : smap_settle(w, i, j, to, d, n))) {
       return SMAP_NONE;
     }
-    worst = smap_look(s, n, i, j, to, left > 2 ? SMAP_NOISY : SMAP_NOISIER);
+    worst = smap_survey(s, n, i, j, to, left > 2 ? SMAP_NOISY : SMAP_NOISIER);
     if (worst == SMAP_NONE) {
       return smap_dot(n, t) > -SMAP_PARALLEL ? to : (uint8_t)SMAP_NONE;
     }
@@ -266,8 +267,8 @@ static uint8_t smap_facet_on(smap_search_t *s, const float n[3], const uint8_t t
   smap_work_t *const w = s->w;
   const float top = smap_dot(s->there[three[0]], n) - SMAP_TOUCHES * w->map->size;
   smap_facet_t *const f = &s->facet[s->facets];
-  float p[SMAP_CONTACTS][3], extent[SMAP_CONTACTS];
-  uint8_t id[SMAP_CONTACTS], count = 0, k, flat = 0, alone = 0;
+  float p[SMAP_MAX_CONTACTS][3], extent[SMAP_MAX_CONTACTS];
+  uint8_t id[SMAP_MAX_CONTACTS], count = 0, k, flat = 0, alone = 0;
   for (k = 0; k < w->map->contacts; k++) {
     extent[k] = smap_dot(s->there[k], n);
     if (extent[k] >= top) {
@@ -285,7 +286,7 @@ static uint8_t smap_facet_on(smap_search_t *s, const float n[3], const uint8_t t
       alone |= smap_common(&s->facet[k], id, count) > 2;
     }
   }
-  if (smap_is_full(w, SMAP_OF_FACETS, s->facets, SMAP_FACETS)) {
+  if (smap_is_full(w, SMAP_OF_FACETS, s->facets, SMAP_MAX_FACETS)) {
     return SMAP_NONE;
   }
   if (alone) {
@@ -299,7 +300,7 @@ static uint8_t smap_facet_on(smap_search_t *s, const float n[3], const uint8_t t
   if (count > 3) {
     count = smap_cut_slivers(s, n, p, id, count);
   }
-  if (count < 3 || count > SMAP_SIDES) {
+  if (count < 3 || count > SMAP_MAX_SIDES) {
     return SMAP_NONE;
   }
   memcpy(f->n, n, sizeof f->n);
@@ -328,7 +329,7 @@ static void smap_begin_search(smap_search_t *s)
   const uint8_t contacts = s->w->map->contacts;
   float n[3] = {0.0f, 0.0f, -1.0f}, across[3], b[3] = {0.0f, 0.0f, 0.0f}, t[3];
   uint8_t i = 0, j, k, l, way;
-  (void)smap_look(s, n, 0, SMAP_NONE, SMAP_NONE, SMAP_NOISY);
+  (void)smap_survey(s, n, 0, SMAP_NONE, SMAP_NONE, SMAP_NOISY);
   for (k = 0; k < contacts; k++) {
     i = s->there[k][2] < s->there[i][2] ? k : i;
     for (l = 0; l < 2; l++) {
@@ -345,7 +346,7 @@ static void smap_begin_search(smap_search_t *s)
   j = smap_tilt(s, i, SMAP_NONE, across, t, n);
   for (way = 0; way < 2 && j != SMAP_NONE; way++) {
     float m[3] = {n[0], n[1], n[2]};
-    (void)smap_look(s, n, i, j, SMAP_NONE, SMAP_NOISY);
+    (void)smap_survey(s, n, i, j, SMAP_NONE, SMAP_NOISY);
     smap_minus(s->there[way ? i : j], s->there[way ? j : i], b);
     smap_cross(n, b, t);
     k = smap_unit(t) ? smap_tilt(s, way ? j : i, way ? i : j, across, t, m) : (uint8_t)SMAP_NONE;
@@ -372,7 +373,7 @@ SMAP_APART static void smap_find_rests(smap_work_t *w)
     if (!(-at->n[2] > SMAP_UPWARD) && !s.all) {
       continue;
     }
-    (void)smap_look(&s, at->n, at->id[0], SMAP_NONE, SMAP_NONE, SMAP_NOISY);
+    (void)smap_survey(&s, at->n, at->id[0], SMAP_NONE, SMAP_NONE, SMAP_NOISY);
     memcpy(s.here, s.there, sizeof s.here);
     for (e = 0; e < at->count; e++) {
       const uint8_t i = at->id[e], j = at->id[e + 1 < at->count ? e + 1 : 0];
@@ -400,6 +401,7 @@ SMAP_APART static void smap_find_rests(smap_work_t *w)
       }
     }
   }
+  w->facets = s.facets;
 }
 
 #include "smap_reading.h"
