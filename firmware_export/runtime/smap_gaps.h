@@ -284,23 +284,47 @@ SMAP_APART static void smap_find_gap(smap_work_t *w, uint8_t e)
   w->low[back] = 1.0f - span[1];
 }
 
-/* Add what is boundary of the edge e of a rest: all but what holds of it. */
-static void smap_bound(smap_work_t *w, uint8_t e)
+/* The direction of a part of the way from one place to another. */
+static void smap_way_to(const float p[3], const float q[3], float part, float out[3])
+{
+  smap_mix(p, q, part, out);
+  (void)smap_unit(out);
+}
+
+/* Add what is boundary of the edge e of a rest, from direction a to b: all but what holds of it. */
+static void smap_bound(smap_work_t *w, uint8_t e, const float a[3], const float b[3])
 {
   const uint8_t end = smap_after(w, e), i = w->contact[e], j = w->contact[end];
-  const float *const p = w->corner[e], *const q = w->corner[end];
   float r[3];
   if (w->low[e] > 1.0f) {
-    smap_add_arc(w, e, p, q, i, j);
+    smap_add_arc(w, e, a, b, i, j);
     return;
   }
   if (w->low[e] > 0.0f) {
-    smap_mix(p, q, w->low[e], r);
-    smap_add_arc(w, e, p, r, i, j);
+    smap_way_to(w->corner[e], w->corner[end], w->low[e], r);
+    smap_add_arc(w, e, a, r, i, j);
   }
   if (w->low[w->twin[e]] > 0.0f) {
-    smap_mix(q, p, w->low[w->twin[e]], r);
-    smap_add_arc(w, e, r, q, i, j);
+    smap_way_to(w->corner[end], w->corner[e], w->low[w->twin[e]], r);
+    smap_add_arc(w, e, r, b, i, j);
+  }
+}
+
+/* Add the boundary of a rest. */
+static void smap_bound_rest(smap_work_t *w, uint8_t r)
+{
+  const uint8_t first = w->at->first[r], end = w->at->first[r + 1];
+  float a[3], b[3];
+  uint8_t e;
+  w->at->own[r] = w->at->arcs;
+  w->at->alone[r] = 1;
+  smap_way_to(w->corner[first], w->corner[first], 0.0f, a);
+  for (e = first; e < end; e++) {
+    const uint8_t next = e + 1 < end ? (uint8_t)(e + 1) : first;
+    smap_way_to(w->corner[next], w->corner[next], 0.0f, b);
+    w->at->alone[r] = w->low[e] > 1.0f ? w->at->alone[r] : (uint8_t)0;
+    smap_bound(w, e, a, b);
+    memcpy(a, b, sizeof a);
   }
 }
 
@@ -310,11 +334,11 @@ static void smap_bound_sides(smap_work_t *w, const smap_gap_t *gap)
   const uint8_t a = gap->a, b = gap->b, end = smap_after(w, a), rear = smap_after(w, b);
   const float low = w->low[a], high = w->low[b];
   float p[3], q[3];
-  smap_mix(w->corner[a], w->corner[end], low, p);
-  smap_mix(w->corner[rear], w->corner[b], low, q);
+  smap_way_to(w->corner[a], w->corner[end], low, p);
+  smap_way_to(w->corner[rear], w->corner[b], low, q);
   smap_add_arc(w, gap->left, p, q, w->contact[a], w->contact[a]);
-  smap_mix(w->corner[end], w->corner[a], high, p);
-  smap_mix(w->corner[b], w->corner[rear], high, q);
+  smap_way_to(w->corner[end], w->corner[a], high, p);
+  smap_way_to(w->corner[b], w->corner[rear], high, q);
   smap_add_arc(w, gap->right, q, p, w->contact[end], w->contact[end]);
 }
 
@@ -353,12 +377,7 @@ static int smap_close(smap_work_t *w)
     const uint8_t from = at->arcs;
     for (r = 0; r < at->rests; r++) {
       if (w->island[r] == i) {
-        at->own[r] = at->arcs;
-        at->alone[r] = 1;
-        for (e = at->first[r]; e < at->first[r + 1]; e++) {
-          at->alone[r] = w->low[e] > 1.0f ? at->alone[r] : 0;
-          smap_bound(w, e);
-        }
+        smap_bound_rest(w, r);
       }
     }
     for (k = 0; k < at->gaps; k++) {

@@ -24,15 +24,14 @@ SMAP_INLINE int16_t smap_whole_i(float x)
   return (int16_t)(int32_t)(smap_bits(x + 12582912.0f) - 0x4B400000u);
 }
 
-/* Vectors times a scale as whole numbers; what is beyond int16 becomes the last one. */
+/* Vectors of which no component is beyond 1 / scale, times 32767. */
 static void smap_scale_i(const float (*from)[3], uint8_t n, float scale, int16_t (*to)[3])
 {
   uint8_t i, k;
   for (i = 0; i < n; i++) {
     SMAP_THRICE
     for (k = 0; k < 3; k++) {
-      const float x = from[i][k] * scale;
-      to[i][k] = smap_whole_i(x < 32767.0f ? x > -32767.0f ? x : -32767.0f : 32767.0f);
+      to[i][k] = smap_whole_i(from[i][k] * scale);
     }
   }
 }
@@ -52,7 +51,7 @@ static void smap_make_i(const smap_layout_t *at, const smap_region_t *o, float g
     least = k == 0 || o->height[k] < least ? o->height[k] : least;
     i->height[k] = smap_steps_i(o->height[k] / step, 65534.0f);
   }
-  smap_scale_i(o->centre, at->rests, 0.5f / step, i->centre);
+  smap_scale_i(o->centre, at->rests, 0.5f / step, i->centre); /* a contact is at most 16,000 steps away */
   smap_scale_i(o->plane, at->rests, (float)SMAP_ONE_I * least, i->plane); /* n / h: the greatest is 1 */
   smap_scale_i(o->wall, at->first[at->rests], (float)SMAP_ONE_I, i->wall);
   smap_scale_i(o->wall + SMAP_MAX_CORNERS, (uint8_t)(2u * at->gaps), (float)SMAP_ONE_I, i->wall + SMAP_MAX_CORNERS);

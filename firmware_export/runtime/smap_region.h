@@ -267,33 +267,24 @@ SMAP_INLINE void smap_pair(smap_work_t *w, uint8_t a, uint8_t b)
   w->twin[b] = a;
 }
 
-/* Add a part of the boundary, from place p to q on a wall. */
-static void smap_add_arc(smap_work_t *w, uint8_t wall, const float p[3], const float q[3], uint8_t i, uint8_t j)
+/* Add a part of the boundary on a wall, from unit vector a to b. */
+static void smap_add_arc(smap_work_t *w, uint8_t wall, const float a[3], const float b[3], uint8_t i, uint8_t j)
 {
   const uint8_t at = w->at->arcs;
-  smap_region_t *const o = w->region;
-  float a[3], b[3], sine2, sine, cosine;
+  float *const along = w->region->along[at], *const amid = w->region->amid[at];
+  float sine2, ratio;
   uint8_t k;
-  memcpy(a, p, sizeof a);
-  memcpy(b, q, sizeof b);
-  if (smap_is_full(w, SMAP_OF_ARCS, at, SMAP_MAX_ARCS) || !smap_unit(a) || !smap_unit(b)) {
+  if (smap_is_full(w, SMAP_OF_ARCS, at, SMAP_MAX_ARCS)) {
     w->full = 1;
     return;
   }
-  smap_minus(b, a, o->along[at]);
-  sine2 = 0.25f * smap_dot(o->along[at], o->along[at]); /* of half of it */
-  sine = smap_root(sine2);
-  cosine = smap_root(1.0f - (sine2 < 1.0f ? sine2 : 1.0f));
-  smap_mix(a, b, 0.5f, b);
-  if (!smap_unit(b)) {
-    w->full = 1;
-    return;
-  }
-  smap_cross(o->wall[wall], b, a);
+  smap_minus(b, a, along);
+  sine2 = 1e-12f + 0.25f * smap_dot(along, along); /* of half of it */
+  ratio = 0.5f * smap_root((1.0f - (sine2 < 1.0f ? sine2 : 1.0f)) / sine2);
   SMAP_THRICE
   for (k = 0; k < 3; k++) {
-    o->along[at][k] = a[k] * cosine;
-    o->amid[at][k] = b[k] * sine;
+    along[k] *= ratio;
+    amid[k] = (a[k] + b[k]) * (ratio > 0.0f ? 0.25f / ratio : 0.0f);
   }
   w->at->arc[at].wall = wall;
   w->at->arc[at].over[0] = w->map->named[i];
