@@ -901,6 +901,7 @@ static void smap_add_arc(smap_many_work_t *w, smap_many_pose_t *o, uint8_t wall,
   o->at.arcs = (uint8_t)(at + 1u);
 }
 
+#if SMAP_MANY_GAPS
 /* ---- gaps: where the robot rocks from one rest to the next ------------------------------------------- */
 /* A balance on the contacts i and j at an edge of two rests is a part w of the way from i to j.  Let go there the
  * robot rolls to the one rest or the other, and lands: it stays if what its com has sunk by does not lift it over
@@ -1186,6 +1187,7 @@ SMAP_APART static void smap_find_gap(smap_many_work_t *w, smap_many_pose_t *o, u
     o->at.alone[w->facet[w->owner[e]].rest] = o->at.alone[w->facet[w->owner[back]].rest] = 0;
   }
 }
+#endif
 
 /* ---- poses of many contacts -------------------------------------------------------------------------- */
 /* A pose: what `at` needs of a posture. */
