@@ -272,6 +272,7 @@ SMAP_INLINE uint32_t smap_scale_counts(const int16_t gravity[3], int32_t g[3])
   }
   longest = longest << 1 | 1u; /* at most 65535 */
   shift = SMAP_ZEROS(longest) - 16u;
+  /*@ admit 0 <= shift <= 15; */
   SMAP_THRICE
   for (i = 0; i < 3; i++) {
     g[i] *= (int32_t)1 << shift;

@@ -120,7 +120,7 @@ def test_a_machine_without_bytes_of_8_bits_is_refused(
 ) -> None:
     shutil.copytree(folders["contacts"], tmp_path / "copy")
     # Headers that say what such a machine's would.
-    word, value = (flag[2:].split("=") + [""])[:2]
+    word, value = [*flag[2:].split("="), ""][:2]
     for name in ("limits.h", "stdint.h"):
         text = f"#include_next <{name}>\n#undef {word}\n"
         text += f"#define {word} {value}\n" if value and name == "limits.h" else ""
@@ -313,7 +313,9 @@ def test_the_text_of_a_family_is_the_same_bytes_in_every_export(
     folders: dict[str, Path], exports: dict[str, Export], tmp_path: Path
 ) -> None:
     package.write(coded_export("coded", "legs"), tmp_path / "coded")
-    shown = [path.read_text() for path in (folders["contacts"] / "feet.c", tmp_path / "coded/coded.c")]
+    shown = [
+        path.read_text() for path in (folders["contacts"] / "feet.c", tmp_path / "coded/coded.c")
+    ]
     first, second = (RUNTIME_TEXT.findall(text) for text in shown)
     assert first == second == [runtime_text("points")]
     assert "smap_series_positions" in first[0]

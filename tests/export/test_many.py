@@ -4,7 +4,6 @@ import ctypes
 import math
 import re
 import shutil
-import subprocess
 
 import numpy as np
 import pytest
@@ -13,7 +12,6 @@ import lutgen
 from lutgen.channels import evaluate_each
 from lutgen.recipe import parse_recipe
 from tests.fixtures.many_library import (
-    HARNESS,
     RUNTIME,
     Library,
     boundary_points,
@@ -207,17 +205,6 @@ def test_gaps_without_room_are_given_up_and_nothing_else(robot, tmp_path):
 def test_memory_that_is_all_zero_reads_unsafe(robot):
     robot.c.many_zero.restype = ctypes.c_int
     assert robot.c.many_zero() == TIPS
-
-
-@pytest.mark.parametrize("rails", [4, 0])
-@pytest.mark.parametrize("compiler", ["gcc -std=c99", "gcc -std=gnu99", "g++ -x c++ -std=c++17"])
-def test_the_parts_compile_without_a_warning(rails, compiler, tmp_path):
-    if shutil.which(compiler.split()[0]) is None:
-        pytest.skip(f"needs {compiler.split()[0]}")
-    command = [*compiler.split(), "-O2", *FLAGS.split(), f"-DSMAP_MANY_RAILS={rails}"]
-    command += [f"-I{RUNTIME}", "-c", str(HARNESS), "-o", str(tmp_path / "many.o")]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
 
 
 def test_every_name_has_the_prefix_and_no_function_is_long():

@@ -119,11 +119,11 @@ def test_a_report_tells_the_counts_of_just_the_export_that_was_counted() -> None
 
 GRAPH = """\
 node: { title: "smap_read" label: "smap_read\\nfeet.c:9:5\\n64 bytes (static)" }
-node: { title: "feet.c:root" label: "root\\nsmap.c:3:1\\n8 bytes (static)" }
-node: { title: "feet.c:facet" label: "facet\\nsmap.c:5:1\\n40 bytes (static)" }
-edge: { sourcename: "smap_read" targetname: "feet.c:root" label: "smap.c:10:3" }
-edge: { sourcename: "smap_read" targetname: "feet.c:facet" label: "smap.c:11:3" }
-edge: { sourcename: "feet.c:facet" targetname: "smap.c:root" label: "smap.c:6:3" }
+node: { title: "feet.c:root" label: "root\\nfeet.c:3:1\\n8 bytes (static)" }
+node: { title: "feet.c:facet" label: "facet\\nfeet.c:5:1\\n40 bytes (static)" }
+edge: { sourcename: "smap_read" targetname: "feet.c:root" label: "feet.c:10:3" }
+edge: { sourcename: "smap_read" targetname: "feet.c:facet" label: "feet.c:11:3" }
+edge: { sourcename: "feet.c:facet" targetname: "feet.c:root" label: "feet.c:6:3" }
 """
 
 
