@@ -35,11 +35,11 @@ static void ask(const smap_t *map, const uint8_t *query)
   memset(pose, 0, sizeof *pose);
   (void)smap_read(map, params, gravity, &reading);
   (void)smap_read_i(map, params_q, gravity_q, &reading_i);
-  (void)smap_pose(map, params, pose, sizeof *pose, @FORMS@);
-  (void)smap_at(pose, gravity, &reading);
-  (void)smap_at_i(pose, gravity_q, &reading_i);
-  (void)smap_pose_q(map, params_q, pose, sizeof *pose, SMAP_INTEGER);
-  (void)smap_at_i(pose, gravity_q, &reading_i);
+  (void)smap_pose(map, params, &pose->pose, sizeof *pose, @FORMS@);
+  (void)smap_at(&pose->pose, gravity, &reading);
+  (void)smap_at_i(&pose->pose, gravity_q, &reading_i);
+  (void)smap_pose_q(map, params_q, &pose->pose, sizeof *pose, SMAP_INTEGER);
+  (void)smap_at_i(&pose->pose, gravity_q, &reading_i);
   free(pose);
 }
 
@@ -53,9 +53,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
   }
   /* The first two bytes: how much of the end is cut off, mostly nothing. */
   map.run = &smap_run;
-  map.size = sizeof smap_blob - (data[0] < 16 ? (uint32_t)(data[0] << 8 | data[1]) % sizeof smap_blob : 0u);
+  map.size = SMAP_OWN_BYTES - (data[0] < 16 ? (uint32_t)(data[0] << 8 | data[1]) % SMAP_OWN_BYTES : 0u);
   blob = malloc(map.size > 4 ? map.size : 4);
-  memcpy(blob, smap_blob, map.size);
+  memcpy(blob, SMAP_OWN_BLOB, map.size);
   map.blob = blob;
   if (map.size > 8 && data[0] < 16) { /* it says its new size */
     for (at = 0; at < 4; at++) {

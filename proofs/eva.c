@@ -25,14 +25,12 @@ void prove(void)
     gravity_q[i] = any_count;
   }
   if (any_count) {
-    (void)smap_pose(&@NAME@, params, &pose, sizeof pose, @FORMS@);
+    (void)smap_pose(&@NAME@, params, &pose.pose, sizeof pose, @FORMS@);
   } else {
-    (void)smap_pose_q(&@NAME@, params_q, &pose, sizeof pose, @FORMS@);
+    (void)smap_pose_q(&@NAME@, params_q, &pose.pose, sizeof pose, @FORMS@);
   }
-  (void)smap_at(&pose, gravity, &reading);
-  (void)smap_at_i(&pose, gravity_q, &reading_i);
-#if !SMAP_MANY /* of which two phases are more than enough to look at */
+  (void)smap_at(&pose.pose, gravity, &reading);
+  (void)smap_at_i(&pose.pose, gravity_q, &reading_i);
   (void)smap_read(&@NAME@, params, gravity, &reading);
   (void)smap_read_i(&@NAME@, params_q, gravity_q, &reading_i);
-#endif
 }

@@ -1,4 +1,4 @@
-"""Functions of smap.c that are proved by trying all that can be given to them."""
+"""Functions of the runtime that are proved by trying all that can be given to them."""
 
 import shutil
 from pathlib import Path
@@ -6,14 +6,14 @@ from pathlib import Path
 from firmware_export.host import RUNTIME
 from proofs.prove.rounding import ARCSINE, FURTHEST, NEAREST, SINE, SINE_NEAR
 from proofs.tools import FAILED, OK, Clock, Result, run
-from targets.size import THREE, program, settings_of
+from targets.size import program
 
-__all__ = ["PROOFS", "program_text", "prove"]
+__all__ = ["PROOFS", "prove"]
 
 SOURCE = Path(__file__).with_name("exhaustive.c")
 # The last two choose the whole square root of processors that can divide.
 FLAGS = (
-    *("-std=c99", "-O3", "-march=native", "-ffp-contract=off", "-DSMAP_HARDWARE_ROOT=0"),
+    *("-std=c99", "-O3", "-march=native", "-ffp-contract=off", "-DSMAP_SOFT_ROOT"),
     *("-D__ARM_FEATURE_IDIV", "-D__ARM_FEATURE_CLZ"),
 )
 # Errors that proofs of exports assume of all floats.
@@ -34,17 +34,12 @@ PROOFS = {
 }
 
 
-def program_text() -> str:
-    """Return a file that takes in the parts for three contacts."""
-    return program(settings_of(THREE))
-
-
 def prove(folder: Path, patience: float, step: int = 1, parts: Path = RUNTIME) -> list[Result]:
     """Compile and run everything of the runtime in `parts`; `folder` is to work in.
 
     With a step above 1 only every so many is tried, which can find a fault but proves nothing.
     """
-    (folder / "of_three.c").write_text(program_text(), encoding="utf-8")
+    (folder / "of_three.c").write_text(program("points"), encoding="utf-8")
     shutil.copy(SOURCE, folder)
     command = ["gcc", *FLAGS, *ASSUMED, f"-DSTEP={step}u", f"-I{parts}", SOURCE.name]
     with Clock() as clock:

@@ -20,20 +20,14 @@
 
 static int is_status(smap_status_t status)
 {
-  return status == SMAP_OK || status == SMAP_ROCKS || status == SMAP_TIPS ||
-         status == SMAP_OFF_CHART || status == SMAP_OFF_RANGE || status == SMAP_INVALID;
-}
-
-static int is_safe(smap_status_t status)
-{
-  return status == SMAP_OK || status == SMAP_ROCKS;
+  return status <= SMAP_INVALID && status != SMAP_CORRUPT;
 }
 
 /* A status and its reading belong together. */
 static void judge(smap_status_t status, const smap_reading_t *reading)
 {
   DEMAND(is_status(status));
-  if (is_safe(status)) {
+  if (smap_is_safe(status)) {
     DEMAND(reading->tip_angle >= 0.0f && reading->tip_angle < 3.1416f);
     DEMAND(!(reading->sdg < 0.0f) && !(reading->height < 0.0f));
   } else {
@@ -45,7 +39,7 @@ static void judge(smap_status_t status, const smap_reading_t *reading)
 static void judge_i(smap_status_t status, const smap_reading_i_t *reading)
 {
   DEMAND(is_status(status));
-  if (is_safe(status)) {
+  if (smap_is_safe(status)) {
     DEMAND(reading->tip >= 0);
   } else {
     DEMAND(reading->tip < 0 && reading->sdg == 65535 && reading->height == 65535);
@@ -75,18 +69,18 @@ static void ask(const float *params, const float *gravity)
   int i, can_double = 1;
   DEMAND(pose);
   memset(pose, 0, sizeof *pose);
-  judge(smap_at(pose, gravity, &first), &first); /* a pose that was never made */
+  judge(smap_at(&pose->pose, gravity, &first), &first); /* a pose that was never made */
   memset(pose, 0xA5, sizeof *pose);
   status = smap_read(&@NAME@, params, gravity, &first);
   judge(status, &first);
-  made = smap_pose(&@NAME@, params, pose, sizeof *pose, @FORMS@);
+  made = smap_pose(&@NAME@, params, &pose->pose, sizeof *pose, @FORMS@);
   DEMAND(@INTEGER@ ? made == SMAP_INVALID : is_status(made));
-  DEMAND(smap_at(pose, gravity, &second) == status && is_same(&first, &second));
+  DEMAND(smap_at(&pose->pose, gravity, &second) == status && is_same(&first, &second));
   /* A smaller memory than the header asks for. */
-  DEMAND(smap_pose(&@NAME@, params, pose, sizeof(void *), @FORMS@) == SMAP_INVALID);
-  judge(smap_at(pose, gravity, &second), &second);
-  DEMAND(smap_at_i(pose, (const int16_t[3]){0, 0, -16384}, &refused) == SMAP_INVALID);
-  (void)smap_pose(&@NAME@, params, pose, sizeof *pose, @FORMS@);
+  DEMAND(smap_pose(&@NAME@, params, &pose->pose, sizeof(void *), @FORMS@) == SMAP_INVALID);
+  judge(smap_at(&pose->pose, gravity, &second), &second);
+  DEMAND(smap_at_i(&pose->pose, (const int16_t[3]){0, 0, -16384}, &refused) == SMAP_INVALID);
+  (void)smap_pose(&@NAME@, params, &pose->pose, sizeof *pose, @FORMS@);
   for (i = 0; i < 3; i++) {
     const float x = gravity[i];
     pair[0][i] = pair[1][i] = x;
@@ -94,10 +88,10 @@ static void ask(const float *params, const float *gravity)
     /* normal numbers before and after, or 0 */
     can_double = can_double && (x == 0.0f || (x > 1e-15f && x < 1e15f) || (x < -1e-15f && x > -1e15f));
   }
-  DEMAND(smap_at_n(pose, (const float(*)[3])pair, 2, both) == status);
+  DEMAND(smap_at_n(&pose->pose, (const float(*)[3])pair, 2, both) == status);
   DEMAND(is_same(&both[0], &first) && is_same(&both[1], &first));
   if (can_double) {
-    DEMAND(smap_at(pose, other, &second) == status && is_same(&first, &second));
+    DEMAND(smap_at(&pose->pose, other, &second) == status && is_same(&first, &second));
   }
   free(pose);
 }
@@ -112,18 +106,18 @@ static void ask_i(const int16_t *params, const int16_t *gravity)
   int i, can_double = 1;
   DEMAND(pose);
   memset(pose, 0, sizeof *pose);
-  judge_i(smap_at_i(pose, gravity, &first), &first);
+  judge_i(smap_at_i(&pose->pose, gravity, &first), &first);
   memset(pose, 0xA5, sizeof *pose);
   status = smap_read_i(&@NAME@, params, gravity, &first);
   judge_i(status, &first);
-  (void)smap_pose_q(&@NAME@, params, pose, sizeof *pose, SMAP_INTEGER);
-  DEMAND(smap_at_i(pose, gravity, &second) == status && is_same_i(&first, &second));
+  (void)smap_pose_q(&@NAME@, params, &pose->pose, sizeof *pose, SMAP_INTEGER);
+  DEMAND(smap_at_i(&pose->pose, gravity, &second) == status && is_same_i(&first, &second));
   for (i = 0; i < 3; i++) {
     other[i] = (int16_t)(gravity[i] * 2);
     can_double = can_double && gravity[i] > -8192 && gravity[i] < 8192;
   }
   if (can_double) {
-    DEMAND(smap_at_i(pose, other, &second) == status && is_same_i(&first, &second));
+    DEMAND(smap_at_i(&pose->pose, other, &second) == status && is_same_i(&first, &second));
   }
   free(pose);
 }

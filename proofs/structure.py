@@ -8,18 +8,11 @@ from lutgen.errors import ExportError
 from proofs.tools import FAILED, OK, Clock, Result, run
 from targets.elf import undefined, writable
 from targets.image import deepest
-from targets.size import ALLOWED, GAPS, RAILS, SEARCH, THREE, program, settings_of
+from targets.size import ALLOWED, FAMILIES, program, steered
 
 __all__ = ["endless", "long_ones", "prove"]
 
 FLAGS = ("-std=c99", "-O0", "-fcallgraph-info=su", "-fno-stack-protector", "-w")
-# Every part of the runtime is in one of these programs.
-PROGRAMS = (
-    THREE,
-    ("SMAP_TABLES", "SMAP_INTEGERS"),
-    (*RAILS, "SMAP_SERIES", *GAPS),
-    (*SEARCH, "SMAP_SERIES", *GAPS),
-)
 # Lines of a function, its brackets among them.
 LONGEST = 60
 # The descriptors of the functions: the loader may have to write it.
@@ -54,7 +47,7 @@ def prove(folder: Path, patience: float, parts: Path = RUNTIME) -> list[Result]:
     texts = {
         path.name: path.read_text(encoding="utf-8")
         for path in sorted(parts.glob("*.[ch]"))
-        if not path.name.startswith("host")
+        if not path.name.startswith("smap_host")
     }
     wrong: dict[str, list[str]] = {
         "loops": [f"{name}: {one}" for name, text in texts.items() for one in endless(text)],
@@ -63,8 +56,8 @@ def prove(folder: Path, patience: float, parts: Path = RUNTIME) -> list[Result]:
     }
     deep = 0
     with Clock() as clock:
-        for on in PROGRAMS:
-            text = program(settings_of(on), control="SMAP_FLOATS" in on)
+        for family in FAMILIES:
+            text = program(family, control=bool(steered(family)))
             (folder / "all.c").write_text(text, "utf-8")
             command = ["gcc", *FLAGS, f"-I{parts}", "-c", "all.c", "-o", "all.o"]
             if (built := run(command, folder, patience)).code:

@@ -7,8 +7,8 @@ from functools import partial
 from pathlib import Path
 
 from firmware_export.emit import package
-from firmware_export.emit.runtime import features
 from firmware_export.emit.source import body_of
+from firmware_export.host import family_of
 from firmware_export.protocol import Export
 from firmware_export.truth import Model
 from lutgen.recipe import parse_recipe
@@ -70,8 +70,7 @@ def made(name: str, folder: Path) -> Subject:
     export = SUBJECTS[name]()
     folder.mkdir(parents=True, exist_ok=True)
     package.write(export, folder / name)
-    on = features(body_of(export))
-    forms = " | ".join(form for form in ("SMAP_FLOAT", "SMAP_INTEGER") if f"{form}S" in on)
+    forms = "SMAP_INTEGER" if export.integer else "SMAP_FLOAT | SMAP_INTEGER"
     # Of more contacts Eva shows nothing yet.
-    three = "SMAP_MANY" not in on and "SMAP_GRID" not in on
+    three = family_of(body_of(export).codec, export.integer) in ("points", "tables", "tables_i")
     return Subject(name, (folder / name).absolute(), export.model.k, forms, three)

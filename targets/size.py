@@ -66,12 +66,12 @@ def program(family: str, control: bool = False) -> str:
     config |= {"SMAP_CONTROL": 1} if control else {}
     lines = [f"#define {name} {value}" for name, value in config.items()]
     lines += ['#include "smap.h"', '#include "smap_control.h"', f'#include "smap_{family}.c"']
-    lines += ["extern const smap_runtime_t *const seen;"]
-    lines += ["const smap_runtime_t *const seen = &smap_run;"]
     if control:
         lines += [f'#include "{steered(family)}"']
         lines += ["extern const smap_control_runtime_t *const steers;"]
         lines += ["const smap_control_runtime_t *const steers = &smap_control_run;"]
+    lines += ["extern const smap_runtime_t *const seen;"]
+    lines += ["const smap_runtime_t *const seen = &smap_run;"]
     return "\n".join([*lines, ""])
 
 

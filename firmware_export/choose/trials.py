@@ -4,7 +4,7 @@ Owns the sample by which candidates are compared: neither the fits nor the certi
 that choosing the best of many does not flatter the certificate.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -22,7 +22,7 @@ from firmware_export.certify import (
 from firmware_export.emit import flash_bytes
 from firmware_export.protocol import CodecInfo, Export
 from firmware_export.truth import Model, biased, uniform
-from lutgen.errors import ExportError, InputError
+from lutgen.errors import InputError
 
 SEED = 501
 POINTS = 15_000

@@ -32,9 +32,7 @@ def axis_macros(export: Export) -> tuple[str, ...]:
     stem = macro(export.name)
     taken = {
         f"{stem}_{word}"
-        for word in (
-            *("H", "PARAMS", "SDG_STEP", "HEIGHT_STEP", "FLASH", "POSE_BYTES", "STACK"),
-        )
+        for word in (*("H", "PARAMS", "SDG_STEP", "HEIGHT_STEP", "FLASH", "POSE_BYTES", "STACK"),)
     }
     names: list[str] = []
     for index, parameter in enumerate(export.recipe.parameters):

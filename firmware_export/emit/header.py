@@ -158,14 +158,20 @@ def _poses(content: dict[str, Any]) -> str:
     name = content["name"]
     kinds = [
         ("A pose of both forms", "smap_pose_t pose", content["pose"]["both"] - 1, "pose_t"),
-        ("A pose of SMAP_INTEGER alone", "smap_pose_t pose", content["pose"]["integer"] - 1, "pose_i_t"),
+        (
+            "A pose of SMAP_INTEGER alone",
+            "smap_pose_t pose",
+            content["pose"]["integer"] - 1,
+            "pose_i_t",
+        ),
     ]
     if content["policy"]:
         words = content["policy"]["state_words"]
         first = "const smap_control_t *control"
         kinds.append(("On-board control, see smap_control.h", first, words, "state_t"))
     return "\n".join(
-        f"/* {what}. */\ntypedef struct {{\n  {first};\n  uint32_t rest[{words}];\n}} {name}_{kind};"
+        f"/* {what}. */\ntypedef struct {{\n  {first};\n  uint32_t rest[{words}];\n}} "
+        f"{name}_{kind};"
         for what, first, words, kind in kinds
     )
 

@@ -84,5 +84,7 @@ def _array(name: str, packed: bytes, sections: Sequence[tuple[int, str]]) -> str
     for (begin, meaning), end in zip(sections, ends, strict=True):
         lines += [f"  {line}" for line in comment_lines(f"{begin} {meaning}")]
         for at in range(begin, end, fit):
-            lines.append("  " + ",".join(str(byte) for byte in packed[at : min(at + fit, end)]) + ",")
+            lines.append(
+                "  " + ",".join(str(byte) for byte in packed[at : min(at + fit, end)]) + ","
+            )
     return "\n".join([*lines, "};"])

@@ -187,13 +187,16 @@ SMAP_INLINE int8_t smap_deny(smap_reading_t *out, float tip_angle, int8_t status
   return status;
 }
 
-/* Scale a direction: downward component 1 on a cone, longest component 1 on a sphere. */
-SMAP_INLINE int8_t smap_direction(const smap_t *map, const float gravity[3], float d[3])
+#define SMAP_SHORT_BITS 0x21800000u /* bits of 2^-60 */
+
+/* Scale a direction: downward component 1 on a cone, longest component 1 on a sphere.  Denormal numbers
+ * count as 0, as on processors that flush them; where that matters a direction is made longer first. */
+SMAP_INLINE int8_t smap_direction(const smap_t *map, const float *gravity, float d[3])
 {
   const smap_bytes_t blob = SMAP_BLOB(map);
   const int cone = blob[SMAP_AT_FACES] == 1;
   /* Turned by its bit: of a minus compilers make two, one for each dividend. */
-  float depth = smap_from_bits(smap_bits(gravity[2]) ^ 0x80000000u);
+  float depth = smap_from_bits(smap_bits(gravity[2]) ^ 0x80000000u), longer[3];
   uint8_t i;
   if (!cone) {
     SMAP_THRICE
@@ -205,15 +208,21 @@ SMAP_INLINE int8_t smap_direction(const smap_t *map, const float gravity[3], flo
       depth = size > depth ? size : depth;
     }
   }
-  if (SMAP_RARELY(!smap_is_positive(depth))) {
+  if (SMAP_RARELY(smap_bits(depth) - SMAP_SHORT_BITS >= 0x7F800000u - SMAP_SHORT_BITS)) {
     uint32_t any = 0;
     for (i = 0; i < 3; i++) {
-      any |= smap_bits(gravity[i]) << 1;
+      const uint32_t exponent = smap_bits(gravity[i]) & 0x7F800000u;
+      any |= exponent;
       if (!smap_is_finite(gravity[i])) {
         return SMAP_INVALID;
       }
+      longer[i] = exponent != 0 ? gravity[i] * 1.8446744e19f : 0.0f;
     }
-    return any != 0 ? (int8_t)SMAP_OFF_CHART : (int8_t)SMAP_INVALID;
+    if (smap_bits(depth) - 0x00800000u >= 0x7F000000u || !smap_is_finite(longer[0] + longer[1])) {
+      return any != 0 ? (int8_t)SMAP_OFF_CHART : (int8_t)SMAP_INVALID;
+    }
+    depth *= 1.8446744e19f;
+    gravity = longer;
   }
   SMAP_THRICE
   for (i = 0; i < 3; i++) {
@@ -263,6 +272,7 @@ SMAP_INLINE uint32_t smap_scale_counts(const int16_t gravity[3], int32_t g[3])
   }
   longest = longest << 1 | 1u; /* at most 65535 */
   shift = SMAP_ZEROS(longest) - 16u;
+  /*@ admit 0 <= shift <= 15; */
   SMAP_THRICE
   for (i = 0; i < 3; i++) {
     g[i] *= (int32_t)1 << shift;

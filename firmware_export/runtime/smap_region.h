@@ -272,19 +272,19 @@ static void smap_add_arc(smap_work_t *w, uint8_t wall, const float a[3], const f
 {
   const uint8_t at = w->at->arcs;
   float *const along = w->region->along[at], *const amid = w->region->amid[at];
-  float sine2, ratio;
+  float ratio;
   uint8_t k;
   if (smap_is_full(w, SMAP_OF_ARCS, at, SMAP_MAX_ARCS)) {
     w->full = 1;
     return;
   }
+  smap_mix(a, b, 0.5f, amid); /* times the cosine of half of it */
   smap_minus(b, a, along);
-  sine2 = 1e-12f + 0.25f * smap_dot(along, along); /* of half of it */
-  ratio = 0.5f * smap_root((1.0f - (sine2 < 1.0f ? sine2 : 1.0f)) / sine2);
+  ratio = smap_root(0.25f * smap_dot(along, along) / smap_dot(amid, amid));
+  smap_cross(w->region->wall[wall], amid, along); /* at a right angle, however short it is */
   SMAP_THRICE
   for (k = 0; k < 3; k++) {
-    along[k] *= ratio;
-    amid[k] = (a[k] + b[k]) * (ratio > 0.0f ? 0.25f / ratio : 0.0f);
+    amid[k] *= ratio;
   }
   w->at->arc[at].wall = wall;
   w->at->arc[at].over[0] = w->map->named[i];

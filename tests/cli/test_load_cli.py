@@ -100,7 +100,6 @@ def test_no_export_of_an_uncertain_com_calls_a_robot_safe_that_some_com_tips() -
             *("robot", recipe, model, "contacts", "float", ("sdg", "tip_angle"), tables),
             certificate={},
             pareto=[],
-            code_bytes=0,
         )
         found = certify(device(export), ("sdg", "tip_angle"), effort=Effort(20_000, 20, 25, 25))
         assert found.false_safe == 0

@@ -14,7 +14,6 @@ from firmware_export.codecs import usable
 from firmware_export.contacts import codec as contacts
 from firmware_export.contacts.lines import find_break, find_jump
 from firmware_export.contacts.series import Series, series_of
-from firmware_export.emit.runtime import runtime_text
 from firmware_export.emit.source import body_of, described
 from firmware_export.exporter import export
 from firmware_export.host import Host
@@ -26,7 +25,7 @@ from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import robot_size_of
 from tests.fixtures.linkage import coded
 
-OK, ROCKS, OFF_RANGE = 0, 4, 5
+OK, ROCKS, OFF_RANGE = 0, 1, 4
 ROBOTS = ("legs", "stops", "wheels", "scissors")
 COARSEST = {"legs": 3e-3, "stops": 3e-3, "wheels": 1e-5, "scissors": 1e-5, "round_about": 3e-4}
 
@@ -233,11 +232,5 @@ def test_a_closed_chain_under_wheels_is_exported_whole(tmp_path: Path) -> None:
     assert (report["codec"], report["spec"]) == ("contacts", "contacts 1e-05")
     assert report.table_bytes < 330
     assert report["certificate"]["false_safe"] == 0  # type: ignore[index]
-    text = (tmp_path / "out" / "smap.c").read_text(encoding="utf-8")
-    assert "smap_series_positions" in text
-
-
-def test_exports_of_robots_of_links_have_no_part_for_series() -> None:
-    switches = {"SMAP_FLOATS", "SMAP_INTEGERS", "SMAP_POINTS"}
-    assert "smap_series_entries" not in runtime_text(frozenset(switches))
-    assert "smap_series_entries" in runtime_text(frozenset({*switches, "SMAP_SERIES"}))
+    text = (tmp_path / "out" / "wheels.c").read_text(encoding="utf-8")
+    assert "#define SMAP_SERIES 1" in text

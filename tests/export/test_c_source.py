@@ -15,18 +15,18 @@ from firmware_export.emit import package
 from firmware_export.emit.facts import axis_macros, report
 from firmware_export.emit.header import header_text
 from firmware_export.emit.names import LONGEST, check_name, default_name
-from firmware_export.emit.runtime import features, parts_of, runtime_file, runtime_text
+from firmware_export.emit.runtime import control_text, runtime_file, runtime_text
 from firmware_export.emit.size import code_bytes
 from firmware_export.emit.source import body_of
 from firmware_export.emit.text import WIDTH, block_comment, plain_text
-from firmware_export.host import RUNTIME
+from firmware_export.host import RUNTIME, family_of
 from firmware_export.protocol.array import CArray, literal
 from firmware_export.protocol.exported import Export
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import parse_recipe
 from targets import size
 from tests.fixtures.compiled import compile_c
-from tests.fixtures.exports import rover_export, tripod_export
+from tests.fixtures.exports import coded_export, rover_export, tripod_export
 from tests.fixtures.recipes import tripod
 
 WARNINGS = [
@@ -40,6 +40,8 @@ LANGUAGES = [
     pytest.param(C99, id="C99"),
     pytest.param(CXX, id="C++17", marks=pytest.mark.needs("g++")),
 ]
+# The text of a family between its marks.
+RUNTIME_TEXT = re.compile(r"/\* ==== the runtime .*?/\* ==== end of the runtime .*? ==== \*/", re.S)
 KINDS = ("contacts", "rover", "grid", "integer")
 
 
@@ -87,22 +89,44 @@ def test_every_compiler_takes_every_file_without_a_warning(
     assert (done.returncode, done.stderr) == (0, "")
 
 
-@pytest.mark.parametrize("rails", [None, 4])
-@pytest.mark.parametrize("control", [False, True], ids=["alone", "with control"])
+@pytest.mark.parametrize("family", size.FAMILIES)
 @pytest.mark.parametrize("language", LANGUAGES)
-def test_every_set_of_parts_is_one_program_without_a_warning(
-    language: list[str], control: bool, rails: int | None, tmp_path: Path
+def test_every_family_is_one_program_without_a_warning(
+    language: list[str], family: str, tmp_path: Path
 ) -> None:
-    # Parts that never met in one file may both define a macro, each in its own sense.
-    for switches in size.SETS.values():
-        if (control and "SMAP_FLOATS" not in switches) or (
-            rails and "SMAP_MANY_BY_RAILS" not in switches
-        ):
-            continue
-        settings = size.settings_of(switches) | ({"SMAP_MANY_RAILS": rails} if rails else {})
-        (tmp_path / "all.c").write_text(size.program(settings, control), encoding="utf-8")
+    for control in {False, bool(size.steered(family))}:
+        (tmp_path / "all.c").write_text(size.program(family, control), encoding="utf-8")
         done = build(tmp_path, *language, *WARNINGS, f"-I{RUNTIME}", compiler="gcc")
-        assert done.returncode == 0, f"{switches}: {done.stderr}"
+        assert done.returncode == 0, done.stderr
+
+
+def test_the_runtime_has_next_to_no_switches() -> None:
+    # smap_region.h, smap_rails.c and smap_search.c are of another make.
+    made = ("region", "rails", "search")
+    texts = {
+        path.name: path.read_text()
+        for path in RUNTIME.glob("*.[ch]")
+        if not any(word in path.name for word in made)
+    }
+    counts = {name: len(re.findall(r"^ *# *if", text, re.M)) for name, text in texts.items()}
+    assert sum(counts.values()) <= 18, counts
+    for name in ("points", "tables", "tables_i", "grid"):
+        assert counts[f"smap_{name}.c"] == 0
+
+
+@pytest.mark.parametrize("flag", ["-DCHAR_BIT=16", "-UUINT8_MAX"])
+def test_a_machine_without_bytes_of_8_bits_is_refused(
+    folders: dict[str, Path], flag: str, tmp_path: Path
+) -> None:
+    shutil.copytree(folders["contacts"], tmp_path / "copy")
+    # Headers that say what such a machine's would.
+    word, value = [*flag[2:].split("="), ""][:2]
+    for name in ("limits.h", "stdint.h"):
+        text = f"#include_next <{name}>\n#undef {word}\n"
+        text += f"#define {word} {value}\n" if value and name == "limits.h" else ""
+        (tmp_path / "copy" / name).write_text(text)
+    done = build(tmp_path / "copy", "-I.", *C99, sources=("feet.c",))
+    assert "need bytes of 8 bits" in done.stderr
 
 
 def test_tables_are_refused_by_a_runtime_of_another_version(
@@ -155,9 +179,9 @@ def test_generated_text_is_ascii_without_long_lines_tabs_or_trailing_blanks(
     folders: dict[str, Path], kind: str
 ) -> None:
     for path in [*folders[kind].glob("*.[ch]"), folders[kind] / "CMakeLists.txt"]:
-        if path.name in ("smap.c", "smap.h"):
+        if path.name == "smap.h":
             continue
-        text = path.read_bytes().decode("ascii")
+        text = RUNTIME_TEXT.sub("", path.read_bytes().decode("ascii"))
         assert text.endswith("\n")
         assert not text.endswith("\n\n")
         for line in text.split("\n"):
@@ -201,8 +225,11 @@ def test_the_header_says_what_a_reader_must_know(exports: dict[str, Export]) -> 
         "FEET_REACH 0 .. 0.6 m +- 0.003 shifts leg",
         "FEET_SWING -0.6981317 .. 0.8726646 rad (-40 .. 50 deg) +- 0.5 deg turns hip",
         "up to 50 deg of pitch and of roll",
-        "bytes of tables",
-        "1,640 of code",
+        f"at most {report(export, body_of(export), [])['bytes']['total']:,} bytes on Cortex-M4",
+        f"{code_bytes('points'):,} of code",
+        "#define FEET_FLASH",
+        "#define FEET_POSE_BYTES 120u",
+        "#define FEET_STACK",
         "Errors on 512,345 points",
         "sdg 0.0123 m (0.82 %) 0.0045 m (0.3 %) 0.0011 m (0.073 %)",
         "tip_angle 1.146 deg 0.573 deg 0.1146 deg",
@@ -226,11 +253,11 @@ def test_a_largest_error_without_a_bound_is_not_claimed() -> None:
 
 
 def test_what_was_not_measured_is_not_claimed() -> None:
-    export = tripod_export(certificate=None, code_bytes=None, pareto=None)
+    export = tripod_export(certificate=None, pareto=None)
     text = header_text(report(export, body_of(export), []))
     assert "Errors: not measured." in text
     assert "reported unsafe: not measured" in re.sub(r"[ \n*]+", " ", text)
-    assert "of code" not in text
+    assert "bytes, measured" not in text
 
 
 def test_the_integer_form_of_a_constant_is_rounded_and_clamped(tmp_path: Path) -> None:
@@ -238,8 +265,7 @@ def test_the_integer_form_of_a_constant_is_rounded_and_clamped(tmp_path: Path) -
     steps = (("sdg", 0.001), ("height", 0.0005))
     export = replace(export, channels=("sdg", "tip_angle", "height"))
     text = header_text(report(export, replace(body_of(export), lengths=steps), []))
-    for name in ("smap.h", "smap_config.h"):
-        (tmp_path / name).write_text(runtime_file(name))
+    (tmp_path / "smap.h").write_text(runtime_file("smap.h"))
     (tmp_path / "feet.h").write_text(text)
     low, high = export.recipe.parameters[1].minimum, export.recipe.parameters[1].maximum
     values = [low - 1.0, low - 1e-5, low, 0.0, 0.123, 0.7, high, high + 1.0]
@@ -248,7 +274,8 @@ def test_the_integer_form_of_a_constant_is_rounded_and_clamped(tmp_path: Path) -
     items = ", ".join(f"FEET_SWING_Q({literal(value, 'float')})" for value in values)
     (tmp_path / "main.c").write_text(
         '#include <stdio.h>\n#include "feet.h"\nint main(void) {\n'
-        f"  static const int16_t q[] = {{{items}}};\n"
+        f"  const int16_t q[] = {{{items}}};\n  int once = 0;\n"
+        "  if (FEET_SWING_Q(0) != FEET_SWING_Q(once++ * 2) || once != 1) return 1;\n"
         f'  for (int i = 0; i < {len(values)}; i++) printf("%d\\n", q[i]);\n'
         '  printf("%.9g %.9g\\n", (double)FEET_SDG_STEP, (double)FEET_HEIGHT_STEP);\n'
         "  return 0;\n}\n"
@@ -282,26 +309,27 @@ def test_values_that_do_not_fit_their_type_are_refused() -> None:
             CArray("codes", ctype, np.array([value]))
 
 
-def test_a_runtime_has_the_parts_that_its_codec_needs_and_a_table_of_contents(
-    exports: dict[str, Export],
+def test_the_text_of_a_family_is_the_same_bytes_in_every_export(
+    folders: dict[str, Path], exports: dict[str, Export], tmp_path: Path
 ) -> None:
-    for name, export in exports.items():
-        on = features(body_of(export))
-        assert code_bytes(on) is not None  # the size of every set that an export may have is known
-        text = runtime_text(on)
-        parts = parts_of(on)
-        assert ("positions" in parts) == (name in ("contacts", "rover"))
-        assert ("many_entry" in parts) == (name == "rover")
-        head = text[: text.index("#ifdef SMAP_FLOATS")]
-        for part in parts:
-            if not part.startswith("many_"):
-                title = re.search(r"/\* ---- (\w+)", runtime_file(f"{part}.c"))
-                assert title is not None
-                assert f" *   {title[1]}" in head
+    package.write(coded_export("coded", "legs"), tmp_path / "coded")
+    shown = [
+        path.read_text() for path in (folders["contacts"] / "feet.c", tmp_path / "coded/coded.c")
+    ]
+    first, second = (RUNTIME_TEXT.findall(text) for text in shown)
+    assert first == second == [runtime_text("points")]
+    assert "smap_series_positions" in first[0]
+    for export in exports.values():
+        body = body_of(export)
+        text = runtime_text(family_of(body.codec, export.integer))
+        assert '#include "' not in text.replace("#define SMAP_STEERED_BY", "")
+        assert text.count("---- core:") == 1
+        assert code_bytes(family_of(body.codec, export.integer)) > 1000
+    assert "smap_run_step" in control_text("points")
 
 
 def test_no_function_of_the_runtime_is_longer_than_60_lines() -> None:
-    for path in sorted(RUNTIME.glob("*.c")):
+    for path in sorted(RUNTIME.glob("*.[ch]")):
         lines = path.read_text().split("\n")
         begin = 0
         for at, line in enumerate(lines):

@@ -251,18 +251,6 @@ def test_going_on_after_a_certificate_uses_what_was_tried() -> None:
     assert finer.bytes > first.bytes
 
 
-def test_code_that_was_never_measured_is_not_taken_for_none(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(trials, "code_bytes", lambda features: None)
-    tool = Trials(Model(lutgen.parse_recipe(tripod())), "tripod", ("tip_angle",), "float")
-    contacts = codec("contacts")
-    (size,) = contacts.sizes(tool.model, tool.channels, "float")
-    tables = contacts.encode(tool.model, tool.channels, size)
-    with pytest.raises(ExportError, match="never measured"):
-        tool.bytes_of(contacts, tables)
-
-
 def test_steps_too_small_to_count_alone_are_followed_while_they_add_up() -> None:
     # Three axes that each have to grow: none alone lowers the score by a tenth.
     model = Model(lutgen.load_recipe("maps/excavator.toml"))

@@ -38,7 +38,7 @@ def test_an_export_is_a_folder_of_sources_with_its_report(tmp_path: Path) -> Non
     found = run(tmp_path / "out", max_error="1%")
     names = set(contents(tmp_path / "out"))
     own = {"tripod.h", "tripod.c", "examples/read.c", "examples/alarm.c"}
-    assert own | {"smap.h", "smap.c", "smap_config.h"} <= names
+    assert own | {"smap.h"} <= names
     assert found == json.loads((tmp_path / "out" / "tripod_report.json").read_text("utf-8"))
     assert found["false_safe"] == 0
     assert found.error is not None

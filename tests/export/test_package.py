@@ -8,7 +8,6 @@ import shutil
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -23,7 +22,7 @@ from tests.fixtures.programs import contents, run
 from tests.fixtures.recipes import rover
 
 NAMES = {
-    *("feet.c", "feet.h", "smap.c", "smap.h", "smap_config.h", "LICENSE"),
+    *("feet.c", "feet.h", "smap.h", "LICENSE"),
     *("CMakeLists.txt", "library.json", "library.properties"),
     *("examples/read.c", "examples/alarm.c", "examples/feet/feet.ino"),
     *("zephyr/module.yml", "zephyr/CMakeLists.txt"),
@@ -92,7 +91,8 @@ def test_the_report_has_what_a_program_asks_for(export: Export, tmp_path: Path) 
     assert content["channels"]["sdg"]["unit"] == "m"
     assert content["channels"]["sdg"]["error"]["max"] == 0.0123
     assert content["bytes"]["tables"] == body_of(export).bytes == export.tables.bytes
-    assert content["bytes"]["code"] == 1640
+    assert content["bytes"]["code"] == size.code_bytes("points")
+    assert content["bytes"]["measured"] is False
     assert (content["false_safe"], content["false_tip"]) == (0, 0.0123)
     assert content["pareto"] == PARETO
 
@@ -241,9 +241,9 @@ def test_an_export_that_was_edited_is_replaced_with_force_alone(
 ) -> None:
     package.write(export, tmp_path / "out")
     before = contents(tmp_path / "out")
-    config = tmp_path / "out" / "smap_config.h"
+    config = tmp_path / "out" / "smap.h"
     config.write_text("/* mine */\n")
-    with pytest.raises(InputError, match=r"was edited .*'smap_config\.h'.*--force"):
+    with pytest.raises(InputError, match=r"was edited .*'smap\.h'.*--force"):
         package.write(export, tmp_path / "out")
     assert config.read_text() == "/* mine */\n"
     package.write(export, tmp_path / "out", force=True)
@@ -377,25 +377,7 @@ def test_a_damaged_report_is_one_sentence(
 # sizes
 
 
-def test_the_code_of_an_unmeasured_set_of_features_is_that_of_a_larger_one(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    row: dict[str, Any] = {"data": 0, "bss": 0, "stack": 100}
-    content = {
-        "sets": [
-            {"features": ["A"], "code": 500, **row},
-            {"features": ["A", "B"], "code": 900, **row},
-            {"features": ["A", "B", "C"], "code": 1300, **row},
-        ],
-    }
-    parsed = size.parse_sizes(json.dumps(content))
-    monkeypatch.setattr(size, "measured", lambda: parsed)
-    assert size.code_bytes(["A"]) == 500
-    assert size.code_bytes(["B"]) == 900
-    assert size.code_bytes(["D"]) is None
-
-
-@pytest.mark.parametrize("text", ["", "{}", "[1]", '{"structs": {}, "sets": [{"code": 1}]}'])
+@pytest.mark.parametrize("text", ["", "{}", "[1]", '{"rows": {"points": 1}}'])
 def test_an_unreadable_file_of_sizes_is_one_sentence(text: str) -> None:
-    with pytest.raises(ExportError, match=r"sizes\.json: is not the file of measured sizes"):
-        size.parse_sizes(text)
+    with pytest.raises(ExportError, match=r"sizes\.json: is not the file of measured numbers"):
+        size.parse(text, size.FILE, "targets.size")

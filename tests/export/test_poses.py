@@ -1,6 +1,7 @@
 """Reads in two phases: the same bits as at once, unsafe whatever goes in."""
 
 import math
+import platform
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -15,11 +16,11 @@ from firmware_export.host.reader import READING
 from firmware_export.protocol import Export
 from firmware_export.truth import Model, slack
 from lutgen.recipe import Recipe, forward, load_recipe, parse_recipe
-from tests.fixtures.compiled import compile_c
+from tests.fixtures.compiled import FLAGS, HostLibrary, compile_c
 from tests.fixtures.exports import rover_export, tripod_export
 from tests.fixtures.recipes import contact, rigid
 
-OK, TIPS, OFF_CHART, ROCKS, OFF_RANGE, INVALID = 0, 2, 3, 4, 5, -1
+OK, ROCKS, TIPS, OFF_CHART, OFF_RANGE, INVALID = 0, 1, 2, 3, 4, 6
 MAKERS: dict[str, Any] = {
     "contacts": tripod_export,
     "many": rover_export,
@@ -33,36 +34,45 @@ MAIN = r"""
 
 static int unsafe(smap_status_t status, const smap_reading_t *reading)
 {
-  return status != SMAP_OK && status != SMAP_ROCKS && reading->tip_angle < 0.0f &&
-         !(reading->sdg == reading->sdg) && reading->over[0] == 255;
+  return !smap_is_safe(status) && reading->tip_angle < 0.0f && !(reading->sdg == reading->sdg) &&
+         reading->over[0] == 255;
 }
 
 int main(void)
 {
   static tripod_pose_t zero, pose;
   static tripod_pose_i_t whole;
-  const float params[2] = {TWO_PARAMS}, bad[2] = {100.0f, 100.0f}, gravity[3] = {0.05f, 0.02f,
-  -1.0f}; const float several[3][3] = {{0.0f, 0.0f, -1.0f}, {9.0f, 0.0f, -1.0f}, {0.0f, 0.1f,
-  -1.0f}}; const int16_t down[3] = {51, 20, -1024}; smap_reading_t reading, many[3];
-  smap_reading_i_t reading_i; const uint8_t both = SMAP_FLOAT | SMAP_INTEGER; int faults = 0; faults
-  += !unsafe(smap_at(&zero, gravity, &reading), &reading); faults += smap_at_i(&zero, down,
-  &reading_i) != SMAP_INVALID || reading_i.tip >= 0 || reading_i.sdg != 65535; faults +=
-  smap_pose(&tripod, params, &pose, sizeof pose - 4, both) != SMAP_INVALID; faults +=
-  !unsafe(smap_at(&pose, gravity, &reading), &reading); faults += smap_pose(&tripod, params, &pose,
-  sizeof pose, 0) != SMAP_INVALID; faults += smap_pose(&tripod, params, &pose, sizeof pose, 4) !=
-  SMAP_INVALID; faults += smap_pose(&tripod, params, (char *)&pose + 1, sizeof pose - 1, SMAP_FLOAT)
-  != SMAP_INVALID; faults += smap_pose(&tripod, params, &pose, sizeof pose, SMAP_FLOAT) != SMAP_OK;
-  faults += smap_at(&pose, gravity, &reading) != SMAP_OK; faults += smap_at_i(&pose, down,
-  &reading_i) != SMAP_INVALID || reading_i.tip >= 0; faults += smap_pose(&tripod, bad, &pose, sizeof
-  pose, both) != SMAP_OFF_RANGE; faults += smap_at(&pose, gravity, &reading) != SMAP_OFF_RANGE ||
-  !unsafe(SMAP_OFF_RANGE, &reading); faults += smap_pose(&tripod, params, &whole, sizeof whole,
-  SMAP_INTEGER) != SMAP_OK; faults += smap_at_i(&whole, down, &reading_i) != SMAP_OK ||
-  reading_i.tip < 0; faults += smap_at(&whole, gravity, &reading) != SMAP_INVALID; faults +=
-  smap_pose(&tripod, params, &pose, sizeof pose, both) != SMAP_OK; faults += smap_at_n(&pose,
-  several, 3, many) != SMAP_OFF_CHART || many[0].tip_angle < 0.0f ||
-            many[2].tip_angle < 0.0f || many[1].tip_angle >= 0.0f;
-  faults += smap_at_n(&pose, several, 0, many) != SMAP_INVALID || smap_at_n(&pose, several, 1, many)
-  != SMAP_OK; faults += smap_check(&tripod) != SMAP_OK; {
+  smap_pose_t *const p = &pose.pose;
+  const float params[2] = {TWO_PARAMS}, bad[2] = {100.0f, 100.0f};
+  const float gravity[3] = {0.05f, 0.02f, -1.0f};
+  const float several[3][3] = {{0.0f, 0.0f, -1.0f}, {9.0f, 0.0f, -1.0f}, {0.0f, 0.1f, -1.0f}};
+  const int16_t down[3] = {51, 20, -1024};
+  const uint8_t both = SMAP_FLOAT | SMAP_INTEGER;
+  smap_reading_t reading, many[3];
+  smap_reading_i_t reading_i;
+  int faults = 0;
+  faults += !unsafe(smap_at(&zero.pose, gravity, &reading), &reading);
+  faults += smap_at_i(&zero.pose, down, &reading_i) != SMAP_INVALID;
+  faults += reading_i.tip >= 0 || reading_i.sdg != 65535;
+  faults += smap_pose(&tripod, params, p, sizeof pose - 4, both) != SMAP_INVALID;
+  faults += !unsafe(smap_at(p, gravity, &reading), &reading);
+  faults += smap_pose(&tripod, params, p, sizeof pose, 0) != SMAP_INVALID;
+  faults += smap_pose(&tripod, params, p, sizeof pose, 4) != SMAP_INVALID;
+  faults += smap_pose(&tripod, params, p, sizeof pose, SMAP_FLOAT) != SMAP_OK;
+  faults += smap_at(p, gravity, &reading) != SMAP_OK;
+  faults += smap_at_i(p, down, &reading_i) != SMAP_INVALID || reading_i.tip >= 0;
+  faults += smap_pose(&tripod, bad, p, sizeof pose, both) != SMAP_OFF_RANGE;
+  faults += smap_at(p, gravity, &reading) != SMAP_OFF_RANGE || !unsafe(SMAP_OFF_RANGE, &reading);
+  faults += smap_pose(&tripod, params, &whole.pose, sizeof whole, SMAP_INTEGER) != SMAP_OK;
+  faults += smap_at_i(&whole.pose, down, &reading_i) != SMAP_OK || reading_i.tip < 0;
+  faults += smap_at(&whole.pose, gravity, &reading) != SMAP_INVALID;
+  faults += smap_pose(&tripod, params, p, sizeof pose, both) != SMAP_OK;
+  faults += smap_at_n(p, several, 3, many) != SMAP_OFF_CHART || many[0].tip_angle < 0.0f;
+  faults += many[2].tip_angle < 0.0f || many[1].tip_angle >= 0.0f;
+  faults += smap_at_n(p, several, 0, many) != SMAP_INVALID;
+  faults += smap_at_n(p, several, 1, many) != SMAP_OK;
+  faults += smap_check(&tripod) != SMAP_OK;
+  {
     const int16_t up[3] = {-32768, 5, 32767};
     int16_t turned[3];
     smap_gravity_from_up_i(up, turned);
@@ -204,6 +214,32 @@ def test_beyond_an_end_the_truth_is_read_up_to_a_sensors_slack_and_nothing_furth
             row[axis] = end + way * 1.1 * room
             status, _ = host.read(np.repeat(row[None], 3, axis=0), gravity[:3])
             assert status.tolist() == [OFF_RANGE] * 3
+
+
+@pytest.mark.skipif(platform.machine() != "x86_64", reason="sets a register of x86")
+@pytest.mark.parametrize("name", ["contacts", "many", "grid"])
+def test_flush_to_zero_changes_no_answer(name: str, tmp_path: Path) -> None:
+    export = MAKERS[name]()
+    package.write(export, tmp_path / "e")
+    flush = tmp_path / "flush.c"
+    flush.write_text(
+        "#include <immintrin.h>\nvoid flush(void) __attribute__((constructor));\n"
+        "void flush(void) { _mm_setcsr(_mm_getcsr() | 0x8040u); }\n"
+    )
+    rng, model = np.random.default_rng(6), export.model
+    odd = np.array([0.0, -0.0, 1e-45, -1e-45, 1e-42, -3e-39, 1.2e-38, -4e-38, 1e-30, 1e-19], "f4")
+    gravity = rng.normal(size=(6000, 3)).astype(np.float32) * [1.0, 1.0, -1.0]
+    gravity *= 2.0 ** rng.uniform(-148.0, 20.0, (6000, 1))
+    some = rng.random((6000, 3)) < 0.3
+    gravity[some] = rng.choice(odd, int(some.sum()))
+    params = model.at(rng.random((6000, model.k))).astype(np.float32)
+    at = rng.random(params.shape) < 0.1
+    params[at] = rng.choice(odd, int(at.sum()))
+    known = HostLibrary(tmp_path / "e").read(params, gravity)
+    found = HostLibrary(tmp_path / "e", (*FLAGS, str(flush))).read(params, gravity)
+    np.testing.assert_array_equal(found[0], known[0])
+    assert found[1].tobytes() == known[1].tobytes()
+    assert {OK, TIPS, INVALID} <= set(known[0].tolist())
 
 
 def turning() -> Recipe:

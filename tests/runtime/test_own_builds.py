@@ -20,7 +20,7 @@ from tests.fixtures.queries import integer_queries, random_queries
 # Without optimisation: with it the checks take the compiler up to half a minute, and it may leave
 # out what it can tell is undefined before a check sees it.
 SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g", "-O0")
-INVALID, OK, TIPS, OFF_CHART, ROCKS, OFF_RANGE = -1, 0, 2, 3, 4, 5
+OK, ROCKS, TIPS, OFF_CHART, OFF_RANGE, INVALID = 0, 1, 2, 3, 4, 6
 
 # Fast code with the square root in software; small code is what chips are asked, too.
 BUILDS: tuple[tuple[str, ...], ...] = (("-O3", "-DSMAP_HARDWARE_ROOT=0"),)

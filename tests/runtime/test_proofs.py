@@ -58,7 +58,7 @@ def test_only_the_literal_line_of_no_alarms_is_a_proof() -> None:
 
 @pytest.mark.needs("frama-c", "gcc")
 def test_eva_finds_an_index_that_goes_one_too_far(subject: Subject, tmp_path: Path) -> None:
-    source = subject.folder / "smap.c"
+    source = subject.folder / f"{subject.name}.c"
     changed(source, "cell[k] = x >> 16;", "cell[k] = (x >> 16) + 1u;")
     (tmp_path / "eva").mkdir()
     found = eva.prove(subject, tmp_path / "eva", PATIENCE)
@@ -71,13 +71,13 @@ def test_eva_finds_an_index_that_goes_one_too_far(subject: Subject, tmp_path: Pa
     ("name", "text", "instead"),
     [
         ("root", "digits += digits & 1u;", "digits += 0u;"),
-        ("whole_root", "8u + 1u;\n  result = (result + odd / result) >> 1;", "8u + 1u;"),
+        ("whole_root", "8u + 1u;\n    result = (result + odd / result) >> 1;", "8u + 1u;"),
     ],
 )
 def test_trying_everything_finds_a_root_that_is_off(
     name: str, text: str, instead: str, tmp_path: Path
 ) -> None:
-    parts = faulty(tmp_path, "arithmetic.c", text, instead)
+    parts = faulty(tmp_path, "smap_core.h", text, instead)
     # 127 divides 0x3F80, the upper half of 1.0f, beside which faults of guards are.
     found = {row.subject: row for row in exhaustive.prove(tmp_path, PATIENCE, 127, parts)}
     # Arcsines are made of roots.
@@ -91,7 +91,7 @@ def test_the_fuzzer_finds_a_reading_that_tips_and_is_said_to_stand(
 ) -> None:
     length = fuzz.Length(runs=500)
     assert fuzz.fuzz(points, tmp_path / "right", length).state == OK
-    source = points.folder / "smap.c"
+    source = points.folder / f"{points.name}.c"
     changed(source, "return stands ? good : (int8_t)SMAP_TIPS;", "return good;")
     found = fuzz.fuzz(points, tmp_path / "wrong", fuzz.Length(runs=500_000))
     assert "broken claim" in found.text
@@ -99,8 +99,8 @@ def test_the_fuzzer_finds_a_reading_that_tips_and_is_said_to_stand(
 
 @pytest.mark.needs("clang", "gcc")
 def test_the_fuzzer_finds_a_check_that_looks_at_no_size(points: Subject, tmp_path: Path) -> None:
-    source = points.folder / "smap.c"
-    changed(source, "good && smap_check_body(map, blob + map->size)", "good")
+    source = points.folder / f"{points.name}.c"
+    changed(source, "smap_check_positions(map, SMAP_BLOB(map) + map->size)", "1")
     found = fuzz.fuzz(points, tmp_path / "wrong", fuzz.Length(seconds=60), "damage")
     assert found.state == FAILED
 
@@ -111,8 +111,8 @@ def test_globals_recursion_and_library_calls_are_found(tmp_path: Path) -> None:
         "\nstatic volatile int reads;\nvoid extra(int n);\n#include <stdlib.h>\n"
         "void extra(int n)\n{\n  reads += n + rand();\n  for (;;) {\n    extra(n - 1);\n  }\n}\n"
     )
-    text = (RUNTIME / "end.c").read_text()
-    parts = faulty(tmp_path, "end.c", text, text + more)
+    text = (RUNTIME / "smap_grid.c").read_text()
+    parts = faulty(tmp_path, "smap_grid.c", text, text + more)
     rows = {row.subject: row for row in structure.prove(tmp_path, PATIENCE, parts)}
     assert {name for name, row in rows.items() if row.state == FAILED} == {"loops", "object code"}
     for said in ("reads can be written", "rand of a library", "calls itself"):
