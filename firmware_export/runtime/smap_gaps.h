@@ -348,11 +348,10 @@ static void smap_find_islands(smap_work_t *w)
   const uint8_t corners = w->at->first[w->at->rests];
   uint8_t e, r;
   for (e = 0; e < corners; e++) {
-    const uint8_t to = w->island[w->rest[e]];
-    if (w->low[e] <= 1.0f) {
-      const uint8_t from = w->island[w->rest[w->twin[e]]];
-      for (r = 0; from != to && r < w->at->rests; r++) {
-        w->island[r] = w->island[r] == from ? to : w->island[r];
+    if (w->low[e] <= 1.0f && w->twin[e] > e) {
+      const uint8_t a = w->island[w->rest[e]], b = w->island[w->rest[w->twin[e]]];
+      for (r = 0; r < w->at->rests; r++) {
+        w->island[r] = w->island[r] == (a > b ? a : b) ? (a < b ? a : b) : w->island[r];
       }
     }
   }
@@ -375,7 +374,10 @@ static int smap_close(smap_work_t *w)
   smap_find_islands(w);
   for (i = 0; i < at->rests; i++) {
     const uint8_t from = at->arcs;
-    for (r = 0; r < at->rests; r++) {
+    if (w->island[i] != i) {
+      continue;
+    }
+    for (r = i; r < at->rests; r++) {
       if (w->island[r] == i) {
         smap_bound_rest(w, r);
       }
@@ -385,7 +387,7 @@ static int smap_close(smap_work_t *w)
         smap_bound_sides(w, &at->gap[k]);
       }
     }
-    for (r = 0; r < at->rests; r++) {
+    for (r = i; r < at->rests; r++) {
       if (w->island[r] == i) {
         at->from[r] = from;
         at->till[r] = at->arcs;

@@ -114,10 +114,10 @@ static int8_t smap_read_region(const smap_layout_t *at, const smap_region_t *o, 
   if (tip >= 0.0f && at->alone[best]) {
     arc = (uint8_t)(at->own[best] + which - at->first[best]);
   } else {
-    const int tips = tip < 0.0f && !smap_is_in_gap(at, o, g);
+    const int rocks = tip < 0.0f && smap_is_in_gap(at, o, g), tips = tip < 0.0f && !rocks;
     status = tips ? SMAP_TIPS : tip >= guard ? SMAP_OK : SMAP_ROCKS;
-    tip = tip >= 0.0f ? smap_nearest(at, o, g, at->from[best], at->till[best], 1.0f, &arc)
-                      : smap_nearest(at, o, g, 0, at->arcs, tips ? -1.0f : 1.0f, &arc);
+    /* How far it has tipped is told by the island that it pierces; a gap may be of another one. */
+    tip = smap_nearest(at, o, g, rocks ? 0 : at->from[best], rocks ? at->arcs : at->till[best], tips ? -1.0f : 1.0f, &arc);
     tip = tips ? -tip : tip;
   }
   if (status == SMAP_TIPS || !(tip >= guard)) {

@@ -195,8 +195,8 @@ static int8_t smap_read_region_i(const smap_layout_t *at, const smap_region_i_t 
   if (tip >= 0 && at->alone[best]) {
     arc = tip < all ? (uint8_t)(at->own[best] + which - at->first[best]) : (uint8_t)SMAP_NONE;
   } else {
-    const int tips = tip < 0 && !smap_is_in_gap_i(at, o, g);
-    const uint8_t ends[2] = {tip < 0 ? (uint8_t)0 : at->from[best], tip < 0 ? at->arcs : at->till[best]};
+    const int rocks = tip < 0 && smap_is_in_gap_i(at, o, g), tips = tip < 0 && !rocks;
+    const uint8_t ends[2] = {rocks ? (uint8_t)0 : at->from[best], rocks ? at->arcs : at->till[best]};
     status = tips ? SMAP_TIPS : tip >= o->guard * size ? SMAP_OK : SMAP_ROCKS;
     tip = smap_nearest_i(at, o, g, length, ends, tips, &arc);
     tip = (tips ? -tip - 1 : tip) * SMAP_ONE_I;

@@ -173,8 +173,10 @@ static int smap_measure(const smap_work_t *w, const float n[3], float (*p)[3], u
     smap_cross(u, n, in);
     from = smap_dot(p[i], in);
     for (j = 0; j < count; j++) {
-      const float far = smap_dot(p[j], in) - from;
-      most = j != i && j != next && far > most ? far : most;
+      if (j != i && j != next) {
+        const float far = smap_dot(p[j], in) - from;
+        most = far > most ? far : most;
+      }
     }
     if (!(most > 0.0f && most * most >= width * width * smap_dot(u, u))) {
       return 0;
