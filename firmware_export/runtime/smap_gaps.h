@@ -43,35 +43,49 @@ static void smap_find_half(const smap_work_t *w, uint8_t e, const float d[3], fl
   }
 }
 
-/* Turn g by the least rotation from unit vector a to b. */
-static void smap_turn(const float a[3], const float b[3], const float g[3], float out[3])
+/* The least rotation from unit vector a to b: its axis times the sine, and 1 / (1 + cosine). */
+typedef struct {
+  float axis[3], share;
+} smap_turn_t;
+
+static void smap_find_turn(const float a[3], const float b[3], smap_turn_t *turn)
 {
-  const float share = 1.0f / (1.0f + smap_dot(a, b));
-  float axis[3], across[3];
+  smap_cross(a, b, turn->axis);
+  turn->share = 1.0f / (1.0f + smap_dot(a, b));
+}
+
+/* By how much a rotation, or with sign -1 the one back, turns g. */
+static void smap_turn(const smap_turn_t *turn, float sign, const float g[3], float out[3])
+{
+  float across[3];
   uint8_t k;
-  smap_cross(a, b, axis);
-  smap_cross(axis, g, across);
-  smap_cross(axis, across, out);
+  smap_cross(turn->axis, g, across);
+  smap_cross(turn->axis, across, out);
   SMAP_THRICE
   for (k = 0; k < 3; k++) {
-    out[k] = g[k] + across[k] + share * out[k];
+    out[k] = sign * across[k] + turn->share * out[k];
   }
 }
 
-/* Roll from one rest to another, by their normals and that half-way: gravity turns with them, and the com sinks by the
- * integral of -p . dg over a contact that is at p, then m, at last at q: both as parabolas. */
-static void smap_roll(const float *const n[3], const float *const p[2], float (*m)[3], const float *const q[2],
-                      smap_landing_t *l)
+/* Roll from one rest to another: gravity turns half-way and the rest of the way, back where sign is -1, and the com
+ * sinks by the integral of -p . dg over a contact that is at p, then m, at last at q: both as parabolas. */
+static void smap_roll(const smap_turn_t *first, const smap_turn_t *second, float sign, const float *const p[2],
+                      float (*m)[3], const float *const q[2], smap_landing_t *l)
 {
   uint8_t k, w;
   for (w = 0; w < 2; w++) {
-    float amid[3], sunk = 0.0f;
-    smap_turn(n[0], n[1], p[w], amid);
-    smap_turn(n[1], n[2], amid, l->g[w]);
+    float half[3], amid[3], more[3], sunk = 0.0f;
+    smap_turn(first, sign, p[w], half);
+    SMAP_THRICE
+    for (k = 0; k < 3; k++) {
+      amid[k] = p[w][k] + half[k];
+    }
+    smap_turn(second, sign, amid, more);
     SMAP_THRICE
     for (k = 0; k < 3; k++) { /* from p on, lest a small rise loses its digits */
-      const float via = m[w][k] - p[w][k], to = q[w][k] - p[w][k], half = amid[k] - p[w][k], end = l->g[w][k] - p[w][k];
-      sunk += (2.0f / 3.0f) * (half * to - end * via) - end * (p[w][k] + 0.5f * to);
+      const float via = m[w][k] - p[w][k], to = q[w][k] - p[w][k], end = half[k] + more[k];
+      sunk += (2.0f / 3.0f) * (half[k] * to - end * via) - end * (p[w][k] + 0.5f * to);
+      l->g[w][k] = p[w][k] + end;
     }
     l->sunk[w] = SMAP_SUNK * sunk + l->doubt;
     l->sunk[w] = l->sunk[w] > 0.5f * l->doubt ? l->sunk[w] : 0.5f * l->doubt;
@@ -83,14 +97,15 @@ static void smap_roll(const float *const n[3], const float *const p[2], float (*
 static int smap_hold(const smap_work_t *w, uint8_t e, const smap_landing_t *l, float span[2])
 {
   const float *const a = w->corner[e];
-  float u[3], in[2], y[2], au, uu, least, begin = 0.0f, last = 0.0f, t = 0.5f;
+  float u[3], in[2], y[2], au, uu, size, least, begin = 0.0f, last = 0.0f, t = 0.5f;
   uint8_t k, pass;
   smap_minus(w->corner[smap_after(w, e)], a, u);
   uu = smap_dot(u, u);
   au = smap_dot(a, u);
+  size = smap_root(uu);
   least = 0.01f * uu * l->doubt;
   for (k = 0; k < 2; k++) {
-    in[k] = smap_dot(w->region->wall[e], l->g[k]) - smap_root(uu) * l->doubt;
+    in[k] = smap_dot(w->region->wall[e], l->g[k]) - size * l->doubt;
     y[k] = 2.0f * (uu * (smap_dot(a, l->g[k]) + l->doubt) - au * smap_dot(u, l->g[k])) + uu * l->sunk[k];
     y[k] = y[k] > least ? y[k] : least; /* the com is below: as soon as it is inside it stays */
   }
@@ -239,7 +254,7 @@ SMAP_APART static void smap_find_gap(smap_work_t *w, uint8_t e)
   const float *const here[2] = {corner[0], corner[1]}, *const there[2] = {corner[3], corner[2]};
   const float square = w->map->size * w->map->size;
   float half[2][3], amid[3], span[2] = {0.0f, 1.0f}, d[3], turned2;
-  const float *const forth[3] = {from, amid, to}, *const over[3] = {to, amid, from};
+  smap_turn_t turn[2];
   smap_landing_t l;
   uint8_t side;
   int slit, one = smap_is_joined(w, e);
@@ -254,11 +269,13 @@ SMAP_APART static void smap_find_gap(smap_work_t *w, uint8_t e)
   if (!one) {
     l.doubt = (SMAP_ROUND_OFF + w->map->off + w->map->turned * smap_root(turned2)) * square;
     smap_find_half(w, e, d, amid, half);
-    smap_roll(forth, here, half, there, &l);
+    smap_find_turn(from, amid, &turn[0]);
+    smap_find_turn(amid, to, &turn[1]);
+    smap_roll(&turn[0], &turn[1], 1.0f, here, half, there, &l);
     if (!smap_land(w, back, &l, span)) {
       return;
     }
-    smap_roll(over, there, half, here, &l);
+    smap_roll(&turn[1], &turn[0], -1.0f, there, half, here, &l);
     if (!smap_land(w, e, &l, span)) {
       return;
     }

@@ -159,6 +159,28 @@ static uint8_t smap_outline(const float n[3], float (*p)[3], uint8_t *id, uint8_
   return 0;
 }
 
+/* The same of a triangle: it is least wide across its longest side. */
+static int smap_measure_triangle(const smap_work_t *w, float (*p)[3], float centre[3])
+{
+  const float width = w->map->rest_width;
+  float a[3], b[3], in[3], longest, other, third;
+  uint8_t k;
+  smap_minus(p[1], p[0], a);
+  smap_minus(p[2], p[0], b);
+  smap_cross(b, a, in);
+  longest = smap_dot(a, a);
+  other = smap_dot(b, b);
+  third = longest + other - 2.0f * smap_dot(a, b); /* to the last digits where it is the longest */
+  longest = other > longest ? other : longest;
+  longest = third > longest ? third : longest;
+  SMAP_THRICE
+  for (k = 0; k < 3; k++) {
+    centre[k] = p[0][k] + (a[k] + b[k]) * (1.0f / 3.0f);
+  }
+  other = smap_dot(in, in);
+  return other > 0.0f && other >= width * width * longest;
+}
+
 /* Find the area centroid of a polygon; 0 where it is not as wide as a rest in every direction. */
 static int smap_measure(const smap_work_t *w, const float n[3], float (*p)[3], uint8_t count, float centre[3])
 {
@@ -224,7 +246,7 @@ static uint8_t smap_add_rest(smap_work_t *w, const float n[3], float (*p)[3], co
     near = (uint8_t)(near + (extent[i] >= height - w->map->tolerance));
   }
   if (near <= count) {
-    wide = smap_measure(w, n, p, count, o->centre[r]);
+    wide = count == 3 ? smap_measure_triangle(w, p, o->centre[r]) : smap_measure(w, n, p, count, o->centre[r]);
   } else { /* all of them make up the support polygon */
     float q[SMAP_MAX_CONTACTS][3];
     uint8_t all[SMAP_MAX_CONTACTS];

@@ -165,6 +165,25 @@ static uint8_t smap_first(const smap_search_t *s, uint8_t i, uint8_t j, const fl
   return to;
 }
 
+/* Whether nothing is ahead of a plane with normal n on i and j that it may touch before it faces up, in its turn by a
+ * right angle and a little more.  A round contact goes on as those do on which it rolls, but for its own radius and
+ * what is between theirs. */
+static int smap_is_last(const smap_search_t *s, uint8_t i, uint8_t j, const float n[3], const float t[3])
+{
+  const float *const r = s->w->r;
+  const float least = r[i] < r[j] ? r[i] : r[j];
+  uint8_t l;
+  for (l = 0; l < s->w->map->contacts; l++) {
+    const float reach = r[l] + (r[l] > least ? 3.0f * (r[l] - least) : 0.0f);
+    float b[3];
+    smap_minus(s->there[l], s->there[i], b);
+    if (l != i && l != j && 0.95f * smap_dot(t, b) - 0.3f * smap_dot(n, b) + reach > 0.0f) {
+      return 0;
+    }
+  }
+  return 1;
+}
+
 /* Tilt the plane n, whose places are there, towards t, rolling on i and j, until another contact touches; of i alone, j
  * none, at a right angle to d.  Returns that contact, or SMAP_NONE. */
 static uint8_t smap_tilt(smap_search_t *s, uint8_t i, uint8_t j, const float d[3], const float toward[3], float n[3])
@@ -174,6 +193,9 @@ static uint8_t smap_tilt(smap_search_t *s, uint8_t i, uint8_t j, const float d[3
   float t[3] = {toward[0], toward[1], toward[2]}, start[3], c;
   uint8_t left, k, to;
   const int round = j != SMAP_NONE && (w->r[i] > 0.0f || w->r[j] > 0.0f);
+  if (round && !s->all && smap_is_last(s, i, j, n, t)) {
+    return SMAP_NONE;
+  }
   for (left = SMAP_STEPS_MOST; left > 0; left--) {
     float b[3];
     to = smap_first(s, i, j, n, t, &c);
