@@ -25,7 +25,7 @@ from firmware_export.truth import Model
 from lutgen.errors import ExportError, LutgenError
 from lutgen.recipe import parse_recipe
 from targets.boards import BOARDS
-from targets.cases import ROOT, of_recipe
+from targets.cases import ROOT, TABLES, of_recipe
 from targets.elf import section_bytes, undefined
 from targets.image import build, compiled, flags_of, version
 from targets.pages import PAGE, between, markdown
@@ -60,8 +60,14 @@ EXPORTS: dict[str, tuple[Callable[[], Export], ...]] = {
         partial(tripod_export, "tripod"),
     ),
     "points" + BY_CODE: tuple(partial(coded_export, one, one) for one in ("legs", "stops")),
-    "tables": (partial(tripod_export, "tables", "grid"),),
-    "tables_i": (partial(tripod_export, "tables_i", "grid", arithmetic="integer"),),
+    "tables": (
+        partial(of_recipe, "paper_two", "grid", "float", TABLES["float"]),
+        partial(tripod_export, "tables", "grid"),
+    ),
+    "tables_i": (
+        partial(of_recipe, "paper_two", "grid", "integer", TABLES["integer"]),
+        partial(tripod_export, "tables_i", "grid", arithmetic="integer"),
+    ),
     "grid": tuple(partial(trained, chart) for chart in ("cone", "sphere")),
     "rails": tuple(partial(of_recipe, name, "contacts") for name in ("marv", "absolem")),
     "search": (partial(of_recipe, "articulated", "contacts"),),

@@ -38,7 +38,7 @@ POSE = (1 + 20 + 8, 1 + 8)
 # that contacts may be off, in single precision and with the margin of what was seen.
 ERRORS = {True: (3e-3, 3e-4, 3e-5, 3e-6), False: (1e-5, 3e-6, 1e-6)}
 MOST_OFF = 4.0
-# What the room of a pose counts, in order: see smap_room_t in runtime/many_types.c.
+# What the room of a pose counts, in order: see smap_room_t in runtime/smap_region.h.
 CAPACITIES = ("FACETS", "EDGES", "RESTS", "CORNERS", "GAPS", "ARCS")
 # What is said of a guard that a certificate made larger.
 NEEDED = "; as much as points needed where contacts all but lie on one plane"

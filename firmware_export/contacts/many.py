@@ -62,7 +62,7 @@ class Many(NamedTuple):
         return self._replace(guard=guard, text=text, numbers=(*self.numbers[:-1], guard))
 
     def arrays(self, room: tuple[int, ...]) -> tuple[CArray, ...]:
-        """Return what the codec adds to positions, in the order of runtime/many_entry.c."""
+        """Return what the codec adds to positions, in the order of runtime/smap_rails.c."""
         singles = [*self.axis, *self.numbers]
         rails = [len(self.first) - 1, *self.first]
         return (

@@ -208,8 +208,8 @@ def test_memory_that_is_all_zero_reads_unsafe(robot):
 
 
 def test_every_name_has_the_prefix_and_no_function_is_long():
-    for path in sorted(RUNTIME.glob("many_*.c")):
-        text = path.read_text()
+    for name in ("region.h", "rails.c", "search.c"):
+        text = (RUNTIME / f"smap_{name}").read_text()
         for match in re.finditer(r"^static (?:inline )?[\w *]*?(\w+)\(.*?^\}", text, re.M | re.S):
             assert match[1].startswith("smap_"), match[1]
             assert match[0].count("\n") < 60, match[1]
