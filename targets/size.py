@@ -1,4 +1,4 @@
-"""Measure the runtime with a cross compiler: code, RAM and stack of each family at its largest.
+"""Measure the runtime with a cross compiler: the most code and stack of exports of each family.
 
     python -m targets.size [--update]
 
@@ -13,17 +13,25 @@ import re
 import shutil
 import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 
-from firmware_export.emit.size import FILE, TARGET
+from firmware_export.emit import body_of, package
+from firmware_export.emit.size import BY_CODE, FILE, TARGET
 from firmware_export.host import RUNTIME
+from firmware_export.protocol import Export
+from firmware_export.truth import Model
 from lutgen.errors import ExportError, LutgenError
+from lutgen.recipe import parse_recipe
 from targets.boards import BOARDS
-from targets.cases import ROOT
+from targets.cases import ROOT, TABLES, of_recipe
 from targets.elf import section_bytes, undefined
-from targets.image import build, deepest, flags_of, version
+from targets.image import build, compiled, flags_of, version
 from targets.pages import PAGE, between, markdown
+from tests.fixtures.exports import coded_export, tripod_export
+from tests.fixtures.noise import noise
+from tests.fixtures.recipes import tripod
 
 # What exports read instead of compiling.
 SIZES = ROOT / "firmware_export" / "runtime" / FILE
@@ -35,17 +43,36 @@ USUAL = {"SMAP_MAX_PARAMS": 2, "SMAP_MAX_ENTRIES": 8, "SMAP_MAX_COORDINATES": 42
 # Of many contacts those that marv has, whose axes are parallel, and articulated, whose are not.
 CAPACITIES = ("CONTACTS", "RAILS", "AXLES", "FACETS", "EDGES", "RESTS", "CORNERS", "GAPS", "ARCS")
 MANY = {"rails": (8, 2, 0, 7, 20, 7, 20, 5, 38), "search": (4, 0, 1, 3, 7, 3, 7, 2, 11)}
-# Family: title of a row.
-FAMILIES = {
-    "points": "`contacts`, three points",
-    "tables": "`grid` of three points, floats too",
-    "tables_i": "`grid` of three points, integers",
-    "grid": "`grid` over gravity, integers",
-    "rails": "`contacts`, parallel axes",
-    "search": "`contacts`, any other robot",
-}
-
+FAMILIES = ("points", "tables", "tables_i", "grid", "rails", "search")
 Measure = dict[str, int]
+
+
+def trained(chart: str) -> Export:
+    """Return a trained table of all channels, whose bytes mean nothing."""
+    model = Model(parse_recipe(tripod(chart=chart)))
+    return noise("trained", model, (3, 3, 5, 5), ("sdg", "height"))
+
+
+# Row of sizes.json: exports of the family that are measured, those with all that there is.
+EXPORTS: dict[str, tuple[Callable[[], Export], ...]] = {
+    "points": (
+        *(partial(of_recipe, name, "contacts") for name in ("paper_two", "three_leg_sphere")),
+        partial(tripod_export, "tripod"),
+    ),
+    "points" + BY_CODE: tuple(partial(coded_export, one, one) for one in ("legs", "stops")),
+    "tables": (
+        partial(of_recipe, "paper_two", "grid", "float", TABLES["float"]),
+        partial(tripod_export, "tables", "grid"),
+    ),
+    "tables_i": (
+        partial(of_recipe, "paper_two", "grid", "integer", TABLES["integer"]),
+        partial(tripod_export, "tables_i", "grid", arithmetic="integer"),
+    ),
+    "grid": tuple(partial(trained, chart) for chart in ("cone", "sphere")),
+    "rails": tuple(partial(of_recipe, name, "contacts") for name in ("marv", "absolem")),
+    "search": (partial(of_recipe, "articulated", "contacts"),),
+    "search" + BY_CODE: tuple(partial(coded_export, one, one) for one in ("wheels", "scissors")),
+}
 
 
 def steered(family: str) -> str:
@@ -75,48 +102,47 @@ def program(family: str, control: bool = False) -> str:
     return "\n".join([*lines, ""])
 
 
-def measure(family: str, folder: Path, control: bool = False) -> Measure:
-    """Compile a family; return bytes of code, data, bss, stack and of a pose of both forms."""
-    text = program(family, control) + "char pose_bytes_of[sizeof(smap_pose_memory_t)];\n"
-    (folder / "all.c").write_text(text, encoding="utf-8")
-    command = [*flags_of(BOARD, "-Os"), f"-I{RUNTIME}", "-fcallgraph-info=su"]
-    build([*command, "-c", "all.c", "-o", "all.o"], folder)
-    made = folder / "all.o"
-    if more := undefined(made) - ALLOWED:
+def measure(export: Export, folder: Path) -> Measure:
+    """Compile an export; return bytes of code, of the deepest stack, and of a pose."""
+    package.write(export, folder)
+    size = compiled(export.name, BOARD, "-Os", folder, {})
+    if more := undefined(folder / f"{export.name}.o") - ALLOWED:
         raise ExportError(
-            f"smap_{family}.c: needs a function of a library (got {', '.join(sorted(more))}); "
+            f"{export.name}.c: needs a function of a library (got {', '.join(sorted(more))}); "
             "write it without."
         )
-    pose = section_bytes(made, ".bss.pose_bytes_of")
-    return {
-        "code": section_bytes(made, ".text", ".rodata"),
-        "data": section_bytes(made, ".data"),
-        "bss": section_bytes(made, ".bss") - pose,
-        "stack": deepest((folder / "all.ci").read_text(encoding="utf-8")),
-        "pose": pose,
-    }
+    return {"code": size.code, "stack": size.stack or 0, "pose": 4 * body_of(export).pose[0] + 4}
 
 
-def measure_family(family: str, folder: Path) -> Measure:
-    """Measure a family, and what control adds to its code."""
-    alone = measure(family, folder)
-    # On-board control reads floats.
-    both = measure(family, folder, control=True) if steered(family) else alone
-    return {**alone, "control": both["code"] - alone["code"]}
+def measure_control(family: str, folder: Path) -> int:
+    """Return what on-board control adds to the code of a family at most."""
+    sizes = []
+    for control in (False, True):
+        (folder / "all.c").write_text(program(family, control), encoding="utf-8")
+        build([*flags_of(BOARD, "-Os"), f"-I{RUNTIME}", "-c", "all.c", "-o", "all.o"], folder)
+        sizes.append(section_bytes(folder / "all.o", ".text", ".rodata"))
+    return sizes[1] - sizes[0]
+
+
+def measure_row(row: str, folder: Path) -> Measure:
+    """Return the most that the exports of a row take, and what control adds to its family."""
+    found = [measure(make(), folder / f"{row} {at}") for at, make in enumerate(EXPORTS[row])]
+    most = {key: max(one[key] for one in found) for key in ("code", "stack", "pose")}
+    family = row.removesuffix(BY_CODE)
+    return {**most, "control": measure_control(family, folder) if steered(family) else 0}
 
 
 def table(found: Mapping[str, Measure]) -> str:
     """Return the table of targets.md."""
     rows = []
-    for family, one in found.items():
+    for name, one in found.items():
         numbers = [f"{one[key]:,}" if one[key] else "-" for key in ("code", "stack", "control")]
-        rows.append([FAMILIES[family], f"`smap_{family}.c`", *numbers])
-    return markdown("| runtime | file | code | stack | on-board control |", rows)
+        rows.append([name, *numbers])
+    return markdown("| family | code | stack | on-board control |", rows)
 
 
 def _row(label: str, result: Measure) -> str:
-    cells = [f"{result[key]:>7,}" for key in ("code", "data", "bss", "stack")]
-    return f"{label:<10} {' '.join(cells)}"
+    return f"{label:<18} " + " ".join(f"{result[key]:>7,}" for key in ("code", "stack", "control"))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -127,13 +153,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if shutil.which(BOARD.tool) is None:
         print(f"{BOARD.tool} is not installed: nothing is measured", file=sys.stderr)
         return 1
-    print(f"{f'{TARGET}, bytes':<10}    code    data     bss   stack")
+    print(f"{f'{TARGET}, bytes':<18}    code   stack control")
     found = dict[str, Measure]()
     try:
         with tempfile.TemporaryDirectory(prefix="lutgen-") as name:
-            for family in FAMILIES:
-                found[family] = measure_family(family, Path(name))
-                print(_row(family, found[family]))
+            for row in EXPORTS:
+                found[row] = measure_row(row, Path(name))
+                print(_row(row, found[row]))
     except LutgenError as error:
         print(f"Error: {error}", file=sys.stderr)
         return 1

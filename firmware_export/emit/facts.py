@@ -67,7 +67,9 @@ def flash_bytes(export: Export, body: CBody) -> dict[str, Any]:
     `measured`: this very export was; else code and stack are the most that its family takes.
     """
     tables, blob = body.bytes, describe(export, body)
-    most, row = family_row(family_of(blob.codec, blob.integer)), counted_row(export)
+    by_code = bool(dict(body.macros).get("SMAP_SERIES"))
+    most = family_row(family_of(blob.codec, blob.integer), by_code)
+    row = counted_row(export)
     cell = {} if row is None else row.get(CELL, {})
     code, more = cell.get("code", most["code"]), {}
     stack = most["stack"] + max(0, 4 * body.pose[0] + 4 - most["pose"])

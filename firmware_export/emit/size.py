@@ -2,7 +2,7 @@
 
 The measurements need a cross compiler and an export does not: it reads runtime/counts.json, which
 has the exports of the gallery themselves (`python -m targets.run`), and for any other runtime/
-sizes.json, which has the most that a family takes (`python -m targets.size`).
+sizes.json, which has the most measured of a family (`python -m targets.size`).
 """
 
 import json
@@ -18,6 +18,8 @@ TARGET = "Cortex-M4, -Os"
 # The compiler's cell of an export in counts.json that has its bytes.
 CELL = "m4f -Os"
 FILE, COUNTS = "sizes.json", "counts.json"
+# Behind the name of a family: of robots given by code, whose contacts are series.
+BY_CODE = ", by code"
 
 
 def parse(text: str, name: str, update: str) -> dict[str, Any]:
@@ -46,17 +48,18 @@ def measured(name: str, update: str) -> Mapping[str, Any]:
     return parse(text, name, update)
 
 
-def family_row(family: str) -> dict[str, int]:
-    """Return the most bytes of `code`, `stack` and `control` that a family takes.
+def family_row(family: str, by_code: bool = False) -> dict[str, int]:
+    """Return the most bytes of `code`, `stack` and `control` that were measured of a family.
 
     `pose` is the size of the pose that the stack was measured with.
     """
-    row: dict[str, int] = measured(FILE, "targets.size")[family]
+    rows = measured(FILE, "targets.size")
+    row: dict[str, int] = rows.get(f"{family}{BY_CODE}" if by_code else family, rows[family])
     return row
 
 
 def code_bytes(family: str) -> int:
-    """Return the most bytes of code that a family takes."""
+    """Return the most bytes of code that were measured of a family."""
     return family_row(family)["code"]
 
 

@@ -90,4 +90,6 @@ def bytes_text(sizes: dict[str, Any]) -> str:
     kinds = ("tables", "descriptors", "code", "control", "policy")
     parts = ", ".join(f"{sizes[kind]:,} of {kind}" for kind in kinds if kind in sizes)
     total, how = f"{sizes['total']:,} bytes", f"on {sizes['target']}: {parts}"
-    return f"{total}, measured {how}" if sizes["measured"] else f"at most {total} {how}"
+    if sizes["measured"]:
+        return f"{total}, measured {how}"
+    return f"at most {total}, the largest of its family {how}"

@@ -32,8 +32,9 @@
  *
  * Safe side: smap_is_safe(status) holds for SMAP_OK and SMAP_ROCKS, the two answers of a robot that does
  * not tip over.  With any other status tip_angle is negative and sdg is NAN, whatever bits went in.
- * tip_angle is never above the truth: a guard, printed in NAME.h, is subtracted.  A look-up table for more than three contacts tells angles up to
- * 30 deg, and is tested, not proved: NAME.h says on how many points.
+ * tip_angle is never above the truth: a guard, printed in NAME.h, is subtracted.  A look-up table for
+ * more than three contacts tells angles up to 30 deg, and is tested, not proved: NAME.h says on how many
+ * points.
  *
  * Cost: C99, no heap, no globals, no recursion, every loop bounded; stdint.h and string.h only.  NAME.h
  * has instructions and bytes.  An export is NAME.c: the runtime, whose functions are all static, and the

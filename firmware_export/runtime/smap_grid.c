@@ -9,7 +9,7 @@
  * block, u fastest.  Code 100 is a tip angle of 0, a step 1/300 of a sine; of lengths code 0 is 0. */
 #define SMAP_INLINE SMAP_FOLDED
 #define SMAP_UNROLL SMAP_SOME
-#include "smap_map.h"
+#include "smap_query.h"
 
 enum { SMAP_GRID_HEAD = 24, SMAP_GRID_PLACE = 6, SMAP_GRID_AXES = SMAP_MAX_PARAMS + 2 };
 enum { SMAP_GRID_STANDS = 100 * 128, SMAP_GRID_MOST = 16383 }; /* the sine of 30 deg */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
-#include "smap_map.h"
+#include "smap_query.h"
 
 /* ---- joints: where the contacts are -----------------------------------------------------------------
  * Every coordinate is a sum of weighted products of sines and cosines of revolute joints and of travels

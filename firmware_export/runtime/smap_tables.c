@@ -4,7 +4,7 @@
 #define SMAP_INLINE SMAP_FOLDED
 #define SMAP_UNROLL SMAP_SOME
 #define SMAP_STEERED_BY "smap_control_three.c"
-#include "smap_map.h"
+#include "smap_query.h"
 #include "smap_three.h"
 #include "smap_lookup.h"
 #include "smap_three_run.h"

@@ -3,7 +3,7 @@
 /* ---- tables_i: the same without floats ----------------------------------------------------------------- */
 #define SMAP_INLINE SMAP_FOLDED
 #define SMAP_UNROLL SMAP_SOME
-#include "smap_map.h"
+#include "smap_query.h"
 #include "smap_three.h"
 #include "smap_lookup.h"
 

@@ -92,7 +92,7 @@ def test_the_readme_leads_to_a_reading_in_c_in_three_commands(
     setup, export, compiled = shell.splitlines()
     assert setup == "make venv"
     printed = ran(export.replace(".venv/bin/", ""))
-    held = re.search(r"(\d+) bytes of tables", printed)
+    held = re.search(r"(\d+) of tables", printed)
     said = re.search(r"takes (\d+) bytes of tables, at most ([\d.]+) % off", README)
     assert held is not None
     assert said is not None

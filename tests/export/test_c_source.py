@@ -225,7 +225,7 @@ def test_the_header_says_what_a_reader_must_know(exports: dict[str, Export]) -> 
         "FEET_REACH 0 .. 0.6 m +- 0.003 shifts leg",
         "FEET_SWING -0.6981317 .. 0.8726646 rad (-40 .. 50 deg) +- 0.5 deg turns hip",
         "up to 50 deg of pitch and of roll",
-        f"at most {report(export, body_of(export), [])['bytes']['total']:,} bytes on Cortex-M4",
+        f"at most {report(export, body_of(export), [])['bytes']['total']:,} bytes, the largest",
         f"{code_bytes('points'):,} of code",
         "#define FEET_FLASH",
         "#define FEET_POSE_BYTES 120u",

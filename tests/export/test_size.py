@@ -5,25 +5,42 @@ from pathlib import Path
 
 import pytest
 
-from firmware_export.emit.size import COUNTS, FILE, measured, parse
+from firmware_export.emit import package
+from firmware_export.emit.size import BY_CODE, COUNTS, FILE, measured, parse
 from targets import size as size_measure
+from targets.cases import of_recipe
+from targets.elf import section_bytes
+from targets.image import compiled
 
 ROWS = measured(FILE, "targets.size")
 
 
 def test_every_family_has_its_numbers() -> None:
-    assert set(ROWS) == set(size_measure.FAMILIES)
+    assert set(ROWS) == set(size_measure.EXPORTS)
+    assert {name.removesuffix(BY_CODE) for name in ROWS} == set(size_measure.FAMILIES)
     assert all(set(row) >= {"code", "stack", "control", "pose"} for row in ROWS.values())
 
 
 @pytest.mark.needs(size_measure.BOARD.tool)
 @pytest.mark.parametrize("family", ["points", "tables_i"])  # `make size` measures all
 def test_the_committed_sizes_are_those_of_the_runtime(tmp_path: Path, family: str) -> None:
-    found = size_measure.measure_family(family, tmp_path)
+    found = size_measure.measure_row(family, tmp_path)
     # Another version of the compiler may differ by a few instructions.
     assert found["code"] == pytest.approx(ROWS[family]["code"], rel=0.03)
     assert found["stack"] == pytest.approx(ROWS[family]["stack"], abs=16)
-    assert (found["data"], found["bss"]) == (0, 0)
+
+
+@pytest.mark.needs(size_measure.BOARD.tool)
+def test_the_flash_of_a_robot_of_the_gallery_is_that_of_its_object_file(tmp_path: Path) -> None:
+    export = of_recipe("paper_two", "contacts")
+    said = package.write(export, tmp_path)["bytes"]
+    assert said["measured"]
+    compiled("paper_two", size_measure.BOARD, "-Os", tmp_path, {})
+    held = section_bytes(tmp_path / "paper_two.o", ".text", ".rodata", ".data")
+    assert said["total"] == pytest.approx(held, rel=0.03)
+    assert (
+        f"#define PAPER_TWO_FLASH      {said['total']}u" in (tmp_path / "paper_two.h").read_text()
+    )
 
 
 def test_no_export_that_was_counted_takes_more_than_its_family() -> None:
@@ -38,12 +55,11 @@ def test_no_export_that_was_counted_takes_more_than_its_family() -> None:
 def test_an_update_rewrites_the_file_that_exports_read(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    title = size_measure.FAMILIES["grid"]
     monkeypatch.setattr(size_measure, "SIZES", tmp_path / "sizes.json")
-    monkeypatch.setattr(size_measure, "FAMILIES", {"grid": title})
+    monkeypatch.setattr(size_measure, "EXPORTS", {"grid": size_measure.EXPORTS["grid"]})
     page = tmp_path / "page.md"
     shutil.copy(size_measure.PAGE, page)
     monkeypatch.setattr(size_measure, "PAGE", page)
     assert size_measure.main(["--update"]) == 0
     assert set(parse((tmp_path / "sizes.json").read_text(), FILE, "x")) == {"grid"}
-    assert f"| {title} | `" in page.read_text("utf-8")
+    assert "| grid | " in page.read_text("utf-8")

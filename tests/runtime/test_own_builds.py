@@ -11,8 +11,8 @@ from firmware_export.emit import package
 from firmware_export.emit.source import body_of, described
 from firmware_export.host import RUNTIME, Host
 from firmware_export.protocol import Export
-from proofs.exhaustive import program_text
 from proofs.subjects import SUBJECTS
+from targets.size import program
 from tests.fixtures.compiled import FLAGS, HostLibrary, compile_c
 from tests.fixtures.length import LONG, part
 from tests.fixtures.queries import integer_queries, random_queries
@@ -23,9 +23,9 @@ SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g",
 OK, ROCKS, TIPS, OFF_CHART, OFF_RANGE, INVALID = 0, 1, 2, 3, 4, 6
 
 # Fast code with the square root in software; small code is what chips are asked, too.
-BUILDS: tuple[tuple[str, ...], ...] = (("-O3", "-DSMAP_HARDWARE_ROOT=0"),)
+BUILDS: tuple[tuple[str, ...], ...] = (("-O3", "-DSMAP_SOFT_ROOT"),)
 if LONG:
-    BUILDS += (("-Os",), ("-O3",), ("-DSMAP_HARDWARE_ROOT=0",))
+    BUILDS += (("-Os",), ("-O3",), ("-DSMAP_SOFT_ROOT",))
 # Many contacts take up to 20 us a query.
 CASES = {
     "paper_two": part(300_000),
@@ -84,7 +84,7 @@ def test_the_c_code_is_clean_under_the_sanitizers(name: str, tmp_path: Path) -> 
     status, reading = HostLibrary(tmp_path / "out", (*FLAGS, *SANITIZERS)).read(params, gravity)
     if name in SOFT or LONG:
         # The software square root is what parts without one run.
-        soft = (*SANITIZERS, "-DSMAP_HARDWARE_ROOT=0")
+        soft = (*SANITIZERS, "-DSMAP_SOFT_ROOT")
         again, soft_reading = HostLibrary(tmp_path / "out", (*FLAGS, *soft)).read(params, gravity)
         np.testing.assert_array_equal(status, again)
         np.testing.assert_array_equal(reading.view(np.uint32), soft_reading.view(np.uint32))
@@ -124,7 +124,7 @@ void each(int count, const float *x, float *arcsines)
 
 
 def test_arcsine_is_right_to_3e_7_and_odd(tmp_path: Path) -> None:
-    (tmp_path / "each.c").write_text(program_text() + EACH)
+    (tmp_path / "each.c").write_text(program("points") + EACH)
     compile_c([*FLAGS, "-fPIC", "-shared", "-I", str(RUNTIME), "each.c", "-o", "each.so"], tmp_path)
     x = np.append(np.linspace(-1.0, 1.0, 20_001), 1.5).astype(np.float32)
     values = np.empty_like(x)
