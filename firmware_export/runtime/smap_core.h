@@ -19,6 +19,7 @@
 
 #ifdef __GNUC__
 #define SMAP_PLAIN static __attribute__((__unused__))
+#define SMAP_SMALL static inline __attribute__((__unused__))
 #define SMAP_ALWAYS static inline __attribute__((__always_inline__, __unused__))
 #define SMAP_APART __attribute__((__noinline__))
 #define SMAP_RARELY(condition) __builtin_expect((condition), 0)
@@ -26,6 +27,7 @@
 #define SMAP_ZEROS(x) ((uint8_t)(__builtin_clzl(x) + 32 - 8 * (int)sizeof(long))) /* leading bits that are 0 */
 #else
 #define SMAP_PLAIN static inline
+#define SMAP_SMALL static inline
 #define SMAP_ALWAYS static inline
 #define SMAP_APART
 #define SMAP_RARELY(condition) (condition)

@@ -215,7 +215,10 @@ static int8_t smap_run_read_i(const smap_t *map, const int16_t *params_q, const 
                               smap_reading_i_t *out)
 {
   smap_pose_memory_t pose;
-  const int8_t status = smap_run_pose_q(map, params_q, &pose.head, sizeof pose, SMAP_FLOAT | SMAP_INTEGER);
+  float params[SMAP_MAX_PARAMS];
+  int8_t status;
+  smap_from_steps(map, params_q, params);
+  status = smap_pose_floats(map, params, &pose.head, sizeof pose, SMAP_FLOAT | SMAP_INTEGER);
   return status != SMAP_OK ? smap_deny_i(out, status) : smap_run_at_i(&pose.head, gravity_q, out);
 }
 

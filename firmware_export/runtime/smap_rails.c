@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
 /* ---- rails: discs and points on parallel axes --------------------------------------------------------- */
-#define SMAP_INLINE SMAP_PLAIN
+#define SMAP_INLINE SMAP_SMALL
 #define SMAP_UNROLL
 #define SMAP_CODEC SMAP_CODEC_RAILS
 #define SMAP_TRACKS SMAP_RAILS
@@ -148,7 +148,7 @@ static void smap_enter(smap_work_t *w, smap_hull_t *h, const uint8_t *list, uint
   const float s = plane[0], c = plane[2], size = 1.0f / smap_root(1.0f + plane[1] * plane[1]);
   const float n[3] = {s * size, plane[1] * size, -c * size};
   float p[2 * SMAP_TRACKS][3], extent[SMAP_MAX_CONTACTS];
-  uint8_t id[2 * SMAP_TRACKS], track[2 * SMAP_TRACKS], count = 0, turns, j, k, before = *side, first;
+  uint8_t id[2 * SMAP_TRACKS], track[2 * SMAP_TRACKS], count = 0, turns, j, k, before = *side, first = SMAP_NONE;
   *side = SMAP_NONE;
   for (j = 0; j <= last; j++) { /* the way that was on the hull */
     k = list[j];
@@ -165,13 +165,15 @@ static void smap_enter(smap_work_t *w, smap_hull_t *h, const uint8_t *list, uint
       track[count++] = k;
     }
   }
-  for (j = 0; j < count; j++) {
-    smap_touch_at(w, id[j], s, c, p[j]);
+  if (smap_is_accepted(w, n, (smap_level(w, id[0], s, c) + w->p[id[0]][1] * plane[1]) * size)) {
+    for (j = 0; j < count; j++) {
+      smap_touch_at(w, id[j], s, c, p[j]);
+    }
+    for (j = 0; j < w->map->contacts; j++) {
+      extent[j] = (smap_level(w, j, s, c) + w->p[j][1] * plane[1]) * size;
+    }
+    first = smap_add_rest(w, n, p, id, count, extent);
   }
-  for (j = 0; j < w->map->contacts; j++) {
-    extent[j] = (smap_level(w, j, s, c) + w->p[j][1] * plane[1]) * size;
-  }
-  first = smap_add_rest(w, n, p, id, count, extent);
   if (first != SMAP_NONE) {
     for (j = 0; j + 1 < turns; j++) {
       if (h->pend[track[j]] != SMAP_NONE) {

@@ -224,6 +224,12 @@ static int smap_measure(const smap_work_t *w, const float n[3], float (*p)[3], u
   return 1;
 }
 
+/* Whether the com is above a facet, and it faces down. */
+SMAP_INLINE int smap_is_accepted(const smap_work_t *w, const float n[3], float height)
+{
+  return height > w->map->least_height && -n[2] > w->map->steepest;
+}
+
 /* Add the facet with normal n and these corners, if it is a rest: returns its first corner, else SMAP_NONE.  `extent`
  * tells how far each contact extends along n. */
 static uint8_t smap_add_rest(smap_work_t *w, const float n[3], float (*p)[3], const uint8_t *id, uint8_t count,
@@ -234,8 +240,7 @@ static uint8_t smap_add_rest(smap_work_t *w, const float n[3], float (*p)[3], co
   smap_region_t *const o = w->region;
   uint8_t i, k, near = 0;
   int wide;
-  if (!(height > w->map->least_height && -n[2] > w->map->steepest) || count < 3 ||
-      smap_is_full(w, SMAP_OF_RESTS, r, SMAP_MAX_RESTS) ||
+  if (!smap_is_accepted(w, n, height) || count < 3 || smap_is_full(w, SMAP_OF_RESTS, r, SMAP_MAX_RESTS) ||
       smap_is_full(w, SMAP_OF_CORNERS, (uint8_t)(first + count - 1u), SMAP_MAX_CORNERS)) {
     return SMAP_NONE;
   }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * Copyright (c) The lutgen authors */
 /* ---- search: points, balls and discs of any axes ------------------------------------------------------ */
-#define SMAP_INLINE SMAP_PLAIN
+#define SMAP_INLINE SMAP_SMALL
 #define SMAP_UNROLL
 #define SMAP_CODEC SMAP_CODEC_SEARCH
 #define SMAP_TRACKS 1
