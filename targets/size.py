@@ -41,8 +41,8 @@ ALLOWED = frozenset(("memcpy", "memset"))
 # Arrays are as large as a map needs: two joints, and three points or twelve discs.
 USUAL = {"SMAP_MAX_PARAMS": 2, "SMAP_MAX_ENTRIES": 8, "SMAP_MAX_COORDINATES": 42, "SMAP_SERIES": 1}
 # Of many contacts those that marv has, whose axes are parallel, and articulated, whose are not.
-CAPACITIES = ("CONTACTS", "RAILS", "AXLES", "FACETS", "EDGES", "RESTS", "CORNERS", "GAPS", "ARCS")
-MANY = {"rails": (8, 2, 0, 7, 20, 7, 20, 5, 38), "search": (4, 0, 1, 3, 7, 3, 7, 2, 11)}
+CAPACITIES = ("CONTACTS", "RESTS", "CORNERS", "GAPS", "ARCS", "FACETS", "SIDES")
+MANY = {"rails": (8, 7, 20, 5, 38, 1, 8), "search": (4, 3, 7, 2, 11, 7, 4)}
 FAMILIES = ("points", "tables", "tables_i", "grid", "rails", "search")
 Measure = dict[str, int]
 
@@ -89,7 +89,8 @@ def program(family: str, control: bool = False) -> str:
     """
     config = {"SMAP_HOST": 1, **USUAL}
     known = zip(CAPACITIES, MANY.get(family, ()), strict=family in MANY)
-    config |= {f"SMAP_MANY_{key}": value for key, value in known} | {"SMAP_MANY_KNOWN": 1}
+    config |= {f"SMAP_MAX_{key}": value for key, value in known}
+    config |= {"SMAP_RAILS": 2, "SMAP_DISCS": 4}
     config |= {"SMAP_CONTROL": 1} if control else {}
     lines = [f"#define {name} {value}" for name, value in config.items()]
     lines += ['#include "smap.h"', '#include "smap_control.h"', f'#include "smap_{family}.c"']

@@ -263,7 +263,9 @@ static uint8_t smap_cut_slivers(const smap_search_t *s, const float n[3], float 
     width = -smap_dot(in, d) / smap_root(size2);
     under = (1.0f - part) * smap_dot(p[last], n) + part * smap_dot(p[next], n) - smap_dot(p[k], n);
     if (!(width > SMAP_SLIVER * size) || under <= SMAP_SLIVER * width) {
-      memmove(p[kept], p[k], sizeof p[k]);
+      if (kept < k) {
+        memcpy(p[kept], p[k], sizeof p[k]);
+      }
       id[kept++] = id[k];
     }
   }
