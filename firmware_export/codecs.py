@@ -15,7 +15,7 @@ ARITHMETIC = ("float", "integer")
 
 def named(name: str) -> list[Codec]:
     """Return the codecs that people call so; all for ``auto``."""
-    found = [info for info in CODECS if name in (info.name, "auto")]
+    found: list[Codec] = [info for info in CODECS if name in (info.name, "auto")]
     if not found:
         names = ", ".join(dict.fromkeys(info.name for info in CODECS))
         raise InputError(f"codec: {name!r} is unknown (got {name!r}); use auto or one of: {names}.")

@@ -259,7 +259,7 @@ def certify(
     witnesses = [*(one.witness() for one in seen), *(search.witness for search in searches)]
     errors = even.errors("sdg") if "sdg" in channels else None
     beyond = _beyond(errors, bound, table["sdg"]["range"] if "sdg" in channels else 0.0)
-    text = ()
+    text: tuple[str, ...] = ()
     if found.found and "sdg" in channels:
         text = tuple(_about_jumps(model.recipe.length_unit, found, beyond, bound))
     return Certificate(
@@ -298,8 +298,9 @@ def _about_jumps(
 def put_to_test(
     reader: Reader, channels: Sequence[str], bound: ErrorBound | None, points: int, seed: int
 ) -> Certificate:
-    """Compare a trained table with the truth on `TIMES` as many points, or until one is falsely
-    safe: then the table is lowered, and other points judge it.
+    """Compare a trained table with the truth on `TIMES` as many points, or until one is wrong.
+
+    Then the table is lowered, and other points judge it.
     """
     model, asked, wrong = reader.model, 0, list[tuple[Floats, Floats]]()
     parts = max(1, points * TIMES // (2 * PART))

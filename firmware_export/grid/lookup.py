@@ -31,8 +31,9 @@ MOST_NODES, MOST_CODES = 65, 1 << 15
 # rad; rounding of the float path.  Units by which integers misplace a point, and 1/32767 by which
 # they read a sine too high.
 ROUNDING, MISPLACED, ROUNDED = 4e-6, 4.0, 9
-# Units below which a chord's distance from its arc is less than what codes of 8 bits round.
-COARSE = 64.0
+# Units of a chord's distance from its arc, which the fit halves, below which wider codes gain more
+# than further nodes do: codes of 8 bits round by up to 64.
+COARSE = 256.0
 
 
 @dataclass(frozen=True)
