@@ -13,8 +13,7 @@ import numpy as np
 
 from benchmarks.rivals import RIVALS, Points, Result
 from firmware_export.certify.answers import Truth, device, truth
-from firmware_export.choose.choice import Goal, choose
-from firmware_export.choose.trials import Trials
+from firmware_export.choose import Goal, Trials, choose
 from firmware_export.codecs import usable
 from firmware_export.truth.model import Model
 from firmware_export.truth.sample import Sample, biased, join, uniform

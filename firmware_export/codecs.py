@@ -2,7 +2,7 @@
 
 from firmware_export.contacts import INFO as CONTACTS
 from firmware_export.grid import LOOKUP, TABLE
-from firmware_export.protocol import CodecInfo
+from firmware_export.protocol import Codec
 from firmware_export.truth import Model
 from lutgen.errors import ExportError, InputError
 
@@ -13,21 +13,21 @@ CODECS = (CONTACTS, LOOKUP, TABLE)
 ARITHMETIC = ("float", "integer")
 
 
-def named(name: str) -> list[CodecInfo]:
+def named(name: str) -> list[Codec]:
     """Return the codecs that people call so; all for ``auto``."""
-    found = [info for info in CODECS if name in (info.name, "auto")]
+    found: list[Codec] = [info for info in CODECS if name in (info.name, "auto")]
     if not found:
         names = ", ".join(dict.fromkeys(info.name for info in CODECS))
         raise InputError(f"codec: {name!r} is unknown (got {name!r}); use auto or one of: {names}.")
     return found
 
 
-def codec(name: str) -> CodecInfo:
+def codec(name: str) -> Codec:
     """Return what writes and reads the tables of the codecs with a name."""
     return named(name)[0]
 
 
-def usable(model: Model, arithmetic: str, name: str = "auto") -> list[CodecInfo]:
+def usable(model: Model, arithmetic: str, name: str = "auto") -> list[Codec]:
     """Return the codecs that can hold a robot, in the order to try them.
 
     Raises

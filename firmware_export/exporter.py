@@ -20,11 +20,10 @@ from firmware_export.certify import (
     put_to_test,
 )
 from firmware_export.choose import KNEE, Candidate, Goal, Trials, choose, front
-from firmware_export.codecs import codec as info
 from firmware_export.codecs import usable
 from firmware_export.emit import check_directory, check_name, default_name, write
 from firmware_export.host import load_library
-from firmware_export.protocol import CodecInfo, Export
+from firmware_export.protocol import Codec, Export
 from firmware_export.quantity import ErrorBound, parse_error, parse_size
 from firmware_export.truth import Model
 from lutgen.errors import ExportError, InputError
@@ -38,10 +37,9 @@ log = logging.getLogger("lutgen")
 
 # Certificates that may refuse a choice before the search is given up.
 ATTEMPTS = 6
-# Times that a guard is made larger for what a certificate has seen, and the largest (rad).
-WIDER, WIDEST = 3, 5e-3
-# Times that a table is lowered for what its test has found.
-LOWERED = 40
+# Times that a guard is made larger for what a certificate has seen, or a table lowered for what its
+# test has; the largest guard (rad).
+WIDER, LOWERED, WIDEST = 3, 40, 5e-3
 # Share of what stands that an export may report as unsafe at most.
 USELESS = 0.25
 # Bytes of the export that is made where nothing was asked for and nothing reaches the knee.
@@ -166,12 +164,24 @@ def certified(
     recipe = _recipe(source, asked.allow_python)
     label = check_name(asked.name) if asked.name is not None else default_name(recipe.name)
     held = _channels(recipe, asked.channels)
-    size, bound = _limits(recipe, asked.flash, asked.max_error)
+    flash, error = asked.flash, asked.max_error
+    if flash is None and error is None:
+        flash, error = recipe.export.flash, recipe.export.max_error
+    size = None if flash is None else parse_size(flash)
+    bound = None if error is None else parse_error(error)
     model = Model(recipe)
     codecs = usable(model, asked.arithmetic, asked.codec)
     tell(f"looking for the best of {', '.join(one.name for one in codecs)}")
     trials = Trials(model, label, held, asked.arithmetic)
-    chosen, certificate, bound = _certified(trials, codecs, size, bound, asked.points, tell)
+    if size is None and bound is None:
+        bound = KNEE
+        try:
+            chosen, certificate = _certified(trials, codecs, None, bound, asked.points, tell)
+        except ExportError:
+            bound = None
+            chosen, certificate = _certified(trials, codecs, ROOM, bound, asked.points, tell)
+    else:
+        chosen, certificate = _certified(trials, codecs, size, bound, asked.points, tell)
     _refuse_useless(certificate, chosen, model.recipe.source)
     result = certificate.as_dict() | {
         "error_percent": certificate.error_of(certificate.bounded[0], relative=True),
@@ -236,44 +246,25 @@ def _channels(recipe: Recipe, asked: Sequence[str] | None) -> tuple[str, ...]:
     return tuple(name for name in EXPORTABLE if name in wanted or name == "tip_angle")
 
 
-def _limits(
-    recipe: Recipe, flash: str | int | None, max_error: str | float | None
-) -> tuple[int | None, ErrorBound | None]:
-    """Return the limits asked for, or those of the recipe where there are none."""
-    if flash is None and max_error is None:
-        flash, max_error = recipe.export.flash, recipe.export.max_error
-    return (
-        parse_size(flash) if flash is not None else None,
-        parse_error(max_error) if max_error is not None else None,
-    )
-
-
 def _certified(
     trials: Trials,
-    codecs: Sequence[CodecInfo],
+    codecs: Sequence[Codec],
     size: int | None,
     bound: ErrorBound | None,
     points: int,
     tell: Callable[[str], None],
-) -> tuple[Candidate, Certificate, ErrorBound | None]:
-    """Return the best candidate whose certificate says what was asked for, and the bound held."""
-    if size is None and bound is None:
-        try:
-            return _certified(trials, codecs, None, KNEE, points, tell)
-        except ExportError:
-            return _certified(trials, codecs, ROOM, None, points, tell)
+) -> tuple[Candidate, Certificate]:
+    """Return the best candidate whose certificate says what was asked for, and that."""
     goal = Goal(size, _percent(trials, bound))
     for _ in range(ATTEMPTS):
         chosen = choose(trials, codecs, goal)
         tell(f"certifying {chosen.label}, {chosen.total:,} bytes")
         export, certificate = guarded(chosen.export, trials, bound, points)
-        chosen = replace(chosen, export=export)
         certificate.refuse_false_safe(f"{trials.model.recipe.source}: {chosen.label}")
-        if bound is None:
-            return chosen, certificate, bound
-        found = certificate.error(bound.relative)
-        if found <= bound.value:
-            return chosen, certificate, bound
+        chosen = replace(chosen, export=export)
+        found = 0.0 if bound is None else certificate.error(bound.relative)
+        if bound is None or found <= bound.value:
+            return chosen, certificate
         # The certificate saw more than the choice; aim lower by as much.
         goal = replace(goal, margin=goal.margin * max(1.1, 1.02 * found / bound.value))
     raise ExportError(
@@ -285,27 +276,23 @@ def _certified(
 def guarded(
     export: Export, trials: Trials, bound: ErrorBound | None, points: int
 ) -> tuple[Export, Certificate]:
-    """Return an export, with a larger guard if it needs one to be never falsely safe, certified.
+    """Return an export, mended if it has to be to be never falsely safe, and its certificate.
 
-    Where contacts are within rounding of one plane, single precision may take another one for the
-    corner of a rest; what that alters is seen by the certificate and twice as much is taken off.
-    Points that have not been seen judge it then.
+    A trained table is lowered at the points that its test has found.  Where contacts are within
+    rounding of one plane, single precision may take another one for the corner of a rest: twice
+    what that alters is added to the guard.  Points that have not been seen judge it then.
     """
     certificate = examine(export, trials, bound, points)
-    for attempt in range(1, LOWERED + 1):
-        if certificate.wrong is None or not export.tables.tested:
+    for attempt in range(1, (LOWERED if export.tables.tested else WIDER) + 1):
+        if certificate.witness is None:
             break
-        lower = export.tables.lowered(*certificate.wrong, attempt)
-        export = replace(export, tables=lower)
-        certificate = examine(export, trials, bound, points, SEED + attempt)
-    wider = info(export.codec).guarded
-    for attempt in range(1, WIDER + 1):
-        if wider is None or certificate.witness is None:
-            break
-        _, _, said, true = certificate.witness
-        guard = float(export.tables.guard) + 2.0 * (said - true)
-        tables = wider(export.tables, guard)
-        if tables is None or guard > WIDEST:
+        if certificate.wrong is not None:
+            tables = export.tables.lowered(*certificate.wrong, attempt)
+        else:
+            _, _, said, true = certificate.witness
+            guard = float(export.tables.guard) + 2.0 * (said - true)
+            tables = export.tables.guarded(guard) if guard <= WIDEST else None
+        if tables is None:
             break
         export = replace(export, tables=tables)
         certificate = examine(export, trials, bound, points, SEED + attempt)
@@ -318,8 +305,7 @@ def examine(
     """Certify one export."""
     if export.tables.tested:
         return put_to_test(device(export), export.channels, bound, points, seed)
-    cells = info(export.codec).cells(export.model, export.tables)
-    effort = Effort.of(points)
+    cells, effort = export.tables.cells(export.model), Effort.of(points)
     return certify(device(export), export.channels, cells, bound, effort, seed, trials.jumps)
 
 
@@ -328,6 +314,4 @@ def _percent(trials: Trials, bound: ErrorBound | None) -> float | None:
     if bound is None or bound.relative:
         return None if bound is None else bound.value
     span = trials.ranges[trials.bounded[0]]
-    if span <= 0.0:
-        return KNEE.value
-    return 100.0 * bound.value / span
+    return 100.0 * bound.value / span if span > 0.0 else KNEE.value

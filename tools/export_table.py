@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from firmware_export.choose.trials import Trials
+from firmware_export.choose import Trials
 from firmware_export.codecs import usable
 from firmware_export.contacts import codec as contacts
 from firmware_export.emit import package

@@ -1,10 +1,10 @@
 """How far an export is from the truth, and that it is never falsely safe.
 
-In reading order: `answers`, `jumps`, `search`, `certifier`, `tested`.
+In reading order: `answers`, `jumps`, `attack`, `certificate`.
 """
 
 from firmware_export.certify.answers import Measured, Reader, Truth, device, truth
-from firmware_export.certify.certifier import (
+from firmware_export.certify.certificate import (
     POINTS,
     SEED,
     Certificate,
@@ -12,11 +12,11 @@ from firmware_export.certify.certifier import (
     bounded,
     certify,
     judged_by,
+    put_to_test,
     span_of,
     statistics,
 )
 from firmware_export.certify.jumps import find_jumps
-from firmware_export.certify.tested import put_to_test
 
 __all__ = [
     "POINTS",

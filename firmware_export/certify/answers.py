@@ -10,7 +10,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_export.codecs import codec
 from firmware_export.host import STANDS, Host
 from firmware_export.protocol import Export, describe
 from firmware_export.truth import Exact, Model, Sample
@@ -26,6 +25,8 @@ BLOCK = 1 << 17
 
 # Exact tip angles (m, d) -> at which of the points an answer is needed.
 Needs = Callable[[Floats], Bools]
+# Parameters, gravity, answered and true tip angle of a false safe.
+Witness = tuple[Floats, Floats, float, float]
 # (n, k) and (n, 3) queries -> status (n,), reading (n, 3): sdg, tip_angle, height.
 Read = Callable[[NDArray[Any], NDArray[Any]], tuple[NDArray[Any], NDArray[Any]]]
 
@@ -78,6 +79,15 @@ class Measured(NamedTuple):
         """Share of the standing points that are said to tip."""
         standing = self.standing
         return int((standing & ~self.answers.stands).sum()) / max(int(standing.sum()), 1)
+
+    def witness(self) -> Witness | None:
+        """Return the false safe that is answered most safely, if any."""
+        if not self.false_safe.any():
+            return None
+        said = np.where(self.false_safe, self.answers.tip_angle, -np.inf)
+        m, d = np.unravel_index(int(said.argmax()), said.shape)
+        params, gravity = self.sample.params[m], self.sample.gravity[m, d]
+        return params, gravity, float(said[m, d]), float(self.exact.tip_angle[m, d])
 
     def errors(self, channel: str) -> Floats:
         """Return the errors (n,) of a channel where the robot stands and is said to."""
@@ -169,7 +179,7 @@ class Reader:
 
 def device(export: Export) -> Reader:
     """Return what answers as the microcontroller will: the C that ships, with these tables."""
-    body = codec(export.codec).c_body(export.tables, export.integer)
+    body = export.tables.body(export.integer)
     host = Host(describe(export, body))
     if export.integer:
         return Reader(export.model, host.read_i, body.steps)

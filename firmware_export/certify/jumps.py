@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from firmware_export.truth import Model, uniform, uniform_directions, unit
+from firmware_export.truth import Model, uniform_directions, uniform_params, unit
 from lutgen.vector import Floats
 
 # Halvings after which the first and the second difference is taken.  From pairs about 1 apart the
@@ -18,7 +18,8 @@ EARLY, LATE = 20, 32
 KEPT = 0.5
 # Least height, in shares of the range, that is called a jump.
 LEAST = 1e-3
-POSTURES, DIRECTIONS, PAIRS = 48, 40, 256
+# Postures between whose directions, and pairs of postures between which it is looked for.
+POSTURES, DIRECTIONS, PAIRS = 48, 40, 96
 
 
 class Jumps(NamedTuple):
@@ -28,35 +29,27 @@ class Jumps(NamedTuple):
     height: float
 
 
-def _sdg(model: Model, params: Floats, gravity: Floats) -> Floats:
-    return model.exact(params, gravity).sdg
-
-
-def _close_in(
-    model: Model, params: tuple[Floats, Floats], gravity: tuple[Floats, Floats]
-) -> tuple[Floats, Floats]:
+def _halved(model: Model, params: Floats, gravity: Floats) -> tuple[Floats, Floats]:
     """Halve pairs of points, keeping the half over which |SD_g| changes more.
 
-    Returns the differences (m, d) that are left after EARLY and after LATE halvings; 0 for pairs
-    that came to a place where the robot tips.
+    Of `params` (2, m, k) and `gravity` (2, m, d, 3), where two postures differ with d = 1.  The
+    differences (m d,) that are left after EARLY and after LATE halvings; 0 for pairs that came to a
+    place where the robot tips.
     """
-    (low_q, high_q), (low_g, high_g) = params, gravity
-    low, high = _sdg(model, low_q, low_g), _sdg(model, high_q, high_g)
+    q, g = params, gravity
+    low, high = (model.exact(*end).sdg for end in zip(q, g, strict=True))
     early = np.zeros(low.shape)
     for turn in range(LATE):
-        middle_q = 0.5 * (low_q + high_q)
-        middle_g = unit(low_g + high_g)
-        middle = _sdg(model, middle_q, middle_g)
+        middle_q, middle_g = 0.5 * (q[0] + q[1]), unit(g[0] + g[1])
+        middle = model.exact(middle_q, middle_g).sdg
         upper = np.abs(high - middle) > np.abs(middle - low)
-        # With several directions to a posture the ends' postures are the same.
-        up = upper[:, :1]
-        low_q, high_q = np.where(up, middle_q, low_q), np.where(up, high_q, middle_q)
-        low_g = np.where(upper[..., None], middle_g, low_g)
-        high_g = np.where(upper[..., None], high_g, middle_g)
+        up, turned = upper[:, :1], upper[..., None]
+        q = np.stack([np.where(up, middle_q, q[0]), np.where(up, q[1], middle_q)])
+        g = np.stack([np.where(turned, middle_g, g[0]), np.where(turned, g[1], middle_g)])
         low, high = np.where(upper, middle, low), np.where(upper, high, middle)
         if turn == EARLY:
             early = np.abs(high - low)
-    return np.nan_to_num(early), np.nan_to_num(np.abs(high - low))
+    return np.nan_to_num(early).ravel(), np.nan_to_num(np.abs(high - low)).ravel()
 
 
 def find_jumps(model: Model, seed: int) -> Jumps:
@@ -64,17 +57,15 @@ def find_jumps(model: Model, seed: int) -> Jumps:
     if model.is_tripod:
         return Jumps(False, 0.0)
     rng = np.random.default_rng([seed, 4])
-    q = uniform(model, POSTURES, seed).params[:POSTURES]
-    q = rng.uniform(model.lower, model.upper, (POSTURES, model.k)) if len(q) < POSTURES else q
+    here = uniform_params(model, rng, POSTURES)
     ends = uniform_directions(model, rng, (2, POSTURES, DIRECTIONS))
-    early, late = _close_in(model, (q, q), (ends[0], ends[1]))
-    values = _sdg(model, q, ends[0])
+    values = model.exact(here, ends[0]).sdg
+    values = values[np.isfinite(values)]
+    found = [_halved(model, np.stack([here, here]), ends)]
     if model.k:
-        pair = rng.uniform(model.lower, model.upper, (2, PAIRS, model.k))
-        ends = uniform_directions(model, rng, (2, PAIRS, 1))
-        across = _close_in(model, (pair[0], pair[1]), (ends[0], ends[1]))
-        early = np.concatenate([early.ravel(), across[0].ravel()])
-        late = np.concatenate([late.ravel(), across[1].ravel()])
-    span = float(np.nanmax(values) - np.nanmin(values)) if np.isfinite(values).any() else 0.0
+        pairs = rng.uniform(model.lower, model.upper, (2, PAIRS, model.k))
+        found.append(_halved(model, pairs, uniform_directions(model, rng, (2, PAIRS, 1))))
+    early, late = (np.concatenate(one) for one in zip(*found, strict=True))
+    span = float(np.ptp(values)) if len(values) else 0.0
     jumps = (late > KEPT * early) & (late > LEAST * span)
     return Jumps(bool(jumps.any()), float(np.max(late, where=jumps, initial=0.0)))

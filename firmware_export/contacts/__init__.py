@@ -4,6 +4,6 @@ In reading order: `closed`, `terms`, `lines`, `pieces`, `series`, `off`, `shown`
 `room`, `layout`, `codec`.
 """
 
-from firmware_export.contacts.codec import INFO, c_body, drawn_tables
+from firmware_export.contacts.codec import INFO, drawn_tables
 
-__all__ = ["INFO", "c_body", "drawn_tables"]
+__all__ = ["INFO", "drawn_tables"]

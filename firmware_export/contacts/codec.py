@@ -1,13 +1,9 @@
-"""Codec `contacts`: where contacts are, everything else computed when a posture is made.
-
-The facade that the chooser and the emitter use; the parts are `closed` (the algebra of links) and
-`terms` (their tables), `pieces` and `series` (the same of robots given by code), `three` and `many`
-(what is asked of robots on three points and of others, and the guard), and `room` (of their pose).
-"""
+"""Codec `contacts`: where contacts are, everything else computed when a posture is made."""
 
 import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -20,7 +16,7 @@ from firmware_export.contacts.series import Series, ordered, series_of
 from firmware_export.contacts.terms import Terms, terms_of
 from firmware_export.contacts.three import Three, three_of
 from firmware_export.host import Host
-from firmware_export.protocol import CBody, CodecInfo, Export, describe
+from firmware_export.protocol import CBody, Codec, Export, describe
 from firmware_export.protocol import Tables as AnyTables
 from firmware_export.truth import Cells, Model, least_edge_of, rounds
 from lutgen.errors import InputError
@@ -75,12 +71,10 @@ class Tables(AnyTables):
     """
 
     spec: Spec
-    channels: tuple[str, ...]
     terms: Terms | Series
     three: Three | None
     many: Many | None
     room: Room
-    params: int
     reach: float
     guard: float
     guard_text: str
@@ -88,34 +82,89 @@ class Tables(AnyTables):
     @property
     def bytes(self) -> int:
         """Bytes of all tables."""
-        return c_body(self).bytes
+        return self.body().bytes
+
+    def body(self, integer: bool = False) -> CBody:
+        """Return the tables for the emitter."""
+        terms, three, many, step = self.terms, self.three, self.many, self.reach / STEPS
+        macros = [
+            ("SMAP_MAX_ENTRIES", terms.entries),
+            ("SMAP_MAX_COORDINATES", terms.width),
+            *((switch, 1) for switch in terms.switches),
+        ]
+        if three is not None:
+            thresholds = (three.lowest, three.steepest, three.rest_width)
+            return CBody(
+                POINTS, terms.arrays(three.code, thresholds, ()), 3, tuple(macros), POSE, step
+            )
+        assert many is not None
+        contacts, tracks = len(many.order), len(many.first) - 1
+        both, whole, swept = pose_words(self.room, contacts, terms.axes)
+        macros += [
+            ("SMAP_MAX_CONTACTS", contacts),
+            ("SMAP_RAILS", tracks) if tracks else ("SMAP_DISCS", terms.axes),
+            *((f"SMAP_MAX_{name.upper()}", most) for name, most in self.room._asdict().items()),
+            ("SMAP_MAX_SIDES", min(contacts, MOST_SIDES)),
+        ]
+        return CBody(
+            codec=RAILS if tracks else SEARCH,
+            arrays=terms.arrays(0, (0.0, 0.0, 0.0), many.arrays(self.room)),
+            contacts=contacts,
+            macros=tuple(macros),
+            pose=(both, whole),
+            step=step,
+            swept=swept,
+        )
+
+    def guarded(self, guard: float) -> Self | None:
+        """Return tables of many contacts with a larger guard (rad); None of three points.
+
+        The guard of three points follows from a bound: with another nothing would be proved.
+        """
+        if self.many is None:
+            return None
+        text = f"{self.many.text.removesuffix(NEEDED)}{NEEDED}"
+        many = self.many.guarded(math.sin(guard), text)
+        return replace(self, many=many, guard=guard, guard_text=text)
+
+    def cells(self, model: Model) -> Cells:
+        """Return where the ends of the axes are, and where series are cut."""
+        cuts = [one[1:-1] for one in self.terms.knots] or [np.zeros(0)] * model.k
+        axes = zip(cuts, model.lower, model.upper - model.lower, strict=True)
+        ends = [np.concatenate([[0.0], (one - low) / width, [1.0]]) for one, low, width in axes]
+        rim = np.array([-model.chart_limit, model.chart_limit])
+        return Cells(tuple(np.unique(np.clip(one, 0.0, 1.0)) for one in ends), rim, rim)
 
 
 @lru_cache(maxsize=4)
-def _tables(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
+def _tables(model: Model, spec: Spec) -> Tables:
     three = many = None
     random = np.random.default_rng(3).random((2000, model.k))
     corners = np.random.default_rng(4).integers(0, 2, (500, model.k)).astype(np.float64)
     seen = model.postures(model.at(np.concatenate([random, corners]))).centres
     reach = float(np.sqrt((seen**2).sum(axis=2)).max()) + float(model.radius.max(initial=0.0))
-    terms, off = _positions(model, spec)
+    order, turning = _order(model)
+    terms: Terms | Series
+    if spec.error:
+        series = series_of(model, spec.error * robot_size_of(model.recipe))
+        terms, off, error = ordered(series, order), off_of(model, spec), 0.0
+    else:
+        terms, off = terms_of(model.recipe, model.radius, order, turning), 0.0
+        error = terms.error
     if model.is_tripod:
-        error = terms.error if isinstance(terms, Terms) else 0.0
         three = three_of(model, error, off)
         guard, text = three.guard, three.text
     else:
         many = many_of(model, off)
         guard, text = math.asin(min(many.guard, 1.0)), many.text
-    tables = Tables(
-        *(spec, channels, terms, three, many, LIMITS, model.k, 1.02 * reach, guard, text)
-    )
+    tables = Tables(spec, terms, three, many, LIMITS, 1.02 * reach, guard, text)
     if many is None:
         return tables
 
     def host(room: Room) -> Host:
         one = replace(tables, room=room)
-        export = Export("room", model.recipe, model, "contacts", "float", channels, one)
-        return Host(describe(export, c_body(one)))
+        export = Export("room", model.recipe, model, "contacts", "float", ("tip_angle",), one)
+        return Host(describe(export, one.body()))
 
     return replace(tables, room=room_of(model, host))
 
@@ -124,21 +173,12 @@ def drawn_tables(model: Model) -> Tables:
     """Return tables by which the runtime for many contacts makes any pose, of three points too."""
     order, turning = order_of(model)
     terms = terms_of(model.recipe, model.radius, order, turning)
-    return Tables(Spec(), (), terms, None, many_of(model), LIMITS, model.k, 1.0, 0.0, "")
+    return Tables(Spec(), terms, None, many_of(model), LIMITS, 1.0, 0.0, "")
 
 
 def _order(model: Model) -> tuple[tuple[int, ...], bool]:
     """Return the order of the contacts in the tables, and whether axes of discs are asked for."""
     return (rounds(model), False) if model.is_tripod else order_of(model)
-
-
-def _positions(model: Model, spec: Spec) -> tuple[Terms | Series, float]:
-    """Return the tables of positions, and how far (length) series are off, rounding and all."""
-    order, turning = _order(model)
-    if not spec.error:
-        return terms_of(model.recipe, model.radius, order, turning), 0.0
-    series = series_of(model, spec.error * robot_size_of(model.recipe))
-    return ordered(series, order), off_of(model, spec)
 
 
 @lru_cache(maxsize=16)
@@ -154,7 +194,7 @@ def off_of(model: Model, spec: Spec) -> float:
     order, _ = _order(model)
     terms = ordered(series_of(model, error), order)
     body = CBody(POINTS if model.is_tripod else SEARCH, terms.arrays(0, (0.0,) * 3, ()), len(order))
-    blank = Tables(spec, (), terms, None, None, LIMITS, model.k, 1.0, 0.0, "")
+    blank = Tables(spec, terms, None, None, LIMITS, 1.0, 0.0, "")
     export = Export("off", model.recipe, model, "contacts", "float", (), blank)
     off = most_off(model, describe(export, body), order, terms.knots)
     if off > MOST_OFF * error:
@@ -165,105 +205,56 @@ def off_of(model: Model, spec: Spec) -> float:
     return off
 
 
-def refusal(model: Model, arithmetic: str) -> str | None:
-    """Return why the codec cannot be used, or None."""
-    if arithmetic != "float":
-        return "codec contacts needs floating point (square roots and divisions); use --codec grid"
-    try:
-        problem = None if model.is_tripod else many_refusal(model)
-        if problem is None and model.recipe.python is not None:
-            off_of(model, sizes(model)[0])
-        elif problem is None:
-            closed_form(model.recipe)
-            terms_of(model.recipe, model.radius, _order(model)[0])
-    except InputError as error:
-        return str(error)
-    return problem
+class Contacts(Codec):
+    """The codec; it has one size, and of a robot given by code one for each error."""
+
+    name, look = "contacts", ("#0072B2", "o")
+    families: ClassVar = {"float": "points"}
+
+    def refusal(self, model: Model, arithmetic: str) -> str | None:
+        """Return why the codec cannot be used, or None."""
+        if arithmetic != "float":
+            return (
+                "codec contacts needs floating point (square roots and divisions); use --codec grid"
+            )
+        try:
+            problem = None if model.is_tripod else many_refusal(model)
+            if problem is None and model.recipe.python is not None:
+                off_of(model, self.sizes(model)[0])
+            elif problem is None:
+                closed_form(model.recipe)
+                terms_of(model.recipe, model.radius, _order(model)[0])
+        except InputError as error:
+            return str(error)
+        return problem
+
+    def sizes(
+        self,
+        model: Model,
+        channels: tuple[str, ...] = (),
+        arithmetic: str = "float",
+        most: int | None = None,
+        percent: float | None = None,
+    ) -> list[Spec]:
+        """Return the sizes there are."""
+        if model.recipe.python is None:
+            return [Spec()]
+        return [Spec(error) for error in ERRORS[model.is_tripod]]
+
+    def encode(self, model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
+        """Return the tables: every channel is computed from the same."""
+        return _tables(model, spec)
+
+    def read_label(self, label: str) -> Spec:
+        """Return the size with a label."""
+        return Spec.of_label(label)
+
+    def exact(self, model: Model) -> bool:
+        """Tell whether nothing else need be tried.
+
+        For three points given by code, `grid` has a smaller runtime; it needs such a bound.
+        """
+        return model.recipe.python is None or least_edge_of(model) <= 0.0
 
 
-def sizes(model: Model) -> list[Spec]:
-    """Return the smallest size there is."""
-    if model.recipe.python is None:
-        return [Spec()]
-    return [Spec(ERRORS[model.is_tripod][0])]
-
-
-def grow(model: Model, spec: Spec) -> list[Spec]:
-    """Return the next smaller error of a robot given by code, where it can be had."""
-    finer = [Spec(error) for error in ERRORS[model.is_tripod] if error < spec.error]
-    try:
-        return finer[:1] if finer and off_of(model, finer[0]) else []
-    except InputError:
-        return []
-
-
-def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
-    """Return the tables."""
-    return _tables(model, channels, spec)
-
-
-def c_body(tables: Tables, integer: bool = False) -> CBody:
-    """Return the tables for the emitter."""
-    terms, three, many = tables.terms, tables.three, tables.many
-    macros = [
-        ("SMAP_MAX_ENTRIES", terms.entries),
-        ("SMAP_MAX_COORDINATES", terms.width),
-        *((switch, 1) for switch in terms.switches),
-    ]
-    if three is not None:
-        thresholds = (three.lowest, three.steepest, three.rest_width)
-        arrays = terms.arrays(three.code, thresholds, ())
-        return CBody(POINTS, arrays, 3, tuple(macros), POSE, tables.reach / STEPS)
-    assert many is not None
-    contacts, tracks = len(many.order), len(many.first) - 1
-    both, whole, swept = pose_words(tables.room, contacts, terms.axes)
-    macros += [
-        ("SMAP_MAX_CONTACTS", contacts),
-        ("SMAP_RAILS", tracks) if tracks else ("SMAP_DISCS", terms.axes),
-        *((f"SMAP_MAX_{name.upper()}", most) for name, most in tables.room._asdict().items()),
-        ("SMAP_MAX_SIDES", min(contacts, MOST_SIDES)),
-    ]
-    arrays = terms.arrays(0, (0.0, 0.0, 0.0), many.arrays(tables.room))
-    return CBody(
-        *(RAILS if tracks else SEARCH, arrays, contacts, tuple(macros)),
-        *((both, whole), tables.reach / STEPS),
-        swept=swept,
-    )
-
-
-def guarded(tables: Tables, guard: float) -> Tables | None:
-    """Return tables of many contacts with a larger guard (rad); None of three points."""
-    if tables.many is None:
-        return None
-    text = f"{tables.many.text.removesuffix(NEEDED)}{NEEDED}"
-    many = tables.many.guarded(math.sin(guard), text)
-    return replace(tables, many=many, guard=guard, guard_text=text)
-
-
-def cells(model: Model, tables: Tables) -> Cells:
-    """Return where the ends of the axes are, and where series are cut."""
-    rim = np.array([-model.chart_limit, model.chart_limit])
-    cuts = [one[1:-1] for one in tables.terms.knots] or [np.zeros(0)] * model.k
-    span = model.upper - model.lower
-    ends = [
-        np.concatenate([[0.0], (one - low) / width, [1.0]])
-        for one, low, width in zip(cuts, model.lower, span, strict=True)
-    ]
-    return Cells(tuple(np.unique(np.clip(one, 0.0, 1.0)) for one in ends), rim, rim)
-
-
-INFO = CodecInfo(
-    name="contacts",
-    families={"float": "points"},
-    look=("#0072B2", "o"),
-    refusal=refusal,
-    sizes=lambda model, channels, arithmetic: sizes(model),
-    grow=grow,
-    encode=encode,
-    c_body=c_body,
-    read_label=Spec.of_label,
-    cells=cells,
-    guarded=guarded,
-    # For three points given by code, `grid` has a smaller runtime; it needs such a bound.
-    exact=lambda model: model.recipe.python is None or least_edge_of(model) <= 0.0,
-)
+INFO = Contacts()

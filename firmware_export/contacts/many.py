@@ -168,7 +168,9 @@ def _rails(model: Model) -> Floats | None:
     """Return where each shown contact's rail is, None where the runtime searches."""
     spheres = model.kind[list(shown_contacts(model))] == SPHERE
     places = None if spheres.any() or model.recipe.upright > MOST_PITCH else _places(model)
-    return None if places is None or np.ptp(places) <= SAME * robot_size_of(model.recipe) else places
+    if places is None or np.ptp(places) <= SAME * robot_size_of(model.recipe):
+        return None
+    return places
 
 
 def many_of(model: Model, off: float = 0.0) -> Many:

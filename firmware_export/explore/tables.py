@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass
 
 from firmware_export.codecs import codec
-from firmware_export.contacts import c_body, drawn_tables
+from firmware_export.contacts import drawn_tables
 from firmware_export.device import ExportFolder
 from firmware_export.protocol import Blob, Export, describe
 from firmware_export.truth import Model
@@ -39,7 +39,7 @@ def answers_of_recipe(recipe: Recipe) -> Answers:
     drawn, info, model = _drawn(recipe), codec(QUICK), Model(recipe)
     tables = info.encode(model, EXPORTABLE, info.sizes(model, EXPORTABLE, "float")[0])
     export = Export("explored", recipe, model, info.name, "float", EXPORTABLE, tables)
-    blob = describe(export, info.c_body(tables, False))
+    blob = describe(export, tables.body())
     return Answers(blob, drawn, f"codec {QUICK}, made for this page", float(tables.guard))
 
 
@@ -72,4 +72,4 @@ def _drawn(recipe: Recipe) -> Blob:
             "it with `lutgen plot --kind robot` and `lutgen eval`."
         )
     tables = drawn_tables(model)
-    return describe(Export("drawn", recipe, model, QUICK, "float", (), tables), c_body(tables))
+    return describe(Export("drawn", recipe, model, QUICK, "float", (), tables), tables.body())

@@ -1,12 +1,13 @@
 """Codec `grid` for three contacts whose facet is a rest in every posture.
 
-Facade of the codec protocol.  Positions are looked up over the parameters alone; facet, walls and
+Positions are looked up over the parameters alone; facet, walls and
 readings follow from them exactly for every direction, with floats or without.  The guard is what
 wrong positions can turn a tip-over plane (`across`).
 """
 
 import math
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 
@@ -15,11 +16,12 @@ from firmware_export.grid.points import (
     MOST_AXES,
     Point,
     bounds,
+    curvature,
     depends_on,
     fit_point,
     reach_of,
 )
-from firmware_export.protocol import CArray, CBody, CodecInfo
+from firmware_export.protocol import CArray, CBody, Codec
 from firmware_export.protocol import Tables as AnyTables
 from firmware_export.truth import Cells, Model, least_edge_of, rounds, slack, widened
 
@@ -29,6 +31,9 @@ MOST_NODES, MOST_CODES = 65, 1 << 15
 # rad; rounding of the float path.  Units by which integers misplace a point, and 1/32767 by which
 # they read a sine too high.
 ROUNDING, MISPLACED, ROUNDED = 4e-6, 4.0, 9
+# Units of a chord's distance from its arc, which the fit halves, below which wider codes gain more
+# than further nodes do: codes of 8 bits round by up to 64.
+COARSE = 256.0
 
 
 @dataclass(frozen=True)
@@ -62,13 +67,21 @@ class Spec:
         """Bytes of the codes, known before anything is encoded."""
         return sum(3 * math.prod(one) for one in self.nodes) * self.bits // 8
 
+    def grown(self, axis: int) -> "Spec":
+        """Return the next larger size along one parameter."""
+
+        def more(n: int) -> int:
+            return min(n + 1 + n // 8, MOST_NODES) if n > 1 else 1
+
+        nodes = [(*one[:axis], more(one[axis]), *one[axis + 1 :]) for one in self.nodes]
+        return Spec(self.bits, tuple(nodes))
+
 
 @dataclass(frozen=True, eq=False)
 class Tables(AnyTables):
     """The three points in the order of the runtime; `unit` is the length of a unit."""
 
     spec: Spec
-    channels: tuple[str, ...]
     points: tuple[Point, ...]
     places: tuple[tuple[float, float, int, int], ...]
     order: int
@@ -128,78 +141,76 @@ class Tables(AnyTables):
         return Cells(tuple(knots), rim, rim)
 
 
-def refusal(model: Model, arithmetic: str) -> str | None:
-    """Return why the codec cannot be used, or None."""
-    if model.recipe.com_uncertainty > 0.0:
-        return "grid holds no com_uncertainty; choose the codec contacts"
-    if not model.is_tripod or least_edge_of(model) <= 0.0:
-        return "grid looks up three contacts whose facet is a rest in every posture"
-    if any(len(depends_on(widened(model), one)) > MOST_AXES for one in range(3)):
-        return f"grid looks up contacts that depend on at most {MOST_AXES} parameters"
-    return None
+class Lookup(Codec):
+    """The codec; it grows along the parameter whose chords are furthest from their arcs."""
 
+    name, look = "grid", ("#D55E00", "s")
+    families: ClassVar = {"float": "tables", "integer": "tables_i"}
 
-def start(model: Model, channels: tuple[str, ...], arithmetic: str) -> list[Spec]:
-    """Return the smallest sensible size for each bit width."""
-    wide = widened(model)
-    nodes = tuple(
-        tuple(3 if axis in depends_on(wide, one) else 1 for axis in range(model.k))
-        for one in rounds(model)
-    )
-    return [Spec(8, nodes), Spec(16, nodes)]
+    def refusal(self, model: Model, arithmetic: str) -> str | None:
+        """Return why the codec cannot be used, or None."""
+        if model.recipe.com_uncertainty > 0.0:
+            return "grid holds no com_uncertainty; choose the codec contacts"
+        if not model.is_tripod or least_edge_of(model) <= 0.0:
+            return "grid looks up three contacts whose facet is a rest in every posture"
+        if any(len(depends_on(widened(model), one)) > MOST_AXES for one in range(3)):
+            return f"grid looks up contacts that depend on at most {MOST_AXES} parameters"
+        return None
 
+    def sizes(
+        self,
+        model: Model,
+        channels: tuple[str, ...] = (),
+        arithmetic: str = "float",
+        most: int | None = None,
+        percent: float | None = None,
+    ) -> list[Spec]:
+        """Return sizes from three nodes on; wider codes where narrow ones round too much."""
+        (wide, unit), order = bounds(model), rounds(model)
+        moves = [[axis in depends_on(wide, one) for axis in range(model.k)] for one in order]
+        bends = [curvature(wide, axis) for axis in range(model.k)]
+        spec = Spec(8, tuple(tuple(3 if move else 1 for move in one) for one in moves))
+        found = [spec]
+        while spec.bytes <= MOST_CODES:
+            nodes = [max(one[axis] for one in spec.nodes) for axis in range(model.k)]
+            sags = [
+                bend / (n - 1) ** 2 if n > 1 else 0.0 for bend, n in zip(bends, nodes, strict=True)
+            ]
+            axis = max(range(model.k), key=lambda at: sags[at], default=0)
+            if spec.bits == 8 and (not model.k or sum(sags) < COARSE * unit):
+                spec = replace(spec, bits=16)
+            elif not model.k or nodes[axis] in (1, MOST_NODES):
+                break
+            else:
+                spec = spec.grown(axis)
+            found.append(spec)
+        return found
 
-def grow(model: Model, spec: Spec) -> list[Spec]:
-    """Return the next larger sizes: a node more along one parameter, or along all."""
-    found = []
-    for axis in range(model.k):
-        nodes = tuple(
-            tuple(n + int(at == axis and 1 < n < MOST_NODES) for at, n in enumerate(one))
-            for one in spec.nodes
+    def encode(self, model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
+        """Fit the tables of one size, and bound the guard."""
+        wide, unit = bounds(model)
+        order = rounds(model)
+        points = tuple(
+            fit_point(wide, one, tuple(n for n in nodes if n > 1), spec.bits, unit)
+            for one, nodes in zip(order, spec.nodes, strict=True)
         )
-        larger = Spec(spec.bits, nodes)
-        if larger != spec and larger.bytes <= MOST_CODES:
-            found.append(larger)
-    if len(found) > 1:
-        nodes = tuple(tuple(n + int(1 < n < MOST_NODES) for n in one) for one in spec.nodes)
-        found.append(Spec(spec.bits, nodes))
-    return found
+        # Of an edge normal, two of whose points integers misplace.
+        misplaced = MISPLACED * unit
+        off = misplaced * (2.0 * reach_of(wide) + misplaced) / least_edge_of(model)
+        guard = ROUNDING + turned(wide, order, points) + (math.asin(off) if off < 1.0 else math.pi)
+        places = []
+        for p in model.recipe.parameters:
+            room, span = slack(p), p.maximum - p.minimum
+            whole = span + 2.0 * room
+            first, rate = round(room / whole * 65536.0), round(span / whole * 2.0**30 / 32767.0)
+            places.append((p.minimum - room, 1.0 / whole, first, rate))
+        text = "what the errors of the tables' positions can turn a tip-over plane"
+        code = order[0] | order[1] << 2 | order[2] << 4
+        return Tables(spec, points, tuple(places), code, unit, guard, text)
+
+    def read_label(self, label: str) -> Spec:
+        """Return the size with a label."""
+        return Spec.of_label(label)
 
 
-def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
-    """Fit the tables of one size, and bound the guard."""
-    wide, unit = bounds(model)
-    order = rounds(model)
-    points = tuple(
-        fit_point(wide, one, tuple(n for n in nodes if n > 1), spec.bits, unit)
-        for one, nodes in zip(order, spec.nodes, strict=True)
-    )
-    # Of an edge normal, two of whose points integers misplace.
-    misplaced = MISPLACED * unit
-    off = misplaced * (2.0 * reach_of(wide) + misplaced) / least_edge_of(model)
-    guard = ROUNDING + turned(wide, order, points) + (math.asin(off) if off < 1.0 else math.pi)
-    places = []
-    for p in model.recipe.parameters:
-        room, span = slack(p), p.maximum - p.minimum
-        whole = span + 2.0 * room
-        first, rate = round(room / whole * 65536.0), round(span / whole * 2.0**30 / 32767.0)
-        places.append((p.minimum - room, 1.0 / whole, first, rate))
-    text = "what the errors of the tables' positions can turn a tip-over plane"
-    code = order[0] | order[1] << 2 | order[2] << 4
-    return Tables(spec, channels, points, tuple(places), code, unit, guard, text)
-
-
-INFO = CodecInfo(
-    name="grid",
-    families={"float": "tables", "integer": "tables_i"},
-    look=("#D55E00", "s"),
-    refusal=refusal,
-    sizes=start,
-    grow=grow,
-    encode=encode,
-    c_body=lambda tables, integer: tables.body(integer),
-    read_label=Spec.of_label,
-    bytes=lambda spec: int(spec.bytes),
-    cells=lambda model, tables: tables.cells(model),
-    encodings=60,
-)
+INFO = Lookup()

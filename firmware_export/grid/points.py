@@ -50,6 +50,16 @@ def depends_on(model: Model, contact: int) -> tuple[int, ...]:
     return tuple(found)
 
 
+@lru_cache(maxsize=16)
+def curvature(model: Model, axis: int) -> float:
+    """Return how far (length) any contact's arc along an axis is from its chord at most."""
+    t = np.repeat(np.random.default_rng(6).random((12, 1, model.k)), PROBES, axis=1)
+    t[:, :, axis] = np.linspace(0.0, 1.0, PROBES)
+    p = model.postures(model.at(t.reshape(-1, model.k))).centres.reshape(12, PROBES, -1)
+    second = p[:, 2:] - 2.0 * p[:, 1:-1] + p[:, :-2]
+    return float(np.abs(second).max()) * (PROBES - 1) ** 2 / 8.0
+
+
 def _contact(model: Model, contact: int, t: Floats) -> Floats:
     """Return the positions (m, 3) of a contact at places t (m, k) of the box."""
     return model.postures(model.at(t)).centres[:, contact]

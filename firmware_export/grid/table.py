@@ -1,13 +1,13 @@
 """Codec `grid` for more than three contacts: trained tables over the parameters, face, v and u.
 
-Facade of the codec protocol, and the layout of runtime/grid.c.  `ground`, `train` and `fit` make
-the numbers.  It is read without floats.
+Owns the layout of runtime/grid.c; `ground`, `train` and `fit` make the numbers.  It is read without
+floats.
 """
 
 import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from firmware_export.grid import fit
 from firmware_export.grid.ground import Ground
 from firmware_export.grid.lookup import INFO as LOOKUP
 from firmware_export.grid.train import Lattice
-from firmware_export.protocol import CArray, CBody, CodecInfo
+from firmware_export.protocol import CArray, CBody, Codec
 from firmware_export.protocol import Tables as AnyTables
 from firmware_export.truth import Model, Sample
 from lutgen.errors import ExportError
@@ -73,11 +73,7 @@ class Tables(AnyTables):
     steps: tuple[float, ...]
     guard: float = 0.0
     guard_text: str = TESTED
-
-    @property
-    def tested(self) -> bool:
-        """Whether nothing but many points says that it is never falsely safe."""
-        return True
+    tested = True
 
     @property
     def knots(self) -> list[NDArray[np.uint16]]:
@@ -138,78 +134,86 @@ class Tables(AnyTables):
         return replace(self, codes=np.stack([values.astype(np.uint8), *self.codes[1:]]))
 
 
-def refusal(model: Model, arithmetic: str) -> str | None:
-    """Return why the codec cannot be used, or None."""
-    if LOOKUP.refusal(model, arithmetic) is None:
-        return "three contacts are looked up by themselves"
-    if model.recipe.com_uncertainty > 0.0:
-        return "grid holds no com_uncertainty; choose the codec contacts"
-    if model.k > MOST_PARAMS:
-        return (
-            f"grid holds a node for every combination of at most {MOST_PARAMS} parameters (got "
-            f"{model.k}); choose the codec contacts"
-        )
-    if model.chart_limit > STEEPEST:
-        return f"grid reaches |u| = {STEEPEST} (got {model.chart_limit:.4g})"
-    if arithmetic != "integer":
-        return "grid of more than three contacts is read without floats; ask for integer arithmetic"
-    return None
+@lru_cache(maxsize=2)
+def _fitted(model: Model, nodes: tuple[int, ...], lengths: tuple[str, ...]) -> tuple[Any, ...]:
+    return fit.fit(model, nodes, lengths)
+
+
+class Trained(Codec):
+    """The codec: one size, as large as may be or as an error needs; it trains for minutes."""
+
+    name, look = "grid", ("#D55E00", "s")
+    families: ClassVar = {"integer": "grid"}
+
+    def refusal(self, model: Model, arithmetic: str) -> str | None:
+        """Return why the codec cannot be used, or None."""
+        if LOOKUP.refusal(model, arithmetic) is None:
+            return "three contacts are looked up by themselves"
+        if model.recipe.com_uncertainty > 0.0:
+            return "grid holds no com_uncertainty; choose the codec contacts"
+        if model.k > MOST_PARAMS:
+            return (
+                f"grid holds a node for every combination of at most {MOST_PARAMS} parameters (got "
+                f"{model.k}); choose the codec contacts"
+            )
+        if model.chart_limit > STEEPEST:
+            return f"grid reaches |u| = {STEEPEST} (got {model.chart_limit:.4g})"
+        if arithmetic != "integer":
+            return (
+                "grid of more than three contacts is read without floats; ask for integer "
+                "arithmetic"
+            )
+        return None
+
+    def sizes(
+        self,
+        model: Model,
+        channels: tuple[str, ...],
+        arithmetic: str,
+        most: int | None = None,
+        percent: float | None = None,
+    ) -> list[Spec]:
+        """Return the size that at most so many bytes of tables hold.
+
+        Where an error of |SD_g| is asked for, the smallest whose table of it has p99 below that.
+        """
+        if most is None:
+            return [Spec((6,) * (model.k + 2))]
+        lesson, tables = fit.learn(model), 1 + len(_lengths(channels))
+        least = (int(lesson.block.max()) + 1) * fit.FEWEST ** (model.k + 2)
+        whole = max(min((most - HEAD) // tables, fit.MOST_NODES), least)
+        if percent is None:
+            return [Spec(lesson.shape(whole))]
+        error, nodes = math.inf, min(FIRST, whole)
+        while "sdg" in channels:
+            error = fit.length_error(lesson, lesson.lattice(lesson.shape(nodes)))
+            if error <= percent or nodes == whole:
+                break
+            nodes = min(round(GROWTH * nodes), whole)
+        if error > percent:
+            raise ExportError(
+                f"{model.recipe.source}: a table of {whole:,} nodes is not that accurate (got p99 "
+                f"{error:.3g} % of the range for |SD_g|, {percent:.3g} % asked for); ask for a "
+                "size of flash alone, or choose the codec contacts."
+            )
+        return [Spec(lesson.shape(nodes))]
+
+    def encode(self, model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
+        """Train the tables of one size."""
+        lengths = _lengths(channels)
+        lattice, values, found = _fitted(model, spec.nodes, lengths)
+        codes = np.stack([values, *(found[name][0] for name in lengths)]).astype(np.uint8)
+        steps = tuple(found[name][1] for name in lengths)
+        lesson = fit.learn(model)
+        return Tables(spec, channels, lesson.ground, lattice, lesson.block, codes, steps)
+
+    def read_label(self, label: str) -> Spec:
+        """Return the size with a label."""
+        return Spec.of_label(label)
 
 
 def _lengths(channels: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(name for name in LENGTHS if name in channels)
 
 
-@lru_cache(maxsize=2)
-def _fitted(model: Model, nodes: tuple[int, ...], lengths: tuple[str, ...]) -> tuple[Any, ...]:
-    return fit.fit(model, nodes, lengths)
-
-
-def encode(model: Model, channels: tuple[str, ...], spec: Spec) -> Tables:
-    """Train the tables of one size."""
-    lengths = _lengths(channels)
-    lattice, values, found = _fitted(model, spec.nodes, lengths)
-    codes = np.stack([values, *(found[name][0] for name in lengths)]).astype(np.uint8)
-    steps = tuple(found[name][1] for name in lengths)
-    lesson = fit.learn(model)
-    return Tables(spec, channels, lesson.ground, lattice, lesson.block, codes, steps)
-
-
-def size(model: Model, channels: tuple[str, ...], most: int, percent: float | None) -> Spec:
-    """Return the size that at most so many bytes of tables hold.
-
-    Where an error of |SD_g| is asked for, the smallest whose table of it has p99 below that; the
-    largest if none has.
-    """
-    lesson, tables = fit.learn(model), 1 + len(_lengths(channels))
-    least = (int(lesson.block.max()) + 1) * fit.FEWEST ** (model.k + 2)
-    whole = max(min((most - HEAD) // tables, fit.MOST_NODES), least)
-    if percent is None:
-        return Spec(lesson.shape(whole))
-    error, nodes = math.inf, min(FIRST, whole)
-    while "sdg" in channels:
-        error = fit.length_error(lesson, lesson.lattice(lesson.shape(nodes)))
-        if error <= percent or nodes == whole:
-            break
-        nodes = min(round(GROWTH * nodes), whole)
-    if error > percent:
-        raise ExportError(
-            f"{model.recipe.source}: a table of {whole:,} nodes is not that accurate (got p99 "
-            f"{error:.3g} % of the range for |SD_g|, {percent:.3g} % asked for); ask for a size of "
-            "flash alone, or choose the codec contacts."
-        )
-    return Spec(lesson.shape(nodes))
-
-
-INFO = CodecInfo(
-    name="grid",
-    families={"integer": "grid"},
-    look=("#D55E00", "s"),
-    refusal=refusal,
-    sizes=lambda model, channels, arithmetic: [Spec((6,) * (model.k + 2))],
-    grow=lambda model, spec: [],
-    encode=encode,
-    c_body=lambda tables, integer: tables.body(integer),
-    read_label=Spec.of_label,
-    size=size,
-)
+INFO = Trained()

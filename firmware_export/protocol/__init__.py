@@ -6,7 +6,7 @@ In reading order: `array`, `policy`, `exported`, `blob`, `info`.
 from firmware_export.protocol.array import CTYPES, CArray, CBody, literal
 from firmware_export.protocol.blob import VERSION, Blob, describe, restored, stored, turns
 from firmware_export.protocol.exported import Export
-from firmware_export.protocol.info import CodecInfo, Tables
+from firmware_export.protocol.info import Codec, Tables
 from firmware_export.protocol.policy import CONTROL_VERSION, Joint, Policy
 
 __all__ = [
@@ -16,7 +16,7 @@ __all__ = [
     "Blob",
     "CArray",
     "CBody",
-    "CodecInfo",
+    "Codec",
     "Export",
     "Joint",
     "Policy",

@@ -1,7 +1,4 @@
-"""One finished export: everything that the emitter, the host and the report need to know of it.
-
-Data only; it is made by the exporter and read by `source`, `package`, `report` and the host.
-"""
+"""One finished export: data only, made by the exporter and read by those who write and ask."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -22,26 +19,16 @@ class Export:
         The robot, its parameters and chart.
     model : Model
         The exact function that the tables stand for.
-    codec : str
-        ``"contacts"`` or ``"grid"``.
-    arithmetic : str
-        ``"float"`` or ``"integer"``.
+    codec, arithmetic : str
+        ``"contacts"`` or ``"grid"``; ``"float"`` or ``"integer"``.
     channels : tuple of str
         Subset of `quantities.EXPORTABLE`, in that order.
     tables : Tables
-        The codec's tables, with `guard` (rad), `guard_text`, `bytes`, `spec`.
+        The codec's tables.
     certificate : dict, optional
-        What was measured.  Keys that the header and report print, each of which may be absent:
-        ``points`` (int, measured points), ``channels`` (name -> ``max``, ``p99``, ``rms`` in the
-        channel's unit, rad for angles, and for `sdg` also ``max_percent``, ``p99_percent``,
-        ``rms_percent`` of ``range``; ``largest_seen`` instead of ``max`` where it has no bound),
-        ``false_safe`` (int), ``false_tip`` (share of the standing
-        configurations that the export calls tipping, 0..1), ``jumps`` (bool: |SD_g| jumps, so
-        that its maximum error has no bound), ``beyond`` (share of points beyond the bound asked
-        for, 0..1), ``text`` (sentences for people).  Anything else goes into the JSON only.
+        What was measured, see `certify.Certificate`; each key may be absent.
     pareto : list of dict, optional
-        Candidates that the choice was made from: ``label`` (str), ``codec``, ``bytes`` (tables),
-        ``total_bytes`` (with code), ``error`` (percent), ``chosen`` (bool); the smallest first.
+        Candidates that the choice was made from, see `choose.front`.
     policy : Policy, optional
         What on-board control follows; None for an export that is only read.
     """

@@ -103,21 +103,21 @@ def beside_boundary(
 ) -> Floats:
     """Return directions (m, count, 3) close to the tip-over boundary: pairs, one on each side.
 
-    A crossing takes longer to find than two points to measure.  The crossings are on arcs from the
+    A crossing takes longer to find than two pairs to measure.  The crossings are on arcs from the
     last of the directions (m, d, 3), which are returned as they are where a posture's directions
     all stand or all tip.
     """
-    half = -(-count // 2)
+    part = -(-count // 4)
     ins, outs, both = arcs(model, rng, params, gravity)
-    inside, outside, given = (one[:, -half:] for one in (ins, outs, gravity))
-    found = np.asarray(both[:, -half:, None])
+    inside, outside, given = (one[:, -part:] for one in (ins, outs, gravity))
+    found = np.asarray(both[:, -part:, None])
     ends = boundary(model, params, inside, np.where(found, outside, inside))
     along = outside - inside
     along -= (along * ends[0]).sum(axis=-1, keepdims=True) * ends[0]
     length = np.sqrt((along * along).sum(axis=-1, keepdims=True))
     along /= np.where(length > 0.0, length, 1.0)
     sides = []
-    for sign, end in zip((-1.0, 1.0), ends, strict=True):
+    for sign, end in 2 * list(zip((-1.0, 1.0), ends, strict=True)):
         near = unit(end + sign * 10.0 ** rng.uniform(NEAREST, FARTHEST, found.shape) * along)
         good = found & on_chart(model, near)[..., None]
         sides.append(np.where(good, near, np.where(found, ends[0], given)))

@@ -7,7 +7,7 @@ import pytest
 
 import lutgen
 from firmware_export.certify.answers import device
-from firmware_export.certify.certifier import Effort, certify
+from firmware_export.certify.certificate import Effort, certify
 from firmware_export.contacts import codec as contacts
 from firmware_export.grid import lookup, table
 from firmware_export.protocol.exported import Export
@@ -93,9 +93,9 @@ def test_no_export_of_an_uncertain_com_calls_a_robot_safe_that_some_com_tips() -
     ):
         recipe = lutgen.parse_recipe(text)
         model = Model(recipe)
-        assert "com_uncertainty" in str(table.refusal(model, "integer"))
-        assert "com_uncertainty" in str(lookup.refusal(model, "integer"))
-        tables = contacts.encode(model, ("sdg", "tip_angle"), contacts.Spec())
+        assert "com_uncertainty" in str(table.INFO.refusal(model, "integer"))
+        assert "com_uncertainty" in str(lookup.INFO.refusal(model, "integer"))
+        tables = contacts.INFO.encode(model, ("sdg", "tip_angle"), contacts.Spec())
         export = Export(
             *("robot", recipe, model, "contacts", "float", ("sdg", "tip_angle"), tables),
             certificate={},

@@ -18,7 +18,7 @@ def test_planes_turn_as_far_as_tip_angles_are_off_and_hardly_less_than_the_guard
 ) -> None:
     model = Model(load_recipe("maps/paper_two.toml"))
     channels = ("sdg", "tip_angle", "height")
-    tables = lookup.encode(model, channels, lookup.Spec.of_label(label))
+    tables = lookup.INFO.encode(model, channels, lookup.Spec.of_label(label))
     export = Export("table", model.recipe, model, "grid", "float", channels, tables)
     rng = np.random.default_rng(8)
     params = model.at(rng.random((60_000, model.k))).astype(np.float32)

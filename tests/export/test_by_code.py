@@ -34,7 +34,7 @@ COARSEST = {"legs": 3e-3, "stops": 3e-3, "wheels": 1e-5, "scissors": 1e-5, "roun
 def export_of(name: str, error: float | None = None) -> Export:
     model = Model(coded(name))
     spec = contacts.Spec(error or COARSEST[name])
-    tables = contacts.encode(model, EXPORTABLE, spec)
+    tables = contacts.INFO.encode(model, EXPORTABLE, spec)
     return Export("robot", model.recipe, model, "contacts", "float", EXPORTABLE, tables)
 
 
@@ -146,7 +146,7 @@ def test_a_parameter_that_moves_nothing_takes_no_terms_and_only_eleven_bytes() -
 
 def test_what_jumps_is_refused_with_the_place_and_the_chooser_goes_on() -> None:
     model = Model(coded("latched"))
-    reason = str(contacts.refusal(model, "float"))
+    reason = str(contacts.INFO.refusal(model, "float"))
     assert "jump (by 0.05 where reach is 0.37)" in reason
     assert "use --codec grid" in reason
     assert [info.name for info in usable(model, "integer")] == ["grid"]
@@ -157,7 +157,7 @@ def test_what_jumps_is_refused_with_the_place_and_the_chooser_goes_on() -> None:
     [("one_way", "kinks along no axis"), ("limited", "must return finite numbers")],
 )
 def test_what_no_series_hold_is_refused_in_one_sentence(name: str, reason: str) -> None:
-    found = str(contacts.refusal(Model(coded(name)), "float"))
+    found = str(contacts.INFO.refusal(Model(coded(name)), "float"))
     assert reason in found
     assert "\n" not in found
 
@@ -178,7 +178,7 @@ def test_positions_of_a_robot_without_parameters_are_constants() -> None:
         return np.repeat(contacts_, len(q), axis=0), np.repeat(com, len(q), axis=0)
 
     model = Model(replace(recipe, parameters=(), function=still, home=None))
-    tables = contacts.encode(model, EXPORTABLE, contacts.sizes(model)[0])
+    tables = contacts.INFO.encode(model, EXPORTABLE, contacts.INFO.sizes(model)[0])
     one = Export("robot", model.recipe, model, "contacts", "float", EXPORTABLE, tables)
     assert device(one).read(np.zeros((1, 0)), [[0.02, 0.0, -1.0]])[0][0] == OK
     assert off_at(one, np.zeros((1, 0), np.float32)).max() < 1e-6
@@ -209,18 +209,15 @@ def test_what_repeats_after_a_turn_wraps_and_what_does_not_is_off_its_range() ->
 
 def test_encoding_twice_gives_the_same_bytes() -> None:
     first, second = (
-        contacts.encode(Model(coded("wheels")), EXPORTABLE, contacts.Spec(1e-5)) for _ in range(2)
+        contacts.INFO.encode(Model(coded("wheels")), EXPORTABLE, contacts.Spec(1e-5))
+        for _ in range(2)
     )
-    assert [a.packed for a in contacts.c_body(first).arrays] == [
-        a.packed for a in contacts.c_body(second).arrays
-    ]
+    assert [a.packed for a in first.body().arrays] == [a.packed for a in second.body().arrays]
 
 
-def test_smaller_errors_take_more_bytes_and_the_growth_ends() -> None:
+def test_smaller_errors_take_more_bytes() -> None:
     model = Model(coded("scissors"))
-    specs = contacts.sizes(model)
-    while grown := contacts.grow(model, specs[-1]):
-        specs += grown
+    specs = contacts.INFO.sizes(model)
     assert [spec.error for spec in specs] == [1e-5, 3e-6, 1e-6]
     sizes = [series_of(model, spec.error * robot_size_of(model.recipe)).bytes for spec in specs]
     assert sizes == sorted(set(sizes))

@@ -33,7 +33,7 @@ def recipe_of(name: str) -> Recipe:
 def export_of(name: str) -> Export:
     recipe = recipe_of(name)
     model = Model(recipe)
-    tables = contacts.encode(model, EXPORTABLE, contacts.Spec())
+    tables = contacts.INFO.encode(model, EXPORTABLE, contacts.Spec())
     return Export("robot", recipe, model, "contacts", "float", EXPORTABLE, tables)
 
 
@@ -117,7 +117,7 @@ def test_a_robot_of_fixed_shape_has_no_parameters_and_is_read() -> None:
     for count in (3, 4):
         text = rigid("".join(contact(f"P{i}", p) for i, p in enumerate(corners[:count])))
         model = Model(parse_recipe(text))
-        tables = contacts.encode(model, EXPORTABLE, contacts.Spec())
+        tables = contacts.INFO.encode(model, EXPORTABLE, contacts.Spec())
         export = Export("rigid", model.recipe, model, "contacts", "float", EXPORTABLE, tables)
         status, reading = device(export).read(np.zeros((1, 0)), [[0.02, 0.0, -1.0]])
         exact = model.exact(np.zeros((1, 0)), [[[0.02, 0.0, -1.0]]])
@@ -144,7 +144,7 @@ def test_weights_that_share_numbers_answer_as_those_that_do_not(
 
 def test_a_robot_given_by_code_has_no_closed_form_and_integers_are_refused() -> None:
     model = Model(load_recipe("maps/paper_two.toml"))
-    assert "floating point" in str(contacts.refusal(model, "integer"))
+    assert "floating point" in str(contacts.INFO.refusal(model, "integer"))
 
 
 def test_gravity_of_any_length_gives_the_same_answer() -> None:
@@ -171,9 +171,9 @@ def test_axles_may_point_either_way(axle: tuple[float, float, float]) -> None:
         )
         recipe = parse_recipe(text)
         model = Model(recipe)
-        tables = contacts.encode(model, EXPORTABLE, contacts.Spec())
+        tables = contacts.INFO.encode(model, EXPORTABLE, contacts.Spec())
         export = Export("robot", recipe, model, "contacts", "float", EXPORTABLE, tables)
-        return export, describe(export, contacts.c_body(tables)).bytes
+        return export, describe(export, tables.body()).bytes
 
     export, forth = blob(1.0)
     assert forth == blob(-1.0)[1]
@@ -196,7 +196,7 @@ def test_a_guard_that_is_too_small_is_made_as_large_as_points_need() -> None:
 
     def told_by(ahead: float) -> Export:
         other = Model(parse_recipe(rover(ahead=ahead)))
-        return replace(export, tables=contacts.encode(other, EXPORTABLE, contacts.Spec()))
+        return replace(export, tables=contacts.INFO.encode(other, EXPORTABLE, contacts.Spec()))
 
     bold = told_by(3e-4)
     assert examine(bold, trials, None, 10_000).false_safe > 0
@@ -216,4 +216,4 @@ def test_a_guard_that_is_too_small_is_made_as_large_as_points_need() -> None:
 def test_a_larger_guard_is_no_way_out_for_three_points() -> None:
     # Their guard follows from a bound: other points, with nothing altered, would be no proof.
     export = export_of("tripod")
-    assert contacts.guarded(export.tables, 1e-3) is None
+    assert export.tables.guarded(1e-3) is None

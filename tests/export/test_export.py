@@ -11,12 +11,11 @@ import pytest
 
 import firmware_export
 import lutgen
-from firmware_export import codecs, exporter
-from firmware_export.certify.certifier import Certificate
+from firmware_export import exporter
+from firmware_export.certify.certificate import Certificate
 from firmware_export.exporter import Report
 from firmware_export.grid import lookup
 from firmware_export.grid.lookup import Tables
-from firmware_export.protocol import CodecInfo
 from firmware_export.protocol.exported import Export
 from lutgen.errors import ExportError, InputError, MapFileError, RecipeError
 from tests.fixtures.programs import contents
@@ -208,11 +207,8 @@ def tampered(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[Tables], Ta
     """Return a function that makes `grid` encode something else than it should."""
 
     def tamper(change: Callable[[Tables], Tables]) -> None:
-        def changed(info: CodecInfo) -> CodecInfo:
-            return replace(info, encode=lambda *given: change(info.encode(*given)))
-
-        rows = [changed(info) if info is lookup.INFO else info for info in codecs.CODECS]
-        monkeypatch.setattr(codecs, "CODECS", tuple(rows))
+        encode = lookup.INFO.encode
+        monkeypatch.setattr(lookup.INFO, "encode", lambda *given: change(encode(*given)))
 
     return tamper
 

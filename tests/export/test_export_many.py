@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 import lutgen
-from firmware_export.choose import trials
+from firmware_export import choose
 from firmware_export.exporter import Report, export
 from firmware_export.truth import sample
 from lutgen.errors import ExportError
@@ -85,7 +85,7 @@ def fewer_points(monkeypatch: pytest.MonkeyPatch) -> None:
     one plane, tables may fold them along the other diagonal and |SD_g| is another in the whole
     posture.  One such posture of 75 would be more than the hundredth that p99 leaves out.
     """
-    monkeypatch.setattr(trials, "POINTS", 3000)
+    monkeypatch.setattr(choose, "POINTS", 3000)
     monkeypatch.setattr(sample, "MANY", 8)
 
 

@@ -1,5 +1,6 @@
 """The codec `grid`: positions of three contacts looked up, and trained tables of more contacts."""
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -58,7 +59,7 @@ def truth(model: Model, params: NDArray[np.float32], gravity: NDArray[np.float32
 
 @pytest.fixture(scope="module", params=["float", "integer"])
 def looked_up(request: pytest.FixtureRequest, model: Model) -> Export:
-    tables = lookup.encode(model, EXPORTABLE, lookup.Spec(16, ((1, 7), (7, 1), (1, 1))))
+    tables = lookup.INFO.encode(model, EXPORTABLE, lookup.Spec(16, ((1, 7), (7, 1), (1, 1))))
     return Export("two", model.recipe, model, "grid", request.param, EXPORTABLE, tables)
 
 
@@ -100,17 +101,19 @@ def test_a_point_has_the_axes_on_which_it_depends(model: Model) -> None:
         )
 
 
-def test_a_size_grows_along_one_parameter_at_a_time_and_is_read_from_its_label(
+def test_sizes_grow_along_one_parameter_at_a_time_and_are_read_from_their_labels(
     model: Model,
 ) -> None:
-    first, wider = lookup.start(model, EXPORTABLE, "float")
-    assert (first.bits, wider.bits) == (8, 16)
-    grown = lookup.grow(model, first)
-    assert len(grown) == 3
-    for spec in grown:
-        assert lookup.Spec.of_label(spec.label) == spec
-        assert spec.bytes > first.bytes
-        assert lookup.encode(model, EXPORTABLE, spec).spec == spec
+    sizes = lookup.INFO.sizes(model)
+    assert [spec.bits for spec in sizes] == sorted(spec.bits for spec in sizes)
+    assert {spec.bits for spec in sizes} == {8, 16}
+    for before, after in itertools.pairwise(sizes):
+        nodes = zip(before.nodes, after.nodes, strict=True)
+        moved = {i for a, b in nodes for i in range(model.k) if a[i] != b[i]}
+        assert len(moved) == (before.bits == after.bits)
+        assert after.bytes > before.bytes
+        assert lookup.Spec.of_label(after.label) == after
+    assert lookup.INFO.encode(model, EXPORTABLE, sizes[3]).spec == sizes[3]
 
 
 def looked_up_in(
@@ -250,7 +253,7 @@ def test_lowered_codes_read_no_point_above_its_truth() -> None:
 
 def trained(text: str, nodes: int, channels: tuple[str, ...] = ("sdg", "tip_angle")) -> Export:
     model = Model(parse_recipe(text))
-    tables = table.encode(model, channels, table.Spec(fit.learn(model).shape(nodes)))
+    tables = table.INFO.encode(model, channels, table.Spec(fit.learn(model).shape(nodes)))
     return Export("robot", model.recipe, model, "grid", "integer", channels, tables)
 
 
@@ -313,7 +316,7 @@ def test_codes_are_the_same_for_any_number_of_threads() -> None:
 def test_a_robot_that_no_table_can_tell_is_refused_with_a_word_on_contacts() -> None:
     model = Model(load_recipe("recipe:marv"))
     with pytest.raises(ExportError, match=r"of what stands unsafe.* codec contacts"):
-        table.encode(model, ("tip_angle",), table.Spec((4, 4, 4, 4, 5, 4)))
+        table.INFO.encode(model, ("tip_angle",), table.Spec((4, 4, 4, 4, 5, 4)))
 
 
 def test_bytes_and_labels_tell_the_size() -> None:
@@ -322,7 +325,7 @@ def test_bytes_and_labels_tell_the_size() -> None:
     assert export.tables.bytes == sum(one.bytes for one in body.arrays if one.table)
     assert export.tables.bytes == 2 * 4 * 5 * 6 * 7 + 4 * 2 + 2 * 22
     assert table.Spec.of_label("grid u8 4x5x6x7") == export.tables.spec
-    assert table.refusal(export.model, "integer") is not None
+    assert table.INFO.refusal(export.model, "integer") is not None
     rovers = Model(parse_recipe(rover()))
-    assert table.refusal(rovers, "integer") is None
-    assert "integer" in str(table.refusal(rovers, "float"))
+    assert table.INFO.refusal(rovers, "integer") is None
+    assert "integer" in str(table.INFO.refusal(rovers, "float"))

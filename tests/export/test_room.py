@@ -120,7 +120,8 @@ def test_a_robot_that_stands_nowhere_compiles_without_a_warning(tmp_path: Path) 
 
 @pytest.mark.parametrize("place", Room._fields)
 def test_a_room_that_is_larger_than_there_is_does_no_harm(place: str) -> None:
-    export = with_room(export_of("excavator"), **{place: 255})
-    assert host_of(export).check() == OK
-    asked = queries(export, 50, 20)
-    assert host_of(export).read(*asked)[0].tobytes() == host_of(export_of("excavator")).read(*asked)[0].tobytes()
+    usual = export_of("excavator")
+    larger = host_of(with_room(usual, **{place: 255}))
+    assert larger.check() == OK
+    asked = queries(usual, 50, 20)
+    assert larger.read(*asked)[0].tobytes() == host_of(usual).read(*asked)[0].tobytes()

@@ -1,18 +1,17 @@
 """Search for the points where an export is worst, from the worst that a sample has seen.
 
-A pattern search of random steps whose length adapts: it needs no derivative, and errors of tables
-have kinks everywhere.  Many starts are walked side by side.
+Steps are random and their length adapts: errors of tables have kinks everywhere, so no derivative
+is used.  Many starts are walked side by side.
 """
 
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from firmware_export.certify.answers import Measured, Needs, Reader
+from firmware_export.certify.answers import Measured, Needs, Reader, Witness
 from firmware_export.truth import Sample, boundary, on_chart, unit
-from lutgen.vector import Floats
+from lutgen.vector import Bools, Floats
 
 # (measured) -> what is maximised, (m, d); -inf where a point does not count.
 Value = Callable[[Measured], Floats]
@@ -30,20 +29,6 @@ TRIES = 24
 NEAR = 0.05
 
 
-class Walk(NamedTuple):
-    """How a search goes: steps of each start, the first of `first_step`, and what is asked.
-
-    `first_step` is in shares of the box and in rad.  `needs` tells, where the value is finite only
-    there, at which exact tip angles the export's answer is needed: others are not asked, unless
-    the robot tips there, where no answer may be safe.
-    """
-
-    rounds: int
-    seed: int
-    first_step: float = FIRST_STEP
-    needs: Needs | None = None
-
-
 class Found(NamedTuple):
     """Where a search ended: params (s, k), gravity (s, 3), value (s,), and false safes it met."""
 
@@ -52,7 +37,7 @@ class Found(NamedTuple):
     value: Floats
     points: int
     false_safe: int
-    witness: tuple[Floats, Floats, float, float] | None
+    witness: Witness | None
 
 
 def sdg_error(measured: Measured) -> Floats:
@@ -62,11 +47,11 @@ def sdg_error(measured: Measured) -> Floats:
     return np.where(counts, error, -np.inf)
 
 
-def _near(tip_angle: Floats) -> NDArray[np.bool_]:
+def _near(tip_angle: Floats) -> Bools:
     return np.asarray(np.abs(tip_angle) < NEAR)
 
 
-def _tips(tip_angle: Floats) -> NDArray[np.bool_]:
+def _tips(tip_angle: Floats) -> Bools:
     return np.asarray(tip_angle < 0.0)
 
 
@@ -82,67 +67,66 @@ def _clearance(measured: Measured) -> Floats:
     return np.where(tips, measured.answers.tip_angle, -np.inf)
 
 
-def witness(measured: Measured) -> tuple[Floats, Floats, float, float] | None:
-    """Return params, gravity, answered and true tip angle of the worst false safe, if any."""
-    wrong = measured.false_safe
-    if not wrong.any():
-        return None
-    said = np.where(wrong, measured.answers.tip_angle, -np.inf)
-    m, d = np.unravel_index(int(said.argmax()), said.shape)
-    return (
-        measured.sample.params[m],
-        measured.sample.gravity[m, d],
-        float(said[m, d]),
-        float(measured.exact.tip_angle[m, d]),
-    )
-
-
-def climb(reader: Reader, params: Floats, gravity: Floats, value: Value, walk: Walk) -> Found:
+def climb(
+    reader: Reader,
+    begin: tuple[Floats, Floats],
+    value: Value,
+    rounds: int,
+    seed: int,
+    first_step: float = FIRST_STEP,
+    needs: Needs | None = None,
+) -> Found:
     """Maximise a value by random steps from s starts, in the box and on the chart.
 
-    `params` (s, k) and `gravity` (s, 3) are the starts; the best point of each is returned.
+    Parameters
+    ----------
+    reader : Reader
+        What answers.
+    begin : (s, k) and (s, 3) float64
+        Starts: parameters and gravity.  The best point of each is returned.
+    value : callable
+        What is maximised.
+    rounds, seed : int
+        Steps of each start, and their random numbers.
+    first_step : float
+        In shares of the box and in rad.
+    needs : callable, optional
+        At which exact tip angles the answer is needed, where the value is finite only there.
+        Others are not asked, unless the robot tips there, where no answer may be safe.
     """
-    model, rng = reader.model, np.random.default_rng([walk.seed, 2])
-    s, k = params.shape
-    span = model.upper - model.lower
-    best_q, best_g = params.copy(), gravity.copy()
-    best = np.full(s, -np.inf)
-    if s == 0:
-        return Found(best_q, best_g, best, 0, 0, None)
-    step = np.full(s, walk.first_step)
+    model, rng = reader.model, np.random.default_rng([seed, 2])
+    best_q, best_g = (one.copy() for one in begin)
+    s, k = best_q.shape
+    best, step = np.full(s, -np.inf), np.full(s, first_step)
     points = false_safe = 0
     first = None
-    for _ in range(walk.rounds):
-        # Half of the coordinates move; the first candidate keeps the posture, and its first
-        # direction is the point itself.  All starts draw, whether they still walk or not, so
-        # that no walk depends on another.
-        moves = rng.normal(size=(s, POSTURES, k)) * (rng.random((s, POSTURES, k)) < 0.5)
-        turn = rng.normal(size=(s, POSTURES, DIRECTIONS, 3))
+    for _ in range(rounds):
         able = np.flatnonzero(step >= SHORTEST)
         if len(able) == 0:
             break
-        moves, turn, stride = moves[able], turn[able], step[able]
+        count, stride = len(able), step[able]
+        # Half of the coordinates move; the first candidate keeps the posture, and its first
+        # direction is the point itself.
+        moves = rng.normal(size=(count, POSTURES, k)) * (rng.random((count, POSTURES, k)) < 0.5)
         moves[:, 0] = 0.0
-        q = best_q[able, None] + stride[:, None, None] * moves * span
+        q = best_q[able, None] + stride[:, None, None] * moves * (model.upper - model.lower)
         q = np.clip(q, model.lower, model.upper)
-        turn *= stride[:, None, None, None]
+        turn = rng.normal(size=(count, POSTURES, DIRECTIONS, 3)) * stride[:, None, None, None]
         turn[:, :, 0] = 0.0
         g = unit(best_g[able, None, None] + turn)
-        sample = Sample(q.reshape(len(able) * POSTURES, k), g.reshape(-1, DIRECTIONS, 3))
-        measured = reader.measure(sample, walk.needs)
-        held = on_chart(model, sample.gravity)
-        found = np.where(held, value(measured), -np.inf).reshape(len(able), -1)
+        sample = Sample(q.reshape(count * POSTURES, k), g.reshape(-1, DIRECTIONS, 3))
+        measured = reader.measure(sample, needs)
+        found = np.where(on_chart(model, sample.gravity), value(measured), -np.inf)
+        found = found.reshape(count, -1)
         points += sample.points
-        wrong = int(measured.false_safe.sum())
-        if wrong and first is None:
-            first = witness(measured)
-        false_safe += wrong
-        at, row = found.argmax(axis=1), np.arange(len(able))
+        false_safe += int(measured.false_safe.sum())
+        first = first or measured.witness()
+        at, row = found.argmax(axis=1), np.arange(count)
         better = found[row, at] > best[able]
         gained = able[better]
         best[gained] = found[row, at][better]
         best_q[gained] = q[row, at // DIRECTIONS][better]
-        best_g[gained] = g.reshape(len(able), -1, 3)[row, at][better]
+        best_g[gained] = g.reshape(count, -1, 3)[row, at][better]
         step[able] = np.minimum(stride * np.where(better, LONGER, SHORTER), 0.3)
     return Found(best_q, best_g, best, points, false_safe, first)
 
@@ -173,16 +157,15 @@ def _just_outside(reader: Reader, params: Floats, gravity: Floats, seed: int) ->
     """
     model, rng = reader.model, np.random.default_rng([seed, 3])
     here = gravity[:, None]
-    reach = 1e-6 + 1.5 * np.abs(model.exact(params, here).tip_angle)[..., None]
+    own = model.exact(params, here).tip_angle
+    reach = 1e-6 + 1.5 * np.abs(own)[..., None]
     turn = rng.normal(size=(len(params), TRIES, 3))
     turn -= (turn * here).sum(axis=-1, keepdims=True) * here
     tried = unit(here + reach * unit(turn))
-    tip = model.exact(params, tried).tip_angle
-    stands = model.exact(params, here).tip_angle >= 0.0
-    across = np.asarray((stands != (tip >= 0.0)) & on_chart(model, tried))
-    first = across.argmax(axis=1)
-    other = tried[np.arange(len(params)), first][:, None]
-    found = np.asarray(across.any(axis=1))[:, None, None]
+    stands = own >= 0.0
+    across = (stands != (model.exact(params, tried).tip_angle >= 0.0)) & on_chart(model, tried)
+    other = tried[np.arange(len(params)), across.argmax(axis=1)][:, None]
+    found = across.any(axis=1)[:, None, None]
     inside = np.where(found & ~stands[..., None], other, here)
     outside = np.where(found & stands[..., None], other, here)
     _, tips = boundary(model, params, inside, outside)
@@ -190,7 +173,7 @@ def _just_outside(reader: Reader, params: Floats, gravity: Floats, seed: int) ->
 
 
 def worst_false_safe(
-    reader: Reader, seen: list[Measured], starts_each: int, rounds: int, seed: int
+    reader: Reader, seen: Sequence[Measured], count: int, rounds: int, seed: int
 ) -> Found:
     """Search for a point that is said to stand where the robot tips.
 
@@ -198,13 +181,12 @@ def worst_false_safe(
     is nearest to safe among points that tip.  First the excess is maximised, which has no edge at
     the boundary to be held up by, then the answer itself on the side that tips.
     """
-    q, g = starts(seen, (_excess, _clearance), starts_each)
-    excess = climb(reader, q, g, _excess, Walk(rounds, seed, needs=_near))
-    q = excess.params
-    g = _just_outside(reader, q, excess.gravity, seed)
-    clearance = climb(reader, q, g, _clearance, Walk(rounds, seed + 1, FINE_STEP, _tips))
-    return clearance._replace(
-        points=excess.points + clearance.points,
-        false_safe=excess.false_safe + clearance.false_safe,
-        witness=excess.witness or clearance.witness,
+    begin = starts(seen, (_excess, _clearance), count)
+    excess = climb(reader, begin, _excess, rounds, seed, needs=_near)
+    begin = excess.params, _just_outside(reader, excess.params, excess.gravity, seed)
+    found = climb(reader, begin, _clearance, rounds, seed + 1, FINE_STEP, _tips)
+    return found._replace(
+        points=excess.points + found.points,
+        false_safe=excess.false_safe + found.false_safe,
+        witness=excess.witness or found.witness,
     )

@@ -1,0 +1,311 @@
+"""The choice: which codec at which size meets a limit of flash, of error, or of both.
+
+A codec lists its sizes, the smallest first; the smallest is tried, and the others by halves.  What
+is tried is measured on a sample that neither the fits nor the certificate use, so that choosing the
+best of many does not flatter the certificate.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from firmware_export.certify import (
+    Measured,
+    Truth,
+    bounded,
+    device,
+    find_jumps,
+    judged_by,
+    span_of,
+    statistics,
+    truth,
+)
+from firmware_export.emit import code_bytes, flash_bytes
+from firmware_export.protocol import Codec, Export
+from firmware_export.quantity import ErrorBound
+from firmware_export.truth import Model, biased, uniform
+from lutgen.errors import ExportError, InputError
+
+__all__ = ["KNEE", "Candidate", "Goal", "Trials", "choose", "front"]
+
+SEED, POINTS = 501, 15_000
+# Percent: what is aimed at when nothing is asked for.
+KNEE = ErrorBound(1.0, relative=True)
+# Share of the stable configurations that an export should report unsafe at most.
+MOST_FALSE_TIP = 0.05
+# Bytes beyond which no size is tried when flash has no limit.
+LARGEST = 1 << 18
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """An encoded export and what the chooser measured on it.
+
+    Parameters
+    ----------
+    export : Export
+        Without certificate.
+    bytes, total : int
+        Bytes of tables; and with descriptors and code as far as those are known.
+    errors : dict of str to float
+        Per length channel its error in percent of the range: the largest, or p99 where |SD_g|
+        jumps; for an export of the tip angle alone that of the tip angle.
+    false_tip : float
+        Share of the standing uniform points that are called tipping.
+    false_safe : int
+        Points that are called safe and tip; any is a fault.
+    """
+
+    export: Export
+    bytes: int
+    total: int
+    errors: dict[str, float]
+    false_tip: float
+    false_safe: int
+
+    @property
+    def label(self) -> str:
+        """Short text for tables."""
+        return str(self.export.tables.spec.label)
+
+    @property
+    def error(self) -> float:
+        """The greatest of `errors`, percent."""
+        return max(self.errors.values())
+
+    def row(self, chosen: bool) -> dict[str, Any]:
+        """Return the row of the table of candidates."""
+        return {
+            "codec": self.export.codec,
+            "label": self.label,
+            "bytes": self.bytes,
+            "total_bytes": self.total,
+            "error": next(iter(self.errors.values())),
+            "errors": self.errors,
+            "false_tip": self.false_tip,
+            "chosen": chosen,
+        }
+
+
+@dataclass(frozen=True)
+class Goal:
+    """What is asked for.
+
+    Parameters
+    ----------
+    flash : int, optional
+        Most bytes, code included.
+    percent : float, optional
+        Greatest error in percent of the range.
+    margin : float
+        By which factor the chooser's own measurement must stay below it: the certificate looks
+        at more points and searches for the worst.
+    """
+
+    flash: int | None
+    percent: float | None
+    margin: float = 1.3
+
+    @property
+    def aim(self) -> float:
+        """The error to reach on the chooser's sample, percent."""
+        return math.inf if self.percent is None else self.percent / self.margin
+
+    def holds(self, one: Candidate) -> bool:
+        """Whether a candidate is accurate enough."""
+        return one.false_safe == 0 and one.error <= self.aim
+
+    def fits(self, one: Candidate) -> bool:
+        """Whether a candidate is small enough."""
+        return one.false_safe == 0 and (self.flash is None or one.total <= self.flash)
+
+
+class Trials:
+    """Encodes and measures candidates, each once; what it is made of is told in `Export`."""
+
+    def __init__(self, model: Model, name: str, channels: tuple[str, ...], arithmetic: str) -> None:
+        self.model, self.name = model, name
+        self.channels, self.arithmetic = channels, arithmetic
+        self.tried: dict[tuple[Codec, Any], Candidate | None] = {}
+        self.refused: dict[str, str] = {}  # by codec what it said last of a size
+        self.jumps = find_jumps(model, SEED)
+
+    @cached_property
+    def sample(self) -> list[Truth]:
+        """The sample: uniform points, then biased ones."""
+        integer = self.arithmetic == "integer"
+        return [
+            truth(self.model, points(self.model, POINTS, SEED), integer)
+            for points in (uniform, biased)
+        ]
+
+    @property
+    def bounded(self) -> tuple[str, ...]:
+        """The channels whose errors count."""
+        return bounded(self.channels)
+
+    @cached_property
+    def ranges(self) -> dict[str, float]:
+        """The ranges of the channels that count, over the standing points of the sample."""
+        return {channel: span_of(self.sample, channel) for channel in self.bounded}
+
+    @property
+    def candidates(self) -> list[Candidate]:
+        """What was tried and could be encoded."""
+        return [one for one in self.tried.values() if one is not None]
+
+    def try_out(self, codec: Codec, spec: Any) -> Candidate | None:
+        """Return a candidate, None for a size that the codec cannot encode."""
+        key = (codec, spec)
+        if key not in self.tried:
+            try:
+                tables = codec.encode(self.model, self.channels, spec)
+            except InputError as error:
+                self.tried[key] = None
+                self.refused[codec.name] = str(error)
+            else:
+                self.tried[key] = self.assess(codec, tables)
+        return self.tried[key]
+
+    def assess(self, codec: Codec, tables: Any) -> Candidate:
+        """Measure tables: their bytes, with descriptors and code, and their answers."""
+        model = self.model
+        export = Export(
+            *(self.name, model.recipe, model, codec.name, self.arithmetic, self.channels, tables)
+        )
+        size = flash_bytes(export, codec.c_body(tables, export.integer))
+        asked = device(export)
+        seen = [asked.compare(known) for known in self.sample]
+        # What is tested is lowered by the certificate, until it finds none.
+        wrong = 0 if tables.tested else sum(int(one.false_safe.sum()) for one in seen)
+        return Candidate(
+            export,
+            int(size["tables"]),
+            int(size["total"]),
+            {channel: self._error(seen, channel) for channel in self.bounded},
+            seen[0].false_tip,
+            wrong,
+        )
+
+    def _error(self, seen: list[Measured], channel: str) -> float:
+        found = statistics(seen, channel)[judged_by(channel, self.jumps.found)]
+        span = self.ranges[channel]
+        return 100.0 * found / span if span > 0.0 else 0.0
+
+
+def choose(trials: Trials, codecs: Sequence[Codec], goal: Goal) -> Candidate:
+    """Return the best candidate of some codecs.
+
+    With a percentage in the goal the smallest that is accurate enough; without it the most accurate
+    that fits.  Of each kind one that reports at most MOST_FALSE_TIP of what is stable as unsafe
+    goes before others.
+
+    Raises
+    ------
+    ExportError
+        If nothing meets the goal; the message says what comes nearest.
+    """
+    good: list[Candidate] = []
+    for codec in codecs:
+        try_sizes(trials, codec, goal)
+        tried = [one for (own, _), one in trials.tried.items() if one and own in codecs]
+        good = [one for one in tried if goal.holds(one) and goal.fits(one)]
+        if good and codec.exact(trials.model):
+            break
+    if not good:
+        raise _refusal(trials, tried, goal)
+    generous = [one for one in good if one.false_tip <= MOST_FALSE_TIP]
+    if not generous:
+        return min(good, key=lambda one: (one.false_tip, one.total, one.label))
+    if goal.percent is None:
+        return min(generous, key=lambda one: (one.error, one.total, one.label))
+    return min(generous, key=lambda one: (one.total, one.error, one.label))
+
+
+def try_sizes(trials: Trials, codec: Codec, goal: Goal) -> None:
+    """Try the smallest size, then by halves look for the one from which on the goal is met.
+
+    With a percentage that is the first that is accurate enough; else the last that fits.
+    """
+    ceiling = goal.flash if goal.flash is not None else LARGEST
+    most = ceiling - code_bytes(codec.families[trials.arithmetic])
+    percent = None if goal.percent is None else goal.aim
+    sizes = codec.sizes(trials.model, trials.channels, trials.arithmetic, most, percent)
+
+    def larger(spec: Any) -> bool:
+        """Tell whether sizes beyond this one are of use."""
+        one = trials.try_out(codec, spec)
+        if one is None or one.total > ceiling:
+            return False
+        served = percent is not None and goal.holds(one) and one.false_tip <= MOST_FALSE_TIP
+        return not served
+
+    if not sizes or not larger(sizes[0]):
+        return
+    low, high = 1, len(sizes)
+    while low < high:
+        middle = (low + high) // 2
+        low, high = (middle + 1, high) if larger(sizes[middle]) else (low, middle)
+
+
+def front(trials: Trials, chosen: Candidate) -> list[dict[str, Any]]:
+    """Return the rows of the table of candidates: of each codec those that none of it beats."""
+    rows = []
+    for one in trials.candidates:
+        beaten = any(
+            o.total <= one.total
+            and o.error <= one.error
+            and (o.total, o.error) != (one.total, one.error)
+            for o in trials.candidates
+            if o.export.codec == one.export.codec
+        )
+        # Its guard may be another since, see `exporter.guarded`.
+        is_chosen = (one.export.codec, one.label) == (chosen.export.codec, chosen.label)
+        if math.isfinite(one.error) and (is_chosen or not beaten):
+            rows.append(one.row(is_chosen))
+    return sorted(rows, key=lambda row: (row["total_bytes"], row["error"], row["label"]))
+
+
+def _refusal(trials: Trials, tried: list[Candidate], goal: Goal) -> ExportError:
+    """Return the error that says what comes nearest to a goal that nothing meets."""
+    where = trials.model.recipe.source
+    faults = [one for one in tried if one.false_safe]
+    usable = [one for one in tried if one.false_safe == 0 and math.isfinite(one.error)]
+    if faults and not usable:
+        return ExportError(
+            f"{where}: every candidate calls some point safe where the robot tips (got "
+            f"{faults[0].false_safe} points for {faults[0].label}); this is a fault of the codec's "
+            "guard: choose another with --codec and report it."
+        )
+    if not usable:
+        said = [
+            f"{name}: {reason.removeprefix(f'{where}: ')}"
+            for name, reason in trials.refused.items()
+        ]
+        got = "; ".join(said).rstrip(".") or f"{len(tried)} candidates without an answer"
+        return ExportError(
+            f"{where}: no codec could encode the robot (got {got}); ask for another codec."
+        )
+    asked, nearest = [], []
+    if goal.flash is not None:
+        asked.append(f"{goal.flash:,} bytes of flash")
+    if goal.percent is not None:
+        asked.append(f"an error of {goal.percent:.3g} % of the range")
+    fitting = [one for one in usable if goal.fits(one)]
+    if fitting:
+        one = min(fitting, key=lambda one: one.error)
+        estimate = one.error * goal.margin
+        nearest.append(f"{estimate:.3g} % in {one.total:,} bytes ({one.label})")
+    else:
+        one = min(usable, key=lambda one: one.total)
+        nearest.append(f"{one.total:,} bytes is the smallest there is ({one.label})")
+    accurate = [one for one in usable if goal.holds(one)]
+    if goal.percent is not None and accurate:
+        one = min(accurate, key=lambda one: one.total)
+        nearest.append(f"{one.total:,} bytes are needed for that error ({one.label})")
+    return ExportError(
+        f"{where}: no export meets what is asked for (got {' and '.join(asked)}); the nearest that "
+        f"can be had: {'; '.join(nearest)}."
+    )
