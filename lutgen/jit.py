@@ -21,6 +21,8 @@ import numba
 from llvmlite import binding
 from numba import prange, types
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, UserProvidedCacheLocator
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler, compile_result
 from numba.core.registry import CPUDispatcher
 from numba.core.runtime import rtsys
 
@@ -74,6 +76,71 @@ class _Forms(CompileResultCacheImpl):  # type: ignore[misc]
     _locator_classes = (_Place,)
 
 
+class _InnerCode(JITCodeLibrary):  # type: ignore[misc]
+    """The code of a kernel that others call: linked into theirs, and never run by itself.
+
+    numba would optimise it, with all that it calls, and make machine code of it and of a wrapper
+    for Python, and do the same again for each kernel above it: three quarters of the time that
+    compiling takes.
+    """
+
+    def finalize(self) -> None:
+        """Take in the code of all that is called."""
+        for library in dict.fromkeys(self._linking_libraries):
+            self._reload_init.update(library._reload_init)
+            self._final_module.link_in(library._get_module_for_linking(), preserve=True)
+        self._finalize_dynamic_globals()
+        self._finalized = True
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """Return 0, for no machine code."""
+        self._ensure_finalized()
+        return 0
+
+    @property
+    def codegen(self) -> Any:
+        """What numba gives the environment of machine code to."""
+        return self
+
+    def set_env(self, name: str, environment: Any) -> None:
+        """Keep nothing: Python never calls this code."""
+
+    def serialize_using_object_code(self) -> tuple[str, bytes]:
+        """Return what the disk cache keeps."""
+        return self.name, self._get_module_for_linking().as_bitcode()
+
+
+class _InnerCompiler(Compiler):  # type: ignore[misc]
+    """numba's compiler, for the code that other kernels call."""
+
+    def compile_extra(self, func: Any) -> Any:
+        """Compile a function."""
+        self.state.library = _InnerCode(self.state.targetctx.codegen(), func.__qualname__)
+        return super().compile_extra(func)
+
+
+class _InnerForms(_Forms):
+    def rebuild(self, target_context: Any, payload: Any) -> Any:
+        """Return a form that was kept."""
+        (name, code), fndesc, env, signature, _, lifted, annotation, reload_init, envs = payload
+        library = _InnerCode(target_context.codegen(), name)
+        library._final_module, library._finalized = binding.parse_bitcode(code), True
+        return compile_result(
+            target_context=target_context,
+            typing_context=target_context.typing_context,
+            library=library,
+            environment=env,
+            entry_point=target_context.get_executable(library, fndesc, env),
+            fndesc=fndesc,
+            type_annotation=annotation,
+            signature=signature,
+            objectmode=False,
+            lifted=lifted,
+            reload_init=reload_init,
+            referenced_envs=envs,
+        )
+
+
 class _Kernels(FunctionCache):  # type: ignore[misc]
     """numba's disk cache without what only compiling needs.
 
@@ -84,11 +151,11 @@ class _Kernels(FunctionCache):  # type: ignore[misc]
 
     _impl_class = _Forms
 
-    def __init__(self, function: Callable[..., Any]) -> None:
+    def __init__(self, function: Callable[..., Any], kind: str = "") -> None:
         super().__init__(function)
         # numba's own file of entries knows its name only in parts.
         plain = vars(self)["_cache_file"]
-        base = plain._index_name.removesuffix(".nbi")
+        base = plain._index_name.removesuffix(".nbi") + kind
         self._cache_file = Entries(self._cache_path, base, plain._source_stamp)
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
@@ -97,6 +164,15 @@ class _Kernels(FunctionCache):  # type: ignore[misc]
         rtsys.initialize(target_context)
         with self._guard_against_spurious_io_errors():
             return self._load_overload(sig, target_context)
+
+
+class _InnerKernels(_Kernels):
+    """The disk cache of the code that other kernels call."""
+
+    _impl_class = _InnerForms
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        super().__init__(function, ".inner")
 
 
 def njit(
@@ -126,25 +202,33 @@ def njit(
     """
 
     def compile_later(function: _Function) -> _Function:
-        compiled: _Function = numba.njit(
-            error_model="numpy",
-            fastmath=False if exact else FASTMATH,
-            nogil=True,
-            parallel=parallel,
-            forceinline=inline,
-            _nrt=not bare,
+        options = {
+            "error_model": "numpy",
+            "fastmath": False if exact else FASTMATH,
+            "nogil": True,
+            "parallel": parallel,
+            "forceinline": inline,
+            "_nrt": not bare,
             # Nobody calls a kernel from C.
-            no_cfunc_wrapper=True,
-        )(function)
-        if isinstance(compiled, CPUDispatcher):
-            _forget_literals(compiled)
+            "no_cfunc_wrapper": True,
+        }
+        compiled: _Function = numba.njit(**options)(function)
+        if not isinstance(compiled, CPUDispatcher):
+            return compiled
+        inner = compiled
+        if not parallel:
+            options |= {"no_cpython_wrapper": True, "pipeline_class": _InnerCompiler}
+            inner = numba.njit(**options)(function)
+        _call_inside(compiled, inner)
         folder = cache_folder(str(Path(function.__code__.co_filename).parent))
-        if isinstance(compiled, CPUDispatcher) and folder is not None:
+        if folder is not None:
             # numba picks the folder from this setting.
             before = numba.config.CACHE_DIR
             numba.config.CACHE_DIR = folder
             try:
                 compiled._cache = _Kernels(function)
+                if not parallel:
+                    inner._cache = _InnerKernels(function)
             finally:
                 numba.config.CACHE_DIR = before
         return compiled
@@ -152,20 +236,21 @@ def njit(
     return compile_later
 
 
-def _forget_literals(compiled: Any) -> None:
-    """Let calls with literal integers share one compiled form.
+def _call_inside(compiled: Any, inner: Any) -> None:
+    """Let kernels call the `inner` form of a kernel, one for literal integers and for others.
 
     numba compiles a callee once for each literal that a caller hands on, and once more for a
     variable: a counter that starts at 0 doubles everything below it.  After inlining the machine
     code is the same.
     """
-    find = compiled.get_call_template
+    find = inner.get_call_template
 
     def find_without(args: tuple[Any, ...], kws: dict[str, Any]) -> Any:
         plain = {name: types.unliteral(kind) for name, kind in kws.items()}
         return find(tuple(map(types.unliteral, args)), plain)
 
     compiled.get_call_template = find_without
+    compiled.get_overload = inner.get_overload
 
 
 @functools.cache
