@@ -278,7 +278,7 @@ def njit(
     """
 
     def compile_later(function: _Function) -> _Function:
-        options = {
+        options: dict[str, Any] = {
             "error_model": "numpy",
             "fastmath": False if exact else FASTMATH,
             "nogil": True,

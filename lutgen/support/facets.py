@@ -63,9 +63,7 @@ def highest_of(primitives: Floats, steepest: float) -> float:
 
 
 @njit(bare=True)
-def _all_touching(
-    primitives: Floats, region: Region, normal: Vector, i: int, same: float
-) -> int:
+def _all_touching(primitives: Floats, region: Region, normal: Vector, i: int, same: float) -> int:
     """Return the bits of all that touch a plane on primitive i."""
     contacts = region.contacts[1]
     fill_contacts(primitives, normal, contacts)
@@ -255,7 +253,7 @@ def _begin(primitives: Floats, region: Region, limits: tuple[float, float]) -> N
         return
     arm = subtract(support_contact(primitives, j, level), support_contact(primitives, i, level))
     ahead = unit(cross(arm, level))
-    for side in range(2):
+    for _ in range(2):
         fill_contacts(primitives, level, contacts[0])
         mask = touching(contacts[0], primitives.shape[0], ALL, level, i, same)
         to, found = tilt(primitives, contacts, (i, j), mask, level, ahead, limits)

@@ -36,9 +36,7 @@ REACH = 3.0
 
 
 @njit(bare=True)
-def touching(
-    contacts: Floats, count: int, mask: int, normal: Vector, i: int, slack: float
-) -> int:
+def touching(contacts: Floats, count: int, mask: int, normal: Vector, i: int, slack: float) -> int:
     """Return the bits of those in `mask` that reach to within `slack` of a plane on primitive i.
 
     `contacts`: where each of `count` touches a plane with that normal, of `fill_contacts`.
