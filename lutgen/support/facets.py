@@ -8,6 +8,7 @@ from lutgen.support.primitive import (
     DISC,
     KIND,
     POINT,
+    fill_contacts,
     support_contact,
     tangent_plane,
 )
@@ -21,6 +22,7 @@ from lutgen.vector import (
     dot,
     length,
     read3,
+    row,
     scale,
     subtract,
     unit,
@@ -58,6 +60,14 @@ def highest_of(primitives: Floats, steepest: float) -> float:
     if steepest <= 0.0 or (balls and rims):
         return 2.0
     return max(HIGHEST, -0.5 * steepest)
+
+
+@njit(bare=True)
+def _all_touching(primitives: Floats, region: Region, normal: Vector, i: int, same: float) -> int:
+    """Return the bits of all that touch a plane on primitive i."""
+    contacts = region.contacts[1]
+    fill_contacts(primitives, normal, contacts)
+    return touching(contacts, primitives.shape[0], ALL, normal, i, same)
 
 
 @njit(bare=True)
@@ -151,7 +161,7 @@ def _add_contacts(primitives: Floats, region: Region, f: int, mask: int, same: f
         better, good = _widest_plane(primitives, mask, normal, i)
         normal = better if good else normal
         # What is below the new plane is in it, too.
-        mask |= touching(primitives, ALL, normal, i, same)
+        mask |= _all_touching(primitives, region, normal, i, same)
     if _enter(primitives, region, f, normal, mask, same):
         _forget_edges(region, first, corners)
 
@@ -184,12 +194,12 @@ def facet_at(
     planes that share three contacts which are not in a line are one facet.
     """
     facet, count = region.facet, region.counts
-    mask = touching(primitives, ALL, normal, i, same)
+    mask = _all_touching(primitives, region, normal, i, same)
     if _bits(mask) > 3:
         better, good = _widest_plane(primitives, mask, normal, i)
         if good:
             normal = better
-            mask = touching(primitives, ALL, normal, i, same)
+            mask = _all_touching(primitives, region, normal, i, same)
     for f in range(count[FACETS]):
         if _are_one(primitives, region, f, normal, mask, same):
             grown = facet[f].mask & mask != mask
@@ -225,31 +235,29 @@ def _begin(primitives: Floats, region: Region, limits: tuple[float, float]) -> N
     """Find a first facet: lower a skew plane, and tilt it onto a second and a third primitive."""
     same = limits[1]
     normal, middle = unit(SKEW), (0.0, 0.0, 0.0)
+    contacts = region.contacts
+    fill_contacts(primitives, normal, contacts[0])
     i, most = 0, -math.inf
     for k in range(primitives.shape[0]):
-        point = support_contact(primitives, k, normal)
+        point = row(contacts[0], k)
         middle = along(middle, point, 1.0 / primitives.shape[0])
         if dot(point, normal) > most:
             i, most = k, dot(point, normal)
     # Towards the middle of all contacts there is one to come to.
-    across = cross(normal, subtract(middle, support_contact(primitives, i, normal)))
+    across = cross(normal, subtract(middle, row(contacts[0], i)))
     if length(across) <= same:
         across = cross(normal, (0.0, 1.0, 0.0))
     across = unit(across)
-    j, level = tilt(primitives, (i, -1), 1 << i, normal, cross(across, normal), limits)
+    j, level = tilt(primitives, contacts, (i, -1), 1 << i, normal, cross(across, normal), limits)
     if j < 0:
         return
     arm = subtract(support_contact(primitives, j, level), support_contact(primitives, i, level))
     ahead = unit(cross(arm, level))
-    for side in range(2):
-        to, found = tilt(
-            primitives,
-            (i, j),
-            touching(primitives, ALL, level, i, same),
-            level,
-            ahead if side == 0 else scale(ahead, -1.0),
-            limits,
-        )
+    for _ in range(2):
+        fill_contacts(primitives, level, contacts[0])
+        mask = touching(contacts[0], primitives.shape[0], ALL, level, i, same)
+        to, found = tilt(primitives, contacts, (i, j), mask, level, ahead, limits)
+        ahead = scale(ahead, -1.0)
         if to >= 0:
             facet_at(primitives, region, found, i, same)
 
@@ -290,16 +298,18 @@ def find_facets(primitives: Floats, region: Region, size: float, steepest: float
     same = SAME * size
     limits = (highest_of(primitives, steepest), same)
     _begin(primitives, region, limits)
+    contacts = region.contacts
     f = 0
     while f < count[FACETS]:
         normal, first, corners = read3(facet[f].normal), facet[f].first, facet[f].count
+        fill_contacts(primitives, normal, contacts[0])
         for e in range(first, first + corners):
             if edge[e].twin >= 0:
                 continue
             i, j = edge[e].primitive, edge[edge_after(region, e)].primitive
             start, stop = ends_of(region, e)
             ahead = unit(cross(subtract(stop, start), normal))
-            to, found = tilt(primitives, (i, j), facet[f].mask, normal, ahead, limits)
+            to, found = tilt(primitives, contacts, (i, j), facet[f].mask, normal, ahead, limits)
             if to < 0:
                 continue
             beyond, grown = facet_at(primitives, region, found, i, same)

@@ -12,12 +12,24 @@ from numpy.typing import ArrayLike, NDArray
 
 from lutgen.jit import njit
 from lutgen.parts import KINDS
-from lutgen.vector import Floats, Vector, along, cross, dot, length, row, scale, subtract
+from lutgen.vector import (
+    Floats,
+    Vector,
+    along,
+    cross,
+    dot,
+    length,
+    row,
+    scale,
+    subtract,
+    write3,
+)
 
 POINT, SPHERE, DISC = (float(KINDS.index(kind)) for kind in ("point", "sphere", "disc"))
 RADIUS, KIND = 6, 7
 # A disc whose axis is within this angle (rad) of the plane's normal lies on its face.
 FACE_ANGLE = 1e-6
+NO_FACE = FACE_ANGLE * FACE_ANGLE
 # Steps of Newton's method: it converges in 4 to 6 wherever a plane is near to the one sought.
 NEWTON = 30
 
@@ -54,8 +66,15 @@ def support_contact(primitives: Floats, i: int, normal: Vector) -> Vector:
         return along(centre, normal, radius)
     axis = axle(primitives, i)
     cosine = dot(axis, normal)
-    radius /= math.sqrt(max(1.0 - cosine * cosine, FACE_ANGLE * FACE_ANGLE))
+    radius /= math.sqrt(max(1.0 - cosine * cosine, NO_FACE))
     return along(along(centre, normal, radius), axis, -radius * cosine)
+
+
+@njit(bare=True)
+def fill_contacts(primitives: Floats, normal: Vector, contacts: Floats) -> None:
+    """Fill `contacts` (n, 3) with the support contact of every primitive."""
+    for i in range(primitives.shape[0]):
+        write3(contacts[i], support_contact(primitives, i, normal))
 
 
 @njit(bare=True)

@@ -138,7 +138,7 @@ class Region(NamedTuple):
     `wall` (w, 3): unit inward normals.
     `arc`: a piece of the boundary from contact point `start` to `stop`, see `region.add_arc`.
     `shown` (n, 8), `source` (n,): the primitives that none covers, and their rows.
-    `flat`, `polygon`, `ids`: scratch memory.
+    `contacts`, `flat`, `polygon`, `ids`: scratch memory.
     """
 
     counts: NDArray[np.int64]
@@ -150,6 +150,7 @@ class Region(NamedTuple):
     arc: NDArray[np.void]
     shown: NDArray[np.float64]
     source: NDArray[np.int64]
+    contacts: NDArray[np.float64]
     flat: NDArray[np.float64]
     polygon: NDArray[np.float64]
     ids: NDArray[np.int64]
@@ -173,6 +174,7 @@ def empty_region(primitives: int) -> Region:
         np.zeros(2 * edges, ARC),
         np.zeros((primitives, 8)),
         np.zeros(primitives, np.int64),
+        np.zeros((3, primitives, 3)),
         np.zeros((primitives, 2)),
         np.zeros((primitives, 3)),
         np.zeros(4 * primitives + 4, np.int64),

@@ -13,11 +13,10 @@ from lutgen.support.primitive import (
     KIND,
     RADIUS,
     axle,
-    support_contact,
-    support_height,
+    fill_contacts,
     tangent_plane,
 )
-from lutgen.vector import Floats, Vector, along, cross, dot, length, scale, subtract, unit
+from lutgen.vector import Floats, Vector, along, cross, dot, length, row, scale, subtract, unit
 
 # Longest step on round primitives (rad), and how many there are at most.
 LONGEST_STEP, MOST_STEPS = 0.5, 60
@@ -37,11 +36,14 @@ REACH = 3.0
 
 
 @njit(bare=True)
-def touching(primitives: Floats, mask: int, normal: Vector, i: int, slack: float) -> int:
-    """Return the bits of those in `mask` that reach to within `slack` of a plane on primitive i."""
-    level, found = support_height(primitives, i, normal) - slack, 0
-    for k in range(primitives.shape[0]):
-        if has_bit(mask, k) and support_height(primitives, k, normal) >= level:
+def touching(contacts: Floats, count: int, mask: int, normal: Vector, i: int, slack: float) -> int:
+    """Return the bits of those in `mask` that reach to within `slack` of a plane on primitive i.
+
+    `contacts`: where each of `count` touches a plane with that normal, of `fill_contacts`.
+    """
+    level, found = dot(row(contacts, i), normal) - slack, 0
+    for k in range(count):
+        if has_bit(mask, k) and dot(row(contacts, k), normal) >= level:
             found |= 1 << k
     return found
 
@@ -58,7 +60,12 @@ def turn_to(highest: float, normal: Vector, ahead: Vector) -> float:
 
 @njit(bare=True)
 def meets_another(
-    primitives: Floats, pair: tuple[int, int], normal: Vector, ahead: Vector, turn: float
+    primitives: Floats,
+    contacts: Floats,
+    pair: tuple[int, int],
+    normal: Vector,
+    ahead: Vector,
+    turn: float,
 ) -> bool:
     """Tell whether a plane on a pair may touch another one before it has turned so far (rad).
 
@@ -73,10 +80,10 @@ def meets_another(
     c, s = math.cos(turn), math.sin(turn)
     if s < 0.0:
         return True
-    origin = support_contact(primitives, i, normal)
+    origin = row(contacts, i)
     for k in range(primitives.shape[0]):
         if k != i and k != j:
-            arm = subtract(support_contact(primitives, k, normal), origin)
+            arm = subtract(row(contacts, k), origin)
             bulge = REACH * primitives[k, RADIUS] * (1.0 - c)
             if dot(ahead, arm) * s + dot(normal, arm) * c + bulge >= 0.0:
                 return True
@@ -85,17 +92,23 @@ def meets_another(
 
 @njit(bare=True)
 def _first_ahead(
-    primitives: Floats, i: int, mask: int, normal: Vector, ahead: Vector, least: float
+    contacts: Floats,
+    count: int,
+    i: int,
+    mask: int,
+    normal: Vector,
+    ahead: Vector,
+    least: float,
 ) -> tuple[int, float]:
     """Return the primitive that a plane about i comes to first if none moves, and the angle (rad).
 
     `mask`: those that it touches already.  -1 and pi if there is none.
     """
-    origin = support_contact(primitives, i, normal)
+    origin = row(contacts, i)
     first, lever, depth = -1, -1.0, 0.0
-    for k in range(primitives.shape[0]):
+    for k in range(count):
         if not has_bit(mask, k):
-            arm = subtract(support_contact(primitives, k, normal), origin)
+            arm = subtract(row(contacts, k), origin)
             x, y = dot(ahead, arm), max(-dot(normal, arm), least)
             # The one with the greatest cotangent.
             if first < 0 or x * depth > lever * y:
@@ -105,14 +118,14 @@ def _first_ahead(
 
 @njit(bare=True)
 def _deepest(
-    primitives: Floats, pair: tuple[int, int], to: int, normal: Vector, same: float
+    contacts: Floats, count: int, pair: tuple[int, int], to: int, normal: Vector, same: float
 ) -> int:
     """Return the primitive that is furthest below a plane, -1 if none is by more than `same`."""
     i, j = pair
-    worst, most, level = -1, same, support_height(primitives, i, normal)
-    for k in range(primitives.shape[0]):
+    worst, most, level = -1, same, dot(row(contacts, i), normal)
+    for k in range(count):
         if k != i and k != j and k != to:
-            below = support_height(primitives, k, normal) - level
+            below = dot(row(contacts, k), normal) - level
             if below > most:
                 worst, most = k, below
     return worst
@@ -121,6 +134,7 @@ def _deepest(
 @njit(bare=True)
 def tilt(
     primitives: Floats,
+    contacts: Floats,
     pair: tuple[int, int],
     mask: int,
     normal: Vector,
@@ -133,6 +147,8 @@ def tilt(
     ----------
     primitives : (n, 8) float64
         Rows of `primitive.pack`, relative to the com.
+    contacts : (3, at least n, 3) float64
+        Of `fill_contacts`: the first ones are those at `normal`, the others are overwritten.
     pair : tuple of int
         The two that carry; of (i, -1) the plane turns about the line on i across `ahead`.
     mask : int
@@ -149,6 +165,7 @@ def tilt(
     """
     i, j = pair
     highest, same = limits
+    count = primitives.shape[0]
     left, touched = normal, mask
     across = cross(ahead, normal)
     radius, bent = max(primitives[i, RADIUS], primitives[j, RADIUS]) if j >= 0 else 0.0, False
@@ -158,17 +175,18 @@ def tilt(
     step = LONGEST_STEP if bent else 4.0
     if radius > 0.0:
         # The arc's radius is the distance of the contacts over that of the rim.
-        apart = subtract(
-            support_contact(primitives, i, normal), support_contact(primitives, j, normal)
-        )
+        apart = subtract(row(contacts[0], i), row(contacts[0], j))
         step = max(min(step, 0.5 * length(apart) / radius), SHORTEST)
+    here, there, spare = contacts[0], contacts[1], contacts[2]
     for _ in range(MOST_STEPS):
-        to, angle = _first_ahead(primitives, i, mask, normal, ahead, 1e-3 * same)
+        to, angle = _first_ahead(here, count, i, mask, normal, ahead, 1e-3 * same)
         if angle > step:
             to, angle = -1, step
             if highest < 1.0:
                 room = turn_to(highest, normal, ahead)
-                if room < SHORTEST or not meets_another(primitives, pair, normal, ahead, room):
+                if room < SHORTEST:
+                    return -1, normal
+                if not meets_another(primitives, here, pair, normal, ahead, room):
                     return -1, normal
                 angle = min(step, room)
         c, s = math.cos(angle), math.sin(angle)
@@ -184,11 +202,12 @@ def tilt(
                 found, good = tangent_plane(primitives, i, j, to, across, start)
             elif to >= 0:
                 found, good = tangent_plane(primitives, i, to, -1, across, start)
-            worst = _deepest(primitives, pair, to, found, same)
+            fill_contacts(primitives, found, there)
+            worst = _deepest(there, count, pair, to, found, same)
             if worst < 0:
                 break
             to = worst
-        if worst >= 0 and _deepest(primitives, pair, to, found, NEARLY * same) < 0:
+        if worst >= 0 and _deepest(there, count, pair, to, found, NEARLY * same) < 0:
             # Each is below the plane of the other by noise: the facet takes in both.
             worst = -1
         # Three rims may touch two planes: back to the one that is left Newton's method must not go.
@@ -197,12 +216,11 @@ def tilt(
             return (to if found[2] <= highest else -1), found
         if worst < 0 and to < 0:
             normal, ahead = start, onward
-            mask = touching(primitives, mask, normal, i, same)
+            here, there, spare = there, spare, there
+            mask = touching(here, count, mask, normal, i, same)
             if j >= 0:
                 mask |= 1 << j
-                arm = subtract(
-                    support_contact(primitives, j, normal), support_contact(primitives, i, normal)
-                )
+                arm = subtract(row(here, j), row(here, i))
                 turned = unit(cross(arm, normal))
                 ahead = scale(turned, math.copysign(1.0, dot(turned, ahead)))
         elif not bent or step < SHORTEST:

@@ -241,8 +241,21 @@ COUNTER = (
 def test_a_counter_that_starts_at_a_literal_compiles_its_callee_once(tmp_path):
     (tmp_path / "counter.py").write_text(COUNTER)
     # A cache of its own: what is loaded from one says nothing about callees.
-    code = "from counter import *; print(steps(3), len(one_more.signatures))"
+    code = "from counter import *; print(steps(3), len(one_more.called.signatures))"
     assert run(tmp_path, code, XDG_CACHE_HOME=tmp_path / "cache") == "3 1"
+
+
+def test_shared_machine_code_is_found_by_all_that_calls_it(tmp_path):
+    """Also where its entry in the cache was lost, and it goes by another name."""
+    callee = "import math\n" + CALLEE.replace("x + {}", "math.sqrt(x) + {}")
+    (tmp_path / "caller.py").write_text(CALLER)
+    (tmp_path / "callee.py").write_text(callee.format(1).replace("()", "(shared=True)", 1))
+    cache = tmp_path / "cache"
+    told = [run(tmp_path, OUTER, XDG_CACHE_HOME=cache, PYTHONHASHSEED=1) for _ in range(2)]
+    for path in cache.rglob("*.shared.nbi"):
+        path.unlink()
+    told += [run(tmp_path, OUTER, XDG_CACHE_HOME=cache, PYTHONHASHSEED=2) for _ in range(2)]
+    assert told == ["20.0 0", "20.0 1", "20.0 0", "20.0 1"]
 
 
 def test_the_cache_goes_where_numba_s_own_variable_says(tmp_path):
