@@ -51,8 +51,8 @@ from lutgen.vector import (
     unit,
 )
 
-# A side is moved this many times the way to where it should be, SIDE_STEPS times.
-FURTHER, SIDE_STEPS = 1.05, 2
+# A side is moved this many times the way to where it should be, SIDE_STEPS times at most.
+FURTHER, SIDE_STEPS = 1.05, 4
 Weights = tuple[float, float, float, float, float]
 # Lagrange's weights of five even places at each eighth of the way between the ends.
 LAGRANGE = (
@@ -130,15 +130,18 @@ def _beyond(side: tuple[Vector, Vector], point: Vector) -> float:
 def _moved_in(first: Places, second: Places, w: float, other: float) -> float:
     """Return a side w moved towards the `other` one until the curve of its balances is outside."""
     curve, sign = balances(first, second, w), 1.0 if other > w else -1.0
-    there = _side(first, second, other)
+    there, weight = _side(first, second, other), 1.0
     for _ in range(SIDE_STEPS):
         here, share = _side(first, second, w), 0.0
         for k in range(len(LAGRANGE)):
             point = _amid(curve, LAGRANGE[k])
             near, far = sign * _beyond(here, point), sign * _beyond(there, point)
             if near > 0.0 > far:
-                share = max(share, near / (near - far))
+                share = max(share, near / (near - weight * far))
+        if share == 0.0:
+            break
         w += (other - w) * FURTHER * share
+        weight *= 0.5  # The rule of Illinois, as the other end stays.
     return w
 
 
