@@ -19,7 +19,7 @@ from firmware_export.truth.tip_boundary import beside_boundary, unit
 from lutgen.vector import Floats
 
 # Directions per posture: exact evaluation costs by the posture where facets have to be searched.
-FEW, MANY = 12, 40
+FEW, MANY = 10, 40
 # Parts of a sample, each with random numbers of its own: the same points for any number of cores.
 PARTS = 2
 

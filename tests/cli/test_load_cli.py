@@ -101,7 +101,7 @@ def test_no_export_of_an_uncertain_com_calls_a_robot_safe_that_some_com_tips() -
             certificate={},
             pareto=[],
         )
-        found = certify(device(export), ("sdg", "tip_angle"), effort=Effort(20_000, 20, 25, 25))
+        found = certify(device(export), ("sdg", "tip_angle"), effort=Effort(20_000, 20, 25))
         assert found.false_safe == 0
         assert found.false_tip < lost
         assert "a com anywhere in its ball" in tables.guard_text

@@ -101,7 +101,7 @@ def test_no_answer_is_safer_than_the_truth_and_next_to_nothing_is_given_up(name:
 @pytest.mark.parametrize("name", ["legs", "wheels"])
 def test_the_worst_points_of_the_truth_find_no_false_safe(name: str) -> None:
     one = export_of(name)
-    found = certify(device(one), EXPORTABLE, effort=Effort(12_000, 20, 20, 12))
+    found = certify(device(one), EXPORTABLE, effort=Effort(12_000, 20, 12))
     assert found.false_safe == 0
     assert found.standing > 1000
 
@@ -109,7 +109,7 @@ def test_the_worst_points_of_the_truth_find_no_false_safe(name: str) -> None:
 def test_a_guard_that_leaves_out_what_contacts_are_off_would_be_found() -> None:
     one = export_of("legs")
     bold = replace(one, tables=replace(one.tables, guard=4e-6))
-    assert certify(device(bold), EXPORTABLE, effort=Effort(12_000, 20, 20, 12)).false_safe > 0
+    assert certify(device(bold), EXPORTABLE, effort=Effort(12_000, 20, 12)).false_safe > 0
 
 
 def test_axes_are_cut_where_the_function_has_a_kink_and_nowhere_else() -> None:

@@ -71,7 +71,7 @@ def test_directions_are_uniform_in_solid_angle(model: Model) -> None:
 
 
 def test_postures_fill_the_box_more_evenly_than_chance() -> None:
-    t = normalised(CONE, uniform(CONE, 12 * 1024, 5))
+    t = normalised(CONE, uniform(CONE, 10 * 1024, 5))
     count = np.histogram2d(t[:, 0], t[:, 1], 16, [[0, 1], [0, 1]])[0]
     # 4 of 1024 in each of 256 cells; independent points would leave about 5 cells empty.
     assert count.min() >= 1
