@@ -222,7 +222,14 @@ static void smap_change(const smap_work_t *w, smap_hull_t *h, float s, float c)
   }
 }
 
-/* Add the facets at a pitch: of neighbours on the hull those on one line. */
+/* The slope of the line through two of some tracks. */
+SMAP_INLINE float smap_slope(const smap_work_t *w, const smap_hull_t *h, const uint8_t *list, const float *level,
+                             uint8_t a, uint8_t b)
+{
+  return (level[b] - level[a]) / (w->p[h->old[list[a]]][1] - w->p[h->old[list[b]]][1]);
+}
+
+/* Add the facets at a pitch: of neighbours on the hull those on one line, and what has just left it or entered it. */
 static void smap_add_facets(smap_work_t *w, smap_hull_t *h, float s, float c)
 {
   float level[SMAP_TRACKS], plane[3] = {s, 0.0f, c};
@@ -234,18 +241,19 @@ static void smap_add_facets(smap_work_t *w, smap_hull_t *h, float s, float c)
     }
   }
   for (from = 0; from + 1 < n; from = to) {
-    uint8_t any = h->bent[list[from]];
-    for (to = from; to + 1 < n; to++) {
-      const float apart = w->p[h->old[list[to]]][1] - w->p[h->old[list[to + 1]]][1];
-      const float t = (level[to + 1] - level[to]) / apart;
-      if (to == from) {
-        plane[1] = t;
-      } else if (!(t - plane[1] <= SMAP_UNITE && plane[1] - t <= SMAP_UNITE)) {
-        break;
+    const float first = smap_slope(w, h, list, level, from, (uint8_t)(from + 1));
+    uint8_t any = h->bent[list[from]] | h->bent[list[from + 1]];
+    for (to = (uint8_t)(from + 1); to + 1 < n; to++) {
+      if (h->was[list[to]] && h->on[list[to]]) {
+        const float more = smap_slope(w, h, list, level, to, (uint8_t)(to + 1)) - first;
+        if (!(more <= SMAP_UNITE && more >= -SMAP_UNITE)) {
+          break;
+        }
       }
       any |= h->bent[list[to + 1]];
     }
     if (any || to > from + 1) {
+      plane[1] = smap_slope(w, h, list, level, from, to);
       smap_enter(w, h, list + from, (uint8_t)(to - from), plane, &side);
     } else {
       side = SMAP_NONE;
