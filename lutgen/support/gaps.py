@@ -53,8 +53,6 @@ from lutgen.vector import (
 
 # A side is moved this many times the way to where it should be, SIDE_STEPS times at most.
 FURTHER, SIDE_STEPS = 1.05, 4
-# By as much more, as curves are further in between the eighths of the way by 1 / 64 of it or less.
-BETWEEN = 0.03
 Weights = tuple[float, float, float, float, float]
 # Lagrange's weights of five even places at each eighth of the way between the ends.
 LAGRANGE = (
@@ -132,7 +130,7 @@ def _beyond(side: tuple[Vector, Vector], point: Vector) -> float:
 def _moved_in(first: Places, second: Places, w: float, other: float) -> float:
     """Return a side w moved towards the `other` one until the curve of its balances is outside."""
     curve, sign = balances(first, second, w), 1.0 if other > w else -1.0
-    there, weight, begin = _side(first, second, other), 1.0, w
+    there, weight = _side(first, second, other), 1.0
     for _ in range(SIDE_STEPS):
         here, share = _side(first, second, w), 0.0
         for k in range(len(LAGRANGE)):
@@ -144,7 +142,7 @@ def _moved_in(first: Places, second: Places, w: float, other: float) -> float:
             break
         w += (other - w) * FURTHER * share
         weight *= 0.5  # The rule of Illinois, as the other end stays.
-    return w + BETWEEN * (w - begin)
+    return w
 
 
 @njit(inline=True, bare=True)
