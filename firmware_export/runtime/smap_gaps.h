@@ -15,6 +15,7 @@
 #define SMAP_SLIT 1e-5f      /* of the size: between edges that are nearer there is nothing */
 #define SMAP_LEANS 1e-6f     /* of the size: the ends of a gap are as far inside its sides, and no place is inside by less */
 
+#define SMAP_DOT 2e-6f       /* of the size: an edge that is shorter holds and bounds nothing of its own */
 #define SMAP_HALVES 3        /* rounds of Newton's method for the plane half-way over an arc */
 
 /* Gravity on arrival, and by how much the com has sunk, for w = 0 and 1. */
@@ -101,6 +102,9 @@ static int smap_hold(const smap_work_t *w, uint8_t e, const smap_landing_t *l, f
   uint8_t k, pass;
   smap_minus(w->corner[smap_after(w, e)], a, u);
   uu = smap_dot(u, u);
+  if (!(uu > SMAP_DOT * SMAP_DOT * w->map->size * w->map->size)) {
+    return 1;
+  }
   au = smap_dot(a, u);
   size = smap_root(uu);
   least = 0.01f * uu * l->doubt;
@@ -374,6 +378,27 @@ static void smap_find_islands(smap_work_t *w)
   }
 }
 
+/* Scale the walls of all corners to length 1.  Rounding tells how that of a dot lies: it gets the next one. */
+static void smap_unit_walls(smap_work_t *w)
+{
+  const float size = w->map->size, least = SMAP_DOT * size * size;
+  uint8_t r, k, e, last;
+  for (r = 0; r < w->at->rests; r++) {
+    const uint8_t count = (uint8_t)(w->at->first[r + 1] - w->at->first[r]);
+    last = SMAP_NONE;
+    for (k = (uint8_t)(2u * count); k > 0; k--) { /* twice round, from the last to the first */
+      float *const wall = w->region->wall[e = (uint8_t)(w->at->first[r] + (k - 1u) % count)];
+      if (k > count ? smap_dot(wall, wall) > least * least : smap_dot(wall, wall) > 0.5f) {
+        (void)(k > count && smap_unit(wall));
+        last = e;
+      } else if (last != SMAP_NONE) {
+        memcpy(wall, w->region->wall[last], sizeof w->region->wall[e]);
+      }
+    }
+    w->full |= (uint8_t)(last == SMAP_NONE);
+  }
+}
+
 /* Find the gaps and the boundary of the rests that were added; 0 where there is no room for it. */
 static int smap_close(smap_work_t *w)
 {
@@ -385,9 +410,7 @@ static int smap_close(smap_work_t *w)
       smap_find_gap(w, e);
     }
   }
-  for (e = 0; e < corners; e++) {
-    w->full |= !smap_unit(w->region->wall[e]);
-  }
+  smap_unit_walls(w);
   smap_find_islands(w);
   for (i = 0; i < at->rests; i++) {
     const uint8_t from = at->arcs;

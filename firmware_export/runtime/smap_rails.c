@@ -198,18 +198,18 @@ static void smap_enter(smap_work_t *w, smap_hull_t *h, const uint8_t *list, uint
   }
 }
 
-/* Let all that changes at a pitch change: bends, and which tracks are on the hull. */
-static void smap_change(const smap_work_t *w, smap_hull_t *h, float s, float c)
+/* Let all that changes at a pitch change: bends, and which tracks are on the hull.  Returns whether any has. */
+static int smap_change(const smap_work_t *w, smap_hull_t *h, float s, float c)
 {
   const uint8_t tracks = w->map->tracks;
-  uint8_t k, left;
+  uint8_t k, left, any = 0;
   memcpy(h->was, h->on, sizeof h->was);
   memcpy(h->old, h->disc, sizeof h->old);
   for (k = 0; k < tracks; k++) {
     h->bent[k] = 0;
     for (left = SMAP_MAX_CONTACTS; left > 0 && h->bend[k] <= s + SMAP_UNITE * c; left--) {
       h->disc[k] = h->onto[k];
-      h->bent[k] = 1;
+      h->bent[k] = any = 1;
       smap_next_bend(w, h, k, h->bend[k]);
     }
   }
@@ -218,8 +218,10 @@ static void smap_change(const smap_work_t *w, smap_hull_t *h, float s, float c)
     smap_lay_hull(w, h, later, smap_root(1.0f - later * later));
     for (k = 1; k + 1 < tracks; k++) {
       h->changed[k] = h->on[k] != h->was[k];
+      any |= h->changed[k];
     }
   }
+  return any;
 }
 
 /* The slope of the line through two of some tracks. */
@@ -232,8 +234,8 @@ SMAP_INLINE float smap_slope(const smap_work_t *w, const smap_hull_t *h, const u
 /* Add the facets at a pitch: of neighbours on the hull those on one line, and what has just left it or entered it. */
 static void smap_add_facets(smap_work_t *w, smap_hull_t *h, float s, float c)
 {
-  float level[SMAP_TRACKS], plane[3] = {s, 0.0f, c};
-  uint8_t list[SMAP_TRACKS], n = 0, from, to, k, side = SMAP_NONE;
+  float level[SMAP_TRACKS + 1], plane[3] = {s, 0.0f, c};
+  uint8_t list[SMAP_TRACKS + 1], n = 0, from, to, k, side = SMAP_NONE;
   for (k = 0; k < w->map->tracks; k++) {
     if (h->was[k] || h->on[k]) {
       level[n] = smap_level(w, h->old[k], s, c);
@@ -315,10 +317,13 @@ SMAP_APART static void smap_find_rests(smap_work_t *w)
     }
     {
       const float cosine = smap_root(1.0f - s * s);
-      smap_change(w, &h, s, cosine);
-      smap_add_facets(w, &h, s, cosine);
+      if (smap_change(w, &h, s, cosine)) {
+        smap_add_facets(w, &h, s, cosine);
+        before = s;
+      } else { /* rounding alone lets a track turn here */
+        before = s + SMAP_UNITE * cosine;
+      }
     }
-    before = s;
   }
   w->full = 1;
 }

@@ -17,7 +17,7 @@ from tests.fixtures.compiled import compile_c
 from tests.fixtures.exports import coded_export, rover_export, tripod_export
 from tests.fixtures.length import part
 from tests.fixtures.noise import noise
-from tests.fixtures.recipes import tripod
+from tests.fixtures.recipes import rover, tripod
 
 OK, CORRUPT = 0, 5
 
@@ -29,7 +29,8 @@ def trained() -> Export:
 
 MAKERS: dict[str, Any] = {
     "contacts": tripod_export,
-    "many": rover_export,
+    "many": lambda: rover_export(text=rover().replace("upright = 90.0", "upright = 80.0")),
+    "any contacts": rover_export,
     "points given by code": lambda: coded_export("coded", "legs"),
     "many given by code": lambda: coded_export("coded", "scissors"),
     "grid": lambda: tripod_export(codec="grid"),
@@ -37,7 +38,7 @@ MAKERS: dict[str, Any] = {
     "trained": trained,
 }
 FAMILY = {
-    **{"contacts": "points", "many": "rails", "grid": "tables", "trained": "grid"},
+    **{"contacts": "points", "many": "rails", "any contacts": "search", "grid": "tables", "trained": "grid"},
     **{"points given by code": "points", "many given by code": "search"},
     "grid without floats": "tables_i",
 }

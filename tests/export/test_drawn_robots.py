@@ -36,7 +36,7 @@ def shown(recipe: Recipe) -> Recipe:
 def asked(recipe: Recipe, params: np.ndarray, g: np.ndarray, build) -> tuple[np.ndarray, ...]:
     """Return answers and truth: safe, stands, and both angles (rad)."""
     truth = evaluate_each(recipe, params.astype(float), g.astype(float), CHANNELS)
-    robot = Library(shown(recipe), build, facets=80)
+    robot = Library(shown(recipe), build)
     got = robot.read(params, g)
     assert robot.most["failed"] == 0
     return got["status"] != TIPS, truth["status"] != TIPS, got["tip_angle"], truth["tip_angle"]

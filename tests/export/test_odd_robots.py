@@ -172,7 +172,7 @@ def test_of_a_wheel_of_two_rims_either_may_be_the_corner_of_a_rest(tmp_path):
     params = (down * (1.0 - off)).astype(np.float32)
     g = boundary_points(recipe, params, rng, 40, 18)
     truth = evaluate_each(recipe, params.astype(float), g.astype(float), ("tip_angle", "status"))
-    robot = Library(recipe, tmp_path, facets=80)
+    robot = Library(recipe, tmp_path)
     got = robot.read(params, g)
     assert robot.most["failed"] == 0
     # The guard is 1e-4; which of two facets a wedge between rims is of may alter as much again.

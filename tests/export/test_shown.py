@@ -101,12 +101,12 @@ def test_contacts_keep_the_numbers_of_the_recipe_where_some_are_hidden() -> None
     recipe = track(before=hub)
     order, turning = order_of(Model(recipe))
     assert not turning
-    # Rail by rail, from right to left; the hub is number 0.
+    # Track by track, from left to right; the hub is number 0.
     assert [recipe.contacts[at].name for at in order] == [
-        *("wheel00", "wheel10", "flipper10"),
         *("wheel01", "wheel11", "flipper11"),
+        *("wheel00", "wheel10", "flipper10"),
     ]
-    assert order == (1, 3, 7, 2, 4, 8)
+    assert order == (2, 4, 8, 1, 3, 7)
 
 
 @pytest.mark.needs("gcc")
