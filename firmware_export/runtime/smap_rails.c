@@ -272,6 +272,7 @@ static void smap_lay_out(smap_work_t *w, smap_hull_t *h)
   for (k = 0; k < m->tracks; k++) {
     const uint8_t first = m->first[k];
     float most = -SMAP_LARGEST;
+    h->disc[k] = first; /* of places that are no numbers, too */
     for (i = first; i < m->first[k + 1]; i++) {
       const float x = w->p[i][0], y = w->p[i][1];
       float level;

@@ -19,6 +19,9 @@
 #define SMAP_NOISY 2e-6f    /* of the size: by as much it may be below; */
 #define SMAP_NOISIER 1e-5f  /* by this where of two each is below the plane of the other */
 #define SMAP_SLIVER 4e-5f   /* rad: less steep, what a contact adds that all but touches is part of the facet */
+#define SMAP_BESIDE 2e-3f   /* of the size: as far inside a side a contact may bear before one of its ends does, */
+#define SMAP_HARDLY 1e-5f   /* and less than this does not matter, */
+#define SMAP_AT_END 1e-4f   /* nor what is nearer to an end of the side */
 #define SMAP_PARALLEL 1e-4f /* rad: planes on three contacts of a facet that differ by less are one */
 #define SMAP_NEWTON 8       /* rounds, of which */
 #define SMAP_SETTLED 1e-6f  /* the last changes a normal's square by less */
@@ -135,17 +138,17 @@ static int smap_settle(const smap_work_t *w, uint8_t i, uint8_t j, uint8_t k, co
   return 0;
 }
 
-/* The contact that a plane with normal n comes to first if none moves, on i and turned towards t, and the cotangent of
- * the angle. */
+/* The contact that a plane with normal n comes to first if none moves, on i and turned towards t, but for those that are
+ * marked, and the cotangent of the angle. */
 static uint8_t smap_first(const smap_search_t *s, uint8_t i, uint8_t j, const float n[3], const float t[3],
-                          float *cotangent)
+                          const uint8_t *skip, float *cotangent)
 {
   const float size = s->w->map->size, touches = SMAP_TOUCHES * size;
   uint8_t l, to = SMAP_NONE;
   *cotangent = -SMAP_LARGEST;
   for (l = 0; l < s->w->map->contacts; l++) {
     float b[3], lever, low;
-    if (l == i || l == j) {
+    if (l == i || l == j || skip[l]) {
       continue;
     }
     smap_minus(s->there[l], s->there[i], b);
@@ -190,15 +193,15 @@ static uint8_t smap_tilt(smap_search_t *s, uint8_t i, uint8_t j, const float d[3
 {
   const smap_work_t *const w = s->w;
   const float limit = s->all ? 2.0f : SMAP_HIGHEST;
-  float t[3] = {toward[0], toward[1], toward[2]}, start[3], c;
-  uint8_t left, k, to;
   const int round = j != SMAP_NONE && (w->r[i] > 0.0f || w->r[j] > 0.0f);
+  float t[3] = {toward[0], toward[1], toward[2]}, start[3], c;
+  uint8_t skip[SMAP_MAX_CONTACTS] = {0}, left, k, to, tries;
   if (round && !s->all && smap_is_last(s, i, j, n, t)) {
     return SMAP_NONE;
   }
   for (left = SMAP_STEPS_MOST; left > 0; left--) {
     float b[3];
-    to = smap_first(s, i, j, n, t, &c);
+    to = smap_first(s, i, j, n, t, skip, &c);
     if (to == SMAP_NONE) {
       return SMAP_NONE;
     }
@@ -208,40 +211,47 @@ static uint8_t smap_tilt(smap_search_t *s, uint8_t i, uint8_t j, const float d[3
         start[k] = n[k] * cosine + t[k];
       }
       (void)smap_unit(start);
-      break;
+    } else { /* the contacts move while the plane turns so far */
+      for (k = 0; k < 3; k++) {
+        start[k] = n[k] * SMAP_STEP_COS + t[k] * SMAP_STEP_SIN;
+        b[k] = t[k] * SMAP_STEP_COS - n[k] * SMAP_STEP_SIN;
+      }
+      if (start[2] > limit || !smap_settle(w, i, j, SMAP_NONE, b, start)) {
+        return SMAP_NONE;
+      }
+      to = smap_survey(s, start, i, j, SMAP_NONE, SMAP_NOISY);
+      if (to == SMAP_NONE) {
+        memcpy(n, start, sizeof start);
+        smap_minus(s->there[j], s->there[i], b);
+        smap_cross(n, b, t);
+        if (!smap_unit(t)) {
+          return SMAP_NONE;
+        }
+        continue;
+      }
     }
-    for (k = 0; k < 3; k++) { /* the contacts move while the plane turns so far */
-      start[k] = n[k] * SMAP_STEP_COS + t[k] * SMAP_STEP_SIN;
-      b[k] = t[k] * SMAP_STEP_COS - n[k] * SMAP_STEP_SIN;
+    if (start[2] > limit) {
+      return SMAP_NONE; /* no rest is so far up */
     }
-    if (start[2] > limit || !smap_settle(w, i, j, SMAP_NONE, b, start)) {
+    for (tries = SMAP_ROLL_TRIES; tries > 0; tries--) {
+      float m[3] = {start[0], start[1], start[2]};
+      const int settled = j == SMAP_NONE ? smap_settle(w, i, to, SMAP_NONE, d, m) : smap_settle(w, i, j, to, d, m);
+      uint8_t worst;
+      if (!settled) { /* it is all but where another touches, and rounding tells how the plane lies */
+        skip[to] = 1;
+        (void)smap_survey(s, n, i, j, SMAP_NONE, SMAP_NOISY);
+        break;
+      }
+      worst = smap_survey(s, m, i, j, to, tries > 2 ? SMAP_NOISY : SMAP_NOISIER);
+      if (worst == SMAP_NONE) {
+        memcpy(n, m, sizeof m);
+        return smap_dot(n, t) > -SMAP_PARALLEL ? to : (uint8_t)SMAP_NONE;
+      }
+      to = worst;
+    }
+    if (tries == 0) {
       return SMAP_NONE;
     }
-    to = smap_survey(s, start, i, j, SMAP_NONE, SMAP_NOISY);
-    if (to != SMAP_NONE) {
-      break;
-    }
-    memcpy(n, start, sizeof start);
-    smap_minus(s->there[j], s->there[i], b);
-    smap_cross(n, b, t);
-    if (!smap_unit(t)) {
-      return SMAP_NONE;
-    }
-  }
-  if (left == 0 || start[2] > limit) {
-    return SMAP_NONE; /* no rest is so far up */
-  }
-  for (left = SMAP_ROLL_TRIES; left > 0; left--) {
-    uint8_t worst;
-    memcpy(n, start, sizeof start);
-    if (!(j == SMAP_NONE ? smap_settle(w, i, to, SMAP_NONE, d, n) : smap_settle(w, i, j, to, d, n))) {
-      return SMAP_NONE;
-    }
-    worst = smap_survey(s, n, i, j, to, left > 2 ? SMAP_NOISY : SMAP_NOISIER);
-    if (worst == SMAP_NONE) {
-      return smap_dot(n, t) > -SMAP_PARALLEL ? to : (uint8_t)SMAP_NONE;
-    }
-    to = worst;
   }
   return SMAP_NONE;
 }
@@ -270,6 +280,44 @@ static uint8_t smap_cut_slivers(const smap_search_t *s, const float n[3], float 
     }
   }
   return kept;
+}
+
+/* Make corners of all of those behind the first `count` that lie just inside a side, and return how many corners there
+ * are then: while a wheel rolls it rises less than a ball, and of what is alike rounding decides which touches, so that the
+ * robot may never stand on the whole side, but on one part of it and then on the other. */
+static uint8_t smap_indent(const smap_search_t *s, const float n[3], float (*p)[3], uint8_t *id, uint8_t count,
+                           uint8_t all)
+{
+  const float size = s->w->map->size;
+  uint8_t k, at, last;
+  for (k = count; k < all; k++) {
+    const float here[3] = {p[k][0], p[k][1], p[k][2]};
+    const uint8_t own = id[k];
+    for (at = 0; at < count; at++) {
+      float u[3], d[3], in[3], length, ahead, inside;
+      smap_minus(p[at + 1 < count ? at + 1 : 0], p[at], u);
+      smap_minus(here, p[at], d);
+      smap_cross(u, n, in);
+      length = smap_root(smap_dot(u, u));
+      ahead = smap_dot(u, d);
+      ahead = ahead < length * length - ahead ? ahead : length * length - ahead;
+      inside = smap_dot(in, d);
+      if (ahead > SMAP_AT_END * size * length && inside > SMAP_HARDLY * size * length &&
+          inside < SMAP_BESIDE * size * length) {
+        break;
+      }
+    }
+    if (at < count) {
+      for (last = k; last > at + 1u; last--) { /* what is between keeps its order */
+        memcpy(p[last], p[last - 1], sizeof here);
+        id[last] = id[last - 1];
+      }
+      memcpy(p[last], here, sizeof here);
+      id[last] = own;
+      count++;
+    }
+  }
+  return count;
 }
 
 /* How many of some contacts are corners of a facet. */
@@ -320,7 +368,9 @@ static uint8_t smap_facet_on(smap_search_t *s, const float n[3], const uint8_t t
   for (k = 0; k < count; k++) {
     memcpy(p[k], s->there[id[k]], sizeof p[k]);
   }
+  k = count;
   count = smap_outline(n, p, id, count);
+  count = count > 2 ? smap_indent(s, n, p, id, count, k) : count;
   if (count > 3) {
     count = smap_cut_slivers(s, n, p, id, count);
   }
@@ -385,7 +435,11 @@ static void smap_begin_search(smap_search_t *s)
 SMAP_APART static void smap_find_rests(smap_work_t *w)
 {
   smap_search_t s;
-  uint8_t f, e, k, low = 0;
+  uint8_t f, e, k, low = 0, balls = 0, rims = 0;
+  for (k = 0; k < w->map->contacts; k++) {
+    rims |= (uint8_t)smap_is_disc(w, k);
+    balls |= (uint8_t)(w->r[k] > 0.0f && !smap_is_disc(w, k));
+  }
   s.w = w;
   s.facets = 0;
   s.all = 1;
@@ -393,7 +447,7 @@ SMAP_APART static void smap_find_rests(smap_work_t *w)
   for (f = 0; f < s.facets; f++) {
     const smap_facet_t *const at = &s.facet[f];
     low |= -at->n[2] > SMAP_UPWARD;
-    s.all = !(w->map->steepest > 0.0f && low); /* facets that face down lead to each other */
+    s.all = !(w->map->steepest > 0.0f && low) || (balls && rims); /* else facets that face down lead to each other */
     if (!(-at->n[2] > SMAP_UPWARD) && !s.all) {
       continue;
     }
