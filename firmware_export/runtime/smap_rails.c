@@ -23,7 +23,8 @@
  *         +---------------------> right
  *
  * A facet's plane is s x + t y - c z = h |(s, t, -c)|, with the slope t of that line. */
-#define SMAP_UNITE 2e-5f   /* rad: changes that are nearer are one facet's */
+#define SMAP_UNITE 2e-5f   /* rad: bends that are nearer are one facet's, */
+#define SMAP_LATER 3e-6f   /* and turns */
 #define SMAP_RECESS 3e-7f  /* of the size: inner tracks count as this much lower */
 #define SMAP_ABOVE 1e-6f   /* of the size: no further is a track above a chord by rounding */
 #define SMAP_BEFORE 0.96f  /* of the cosine of the steepest pitch: before any rest the history begins, */
@@ -214,7 +215,7 @@ static int smap_change(const smap_work_t *w, smap_hull_t *h, float s, float c)
     }
   }
   if (tracks > 2) {
-    const float later = s + 1.5f * SMAP_UNITE * c;
+    const float later = s + SMAP_LATER * c;
     smap_lay_hull(w, h, later, smap_root(1.0f - later * later));
     for (k = 1; k + 1 < tracks; k++) {
       h->changed[k] = h->on[k] != h->was[k];

@@ -187,6 +187,20 @@ static int smap_is_last(const smap_search_t *s, uint8_t i, uint8_t j, const floa
   return 1;
 }
 
+/* Turn the plane n towards t by a step, on i and j, which move as it turns: `start` is what comes of it.  0 where it faces up
+ * too far, or none is found. */
+static int smap_turn_on(const smap_work_t *w, uint8_t i, uint8_t j, const float n[3], const float t[3], float limit,
+                     float start[3])
+{
+  float across[3];
+  uint8_t k;
+  for (k = 0; k < 3; k++) {
+    start[k] = n[k] * SMAP_STEP_COS + t[k] * SMAP_STEP_SIN;
+    across[k] = t[k] * SMAP_STEP_COS - n[k] * SMAP_STEP_SIN;
+  }
+  return start[2] <= limit && smap_settle(w, i, j, SMAP_NONE, across, start);
+}
+
 /* Tilt the plane n, whose places are there, towards t, rolling on i and j, until another contact touches; of i alone, j
  * none, at a right angle to d.  Returns that contact, or SMAP_NONE. */
 static uint8_t smap_tilt(smap_search_t *s, uint8_t i, uint8_t j, const float d[3], const float toward[3], float n[3])
@@ -200,30 +214,24 @@ static uint8_t smap_tilt(smap_search_t *s, uint8_t i, uint8_t j, const float d[3
     return SMAP_NONE;
   }
   for (left = SMAP_STEPS_MOST; left > 0; left--) {
-    float b[3];
     to = smap_first(s, i, j, n, t, skip, &c);
     if (to == SMAP_NONE) {
       return SMAP_NONE;
     }
     if (!round || c > SMAP_STEP_COT) {
-      const float cosine = c < 1e4f ? c : 1e4f;
       for (k = 0; k < 3; k++) {
-        start[k] = n[k] * cosine + t[k];
+        start[k] = n[k] * (c < 1e4f ? c : 1e4f) + t[k];
       }
       (void)smap_unit(start);
-    } else { /* the contacts move while the plane turns so far */
-      for (k = 0; k < 3; k++) {
-        start[k] = n[k] * SMAP_STEP_COS + t[k] * SMAP_STEP_SIN;
-        b[k] = t[k] * SMAP_STEP_COS - n[k] * SMAP_STEP_SIN;
-      }
-      if (start[2] > limit || !smap_settle(w, i, j, SMAP_NONE, b, start)) {
+    } else {
+      if (!smap_turn_on(w, i, j, n, t, limit, start)) {
         return SMAP_NONE;
       }
       to = smap_survey(s, start, i, j, SMAP_NONE, SMAP_NOISY);
       if (to == SMAP_NONE) {
         memcpy(n, start, sizeof start);
-        smap_minus(s->there[j], s->there[i], b);
-        smap_cross(n, b, t);
+        smap_minus(s->there[j], s->there[i], start);
+        smap_cross(n, start, t);
         if (!smap_unit(t)) {
           return SMAP_NONE;
         }

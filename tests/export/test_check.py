@@ -38,7 +38,13 @@ MAKERS: dict[str, Any] = {
     "trained": trained,
 }
 FAMILY = {
-    **{"contacts": "points", "many": "rails", "any contacts": "search", "grid": "tables", "trained": "grid"},
+    **{
+        "contacts": "points",
+        "many": "rails",
+        "any contacts": "search",
+        "grid": "tables",
+        "trained": "grid",
+    },
     **{"points given by code": "points", "many given by code": "search"},
     "grid without floats": "tables_i",
 }

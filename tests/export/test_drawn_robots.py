@@ -1,12 +1,9 @@
 """Robots on wide wheels, as designers describe them: C is next to the definition, and below it."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 
 from firmware_export.contacts.many import many_of, order_of
-from firmware_export.contacts.shown import shown_contacts
 from firmware_export.truth import Model
 from lutgen.channels import evaluate_each
 from lutgen.recipe import Recipe, parse_recipe
@@ -17,7 +14,13 @@ from tests.fixtures.drawn_robots import (
     tracks_with_flippers,
     wheels_on_legs,
 )
-from tests.fixtures.many_library import Library, boundary_points, postures_of, random_directions
+from tests.fixtures.many_library import (
+    Library,
+    boundary_points,
+    postures_of,
+    random_directions,
+    shown,
+)
 from tests.fixtures.odd_robots import boxed_tracks
 from tests.fixtures.recipes import contact, sweep_part
 
@@ -25,12 +28,6 @@ needs_gcc = pytest.mark.needs("gcc")
 CHANNELS = ("tip_angle", "status")
 TIPS = 2
 ROBOTS = [car_with_flippers, rocker_bogie, tracks_with_flippers, wheels_on_legs]
-
-
-def shown(recipe: Recipe) -> Recipe:
-    """Return a robot with the contacts alone that its export would have."""
-    kept = shown_contacts(Model(recipe))
-    return dataclasses.replace(recipe, contacts=tuple(recipe.contacts[at] for at in kept))
 
 
 def asked(recipe: Recipe, params: np.ndarray, g: np.ndarray, build) -> tuple[np.ndarray, ...]:
