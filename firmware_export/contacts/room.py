@@ -49,7 +49,7 @@ def pose_words(room: Room, contacts: int, discs: int) -> tuple[int, int, int]:
     """
     walls = room.corners + 2 * room.gaps
     layout = 5 + 5 * room.rests + 4 * room.gaps + 3 * room.arcs
-    region = 4 * (7 * room.rests + 3 * walls + 6 * room.arcs)
+    region = 4 * (1 + 7 * room.rests + 3 * walls + 6 * room.arcs)
     floats = 4 * contacts + 3 * (contacts if discs else 1) + 3 * room.rests + 4 * room.corners
     work = 24 + 4 * floats + 3 * room.corners + room.rests + 8
     whole = 6 + 14 * room.rests + 6 * walls + 12 * room.arcs

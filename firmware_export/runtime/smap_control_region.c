@@ -16,7 +16,6 @@
 typedef struct {
   smap_layout_t at;
   smap_region_t region;
-  float guard;
   float turned;  /* rad, by which gravity may turn in the box */
   float widened; /* a sine: how much wider than the map's its guard is */
   int8_t status;
@@ -144,7 +143,7 @@ static void smap_sweep(const smap_control_t *control, smap_state_memory_t *state
     swept->turned += most;
     /* A wall turns by no more than its contacts move, seen from the com over their line. */
     swept->widened = height > 2.0f * off ? off / (height - off) : 1.0f;
-    swept->guard = limits.guard + swept->widened;
+    swept->region.guard += swept->widened;
   }
 }
 
@@ -157,7 +156,7 @@ static void smap_swept_at(const smap_control_t *control, const smap_swept_t *swe
   const float turned = smap_to_chart(SMAP_CONTROLLED(control), g, on);
   way->least = way->end = -SMAP_PI;
   if (swept->status == SMAP_OK && smap_direction(SMAP_CONTROLLED(control), on, d) == SMAP_OK) {
-    (void)smap_read_region(&swept->at, &swept->region, swept->guard, d, &reading);
+    (void)smap_read_region(&swept->at, &swept->region, d, &reading);
     way->least = smap_between(reading.tip_angle - swept->turned - turned, -SMAP_PI, SMAP_PI);
     way->end = reading.tip_angle - turned + swept->widened; /* a sine is less than its angle */
   }
@@ -243,7 +242,7 @@ static float smap_to_boundary(const smap_pose_t *pose, const float f[3], const f
 {
   const smap_pose_memory_t *const many = (const smap_pose_memory_t *)pose;
   const smap_region_t *const o = &many->region;
-  const float guard = smap_guard(pose->map), beside = guard + SMAP_NEXT_TO;
+  const float guard = o->guard, beside = guard + SMAP_NEXT_TO;
   float least = SMAP_MOST_BUDGET / SMAP_GRAVITY;
   uint8_t k, i;
   for (k = 0; k < many->at.arcs; k++) {

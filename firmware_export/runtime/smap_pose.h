@@ -43,12 +43,6 @@ static void smap_limits(const smap_t *map, smap_limits_t *m)
   m->turned = smap_f32(body + 40);
 }
 
-/* The sine that is taken off every distance. */
-SMAP_INLINE float smap_guard(const smap_t *map)
-{
-  return smap_f32(smap_body(map) + SMAP_IN_MANY + 32);
-}
-
 /* Put the contacts where the parameters have them. */
 SMAP_APART static int8_t smap_place(const smap_t *map, const float *params, smap_work_t *work)
 {
@@ -96,6 +90,7 @@ static int8_t smap_make_region(const smap_limits_t *m, smap_layout_t *at, smap_r
   work->at = at;
   work->region = o;
   work->full = work->facets = 0;
+  o->guard = m->guard;
   at->rests = at->gaps = at->arcs = at->nearly = at->first[0] = 0;
   smap_find_rests(work);
   if (!smap_close(work)) {
@@ -136,7 +131,7 @@ static int8_t smap_run_at(const smap_pose_t *pose, const float *gravity, smap_re
   if (SMAP_RARELY(status != SMAP_OK)) {
     return smap_deny(out, -SMAP_PI, status);
   }
-  status = smap_read_region(&many->at, &many->region, smap_guard(pose->map), d, out);
+  status = smap_read_region(&many->at, &many->region, d, out);
   return smap_judge(pose->map, out, status);
 }
 
@@ -170,7 +165,7 @@ static int8_t smap_pose_floats(const smap_t *map, const float *params, smap_pose
   }
   pose->status = smap_make(map, params, &many->at, &many->region, &many->rest.work);
   if ((forms & SMAP_INTEGER) && pose->status == SMAP_OK) {
-    smap_make_i(&many->at, &many->region, smap_guard(map), smap_f32(SMAP_BLOB(map) + SMAP_AT_STEP), &many->rest.whole);
+    smap_make_i(&many->at, &many->region, smap_f32(SMAP_BLOB(map) + SMAP_AT_STEP), &many->rest.whole);
   }
   return pose->status;
 }

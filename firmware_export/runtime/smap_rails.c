@@ -23,8 +23,8 @@
  *         +---------------------> right
  *
  * A facet's plane is s x + t y - c z = h |(s, t, -c)|, with the slope t of that line. */
-#define SMAP_UNITE 2e-5f   /* rad: bends that are nearer are one facet's, */
-#define SMAP_LATER 3e-6f   /* and turns */
+#define SMAP_UNITE 2e-5f   /* rad: changes that are nearer are one facet's */
+#define SMAP_TURNED 2.0f   /* times what a facet is bent at a track that turns walls may be off */
 #define SMAP_RECESS 3e-7f  /* of the size: inner tracks count as this much lower */
 #define SMAP_ABOVE 1e-6f   /* of the size: no further is a track above a chord by rounding */
 #define SMAP_BEFORE 0.96f  /* of the cosine of the steepest pitch: before any rest the history begins, */
@@ -215,7 +215,7 @@ static int smap_change(const smap_work_t *w, smap_hull_t *h, float s, float c)
     }
   }
   if (tracks > 2) {
-    const float later = s + SMAP_LATER * c;
+    const float later = s + 1.5f * SMAP_UNITE * c;
     smap_lay_hull(w, h, later, smap_root(1.0f - later * later));
     for (k = 1; k + 1 < tracks; k++) {
       h->changed[k] = h->on[k] != h->was[k];
@@ -232,7 +232,7 @@ SMAP_INLINE float smap_slope(const smap_work_t *w, const smap_hull_t *h, const u
   return (level[b] - level[a]) / (w->p[h->old[list[a]]][1] - w->p[h->old[list[b]]][1]);
 }
 
-/* Add the facets at a pitch: of neighbours on the hull those on one line, and what has just left it or entered it. */
+/* Add the facets at a pitch: of neighbours on the hull those on one line. */
 static void smap_add_facets(smap_work_t *w, smap_hull_t *h, float s, float c)
 {
   float level[SMAP_TRACKS + 1], plane[3] = {s, 0.0f, c};
@@ -247,11 +247,12 @@ static void smap_add_facets(smap_work_t *w, smap_hull_t *h, float s, float c)
     const float first = smap_slope(w, h, list, level, from, (uint8_t)(from + 1));
     uint8_t any = h->bent[list[from]] | h->bent[list[from + 1]];
     for (to = (uint8_t)(from + 1); to + 1 < n; to++) {
-      if (h->was[list[to]] && h->on[list[to]]) {
-        const float more = smap_slope(w, h, list, level, to, (uint8_t)(to + 1)) - first;
-        if (!(more <= SMAP_UNITE && more >= -SMAP_UNITE)) {
+      const float more = smap_absolute(smap_slope(w, h, list, level, to, (uint8_t)(to + 1)) - first);
+      if (more > SMAP_UNITE) {
+        if (h->was[list[to]] && h->on[list[to]]) {
           break;
         }
+        w->region->guard += SMAP_TURNED * more; /* what turns at this pitch is of the facet, and all but on its plane */
       }
       any |= h->bent[list[to + 1]];
     }

@@ -89,11 +89,12 @@ SMAP_INLINE float smap_less(float sine, float guard)
 }
 
 /* Read a region under a direction of any length. */
-static int8_t smap_read_region(const smap_layout_t *at, const smap_region_t *o, float guard, const float gravity[3],
+static int8_t smap_read_region(const smap_layout_t *at, const smap_region_t *o, const float gravity[3],
                                smap_reading_t *out)
 {
   const float size = 1.0f / smap_root(smap_dot(gravity, gravity));
   const float g[3] = {gravity[0] * size, gravity[1] * size, gravity[2] * size};
+  const float guard = o->guard;
   float rate, tip, d[3];
   uint8_t i, which, best = smap_pierced(at, o, g, &rate), arc = SMAP_NONE;
   int8_t status = SMAP_OK;

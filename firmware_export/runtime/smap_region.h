@@ -46,6 +46,7 @@ typedef struct {
 /* The form for floats.  `plane` is n / h.  `amid` is the middle of an arc times the sine of half of it, `along` its
  * direction there times the cosine. */
 typedef struct {
+  float guard; /* the sine that is taken off every distance */
   float plane[SMAP_MAX_RESTS][3], centre[SMAP_MAX_RESTS][3], height[SMAP_MAX_RESTS];
   float wall[SMAP_WALLS][3];
   float amid[SMAP_MAX_ARCS][3], along[SMAP_MAX_ARCS][3];
@@ -289,11 +290,14 @@ static uint8_t smap_add_rest(smap_work_t *w, const float n[3], float (*p)[3], co
   return first;
 }
 
-/* Edges a and b of two rests are the same arc: the robot rolls over it from one to the other. */
-SMAP_INLINE void smap_pair(smap_work_t *w, uint8_t a, uint8_t b)
+/* Edges a and b of two rests are the same arc, over which the robot rolls from one to the other, if they have the same
+ * contacts. */
+static void smap_pair(smap_work_t *w, uint8_t a, uint8_t b)
 {
-  w->twin[a] = b;
-  w->twin[b] = a;
+  if (w->contact[a] == w->contact[smap_after(w, b)] && w->contact[b] == w->contact[smap_after(w, a)]) {
+    w->twin[a] = b;
+    w->twin[b] = a;
+  }
 }
 
 /* Add a part of the boundary on a wall, from unit vector a to b. */

@@ -93,7 +93,7 @@ function seated({ facets, edges }, gravity) {
     const g = gravity.clone().applyQuaternion(turn);
     const walls = edges.filter((edge) => facets[edge.facet] === facet);
     const inside = Math.min(1, ...walls.map(({ start, stop }) =>
-      new Vector3().crossVectors(start, stop).normalize().dot(g)));
+      new Vector3().crossVectors(stop, start).normalize().dot(g)));
     if (inside >= 0 && above.z > up) [best, up] = [g, above.z];
     if (inside > most) [nearest, most] = [g, inside];
   });
