@@ -269,7 +269,7 @@ def test_an_exported_table_is_nowhere_falsely_safe_and_gives_little_up(chart: st
     # Points that it has not seen, and half of them beside the boundary; a table of zeros gives up
     # all, one that says 30 deg everywhere is falsely safe.
     for sample in (uniform(export.model, 60_000, 6), biased(export.model, 60_000, 6)):
-        # A test of 40,000 points excludes a rate of 3 in 40,000, and no lower one: 4.5 here, and two
+        # A test of 40,000 points excludes a rate of 3 in 40,000, no lower one: 4.5 here, and two
         # deviations more.
         assert reader.measure(sample).false_safe.sum() <= 9
     seen = reader.measure(uniform(export.model, 60_000, 7))
