@@ -32,7 +32,7 @@ class Jumps(NamedTuple):
 def _halved(model: Model, params: Floats, gravity: Floats) -> tuple[Floats, Floats]:
     """Halve pairs of points, keeping the half over which |SD_g| changes more.
 
-    Of `params` (2, m, k) and `gravity` (2, m, d, 3), where two postures differ with d = 1.  The
+    `params` has the shape (2, m, k), `gravity` (2, m, d, 3); where two postures differ, d = 1.  The
     differences (m d,) that are left after EARLY and after LATE halvings; 0 for pairs that came to a
     place where the robot tips.
     """

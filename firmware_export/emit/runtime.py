@@ -1,6 +1,6 @@
 """The runtime of an export: the text of its family, the same bytes in every export of a version.
 
-Owns how the files of runtime/ become one text: each `#include "smap_..."` is replaced by its file.
+Each `#include "smap_..."` in a file of runtime/ is replaced by the file that it names.
 """
 
 import re

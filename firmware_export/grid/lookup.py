@@ -194,7 +194,7 @@ class Lookup(Codec):
             fit_point(wide, one, tuple(n for n in nodes if n > 1), spec.bits, unit)
             for one, nodes in zip(order, spec.nodes, strict=True)
         )
-        # Of an edge normal, two of whose points integers misplace.
+        # Integers misplace both points of an edge, which turns its normal.
         misplaced = MISPLACED * unit
         off = misplaced * (2.0 * reach_of(wide) + misplaced) / least_edge_of(model)
         guard = ROUNDING + turned(wide, order, points) + (math.asin(off) if off < 1.0 else math.pi)

@@ -63,7 +63,6 @@
 
 #define SMAP_PI 3.14159265f
 #define SMAP_LARGEST 3.402823466e+38f
-#define SMAP_NAN smap_from_bits(0x7FC00000u)
 
 SMAP_INLINE uint32_t smap_bits(float x)
 {

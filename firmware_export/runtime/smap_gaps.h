@@ -14,7 +14,6 @@
 #define SMAP_STEP_IN 1.1f    /* times what brings the side of a gap in */
 #define SMAP_SLIT 1e-5f      /* of the size: between edges that are nearer there is nothing */
 #define SMAP_LEANS 1e-6f     /* of the size: the ends of a gap are as far inside its sides, and no place is inside by less */
-
 #define SMAP_DOT 2e-6f       /* of the size: an edge that is shorter holds and bounds nothing of its own */
 #define SMAP_HALVES 3        /* rounds of Newton's method for the plane half-way over an arc */
 
@@ -190,8 +189,8 @@ static float smap_within(const float *const corner[4], float w, float sign, floa
   return most;
 }
 
-/* Bring one side of a gap in, by the rule of Illinois, until nothing of the curve is inside that it stands for: the places of one
- * balance on the way over the arc, told by a parabola at each quarter; 0 where that does not happen. */
+/* Bring one side of a gap in, by the rule of Illinois, until no place of its curve is inside; 0 where that does not
+ * happen.  The curve is that of one balance on the way over the arc: a parabola tells its places at each quarter. */
 static int smap_bring_in(const float *const corner[4], float (*half)[3], uint8_t side, float least, float span[2])
 {
   const float sign = side ? -1.0f : 1.0f, other = span[1 - side];
@@ -293,7 +292,8 @@ SMAP_APART static void smap_find_gap(smap_work_t *w, uint8_t e)
     if (!(span[0] < span[1]) || !(slit || smap_add_gap(w, e, corner, span))) {
       return;
     }
-  } else if (!slit && !smap_is_full(w, SMAP_OF_GAPS, w->at->gaps, SMAP_MAX_GAPS)) { /* what is between them has no sides but those of their edges */
+  } else if (!slit && !smap_is_full(w, SMAP_OF_GAPS, w->at->gaps, SMAP_MAX_GAPS)) {
+    /* The strip between them has no sides of its own, but the walls beside e. */
     smap_gap_t *const gap = &w->at->gap[w->at->gaps++];
     gap->a = e;
     gap->b = back;
@@ -378,24 +378,30 @@ static void smap_find_islands(smap_work_t *w)
   }
 }
 
-/* Scale the walls of all corners to length 1.  Rounding tells how that of a dot lies: it gets the next one. */
+/* Scale the walls of all corners to length 1.  Rounding tells how the wall of a dot lies: it gets the next one. */
 static void smap_unit_walls(smap_work_t *w)
 {
-  const float size = w->map->size, least = SMAP_DOT * size * size;
-  uint8_t r, k, e, last;
+  const float least = SMAP_DOT * w->map->size * w->map->size;
+  float(*const wall)[3] = w->region->wall;
+  uint8_t r, e;
   for (r = 0; r < w->at->rests; r++) {
-    const uint8_t count = (uint8_t)(w->at->first[r + 1] - w->at->first[r]);
-    last = SMAP_NONE;
-    for (k = (uint8_t)(2u * count); k > 0; k--) { /* twice round, from the last to the first */
-      float *const wall = w->region->wall[e = (uint8_t)(w->at->first[r] + (k - 1u) % count)];
-      if (k > count ? smap_dot(wall, wall) > least * least : smap_dot(wall, wall) > 0.5f) {
-        (void)(k > count && smap_unit(wall));
-        last = e;
-      } else if (last != SMAP_NONE) {
-        memcpy(wall, w->region->wall[last], sizeof w->region->wall[e]);
+    const uint8_t first = w->at->first[r], end = w->at->first[r + 1];
+    uint8_t next = SMAP_NONE; /* the first wall of all, and then the one behind e */
+    for (e = end; e-- > first;) {
+      if (smap_dot(wall[e], wall[e]) > least * least && smap_unit(wall[e])) {
+        next = e;
+      } else {
+        memset(wall[e], 0, sizeof wall[e]);
       }
     }
-    w->full |= (uint8_t)(last == SMAP_NONE);
+    w->full |= (uint8_t)(next == SMAP_NONE);
+    for (e = end; next != SMAP_NONE && e-- > first;) {
+      if (smap_dot(wall[e], wall[e]) > 0.0f) {
+        next = e;
+      } else {
+        memcpy(wall[e], wall[next], sizeof wall[e]);
+      }
+    }
   }
 }
 

@@ -117,7 +117,7 @@ static int8_t smap_read_region(const smap_layout_t *at, const smap_region_t *o, 
   } else {
     const int rocks = tip < 0.0f && smap_is_in_gap(at, o, g), tips = tip < 0.0f && !rocks;
     status = tips ? SMAP_TIPS : tip >= guard ? SMAP_OK : SMAP_ROCKS;
-    /* How far it has tipped is told by the island that it pierces; a gap may be of another one. */
+    /* A direction that tips is measured to the island that it pierces.  A gap may belong to another island. */
     tip = smap_nearest(at, o, g, rocks ? 0 : at->from[best], rocks ? at->arcs : at->till[best], tips ? -1.0f : 1.0f, &arc);
     tip = tips ? -tip : tip;
   }

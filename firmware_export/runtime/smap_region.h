@@ -160,7 +160,7 @@ static uint8_t smap_outline(const float n[3], float (*p)[3], uint8_t *id, uint8_
   return 0;
 }
 
-/* The same of a triangle: it is least wide across its longest side. */
+/* Find the centroid of a triangle; 0 where it is not as wide as a rest: it is least wide across its longest side. */
 static int smap_measure_triangle(const smap_work_t *w, float (*p)[3], float centre[3])
 {
   const float width = w->map->rest_width;

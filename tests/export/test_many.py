@@ -221,3 +221,24 @@ def test_every_name_has_the_prefix_and_no_function_is_long():
             assert match[0].count("\n") < 60, match[1]
         names = re.findall(r"^#define (\w+)|^\} (\w+);", text, re.M)
         assert all(a.startswith("SMAP_") or b.startswith("smap_") for a, b in names)
+
+
+def test_answers_do_not_depend_on_the_unit_of_length(robot):
+    rng = np.random.default_rng(3)
+    params, g = postures_of(robot.recipe, rng, 200), random_directions(rng, 10_000)
+    g = g.reshape(200, 50, 3)
+    metres, placed = robot.read(params, g), robot.placed(params)
+    flat = placed.reshape(len(placed), -1)
+    flat[:, : 4 * len(robot.order)] *= 1024.0  # The power of two next to millimetres: no rounding.
+    lengths, many = ("size", "least_height", "rest_width", "tolerance"), robot.many
+    robot.many = type(many).from_buffer_copy(many)
+    for name in lengths:
+        setattr(robot.many, name, 1024.0 * getattr(many, name))
+    robot.placed = lambda params: placed
+    try:
+        other = robot.read(params, g)
+    finally:
+        robot.many = many
+        del robot.placed
+    assert other["status"].tobytes() == metres["status"].tobytes()
+    assert other["tip_angle"].tobytes() == metres["tip_angle"].tobytes()
