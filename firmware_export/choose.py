@@ -175,7 +175,7 @@ class Trials:
         export = Export(
             *(self.name, model.recipe, model, codec.name, self.arithmetic, self.channels, tables)
         )
-        size = flash_bytes(export, codec.c_body(tables, export.integer))
+        size = flash_bytes(export)
         asked = device(export)
         seen = [asked.compare(known) for known in self.sample]
         # What is tested is lowered by the certificate, until it finds none.
@@ -232,7 +232,7 @@ def try_sizes(trials: Trials, codec: Codec, goal: Goal) -> None:
     ceiling = goal.flash if goal.flash is not None else LARGEST
     most = ceiling - code_bytes(codec.families[trials.arithmetic])
     percent = None if goal.percent is None else goal.aim
-    sizes = codec.sizes(trials.model, trials.channels, trials.arithmetic, most, percent)
+    sizes = codec.sizes(trials.model, trials.channels, most, percent)
 
     def larger(spec: Any) -> bool:
         """Tell whether sizes beyond this one are of use."""

@@ -15,9 +15,8 @@ import numpy as np
 
 from firmware_export.codecs import usable
 from firmware_export.control import Wishes, steered
-from firmware_export.emit import body_of, described
 from firmware_export.host import BLIND, ESCAPES, Controller, budget
-from firmware_export.protocol import Blob, Export, Policy
+from firmware_export.protocol import Blob, Export, Policy, describe
 from firmware_export.truth import Model
 from lutgen.channels import body_gravity, evaluate_each
 from lutgen.errors import InputError
@@ -65,10 +64,10 @@ def robot(name: str, codec: str = "contacts", **wishes: Any) -> Steered:
     model = Model(load_recipe(GALLERY / f"{name}.toml"))
     info = usable(model, "float", codec)[0]
     channels = ("tip_angle",)
-    tables = info.encode(model, channels, info.sizes(model, channels, "float")[0])
+    tables = info.encode(model, channels, info.sizes(model, channels)[0])
     export = Export(name, model.recipe, model, info.name, "float", channels, tables)
     export, found = steered(export, Wishes(**wishes))
-    return Steered(model, described(export, body_of(export)), found.policy)
+    return Steered(model, describe(export), found.policy)
 
 
 class Count(NamedTuple):

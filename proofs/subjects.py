@@ -7,7 +7,6 @@ from functools import partial
 from pathlib import Path
 
 from firmware_export.emit import package
-from firmware_export.emit.source import body_of
 from firmware_export.host import family_of
 from firmware_export.protocol import Export
 from firmware_export.truth import Model
@@ -72,5 +71,5 @@ def made(name: str, folder: Path) -> Subject:
     package.write(export, folder / name)
     forms = "SMAP_INTEGER" if export.integer else "SMAP_FLOAT | SMAP_INTEGER"
     # Of more contacts Eva shows nothing yet.
-    three = family_of(body_of(export).codec, export.integer) in ("points", "tables", "tables_i")
+    three = family_of(export.body.codec, export.integer) in ("points", "tables", "tables_i")
     return Subject(name, (folder / name).absolute(), export.model.k, forms, three)

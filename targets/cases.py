@@ -46,7 +46,7 @@ def of_robot(
     model = Model(recipe)
     channels = tuple(one for one in EXPORTABLE if one in recipe.channels or one == "tip_angle")
     info = usable(model, arithmetic, codec)[0]
-    size = info.read_label(label) if label else info.sizes(model, channels, arithmetic)[0]
+    size = info.read_label(label) if label else info.sizes(model, channels)[0]
     tables = info.encode(model, channels, size)
     return Export(name, recipe, model, codec, arithmetic, channels, tables)
 

@@ -22,8 +22,9 @@ from typing import Any
 import numpy as np
 
 from firmware_export.control import Wishes, steered
-from firmware_export.emit import body_of, described, package
+from firmware_export.emit import package
 from firmware_export.host import Controller
+from firmware_export.protocol import describe
 from lutgen.errors import LutgenError
 from targets.boards import BOARDS, Board
 from targets.cases import BUILD, of_recipe
@@ -54,7 +55,7 @@ def prepared(name: str) -> Robot:
     folder = BUILD / name / "control"
     folder.parent.mkdir(parents=True, exist_ok=True)
     package.write(export, folder)
-    blob = described(export, body_of(export))
+    blob = describe(export)
     controller = Controller(blob, found.policy.packed(blob.bytes))
     low, high = (np.asarray(end, np.float32) for end in (export.model.lower, export.model.upper))
     return Robot(name, folder, low, high, fnv1a(answers(controller, low, high)))

@@ -16,7 +16,6 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import Any
 
-from firmware_export.emit.source import body_of
 from firmware_export.host import Host
 from firmware_export.protocol import Export, describe
 from lutgen.errors import LutgenError
@@ -64,7 +63,7 @@ class Row:
 def prepared(case: Case) -> Row:
     """Write the folder of a row."""
     export, folder = written(case)
-    body = body_of(export)
+    body = export.body
     job = Job(folder, export.name, export.model.k, not export.integer, True, b"", 0, 0)
     many = body.codec in MANY
     return Row(case, export, job, Host(describe(export, body)), FEWER if many else 1)

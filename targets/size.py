@@ -17,7 +17,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
-from firmware_export.emit import body_of, package
+from firmware_export.emit import package
 from firmware_export.emit.size import BY_CODE, FILE, TARGET
 from firmware_export.host import RUNTIME
 from firmware_export.protocol import Export
@@ -112,7 +112,7 @@ def measure(export: Export, folder: Path) -> Measure:
             f"{export.name}.c: needs a function of a library (got {', '.join(sorted(more))}); "
             "write it without."
         )
-    return {"code": size.code, "stack": size.stack or 0, "pose": 4 * body_of(export).pose[0] + 4}
+    return {"code": size.code, "stack": size.stack or 0, "pose": 4 * export.body.pose[0] + 4}
 
 
 def measure_control(family: str, folder: Path) -> int:

@@ -179,8 +179,7 @@ class Reader:
 
 def device(export: Export) -> Reader:
     """Return what answers as the microcontroller will: the C that ships, with these tables."""
-    body = export.tables.body(export.integer)
-    host = Host(describe(export, body))
+    host = Host(describe(export))
     if export.integer:
-        return Reader(export.model, host.read_i, body.steps)
+        return Reader(export.model, host.read_i, export.body.steps)
     return Reader(export.model, host.read)

@@ -164,7 +164,7 @@ def _tables(model: Model, spec: Spec) -> Tables:
     def host(room: Room) -> Host:
         one = replace(tables, room=room)
         export = Export("room", model.recipe, model, "contacts", "float", ("tip_angle",), one)
-        return Host(describe(export, one.body()))
+        return Host(describe(export))
 
     return replace(tables, room=room_of(model, host))
 
@@ -232,7 +232,6 @@ class Contacts(Codec):
         self,
         model: Model,
         channels: tuple[str, ...] = (),
-        arithmetic: str = "float",
         most: int | None = None,
         percent: float | None = None,
     ) -> list[Spec]:

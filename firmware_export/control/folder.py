@@ -9,10 +9,10 @@ from dataclasses import replace
 from typing import Any
 
 from firmware_export.control.maker import Design, Wishes, design
-from firmware_export.emit import body_of, check_directory, described, write
+from firmware_export.emit import check_directory, write
 from firmware_export.exporter import Asked, certified
 from firmware_export.host import Controller
-from firmware_export.protocol import Export
+from firmware_export.protocol import Export, describe
 from lutgen.errors import InputError
 from lutgen.mapping import StabilityMap
 from lutgen.recipe import Recipe
@@ -32,7 +32,7 @@ def steered(export: Export, wishes: Wishes) -> tuple[Export, Design]:
             "arithmetic); export with --arithmetic float."
         )
     found = design(export.model, wishes)
-    blob = described(export, body_of(export))
+    blob = describe(export)
     Controller(blob, found.policy.packed(blob.bytes))  # whether the C takes it
     return replace(export, policy=found.policy), found
 

@@ -16,9 +16,9 @@ from firmware_export.codecs import usable
 from firmware_export.control.folder import steered
 from firmware_export.control.maker import Wishes
 from firmware_export.device import ExportFolder
-from firmware_export.emit import body_of, default_name, described
+from firmware_export.emit import default_name
 from firmware_export.host import Controller
-from firmware_export.protocol import Blob, Export
+from firmware_export.protocol import Blob, Export, describe
 from firmware_export.truth import Model
 from lutgen.errors import InputError
 from lutgen.recipe import Recipe
@@ -103,10 +103,10 @@ def steering_of(recipe: Recipe, wishes: Wishes, codec: str = "contacts") -> Stee
     """
     model = Model(recipe)
     info = usable(model, "float", codec)[0]
-    tables = info.encode(model, CHANNELS, info.sizes(model, CHANNELS, "float")[0])
+    tables = info.encode(model, CHANNELS, info.sizes(model, CHANNELS)[0])
     export = Export(default_name(recipe.name), recipe, model, info.name, "float", CHANNELS, tables)
     export, found = steered(export, wishes)
-    blob = described(export, body_of(export))
+    blob = describe(export)
     packed = found.policy.packed(blob.bytes)
     rates = np.array([joint.rate for joint in found.policy.joints]) / wishes.cycle
     return Steering(recipe, blob, packed, wishes.cycle, wishes.latency, rates, info.name)

@@ -10,17 +10,14 @@ from firmware_export.emit.names import check_name, default_name
 from firmware_export.emit.package import check_directory, write
 from firmware_export.emit.report import load_report
 from firmware_export.emit.size import code_bytes
-from firmware_export.emit.source import body_of, described
 from firmware_export.emit.words import bytes_text, errors_of, share
 
 __all__ = [
-    "body_of",
     "bytes_text",
     "check_directory",
     "check_name",
     "code_bytes",
     "default_name",
-    "described",
     "errors_of",
     "flash_bytes",
     "load_report",

@@ -14,7 +14,7 @@ from firmware_export.emit.names import macro
 from firmware_export.emit.runtime import runtime_version
 from firmware_export.emit.size import CELL, TARGET, counted_row, family_row
 from firmware_export.host import family_of
-from firmware_export.protocol import CBody, Export, describe, turns
+from firmware_export.protocol import Export, describe, turns
 from firmware_export.truth import slack
 from lutgen._version import __version__
 from lutgen.parts import Parameter
@@ -60,13 +60,13 @@ def _movement(parameter: Parameter, recipe: Recipe) -> str:
     return " and ".join(parts) or "parameter of the recipe's own function"
 
 
-def flash_bytes(export: Export, body: CBody) -> dict[str, Any]:
+def flash_bytes(export: Export) -> dict[str, Any]:
     """Return the bytes of an export: tables, descriptor, code, total, and the stack of any call.
 
     With a policy there are those of the code that follows it, and of the policy itself.
     `measured`: this very export was; else code and stack are the most that its family takes.
     """
-    tables, blob = body.bytes, describe(export, body)
+    body, blob = export.body, describe(export)
     by_code = bool(dict(body.macros).get("SMAP_SERIES"))
     most = family_row(family_of(blob.codec, blob.integer), by_code)
     row = counted_row(export)
@@ -76,13 +76,13 @@ def flash_bytes(export: Export, body: CBody) -> dict[str, Any]:
     if export.policy is not None:
         packed = export.policy.packed(blob.bytes)
         more = {"control": most["control"], "policy": len(packed)}
-    descriptors = len(blob.bytes) - tables
+    descriptors = len(blob.bytes) - body.bytes
     return {
-        "tables": tables,
+        "tables": body.bytes,
         "descriptors": descriptors,
         "code": code,
         **more,
-        "total": tables + descriptors + code + sum(more.values()),
+        "total": body.bytes + descriptors + code + sum(more.values()),
         "stack": cell.get("stack", stack),
         "measured": bool(cell) and not more,
         "target": TARGET,
@@ -127,12 +127,9 @@ def plain(value: Any) -> Any:
     return value if value is None or isinstance(value, str) else str(value)
 
 
-def report(export: Export, body: CBody, names: list[str]) -> dict[str, Any]:
-    """Return the content of NAME_report.json, from which all other texts are printed.
-
-    `names` are the files of the folder.
-    """
-    recipe, model, tables = export.recipe, export.model, export.tables
+def report(export: Export) -> dict[str, Any]:
+    """Return the content of NAME_report.json but for its files; all other texts follow from it."""
+    body, recipe, model, tables = export.body, export.recipe, export.model, export.tables
     certificate = export.certificate or {}
     errors = certificate.get("channels", {})
     content = {
@@ -178,8 +175,8 @@ def report(export: Export, body: CBody, names: list[str]) -> dict[str, Any]:
         },
         "steps": {name: step for name, step in body.steps.items() if name in export.channels},
         "pose": {"both": body.pose[0], "integer": body.pose[1]},
-        "policy": _policy(export, body),
-        "bytes": flash_bytes(export, body),
+        "policy": _policy(export),
+        "bytes": flash_bytes(export),
         "counts": counted(export),
         "guard_deg": math.degrees(float(tables.guard)),
         "guard_text": tables.guard_text,
@@ -188,18 +185,17 @@ def report(export: Export, body: CBody, names: list[str]) -> dict[str, Any]:
         "points": certificate.get("points"),
         "certificate": certificate or None,
         "pareto": export.pareto,
-        "files": names,
     }
     result: dict[str, Any] = plain(content)
     return result
 
 
-def _policy(export: Export, body: CBody) -> dict[str, Any] | None:
+def _policy(export: Export) -> dict[str, Any] | None:
     """Return what is known of the policy, and its bytes, or None where there is none."""
-    policy = export.policy
+    body, policy = export.body, export.policy
     if policy is None:
         return None
-    packed = policy.packed(describe(export, body).bytes)
+    packed = policy.packed(describe(export).bytes)
     # Behind an address: joints, some numbers, the pose with its address, the pose of a box.
     state = 4 * max(export.model.k, 1) + 16 + 3 + body.pose[0] + body.swept + 2
     return {

@@ -30,9 +30,9 @@ from firmware_export.emit.project_files import (
 )
 from firmware_export.emit.ros import keeper_text, node_text
 from firmware_export.emit.runtime import runtime_file
-from firmware_export.emit.source import body_of, described, source_text
+from firmware_export.emit.source import source_text
 from firmware_export.emit.trial import try_out
-from firmware_export.protocol import Export, stored
+from firmware_export.protocol import Export, describe, stored
 from lutgen.errors import ExportError, InputError
 from lutgen.files import digest as file_digest
 
@@ -48,13 +48,10 @@ def contents(export: Export) -> tuple[dict[str, bytes], dict[str, Any]]:
     The report also holds the tables, so that they can be asked, and the digest of NAME.c.
     """
     name = check_name(export.name)
-    body = body_of(export)
     jumps = bool((export.certificate or {}).get("jumps"))
     picture = draw_pareto(export.pareto or [], "99th percentile of the" if jumps else "largest")
-    content = report(export, body, [])
-    source = source_text(export, body)
-    digest = file_digest(source.encode("utf-8"))
-    content["tables"] = {"source_sha256": digest, **stored(described(export, body))}
+    content = report(export)
+    source = source_text(export)
     texts = {
         f"{name}.h": header_text(content),
         f"{name}.c": source,
@@ -71,11 +68,13 @@ def contents(export: Export) -> tuple[dict[str, bytes], dict[str, Any]]:
         "zephyr/module.yml": zephyr_module(export),
         "zephyr/CMakeLists.txt": zephyr_cmake(export),
         "LICENSE": runtime_file("LICENSE"),
-        f"{name}_report.md": page(content, body, f"{name}_pareto.png" if picture else None),
+        f"{name}_report.md": page(content, export.body, f"{name}_pareto.png" if picture else None),
     }
     texts = {key: text for key, text in texts.items() if text}
     last = f"{name}{reports.SUFFIX}"
     content["files"] = [*texts, last, *([f"{name}_pareto.png"] if picture else [])]
+    digest = file_digest(source.encode("utf-8"))
+    content["tables"] = {"source_sha256": digest, **stored(describe(export))}
     files = {key: text.encode("utf-8") for key, text in texts.items()}
     if picture:
         files[f"{name}_pareto.png"] = picture

@@ -7,32 +7,21 @@ Owns the order and the look of the file.  The codec says what its numbers are (`
 from collections.abc import Sequence
 from typing import Any
 
-from firmware_export.codecs import codec
 from firmware_export.emit.runtime import control_text, runtime_text, runtime_version, settings
 from firmware_export.emit.text import LICENCE, WIDTH, comment_lines
 from firmware_export.host import family_of
-from firmware_export.protocol import Blob, CBody, Export, describe
+from firmware_export.protocol import Export, describe
 
 # avr-gcc makes no object of more bytes.
 LARGEST_AVR = 32767
 
 
-def described(export: Export, body: CBody) -> Blob:
-    """Return the blob of an export, whose codec's part is `body`."""
-    return describe(export, body)
-
-
-def body_of(export: Export) -> CBody:
-    """Return the codec's part of an export."""
-    return codec(export.codec).c_body(export.tables, export.integer)
-
-
-def source_text(export: Export, body: CBody) -> str:
+def source_text(export: Export) -> str:
     """Return NAME.c."""
-    name, policy, blob = export.name, export.policy, described(export, body)
+    name, policy, blob = export.name, export.policy, describe(export)
     family, version = family_of(blob.codec, blob.integer), runtime_version()
     macros: dict[str, Any] = {"SMAP_OWN_BLOB": f"{name}_tables", "SMAP_OWN_BYTES": len(blob.bytes)}
-    macros |= settings(body, export.model.k)
+    macros |= settings(export.body, export.model.k)
     packed = b"" if policy is None else policy.packed(blob.bytes)
     if policy is not None:
         macros |= {"SMAP_CONTROL": 1, "SMAP_OWN_POLICY": f"{name}_policy"}

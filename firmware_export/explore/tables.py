@@ -37,9 +37,9 @@ class Answers:
 def answers_of_recipe(recipe: Recipe) -> Answers:
     """Return tables of the codec that needs no search; refuse a robot that the page cannot hold."""
     drawn, info, model = _drawn(recipe), codec(QUICK), Model(recipe)
-    tables = info.encode(model, EXPORTABLE, info.sizes(model, EXPORTABLE, "float")[0])
+    tables = info.encode(model, EXPORTABLE, info.sizes(model, EXPORTABLE)[0])
     export = Export("explored", recipe, model, info.name, "float", EXPORTABLE, tables)
-    blob = describe(export, tables.body())
+    blob = describe(export)
     return Answers(blob, drawn, f"codec {QUICK}, made for this page", float(tables.guard))
 
 
@@ -72,4 +72,4 @@ def _drawn(recipe: Recipe) -> Blob:
             "it with `lutgen plot --kind robot` and `lutgen eval`."
         )
     tables = drawn_tables(model)
-    return describe(Export("drawn", recipe, model, QUICK, "float", (), tables), tables.body())
+    return describe(Export("drawn", recipe, model, QUICK, "float", (), tables))

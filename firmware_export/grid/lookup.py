@@ -161,7 +161,6 @@ class Lookup(Codec):
         self,
         model: Model,
         channels: tuple[str, ...] = (),
-        arithmetic: str = "float",
         most: int | None = None,
         percent: float | None = None,
     ) -> list[Spec]:

@@ -169,7 +169,6 @@ class Trained(Codec):
         self,
         model: Model,
         channels: tuple[str, ...],
-        arithmetic: str,
         most: int | None = None,
         percent: float | None = None,
     ) -> list[Spec]:

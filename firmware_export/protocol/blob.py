@@ -78,8 +78,9 @@ def _repeats(model: Model, index: int) -> bool:
     return bool(np.abs(here - there).max() <= ALIKE * np.abs(here).max())
 
 
-def describe(export: Export, body: CBody) -> Blob:
-    """Return the blob of an export whose codec's part is `body`."""
+def describe(export: Export, body: CBody | None = None) -> Blob:
+    """Return the blob of an export; `body` takes the place of what its tables hold."""
+    body = body or export.body
     model, guard = export.model, float(export.tables.guard)
     channels = sum(CHANNEL_BITS[channel] for channel in export.channels)
     limit = min(65535, math.ceil(model.chart_limit * 4096.0 * (1.0 + HAIR)) + 1)

@@ -1,8 +1,10 @@
 """One finished export: data only, made by the exporter and read by those who write and ask."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
+from firmware_export.protocol.array import CBody
 from firmware_export.protocol.policy import Policy
 from lutgen.recipe import Recipe
 
@@ -48,3 +50,9 @@ class Export:
     def integer(self) -> bool:
         """Whether the export answers smap_read_i."""
         return self.arithmetic == "integer"
+
+    @cached_property
+    def body(self) -> CBody:
+        """The codec's part of the blob, as this export is read."""
+        found: CBody = self.tables.body(self.integer)
+        return found

@@ -79,7 +79,6 @@ class Codec(ABC):
         self,
         model: Model,
         channels: tuple[str, ...],
-        arithmetic: str,
         most: int | None = None,
         percent: float | None = None,
     ) -> list[Any]:
@@ -100,7 +99,3 @@ class Codec(ABC):
     def exact(self, model: Model) -> bool:
         """Tell whether no other codec need be tried where this one will do."""
         return False
-
-    def c_body(self, tables: Any, integer: bool = False) -> CBody:
-        """Return the codec's part of the blob."""
-        return tables.body(integer)  # type: ignore[no-any-return]

@@ -41,8 +41,7 @@ def made(row: str) -> tuple[Recipe, bytes, bool]:
     (info,) = usable(model, arithmetic, label.split()[0])
     tables = info.encode(model, channels, info.read_label(label))
     export = Export(name, recipe, model, info.name, arithmetic, channels, tables)
-    integer = arithmetic == "integer"
-    return recipe, describe(export, info.c_body(tables, integer)).bytes, integer
+    return recipe, describe(export).bytes, export.integer
 
 
 def line(asked: str) -> tuple[bool, str]:

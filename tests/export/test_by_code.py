@@ -14,10 +14,9 @@ from firmware_export.codecs import usable
 from firmware_export.contacts import codec as contacts
 from firmware_export.contacts.lines import find_break, find_jump
 from firmware_export.contacts.series import Series, series_of
-from firmware_export.emit.source import body_of, described
 from firmware_export.exporter import export
 from firmware_export.host import Host
-from firmware_export.protocol import Export
+from firmware_export.protocol import Export, describe
 from firmware_export.truth.beyond import slack, widened
 from firmware_export.truth.model import Model
 from lutgen.channels import evaluate_each
@@ -39,7 +38,7 @@ def export_of(name: str, error: float | None = None) -> Export:
 
 
 def host_of(export: Export) -> Host:
-    return Host(described(export, body_of(export)))
+    return Host(describe(export))
 
 
 def tables_of(export: Export) -> Series:

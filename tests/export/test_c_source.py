@@ -17,7 +17,6 @@ from firmware_export.emit.header import header_text
 from firmware_export.emit.names import LONGEST, check_name, default_name
 from firmware_export.emit.runtime import control_text, runtime_file, runtime_text
 from firmware_export.emit.size import code_bytes
-from firmware_export.emit.source import body_of
 from firmware_export.emit.text import WIDTH, block_comment, plain_text
 from firmware_export.host import RUNTIME, family_of
 from firmware_export.protocol.array import CArray, literal
@@ -219,13 +218,13 @@ def test_a_robot_with_an_unusual_name_gives_c_that_compiles(tmp_path: Path) -> N
 
 def test_the_header_says_what_a_reader_must_know(exports: dict[str, Export]) -> None:
     export = exports["contacts"]
-    text = header_text(report(export, body_of(export), []))
+    text = header_text(report(export))
     for part in (
         "stability map of the robot tripod",
         "FEET_REACH 0 .. 0.6 m +- 0.003 shifts leg",
         "FEET_SWING -0.6981317 .. 0.8726646 rad (-40 .. 50 deg) +- 0.5 deg turns hip",
         "up to 50 deg of pitch and of roll",
-        f"at most {report(export, body_of(export), [])['bytes']['total']:,} bytes, the largest",
+        f"at most {report(export)['bytes']['total']:,} bytes, the largest",
         f"{code_bytes('points'):,} of code",
         "#define FEET_FLASH",
         "#define FEET_POSE_BYTES 120u",
@@ -248,23 +247,25 @@ def test_the_header_says_what_a_reader_must_know(exports: dict[str, Export]) -> 
 def test_a_largest_error_without_a_bound_is_not_claimed() -> None:
     sdg = {"largest_seen": 0.5, "largest_seen_percent": 40.0, "p99": 0.01, "rms": 0.02}
     export = rover_export(certificate={"points": 9, "channels": {"sdg": sdg}, "jumps": True})
-    text = header_text(report(export, body_of(export), []))
+    text = header_text(report(export))
     assert "no bound, seen: 0.5 m (40 %)" in text
 
 
 def test_what_was_not_measured_is_not_claimed() -> None:
     export = tripod_export(certificate=None, pareto=None)
-    text = header_text(report(export, body_of(export), []))
+    text = header_text(report(export))
     assert "Errors: not measured." in text
     assert "reported unsafe: not measured" in re.sub(r"[ \n*]+", " ", text)
     assert "bytes, measured" not in text
 
 
-def test_the_integer_form_of_a_constant_is_rounded_and_clamped(tmp_path: Path) -> None:
+def test_the_integer_form_of_a_constant_is_rounded_and_clamped(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     export = tripod_export("feet", codec="grid", arithmetic="integer")
     steps = (("sdg", 0.001), ("height", 0.0005))
-    export = replace(export, channels=("sdg", "tip_angle", "height"))
-    text = header_text(report(export, replace(body_of(export), lengths=steps), []))
+    monkeypatch.setattr(Export, "body", replace(export.body, lengths=steps))
+    text = header_text(report(replace(export, channels=("sdg", "tip_angle", "height"))))
     (tmp_path / "smap.h").write_text(runtime_file("smap.h"))
     (tmp_path / "feet.h").write_text(text)
     low, high = export.recipe.parameters[1].minimum, export.recipe.parameters[1].maximum
@@ -320,7 +321,7 @@ def test_the_text_of_a_family_is_the_same_bytes_in_every_export(
     assert first == second == [runtime_text("points")]
     assert "smap_series_positions" in first[0]
     for export in exports.values():
-        body = body_of(export)
+        body = export.body
         text = runtime_text(family_of(body.codec, export.integer))
         assert '#include "' not in text.replace("#define SMAP_STEERED_BY", "")
         assert text.count("---- core:") == 1

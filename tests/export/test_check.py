@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from firmware_export.emit.source import body_of, described
 from firmware_export.host import RUNTIME, Host
-from firmware_export.protocol import Blob, Export
+from firmware_export.protocol import Blob, Export, describe
 from firmware_export.truth import Model
 from lutgen.recipe import parse_recipe
 from tests.fixtures.compiled import compile_c
@@ -52,7 +51,7 @@ FAMILY = {
 
 def blob_of(name: str) -> Blob:
     export = MAKERS[name]()
-    return described(export, body_of(export))
+    return describe(export)
 
 
 def changed(blob: Blob, content: bytes) -> Blob:

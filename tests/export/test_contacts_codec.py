@@ -173,7 +173,7 @@ def test_axles_may_point_either_way(axle: tuple[float, float, float]) -> None:
         model = Model(recipe)
         tables = contacts.INFO.encode(model, EXPORTABLE, contacts.Spec())
         export = Export("robot", recipe, model, "contacts", "float", EXPORTABLE, tables)
-        return export, describe(export, tables.body()).bytes
+        return export, describe(export).bytes
 
     export, forth = blob(1.0)
     assert forth == blob(-1.0)[1]

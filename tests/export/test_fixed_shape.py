@@ -37,7 +37,7 @@ def test_a_robot_of_fixed_shape_compiles_clean_and_is_never_falsely_safe(
     model = Model(parse_recipe(text))
     one = usable(model, arithmetic, codec)[0]
     with few_points():
-        tables = one.encode(model, EXPORTABLE, one.sizes(model, EXPORTABLE, arithmetic)[0])
+        tables = one.encode(model, EXPORTABLE, one.sizes(model, EXPORTABLE)[0])
     export = Export("rigid", model.recipe, model, codec, arithmetic, EXPORTABLE, tables)
     package.write(export, tmp_path / "rigid")
 

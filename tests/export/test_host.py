@@ -13,9 +13,8 @@ import pytest
 from firmware_export.certify.answers import device
 from firmware_export.device import ExportFolder
 from firmware_export.emit import load_report, package
-from firmware_export.emit.source import body_of, described
 from firmware_export.host import Host, library
-from firmware_export.protocol import Blob, restored, stored
+from firmware_export.protocol import Blob, describe, restored, stored
 from lutgen.errors import ExportError, InputError
 from tests.fixtures.compiled import HostLibrary
 from tests.fixtures.exports import rover_export, tripod_export
@@ -28,7 +27,7 @@ POINT = ([[0.31, 0.2]], [[0.1, 0.1, -1.0]])
 @pytest.fixture(scope="module")
 def content() -> Blob:
     export = tripod_export()
-    return described(export, body_of(export))
+    return describe(export)
 
 
 # The bits
@@ -82,7 +81,7 @@ def test_many_queries_are_answered_in_order_whatever_the_threads(
 @pytest.mark.parametrize("way", ["read", "read_i"])
 def test_queries_of_one_posture_are_answered_as_if_each_came_alone(way: str) -> None:
     export, rng = rover_export(), np.random.default_rng(4)
-    host, model = Host(described(export, body_of(export))), export.model
+    host, model = Host(describe(export)), export.model
     whole = way == "read_i"
     params = rng.integers(0, 32768, (30, model.k)) if whole else model.at(rng.random((30, model.k)))
     # Off its axis, and no number at all.

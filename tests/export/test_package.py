@@ -14,7 +14,6 @@ import pytest
 from firmware_export.emit import package, report, size
 from firmware_export.emit.figure import draw_pareto
 from firmware_export.emit.page import page
-from firmware_export.emit.source import body_of
 from firmware_export.protocol.exported import Export
 from lutgen.errors import ExportError, InputError
 from tests.fixtures.exports import PARETO, rover_export, tripod_export
@@ -90,7 +89,7 @@ def test_the_report_has_what_a_program_asks_for(export: Export, tmp_path: Path) 
     assert content["chart"] == {"kind": "cone", "faces": 1, "max_tilt_deg": pytest.approx(50.0)}
     assert content["channels"]["sdg"]["unit"] == "m"
     assert content["channels"]["sdg"]["error"]["max"] == 0.0123
-    assert content["bytes"]["tables"] == body_of(export).bytes == export.tables.bytes
+    assert content["bytes"]["tables"] == export.body.bytes == export.tables.bytes
     assert content["bytes"]["code"] == size.code_bytes("points")
     assert content["bytes"]["measured"] is False
     assert (content["false_safe"], content["false_tip"]) == (0, 0.0123)
@@ -301,7 +300,7 @@ def test_a_power_cut_between_two_files_leaves_what_the_next_export_may_replace(
 
 def test_names_of_a_recipe_are_no_markup_on_the_page(export: Export, tmp_path: Path) -> None:
     content = package.contents(export)[1] | {"robot": "<script>alert(1)</script> ![x](//y)"}
-    text = page(content, body_of(export), None)
+    text = page(content, export.body, None)
     assert "<script" not in text
     assert "&lt;script&gt;alert(1)&lt;/script&gt; \\!\\[x\\](//y)" in text
 

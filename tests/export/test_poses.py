@@ -10,10 +10,9 @@ import numpy as np
 import pytest
 
 from firmware_export.emit import package
-from firmware_export.emit.source import body_of, described
 from firmware_export.host import Host
 from firmware_export.host.reader import READING
-from firmware_export.protocol import Export
+from firmware_export.protocol import Export, describe
 from firmware_export.truth import Model, slack
 from lutgen.recipe import Recipe, forward, load_recipe, parse_recipe
 from tests.fixtures.compiled import FLAGS, HostLibrary, compile_c
@@ -85,7 +84,7 @@ int main(void)
 
 
 def host_of(export: Export) -> Host:
-    return Host(described(export, body_of(export)))
+    return Host(describe(export))
 
 
 def some(export: Export, count: int, seed: int = 0) -> tuple[Any, Any]:
@@ -126,7 +125,7 @@ def test_a_pose_reads_the_bits_that_a_read_at_once_gives(name: str) -> None:
 @pytest.mark.parametrize("name", ["contacts", "many"])
 def test_both_forms_of_a_pose_say_the_same_but_for_rounding(name: str) -> None:
     export = MAKERS[name]()
-    host, body = host_of(export), body_of(export)
+    host, body = host_of(export), export.body
     params, gravity = some(export, 3000, 1)
     whole = np.rint(gravity / np.abs(gravity).max(axis=1, keepdims=True) * 30000.0).astype(np.int16)
     seen = 0
@@ -273,7 +272,7 @@ def test_a_joint_that_turns_all_the_way_round_wraps() -> None:
     export = tripod_export()
     from firmware_export.contacts import INFO
 
-    tables = INFO.encode(model, ("sdg", "tip_angle"), INFO.sizes(model, (), "float")[0])
+    tables = INFO.encode(model, ("sdg", "tip_angle"), INFO.sizes(model)[0])
     export = Export("arm", model.recipe, model, "contacts", "float", ("sdg", "tip_angle"), tables)
     host = host_of(export)
     rng = np.random.default_rng(3)
@@ -302,7 +301,7 @@ def test_the_reading_names_the_two_contacts_over_which_it_would_tip() -> None:
     model = Model(recipe)
     from firmware_export.contacts import INFO
 
-    tables = INFO.encode(model, ("tip_angle",), INFO.sizes(model, (), "float")[0])
+    tables = INFO.encode(model, ("tip_angle",), INFO.sizes(model)[0])
     host = host_of(Export("two", recipe, model, "contacts", "float", ("tip_angle",), tables))
     params = model.at(np.full((1, 2), 0.5)).astype(np.float32)
     points = forward(recipe, params).centres[0]

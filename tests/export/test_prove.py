@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from firmware_export.emit import write
-from firmware_export.emit.source import body_of
 from firmware_export.host import Host
 from firmware_export.protocol import describe
 from lutgen.recipe import load_recipe
@@ -21,7 +20,7 @@ CONTACTS, GRID = "paper_two: contacts, float", "paper_one: grid i8 1 4 1, intege
 
 def test_positions_of_the_c_are_no_further_off_than_was_bounded() -> None:
     export = tripod_export()
-    blob = describe(export, body_of(export))
+    blob = describe(export)
     map_ = Map(blob.bytes, False)
     stored = Points(map_, contacts_of(export.recipe, map_.order))
     low, high = np.array(map_.box).T
@@ -70,7 +69,7 @@ def test_a_guard_that_is_too_small_is_not_proved() -> None:
 def test_what_the_lemmas_say_nothing_about_is_refused() -> None:
     rover = rover_export()
     with pytest.raises(CannotProveError, match="not one of three points"):
-        prove(rover.recipe, describe(rover, body_of(rover)).bytes, False)
+        prove(rover.recipe, describe(rover).bytes, False)
     _, blob, _ = made(CONTACTS)
     with pytest.raises(CannotProveError, match="contacts or parameters"):
         prove(load_recipe(MAPS / "paper_one.toml"), blob, False)

@@ -11,7 +11,6 @@ import lutgen
 from firmware_export.contacts import INFO as contacts
 from firmware_export.contacts.room import LIMITS, Room
 from firmware_export.emit import package
-from firmware_export.emit.source import body_of
 from firmware_export.host import STANDS, Host
 from firmware_export.protocol import Export, describe
 from firmware_export.truth import Model
@@ -25,7 +24,7 @@ OK, TIPS = 0, 2
 def export_of(name: str) -> Export:
     recipe = quadruped() if name == "quadruped" else lutgen.load_recipe(MAPS / f"{name}.toml")
     model = Model(recipe)
-    tables = contacts.encode(model, ("tip_angle",), contacts.sizes(model, (), "float")[0])
+    tables = contacts.encode(model, ("tip_angle",), contacts.sizes(model)[0])
     return Export(name, recipe, model, "contacts", "float", ("tip_angle",), tables)
 
 
@@ -36,7 +35,7 @@ def with_room(export: Export, **numbers: int) -> Export:
 
 
 def host_of(export: Export) -> Host:
-    return Host(describe(export, body_of(export)))
+    return Host(describe(export))
 
 
 def queries(export: Export, postures: int, each: int) -> tuple[np.ndarray, np.ndarray]:
@@ -107,7 +106,7 @@ def test_a_robot_that_stands_nowhere_compiles_without_a_warning(tmp_path: Path) 
         text + '[sweep.gravity]\nchart = "sphere"\nnodes = 3\nchannels = ["tip_angle"]\n'
     )
     model = Model(recipe)
-    tables = contacts.encode(model, ("tip_angle",), contacts.sizes(model, (), "float")[0])
+    tables = contacts.encode(model, ("tip_angle",), contacts.sizes(model)[0])
     export = Export("hung", recipe, model, "contacts", "float", ("tip_angle",), tables)
     package.write(export, tmp_path / "out")
     words = "gcc -std=c99 -O2 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror -I. -c hung.c"

@@ -6,7 +6,6 @@ import pytest
 from firmware_export.contacts import INFO as contacts
 from firmware_export.contacts.many import order_of
 from firmware_export.contacts.shown import shown_contacts
-from firmware_export.emit.source import body_of
 from firmware_export.host import Host
 from firmware_export.host.reader import STANDS
 from firmware_export.protocol import Export, describe
@@ -115,7 +114,7 @@ def test_what_is_exported_answers_as_the_robot_with_all_its_contacts(seed: int) 
     recipe = boxed_tracks(seed)
     model = Model(recipe)
     assert len(shown_contacts(model)) < len(recipe.contacts)
-    tables = contacts.encode(model, ("tip_angle",), contacts.sizes(model, (), "float")[0])
+    tables = contacts.encode(model, ("tip_angle",), contacts.sizes(model)[0])
     export = Export("boxed", recipe, model, "contacts", "float", ("tip_angle",), tables)
     rng = np.random.default_rng(seed)
     params = model.at(rng.random((60, model.k))).astype(np.float32)
@@ -124,7 +123,7 @@ def test_what_is_exported_answers_as_the_robot_with_all_its_contacts(seed: int) 
     g = np.concatenate([near, far], axis=1)
     exact = evaluate_each(recipe, params.astype(float), g.astype(float), ("tip_angle",))
     truth = exact["tip_angle"]
-    host = Host(describe(export, body_of(export)))
+    host = Host(describe(export))
     status, reading = host.read(np.repeat(params, 60, axis=0), g.reshape(-1, 3))
     safe, angle = np.isin(status, STANDS), reading[:, 1].reshape(60, 60)
     safe = safe.reshape(60, 60)

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from firmware_export.emit import package
-from firmware_export.emit.source import body_of, described
 from firmware_export.host import RUNTIME, Host
-from firmware_export.protocol import Export
+from firmware_export.protocol import Export, describe
 from proofs.subjects import SUBJECTS
 from targets.size import program
 from tests.fixtures.compiled import FLAGS, HostLibrary, compile_c
@@ -48,7 +47,7 @@ def export_of(name: str) -> Export:
 
 
 def host_of(export: Export) -> Host:
-    return Host(described(export, body_of(export)))
+    return Host(describe(export))
 
 
 def answers(export: Export) -> set[int]:
