@@ -1,7 +1,7 @@
 """The channels of a map: what each is called, in which unit it comes and which end of it is good.
 
-Owns every fact about a channel but its formula, which is in `lutgen.channels.plain` (and, for
-robots under forces, in `loaded`).  A new channel is a row of `QUANTITIES` and its formula.
+The formula of each is in `lutgen.channels.exact`, and for robots under forces in
+`lutgen.channels.loads`.  A new channel is a row of `QUANTITIES` and its formula.
 """
 
 import math

@@ -1,7 +1,7 @@
 """Public definitions of stability margins, written down from the papers and asked beside ours.
 
 All of them judge one polygon of points on the ground.  Each takes its corners (k, 3) relative to
-the com, counter-clockwise seen from below (the order of `lutgen.analysis.Facet.points`), and
+the com, counter-clockwise seen from below (as `points` of `lutgen.analysis.Facet`), and
 directions of gravity (g, 3), unit vectors pointing down in the same frame.  Each returns (g,), the
 smallest over the sides; a weight of 1 is meant where a definition asks for one.
 

@@ -22,13 +22,13 @@ from firmware_export.truth import Cells, Model, least_edge_of, rounds
 from lutgen.errors import InputError
 from lutgen.recipe import robot_size_of
 
-# Their numbers in runtime/blob.c.
+# Their numbers in runtime/smap_map.h.
 POINTS, RAILS, SEARCH = 1, 5, 6
 # Steps of the integer form from the com to the furthest contact.
 STEPS = 16000.0
 # Corners of a facet that the search keeps.
 MOST_SIDES = 12
-# Words of a pose: head, floats, integers (runtime/three.c).
+# Words of a pose: head, floats, integers (runtime/smap_three.h).
 POSE = (1 + 20 + 8, 1 + 8)
 # Of a robot given by code: errors asked for, in parts of the size, on three points and on more: of
 # three the walls of one facet turn a little, of more other facets are found.  And how many times

@@ -1,7 +1,6 @@
 """The tables of positions of a robot that is given by code: codes of series over pieces.
 
-Owns the layout that runtime/series.c describes, which terms are left out, and the rounding of the
-others.
+The layout is that of runtime/smap_series.h.  Small terms are left out, and the others rounded.
 """
 
 import itertools

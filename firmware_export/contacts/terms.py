@@ -1,6 +1,6 @@
 """The tables of positions: entries, products of entries, and the terms of every coordinate.
 
-Owns the layout that runtime/positions.c describes, and how far single precision misplaces a
+The layout is that of runtime/smap_joints.h.  This also bounds how far single precision misplaces a
 contact.
 """
 

@@ -22,7 +22,7 @@ from lutgen.errors import InputError
 from lutgen.vector import Floats
 
 # Slopes on which losses are measured; codes of a byte; nearness, as a part of a cycle's change;
-# joints of three points at most, of which every corner is looked at (runtime/control_three.c).
+# joints of three points at most, of which every corner is looked at (runtime/smap_control_three.c).
 UNSEEN, CODES, NEAR, MOST_JOINTS = 100, 255, 0.02, 4
 
 

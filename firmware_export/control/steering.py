@@ -113,6 +113,6 @@ def steering_of(recipe: Recipe, wishes: Wishes, codec: str = "contacts") -> Stee
 
 
 def _rates(packed: bytes, joints: int) -> Floats:
-    """Return the changes in a cycle (k,) that a policy allows; see runtime/control_types.c."""
+    """Return the changes in a cycle (k,) that a policy allows; see runtime/smap_state.h."""
     singles = np.frombuffer(packed, "<f4", 8 * joints, 48).reshape(joints, 8)
     return np.asarray(singles[:, 2].astype(np.float64))

@@ -25,7 +25,7 @@ from firmware_export.protocol import CArray, CBody, Codec
 from firmware_export.protocol import Tables as AnyTables
 from firmware_export.truth import Cells, Model, least_edge_of, rounds, slack, widened
 
-# Its number in runtime/blob.c; words of a pose with floats (head, floats, integers) and without.
+# Its number in runtime/smap_map.h; words of a pose: head, floats and integers, and without floats.
 TABLES, POSE, POSE_I = 3, (1 + 20 + 8, 1 + 8), (1 + 8, 1 + 8)
 MOST_NODES, MOST_CODES = 65, 1 << 15
 # rad; rounding of the float path.  Units by which integers misplace a point, and 1/32767 by which
@@ -95,7 +95,7 @@ class Tables(AnyTables):
         return sum(one.codes.nbytes + 1 + 2 * len(one.axes) for one in self.points)
 
     def body(self, integer: bool) -> CBody:
-        """Return the tables for the emitter, in the layout of runtime/tables.c."""
+        """Return the tables for the emitter, in the layout of runtime/smap_lookup.h."""
         arrays = [
             CArray("unit", "float", [self.unit], "length of one unit", False),
             CArray(

@@ -1,7 +1,7 @@
 """Codec `grid` for more than three contacts: trained tables over the parameters, face, v and u.
 
-Owns the layout of runtime/grid.c; `ground`, `train` and `fit` make the numbers.  It is read without
-floats.
+The layout is that of runtime/smap_grid.c, which reads without floats.  `ground`, `train` and `fit`
+make the numbers.
 """
 
 import math
@@ -22,7 +22,7 @@ from firmware_export.truth import Model, Sample
 from lutgen.errors import ExportError
 from lutgen.vector import Floats
 
-# Its number in runtime/blob.c; parameters that the runtime takes, and the largest u.
+# Its number in runtime/smap_map.h; parameters that the runtime takes, and the largest u.
 GRID, MOST_PARAMS, STEEPEST = 4, 6, 15.9
 LENGTHS = ("sdg", "height")
 # Nodes of the first size that is tried where an error is asked for, and how sizes grow.

@@ -1,6 +1,6 @@
 """The blob of a map: descriptor and tables as one run of bytes, with a CRC-32 in front.
 
-Owns the layout that runtime/smap_map.h describes.  The exported file, the report and what this
+The layout is that of runtime/smap_map.h.  The exported file, the report and what this
 machine is asked are all made of these bytes.
 """
 

@@ -1,4 +1,4 @@
-"""A policy as bytes: settings and table, as runtime/control_types.c has them.
+"""A policy as bytes: settings and table, as runtime/smap_state.h has them.
 
 Owns the layout; what the numbers are is found by the room `control`.
 """

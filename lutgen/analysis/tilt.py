@@ -2,7 +2,7 @@
 
 Owns the words tilt and heading: gravity at tilt t and heading psi is
 (sin t cos psi, sin t sin psi, -cos t) in the body frame, so heading 0 is nose down, +90 deg left
-side down, 180 deg nose up and -90 deg right side down.  Under convention "plane" (see `settle`)
+side down, 180 deg nose up and -90 deg right side down.  Under convention "plane" (see `resting`)
 the same holds in the frame of the level ground that the posture stands on, z its normal: the tilt
 is then that of the ground, as long as the robot does not rock onto another facet.  It draws
 nothing.

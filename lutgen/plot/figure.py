@@ -100,7 +100,7 @@ def draw(kind: str, source: StabilityMap | Recipe, **asked: Unpack[Choices]) -> 
         first ones that `params` does not fix.
     convention : {"body", "plane"}
         Whether gravity is fixed in the body frame, or relative to the contact plane, so that it
-        turns in the body while the shape changes (T_g, see `lutgen.channels.settle`).  The
+        turns in the body while the shape changes (T_g, see `lutgen.channels.resting`).  The
         latter for recipes only, and not for `sphere`, `polar` and `metrics`.
     tilt : float
         Degrees; used by `metrics` only.

@@ -31,7 +31,7 @@ class View:
 
     `params` (k,) float64 is the posture, rad or length, at `home` or in the middle of the range
     where the caller gave none; `axes` are the columns that the figure varies; `gravity_dir` (3,)
-    is a unit vector in the frame that `convention` names, see `lutgen.channels.settle`.
+    is a unit vector in the frame that `convention` names, see `lutgen.channels.resting`.
     `tilt` (rad) is that of a figure over all headings, `scale` what colours have to span at least,
     in the unit shown.
     """

@@ -1,7 +1,7 @@
 """What a recipe's robot carries and what pulls at it: payloads, forces, an uncertain com.
 
-Owns the rules of ``[[robot.payload]]``, ``[[robot.force]]`` and ``com_uncertainty``.  What they do
-to stability is not known here (`load`, `loaded`).
+This reads ``[[robot.payload]]``, ``[[robot.force]]`` and ``com_uncertainty``.  What they do to
+stability is in `lutgen.channels.loads`.
 """
 
 from lutgen.parts import ZERO, Force, Link

@@ -112,7 +112,7 @@ class Recipe:
 
     @property
     def loaded(self) -> bool:
-        """Whether stability is that of `loaded`: forces act, or the com is uncertain."""
+        """Whether forces act beside the weight, or the com is uncertain."""
         return self.has_wrench or self.com_uncertainty > 0.0
 
 

@@ -63,7 +63,7 @@ class Objective:
     text : str
         See `parse_objective`.
     convention : {"body", "plane"}
-        See `settle`.
+        See `channels.resting`.
 
     Attributes
     ----------

@@ -98,7 +98,7 @@ def optimum(
         `sdg+0.1*height`.
     convention : {"body", "plane"}
         Whether gravity is fixed in the body frame, or relative to the contact plane, so that it
-        turns in the body while the shape changes; see `settle`.
+        turns in the body while the shape changes; see `channels.resting`.
     bounds : (k, 2) array_like, optional
         Where to search, rad or length; the recipe's ranges by default.  A parameter whose two
         bounds are equal keeps that value and is not searched.

@@ -3,7 +3,7 @@
 Owns what a terrain is to a robot that drives slowly over it: at each point of the path, how the
 ground under the robot lies.  It knows nothing of robots.  The world frame has z up; the frame of
 the ground under the robot has z along the ground's normal, upward, and x ahead, so that yaw of x
-is the robot's heading.  Gravity in that frame is what convention "plane" of `settle` takes.
+is the robot's heading.  Convention "plane" of `channels.resting` takes gravity in that frame.
 """
 
 import math

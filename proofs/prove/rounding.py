@@ -20,10 +20,10 @@ NEAREST, FURTHEST = 1.0501, 16.0
 READ = 16 * U
 # The guard is subtracted from an angle of at most a quarter turn, and was rounded itself.
 LAST = U * arb.pi()
-# By how many 1/32767 the whole numbers of runtime/three.c read a sine too high: each part of
+# By how many 1/32767 the whole numbers of runtime/smap_three.h read a sine too high: each part of
 # 16383 m is rounded to a whole number (0.501, and 0.007 for all that m itself is off).
 WHOLE = 2 * (arb("0.501") * arb(3).sqrt() + arb("0.007"))
-# The same of runtime/tables.c without floats: normals cut off twice, and their length.
+# The same of runtime/smap_tables_i.c: normals cut off twice, and their length.
 WHOLE_TABLES = 32767 * (arb(3).sqrt() * (1 / arb(16383) + 1 / arb(16384)) + 1 / arb(16383))
 WHOLE_TABLES += arb("0.01")
 

@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-from tests.fixtures.places import DOCUMENTS, ROOT
+from tests.fixtures.places import DOCUMENTS, ROOT, SOURCES
 
 # `search/driving` is a source, too.
 ENDS = ("", ".py")
@@ -39,4 +39,15 @@ def test_every_source_that_a_document_names_with_its_folder_is_there() -> None:
             there = any((folder / f"{name}{end}").exists() for folder in folders for end in ENDS)
             if known and not there and not name.startswith("build/"):
                 missing.append(f"{page.name}: {name}")
+    assert missing == []
+
+
+def test_every_file_of_the_runtime_that_a_source_names_is_there() -> None:
+    runtime = ROOT / "firmware_export" / "runtime"
+    missing = [
+        f"{source.name}: {name}"
+        for source in SOURCES
+        for name in re.findall(r"\bruntime/(\w+\.[ch])\b", source.read_text(encoding="utf-8"))
+        if not (runtime / name).exists()
+    ]
     assert missing == []

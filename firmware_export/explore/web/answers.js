@@ -36,7 +36,7 @@ class Runtime {
     });
   }
 
-  // Rests, their edges and the boundary of a posture, in lists as runtime/host_pose.h has them.
+  // Rests, their edges and the boundary of a posture, in lists as runtime/smap_host_region.h has them.
   pose(params) {
     const into = this.free, counts = into + 4 * params.length, out = counts + 12;
     new Float32Array(this.buffer, into, params.length).set(params);
@@ -83,7 +83,7 @@ function fromDisc(x, y, rim) {
 }
 
 // Gravity in the body of a robot that is put on a plane, in whose frame gravity is given
-// (`_settle` of lutgen/channels/settle.py): with the least inclined rest that carries it.
+// (`_settled` of lutgen/channels/resting.py): with the least inclined rest that carries it.
 function seated({ facets, edges }, gravity) {
   let best = null, up = -2, nearest = null, most = -Infinity;
   facets.forEach((facet) => {
