@@ -3,12 +3,13 @@
 import re
 from pathlib import Path
 
+from firmware_export.emit.runtime import control_file
 from firmware_export.host import RUNTIME
 from lutgen.errors import ExportError
 from proofs.tools import FAILED, OK, Clock, Result, run
 from targets.elf import undefined, writable
 from targets.image import deepest
-from targets.size import ALLOWED, FAMILIES, program, steered
+from targets.size import ALLOWED, FAMILIES, program
 
 __all__ = ["endless", "long_ones", "prove"]
 
@@ -57,7 +58,7 @@ def prove(folder: Path, patience: float, parts: Path = RUNTIME) -> list[Result]:
     deep = 0
     with Clock() as clock:
         for family in FAMILIES:
-            text = program(family, control=bool(steered(family)))
+            text = program(family, control=bool(control_file(family)))
             (folder / "all.c").write_text(text, "utf-8")
             command = ["gcc", *FLAGS, f"-I{parts}", "-c", "all.c", "-o", "all.o"]
             if (built := run(command, folder, patience)).code:

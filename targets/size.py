@@ -9,7 +9,6 @@ library than memcpy and memset is an error.
 
 import argparse
 import json
-import re
 import shutil
 import sys
 import tempfile
@@ -18,6 +17,7 @@ from functools import partial
 from pathlib import Path
 
 from firmware_export.emit import package
+from firmware_export.emit.runtime import control_file
 from firmware_export.emit.size import BY_CODE, FILE, TARGET
 from firmware_export.host import RUNTIME
 from firmware_export.protocol import Export
@@ -75,13 +75,6 @@ EXPORTS: dict[str, tuple[Callable[[], Export], ...]] = {
 }
 
 
-def steered(family: str) -> str:
-    """Return the file of on-board control for a family; nothing where it has no floats."""
-    text = (RUNTIME / f"smap_{family}.c").read_text(encoding="utf-8")
-    found = re.search(r'define SMAP_STEERED_BY "(.*)"', text)
-    return found[1] if found else ""
-
-
 def program(family: str, control: bool = False) -> str:
     """Return a file that takes in a family, on request with on-board control.
 
@@ -95,7 +88,7 @@ def program(family: str, control: bool = False) -> str:
     lines = [f"#define {name} {value}" for name, value in config.items()]
     lines += ['#include "smap.h"', '#include "smap_control.h"', f'#include "smap_{family}.c"']
     if control:
-        lines += [f'#include "{steered(family)}"']
+        lines += [f'#include "{control_file(family)}"']
         lines += ["extern const smap_control_runtime_t *const steers;"]
         lines += ["const smap_control_runtime_t *const steers = &smap_control_run;"]
     lines += ["extern const smap_runtime_t *const seen;"]
@@ -130,7 +123,7 @@ def measure_row(row: str, folder: Path) -> Measure:
     found = [measure(make(), folder / f"{row} {at}") for at, make in enumerate(EXPORTS[row])]
     most = {key: max(one[key] for one in found) for key in ("code", "stack", "pose")}
     family = row.removesuffix(BY_CODE)
-    return {**most, "control": measure_control(family, folder) if steered(family) else 0}
+    return {**most, "control": measure_control(family, folder) if control_file(family) else 0}
 
 
 def table(found: Mapping[str, Measure]) -> str:

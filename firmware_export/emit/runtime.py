@@ -23,10 +23,9 @@ def runtime_file(name: str) -> str:
     folder = files("firmware_export") / "runtime"
     try:
         return (folder / name).read_text(encoding="utf-8")
-    except OSError as error:
+    except (OSError, UnicodeDecodeError) as error:
         raise ExportError(
-            f"{name}: this file of the runtime cannot be read (got {error.strerror}); "
-            "install lutgen again."
+            f"{name}: this file of the runtime cannot be read (got {error}); install lutgen again."
         ) from error
 
 
@@ -53,9 +52,13 @@ def runtime_text(name: str) -> str:
 @cache
 def control_text(name: str) -> str:
     """Return the text of on-board control for a family that computes in floats."""
+    return _marked(f"on-board control for {name}", control_file(name))
+
+
+def control_file(name: str) -> str:
+    """Return the file of on-board control for a family; nothing where it has no floats."""
     found = _STEERED.search(runtime_file(f"smap_{name}.c"))
-    assert found is not None, name
-    return _marked(f"on-board control for {name}", found[1])
+    return found[1] if found else ""
 
 
 def _marked(title: str, file: str) -> str:

@@ -8,9 +8,9 @@ sizes.json, which has the most measured of a family (`python -m targets.size`).
 import json
 from collections.abc import Mapping
 from functools import cache
-from importlib.resources import files
 from typing import Any
 
+from firmware_export.emit.runtime import runtime_file
 from firmware_export.protocol import Export
 from lutgen.errors import ExportError
 
@@ -39,13 +39,7 @@ def parse(text: str, name: str, update: str) -> dict[str, Any]:
 @cache
 def measured(name: str, update: str) -> Mapping[str, Any]:
     """Return the rows of a file in runtime/."""
-    try:
-        text = (files("firmware_export") / "runtime" / name).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise ExportError(
-            f"{name}: the measured numbers cannot be read (got {error}); install lutgen again."
-        ) from error
-    return parse(text, name, update)
+    return parse(runtime_file(name), name, update)
 
 
 def family_row(family: str, by_code: bool = False) -> dict[str, int]:

@@ -15,7 +15,7 @@ from firmware_export.emit import package
 from firmware_export.emit.facts import axis_macros, report
 from firmware_export.emit.header import header_text
 from firmware_export.emit.names import LONGEST, check_name, default_name
-from firmware_export.emit.runtime import control_text, runtime_file, runtime_text
+from firmware_export.emit.runtime import control_file, control_text, runtime_file, runtime_text
 from firmware_export.emit.size import code_bytes
 from firmware_export.emit.text import WIDTH, block_comment, plain_text
 from firmware_export.host import RUNTIME, family_of
@@ -93,7 +93,7 @@ def test_every_compiler_takes_every_file_without_a_warning(
 def test_every_family_is_one_program_without_a_warning(
     language: list[str], family: str, tmp_path: Path
 ) -> None:
-    for control in {False, bool(size.steered(family))}:
+    for control in {False, bool(control_file(family))}:
         (tmp_path / "all.c").write_text(size.program(family, control), encoding="utf-8")
         done = build(tmp_path, *language, *WARNINGS, f"-I{RUNTIME}", compiler="gcc")
         assert done.returncode == 0, done.stderr
