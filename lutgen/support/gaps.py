@@ -121,21 +121,22 @@ def _side(first: Places, second: Places, w: float) -> tuple[Vector, Vector]:
 
 
 @njit(inline=True, bare=True)
-def _beyond(side: tuple[Vector, Vector], point: Vector) -> float:
-    """Return how far a point is from the plane through the com and a side: > 0 to greater w."""
-    return dot(unit(cross(side[0], side[1])), point)
+def _side_wall(first: Places, second: Places, w: float) -> Vector:
+    """Return the unit normal of the wall through a side and the com, towards greater w."""
+    start, stop = _side(first, second, w)
+    return unit(cross(start, stop))
 
 
 @njit(bare=True)
 def _moved_in(first: Places, second: Places, w: float, other: float) -> float:
     """Return a side w moved towards the `other` one until the curve of its balances is outside."""
     curve, sign = balances(first, second, w), 1.0 if other > w else -1.0
-    there, weight = _side(first, second, other), 1.0
+    there, weight = scale(_side_wall(first, second, other), sign), 1.0
     for _ in range(SIDE_STEPS):
-        here, share = _side(first, second, w), 0.0
+        here, share = scale(_side_wall(first, second, w), sign), 0.0
         for k in range(len(LAGRANGE)):
             point = _amid(curve, LAGRANGE[k])
-            near, far = sign * _beyond(here, point), sign * _beyond(there, point)
+            near, far = dot(here, point), dot(there, point)
             if near > 0.0 > far:
                 share = max(share, near / (near - weight * far))
         if share == 0.0:

@@ -102,12 +102,7 @@ def add_boundary(region: Region, gaps: int) -> None:
         here = seat_of(region, e)
         if here < 0 or not region.seat[here].is_rest:
             continue
-        if (
-            edge[e].twin >= 0
-            and edge[e].twin < e
-            and rests_at(region, e)[1] >= 0
-            and is_slit(region, e)
-        ):
+        if rests_at(region, e)[1] >= 0 and edge[e].twin < e and is_slit(region, e):
             continue  # It is there already, for the other rest.
         start, stop = ends_of(region, e)
         low, high = edge[e].held[0], edge[e].held[1]
