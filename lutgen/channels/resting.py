@@ -53,9 +53,9 @@ def turned(up: Vector, x: Vector) -> Vector:
 def _settled(region: Region, axes: Axes, wrench: Floats, gravity_plane: Vector) -> Vector:
     """Return the body's gravity direction when the robot rests on the plane.
 
-    Of the rests that carry the robot when they lie on the plane, the least inclined to the
-    body's xy plane counts; if none does, the one that comes closest to carrying it, and the robot
-    tips; without any the plane is taken to be the body's own.
+    It rests on the least inclined of the rests that carry it when they lie on the plane.  If none
+    carries it, it tips, and the one that comes closest counts.  Without any rest the plane is the
+    body's own.
     """
     best, best_up, nearest, nearest_inside = -1, -2.0, -1, -math.inf
     for k in range(region.counts[ACCEPTED]):

@@ -190,7 +190,7 @@ def _lowest_in_row(
 ) -> None:
     """Fill `low` with the least wall . g of a row of a convex region, else with squared sines.
 
-    Neither is normalised; arcs that are more than 90 deg away count for nothing.
+    They are of (u, v, 1), which is longer than 1.  An arc more than 90 deg away counts as FAR.
     """
     for i in range(np.uint64(width)):
         low[i] = FAR

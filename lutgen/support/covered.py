@@ -1,8 +1,8 @@
 """Primitives that others cover: what lies within another one touches no plane before it.
 
-Tracks are boxes and cylinders as often as not, and the corners of the box lie on the rims: which of
-the two touches is told by rounding, or by how many digits of both were printed.  So a primitive
-within another one, to a length that is printed in no description, is no contact.
+A track is often described as a box and cylinders, and the corners of the box lie on the rims.
+Rounding decides then which of the two touches the ground.  So a primitive within another one is no
+contact, even if it sticks out by less than the last digit of a description.
 """
 
 import math
