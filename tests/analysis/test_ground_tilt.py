@@ -15,6 +15,7 @@ from lutgen.recipe.recipe import parse_recipe
 from tests.fixtures.length import part
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import contact, feet, rigid
+from tests.oracles.primitives import least_turn
 
 ALL_ROUND = np.radians(np.arange(0.0, 360.0, 5.0))
 BOX = [(0.30, 0.20, -0.4), (-0.25, 0.20, -0.4), (-0.25, -0.15, -0.4), (0.30, -0.15, -0.4)]
@@ -88,18 +89,12 @@ def walked(posture: Posture, ways: np.ndarray) -> tuple[int, int]:
             carry = {facets[on].contacts[at], np.roll(facets[on].contacts, -1)[at]}
             beyond = [k for k, facet in enumerate(facets) if carry <= set(facet.contacts)]
             beyond.remove(on)
-            turned = turn(facets[on].normal, facets[beyond[0]].normal) @ frame
+            turned = least_turn(facets[on].normal, facets[beyond[0]].normal) @ frame
             if read(turned, before)[0] != beyond[0]:
                 return number, rolls
             on, frame, rolls = beyond[0], turned, rolls + 1
         before = way
     return (len(ways) if on >= 0 else 0), rolls
-
-
-def turn(start: np.ndarray, stop: np.ndarray) -> np.ndarray:
-    """Return the least rotation that takes one unit vector to another."""
-    cross = np.cross(np.eye(3), np.cross(start, stop))
-    return np.asarray(np.eye(3) + cross + cross @ cross / (1.0 + start @ stop))
 
 
 def test_a_robot_that_does_not_rock_has_the_same_limit_on_the_ground_as_in_its_body() -> None:

@@ -73,6 +73,13 @@ def exact(family: str, rng: np.random.Generator) -> Floats:
     return np.asarray(rows[rng.permutation(len(rows))])
 
 
+def below(rng: np.random.Generator, count: int) -> Floats:
+    """Return unit directions below the horizon."""
+    g = rng.normal(size=(count, 3))
+    g[:, 2] = -np.abs(g[:, 2]) - 0.3
+    return unit(g)
+
+
 def asked(standing: Standing, count: int, rng: np.random.Generator) -> Floats:
     """Return unit directions: anywhere below, on edges and in gaps, and beside the boundary."""
     tilt, way = (

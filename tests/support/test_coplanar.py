@@ -10,18 +10,11 @@ import lutgen
 from lutgen.channels.evaluation import measure_primitives
 from lutgen.support import acceptance
 from tests.oracles.primitives import Floats, unit
-from tests.support.postures import EXACT, drawn, exact, limits_of
+from tests.support.postures import EXACT, below, drawn, exact, limits_of
 
 TIPS = 2
 CHANNELS = ("status", "tip_angle", "sdg", "height")
 LEVEL = np.array([[0.0, 0.0, -1.0]])
-
-
-def below(rng: np.random.Generator, count: int) -> Floats:
-    """Return unit directions below the horizon."""
-    g = rng.normal(size=(count, 3))
-    g[:, 2] = -np.abs(g[:, 2]) - 0.2
-    return unit(g)
 
 
 def read(rows: Floats, g: Floats) -> dict[str, Floats]:

@@ -12,7 +12,7 @@ from lutgen.support import ARCS, acceptance, empty_region, lies_within, pack, st
 from tests.fixtures.many_library import postures_of, random_directions
 from tests.fixtures.odd_robots import boxed_tracks
 from tests.oracles.primitives import Floats
-from tests.support.postures import DISC, POINT, SPHERE
+from tests.support.postures import DISC, POINT, SPHERE, below
 
 LIMITS = acceptance(math.radians(80), math.radians(30), 0.0, 0.005, 5e-5)
 CHANNELS = ("sdg", "tip_angle")
@@ -38,13 +38,6 @@ def disc(
     x: float, y: float, z: float, radius: float, axis: tuple[float, ...] = (0, 1, 0)
 ) -> Primitive:
     return (x, y, z), axis, radius, DISC
-
-
-def directions(rng: np.random.Generator, count: int) -> Floats:
-    """Return gravity directions below 70 deg of tilt or so."""
-    g = rng.normal(size=(count, 3))
-    g[:, 2] = -np.abs(g[:, 2]) - 0.3
-    return np.asarray(g / np.linalg.norm(g, axis=1, keepdims=True))
 
 
 def read(primitives: Floats, g: Floats) -> dict[str, Floats]:
@@ -93,7 +86,7 @@ def test_what_lies_within_what(inner: Primitive, outer: Primitive, within: bool)
 def test_neither_order_nor_noise_that_no_sensor_tells_changes_an_answer(noise: float) -> None:
     rng = np.random.default_rng(1)
     for seed in range(12):
-        recipe, g = boxed_tracks(seed), directions(rng, 60)
+        recipe, g = boxed_tracks(seed), below(rng, 60)
         low, high = (np.array([getattr(p, end) for p in recipe.parameters]) for end in ENDS)
         params = low + (high - low) * rng.random((3, len(low)))
         params[0] = 0.0
@@ -128,7 +121,7 @@ WHEELS = [disc(x, y, -0.3, 0.1) for x in (-0.4, 0.4) for y in (-0.2, 0.2)]
 
 def test_corners_on_the_rims_leave_a_robot_of_wheels_as_it_is() -> None:
     corners = [point(x, y, z) for x in (-0.4, 0.4) for y in (-0.2, 0.2) for z in (-0.4, -0.2)]
-    g = directions(np.random.default_rng(1), 500)
+    g = below(np.random.default_rng(1), 500)
     alone = read(rows(*WHEELS), g)
     assert 0.2 < (alone["tip_angle"] > 0.0).mean() < 0.8
     for robot in (WHEELS + corners, corners + WHEELS):
@@ -159,7 +152,7 @@ def test_a_rail_goes_on_to_the_wheel_that_it_begins_within() -> None:
 def test_a_wheel_in_the_plane_of_a_boxs_side_changes_nothing_in_any_order() -> None:
     wheel = disc(-0.2, 0.06, -0.3, 0.1, (1, 0, 0))
     box = [point(x, y, z) for x in (0.2, -0.2) for y in (0.3, -0.3) for z in (-0.4, -0.3)]
-    g = directions(np.random.default_rng(1), 400)
+    g = below(np.random.default_rng(1), 400)
     expected = read(rows(*box, disc(-0.1, 0.06, -0.2, 0.1, (1, 0, 0))), g)["tip_angle"]
     rng = np.random.default_rng(2)
     assert (expected < -0.1).any()
@@ -171,7 +164,7 @@ def test_a_wheel_in_the_plane_of_a_boxs_side_changes_nothing_in_any_order() -> N
 def test_contacts_that_noise_puts_on_several_planes_leave_no_axis_inside() -> None:
     box = [point(x, y, -0.25) for x in (0.1, -0.1) for y in (0.25, -0.25)]
     plain = rows(*box, point(0.0, 0.15, -0.25), disc(0.1, -0.1, -0.15, 0.1, (1, 0, 0)))
-    g = directions(np.random.default_rng(3), 400)
+    g = below(np.random.default_rng(3), 400)
     expected, rng = read(plain, g), np.random.default_rng(4)
     for noise in (1e-9, 1e-8, 3e-8, 1e-7):
         for _ in range(10):

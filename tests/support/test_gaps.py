@@ -13,19 +13,11 @@ from lutgen.support import acceptance, empty_region, stand
 from lutgen.support.table import FACETS
 from tests.fixtures.drawn_robots import car_with_flippers, rocker_bogie
 from tests.fixtures.recipes import contact, rigid, sweep_part
-from tests.oracles.primitives import Floats
 from tests.oracles.standing import facets_of
-from tests.support.postures import DISC, FAMILIES, drawn, limits_of, rows_of
+from tests.support.postures import DISC, FAMILIES, below, drawn, limits_of, rows_of
 
 STANDS, ROCKS, TIPS = 0, 1, 2
 LEVEL = np.array([[0.0, 0.0, -1.0]])
-
-
-def below(rng: np.random.Generator, count: int) -> Floats:
-    """Return unit directions below the horizon."""
-    g = rng.normal(size=(count, 3))
-    g[:, 2] = -np.abs(g[:, 2]) - 0.3
-    return np.asarray(g / np.linalg.norm(g, axis=1)[:, None])
 
 
 def stays(front: float, rear: float, high: float, com: float) -> bool:
