@@ -23,19 +23,19 @@ typedef struct {
 
 enum { SMAP_TRIES = 1, SMAP_JUMPS = 1 };
 
-/* Make the pose of a posture, with floats. */
-static int8_t smap_pose_of(const smap_t *map, const float *posture, smap_pose_memory_t *pose)
-{
-  return smap_pose_floats(map, posture, &pose->head, sizeof *pose, SMAP_FLOAT);
-}
-
 #include "smap_state.h"
+
+/* The rest that gravity pierces first in a pose, or SMAP_NONE. */
+static uint8_t smap_below(const smap_pose_memory_t *pose, const float g[3])
+{
+  float rate;
+  return pose->head.status == SMAP_OK ? smap_pierced(&pose->at, &pose->region, g, &rate) : (uint8_t)SMAP_NONE;
+}
 
 /* The upward normal of the plane on which a pose stands under a direction; 0 where it stands on none. */
 static int smap_upright(const smap_pose_memory_t *pose, const float g[3], float up[3])
 {
-  float rate;
-  const uint8_t facet = pose->head.status == SMAP_OK ? smap_pierced(&pose->at, &pose->region, g, &rate) : (uint8_t)SMAP_NONE;
+  const uint8_t facet = smap_below(pose, g);
   uint8_t i;
   for (i = 0; facet != SMAP_NONE && i < 3; i++) {
     up[i] = -pose->region.plane[facet][i] * pose->region.height[facet];
@@ -165,8 +165,7 @@ static void smap_swept_at(const smap_control_t *control, const smap_swept_t *swe
 /* The height of the plane on which a pose stands under a direction, less what may count as low; 0: none. */
 static float smap_lowest(const smap_pose_memory_t *pose, const float g[3])
 {
-  float rate;
-  const uint8_t facet = pose->head.status == SMAP_OK ? smap_pierced(&pose->at, &pose->region, g, &rate) : (uint8_t)SMAP_NONE;
+  const uint8_t facet = smap_below(pose, g);
   return facet != SMAP_NONE ? SMAP_SWEPT_LOW * pose->region.height[facet] : 0.0f;
 }
 

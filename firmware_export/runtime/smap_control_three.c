@@ -7,12 +7,6 @@ typedef struct {
 
 enum { SMAP_TRIES = 2, SMAP_JUMPS = 0 };
 
-/* Make the pose of a posture, with floats. */
-static int8_t smap_pose_of(const smap_t *map, const float *posture, smap_pose_memory_t *pose)
-{
-  return smap_run_pose(map, posture, &pose->head, sizeof *pose, SMAP_FLOAT);
-}
-
 #include "smap_state.h"
 
 /* The upward normal of the plane on which a pose stands; 0 where it stands on none. */
@@ -49,7 +43,7 @@ static void smap_pass(const smap_control_t *control, const float *from, const fl
       at[i] = corner >> i & 1u ? to[i] : from[i];
     }
     way->end = -SMAP_PI;
-    if (smap_pose_of(map, at, &pose) == SMAP_OK && smap_upright(&pose, slope, up)) {
+    if (smap_run_pose(map, at, &pose.head, sizeof pose, SMAP_FLOAT) == SMAP_OK && smap_upright(&pose, slope, up)) {
       smap_lean(up, slope, -1.0f, g);
       way->end = smap_tip_of(&pose, g);
     }

@@ -36,8 +36,8 @@ enum {
   SMAP_AT_GUARD_I = 28,
   SMAP_AT_LIMIT_I = 30,
   SMAP_AT_AXES = 32,
-  /* Of each axis: its ends, and how far beyond them it is still read (negative: it turns all the way
-   * round); the same in steps (65535). */
+  /* An axis has two ends, and is read beyond them by its slack, which also stands in steps.  A negative
+   * slack (65535 steps) says that the joint turns all the way round. */
   SMAP_AXIS_MIN = 0,
   SMAP_AXIS_MAX = 4,
   SMAP_AXIS_SLACK = 8,

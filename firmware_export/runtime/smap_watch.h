@@ -62,7 +62,8 @@ static int8_t smap_run_target(const smap_control_t *control, const float slope[3
 /* Make the state's pose of a posture, and return its status; the state tells whether it is one. */
 static int8_t smap_look(const smap_control_t *control, smap_state_memory_t *state, const float *posture)
 {
-  const int8_t status = smap_pose_of(SMAP_CONTROLLED(control), posture, &state->here);
+  const int8_t status =
+      smap_run_pose(SMAP_CONTROLLED(control), posture, &state->here.head, sizeof state->here, SMAP_FLOAT);
   memcpy(state->at, posture, sizeof(float) * smap_joints(control));
   state->has &= (uint8_t)~SMAP_HAS_HERE;
   if (status == SMAP_OK || status == SMAP_TIPS) {
