@@ -18,7 +18,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from matplotlib.figure import Figure
 
 from lutgen import plot
@@ -26,6 +25,7 @@ from lutgen.analysis import Posture, even_headings, posture_limits, sweep_limits
 from lutgen.errors import InputError, LutgenError
 from lutgen.files import write_text
 from lutgen.mapping.map import StabilityMap, load_map
+from lutgen.mapping.statistics import share_that_tips
 from lutgen.recipe.recipe import Recipe, load_recipe
 from lutgen.recipe.robot import to_internal
 
@@ -197,16 +197,6 @@ def draw_all(recipe: Recipe, stability_map: StabilityMap, folder: Path) -> None:
         plot.save(figure, folder / f"{each.name}.png", dpi=dpi)
 
 
-def share_that_tips(stability_map: StabilityMap) -> float:
-    """Return the share of postures x directions (by solid angle) that tips over."""
-    weight = stability_map.chart.solid_angle()
-    name = "tip_angle" if "tip_angle" in stability_map.channels else "sdg"
-    values = stability_map.channel(name)
-    tips = values < 0.0 if name == "tip_angle" else np.isnan(values)
-    per_node = tips.reshape(-1, *weight.shape).mean(axis=0, dtype=np.float64)
-    return float((per_node * weight).sum() / weight.sum())
-
-
 def numbers(recipe: Recipe, stability_map: StabilityMap) -> list[str]:
     """Return the table of a map's numbers, as lines of Markdown."""
     chart = recipe.chart
@@ -220,7 +210,8 @@ def numbers(recipe: Recipe, stability_map: StabilityMap) -> list[str]:
     kilobytes = Path(stability_map.path).stat().st_size / 1000.0
     size = f"{kilobytes / 1000.0:.1f} MB" if kilobytes >= 1000.0 else f"{kilobytes:.0f} kB"
     where = "all directions" if chart.kind == "sphere" else "the cone's directions"
-    share = f"{100.0 * share_that_tips(stability_map):.1f} % of all postures x {where}"
+    tips = share_that_tips(stability_map)
+    share = "-" if tips is None else f"{100.0 * tips:.1f} % of all postures x {where}"
     return [
         "| recipe | channels | nodes | file | tips over |",
         "|---|---|---|---|---|",
