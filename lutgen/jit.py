@@ -1,35 +1,31 @@
-"""The one place that holds numba's flags and the place of its disk cache.
+"""numba's flags, and the folder of the machine code that numba keeps.
 
-``njit`` compiles without any flag that lets the compiler reorder sums or assume
-that NaN does not exist: a map must have the same bits for any number of threads
-and a NaN must stay one.
+`njit` compiles without any flag that lets the compiler reorder sums or assume that NaN does not
+exist: a map must have the same bits for any number of threads, and a NaN must stay one.
 
-numba's own disk cache looks at the file of the decorated function only, so a
-kernel keeps running the old code of a callee that was edited in another file.
-Here the cache folder is therefore named after a digest of every file that holds
-kernels.  A constant that a kernel uses must live in such a file too.  The whole
-folder may be deleted at any time.
+numba looks for edits in the file of the decorated function alone.  A kernel would go on to run the
+old code of a callee in another file, so the folder is named by a digest of all files that hold
+kernels.  A constant that a kernel uses must stand in such a file.  The folder may be deleted.
 """
 
 import functools
 import hashlib
+import logging
+import os
 from collections.abc import Callable, Iterable
-from contextlib import suppress
-from importlib import import_module
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 import numba
 from llvmlite import binding
 from numba import prange, types
-from numba.core.caching import CompileResultCacheImpl, FunctionCache, UserProvidedCacheLocator
+from numba.core import event, sigutils
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, compile_result
 from numba.core.registry import CPUDispatcher
 from numba.core.runtime import rtsys
-
-from lutgen import interrupts
-from lutgen.cache import Entries, cache_root, usable
+from numba.misc.appdirs import user_cache_dir
 
 __all__ = ["cache_folder", "in_threads", "njit", "prange"]
 
@@ -42,54 +38,96 @@ PARTS_PER_THREAD = 8
 
 # Files that hold kernels import this module; the text of that import marks them.
 _MARK = b"lutgen.jit"
-# Packages whose kernels read nothing that is not in such a file: a test holds it.
-_OURS = ("lutgen", "firmware_export")
 _PACKAGE = Path(__file__).resolve().parent
-
-interrupts.defer()
+_PACKAGES = (_PACKAGE, _PACKAGE.parent / "firmware_export")
+_FIRST = "compiling the kernels: about 20 seconds on an idle machine, kept for the next time"
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 Job = TypeVar("Job")
 Result = TypeVar("Result")
 
 
-class _Place(UserProvidedCacheLocator):  # type: ignore[misc]
-    """Where a kernel's entries lie: equal sources of ours share them, wherever they are.
+class _Notice(event.Listener):  # type: ignore[misc]
+    """Says once that the program waits for the compiler."""
 
-    numba names a folder after the path of the source, so a second clone or a second environment
-    would compile for a minute what is there already.
-    """
+    said = False
+
+    def on_start(self, event: object) -> None:
+        """Say so at the first kernel that the folder does not hold."""
+        if not self.said:
+            self.said = True
+            logging.getLogger("lutgen").warning(_FIRST)
+
+    def on_end(self, event: object) -> None:
+        """Say nothing."""
+
+
+class _Place(_CacheLocator):  # type: ignore[misc]
+    """Where the machine code of a kernel lies: equal sources share it, wherever they are."""
+
+    def __init__(self, function: Callable[..., Any], file: str) -> None:
+        self.function, self.file = function, file
 
     @classmethod
-    def get_suitable_cache_subpath(cls, py_file: str) -> str:
-        """Return the folder for a source: named by its room, or by the path of others."""
-        room = Path(py_file).resolve().parent
-        package = _package_of(room)
-        if package.name in _OURS and (package / "__init__.py").is_file():
-            return ".".join(room.relative_to(package.parent).parts)
-        return str(super().get_suitable_cache_subpath(py_file))
+    def from_function(cls, function: Callable[..., Any], file: str) -> "_Place":
+        """Return the place of a function."""
+        return cls(function, file)
+
+    def ensure_cache_path(self) -> None:
+        """Make the folder; `cache_folder` has found that it can be made."""
+        Path(self.get_cache_path()).mkdir(exist_ok=True)
+
+    def get_cache_path(self) -> str:
+        """Return the folder of the function's module."""
+        return f"{cache_folder()}/{self.function.__module__}"
 
     def get_source_stamp(self) -> str:
-        """Return nothing: the folder above is named by all that is in the sources."""
-        return ""
+        """Return the digest of the function's own file, which need not be one of ours."""
+        return _digest(Path(self.file))
+
+    def get_disambiguator(self) -> str:
+        """Return the line at which the function begins."""
+        return str(self.function.__code__.co_firstlineno)
 
 
 class _Forms(CompileResultCacheImpl):  # type: ignore[misc]
     _locator_classes = (_Place,)
 
 
+class _Kernels(FunctionCache):  # type: ignore[misc]
+    """numba's disk cache of a kernel, quick to load and safe from damage."""
+
+    _impl_class = _Forms
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Return the machine code for a signature, or None if there is none that is whole.
+
+        numba would first import all that it can compile, and with it scipy's linear algebra: a
+        quarter of the time of a short command.  A compilation imports it by itself.
+        """
+        # Machine code counts references to arrays; the import would have begun that.
+        rtsys.initialize(target_context)
+        try:
+            found = self._load_overload(sig, target_context)
+        except Exception:
+            self.flush()
+            return None
+        # Two processes that save at once may give one name to two forms.
+        wanted = sigutils.normalize_signature(sig)[0]
+        return found if found is not None and found.signature.args == wanted else None
+
+
 class _InnerCode(JITCodeLibrary):  # type: ignore[misc]
     """The code of a kernel that others call: linked into theirs, and never run by itself.
 
     numba would optimise it, with all that it calls, and make machine code of it and of a wrapper
-    for Python, and do the same again for each kernel above it: three quarters of the time that
-    compiling takes.
+    for Python, and do the same again for each kernel above it: half of the time that compiling
+    takes.
     """
 
     def finalize(self) -> None:
         """Take in the code of all that is called."""
         for library in dict.fromkeys(self._linking_libraries):
-            self._reload_init.update(library._reload_init)
             self._final_module.link_in(library._get_module_for_linking(), preserve=True)
         self._finalize_dynamic_globals()
         self._finalized = True
@@ -121,71 +159,16 @@ class _InnerCompiler(Compiler):  # type: ignore[misc]
         return super().compile_extra(func)
 
 
-class _SharedCode(JITCodeLibrary):  # type: ignore[misc]
-    """Machine code that other kernels call, and do not take in."""
-
-    def _get_module_for_linking(self) -> Any:
-        """Return nothing: who calls it declares it, and finds it by its name."""
-        self._ensure_finalized()
-        return binding.parse_assembly("")
-
-
-class _SharedCompiler(Compiler):  # type: ignore[misc]
-    """numba's compiler, for machine code that other kernels call."""
-
-    def compile_extra(self, func: Any) -> Any:
-        """Compile a function."""
-        self.state.library = _SharedCode(self.state.targetctx.codegen(), func.__qualname__)
-        self.state.library.enable_object_caching()
-        found = super().compile_extra(func)
-        found.library._reload_init.add(_Loader.of(found))
-        return found
-
-    def _compile_bytecode(self) -> Any:
-        # numba counts from 1 in every process: no other code gets this name.
-        self.state.func_id.unique_id = 0
-        return super()._compile_bytecode()
-
-
-class _Loader(NamedTuple):
-    """Brings shared machine code into the process; kept with all that calls it."""
-
-    module: str
-    function: str
-    arguments: tuple[Any, ...]
-    symbol: str
-
-    @classmethod
-    def of(cls, found: Any) -> "_Loader":
-        """Return the loader of a compiled form."""
-        where = found.fndesc
-        return cls(where.modname, where.qualname, found.signature.args, where.llvm_func_name)
-
-    def __call__(self) -> None:
-        """Raise LookupError if it goes by another name since it was compiled anew."""
-        called = getattr(import_module(self.module), self.function).called
-        called.compile(self.arguments)
-        if called.overloads[self.arguments].fndesc.llvm_func_name != self.symbol:
-            raise LookupError(self.symbol)
-
-
-class _SharedForms(_Forms):
-    def rebuild(self, target_context: Any, payload: Any) -> Any:
-        """Return a form that was kept."""
-        found = super().rebuild(target_context, payload)
-        found.library._reload_init.add(_Loader.of(found))
-        return found
-
-
 class _InnerForms(_Forms):
+    def get_filename_base(self, fullname: str, abiflags: str) -> str:
+        """Return a name beside that of the machine code for Python."""
+        return f"{super().get_filename_base(fullname, abiflags)}.inner"
+
     def rebuild(self, target_context: Any, payload: Any) -> Any:
         """Return a form that was kept."""
         (name, code), fndesc, env, signature, _, lifted, annotation, reload_init, envs = payload
         library = _InnerCode(target_context.codegen(), name)
         library._final_module, library._finalized = binding.parse_bitcode(code), True
-        library._reload_init.update(reload_init)
-        for load in reload_init:
-            load()
         return compile_result(
             target_context=target_context,
             typing_context=target_context.typing_context,
@@ -202,54 +185,14 @@ class _InnerForms(_Forms):
         )
 
 
-class _Kernels(FunctionCache):  # type: ignore[misc]
-    """numba's disk cache without what only compiling needs.
-
-    numba imports all that it can compile, and with it scipy's linear algebra, before it loads
-    machine code: a quarter of the time of a short command.  A compilation imports it by itself.
-    Entries that are damaged count as none.
-    """
-
-    _impl_class = _Forms
-    _kind = ""
-
-    def __init__(self, function: Callable[..., Any]) -> None:
-        super().__init__(function)
-        # numba's own file of entries knows its name only in parts.
-        plain = vars(self)["_cache_file"]
-        base = plain._index_name.removesuffix(".nbi") + self._kind
-        self._cache_file = Entries(self._cache_path, base, plain._source_stamp)
-
-    def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Return the machine code for a signature, or None where there is none."""
-        # Machine code counts references to arrays; what is imported otherwise would begin it.
-        rtsys.initialize(target_context)
-        with self._guard_against_spurious_io_errors(), suppress(LookupError):
-            return self._load_overload(sig, target_context)
-        return None
-
-
 class _InnerKernels(_Kernels):
     """The disk cache of the code that other kernels call."""
 
     _impl_class = _InnerForms
-    _kind = ".inner"
-
-
-class _SharedKernels(_Kernels):
-    """The disk cache of machine code that other kernels call."""
-
-    _impl_class = _SharedForms
-    _kind = ".shared"
 
 
 def njit(
-    *,
-    parallel: bool = False,
-    inline: bool = False,
-    exact: bool = False,
-    bare: bool = False,
-    shared: bool = False,
+    *, parallel: bool = False, inline: bool = False, exact: bool = False, bare: bool = False
 ) -> Callable[[_Function], _Function]:
     """Compile a kernel with the project's flags; use as ``@njit()``.
 
@@ -262,13 +205,10 @@ def njit(
         arrays: each array argument is seven machine words, each table of arrays dozens.
     exact : bool
         Whether every operation is rounded by itself, as it is written.  For predicates that must
-        say the same wherever they are asked.
+        say the same wherever they are used.
     bare : bool
         Whether the function makes no array and returns none.  References to the arrays that it is
         given are then not counted, which for ten arrays takes longer than a short kernel's work.
-    shared : bool
-        Whether kernels call the function's own machine code, which is compiled once.  Others take
-        in all that they call, and all of it is optimised anew with each of them.
 
     Returns
     -------
@@ -291,22 +231,13 @@ def njit(
         compiled: _Function = numba.njit(**options)(function)
         if not isinstance(compiled, CPUDispatcher):
             return compiled
-        called, kept = compiled, _Kernels
+        called = compiled
         if not parallel:
-            compiler = _SharedCompiler if shared else _InnerCompiler
-            options |= {"no_cpython_wrapper": True, "pipeline_class": compiler}
+            options |= {"no_cpython_wrapper": True, "pipeline_class": _InnerCompiler}
             called = numba.njit(**options)(function)
-            kept = _SharedKernels if shared else _InnerKernels
         _call_inside(compiled, called)
-        folder = cache_folder(str(Path(function.__code__.co_filename).parent))
-        if folder is not None:
-            # numba picks the folder from this setting.
-            before = numba.config.CACHE_DIR
-            numba.config.CACHE_DIR = folder
-            try:
-                called._cache, compiled._cache = kept(function), _Kernels(function)
-            finally:
-                numba.config.CACHE_DIR = before
+        if cache_folder() is not None:
+            called._cache, compiled._cache = _InnerKernels(function), _Kernels(function)
         return compiled
 
     return compile_later
@@ -330,51 +261,35 @@ def _call_inside(compiled: Any, called: Any) -> None:
 
 
 @functools.cache
-def cache_folder(source_folder: str) -> str | None:
-    """Return the folder for the compiled kernels of one folder of sources.
+def cache_folder() -> str | None:
+    """Return the folder of the machine code, or None if nothing can be written there.
 
-    Parameters
-    ----------
-    source_folder : str
-        Folder of the decorated function's file.
-
-    Returns
-    -------
-    str or None
-        ``<root>/<digest>`` where the root is ``NUMBA_CACHE_DIR`` if it is set,
-        else ``lutgen`` in the user's cache folder, and the digest changes with any
-        file that holds kernels, with numba and with the processor.  None when
-        nothing can be written there, or somebody else could write there: the kernels
-        are then compiled at each start.
+    It is ``<root>/<digest>``.  The root is ``NUMBA_CACHE_DIR``, else ``lutgen`` in the user's cache
+    folder.  The digest changes with every file that holds kernels, with numba and with the
+    processor.  Without a folder, kernels are compiled at each start.
     """
-    return _folder(_package_of(Path(source_folder).resolve()))
-
-
-@functools.cache
-def _folder(package: Path) -> str | None:
-    """Return the folder for the compiled kernels of one package, or of a folder of loose files."""
     digest = hashlib.sha256()
     for part in (numba.__version__, binding.get_host_cpu_name(), repr(sorted(FASTMATH))):
         digest.update(part.encode() + b"\0")
-    for root in sorted({_PACKAGE, package}):
-        for path in _kernel_files(root):
-            # The same name stands in several rooms.
-            name = path.relative_to(root).as_posix()
-            digest.update(name.encode() + b"\0" + path.read_bytes() + b"\0")
-    folder = cache_root() / digest.hexdigest()[:16]
-    return str(folder) if usable(folder) else None
+    for package in _PACKAGES:
+        for path in sorted(package.rglob("*.py")):
+            if _MARK in path.read_bytes():
+                name = path.relative_to(package).as_posix()
+                digest.update(f"{name}\0{_digest(path)}\0".encode())
+    root = Path(os.environ.get("NUMBA_CACHE_DIR") or user_cache_dir("lutgen"))
+    folder = root / digest.hexdigest()[:16]
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    except OSError:
+        return None
+    # Without a home, the user's folder is "~" of wherever the process runs.
+    return str(folder) if root.is_absolute() and os.access(folder, os.W_OK) else None
 
 
-def _package_of(folder: Path) -> Path:
-    """Return the outermost package that holds a folder, or the folder itself."""
-    while (folder.parent / "__init__.py").is_file():
-        folder = folder.parent
-    return folder
-
-
-def _kernel_files(root: Path) -> list[Path]:
-    """Return the files below `root` that hold kernels, sorted."""
-    return sorted(path for path in root.rglob("*.py") if _MARK in path.read_bytes())
+@functools.cache
+def _digest(path: Path) -> str:
+    """Return the digest of a file of sources."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def in_threads(
@@ -425,3 +340,7 @@ def in_pool(work: Callable[[Job], Result], jobs: Iterable[Job], threads: int) ->
         raise
     pool.shutdown()
     return answers
+
+
+# A kernel that is loaded from the folder is no such event.
+event.register("numba:compile", _Notice())

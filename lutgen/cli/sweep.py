@@ -8,7 +8,6 @@ from typing import Any
 
 import click
 
-from lutgen.cli.compiling import compiling_is_told
 from lutgen.cli.options import Named, RecipeOptions, asks, file_size, force, log, option, output
 from lutgen.cli.sources import open_recipe
 from lutgen.cli.table import show
@@ -64,17 +63,16 @@ def sweep(ctx: click.Context, recipe: str, asked: Asked) -> None:
             bar.update(done - bar.pos, f"{rate:.1f} M nodes/s")
 
         try:
-            with compiling_is_told(quiet):
-                run(
-                    robot,
-                    asked.output,
-                    threads=asked.threads,
-                    resume=asked.resume,
-                    engine=asked.engine,
-                    progress=progress,
-                    scheduler=asked.scheduler,
-                    force=asked.force,
-                )
+            run(
+                robot,
+                asked.output,
+                threads=asked.threads,
+                resume=asked.resume,
+                engine=asked.engine,
+                progress=progress,
+                scheduler=asked.scheduler,
+                force=asked.force,
+            )
         except KeyboardInterrupt:
             begun = Path(f"{asked.output}.part").exists()
             raise click.ClickException(

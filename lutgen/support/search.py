@@ -10,7 +10,7 @@ from lutgen.support.table import SHOWN, Acceptance, Region, robot_size
 from lutgen.vector import Floats
 
 
-@njit(bare=True, shared=True)
+@njit(bare=True)
 def stand(region: Region, primitives: Floats, accept: Acceptance) -> None:
     """Find where one posture stands.
 
