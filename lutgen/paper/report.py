@@ -1,28 +1,28 @@
-"""`lutgen paper`: everything in one folder, and one page that shows it.
+"""`lutgen paper`: everything in one folder, and one page that shows it."""
 
-Owns the folder; the words of the page are in `page.md.in`.
-"""
-
+import base64
+import math
 import os
-import shutil
 import tempfile
 import time
 from collections.abc import Callable
-from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from lutgen._version import __version__
 from lutgen.errors import InputError
-from lutgen.files import csv_text, write_text
-from lutgen.paper import manifest
-from lutgen.paper.numbers import page_numbers
-from lutgen.paper.page import Picture, render
-from lutgen.paper.page_tables import page_tables
-from lutgen.paper.pictures import draw_pictures
-from lutgen.paper.results import MAP, Results, compute
-from lutgen.paper.tables import tables
+from lutgen.files import check_target, csv_text, write_text
+from lutgen.paper.figures import draw_figures
+from lutgen.paper.model import NOMINAL, RADIUS, TABLE
+from lutgen.paper.simulations import Results, compute, second_optimum
+from lutgen.paper.tables import Table, tables
 
 PAGE = "paper.html"
-TEMPLATE = files(__package__).joinpath("page.md.in").read_text(encoding="utf-8")
+# Every how many points of the curve stand on the page.
+CURVE_EVERY = 50
 
 
 def write_report(
@@ -35,12 +35,11 @@ def write_report(
     Parameters
     ----------
     directory : path
-        Made if it is not there.  Files of an earlier report are replaced, as far as its list
-        (`manifest`) knows them; others stay.
+        Made if it is not there.
     progress : callable
         Is told what is being done.
     force : bool
-        Whether files that lutgen did not make, or that were edited, may be replaced.
+        Whether files that lutgen did not make may be replaced.
 
     Returns
     -------
@@ -54,42 +53,99 @@ def write_report(
     """
     begin = time.perf_counter()
     target = Path(directory)
-    if not force:
-        manifest.check(target, (PAGE, MAP))
     try:
         target.mkdir(parents=True, exist_ok=True)
         # Everything appears at once, or not at all.
-        work = Path(tempfile.mkdtemp(prefix=".paper.", dir=target))
-    except OSError as error:
-        raise InputError(
-            f"{target}: cannot be made a folder of results (got {error.strerror or error}); "
-            "choose another path"
-        ) from error
-    try:
-        results = compute(work, progress)
-        progress("figures")
-        pictures = draw_pictures(work, results)
-        for name, (head, rows) in tables(results).items():
-            write_text(work / name, csv_text(head, rows))
-        write_text(work / PAGE, build_page(results, pictures, time.perf_counter() - begin))
-        made = sorted(path.name for path in work.iterdir())
-        if not force:
-            manifest.check(target, made)
-        write_text(work / manifest.NAME, manifest.text(work, made))
-        # The list last, so that it never names what is not there yet.
-        for name in (*made, manifest.NAME):
-            (work / name).replace(target / name)
+        with tempfile.TemporaryDirectory(prefix=".paper.", dir=target) as name:
+            work = Path(name)
+            results = compute(work, progress)
+            progress("figures")
+            widths = draw_figures(work, results)
+            shown = tables(results)
+            for name, table in shown.items():
+                keys = [column.key for column in table.columns]
+                write_text(work / f"{name}.csv", csv_text(keys, _plain(table)))
+            page = build_page(work, results, widths, time.perf_counter() - begin)
+            write_text(work / PAGE, page)
+            made = sorted(work.iterdir())
+            for path in made:
+                check_target(target / path.name, force, path.read_bytes())
+            for path in made:
+                path.replace(target / path.name)
     except OSError as error:
         raise InputError(
             f"{target}: the report cannot be written (got {error.strerror or error}); "
-            "choose a folder with room"
+            "choose a folder that exists and has room."
         ) from error
-    finally:
-        shutil.rmtree(work, ignore_errors=True)
     return target / PAGE
 
 
-def build_page(results: Results, pictures: dict[str, Picture], seconds: float) -> str:
-    """Return the page: the template with its numbers, tables and pictures."""
-    filled = TEMPLATE.format_map(page_numbers(results, seconds))
-    return render(filled, pictures, page_tables(results))
+def _plain(table: Table) -> list[list[object]]:
+    """Return the rows of a table without the marks of HTML."""
+    return [
+        [cell.striptags() if isinstance(cell, Markup) else cell for cell in row]
+        for row in table.rows
+    ]
+
+
+def build_page(folder: Path, results: Results, widths: dict[str, int], seconds: float) -> str:
+    """Return the page: the template with its numbers, its tables and the figures of a folder."""
+    environment = Environment(
+        loader=PackageLoader("lutgen.paper", "."),
+        autoescape=True,
+        trim_blocks=True,
+        undefined=StrictUndefined,
+    )
+    environment.filters["f"] = shown
+    found = tables(results)
+    curve = found["fig08_curve"]
+    found["fig08_curve"] = Table(curve.columns, curve.rows[::CURVE_EVERY])
+    pictures = {
+        stem: (width, base64.b64encode((folder / f"{stem}.png").read_bytes()).decode("ascii"))
+        for stem, width in widths.items()
+    }
+    context = {**page_numbers(results), "seconds": seconds, "tables": found, "pictures": pictures}
+    return environment.get_template("page.html.j2").render(context)
+
+
+def shown(value: object, spec: str) -> str:
+    """Return a cell or a number of the page as HTML: 1.5e-07 is 1.5 times a power of ten."""
+    if value is None:
+        return "\N{EN DASH}"
+    if isinstance(value, str):
+        return value
+    text = format(value, spec).replace("-", "\N{MINUS SIGN}")
+    mantissa, mark, power = text.partition("e")
+    if not mark:
+        return text
+    return Markup(f"{mantissa}&middot;10<sup>{power.removeprefix('+').replace('0', '', 1)}</sup>")
+
+
+def page_numbers(results: Results) -> dict[str, Any]:
+    """Return the numbers of the page's prose by the names that its template gives them."""
+    searching = [row for row in results.table if row.published.searching]
+    meant = [row.exact["plane"] / row.published.read_as for row in searching]
+    third, last, scale = TABLE[4], TABLE[5], TABLE[3]
+    slope = (scale.sdg - third.sdg) / (scale.alpha - third.alpha)
+    faster = 3600.0 / results.swept.file
+    digit = 10 ** math.floor(math.log10(faster))
+    return {
+        "radius": RADIUS,
+        "nominal_deg": math.degrees(NOMINAL),
+        "first_best": {n: math.degrees(at.params[0]) for n, at in results.first.best.items()},
+        "swept": results.swept,
+        # Rounded down to one digit: more would be claimed than is known.
+        "faster": int(faster // digit * digit),
+        "second_optimum": second_optimum(),
+        "ratio": [row.exact["plane"] / row.published.sdg for row in results.table],
+        "fitted": results.fitted_radius,
+        "ratio_low": min(meant),
+        "ratio_high": max(meant),
+        "worst_percent": 100.0 * max(abs(r) for row in searching for r in row.residual.values()),
+        "zero_of_line": third.alpha - third.sdg / slope,
+        "zero_of_last": last.alpha + last.sdg / slope,
+        "both_tips": int(results.third["both"].tips.sum()),
+        "turning_tips": int(results.third["turning"].tips.sum()),
+        "near_tip": min(results.forces, key=lambda row: row.exact[0]),
+        "version": __version__,
+    }

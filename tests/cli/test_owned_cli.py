@@ -1,6 +1,5 @@
 """No command replaces what lutgen did not make, and its own it replaces without a word."""
 
-import json
 import shutil
 from pathlib import Path
 
@@ -9,7 +8,6 @@ import pytest
 import lutgen
 from lutgen.errors import InputError
 from lutgen.files import is_ours
-from lutgen.paper import manifest
 from lutgen.plot.style import new_figure, save
 from tests.fixtures.commands import good, run
 from tests.fixtures.places import VECTORS
@@ -123,22 +121,6 @@ def test_an_import_leaves_alone_what_was_edited_by_hand(folder: Path) -> None:
     assert Path("rover.toml").read_text(encoding="utf-8").endswith("# mine\n")
     good(*ask, "--force")
     assert Path("rover.toml").read_text(encoding="utf-8") == made
-
-
-def test_a_report_replaces_what_a_report_left_and_nothing_else(folder: Path) -> None:
-    Path("page.html").write_bytes(MINE)
-    with pytest.raises(InputError, match=r"page\.html: is not as a report of lutgen left it"):
-        manifest.check(folder, ["page.html"])
-    Path(manifest.NAME).write_text(manifest.text(folder, ["page.html"]))
-    manifest.check(folder, ["page.html", "new.csv"])
-    assert json.loads(Path(manifest.NAME).read_text())["sha256"].keys() == {"page.html"}
-    Path("page.html").write_bytes(b"edited")
-    with pytest.raises(InputError, match="--force"):
-        manifest.check(folder, ["other.html"])
-    Path("page.html").unlink()
-    Path("page.html").symlink_to("r.toml")
-    with pytest.raises(InputError, match="--force"):
-        manifest.check(folder, ["page.html"])
 
 
 def test_a_report_refuses_a_page_of_somebody_else_before_it_computes(folder: Path) -> None:

@@ -1,42 +1,33 @@
-"""The figures of the paper, drawn again.
+"""The figures of the paper, drawn again."""
 
-Owns which file shows what; the template of the page has the words for it.
-"""
-
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from lutgen import plot
 from lutgen.mapping import load_map
-from lutgen.paper.nominal import DOWN, TO_THE_LEFT
-from lutgen.paper.page import Picture
-from lutgen.paper.published import PRINTED
-from lutgen.paper.results import Results
-from lutgen.paper.robot import paper_recipe
+from lutgen.paper.model import DOWN, TO_THE_LEFT, paper_recipe
+from lutgen.paper.simulations import Results
 from lutgen.plot import draw_path, draw_steps
 
 RESOLUTION = 200
 UNEVEN = {"alpha": 20.0, "gamma": 40.0}
-# As printed: at the exact angle |SD_g| would be rounding noise.
-NOMINAL = float(PRINTED["nominal_deg"])
 SLOPE = (-0.3, 0.15, -1.0)
 # CSS pixels of an inch of a figure.
 PIXELS = 96.0 * 1.15
 
 
-def painters(results: Results) -> dict[str, Callable[[], Any]]:
-    """Return what draws each figure, by the stem of its file."""
+def draw_figures(folder: Path, results: Results) -> dict[str, int]:
+    """Draw all figures as PNG into a folder; return the width (CSS pixels) of each by its stem."""
     stability_map = load_map(results.swept.path)
     one, two, third = paper_recipe(moving=1), paper_recipe(), results.third
     search = results.second["plane", "search"]
     runs = {"without control": third["fixed"], "with control": third["lagged"]}
     robot, curve = partial(plot.draw, "robot"), partial(plot.draw, "curve")
     contour, steps = partial(plot.draw, "contour"), partial(draw_steps, two, search, DOWN)
-    return {
+    painters = {
         "fig05_support": partial(robot, two, params=UNEVEN, gravity=SLOPE),
-        "fig07_robot": partial(robot, one, params={"alpha": NOMINAL}),
+        # As printed: at the exact angle |SD_g| would be rounding noise.
+        "fig07_robot": partial(robot, one, params={"alpha": 30.964}),
         "fig08_curve": partial(curve, one, convention="plane"),
         "fig09_robot": partial(robot, two, params=UNEVEN, convention="plane"),
         "fig10_surface": partial(plot.draw, "surface", stability_map),
@@ -49,14 +40,9 @@ def painters(results: Results) -> dict[str, Callable[[], Any]]:
         "fig15_last": partial(steps, (5,)),
         "fig16_17_path": partial(draw_path, paper_recipe(azimuths=TO_THE_LEFT), runs),
     }
-
-
-def draw_pictures(folder: Path, results: Results) -> dict[str, Picture]:
-    """Draw all figures as PNG into a folder, and return them by the names of their files."""
-    pictures = {}
-    for stem, paint in painters(results).items():
+    widths = {}
+    for stem, paint in painters.items():
         figure = paint()
-        path = folder / f"{stem}.png"
-        plot.save(figure, path, dpi=RESOLUTION)
-        pictures[path.name] = Picture(path, round(PIXELS * figure.get_figwidth()))
-    return pictures
+        plot.save(figure, folder / f"{stem}.png", dpi=RESOLUTION)
+        widths[stem] = round(PIXELS * figure.get_figwidth())
+    return widths
