@@ -116,7 +116,7 @@ def table1(results: Results) -> Table:
     for name, letter in LETTERS.items():
         head += [(f"sdg_{name}", f"ours, {letter}", ".8f")]
         head += [(f"sdg_fitted_{name}", f"fitted, {letter}", ".8f")]
-        head += [(f"residual_{name}", f"fitted is off by (%), {letter}", "+.2f")]
+        head += [(f"residual_{name}", f"off (%), {letter}", "+.1f")]
     rows = []
     for row in results.table:
         said = row.published
