@@ -208,7 +208,7 @@ def off_of(model: Model, spec: Spec) -> float:
 class Contacts(Codec):
     """The codec; it has one size, and of a robot given by code one for each error."""
 
-    name, look = "contacts", ("#0072B2", "o")
+    name = "contacts"
     families: ClassVar = {"float": "points"}
 
     def refusal(self, model: Model, arithmetic: str) -> str | None:

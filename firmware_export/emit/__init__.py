@@ -1,8 +1,7 @@
 """An export written as C, with its report.
 
-In reading order: `names`, `text`, `size`, `runtime`, `facts`, `words`, `header`, `source`,
-`example`, `alarm`, `control`, `ros`, `project_files`, `page`, `figure`, `report`, `trial`,
-`package`.
+In reading order: `names`, `text`, `size`, `runtime`, `facts`, `words`, `render`, `report`,
+`trial`, `package`; the texts are in `templates/`.
 """
 
 from firmware_export.emit.facts import flash_bytes

@@ -13,24 +13,10 @@ from pathlib import Path
 from typing import Any
 
 from firmware_export.emit import report as reports
-from firmware_export.emit.alarm import alarm_text, sketch_text
-from firmware_export.emit.control import control_example, control_sketch
-from firmware_export.emit.example import example_text
 from firmware_export.emit.facts import MARKER, report
-from firmware_export.emit.figure import draw_pareto
-from firmware_export.emit.header import header_text
 from firmware_export.emit.names import check_name
-from firmware_export.emit.page import page
-from firmware_export.emit.project_files import (
-    cmake_lists,
-    library_json,
-    library_properties,
-    zephyr_cmake,
-    zephyr_module,
-)
-from firmware_export.emit.ros import keeper_text, node_text
+from firmware_export.emit.render import texts
 from firmware_export.emit.runtime import runtime_file
-from firmware_export.emit.source import source_text
 from firmware_export.emit.trial import try_out
 from firmware_export.protocol import Export, describe, stored
 from lutgen.errors import ExportError, InputError
@@ -48,68 +34,42 @@ def contents(export: Export) -> tuple[dict[str, bytes], dict[str, Any]]:
     The report also holds the tables, so that they can be asked, and the digest of NAME.c.
     """
     name = check_name(export.name)
-    jumps = bool((export.certificate or {}).get("jumps"))
-    picture = draw_pareto(export.pareto or [], "99th percentile of the" if jumps else "largest")
     content = report(export)
-    source = source_text(export)
-    texts = {
-        f"{name}.h": header_text(content),
-        f"{name}.c": source,
-        "smap.h": runtime_file("smap.h"),
-        **_control(export, content),
-        "examples/read.c": example_text(content),
-        "examples/alarm.c": alarm_text(content),
-        f"examples/{name}/{name}.ino": (control_sketch if content["policy"] else sketch_text)(
-            content
-        ),
-        "CMakeLists.txt": cmake_lists(export),
-        "library.json": library_json(export),
-        "library.properties": library_properties(export),
-        "zephyr/module.yml": zephyr_module(export),
-        "zephyr/CMakeLists.txt": zephyr_cmake(export),
-        "LICENSE": runtime_file("LICENSE"),
-        f"{name}_report.md": page(content, export.body, f"{name}_pareto.png" if picture else None),
-    }
-    texts = {key: text for key, text in texts.items() if text}
+    written = {**dict(texts(export, content)), "smap.h": runtime_file("smap.h")}
+    written["LICENSE"] = runtime_file("LICENSE")
+    if export.policy is not None:
+        written["smap_control.h"] = runtime_file("smap_control.h")
+    files = {key: text.encode("utf-8") for key, text in written.items()}
     last = f"{name}{reports.SUFFIX}"
-    content["files"] = [*texts, last, *([f"{name}_pareto.png"] if picture else [])]
-    digest = file_digest(source.encode("utf-8"))
+    content["files"] = [*files, last]
+    digest = file_digest(files[f"{name}.c"])
     content["tables"] = {"source_sha256": digest, **stored(describe(export))}
-    files = {key: text.encode("utf-8") for key, text in texts.items()}
-    if picture:
-        files[f"{name}_pareto.png"] = picture
     content[DIGESTS] = {key: file_digest(files[key]) for key in sorted(files)}
     files[last] = reports.json_text(content).encode("utf-8")
     return files, content
 
 
-def _control(export: Export, content: dict[str, Any]) -> dict[str, str]:
-    """Return the files of on-board control, if there is a policy."""
-    if export.policy is None:
-        return {}
-    return {
-        "smap_control.h": runtime_file("smap_control.h"),
-        "examples/control.c": control_example(content),
-        "examples/keeper.hpp": keeper_text(content),
-        "examples/ros2_node.cpp": node_text(content),
-    }
+def _reports(directory: Path) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Yield the name and the content of each report in a folder, of any format; {} if damaged."""
+    for path in reports.find(directory):
+        try:
+            content = json.loads(path.read_text(encoding="utf-8"))
+            yield path.name, content if isinstance(content, dict) and MARKER in content else {}
+        except (OSError, ValueError, RecursionError):
+            continue
 
 
 def _ours(directory: Path) -> dict[str, str | None]:
-    """Return the names that an earlier export into a folder left there, of any format.
+    """Return the names that an earlier export into a folder left there.
 
     With them stands the digest of each, None where the report does not know it.
     """
     names: dict[str, str | None] = {}
-    for path in reports.find(directory):
-        try:
-            content = json.loads(path.read_text(encoding="utf-8"))
-            known = dict(content.get(DIGESTS, {}))
-            if MARKER in content:
-                names |= {str(name): known.get(name) for name in content["files"]}
-            names[path.name] = None
-        except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
-            continue
+    for report_name, content in _reports(directory):
+        files, known = content.get("files"), content.get(DIGESTS)
+        for name in files if isinstance(files, list) else ():
+            names[str(name)] = known.get(name) if isinstance(known, dict) else None
+        names[report_name] = None
     return names
 
 
@@ -206,10 +166,14 @@ def write(
 
     Raises
     ------
+    InputError
+        For a folder that `check_directory` refuses, or that holds another robot's export.
     ExportError
         If it does not compile or run, or cannot be written.
     """
     path = check_directory(directory, force)
+    if not force:
+        _refuse_another_robot(path, export.recipe.name)
     files, content = contents(export)
     if tell is not None:
         tell(try_out(files, export.name))
@@ -224,6 +188,17 @@ def write(
     except OSError as error:
         raise _unwritable(path, error) from error
     return content
+
+
+def _refuse_another_robot(path: Path, robot: str) -> None:
+    """Refuse to replace the export of a robot by that of another."""
+    for _, content in _reports(path):
+        found = content.get("robot", robot)
+        if found != robot:
+            raise InputError(
+                f"{path}: holds an export of the robot {found!r} (got {robot!r}); name another "
+                "folder, or pass --force to write over it."
+            )
 
 
 def _unwritable(path: Path, error: OSError) -> ExportError:

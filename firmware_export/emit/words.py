@@ -1,9 +1,25 @@
 """The content of a report in words: one wording for the header, the page and the command line."""
 
 import math
+import re
 from typing import Any
 
 FALSE_TIP = "stable configurations reported unsafe"
+# What takes flash.
+KINDS = ("tables", "descriptors", "code", "control", "policy")
+PARTS = (*KINDS, "total")
+
+
+def escaped(text: str) -> str:
+    r"""Return a text of one line that Markdown and HTML show as it is.
+
+    Examples
+    --------
+    >>> print(escaped("<b>front</b> [x](y)"))
+    &lt;b&gt;front&lt;/b&gt; \[x\](y)
+    """
+    marked = re.sub(r"([\\`*\[\]!])", r"\\\1", " ".join(text.split()))
+    return marked.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
 
 
 def number(value: float, digits: int = 4) -> str:
@@ -27,6 +43,15 @@ def axis_range(parameter: dict[str, Any]) -> str:
     if parameter["unit"] == "rad":
         text += f" ({number(math.degrees(low))} .. {number(math.degrees(high))} deg)"
     return text
+
+
+def slack_text(parameter: dict[str, Any]) -> str:
+    """Return how far beyond its axis a parameter is read."""
+    if parameter["slack"] is None:
+        return "turns all the way round"
+    if parameter["unit"] == "rad":
+        return f"+- {number(math.degrees(parameter['slack']), 2)} deg"
+    return f"+- {number(parameter['slack'], 2)}"
 
 
 def chart_text(chart: dict[str, Any]) -> str:
@@ -87,8 +112,7 @@ def bytes_text(sizes: dict[str, Any]) -> str:
     >>> bytes_text({**known, "measured": True})
     '1,326 bytes, measured on M4: 66 of tables, 60 of descriptors, 1,200 of code'
     """
-    kinds = ("tables", "descriptors", "code", "control", "policy")
-    parts = ", ".join(f"{sizes[kind]:,} of {kind}" for kind in kinds if kind in sizes)
+    parts = ", ".join(f"{sizes[kind]:,} of {kind}" for kind in KINDS if kind in sizes)
     total, how = f"{sizes['total']:,} bytes", f"on {sizes['target']}: {parts}"
     if sizes["measured"]:
         return f"{total}, measured {how}"

@@ -144,7 +144,7 @@ class Tables(AnyTables):
 class Lookup(Codec):
     """The codec; it grows along the parameter whose chords are furthest from their arcs."""
 
-    name, look = "grid", ("#D55E00", "s")
+    name = "grid"
     families: ClassVar = {"float": "tables", "integer": "tables_i"}
 
     def refusal(self, model: Model, arithmetic: str) -> str | None:

@@ -142,7 +142,7 @@ def _fitted(model: Model, nodes: tuple[int, ...], lengths: tuple[str, ...]) -> t
 class Trained(Codec):
     """The codec: one size, as large as may be or as an error needs; it trains for minutes."""
 
-    name, look = "grid", ("#D55E00", "s")
+    name = "grid"
     families: ClassVar = {"integer": "grid"}
 
     def refusal(self, model: Model, arithmetic: str) -> str | None:

@@ -62,13 +62,10 @@ class Codec(ABC):
         holds a given robot.
     families : mapping of str to str
         The family of the runtime for each arithmetic that the codec has.
-    look : (str, str)
-        Colour and marker of its candidates in figures.
     """
 
     name: str
     families: ClassVar[Mapping[str, str]]
-    look: tuple[str, str]
 
     @abstractmethod
     def refusal(self, model: Model, arithmetic: str) -> str | None:

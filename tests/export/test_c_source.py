@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 from firmware_export.emit import package
 from firmware_export.emit.facts import axis_macros, report
-from firmware_export.emit.header import header_text
 from firmware_export.emit.names import LONGEST, check_name, default_name
+from firmware_export.emit.render import texts
 from firmware_export.emit.runtime import control_file, control_text, runtime_file, runtime_text
 from firmware_export.emit.size import code_bytes
 from firmware_export.emit.text import WIDTH, block_comment, plain_text
@@ -202,7 +202,7 @@ def test_no_text_can_end_a_comment_or_continue_a_line(text: str) -> None:
     shown = plain_text(text)
     assert shown.isascii()
     assert not set(re.findall(r"\*/|/\*|\\|\?\?", shown))
-    assert block_comment([text]).count("*/") == 1
+    assert block_comment(text).count("*/") == 1
 
 
 def test_a_robot_with_an_unusual_name_gives_c_that_compiles(tmp_path: Path) -> None:
@@ -216,9 +216,14 @@ def test_a_robot_with_an_unusual_name_gives_c_that_compiles(tmp_path: Path) -> N
 # contents
 
 
+def header_text(export: Export) -> str:
+    """Return NAME.h."""
+    return dict(texts(export, report(export)))[f"{export.name}.h"]
+
+
 def test_the_header_says_what_a_reader_must_know(exports: dict[str, Export]) -> None:
     export = exports["contacts"]
-    text = header_text(report(export))
+    text = header_text(export)
     for part in (
         "stability map of the robot tripod",
         "FEET_REACH 0 .. 0.6 m +- 0.003 shifts leg",
@@ -247,13 +252,13 @@ def test_the_header_says_what_a_reader_must_know(exports: dict[str, Export]) -> 
 def test_a_largest_error_without_a_bound_is_not_claimed() -> None:
     sdg = {"largest_seen": 0.5, "largest_seen_percent": 40.0, "p99": 0.01, "rms": 0.02}
     export = rover_export(certificate={"points": 9, "channels": {"sdg": sdg}, "jumps": True})
-    text = header_text(report(export))
+    text = header_text(export)
     assert "no bound, seen: 0.5 m (40 %)" in text
 
 
 def test_what_was_not_measured_is_not_claimed() -> None:
     export = tripod_export(certificate=None, pareto=None)
-    text = header_text(report(export))
+    text = header_text(export)
     assert "Errors: not measured." in text
     assert "reported unsafe: not measured" in re.sub(r"[ \n*]+", " ", text)
     assert "bytes, measured" not in text
@@ -265,7 +270,7 @@ def test_the_integer_form_of_a_constant_is_rounded_and_clamped(
     export = tripod_export("feet", codec="grid", arithmetic="integer")
     steps = (("sdg", 0.001), ("height", 0.0005))
     monkeypatch.setattr(Export, "body", replace(export.body, lengths=steps))
-    text = header_text(report(replace(export, channels=("sdg", "tip_angle", "height"))))
+    text = header_text(replace(export, channels=("sdg", "tip_angle", "height")))
     (tmp_path / "smap.h").write_text(runtime_file("smap.h"))
     (tmp_path / "feet.h").write_text(text)
     low, high = export.recipe.parameters[1].minimum, export.recipe.parameters[1].maximum

@@ -12,8 +12,7 @@ from pathlib import Path
 import pytest
 
 from firmware_export.emit import package, report, size
-from firmware_export.emit.figure import draw_pareto
-from firmware_export.emit.page import page
+from firmware_export.emit.render import texts
 from firmware_export.protocol.exported import Export
 from lutgen.errors import ExportError, InputError
 from tests.fixtures.exports import PARETO, rover_export, tripod_export
@@ -25,7 +24,7 @@ NAMES = {
     *("CMakeLists.txt", "library.json", "library.properties"),
     *("examples/read.c", "examples/alarm.c", "examples/feet/feet.ino"),
     *("zephyr/module.yml", "zephyr/CMakeLists.txt"),
-    *("feet_report.json", "feet_report.md", "feet_pareto.png"),
+    *("feet_report.json", "feet_report.md"),
 }
 
 
@@ -96,28 +95,14 @@ def test_the_report_has_what_a_program_asks_for(export: Export, tmp_path: Path) 
     assert content["pareto"] == PARETO
 
 
-def test_the_page_shows_the_choice_and_its_picture(export: Export, tmp_path: Path) -> None:
+def test_the_page_shows_what_was_chosen_from(export: Export, tmp_path: Path) -> None:
     package.write(export, tmp_path / "out")
     page = (tmp_path / "out" / "feet_report.md").read_text()
     rows = [line for line in page.split("\n") if line.endswith(("% |  |", "**chosen** |"))]
     assert [row.split("|")[1].strip() for row in rows] == ["grid i8", "contacts", "grid u8"]
     assert "**chosen**" in rows[1]
-    assert "(feet_pareto.png)" in page
-    assert (tmp_path / "out" / "feet_pareto.png").read_bytes().startswith(b"\x89PNG")
-
-
-def test_without_a_choice_there_is_no_picture(export: Export, tmp_path: Path) -> None:
     package.write(replace(export, pareto=None), tmp_path / "out")
-    assert set(contents(tmp_path / "out")) == NAMES - {"feet_pareto.png"}
     assert "chosen from" not in (tmp_path / "out" / "feet_report.md").read_text()
-    assert draw_pareto([{"label": "exact", "codec": "contacts", "bytes": 1, "error": 0.0}]) is None
-
-
-def test_of_one_size_there_is_nothing_to_choose_from_and_no_picture() -> None:
-    one, other = ({"codec": "contacts", "bytes": size, "error": 1e-5} for size in (60, 80))
-    assert draw_pareto([one]) is None
-    assert draw_pareto([one, dict(one, chosen=True)]) is None
-    assert draw_pareto([one, other], "99th percentile of the") is not None
 
 
 # a library for others
@@ -202,9 +187,20 @@ def test_platformio_and_arduino_get_a_name_a_version_and_a_header(
 def test_an_earlier_export_is_replaced_even_under_another_name(
     export: Export, tmp_path: Path
 ) -> None:
-    package.write(rover_export("old"), tmp_path / "out")
+    package.write(replace(export, name="old"), tmp_path / "out")
     package.write(export, tmp_path / "out")
-    assert contents(tmp_path / "out") == contents(tmp_path / "out")
+    assert set(contents(tmp_path / "out")) == NAMES
+
+
+def test_the_export_of_another_robot_is_replaced_by_force_alone(
+    export: Export, tmp_path: Path
+) -> None:
+    package.write(rover_export("old"), tmp_path / "out")
+    before = contents(tmp_path / "out")
+    with pytest.raises(InputError, match=r"of the robot 'rover' \(got 'tripod'\).*--force"):
+        package.write(export, tmp_path / "out")
+    assert contents(tmp_path / "out") == before
+    package.write(export, tmp_path / "out", force=True)
     assert set(contents(tmp_path / "out")) == NAMES
 
 
@@ -300,7 +296,7 @@ def test_a_power_cut_between_two_files_leaves_what_the_next_export_may_replace(
 
 def test_names_of_a_recipe_are_no_markup_on_the_page(export: Export, tmp_path: Path) -> None:
     content = package.contents(export)[1] | {"robot": "<script>alert(1)</script> ![x](//y)"}
-    text = page(content, export.body, None)
+    text = dict(texts(export, content))["feet_report.md"]
     assert "<script" not in text
     assert "&lt;script&gt;alert(1)&lt;/script&gt; \\!\\[x\\](//y)" in text
 

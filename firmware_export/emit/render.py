@@ -1,0 +1,263 @@
+"""The texts of an export folder: a template each, filled from the content of its report."""
+
+import json
+import math
+from collections.abc import Iterator
+from functools import cache
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from firmware_export.emit import words
+from firmware_export.emit.names import macro
+from firmware_export.emit.runtime import control_text, runtime_text, settings
+from firmware_export.emit.text import (
+    LICENCE,
+    block_comment,
+    bytes_array,
+    columns,
+    defines,
+    plain_text,
+)
+from firmware_export.host import family_of
+from firmware_export.protocol import Export, describe, literal
+from lutgen._version import __version__
+from lutgen.quantities import QUANTITIES
+
+STATUSES = {
+    "SMAP_OK": "stands",
+    "SMAP_ROCKS": "rocks between two rests, but does not tip over",
+    "SMAP_TIPS": "tips over",
+    "SMAP_OFF_CHART": "unknown: the map holds no such direction",
+    "SMAP_OFF_RANGE": "unknown: a joint is beyond its axis",
+    "SMAP_CORRUPT": "the map is damaged",
+    "SMAP_INVALID": "no valid query",
+}
+# What was counted, in words.
+COST = {
+    "pose": "`smap_pose`",
+    "both": "`smap_pose`, both forms",
+    "form_i": "the integer form alone",
+    "at": "`smap_at`",
+    "at_i": "`smap_at_i`",
+    "read": "whole read",
+}
+# avr-gcc makes no object of more bytes.
+LARGEST_AVR = 32767
+
+
+def texts(export: Export, content: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """Yield the name and the text of each file of an export but its report for programs."""
+    name = export.name
+    listed = {
+        f"{name}.h": "header.h",
+        f"{name}.c": "source.c",
+        "examples/read.c": "read.c",
+        "examples/alarm.c": "alarm.c",
+        f"examples/{name}/{name}.ino": "control.ino" if export.policy else "sketch.ino",
+        "CMakeLists.txt": "CMakeLists.txt",
+        "library.json": "library.json",
+        "library.properties": "library.properties",
+        "zephyr/module.yml": "module.yml",
+        "zephyr/CMakeLists.txt": "zephyr.cmake",
+        f"{name}_report.md": "report.md",
+    }
+    if export.policy is not None:
+        listed |= {
+            "examples/control.c": "control.c",
+            "examples/keeper.hpp": "keeper.hpp",
+            "examples/ros2_node.cpp": "ros2_node.cpp",
+        }
+    context = _context(content) | _source(export) | _page(export, content)
+    for file, template in listed.items():
+        yield file, _environment().get_template(f"{template}.j2").render(context)
+
+
+@cache
+def _environment() -> Environment:
+    """Return the templates; « and » stand in no C, and in no CMake."""
+    made = Environment(
+        loader=PackageLoader("firmware_export.emit"),
+        variable_start_string="«",
+        variable_end_string="»",
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        undefined=StrictUndefined,
+    )
+    made.filters |= {
+        "axis_range": words.axis_range,
+        "block_comment": block_comment,
+        "bytes_text": words.bytes_text,
+        "chart_text": words.chart_text,
+        "columns": columns,
+        "defines": defines,
+        "escaped": words.escaped,
+        "json": json.dumps,
+        "literal": lambda value: literal(value, "float"),
+        "middle": _middle,
+        "number": words.number,
+        "posture": _posture,
+        "share": words.share,
+    }
+    made.globals |= {"FALSE_TIP": words.FALSE_TIP, "licence": LICENCE, "statuses": STATUSES}
+    return made
+
+
+def _context(content: dict[str, Any]) -> dict[str, Any]:
+    """Return the report, and what all C texts make of it."""
+    numbers = [int(part) for part in __version__.split("+")[0].split(".") if part.isdigit()]
+    policy = content["policy"] or {}
+    return content | {
+        "certificate": {"text": (), "beyond": None, "jumps": False}
+        | (content["certificate"] or {}),
+        "MACRO": macro(content["name"]),
+        "integer": content["arithmetic"] == "integer",
+        "count": max(len(content["parameters"]), 1),
+        # Arduino and PlatformIO insist on three numbers.
+        "package_version": ".".join(map(str, [*numbers, 0, 0, 0][:3])),
+        "sentence": f"Stability map of the robot {plain_text(content['robot'])}, read from flash",
+        "axes": [
+            (p["macro"], words.axis_range(p), words.slack_text(p), p["meaning"])
+            for p in content["parameters"]
+        ],
+        "readings": [_reading(content, channel) for channel in content["channels"]],
+        "errors": [(name, *said) for name, said in words.errors_of(content).items() if said],
+        "macros": _macros(content),
+        "steps_macros": _steps(content),
+        "memories": _memories(content),
+        "joints": ", ".join(f'"{p["name"]}"' for p in content["parameters"]),
+        "home": ", ".join(literal(value, "float") for value in policy.get("home", ())),
+        "cycle": literal(policy.get("cycle_s", 0.0), "float"),
+        "period": repr(float(policy.get("cycle_s", 0.0))),
+        "milliseconds": max(1, math.floor(1000.0 * policy.get("cycle_s", 0.0) + 0.5)),
+    }
+
+
+def _middle(parameter: dict[str, Any]) -> float:
+    """Return the middle of an axis."""
+    return float(0.5 * (parameter["min"] + parameter["max"]))
+
+
+def _posture(parameter: dict[str, Any]) -> str:
+    """Return the middle of an axis as people write it."""
+    value, unit = _middle(parameter), parameter["display_unit"]
+    shown = math.degrees(value) if unit == "deg" else value
+    unit = "" if unit == "1" else f" {unit}"
+    return plain_text(f"{parameter['name']:<13}{shown:.6g}{unit}".strip())
+
+
+def _reading(content: dict[str, Any], channel: str) -> tuple[str, str]:
+    """Return the member of the reading that holds a channel, and what it means."""
+    unit = content["channels"][channel]["unit"]
+    unit = "ratio of lengths" if unit == "1" else unit
+    said = QUANTITIES[channel].in_c
+    if content["arithmetic"] == "float":
+        return channel, f"{said} ({unit})"
+    if channel == "tip_angle":
+        return "tip", "sine of the angle until the robot tips, guard subtracted (1/32767)"
+    return channel, f"{said} ({macro(content['name'])}_{channel.upper()}_STEP, {unit})"
+
+
+def _memories(content: dict[str, Any]) -> list[tuple[str, str, int, str]]:
+    """Return the types of memory: what for, the first member, further words, and the suffix."""
+    pose, first = content["pose"], "smap_pose_t pose"
+    rows = [
+        ("A pose of both forms", first, pose["both"] - 1, "pose_t"),
+        ("A pose of SMAP_INTEGER alone", first, pose["integer"] - 1, "pose_i_t"),
+    ]
+    if content["policy"]:
+        words_, first = content["policy"]["state_words"], "const smap_control_t *control"
+        rows.append(("On-board control, see smap_control.h", first, words_, "state_t"))
+    return rows
+
+
+def _macros(content: dict[str, Any]) -> list[tuple[str, str, str]]:
+    """Return the macros of a header: name, value and comment."""
+    stem, parameters = macro(content["name"]), content["parameters"]
+    sizes, pose = content["bytes"], content["pose"]
+    pose_words = pose["both" if content["arithmetic"] == "float" else "integer"]
+    what = "bytes, measured" if sizes["measured"] else "bytes at most"
+    return [
+        (f"{stem}_PARAMS", str(len(parameters)), "number of geometry parameters"),
+        *((p["macro"], str(i), f"{p['name']}, {p['unit']}") for i, p in enumerate(parameters)),
+        (f"{stem}_FLASH", f"{sizes['total']}u", f"{what}: {sizes['target']}"),
+        (f"{stem}_POSE_BYTES", f"{4 * pose_words + 4}u", "RAM of a pose, addresses of 4 bytes"),
+        (f"{stem}_STACK", f"{sizes['stack']}u", f"{what}: the deepest call"),
+    ]
+
+
+def _steps(content: dict[str, Any]) -> list[tuple[str, str, str]]:
+    """Return the macros of the steps in which whole numbers count."""
+    unit = "ratio" if content["length_unit"] == "1" else content["length_unit"]
+    stem = macro(content["name"])
+    return [
+        (f"{stem}_{channel.upper()}_STEP", literal(step, "float"), f"{unit} in one step")
+        for channel, step in content["steps"].items()
+    ]
+
+
+def _source(export: Export) -> dict[str, Any]:
+    """Return what NAME.c holds beside the report: the runtime and the tables."""
+    name, policy, blob = export.name, export.policy, describe(export)
+    family = family_of(blob.codec, blob.integer)
+    counts: dict[str, Any] = {"SMAP_OWN_BLOB": f"{name}_tables", "SMAP_OWN_BYTES": len(blob.bytes)}
+    counts |= settings(export.body, export.model.k)
+    found = {
+        "runtime": runtime_text(family),
+        "control": "",
+        "too_large_for_avr": len(blob.bytes) > LARGEST_AVR,
+        "tables_text": bytes_array("SMAP_OWN_BLOB", blob.bytes, blob.sections),
+        "counts_text": counts,
+    }
+    if policy is not None:
+        packed = policy.packed(blob.bytes)
+        counts |= {"SMAP_CONTROL": 1, "SMAP_OWN_POLICY": f"{name}_policy"}
+        counts["SMAP_OWN_POLICY_BYTES"] = len(packed)
+        nodes, _, joints = policy.codes.shape
+        table = f"table: u, v, joint; {nodes} x {nodes} x {joints} codes"
+        sections = ((0, "checksums and settings"), (len(packed) - policy.table_bytes, table))
+        found["control"] = control_text(family)
+        found["policy_text"] = bytes_array("SMAP_OWN_POLICY", packed, sections)
+    return found
+
+
+def _page(export: Export, content: dict[str, Any]) -> dict[str, Any]:
+    """Return the tables of NAME_report.md."""
+    sizes, escaped = content["bytes"], words.escaped
+    return {
+        "flash_rows": [(part, f"{sizes[part]:,}") for part in words.PARTS if part in sizes],
+        "table_rows": [
+            (array.name, array.ctype, f"{array.numbers.size:,}", escaped(array.comment))
+            for array in export.body.arrays
+            if array.table and array.bytes
+        ],
+        "cost_rows": [
+            (
+                f"{c['target']}, {c['option']}",
+                COST[c["call"]],
+                c["unit"],
+                *("-" if c[key] is None else f"{c[key]:,}" for key in ("median", "max", "stack")),
+            )
+            for c in content["counts"] or ()
+        ],
+        "range_rows": [
+            (escaped(p["name"]), words.axis_range(p), escaped(p["meaning"]))
+            for p in content["parameters"]
+        ],
+        "accuracy_rows": [
+            (f"`{name}`", QUANTITIES[name].in_c, content["channels"][name]["unit"])
+            + (said or ("not measured", "", ""))
+            for name, said in words.errors_of(content).items()
+        ],
+        "candidate_rows": [
+            (
+                str(row.get("label", "")),
+                f"{row['bytes']:,}",
+                "not measured" if row.get("total_bytes") is None else f"{row['total_bytes']:,}",
+                "-" if row.get("error") is None else f"{words.number(row['error'], 3)} %",
+                "**chosen**" if row.get("chosen") else "",
+            )
+            for row in content["pareto"] or ()
+        ],
+    }
