@@ -167,3 +167,31 @@ def test_the_readme_is_short() -> None:
 def test_the_readme_names_the_python_that_the_project_requires() -> None:
     assert "Python >= 3.11" in (ROOT / "README.md").read_text(encoding="utf-8")
     assert sys.version_info >= (3, 11)
+
+
+@pytest.mark.skipif(shutil.which("cmake") is None, reason="no cmake here")
+def test_cmake_makes_the_folder_again_when_the_recipe_changes(tmp_path: Path) -> None:
+    (function,) = blocks("docs/guide/firmware.md", "cmake")
+    recipe = tmp_path / "one.toml"
+    shutil.copyfile(MAPS / "paper_one.toml", recipe)
+    (tmp_path / "main.c").write_text(
+        '#include "one.h"\nint main(void) { return smap_check(&one); }'
+    )
+    (tmp_path / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.18)\nproject(app C)\n" + function + "\n"
+        "lutgen_export(one one.toml --flash 4KiB)\n"
+        "add_executable(app main.c)\ntarget_link_libraries(app PRIVATE one)\n"
+    )
+    tool = tmp_path / "lutgen"
+    tool.write_text(f'#!/bin/sh\nexec {sys.executable} -m lutgen "$@"\n')
+    tool.chmod(0o755)
+    make = ["cmake", "-S", ".", "-B", "b", f"-DLUTGEN={tool}"]
+    quiet = {"cwd": tmp_path, "check": True, "capture_output": True}
+    headers = []
+    for edit in ("", "", "\n# edited\n", ""):
+        recipe.write_text(recipe.read_text() + edit) if edit else None
+        subprocess.run(make, **quiet)
+        subprocess.run(["cmake", "--build", "b"], **quiet)
+        subprocess.run([tmp_path / "b" / "app"], **quiet)
+        headers.append((tmp_path / "b" / "one" / "one.h").stat().st_mtime_ns)
+    assert headers[0] == headers[1] < headers[2] == headers[3]
