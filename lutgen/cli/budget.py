@@ -27,8 +27,8 @@ WAYS = {
     "turning right": (0.0, -1.0, 0.0),
 }
 FACING = {0.0: "nose down", 90.0: "left side down", 180.0: "nose up", 270.0: "right side down"}
-# Slopes of the figure; a table of fewer is read more easily.  Most of either, and of postures.
-CURVE, MOST, STEEPEST = 46, 200, 80.0
+# Most slopes and most postures, and the steepest slope (deg).
+MOST, STEEPEST = 200, 80.0
 # m/s^2: neither the recipe nor the C looks further than 50.
 BOUNDLESS = 49.9
 
@@ -55,9 +55,6 @@ class Asked(RecipeOptions):
     turn: float = option(default=2.0, help="Radius of the turn whose speed is told, m.")
     reads: int = option(default=4, help="Of an export: reads of its map for each budget, 1 to 32.")
     output: str | None = options.output(help="CSV file of the table.")
-    plot: str | None = option(type=Named(), help="Figure (PNG, SVG or PDF).")
-    size: str | None = options.size()
-    style: str = options.style()
     force: bool = options.force()
 
 
@@ -74,9 +71,8 @@ def budget(source: str, asked: Asked) -> None:
 
     \b
     $ lutgen budget maps/paper_two.toml -p alpha=0 -p gamma=0
-    $ lutgen budget firmware --over front=0:90 --plot budget.svg
+    $ lutgen budget firmware --over front=0:90 -o budget.csv
     """
-    options.check_outputs(asked.force, asked.plot)
     robot, tells = _asked_of(source, asked)
     postures = _postures(robot, asked)
     slopes = _slopes(asked)
@@ -87,8 +83,6 @@ def budget(source: str, asked: Asked) -> None:
         rows = [_flat(row) for row in found]
         text = csv_text(list(rows[0]), [list(row.values()) for row in rows])
         write_text(asked.output, text, asked.force)
-    if asked.plot is not None:
-        _draw(robot, tells, postures, slopes, asked)
     report = {
         "robot": robot.name,
         "source": "compiled" if Path(source).is_dir() else "exact",
@@ -212,37 +206,6 @@ def _table(
 def _flat(row: dict[str, Any]) -> dict[str, Any]:
     """Return a row of the table for CSV: the posture's columns first."""
     return {**row["posture"], **{key: value for key, value in row.items() if key != "posture"}}
-
-
-def _draw(robot: "Recipe", tells: Any, postures: Any, slopes: Any, asked: Asked) -> None:
-    """Draw the budgets over the slopes: of one posture each way, of several the least."""
-    import numpy as np
-
-    from lutgen.plot import draw_budget, on_sheet, save
-
-    steep = float(slopes[-1]) if slopes[-1] > slopes[0] else float(slopes[0]) + 10.0
-    fine = np.linspace(float(slopes[0]), steep, CURVE)
-    found = _of_all(robot, tells, postures, fine, asked.heading)
-    braking, faster, left, right = found.values()
-    if asked.over is None:
-        curves = {
-            "along": {"braking": braking[0], "speeding up": faster[0]},
-            "across": {"turning left": left[0], "turning right": right[0]},
-        }
-        words = f"{robot.name} at {posture_text(by_unit(robot, postures[0]))}"
-    else:
-        at = [p.name for p in robot.parameters].index(asked.over[0])
-        one = robot.parameters[at]
-        unit = "" if one.display_unit == "1" else f" {one.display_unit}"
-        shown = [f"{one.name} = {one.shown(row[at]):.4g}{unit}" for row in postures]
-        curves = {
-            "braking": dict(zip(shown, braking, strict=True)),
-            "turning": dict(zip(shown, np.minimum(left, right), strict=True)),
-        }
-        words = f"{robot.name}: acceleration before it tips over"
-    ground = FACING.get(asked.heading % 360.0, f"heading {asked.heading:g}")
-    with on_sheet(asked.size, asked.style):
-        save(draw_budget(words, fine, curves, ground), asked.plot or "", force=asked.force)
 
 
 def lines(report: dict[str, Any]) -> Iterator[str]:

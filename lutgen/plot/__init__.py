@@ -2,11 +2,10 @@
 
 In reading order: `sheet`, `fonts`, `palette`, `dark`, `style`, `words`, `legend`, `box`, `view`,
 `labels`, `marks`, `levels`, `path`, `shape`, `robot`, `ground`, `animation`, `curve`, `metrics`,
-`budget`, `plane`, `sphere`, `tilt`, `figure`, `steps`, `uneven`.
+`plane`, `sphere`, `tilt`, `figure`, `steps`, `uneven`.
 """
 
 from lutgen.plot.animation import animate, check_animation
-from lutgen.plot.budget import draw_budget
 from lutgen.plot.figure import KINDS, draw
 from lutgen.plot.path import draw_path
 from lutgen.plot.sheet import STYLES, on_sheet
@@ -21,7 +20,6 @@ __all__ = [
     "animate",
     "check_animation",
     "draw",
-    "draw_budget",
     "draw_footing",
     "draw_limits",
     "draw_path",
