@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner
 
 from lutgen.cli import main
-from lutgen.mapping.map import load_map
+from lutgen.mapping import load_map
 from lutgen.paper import report as write
 from lutgen.paper.nominal import NOMINAL, RADIUS
 from lutgen.paper.published import TABLE
