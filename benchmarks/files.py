@@ -49,7 +49,7 @@ def files(folder: Path) -> Iterator[Row]:
             return target.unlink
 
         def without_sync(swept: Callable[[], Callable[[], None]] = swept) -> Callable[[], None]:
-            with mock.patch("os.fsync"), mock.patch("lutgen.mapping.part.begin_writing"):
+            with mock.patch("os.fsync"):
                 return swept()
 
         size = side * side * 6 * FACE_NODES**2 * 4

@@ -1,14 +1,16 @@
 """Fixtures that several test files share, and what happens to tests that cannot run here."""
 
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from pathlib import Path
 
 import numba
 import pytest
 from hypothesis import settings
 
+import lutgen
+from lutgen.mapping import plan, sweeper
 from tests.fixtures.needs import ABSENT, lacking
-from tests.fixtures.recipes import tripod
+from tests.fixtures.recipes import ALL_CHANNELS, tripod
 
 # The first call of a kernel compiles it, so a deadline would fail at random; the examples
 # are the same in every run, so a failure can be repeated.
@@ -88,3 +90,26 @@ def tripod_path(tmp_path: Path) -> Path:
     path = tmp_path / "tripod.toml"
     path.write_text(tripod())
     return path
+
+
+@pytest.fixture(scope="session")
+def swept(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with three maps that no test changes."""
+    folder = tmp_path_factory.mktemp("maps")
+    for name, text in {
+        "cone": tripod(channels=ALL_CHANNELS, nodes=9, max_tilt=60.0),
+        "sphere": tripod(channels=("sdg", "tip_angle", "height"), chart="sphere", nodes=5),
+        "alone": tripod(channels=("sdg",), nodes=9, max_tilt=60.0),
+    }.items():
+        lutgen.sweep(lutgen.parse_recipe(text), folder / f"{name}.h5")
+    return folder
+
+
+@pytest.fixture
+def cut(monkeypatch: pytest.MonkeyPatch) -> Callable[[int], None]:
+    """Return a function that sets how many nodes a block of a sweep may hold."""
+
+    def set_size(nodes: int) -> None:
+        monkeypatch.setattr(sweeper, "plan", lambda recipe: plan(recipe, nodes))
+
+    return set_size

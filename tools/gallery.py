@@ -24,8 +24,7 @@ from lutgen import plot
 from lutgen.analysis import Posture, even_headings, posture_limits, sweep_limits
 from lutgen.errors import InputError, LutgenError
 from lutgen.files import write_text
-from lutgen.mapping.map import StabilityMap, load_map
-from lutgen.mapping.statistics import share_that_tips
+from lutgen.mapping import StabilityMap, load_map, share_that_tips
 from lutgen.recipe.recipe import Recipe, load_recipe
 from lutgen.recipe.robot import to_internal
 

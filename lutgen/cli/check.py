@@ -9,6 +9,7 @@ import click
 from lutgen.cli.options import Named, RecipeOptions, asks, file_size, log
 from lutgen.cli.sources import open_recipe
 from lutgen.cli.table import show, unit_text
+from lutgen.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     from lutgen.grid import Axis
@@ -46,6 +47,10 @@ def check_report(robot: "Recipe") -> dict[str, Any]:
     from lutgen.mapping import expected_seconds, plan
 
     layout = plan(robot)
+
+    def value_bytes(name: str) -> int:
+        return 1 if QUANTITIES[name].words else 4
+
     return {
         "name": robot.name,
         "digest": robot.digest,
@@ -58,7 +63,7 @@ def check_report(robot: "Recipe") -> dict[str, Any]:
         "chart": {"kind": robot.chart.kind, "shape": list(robot.chart.shape)},
         "channels": list(robot.channels),
         "nodes": layout.nodes,
-        "file_bytes": layout.count * sum(map(layout.chunk_bytes, robot.channels)),
+        "file_bytes": layout.nodes * sum(map(value_bytes, robot.channels)),
         "seconds": round(expected_seconds(robot), 3),
         "snapped": list(robot.snapped),
         "warnings": list(home_warnings(robot)) if robot.home else [],

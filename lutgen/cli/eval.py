@@ -83,7 +83,8 @@ def _report(source: str, asked: Asked) -> dict[str, Any]:
         return export_report(Path(source), asked.assignments, gravity)
     opened = open_source(source, asked.allow_python)
     recipe = opened if isinstance(opened, Recipe) else opened.recipe
-    outside = "used as it is" if opened is recipe else "clamped"
+    # A map refuses what is outside of its axes.
+    outside = "used as it is" if opened is recipe else ""
     values = options.posture_values(recipe, asked.assignments, outside)
     posture = Posture(recipe, values)
     if isinstance(opened, Recipe):

@@ -195,7 +195,7 @@ def posture_values(
 ) -> list[float]:
     """Return the internal values of all parameters: `home` or the middle where none is given.
 
-    A warning says what becomes of a value `outside` the recipe's range.
+    A warning says what becomes of a value `outside` the recipe's range, if anything is given.
     """
     given = named_values(recipe, assignments)
     values = [
@@ -224,7 +224,7 @@ def posture_source(recipe: "Recipe", assignments: Assignments) -> str:
 
 def _warn(recipe: "Recipe", values: Sequence[float], outside: str) -> None:
     for p, value in zip(recipe.parameters, values, strict=True):
-        if not p.minimum <= value <= p.maximum:
+        if outside and not p.minimum <= value <= p.maximum:
             log.warning("parameter %s is outside the recipe's range: %s", p.name, outside)
 
 

@@ -1,16 +1,15 @@
-"""A recipe into a map file, and a map file into values.
+"""Turn a recipe into a map file, and a map file into values.
 
-In reading order: `interpolate`, `blocks`, `checksum`, `identity`, `seal`, `probe`, `template`,
-`admission`, `labelled`, `map`, `verification`, `statistics`, `layout`, `part`, `compute`, `dask`,
-`sweeper`.
+In reading order: `interpolate`, `blocks`, `seal`, `head`, `stability_map`, `opening`,
+`statistics`, `compute`, `part`, `dask`, `sweeper`.
 """
 
 from lutgen.mapping.blocks import plan
 from lutgen.mapping.compute import TO_STAND, expected_seconds, require_standing
-from lutgen.mapping.map import StabilityMap, load_map
+from lutgen.mapping.opening import load_map
+from lutgen.mapping.stability_map import StabilityMap, verify
 from lutgen.mapping.statistics import channel_range, share_that_tips
 from lutgen.mapping.sweeper import sweep
-from lutgen.mapping.verification import verify
 
 __all__ = [
     "TO_STAND",

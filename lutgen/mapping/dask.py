@@ -1,6 +1,6 @@
-"""Blocks computed by workers of dask.distributed and written by this process.
+"""Compute blocks by workers of dask.distributed; this process writes them.
 
-Owns what travels: the recipe (and its URDF) as text and numbers of blocks there, chunks back.
+The recipe (and its URDF) travels there as text with the numbers of blocks, the values come back.
 """
 
 import logging
@@ -55,12 +55,12 @@ def computer_of(job: Job) -> Computer:
 
 
 def compute_block(number: int, job: Job) -> tuple[int, list[NDArray[Any]]]:
-    """Compute a block on a worker; return its number and its chunks, one for each channel."""
+    """Compute a block on a worker; return its number and the values of each channel."""
     with _LOCK:
         own = job.threads or distributed.get_worker().state.nthreads
         numba.set_num_threads(max(1, min(own, numba.config.NUMBA_NUM_THREADS)))
-        chunks = computer_of(job).compute(job.layout.block(number))
-        return number, [chunk.copy() for chunk in chunks.values()]
+        values = computer_of(job).compute(job.layout.block(number))
+        return number, [array.copy() for array in values]
 
 
 def compute_there(
@@ -87,8 +87,8 @@ def compute_there(
                 _require_workers(client)
                 continue
             results = [future.result() for future in done]
-        for number, chunks in results:
-            file.write(number, chunks)
+        for number, values in results:
+            file.write(number, values)
             yield number
         with _as_sweep_error():
             waiting = (waiting - done) | send(len(done))

@@ -1,16 +1,15 @@
-"""The unfinished file of a sweep: locked, filled in any order, and finished.
+"""Write the unfinished file of a sweep: locked, filled in any order, finished under its name.
 
-Owns what survives a kill or a power cut.  The digest of each block is the only record of what is
-done: written after the chunks, it counts if they have it, in whatever order the disk took the two.
-HDF5 never opens the file while it is filled.
+The digest of a block is the only record that it is done.  It is written after the values and counts
+if they match it, in whatever order the disk took the two; so any kill or power cut can be resumed.
 """
 
 import contextlib
 import errno
-import fcntl
 import os
+import shutil
+import threading
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -18,80 +17,86 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lutgen.errors import MapFileError, SweepError
-from lutgen.mapping.identity import DIGEST, Identity
-from lutgen.mapping.layout import Skeleton
-from lutgen.mapping.probe import remember
-from lutgen.mapping.seal import sealed
+from lutgen.mapping.blocks import Plan
+from lutgen.mapping.head import lay_out
+from lutgen.mapping.seal import BLANK, DIGEST, SIGNATURE, sealed
 from lutgen.recipe import Recipe
 
-# The first bytes of an HDF5 file; in a part file they are written last.
-SIGNATURE = b"\x89HDF\r\n\x1a\n"
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None  # type: ignore[assignment]
+
 # What a file system says that has no locks at all (some clusters are mounted so).
 NO_LOCKS = (errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP, errno.EINVAL)
+_PLACING = threading.Lock()
 
 
-def write_all(handle: int, data: memoryview, place: int) -> None:
+def write_at(handle: int, data: memoryview, place: int) -> None:
     """Write bytes at a place in a file, however many calls the system takes for it."""
     while data:
-        count = os.pwrite(handle, data, place)
+        if hasattr(os, "pwrite"):
+            count = os.pwrite(handle, data, place)
+        else:
+            with _PLACING:
+                os.lseek(handle, place, os.SEEK_SET)
+                count = os.write(handle, data)
         if count == 0:
             raise OSError(errno.EIO, "the system writes nothing")
         data, place = data[count:], place + count
 
 
-def begin_writing(handle: int, place: int, size: int) -> None:
-    """Have the system write a part of a file to the disk while the sweep goes on.
-
-    At the end of a sweep all of it would be waited for.
-    """
-    if hasattr(os, "posix_fadvise"):
-        with contextlib.suppress(OSError):
-            os.posix_fadvise(handle, place, size, os.POSIX_FADV_DONTNEED)
+def read_at(handle: int, size: int, place: int) -> bytes:
+    """Read bytes at a place in a file; fewer at its end."""
+    with _PLACING:
+        os.lseek(handle, place, os.SEEK_SET)
+        return os.read(handle, size)
 
 
 def sync_folder(folder: Path) -> None:
-    """Wait until a folder's entries are on the disk."""
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)
+    """Wait until a folder's entries are on the disk, where the system can be asked to."""
+    with contextlib.suppress(PermissionError):
+        handle = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
 
 
 class PartFile:
     """The file ``NAME.part`` of one sweep; a context manager that holds its lock.
 
-    `handle` is its file descriptor, `identity` what its blocks belong to, and `done` (blocks,) bool
-    says of which blocks all channels are written.
+    `done` (blocks,) bool says which blocks are written.
     """
 
-    def __init__(self, path: Path, skeleton: Skeleton, identity: Identity) -> None:
-        self.path, self.skeleton, self.identity = path, skeleton, identity
-        self.done = np.zeros(skeleton.places.shape[1], np.bool_)
-        self.handle = -1
-        # It hands blocks to the disk, which takes as long as to compute them.
-        self._disk = ThreadPoolExecutor(1)
+    def __init__(self, path: Path, recipe: Recipe, layout: Plan) -> None:
+        self.path, self.done, self._handle = path, np.zeros(layout.count, np.bool_), -1
+        self.head = lay_out(recipe, layout, complete=False)
+        self._whole = lay_out(recipe, layout, complete=True).data
 
     def __enter__(self) -> "PartFile":
-        # Whoever has the lock of a file that was renamed or removed meanwhile has nothing.
-        while self.handle < 0:
-            handle = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)
+        flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
+        # The lock of a file that was renamed or removed meanwhile is worth nothing.
+        while self._handle < 0:
+            handle = os.open(self.path, flags, 0o666)
             try:
                 self._lock(handle)
                 with contextlib.suppress(FileNotFoundError):
                     if os.path.samestat(os.fstat(handle), self.path.stat()):
-                        self.handle = handle
+                        self._handle = handle
             finally:
-                if self.handle != handle:
+                if self._handle != handle:
                     os.close(handle)
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._disk.shutdown(cancel_futures=True)
-        os.close(self.handle)
+        if self._handle >= 0:
+            os.close(self._handle)
 
     def _lock(self, handle: int) -> None:
         """Lock the file; the lock goes with the process, however that ends."""
+        if fcntl is None:
+            return
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
@@ -103,11 +108,34 @@ class PartFile:
             if error.errno not in NO_LOCKS:
                 raise
 
-    def require_space(self) -> None:
+    def begun(self) -> bool:
+        """Return whether the file holds anything: a layout that was cut short counts as nothing."""
+        found = read_at(self._handle, len(SIGNATURE), 0)
+        return found == SIGNATURE or not SIGNATURE.startswith(found.rstrip(b"\0"))
+
+    def open(self, anew: bool) -> None:
+        """Lay the file out, without values, or go on with it if it is this map's."""
+        if not anew:
+            self._require_same()
+        self._require_space()
+        if not anew:
+            os.ftruncate(self._handle, self.head.size)
+            return
+        if os.fstat(self._handle).st_size:
+            # Some file systems write a file that was emptied when it is closed.
+            os.ftruncate(self._handle, 0)
+        os.ftruncate(self._handle, self.head.size)
+        data = memoryview(self.head.data)
+        write_at(self._handle, data[len(SIGNATURE) :], len(SIGNATURE))
+        os.fsync(self._handle)
+        write_at(self._handle, data[: len(SIGNATURE)], 0)
+        os.fsync(self._handle)
+        sync_folder(self.path.parent)
+
+    def _require_space(self) -> None:
         """Refuse to begin where the disk has not the room for the whole file."""
-        disk = os.statvfs(self.path.parent)
-        free = disk.f_bavail * disk.f_frsize
-        need = self.skeleton.size - os.fstat(self.handle).st_blocks * 512
+        free = shutil.disk_usage(self.path.parent).free
+        need = self.head.size - getattr(os.fstat(self._handle), "st_blocks", 0) * 512
         if need > free:
             raise SweepError(
                 f"{self.path}: the disk is too full for this map (got {free / 1e9:.2f} GB free, "
@@ -115,34 +143,13 @@ class PartFile:
                 "or fewer samples"
             )
 
-    def begun(self) -> bool:
-        """Return whether the file holds anything: a layout that was cut short counts as nothing."""
-        found = os.pread(self.handle, len(SIGNATURE), 0)
-        return found == SIGNATURE or not SIGNATURE.startswith(found.rstrip(b"\0"))
-
-    def begin(self) -> None:
-        """Lay the file out anew, without values."""
-        head = memoryview(self.skeleton.head)
-        if os.fstat(self.handle).st_size:
-            # Not of a new file: some file systems write one that was emptied when it is closed.
-            os.ftruncate(self.handle, 0)
-        os.ftruncate(self.handle, self.skeleton.size)
-        write_all(self.handle, head[len(SIGNATURE) :], len(SIGNATURE))
-        os.fsync(self.handle)
-        write_all(self.handle, head[: len(SIGNATURE)], 0)
-        os.fsync(self.handle)
-        sync_folder(self.path.parent)
-
-    def require_same(self, recipe: Recipe) -> None:
+    def _require_same(self) -> None:
         """Refuse to go on with a file that was laid out for something else."""
-        head = self._read_head()
-        free = self.skeleton.state() | self.skeleton.values()
-        differs = head != np.frombuffer(self.skeleton.head, np.uint8)
-        if not differs[~free].any():
-            return
-        found = head.tobytes()
+        found, recipe = self._read_head(), self.head.storage.recipe
         if not found.startswith(SIGNATURE):
             what = "a file that is not HDF5"
+        elif self._without_state(found) == self._without_state(self.head.data):
+            return
         elif b"recipe_sha256" in found and recipe.digest.encode() not in found:
             raise MapFileError(
                 f"{self.path}: belongs to another recipe than {recipe.source}; sweep without "
@@ -154,86 +161,59 @@ class PartFile:
             f"{self.path}: cannot be resumed (got {what}); remove it and sweep without --resume"
         )
 
-    def clear_gaps(self) -> None:
-        """Write zeros between head, chunks and end of the file: damage there has no checksum."""
-        starts = np.sort(self.skeleton.places, axis=None)
-        sizes = np.broadcast_to(self.skeleton.chunk_bytes[:, None], self.skeleton.places.shape)
-        ends = np.sort(self.skeleton.places + sizes, axis=None)
-        head = len(self.skeleton.head)
-        begins = np.maximum(np.append(head, ends), head)
-        counts = np.append(starts, self.skeleton.size) - begins
-        for begin, count in zip(begins[counts > 0], counts[counts > 0], strict=True):
-            if any(os.pread(self.handle, int(count), int(begin))):
-                write_all(self.handle, memoryview(bytes(int(count))), int(begin))
+    def _without_state(self, head: bytes) -> bytes:
+        """Return a head without the bytes that say how far the sweep is."""
+        ours, data = self.head.data, np.frombuffer(head, np.uint8).copy()
+        data[np.frombuffer(self._whole, np.uint8) != np.frombuffer(ours, np.uint8)] = 0
+        data[self.head.digests] = 0
+        start = ours.index(BLANK.encode())
+        data[start : start + len(BLANK)] = 0
+        return data.tobytes()
+
+    def _read_head(self) -> bytes:
+        return read_at(self._handle, len(self.head.data), 0).ljust(len(self.head.data), b"\0")
 
     def find_done(self) -> Iterator[int]:
-        """Read what is there and yield the number of every block that has its digest."""
-        # Whatever was cut off the file was not written.
-        os.ftruncate(self.handle, self.skeleton.size)
-        chunks = [np.empty(size, np.uint8) for size in self.skeleton.chunk_bytes]
-        size = DIGEST * len(chunks)
-        held = self._read_head()[self.skeleton.digests].tobytes()
+        """Read what is there and yield the number of every block that has its digests."""
+        held = self._read_head()[self.head.digests]
+        size = DIGEST * len(self.head.storage.places)
         for number in range(self.done.size):
-            own = held[number * size : (number + 1) * size]
-            digests = [own[i : i + DIGEST] for i in range(0, size, DIGEST)]
-            if (
-                all(map(any, digests))
-                and self._read_chunks(chunks, number)
-                and self.identity.holds(number, chunks, digests)
-            ):
+            wanted = held[number * size : (number + 1) * size]
+            if any(wanted) and self._digests_there(number) == wanted:
                 self.done[number] = True
                 yield number
 
-    def _read_chunks(self, chunks: list[NDArray[np.uint8]], number: int) -> bool:
-        """Read a block into buffers; return whether that can be done."""
-        try:
-            return all(
-                os.preadv(self.handle, [memoryview(chunk.data)], int(place)) == chunk.size
-                for chunk, place in zip(chunks, self.skeleton.places[:, number], strict=True)
-            )
-        except OSError:
-            # A place that cannot be read can often be written again.
-            return False
-
-    def write(self, number: int, chunks: Sequence[NDArray[Any]]) -> None:
-        """Seal and write the chunks of one block, of all channels, and count it as done."""
-        digests = self.identity.seal(number, chunks)
-        places = self.skeleton.places[:, number]
-        for chunk, place in zip(chunks, places, strict=True):
-            write_all(self.handle, memoryview(chunk.data).cast("B"), int(place))
-            self._disk.submit(begin_writing, self.handle, int(place), chunk.nbytes)
-        own = b"".join(digests)
-        write_all(self.handle, memoryview(own), self.skeleton.digests.start + number * len(own))
-        self.done[number] = True
-
-    def leave(self) -> None:
-        """Say in the head which blocks are done, for whoever looks into the unfinished file.
-
-        Nothing relies on it; a disk that fails now has failed the sweep already.
-        """
+    def _digests_there(self, number: int) -> bytes:
+        """Return the digests of a block as it is in the file; none where it cannot be read."""
+        storage, digests = self.head.storage, b""
+        # A place that cannot be read can often be written again.
         with contextlib.suppress(OSError):
-            os.fsync(self.handle)
-            bits = np.packbits(self.done)
-            write_all(self.handle, memoryview(bits.tobytes()), self.skeleton.bitmap.start)
-            os.fsync(self.handle)
+            for index in range(len(storage.places)):
+                place, size = storage.span(index, number)
+                values = np.frombuffer(read_at(self._handle, size, place), np.uint8)
+                digests += storage.digest(values, index, number)
+        return digests
+
+    def write(self, number: int, values: Sequence[NDArray[Any]]) -> None:
+        """Write the values of a block, one array for each channel, and then their digests."""
+        storage, digests = self.head.storage, b""
+        for index, array in enumerate(values):
+            write_at(self._handle, array.data.cast("B"), storage.span(index, number)[0])
+            digests += storage.digest(array, index, number)
+        place = self.head.digests.start + number * len(digests)
+        write_at(self._handle, memoryview(digests), place)
+        self.done[number] = True
 
     def finish(self, target: Path) -> None:
         """Seal the file and give it its name; every step is on the disk before the next."""
-        os.fsync(self.handle)
-        head = np.frombuffer(self.skeleton.finished, np.uint8).copy()
-        written = self.skeleton.values()
-        written[self.skeleton.digests] = True
-        head[written] = self._read_head()[written]
-        whole = sealed(head.tobytes())
-        changed = np.flatnonzero(self.skeleton.state())
-        span = slice(int(changed[0]), int(changed[-1]) + 1)
-        write_all(self.handle, memoryview(whole)[span], span.start)
-        os.fsync(self.handle)
-        remember(whole)
+        os.fsync(self._handle)
+        head = bytearray(self._whole)
+        head[self.head.digests] = self._read_head()[self.head.digests]
+        write_at(self._handle, memoryview(sealed(bytes(head), self.head.size)), 0)
+        os.fsync(self._handle)
+        if fcntl is None:
+            # Windows renames no file that is open.
+            os.close(self._handle)
+            self._handle = -1
         self.path.replace(target)
         sync_folder(target.parent)
-
-    def _read_head(self) -> NDArray[np.uint8]:
-        """Return the head as it is in the file; zeros where the file is too short."""
-        head = os.pread(self.handle, len(self.skeleton.head), 0)
-        return np.frombuffer(head.ljust(len(self.skeleton.head), b"\0"), np.uint8)

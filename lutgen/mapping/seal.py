@@ -1,78 +1,132 @@
-"""The digest that a finished map file carries, and the check of its head before HDF5 reads it.
+"""Compute the digests of a map file: of each block, and the seal of its head.
 
-Owns the text of the attribute `digest` (docs/reference/format.md): SHA-256 of the file's head,
-which is all that is not values, among it the digests of all blocks.  Damage anywhere shows in one
-of the two.
-HDF5 can crash on damaged metadata, so the head is compared before HDF5 sees it.
+The head holds the digests of all blocks, so the seal stands for every byte of the file.  It is
+checked before HDF5 reads the file, because HDF5 can crash on damaged metadata.
 """
 
-import hashlib
+import io
 import re
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
+
+import numpy as np
+from blake3 import blake3
+from numpy.typing import NDArray
 
 from lutgen.errors import MapFileError
+from lutgen.mapping.blocks import Plan
+from lutgen.quantities import QUANTITIES
+from lutgen.recipe import Recipe
 
 ATTRIBUTE = "digest"
-# The number of this way of sealing: 1 had no digests of blocks.
-_WAY = 2
-_TEXT = f"lutgen-digest-{_WAY} head={{:012d}} sha256={{}}"
-UNSEALED = _TEXT.format(0, "." * 64)
-_PATTERN = re.compile(rb"lutgen-digest-(\d{1,9}) head=(\d{12}) sha256=([0-9a-f]{64})")
-# The attribute is the first of the file, within this many bytes.
+# Bytes of the digest of a block; one that is not written yet is zeros.
+DIGEST = 32
+SIGNATURE = b"\x89HDF\r\n\x1a\n"
+# The number of this way of sealing; 1 and 2 belong to map format 1.
+_WAY = 3
+_TEXT = f"lutgen-digest-{_WAY} at={{:012d}} head={{:012d}} size={{:015d}} blake3={{}}"
+# Stands in a file whose sweep is not done.
+BLANK = _TEXT.format(0, 0, 0, "." * 64)
+_ANY = re.compile(rb"lutgen-digest-(\d{1,9}) (?:at=(\d{12}) head=(\d{12}) size=(\d{15}) )?")
+# The seal is the first attribute of a file, within this many bytes.
 _SEARCHED = 1 << 16
+# The byte that HDF5 sets while it writes to a file of this superblock (version 0).
+_WRITTEN = 20
+_AS_IT_IS = (
+    "sweep it again, or read it as it is: `lutgen info --unsealed`, `load_map(path, unsealed=True)`"
+)
 
 
 @dataclass(frozen=True)
-class Seal:
-    """What the digest says: length of the head in bytes, and its SHA-256 in hex."""
+class Storage:
+    """Where a map file has its values, and what their digests depend on.
 
-    length: int
-    head: str
-
-
-def sealed(head: bytes) -> bytes:
-    """Return a head, with `UNSEALED` as its digest, with that of itself."""
-
-    def with_digest(own: str) -> bytes:
-        return head.replace(UNSEALED.encode(), _TEXT.format(len(head), own).encode(), 1)
-
-    return with_digest(hashlib.sha256(with_digest("0" * 64)).hexdigest())
-
-
-def seal_of(data: bytes) -> Seal | None:
-    """Return what the digest in a file's beginning says; None where there is none of ours."""
-    found = _PATTERN.search(data[:_SEARCHED])
-    return Seal(int(found[2]), found[3].decode()) if found and int(found[1]) == _WAY else None
-
-
-def check_head(path: Path) -> Seal | None:
-    """Check the head of a map file against its digest; MapFileError or OSError is raised.
-
-    None for a file without a digest: foreign, unfinished, or edited.
+    `places` are the bytes at which the channels begin, in order; `version` is that of the lutgen
+    that computed the values, by the definition `definition`.
     """
+
+    recipe: Recipe
+    layout: Plan
+    places: tuple[int, ...]
+    definition: int
+    version: str
+
+    def span(self, index: int, number: int) -> tuple[int, int]:
+        """Return place and size of one block of a channel, in bytes."""
+        kind = np.dtype(QUANTITIES[self.recipe.channels[index]].stored_type)
+        block, row = self.layout.block(number), self.layout.shape[-1] * kind.itemsize
+        return self.places[index] + block.first * row, (block.last - block.first) * row
+
+    def digest(self, values: NDArray[Any], index: int, number: int) -> bytes:
+        """Return the digest (`DIGEST` bytes) of one block of a channel, for this place and map."""
+        facts = (self.recipe.digest, self.definition, self.version, self.layout.rows)
+        text = "\n".join(map(str, ("lutgen block", *facts, self.recipe.channels[index], number)))
+        key = blake3(text.encode()).digest()
+        return blake3(values.data.cast("B"), key=key).digest()
+
+
+def sealed(head: bytes, size: int) -> bytes:
+    """Return the head of a file of `size` bytes with a seal in the place of `BLANK`."""
+    at = head.index(BLANK.encode())
+
+    def with_digest(digest: str) -> bytes:
+        text = _TEXT.format(at, len(head), size, digest).encode()
+        return head[:at] + text + head[at + len(text) :]
+
+    return with_digest(blake3(with_digest("0" * 64)).hexdigest())
+
+
+def check_seal(path: Path) -> None:
+    """Refuse a file whose head does not match its seal; MapFileError or OSError is raised."""
     with path.open("rb") as file:
         begin = file.read(_SEARCHED)
-        found, seal = _PATTERN.search(begin), seal_of(begin)
-        if found is None:
-            return None
-        if seal is None:
+        size = file.seek(0, io.SEEK_END)
+        if not begin.startswith(SIGNATURE):
             raise MapFileError(
-                f"{path}: was sealed in another way (got lutgen-digest-{int(found[1])}, this "
-                f"lutgen has {_WAY}), by an earlier or a later version; sweep it again"
+                f"{path}: is no HDF5 file (got {begin[:8]!r} at its beginning); name a map that "
+                "`lutgen sweep` has made"
+            )
+        found = _ANY.search(begin)
+        if found is None:
+            raise MapFileError(
+                f"{path}: has no seal (got HDF5 of another program, or a map that another program "
+                f"has rewritten); {_AS_IT_IS}"
+            )
+        if int(found[1]) != _WAY or found[2] is None:
+            raise MapFileError(
+                f"{path}: has another map format than this lutgen reads (got lutgen-digest-"
+                f"{int(found[1])} instead of {_WAY}); sweep it again"
+            )
+        at, length, whole = (int(found[k]) for k in (2, 3, 4))
+        if not length:
+            raise MapFileError(
+                f"{path}: is not complete (got a file without a digest); finish it with `lutgen "
+                "sweep --resume`"
+            )
+        if at != found.start() or size > whole:
+            raise MapFileError(
+                f"{path}: was rewritten or edited by another program (got {size} bytes with a seal "
+                f"at byte {found.start()}, not {whole} bytes and byte {at}); {_AS_IT_IS}"
+            )
+        if size < whole:
+            raise MapFileError(
+                f"{path}: is cut off (got {size} bytes instead of {whole}); copy it or sweep it "
+                "again"
+            )
+        if begin[_WRITTEN]:
+            raise MapFileError(
+                f"{path}: is open for writing in another program (got HDF5's mark of it, "
+                f"{begin[_WRITTEN]}); close it there, or copy the map again if that program died"
             )
         file.seek(0)
-        head = file.read(seal.length) if seal.length < 1 << 32 else b""
-    if len(head) < seal.length:
-        raise MapFileError(
-            f"{path}: cannot be read to its end (got {len(head)} bytes where its head alone has "
-            f"{seal.length}); the file is damaged: sweep it again"
-        )
-    start, end = found.span(3)
-    own = hashlib.sha256(head[:start] + b"0" * (end - start) + head[end:]).hexdigest()
-    if own != seal.head:
+        head = file.read(length)
+    start = found.end() + len("blake3=")
+    end = start + 64
+    own, held = blake3(head[:start] + b"0" * 64 + head[end:]).hexdigest(), head[start:end]
+    if own.encode() != held:
         raise MapFileError(
             f"{path}: its head does not match its digest (got {own[:12]} instead of "
-            f"{seal.head[:12]}); the file is damaged or was edited: sweep it again"
+            f"{held[:12].decode(errors='replace')}); it is damaged or was edited: copy it or sweep "
+            "it again"
         )
-    return seal

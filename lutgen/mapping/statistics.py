@@ -1,27 +1,19 @@
-"""Numbers about a whole map, computed block by block."""
-
-from typing import Any
+"""Compute numbers about a whole map, block by block."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from lutgen.mapping.map import StabilityMap
+from lutgen.mapping.stability_map import StabilityMap
 from lutgen.quantities import QUANTITIES
-
-
-def value_range(values: NDArray[Any]) -> tuple[float | None, float | None]:
-    """Return the smallest and largest finite value, None where there is none."""
-    finite = values[np.isfinite(values)]
-    if finite.size == 0:
-        return None, None
-    return float(finite.min()), float(finite.max())
 
 
 def channel_range(stability_map: StabilityMap, name: str) -> tuple[float | None, float | None]:
     """Return the smallest and largest finite value of a channel, None where there is none."""
-    ends = [value_range(values) for _, values in stability_map.pieces(name)]
-    low, high = ([end[k] for end in ends if end[k] is not None] for k in (0, 1))
-    return min(low, default=None), max(high, default=None)  # type: ignore[type-var]
+    ends: list[float] = []
+    for _, values in stability_map.pieces(name):
+        finite = values[np.isfinite(values)]
+        if finite.size:
+            ends += [float(finite.min()), float(finite.max())]
+    return min(ends, default=None), max(ends, default=None)
 
 
 def share_that_tips(stability_map: StabilityMap) -> float | None:

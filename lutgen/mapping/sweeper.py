@@ -1,20 +1,18 @@
-"""The sweep: every posture and direction of a recipe, computed block by block into a map file.
+"""Sweep a recipe: compute every posture and direction, block by block, into a map file.
 
-Owns the run: which blocks are still to be computed, where, progress, interruption and resumption.
-Numbers come from `compute`, the file from `part`.
+Numbers come from `compute`, the file from `part`; here is the run: which blocks are still to be
+computed, where, progress, interruption and resumption.
 """
 
 import contextlib
 import os
-from collections import deque
 from collections.abc import Callable, Generator, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import ExitStack, closing
 from functools import partial
 from itertools import chain
 from pathlib import Path
 from queue import SimpleQueue
-from threading import Semaphore
 
 import numba
 import numpy as np
@@ -24,9 +22,9 @@ from lutgen.errors import InputError, MapFileError, SweepError
 from lutgen.files import check_kind, check_target, is_ours
 from lutgen.mapping.blocks import Plan, plan
 from lutgen.mapping.compute import Computer, require_standing
-from lutgen.mapping.layout import lay_out
+from lutgen.mapping.opening import load_map
 from lutgen.mapping.part import PartFile
-from lutgen.mapping.template import identity_of
+from lutgen.mapping.stability_map import StabilityMap
 from lutgen.recipe import Recipe
 
 ENGINES = ("local", "dask")
@@ -34,6 +32,7 @@ ENGINES = ("local", "dask")
 ENOUGH_BLOCKS = 4
 # Blocks that are computed at a time, of 29 MB each where all channels are swept.
 AT_A_TIME = 16
+Engine = Callable[[PartFile], Generator[int, None, None]]
 
 
 def sweep(
@@ -45,8 +44,8 @@ def sweep(
     progress: Callable[[int, int], None] | None = None,
     scheduler: str | None = None,
     force: bool = False,
-) -> None:
-    """Compute a recipe's map into an HDF5 file.
+) -> StabilityMap:
+    """Compute a recipe's map into an HDF5 file and open it.
 
     Parameters
     ----------
@@ -58,8 +57,8 @@ def sweep(
     threads : int, optional
         Threads to compute with; all of the machine's by default.  The values do not depend on it.
     resume : bool
-        Go on with PATH.part of the same recipe, if there is one.  Blocks whose checksums do not
-        hold are computed again, so it does not matter what stopped the sweep.
+        Go on with PATH.part of the same recipe, if there is one.  Blocks whose digests do not
+        match are computed again, so it does not matter what stopped the sweep.
     engine : {"local", "dask"}
         Where the blocks are computed: threads of this process, or workers of dask.distributed.
         The file has the same bytes either way.
@@ -72,13 +71,18 @@ def sweep(
         Begin anew where PATH.part holds unfinished work, and replace files that lutgen did not
         make.  A link is refused even so.
 
+    Returns
+    -------
+    StabilityMap
+        As from `load_map`.
+
     Raises
     ------
     InputError
-        For an unknown engine, an impossible number of threads, or a robot given by
-        code with an engine other than "local"; where PATH is a folder or in one that is not there,
-        or where PATH or PATH.part is a file that lutgen did not make, or holds work that neither
-        `resume` nor `force` is said of.
+        For an unknown engine, an impossible number of threads, or a robot given by code with an
+        engine other than "local"; if PATH is a folder or in one that does not exist; if PATH or
+        PATH.part is a file that lutgen did not make, or holds work and neither `resume` nor
+        `force` is given.
     RecipeError
         If the robot stands nowhere.
     MapFileError
@@ -93,46 +97,20 @@ def sweep(
         raise InputError(f"threads must lie in 1..{most} on this machine (got {threads})")
     require_standing(recipe)
     target = Path(path)
-    if not target.name or target.is_dir():
-        raise InputError(
-            f"{target}: cannot be written (got the path of a folder); add a name such as map.h5"
-        )
-    if not target.parent.is_dir():
-        raise InputError(
-            f"{target}: cannot be written (got the folder {target.parent}, which does not exist); "
-            "make it first"
-        )
-    part = target.with_name(target.name + ".part")
-    check_target(target, force)
-    check_kind(part)
-    if force:
-        _clear_part(part)
+    part = _part_of(target, force)
     before = numba.get_num_threads()
     numba.set_num_threads(threads or most)
     try:
         layout = plan(recipe)
         bounds.check(layout.count, bounds.BLOCKS, recipe.source, "use fewer samples")
         with ExitStack() as stack:
-            compute: Callable[[PartFile], Generator[int, None, None]]
-            if engine == "local":
-                compute = partial(_compute_here, recipe=recipe, layout=layout)
-            else:
-                try:
-                    from lutgen.mapping.dask import compute_there, connected
-                except ImportError as error:
-                    raise InputError(
-                        f"the engine dask needs more packages (got {error}); install "
-                        "lutgen[cluster], or use the engine local"
-                    ) from error
+            compute: Engine = partial(_compute_here, recipe=recipe, layout=layout)
+            if engine == "dask":
                 # Before there is a file: without a scheduler none is left behind.
-                client = stack.enter_context(connected(scheduler))
-                compute = partial(
-                    compute_there, recipe=recipe, layout=layout, client=client, threads=threads
-                )
-            identity = identity_of(recipe, layout)
-            file = stack.enter_context(PartFile(part, lay_out(recipe, layout), identity))
-            _open(file, recipe, resume, force)
-            _fill(file, recipe, layout, compute(file), progress)
+                compute = stack.enter_context(_dask(recipe, layout, scheduler, threads))
+            file = stack.enter_context(PartFile(part, recipe, layout))
+            _open(file, resume, force)
+            _fill(file, layout, compute(file), progress)
             # It may be hours since that was asked.
             check_target(target, force)
             file.finish(target)
@@ -147,6 +125,7 @@ def sweep(
         ) from error
     finally:
         numba.set_num_threads(before)
+    return load_map(target)
 
 
 def _require_options(recipe: Recipe, engine: str, scheduler: str | None) -> None:
@@ -162,38 +141,61 @@ def _require_options(recipe: Recipe, engine: str, scheduler: str | None) -> None
         )
 
 
-def _clear_part(part: Path) -> None:
-    """Remove an unfinished file that is none of ours: to empty it might empty its other names.
+def _part_of(target: Path, force: bool) -> Path:
+    """Return the path of the unfinished file; refuse what cannot or must not be written."""
+    if not target.name or target.is_dir():
+        raise InputError(
+            f"{target}: cannot be written (got the path of a folder); add a name such as map.h5"
+        )
+    if not target.parent.is_dir():
+        raise InputError(
+            f"{target}: cannot be written (got the folder {target.parent}, which does not exist); "
+            "make it first"
+        )
+    part = target.with_name(target.name + ".part")
+    check_target(target, force)
+    check_kind(part)
+    if force:
+        with contextlib.suppress(FileNotFoundError):
+            with part.open("rb") as file:
+                # That of another sweep, which is just laying it out, begins with zeros.
+                begun = any(file.read(1))
+            # A file that is none of ours may have other names: it is removed, not emptied.
+            if begun and not is_ours(part):
+                part.unlink()
+    return part
 
-    One that another sweep is just laying out begins with zeros.
-    """
-    with contextlib.suppress(FileNotFoundError):
-        with part.open("rb") as file:
-            begun = any(file.read(1))
-        if begun and not is_ours(part):
-            part.unlink()
+
+@contextlib.contextmanager
+def _dask(
+    recipe: Recipe, layout: Plan, scheduler: str | None, threads: int | None
+) -> Iterator[Engine]:
+    """Connect to the workers that compute the blocks."""
+    try:
+        from lutgen.mapping.dask import compute_there, connected
+    except ImportError as error:
+        raise InputError(
+            f"the engine dask needs more packages (got {error}); install lutgen[cluster], or use "
+            "the engine local"
+        ) from error
+    with connected(scheduler) as client:
+        yield partial(compute_there, recipe=recipe, layout=layout, client=client, threads=threads)
 
 
-def _open(file: PartFile, recipe: Recipe, resume: bool, force: bool) -> None:
+def _open(file: PartFile, resume: bool, force: bool) -> None:
     """Lay out the unfinished file, or check one to go on with.
 
-    Work that neither `resume` nor `force` is said of, and a file of somebody else, is left alone.
+    Work without `resume` or `force`, and a file that lutgen did not make, are left alone.
     """
-    if file.begun() and not resume and not force:
+    begun = file.begun()
+    if begun and not resume and not force:
         check_target(file.path)
         raise InputError(
             f"{file.path}: holds the unfinished work of a sweep (got neither --resume nor "
             "--force); go on with --resume, or begin anew with --force."
         )
-    go_on = resume and file.begun()
     try:
-        if go_on:
-            file.require_same(recipe)
-        file.require_space()
-        if go_on:
-            file.clear_gaps()
-        else:
-            file.begin()
+        file.open(anew=not (resume and begun))
     except BaseException:
         # A file that is not laid out yet is of no use.
         if not file.begun():
@@ -205,87 +207,49 @@ def _compute_here(file: PartFile, recipe: Recipe, layout: Plan) -> Generator[int
     """Compute and write every block that is not done; yield its number.
 
     All threads compute the first block: what is not compiled yet is compiled in this one, which
-    Ctrl-C reaches.  Then, where there are enough, each takes whole blocks (of many threads a few
-    together).
+    Ctrl-C reaches.  Then, if there are enough, each thread takes whole blocks.
     """
     todo = np.flatnonzero(~file.done).tolist()
     threads = numba.get_num_threads()
     # A robot given by code is asked by one thread, as its author expects.
     enough = recipe.function is None and len(todo) > ENOUGH_BLOCKS * threads
     workers = min(threads, AT_A_TIME) if enough else 1
-    alone = len(todo) if workers == 1 else 1
-    computer = Computer(recipe, layout)
-    for number in todo[:alone]:
-        file.write(number, list(computer.compute(layout.block(number)).values()))
-        yield number
-    if workers > 1:
-        computers = [computer, *(Computer(recipe, layout) for _ in range(workers - 1))]
-        yield from _compute_side_by_side(file, layout, computers, todo[alone:])
+    computers: SimpleQueue[Computer] = SimpleQueue()
+    for _ in range(workers):
+        computers.put(Computer(recipe, layout))
 
-
-def _compute_side_by_side(
-    file: PartFile, layout: Plan, computers: list[Computer], todo: list[int]
-) -> Generator[int, None, None]:
-    """Compute and write blocks, a thread for each computer; yield their numbers in order."""
-    threads = numba.get_num_threads() // len(computers)
-    idle: SimpleQueue[Computer] = SimpleQueue()
-    for computer in computers:
-        idle.put(computer)
-    stopped = False
-    may_write = Semaphore(len(computers))
-
-    def work(number: int) -> None:
-        numba.set_num_threads(threads)
-        computer = idle.get()
+    def work(number: int) -> int:
+        computer = computers.get()
         try:
-            chunks = list(computer.compute(layout.block(number)).values())
-            with may_write:
-                if not stopped:
-                    file.write(number, chunks)
+            file.write(number, computer.compute(layout.block(number)))
         finally:
-            idle.put(computer)
+            computers.put(computer)
+        return number
 
-    pool = ThreadPoolExecutor(len(computers))
-    begun: deque[tuple[int, Future[None]]] = deque()
+    alone = 1 if workers > 1 else len(todo)
+    yield from map(work, todo[:alone])
+    pool = ThreadPoolExecutor(
+        workers, initializer=numba.set_num_threads, initargs=(threads // workers,)
+    )
     try:
-        for number in todo:
-            begun.append((number, pool.submit(work, number)))
-            # Each thread has a block that waits for it.
-            yield from _ended(begun, 2 * len(computers))
-        yield from _ended(begun, 0)
+        for future in as_completed([pool.submit(work, number) for number in todo[alone:]]):
+            yield future.result()
     finally:
-        # Ctrl-C waits for what is being written, not for what is being computed.
-        stopped = True
-        for _ in computers:
-            may_write.acquire()
-        may_write.release(len(computers))
-        pool.shutdown(wait=False, cancel_futures=True)
-
-
-def _ended(begun: deque[tuple[int, "Future[None]"]], most: int) -> Iterator[int]:
-    """Wait for the oldest blocks until at most so many are left; yield their numbers."""
-    while len(begun) > most:
-        number, future = begun.popleft()
-        future.result()
-        yield number
+        # What is being computed is waited for and not lost.
+        pool.shutdown(cancel_futures=True)
 
 
 def _fill(
     file: PartFile,
-    recipe: Recipe,
     layout: Plan,
     blocks: Generator[int, None, None],
     progress: Callable[[int, int], None] | None,
 ) -> None:
-    """Fill the file; say in it what is done, should anything stop that."""
+    """Fill the file with what is not done yet, and report the progress."""
     finished = 0
-    try:
-        with closing(blocks):
-            for number in chain(file.find_done(), blocks):
-                block = layout.block(number)
-                finished += (block.last_row - block.first_row) * recipe.chart.nodes
-                if progress is not None:
-                    progress(finished, layout.nodes)
-    except BaseException:
-        file.leave()
-        raise
+    with closing(blocks):
+        for number in chain(file.find_done(), blocks):
+            block = layout.block(number)
+            finished += (block.last - block.first) * layout.shape[-1]
+            if progress is not None:
+                progress(finished, layout.nodes)

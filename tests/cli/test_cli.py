@@ -39,7 +39,7 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "text.h5").write_text("this is no HDF5")
     (folder / "folder.toml").mkdir()
     with h5py.File(folder / "tripod.h5", "r") as file:
-        place = file["margin"].id.get_chunk_info(0).byte_offset
+        place = file["margin"].id.get_offset()
     content = bytearray((folder / "tripod.h5").read_bytes())
     content[place + 20] ^= 4
     (folder / "damaged.h5").write_bytes(content)
@@ -76,8 +76,8 @@ def test_check_as_json_agrees_with_the_file_that_a_sweep_writes(place: Path) -> 
     assert report["digest"] == lutgen.load_recipe(place / "tripod.toml").digest
     size = (place / "tripod.h5").stat().st_size
     # The values; the rest of the file is its header, some 50 kB of names and addresses.
-    # Six channels of float32 and one of bytes; each in one chunk with its checksum.
-    assert report["file_bytes"] == (6 * 4 + 1) * 588 + 7 * 4
+    # Six channels of float32 and one of bytes.
+    assert report["file_bytes"] == (6 * 4 + 1) * 588
     assert 0 < size - report["file_bytes"] < 60_000
 
 
@@ -116,7 +116,7 @@ def test_an_interrupted_sweep_says_how_to_go_on_and_does(
 def test_info_prints_axes_channels_ranges_and_provenance(place: Path) -> None:
     result = good("info", place / "tripod.h5", "--verify")
     for part in (
-        f"stability map of tripod (format 1, lutgen {lutgen.__version__})",
+        f"stability map of tripod (format 2, lutgen {lutgen.__version__})",
         "reach: 0 to 0.6 m, 4 nodes",
         "swing: -40 to 50 deg, 3 nodes",
         "% of directions",
@@ -267,16 +267,17 @@ def test_a_direction_may_begin_with_a_minus_sign(place: Path) -> None:
     assert short["tip_angle_deg"] == pytest.approx(long["tip_angle_deg"], rel=1e-12)
 
 
-def test_a_parameter_outside_its_range_is_used_or_clamped_and_said(
+def test_a_parameter_outside_its_range_is_used_and_said_and_refused_by_a_map(
     place: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     beyond = ("-p", "reach=0.9", "-p", "swing=10")
     at_the_end = ("-p", "reach=0.6", "-p", "swing=10")
-    clamped = data("eval", place / "tripod.h5", *beyond)
-    assert "reach" in caplog.text
-    assert "clamped" in caplog.text
-    assert clamped == data("eval", place / "tripod.h5", *at_the_end)
+    refused = run("eval", place / "tripod.h5", *beyond)
+    assert refused.exit_code == 2
+    assert "`reach` is outside the axis of the map (got 0.9 m)" in refused.stderr
     exact = data("eval", place / "tripod.toml", *beyond)
+    assert "reach" in caplog.text
+    assert "used as it is" in caplog.text
     assert exact["sdg"] != data("eval", place / "tripod.toml", *at_the_end)["sdg"]
 
 
@@ -297,7 +298,7 @@ BAD: dict[str, tuple[int, tuple[str, ...], str]] = {
         ("check", "code.toml", "--allow-python"),
         "got 'str'",
     ),
-    "check a text called a map": (2, ("check", "text.h5"), "cannot be read as HDF5"),
+    "check a text called a map": (2, ("check", "text.h5"), "is no HDF5 file"),
     "check what the gallery lacks": (2, ("check", "recipe:tripod"), "recipe:tripod"),
     "recipes of no such name": (2, ("recipes", "tripod"), "choose from: absolem"),
     "sweep without an output": (2, ("sweep", "tripod.toml"), "--output"),
@@ -471,12 +472,12 @@ def test_the_command_in_a_process_of_its_own_keeps_stdout_for_results(
 ) -> None:
     start = "import sys; from lutgen.cli import main; main(sys.argv[1:])"
     done = python(
-        "-c", start, "eval", str(place / "tripod.h5"), "-p", "reach=9", "-p", "swing=0", "--json"
+        "-c", start, "eval", str(place / "tripod.toml"), "-p", "reach=9", "-p", "swing=0", "--json"
     )
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["standing"] is True
     assert "reach" in done.stderr
-    assert "clamped" in done.stderr
+    assert "used as it is" in done.stderr
     failed = python("-c", start, "info", str(place / "text.h5"))
     assert failed.returncode == 2
     assert failed.stdout == ""

@@ -157,7 +157,7 @@ def test_the_format_document_lists_every_attribute_of_a_map(clone: Path) -> None
     listed = set(re.findall(r"^\| `(\w+)` \|", text, re.MULTILINE))
     lutgen.sweep(lutgen.load_recipe("maps/paper_one.toml"), "one.h5")
     with h5py.File("one.h5") as file:
-        assert set(file.attrs) == listed - {"blocks_done", "urdf"}
+        assert set(file.attrs) == listed - {"urdf"}
 
 
 def test_the_readme_is_short() -> None:

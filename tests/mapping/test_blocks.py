@@ -4,19 +4,18 @@ import math
 from types import SimpleNamespace
 from typing import cast
 
-import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lutgen.mapping.blocks import BLOCK_NODES, Plan, plan
-from lutgen.recipe.recipe import Recipe
+from lutgen.grid import Grid
+from lutgen.mapping.blocks import BLOCK_NODES, BLOCK_POSTURES, Plan, plan
+from lutgen.recipe import Recipe
 
 
 def planned(shape: tuple[int, ...], block_nodes: int = BLOCK_NODES) -> Plan:
     """Plan a map of any shape (parameters..., face, v, u)."""
-    stand_in = SimpleNamespace(
-        grid=SimpleNamespace(shape=shape[:-3]), chart=SimpleNamespace(shape=shape[-3:])
-    )
+    grid = SimpleNamespace(shape=shape[:-3], size=math.prod(shape[:-3]))
+    stand_in = SimpleNamespace(grid=cast(Grid, grid), chart=SimpleNamespace(shape=shape[-3:]))
     return plan(cast(Recipe, stand_in), block_nodes)
 
 
@@ -29,47 +28,24 @@ SHAPES = st.builds(
 
 
 @given(SHAPES, st.integers(1, 3000))
-def test_blocks_cover_every_node_exactly_once_and_in_order(
+def test_blocks_cover_every_row_once_in_order_and_keep_to_the_limit(
     shape: tuple[int, ...], block_nodes: int
 ) -> None:
     layout = planned(shape, block_nodes)
-    row = 0
-    for number, block in enumerate(layout.blocks()):
-        assert block.number == number
-        assert block.first_row == row < block.last_row
-        row = block.last_row
+    posture, row = math.prod(shape[-3:-1]), 0
+    for number, block in enumerate(map(layout.block, range(layout.count))):
+        assert (block.number, block.first) == (number, row)
+        row = block.last
+        assert 0 < (block.last - block.first) * shape[-1] <= max(block_nodes, shape[-1])
+        # Whole postures, or a part of a single one.
+        whole = block.first % posture == block.last % posture == 0
+        assert whole or block.first // posture == (block.last - 1) // posture
     assert row * shape[-1] == math.prod(shape) == layout.nodes
-    assert number + 1 == layout.count
 
 
-@given(SHAPES, st.integers(1, 3000))
-def test_a_blocks_rows_are_the_nodes_of_its_chunk(shape: tuple[int, ...], block_nodes: int) -> None:
-    layout = planned(shape, block_nodes)
-    numbers = np.arange(layout.nodes).reshape(shape)
-    for block in layout.blocks():
-        chunk = numbers[
-            tuple(slice(o, o + c) for o, c in zip(block.offset, layout.chunk, strict=True))
-        ]
-        rows = np.arange(block.first_row * shape[-1], block.last_row * shape[-1])
-        np.testing.assert_array_equal(chunk.ravel(), rows)
-
-
-@given(SHAPES, st.integers(1, 3000))
-def test_a_chunk_keeps_to_the_limit_and_never_cuts_a_row(
-    shape: tuple[int, ...], block_nodes: int
-) -> None:
-    layout = planned(shape, block_nodes)
-    assert layout.chunk[-1] == shape[-1]
-    assert layout.chunk_nodes <= max(block_nodes, shape[-1])
-
-
-def test_a_chunk_fills_at_least_half_of_what_it_may_hold() -> None:
-    # A chunk of one row each would keep to the limit too, and be slow.
-    assert planned((50, 50, 1, 33, 33)).chunk_nodes > BLOCK_NODES / 2
-    assert planned((1000, 6, 65, 65)).chunk_nodes > BLOCK_NODES / 2
-
-
-def test_a_map_that_fits_is_one_block_of_its_own_size() -> None:
-    layout = planned((4, 3, 1, 7, 7))
-    assert layout.chunk == layout.shape
-    assert [(b.first_row, b.last_row) for b in layout.blocks()] == [(0, 84)]
+def test_a_block_fills_at_least_half_of_what_it_may_hold() -> None:
+    # Blocks of one row each would keep to the limit too, and be slow.
+    for shape in ((50, 50, 1, 33, 33), (1000, 6, 65, 65), (3, 6, 1021, 1021)):
+        assert planned(shape).rows * shape[-1] > BLOCK_NODES / 2
+    assert planned((300, 300, 1, 1, 1)).rows > BLOCK_POSTURES / 2
+    assert planned((4, 3, 1, 7, 7)).count == 1

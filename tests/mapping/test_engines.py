@@ -6,7 +6,7 @@ import signal
 import socket
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -16,23 +16,13 @@ from distributed import Client, LocalCluster
 import lutgen
 from lutgen.errors import InputError, SweepError
 from lutgen.mapping import dask as engine_dask
-from lutgen.mapping import sweeper
-from lutgen.mapping.blocks import plan
-from lutgen.mapping.verification import verify
 from tests.fixtures.documents import blocks
 from tests.fixtures.places import ROOT
-from tests.fixtures.recipes import rigid, sweep_part, tripod
+from tests.fixtures.recipes import sweep_part, tripod
 
 # 54 postures of 11 x 11 nodes in 27 blocks, two channels.
 RECIPE = lutgen.parse_recipe(tripod("reach = 9, swing = 6", nodes=11))
 SIZE, BLOCKS = 242, 27
-
-
-@pytest.fixture(autouse=True)
-def small_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Cut every sweep into blocks of 242 nodes."""
-    monkeypatch.setattr(sweeper, "plan", lambda recipe: plan(recipe, SIZE))
-    assert plan(RECIPE, SIZE).count == BLOCKS
 
 
 @pytest.fixture(scope="module")
@@ -48,28 +38,21 @@ def cluster() -> Iterator[LocalCluster]:
         yield cluster
 
 
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> bytes:
-    """Return the file that this process computes with one thread."""
+@pytest.fixture
+def whole(tmp_path_factory: pytest.TempPathFactory, cut: Callable[[int], None]) -> bytes:
+    """Return the file that this process computes with one thread, in blocks of 242 nodes."""
+    cut(SIZE)
     path = tmp_path_factory.mktemp("whole") / "a.h5"
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sweeper, "plan", lambda recipe: plan(recipe, SIZE))
-        lutgen.sweep(RECIPE, path, threads=1)
-    verify(lutgen.load_map(path))
+    lutgen.sweep(RECIPE, path, threads=1)
     return path.read_bytes()
 
 
-def swept(path: Path, cluster: LocalCluster, **options: Any) -> bytes:
+def swept_there(path: Path, cluster: LocalCluster, **options: Any) -> bytes:
     """Return the file that workers compute; nothing may be left beside it."""
     before = set(path.parent.iterdir())
     lutgen.sweep(RECIPE, path, engine="dask", scheduler=cluster.scheduler_address, **options)
     assert set(path.parent.iterdir()) - before <= {path}
     return path.read_bytes()
-
-
-def test_two_threads_write_the_bytes_of_one(tmp_path: Path, whole: bytes) -> None:
-    lutgen.sweep(RECIPE, tmp_path / "a.h5", threads=2)
-    assert (tmp_path / "a.h5").read_bytes() == whole
 
 
 def test_a_worker_inside_this_process_writes_the_bytes_of_a_local_sweep(
@@ -90,44 +73,33 @@ def test_a_scheduler_inside_this_process_has_no_port_but_that_of_bare_web_server
         assert client.cluster.scheduler.http_application.applications == []
 
 
-def test_two_workers_resume_what_this_process_began(
+def test_two_workers_resume_what_this_process_began_and_lose_nothing_if_one_is_killed(
     tmp_path: Path, whole: bytes, cluster: LocalCluster
 ) -> None:
     cluster.scale(2)
     cluster.wait_for_workers(2)
+    with Client(cluster.scheduler_address) as client:
+        processes = list(client.run(os.getpid).values())
 
     def stop(done: int, total: int) -> None:
         if done > total / 2:
             raise KeyboardInterrupt
 
+    def kill(done: int, total: int) -> None:
+        if len(processes) == 2:
+            os.kill(processes.pop(), signal.SIGKILL)
+
     with pytest.raises(KeyboardInterrupt):
         lutgen.sweep(RECIPE, tmp_path / "a.h5", threads=1, progress=stop)
-    assert swept(tmp_path / "a.h5", cluster, resume=True) == whole
+    assert swept_there(tmp_path / "a.h5", cluster, resume=True) == whole
     # And the other way round.
     with pytest.raises(KeyboardInterrupt):
-        swept(tmp_path / "b.h5", cluster, progress=stop)
+        swept_there(tmp_path / "b.h5", cluster, progress=stop)
     assert {path.name for path in tmp_path.iterdir()} == {"a.h5", "b.h5.part"}
     lutgen.sweep(RECIPE, tmp_path / "b.h5", threads=1, resume=True)
     assert (tmp_path / "b.h5").read_bytes() == whole
-
-
-def test_three_workers_of_which_one_is_killed_write_the_same_bytes(
-    tmp_path: Path, whole: bytes, cluster: LocalCluster
-) -> None:
-    cluster.scale(3)
-    cluster.wait_for_workers(3)
-    with Client(cluster.scheduler_address) as client:
-        processes = client.run(os.getpid)
-    assert len(processes) == 3
-    killed: list[int] = []
-
-    def kill(done: int, total: int) -> None:
-        if not killed:
-            killed.append(next(iter(processes.values())))
-            os.kill(killed[0], signal.SIGKILL)
-
-    assert swept(tmp_path / "a.h5", cluster, progress=kill) == whole
-    assert killed
+    assert swept_there(tmp_path / "c.h5", cluster, progress=kill) == whole
+    assert len(processes) == 1
 
 
 def test_a_scheduler_that_dies_is_a_sentence_and_the_sweep_resumes(
@@ -176,7 +148,7 @@ def test_a_sweep_without_any_worker_gives_up_in_a_sentence(
         LocalCluster(n_workers=0, dashboard_address=":0", silence_logs="CRITICAL") as empty,
         pytest.raises(SweepError, match="Only 0/1 workers arrived"),
     ):
-        swept(tmp_path / "a.h5", empty)
+        swept_there(tmp_path / "a.h5", empty)
 
 
 def test_workers_of_another_version_are_refused(
@@ -184,7 +156,7 @@ def test_workers_of_another_version_are_refused(
 ) -> None:
     monkeypatch.setattr(engine_dask, "__version__", "99.0.0")
     with pytest.raises(SweepError, match=r"other versions of lutgen .*99\.0\.0"):
-        swept(tmp_path / "a.h5", cluster)
+        swept_there(tmp_path / "a.h5", cluster)
 
 
 def test_a_scheduler_that_is_not_there_is_refused(
@@ -207,25 +179,6 @@ def test_without_distributed_the_engine_is_refused_in_a_sentence(
     ):
         lutgen.sweep(RECIPE, tmp_path / "a.h5", engine="dask")
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_scheduler_for_the_engine_local_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="scheduler needs the engine dask"):
-        lutgen.sweep(RECIPE, tmp_path / "a.h5", scheduler="tcp://x:1")
-
-
-def test_a_robot_given_by_code_is_not_sent_to_workers(tmp_path: Path) -> None:
-    (tmp_path / "feet_by_code.py").write_text(
-        "import numpy as np\n"
-        "def postures(q):\n"
-        "    feet = np.tile([[1.0, 0, 0], [-1, 1, 0], [-1, -1, 0]], (len(q), 1, 1))\n"
-        "    return feet, np.tile([0.0, 0.0, 0.8], (len(q), 1))\n"
-    )
-    path = tmp_path / "code.toml"
-    path.write_text(rigid("", head='python = "feet_by_code:postures"'))
-    recipe = lutgen.load_recipe(path, allow_python=True)
-    with pytest.raises(InputError, match=r"given by code .*use the engine local"):
-        lutgen.sweep(recipe, tmp_path / "a.h5", engine="dask")
 
 
 def test_the_commands_of_the_page_on_scaling_run(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 
 from lutgen.grid import Axis
-from lutgen.mapping.interpolate import Place, cell_corners, interpolate
+from lutgen.mapping.interpolate import Place, interpolate
 
 
 def random_axes(rng: np.random.Generator, dimensions: int) -> list[Axis]:
@@ -78,16 +78,6 @@ def test_a_node_is_returned_bit_for_bit_whatever_is_around_it(dimensions: int) -
     np.testing.assert_array_equal(present, ~np.isnan(values.ravel()))
 
 
-def test_weights_of_a_cells_corners_add_up_to_one_and_none_is_negative() -> None:
-    rng = np.random.default_rng(4)
-    axes = random_axes(rng, 4)
-    corners = cell_corners(located(axes, random_points(rng, axes)))
-    weights = np.array([weight for _, weight in corners])
-    assert weights.shape == (16, 200)
-    assert (weights >= 0.0).all()
-    np.testing.assert_allclose(weights.sum(axis=0), 1.0, atol=1e-15)
-
-
 def test_corners_that_are_nan_are_left_out_of_the_mean() -> None:
     axes = [Axis("v", "1", [0.0, 1.0]), Axis("u", "1", [0.0, 1.0])]
     values = np.array([[1.0, 2.0], [np.nan, 4.0]])
@@ -118,10 +108,3 @@ def test_the_face_is_taken_as_it_is_between_parameters_and_v_u() -> None:
     for k in range(6):
         alone, _ = interpolate(values[:, k], located(axes, points[face == k]))
         np.testing.assert_array_equal(got[face == k], alone)
-
-
-def test_a_single_knot_stands_for_every_value_of_its_axis() -> None:
-    axes = [Axis("u", "1", [0.0])]
-    got, present = interpolate(np.array([3.5]), located(axes, np.array([[0.0], [0.4]])))
-    assert got.tolist() == [3.5, 3.5]
-    assert present.tolist() == [1.0, 1.0]

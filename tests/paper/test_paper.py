@@ -9,7 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from lutgen.cli import main
-from lutgen.mapping.map import load_map
+from lutgen.mapping import load_map
 from lutgen.paper import report as report_module
 from lutgen.paper.model import NOMINAL, RADIUS, TABLE, paper_recipe
 from lutgen.paper.report import shown

@@ -20,7 +20,7 @@ from lutgen.analysis.stance import Posture
 from lutgen.analysis.tilt import tilt_limits, tilted
 from lutgen.analysis.tilt_table import posture_limits
 from lutgen.errors import InputError
-from lutgen.mapping.map import StabilityMap
+from lutgen.mapping import StabilityMap
 from lutgen.quantities import RANKED
 from lutgen.recipe.recipe import Recipe
 from tests.fixtures.places import MAPS

@@ -1,0 +1,138 @@
+"""Open a map file: refuse what is not a map, not whole, or not of this lutgen, in a sentence."""
+
+import os
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from lutgen.errors import LutgenError, MapFileError
+from lutgen.mapping.blocks import Plan
+from lutgen.mapping.head import COMPLETE, DEFINITION, DIGESTS, FORMAT, ROWS
+from lutgen.mapping.seal import Storage, check_seal
+from lutgen.mapping.stability_map import StabilityMap
+from lutgen.quantities import QUANTITIES
+from lutgen.recipe import Recipe, parse_recipe, recipe_digest
+
+
+def load_map(path: str | os.PathLike[str], unsealed: bool = False) -> StabilityMap:
+    """Open a map file.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    unsealed : bool
+        Whether a file whose seal is missing or does not match is read, too: a map that another
+        program has rewritten or edited.  Nobody can tell then whether its values are right, and a
+        file that was made to do harm may crash HDF5.
+
+    Raises
+    ------
+    MapFileError
+        If there is no such file, or it is not a lutgen map, damaged, rewritten, incomplete, of
+        another format, held by another program, or was computed by another definition of what
+        stands.
+    """
+    name, sealed = os.fspath(path), True
+    try:
+        try:
+            check_seal(Path(name))
+        except MapFileError:
+            if not unsealed:
+                raise
+            sealed = False
+        with h5py.File(name, "r") as file:
+            # xarray writes a number as a list of one.
+            attributes = {
+                key: value.item() if np.size(value) == 1 and hasattr(value, "item") else value
+                for key, value in file.attrs.items()
+            }
+            # Names and texts must be texts, to be compared and printed.
+            "".join(map(str, [*file, *attributes.values()])).encode()
+            _require_ours(name, attributes)
+            recipe = _recipe(name, attributes)
+            if not sealed:
+                for channel in recipe.channels:
+                    _require_inside(name, file, channel, recipe)
+                return StabilityMap(name, recipe, attributes)
+            digests = file[DIGESTS]
+            layout = Plan((*recipe.grid.shape, *recipe.chart.shape), int(digests.attrs[ROWS]))
+            places = tuple(int(file[channel].id.get_offset()) for channel in recipe.channels)
+            version = str(attributes["lutgen_version"])
+            storage = Storage(recipe, layout, places, DEFINITION, version)
+            return StabilityMap(name, recipe, attributes, storage, digests[...])
+    except FileNotFoundError:
+        raise MapFileError(f"{name}: there is no such file; check the path") from None
+    except BlockingIOError as error:
+        raise MapFileError(
+            f"{name}: is open for writing in another program (got {error.strerror}); close it "
+            "there, then read it"
+        ) from error
+    except PermissionError as error:
+        raise MapFileError(
+            f"{name}: cannot be read (got {error.strerror}); check the permissions"
+        ) from error
+    except LutgenError:
+        raise
+    except Exception as error:
+        # h5py may raise nearly anything on damaged metadata.
+        if Path(name).is_dir():
+            raise MapFileError(f"{name}: is a folder; name a map file") from None
+        raise MapFileError(
+            f"{name}: cannot be read as HDF5 (got {error}); it is damaged or no map: copy it or "
+            "sweep it again"
+        ) from error
+
+
+def _require_ours(name: str, attributes: dict[str, Any]) -> None:
+    """Refuse HDF5 that is no complete map of this format and definition."""
+    again = "make it again with `lutgen sweep`"
+    for key, wanted, what, way_out in (
+        ("lutgen_format", FORMAT, "is no lutgen map of this format", again),
+        ("lutgen_definition", DEFINITION, "is by another definition of what stands", again),
+        (COMPLETE, 1, "is not complete", "finish it with `lutgen sweep --resume`"),
+    ):
+        found: Any = attributes.get(key)
+        if not np.array_equal(found, wanted):
+            raise MapFileError(f"{name}: {what} (got {key} = {found}, not {wanted}); {way_out}")
+    for key in ("title", "lutgen_version", "recipe", "recipe_sha256"):
+        if key not in attributes:
+            raise MapFileError(f"{name}: lacks the attribute `{key}` (got none); {again}")
+
+
+def _recipe(name: str, attributes: dict[str, Any]) -> Recipe:
+    """Return the recipe in a map, without running code that it names."""
+    text, urdf = str(attributes["recipe"]), attributes.get("urdf")
+    own, held = recipe_digest(text, urdf), str(attributes["recipe_sha256"])
+    if own != held:
+        raise MapFileError(
+            f"{name}: its recipe does not match its digest (got {own[:12]} instead of "
+            f"{held[:12]!r}); the file was edited: sweep it again"
+        )
+    try:
+        return parse_recipe(text, f"{name} (recipe inside)", inert=True, urdf=urdf)
+    except LutgenError as error:
+        raise MapFileError(str(error)) from error
+
+
+def _require_inside(name: str, file: h5py.File, channel: str, recipe: Recipe) -> None:
+    """Refuse a channel that another program has written unless it is whole and in this file.
+
+    HDF5 lets a file point at others; a map must not return bytes of a file that its maker named.
+    """
+    shape = (*recipe.grid.shape, *recipe.chart.shape)
+    link = file.get(channel, getlink=True)
+    found = file[channel] if isinstance(link, h5py.HardLink) else None
+    if not isinstance(found, h5py.Dataset) or found.is_virtual or found.external:
+        what = "nothing" if link is None else "a link, a group or values in another file"
+    elif found.shape != shape:
+        what = f"the shape {found.shape}, not {shape}"
+    elif not np.can_cast(found.dtype, QUANTITIES[channel].stored_type, "same_kind"):
+        what = f"the type {found.dtype}"
+    elif not found.id.get_storage_size():
+        what = "a variable without values"
+    else:
+        return
+    raise MapFileError(f"{name}: channel {channel} is not in the file (got {what}); sweep it again")

@@ -1,0 +1,292 @@
+"""Read a stability map: its values, what lies between its nodes, and figures about the whole."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import h5py
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lutgen.chart import Chart
+from lutgen.errors import InputError, MapFileError
+from lutgen.grid import Axis
+from lutgen.mapping.interpolate import Place, interpolate, worst
+from lutgen.mapping.seal import Storage, check_seal
+from lutgen.quantities import QUANTITIES
+from lutgen.recipe import Recipe
+
+if TYPE_CHECKING:
+    import xarray
+
+# Parts of a cell by which a place may be beside a node and be at it, where nothing is interpolated:
+# a direction comes back from its unit vector to 2e-16, and from degrees to a few times that.
+AT = 1e-9
+# Parts of its axis by which a parameter may be outside: degrees and back.
+OUTSIDE = 1e-9
+# Root attributes that are about the bytes of the file, and not about its content.
+OF_THE_FILE = ("digest", "complete")
+
+
+@dataclass(frozen=True, repr=False)
+class StabilityMap:
+    """A stability map on disk; values are read when they are asked for.
+
+    `path` is the file, `recipe` the recipe it was made from, `attributes` the root attributes,
+    `storage` says where a sealed file has its values, and `digests` (blocks, channels, bytes) what
+    they must match; None for a file that is read though it is not sealed.
+    """
+
+    path: str
+    recipe: Recipe
+    attributes: dict[str, Any]
+    storage: Storage | None = None
+    digests: NDArray[np.uint8] | None = None
+    _values: dict[str, NDArray[Any]] = field(default_factory=dict)
+
+    @property
+    def axes(self) -> tuple[Axis, ...]:
+        """The geometry parameters with their knots (rad or length)."""
+        return self.recipe.grid.axes
+
+    @property
+    def chart(self) -> Chart:
+        """The chart of gravity directions."""
+        return self.recipe.chart
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of the channels that the file holds."""
+        return self.recipe.channels
+
+    @property
+    def dims(self) -> dict[str, int]:
+        """Sizes of the dimensions (parameters..., face, v, u) by name."""
+        names = (*(axis.name for axis in self.axes), "face", "v", "u")
+        sizes = (*self.recipe.grid.shape, *self.chart.shape)
+        return dict(zip(names, sizes, strict=True))
+
+    def __repr__(self) -> str:
+        dims = ", ".join(f"{name}: {size}" for name, size in self.dims.items())
+        return f"<StabilityMap {self.recipe.name} ({dims}) {' '.join(self.channels)}>"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (axis.name, f"{axis.knots[0]:.6g} to {axis.knots[-1]:.6g}", axis.unit)
+            for axis in self.axes
+        ]
+        for name in self.channels:
+            one = QUANTITIES[name]
+            rows.append((name, one.title, one.stored_unit(self.recipe.length_unit)))
+        cells = ("".join(f"<td>{escape(cell)}</td>" for cell in row) for row in rows)
+        body = "".join(f"<tr>{row}</tr>" for row in cells)
+        return f"<table><caption>{escape(repr(self))}</caption>{body}</table>"
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        return self.channel(name)
+
+    def channel(self, name: str) -> NDArray[Any]:
+        """Return all values of a channel, axes (parameters..., face, v, u).
+
+        They are float32, and uint8 of `status`: 0 stands, 1 rocks, 2 tips.  MapFileError is raised
+        if they do not match their digests.
+        """
+        self._index(name)
+        if name not in self._values:
+            shape = tuple(self.dims.values())
+            values = np.empty((int(np.prod(shape[:-1])), shape[-1]), QUANTITIES[name].stored_type)
+            for row, piece in self.pieces(name):
+                values[row : row + len(piece)] = piece
+            values = values.reshape(shape)
+            values.setflags(write=False)
+            self._values[name] = values
+        return self._values[name]
+
+    def pieces(self, name: str) -> Iterator[tuple[int, NDArray[Any]]]:
+        """Read a channel block by block, for maps that are larger than the memory.
+
+        Yields
+        ------
+        row : int
+            Number of the first row: posture * (faces * nodes) + face * nodes + v.
+        values : (rows, nodes) float32, or uint8 of `status`
+            The rows of the block, along u.
+        """
+        index = self._index(name)
+        kind, width = np.dtype(QUANTITIES[name].stored_type), self.chart.nodes
+        try:
+            if self.storage is None or self.digests is None:
+                with h5py.File(self.path, "r") as file:
+                    yield 0, file[name][...].reshape(-1, width).astype(kind, copy=False)
+                return
+            with Path(self.path).open("rb", buffering=0) as file:
+                for number, digests in enumerate(self.digests):
+                    place, size = self.storage.span(index, number)
+                    file.seek(place)
+                    values = np.frombuffer(file.read(size), kind)
+                    own = self.storage.digest(values, index, number)
+                    if own != digests[index].tobytes():
+                        raise MapFileError(
+                            f"{self.path}: channel {name} has values that do not match their "
+                            f"digest (got {own.hex()[:12]} in block {number}); the file is "
+                            "damaged or was edited: copy it or sweep it again"
+                        )
+                    yield self.storage.layout.block(number).first, values.reshape(-1, width)
+        except (OSError, KeyError, RuntimeError) as error:
+            if isinstance(error, MapFileError):
+                raise
+            raise MapFileError(
+                f"{self.path}: channel {name} cannot be read (got {error}); the file is damaged: "
+                "copy it or sweep it again"
+            ) from error
+
+    def _index(self, name: str) -> int:
+        """Return the place of a channel among those of the map; InputError if it has none."""
+        if name in self.channels:
+            return self.channels.index(name)
+        raise InputError(
+            f"{self.path}: the map has no channel {name!r} (it has {', '.join(self.channels)}); "
+            "add it to `sweep.gravity.channels` and sweep again"
+        )
+
+    def read(
+        self, params: ArrayLike, gravity_dir: ArrayLike, channels: Sequence[str] | None = None
+    ) -> dict[str, NDArray[np.float64]]:
+        """Interpolate the map, in float64.
+
+        Parameters
+        ----------
+        params : (m, k) array_like
+            Geometry parameters within their axes, rad or length; one row may stand for all.
+        gravity_dir : (m, 3) array_like
+            Directions pointing down, of any length > 0; one may stand for all.
+        channels : sequence of str, optional
+            All of the map's by default; `facet` is taken from the nearest node, and `status` is
+            the worst of the cell's nodes.
+
+        Returns
+        -------
+        dict of str to (m,) float64
+            NaN off the chart.  Beside the tip-over boundary `sdg` and `height` are means over
+            those corners that stand; they are NaN where the interpolated `tip_angle` is negative
+            or, in a map without it, where less than half of the weight stands.
+
+        Raises
+        ------
+        InputError
+            For wrong shapes, numbers that are not finite, parameters outside their axes and
+            channels that the map has not.
+        """
+        names = tuple(channels) if channels is not None else self.channels
+        points = self._checked(params)
+        face, u, v, inside = self.chart.locate(np.atleast_2d(np.asarray(gravity_dir, np.float64)))
+        if 1 not in (len(points), len(face)) and len(points) != len(face):
+            raise InputError(
+                f"params and gravity_dir must have as many rows (got {len(points)} and "
+                f"{len(face)}), or one of them a single row"
+            )
+        count = max(len(points), len(face)) if len(points) and len(face) else 0
+        columns = [*points.T, *np.where(inside, (v, u), 0.0)]
+        side = Axis("u", "1", self.chart.coords)
+        places: list[Place] = []
+        for axis, column in zip((*self.axes, side, side), columns, strict=True):
+            index, frac, _ = axis.locate(np.broadcast_to(column, count))
+            places.append((index, frac))
+        face, inside = np.broadcast_to(face, count), np.broadcast_to(inside, count)
+        result = {name: self._interpolated(name, places, face, inside) for name in names}
+        if "tip_angle" in self.channels and {"sdg", "height"} & set(names):
+            tips = self._interpolated("tip_angle", places, face, inside) < 0.0
+            for name in {"sdg", "height"} & set(names):
+                result[name] = np.where(tips, np.nan, result[name])
+        return result
+
+    def _checked(self, params: ArrayLike) -> NDArray[np.float64]:
+        """Return parameters as (m, k); InputError for another shape and outside of the axes."""
+        points = np.atleast_2d(np.asarray(params, np.float64))
+        if points.ndim != 2 or points.shape[1] != len(self.axes):
+            raise InputError(
+                f"params must have the shape (m, {len(self.axes)}) (got {np.shape(params)}); give "
+                f"one column for each of {', '.join(axis.name for axis in self.axes)}"
+            )
+        for axis, column in zip(self.axes, points.T, strict=True):
+            low, high = axis.knots[0], axis.knots[-1]
+            slack = OUTSIDE * max(high - low, abs(low), abs(high))
+            wrong = ~((column >= low - slack) & (column <= high + slack))
+            if wrong.any():
+                got, *ends = (_text(value, axis.unit) for value in (column[wrong][0], low, high))
+                raise InputError(
+                    f"parameter `{axis.name}` is outside the axis of the map (got {got}); it must "
+                    f"lie in {' to '.join(ends)}"
+                )
+        return points
+
+    def _interpolated(
+        self, name: str, places: list[Place], face: NDArray[np.intp], inside: NDArray[np.bool_]
+    ) -> NDArray[np.float64]:
+        values = self.channel(name)
+        if QUANTITIES[name].words:
+            near = [(i, np.where(np.abs(f - np.rint(f)) < AT, np.rint(f), f)) for i, f in places]
+            return np.where(inside, worst(values, near, (face,)), np.nan)
+        if name == "facet":
+            places = [(i + (frac > 0.5), np.zeros_like(frac)) for i, frac in places]
+        found, present = interpolate(values, places, (face,))
+        if "tip_angle" not in self.channels:
+            found = np.where(present < 0.5, np.nan, found)
+        return np.where(inside, found, np.nan)
+
+    def to_xarray(self) -> "xarray.Dataset":
+        """Return the whole map as an xarray Dataset, in memory, as xarray reads it from the file.
+
+        Returns
+        -------
+        xarray.Dataset
+            A variable for each channel with the dimensions (parameters..., face, v, u), their
+            knots as coordinates, `units` and `long_name` as attributes.
+
+        Raises
+        ------
+        InputError
+            If xarray is not installed.
+        MapFileError
+            If a channel cannot be read.
+        """
+        try:
+            import xarray
+        except ImportError as error:
+            raise InputError(
+                f"{self.path}: a Dataset needs the package xarray (got {error}); install it with "
+                "`pip install xarray`, or take arrays from `StabilityMap.channel`"
+            ) from None
+        dims = tuple(self.dims)
+        with h5py.File(self.path, "r") as file:
+            shown = ("units", "long_name", "flag_values", "flag_meanings")
+            facts = {
+                name: {key: file[name].attrs[key] for key in shown if key in file[name].attrs}
+                for name in (*dims, *self.channels)
+            }
+            coords = {name: (name, file[name][...], facts[name]) for name in dims}
+        variables = {name: (dims, self.channel(name), facts[name]) for name in self.channels}
+        of_the_map = {k: v for k, v in self.attributes.items() if k not in OF_THE_FILE}
+        return xarray.Dataset(variables, coords, of_the_map)
+
+
+def _text(value: float, unit: str) -> str:
+    """Return a value of a parameter for a message; an angle in rad and in deg."""
+    return f"{value:.6g} {unit}" + (f" = {np.degrees(value):.6g} deg" if unit == "rad" else "")
+
+
+def verify(stability_map: StabilityMap) -> None:
+    """Read the whole file and check it against its digests; memory for one block.
+
+    Raises
+    ------
+    MapFileError
+        At the first block that does not have the digest of its place in this map, or if the head
+        does not match its own, or if the file is not sealed.
+    """
+    check_seal(Path(stability_map.path))
+    for name in stability_map.channels:
+        for _ in stability_map.pieces(name):
+            pass

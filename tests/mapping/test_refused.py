@@ -1,0 +1,246 @@
+"""Files that are refused, each in a sentence of its own, and what is read all the same."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import xarray
+
+import lutgen
+from lutgen.errors import MapFileError
+from lutgen.mapping import verify
+from lutgen.mapping.seal import BLANK, sealed
+from tests.fixtures.recipes import ALL_CHANNELS, tripod
+
+
+@pytest.fixture
+def copy(swept: Path, tmp_path: Path) -> Path:
+    """Return a copy of the cone map to be damaged."""
+    return Path(shutil.copy(swept / "cone.h5", tmp_path / "copy.h5"))
+
+
+def refusal(path: Path, unsealed: bool = False) -> str:
+    """Load a map that must be refused; return the sentence, which names the file."""
+    with pytest.raises(MapFileError) as caught:
+        lutgen.load_map(path, unsealed)
+    message = str(caught.value)
+    assert message.startswith(f"{path}: ")
+    assert "\n" not in message
+    return message
+
+
+def flip(content: bytes, place: int) -> bytes:
+    """Flip one bit."""
+    return content[:place] + bytes([content[place] ^ 0x10]) + content[place + 1 :]
+
+
+@pytest.mark.parametrize(
+    ("made", "said"),
+    [
+        (lambda whole: b"", "is no HDF5 file"),
+        (lambda whole: b"not HDF5 at all\n" * 100, "is no HDF5 file"),
+        (lambda whole: b"\x89HDF\r\n\x1a\n" + b"x" * 99, "has no seal .*--unsealed"),
+        (lambda whole: whole.replace(b"digest-3", b"digest-2"), "another map format .*sweep it"),
+        (lambda whole: whole.replace(b"digest-3", b"digest-4"), "another map format .*sweep it"),
+        (lambda whole: whole[: len(whole) // 2], "is cut off"),
+        (lambda whole: whole[:-1], "is cut off"),
+        (lambda whole: whole[:2000], "is cut off"),
+        (lambda whole: whole + b"x", "rewritten or edited by another program"),
+        (lambda whole: flip(whole, 40), "head does not match its digest .*damaged or was edited"),
+        (lambda whole: flip(whole, 5000), "head does not match its digest"),
+    ],
+)
+def test_bytes_that_are_no_whole_map_are_refused(
+    made: Callable[[bytes], bytes], said: str, copy: Path
+) -> None:
+    copy.write_bytes(made(copy.read_bytes()))
+    assert re.search(said, refusal(copy))
+
+
+def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
+    assert "no such file" in refusal(tmp_path / "none.h5")
+    assert "is a folder" in refusal(tmp_path)
+
+
+def test_an_unfinished_file_is_refused_and_says_how_to_go_on(tmp_path: Path) -> None:
+    def stop(done: int, total: int) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        lutgen.sweep(lutgen.parse_recipe(tripod()), tmp_path / "a.h5", progress=stop)
+    for unsealed in (False, True):
+        said = refusal(tmp_path / "a.h5.part", unsealed)
+        assert "is not complete" in said
+        assert "--resume" in said
+
+
+REWRITTEN = {
+    "h5repack": ["h5repack"],
+    "h5repack with gzip": ["h5repack", "-f", "GZIP=4"],
+    "xarray": [],
+    "edited": [],
+}
+
+
+@pytest.mark.parametrize("how", REWRITTEN)
+def test_a_map_that_another_program_has_rewritten_is_said_to_be_and_can_be_read(
+    how: str, swept: Path, tmp_path: Path
+) -> None:
+    whole, path = swept / "cone.h5", tmp_path / "rewritten.h5"
+    if REWRITTEN[how]:
+        if shutil.which("h5repack") is None:
+            pytest.skip("needs h5repack")
+        subprocess.run([*REWRITTEN[how], whole, path], check=True)
+    elif how == "xarray":
+        with xarray.open_dataset(whole, engine="h5netcdf") as data:
+            data.to_netcdf(path, engine="h5netcdf")
+    else:
+        shutil.copy(whole, path)
+        with h5py.File(path, "r+") as file:
+            file.attrs["comment"] = "mine"
+    said = refusal(path)
+    assert "was rewritten or edited by another program" in said
+    assert "damage" not in said
+    want, got = lutgen.load_map(whole), lutgen.load_map(path, unsealed=True)
+    for name in ALL_CHANNELS:
+        np.testing.assert_array_equal(got[name], want[name])
+    with pytest.raises(MapFileError, match="rewritten"):
+        verify(got)
+
+
+def test_a_map_that_another_process_writes_to_is_not_called_damaged(copy: Path) -> None:
+    code = "import h5py, sys; f = h5py.File(sys.argv[1], 'r+'); print(flush=True); input()"
+    other = subprocess.Popen(
+        [sys.executable, "-c", code, str(copy)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    with other:
+        assert other.stdout is not None
+        other.stdout.readline()
+        assert "is open for writing in another program" in refusal(copy)
+        other.communicate("\n")
+    assert lutgen.load_map(copy).channels
+
+
+@pytest.mark.parametrize("place", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("channel", ALL_CHANNELS)
+def test_a_flipped_bit_in_any_channel_is_found_when_it_is_read(
+    copy: Path, channel: str, place: float
+) -> None:
+    before = lutgen.load_map(copy)
+    assert before[channel].size
+    with h5py.File(copy, "r") as file:
+        at = file[channel].id.get_offset() + int(place * (file[channel].nbytes - 1))
+    copy.write_bytes(flip(copy.read_bytes(), at))
+    stability_map = lutgen.load_map(copy)
+    for read in (verify, lambda one: one[channel]):
+        with pytest.raises(MapFileError, match=rf"{copy}: channel {channel} .*damaged"):
+            read(stability_map)
+    # The file is looked at, though its values are in memory.
+    with pytest.raises(MapFileError, match="damaged"):
+        verify(before)
+    assert all(stability_map[name].size for name in ALL_CHANNELS if name != channel)
+
+
+def test_values_of_another_map_are_not_those_of_this_one(copy: Path, tmp_path: Path) -> None:
+    other = tripod(channels=ALL_CHANNELS, nodes=9, max_tilt=59.0)
+    lutgen.sweep(lutgen.parse_recipe(other), tmp_path / "other.h5")
+    foreign, content = (tmp_path / "other.h5").read_bytes(), copy.read_bytes()
+    with h5py.File(copy, "r") as file, h5py.File(tmp_path / "other.h5", "r") as there:
+        start, size = file["seal/blocks"].id.get_offset(), file["seal/blocks"].nbytes
+        source, head = there["seal/blocks"].id.get_offset(), file["sdg"].id.get_offset()
+        values = there["sdg"].id.get_offset()
+    # Its values and its digests, under a new seal: only the key of a digest tells.
+    made = content[:start] + foreign[source : source + size] + content[start + size : head]
+    blank = re.sub(rb"lutgen-digest-3 at=.*blake3=\w{64}", BLANK.encode(), made)
+    copy.write_bytes(sealed(blank, len(content)) + foreign[values:])
+    with pytest.raises(MapFileError, match="channel sdg has values that do not match"):
+        verify(lutgen.load_map(copy))
+
+
+def edit(path: Path, key: str, value: object) -> None:
+    """Change a root attribute, or remove it."""
+    with h5py.File(path, "r+") as file:
+        del file.attrs[key]
+        if value is not None:
+            file.attrs[key] = value
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "said"),
+    [
+        ("lutgen_format", 1, "no lutgen map of this format .*make it again"),
+        ("lutgen_format", "2", "no lutgen map of this format"),
+        ("lutgen_format", [2, 2], "no lutgen map of this format"),
+        ("lutgen_format", None, "no lutgen map of this format .got lutgen_format = None"),
+        ("lutgen_definition", 2, "another definition of what stands .*make it again"),
+        ("lutgen_definition", None, "another definition of what stands"),
+        ("complete", 0, "not complete .*--resume"),
+        ("complete", None, "not complete"),
+        ("recipe", None, "lacks the attribute `recipe`"),
+        ("recipe", "x = 1", "recipe does not match its digest"),
+        ("recipe_sha256", np.ones((3, 3)), "recipe does not match its digest"),
+        ("title", None, "lacks the attribute `title`"),
+    ],
+)
+def test_a_file_that_is_read_without_a_seal_must_be_a_map(
+    copy: Path, key: str, value: object, said: str
+) -> None:
+    edit(copy, key, value)
+    assert re.search(said, refusal(copy, unsealed=True))
+
+
+@pytest.mark.parametrize("how", ["external", "virtual", "link", "soft", "shape", "type", "none"])
+def test_a_channel_that_is_not_in_the_file_as_its_recipe_says_is_refused(
+    how: str, swept: Path, copy: Path, tmp_path: Path
+) -> None:
+    secret = tmp_path / "secret"
+    secret.write_bytes(bytes(range(256)) * 4096)
+    with h5py.File(copy, "r+") as file:
+        shape, values = file["sdg"].shape, file["sdg"][...]
+        del file["sdg"]
+        if how == "external":
+            file.create_dataset("sdg", shape, "<f4", external=[(str(secret), 0, 1 << 20)])
+        elif how == "virtual":
+            layout = h5py.VirtualLayout(shape, "<f4")
+            layout[...] = h5py.VirtualSource(str(swept / "cone.h5"), "sdg", shape=shape)
+            file.create_virtual_dataset("sdg", layout)
+        elif how == "link":
+            file["sdg"] = h5py.ExternalLink(str(swept / "cone.h5"), "/sdg")
+        elif how == "soft":
+            file["sdg"] = h5py.SoftLink("/tip_angle")
+        elif how == "shape":
+            file["sdg"] = values[..., :-1]
+        elif how == "type":
+            file["sdg"] = values.astype("S4")
+    assert "channel sdg is not in the file" in refusal(copy, unsealed=True)
+
+
+def test_whatever_bytes_are_damaged_no_wrong_map_is_verified(swept: Path, copy: Path) -> None:
+    whole, rng = (swept / "cone.h5").read_bytes(), np.random.default_rng(21)
+    count = 1000 if "LUTGEN_SOAK" in os.environ else 50
+    for kind in rng.integers(4, size=count):
+        data, (a, b, c) = bytearray(whole), sorted(map(int, rng.integers(len(whole), size=3)))
+        if kind == 0:
+            data[a] ^= 1 << int(rng.integers(8))
+        elif kind == 1:
+            data[a:b] = rng.bytes(b - a)
+        elif kind == 2:
+            data[a : a + c - b] = whole[b:c]
+        else:
+            del data[a:b]
+        if data == whole:
+            continue
+        copy.write_bytes(data)
+        with pytest.raises(MapFileError) as caught:
+            verify(lutgen.load_map(copy))
+        assert "\n" not in str(caught.value)
