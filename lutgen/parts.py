@@ -48,6 +48,7 @@ class Parameter:
 
     `minimum` and `maximum` are in `unit`, which is ``"rad"`` or the length unit;
     `display_unit` is the recipe's own: ``"deg"``, ``"rad"`` or the length unit.
+    `meaning` is what figures say of its values.
     """
 
     name: str
@@ -55,6 +56,7 @@ class Parameter:
     maximum: float
     unit: str
     display_unit: str
+    meaning: str = ""
 
     def shown(self, values: Any) -> Any:
         """Turn values, numbers or arrays, into the unit in which the recipe writes them."""
@@ -81,6 +83,7 @@ class Link:
     """A rigid part: T = Trans(origin) * Rz(yaw) Ry(pitch) Rx(roll) * joint in its parent.
 
     `origin` and `com` are in the length unit, `rpy` in rad; `com` is in the link's frame.
+    `shape` is for figures: the sides (length) of a box about the com.
     """
 
     name: str
@@ -90,6 +93,7 @@ class Link:
     joint: Joint | None = None
     mass: float = 0.0
     com: Vector = ZERO
+    shape: Vector | None = None
 
 
 @dataclass(frozen=True)
@@ -97,6 +101,7 @@ class Contact:
     """A contact primitive; `position` is its centre and `axis` a unit vector, link frame.
 
     One that is `rolling` turns freely: a disc about its axis, a sphere in every direction.
+    For figures: `width` of a disc along its axis (length, 0 unknown), and the `belt` about it.
     """
 
     name: str
@@ -105,6 +110,8 @@ class Contact:
     radius: float = 0.0
     axis: Vector | None = None
     rolling: bool = False
+    width: float = 0.0
+    belt: str = ""
 
     @property
     def kind(self) -> str:
