@@ -27,6 +27,8 @@ __all__ = [
 Vector = tuple[float, float, float]
 
 ZERO: Vector = (0.0, 0.0, 0.0)
+# Share of a parameter's range by which a value may be beyond it.
+ROUNDING = 1e-9
 # Contact primitives; in arrays a kind is its place here.  Kernels know these places, so the digest
 # of their cache must cover this file, and does by the name of `lutgen.jit`.
 KINDS = ("point", "sphere", "disc")
@@ -65,6 +67,12 @@ class Parameter:
     def stored(self, values: Any) -> Any:
         """Turn values in the recipe's unit into rad or length."""
         return to_internal(values, self.display_unit)
+
+    def has(self, values: Any) -> Any:
+        """Tell of values, a number or an array, whether they are within the limits."""
+        # Angles in deg round when they become rad.
+        slack = ROUNDING * (self.maximum - self.minimum)
+        return (self.minimum - slack <= values) & (values <= self.maximum + slack)
 
 
 @dataclass(frozen=True)

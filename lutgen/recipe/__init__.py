@@ -15,7 +15,7 @@ from lutgen.recipe.gallery import (
     start_recipe,
     start_recipes,
 )
-from lutgen.recipe.kinematics import Postures, forward, postures, radii_and_kinds
+from lutgen.recipe.kinematics import Postures, forward, postures, radii_and_kinds, within_limits
 from lutgen.recipe.load import HDF5, read_tables, read_text
 from lutgen.recipe.merge import merged_recipe
 from lutgen.recipe.recipe import Recipe, load_recipe, parse_recipe, recipe_digest
@@ -52,6 +52,7 @@ __all__ = [
     "robot_size_of",
     "start_recipe",
     "start_recipes",
+    "within_limits",
 ]
 
 

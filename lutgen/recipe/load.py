@@ -39,10 +39,10 @@ _WHAT = {
     "model_type": "must be a table",
     "finite_number": "must be finite",
     "literal_error": "is unknown",
-    "greater_than": "must be above {gt:g}",
-    "greater_than_equal": "must be {ge:g} or more",
-    "less_than": "must be below {lt:g}",
-    "less_than_equal": "must be {le:g} or less",
+    "greater_than": "must be above {gt}",
+    "greater_than_equal": "must be {ge} or more",
+    "less_than": "must be below {lt}",
+    "less_than_equal": "must be {le} or less",
     "too_short": "needs {min_length} or more entries",
     "too_long": "takes at most {max_length} entries",
 }
@@ -164,9 +164,10 @@ def path_of(parts: Sequence[int | str]) -> str:
 def _fault(model: type[BaseModel], error: Any) -> Fault:
     """Return a fault that the models found."""
     kind, where, context = error["type"], error["loc"], error.get("ctx", {})
+    numbers = {name: f"{one:,.15g}" for name, one in context.items() if type(one) in (int, float)}
     table, name, field = _place(model, where)
     got = NOTHING if kind == "missing" else error["input"]
-    what = _WHAT.get(kind, error["msg"]).format(**context)
+    what = _WHAT.get(kind, error["msg"]).format(**numbers)
     if kind == "string_pattern_mismatch":
         what = PATTERNS[context["pattern"]]
     elif kind == "float_type" and type(got) is int:

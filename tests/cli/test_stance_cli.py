@@ -143,7 +143,7 @@ def test_the_figure_repeats_to_the_byte(ditch: Path, tmp_path: Path) -> None:
         ("com =", "length_unit = 'km'\ncom =", "key `length_unit`: is unknown"),
         ("com =", "gravity = [0, 0, 0]\ncom =", "key `gravity`: must have a length above 0"),
         ("com = [", "com = [[", "is not TOML"),
-        ("[-1, 0, 0]", "[1e200, 0, 0]", "must be 1e+12 or less (got 1e+200)"),
+        ("[-1, 0, 0]", "[1e200, 0, 0]", "must be 1,000,000,000,000 or less (got 1e+200)"),
     ],
 )
 def test_bad_input_is_one_sentence_and_exit_2(ditch: Path, old: str, new: str, said: str) -> None:
