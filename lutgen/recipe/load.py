@@ -169,7 +169,7 @@ def _fault(model: type[BaseModel], error: Any) -> Fault:
     got = NOTHING if kind == "missing" else error["input"]
     what = _WHAT.get(kind, error["msg"]).format(**numbers)
     if kind == "string_pattern_mismatch":
-        what = PATTERNS[context["pattern"]]
+        what = PATTERNS.get(context["pattern"], "is not a quantity above 0")
     elif kind == "float_type" and type(got) is int:
         what = "is too large"
     if kind == "extra_forbidden":

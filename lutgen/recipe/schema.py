@@ -21,12 +21,7 @@ TEXT = r"\S"
 IDENTIFIER = r"^[A-Za-z][A-Za-z0-9_]*$(?!\n)"
 SIZE = r"^(?=[^eE]*[1-9])\s*[0-9]+(\.[0-9]+)? ?(B|[kK]i?B|Mi?B)?\s*$"
 SHARE = r"^(?=[^eE]*[1-9])\s*[0-9]*\.?[0-9]+([eE][-+]?[0-9]+)? ?%?\s*$"
-PATTERNS = {
-    TEXT: "must not be empty",
-    IDENTIFIER: "is not an identifier",
-    SIZE: "is not a quantity above 0",
-    SHARE: "is not a quantity above 0",
-}
+PATTERNS = {TEXT: "must not be empty", IDENTIFIER: "is not an identifier"}
 _BIG = float(bounds.MAGNITUDE.most)
 _NOT_ZERO: dict[str, Any] = {"not": {"const": 0}}
 
@@ -56,6 +51,7 @@ def _in(unit: str) -> Any:
 LengthUnit = Literal["m", "cm", "mm", "1"]
 LENGTH_UNITS: tuple[str, ...] = get_args(LengthUnit)
 ANGLE_UNITS = ("deg", "rad")
+Unit = Literal["deg", "rad", LengthUnit]
 Channel = Literal[CHANNELS]  # type: ignore[valid-type]
 Channels = Annotated[list[Channel], Field(min_length=1, json_schema_extra={"uniqueItems": True})]
 Text = Annotated[str, Field(pattern=TEXT)]
@@ -84,8 +80,13 @@ Bytes = Annotated[Finite, Field(ge=1, le=_BIG), Tag("|no")]
 
 
 def key(meaning: str, example: object, default: object = ...) -> Any:
-    """Return a key: its meaning, a value that it may have, and its default where it has one."""
+    """Return a key that a table needs: its meaning, and a value that it may have."""
     return Field(default, description=meaning, examples=None if example is None else [example])
+
+
+def may(meaning: str, example: object, default: object = None) -> Any:
+    """Return a key that a table may have."""
+    return key(meaning, example, default)
 
 
 def tables(meaning: str) -> Any:
@@ -102,8 +103,8 @@ class Table(BaseModel):
 class Step(Table):
     """How a joint follows a parameter."""
 
-    scale: Factor = key("Radians or metres for one of the parameter; not 0.", -1.0, 1.0)
-    offset: OfParameter = key("Where the joint is at parameter 0.", 10.0, 0.0)
+    scale: Factor = may("Radians or metres for one of the parameter; not 0.", -1.0, 1.0)
+    offset: OfParameter = may("Where the joint is at parameter 0.", 10.0, 0.0)
 
 
 Driven = Annotated[Annotated[Step, Tag("|yes")] | Annotated[Factor, Tag("|no")], _either(dict)]
@@ -115,18 +116,13 @@ class Parameter(Table):
     name: Annotated[str, Field(pattern=IDENTIFIER)] = key("Letters, digits and _.", "lift")
     min: OfParameter = key("Where the map begins.", -10.0)
     max: OfParameter = key("Where the map ends, above `min`.", 50.0)
-    unit: Literal["deg", "rad", "m", "cm", "mm", "1"] = key(
-        "An angle, or the robot's `length_unit`.", "deg"
-    )
-    joint: Text | None = key(
-        "The joint of the URDF that it moves, if not the one of its own name.", "hinge", None
-    )
-    drive: Annotated[dict[str, Driven], Field(min_length=1)] | None = key(
+    unit: Unit = key("An angle, or the robot's `length_unit`.", "deg")
+    joint: Text | None = may("The joint of the URDF, else that of its own name.", "hinge")
+    drive: Annotated[dict[str, Driven], Field(min_length=1)] | None = may(
         "Several joints of the URDF that it moves: of each its scale, or scale and offset.",
         {"left_hip": 1.0, "right_hip": {"scale": -1.0, "offset": 10.0}},
-        None,
     )
-    meaning: Text | None = key("What its values mean, for figures.", "0: ahead, 90: up", None)
+    meaning: Text | None = may("What its values mean, for figures.", "0: ahead, 90: up")
 
 
 class Joint(Table):
@@ -135,73 +131,60 @@ class Joint(Table):
     type: Literal["revolute", "prismatic", "none"] = key(
         "It turns about its axis, is pushed along it, or does not move.", "revolute"
     )
-    axis: Direction | None = key(
-        "In the link's frame, of any length above 0; needed where it moves.", [0, 1, 0], None
-    )
-    parameter: Text | None = key(
-        "What drives it, an angle if it turns; several joints may share one.", "lift", None
-    )
-    scale: Factor = key("The joint is at `scale` times the parameter plus `offset`.", -1.0, 1.0)
-    offset: OfParameter = key("Where the joint is at parameter 0.", 90.0, 0.0)
+    axis: Direction | None = may("In the link's frame; needed where it moves.", [0, 1, 0])
+    parameter: Text | None = may("What drives it; several joints may share one.", "lift")
+    scale: Factor = may("The joint is at `scale` times the parameter plus `offset`.", -1.0, 1.0)
+    offset: OfParameter = may("Where the joint is at parameter 0.", 90.0, 0.0)
 
 
 class Link(Table):
     """A rigid part; all make a tree with the root `body`."""
 
     name: Text = key("A name of its own; `body` is the root.", "leg")
-    parent: Text | None = key("What carries it; every link but `body` has one.", "body", None)
-    origin: Place = key("Where it is in its parent.", [0.3, 0, 0], ZEROS)
-    rpy: Annotated[Vector, _in("deg")] = key(
+    parent: Text | None = may("What carries it; every link but `body` has one.", "body")
+    origin: Place = may("Where it is in its parent.", [0.3, 0, 0], ZEROS)
+    rpy: Annotated[Vector, _in("deg")] = may(
         "How it is turned in its parent: roll, pitch, yaw about fixed axes.", [0, 0, 180], ZEROS
     )
-    joint: Joint | None = key(
+    joint: Joint | None = may(
         "How it moves against its parent; without it, it is fixed.",
         {"type": "revolute", "axis": [0, 1, 0], "parameter": "lift"},
-        None,
     )
-    mass: Mass = key("Any unit will do where no force acts.", 0.75, 0.0)
-    com: Place = key(
+    mass: Mass = may("Any unit will do where no force acts.", 0.75, 0.0)
+    com: Place = may(
         "Its centre of mass; without any masses that of all is the origin.", [0.08, 0, 0], ZEROS
     )
-    shape: Sides | None = key("Of a box about its com, for figures.", [0.5, 0.3, 0.1], None)
+    shape: Sides | None = may("Sides of a box about its com, for figures.", [0.5, 0.3, 0.1])
 
 
 class Contact(Table):
     """A place that can touch the ground: a point, a sphere or a disc."""
 
-    name: Text | None = key(
-        "A name of its own; of the shapes of a link its first part.", "front_left", None
-    )
+    name: Text | None = may("Its own; for the shapes of a link the first part.", "front_left")
     link: Text = key("The link that it is on.", "body")
-    position: Place | None = key(
-        "Its centre in the link's frame; under a `urdf` else by the link's shapes.",
-        [0.25, 0.2, 0],
-        None,
+    position: Place | None = may(
+        "Its centre in the link's frame; under a `urdf` else by the link's shapes.", [0.25, 0.2, 0]
     )
-    radius: Length = key(
+    radius: Length = may(
         "Above 0 it is a sphere, with an `axis` a disc: a wheel, or one end of a track.", 0.09, 0.0
     )
-    axis: Direction | None = key("The axle of a disc, in the link's frame.", [0, 1, 0], None)
-    rolling: Flag = key(
+    axis: Direction | None = may("The axle of a disc, in the link's frame.", [0, 1, 0])
+    rolling: Flag = may(
         "It turns freely, without a brake; changes no map and no export.", True, False
     )
-    width: Radius | None = key("Of a disc along its axle, for figures.", 0.1, None)
-    belt: Text | None = key("Discs of one belt are drawn as a track, for figures.", "left", None)
+    width: Radius | None = may("Of a disc along its axle, for figures.", 0.1)
+    belt: Text | None = may("Discs of one belt are drawn as a track, for figures.", "left")
 
 
 class Wheel(Table):
     """A contact that is driven, for `lutgen wheels`."""
 
     contact: Text = key("The contact with which it touches the ground.", "front_left")
-    axis: Direction | None = key(
-        "Its axle, in the link's frame; of a disc its own.", [0, 1, 0], None
-    )
-    radius: Radius | None = key("The rolling radius; of a disc its own.", 0.09, None)
-    steered: Flag = key("It may turn about the ground's normal.", True, False)
-    rollers: Annotated[Finite, Field(gt=-90, lt=90), _in("deg")] | None = key(
-        "From the rolling direction to its rollers' axes: 0 omniwheel, 45 mecanum wheel.",
-        45.0,
-        None,
+    axis: Direction | None = may("Its axle, in the link's frame; of a disc its own.", [0, 1, 0])
+    radius: Radius | None = may("The rolling radius; of a disc its own.", 0.09)
+    steered: Flag = may("It may turn about the ground's normal.", True, False)
+    rollers: Annotated[Finite, Field(gt=-90, lt=90), _in("deg")] | None = may(
+        "From the rolling direction to its rollers' axes: 0 omniwheel, 45 mecanum wheel.", 45.0
     )
 
 
@@ -221,7 +204,7 @@ class Force(Table):
     link: Text = key("The link that it pulls at.", "body")
     position: Place = key("Where it acts, in the link's frame.", [-0.3, 0, 0])
     force: Annotated[Vector, _in("N")] = key("Along the body's axes.", [-20, 0, 0])
-    moment: Annotated[Vector, _in("N length_unit")] = key(
+    moment: Annotated[Vector, _in("N length_unit")] = may(
         "Along the body's axes.", [0, 0, 1], ZEROS
     )
 
@@ -231,38 +214,32 @@ class Robot(Table):
 
     name: Text = key("What the robot is called.", "rover")
     length_unit: LengthUnit = key("The unit of all lengths, 1 for ratios.", "m")
-    friction: Positive | None = key(
-        "Coefficient of all braked contacts; says what slides, changes no verdict.", 0.6, None
+    friction: Positive | None = may(
+        "Coefficient of all braked contacts; says what slides, changes no verdict.", 0.6
     )
-    upright: Annotated[Finite, Field(gt=0, le=180), _in("deg")] = key(
+    upright: Annotated[Finite, Field(gt=0, le=180), _in("deg")] = may(
         "A facet counts when its normal is less than this from the body's -z.", 180.0, 80.0
     )
-    rock_angle: Annotated[Finite, Field(ge=0, le=45), _in("deg")] = key(
+    rock_angle: Annotated[Finite, Field(ge=0, le=45), _in("deg")] = may(
         "The largest turn of a roll from rest to rest over which it may rock.", 0.0, 30.0
     )
-    rest_width: Length | None = key(
-        "How wide a facet's polygon must be to be a rest; by default 1 % of the size.", 0.005, None
+    rest_width: Length | None = may(
+        "How wide a facet's polygon must be to be a rest; by default 1 % of the size.", 0.005
     )
-    contact_tolerance: Length | None = key(
-        "Contacts this far from a facet's plane carry; by default 1e-4 of the size.", 0.0001, None
+    contact_tolerance: Length | None = may(
+        "Contacts this far from a facet's plane carry; by default 1e-4 of the size.", 0.0001
     )
-    com_uncertainty: Length = key(
+    com_uncertainty: Length = may(
         "The com lies within this of the computed one; no `energy_margin` then.", 0.02, 0.0
     )
-    home: dict[str, OfParameter] = key(
-        "The posture to stand in: values of parameters, else the middle of their ranges.",
-        {"lift": 20.0},
-        {},
+    home: dict[str, OfParameter] = may(
+        "The posture to stand in; what it leaves out is amid its range.", {"lift": 20.0}, {}
     )
-    urdf: Text | None = key(
-        "A robot description beside the recipe, in m, instead of links.", "robot.urdf", None
+    urdf: Text | None = may("A description beside the recipe, instead of links.", "robot.urdf")
+    python: Text | None = may(
+        "Code that places the contacts, module:function; needs `--allow-python`.", "rover:postures"
     )
-    python: Text | None = key(
-        "Code that places the contacts, module:function; needs `--allow-python`.",
-        "rover:postures",
-        None,
-    )
-    title: Text | None = key("What figures call the robot, if not its name.", "Rover, 2nd", None)
+    title: Text | None = may("What figures call the robot, if not its name.", "Rover, 2nd")
     parameter: list[Parameter] = tables("What the robot can change, in the order of the axes.")
     link: list[Link] = tables("Rigid parts, a tree with the root `body`.")
     contact: list[Contact] = tables(f"Places that can touch the ground, 3 to {MAX_CONTACTS}.")
@@ -275,43 +252,34 @@ class Gravity(Table):
     """Which directions the map has."""
 
     chart: Literal["cone", "sphere"] = key("Tilts up to `max_tilt`, or every direction.", "cone")
-    max_tilt: Annotated[Finite, Field(gt=0, le=85), _in("deg")] | None = key(
-        "The largest tilt of a cone, which needs it; a sphere has none.", 60.0, None
+    max_tilt: Annotated[Finite, Field(gt=0, le=85), _in("deg")] | None = may(
+        "The largest tilt of a cone, which needs it; a sphere has none.", 60.0
     )
     nodes: Annotated[int, Strict(), Field(ge=1, le=bounds.SIDE.most)] = key(
         "Along a side of a face; 2 or more of a sphere, which has six faces.", 33
     )
-    channels: Channels | None = key(
-        "What the map holds; needed here or in `[sweep]`.", ["sdg", "tip_angle"], None
-    )
+    channels: Channels | None = may("What the map holds; here or in `[sweep]`.", ["sdg"])
 
 
 class Sweep(Table):
     """What the map holds."""
 
-    samples: dict[str, Sampled] | None = key(
+    samples: dict[str, Sampled] | None = may(
         "Of each parameter its nodes, both ends included, or its knots.",
         {"lift": 37, "reach": [0.0, 0.1, 0.4]},
-        None,
     )
     gravity: Gravity = key("Which directions the map has.", None)
-    channels: Channels | None = key(
-        "What the map holds; needed here or in `[sweep.gravity]`.", ["sdg", "tip_angle"], None
-    )
+    channels: Channels | None = may("What the map holds; here or in `[sweep.gravity]`.", ["sdg"])
 
 
 class Export(Table):
     """What `lutgen export` uses where its options say nothing."""
 
-    flash: Annotated[Size | Bytes, _either(str)] | None = key(
-        "The most bytes of tables and code: a number, or a text with B, kB, KiB or MiB.",
-        "16KiB",
-        None,
+    flash: Annotated[Size | Bytes, _either(str)] | None = may(
+        "The most bytes of tables and code: a number, or a text with B, kB, KiB or MiB.", "16KiB"
     )
-    max_error: Annotated[Share | Annotated[Positive, Tag("|no")], _either(str)] | None = key(
-        "The largest error of the stability factor: a length, or with % a share of its range.",
-        "1%",
-        None,
+    max_error: Annotated[Share | Annotated[Positive, Tag("|no")], _either(str)] | None = may(
+        "The largest error of the stability factor: a length, or with % a share of its range.", "1%"
     )
 
 
@@ -320,7 +288,7 @@ class File(Table):
 
     robot: Robot = key("What the robot is.", None)
     sweep: Sweep = key("What its map holds.", None)
-    export: Export | None = key("Defaults of `lutgen export`.", None, None)
+    export: Export | None = may("Defaults of `lutgen export`.", None)
 
 
 class _Writer(GenerateJsonSchema):

@@ -12,7 +12,9 @@ from lutgen.errors import RecipeError
 from lutgen.parts import Contact, Joint, Link, Parameter, Wheel
 from lutgen.recipe import HDF5
 from lutgen.recipe.recipe import ExportDefaults, load_recipe, parse_recipe
+from tests.fixtures.every_key import CODED
 from tests.fixtures.places import MAPS
+from tests.fixtures.recipes import feet, rigid
 
 GOOD = """
 [robot]
@@ -142,46 +144,22 @@ def test_keys_for_figures_are_kept_and_change_nothing_else():
     assert one == other != 0.0
 
 
-def test_a_recipe_is_shown_in_a_line():
-    shown = repr(parse_recipe(GOOD, "crab.toml"))
-    assert shown == "<Recipe 'crab': 3 contacts, lift, reach, crab.toml>"
-
-
-def test_a_parameter_may_be_in_radians():
+def test_what_may_be_written_otherwise():
     text = GOOD.replace('max = 50.0\nunit = "deg"', 'max = 1.5\nunit = "rad"')
-    recipe = parse_recipe(text.replace("offset = 10.0", "offset = 0.25"))
+    text = text.replace("offset = 10.0", "offset = 0.25").replace('"crab"', '"$1 crab"')
+    text = text.replace(CHANNELS, "").replace("[sweep]", f"[sweep]\n{CHANNELS}")
+    body = '[[robot.link]]\nname = "body"\nmass = 3\n'
+    fixed = '[[robot.link]]\nname = "cap"\nparent = "body"\njoint = { type = "none" }\n'
+    recipe = parse_recipe(text.replace("[[robot.link]]", f"{fixed}{body}[[robot.link]]", 1))
     assert recipe.parameters[0] == Parameter("lift", -10.0, 1.5, "rad", "rad")
-    assert recipe.links[2].joint.offset == 0.25
-
-
-def test_channels_may_stand_in_sweep_instead_of_gravity():
-    moved = GOOD.replace(CHANNELS, "").replace("[sweep]", f"[sweep]\n{CHANNELS}")
-    assert parse_recipe(moved).channels == ("sdg", "tip_angle")
-
-
-def test_a_joint_of_type_none_is_a_fixed_link():
-    text = GOOD.replace("[[robot.contact]]", '[[robot.link]]\nname = "cap"\nparent = "body"\n'
-                        'joint = { type = "none" }\n[[robot.contact]]', 1)  # fmt: skip
-    assert parse_recipe(text).links[-1] == Link("cap", "body")
-
-
-def test_the_root_link_may_be_declared_to_give_it_a_mass():
-    text = GOOD.replace(
-        "[[robot.link]]", '[[robot.link]]\nname = "body"\nmass = 3\n[[robot.link]]', 1
-    )
-    links = parse_recipe(text).links
-    assert links[0] == Link("body", mass=3.0)
-    assert [link.name for link in links] == ["body", "foot", "leg"]
+    assert recipe.links[:2] == (Link("cap", "body"), Link("body", mass=3.0))
+    assert recipe.links[3].joint.offset == 0.25
+    assert recipe.channels == ("sdg", "tip_angle")
+    assert repr(recipe) == "<Recipe '$1 crab': 3 contacts, lift, reach, <recipe>>"
 
 
 def test_a_robot_without_parameters_has_a_map_over_gravity_alone():
-    robot = "".join(
-        f'[[robot.contact]]\nname = "c{i}"\nlink = "body"\nposition = [{i}, 0, 0]\n'
-        for i in range(3)
-    )
-    gravity = GOOD[GOOD.index("[sweep]") : GOOD.index("[export]")]
-    gravity = gravity.replace("samples = { lift = 4, reach = [100, 110, 200.0] }", "")
-    recipe = parse_recipe(f'[robot]\nname = "cart"\nlength_unit = "m"\n{robot}{gravity}')
+    recipe = parse_recipe(rigid(feet([(0, 0, 0), (1, 0, 0), (2, 0, 0)])))
     assert (recipe.parameters, recipe.grid.shape, recipe.grid.size) == ((), (), 1)
 
 
@@ -234,23 +212,8 @@ def test_what_is_no_text_of_a_recipe_is_refused(tmp_path, name, said):
         load_recipe(tmp_path / name)
 
 
-PYTHON = """
-[robot]
-name = "coded"
-length_unit = "m"
-python = "MODULE:FUNCTION"
-[[robot.parameter]]
-name = "spread"
-min = 1.0
-max = 3.0
-unit = "m"
-[sweep]
-samples = { spread = 3 }
-[sweep.gravity]
-chart = "sphere"
-nodes = 3
-channels = ["sdg"]
-"""
+SPREAD = '[[robot.parameter]]\nname = "spread"\nmin = 1.0\nmax = 3.0\nunit = "m"\n'
+CODED_TEXT = CODED.replace("[sweep.", f"{SPREAD}[sweep]\nsamples = {{ spread = 3 }}\n[sweep.")
 CODE = """
 import numpy as np
 def feet(q):
@@ -270,27 +233,24 @@ number = 3
 def coded(tmp_path):
     """Return a reader of recipes beside a module; the module is forgotten afterwards."""
 
-    def read(function, allow_python=True, module="coded_robot"):
-        (tmp_path / "coded_robot.py").write_text(CODE)
+    def read(name, allow_python=True):
+        for module in ("coded_robot", "json"):
+            (tmp_path / f"{module}.py").write_text(CODE)
         path = tmp_path / "coded.toml"
-        path.write_text(PYTHON.replace("MODULE:FUNCTION", f"{module}:{function}"))
+        path.write_text(CODED_TEXT.replace("rover:postures", name))
         return load_recipe(path, allow_python)
 
     yield read
     sys.modules.pop("coded_robot", None)
 
 
-def test_a_robot_given_by_code_is_refused_unless_the_caller_allows_it(coded):
-    with pytest.raises(RecipeError, match=r"`robot\.python`: runs code .*pass --allow-python"):
-        coded("feet", allow_python=False)
-    assert "coded_robot" not in sys.modules
-
-
 def test_a_robot_given_by_code_is_found_beside_its_recipe_and_has_numbered_points(coded):
+    with pytest.raises(RecipeError, match=r"`robot\.python`: runs code .*pass --allow-python"):
+        coded("coded_robot:feet", allow_python=False)
+    assert "coded_robot" not in sys.modules
     before = list(sys.path)
-    recipe = coded("feet")
+    recipe = coded("coded_robot:feet")
     assert sys.path == before
-    assert recipe.python == "coded_robot:feet"
     assert recipe.contact_names == ("P1", "P2", "P3")
     assert {contact.kind for contact in recipe.contacts} == {"point"}
     contacts, com = recipe.function(np.array([[2.0]]))
@@ -299,37 +259,24 @@ def test_a_robot_given_by_code_is_found_beside_its_recipe_and_has_numbered_point
 
 
 @pytest.mark.parametrize(
-    ("function", "what"),
+    ("name", "what"),
     [
-        ("flat", r"must return contacts \(m, n, 3\) and com \(m, 3\) \(got \[\(1, 3\)"),
-        ("pair", r"must return 3 to 62 contacts \(got 2\)"),
-        ("lone", r"must return contacts and com \(got 'ndarray'\)"),
-        ("lost", r"NaN or infinity at the middle posture"),
-        ("none", r"module has no function none"),
-        ("number", r"module has no function number"),
+        ("coded_robot:flat", r"must return contacts \(m, n, 3\) and com \(m, 3\) \(got \[\(1, 3\)"),
+        ("coded_robot:pair", r"must return 3 to 62 contacts \(got 2\)"),
+        ("coded_robot:lone", r"must return contacts and com \(got 'ndarray'\)"),
+        ("coded_robot:lost", r"NaN or infinity at the middle posture"),
+        ("coded_robot:none", r"module has no function none"),
+        ("coded_robot:number", r"module has no function number"),
+        ("not_there:feet", r"cannot be imported: No module named 'not_there'"),
+        ("json:feet", r"is loaded already from .*; rename the file"),
+        ("coded_robot", r"must be module:function \(got '.*'\); write for ex"),
+        (":feet", r"must be module:function"),
+        ("coded_robot:", r"must be module:function"),
     ],
 )
-def test_code_that_returns_something_else_is_refused(coded, function, what):
-    with pytest.raises(RecipeError, match=rf"coded\.toml: key `robot\.python`: .*{what}.*; .+\."):
-        coded(function)
-
-
-def test_a_module_that_is_not_there_is_refused(coded):
-    with pytest.raises(RecipeError, match=r"cannot be imported: No module named 'not_there'"):
-        coded("feet", module="not_there")
-
-
-def test_a_module_that_hides_behind_another_of_its_name_is_refused(coded, tmp_path):
-    (tmp_path / "json.py").write_text(CODE)
-    with pytest.raises(RecipeError, match=r"is loaded already from .*; rename the file"):
-        coded("feet", module="json")
-
-
-@pytest.mark.parametrize("name", ["coded_robot", ":feet", "coded_robot:"])
-def test_python_without_module_and_function_is_refused(tmp_path, name):
-    text = PYTHON.replace("MODULE:FUNCTION", name)
-    with pytest.raises(RecipeError, match=r"must be module:function \(got '.*'\); write for ex"):
-        parse_recipe(text, str(tmp_path / "coded.toml"), allow_python=True)
+def test_code_that_is_no_robot_is_refused(coded, name, what):
+    with pytest.raises(RecipeError, match=rf"coded\.toml: key `robot\.python`: .*{what}.*\."):
+        coded(name)
 
 
 def test_every_recipe_of_the_project_reads_and_is_named_after_its_file():

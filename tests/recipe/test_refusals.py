@@ -128,7 +128,11 @@ FAULTS = [
     ("max_tilt = 60.0\n", "", "sweep.gravity.max_tilt`: is missing (got nothing); write the large"),
     ("max_tilt = 60.0", "max_tilt = 86", "sweep.gravity.max_tilt`: must be 85 or less (got 86); w"),
     ("nodes = 5", "nodes = 0", "sweep.gravity.nodes`: must be 1 or more (got 0); write for exampl"),
-    ("nodes = 5", "nodes = 1025", "sweep.gravity.nodes`: must be 1024 or less (got 1025); write f"),
+    (
+        "nodes = 5",
+        "nodes = 1025",
+        "sweep.gravity.nodes`: must be 1,024 or less (got 1025); write f",
+    ),
     ('"sdg", "tip_angle"]', '"sdg", "tip"]', "sweep.gravity.channels[2]`: is unknown (got 'tip');"),
     ('"sdg", "tip_angle"]', '"sdg", "sdg"]', "sweep.gravity.channels[2]`: is given twice (got 'sd"),
     ('"sdg", "tip_angle"]', "]", "sweep.gravity.channels`: needs 1 or more entries (got []); writ"),
