@@ -27,6 +27,8 @@ __all__ = [
 Vector = tuple[float, float, float]
 
 ZERO: Vector = (0.0, 0.0, 0.0)
+# Share of a parameter's range by which a value may be beyond it.
+ROUNDING = 1e-9
 # Contact primitives; in arrays a kind is its place here.  Kernels know these places, so the digest
 # of their cache must cover this file, and does by the name of `lutgen.jit`.
 KINDS = ("point", "sphere", "disc")
@@ -48,6 +50,7 @@ class Parameter:
 
     `minimum` and `maximum` are in `unit`, which is ``"rad"`` or the length unit;
     `display_unit` is the recipe's own: ``"deg"``, ``"rad"`` or the length unit.
+    `meaning` is what figures say of its values.
     """
 
     name: str
@@ -55,6 +58,7 @@ class Parameter:
     maximum: float
     unit: str
     display_unit: str
+    meaning: str = ""
 
     def shown(self, values: Any) -> Any:
         """Turn values, numbers or arrays, into the unit in which the recipe writes them."""
@@ -63,6 +67,12 @@ class Parameter:
     def stored(self, values: Any) -> Any:
         """Turn values in the recipe's unit into rad or length."""
         return to_internal(values, self.display_unit)
+
+    def has(self, values: Any) -> Any:
+        """Tell of values, a number or an array, whether they are within the limits."""
+        # Angles in deg round when they become rad.
+        slack = ROUNDING * (self.maximum - self.minimum)
+        return (self.minimum - slack <= values) & (values <= self.maximum + slack)
 
 
 @dataclass(frozen=True)
@@ -81,6 +91,7 @@ class Link:
     """A rigid part: T = Trans(origin) * Rz(yaw) Ry(pitch) Rx(roll) * joint in its parent.
 
     `origin` and `com` are in the length unit, `rpy` in rad; `com` is in the link's frame.
+    `shape` is for figures: the sides (length) of a box about the com.
     """
 
     name: str
@@ -90,6 +101,7 @@ class Link:
     joint: Joint | None = None
     mass: float = 0.0
     com: Vector = ZERO
+    shape: Vector | None = None
 
 
 @dataclass(frozen=True)
@@ -97,6 +109,7 @@ class Contact:
     """A contact primitive; `position` is its centre and `axis` a unit vector, link frame.
 
     One that is `rolling` turns freely: a disc about its axis, a sphere in every direction.
+    For figures: `width` of a disc along its axis (length, 0 unknown), and the `belt` about it.
     """
 
     name: str
@@ -105,6 +118,8 @@ class Contact:
     radius: float = 0.0
     axis: Vector | None = None
     rolling: bool = False
+    width: float = 0.0
+    belt: str = ""
 
     @property
     def kind(self) -> str:

@@ -25,8 +25,8 @@ from lutgen.analysis import Posture, even_headings, posture_limits, sweep_limits
 from lutgen.errors import InputError, LutgenError
 from lutgen.files import write_text
 from lutgen.mapping import StabilityMap, load_map, share_that_tips
+from lutgen.parts import to_internal
 from lutgen.recipe.recipe import Recipe, load_recipe
-from lutgen.recipe.robot import to_internal
 
 # Dots per inch: a figure is one column (3.5 in) wide and stays below 200 kB.
 RESOLUTION = 160

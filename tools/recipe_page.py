@@ -1,4 +1,4 @@
-"""The tables of docs/reference/recipe.md, made from the keys that validation knows.
+"""The tables of docs/reference/recipe.md, made from the JSON Schema of recipes.
 
 `python -m tools.recipe_page` writes them.  Owns what stands between the marks of that page; the
 prose around them is written by hand.
@@ -6,15 +6,16 @@ prose around them is written by hand.
 
 import re
 from pathlib import Path
+from typing import Any
 
-from lutgen.recipe.key import Key
-from lutgen.recipe.keys import KEYS
+from lutgen.recipe import recipe_schema
+from lutgen.recipe.load import toml
 
 TARGET = Path(__file__).resolve().parents[1] / "docs" / "reference" / "recipe.md"
 # What stands between two of them is written here.
-SAMPLES = "table of whole numbers, 2 or more, or lists of numbers"
-DRIVE = "table of numbers, not 0, or of tables with `scale` and `offset`"
 BEGIN, END = "<!-- keys of {} -->", "<!-- end of keys -->"
+SCHEMA = recipe_schema()
+TABLES = {"File": SCHEMA, **SCHEMA["$defs"]}
 
 
 def page(text: str) -> str:
@@ -24,43 +25,47 @@ def page(text: str) -> str:
 
 
 def section(table: str) -> str:
-    """Return the keys of a table between their marks; the file itself is called "file"."""
-    rows = ["| key | type | default | meaning | example | costs |", "|---|---|---|---|---|---|"]
-    rows += [row(key) for key in KEYS["" if table == "file" else table]]
+    """Return the keys of a table between their marks."""
+    rows = ["| key | type | default | meaning | example |", "|---|---|---|---|---|"]
+    needed = TABLES[table].get("required", [])
+    for name, schema in TABLES[table]["properties"].items():
+        default = f"`{toml(schema['default'])}`" if schema.get("default", []) != [] else ""
+        example = f"`{toml(schema['examples'][0])}`" if "examples" in schema else ""
+        default = "needed" if name in needed else default
+        # What a table means is said where it is defined.
+        meaning = {**TABLES.get(schema.get("$ref", "").split("/")[-1], {}), **schema}
+        cells = (f"`{name}`", kind(schema), default, meaning["description"], example)
+        rows.append("| " + " | ".join(cell.replace("|", r"\|") for cell in cells) + " |")
     return "\n".join([BEGIN.format(table), *rows, END, ""])
 
 
-def row(key: Key) -> str:
-    """Return the line of one key."""
-    example = "" if key.example in ("[]", "{}") else f"`{key.example}`"
-    cells = (f"`{key.name}`", kind(key), default(key), key.meaning, example, key.costs)
-    return "| " + " | ".join(cell.replace("|", r"\|") for cell in cells) + " |"
+def kind(schema: dict[str, Any]) -> str:
+    """Return what a schema takes in words: type, choices, interval and unit."""
+    if "enum" in schema:
+        said = "one of " + ", ".join(f"`{one}`" for one in schema["enum"])
+    elif "oneOf" in schema:
+        said = " or ".join(map(kind, schema["oneOf"]))
+    elif "$ref" in schema or "properties" in schema:
+        said = "table"
+    elif schema["type"] == "array":
+        items = kind(schema["items"])
+        said = "three numbers" if schema.get("maxItems") == 3 else f"list of {items}"
+        said += ", not all 0" if "contains" in schema else ""
+    elif schema["type"] == "object":
+        said = f"table of {kind(schema['additionalProperties'])}"
+    else:
+        words = {"string": "text", "boolean": "true or false", "integer": "whole number"}
+        said = words.get(schema["type"], schema["type"]) + interval(schema)
+    return f"{said}, {schema['x-unit']}" if "x-unit" in schema else said
 
 
-def kind(key: Key) -> str:
-    """Return type, choices, interval and unit of a key."""
-    said = f"one of {', '.join(f'`{one}`' for one in key.choices)}" if key.choices else key.type
-    if key.type == "names":
-        said = f"list of {', '.join(f'`{one}`' for one in key.choices)}"
-    said = {"tables": "array of tables", "samples": SAMPLES, "drive": DRIVE}.get(key.type, said)
-    if key.bounds:
-        low, high = key.interval
-        said += f" in {key.bounds}" if high < float("inf") else at_least(key, low)
-    return f"{said}, {key.unit}" if key.unit else said
-
-
-def at_least(key: Key, low: float) -> str:
-    """Return an interval without an upper end in words."""
-    return f", {low:g} or more" if key.closed[0] else f" above {low:g}"
-
-
-def default(key: Key) -> str:
-    """Return what a recipe without the key gets."""
-    if key.needed:
-        return "needed"
-    if key.default == "[]":
-        return "none"
-    return key.default if key.default_value is None else f"`{key.default}`"
+def interval(schema: dict[str, Any]) -> str:
+    """Return the ends of a number that are not those of all."""
+    ends = (("exclusiveMinimum", "above"), ("minimum", "from"))
+    ends += (("exclusiveMaximum", "below"), ("maximum", "to"))
+    return "".join(
+        f" {word} {schema[name]:,}" for name, word in ends if abs(schema.get(name, 1e12)) < 1e12
+    ) + (", not 0" if "not" in schema else "")
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ from lutgen.chart import unit_directions
 from lutgen.errors import InputError
 from lutgen.jit import in_threads, njit
 from lutgen.quantities import CHANNELS
-from lutgen.recipe import TOLERANCE, Postures, Recipe, forward, radii_and_kinds
+from lutgen.recipe import TOLERANCE, Postures, Recipe, forward, radii_and_kinds, within_limits
 from lutgen.support import MAX_PRIMITIVES, Acceptance, acceptance, empty_region, pack, stand
 from lutgen.vector import Floats, row
 
@@ -222,8 +222,8 @@ def evaluate(
     recipe : Recipe
         From `load_recipe` or `parse_recipe`.
     params : (m, k) array_like
-        Geometry parameters in recipe order, rad or the recipe's length unit; they may lie outside
-        the recipe's ranges.
+        Geometry parameters in recipe order, rad or the recipe's length unit, within the recipe's
+        limits.
     gravity_dir : (g, 3) array_like
         Directions in the body frame, pointing down, of any length > 0.
     channels : sequence of str
@@ -238,9 +238,10 @@ def evaluate(
     Raises
     ------
     InputError
-        For wrong shapes, numbers that are not finite and unknown channels.
+        For wrong shapes, numbers that are not finite or beyond their limits, and unknown channels.
     """
-    return measure_moved(recipe, forward(recipe, params), gravity_dir, channels)
+    placed = forward(recipe, within_limits(recipe, params))
+    return measure_moved(recipe, placed, gravity_dir, channels)
 
 
 def measure_moved(

@@ -1,14 +1,15 @@
 """`lutgen check`: validate a recipe and say what its sweep will cost."""
 
 import math
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from lutgen.cli.options import Named, RecipeOptions, asks, file_size, log
+from lutgen.cli.options import Named, RecipeOptions, asks, file_size, log, posture_source
 from lutgen.cli.sources import open_recipe
-from lutgen.cli.table import show, unit_text
+from lutgen.cli.table import by_unit, even, posture_text, show, unit_text
 from lutgen.quantities import QUANTITIES
 
 if TYPE_CHECKING:
@@ -44,9 +45,14 @@ def check(recipe: str, asked: RecipeOptions) -> None:
 
 def check_report(robot: "Recipe") -> dict[str, Any]:
     """Return what `--json` prints."""
+    import numpy as np
+
     from lutgen.mapping import expected_seconds, plan
+    from lutgen.recipe import postures
 
     layout = plan(robot)
+    home = np.array(robot.home_params)
+    _, com = postures(robot, home[None])
 
     def value_bytes(name: str) -> int:
         return 1 if QUANTITIES[name].words else 4
@@ -56,6 +62,13 @@ def check_report(robot: "Recipe") -> dict[str, Any]:
         "digest": robot.digest,
         "length_unit": robot.length_unit,
         "contacts": list(robot.contact_names),
+        "kinds": dict(Counter(contact.kind for contact in robot.contacts)),
+        "wheels": [wheel.contact for wheel in robot.wheels],
+        "forces": [force.name for force in robot.forces],
+        "posture": by_unit(robot, home),
+        "posture_from": posture_source(robot, ()),
+        "mass": sum(link.mass for link in robot.links) if robot.python is None else None,
+        "com": [even(part) for part in com[0].tolist()],
         "parameters": {
             p.name: axis_entry(p, axis)
             for p, axis in zip(robot.parameters, robot.grid.axes, strict=True)
@@ -117,7 +130,16 @@ def check_lines(report: dict[str, Any]) -> Iterator[str]:
         f"{report['name']}: {len(contacts)} contacts ({' '.join(contacts)}), "
         f"{len(report['parameters'])} parameters, unit {report['length_unit']}"
     )
+    kinds = [f"{count} {kind}{'s' * (count > 1)}" for kind, count in report["kinds"].items()]
+    parts = [f"{name}: {' '.join(report[name])}" for name in ("wheels", "forces") if report[name]]
+    yield "  " + "; ".join([", ".join(kinds), *parts])
     yield from (f"  {line}" for line in report["snapped"])
+    place = " ".join(f"{part:.6g}" for part in report["com"])
+    mass = f"{report['mass']:.6g}" if report["mass"] else "not given"
+    posture = posture_text(report["posture"])
+    if report["posture"]:
+        yield f"  posture: {posture} ({report['posture_from']})"
+    yield f"  mass {mass}, com {place}{unit_text(report['length_unit'])}"
     yield from grid_lines(report["parameters"], report["chart"])
     yield f"  channels: {' '.join(channels)}"
     yield (

@@ -83,9 +83,7 @@ def _report(source: str, asked: Asked) -> dict[str, Any]:
         return export_report(Path(source), asked.assignments, gravity)
     opened = open_source(source, asked.allow_python)
     recipe = opened if isinstance(opened, Recipe) else opened.recipe
-    # A map refuses what is outside of its axes.
-    outside = "used as it is" if opened is recipe else ""
-    values = options.posture_values(recipe, asked.assignments, outside)
+    values = options.posture_values(recipe, asked.assignments)
     posture = Posture(recipe, values)
     if isinstance(opened, Recipe):
         report = exact_report(posture, gravity)

@@ -11,6 +11,7 @@ from lutgen import bounds
 from lutgen.cli.options import (
     Named,
     RecipeOptions,
+    WholeRange,
     asks,
     option,
     parameters,
@@ -46,7 +47,7 @@ class Asked(RecipeOptions):
     assignments: tuple[tuple[str, float], ...] = parameters()
     tilt: float = tilt()
     headings: int = option(
-        type=click.IntRange(1, MOST),
+        type=WholeRange(1, MOST),
         default=24,
         help="How many headings, evenly spaced, the first nose down.",
     )

@@ -61,13 +61,13 @@ class Asked(RecipeOptions):
             "ranges; by default all geometries that stand are acceptable."
         ),
     )
-    levels: int = option(type=click.IntRange(min=1), default=6, help="Steps of search.")
+    levels: int = option(type=options.WholeRange(min=1), default=6, help="Steps of search.")
     ends: str = option(
         type=click.Choice(["left", "right"]),
         default="left",
         help="Of search: which end of each of its 5 cells is a node.",
     )
-    seed: int = option(type=click.IntRange(min=0), default=0, help="Of multistart.")
+    seed: int = option(type=options.WholeRange(min=0), default=0, help="Of multistart.")
     trace: bool = option(is_flag=True, help="Print the steps of the method too.")
 
 

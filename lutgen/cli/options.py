@@ -2,12 +2,12 @@
 
 import functools
 import logging
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.types import FloatParamType, IntParamType
 
 from lutgen.errors import InputError
 from lutgen.parts import to_internal
@@ -18,13 +18,45 @@ if TYPE_CHECKING:
 log = logging.getLogger("lutgen")
 
 
+# What the largest number of a recipe is, too.
+LARGEST = 1e12
+
+
 def finite_numbers(value: object) -> tuple[float, ...]:
-    """Return the numbers of a text such as 0,0,-1; none where one is no finite number."""
+    """Return the numbers of a text such as 0,0,-1; none where one is no number or beyond 1e12."""
+    text = str(value)
     try:
-        numbers = tuple(float(part) for part in str(value).split(","))
+        # Python reads the digits of every script.
+        numbers = tuple(float(part) for part in text.split(",")) if text.isascii() else ()
     except ValueError:
         return ()
-    return numbers if all(map(math.isfinite, numbers)) else ()
+    return numbers if all(abs(number) <= LARGEST for number in numbers) else ()
+
+
+class _Plain(click.ParamType):  # type: ignore[type-arg]
+    """A number in plain digits and of a size that commands can compute with."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the number."""
+        number = super().convert(value, param, ctx)
+        if isinstance(value, str) and not finite_numbers(value):
+            self.fail(f"{value!r} is no number of plain digits up to 1e12", param, ctx)
+        return number
+
+
+class _Real(_Plain, FloatParamType):
+    pass
+
+
+class _Whole(_Plain, IntParamType):
+    pass
+
+
+class WholeRange(_Plain, click.IntRange):
+    """A whole number within limits."""
+
+
+KINDS: dict[Any, Any] = {float: _Real(), int: _Whole()}
 
 
 class Named(click.Path):
@@ -55,7 +87,8 @@ class Numbers(click.ParamType):  # type: ignore[type-arg]
             return value
         numbers = finite_numbers(value)
         if len(numbers) != self.name.count(",") + 1 or (self.nonzero and not any(numbers)):
-            self.fail(f"{value!r} is no {self.what}; write {self.example}", param, ctx)
+            way_out = f"write {self.example}, of numbers up to 1e12"
+            self.fail(f"{value!r} is no {self.what}; {way_out}", param, ctx)
         return numbers
 
 
@@ -79,7 +112,8 @@ class Assignment(click.ParamType):  # type: ignore[type-arg]
         name, equals, rest = str(value).partition("=")
         numbers = finite_numbers(rest.replace(":", ",")) if "," not in rest else ()
         if not (name and equals and len(numbers) == self.name.count(":") + 1):
-            self.fail(f"{value!r} is no {self.what}; write for example {self.example}", param, ctx)
+            way_out = f"write for example {self.example}, of numbers up to 1e12"
+            self.fail(f"{value!r} is no {self.what}; {way_out}", param, ctx)
         return (name.strip(), *numbers)
 
 
@@ -90,6 +124,9 @@ def option(*flags: str, **settings: Any) -> Any:
     `click.option`; the help shows each default that is given.
     """
     settings.setdefault("show_default", "default" in settings)
+    kind = settings.get("type", type(settings.get("default")))
+    if kind in KINDS:
+        settings["type"] = KINDS[kind]
     return field(metadata={"option": (flags, settings)})
 
 
@@ -190,19 +227,23 @@ def named_values(recipe: "Recipe", assignments: Assignments) -> dict[str, float]
     return _named(recipe.source, [p.name for p in recipe.parameters], assignments)
 
 
-def posture_values(
-    recipe: "Recipe", assignments: Assignments, outside: str = "used as it is"
-) -> list[float]:
+def posture_values(recipe: "Recipe", assignments: Assignments) -> list[float]:
     """Return the internal values of all parameters: `home` or the middle where none is given.
 
-    A warning says what becomes of a value `outside` the recipe's range, if anything is given.
+    A value beyond its limits raises InputError.
     """
     given = named_values(recipe, assignments)
     values = [
         p.stored(given[p.name]) if p.name in given else value
         for p, value in zip(recipe.parameters, recipe.home_params, strict=True)
     ]
-    _warn(recipe, values, outside)
+    for p, value in zip(recipe.parameters, values, strict=True):
+        if not p.has(value):
+            low, high = p.shown(p.minimum), p.shown(p.maximum)
+            raise InputError(
+                f"{recipe.source}: parameter {p.name} must lie in {low:g} to {high:g} "
+                f"{p.display_unit} (got -p {p.name}={p.shown(value):g}); the recipe has its limits."
+            )
     return values
 
 
@@ -220,12 +261,6 @@ def posture_source(recipe: "Recipe", assignments: Assignments) -> str:
             else alone and f"{alone}: {', '.join(rest)}"
         )
     return f"home: {', '.join(home)}; middle of the range: {', '.join(middle)}"
-
-
-def _warn(recipe: "Recipe", values: Sequence[float], outside: str) -> None:
-    for p, value in zip(recipe.parameters, values, strict=True):
-        if outside and not p.minimum <= value <= p.maximum:
-            log.warning("parameter %s is outside the recipe's range: %s", p.name, outside)
 
 
 def _named(source: str, known: Sequence[str], assignments: Assignments) -> dict[str, float]:

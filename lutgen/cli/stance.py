@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -15,10 +14,6 @@ from lutgen.cli.table import TIPS, aligned, cell, even, number, show, unit_text
 if TYPE_CHECKING:
     from lutgen.analysis import Equilibrium, Footing
 
-KEYS = ("title", "length_unit", "com", "gravity", "friction", "foot")
-FOOT_KEYS = ("name", "position", "normal", "friction")
-VECTOR = "write three numbers, such as [0, 0, 1]"
-COEFFICIENT = "write a coefficient of friction, such as 0.5"
 SAID = {True: "holds", False: "does not hold", None: "undecided, at the limit of friction"}
 # What a linear program leaves of zero is larger than what a sum leaves.
 _even = partial(even, rounding=1e-9)
@@ -55,6 +50,8 @@ def stance(file: str, asked: Asked) -> None:
     $ lutgen stance stair.toml -g 0.1,0,-1
     stair: holds
     """
+    from lutgen.cli.footing import read_footing
+
     footing = read_footing(file)
     if asked.gravity is not None:
         import numpy as np
@@ -68,52 +65,6 @@ def stance(file: str, asked: Asked) -> None:
             save(draw_footing(footing, found), asked.output, force=asked.force)
     report = stance_report(footing, found)
     show(report, stance_lines(footing, found), asked.as_json, bool(found.holds), TIPS)
-
-
-def read_footing(path: str) -> "Footing":
-    """Read the feet and the centre of mass; a file with any fault raises RecipeError."""
-    import numpy as np
-
-    from lutgen.analysis import Footing
-    from lutgen.recipe import LENGTH_UNITS, parse_table, read_text
-
-    root = parse_table(read_text(path), path, KEYS)
-    title = root.string("title", "write a title") if "title" in root else Path(path).stem
-    unit = "m"
-    if "length_unit" in root:
-        unit = root.string("length_unit", "use one of: m, cm, mm, 1", LENGTH_UNITS)
-    com = root.vector("com", "write the centre of mass, such as [0, 0, 0.5]")
-    down = root.unit_vector("gravity", VECTOR) if "gravity" in root else (0.0, 0.0, -1.0)
-    feet = root.tables("foot", FOOT_KEYS)
-    if not feet:
-        root.fail("foot", "is missing", "nothing", "add a [[foot]] for each contact")
-    names: list[str] = []
-    rows = []
-    for place, foot in enumerate(feet, 1):
-        name = foot.new_name("foot", names) if "name" in foot else f"P{place}"
-        # The name that it would have may be taken.
-        foot.refuse_twice(name, names)
-        names.append(name)
-        position = foot.vector("position", VECTOR)
-        # Zero has no sign, not even turned round.
-        up = tuple(0.0 - part for part in down)
-        normal = foot.unit_vector("normal", VECTOR) if "normal" in foot else up
-        table = foot if "friction" in foot else root
-        friction = table.number("friction", COEFFICIENT)
-        if friction < 0.0:
-            table.fail("friction", "must be 0 or more", friction, COEFFICIENT)
-        rows.append((*position, *normal, friction))
-    array = np.array(rows)
-    return Footing(
-        title,
-        unit,
-        tuple(names),
-        points=array[:, :3],
-        normals=array[:, 3:6],
-        friction=array[:, 6],
-        com=np.array(com),
-        gravity_dir=np.array(down),
-    )
 
 
 def stance_report(footing: "Footing", found: "Equilibrium") -> dict[str, Any]:

@@ -1,23 +1,26 @@
 """Text into a recipe, and a recipe into postures.
 
-In reading order: `table`, `key`, `robot_keys`, `keys`, `schema`, `start`, `robot`, `loads`,
-`plugin`, `described`, `gallery`, `recipe`, `merge`, `kinematics`, `size`, `snap`, `body`,
-`candidates`, `bolted`, `recognised`, `joint_names`, `symmetry`, `coupling`, `chosen`,
-`proposal_text`, `proposal`.
+In reading order: `schema`, `load`, `robot`, `rules`, `robot_rules`, `described`, `code`, `gallery`,
+`recipe`, `kinematics`, `size`, `snap`, `merge`, `body`, `candidates`, `bolted`, `recognised`,
+`joint_names`, `symmetry`, `coupling`, `chosen`, `proposal_text`, `proposal`.
 """
 
 from typing import TYPE_CHECKING, Any
 
 from lutgen.recipe.body import body_parts
-from lutgen.recipe.gallery import GALLERY, gallery_names, gallery_text
-from lutgen.recipe.kinematics import Postures, forward, postures, radii_and_kinds
+from lutgen.recipe.gallery import (
+    GALLERY,
+    gallery_names,
+    gallery_text,
+    start_recipe,
+    start_recipes,
+)
+from lutgen.recipe.kinematics import Postures, forward, postures, radii_and_kinds, within_limits
+from lutgen.recipe.load import HDF5, read_tables, read_text
 from lutgen.recipe.merge import merged_recipe
 from lutgen.recipe.recipe import Recipe, load_recipe, parse_recipe, recipe_digest
-from lutgen.recipe.robot_keys import LENGTH_UNITS
 from lutgen.recipe.schema import recipe_schema
 from lutgen.recipe.size import TOLERANCE, contact_tolerance_of, robot_size_of
-from lutgen.recipe.start import start_recipe, start_recipes
-from lutgen.recipe.table import HDF5, parse_table, read_text
 
 if TYPE_CHECKING:
     from lutgen.recipe.coupling import Coupling
@@ -26,7 +29,6 @@ if TYPE_CHECKING:
 __all__ = [
     "GALLERY",
     "HDF5",
-    "LENGTH_UNITS",
     "TOLERANCE",
     "Coupling",
     "Imported",
@@ -41,15 +43,16 @@ __all__ = [
     "load_recipe",
     "merged_recipe",
     "parse_recipe",
-    "parse_table",
     "postures",
     "radii_and_kinds",
+    "read_tables",
     "read_text",
     "recipe_digest",
     "recipe_schema",
     "robot_size_of",
     "start_recipe",
     "start_recipes",
+    "within_limits",
 ]
 
 

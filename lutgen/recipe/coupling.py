@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 
 from lutgen.errors import InputError, suggestion
-from lutgen.recipe.robot import RESERVED
-from lutgen.recipe.robot_keys import IDENTIFIER
+from lutgen.recipe.rules import RESERVED
+from lutgen.recipe.schema import IDENTIFIER
 from lutgen.recipe.symmetry import Limbs
 from lutgen.urdf import Couple, Motion, UrdfRobot
 

@@ -3,13 +3,14 @@
 Owns which file such a recipe may name, and which joints of it are the recipe's parameters.
 """
 
+from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
 
 from lutgen.errors import suggestion
-from lutgen.parts import Contact, Link, Parameter
-from lutgen.recipe.keys import names
-from lutgen.recipe.robot import read_contacts
-from lutgen.recipe.table import Table
+from lutgen.parts import Contact, Link, Parameter, to_internal
+from lutgen.recipe import schema
+from lutgen.recipe.load import Fault, fail, refuse
+from lutgen.recipe.schema import Robot
 from lutgen.urdf import (
     MAX_BYTES,
     TURN,
@@ -26,150 +27,119 @@ from lutgen.urdf import (
 SAME = 1e-6
 
 
-def read_content(robot: Table, inert: bool = False) -> str:
-    """Return the text of the file that the ``[robot]`` table names.
-
-    Its `urdf` is a relative path to a file in the recipe's folder or below, also after following
-    links; any other raises RecipeError, and so does every one where `inert` forbids to open files.
-    """
-    name = _name(robot)
-    if inert:
-        robot.fail("urdf", "is not stored beside the recipe", name, "sweep the recipe again")
+def read_description(source: str, name: str) -> str:
+    """Return the text of the file of this name, in the folder of a recipe or below."""
     path = PurePosixPath(name)
-    way_out = "copy the file beside the recipe and write its name"
+    key, way_out = "robot.urdf", "copy the file beside the recipe and write its name"
     if path.is_absolute() or ".." in path.parts or "\\" in name or "\0" in name:
-        robot.fail("urdf", "must be a relative path without '..'", name, way_out)
-    folder = Path(robot.source).resolve().parent
+        fail(source, key, "must be a relative path without '..'", name, way_out)
+    folder = Path(source).resolve().parent
     try:
         target = (folder / path).resolve()
         if not target.is_relative_to(folder):
-            robot.fail("urdf", "leads out of the recipe's folder", name, way_out)
+            fail(source, key, "leads out of the recipe's folder", name, way_out)
         if not target.is_file():
-            robot.fail("urdf", "names no file", name, way_out)
+            fail(source, key, "names no file", name, way_out)
         with target.open("rb") as file:
             raw = file.read(MAX_BYTES + 1)
         return raw.decode("utf-8-sig")
     except (OSError, RuntimeError) as error:
-        robot.fail("urdf", f"cannot be read: {error}", name, way_out)
+        fail(source, key, f"cannot be read: {error}", name, way_out)
     except UnicodeDecodeError as error:
         line = raw.count(b"\n", 0, error.start) + 1
-        robot.fail("urdf", f"names a file whose line {line} is not UTF-8", name, "save it as UTF-8")
+        what = f"names a file whose line {line} is not UTF-8"
+        fail(source, key, what, name, "save it as UTF-8")
 
 
-def read_urdf(
-    robot: Table, parameters: tuple[Parameter, ...], content: str
-) -> tuple[tuple[Link, ...], tuple[Contact, ...]]:
-    """Return links and contacts of a recipe whose ``[robot]`` table names a robot description.
+def links_and_shapes(
+    robot: Robot, parameters: tuple[Parameter, ...], content: str, source: str
+) -> tuple[tuple[Link, ...], dict[int, list[Contact]]]:
+    """Return the links of a recipe's description, and the shapes that its contacts stand for.
 
     Each parameter is the joint that its `joint` key names, or the one of its own name, or drives
     those of its `drive`, within the limits of these; joints that are none stand at zero or at their
     limit nearest to zero, and joints that mimic one follow it.  `content` is XML.  The links are
-    all, under their own names, m and kg; contacts with a position are as written, the others
-    derived from collision shapes.
+    all, under their own names, m and kg; the shapes are those of contacts without a position.
     """
-    unit = robot.values["length_unit"]
-    if unit != "m":
-        robot.fail("length_unit", "of a robot description is m", unit, 'write length_unit = "m"')
-    described = parse_urdf(content, f"{robot.source}: {_name(robot)}")
-    couples = _couples(robot, parameters, described)
-    joints = {couple.first: couple.name for couple in couples}
-    motion = read_motion(described, (), couples=couples)
-    _check_ranges(robot, parameters, described, motion)
-    links = links_of(described, motion, joints)
-    bodies = {link.name: link for link in described.links}
-
-    def derive(table: Table, name: str) -> list[Contact]:
-        base = table.string("name", "name the contacts") if "name" in table else None
-        found = link_contacts(bodies[name], base)
-        if not found:
-            kinds = [shape.kind for shape in bodies[name].collisions]
-            what = "has no collision sphere, cylinder or box, and the contact no position"
-            table.fail("link", what, kinds, "write position = [x, y, z] in the link's frame")
-        return found
-
-    return links, read_contacts(robot, links, derive)
-
-
-def _name(robot: Table) -> str:
-    """Return the path of the description as written."""
-    return robot.string("urdf", "write the name of a URDF file beside the recipe")
-
-
-def _couples(robot: Table, parameters: tuple[Parameter, ...], described: UrdfRobot) -> list[Couple]:
-    """Return the joints of each parameter, in order."""
+    described = parse_urdf(content, f"{source}: {robot.urdf}")
     known = [joint.name for joint in described.joints if joint.kind != "fixed"]
-    what = "is no moving joint of the description"
-    result: list[Couple] = []
+    refuse(source, _joint_faults(robot, known))
+    couples = [Couple(one.name, _driven(one)) for one in robot.parameter]
+    motion = read_motion(described, (), couples=couples)
+    refuse(source, _range_faults(parameters, described, motion))
+    links = links_of(described, motion, {couple.first: couple.name for couple in couples})
+    bodies = {link.name: link for link in described.links}
+    shapes = {
+        place: link_contacts(bodies[contact.link], contact.name)
+        for place, contact in enumerate(robot.contact)
+        if contact.position is None and contact.link in bodies
+    }
+    refuse(source, _shape_faults(robot, described, shapes))
+    return links, shapes
+
+
+def _driven(parameter: schema.Parameter) -> dict[str, tuple[float, float]]:
+    """Return scale and offset (rad or m) of each joint of a parameter."""
+    if parameter.drive is None:
+        return {parameter.joint or parameter.name: (1.0, 0.0)}
+    return {
+        name: (one.scale, to_internal(one.offset, parameter.unit))
+        if isinstance(one, schema.Step)
+        else (one, 0.0)
+        for name, one in parameter.drive.items()
+    }
+
+
+def _joint_faults(robot: Robot, known: list[str]) -> Iterator[Fault]:
     taken: set[str] = set()
-    tables = robot.tables("parameter", names("robot.parameter"))
-    for table, parameter in zip(tables, parameters, strict=True):
-        if "drive" in table:
-            table.refuse(("joint",), "cannot be combined with `drive`", "keep one of them")
-            joints = _drive(table, parameter, known, what)
-        else:
-            key = "joint" if "joint" in table else "name"
-            way_out = "name a joint of the description"
-            joints = {table.one_of(key, way_out, known, what): (1.0, 0.0)}
-        for name in joints:
-            if name in taken:
-                key = f"drive.{name}" if "drive" in table else key
-                table.fail(key, "is the joint of another parameter already", name, "remove one")
-        taken.update(joints)
-        result.append(Couple(parameter.name, joints))
-    return result
+    for place, parameter in enumerate(robot.parameter, 1):
+        for name in _driven(parameter):
+            key = f"robot.parameter[{place}].{'name' if parameter.joint is None else 'joint'}"
+            if parameter.drive is not None:
+                key = f"robot.parameter[{place}].drive.{name}"
+            if name not in known:
+                way_out = suggestion(name, known, "use one of")
+                yield Fault(key, "is no moving joint of the description", name, way_out)
+            elif name in taken:
+                what = "is the joint of another parameter already"
+                yield Fault(key, what, name, "remove one")
+            taken.add(name)
 
 
-def _drive(
-    table: Table, parameter: Parameter, known: list[str], what: str
-) -> dict[str, tuple[float, float]]:
-    """Return scale and offset (rad or m) of each joint of a parameter's `drive`."""
-    way_out = "write drive = { joint = scale, ... }"
-    drive = table.need("drive", way_out)
-    if not isinstance(drive, dict) or not drive:
-        table.fail("drive", "must be a table of one joint or more", drive, way_out)
-    result = {}
-    for name, value in drive.items():
-        key = f"drive.{name}"
-        if name not in known:
-            table.fail(key, what, name, suggestion(name, known, "use one of"))
-        offset = 0.0
-        if isinstance(value, dict):
-            part = table.table("drive", drive, way_out).table(name, ("scale", "offset"), way_out)
-            value = part.number("scale", "write a factor such as 1.0 or -1.0", 1.0)
-            offset = part.number("offset", f"write a number in {parameter.display_unit}", 0.0)
-        scale = table.as_number(key, value, "write a scale, or { scale = 1.0, offset = 10.0 }")
-        if scale == 0.0:
-            table.fail(key, "must not be zero", value, "write 1.0 or -1.0, or remove the joint")
-        result[name] = scale, parameter.stored(offset)
-    return result
-
-
-def _check_ranges(
-    robot: Table,
-    parameters: tuple[Parameter, ...],
-    described: UrdfRobot,
-    motion: Motion,
-) -> None:
-    """Refuse parameters of the wrong unit and values that their joints cannot take."""
+def _range_faults(
+    parameters: tuple[Parameter, ...], described: UrdfRobot, motion: Motion
+) -> Iterator[Fault]:
+    """Yield parameters of the wrong unit and values that their joints cannot take."""
     kinds = {joint.name: joint.kind for joint in described.joints}
-    for i, (parameter, couple) in enumerate(zip(parameters, motion.couples, strict=True), 1):
-        joint = couple.first
+    for place, (parameter, couple) in enumerate(zip(parameters, motion.couples, strict=True), 1):
+        key, joint = f"robot.parameter[{place}]", couple.first
         wanted = "m" if kinds[joint] == "prismatic" else "rad"
         if parameter.unit != wanted:
             needed = "a length" if wanted == "m" else "an angle"
-            robot.fail(
-                f"parameter[{i}].unit",
-                f"must be {needed}: joint {joint!r} is {kinds[joint]}",
-                parameter.display_unit,
-                'write unit = "m"' if wanted == "m" else 'write unit = "deg"',
-            )
+            what = f"must be {needed}: joint {joint!r} is {kinds[joint]}"
+            way_out = 'write unit = "m"' if wanted == "m" else 'write unit = "deg"'
+            yield Fault(f"{key}.unit", what, parameter.display_unit, way_out)
+            continue
         low, high = motion.free[joint]
         whole = wanted == "rad" and high - low >= TURN
         if not whole and not low - SAME <= parameter.minimum < parameter.maximum <= high + SAME:
             limits = "the limits of " + ", ".join(map(repr, couple.joints))
-            robot.fail(
-                f"parameter[{i}].min",
-                f"and max must lie within {low:g} to {high:g} {wanted}, {limits}",
-                [parameter.minimum, parameter.maximum],
-                "narrow them or correct the description",
+            what = f"and max must lie within {low:g} to {high:g} {wanted}, {limits}"
+            got = [parameter.minimum, parameter.maximum]
+            yield Fault(f"{key}.min", what, got, "narrow them or correct the description")
+
+
+def _shape_faults(
+    robot: Robot, described: UrdfRobot, shapes: dict[int, list[Contact]]
+) -> Iterator[Fault]:
+    collisions = {link.name: link.collisions for link in described.links}
+    for place, found in shapes.items():
+        key, contact = f"robot.contact[{place + 1}]", robot.contact[place]
+        if not found:
+            kinds = [shape.kind for shape in collisions[contact.link]]
+            what = "has no collision sphere, cylinder or box, and the contact no position"
+            yield Fault(
+                f"{key}.link", what, kinds, "write position = [x, y, z] in the link's frame"
             )
+        if contact.rolling and any(one.radius == 0.0 for one in found):
+            yield Fault(f"{key}.rolling", "needs a round shape", True, "a box slides: remove it")

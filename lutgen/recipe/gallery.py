@@ -1,17 +1,19 @@
-"""The recipes of the gallery, which come with the package: `recipe:NAME` is one of them.
+"""The recipes that come with the package: those of the gallery, and commented ones to start from.
 
-Owns where they are.  In a checkout they stand in `maps` beside the package, from where an
-installation takes them into it.
+Owns where they are.  `recipe:NAME` is one of the gallery, which stands in `maps` beside the package
+of a checkout, from where an installation takes it into it.
 """
 
+from functools import cache
 from pathlib import Path
 
-from lutgen.errors import RecipeError, suggestion
-
-__all__ = ["GALLERY", "gallery_names", "gallery_text"]
+from lutgen.errors import InputError, RecipeError, suggestion
 
 # What a name of the gallery begins with, where else there would be a path.
 GALLERY = "recipe:"
+# Recipes to start from, the simplest first.
+KINDS = ("wheels", "tracks", "legs", "arm")
+_STARTS = Path(__file__).parent / "starts"
 _PACKAGE = Path(__file__).resolve().parents[1]
 _FOLDERS = (_PACKAGE / "gallery", _PACKAGE.parent / "maps")
 
@@ -22,22 +24,12 @@ def gallery_names() -> tuple[str, ...]:
 
 
 def gallery_text(name: str) -> str:
-    """Return the TOML of a recipe of the gallery.
+    """Return the TOML of a recipe of the gallery, comments included.
 
     Parameters
     ----------
     name : str
-        One of `gallery_names`, with or without `recipe:` before it.
-
-    Returns
-    -------
-    str
-        The whole file, comments included.
-
-    Raises
-    ------
-    RecipeError
-        Where the gallery has no recipe of this name.
+        One of `gallery_names`, with or without `recipe:` before it; any other raises RecipeError.
     """
     bare = name.removeprefix(GALLERY)
     known = gallery_names()
@@ -53,3 +45,25 @@ def _folder() -> Path:
     """Return the folder of the recipes: the package's own, or that of a checkout."""
     own, checkout = _FOLDERS
     return own if own.is_dir() else checkout
+
+
+def start_recipe(kind: str) -> str:
+    """Return a commented recipe to start from, complete as it is.
+
+    Parameters
+    ----------
+    kind : str
+        One of the keys of `start_recipes`; InputError is raised for any other.
+    """
+    if kind not in KINDS:
+        way_out = suggestion(kind, KINDS, "use one of")
+        raise InputError(
+            f"there is no recipe to start from of this kind (got {kind!r}); {way_out}."
+        )
+    return (_STARTS / f"{kind}.toml").read_text(encoding="utf-8")
+
+
+@cache
+def start_recipes() -> dict[str, str]:
+    """Return the kinds of recipes to start from, and what each is, in a sentence."""
+    return {kind: start_recipe(kind).partition("\n")[0].removeprefix("# ") for kind in KINDS}

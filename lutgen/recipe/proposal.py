@@ -22,7 +22,7 @@ from lutgen.recipe.coupling import Coupling
 from lutgen.recipe.proposal_text import carrying_links, guesses, parameter_names, recipe_text
 from lutgen.recipe.recipe import Recipe, parse_recipe
 from lutgen.recipe.recognised import recognised
-from lutgen.recipe.robot_keys import MAX_CONTACTS
+from lutgen.recipe.schema import MAX_CONTACTS
 from lutgen.urdf import TOUCHING, Meshes, Motion, UrdfRobot, places, read_motion, used_shapes
 
 # Names that a sentence lists.

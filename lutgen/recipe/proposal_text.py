@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from lutgen.parts import Contact, Link
-from lutgen.recipe.robot import RESERVED
+from lutgen.recipe.rules import RESERVED
 from lutgen.urdf import TOUCHING, Couple, Motion, UrdfRobot, link_contacts, links_of
 
 # Nodes of a parameter in the sweep that is proposed, and postures of the whole; where the fewest

@@ -1,4 +1,4 @@
-"""Read and check a recipe: the robot, its sweep, and the defaults of its export.
+"""A recipe: the robot, its sweep, and the defaults of its export.
 
 A recipe is TOML; the result is a frozen ``Recipe`` with every angle in radians.  This
 file does not compute postures (`kinematics`) and writes nothing.
@@ -7,32 +7,28 @@ file does not compute postures (`kinematics`) and writes nothing.
 import hashlib
 import math
 import os
-import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-
-from lutgen import bounds
 from lutgen.chart import Chart
-from lutgen.errors import suggestion
 from lutgen.grid import Axis, Grid
 from lutgen.parts import ZERO, Contact, Force, Link, Parameter, Wheel
-from lutgen.quantities import CHANNELS, UNLOADED
+from lutgen.recipe.code import load_function
 from lutgen.recipe.gallery import GALLERY, gallery_text
-from lutgen.recipe.keys import CHARTS, SHARE, SIZE, names
-from lutgen.recipe.loads import read_com_uncertainty, read_forces, read_payloads
-from lutgen.recipe.plugin import load_function
+from lutgen.recipe.load import fail, read_tables, read_text, refuse
 from lutgen.recipe.robot import (
-    read_contacts,
-    read_home,
-    read_links,
-    read_parameters,
-    read_wheels,
+    contacts_of,
+    forces_of,
+    knots_of,
+    links_of,
+    parameters_of,
+    payloads_of,
+    wheels_of,
 )
-from lutgen.recipe.robot_keys import LENGTH_UNITS
-from lutgen.recipe.table import Table, parse_table, read_text
+from lutgen.recipe.robot_rules import contact_faults, link_faults, part_faults
+from lutgen.recipe.rules import head_faults
+from lutgen.recipe.schema import Export, File, Gravity, Robot, Sweep
 
 
 @dataclass(frozen=True)
@@ -43,7 +39,7 @@ class ExportDefaults:
     max_error: str | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Recipe:
     """A checked recipe; angles in rad, lengths in `length_unit`.
 
@@ -54,6 +50,7 @@ class Recipe:
     `rest_width` and `contact_tolerance` are None where the recipe leaves them to the size.
     `home` has the parameters of the posture that it stands in, as far as the recipe says.
     `snapped` says which contacts are not quite where the text has them, see `snap`.
+    `title` is what figures call the robot.
     """
 
     name: str
@@ -71,15 +68,20 @@ class Recipe:
     export: ExportDefaults
     text: str
     source: str
-    function: Callable[..., Any] | None = field(default=None, compare=False, repr=False)
+    function: Callable[..., Any] | None = field(default=None, compare=False)
     wheels: tuple[Wheel, ...] = ()
-    urdf: str | None = field(default=None, repr=False)
+    urdf: str | None = None
     forces: tuple[Force, ...] = ()
     com_uncertainty: float = 0.0
     rest_width: float | None = None
     contact_tolerance: float | None = None
     home: dict[str, float] = field(default_factory=dict)
     snapped: tuple[str, ...] = field(default=(), compare=False)
+    title: str | None = None
+
+    def __repr__(self) -> str:
+        names = ", ".join(p.name for p in self.parameters) or "no parameters"
+        return f"<Recipe {self.name!r}: {len(self.contacts)} contacts, {names}, {self.source}>"
 
     def __hash__(self) -> int:
         # Of the text alone: the robot is looked up by its recipe in every evaluation.
@@ -170,209 +172,89 @@ def parse_recipe(
     Recipe
         Checked; a text with any fault raises RecipeError.
     """
-    root = parse_table(text, source, names(""))
-    robot = root.table("robot", names("robot"), "add a [robot] table")
-    name = robot.string("name", "name the robot")
-    length_unit = robot.string("length_unit", "use one of: m, cm, mm, 1", LENGTH_UNITS)
-    friction = robot.number("friction", "write a number above 0") if "friction" in robot else None
-    if friction is not None and friction <= 0.0:
-        robot.fail("friction", "must be above 0", friction, "leave it out if it is not known")
-    upright = robot.number("upright", "write an angle in deg", 80.0)
-    if not 0.0 < upright <= 180.0:
-        robot.fail("upright", "must lie in (0, 180] deg", upright, "use 80, or 180 for no limit")
-    rock_angle = robot.number("rock_angle", "write an angle in deg", 30.0)
-    if not 0.0 <= rock_angle <= 45.0:
-        why = "must lie in [0, 45] deg: a mass that falls from balance leaves its pivot at 48.2 deg"
-        robot.fail("rock_angle", why, rock_angle, "30 is the default")
-    rest_width = _read_length(robot, "rest_width", "leave it out for 1 % of the size")
-    tolerance = _read_length(robot, "contact_tolerance", "leave it out for 1e-4 of the size")
-    parameters = read_parameters(robot, length_unit)
-    home = read_home(robot, parameters)
-    python = robot.string("python", "write module:function") if "python" in robot else None
-    sweep = root.table("sweep", names("sweep"), "add a [sweep] table")
-    grid = _read_grid(sweep, parameters)
-    chart, channels = _read_gravity(sweep)
-    export = _read_export(root)
-    function = content = None
-    com_uncertainty = read_com_uncertainty(robot)
-    if "urdf" in robot:
-        robot.refuse(("python", "link"), "cannot be combined with `robot.urdf`", "remove it")
+    file = read_tables(text, source, File)
+    robot, gravity, export = file.robot, file.sweep.gravity, file.export or Export()
+    faults = list(head_faults(file))
+    if robot.urdf is not None or robot.python is not None:
+        # What follows opens files or runs code.
+        refuse(source, faults)
+    parameters = parameters_of(robot)
+    function = None
+    links: tuple[Link, ...] = (Link("body"),)
+    shapes: dict[int, list[Contact]] = {}
+    if robot.urdf is not None:
         # What reads descriptions takes a while to import, and few recipes have one.
-        from lutgen.recipe.described import read_content, read_urdf
+        from lutgen.recipe.described import links_and_shapes, read_description
 
-        content = read_content(robot, inert) if urdf is None else urdf
-        links, contacts = read_urdf(robot, parameters, content)
-    elif python is None:
-        links = read_links(robot, parameters)
-        contacts = read_contacts(robot, links)
-    else:
-        # Code gives places only: which way an axle on them points is not known.
-        robot.refuse(
-            ("link", "contact", "wheel", "payload", "force"),
-            "cannot be combined with `robot.python`",
-            "remove it",
-        )
+        if urdf is None and inert:
+            what, way_out = "is not stored beside the recipe", "sweep the recipe again"
+            fail(source, "robot.urdf", what, robot.urdf, way_out)
+        urdf = read_description(source, robot.urdf) if urdf is None else urdf
+        links, shapes = links_and_shapes(robot, parameters, urdf, source)
+    contacts = contacts_of(robot, shapes)
+    if robot.python is not None:
         count = 0
         if not inert:
-            function, count = load_function(robot, python, parameters, allow_python)
-        links = (Link("body"),)
+            function, count = load_function(source, robot.python, parameters, allow_python)
         contacts = tuple(Contact(f"P{i}", "body", ZERO) for i in range(1, count + 1))
-    wheels = read_wheels(robot, contacts)
-    forces = read_forces(robot, links)
-    links = read_payloads(robot, links)
+    else:
+        carriers = robot.link if robot.urdf is None else links
+        names = dict.fromkeys(["body", *(link.name for link in carriers)])
+        faults += link_faults(robot) if robot.urdf is None else ()
+        faults += contact_faults(robot, names)
+        faults += part_faults(robot, names, any(link.mass for link in carriers), contacts, shapes)
+        refuse(source, faults)
+        links = links_of(robot) if robot.urdf is None else links
     recipe = Recipe(
-        name,
-        length_unit,
-        friction,
-        math.radians(upright),
-        math.radians(rock_angle),
-        parameters,
-        links,
-        contacts,
-        python,
-        grid,
-        chart,
-        channels,
-        export,
-        text,
-        source,
-        function,
-        wheels,
-        content,
-        forces,
-        com_uncertainty,
-        rest_width,
-        tolerance,
-        home,
+        name=robot.name,
+        length_unit=robot.length_unit,
+        friction=robot.friction,
+        upright=math.radians(robot.upright),
+        rock_angle=math.radians(robot.rock_angle),
+        parameters=parameters,
+        links=(*links, *payloads_of(robot)),
+        contacts=contacts,
+        python=robot.python,
+        grid=_grid(file.sweep, robot),
+        chart=_chart(gravity),
+        channels=tuple(gravity.channels or file.sweep.channels or ()),
+        export=ExportDefaults(_text(export.flash), _text(export.max_error)),
+        text=text,
+        source=source,
+        function=function,
+        wheels=wheels_of(robot, contacts),
+        urdf=urdf if robot.urdf is not None else None,
+        forces=forces_of(robot),
+        com_uncertainty=robot.com_uncertainty,
+        rest_width=robot.rest_width,
+        contact_tolerance=robot.contact_tolerance,
+        home={p.name: p.stored(robot.home[p.name]) for p in parameters if p.name in robot.home},
+        title=robot.title,
     )
-    sweep.at_most("samples", recipe.nodes, bounds.NODES)
-    undefined = [name for name in UNLOADED if name in channels]
-    if recipe.loaded and undefined:
-        sweep.fail(
-            "channels",
-            f"{undefined[0]} is not defined under a force or with com_uncertainty",
-            list(channels),
-            "leave it out",
-        )
     # The size, of which tolerances are parts, is that of a recipe.
     from lutgen.recipe.snap import snap
 
     return snap(recipe)
 
 
-def _read_length(robot: Table, key: str, way_out: str) -> float | None:
-    """Read a length of [robot] that may be left out."""
-    if key not in robot:
-        return None
-    value = robot.number(key, way_out)
-    if value < 0.0:
-        robot.fail(key, "must not be negative", value, way_out)
-    return value
-
-
-def _read_grid(sweep: Table, parameters: tuple[Parameter, ...]) -> Grid:
-    """Read `samples` of [sweep]: nodes or knots of each parameter."""
-    known = [p.name for p in parameters]
-    if not known and "samples" not in sweep:
-        return Grid(())
-    samples = sweep.need("samples", f"give the nodes of each parameter: {', '.join(known)}")
-    if not isinstance(samples, dict):
-        sweep.fail("samples", "must be a table", samples, "write samples = { name = 50 }")
-    for name in samples:
-        if name not in known:
-            way_out = suggestion(name, known, "use one of")
-            sweep.fail(f"samples.{name}", "is not a parameter of the robot", name, way_out)
-    table = Table(samples, sweep.source, sweep.path("samples"), known)
-    return Grid(tuple(Axis(p.name, p.unit, _read_knots(table, p)) for p in parameters))
-
-
-def _read_knots(samples: Table, parameter: Parameter) -> np.ndarray[Any, np.dtype[np.float64]]:
-    """Return the knots of one parameter in rad or length."""
-    name = parameter.name
-    way_out = "give a number of nodes or a list of knots"
-    value = samples.need(name, way_out)
-    if isinstance(value, list):
-        if len(value) < 2:
-            samples.fail(name, "needs at least 2 knots", value, "add knots")
-        numbers = [samples.as_number(f"{name}[{i}]", v, way_out) for i, v in enumerate(value, 1)]
-        knots = [parameter.stored(number) for number in numbers]
-        for i, knot in enumerate(knots):
-            if i and knot <= knots[i - 1]:
-                samples.fail(f"{name}[{i + 1}]", "does not increase", numbers[i], "sort the knots")
-            if not parameter.minimum <= knot <= parameter.maximum:
-                samples.fail(
-                    f"{name}[{i + 1}]",
-                    "lies outside the parameter's min and max",
-                    numbers[i],
-                    "widen the limits or remove the knot",
-                )
-        return np.array(knots)
-    count = samples.integer(name, way_out)
-    if count < 2:
-        samples.fail(name, "needs at least 2 nodes", count, "use 2 or more")
-    samples.at_most(name, count, bounds.KNOTS)
-    evenly = np.linspace(parameter.minimum, parameter.maximum, count)
-    if not (np.diff(evenly) > 0.0).all():
-        problem = "has nodes that are one and the same number, so close are the parameter's limits"
-        samples.fail(name, problem, count, "move min and max apart, or use fewer nodes")
-    return evenly
-
-
-def _read_gravity(sweep: Table) -> tuple[Chart, tuple[str, ...]]:
-    """Read ``[sweep.gravity]`` and the channels, which may stand there or in ``[sweep]``."""
-    table = sweep.table("gravity", names("sweep.gravity"), "add a [sweep.gravity] table")
-    kind = table.string("chart", "use cone or sphere", CHARTS)
-    nodes = table.integer("nodes", "write the nodes per side of a face")
-    fewest = 1 if kind == "cone" else 2
-    if nodes < fewest:
-        table.fail("nodes", f"must be {fewest} or more for the {kind}", nodes, "use more nodes")
-    table.at_most("nodes", nodes, bounds.SIDE)
-    if kind == "sphere":
-        table.refuse(("max_tilt",), "belongs to the cone only", "remove it")
-        chart = Chart(kind, nodes)
-    else:
-        tilt = table.number("max_tilt", "write the largest tilt in deg")
-        if not 0.0 < tilt <= 85.0:
-            table.fail(
-                "max_tilt",
-                "must lie in (0, 85] deg",
-                tilt,
-                "use the chart 'sphere' for larger tilts",
-            )
-        chart = Chart(kind, nodes, math.radians(tilt))
-    if "channels" in table:
-        sweep.refuse(("channels",), "is given in [sweep.gravity] too", "keep one of them")
-    where = sweep if "channels" in sweep else table
-    channels = where.strings("channels", f"choose from: {', '.join(CHANNELS)}")
-    for i, channel in enumerate(channels, 1):
-        if channel not in CHANNELS:
-            way_out = suggestion(channel, CHANNELS, "choose from")
-            where.fail(f"channels[{i}]", "is not a channel", channel, way_out)
-        if channel in channels[: i - 1]:
-            where.fail(f"channels[{i}]", "is given twice", channel, "remove one")
-    return chart, tuple(channels)
-
-
-def _read_export(root: Table) -> ExportDefaults:
-    """Read ``[export]``, which may be absent."""
-    if "export" not in root:
-        return ExportDefaults()
-    table = root.table("export", names("export"), "write an [export] table")
-    return ExportDefaults(
-        _quantity(table, "flash", SIZE, "write bytes or '16KiB'"),
-        _quantity(table, "max_error", SHARE, "write '1%' or 0.01"),
+def _grid(sweep: Sweep, robot: Robot) -> Grid:
+    samples = sweep.samples or {}
+    return Grid(
+        tuple(
+            Axis(internal.name, internal.unit, knots_of(one, samples[one.name]))
+            for one, internal in zip(robot.parameter, parameters_of(robot), strict=True)
+        )
     )
 
 
-def _quantity(table: Table, name: str, pattern: str, way_out: str) -> str | None:
-    """Return a size or share above 0 as text; a bare number becomes text too."""
-    if name not in table:
+def _chart(gravity: Gravity) -> Chart:
+    if gravity.max_tilt is None:
+        return Chart(gravity.chart, gravity.nodes)
+    return Chart(gravity.chart, gravity.nodes, math.radians(gravity.max_tilt))
+
+
+def _text(value: str | float | None) -> str | None:
+    """Return a quantity as text, a bare number without a needless ".0"."""
+    if value is None:
         return None
-    value = table.values[name]
-    text = value if isinstance(value, str) else repr(table.as_number(name, value, way_out))
-    if isinstance(value, int) or text.endswith(".0"):
-        text = str(value) if isinstance(value, int) else text[:-2]
-    match = re.fullmatch(pattern, text.strip())
-    if match is None or not re.search(r"[1-9]", text.partition("e")[0]):
-        table.fail(name, "is not a quantity above 0", value, way_out)
-    return text.strip()
+    return value.strip() if isinstance(value, str) else repr(value).removesuffix(".0")

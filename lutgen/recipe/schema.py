@@ -1,214 +1,326 @@
-"""The JSON Schema of recipes, made from the table of their keys: editors complete and check by it.
+"""Every key of a recipe, once: its type, unit, interval, meaning and an example.
 
-Owns what a schema can say of the rules between keys.  What it cannot say, such as that a name is
-that of a link, only `parse_recipe` refuses.
+The parser, the JSON Schema and the tables of the reference come from these models.  What keys
+demand of each other is in `rules`.
 """
 
 import math
-from typing import Any
+from typing import Annotated, Any, Literal, get_args
 
-from lutgen.recipe.key import Key, toml_value
-from lutgen.recipe.keys import KEYS
-from lutgen.recipe.robot_keys import MAX_CONTACTS
+from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
+from pydantic.json_schema import GenerateJsonSchema
+from pydantic_core import PydanticCustomError, core_schema
 
-Schema = dict[str, Any]
+from lutgen import bounds
+from lutgen.quantities import CHANNELS
 
-DRAFT = "https://json-schema.org/draft/2020-12/schema"
-THREE: Schema = {
-    "type": "array",
-    "items": {"type": "number"},
-    "minItems": 3,
-    "maxItems": 3,
-}
-NODES: Schema = {"type": "integer", "minimum": 2}
-KNOTS: Schema = {"type": "array", "items": {"type": "number"}, "minItems": 2}
-SCALE: Schema = {"type": "number", "not": {"const": 0}}
-STEP: Schema = {
-    "type": "object",
-    "properties": {"scale": SCALE, "offset": {"type": "number"}},
-    "additionalProperties": False,
-}
-# What the values of keys are, but tables with keys of their own.
-TYPES: dict[str, Schema] = {
-    "text": {"type": "string", "pattern": r"\S"},
-    "number": {"type": "number"},
-    "whole number": {"type": "integer"},
-    "true or false": {"type": "boolean"},
-    "vector": THREE,
-    # One of three numbers is not 0.
-    "direction": {**THREE, "contains": {"not": {"const": 0}}},
-    "names": {"type": "array", "minItems": 1, "uniqueItems": True},
-    "quantity": {"type": ["string", "number"]},
-    "values": {"type": "object", "additionalProperties": {"type": "number"}},
-    "drive": {
-        "type": "object",
-        "minProperties": 1,
-        "additionalProperties": {"anyOf": [SCALE, STEP]},
-    },
-    "samples": {"type": "object", "additionalProperties": {"anyOf": [NODES, KNOTS]}},
-}
+MAX_CONTACTS = bounds.CONTACTS.most
+ZEROS = [0.0, 0.0, 0.0]
+# What texts must match, and what is said of those that do not.
+TEXT = r"\S"
+IDENTIFIER = r"^[A-Za-z][A-Za-z0-9_]*$(?!\n)"
+SIZE = r"^(?=[^eE]*[1-9])\s*[0-9]+(\.[0-9]+)? ?(B|[kK]i?B|Mi?B)?\s*$"
+SHARE = r"^(?=[^eE]*[1-9])\s*[0-9]*\.?[0-9]+([eE][-+]?[0-9]+)? ?%?\s*$"
+PATTERNS = {TEXT: "must not be empty", IDENTIFIER: "is not an identifier"}
+_BIG = float(bounds.MAGNITUDE.most)
+_NOT_ZERO: dict[str, Any] = {"not": {"const": 0}}
 
 
-def _without(*keys: str) -> Schema:
-    """Return the schema of a table that has none of these keys."""
-    return {"properties": dict.fromkeys(keys, False)}
+def _directed(values: list[float]) -> list[float]:
+    if not 0.0 < math.hypot(*values) < math.inf:
+        raise PydanticCustomError("direction", "must have a length above 0")
+    return values
 
 
-def _is(key: str, value: str) -> Schema:
-    """Return the schema of a table whose key is there with this value."""
-    return {"required": [key], "properties": {key: {"const": value}}}
+def _acting(value: float) -> float:
+    if value == 0.0:
+        raise PydanticCustomError("factor", "must not be zero")
+    return value
 
 
-def _has(key: str) -> Schema:
-    return {"required": [key]}
+def _either(kind: type) -> Discriminator:
+    """Return what chooses from a union; its tags are no keys, and messages leave them out."""
+    return Discriminator(lambda value: "|yes" if isinstance(value, kind) else "|no")
 
 
-def _items(key: str, schema: Schema) -> Schema:
-    """Return the schema of a table in whose array every entry is so."""
-    return {"properties": {key: {"items": schema}}}
+def _in(unit: str) -> Any:
+    """Return what adds a unit to a type."""
+    return Field(json_schema_extra={"x-unit": unit})
 
 
-PARAMETERS: Schema = {
-    "properties": {
-        "robot": {"required": ["parameter"], "properties": {"parameter": {"minItems": 1}}}
-    },
-    "required": ["robot"],
-}
-OF_ITS_OWN: Schema = {
-    **_has("contact"),
-    "properties": {
-        "contact": {
-            "minItems": 3,
-            "maxItems": MAX_CONTACTS,
-            "items": {"required": ["name", "position"]},
-        }
-    },
-}
-# Rules between the keys of a table.
-RULES: dict[str, list[Schema]] = {
-    "": [{"if": PARAMETERS, "then": {"properties": {"sweep": _has("samples")}}}],
-    "robot": [
-        {
-            "if": _has("urdf"),
-            "then": {**_is("length_unit", "m"), "allOf": [_without("python", "link")]},
-            "else": _items("parameter", _without("joint", "drive")),
-        },
-        {
-            "if": _has("python"),
-            "then": _without("link", "contact", "wheel", "payload", "force"),
-            "else": {"if": {"not": _has("urdf")}, "then": OF_ITS_OWN, "else": _has("contact")},
-        },
-    ],
-    "robot.parameter": [{"if": _has("drive"), "then": _without("joint")}],
-    "robot.link": [
-        {
-            "if": _is("name", "body"),
-            "then": _without("parent", "origin", "rpy", "joint"),
-            "else": _has("parent"),
-        },
-        {"dependentRequired": {"com": ["mass"]}},
-    ],
-    "robot.link.joint": [
-        {
-            "if": _is("type", "none"),
-            "then": _without("axis", "parameter", "scale", "offset"),
-            "else": {"required": ["axis", "parameter"]},
-        },
-        {"properties": {"scale": {"not": {"const": 0}}}},
-    ],
-    "robot.contact": [
-        {
-            "if": _has("axis"),
-            "then": {**_has("radius"), "properties": {"radius": {"exclusiveMinimum": 0}}},
-        },
-        {"if": {"not": _has("position")}, "then": _without("radius", "axis")},
-    ],
-    "robot.wheel": [{"if": _has("rollers"), "then": {"properties": {"steered": {"const": False}}}}],
-    "sweep": [{"oneOf": [_has("channels"), {"properties": {"gravity": _has("channels")}}]}],
-    "sweep.gravity": [
-        {
-            "if": _is("chart", "sphere"),
-            "then": {**_without("max_tilt"), "allOf": [{"properties": {"nodes": {"minimum": 2}}}]},
-            "else": _has("max_tilt"),
-        }
-    ],
-}
+LengthUnit = Literal["m", "cm", "mm", "1"]
+LENGTH_UNITS: tuple[str, ...] = get_args(LengthUnit)
+ANGLE_UNITS = ("deg", "rad")
+Unit = Literal["deg", "rad", LengthUnit]
+Channel = Literal[CHANNELS]  # type: ignore[valid-type]
+Channels = Annotated[list[Channel], Field(min_length=1, json_schema_extra={"uniqueItems": True})]
+Text = Annotated[str, Field(pattern=TEXT)]
+Flag = Annotated[bool, Strict()]
+Finite = Annotated[float, Strict(), Field(allow_inf_nan=False)]
+Number = Annotated[Finite, Field(ge=-_BIG, le=_BIG)]
+Positive = Annotated[Finite, Field(gt=0, le=_BIG)]
+NotNegative = Annotated[Finite, Field(ge=0, le=_BIG)]
+Factor = Annotated[Number, AfterValidator(_acting), Field(json_schema_extra=_NOT_ZERO)]
+OfParameter = Annotated[Number, _in("in its `unit`")]
+Length = Annotated[NotNegative, _in("length_unit")]
+Mass = Annotated[NotNegative, _in("kg")]
+Radius = Annotated[Positive, _in("length_unit")]
+Vector = Annotated[list[Number], Field(min_length=3, max_length=3)]
+Place = Annotated[Vector, _in("length_unit")]
+Sides = Annotated[list[Positive], Field(min_length=3, max_length=3), _in("length_unit")]
+Direction = Annotated[
+    Vector, AfterValidator(_directed), Field(json_schema_extra={"contains": _NOT_ZERO})
+]
+Nodes = Annotated[int, Strict(), Field(ge=2, le=bounds.KNOTS.most)]
+Knots = Annotated[list[Number], Field(min_length=2)]
+Sampled = Annotated[Annotated[Knots, Tag("|yes")] | Annotated[Nodes, Tag("|no")], _either(list)]
+Size = Annotated[str, Field(pattern=SIZE), Tag("|yes")]
+Share = Annotated[str, Field(pattern=SHARE), Tag("|yes")]
+Bytes = Annotated[Finite, Field(ge=1, le=_BIG), Tag("|no")]
 
 
-def recipe_schema() -> Schema:
+def key(meaning: str, example: object, default: object = ...) -> Any:
+    """Return a key that a table needs: its meaning, and a value that it may have."""
+    return Field(default, description=meaning, examples=None if example is None else [example])
+
+
+def may(meaning: str, example: object, default: object = None) -> Any:
+    """Return a key that a table may have."""
+    return key(meaning, example, default)
+
+
+def tables(meaning: str) -> Any:
+    """Return a key of an array of tables."""
+    return Field([], description=meaning, max_length=bounds.ENTRIES.most)
+
+
+class Table(BaseModel):
+    """A table, which has the keys that are listed and no other."""
+
+    model_config = ConfigDict(extra="forbid", regex_engine="python-re", defer_build=True)
+
+
+class Step(Table):
+    """How a joint follows a parameter."""
+
+    scale: Factor = may("Radians or metres for one of the parameter; not 0.", -1.0, 1.0)
+    offset: OfParameter = may("Where the joint is at parameter 0.", 10.0, 0.0)
+
+
+Driven = Annotated[Annotated[Step, Tag("|yes")] | Annotated[Factor, Tag("|no")], _either(dict)]
+
+
+class Parameter(Table):
+    """What the robot can change: an axis of the map."""
+
+    name: Annotated[str, Field(pattern=IDENTIFIER)] = key("Letters, digits and _.", "lift")
+    min: OfParameter = key("Where the map begins.", -10.0)
+    max: OfParameter = key("Where the map ends, above `min`.", 50.0)
+    unit: Unit = key("An angle, or the robot's `length_unit`.", "deg")
+    joint: Text | None = may("The joint of the URDF, else that of its own name.", "hinge")
+    drive: Annotated[dict[str, Driven], Field(min_length=1)] | None = may(
+        "Several joints of the URDF that it moves: of each its scale, or scale and offset.",
+        {"left_hip": 1.0, "right_hip": {"scale": -1.0, "offset": 10.0}},
+    )
+    meaning: Text | None = may("What its values mean, for figures.", "0: ahead, 90: up")
+
+
+class Joint(Table):
+    """How a link moves against its parent."""
+
+    type: Literal["revolute", "prismatic", "none"] = key(
+        "It turns about its axis, is pushed along it, or does not move.", "revolute"
+    )
+    axis: Direction | None = may("In the link's frame; needed where it moves.", [0, 1, 0])
+    parameter: Text | None = may("What drives it; several joints may share one.", "lift")
+    scale: Factor = may("The joint is at `scale` times the parameter plus `offset`.", -1.0, 1.0)
+    offset: OfParameter = may("Where the joint is at parameter 0.", 90.0, 0.0)
+
+
+class Link(Table):
+    """A rigid part; all make a tree with the root `body`."""
+
+    name: Text = key("A name of its own; `body` is the root.", "leg")
+    parent: Text | None = may("What carries it; every link but `body` has one.", "body")
+    origin: Place = may("Where it is in its parent.", [0.3, 0, 0], ZEROS)
+    rpy: Annotated[Vector, _in("deg")] = may(
+        "How it is turned in its parent: roll, pitch, yaw about fixed axes.", [0, 0, 180], ZEROS
+    )
+    joint: Joint | None = may(
+        "How it moves against its parent; without it, it is fixed.",
+        {"type": "revolute", "axis": [0, 1, 0], "parameter": "lift"},
+    )
+    mass: Mass = may("Any unit will do where no force acts.", 0.75, 0.0)
+    com: Place = may(
+        "Its centre of mass; without any masses that of all is the origin.", [0.08, 0, 0], ZEROS
+    )
+    shape: Sides | None = may("Sides of a box about its com, for figures.", [0.5, 0.3, 0.1])
+
+
+class Contact(Table):
+    """A place that can touch the ground: a point, a sphere or a disc."""
+
+    name: Text | None = may("Its own; for the shapes of a link the first part.", "front_left")
+    link: Text = key("The link that it is on.", "body")
+    position: Place | None = may(
+        "Its centre in the link's frame; under a `urdf` else by the link's shapes.", [0.25, 0.2, 0]
+    )
+    radius: Length = may(
+        "Above 0 it is a sphere, with an `axis` a disc: a wheel, or one end of a track.", 0.09, 0.0
+    )
+    axis: Direction | None = may("The axle of a disc, in the link's frame.", [0, 1, 0])
+    rolling: Flag = may(
+        "It turns freely, without a brake; changes no map and no export.", True, False
+    )
+    width: Radius | None = may("Of a disc along its axle, for figures.", 0.1)
+    belt: Text | None = may("Discs of one belt are drawn as a track, for figures.", "left")
+
+
+class Wheel(Table):
+    """A contact that is driven, for `lutgen wheels`."""
+
+    contact: Text = key("The contact with which it touches the ground.", "front_left")
+    axis: Direction | None = may("Its axle, in the link's frame; of a disc its own.", [0, 1, 0])
+    radius: Radius | None = may("The rolling radius; of a disc its own.", 0.09)
+    steered: Flag = may("It may turn about the ground's normal.", True, False)
+    rollers: Annotated[Finite, Field(gt=-90, lt=90), _in("deg")] | None = may(
+        "From the rolling direction to its rollers' axes: 0 omniwheel, 45 mecanum wheel.", 45.0
+    )
+
+
+class Payload(Table):
+    """What the robot carries."""
+
+    name: Text = key("A name that no link has.", "load")
+    link: Text = key("The link that carries it.", "body")
+    position: Place = key("In the link's frame.", [0, 0, 0.3])
+    mass: Annotated[Positive, _in("kg")] = key("In the unit of the links' masses.", 5.0)
+
+
+class Force(Table):
+    """What pulls at the robot."""
+
+    name: Text = key("A name of its own.", "rope")
+    link: Text = key("The link that it pulls at.", "body")
+    position: Place = key("Where it acts, in the link's frame.", [-0.3, 0, 0])
+    force: Annotated[Vector, _in("N")] = key("Along the body's axes.", [-20, 0, 0])
+    moment: Annotated[Vector, _in("N length_unit")] = may(
+        "Along the body's axes.", [0, 0, 1], ZEROS
+    )
+
+
+class Robot(Table):
+    """What the robot is."""
+
+    name: Text = key("What the robot is called.", "rover")
+    length_unit: LengthUnit = key("The unit of all lengths, 1 for ratios.", "m")
+    friction: Positive | None = may(
+        "Coefficient of all braked contacts; says what slides, changes no verdict.", 0.6
+    )
+    upright: Annotated[Finite, Field(gt=0, le=180), _in("deg")] = may(
+        "A facet counts when its normal is less than this from the body's -z.", 180.0, 80.0
+    )
+    rock_angle: Annotated[Finite, Field(ge=0, le=45), _in("deg")] = may(
+        "The largest turn of a roll from rest to rest over which it may rock.", 0.0, 30.0
+    )
+    rest_width: Length | None = may(
+        "How wide a facet's polygon must be to be a rest; by default 1 % of the size.", 0.005
+    )
+    contact_tolerance: Length | None = may(
+        "Contacts this far from a facet's plane carry; by default 1e-4 of the size.", 0.0001
+    )
+    com_uncertainty: Length = may(
+        "The com lies within this of the computed one; no `energy_margin` then.", 0.02, 0.0
+    )
+    home: dict[str, OfParameter] = may(
+        "The posture to stand in; what it leaves out is amid its range.", {"lift": 20.0}, {}
+    )
+    urdf: Text | None = may("A description beside the recipe, instead of links.", "robot.urdf")
+    python: Text | None = may(
+        "Code that places the contacts, module:function; needs `--allow-python`.", "rover:postures"
+    )
+    title: Text | None = may("What figures call the robot, if not its name.", "Rover, 2nd")
+    parameter: list[Parameter] = tables("What the robot can change, in the order of the axes.")
+    link: list[Link] = tables("Rigid parts, a tree with the root `body`.")
+    contact: list[Contact] = tables(f"Places that can touch the ground, 3 to {MAX_CONTACTS}.")
+    wheel: list[Wheel] = tables("Contacts that are driven, for `lutgen wheels`.")
+    payload: list[Payload] = tables("What the robot carries.")
+    force: list[Force] = tables("What pulls at it; no export and no `energy_margin` then.")
+
+
+class Gravity(Table):
+    """Which directions the map has."""
+
+    chart: Literal["cone", "sphere"] = key("Tilts up to `max_tilt`, or every direction.", "cone")
+    max_tilt: Annotated[Finite, Field(gt=0, le=85), _in("deg")] | None = may(
+        "The largest tilt of a cone, which needs it; a sphere has none.", 60.0
+    )
+    nodes: Annotated[int, Strict(), Field(ge=1, le=bounds.SIDE.most)] = key(
+        "Along a side of a face; 2 or more of a sphere, which has six faces.", 33
+    )
+    channels: Channels | None = may("What the map holds; here or in `[sweep]`.", ["sdg"])
+
+
+class Sweep(Table):
+    """What the map holds."""
+
+    samples: dict[str, Sampled] | None = may(
+        "Of each parameter its nodes, both ends included, or its knots.",
+        {"lift": 37, "reach": [0.0, 0.1, 0.4]},
+    )
+    gravity: Gravity = key("Which directions the map has.", None)
+    channels: Channels | None = may("What the map holds; here or in `[sweep.gravity]`.", ["sdg"])
+
+
+class Export(Table):
+    """What `lutgen export` uses where its options say nothing."""
+
+    flash: Annotated[Size | Bytes, _either(str)] | None = may(
+        "The most bytes of tables and code: a number, or a text with B, kB, KiB or MiB.", "16KiB"
+    )
+    max_error: Annotated[Share | Annotated[Positive, Tag("|no")], _either(str)] | None = may(
+        "The largest error of the stability factor: a length, or with % a share of its range.", "1%"
+    )
+
+
+class File(Table):
+    """A recipe of lutgen."""
+
+    robot: Robot = key("What the robot is.", None)
+    sweep: Sweep = key("What its map holds.", None)
+    export: Export | None = may("Defaults of `lutgen export`.", None)
+
+
+class _Writer(GenerateJsonSchema):
+    """Writes what TOML can say, in the order of the keys: it has no null."""
+
+    def sort(self, value: Any, parent_key: str | None = None) -> Any:
+        return value
+
+    def field_title_should_be_set(self, schema: Any) -> bool:
+        return False
+
+    def nullable_schema(self, schema: core_schema.NullableSchema) -> dict[str, Any]:
+        return self.generate_inner(schema["schema"])
+
+    def default_schema(self, schema: core_schema.WithDefaultSchema) -> dict[str, Any]:
+        if schema.get("default", ...) is None:
+            return self.generate_inner(schema["schema"])
+        return super().default_schema(schema)
+
+
+def recipe_schema() -> dict[str, Any]:
     """Return the JSON Schema of recipes, draft 2020-12, as plain lists and dicts.
 
     Returns
     -------
     dict
-        It accepts what `parse_recipe` accepts, and refuses unknown keys, wrong types and numbers
-        out of their intervals.  It does not know which names there are, whether limits and knots
-        increase, NaN, and that 3.0 is no whole number.
+        It knows keys, types and intervals.  What keys demand of each other, such as that a name
+        is that of a link, only `parse_recipe` refuses.
 
     Examples
     --------
-    >>> recipe_schema()["properties"]["robot"]["properties"]["friction"]["exclusiveMinimum"]
+    >>> recipe_schema()["$defs"]["Robot"]["properties"]["friction"]["exclusiveMinimum"]
     0.0
     """
-    return {"$schema": DRAFT, "title": "Recipe of lutgen", **_table("")}
-
-
-def _table(table: str) -> Schema:
-    """Return the schema of a table."""
-    result: Schema = {
-        "type": "object",
-        "properties": {key.name: _entry(table, key) for key in KEYS[table]},
-        "additionalProperties": False,
-    }
-    needed = [key.name for key in KEYS[table] if key.needed]
-    if needed:
-        result["required"] = needed
-    if table in RULES:
-        result["allOf"] = RULES[table]
-    return result
-
-
-def _entry(table: str, key: Key) -> Schema:
-    """Return the schema of a key, with what an editor shows of it."""
-    result: Schema = {"description": _description(key)}
-    below = f"{table}.{key.name}".lstrip(".")
-    if key.type == "table":
-        return result | _table(below)
-    if key.type == "tables":
-        return result | {"type": "array", "items": _table(below)}
-    result |= TYPES[key.type]
-    if key.type == "names":
-        result["items"] = {"enum": list(key.choices)}
-    elif key.choices:
-        result["enum"] = list(key.choices)
-    if key.pattern:
-        # The ends of a quantity may be blank.
-        result["pattern"] = rf"^\s*({key.pattern})\s*$"
-    if key.type == "quantity":
-        result["allOf"] = [{"pattern": "^[^eE]*[1-9]"}]
-    result |= {name: end for name, end in _bounds(key).items() if math.isfinite(end)}
-    if key.default_value is not None:
-        result["default"] = key.default_value
-    result["examples"] = [toml_value(key.example)]
-    return result
-
-
-def _bounds(key: Key) -> dict[str, float]:
-    """Return both ends of a key's interval under the names that a schema gives them."""
-    low, high = key.closed
-    names = "minimum" if low else "exclusiveMinimum", "maximum" if high else "exclusiveMaximum"
-    return dict(zip(names, key.interval, strict=True))
-
-
-def _description(key: Key) -> str:
-    """Return what an editor says of a key: meaning, unit, default and cost."""
-    parts = [key.meaning]
-    if key.unit:
-        parts.append(f"Unit: {key.unit}.")
-    if key.default.startswith("needed"):
-        parts.append(f"{key.default.capitalize()}.")
-    elif key.default and key.default_value is None:
-        parts.append(f"Default: {key.default}.")
-    if key.costs:
-        parts.append(f"Costs: {key.costs}.")
-    return " ".join(parts)
+    return {"$schema": _Writer.schema_dialect, **File.model_json_schema(schema_generator=_Writer)}

@@ -48,11 +48,13 @@ def test_the_recipes_limits_count() -> None:
     assert upright[0, 0] < 0.0 < anyhow[0, 0]
 
 
-def test_parameters_outside_the_recipes_range_are_computed_like_any_other() -> None:
-    recipe = lutgen.parse_recipe(tripod())
-    inside, outside = lutgen.evaluate(recipe, [[0.6, 0.0], [2.0, 0.0]], DOWN, ("height",))["height"]
-    assert inside[0] != outside[0]
-    assert np.isfinite(outside[0])
+def test_parameters_beyond_their_limits_are_refused_such_as_degrees_for_radians() -> None:
+    recipe = lutgen.parse_recipe(tripod(), "r.toml")
+    with pytest.raises(InputError, match=r"r\.toml: parameter `swing` must lie in -0\.69"):
+        lutgen.evaluate(recipe, [[0.6, 0.0], [0.6, 50.0]], DOWN)
+    # The ends belong to the range, as they come out of degrees.
+    ends = [[0.0, np.radians(-40.0)], [0.6, np.radians(50.0)]]
+    assert np.isfinite(lutgen.evaluate(recipe, ends, DOWN, ("tip_angle",))["tip_angle"]).all()
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from lutgen.channels.scan import Scanner, scan
 from lutgen.chart import Chart
 from lutgen.cli import main
 from lutgen.quantities import CHANNELS
-from lutgen.recipe.start import start_recipe
+from lutgen.recipe import start_recipe
 from lutgen.support import acceptance, pack
 
 GALLERY = sorted((Path(__file__).parents[2] / "maps").glob("*.toml"))

@@ -265,7 +265,8 @@ def test_the_alarm_goes_from_clear_to_danger_and_back_with_hysteresis(folder: Pa
         places = [int(line[4:9]) for line in lines[1:]]
         assert max(places) < 32000
         # It falls at smaller angles than it rises.
-        assert places[1] > places[4] and places[2] > places[3]
+        assert places[1] > places[4]
+        assert places[2] > places[3]
         assert len((folder / name / "examples" / "alarm.c").read_text().splitlines()) <= 130
 
 

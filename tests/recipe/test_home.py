@@ -1,6 +1,5 @@
 """The key `home`: what it may hold, and which commands and figures stand there."""
 
-import hashlib
 import json
 import math
 from pathlib import Path
@@ -9,11 +8,10 @@ import numpy as np
 import pytest
 
 import lutgen
-from lutgen.errors import RecipeError
 from lutgen.plot import draw
 from tests.fixtures.commands import data
 from tests.fixtures.commands import stdout as said_by
-from tests.fixtures.places import MAPS, VECTORS
+from tests.fixtures.places import VECTORS
 from tests.fixtures.recipes import tripod
 from tests.fixtures.robots import collision, link
 
@@ -46,34 +44,6 @@ def test_the_ends_of_a_range_are_in_it() -> None:
         home = f"home = {{ reach = {reach}, swing = {swing} }}"
         recipe = lutgen.parse_recipe(tripod(head=home))
         assert recipe.home_params == (reach, math.radians(swing))
-
-
-@pytest.mark.parametrize(
-    ("home", "said"),
-    [
-        ("home = { swong = 1 }", "did you mean 'swing'"),
-        ("home = { swing = 50.1 }", "`robot.home.swing`: lies outside the parameter's min and max"),
-        ("home = { reach = -1e-9 }", "`robot.home.reach`: lies outside"),
-        ('home = { swing = "up" }', "must be a number"),
-        ("home = { swing = nan }", "must be finite"),
-        ("home = [1, 2]", "must be a table"),
-        ('home = "stand"', "must be a table"),
-    ],
-)
-def test_a_home_that_cannot_be_is_refused(home: str, said: str) -> None:
-    with pytest.raises(RecipeError) as caught:
-        lutgen.parse_recipe(tripod(head=home), "r.toml")
-    assert str(caught.value).startswith("r.toml: key `robot.home")
-    assert said in str(caught.value)
-
-
-def test_a_recipe_without_home_keeps_its_digest() -> None:
-    # Of the text alone, as it was written down before there was the key.
-    text = (MAPS / "paper_two.toml").read_text(encoding="utf-8")
-
-    assert lutgen.parse_recipe(text).digest == hashlib.sha256(text.encode()).hexdigest()
-    with_home = lutgen.parse_recipe(tripod(head=WHOLE))
-    assert with_home.digest != lutgen.parse_recipe(tripod(head=HALF)).digest
 
 
 def test_eval_limits_and_metrics_stand_at_home_and_say_so(path: Path) -> None:

@@ -1,0 +1,221 @@
+"""Text into the models of `schema`: every fault at once, each in a sentence of ours.
+
+Owns what is said of a file that is no TOML, or whose keys have another type or value than they may.
+"""
+
+import json
+import os
+import re
+import tomllib
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NoReturn, TypeVar, get_args
+
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+
+from lutgen import bounds
+from lutgen.errors import RecipeError, suggestion, unreadable
+from lutgen.recipe.schema import PATTERNS
+
+Model = TypeVar("Model", bound=BaseModel)
+
+# What a map file begins with, and no text does.
+HDF5 = b"\x89HDF\r\n\x1a\n"
+NOTHING = "nothing"
+# Characters of a value, and faults of a file, that a message has.
+_LONGEST, _MOST = 60, 12
+# What is said of a kind of fault, with the numbers of its context.
+_WHAT = {
+    "missing": "is missing",
+    "extra_forbidden": "is not a known key",
+    "string_type": "must be a string",
+    "float_type": "must be a number",
+    "int_type": "must be a whole number",
+    "bool_type": "must be true or false",
+    "list_type": "must be a list",
+    "dict_type": "must be a table",
+    "model_type": "must be a table",
+    "finite_number": "must be finite",
+    "literal_error": "is unknown",
+    "greater_than": "must be above {gt}",
+    "greater_than_equal": "must be {ge} or more",
+    "less_than": "must be below {lt}",
+    "less_than_equal": "must be {le} or less",
+    "too_short": "needs {min_length} or more entries",
+    "too_long": "takes at most {max_length} entries",
+}
+
+
+@dataclass(frozen=True)
+class Fault:
+    """What is wrong with a key, the value that it has, and the way out."""
+
+    key: str
+    what: str
+    got: object
+    way_out: str
+
+    def __str__(self) -> str:
+        """Return the sentence without the file."""
+        return f"key `{self.key}`: {self.what} (got {_shown(self.got)}); {self.way_out}."
+
+
+def _shown(value: object) -> str:
+    """Return a value as Python has it, cut short; one that it refuses to print by its type."""
+    try:
+        text = NOTHING if value is NOTHING else repr(value)
+    except (ValueError, RecursionError):
+        text = bounds.shown(value) if isinstance(value, int) else f"a {type(value).__name__}"
+    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."
+
+
+def refuse(source: str, faults: Iterable[Fault]) -> None:
+    """Raise a RecipeError with a sentence for each fault, if there are any."""
+    found = [f"{source}: {fault}" for fault in faults]
+    if len(found) > _MOST:
+        found[_MOST:] = [f"{source}: and {len(found) - _MOST} more faults."]
+    if found:
+        raise RecipeError("\n".join(found))
+
+
+def fail(source: str, key: str, what: str, got: object, way_out: str) -> NoReturn:
+    """Raise a RecipeError of one fault."""
+    raise RecipeError(f"{source}: {Fault(key, what, got, way_out)}")
+
+
+def read_text(path: str | os.PathLike[str]) -> str:
+    """Return the text of a file, which must be UTF-8 and no longer than a recipe may be."""
+    source = os.fspath(path)
+    most = bounds.RECIPE_BYTES
+    try:
+        with Path(path).open("rb") as file:
+            raw = file.read(most.most + 1)
+    except OSError as error:
+        raise unreadable(source, error) from error
+    if len(raw) > most.most:
+        raise RecipeError(
+            f"{source}: is too long (got more than {most.most:,} {most.what}); is it a recipe?"
+        )
+    if raw.startswith(HDF5):
+        raise RecipeError(
+            f"{source}: is no text (got HDF5, as maps are); the recipe inside a map is "
+            "`lutgen.load_map(path).recipe`."
+        )
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = raw.count(b"\n", 0, error.start) + 1
+        raise RecipeError(
+            f"{source}: line {line} is not UTF-8 (got byte 0x{raw[error.start]:02x}); "
+            "save the file as UTF-8."
+        ) from None
+
+
+def read_tables(text: str, source: str, model: type[Model]) -> Model:
+    """Return a TOML text as a model; RecipeError has every fault of its keys."""
+    _refuse_long_keys(text, source)
+    try:
+        values = tomllib.loads(text)
+    except RecursionError:
+        raise RecipeError(
+            f"{source}: is nested too deep (got more levels than can be read); recipes have "
+            "fewer than ten."
+        ) from None
+    except ValueError as error:
+        # Also of a number with more digits than Python reads.
+        last = f"at line {text.count(chr(10)) + 1}, the end of the file"
+        got = str(error).replace("at end of document", last)
+        raise RecipeError(f"{source}: is not TOML (got {got}); correct that line.") from None
+    try:
+        return model.model_validate(values)
+    except ValidationError as error:
+        found = error.errors(include_url=False)
+        found.sort(key=lambda one: one["type"] != "extra_forbidden")
+        refuse(source, [_fault(model, one) for one in found])
+        raise
+
+
+def _refuse_long_keys(text: str, source: str) -> None:
+    """Refuse keys of very many parts: a reader looks at each once for each of its dots."""
+    dots = bounds.KEY_DOTS
+    # Whatever ends a key parts these runs.
+    for run in re.finditer(rf"[^\n,=\[\]{{}}#]{{{dots.most + 1},}}", text):
+        if run[0].count(".") > dots.most:
+            line = text.count("\n", 0, run.start()) + 1
+            raise RecipeError(
+                f"{source}: line {line}: a key is nested too deep (got {run[0].count('.'):,}, at "
+                f"most {dots.most:,} {dots.what}); recipes have three."
+            )
+
+
+def path_of(parts: Sequence[int | str]) -> str:
+    """Return the full key of a place; entries of arrays count from 1."""
+    path = ""
+    for part in parts:
+        if isinstance(part, int):
+            path += f"[{part + 1}]"
+        elif not part.startswith("|"):
+            path += f".{part}" if path else part
+    return path
+
+
+def _fault(model: type[BaseModel], error: Any) -> Fault:
+    """Return a fault that the models found."""
+    kind, where, context = error["type"], error["loc"], error.get("ctx", {})
+    numbers = {name: f"{one:,.15g}" for name, one in context.items() if type(one) in (int, float)}
+    table, name, field = _place(model, where)
+    got = NOTHING if kind == "missing" else error["input"]
+    what = _WHAT.get(kind, error["msg"]).format(**numbers)
+    if kind == "string_pattern_mismatch":
+        what = PATTERNS.get(context["pattern"], "is not a quantity above 0")
+    elif kind == "float_type" and type(got) is int:
+        what = "is too large"
+    if kind == "extra_forbidden":
+        way_out = suggestion(str(where[-1]), table.model_fields, "use one of")
+    elif kind == "literal_error" and isinstance(got, str):
+        choices = re.findall("'([^']*)'", context["expected"])
+        way_out = suggestion(got, choices, "use one of")
+    elif field.examples:
+        way_out = f"write for example {name} = {toml(field.examples[0])}"
+    else:
+        there = path_of([part for part in where if isinstance(part, str)])
+        many = field.default == []
+        way_out = f"start each entry with [[{there}]]" if many else f"write a table [{there}]"
+    return Fault(path_of(where), what, got, way_out)
+
+
+def _place(
+    model: type[BaseModel], where: Sequence[int | str]
+) -> tuple[type[BaseModel], str, FieldInfo]:
+    """Return the table of a place, and the last known key on the way with its name."""
+    name, field = "", FieldInfo()
+    for part in where:
+        if isinstance(part, str) and part in model.model_fields:
+            name, field = part, model.model_fields[part]
+            inner = below(field.annotation)
+            if inner is None:
+                break
+            model = inner
+    return model, name, field
+
+
+def below(annotation: Any) -> type[BaseModel] | None:
+    """Return the model that the values of a key are, or None."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    return next(filter(None, map(below, get_args(annotation))), None)
+
+
+def toml(value: object) -> str:
+    """Return a value as TOML has it.
+
+    Examples
+    --------
+    >>> toml({"lift": [1, 0.5], "up": True})
+    '{ lift = [1, 0.5], up = true }'
+    """
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{name} = {toml(one)}" for name, one in value.items()) + " }"
+    return json.dumps(value)

@@ -1,0 +1,232 @@
+"""Bad recipes: every fault at once, each with file, key, value and the way out."""
+
+import re
+
+import pytest
+
+import lutgen
+from lutgen.errors import RecipeError
+from tests.fixtures.every_key import CODED, EVERYTHING
+
+# What is replaced, by what, and how the sentence of the first fault begins.
+FAULTS = [
+    ("friction =", "friktion =", "robot.friktion`: is not a known key (got 0.5); did you mean 'fr"),
+    ("[export]", "[exports]", "exports`: is not a known key (got {'flash': '16KiB', 'max_error': "),
+    ("scale = -1.0", "scael = -1.0", "robot.link[2].joint.scael`: is not a known key (got -1.0); "),
+    ('name = "everything"\n', "", "robot.name`: is missing (got nothing); write for example nam"),
+    ('name = "everything"', 'name = "  "', "robot.name`: must not be empty (got '  '); write for "),
+    ('name = "everything"', "name = 7", "robot.name`: must be a string (got 7); write for example"),
+    ('length_unit = "m"', 'length_unit = "ft"', "robot.length_unit`: is unknown (got 'ft'); use o"),
+    ("friction = 0.5", "friction = 0", "robot.friction`: must be above 0 (got 0); write for examp"),
+    ("friction = 0.5", "friction = true", "robot.friction`: must be a number (got True); write fo"),
+    ("friction = 0.5", "friction = nan", "robot.friction`: must be finite (got nan); write for ex"),
+    (
+        "friction = 0.5",
+        "friction = 1e300",
+        "robot.friction`: must be 1,000,000,000,000 or less (go",
+    ),
+    ("upright = 80.0", "upright = 180.5", "robot.upright`: must be 180 or less (got 180.5); write"),
+    ("rock_angle = 20.0", "rock_angle = -1", "robot.rock_angle`: must be 0 or more (got -1); writ"),
+    ("rest_width = 0.01", "rest_width = -0.1", "robot.rest_width`: must be 0 or more (got -0.1); "),
+    ("com_uncertainty = 0.01", 'com_uncertainty = "1"', "robot.com_uncertainty`: must be a number"),
+    ("{ lift = 20.0 }", "{ left = 20.0 }", "robot.home.left`: is not a parameter of the robot (go"),
+    ("{ lift = 20.0 }", "{ lift = 50.1 }", "robot.home.lift`: lies outside the parameter's min an"),
+    ("{ lift = 20.0 }", '{ lift = "up" }', "robot.home.lift`: must be a number (got 'up'); write "),
+    ("{ lift = 20.0 }", "[20.0]", "robot.home`: must be a table (got [20.0]); write for example h"),
+    ("[[robot.parameter]]", "[[robot.parameters]]", "robot.parameters`: is not a known key (got ["),
+    ('name = "lift"\nmin', 'name = "a b"\nmin', "robot.parameter[1].name`: is not an identifi"),
+    ('name = "lift"\nmin', 'name = "u"\nmin', "robot.parameter[1].name`: is reserved for the "),
+    ("max = 50.0\n", "", "robot.parameter[1].max`: is missing (got nothing); write for example ma"),
+    ("max = 50.0", 'max = 50.0\njoint = "hip"', "robot.parameter[1].joint`: means nothing witho"),
+    ("min = -10.0", "min = 50", "robot.parameter[1].min`: must be below max = 50 (got 50.0); swap"),
+    ('unit = "deg"', 'unit = "mm"', "robot.parameter[1].unit`: is neither an angle nor the robot'"),
+    ('unit = "deg"', 'unit = "turns"', "robot.parameter[1].unit`: is unknown (got 'turns'); use o"),
+    ('meaning = "0: level"', 'meaning = ""', "robot.parameter[1].meaning`: must not be empty (got"),
+    ("shape = [0.5, 0.4, 0.1]", "shape = [0.5, 0, 0.1]", "robot.link[1].shape[2]`: must be above "),
+    ("mass = 5.0\n", "origin = [1, 0, 0]\nmass = 5.0\n", "robot.link[1].origin`: is not allowed f"),
+    ("mass = 5.0\n", "", "robot.link[1].com`: changes nothing without a mass (got [0.0, 0.0, 0.1]"),
+    ("mass = 5.0", "mass = -5", "robot.link[1].mass`: must be 0 or more (got -5); write for examp"),
+    ('name = "leg"', 'name = "body"', "robot.link[2].name`: is given twice (got 'body'); choose a"),
+    ('parent = "body"\n', "", "robot.link[2].parent`: is missing (got nothing); name the parent"),
+    ('parent = "body"', 'parent = "bdy"', "robot.link[2].parent`: is not a link of the robot (got"),
+    ('parent = "body"', 'parent = "leg"', "robot.link[2].parent`: makes a loop of links (got 'leg"),
+    ("origin = [0, 0, 0.1]", "origin = [0, 0.1]", "robot.link[2].origin`: needs 3 or more entries"),
+    ("origin = [0, 0, 0.1]", 'origin = [0, 0, "x"]', "robot.link[2].origin[3]`: must be a number "),
+    ('type = "revolute"', 'type = "hinge"', "robot.link[2].joint.type`: is unknown (got 'hinge');"),
+    ('type = "revolute"', 'type = "none"', "robot.link[2].joint.axis`: means nothing for type non"),
+    ('type = "revolute"', 'type = "prismatic"', "robot.link[2].joint.parameter`: of a prismatic j"),
+    ("axis = [0, 1, 0], par", "par", "robot.link[2].joint.axis`: is missing (got nothing); write "),
+    ("axis = [0, 1, 0], par", "axis = [0, 0, 0], par", "robot.link[2].joint.axis`: must have a le"),
+    ('parameter = "lift"', 'parameter = "left"', "robot.link[2].joint.parameter`: is not a parame"),
+    ("scale = -1.0", "scale = 0", "robot.link[2].joint.scale`: must not be zero (got 0); write fo"),
+    ('name = "c"', 'name = "b"', "robot.contact[3].name`: is given twice (got 'b'); choose anothe"),
+    ('name = "c"\n', "", "robot.contact[3].name`: is missing (got nothing); name the contact"),
+    ('link = "leg"', 'link = "arm"', "robot.contact[1].link`: is not a link of the robot (got 'ar"),
+    (
+        "position = [0, -0.3, -0.4]",
+        "position = [0, -0.3, -0.4]\naxis = [0, 1, 0]",
+        "robot.contact[3].axis`: needs a radius above 0 (got [0.0, 1.0, 0.0]); give the disc's ",
+    ),
+    (
+        "position = [0, -0.3, -0.4]",
+        "position = [0, -0.3, -0.4]\nrolling = true",
+        "robot.contact[3].rolling`: needs a radius above 0 (got True); a point slides: remove i",
+    ),
+    (
+        "position = [0, -0.3, -0.4]",
+        "position = [0, -0.3, -0.4]\nwidth = 0.1",
+        "robot.contact[3].width`: needs a disc (got 0.1); give axis too",
+    ),
+    ("position = [0, -0.3, -0.4]\n", "", "robot.contact[3].position`: is missing (got nothing); w"),
+    ("rolling = true", 'rolling = "yes"', "robot.contact[1].rolling`: must be true or false (got "),
+    ('contact = "a"', 'contact = "d"', "robot.wheel[1].contact`: is not a contact of the robot (g"),
+    ('contact = "b"', 'contact = "a"', "robot.wheel[2].contact`: carries a wheel already (got 'a'"),
+    (
+        'contact = "b"\naxis = [0, 1, 0]',
+        'contact = "b"',
+        "robot.wheel[2].axis`: is missing (got nothing); a wheel on a point or a sphere needs i",
+    ),
+    (
+        'contact = "a"\naxis = [0, 1, 0]',
+        'contact = "a"\naxis = [0, 1, 1e-6]',
+        "robot.wheel[1].axis`: is not along the axis of its contact (got [0.0, 1.0, 1e-06]); re",
+    ),
+    (
+        'contact = "a"\naxis = [0, 1, 0]\nradius = 0.1',
+        'contact = "a"\nradius = 0.2',
+        "robot.wheel[1].radius`: differs from the 0.1 of its contact (got 0.2); remove it",
+    ),
+    ("steered = true", "steered = true\nrollers = 0", "robot.wheel[1].rollers`: cannot be combine"),
+    ("rollers = 45.0", "rollers = 90", "robot.wheel[2].rollers`: must be below 90 (got 90); write"),
+    ('name = "load"', 'name = "leg"', "robot.payload[1].name`: is given twice (got 'leg'); choose"),
+    (
+        'link = "body"\nposition = [0, 0, 0.2]\nmass',
+        'link = "load"\nposition = [0, 0, 0.2]\nmass',
+        "robot.payload[1].link`: is not a link of the robot (got 'load'); use one of: body, leg",
+    ),
+    (
+        "mass = 1.0\n[[robot.force]]",
+        "mass = 0\n[[robot.force]]",
+        "robot.payload[1].mass`: must be above 0 (got 0); write for example mass = 5.0",
+    ),
+    ("force = [-1, 0, 0]", "force = -1", "robot.force[1].force`: must be a list (got -1); write f"),
+    ("samples = { lift = 3 }", "", "sweep.samples`: is missing (got nothing); give the nodes of e"),
+    ("{ lift = 3 }", "{ lift = 3, x = 2 }", "sweep.samples.x`: is not a parameter of the robot (g"),
+    ("{ lift = 3 }", "{}", "sweep.samples.lift`: is missing (got nothing); give a number of nodes"),
+    ("{ lift = 3 }", "{ lift = 1 }", "sweep.samples.lift`: must be 2 or more (got 1); write for e"),
+    ("{ lift = 3 }", "{ lift = 3.0 }", "sweep.samples.lift`: must be a whole number (got 3.0); wr"),
+    (
+        "{ lift = 3 }",
+        "{ lift = 10000000 }",
+        "sweep.samples.lift`: must be 1,000,000 or less (got 1000",
+    ),
+    ("{ lift = 3 }", "{ lift = [1, 2, 2] }", "sweep.samples.lift[3]`: does not increase (got 2.0)"),
+    ("{ lift = 3 }", "{ lift = [0, 51] }", "sweep.samples.lift[2]`: lies outside the parameter's "),
+    ("{ lift = 3 }", "{ lift = [0] }", "sweep.samples.lift`: needs 2 or more entries (got [0]); w"),
+    ('chart = "cone"', 'chart = "conic"', "sweep.gravity.chart`: is unknown (got 'conic'); did yo"),
+    ('chart = "cone"', 'chart = "sphere"', "sweep.gravity.max_tilt`: belongs to the cone only (go"),
+    ("max_tilt = 60.0\n", "", "sweep.gravity.max_tilt`: is missing (got nothing); write the large"),
+    ("max_tilt = 60.0", "max_tilt = 86", "sweep.gravity.max_tilt`: must be 85 or less (got 86); w"),
+    ("nodes = 5", "nodes = 0", "sweep.gravity.nodes`: must be 1 or more (got 0); write for exampl"),
+    (
+        "nodes = 5",
+        "nodes = 1025",
+        "sweep.gravity.nodes`: must be 1,024 or less (got 1025); write f",
+    ),
+    ('"sdg", "tip_angle"]', '"sdg", "tip"]', "sweep.gravity.channels[2]`: is unknown (got 'tip');"),
+    ('"sdg", "tip_angle"]', '"sdg", "sdg"]', "sweep.gravity.channels[2]`: is given twice (got 'sd"),
+    ('"sdg", "tip_angle"]', "]", "sweep.gravity.channels`: needs 1 or more entries (got []); writ"),
+    ('channels = ["sdg", "tip_angle"]\n', "", "sweep.gravity.channels`: is missing (got nothi"),
+    (
+        'channels = ["sdg", "tip_angle"]',
+        'channels = ["energy_margin"]',
+        "sweep.channels`: energy_margin is not defined under a force or with com_uncertainty (g",
+    ),
+    ("[sweep]\n", '[sweep]\nchannels = ["sdg"]\n', "sweep.channels`: is given in [sweep.gravity"),
+    ('"16KiB"', '"16 acres"', "export.flash`: is not a quantity above 0 (got '16 acres'); write f"),
+    ('"16KiB"', "0", 'export.flash`: must be 1 or more (got 0); write for example flash = "16KiB"'),
+    ('"1%"', '"0.0%"', "export.max_error`: is not a quantity above 0 (got '0.0%'); write for exam"),
+    ('"1%"', "-0.01", "export.max_error`: must be above 0 (got -0.01); write for example max_erro"),
+]
+FREE = EVERYTHING.replace("home = { lift = 20.0 }", "")
+FEET = "".join(
+    f'[[robot.contact]]\nname = "x{i}"\nlink = "leg"\nposition = [0, 0, 0]\n' for i in range(60)
+)
+
+
+def refusal(text: str) -> str:
+    """Return why a recipe is refused."""
+    with pytest.raises(RecipeError) as caught:
+        lutgen.parse_recipe(text, "bad.toml")
+    return str(caught.value)
+
+
+@pytest.mark.parametrize(("old", "new", "said"), FAULTS)
+def test_a_fault_is_refused_with_its_key(old: str, new: str, said: str) -> None:
+    assert old in EVERYTHING
+    first, *others = refusal(EVERYTHING.replace(old, new, 1)).split("\n")
+    assert first.startswith(f"bad.toml: key `{said}")
+    for line in (first, *others):
+        assert re.fullmatch(r"bad\.toml: key `\S+`: .+ \(got .+\); .+\.", line)
+
+
+def test_all_faults_are_said_at_once_those_of_types_before_those_of_names() -> None:
+    text = EVERYTHING.replace("friction =", "friktion =").replace('"cone"', '"conic"')
+    text = text.replace("max = 50.0", "max = true").replace('link = "leg"', 'link = "arm"')
+    assert refusal(text).split("\n") == [
+        "bad.toml: key `robot.friktion`: is not a known key (got 0.5); did you mean 'friction'.",
+        "bad.toml: key `robot.parameter[1].max`: must be a number (got True); write for example "
+        "max = 50.0.",
+        "bad.toml: key `sweep.gravity.chart`: is unknown (got 'conic'); did you mean 'cone'.",
+    ]
+    text = EVERYTHING.replace('link = "leg"', 'link = "arm"').replace('parent = "body"\n', "")
+    assert refusal(text).split("\n") == [
+        "bad.toml: key `robot.link[2].parent`: is missing (got nothing); name the parent link, "
+        "for example 'body'.",
+        "bad.toml: key `robot.contact[1].link`: is not a link of the robot (got 'arm'); use one "
+        "of: body, leg.",
+    ]
+    # Of each payload four keys are missing, and one is not known.
+    many = "".join(f"[[robot.payload]]\nnom{i} = 1\n" for i in range(10))
+    *twelve, last = refusal(EVERYTHING + many).split("\n")
+    assert len(twelve) == 12
+    assert last == "bad.toml: and 38 more faults."
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "robot`: is missing (got nothing); write a table [robot]."),
+        ("robot = 3", "robot`: must be a table (got 3); write a table [robot]."),
+        ("[robot]\nparameter = [1]", "robot.name`: is missing"),
+        (f"{EVERYTHING}\n[sweep.x]", "sweep.x`: is not a known key (got {}); use one of: samples"),
+        (EVERYTHING.replace("min = -10.0", f"min = {'1' * 4000}"), "robot.parameter[1].min`: is t"),
+        (EVERYTHING.replace("min = -10.0", f"min = 0x{'f' * 9999}"), "robot.parameter[1].min`: is"),
+        (FREE.replace("max = 50.0", "max = -9.999999999999999"), "sweep.samples.lift`: has nodes"),
+        (CODED.replace("[sweep", "[[robot.contact]]\nlink = 'a'\n[sweep"), "robot.contact`: cann"),
+        (EVERYTHING + FEET, "robot.contact`: a robot needs 3 to 62 contacts (got 63); keep those"),
+    ],
+)
+def test_what_one_change_does_not_make_is_refused_too(text: str, said: str) -> None:
+    assert refusal(text).startswith(f"bad.toml: key `{said}")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('[robot]\nname = "a\n', "is not TOML (got Illegal character '\\n' (at line 2,"),
+        ("[robot", "is not TOML (got Expected ']' at the end of a table declaration (at line 1"),
+        ("a = 1\nb = \n", "is not TOML (got Invalid value (at line 2,"),
+        (f"a = {'1' * 5000}", "is not TOML (got Exceeds the limit (4300 digits)"),
+        (f"a = {'[' * 9999}", "is nested too deep (got more levels than can be read)"),
+        (f"{'a.' * 999}a = 1", "line 1: a key is nested too deep (got 999, at most 200 dots"),
+        ("a = \u0661", "is not TOML (got Invalid value (at line 1,"),
+    ],
+)
+def test_what_is_no_toml_is_refused_with_its_line(text: str, said: str) -> None:
+    assert refusal(text).startswith(f"bad.toml: {said}")
+
+
+def test_numbers_are_those_of_toml() -> None:
+    text = EVERYTHING.replace("max = 50.0", "max = 5_0").replace("mass = 5.0", "mass = 0x5")
+    assert lutgen.parse_recipe(text).parameters == lutgen.parse_recipe(EVERYTHING).parameters
