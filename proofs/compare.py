@@ -22,7 +22,8 @@ from scipy.spatial import ConvexHull
 
 from lutgen.analysis import Posture, compare_metrics, even_headings, tilt_limits, tilted
 from lutgen.errors import LutgenError
-from lutgen.recipe import Recipe, gallery_names, import_urdf, load_recipe
+from lutgen.propose import import_urdf
+from lutgen.recipe import Recipe, gallery_names, load_recipe
 from lutgen.support import support_contact
 from lutgen.urdf import load_urdf
 from lutgen.vector import Floats

@@ -29,7 +29,8 @@ from lutgen.analysis import (
     tilted,
 )
 from lutgen.errors import LutgenError
-from lutgen.recipe import Imported, Recipe, import_urdf, postures
+from lutgen.propose import Imported, import_urdf
+from lutgen.recipe import Recipe, postures
 from lutgen.urdf import (
     Meshes,
     Packages,

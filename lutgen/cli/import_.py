@@ -114,7 +114,8 @@ def import_(urdf: str, asked: Asked) -> None:
     $ lutgen import robot.urdf -o recipe.toml -c left_wheel -c right_wheel -c nose=0.3,0,-0.1
     """
     from lutgen.files import check_target, write_text
-    from lutgen.recipe import Coupling, import_urdf, merged_recipe, read_text
+    from lutgen.propose import Coupling, import_urdf
+    from lutgen.recipe import merged_recipe, read_text
     from lutgen.urdf import Meshes, Packages, centre_of_mass, places, read_motion
 
     if not asked.output.endswith(".toml"):

@@ -1,12 +1,8 @@
 """Text into a recipe, and a recipe into postures.
 
 In reading order: `table`, `key`, `robot_keys`, `keys`, `schema`, `start`, `robot`, `loads`,
-`plugin`, `described`, `gallery`, `recipe`, `merge`, `kinematics`, `size`, `snap`, `body`,
-`candidates`, `bolted`, `recognised`, `joint_names`, `symmetry`, `coupling`, `chosen`,
-`proposal_text`, `proposal`.
+`plugin`, `described`, `gallery`, `recipe`, `merge`, `kinematics`, `size`, `snap`, `body`.
 """
-
-from typing import TYPE_CHECKING, Any
 
 from lutgen.recipe.body import body_parts
 from lutgen.recipe.gallery import GALLERY, gallery_names, gallery_text
@@ -19,17 +15,11 @@ from lutgen.recipe.size import TOLERANCE, contact_tolerance_of, robot_size_of
 from lutgen.recipe.start import start_recipe, start_recipes
 from lutgen.recipe.table import HDF5, parse_table, read_text
 
-if TYPE_CHECKING:
-    from lutgen.recipe.coupling import Coupling
-    from lutgen.recipe.proposal import Imported, import_urdf
-
 __all__ = [
     "GALLERY",
     "HDF5",
     "LENGTH_UNITS",
     "TOLERANCE",
-    "Coupling",
-    "Imported",
     "Postures",
     "Recipe",
     "body_parts",
@@ -37,7 +27,6 @@ __all__ = [
     "forward",
     "gallery_names",
     "gallery_text",
-    "import_urdf",
     "load_recipe",
     "merged_recipe",
     "parse_recipe",
@@ -51,14 +40,3 @@ __all__ = [
     "start_recipe",
     "start_recipes",
 ]
-
-
-if not TYPE_CHECKING:
-    # Seen by a type checker it would give any name a type, also a misspelt one.
-    def __getattr__(name: str) -> Any:
-        """Import on first use what reads robot descriptions (PEP 562)."""
-        if name not in ("Coupling", "Imported", "import_urdf"):
-            raise AttributeError(f"module 'lutgen.recipe' has no attribute {name!r}")
-        from lutgen.recipe import coupling, proposal
-
-        return getattr(coupling if name == "Coupling" else proposal, name)

@@ -9,7 +9,7 @@ import pytest
 import lutgen
 from lutgen.errors import RecipeError
 from lutgen.parts import Contact
-from lutgen.recipe.candidates import (
+from lutgen.propose.candidates import (
     effects,
     inner_contacts,
     named_contacts,

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from lutgen.errors import LutgenError
-from lutgen.recipe import import_urdf
+from lutgen.propose import import_urdf
 from lutgen.urdf import load_srdf, load_xacro, parse_urdf
 from tests.fixtures.places import VECTORS
 from tests.fixtures.robots import broken

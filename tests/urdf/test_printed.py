@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from lutgen.recipe import import_urdf
+from lutgen.propose import import_urdf
 from lutgen.urdf import parse_urdf
 from lutgen.urdf.printed import meant
 

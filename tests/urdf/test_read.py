@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from lutgen.errors import RecipeError
-from lutgen.recipe.proposal import import_urdf
+from lutgen.propose.proposal import import_urdf
 from lutgen.urdf.description import Mimic, UrdfRobot
 from lutgen.urdf.motion import read_motion
 from lutgen.urdf.read import load_urdf, parse_urdf

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lutgen.errors import InputError
-from lutgen.recipe.candidates import NEAR, has_support, lowest_of
+from lutgen.propose.candidates import NEAR, has_support, lowest_of
 from lutgen.urdf import (
     JOINT_KINDS,
     TOUCHING,

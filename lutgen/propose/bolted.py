@@ -9,7 +9,7 @@ import numpy as np
 
 from lutgen.errors import RecipeError
 from lutgen.parts import Contact
-from lutgen.recipe.candidates import is_above, near_ground, placed
+from lutgen.propose.candidates import is_above, near_ground, placed
 from lutgen.urdf import Motion, Place, UrdfRobot, centre_of_mass, downwards, places
 
 # Postures that are tried, and how many of them a robot on a foot that is part of its root may tip

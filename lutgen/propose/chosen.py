@@ -7,10 +7,10 @@ from collections.abc import Mapping, Sequence
 
 from lutgen.errors import InputError
 from lutgen.parts import Contact
-from lutgen.recipe.candidates import effects, robot_size
-from lutgen.recipe.coupling import Coupling, Reader, at_rest
-from lutgen.recipe.joint_names import common_name
-from lutgen.recipe.symmetry import Limbs
+from lutgen.propose.candidates import effects, robot_size
+from lutgen.propose.coupling import Coupling, Reader, at_rest
+from lutgen.propose.joint_names import common_name
+from lutgen.propose.symmetry import Limbs
 from lutgen.urdf import TURN, Couple, Motion, UrdfRobot, places, read_motion
 
 # More joints than this are not proposed one by one, and more parameters than that are not where

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lutgen.parts import Contact
-from lutgen.recipe.joint_names import stem
+from lutgen.propose.joint_names import stem
 from lutgen.urdf import Place, UrdfRobot, downwards
 from lutgen.vector import Floats
 

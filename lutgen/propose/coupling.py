@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 
 from lutgen.errors import InputError, suggestion
+from lutgen.propose.symmetry import Limbs
 from lutgen.recipe.robot import RESERVED
 from lutgen.recipe.robot_keys import IDENTIFIER
-from lutgen.recipe.symmetry import Limbs
 from lutgen.urdf import Couple, Motion, UrdfRobot
 
 AUTO = "auto"

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 
 from lutgen.errors import RecipeError
 from lutgen.parts import Contact
-from lutgen.recipe.bolted import refuse_bolted
-from lutgen.recipe.candidates import (
+from lutgen.propose.bolted import refuse_bolted
+from lutgen.propose.candidates import (
     closed_meshes,
     inner_contacts,
     lower_links,
@@ -17,11 +17,11 @@ from lutgen.recipe.candidates import (
     proposed_contacts,
     unique_names,
 )
-from lutgen.recipe.chosen import chosen_motion
-from lutgen.recipe.coupling import Coupling
-from lutgen.recipe.proposal_text import carrying_links, guesses, parameter_names, recipe_text
+from lutgen.propose.chosen import chosen_motion
+from lutgen.propose.coupling import Coupling
+from lutgen.propose.proposal_text import carrying_links, guesses, parameter_names, recipe_text
+from lutgen.propose.recognised import recognised
 from lutgen.recipe.recipe import Recipe, parse_recipe
-from lutgen.recipe.recognised import recognised
 from lutgen.recipe.robot_keys import MAX_CONTACTS
 from lutgen.urdf import TOUCHING, Meshes, Motion, UrdfRobot, places, read_motion, used_shapes
 

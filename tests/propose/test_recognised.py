@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from lutgen.errors import RecipeError
-from lutgen.recipe import Recipe, import_urdf
-from lutgen.recipe.proposal import Imported
+from lutgen.propose import Imported, import_urdf
+from lutgen.recipe import Recipe
 from lutgen.urdf import Meshes, Packages, load_urdf
 from tests.fixtures.commands import stdout as good
 from tests.fixtures.meshes import box, capsule, cylinder, write, written
