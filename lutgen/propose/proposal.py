@@ -207,4 +207,7 @@ def _left_out(
     if not any(link.mass > 0.0 for link in robot.links):
         named["masses: "] = ["none is given, so that the com is the origin of the root link"]
     named["other elements: "] = [f"{count} <{tag}>" for tag, count in robot.ignored.items()]
+    named["elements and attributes that are not understood: "] = [
+        f"{count} {what}" for what, count in robot.unknown.items()
+    ]
     return result + [what + _listed(names) for what, names in named.items() if names]

@@ -4,7 +4,7 @@ Owns their types; `read` fills them.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from lutgen.vector import Vector
 
@@ -81,7 +81,7 @@ class UrdfRobot:
 
     `links` and `joints` are in the order of the file; `ignored` counts the other children of
     <robot> by their tag; `rounded` has the angles whose digits were taken for parts of a turn, as
-    they are printed.
+    they are printed; `unknown` counts elements and attributes that the format does not have.
     """
 
     name: str
@@ -91,3 +91,4 @@ class UrdfRobot:
     joints: tuple[UrdfJoint, ...]
     ignored: dict[str, int]
     rounded: tuple[str, ...] = ()
+    unknown: dict[str, int] = field(default_factory=dict)

@@ -16,6 +16,7 @@ from xml.etree.ElementTree import Element
 from lutgen import bounds
 from lutgen.errors import RecipeError, suggestion, unreadable
 from lutgen.parts import parents_first
+from lutgen.rotation import angles, axis_rotation
 from lutgen.urdf.description import ZERO, Collision, Mimic, UrdfJoint, UrdfLink, UrdfRobot
 from lutgen.urdf.printed import parts_of_turns
 from lutgen.urdf.xml import parse_xml
@@ -28,6 +29,26 @@ MAX_NAME = 200
 LARGEST = float(bounds.MAGNITUDE.most)
 JOINT_KINDS = ("fixed", "revolute", "continuous", "prismatic", "floating", "planar")
 SHAPES = {"sphere": ("radius",), "cylinder": ("radius", "length"), "box": ("size",)}
+VERSIONS = ("1", "1.0", "1.1", "1.2")
+# Attributes and children of each element that are read, or that move neither masses nor contacts.
+# Whatever else an element has is reported.
+FORMAT = {
+    "link": "name type inertial visual collision",
+    "inertial": "origin mass inertia",
+    "mass": "value",
+    "origin": "xyz rpy quat_xyzw",
+    "collision": "name origin geometry material verbose",
+    "visual": "name origin geometry material",
+    "geometry": "name sphere cylinder box mesh",
+    **{kind: " ".join(keys) for kind, keys in SHAPES.items()},
+    "mesh": "filename scale",
+    "joint": "name type origin parent child axis limit mimic dynamics calibration safety_controller",
+    "parent": "link",
+    "child": "link",
+    "axis": "xyz",
+    "limit": "lower upper effort velocity",
+    "mimic": "joint multiplier offset",
+}
 
 
 def read_bytes(source: str) -> bytes:
@@ -85,6 +106,7 @@ class _Reader:
     def __init__(self, source: str) -> None:
         self.source = source
         self.rounded: dict[str, None] = {}
+        self.unknown: Counter[str] = Counter()
 
     def fail(self, where: str, what: str, got: object, way_out: str) -> NoReturn:
         """Refuse an element."""
@@ -97,6 +119,10 @@ class _Reader:
         """Read the whole description."""
         if root.tag != "robot":
             self.fail("root element", "is not <robot>", root.tag, "give a URDF file")
+        version = root.get("version", VERSIONS[0])
+        if version not in VERSIONS:
+            way_out = f"use one of {', '.join(VERSIONS)}"
+            self.fail("<robot>", "has a version that is not known", version, way_out)
         for element in root:
             if element.tag.startswith("xacro:"):
                 way_out = "expand the file with xacro first"
@@ -113,12 +139,29 @@ class _Reader:
         ignored = Counter(child.tag for child in root if child.tag not in ("link", "joint"))
         name = self.name(root) if root.get("name", "").strip() else Path(self.source).stem
         tree = tuple(links), tuple(joints)
-        return UrdfRobot(name, self.source, top, *tree, dict(ignored), tuple(self.rounded))
+        rest = dict(ignored), tuple(self.rounded), dict(self.unknown)
+        return UrdfRobot(name, self.source, top, *tree, *rest)
+
+    def check_known(self, element: Element, where: str) -> None:
+        """Count what the format does not have; refuse a place that is written in another way."""
+        known = FORMAT.get(element.tag, "").split()
+        for key, value in element.items():
+            if key not in known and ":" not in key:
+                if element.tag == "origin":
+                    way_out = "write the turn as rpy or quat_xyzw"
+                    self.fail(where, f"<origin> has an unknown attribute {key}", value, way_out)
+                self.unknown[f"{key} of <{element.tag}>"] += 1
+        for child in element:
+            if child.tag not in known:
+                self.unknown[f"<{child.tag}> in <{element.tag}>"] += 1
+            elif child.tag in FORMAT:
+                self.check_known(child, where)
 
     def link(self, element: Element) -> UrdfLink:
         """Read a <link>."""
         name = self.name(element)
         where = f"link {name!r}"
+        self.check_known(element, where)
         shapes = tuple(
             self.collision(part, where, i) for i, part in enumerate(element.iterfind("collision"))
         )
@@ -164,6 +207,7 @@ class _Reader:
         """Read a <joint>."""
         name = self.name(element)
         where = f"joint {name!r}"
+        self.check_known(element, where)
         kind = element.get("type", "")
         if kind not in JOINT_KINDS:
             self.fail(where, "has an unknown type", kind, suggestion(kind, JOINT_KINDS, "use"))
@@ -222,7 +266,18 @@ class _Reader:
         origin = self.only(element, "origin", where)
         if origin is None:
             return ZERO, ZERO
-        xyz, rpy = self.vector(origin, "xyz", where, ZERO), self.vector(origin, "rpy", where, ZERO)
+        xyz = self.vector(origin, "xyz", where, ZERO)
+        if (quat := origin.get("quat_xyzw")) is not None:
+            values = _floats(quat)
+            length = math.hypot(*values)
+            if "rpy" in origin.attrib or len(values) != 4 or not 0.0 < length <= LARGEST:
+                way_out = "write a quaternion of four numbers, and no rpy beside it"
+                self.fail(where, "<origin> has no turn as quat_xyzw", quat, way_out)
+            x, y, z, w = (value / length for value in values)
+            sine = math.hypot(x, y, z)
+            about = (x / sine, y / sine, z / sine) if sine > 0.0 else (1.0, 0.0, 0.0)
+            return xyz, angles(axis_rotation(about, 2.0 * math.atan2(sine, w)))
+        rpy = self.vector(origin, "rpy", where, ZERO)
         if any(rpy):
             rpy, taken = parts_of_turns(origin.attrib["rpy"])
             self.rounded |= dict.fromkeys(taken)

@@ -1,0 +1,54 @@
+"""What else than plain URDF 1.0 a description may have: read, refused or named, never dropped."""
+
+import pytest
+
+from lutgen.errors import RecipeError
+from lutgen.propose import import_urdf
+from lutgen.urdf import centre_of_mass, parse_urdf, places, read_motion
+from tests.fixtures.robots import collision, joint, link, robot
+
+BALL = 'sphere radius="0.05"'
+CORNERS = [f"{x} {y} -0.2" for x in (0.3, -0.3) for y in (0.2, -0.2)]
+FEET = "".join(collision(BALL, place) for place in CORNERS)
+ARM = link("base", 10.0, "0 0 0", FEET) + link("arm", 5.0, "0.3 0 0")
+SHOULDER = joint("sh", "fixed", "base", "arm", "", "0 0 0.1", "0 -1.5707963267948966 0")
+
+
+@pytest.mark.parametrize("turn", ["0 -0.7071067811865476 0 0.7071067811865476", "0 -3 0 3"])
+def test_a_quaternion_turns_as_the_angles_do(turn: str) -> None:
+    text = robot(ARM, SHOULDER.replace('rpy="0 -1.5707963267948966 0"', f'quat_xyzw="{turn}"'))
+    com = []
+    for one in (parse_urdf(text), parse_urdf(robot(ARM, SHOULDER))):
+        com.append(centre_of_mass(one, places(one, read_motion(one))).tolist())
+    # By hand: the arm's 5 kg are 0.3 m above its joint at 0.1 m, of 15 kg.
+    assert com == [pytest.approx([0.0, 0.0, 2.0 / 15.0])] * 2
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('rpy="0 -1', 'quat_xyzw="0 0 0 1" rpy="0 -1', "has no turn as quat_xyzw"),
+        ('rpy="0 -1.5707963267948966 0"', 'quat_xyzw="0 0 0 0"', "has no turn as quat_xyzw"),
+        ('rpy="0 -1.5707963267948966 0"', 'quat_wxyz="1 0 0 0"', "unknown attribute quat_wxyz"),
+        ("<robot", '<robot version="2.0"', "has a version that is not known (got '2.0')"),
+    ],
+)
+def test_a_turn_or_version_that_is_not_understood_is_refused(old: str, new: str, said: str) -> None:
+    with pytest.raises(RecipeError) as caught:
+        parse_urdf(robot(ARM, SHOULDER).replace(old, new))
+    assert said in str(caught.value)
+
+
+def test_whatever_the_format_does_not_have_is_named() -> None:
+    odd = "<origin xyz='1 0 0'/><extra/><extra/>"
+    text = robot(ARM.replace('<link name="arm">', f'<link name="arm">{odd}'), SHOULDER)
+    text = text.replace("<sphere", '<sphere rpy="1 0 0"', 1)
+    left = import_urdf(parse_urdf(text)).left_out
+    assert left[-1] == (
+        "elements and attributes that are not understood: 1 rpy of <sphere>, 1 <origin> in "
+        "<link>, 2 <extra> in <link>"
+    )
+    # What the format has is silent.
+    told = '<inertia ixx="1"/></inertial><visual><material name="x"/></visual>'
+    known = robot(ARM.replace("</inertial>", told), SHOULDER)
+    assert import_urdf(parse_urdf(known)).left_out == ()
