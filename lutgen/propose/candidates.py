@@ -141,8 +141,8 @@ def _refuse_lower_meshes(robot: UrdfRobot, where: Mapping[str, Place], ground: f
     if lower:
         names = [name for _, name in sorted(lower, key=lambda one: one[0])]
         raise RecipeError(
-            f"{robot.source}: links with meshes, which are not opened, are below all spheres and "
-            f"cylinders (got {closed_meshes(robot, names)}); give points on the feet: "
+            f"{robot.source}: links with meshes or shapes that were not understood are below all "
+            f"spheres and cylinders (got {closed_meshes(robot, names)}); give points on the feet: "
             "--contact 'LINK=X,Y,Z[,RADIUS]'."
         )
 
@@ -171,8 +171,8 @@ def closed_meshes(robot: UrdfRobot, names: Sequence[str] | None = None) -> str:
 
 
 def _is_closed(shape: Collision) -> bool:
-    """Return whether a shape is a mesh that was not opened; one that was has a size."""
-    return shape.kind == "mesh" and not shape.size
+    """Return whether nobody knows a shape: it is of an unknown kind, or a mesh without a size."""
+    return not shape.size
 
 
 def has_support(robot: UrdfRobot, where: Mapping[str, Place]) -> bool:

@@ -15,7 +15,8 @@ ZERO: Vector = (0.0, 0.0, 0.0)
 class Collision:
     """A collision shape, placed in its link's frame.
 
-    `kind` is ``"sphere"`` with size (radius,), ``"cylinder"`` (radius, length; along z),
+    `kind` is ``"sphere"`` with size (radius,), ``"cylinder"`` or ``"capsule"``
+    (radius, length without the ends; along z),
     ``"box"`` (x, y, z), ``"mesh"`` with the name of a `file` and its `scale`, neither checked, or
     the name of any other geometry, with size ().  Of a mesh that was opened there may be
     ``"points"`` (x, y, z, x, ...) or another shape instead; `note` then says how it was found, and

@@ -28,7 +28,12 @@ MAX_NAME = 200
 # Sums and products over a chain of links stay far from infinity.
 LARGEST = float(bounds.MAGNITUDE.most)
 JOINT_KINDS = ("fixed", "revolute", "continuous", "prismatic", "floating", "planar")
-SHAPES = {"sphere": ("radius",), "cylinder": ("radius", "length"), "box": ("size",)}
+SHAPES = {
+    "sphere": ("radius",),
+    "cylinder": ("radius", "length"),
+    "capsule": ("radius", "length"),
+    "box": ("size",),
+}
 VERSIONS = ("1", "1.0", "1.1", "1.2")
 # Attributes and children of each element that are read, or that move neither masses nor contacts.
 # Whatever else an element has is reported.
@@ -39,10 +44,11 @@ FORMAT = {
     "origin": "xyz rpy quat_xyzw",
     "collision": "name origin geometry material verbose",
     "visual": "name origin geometry material",
-    "geometry": "name sphere cylinder box mesh",
+    "geometry": "name sphere cylinder capsule box mesh",
     **{kind: " ".join(keys) for kind, keys in SHAPES.items()},
     "mesh": "filename scale",
-    "joint": "name type origin parent child axis limit mimic dynamics calibration safety_controller",
+    "joint": "name type origin parent child axis limit mimic dynamics calibration "
+    "safety_controller",
     "parent": "link",
     "child": "link",
     "axis": "xyz",
@@ -198,7 +204,8 @@ class _Reader:
             self.fail(where, f"has a {kind} of negative size", size, "write lengths of 0 or more")
         name, placed = element.get("name", ""), self.placement(element, where)
         if shape is None or kind != "mesh":
-            return Collision(name, kind, size, *placed)
+            note = "" if size else f"a shape of kind {kind!r} is not understood"
+            return Collision(name, kind, size, *placed, note=note)
         # No number of a mesh that may not be needed is a reason to refuse the robot.
         file, scale = shape.get("filename", ""), _floats(shape.get("scale", "1 1 1"))
         return Collision(name, kind, size, *placed, file, scale)

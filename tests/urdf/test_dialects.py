@@ -1,7 +1,11 @@
 """What else than plain URDF 1.0 a description may have: read, refused or named, never dropped."""
 
+import math
+
+import numpy as np
 import pytest
 
+from lutgen.analysis import Posture, posture_limits
 from lutgen.errors import RecipeError
 from lutgen.propose import import_urdf
 from lutgen.urdf import centre_of_mass, parse_urdf, places, read_motion
@@ -52,3 +56,37 @@ def test_whatever_the_format_does_not_have_is_named() -> None:
     told = '<inertia ixx="1"/></inertial><visual><material name="x"/></visual>'
     known = robot(ARM.replace("</inertial>", told), SHOULDER)
     assert import_urdf(parse_urdf(known)).left_out == ()
+
+
+def guaranteed(text: str) -> float:
+    """Return the tilt (deg) up to which a robot of that description does not tip."""
+    recipe = import_urdf(parse_urdf(text)).recipe
+    limits = posture_limits(Posture(recipe, np.array(recipe.home_params)))
+    return math.degrees(limits.guaranteed)
+
+
+CAPSULE = 'capsule radius="0.05" length="0.1"'
+SMALL = "".join(
+    collision('sphere radius="0.02"', f"{x} {y} -0.1") for x in (0.1, -0.1) for y in (0.1, -0.1)
+)
+PLACES = [f"{x} {y} -0.25" for x in (0.3, -0.3) for y in (0.2, -0.2)]
+
+
+def on_feet(shape: str, xyz: str) -> str:
+    """Return a body with small balls below it and a shape on each of four feet."""
+    feet = "".join(link(f"f{i}", 0.5, inside=collision(shape, xyz)) for i in range(4))
+    fixed = (joint(f"k{i}", "fixed", "base", f"f{i}", xyz=place) for i, place in enumerate(PLACES))
+    return robot(link("base", 10.0, inside=SMALL), feet, *fixed)
+
+
+def test_a_capsule_stands_on_the_balls_at_its_ends() -> None:
+    told = guaranteed(on_feet(CAPSULE, "0 0 0"))
+    assert told == pytest.approx(guaranteed(on_feet(BALL, "0 0 -0.05")))
+    assert told == pytest.approx(32.97, abs=0.01)
+    feet = "".join(collision(CAPSULE, place) for place in PLACES)
+    assert guaranteed(robot(link("base", 10.0, inside=SMALL + feet))) == pytest.approx(29.74, 1e-3)
+
+
+def test_a_shape_that_nobody_knows_is_not_stood_over() -> None:
+    with pytest.raises(RecipeError, match="a shape of kind 'torus' is not understood"):
+        import_urdf(parse_urdf(on_feet("torus", "0 0 -0.05")))
