@@ -82,6 +82,11 @@ def import_urdf(
     Imported
         RecipeError is raised for unknown names and where there are not 3 to 62 contacts.
     """
+    if not any(link.mass > 0.0 for link in robot.links):
+        raise RecipeError(
+            f"{robot.source}: no link has a mass, so that nobody knows where the centre of mass is "
+            "(got 0 kg); give the links an <inertial> with <mass>."
+        )
     motion = read_motion(robot, joints, posture)
     rest = places(robot, motion)
     links = {link.name for link in robot.links}
@@ -204,8 +209,6 @@ def _left_out(
         ],
         "how far printed angles are off the parts of a turn that they stand for: ": robot.rounded,
     }
-    if not any(link.mass > 0.0 for link in robot.links):
-        named["masses: "] = ["none is given, so that the com is the origin of the root link"]
     named["other elements: "] = [f"{count} <{tag}>" for tag, count in robot.ignored.items()]
     named["elements and attributes that are not understood: "] = [
         f"{count} {what}" for what, count in robot.unknown.items()

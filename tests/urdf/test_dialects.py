@@ -90,3 +90,8 @@ def test_a_capsule_stands_on_the_balls_at_its_ends() -> None:
 def test_a_shape_that_nobody_knows_is_not_stood_over() -> None:
     with pytest.raises(RecipeError, match="a shape of kind 'torus' is not understood"):
         import_urdf(parse_urdf(on_feet("torus", "0 0 -0.05")))
+
+
+def test_a_description_without_any_mass_is_refused() -> None:
+    with pytest.raises(RecipeError, match="no link has a mass"):
+        import_urdf(parse_urdf(robot(link("base", inside=FEET))))
