@@ -147,7 +147,10 @@ def import_(urdf: str, asked: Asked) -> None:
         "contacts": list(recipe.contact_names),
         "guessed": list(made.guessed),
         "left_out": [*beyond, *made.left_out],
+        "warnings": list(made.warnings),
     }
+    for words in made.warnings:
+        log.warning("%s: %s", urdf, words)
     text = made.text
     if asked.merge:
         old = read_text(asked.output)

@@ -1,7 +1,7 @@
 """A robot description becomes the text of a recipe.
 
 In reading order: `candidates`, `bolted`, `recognised`, `joint_names`, `symmetry`, `coupling`,
-`chosen`, `proposal_text`, `proposal`.
+`chosen`, `doubts`, `proposal_text`, `proposal`.
 """
 
 from lutgen.propose.coupling import Coupling

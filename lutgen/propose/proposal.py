@@ -19,6 +19,7 @@ from lutgen.propose.candidates import (
 )
 from lutgen.propose.chosen import chosen_motion
 from lutgen.propose.coupling import Coupling
+from lutgen.propose.doubts import doubts
 from lutgen.propose.proposal_text import carrying_links, guesses, parameter_names, recipe_text
 from lutgen.propose.recognised import recognised
 from lutgen.recipe.recipe import Recipe, parse_recipe
@@ -35,7 +36,7 @@ class Imported:
 
     `guessed` has one for each wheel and foot that was recognised in a mesh.
     `couples` has the joints and scales of each parameter that drives several, and `because` why
-    they are coupled unasked, empty where they are not.
+    they are coupled unasked, empty where they are not.  `warnings` are about likely mistakes.
     """
 
     text: str
@@ -44,6 +45,7 @@ class Imported:
     guessed: tuple[str, ...] = ()
     couples: dict[str, dict[str, float]] = field(default_factory=dict)
     because: str = ""
+    warnings: tuple[str, ...] = ()
 
 
 def import_urdf(
@@ -109,7 +111,8 @@ def import_urdf(
     found = unique_names([contact for contact in found if contact not in inner])
     if not 3 <= len(found) <= MAX_CONTACTS:
         raise _wrong_number(robot, len(found))
-    text = recipe_text(robot, motion, found)
+    doubtful = doubts(robot, found, rest)
+    text = recipe_text(robot, motion, found, doubtful)
     recipe = parse_recipe(text, robot.source)
     left_out = _left_out(robot, motion, found, inner)
     left_out += _away(robot, {c.link for c in (*found, *inner)}) if proposes else []
@@ -120,7 +123,8 @@ def import_urdf(
         )
     if meshes is not None and (closed := closed_meshes(robot)):
         left_out.append(f"meshes that were not opened: {closed}")
-    return Imported(text, recipe, tuple(left_out), _guessed(robot, found), _scales(motion), because)
+    told = _guessed(robot, found), _scales(motion), because, doubtful
+    return Imported(text, recipe, tuple(left_out), *told)
 
 
 def _guessed(robot: UrdfRobot, contacts: Sequence[Contact]) -> tuple[str, ...]:

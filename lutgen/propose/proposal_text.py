@@ -19,7 +19,9 @@ FEWEST, MOST, POSTURES, TOO_MANY = 3, 37, 5_000, 20_000
 LONGEST = 100
 
 
-def recipe_text(robot: UrdfRobot, motion: Motion, contacts: Sequence[Contact]) -> str:
+def recipe_text(
+    robot: UrdfRobot, motion: Motion, contacts: Sequence[Contact], warnings: Sequence[str] = ()
+) -> str:
     """Return a complete recipe, TOML, whose parameters are the free joints and the couples.
 
     `contacts` are in the frames of the description's links, each with a name of its own; links
@@ -31,6 +33,7 @@ def recipe_text(robot: UrdfRobot, motion: Motion, contacts: Sequence[Contact]) -
     lines = [
         f"# From the robot description {_quoted(robot.name)}; its root is {_quoted(robot.root)}.",
         "# Check which contacts touch the ground, and which parameters matter.",
+        *(line for words in warnings for line in _comment(f"Warning: {words}.")),
         "[robot]",
         f"name = {_quoted(robot.name)}",
         'length_unit = "m"',
@@ -79,8 +82,13 @@ def _couple_lines(couple: Couple, unit: str) -> list[str]:
         words = [f"times {scale:g}"] if scale != 1.0 else []
         words += [f"{shown:+.6g} {unit}"] if shown else []
         drives.append(_quoted(joint) + (f" ({', '.join(words)})" if words else ""))
+    return _comment(f"Drives {', '.join(drives)}: {couple.why}.")
+
+
+def _comment(text: str) -> list[str]:
+    """Return a sentence as lines of comment."""
     return textwrap.wrap(
-        f"Drives {', '.join(drives)}: {couple.why}.",
+        text,
         LONGEST,
         initial_indent="# ",
         subsequent_indent="# ",

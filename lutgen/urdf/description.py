@@ -61,7 +61,8 @@ class UrdfJoint:
     """A joint: T = Trans(origin) * Rz(yaw) Ry(pitch) Rx(roll) * motion in its parent.
 
     `kind` is one of ``JOINT_KINDS``; `axis` is a unit vector; `lower` and `upper` (rad or m)
-    are infinite where the description sets no limit.
+    are infinite where the description sets no limit; `effort` is the greatest of its motor, None
+    where it is not said, and `soft` has the limits of a controller.
     """
 
     name: str
@@ -74,6 +75,8 @@ class UrdfJoint:
     lower: float = -math.inf
     upper: float = math.inf
     mimic: Mimic | None = None
+    effort: float | None = None
+    soft: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)

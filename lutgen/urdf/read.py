@@ -53,6 +53,7 @@ FORMAT = {
     "child": "link",
     "axis": "xyz",
     "limit": "lower upper effort velocity",
+    "safety_controller": "soft_lower_limit soft_upper_limit k_position k_velocity",
     "mimic": "joint multiplier offset",
 }
 
@@ -245,7 +246,25 @@ class _Reader:
                 self.number(mimic, "offset", where, 0.0),
             )
         placed = self.placement(element, where)
-        return UrdfJoint(name, kind, ends[0], ends[1], *placed, axis, lower, upper, follows)
+        ends_in = ends[0], ends[1], *placed, axis, lower, upper, follows
+        return UrdfJoint(
+            name, kind, *ends_in, self.effort(element, where), self.soft(element, where)
+        )
+
+    def effort(self, element: Element, where: str) -> float | None:
+        """Return the greatest effort of a joint, None where it is not given as a number."""
+        limit = self.only(element, "limit", where)
+        given = _floats(limit.get("effort", "")) if limit is not None else ()
+        return given[0] if given else None
+
+    def soft(self, element: Element, where: str) -> tuple[float, float] | None:
+        """Return the soft limits of a joint, None where none or an empty range is given."""
+        safety = self.only(element, "safety_controller", where)
+        if safety is None:
+            return None
+        lower = self.number(safety, "soft_lower_limit", where, 0.0)
+        upper = self.number(safety, "soft_upper_limit", where, 0.0)
+        return (lower, upper) if lower < upper else None
 
     def limits(self, element: Element, kind: str, where: str) -> tuple[float, float]:
         """Return the limits of a joint, infinite where there are none.
