@@ -33,7 +33,7 @@ from lutgen.propose import Imported, import_urdf
 from lutgen.recipe import Recipe, postures
 from lutgen.urdf import (
     Meshes,
-    Packages,
+    Sources,
     UrdfRobot,
     centre_of_mass,
     load_srdf,
@@ -128,7 +128,7 @@ def imported(path: Path) -> tuple[UrdfRobot, dict[str, float], str, Imported]:
         robot,
         posture,
         source,
-        import_urdf(robot, posture=posture, meshes=Meshes(Packages(path.parent))),
+        import_urdf(robot, posture=posture, meshes=Meshes(Sources(path.parent))),
     )
 
 

@@ -1,27 +1,24 @@
-"""Propose a recipe from a robot description, and say what the description has besides.
+"""Propose a recipe from a robot description, and say what the description has besides."""
 
-Owns the choice between what is asked for and what is proposed; `proposal_text` writes it.
-"""
-
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 from lutgen.errors import RecipeError
 from lutgen.parts import Contact
-from lutgen.propose.bolted import refuse_bolted
-from lutgen.propose.candidates import (
-    closed_meshes,
-    inner_contacts,
+from lutgen.propose.contacts import (
+    closed_shapes,
+    drawn,
     lower_links,
     named_contacts,
     proposed_contacts,
-    unique_names,
+    refuse_bolted,
+    with_support,
 )
-from lutgen.propose.chosen import chosen_motion
-from lutgen.propose.coupling import Coupling
+from lutgen.propose.couplings import Coupling, chosen_motion
 from lutgen.propose.doubts import doubts
-from lutgen.propose.proposal_text import carrying_links, guesses, parameter_names, recipe_text
-from lutgen.propose.recognised import recognised
+from lutgen.propose.effects import inner_contacts
+from lutgen.propose.opened import opened_meshes
+from lutgen.propose.text import carrying_links, guesses, parameter_names, recipe_text
 from lutgen.recipe.recipe import Recipe, parse_recipe
 from lutgen.recipe.robot_keys import MAX_CONTACTS
 from lutgen.urdf import TOUCHING, Meshes, Motion, UrdfRobot, places, read_motion, used_shapes
@@ -34,7 +31,7 @@ LISTED = 12
 class Imported:
     """A recipe's text, the recipe, and sentences on what the description has besides.
 
-    `guessed` has one for each wheel and foot that was recognised in a mesh.
+    `guessed` has one for each wheel and foot that was recognised in a mesh or its looks.
     `couples` has the joints and scales of each parameter that drives several, and `because` why
     they are coupled unasked, empty where they are not.  `warnings` are about likely mistakes.
     """
@@ -64,8 +61,8 @@ def import_urdf(
     robot : UrdfRobot
         The description; lengths in m.
     contacts : sequence of str, optional
-        Links whose collision shapes touch the ground.  None: if `given` is empty, the spheres and
-        cylinders near the ground at rest, else none.
+        Links whose collision shapes touch the ground.  None: if `given` is empty, the shapes near
+        the ground at rest, else none.
     given : sequence of Contact
         Contacts in the frames of the description's links.
     joints : sequence of str, optional
@@ -82,7 +79,8 @@ def import_urdf(
     Returns
     -------
     Imported
-        RecipeError is raised for unknown names and where there are not 3 to 62 contacts.
+        RecipeError is raised for unknown names, without masses, and where there are not 3 to 62
+        contacts.
     """
     if not any(link.mass > 0.0 for link in robot.links):
         raise RecipeError(
@@ -96,35 +94,56 @@ def import_urdf(
     named_contacts(robot, [contact.link for contact in given if contact.link not in links])
     proposes = contacts is None and not given
     if meshes is not None:
-        robot = recognised(robot, meshes, rest, None if proposes else contacts or ())
+        robot = opened_meshes(robot, meshes, rest, None if proposes else contacts or ())
     if proposes:
-        found = proposed_contacts(robot, rest)
-        if not closed_meshes(robot):
-            guessed = len(guesses(robot, found)) == len(found)
+        shaped = with_support(robot, rest)
+        found = proposed_contacts(shaped, rest)
+        if not closed_shapes(robot):
+            guessed = shaped is not robot or len(guesses(robot, found)) == len(found)
             refuse_bolted(robot, motion, found, rest, guessed)
     else:
-        found = [*given, *named_contacts(robot, contacts or ())]
+        named = {*(contacts or ())}
+        shaped = replace(
+            robot, links=tuple(drawn(one) if one.name in named else one for one in robot.links)
+        )
+        found = [*given, *named_contacts(shaped, contacts or ())]
+    robot = shaped
     if len(found) < 3:
         raise _wrong_number(robot, len(found))
     motion, because = chosen_motion(robot, found, joints, posture, coupling)
     inner = inner_contacts(robot, motion, found, rest)
-    found = unique_names([contact for contact in found if contact not in inner])
+    found = _unique_names([contact for contact in found if contact not in inner])
     if not 3 <= len(found) <= MAX_CONTACTS:
         raise _wrong_number(robot, len(found))
-    doubtful = doubts(robot, found, rest)
-    text = recipe_text(robot, motion, found, doubtful)
-    recipe = parse_recipe(text, robot.source)
+    warnings = doubts(robot, found, rest)
+    text = recipe_text(robot, motion, found, warnings)
     left_out = _left_out(robot, motion, found, inner)
-    left_out += _away(robot, {c.link for c in (*found, *inner)}) if proposes else []
-    under = lower_links(robot, [*found, *inner], rest)
-    if under:
-        left_out.append(
-            f"shapes below all contacts, on which it lies in this posture: {_listed(under)}"
-        )
-    if meshes is not None and (closed := closed_meshes(robot)):
+    touching = {contact.link for contact in (*found, *inner)}
+    round_ = [k.name for k in robot.links if any(s.kind in TOUCHING for s in k.collisions)]
+    for what, found_in in {
+        "spheres and cylinders away from the ground: ": [
+            name for name in round_ if proposes and name not in touching
+        ],
+        "shapes below all contacts, on which it lies in this posture: ": lower_links(
+            robot, [*found, *inner], rest
+        ),
+    }.items():
+        left_out += [what + _listed(found_in)] if found_in else []
+    if meshes is not None and (closed := closed_shapes(robot)):
         left_out.append(f"meshes that were not opened: {closed}")
-    told = _guessed(robot, found), _scales(motion), because, doubtful
-    return Imported(text, recipe, tuple(left_out), *told)
+    names = parameter_names(motion)
+    return Imported(
+        text,
+        parse_recipe(text, robot.source),
+        tuple(left_out),
+        _guessed(robot, found),
+        {
+            names[couple.first]: {joint: scale for joint, (scale, _) in couple.joints.items()}
+            for couple in motion.couples
+        },
+        because,
+        warnings,
+    )
 
 
 def _guessed(robot: UrdfRobot, contacts: Sequence[Contact]) -> tuple[str, ...]:
@@ -134,35 +153,30 @@ def _guessed(robot: UrdfRobot, contacts: Sequence[Contact]) -> tuple[str, ...]:
     for contact in contacts:
         if contact.name in notes:
             links.setdefault(notes[contact.name], {})[contact.link] = None
-    return tuple(f"{_listed(list(names))}: {note}" for note, names in links.items())
+    return tuple(f"{_listed(names)}: {note}" for note, names in links.items())
 
 
-def _scales(motion: Motion) -> dict[str, dict[str, float]]:
-    """Return joints and scales of each parameter that drives several."""
-    names = parameter_names(motion)
-    return {
-        names[couple.first]: {joint: scale for joint, (scale, _) in couple.joints.items()}
-        for couple in motion.couples
-    }
-
-
-def _away(robot: UrdfRobot, touching: set[str]) -> list[str]:
-    """Return the sentence on round shapes that no contact was proposed for."""
-    away = [
-        link.name
-        for link in robot.links
-        if link.name not in touching and any(s.kind in TOUCHING for s in link.collisions)
-    ]
-    return [f"spheres and cylinders away from the ground: {_listed(away)}"] if away else []
+def _unique_names(contacts: Sequence[Contact]) -> list[Contact]:
+    """Return the contacts with a number behind names that were there before."""
+    used: set[str] = set()
+    result = []
+    for contact in contacts:
+        name, count = contact.name, 1
+        while name in used:
+            count += 1
+            name = f"{contact.name}_{count}"
+        used.add(name)
+        result.append(replace(contact, name=name))
+    return result
 
 
 def _wrong_number(robot: UrdfRobot, count: int) -> RecipeError:
     """Return the refusal of too few or too many contacts, and where too few could be."""
     way_out = "name the links that touch the ground with --contact"
-    closed = closed_meshes(robot)
+    closed = closed_shapes(robot)
     if count < 3 and closed:
         way_out += (
-            f", and give points on those with meshes, which are not opened ({closed}): "
+            f", and give points on those whose shapes were not understood ({closed}): "
             "--contact 'LINK=X,Y,Z[,RADIUS]'"
         )
     return RecipeError(
@@ -170,51 +184,59 @@ def _wrong_number(robot: UrdfRobot, count: int) -> RecipeError:
     )
 
 
-def _listed(names: Sequence[str]) -> str:
+def _listed(names: Iterable[str]) -> str:
     """Return names with commas, the first dozen of them."""
-    shown = ", ".join(names[:LISTED])
-    return shown if len(names) <= LISTED else f"{shown} and {len(names) - LISTED} more"
+    all_ = list(names)
+    shown = ", ".join(all_[:LISTED])
+    return shown if len(all_) <= LISTED else f"{shown} and {len(all_) - LISTED} more"
 
 
 def _left_out(
     robot: UrdfRobot, motion: Motion, contacts: Sequence[Contact], inner: Sequence[Contact]
 ) -> list[str]:
     """Return one sentence for each thing of the description that the recipe does not have."""
-    result = []
     reasons: dict[str, list[str]] = {}
     for name, why in motion.held.items():
         reasons.setdefault(why, []).append(name)
-    for why, names in reasons.items():
-        result.append(
-            f"joints {_listed(names)}: held, each {why}"
-            if len(names) > 1
-            else f"joint {_listed(names)}: held, {why}"
-        )
-    touching = {contact.link for contact in contacts} | {contact.link for contact in inner}
-    partly = {
-        link.name: sorted({shape.kind for shape in link.collisions if shape not in used})
-        for link in robot.links
-        if link.name in touching and (used := used_shapes(link)) != list(link.collisions)
-    }
-    kinds = sorted({kind for found in partly.values() for kind in found})
-    carrying = carrying_links(robot, contacts)
+    result = [
+        f"joints {_listed(names)}: held, each {why}"
+        if len(names) > 1
+        else f"joint {names[0]}: held, {why}"
+        for why, names in reasons.items()
+    ]
+    touching = {contact.link for contact in (*contacts, *inner)}
     shaped = [link for link in robot.links if link.collisions]
-    named: dict[str, Sequence[str]] = {
+    unused = {
+        link.name: {shape.kind for shape in link.collisions if shape not in used_shapes(link)}
+        for link in shaped
+        if link.name in touching
+    }
+    kinds = sorted({kind for found in unused.values() for kind in found})
+    carrying = carrying_links(robot, contacts)
+    moving = [joint for joint in robot.joints if joint.name not in motion.held]
+    endless = [one.name for one in moving if one.kind == "revolute" and one.upper == float("inf")]
+    named = {
         "contacts between two others, which carry nothing alone: ": [one.name for one in inner],
         "collision shapes of links that are no contacts: ": [
             link.name for link in shaped if link.name not in touching
         ],
-        f"collision shapes of kind {_listed(kinds)}: of ": list(partly),
-        "links without mass, which weigh nothing here: ": [
-            link.name for link in shaped if not link.mass
+        f"collision shapes of kind {_listed(kinds)}: of ": [
+            n for n, other in unused.items() if other
         ],
+        "links without mass, which weigh nothing here: ": [k.name for k in shaped if not k.mass],
         "links without mass or contacts: ": [
             link.name for link in robot.links if link.name not in carrying
         ],
+        "joints without limits, taken as -180 to 180 deg: ": endless,
+        "soft limits, narrower than those that are taken (or pass --soft-limits): ": [
+            one.name
+            for one in moving
+            if one.soft and (one.lower < one.soft[0] or one.soft[1] < one.upper)
+        ],
         "how far printed angles are off the parts of a turn that they stand for: ": robot.rounded,
+        "other elements: ": [f"{count} <{tag}>" for tag, count in robot.ignored.items()],
+        "elements and attributes that are not understood: ": [
+            f"{count} {what}" for what, count in robot.unknown.items()
+        ],
     }
-    named["other elements: "] = [f"{count} <{tag}>" for tag, count in robot.ignored.items()]
-    named["elements and attributes that are not understood: "] = [
-        f"{count} {what}" for what, count in robot.unknown.items()
-    ]
     return result + [what + _listed(names) for what, names in named.items() if names]

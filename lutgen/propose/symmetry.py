@@ -6,13 +6,13 @@ rear where the robot stands so (knees pointing at each other), else they move al
 """
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from lutgen.parts import Contact
-from lutgen.propose.joint_names import stem
 from lutgen.urdf import Place, UrdfRobot, downwards
 from lutgen.vector import Floats
 
@@ -20,6 +20,17 @@ from lutgen.vector import Floats
 # where the mirror image of the other is.  Masses of mirror images differ by a tenth at most, and
 # the cosine between their axes is at least this: descriptions round, and robots have a battery.
 BESIDE, IMAGE, MASS, PARALLEL = 0.01, 0.05, 0.1, 0.9
+
+# Parts of a name that say where a joint is and not what it is.
+SIDES = frozenset(
+    (
+        *("left", "right", "l", "r", "middle", "mid", "ml", "mr", "lm", "rm"),
+        *("front", "fore", "f", "fl", "fr", "lf", "rf"),
+        *("rear", "hind", "back", "h", "rl", "rr", "lr", "lh", "rh", "hl", "hr"),
+        *("bl", "br", "lb", "rb"),
+    )
+)
+WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 
 
 class Limb(NamedTuple):
@@ -211,3 +222,36 @@ def _spots(
         else:
             spots[name] = moment[name] / mass[name] if mass[name] > 0.0 else origin
     return spots, mass
+
+
+def stem(name: str) -> tuple[str, ...]:
+    """Return what a joint's name says beside the side that it is on, in lower case.
+
+    Examples
+    --------
+    >>> stem("FL_hip_joint") == stem("rear_right_hip")
+    True
+    >>> stem("LHipYawPitch")
+    ('hip', 'yaw', 'pitch')
+    """
+    words = [word.lower() for word in WORD.findall(name)]
+    return tuple(word for word in words if word not in SIDES and word != "joint")
+
+
+def common_name(names: Sequence[str]) -> str:
+    """Return a name for joints that are alike: the words that all of them have.
+
+    Examples
+    --------
+    >>> common_name(["FL_hip_joint", "FR_hip_joint"])
+    'hip'
+    >>> common_name(["hip_yaw_1", "hip_yaw_2"])
+    'hip_yaw'
+    """
+    own = [word for word in WORD.findall(names[0]) if word.lower() in stem(word)]
+    words = [
+        shown
+        for shown, *same in zip(own, *(stem(name) for name in names), strict=False)
+        if len(set(same)) == 1
+    ]
+    return "_".join(words) or names[0]

@@ -11,7 +11,7 @@ import numpy as np
 from lutgen.parts import Joint, Link
 from lutgen.rotation import angles, axis_rotation, rotation
 from lutgen.urdf.description import UrdfJoint, UrdfRobot
-from lutgen.urdf.motion import Motion
+from lutgen.urdf.joints import Motion
 from lutgen.vector import Floats, Vector
 
 # Rotation (3, 3) and origin (3,) of a link in the frame of the root.

@@ -9,7 +9,7 @@ import pytest
 from lutgen.errors import RecipeError
 from lutgen.propose import Imported, import_urdf
 from lutgen.recipe import Recipe
-from lutgen.urdf import Meshes, Packages, load_urdf
+from lutgen.urdf import Meshes, Sources, load_urdf
 from tests.fixtures.commands import stdout as good
 from tests.fixtures.meshes import box, capsule, cylinder, write, written
 from tests.fixtures.robots import collision, joint, link, robot
@@ -45,7 +45,7 @@ def car(shape: str, kind: str = "continuous") -> str:
 def imported(text: str, contacts: list[str] | None = None) -> tuple[Recipe, Imported]:
     """Return what comes of a description in the working folder."""
     Path("a.urdf").write_text(text, encoding="utf-8")
-    made = import_urdf(load_urdf("a.urdf"), contacts, meshes=Meshes(Packages(Path())))
+    made = import_urdf(load_urdf("a.urdf"), contacts, meshes=Meshes(Sources(Path())))
     return made.recipe, made
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from lutgen.propose import import_urdf
-from lutgen.propose.coupling import Coupling
-from lutgen.propose.joint_names import common_name, stem
+from lutgen.propose.couplings import Coupling
+from lutgen.propose.symmetry import common_name, stem
 from lutgen.recipe.kinematics import forward
 from lutgen.recipe.recipe import Recipe
 from lutgen.urdf import UrdfRobot, load_srdf, load_urdf, parse_urdf

@@ -9,7 +9,7 @@ from lutgen.analysis import Posture, posture_limits, tilt_limits
 from lutgen.errors import RecipeError
 from lutgen.parts import Contact
 from lutgen.propose import import_urdf
-from lutgen.urdf import centre_of_mass, parse_urdf, places, read_motion
+from lutgen.urdf import centre_of_mass, parse_urdf, places, read_motion, soft_limited
 from tests.fixtures.robots import collision, joint, link, robot
 
 BALL = 'sphere radius="0.05"'
@@ -144,3 +144,47 @@ def test_an_axle_that_pivots_freely_is_named_with_the_contact_that_stands_for_it
     # By hand: the com is above the line from a rear wheel to the pivot up to atan(1.2 / 1.67).
     # The engine tips it at 37.0 deg with 1.3 to 1.6 deg of lag; with a rigid axle 41.6 are told.
     assert math.degrees(float(limit[0, 0])) == pytest.approx(35.7, abs=0.1)
+
+
+LOOKS = "".join(collision(BALL, place).replace("collision", "visual") for place in CORNERS)
+SOLE = "".join(collision('box size="0.2 0.1 0.02"', f"0 {y} -0.9") for y in (0.1, -0.1))
+
+
+@pytest.mark.parametrize(
+    ("inside", "kinds", "guess"),
+    [
+        (LOOKS, 4 * ["sphere"], "base: a visual sphere, as there is no collision shape"),
+        # Of 16 corners 8 lie between others.
+        (SOLE, 8 * ["point"], None),
+        (SOLE.replace("collision", "visual"), 8 * ["point"], "base: a visual box, as there is no"),
+        # Where it stands on balls, neither boxes nor looks count.
+        (FEET + SOLE + LOOKS, 4 * ["sphere"], None),
+    ],
+)
+def test_boxes_and_looks_are_stood_on_where_there_is_nothing_else(
+    inside: str, kinds: list[str], guess: str | None
+) -> None:
+    found = import_urdf(parse_urdf(robot(link("base", 9.0, "0 0 0", inside))))
+    assert [contact.kind for contact in found.recipe.contacts] == kinds
+    assert [words[: len(guess or "")] for words in found.guessed] == ([guess] if guess else [])
+
+
+SOFT = '<safety_controller soft_lower_limit="{}" soft_upper_limit="{}" k_velocity="1"/>'
+
+
+@pytest.mark.parametrize(
+    ("soft", "limits", "said"),
+    [
+        ((-0.3, 2.0), (-0.3, 1.0), True),
+        ((-2.0, 2.0), (-0.5, 1.0), False),
+        ((0, 0), (-0.5, 1.0), False),
+    ],
+)
+def test_soft_limits_are_named_and_taken_when_asked_for(
+    soft: tuple[float, float], limits: tuple[float, float], said: bool
+) -> None:
+    inside = LIMIT.format(-0.5, 1.0) + SOFT.format(*soft)
+    described = parse_urdf(robot(ARM, joint("lean", "revolute", "base", "arm", inside)))
+    left = import_urdf(described, joints=["lean"]).left_out
+    assert any("--soft-limits): lean" in words for words in left) == said
+    assert read_motion(soft_limited(described)).free == {"lean": limits}

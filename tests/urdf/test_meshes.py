@@ -1,9 +1,11 @@
 """Meshes: found by their names, read within bounds, and what is recognised in their corners."""
 
+import io
 import itertools
 import math
 import re
 import sys
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +13,7 @@ import pytest
 
 from lutgen.errors import InputError
 from lutgen.rotation import rotation
-from lutgen.urdf import Collision, Meshes, Packages, foot_of, mesh_file, wheel_of
+from lutgen.urdf import Collision, Meshes, Sources, foot_of, meshes, wheel_of
 from tests.fixtures.meshes import ball, box, capsule, cylinder, dae, hull, stl, tyre, write
 
 DOWN = np.array([0.0, 0.0, -1.0])
@@ -24,7 +26,7 @@ def mesh(file: str, scale: tuple[float, ...] = (1.0, 1.0, 1.0), **place: object)
 
 
 def corners(folder: Path, shape: Collision) -> np.ndarray:
-    return Meshes(Packages(folder)).corners(shape)
+    return Meshes(Sources(folder)).corners(shape)
 
 
 @pytest.mark.parametrize("suffix", [".stl", ".obj", ".dae"])
@@ -64,16 +66,25 @@ def test_a_file_is_found_by_path_by_address_and_by_package(tmp_path: Path) -> No
     for name in ("../meshes/a b.stl", f"file://{file}", "package://legs/meshes/a b.stl"):
         assert len(corners(start, mesh(name))) == 8
     assert len(corners(start, mesh(f"file://{str(file).replace(' ', '%20')}"))) == 8
-    elsewhere = Meshes(Packages(tmp_path / "none", {"other": package}))
+    elsewhere = Meshes(Sources(tmp_path / "none", {"other": package}))
     assert len(elsewhere.corners(mesh("package://other/meshes/a b.stl"))) == 8
 
 
 def test_a_file_is_read_once(tmp_path: Path) -> None:
     write(tmp_path / "a.stl", box(1, 1, 1))
-    meshes = Meshes(Packages(tmp_path))
+    meshes = Meshes(Sources(tmp_path))
     first = meshes.corners(mesh("a.stl"))
     (tmp_path / "a.stl").unlink()
     assert meshes.corners(mesh("a.stl", (2.0, 2.0, 2.0))) == pytest.approx(2.0 * first)
+
+
+def packed() -> bytes:
+    """Return an archive that does not begin like one."""
+    buffer = io.BytesIO(b"<COLLADA>")
+    buffer.seek(0, io.SEEK_END)
+    with zipfile.ZipFile(buffer, "a") as archive:
+        archive.writestr("doc.dae", dae(box(1, 1, 1)))
+    return buffer.getvalue()
 
 
 # The reader takes it for text then, and finds none, where a package is installed that guesses in
@@ -93,7 +104,7 @@ HEADER = stl(box(1, 1, 1), claimed=10_000_000)
         ("a.stl", stl(box(1, 1, 1))[:200], BROKEN),
         ("a.obj", b"nothing\n", "has no triangle"),
         ("a.dae", b"<COLLADA", "cannot be read as DAE"),
-        ("a.dae", b"PK\x03\x04", "is an archive"),
+        ("a.dae", packed(), "is an archive"),
         ("a.dae", b'<!DOCTYPE a [<!ENTITY b "c">]><a/>', "document type declaration"),
         ("a.dae", dae(box(1, 1, 1)).replace(b"<instance_geometry", b"<x"), "has no triangle"),
         ("a.stl", b"\0" * 84, "has no triangle"),
@@ -128,7 +139,7 @@ def test_a_folder_and_a_file_that_is_too_long_are_refused(
     write(tmp_path / "a.stl", box(1, 1, 1))
     size = (tmp_path / "a.stl").stat().st_size
     for limit, fits in ((size, True), (size - 1, False)):
-        monkeypatch.setattr("lutgen.urdf.mesh_file.MAX_BYTES", limit)
+        monkeypatch.setattr("lutgen.urdf.meshes.MAX_BYTES", limit)
         if fits:
             assert len(corners(tmp_path, mesh("a.stl"))) == 8
         else:
@@ -286,4 +297,4 @@ def test_triangles_for_tests_close_a_hull() -> None:
         for pair in itertools.combinations(map(tuple, face), 2):
             edges[frozenset(pair)] = edges.get(frozenset(pair), 0) + 1
     assert set(edges.values()) == {2}
-    assert mesh_file.FORMATS == (".stl", ".obj", ".dae")
+    assert meshes.FORMATS == (".stl", ".obj", ".dae")

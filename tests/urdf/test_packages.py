@@ -8,8 +8,7 @@ import pytest
 
 import lutgen
 from lutgen.errors import RecipeError
-from lutgen.urdf.packages import Packages
-from lutgen.urdf.xacro import load_xacro
+from lutgen.urdf.sources import Sources, load_xacro
 from tests.fixtures.commands import run
 from tests.fixtures.commands import stdout as good
 from tests.fixtures.places import VECTORS
@@ -118,26 +117,26 @@ def test_what_is_given_comes_before_what_is_found(
     start.mkdir()
     monkeypatch.setenv("AMENT_PREFIX_PATH", str(tmp_path / "ament"))
     monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path / "ros"))
-    assert Packages(start, {"a": tmp_path / "given"}).find("a") == tmp_path / "given"
-    assert Packages(start).find("a") == tmp_path / "ros" / "a"
+    assert Sources(start, {"a": tmp_path / "given"}).package("a") == tmp_path / "given"
+    assert Sources(start).package("a") == tmp_path / "ros" / "a"
     monkeypatch.delenv("ROS_PACKAGE_PATH")
-    assert Packages(start).find("a") == tmp_path / "ament" / "share" / "a"
+    assert Sources(start).package("a") == tmp_path / "ament" / "share" / "a"
     monkeypatch.delenv("AMENT_PREFIX_PATH")
-    assert Packages(start).find("a") == tmp_path / "a"
+    assert Sources(start).package("a") == tmp_path / "a"
 
 
 def test_a_package_is_known_by_its_file_or_by_the_name_of_a_folder_above(tmp_path: Path) -> None:
     (tmp_path / "checkout-of-a" / "urdf").mkdir(parents=True)
     xml = tmp_path / "checkout-of-a" / "package.xml"
     xml.write_text("<package><name> a </name></package>")
-    assert Packages(xml.parent / "urdf").find("a") == xml.parent
+    assert Sources(xml.parent / "urdf").package("a") == xml.parent
     # Without a package.xml that says so, a folder above the file is what it is called.
-    assert Packages(xml.parent / "urdf").find("checkout-of-a") == xml.parent
+    assert Sources(xml.parent / "urdf").package("checkout-of-a") == xml.parent
     for broken in ("", "<package>", "<package/>", "\0"):
         xml.write_text(broken)
-        assert Packages(xml.parent / "urdf").find("a") is None
+        assert Sources(xml.parent / "urdf").package("a") is None
     for name in ("", ".", "..", "a/b", "../urdf"):
-        assert Packages(xml.parent / "urdf").find(name) is None
+        assert Sources(xml.parent / "urdf").package(name) is None
 
 
 @pytest.mark.parametrize(
@@ -178,7 +177,7 @@ def test_options_that_say_nothing_are_refused(
     result = run("import", "-x", ROBOTS / "cart.xacro", "-o", out, *arguments)
     assert (result.exit_code, said in result.stderr) == (2, True)
     urdf = run("import", VECTORS / "rover.urdf", "-o", out, "--arg", "a=b")
-    assert (urdf.exit_code, "is for .xacro files" in urdf.stderr) == (2, True)
+    assert (urdf.exit_code, "is for xacro" in urdf.stderr) == (2, True)
 
 
 def test_a_robot_on_meshes_alone_is_refused_with_the_cause(tmp_path: Path) -> None:
@@ -190,4 +189,4 @@ def test_a_robot_on_meshes_alone_is_refused_with_the_cause(tmp_path: Path) -> No
     result = run("import", file, "-o", tmp_path / "robot.toml")
     assert result.exit_code == 2
     why = "base: package 'a' was not found; give --package a=DIR"
-    assert f"points on those with meshes, which are not opened ({why})" in result.stderr
+    assert f"points on those whose shapes were not understood ({why})" in result.stderr

@@ -10,7 +10,7 @@ import pytest
 from lutgen.errors import RecipeError
 from lutgen.propose.proposal import import_urdf
 from lutgen.urdf.description import Mimic, UrdfRobot
-from lutgen.urdf.motion import read_motion
+from lutgen.urdf.joints import read_motion
 from lutgen.urdf.read import load_urdf, parse_urdf
 from tests.fixtures.places import VECTORS
 from tests.fixtures.robots import broken, collision, joint, link, real, robot
@@ -111,7 +111,10 @@ TWO = joint("j", "fixed", "base", "arm")
         ('<?xml version="1.0" encoding="klingon"?><robot/>', "is not XML"),
         ("<sdf/>", "is not <robot>"),
         (robot(), "needs 1 to 10000 links"),
-        (robot("<xacro:macro/>").replace("<robot", "<robot xmlns:xacro='x'"), "expand the file"),
+        (
+            robot("<xacro:macro/>").replace("<robot", "<robot xmlns:xacro='x'"),
+            "is xacro that was not expanded (got '<xacro:macro>'); pass --xacro",
+        ),
         (robot(link("base"), "<link/>"), "a <link>: has no name"),
         (robot(link("base"), link("base")), "link 'base': is given more than once"),
         (robot(PAIR), "has 2 links without a parent"),
@@ -129,7 +132,7 @@ TWO = joint("j", "fixed", "base", "arm")
         (robot(PAIR, joint("j", "revolute", "base", "arm", '<axis xyz="0 0 0"/>')), "axis without"),
         (robot(PAIR, joint("j", "revolute", "base", "arm", '<axis xyz="0 1"/>')), "no vector"),
         (robot(PAIR, joint("j", "fixed", "base", "arm", xyz="0 nan 0")), "no vector as xyz"),
-        (robot(PAIR, joint("j", "fixed", "base", "arm", xyz="${x} 0 0")), "no vector as xyz"),
+        (robot(PAIR, joint("j", "fixed", "base", "arm", xyz="${x} 0 0")), "pass --xacro"),
         (
             robot(PAIR, joint("j", "revolute", "base", "arm", '<limit lower="2" upper="1"/>')),
             "lower limit above",

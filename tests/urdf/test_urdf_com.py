@@ -10,8 +10,8 @@ import pytest
 from lutgen.recipe.kinematics import postures
 from lutgen.recipe.recipe import parse_recipe
 from lutgen.urdf.description import UrdfRobot
+from lutgen.urdf.joints import Motion, read_motion
 from lutgen.urdf.links import centre_of_mass, places
-from lutgen.urdf.motion import Motion, read_motion
 from lutgen.urdf.read import load_urdf
 from tests.fixtures.recipes import contact, sweep_part
 from tests.fixtures.robots import real
