@@ -164,7 +164,7 @@ def load_xacro(
     """
     source = os.fspath(path)
     try:
-        text = Path(source).read_text(encoding="utf-8", errors="replace")
+        text = Path(source).read_text(encoding="utf-8-sig", errors="replace")
     except OSError as error:
         raise unreadable(source, error) from error
     other = re.search(r"""xmlns:(?!xacro=)([\w.-]+)=["'][^"']*\bxacro["']""", text)
@@ -177,9 +177,9 @@ def load_xacro(
     known = Sources(Path(source).parent, packages or {})
     # Which packages are needed shows while the file is expanded: once more for each.
     while True:
-        missing, text = _expanded(source, found, arguments or {})
+        missing, expanded = _expanded(source, text, found, arguments or {})
         if missing is None:
-            return parse_urdf(text, source)
+            return parse_urdf(expanded, source)
         folder = known.package(missing) if missing not in found else None
         if folder is None:
             raise RecipeError(
@@ -191,10 +191,11 @@ def load_xacro(
 
 
 def _expanded(
-    source: str, folders: Mapping[str, Path], arguments: Mapping[str, str]
+    source: str, text: str, folders: Mapping[str, Path], arguments: Mapping[str, str]
 ) -> tuple[str | None, str]:
     """Return None and the expanded text, or the name of a package that is missing."""
     try:
+        import xacro
         from xacrodoc import XacroDoc, packages
     except ImportError:
         raise InputError(
@@ -205,10 +206,15 @@ def _expanded(
         # What an earlier file found is forgotten.
         packages.reset()
         packages.update_package_cache(folders)
+        # Includes are relative to the file that has them.
+        xacro.init_stacks(str(Path(source).absolute()))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            document = XacroDoc.from_file(
-                source, walk_up=False, resolve_packages=False, subargs=dict(arguments)
+            document = XacroDoc.from_string(
+                text,
+                subargs=dict(arguments),
+                resolve_packages=False,
+                rootdir=Path(source).parent,
             )
             # Names of meshes keep what they begin with: no package of theirs is needed.
             return None, document.to_urdf_string(use_protocols=True)

@@ -8,6 +8,7 @@ import pytest
 
 import lutgen
 from lutgen.errors import RecipeError
+from lutgen.urdf import load_urdf
 from lutgen.urdf.sources import Sources, load_xacro
 from tests.fixtures.commands import run
 from tests.fixtures.commands import stdout as good
@@ -137,6 +138,33 @@ def test_a_package_is_known_by_its_file_or_by_the_name_of_a_folder_above(tmp_pat
         assert Sources(xml.parent / "urdf").package("a") is None
     for name in ("", ".", "..", "a/b", "../urdf"):
         assert Sources(xml.parent / "urdf").package(name) is None
+
+
+def test_what_a_file_includes_is_found_beside_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    inner = "<link name='a'><inertial><mass value='2'/></inertial></link>"
+    (tmp_path / "sub").mkdir()
+    for name, inside in (("top", "<xacro:include filename='in.xacro'/>"), ("in", inner)):
+        text = f'<robot name="a" xmlns:xacro="http://www.ros.org/wiki/xacro">{inside}</robot>'
+        (tmp_path / "sub" / f"{name}.xacro").write_text(text)
+    monkeypatch.chdir(tmp_path)
+    assert load_xacro("sub/top.xacro").links[0].mass == 2.0
+
+
+@pytest.mark.parametrize("prefix", ["xacro", "x"])
+def test_macros_that_were_not_expanded_are_named_under_any_prefix(
+    prefix: str, tmp_path: Path
+) -> None:
+    file = tmp_path / "robot.urdf"
+    macro = f"<{prefix}:if value='1'><link name='b'/></{prefix}:if>"
+    uri = "http://www.ros.org/wiki/xacro"
+    file.write_text(f'<robot name="a" xmlns:{prefix}="{uri}"><link name="a"/>{macro}</robot>')
+    with pytest.raises(RecipeError, match=f"was not expanded .got '<{prefix}:if>'.; pass --xacro"):
+        load_urdf(file)
+    # The library knows one prefix.
+    with pytest.raises(RecipeError, match=r"links without a parent|binds xacro to another prefix"):
+        load_xacro(file)
 
 
 @pytest.mark.parametrize(
