@@ -1,6 +1,7 @@
 """What else than plain URDF 1.0 a description may have: read, refused or named, never dropped."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -10,6 +11,8 @@ from lutgen.errors import RecipeError
 from lutgen.parts import Contact
 from lutgen.propose import import_urdf
 from lutgen.urdf import centre_of_mass, parse_urdf, places, read_motion, soft_limited
+from lutgen.urdf.read import FORMAT
+from tests.fixtures.places import ROOT
 from tests.fixtures.robots import collision, joint, link, robot
 
 BALL = 'sphere radius="0.05"'
@@ -188,3 +191,13 @@ def test_soft_limits_are_named_and_taken_when_asked_for(
     left = import_urdf(described, joints=["lean"]).left_out
     assert any("--soft-limits): lean" in words for words in left) == said
     assert read_motion(soft_limited(described)).free == {"lean": limits}
+
+
+def test_the_reference_has_every_element_and_attribute_that_is_understood() -> None:
+    page = (ROOT / "docs/reference/urdf.md").read_text(encoding="utf-8")
+    words = set(re.findall(r"`([a-z_]+)`", page))
+    inertia = {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}
+    assert {
+        *FORMAT,
+        *(word for part in FORMAT.values() for word in part.split()),
+    } - inertia <= words
