@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -10,10 +9,8 @@ from lutgen.errors import RecipeError, suggestion
 from lutgen.parts import Contact
 from lutgen.urdf import (
     TOUCHING,
-    Collision,
     Motion,
     Place,
-    UrdfLink,
     UrdfRobot,
     centre_of_mass,
     downwards,
@@ -34,7 +31,6 @@ SHOWN = 6
 # in: of 400 a robot on a pedestal (baxter) tips in none, arms on their flanges (so100, so101) in 17
 # and 66 %.
 TRIED, MAY_TIP = 64, 3
-DRAWN = "as there is no collision shape"
 
 
 def named_contacts(robot: UrdfRobot, names: Sequence[str]) -> list[Contact]:
@@ -122,41 +118,6 @@ def lowest_of(contact: Contact, place: Place) -> float:
     if contact.axis is not None:
         reach *= math.sqrt(max(0.0, 1.0 - float(turn[2] @ contact.axis) ** 2))
     return float((origin + turn @ contact.position)[2]) - reach
-
-
-def with_support(robot: UrdfRobot, where: Mapping[str, Place]) -> UrdfRobot:
-    """Return the description with the shapes on which it stands.
-
-    Where it does not stand on spheres, cylinders and meshes, the boxes of links without these
-    count as corners; where it does not stand on them either, so do the looks of links without
-    collision shapes.
-    """
-    boxes = replace(robot, links=tuple(map(_cornered, robot.links)))
-    looks = replace(robot, links=tuple(_cornered(drawn(link)) for link in robot.links))
-    if has_support(robot, where):
-        return robot
-    return next((one for one in (boxes, looks) if has_support(one, where, True)), robot)
-
-
-def drawn(link: UrdfLink) -> UrdfLink:
-    """Return a link with the simple shapes of its looks, if it has no collision shapes."""
-    if link.collisions:
-        return link
-    shapes = [shape for shape in link.visuals if shape.size]
-    noted = [replace(shape, note=f"a visual {shape.kind}, {DRAWN}") for shape in shapes]
-    return replace(link, collisions=tuple(noted))
-
-
-def _cornered(link: UrdfLink) -> UrdfLink:
-    """Return a link with points for its boxes, if it has nothing else to stand on."""
-    if not all(shape.kind == "box" for shape in link.collisions):
-        return link
-    parts = []
-    for shape in link.collisions:
-        corners = link_contacts(replace(link, collisions=(shape,)))
-        points = tuple(x for corner in corners for x in corner.position)
-        parts.append(Collision(shape.name, "points", points, note=shape.note))
-    return replace(link, collisions=tuple(parts))
 
 
 def has_support(robot: UrdfRobot, where: Mapping[str, Place], near: bool = False) -> bool:

@@ -21,136 +21,6 @@ AUTO = "auto"
 # A sign or a factor before a joint, a group or a pattern.
 FACTOR = re.compile(r"([+-]?)(?:(\d+\.?\d*|\.\d+)\*)?(.+)")
 FORMS = "write NAME=JOINT,JOINT,..., a group of the SRDF file, a pattern such as '*_hip', or auto"
-
-
-@dataclass(frozen=True)
-class Coupling:
-    """Texts of `--couple`, and the groups of joints that the SRDF file names."""
-
-    texts: tuple[str, ...] = ()
-    groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-
-
-class Reader:
-    """Reads the texts for one robot.
-
-    Parameters
-    ----------
-    robot : UrdfRobot
-        The description.
-    motion : Motion
-        All joints that can be free, each one by itself, and where they are at rest.
-    limbs : Limbs
-        By which the signs of joints are found that a pattern or group has.
-    coupling : Coupling
-        The texts; a fault raises InputError.
-    """
-
-    def __init__(self, robot: UrdfRobot, motion: Motion, limbs: Limbs, coupling: Coupling) -> None:
-        self.robot, self.motion, self.limbs = robot, motion, limbs
-        self.groups = coupling.groups
-        self.texts = coupling.texts
-
-    def couples(self) -> list[Couple]:
-        """Return the joints of each NAME=...; at rest they stand where they do without it."""
-        result: list[Couple] = []
-        for text in self.texts:
-            name, equals, items = text.partition("=")
-            if not equals:
-                continue
-            if not re.fullmatch(IDENTIFIER, name) or name in RESERVED:
-                raise InputError(
-                    f"--couple: is no name of a parameter (got {name!r}); use letters, digits and "
-                    "_, a letter first, and none that a map file uses."
-                )
-            scales = self._scales(text, items.split(","))
-            if any(name == couple.name for couple in result):
-                raise InputError(f"--couple: the name is given twice (got {text!r}); rename one.")
-            result.append(at_rest(name, scales, self.motion, "as --couple says"))
-        return result
-
-    def among(self) -> list[list[str]]:
-        """Return the joints of each text that is no NAME=..., among which to propose."""
-        result = []
-        for text in self.texts:
-            if "=" not in text:
-                found = [*self.motion.free] if text == AUTO else self._matches(text)
-                if not found:
-                    known = [AUTO, *self.groups]
-                    raise InputError(
-                        f"--couple: names no joints that can move (got {text!r}); "
-                        f"{suggestion(text, known, FORMS + '; there are')}."
-                    )
-                result.append(found)
-        return result
-
-    def _scales(self, text: str, items: Sequence[str]) -> dict[str, float]:
-        """Return the factor of each joint of a NAME=..."""
-        result: dict[str, float] = {}
-        for item in items:
-            for joint, scale in self._item(text, item.strip(), result).items():
-                if joint in result:
-                    raise InputError(
-                        f"--couple: joint {joint!r} is named twice (got {text!r}); remove one."
-                    )
-                result[joint] = scale
-        return result
-
-    def _item(self, text: str, item: str, before: Mapping[str, float]) -> dict[str, float]:
-        """Return the factors of one joint, group or pattern."""
-        joints = [joint.name for joint in self.robot.joints]
-        if item in joints:
-            return {item: 1.0}
-        match = FACTOR.fullmatch(item)
-        sign, number, name = match.groups() if match else ("", None, item)
-        factor = float(f"{sign}{number or 1.0}")
-        if factor == 0.0:
-            raise InputError(f"--couple: a factor is 0 (got {item!r}); leave the joint out.")
-        if name in joints:
-            return {name: factor}
-        found = self._matches(name)
-        if not found:
-            known = [*joints, *self.groups]
-            raise InputError(
-                f"--couple: there is no such joint or group, and no joint has that pattern (got "
-                f"{item!r} in {text!r}); {suggestion(name, known, 'use one of')}."
-            )
-        if sign or number:
-            return dict.fromkeys(found, factor)
-        first, scale = next(iter(before.items()), (found[0], 1.0))
-        signs = {joint: self.limbs.sign(first, joint) for joint in found}
-        for joint, of_axis in signs.items():
-            if not of_axis:
-                raise InputError(
-                    f"--couple: the axes of {first!r} and {joint!r} are no mirror images, so no "
-                    f"sign follows (got {item!r}); write +{item}, or joint by joint."
-                )
-        return {joint: scale * of_axis for joint, of_axis in signs.items()}
-
-    def _matches(self, text: str) -> list[str]:
-        """Return the joints of a group or pattern that can be free; others follow or are held."""
-        group = self.groups.get(text)
-        return [
-            name
-            for name in self.motion.free
-            if (name in group if group is not None else fnmatchcase(name, text))
-        ]
-
-
-def at_rest(name: str, scales: Mapping[str, float], motion: Motion, why: str) -> Couple:
-    """Return a couple whose joints stand where they do at rest when its parameter does.
-
-    The parameter is 0 where the first joint is.
-    """
-    first, scale = next(iter(scales.items()))
-    value = motion.rest.get(first, 0.0) / scale
-    offsets = {
-        joint: 0.0 if joint == first else motion.rest.get(joint, 0.0) - factor * value
-        for joint, factor in scales.items()
-    }
-    return Couple(name, {joint: (scales[joint], offsets[joint]) for joint in scales}, why)
-
-
 # More joints than this are not proposed one by one, and more parameters than that are not where
 # joints are coupled: three nodes of each make a map of 729 postures.
 MAX_JOINTS, MAX_PARAMETERS = 10, 6
@@ -159,6 +29,14 @@ MAX_JOINTS, MAX_PARAMETERS = 10, 6
 # each parameter makes the map several times larger.
 STILL, SLIGHT = 1e-5, 5e-3
 ALIKE = "alike by name, and mirror images of each other or the same"
+
+
+@dataclass(frozen=True)
+class Coupling:
+    """Texts of `--couple`, and the groups of joints that the SRDF file names."""
+
+    texts: tuple[str, ...] = ()
+    groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
 
 def chosen_motion(
@@ -199,19 +77,30 @@ def chosen_motion(
         result.held.update(why)
         return result, ""
     limbs = Limbs(robot, contacts, places(robot, read_motion(robot)), rest)
-    reader = Reader(robot, free, limbs, coupling)
+    reader = _Reader(robot, free, limbs, coupling)
     couples = reader.couples()
-    _refuse_twice(couples, joints or ())
-    among = reader.among() if coupling.texts else [[*free.free]]
-    taken = {*(joints or ()), *(name for couple in couples for name in couple.joints)}
+    taken = set(joints or ())
+    for couple in couples:
+        for name in couple.joints:
+            if name in taken:
+                raise InputError(
+                    f"--couple: joint {name!r} is asked for twice (got it in {couple.name!r} "
+                    "too); remove it once."
+                )
+        taken.update(couple.joints)
     proposed: list[Couple] = []
-    for names in among:
+    for names in reader.among() if coupling.texts else [[*free.free]]:
         found = _proposed(free, limbs, [name for name in names if name not in taken])
         # Both of two arms, also where one of them matters a little less.
         found = [couple for couple in found if not {*couple.joints} <= {*why}]
         taken.update(name for couple in found for name in couple.joints)
         proposed += found
-    proposed, least = _greatest(robot, contacts, proposed, posture)
+    # Of more than six those that move contacts or com most.
+    apart = read_motion(robot, (), posture, proposed)
+    most = {name: max(ways) for name, ways in effects(robot, apart, contacts).items()}
+    ranked = sorted(proposed, key=lambda couple: -most[couple.first])
+    least = [name for couple in ranked[MAX_PARAMETERS:] for name in couple.joints]
+    proposed = [couple for couple in proposed if couple.first not in least]
     alone = [couple.first for couple in proposed if len(couple.joints) == 1]
     couples += [couple for couple in proposed if len(couple.joints) > 1]
     result = read_motion(robot, [*(joints or ()), *alone], posture, couples)
@@ -235,19 +124,6 @@ def _mattering(
     return matter, why
 
 
-def _refuse_twice(couples: Sequence[Couple], joints: Sequence[str]) -> None:
-    """Refuse a joint that two parameters would drive."""
-    taken = set(joints)
-    for couple in couples:
-        for name in couple.joints:
-            if name in taken:
-                raise InputError(
-                    f"--couple: joint {name!r} is asked for twice (got it in {couple.name!r} "
-                    "too); remove it once."
-                )
-        taken.update(couple.joints)
-
-
 def _proposed(free: Motion, limbs: Limbs, names: Sequence[str]) -> list[Couple]:
     """Return the joints that are alike as couples, others as couples of one."""
     result = []
@@ -261,14 +137,14 @@ def _proposed(free: Motion, limbs: Limbs, names: Sequence[str]) -> list[Couple]:
                     members = wider
             sign = next(iter(members.values()))
             scales = {name: own * sign for name, own in members.items()}
-            result.append(at_rest(common_name([*members]), scales, free, ALIKE))
+            result.append(_at_rest(common_name([*members]), scales, free, ALIKE))
             family = {name: sign for name, sign in family.items() if name not in members}
     return result
 
 
 def _has_room(free: Motion, scales: Mapping[str, float]) -> bool:
     """Return whether joints can go together by half the way that each can go alone, at least."""
-    couple = at_rest("", scales, free, "")
+    couple = _at_rest("", scales, free, "")
     low, high, least = -TURN, TURN, TURN
     for name, (scale, offset) in couple.joints.items():
         first, last = free.free[name]
@@ -279,16 +155,103 @@ def _has_room(free: Motion, scales: Mapping[str, float]) -> bool:
     return high - low >= 0.5 * least
 
 
-def _greatest(
-    robot: UrdfRobot,
-    contacts: Sequence[Contact],
-    couples: Sequence[Couple],
-    posture: Mapping[str, float] | None,
-) -> tuple[list[Couple], list[str]]:
-    """Return the couples that move contacts or com most, in order, and the joints of the rest."""
-    motion = read_motion(robot, (), posture, couples)
-    most = {name: max(ways) for name, ways in effects(robot, motion, contacts).items()}
-    ranked = sorted(couples, key=lambda couple: -most[couple.first])
-    kept = {couple.first for couple in ranked[:MAX_PARAMETERS]}
-    least = [name for one in ranked[MAX_PARAMETERS:] for name in one.joints]
-    return [couple for couple in couples if couple.first in kept], least
+def _at_rest(name: str, scales: Mapping[str, float], motion: Motion, why: str) -> Couple:
+    """Return a couple whose joints stand where they do at rest when its parameter does.
+
+    The parameter is 0 where the first joint is.
+    """
+    first, scale = next(iter(scales.items()))
+    value = motion.rest.get(first, 0.0) / scale
+    offsets = {
+        joint: 0.0 if joint == first else motion.rest.get(joint, 0.0) - factor * value
+        for joint, factor in scales.items()
+    }
+    return Couple(name, {joint: (scales[joint], offsets[joint]) for joint in scales}, why)
+
+
+class _Reader:
+    """Reads the texts of `--couple` for one robot; a fault raises InputError.
+
+    `motion` has all joints that can be free, each by itself; by `limbs` the signs of joints are
+    found that a pattern or group has.
+    """
+
+    def __init__(self, robot: UrdfRobot, motion: Motion, limbs: Limbs, coupling: Coupling) -> None:
+        self.joints = [joint.name for joint in robot.joints]
+        self.motion, self.limbs, self.coupling = motion, limbs, coupling
+
+    def couples(self) -> list[Couple]:
+        """Return the joints of each NAME=...; at rest they stand where they do without it."""
+        result: list[Couple] = []
+        for text in self.coupling.texts:
+            name, equals, items = text.partition("=")
+            if not equals:
+                continue
+            if not re.fullmatch(IDENTIFIER, name) or name in RESERVED:
+                raise InputError(
+                    f"--couple: is no name of a parameter (got {name!r}); use letters, digits and "
+                    "_, a letter first, and none that a map file uses."
+                )
+            scales: dict[str, float] = {}
+            for item in items.split(","):
+                for joint, scale in self.item(text, item.strip(), scales).items():
+                    if joint in scales:
+                        raise InputError(
+                            f"--couple: joint {joint!r} is named twice (got {text!r}); remove one."
+                        )
+                    scales[joint] = scale
+            if any(name == couple.name for couple in result):
+                raise InputError(f"--couple: the name is given twice (got {text!r}); rename one.")
+            result.append(_at_rest(name, scales, self.motion, "as --couple says"))
+        return result
+
+    def among(self) -> list[list[str]]:
+        """Return the joints of each text that is no NAME=..., among which to propose."""
+        result = []
+        for text in self.coupling.texts:
+            if "=" not in text:
+                found = [*self.motion.free] if text == AUTO else self.matches(text)
+                if not found:
+                    known = [AUTO, *self.coupling.groups]
+                    raise InputError(
+                        f"--couple: names no joints that can move (got {text!r}); "
+                        f"{suggestion(text, known, FORMS + '; there are')}."
+                    )
+                result.append(found)
+        return result
+
+    def item(self, text: str, item: str, before: Mapping[str, float]) -> dict[str, float]:
+        """Return the factors of one joint, group or pattern."""
+        if item in self.joints:
+            return {item: 1.0}
+        match = FACTOR.fullmatch(item)
+        sign, number, name = match.groups() if match else ("", None, item)
+        factor = float(f"{sign}{number or 1.0}")
+        if factor == 0.0:
+            raise InputError(f"--couple: a factor is 0 (got {item!r}); leave the joint out.")
+        if name in self.joints:
+            return {name: factor}
+        found = self.matches(name)
+        if not found:
+            known = [*self.joints, *self.coupling.groups]
+            raise InputError(
+                f"--couple: there is no such joint or group, and no joint has that pattern (got "
+                f"{item!r} in {text!r}); {suggestion(name, known, 'use one of')}."
+            )
+        if sign or number:
+            return dict.fromkeys(found, factor)
+        first, scale = next(iter(before.items()), (found[0], 1.0))
+        signs = {joint: self.limbs.sign(first, joint) for joint in found}
+        for joint, of_axis in signs.items():
+            if not of_axis:
+                raise InputError(
+                    f"--couple: the axes of {first!r} and {joint!r} are no mirror images, so no "
+                    f"sign follows (got {item!r}); write +{item}, or joint by joint."
+                )
+        return {joint: scale * of_axis for joint, of_axis in signs.items()}
+
+    def matches(self, text: str) -> list[str]:
+        """Return the joints of a group or pattern that can be free; others follow or are held."""
+        group = self.coupling.groups.get(text)
+        names = self.motion.free
+        return [n for n in names if (fnmatchcase(n, text) if group is None else n in group)]

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from lutgen.parts import Contact
 from lutgen.propose.contacts import placed, robot_size
-from lutgen.urdf import Motion, Place, UrdfRobot, downwards, places
+from lutgen.urdf import Motion, Place, UrdfRobot, carried, downwards, places
 from lutgen.vector import Floats
 
 # Lengths that differ by less than this share of the robot's size are equal: descriptions round
@@ -84,15 +84,9 @@ def effects(
     inside: dict[str, list[int]] = {link.name: [] for link in robot.links}
     for i, contact in enumerate(contacts):
         inside[contact.link].append(i)
-    mass = {link.name: link.mass for link in robot.links}
-    moment = {
-        link.name: link.mass * (where[link.name][1] + where[link.name][0] @ link.com)
-        for link in robot.links
-    }
     for joint in reversed(downwards(robot)):
         inside[joint.parent] += inside[joint.child]
-        mass[joint.parent] += mass[joint.child]
-        moment[joint.parent] = moment[joint.parent] + moment[joint.child]
+    mass, moment = carried(robot, where)
     total = mass[robot.root]
     result = dict.fromkeys(motion.free, (0.0, 0.0))
     for joint in robot.joints:

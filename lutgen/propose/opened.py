@@ -1,4 +1,4 @@
-"""Wheels and feet of a robot description that are meshes, as shapes that a recipe has."""
+"""Meshes, boxes and looks on which a robot stands, as shapes that a recipe has."""
 
 import math
 from collections.abc import Collection, Mapping, Sequence
@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lutgen.errors import InputError
-from lutgen.propose.contacts import DRAWN, NEAR, has_support, lowest_of
+from lutgen.propose.contacts import NEAR, has_support, lowest_of
 from lutgen.urdf import (
     JOINT_KINDS,
     TOUCHING,
@@ -29,6 +29,7 @@ from lutgen.vector import Floats
 # Share of the com's height above the ground by which one link of a leg is lower than another: the
 # shank ends above the sole, and the mesh around a ball is not below the ball.
 LOWER = 0.02
+DRAWN = "as there is no collision shape"
 
 
 @dataclass(frozen=True)
@@ -192,3 +193,50 @@ def _shape(
         if wheel is not None:
             return wheel
     return foot_of(corners, -turn[2])
+
+
+def with_support(robot: UrdfRobot, where: Mapping[str, Place]) -> UrdfRobot:
+    """Return the description with the shapes on which it stands.
+
+    Where it does not stand on spheres, cylinders and meshes, the boxes of links without these
+    count as corners; where it does not stand on them either, so do the looks of links without
+    collision shapes.  Of each chain of links the lowest counts.
+    """
+    if has_support(robot, where):
+        return robot
+    for dress in (_cornered, lambda link: _cornered(drawn(link))):
+        dressed = {link.name: dress(link) for link in robot.links}
+        heights = {
+            name: min((lowest_of(c, where[name]) for c in link_contacts(link)), default=math.inf)
+            for name, link in dressed.items()
+        }
+        lows = _along_chains(robot, heights)
+        slack = LOWER * (float(centre_of_mass(robot, where)[2]) - min(heights.values()))
+        links = tuple(
+            dressed[link.name] if heights[link.name] <= lows[link.name] + slack else link
+            for link in robot.links
+        )
+        if has_support(replace(robot, links=links), where, near=True):
+            return replace(robot, links=links)
+    return robot
+
+
+def drawn(link: UrdfLink) -> UrdfLink:
+    """Return a link with the simple shapes of its looks, if it has no collision shapes."""
+    if link.collisions:
+        return link
+    shapes = [shape for shape in link.visuals if shape.size]
+    noted = [replace(shape, note=f"a visual {shape.kind}, {DRAWN}") for shape in shapes]
+    return replace(link, collisions=tuple(noted))
+
+
+def _cornered(link: UrdfLink) -> UrdfLink:
+    """Return a link with points for its boxes, if it has nothing else to stand on."""
+    if not all(shape.kind == "box" for shape in link.collisions):
+        return link
+    parts = []
+    for shape in link.collisions:
+        corners = link_contacts(replace(link, collisions=(shape,)))
+        points = tuple(x for corner in corners for x in corner.position)
+        parts.append(Collision(shape.name, "points", points, note=shape.note))
+    return replace(link, collisions=tuple(parts))

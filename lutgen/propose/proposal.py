@@ -7,18 +7,16 @@ from lutgen.errors import RecipeError
 from lutgen.parts import Contact
 from lutgen.propose.contacts import (
     closed_shapes,
-    drawn,
     lower_links,
     named_contacts,
     proposed_contacts,
     refuse_bolted,
-    with_support,
 )
 from lutgen.propose.couplings import Coupling, chosen_motion
 from lutgen.propose.doubts import doubts
 from lutgen.propose.effects import inner_contacts
-from lutgen.propose.opened import opened_meshes
-from lutgen.propose.text import carrying_links, guesses, parameter_names, recipe_text
+from lutgen.propose.opened import drawn, opened_meshes, with_support
+from lutgen.propose.text import carrying_links, guesses, parameter_names, recipe_text, unused
 from lutgen.recipe.recipe import Recipe, parse_recipe
 from lutgen.recipe.robot_keys import MAX_CONTACTS
 from lutgen.urdf import TOUCHING, Meshes, Motion, UrdfRobot, places, read_motion, used_shapes
@@ -112,7 +110,12 @@ def import_urdf(
         raise _wrong_number(robot, len(found))
     motion, because = chosen_motion(robot, found, joints, posture, coupling)
     inner = inner_contacts(robot, motion, found, rest)
-    found = _unique_names([contact for contact in found if contact not in inner])
+    kept: dict[str, Contact] = {}
+    for contact in found:
+        if contact not in inner:
+            name = unused(contact.name, kept.keys())
+            kept[name] = replace(contact, name=name)
+    found = list(kept.values())
     if not 3 <= len(found) <= MAX_CONTACTS:
         raise _wrong_number(robot, len(found))
     warnings = doubts(robot, found, rest)
@@ -154,20 +157,6 @@ def _guessed(robot: UrdfRobot, contacts: Sequence[Contact]) -> tuple[str, ...]:
         if contact.name in notes:
             links.setdefault(notes[contact.name], {})[contact.link] = None
     return tuple(f"{_listed(names)}: {note}" for note, names in links.items())
-
-
-def _unique_names(contacts: Sequence[Contact]) -> list[Contact]:
-    """Return the contacts with a number behind names that were there before."""
-    used: set[str] = set()
-    result = []
-    for contact in contacts:
-        name, count = contact.name, 1
-        while name in used:
-            count += 1
-            name = f"{contact.name}_{count}"
-        used.add(name)
-        result.append(replace(contact, name=name))
-    return result
 
 
 def _wrong_number(robot: UrdfRobot, count: int) -> RecipeError:

@@ -13,7 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from lutgen.parts import Contact
-from lutgen.urdf import Place, UrdfRobot, downwards
+from lutgen.propose.contacts import placed
+from lutgen.urdf import Place, UrdfRobot, carried, downwards
 from lutgen.vector import Floats
 
 # Shares of the robot's size: within the first two joints are on one side, within the second one is
@@ -50,16 +51,10 @@ class Limb(NamedTuple):
 
 
 class Limbs:
-    """The limbs of a robot, and how they correspond.
+    """The limbs of a robot with its contacts, and how they correspond.
 
-    Parameters
-    ----------
-    robot : UrdfRobot
-        The description.
-    contacts : sequence of Contact
-        Contacts in the frames of its links.
-    zero, rest : mapping of str to Place
-        The places of all links with joints at zero, or at their limit nearest to it, and standing.
+    `zero` and `rest` have the places of all links with joints at zero, or at their limit nearest to
+    it, and standing.
     """
 
     def __init__(
@@ -199,29 +194,19 @@ def _spots(
 
     The middle of the contacts, without any the com, without masses the link's origin.
     """
-    mass = {link.name: link.mass for link in robot.links}
-    moment = {
-        link.name: link.mass * (where[link.name][1] + where[link.name][0] @ link.com)
-        for link in robot.links
-    }
+    mass, moment = carried(robot, where)
     count = dict.fromkeys(mass, 0)
     total = {name: np.zeros(3) for name in mass}
-    for contact in contacts:
-        turn, origin = where[contact.link]
+    for contact, centre in zip(contacts, placed(contacts, where)[0], strict=True):
         count[contact.link] += 1
-        total[contact.link] = total[contact.link] + origin + turn @ contact.position
+        total[contact.link] = total[contact.link] + centre
     for joint in reversed(downwards(robot)):
-        mass[joint.parent] += mass[joint.child]
         count[joint.parent] += count[joint.child]
-        moment[joint.parent] = moment[joint.parent] + moment[joint.child]
         total[joint.parent] = total[joint.parent] + total[joint.child]
-    spots = {}
-    for name, (_, origin) in where.items():
-        if count[name]:
-            spots[name] = total[name] / count[name]
-        else:
-            spots[name] = moment[name] / mass[name] if mass[name] > 0.0 else origin
-    return spots, mass
+    spots = {
+        name: moment[name] / mass[name] if mass[name] > 0.0 else where[name][1] for name in mass
+    }
+    return spots | {name: total[name] / count[name] for name in mass if count[name]}, mass
 
 
 def stem(name: str) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ In reading order: `xml`, `description`, `printed`, `read`, `joints`, `links`, `s
 from lutgen.urdf.description import Collision, UrdfJoint, UrdfLink, UrdfRobot
 from lutgen.urdf.feet import foot_of, wheel_of
 from lutgen.urdf.joints import TURN, Couple, Motion, read_motion, soft_limited
-from lutgen.urdf.links import Place, centre_of_mass, downwards, links_of, places
+from lutgen.urdf.links import Place, carried, centre_of_mass, downwards, links_of, places
 from lutgen.urdf.meshes import Meshes
 from lutgen.urdf.read import JOINT_KINDS, load_urdf, parse_urdf
 from lutgen.urdf.shapes import TOUCHING, link_contacts, used_shapes
@@ -31,6 +31,7 @@ __all__ = [
     "UrdfLink",
     "UrdfRobot",
     "beyond_limits",
+    "carried",
     "centre_of_mass",
     "downwards",
     "foot_of",

@@ -72,6 +72,21 @@ def places(
     return result
 
 
+def carried(
+    robot: UrdfRobot, where: Mapping[str, Place]
+) -> tuple[dict[str, float], dict[str, Floats]]:
+    """Return for each link mass and first moment (kg m) of it and of what hangs from it."""
+    mass = {link.name: link.mass for link in robot.links}
+    moment = {
+        link.name: link.mass * (where[link.name][1] + where[link.name][0] @ link.com)
+        for link in robot.links
+    }
+    for joint in reversed(downwards(robot)):
+        mass[joint.parent] += mass[joint.child]
+        moment[joint.parent] = moment[joint.parent] + moment[joint.child]
+    return mass, moment
+
+
 def centre_of_mass(robot: UrdfRobot, where: Mapping[str, Place]) -> Floats:
     """Return the com (3,) in the frame of the root, whose origin it is without any mass."""
     total = math.fsum(link.mass for link in robot.links)

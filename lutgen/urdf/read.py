@@ -123,8 +123,9 @@ class _Reader(Elements):
             for key, value in element.items():
                 if key.startswith("xmlns:") and value.rstrip("/").endswith("xacro"):
                     prefixes.add(key[6:])
-            found = f"<{element.tag}>" if element.tag.partition(":")[0] in prefixes else ""
-            if element.tag in FORMAT:
+            prefix, colon, _ = element.tag.partition(":")
+            found = f"<{element.tag}>" if colon and prefix in prefixes else ""
+            if element.attrib and element.tag in FORMAT:
                 values = (value for value in element.attrib.values() if re.search(r"\$[({]", value))
                 found = next(values, found)
             if found:

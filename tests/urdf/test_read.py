@@ -278,7 +278,8 @@ def test_ten_megabytes_are_read_and_more_than_sixteen_are_refused() -> None:
     text = robot(link("base", inside="<visual><x/></visual>" * 500_000))
     assert len(text) > 10_000_000
     assert isinstance(parse_urdf(text), UrdfRobot)
-    assert time.perf_counter() - begin < 20.0
+    # Measured 8 s on a busy machine; a reader that is quadratic in the number takes hours.
+    assert time.perf_counter() - begin < 60.0
     assert "is longer than" in refusal(text + " " * 7_000_000)
 
 
