@@ -9,13 +9,11 @@ from lutgen.errors import RecipeError, suggestion
 from lutgen.parts import Contact
 from lutgen.urdf import (
     TOUCHING,
-    Motion,
     Place,
     UrdfRobot,
     centre_of_mass,
     downwards,
     link_contacts,
-    places,
 )
 from lutgen.vector import Floats
 
@@ -27,10 +25,6 @@ NEAR = 0.25
 SLACK = 0.01
 # Links that a refusal lists.
 SHOWN = 6
-# Postures that are tried, and how many of them a robot on a foot that is part of its root may tip
-# in: of 400 a robot on a pedestal (baxter) tips in none, arms on their flanges (so100, so101) in 17
-# and 66 %.
-TRIED, MAY_TIP = 64, 3
 
 
 def named_contacts(robot: UrdfRobot, names: Sequence[str]) -> list[Contact]:
@@ -131,16 +125,11 @@ def has_support(robot: UrdfRobot, where: Mapping[str, Place], near: bool = False
 
 
 def refuse_bolted(
-    robot: UrdfRobot,
-    motion: Motion,
-    contacts: Sequence[Contact],
-    where: Mapping[str, Place],
-    guessed: bool,
+    robot: UrdfRobot, contacts: Sequence[Contact], where: Mapping[str, Place]
 ) -> None:
     """Raise RecipeError for a robot of which nothing stands on the ground: an arm, a hand.
 
-    The com is not above what is near the ground, which is one limb or the root; or that is the root
-    alone, was only `guessed`, and the joints move the com off it.
+    The com is not above what is near the ground, which is one limb or the root.
     """
     near = near_ground(robot, contacts, where)
     limbs = {robot.root: robot.root}
@@ -150,27 +139,11 @@ def refuse_bolted(
     on = {limbs[contact.link] for contact in near}
     names = ", ".join(dict.fromkeys(contact.link for contact in near)) or "no sphere or cylinder"
     if len(on) < 2 and not is_above(centre_of_mass(robot, where), placed(near, where)[0]):
-        why = "the centre of mass is not above what is lowest in this posture"
-    elif guessed and motion.free and on == {robot.root} and _leaves(robot, motion, near):
-        why = "joints move the centre of mass off what is lowest, a part of the root"
-    else:
-        return
-    raise RecipeError(
-        f"{robot.source}: nothing stands on the ground: {why} (got {names}), as of an arm or a "
-        "hand that is bolted down; name what touches the ground with --contact, or another posture "
-        "with --posture or -p."
-    )
-
-
-def _leaves(robot: UrdfRobot, motion: Motion, contacts: Sequence[Contact]) -> bool:
-    """Return whether the com is off the contacts in many postures, the same ones in every run."""
-    rng = np.random.default_rng(0)
-    tips = 0
-    for _ in range(TRIED):
-        values = {name: rng.uniform(low, high) for name, (low, high) in motion.free.items()}
-        where = places(robot, motion, values)
-        tips += not is_above(centre_of_mass(robot, where), placed(contacts, where)[0])
-    return tips > MAY_TIP
+        raise RecipeError(
+            f"{robot.source}: nothing stands on the ground: the centre of mass is not above what "
+            f"is lowest in this posture (got {names}), as of an arm or a hand that is bolted down; "
+            "name what touches the ground with --contact, or another posture with --posture or -p."
+        )
 
 
 def _refuse_lower_shapes(robot: UrdfRobot, where: Mapping[str, Place], ground: float) -> None:

@@ -48,23 +48,10 @@ def chosen_motion(
 ) -> tuple[Motion, str]:
     """Return which joints are parameters or share one, and why any are coupled unasked.
 
-    Parameters
-    ----------
-    robot, contacts, posture
-        As in `import_urdf`.
-    joints : sequence of str, optional
-        Joints that become parameters, each by itself.
-    coupling : Coupling, optional
-        What is coupled, or among which joints a grouping is proposed.  Without it and without
-        `joints`: all that matter, coupled where they are more than 10.
-
-    Returns
-    -------
-    Motion
-        InputError is raised for what cannot be read, and for a joint that is asked for twice;
-        RecipeError for joints that cannot be free, or not together.
-    str
-        Empty where nothing is coupled unasked.
+    `joints` become parameters each by itself; `coupling` says what is coupled, or among which
+    joints a grouping is proposed.  Without both: all that matter, coupled where they are more than
+    10.  InputError is raised for what cannot be read, and for a joint that is asked for twice;
+    RecipeError for joints that cannot be free, or not together.
     """
     coupling = coupling or Coupling()
     if joints is not None and not coupling.texts:

@@ -51,24 +51,11 @@ def opened_meshes(
 ) -> UrdfRobot:
     """Return the description with simple shapes for the meshes that touch the ground.
 
-    Parameters
-    ----------
-    robot : UrdfRobot
-        The description.
-    meshes : Meshes
-        Reads them; one that cannot be read stays, with the reason as its note.
-    where : mapping of str to Place
-        The links' places in the standing posture.
-    named : sequence of str, optional
-        The links that touch the ground.  None: of each chain of links the lowest, near the ground.
-
-    Returns
-    -------
-    UrdfRobot
-        A mesh that was opened has its extent as `size`; on links that touch one shape stands for
-        all of them, and its note says how well.  Of a link without collision shapes the visual
-        meshes serve, where it is named, and where the robot does not stand on spheres and
-        cylinders.
+    Those of the links that are `named`, or of each chain of links the lowest, near the ground in
+    the posture `where`.  A mesh that was opened has its extent as `size`, one that cannot be read
+    the reason as its note; on links that touch one shape stands for all of them, and its note says
+    how well.  Of a link without collision shapes the visual meshes serve, where it is named, and
+    where the robot does not stand on spheres and cylinders.
     """
     found = {link.name: _open(link, meshes, where[link.name]) for link in robot.links}
     chosen = _touching(robot, found, where) if named is None else set(named)

@@ -97,8 +97,7 @@ def import_urdf(
         shaped = with_support(robot, rest)
         found = proposed_contacts(shaped, rest)
         if not closed_shapes(robot):
-            guessed = shaped is not robot or len(guesses(robot, found)) == len(found)
-            refuse_bolted(robot, motion, found, rest, guessed)
+            refuse_bolted(robot, found, rest)
     else:
         named = {*(contacts or ())}
         shaped = replace(

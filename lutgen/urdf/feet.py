@@ -51,21 +51,10 @@ def wheel_of(
 ) -> Collision | None:
     """Return the cylinder whose rims stand for a wheel, None of a body that is none.
 
-    Parameters
-    ----------
-    points : (n, 3) float64
-        Corners of the body's convex hull, link frame, m.
-    origin, axis : (3,) float64
-        The joint's axis, a unit vector, and a point on it, link frame.
-    noun : str
-        What its note calls it.
-
-    Returns
-    -------
-    Collision or None
-        Its radius is the largest of any corner from the axis; its ends are where the tread ends,
-        the outermost corners that lie within 0.05 to 2 % of that radius: whichever share makes
-        the rims reach most nearly as far as the body.
+    `points` (n, 3) are the corners of the body's convex hull, `origin` and the unit vector `axis`
+    its joint's, in the link's frame, m.  The radius is the largest of any corner; the ends are
+    where the tread ends, the outermost corners that lie within 0.05 to 2 % of that radius,
+    whichever share makes the rims reach most nearly as far as the body.
     """
     away = points - origin
     along = away @ axis
@@ -103,19 +92,10 @@ def wheel_of(
 def foot_of(points: Floats, down: Floats) -> Collision:
     """Return what stands for the lower end of a body.
 
-    Parameters
-    ----------
-    points : (n, 3) float64
-        Corners of the body's convex hull, link frame, m.
-    down : (3,) float64
-        Unit vector downwards in the standing posture, link frame.
-
-    Returns
-    -------
-    Collision
-        A sphere where the lower end is a ball, a cylinder where it is a disc about an axis of the
-        link, else ``"points"``: the corners of a flat sole, or the lowest corners.  Its note says
-        which, and by how much (mm) it is off.
+    `points` (n, 3) are the corners of its convex hull, the unit vector `down` leads downwards in
+    the standing posture, in the link's frame, m.  A sphere where the lower end is a ball, a
+    cylinder where it is a disc about an axis of the link, else ``"points"``: the corners of a flat
+    sole, or the lowest corners.  Its note says which, and by how much (mm) it is off.
     """
     fan = [_ring(down, LEAN * k / RINGS, 8 * k) for k in range(1, RINGS + 1)]
     directions = np.concatenate([down[None], *fan])

@@ -60,19 +60,9 @@ def load_urdf(path: str | os.PathLike[str]) -> UrdfRobot:
 
 
 def parse_urdf(content: bytes | str, source: str = "<urdf>") -> UrdfRobot:
-    """Check the text of a URDF.
+    """Check the text of a URDF; `source` is its name in messages.
 
-    Parameters
-    ----------
-    content : bytes or str
-        XML.
-    source : str
-        File name for messages.
-
-    Returns
-    -------
-    UrdfRobot
-        Checked; a text with any fault raises RecipeError.
+    A text with any fault raises RecipeError.
     """
     # A lone surrogate becomes bytes that the parser refuses as no UTF-8.
     raw = content.encode(errors="surrogatepass") if isinstance(content, str) else content

@@ -141,26 +141,9 @@ def load_xacro(
 ) -> UrdfRobot:
     """Expand a xacro file and check the description that comes out.
 
-    Parameters
-    ----------
-    path : path
-        The file.
-    packages : mapping of str to Path, optional
-        Folders of packages by name; others are looked for as `Sources.package` says.
-    arguments : mapping of str to str, optional
-        Values of the file's ``<xacro:arg>``, instead of their defaults.
-
-    Returns
-    -------
-    UrdfRobot
-        Checked.
-
-    Raises
-    ------
-    InputError
-        Where the package xacrodoc is not installed.
-    RecipeError
-        Where a package is not found, the file cannot be expanded, or describes no robot.
+    `packages` has folders by name, before those that `Sources.package` finds, and `arguments`
+    values of the file's ``<xacro:arg>``.  InputError is raised without the package xacrodoc, and
+    RecipeError where a package is not found, the file cannot be expanded, or describes no robot.
     """
     source = os.fspath(path)
     try:

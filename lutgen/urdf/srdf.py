@@ -56,18 +56,8 @@ class Srdf:
 def load_srdf(path: str | os.PathLike[str], robot: UrdfRobot) -> Srdf:
     """Read postures and groups (``<group_state>``, ``<group>``) of an SRDF of at most 16 MiB.
 
-    Parameters
-    ----------
-    path : path
-        XML whose root is <robot>.
-    robot : UrdfRobot
-        The description whose joints count.
-
-    Returns
-    -------
-    Srdf
-        A file with any fault raises RecipeError, and so does a value that is no number of at most
-        1e12.
+    The joints of `robot` count.  RecipeError is raised for a file with any fault, such as a value
+    that is no number of at most 1e12.
     """
     source = os.fspath(path)
     root = parse_xml(read_bytes(source), source)

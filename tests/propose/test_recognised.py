@@ -184,9 +184,6 @@ def test_an_arm_that_is_bolted_down_is_refused_with_the_reason(folder: Path) -> 
         "nothing stands on the ground: the centre of mass is not above what is lowest in this "
         "posture (got base), as of an arm or a hand that is bolted down"
     ) in str(caught.value)
-    # Over the longer side of its foot it stands, and over the other it falls.
-    with pytest.raises(RecipeError, match="joints move the centre of mass off what is lowest"):
-        imported(arm(written("sole.stl"), 0.1))
     # On a pedestal that is wide enough it stands, and so it does where somebody says so.
     write(folder / "sole.stl", box(1.0, 1.0, 0.02))
     assert len(imported(arm(written("sole.stl"), 0.5))[0].contacts) == 4

@@ -1,7 +1,6 @@
 """Meshes: found by their names, read within bounds, and what is recognised in their corners."""
 
 import io
-import itertools
 import math
 import re
 import sys
@@ -14,8 +13,8 @@ import pytest
 
 from lutgen.errors import InputError
 from lutgen.rotation import rotation
-from lutgen.urdf import Collision, Meshes, Sources, foot_of, meshes, wheel_of
-from tests.fixtures.meshes import ball, box, capsule, cylinder, dae, hull, stl, tyre, write
+from lutgen.urdf import Collision, Meshes, Sources, foot_of, wheel_of
+from tests.fixtures.meshes import ball, box, capsule, cylinder, dae, stl, tyre, write
 
 DOWN = np.array([0.0, 0.0, -1.0])
 SIDEWAYS = np.array([0.0, 1.0, 0.0])
@@ -322,13 +321,3 @@ def test_the_order_of_corners_and_their_last_digits_change_nothing() -> None:
             foot_of(np.unique(np.round(one, 6), axis=0), DOWN) for one in (body, single)
         )
         assert first == second
-
-
-def test_triangles_for_tests_close_a_hull() -> None:
-    # Every edge is an edge of two triangles, or the meshes above would prove nothing.
-    edges: dict[frozenset[tuple[float, ...]], int] = {}
-    for face in hull(cylinder(0.1, 0.04)).tolist():
-        for pair in itertools.combinations(map(tuple, face), 2):
-            edges[frozenset(pair)] = edges.get(frozenset(pair), 0) + 1
-    assert set(edges.values()) == {2}
-    assert meshes.FORMATS == (".stl", ".obj", ".dae")
