@@ -22,7 +22,8 @@ from scipy.spatial import ConvexHull
 
 from lutgen.analysis import Posture, compare_metrics, even_headings, tilt_limits, tilted
 from lutgen.errors import LutgenError
-from lutgen.recipe import Recipe, gallery_names, import_urdf, load_recipe
+from lutgen.propose import import_urdf
+from lutgen.recipe import Recipe, gallery_names, load_recipe
 from lutgen.support import support_contact
 from lutgen.urdf import load_urdf
 from lutgen.vector import Floats
@@ -55,13 +56,16 @@ def robots() -> Iterator[tuple[str, Recipe]]:
     for path in sorted(FOLDER.glob("*.urdf")) if FOLDER.is_dir() else []:
         yield f"{path.stem} (URDF)", import_urdf(load_urdf(path)).recipe
     try:
-        from proofs.robots import STAND, data, imported
+        from proofs.robots import data, imported, named
 
-        folder = data()
+        files = sorted(data().rglob("*.urdf"))
     except (ImportError, SystemExit):
         return
-    for name, file in STAND.items():
-        yield f"{name} (URDF)", imported(folder / f"{file}.urdf")[3].recipe
+    for path in files:
+        try:
+            yield f"{named(path)} (URDF)", imported(path)[3].recipe
+        except LutgenError:
+            continue
 
 
 def drawn(recipe: Recipe) -> Floats:

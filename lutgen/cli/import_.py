@@ -62,7 +62,10 @@ class Asked:
         ),
     )
     xacro: bool = option(
-        "-x", is_flag=True, help="Expand a .xacro file: evaluates it, reads its includes."
+        "-x", is_flag=True, help="Expand xacro: evaluates the file, reads its includes."
+    )
+    soft_limits: bool = option(
+        is_flag=True, help="Take the soft limits of <safety_controller> as the joints' limits."
     )
     merge: bool = option(
         is_flag=True,
@@ -114,8 +117,9 @@ def import_(urdf: str, asked: Asked) -> None:
     $ lutgen import robot.urdf -o recipe.toml -c left_wheel -c right_wheel -c nose=0.3,0,-0.1
     """
     from lutgen.files import check_target, write_text
-    from lutgen.recipe import Coupling, import_urdf, merged_recipe, read_text
-    from lutgen.urdf import Meshes, Packages, centre_of_mass, places, read_motion
+    from lutgen.propose import Coupling, import_urdf
+    from lutgen.recipe import merged_recipe, read_text
+    from lutgen.urdf import Meshes, Sources, centre_of_mass, places, read_motion
 
     if not asked.output.endswith(".toml"):
         raise InputError(f"--output: is no recipe's name (got {asked.output!r}); end it in .toml.")
@@ -132,7 +136,7 @@ def import_(urdf: str, asked: Asked) -> None:
     posture, words, beyond = _standing(urdf, robot, asked, srdf)
     chosen = named if asked.contacts else None
     coupling = Coupling(asked.couples, srdf.groups if srdf is not None else {})
-    meshes = Meshes(Packages(Path(urdf).parent, _packages(asked)))
+    meshes = Meshes(Sources(Path(urdf).parent, _packages(asked)))
     made = import_urdf(robot, chosen, points, asked.joints or None, posture, meshes, coupling)
     recipe = made.recipe
     report = {
@@ -146,7 +150,10 @@ def import_(urdf: str, asked: Asked) -> None:
         "contacts": list(recipe.contact_names),
         "guessed": list(made.guessed),
         "left_out": [*beyond, *made.left_out],
+        "warnings": list(made.warnings),
     }
+    for words in made.warnings:
+        log.warning("%s: %s", urdf, words)
     text = made.text
     if asked.merge:
         old = read_text(asked.output)
@@ -242,22 +249,19 @@ def _standing(
 
 def _read(path: str, asked: Asked) -> "UrdfRobot":
     """Read a description, after expansion where it is asked for."""
-    from lutgen.urdf import load_urdf, load_xacro
+    from lutgen.urdf import load_urdf, load_xacro, soft_limited
 
     macros = path.endswith(".xacro")
-    if asked.xacro and not macros:
-        raise InputError(f"--xacro: {path} is no .xacro file (got it as URDF); leave --xacro out.")
     if macros and not asked.xacro:
         raise InputError(
             f"{path}: must be expanded, which evaluates it and reads the files that it includes "
             "(got no --xacro); pass --xacro if you trust it."
         )
     arguments = dict(_pairs("--arg", "NAME=VALUE", asked.arguments))
-    if macros:
-        return load_xacro(path, _packages(asked), arguments)
-    if arguments:
-        raise InputError(f"--arg: is for .xacro files (got {path}); leave it out.")
-    return load_urdf(path)
+    if arguments and not asked.xacro:
+        raise InputError(f"--arg: is for xacro (got {path}); leave it out, or pass --xacro.")
+    robot = load_xacro(path, _packages(asked), arguments) if asked.xacro else load_urdf(path)
+    return soft_limited(robot) if asked.soft_limits else robot
 
 
 def _packages(asked: Asked) -> dict[str, Path]:

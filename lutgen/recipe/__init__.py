@@ -1,11 +1,8 @@
 """Text into a recipe, and a recipe into postures.
 
 In reading order: `schema`, `load`, `robot`, `rules`, `robot_rules`, `described`, `code`, `gallery`,
-`recipe`, `kinematics`, `size`, `snap`, `merge`, `body`, `candidates`, `bolted`, `recognised`,
-`joint_names`, `symmetry`, `coupling`, `chosen`, `proposal_text`, `proposal`.
+`recipe`, `kinematics`, `size`, `snap`, `merge`, `body`.
 """
-
-from typing import TYPE_CHECKING, Any
 
 from lutgen.recipe.body import body_parts
 from lutgen.recipe.gallery import (
@@ -22,16 +19,10 @@ from lutgen.recipe.recipe import Recipe, load_recipe, parse_recipe, recipe_diges
 from lutgen.recipe.schema import recipe_schema
 from lutgen.recipe.size import TOLERANCE, contact_tolerance_of, robot_size_of
 
-if TYPE_CHECKING:
-    from lutgen.recipe.coupling import Coupling
-    from lutgen.recipe.proposal import Imported, import_urdf
-
 __all__ = [
     "GALLERY",
     "HDF5",
     "TOLERANCE",
-    "Coupling",
-    "Imported",
     "Postures",
     "Recipe",
     "body_parts",
@@ -39,7 +30,6 @@ __all__ = [
     "forward",
     "gallery_names",
     "gallery_text",
-    "import_urdf",
     "load_recipe",
     "merged_recipe",
     "parse_recipe",
@@ -54,14 +44,3 @@ __all__ = [
     "start_recipes",
     "within_limits",
 ]
-
-
-if not TYPE_CHECKING:
-    # Seen by a type checker it would give any name a type, also a misspelt one.
-    def __getattr__(name: str) -> Any:
-        """Import on first use what reads robot descriptions (PEP 562)."""
-        if name not in ("Coupling", "Imported", "import_urdf"):
-            raise AttributeError(f"module 'lutgen.recipe' has no attribute {name!r}")
-        from lutgen.recipe import coupling, proposal
-
-        return getattr(coupling if name == "Coupling" else proposal, name)

@@ -1,20 +1,19 @@
-"""A robot description of ROS, read into links, joints and contacts.
+"""A robot description of ROS, read into links, joints and shapes.
 
-In reading order: `xml`, `description`, `printed`, `read`, `motion`, `links`, `contacts`, `groups`,
-`posture`, `packages`, `xacro`, `mesh_file`, `reach`, `meshes`, `wheel_shape`, `foot_shape`.
+In reading order: `xml`, `description`, `printed`, `read`, `joints`, `links`, `shapes`, `srdf`,
+`sources`, `meshes`, `feet`.
 """
 
-from lutgen.urdf.contacts import TOUCHING, link_contacts, used_shapes
 from lutgen.urdf.description import Collision, UrdfJoint, UrdfLink, UrdfRobot
-from lutgen.urdf.foot_shape import foot_of
-from lutgen.urdf.links import Place, centre_of_mass, downwards, links_of, places
+from lutgen.urdf.feet import foot_of, wheel_of
+from lutgen.urdf.joints import TURN, Couple, Motion, read_motion, soft_limited
+from lutgen.urdf.links import Place, carried, centre_of_mass, downwards, links_of, places
 from lutgen.urdf.meshes import Meshes
-from lutgen.urdf.motion import TURN, Couple, Motion, read_motion
-from lutgen.urdf.packages import Packages
-from lutgen.urdf.posture import Srdf, beyond_limits, joint_values, load_srdf, srdf_beside
-from lutgen.urdf.read import JOINT_KINDS, MAX_BYTES, load_urdf, parse_urdf
-from lutgen.urdf.wheel_shape import wheel_of
-from lutgen.urdf.xacro import load_xacro
+from lutgen.urdf.read import JOINT_KINDS, load_urdf, parse_urdf
+from lutgen.urdf.shapes import TOUCHING, link_contacts, used_shapes
+from lutgen.urdf.sources import Sources, load_xacro
+from lutgen.urdf.srdf import Srdf, beyond_limits, joint_values, load_srdf, srdf_beside
+from lutgen.urdf.xml import MAX_BYTES
 
 __all__ = [
     "JOINT_KINDS",
@@ -25,13 +24,14 @@ __all__ = [
     "Couple",
     "Meshes",
     "Motion",
-    "Packages",
     "Place",
+    "Sources",
     "Srdf",
     "UrdfJoint",
     "UrdfLink",
     "UrdfRobot",
     "beyond_limits",
+    "carried",
     "centre_of_mass",
     "downwards",
     "foot_of",
@@ -44,6 +44,7 @@ __all__ = [
     "parse_urdf",
     "places",
     "read_motion",
+    "soft_limited",
     "srdf_beside",
     "used_shapes",
     "wheel_of",

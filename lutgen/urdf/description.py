@@ -4,7 +4,7 @@ Owns their types; `read` fills them.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from lutgen.vector import Vector
 
@@ -15,7 +15,8 @@ ZERO: Vector = (0.0, 0.0, 0.0)
 class Collision:
     """A collision shape, placed in its link's frame.
 
-    `kind` is ``"sphere"`` with size (radius,), ``"cylinder"`` (radius, length; along z),
+    `kind` is ``"sphere"`` with size (radius,), ``"cylinder"`` or ``"capsule"``
+    (radius, length without the ends; along z),
     ``"box"`` (x, y, z), ``"mesh"`` with the name of a `file` and its `scale`, neither checked, or
     the name of any other geometry, with size ().  Of a mesh that was opened there may be
     ``"points"`` (x, y, z, x, ...) or another shape instead; `note` then says how it was found, and
@@ -60,7 +61,8 @@ class UrdfJoint:
     """A joint: T = Trans(origin) * Rz(yaw) Ry(pitch) Rx(roll) * motion in its parent.
 
     `kind` is one of ``JOINT_KINDS``; `axis` is a unit vector; `lower` and `upper` (rad or m)
-    are infinite where the description sets no limit.
+    are infinite where the description sets no limit; `effort` is the greatest of its motor, None
+    where it is not said, and `soft` has the limits of a controller.
     """
 
     name: str
@@ -73,6 +75,8 @@ class UrdfJoint:
     lower: float = -math.inf
     upper: float = math.inf
     mimic: Mimic | None = None
+    effort: float | None = None
+    soft: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -81,7 +85,7 @@ class UrdfRobot:
 
     `links` and `joints` are in the order of the file; `ignored` counts the other children of
     <robot> by their tag; `rounded` has the angles whose digits were taken for parts of a turn, as
-    they are printed.
+    they are printed; `unknown` counts elements and attributes that the format does not have.
     """
 
     name: str
@@ -91,3 +95,4 @@ class UrdfRobot:
     joints: tuple[UrdfJoint, ...]
     ignored: dict[str, int]
     rounded: tuple[str, ...] = ()
+    unknown: dict[str, int] = field(default_factory=dict)

@@ -11,7 +11,7 @@ import numpy as np
 from lutgen.parts import Joint, Link
 from lutgen.rotation import angles, axis_rotation, rotation
 from lutgen.urdf.description import UrdfJoint, UrdfRobot
-from lutgen.urdf.motion import Motion
+from lutgen.urdf.joints import Motion
 from lutgen.vector import Floats, Vector
 
 # Rotation (3, 3) and origin (3,) of a link in the frame of the root.
@@ -70,6 +70,21 @@ def places(
         own, origin = _moved(joint, value)
         result[joint.child] = turn @ own, where + turn @ origin
     return result
+
+
+def carried(
+    robot: UrdfRobot, where: Mapping[str, Place]
+) -> tuple[dict[str, float], dict[str, Floats]]:
+    """Return for each link mass and first moment (kg m) of it and of what hangs from it."""
+    mass = {link.name: link.mass for link in robot.links}
+    moment = {
+        link.name: link.mass * (where[link.name][1] + where[link.name][0] @ link.com)
+        for link in robot.links
+    }
+    for joint in reversed(downwards(robot)):
+        mass[joint.parent] += mass[joint.child]
+        moment[joint.parent] = moment[joint.parent] + moment[joint.child]
+    return mass, moment
 
 
 def centre_of_mass(robot: UrdfRobot, where: Mapping[str, Place]) -> Floats:

@@ -1,32 +1,44 @@
-"""The meshes of a robot description: found, read once, and placed in their links.
+"""The meshes of a robot description: found, read once within bounds, and placed in their links.
 
-Owns the way from a mesh's name to its file.  Of a mesh only its convex hull is kept: level ground
-and any slope touch nothing else.
+STL, OBJ and Collada, files alone and nothing that they name.  Of a mesh only its convex hull is
+kept: level ground and any slope touch nothing else.
 """
 
+import io
 import math
+import warnings
+import zipfile
+from collections.abc import Sequence
 from pathlib import Path
-from urllib.parse import unquote
+from typing import Any
 
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
+from lutgen import bounds
 from lutgen.errors import InputError
 from lutgen.rotation import rotation
 from lutgen.urdf.description import Collision
-from lutgen.urdf.mesh_file import load_corners
-from lutgen.urdf.packages import Packages
-from lutgen.urdf.reach import DIGITS
-from lutgen.urdf.read import LARGEST
+from lutgen.urdf.sources import Sources, quoted
+from lutgen.urdf.xml import LARGEST
 from lutgen.vector import Floats
+
+# Larger files are not read: they have more than a million triangles, and no foot needs that.
+MAX_BYTES = bounds.MESH_BYTES.most
+# Collada instantiates nodes of nodes: what a short file may become.
+MAX_NODES, MAX_CORNERS = 10_000, 4_000_000
+FORMATS = (".stl", ".obj", ".dae")
+# Decimals of a metre: a guess is no better, and the same mesh in single precision or in text gives
+# the same numbers.
+DIGITS = 6
 
 
 class Meshes:
-    """The meshes that a description names, by the folders of packages; each file is read once."""
+    """The meshes that a description names; each file is read once."""
 
-    def __init__(self, packages: Packages) -> None:
-        self.packages = packages
-        self._hulls: dict[Path, Floats | InputError] = {}
+    def __init__(self, sources: Sources) -> None:
+        self.sources = sources
+        self._hulls: dict[str, Floats | InputError] = {}
 
     def corners(self, shape: Collision) -> Floats:
         """Return the corners (n, 3) of a mesh's convex hull in the frame of its link, m, sorted.
@@ -40,33 +52,21 @@ class Meshes:
             raise InputError(f"{shape.file}: has no scale of three numbers but 0")
         if np.abs(scale).max() > LARGEST:
             raise InputError(f"{shape.file}: has a scale beyond {LARGEST:g}")
-        path = self._path(shape.file)
-        if path not in self._hulls:
+        if Path(shape.file).suffix.lower() not in FORMATS:
+            ending = Path(shape.file).suffix or "no ending"
+            raise InputError(f"{shape.file}: {ending} is none of {', '.join(FORMATS)}")
+        if shape.file not in self._hulls:
+            path = self.sources.file(shape.file)
             try:
-                self._hulls[path] = _hull(load_corners(path))
+                self._hulls[shape.file] = _hull(_corners(path))
             except InputError as error:
-                self._hulls[path] = InputError(f"{shape.file}: {error}")
-        found = self._hulls[path]
+                self._hulls[shape.file] = InputError(f"{shape.file}: {error}")
+        found = self._hulls[shape.file]
         if isinstance(found, InputError):
             raise found
         placed = (found * scale) @ rotation(shape.rpy).T + shape.origin
         # To a micrometre, so that they have the same order whatever the format's precision is.
         return np.unique(np.round(placed, DIGITS) + 0.0, axis=0)
-
-    def _path(self, name: str) -> Path:
-        """Return the file that a description names; InputError where its package is not found."""
-        kind, mark, rest = name.partition("://")
-        if not mark:
-            return self.packages.start / name
-        if kind == "file":
-            return Path(unquote(rest))
-        if kind != "package":
-            raise InputError(f"{name}: is neither a path nor file:// nor package://")
-        package, _, inside = rest.partition("/")
-        folder = self.packages.find(package)
-        if folder is None:
-            raise InputError(f"package {package!r} was not found; give --package {package}=DIR")
-        return folder / inside
 
 
 def _hull(corners: Floats) -> Floats:
@@ -79,3 +79,73 @@ def _hull(corners: Floats) -> Floats:
         return np.asarray(distinct[np.sort(ConvexHull(distinct).vertices)])
     except QhullError:
         return distinct
+
+
+def _corners(path: Path) -> Floats:
+    """Return the corners (n, 3) in a file, m.
+
+    Collada is in the unit that it declares, and with its axes as they are, as ROS reads it.
+    InputError says what is wrong without naming the file.
+    """
+    try:
+        with path.open("rb") as file:
+            raw = file.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}") from None
+    if len(raw) > MAX_BYTES:
+        raise InputError(f"is longer than {MAX_BYTES} bytes")
+    kind = path.suffix.lower()[1:]
+    # An archive unpacks to any size, whatever precedes it, and XML may define entities.
+    if kind == "dae" and (zipfile.is_zipfile(io.BytesIO(raw)) or b"<!DOCTYPE" in raw):
+        raise InputError("is an archive or has a document type declaration")
+    try:
+        import collada
+        import trimesh
+    except ImportError:
+        raise InputError("needs a reader of meshes: `pip install lutgen[meshes]`") from None
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            if kind == "dae":
+                document = collada.Collada(io.BytesIO(raw), ignore=[collada.common.DaeError])
+                corners = _instances(document.scene.nodes, collada.scene.GeometryNode)
+                corners *= float(document.assetInfo.unitmeter or 1.0)
+            else:
+                if kind == "obj":
+                    # Materials and groups take time without end, and shape nothing.
+                    lines = (line for line in raw.splitlines() if line.lstrip()[:1] in b"vf")
+                    raw = b"\n".join(lines)
+                # Nothing is merged or mended, and without a resolver nothing else is opened.
+                scene = trimesh.load_scene(io.BytesIO(raw), file_type=kind, process=False)
+                parts = [geometry.vertices for geometry in scene.geometry.values()]
+                corners = np.concatenate([np.zeros((0, 3)), *parts]).astype(np.float64)
+    except InputError:
+        raise
+    except Exception as error:
+        # Broken files fail in any way that Python can.
+        raise InputError(f"cannot be read as {kind.upper()}: {quoted(error)}") from None
+    if len(corners) < 3:
+        raise InputError("has no triangle")
+    if not np.isfinite(corners).all():
+        raise InputError("has a corner that is no number")
+    return corners
+
+
+def _instances(nodes: Sequence[Any], leaf: Any) -> Floats:
+    """Return the corners (n, 3) of all geometries below the nodes of a Collada scene."""
+    open_: list[tuple[Any, Floats]] = [(node, np.eye(4)) for node in nodes]
+    parts = [np.zeros((0, 3))]
+    count = total = 0
+    while open_:
+        node, place = open_.pop()
+        count += 1
+        if isinstance(node, leaf):
+            for one in node.geometry.primitives:
+                points = one.vertex[np.unique(one.vertex_index)].astype(np.float64)
+                parts.append(points @ place[:3, :3].T + place[:3, 3])
+                total += len(points)
+        elif hasattr(node, "children"):
+            open_ += [(child, place @ node.matrix) for child in node.children]
+        if count + len(open_) > MAX_NODES or total > MAX_CORNERS:
+            raise InputError(f"instantiates more than {MAX_NODES} nodes, or {MAX_CORNERS} corners")
+    return np.concatenate(parts)

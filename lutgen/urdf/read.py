@@ -1,106 +1,91 @@
 """Read a robot description (URDF): links, inertials, collision shapes and joints.
 
-What this robot stands on is not known here, nor what moves it.  Only the direct children of
-<robot> count: simulators nest elements of the same names in blocks of their own.  Files that the
-description names, meshes above all, are not opened here.
+Only the direct children of <robot> count: simulators nest elements of the same names in blocks of
+their own.  Files that the description names, meshes above all, are not opened here.
 """
 
 import math
 import os
+import re
 from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
-from typing import NoReturn
 from xml.etree.ElementTree import Element
 
 from lutgen import bounds
-from lutgen.errors import RecipeError, suggestion, unreadable
+from lutgen.errors import suggestion
 from lutgen.parts import parents_first
+from lutgen.rotation import angles, axis_rotation
 from lutgen.urdf.description import ZERO, Collision, Mimic, UrdfJoint, UrdfLink, UrdfRobot
 from lutgen.urdf.printed import parts_of_turns
-from lutgen.urdf.xml import parse_xml
+from lutgen.urdf.xml import LARGEST, Elements, floats, parse_xml, read_bytes, short_enough
 from lutgen.vector import Vector
 
-MAX_BYTES = bounds.URDF_BYTES.most
 MAX_LINKS = bounds.LINKS.most
-MAX_NAME = 200
-# Sums and products over a chain of links stay far from infinity.
-LARGEST = float(bounds.MAGNITUDE.most)
+VERSIONS = ("1", "1.0", "1.1", "1.2")
 JOINT_KINDS = ("fixed", "revolute", "continuous", "prismatic", "floating", "planar")
-SHAPES = {"sphere": ("radius",), "cylinder": ("radius", "length"), "box": ("size",)}
-
-
-def read_bytes(source: str) -> bytes:
-    """Return the bytes of a description, of one that is too long one more than may be.
-
-    RecipeError is raised where the file cannot be read.
-    """
-    try:
-        with Path(source).open("rb") as file:
-            return file.read(MAX_BYTES + 1)
-    except OSError as error:
-        raise unreadable(source, error) from error
+SHAPES = {
+    "sphere": ("radius",),
+    "cylinder": ("radius", "length"),
+    "capsule": ("radius", "length"),
+    "box": ("size",),
+}
+# Attributes and children of each element that are read, or that move neither masses nor contacts.
+# Whatever else an element has is reported.
+FORMAT = {
+    "link": "name type inertial visual collision",
+    "inertial": "origin mass inertia",
+    "mass": "value",
+    "origin": "xyz rpy quat_xyzw",
+    "collision": "name origin geometry material verbose",
+    "visual": "name origin geometry material",
+    "geometry": "name sphere cylinder capsule box mesh",
+    **{kind: " ".join(keys) for kind, keys in SHAPES.items()},
+    "mesh": "filename scale",
+    "joint": "name type origin parent child axis limit mimic dynamics calibration "
+    "safety_controller",
+    "parent": "link",
+    "child": "link",
+    "axis": "xyz",
+    "limit": "lower upper effort velocity",
+    "safety_controller": "soft_lower_limit soft_upper_limit k_position k_velocity",
+    "mimic": "joint multiplier offset",
+}
 
 
 def load_urdf(path: str | os.PathLike[str]) -> UrdfRobot:
-    """Read a URDF file of at most 16 MiB.
-
-    Returns
-    -------
-    UrdfRobot
-        Checked; a file with any fault raises RecipeError.
-    """
+    """Read a URDF file of at most 16 MiB; a file with any fault raises RecipeError."""
     source = os.fspath(path)
     return parse_urdf(read_bytes(source), source)
 
 
 def parse_urdf(content: bytes | str, source: str = "<urdf>") -> UrdfRobot:
-    """Check the text of a URDF.
+    """Check the text of a URDF; `source` is its name in messages.
 
-    Parameters
-    ----------
-    content : bytes or str
-        XML.
-    source : str
-        File name for messages.
-
-    Returns
-    -------
-    UrdfRobot
-        Checked; a text with any fault raises RecipeError.
+    A text with any fault raises RecipeError.
     """
     # A lone surrogate becomes bytes that the parser refuses as no UTF-8.
     raw = content.encode(errors="surrogatepass") if isinstance(content, str) else content
-    if len(raw) > MAX_BYTES:
-        raise RecipeError(
-            f"{source}: is longer than {MAX_BYTES} bytes (got {len(raw)} or more); "
-            "remove what does not describe the robot."
-        )
-    return _Reader(source).robot(parse_xml(raw, source))
+    return _Reader(source).robot(parse_xml(short_enough(raw, source), source))
 
 
-class _Reader:
-    """Reads elements; every message names the file and the element."""
+class _Reader(Elements):
+    """Reads a robot; every message names the file and the element."""
 
     def __init__(self, source: str) -> None:
-        self.source = source
+        super().__init__(source)
         self.rounded: dict[str, None] = {}
-
-    def fail(self, where: str, what: str, got: object, way_out: str) -> NoReturn:
-        """Refuse an element."""
-        shown = repr(got)
-        if len(shown) > 80:
-            shown = shown[:77] + "..."
-        raise RecipeError(f"{self.source}: {where}: {what} (got {shown}); {way_out}.")
+        self.unknown: Counter[str] = Counter()
 
     def robot(self, root: Element) -> UrdfRobot:
         """Read the whole description."""
+        self.refuse_xacro(root)
         if root.tag != "robot":
             self.fail("root element", "is not <robot>", root.tag, "give a URDF file")
-        for element in root:
-            if element.tag.startswith("xacro:"):
-                way_out = "expand the file with xacro first"
-                self.fail("<robot>", "holds macros of xacro", element.tag, way_out)
+        version = root.get("version", VERSIONS[0])
+        if version not in VERSIONS:
+            way_out = f"use one of {', '.join(VERSIONS)}"
+            self.fail("<robot>", "has a version that is not known", version, way_out)
         links = [self.link(element) for element in root.iterfind("link")]
         if not 1 <= len(links) <= MAX_LINKS:
             way_out = "describe the robot's links" if not links else "leave out what carries none"
@@ -110,24 +95,55 @@ class _Reader:
         self.unique("joint", (joint.name for joint in joints))
         top = self.tree([link.name for link in links], joints)
         self.mimics(joints)
-        ignored = Counter(child.tag for child in root if child.tag not in ("link", "joint"))
-        name = self.name(root) if root.get("name", "").strip() else Path(self.source).stem
-        tree = tuple(links), tuple(joints)
-        return UrdfRobot(name, self.source, top, *tree, dict(ignored), tuple(self.rounded))
+        return UrdfRobot(
+            self.name(root) if root.get("name", "").strip() else Path(self.source).stem,
+            self.source,
+            top,
+            tuple(links),
+            tuple(joints),
+            dict(Counter(child.tag for child in root if child.tag not in ("link", "joint"))),
+            tuple(self.rounded),
+            dict(self.unknown),
+        )
+
+    def refuse_xacro(self, root: Element) -> None:
+        """Refuse macros: elements of xacro, under whatever prefix, and expressions in values."""
+        prefixes = {"xacro"}
+        for element in root.iter():
+            for key, value in element.items():
+                if key.startswith("xmlns:") and value.rstrip("/").endswith("xacro"):
+                    prefixes.add(key[6:])
+            prefix, colon, _ = element.tag.partition(":")
+            found = f"<{element.tag}>" if colon and prefix in prefixes else ""
+            if element.attrib and element.tag in FORMAT:
+                values = (value for value in element.attrib.values() if re.search(r"\$[({]", value))
+                found = next(values, found)
+            if found:
+                way_out = "pass --xacro to `lutgen import` if you trust the file, which expands it"
+                self.fail("<robot>", "is xacro that was not expanded", found, way_out)
+
+    def check_known(self, element: Element, where: str) -> None:
+        """Count what the format does not have; refuse a place that is written in another way."""
+        known = FORMAT[element.tag].split()
+        for key, value in element.items():
+            if key not in known and key != "xmlns" and ":" not in key:
+                if element.tag == "origin":
+                    way_out = "write the turn as rpy or quat_xyzw"
+                    self.fail(where, f"<origin> has an unknown attribute {key}", value, way_out)
+                self.unknown[f"{key} of <{element.tag}>"] += 1
+        for child in element:
+            if child.tag not in known:
+                self.unknown[f"<{child.tag}> in <{element.tag}>"] += 1
+            elif child.tag in FORMAT:
+                self.check_known(child, where)
 
     def link(self, element: Element) -> UrdfLink:
         """Read a <link>."""
         name = self.name(element)
         where = f"link {name!r}"
-        shapes = tuple(
-            self.collision(part, where, i) for i, part in enumerate(element.iterfind("collision"))
-        )
-        looks: tuple[Collision, ...] = ()
-        if not shapes:
-            drawn = [
-                one for one in element.iterfind("visual") if one.find("geometry/mesh") is not None
-            ]
-            looks = tuple(self.collision(part, where, i) for i, part in enumerate(drawn))
+        self.check_known(element, where)
+        shapes = self.shapes(element, "collision", where)
+        looks = () if shapes else self.shapes(element, "visual", where)
         inertial = self.only(element, "inertial", where)
         if inertial is None:
             return UrdfLink(name, collisions=shapes, visuals=looks)
@@ -140,12 +156,25 @@ class _Reader:
             self.fail(where, "has a negative mass", value, "write a mass of 0 or more")
         return UrdfLink(name, value, self.placement(inertial, where)[0], shapes, looks)
 
-    def collision(self, element: Element, where: str, index: int) -> Collision:
+    def shapes(self, element: Element, tag: str, where: str) -> tuple[Collision, ...]:
+        """Read the shapes of a link."""
+        return tuple(
+            self.shape(part, where, i)
+            for i, part in enumerate(element.iterfind(tag), 1)
+            if tag == "collision" or part.find("geometry") is not None
+        )
+
+    def shape(self, element: Element, where: str, index: int) -> Collision:
         """Read a <collision> or <visual>; a geometry of another kind keeps its name only."""
-        where = f"{where}, {element.tag} {index + 1}"
+        where = f"{where}, {element.tag} {index}"
         geometry = self.only(element, "geometry", where)
         shape = next(iter(geometry), None) if geometry is not None else None
         kind = shape.tag if shape is not None else "nothing"
+        name, placed = element.get("name", ""), self.placement(element, where)
+        if shape is not None and kind == "mesh":
+            # No number of a mesh that may not be needed is a reason to refuse the robot.
+            file, scale = shape.get("filename", ""), floats(shape.get("scale", "1 1 1"))
+            return Collision(name, kind, (), *placed, file, scale)
         size: tuple[float, ...] = ()
         if shape is not None and kind == "box":
             size = self.vector(shape, "size", where)
@@ -153,17 +182,14 @@ class _Reader:
             size = tuple(self.number(shape, key, where) for key in SHAPES.get(kind, ()))
         if min(size, default=0.0) < 0.0:
             self.fail(where, f"has a {kind} of negative size", size, "write lengths of 0 or more")
-        name, placed = element.get("name", ""), self.placement(element, where)
-        if shape is None or kind != "mesh":
-            return Collision(name, kind, size, *placed)
-        # No number of a mesh that may not be needed is a reason to refuse the robot.
-        file, scale = shape.get("filename", ""), _floats(shape.get("scale", "1 1 1"))
-        return Collision(name, kind, size, *placed, file, scale)
+        note = "" if size else f"a shape of kind {kind!r} is not understood"
+        return Collision(name, kind, size, *placed, note=note)
 
     def joint(self, element: Element) -> UrdfJoint:
         """Read a <joint>."""
         name = self.name(element)
         where = f"joint {name!r}"
+        self.check_known(element, where)
         kind = element.get("type", "")
         if kind not in JOINT_KINDS:
             self.fail(where, "has an unknown type", kind, suggestion(kind, JOINT_KINDS, "use"))
@@ -180,32 +206,36 @@ class _Reader:
             x, y, z = self.vector(turned, "xyz", where, axis)
             length = math.hypot(x, y, z)
             if not 0.0 < length < math.inf:
-                self.fail(
-                    where, "has an axis without direction", (x, y, z), "write for example 0 1 0"
-                )
+                way_out = "write for example 0 1 0"
+                self.fail(where, "has an axis without direction", (x, y, z), way_out)
             axis = (x / length, y / length, z / length)
-        lower, upper = self.limits(element, kind, where)
-        mimic = self.only(element, "mimic", where)
         follows = None
-        if mimic is not None:
+        if (mimic := self.only(element, "mimic", where)) is not None:
             follows = Mimic(
                 mimic.get("joint", ""),
                 self.number(mimic, "multiplier", where, 1.0),
                 self.number(mimic, "offset", where, 0.0),
             )
-        placed = self.placement(element, where)
-        return UrdfJoint(name, kind, ends[0], ends[1], *placed, axis, lower, upper, follows)
+        limit = self.only(element, "limit", where)
+        effort = floats(limit.get("effort", "")) if limit is not None else ()
+        return UrdfJoint(
+            *(name, kind, ends[0], ends[1]),
+            *self.placement(element, where),
+            axis,
+            *self.limits(limit, kind, where),
+            follows,
+            effort[0] if effort else None,
+            self.soft(element, where),
+        )
 
-    def limits(self, element: Element, kind: str, where: str) -> tuple[float, float]:
+    def limits(self, limit: Element | None, kind: str, where: str) -> tuple[float, float]:
         """Return the limits of a joint, infinite where there are none.
 
         URDF's own default of a missing `lower` or `upper` is 0; a <limit> with neither sets effort
         and velocity alone.
         """
-        limit = self.only(element, "limit", where)
-        if limit is None or kind not in ("revolute", "prismatic"):
-            return -math.inf, math.inf
-        if "lower" not in limit.attrib and "upper" not in limit.attrib:
+        moving = limit is not None and kind in ("revolute", "prismatic")
+        if limit is None or not moving or not {"lower", "upper"} & limit.attrib.keys():
             return -math.inf, math.inf
         lower = self.number(limit, "lower", where, 0.0, infinite=True)
         upper = self.number(limit, "upper", where, 0.0, infinite=True)
@@ -217,64 +247,36 @@ class _Reader:
         lower = -math.inf if lower < -LARGEST else lower
         return lower, math.inf if upper > LARGEST else upper
 
+    def soft(self, element: Element, where: str) -> tuple[float, float] | None:
+        """Return the soft limits of a joint, None where there are none or an empty range."""
+        safety = self.only(element, "safety_controller", where)
+        if safety is None:
+            return None
+        lower = self.number(safety, "soft_lower_limit", where, 0.0)
+        upper = self.number(safety, "soft_upper_limit", where, 0.0)
+        return (lower, upper) if lower < upper else None
+
     def placement(self, element: Element, where: str) -> tuple[Vector, Vector]:
         """Return xyz and rpy of the <origin> of an element, zero where it has none."""
         origin = self.only(element, "origin", where)
         if origin is None:
             return ZERO, ZERO
-        xyz, rpy = self.vector(origin, "xyz", where, ZERO), self.vector(origin, "rpy", where, ZERO)
+        xyz = self.vector(origin, "xyz", where, ZERO)
+        if (quat := origin.get("quat_xyzw")) is not None:
+            values = floats(quat)
+            length = math.hypot(*values)
+            if "rpy" in origin.attrib or len(values) != 4 or not 0.0 < length <= LARGEST:
+                way_out = "write a quaternion of four numbers, and no rpy beside it"
+                self.fail(where, "<origin> has no turn as quat_xyzw", quat, way_out)
+            x, y, z, w = (value / length for value in values)
+            sine = math.hypot(x, y, z)
+            about = (x / sine, y / sine, z / sine) if sine > 0.0 else (1.0, 0.0, 0.0)
+            return xyz, angles(axis_rotation(about, 2.0 * math.atan2(sine, w)))
+        rpy = self.vector(origin, "rpy", where, ZERO)
         if any(rpy):
             rpy, taken = parts_of_turns(origin.attrib["rpy"])
             self.rounded |= dict.fromkeys(taken)
         return xyz, rpy
-
-    def name(self, element: Element) -> str:
-        """Return the name of the robot, a link or a joint."""
-        name = element.get("name", "")
-        if not name.strip():
-            self.fail(f"a <{element.tag}>", "has no name", name, "name it")
-        if len(name) > MAX_NAME or not name.isprintable():
-            way_out = f"use at most {MAX_NAME} characters that can be printed"
-            self.fail(f"a <{element.tag}>", "has an unusable name", name, way_out)
-        return name
-
-    def only(self, element: Element, tag: str, where: str) -> Element | None:
-        """Return the one child of that tag, or None."""
-        found = element.findall(tag)
-        if len(found) > 1:
-            self.fail(where, f"has more than one <{tag}>", len(found), "keep one")
-        return found[0] if found else None
-
-    def number(
-        self,
-        element: Element,
-        key: str,
-        where: str,
-        default: float | None = None,
-        infinite: bool = False,
-    ) -> float:
-        """Return a number of at most LARGEST from an attribute; `infinite` lets any through."""
-        text = element.get(key)
-        if text is None and default is not None:
-            return default
-        way_out = f"write {key}='...' with one number"
-        value = _floats(text or "")
-        if len(value) != 1 or math.isnan(value[0]) or not (infinite or abs(value[0]) <= LARGEST):
-            self.fail(where, f"<{element.tag}> has no number as {key}", text, way_out)
-        return value[0]
-
-    def vector(
-        self, element: Element, key: str, where: str, default: Vector | None = None
-    ) -> Vector:
-        """Return three numbers of at most LARGEST from an attribute."""
-        text = element.get(key)
-        if text is None and default is not None:
-            return default
-        value = _floats(text or "")
-        if len(value) != 3 or not all(abs(x) <= LARGEST for x in value):
-            way_out = "write three numbers with blanks between them"
-            self.fail(where, f"<{element.tag}> has no vector as {key}", text, way_out)
-        return value[0], value[1], value[2]
 
     def unique(self, what: str, names: Iterable[str]) -> None:
         """Refuse a name that two links or two joints have."""
@@ -287,12 +289,11 @@ class _Reader:
         known = set(names)
         parents: dict[str, str] = {}
         for joint in joints:
+            where = f"joint {joint.name!r}"
             for tag, name in (("parent", joint.parent), ("child", joint.child)):
                 if name not in known:
                     way_out = suggestion(name, names[:100], "use one of")
-                    self.fail(
-                        f"joint {joint.name!r}", f"{tag} is no link of the robot", name, way_out
-                    )
+                    self.fail(where, f"{tag} is no link of the robot", name, way_out)
             if joint.child in parents:
                 got = [parents[joint.child], joint.parent]
                 self.fail(f"link {joint.child!r}", "has two parents", got, "remove one joint")
@@ -316,11 +317,3 @@ class _Reader:
         _, loop = parents_first(follows)
         if loop:
             self.fail(f"joint {loop[-1]!r}", "mimics itself", loop[:-1], "remove one mimic")
-
-
-def _floats(text: str) -> tuple[float, ...]:
-    """Return the numbers of a text with blanks between them; none if any is no number."""
-    try:
-        return tuple(math.nan if "_" in part else float(part) for part in text.split())
-    except ValueError:
-        return ()

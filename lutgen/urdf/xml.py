@@ -1,16 +1,43 @@
-"""Parse XML that nobody vouches for.
+"""Parse XML that nobody vouches for, and read checked values of its elements.
 
-Owns the refusal of document types: without them there are no entities, so none that expands and
-none that names a file.  Tags keep their namespace prefix as written.
+Document types are refused: without them there are no entities, so none that expands and none that
+names a file.  Tags keep their namespace prefix as written.
 """
 
+import math
+from pathlib import Path
 from typing import NoReturn
 from xml.etree.ElementTree import Element, TreeBuilder
 from xml.parsers import expat
 
-from lutgen.errors import RecipeError
+from lutgen import bounds
+from lutgen.errors import RecipeError, unreadable
+from lutgen.vector import Vector
 
+MAX_BYTES = bounds.URDF_BYTES.most
 MAX_DEPTH = 100
+MAX_NAME = 200
+# Sums and products over a chain of links stay far from infinity.
+LARGEST = float(bounds.MAGNITUDE.most)
+
+
+def read_bytes(source: str) -> bytes:
+    """Return the bytes of a description of at most 16 MiB, or refuse it with RecipeError."""
+    try:
+        with Path(source).open("rb") as file:
+            return short_enough(file.read(MAX_BYTES + 1), source)
+    except OSError as error:
+        raise unreadable(source, error) from error
+
+
+def short_enough(raw: bytes, source: str) -> bytes:
+    """Return bytes, or refuse too many of them."""
+    if len(raw) > MAX_BYTES:
+        raise RecipeError(
+            f"{source}: is longer than {MAX_BYTES} bytes (got {len(raw)} or more); "
+            "remove what does not describe the robot."
+        )
+    return raw
 
 
 def parse_xml(content: bytes, source: str) -> Element:
@@ -53,3 +80,72 @@ def parse_xml(content: bytes, source: str) -> Element:
             raise
         raise RecipeError(f"{source}: is not XML (got {error}); correct that line.") from None
     return builder.close()
+
+
+class Elements:
+    """Reads values of elements; every message names the file and the element."""
+
+    def __init__(self, source: str) -> None:
+        self.source = source
+
+    def fail(self, where: str, what: str, got: object, way_out: str) -> NoReturn:
+        """Refuse an element."""
+        shown = repr(got)
+        shown = shown if len(shown) <= 80 else shown[:77] + "..."
+        raise RecipeError(f"{self.source}: {where}: {what} (got {shown}); {way_out}.")
+
+    def name(self, element: Element) -> str:
+        """Return the name of the robot, a link or a joint."""
+        name = element.get("name", "")
+        if not name.strip():
+            self.fail(f"a <{element.tag}>", "has no name", name, "name it")
+        if len(name) > MAX_NAME or not name.isprintable():
+            way_out = f"use at most {MAX_NAME} characters that can be printed"
+            self.fail(f"a <{element.tag}>", "has an unusable name", name, way_out)
+        return name
+
+    def only(self, element: Element, tag: str, where: str) -> Element | None:
+        """Return the one child of that tag, or None."""
+        found = element.findall(tag)
+        if len(found) > 1:
+            self.fail(where, f"has more than one <{tag}>", len(found), "keep one")
+        return found[0] if found else None
+
+    def number(
+        self,
+        element: Element,
+        key: str,
+        where: str,
+        default: float | None = None,
+        infinite: bool = False,
+    ) -> float:
+        """Return a number of at most LARGEST from an attribute; `infinite` lets any through."""
+        text = element.get(key)
+        if text is None and default is not None:
+            return default
+        value = floats(text or "")
+        if len(value) != 1 or math.isnan(value[0]) or not (infinite or abs(value[0]) <= LARGEST):
+            way_out = f"write {key}='...' with one number"
+            self.fail(where, f"<{element.tag}> has no number as {key}", text, way_out)
+        return value[0]
+
+    def vector(
+        self, element: Element, key: str, where: str, default: Vector | None = None
+    ) -> Vector:
+        """Return three numbers of at most LARGEST from an attribute."""
+        text = element.get(key)
+        if text is None and default is not None:
+            return default
+        value = floats(text or "")
+        if len(value) != 3 or not all(abs(x) <= LARGEST for x in value):
+            way_out = "write three numbers with blanks between them"
+            self.fail(where, f"<{element.tag}> has no vector as {key}", text, way_out)
+        return value[0], value[1], value[2]
+
+
+def floats(text: str) -> tuple[float, ...]:
+    """Return the numbers of a text with blanks between them; none if any is no number."""
+    try:
+        return tuple(math.nan if "_" in part else float(part) for part in text.split())
+    except ValueError:
+        return ()

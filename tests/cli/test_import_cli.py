@@ -151,7 +151,7 @@ def test_names_that_toml_or_the_map_cannot_take_are_changed(folder: Path) -> Non
         (("robot.urdf", "-o", "a.toml", "-c", "mast=0,0,0"), "needs 3 to 62 contacts (got 1)"),
         (("robot.urdf", "-o", "a.toml", "-j", "arm"), "did you mean 'arms'"),
         (("robot.urdf", "-o", "a.toml", "-j", "lens_mount"), "it is fixed"),
-        (("robot.urdf", "-o", "a.toml", "-x"), "is no .xacro file"),
+        (("robot.urdf", "-o", "a.toml", "--arg", "a=b"), "is for xacro"),
         (("robot.xacro", "-o", "a.toml"), "pass --xacro if you trust it"),
     ],
 )

@@ -12,8 +12,8 @@ import pytest
 
 import lutgen
 from lutgen.errors import LutgenError, MapFileError, RecipeError
+from lutgen.propose.proposal import import_urdf
 from lutgen.recipe.kinematics import forward
-from lutgen.recipe.proposal import import_urdf
 from lutgen.recipe.recipe import recipe_digest
 from lutgen.urdf.read import parse_urdf
 from tests.fixtures.maps import unseal

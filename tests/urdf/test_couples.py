@@ -8,8 +8,8 @@ import pytest
 from lutgen.errors import RecipeError
 from lutgen.urdf import Couple, load_srdf, load_urdf, parse_urdf, places, read_motion
 from lutgen.urdf.description import UrdfRobot
-from lutgen.urdf.groups import joint_groups
-from lutgen.urdf.motion import Drive
+from lutgen.urdf.joints import Drive
+from lutgen.urdf.srdf import joint_groups
 from tests.fixtures.places import VECTORS
 from tests.fixtures.robots import joint, link, robot
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from lutgen.errors import LutgenError
-from lutgen.recipe import import_urdf
+from lutgen.propose import import_urdf
 from lutgen.urdf import load_srdf, load_xacro, parse_urdf
 from tests.fixtures.places import VECTORS
 from tests.fixtures.robots import broken
@@ -50,12 +50,11 @@ def test_an_srdf_with_faults_is_read_or_refused_in_a_sentence(tmp_path: Path) ->
     assert 50 < refused < 450
 
 
-@pytest.mark.parametrize("name", ["quadruped", "tripod", "crane", "sized"])
 def test_a_xacro_with_faults_is_read_or_refused_in_a_sentence(
-    name: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     packages = {folder.name: folder for folder in (XACRO / "share").iterdir()}
-    sound = (XACRO / "robots" / f"{name}.xacro").read_text(encoding="utf-8")
+    sound = (XACRO / "robots" / "crane.xacro").read_text(encoding="utf-8")
     rng = random.Random(1)
     file = tmp_path / "broken.xacro"
     refused = 0

@@ -6,8 +6,8 @@ import pytest
 
 from lutgen.errors import RecipeError
 from lutgen.urdf.description import UrdfRobot
+from lutgen.urdf.joints import Drive, read_motion
 from lutgen.urdf.links import links_of, places
-from lutgen.urdf.motion import Drive, read_motion
 from lutgen.urdf.read import parse_urdf
 from tests.fixtures.robots import joint, link, robot
 

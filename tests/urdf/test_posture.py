@@ -104,7 +104,7 @@ def test_a_robot_whose_feet_are_meshes_does_not_stand_on_its_rotors(folder: Path
     result = run("import", "dog.urdf", "-o", "dog.toml", "--force")
     assert result.exit_code == 2
     assert "(got lf_foot, rf_foot, lh_foot, rh_foot: f.dae: there is no such file)" in result.stderr
-    assert "which are not opened" in result.stderr
+    assert "were not understood" in result.stderr
     points = [f"-c{leg}_foot=0,0,-0.3,0.02" for leg in LEGS]
     good("import", "dog.urdf", "-o", "dog.toml", "--force", *points)
 

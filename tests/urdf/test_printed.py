@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from lutgen.recipe import import_urdf
+from lutgen.propose import import_urdf
 from lutgen.urdf import parse_urdf
 from lutgen.urdf.printed import meant
 
@@ -83,10 +83,3 @@ def test_wheels_whose_quarter_turns_lack_digits_make_the_same_recipe_and_it_is_s
     assert [line for line in short.left_out if line not in exact.left_out] == [
         f"{said}, -{quarter}"
     ]
-
-
-def test_nothing_is_said_of_angles_that_have_their_digits_or_stand_for_themselves():
-    for text in (repr(QUARTER), "1.5707963", "1.5"):
-        robot = parse_urdf(car(text), "car.urdf")
-        assert robot.rounded == ()
-    assert parse_urdf(car("1.5"), "car.urdf").joints[0].rpy[0] == 1.5

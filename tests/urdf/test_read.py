@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from lutgen.errors import RecipeError
-from lutgen.recipe.proposal import import_urdf
+from lutgen.propose.proposal import import_urdf
 from lutgen.urdf.description import Mimic, UrdfRobot
-from lutgen.urdf.motion import read_motion
+from lutgen.urdf.joints import read_motion
 from lutgen.urdf.read import load_urdf, parse_urdf
 from tests.fixtures.places import VECTORS
 from tests.fixtures.robots import broken, collision, joint, link, real, robot
@@ -111,7 +111,10 @@ TWO = joint("j", "fixed", "base", "arm")
         ('<?xml version="1.0" encoding="klingon"?><robot/>', "is not XML"),
         ("<sdf/>", "is not <robot>"),
         (robot(), "needs 1 to 10000 links"),
-        (robot("<xacro:macro/>").replace("<robot", "<robot xmlns:xacro='x'"), "expand the file"),
+        (
+            robot("<xacro:macro/>").replace("<robot", "<robot xmlns:xacro='x'"),
+            "is xacro that was not expanded (got '<xacro:macro>'); pass --xacro",
+        ),
         (robot(link("base"), "<link/>"), "a <link>: has no name"),
         (robot(link("base"), link("base")), "link 'base': is given more than once"),
         (robot(PAIR), "has 2 links without a parent"),
@@ -129,7 +132,7 @@ TWO = joint("j", "fixed", "base", "arm")
         (robot(PAIR, joint("j", "revolute", "base", "arm", '<axis xyz="0 0 0"/>')), "axis without"),
         (robot(PAIR, joint("j", "revolute", "base", "arm", '<axis xyz="0 1"/>')), "no vector"),
         (robot(PAIR, joint("j", "fixed", "base", "arm", xyz="0 nan 0")), "no vector as xyz"),
-        (robot(PAIR, joint("j", "fixed", "base", "arm", xyz="${x} 0 0")), "no vector as xyz"),
+        (robot(PAIR, joint("j", "fixed", "base", "arm", xyz="${x} 0 0")), "pass --xacro"),
         (
             robot(PAIR, joint("j", "revolute", "base", "arm", '<limit lower="2" upper="1"/>')),
             "lower limit above",
@@ -152,10 +155,30 @@ TWO = joint("j", "fixed", "base", "arm")
         (robot(link("a", inside=collision('sphere radius="-1"'))), "negative size"),
         (robot(link("a", inside=collision('box size="1 2"'))), "no vector as size"),
         (robot(link("a", inside="<inertial/><inertial/>")), "more than one <inertial>"),
+        ("<a>" * 100_000 + "</a>" * 100_000, "nested deeper than 100"),
+        ('<x:robot xmlns:x="urn:x"/>', "is not <robot>"),
+        (robot(link("base", 1e300)), "no number as value"),
+        (robot(link("base", 1.0, "1e13 0 0")), "no vector as xyz"),
+        (robot(link("a" * 201)), "has an unusable name"),
+        (robot(link("a&#10;b")), "has an unusable name"),
+        (robot(link("a&#x9b;31m")), "has an unusable name"),
+        (robot(link("a"), name="&#x202e;"), "has an unusable name"),
+        (robot(link("base", 1.0).replace('"1.0"', '"1_0"')), "no number as value"),
+        (robot(link("base", 1.0).replace('"1.0"', f'"{"9" * 10_000}"')), "no number as value"),
+        ("\ud800", "is not XML"),
+        (bytes(range(256)) * 10, "is not XML"),
+        ("<robot>&undefined;</robot>", "is not XML"),
+        ("<robot/><robot/>", "is not XML"),
+        ("<robot a='1' a='2'/>", "is not XML"),
+        ('<?xml version="1.0" encoding="utf-7"?><robot/>', "is not XML"),
+        ('<?xml version="1.0" encoding="rot13"?><robot/>', "is not XML"),
     ],
 )
 def test_a_fault_is_refused_in_one_sentence(content: str | bytes, said: str) -> None:
-    assert said in refusal(content)
+    text = refusal(content)
+    assert said in text
+    # What was received is quoted, but not all of it.
+    assert len(text) < 400
 
 
 def test_a_missing_file_and_a_folder_are_refused(tmp_path: Path) -> None:
@@ -187,35 +210,6 @@ def test_other_encodings_cdata_comments_and_namespaces_change_nothing(content: s
     found = parse_urdf(content)
     assert found.name == "little"
     assert [(part.name, part.mass) for part in found.links] == [("base", 2.0)]
-
-
-@pytest.mark.parametrize(
-    ("content", "said"),
-    [
-        ("<a>" * 100_000 + "</a>" * 100_000, "nested deeper than 100"),
-        ('<x:robot xmlns:x="urn:x"/>', "is not <robot>"),
-        (robot(link("base", 1e300)), "no number as value"),
-        (robot(link("base", 1.0, "1e13 0 0")), "no vector as xyz"),
-        (robot(link("a" * 201)), "has an unusable name"),
-        (robot(link("a&#10;b")), "has an unusable name"),
-        (robot(link("a&#x9b;31m")), "has an unusable name"),
-        (robot(link("a"), name="&#x202e;"), "has an unusable name"),
-        (robot(link("base", 1.0).replace('"1.0"', '"1_0"')), "no number as value"),
-        (robot(link("base", 1.0).replace('"1.0"', f'"{"9" * 10_000}"')), "no number as value"),
-        ("\ud800", "is not XML"),
-        (bytes(range(256)) * 10, "is not XML"),
-        ("<robot>&undefined;</robot>", "is not XML"),
-        ("<robot/><robot/>", "is not XML"),
-        ("<robot a='1' a='2'/>", "is not XML"),
-        ('<?xml version="1.0" encoding="utf-7"?><robot/>', "is not XML"),
-        ('<?xml version="1.0" encoding="rot13"?><robot/>', "is not XML"),
-    ],
-)
-def test_hostile_texts_are_refused_in_one_sentence(content: str | bytes, said: str) -> None:
-    text = refusal(content)
-    assert said in text
-    # What was received is quoted, but not all of it.
-    assert len(text) < 400
 
 
 def test_five_thousand_mimics_in_a_row_are_followed_in_seconds_and_a_circle_is_refused() -> None:
@@ -275,7 +269,8 @@ def test_ten_megabytes_are_read_and_more_than_sixteen_are_refused() -> None:
     text = robot(link("base", inside="<visual><x/></visual>" * 500_000))
     assert len(text) > 10_000_000
     assert isinstance(parse_urdf(text), UrdfRobot)
-    assert time.perf_counter() - begin < 20.0
+    # Measured 8 s on a busy machine; a reader that is quadratic in the number takes hours.
+    assert time.perf_counter() - begin < 60.0
     assert "is longer than" in refusal(text + " " * 7_000_000)
 
 

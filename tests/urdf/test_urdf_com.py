@@ -7,13 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lutgen.recipe.kinematics import postures
-from lutgen.recipe.recipe import parse_recipe
-from lutgen.urdf.description import UrdfRobot
+from lutgen.urdf.joints import Motion, read_motion
 from lutgen.urdf.links import centre_of_mass, places
-from lutgen.urdf.motion import Motion, read_motion
 from lutgen.urdf.read import load_urdf
-from tests.fixtures.recipes import contact, sweep_part
 from tests.fixtures.robots import real
 
 NAMES = ("absolem", "husky")
@@ -69,32 +65,6 @@ def test_an_independent_library_finds_the_same_mass_and_com_in_every_posture(nam
     # Otherwise one posture would do; the Husky's wheels turn about their own com.
     spread = float(np.ptp(moved, axis=0).max())
     assert spread > 0.01 if name == "absolem" else spread < 1e-12
-
-
-def named_recipe(path: Path, motion: Motion, robot: UrdfRobot) -> str:
-    """Return a recipe that names the description, with every free joint as a parameter."""
-    text = f'[robot]\nname = "real"\nlength_unit = "m"\nurdf = "{path.name}"\n'
-    for i, (joint, (low, high)) in enumerate(motion.free.items()):
-        text += f'[[robot.parameter]]\nname = "q{i}"\njoint = "{joint}"\nunit = "rad"\n'
-        text += f"min = {low!r}\nmax = {high!r}\n"
-    text += "".join(contact(f"P{i}", (i, i * i, -1.0), link=robot.root) for i in range(3))
-    return text + sweep_part(", ".join(f"q{i} = 2" for i in range(len(motion.free))))
-
-
-@pytest.mark.needs("robots", "pinocchio")
-@pytest.mark.parametrize("name", NAMES)
-def test_a_recipe_that_names_the_description_has_the_same_com(name: str) -> None:
-    path = real(name)
-    robot = load_urdf(path)
-    motion = read_motion(robot)
-    recipe = parse_recipe(named_recipe(path, motion, robot), urdf=path.read_text(encoding="utf-8"))
-    rng = np.random.default_rng(7)
-    rows = [random_values(motion, rng) for _ in range(POSTURES)]
-    params = np.array([list(row.values()) for row in rows]).reshape(POSTURES, len(motion.free))
-    _, com = postures(recipe, params)
-    for row, found in zip(rows, com, strict=True):
-        _, want = oracle(path, joint_values(motion, row))
-        assert found.tolist() == pytest.approx(want, abs=1e-9)
 
 
 @pytest.mark.needs("robots")

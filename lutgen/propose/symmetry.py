@@ -6,20 +6,32 @@ rear where the robot stands so (knees pointing at each other), else they move al
 """
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from lutgen.parts import Contact
-from lutgen.recipe.joint_names import stem
-from lutgen.urdf import Place, UrdfRobot, downwards
+from lutgen.propose.contacts import placed
+from lutgen.urdf import Place, UrdfRobot, carried, downwards
 from lutgen.vector import Floats
 
 # Shares of the robot's size: within the first two joints are on one side, within the second one is
 # where the mirror image of the other is.  Masses of mirror images differ by a tenth at most, and
 # the cosine between their axes is at least this: descriptions round, and robots have a battery.
 BESIDE, IMAGE, MASS, PARALLEL = 0.01, 0.05, 0.1, 0.9
+
+# Parts of a name that say where a joint is and not what it is.
+SIDES = frozenset(
+    (
+        *("left", "right", "l", "r", "middle", "mid", "ml", "mr", "lm", "rm"),
+        *("front", "fore", "f", "fl", "fr", "lf", "rf"),
+        *("rear", "hind", "back", "h", "rl", "rr", "lr", "lh", "rh", "hl", "hr"),
+        *("bl", "br", "lb", "rb"),
+    )
+)
+WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 
 
 class Limb(NamedTuple):
@@ -39,16 +51,10 @@ class Limb(NamedTuple):
 
 
 class Limbs:
-    """The limbs of a robot, and how they correspond.
+    """The limbs of a robot with its contacts, and how they correspond.
 
-    Parameters
-    ----------
-    robot : UrdfRobot
-        The description.
-    contacts : sequence of Contact
-        Contacts in the frames of its links.
-    zero, rest : mapping of str to Place
-        The places of all links with joints at zero, or at their limit nearest to it, and standing.
+    `zero` and `rest` have the places of all links with joints at zero, or at their limit nearest to
+    it, and standing.
     """
 
     def __init__(
@@ -188,26 +194,49 @@ def _spots(
 
     The middle of the contacts, without any the com, without masses the link's origin.
     """
-    mass = {link.name: link.mass for link in robot.links}
-    moment = {
-        link.name: link.mass * (where[link.name][1] + where[link.name][0] @ link.com)
-        for link in robot.links
-    }
+    mass, moment = carried(robot, where)
     count = dict.fromkeys(mass, 0)
     total = {name: np.zeros(3) for name in mass}
-    for contact in contacts:
-        turn, origin = where[contact.link]
+    for contact, centre in zip(contacts, placed(contacts, where)[0], strict=True):
         count[contact.link] += 1
-        total[contact.link] = total[contact.link] + origin + turn @ contact.position
+        total[contact.link] = total[contact.link] + centre
     for joint in reversed(downwards(robot)):
-        mass[joint.parent] += mass[joint.child]
         count[joint.parent] += count[joint.child]
-        moment[joint.parent] = moment[joint.parent] + moment[joint.child]
         total[joint.parent] = total[joint.parent] + total[joint.child]
-    spots = {}
-    for name, (_, origin) in where.items():
-        if count[name]:
-            spots[name] = total[name] / count[name]
-        else:
-            spots[name] = moment[name] / mass[name] if mass[name] > 0.0 else origin
-    return spots, mass
+    spots = {
+        name: moment[name] / mass[name] if mass[name] > 0.0 else where[name][1] for name in mass
+    }
+    return spots | {name: total[name] / count[name] for name in mass if count[name]}, mass
+
+
+def stem(name: str) -> tuple[str, ...]:
+    """Return what a joint's name says beside the side that it is on, in lower case.
+
+    Examples
+    --------
+    >>> stem("FL_hip_joint") == stem("rear_right_hip")
+    True
+    >>> stem("LHipYawPitch")
+    ('hip', 'yaw', 'pitch')
+    """
+    words = [word.lower() for word in WORD.findall(name)]
+    return tuple(word for word in words if word not in SIDES and word != "joint")
+
+
+def common_name(names: Sequence[str]) -> str:
+    """Return a name for joints that are alike: the words that all of them have.
+
+    Examples
+    --------
+    >>> common_name(["FL_hip_joint", "FR_hip_joint"])
+    'hip'
+    >>> common_name(["hip_yaw_1", "hip_yaw_2"])
+    'hip_yaw'
+    """
+    own = [word for word in WORD.findall(names[0]) if word.lower() in stem(word)]
+    words = [
+        shown
+        for shown, *same in zip(own, *(stem(name) for name in names), strict=False)
+        if len(set(same)) == 1
+    ]
+    return "_".join(words) or names[0]

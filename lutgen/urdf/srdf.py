@@ -1,20 +1,18 @@
 """Postures of a robot description: named in an SRDF file beside it, or given joint by joint.
 
-Owns which of several named postures is the one to stand in, and what is read of an SRDF file.
-Values in rad or m.  What the joints then move is not known here.
+Values in rad or m.
 """
 
 import math
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from xml.etree.ElementTree import Element
 
 from lutgen.errors import InputError, RecipeError, suggestion
-from lutgen.urdf.description import UrdfRobot
-from lutgen.urdf.groups import joint_groups
-from lutgen.urdf.read import LARGEST, MAX_BYTES, read_bytes
-from lutgen.urdf.xml import parse_xml
+from lutgen.urdf.description import UrdfJoint, UrdfRobot
+from lutgen.urdf.xml import LARGEST, floats, parse_xml, read_bytes
 
 # Names of postures in which robots stand, the likeliest first.
 STANDING = (
@@ -43,12 +41,9 @@ class Srdf:
         names = {
             name.strip().lower().replace("-", "_").replace(" ", "_"): name for name in self.postures
         }
-        for wanted in STANDING:
-            if wanted in names:
-                return names[wanted]
-        # Such as "standing_up" and "homing_nominal".
-        near = (name for name in names if "stand" in name or name.startswith("homing"))
-        return next((names[name] for name in near), None)
+        # Others are such as "standing_up" and "homing_nominal".
+        near = [name for name in names if "stand" in name or name.startswith("homing")]
+        return next((names[name] for name in (*STANDING, *near) if name in names), None)
 
     def posture(self, name: str) -> dict[str, float]:
         """Return a posture by its name; an unknown one raises InputError."""
@@ -61,27 +56,11 @@ class Srdf:
 def load_srdf(path: str | os.PathLike[str], robot: UrdfRobot) -> Srdf:
     """Read postures and groups (``<group_state>``, ``<group>``) of an SRDF of at most 16 MiB.
 
-    Parameters
-    ----------
-    path : path
-        XML whose root is <robot>.
-    robot : UrdfRobot
-        The description whose joints count.
-
-    Returns
-    -------
-    Srdf
-        A file with any fault raises RecipeError, and so does a value that is no number of at most
-        1e12.
+    The joints of `robot` count.  RecipeError is raised for a file with any fault, such as a value
+    that is no number of at most 1e12.
     """
     source = os.fspath(path)
-    raw = read_bytes(source)
-    if len(raw) > MAX_BYTES:
-        raise RecipeError(
-            f"{source}: is longer than {MAX_BYTES} bytes (got {len(raw)} or more); keep the "
-            "<group_state> elements."
-        )
-    root = parse_xml(raw, source)
+    root = parse_xml(read_bytes(source), source)
     if root.tag != "robot":
         raise RecipeError(
             f"{source}: root element is not <robot> (got {root.tag!r}); give an SRDF."
@@ -99,16 +78,13 @@ def load_srdf(path: str | os.PathLike[str], robot: UrdfRobot) -> Srdf:
             joint, text = element.get("name", ""), element.get("value", "")
             if joint not in known or len(text.split()) > 1:
                 continue
-            try:
-                value = math.nan if "_" in text else float(text)
-            except ValueError:
-                value = math.nan
-            if not abs(value) <= LARGEST:
+            number = floats(text)
+            if not number or not abs(number[0]) <= LARGEST:
                 raise RecipeError(
                     f"{source}: posture {name!r}: joint {joint!r} has no number as value (got "
                     f"{text[:60]!r}); write rad, or m."
                 )
-            values[joint] = value
+            values[joint] = number[0]
     return Srdf(source, result, joint_groups(root, robot))
 
 
@@ -137,33 +113,30 @@ def joint_values(robot: UrdfRobot, given: Iterable[tuple[str, float]]) -> dict[s
     InputError is raised for a joint that is unknown, fixed or follows another, that is given
     twice, and for a value outside its limits.
     """
-    joints = {joint.name: joint for joint in robot.joints}
-    moving = [name for name, joint in joints.items() if joint.kind != "fixed"]
+    joints = {joint.name: joint for joint in robot.joints if joint.kind != "fixed"}
     result: dict[str, float] = {}
     for name, number in given:
-        if name not in moving:
-            way_out = suggestion(name, moving, "use one of")
+        text = f"-p {name}={number:g}"
+        if name not in joints:
+            way_out = suggestion(name, joints, "use one of")
             raise InputError(
-                f"{robot.source}: there is no such moving joint (got -p {name}={number:g}); "
-                f"{way_out}."
+                f"{robot.source}: there is no such moving joint (got {text}); {way_out}."
             )
         joint = joints[name]
         if name in result:
             raise InputError(f"{robot.source}: joint {name!r} is given twice (got {number:g} too).")
         if joint.mimic is not None:
             raise InputError(
-                f"{robot.source}: joint {name!r} follows {joint.mimic.joint!r} (got "
-                f"-p {name}={number:g}); give that one."
+                f"{robot.source}: joint {name!r} follows {joint.mimic.joint!r} (got {text}); give "
+                "that one."
             )
-        slides = joint.kind == "prismatic"
-        value = number if slides else math.radians(number)
-        if not joint.lower - SAME <= value <= joint.upper + SAME:
-            low, high = (end if slides else math.degrees(end) for end in (joint.lower, joint.upper))
+        unit, factor = ("m", 1.0) if joint.kind == "prismatic" else ("deg", math.pi / 180.0)
+        if not _within(joint, number * factor):
             raise InputError(
-                f"{robot.source}: joint {name!r} goes from {low:g} to {high:g} "
-                f"{'m' if slides else 'deg'} (got -p {name}={number:g}); give a value within."
+                f"{robot.source}: joint {name!r} goes from {joint.lower / factor:g} to "
+                f"{joint.upper / factor:g} {unit} (got {text}); give a value within."
             )
-        result[name] = value
+        result[name] = number * factor
     return result
 
 
@@ -172,6 +145,54 @@ def beyond_limits(robot: UrdfRobot, values: Mapping[str, float]) -> list[str]:
     return [
         joint.name
         for joint in robot.joints
-        if joint.name in values
-        and not joint.lower - SAME <= values[joint.name] <= joint.upper + SAME
+        if joint.name in values and not _within(joint, values[joint.name])
     ]
+
+
+def _within(joint: UrdfJoint, value: float) -> bool:
+    """Return whether a joint can take a value, but for rounding."""
+    return joint.lower - SAME <= value <= joint.upper + SAME
+
+
+def joint_groups(root: Element, robot: UrdfRobot) -> dict[str, tuple[str, ...]]:
+    """Return the moving joints of each ``<group>`` of an SRDF, in order of the description.
+
+    Those that it lists, of its chains and links, and of the groups in it; what the description
+    does not have is not in a group, such as a floating base.  A group may have none.
+    """
+    parts: dict[str, list[Element]] = {}
+    for group in root.iterfind("group"):
+        if name := group.get("name", "").strip():
+            parts.setdefault(name, []).extend(group)
+    above = {joint.child: joint for joint in robot.joints}
+    result = {}
+    for name in parts:
+        # A group that is met twice adds nothing.
+        wanted, open_, seen = set[str](), [name], {name}
+        while open_:
+            for part in parts.get(open_.pop(), ()):
+                inner = part.get("name", "")
+                if part.tag == "group" and inner not in seen:
+                    seen.add(inner)
+                    open_.append(inner)
+                wanted.update(_joints(part, above))
+        moving = (joint.name for joint in robot.joints if joint.kind != "fixed")
+        result[name] = tuple(joint for joint in moving if joint in wanted)
+    return result
+
+
+def _joints(part: Element, above: Mapping[str, UrdfJoint]) -> Iterator[str]:
+    """Yield the joints of one element of a group; `above` has the joint that carries each link."""
+    if part.tag == "joint":
+        yield part.get("name", "")
+    elif part.tag == "link" and (joint := above.get(part.get("name", ""))):
+        yield joint.name
+    elif part.tag == "chain":
+        base, here = part.get("base_link", ""), part.get("tip_link", "")
+        found = []
+        while here != base and here in above:
+            found.append(above[here].name)
+            here = above[here].parent
+        # Both ends belong to one branch, or the chain is none.
+        if here == base:
+            yield from found

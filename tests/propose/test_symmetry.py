@@ -5,9 +5,9 @@ import re
 import numpy as np
 import pytest
 
-from lutgen.recipe import import_urdf
-from lutgen.recipe.coupling import Coupling
-from lutgen.recipe.joint_names import common_name, stem
+from lutgen.propose import import_urdf
+from lutgen.propose.couplings import Coupling
+from lutgen.propose.symmetry import common_name, stem
 from lutgen.recipe.kinematics import forward
 from lutgen.recipe.recipe import Recipe
 from lutgen.urdf import UrdfRobot, load_srdf, load_urdf, parse_urdf

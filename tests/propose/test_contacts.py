@@ -9,19 +9,14 @@ import pytest
 import lutgen
 from lutgen.errors import RecipeError
 from lutgen.parts import Contact
-from lutgen.recipe.candidates import (
-    effects,
-    inner_contacts,
-    named_contacts,
-    proposed_contacts,
-    robot_size,
-)
+from lutgen.propose.contacts import named_contacts, proposed_contacts, robot_size
+from lutgen.propose.effects import effects, inner_contacts
 from lutgen.recipe.recipe import Recipe
-from lutgen.urdf.contacts import link_contacts
 from lutgen.urdf.description import UrdfRobot
+from lutgen.urdf.joints import read_motion
 from lutgen.urdf.links import places
-from lutgen.urdf.motion import read_motion
 from lutgen.urdf.read import parse_urdf
+from lutgen.urdf.shapes import link_contacts
 from tests.fixtures.recipes import contact, rigid
 from tests.fixtures.robots import collision, joint, link, robot
 

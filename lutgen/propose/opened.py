@@ -1,8 +1,4 @@
-"""Wheels and feet of a robot description that are meshes, as shapes that a recipe has.
-
-Owns which links are looked at, and what becomes of a mesh: a wheel's rims, a ball, a sole's
-corners, or the reason for which it was not opened.
-"""
+"""Meshes, boxes and looks on which a robot stands, as shapes that a recipe has."""
 
 import math
 from collections.abc import Collection, Mapping, Sequence
@@ -11,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lutgen.errors import InputError
-from lutgen.recipe.candidates import NEAR, has_support, lowest_of
+from lutgen.propose.contacts import NEAR, has_support, lowest_of
 from lutgen.urdf import (
     JOINT_KINDS,
     TOUCHING,
@@ -33,7 +29,7 @@ from lutgen.vector import Floats
 # Share of the com's height above the ground by which one link of a leg is lower than another: the
 # shank ends above the sole, and the mesh around a ball is not below the ball.
 LOWER = 0.02
-DRAWN = "; a visual mesh, as there is no collision shape"
+DRAWN = "as there is no collision shape"
 
 
 @dataclass(frozen=True)
@@ -50,46 +46,35 @@ class _Link:
     ball: float
 
 
-def recognised(
+def opened_meshes(
     robot: UrdfRobot, meshes: Meshes, where: Mapping[str, Place], named: Sequence[str] | None = None
 ) -> UrdfRobot:
     """Return the description with simple shapes for the meshes that touch the ground.
 
-    Parameters
-    ----------
-    robot : UrdfRobot
-        The description.
-    meshes : Meshes
-        Reads them; one that cannot be read stays, with the reason as its note.
-    where : mapping of str to Place
-        The links' places in the standing posture.
-    named : sequence of str, optional
-        The links that touch the ground.  None: of each chain of links the lowest, near the ground.
-
-    Returns
-    -------
-    UrdfRobot
-        A mesh that was opened has its extent as `size`; on links that touch one shape stands for
-        all of them, and its note says how well.  Of a link without collision shapes the visual
-        meshes serve, where it is named, and where the robot does not stand on spheres and
-        cylinders.
+    Those of the links that are `named`, or of each chain of links the lowest, near the ground in
+    the posture `where`.  A mesh that was opened has its extent as `size`, one that cannot be read
+    the reason as its note; on links that touch one shape stands for all of them, and its note says
+    how well.  Of a link without collision shapes the visual meshes serve, where it is named, and
+    where the robot does not stand on spheres and cylinders.
     """
-    opened = {link.name: _open(link, meshes, where[link.name]) for link in robot.links}
-    chosen = _touching(robot, opened, where) if named is None else set(named)
-    looks = {link.name: link for link in robot.links if link.visuals}
-    if named is not None:
-        looks = {name: link for name, link in looks.items() if name in chosen}
-    elif not chosen and has_support(_replaced(robot, opened, chosen, where), where):
+    found = {link.name: _open(link, meshes, where[link.name]) for link in robot.links}
+    chosen = _touching(robot, found, where) if named is None else set(named)
+    looks = {}
+    for link in robot.links:
+        visuals = tuple(shape for shape in link.visuals if shape.kind == "mesh")
+        if visuals and not link.collisions and (named is None or link.name in chosen):
+            looks[link.name] = replace(link, collisions=visuals)
+    if named is None and not chosen and has_support(_replaced(robot, found, chosen, where), where):
         looks = {}
-    for name, link in looks.items():
-        opened[name] = _open(replace(link, collisions=link.visuals), meshes, where[name])
+    found |= {name: _open(link, meshes, where[name]) for name, link in looks.items()}
     if looks and named is None:
-        chosen = _touching(robot, opened, where)
+        chosen = _touching(robot, found, where)
     # What touches nothing keeps its looks to itself.
+    bare = {link.name: link for link in robot.links}
     for name in set(looks) - chosen:
-        visuals = opened[name].link.collisions
-        opened[name] = replace(opened[name], link=replace(looks[name], visuals=visuals))
-    return _replaced(robot, opened, chosen, where)
+        visuals = found[name].link.collisions
+        found[name] = replace(found[name], link=replace(bare[name], visuals=visuals))
+    return _replaced(robot, found, chosen, where)
 
 
 def _open(link: UrdfLink, meshes: Meshes, place: Place) -> _Link:
@@ -112,25 +97,23 @@ def _open(link: UrdfLink, meshes: Meshes, place: Place) -> _Link:
     return _Link(opened, corners, min(simple, lowest), simple if balls else math.inf)
 
 
-def _touching(
-    robot: UrdfRobot, opened: Mapping[str, _Link], where: Mapping[str, Place]
-) -> set[str]:
+def _touching(robot: UrdfRobot, found: Mapping[str, _Link], where: Mapping[str, Place]) -> set[str]:
     """Return the links whose meshes touch: near the ground, and the lowest above and below them.
 
     Of links that are fixed to each other only the lowest.  What has a ball about as low, on itself
     or on a link above or below, stands on that.
     """
     com = float(centre_of_mass(robot, where)[2])
-    ground = min(one.low for one in opened.values())
+    ground = min(one.low for one in found.values())
     if not ground < com:
         return set()
     slack, near = LOWER * (com - ground), ground + NEAR * (com - ground)
-    lowest = {name: one.low for name, one in opened.items()}
+    lowest = {name: one.low for name, one in found.items()}
     lows, rigid = _along_chains(robot, lowest), _along_chains(robot, lowest, ("fixed",))
-    balls = _along_chains(robot, {name: one.ball for name, one in opened.items()})
+    balls = _along_chains(robot, {name: one.ball for name, one in found.items()})
     return {
         name
-        for name, one in opened.items()
+        for name, one in found.items()
         if len(one.corners)
         and one.low <= min(near, lows[name] + slack, rigid[name])
         and one.low < min(one.ball, balls[name]) - slack
@@ -157,37 +140,31 @@ def _along_chains(
 
 def _replaced(
     robot: UrdfRobot,
-    opened: Mapping[str, _Link],
+    found: Mapping[str, _Link],
     chosen: Collection[str],
     where: Mapping[str, Place],
 ) -> UrdfRobot:
     """Return the robot with its meshes opened, and one shape for those of each chosen link."""
-    axles = _axles(robot)
+    # The joint about which a link turns freely, of those that do.
+    axles: dict[str, UrdfJoint] = {}
+    for joint in downwards(robot):
+        if joint.kind in ("continuous", "revolute") and joint.upper - joint.lower >= TURN:
+            axles[joint.child] = joint
+        elif joint.kind == "fixed" and joint.parent in axles:
+            axles[joint.child] = axles[joint.parent]
     bare = {link.name for link in robot.links if not link.collisions}
     links = []
-    for name, one in opened.items():
+    for name, one in found.items():
         link = one.link
         # A link that is named for its ball has that.
         if name in chosen and len(one.corners) and one.low < one.ball:
             made = _shape(one.corners, name, axles.get(name), where)
             if name in bare:
-                made = replace(made, note=made.note + DRAWN)
+                made = replace(made, note=f"{made.note}; a visual mesh, {DRAWN}")
             rest = [shape for shape in link.collisions if shape.kind != "mesh" or not shape.size]
             link = replace(link, collisions=(made, *rest))
         links.append(link)
     return replace(robot, links=tuple(links))
-
-
-def _axles(robot: UrdfRobot) -> dict[str, UrdfJoint]:
-    """Return the joint about which a link turns freely, of those that do."""
-    result: dict[str, UrdfJoint] = {}
-    for joint in downwards(robot):
-        turns = joint.kind in ("continuous", "revolute") and joint.upper - joint.lower >= TURN
-        if turns:
-            result[joint.child] = joint
-        elif joint.kind == "fixed" and joint.parent in result:
-            result[joint.child] = result[joint.parent]
-    return result
 
 
 def _shape(
@@ -203,3 +180,50 @@ def _shape(
         if wheel is not None:
             return wheel
     return foot_of(corners, -turn[2])
+
+
+def with_support(robot: UrdfRobot, where: Mapping[str, Place]) -> UrdfRobot:
+    """Return the description with the shapes on which it stands.
+
+    Where it does not stand on spheres, cylinders and meshes, the boxes of links without these
+    count as corners; where it does not stand on them either, so do the looks of links without
+    collision shapes.  Of each chain of links the lowest counts.
+    """
+    if has_support(robot, where):
+        return robot
+    for dress in (_cornered, lambda link: _cornered(drawn(link))):
+        dressed = {link.name: dress(link) for link in robot.links}
+        heights = {
+            name: min((lowest_of(c, where[name]) for c in link_contacts(link)), default=math.inf)
+            for name, link in dressed.items()
+        }
+        lows = _along_chains(robot, heights)
+        slack = LOWER * (float(centre_of_mass(robot, where)[2]) - min(heights.values()))
+        links = tuple(
+            dressed[link.name] if heights[link.name] <= lows[link.name] + slack else link
+            for link in robot.links
+        )
+        if has_support(replace(robot, links=links), where, near=True):
+            return replace(robot, links=links)
+    return robot
+
+
+def drawn(link: UrdfLink) -> UrdfLink:
+    """Return a link with the simple shapes of its looks, if it has no collision shapes."""
+    if link.collisions:
+        return link
+    shapes = [shape for shape in link.visuals if shape.size]
+    noted = [replace(shape, note=f"a visual {shape.kind}, {DRAWN}") for shape in shapes]
+    return replace(link, collisions=tuple(noted))
+
+
+def _cornered(link: UrdfLink) -> UrdfLink:
+    """Return a link with points for its boxes, if it has nothing else to stand on."""
+    if not all(shape.kind == "box" for shape in link.collisions):
+        return link
+    parts = []
+    for shape in link.collisions:
+        corners = link_contacts(replace(link, collisions=(shape,)))
+        points = tuple(x for corner in corners for x in corner.position)
+        parts.append(Collision(shape.name, "points", points, note=shape.note))
+    return replace(link, collisions=tuple(parts))

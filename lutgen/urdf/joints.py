@@ -1,18 +1,19 @@
 """How the joints of a robot description move: which are free, which follow, which are held.
 
 Every joint that is not fixed is scale * parameter + offset, or held at a value; a parameter is a
-free joint, or drives several.  Values in rad or m.  What a joint moves is not known here.
+free joint, or drives several.  Values in rad or m.
 """
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from lutgen.errors import RecipeError, suggestion
 from lutgen.urdf.description import UrdfJoint, UrdfRobot
-from lutgen.urdf.read import LARGEST
+from lutgen.urdf.xml import LARGEST
 
 TURN = 2.0 * math.pi
+TURNING = ("revolute", "continuous")
 
 
 @dataclass(frozen=True)
@@ -63,6 +64,23 @@ class Motion:
         return self.drives.get(joint, Drive(None, 0.0, 0.0))
 
 
+def soft_limited(robot: UrdfRobot) -> UrdfRobot:
+    """Return the description with the soft limits of its joints' controllers as limits."""
+    joints = [
+        replace(joint, lower=max(joint.lower, joint.soft[0]), upper=min(joint.upper, joint.soft[1]))
+        if joint.soft is not None
+        else joint
+        for joint in robot.joints
+    ]
+    for joint in joints:
+        if joint.lower > joint.upper:
+            raise RecipeError(
+                f"{robot.source}: joint {joint.name!r}: its soft limits are beyond its limits "
+                f"(got {joint.soft}); correct them, or leave --soft-limits out."
+            )
+    return replace(robot, joints=tuple(joints))
+
+
 def read_motion(
     robot: UrdfRobot,
     chosen: Sequence[str] | None = None,
@@ -94,7 +112,7 @@ def read_motion(
         mimics it where that puts it.  Of a couple this is the first joint.
     """
     posture = posture or {}
-    leaders = _coupled(robot, couples)
+    leaders = _leaders(robot, couples)
     if chosen is not None:
         chosen = [*chosen, *(couple.first for couple in couples)]
     ranges = _ranges(robot, leaders)
@@ -114,56 +132,55 @@ def read_motion(
             if leader.kind != "fixed":
                 rest = min(max(posture.get(leader.name, 0.0), leader.lower), leader.upper)
             drives[joint.name] = Drive(None, 0.0, scale * rest + offset)
-    free, at_rest = _at_rest(drives, ranges, posture, {j.name: j.kind for j in robot.joints})
-    wanted = [*(chosen or ()), *(name for couple in couples for name in couple.joints)]
-    _check_chosen(robot, wanted, drives, held)
-    return Motion(free, drives, held, at_rest, tuple(couples))
-
-
-def _coupled(
-    robot: UrdfRobot, couples: Sequence[Couple]
-) -> dict[str, tuple[UrdfJoint, float, float]]:
-    """Return for each joint the one that stands for its parameter, with scale and offset."""
-    leaders = _leaders(robot)
-    joints = {joint.name: joint for joint in robot.joints}
-    parts = {name: couple for couple in couples for name in couple.joints if name in joints}
-    for name, couple in parts.items():
-        first = joints.get(couple.first, joints[name])
-        kinds = {first.kind, joints[name].kind}
-        if "prismatic" in kinds and kinds & {"revolute", "continuous"}:
-            raise RecipeError(
-                f"{robot.source}: {couple.name!r} drives joints that turn and joints that slide "
-                f"(got {first.name!r}, {first.kind}, and {name!r}, {joints[name].kind}); give "
-                "each kind a parameter."
-            )
-    for name, (leader, scale, offset) in leaders.items():
-        if leader.name in parts:
-            couple = parts[leader.name]
-            own, shift = couple.joints[leader.name]
-            first = joints.get(couple.first, leader)
-            leaders[name] = first, scale * own, scale * shift + offset
-    return leaders
-
-
-def _at_rest(
-    drives: Mapping[str, Drive],
-    ranges: Mapping[str, tuple[float, float]],
-    posture: Mapping[str, float],
-    kinds: Mapping[str, str],
-) -> tuple[dict[str, tuple[float, float]], dict[str, float]]:
-    """Return limits of the parameters, and their values at rest."""
     free, at_rest = {}, {}
-    for name, drive in drives.items():
-        if drive.by == name:
+    for joint in robot.joints:
+        name = joint.name
+        if name in drives and (drive := drives[name]).by == name:
             low, high = ranges[name]
             value = (posture.get(name, 0.0) - drive.offset) / drive.scale
-            if kinds[name] != "prismatic" and high - low >= TURN:
+            if joint.kind != "prismatic" and high - low >= TURN:
                 low, high = -math.pi, math.pi
                 # The same way round: such a joint comes back to where it was.
                 value = math.remainder(value, TURN)
             free[name] = low, high
             at_rest[name] = min(max(value, low), high)
-    return free, at_rest
+    wanted = [*(chosen or ()), *(name for couple in couples for name in couple.joints)]
+    _check_chosen(robot, wanted, drives, held)
+    return Motion(free, drives, held, at_rest, tuple(couples))
+
+
+def _leaders(
+    robot: UrdfRobot, couples: Sequence[Couple]
+) -> dict[str, tuple[UrdfJoint, float, float]]:
+    """Return for each joint the one that stands for its parameter, with scale and offset.
+
+    That is the one at the end of its mimics, or the first of the couple that this one is in.
+    """
+    joints = {joint.name: joint for joint in robot.joints}
+    result: dict[str, tuple[UrdfJoint, float, float]] = {}
+    for joint in robot.joints:
+        followers = []
+        here = joint
+        while here.mimic is not None and here.name not in result:
+            followers.append((here.name, here.mimic))
+            here = joints[here.mimic.joint]
+        result.setdefault(here.name, (here, 1.0, 0.0))
+        for name, mimic in reversed(followers):
+            leader, scale, offset = result[mimic.joint]
+            scale, offset = mimic.multiplier * scale, mimic.multiplier * offset + mimic.offset
+            if not (abs(scale) <= LARGEST and abs(offset) <= LARGEST):
+                raise RecipeError(
+                    f"{robot.source}: joint {name!r}: its mimics multiply beyond {LARGEST:g} "
+                    f"(got {scale:g} times {leader.name!r} + {offset:g}); correct them."
+                )
+            result[name] = leader, scale, offset
+    coupled = {name: couple for couple in couples for name in couple.joints}
+    for name, (leader, scale, offset) in result.items():
+        if leader.name in coupled:
+            couple = coupled[leader.name]
+            own, shift = couple.joints[leader.name]
+            result[name] = joints.get(couple.first, leader), scale * own, scale * shift + offset
+    return result
 
 
 def _ranges(
@@ -183,46 +200,31 @@ def _ranges(
 def _check_couples(
     robot: UrdfRobot, couples: Sequence[Couple], ranges: Mapping[str, tuple[float, float]]
 ) -> None:
-    """Refuse couples whose joints have room each, but none together."""
+    """Refuse couples of joints that turn and that slide, and of joints without a common range."""
     joints = {joint.name: joint for joint in robot.joints}
     for couple in couples:
-        low, high = ranges.get(couple.first, (0.0, 1.0))
         moving = [joints[name] for name in couple.joints if name in joints]
-        if not low < high and all(joint.lower < joint.upper for joint in moving):
-            names = ", ".join(couple.joints)
+        slides = [joint for joint in moving if joint.kind == "prismatic"]
+        turns = [joint for joint in moving if joint.kind in TURNING]
+        if slides and turns:
             raise RecipeError(
-                f"{robot.source}: the limits of {names} leave {couple.name!r} no range (got "
-                f"{low:g} to {high:g} rad or m); change scales and offsets, or separate them."
+                f"{robot.source}: {couple.name!r} drives joints that turn and joints that slide "
+                f"(got {turns[0].name!r}, {turns[0].kind}, and {slides[0].name!r}, prismatic); "
+                "give each kind a parameter."
             )
-
-
-def _leaders(robot: UrdfRobot) -> dict[str, tuple[UrdfJoint, float, float]]:
-    """Return for each joint the one at the end of its mimics, with scale and offset."""
-    joints = {joint.name: joint for joint in robot.joints}
-    result: dict[str, tuple[UrdfJoint, float, float]] = {}
-    for joint in robot.joints:
-        followers = []
-        here = joint
-        while here.mimic is not None and here.name not in result:
-            followers.append((here.name, here.mimic))
-            here = joints[here.mimic.joint]
-        result.setdefault(here.name, (here, 1.0, 0.0))
-        for name, mimic in reversed(followers):
-            leader, scale, offset = result[mimic.joint]
-            scale, offset = mimic.multiplier * scale, mimic.multiplier * offset + mimic.offset
-            if not (abs(scale) <= LARGEST and abs(offset) <= LARGEST):
-                raise RecipeError(
-                    f"{robot.source}: joint {name!r}: its mimics multiply beyond {LARGEST:g} "
-                    f"(got {scale:g} times {leader.name!r} + {offset:g}); correct them."
-                )
-            result[name] = leader, scale, offset
-    return result
+        low, high = ranges.get(couple.first, (0.0, 1.0))
+        if not low < high and all(joint.lower < joint.upper for joint in moving):
+            raise RecipeError(
+                f"{robot.source}: the limits of {', '.join(couple.joints)} leave {couple.name!r} "
+                f"no range (got {low:g} to {high:g} rad or m); change scales and offsets, or "
+                "separate them."
+            )
 
 
 def _alike(joint: UrdfJoint, leader: UrdfJoint) -> bool:
     """Return whether both turn or both slide."""
     kinds = {joint.kind, leader.kind}
-    return kinds == {"prismatic"} or kinds <= {"revolute", "continuous"}
+    return kinds == {"prismatic"} or kinds <= {*TURNING}
 
 
 def _why_held(
@@ -253,23 +255,19 @@ def _why_held(
 
 
 def _check_chosen(
-    robot: UrdfRobot,
-    chosen: Sequence[str],
-    drives: Mapping[str, Drive],
-    held: Mapping[str, str],
+    robot: UrdfRobot, chosen: Sequence[str], drives: Mapping[str, Drive], held: Mapping[str, str]
 ) -> None:
     """Refuse chosen joints that are unknown or cannot be free."""
     joints = {joint.name: joint for joint in robot.joints}
     for name in chosen:
-        if name in joints and joints[name].mimic is None and name in drives and name not in held:
-            continue
         if name not in joints:
             known = [joint.name for joint in robot.joints if joint.kind != "fixed"]
             way_out = suggestion(name, known, "use one of")
             raise RecipeError(f"{robot.source}: there is no such joint (got {name!r}); {way_out}.")
         mimic = joints[name].mimic
-        why = f"follows {mimic.joint!r}" if mimic else held.get(name, "is fixed")
-        raise RecipeError(
-            f"{robot.source}: joint {name!r} cannot be a parameter: it {why} "
-            f"(got the type {joints[name].kind}); choose another one."
-        )
+        if mimic is not None or name not in drives or name in held:
+            why = f"follows {mimic.joint!r}" if mimic else held.get(name, "is fixed")
+            raise RecipeError(
+                f"{robot.source}: joint {name!r} cannot be a parameter: it {why} "
+                f"(got the type {joints[name].kind}); choose another one."
+            )

@@ -4,7 +4,7 @@ import json
 import math
 import re
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from lutgen.parts import Contact, Link
@@ -14,12 +14,13 @@ from lutgen.urdf import TOUCHING, Couple, Motion, UrdfRobot, link_contacts, link
 # Nodes of a parameter in the sweep that is proposed, and postures of the whole; where the fewest
 # nodes make more postures than `TOO_MANY`, their ends alone are proposed.
 FEWEST, MOST, POSTURES, TOO_MANY = 3, 37, 5_000, 20_000
-
 # Characters of a line of comment.
 LONGEST = 100
 
 
-def recipe_text(robot: UrdfRobot, motion: Motion, contacts: Sequence[Contact]) -> str:
+def recipe_text(
+    robot: UrdfRobot, motion: Motion, contacts: Sequence[Contact], warnings: Sequence[str] = ()
+) -> str:
     """Return a complete recipe, TOML, whose parameters are the free joints and the couples.
 
     `contacts` are in the frames of the description's links, each with a name of its own; links
@@ -27,32 +28,32 @@ def recipe_text(robot: UrdfRobot, motion: Motion, contacts: Sequence[Contact]) -
     """
     parameters = parameter_names(motion)
     names = _link_names(robot)
-    kinds = {joint.name: joint.kind for joint in robot.joints}
+    units = {j.name: "m" if j.kind == "prismatic" else "deg" for j in robot.joints}
+    home = [f"{parameters[j]} = {_shown(motion.rest[j], units[j])!r}" for j in motion.free]
     lines = [
         f"# From the robot description {_quoted(robot.name)}; its root is {_quoted(robot.root)}.",
         "# Check which contacts touch the ground, and which parameters matter.",
+        *(line for words in warnings for line in _comment(f"Warning: {words}.")),
         "[robot]",
         f"name = {_quoted(robot.name)}",
         'length_unit = "m"',
         "upright = 80.0",
         "rock_angle = 30.0",
-        *_home_lines(motion, parameters, kinds),
+        *([f"home = {{ {', '.join(home)} }}"] if home else []),
         "",
     ]
     couples = {couple.first: couple for couple in motion.couples}
-    for joint, (low, high) in motion.free.items():
-        unit = "m" if kinds[joint] == "prismatic" else "deg"
-        lines += _couple_lines(couples[joint], unit) if joint in couples else []
+    for joint, ends in motion.free.items():
+        low, high = (_shown(end, units[joint]) for end in ends)
+        lines += _couple_lines(couples[joint], units[joint]) if joint in couples else []
         lines += ["[[robot.parameter]]", f'name = "{parameters[joint]}"']
-        lines += [f"min = {_shown(low, unit)!r}", f"max = {_shown(high, unit)!r}"]
-        lines += [f'unit = "{unit}"', ""]
+        lines += [f"min = {low!r}", f"max = {high!r}", f'unit = "{units[joint]}"', ""]
     held = {j.child: j.name for j in robot.joints if j.name in motion.held}
     carrying = carrying_links(robot, contacts)
     for link in links_of(robot, motion, parameters):
         if link.name in carrying:
             lines += _link_lines(link, names)
-            if link.name in held:
-                joint = held[link.name]
+            if joint := held.get(link.name, ""):
                 lines.append(f"# Held: joint {_quoted(joint)} {motion.held[joint]}.")
             lines.append("")
     notes = guesses(robot, contacts)
@@ -61,14 +62,24 @@ def recipe_text(robot: UrdfRobot, motion: Motion, contacts: Sequence[Contact]) -
         note = notes.get(contact.name)
         if note is not None and (contact.link, note) not in told:
             told.add((contact.link, note))
-            lines.append(f"# Guessed from the mesh of {_quoted(contact.link)}: {note}.")
+            what = "looks" if note.startswith("a visual") else "mesh"
+            lines.append(f"# Guessed from the {what} of {_quoted(contact.link)}: {note}.")
         lines += ["[[robot.contact]]", f"name = {_quoted(contact.name)}"]
         lines += [f"link = {_quoted(names[contact.link])}"]
         lines += [f"position = {_vector(contact.position)}"]
         lines += [f"radius = {contact.radius!r}"] if contact.radius else []
         lines += [f"axis = {_vector(contact.axis)}"] if contact.axis else []
         lines += [""]
-    return "\n".join([*lines, *_sweep_lines(list(parameters.values())), ""])
+    lines.append("[sweep]")
+    if parameters:
+        nodes = min(max(int(POSTURES ** (1.0 / len(parameters))), FEWEST), MOST)
+        # An odd number has a node in the middle.
+        nodes -= 1 - nodes % 2
+        nodes = nodes if nodes ** len(parameters) <= TOO_MANY else 2
+        samples = ", ".join(f"{name} = {nodes}" for name in parameters.values())
+        lines.append(f"samples = {{ {samples} }}")
+    lines += ["[sweep.gravity]", 'chart = "cone"', "max_tilt = 60.0", "nodes = 33"]
+    return "\n".join([*lines, 'channels = ["sdg", "tip_angle", "height"]', ""])
 
 
 def _couple_lines(couple: Couple, unit: str) -> list[str]:
@@ -79,33 +90,20 @@ def _couple_lines(couple: Couple, unit: str) -> list[str]:
         words = [f"times {scale:g}"] if scale != 1.0 else []
         words += [f"{shown:+.6g} {unit}"] if shown else []
         drives.append(_quoted(joint) + (f" ({', '.join(words)})" if words else ""))
-    return textwrap.wrap(
-        f"Drives {', '.join(drives)}: {couple.why}.",
-        LONGEST,
-        initial_indent="# ",
-        subsequent_indent="# ",
-        break_long_words=False,
-        break_on_hyphens=False,
-    )
+    return _comment(f"Drives {', '.join(drives)}: {couple.why}.")
 
 
-def _home_lines(
-    motion: Motion, parameters: Mapping[str, str], kinds: Mapping[str, str]
-) -> list[str]:
-    """Return the posture at rest as the recipe's."""
-    values = []
-    for joint in motion.free:
-        unit = "m" if kinds[joint] == "prismatic" else "deg"
-        values.append(f"{parameters[joint]} = {_shown(motion.rest[joint], unit)!r}")
-    return [f"home = {{ {', '.join(values)} }}"] if values else []
+def _comment(text: str) -> list[str]:
+    """Return a sentence as lines of comment."""
+    lines = textwrap.wrap(text, LONGEST - 2, break_long_words=False, break_on_hyphens=False)
+    return [f"# {line}" for line in lines]
 
 
 def carrying_links(robot: UrdfRobot, contacts: Sequence[Contact]) -> set[str]:
     """Return the links with mass or contacts and those that they hang from."""
     parents = {joint.child: joint.parent for joint in robot.joints}
     result = {robot.root}
-    needed = {link.name for link in robot.links if link.mass > 0.0} | {c.link for c in contacts}
-    for name in needed:
+    for name in {link.name for link in robot.links if link.mass > 0.0} | {c.link for c in contacts}:
         while name not in result:
             result.add(name)
             name = parents[name]
@@ -127,12 +125,10 @@ def guesses(robot: UrdfRobot, contacts: Sequence[Contact]) -> dict[str, str]:
 def _link_names(robot: UrdfRobot) -> dict[str, str]:
     """Return the recipe's name of each link: its own, but "body" for the root."""
     names = {link.name: link.name for link in robot.links}
-    if robot.root != "body":
+    if "body" in names:
         # Another link of that name makes room.
-        if "body" in names:
-            names["body"] = next(n for i in range(len(names)) if (n := f"body_{i}") not in names)
-        names[robot.root] = "body"
-    return names
+        names["body"] = next(n for i in range(len(names)) if (n := f"body_{i}") not in names)
+    return names | {robot.root: "body"}
 
 
 def parameter_names(motion: Motion) -> dict[str, str]:
@@ -144,47 +140,37 @@ def parameter_names(motion: Motion) -> dict[str, str]:
         base = re.sub(r"[^A-Za-z0-9_]", "_", given.get(joint, joint))
         if not base[0].isalpha() or base in RESERVED:
             base = f"joint_{base}"
-        name, count = base, 1
-        while name in result.values():
-            count += 1
-            name = f"{base}_{count}"
-        result[joint] = name
+        result[joint] = unused(base, result.values())
     return {joint: result[joint] for joint in motion.free}
 
 
-def _link_lines(link: Link, names: Mapping[str, str]) -> list[str]:
-    """Return a link and how it is attached."""
-    lines = ["[[robot.link]]", f"name = {_quoted(names[link.name])}"]
+def unused(base: str, used: Collection[str]) -> str:
+    """Return a name, with a number behind it if it is used already."""
+    name, count = base, 1
+    while name in used:
+        count += 1
+        name = f"{base}_{count}"
+    return name
+
+
+def _link_lines(link: Link, names: Mapping[str, str]) -> Iterator[str]:
+    """Yield a link and how it is attached."""
+    yield "[[robot.link]]"
+    yield f"name = {_quoted(names[link.name])}"
     if link.mass > 0.0:
-        lines += [f"mass = {link.mass!r}", f"com = {_vector(link.com)}"]
-    if link.parent is None:
-        return lines
-    lines.append(f"parent = {_quoted(names[link.parent])}")
-    lines.append(f"origin = {_vector(link.origin)}")
-    lines.append(f"rpy = {[_shown(angle, 'deg') for angle in link.rpy]}")
-    joint = link.joint
-    if joint is not None:
+        yield f"mass = {link.mass!r}"
+        yield f"com = {_vector(link.com)}"
+    if link.parent is not None:
+        yield f"parent = {_quoted(names[link.parent])}"
+        yield f"origin = {_vector(link.origin)}"
+        yield f"rpy = {[_shown(angle, 'deg') for angle in link.rpy]}"
+    if (joint := link.joint) is not None:
         unit = "m" if joint.kind == "prismatic" else "deg"
         moving = f'type = "{joint.kind}", axis = {_vector(joint.axis)}'
         moving += f', parameter = "{joint.parameter}"'
         if joint.scale != 1.0 or joint.offset:
             moving += f", scale = {joint.scale!r}, offset = {_shown(joint.offset, unit)!r}"
-        lines.append(f"joint = {{ {moving} }}")
-    return lines
-
-
-def _sweep_lines(parameters: Sequence[str]) -> list[str]:
-    """Return the sweep: a map of a few thousand postures."""
-    lines = ["[sweep]"]
-    if parameters:
-        nodes = min(max(int(POSTURES ** (1.0 / len(parameters))), FEWEST), MOST)
-        # An odd number has a node in the middle.
-        nodes -= 1 - nodes % 2
-        if nodes ** len(parameters) > TOO_MANY:
-            nodes = 2
-        lines.append(f"samples = {{ {', '.join(f'{name} = {nodes}' for name in parameters)} }}")
-    lines += ["[sweep.gravity]", 'chart = "cone"', "max_tilt = 60.0", "nodes = 33"]
-    return [*lines, 'channels = ["sdg", "tip_angle", "height"]']
+        yield f"joint = {{ {moving} }}"
 
 
 def _shown(value: float, unit: str) -> float:

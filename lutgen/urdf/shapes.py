@@ -1,7 +1,7 @@
 """Contact primitives from the collision shapes of a robot description.
 
-A sphere is a sphere, a cylinder its two rim discs, a box its eight corners; a mesh is what was
-recognised in it.  Which links touch the ground is not known here.
+A sphere is a sphere, a cylinder its two rim discs, a capsule the spheres at its ends, a box its
+eight corners; a mesh is what was recognised in it.  Which links touch the ground is not known here.
 """
 
 import itertools
@@ -16,14 +16,14 @@ from lutgen.urdf.links import as_vector
 from lutgen.vector import Vector
 
 # Shapes that are taken for feet and wheels; points are what a mesh that was opened has at its foot.
-TOUCHING = ("sphere", "cylinder", "points")
+TOUCHING = ("sphere", "cylinder", "capsule", "points")
 
 
 def used_shapes(link: UrdfLink) -> list[Collision]:
     """Return the collision shapes that touch the ground, in order of the file.
 
-    Spheres, cylinders and points; in a link without them its boxes: a box between the wheels of a
-    track is no further out than they are, where it meets the ground.
+    All but boxes; in a link without others its boxes: a box between the wheels of a track is no
+    further out than they are, where it meets the ground.
     """
     shapes = [shape for shape in link.collisions if shape.kind in TOUCHING]
     return shapes or [shape for shape in link.collisions if shape.kind == "box"]
@@ -54,10 +54,11 @@ def _primitives(shape: Collision) -> Iterator[tuple[Vector, float, Vector | None
     turn, centre = rotation(shape.rpy), np.array(shape.origin)
     if shape.kind == "sphere":
         yield shape.origin, shape.size[0], None
-    elif shape.kind == "cylinder":
+    elif shape.kind in ("cylinder", "capsule"):
         radius, length = shape.size
+        flat = shape.kind == "cylinder" and radius > 0.0
         for end in (0.5, -0.5):
-            axis = as_vector(turn[:, 2]) if radius > 0.0 else None
+            axis = as_vector(turn[:, 2]) if flat else None
             yield as_vector(centre + end * length * turn[:, 2]), radius, axis
     elif shape.kind == "points":
         for point in np.array(shape.size).reshape(-1, 3):

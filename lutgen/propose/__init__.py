@@ -1,0 +1,10 @@
+"""A robot description becomes the text of a recipe.
+
+In reading order: `contacts`, `opened`, `effects`, `symmetry`, `couplings`, `doubts`, `text`,
+`proposal`.
+"""
+
+from lutgen.propose.couplings import Coupling
+from lutgen.propose.proposal import Imported, import_urdf
+
+__all__ = ["Coupling", "Imported", "import_urdf"]

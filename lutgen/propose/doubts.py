@@ -1,0 +1,107 @@
+"""What in a description looks like a mistake, or may make its robot less stable than it is told.
+
+Nothing is refused or changed for a doubt: each is a sentence that names a link or joint.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from lutgen.parts import Contact
+from lutgen.urdf import TURN, Collision, Place, UrdfJoint, UrdfLink, UrdfRobot
+
+# A shape so many times larger than what the joints span is in another unit.
+UNITS = 100.0
+# A com this many times the size of its link away from it is a mistake, if it is also this share of
+# the robot's size away.
+AWAY, SHARE = 3.0, 0.5
+# A turn, and more than joints of published robots have, rad: of these some have 20 between limits.
+MORE, DEGREES = TURN + 0.01, 2.0 * TURN
+
+
+def doubts(
+    robot: UrdfRobot, contacts: Sequence[Contact], where: Mapping[str, Place]
+) -> tuple[str, ...]:
+    """Return a sentence for each thing that looks like a mistake in the posture `where`."""
+    origins = np.array([origin for _, origin in where.values()])
+    coms = [np.abs(link.com).max() for link in robot.links]
+    joints = float(np.ptp(origins, axis=0).max())
+    span = max(joints, float(max(coms)))
+    found = []
+    for link in robot.links:
+        large = max((_reach(shape) for shape in link.collisions), default=0.0)
+        if 0.0 < UNITS * span < large:
+            found.append(
+                f"link {link.name!r}: its shapes reach {large:.4g} m, {large / span:.0f} times as "
+                "far as joints and centres of mass: if they are in millimetres, write scale="
+                "'0.001 0.001 0.001' at <mesh>"
+            )
+        off = _off(link, joints)
+        if off:
+            found.append(
+                f"link {link.name!r}: its centre of mass is {off:.4g} m away from its shapes: "
+                "check the <origin> of its <inertial>"
+            )
+    turned = [f"link {k.name!r}" for k in robot.links if any(map(_turned, k.collisions))]
+    turned += [f"joint {joint.name!r}" for joint in robot.joints if _turned(joint)]
+    if turned:
+        found.append(f"{', '.join(turned)}: rpy is in rad, and more than a turn looks like degrees")
+    return (*found, *_limits(robot), *_loose(robot, contacts, where))
+
+
+def _limits(robot: UrdfRobot) -> list[str]:
+    """Return the sentence on limits that look like degrees."""
+    most = {
+        joint.name: max((abs(x) for x in (joint.lower, joint.upper) if math.isfinite(x)), default=0)
+        for joint in robot.joints
+        if joint.kind == "revolute"
+    }
+    names = [repr(name) for name, value in most.items() if value > MORE]
+    if max(most.values(), default=0.0) <= DEGREES:
+        return []
+    return [f"joint {', '.join(names)}: limits are in rad, and more than a turn looks like degrees"]
+
+
+def _turned(part: Collision | UrdfJoint) -> bool:
+    return max(map(abs, part.rpy)) > MORE
+
+
+def _reach(shape: Collision) -> float:
+    """Return a bound on how far a shape reaches from its link's origin, m."""
+    return max(map(abs, (*shape.size, *shape.origin)), default=0.0)
+
+
+def _off(link: UrdfLink, span: float) -> float:
+    """Return how far a link's com is from what is known of it, m; 0.0 if it is near."""
+    shapes = [shape for shape in (*link.collisions, *link.visuals) if shape.size]
+    if link.mass <= 0.0 or not shapes or len(shapes) < len(link.collisions):
+        return 0.0
+    size = max(map(_reach, shapes))
+    away = math.hypot(*link.com) - size
+    return away if away > AWAY * size and away > SHARE * span else 0.0
+
+
+def _loose(robot: UrdfRobot, contacts: Sequence[Contact], where: Mapping[str, Place]) -> list[str]:
+    """Return the joints that no motor holds though contacts hang from them."""
+    above = {joint.child: joint for joint in robot.joints}
+    found: dict[str, str] = {}
+    for contact in contacts:
+        turn, origin = where[contact.link]
+        spot, link = origin + turn @ contact.position, contact.link
+        while link in above:
+            joint = above[link]
+            link = joint.parent
+            about, hinge = where[joint.child]
+            lever = np.linalg.norm(np.cross(about @ joint.axis, spot - hinge))
+            if joint.effort == 0.0 and (lever > 1e-6 or joint.kind == "prismatic"):
+                place = ",".join(f"{x:.6g}" for x in joint.origin)
+                found[joint.name] = f"--contact '{joint.parent}={place}'"
+    if not found:
+        return []
+    names = ", ".join(map(repr, found))
+    return [
+        f"joint {names}: effort is 0, and contacts hang from it: if nothing holds it, the robot "
+        "tips earlier than is said; of a free pivot make one contact on its axis instead of those "
+        f"behind it ({'; '.join(found.values())}), and ask for limits with --level body"
+    ]

@@ -1,0 +1,219 @@
+"""Find the files that a description names, and expand the macros of xacro.
+
+Nothing of ROS has to be installed: its environment variables are used where they are set.
+Expansion evaluates expressions of the file and reads what it includes, so it happens only where
+the caller asks for it.
+"""
+
+import os
+import re
+import warnings
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from urllib.parse import unquote
+
+from lutgen.errors import InputError, RecipeError, unreadable
+from lutgen.urdf.description import UrdfRobot
+from lutgen.urdf.read import parse_urdf
+from lutgen.urdf.xml import parse_xml
+
+# A folder of ROS_PACKAGE_PATH holds packages, or repositories of packages.
+DEPTH = 3
+# A package.xml is a page of text.
+MAX_BYTES = 2**20
+# Characters that a message quotes of a failure elsewhere.
+LONGEST = 300
+
+
+@dataclass(frozen=True)
+class Sources:
+    """Where files are: packages given by name, the environment, and around the description.
+
+    `start` is the folder of the description.
+    """
+
+    start: Path
+    named: Mapping[str, Path] = field(default_factory=dict)
+
+    def file(self, name: str) -> Path:
+        """Return the file of a path, ``file://``, ``package://`` or ``model://``.
+
+        As it is written, or with its percent signs decoded, or with / for each backslash.
+        InputError is raised where there is none, and names one that differs in case alone.
+        """
+        kind, mark, rest = name.partition("://")
+        base, inside = self.start, rest if mark else name
+        if kind in ("package", "model") and mark:
+            package, _, inside = rest.partition("/")
+            found = self.package(package)
+            if found is None:
+                raise InputError(f"package {package!r} was not found; give --package {package}=DIR")
+            base = found
+        elif mark and kind != "file":
+            raise InputError(f"{name}: is neither a path nor file:// nor package://")
+        slashed = inside.replace("\\", "/")
+        for way in (inside, unquote(inside), slashed, unquote(slashed)):
+            if (base / way).is_file():
+                return base / way
+        near = _other_case(base / unquote(slashed))
+        beside = f", but {near.name!r}, which differs in case" if near else ""
+        raise InputError(f"{name}: there is no such file{beside}")
+
+    def package(self, name: str) -> Path | None:
+        """Return the folder of a package, None where there is none.
+
+        In this order: the folder that is given for the name, the folders of ROS_PACKAGE_PATH and up
+        to 3 levels below, ``share/NAME`` in the prefixes of AMENT_PREFIX_PATH, then from `start`
+        upwards each folder that is the package, or that holds it.  A folder is the package if it
+        has a package.xml of that name; above `start` also if it is called so.
+        """
+        if name in self.named:
+            return self.named[name]
+        if not name or Path(name).name != name:
+            return None
+        return next(self._candidates(name), None)
+
+    def _candidates(self, name: str) -> Iterator[Path]:
+        """Yield the folders that are the package, the likeliest first."""
+        for entry in _entries("ROS_PACKAGE_PATH"):
+            yield from (folder for folder in _down(entry, DEPTH) if _is_package(folder, name))
+        for prefix in _entries("AMENT_PREFIX_PATH"):
+            if (prefix / "share" / name).is_dir():
+                yield prefix / "share" / name
+        start = self.start.resolve()
+        for folder in (start, *start.parents):
+            if folder.name == name or _is_package(folder, name):
+                yield folder
+            if _is_package(folder / name, name):
+                yield folder / name
+
+
+def _entries(variable: str) -> list[Path]:
+    """Return the folders of an environment variable."""
+    return [Path(entry) for entry in os.environ.get(variable, "").split(os.pathsep) if entry]
+
+
+def _down(folder: Path, levels: int) -> Iterator[Path]:
+    """Yield a folder and those below it, none inside of a package."""
+    yield folder
+    if levels and not (folder / "package.xml").exists():
+        for below in _listed(folder):
+            if below.is_dir() and below.name[0] != ".":
+                yield from _down(below, levels - 1)
+
+
+def _listed(folder: Path) -> list[Path]:
+    """Return what is in a folder in order of names; nothing if it cannot be read."""
+    try:
+        return sorted(folder.iterdir())
+    except (OSError, ValueError):
+        return []
+
+
+def _is_package(folder: Path, name: str) -> bool:
+    """Return whether a folder has a package.xml of that name; one that is no XML has none."""
+    file = folder / "package.xml"
+    try:
+        if not file.is_file():
+            return False
+        with file.open("rb") as opened:
+            root = parse_xml(opened.read(MAX_BYTES), str(file))
+    except (OSError, RecipeError):
+        return False
+    return (root.findtext("name") or "").strip() == name
+
+
+def _other_case(path: Path) -> Path | None:
+    """Return the file whose path is the same but for upper and lower case."""
+    if path.exists():
+        return path
+    if path.parent == path or (parent := _other_case(path.parent)) is None:
+        return None
+    wanted = path.name.casefold()
+    return next((one for one in _listed(parent) if one.name.casefold() == wanted), None)
+
+
+def load_xacro(
+    path: str | os.PathLike[str],
+    packages: Mapping[str, Path] | None = None,
+    arguments: Mapping[str, str] | None = None,
+) -> UrdfRobot:
+    """Expand a xacro file and check the description that comes out.
+
+    `packages` has folders by name, before those that `Sources.package` finds, and `arguments`
+    values of the file's ``<xacro:arg>``.  InputError is raised without the package xacrodoc, and
+    RecipeError where a package is not found, the file cannot be expanded, or describes no robot.
+    """
+    source = os.fspath(path)
+    try:
+        text = Path(source).read_text(encoding="utf-8-sig", errors="replace")
+    except OSError as error:
+        raise unreadable(source, error) from error
+    other = re.search(r"""xmlns:(?!xacro=)([\w.-]+)=["'][^"']*\bxacro["']""", text)
+    if other:
+        raise RecipeError(
+            f"{source}: binds xacro to another prefix (got {other[1]!r}); write xmlns:xacro, and "
+            "xacro: before its elements."
+        )
+    found: dict[str, Path] = dict(packages or {})
+    known = Sources(Path(source).parent, packages or {})
+    # Which packages are needed shows while the file is expanded: once more for each.
+    while True:
+        missing, expanded = _expanded(source, text, found, arguments or {})
+        if missing is None:
+            return parse_urdf(expanded, source)
+        folder = known.package(missing) if missing not in found else None
+        if folder is None:
+            raise RecipeError(
+                f"{source}: package {missing!r} was not found (looked in ROS_PACKAGE_PATH, "
+                "AMENT_PREFIX_PATH and the folders above the file); say where it is with "
+                f"--package {missing}=FOLDER."
+            )
+        found[missing] = folder
+
+
+def _expanded(
+    source: str, text: str, folders: Mapping[str, Path], arguments: Mapping[str, str]
+) -> tuple[str | None, str]:
+    """Return None and the expanded text, or the name of a package that is missing."""
+    try:
+        import xacro
+        from xacrodoc import XacroDoc, packages
+    except ImportError:
+        raise InputError(
+            f"{source}: needs the package xacrodoc to be expanded (got no such package); "
+            "install it with `pip install lutgen[xacro]`, or expand the file with xacro."
+        ) from None
+    try:
+        # What an earlier file found is forgotten.
+        packages.reset()
+        packages.update_package_cache(folders)
+        # Includes are relative to the file that has them.
+        xacro.init_stacks(str(Path(source).absolute()))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            document = XacroDoc.from_string(
+                text,
+                subargs=dict(arguments),
+                resolve_packages=False,
+                rootdir=Path(source).parent,
+            )
+            # Names of meshes keep what they begin with: no package of theirs is needed.
+            return None, document.to_urdf_string(use_protocols=True)
+    except Exception as error:
+        # The expressions of a file can fail in any way that Python can.
+        cause: BaseException | None = error
+        while cause is not None:
+            if isinstance(cause, packages.PackageNotFoundError):
+                return str(cause.args[0]), ""
+            cause = cause.__context__
+        raise RecipeError(
+            f"{source}: cannot be expanded (got {quoted(error)}); correct the macros."
+        ) from None
+
+
+def quoted(error: Exception) -> str:
+    """Return what a failure elsewhere says, as one line of at most 300 characters."""
+    said = " ".join(str(error).split()) or type(error).__name__
+    return said if len(said) <= LONGEST else said[: LONGEST - 3] + "..."

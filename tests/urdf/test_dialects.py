@@ -1,0 +1,203 @@
+"""What else than plain URDF 1.0 a description may have: read, refused or named, never dropped."""
+
+import math
+import re
+
+import numpy as np
+import pytest
+
+from lutgen.analysis import Posture, posture_limits, tilt_limits
+from lutgen.errors import RecipeError
+from lutgen.parts import Contact
+from lutgen.propose import import_urdf
+from lutgen.urdf import centre_of_mass, parse_urdf, places, read_motion, soft_limited
+from lutgen.urdf.read import FORMAT
+from tests.fixtures.places import ROOT
+from tests.fixtures.robots import collision, joint, link, robot
+
+BALL = 'sphere radius="0.05"'
+CORNERS = [f"{x} {y} -0.2" for x in (0.3, -0.3) for y in (0.2, -0.2)]
+FEET = "".join(collision(BALL, place) for place in CORNERS)
+ARM = link("base", 10.0, "0 0 0", FEET) + link("arm", 5.0, "0.3 0 0")
+SHOULDER = joint("sh", "fixed", "base", "arm", "", "0 0 0.1", "0 -1.5707963267948966 0")
+
+
+@pytest.mark.parametrize("turn", ["0 -0.7071067811865476 0 0.7071067811865476", "0 -3 0 3"])
+def test_a_quaternion_turns_as_the_angles_do(turn: str) -> None:
+    text = robot(ARM, SHOULDER.replace('rpy="0 -1.5707963267948966 0"', f'quat_xyzw="{turn}"'))
+    com = []
+    for one in (parse_urdf(text), parse_urdf(robot(ARM, SHOULDER))):
+        com.append(centre_of_mass(one, places(one, read_motion(one))).tolist())
+    # By hand: the arm's 5 kg are 0.3 m above its joint at 0.1 m, of 15 kg.
+    assert com == [pytest.approx([0.0, 0.0, 2.0 / 15.0])] * 2
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('rpy="0 -1', 'quat_xyzw="0 0 0 1" rpy="0 -1', "has no turn as quat_xyzw"),
+        ('rpy="0 -1.5707963267948966 0"', 'quat_xyzw="0 0 0 0"', "has no turn as quat_xyzw"),
+        ('rpy="0 -1.5707963267948966 0"', 'quat_wxyz="1 0 0 0"', "unknown attribute quat_wxyz"),
+        ("<robot", '<robot version="2.0"', "has a version that is not known (got '2.0')"),
+    ],
+)
+def test_a_turn_or_version_that_is_not_understood_is_refused(old: str, new: str, said: str) -> None:
+    with pytest.raises(RecipeError) as caught:
+        parse_urdf(robot(ARM, SHOULDER).replace(old, new))
+    assert said in str(caught.value)
+
+
+def test_whatever_the_format_does_not_have_is_named() -> None:
+    odd = "<origin xyz='1 0 0'/><extra/><extra/>"
+    text = robot(ARM.replace('<link name="arm">', f'<link name="arm">{odd}'), SHOULDER)
+    text = text.replace("<sphere", '<sphere rpy="1 0 0"', 1)
+    left = import_urdf(parse_urdf(text)).left_out
+    assert left[-1] == (
+        "elements and attributes that are not understood: 1 rpy of <sphere>, 1 <origin> in "
+        "<link>, 2 <extra> in <link>"
+    )
+    # What the format has is silent.
+    told = '<inertia ixx="1"/></inertial><visual><material name="x"/></visual>'
+    known = robot(ARM.replace("</inertial>", told), SHOULDER)
+    assert import_urdf(parse_urdf(known)).left_out == ()
+
+
+def guaranteed(text: str) -> float:
+    """Return the tilt (deg) up to which a robot of that description does not tip."""
+    recipe = import_urdf(parse_urdf(text)).recipe
+    limits = posture_limits(Posture(recipe, np.array(recipe.home_params)))
+    return math.degrees(limits.guaranteed)
+
+
+CAPSULE = 'capsule radius="0.05" length="0.1"'
+SMALL = "".join(
+    collision('sphere radius="0.02"', f"{x} {y} -0.1") for x in (0.1, -0.1) for y in (0.1, -0.1)
+)
+PLACES = [f"{x} {y} -0.25" for x in (0.3, -0.3) for y in (0.2, -0.2)]
+
+
+def on_feet(shape: str, xyz: str) -> str:
+    """Return a body with small balls below it and a shape on each of four feet."""
+    feet = "".join(link(f"f{i}", 0.5, inside=collision(shape, xyz)) for i in range(4))
+    fixed = (joint(f"k{i}", "fixed", "base", f"f{i}", xyz=place) for i, place in enumerate(PLACES))
+    return robot(link("base", 10.0, inside=SMALL), feet, *fixed)
+
+
+def test_a_capsule_stands_on_the_balls_at_its_ends() -> None:
+    told = guaranteed(on_feet(CAPSULE, "0 0 0"))
+    assert told == pytest.approx(guaranteed(on_feet(BALL, "0 0 -0.05")))
+    assert told == pytest.approx(32.97, abs=0.01)
+    feet = "".join(collision(CAPSULE, place) for place in PLACES)
+    assert guaranteed(robot(link("base", 10.0, inside=SMALL + feet))) == pytest.approx(29.74, 1e-3)
+
+
+def test_a_shape_that_nobody_knows_is_not_stood_over() -> None:
+    with pytest.raises(RecipeError, match="a shape of kind 'torus' is not understood"):
+        import_urdf(parse_urdf(on_feet("torus", "0 0 -0.05")))
+
+
+def test_a_description_without_any_mass_is_refused() -> None:
+    with pytest.raises(RecipeError, match="no link has a mass"):
+        import_urdf(parse_urdf(robot(link("base", inside=FEET))))
+
+
+def warned(text: str) -> list[str]:
+    """Return the warnings of an import."""
+    return list(import_urdf(parse_urdf(text)).warnings)
+
+
+LIMIT = '<axis xyz="0 0 1"/><limit lower="{}" upper="{}"/>'
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (robot(ARM, SHOULDER), None),
+        (robot(ARM, SHOULDER.replace("-1.57079", "-90.")), "joint 'sh': rpy is in rad"),
+        (robot(ARM, joint("t", "revolute", "base", "arm", LIMIT.format(-90, 9))), "joint 't': lim"),
+        (robot(ARM, joint("t", "revolute", "base", "arm", LIMIT.format(-10, 10))), None),
+        (robot(ARM.replace("0.05", "200"), SHOULDER), "link 'base': its shapes reach 200 m"),
+        (robot(ARM.replace('xyz="0 0 0"', 'xyz="0 0 9"'), SHOULDER), "link 'base': its centre of"),
+    ],
+)
+def test_what_looks_like_a_mistake_is_a_warning_that_names_it(text: str, said: str | None) -> None:
+    found = warned(text)
+    assert [words[: len(said or "")] for words in found] == ([said] if said else [])
+
+
+def tractor(effort: float) -> str:
+    """Return a tractor whose front axle turns about a pivot 0.5 m above the ground."""
+    ball = 'sphere radius="0.05"'
+    rear = "".join(collision(ball, f"0 {y} 0.05") for y in (0.8, -0.8))
+    front = "".join(collision(ball, f"0 {y} -0.45") for y in (0.8, -0.8))
+    hinge = f'<axis xyz="1 0 0"/><limit lower="-0.2" upper="0.2" effort="{effort}"/>'
+    pivot = joint("pivot", "revolute", "chassis", "axle", hinge, "2.3 0 0.5")
+    return robot(link("chassis", 3000.0, "0.8 0 0.9", rear), link("axle", inside=front), pivot)
+
+
+def test_an_axle_that_pivots_freely_is_named_with_the_contact_that_stands_for_it() -> None:
+    assert warned(tractor(100.0)) == []
+    (words,) = warned(tractor(0.0))
+    assert words.startswith("joint 'pivot': effort is 0")
+    assert "--contact 'chassis=2.3,0,0.5'" in words
+    robot_ = parse_urdf(tractor(0.0))
+    pivot = Contact("p", "chassis", (2.3, 0.0, 0.5))
+    recipe = import_urdf(robot_, ["chassis"], [pivot], joints=[]).recipe
+    limit = tilt_limits(recipe, np.empty((1, 0)), np.array([0.5 * math.pi]), "body")
+    # By hand: the com is above the line from a rear wheel to the pivot up to atan(1.2 / 1.67).
+    # The engine tips it at 37.0 deg with 1.3 to 1.6 deg of lag; with a rigid axle 41.6 are told.
+    assert math.degrees(float(limit[0, 0])) == pytest.approx(35.7, abs=0.1)
+
+
+LOOKS = "".join(collision(BALL, place).replace("collision", "visual") for place in CORNERS)
+SOLE = "".join(collision('box size="0.2 0.1 0.02"', f"0 {y} -0.9") for y in (0.1, -0.1))
+
+
+@pytest.mark.parametrize(
+    ("inside", "kinds", "guess"),
+    [
+        (LOOKS, 4 * ["sphere"], "base: a visual sphere, as there is no collision shape"),
+        # Of 16 corners 8 lie between others.
+        (SOLE, 8 * ["point"], None),
+        (SOLE.replace("collision", "visual"), 8 * ["point"], "base: a visual box, as there is no"),
+        # Where it stands on balls, neither boxes nor looks count.
+        (FEET + SOLE + LOOKS, 4 * ["sphere"], None),
+    ],
+)
+def test_boxes_and_looks_are_stood_on_where_there_is_nothing_else(
+    inside: str, kinds: list[str], guess: str | None
+) -> None:
+    found = import_urdf(parse_urdf(robot(link("base", 9.0, "0 0 0", inside))))
+    assert [contact.kind for contact in found.recipe.contacts] == kinds
+    assert [words[: len(guess or "")] for words in found.guessed] == ([guess] if guess else [])
+
+
+SOFT = '<safety_controller soft_lower_limit="{}" soft_upper_limit="{}" k_velocity="1"/>'
+
+
+@pytest.mark.parametrize(
+    ("soft", "limits", "said"),
+    [
+        ((-0.3, 2.0), (-0.3, 1.0), True),
+        ((-2.0, 2.0), (-0.5, 1.0), False),
+        ((0, 0), (-0.5, 1.0), False),
+    ],
+)
+def test_soft_limits_are_named_and_taken_when_asked_for(
+    soft: tuple[float, float], limits: tuple[float, float], said: bool
+) -> None:
+    inside = LIMIT.format(-0.5, 1.0) + SOFT.format(*soft)
+    described = parse_urdf(robot(ARM, joint("lean", "revolute", "base", "arm", inside)))
+    left = import_urdf(described, joints=["lean"]).left_out
+    assert any("--soft-limits): lean" in words for words in left) == said
+    assert read_motion(soft_limited(described)).free == {"lean": limits}
+
+
+def test_the_reference_has_every_element_and_attribute_that_is_understood() -> None:
+    page = (ROOT / "docs/reference/urdf.md").read_text(encoding="utf-8")
+    words = set(re.findall(r"`([a-z_]+)`", page))
+    inertia = {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}
+    assert {
+        *FORMAT,
+        *(word for part in FORMAT.values() for word in part.split()),
+    } - inertia <= words
