@@ -25,4 +25,3 @@ def test_the_citation_has_what_its_format_asks_for_and_the_version_of_the_packag
 def test_the_policy_names_the_numbers_that_formats_have() -> None:
     for name in ("lutgen_format", "lutgen_definition", "SMAP_VERSION", "SMAP_CONTROL_VERSION"):
         assert f"`{name}`" in POLICY
-    assert "from-0.1.md" in POLICY

@@ -134,8 +134,7 @@ def test_everything_in_the_firmware_guide_runs(
     assert "contacts 1e-05" in by_code
     folders = ("stork_firmware", "stork_firmware", "stork_integer")
     codes = blocks("docs/guide/firmware.md", "c")
-    moved = blocks("docs/guide/from-0.1.md", "c")
-    for folder, code in zip((*folders, "stork_firmware"), (*codes, *moved), strict=True):
+    for folder, code in zip(folders, codes, strict=True):
         Path("use.c").write_text(code)
         ran(f"cc -std=c99 -Wall -Wextra -Werror -I{folder} -fPIC -c use.c")
         ran(f"cc -std=c99 -I{folder} {folder}/stork.c use.o -shared -fPIC -o use.so")
