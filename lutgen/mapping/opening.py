@@ -63,27 +63,25 @@ def load_map(path: str | os.PathLike[str], unsealed: bool = False) -> StabilityM
             version = str(attributes["lutgen_version"])
             storage = Storage(recipe, layout, places, DEFINITION, version)
             return StabilityMap(name, recipe, attributes, storage, digests[...])
-    except FileNotFoundError:
-        raise MapFileError(f"{name}: there is no such file; check the path") from None
-    except BlockingIOError as error:
-        raise MapFileError(
-            f"{name}: is open for writing in another program (got {error.strerror}); close it "
-            "there, then read it"
-        ) from error
-    except PermissionError as error:
-        raise MapFileError(
-            f"{name}: cannot be read (got {error.strerror}); check the permissions"
-        ) from error
     except LutgenError:
         raise
     except Exception as error:
         # h5py may raise nearly anything on damaged metadata.
-        if Path(name).is_dir():
-            raise MapFileError(f"{name}: is a folder; name a map file") from None
-        raise MapFileError(
-            f"{name}: cannot be read as HDF5 (got {error}); it is damaged or no map: copy it or "
-            "sweep it again"
-        ) from error
+        raise MapFileError(f"{name}: {_reason(error, Path(name))}") from error
+
+
+def _reason(error: Exception, path: Path) -> str:
+    """Return why a file cannot be opened, and what to do."""
+    got = error.strerror if isinstance(error, OSError) and error.strerror else error
+    if isinstance(error, FileNotFoundError):
+        return "there is no such file; check the path"
+    if path.is_dir():
+        return "is a folder; name a map file"
+    if isinstance(error, BlockingIOError):
+        return f"is open for writing in another program (got {got}); close it there, then read it"
+    if isinstance(error, PermissionError):
+        return f"cannot be read (got {got}); check the permissions"
+    return f"cannot be read as HDF5 (got {got}); it is damaged or no map: sweep it again"
 
 
 def _require_ours(name: str, attributes: dict[str, Any]) -> None:

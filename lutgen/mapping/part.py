@@ -146,19 +146,17 @@ class PartFile:
     def _require_same(self) -> None:
         """Refuse to go on with a file that was laid out for something else."""
         found, recipe = self._read_head(), self.head.storage.recipe
+        if self._without_state(found) == self._without_state(self.head.data):
+            return
         if not found.startswith(SIGNATURE):
             what = "a file that is not HDF5"
-        elif self._without_state(found) == self._without_state(self.head.data):
-            return
         elif b"recipe_sha256" in found and recipe.digest.encode() not in found:
-            raise MapFileError(
-                f"{self.path}: belongs to another recipe than {recipe.source}; sweep without "
-                "--resume to begin anew, or resume with the recipe it was begun with"
-            )
+            what = f"one that belongs to another recipe than {recipe.source}"
         else:
             what = "other blocks, another version of lutgen or of HDF5, or a damaged head"
         raise MapFileError(
-            f"{self.path}: cannot be resumed (got {what}); remove it and sweep without --resume"
+            f"{self.path}: cannot be resumed (got {what}); resume with what it was begun with, or "
+            "remove it and sweep without --resume"
         )
 
     def _without_state(self, head: bytes) -> bytes:
@@ -190,16 +188,16 @@ class PartFile:
         with contextlib.suppress(OSError):
             for index in range(len(storage.places)):
                 place, size = storage.span(index, number)
-                values = np.frombuffer(read_at(self._handle, size, place), np.uint8)
-                digests += storage.digest(values, index, number)
+                digests += storage.digest(read_at(self._handle, size, place), index, number)
         return digests
 
     def write(self, number: int, values: Sequence[NDArray[Any]]) -> None:
         """Write the values of a block, one array for each channel, and then their digests."""
         storage, digests = self.head.storage, b""
         for index, array in enumerate(values):
-            write_at(self._handle, array.data.cast("B"), storage.span(index, number)[0])
-            digests += storage.digest(array, index, number)
+            data = array.data.cast("B")
+            write_at(self._handle, data, storage.span(index, number)[0])
+            digests += storage.digest(data, index, number)
         place = self.head.digests.start + number * len(digests)
         write_at(self._handle, memoryview(digests), place)
         self.done[number] = True

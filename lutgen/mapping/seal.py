@@ -8,11 +8,10 @@ import io
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import BinaryIO
 
 import numpy as np
 from blake3 import blake3
-from numpy.typing import NDArray
 
 from lutgen.errors import MapFileError
 from lutgen.mapping.blocks import Plan
@@ -58,12 +57,12 @@ class Storage:
         block, row = self.layout.block(number), self.layout.shape[-1] * kind.itemsize
         return self.places[index] + block.first * row, (block.last - block.first) * row
 
-    def digest(self, values: NDArray[Any], index: int, number: int) -> bytes:
+    def digest(self, values: bytes | memoryview, index: int, number: int) -> bytes:
         """Return the digest (`DIGEST` bytes) of one block of a channel, for this place and map."""
         facts = (self.recipe.digest, self.definition, self.version, self.layout.rows)
         text = "\n".join(map(str, ("lutgen block", *facts, self.recipe.channels[index], number)))
         key = blake3(text.encode()).digest()
-        return blake3(values.data.cast("B"), key=key).digest()
+        return blake3(values, key=key).digest()
 
 
 def sealed(head: bytes, size: int) -> bytes:
@@ -80,53 +79,43 @@ def sealed(head: bytes, size: int) -> bytes:
 def check_seal(path: Path) -> None:
     """Refuse a file whose head does not match its seal; MapFileError or OSError is raised."""
     with path.open("rb") as file:
-        begin = file.read(_SEARCHED)
-        size = file.seek(0, io.SEEK_END)
-        if not begin.startswith(SIGNATURE):
-            raise MapFileError(
-                f"{path}: is no HDF5 file (got {begin[:8]!r} at its beginning); name a map that "
-                "`lutgen sweep` has made"
-            )
-        found = _ANY.search(begin)
-        if found is None:
-            raise MapFileError(
-                f"{path}: has no seal (got HDF5 of another program, or a map that another program "
-                f"has rewritten); {_AS_IT_IS}"
-            )
-        if int(found[1]) != _WAY or found[2] is None:
-            raise MapFileError(
-                f"{path}: has another map format than this lutgen reads (got lutgen-digest-"
-                f"{int(found[1])} instead of {_WAY}); sweep it again"
-            )
-        at, length, whole = (int(found[k]) for k in (2, 3, 4))
-        if not length:
-            raise MapFileError(
-                f"{path}: is not complete (got a file without a digest); finish it with `lutgen "
-                "sweep --resume`"
-            )
-        if at != found.start() or size > whole:
-            raise MapFileError(
-                f"{path}: was rewritten or edited by another program (got {size} bytes with a seal "
-                f"at byte {found.start()}, not {whole} bytes and byte {at}); {_AS_IT_IS}"
-            )
-        if size < whole:
-            raise MapFileError(
-                f"{path}: is cut off (got {size} bytes instead of {whole}); copy it or sweep it "
-                "again"
-            )
-        if begin[_WRITTEN]:
-            raise MapFileError(
-                f"{path}: is open for writing in another program (got HDF5's mark of it, "
-                f"{begin[_WRITTEN]}); close it there, or copy the map again if that program died"
-            )
-        file.seek(0)
-        head = file.read(length)
-    start = found.end() + len("blake3=")
-    end = start + 64
-    own, held = blake3(head[:start] + b"0" * 64 + head[end:]).hexdigest(), head[start:end]
-    if own.encode() != held:
-        raise MapFileError(
-            f"{path}: its head does not match its digest (got {own[:12]} instead of "
-            f"{held[:12].decode(errors='replace')}); it is damaged or was edited: copy it or sweep "
-            "it again"
+        fault = _fault(file)
+    if fault:
+        raise MapFileError(f"{path}: {fault}")
+
+
+def _fault(file: BinaryIO) -> str:
+    """Return what is wrong with the head of a file, and what to do; "" for nothing."""
+    begin = file.read(_SEARCHED)
+    size = file.seek(0, io.SEEK_END)
+    if not begin.startswith(SIGNATURE):
+        return f"is no HDF5 file (got {begin[:8]!r}); name a map that `lutgen sweep` has made"
+    found = _ANY.search(begin)
+    if found is None:
+        what = "HDF5 of another program, or a map that another program has rewritten"
+        return f"has no seal (got {what}); {_AS_IT_IS}"
+    if int(found[1]) != _WAY:
+        what = f"lutgen-digest-{int(found[1])} instead of {_WAY}"
+        return f"has another map format than this lutgen reads (got {what}); sweep it again"
+    at, length, whole = (int(found[k] or -1) for k in (2, 3, 4))
+    if length == 0:
+        return "is not complete (got no digest yet); finish it with `lutgen sweep --resume`"
+    if at >= 0 and (at != found.start() or size > whole):
+        what = f"{size} bytes with a seal at byte {found.start()}, not {whole} bytes and byte {at}"
+        return f"was rewritten or edited by another program (got {what}); {_AS_IT_IS}"
+    if size < whole:
+        return f"is cut off (got {size} bytes instead of {whole}); copy it or sweep it again"
+    if begin[_WRITTEN]:
+        what = f"HDF5's mark of it, {begin[_WRITTEN]}"
+        return f"is open for writing in another program (got {what}); close it there, then read it"
+    file.seek(0)
+    head, start = file.read(max(length, 0)), found.end() + len("blake3=")
+    held, end = head[start : start + 64], start + 64
+    own = blake3(head[:start] + b"0" * 64 + head[end:]).hexdigest().encode()
+    if own != held:
+        what = f"{own[:12]!r} instead of {held[:12]!r}"
+        return (
+            f"has a head that does not match its digest (got {what}); it is damaged or was edited: "
+            "copy it or sweep it again"
         )
+    return ""

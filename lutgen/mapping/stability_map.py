@@ -73,15 +73,12 @@ class StabilityMap:
         return f"<StabilityMap {self.recipe.name} ({dims}) {' '.join(self.channels)}>"
 
     def _repr_html_(self) -> str:
-        rows = [
-            (axis.name, f"{axis.knots[0]:.6g} to {axis.knots[-1]:.6g}", axis.unit)
+        rows = {
+            axis.name: f"{axis.knots[0]:.6g} to {axis.knots[-1]:.6g} {axis.unit}"
             for axis in self.axes
-        ]
-        for name in self.channels:
-            one = QUANTITIES[name]
-            rows.append((name, one.title, one.stored_unit(self.recipe.length_unit)))
-        cells = ("".join(f"<td>{escape(cell)}</td>" for cell in row) for row in rows)
-        body = "".join(f"<tr>{row}</tr>" for row in cells)
+        }
+        rows |= {name: QUANTITIES[name].title for name in self.channels}
+        body = "".join(f"<tr><th>{k}</th><td>{escape(v)}</td></tr>" for k, v in rows.items())
         return f"<table><caption>{escape(repr(self))}</caption>{body}</table>"
 
     def __getitem__(self, name: str) -> NDArray[Any]:
@@ -125,15 +122,16 @@ class StabilityMap:
                 for number, digests in enumerate(self.digests):
                     place, size = self.storage.span(index, number)
                     file.seek(place)
-                    values = np.frombuffer(file.read(size), kind)
-                    own = self.storage.digest(values, index, number)
+                    data = file.read(size)
+                    own = self.storage.digest(data, index, number)
                     if own != digests[index].tobytes():
                         raise MapFileError(
                             f"{self.path}: channel {name} has values that do not match their "
                             f"digest (got {own.hex()[:12]} in block {number}); the file is "
                             "damaged or was edited: copy it or sweep it again"
                         )
-                    yield self.storage.layout.block(number).first, values.reshape(-1, width)
+                    values = np.frombuffer(data, kind).reshape(-1, width)
+                    yield self.storage.layout.block(number).first, values
         except (OSError, KeyError, RuntimeError) as error:
             if isinstance(error, MapFileError):
                 raise

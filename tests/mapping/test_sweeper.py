@@ -143,7 +143,7 @@ def test_an_interrupted_sweep_is_resumed_where_it_stopped(
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ("recipe", "belongs to another recipe"),
+        ("recipe", "one that belongs to another recipe"),
         ("blocks", "other blocks, another version"),
         ("version", "other blocks, another version"),
         ("text", "a file that is not HDF5"),
