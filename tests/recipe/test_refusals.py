@@ -47,7 +47,7 @@ FAULTS = [
     ("mass = 5.0\n", "", "robot.link[1].com`: changes nothing without a mass (got [0.0, 0.0, 0.1]"),
     ("mass = 5.0", "mass = -5", "robot.link[1].mass`: must be 0 or more (got -5); write for examp"),
     ('name = "leg"', 'name = "body"', "robot.link[2].name`: is given twice (got 'body'); choose a"),
-    ('parent = "body"\n', "", "robot.link[2].parent`: is missing (got nothing); name the parent"),
+    ('parent = "body"\n', "", "robot.link[2].parent`: is missing (got nothing); write for examp"),
     ('parent = "body"', 'parent = "bdy"', "robot.link[2].parent`: is not a link of the robot (got"),
     ('parent = "body"', 'parent = "leg"', "robot.link[2].parent`: makes a loop of links (got 'leg"),
     ("origin = [0, 0, 0.1]", "origin = [0, 0.1]", "robot.link[2].origin`: needs 3 or more entries"),
@@ -60,7 +60,7 @@ FAULTS = [
     ('parameter = "lift"', 'parameter = "left"', "robot.link[2].joint.parameter`: is not a parame"),
     ("scale = -1.0", "scale = 0", "robot.link[2].joint.scale`: must not be zero (got 0); write fo"),
     ('name = "c"', 'name = "b"', "robot.contact[3].name`: is given twice (got 'b'); choose anothe"),
-    ('name = "c"\n', "", "robot.contact[3].name`: is missing (got nothing); name the contact"),
+    ('name = "c"\n', "", "robot.contact[3].name`: is missing (got nothing); write for exampl"),
     ('link = "leg"', 'link = "arm"', "robot.contact[1].link`: is not a link of the robot (got 'ar"),
     (
         "position = [0, -0.3, -0.4]",
@@ -84,7 +84,7 @@ FAULTS = [
     (
         'contact = "b"\naxis = [0, 1, 0]',
         'contact = "b"',
-        "robot.wheel[2].axis`: is missing (got nothing); a wheel on a point or a sphere needs i",
+        "robot.wheel[2].axis`: is missing (got nothing); write for example axis = [0, 1, 0]",
     ),
     (
         'contact = "a"\naxis = [0, 1, 0]',
@@ -125,7 +125,7 @@ FAULTS = [
     ("{ lift = 3 }", "{ lift = [0] }", "sweep.samples.lift`: needs 2 or more entries (got [0]); w"),
     ('chart = "cone"', 'chart = "conic"', "sweep.gravity.chart`: is unknown (got 'conic'); did yo"),
     ('chart = "cone"', 'chart = "sphere"', "sweep.gravity.max_tilt`: belongs to the cone only (go"),
-    ("max_tilt = 60.0\n", "", "sweep.gravity.max_tilt`: is missing (got nothing); write the large"),
+    ("max_tilt = 60.0\n", "", "sweep.gravity.max_tilt`: is missing (got nothing); write for e"),
     ("max_tilt = 60.0", "max_tilt = 86", "sweep.gravity.max_tilt`: must be 85 or less (got 86); w"),
     ("nodes = 5", "nodes = 0", "sweep.gravity.nodes`: must be 1 or more (got 0); write for exampl"),
     (
@@ -181,8 +181,8 @@ def test_all_faults_are_said_at_once_those_of_types_before_those_of_names() -> N
     ]
     text = EVERYTHING.replace('link = "leg"', 'link = "arm"').replace('parent = "body"\n', "")
     assert refusal(text).split("\n") == [
-        "bad.toml: key `robot.link[2].parent`: is missing (got nothing); name the parent link, "
-        "for example 'body'.",
+        "bad.toml: key `robot.link[2].parent`: is missing (got nothing); write for example "
+        'parent = "body".',
         "bad.toml: key `robot.contact[1].link`: is not a link of the robot (got 'arm'); use one "
         "of: body, leg.",
     ]
