@@ -25,7 +25,7 @@ Model = TypeVar("Model", bound=BaseModel)
 HDF5 = b"\x89HDF\r\n\x1a\n"
 NOTHING = "nothing"
 # Characters of a value, and faults of a file, that a message has.
-_LONGEST, _MOST = 60, 12
+_LONGEST, _MOST = 60, 10
 # What is said of a kind of fault, with the numbers of its context.
 _WHAT = {
     "missing": "is missing",
