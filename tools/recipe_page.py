@@ -64,7 +64,7 @@ def interval(schema: dict[str, Any]) -> str:
     ends = (("exclusiveMinimum", "above"), ("minimum", "from"))
     ends += (("exclusiveMaximum", "below"), ("maximum", "to"))
     return "".join(
-        f" {word} {schema[name]:,}" for name, word in ends if abs(schema.get(name, 1e12)) < 1e12
+        f" {word} {schema[name]:,.15g}" for name, word in ends if abs(schema.get(name, 1e12)) < 1e12
     ) + (", not 0" if "not" in schema else "")
 
 

@@ -156,8 +156,6 @@ def _slopes(asked: Asked) -> "NDArray[np.float64]":
     low, high, step = parts
     if (high - low) / step > MOST:
         raise InputError(f"--slope: at most {MOST} slopes (got {asked.slope}); take larger steps.")
-    if not math.isfinite(asked.heading):
-        raise InputError(f"--heading: an angle in deg (got {asked.heading:g}).")
     return np.arange(low, high + 1e-9 * max(step, 1.0), step)
 
 

@@ -193,8 +193,6 @@ def _ride(steering: "Steering", asked: Asked) -> "Ride":
                 "or --turn with --log); leave them out."
             )
         return ride_logged(*read_log(asked.log, steering.recipe), steering)
-    if not math.isfinite(asked.turn):
-        raise InputError(f"--turn: must be a finite angle (got {asked.turn:g}); give one in deg.")
     path = paper_path(POINTS) if asked.terrain == PAPER else read_path(asked.terrain)
     if asked.turn:
         path = turned(path, math.radians(asked.turn))

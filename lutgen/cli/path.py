@@ -163,8 +163,6 @@ def open_terrain(asked: Asked) -> "Path":
     from lutgen.search import paper_path, read_path, turned
 
     terrain, points, turn = asked.terrain, asked.points, asked.turn
-    if not math.isfinite(turn):
-        raise InputError(f"--turn must be a finite angle (got {turn:g}); give one in deg")
     if terrain == PAPER:
         ground = paper_path(POINTS if points is None else points)
     elif points is not None:

@@ -25,7 +25,7 @@ Model = TypeVar("Model", bound=BaseModel)
 HDF5 = b"\x89HDF\r\n\x1a\n"
 NOTHING = "nothing"
 # Characters of a value, and faults of a file, that a message has.
-_LONGEST, _MOST = 60, 12
+_LONGEST, _MOST = 60, 10
 # What is said of a kind of fault, with the numbers of its context.
 _WHAT = {
     "missing": "is missing",
@@ -178,12 +178,17 @@ def _fault(model: type[BaseModel], error: Any) -> Fault:
         choices = re.findall("'([^']*)'", context["expected"])
         way_out = suggestion(got, choices, "use one of")
     elif field.examples:
-        way_out = f"write for example {name} = {toml(field.examples[0])}"
+        way_out = example(name, field)
     else:
         there = path_of([part for part in where if isinstance(part, str)])
         many = field.default == []
         way_out = f"start each entry with [[{there}]]" if many else f"write a table [{there}]"
     return Fault(path_of(where), what, got, way_out)
+
+
+def example(name: str, field: FieldInfo) -> str:
+    """Return the way out that shows a value of a key."""
+    return f"write for example {name} = {toml((field.examples or [''])[0])}"
 
 
 def _place(

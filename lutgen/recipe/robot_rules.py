@@ -3,11 +3,10 @@
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
-from lutgen.errors import suggestion
 from lutgen.parts import Contact, parents_first
-from lutgen.recipe.load import NOTHING, Fault
+from lutgen.recipe.load import Fault
 from lutgen.recipe.robot import unit
-from lutgen.recipe.rules import given, known_name, twice
+from lutgen.recipe.rules import absent, given, known_name, twice
 from lutgen.recipe.schema import ANGLE_UNITS, MAX_CONTACTS, Force, Joint, Parameter, Payload, Robot
 
 # Numbers that say the same thing twice may differ by their last digits.
@@ -31,13 +30,8 @@ def link_faults(robot: Robot) -> Iterator[Fault]:
             what = "is not allowed for the root link"
             yield from given(link, key, fixed, what, "remove it")
             continue
-        if link.parent is None:
-            yield Fault(
-                f"{key}.parent", "is missing", NOTHING, "name the parent link, for example 'body'"
-            )
-        elif link.parent not in parents:
-            way_out = suggestion(link.parent, parents, "use one of")
-            yield Fault(f"{key}.parent", "is not a link of the robot", link.parent, way_out)
+        yield from absent(link, key, "parent")
+        yield from known_name(f"{key}.parent", link.parent, parents, "link")
         if link.joint is not None:
             used.add(link.joint.parameter or "")
             yield from _joint_faults(link.joint, known, f"{key}.joint")
@@ -66,12 +60,8 @@ def _joint_faults(joint: Joint, known: Mapping[str, Parameter], key: str) -> Ite
         way_out = "remove it or set the type"
         yield from given(joint, key, others, "means nothing for type none", way_out)
         return
-    if joint.parameter is None:
-        way_out = "name the parameter that drives the joint"
-        yield Fault(f"{key}.parameter", "is missing", NOTHING, way_out)
-    else:
-        here = f"{key}.parameter"
-        yield from known_name(here, joint.parameter, known, "is not a parameter of the robot")
+    yield from absent(joint, key, "axis", "parameter")
+    yield from known_name(f"{key}.parameter", joint.parameter, known, "parameter")
     parameter = known.get(joint.parameter or "")
     turns = joint.type == "revolute"
     if parameter is not None and (parameter.unit in ANGLE_UNITS) != turns:
@@ -79,25 +69,18 @@ def _joint_faults(joint: Joint, known: Mapping[str, Parameter], key: str) -> Ite
         what = f"of a {joint.type} joint must be {needed}, not in {parameter.unit}"
         way_out = "change the joint's type or the parameter's unit"
         yield Fault(f"{key}.parameter", what, parameter.name, way_out)
-    if joint.axis is None:
-        way_out = "write a direction such as [0, 1, 0]"
-        yield Fault(f"{key}.axis", "is missing", NOTHING, way_out)
 
 
 def contact_faults(robot: Robot, links: Collection[str]) -> Iterator[Fault]:
     """Yield the faults of each contact by itself; `links` are the names of the robot's links."""
     for place, contact in enumerate(robot.contact, 1):
         key = f"robot.contact[{place}]"
-        yield from known_name(f"{key}.link", contact.link, links, "is not a link of the robot")
+        yield from known_name(f"{key}.link", contact.link, links, "link")
         if contact.position is None and robot.urdf is not None:
             what = "means nothing without a position"
             yield from given(contact, key, ("radius", "axis"), what, "give position")
             continue
-        if contact.name is None:
-            yield Fault(f"{key}.name", "is missing", NOTHING, "name the contact")
-        if contact.position is None:
-            way_out = "write [x, y, z] in the link's frame"
-            yield Fault(f"{key}.position", "is missing", NOTHING, way_out)
+        yield from absent(contact, key, "name", "position")
         if contact.radius == 0.0:
             way_out = "give the disc's radius"
             yield from given(contact, key, ("axis",), "needs a radius above 0", way_out)
@@ -136,7 +119,7 @@ def part_faults(
         yield from twice(f"robot.{kind}", [[part.name] for part in parts], taken)
         for place, part in enumerate(parts, 1):
             key = f"robot.{kind}[{place}]"
-            yield from known_name(f"{key}.link", part.link, links, "is not a link of the robot")
+            yield from known_name(f"{key}.link", part.link, links, "link")
             if not massive:
                 name = "force" if isinstance(part, Force) else "mass"
                 what, got = "counts for nothing on a robot without masses", getattr(part, name)
@@ -147,7 +130,7 @@ def _wheel_faults(robot: Robot, contacts: Mapping[str, Contact]) -> Iterator[Fau
     there: set[str] = set()
     for place, wheel in enumerate(robot.wheel, 1):
         key, name = f"robot.wheel[{place}]", wheel.contact
-        yield from known_name(f"{key}.contact", name, contacts, "is not a contact of the robot")
+        yield from known_name(f"{key}.contact", name, contacts, "contact")
         if name in there:
             way_out = "give each contact one wheel"
             yield Fault(f"{key}.contact", "carries a wheel already", name, way_out)
@@ -157,10 +140,8 @@ def _wheel_faults(robot: Robot, contacts: Mapping[str, Contact]) -> Iterator[Fau
             yield Fault(f"{key}.rollers", what, wheel.rollers, "remove one")
         disc = contacts.get(name)
         if disc is None or disc.axis is None:
-            for part in ("axis", "radius"):
-                if getattr(wheel, part) is None and disc is not None:
-                    way_out = "a wheel on a point or a sphere needs it"
-                    yield Fault(f"{key}.{part}", "is missing", NOTHING, way_out)
+            # Only a disc has an axle and a rolling radius of its own.
+            yield from absent(wheel, key, *(("axis", "radius") if disc else ()))
             continue
         if wheel.axis is not None:
             apart = [math.dist(unit(wheel.axis), along) for along in (disc.axis, _back(disc.axis))]

@@ -13,7 +13,7 @@ from pydantic import BaseModel
 from lutgen import bounds
 from lutgen.errors import suggestion
 from lutgen.quantities import CHANNELS, UNLOADED
-from lutgen.recipe.load import NOTHING, Fault
+from lutgen.recipe.load import NOTHING, Fault, example
 from lutgen.recipe.robot import knots_of
 from lutgen.recipe.schema import ANGLE_UNITS, File, Gravity, Parameter, Robot, Sweep
 
@@ -29,10 +29,19 @@ def given(table: BaseModel, key: str, names: Iterable[str], what: str, way: str)
             yield Fault(f"{key}.{name}", what, got, way)
 
 
-def known_name(key: str, name: str, known: Collection[str], what: str) -> Iterator[Fault]:
-    """Yield a fault for a name that is none of those that there are."""
-    if name not in known:
-        yield Fault(key, what, name, suggestion(name, known, "use one of"))
+def absent(table: BaseModel, key: str, *names: str) -> Iterator[Fault]:
+    """Yield a fault for each of these keys that a table does not have."""
+    for name in names:
+        if getattr(table, name) is None:
+            way_out = example(name, type(table).model_fields[name])
+            yield Fault(f"{key}.{name}", "is missing", NOTHING, way_out)
+
+
+def known_name(key: str, name: str | None, known: Collection[str], noun: str) -> Iterator[Fault]:
+    """Yield a fault for a name that is there, but none of those that are known."""
+    if name is not None and name not in known:
+        what, way_out = f"is not a {noun} of the robot", suggestion(name, known, "use one of")
+        yield Fault(key, what, name, way_out)
 
 
 def twice(key: str, names: Iterable[Sequence[str]], taken: Iterable[str] = ()) -> Iterator[Fault]:
@@ -54,7 +63,7 @@ def head_faults(file: File) -> Iterator[Fault]:
     known = {one.name: one for one in robot.parameter}
     for name, value in robot.home.items():
         key = f"robot.home.{name}"
-        yield from known_name(key, name, known, "is not a parameter of the robot")
+        yield from known_name(key, name, known, "parameter")
         if name in known:
             yield from _outside(key, value, known[name], "correct the posture")
     yield from _sample_faults(file.sweep, known)
@@ -108,7 +117,7 @@ def _sample_faults(sweep: Sweep, known: Mapping[str, Parameter]) -> Iterator[Fau
             yield Fault(key, "is missing", NOTHING, way_out)
         return
     for name in sweep.samples:
-        yield from known_name(f"{key}.{name}", name, known, "is not a parameter of the robot")
+        yield from known_name(f"{key}.{name}", name, known, "parameter")
     for name, parameter in known.items():
         here = f"{key}.{name}"
         if name not in sweep.samples:
@@ -136,17 +145,15 @@ def _gravity_faults(sweep: Sweep, gravity: Gravity) -> Iterator[Fault]:
             yield Fault(f"{key}.nodes", what, gravity.nodes, "use more nodes")
         what = "belongs to the cone only"
         yield from given(gravity, key, ("max_tilt",), what, "remove it")
-    elif gravity.max_tilt is None:
-        yield Fault(f"{key}.max_tilt", "is missing", NOTHING, "write the largest tilt in deg")
+    else:
+        yield from absent(gravity, key, "max_tilt")
     if gravity.channels is not None:
         what = "is given in [sweep.gravity] too"
         yield from given(sweep, "sweep", ("channels",), what, "keep one of them")
-    channels = gravity.channels or sweep.channels
-    if channels is None:
-        way_out = f"choose from: {', '.join(CHANNELS)}"
-        yield Fault(f"{key}.channels", "is missing", NOTHING, way_out)
-        return
-    where = key if gravity.channels is not None else "sweep"
+    if sweep.channels is None:
+        yield from absent(gravity, key, "channels")
+    where = "sweep" if gravity.channels is None else key
+    channels = gravity.channels or sweep.channels or []
     for place, channel in enumerate(channels):
         if channel in channels[:place]:
             yield Fault(f"{where}.channels[{place + 1}]", "is given twice", channel, "remove one")

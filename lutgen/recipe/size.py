@@ -23,21 +23,11 @@ def contact_tolerance_of(recipe: Recipe) -> float:
 
 @lru_cache(maxsize=64)
 def robot_size_of(recipe: Recipe) -> float:
-    """Return the size of a robot (length).
+    """Return the size of a robot (length), 0 where every contact is a point at the com.
 
     It is the greatest distance of a contact's far side from the com, over both ends and the middle
     of every parameter; of more than six parameters over the ends alone, and of more than ten over
-    the ends of the first ten.  It does not depend on the order of the contacts.
-
-    Parameters
-    ----------
-    recipe : Recipe
-        The robot.
-
-    Returns
-    -------
-    float
-        Above 0; 0 where every contact is a point at the com.
+    the ends of the first ten.
     """
     places = []
     for place, parameter in enumerate(recipe.parameters):
@@ -46,7 +36,6 @@ def robot_size_of(recipe: Recipe) -> float:
         if 3 ** len(recipe.parameters) <= POSTURES:
             ends.insert(1, middle)
         places.append(ends if 2 ** (place + 1) <= POSTURES else [middle])
-    params = np.array(list(product(*places)), dtype=np.float64)
     radius, _ = radii_and_kinds(recipe)
-    away = np.sqrt((forward(recipe, params).centres ** 2).sum(axis=2)) + radius
-    return float(away.max(initial=0.0))
+    centres = forward(recipe, np.array(list(product(*places)), dtype=np.float64)).centres
+    return float((np.sqrt((centres**2).sum(axis=2)) + radius).max(initial=0.0))

@@ -251,10 +251,6 @@ def test_what_is_wrong_is_said_in_one_sentence(
     assert list(tmp_path.iterdir()) == [tripod_path]
 
 
-def test_a_posture_outside_its_range_is_used_as_it_is(tripod_path: Path) -> None:
-    assert data(tripod_path, "-p", "reach=0.9")["posture"]["reach_m"] == 0.9
-
-
 def test_everything_on_the_page_runs_and_prints_what_it_says(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

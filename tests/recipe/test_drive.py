@@ -61,12 +61,6 @@ def test_coupled_joints_are_where_independent_ones_are_at_the_same_angles() -> N
     assert np.ptp(one.centres[:, 0, 2]) > 0.1
 
 
-def test_a_drive_of_one_joint_is_that_joint() -> None:
-    one = lutgen.parse_recipe(recipe_text("drive = { arms = 1 }"), urdf=LOOSE)
-    two = lutgen.parse_recipe(recipe_text('joint = "arms"'), urdf=LOOSE)
-    assert one.links == two.links
-
-
 def test_slides_are_driven_in_metres() -> None:
     drive = "drive = { lift = { scale = 2.0, offset = 0.1 } }"
     recipe = lutgen.parse_recipe(recipe_text(drive, 0.0, 0.2, "m"), urdf=LOOSE)
@@ -122,9 +116,3 @@ def test_a_joint_that_mimics_another_cannot_be_driven() -> None:
     tied = (VECTORS / "rover.urdf").read_text(encoding="utf-8")
     with pytest.raises(RecipeError, match="it follows 'arms'"):
         lutgen.parse_recipe(recipe_text("drive = { right_arm_joint = 1.0 }"), urdf=tied)
-
-
-def test_recipes_with_links_of_their_own_say_it_at_the_joints() -> None:
-    text = recipe_text("drive = { arms = 1.0 }").replace('urdf = "rover.urdf"\n', "")
-    with pytest.raises(RecipeError, match=r"drive`: means nothing without `robot\.urdf`"):
-        lutgen.parse_recipe(text)

@@ -39,13 +39,6 @@ def test_home_becomes_radians_and_the_middle_fills_what_it_leaves_out() -> None:
     assert none.home_params == pytest.approx((0.3, math.radians(5.0)), rel=1e-15)
 
 
-def test_the_ends_of_a_range_are_in_it() -> None:
-    for reach, swing in ((0.0, -40.0), (0.6, 50.0)):
-        home = f"home = {{ reach = {reach}, swing = {swing} }}"
-        recipe = lutgen.parse_recipe(tripod(head=home))
-        assert recipe.home_params == (reach, math.radians(swing))
-
-
 def test_eval_limits_and_metrics_stand_at_home_and_say_so(path: Path) -> None:
     there = ("-p", "reach=0.1", "-p", "swing=20")
     found, given = data("eval", path), data("eval", path, *there)
@@ -87,10 +80,6 @@ def test_a_figure_of_the_robot_is_drawn_at_home() -> None:
     assert all(np.array_equal(a, b) for a, b in zip(there, wanted, strict=True))
 
 
-def test_check_is_silent_where_the_robot_stands_at_home(path: Path) -> None:
-    assert data("check", path)["warnings"] == []
-
-
 def test_check_warns_where_the_robot_lies_on_its_body_at_home(
     path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
@@ -103,9 +92,10 @@ def test_check_warns_where_the_robot_lies_on_its_body_at_home(
     assert "belly 0." in warning
     assert "body 0" not in warning
     assert warning in caplog.text
-    # Without `home` nobody said that it stands there.
-    path.write_text(text.replace(WHOLE, ""), encoding="utf-8")
-    assert data("check", path)["warnings"] == []
+    # Without `home` nobody said that it stands there, and without the belly it stands.
+    for silent in (text.replace(WHOLE, ""), text.replace(belly, "")):
+        path.write_text(silent, encoding="utf-8")
+        assert data("check", path)["warnings"] == []
 
 
 def test_check_warns_where_the_robot_tips_at_home(path: Path) -> None:

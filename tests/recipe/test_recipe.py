@@ -2,6 +2,7 @@
 
 import hashlib
 import math
+import re
 import sys
 
 import numpy as np
@@ -9,153 +10,103 @@ import pytest
 
 import lutgen
 from lutgen.errors import RecipeError
-from lutgen.parts import Contact, Joint, Link, Parameter, Wheel
+from lutgen.parts import Contact, Force, Joint, Link, Parameter, Wheel
 from lutgen.recipe import HDF5
 from lutgen.recipe.recipe import ExportDefaults, load_recipe, parse_recipe
-from tests.fixtures.every_key import CODED
+from tests.fixtures.every_key import CODED, EVERYTHING
 from tests.fixtures.places import MAPS
 from tests.fixtures.recipes import feet, rigid
 
-GOOD = """
-[robot]
-name = "crab"
-length_unit = "mm"
-friction = 0.5
-upright = 80.0
-rock_angle = 20.0
-[[robot.parameter]]
-name = "lift"
-min = -10
-max = 50.0
-unit = "deg"
-[[robot.parameter]]
-name = "reach"
-min = 100.0
-max = 200.0
-unit = "mm"
-[[robot.link]]
-name = "foot"
-parent = "leg"
-joint = { type = "prismatic", axis = [2, 0, 0], parameter = "reach", offset = 5.0 }
-[[robot.link]]
-name = "leg"
-parent = "body"
-origin = [1, 2, 3]
-rpy = [0, 0, 90]
-joint = { type = "revolute", axis = [0, 3, 4], parameter = "lift", scale = -1.0, offset = 10.0 }
-mass = 2.0
-com = [7, 8, 9]
-[[robot.contact]]
-name = "tip"
-link = "foot"
-position = [0, 0, 0]
-[[robot.contact]]
-name = "ball"
-link = "body"
-position = [-50, 40, 0]
-radius = 3
-[[robot.contact]]
-name = "wheel"
-link = "body"
-position = [-50, -40, 0]
-radius = 4.5
-axis = [0, -2, 0]
-[sweep]
-samples = { lift = 4, reach = [100, 110, 200.0] }
-[sweep.gravity]
-chart = "cone"
-max_tilt = 60.0
-nodes = 5
-channels = ["sdg", "tip_angle"]
-[export]
-flash = "16KiB"
-max_error = "1%"
-"""
-
 CHANNELS = 'channels = ["sdg", "tip_angle"]'
+ZERO = (0.0, 0.0, 0.0)
 
 
 def test_a_good_recipe_becomes_radians_and_unit_vectors():
-    recipe = parse_recipe(GOOD, "crab.toml")
-    assert (recipe.name, recipe.length_unit, recipe.friction) == ("crab", "mm", 0.5)
-    assert (recipe.upright, recipe.rock_angle) == (math.radians(80), math.radians(20))
-    assert recipe.parameters == (
-        Parameter("lift", math.radians(-10), math.radians(50), "rad", "deg"),
-        Parameter("reach", 100.0, 200.0, "mm", "mm"),
+    text = EVERYTHING.replace("axis = [0, 1, 0], par", "axis = [0, 3, 4], par")
+    recipe = parse_recipe(
+        text.replace("axis = [0, 1, 0]\nrolling", "axis = [0, -2, 0]\nrolling"), "e"
     )
-    lift = Joint("revolute", (0.0, 0.6, 0.8), "lift", -1.0, math.radians(10))
-    reach = Joint("prismatic", (1.0, 0.0, 0.0), "reach", 1.0, 5.0)
-    zero = (0.0, 0.0, 0.0)
-    rpy = (0.0, 0.0, math.radians(90))
+    assert (recipe.name, recipe.title) == ("everything", "Everything, at once")
+    assert (recipe.length_unit, recipe.friction, recipe.com_uncertainty) == ("m", 0.5, 0.01)
+    assert (recipe.upright, recipe.rock_angle) == (math.radians(80), math.radians(20))
+    assert (recipe.rest_width, recipe.contact_tolerance) == (0.01, 0.001)
+    low, high = math.radians(-10), math.radians(50)
+    assert recipe.parameters == (Parameter("lift", low, high, "rad", "deg", "0: level"),)
+    assert recipe.home == {"lift": math.radians(20)}
+    lift = Joint("revolute", (0.0, 0.6, 0.8), "lift", -1.0, math.radians(5))
+    rpy = (0.0, 0.0, math.radians(10))
     assert recipe.links == (
-        Link("body"),
-        Link("foot", "leg", zero, zero, reach),
-        Link("leg", "body", (1.0, 2.0, 3.0), rpy, lift, 2.0, (7.0, 8.0, 9.0)),
+        Link("body", mass=5.0, com=(0.0, 0.0, 0.1), shape=(0.5, 0.4, 0.1)),
+        Link("leg", "body", (0.0, 0.0, 0.1), rpy, lift, 1.0, (0.1, 0.0, 0.0)),
+        Link("load", "body", (0.0, 0.0, 0.2), mass=1.0),
     )
     assert recipe.contacts == (
-        Contact("tip", "foot", zero),
-        Contact("ball", "body", (-50.0, 40.0, 0.0), 3.0),
-        Contact("wheel", "body", (-50.0, -40.0, 0.0), 4.5, (0.0, -1.0, 0.0)),
+        Contact("a", "leg", (0.5, 0.3, -0.3), 0.1, (0.0, -1.0, 0.0), True, 0.05, "left"),
+        Contact("b", "body", (-0.5, 0.3, -0.3), 0.1),
+        Contact("c", "body", (0.0, -0.3, -0.4)),
     )
-    assert [contact.kind for contact in recipe.contacts] == ["point", "sphere", "disc"]
-    assert recipe.contact_names == ("tip", "ball", "wheel")
+    assert [contact.kind for contact in recipe.contacts] == ["disc", "sphere", "point"]
+    assert recipe.wheels == (
+        Wheel("a", (0.0, 1.0, 0.0), 0.1, True),
+        Wheel("b", (0.0, 1.0, 0.0), 0.1, False, math.radians(45)),
+    )
+    force = Force("rope", "body", (0.0, 0.0, 0.2), (-1.0, 0.0, 0.0), (0.0, 0.1, 0.0))
+    assert recipe.forces == (force,)
     assert recipe.channels == ("sdg", "tip_angle")
     assert recipe.export == ExportDefaults("16KiB", "1%")
-    assert (recipe.chart.kind, recipe.chart.nodes) == ("cone", 5)
-    assert recipe.chart.max_tilt == math.radians(60)
-    assert (recipe.python, recipe.source, recipe.text) == (None, "crab.toml", GOOD)
-    assert recipe.digest == hashlib.sha256(GOOD.encode()).hexdigest()
-
-
-def test_samples_are_even_nodes_with_both_ends_or_the_knots_as_listed():
-    lift, reach = parse_recipe(GOOD).grid.axes
+    chart = recipe.chart
+    assert (chart.kind, chart.nodes, chart.max_tilt) == ("cone", 5, math.radians(60))
+    (axis,) = recipe.grid.axes
+    assert (axis.name, axis.unit) == ("lift", "rad")
     # linspace in radians against the degrees one by one: the last place of 0.9.
-    np.testing.assert_allclose(lift.knots, np.radians([-10, 10, 30, 50]), rtol=0, atol=2e-16)
-    assert (lift.name, lift.unit, lift.knots[0], lift.knots[-1]) == (
-        *("lift", "rad"),
-        *(math.radians(-10), math.radians(50)),
+    np.testing.assert_allclose(axis.knots, np.radians([-10, 20, 50]), rtol=0, atol=2e-16)
+    assert repr(recipe) == "<Recipe 'everything': 3 contacts, lift, e>"
+
+
+def test_what_is_left_out_gets_its_documented_default():
+    drop = r"^(title|friction|upright|rock_angle|rest_width|contact_tolerance|com_uncertainty|home"
+    drop += (
+        r"|mass|com|shape|origin|rpy|rolling|width|belt|meaning) = .*\n|\[\[robot.(force|payload)"
     )
-    assert (reach.name, reach.unit, reach.knots.tolist()) == ("reach", "mm", [100, 110, 200])
-
-
-def test_what_is_optional_gets_its_documented_default():
-    text = GOOD[: GOOD.index("[export]")]
-    for line in ("friction = 0.5", "upright = 80.0", "rock_angle = 20.0", "mass = 2.0", "com = [7, 8, 9]"):  # fmt: skip  # noqa: E501
-        text = text.replace(line, "")
-    recipe = parse_recipe(text)
-    assert recipe.friction is None
+    text = re.sub(r"\[\[robot\.(payload|wheel)(.|\n)*(?=\[sweep\])", "", EVERYTHING)
+    recipe = parse_recipe(re.sub(drop, "", text.partition("[export]")[0], flags=re.MULTILINE))
+    assert (recipe.title, recipe.friction, recipe.rest_width) == (None, None, None)
+    assert (recipe.contact_tolerance, recipe.com_uncertainty, recipe.home) == (None, 0.0, {})
     assert (recipe.upright, recipe.rock_angle) == (math.radians(80), math.radians(30))
+    assert (recipe.links[0], recipe.links[1].com, recipe.links[1].rpy) == (Link("body"), ZERO, ZERO)
+    assert (recipe.wheels, recipe.forces, len(recipe.links)) == ((), (), 2)
+    assert recipe.contacts[0] == Contact("a", "leg", (0.5, 0.3, -0.3), 0.1, (0.0, 1.0, 0.0))
     assert recipe.export == ExportDefaults(None, None)
-    assert all(link.mass == 0.0 for link in recipe.links)
     assert recipe.source == "<recipe>"
 
 
-def test_keys_for_figures_are_kept_and_change_nothing_else():
-    text = GOOD.replace("friction =", 'title = "A crab"\nfriction =')
-    text = text.replace("min = -10", 'meaning = "0: flat"\nmin = -10')
-    text = text.replace("mass = 2.0", "shape = [3, 2, 1]\nmass = 2.0")
-    text = text.replace("radius = 4.5", 'radius = 4.5\nwidth = 2\nbelt = "left"')
-    plain, drawn = parse_recipe(GOOD), parse_recipe(text)
-    assert (drawn.title, drawn.parameters[0].meaning) == ("A crab", "0: flat")
-    assert drawn.links[2].shape == (3.0, 2.0, 1.0)
-    assert (drawn.contacts[2].width, drawn.contacts[2].belt) == (2.0, "left")
-    params, down = [[0.1, 150.0]], [[0.1, 0.2, -1.0]]
-    one, other = (lutgen.evaluate(recipe, params, down)["tip_angle"] for recipe in (plain, drawn))
-    assert one == other != 0.0
-
-
 def test_what_may_be_written_otherwise():
-    text = GOOD.replace('max = 50.0\nunit = "deg"', 'max = 1.5\nunit = "rad"')
-    text = text.replace("offset = 10.0", "offset = 0.25").replace('"crab"', '"$1 crab"')
+    text = EVERYTHING.replace('max = 50.0\nunit = "deg"', 'max = 1.5\nunit = "rad"')
+    text = text.replace("lift = 20.0", "lift = 1.0").replace('"everything"', '"$1 crab"')
     text = text.replace(CHANNELS, "").replace("[sweep]", f"[sweep]\n{CHANNELS}")
-    body = '[[robot.link]]\nname = "body"\nmass = 3\n'
+    text = text.replace("lift = 3", "lift = [-10, 1, 1.5]")
+    text = text.replace('contact = "a"\naxis = [0, 1, 0]\nradius = 0.1', 'contact = "a"')
     fixed = '[[robot.link]]\nname = "cap"\nparent = "body"\njoint = { type = "none" }\n'
-    recipe = parse_recipe(text.replace("[[robot.link]]", f"{fixed}{body}[[robot.link]]", 1))
-    assert recipe.parameters[0] == Parameter("lift", -10.0, 1.5, "rad", "rad")
-    assert recipe.links[:2] == (Link("cap", "body"), Link("body", mass=3.0))
-    assert recipe.links[3].joint.offset == 0.25
+    recipe = parse_recipe(text.replace("[[robot.link]]", f"{fixed}[[robot.link]]", 1))
+    assert recipe.parameters[0] == Parameter("lift", -10.0, 1.5, "rad", "rad", "0: level")
+    assert recipe.links[0] == Link("cap", "body")
+    assert recipe.links[2].joint.offset == 5.0
+    assert recipe.grid.axes[0].knots.tolist() == [-10.0, 1.0, 1.5]
+    assert recipe.wheels[0] == Wheel("a", (0.0, 1.0, 0.0), 0.1, True)
     assert recipe.channels == ("sdg", "tip_angle")
-    assert repr(recipe) == "<Recipe '$1 crab': 3 contacts, lift, reach, <recipe>>"
+    assert repr(recipe) == "<Recipe '$1 crab': 3 contacts, lift, <recipe>>"
+
+
+def test_keys_for_figures_change_no_number():
+    drawn = parse_recipe(EVERYTHING)
+    keys = r"^(title|meaning|shape|width|belt) = .*\n"
+    plain = parse_recipe(re.sub(keys, "", EVERYTHING, flags=re.MULTILINE))
+    assert (plain.title, plain.contacts[0].width, plain.contacts[0].belt) == (None, 0.0, "")
+    one, other = (
+        lutgen.evaluate(recipe, [[0.1]], [[0.1, 0.2, -1.0]])["tip_angle"]
+        for recipe in (plain, drawn)
+    )
+    assert one == other != 0.0
 
 
 def test_a_robot_without_parameters_has_a_map_over_gravity_alone():
@@ -173,25 +124,27 @@ def test_a_robot_without_parameters_has_a_map_over_gravity_alone():
     ],
 )
 def test_quantities_may_be_numbers_or_texts(flash, error, kept):
-    text = GOOD.replace('"16KiB"', flash).replace('"1%"', error)
+    text = EVERYTHING.replace('"16KiB"', flash).replace('"1%"', error)
     assert parse_recipe(text).export == ExportDefaults(*kept)
 
 
 def test_recipes_are_equal_and_hashable_by_content():
-    assert parse_recipe(GOOD) == parse_recipe(GOOD)
-    assert hash(parse_recipe(GOOD)) == hash(parse_recipe(GOOD))
-    other = parse_recipe(GOOD.replace("mass = 2.0", "mass = 2.5"))
-    assert other != parse_recipe(GOOD)
-    assert other.digest != parse_recipe(GOOD).digest
+    one, same = parse_recipe(EVERYTHING), parse_recipe(EVERYTHING)
+    assert one == same
+    assert hash(one) == hash(same)
+    assert one.digest == hashlib.sha256(EVERYTHING.encode()).hexdigest()
+    other = parse_recipe(EVERYTHING.replace("mass = 5.0", "mass = 5.5"))
+    assert other != one
+    assert other.digest != one.digest
 
 
 def test_a_file_is_read_with_its_name_for_messages(tmp_path):
-    path = tmp_path / "crab.toml"
-    path.write_text(GOOD, encoding="utf-8-sig")
+    path = tmp_path / "everything.toml"
+    path.write_text(EVERYTHING, encoding="utf-8-sig")
     recipe = load_recipe(path)
     assert recipe.source == str(path)
     # A byte order mark belongs to the file, not to the recipe.
-    assert recipe.digest == parse_recipe(GOOD).digest
+    assert recipe.digest == parse_recipe(EVERYTHING).digest
 
 
 @pytest.mark.parametrize(
@@ -286,36 +239,3 @@ def test_every_recipe_of_the_project_reads_and_is_named_after_its_file():
     }
     for path in paths:
         assert load_recipe(path).name == path.stem
-
-
-WHEELS = """
-[[robot.wheel]]
-contact = "tip"
-axis = [0, 3, 4]
-radius = 7
-steered = true
-[[robot.wheel]]
-contact = "ball"
-axis = [0, 0, -2]
-radius = 3.5
-rollers = -45
-[[robot.wheel]]
-contact = "wheel"
-"""
-ROLLING = GOOD.replace("[sweep]", f"{WHEELS}[sweep]", 1)
-
-
-def test_wheels_have_unit_axles_and_those_on_discs_are_the_discs():
-    assert parse_recipe(ROLLING).wheels == (
-        Wheel("tip", (0.0, 0.6, 0.8), 7.0, True),
-        Wheel("ball", (0.0, 0.0, -1.0), 3.5, False, math.radians(-45)),
-        Wheel("wheel", (0.0, -1.0, 0.0), 4.5),
-    )
-    assert parse_recipe(GOOD).wheels == ()
-
-
-def test_a_wheel_on_a_disc_may_repeat_its_radius_and_turn_its_axle_round():
-    repeated = 'contact = "wheel"\nradius = 4.5\naxis = [0, 5, 0]'
-    recipe = parse_recipe(ROLLING.replace('contact = "wheel"', repeated))
-    assert recipe.wheels[2] == Wheel("wheel", (0.0, 1.0, 0.0), 4.5)
-    assert recipe.contacts == parse_recipe(GOOD).contacts

@@ -14,6 +14,9 @@ RADIUS = sqrt(20.0**2 + 12.0**2)
 A0 = atan(0.6)
 DOWN = np.array([0.0, 0.0, -1.0])
 
+# Some rows of the paper are beyond the limits of its recipe.
+WIDE = (MAPS / "paper_two.toml").read_text(encoding="utf-8").replace("max = 50.0", "max = 90.0")
+
 
 def rows(name: str) -> list[dict[str, str]]:
     """Rows of a table, its comment lines left out."""
@@ -78,7 +81,7 @@ def test_stability_gives_the_papers_stability_factor_in_both_conventions() -> No
 
 
 def test_recipe_of_the_papers_robot_gives_its_stability_factor_in_both_conventions() -> None:
-    recipe = lutgen.load_recipe(MAPS / "paper_two.toml")
+    recipe = lutgen.parse_recipe(WIDE)
     table = rows("paper_sdg.csv")
     params = np.array([[angle(row["alpha_deg"]), angle(row["gamma_deg"])] for row in table])
     gravity = np.stack(
@@ -94,7 +97,7 @@ def test_recipe_of_the_papers_robot_gives_its_stability_factor_in_both_conventio
 
 
 def test_height_of_the_papers_robot_equals_the_table() -> None:
-    recipe = lutgen.load_recipe(MAPS / "paper_two.toml")
+    recipe = lutgen.parse_recipe(WIDE)
     for row in rows("paper_height.csv"):
         alpha = angle(row["alpha_deg"])
         gravity = down_of(paper_wheels(alpha, A0), "P")[None]
