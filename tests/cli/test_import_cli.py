@@ -265,27 +265,6 @@ XACRO = """<robot name="macro" xmlns:xacro="http://www.ros.org/wiki/xacro">
 </robot>"""
 
 
-def test_macros_are_expanded_when_asked_for(folder: Path) -> None:
-    Path("robot.xacro").write_text(XACRO, encoding="utf-8")
-    report = json.loads(good("import", "-x", "robot.xacro", "-o", "robot.toml", "--json"))
-    assert (report["name"], report["mass"]) == ("macro", 2.0)
-    recipe = lutgen.load_recipe("robot.toml")
-    assert [contact.position for contact in recipe.contacts] == [
-        *((1.0, 0.5, -1.0), (1.0, -0.5, -1.0), (-1.0, 0.0, -1.0))
-    ]
-
-
-@pytest.mark.parametrize(
-    "text", [XACRO.replace("1 + 1", "1 / 0"), XACRO.replace("<link", "<"), "", "<robot/>"]
-)
-def test_macros_that_fail_are_refused_in_one_sentence(folder: Path, text: str) -> None:
-    Path("robot.xacro").write_text(text, encoding="utf-8")
-    result = run("import", "-x", "robot.xacro", "-o", "robot.toml")
-    assert result.exit_code == 2
-    assert result.stderr.startswith("Error: robot.xacro: ")
-    assert len(result.stderr.splitlines()) == 1
-
-
 def test_without_the_package_one_sentence_says_how_to_get_it(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
