@@ -31,11 +31,11 @@ def downwards(robot: UrdfRobot) -> list[UrdfJoint]:
 
 
 def require_mass(robot: UrdfRobot) -> None:
-    """Refuse a description without any mass: nobody knows where its com is."""
+    """Refuse a description without any mass, whose com is unknown."""
     if not any(link.mass > 0.0 for link in robot.links):
         raise RecipeError(
-            f"{robot.source}: no link has a mass, so that nobody knows where the centre of mass is "
-            "(got 0 kg); give the links an <inertial> with <mass>."
+            f"{robot.source}: no link has a mass, so the centre of mass is unknown (got 0 kg); "
+            "give the links an <inertial> with <mass>."
         )
 
 
