@@ -52,8 +52,8 @@ def proposed_contacts(robot: UrdfRobot, where: Mapping[str, Place]) -> list[Cont
     The ground is where the lowest of them is; near are those whose lowest point lies within a
     quarter of the com's height above it, and all others below the com on the same link.  Where
     the com is not above these, the robot leans on something else: then those below the com.
-    RecipeError is raised where shapes that are not understood are lower than all of them, and for more
-    than 200.
+    RecipeError is raised where shapes that are not understood are lower than all of them, and for
+    more than 200.
     """
     com = centre_of_mass(robot, where)
     touching = [link for link in robot.links if any(s.kind in TOUCHING for s in link.collisions)]
