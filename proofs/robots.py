@@ -12,6 +12,7 @@ with 1 where anything differs that should not.
 import argparse
 import importlib.util
 import math
+import re
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -211,15 +212,17 @@ def main() -> int:
     if options.update and options.names:
         parser.error("--update is for all robots; name none")
     found = {named(path): path for path in sorted(data().rglob("*.urdf"))}
-    stand, refused = [], []
+    stand: list[Row] = []
+    refused: dict[str, list[str]] = {}
     for name, path in found.items():
         if not options.names or name in options.names:
             try:
                 stand.append(measured(name, path))
                 print(" | ".join(stand[-1].cells), flush=True)
             except LutgenError as error:
-                refused.append(Row((name, str(error).removeprefix(f"{path}: ")), ()))
-                print(" | ".join(refused[-1].cells), flush=True)
+                said = re.sub(r" \(got [^)]*\)", "", str(error).removeprefix(f"{path}: "))
+                refused.setdefault(said, []).append(name)
+                print(f"{name} | {said}", flush=True)
     if options.update:
         text = PAGE.read_text(encoding="utf-8")
         head = (
@@ -227,8 +230,13 @@ def main() -> int:
             "| body tilt, guaranteed (deg) | ground tilt, guaranteed (deg) "
             "| worst heading (deg) | mass and com | engine |"
         )
+        rows = [Row((", ".join(names), said), ()) for said, names in refused.items()]
         text = page(text, "stand", table(head, stand))
-        text = page(text, "refused", table("| robot | said |", refused))
+        text = page(
+            text,
+            "refused",
+            table("| robots | said |", rows),
+        )
         PAGE.write_text(text, encoding="utf-8")
     faults = [fault for row in stand for fault in row.faults]
     for fault in faults:

@@ -1,4 +1,4 @@
-"""What of a robot description touches the ground, where nobody said it."""
+"""Find what touches the ground in a robot description."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -52,8 +52,8 @@ def proposed_contacts(robot: UrdfRobot, where: Mapping[str, Place]) -> list[Cont
     The ground is where the lowest of them is; near are those whose lowest point lies within a
     quarter of the com's height above it, and all others below the com on the same link.  Where
     the com is not above these, the robot leans on something else: then those below the com.
-    RecipeError is raised where shapes that nobody knows are lower than all of them, and for more
-    than 200.
+    RecipeError is raised where shapes that are not understood are lower than all of them, and for
+    more than 200.
     """
     com = centre_of_mass(robot, where)
     touching = [link for link in robot.links if any(s.kind in TOUCHING for s in link.collisions)]
@@ -147,7 +147,7 @@ def refuse_bolted(
 
 
 def _refuse_lower_shapes(robot: UrdfRobot, where: Mapping[str, Place], ground: float) -> None:
-    """Refuse a proposal that would have the robot stand on its hands: nobody knows its feet."""
+    """Refuse a proposal that would have the robot stand on its hands: its feet are unknown."""
     lower = []
     for link in robot.links:
         turn, origin = where[link.name]

@@ -103,5 +103,5 @@ def _loose(robot: UrdfRobot, contacts: Sequence[Contact], where: Mapping[str, Pl
     return [
         f"joint {names}: effort is 0, and contacts hang from it: if nothing holds it, the robot "
         "tips earlier than is said; of a free pivot make one contact on its axis instead of those "
-        f"behind it ({'; '.join(found.values())}), and ask for limits with --level body"
+        f"behind it ({'; '.join(found.values())}), and ask for limits with --convention body"
     ]

@@ -20,6 +20,7 @@ from lutgen.propose.text import carrying_links, guesses, parameter_names, recipe
 from lutgen.recipe.recipe import Recipe, parse_recipe
 from lutgen.recipe.schema import MAX_CONTACTS
 from lutgen.urdf import TOUCHING, Meshes, Motion, UrdfRobot, places, read_motion, used_shapes
+from lutgen.urdf.links import require_mass
 
 # Names that a sentence lists.
 LISTED = 12
@@ -80,11 +81,7 @@ def import_urdf(
         RecipeError is raised for unknown names, without masses, and where there are not 3 to 62
         contacts.
     """
-    if not any(link.mass > 0.0 for link in robot.links):
-        raise RecipeError(
-            f"{robot.source}: no link has a mass, so that nobody knows where the centre of mass is "
-            "(got 0 kg); give the links an <inertial> with <mass>."
-        )
+    require_mass(robot)
     motion = read_motion(robot, joints, posture)
     rest = places(robot, motion)
     links = {link.name for link in robot.links}

@@ -1,8 +1,8 @@
 """Joints of a robot description that do the same on other sides of it: four hips, two knees.
 
-Owns which joints are alike, by their names and by where they are, and whether one turns as the
-mirror image of another does.  Left and right mirror each other in the plane of x and z; front and
-rear where the robot stands so (knees pointing at each other), else they move alike.
+They are alike by name and by place, and one may turn as the mirror image of another.  Left and
+right mirror each other in the plane of x and z; front and rear if the robot stands so (knees
+pointing at each other), else they move alike.
 """
 
 import math

@@ -1,7 +1,4 @@
-"""What a robot description has: links, collision shapes and joints, as plain values.
-
-Owns their types; `read` fills them.
-"""
+"""What a robot description has: links, collision shapes and joints, as plain values."""
 
 import math
 from dataclasses import dataclass, field
@@ -15,12 +12,11 @@ ZERO: Vector = (0.0, 0.0, 0.0)
 class Collision:
     """A collision shape, placed in its link's frame.
 
-    `kind` is ``"sphere"`` with size (radius,), ``"cylinder"`` or ``"capsule"``
-    (radius, length without the ends; along z),
-    ``"box"`` (x, y, z), ``"mesh"`` with the name of a `file` and its `scale`, neither checked, or
-    the name of any other geometry, with size ().  Of a mesh that was opened there may be
-    ``"points"`` (x, y, z, x, ...) or another shape instead; `note` then says how it was found, and
-    on a mesh why it was not opened.
+    `kind` is ``"sphere"`` with size (radius,), ``"cylinder"`` or ``"capsule"`` (radius, length
+    without the ends; along z), ``"box"`` (x, y, z), ``"mesh"`` with the name of a `file` and its
+    `scale`, neither checked, or the name of any other geometry, with size ().  Of a mesh that was
+    opened there may be ``"points"`` (x, y, z, x, ...) or another shape instead; `note` then says
+    how it was found, and on a shape that is not understood, why.
     """
 
     name: str
@@ -37,7 +33,7 @@ class Collision:
 class UrdfLink:
     """A link: mass in kg, com in its frame (m); without an inertial the mass is 0.
 
-    `visuals` are the meshes of its looks, of a link without collision shapes.
+    `visuals` are its looks, of a link without collision shapes.
     """
 
     name: str

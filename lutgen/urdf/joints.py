@@ -94,22 +94,19 @@ def read_motion(
     robot : UrdfRobot
         The description.
     chosen : sequence of str, optional
-        The free joints beside those of `couples`; None for all that can be.  A joint that cannot
-        be free raises RecipeError.
+        The free joints beside those of `couples`; None for all that can be.
     posture : mapping of str to float, optional
-        Values at rest (rad or m), 0 for joints that it does not name; those of joints that mimic
-        others do not count.
+        Values at rest (rad or m), or the limits nearest to them; 0 for joints that it does not
+        name.  Those of joints that mimic others do not count.
     couples : sequence of Couple, optional
-        Joints that one parameter drives, each joint at most once.  RecipeError is raised where
-        some turn and others slide, and where their limits leave the parameter no range.
+        Joints that one parameter drives, each joint at most once.
 
     Returns
     -------
     Motion
-        A parameter of 360 deg or more, or without limits, has -180 to 180 deg.  The limits
-        of all joints that it drives, and of those that mimic them, bound it.  At rest a joint has
-        the value of the posture, or its limit nearest to that; a held one stands there, and what
-        mimics it where that puts it.  Of a couple this is the first joint.
+        A parameter of 360 deg or more, or without limits, has -180 to 180 deg; the limits of all
+        joints that it drives, and of those that mimic them, bound it.  RecipeError is raised for
+        what cannot be free, or not together.
     """
     posture = posture or {}
     leaders = _leaders(robot, couples)

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from lutgen.errors import RecipeError
 from lutgen.parts import Joint, Link
 from lutgen.rotation import angles, axis_rotation, rotation
 from lutgen.urdf.description import UrdfJoint, UrdfRobot
@@ -29,12 +30,22 @@ def downwards(robot: UrdfRobot) -> list[UrdfJoint]:
     return result
 
 
+def require_mass(robot: UrdfRobot) -> None:
+    """Refuse a description without any mass, whose com is unknown."""
+    if not any(link.mass > 0.0 for link in robot.links):
+        raise RecipeError(
+            f"{robot.source}: no link has a mass, so the centre of mass is unknown (got 0 kg); "
+            "give the links an <inertial> with <mass>."
+        )
+
+
 def links_of(robot: UrdfRobot, motion: Motion, parameters: Mapping[str, str]) -> tuple[Link, ...]:
     """Turn all links into those of a recipe (m, kg), the root first, under their own names.
 
     A joint held away from zero is part of its link's placement; `parameters` has the name of the
-    parameter for each free joint.
+    parameter for each free joint.  Without any mass RecipeError is raised.
     """
+    require_mass(robot)
     described = {link.name: link for link in robot.links}
     top = described[robot.root]
     result = [Link(top.name, mass=top.mass, com=top.com)]

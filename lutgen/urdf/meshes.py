@@ -95,7 +95,7 @@ def _corners(path: Path) -> Floats:
     if len(raw) > MAX_BYTES:
         raise InputError(f"is longer than {MAX_BYTES} bytes")
     kind = path.suffix.lower()[1:]
-    # An archive unpacks to any size, whatever precedes it, and XML may define entities.
+    # An archive, also behind other bytes, unpacks to any size, and XML may define entities.
     if kind == "dae" and (zipfile.is_zipfile(io.BytesIO(raw)) or b"<!DOCTYPE" in raw):
         raise InputError("is an archive or has a document type declaration")
     try:

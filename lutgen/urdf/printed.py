@@ -1,7 +1,7 @@
 """Angles as descriptions print them: 1.57 is a quarter of a turn.
 
-Owns which printed angle stands for which part of a turn.  A wheel whose axle is printed so is not
-level, and no two of them are parallel, but for what the printing lost.
+A wheel whose axle is printed so is not level, and no two of them are parallel, but for what the
+printing lost.
 """
 
 import math

@@ -31,7 +31,7 @@ SHAPES = {
     "box": ("size",),
 }
 # Attributes and children of each element that are read, or that move neither masses nor contacts.
-# Whatever else an element has is reported.
+# Anything else is reported.
 FORMAT = {
     "link": "name type inertial visual collision",
     "inertial": "origin mass inertia",
@@ -107,7 +107,7 @@ class _Reader(Elements):
         )
 
     def refuse_xacro(self, root: Element) -> None:
-        """Refuse macros: elements of xacro, under whatever prefix, and expressions in values."""
+        """Refuse macros: elements of xacro, under any prefix, and expressions in values."""
         prefixes = {"xacro"}
         for element in root.iter():
             for key, value in element.items():

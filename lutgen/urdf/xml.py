@@ -1,4 +1,4 @@
-"""Parse XML that nobody vouches for, and read checked values of its elements.
+"""Parse untrusted XML, and read checked values of its elements.
 
 Document types are refused: without them there are no entities, so none that expands and none that
 names a file.  Tags keep their namespace prefix as written.

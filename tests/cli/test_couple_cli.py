@@ -157,14 +157,6 @@ def test_what_cannot_be_coupled_is_refused_in_one_sentence(
     assert not Path("q.toml").exists()
 
 
-def test_a_joint_cannot_be_a_parameter_and_coupled() -> None:
-    couple = ("--couple", "a=FL_hip_joint,FR_hip_joint")
-    result = run(
-        "import", "quadruped.urdf", "-o", "q.toml", "--force", "-j", "FL_hip_joint", *couple
-    )
-    assert (result.exit_code, "is asked for twice" in result.stderr) == (2, True)
-
-
 def test_where_even_groups_are_too_many_the_greatest_are_parameters() -> None:
     # Eight joints on each side of a row, heavier from one to the next: 16 joints in 8 pairs.
     foot = "".join(

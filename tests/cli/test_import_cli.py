@@ -83,6 +83,31 @@ def test_a_robot_that_stands_on_nothing_is_written_with_a_warning(
     assert "stands in none" not in caplog.text
 
 
+def test_a_warning_is_on_stderr_in_the_recipe_and_in_the_report(
+    folder: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    sound = ROVER.read_text(encoding="utf-8")
+    degrees = sound.replace('lower="-0.8" upper="0.8"', 'lower="-45" upper="45"')
+    Path("robot.urdf").write_text(degrees, encoding="utf-8")
+    report = json.loads(good("import", "robot.urdf", "-o", "robot.toml", "--json"))
+    (words,) = report["warnings"]
+    assert "more than a turn looks like degrees" in words
+    assert words in caplog.text
+    text = Path("robot.toml").read_text(encoding="utf-8")
+    assert "# Warning: " in text
+
+
+def test_soft_limits_are_taken_when_asked_for(folder: Path) -> None:
+    soft = '<safety_controller soft_lower_limit="-0.1" soft_upper_limit="0.2" k_velocity="1"/>'
+    text = ROVER.read_text(encoding="utf-8")
+    old = '<joint name="arms" type="revolute">'
+    assert old in text
+    Path("robot.urdf").write_text(text.replace(old, old + soft), encoding="utf-8")
+    good("import", "robot.urdf", "-o", "robot.toml", "--soft-limits")
+    arms = lutgen.load_recipe("robot.toml").parameters[0]
+    assert (arms.minimum, arms.maximum) == (pytest.approx(-0.1), pytest.approx(0.2))
+
+
 def test_a_name_that_a_terminal_obeys_is_shown_and_not_obeyed(folder: Path) -> None:
     points = [f"--contact=chassis={x},{y},9" for x, y in ((1, 1), (1, -1), (-1, 0))]
     command = ["import", "robot.urdf", "-o", "high.toml", "--name", "\x1b[31mred", *points]
@@ -238,27 +263,6 @@ XACRO = """<robot name="macro" xmlns:xacro="http://www.ros.org/wiki/xacro">
 <link name="base"><inertial><mass value="${1 + 1}"/></inertial>
 <xacro:foot x="1" y="1"/><xacro:foot x="1" y="-1"/><xacro:foot x="-1" y="0"/></link>
 </robot>"""
-
-
-def test_macros_are_expanded_when_asked_for(folder: Path) -> None:
-    Path("robot.xacro").write_text(XACRO, encoding="utf-8")
-    report = json.loads(good("import", "-x", "robot.xacro", "-o", "robot.toml", "--json"))
-    assert (report["name"], report["mass"]) == ("macro", 2.0)
-    recipe = lutgen.load_recipe("robot.toml")
-    assert [contact.position for contact in recipe.contacts] == [
-        *((1.0, 0.5, -1.0), (1.0, -0.5, -1.0), (-1.0, 0.0, -1.0))
-    ]
-
-
-@pytest.mark.parametrize(
-    "text", [XACRO.replace("1 + 1", "1 / 0"), XACRO.replace("<link", "<"), "", "<robot/>"]
-)
-def test_macros_that_fail_are_refused_in_one_sentence(folder: Path, text: str) -> None:
-    Path("robot.xacro").write_text(text, encoding="utf-8")
-    result = run("import", "-x", "robot.xacro", "-o", "robot.toml")
-    assert result.exit_code == 2
-    assert result.stderr.startswith("Error: robot.xacro: ")
-    assert len(result.stderr.splitlines()) == 1
 
 
 def test_without_the_package_one_sentence_says_how_to_get_it(

@@ -9,7 +9,7 @@ import pytest
 import lutgen
 from lutgen.errors import RecipeError
 from lutgen.parts import Contact
-from lutgen.propose.contacts import named_contacts, proposed_contacts, robot_size
+from lutgen.propose.contacts import named_contacts, proposed_contacts
 from lutgen.propose.effects import effects, inner_contacts
 from lutgen.recipe.recipe import Recipe
 from lutgen.urdf.description import UrdfRobot
@@ -166,16 +166,6 @@ def test_a_wheel_that_moves_against_the_others_stays() -> None:
     assert names == {"l0_2", "l1_1", "l1_2", "l2_2", "r0_1", "r2_1"}
 
 
-def test_of_equal_contacts_one_stays() -> None:
-    described = parse_urdf(
-        robot(link("a", 1.0, "0 0 1", 3 * collision('sphere radius="0.1"', "0 0 0")))
-    )
-    motion = read_motion(described)
-    where = places(described, motion)
-    found = proposed_contacts(described, where)
-    assert len(inner_contacts(described, motion, found, where)) == 2
-
-
 def test_no_verdict_changes_without_the_contacts_between_two_others() -> None:
     found, inner = without_inner(track([0.1, 0.14, 0.12, 0.1, 0.1]))
     assert inner
@@ -196,12 +186,6 @@ def test_no_verdict_changes_without_the_contacts_between_two_others() -> None:
     for name in ("tip_angle", "margin"):
         # Heights of whole millimetres: in line or clearly out of it, to rounding.
         np.testing.assert_allclose(part[name], whole[name], atol=1e-8, err_msg=name)
-
-
-def test_the_size_is_the_largest_extent_with_wheels() -> None:
-    described = track([0.1] * 6)
-    where = places(described, read_motion(described))
-    assert robot_size(proposed_contacts(described, where), where) == pytest.approx(1.2)
 
 
 def test_too_many_shapes_near_the_ground_are_refused_with_a_way_out() -> None:

@@ -172,6 +172,13 @@ def test_boxes_and_looks_are_stood_on_where_there_is_nothing_else(
     assert [words[: len(guess or "")] for words in found.guessed] == ([guess] if guess else [])
 
 
+def test_a_joint_without_limits_turns_all_the_way_and_is_named() -> None:
+    endless = joint("lean", "revolute", "base", "arm", '<axis xyz="0 1 0"/>')
+    found = import_urdf(parse_urdf(robot(ARM, endless)))
+    assert [p.maximum for p in found.recipe.parameters] == [pytest.approx(math.pi)]
+    assert "joints without limits, taken as -180 to 180 deg: lean" in found.left_out
+
+
 SOFT = '<safety_controller soft_lower_limit="{}" soft_upper_limit="{}" k_velocity="1"/>'
 
 

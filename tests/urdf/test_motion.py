@@ -74,12 +74,15 @@ def test_a_joint_that_turns_by_a_whole_turn_or_has_no_limits_has_one_turn() -> N
         ("prismatic", limit(0.0, math.inf), "has no limits"),
         ("prismatic", MIMIC.format("a", 1, 0), "follows 'a', which is revolute"),
         ("revolute", MIMIC.format("a", 0, 0.2), "follows 'a', which moves it by nothing"),
+        ("revolute", MIMIC.format("weld", 1, 0.2), "follows 'weld', which is fixed"),
     ],
 )
 def test_a_joint_that_cannot_be_a_parameter_is_held_with_a_reason(
     kind: str, inside: str, why: str
 ) -> None:
-    found = read_motion(row(("a", "revolute", limit(-1, 1)), ("b", kind, inside)))
+    found = read_motion(
+        row(("a", "revolute", limit(-1, 1)), ("weld", "fixed", ""), ("b", kind, inside))
+    )
     assert list(found.free) == ["a"]
     assert found.drives["b"].by is None
     assert why in found.held["b"]

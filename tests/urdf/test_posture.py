@@ -9,12 +9,9 @@ import pytest
 import lutgen
 from lutgen.errors import InputError, RecipeError
 from lutgen.urdf import (
-    centre_of_mass,
     joint_values,
     load_srdf,
     parse_urdf,
-    places,
-    read_motion,
     srdf_beside,
 )
 from tests.fixtures.commands import run
@@ -170,21 +167,6 @@ def test_without_a_name_that_stands_the_joints_are_at_zero_and_the_reason_is_sai
     )
 
 
-def test_joints_that_are_no_parameters_stand_where_the_posture_puts_them(folder: Path) -> None:
-    good("import", "dog.urdf", "-o", "all.toml")
-    good("import", "dog.urdf", "-o", "front.toml", "-j", "lf_hip", "-j", "rf_hip")
-    whole, front = lutgen.load_recipe("all.toml"), lutgen.load_recipe("front.toml")
-    assert set(front.home) == {"lf_hip", "rf_hip"}
-    level = [[0.0, 0.0, -1.0]]
-    a, b = (
-        lutgen.evaluate(recipe, [recipe.home_params], level, ("tip_angle", "height"))
-        for recipe in (whole, front)
-    )
-    # Angles and lengths are written with 12 decimals.
-    assert a["tip_angle"] == pytest.approx(b["tip_angle"], abs=1e-11)
-    assert a["height"] == pytest.approx(b["height"], abs=1e-11)
-
-
 def test_values_beyond_the_limits_stand_at_the_limit_and_are_listed(folder: Path) -> None:
     Path("dog.srdf").write_text(srdf(state("stand", 0.6, -2.7)))
     report = json.loads(good("import", "dog.urdf", "-o", "dog.toml", "--force", "--json"))
@@ -289,18 +271,6 @@ def test_an_srdf_with_a_fault_is_refused_in_a_sentence(text: str, tmp_path: Path
     assert said.startswith(str(file))
     assert said.endswith(".")
     assert "\n" not in said
-
-
-def test_a_joint_that_turns_all_the_way_stands_where_its_value_comes_back_to() -> None:
-    wheel = joint("spin", "continuous", "base", "wheel", '<axis xyz="0 0 1"/>')
-    described = parse_urdf(robot(link("base", 1.0), link("wheel", 1.0, "1 0 0"), wheel))
-    turned = read_motion(described, posture={"spin": 0.5 + 2 * math.pi})
-    assert turned.rest["spin"] == pytest.approx(0.5, abs=1e-15)
-    a, b = (
-        centre_of_mass(described, places(described, motion))
-        for motion in (turned, read_motion(described, posture={"spin": 0.5}))
-    )
-    assert a == pytest.approx(b, abs=1e-15)
 
 
 def test_a_joint_that_follows_another_is_not_given_by_hand() -> None:
