@@ -53,7 +53,7 @@ def flip(content: bytes, place: int) -> bytes:
         (lambda whole: whole[:-1], "is cut off"),
         (lambda whole: whole[:2000], "is cut off"),
         (lambda whole: whole + b"x", "rewritten or edited by another program"),
-        (lambda whole: flip(whole, 40), "head that does not match its digest .*damaged or was edited"),
+        (lambda whole: flip(whole, 40), "does not match its digest .*damaged or was edited"),
         (lambda whole: flip(whole, 5000), "head that does not match its digest"),
     ],
 )
