@@ -65,20 +65,6 @@ def test_reading_between_the_nodes_of_a_fine_map_is_near_the_exact_value(tmp_pat
     assert np.abs(got - want).mean() < np.radians(0.2)
 
 
-def test_reading_equals_a_multilinear_mean_of_the_stored_corners(cone: StabilityMap) -> None:
-    axis_r, axis_s = cone.axes
-    stored = cone["tip_angle"][:, :, 0]
-    params = [[axis_r.knots[1] * 0.75 + axis_r.knots[2] * 0.25, axis_s.knots[0] * 0.5]]
-    swing = (params[0][1] - axis_s.knots[0]) / (axis_s.knots[1] - axis_s.knots[0])
-    u = cone.chart.coords
-    got = cone.read(params, [[(u[4] + u[5]) / 2, u[6], -1.0]], ["tip_angle"])["tip_angle"][0]
-    want = 0.0
-    for i, wi in ((1, 0.75), (2, 0.25)):
-        for j, wj in ((0, 1.0 - swing), (1, swing)):
-            want += 0.5 * wi * wj * stored[i, j, 6, 4:6].astype(float).sum()
-    assert got == pytest.approx(want, abs=1e-12)
-
-
 def test_one_posture_or_one_direction_stands_for_all(cone: StabilityMap) -> None:
     params, gravity = queries(5)
     for one in (params[:1], params[0], params[0].tolist()):
