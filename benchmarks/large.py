@@ -1,6 +1,6 @@
 """A 6-D map of 9 GB, killed on its way, resumed and compared: `python -m benchmarks.large [NODES]`.
 
-Absolem with its four flippers moving one by one, over a cone.  Needs twice 9 GB in build/.
+Absolem with its four flippers moving one by one, over a cone.  Needs twice that in build/.
 """
 
 import filecmp

@@ -31,9 +31,8 @@ def load_map(path: str | os.PathLike[str], unsealed: bool = False) -> StabilityM
     Raises
     ------
     MapFileError
-        If there is no such file, or it is not a lutgen map, damaged, rewritten, incomplete, of
-        another format, held by another program, or was computed by another definition of what
-        stands.
+        If the file is missing, held by another program, no lutgen map, damaged, rewritten,
+        incomplete, or of another format or definition of what stands.
     """
     name, sealed = os.fspath(path), True
     try:

@@ -95,8 +95,9 @@ def _fault(file: BinaryIO) -> str:
         what = "HDF5 of another program, or a map that another program has rewritten"
         return f"has no seal (got {what}); {_AS_IT_IS}"
     if int(found[1]) != _WAY:
+        kind = "map format 1" if int(found[1]) < _WAY else "a later map format"
         what = f"lutgen-digest-{int(found[1])} instead of {_WAY}"
-        return f"has another map format than this lutgen reads (got {what}); sweep it again"
+        return f"has {kind}, which this lutgen does not read (got {what}); sweep it again"
     at, length, whole = (int(found[k] or -1) for k in (2, 3, 4))
     if length == 0:
         return "is not complete (got no digest yet); finish it with `lutgen sweep --resume`"

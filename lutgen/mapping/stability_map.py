@@ -237,18 +237,7 @@ class StabilityMap:
     def to_xarray(self) -> "xarray.Dataset":
         """Return the whole map as an xarray Dataset, in memory, as xarray reads it from the file.
 
-        Returns
-        -------
-        xarray.Dataset
-            A variable for each channel with the dimensions (parameters..., face, v, u), their
-            knots as coordinates, `units` and `long_name` as attributes.
-
-        Raises
-        ------
-        InputError
-            If xarray is not installed.
-        MapFileError
-            If a channel cannot be read.
+        InputError is raised if xarray is not installed.
         """
         try:
             import xarray
@@ -276,13 +265,9 @@ def _text(value: float, unit: str) -> str:
 
 
 def verify(stability_map: StabilityMap) -> None:
-    """Read the whole file and check it against its digests; memory for one block.
+    """Check the whole file against its digests; MapFileError is raised at the first that differs.
 
-    Raises
-    ------
-    MapFileError
-        At the first block that does not have the digest of its place in this map, or if the head
-        does not match its own, or if the file is not sealed.
+    It takes memory for one block.  A file without a seal is refused.
     """
     check_seal(Path(stability_map.path))
     for name in stability_map.channels:

@@ -36,6 +36,9 @@ def share_that_tips(stability_map: StabilityMap) -> float | None:
             tips = values == worst
         else:
             tips = values < 0.0 if name == "tip_angle" else np.isnan(values)
-        np.add.at(tipping, np.arange(row, row + len(tips)) % len(tipping), tips)
+        # A block is whole postures or a part of one.
+        first = row % len(tipping)
+        some = tipping[first : first + len(tips)]
+        some += tips.reshape(-1, *some.shape).sum(axis=0)
     mean = tipping.reshape(weight.shape) / stability_map.recipe.grid.size
     return float((mean * weight).sum() / weight.sum())

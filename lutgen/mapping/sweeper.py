@@ -71,25 +71,17 @@ def sweep(
         Begin anew where PATH.part holds unfinished work, and replace files that lutgen did not
         make.  A link is refused even so.
 
-    Returns
-    -------
-    StabilityMap
-        As from `load_map`.
-
     Raises
     ------
     InputError
-        For an unknown engine, an impossible number of threads, or a robot given by code with an
-        engine other than "local"; if PATH is a folder or in one that does not exist; if PATH or
-        PATH.part is a file that lutgen did not make, or holds work and neither `resume` nor
-        `force` is given.
+        For options or a PATH that cannot be used; if PATH or PATH.part is a file that lutgen did
+        not make, or holds work and neither `resume` nor `force` is given.
     RecipeError
         If the robot stands nowhere.
     MapFileError
         If the unfinished file cannot be resumed.
     SweepError
-        If the file cannot be written, the disk is too full, another sweep is writing the same
-        file, or no worker is left.
+        If the file cannot be written, another sweep is writing it, or no worker is left.
     """
     _require_options(recipe, engine, scheduler)
     most = numba.config.NUMBA_NUM_THREADS
