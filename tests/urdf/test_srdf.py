@@ -3,6 +3,7 @@
 import json
 import math
 from pathlib import Path
+from xml.etree.ElementTree import fromstring
 
 import pytest
 
@@ -11,11 +12,14 @@ from lutgen.errors import InputError, RecipeError
 from lutgen.urdf import (
     joint_values,
     load_srdf,
+    load_urdf,
     parse_urdf,
     srdf_beside,
 )
+from lutgen.urdf.srdf import joint_groups
 from tests.fixtures.commands import run
 from tests.fixtures.commands import stdout as good
+from tests.fixtures.places import VECTORS
 from tests.fixtures.robots import collision, joint, link, robot
 
 LEGS = ("lf", "rf", "lh", "rh")
@@ -285,3 +289,37 @@ def test_a_joint_that_follows_another_is_not_given_by_hand() -> None:
     assert joint_values(described, [("a", 720.0)]) == {"a": pytest.approx(4 * math.pi)}
     with pytest.raises(InputError, match="follows 'a'"):
         joint_values(described, [("b", 1.0)])
+
+
+STAR = (
+    *(link(name) for name in ("base", "l_a", "l_b", "l_slide", "l_weld")),
+    joint("a", "continuous", "base", "l_a"),
+    joint("b", "continuous", "base", "l_b"),
+    joint("slide", "prismatic", "base", "l_slide"),
+    joint("weld", "fixed", "base", "l_weld"),
+)
+
+
+def test_groups_have_the_joints_of_chains_links_joints_and_other_groups() -> None:
+    described = load_urdf(VECTORS / "quadruped.urdf")
+    found = load_srdf(VECTORS / "quadruped.srdf", described).groups
+    assert found["FL_leg"] == ("FL_hip_joint", "FL_thigh_joint", "FL_knee_joint")
+    assert found["front_legs"] == (
+        *("FL_hip_joint", "FL_thigh_joint", "FL_knee_joint"),
+        *("FR_hip_joint", "FR_thigh_joint", "FR_knee_joint"),
+    )
+    assert [name[:2] for name in found["knees"]] == ["FL", "FR", "RL", "RR"]
+
+
+def test_groups_in_a_circle_unknown_parts_and_broken_chains_add_nothing() -> None:
+    root = fromstring(
+        '<robot><group name="x"><group name="y"/><link name="l_a"/><group name="none"/></group>'
+        '<group name="y"><group name="x"/><joint name="b"/><joint name="none"/>'
+        '<joint name="weld"/><chain base_link="l_a" tip_link="l_slide"/></group>'
+        '<group name=" "><joint name="a"/></group><group name="empty"/></robot>'
+    )
+    assert joint_groups(root, parse_urdf(robot(*STAR))) == {
+        "x": ("a", "b"),
+        "y": ("a", "b"),
+        "empty": (),
+    }
