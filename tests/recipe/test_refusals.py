@@ -207,6 +207,10 @@ def test_all_faults_are_said_at_once_those_of_types_before_those_of_names() -> N
             CODED.replace("[sweep", "[[robot.contact]]\nlink = 'a'\n[sweep"),
             "robot.contact`: cannot be",
         ),
+        (
+            f'{EVERYTHING}"a\\nb" = 1',
+            r"export.a\nb`: is not a known key (got 1); use one of: flash",
+        ),
         (EVERYTHING + FEET, "robot.contact`: a robot needs 3 to 62 contacts (got 63); keep those"),
     ],
 )
