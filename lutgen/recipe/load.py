@@ -16,7 +16,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from lutgen import bounds
-from lutgen.errors import RecipeError, suggestion, unreadable
+from lutgen.errors import RecipeError, readable, suggestion, unreadable
 from lutgen.recipe.schema import PATTERNS
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -59,7 +59,8 @@ class Fault:
 
     def __str__(self) -> str:
         """Return the sentence without the file."""
-        return f"key `{self.key}`: {self.what} (got {_shown(self.got)}); {self.way_out}."
+        text = f"key `{self.key}`: {self.what} (got {_shown(self.got)}); {self.way_out}."
+        return readable(text).replace("\n", "\\n")
 
 
 def _shown(value: object) -> str:

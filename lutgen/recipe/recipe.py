@@ -199,7 +199,8 @@ def parse_recipe(
         contacts = tuple(Contact(f"P{i}", "body", ZERO) for i in range(1, count + 1))
     else:
         carriers = robot.link if robot.urdf is None else links
-        names = dict.fromkeys(["body", *(link.name for link in carriers)])
+        root = ["body"] if robot.urdf is None else []
+        names = dict.fromkeys([*root, *(link.name for link in carriers)])
         faults += link_faults(robot) if robot.urdf is None else ()
         faults += contact_faults(robot, names)
         faults += part_faults(robot, names, any(link.mass for link in carriers), contacts, shapes)

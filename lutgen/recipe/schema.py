@@ -320,7 +320,7 @@ def recipe_schema() -> dict[str, Any]:
 
     Examples
     --------
-    >>> recipe_schema()["$defs"]["Robot"]["properties"]["friction"]["exclusiveMinimum"]
-    0.0
+    >>> recipe_schema()["$defs"]["Robot"]["properties"]["friction"]["examples"]
+    [0.6]
     """
     return {"$schema": _Writer.schema_dialect, **File.model_json_schema(schema_generator=_Writer)}

@@ -66,7 +66,7 @@ def test_errors_are_lutgen_errors_and_the_builtins_that_callers_expect() -> None
 
 
 def test_importing_lutgen_imports_nothing_heavy() -> None:
-    heavy = {"numpy", "numba", "h5py", "scipy"}
+    heavy = {"numpy", "numba", "h5py", "pydantic", "scipy"}
     code = f"import sys, lutgen; print(*sorted({heavy} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.split() == []

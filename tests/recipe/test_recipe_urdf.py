@@ -132,6 +132,7 @@ def test_an_imported_recipe_and_one_that_names_the_description_are_the_same_robo
         ({"parameters": ARMS.replace("45.0", "46.0") + LIFT}, "must lie within -0.8 to 0.8 rad"),
         ({"parameters": ARMS + LIFT.replace('"m"', '"deg"')}, "must be a length"),
         ({"contacts": WHEELS + on("left_wheell")}, "did you mean 'left_wheel'"),
+        ({"contacts": WHEELS + on("body")}, "`robot.contact[5].link`: is not a link of the robot"),
         ({"contacts": WHEELS + on("mast")}, "has no collision sphere, cylinder or box"),
         ({"contacts": WHEELS + on("left_arm")}, "is given twice"),
         (
