@@ -38,11 +38,13 @@ _MARKS: tuple[tuple[int, bytes, tuple[bytes, ...]], ...] = (
 )
 # They stand within so many bytes of either end.
 _NEAR = 1 << 16
+# No link is followed.  Windows knows links by other means, and has a flag for bytes instead.
+_FLAGS = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
 
 
 def is_ours(path: str | os.PathLike[str]) -> bool:
     """Return whether a file carries the mark of those that lutgen makes; OSError may be raised."""
-    handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+    handle = os.open(path, os.O_RDONLY | _FLAGS | getattr(os, "O_NONBLOCK", 0))
     with os.fdopen(handle, "rb") as file:
         if not stat.S_ISREG(os.fstat(handle).st_mode):
             return False
@@ -101,7 +103,7 @@ def check_target(
         if force or stat.S_ISDIR(found.st_mode) or is_ours(path):
             return
         if content is not None and found.st_size == len(content):
-            handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW)
+            handle = os.open(path, os.O_RDONLY | _FLAGS)
             with os.fdopen(handle, "rb") as file:
                 if file.read(len(content) + 1) == content:
                     return
@@ -141,7 +143,7 @@ def write_bytes(
         raise InputError(f"{path}: {failed} (got the path of a folder); add a file's name.")
     partial = target.with_name(f".lutgen-{secrets.token_hex(8)}")
     try:
-        handle = os.open(partial, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o666)
+        handle = os.open(partial, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _FLAGS, 0o666)
         try:
             with os.fdopen(handle, "wb") as file:
                 file.write(content)

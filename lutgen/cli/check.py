@@ -27,7 +27,8 @@ SHOWN = 6
 def check(recipe: str, asked: RecipeOptions) -> None:
     """Validate RECIPE and say what its sweep will cost.
 
-    A warning says where it does not stand on its contacts at its `home`.
+    A warning says where it does not stand on its contacts at its `home`, and what looks like a
+    mistake in its description.
 
     \b
     $ lutgen check maps/paper_two.toml
@@ -48,6 +49,7 @@ def check_report(robot: "Recipe") -> dict[str, Any]:
     import numpy as np
 
     from lutgen.mapping import expected_seconds, plan
+    from lutgen.propose import recipe_doubts
     from lutgen.recipe import postures
 
     layout = plan(robot)
@@ -79,7 +81,7 @@ def check_report(robot: "Recipe") -> dict[str, Any]:
         "file_bytes": layout.nodes * sum(map(value_bytes, robot.channels)),
         "seconds": round(expected_seconds(robot), 3),
         "snapped": list(robot.snapped),
-        "warnings": list(home_warnings(robot)) if robot.home else [],
+        "warnings": [*recipe_doubts(robot), *(home_warnings(robot) if robot.home else ())],
     }
 
 

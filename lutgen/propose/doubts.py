@@ -9,7 +9,18 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from lutgen.parts import Contact
-from lutgen.urdf import TURN, Collision, Place, UrdfJoint, UrdfLink, UrdfRobot
+from lutgen.recipe import Recipe
+from lutgen.urdf import (
+    TURN,
+    Collision,
+    Place,
+    UrdfJoint,
+    UrdfLink,
+    UrdfRobot,
+    parse_urdf,
+    places,
+    read_motion,
+)
 
 # A shape so many times larger than what the joints span is in another unit.
 UNITS = 100.0
@@ -18,6 +29,14 @@ UNITS = 100.0
 AWAY, SHARE = 3.0, 0.5
 # A turn, and more than joints of published robots have, rad: of these some have 20 between limits.
 MORE, DEGREES = TURN + 0.01, 2.0 * TURN
+
+
+def recipe_doubts(recipe: Recipe) -> tuple[str, ...]:
+    """Return the doubts about the description of a recipe, its joints at zero; () without one."""
+    if recipe.urdf is None:
+        return ()
+    robot = parse_urdf(recipe.urdf, recipe.source)
+    return doubts(robot, recipe.contacts, places(robot, read_motion(robot)))
 
 
 def doubts(

@@ -16,6 +16,7 @@ from lutgen.propose.proposal import import_urdf
 from lutgen.recipe.kinematics import forward
 from lutgen.recipe.recipe import recipe_digest
 from lutgen.urdf.read import parse_urdf
+from tests.fixtures.commands import data
 from tests.fixtures.maps import unseal
 from tests.fixtures.places import MAPS, VECTORS
 from tests.fixtures.recipes import contact, sweep_part
@@ -287,3 +288,14 @@ def test_ten_thousand_links_in_a_recipe_are_checked_in_seconds() -> None:
         lutgen.parse_recipe(text.replace('parent = "body"', 'parent = "l9999"'))
     with pytest.raises(LutgenError, match="is given twice"):
         lutgen.parse_recipe(text.replace('"l5000"', '"l4999"'))
+
+
+def test_check_warns_of_what_looks_like_a_mistake_in_the_description(
+    path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    assert data("check", path)["warnings"] == []
+    degrees = ROVER.replace('lower="-0.8" upper="0.8"', 'lower="-45" upper="45"')
+    (path.parent / "rover.urdf").write_text(degrees, encoding="utf-8")
+    (words,) = data("check", path)["warnings"]
+    assert words.startswith("joint 'arms', 'right_arm_joint': limits are in rad")
+    assert words in caplog.text
