@@ -124,7 +124,7 @@ def test_json_has_angles_in_deg_and_null_where_there_is_no_value(tmp_path: Path)
     ("arguments", "said"),
     [
         (("--tilt", 181), "between 0 and 180 deg (got 181)"),
-        (("--tilt", "nan"), "between 0 and 180 deg (got nan)"),
+        (("--tilt", "nan"), "'nan' is no number of plain digits"),
         (("--headings", 0), "0 is not in the range"),
         (("-p", "a=1"), "there is no parameter 'a'"),
     ],
