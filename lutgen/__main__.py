@@ -6,6 +6,7 @@ drop it, comes again.
 """
 
 import _thread
+import io
 import os
 import signal
 import sys
@@ -45,6 +46,10 @@ def program() -> NoReturn:
         later.start()
 
     sys.unraisablehook = dropped
+    # A console that lacks a character of a name shows its number.
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     try:
         main()
     except SystemExit as end:

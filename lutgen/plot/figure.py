@@ -116,11 +116,14 @@ def draw(kind: str, source: StabilityMap | Recipe, **asked: Unpack[Choices]) -> 
     Raises
     ------
     InputError
-        For an unknown kind, parameter or channel, a value outside its range, and a direction
-        that the map does not cover.
+        For an unknown kind, keyword, parameter or channel, a value outside its range, and a
+        direction that the map does not cover.
     """
     if kind not in KINDS:
         _refuse("unknown kind of figure", kind, _nearest(kind, KINDS))
+    for name in asked:
+        if name not in Choices.__annotations__:
+            _refuse("unknown keyword of a figure", name, _nearest(name, Choices.__annotations__))
     return KINDS[kind].paint(_choose(KINDS[kind], source, asked))
 
 

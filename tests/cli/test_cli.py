@@ -478,3 +478,16 @@ def test_the_command_in_a_process_of_its_own_keeps_stdout_for_results(
     assert failed.stdout == ""
     assert failed.stderr.startswith("Error: ")
     assert "Traceback" not in failed.stderr
+
+
+def test_a_console_without_a_character_shows_its_number(
+    place: Path,
+    python: Callable[..., subprocess.CompletedProcess[str]],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("PYTHONIOENCODING", "cp1252")
+    text = (place / "tripod.toml").read_text(encoding="utf-8")
+    (place / "arrow.toml").write_text(text.replace('"tripod"', '"a \u2192 b"'), encoding="utf-8")
+    done = python("-m", "lutgen", "check", str(place / "arrow.toml"))
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("a \\u2192 b: ")
