@@ -17,7 +17,7 @@ from lutgen.errors import InputError
 from lutgen.files import check_target, csv_text, write_text
 from lutgen.paper.figures import draw_figures
 from lutgen.paper.model import NOMINAL, RADIUS, TABLE
-from lutgen.paper.simulations import Results, compute, second_optimum
+from lutgen.paper.simulations import MAP, Results, compute, second_optimum
 from lutgen.paper.tables import Table, tables
 
 PAGE = "paper.html"
@@ -53,11 +53,13 @@ def write_report(
     """
     begin = time.perf_counter()
     target = Path(directory)
+    for name in (PAGE, MAP):
+        check_target(target / name, force)
     try:
         target.mkdir(parents=True, exist_ok=True)
         # Everything appears at once, or not at all.
-        with tempfile.TemporaryDirectory(prefix=".paper.", dir=target) as name:
-            work = Path(name)
+        with tempfile.TemporaryDirectory(prefix=".paper.", dir=target) as place:
+            work = Path(place)
             results = compute(work, progress)
             progress("figures")
             widths = draw_figures(work, results)
