@@ -520,7 +520,7 @@ def test_pyplot_is_not_imported() -> None:
         ("polar", {"axes": ("alpha",)}, "a polar needs 0"),
         ("sphere", {"channel": "facet"}, "cannot be drawn"),
         ("sphere", {"channel": "tip_angel"}, "did you mean 'tip_angle'"),
-        ("sphere", {"chanel": "sdg"}, "unknown keyword .*did you mean 'channel'"),
+        ("sphere", {"channels": "sdg"}, "unknown keyword .*did you mean 'channel'"),
         ("robot", {"gravity": (0.0, 0.0, 0.0)}, "longer than 0"),
         ("robot", {"gravity": [DOWN, DOWN]}, "give x, y, z"),
     ],
