@@ -68,7 +68,7 @@ def _ours(directory: Path) -> dict[str, str | None]:
     for report_name, content in _reports(directory):
         files, known = content.get("files"), content.get(DIGESTS)
         for name in files if isinstance(files, list) else ():
-            names[str(name)] = known.get(name) if isinstance(known, dict) else None
+            names[str(name)] = known.get(str(name)) if isinstance(known, dict) else None
         names[report_name] = None
     return names
 

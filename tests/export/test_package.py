@@ -301,9 +301,14 @@ def test_names_of_a_recipe_are_no_markup_on_the_page(export: Export, tmp_path: P
     assert "&lt;script&gt;alert(1)&lt;/script&gt; \\!\\[x\\](//y)" in text
 
 
-def test_a_folder_of_somebody_elses_sources_is_refused(export: Export, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "listed", ['{"files": ["feet.c"]}', '{"lutgen_export": 2, "files": [["feet.c"]], "sha256": {}}']
+)
+def test_a_folder_of_somebody_elses_sources_is_refused(
+    export: Export, tmp_path: Path, listed: str
+) -> None:
     (tmp_path / "feet.c").write_text("int main(void) { return 0; }\n")
-    (tmp_path / "other_report.json").write_text('{"files": ["feet.c"]}')
+    (tmp_path / "other_report.json").write_text(listed)
     with pytest.raises(InputError, match=r"'feet\.c'"):
         package.write(export, tmp_path)
     assert (tmp_path / "feet.c").read_text().startswith("int main")
