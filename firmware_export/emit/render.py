@@ -86,7 +86,6 @@ def _environment() -> Environment:
         undefined=StrictUndefined,
     )
     made.filters |= {
-        "axis_range": words.axis_range,
         "block_comment": block_comment,
         "bytes_text": words.bytes_text,
         "chart_text": words.chart_text,

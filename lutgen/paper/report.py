@@ -63,11 +63,11 @@ def write_report(
             results = compute(work, progress)
             progress("figures")
             widths = draw_figures(work, results)
-            shown = tables(results)
-            for name, table in shown.items():
+            found = tables(results)
+            for name, table in found.items():
                 keys = [column.key for column in table.columns]
                 write_text(work / f"{name}.csv", csv_text(keys, _plain(table)))
-            page = build_page(work, results, widths, time.perf_counter() - begin)
+            page = build_page(work, results, found, widths, time.perf_counter() - begin)
             write_text(work / PAGE, page)
             made = sorted(work.iterdir())
             for path in made:
@@ -90,7 +90,13 @@ def _plain(table: Table) -> list[list[object]]:
     ]
 
 
-def build_page(folder: Path, results: Results, widths: dict[str, int], seconds: float) -> str:
+def build_page(
+    folder: Path,
+    results: Results,
+    found: dict[str, Table],
+    widths: dict[str, int],
+    seconds: float,
+) -> str:
     """Return the page: the template with its numbers, its tables and the figures of a folder."""
     environment = Environment(
         loader=PackageLoader("lutgen.paper", "."),
@@ -99,15 +105,18 @@ def build_page(folder: Path, results: Results, widths: dict[str, int], seconds: 
         undefined=StrictUndefined,
     )
     environment.filters["f"] = shown
-    found = tables(results)
     curve = found["fig08_curve"]
-    found["fig08_curve"] = Table(curve.columns, curve.rows[::CURVE_EVERY])
+    few = Table(curve.columns, curve.rows[::CURVE_EVERY])
     pictures = {
         stem: (width, base64.b64encode((folder / f"{stem}.png").read_bytes()).decode("ascii"))
         for stem, width in widths.items()
     }
-    context = {**page_numbers(results), "seconds": seconds, "tables": found, "pictures": pictures}
-    return environment.get_template("page.html.j2").render(context)
+    return environment.get_template("page.html.j2").render(
+        page_numbers(results),
+        seconds=seconds,
+        tables={**found, "fig08_curve": few},
+        pictures=pictures,
+    )
 
 
 def shown(value: object, spec: str) -> str:

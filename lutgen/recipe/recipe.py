@@ -216,7 +216,7 @@ def parse_recipe(
         links=(*links, *payloads_of(robot)),
         contacts=contacts,
         python=robot.python,
-        grid=_grid(file.sweep, robot),
+        grid=_grid(file.sweep, robot, parameters),
         chart=_chart(gravity),
         channels=tuple(gravity.channels or file.sweep.channels or ()),
         export=ExportDefaults(_text(export.flash), _text(export.max_error)),
@@ -238,12 +238,12 @@ def parse_recipe(
     return snap(recipe)
 
 
-def _grid(sweep: Sweep, robot: Robot) -> Grid:
+def _grid(sweep: Sweep, robot: Robot, parameters: tuple[Parameter, ...]) -> Grid:
     samples = sweep.samples or {}
     return Grid(
         tuple(
             Axis(internal.name, internal.unit, knots_of(one, samples[one.name]))
-            for one, internal in zip(robot.parameter, parameters_of(robot), strict=True)
+            for one, internal in zip(robot.parameter, parameters, strict=True)
         )
     )
 

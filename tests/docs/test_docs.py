@@ -188,7 +188,8 @@ def test_cmake_makes_the_folder_again_when_the_recipe_changes(tmp_path: Path) ->
     quiet = {"cwd": tmp_path, "check": True, "capture_output": True}
     headers = []
     for edit in ("", "", "\n# edited\n", ""):
-        recipe.write_text(recipe.read_text() + edit) if edit else None
+        if edit:
+            recipe.write_text(recipe.read_text() + edit)
         subprocess.run(make, **quiet)
         subprocess.run(["cmake", "--build", "b"], **quiet)
         subprocess.run([tmp_path / "b" / "app"], **quiet)
