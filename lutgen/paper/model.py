@@ -27,7 +27,7 @@ RADIUS = math.hypot(CIRCUMRADIUS, HEIGHT)
 AHEAD = (0.0, 120.0, 240.0)
 TO_THE_LEFT = (30.0, 150.0, 270.0)
 DOWN = np.array([0.0, 0.0, -1.0])
-# Of the 100 points of its path, those at which the paper's robot tips.
+# The paper's robot tips at so many of the 100 points of its path.
 UNCONTROLLED, CONTROLLED = 72, 22
 
 PARAMETER = '[[robot.parameter]]\nname = "{}"\nmin = 0.0\nmax = 50.0\nunit = "deg"\n'

@@ -82,7 +82,7 @@ def chosen_motion(
         found = [couple for couple in found if not {*couple.joints} <= {*why}]
         taken.update(name for couple in found for name in couple.joints)
         proposed += found
-    # Of more than six those that move contacts or com most.
+    # If there are more than six, those are kept that move contacts or com most.
     apart = read_motion(robot, (), posture, proposed)
     most = {name: max(ways) for name, ways in effects(robot, apart, contacts).items()}
     ranked = sorted(proposed, key=lambda couple: -most[couple.first])

@@ -1,7 +1,7 @@
 """The recipes that come with the package: those of the gallery, and commented ones to start from.
 
-Owns where they are.  `recipe:NAME` is one of the gallery, which stands in `maps` beside the package
-of a checkout, from where an installation takes it into it.
+`recipe:NAME` is one of the gallery.  In a checkout the gallery is the folder `maps` beside the
+package; an installation has a copy of it inside the package.
 """
 
 from functools import cache

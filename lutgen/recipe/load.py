@@ -1,6 +1,6 @@
 """Text into the models of `schema`: every fault at once, each in a sentence of ours.
 
-Owns what is said of a file that is no TOML, or whose keys have another type or value than they may.
+The sentences are about files that are not TOML, and about keys of a wrong type or value.
 """
 
 import json

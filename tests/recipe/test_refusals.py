@@ -154,7 +154,7 @@ def test_all_faults_are_said_at_once_those_of_types_before_those_of_names() -> N
         "bad.toml: key `robot.contact[1].link`: is not a link of the robot (got 'arm'); use one "
         "of: body, leg.",
     ]
-    # Of each payload four keys are missing, and one is not known.
+    # Each payload lacks four keys, and has one that is not known.
     many = "".join(f"[[robot.payload]]\nnom{i} = 1\n" for i in range(10))
     *ten, last = refusal(EVERYTHING + many).split("\n")
     assert len(ten) == 10

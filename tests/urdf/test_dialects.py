@@ -157,7 +157,7 @@ SOLE = "".join(collision('box size="0.2 0.1 0.02"', f"0 {y} -0.9") for y in (0.1
     ("inside", "kinds", "guess"),
     [
         (LOOKS, 4 * ["sphere"], "base: a visual sphere, as there is no collision shape"),
-        # Of 16 corners 8 lie between others.
+        # The soles have 16 corners; 8 lie between others.
         (SOLE, 8 * ["point"], None),
         (SOLE.replace("collision", "visual"), 8 * ["point"], "base: a visual box, as there is no"),
         # Where it stands on balls, neither boxes nor looks count.
