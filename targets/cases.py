@@ -10,7 +10,8 @@ from firmware_export.emit import package
 from firmware_export.protocol import Export
 from firmware_export.truth import Model
 from lutgen.quantities import EXPORTABLE
-from lutgen.recipe import Recipe, load_recipe
+from lutgen.recipe import Recipe, load_recipe, parse_recipe
+from lutgen.recipe.gallery import KINDS, start_recipe
 from tests.fixtures.frozen import exports
 from tests.fixtures.noise import noise
 
@@ -19,7 +20,7 @@ BUILD = ROOT / "build" / "targets"
 # Four with parallel axes, one with a search for facets, three of three points.
 ROBOTS = (
     *("marv", "absolem", "markhor", "excavator", "articulated"),
-    *("paper_two", "paper_one", "three_leg_sphere"),
+    *("paper_two", "paper_one", "three_leg_sphere", "legs"),
 )
 # Codec, arithmetic and size of a table of positions.
 TABLES = {"float": "grid i16 1x8 9x1 1x1", "integer": "grid i16 1x10 11x1 1x1"}
@@ -52,8 +53,15 @@ def of_robot(
 
 
 def of_recipe(name: str, codec: str, arithmetic: str = "float", label: str = "") -> Export:
-    """Return the export of a recipe of maps/ in a codec; see `of_robot`."""
-    return of_robot(load_recipe(ROOT / "maps" / f"{name}.toml"), name, codec, arithmetic, label)
+    """Return the export of a recipe in a codec; see `of_robot` and `recipe_of`."""
+    return of_robot(recipe_of(name), name, codec, arithmetic, label)
+
+
+def recipe_of(name: str) -> Recipe:
+    """Return a recipe of maps/, or one of those that `lutgen new` writes."""
+    if name in KINDS:
+        return parse_recipe(start_recipe(name))
+    return load_recipe(ROOT / "maps" / f"{name}.toml")
 
 
 def cases() -> list[Case]:

@@ -1,4 +1,4 @@
-"""The tables of the counts: a line for a run, docs/measured/targets.md, and the README's costs."""
+"""Write the counts as tables: a line for a run, docs/measured/targets.md, the README's costs."""
 
 import re
 from pathlib import Path
@@ -11,20 +11,16 @@ from targets.cases import ROOT
 
 PAGE = ROOT / "docs" / "measured" / "targets.md"
 EXPORTS, README = PAGE.with_name("exports.md"), ROOT / "README.md"
-# Rows of the README's table, and the heads of their columns.
-COLUMNS = {
-    "paper_two": "`contacts`",
-    "paper_two_grid_float": "`grid`, floats",
-    "paper_two_grid_integer": "`grid`, integers",
-    "absolem": "`absolem`, `contacts`",
+# Rows of the README's table, and what they are there.
+ROBOTS = {
+    "paper_two": "the paper's robot: 3 points, 2 parameters",
+    "absolem": "a flipper robot: 12 discs, 2 parameters",
+    "legs": "a quadruped (`lutgen new legs`): 4 feet, 2 parameters",
 }
-COSTS = {
-    "pose": "`smap_pose`, once a posture",
-    "at": "`smap_at`, once a direction",
-    "at_i": "`smap_at_i`, the same without floats",
-}
-THREE = re.compile(r"in [\d.]+ kB of code and [\d,]+ bytes of(\s+)stack")
-MANY = re.compile(r"take [\d.]+ kB, [\d.]+ kB of stack for a pose \([\d.]+ kB for")
+COSTS = (
+    "| robot | flash, bytes | RAM of a posture | instructions a posture | a direction "
+    r"| error of \|SD_g\|, p99 | stable, reported unsafe |"
+)
 
 
 def pair(cell: Cell, call: str) -> str:
@@ -73,41 +69,20 @@ def counts(content: dict[str, Any]) -> str:
 
 def costs(content: dict[str, Any], exports: str) -> str:
     """Return the README's table; `exports` is docs/measured/exports.md, which has the errors."""
-    cells = r"^\| (\w+) \| ([^|]+) \| (\w+) \| [^|]+ \| [^|]+ \| ([^|]+) \|"
-    known = {(a, b, c): d for a, b, c, d in re.findall(cells, exports, re.MULTILINE)}
-    rows = [content["rows"][name] for name in COLUMNS]
-    small, fast = ([row[f"m4f {option}"] for row in rows] for option in ("-Os", "-O2"))
-    keys = [
-        ("absolem" if name == "absolem" else "paper_two", one["spec"], one["arithmetic"])
-        for name, one in zip(COLUMNS, (row["export"] for row in rows), strict=True)
-    ]
-    lines = [
-        ["tables, bytes", *(f"{row['export']['tables']:,}" for row in rows)],
-        [r"largest error of \|SD_g\|, of its range", *(known.get(key, "-") for key in keys)],
-        *([title, *(pair(cell, call) for cell in fast)] for call, title in COSTS.items()),
-        ["RAM of a pose, bytes", *(f"{cell['pose_bytes']:,}" for cell in fast)],
-        ["stack of `smap_pose`, bytes, `-Os`", *(f"{cell['pose'][2]:,}" for cell in small)],
-        ["code, bytes, `-Os`", *(f"{cell['code']:,}" for cell in small)],
-    ]
-    return markdown(f"| | {' | '.join(COLUMNS.values())} |", lines)
+    errors = {}
+    for row in re.findall(r"^\| (\w+) \| contacts \| float \| (.*) \|$", exports, re.MULTILINE):
+        cells = row[1].split(" | ")
+        errors[row[0]] = (cells[1], cells[3], cells[5])
+    rows = []
+    for name, title in ROBOTS.items():
+        flash, p99, unsafe = errors.get(name, ("-", "-", "-"))
+        cell = content["rows"][name]["m4f -O2"]
+        asked = [f"{cell['pose_bytes']:,}", pair(cell, "pose"), pair(cell, "at")]
+        rows.append([title, flash, *asked, p99, unsafe])
+    return markdown(COSTS, rows)
 
 
 def update(content: dict[str, Any]) -> None:
-    """Write the tables of targets.md and of the README, and the README's two sentences."""
+    """Write the tables of targets.md and of the README."""
     between(PAGE, "counts", counts(content))
-    text = README.read_text("utf-8")
-    begin = text.find("| | `")
-    if begin < 0:
-        raise InputError("README.md: has no table of costs (got none that begins '| | `').")
-    table = costs(content, EXPORTS.read_text("utf-8") if EXPORTS.is_file() else "")
-    text = text[:begin] + table + text[text.index("\n\n", begin) :]
-    three, many = (content["rows"][name]["m4f -Os"] for name in ("paper_two", "absolem"))
-
-    def kilo(number: int) -> str:
-        return f"{number / 1000:.1f} kB"
-
-    said = rf"in {kilo(three['code'])} of code and {three['stack']:,} bytes of\1stack"
-    text = THREE.sub(said, text)
-    pose, read = (kilo(many[call][2]) for call in ("pose", "read"))
-    text = MANY.sub(f"take {kilo(many['code'])}, {pose} of stack for a pose ({read} for", text)
-    README.write_text(text, encoding="utf-8")
+    between(README, "costs", costs(content, EXPORTS.read_text("utf-8")))

@@ -1,8 +1,8 @@
 """Make, certify and write the exports whose numbers the documents quote, and print their table.
 
-    python tools/export_table.py [--output build/exports] [--only TEXT] [--points N]
+    python tools/export_table.py [--output build/exports] [--only TEXT] [--points N] [--update]
 
-Each export goes to OUTPUT/<recipe>_<number>/, the table to OUTPUT/exports.md.  Sizes are given
+Each export goes to OUTPUT/<recipe>_<number>/.  Sizes are given
 here, not chosen, so that every row is the same wherever it is made; `lutgen export` chooses.
 """
 
@@ -20,7 +20,8 @@ from firmware_export.exporter import guarded
 from firmware_export.grid import lookup, table
 from firmware_export.truth.model import Model
 from lutgen.quantities import EXPORTABLE
-from lutgen.recipe.recipe import load_recipe
+from targets.cases import recipe_of
+from targets.pages import EXPORTS, between
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -45,6 +46,7 @@ CASES = (
     Case("marv", "contacts", contacts.Spec()),
     Case("absolem", "contacts", contacts.Spec()),
     Case("articulated", "contacts", contacts.Spec()),
+    Case("legs", "contacts", contacts.Spec()),
     Case("absolem", "grid", table.Spec((15, 18, 15, 15)), "integer", ("sdg", "tip_angle")),
 )
 HEAD = (
@@ -56,7 +58,7 @@ HEAD = (
 
 def row(case: Case, output: Path, number: int, points: int) -> str:
     """Make one export; return its row."""
-    model = Model(load_recipe(ROOT / "maps" / f"{case.recipe}.toml"))
+    model = Model(recipe_of(case.recipe))
     trials = Trials(model, case.recipe, case.channels, case.arithmetic)
     made = trials.try_out(usable(model, case.arithmetic, case.codec)[0], case.spec)
     if made is None:
@@ -82,6 +84,7 @@ def main() -> int:
     parser.add_argument("--output", type=Path, default=ROOT / "build" / "exports")
     parser.add_argument("--only", default="", help="only rows in which this text occurs")
     parser.add_argument("--points", type=int, default=500_000)
+    parser.add_argument("--update", action="store_true", help="rewrite docs/measured/exports.md")
     options = parser.parse_args()
     options.output.mkdir(parents=True, exist_ok=True)
     lines = HEAD.splitlines()
@@ -90,7 +93,8 @@ def main() -> int:
         if options.only in f"{case.recipe} {case.codec} {case.arithmetic}":
             lines.append(row(case, options.output, number, options.points))
             print(lines[-1], flush=True)
-    (options.output / "exports.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    if options.update:
+        between(EXPORTS, "sizes", "\n".join(lines))
     return 0
 
 

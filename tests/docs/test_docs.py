@@ -2,11 +2,11 @@
 
 import contextlib
 import io
-import os
 import re
 import shutil
 import subprocess
 import sys
+import tomllib
 from functools import partial
 from pathlib import Path
 
@@ -21,7 +21,6 @@ from tests.fixtures.commands import stdout
 from tests.fixtures.documents import blocks
 from tests.fixtures.places import MAPS, ROOT
 
-README = (ROOT / "README.md").read_text(encoding="utf-8")
 PAPER = "docs/guide/paper.md"
 
 
@@ -33,20 +32,21 @@ def clone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def test_the_shell_commands_of_the_readme_run_and_write_their_files(clone: Path) -> None:
-    shell, _ = blocks("README.md", "sh")
-    lines = shell.splitlines()
-    # CI runs `make venv` itself before it can run any test.
-    assert lines[0] == "make venv"
-    for line in lines[1:]:
-        program, *arguments = line.split()
-        assert program == ".venv/bin/lutgen"
-        result = CliRunner().invoke(main, arguments)
-        assert result.exit_code == 0, f"{line}: {result.output}"
-        if arguments[0] == "eval":
-            assert re.search(r"^sdg +0\.00253160\d*$", result.stdout, re.MULTILINE)
-    assert h5py.is_hdf5("paper_two.h5")
-    assert (clone / "paper_two.png").read_bytes().startswith(b"\x89PNG")
+def test_the_readme_leads_from_a_recipe_to_a_verdict_on_the_chip(
+    clone: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # `make maps` certifies on half a million points; the README's outputs do not depend on them.
+    monkeypatch.setattr(exporter, "export", partial(exporter.export, points=20_000))
+    _, commands, compiled = blocks("README.md", "sh")
+    *before, verdict = commands.splitlines()
+    for line in before:
+        stdout(*line.split()[1:])
+    assert h5py.is_hdf5("absolem.h5")
+    assert Path("absolem.png").read_bytes().startswith(b"\x89PNG")
+    shown, answered = blocks("README.md", "text")
+    assert stdout(*verdict.split()[1:]) == shown
+    Path("main.c").write_text(*blocks("README.md", "c"))
+    assert ran(compiled) == answered
 
 
 def test_the_papers_numbers_in_the_guide_are_those_of_its_commands(clone: Path) -> None:
@@ -71,34 +71,11 @@ def test_the_papers_numbers_in_the_guide_are_those_of_its_commands(clone: Path) 
     assert len(printed) == 3
 
 
-@pytest.fixture
-def lutgen_first(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Put this environment's programs first on the path."""
-    folder = str(Path(sys.executable).parent)
-    monkeypatch.setenv("PATH", os.pathsep.join([folder, os.environ["PATH"]]))
-
-
 def ran(command: str) -> str:
     """Run a shell command in the working folder and return what it printed."""
     done = subprocess.run(command, shell=True, capture_output=True, text=True, check=False)
     assert done.returncode == 0, f"{command}: {done.stderr}"
     return done.stdout
-
-
-def test_the_readme_leads_to_a_reading_in_c_in_three_commands(
-    clone: Path, lutgen_first: None
-) -> None:
-    _, shell = blocks("README.md", "sh")
-    setup, export, compiled = shell.splitlines()
-    assert setup == "make venv"
-    printed = ran(export.replace(".venv/bin/", ""))
-    held = re.search(r"(\d+) of tables", printed)
-    said = re.search(r"takes (\d+) bytes of tables, at most ([\d.]+) % off", README)
-    assert held is not None
-    assert said is not None
-    assert held[1] == said[1]
-    assert float(re.search(r"largest error [^(]*\(([\d.e-]+) %\)", printed)[1]) <= float(said[2])  # type: ignore[index]
-    assert re.search(r"^stands$", ran(compiled), re.MULTILINE)
 
 
 def test_everything_in_the_firmware_guide_runs(
@@ -159,13 +136,11 @@ def test_the_format_document_lists_every_attribute_of_a_map(clone: Path) -> None
         assert set(file.attrs) == listed - {"urdf"}
 
 
-def test_the_readme_is_short() -> None:
-    assert len(README.splitlines()) <= 100
-
-
-def test_the_readme_names_the_python_that_the_project_requires() -> None:
-    assert "Python >= 3.11" in (ROOT / "README.md").read_text(encoding="utf-8")
-    assert sys.version_info >= (3, 11)
+def test_the_readme_is_short_and_names_the_python_that_the_project_requires() -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert len(text.splitlines()) <= 120
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert f"Python {project['requires-python'].replace('>=', '>= ')}" in text
 
 
 @pytest.mark.skipif(shutil.which("cmake") is None, reason="no cmake here")
