@@ -59,4 +59,6 @@ setup(
     package_dir={"lutgen.gallery": "maps"},
     cmdclass={"bdist_wheel": Wheel, "build_ext": Build},
     ext_modules=[runtime],
+    # An editable install is this folder on the path, where type checkers look for packages.
+    options={"editable_wheel": {"mode": "compat"}},
 )

@@ -75,3 +75,8 @@ def test_the_wheel_brings_every_recipe_of_the_gallery_as_it_is_in_the_checkout(
     (site,) = python.parents[1].glob("lib/python*/site-packages")
     for package in ("lutgen", "firmware_export"):
         assert (site / package / "py.typed").is_file()
+
+
+def test_type_checkers_find_an_editable_install_as_a_folder_on_the_path() -> None:
+    # mypy follows no import hook.
+    assert not [one for one in sys.meta_path if "editable" in repr(one).lower()]
