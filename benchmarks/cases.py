@@ -1,7 +1,6 @@
 """Robots that are measured: postures of point contacts, wheels, and recipes.
 
-Owns geometry only.  Every posture differs from every other, smoothly in two parameters as in a
-real sweep.
+Every posture differs from every other, smoothly in two parameters as in a real sweep.
 """
 
 import math

@@ -1,8 +1,7 @@
-"""The command `lutgen`, as a program and as `python -m lutgen`.
+"""Run the command `lutgen`, as a program and as `python -m lutgen`.
 
-Owns what Ctrl-C does where no command can answer it: while the commands are being imported it ends
-the program without a word, and one that falls into a callback of a compiled library, which can only
-drop it, comes again.
+Ctrl-C ends the program without a word while the commands are being imported.  If it falls into a
+callback of a compiled library, which can only drop it, it is raised again.
 """
 
 import _thread

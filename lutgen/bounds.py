@@ -1,7 +1,6 @@
-"""How large anything may be that somebody else wrote or typed: every limit, once.
+"""Bounds on what other people write or type: every limit, once.
 
-Owns the numbers and the sentence that refuses what is beyond one.  They are far above what a robot
-needs, and low enough that what is within them fits into a small machine's memory.
+The limits are far above what a robot needs, and low enough for a small machine's memory.
 docs/reference/bounds.md is this table.
 """
 

@@ -1,7 +1,4 @@
-"""Closing in on the place where something begins.
-
-Owns the halving of brackets, for many places at once.
-"""
+"""Halve brackets around the place where something begins, for many places at once."""
 
 from collections.abc import Callable
 

@@ -1,7 +1,6 @@
-"""Files that are either whole or not there, and never in the place of what lutgen did not make.
+"""Write files that are either whole or not there, and replace only what lutgen has made.
 
-Owns the marks by which lutgen knows its files, what may be replaced, the temporary name and the
-rename, and the error messages for a full disk and a bad path.
+A file is written under a temporary name and renamed.  A full disk and a bad path are one sentence.
 """
 
 import csv

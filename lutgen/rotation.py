@@ -1,7 +1,4 @@
-"""Rotations as URDF and recipes write them: three angles about fixed axes.
-
-Owns the order of the angles, both ways.  Angles in rad.
-"""
+"""Rotations as URDF and recipes write them: three angles (rad) about fixed axes, both ways."""
 
 import math
 

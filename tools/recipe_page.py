@@ -1,7 +1,6 @@
-"""The tables of docs/reference/recipe.md, made from the JSON Schema of recipes.
+"""Write the tables of docs/reference/recipe.md from the JSON Schema of recipes.
 
-`python -m tools.recipe_page` writes them.  Owns what stands between the marks of that page; the
-prose around them is written by hand.
+`python -m tools.recipe_page` rewrites what stands between the marks of that page.
 """
 
 import re

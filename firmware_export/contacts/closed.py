@@ -1,7 +1,6 @@
 """Where contacts are: sums of products of sines, cosines and travels, for any tree of joints.
 
-Owns the algebra: the links of a recipe are multiplied out once, so that the runtime only adds up
-terms.
+The links of a recipe are multiplied out once, so that the runtime only adds up terms.
 """
 
 import math

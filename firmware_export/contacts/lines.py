@@ -1,6 +1,6 @@
-"""Where the positions of a robot that is given by code have kinks or jumps along one parameter.
+"""Find kinks and jumps along one parameter in the positions of a robot that is given by code.
 
-Owns the search on lines: of a function that nothing else is known of, only samples can tell.
+Nothing is known of the function but its values, so the search is by samples on lines.
 """
 
 from collections.abc import Callable

@@ -1,8 +1,7 @@
 """Positions of a robot that is given by code as Chebyshev series over pieces of its box.
 
-Owns the cut of every axis into pieces and the series in each.  Axes are cut where the function has
-a kink, else in the middle, until few terms hold it along the axis; then every piece gets the
-tensor product of these, and what is small is left out by `series`.
+Axes are cut where the function has a kink, else in the middle, until few terms hold it along the
+axis.  Then every piece gets the tensor product of these, and `series` leaves out what is small.
 """
 
 import math

@@ -1,7 +1,7 @@
 """Tables of three contact points over the parameters.
 
-Owns the nodes: evenly spaced, and shifted by half of what a chord is away from its arc, so that
-points lie off on both sides alike.  A table has the axes on which its point depends.
+Nodes are evenly spaced and shifted by half of the distance between chord and arc, so that errors
+lie on both sides alike.  A table has the axes on which its point depends.
 """
 
 from dataclasses import dataclass

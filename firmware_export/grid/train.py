@@ -1,8 +1,7 @@
-"""Codes of a trained table: points, what a reading of them costs, and how nodes go down.
+"""Train the codes of a table: points, the cost of a reading, and descent over the nodes.
 
-Owns the fit.  A reading is one multilinear interpolation of the codes of a cell's corners.  Codes
-are in steps: STANDS and above says that the robot stands, MOST that it is at least 30 deg from
-tipping over.
+A reading is one multilinear interpolation of the codes of a cell's corners.  Codes are in steps:
+STANDS and above says that the robot stands, MOST that it is at least 30 deg from tipping over.
 """
 
 from typing import NamedTuple

@@ -1,7 +1,4 @@
-"""Multilinear interpolation in float64: the reference that every decoder is held to.
-
-Owns the arithmetic on arrays; the map file is `map`'s.
-"""
+"""Interpolate multilinearly in float64: the reference for every decoder."""
 
 from collections.abc import Sequence
 

@@ -1,7 +1,7 @@
 """What a recipe knows of the body above the contacts: points and shapes that may not touch.
 
-Owns that list only.  Meshes are not read, and a recipe without a description has no shapes, so
-that it is short of what there is, never more.
+Meshes are not read, and a recipe without a description has no shapes.  So the list may lack parts
+of the robot, and never has too many.
 """
 
 from lutgen.parts import Contact

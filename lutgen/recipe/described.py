@@ -1,6 +1,6 @@
 """Robots given by a robot description: ``[robot] urdf = "robot.urdf"``.
 
-Owns which file such a recipe may name, and which joints of it are the recipe's parameters.
+A recipe may name a file beside it, and joints of it as parameters.
 """
 
 from collections.abc import Iterator

@@ -1,6 +1,6 @@
 """Bring an edited recipe up to date with the robot description that it came from.
 
-Owns whose word counts: on links the description's, on everything else the recipe's.
+Links are taken from the description, everything else from the recipe.
 """
 
 import tomllib

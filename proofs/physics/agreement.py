@@ -1,8 +1,7 @@
-"""Random robots under random directions: whether lutgen and the engine say the same.
+"""Compare the verdicts of lutgen and of the engine on random robots under random directions.
 
-Owns what counts as a wrong verdict.  *Safe but fell* must not happen.  *Tips but held* must not
-either where the robot stands on a facet; in balance over two contacts it is the price of a verdict
-that must hold where no energy is lost.
+*Safe but fell* must not happen.  *Tips but held* must not either where the robot stands on a facet;
+in balance over two contacts it is the price of a verdict that must hold if no energy is lost.
 """
 
 from collections import Counter

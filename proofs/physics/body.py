@@ -1,7 +1,7 @@
-"""One rigid robot as the physics engine gets it, and as lutgen gets it.
+"""Build one rigid robot for the physics engine, and the same for lutgen.
 
-Owns the steps from solids to an MJCF model, and from solids to contact primitives and a recipe
-without parameters.  Lengths in m, relative to the com, body frame.
+Solids become an MJCF model, and contact primitives with a recipe without parameters.  Lengths in m,
+relative to the com, body frame.
 """
 
 import math

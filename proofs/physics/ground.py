@@ -1,9 +1,8 @@
-"""The ground tilted slowly in nine headings, against the slope that lutgen guarantees in all.
+"""Tilt the ground slowly in nine headings, and compare with the slope that lutgen guarantees.
 
-Owns the run in which gravity turns, and when a fall *began*.  A robot on ground that tilts rocks
-onto other contacts on its way, and then leans further than the ground does; it lies still again and
-goes on.  The fall is the motion that does not end, and it began when the robot last turned no
-faster than the ground.
+A robot on ground that tilts rocks onto other contacts on its way, and then leans further than the
+ground does; it lies still again and goes on.  The fall is the motion that does not end, and it
+began when the robot last turned no faster than the ground.
 """
 
 import math

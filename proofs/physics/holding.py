@@ -1,6 +1,6 @@
-"""Whether wheels hold on a slope, where statics leaves the load on them open.
+"""Check whether wheels hold on a slope, where statics leaves the load on them open.
 
-Owns robots with more contacts than three: six wheels whose middle pair rolls, or alone is braked;
+The robots have more contacts than three: six wheels whose middle pair rolls, or alone is braked;
 three contacts in a line; contacts inside the polygon.  How they share the load is decided by
 hundredths of a millimetre, so each robot is tried with a few sets of them.  Lutgen's *holds*, a
 promise for every load, must not be given where the robot moves with one of them, and *rolls*, for

@@ -1,8 +1,8 @@
 """Let a robot go on a slope, watch it until it lies still, and say whether it fell.
 
-Owns the run and what *fell* means.  Gravity in the body frame turns with the robot, so that "it
-rocks" promises that it comes to rest not far from where it was.  The engine is kinder than the
-definition, which lets no energy be lost; a fall here is a fall on any ground.
+Gravity in the body frame turns with the robot, so "it rocks" promises that the robot comes to rest
+near where it was.  The engine loses energy and the definition does not: a fall here is a fall on
+any ground.
 """
 
 import math

@@ -1,7 +1,7 @@
-"""Robots over gaps of 1 to 30 deg: whether one that lutgen calls safe is caught as it rocks.
+"""Push robots over gaps of 1 to 30 deg, and see whether one that lutgen calls safe is caught.
 
-Owns the robots and the directions over gaps.  In a gap a robot is in balance over two contacts; it
-is pushed out of it both ways.  How verdicts are counted is in `agreement`.
+In a gap a robot is in balance over two contacts; it is pushed out of it both ways.  How verdicts
+are counted is in `agreement`.
 """
 
 import math
