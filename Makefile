@@ -56,7 +56,7 @@ firmware: .venv/.installed ## run exports on four emulated targets: hashes, coun
 	$(BIN)/python -m targets.run $(if $(SAMPLE),,--reads 20000)
 	$(if $(SAMPLE),,$(BIN)/python -m targets.control)
 
-verify: .venv/.installed ## prove the C runtime (ten minutes, SAMPLE=1: three; docs/measured/c-runtime.md)
+verify: .venv/.installed ## prove the C runtime (ten minutes, SAMPLE=1: three; docs/explanation/c-runtime.md)
 	$(BIN)/python -m proofs.run $(if $(SAMPLE),--sample)
 prove: .venv/.installed ## prove that exports on three points are never falsely safe (a minute or two)
 	$(BIN)/python -m proofs.prove

@@ -1,1 +1,1 @@
-"""Proofs of the C runtime: ``python -m proofs.run``.  See docs/measured/c-runtime.md."""
+"""Proofs of the C runtime: ``python -m proofs.run``.  See docs/explanation/c-runtime.md."""

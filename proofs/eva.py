@@ -1,7 +1,7 @@
 """Frama-C Eva: no undefined behaviour for any query, shown for each export on its own tables.
 
 The C is read as it is exported.  Its annotations ``admit`` a few facts that Eva cannot find;
-docs/measured/c-runtime.md has the reason for each.
+docs/explanation/c-runtime.md has the reason for each.
 """
 
 import re

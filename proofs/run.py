@@ -1,7 +1,7 @@
 """Prove the C runtime: `python -m proofs.run [--only PART] [--sample] [--seconds N]`.
 
 Prints one table; the exit code is 1 if anything fails.  A proof whose program is missing is
-skipped, and a failure where the environment variable CI is set.  docs/measured/c-runtime.md
+skipped, and a failure where the environment variable CI is set.  docs/explanation/c-runtime.md
 explains the rows.
 """
 

@@ -182,7 +182,7 @@ def test_without_distributed_the_engine_is_refused_in_a_sentence(
 
 
 def test_the_commands_of_the_page_on_scaling_run(tmp_path: Path) -> None:
-    (shell,) = blocks("docs/measured/scaling.md", "sh")
+    (shell,) = blocks("docs/guide/large.md", "sh")
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         shell = shell.replace("8786", str(free.getsockname()[1]))
