@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from firmware_export.codecs import usable
-from firmware_export.control.polish import polished
+from firmware_export.control.table import polished
 from firmware_export.host import BLIND, Controller
 from firmware_export.protocol import Export, Joint, Policy, describe
 from firmware_export.truth import Model
