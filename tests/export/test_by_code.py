@@ -17,7 +17,7 @@ from firmware_export.contacts.series import Series, series_of
 from firmware_export.exporter import export
 from firmware_export.host import Host
 from firmware_export.protocol import Export, describe
-from firmware_export.truth.beyond import slack, widened
+from firmware_export.truth import slack, widened
 from firmware_export.truth.model import Model
 from lutgen.channels import evaluate_each
 from lutgen.errors import InputError

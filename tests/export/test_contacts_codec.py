@@ -12,8 +12,7 @@ from firmware_export.contacts import codec as contacts
 from firmware_export.contacts import terms as closed_terms
 from firmware_export.contacts.terms import Terms, terms_of
 from firmware_export.exporter import examine, guarded
-from firmware_export.protocol import describe
-from firmware_export.protocol.exported import Export
+from firmware_export.protocol import Export, describe
 from firmware_export.truth.model import Model
 from lutgen.quantities import EXPORTABLE
 from lutgen.recipe import forward, radii_and_kinds

@@ -15,7 +15,7 @@ from firmware_export.certify.certificate import Certificate
 from firmware_export.exporter import Report
 from firmware_export.grid import lookup
 from firmware_export.grid.lookup import Tables
-from firmware_export.protocol.exported import Export
+from firmware_export.protocol import Export
 from lutgen.errors import ExportError, InputError, MapFileError, RecipeError
 from tests.fixtures.programs import contents
 from tests.fixtures.recipes import contact, feet, rigid, tripod

@@ -16,7 +16,7 @@ from firmware_export.grid import fit, lookup, table
 from firmware_export.grid.ground import ground_of
 from firmware_export.grid.table import Tables
 from firmware_export.grid.train import Lattice, Points, lower, read
-from firmware_export.protocol.exported import Export
+from firmware_export.protocol import Export
 from firmware_export.truth import biased, uniform
 from firmware_export.truth.model import Exact, Model
 from lutgen.errors import ExportError

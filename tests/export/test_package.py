@@ -11,7 +11,7 @@ import pytest
 
 from firmware_export.emit import package, size
 from firmware_export.emit.render import texts
-from firmware_export.protocol.exported import Export
+from firmware_export.protocol import Export
 from lutgen.errors import ExportError, InputError
 from tests.fixtures.exports import PARETO, rover_export, tripod_export
 from tests.fixtures.programs import contents, run

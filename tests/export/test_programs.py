@@ -238,7 +238,7 @@ def test_the_alarm_goes_from_clear_to_danger_and_back_with_hysteresis(folder: Pa
         # It falls at smaller angles than it rises.
         assert places[1] > places[4]
         assert places[2] > places[3]
-        assert len((folder / name / "examples" / "alarm.c").read_text().splitlines()) <= 130
+        assert len((folder / name / "examples" / "alarm.c").read_text().splitlines()) <= 120
 
 
 def test_a_name_that_is_accepted_compiles_and_runs() -> None:
