@@ -1,7 +1,4 @@
-"""What makes one posture better than another on a slope.
-
-Owns the objectives, their words, and the scores of a lattice of postures on slopes.
-"""
+"""Score postures on slopes: what makes one posture better than another."""
 
 import math
 import re
@@ -68,21 +65,6 @@ class Objective:
             value = tip - self.price * move2
         return np.asarray(np.where(tip >= 0.0, value, TIPS + tip))
 
-    def of_postures(
-        self,
-        model: Model,
-        params: Floats,
-        slopes: Floats,
-        home: Floats,
-        scale: Floats,
-        convention: str,
-    ) -> Floats:
-        """Return the scores (m,) of postures (m, k), each on a slope (m, 3) of its own."""
-        downs = body_gravity(model.recipe, params, slopes, convention)
-        found = evaluate_each(model.recipe, params, downs, ("sdg", "tip_angle"))
-        move2 = (((params - home) / scale) ** 2).sum(axis=1)
-        return self.score(found["tip_angle"], found["sdg"], move2)
-
 
 def lattice(model: Model) -> Floats:
     """Return the postures (p, k) that are tried; a joint that turns round has no end twice."""
@@ -94,19 +76,16 @@ def lattice(model: Model) -> Floats:
     return np.asarray(combinations(axes))
 
 
-def scales(model: Model) -> Floats:
-    """Return what a move of one (rad) is of each parameter: of a length, its axis."""
-    units = [parameter.unit == "rad" for parameter in model.recipe.parameters]
-    return np.where(units, 1.0, model.upper - model.lower)
+def read(model: Model, postures: Floats, slopes: Floats, convention: str) -> tuple[Floats, Floats]:
+    """Return tip angle (rad) and |SD_g|, each (m,), of postures (m, k) on slopes (m, 3) or (3,)."""
+    downs = body_gravity(model.recipe, postures, slopes, convention)
+    found = evaluate_each(model.recipe, postures, downs, ("sdg", "tip_angle"))
+    return found["tip_angle"], found["sdg"]
 
 
 def measured(
     model: Model, postures: Floats, slopes: Floats, convention: str
 ) -> tuple[Floats, Floats]:
     """Return tip angle (rad) and |SD_g|, each (s, p), of every posture (p, k) on slopes (s, 3)."""
-    tip, sdg = (np.empty((len(slopes), len(postures))) for _ in range(2))
-    for at, slope in enumerate(slopes):
-        downs = body_gravity(model.recipe, postures, slope, convention)
-        found = evaluate_each(model.recipe, postures, downs, ("sdg", "tip_angle"))
-        tip[at], sdg[at] = found["tip_angle"], found["sdg"]
-    return tip, sdg
+    each = [read(model, postures, slope, convention) for slope in slopes]
+    return np.stack([tip for tip, _ in each]), np.stack([sdg for _, sdg in each])

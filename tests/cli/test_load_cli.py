@@ -10,7 +10,7 @@ from firmware_export.certify.answers import device
 from firmware_export.certify.certificate import Effort, certify
 from firmware_export.contacts import codec as contacts
 from firmware_export.grid import lookup, table
-from firmware_export.protocol.exported import Export
+from firmware_export.protocol import Export
 from firmware_export.truth.model import Model
 from tests.fixtures.commands import data, good, run
 from tests.fixtures.documents import blocks
