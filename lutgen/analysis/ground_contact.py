@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lutgen.analysis.diagnosis import diagnose
-from lutgen.analysis.stance import Facet, Posture
+from lutgen.analysis.posture import Facet, Posture
 from lutgen.errors import InputError
 from lutgen.parts import Wheel
 from lutgen.recipe import forward

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lutgen.analysis.stance import Posture
+from lutgen.analysis.posture import Posture
 from lutgen.channels import MU, PHI, RHO
 from lutgen.support import ACCEPTED, edge_after, ends_of, is_inner, rests_at
 from lutgen.vector import Floats

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.analysis.ground_seat import SAME, Edge, Piece, Seat, seat_on
-from lutgen.analysis.stance import Posture
+from lutgen.analysis.posture import Posture
 from lutgen.analysis.tilt import level_frames
 from lutgen.channels import evaluate
 from lutgen.recipe import Recipe

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lutgen.analysis.ground import gravity_transform
-from lutgen.analysis.stance import Posture
+from lutgen.analysis.posture import Posture
 from lutgen.channels import body_gravity, evaluate_each
 from lutgen.errors import InputError
 from lutgen.recipe import Recipe

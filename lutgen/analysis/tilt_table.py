@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from lutgen import bounds
 from lutgen.analysis.diagnosis import diagnose
 from lutgen.analysis.ground_tilt import GroundTilt, ground_tilt
-from lutgen.analysis.stance import Posture
+from lutgen.analysis.posture import Posture
 from lutgen.analysis.tilt import level_angles, level_frames, tilt_limits, tilted, worst_heading
 from lutgen.errors import InputError
 from lutgen.recipe import Recipe

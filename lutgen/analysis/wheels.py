@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lutgen.analysis.ground_contact import Ground, RollingContact, find_ground
-from lutgen.analysis.stance import Posture
+from lutgen.analysis.posture import Posture
 from lutgen.errors import InputError
 from lutgen.recipe import Recipe
 from lutgen.vector import Floats

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 import lutgen
 from lutgen.analysis.ground import gravity_transform, roll_pitch, tangent_plane
-from lutgen.analysis.stance import Posture
+from lutgen.analysis.posture import Posture
 from lutgen.channels.resting import body_gravity
 from lutgen.errors import InputError
 from tests.fixtures.recipes import feet, rigid, tripod

@@ -8,8 +8,8 @@ import pytest
 import lutgen
 from lutgen.analysis.diagnosis import diagnose
 from lutgen.analysis.ground import gravity_transform
+from lutgen.analysis.posture import Posture
 from lutgen.analysis.sliding import slide_limits
-from lutgen.analysis.stance import Posture
 from lutgen.analysis.tilt import level_frames, level_limits, tilt_limits, tilted, worst_heading
 from lutgen.analysis.tilt_table import FOUR, even_headings, posture_limits, sweep_limits
 from lutgen.channels.evaluation import evaluate_each

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 import lutgen
 from lutgen.analysis.diagnosis import diagnose
-from lutgen.analysis.stance import Posture
+from lutgen.analysis.posture import Posture
 from lutgen.analysis.wheels import Motion, structure, wheel_speeds
 from lutgen.errors import InputError
 from lutgen.recipe.recipe import Recipe
