@@ -1,6 +1,6 @@
 """Questions about one posture: forces, ground, tilt, sliding, rolling, wheels.
 
-In reading order: `posture`, `forces`, `diagnosis`, `ground`, `ground_contact`, `wheels`, `tilt`,
+In reading order: `posture`, `forces`, `diagnosis`, `ground`, `wheels`, `tilt`,
 `ground_seat`, `ground_tilt`, `sliding`, `resistance`, `rolling`, `metrics`, `tilt_table`,
 `budget`, `balance`, `uneven_region`, `uneven`.
 """

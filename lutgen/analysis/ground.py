@@ -1,7 +1,6 @@
 """The ground under a robot: what an accelerometer says about body and ground.
 
-It has T_g as a matrix and the ground's plane in the body frame; `lutgen.channels.resting` explains
-the conventions.
+`lutgen.channels.resting` explains the conventions.
 """
 
 import math
