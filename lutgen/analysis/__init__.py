@@ -2,7 +2,7 @@
 
 In reading order: `posture`, `forces`, `diagnosis`, `ground`, `wheels`, `tilt`,
 `ground_seat`, `ground_tilt`, `sliding`, `resistance`, `rolling`, `metrics`, `tilt_table`,
-`budget`, `balance`, `uneven_region`, `uneven`.
+`budget`, `balance`, `uneven`.
 """
 
 from lutgen.analysis.budget import budgets, turn_speed
