@@ -1,9 +1,7 @@
 """What a designer asks of tilt limits: one posture in the four headings and the worst, or all.
 
-Owns the names of the four headings, which axis gives way and whether the robot slides first there,
-and the least and largest limits over many postures.  *Body tilt* is how far the robot itself turns,
-as an accelerometer in it sees it (`tilt`); *ground tilt* the slope of the ground under a robot that
-rolls from rest to rest on it (`ground_tilt`).  It prints and draws nothing.
+*Body tilt* is how far the robot itself turns, as an accelerometer in it sees it (`tilt`); *ground
+tilt* the slope of the ground under a robot that rolls from rest to rest on it (`ground_tilt`).
 """
 
 import math
@@ -206,19 +204,10 @@ def posture_limits(posture: Posture, convention: str = "plane") -> PostureLimits
         _row(posture, frame, name, heading, tilt)
         for (name, heading), tilt in zip(headings.items(), tilts, strict=True)
     ]
-    ground, slide = ground_tilt(posture), slide_angle(recipe)
-    return PostureLimits(params, tuple(rows), level, convention, ground, slide)
-
-
-def slide_angle(recipe: Recipe) -> float | None:
-    """Return the slope (rad) up to which a robot does not slide, all contacts braked: atan mu.
-
-    Exact on one plane, whichever contacts carry.  None without friction in the recipe, and where
-    forces act beside the weight.
-    """
-    if recipe.friction is None or recipe.has_wrench:
-        return None
-    return math.atan(recipe.friction)
+    # Exact on one plane, whichever contacts carry.
+    known = recipe.friction is not None and not recipe.has_wrench
+    slide = math.atan(recipe.friction or 0.0) if known else None
+    return PostureLimits(params, tuple(rows), level, convention, ground_tilt(posture), slide)
 
 
 def _row(posture: Posture, frame: Floats, name: str, heading: float, tilt: float) -> HeadingLimit:
