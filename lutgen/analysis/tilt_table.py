@@ -205,8 +205,8 @@ def posture_limits(posture: Posture, convention: str = "plane") -> PostureLimits
         for (name, heading), tilt in zip(headings.items(), tilts, strict=True)
     ]
     # Exact on one plane, whichever contacts carry.
-    known = recipe.friction is not None and not recipe.has_wrench
-    slide = math.atan(recipe.friction or 0.0) if known else None
+    mu = None if recipe.has_wrench else recipe.friction
+    slide = None if mu is None else math.atan(mu)
     return PostureLimits(params, tuple(rows), level, convention, ground_tilt(posture), slide)
 
 

@@ -1,8 +1,7 @@
 """A robot driving slowly along a path, with and without changing its shape.
 
-Owns the control that the paper simulates: at each point the robot takes the geometry that was
-found for the gravity direction of an earlier point, and it may turn, too.  Where it tips is then
-the verdict of the attitude that it takes, and nothing else.
+As in the paper, at each point the robot takes the geometry that was found for the gravity direction
+of an earlier point, and it may turn, too.  It tips where the attitude that it takes does.
 """
 
 import math

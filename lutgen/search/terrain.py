@@ -1,9 +1,8 @@
 """The path: points in the world, the robot's heading, and gravity relative to the ground.
 
-Owns what a terrain is to a robot that drives slowly over it: at each point of the path, how the
-ground under the robot lies.  It knows nothing of robots.  The world frame has z up; the frame of
-the ground under the robot has z along the ground's normal, upward, and x ahead, so that yaw of x
-is the robot's heading.  Convention "plane" of `channels.resting` takes gravity in that frame.
+The world frame has z up; the frame of the ground under the robot has z along the ground's normal,
+upward, and x ahead, so that yaw of x is the robot's heading.  Convention "plane" of
+`channels.resting` takes gravity in that frame.
 """
 
 import math

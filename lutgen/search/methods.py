@@ -1,9 +1,8 @@
 """Four ways to a minimum inside a box, and what each of them did on the way.
 
-Owns the methods; what is minimised is a function of rows.  The first three are the paper's:
-the smallest node of a map, Nelder-Mead (MATLAB's fminsearch), and a search that refines a mesh of
-five nodes a side.  The paper says of its search that it can end in a local minimum; `multistart`
-is the answer to that.
+Three are the paper's: the smallest node of a map, Nelder-Mead (MATLAB's fminsearch), and a search
+that refines a mesh of five nodes a side.  The paper says of its search that it can end in a local
+minimum; `multistart` is the answer to that.
 """
 
 from collections.abc import Callable, Iterator
